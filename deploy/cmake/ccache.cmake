@@ -1,0 +1,5 @@
+# A second build of the same sources (another clone, CI, another sanitizer set) should cost seconds.
+find_program(HOIST_CCACHE ccache)
+if(HOIST_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${HOIST_CCACHE})
+endif()

@@ -1,0 +1,12 @@
+add_compile_options(-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror)
+# Host and Cortex-M0 must agree bit for bit on the laws, so no fused multiply-add behind our back.
+add_compile_options(-ffp-contract=off)
+# Sanitizers look at the code as it is written: no fortify, full frames.
+if(HOIST_SANITIZE)
+  add_compile_options(-fsanitize=${HOIST_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${HOIST_SANITIZE})
+  add_compile_definitions(HOIST_SANITIZED=1)
+else()
+  add_compile_options($<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE> $<$<NOT:$<CONFIG:Debug>>:-D_FORTIFY_SOURCE=2>)
+endif()
+add_compile_options(-fstack-protector-strong)
