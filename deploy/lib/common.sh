@@ -1,0 +1,102 @@
+# shellcheck shell=bash
+# What every verb shares: saying things, the set-up, the builds. Sourced by deploy/dev with the top of the tree as directory.
+
+say() { printf 'hoist: %s\n' "$*" >&2; }
+die() {
+  say "$*"
+  exit 1
+}
+
+# Prints a verb's own help: its comment block after the first line.
+verb_help() { sed -n '2,/^[^#]/{s/^# \{0,1\}//p}' "deploy/verbs/$1.sh"; }
+
+# common_option VERB OPTION: the options that every verb has; any other one is a mistake that is named.
+common_option() {
+  case $2 in
+    --no-setup) no_setup=yes ;;
+    -h | --help)
+      verb_help "$1"
+      exit 0
+      ;;
+    *) die "$1 does not know '$2' (try: deploy/dev $1 --help)" ;;
+  esac
+}
+
+# Verbs whose content belongs to a later part of the project say so, name what is missing, and fail.
+not_here_yet() {
+  say "'deploy/dev $1' cannot do anything yet: $2"
+  exit 3
+}
+
+# Compiling the server takes up to 1.5 GB per compiler, so memory limits the jobs before the cores do.
+build_jobs() {
+  local cores free_kb jobs
+  cores=$(nproc)
+  free_kb=$(awk '/^MemAvailable:/ {print $2}' /proc/meminfo)
+  jobs=$((free_kb / 1572864))
+  [ "$jobs" -ge 1 ] || jobs=1
+  [ "$jobs" -le "$cores" ] || jobs=$cores
+  echo "$jobs"
+}
+
+# build_tree FOLDER [cmake options...] -- [targets...]: configures once, then lets ninja find out what changed.
+build_tree() {
+  local folder=$1 options=() targets=()
+  shift
+  while [ $# -gt 0 ] && [ "$1" != -- ]; do
+    options+=("$1")
+    shift
+  done
+  [ $# -eq 0 ] || shift
+  targets=("$@")
+  # A changed option list configures again; ninja itself notices changed CMakeLists.
+  local stamp=$folder/.hoist-options
+  if [ ! -e "$folder/build.ninja" ] || [ "$(cat "$stamp" 2>/dev/null)" != "${options[*]}" ]; then
+    mkdir -p "$folder"
+    cmake -S . -B "$folder" -G Ninja "${options[@]}" >"$folder/configure.log" 2>&1 || {
+      cat "$folder/configure.log" >&2
+      die "cmake could not configure $folder (its output is above)"
+    }
+    printf '%s' "${options[*]}" >"$stamp"
+  fi
+  ninja -C "$folder" -j "$(build_jobs)" --quiet "${targets[@]}" >&2 || return 1
+}
+
+build_normal() {
+  say "building (build/)"
+  build_tree build -DCMAKE_BUILD_TYPE=RelWithDebInfo -- "$@" || die "the build failed: see above"
+}
+
+# Less optimised and with small debug information: half the compile time of the normal flags, same findings.
+build_sanitized() {
+  say "building with AddressSanitizer and UndefinedBehaviourSanitizer (build/sanitize/)"
+  build_tree build/sanitize -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1" -DHOIST_SANITIZE=address,undefined -DHOIST_BENCH=OFF -- "$@"
+}
+
+# Builds the console's static files into web/dist when something in web/ is newer than the last build.
+build_web() {
+  if [ ! -e web/package.json ]; then
+    say "the console (web/) is not in this tree; the server will run without screens"
+    return 0
+  fi
+  local stamp=build/.stamps/web-dist
+  mkdir -p build/.stamps
+  # Folders count as well as files, so that a deleted file is noticed.
+  if [ -e web/dist/index.html ] && [ -e "$stamp" ] &&
+    [ -z "$(find web \( -path web/node_modules -o -path web/dist \) -prune -o ! -path web -newer "$stamp" -print -quit)" ]; then
+    return 0
+  fi
+  say "building the console (web/dist)"
+  local now=$stamp.new
+  touch "$now"
+  (cd web && npm run --silent build) >build/web-build.log 2>&1 || {
+    cat build/web-build.log >&2
+    die "the console did not build: see above"
+  }
+  mv "$now" "$stamp"
+}
+
+# Set by a verb's --no-setup.
+no_setup=
+# shellcheck source=deploy/lib/setup.sh
+source deploy/lib/setup.sh

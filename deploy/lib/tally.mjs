@@ -1,0 +1,105 @@
+// Counts the cases that the test suites left in results folders (see deploy/lib/tests.sh), names every failure and every
+// skip with its reason, and ends with the line `N passed, N failed, N skipped`. Exits 1 when a case failed or none ran.
+import { existsSync, readFileSync, readdirSync } from 'node:fs';
+import { basename, join } from 'node:path';
+
+const cases = []; // { status: 'passed' | 'failed' | 'skipped', name, reason }
+
+const entities = { lt: '<', gt: '>', amp: '&', quot: '"', apos: "'" };
+const unescape = (text) =>
+  text.replace(/&(#x?[0-9a-fA-F]+|\w+);/g, (whole, name) =>
+    name[0] !== '#' ? (entities[name] ?? whole)
+    : String.fromCodePoint(name[1] === 'x' ? parseInt(name.slice(2), 16) : Number(name.slice(1))));
+const attribute = (tag, name) => {
+  const found = new RegExp(`\\s${name}="([^"]*)"`).exec(tag);
+  return found ? unescape(found[1]) : undefined;
+};
+
+// The elements <testcase …/> or <testcase …>…</testcase> of a JUnit-like file, as [opening tag, body].
+function* testcases(xml) {
+  const opening = /<testcase\b(?:[^>"]|"[^"]*")*>/g;
+  for (let match; (match = opening.exec(xml)); ) {
+    if (match[0].endsWith('/>')) { yield [match[0], '']; continue; }
+    const end = xml.indexOf('</testcase>', opening.lastIndex);
+    yield [match[0], xml.slice(opening.lastIndex, end < 0 ? xml.length : end)];
+  }
+}
+
+// A GoogleTest skip carries "file:line\nreason".
+const skipReason = (body) => {
+  const message = attribute(/<skipped\b(?:[^>"]|"[^"]*")*>/.exec(body)?.[0] ?? '', 'message') ?? '';
+  const lines = message.split('\n').filter((line) => line.trim() !== '');
+  return (lines.length > 1 ? lines.slice(1) : lines).join(' ').trim();
+};
+
+function countGoogleTest(file, prefix) {
+  let failed = 0;
+  for (const [tag, body] of testcases(readFileSync(file, 'utf8'))) {
+    const name = `${prefix}${attribute(tag, 'classname')}.${attribute(tag, 'name')}`;
+    if (attribute(tag, 'status') === 'notrun') cases.push({ status: 'skipped', name, reason: 'disabled in its source' });
+    else if (attribute(tag, 'result') === 'skipped' || body.includes('<skipped')) {
+      // A skip that says nothing is a fault of the test: nobody could tell whether it matters.
+      const reason = skipReason(body);
+      if (reason === '') { failed++; cases.push({ status: 'failed', name, reason: 'skipped without a reason' }); }
+      else cases.push({ status: 'skipped', name, reason });
+    } else if (body.includes('<failure')) { failed++; cases.push({ status: 'failed', name, reason: '' }); }
+    else cases.push({ status: 'passed', name, reason: '' });
+  }
+  return failed;
+}
+
+function countCtest(folder, prefix) {
+  const reports = new Map(readdirSync(join(folder, 'gtest')).map((file) => [basename(file, '.xml'), join(folder, 'gtest', file)]));
+  const failures = new Map();
+  for (const [program, file] of reports) failures.set(program, countGoogleTest(file, `${prefix}${program}: `));
+  const junit = join(folder, 'ctest.xml');
+  if (!existsSync(junit)) return;
+  for (const [tag, body] of testcases(readFileSync(junit, 'utf8'))) {
+    const program = attribute(tag, 'name');
+    const status = attribute(tag, 'status');
+    const failed = status === 'fail' || body.includes('<failure');
+    const reported = failures.has(program);
+    if (failed && !reported) cases.push({ status: 'failed', name: `${prefix}${program}`, reason: 'ended without a report: it crashed, hung or could not start' });
+    else if (failed && failures.get(program) === 0) cases.push({ status: 'failed', name: `${prefix}${program}`, reason: 'every case passed, but the program ended badly' });
+    else if (!reported && (status === 'notrun' || status === 'disabled')) cases.push({ status: 'skipped', name: `${prefix}${program}`, reason: skipReason(body) || status });
+    else if (!reported) cases.push({ status: 'passed', name: `${prefix}${program}`, reason: '' });
+  }
+}
+
+function countVitest(file) {
+  for (const suite of JSON.parse(readFileSync(file, 'utf8')).testResults) {
+    const where = suite.name.split('/web/').pop();
+    if (suite.assertionResults.length === 0 && suite.status === 'failed') cases.push({ status: 'failed', name: `web: ${where}`, reason: suite.message ?? 'could not be loaded' });
+    for (const one of suite.assertionResults) {
+      const status = one.status === 'passed' || one.status === 'failed' ? one.status : 'skipped';
+      cases.push({ status, name: `web: ${where}: ${one.fullName}`, reason: status === 'skipped' ? `marked ${one.status} in its source` : '' });
+    }
+  }
+}
+
+function countBrowser(file) {
+  for (const one of JSON.parse(readFileSync(file, 'utf8')).tests) cases.push({ status: one.status, name: `e2e: ${one.name}`, reason: one.reason ?? '' });
+}
+
+for (const folder of process.argv.slice(2)) {
+  const prefix = basename(folder) === 'sanitize' ? 'sanitized ' : '';
+  countCtest(folder, prefix);
+  const read = (name, count) => existsSync(join(folder, name)) && count(join(folder, name));
+  read('vitest.json', countVitest);
+  read('e2e.json', countBrowser);
+  for (const line of readFileSync(join(folder, 'steps.tsv'), 'utf8').split('\n').filter(Boolean)) {
+    const [status, name, reason] = line.split('\t');
+    cases.push({ status, name, reason: reason ?? '' });
+  }
+}
+
+const of = (status) => cases.filter((one) => one.status === status);
+const list = (title, some) => {
+  if (some.length === 0) return;
+  console.log(`\n${title}`);
+  for (const { name, reason } of some) console.log(`  ${name}${reason ? `: ${reason}` : ''}`);
+};
+list('Skipped:', of('skipped'));
+list('Failed:', of('failed'));
+console.log(`\n${of('passed').length} passed, ${of('failed').length} failed, ${of('skipped').length} skipped`);
+process.exitCode = of('failed').length > 0 || of('passed').length === 0 ? 1 : 0;

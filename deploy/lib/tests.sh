@@ -1,0 +1,80 @@
+# shellcheck shell=bash
+# Running the suites. Each leaves its results in one folder; tally.mjs counts the cases of all of them.
+#
+# A results folder holds: ctest.xml and gtest/*.xml (C++), vitest.json (web), e2e.json (browser) and steps.tsv
+# (one line each: passed|failed|skipped, name, reason; separated by tabs).
+
+# A test program that hangs is a failure, not a longer wait.
+ctest_timeout_s=300
+
+# Makes an empty results folder and prints its name.
+new_results() {
+  local folder=$PWD/build/results/$1
+  rm -rf "$folder"
+  mkdir -p "$folder/gtest"
+  : >"$folder/steps.tsv"
+  echo "$folder"
+}
+
+# record_step RESULTS passed|failed|skipped NAME [REASON]
+record_step() { printf '%s\t%s\t%s\n' "$2" "$3" "${4:-}" >>"$1/steps.tsv"; }
+
+# run_ctest BUILD_FOLDER RESULTS FILTER: a failing program's whole output is shown; its failure is counted by the tally.
+run_ctest() {
+  local folder=$1 results=$2 filter=$3 size
+  say "running the C++ tests of $folder/"
+  # ctest cuts long outputs of failing programs by default; we want all of it (10 MB is more than any prints).
+  size=10000000
+  ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1} \
+    UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1} \
+    GTEST_OUTPUT="xml:$results/gtest/" \
+    ctest --test-dir "$folder" -j "$(build_jobs)" --timeout "$ctest_timeout_s" --output-on-failure \
+    --test-output-size-failed "$size" -R "$filter" --output-junit "$results/ctest.xml" </dev/null || return 0
+}
+
+run_web_tests() {
+  local results=$1 filter=$2
+  [[ web =~ $filter ]] || return 0
+  if [ ! -e web/package.json ]; then
+    record_step "$results" skipped web "web/ has no package.json in this tree"
+  elif ! have_node; then
+    record_step "$results" skipped web "$(no_node_reason)"
+  elif [ ! -d web/node_modules ]; then
+    record_step "$results" skipped web "npm packages are not installed (leave out --no-setup)"
+  else
+    say "running the console's unit tests (web/)"
+    if ! (cd web && npm test --silent -- --reporter=default --reporter=json --outputFile.json="$results/vitest.json") </dev/null; then
+      [ -s "$results/vitest.json" ] || record_step "$results" failed web "npm test ended without a report"
+    fi
+  fi
+}
+
+run_browser_tests() {
+  local results=$1 filter=$2 program
+  [[ e2e =~ $filter ]] || return 0
+  if [ ! -e tests/web/run.mjs ]; then
+    record_step "$results" skipped e2e "tests/web/run.mjs is not in this tree"
+    return 0
+  fi
+  if ! command -v chromium >/dev/null; then
+    record_step "$results" skipped e2e "no chromium on this machine"
+    return 0
+  fi
+  if ! have_node; then
+    record_step "$results" skipped e2e "$(no_node_reason)"
+    return 0
+  fi
+  for program in hoist-sim hoist-control hoist-server; do
+    if [ ! -x "build/bin/$program" ]; then
+      record_step "$results" skipped e2e "build/bin/$program is not in this tree"
+      return 0
+    fi
+  done
+  say "running the browser tests (tests/web)"
+  if ! node tests/web/run.mjs --json "$results/e2e.json" </dev/null; then
+    [ -s "$results/e2e.json" ] || record_step "$results" failed e2e "tests/web/run.mjs ended without a report"
+  fi
+}
+
+# tally RESULTS...: names failures and skips, prints the closing line, and is the verb's exit code.
+tally() { node deploy/lib/tally.mjs "$@"; }

@@ -1,0 +1,89 @@
+# shellcheck shell=bash
+# installs what is missing, builds, and starts simulator + control + server; Ctrl-C stops all
+#
+# The server prints the console's address (with a one-time token) when it is ready. A program that dies is started again.
+# options: --port PORT       the console's port (default 8080)
+#          --scenario NAME   what the simulator plays (build/bin/hoist-sim --help lists them; default "walk")
+#          --state DIR       sockets and the simulated bus (default: a folder of this user and port under $XDG_RUNTIME_DIR or /tmp)
+#          --data DIR        parameters and the database (default build/run-data)
+#          --no-setup        leave the machine as it is
+port=8080
+scenario=walk
+state=
+data=build/run-data
+while [ $# -gt 0 ]; do
+  case $1 in
+    --port | --scenario | --state | --data)
+      [ -n "${2:-}" ] || die "$1 needs a value"
+      printf -v "${1#--}" '%s' "$2"
+      shift
+      ;;
+    *) common_option run "$1" ;;
+  esac
+  shift
+done
+if [[ ! $port =~ ^[0-9]{1,5}$ ]] || [ "$port" -lt 1 ] || [ "$port" -gt 65535 ]; then die "--port is a number from 1 to 65535, not '$port'"; fi
+[[ $scenario =~ ^[A-Za-z0-9_-]+$ ]] || die "--scenario is a name of letters, digits, - and _, not '$scenario'"
+
+setup build
+build_normal
+build_web
+for program in hoist-sim hoist-control hoist-server; do
+  [ -x "build/bin/$program" ] || not_here_yet run "build/bin/$program is not in this tree"
+done
+
+: "${state:=${XDG_RUNTIME_DIR:-/tmp}/hoist-$UID-$port}"
+mkdir -p "$state" "$data"
+chmod 700 "$state"
+exec 9>"$state/lock"
+flock -n 9 || die "another 'deploy/dev run' uses $state (choose another --port or --state)"
+if (exec 3<>"/dev/tcp/127.0.0.1/$port") 2>/dev/null; then die "port $port is taken by another program (choose another --port)"; fi
+rm -f "$state/can" "$state/sim.sock" "$state/core.sock" "$state/token"
+
+supervisors=()
+stopping=
+# The last one started is stopped first, so that the drives' own watchdog is not what ends a walk.
+stop_all() {
+  [ -z "$stopping" ] || return 0
+  stopping=yes
+  trap '' INT TERM HUP
+  local index
+  for ((index = ${#supervisors[@]} - 1; index >= 0; index--)); do
+    kill -TERM "${supervisors[index]}" 2>/dev/null || continue
+    wait "${supervisors[index]}" 2>/dev/null || continue
+  done
+  rm -f "$state/can" "$state/sim.sock" "$state/core.sock" "$state/token"
+}
+trap 'say "stopping"; stop_all; exit 0' INT TERM HUP
+trap stop_all EXIT
+
+# start NAME COMMAND...: the supervisor dies with us even when we are killed outright, and takes its program along.
+start() {
+  setpriv --pdeathsig TERM bash deploy/lib/supervise.sh "$@" 9>&- </dev/null &
+  supervisors+=($!)
+}
+
+# await_path PATH: until a program has made its socket or link; what is late is the business of whoever needs it.
+await_path() {
+  local tries
+  for ((tries = 0; tries < 100; tries++)); do
+    if [ -e "$1" ] || [ -L "$1" ]; then return 0; fi
+    sleep 0.05
+  done
+  say "$1 is still not there after 5 s; going on"
+}
+
+say "scenario '$scenario', state in $state, data in $data"
+start hoist-sim build/bin/hoist-sim --scenario "$scenario" --pty-link "$state/can" --control "$state/sim.sock"
+await_path "$state/can"
+start hoist-control build/bin/hoist-control --bus "slcan:$state/can" --socket "$state/core.sock" --params "$data/parameters.json"
+await_path "$state/core.sock"
+start hoist-server build/bin/hoist-server --socket "$state/core.sock" --port "$port" --web web/dist --db "$data/hoist.db" \
+  --scenario "$scenario" --token-file "$state/token"
+
+# A supervisor ends by itself only when it has given up.
+status=0
+wait -n "${supervisors[@]}" || status=$?
+say "a program cannot be kept running: stopping the others"
+stop_all
+exit "$((status == 0 ? 1 : status))"

@@ -1,0 +1,38 @@
+# shellcheck shell=bash
+# installs what is missing, builds, and runs every test this machine can run
+#
+# The last line is `N passed, N failed, N skipped`; what is skipped is named with the reason before it.
+# options: --no-setup     leave the machine as it is
+#          --filter RE    only test programs (and the suites `web` and `e2e`) whose name matches RE
+#          --sanitize     under AddressSanitizer and UndefinedBehaviourSanitizer (build/sanitize/), without the browser
+# shellcheck source=deploy/lib/tests.sh
+source deploy/lib/tests.sh
+
+filter=.
+sanitize=
+while [ $# -gt 0 ]; do
+  case $1 in
+    --sanitize) sanitize=yes ;;
+    --filter)
+      [ $# -ge 2 ] || die "--filter needs a regular expression"
+      filter=$2
+      shift
+      ;;
+    *) common_option test "$1" ;;
+  esac
+  shift
+done
+
+setup build test
+results=$(new_results tests)
+if [ -n "$sanitize" ]; then
+  build_sanitized || die "the sanitized build failed: see above"
+  run_ctest build/sanitize "$results" "$filter"
+else
+  build_normal
+  build_web
+  run_ctest build "$results" "$filter"
+  run_web_tests "$results" "$filter"
+  run_browser_tests "$results" "$filter"
+fi
+tally "$results"
