@@ -1,0 +1,267 @@
+// Typed view of can_dictionary.def, and the wire format of the CANopen services that nodes and core share.
+// Encode and decode of process data are compiled from the same rows on both sides of the wire.
+#pragma once
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <type_traits>
+
+#include "control/contract/can_frame.hpp"
+#include "control/contract/check.hpp"
+#include "control/contract/params.hpp"
+
+namespace hoist::contract {
+
+#define HOIST_NODE(...)
+#define HOIST_OBJECT(...)
+#define HOIST_PDO(...)
+#define HOIST_PDO_ENTRY(...)
+
+enum class Node : std::uint8_t {
+#undef HOIST_NODE
+#define HOIST_NODE(name, id, kind, title) name,
+#include "control/contract/can_dictionary.def"
+#undef HOIST_NODE
+#define HOIST_NODE(...)
+};
+struct NodeInfo {
+  std::string_view name;
+  std::uint8_t id;
+  NodeKind kind;
+  std::string_view title;
+};
+inline constexpr std::array kNodes{
+#undef HOIST_NODE
+#define HOIST_NODE(name, id, kind, title) NodeInfo{#name, id, NodeKind::kind, title},
+#include "control/contract/can_dictionary.def"
+#undef HOIST_NODE
+#define HOIST_NODE(...)
+};
+constexpr std::uint8_t node_id(Node node) { return kNodes[static_cast<std::size_t>(node)].id; }
+constexpr std::optional<Node> find_node(std::uint8_t id) {
+  for (std::size_t i = 0; i < kNodes.size(); ++i)
+    if (kNodes[i].id == id) return static_cast<Node>(i);
+  return std::nullopt;
+}
+inline constexpr std::size_t kRemoteNodeCount = kNodes.size() - 1;  // all but the core itself, which is the last row
+
+enum class ObjectType : std::uint8_t { u8, i8, u16, i16, u32, i32, f32 };
+enum class Access : std::uint8_t { ro, rw };
+constexpr std::size_t object_bytes(ObjectType type) {
+  switch (type) {
+    case ObjectType::u8:
+    case ObjectType::i8: return 1;
+    case ObjectType::u16:
+    case ObjectType::i16: return 2;
+    default: return 4;
+  }
+}
+enum class ObjectOwner : std::uint8_t { tilt, drive, io, host, all };  // the first four in the order of NodeKind
+struct ObjectInfo {
+  ObjectOwner owner;
+  std::uint16_t index;
+  std::uint8_t sub;
+  std::string_view name;
+  ObjectType type;
+  Access access;
+  double default_value, min, max;
+  std::string_view unit;
+  double scale;
+  std::string_view title;
+};
+inline constexpr std::array kObjects{
+#undef HOIST_OBJECT
+#define HOIST_OBJECT(kind, index, sub, name, type, access, def, lo, hi, unit, scale, title)                              \
+  ObjectInfo{ObjectOwner::kind, index, sub, #name, ObjectType::type, Access::access, static_cast<double>(def),           \
+             static_cast<double>(lo), static_cast<double>(hi), unit, static_cast<double>(scale), title},
+#include "control/contract/can_dictionary.def"
+#undef HOIST_OBJECT
+#define HOIST_OBJECT(...)
+};
+constexpr bool object_applies(const ObjectInfo& object, NodeKind kind) {
+  return object.owner == ObjectOwner::all || static_cast<int>(object.owner) == static_cast<int>(kind);
+}
+constexpr const ObjectInfo* find_object(NodeKind kind, std::uint16_t index, std::uint8_t sub) {
+  for (const ObjectInfo& o : kObjects)
+    if (o.index == index && o.sub == sub && object_applies(o, kind)) return &o;
+  return nullptr;
+}
+
+enum class Pdo : std::uint8_t {
+#undef HOIST_PDO
+#define HOIST_PDO(name, ...) name,
+#include "control/contract/can_dictionary.def"
+#undef HOIST_PDO
+#define HOIST_PDO(...)
+};
+enum class PdoDirection : std::uint8_t { tx, rx };
+struct PdoInfo {
+  Pdo pdo;
+  std::string_view name;
+  NodeKind kind;
+  PdoDirection direction;
+  std::uint8_t number;
+  std::uint16_t cob_base;
+  std::uint8_t type;
+  std::uint16_t period_ms;
+  std::string_view title;
+};
+inline constexpr std::array kPdos{
+#undef HOIST_PDO
+#define HOIST_PDO(name, kind, dir, number, base, type, period, title) \
+  PdoInfo{Pdo::name, #name, NodeKind::kind, PdoDirection::dir, number, base, type, period, title},
+#include "control/contract/can_dictionary.def"
+#undef HOIST_PDO
+#define HOIST_PDO(...)
+};
+struct PdoEntry {
+  Pdo pdo;
+  std::uint16_t index;
+  std::uint8_t sub;
+};
+inline constexpr std::array kPdoEntries{
+#undef HOIST_PDO_ENTRY
+#define HOIST_PDO_ENTRY(pdo, index, sub) PdoEntry{Pdo::pdo, index, sub},
+#include "control/contract/can_dictionary.def"
+#undef HOIST_PDO_ENTRY
+};
+#undef HOIST_NODE
+#undef HOIST_OBJECT
+#undef HOIST_PDO
+
+constexpr const PdoInfo& pdo_info(Pdo pdo) { return kPdos[static_cast<std::size_t>(pdo)]; }
+constexpr std::size_t pdo_bytes(Pdo pdo) {
+  std::size_t bytes = 0;
+  for (const PdoEntry& e : kPdoEntries)
+    if (e.pdo == pdo) bytes += object_bytes(find_object(pdo_info(pdo).kind, e.index, e.sub)->type);
+  return bytes;
+}
+constexpr std::uint32_t pdo_cob_id(Pdo pdo, Node node) { return static_cast<std::uint32_t>(pdo_info(pdo).cob_base) + node_id(node); }
+
+// Where one object lies inside one PDO; the compiler refuses an object that is not mapped there.
+struct PdoSlot {
+  std::size_t offset;
+  ObjectType type;
+  double scale;
+};
+consteval PdoSlot pdo_slot(Pdo pdo, std::uint16_t index, std::uint8_t sub = 0) {
+  std::size_t offset = 0;
+  for (const PdoEntry& e : kPdoEntries) {
+    if (e.pdo != pdo) continue;
+    const ObjectInfo* o = find_object(pdo_info(pdo).kind, e.index, e.sub);
+    if (e.index == index && e.sub == sub) return PdoSlot{offset, o->type, o->scale};
+    offset += object_bytes(o->type);
+  }
+  throw "this object is not mapped in this PDO";
+}
+
+constexpr std::uint32_t read_le(const std::uint8_t* at, std::size_t bytes) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < bytes; ++i) value |= static_cast<std::uint32_t>(at[i]) << (8 * i);
+  return value;
+}
+constexpr void write_le(std::uint8_t* at, std::size_t bytes, std::uint32_t value) {
+  for (std::size_t i = 0; i < bytes; ++i) at[i] = static_cast<std::uint8_t>(value >> (8 * i));
+}
+// The raw integer of a slot, sign extended.
+constexpr std::int64_t read_slot(const CanFrame& frame, PdoSlot slot) {
+  const std::uint32_t raw = read_le(frame.data.data() + slot.offset, object_bytes(slot.type));
+  switch (slot.type) {
+    case ObjectType::i8: return static_cast<std::int8_t>(raw);
+    case ObjectType::i16: return static_cast<std::int16_t>(raw);
+    case ObjectType::i32: return static_cast<std::int32_t>(raw);
+    default: return raw;
+  }
+}
+constexpr void write_slot(CanFrame& frame, PdoSlot slot, std::int64_t value) {
+  write_le(frame.data.data() + slot.offset, object_bytes(slot.type), static_cast<std::uint32_t>(value));
+}
+
+// Fixed identifiers and bytes of CiA 301.
+namespace canopen {
+inline constexpr std::uint32_t kNmt = 0x000, kSync = 0x080, kEmcyBase = 0x080, kSdoReplyBase = 0x580, kSdoRequestBase = 0x600,
+                               kHeartbeatBase = 0x700;
+enum class NmtCommand : std::uint8_t { start = 1, stop = 2, pre_operational = 128, reset_node = 129, reset_communication = 130 };
+enum class NmtState : std::uint8_t { boot_up = 0, stopped = 4, operational = 5, pre_operational = 127 };
+enum class SdoAbort : std::uint32_t {
+  none = 0,
+  toggle = 0x05030000,
+  time_out = 0x05040000,
+  command = 0x05040001,
+  write_only = 0x06010001,
+  read_only = 0x06010002,
+  no_object = 0x06020000,
+  length = 0x06070010,
+  no_sub = 0x06090011,
+  range = 0x06090030,
+  too_high = 0x06090031,
+  too_low = 0x06090032,
+  device_state = 0x08000022,
+};
+inline constexpr std::uint32_t kSimulatedProduct = 0x80000000U;  // bit of 1018h:2 set by builds for a simulator
+
+constexpr CanFrame nmt(NmtCommand command, std::uint8_t node) {
+  CanFrame f{kNmt, 2, 0, {}};
+  f.data[0] = static_cast<std::uint8_t>(command);
+  f.data[1] = node;
+  return f;
+}
+constexpr CanFrame sync() { return CanFrame{kSync, 0, 0, {}}; }
+constexpr CanFrame heartbeat(std::uint8_t node, NmtState state) {
+  CanFrame f{kHeartbeatBase + node, 1, 0, {}};
+  f.data[0] = static_cast<std::uint8_t>(state);
+  return f;
+}
+// Expedited download of 1, 2 or 4 bytes; upload request; abort. Reply side is built by the node with the same helpers.
+constexpr CanFrame sdo(std::uint32_t cob_id, std::uint8_t command, std::uint16_t index, std::uint8_t sub, std::uint32_t value) {
+  CanFrame f{cob_id, 8, 0, {}};
+  f.data[0] = command;
+  write_le(&f.data[1], 2, index);
+  f.data[3] = sub;
+  write_le(&f.data[4], 4, value);
+  return f;
+}
+constexpr std::uint8_t sdo_download_command(std::size_t bytes) { return static_cast<std::uint8_t>(0x23 | ((4 - bytes) << 2)); }
+constexpr std::uint8_t sdo_upload_reply_command(std::size_t bytes) { return static_cast<std::uint8_t>(0x43 | ((4 - bytes) << 2)); }
+inline constexpr std::uint8_t kSdoUploadRequest = 0x40, kSdoDownloadReply = 0x60, kSdoAbort = 0x80;
+
+// CiA 402.
+namespace drive {
+inline constexpr std::uint16_t kShutdown = 0x06, kSwitchOn = 0x07, kEnable = 0x0F, kDisableVoltage = 0x00, kQuickStop = 0x02,
+                               kFaultReset = 0x80;
+enum class State : std::uint8_t {
+  not_ready, switch_on_disabled, ready, switched_on, operation_enabled, quick_stop_active, fault_reaction, fault
+};
+constexpr State state(std::uint16_t status) {
+  if ((status & 0x4F) == 0x00) return State::not_ready;
+  if ((status & 0x4F) == 0x40) return State::switch_on_disabled;
+  if ((status & 0x6F) == 0x21) return State::ready;
+  if ((status & 0x6F) == 0x23) return State::switched_on;
+  if ((status & 0x6F) == 0x27) return State::operation_enabled;
+  if ((status & 0x6F) == 0x07) return State::quick_stop_active;
+  if ((status & 0x4F) == 0x0F) return State::fault_reaction;
+  return State::fault;
+}
+}  // namespace drive
+}  // namespace canopen
+
+static_assert(unique_by(kNodes, [](const NodeInfo& n) { return n.id; }), "can_dictionary.def: a node id is used twice");
+static_assert(kNodes.back().kind == NodeKind::host, "can_dictionary.def: the core is the last node");
+static_assert(unique_by(kObjects, [](const ObjectInfo& o) { return (static_cast<std::uint64_t>(o.owner) << 32) | (o.index << 8) | o.sub; }),
+              "can_dictionary.def: an object is listed twice");
+static_assert(all_rows(kObjects, [](const ObjectInfo& o) { return o.min <= o.default_value && o.default_value <= o.max && !o.title.empty(); }),
+              "can_dictionary.def: a default lies outside its range");
+static_assert(all_rows(kPdoEntries, [](const PdoEntry& e) { return find_object(pdo_info(e.pdo).kind, e.index, e.sub) != nullptr; }),
+              "can_dictionary.def: a PDO maps an object that does not exist");
+static_assert(all_rows(kPdos, [](const PdoInfo& p) { return pdo_bytes(p.pdo) <= 8 && pdo_bytes(p.pdo) > 0; }),
+              "can_dictionary.def: a PDO holds 1 to 8 bytes");
+static_assert(all_rows(kParamObjects, [](const ParamObject& o) {
+                const ObjectInfo* object = find_object(o.kind, o.index, o.sub);
+                return object != nullptr && object->type == ObjectType::f32 && object->access == Access::rw;
+              }),
+              "params.def: a parameter's object does not exist or is not a writable 32-bit float");
+
+}  // namespace hoist::contract

@@ -1,0 +1,107 @@
+// Typed view of faults.def: faults, refusals and modes, with their words.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "control/contract/check.hpp"
+
+namespace hoist::contract {
+
+enum class Priority : std::uint8_t { low, medium, high };
+enum class Reaction : std::uint8_t { warn, soft_stop, protective_stop };
+
+#define HOIST_FAULT(...)
+#define HOIST_REFUSAL(...)
+#define HOIST_MODE(...)
+
+enum class Fault : std::uint8_t {
+#undef HOIST_FAULT
+#define HOIST_FAULT(bit, name, ...) name = bit,
+#include "control/contract/faults.def"
+#undef HOIST_FAULT
+#define HOIST_FAULT(...)
+};
+struct FaultInfo {
+  std::uint8_t bit;
+  std::string_view name;
+  Priority priority;
+  Reaction reaction;
+  std::string_view hazard, text_en, action_en, text_de, action_de;
+};
+inline constexpr std::array kFaults{
+#undef HOIST_FAULT
+#define HOIST_FAULT(bit, name, priority, reaction, hazard, text_en, action_en, text_de, action_de) \
+  FaultInfo{bit, #name, Priority::priority, Reaction::reaction, hazard, text_en, action_en, text_de, action_de},
+#include "control/contract/faults.def"
+#undef HOIST_FAULT
+#define HOIST_FAULT(...)
+};
+constexpr std::uint32_t fault_bit(Fault fault) { return 1U << static_cast<unsigned>(fault); }
+
+enum class Refusal : std::uint8_t {
+#undef HOIST_REFUSAL
+#define HOIST_REFUSAL(bit, name, ...) name = bit,
+#include "control/contract/faults.def"
+#undef HOIST_REFUSAL
+#define HOIST_REFUSAL(...)
+};
+struct RefusalInfo {
+  std::uint8_t bit;
+  std::string_view name, text_en, text_de;
+};
+inline constexpr std::array kRefusals{
+#undef HOIST_REFUSAL
+#define HOIST_REFUSAL(bit, name, text_en, text_de) RefusalInfo{bit, #name, text_en, text_de},
+#include "control/contract/faults.def"
+#undef HOIST_REFUSAL
+#define HOIST_REFUSAL(...)
+};
+constexpr std::uint32_t refusal_bit(Refusal refusal) { return 1U << static_cast<unsigned>(refusal); }
+
+enum class Mode : std::uint8_t {
+#undef HOIST_MODE
+#define HOIST_MODE(value, name, ...) name = value,
+#include "control/contract/faults.def"
+#undef HOIST_MODE
+#define HOIST_MODE(...)
+};
+struct ModeInfo {
+  std::uint8_t value;
+  std::string_view name;
+  bool moving;
+  std::string_view title_en, title_de;
+};
+inline constexpr std::array kModes{
+#undef HOIST_MODE
+#define HOIST_MODE(value, name, moving, title_en, title_de) ModeInfo{value, #name, moving != 0, title_en, title_de},
+#include "control/contract/faults.def"
+#undef HOIST_MODE
+};
+#undef HOIST_FAULT
+#undef HOIST_REFUSAL
+
+static_assert(kFaults.size() <= 32 && kRefusals.size() <= 32, "fault_bits and blocked_bits hold 32 rows");
+static_assert(unique_by(kFaults, [](const FaultInfo& f) { return f.bit; }) && all_rows(kFaults, [](const FaultInfo& f) { return f.bit < 32; }),
+              "faults.def: a fault bit is used twice or out of range");
+static_assert(unique_by(kFaults, [](const FaultInfo& f) { return f.name; }), "faults.def: a fault name is used twice");
+static_assert(all_rows(kFaults, [](const FaultInfo& f) {
+                return !f.hazard.empty() && !f.text_en.empty() && !f.action_en.empty() && !f.text_de.empty() && !f.action_de.empty();
+              }),
+              "faults.def: a fault lacks its words");
+static_assert(unique_by(kRefusals, [](const RefusalInfo& r) { return r.bit; }) && unique_by(kRefusals, [](const RefusalInfo& r) { return r.name; }),
+              "faults.def: a refusal is used twice");
+static_assert(unique_by(kModes, [](const ModeInfo& m) { return m.value; }), "faults.def: a mode value is used twice");
+static_assert(all_rows(kModes, [](const ModeInfo& m) { return m.value < kModes.size() && kModes[m.value].value == m.value; }),
+              "faults.def: modes must be numbered in order");
+
+constexpr std::uint64_t faults_hash() {
+  std::uint64_t hash = kHashStart;
+  for (const FaultInfo& f : kFaults) hash = hash_number(hash_bytes(hash, f.name), f.bit);
+  for (const RefusalInfo& r : kRefusals) hash = hash_number(hash_bytes(hash, r.name), r.bit);
+  for (const ModeInfo& m : kModes) hash = hash_number(hash_bytes(hash, m.name), m.value);
+  return hash;
+}
+
+}  // namespace hoist::contract

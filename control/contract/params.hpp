@@ -1,0 +1,166 @@
+// Typed view of params.def: the struct the tick uses, the description of every row, the one place that checks a value.
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "control/contract/check.hpp"
+
+namespace hoist::contract {
+
+enum class EditRule : std::uint8_t { live, stopped };
+enum class ParamScope : std::uint8_t { core, drive, tilt };
+enum class Role : std::uint8_t { viewer, therapist, engineer };
+
+// All parameters in SI units, at their defaults until set.
+struct Params {
+#define HOIST_PARAM(id, name, unit, lo, def, hi, edit, scope, role, source, ...) double name = static_cast<double>(def);
+#define HOIST_PARAM_RETIRED(id)
+#define HOIST_PARAM_OBJECT(...)
+#define HOIST_PRESET(...)
+#define HOIST_PRESET_VALUE(...)
+#include "control/contract/params.def"
+#undef HOIST_PARAM
+};
+
+struct ParamInfo {
+  std::uint16_t id;
+  std::string_view name;
+  std::string_view unit;
+  double min;
+  double default_value;
+  double max;
+  EditRule edit;
+  ParamScope scope;
+  Role role;
+  std::string_view source;
+  std::string_view title_en, effect_en, title_de, effect_de;
+  double Params::*field;
+};
+
+inline constexpr std::array kParams{
+#define HOIST_PARAM(id, name, unit, lo, def, hi, edit, scope, role, source, title_en, effect_en, title_de, effect_de)                  \
+  ParamInfo{id,     #name,    unit,      static_cast<double>(lo), static_cast<double>(def), static_cast<double>(hi), EditRule::edit, \
+            ParamScope::scope, Role::role, source, title_en, effect_en, title_de, effect_de, &Params::name},
+#include "control/contract/params.def"
+#undef HOIST_PARAM
+};
+inline constexpr std::size_t kParamCount = kParams.size();
+
+// Index of a parameter in kParams, by name at compile time: param_index(ParamName::lean_gain_filtered_units).
+enum class ParamName : std::uint16_t {
+#define HOIST_PARAM(id, name, ...) name,
+#include "control/contract/params.def"
+#undef HOIST_PARAM
+};
+constexpr std::size_t param_index(ParamName name) { return static_cast<std::size_t>(name); }
+
+constexpr std::optional<std::size_t> find_param(std::string_view name) {
+  for (std::size_t i = 0; i < kParamCount; ++i)
+    if (kParams[i].name == name) return i;
+  return std::nullopt;
+}
+constexpr std::optional<std::size_t> find_param_id(std::uint32_t id) {
+  for (std::size_t i = 0; i < kParamCount; ++i)
+    if (kParams[i].id == id) return i;
+  return std::nullopt;
+}
+
+constexpr double get_param(const Params& params, std::size_t index) { return params.*(kParams[index].field); }
+constexpr void set_param_unchecked(Params& params, std::size_t index, double value) { params.*(kParams[index].field) = value; }
+
+enum class ParamCheck : std::uint8_t { ok, unknown, not_finite, out_of_range };
+// Whether a value may be stored in this row. NaN and infinities are never in range.
+inline ParamCheck check_param(std::size_t index, double value) {
+  if (index >= kParamCount) return ParamCheck::unknown;
+  if (!std::isfinite(value)) return ParamCheck::not_finite;
+  return value < kParams[index].min || value > kParams[index].max ? ParamCheck::out_of_range : ParamCheck::ok;
+}
+
+// Values that are each in range and still do not fit together. nullptr = consistent; otherwise the sentence for people.
+inline const char* check_param_set(const Params& p) {
+  if (p.remote_slow_age_s >= p.remote_stop_age_s) return "remote_slow_age_s must be below remote_stop_age_s";
+  if (p.fall_tilt_rad >= p.fall_static_tilt_rad) return "fall_tilt_rad must be below fall_static_tilt_rad";
+  if (p.battery_empty_v >= p.battery_low_v) return "battery_empty_v must be below battery_low_v";
+  if (p.remote_speed_m_s_max > p.speed_m_s_max) return "remote_speed_m_s_max must not exceed speed_m_s_max";
+  if (p.remote_yaw_rate_rad_s_max > p.yaw_rate_rad_s_max) return "remote_yaw_rate_rad_s_max must not exceed yaw_rate_rad_s_max";
+  if (p.protective_deceleration_m_s2 < p.acceleration_m_s2_max) return "protective_deceleration_m_s2 must not be below acceleration_m_s2_max";
+  if (p.bumper_deceleration_m_s2 < p.protective_deceleration_m_s2)
+    return "bumper_deceleration_m_s2 must not be below protective_deceleration_m_s2";
+  return nullptr;
+}
+
+// Parameters that live in nodes: where.
+enum class NodeKind : std::uint8_t { tilt, drive, io, host };
+struct ParamObject {
+  ParamName param;
+  NodeKind kind;
+  std::uint16_t index;
+  std::uint8_t sub;
+};
+inline constexpr std::array kParamObjects{
+#undef HOIST_PARAM_OBJECT
+#define HOIST_PARAM(...)
+#define HOIST_PARAM_OBJECT(name, kind, index, sub) ParamObject{ParamName::name, NodeKind::kind, index, sub},
+#include "control/contract/params.def"
+#undef HOIST_PARAM_OBJECT
+#define HOIST_PARAM_OBJECT(...)
+};
+
+struct PresetInfo {
+  std::string_view name, title_en, title_de, doc_en, doc_de;
+};
+inline constexpr std::array kPresets{
+#undef HOIST_PRESET
+#define HOIST_PRESET(name, title_en, title_de, doc_en, doc_de) PresetInfo{#name, title_en, title_de, doc_en, doc_de},
+#include "control/contract/params.def"
+#undef HOIST_PRESET
+#define HOIST_PRESET(...)
+};
+struct PresetValue {
+  std::string_view preset;
+  ParamName param;
+  double value;
+};
+inline constexpr std::array kPresetValues{
+#undef HOIST_PRESET_VALUE
+#define HOIST_PRESET_VALUE(preset, name, value) PresetValue{#preset, ParamName::name, static_cast<double>(value)},
+#include "control/contract/params.def"
+#undef HOIST_PRESET_VALUE
+};
+#undef HOIST_PARAM
+#undef HOIST_PARAM_RETIRED
+#undef HOIST_PARAM_OBJECT
+#undef HOIST_PRESET
+
+static_assert(unique_by(kParams, [](const ParamInfo& p) { return p.id; }), "params.def: an id is used twice");
+static_assert(unique_by(kParams, [](const ParamInfo& p) { return p.name; }), "params.def: a name is used twice");
+static_assert(all_rows(kParams, [](const ParamInfo& p) { return p.min <= p.default_value && p.default_value <= p.max && p.min < p.max; }),
+              "params.def: a default lies outside its range");
+static_assert(all_rows(kParams, [](const ParamInfo& p) {
+                return !p.source.empty() && !p.title_en.empty() && !p.effect_en.empty() && !p.title_de.empty() && !p.effect_de.empty();
+              }),
+              "params.def: a row lacks its source or its words");
+static_assert(all_rows(kPresetValues, [](const PresetValue& v) {
+                const ParamInfo& p = kParams[param_index(v.param)];
+                return v.value >= p.min && v.value <= p.max;
+              }),
+              "params.def: a preset value lies outside its range");
+static_assert(all_rows(kParams, [](const ParamInfo& p) {
+                if (p.scope == ParamScope::core) return true;
+                for (const ParamObject& o : kParamObjects)
+                  if (kParams[param_index(o.param)].name == p.name) return true;
+                return false;
+              }),
+              "params.def: a node parameter has no object");
+
+constexpr std::uint64_t params_hash() {
+  std::uint64_t hash = kHashStart;
+  for (const ParamInfo& p : kParams) hash = hash_number(hash_bytes(hash_bytes(hash, p.name), p.unit), p.id);
+  return hash;
+}
+
+}  // namespace hoist::contract

@@ -1,0 +1,235 @@
+// The figures people walk: square and figure of eight (Fig. 7 of the paper, sizes D34) and a straight. One definition for the
+// simulator, the metrics, the console's exercises and the trajectory mode.
+//
+// square: counter-clockwise from (-side/2, -side/2), heading 0.
+// eight:  arcs of radius R about (+c, 0) and (-c, 0), joined by straights that cross at the origin; starts at the origin, heading
+//         asin(R/c), right arc (clockwise) first. R = c gives two tangent circles.
+// straight: from the origin along +x; it ends, the other two go round for ever.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace hoist::contract {
+
+enum class PathShape : unsigned char { kSquare, kEight, kStraight };
+
+/// A place on the figure. psi is not wrapped: it grows by a full turn with each lap of the square.
+struct PathPose {
+  double x_m{};
+  double y_m{};
+  double psi_rad{};
+  double kappa_per_m{};  ///< curvature, positive to the left
+};
+
+/// Sizes the paper's 5 x 5 m room suggests (D34).
+inline constexpr double kSquareSide_m = 3.2;
+inline constexpr double kEightCentre_m = 1.0;
+inline constexpr double kEightRadius_m = 0.8;
+inline constexpr double kStraightLength_m = 10.0;
+/// How far ahead the projection looks, so that the crossing of the eight is never jumped (D27).
+inline constexpr double kProjectionWindow_m = 0.5;
+
+/// A figure made of at most five lines and arcs. Copyable, no heap, every function pure.
+class ReferencePath {
+ public:
+  /// Sizes must be finite and > 0; the eight also needs radius <= centre. Anything else gives a path with valid() false, whose length is
+  /// 0 and whose every pose is the origin.
+  [[nodiscard]] static ReferencePath square(double side_m = kSquareSide_m) {
+    ReferencePath path(PathShape::kSquare);
+    if (!usable(side_m)) return path;
+    const double half_m = side_m / 2.0;
+    path.start_ = {-half_m, -half_m, 0.0, 0.0};
+    for (int side = 0; side < 4; ++side) {
+      path.add_line(side_m);
+      if (side < 3) path.turn_corner(kQuarter_rad);
+    }
+    path.lap_turn_rad_ = 4.0 * kQuarter_rad;
+    return path;
+  }
+
+  [[nodiscard]] static ReferencePath eight(double centre_m = kEightCentre_m, double radius_m = kEightRadius_m) {
+    ReferencePath path(PathShape::kEight);
+    if (!usable(centre_m) || !usable(radius_m) || radius_m > centre_m) return path;
+    const double slope_rad = std::asin(radius_m / centre_m);
+    const double straight_m = std::sqrt(centre_m * centre_m - radius_m * radius_m);
+    const double arc_m = radius_m * (kHalf_rad + 2.0 * slope_rad);
+    path.start_ = {0.0, 0.0, slope_rad, 0.0};
+    if (straight_m > 0.0) path.add_line(straight_m);
+    path.add_arc(arc_m, -1.0 / radius_m);
+    if (straight_m > 0.0) path.add_line(2.0 * straight_m);
+    path.add_arc(arc_m, 1.0 / radius_m);
+    if (straight_m > 0.0) path.add_line(straight_m);
+    return path;
+  }
+
+  [[nodiscard]] static ReferencePath straight(double length_m = kStraightLength_m) {
+    ReferencePath path(PathShape::kStraight);
+    if (!usable(length_m)) return path;
+    path.start_ = {0.0, 0.0, 0.0, 0.0};
+    path.add_line(length_m);
+    return path;
+  }
+
+  [[nodiscard]] PathShape shape() const { return shape_; }
+  [[nodiscard]] bool valid() const { return count_ > 0; }
+  /// Closed figures go round; the straight ends.
+  [[nodiscard]] bool closed() const { return shape_ != PathShape::kStraight; }
+  /// Length of one lap, or of the straight.
+  [[nodiscard]] double length_m() const { return length_m_; }
+
+  /// The place at arc length s_m from the start; on a corner, the edge that follows (D27). Laps are counted for closed figures; an open
+  /// one holds s_m to its ends. Not finite gives the start.
+  [[nodiscard]] PathPose pose(double s_m) const {
+    if (!valid()) return {};
+    const Place place = locate(s_m);
+    PathPose at = segments_[place.segment].at(place.along_m);
+    at.psi_rad += place.lap * lap_turn_rad_;
+    return at;
+  }
+
+  /// Nearest place to (x, y) with arc length in [from_m, from_m + window_m]: never backward, never across the crossing. Of equally near
+  /// places the first. Something not finite returns from_m.
+  [[nodiscard]] double project(double x_m, double y_m, double from_m, double window_m = kProjectionWindow_m) const {
+    if (!valid() || !std::isfinite(x_m) || !std::isfinite(y_m) || !std::isfinite(from_m) || !(window_m > 0.0)) return from_m;
+    // One lap is enough to see every place once.
+    const double reach_m = window_m < length_m_ ? window_m : length_m_;
+    double begin_m = from_m;
+    if (!closed()) begin_m = from_m < 0.0 ? 0.0 : (from_m > length_m_ ? length_m_ : from_m);
+    const double end_m = begin_m + reach_m;
+    Place place = locate(begin_m);
+    double best_s_m = begin_m;
+    double best_square = HUGE_VAL;
+    double piece_s_m = begin_m;
+    // A window of at most a lap touches each segment at most twice.
+    for (std::size_t piece = 0; piece < 2 * kSegmentLimit; ++piece) {
+      const Segment& segment = segments_[place.segment];
+      const double left_m = end_m - piece_s_m;
+      const double rest_m = segment.length_m - place.along_m;
+      const double to_m = rest_m < left_m ? segment.length_m : place.along_m + left_m;
+      const double nearest_m = segment.nearest(x_m, y_m, place.along_m, to_m);
+      const PathPose at = segment.at(nearest_m);
+      const double square = (at.x_m - x_m) * (at.x_m - x_m) + (at.y_m - y_m) * (at.y_m - y_m);
+      if (square < best_square) {
+        best_square = square;
+        best_s_m = piece_s_m + (nearest_m - place.along_m);
+      }
+      if (rest_m >= left_m) break;
+      ++place.segment;
+      if (place.segment == count_) {
+        if (!closed()) break;
+        place.segment = 0;
+        place.lap += 1.0;
+      }
+      place.along_m = 0.0;
+      // Taken from the table, not summed up, so that laps of projection do not drift.
+      piece_s_m = place.lap * length_m_ + segments_[place.segment].begin_m;
+    }
+    return best_s_m < from_m && closed() ? from_m : best_s_m;
+  }
+
+ private:
+  static constexpr double kHalf_rad = 3.14159265358979323846;
+  static constexpr double kQuarter_rad = kHalf_rad / 2.0;
+  static constexpr std::size_t kSegmentLimit = 5;
+  /// A place this close before a joint is on the joint, so that rounding does not decide which edge follows.
+  static constexpr double kJoint_m = 1e-9;
+
+  struct Segment {
+    PathPose begin;
+    double begin_m{};
+    double length_m{};
+
+    [[nodiscard]] PathPose at(double along_m) const {
+      const double kappa = begin.kappa_per_m;
+      if (kappa == 0.0) {
+        return {begin.x_m + along_m * std::cos(begin.psi_rad), begin.y_m + along_m * std::sin(begin.psi_rad), begin.psi_rad, 0.0};
+      }
+      const double psi_rad = begin.psi_rad + kappa * along_m;
+      return {begin.x_m + (std::sin(psi_rad) - std::sin(begin.psi_rad)) / kappa,
+              begin.y_m - (std::cos(psi_rad) - std::cos(begin.psi_rad)) / kappa, psi_rad, kappa};
+    }
+
+    /// Distance along this segment, inside [from_m, to_m], that is nearest to (x, y).
+    [[nodiscard]] double nearest(double x_m, double y_m, double from_m, double to_m) const {
+      const double kappa = begin.kappa_per_m;
+      if (kappa == 0.0) {
+        const double along_m = (x_m - begin.x_m) * std::cos(begin.psi_rad) + (y_m - begin.y_m) * std::sin(begin.psi_rad);
+        return along_m < from_m ? from_m : (along_m > to_m ? to_m : along_m);
+      }
+      const double centre_x_m = begin.x_m - std::sin(begin.psi_rad) / kappa;
+      const double centre_y_m = begin.y_m + std::cos(begin.psi_rad) / kappa;
+      const double out_x_m = x_m - centre_x_m;
+      const double out_y_m = y_m - centre_y_m;
+      // Exactly at the centre every place is equally near: the first.
+      if (out_x_m == 0.0 && out_y_m == 0.0) return from_m;
+      const double sense = kappa > 0.0 ? 1.0 : -1.0;
+      // Angle gone round since the middle of the piece, so that the wrap of atan2 falls on the far side, where it decides nothing.
+      const double middle_m = (from_m + to_m) / 2.0;
+      const double middle_rad = begin.psi_rad + kappa * middle_m;
+      const double radial_x = sense * std::sin(middle_rad);
+      const double radial_y = -sense * std::cos(middle_rad);
+      const double off_rad = sense * std::atan2(radial_x * out_y_m - radial_y * out_x_m, radial_x * out_x_m + radial_y * out_y_m);
+      const double along_m = middle_m + off_rad / std::fabs(kappa);
+      return along_m < from_m ? from_m : (along_m > to_m ? to_m : along_m);
+    }
+  };
+
+  struct Place {
+    std::size_t segment{};
+    double along_m{};
+    double lap{};
+  };
+
+  explicit ReferencePath(PathShape shape) : shape_(shape) {}
+
+  [[nodiscard]] static bool usable(double size_m) { return std::isfinite(size_m) && size_m > 0.0; }
+
+  [[nodiscard]] PathPose pen() const { return count_ == 0 ? start_ : pen_; }
+
+  void add(double length_m, double kappa_per_m) {
+    Segment& segment = segments_[count_];
+    segment.begin = pen();
+    segment.begin.kappa_per_m = kappa_per_m;
+    segment.begin_m = length_m_;
+    segment.length_m = length_m;
+    pen_ = segment.at(length_m);
+    length_m_ += length_m;
+    ++count_;
+  }
+  void add_line(double length_m) { add(length_m, 0.0); }
+  void add_arc(double length_m, double kappa_per_m) { add(length_m, kappa_per_m); }
+  void turn_corner(double by_rad) { pen_.psi_rad += by_rad; }
+
+  [[nodiscard]] Place locate(double s_m) const {
+    Place place;
+    if (!std::isfinite(s_m)) return place;
+    double along_m = s_m;
+    if (closed()) {
+      place.lap = std::floor(s_m / length_m_);
+      along_m = s_m - place.lap * length_m_;
+      if (along_m >= length_m_ - kJoint_m) {
+        place.lap += 1.0;
+        along_m = 0.0;
+      }
+    } else if (along_m > length_m_) {
+      along_m = length_m_;
+    }
+    if (along_m < 0.0) along_m = 0.0;
+    while (place.segment + 1 < count_ && along_m >= segments_[place.segment + 1].begin_m - kJoint_m) ++place.segment;
+    const double inside_m = along_m - segments_[place.segment].begin_m;
+    place.along_m = inside_m < 0.0 ? 0.0 : inside_m;
+    return place;
+  }
+
+  PathShape shape_;
+  std::array<Segment, kSegmentLimit> segments_{};
+  std::size_t count_{};
+  double length_m_{};
+  double lap_turn_rad_{};
+  PathPose start_{};
+  PathPose pen_{};
+};
+
+}  // namespace hoist::contract
