@@ -1,0 +1,23 @@
+// First-order low-pass, as the drive uses on its speed (page 6, "filtering the result using a first order low-pass filter").
+#pragma once
+
+#include <cmath>
+
+namespace hoist::law {
+
+template <typename Real>
+struct LowPassState {
+  Real value{};
+};
+
+/// Backward Euler of tau y' + y = x: stable for every tau >= 0 and dt > 0, one division, no exponential on a processor without one.
+/// tau = 0 passes the input through. An input that is not finite is ignored.
+template <typename Real>
+inline Real low_pass_step(Real tau_s, LowPassState<Real>& state, Real input, Real dt_s) {
+  const Real share = dt_s / (tau_s + dt_s);
+  const Real next = state.value + share * (input - state.value);
+  if (std::isfinite(next)) state.value = next;
+  return state.value;
+}
+
+}  // namespace hoist::law
