@@ -1,0 +1,108 @@
+// What the server may ask of the core, and what the core tells back. Plain bytes that lie in shared memory.
+// The core treats every field that comes from the server as hostile: it copies once, then checks range, finiteness, age and lease.
+#pragma once
+#include <cstdint>
+#include <string_view>
+#include <type_traits>
+
+namespace hoist::contract {
+
+enum class CommandKind : std::uint32_t {
+  none = 0,
+  stop = 1,             // anyone; protective stop, never refused
+  request_mode = 2,     // a = Mode: standby, user or remote; lease holder only
+  acknowledge = 3,      // leave PROTECTIVE_STOP once the cause is gone; lease holder only
+  take_lease = 4,       // client asks to be the driver; granted when free, or when standing still and `a` = 1 (take over)
+  release_lease = 5,    // by its holder, or by the server for a client that is gone
+  stage_parameter = 6,  // a = parameter id, v0 = value, b = position in the set, counted from 0
+  commit_parameters = 7,  // a = number of staged rows, role in b; all or nothing
+  set_pose = 8,         // v0 = x_m, v1 = y_m, v2 = psi_rad; standing still only
+  set_neutral = 9,      // take the mean of the last second as neutral; standing still only; stored as parameters
+};
+
+// One request of a client, in order. `request_id` comes back in the event that answers it.
+struct Command {
+  std::uint64_t sequence = 0;  // counts up by one; anything else is refused as out_of_order
+  CommandKind kind = CommandKind::none;
+  std::uint32_t request_id = 0;
+  std::uint32_t client = 0;       // number the server gave to the connection; 0 is the server itself
+  std::uint32_t lease_epoch = 0;  // what the client believes
+  std::uint32_t a = 0;
+  std::uint32_t b = 0;
+  double v0 = 0, v1 = 0, v2 = 0;
+  std::uint64_t reserved = 0;
+};
+static_assert(sizeof(Command) == 64 && std::is_trivially_copyable_v<Command>);
+
+// The newest driving command; only the latest counts. Speeds are shares of the driving limits, -1 to 1.
+struct DriveCommand {
+  std::uint32_t lease_epoch = 0;
+  std::uint32_t client = 0;
+  std::uint64_t sequence = 0;     // rises with every command of one lease
+  std::uint64_t echo_time_ns = 0;  // time_ns of the newest telemetry record the client had seen: its age is judged by the core's clock
+  double speed_norm = 0;
+  double yaw_norm = 0;
+  std::uint64_t held = 0;  // 1 while the dead-man is held; anything else counts as let go
+};
+static_assert(sizeof(DriveCommand) == 48 && std::is_trivially_copyable_v<DriveCommand>);
+
+enum class EventKind : std::uint32_t {
+  none = 0,
+  command_done = 1,       // answers request_id
+  command_refused = 2,    // answers request_id; code = first Refusal, bits = all of them; for parameters item = id
+  mode_changed = 3,       // code = new mode, item = old mode
+  fault_raised = 4,       // code = Fault
+  fault_cleared = 5,      // code = Fault
+  parameter_changed = 6,  // item = parameter id, value and before
+  lease_changed = 7,      // client = holder (0 nobody), code = epoch
+  node_changed = 8,       // item = Node, code = 1 answers, 0 lost
+  pose_set = 9,
+  neutral_set = 10,
+  core_started = 11,
+};
+constexpr std::string_view event_name(EventKind kind) {
+  switch (kind) {
+    case EventKind::command_done: return "command_done";
+    case EventKind::command_refused: return "command_refused";
+    case EventKind::mode_changed: return "mode_changed";
+    case EventKind::fault_raised: return "fault_raised";
+    case EventKind::fault_cleared: return "fault_cleared";
+    case EventKind::parameter_changed: return "parameter_changed";
+    case EventKind::lease_changed: return "lease_changed";
+    case EventKind::node_changed: return "node_changed";
+    case EventKind::pose_set: return "pose_set";
+    case EventKind::neutral_set: return "neutral_set";
+    case EventKind::core_started: return "core_started";
+    case EventKind::none: break;
+  }
+  return "none";
+}
+
+struct Event {
+  std::uint64_t tick = 0;
+  std::uint64_t time_ns = 0;
+  EventKind kind = EventKind::none;
+  std::uint32_t request_id = 0;
+  std::uint32_t client = 0;
+  std::uint32_t code = 0;
+  std::uint32_t bits = 0;
+  std::uint32_t item = 0;
+  double value = 0;
+  double before = 0;
+  std::uint64_t reserved = 0;
+};
+static_assert(sizeof(Event) == 64 && std::is_trivially_copyable_v<Event>);
+
+// One frame as it crossed the bus, for the recording.
+struct BusRecord {
+  std::uint64_t time_ns = 0;
+  std::uint32_t id = 0;
+  std::uint8_t dlc = 0;
+  std::uint8_t flags = 0;
+  std::uint8_t sent = 0;  // 1 = by the core
+  std::uint8_t reserved = 0;
+  std::uint64_t data = 0;  // little endian
+};
+static_assert(sizeof(BusRecord) == 24 && std::is_trivially_copyable_v<BusRecord>);
+
+}  // namespace hoist::contract
