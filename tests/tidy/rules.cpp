@@ -1,0 +1,309 @@
+#include "tests/tidy/rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace hoist::tidy {
+namespace {
+
+bool starts_with(std::string_view text, std::string_view prefix) { return text.substr(0, prefix.size()) == prefix; }
+bool ends_with(std::string_view text, std::string_view suffix) {
+  return text.size() >= suffix.size() && text.substr(text.size() - suffix.size()) == suffix;
+}
+
+bool is_cpp(std::string_view path) {
+  return ends_with(path, ".cpp") || ends_with(path, ".hpp") || ends_with(path, ".h") || ends_with(path, ".cc");
+}
+bool is_generated(std::string_view path) { return path.find(".gen.") != std::string_view::npos; }
+
+// Who may include whom. The first row whose prefix fits a file decides: its includes from this tree must begin with one of the
+// allowed prefixes. `std_only` also refuses headers that are not the standard library's.
+struct Layer {
+  std::string_view prefix;
+  std::vector<std::string_view> may_include;
+  bool std_only;
+};
+
+const std::vector<Layer>& layers() {
+  static const std::vector<Layer> table = {
+      {"control/core/law/", {"control/core/law/"}, true},
+      {"control/core/", {"control/core/", "control/contract/"}, true},
+      {"control/contract/", {"control/contract/"}, true},
+      {"control/bus/", {"control/bus/", "control/core/", "control/contract/"}, false},
+      {"control/publish/", {"control/publish/", "control/core/", "control/contract/"}, false},
+      // run is the place that wires the others together. The bus master speaks CANopen with the nodes' own stack.
+      {"control/run/", {"control/", "firmware/lib/"}, false},
+      {"firmware/lib/", {"firmware/lib/", "control/contract/"}, true},
+      {"firmware/nodes/", {"firmware/nodes/", "firmware/lib/", "control/core/law/", "control/contract/"}, true},
+      {"firmware/boards/",
+       {"firmware/boards/", "firmware/nodes/", "firmware/lib/", "control/core/law/", "control/contract/", "control/bus/"},
+       false},
+      // The physics must not share code with the controller: a shared mistake would cancel itself.
+      {"firmware/sim/", {"firmware/", "control/contract/", "control/bus/"}, false},
+      {"server/", {"server/", "control/contract/", "control/publish/", "db/"}, false},
+      {"db/", {"db/", "control/contract/"}, false},
+      {"deploy/tools/",
+       {"deploy/tools/", "control/core/", "control/contract/", "control/bus/", "control/publish/", "db/", "firmware/", "server/"},
+       false},
+      {"tests/", {"tests/", "control/", "firmware/", "server/", "db/", "deploy/tools/"}, false},
+  };
+  return table;
+}
+
+const std::set<std::string_view>& standard_headers() {
+  static const std::set<std::string_view> table = {
+      "algorithm", "array",     "atomic",    "bit",        "bitset",           "cassert",  "cctype",      "cerrno",  "cfloat",
+      "charconv",  "cinttypes", "climits",   "cmath",      "compare",          "complex",  "concepts",    "cstddef", "cstdint",
+      "cstdlib",   "cstring",   "exception", "functional", "initializer_list", "iterator", "limits",      "new",     "numbers",
+      "numeric",   "optional",  "ratio",     "span",       "string_view",      "tuple",    "type_traits", "utility", "variant",
+      "version",   "stdint.h",  "stddef.h",  "string.h",   "source_location"};
+  return table;
+}
+
+// Words that the pure parts (control/core and the firmware that runs on the Cortex-M0) may not use, with what they would bring in.
+struct Forbidden {
+  std::string_view pattern;
+  std::string_view why;
+};
+const std::vector<Forbidden>& forbidden_in_pure_code() {
+  static const std::vector<Forbidden> table = {
+      {R"(\bnew\b)", "heap"},
+      {R"((^|[^=\s])\s*\bdelete\b)", "heap"},
+      {R"(\b(malloc|calloc|realloc|free)\s*\()", "heap"},
+      {R"(\bstd::(vector|string|wstring|map|set|unordered_map|unordered_set|deque|list|function|any|unique_ptr|shared_ptr|make_unique|make_shared)\b)",
+       "heap"},
+      {R"(\b(chrono|clock_gettime|gettimeofday)\b)", "a clock"},
+      {R"(\bstd::time\b)", "a clock"},
+      {R"(\b(throw|try|catch)\b)", "exceptions"},
+      {R"(\b(iostream|std::cout|std::cerr|printf|fprintf|fopen|puts)\b)", "input or output"},
+      {R"(\b(thread|mutex|condition_variable)\b)", "threads"},
+      {R"(\b(rand|srand|random_device|getenv)\b)", "what no replay can repeat"},
+  };
+  return table;
+}
+
+bool is_pure(std::string_view path) {
+  return starts_with(path, "control/core/") || starts_with(path, "firmware/nodes/") || starts_with(path, "firmware/lib/");
+}
+
+// Tests wait for events or use virtual time. Whoever must let real time pass stands here with the reason.
+const std::map<std::string_view, std::string_view>& may_sleep() {
+  static const std::map<std::string_view, std::string_view> table = {};
+  return table;
+}
+
+struct Line {
+  int number;
+  std::string text;
+};
+std::vector<Line> lines_of(std::string_view text) {
+  std::vector<Line> lines;
+  int number = 0;
+  std::istringstream stream{std::string(text)};
+  for (std::string line; std::getline(stream, line);) lines.push_back({++number, line});
+  return lines;
+}
+
+bool known(const std::vector<std::string>& paths, const std::string& path) { return std::binary_search(paths.begin(), paths.end(), path); }
+
+void check_includes(const File& file, const std::vector<std::string>& all_paths, std::vector<Finding>& findings) {
+  static const std::regex include_line(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"])");
+  static const std::regex from_top(R"(^(control|firmware|server|db|deploy|tests)/)");
+  const auto layer = std::find_if(layers().begin(), layers().end(), [&](const Layer& row) { return starts_with(file.path, row.prefix); });
+  for (const auto& [number, text] : lines_of(without_comments(file.text, true))) {
+    std::smatch match;
+    if (!std::regex_search(text, match, include_line)) continue;
+    const std::string target = match[2];
+    if (match[1] == "<") {
+      if (layer != layers().end() && layer->std_only && standard_headers().count(target) == 0) {
+        findings.push_back({file.path, number, "layer",
+                            "<" + target + "> is not among the standard headers that " + std::string(layer->prefix) + " may use"});
+      }
+      continue;
+    }
+    if (!std::regex_search(target, from_top)) {
+      findings.push_back({file.path, number, "include-from-top", "\"" + target + "\" is not written from the top of the tree"});
+      continue;
+    }
+    if (!known(all_paths, target))
+      findings.push_back({file.path, number, "include-exists", "\"" + target + "\" is not a file of this tree"});
+    if (starts_with(target, "control/run/") && !starts_with(file.path, "control/run/") && !starts_with(file.path, "tests/")) {
+      findings.push_back({file.path, number, "layer", "nothing includes control/run/"});
+      continue;
+    }
+    if (layer == layers().end()) continue;
+    const bool allowed = std::any_of(layer->may_include.begin(), layer->may_include.end(),
+                                     [&](std::string_view prefix) { return starts_with(target, prefix); });
+    if (!allowed) findings.push_back({file.path, number, "layer", std::string(layer->prefix) + " may not include \"" + target + "\""});
+  }
+}
+
+void check_pure_words(const File& file, std::vector<Finding>& findings) {
+  static const auto rules = [] {
+    std::vector<std::pair<std::regex, std::string_view>> compiled;
+    for (const auto& row : forbidden_in_pure_code()) compiled.emplace_back(std::regex(std::string(row.pattern)), row.why);
+    return compiled;
+  }();
+  for (const auto& [number, text] : lines_of(without_comments(file.text, false))) {
+    if (text.find("#include <new>") != std::string::npos) continue;
+    std::smatch match;
+    for (const auto& [pattern, why] : rules) {
+      if (std::regex_search(text, match, pattern)) {
+        findings.push_back({file.path, number, "pure", "'" + match.str() + "' brings in " + std::string(why)});
+      }
+    }
+  }
+}
+
+// Sentences that no file may hold. The patterns are put together from halves so that this file does not hold them either.
+void check_words(const File& file, std::vector<Finding>& findings) {
+  static const std::regex unfinished(std::string("\\b(TO") + "DO|FIX" + "ME|XX" + "X)\\b");
+  static const std::regex machine_path(std::string("(^|[^a-zA-Z0-9_.$}-])/(wo") + "rk|fa" + "rm|ro" + "ot|home/[a-z]+)/");
+  static const std::regex registry(std::string("registry\\.np") + "mjs|(deb|security)\\.deb" + "ian\\.org");
+  const bool lock_file = ends_with(file.path, "package-lock.json");
+  for (const auto& [number, text] : lines_of(file.text)) {
+    std::smatch match;
+    if (!lock_file && std::regex_search(text, match, unfinished)) findings.push_back({file.path, number, "unfinished", match.str()});
+    if (!lock_file && std::regex_search(text, match, machine_path)) findings.push_back({file.path, number, "machine-path", match.str()});
+    if (std::regex_search(text, match, registry)) findings.push_back({file.path, number, "registry-host", match.str()});
+    if (text.size() > 4000) continue;
+    // Conflict marks never belong in a commit.
+    if (text.rfind(std::string(7, '<') + " ", 0) == 0 || text.rfind(std::string(7, '>') + " ", 0) == 0) {
+      findings.push_back({file.path, number, "conflict", "an unresolved merge"});
+    }
+  }
+}
+
+void check_test_habits(const File& file, std::vector<Finding>& findings) {
+  static const std::regex sleeping(R"(\b(sleep_for|sleep_until|usleep|nanosleep)\b)");
+  static const std::regex empty_skip(R"(GTEST_SKIP\s*\(\s*\)\s*;)");
+  static const std::regex empty_assertion(R"((EXPECT|ASSERT)_(TRUE\s*\(\s*true|FALSE\s*\(\s*false|EQ\s*\(\s*(\d+)\s*,\s*\3)\s*\))");
+  for (const auto& [number, text] : lines_of(without_comments(file.text, false))) {
+    if (std::regex_search(text, sleeping) && may_sleep().count(file.path) == 0)
+      findings.push_back({file.path, number, "sleep", "tests wait for events or use virtual time"});
+    if (std::regex_search(text, empty_skip)) findings.push_back({file.path, number, "skip-reason", "a skip says why"});
+    if (std::regex_search(text, empty_assertion)) findings.push_back({file.path, number, "empty-assertion", "this assertion cannot fail"});
+  }
+}
+
+void check_web_imports(const File& file, std::vector<Finding>& findings) {
+  static const std::regex import_line(R"((from|import)\s*\(?\s*['"](\.\.?/[^'"]*)['"])");
+  for (const auto& [number, text] : lines_of(file.text)) {
+    std::smatch match;
+    if (!std::regex_search(text, match, import_line)) continue;
+    // How deep the file lies under web/ is how often it may climb.
+    const auto depth = std::count(file.path.begin(), file.path.end(), '/') - 1;
+    const std::string target = match[2];
+    std::ptrdiff_t climbs = 0;
+    for (std::size_t at = 0; target.compare(at, 3, "../") == 0; at += 3) ++climbs;
+    if (climbs > depth) findings.push_back({file.path, number, "layer", "web/ imports only from web/: " + target});
+  }
+}
+
+}  // namespace
+
+std::string without_comments(std::string_view text, bool keep_strings) {
+  std::string out(text);
+  const auto blank = [&](std::size_t from, std::size_t to) {
+    for (std::size_t at = from; at < to && at < out.size(); ++at) {
+      if (out[at] != '\n') out[at] = ' ';
+    }
+  };
+  for (std::size_t at = 0; at < text.size();) {
+    if (text.compare(at, 2, "//") == 0) {
+      const auto end = std::min(text.find('\n', at), text.size());
+      blank(at, end);
+      at = end;
+    } else if (text.compare(at, 2, "/*") == 0) {
+      const auto end = text.find("*/", at + 2);
+      const auto stop = end == std::string_view::npos ? text.size() : end + 2;
+      blank(at, stop);
+      at = stop;
+    } else if (text.compare(at, 2, "R\"") == 0) {
+      const auto open = text.find('(', at);
+      if (open == std::string_view::npos) break;
+      const std::string close = ")" + std::string(text.substr(at + 2, open - at - 2)) + "\"";
+      const auto end = text.find(close, open);
+      const auto stop = end == std::string_view::npos ? text.size() : end + close.size();
+      if (!keep_strings) blank(at, stop);
+      at = stop;
+    } else if (text[at] == '"' || (text[at] == '\'' && (at == 0 || std::isalnum(static_cast<unsigned char>(text[at - 1])) == 0))) {
+      const char quote = text[at];
+      std::size_t end = at + 1;
+      while (end < text.size() && text[end] != quote && text[end] != '\n') end += text[end] == '\\' ? 2 : 1;
+      if (!keep_strings) blank(at + 1, end);
+      at = end + 1;
+    } else {
+      ++at;
+    }
+  }
+  return out;
+}
+
+std::vector<Finding> check_file(const File& file, const std::vector<std::string>& all_paths) {
+  std::vector<Finding> findings;
+  if (file.path != "LICENSE") check_words(file, findings);
+  if (is_generated(file.path)) {
+    const std::string head = file.text.substr(0, 400);
+    if (head.find("deploy/dev gen") == std::string::npos)
+      findings.push_back({file.path, 1, "generated", "does not name the command that makes it"});
+  }
+  if (is_cpp(file.path)) {
+    check_includes(file, all_paths, findings);
+    if (!ends_with(file.path, ".cpp") && file.text.find("#pragma once") == std::string::npos)
+      findings.push_back({file.path, 1, "pragma-once", "a header without #pragma once"});
+    if (is_pure(file.path)) check_pure_words(file, findings);
+    if (starts_with(file.path, "tests/") && !starts_with(file.path, "tests/tidy/")) check_test_habits(file, findings);
+  }
+  if (starts_with(file.path, "web/src/") && (ends_with(file.path, ".ts") || ends_with(file.path, ".tsx")))
+    check_web_imports(file, findings);
+  return findings;
+}
+
+std::vector<Finding> check_tree(const std::vector<File>& files) {
+  static const std::regex top_level(R"(^(CMakeLists\.txt|README\.md|LICENSE|server|control|firmware|web|db|tests|deploy|\..*)$)");
+  constexpr std::size_t kLargestFileBytes = 2U << 20U;
+  std::vector<Finding> findings;
+  std::set<std::string> tops;
+  std::map<std::string, const File*> by_path;
+  for (const auto& file : files) {
+    tops.insert(file.path.substr(0, file.path.find('/')));
+    by_path[file.path] = &file;
+    if (file.text.size() > kLargestFileBytes) findings.push_back({file.path, 0, "size", "larger than 2 MiB"});
+  }
+  for (const auto& top : tops) {
+    if (!std::regex_match(top, top_level)) findings.push_back({top, 0, "top-level", "the top level holds fixed folders only"});
+  }
+  for (const std::string area : {"control", "db", "deploy", "firmware", "server", "tests", "web"}) {
+    if (tops.count(area) != 0 && by_path.count(area + "/README.md") == 0)
+      findings.push_back({area, 0, "readme", "the area has no README.md"});
+  }
+  for (const std::string path : {"README.md", "LICENSE"}) {
+    if (by_path.count(path) == 0) findings.push_back({path, 0, "top-level", "is missing"});
+  }
+  for (const std::string path : {"deploy/dev", ".ci/run"}) {
+    const auto found = by_path.find(path);
+    if (found == by_path.end() || !found->second->runnable) findings.push_back({path, 0, "run-bit", "is missing or cannot be run"});
+  }
+  // A source that no CMakeLists above it names is dead: it looks like code and nobody compiles it.
+  for (const auto& file : files) {
+    if (!ends_with(file.path, ".cpp")) continue;
+    const std::string name = file.path.substr(file.path.rfind('/') + 1);
+    bool named = false;
+    for (std::size_t slash = file.path.rfind('/'); slash != std::string::npos && !named;
+         slash = slash == 0 ? std::string::npos : file.path.rfind('/', slash - 1)) {
+      const auto list = by_path.find(file.path.substr(0, slash) + "/CMakeLists.txt");
+      if (list == by_path.end()) continue;
+      const auto& text = list->second->text;
+      named = text.find(name) != std::string::npos || text.find("GLOB") != std::string::npos;
+    }
+    if (!named) findings.push_back({file.path, 0, "dead-source", "no CMakeLists.txt above it names it"});
+  }
+  return findings;
+}
+
+}  // namespace hoist::tidy

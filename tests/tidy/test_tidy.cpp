@@ -1,0 +1,179 @@
+// The house rules on the tree itself, and each rule on small files that break it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <set>
+#include <sstream>
+
+#include "tests/tidy/rules.hpp"
+
+namespace hoist::tidy {
+namespace {
+
+// The files that git knows: what is on the disk besides (builds, packages) is nobody's business here.
+std::vector<File> tracked_files() {
+  const std::string top = HOIST_SOURCE_DIR;
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(("git -C '" + top + "' ls-files -z 2>/dev/null").c_str(), "r"), pclose);
+  std::string names;
+  char buffer[4096];
+  for (std::size_t got = 0; pipe && (got = fread(buffer, 1, sizeof buffer, pipe.get())) > 0;) names.append(buffer, got);
+  std::vector<File> files;
+  std::istringstream stream(names);
+  for (std::string path; std::getline(stream, path, '\0');) {
+    const std::filesystem::path full = std::filesystem::path(top) / path;
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(full, error)) continue;
+    std::ifstream in(full, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    const auto permissions = std::filesystem::status(full, error).permissions();
+    files.push_back({path, text.str(), (permissions & std::filesystem::perms::owner_exec) != std::filesystem::perms::none});
+  }
+  return files;
+}
+
+std::vector<std::string> paths_of(const std::vector<File>& files) {
+  std::vector<std::string> paths;
+  for (const auto& file : files) paths.push_back(file.path);
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+std::string told(const std::vector<Finding>& findings) {
+  std::ostringstream out;
+  for (const auto& finding : findings) out << finding.path << ':' << finding.line << ": [" << finding.rule << "] " << finding.what << '\n';
+  return out.str();
+}
+
+// The rules that a small file breaks.
+std::set<std::string> broken_by(const std::string& path, const std::string& text) {
+  const std::vector<std::string> paths = {"control/bus/can_port.hpp", "control/contract/params.hpp",  "control/core/law/pfp.hpp",
+                                          "control/core/types.hpp",   "control/publish/seq_cell.hpp", "control/run/loop.hpp",
+                                          "db/store/store.hpp",       "firmware/lib/node.hpp",        "firmware/sim/plant.hpp",
+                                          "server/http/router.hpp"};
+  std::set<std::string> rules;
+  for (const auto& finding : check_file({path, text}, paths)) rules.insert(finding.rule);
+  return rules;
+}
+using Rules = std::set<std::string>;
+
+TEST(Tree, KeepsTheHouseRules) {
+  const auto files = tracked_files();
+  if (files.empty()) GTEST_SKIP() << "this is not a git checkout, so there is no list of files to look at";
+  const auto paths = paths_of(files);
+  std::vector<Finding> findings = check_tree(files);
+  for (const auto& file : files) {
+    const auto more = check_file(file, paths);
+    findings.insert(findings.end(), more.begin(), more.end());
+  }
+  EXPECT_TRUE(findings.empty()) << told(findings);
+}
+
+TEST(Layers, EachForbiddenArrowIsFound) {
+  const std::string pragma = "#pragma once\n";
+  const auto includes = [&](const std::string& target) { return pragma + "#include \"" + target + "\"\n"; };
+  const Rules layer = {"layer"};
+  EXPECT_EQ(broken_by("control/core/law/a.hpp", includes("control/contract/params.hpp")), layer);
+  EXPECT_EQ(broken_by("control/core/law/a.hpp", includes("control/core/types.hpp")), layer);
+  EXPECT_EQ(broken_by("control/core/modes/a.hpp", includes("control/bus/can_port.hpp")), layer);
+  EXPECT_EQ(broken_by("control/contract/a.hpp", includes("control/core/types.hpp")), layer);
+  EXPECT_EQ(broken_by("control/bus/a.hpp", includes("control/publish/seq_cell.hpp")), layer);
+  EXPECT_EQ(broken_by("firmware/nodes/tilt/a.hpp", includes("control/core/types.hpp")), layer);
+  EXPECT_EQ(broken_by("firmware/sim/plant.hpp", includes("control/core/law/pfp.hpp")), layer);
+  EXPECT_EQ(broken_by("server/api/a.cpp", includes("control/core/types.hpp")), layer);
+  EXPECT_EQ(broken_by("server/api/a.cpp", includes("control/bus/can_port.hpp")), layer);
+  EXPECT_EQ(broken_by("db/store/a.cpp", includes("server/http/router.hpp")), layer);
+  EXPECT_EQ(broken_by("deploy/tools/hoist/a.cpp", includes("control/run/loop.hpp")), layer);
+  EXPECT_EQ(broken_by("control/core/law/a.hpp", pragma + "#include <Eigen/Dense>\n"), layer);
+  EXPECT_EQ(broken_by("web/src/panels/drive/a.ts", "import { x } from '../../../../control/x';\n"), layer);
+}
+
+TEST(Layers, EachAllowedArrowIsLeftAlone) {
+  const auto includes = [](const std::string& target) { return "#pragma once\n#include \"" + target + "\"\n"; };
+  EXPECT_EQ(broken_by("control/core/law/a.hpp", "#pragma once\n#include <cmath>\n#include \"control/core/law/pfp.hpp\"\n"), Rules{});
+  EXPECT_EQ(broken_by("control/core/modes/a.hpp", includes("control/core/law/pfp.hpp")), Rules{});
+  EXPECT_EQ(broken_by("firmware/nodes/tilt/a.hpp", includes("control/core/law/pfp.hpp")), Rules{});
+  EXPECT_EQ(broken_by("server/api/a.cpp", includes("control/publish/seq_cell.hpp")), Rules{});
+  EXPECT_EQ(broken_by("server/api/a.cpp", includes("db/store/store.hpp")), Rules{});
+  EXPECT_EQ(broken_by("tests/loop/a.cpp", includes("firmware/sim/plant.hpp")), Rules{});
+  EXPECT_EQ(broken_by("web/src/panels/drive/a.ts", "import { x } from '../../link/socket';\n"), Rules{});
+  // An include inside a comment is no include.
+  EXPECT_EQ(broken_by("control/core/law/a.hpp", "#pragma once\n// #include \"server/http/router.hpp\"\n"), Rules{});
+}
+
+TEST(Includes, AreWrittenFromTheTopAndExist) {
+  EXPECT_EQ(broken_by("server/api/a.cpp", "#include \"router.hpp\"\n"), Rules{"include-from-top"});
+  EXPECT_EQ(broken_by("server/api/a.cpp", "#include \"../http/router.hpp\"\n"), Rules{"include-from-top"});
+  EXPECT_EQ(broken_by("server/api/a.cpp", "#include \"server/http/gone.hpp\"\n"), Rules{"include-exists"});
+  EXPECT_EQ(broken_by("server/api/a.hpp", "int a;\n"), Rules{"pragma-once"});
+}
+
+class PureWords : public testing::TestWithParam<const char*> {};
+TEST_P(PureWords, AreFoundInCoreAndFirmwareOnly) {
+  const std::string text = std::string("#pragma once\n") + GetParam() + "\n";
+  EXPECT_EQ(broken_by("control/core/intent/a.hpp", text).count("pure"), 1U);
+  EXPECT_EQ(broken_by("firmware/lib/a.hpp", text).count("pure"), 1U);
+  EXPECT_EQ(broken_by("server/api/a.hpp", text).count("pure"), 0U);
+  // The same word in a comment or a message is only a word.
+  EXPECT_EQ(broken_by("control/core/intent/a.hpp", std::string("#pragma once\n// ") + GetParam() + "\n"), Rules{});
+}
+INSTANTIATE_TEST_SUITE_P(Each, PureWords,
+                         testing::Values("int* p = new int;", "delete p;", "void* p = malloc(4);", "std::vector<int> v;", "std::string s;",
+                                         "throw 1;", "auto t = std::chrono::steady_clock::now();", "std::cout << 1;", "std::mutex m;",
+                                         "int r = rand();", "std::function<void()> f;"));
+
+TEST(Pure, WhatOnlyLooksForbiddenIsLeftAlone) {
+  EXPECT_EQ(
+      broken_by("control/core/a.hpp", "#pragma once\nA(const A&) = delete;\nstd::string_view renew;\nconst char* s = \"throw new\";\n"),
+      Rules{});
+}
+
+TEST(Words, UnfinishedWorkMachinePathsAndRegistriesAreFound) {
+  EXPECT_EQ(broken_by("server/api/a.cpp", std::string("// TO") + "DO later\n"), Rules{"unfinished"});
+  EXPECT_EQ(broken_by("server/README.md", std::string("see /wo") + "rk/x\n"), Rules{"machine-path"});
+  EXPECT_EQ(broken_by("web/package-lock.json", std::string("\"https://registry.np") + "mjs.org/a\"\n"), Rules{"registry-host"});
+  EXPECT_EQ(broken_by("server/README.md", "a/work/b is a path of ours, and todo is a word\n"), Rules{});
+  EXPECT_EQ(broken_by("server/README.md", std::string(7, '<') + " HEAD\n"), Rules{"conflict"});
+}
+
+TEST(TestHabits, SleepsEmptySkipsAndEmptyAssertionsAreFound) {
+  EXPECT_EQ(broken_by("tests/unit/a.cpp", "std::this_thread::sleep_for(1s);\n"), Rules{"sleep"});
+  EXPECT_EQ(broken_by("tests/unit/a.cpp", "GTEST_SKIP();\n"), Rules{"skip-reason"});
+  EXPECT_EQ(broken_by("tests/unit/a.cpp", "EXPECT_TRUE(true);\n"), Rules{"empty-assertion"});
+  EXPECT_EQ(broken_by("tests/unit/a.cpp", "GTEST_SKIP() << \"no CAN here\";\nEXPECT_TRUE(true_north);\nEXPECT_EQ(1, 12);\n"), Rules{});
+}
+
+TEST(Generated, NamesTheCommandThatMakesIt) {
+  EXPECT_EQ(broken_by("control/contract/params.gen.md", "# Parameters\n"), Rules{"generated"});
+  EXPECT_EQ(broken_by("control/contract/params.gen.md", "<!-- made by deploy/dev gen -->\n"), Rules{});
+}
+
+TEST(TreeRules, ExtrasGapsAndDeadSourcesAreFound) {
+  const auto rules_of = [](const std::vector<File>& files) {
+    std::set<std::string> rules;
+    for (const auto& finding : check_tree(files)) rules.insert(finding.rule);
+    return rules;
+  };
+  const std::vector<File> good = {
+      {"README.md", ""}, {"LICENSE", ""}, {"deploy/dev", "", true}, {"deploy/README.md", ""}, {".ci/run", "", true}};
+  const auto with = [&](const File& more) {
+    auto files = good;
+    files.push_back(more);
+    return files;
+  };
+  EXPECT_EQ(rules_of(good), Rules{});
+  EXPECT_EQ(rules_of(with({"notes.txt", ""})), Rules{"top-level"});
+  EXPECT_EQ(rules_of(with({"db/x.sql", ""})), Rules{"readme"});
+  EXPECT_EQ(rules_of(with({"deploy/tools/a.cpp", ""})), Rules{"dead-source"});
+  EXPECT_EQ(rules_of(with({"deploy/golden.csv", std::string((2U << 20U) + 1, 'x')})), Rules{"size"});
+  auto no_bit = good;
+  no_bit[2].runnable = false;
+  EXPECT_EQ(rules_of(no_bit), Rules{"run-bit"});
+}
+
+}  // namespace
+}  // namespace hoist::tidy
