@@ -1,0 +1,32 @@
+// What hoist-gen writes: every committed *.gen.* file, made from the tables in control/contract and from nothing else.
+// The same text for the same tables, on every machine.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hoist::gen {
+
+struct GeneratedFile {
+  std::string path;  // from the tree top
+  std::string text;
+};
+
+// All generated files, sorted by path.
+std::vector<GeneratedFile> generate_all();
+
+// One function per kind of file; generate_all() is the list.
+std::vector<GeneratedFile> typescript_files();
+std::vector<GeneratedFile> markdown_files();
+GeneratedFile dbc_file();
+std::vector<GeneratedFile> eds_files();
+
+// The shortest decimal text that reads back as the same number.
+std::string number_text(double value);
+// 0x1A00 with at least `digits` digits.
+std::string hex_text(unsigned value, int digits);
+// The sentence that every generated file begins with, without comment marks.
+std::string made_from(std::string_view table);
+
+}  // namespace hoist::gen

@@ -1,0 +1,160 @@
+// The reference pages that people read.
+#include <array>
+#include <cstdio>
+#include <initializer_list>
+#include <string>
+
+#include "control/contract/can_dictionary.hpp"
+#include "control/contract/faults.hpp"
+#include "control/contract/params.hpp"
+#include "control/contract/signals.hpp"
+#include "deploy/tools/gen/generate.hpp"
+
+namespace hoist::gen {
+namespace {
+
+using namespace hoist::contract;
+
+std::string head(std::string_view table, std::string_view title) {
+  return "<!-- " + made_from(table) + " -->\n\n# " + std::string(title) + "\n\n";
+}
+
+// A cell may not hold the bar that ends it.
+std::string cell(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '|') out += '\\';
+    out += c;
+  }
+  return out;
+}
+std::string row(std::initializer_list<std::string> cells) {
+  std::string out = "|";
+  for (const auto& text : cells) out += " " + cell(text) + " |";
+  return out + "\n";
+}
+std::string table_head(std::initializer_list<std::string> titles) {
+  std::string out = row(titles) + "|";
+  for (std::size_t i = 0; i < titles.size(); ++i) out += "---|";
+  return out + "\n";
+}
+std::string code(std::string_view text) { return "`" + std::string(text) + "`"; }
+
+GeneratedFile params_page() {
+  std::string out = head("control/contract/params.def", "Parameters");
+  out += "All values in SI units. *live* parameters may change while the hoist moves, *stopped* ones only on standby.\n\n";
+  out += table_head({"id", "name", "unit", "least", "default", "most", "edit", "who", "what it does", "source"});
+  for (const auto& p : kParams) {
+    const std::string where = p.scope == ParamScope::core    ? ""
+                              : p.scope == ParamScope::drive ? " (in the drives)"
+                                                             : " (in the tilt sensors)";
+    out += row({std::to_string(p.id), code(p.name), std::string(p.unit), number_text(p.min), number_text(p.default_value),
+                number_text(p.max), p.edit == EditRule::live ? "live" : "stopped", p.role == Role::engineer ? "engineer" : "therapist",
+                std::string(p.title_en) + where + ": " + std::string(p.effect_en), std::string(p.source)});
+  }
+  out += "\n## Presets\n\n";
+  for (const auto& preset : kPresets) {
+    out += "**" + std::string(preset.title_en) + "** (" + code(preset.name) + "): " + std::string(preset.doc_en) + "\n\n" +
+           table_head({"parameter", "value"});
+    for (const auto& value : kPresetValues) {
+      if (value.preset == preset.name) out += row({code(kParams[param_index(value.param)].name), number_text(value.value)});
+    }
+    out += "\n";
+  }
+  out.pop_back();
+  return {"control/contract/params.gen.md", out};
+}
+
+GeneratedFile signals_page() {
+  constexpr std::array<std::string_view, 6> kTypes = {"u64", "u32", "i32", "f32", "u16", "u8"};
+  std::string out = head("control/contract/signals.def", "Live values");
+  out += "One record of " + std::to_string(sizeof(TickRecord)) +
+         " bytes per control step (100 Hz), little endian. *step* is the value of one step of the recorded integer.\n\n";
+  out += table_head({"id", "name", "unit", "type", "byte", "step", "what it is"});
+  for (const auto& s : kSignals) {
+    out += row({std::to_string(s.id), code(s.name), std::string(s.unit), std::string(kTypes[static_cast<std::size_t>(s.type)]),
+                std::to_string(s.offset), number_text(s.lsb), std::string(s.doc)});
+  }
+  return {"control/contract/signals.gen.md", out};
+}
+
+GeneratedFile faults_page() {
+  constexpr std::array<std::string_view, 3> kPriorities = {"low", "medium", "high"};
+  constexpr std::array<std::string_view, 3> kReactions = {"warning only", "soft stop to standby", "protective stop until acknowledged"};
+  std::string out = head("control/contract/faults.def", "Faults, refusals, modes");
+  out += "## Faults\n\n" + table_head({"bit", "name", "priority", "reaction", "hazard", "what the therapist reads", "what to do"});
+  for (const auto& f : kFaults) {
+    out += row({std::to_string(f.bit), code(f.name), std::string(kPriorities[static_cast<std::size_t>(f.priority)]),
+                std::string(kReactions[static_cast<std::size_t>(f.reaction)]), std::string(f.hazard), std::string(f.text_en),
+                std::string(f.action_en)});
+  }
+  out += "\n## Refusals\n\nWhy a start is blocked or a command is refused.\n\n" + table_head({"bit", "name", "what the therapist reads"});
+  for (const auto& r : kRefusals) out += row({std::to_string(r.bit), code(r.name), std::string(r.text_en)});
+  out += "\n## Modes\n\n" + table_head({"value", "name", "title", "wheels may turn"});
+  for (const auto& m : kModes) out += row({std::to_string(m.value), code(m.name), std::string(m.title_en), m.moving ? "yes" : "no"});
+  return {"control/contract/faults.gen.md", out};
+}
+
+std::string_view type_name(ObjectType type) {
+  constexpr std::array<std::string_view, 7> kNames = {"u8", "i8", "u16", "i16", "u32", "i32", "f32"};
+  return kNames[static_cast<std::size_t>(type)];
+}
+
+// Bits of a frame with 11-bit id and `bytes` data bytes at worst bit stuffing, with the 3 bits between frames
+// (Davis, Burns, Bril, Lukkien 2007).
+constexpr double worst_frame_bits(std::size_t bytes) { return static_cast<double>(47 + 8 * bytes + (34 + 8 * bytes - 1) / 4); }
+
+GeneratedFile can_page() {
+  constexpr double kBitsPerSecond = 250000.0, kSyncHz = 100.0, kHeartbeatHz = 10.0;
+  std::string out = head("control/contract/can_dictionary.def", "The bus: nodes, process data, objects");
+  out += "CANopen at 250 kbit/s. The DBC of all frames is `hoist.gen.dbc`; one EDS per node is in `firmware/nodes/eds/`.\n\n## Nodes\n\n" +
+         table_head({"node", "id", "title"});
+  for (const auto& node : kNodes) out += row({code(node.name), hex_text(node.id, 2), std::string(node.title)});
+  out += "\n## Process data\n\n" + table_head({"frame", "id", "bytes", "from", "when", "content", "worst load"});
+  double load = worst_frame_bits(0) * kSyncHz;
+  for (const auto& pdo : kPdos) {
+    for (const auto& node : kNodes) {
+      if (node.kind != pdo.kind) continue;
+      // The struts' rates are a research switch; the regular load has them off (can_dictionary.def).
+      const bool off = pdo.pdo == Pdo::tilt_tx2 && node.name != "tilt_base";
+      std::string content;
+      for (const auto& entry : kPdoEntries) {
+        if (entry.pdo != pdo.pdo) continue;
+        const auto* object = find_object(pdo.kind, entry.index, entry.sub);
+        content += (content.empty() ? "" : ", ") + std::string(object->name) + " " + std::string(type_name(object->type));
+      }
+      const double bits_per_second = worst_frame_bits(pdo_bytes(pdo.pdo)) * 1000.0 / static_cast<double>(pdo.period_ms);
+      if (!off) load += bits_per_second;
+      const std::string when = pdo.type <= 240 ? "every " + (pdo.type == 1 ? std::string() : std::to_string(pdo.type) + ". ") + "SYNC"
+                                               : "every " + std::to_string(pdo.period_ms) + " ms or on change";
+      char percent[16];
+      std::snprintf(percent, sizeof percent, "%.1f %%", 100.0 * bits_per_second / kBitsPerSecond);
+      out += row({std::string(node.name) + " " + std::string(pdo.title), hex_text(static_cast<unsigned>(pdo.cob_base) + node.id, 3),
+                  std::to_string(pdo_bytes(pdo.pdo)), pdo.direction == PdoDirection::tx ? std::string(node.name) : "core",
+                  off ? "research switch, off" : when, content, off ? "-" : percent});
+    }
+  }
+  load += static_cast<double>(kNodes.size()) * worst_frame_bits(1) * kHeartbeatHz;
+  char percent[16];
+  std::snprintf(percent, sizeof percent, "%.1f %%", 100.0 * load / kBitsPerSecond);
+  out += "\nWith SYNC at 100 Hz and " + std::to_string(kNodes.size()) + " heartbeats at 10 Hz the regular load is at worst " + percent +
+         " of the bus (every frame stuffed as badly as can be); service data and emergencies come on top.\n";
+  out += "\n## Objects\n\n" + table_head({"nodes", "object", "name", "type", "access", "default", "range", "unit", "title"});
+  constexpr std::array<std::string_view, 5> kOwners = {"tilt", "drive", "io", "core", "all"};
+  for (const auto& object : kObjects) {
+    char address[24];
+    std::snprintf(address, sizeof address, "%04Xh:%u", object.index, object.sub);
+    const std::string unit = object.scale == 1.0 ? std::string(object.unit) : number_text(object.scale) + " " + std::string(object.unit);
+    out +=
+        row({std::string(kOwners[static_cast<std::size_t>(object.owner)]), address, code(object.name), std::string(type_name(object.type)),
+             object.access == Access::rw ? "read, write" : "read", number_text(object.default_value),
+             number_text(object.min) + " to " + number_text(object.max), unit, std::string(object.title)});
+  }
+  return {"control/contract/can_dictionary.gen.md", out};
+}
+
+}  // namespace
+
+std::vector<GeneratedFile> markdown_files() { return {params_page(), signals_page(), faults_page(), can_page()}; }
+
+}  // namespace hoist::gen

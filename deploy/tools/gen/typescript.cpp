@@ -1,0 +1,305 @@
+// The console's view of the tables: types and descriptions, and the reading of one tick record from the wire.
+#include <string>
+
+#include "control/contract/can_dictionary.hpp"
+#include "control/contract/commands.hpp"
+#include "control/contract/faults.hpp"
+#include "control/contract/params.hpp"
+#include "control/contract/shared_memory.hpp"
+#include "control/contract/signals.hpp"
+#include "deploy/tools/gen/generate.hpp"
+
+namespace hoist::gen {
+namespace {
+
+using namespace hoist::contract;
+
+std::string quoted(std::string_view text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'' || c == '\\') out += '\\';
+    if (c == '\n') {
+      out += "\\n";
+    } else {
+      out += c;
+    }
+  }
+  return out + "'";
+}
+
+std::string words(std::string_view english, std::string_view german) {
+  return "{ en: " + quoted(english) + ", de: " + quoted(german) + " }";
+}
+
+template <typename Rows>
+std::string name_union(std::string_view type, const Rows& rows) {
+  std::string out = "export type " + std::string(type) + " =";
+  for (const auto& row : rows) out += "\n  | " + quoted(row.name);
+  return out + ";\n";
+}
+
+std::string head(std::string_view table) { return "// " + made_from(table) + "\n\n"; }
+
+constexpr std::string_view kWords = "export interface Words {\n  en: string;\n  de: string;\n}\n\n";
+
+std::string_view edit_name(EditRule edit) { return edit == EditRule::live ? "live" : "stopped"; }
+std::string_view scope_name(ParamScope scope) {
+  switch (scope) {
+    case ParamScope::drive:
+      return "drive";
+    case ParamScope::tilt:
+      return "tilt";
+    case ParamScope::core:
+      break;
+  }
+  return "core";
+}
+std::string_view role_name(Role role) {
+  switch (role) {
+    case Role::therapist:
+      return "therapist";
+    case Role::engineer:
+      return "engineer";
+    case Role::viewer:
+      break;
+  }
+  return "viewer";
+}
+
+GeneratedFile params_file() {
+  std::string out = head("control/contract/params.def");
+  out += kWords;
+  out += name_union("ParamName", kParams);
+  out += R"(
+export interface ParamInfo {
+  id: number;
+  name: ParamName;
+  unit: string;
+  min: number;
+  default: number;
+  max: number;
+  /** live: also while moving; stopped: only when the hoist stands still on standby. */
+  edit: 'live' | 'stopped';
+  scope: 'core' | 'drive' | 'tilt';
+  /** Who may change it. */
+  role: 'viewer' | 'therapist' | 'engineer';
+  source: string;
+  title: Words;
+  effect: Words;
+}
+
+export const params: readonly ParamInfo[] = [
+)";
+  for (const auto& p : kParams) {
+    out += "  {\n    id: " + std::to_string(p.id) + ", name: " + quoted(p.name) + ", unit: " + quoted(p.unit) +
+           ", min: " + number_text(p.min) + ", default: " + number_text(p.default_value) + ", max: " + number_text(p.max) +
+           ",\n    edit: " + quoted(edit_name(p.edit)) + ", scope: " + quoted(scope_name(p.scope)) +
+           ", role: " + quoted(role_name(p.role)) + ", source: " + quoted(p.source) + ",\n    title: " + words(p.title_en, p.title_de) +
+           ",\n    effect: " + words(p.effect_en, p.effect_de) + ",\n  },\n";
+  }
+  out += R"(];
+
+export interface PresetInfo {
+  name: string;
+  title: Words;
+  doc: Words;
+  values: Partial<Record<ParamName, number>>;
+}
+
+export const presets: readonly PresetInfo[] = [
+)";
+  for (const auto& preset : kPresets) {
+    out += "  {\n    name: " + quoted(preset.name) + ", title: " + words(preset.title_en, preset.title_de) +
+           ",\n    doc: " + words(preset.doc_en, preset.doc_de) + ",\n    values: {";
+    for (const auto& value : kPresetValues) {
+      if (value.preset == preset.name)
+        out += " " + std::string(kParams[param_index(value.param)].name) + ": " + number_text(value.value) + ",";
+    }
+    out += " },\n  },\n";
+  }
+  return {"web/src/contract/params.gen.ts", out + "];\n"};
+}
+
+std::string_view type_name(SignalType type) {
+  switch (type) {
+    case SignalType::u64:
+      return "u64";
+    case SignalType::u32:
+      return "u32";
+    case SignalType::i32:
+      return "i32";
+    case SignalType::f32:
+      return "f32";
+    case SignalType::u16:
+      return "u16";
+    case SignalType::u8:
+      break;
+  }
+  return "u8";
+}
+
+// 64-bit integers become numbers: tick and time stay below 2^53 for 100 days.
+std::string read_expression(const SignalInfo& s) {
+  const std::string at = "at + " + std::to_string(s.offset);
+  switch (s.type) {
+    case SignalType::u64:
+      return "Number(view.getBigUint64(" + at + ", true))";
+    case SignalType::u32:
+      return "view.getUint32(" + at + ", true)";
+    case SignalType::i32:
+      return "view.getInt32(" + at + ", true)";
+    case SignalType::f32:
+      return "view.getFloat32(" + at + ", true)";
+    case SignalType::u16:
+      return "view.getUint16(" + at + ", true)";
+    case SignalType::u8:
+      break;
+  }
+  return "view.getUint8(" + at + ")";
+}
+
+GeneratedFile signals_file() {
+  std::string out = head("control/contract/signals.def");
+  out += kWords;
+  out += name_union("SignalName", kSignals);
+  out += R"(
+export interface SignalInfo {
+  id: number;
+  name: SignalName;
+  type: 'u64' | 'u32' | 'i32' | 'f32' | 'u16' | 'u8';
+  unit: string;
+  /** Value of one step of the stored integer in recordings. */
+  lsb: number;
+  /** Place of the value in a tick record, in bytes. */
+  offset: number;
+  title: Words;
+  doc: string;
+}
+
+/** Every live value of one control step. */
+export type TickRecord = Record<SignalName, number>;
+
+)";
+  out += "export const tickRecordBytes = " + std::to_string(sizeof(TickRecord)) + ";\n\n";
+  out +=
+      "/** Reads the record that begins at byte `at`. */\nexport function readTickRecord(view: DataView, at: number): TickRecord {\n  "
+      "return {\n";
+  for (const auto& s : kSignals) out += "    " + std::string(s.name) + ": " + read_expression(s) + ",\n";
+  out += "  };\n}\n\nexport const signals: readonly SignalInfo[] = [\n";
+  for (const auto& s : kSignals) {
+    out += "  { id: " + std::to_string(s.id) + ", name: " + quoted(s.name) + ", type: " + quoted(type_name(s.type)) +
+           ", unit: " + quoted(s.unit) + ", lsb: " + number_text(s.lsb) + ", offset: " + std::to_string(s.offset) +
+           ", title: " + words(s.title_en, s.title_de) + ", doc: " + quoted(s.doc) + " },\n";
+  }
+  return {"web/src/contract/signals.gen.ts", out + "];\n"};
+}
+
+std::string_view priority_name(Priority priority) {
+  switch (priority) {
+    case Priority::high:
+      return "high";
+    case Priority::medium:
+      return "medium";
+    case Priority::low:
+      break;
+  }
+  return "low";
+}
+std::string_view reaction_name(Reaction reaction) {
+  switch (reaction) {
+    case Reaction::protective_stop:
+      return "protective_stop";
+    case Reaction::soft_stop:
+      return "soft_stop";
+    case Reaction::warn:
+      break;
+  }
+  return "warn";
+}
+
+GeneratedFile faults_file() {
+  std::string out = head("control/contract/faults.def");
+  out += kWords;
+  out += name_union("FaultName", kFaults) + "\n" + name_union("RefusalName", kRefusals) + "\n" + name_union("ModeName", kModes);
+  out += R"(
+export interface FaultInfo {
+  /** Place in fault_bits. */
+  bit: number;
+  name: FaultName;
+  priority: 'high' | 'medium' | 'low';
+  reaction: 'warn' | 'soft_stop' | 'protective_stop';
+  text: Words;
+  /** What to do next. */
+  action: Words;
+}
+
+export const faults: readonly FaultInfo[] = [
+)";
+  for (const auto& f : kFaults) {
+    out += "  {\n    bit: " + std::to_string(f.bit) + ", name: " + quoted(f.name) + ", priority: " + quoted(priority_name(f.priority)) +
+           ", reaction: " + quoted(reaction_name(f.reaction)) + ",\n    text: " + words(f.text_en, f.text_de) +
+           ",\n    action: " + words(f.action_en, f.action_de) + ",\n  },\n";
+  }
+  out += R"(];
+
+export interface RefusalInfo {
+  /** Place in blocked_bits. */
+  bit: number;
+  name: RefusalName;
+  text: Words;
+}
+
+export const refusals: readonly RefusalInfo[] = [
+)";
+  for (const auto& r : kRefusals) {
+    out += "  { bit: " + std::to_string(r.bit) + ", name: " + quoted(r.name) + ", text: " + words(r.text_en, r.text_de) + " },\n";
+  }
+  out += R"(];
+
+export interface ModeInfo {
+  value: number;
+  name: ModeName;
+  /** The wheels may turn in this mode. */
+  moving: boolean;
+  title: Words;
+}
+
+export const modes: readonly ModeInfo[] = [
+)";
+  for (const auto& m : kModes) {
+    out += "  { value: " + std::to_string(m.value) + ", name: " + quoted(m.name) + ", moving: " + (m.moving ? "true" : "false") +
+           ", title: " + words(m.title_en, m.title_de) + " },\n";
+  }
+  return {"web/src/contract/faults.gen.ts", out + "];\n"};
+}
+
+GeneratedFile messages_file() {
+  std::string out = head("control/contract/commands.hpp and can_dictionary.def");
+  out += "/** What the core reports, by the number it has on the wire. */\nexport const eventKinds = [";
+  // The names end where event_name has no further one.
+  constexpr std::uint32_t kKindsMost = 64;
+  for (std::uint32_t kind = 0; kind < kKindsMost; ++kind) {
+    const auto name = event_name(static_cast<EventKind>(kind));
+    if (kind > 0 && name == event_name(EventKind::none)) break;
+    out += "\n  " + quoted(name) + ",";
+  }
+  out += "\n] as const;\nexport type EventKind = (typeof eventKinds)[number];\n\n";
+  out += name_union("NodeName", kNodes);
+  out +=
+      "\nexport interface NodeInfo {\n  name: NodeName;\n  id: number;\n  title: string;\n}\n\n/** The nodes of the bus, in the order of "
+      "their numbers in events. */\n"
+      "export const nodes: readonly NodeInfo[] = [\n";
+  for (const auto& node : kNodes) {
+    out += "  { name: " + quoted(node.name) + ", id: " + std::to_string(node.id) + ", title: " + quoted(node.title) + " },\n";
+  }
+  out += "];\n\n/** Two programs with different hashes do not understand each other. */\nexport const layoutHash = '";
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  for (int shift = 60; shift >= 0; shift -= 4) out += kDigits[(layout_hash() >> shift) & 0xFU];
+  return {"web/src/contract/messages.gen.ts", out + "';\n"};
+}
+
+}  // namespace
+
+std::vector<GeneratedFile> typescript_files() { return {params_file(), signals_file(), faults_file(), messages_file()}; }
+
+}  // namespace hoist::gen

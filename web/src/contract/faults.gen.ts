@@ -1,0 +1,225 @@
+// Made by `deploy/dev gen` from control/contract/faults.def; do not edit.
+
+export interface Words {
+  en: string;
+  de: string;
+}
+
+export type FaultName =
+  | 'tilt_left_lost'
+  | 'tilt_right_lost'
+  | 'tilt_base_lost'
+  | 'drive_left_lost'
+  | 'drive_right_lost'
+  | 'io_lost'
+  | 'drive_left_fault'
+  | 'drive_right_fault'
+  | 'tilt_implausible'
+  | 'tilt_frozen'
+  | 'bumper_pressed'
+  | 'fall_detected'
+  | 'battery_empty'
+  | 'battery_low'
+  | 'remote_command_lost'
+  | 'server_lost'
+  | 'overspeed'
+  | 'loop_overrun'
+  | 'gate_refused'
+  | 'stop_pressed'
+  | 'tilt_sensor_fault'
+  | 'bus_down';
+
+export type RefusalName =
+  | 'not_standby'
+  | 'nodes_missing'
+  | 'fault_active'
+  | 'not_neutral'
+  | 'moving'
+  | 'battery_empty_start'
+  | 'sensors_settling'
+  | 'no_lease'
+  | 'stick_not_neutral'
+  | 'out_of_range'
+  | 'not_finite'
+  | 'unknown_item'
+  | 'only_when_stopped'
+  | 'stale_command'
+  | 'inconsistent_set'
+  | 'cause_not_cleared'
+  | 'bumper_start'
+  | 'out_of_order';
+
+export type ModeName =
+  | 'init'
+  | 'standby'
+  | 'user'
+  | 'remote'
+  | 'protective_stop';
+
+export interface FaultInfo {
+  /** Place in fault_bits. */
+  bit: number;
+  name: FaultName;
+  priority: 'high' | 'medium' | 'low';
+  reaction: 'warn' | 'soft_stop' | 'protective_stop';
+  text: Words;
+  /** What to do next. */
+  action: Words;
+}
+
+export const faults: readonly FaultInfo[] = [
+  {
+    bit: 0, name: 'tilt_left_lost', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'Left strut sensor does not answer', de: 'Sensor der linken Strebe antwortet nicht' },
+    action: { en: 'Check its plug, then acknowledge.', de: 'Stecker prüfen, dann quittieren.' },
+  },
+  {
+    bit: 1, name: 'tilt_right_lost', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'Right strut sensor does not answer', de: 'Sensor der rechten Strebe antwortet nicht' },
+    action: { en: 'Check its plug, then acknowledge.', de: 'Stecker prüfen, dann quittieren.' },
+  },
+  {
+    bit: 2, name: 'tilt_base_lost', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'Chassis sensor does not answer', de: 'Sensor des Fahrgestells antwortet nicht' },
+    action: { en: 'Check its plug, then acknowledge.', de: 'Stecker prüfen, dann quittieren.' },
+  },
+  {
+    bit: 3, name: 'drive_left_lost', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'Left drive does not answer', de: 'Linker Antrieb antwortet nicht' },
+    action: { en: 'Hold the patient, check its plug, then acknowledge.', de: 'Patienten sichern, Stecker prüfen, dann quittieren.' },
+  },
+  {
+    bit: 4, name: 'drive_right_lost', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'Right drive does not answer', de: 'Rechter Antrieb antwortet nicht' },
+    action: { en: 'Hold the patient, check its plug, then acknowledge.', de: 'Patienten sichern, Stecker prüfen, dann quittieren.' },
+  },
+  {
+    bit: 5, name: 'io_lost', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'Bumpers and batteries do not answer', de: 'Stoßfänger und Batterien antworten nicht' },
+    action: { en: 'Check the input node, then acknowledge.', de: 'Eingangsknoten prüfen, dann quittieren.' },
+  },
+  {
+    bit: 6, name: 'drive_left_fault', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'Left drive reports a fault', de: 'Linker Antrieb meldet eine Störung' },
+    action: { en: 'Acknowledge; call service if it comes back.', de: 'Quittieren; kommt sie wieder, Service rufen.' },
+  },
+  {
+    bit: 7, name: 'drive_right_fault', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'Right drive reports a fault', de: 'Rechter Antrieb meldet eine Störung' },
+    action: { en: 'Acknowledge; call service if it comes back.', de: 'Quittieren; kommt sie wieder, Service rufen.' },
+  },
+  {
+    bit: 8, name: 'tilt_implausible', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'A tilt sensor reports impossible values', de: 'Ein Neigungssensor meldet unmögliche Werte' },
+    action: { en: 'Check that the sensors sit firmly, then acknowledge.', de: 'Festen Sitz der Sensoren prüfen, dann quittieren.' },
+  },
+  {
+    bit: 9, name: 'tilt_frozen', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'A tilt sensor has frozen', de: 'Ein Neigungssensor ist eingefroren' },
+    action: { en: 'Switch the hoist off and on; call service if it comes back.', de: 'Aus- und einschalten; kommt es wieder, Service rufen.' },
+  },
+  {
+    bit: 10, name: 'bumper_pressed', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'A bumper touches something', de: 'Ein Stoßfänger berührt etwas' },
+    action: { en: 'Clear the way, then acknowledge.', de: 'Weg frei machen, dann quittieren.' },
+  },
+  {
+    bit: 11, name: 'fall_detected', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'The patient is falling or hanging at the stop', de: 'Der Patient fällt oder hängt im Anschlag' },
+    action: { en: 'Help the patient upright, then acknowledge.', de: 'Patienten aufrichten, dann quittieren.' },
+  },
+  {
+    bit: 12, name: 'battery_empty', priority: 'medium', reaction: 'soft_stop',
+    text: { en: 'Batteries are empty', de: 'Batterien sind leer' },
+    action: { en: 'End the training and charge.', de: 'Training beenden und laden.' },
+  },
+  {
+    bit: 13, name: 'battery_low', priority: 'low', reaction: 'warn',
+    text: { en: 'Batteries are low', de: 'Batterien sind schwach' },
+    action: { en: 'Charge soon.', de: 'Bald laden.' },
+  },
+  {
+    bit: 14, name: 'remote_command_lost', priority: 'medium', reaction: 'soft_stop',
+    text: { en: 'No driving commands arrive any more', de: 'Es kommen keine Fahrbefehle mehr an' },
+    action: { en: 'Let go of the joystick, check the WiFi, start again.', de: 'Joystick loslassen, WLAN prüfen, neu starten.' },
+  },
+  {
+    bit: 15, name: 'server_lost', priority: 'medium', reaction: 'warn',
+    text: { en: 'The console is not connected', de: 'Die Konsole ist nicht verbunden' },
+    action: { en: 'Patient-led walking goes on; STOP at the hoist itself.', de: 'Das geführte Gehen läuft weiter; am Gerät selbst anhalten.' },
+  },
+  {
+    bit: 16, name: 'overspeed', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'The hoist moves differently than commanded', de: 'Die Hilfe bewegt sich anders als befohlen' },
+    action: { en: 'Acknowledge; call service if it comes back.', de: 'Quittieren; kommt es wieder, Service rufen.' },
+  },
+  {
+    bit: 17, name: 'loop_overrun', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'The controller was too late', de: 'Die Steuerung war zu spät' },
+    action: { en: 'Acknowledge; call service if it comes back.', de: 'Quittieren; kommt es wieder, Service rufen.' },
+  },
+  {
+    bit: 18, name: 'gate_refused', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'A command was outside the limits and was not sent', de: 'Ein Befehl lag außerhalb der Grenzen und wurde nicht gesendet' },
+    action: { en: 'Acknowledge; call service.', de: 'Quittieren; Service rufen.' },
+  },
+  {
+    bit: 19, name: 'stop_pressed', priority: 'medium', reaction: 'protective_stop',
+    text: { en: 'STOP was pressed', de: 'STOPP wurde gedrückt' },
+    action: { en: 'Acknowledge to go on.', de: 'Zum Weitermachen quittieren.' },
+  },
+  {
+    bit: 20, name: 'tilt_sensor_fault', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'A tilt sensor failed its own check', de: 'Ein Neigungssensor hat seine Prüfung nicht bestanden' },
+    action: { en: 'Switch the hoist off and on; call service if it comes back.', de: 'Aus- und einschalten; kommt es wieder, Service rufen.' },
+  },
+  {
+    bit: 21, name: 'bus_down', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'The connection to sensors and drives is broken', de: 'Die Verbindung zu Sensoren und Antrieben ist unterbrochen' },
+    action: { en: 'Check the bus cable; it reconnects by itself, then acknowledge.', de: 'Buskabel prüfen; sie verbindet sich selbst wieder, dann quittieren.' },
+  },
+];
+
+export interface RefusalInfo {
+  /** Place in blocked_bits. */
+  bit: number;
+  name: RefusalName;
+  text: Words;
+}
+
+export const refusals: readonly RefusalInfo[] = [
+  { bit: 0, name: 'not_standby', text: { en: 'The hoist is not on standby.', de: 'Die Hilfe ist nicht in Bereitschaft.' } },
+  { bit: 1, name: 'nodes_missing', text: { en: 'Not all sensors and drives have answered yet.', de: 'Noch nicht alle Sensoren und Antriebe haben geantwortet.' } },
+  { bit: 2, name: 'fault_active', text: { en: 'A fault is active.', de: 'Eine Störung ist aktiv.' } },
+  { bit: 3, name: 'not_neutral', text: { en: 'The patient is not upright and straight: stand upright or set neutral.', de: 'Der Patient steht nicht aufrecht und gerade: aufrichten oder neutral setzen.' } },
+  { bit: 4, name: 'moving', text: { en: 'The hoist is still moving.', de: 'Die Hilfe bewegt sich noch.' } },
+  { bit: 5, name: 'battery_empty_start', text: { en: 'The batteries are empty.', de: 'Die Batterien sind leer.' } },
+  { bit: 6, name: 'sensors_settling', text: { en: 'The sensors are still settling: hold still for two seconds.', de: 'Die Sensoren stellen sich noch ein: zwei Sekunden still halten.' } },
+  { bit: 7, name: 'no_lease', text: { en: 'Someone else is in control, or nobody is: take control first.', de: 'Jemand anderes steuert oder niemand: zuerst die Steuerung übernehmen.' } },
+  { bit: 8, name: 'stick_not_neutral', text: { en: 'Let the joystick go to the middle first.', de: 'Joystick zuerst in die Mitte loslassen.' } },
+  { bit: 9, name: 'out_of_range', text: { en: 'The value is outside its range.', de: 'Der Wert liegt außerhalb seines Bereichs.' } },
+  { bit: 10, name: 'not_finite', text: { en: 'The value is not a number.', de: 'Der Wert ist keine Zahl.' } },
+  { bit: 11, name: 'unknown_item', text: { en: 'There is no such item.', de: 'Das gibt es nicht.' } },
+  { bit: 12, name: 'only_when_stopped', text: { en: 'This can only be changed on standby.', de: 'Das lässt sich nur in Bereitschaft ändern.' } },
+  { bit: 13, name: 'stale_command', text: { en: 'The command arrived too late.', de: 'Der Befehl kam zu spät.' } },
+  { bit: 14, name: 'inconsistent_set', text: { en: 'These values do not fit together.', de: 'Diese Werte passen nicht zusammen.' } },
+  { bit: 15, name: 'cause_not_cleared', text: { en: 'The cause of the stop is still there.', de: 'Der Grund des Halts besteht noch.' } },
+  { bit: 16, name: 'bumper_start', text: { en: 'A bumper touches something.', de: 'Ein Stoßfänger berührt etwas.' } },
+  { bit: 17, name: 'out_of_order', text: { en: 'The command is out of order.', de: 'Der Befehl ist nicht in der Reihenfolge.' } },
+];
+
+export interface ModeInfo {
+  value: number;
+  name: ModeName;
+  /** The wheels may turn in this mode. */
+  moving: boolean;
+  title: Words;
+}
+
+export const modes: readonly ModeInfo[] = [
+  { value: 0, name: 'init', moving: false, title: { en: 'Starting', de: 'Startet' } },
+  { value: 1, name: 'standby', moving: false, title: { en: 'Standby', de: 'Bereitschaft' } },
+  { value: 2, name: 'user', moving: true, title: { en: 'Patient leads', de: 'Patient führt' } },
+  { value: 3, name: 'remote', moving: true, title: { en: 'Therapist drives', de: 'Therapeut fährt' } },
+  { value: 4, name: 'protective_stop', moving: false, title: { en: 'Stopped', de: 'Angehalten' } },
+];

@@ -1,0 +1,412 @@
+// Made by `deploy/dev gen` from control/contract/params.def; do not edit.
+
+export interface Words {
+  en: string;
+  de: string;
+}
+
+export type ParamName =
+  | 'strut_length_m'
+  | 'strut_spacing_m'
+  | 'track_width_m'
+  | 'wheel_radius_m'
+  | 'encoder_counts_per_turn'
+  | 'wheel_left_scale_norm'
+  | 'wheel_right_scale_norm'
+  | 'lean_range_rad'
+  | 'turn_range_rad'
+  | 'neutral_lean_m'
+  | 'neutral_turn_rad'
+  | 'lean_dead_band_norm'
+  | 'lean_tau_normal_s'
+  | 'lean_tau_release_s'
+  | 'braking_softness_norm'
+  | 'reversal_gain_norm'
+  | 'lean_gain_direct_units'
+  | 'lean_gain_filtered_units'
+  | 'lean_filtered_units_max'
+  | 'speed_per_unit_m_s'
+  | 'turn_dead_band_norm'
+  | 'turn_tau_normal_s'
+  | 'turn_tau_release_s'
+  | 'turn_gain_direct_units'
+  | 'turn_gain_filtered_units'
+  | 'yaw_rate_per_unit_rad_s'
+  | 'speed_m_s_max'
+  | 'yaw_rate_rad_s_max'
+  | 'acceleration_m_s2_max'
+  | 'jerk_m_s3_max'
+  | 'yaw_acceleration_rad_s2_max'
+  | 'speed_cap_norm'
+  | 'protective_deceleration_m_s2'
+  | 'bumper_deceleration_m_s2'
+  | 'remote_speed_m_s_max'
+  | 'remote_yaw_rate_rad_s_max'
+  | 'remote_slow_age_s'
+  | 'remote_stop_age_s'
+  | 'fall_tilt_rad'
+  | 'fall_rate_rad_s'
+  | 'fall_static_tilt_rad'
+  | 'fall_static_s'
+  | 'battery_low_v'
+  | 'battery_empty_v'
+  | 'neutral_start_tolerance_norm'
+  | 'loop_late_s_max'
+  | 'drive_velocity_gain_v_s_rad'
+  | 'drive_velocity_integral_v_rad'
+  | 'drive_current_limit_a'
+  | 'drive_acceleration_rad_s2'
+  | 'tilt_kalman_angle_norm'
+  | 'tilt_kalman_bias_per_s';
+
+export interface ParamInfo {
+  id: number;
+  name: ParamName;
+  unit: string;
+  min: number;
+  default: number;
+  max: number;
+  /** live: also while moving; stopped: only when the hoist stands still on standby. */
+  edit: 'live' | 'stopped';
+  scope: 'core' | 'drive' | 'tilt';
+  /** Who may change it. */
+  role: 'viewer' | 'therapist' | 'engineer';
+  source: string;
+  title: Words;
+  effect: Words;
+}
+
+export const params: readonly ParamInfo[] = [
+  {
+    id: 1, name: 'strut_length_m', unit: 'm', min: 0.3, default: 0.8, max: 1.5,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'assumed; d in eq (1)',
+    title: { en: 'Strut length', de: 'Strebenlänge' },
+    effect: { en: 'Height of the support bar above the ball joints.', de: 'Höhe des Haltebügels über den Kugelgelenken.' },
+  },
+  {
+    id: 2, name: 'strut_spacing_m', unit: 'm', min: 0.2, default: 0.6, max: 1.2,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'assumed; d_s in eq (3)',
+    title: { en: 'Strut spacing', de: 'Strebenabstand' },
+    effect: { en: 'Distance between the two struts.', de: 'Abstand der beiden Streben.' },
+  },
+  {
+    id: 3, name: 'track_width_m', unit: 'm', min: 0.3, default: 0.7, max: 1.2,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'assumed; d_ww in eq (20)',
+    title: { en: 'Track width', de: 'Spurweite' },
+    effect: { en: 'Distance between the driven wheels.', de: 'Abstand der Antriebsräder.' },
+  },
+  {
+    id: 4, name: 'wheel_radius_m', unit: 'm', min: 0.03, default: 0.1, max: 0.3,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'assumed',
+    title: { en: 'Wheel radius', de: 'Radradius' },
+    effect: { en: 'Rolling radius of the driven wheels.', de: 'Rollradius der Antriebsräder.' },
+  },
+  {
+    id: 5, name: 'encoder_counts_per_turn', unit: 'counts', min: 100, default: 60000, max: 1e+07,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'assumed; 2000 counts at the motor, gear 30',
+    title: { en: 'Encoder counts per wheel turn', de: 'Geberimpulse je Radumdrehung' },
+    effect: { en: 'Counts of one full turn of a driven wheel.', de: 'Impulse einer vollen Umdrehung eines Antriebsrads.' },
+  },
+  {
+    id: 6, name: 'wheel_left_scale_norm', unit: '', min: 0.9, default: 1, max: 1.1,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration; K_p>m per wheel, eq (19)',
+    title: { en: 'Left wheel correction', de: 'Korrektur linkes Rad' },
+    effect: { en: 'Corrects the distance counted by the left wheel.', de: 'Korrigiert die gezählte Strecke des linken Rads.' },
+  },
+  {
+    id: 7, name: 'wheel_right_scale_norm', unit: '', min: 0.9, default: 1, max: 1.1,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration; K_p>m per wheel, eq (19)',
+    title: { en: 'Right wheel correction', de: 'Korrektur rechtes Rad' },
+    effect: { en: 'Corrects the distance counted by the right wheel.', de: 'Korrigiert die gezählte Strecke des rechten Rads.' },
+  },
+  {
+    id: 10, name: 'lean_range_rad', unit: 'rad', min: 0.0698132, default: 0.174532925, max: 0.261799388,
+    edit: 'stopped', scope: 'core', role: 'therapist', source: 'design section 6, simulated: 10 deg',
+    title: { en: 'Lean for full speed', de: 'Neigung für volle Fahrt' },
+    effect: { en: 'How far the patient leans for full effect. Smaller: less lean needed.', de: 'Wie weit sich der Patient für volle Wirkung neigt. Kleiner: weniger Neigung nötig.' },
+  },
+  {
+    id: 11, name: 'turn_range_rad', unit: 'rad', min: 0.0698132, default: 0.174532925, max: 0.261799388,
+    edit: 'stopped', scope: 'core', role: 'therapist', source: 'design section 6: strut angle of a full turn, 10 deg',
+    title: { en: 'Strut angle for full turn', de: 'Strebenwinkel für volle Drehung' },
+    effect: { en: 'How far the struts twist against each other for a full turn.', de: 'Wie weit sich die Streben für eine volle Drehung gegeneinander neigen.' },
+  },
+  {
+    id: 12, name: 'neutral_lean_m', unit: 'm', min: -0.1, default: 0, max: 0.1,
+    edit: 'stopped', scope: 'core', role: 'therapist', source: 'captured with the patient strapped in; dx0 in D5',
+    title: { en: 'Neutral lean', de: 'Neutrale Neigung' },
+    effect: { en: 'Where the patient stands upright. Set by "Set neutral".', de: 'Wo der Patient aufrecht steht. Wird mit "Neutral setzen" erfasst.' },
+  },
+  {
+    id: 13, name: 'neutral_turn_rad', unit: 'rad', min: -0.2, default: 0, max: 0.2,
+    edit: 'stopped', scope: 'core', role: 'therapist', source: 'captured with the patient strapped in; dpsi0 in D5',
+    title: { en: 'Neutral turn', de: 'Neutrale Drehung' },
+    effect: { en: 'Where the pelvis points straight ahead. Set by "Set neutral".', de: 'Wo das Becken geradeaus zeigt. Wird mit "Neutral setzen" erfasst.' },
+  },
+  {
+    id: 20, name: 'lean_dead_band_norm', unit: '', min: 0, default: 0.05, max: 0.5,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'paper U6, D_x',
+    title: { en: 'Standing zone', de: 'Stehzone' },
+    effect: { en: 'Lean that is ignored. Larger: stands more calmly, reacts later.', de: 'Neigung, die ignoriert wird. Größer: steht ruhiger, reagiert später.' },
+  },
+  {
+    id: 21, name: 'lean_tau_normal_s', unit: 's', min: 0.5, default: 10, max: 60,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'paper U6, tau_n',
+    title: { en: 'Speed build-up time', de: 'Zeit für den Tempoaufbau' },
+    effect: { en: 'How slowly speed builds up while leaning. Larger: gentler.', de: 'Wie langsam sich das Tempo beim Neigen aufbaut. Größer: sanfter.' },
+  },
+  {
+    id: 22, name: 'lean_tau_release_s', unit: 's', min: 0.1, default: 2, max: 20,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'paper U6, tau_dec',
+    title: { en: 'Roll-out time', de: 'Ausrollzeit' },
+    effect: { en: 'How long the hoist rolls on when the patient stands upright.', de: 'Wie lange die Hilfe ausrollt, wenn der Patient aufrecht steht.' },
+  },
+  {
+    id: 23, name: 'braking_softness_norm', unit: '', min: 0.5, default: 2, max: 50,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'paper U6, L_dec, Fig. 2',
+    title: { en: 'Braking softness', de: 'Bremsweichheit' },
+    effect: { en: 'How softly leaning back brakes. Above 5 a light lean brakes less than standing upright.', de: 'Wie weich Zurücklehnen bremst. Über 5 bremst leichtes Lehnen schwächer als aufrechtes Stehen.' },
+  },
+  {
+    id: 24, name: 'reversal_gain_norm', unit: '', min: 0, default: 1e-04, max: 0.01,
+    edit: 'live', scope: 'core', role: 'engineer', source: 'paper U6, K_2,r',
+    title: { en: 'Reversal gain', de: 'Umkehrverstärkung' },
+    effect: { en: 'Share of the lean that feeds the build-up while braking.', de: 'Anteil der Neigung, der beim Bremsen in den Tempoaufbau eingeht.' },
+  },
+  {
+    id: 25, name: 'lean_gain_direct_units', unit: 'units', min: 0, default: 2, max: 10,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'paper U6, K_P',
+    title: { en: 'Immediate response', de: 'Direkte Wirkung' },
+    effect: { en: 'How much speed follows the lean at once.', de: 'Wie viel Tempo der Neigung sofort folgt.' },
+  },
+  {
+    id: 26, name: 'lean_gain_filtered_units', unit: 'units', min: 0, default: 50, max: 100,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'paper U6, K_P,f',
+    title: { en: 'Build-up strength', de: 'Stärke des Tempoaufbaus' },
+    effect: { en: 'How much speed builds up over time while leaning.', de: 'Wie viel Tempo sich beim Neigen mit der Zeit aufbaut.' },
+  },
+  {
+    id: 27, name: 'lean_filtered_units_max', unit: 'units', min: 1, default: 20, max: 100,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'design section 6, v_f,max: 20 units of 0.03 m/s = 0.6 m/s',
+    title: { en: 'Largest built-up speed', de: 'Größtes aufgebautes Tempo' },
+    effect: { en: 'Upper end of the speed that builds up.', de: 'Obergrenze des aufgebauten Tempos.' },
+  },
+  {
+    id: 28, name: 'speed_per_unit_m_s', unit: 'm/s', min: 0.002, default: 0.03, max: 0.05,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, s_v (D18)',
+    title: { en: 'Speed per unit', de: 'Tempo je Einheit' },
+    effect: { en: 'Metres per second of one controller unit.', de: 'Meter pro Sekunde je Reglereinheit.' },
+  },
+  {
+    id: 30, name: 'turn_dead_band_norm', unit: '', min: 0, default: 0.05, max: 0.5,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'paper U6, D_psi',
+    title: { en: 'Straight-ahead zone', de: 'Geradeauszone' },
+    effect: { en: 'Pelvis turn that is ignored. Larger: walks straighter.', de: 'Beckendrehung, die ignoriert wird. Größer: geht gerader.' },
+  },
+  {
+    id: 31, name: 'turn_tau_normal_s', unit: 's', min: 0.1, default: 2, max: 20,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'paper U6, tau_psi,n',
+    title: { en: 'Turn build-up time', de: 'Zeit für den Drehaufbau' },
+    effect: { en: 'How slowly a turn builds up. Larger: gentler curves.', de: 'Wie langsam sich eine Drehung aufbaut. Größer: sanftere Kurven.' },
+  },
+  {
+    id: 32, name: 'turn_tau_release_s', unit: 's', min: 0.02, default: 0.1, max: 5,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'paper U6, tau_psi,dec',
+    title: { en: 'Turn release time', de: 'Drehende' },
+    effect: { en: 'How quickly turning ends when the pelvis points ahead.', de: 'Wie schnell die Drehung endet, wenn das Becken geradeaus zeigt.' },
+  },
+  {
+    id: 33, name: 'turn_gain_direct_units', unit: 'units', min: 0, default: 2, max: 10,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'paper U6, K_psi,P',
+    title: { en: 'Immediate turn', de: 'Direkte Drehung' },
+    effect: { en: 'How much turning follows the pelvis at once.', de: 'Wie viel Drehung dem Becken sofort folgt.' },
+  },
+  {
+    id: 34, name: 'turn_gain_filtered_units', unit: 'units', min: 0, default: 50, max: 100,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'paper U6, K_psi,P,f',
+    title: { en: 'Turn strength', de: 'Drehstärke' },
+    effect: { en: 'How fast the hoist turns at full pelvis turn.', de: 'Wie schnell sich die Hilfe bei voller Beckendrehung dreht.' },
+  },
+  {
+    id: 35, name: 'yaw_rate_per_unit_rad_s', unit: 'rad/s', min: 0.001, default: 0.011635528, max: 0.05,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, s_w = 2/3 deg/s (D18)',
+    title: { en: 'Turn rate per unit', de: 'Drehrate je Einheit' },
+    effect: { en: 'Turn rate of one controller unit.', de: 'Drehrate je Reglereinheit.' },
+  },
+  {
+    id: 40, name: 'speed_m_s_max', unit: 'm/s', min: 0.05, default: 0.65, max: 0.65,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research paper 5.2; hazard H1',
+    title: { en: 'Top speed', de: 'Höchsttempo' },
+    effect: { en: 'The hoist never drives faster.', de: 'Die Hilfe fährt nie schneller.' },
+  },
+  {
+    id: 41, name: 'yaw_rate_rad_s_max', unit: 'rad/s', min: 0.05, default: 0.872664626, max: 0.872664626,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research paper 5.2: 50 deg/s',
+    title: { en: 'Top turn rate', de: 'Höchste Drehrate' },
+    effect: { en: 'The hoist never turns faster.', de: 'Die Hilfe dreht nie schneller.' },
+  },
+  {
+    id: 42, name: 'acceleration_m_s2_max', unit: 'm/s²', min: 0.05, default: 0.5, max: 0.5,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety 2.1: normal ramps',
+    title: { en: 'Acceleration', de: 'Beschleunigung' },
+    effect: { en: 'How quickly speed may change in normal walking.', de: 'Wie schnell sich das Tempo beim Gehen ändern darf.' },
+  },
+  {
+    id: 43, name: 'jerk_m_s3_max', unit: 'm/s³', min: 0.5, default: 3, max: 20,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety 2.1: normal motion only',
+    title: { en: 'Jerk', de: 'Ruck' },
+    effect: { en: 'How suddenly acceleration may change.', de: 'Wie plötzlich sich die Beschleunigung ändern darf.' },
+  },
+  {
+    id: 44, name: 'yaw_acceleration_rad_s2_max', unit: 'rad/s²', min: 0.1, default: 2.0943951, max: 2.0943951,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research paper 5.2: 120 deg/s2',
+    title: { en: 'Turn acceleration', de: 'Drehbeschleunigung' },
+    effect: { en: 'How quickly the turn rate may change.', de: 'Wie schnell sich die Drehrate ändern darf.' },
+  },
+  {
+    id: 45, name: 'speed_cap_norm', unit: '', min: 0.2, default: 1, max: 1,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'design section 6: cap per patient',
+    title: { en: 'Speed limit for this patient', de: 'Tempogrenze für diesen Patienten' },
+    effect: { en: 'Share of the top speed that this patient may reach.', de: 'Anteil des Höchsttempos, den dieser Patient erreichen darf.' },
+  },
+  {
+    id: 46, name: 'protective_deceleration_m_s2', unit: 'm/s²', min: 0.3, default: 1, max: 1,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety 2.1: Krasna 2021, no stepping at 1.0',
+    title: { en: 'Protective braking', de: 'Schutzbremsung' },
+    effect: { en: 'Braking of an automatic stop.', de: 'Bremsung eines automatischen Halts.' },
+  },
+  {
+    id: 47, name: 'bumper_deceleration_m_s2', unit: 'm/s²', min: 0.5, default: 1.5, max: 1.5,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety 2.1',
+    title: { en: 'Bumper braking', de: 'Bremsung am Stoßfänger' },
+    effect: { en: 'Braking when a bumper is touched.', de: 'Bremsung bei Berührung eines Stoßfängers.' },
+  },
+  {
+    id: 50, name: 'remote_speed_m_s_max', unit: 'm/s', min: 0.05, default: 0.3, max: 0.6,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'research console: slow, medium, fast',
+    title: { en: 'Driving speed', de: 'Fahrtempo' },
+    effect: { en: 'Speed of the joystick at its end.', de: 'Tempo bei vollem Ausschlag des Joysticks.' },
+  },
+  {
+    id: 51, name: 'remote_yaw_rate_rad_s_max', unit: 'rad/s', min: 0.05, default: 0.523598776, max: 0.872664626,
+    edit: 'live', scope: 'core', role: 'therapist', source: 'assumed: 30 deg/s',
+    title: { en: 'Driving turn rate', de: 'Fahr-Drehrate' },
+    effect: { en: 'Turn rate of the joystick at its end.', de: 'Drehrate bei vollem Ausschlag des Joysticks.' },
+  },
+  {
+    id: 52, name: 'remote_slow_age_s', unit: 's', min: 0.05, default: 0.15, max: 0.2,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, hazard H17',
+    title: { en: 'Slow down after', de: 'Verlangsamen ab' },
+    effect: { en: 'Age of the last driving command from which speed falls.', de: 'Alter des letzten Fahrbefehls, ab dem das Tempo sinkt.' },
+  },
+  {
+    id: 53, name: 'remote_stop_age_s', unit: 's', min: 0.1, default: 0.25, max: 0.25,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, hazard H17',
+    title: { en: 'Stop after', de: 'Halten ab' },
+    effect: { en: 'Age of the last driving command at which the hoist stops.', de: 'Alter des letzten Fahrbefehls, ab dem die Hilfe hält.' },
+  },
+  {
+    id: 60, name: 'fall_tilt_rad', unit: 'rad', min: 0.1, default: 0.174532925, max: 0.22,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, hazard H15: 10 deg',
+    title: { en: 'Fall guard: lean', de: 'Sturzwächter: Neigung' },
+    effect: { en: 'Lean from which a quick further lean counts as a fall.', de: 'Neigung, ab der schnelles Weiterneigen als Sturz gilt.' },
+  },
+  {
+    id: 61, name: 'fall_rate_rad_s', unit: 'rad/s', min: 0.2, default: 0.436332313, max: 1,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, hazard H15: 25 deg/s',
+    title: { en: 'Fall guard: rate', de: 'Sturzwächter: Rate' },
+    effect: { en: 'Outward rate that counts as a fall.', de: 'Neigungsrate nach außen, die als Sturz gilt.' },
+  },
+  {
+    id: 62, name: 'fall_static_tilt_rad', unit: 'rad', min: 0.15, default: 0.226892803, max: 0.255,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6: 13 deg in walk, 14 deg in paper',
+    title: { en: 'Fall guard: resting lean', de: 'Sturzwächter: Dauerneigung' },
+    effect: { en: 'Lean that may not last.', de: 'Neigung, die nicht andauern darf.' },
+  },
+  {
+    id: 63, name: 'fall_static_s', unit: 's', min: 0.05, default: 0.1, max: 2,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6: 0.1 s in walk, 2 s in paper',
+    title: { en: 'Fall guard: resting time', de: 'Sturzwächter: Dauer' },
+    effect: { en: 'How long the resting lean may last.', de: 'Wie lange die Dauerneigung anhalten darf.' },
+  },
+  {
+    id: 64, name: 'battery_low_v', unit: 'V', min: 20, default: 23, max: 26,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H12',
+    title: { en: 'Battery low', de: 'Batterie schwach' },
+    effect: { en: 'Voltage of both batteries together that raises a warning.', de: 'Spannung beider Batterien zusammen, ab der gewarnt wird.' },
+  },
+  {
+    id: 65, name: 'battery_empty_v', unit: 'V', min: 19, default: 22, max: 25,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H12',
+    title: { en: 'Battery empty', de: 'Batterie leer' },
+    effect: { en: 'Voltage at which the hoist stops gently.', de: 'Spannung, bei der die Hilfe sanft hält.' },
+  },
+  {
+    id: 66, name: 'neutral_start_tolerance_norm', unit: '', min: 0.02, default: 0.2, max: 0.5,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'assumed; start only near neutral, hazard table 2.3',
+    title: { en: 'Start only this upright', de: 'Start nur so aufrecht' },
+    effect: { en: 'Largest lean or turn, as a share of full, at which walking may start.', de: 'Größte Neigung oder Drehung als Anteil des vollen Wegs, bei der gestartet werden darf.' },
+  },
+  {
+    id: 67, name: 'loop_late_s_max', unit: 's', min: 0.005, default: 0.03, max: 0.2,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H22: one step more than 30 ms late',
+    title: { en: 'Latest control step', de: 'Spätester Regelschritt' },
+    effect: { en: 'A control step that begins later than this stops the hoist.', de: 'Beginnt ein Regelschritt später, hält die Hilfe an.' },
+  },
+  {
+    id: 80, name: 'drive_velocity_gain_v_s_rad', unit: 'V s/rad', min: 0, default: 0.12, max: 5,
+    edit: 'live', scope: 'drive', role: 'engineer', source: 'tuned on the motor model, P1-P9',
+    title: { en: 'Drive: gain', de: 'Antrieb: Verstärkung' },
+    effect: { en: 'Stiffness of the speed control of the motors.', de: 'Steifigkeit der Drehzahlregelung der Motoren.' },
+  },
+  {
+    id: 81, name: 'drive_velocity_integral_v_rad', unit: 'V/rad', min: 0, default: 2.4, max: 100,
+    edit: 'live', scope: 'drive', role: 'engineer', source: 'tuned on the motor model, P1-P9',
+    title: { en: 'Drive: integral gain', de: 'Antrieb: Integralverstärkung' },
+    effect: { en: 'How quickly the motors remove a lasting speed error.', de: 'Wie schnell die Motoren eine bleibende Abweichung ausregeln.' },
+  },
+  {
+    id: 82, name: 'drive_current_limit_a', unit: 'A', min: 0.5, default: 6, max: 12,
+    edit: 'stopped', scope: 'drive', role: 'engineer', source: 'assumed; 100 W at 24 V',
+    title: { en: 'Drive: current limit', de: 'Antrieb: Stromgrenze' },
+    effect: { en: 'Largest motor current.', de: 'Größter Motorstrom.' },
+  },
+  {
+    id: 83, name: 'drive_acceleration_rad_s2', unit: 'rad/s²', min: 50, default: 450, max: 2000,
+    edit: 'stopped', scope: 'drive', role: 'engineer', source: '1.5 m/s2 at the wheel through gear 30: bumper stop must fit',
+    title: { en: 'Drive: ramp', de: 'Antrieb: Rampe' },
+    effect: { en: 'Fastest change of the motor speed.', de: 'Schnellste Änderung der Motordrehzahl.' },
+  },
+  {
+    id: 90, name: 'tilt_kalman_angle_norm', unit: '', min: 0, default: 0.0102, max: 0.2,
+    edit: 'stopped', scope: 'tilt', role: 'engineer', source: 'paper eq (14), first gain',
+    title: { en: 'Tilt filter: angle gain', de: 'Neigungsfilter: Winkel' },
+    effect: { en: 'How strongly the accelerometer corrects the angle.', de: 'Wie stark der Beschleunigungssensor den Winkel korrigiert.' },
+  },
+  {
+    id: 91, name: 'tilt_kalman_bias_per_s', unit: '1/s', min: -0.2, default: -0.0013, max: 0,
+    edit: 'stopped', scope: 'tilt', role: 'engineer', source: 'paper eq (14), second gain',
+    title: { en: 'Tilt filter: bias gain', de: 'Neigungsfilter: Drift' },
+    effect: { en: 'How quickly the drift of the gyroscope is learnt.', de: 'Wie schnell die Drift des Drehratensensors gelernt wird.' },
+  },
+];
+
+export interface PresetInfo {
+  name: string;
+  title: Words;
+  doc: Words;
+  values: Partial<Record<ParamName, number>>;
+}
+
+export const presets: readonly PresetInfo[] = [
+  {
+    name: 'walk', title: { en: 'Walking', de: 'Gehen' },
+    doc: { en: 'For walking at 0.3 to 0.6 m/s. Recommended.', de: 'Für Gehen mit 0,3 bis 0,6 m/s. Empfohlen.' },
+    values: { lean_range_rad: 0.174532925, turn_range_rad: 0.174532925, lean_filtered_units_max: 20, speed_per_unit_m_s: 0.03, yaw_rate_per_unit_rad_s: 0.011635528, fall_static_tilt_rad: 0.226892803, fall_static_s: 0.1, },
+  },
+  {
+    name: 'paper', title: { en: 'As published', de: 'Wie veröffentlicht' },
+    doc: { en: 'The published settings, for walking up to 0.3 m/s.', de: 'Die veröffentlichten Einstellungen, für Gehen bis 0,3 m/s.' },
+    values: { lean_range_rad: 0.261799388, turn_range_rad: 0.261799388, lean_filtered_units_max: 50, speed_per_unit_m_s: 0.01, yaw_rate_per_unit_rad_s: 0.017453293, fall_static_tilt_rad: 0.244346095, fall_static_s: 2, },
+  },
+];
