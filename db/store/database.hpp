@@ -1,0 +1,67 @@
+// One connection to the file that holds all sessions. WAL, synchronous = FULL: what a commit acknowledged survives a power cut.
+// A connection belongs to one thread. The recorder opens one for writing; readers open their own; all may be open at the same time.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "db/store/result.hpp"
+
+struct sqlite3;
+
+namespace hoist::db {
+
+/// How long a statement waits for another connection's lock.
+inline constexpr int kBusyTimeout_ms = 2000;
+
+struct OpenOptions {
+  /// Wall clock now; used for the name of a file that is set aside. Never read from the system here.
+  std::int64_t utc_now_ns = 0;
+  /// For tests: the name of a registered SQLite VFS, and a limit of the file's pages (0 = none) that stands for a full disk.
+  const char* vfs = nullptr;
+  std::int64_t max_pages = 0;
+};
+
+/// What opening found and did; each is worth a line in the log and on the Health page.
+struct OpenReport {
+  bool created = false;
+  int migrated_from = 0;              ///< schema version found (0 = empty file)
+  int schema_version = 0;             ///< schema version now
+  std::filesystem::path set_aside;    ///< where a corrupt file was moved to; empty when there was none
+  std::string set_aside_reason;       ///< what the check said
+};
+
+class Database {
+ public:
+  /// Opens or creates the file, checks it (`quick_check`), brings its schema up to date. A corrupt file (with its -wal and -shm) is renamed
+  /// to NAME.corrupt-YYYYMMDDTHHMMSSZ and an empty one takes its place: `report().set_aside` says so. Call once per start, before any reader.
+  /// Errors: newer_schema, io, disk_full, busy.
+  static Result<Database> open(const std::filesystem::path& file, const OpenOptions& options = {});
+  /// Opens an existing file that `open` has prepared: for reading, and for SessionEditor. No check, no migration.
+  static Result<Database> attach(const std::filesystem::path& file, const OpenOptions& options = {});
+
+  Database(Database&&) noexcept;
+  Database& operator=(Database&&) noexcept;
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+  ~Database();
+
+  [[nodiscard]] const OpenReport& report() const { return report_; }
+  [[nodiscard]] sqlite3* handle() const { return handle_; }
+  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+
+ private:
+  Database() = default;
+  static Result<Database> connect(const std::filesystem::path& file, const OpenOptions& options, bool create);
+
+  sqlite3* handle_ = nullptr;
+  std::filesystem::path file_;
+  OpenReport report_;
+};
+
+/// The schema version this program writes: the number of the newest file in db/schema.
+int schema_version();
+
+}  // namespace hoist::db

@@ -1,0 +1,80 @@
+// Reads sessions, also one that is being recorded. Every call is its own read transaction: nothing is held between calls.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "control/contract/commands.hpp"
+#include "db/store/database.hpp"
+#include "db/store/result.hpp"
+#include "db/store/session_types.hpp"
+
+namespace hoist::db {
+
+inline constexpr std::size_t kMaxPage = 200;             ///< sessions of one list page
+inline constexpr std::size_t kMaxOverviewRuns = 4000;    ///< runs of one overview
+inline constexpr std::size_t kMaxReadSamples = 1000000;  ///< samples of one read_columns; more is refused: ask for less or for the overview
+
+struct SessionQuery {
+  std::size_t limit = 50;                  ///< 1 to kMaxPage
+  std::optional<SessionId> before;         ///< only sessions older than this one: the cursor of the page before
+  std::optional<std::string> subject;      ///< only this code
+};
+struct SessionPage {
+  std::vector<SessionInfo> sessions;       ///< newest first
+  std::optional<SessionId> next;           ///< cursor for the next page; absent at the end
+  std::uint64_t total = 0;                 ///< sessions that match, on all pages
+};
+
+class SessionReader {
+ public:
+  explicit SessionReader(Database& database) : database_(&database) {}
+
+  Result<SessionPage> list(const SessionQuery& query = {}) const;
+  Result<SessionInfo> get(SessionId session) const;
+  /// The columns this session was recorded with, in their order: those of its own time, not today's.
+  Result<std::vector<ColumnInfo>> columns(SessionId session) const;
+  /// Samples as doubles. An unknown name is bad_value, more than kMaxReadSamples too.
+  Result<Columns> read_columns(SessionId session, std::span<const std::string> names, const TimeRange& range = {}) const;
+  /// At most `runs` minima and maxima per column. A long range comes from the chunk directories alone, without reading any sample.
+  Result<Overview> overview(SessionId session, std::span<const std::string> names, std::size_t runs, const TimeRange& range = {}) const;
+  Result<std::vector<StoredEvent>> events(SessionId session) const;
+  Result<std::vector<Gap>> gaps(SessionId session) const;
+  Result<std::vector<Marker>> markers(SessionId session) const;
+  /// Parameters in force when the session began: name and value.
+  Result<std::vector<std::pair<std::string, double>>> parameters(SessionId session) const;
+  /// Raw frames in the order they were recorded, from number `first` (0 = the session's first), at most `limit`; empty at the end.
+  Result<std::vector<contract::BusRecord>> bus_frames(SessionId session, std::uint64_t first, std::size_t limit) const;
+
+ private:
+  Database* database_;
+};
+
+struct SessionPatch {
+  std::optional<std::string> note;
+  std::optional<std::optional<std::string>> subject;        ///< inner absent = take the code away
+  std::optional<std::optional<std::string>> exercise_json;  ///< inner absent = no exercise
+};
+
+/// Changes and deletes closed and open sessions' descriptions; may run on another connection than the recorder's.
+class SessionEditor {
+ public:
+  explicit SessionEditor(Database& database) : database_(&database) {}
+  /// All or nothing. Errors: not_found, bad_value (field note, subject, exercise), busy, disk_full.
+  Status patch(SessionId session, const SessionPatch& change);
+  /// Deletes a session with everything in it and overwrites its pages. wrong_state while it is being recorded.
+  Status remove(SessionId session);
+
+ private:
+  Database* database_;
+};
+
+/// Whether the text is an exercise: {"shape": "square", "side_m"}, {"shape": "eight", "centre_m", "radius_m"} or
+/// {"shape": "straight", "length_m"}; sizes 0.2 to 100 m, the eight's radius not above its centre. Anything else is bad_value.
+Status check_exercise(std::string_view json);
+
+}  // namespace hoist::db

@@ -1,0 +1,78 @@
+// Records one session at a time. Appending only buffers (and commits by itself after half a second of samples); `commit` makes durable.
+// Nothing is acknowledged before COMMIT has returned with synchronous = FULL. An error never loses what is buffered: it stays for the next
+// commit, up to the limits below; beyond them new data is dropped and the gap is recorded. The caller goes on either way.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "control/contract/commands.hpp"
+#include "control/contract/signals.hpp"
+#include "db/store/database.hpp"
+#include "db/store/result.hpp"
+#include "db/store/session_types.hpp"
+
+namespace hoist::db {
+
+/// append_ticks commits by itself when this many samples wait: 0.5 s at 100 Hz.
+inline constexpr std::size_t kCommitSamples = 50;
+/// A stored chunk is complete with this many samples while recording (1 s), and after folding at the session's end (30 s).
+inline constexpr std::size_t kLiveChunkSamples = 100, kFoldedChunkSamples = 3000;
+/// Frames per stored bus chunk: while recording, and folded.
+inline constexpr std::size_t kLiveBusFrames = 1000, kFoldedBusFrames = 30000;
+/// What may wait in memory while the disk refuses: one minute of samples and frames.
+inline constexpr std::size_t kMaxPendingSamples = 6000, kMaxPendingFrames = 120000, kMaxPendingRows = 10000;
+
+/// What is safe on disk.
+struct Durable {
+  SessionId session = 0;
+  std::uint64_t samples = 0;              ///< of this session
+  std::optional<std::uint64_t> last_tick; ///< newest durable tick
+};
+
+class SessionWriter {
+ public:
+  /// `database` must outlive the writer and be used by this thread only. Sessions that an earlier run left open are closed with the reason
+  /// "interrupted" and folded; `interrupted()` names them.
+  static Result<SessionWriter> create(Database& database);
+
+  SessionWriter(SessionWriter&&) noexcept;
+  SessionWriter& operator=(SessionWriter&&) noexcept;
+  ~SessionWriter();
+
+  /// Starts a session; durable when it returns. Errors: wrong_state (one is open), bad_value, disk_full, io, busy.
+  Result<SessionId> begin(const SessionStart& start);
+  [[nodiscard]] bool recording() const;
+  [[nodiscard]] SessionId session() const;  ///< 0 when none
+
+  /// Samples in rising order of tick and time. A jump of the tick number is recorded as a gap "not_received"; a record with a NaN, an infinity
+  /// or a value beyond the stored integers is left out and recorded as gap "not_finite" or "out_of_range"; both are counted, neither is an
+  /// error. A tick that does not rise is bad_value and nothing after it is taken.
+  Status append_ticks(std::span<const contract::TickRecord> records);
+  Status append_events(std::span<const contract::Event> events);
+  Status append_bus(std::span<const contract::BusRecord> frames);
+  /// Says why ticks (inclusive) are missing; for stream "ticks" the samples go on at to_tick + 1.
+  Status append_gap(std::string_view stream, std::uint64_t from_tick, std::uint64_t to_tick, std::string_view reason);
+  Status append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text);
+  /// The wall clock was set: from this moment of the steady clock on, this UTC counts.
+  Status append_utc_anchor(std::uint64_t time_ns, std::int64_t utc_ns);
+
+  /// Writes what waits and returns after COMMIT. Call at least each 0.5 s. With nothing waiting it costs nothing.
+  Result<Durable> commit();
+  [[nodiscard]] Durable durable() const;
+  /// Commits, closes and folds the session. When it fails, the session stays open and the call may be repeated.
+  Status end(CloseReason reason, std::int64_t ended_utc_ns);
+
+  [[nodiscard]] const std::vector<SessionId>& interrupted() const;
+  [[nodiscard]] std::uint64_t refused_samples() const;  ///< left out: not finite, out of range, or no room
+  [[nodiscard]] std::uint64_t failed_commits() const;
+
+ private:
+  struct State;
+  explicit SessionWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace hoist::db
