@@ -1,0 +1,44 @@
+// hoist: the engineer's tool. What it can do is in command_list.cpp.
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "deploy/tools/hoist/command.hpp"
+
+namespace {
+
+void print_help(std::FILE* out) {
+  std::fputs("usage: hoist COMMAND [ARGUMENTS]\n\ncommands (each explains itself with --help):\n", out);
+  for (const auto& command : hoist::tool::command_list()) {
+    std::fprintf(out, "  %-10.*s %.*s\n", static_cast<int>(command.name.size()), command.name.data(), static_cast<int>(command.summary.size()),
+                 command.summary.data());
+  }
+}
+
+}  // namespace
+
+int main(int count, char** values) {
+  const std::vector<std::string_view> arguments(values + (count > 0 ? 1 : 0), values + count);
+  if (arguments.empty()) {
+    print_help(stderr);
+    return hoist::tool::kBadUsage;
+  }
+  if (arguments.front() == "--help" || arguments.front() == "-h" || arguments.front() == "help") {
+    print_help(stdout);
+    return hoist::tool::kDone;
+  }
+  for (const auto& command : hoist::tool::command_list()) {
+    if (command.name != arguments.front()) continue;
+    try {
+      return command.run(std::span(arguments).subspan(1));
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "hoist %s: %s\n", std::string(command.name).c_str(), error.what());
+      return hoist::tool::kRefused;
+    }
+  }
+  std::fprintf(stderr, "hoist: there is no command \"%s\"\n", std::string(arguments.front()).c_str());
+  print_help(stderr);
+  return hoist::tool::kBadUsage;
+}
