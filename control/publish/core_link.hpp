@@ -1,0 +1,74 @@
+// The core's end: the state segment it writes, the command segment it reads, and the socket where a server attaches.
+//
+// Two threads use it. The control thread calls the functions of the first group: no system call, no lock, no allocation.
+// A helper thread calls serve(): it accepts one server at a time, checks its segment and swaps it in.
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "control/contract/commands.hpp"
+#include "control/publish/segment.hpp"
+
+namespace hoist::publish {
+
+class CoreLink {
+ public:
+  // Creates the state segment; listens on `socket_path` when it is not empty. Null on failure, with the reason in `error`.
+  static std::unique_ptr<CoreLink> create(const std::string& socket_path, std::uint64_t start_time_ns, std::uint64_t start_utc_ns,
+                                          std::string& error);
+  ~CoreLink();
+  CoreLink(const CoreLink&) = delete;
+  CoreLink& operator=(const CoreLink&) = delete;
+
+  // ---- control thread
+  void publish_tick(const contract::TickRecord& record) noexcept;
+  void publish_event(const contract::Event& event) noexcept;
+  void publish_bus(const contract::BusRecord& record) noexcept;
+  void publish_params(const contract::ParamsInForce& params) noexcept;
+  // Begins one look at the server's memory; everything below then speaks of the same server. False when none is attached.
+  // Each begin() must be followed by end(), after which the memory may be let go by the helper thread.
+  bool begin() noexcept;
+  void end() noexcept;
+  // Number of the attached server, counted from 1; a new number means a new life with its own sequences.
+  [[nodiscard]] std::uint64_t server_life() const noexcept { return life_; }
+  [[nodiscard]] std::uint64_t heartbeat() const noexcept;
+  // The commands since the last call, oldest first; whoever sent more than the ring holds loses the oldest, and `lost` says how many.
+  std::size_t read_commands(std::span<contract::Command> out, std::uint64_t& lost) noexcept;
+  // True when the server stored a driving command since the last call.
+  bool read_drive(contract::DriveCommand& command) noexcept;
+
+  // ---- helper thread
+  // Waits up to timeout_ms for something to do; returns a line for the log when something happened, else an empty string.
+  std::string serve(int timeout_ms);
+  // Maps a command segment directly, for programs that hold both ends (tests, benchmarks).
+  bool attach(int command_fd, std::string& error);
+  void detach();
+  [[nodiscard]] int state_descriptor() const { return state_.descriptor.get(); }
+  // What is in force, read back from the segment.
+  bool params(contract::ParamsInForce& params) const;
+
+ private:
+  CoreLink() = default;
+  [[nodiscard]] contract::StateSegment& state() const { return *state_.mapping->as<contract::StateSegment>(); }
+
+  OwnedSegment state_;
+  std::string socket_path_;
+  Descriptor listener_, peer_;
+  std::shared_ptr<Mapping> command_;  // helper thread's hold on the attached segment
+
+  // The swap: the helper publishes a pointer and waits until the control thread is not inside begin()..end() before it unmaps.
+  std::atomic<const contract::CommandSegment*> offered_{nullptr};
+  std::atomic<std::uint64_t> offered_life_{0};
+  std::atomic<bool> inside_{false};
+
+  const contract::CommandSegment* current_ = nullptr;  // control thread only, from here on
+  std::uint64_t life_ = 0;
+  std::uint64_t cursor_ = 0;
+  std::uint64_t drive_sequence_ = 0;
+  std::uint64_t params_number_ = 0;
+};
+
+}  // namespace hoist::publish

@@ -1,0 +1,130 @@
+#include "control/publish/server_link.hpp"
+
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+
+#include "control/publish/core_link.hpp"
+
+namespace hoist::publish {
+
+using contract::CommandSegment;
+using contract::StateSegment;
+
+namespace {
+std::uint64_t steady_now_ns() {
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
+}
+constexpr std::uint64_t kTryEachNs = 100'000'000;
+}  // namespace
+
+ServerLink::ServerLink(std::string socket_path) : socket_path_(std::move(socket_path)) {}
+
+bool ServerLink::create_commands() {
+  command_ = create_segment("hoist-commands", sizeof(CommandSegment), error_);
+  if (!command_.mapping) return false;
+  write_header(command_.mapping->as<CommandSegment>()->header, contract::kCommandMagic, sizeof(CommandSegment), steady_now_ns(), 0);
+  sent_ = 0;
+  driven_ = 0;
+  return true;
+}
+
+void ServerLink::adopt(std::shared_ptr<Mapping> state) {
+  const auto& header = state->as<const StateSegment>()->header;
+  life_ = header.start_time_ns.load(std::memory_order_relaxed);
+  start_utc_ns_ = static_cast<std::int64_t>(header.start_utc_ns.load(std::memory_order_relaxed));
+  state_ = std::move(state);
+  shared_->set(state_);
+  error_.clear();
+}
+
+void ServerLink::lose() {
+  peer_ = Descriptor();
+  command_ = OwnedSegment();
+  error_ = "the core has gone away";
+}
+
+bool ServerLink::poll_connect() {
+  if (peer_) {
+    char byte;
+    const ssize_t got = ::recv(peer_.get(), &byte, 1, MSG_DONTWAIT | MSG_PEEK);
+    if (got == 0 || (got < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) lose();
+    if (peer_) return true;
+  }
+  const std::uint64_t now = steady_now_ns();
+  if (now < next_try_ns_) return false;
+  next_try_ns_ = now + kTryEachNs;
+
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (socket_path_.size() >= sizeof address.sun_path) {
+    error_ = "the socket path is too long: " + socket_path_;
+    return false;
+  }
+  std::memcpy(address.sun_path, socket_path_.data(), socket_path_.size());
+  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  if (!socket || ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    error_ = "no core listens on " + socket_path_;
+    return false;
+  }
+  if (!create_commands()) return false;
+  const Hello hello{contract::kCommandMagic, contract::layout_hash(), 0, {}};
+  Hello answer;
+  Descriptor state_fd;
+  if (!send_hello(socket.get(), hello, command_.descriptor.get(), error_) || !receive_hello(socket.get(), answer, state_fd, 500, error_))
+    return false;
+  if (answer.accepted != 1) {
+    error_ = std::string("the core refused: ") + answer.text;
+    return false;
+  }
+  std::shared_ptr<Mapping> state = map_segment(state_fd.get(), sizeof(StateSegment), error_);
+  if (!state) return false;
+  error_ = check_header(state->as<const StateSegment>()->header, contract::kStateMagic, sizeof(StateSegment));
+  if (!error_.empty()) return false;
+  adopt(std::move(state));
+  peer_ = std::move(socket);
+  return true;
+}
+
+bool ServerLink::attach_directly(CoreLink& core, std::string& error) {
+  if (!create_commands()) {
+    error = error_;
+    return false;
+  }
+  if (!core.attach(command_.descriptor.get(), error)) return false;
+  std::shared_ptr<Mapping> state = map_segment(core.state_descriptor(), sizeof(StateSegment), error);
+  if (!state) return false;
+  adopt(std::move(state));
+  return true;
+}
+
+void ServerLink::beat() noexcept {
+  if (command_.mapping) command_.mapping->as<CommandSegment>()->heartbeat.fetch_add(1, std::memory_order_relaxed);
+}
+
+std::uint64_t ServerLink::send(contract::Command& command) noexcept {
+  if (!command_.mapping || !state_) return 0;
+  const std::uint64_t taken = state_->as<const StateSegment>()->header.commands_taken.load(std::memory_order_acquire);
+  if (sent_ - taken >= contract::kCommandSlots) return 0;
+  command.sequence = ++sent_;
+  ring_write(command_.mapping->as<CommandSegment>()->commands, command);
+  return sent_;
+}
+
+void ServerLink::drive(const contract::DriveCommand& command) noexcept {
+  if (command_.mapping) seq_write(command_.mapping->as<CommandSegment>()->drive, driven_++, command);
+}
+
+bool ServerLink::params(contract::ParamsInForce& params) const {
+  return state_ && seq_read_retry(state_->as<const StateSegment>()->params, params) != 0;
+}
+
+bool ServerLink::newest(contract::TickRecord& record) const {
+  return state_ && ring_newest(state_->as<const StateSegment>()->ticks, record);
+}
+
+}  // namespace hoist::publish
