@@ -1,0 +1,76 @@
+// The seam of the core: what one control step takes in and gives out. Used by the loop, the replay, the simulator's closed loop and the tests.
+//
+// Frames: x forward, y left, z up. alpha > 0 leans forward, beta > 0 leans right, psi > 0 turns left. SI units throughout.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "control/contract/can_frame.hpp"
+#include "control/contract/commands.hpp"
+#include "control/contract/params.hpp"
+#include "control/contract/signals.hpp"
+
+namespace hoist::core {
+
+/// The control period. Algorithm 1's braking factor is per step (D13 in the paper's readings), so this is a constant and no setting.
+inline constexpr double kTick_s = 0.01;
+
+/// A list with a fixed room. Nothing here ever allocates; a full list says so instead of growing.
+template <typename T, std::size_t N>
+class FixedVector {
+ public:
+  /// False, and the list unchanged, when it is full.
+  [[nodiscard]] constexpr bool push_back(const T& item) noexcept {
+    if (size_ == N) return false;
+    items_[size_++] = item;
+    return true;
+  }
+  constexpr void clear() noexcept { size_ = 0; }
+  constexpr void pop_back() noexcept {
+    if (size_ > 0) --size_;
+  }
+  [[nodiscard]] constexpr std::size_t size() const noexcept { return size_; }
+  [[nodiscard]] constexpr bool empty() const noexcept { return size_ == 0; }
+  [[nodiscard]] constexpr bool full() const noexcept { return size_ == N; }
+  [[nodiscard]] static constexpr std::size_t capacity() noexcept { return N; }
+  [[nodiscard]] constexpr T& operator[](std::size_t i) noexcept { return items_[i]; }
+  [[nodiscard]] constexpr const T& operator[](std::size_t i) const noexcept { return items_[i]; }
+  [[nodiscard]] constexpr const T* data() const noexcept { return items_.data(); }
+  [[nodiscard]] constexpr T* begin() noexcept { return items_.data(); }
+  [[nodiscard]] constexpr T* end() noexcept { return items_.data() + size_; }
+  [[nodiscard]] constexpr const T* begin() const noexcept { return items_.data(); }
+  [[nodiscard]] constexpr const T* end() const noexcept { return items_.data() + size_; }
+
+ private:
+  std::array<T, N> items_;
+  std::size_t size_ = 0;
+};
+
+/// Everything a step may know. The caller copies from shared memory once; the core trusts no field of `commands` and `drive`.
+struct TickInputs {
+  std::uint64_t tick = 0;     // number of this step since the core started
+  std::uint64_t time_ns = 0;  // the steady clock at its wake-up
+  std::span<const contract::CanFrame> frames;  // received since the last step, in order
+  std::uint32_t bus_refused_total = 0;         // lines and frames that the bus back end itself refused, since the start
+  bool bus_up = false;
+  std::span<const contract::Command> commands;  // new since the last step, in order
+  bool drive_fresh = false;                     // `drive` was written since the last step
+  contract::DriveCommand drive;
+  std::uint64_t server_heartbeat = 0;  // counts up while the server lives
+  float wake_lateness_s = 0;
+  float previous_duration_s = 0;
+};
+
+inline constexpr std::size_t kFramesPerTickMax = 48, kEventsPerTickMax = 64;
+
+/// Everything a step asks for. `frames` are to be sent in their order: drive commands first, SYNC last.
+struct TickOutputs {
+  FixedVector<contract::CanFrame, kFramesPerTickMax> frames;
+  FixedVector<contract::Event, kEventsPerTickMax> events;
+  contract::TickRecord record;
+  bool params_changed = false;  // the parameters in force differ from those before this step: store and publish them
+};
+
+}  // namespace hoist::core
