@@ -1,0 +1,59 @@
+// SLCAN over a tty or pty, spoken in user space: the UART gateway of the paper. Strict, because the kernel's own driver lets a truncated
+// line through with bytes of the line before it.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "control/bus/can_port.hpp"
+#include "control/contract/slcan_codec.hpp"
+
+namespace hoist::bus {
+
+class SlcanPort final : public CanPort {
+ public:
+  explicit SlcanPort(std::string path);
+  ~SlcanPort() override;
+  SlcanPort(const SlcanPort&) = delete;
+  SlcanPort& operator=(const SlcanPort&) = delete;
+
+  std::size_t receive(std::span<contract::CanFrame> out, std::uint64_t now_ns) noexcept override;
+  std::size_t send(std::span<const contract::CanFrame> frames, std::uint64_t now_ns) noexcept override;
+  [[nodiscard]] bool up() const noexcept override { return state_ == State::up; }
+  [[nodiscard]] const PortCounters& counters() const noexcept override { return counters_; }
+
+  // Limits, each with its reason.
+  static constexpr std::uint64_t kRetryNs = 200'000'000;         // reopening a device that went away (research: 200 ms)
+  static constexpr std::uint64_t kAnswerNs = 50'000'000;         // silence after a `t` line that counts as a fault of the adapter
+  static constexpr std::uint64_t kSetupNs = 500'000'000;         // C, S5, O must be answered within this
+  static constexpr std::uint32_t kWindow = 16;                   // unanswered lines: two steps of the fullest traffic
+  static constexpr std::uint32_t kSilencesBeforeSetup = 4;       // then the adapter is set up again
+  static constexpr int kReadsPerStep = 4;                        // bounds the work of one step even on a babbling line
+
+ private:
+  enum class State : std::uint8_t { closed, setting_up, up };
+  void open_device(std::uint64_t now_ns) noexcept;
+  void close_device(std::uint64_t now_ns) noexcept;
+  void begin_setup(std::uint64_t now_ns) noexcept;
+  void on_answer(bool accepted, std::uint64_t now_ns) noexcept;
+  bool flush() noexcept;
+
+  std::string path_;
+  int fd_ = -1;
+  State state_ = State::closed;
+  bool ever_open_ = false;
+  std::uint64_t deadline_ns_ = 0;  // closed: next try; setting up: give up
+  std::uint32_t setup_answers_ = 0;
+  std::uint32_t unanswered_ = 0;
+  std::uint64_t last_answer_ns_ = 0;
+  std::uint32_t silences_ = 0;
+  contract::SlcanDecoder decoder_;
+  PortCounters counters_;
+  // The tail of a write that the tty did not take whole: a line must be finished before the next one begins.
+  std::array<char, 2048> pending_{};
+  std::size_t pending_size_ = 0;
+  std::array<char, 4096> read_buffer_{};
+};
+
+}  // namespace hoist::bus
