@@ -2,7 +2,7 @@
 # What `format` and `check` share.
 
 # Other major versions lay out a few things differently, so that two developers would undo each other's work.
-no_clang_format="clang-format 14 is not on this machine (other versions lay things out differently)"
+no_clang_format() { echo "clang-format 14 is not on this machine (other versions lay things out differently)"; }
 find_clang_format() {
   local candidate
   for candidate in clang-format-14 clang-format; do

@@ -13,7 +13,7 @@ for option in "$@"; do
   esac
 done
 setup check
-formatter=$(find_clang_format) || die "$no_clang_format"
+formatter=$(find_clang_format) || die "$(no_clang_format)"
 if [ -n "$check" ]; then
   cpp_files | xargs -0 "$formatter" --dry-run -Werror
 else

@@ -22,6 +22,15 @@ std::vector<GeneratedFile> markdown_files();
 GeneratedFile dbc_file();
 std::vector<GeneratedFile> eds_files();
 
+// The lock of ids: every id that was ever given away, one per line ("param 20 lean_dead_band_norm"). A row that leaves its table
+// stays in the lock, so that old recordings and stored parameters never meet a new meaning.
+inline constexpr std::string_view kIdLockPath = "tests/contract/ids.lock";
+struct IdLock {
+  std::string text;                    // the lock with the ids that are new
+  std::vector<std::string> conflicts;  // ids whose name is not the one they were given
+};
+IdLock updated_id_lock(std::string_view text);
+
 // The shortest decimal text that reads back as the same number.
 std::string number_text(double value);
 // 0x1A00 with at least `digits` digits.

@@ -42,8 +42,17 @@ int run(int count, char** arguments) {
     std::fputs(kHelp, stderr);
     return 2;
   }
+  auto files = hoist::gen::generate_all();
+  const std::string lock_path(hoist::gen::kIdLockPath);
+  const auto lock = hoist::gen::updated_id_lock(content_of(top / lock_path));
+  for (const auto& conflict : lock.conflicts) std::fprintf(stderr, "hoist-gen: %s\n", conflict.c_str());
+  if (!lock.conflicts.empty()) {
+    std::fprintf(stderr, "hoist-gen: give new rows new ids; if a row was only renamed, rename it in %s as well\n", lock_path.c_str());
+    return 1;
+  }
+  files.push_back({lock_path, lock.text});
   int different = 0;
-  for (const auto& file : hoist::gen::generate_all()) {
+  for (const auto& file : files) {
     const auto path = top / file.path;
     if (content_of(path) == file.text) continue;
     ++different;
