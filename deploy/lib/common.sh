@@ -22,6 +22,13 @@ common_option() {
   esac
 }
 
+# For verbs that have no options of their own.
+common_options() {
+  local verb=$1 option
+  shift
+  for option in "$@"; do common_option "$verb" "$option"; done
+}
+
 # Verbs whose content belongs to a later part of the project say so, name what is missing, and fail.
 not_here_yet() {
   say "'deploy/dev $1' cannot do anything yet: $2"

@@ -4,7 +4,7 @@
 # options: --no-setup   leave the machine as it is
 # shellcheck source=deploy/lib/tests.sh
 source deploy/lib/tests.sh
-for option in "$@"; do common_option e2e "$option"; done
+common_options e2e "$@"
 setup build test
 build_normal
 build_web

@@ -1,0 +1,15 @@
+# shellcheck shell=bash
+# all benchmarks in one table, ratios beside the floors measured in the same run
+#
+# options: --no-setup   leave the machine as it is; everything else is passed on to build/bin/hoist-bench
+arguments=()
+for option in "$@"; do
+  case $option in
+    --no-setup | -h | --help) common_option bench "$option" ;;
+    *) arguments+=("$option") ;;
+  esac
+done
+setup build
+build_normal
+[ -x build/bin/hoist-bench ] || not_here_yet bench "build/bin/hoist-bench (tests/bench) is not in this tree"
+exec build/bin/hoist-bench "${arguments[@]}"

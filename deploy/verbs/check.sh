@@ -1,0 +1,63 @@
+# shellcheck shell=bash
+# format, lint, layer rules, generated files, sanitized build, all tests: what CI runs
+#
+# Static checks count as one case each in the closing line `N passed, N failed, N skipped`.
+# options: --no-setup   leave the machine as it is
+# shellcheck source=deploy/lib/tests.sh
+source deploy/lib/tests.sh
+# shellcheck source=deploy/lib/lint.sh
+source deploy/lib/lint.sh
+
+common_options check "$@"
+setup build test check
+static=$(new_results static)
+sanitized=$(new_results sanitize)
+normal=$(new_results tests)
+
+# step NAME COMMAND...: one static check; its output is shown when it fails.
+step() {
+  local name=$1 log=$static/step.log
+  shift
+  say "checking: $name"
+  if "$@" >"$log" 2>&1; then
+    record_step "$static" passed "$name"
+  else
+    cat "$log"
+    record_step "$static" failed "$name" "see above"
+  fi
+}
+
+if formatter=$(find_clang_format); then
+  check_format() { cpp_files | xargs -0 -P "$(nproc)" -n 20 "$formatter" --dry-run -Werror; }
+  step "format (deploy/dev format mends it)" check_format
+else
+  record_step "$static" skipped format "$(no_clang_format)"
+fi
+if command -v shellcheck >/dev/null; then
+  check_shell() { shell_files | xargs -0 shellcheck -x; }
+  step "shell scripts (shellcheck)" check_shell
+else
+  record_step "$static" skipped "shell scripts" "no shellcheck on this machine"
+fi
+
+build_normal
+step "generated files (deploy/dev gen mends them)" build/bin/hoist-gen --top "$PWD" --check
+if command -v clang-tidy >/dev/null; then
+  step "clang-tidy" run_clang_tidy build
+  # How far it came in its time is worth a line even when it found nothing.
+  [ ! -e "$static/step.log" ] || tail -n 1 "$static/step.log"
+else
+  record_step "$static" skipped clang-tidy "no clang-tidy on this machine"
+fi
+build_web
+
+# The tests of the normal build first: they find most, and soonest.
+run_ctest build "$normal" .
+run_web_tests "$normal" .
+run_browser_tests "$normal" .
+if build_sanitized; then
+  run_ctest build/sanitize "$sanitized" .
+else
+  record_step "$static" failed "sanitized build" "see above"
+fi
+tally "$static" "$normal" "$sanitized"
