@@ -1,0 +1,46 @@
+// Two lead-acid batteries of 12 V, 18 Ah in series (paper III-A; in series: research reading D30).
+#pragma once
+
+#include <optional>
+
+namespace hoist::sim {
+
+/// Open-circuit voltage and resistance: usual figures of small sealed lead-acid batteries (assumed).
+struct BatteryParams {
+  double capacity_c{18.0 * 3600.0};
+  double full_v{12.8};
+  double empty_v{11.4};
+  double resistance_ohm{0.02};
+  double difference_v{0.05};  ///< the two are never quite alike: half of it up, half down
+};
+
+class Battery {
+ public:
+  explicit Battery(const BatteryParams& params = {}) : params_(params) {}
+
+  void step(double current_a, double dt_s) {
+    current_a_ = current_a;
+    charge_norm_ -= current_a * dt_s / params_.capacity_c;
+    charge_norm_ = charge_norm_ < 0.0 ? 0.0 : (charge_norm_ > 1.0 ? 1.0 : charge_norm_);
+  }
+
+  /// Voltage of battery 0 or 1 under load.
+  [[nodiscard]] double one_v(int which) const {
+    const double half_v = which == 0 ? params_.difference_v / 2.0 : -params_.difference_v / 2.0;
+    if (forced_v_) return *forced_v_ / 2.0 + half_v;
+    return params_.empty_v + (params_.full_v - params_.empty_v) * charge_norm_ - params_.resistance_ohm * current_a_ + half_v;
+  }
+  [[nodiscard]] double both_v() const { return one_v(0) + one_v(1); }
+  [[nodiscard]] double charge_norm() const { return charge_norm_; }
+
+  /// Holds both together at this voltage whatever the load, or gives them back to physics.
+  void force(std::optional<double> both_v) { forced_v_ = both_v; }
+
+ private:
+  BatteryParams params_;
+  double charge_norm_{0.95};
+  double current_a_{};
+  std::optional<double> forced_v_;
+};
+
+}  // namespace hoist::sim

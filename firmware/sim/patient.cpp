@@ -1,0 +1,278 @@
+#include "firmware/sim/patient.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hoist::sim {
+namespace {
+
+constexpr double kStep_s = 0.001;
+constexpr double kThought_s = 0.010;
+constexpr double kWaitsBeforeSettingOff_s = 1.0;
+/// Brief for the simulator: "moves more than 2 cm without own lean", "does not follow a lean within about 2.5 s".
+constexpr double kMovedByItself_m = 0.02;
+constexpr double kIgnoredLean_m = 0.05;
+constexpr double kIgnoredTime_s = 2.5;
+constexpr double kStill_m_s = 0.02;
+/// Someone helps the patient upright once the hoist has stood this long.
+constexpr double kHelpedAfter_s = 3.0;
+/// Full sway from this speed on; below, steps are small, and a standing patient is still.
+constexpr double kFullGait_m_s = 0.15;
+constexpr double kGaitLag_s = 0.3;
+/// Pendulum of 1 m for the stumble (research/safety 2.1) and the most that a body hanging over pushes.
+constexpr double kPendulum_m = 1.0;
+constexpr double kFallPush_m_s2 = 2.5;
+/// Legs give way within this time; then the weight pulls forward.
+constexpr double kCollapse_s = 0.4;
+constexpr double kCollapsePush_m_s2 = 1.3;
+/// 0.163 m = 11.5 degrees on a strut of 0.8 m: past 10, short of the stop.
+constexpr double kHang_m = 0.163;
+/// Sideways the legs keep the body between the struts: 1 Hz, well damped.
+constexpr double kCentre_rad_s = 6.28;
+/// Where a lean becomes uncomfortable (7 degrees), and how hard the patient then resists going farther.
+constexpr double kComfort_m = 0.095;
+constexpr double kComfort_n_m = 1200.0;
+constexpr double kArrivalRoll_s = 0.9;
+constexpr double kStoppingLead_m_s = 0.25;
+/// Bends are taken at a pace that needs no more than this turn rate (20 deg/s, two thirds of a full turn of the pelvis), never slower
+/// than a stroll.
+constexpr double kComfortableTurn_rad_s = 0.35;
+constexpr double kSlowest_m_s = 0.12;
+constexpr double kSlowerLag_s = 0.3;
+constexpr double kFasterLag_s = 2.0;
+/// Of each strut's 0.214 m to its stop, what a patient uses for lean and turn together; the sway of the gait comes on top.
+constexpr double kReach_m = 0.13;
+constexpr double kHalfWidth_m = 0.3;
+
+}  // namespace
+
+PatientParams PatientParams::random(std::uint64_t seed) {
+  Random random(seed ^ 0x50617469656E74ULL);
+  PatientParams p;
+  p.mass_kg = random.uniform(50.0, 100.0);
+  p.wish_m_s = random.uniform(0.20, 0.60);
+  p.leg_force_n = random.uniform(60.0, 80.0);
+  p.compensation_norm = random.uniform(0.7, 0.9);
+  p.drive_n_s_m = p.mass_kg * random.uniform(1.6, 2.2);
+  p.speed_lead_m_s = random.uniform(0.08, 0.14);
+  p.reaction_s = random.uniform(0.15, 0.35);
+  p.yaw_lag_s = random.uniform(0.2, 0.35);
+  p.look_ahead_m = random.uniform(0.6, 0.9);
+  p.foresight_s = random.uniform(0.3, 0.7);
+  p.sway_forward_m = random.uniform(0.008, 0.015);
+  p.sway_lateral_m = random.uniform(0.02, 0.04);
+  p.sway_yaw_rad = random.uniform(3.0, 7.0) * kDegree_rad;
+  p.stride_hz = random.uniform(0.38, 0.48);
+  return p;
+}
+
+std::string_view patient_state_name(PatientState state) {
+  switch (state) {
+    case PatientState::standing: return "standing";
+    case PatientState::waiting: return "waiting";
+    case PatientState::leading: return "leading";
+    case PatientState::following: return "following";
+    case PatientState::tripping: return "tripping";
+    case PatientState::collapsing: return "collapsing";
+    case PatientState::hanging: return "hanging";
+  }
+  return "unknown";
+}
+
+Patient::Patient(const PatientParams& params, const Scenario& scenario)
+    : params_(params), scenario_(&scenario), path_(scenario_path(scenario)) {}
+
+void Patient::restart(const Scenario& scenario) { *this = Patient(params_, scenario); }
+
+void Patient::fall(PatientState how) {
+  if (fallen()) return;
+  state_ = how;
+  state_s_ = 0.0;
+  still_s_ = 0.0;
+  foot_ahead_m_ = 0.05;  // the trailing foot is already a little behind when it catches
+}
+
+// Which of the states, from what the patient feels.
+void Patient::decide(const PatientSenses& senses) {
+  state_s_ += kThought_s;
+  const PlatformMotion& now = senses.platform;
+  still_s_ = std::fabs(now.speed_m_s) < kStill_m_s ? still_s_ + kThought_s : 0.0;
+  if (fallen()) {
+    if (still_s_ >= kHelpedAfter_s && state_s_ >= kHelpedAfter_s) {
+      state_ = PatientState::following;
+      state_s_ = 0.0;
+      distrusts_ = true;
+    }
+    return;
+  }
+  if (!senses.brakes_released) {
+    if (state_ != PatientState::standing) state_s_ = 0.0;
+    state_ = PatientState::standing;
+    distrusts_ = false;
+    return;
+  }
+  switch (state_) {
+    case PatientState::standing:
+      state_ = PatientState::waiting;
+      state_s_ = 0.0;
+      begin_x_m_ = now.x_m;
+      begin_y_m_ = now.y_m;
+      break;
+    case PatientState::waiting:
+      if (std::hypot(now.x_m - begin_x_m_, now.y_m - begin_y_m_) > kMovedByItself_m) distrusts_ = true;
+      if (distrusts_) {
+        state_ = PatientState::following;
+        state_s_ = 0.0;
+      } else if (state_s_ >= kWaitsBeforeSettingOff_s && scenario_->figure != Figure::none) {
+        state_ = PatientState::leading;
+        pace_m_s_ = params_.wish_m_s;
+        state_s_ = 0.0;
+        ignored_s_ = 0.0;
+      }
+      break;
+    case PatientState::leading:
+      ignored_s_ = x_m_ > kIgnoredLean_m && now.speed_m_s < kStill_m_s ? ignored_s_ + kThought_s : 0.0;
+      if (ignored_s_ > kIgnoredTime_s) {
+        distrusts_ = true;
+        state_ = PatientState::following;
+        state_s_ = 0.0;
+      } else if (scenario_->trip_after_s > 0.0 && state_s_ >= scenario_->trip_after_s) {
+        fall(PatientState::tripping);
+      }
+      break;
+    default: break;
+  }
+}
+
+// Where the pelvis should point: pure pursuit of the line ahead, with the turn already under way taken into account.
+void Patient::steer(const PlatformMotion& seen) {
+  progress_m_ = path_.project(seen.x_m, seen.y_m, progress_m_);
+  const double ahead_s = params_.reaction_s + params_.foresight_s;
+  const double psi_rad = seen.psi_rad + seen.yaw_rate_rad_s * ahead_s;
+  const double way_m = seen.speed_m_s * params_.reaction_s;
+  const double x_m = seen.x_m + way_m * std::cos(seen.psi_rad);
+  const double y_m = seen.y_m + way_m * std::sin(seen.psi_rad);
+  contract::PathPose goal = path_.pose(progress_m_ + params_.look_ahead_m);
+  if (!path_.closed() && progress_m_ + params_.look_ahead_m > path_.length_m()) {
+    // Past the end of a straight one looks on in its direction.
+    const double beyond_m = progress_m_ + params_.look_ahead_m - path_.length_m();
+    goal.x_m += beyond_m * std::cos(goal.psi_rad);
+    goal.y_m += beyond_m * std::sin(goal.psi_rad);
+  }
+  const double bearing_rad = std::remainder(std::atan2(goal.y_m - y_m, goal.x_m - x_m) - psi_rad, 2.0 * kPi);
+  const double distance_m = std::max(0.3, std::hypot(goal.x_m - x_m, goal.y_m - y_m));
+  // Arc through the goal, at the speed of the moment; a patient setting off already looks where to go.
+  const double speed_m_s = std::max(seen.speed_m_s, 0.15);
+  const double wanted_rad_s = 2.0 * speed_m_s * std::sin(std::clamp(bearing_rad, -kPi / 2.0, kPi / 2.0)) / distance_m;
+  const double left_over_m = std::max(kReach_m - std::fabs(x_m_), 0.0);
+  const double limit_rad = std::min(params_.yaw_limit_rad, std::asin(std::min(left_over_m / kHalfWidth_m, 1.0)));
+  yaw_goal_rad_ = std::clamp(wanted_rad_s / params_.turn_habit_per_s, -limit_rad, limit_rad);
+  // Leaning and turning share the struts' reach (the stops): one walks slower where the line bends.
+  const double bend_per_m = std::fabs(2.0 * std::sin(std::clamp(bearing_rad, -kPi / 2.0, kPi / 2.0)) / distance_m);
+  const double pace_goal_m_s = std::max(kSlowest_m_s, kComfortableTurn_rad_s / std::max(bend_per_m, 1e-3));
+  const double pace_change_m_s = std::min(pace_goal_m_s, params_.wish_m_s) - pace_m_s_;
+  pace_m_s_ += pace_change_m_s * (kThought_s / (pace_change_m_s < 0.0 ? kSlowerLag_s : kFasterLag_s));
+  if (!path_.closed() && progress_m_ >= path_.length_m() - kArrivalRoll_s * std::fabs(seen.speed_m_s)) arrived_ = true;
+}
+
+void Patient::think(const PatientSenses& senses) {
+  decide(senses);
+  memories_[memory_at_] = {senses.platform, senses.springs.forward_n};
+  const auto back = static_cast<std::size_t>(std::clamp(std::lround(params_.reaction_s / kThought_s), 0L, static_cast<long>(kMemories) - 1));
+  const Memory& felt = memories_[(memory_at_ + kMemories - back) % kMemories];
+  memory_at_ = (memory_at_ + 1) % kMemories;
+
+  push_goal_m_s_ = felt.platform.speed_m_s;
+  compensation_n_ = 0.0;
+  yaw_goal_rad_ = 0.0;
+  gait_goal_norm_ = 0.0;
+  const double pace_norm = std::min(1.0, std::fabs(senses.platform.speed_m_s) / kFullGait_m_s);
+  switch (state_) {
+    case PatientState::leading: {
+      steer(felt.platform);
+      const double wish_m_s = arrived_ ? 0.0 : pace_m_s_;
+      const double least_m_s = felt.platform.speed_m_s - (arrived_ ? kStoppingLead_m_s : params_.speed_lead_m_s);
+      push_goal_m_s_ = std::clamp(wish_m_s, least_m_s, felt.platform.speed_m_s + params_.speed_lead_m_s);
+      // Who stops lets the springs push the body back, past upright, which is what brakes the hoist.
+      compensation_n_ = arrived_ ? 0.0 : params_.compensation_norm * felt.spring_n;
+      gait_goal_norm_ = pace_norm;
+      break;
+    }
+    case PatientState::following:
+      gait_goal_norm_ = 0.6 * pace_norm;
+      break;
+    default: break;
+  }
+  if (holds_turn_) yaw_goal_rad_ = held_turn_rad_;
+}
+
+double Patient::fall_push_n(const PlatformMotion& platform) {
+  switch (state_) {
+    case PatientState::tripping: {
+      // The foot stays where it caught; the pelvis goes over it like a pendulum on its head, until the harness holds.
+      foot_ahead_m_ += (platform.speed_m_s + x_rate_m_s_) * kStep_s;
+      const double lean_m_s2 = kGravity_m_s2 / kPendulum_m * foot_ahead_m_;
+      return params_.mass_kg * std::clamp(lean_m_s2, -kFallPush_m_s2, kFallPush_m_s2);
+    }
+    case PatientState::collapsing: return params_.mass_kg * kCollapsePush_m_s2 * std::min(1.0, state_s_ / kCollapse_s);
+    case PatientState::hanging: {
+      // Weight in the harness; what movement is left is damped by dragging feet.
+      const double wanted_m_s2 = 9.0 * (kHang_m - x_m_) - 6.0 * x_rate_m_s_;
+      return params_.mass_kg * (wanted_m_s2 + platform.acceleration_m_s2);
+    }
+    default: return 0.0;
+  }
+}
+
+void Patient::step_1ms(const PatientSenses& senses) {
+  if (tick_ == 0) think(senses);
+  tick_ = (tick_ + 1) % kThoughtTicks;
+
+  // Fore and aft: legs against springs.
+  const double own_m_s = senses.platform.speed_m_s + x_rate_m_s_;
+  double legs_n = 0.0;
+  if (fallen()) {
+    legs_n = fall_push_n(senses.platform);
+    if (state_ == PatientState::hanging) legs_n += senses.springs.forward_n;
+  } else {
+    legs_n = compensation_n_ + params_.drive_n_s_m * (push_goal_m_s_ - own_m_s);
+    if (x_m_ > kComfort_m) legs_n -= kComfort_n_m * (x_m_ - kComfort_m);
+    legs_n = std::clamp(legs_n, -params_.leg_force_n, params_.leg_force_n);
+    // Standing or led: the feet go with the frame, and with the push of a frame that starts or brakes.
+    if (state_ != PatientState::leading) legs_n += params_.mass_kg * 0.5 * senses.platform.acceleration_m_s2;
+  }
+  x_rate_m_s_ += ((legs_n - senses.springs.forward_n) / params_.mass_kg - senses.platform.acceleration_m_s2) * kStep_s;
+  x_m_ += x_rate_m_s_ * kStep_s;
+  // Sideways: the legs keep the body in the middle.
+  const double aside_m_s2 = -kCentre_rad_s * (kCentre_rad_s * y_m_ + 1.6 * y_rate_m_s_) - senses.springs.left_n / params_.mass_kg;
+  y_rate_m_s_ += aside_m_s2 * kStep_s;
+  y_m_ += y_rate_m_s_ * kStep_s;
+  // Pelvis: two equal lags that together take yaw_lag_s.
+  const double half_lag_s = params_.yaw_lag_s / 2.0;
+  const double yaw_rad_s2 = (yaw_goal_rad_ - yaw_rad_) / (half_lag_s * half_lag_s) - 2.0 * yaw_rate_rad_s_ / half_lag_s;
+  yaw_rate_rad_s_ += yaw_rad_s2 * kStep_s;
+  yaw_rad_ += yaw_rate_rad_s_ * kStep_s;
+
+  // Gait on top. Lateral and yaw swing once a stride, forward twice (anatomy: research/paper 5).
+  gait_norm_ += (gait_goal_norm_ - gait_norm_) * (kStep_s / kGaitLag_s);
+  HarnessMotion next{x_m_, y_m_, yaw_rad_, x_rate_m_s_, y_rate_m_s_, yaw_rate_rad_s_};
+  if (gait_norm_ > 1e-4) {
+    const double rate_rad_s = 2.0 * kPi * (params_.stride_hz + params_.stride_hz_per_m_s * std::fabs(senses.platform.speed_m_s));
+    phase_rad_ += rate_rad_s * kStep_s;
+    if (phase_rad_ > 2.0 * kPi) phase_rad_ -= 2.0 * kPi;
+    const double sine = std::sin(phase_rad_);
+    const double cosine = std::cos(phase_rad_);
+    const double forward_m = params_.sway_forward_m * gait_norm_;
+    const double aside_m = params_.sway_lateral_m * gait_norm_;
+    const double twist_rad = params_.sway_yaw_rad * gait_norm_;
+    next.dx_m += forward_m * 2.0 * sine * cosine;
+    next.dx_rate_m_s += forward_m * 2.0 * rate_rad_s * (cosine * cosine - sine * sine);
+    next.dy_m += aside_m * cosine;
+    next.dy_rate_m_s -= aside_m * rate_rad_s * sine;
+    next.yaw_rad += twist_rad * sine;
+    next.yaw_rate_rad_s += twist_rad * rate_rad_s * cosine;
+  }
+  harness_ = next;
+}
+
+}  // namespace hoist::sim

@@ -1,0 +1,138 @@
+// A walking patient between the struts: a body of some mass with legs that push, eyes that follow a line on the floor, and a reaction
+// time. Model and figures: research/paper 5 ("patient 75 kg, leg force <= 70 N, reaction 0.2 s, pelvis yaw lag 0.25 s, ..."), which are
+// assumptions about people, not measurements of these patients.
+//
+// Nobody tells the patient who leads. When the drives release their brakes the patient stands a second; if the hoist then moves off by
+// itself, or does not follow a lean, the patient lets it lead until the drives are switched off again.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "control/contract/reference_path.hpp"
+#include "firmware/sim/model.hpp"
+#include "firmware/sim/random.hpp"
+#include "firmware/sim/scenario.hpp"
+
+namespace hoist::sim {
+
+struct PatientParams {
+  double mass_kg{75.0};
+  double wish_m_s{0.30};             ///< the speed this patient likes to walk
+  double leg_force_n{70.0};
+  double compensation_norm{0.8};     ///< share of the spring's push that the legs take
+  double drive_n_s_m{140.0};          ///< legs: newtons for each m/s that is missing
+  double speed_lead_m_s{0.12};       ///< walks at most this much faster (or slower) than the frame
+  double reaction_s{0.2};
+  double yaw_lag_s{0.25};
+  double yaw_limit_rad{30.0 * kDegree_rad};
+  double look_ahead_m{0.75};         ///< 0.6 to 0.9
+  double foresight_s{0.5};           ///< how far ahead the patient feels where the hoist is turning
+  double turn_habit_per_s{1.2};      ///< what the patient has learnt: turn rate of the hoist for each radian of pelvis
+  double sway_forward_m{0.012};      ///< at step frequency
+  double sway_lateral_m{0.03};       ///< at stride frequency
+  double sway_yaw_rad{5.0 * kDegree_rad};
+  double stride_hz{0.42};            ///< stride frequency = this + slope x speed
+  double stride_hz_per_m_s{0.5};
+
+  /// Somebody else: every figure drawn evenly from its usual range; the same seed gives the same person.
+  [[nodiscard]] static PatientParams random(std::uint64_t seed);
+};
+
+enum class PatientState : std::uint8_t { standing, waiting, leading, following, tripping, collapsing, hanging };
+std::string_view patient_state_name(PatientState state);
+
+/// What reaches the patient's senses.
+struct PatientSenses {
+  PlatformMotion platform;
+  HarnessForce springs;  ///< as pushed on the platform; the body feels the opposite
+  bool brakes_released{false};
+};
+
+class Patient {
+ public:
+  /// scenario must outlive the patient (rows of kScenarios do).
+  Patient(const PatientParams& params, const Scenario& scenario);
+
+  /// One millisecond.
+  void step_1ms(const PatientSenses& senses);
+
+  [[nodiscard]] const HarnessMotion& harness() const { return harness_; }
+  [[nodiscard]] PatientState state() const { return state_; }
+  /// Arc length along the line that the patient has come to.
+  [[nodiscard]] double progress_m() const { return progress_m_; }
+  /// True once a straight has been walked to its end.
+  [[nodiscard]] bool arrived() const { return arrived_; }
+  [[nodiscard]] const PatientParams& params() const { return params_; }
+  [[nodiscard]] const Scenario& scenario() const { return *scenario_; }
+  [[nodiscard]] const contract::ReferencePath& path() const { return path_; }
+
+  void trip() { fall(PatientState::tripping); }
+  void collapse() { fall(PatientState::collapsing); }
+  /// Hangs in the harness past 10 degrees, feet dragging, without a gait.
+  void hang() { fall(PatientState::hanging); }
+  void set_wish(double wish_m_s) { params_.wish_m_s = wish_m_s; }
+  /// Lets a test hold the pelvis turned (rad, left positive) while standing or walking instead of looking at the line.
+  void hold_turn(double yaw_rad) { held_turn_rad_ = yaw_rad, holds_turn_ = true; }
+  void release_turn() { holds_turn_ = false; }
+  /// Back at the start mark with another scenario, standing.
+  void restart(const Scenario& scenario);
+
+ private:
+  struct Memory {
+    PlatformMotion platform;
+    double spring_n{};
+  };
+  // One memory each 10 ms; the longest reaction that a patient may have.
+  static constexpr std::size_t kMemories = 64;
+  static constexpr int kThoughtTicks = 10;
+
+  void think(const PatientSenses& senses);
+  void decide(const PatientSenses& senses);
+  void steer(const PlatformMotion& seen);
+  void fall(PatientState how);
+  [[nodiscard]] double fall_push_n(const PlatformMotion& platform);
+  [[nodiscard]] bool fallen() const { return state_ >= PatientState::tripping; }
+
+  PatientParams params_;
+  const Scenario* scenario_;
+  contract::ReferencePath path_;
+  PatientState state_{PatientState::standing};
+
+  // The body against the platform, without the gait's sway.
+  double x_m_{};
+  double x_rate_m_s_{};
+  double y_m_{};
+  double y_rate_m_s_{};
+  double yaw_rad_{};
+  double yaw_rate_rad_s_{};
+  HarnessMotion harness_;
+
+  // Gait.
+  double phase_rad_{};
+  double gait_norm_{};
+  double gait_goal_norm_{};
+
+  // Mind, at 100 Hz.
+  std::array<Memory, kMemories> memories_{};
+  std::size_t memory_at_{};
+  int tick_{};
+  double push_goal_m_s_{};   // speed the legs work for
+  double compensation_n_{};  // spring force that the legs take over
+  double yaw_goal_rad_{};
+  double pace_m_s_{};        // wish, less in bends
+  double progress_m_{};
+  bool arrived_{false};
+  double state_s_{};         // since the state began
+  double ignored_s_{};       // how long a lean has been without effect
+  double still_s_{};         // how long the platform has stood
+  double begin_x_m_{};
+  double begin_y_m_{};
+  bool distrusts_{false};    // the hoist leads until the drives are off
+  double foot_ahead_m_{};    // of a stumbling patient: pelvis ahead of the foot that stays behind
+  double held_turn_rad_{};
+  bool holds_turn_{false};
+};
+
+}  // namespace hoist::sim

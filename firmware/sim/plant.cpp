@@ -1,0 +1,347 @@
+#include "firmware/sim/plant.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hoist::sim {
+namespace {
+
+constexpr double kStepLongest_s = 0.001;
+/// The two impulses of friction hardly feel each other: three rounds settle them to 1e-6.
+constexpr int kFrictionRounds = 3;
+/// Sliding is rare and stiffer: contact and axle friction act on the same light wheel.
+constexpr int kSlidingRounds = 40;
+constexpr double kObstacleSpring_n_m = 8000.0;
+constexpr double kObstacleDamping_n_s_m = 1500.0;
+/// A bumper strip gives way by this much before it is hard; it reports from the first touch.
+constexpr double kObstacleForceLimit_n = 2000.0;
+
+double clamp_abs(double value, double limit) { return std::clamp(value, -limit, limit); }
+
+}  // namespace
+
+Plant::Plant(const PlantParams& params, std::uint64_t seed)
+    : params_(params),
+      motors_{Motor(params.motor), Motor(params.motor)},
+      grip_norm_{params.grip_norm, params.grip_norm},
+      battery_(params.battery),
+      imus_{Imu(params.imu, seed * 4 + 1), Imu(params.imu, seed * 4 + 2), Imu(params.imu, seed * 4 + 3)} {
+  const double r_m = params.wheel_radius_m;
+  const double b_m = params.track_width_m;
+  rotor_inertia_kg_m2_ = params.wheel_inertia_kg_m2 + params.motor.inertia_kg_m2 * params.gear_ratio * params.gear_ratio;
+  // Kinetic energy in wheel speeds: v = r (wl + wr) / 2, omega = r (wr - wl) / b.
+  const double own = rotor_inertia_kg_m2_ + r_m * r_m * (params.mass_kg / 4.0 + params.yaw_inertia_kg_m2 / (b_m * b_m));
+  const double cross = r_m * r_m * (params.mass_kg / 4.0 - params.yaw_inertia_kg_m2 / (b_m * b_m));
+  const double determinant = own * own - cross * cross;
+  inverse_own_ = own / determinant;
+  inverse_cross_ = -cross / determinant;
+}
+
+void Plant::set_bridge(Side side, bool enabled, double duty_norm) {
+  Bridge& bridge = bridges_[index(side)];
+  bridge.enabled = enabled;
+  bridge.duty_norm = enabled && std::isfinite(duty_norm) ? clamp_abs(duty_norm, 1.0) : 0.0;
+}
+
+double Plant::strut_forward_m(Side side) const {
+  const double half_m = params_.strut_spacing_m / 2.0 * std::sin(harness_.yaw_rad);
+  return harness_.dx_m + (side == Side::left ? -half_m : half_m);
+}
+
+double Plant::strut_forward_rate_m_s(Side side) const {
+  const double half_m_s = params_.strut_spacing_m / 2.0 * std::cos(harness_.yaw_rad) * harness_.yaw_rate_rad_s;
+  return harness_.dx_rate_m_s + (side == Side::left ? -half_m_s : half_m_s);
+}
+
+double Plant::strut_alpha_rad(Side side) const { return std::atan(strut_forward_m(side) / params_.strut_length_m); }
+
+double Plant::strut_beta_rad(Side side) const {
+  const double inward_m = params_.bar_stiff_norm * params_.strut_spacing_m / 2.0 * (1.0 - std::cos(harness_.yaw_rad));
+  const double left_m = harness_.dy_m + (side == Side::left ? -inward_m : inward_m);
+  return std::atan(-left_m / params_.strut_length_m);
+}
+
+HarnessForce Plant::harness_force(const HarnessMotion& harness) const {
+  const double half_m = params_.strut_spacing_m / 2.0;
+  const double sine = std::sin(harness.yaw_rad);
+  const double cosine = std::sqrt(1.0 - sine * sine);
+  const double limit_m = params_.strut_length_m * std::tan(params_.stop_rad);
+  HarnessForce force;
+  for (const double sense : {-1.0, 1.0}) {  // left strut, right strut
+    const double x_m = harness.dx_m + sense * half_m * sine;
+    const double x_rate_m_s = harness.dx_rate_m_s + sense * half_m * cosine * harness.yaw_rate_rad_s;
+    const double y_m = harness.dy_m + sense * half_m * params_.bar_stiff_norm * (1.0 - cosine);
+    const double y_rate_m_s = harness.dy_rate_m_s;
+    double forward_n = 0.5 * (params_.spring_n_m * x_m + params_.damping_n_s_m * x_rate_m_s);
+    double left_n = 0.5 * (params_.spring_n_m * y_m + params_.damping_n_s_m * y_rate_m_s);
+    const double out_square = x_m * x_m + y_m * y_m;
+    if (out_square > limit_m * limit_m) {
+      const double out_m = std::sqrt(out_square);
+      const double out_rate_m_s = (x_m * x_rate_m_s + y_m * y_rate_m_s) / out_m;
+      // Rubber pushes back; it never pulls.
+      const double stop_n =
+          std::max(0.0, params_.stop_spring_n_m * (out_m - limit_m) + params_.stop_damping_n_s_m * out_rate_m_s);
+      forward_n += stop_n * x_m / out_m;
+      left_n += stop_n * y_m / out_m;
+    }
+    force.forward_n += forward_n;
+    force.left_n += left_n;
+    force.turn_n_m += sense * half_m * cosine * forward_n;
+  }
+  return force;
+}
+
+double Plant::friction_n_m(Side side) const {
+  const double running_n_m = params_.gear_ratio * params_.motor.coulomb_n_m + params_.rolling_n * params_.wheel_radius_m;
+  return bridge_enabled(side) ? running_n_m : running_n_m + params_.brake_n_m;
+}
+
+double Plant::grip_n(Side side) const {
+  return grip_norm_[index(side)] * 0.5 * params_.driven_load_norm * params_.mass_kg * kGravity_m_s2;
+}
+
+void Plant::step_rolling(const std::array<double, 2>& drive_n_m, double forward_n, double turn_n_m, double dt_s) {
+  const double r_m = params_.wheel_radius_m;
+  const std::array<double, 2> outside_n_m{r_m * (forward_n / 2.0 - turn_n_m / params_.track_width_m),
+                                          r_m * (forward_n / 2.0 + turn_n_m / params_.track_width_m)};
+  const double left_n_m = drive_n_m[0] + outside_n_m[0];
+  const double right_n_m = drive_n_m[1] + outside_n_m[1];
+  const double free_left = wheel_rad_s_[0] + dt_s * (inverse_own_ * left_n_m + inverse_cross_ * right_n_m);
+  const double free_right = wheel_rad_s_[1] + dt_s * (inverse_own_ * right_n_m + inverse_cross_ * left_n_m);
+  // Dry friction stops a wheel and holds it, up to its limit.
+  const double limit_left = friction_n_m(Side::left) * dt_s;
+  const double limit_right = friction_n_m(Side::right) * dt_s;
+  double p_left = clamp_abs(friction_impulse_[0], limit_left);
+  double p_right = clamp_abs(friction_impulse_[1], limit_right);
+  for (int round = 0; round < kFrictionRounds; ++round) {
+    p_left = clamp_abs(-(free_left + inverse_cross_ * p_right) / inverse_own_, limit_left);
+    p_right = clamp_abs(-(free_right + inverse_cross_ * p_left) / inverse_own_, limit_right);
+  }
+  const double next_left = free_left + inverse_own_ * p_left + inverse_cross_ * p_right;
+  const double next_right = free_right + inverse_own_ * p_right + inverse_cross_ * p_left;
+  // What the floor had to give for that.
+  const double floor_left_n = (drive_n_m[0] + (p_left - rotor_inertia_kg_m2_ * (next_left - wheel_rad_s_[0])) / dt_s) / r_m;
+  const double floor_right_n = (drive_n_m[1] + (p_right - rotor_inertia_kg_m2_ * (next_right - wheel_rad_s_[1])) / dt_s) / r_m;
+  if (std::fabs(floor_left_n) > grip_n(Side::left) || std::fabs(floor_right_n) > grip_n(Side::right)) {
+    sliding_ = true;
+    step_sliding(drive_n_m, forward_n, turn_n_m, dt_s);
+    return;
+  }
+  friction_impulse_ = {p_left, p_right};
+  wheel_rad_s_ = {next_left, next_right};
+  const double speed_m_s = r_m * (next_left + next_right) / 2.0;
+  const double yaw_rate_rad_s = r_m * (next_right - next_left) / params_.track_width_m;
+  platform_.acceleration_m_s2 = (speed_m_s - platform_.speed_m_s) / dt_s;
+  platform_.yaw_acceleration_rad_s2 = (yaw_rate_rad_s - platform_.yaw_rate_rad_s) / dt_s;
+  platform_.speed_m_s = speed_m_s;
+  platform_.yaw_rate_rad_s = yaw_rate_rad_s;
+}
+
+void Plant::step_sliding(const std::array<double, 2>& drive_n_m, double forward_n, double turn_n_m, double dt_s) {
+  const double r_m = params_.wheel_radius_m;
+  const double half_track_m = params_.track_width_m / 2.0;
+  const std::array<double, 2> arm_m{-half_track_m, half_track_m};
+  double speed_m_s = platform_.speed_m_s + forward_n * dt_s / params_.mass_kg;
+  double yaw_rate_rad_s = platform_.yaw_rate_rad_s + turn_n_m * dt_s / params_.yaw_inertia_kg_m2;
+  std::array<double, 2> wheel{wheel_rad_s_[0] + drive_n_m[0] * dt_s / rotor_inertia_kg_m2_,
+                              wheel_rad_s_[1] + drive_n_m[1] * dt_s / rotor_inertia_kg_m2_};
+  std::array<double, 2> axle{};     // impulses of dry friction, N m s
+  std::array<double, 2> contact{};  // impulses of the floor, N s
+  const double give = r_m * r_m / rotor_inertia_kg_m2_ + 1.0 / params_.mass_kg + half_track_m * half_track_m / params_.yaw_inertia_kg_m2;
+  for (int round = 0; round < kSlidingRounds; ++round) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Side side = static_cast<Side>(i);
+      const double axle_before = axle[i];
+      axle[i] = clamp_abs(axle_before - wheel[i] * rotor_inertia_kg_m2_, friction_n_m(side) * dt_s);
+      wheel[i] += (axle[i] - axle_before) / rotor_inertia_kg_m2_;
+      const double slip_m_s = wheel[i] * r_m - (speed_m_s + arm_m[i] * yaw_rate_rad_s);
+      const double contact_before = contact[i];
+      contact[i] = clamp_abs(contact_before + slip_m_s / give, grip_n(side) * dt_s);
+      const double change = contact[i] - contact_before;
+      wheel[i] -= change * r_m / rotor_inertia_kg_m2_;
+      speed_m_s += change / params_.mass_kg;
+      yaw_rate_rad_s += change * arm_m[i] / params_.yaw_inertia_kg_m2;
+    }
+  }
+  bool gripping = true;
+  for (std::size_t i = 0; i < 2; ++i) gripping = gripping && std::fabs(contact[i]) < grip_n(static_cast<Side>(i)) * dt_s;
+  sliding_ = !gripping;
+  if (gripping) {
+    // Both wheels roll again: what the rounds left over is taken out.
+    wheel = {(speed_m_s - half_track_m * yaw_rate_rad_s) / r_m, (speed_m_s + half_track_m * yaw_rate_rad_s) / r_m};
+  }
+  friction_impulse_ = axle;
+  wheel_rad_s_ = wheel;
+  platform_.acceleration_m_s2 = (speed_m_s - platform_.speed_m_s) / dt_s;
+  platform_.yaw_acceleration_rad_s2 = (yaw_rate_rad_s - platform_.yaw_rate_rad_s) / dt_s;
+  platform_.speed_m_s = speed_m_s;
+  platform_.yaw_rate_rad_s = yaw_rate_rad_s;
+}
+
+void Plant::feel_obstacles(double& forward_n) {
+  touched_ = 0;
+  if (obstacle_count_ == 0) return;
+  const double sine = std::sin(platform_.psi_rad);
+  const double cosine = std::cos(platform_.psi_rad);
+  for (std::size_t i = 0; i < obstacle_count_; ++i) {
+    const Obstacle& post = obstacles_[i];
+    const double ahead_m = cosine * (post.x_m - platform_.x_m) + sine * (post.y_m - platform_.y_m);
+    const double left_m = -sine * (post.x_m - platform_.x_m) + cosine * (post.y_m - platform_.y_m);
+    const double gap_x_m = std::max(0.0, std::fabs(ahead_m) - params_.bumper_half_length_m);
+    const double gap_y_m = std::max(0.0, std::fabs(left_m) - params_.bumper_half_width_m);
+    const double press_m = post.radius_m - std::sqrt(gap_x_m * gap_x_m + gap_y_m * gap_y_m);
+    if (press_m <= 0.0) continue;
+    // Which strip: the side that the post stands farther out on.
+    const bool lengthwise =
+        std::fabs(ahead_m) / params_.bumper_half_length_m >= std::fabs(left_m) / params_.bumper_half_width_m;
+    if (!lengthwise) {
+      touched_ |= left_m > 0.0 ? 0x04 : 0x08;
+      continue;  // the casters roll along it; sideways the wheels hold anyway
+    }
+    touched_ |= ahead_m > 0.0 ? 0x01 : 0x02;
+    const double sense = ahead_m > 0.0 ? 1.0 : -1.0;
+    const double push_n = kObstacleSpring_n_m * press_m + kObstacleDamping_n_s_m * sense * platform_.speed_m_s;
+    forward_n -= sense * std::clamp(push_n, 0.0, kObstacleForceLimit_n);
+  }
+}
+
+void Plant::lean_chassis(double forward_n, double dt_s) {
+  const double keep = dt_s / params_.pitch_lag_s;
+  const double pitch_goal_rad = -params_.pitch_rad_per_m_s2 * platform_.acceleration_m_s2 + params_.pitch_rad_per_n * forward_n;
+  const double roll_goal_rad = params_.pitch_rad_per_m_s2 * platform_.speed_m_s * platform_.yaw_rate_rad_s;
+  pitch_rate_rad_s_ = (pitch_goal_rad - pitch_rad_) / params_.pitch_lag_s;
+  roll_rate_rad_s_ = (roll_goal_rad - roll_rad_) / params_.pitch_lag_s;
+  pitch_rad_ += keep * (pitch_goal_rad - pitch_rad_);
+  roll_rad_ += keep * (roll_goal_rad - roll_rad_);
+}
+
+void Plant::step(const HarnessMotion& harness, double dt_s) {
+  if (!(dt_s > 0.0) || !std::isfinite(dt_s)) return;
+  harness_ = harness;
+  double left_s = dt_s;
+  while (left_s > 1e-9) {
+    const double h_s = std::min(left_s, kStepLongest_s);
+    left_s -= h_s;
+    time_s_ += h_s;
+
+    // Motors. A bridge that is off leaves the winding open: no current, the brake holds.
+    std::array<double, 2> drive_n_m{};
+    double supply_a = params_.electronics_a;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const bool enabled = bridges_[i].enabled && !power_cut_;
+      const double shaft_rad_s = wheel_rad_s_[i] * params_.gear_ratio;
+      const double terminal_v = enabled ? bridges_[i].duty_norm * battery_.both_v() : params_.motor.constant_v_s_rad * shaft_rad_s;
+      const double torque_n_m = motors_[i].step_imposed(terminal_v, shaft_rad_s, h_s);
+      drive_n_m[i] = params_.gear_ratio * (torque_n_m - params_.motor.viscous_n_m_s * shaft_rad_s);
+      if (enabled) supply_a += bridges_[i].duty_norm * motors_[i].current_a();
+    }
+    battery_.step(supply_a, h_s);
+
+    const HarnessForce push = harness_force(harness_);
+    double forward_n = push.forward_n;
+    feel_obstacles(forward_n);
+    const double speed_before_m_s = platform_.speed_m_s;
+    const double turn_before_rad_s = platform_.yaw_rate_rad_s;
+    if (sliding_) {
+      step_sliding(drive_n_m, forward_n, push.turn_n_m, h_s);
+    } else {
+      step_rolling(drive_n_m, forward_n, push.turn_n_m, h_s);
+    }
+    lean_chassis(push.forward_n, h_s);
+
+    const double turn_rad = 0.5 * (turn_before_rad_s + platform_.yaw_rate_rad_s) * h_s;
+    const double way_m = 0.5 * (speed_before_m_s + platform_.speed_m_s) * h_s;
+    const double mean_psi_rad = platform_.psi_rad + 0.5 * turn_rad;
+    platform_.x_m += way_m * std::cos(mean_psi_rad);
+    platform_.y_m += way_m * std::sin(mean_psi_rad);
+    platform_.psi_rad += turn_rad;
+  }
+}
+
+Plant::Vector Plant::sensor_velocity(Place place) const {
+  if (place == Place::chassis) {
+    return {platform_.speed_m_s + pitch_rate_rad_s_ * params_.sensor_base_height_m,
+            -roll_rate_rad_s_ * params_.sensor_base_height_m, 0.0};
+  }
+  const Side side = place == Place::left_strut ? Side::left : Side::right;
+  const double up = params_.sensor_height_m / params_.strut_length_m;
+  const double beside_m = side == Side::left ? params_.strut_spacing_m / 2.0 : -params_.strut_spacing_m / 2.0;
+  return {platform_.speed_m_s - platform_.yaw_rate_rad_s * (beside_m + up * harness_.dy_m) + up * strut_forward_rate_m_s(side) +
+              pitch_rate_rad_s_ * params_.sensor_height_m,
+          platform_.yaw_rate_rad_s * up * strut_forward_m(side) + up * harness_.dy_rate_m_s -
+              roll_rate_rad_s_ * params_.sensor_height_m,
+          0.0};
+}
+
+ImuReading Plant::read_imu(Place place) {
+  SensorMemory& memory = sensors_[static_cast<std::size_t>(place)];
+  const Vector velocity = sensor_velocity(place);
+  const double age_s = time_s_ - memory.time_s;
+  // Acceleration against the floor, in the platform's axes: the rotating frame adds omega x v.
+  Vector acceleration{};
+  if (age_s > 1e-6) {
+    const double vx = 0.5 * (velocity.x + memory.velocity_m_s.x);
+    const double vy = 0.5 * (velocity.y + memory.velocity_m_s.y);
+    acceleration.x = (velocity.x - memory.velocity_m_s.x) / age_s - platform_.yaw_rate_rad_s * vy;
+    acceleration.y = (velocity.y - memory.velocity_m_s.y) / age_s + platform_.yaw_rate_rad_s * vx;
+  }
+  memory = {velocity, time_s_};
+
+  // Direction of the sensor's z axis; x stays in the plane of the lean, y completes it.
+  double lean = pitch_rad_;
+  double lean_left = -roll_rad_;
+  double alpha_rate_rad_s = pitch_rate_rad_s_;
+  double beta_rate_rad_s = roll_rate_rad_s_;
+  if (place != Place::chassis) {
+    const Side side = place == Place::left_strut ? Side::left : Side::right;
+    const double forward = strut_forward_m(side) / params_.strut_length_m;
+    const double half_m = params_.bar_stiff_norm * params_.strut_spacing_m / 2.0;
+    const double inward_m = half_m * (1.0 - std::cos(harness_.yaw_rad));
+    const double inward_rate_m_s = half_m * std::sin(harness_.yaw_rad) * harness_.yaw_rate_rad_s;
+    const double sense = side == Side::left ? -1.0 : 1.0;
+    const double aside = (harness_.dy_m + sense * inward_m) / params_.strut_length_m;
+    lean += forward;
+    lean_left += aside;
+    alpha_rate_rad_s += strut_forward_rate_m_s(side) / params_.strut_length_m / (1.0 + forward * forward);
+    beta_rate_rad_s -= (harness_.dy_rate_m_s + sense * inward_rate_m_s) / params_.strut_length_m / (1.0 + aside * aside);
+  }
+  const double z_length = std::sqrt(1.0 + lean * lean + lean_left * lean_left);
+  const Vector z_axis{lean / z_length, lean_left / z_length, 1.0 / z_length};
+  const double x_length = std::sqrt(1.0 + lean * lean);
+  const Vector x_axis{1.0 / x_length, 0.0, -lean / x_length};
+  const Vector y_axis{z_axis.y * x_axis.z - z_axis.z * x_axis.y, z_axis.z * x_axis.x - z_axis.x * x_axis.z,
+                      z_axis.x * x_axis.y - z_axis.y * x_axis.x};
+  const auto along = [](const Vector& axis, double x, double y, double z) { return axis.x * x + axis.y * y + axis.z * z; };
+
+  ImuReading truth;
+  truth.ax_m_s2 = along(x_axis, acceleration.x, acceleration.y, kGravity_m_s2);
+  truth.ay_m_s2 = along(y_axis, acceleration.x, acceleration.y, kGravity_m_s2);
+  truth.az_m_s2 = along(z_axis, acceleration.x, acceleration.y, kGravity_m_s2);
+  // A strut that leans turns part of the platform's yaw into its own pitch and roll: the filter must live with that.
+  truth.alpha_rate_rad_s = along(y_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
+  truth.beta_rate_rad_s = along(x_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
+  truth.yaw_rate_rad_s = along(z_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
+  return imus_[static_cast<std::size_t>(place)].corrupt(truth, std::clamp(age_s, 0.0, 1.0));
+}
+
+void Plant::force_bumper(int bit, bool pressed) {
+  if (bit < 0 || bit > 3) return;
+  const auto mask = static_cast<std::uint8_t>(1U << bit);
+  forced_bumpers_ = static_cast<std::uint8_t>(pressed ? (forced_bumpers_ | mask) : (forced_bumpers_ & ~mask));
+}
+
+bool Plant::add_obstacle(const Obstacle& obstacle) {
+  if (obstacle_count_ == kObstacleLimit || !(obstacle.radius_m > 0.0) || !std::isfinite(obstacle.x_m) || !std::isfinite(obstacle.y_m))
+    return false;
+  obstacles_[obstacle_count_++] = obstacle;
+  return true;
+}
+
+void Plant::place(double x_m, double y_m, double psi_rad) {
+  platform_ = {x_m, y_m, psi_rad, 0.0, 0.0, 0.0, 0.0};
+  wheel_rad_s_ = {};
+  friction_impulse_ = {};
+  sliding_ = false;
+}
+
+}  // namespace hoist::sim

@@ -1,0 +1,162 @@
+// The machine: differential-drive platform, two geared motors, two sprung struts, three tilt sensors, batteries and bumpers.
+//
+// Physics only: it knows nothing of the control laws, the bus or the clock, and the same seed and inputs give the same numbers.
+// One step integrates 1 ms. While both wheels roll, wheels and platform are one rigid mechanism with two degrees of freedom, solved
+// exactly (no stiff contact spring, so 1 ms is enough); a wheel that would need more grip than the floor gives slides with the floor's friction.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "firmware/sim/battery.hpp"
+#include "firmware/sim/imu.hpp"
+#include "firmware/sim/model.hpp"
+#include "firmware/sim/motor.hpp"
+
+namespace hoist::sim {
+
+/// Not in the paper (D31): values of research/paper 5, "assumed until a machine is measured", unless a line says otherwise.
+struct PlantParams {
+  double strut_length_m{0.80};   ///< d
+  double strut_spacing_m{0.60};  ///< d_s
+  double track_width_m{0.70};    ///< d_ww
+  double wheel_radius_m{0.10};
+  double gear_ratio{30.0};       ///< 2000 counts at the motor, 60000 at the wheel
+  MotorConfig motor{};
+  double mass_kg{60.0};          ///< chassis, batteries, struts; THERA-Trainer e-go class (assumed)
+  double yaw_inertia_kg_m2{8.0};  ///< 60 kg spread over 0.9 x 0.8 m (assumed)
+  double wheel_inertia_kg_m2{0.01};
+  double rolling_n{3.0};         ///< rolling resistance, each side
+  double grip_norm{0.7};         ///< rubber on linoleum
+  double driven_load_norm{0.7};  ///< share of the weight on the two driven wheels; the casters carry the rest
+  double brake_n_m{8.0};         ///< holding brake at the wheel, closed while the bridge is off: about 1.2 m/s2
+  double spring_n_m{300.0};      ///< K, both struts together, at the harness
+  double damping_n_s_m{60.0};    ///< both struts together
+  double stop_rad{15.0 * kDegree_rad};  ///< M2: deflection mechanically limited
+  double stop_spring_n_m{20000.0};      ///< rubber of the stop, each strut
+  double stop_damping_n_s_m{300.0};
+  /// 0: the bar's ends slide, the struts stay parallel sideways; 1: a bar of fixed width draws them inward when it turns, 2.2 deg each at
+  /// 25 deg. The paper does not say; the plausibility rule of hazard H7 (left and right lean alike sideways) supposes 0.
+  double bar_stiff_norm{0.0};
+  double sensor_height_m{0.40};  ///< up the strut
+  double sensor_base_height_m{0.15};
+  /// Chassis on its casters: 0.3 deg for 0.5 m/s2, and for 100 N at the harness (assumed), with an 80 ms lag.
+  double pitch_rad_per_m_s2{0.0105};
+  double pitch_rad_per_n{0.00005};
+  double pitch_lag_s{0.08};
+  double electronics_a{1.5};     ///< computer, router and nodes
+  double bumper_half_length_m{0.45};
+  double bumper_half_width_m{0.40};
+  ImuParams imu{};
+  BatteryParams battery{};
+};
+
+/// A round post standing on the floor.
+struct Obstacle {
+  double x_m{};
+  double y_m{};
+  double radius_m{};
+};
+inline constexpr std::size_t kObstacleLimit = 8;
+
+class Plant {
+ public:
+  Plant(const PlantParams& params, std::uint64_t seed);
+
+  /// What a drive's bridge does from now on. A bridge that is off leaves the motor without current and closes the holding brake. Duty
+  /// that is not finite counts as zero; beyond +-1 it is held there.
+  void set_bridge(Side side, bool enabled, double duty_norm);
+
+  /// Moves dt_s ahead (at most 1 ms at a time) with the harness held where the patient has it.
+  void step(const HarnessMotion& harness, double dt_s);
+
+  /// What the springs and stops push on the platform for this harness.
+  [[nodiscard]] HarnessForce harness_force(const HarnessMotion& harness) const;
+
+  [[nodiscard]] const PlatformMotion& platform() const { return platform_; }
+  [[nodiscard]] double wheel_speed_m_s(Side side) const { return wheel_rad_s_[index(side)] * params_.wheel_radius_m; }
+  [[nodiscard]] bool slipping() const { return sliding_; }
+  [[nodiscard]] bool bridge_enabled(Side side) const { return bridges_[index(side)].enabled && !power_cut_; }
+  [[nodiscard]] double duty_norm(Side side) const { return bridges_[index(side)].duty_norm; }
+
+  [[nodiscard]] std::int32_t encoder_counts(Side side) const { return motors_[index(side)].encoder_counts(); }
+  [[nodiscard]] double motor_current_a(Side side) const { return motors_[index(side)].current_a(); }
+  /// Supply at the drives; 0 after the emergency cut-off relay has opened.
+  [[nodiscard]] double supply_v() const { return power_cut_ ? 0.0 : battery_.both_v(); }
+  [[nodiscard]] double battery_v(int which) const { return battery_.one_v(which); }
+  /// A sample as the sensor board reads it: the mean acceleration since the sample before (the chip's own filter), with noise and bias.
+  [[nodiscard]] ImuReading read_imu(Place place);
+  /// Bit set = pressed: 0 front, 1 rear, 2 left, 3 right.
+  [[nodiscard]] std::uint8_t bumpers() const { return static_cast<std::uint8_t>(touched_ | forced_bumpers_); }
+  /// True angle of a strut against the platform, rad.
+  [[nodiscard]] double strut_alpha_rad(Side side) const;
+  [[nodiscard]] double strut_beta_rad(Side side) const;
+
+  // Faults and world.
+  void force_bumper(int bit, bool pressed);
+  void force_battery(std::optional<double> both_v) { battery_.force(both_v); }
+  void set_grip(Side side, double grip_norm) { grip_norm_[index(side)] = grip_norm; }
+  void cut_power(bool cut) { power_cut_ = cut; }
+  void jump_gyro_bias(Place place, double by_rad_s) { imus_[static_cast<std::size_t>(place)].jump_bias(by_rad_s); }
+  /// False when there is no room for another.
+  [[nodiscard]] bool add_obstacle(const Obstacle& obstacle);
+  /// Puts the machine there, at rest. Encoders keep their counts, as when people push it.
+  void place(double x_m, double y_m, double psi_rad);
+
+  [[nodiscard]] const PlantParams& params() const { return params_; }
+
+ private:
+  struct Bridge {
+    bool enabled{false};
+    double duty_norm{};
+  };
+  struct Vector {
+    double x{};
+    double y{};
+    double z{};
+  };
+  struct SensorMemory {
+    Vector velocity_m_s;
+    double time_s{};
+  };
+
+  static constexpr std::size_t index(Side side) { return static_cast<std::size_t>(side); }
+  [[nodiscard]] double strut_forward_m(Side side) const;
+  [[nodiscard]] double strut_forward_rate_m_s(Side side) const;
+  [[nodiscard]] Vector sensor_velocity(Place place) const;
+  void step_rolling(const std::array<double, 2>& drive_n_m, double forward_n, double turn_n_m, double dt_s);
+  void step_sliding(const std::array<double, 2>& drive_n_m, double forward_n, double turn_n_m, double dt_s);
+  [[nodiscard]] double friction_n_m(Side side) const;
+  [[nodiscard]] double grip_n(Side side) const;
+  void feel_obstacles(double& forward_n);
+  void lean_chassis(double forward_n, double dt_s);
+
+  PlantParams params_;
+  PlatformMotion platform_;
+  HarnessMotion harness_;
+  std::array<Motor, 2> motors_;
+  std::array<Bridge, 2> bridges_{};
+  std::array<double, 2> wheel_rad_s_{};
+  std::array<double, 2> friction_impulse_{};  // of the step before, where the next solution starts
+  std::array<double, 2> grip_norm_{};
+  double rotor_inertia_kg_m2_;  // rotor and wheel, seen at the wheel
+  double inverse_own_;          // inverse of the two-wheel mass matrix: on the diagonal
+  double inverse_cross_;        // and beside it
+  bool sliding_{false};
+  bool power_cut_{false};
+  double pitch_rad_{};
+  double roll_rad_{};
+  double pitch_rate_rad_s_{};
+  double roll_rate_rad_s_{};
+  Battery battery_;
+  std::array<Imu, kPlaceCount> imus_;
+  std::array<SensorMemory, kPlaceCount> sensors_{};
+  std::array<Obstacle, kObstacleLimit> obstacles_{};
+  std::size_t obstacle_count_{};
+  std::uint8_t touched_{};
+  std::uint8_t forced_bumpers_{};
+  double time_s_{};
+};
+
+}  // namespace hoist::sim
