@@ -1,0 +1,482 @@
+// One CANopen node: everything that a tilt sensor, a drive and the input board have in common. CiA 301, the parts named in README.md.
+//
+// The application passes itself to on_frame() and tick_1ms() and is called back:
+//   void on_sync()                       a SYNC came while operational; the synchronous PDOs are packed right after it
+//   void on_rpdo()                       RPDO1 was accepted and its objects are stored
+//   void on_rpdo_deadline()              RPDO1 came before and does not come any more
+//   void on_heartbeat_lost()             the computer's heartbeat came before and does not come any more, or it has restarted
+//   void on_nmt(from, to)                the state of the node has changed
+//   void on_power_on()                   reset: forget everything
+//   SdoAbort check_write(index, sub, raw)   last word on a write that type, access and range already allow
+// An application without RPDO or heartbeat consumer needs the callbacks all the same: one empty line each says so.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "control/contract/can_dictionary.hpp"
+#include "firmware/lib/board.hpp"
+#include "firmware/lib/object_table.hpp"
+
+namespace hoist::firmware {
+
+using contract::CanFrame;
+using contract::canopen::NmtCommand;
+using contract::canopen::NmtState;
+using contract::canopen::SdoAbort;
+
+// Emergency codes in use (CiA 301 and 402).
+namespace emcy {
+inline constexpr std::uint16_t kNone = 0x0000, kOverCurrent = 0x2310, kUnderVoltage = 0x3220, kHardware = 0x5000, kEncoder = 0x7305,
+                               kHeartbeat = 0x8130, kPdoLength = 0x8210, kRpdoDeadline = 0x8250, kOverSpeed = 0x8400;
+}
+// Bits of the error register 1001h. Bit 0 is set while any error is.
+namespace error_bit {
+inline constexpr std::uint8_t kGeneric = 0x01, kCurrent = 0x02, kVoltage = 0x04, kCommunication = 0x10, kProfile = 0x20;
+}
+
+inline constexpr std::size_t kErrorsMax = 8;           // different errors active at the same time
+inline constexpr std::size_t kEmcyQueueMax = 8;        // EMCY waiting for the inhibit time; later ones are counted and dropped
+inline constexpr std::uint16_t kEventInhibit_ms = 10;  // shortest distance of PDOs sent on change (canbus plan, section 5)
+// Product codes 1018h:2, without the simulator bit: 1 tilt, 2 drive, 3 input board.
+constexpr std::uint32_t product_code(contract::NodeKind kind) { return static_cast<std::uint32_t>(kind) + 1; }
+// Device types 1000h: CiA 410 with two axes, CiA 402 servo, CiA 401 with digital and analogue inputs.
+constexpr std::uint32_t device_type(contract::NodeKind kind) {
+  switch (kind) {
+    case contract::NodeKind::tilt:
+      return 0x0002019A;
+    case contract::NodeKind::drive:
+      return 0x00020192;
+    default:
+      return 0x00050191;
+  }
+}
+
+struct NodeCounters {
+  std::uint32_t wrong_length = 0;  // frames for this node with a DLC that the service does not have
+  std::uint32_t out_of_range = 0;  // RPDOs refused because of a value
+  std::uint32_t unknown = 0;       // NMT commands or SDO requests that do not exist
+  std::uint32_t tx_refused = 0;    // process data that the controller had no room for
+  std::uint32_t emcy_lost = 0;
+  std::uint32_t sdo_aborts = 0;
+};
+
+template <CanBoard Board, contract::NodeKind kKind>
+class CanopenNode {
+ public:
+  static_assert(kKind != contract::NodeKind::host);
+  static constexpr auto& kRows = kObjectRows<kKind>;
+  static constexpr auto& kPdos = kPdoRows<kKind>;
+
+  CanopenNode(Board& board, contract::Node node) : board_(board), node_id_(contract::node_id(node)), node_(node) { power_on(); }
+
+  void power_on() {
+    values_.restore();
+    identify();
+    state_ = NmtState::boot_up;
+    counters_ = {};
+    pdo_off_ = 0;
+    errors_ = {};
+    error_count_ = 0;
+    leave_communication();
+  }
+
+  template <class App>
+  void on_frame(const CanFrame& frame, App& app) {
+    if ((frame.flags & (CanFrame::kExtended | CanFrame::kRemote | CanFrame::kError)) != 0) return;  // nothing of ours
+    if (state_ == NmtState::boot_up) return;  // still starting: the boot-up message has not left yet
+    if (frame.id == contract::canopen::kNmt) return on_nmt_command(frame, app);
+    if (frame.id == contract::canopen::kSync) return on_sync(frame, app);
+    if (frame.id == contract::canopen::kSdoRequestBase + node_id_) return on_sdo(frame, app);
+    if constexpr (kHasHeartbeatConsumer)
+      if (frame.id == contract::canopen::kHeartbeatBase + watched_node()) return on_heartbeat(frame, app);
+    if constexpr (kHasRpdo)
+      if (frame.id == static_cast<std::uint32_t>(kPdos[kRpdoAt].cob_base) + node_id_) return on_rpdo(frame, app);
+  }
+
+  template <class App>
+  void tick_1ms(App& app) {
+    if (state_ == NmtState::boot_up) {
+      if (!board_.send(contract::canopen::heartbeat(node_id_, NmtState::boot_up))) return;
+      heartbeat_age_ms_ = 0;
+      change_state(NmtState::pre_operational, app);
+      return;
+    }
+    if (++heartbeat_age_ms_ >= values_.template get<0x1017>() && board_.send(contract::canopen::heartbeat(node_id_, state_)))
+      heartbeat_age_ms_ = 0;
+    if (sdo_waiting_ && board_.send(sdo_reply_)) sdo_waiting_ = false;
+    watch_heartbeat(app);
+    watch_rpdo(app);
+    send_timed_pdos();
+    send_emergencies();
+  }
+
+  [[nodiscard]] NmtState state() const { return state_; }
+  [[nodiscard]] bool operational() const { return state_ == NmtState::operational; }
+  [[nodiscard]] std::uint8_t node_id() const { return node_id_; }
+  [[nodiscard]] contract::Node node() const { return node_; }
+  [[nodiscard]] const NodeCounters& counters() const { return counters_; }
+  [[nodiscard]] ObjectValues<kKind>& values() { return values_; }
+  [[nodiscard]] const ObjectValues<kKind>& values() const { return values_; }
+  // RPDO1 has come within its deadline.
+  [[nodiscard]] bool rpdo_alive() const { return rpdo_armed_; }
+
+  // A PDO that is off is never sent; all are on after power-on.
+  void set_pdo_on(contract::Pdo pdo, bool on) {
+    const std::uint32_t bit = 1U << static_cast<unsigned>(pdo);
+    pdo_off_ = on ? pdo_off_ & ~bit : pdo_off_ | bit;
+  }
+  // A PDO of type 255 goes out as soon as its inhibit time allows.
+  void request_pdo(contract::Pdo pdo) {
+    for (std::size_t i = 0; i < kPdos.size(); ++i)
+      if (kPdos[i].pdo == pdo) pdo_requested_[i] = true;
+  }
+
+  // How many frames of this PDO have left since power-on; wraps.
+  [[nodiscard]] std::uint32_t sent(contract::Pdo pdo) const {
+    for (std::size_t i = 0; i < kPdos.size(); ++i)
+      if (kPdos[i].pdo == pdo) return pdo_sent_[i];
+    return 0;
+  }
+
+  // Sets or clears an error: keeps 1001h, and sends one EMCY for each change.
+  void set_error(std::uint16_t code, std::uint8_t register_bit, bool active) {
+    std::size_t at = 0;
+    while (at < error_count_ && errors_[at].code != code) ++at;
+    if ((at < error_count_) == active) return;
+    if (active) {
+      if (error_count_ == kErrorsMax) {
+        ++counters_.emcy_lost;
+        return;
+      }
+      errors_[error_count_++] = Error{code, register_bit};
+    } else {
+      errors_[at] = errors_[--error_count_];
+    }
+    std::uint8_t error_register = error_count_ == 0 ? 0 : error_bit::kGeneric;
+    for (std::size_t i = 0; i < error_count_; ++i) error_register = static_cast<std::uint8_t>(error_register | errors_[i].register_bit);
+    values_.template set<0x1001>(error_register);
+    if (emcy_count_ == kEmcyQueueMax) {
+      ++counters_.emcy_lost;
+      return;
+    }
+    emcy_[(emcy_first_ + emcy_count_++) % kEmcyQueueMax] = Emergency{active ? code : emcy::kNone, error_register};
+  }
+
+ private:
+  struct Error {
+    std::uint16_t code = 0;
+    std::uint8_t register_bit = 0;
+  };
+  struct Emergency {
+    std::uint16_t code = 0;
+    std::uint8_t error_register = 0;
+  };
+
+  static consteval std::size_t find_rpdo() {
+    for (std::size_t i = 0; i < kPdos.size(); ++i)
+      if (kPdos[i].direction == contract::PdoDirection::rx) return i;
+    return kNoObject;
+  }
+  static constexpr std::size_t kRpdoAt = find_rpdo();
+  static constexpr bool kHasRpdo = kRpdoAt != kNoObject;
+  static constexpr bool kHasHeartbeatConsumer = find_row<kKind>(0x1016, 1) != kNoObject;
+
+  // The objects whose value depends on the very node rather than on the table.
+  void identify() {
+    values_.template set<0x1000>(device_type(kKind));
+    values_.template set<0x1014>(contract::canopen::kEmcyBase + node_id_);
+    values_.template set<0x1018, 2>(product_code(kKind) | (board_.simulated() ? contract::canopen::kSimulatedProduct : 0U));
+  }
+
+  // Everything that must not survive a reset of the communication.
+  void leave_communication() {
+    heartbeat_age_ms_ = 0;
+    watched_armed_ = false;
+    rpdo_armed_ = false;
+    sdo_waiting_ = false;
+    emcy_count_ = 0;
+    emcy_age_ms_ = 0xFFFF;
+    pdo_syncs_ = {};
+    pdo_age_ms_ = {};
+    pdo_requested_ = {};
+  }
+
+  template <class App>
+  void change_state(NmtState to, App& app) {
+    if (state_ == to) return;
+    const NmtState from = state_;
+    state_ = to;
+    if (to == NmtState::operational) {
+      pdo_syncs_ = {};
+      pdo_age_ms_ = {};
+      pdo_requested_ = {};
+    }
+    rpdo_armed_ = false;
+    app.on_nmt(from, to);
+  }
+
+  template <class App>
+  void on_nmt_command(const CanFrame& frame, App& app) {
+    if (frame.dlc != 2) {
+      ++counters_.wrong_length;
+      return;
+    }
+    if (frame.data[1] != 0 && frame.data[1] != node_id_) return;
+    switch (static_cast<NmtCommand>(frame.data[0])) {
+      case NmtCommand::start:
+        return change_state(NmtState::operational, app);
+      case NmtCommand::stop:
+        return change_state(NmtState::stopped, app);
+      case NmtCommand::pre_operational:
+        return change_state(NmtState::pre_operational, app);
+      case NmtCommand::reset_node:
+        power_on();
+        app.on_power_on();
+        return;
+      case NmtCommand::reset_communication:
+        values_.restore(0x1000, 0x1FFF);
+        identify();
+        leave_communication();
+        errors_ = {};
+        error_count_ = 0;
+        change_state(NmtState::boot_up, app);
+        return;
+      default:
+        ++counters_.unknown;
+    }
+  }
+
+  template <class App>
+  void on_sync(const CanFrame& frame, App& app) {
+    if (frame.dlc != 0) {  // 1019h does not exist here, so a SYNC has no counter
+      ++counters_.wrong_length;
+      return;
+    }
+    if (!operational()) return;
+    app.on_sync();
+    for (std::size_t i = 0; i < kPdos.size(); ++i) {
+      const PdoRow& row = kPdos[i];
+      if (row.direction != contract::PdoDirection::tx || row.type == 0 || row.type > 240) continue;
+      if (++pdo_syncs_[i] < row.type) continue;
+      pdo_syncs_[i] = 0;
+      (void)send_pdo(i);  // no room: counted; the next SYNC brings newer values
+    }
+  }
+
+  [[nodiscard]] bool send_pdo(std::size_t which) {
+    const PdoRow& row = kPdos[which];
+    if (((pdo_off_ >> static_cast<unsigned>(row.pdo)) & 1U) != 0) return true;
+    CanFrame frame{static_cast<std::uint32_t>(row.cob_base) + node_id_, row.bytes, 0, {}};
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < row.entries; ++i) {
+      const std::size_t bytes = contract::object_bytes(kRows[row.row[i]].type);
+      contract::write_le(&frame.data[at], bytes, values_.raw(row.row[i]));
+      at += bytes;
+    }
+    if (board_.send(frame)) {
+      ++pdo_sent_[which];
+      return true;
+    }
+    ++counters_.tx_refused;
+    return false;
+  }
+
+  // Type 255: on request, at most once per inhibit time, and in any case once per period.
+  void send_timed_pdos() {
+    if (!operational()) return;
+    for (std::size_t i = 0; i < kPdos.size(); ++i) {
+      const PdoRow& row = kPdos[i];
+      if (row.direction != contract::PdoDirection::tx || row.type != 255) continue;
+      if (pdo_age_ms_[i] < 0xFFFF) ++pdo_age_ms_[i];
+      const bool due = pdo_age_ms_[i] >= row.period_ms || (pdo_requested_[i] && pdo_age_ms_[i] >= kEventInhibit_ms);
+      if (!due || !send_pdo(i)) continue;  // no room: tried again in the next tick
+      pdo_age_ms_[i] = 0;
+      pdo_requested_[i] = false;
+    }
+  }
+
+  void send_emergencies() {
+    const std::uint16_t inhibit_ms = static_cast<std::uint16_t>(values_.template get<0x1015>() / 10U);
+    if (emcy_age_ms_ < 0xFFFF) ++emcy_age_ms_;
+    if (emcy_count_ == 0 || emcy_age_ms_ < inhibit_ms || state_ == NmtState::stopped) return;
+    const Emergency& next = emcy_[emcy_first_];
+    CanFrame frame{contract::canopen::kEmcyBase + node_id_, 8, 0, {}};
+    contract::write_le(&frame.data[0], 2, next.code);
+    frame.data[2] = next.error_register;
+    if (!board_.send(frame)) return;
+    emcy_first_ = (emcy_first_ + 1) % kEmcyQueueMax;
+    --emcy_count_;
+    emcy_age_ms_ = 0;
+  }
+
+  // 1016h:1 = node << 16 | milliseconds.
+  [[nodiscard]] std::uint32_t watched_node() const { return (values_.template get<0x1016, 1>() >> 16) & 0x7FU; }
+
+  template <class App>
+  void on_heartbeat(const CanFrame& frame, App& app) {
+    if (frame.dlc != 1) {
+      ++counters_.wrong_length;
+      return;
+    }
+    // A boot-up message of a node that was alive means that it has restarted and knows nothing of what it asked for.
+    if (frame.data[0] == static_cast<std::uint8_t>(NmtState::boot_up)) {
+      if (watched_armed_) lose_heartbeat(app);
+      return;
+    }
+    watched_armed_ = true;
+    watched_age_ms_ = 0;
+    set_error(emcy::kHeartbeat, error_bit::kCommunication, false);
+  }
+  template <class App>
+  void watch_heartbeat(App& app) {
+    if constexpr (kHasHeartbeatConsumer) {
+      if (!watched_armed_) return;
+      if (++watched_age_ms_ >= (values_.template get<0x1016, 1>() & 0xFFFFU)) lose_heartbeat(app);
+    }
+  }
+  template <class App>
+  void lose_heartbeat(App& app) {
+    watched_armed_ = false;  // watches again from the next heartbeat on
+    set_error(emcy::kHeartbeat, error_bit::kCommunication, true);
+    app.on_heartbeat_lost();
+    switch (values_.template get<0x1029, 1>()) {
+      case 0:
+        if (operational()) change_state(NmtState::pre_operational, app);
+        break;
+      case 2:
+        change_state(NmtState::stopped, app);
+        break;
+      default:
+        break;
+    }
+  }
+
+  template <class App>
+  void on_rpdo(const CanFrame& frame, App& app) {
+    if (!operational()) return;
+    const PdoRow& row = kPdos[kRpdoAt];
+    if (frame.dlc != row.bytes) {
+      ++counters_.wrong_length;
+      set_error(emcy::kPdoLength, error_bit::kCommunication, true);
+      return;
+    }
+    // All or nothing, and a refused one does not count as a sign of life.
+    std::array<std::uint32_t, 8> raw{};
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < row.entries; ++i) {
+      const ObjectRow& object = kRows[row.row[i]];
+      raw[i] = contract::read_le(&frame.data[at], contract::object_bytes(object.type));
+      at += contract::object_bytes(object.type);
+      if (!in_range(object, raw[i])) {
+        ++counters_.out_of_range;
+        return;
+      }
+    }
+    for (std::size_t i = 0; i < row.entries; ++i) values_.set_raw(row.row[i], raw[i]);
+    rpdo_armed_ = true;
+    rpdo_age_ms_ = 0;
+    set_error(emcy::kPdoLength, error_bit::kCommunication, false);
+    set_error(emcy::kRpdoDeadline, error_bit::kCommunication, false);
+    app.on_rpdo();
+  }
+  template <class App>
+  void watch_rpdo(App& app) {
+    if constexpr (kHasRpdo) {
+      if (!rpdo_armed_ || ++rpdo_age_ms_ < values_.template get<0x1400, 5>()) return;
+      rpdo_armed_ = false;
+      set_error(emcy::kRpdoDeadline, error_bit::kCommunication, true);
+      app.on_rpdo_deadline();
+    }
+  }
+
+  void reply(const CanFrame& frame) {
+    sdo_reply_ = frame;
+    sdo_waiting_ = !board_.send(frame);
+  }
+  void abort_sdo(std::uint16_t index, std::uint8_t sub, SdoAbort code) {
+    ++counters_.sdo_aborts;
+    reply(contract::canopen::sdo(contract::canopen::kSdoReplyBase + node_id_, contract::canopen::kSdoAbort, index, sub,
+                                 static_cast<std::uint32_t>(code)));
+  }
+  // Highest sub-index of an object that has several; 0 when the index does not exist or is a single value.
+  static std::uint8_t highest_sub(std::uint16_t index) {
+    std::uint8_t highest = 0;
+    for (const ObjectRow& row : kRows)
+      if (row.index == index && row.sub > highest) highest = row.sub;
+    return highest;
+  }
+
+  // Expedited transfers. Whatever is asked, exactly one answer leaves, except to an abort.
+  template <class App>
+  void on_sdo(const CanFrame& frame, App& app) {
+    if (state_ == NmtState::stopped) return;
+    const std::uint16_t index = static_cast<std::uint16_t>(contract::read_le(&frame.data[1], 2));
+    const std::uint8_t sub = frame.data[3];
+    if (frame.dlc != 8) {
+      ++counters_.wrong_length;
+      return frame.dlc >= 4 ? abort_sdo(index, sub, SdoAbort::command) : abort_sdo(0, 0, SdoAbort::command);
+    }
+    const std::uint8_t command = frame.data[0];
+    if (command == contract::canopen::kSdoAbort) return;  // no transfer is ever open here
+    const bool download = (command & 0xF2U) == 0x22U;     // expedited; bit 0: size given, bits 2 and 3: bytes without data
+    if (!download && command != contract::canopen::kSdoUploadRequest) {
+      ++counters_.unknown;
+      return abort_sdo(index, sub, SdoAbort::command);
+    }
+    const std::size_t at = find_row<kKind>(index, sub);
+    if (at == kNoObject) {
+      const std::uint8_t highest = highest_sub(index);
+      const bool exists = highest != 0 || find_row<kKind>(index, 0) != kNoObject;
+      if (!exists) return abort_sdo(index, sub, SdoAbort::no_object);
+      if (sub != 0) return abort_sdo(index, sub, SdoAbort::no_sub);
+      // Sub-index 0 of an array or record is how many there are; it is in no table.
+      if (download) return abort_sdo(index, sub, SdoAbort::read_only);
+      return reply(contract::canopen::sdo(contract::canopen::kSdoReplyBase + node_id_, contract::canopen::sdo_upload_reply_command(1),
+                                          index, sub, highest));
+    }
+    const ObjectRow& row = kRows[at];
+    const std::size_t bytes = contract::object_bytes(row.type);
+    if (!download)
+      return reply(contract::canopen::sdo(contract::canopen::kSdoReplyBase + node_id_, contract::canopen::sdo_upload_reply_command(bytes),
+                                          index, sub, values_.raw(at)));
+    if (!row.writable) return abort_sdo(index, sub, SdoAbort::read_only);
+    const bool size_given = (command & 1U) != 0;
+    if (size_given && 4U - ((command >> 2) & 3U) != bytes) return abort_sdo(index, sub, SdoAbort::length);
+    const std::uint32_t raw = contract::read_le(&frame.data[4], bytes);
+    if (!in_range(row, raw)) return abort_sdo(index, sub, SdoAbort::range);
+    if (const SdoAbort veto = app.check_write(index, sub, raw); veto != SdoAbort::none) return abort_sdo(index, sub, veto);
+    values_.set_raw(at, raw);
+    reply(contract::canopen::sdo(contract::canopen::kSdoReplyBase + node_id_, contract::canopen::kSdoDownloadReply, index, sub, 0));
+  }
+
+  Board& board_;
+  std::uint8_t node_id_;
+  contract::Node node_;
+  NmtState state_ = NmtState::boot_up;
+  ObjectValues<kKind> values_{};
+  NodeCounters counters_{};
+
+  std::uint16_t heartbeat_age_ms_ = 0;
+  bool watched_armed_ = false;
+  std::uint32_t watched_age_ms_ = 0;
+  bool rpdo_armed_ = false;
+  std::uint32_t rpdo_age_ms_ = 0;
+
+  std::uint32_t pdo_off_ = 0;  // by Pdo
+  std::array<std::uint32_t, kPdos.size()> pdo_sent_{};
+  std::array<std::uint8_t, kPdos.size()> pdo_syncs_{};
+  std::array<std::uint16_t, kPdos.size()> pdo_age_ms_{};
+  std::array<bool, kPdos.size()> pdo_requested_{};
+
+  std::array<Error, kErrorsMax> errors_{};
+  std::size_t error_count_ = 0;
+  std::array<Emergency, kEmcyQueueMax> emcy_{};
+  std::size_t emcy_first_ = 0, emcy_count_ = 0;
+  std::uint16_t emcy_age_ms_ = 0xFFFF;
+
+  bool sdo_waiting_ = false;
+  CanFrame sdo_reply_{};
+};
+
+}  // namespace hoist::firmware

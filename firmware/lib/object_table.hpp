@@ -1,0 +1,209 @@
+// The object dictionary of one node kind, taken from the contract's table at compile time: small rows for the flash, values as raw
+// 32-bit words, no search at run time for objects that the program names itself.
+#pragma once
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "control/contract/can_dictionary.hpp"
+
+namespace hoist::firmware {
+
+using contract::ObjectType;
+
+// Bounds and default are raw words of the object's own type: what would travel in an SDO.
+struct ObjectRow {
+  std::uint16_t index;
+  std::uint8_t sub;
+  ObjectType type;
+  bool writable;
+  std::uint32_t low, high, initial;
+};
+
+// The raw word of a value of the table. Types below 32 bit are zero extended, so that two equal values have equal words.
+consteval std::uint32_t raw_word(ObjectType type, double value) {
+  switch (type) {
+    case ObjectType::f32:
+      return std::bit_cast<std::uint32_t>(static_cast<float>(value));
+    case ObjectType::i8:
+      return static_cast<std::uint8_t>(static_cast<std::int8_t>(value));
+    case ObjectType::i16:
+      return static_cast<std::uint16_t>(static_cast<std::int16_t>(value));
+    case ObjectType::i32:
+      return static_cast<std::uint32_t>(static_cast<std::int32_t>(value));
+    default:
+      return static_cast<std::uint32_t>(value);
+  }
+}
+
+template <contract::NodeKind kKind>
+consteval std::size_t object_count() {
+  std::size_t count = 0;
+  for (const contract::ObjectInfo& o : contract::kObjects) count += contract::object_applies(o, kKind) ? 1U : 0U;
+  return count;
+}
+
+template <contract::NodeKind kKind>
+consteval std::array<ObjectRow, object_count<kKind>()> make_object_rows() {
+  std::array<ObjectRow, object_count<kKind>()> rows{};
+  std::size_t at = 0;
+  for (const contract::ObjectInfo& o : contract::kObjects)
+    if (contract::object_applies(o, kKind))
+      rows[at++] = ObjectRow{o.index,
+                             o.sub,
+                             o.type,
+                             o.access == contract::Access::rw,
+                             raw_word(o.type, o.min),
+                             raw_word(o.type, o.max),
+                             raw_word(o.type, o.default_value)};
+  return rows;
+}
+
+template <contract::NodeKind kKind>
+inline constexpr auto kObjectRows = make_object_rows<kKind>();
+
+inline constexpr std::size_t kNoObject = std::numeric_limits<std::size_t>::max();
+
+// Where an object is in kObjectRows; kNoObject when this kind of node does not have it.
+template <contract::NodeKind kKind>
+constexpr std::size_t find_row(std::uint16_t index, std::uint8_t sub) {
+  for (std::size_t i = 0; i < kObjectRows<kKind>.size(); ++i)
+    if (kObjectRows<kKind>[i].index == index && kObjectRows<kKind>[i].sub == sub) return i;
+  return kNoObject;
+}
+
+// Whether a raw word is a value that the row allows. NaN and infinities never are.
+constexpr bool in_range(const ObjectRow& row, std::uint32_t raw) {
+  const auto between = [](auto value, auto low, auto high) { return value >= low && value <= high; };
+  switch (row.type) {
+    case ObjectType::f32: {
+      const float value = std::bit_cast<float>(raw);
+      return between(value, std::bit_cast<float>(row.low), std::bit_cast<float>(row.high));  // false for NaN, bounds are finite
+    }
+    case ObjectType::i8:
+      return between(static_cast<std::int8_t>(raw), static_cast<std::int8_t>(row.low), static_cast<std::int8_t>(row.high));
+    case ObjectType::i16:
+      return between(static_cast<std::int16_t>(raw), static_cast<std::int16_t>(row.low), static_cast<std::int16_t>(row.high));
+    case ObjectType::i32:
+      return between(static_cast<std::int32_t>(raw), static_cast<std::int32_t>(row.low), static_cast<std::int32_t>(row.high));
+    default:
+      return between(raw, row.low, row.high);
+  }
+}
+
+template <ObjectType kType>
+struct ObjectValue;
+template <>
+struct ObjectValue<ObjectType::u8> {
+  using type = std::uint8_t;
+};
+template <>
+struct ObjectValue<ObjectType::i8> {
+  using type = std::int8_t;
+};
+template <>
+struct ObjectValue<ObjectType::u16> {
+  using type = std::uint16_t;
+};
+template <>
+struct ObjectValue<ObjectType::i16> {
+  using type = std::int16_t;
+};
+template <>
+struct ObjectValue<ObjectType::u32> {
+  using type = std::uint32_t;
+};
+template <>
+struct ObjectValue<ObjectType::i32> {
+  using type = std::int32_t;
+};
+template <>
+struct ObjectValue<ObjectType::f32> {
+  using type = float;
+};
+
+// All values of one node. get<0x6041>() and set<0x6041>(x) know the type and the place at compile time.
+template <contract::NodeKind kKind>
+class ObjectValues {
+ public:
+  template <std::uint16_t kIndex, std::uint8_t kSub = 0>
+  [[nodiscard]] constexpr auto get() const {
+    constexpr std::size_t kAt = place<kIndex, kSub>();
+    using Value = typename ObjectValue<kObjectRows<kKind>[kAt].type>::type;
+    if constexpr (kObjectRows<kKind>[kAt].type == ObjectType::f32)
+      return std::bit_cast<float>(raw_[kAt]);
+    else
+      return static_cast<Value>(raw_[kAt]);
+  }
+  template <std::uint16_t kIndex, std::uint8_t kSub = 0>
+  constexpr void set(typename ObjectValue<kObjectRows<kKind>[find_row<kKind>(kIndex, kSub)].type>::type value) {
+    constexpr std::size_t kAt = place<kIndex, kSub>();
+    if constexpr (kObjectRows<kKind>[kAt].type == ObjectType::f32)
+      raw_[kAt] = std::bit_cast<std::uint32_t>(value);
+    else if constexpr (contract::object_bytes(kObjectRows<kKind>[kAt].type) == 4)
+      raw_[kAt] = static_cast<std::uint32_t>(value);
+    else if constexpr (contract::object_bytes(kObjectRows<kKind>[kAt].type) == 2)
+      raw_[kAt] = static_cast<std::uint16_t>(value);
+    else
+      raw_[kAt] = static_cast<std::uint8_t>(value);
+  }
+  [[nodiscard]] constexpr std::uint32_t raw(std::size_t at) const { return raw_[at]; }
+  constexpr void set_raw(std::size_t at, std::uint32_t value) { raw_[at] = value; }
+
+  // Defaults of all objects, or only of those whose index lies in the range (communication objects: 0x1000 to 0x1FFF).
+  constexpr void restore(std::uint16_t first_index = 0, std::uint16_t last_index = 0xFFFF) {
+    for (std::size_t i = 0; i < raw_.size(); ++i)
+      if (kObjectRows<kKind>[i].index >= first_index && kObjectRows<kKind>[i].index <= last_index) raw_[i] = kObjectRows<kKind>[i].initial;
+  }
+
+ private:
+  template <std::uint16_t kIndex, std::uint8_t kSub>
+  static consteval std::size_t place() {
+    static_assert(find_row<kKind>(kIndex, kSub) != kNoObject, "this kind of node has no such object");
+    return find_row<kKind>(kIndex, kSub);
+  }
+  std::array<std::uint32_t, kObjectRows<kKind>.size()> raw_{};
+};
+
+// One process data frame of a kind: which objects, in which order.
+struct PdoRow {
+  contract::Pdo pdo{};
+  contract::PdoDirection direction{};
+  std::uint16_t cob_base = 0;
+  std::uint8_t type = 0;
+  std::uint16_t period_ms = 0;
+  std::uint8_t bytes = 0;
+  std::uint8_t entries = 0;
+  std::array<std::uint8_t, 8> row{};  // place in kObjectRows
+};
+
+template <contract::NodeKind kKind>
+consteval std::size_t pdo_count() {
+  std::size_t count = 0;
+  for (const contract::PdoInfo& p : contract::kPdos) count += p.kind == kKind ? 1U : 0U;
+  return count;
+}
+template <contract::NodeKind kKind>
+consteval std::array<PdoRow, pdo_count<kKind>()> make_pdo_rows() {
+  std::array<PdoRow, pdo_count<kKind>()> rows{};
+  std::size_t at = 0;
+  for (const contract::PdoInfo& p : contract::kPdos) {
+    if (p.kind != kKind) continue;
+    PdoRow row{p.pdo, p.direction, p.cob_base, p.type, p.period_ms, static_cast<std::uint8_t>(contract::pdo_bytes(p.pdo)), 0, {}};
+    for (const contract::PdoEntry& e : contract::kPdoEntries)
+      if (e.pdo == p.pdo) row.row[row.entries++] = static_cast<std::uint8_t>(find_row<kKind>(e.index, e.sub));
+    rows[at++] = row;
+  }
+  return rows;
+}
+template <contract::NodeKind kKind>
+inline constexpr auto kPdoRows = make_pdo_rows<kKind>();
+
+static_assert(kObjectRows<contract::NodeKind::drive>.size() < 256 && kObjectRows<contract::NodeKind::tilt>.size() < 256 &&
+                  kObjectRows<contract::NodeKind::io>.size() < 256,
+              "a place in the table must fit into a byte");
+
+}  // namespace hoist::firmware

@@ -1,0 +1,420 @@
+// The drive: servo loop at 1 kHz behind the CiA 402 state machine (profile velocity), and everything that makes it stop by itself.
+//
+// Three ways to a standstill:
+//   ramp       quick-stop ramp 6085h under the servo, then the bridge goes off. For every loss of the computer (RPDO deadline 40 ms,
+//              heartbeat 250 ms, NMT no longer operational), for its own quick stop, and for faults in which the encoder can be trusted.
+//   off        the bridge goes off at once. For faults in which the servo itself cannot be trusted: encoder, current, supply, readings.
+//   hold       operation enabled with target zero: normal standing.
+// Operation is enabled only by a word that sets bit 3 anew, only while RPDOs arrive in time.
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+#include "control/core/law/servo_loop.hpp"
+#include "firmware/lib/canopen_node.hpp"
+#include "firmware/lib/convert.hpp"
+
+namespace hoist::firmware {
+
+inline constexpr float kEncoderCountsPerTurn = 2000;   // of the motor shaft: 500 lines, four edges each
+inline constexpr float kServoTick_s = 0.001F;          // paper S2: 1 kHz
+inline constexpr float kWindingOhm = 1.2F;             // motor model of the research page (assumed, to be measured)
+inline constexpr float kUnderVoltage_v = 19.0F;        // hazard H12
+inline constexpr float kSupplyBack_v = 20.0F;          // a reset of that fault needs this much
+inline constexpr std::uint32_t kUnderVoltage_ms = 10;  // longer than the sag of one current peak
+inline constexpr float kOverCurrent_a = 18.0F;         // one and a half times the largest limit that can be set: the limiter has failed
+inline constexpr std::uint32_t kOverCurrent_ms = 2;
+inline constexpr float kOverSpeed_rad_s = 225.0F;     // 0.75 m/s through gear 30 and wheel 0.10 m: top speed + 0.1 m/s, hazard H1
+inline constexpr std::uint32_t kOverSpeed_ms = 20;    // hazard H1
+inline constexpr float kStallCurrentShare = 0.7F;     // hazard H2
+inline constexpr std::int32_t kStallCounts = 2;       // the encoder shows no more movement than this ...
+inline constexpr std::uint32_t kStall_ms = 100;       // ... for so long
+inline constexpr float kStallReference_rad_s = 1.0F;  // holding still against a load is no stall
+inline constexpr float kReversedSpeed_rad_s = 20.0F;  // hazard H2: speed against the voltage that the motor generates
+inline constexpr float kReversedVoltage_v = 2.5F;     // more than 30 % error of kWindingOhm makes at 6 A
+inline constexpr std::uint32_t kReversed_ms = 50;
+inline constexpr float kStandstill_rad_s = 2.0F;      // 0.7 cm/s at the wheel; one count in a filtered millisecond is 0.6 rad/s
+inline constexpr std::uint32_t kStandstill_ms = 20;   // at rest for so long: stopped
+inline constexpr std::uint32_t kStopLonger_ms = 500;  // after the ramp's end the bridge goes off even if the wheel is still pushed
+inline constexpr float kTargetReached_rad_s = 3.0F;
+inline constexpr std::uint32_t kWatchMin_ms = 100, kWatchMax_ms = 500;  // allowed consumer heartbeat times
+
+template <DriveBoard Board>
+class DriveNode {
+ public:
+  using Stack = CanopenNode<Board, contract::NodeKind::drive>;
+  using State = contract::canopen::drive::State;
+
+  DriveNode(Board& board, contract::Node node) : board_(board), stack_(board, node) { on_power_on(); }
+
+  void on_frame(const CanFrame& frame) { stack_.on_frame(frame, *this); }
+
+  void tick_1ms() {
+    stack_.tick_1ms(*this);
+    read_board();
+    run_servo();
+    publish();
+  }
+
+  void power_on() {
+    stack_.power_on();
+    on_power_on();
+  }
+
+  // Told by the board when a 1 kHz tick began before the one before it had ended.
+  void note_late_tick() { stack_.values().template set<0x2220, 1>(stack_.values().template get<0x2220, 1>() + 1U); }
+
+  [[nodiscard]] const Stack& stack() const { return stack_; }
+  [[nodiscard]] State state() const { return state_; }
+  [[nodiscard]] float speed_rad_s() const { return speed_rad_s_; }
+  [[nodiscard]] float reference_rad_s() const { return servo_.reference_rad_s.value; }
+
+ private:
+  friend Stack;
+  static constexpr std::uint16_t kSwitchOnBit = 0x01, kVoltageBit = 0x02, kNoQuickStopBit = 0x04, kEnableBit = 0x08, kResetBit = 0x80,
+                                 kHaltBit = 0x100;
+
+  // ---- what the stack tells
+
+  void on_sync() {
+    // The position of this very instant: both drives see the same SYNC.
+    counts_ = board_.encoder_counts();
+    stack_.values().template set<0x6064>(counts_);
+  }
+  void on_rpdo() { apply(stack_.values().template get<0x6040>()); }
+  void on_rpdo_deadline() { lose_command(); }
+  void on_heartbeat_lost() { lose_command(); }
+  void on_nmt(NmtState, NmtState) { lose_command(); }
+  void on_power_on() {
+    board_.set_bridge(false, 0.0F);
+    state_ = State::switch_on_disabled;
+    leaving_to_ = State::switch_on_disabled;
+    leaving_ = false;
+    servo_ = {};
+    speed_rad_s_ = 0;
+    duty_norm_ = 0;
+    limited_ = false;
+    word_ = kNoEdges;
+    fault_code_ = 0;
+    restart_watches();
+    counts_ = board_.encoder_counts();
+  }
+  SdoAbort check_write(std::uint16_t index, std::uint8_t sub, std::uint32_t raw) {
+    switch (index) {
+      case 0x6040:
+      case 0x60FF:  // the RPDO alone commands a drive that may move
+        return stack_.operational() ? SdoAbort::device_state : SdoAbort::none;
+      case 0x605A:
+        return raw == 2 || raw == 6 ? SdoAbort::none : SdoAbort::range;
+      case 0x1016: {  // a drive that does not watch its computer is refused
+        const std::uint32_t time_ms = raw & 0xFFFFU;
+        const bool fits = (raw >> 16) == contract::node_id(contract::Node::core) && time_ms >= kWatchMin_ms && time_ms <= kWatchMax_ms;
+        return fits ? SdoAbort::none : SdoAbort::range;
+      }
+      case 0x2200:  // the law's feedback is exact: what the limiter takes away is taken from the integral, neither more nor less
+        return sub != 3 || std::bit_cast<float>(raw) == 1.0F ? SdoAbort::none : SdoAbort::range;
+      default:
+        return SdoAbort::none;
+    }
+  }
+
+  // ---- CiA 402
+
+  // A word as if all bits had been set before: nothing in the next one counts as an edge.
+  static constexpr std::uint16_t kNoEdges = 0xFFFF;
+
+  [[nodiscard]] bool powered() const {
+    return state_ == State::operation_enabled || state_ == State::quick_stop_active || state_ == State::fault_reaction;
+  }
+
+  // The computer is gone or no longer in charge: what is commanded ends, and the next word starts from nothing.
+  void lose_command() {
+    word_ = kNoEdges;
+    stack_.values().template set<0x6040>(0);
+    stack_.values().template set<0x60FF>(0);
+    switch (state_) {
+      case State::ready:
+      case State::switched_on:
+        state_ = State::switch_on_disabled;
+        break;
+      case State::operation_enabled:
+        begin_stop(State::quick_stop_active, State::switch_on_disabled);
+        break;
+      case State::quick_stop_active:
+        begin_stop(State::quick_stop_active, State::switch_on_disabled);
+        break;
+      default:
+        break;
+    }
+  }
+
+  void apply(std::uint16_t word) {
+    const std::uint16_t risen = static_cast<std::uint16_t>(word & ~word_);
+    word_ = word;
+    if (state_ == State::fault) {
+      if ((risen & kResetBit) != 0 && fault_cause_gone()) clear_fault();
+      return;
+    }
+    if (state_ == State::fault_reaction || state_ == State::switch_on_disabled || state_ == State::not_ready) {
+      const bool shutdown = (word & (kNoQuickStopBit | kVoltageBit | kSwitchOnBit)) == (kNoQuickStopBit | kVoltageBit);
+      if (state_ == State::switch_on_disabled && shutdown) state_ = State::ready;  // transition 2
+      return;
+    }
+    if ((word & kVoltageBit) == 0) {  // disable voltage, transitions 7, 9, 10, 12: all transistors off
+      switch_off(State::switch_on_disabled);
+      return;
+    }
+    if ((word & kNoQuickStopBit) == 0) {  // transitions 7, 10, 11
+      if (state_ == State::operation_enabled)
+        begin_stop(State::quick_stop_active,
+                   stack_.values().template get<0x605A>() == 6 ? State::quick_stop_active : State::switch_on_disabled);
+      else if (state_ != State::quick_stop_active)
+        state_ = State::switch_on_disabled;
+      return;
+    }
+    if (state_ == State::quick_stop_active) return;  // transition 16 is not supported: it ends by disable voltage or by itself
+    if ((word & kSwitchOnBit) == 0) {                // shutdown, transitions 6 and 8: the ramp comes first
+      if (state_ == State::operation_enabled)
+        begin_stop(State::operation_enabled, State::ready);
+      else
+        state_ = State::ready;
+      return;
+    }
+    if (state_ == State::ready && supply_v_ >= kUnderVoltage_v) state_ = State::switched_on;  // transition 3
+    if ((word & kEnableBit) == 0) {                                                           // transition 5
+      if (state_ == State::operation_enabled) begin_stop(State::operation_enabled, State::switched_on);
+      return;
+    }
+    if (state_ == State::switched_on && (risen & kEnableBit) != 0) enable();  // transition 4
+  }
+
+  void enable() {
+    // A wheel that is being pushed is taken over at its speed and braked on the ramp, not at the current limit.
+    servo_.reference_rad_s.value = speed_rad_s_;
+    restart_watches();
+    leaving_ = false;
+    state_ = State::operation_enabled;
+  }
+
+  // Ramps down in the state `meanwhile` and ends in `then`, with the bridge off unless the state is kept.
+  void begin_stop(State meanwhile, State then) {
+    if (!leaving_) stop_age_ms_ = still_ms_ = 0;
+    state_ = meanwhile;
+    leaving_ = true;
+    leaving_to_ = then;
+  }
+
+  void switch_off(State then) {
+    board_.set_bridge(false, 0.0F);
+    duty_norm_ = 0;
+    limited_ = false;
+    leaving_ = false;
+    servo_.integral_v = 0;
+    servo_.applied_v = 0;
+    servo_.reference_rad_s.value = 0;
+    state_ = then;
+  }
+
+  // ---- faults: the first one stays until it is reset
+
+  enum class Reaction : std::uint8_t { ramp, off };
+  void fault(std::uint16_t code, std::uint8_t register_bit, Reaction reaction) {
+    if (fault_code_ != 0) return;
+    fault_code_ = code;
+    fault_bit_ = register_bit;
+    stack_.values().template set<0x603F>(code);
+    stack_.set_error(code, register_bit, true);
+    if (reaction == Reaction::off || !powered())
+      switch_off(State::fault);
+    else
+      begin_stop(State::fault_reaction, State::fault);
+  }
+  [[nodiscard]] bool fault_cause_gone() const {
+    switch (fault_code_) {
+      case emcy::kUnderVoltage:
+        return supply_v_ >= kSupplyBack_v;
+      case emcy::kOverSpeed:
+        return std::fabs(speed_rad_s_) <= kOverSpeed_rad_s;
+      case emcy::kHardware:
+        return readings_usable_;
+      case emcy::kOverCurrent:
+        return readings_usable_ && std::fabs(current_a_) <= kOverCurrent_a;
+      default:
+        return true;  // an encoder shows whether it works only when the motor runs
+    }
+  }
+  void clear_fault() {
+    stack_.set_error(fault_code_, fault_bit_, false);
+    fault_code_ = 0;
+    stack_.values().template set<0x603F>(0);
+    state_ = State::switch_on_disabled;
+  }
+
+  void restart_watches() {
+    under_voltage_ms_ = over_current_ms_ = over_speed_ms_ = stall_ms_ = reversed_ms_ = 0;
+    stall_counts_ = counts_;
+  }
+
+  // True once `condition` has held in `limit_ms` consecutive ticks.
+  static bool lasts(bool condition, std::uint32_t& age_ms, std::uint32_t limit_ms) {
+    if (!condition) {
+      age_ms = 0;
+      return false;
+    }
+    if (age_ms < limit_ms) ++age_ms;
+    return age_ms >= limit_ms;
+  }
+
+  void watch(float reference_rad_s, float current_limit_a) {
+    if (lasts(supply_v_ < kUnderVoltage_v, under_voltage_ms_, kUnderVoltage_ms))
+      fault(emcy::kUnderVoltage, error_bit::kVoltage, Reaction::off);
+    if (lasts(std::fabs(current_a_) > kOverCurrent_a, over_current_ms_, kOverCurrent_ms))
+      fault(emcy::kOverCurrent, error_bit::kCurrent, Reaction::off);
+    if (lasts(std::fabs(speed_rad_s_) > kOverSpeed_rad_s, over_speed_ms_, kOverSpeed_ms))
+      fault(emcy::kOverSpeed, error_bit::kProfile, Reaction::ramp);
+
+    // Lost encoder or blocked wheel: current without movement although movement is asked for.
+    const std::int32_t moved = law::delta32(counts_, stall_counts_);
+    const bool moving = moved > kStallCounts || moved < -kStallCounts;
+    if (moving) stall_counts_ = counts_;
+    const bool stalled =
+        !moving && std::fabs(current_a_) > kStallCurrentShare * current_limit_a && std::fabs(reference_rad_s) > kStallReference_rad_s;
+    if (!stalled) stall_counts_ = counts_;
+    if (lasts(stalled, stall_ms_, kStall_ms)) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
+
+    // Reversed encoder: it shows the motor turning against the voltage that the motor itself generates. Comparing with the plain duty
+    // would take every braking for it: then the duty does oppose the speed, rightly.
+    const float generated_v = servo_.applied_v - kWindingOhm * current_a_;
+    const bool reversed = std::fabs(speed_rad_s_) > kReversedSpeed_rad_s && std::fabs(generated_v) > kReversedVoltage_v &&
+                          (generated_v > 0) != (speed_rad_s_ > 0);
+    if (lasts(reversed, reversed_ms_, kReversed_ms)) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
+  }
+
+  // ---- every millisecond
+
+  void read_board() {
+    counts_ = board_.encoder_counts();
+    const float current_a = board_.motor_current_a();
+    const float supply_v = board_.supply_v();
+    readings_usable_ = std::isfinite(current_a) && std::isfinite(supply_v);
+    current_a_ = std::isfinite(current_a) ? current_a : 0.0F;
+    supply_v_ = std::isfinite(supply_v) ? supply_v : 0.0F;
+    if (!readings_usable_ && powered()) fault(emcy::kHardware, error_bit::kGeneric, Reaction::off);
+  }
+
+  void run_servo() {
+    const auto& values = stack_.values();
+    law::ServoConfig<float> config;
+    config.counts_per_turn = kEncoderCountsPerTurn;
+    config.k_p_v_s_rad = values.template get<0x2200, 1>();
+    config.k_i_v_rad = values.template get<0x2200, 2>();
+    config.speed_low_pass_s = values.template get<0x2200, 4>();
+    config.current_limit_a = values.template get<0x2200, 5>();
+    config.acceleration_max_rad_s2 = values.template get<0x2200, 6>();
+    law::ServoInput<float> input;
+    input.position_counts = counts_;
+    input.command_age_s = 0;  // the RPDO deadline is judged above, with its own reaction
+
+    if (!powered()) {
+      // The speed is measured all the time; the loop stays at rest, whatever the supply does.
+      const law::ServoOutput<float> output = law::servo_step(config, servo_, input, kServoTick_s);
+      speed_rad_s_ = output.speed_rad_s;
+      servo_.integral_v = 0;
+      servo_.applied_v = 0;
+      servo_.reference_rad_s.value = 0;
+      duty_norm_ = 0;
+      limited_ = false;
+      board_.set_bridge(false, 0.0F);
+      return;
+    }
+    if (leaving_) config.acceleration_max_rad_s2 = static_cast<float>(values.template get<0x6085>());
+    const bool halted = leaving_ || (word_ & kHaltBit) != 0;
+    input.target_rad_s = halted ? 0.0F : 0.001F * static_cast<float>(values.template get<0x60FF>());
+    input.current_a = current_a_;
+    input.supply_v = supply_v_;
+    const law::ServoOutput<float> output = law::servo_step(config, servo_, input, kServoTick_s);
+    speed_rad_s_ = output.speed_rad_s;
+    duty_norm_ = output.duty_norm;
+    limited_ = output.limited;
+    // Refused with usable readings means no supply; the watch below decides when that is a fault, until then nothing drives.
+    watch(output.reference_rad_s, config.current_limit_a);
+    if (leaving_ && powered()) finish_stop(output.reference_rad_s);
+    if (!powered()) return;  // just switched off, with the bridge
+    board_.set_bridge(!output.refused, duty_norm_);
+  }
+
+  void finish_stop(float reference_rad_s) {
+    if (reference_rad_s != 0.0F) return;
+    ++stop_age_ms_;
+    const bool still = lasts(std::fabs(speed_rad_s_) < kStandstill_rad_s, still_ms_, kStandstill_ms);
+    if (!still && stop_age_ms_ < kStopLonger_ms) return;
+    if (leaving_to_ == State::quick_stop_active) return;  // option 6: stays there, held at zero
+    switch_off(leaving_to_);
+  }
+
+  void publish() {
+    auto& values = stack_.values();
+    const float target_rad_s = 0.001F * static_cast<float>(values.template get<0x60FF>());
+    std::uint16_t status = 0;
+    switch (state_) {
+      case State::not_ready:
+        status = 0x00;
+        break;
+      case State::switch_on_disabled:
+        status = 0x40;
+        break;
+      case State::ready:
+        status = 0x21;
+        break;
+      case State::switched_on:
+        status = 0x23;
+        break;
+      case State::operation_enabled:
+        status = 0x27;
+        break;
+      case State::quick_stop_active:
+        status = 0x07;
+        break;
+      case State::fault_reaction:
+        status = 0x0F;
+        break;
+      case State::fault:
+        status = 0x08;
+        break;
+    }
+    const bool enabled = state_ == State::operation_enabled;
+    if (supply_v_ >= kUnderVoltage_v) status = static_cast<std::uint16_t>(status | 0x10U);
+    if (stack_.operational()) status = static_cast<std::uint16_t>(status | 0x200U);
+    if (enabled && std::fabs(speed_rad_s_ - target_rad_s) < kTargetReached_rad_s) status = static_cast<std::uint16_t>(status | 0x400U);
+    if (limited_) status = static_cast<std::uint16_t>(status | 0x800U);
+    if (std::fabs(speed_rad_s_) < kStandstill_rad_s) status = static_cast<std::uint16_t>(status | 0x1000U);
+    values.template set<0x6041>(status);
+    values.template set<0x6064>(counts_);
+    values.template set<0x606C>(to_integer<std::int32_t>(1000.0F * speed_rad_s_));
+    const float rated_a = 0.001F * static_cast<float>(values.template get<0x6075>());
+    values.template set<0x6078>(to_integer<std::int16_t>(1000.0F * current_a_ / rated_a));
+    const float supply_v = supply_v_ > 0 ? supply_v_ : 0.0F;
+    values.template set<0x6079>(static_cast<std::uint32_t>(to_integer<std::int32_t>(1000.0F * supply_v)));
+    values.template set<0x2211>(to_integer<std::uint16_t>(100.0F * supply_v));
+  }
+
+  Board& board_;
+  Stack stack_;
+  State state_ = State::switch_on_disabled;
+  bool leaving_ = false;  // on the ramp to a standstill, then to leaving_to_
+  State leaving_to_ = State::switch_on_disabled;
+  std::uint32_t stop_age_ms_ = 0, still_ms_ = 0;
+  std::uint16_t word_ = kNoEdges;
+
+  law::ServoState<float> servo_{};
+  std::int32_t counts_ = 0;
+  float current_a_ = 0, supply_v_ = 0, speed_rad_s_ = 0, duty_norm_ = 0;
+  bool readings_usable_ = false, limited_ = false;
+
+  std::uint16_t fault_code_ = 0;
+  std::uint8_t fault_bit_ = 0;
+  std::uint32_t under_voltage_ms_ = 0, over_current_ms_ = 0, over_speed_ms_ = 0, stall_ms_ = 0, reversed_ms_ = 0;
+  std::int32_t stall_counts_ = 0;
+};
+
+}  // namespace hoist::firmware

@@ -1,0 +1,245 @@
+// The tilt sensor: two static Kalman filters (alpha, beta) at 100 Hz, the gyro's bias measured while the hoist stands still after
+// power-on, CiA 410 on the bus.
+//
+// It samples when a SYNC arrives, so that the three sensors look at the same instant: the chassis' acceleration shows in every sensor and
+// cancels only in differences of equal, simultaneous filters (research D4). Without SYNC it samples on its own clock.
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "control/core/law/tilt_kalman.hpp"
+#include "firmware/lib/canopen_node.hpp"
+#include "firmware/lib/convert.hpp"
+
+namespace hoist::firmware {
+
+inline constexpr std::uint32_t kTiltSample_ms = 10;        // paper T5: 100 Hz; the printed gain belongs to this rate
+inline constexpr std::uint32_t kTiltSampleMin_ms = 5;      // a SYNC sooner than this after a sample sends but does not sample
+inline constexpr std::uint32_t kTiltSyncLost_ms = 12;      // then the node's own clock takes over
+inline constexpr std::uint32_t kTiltGap_ms = 100;          // after a longer gap the angle starts anew from gravity
+inline constexpr std::uint32_t kTiltStillSamples = 200;    // D23: a still 2 s at power-on
+inline constexpr std::uint32_t kTiltReadFailuresMax = 10;  // unusable readings in a row: the sensor has failed
+inline constexpr float kGravity_m_s2 = 9.80665F;
+inline constexpr float kAccelerationMax_m_s2 = 19.0F;  // just inside the +-2 g that resolve a walking tilt best
+inline constexpr float kRateMax_rad_s = 4.3F;          // just inside +-250 deg/s
+// Standstill. Noise of gyros of this class stays below 0.005 rad/s rms; a person moves the struts by more than 0.03 rad/s.
+inline constexpr float kStillRate_rad_s = 0.03F;        // from the first sample of the window
+inline constexpr float kStillAcceleration_m_s2 = 0.5F;  // likewise, each axis
+inline constexpr float kStillTurn_rad = 0.01F;          // gravity in the last quarter against the first: a slow steady turn
+inline constexpr float kBiasMax_rad_s = 0.4F;           // a gyro that shows more at rest (23 deg/s) is broken or is being turned
+
+template <TiltBoard Board>
+class TiltNode {
+ public:
+  using Stack = CanopenNode<Board, contract::NodeKind::tilt>;
+  static constexpr std::uint8_t kValid = 0x01, kConverged = 0x02, kAccelerationRange = 0x04, kGyroSaturated = 0x08, kSelfTestFailed = 0x10;
+
+  TiltNode(Board& board, contract::Node node) : board_(board), stack_(board, node) { on_power_on(); }
+
+  void on_frame(const CanFrame& frame) {
+    // Also before the node is operational: the filters run from power-on. What is no SYNC to the stack is none here.
+    if (frame.id == contract::canopen::kSync && frame.dlc == 0 && frame.flags == 0) {
+      sync_age_ms_ = 0;
+      if (sample_age_ms_ >= kTiltSampleMin_ms) sample();
+    }
+    stack_.on_frame(frame, *this);
+  }
+
+  void tick_1ms() {
+    if (sync_age_ms_ < kAgeMax) ++sync_age_ms_;
+    if (sample_age_ms_ < kAgeMax) ++sample_age_ms_;
+    if (gap_ms_ < kAgeMax) ++gap_ms_;
+    if (sync_age_ms_ > kTiltSyncLost_ms && sample_age_ms_ >= kTiltSample_ms) sample();
+    stack_.tick_1ms(*this);
+  }
+
+  void power_on() {
+    stack_.power_on();
+    on_power_on();
+  }
+
+  [[nodiscard]] const Stack& stack() const { return stack_; }
+  [[nodiscard]] float alpha_rad() const { return axes_[0].state.angle_rad; }
+  [[nodiscard]] float beta_rad() const { return axes_[1].state.angle_rad; }
+
+ private:
+  friend Stack;
+  static constexpr std::uint32_t kAgeMax = 0xFFFF;
+  static constexpr std::uint32_t kTpdo2Off = 0x80000000U;  // CiA 301: bit 31 of a PDO's COB-ID
+
+  struct Axis {
+    law::TiltState<float> state{};
+    float first_angle_rad = 0, last_angle_rad = 0;  // sums over the first and last quarter of the window
+    float angle_sum_rad = 0;
+  };
+  struct Window {
+    std::uint32_t samples = 0;
+    ImuSample first{};
+    std::array<float, 3> rate_sum_rad_s{};  // of the difference from the first: keeps the float sums exact
+  };
+
+  void on_sync() {}
+  void on_rpdo() {}
+  void on_rpdo_deadline() {}
+  void on_heartbeat_lost() {}
+  void on_nmt(NmtState, NmtState to) {
+    if (to == NmtState::boot_up) set_default_tpdo2();  // 1801h is a communication object
+  }
+  void on_power_on() {
+    axes_ = {};
+    window_ = {};
+    yaw_bias_rad_s_ = 0;
+    started_ = converged_ = failed_ = false;
+    failures_ = 0;
+    sync_age_ms_ = kAgeMax;
+    sample_age_ms_ = 0;
+    gap_ms_ = 0;
+    set_default_tpdo2();
+  }
+  // Rates: odometry needs the chassis' own, the struts' are for research.
+  void set_default_tpdo2() { set_tpdo2(stack_.node() == contract::Node::tilt_base); }
+  void set_tpdo2(bool on) {
+    stack_.values().template set<0x1801, 1>(contract::pdo_cob_id(contract::Pdo::tilt_tx2, stack_.node()) | (on ? 0U : kTpdo2Off));
+    stack_.set_pdo_on(contract::Pdo::tilt_tx2, on);
+  }
+  SdoAbort check_write(std::uint16_t index, std::uint8_t, std::uint32_t raw) {
+    if (index == 0x1801) {  // only on or off: the id itself is fixed
+      if ((raw & ~kTpdo2Off) != contract::pdo_cob_id(contract::Pdo::tilt_tx2, stack_.node())) return SdoAbort::range;
+      set_tpdo2((raw & kTpdo2Off) == 0);
+    }
+    return SdoAbort::none;
+  }
+
+  static bool usable(const ImuSample& s) {
+    return std::isfinite(s.ax_m_s2) && std::isfinite(s.ay_m_s2) && std::isfinite(s.az_m_s2) && std::isfinite(s.alpha_rate_rad_s) &&
+           std::isfinite(s.beta_rate_rad_s) && std::isfinite(s.yaw_rate_rad_s);
+  }
+  static bool above(float value, float limit) { return value > limit || value < -limit; }
+
+  void sample() {
+    ImuSample s;
+    const bool fresh = board_.read_imu(s) && usable(s);
+    const law::AccAngles<float> gravity = fresh ? law::acc_angles(s.ax_m_s2, s.ay_m_s2, s.az_m_s2) : law::AccAngles<float>{};
+    const bool late = sample_age_ms_ < kTiltSample_ms - 2 || sample_age_ms_ > kTiltSample_ms + 2;
+    const float dt_s = 0.001F * static_cast<float>(!late && gap_ms_ == sample_age_ms_ ? kTiltSample_ms : gap_ms_);
+    sample_age_ms_ = 0;
+    if (!fresh || !gravity.valid || !filter(s, gravity, dt_s)) return fail();
+    gap_ms_ = 0;
+    failures_ = 0;
+    if (!converged_) settle(s, gravity);
+    publish(s);
+  }
+
+  bool filter(const ImuSample& s, const law::AccAngles<float>& gravity, float dt_s) {
+    auto& values = stack_.values();
+    const law::TiltGain<float> gain{values.template get<0x2102, 1>(), values.template get<0x2102, 2>()};
+    const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
+    const float rates_rad_s[2] = {s.alpha_rate_rad_s, s.beta_rate_rad_s};
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (!started_ || gap_ms_ > kTiltGap_ms) {
+        axes_[i].state = law::tilt_start(angles_rad[i], axes_[i].state.bias_rad_s, rates_rad_s[i]);
+      } else if (!law::tilt_step(gain, axes_[i].state, rates_rad_s[i], angles_rad[i], dt_s)) {
+        return false;
+      }
+    }
+    started_ = true;
+    return true;
+  }
+
+  // An unusable sample: the counter stands still, which the computer takes for a missing sensor, and the valid bit goes.
+  void fail() {
+    auto& values = stack_.values();
+    if (failures_ < kTiltReadFailuresMax && ++failures_ == kTiltReadFailuresMax) {
+      failed_ = true;
+      stack_.set_error(emcy::kHardware, error_bit::kProfile, true);
+    }
+    if (!converged_) window_ = {};
+    values.template set<0x2120>(static_cast<std::uint8_t>((converged_ ? kConverged : 0U) | (failed_ ? kSelfTestFailed : 0U)));
+  }
+
+  // The still two seconds. Any motion begins them anew.
+  void settle(const ImuSample& s, const law::AccAngles<float>& gravity) {
+    const ImuSample& f = window_.samples == 0 ? s : window_.first;
+    const float norm2 = s.ax_m_s2 * s.ax_m_s2 + s.ay_m_s2 * s.ay_m_s2 + s.az_m_s2 * s.az_m_s2;
+    const float g2 = kGravity_m_s2 * kGravity_m_s2;
+    const bool moved = above(s.alpha_rate_rad_s, kBiasMax_rad_s) || above(s.beta_rate_rad_s, kBiasMax_rad_s) ||
+                       above(s.yaw_rate_rad_s, kBiasMax_rad_s) || above(s.alpha_rate_rad_s - f.alpha_rate_rad_s, kStillRate_rad_s) ||
+                       above(s.beta_rate_rad_s - f.beta_rate_rad_s, kStillRate_rad_s) ||
+                       above(s.yaw_rate_rad_s - f.yaw_rate_rad_s, kStillRate_rad_s) ||
+                       above(s.ax_m_s2 - f.ax_m_s2, kStillAcceleration_m_s2) || above(s.ay_m_s2 - f.ay_m_s2, kStillAcceleration_m_s2) ||
+                       above(s.az_m_s2 - f.az_m_s2, kStillAcceleration_m_s2) || norm2 < 0.81F * g2 ||
+                       norm2 > 1.21F * g2;  // more than 10 % from g is no standstill
+    if (moved) {
+      window_ = {};
+      return;
+    }
+    if (window_.samples == 0) {
+      window_.first = s;
+      for (Axis& axis : axes_) axis.first_angle_rad = axis.last_angle_rad = axis.angle_sum_rad = 0;
+    }
+    const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
+    for (std::size_t i = 0; i < 2; ++i) {
+      axes_[i].angle_sum_rad += angles_rad[i];
+      if (window_.samples < kTiltStillSamples / 4) axes_[i].first_angle_rad += angles_rad[i];
+      if (window_.samples >= kTiltStillSamples - kTiltStillSamples / 4) axes_[i].last_angle_rad += angles_rad[i];
+    }
+    window_.rate_sum_rad_s[0] += s.alpha_rate_rad_s - window_.first.alpha_rate_rad_s;
+    window_.rate_sum_rad_s[1] += s.beta_rate_rad_s - window_.first.beta_rate_rad_s;
+    window_.rate_sum_rad_s[2] += s.yaw_rate_rad_s - window_.first.yaw_rate_rad_s;
+    if (++window_.samples < kTiltStillSamples) return;
+
+    constexpr float kQuarter = static_cast<float>(kTiltStillSamples / 4);
+    for (const Axis& axis : axes_) {
+      if (above((axis.last_angle_rad - axis.first_angle_rad) / kQuarter, kStillTurn_rad)) {
+        window_ = {};
+        return;
+      }
+    }
+    constexpr float kCount = static_cast<float>(kTiltStillSamples);
+    const float rates_rad_s[2] = {s.alpha_rate_rad_s, s.beta_rate_rad_s};
+    const float first_rad_s[2] = {window_.first.alpha_rate_rad_s, window_.first.beta_rate_rad_s};
+    for (std::size_t i = 0; i < 2; ++i)
+      axes_[i].state =
+          law::tilt_start(axes_[i].angle_sum_rad / kCount, first_rad_s[i] + window_.rate_sum_rad_s[i] / kCount, rates_rad_s[i]);
+    yaw_bias_rad_s_ = window_.first.yaw_rate_rad_s + window_.rate_sum_rad_s[2] / kCount;
+    converged_ = true;
+  }
+
+  void publish(const ImuSample& s) {
+    constexpr float kMilliDegrees = 57295.7795F;  // per radian
+    constexpr float kCentiDegrees = 5729.57795F;
+    auto& values = stack_.values();
+    const law::TiltState<float>&alpha = axes_[0].state, &beta = axes_[1].state;
+    values.template set<0x6010>(to_integer<std::int16_t>(alpha.angle_rad * kMilliDegrees));
+    values.template set<0x6020>(to_integer<std::int16_t>(beta.angle_rad * kMilliDegrees));
+    values.template set<0x2101, 1>(alpha.bias_rad_s);
+    values.template set<0x2101, 2>(beta.bias_rad_s);
+    values.template set<0x2110, 1>(to_integer<std::int16_t>((s.yaw_rate_rad_s - yaw_bias_rad_s_) * kCentiDegrees));
+    values.template set<0x2110, 2>(to_integer<std::int16_t>((s.alpha_rate_rad_s - alpha.bias_rad_s) * kCentiDegrees));
+    values.template set<0x2110, 3>(to_integer<std::int16_t>((s.beta_rate_rad_s - beta.bias_rad_s) * kCentiDegrees));
+    const float norm2 = s.ax_m_s2 * s.ax_m_s2 + s.ay_m_s2 * s.ay_m_s2 + s.az_m_s2 * s.az_m_s2;
+    const float g2 = kGravity_m_s2 * kGravity_m_s2;
+    // Less than half or more than one and a half g has no direction that could be called down.
+    const bool acceleration = norm2 < 0.25F * g2 || norm2 > 2.25F * g2 || above(s.ax_m_s2, kAccelerationMax_m_s2) ||
+                              above(s.ay_m_s2, kAccelerationMax_m_s2) || above(s.az_m_s2, kAccelerationMax_m_s2);
+    const bool saturated =
+        above(s.alpha_rate_rad_s, kRateMax_rad_s) || above(s.beta_rate_rad_s, kRateMax_rad_s) || above(s.yaw_rate_rad_s, kRateMax_rad_s);
+    // A failed sensor stays invalid until it is switched off and on, also when it seems to work again.
+    values.template set<0x2120>(static_cast<std::uint8_t>((failed_ ? 0U : kValid) | (converged_ ? kConverged : 0U) |
+                                                          (acceleration ? kAccelerationRange : 0U) | (saturated ? kGyroSaturated : 0U) |
+                                                          (failed_ ? kSelfTestFailed : 0U)));
+    values.template set<0x2121>(static_cast<std::uint8_t>(values.template get<0x2121>() + 1U));
+  }
+
+  Board& board_;
+  Stack stack_;
+  std::array<Axis, 2> axes_{};  // alpha, beta
+  Window window_{};
+  float yaw_bias_rad_s_ = 0;
+  bool started_ = false, converged_ = false, failed_ = false;
+  std::uint32_t failures_ = 0;
+  std::uint32_t sync_age_ms_ = kAgeMax, sample_age_ms_ = 0, gap_ms_ = 0;
+};
+
+}  // namespace hoist::firmware
