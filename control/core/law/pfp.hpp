@@ -76,32 +76,39 @@ inline PfpBranch pfp_step(const PfpConfig<Real>& config, PfpState<Real>& state, 
     // No wish is known, so none is obeyed: fade as if the patient stood upright.
     state.v_f_units *= std::exp(-(dt_s / config.tau_dec_s));
     state.v_units = state.v_f_units;
+    if (!std::isfinite(state.v_units)) state = {};
     return PfpBranch::kRefused;
   }
   const Real u = u_norm > Real(1) ? Real(1) : (u_norm < Real(-1) ? Real(-1) : u_norm);
   const Real magnitude = std::fabs(u);
+  PfpBranch branch = PfpBranch::kNormal;
   if (magnitude < config.deadband_norm) {                                // line 2
     state.v_f_units *= std::exp(-(dt_s / config.tau_dec_s));             // line 3
     state.v_units = state.v_f_units;                                     // line 4
-    return PfpBranch::kDeadband;
-  }
-  PfpBranch branch = PfpBranch::kNormal;
-  const Real forced_units = u * config.k_pf;                             // line 6
-  if (u * state.v_units < Real(0)) {                                     // line 7
-    branch = PfpBranch::kReversal;
-    Real exponent = (magnitude - config.deadband_norm) / config.l_dec;
-    if (config.brake_at_least_as_released) {
-      const Real released = dt_s / config.tau_dec_s;
-      exponent = exponent < released ? released : exponent;
-    }
-    state.v_f_units = std::exp(-exponent) * state.v_f_units + config.k_2r * forced_units;  // line 8
+    branch = PfpBranch::kDeadband;
   } else {
-    const Real keep = std::exp(-(dt_s / config.tau_n_s));
-    state.v_f_units = keep * state.v_f_units + (Real(1) - keep) * forced_units;  // line 10
+    const Real forced_units = u * config.k_pf;                           // line 6
+    if (u * state.v_units < Real(0)) {                                   // line 7
+      branch = PfpBranch::kReversal;
+      Real exponent = (magnitude - config.deadband_norm) / config.l_dec;
+      if (config.brake_at_least_as_released) {
+        const Real released = dt_s / config.tau_dec_s;
+        exponent = exponent < released ? released : exponent;
+      }
+      state.v_f_units = std::exp(-exponent) * state.v_f_units + config.k_2r * forced_units;  // line 8
+    } else {
+      const Real keep = std::exp(-(dt_s / config.tau_n_s));
+      state.v_f_units = keep * state.v_f_units + (Real(1) - keep) * forced_units;  // line 10
+    }
+    const Real limit = config.v_f_max_units;                             // line 11
+    state.v_f_units = state.v_f_units > limit ? limit : (state.v_f_units < -limit ? -limit : state.v_f_units);
+    state.v_units = config.k_p * u + state.v_f_units;                    // line 12
   }
-  const Real limit = config.v_f_max_units;                               // line 11
-  state.v_f_units = state.v_f_units > limit ? limit : (state.v_f_units < -limit ? -limit : state.v_f_units);
-  state.v_units = config.k_p * u + state.v_f_units;                      // line 12
+  // Parameters that refusal() would have refused, or products that overflow: stop rather than remember nonsense.
+  if (!std::isfinite(state.v_units) || !std::isfinite(state.v_f_units)) {
+    state = {};
+    return PfpBranch::kRefused;
+  }
   return branch;
 }
 

@@ -54,21 +54,29 @@ inline PfpTurnBranch pfp_turn_step(const PfpTurnConfig<Real>& config, PfpTurnSta
   if (!std::isfinite(u_norm)) {
     state.omega_f_units *= std::exp(-(dt_s / config.tau_dec_s));
     state.omega_units = state.omega_f_units;
+    if (!std::isfinite(state.omega_units)) state = {};
     return PfpTurnBranch::kRefused;
   }
   const Real u = u_norm > Real(1) ? Real(1) : (u_norm < Real(-1) ? Real(-1) : u_norm);
+  PfpTurnBranch branch = PfpTurnBranch::kNormal;
   if (std::fabs(u) < config.deadband_norm) {                              // line 2
     state.omega_f_units *= std::exp(-(dt_s / config.tau_dec_s));          // line 3
     const bool literal = config.deadband == TurnDeadband::kLiteral;
     state.omega_units = literal ? config.k_p * u + state.omega_f_units    // line 7
                                 : state.omega_f_units;
-    return PfpTurnBranch::kDeadband;
+    branch = PfpTurnBranch::kDeadband;
+  } else {
+    const Real forced_units = config.k_pf * u;                            // line 5
+    const Real keep = std::exp(-(dt_s / config.tau_n_s));
+    state.omega_f_units = keep * state.omega_f_units + (Real(1) - keep) * forced_units;  // line 6
+    state.omega_units = config.k_p * u + state.omega_f_units;             // line 7
   }
-  const Real forced_units = config.k_pf * u;                              // line 5
-  const Real keep = std::exp(-(dt_s / config.tau_n_s));
-  state.omega_f_units = keep * state.omega_f_units + (Real(1) - keep) * forced_units;  // line 6
-  state.omega_units = config.k_p * u + state.omega_f_units;               // line 7
-  return PfpTurnBranch::kNormal;
+  // Parameters that refusal() would have refused, or products that overflow: stop rather than remember nonsense.
+  if (!std::isfinite(state.omega_units) || !std::isfinite(state.omega_f_units)) {
+    state = {};
+    return PfpTurnBranch::kRefused;
+  }
+  return branch;
 }
 
 }  // namespace hoist::law

@@ -1,0 +1,175 @@
+// The figures of a run.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "db/metrics/cross_correlation.hpp"
+#include "db/metrics/evaluate.hpp"
+#include "db/metrics/metric_list.hpp"
+#include "db/metrics/normalised_ise.hpp"
+#include "db/metrics/run_summary.hpp"
+#include "db/metrics/table_mean.hpp"
+#include "tests/unit/law/golden.hpp"
+
+namespace hoist::db {
+namespace {
+
+struct Track {
+  double dt_s{};
+  std::vector<double> x_m, y_m, psi_rad, dpsi_rad;
+  [[nodiscard]] RunColumns columns() const { return {dt_s, x_m, y_m, psi_rad, dpsi_rad}; }
+};
+
+/// A walk along the eight at 0.3 m/s, a constant distance to the left of it.
+Track beside_the_eight(double dt_s, double offset_m, double speed_m_s = 0.3) {
+  const auto path = contract::ReferencePath::eight();
+  Track track;
+  track.dt_s = dt_s;
+  for (double s_m = 0.0; s_m < path.length_m(); s_m += speed_m_s * dt_s) {
+    const auto at = path.pose(s_m);
+    track.x_m.push_back(at.x_m - offset_m * std::sin(at.psi_rad));
+    track.y_m.push_back(at.y_m + offset_m * std::cos(at.psi_rad));
+    track.psi_rad.push_back(at.psi_rad);
+    track.dpsi_rad.push_back(0.2 * at.kappa_per_m);
+  }
+  return track;
+}
+
+TEST(CrossCorrelation, IsBoundedSymmetricAndBlindToScale) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise;
+  for (int run = 0; run < 200; ++run) {
+    std::vector<double> x(50);
+    std::vector<double> y(50);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      x[i] = noise(random);
+      y[i] = 0.5 * x[i] + noise(random);
+    }
+    const double c = cross_correlation(x, y).value();
+    ASSERT_LE(std::fabs(c), 1.0);
+    ASSERT_NEAR(cross_correlation(y, x).value(), c, 1e-14);
+    ASSERT_NEAR(cross_correlation(x, x).value(), 1.0, 1e-14);
+    auto scaled = x;
+    for (auto& value : scaled) value *= -1e200;
+    ASSERT_NEAR(cross_correlation(scaled, y).value(), -c, 1e-12);
+    for (auto& value : scaled) value *= 1e-320;
+    ASSERT_TRUE(std::isfinite(cross_correlation(scaled, y).value()));
+  }
+  EXPECT_FALSE(cross_correlation(std::vector{1.0}, std::vector{1.0, 2.0}).has_value());
+}
+
+TEST(NormalisedIse, IsASumOverSamplesOfTheWrappedError) {
+  const std::vector<double> zero(4, 0.0);
+  const std::vector<double> x_ref = {0.0, 1.0, 2.0, 3.0};
+  const std::vector<double> x = {0.1, 1.1, 2.1, 3.1};
+  const std::vector<double> turned(4, 2.0 * std::numbers::pi + 0.2);
+  const auto ise = normalised_ise({x, zero, turned, x_ref, zero, zero});
+  ASSERT_TRUE(ise.has_value());
+  EXPECT_NEAR(ise->length_m, 3.0, 1e-15);
+  EXPECT_NEAR(ise->j, 4.0 * (0.01 + 0.04) / 3.0, 1e-12);
+  EXPECT_NEAR(normalised_ise({x, zero, turned, x_ref, zero, zero}, 6.0)->j, ise->j / 2.0, 1e-12);
+  EXPECT_FALSE(normalised_ise({x, zero, zero, zero, zero, zero}).has_value()) << "a reference without length";
+  EXPECT_FALSE(normalised_ise({x, zero, zero, x_ref, zero, std::vector<double>{}}).has_value());
+  EXPECT_FALSE(normalised_ise({x, zero, zero, x_ref, zero, zero}, 0.0).has_value());
+  const std::vector<double> bad = {0.0, std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
+  EXPECT_FALSE(normalised_ise({bad, zero, zero, x_ref, zero, zero}).has_value());
+}
+
+TEST(WrapAngle, IsHalfOpen) {
+  EXPECT_EQ(wrap_angle_rad(std::numbers::pi), std::numbers::pi);
+  EXPECT_EQ(wrap_angle_rad(-std::numbers::pi), std::numbers::pi);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> any(-100.0, 100.0);
+  for (int i = 0; i < 10'000; ++i) {
+    const double angle = any(random);
+    const double wrapped = wrap_angle_rad(angle);
+    ASSERT_GT(wrapped, -std::numbers::pi);
+    ASSERT_LE(wrapped, std::numbers::pi);
+    ASSERT_NEAR(std::sin(wrapped), std::sin(angle), 1e-12);
+  }
+}
+
+TEST(Evaluate, KnowsAPerfectAndABentWalk) {
+  const auto path = contract::ReferencePath::eight();
+  const auto perfect = beside_the_eight(0.01, 0.0);
+  const auto best = evaluate(path, perfect.columns());
+  ASSERT_TRUE(best && best->c && best->ise);
+  EXPECT_NEAR(*best->c, 1.0, 0.001) << "the pelvis turns as the path does";
+  EXPECT_NEAR(best->ise->j, 0.0, 1e-9);
+  EXPECT_NEAR(best->ise->length_m, path.length_m(), 0.01);
+  const auto beside = beside_the_eight(0.01, 0.1);
+  const auto worse = evaluate(path, beside.columns());
+  const double samples = static_cast<double>(beside.x_m.size());
+  EXPECT_NEAR(worse->ise->j, samples * 0.01 / path.length_m(), 0.01 * worse->ise->j);
+  EXPECT_NEAR(run_deviation(path, beside.columns())->position_rms_m, 0.1, 1e-3);
+  EXPECT_NEAR(run_deviation(path, beside.columns())->heading_rms_rad, 0.0, 1e-2);
+  auto against = beside;
+  for (auto& value : against.dpsi_rad) value = -value;
+  EXPECT_LT(*evaluate(path, against.columns())->c, -0.9);
+}
+
+// D29: J_N is proportional to rate and slowness, so it is compared at 100 Hz only.
+TEST(Evaluate, BringsEveryRecordingToTheTablesRate) {
+  const auto path = contract::ReferencePath::eight();
+  const double at_100 = evaluate_at_metric_rate(path, beside_the_eight(0.01, 0.1).columns())->ise->j;
+  const double at_10 = evaluate_at_metric_rate(path, beside_the_eight(0.1, 0.1).columns())->ise->j;
+  EXPECT_NEAR(at_10, at_100, 0.02 * at_100);
+  EXPECT_NEAR(evaluate(path, beside_the_eight(0.1, 0.1).columns())->ise->j, at_100 / 10.0, 0.02 * at_100);
+  EXPECT_NEAR(evaluate_at_metric_rate(path, beside_the_eight(0.01, 0.1, 0.15).columns())->ise->j, 2.0 * at_100, 0.04 * at_100);
+}
+
+TEST(Evaluate, RefusesWhatCannotBeJudged) {
+  const auto path = contract::ReferencePath::eight();
+  const auto good = beside_the_eight(0.01, 0.0);
+  auto run = good;
+  run.dt_s = 0.0;
+  EXPECT_FALSE(evaluate(path, run.columns()).has_value());
+  run = good;
+  run.psi_rad.pop_back();
+  EXPECT_FALSE(evaluate(path, run.columns()).has_value());
+  run = good;
+  run.dpsi_rad[3] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(evaluate(path, run.columns()).has_value());
+  EXPECT_FALSE(evaluate(path, Track{0.01, {}, {}, {}, {}}.columns()).has_value());
+  EXPECT_FALSE(evaluate(contract::ReferencePath::square(-1.0), good.columns()).has_value());
+  run = good;
+  run.dt_s = 1e9;
+  EXPECT_FALSE(evaluate_at_metric_rate(path, run.columns()).has_value()) << "a wrong dt must not ask for all memory";
+}
+
+TEST(TableMean, LeavesOutWhoDidNotRun) {
+  const std::vector<std::vector<std::optional<double>>> rows = {{1.0, std::nullopt, std::nullopt}, {3.0, 5.0, std::nullopt}};
+  const auto mean = table_mean(rows);
+  ASSERT_EQ(mean.size(), 3U);
+  EXPECT_EQ(mean[0], 2.0);
+  EXPECT_EQ(mean[1], 5.0);
+  EXPECT_FALSE(mean[2].has_value()) << "a run nobody did has no mean, not zero";
+  EXPECT_TRUE(table_mean(std::vector<std::vector<std::optional<double>>>{{1.0}, {1.0, 2.0}}).empty());
+}
+
+TEST(MetricList, ComputesEachFigureOnceAndOnlyWhereItMakesSense) {
+  const auto path = contract::ReferencePath::eight();
+  const auto track = beside_the_eight(0.01, 0.05);
+  std::set<std::string_view> ids;
+  for (const auto& metric : metric_list()) {
+    SCOPED_TRACE(std::string(metric.id));
+    EXPECT_TRUE(ids.insert(metric.id).second) << "twice";
+    EXPECT_FALSE(metric.meaning.empty());
+    const auto on_path = metric.compute({track.columns(), &path});
+    ASSERT_TRUE(on_path.has_value());
+    EXPECT_TRUE(std::isfinite(*on_path));
+    EXPECT_EQ(metric.compute({track.columns(), nullptr}).has_value(), !metric.needs_path);
+    EXPECT_FALSE(metric.compute({RunColumns{}, &path}).has_value()) << "an empty run has no figures";
+  }
+  const auto summary = run_summary(track.columns());
+  EXPECT_NEAR(summary->mean_speed_m_s, 0.3, 0.02);
+  EXPECT_NEAR(summary->duration_s, path.length_m() / 0.3, 0.02);
+  EXPECT_GE(ids.size(), 8U);
+}
+
+}  // namespace
+}  // namespace hoist::db
