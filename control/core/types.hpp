@@ -59,6 +59,7 @@ struct TickInputs {
   bool drive_fresh = false;                     // `drive` was written since the last step
   contract::DriveCommand drive;
   std::uint64_t server_heartbeat = 0;  // counts up while the server lives
+  std::uint64_t server_life = 0;       // another number: another server, whose command sequence begins at 1 again; 0: none attached
   float wake_lateness_s = 0;
   float previous_duration_s = 0;
 };

@@ -80,7 +80,10 @@ enum class ReadFrom : std::uint8_t { newest, oldest };
 template <typename T, auto Ring>
 class StateReader {
  public:
-  explicit StateReader(const ServerLink& link, ReadFrom from = ReadFrom::newest) : shared_(link.shared_state()), from_(from) {}
+  // Begins here and now with the attached core, or with the first one that comes.
+  explicit StateReader(const ServerLink& link, ReadFrom from = ReadFrom::newest) : shared_(link.shared_state()), from_(from) {
+    adopt(shared_->get());
+  }
 
   struct Result {
     std::size_t count = 0;

@@ -1,0 +1,72 @@
+#include "control/run/control_loop.hpp"
+
+#include <cstring>
+
+namespace hoist::run {
+
+ControlLoop::ControlLoop(bus::CanPort& port, publish::CoreLink& link, const contract::Params& initial) : port_(port), link_(link) {
+  [[maybe_unused]] const bool accepted = core::load_params(state_, initial);
+  publish_params();
+}
+
+void ControlLoop::step(const Step& step) noexcept {
+  core::TickInputs inputs;
+  inputs.tick = step.tick;
+  inputs.time_ns = step.time_ns;
+  inputs.wake_lateness_s = step.wake_lateness_s;
+  inputs.previous_duration_s = step.previous_duration_s;
+
+  const std::size_t received = port_.receive(frames_, step.time_ns);
+  inputs.frames = {frames_.data(), received};
+  inputs.bus_refused_total = port_.counters().refused;
+  inputs.bus_up = port_.up();
+
+  std::size_t commands = 0;
+  if (link_.begin()) {
+    std::uint64_t lost = 0;
+    commands = link_.read_commands(commands_, lost);
+    inputs.drive_fresh = link_.read_drive(inputs.drive);
+    inputs.server_heartbeat = link_.heartbeat();
+    inputs.server_life = link_.server_life();
+    link_.end();
+  }
+  if (step.stop) {
+    // The program is being ended: the same stop that anyone may ask for, in front of everything else.
+    commands_[0] = contract::Command{};
+    commands_[0].kind = contract::CommandKind::stop;
+    commands_[0].sequence = 0;
+    commands = 1;
+  }
+  inputs.commands = {commands_.data(), commands};
+
+  core::tick(state_, inputs, core::kTick_s, outputs_);
+
+  port_.send({outputs_.frames.data(), outputs_.frames.size()}, step.time_ns);
+  publish_frames(inputs.frames, step.time_ns, false);
+  publish_frames({outputs_.frames.data(), outputs_.frames.size()}, step.time_ns, true);
+  if (outputs_.params_changed) publish_params();
+  for (const contract::Event& event : outputs_.events) link_.publish_event(event);
+  link_.publish_tick(outputs_.record);
+}
+
+void ControlLoop::publish_frames(std::span<const contract::CanFrame> frames, std::uint64_t time_ns, bool sent) noexcept {
+  for (const contract::CanFrame& frame : frames) {
+    contract::BusRecord record;
+    record.time_ns = time_ns;
+    record.id = frame.id;
+    record.dlc = frame.dlc;
+    record.flags = frame.flags;
+    record.sent = sent ? 1 : 0;
+    std::memcpy(&record.data, frame.data.data(), sizeof record.data);
+    link_.publish_bus(record);
+  }
+}
+
+void ControlLoop::publish_params() noexcept {
+  contract::ParamsInForce params;
+  params.version = state_.parameter_version;
+  for (std::size_t i = 0; i < contract::kParamCount; ++i) params.values[i] = contract::get_param(state_.params, i);
+  link_.publish_params(params);
+}
+
+}  // namespace hoist::run

@@ -1,0 +1,46 @@
+// One control step with its input and output: bus in, commands in, tick, bus out, publish. Everything but the waiting, so that the
+// real-time thread, the allocation test and the benchmark run the same lines.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "control/bus/can_port.hpp"
+#include "control/core/tick.hpp"
+#include "control/publish/core_link.hpp"
+
+namespace hoist::run {
+
+class ControlLoop {
+ public:
+  // `initial` was checked by the caller (load_params refuses otherwise and the defaults stay).
+  ControlLoop(bus::CanPort& port, publish::CoreLink& link, const contract::Params& initial);
+
+  struct Step {
+    std::uint64_t tick = 0;
+    std::uint64_t time_ns = 0;
+    float wake_lateness_s = 0;
+    float previous_duration_s = 0;
+    bool stop = false;  // the program wants to end: once, as if STOP had been pressed
+  };
+  // Runs one step. No allocation, no exception, no system call but the port's.
+  void step(const Step& step) noexcept;
+
+  [[nodiscard]] bool standing_still() const noexcept { return outputs_.record.standing_still != 0; }
+  [[nodiscard]] const contract::TickRecord& record() const noexcept { return outputs_.record; }
+
+ private:
+  void publish_frames(std::span<const contract::CanFrame> frames, std::uint64_t time_ns, bool sent) noexcept;
+  void publish_params() noexcept;
+
+  static constexpr std::size_t kFramesPerStep = 256;  // a full bus brings 23 frames per step; the rest is room after a hold-up
+  bus::CanPort& port_;
+  publish::CoreLink& link_;
+  core::CoreState state_;
+  core::TickOutputs outputs_;
+  std::array<contract::CanFrame, kFramesPerStep> frames_{};
+  std::array<contract::Command, contract::kCommandSlots> commands_{};
+  std::uint32_t commands_lost_ = 0;
+};
+
+}  // namespace hoist::run

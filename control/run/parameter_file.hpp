@@ -1,0 +1,21 @@
+// The stored parameters: one JSON file with names, SI values and a checksum. Written whole and atomically, read with suspicion.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "control/contract/params.hpp"
+
+namespace hoist::run {
+
+struct LoadedParams {
+  contract::Params params;            // defaults where the file says nothing
+  bool usable = false;                // false: the file exists and must not be used; `problem` says why
+  std::string problem;
+  std::vector<std::string> remarks;   // unknown names, values out of range that were left at their default
+};
+// A missing file is a first start: defaults, usable.
+LoadedParams load_parameter_file(const std::string& path);
+// Empty on success, otherwise the reason. The old file stays whole until the new one is on the disk.
+std::string save_parameter_file(const std::string& path, const contract::Params& params);
+
+}  // namespace hoist::run
