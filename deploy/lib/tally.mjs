@@ -16,7 +16,9 @@ const attribute = (tag, name) => {
 };
 
 // The elements <testcase …/> or <testcase …>…</testcase> of a JUnit-like file, as [opening tag, body].
-function* testcases(xml) {
+function* testcases(text) {
+  // What a test printed or said may look like markup; it is not needed here.
+  const xml = text.replace(/<!\[CDATA\[[\s\S]*?\]\]>/g, '');
   const opening = /<testcase\b(?:[^>"]|"[^"]*")*>/g;
   for (let match; (match = opening.exec(xml)); ) {
     if (match[0].endsWith('/>')) { yield [match[0], '']; continue; }
@@ -25,12 +27,9 @@ function* testcases(xml) {
   }
 }
 
-// A GoogleTest skip carries "file:line\nreason".
-const skipReason = (body) => {
-  const message = attribute(/<skipped\b(?:[^>"]|"[^"]*")*>/.exec(body)?.[0] ?? '', 'message') ?? '';
-  const lines = message.split('\n').filter((line) => line.trim() !== '');
-  return (lines.length > 1 ? lines.slice(1) : lines).join(' ').trim();
-};
+const skipMessage = (body) => attribute(/<skipped\b(?:[^>"]|"[^"]*")*>/.exec(body)?.[0] ?? '', 'message') ?? '';
+// A GoogleTest skip carries "file:line", a line break, and what the test said.
+const skipReason = (body) => skipMessage(body).split('\n').slice(1).join(' ').trim();
 
 function countGoogleTest(file, prefix) {
   let failed = 0;
@@ -61,7 +60,9 @@ function countCtest(folder, prefix) {
     const reported = failures.has(program);
     if (failed && !reported) cases.push({ status: 'failed', name: `${prefix}${program}`, reason: 'ended without a report: it crashed, hung or could not start' });
     else if (failed && failures.get(program) === 0) cases.push({ status: 'failed', name: `${prefix}${program}`, reason: 'every case passed, but the program ended badly' });
-    else if (!reported && (status === 'notrun' || status === 'disabled')) cases.push({ status: 'skipped', name: `${prefix}${program}`, reason: skipReason(body) || status });
+    else if (!reported && (status === 'disabled' || skipMessage(body).startsWith('SKIP_'))) cases.push({ status: 'skipped', name: `${prefix}${program}`, reason: skipMessage(body) || status });
+    // Not run and not skipped: its program was never built, or what it needs failed.
+    else if (!reported && status === 'notrun') cases.push({ status: 'failed', name: `${prefix}${program}`, reason: skipMessage(body) || 'could not be run' });
     else if (!reported) cases.push({ status: 'passed', name: `${prefix}${program}`, reason: '' });
   }
 }

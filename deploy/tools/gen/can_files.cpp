@@ -274,7 +274,8 @@ std::string eds_text(const NodeInfo& node) {
       count(PdoDirection::rx) + "\nNrOfTXPDO=" + count(PdoDirection::tx) +
       "\nLSS_Supported=0\n\n"
       "[DummyUsage]\nDummy0001=0\nDummy0002=0\nDummy0003=0\nDummy0004=0\nDummy0005=0\nDummy0006=0\nDummy0007=0\n\n"
-      "[Comments]\nLines=1\nLine1=Node numbers are written out; this file is for node " +
+      "[Comments]\nLines=2\nLine1=Process data are fixed: their communication and mapping records describe them and cannot be read over "
+      "SDO.\nLine2=This file is for node " +
       std::to_string(node.id) + " only.\n\n";
   std::vector<unsigned> mandatory, optional, manufacturer;
   for (const auto& [address, entry] : objects) {

@@ -1,0 +1,130 @@
+// The count that decides whether a change lands: deploy/lib/tally.mjs on small reports of every kind of ending.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+namespace hoist::tidy {
+namespace {
+
+struct Outcome {
+  std::string output;
+  int exit_code = -1;
+  std::string last_line() const {
+    const auto end = output.find_last_not_of('\n');
+    const auto begin = output.rfind('\n', end);
+    return output.substr(begin + 1, end - begin);
+  }
+};
+
+class Tally : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::system("node --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no Node on this machine";
+    std::string pattern = (std::filesystem::temp_directory_path() / "hoist-tally-XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    std::filesystem::create_directories(folder_ / "gtest");
+    write("steps.tsv", "");
+  }
+  void TearDown() override {
+    if (!folder_.empty()) std::filesystem::remove_all(folder_);
+  }
+  void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
+  void write_ctest(const std::string& rows) { write("ctest.xml", "<testsuite name=\"x\">" + rows + "</testsuite>"); }
+  void write_program(const std::string& name, const std::string& rows) {
+    write("gtest/" + name + ".xml", "<testsuites><testsuite>" + rows + "</testsuite></testsuites>");
+  }
+  Outcome count() const {
+    Outcome outcome;
+    const std::string command = std::string("node '") + HOIST_SOURCE_DIR + "/deploy/lib/tally.mjs' '" + folder_.string() + "' 2>&1";
+    FILE* pipe = popen(command.c_str(), "r");
+    char buffer[4096];
+    for (std::size_t got = 0; pipe != nullptr && (got = fread(buffer, 1, sizeof buffer, pipe)) > 0;) outcome.output.append(buffer, got);
+    if (pipe != nullptr) outcome.exit_code = WEXITSTATUS(pclose(pipe));
+    return outcome;
+  }
+  std::filesystem::path folder_;
+};
+
+const std::string kPassed = R"(<testcase name="a" status="run" result="completed" classname="S" />)";
+
+TEST_F(Tally, PassedCasesAreCountedNotPrograms) {
+  write_ctest(R"(<testcase name="test_x" status="run"></testcase>)");
+  write_program("test_x", kPassed + kPassed + kPassed);
+  const auto outcome = count();
+  EXPECT_EQ(outcome.last_line(), "3 passed, 0 failed, 0 skipped");
+  EXPECT_EQ(outcome.exit_code, 0);
+}
+
+TEST_F(Tally, NothingRunIsAFailure) {
+  const auto outcome = count();
+  EXPECT_EQ(outcome.last_line(), "0 passed, 0 failed, 0 skipped");
+  EXPECT_EQ(outcome.exit_code, 1);
+}
+
+TEST_F(Tally, AFailedCaseIsNamedAndFails) {
+  write_ctest(R"(<testcase name="test_x" status="fail"><failure message=""/></testcase>)");
+  // What the test said may look like the end of the case or like another one.
+  write_program(
+      "test_x",
+      kPassed +
+          R"(<testcase name="b" status="run" result="completed" classname="S"><failure message="1 &lt; 2"><![CDATA[</testcase><testcase name="no"/>]]></failure></testcase>)");
+  const auto outcome = count();
+  EXPECT_EQ(outcome.last_line(), "1 passed, 1 failed, 0 skipped");
+  EXPECT_NE(outcome.output.find("test_x: S.b"), std::string::npos);
+  EXPECT_EQ(outcome.exit_code, 1);
+}
+
+TEST_F(Tally, ACrashedProgramIsAFailure) {
+  write_ctest(R"(<testcase name="test_x" status="fail"><failure message=""/></testcase><testcase name="test_y" status="run"></testcase>)");
+  write_program("test_y", kPassed);
+  EXPECT_EQ(count().last_line(), "1 passed, 1 failed, 0 skipped");
+  EXPECT_EQ(count().exit_code, 1);
+}
+
+TEST_F(Tally, AProgramThatEndsBadlyAfterItsCasesIsAFailure) {
+  write_ctest(R"(<testcase name="test_x" status="fail"><failure message=""/></testcase>)");
+  write_program("test_x", kPassed);
+  EXPECT_EQ(count().last_line(), "1 passed, 1 failed, 0 skipped");
+}
+
+TEST_F(Tally, AProgramThatWasNeverBuiltIsAFailure) {
+  write_ctest(R"(<testcase name="test_x" status="notrun"><skipped message="Unable to find executable"/></testcase>)");
+  EXPECT_EQ(count().last_line(), "0 passed, 1 failed, 0 skipped");
+}
+
+TEST_F(Tally, ASkipNeedsAReason) {
+  write_ctest(R"(<testcase name="test_x" status="run"></testcase>)");
+  write_program(
+      "test_x",
+      kPassed +
+          R"(<testcase name="b" status="run" result="skipped" classname="S"><skipped message="f.cpp:2&#x0A;no CAN &amp; no root"></skipped></testcase>)");
+  const auto told = count();
+  EXPECT_EQ(told.last_line(), "1 passed, 0 failed, 1 skipped");
+  EXPECT_NE(told.output.find("S.b: no CAN & no root"), std::string::npos);
+  EXPECT_EQ(told.exit_code, 0);
+  write_program(
+      "test_x",
+      kPassed + R"(<testcase name="b" status="run" result="skipped" classname="S"><skipped message="f.cpp:2&#x0A;"></skipped></testcase>)");
+  EXPECT_EQ(count().last_line(), "1 passed, 1 failed, 0 skipped");
+}
+
+TEST_F(Tally, ConsoleBrowserAndStaticChecksCountToo) {
+  write("vitest.json", R"({"testResults":[
+    {"name":"/x/web/test/a.test.ts","status":"failed","assertionResults":[{"status":"passed","fullName":"a"},{"status":"failed","fullName":"b"},{"status":"pending","fullName":"c"}]},
+    {"name":"/x/web/test/broken.test.ts","status":"failed","message":"cannot be loaded","assertionResults":[]}]})");
+  write("e2e.json", R"({"tests":[{"name":"opens","status":"passed"},{"name":"drives","status":"skipped","reason":"no chromium"}]})");
+  write("steps.tsv", "passed\tformat\t\nfailed\tshell\tsee above\nskipped\tlint\tnot installed\n");
+  const auto outcome = count();
+  EXPECT_EQ(outcome.last_line(), "3 passed, 3 failed, 3 skipped");
+  EXPECT_NE(outcome.output.find("lint: not installed"), std::string::npos);
+  EXPECT_EQ(outcome.exit_code, 1);
+}
+
+}  // namespace
+}  // namespace hoist::tidy
