@@ -1,0 +1,219 @@
+// The SLCAN driver against a scripted adapter on the other end of a pty, in virtual time.
+#include "control/bus/slcan.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <memory>
+#include <string>
+
+namespace hoist::bus {
+namespace {
+using contract::CanFrame;
+
+// The adapter's end. It says what the test tells it to say.
+class Adapter {
+ public:
+  Adapter() {
+    master_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
+    ::grantpt(master_);
+    ::unlockpt(master_);
+    path = ::ptsname(master_);
+  }
+  ~Adapter() { unplug(); }
+  void unplug() {
+    if (master_ >= 0) ::close(master_);
+    master_ = -1;
+  }
+  void say(const std::string& text) { ASSERT_EQ(::write(master_, text.data(), text.size()), static_cast<ssize_t>(text.size())); }
+  std::string heard() {
+    std::string all;
+    std::array<char, 4096> buffer;
+    pollfd wait{master_, POLLIN, 0};
+    while (::poll(&wait, 1, 0) == 1 && (wait.revents & POLLIN) != 0) {
+      const ssize_t got = ::read(master_, buffer.data(), buffer.size());
+      if (got <= 0) break;
+      all.append(buffer.data(), static_cast<std::size_t>(got));
+    }
+    return all;
+  }
+  std::string path;
+
+ private:
+  int master_ = -1;
+};
+
+CanFrame frame(std::uint32_t id, std::uint8_t first) { return CanFrame{id, 2, 0, {first, 0x5A}}; }
+
+class SlcanPortTest : public ::testing::Test {
+ protected:
+  std::size_t receive() { return port->receive(frames, now_ns); }
+  void bring_up() {
+    receive();
+    EXPECT_EQ(adapter.heard(), "\rC\rS5\rO\r");
+    adapter.say("\r\r\r\r");
+    receive();
+    ASSERT_TRUE(port->up());
+  }
+  Adapter adapter;
+  std::unique_ptr<SlcanPort> port = std::make_unique<SlcanPort>(adapter.path);
+  std::array<CanFrame, 64> frames{};
+  std::uint64_t now_ns = 1'000'000'000;
+};
+
+TEST_F(SlcanPortTest, SetsUpTheAdapterAndIsUpOnlyThen) {
+  EXPECT_FALSE(port->up());
+  receive();
+  EXPECT_EQ(adapter.heard(), "\rC\rS5\rO\r");
+  EXPECT_FALSE(port->up());
+  adapter.say("\r\a\a");  // nothing to close, rate already set: an adapter that was left open
+  receive();
+  EXPECT_FALSE(port->up());
+  adapter.say("\r");
+  receive();
+  EXPECT_TRUE(port->up());
+}
+
+TEST_F(SlcanPortTest, ARefusedOpenIsTriedAgain) {
+  receive();
+  adapter.heard();
+  adapter.say("\r\r\r\a");
+  receive();
+  EXPECT_FALSE(port->up());
+  EXPECT_EQ(adapter.heard(), "\rC\rS5\rO\r");
+}
+
+TEST_F(SlcanPortTest, ASilentAdapterIsAskedAgain) {
+  receive();
+  adapter.heard();
+  now_ns += SlcanPort::kSetupNs - 1;
+  receive();
+  EXPECT_EQ(adapter.heard(), "");
+  now_ns += 1;
+  receive();
+  EXPECT_EQ(adapter.heard(), "\rC\rS5\rO\r");
+}
+
+TEST_F(SlcanPortTest, CarriesFramesBothWays) {
+  bring_up();
+  const std::array out{frame(0x201, 0x12), frame(0x080, 0x00)};
+  EXPECT_EQ(port->send(out, now_ns), 2U);
+  EXPECT_EQ(adapter.heard(), "t2012125A\rt0802005A\r");
+  adapter.say("z\rz\rt1812AB01\r");
+  ASSERT_EQ(receive(), 1U);
+  EXPECT_EQ(frames[0].id, 0x181U);
+  EXPECT_EQ(frames[0].data[0], 0xAB);
+  EXPECT_EQ(port->counters().send_refused, 0U);
+}
+
+TEST_F(SlcanPortTest, ALineCutAnywhereArrivesWholeOrNotAtAll) {
+  bring_up();
+  const std::string line = "t1814AB01CD02\r";
+  for (std::size_t cut = 0; cut <= line.size(); ++cut) {
+    if (cut > 0) adapter.say(line.substr(0, cut));
+    std::size_t count = receive();
+    if (cut < line.size()) adapter.say(line.substr(cut));
+    count += receive();
+    ASSERT_EQ(count, 1U) << "cut at " << cut;
+  }
+  // A line that lost a byte is refused, never delivered with bytes of the line before.
+  const std::uint32_t refused = port->counters().refused;
+  adapter.say("t1814AB01CD0\r");
+  EXPECT_EQ(receive(), 0U);
+  EXPECT_EQ(port->counters().refused, refused + 1);
+}
+
+TEST_F(SlcanPortTest, CountsARefusedFrame) {
+  bring_up();
+  const std::array out{frame(0x201, 1)};
+  port->send(out, now_ns);
+  adapter.say("\a");
+  receive();
+  EXPECT_EQ(port->counters().send_refused, 1U);
+  EXPECT_TRUE(port->up());
+}
+
+TEST_F(SlcanPortTest, StopsSendingWhenTheWindowIsFullAndRecovers) {
+  bring_up();
+  std::array<CanFrame, SlcanPort::kWindow + 3> many;
+  many.fill(frame(0x201, 1));
+  EXPECT_EQ(port->send(many, now_ns), SlcanPort::kWindow);
+  EXPECT_EQ(port->counters().send_refused, 3U);
+  EXPECT_EQ(port->send(many, now_ns), 0U);
+  adapter.heard();
+  adapter.say("z\rz\r");
+  receive();
+  EXPECT_EQ(port->send(many, now_ns), 2U);
+}
+
+TEST_F(SlcanPortTest, SilenceAfterFramesIsAFaultAndAtLastSetsUpAgain) {
+  bring_up();
+  const std::array out{frame(0x201, 1)};
+  for (std::uint32_t i = 0; i < SlcanPort::kSilencesBeforeSetup; ++i) {
+    EXPECT_TRUE(port->up());
+    port->send(out, now_ns);
+    now_ns += SlcanPort::kAnswerNs + 1;
+    receive();
+  }
+  EXPECT_EQ(port->counters().send_refused, SlcanPort::kSilencesBeforeSetup);
+  EXPECT_FALSE(port->up());
+  EXPECT_NE(adapter.heard().find("\rC\rS5\rO\r"), std::string::npos);
+}
+
+TEST_F(SlcanPortTest, ComesBackAfterTheAdapterWasPulledOut) {
+  const std::string link = ::testing::TempDir() + "hoist-slcan-" + std::to_string(::getpid());
+  ::unlink(link.c_str());
+  ASSERT_EQ(::symlink(adapter.path.c_str(), link.c_str()), 0);
+  port = std::make_unique<SlcanPort>(link);
+  bring_up();
+  adapter.unplug();
+  receive();
+  EXPECT_FALSE(port->up());
+  const std::array out{frame(0x201, 1)};
+  EXPECT_EQ(port->send(out, now_ns), 0U);
+
+  Adapter second;
+  ::unlink(link.c_str());
+  ASSERT_EQ(::symlink(second.path.c_str(), link.c_str()), 0);
+  receive();
+  EXPECT_EQ(second.heard(), "") << "not before the retry time";
+  now_ns += SlcanPort::kRetryNs;
+  receive();
+  EXPECT_EQ(second.heard(), "\rC\rS5\rO\r");
+  second.say("\r\r\r\r");
+  receive();
+  EXPECT_TRUE(port->up());
+  EXPECT_EQ(port->counters().reopened, 1U);
+  ::unlink(link.c_str());
+}
+
+TEST_F(SlcanPortTest, ABabblingLineIsBoundedAndRefused) {
+  bring_up();
+  std::string noise;
+  std::uint32_t seed = 1;
+  for (int i = 0; i < 3000; ++i) {
+    seed = seed * 1664525U + 1013904223U;
+    noise += static_cast<char>((seed >> 24) & 0x7FU);
+  }
+  adapter.say(noise + "\r");
+  for (int i = 0; i < 10; ++i) receive();
+  EXPECT_GT(port->counters().refused, 0U);
+  adapter.say("t1812AB01\r");
+  EXPECT_EQ(receive(), 1U) << "a good line after noise is heard";
+}
+
+TEST(OpenPort, RefusesUnknownWordsAndSaysWhatToWrite) {
+  std::string error;
+  EXPECT_EQ(open_port("can0", error), nullptr);
+  EXPECT_NE(error.find("slcan:"), std::string::npos);
+  EXPECT_EQ(open_port("slcan:", error), nullptr);
+  EXPECT_NE(open_port("slcan:/nowhere", error), nullptr) << "a device that is not there yet is waited for";
+}
+
+}  // namespace
+}  // namespace hoist::bus
