@@ -1,0 +1,152 @@
+#include "db/store/database.hpp"
+
+#include <sqlite3.h>
+
+#include <array>
+#include <ctime>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "db/store/schema_list.hpp"
+#include "db/store/sqlite.hpp"
+
+namespace hoist::db {
+namespace {
+
+int user_version(sqlite3* handle) {
+  Statement statement(handle, "PRAGMA user_version");
+  return statement.step() ? static_cast<int>(statement.integer_at(0)) : 0;
+}
+
+// Empty when all is well.
+std::string quick_check(sqlite3* handle) {
+  Statement statement(handle, "PRAGMA quick_check(1)");
+  if (!statement.step()) return "the check gave no answer";
+  std::string answer = statement.text_at(0);
+  return answer == "ok" ? std::string() : answer;
+}
+
+std::string compact_utc(std::int64_t utc_ns) {
+  const std::time_t seconds = utc_ns / 1'000'000'000;
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  std::array<char, 32> text{};
+  const std::size_t n = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &parts);
+  return {text.data(), n};
+}
+
+// Renames NAME, NAME-wal and NAME-shm; the log belongs to its file and may help whoever repairs it.
+Result<std::filesystem::path> set_aside(const std::filesystem::path& file, std::int64_t utc_now_ns) {
+  constexpr int kNameTries = 100;
+  std::error_code error;
+  const std::string base = file.string() + ".corrupt-" + compact_utc(utc_now_ns);
+  std::string target = base;
+  for (int i = 1; std::filesystem::exists(target, error) && i < kNameTries; ++i) target = base + "-" + std::to_string(i);
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    const std::string from = file.string() + suffix;
+    if (!std::filesystem::exists(from, error)) continue;
+    std::filesystem::rename(from, target + suffix, error);
+    if (error) return Error{ErrorKind::io, "the damaged database " + from + " could not be set aside: " + error.message(), {}};
+  }
+  return std::filesystem::path(target);
+}
+
+}  // namespace
+
+int schema_version() { return static_cast<int>(schema_list().size()); }
+
+Database::Database(Database&& other) noexcept
+    : handle_(std::exchange(other.handle_, nullptr)), file_(std::move(other.file_)), report_(std::move(other.report_)) {}
+Database& Database::operator=(Database&& other) noexcept {
+  std::swap(handle_, other.handle_);
+  std::swap(file_, other.file_);
+  std::swap(report_, other.report_);
+  return *this;
+}
+Database::~Database() { sqlite3_close_v2(handle_); }
+
+Result<Database> Database::connect(const std::filesystem::path& file, const OpenOptions& options, bool create) {
+  return guarded([&]() -> Result<Database> {
+    Database database;
+    database.file_ = file;
+    const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | (create ? SQLITE_OPEN_CREATE : 0);
+    const int code = sqlite3_open_v2(file.c_str(), &database.handle_, flags, options.vfs);
+    if (code != SQLITE_OK) throw_sql(database.handle_, code, "opening " + file.string());
+    sqlite3_extended_result_codes(database.handle_, 1);
+    sqlite3_busy_timeout(database.handle_, kBusyTimeout_ms);
+    // A file handed to us must not be able to run anything: no trusted schema, no loadable code.
+    sqlite3_db_config(database.handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    sqlite3_db_config(database.handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+    execute(database.handle_, "PRAGMA foreign_keys = ON");
+    execute(database.handle_, "PRAGMA cell_size_check = ON");
+    execute(database.handle_, "PRAGMA synchronous = FULL");
+    if (options.max_pages > 0) execute(database.handle_, ("PRAGMA max_page_count = " + std::to_string(options.max_pages)).c_str());
+    return database;
+  });
+}
+
+Result<Database> Database::attach(const std::filesystem::path& file, const OpenOptions& options) {
+  Result<Database> database = connect(file, options, false);
+  if (!database) return database;
+  return guarded([&]() -> Result<Database> {
+    const int version = user_version(database->handle_);
+    if (version != schema_version())
+      return Error{version > schema_version() ? ErrorKind::newer_schema : ErrorKind::wrong_state,
+                   "the database " + file.string() + " has schema " + std::to_string(version) + ", this program needs " +
+                       std::to_string(schema_version()) + ": let the server of the same version open it first",
+                   {}};
+    database->report_.migrated_from = database->report_.schema_version = version;
+    return std::move(database);
+  });
+}
+
+Result<Database> Database::open(const std::filesystem::path& file, const OpenOptions& options) {
+  OpenReport report;
+  // Twice at most: a damaged file is set aside once, its empty successor is sound.
+  for (int round = 0;; ++round) {
+    std::error_code ignored;
+    report.created = report.created || !std::filesystem::exists(file, ignored);
+    std::string damage;
+    Result<Database> connected = connect(file, options, true);
+    if (!connected) {
+      if (connected.error().kind != ErrorKind::corrupt || round > 0) return connected;
+      damage = connected.error().message;
+    } else {
+      Result<Database> opened = guarded([&]() -> Result<Database> {
+        sqlite3* handle = connected->handle_;
+        damage = quick_check(handle);
+        if (!damage.empty()) return Error{ErrorKind::corrupt, damage, {}};
+        const int found = user_version(handle);
+        if (found > schema_version())
+          return Error{ErrorKind::newer_schema,
+                       "the database " + file.string() + " was written by a newer Hoist (schema " + std::to_string(found) + ", this one knows " +
+                           std::to_string(schema_version()) + "): install that version, or choose another file",
+                       {}};
+        execute(handle, "PRAGMA journal_mode = WAL");
+        for (int next = found; next < schema_version(); ++next) {
+          Transaction transaction(handle, Transaction::Kind::write);
+          execute(handle, std::string(schema_list()[static_cast<std::size_t>(next)]).c_str());
+          execute(handle, ("PRAGMA user_version = " + std::to_string(next + 1)).c_str());
+          transaction.commit();
+        }
+        report.migrated_from = found;
+        report.schema_version = schema_version();
+        connected->report_ = report;
+        return std::move(connected);
+      });
+      if (opened || opened.error().kind != ErrorKind::corrupt || round > 0) return opened;
+      damage = opened.error().message;
+      // Close before renaming, so that SQLite does not write to the file under its new name.
+      { const Database closed = std::move(*connected); }
+    }
+    Result<std::filesystem::path> aside = set_aside(file, options.utc_now_ns);
+    if (!aside) return aside.error();
+    report.set_aside = *aside;
+    report.set_aside_reason = damage;
+    report.created = true;
+  }
+}
+
+}  // namespace hoist::db

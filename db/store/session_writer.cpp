@@ -1,0 +1,677 @@
+#include "db/store/session_writer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "control/contract/can_dictionary.hpp"
+#include "control/contract/faults.hpp"
+#include "control/contract/params.hpp"
+#include "db/codec/bus_chunk.hpp"
+#include "db/codec/column_chunk.hpp"
+#include "db/store/chunk_source.hpp"
+#include "db/store/session_checks.hpp"
+#include "db/store/sqlite.hpp"
+
+namespace hoist::db {
+namespace {
+
+using contract::BusRecord;
+using contract::Event;
+using contract::EventKind;
+using contract::kSignalCount;
+using contract::kSignals;
+using contract::SignalInfo;
+using contract::SignalType;
+using contract::TickRecord;
+
+// A step is a power of ten, so that a stored integer prints as an exact decimal.
+consteval int decimals_of(double lsb) {
+  double step = 1;
+  for (int decimals = 0; decimals <= 9; ++decimals, step *= 10)
+    if (lsb * step > 1 - 1e-9 && lsb * step < 1 + 1e-9) return decimals;
+  throw "signals.def: a step must be a power of ten from 1e-9 to 1";
+}
+consteval std::array<int, kSignalCount> all_decimals() {
+  std::array<int, kSignalCount> decimals{};
+  for (std::size_t i = 0; i < kSignalCount; ++i) decimals[i] = decimals_of(kSignals[i].lsb);
+  return decimals;
+}
+constexpr std::array kDecimals = all_decimals();
+constexpr std::size_t kTickColumn = *contract::find_signal("tick"), kTimeColumn = *contract::find_signal("time_ns");
+static_assert(kSignalCount <= kMaxChunkColumns);
+
+constexpr std::string_view type_name(SignalType type) {
+  switch (type) {
+    case SignalType::u64: return "u64";
+    case SignalType::u32: return "u32";
+    case SignalType::i32: return "i32";
+    case SignalType::f32: return "f32";
+    case SignalType::u16: return "u16";
+    case SignalType::u8: break;
+  }
+  return "u8";
+}
+
+template <typename T>
+T read_as(const TickRecord& record, const SignalInfo& signal) {
+  T value;
+  std::memcpy(&value, reinterpret_cast<const unsigned char*>(&record) + signal.offset, sizeof value);
+  return value;
+}
+
+enum class Fit : std::uint8_t { ok, not_finite, out_of_range };
+// Beyond 2^53 a double no longer counts in ones.
+constexpr double kLargestScaled = 9007199254740992.0;
+
+Fit to_integers(const TickRecord& record, std::array<std::int64_t, kSignalCount>& out) {
+  for (std::size_t c = 0; c < kSignalCount; ++c) {
+    const SignalInfo& signal = kSignals[c];
+    switch (signal.type) {
+      case SignalType::u64: {
+        const auto value = read_as<std::uint64_t>(record, signal);
+        if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) return Fit::out_of_range;
+        out[c] = static_cast<std::int64_t>(value);
+        break;
+      }
+      case SignalType::u32: out[c] = read_as<std::uint32_t>(record, signal); break;
+      case SignalType::i32: out[c] = read_as<std::int32_t>(record, signal); break;
+      case SignalType::f32: {
+        const double scaled = static_cast<double>(read_as<float>(record, signal)) * decimal_scale(kDecimals[c]);
+        if (!std::isfinite(scaled)) return Fit::not_finite;
+        if (std::fabs(scaled) > kLargestScaled) return Fit::out_of_range;
+        out[c] = std::llrint(scaled);
+        break;
+      }
+      case SignalType::u16: out[c] = read_as<std::uint16_t>(record, signal); break;
+      case SignalType::u8: out[c] = read_as<std::uint8_t>(record, signal); break;
+    }
+  }
+  return Fit::ok;
+}
+
+// What `code` or `item` of an event means today; stored with it, because the tables may change.
+std::string meaning(const Event& event) {
+  switch (event.kind) {
+    case EventKind::mode_changed:
+      if (event.code < contract::kModes.size()) return std::string(contract::kModes[event.code].name);
+      break;
+    case EventKind::fault_raised:
+    case EventKind::fault_cleared:
+      for (const contract::FaultInfo& fault : contract::kFaults)
+        if (fault.bit == event.code) return std::string(fault.name);
+      break;
+    case EventKind::command_refused:
+      for (const contract::RefusalInfo& refusal : contract::kRefusals)
+        if (refusal.bit == event.code) return std::string(refusal.name);
+      break;
+    case EventKind::parameter_changed:
+      if (const auto index = contract::find_param_id(event.item)) return std::string(contract::kParams[*index].name);
+      break;
+    case EventKind::node_changed:
+      if (event.item < contract::kNodes.size()) return std::string(contract::kNodes[event.item].name);
+      break;
+    default: break;
+  }
+  return {};
+}
+
+struct PendingGap {
+  std::string stream, reason;
+  std::uint64_t from_tick = 0, to_tick = 0;
+};
+struct PendingAnchor {
+  std::uint64_t time_ns = 0;
+  std::int64_t utc_ns = 0;
+};
+
+}  // namespace
+
+struct SessionWriter::State {
+  explicit State(Database& database)
+      : handle(database.handle()),
+        put_chunk(handle,
+                  "INSERT INTO chunks (session_id, first_tick, last_tick, first_time_ns, last_time_ns, samples, directory, body) "
+                  "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8) ON CONFLICT (session_id, first_tick) DO UPDATE SET last_tick = ?3, first_time_ns = ?4, "
+                  "last_time_ns = ?5, samples = ?6, directory = ?7, body = ?8"),
+        put_bus(handle,
+                "INSERT INTO bus_chunks (session_id, first_frame, frames, first_time_ns, last_time_ns, body) VALUES (?1, ?2, ?3, ?4, ?5, ?6) "
+                "ON CONFLICT (session_id, first_frame) DO UPDATE SET frames = ?3, first_time_ns = ?4, last_time_ns = ?5, body = ?6"),
+        put_event(handle,
+                  "INSERT INTO events (session_id, number, tick, time_ns, kind, kind_name, code, bits, item, value, before, request_id, client, name) "
+                  "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)"),
+        put_gap(handle, "INSERT INTO gaps (session_id, number, stream, from_tick, to_tick, reason) VALUES (?1, ?2, ?3, ?4, ?5, ?6)"),
+        put_marker(handle, "INSERT INTO markers (session_id, number, tick, utc_ns, text) VALUES (?1, ?2, ?3, ?4, ?5)"),
+        put_anchor(handle, "INSERT OR REPLACE INTO utc_anchors (session_id, time_ns, utc_ns) VALUES (?1, ?2, ?3)"),
+        tail(kSignalCount) {}
+
+  sqlite3* handle;
+  Statement put_chunk, put_bus, put_event, put_gap, put_marker, put_anchor;
+  ChunkEncoder encoder;
+  EncodedChunk encoded;
+  Bytes bus_blob;
+  std::vector<SessionId> interrupted;
+  std::uint64_t refused_samples = 0, failed_commits = 0;
+
+  // The open session.
+  SessionId session = 0;
+  std::int64_t started_utc_ns = 0;
+  std::uint64_t start_time_ns = 0;
+  std::vector<std::vector<std::int64_t>> tail;  // samples since the newest complete chunk, by column; its first ones may be durable already
+  std::size_t tail_durable = 0;
+  std::size_t retry_at = 0;                     // samples waiting at which append_ticks commits by itself
+  std::uint64_t durable_samples = 0;
+  std::optional<std::uint64_t> durable_tick;
+  std::optional<std::uint64_t> last_tick, last_time_ns;
+  std::vector<BusRecord> bus_tail;              // frames since the newest complete bus chunk
+  std::size_t bus_durable = 0;
+  std::uint64_t bus_first = 0;
+  std::vector<Event> events;
+  std::vector<PendingGap> gaps;
+  std::vector<Marker> markers;
+  std::vector<PendingAnchor> anchors;
+  std::uint64_t event_number = 0, gap_number = 0, marker_number = 0;
+
+  [[nodiscard]] std::size_t tail_samples() const { return tail[kTickColumn].size(); }
+  [[nodiscard]] std::size_t waiting() const { return tail_samples() - tail_durable; }
+  [[nodiscard]] bool anything_waiting() const {
+    return waiting() > 0 || bus_tail.size() > bus_durable || !events.empty() || !gaps.empty() || !markers.empty() || !anchors.empty();
+  }
+
+  void clear_session() {
+    session = 0;
+    for (auto& column : tail) column.clear();
+    tail_durable = 0;
+    retry_at = kCommitSamples;
+    durable_samples = 0;
+    durable_tick.reset();
+    last_tick.reset();
+    last_time_ns.reset();
+    bus_tail.clear();
+    bus_durable = 0;
+    bus_first = 0;
+    events.clear();
+    gaps.clear();
+    markers.clear();
+    anchors.clear();
+    event_number = gap_number = marker_number = 0;
+  }
+
+  void note_gap(std::string_view stream, std::uint64_t from_tick, std::uint64_t to_tick, std::string_view reason) {
+    // Neighbours of the same kind become one row: a disk that stays full costs one, not thousands.
+    if (!gaps.empty()) {
+      PendingGap& newest = gaps.back();
+      if (newest.stream == stream && newest.reason == reason && from_tick <= newest.to_tick + 1 && from_tick >= newest.from_tick) {
+        newest.to_tick = std::max(newest.to_tick, to_tick);
+        return;
+      }
+    }
+    // Many different gaps while the disk refuses: the newest row is stretched rather than memory grown.
+    if (gaps.size() >= kMaxPendingRows) {
+      gaps.back().to_tick = std::max(gaps.back().to_tick, to_tick);
+      return;
+    }
+    gaps.push_back({std::string(stream), std::string(reason), from_tick, to_tick});
+  }
+
+  void write_tail() {
+    const std::size_t total = tail_samples();
+    std::vector<std::vector<std::int64_t>> part(kSignalCount);
+    for (std::size_t begin = 0; begin < total; begin += kLiveChunkSamples) {
+      const std::size_t count = std::min(kLiveChunkSamples, total - begin);
+      if (begin + count <= tail_durable) continue;
+      std::span<const std::vector<std::int64_t>> columns(tail);
+      if (begin > 0) {
+        for (std::size_t c = 0; c < kSignalCount; ++c)
+          part[c].assign(tail[c].begin() + static_cast<std::ptrdiff_t>(begin), tail[c].begin() + static_cast<std::ptrdiff_t>(begin + count));
+        columns = part;
+      }
+      put_samples(columns, count, ChunkLayout::one_frame);
+    }
+  }
+
+  void put_samples(std::span<const std::vector<std::int64_t>> columns, std::size_t count, ChunkLayout layout, SessionId into = 0,
+                   std::size_t tick_column = kTickColumn, std::size_t time_column = kTimeColumn) {
+    if (const CodecError error = encoder.encode(columns, count, layout, encoded); error != CodecError::none)
+      throw SqlFailure{Error{ErrorKind::internal, std::string("packing samples: ") + codec_error_text(error), {}}};
+    put_chunk.integer(1, into == 0 ? session : into)
+        .integer(2, columns[tick_column][0])
+        .integer(3, columns[tick_column][count - 1])
+        .integer(4, columns[time_column][0])
+        .integer(5, columns[time_column][count - 1])
+        .unsigned_integer(6, count)
+        .blob(7, encoded.directory)
+        .blob(8, encoded.body)
+        .run();
+  }
+
+  void write_bus_tail() {
+    for (std::size_t begin = 0; begin < bus_tail.size(); begin += kLiveBusFrames) {
+      const std::size_t count = std::min(kLiveBusFrames, bus_tail.size() - begin);
+      if (begin + count <= bus_durable) continue;
+      put_frames(std::span(bus_tail).subspan(begin, count), bus_first + begin, session);
+    }
+  }
+
+  void put_frames(std::span<const BusRecord> frames, std::uint64_t first_frame, SessionId into) {
+    if (const CodecError error = encode_bus(frames, bus_blob); error != CodecError::none)
+      throw SqlFailure{Error{ErrorKind::internal, std::string("packing bus frames: ") + codec_error_text(error), {}}};
+    put_bus.integer(1, into)
+        .unsigned_integer(2, first_frame)
+        .unsigned_integer(3, frames.size())
+        .unsigned_integer(4, frames.front().time_ns)
+        .unsigned_integer(5, frames.back().time_ns)
+        .blob(6, bus_blob)
+        .run();
+  }
+
+  void write_rows() {
+    std::uint64_t number = event_number;
+    for (const Event& event : events) {
+      const std::string name = meaning(event);
+      put_event.integer(1, session)
+          .unsigned_integer(2, number++)
+          .unsigned_integer(3, event.tick)
+          .unsigned_integer(4, event.time_ns)
+          .integer(5, static_cast<std::int64_t>(event.kind))
+          .text(6, contract::event_name(event.kind))
+          .integer(7, event.code)
+          .integer(8, event.bits)
+          .integer(9, event.item)
+          .real(10, event.value)
+          .real(11, event.before)
+          .integer(12, event.request_id)
+          .integer(13, event.client)
+          .text(14, std::string_view(name))
+          .run();
+    }
+    number = gap_number;
+    for (const PendingGap& gap : gaps)
+      put_gap.integer(1, session)
+          .unsigned_integer(2, number++)
+          .text(3, std::string_view(gap.stream))
+          .unsigned_integer(4, gap.from_tick)
+          .unsigned_integer(5, gap.to_tick)
+          .text(6, std::string_view(gap.reason))
+          .run();
+    number = marker_number;
+    for (const Marker& marker : markers)
+      put_marker.integer(1, session)
+          .unsigned_integer(2, number++)
+          .unsigned_integer(3, marker.tick)
+          .integer(4, marker.utc_ns)
+          .text(5, std::string_view(marker.text))
+          .run();
+    for (const PendingAnchor& anchor : anchors)
+      put_anchor.integer(1, session).unsigned_integer(2, anchor.time_ns).integer(3, anchor.utc_ns).run();
+  }
+
+  // Everything that waits, in one transaction. Buffers change only after COMMIT came back.
+  Status write_all() {
+    if (!anything_waiting()) return {};
+    const Status written = guarded([&]() -> Status {
+      Transaction transaction(handle, Transaction::Kind::write);
+      write_tail();
+      write_bus_tail();
+      write_rows();
+      transaction.commit();
+      return {};
+    });
+    if (!written) {
+      ++failed_commits;
+      reset_statements();
+      retry_at = waiting() + kCommitSamples;
+      return written;
+    }
+    if (const std::size_t total = tail_samples(); total > 0) {
+      durable_samples += total - tail_durable;
+      durable_tick = static_cast<std::uint64_t>(tail[kTickColumn].back());
+      const std::size_t complete = total / kLiveChunkSamples * kLiveChunkSamples;
+      if (complete > 0)
+        for (auto& column : tail) column.erase(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(complete));
+      tail_durable = total - complete;
+    }
+    const std::size_t complete_frames = bus_tail.size() / kLiveBusFrames * kLiveBusFrames;
+    bus_tail.erase(bus_tail.begin(), bus_tail.begin() + static_cast<std::ptrdiff_t>(complete_frames));
+    bus_first += complete_frames;
+    bus_durable = bus_tail.size();
+    event_number += events.size();
+    gap_number += gaps.size();
+    marker_number += markers.size();
+    events.clear();
+    gaps.clear();
+    markers.clear();
+    anchors.clear();
+    retry_at = kCommitSamples;
+    return {};
+  }
+
+  void reset_statements() {
+    for (Statement* statement : {&put_chunk, &put_bus, &put_event, &put_gap, &put_marker, &put_anchor}) statement->reset();
+  }
+
+  // Closes a session in the database: totals, end, reason.
+  void close_rows(SessionId id, std::int64_t ended_utc_ns, CloseReason reason) {
+    Statement statement(handle,
+                        "UPDATE sessions SET ended_utc_ns = ?2, close_reason = ?3, "
+                        "sample_count = (SELECT coalesce(sum(samples), 0) FROM chunks WHERE session_id = ?1), "
+                        "first_time_ns = (SELECT min(first_time_ns) FROM chunks WHERE session_id = ?1), "
+                        "last_time_ns = (SELECT max(last_time_ns) FROM chunks WHERE session_id = ?1) WHERE id = ?1");
+    statement.integer(1, id).integer(2, ended_utc_ns).text(3, std::string_view(close_reason_name(reason))).run();
+  }
+
+  // Small live chunks become large ones with a frame per column. Each step is one transaction: a crash in between leaves a session that reads
+  // the same, and the next start goes on. A damaged chunk stays where it is.
+  void fold(SessionId id) {
+    fold_samples(id);
+    fold_bus(id);
+    Statement statement(handle, "UPDATE sessions SET folded = 1 WHERE id = ?1");
+    statement.integer(1, id).run();
+    try_execute(handle, "PRAGMA wal_checkpoint(TRUNCATE)");
+  }
+
+  void fold_samples(SessionId id) {
+    const std::vector<ColumnInfo> layout = layout_of(handle, id);
+    const auto tick_column = find_column(layout, "tick"), time_column = find_column(layout, "time_ns");
+    if (!tick_column || !time_column) return;
+    std::vector<std::size_t> which(layout.size());
+    for (std::size_t i = 0; i < which.size(); ++i) which[i] = i;
+    struct Row {
+      std::int64_t id;
+      std::size_t samples;
+      std::uint64_t first_tick;
+    };
+    std::vector<Row> rows;
+    {
+      Statement statement(handle, "SELECT id, samples, first_tick FROM chunks WHERE session_id = ?1 ORDER BY first_tick");
+      statement.integer(1, id);
+      while (statement.step()) rows.push_back({statement.integer_at(0), static_cast<std::size_t>(statement.integer_at(1)), statement.unsigned_at(2)});
+    }
+    Statement remove(handle, "DELETE FROM chunks WHERE id = ?1");
+    std::vector<std::vector<std::int64_t>> group(layout.size()), values;
+    std::size_t next = 0;
+    while (next < rows.size()) {
+      ChunkSource source(handle, id, layout.size());
+      for (auto& column : group) column.clear();
+      std::vector<std::int64_t> taken;
+      while (next < rows.size() && (taken.empty() || group[0].size() + rows[next].samples <= kFoldedChunkSamples)) {
+        const Row row = rows[next++];
+        try {
+          const auto chunk = source.at_or_after(row.first_tick);
+          if (!chunk || chunk->row != row.id) break;
+          source.load(*chunk, which, values);
+        } catch (const SqlFailure& failure) {
+          if (failure.error.kind != ErrorKind::corrupt) throw;
+          break;
+        }
+        for (std::size_t c = 0; c < group.size(); ++c) group[c].insert(group[c].end(), values[c].begin(), values[c].end());
+        taken.push_back(row.id);
+      }
+      if (taken.empty() || group[0].size() > kMaxChunkSamples) continue;
+      Transaction transaction(handle, Transaction::Kind::write);
+      for (const std::int64_t row : taken) remove.integer(1, row).run();
+      put_samples(group, group[0].size(), ChunkLayout::frame_per_column, id, *tick_column, *time_column);
+      transaction.commit();
+    }
+  }
+
+  void fold_bus(SessionId id) {
+    struct Row {
+      std::int64_t id;
+      std::uint64_t first_frame;
+      std::size_t frames;
+    };
+    std::vector<Row> rows;
+    {
+      Statement statement(handle, "SELECT id, first_frame, frames FROM bus_chunks WHERE session_id = ?1 ORDER BY first_frame");
+      statement.integer(1, id);
+      while (statement.step()) rows.push_back({statement.integer_at(0), statement.unsigned_at(1), static_cast<std::size_t>(statement.integer_at(2))});
+    }
+    Statement read(handle, "SELECT body FROM bus_chunks WHERE id = ?1"), remove(handle, "DELETE FROM bus_chunks WHERE id = ?1");
+    std::vector<BusRecord> group;
+    std::size_t next = 0;
+    while (next < rows.size()) {
+      group.clear();
+      std::vector<std::int64_t> taken;
+      std::uint64_t first_frame = 0;
+      while (next < rows.size() && (taken.empty() || group.size() + rows[next].frames <= kFoldedBusFrames)) {
+        const Row row = rows[next++];
+        const std::size_t before = group.size();
+        const bool sound = read.integer(1, row.id).step() && decode_bus(read.blob_at(0), group) == CodecError::none;
+        read.reset();
+        if (!sound) {
+          group.resize(before);
+          break;
+        }
+        if (taken.empty()) first_frame = row.first_frame;
+        taken.push_back(row.id);
+      }
+      if (taken.size() < 2 || group.size() > kMaxBusChunkFrames) continue;
+      Transaction transaction(handle, Transaction::Kind::write);
+      for (const std::int64_t row : taken) remove.integer(1, row).run();
+      put_frames(group, first_frame, id);
+      transaction.commit();
+    }
+  }
+
+  void try_fold(SessionId id) {
+    const Status folded = guarded([&]() -> Status {
+      fold(id);
+      return {};
+    });
+    if (!folded) {
+      reset_statements();
+      ++failed_commits;
+    }
+  }
+
+  // Sessions an earlier run left open end with their last sample.
+  void close_interrupted() {
+    struct Open {
+      SessionId id;
+      std::int64_t ended_utc_ns;
+    };
+    std::vector<Open> open;
+    {
+      Statement statement(handle,
+                          "SELECT id, started_utc_ns + coalesce((SELECT max(last_time_ns) FROM chunks WHERE session_id = sessions.id) - start_time_ns, 0) "
+                          "FROM sessions WHERE ended_utc_ns IS NULL ORDER BY id");
+      while (statement.step()) open.push_back({statement.integer_at(0), statement.integer_at(1)});
+    }
+    for (const Open& one : open) {
+      close_rows(one.id, one.ended_utc_ns, CloseReason::interrupted);
+      interrupted.push_back(one.id);
+    }
+    std::vector<SessionId> unfolded;
+    {
+      Statement statement(handle, "SELECT id FROM sessions WHERE folded = 0 AND ended_utc_ns IS NOT NULL ORDER BY id");
+      while (statement.step()) unfolded.push_back(statement.integer_at(0));
+    }
+    for (const SessionId id : unfolded) try_fold(id);
+  }
+};
+
+SessionWriter::SessionWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+SessionWriter::SessionWriter(SessionWriter&&) noexcept = default;
+SessionWriter& SessionWriter::operator=(SessionWriter&&) noexcept = default;
+SessionWriter::~SessionWriter() = default;
+
+Result<SessionWriter> SessionWriter::create(Database& database) {
+  return guarded([&]() -> Result<SessionWriter> {
+    auto state = std::make_unique<State>(database);
+    state->clear_session();
+    state->close_interrupted();
+    return SessionWriter(std::move(state));
+  });
+}
+
+bool SessionWriter::recording() const { return state_->session != 0; }
+SessionId SessionWriter::session() const { return state_->session; }
+const std::vector<SessionId>& SessionWriter::interrupted() const { return state_->interrupted; }
+std::uint64_t SessionWriter::refused_samples() const { return state_->refused_samples; }
+std::uint64_t SessionWriter::failed_commits() const { return state_->failed_commits; }
+Durable SessionWriter::durable() const { return {state_->session, state_->durable_samples, state_->durable_tick}; }
+
+namespace {
+Error no_session() { return {ErrorKind::wrong_state, "no session is being recorded", {}}; }
+}  // namespace
+
+Result<SessionId> SessionWriter::begin(const SessionStart& start) {
+  State& s = *state_;
+  if (s.session != 0) return Error{ErrorKind::wrong_state, "session " + std::to_string(s.session) + " is being recorded already", {}};
+  if (Status checked = check_subject(start.subject); !checked) return checked.error();
+  if (Status checked = check_note(start.note); !checked) return checked.error();
+  if (start.exercise_json)
+    if (Status checked = check_exercise(*start.exercise_json); !checked) return checked.error();
+  if (!start.parameter_values.empty() && start.parameter_values.size() != contract::kParamCount)
+    return Error{ErrorKind::bad_value, "parameter_values must hold " + std::to_string(contract::kParamCount) + " values, or none", "parameter_values"};
+  for (const double value : start.parameter_values)
+    if (!std::isfinite(value)) return Error{ErrorKind::bad_value, "parameter_values must be finite", "parameter_values"};
+  return guarded([&]() -> Result<SessionId> {
+    s.clear_session();
+    Transaction transaction(s.handle, Transaction::Kind::write);
+    Statement insert(s.handle,
+                     "INSERT INTO sessions (subject, started_utc_ns, start_time_ns, core_start_time_ns, simulated, layout_hash, software_version, note, exercise) "
+                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9) RETURNING id");
+    insert.text(1, start.subject)
+        .integer(2, start.started_utc_ns)
+        .unsigned_integer(3, start.start_time_ns)
+        .unsigned_integer(4, start.core_start_time_ns)
+        .integer(5, start.simulated ? 1 : 0)
+        .unsigned_integer(6, start.layout_hash)
+        .text(7, std::string_view(start.software_version))
+        .text(8, std::string_view(start.note))
+        .text(9, start.exercise_json);
+    if (!insert.step()) throw SqlFailure{Error{ErrorKind::internal, "the new session got no number", {}}};
+    const SessionId id = insert.integer_at(0);
+    insert.reset();
+    Statement column(s.handle, "INSERT INTO column_layout (session_id, position, name, unit, type, lsb, decimals) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)");
+    for (std::size_t c = 0; c < kSignalCount; ++c)
+      column.integer(1, id)
+          .unsigned_integer(2, c)
+          .text(3, kSignals[c].name)
+          .text(4, kSignals[c].unit)
+          .text(5, type_name(kSignals[c].type))
+          .real(6, kSignals[c].lsb)
+          .integer(7, kDecimals[c])
+          .run();
+    Statement parameter(s.handle, "INSERT INTO parameters (session_id, position, name, value) VALUES (?1, ?2, ?3, ?4)");
+    for (std::size_t p = 0; p < start.parameter_values.size(); ++p)
+      parameter.integer(1, id).unsigned_integer(2, p).text(3, contract::kParams[p].name).real(4, start.parameter_values[p]).run();
+    transaction.commit();
+    s.session = id;
+    s.started_utc_ns = start.started_utc_ns;
+    s.start_time_ns = start.start_time_ns;
+    return id;
+  });
+}
+
+Status SessionWriter::append_ticks(std::span<const TickRecord> records) {
+  State& s = *state_;
+  if (s.session == 0) return no_session();
+  Status result;
+  std::array<std::int64_t, kSignalCount> row{};
+  for (const TickRecord& record : records) {
+    if (s.last_tick && record.tick <= *s.last_tick)
+      return Error{ErrorKind::bad_value, "tick " + std::to_string(record.tick) + " does not follow tick " + std::to_string(*s.last_tick), "tick"};
+    const Fit fit = to_integers(record, row);
+    if (s.last_tick && record.tick > *s.last_tick + 1) s.note_gap("ticks", *s.last_tick + 1, record.tick - 1, "not_received");
+    s.last_tick = record.tick;
+    const bool time_rises = !s.last_time_ns || record.time_ns > *s.last_time_ns;
+    if (fit != Fit::ok || !time_rises || s.waiting() >= kMaxPendingSamples) {
+      ++s.refused_samples;
+      s.note_gap("ticks", record.tick, record.tick,
+                 fit == Fit::not_finite ? "not_finite" : fit == Fit::out_of_range ? "out_of_range" : !time_rises ? "time_not_rising" : "storage");
+      continue;
+    }
+    s.last_time_ns = record.time_ns;
+    for (std::size_t c = 0; c < kSignalCount; ++c) s.tail[c].push_back(row[c]);
+    // Long spans do not fill the buffer while the disk is well.
+    if (result.ok() && s.waiting() >= std::max(s.retry_at, kFoldedChunkSamples)) result = s.write_all();
+  }
+  if (result.ok() && s.waiting() >= s.retry_at) result = s.write_all();
+  return result;
+}
+
+Status SessionWriter::append_events(std::span<const Event> events) {
+  State& s = *state_;
+  if (s.session == 0) return no_session();
+  for (const Event& event : events) {
+    if (s.events.size() >= kMaxPendingRows) {
+      s.note_gap("events", event.tick, event.tick, "storage");
+      continue;
+    }
+    s.events.push_back(event);
+  }
+  return {};
+}
+
+Status SessionWriter::append_bus(std::span<const BusRecord> frames) {
+  State& s = *state_;
+  if (s.session == 0) return no_session();
+  const std::size_t room = kMaxPendingFrames > s.bus_tail.size() ? kMaxPendingFrames - s.bus_tail.size() : 0;
+  const std::size_t taken = std::min(room, frames.size());
+  s.bus_tail.insert(s.bus_tail.end(), frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(taken));
+  if (taken < frames.size()) {
+    const std::uint64_t now = s.last_tick.value_or(0);
+    s.note_gap("bus", now, now, "storage");
+  }
+  return {};
+}
+
+Status SessionWriter::append_gap(std::string_view stream, std::uint64_t from_tick, std::uint64_t to_tick, std::string_view reason) {
+  State& s = *state_;
+  if (s.session == 0) return no_session();
+  if (stream != "ticks" && stream != "events" && stream != "bus")
+    return Error{ErrorKind::bad_value, "stream must be ticks, events or bus", "stream"};
+  if (to_tick < from_tick || to_tick > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
+    return Error{ErrorKind::bad_value, "to_tick must be from_tick or later", "to_tick"};
+  if (reason.empty() || reason.size() > kMaxMarker_bytes) return Error{ErrorKind::bad_value, "reason must have 1 to 500 bytes", "reason"};
+  s.note_gap(stream, from_tick, to_tick, reason);
+  if (stream == "ticks" && (!s.last_tick || to_tick > *s.last_tick)) s.last_tick = to_tick;
+  return {};
+}
+
+Status SessionWriter::append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text) {
+  State& s = *state_;
+  if (s.session == 0) return no_session();
+  if (text.size() > kMaxMarker_bytes || text.find('\0') != std::string_view::npos)
+    return Error{ErrorKind::bad_value, "a marker's text has at most 500 bytes", "text"};
+  if (s.markers.size() >= kMaxPendingRows) return Error{ErrorKind::disk_full, "too many markers wait for the disk", {}};
+  s.markers.push_back({tick, utc_ns, std::string(text)});
+  return {};
+}
+
+Status SessionWriter::append_utc_anchor(std::uint64_t time_ns, std::int64_t utc_ns) {
+  State& s = *state_;
+  if (s.session == 0) return no_session();
+  if (s.anchors.size() >= kMaxPendingRows) return Error{ErrorKind::disk_full, "too many clock jumps wait for the disk", {}};
+  s.anchors.push_back({time_ns, utc_ns});
+  return {};
+}
+
+Result<Durable> SessionWriter::commit() {
+  if (state_->session == 0) return no_session();
+  if (Status written = state_->write_all(); !written) return written.error();
+  return durable();
+}
+
+Status SessionWriter::end(CloseReason reason, std::int64_t ended_utc_ns) {
+  State& s = *state_;
+  if (s.session == 0) return no_session();
+  if (Status written = s.write_all(); !written) return written;
+  const SessionId id = s.session;
+  Status closed = guarded([&]() -> Status {
+    s.close_rows(id, ended_utc_ns, reason);
+    return {};
+  });
+  if (!closed) return closed;
+  s.clear_session();
+  s.try_fold(id);
+  return {};
+}
+
+}  // namespace hoist::db

@@ -1,0 +1,19 @@
+// The samples of a session that count for its metrics: those in a mode in which the wheels may turn, joined in order.
+#pragma once
+#include <vector>
+
+#include "db/store/database.hpp"
+#include "db/store/result.hpp"
+#include "db/store/session_types.hpp"
+
+namespace hoist::db {
+
+/// One control step: samples are counted, not clocked (the recorded times carry the jitter of the loop, the control law does not see it).
+inline constexpr double kSample_s = 0.01;
+
+struct MovingPart {
+  std::vector<double> x_m, y_m, psi_rad, dpsi_rad, speed_m_s;
+};
+Result<MovingPart> moving_part(Database& database, SessionId session);
+
+}  // namespace hoist::db

@@ -1,0 +1,93 @@
+#include "db/summary/session_metrics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "control/contract/faults.hpp"
+#include "control/contract/reference_path.hpp"
+#include "db/metrics/evaluate.hpp"
+#include "db/store/session_reader.hpp"
+#include "db/summary/moving_part.hpp"
+
+namespace hoist::db {
+namespace {
+
+contract::ReferencePath path_of(const nlohmann::json& exercise) {
+  const std::string shape = exercise["shape"].get<std::string>();
+  if (shape == "square") return contract::ReferencePath::square(exercise["side_m"].get<double>());
+  if (shape == "eight") return contract::ReferencePath::eight(exercise["centre_m"].get<double>(), exercise["radius_m"].get<double>());
+  return contract::ReferencePath::straight(exercise["length_m"].get<double>());
+}
+
+}  // namespace
+
+Result<MovingPart> moving_part(Database& database, SessionId session) {
+  // Read piece by piece, so that a long session is not refused; an hour is 10 pieces.
+  constexpr double kPiece_s = 360.0;
+  const SessionReader reader(database);
+  const Result<SessionInfo> info = reader.get(session);
+  if (!info) return info.error();
+  const std::vector<std::string> names{"mode", "x_m", "y_m", "psi_rad", "dpsi_rad", "speed_m_s"};
+  MovingPart part;
+  Result<Overview> whole = reader.overview(session, {}, 1);
+  if (!whole) return whole.error();
+  if (whole->from_s.empty()) return part;
+  const double end_s = whole->to_s.back();
+  for (double from_s = whole->from_s.front(); from_s <= end_s; from_s += kPiece_s) {
+    const Result<Columns> columns = reader.read_columns(session, names, {from_s, from_s + kPiece_s});
+    if (!columns) return columns.error();
+    for (std::size_t i = 0; i < columns->tick.size(); ++i) {
+      const auto mode = static_cast<std::size_t>(columns->values[0][i]);
+      if (mode >= contract::kModes.size() || !contract::kModes[mode].moving) continue;
+      part.x_m.push_back(columns->values[1][i]);
+      part.y_m.push_back(columns->values[2][i]);
+      part.psi_rad.push_back(columns->values[3][i]);
+      part.dpsi_rad.push_back(columns->values[4][i]);
+      part.speed_m_s.push_back(columns->values[5][i]);
+    }
+  }
+  return part;
+}
+
+Result<SessionMetrics> session_metrics(Database& database, SessionId session) {
+  const SessionReader reader(database);
+  const Result<SessionInfo> info = reader.get(session);
+  if (!info) return info.error();
+  const Result<MovingPart> part = moving_part(database, session);
+  if (!part) return part.error();
+  SessionMetrics out;
+  out.session = session;
+  out.moving_samples = part->x_m.size();
+  out.moving_s = static_cast<double>(out.moving_samples) * kSample_s;
+  for (const double speed : part->speed_m_s) {
+    out.distance_m += std::fabs(speed) * kSample_s;
+    out.max_speed_m_s = std::max(out.max_speed_m_s, std::fabs(speed));
+  }
+  out.mean_speed_m_s = out.moving_s > 0 ? out.distance_m / out.moving_s : 0;
+  if (!info->exercise_json) return out;
+  if (Status checked = check_exercise(*info->exercise_json); !checked)
+    return Error{ErrorKind::corrupt, "session " + std::to_string(session) + ": its exercise is not one: " + checked.error().message, {}};
+  const nlohmann::json exercise = nlohmann::json::parse(*info->exercise_json, nullptr, false);
+  out.shape = exercise["shape"].get<std::string>();
+  if (part->x_m.empty()) {
+    out.why_absent = "Nobody walked in this session.";
+    return out;
+  }
+  const RunColumns run{kSample_s, part->x_m, part->y_m, part->psi_rad, part->dpsi_rad};
+  const std::optional<Evaluation> evaluation = evaluate(path_of(exercise), run);
+  if (!evaluation) {
+    out.why_absent = "The recorded path cannot be compared with this exercise.";
+    return out;
+  }
+  out.correlation = evaluation->c;
+  if (evaluation->ise) {
+    out.normalised_ise = evaluation->ise->j;
+    out.path_length_m = evaluation->ise->length_m;
+  }
+  if (!out.correlation || !out.normalised_ise) out.why_absent = "The walk was too short, or nothing turned in it.";
+  return out;
+}
+
+}  // namespace hoist::db
