@@ -16,7 +16,7 @@ inline constexpr double kMetricRate_hz = 100.0;
 /// One run, evenly sampled; all columns of one length.
 struct RunColumns {
   double dt_s{};
-  std::span<const double> x_m;       ///< odometry, in the figure's frame
+  std::span<const double> x_m;  ///< odometry, in the figure's frame
   std::span<const double> y_m;
   std::span<const double> psi_rad;
   std::span<const double> dpsi_rad;  ///< equation (3) as printed

@@ -17,9 +17,9 @@ struct MetricInput {
 };
 
 struct Metric {
-  std::string_view id;        ///< column and JSON name, unit as suffix
-  std::string_view unit;      ///< for headings; empty for a pure number
-  std::string_view meaning;   ///< one plain sentence
+  std::string_view id;       ///< column and JSON name, unit as suffix
+  std::string_view unit;     ///< for headings; empty for a pure number
+  std::string_view meaning;  ///< one plain sentence
   bool needs_path;
   std::optional<double> (*compute)(const MetricInput&);
 };

@@ -94,8 +94,8 @@ class Motor {
     if (speed_rad_s_ == 0.0 && std::fabs(drive_n_m) <= coulomb) return;
     const double sense = speed_rad_s_ != 0.0 ? std::copysign(1.0, speed_rad_s_) : std::copysign(1.0, drive_n_m);
     // Viscous friction implicitly, so that no step size makes it unstable.
-    const double next_rad_s =
-        (speed_rad_s_ + h_s / config_.inertia_kg_m2 * (drive_n_m - sense * coulomb)) / (1.0 + h_s * config_.viscous_n_m_s / config_.inertia_kg_m2);
+    const double next_rad_s = (speed_rad_s_ + h_s / config_.inertia_kg_m2 * (drive_n_m - sense * coulomb)) /
+                              (1.0 + h_s * config_.viscous_n_m_s / config_.inertia_kg_m2);
     // Friction stops a shaft; it never turns it round. The next sub-step decides whether something else does.
     speed_rad_s_ = (speed_rad_s_ != 0.0 && next_rad_s * speed_rad_s_ < 0.0) ? 0.0 : next_rad_s;
   }

@@ -42,9 +42,9 @@ template <typename Real>
   const Real tan_beta_right = std::tan(struts.beta_right_rad);
   const Real d_m = geometry.strut_length_m;
   return {
-      d_m * (tan_alpha_left + tan_alpha_right) / Real(2),                                            // (1)
-      -d_m * (tan_beta_left + tan_beta_right) / Real(2),                                             // (2)
-      std::atan(d_m * (tan_alpha_right - tan_alpha_left) / (Real(2) * geometry.strut_spacing_m)),    // (3)
+      d_m * (tan_alpha_left + tan_alpha_right) / Real(2),                                          // (1)
+      -d_m * (tan_beta_left + tan_beta_right) / Real(2),                                           // (2)
+      std::atan(d_m * (tan_alpha_right - tan_alpha_left) / (Real(2) * geometry.strut_spacing_m)),  // (3)
   };
 }
 

@@ -9,11 +9,11 @@ namespace hoist::law {
 /// One axis: the paper's four-state filter is two of these side by side, because A, C, V and N couple nothing across.
 template <typename Real>
 struct KalmanGainProblem {
-  Real v_angle{Real(0.1)};    ///< process variance of the angle, rad^2 (13)
-  Real v_bias{Real(1)};       ///< process variance of the bias, rad^2/s^2 (13)
-  Real n_angle{Real(800)};    ///< measurement variance (13)
+  Real v_angle{Real(0.1)};  ///< process variance of the angle, rad^2 (13)
+  Real v_bias{Real(1)};     ///< process variance of the bias, rad^2/s^2 (13)
+  Real n_angle{Real(800)};  ///< measurement variance (13)
   Real dt_s{Real(0.01)};
-  Real p0_angle{Real(1)};     ///< start of the iteration; the answer does not depend on it
+  Real p0_angle{Real(1)};  ///< start of the iteration; the answer does not depend on it
   Real p0_bias{Real(1)};
 };
 

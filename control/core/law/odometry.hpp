@@ -19,9 +19,9 @@ enum class OdometryMethod : unsigned char {
 
 template <typename Real>
 struct OdometryConfig {
-  Real left_m_per_count{};   ///< K_p->m; one per wheel, because calibration gives two (D25)
+  Real left_m_per_count{};  ///< K_p->m; one per wheel, because calibration gives two (D25)
   Real right_m_per_count{};
-  Real track_m{};            ///< d_ww
+  Real track_m{};  ///< d_ww
   OdometryMethod method{OdometryMethod::kEuler};
 };
 

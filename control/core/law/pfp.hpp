@@ -12,14 +12,14 @@ namespace hoist::law {
 /// Parameters of Algorithm 1; the defaults are the paper's (page 3).
 template <typename Real>
 struct PfpConfig {
-  Real deadband_norm{Real(0.05)};      ///< D_x, in units of u (Fig. 2), not of the width 2 (D6)
-  Real tau_n_s{Real(10)};              ///< time constant in normal operation
-  Real tau_dec_s{Real(2)};             ///< time constant inside the dead-band
-  Real l_dec{Real(2)};                 ///< shape of the braking curve
-  Real k_2r{Real(1e-4)};               ///< input gain while reversing
-  Real k_p{Real(2)};                   ///< gain of the direct part, units
-  Real k_pf{Real(50)};                 ///< gain of the filtered part, units
-  Real v_f_max_units{Real(50)};        ///< bound of the filtered part; not printed, never acts at 50 (D19)
+  Real deadband_norm{Real(0.05)};  ///< D_x, in units of u (Fig. 2), not of the width 2 (D6)
+  Real tau_n_s{Real(10)};          ///< time constant in normal operation
+  Real tau_dec_s{Real(2)};         ///< time constant inside the dead-band
+  Real l_dec{Real(2)};             ///< shape of the braking curve
+  Real k_2r{Real(1e-4)};           ///< input gain while reversing
+  Real k_p{Real(2)};               ///< gain of the direct part, units
+  Real k_pf{Real(50)};             ///< gain of the filtered part, units
+  Real v_f_max_units{Real(50)};    ///< bound of the filtered part; not printed, never acts at 50 (D19)
   /// Option, off in the paper: braking is never weaker than releasing (tau = min(tau, tau_dec)). Without it a slight backward lean
   /// brakes more slowly than standing upright, the more so the larger L_dec (D14).
   bool brake_at_least_as_released{false};
@@ -82,13 +82,13 @@ inline PfpBranch pfp_step(const PfpConfig<Real>& config, PfpState<Real>& state, 
   const Real u = u_norm > Real(1) ? Real(1) : (u_norm < Real(-1) ? Real(-1) : u_norm);
   const Real magnitude = std::fabs(u);
   PfpBranch branch = PfpBranch::kNormal;
-  if (magnitude < config.deadband_norm) {                                // line 2
-    state.v_f_units *= std::exp(-(dt_s / config.tau_dec_s));             // line 3
-    state.v_units = state.v_f_units;                                     // line 4
+  if (magnitude < config.deadband_norm) {                     // line 2
+    state.v_f_units *= std::exp(-(dt_s / config.tau_dec_s));  // line 3
+    state.v_units = state.v_f_units;                          // line 4
     branch = PfpBranch::kDeadband;
   } else {
-    const Real forced_units = u * config.k_pf;                           // line 6
-    if (u * state.v_units < Real(0)) {                                   // line 7
+    const Real forced_units = u * config.k_pf;  // line 6
+    if (u * state.v_units < Real(0)) {          // line 7
       branch = PfpBranch::kReversal;
       Real exponent = (magnitude - config.deadband_norm) / config.l_dec;
       if (config.brake_at_least_as_released) {
@@ -100,9 +100,9 @@ inline PfpBranch pfp_step(const PfpConfig<Real>& config, PfpState<Real>& state, 
       const Real keep = std::exp(-(dt_s / config.tau_n_s));
       state.v_f_units = keep * state.v_f_units + (Real(1) - keep) * forced_units;  // line 10
     }
-    const Real limit = config.v_f_max_units;                             // line 11
+    const Real limit = config.v_f_max_units;  // line 11
     state.v_f_units = state.v_f_units > limit ? limit : (state.v_f_units < -limit ? -limit : state.v_f_units);
-    state.v_units = config.k_p * u + state.v_f_units;                    // line 12
+    state.v_units = config.k_p * u + state.v_f_units;  // line 12
   }
   // Parameters that refusal() would have refused, or products that overflow: stop rather than remember nonsense.
   if (!std::isfinite(state.v_units) || !std::isfinite(state.v_f_units)) {

@@ -59,17 +59,17 @@ inline PfpTurnBranch pfp_turn_step(const PfpTurnConfig<Real>& config, PfpTurnSta
   }
   const Real u = u_norm > Real(1) ? Real(1) : (u_norm < Real(-1) ? Real(-1) : u_norm);
   PfpTurnBranch branch = PfpTurnBranch::kNormal;
-  if (std::fabs(u) < config.deadband_norm) {                              // line 2
-    state.omega_f_units *= std::exp(-(dt_s / config.tau_dec_s));          // line 3
+  if (std::fabs(u) < config.deadband_norm) {                      // line 2
+    state.omega_f_units *= std::exp(-(dt_s / config.tau_dec_s));  // line 3
     const bool literal = config.deadband == TurnDeadband::kLiteral;
-    state.omega_units = literal ? config.k_p * u + state.omega_f_units    // line 7
+    state.omega_units = literal ? config.k_p * u + state.omega_f_units  // line 7
                                 : state.omega_f_units;
     branch = PfpTurnBranch::kDeadband;
   } else {
-    const Real forced_units = config.k_pf * u;                            // line 5
+    const Real forced_units = config.k_pf * u;  // line 5
     const Real keep = std::exp(-(dt_s / config.tau_n_s));
     state.omega_f_units = keep * state.omega_f_units + (Real(1) - keep) * forced_units;  // line 6
-    state.omega_units = config.k_p * u + state.omega_f_units;             // line 7
+    state.omega_units = config.k_p * u + state.omega_f_units;                            // line 7
   }
   // Parameters that refusal() would have refused, or products that overflow: stop rather than remember nonsense.
   if (!std::isfinite(state.omega_units) || !std::isfinite(state.omega_f_units)) {

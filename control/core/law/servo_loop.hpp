@@ -27,12 +27,12 @@ struct ServoConfig {
   Real counts_per_turn{Real(2000)};
   Real acceleration_max_rad_s2{Real(400)};  ///< steepness of the reference's ramp
   Real current_limit_a{Real(4)};
-  Real k_p_v_s_rad{Real(0.18)};             ///< volts per rad/s of error
-  Real k_i_v_rad{Real(2.7)};                ///< volts per second and rad/s of error
-  Real speed_low_pass_s{Real(0.004)};       ///< one count in 1 ms is 3.1 rad/s; this smooths it
-  Real limiter_v_per_a{Real(0.48)};         ///< 0.4 times the winding's resistance; stable up to several times that
-  Real supply_min_v{Real(6)};               ///< below this no duty is computed from the supply
-  Real command_timeout_s{Real(0.040)};      ///< an older command counts as "stand still"
+  Real k_p_v_s_rad{Real(0.18)};         ///< volts per rad/s of error
+  Real k_i_v_rad{Real(2.7)};            ///< volts per second and rad/s of error
+  Real speed_low_pass_s{Real(0.004)};   ///< one count in 1 ms is 3.1 rad/s; this smooths it
+  Real limiter_v_per_a{Real(0.48)};     ///< 0.4 times the winding's resistance; stable up to several times that
+  Real supply_min_v{Real(6)};           ///< below this no duty is computed from the supply
+  Real command_timeout_s{Real(0.040)};  ///< an older command counts as "stand still"
 };
 
 template <typename Real>
@@ -50,7 +50,7 @@ struct ServoInput {
   Real target_rad_s{};
   Real command_age_s{};  ///< time since the last command arrived
   std::int32_t position_counts{};
-  Real current_a{};      ///< positive drives forward
+  Real current_a{};  ///< positive drives forward
   Real supply_v{Real(24)};
 };
 
@@ -61,7 +61,7 @@ struct ServoOutput {
   Real speed_rad_s{};      ///< filtered shaft speed
   bool limited{false};     ///< the current or the supply held the PI back
   bool command_stale{false};
-  bool refused{false};     ///< an input was not usable; duty is zero and the loop starts anew
+  bool refused{false};  ///< an input was not usable; duty is zero and the loop starts anew
 };
 
 /// nullptr when the parameters are usable, else a sentence naming the first that is not, with its range.

@@ -53,8 +53,8 @@ template <typename Real>
   if (!std::isfinite(rate_rad_s) || !std::isfinite(acc_angle_rad) || !std::isfinite(dt_s) || !(dt_s > Real(0))) return false;
   const Real predicted_rad = state.angle_rad + dt_s * (state.previous_rate_rad_s - state.bias_rad_s);  // (15)
   const Real innovation_rad = acc_angle_rad - predicted_rad;
-  const Real angle_rad = predicted_rad + gain.k_angle * innovation_rad;          // (16)
-  const Real bias_rad_s = state.bias_rad_s + gain.k_bias * innovation_rad;       // (16)
+  const Real angle_rad = predicted_rad + gain.k_angle * innovation_rad;     // (16)
+  const Real bias_rad_s = state.bias_rad_s + gain.k_bias * innovation_rad;  // (16)
   // Two finite inputs can still overflow together.
   if (!std::isfinite(angle_rad) || !std::isfinite(bias_rad_s)) return false;
   state = {angle_rad, bias_rad_s, rate_rad_s};

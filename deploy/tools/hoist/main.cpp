@@ -12,8 +12,8 @@ namespace {
 void print_help(std::FILE* out) {
   std::fputs("usage: hoist COMMAND [ARGUMENTS]\n\ncommands (each explains itself with --help):\n", out);
   for (const auto& command : hoist::tool::command_list()) {
-    std::fprintf(out, "  %-10.*s %.*s\n", static_cast<int>(command.name.size()), command.name.data(), static_cast<int>(command.summary.size()),
-                 command.summary.data());
+    std::fprintf(out, "  %-10.*s %.*s\n", static_cast<int>(command.name.size()), command.name.data(),
+                 static_cast<int>(command.summary.size()), command.summary.data());
   }
 }
 

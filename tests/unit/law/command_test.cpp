@@ -151,11 +151,11 @@ TEST(HoistLaws, RefusesColumnsOfDifferentLength) {
 
 TEST(HoistLaws, TakesParametersForAllLinesAndForOne) {
   const Outcome outcome = run(R"(laws trans_step --json '{"vf_max": 3}')", R"({"u":1,"v":0,"vf":10})"
-                                                                          "\n"
-                                                                          R"({"u":1,"v":0,"vf":10,"params":{"vf_max":4}})"
-                                                                          "\n"
-                                                                          R"({"u":1,"v":0,"vf":60,"params":{"vf_max":null}})"
-                                                                          "\n");
+                                                                           "\n"
+                                                                           R"({"u":1,"v":0,"vf":10,"params":{"vf_max":4}})"
+                                                                           "\n"
+                                                                           R"({"u":1,"v":0,"vf":60,"params":{"vf_max":null}})"
+                                                                           "\n");
   EXPECT_EQ(outcome.exit_code, 0);
   ASSERT_EQ(outcome.lines.size(), 3U);
   EXPECT_EQ(json::parse(outcome.lines[0]).at("vf"), 3.0);

@@ -118,7 +118,8 @@ TEST(ReferencePath, UnusableSizesGiveAnEmptyPath) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   for (const double bad : {0.0, -1.0, nan, inf}) {
-    for (const auto& path : {ReferencePath::square(bad), ReferencePath::eight(bad, 0.8), ReferencePath::eight(1.0, bad), ReferencePath::straight(bad)}) {
+    for (const auto& path :
+         {ReferencePath::square(bad), ReferencePath::eight(bad, 0.8), ReferencePath::eight(1.0, bad), ReferencePath::straight(bad)}) {
       EXPECT_FALSE(path.valid());
       EXPECT_EQ(path.length_m(), 0.0);
       EXPECT_EQ(path.pose(1.0).x_m, 0.0);

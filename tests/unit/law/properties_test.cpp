@@ -242,8 +242,8 @@ TEST(KalmanGain, DoesNotDependOnItsStartAndSaysWhenItFailed) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> exponent(-3.0, 3.0);
   for (int i = 0; i < 50; ++i) {
-    law::KalmanGainProblem<double> problem{std::pow(10.0, exponent(random)), std::pow(10.0, exponent(random)), std::pow(10.0, exponent(random)),
-                                           0.01, 1.0, 1.0};
+    law::KalmanGainProblem<double> problem{
+        std::pow(10.0, exponent(random)), std::pow(10.0, exponent(random)), std::pow(10.0, exponent(random)), 0.01, 1.0, 1.0};
     const auto a = law::solve_kalman_gain(problem);
     problem.p0_angle = std::pow(10.0, exponent(random));
     problem.p0_bias = std::pow(10.0, exponent(random));
@@ -257,8 +257,11 @@ TEST(KalmanGain, DoesNotDependOnItsStartAndSaysWhenItFailed) {
     ASSERT_LT(std::fabs(product), 1.0);
     ASSERT_LT(std::fabs(trace), 1.0 + product);
   }
-  for (const auto& bad : {law::KalmanGainProblem<double>{0.1, 0.0, 800.0, 0.01, 1.0, 1.0}, {0.1, 1.0, 0.0, 0.01, 1.0, 1.0},
-                          {0.1, 1.0, 800.0, 0.0, 1.0, 1.0}, {-0.1, 1.0, 800.0, 0.01, 1.0, 1.0}, {NAN, 1.0, 800.0, 0.01, 1.0, 1.0}}) {
+  for (const auto& bad : {law::KalmanGainProblem<double>{0.1, 0.0, 800.0, 0.01, 1.0, 1.0},
+                          {0.1, 1.0, 0.0, 0.01, 1.0, 1.0},
+                          {0.1, 1.0, 800.0, 0.0, 1.0, 1.0},
+                          {-0.1, 1.0, 800.0, 0.01, 1.0, 1.0},
+                          {NAN, 1.0, 800.0, 0.01, 1.0, 1.0}}) {
     EXPECT_FALSE(law::solve_kalman_gain(bad).converged);
   }
 }

@@ -112,9 +112,10 @@ TEST(Robustness, CorrelationOfNothingIsNoNumber) {
 template <typename Real>
 Real nasty(std::mt19937& random) {
   using Limits = std::numeric_limits<Real>;
-  static constexpr std::array<Real, 14> kNasty = {Real(0),         -Real(0),      Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity(),
-                                                  Limits::max(),   -Limits::max(), Limits::min(),      Limits::denorm_min(), Limits::epsilon(),
-                                                  Real(0.05),      -Real(0.05),   Real(1),             -Real(1)};
+  static constexpr std::array<Real, 14> kNasty = {
+      Real(0),        -Real(0),      Limits::quiet_NaN(),  Limits::infinity(), -Limits::infinity(), Limits::max(),
+      -Limits::max(), Limits::min(), Limits::denorm_min(), Limits::epsilon(),  Real(0.05),          -Real(0.05),
+      Real(1),        -Real(1)};
   std::uniform_int_distribution<std::size_t> pick(0, 2 * kNasty.size() - 1);
   std::uniform_real_distribution<double> ordinary(-1.5, 1.5);
   const auto at = pick(random);
@@ -136,8 +137,8 @@ TYPED_TEST(Nasty, ControllersStayFiniteAndRecover) {
       // Parameters nobody validated.
       config = {nasty<Real>(random), nasty<Real>(random), nasty<Real>(random), nasty<Real>(random), nasty<Real>(random),
                 nasty<Real>(random), nasty<Real>(random), nasty<Real>(random), seed % 4 == 1};
-      turn_config = {nasty<Real>(random), nasty<Real>(random), nasty<Real>(random), nasty<Real>(random), nasty<Real>(random),
-                     law::TurnDeadband::kLiteral};
+      turn_config = {nasty<Real>(random), nasty<Real>(random), nasty<Real>(random),
+                     nasty<Real>(random), nasty<Real>(random), law::TurnDeadband::kLiteral};
     }
     law::PfpState<Real> state;
     law::PfpTurnState<Real> turn_state;
@@ -172,8 +173,9 @@ TYPED_TEST(Nasty, ServoStaysFiniteAndWithinItsDuty) {
     law::ServoState<Real> state;
     for (int k = 0; k < 2000; ++k) {
       const Real supply_v = k % 5 == 0 ? nasty<Real>(random) : Real(24);
-      const auto out = law::servo_step(config, state, {nasty<Real>(random), nasty<Real>(random), any(random), nasty<Real>(random), supply_v},
-                                       k % 11 == 0 ? nasty<Real>(random) : Real(1e-3));
+      const auto out =
+          law::servo_step(config, state, {nasty<Real>(random), nasty<Real>(random), any(random), nasty<Real>(random), supply_v},
+                          k % 11 == 0 ? nasty<Real>(random) : Real(1e-3));
       ASSERT_TRUE(std::isfinite(out.duty_norm) && std::isfinite(out.speed_rad_s) && std::isfinite(out.reference_rad_s));
       ASSERT_LE(std::fabs(out.duty_norm), Real(1));
       if (out.refused) {
@@ -224,10 +226,14 @@ TEST(Robustness, EveryUnusableParameterIsNamed) {
   };
   using Pfp = law::PfpConfig<double>;
   EXPECT_EQ(law::refusal(Pfp{}), nullptr);
-  const std::vector<std::tuple<std::string, double Pfp::*, double>> wrong = {
-      {"deadband_norm", &Pfp::deadband_norm, 1.0}, {"tau_n_s", &Pfp::tau_n_s, 0.0},   {"tau_dec_s", &Pfp::tau_dec_s, -1.0},
-      {"l_dec", &Pfp::l_dec, 0.0},                 {"k_2r", &Pfp::k_2r, -1e-9},       {"k_p", &Pfp::k_p, -1.0},
-      {"k_pf", &Pfp::k_pf, kInf},                  {"v_f_max_units", &Pfp::v_f_max_units, -1.0}};
+  const std::vector<std::tuple<std::string, double Pfp::*, double>> wrong = {{"deadband_norm", &Pfp::deadband_norm, 1.0},
+                                                                             {"tau_n_s", &Pfp::tau_n_s, 0.0},
+                                                                             {"tau_dec_s", &Pfp::tau_dec_s, -1.0},
+                                                                             {"l_dec", &Pfp::l_dec, 0.0},
+                                                                             {"k_2r", &Pfp::k_2r, -1e-9},
+                                                                             {"k_p", &Pfp::k_p, -1.0},
+                                                                             {"k_pf", &Pfp::k_pf, kInf},
+                                                                             {"v_f_max_units", &Pfp::v_f_max_units, -1.0}};
   for (const auto& [name, member, value] : wrong) {
     for (const double bad : {value, kNan}) {
       Pfp config;
@@ -248,15 +254,16 @@ TEST(Robustness, EveryUnusableParameterIsNamed) {
   }
   using Servo = law::ServoConfig<double>;
   EXPECT_EQ(law::refusal(Servo{}), nullptr);
-  for (const auto& [name, member] : std::vector<std::pair<std::string, double Servo::*>>{{"counts_per_turn", &Servo::counts_per_turn},
-                                                                                         {"acceleration_max_rad_s2", &Servo::acceleration_max_rad_s2},
-                                                                                         {"current_limit_a", &Servo::current_limit_a},
-                                                                                         {"k_p_v_s_rad", &Servo::k_p_v_s_rad},
-                                                                                         {"k_i_v_rad", &Servo::k_i_v_rad},
-                                                                                         {"speed_low_pass_s", &Servo::speed_low_pass_s},
-                                                                                         {"limiter_v_per_a", &Servo::limiter_v_per_a},
-                                                                                         {"supply_min_v", &Servo::supply_min_v},
-                                                                                         {"command_timeout_s", &Servo::command_timeout_s}}) {
+  for (const auto& [name, member] :
+       std::vector<std::pair<std::string, double Servo::*>>{{"counts_per_turn", &Servo::counts_per_turn},
+                                                            {"acceleration_max_rad_s2", &Servo::acceleration_max_rad_s2},
+                                                            {"current_limit_a", &Servo::current_limit_a},
+                                                            {"k_p_v_s_rad", &Servo::k_p_v_s_rad},
+                                                            {"k_i_v_rad", &Servo::k_i_v_rad},
+                                                            {"speed_low_pass_s", &Servo::speed_low_pass_s},
+                                                            {"limiter_v_per_a", &Servo::limiter_v_per_a},
+                                                            {"supply_min_v", &Servo::supply_min_v},
+                                                            {"command_timeout_s", &Servo::command_timeout_s}}) {
     Servo config;
     config.*member = -1.0;
     expect_named(law::refusal(config), name);

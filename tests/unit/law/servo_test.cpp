@@ -53,8 +53,8 @@ class Servo : public testing::Test {
       motor.lock(scenario.locked(time_s));
       const double target = scenario.target_rad_s(time_s);
       const auto out = law::servo_step(config, state,
-                                       {static_cast<Real>(target), static_cast<Real>(scenario.command_age_s(time_s)), motor.encoder_counts(),
-                                        static_cast<Real>(motor.current_a()), static_cast<Real>(kSupply_v)},
+                                       {static_cast<Real>(target), static_cast<Real>(scenario.command_age_s(time_s)),
+                                        motor.encoder_counts(), static_cast<Real>(motor.current_a()), static_cast<Real>(kSupply_v)},
                                        static_cast<Real>(kTick_s));
       EXPECT_FALSE(out.refused);
       motor.step(static_cast<double>(out.duty_norm) * kSupply_v, scenario.load_n_m, kTick_s);
@@ -228,7 +228,8 @@ TYPED_TEST(Servo, StopsByItselfWhenCommandsStop) {
   EXPECT_NEAR(trace.back().speed_rad_s, 0.0, 0.5);
   // An age nobody knows counts as too old.
   law::ServoState<TypeParam> state;
-  const auto unknown = law::servo_step(this->config, state, {TypeParam(100), TypeParam(NAN), 0, TypeParam(0), TypeParam(24)}, TypeParam(1e-3));
+  const auto unknown =
+      law::servo_step(this->config, state, {TypeParam(100), TypeParam(NAN), 0, TypeParam(0), TypeParam(24)}, TypeParam(1e-3));
   EXPECT_TRUE(unknown.command_stale);
   EXPECT_EQ(unknown.reference_rad_s, TypeParam(0));
 }
@@ -264,7 +265,8 @@ TYPED_TEST(Servo, PositionCounterMayWrap) {
   law::ServoState<TypeParam> state;
   std::int32_t position = std::numeric_limits<std::int32_t>::max() - 100;
   for (int k = 0; k < 200; ++k) {
-    const auto out = law::servo_step(this->config, state, {TypeParam(0), TypeParam(0), position, TypeParam(0), TypeParam(24)}, TypeParam(1e-3));
+    const auto out =
+        law::servo_step(this->config, state, {TypeParam(0), TypeParam(0), position, TypeParam(0), TypeParam(24)}, TypeParam(1e-3));
     ASSERT_LE(out.speed_rad_s, TypeParam(2.0 * 3.15)) << "tick " << k;
     ASSERT_GE(out.speed_rad_s, TypeParam(0)) << "tick " << k;
     position = static_cast<std::int32_t>(static_cast<std::uint32_t>(position) + 2U);

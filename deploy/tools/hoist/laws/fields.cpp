@@ -123,9 +123,7 @@ std::string Fields::text(const std::string& name) {
   return value.get<std::string>();
 }
 
-std::string Fields::text_or(const std::string& name, const std::string& fallback) {
-  return raw(name) == nullptr ? fallback : text(name);
-}
+std::string Fields::text_or(const std::string& name, const std::string& fallback) { return raw(name) == nullptr ? fallback : text(name); }
 
 bool Fields::flag_or(const std::string& name, bool fallback) {
   const json* value = raw(name);
@@ -160,7 +158,8 @@ void Fields::refuse_unknown() const {
 
 void same_length(const std::string& name, std::size_t length, const std::string& other, std::size_t other_length) {
   if (length == other_length) return;
-  throw Refusal(name + ": has " + std::to_string(length) + " elements, must have as many as " + other + ": " + std::to_string(other_length));
+  throw Refusal(name + ": has " + std::to_string(length) + " elements, must have as many as " + other + ": " +
+                std::to_string(other_length));
 }
 
 json number_out(double value) {

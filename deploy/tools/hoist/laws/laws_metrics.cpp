@@ -109,12 +109,13 @@ constexpr std::array kLaws = {
     Law{"xcorr0", "factor C of Table II: correlation at zero lag, mean kept", "x, y: arrays", "", "C (null when undefined)", &xcorr0},
     Law{"J_N", "normalised squared error, equation (24)", "x, y, psi, xr, yr, psir: arrays; L m or null", "", "J, L", &j_n},
     Law{"table_mean", "last rows of Tables II and III", "rows: array of arrays, null is missing", "", "mean: array", &table_mean},
-    Law{"path_pose", "a place on the figures of Fig. 7", "s: arc length m; shape: square with a, eight with c and R, or straight with length, m",
-        "", "x, y m, psi rad (not wrapped), kappa 1/m, L m", &path_pose},
+    Law{"path_pose", "a place on the figures of Fig. 7",
+        "s: arc length m; shape: square with a, eight with c and R, or straight with length, m", "",
+        "x, y m, psi rad (not wrapped), kappa 1/m, L m", &path_pose},
     Law{"path_project", "reference sample of each odometry sample", "x, y: arrays m; window m; shape as in path_pose", "",
         "s: array m, never decreasing", &path_project},
-    Law{"evaluate", "C, J_N and L of a recorded run at its own sample rate", "x, y, psi, dpsi: arrays; dt s; window m; shape as in path_pose",
-        "", "C, J, L", &evaluate},
+    Law{"evaluate", "C, J_N and L of a recorded run at its own sample rate",
+        "x, y, psi, dpsi: arrays; dt s; window m; shape as in path_pose", "", "C, J, L", &evaluate},
 };
 
 }  // namespace

@@ -91,10 +91,14 @@ TransParams read_trans(Fields& params) {
 
 const char* branch_name(law::PfpBranch branch) {
   switch (branch) {
-    case law::PfpBranch::kDeadband: return "deadband";
-    case law::PfpBranch::kReversal: return "reversal";
-    case law::PfpBranch::kNormal: return "normal";
-    case law::PfpBranch::kRefused: break;
+    case law::PfpBranch::kDeadband:
+      return "deadband";
+    case law::PfpBranch::kReversal:
+      return "reversal";
+    case law::PfpBranch::kNormal:
+      return "normal";
+    case law::PfpBranch::kRefused:
+      break;
   }
   // Only numbers so large that their product overflows come here; everything else was checked on the way in.
   throw Refusal("v, vf: too large to be computed");

@@ -25,8 +25,8 @@ json kalman_gain(Fields& in, Fields&) {
   const auto start = in.has("P0") ? in.numbers("P0", kNotNegative) : std::vector<double>{1.0, 1.0};
   if (variance.size() != 2 || !(variance[1] > 0.0)) throw Refusal("V: must be [angle >= 0, bias > 0]");
   if (start.size() != 2) throw Refusal("P0: must be [angle >= 0, bias >= 0]");
-  const law::KalmanGainProblem<double> problem{variance[0], variance[1], in.number("N", kPositive), in.number("dt", kPositive), start[0],
-                                               start[1]};
+  const law::KalmanGainProblem<double> problem{variance[0], variance[1], in.number("N", kPositive), in.number("dt", kPositive),
+                                               start[0],    start[1]};
   const auto solution = law::solve_kalman_gain(problem);
   if (!solution.converged) throw Refusal("V, N, dt: the iteration found no standing gain");
   return {{"K1", solution.k_angle}, {"K2", solution.k_bias}};
