@@ -1,0 +1,257 @@
+// hoist-sim: the simulated hoist as a program. It runs the world in real time behind a pseudo terminal that speaks SLCAN like the real
+// gateway, so that hoist-control drives it unchanged.
+#include <sys/prctl.h>
+#include <time.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "firmware/sim/request_socket.hpp"
+#include "firmware/sim/requests.hpp"
+#include "firmware/sim/serial_line.hpp"
+#include "firmware/sim/world.hpp"
+
+namespace {
+
+using namespace hoist::sim;
+
+constexpr std::int64_t kStep_ns = 1'000'000;
+/// What may be caught up at once; more has passed unseen, as for a machine that was asleep.
+constexpr std::int64_t kCatchUp_ns = 50 * kStep_ns;
+/// 1 Mbaud with ten bits a character.
+constexpr std::size_t kUartBytesPerStep = 100;
+constexpr std::uint64_t kServeEverySteps = 5;
+
+volatile std::sig_atomic_t g_end = 0;
+void on_signal(int) { g_end = 1; }
+
+struct Options {
+  WorldOptions world;
+  std::string link;
+  std::string control;
+  double virtual_s{0.0};
+};
+
+void print_usage() {
+  std::puts(
+      "hoist-sim: a simulated hoist with a walking patient, on a pseudo terminal that speaks SLCAN like the real gateway.\n"
+      "  --scenario NAME     what the patient does (default figure-eight; --list names them)\n"
+      "  --list              the scenarios, one a line\n"
+      "  --pty-link PATH     put a symbolic link to the pseudo terminal there\n"
+      "  --control PATH      answer requests (JSON lines) at this Unix socket; {\"op\":\"help\"} lists them\n"
+      "  --seed N            seed of the sensors' noise (default 1)\n"
+      "  --speed WISH_M_S    speed the patient likes to walk, 0.05 to 0.8 (default 0.30)\n"
+      "  --patient-mass KG   30 to 150 (default 75)\n"
+      "  --patient-seed N    somebody else: all of the patient's figures drawn from their usual ranges\n"
+      "  --virtual SECONDS   run the world alone as fast as possible, say how fast, and end");
+}
+
+std::optional<double> number(std::string_view text, double low, double high) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value) || value < low || value > high) return std::nullopt;
+  return value;
+}
+std::optional<std::uint64_t> whole(std::string_view text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+[[noreturn]] void refuse(const std::string& why) {
+  std::fprintf(stderr, "hoist-sim: %s\n", why.c_str());
+  std::exit(2);
+}
+
+Options read_options(int argc, char** argv) {
+  Options options;
+  std::optional<double> wish_m_s, mass_kg;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view name = argv[i];
+    if (name == "--help" || name == "-h") {
+      print_usage();
+      std::exit(0);
+    }
+    if (name == "--list") {
+      for (const Scenario& scenario : kScenarios)
+        std::printf("%-14.*s %.*s\n", static_cast<int>(scenario.name.size()), scenario.name.data(), static_cast<int>(scenario.title.size()),
+                    scenario.title.data());
+      std::exit(0);
+    }
+    constexpr std::array<std::string_view, 8> kNames{"--scenario", "--pty-link",     "--control",      "--seed",
+                                                     "--speed",    "--patient-mass", "--patient-seed", "--virtual"};
+    bool known = false;
+    for (const std::string_view one : kNames) known = known || one == name;
+    if (!known) refuse("unknown option '" + std::string(name) + "'; --help lists them");
+    if (i + 1 == argc) refuse(std::string(name) + " needs a value");
+    const std::string_view value = argv[++i];
+    if (name == "--scenario") {
+      options.world.scenario = find_scenario(value);
+      if (options.world.scenario == nullptr) refuse("--scenario: no '" + std::string(value) + "'; --list names them");
+    } else if (name == "--pty-link") {
+      options.link = value;
+    } else if (name == "--control") {
+      options.control = value;
+    } else if (name == "--seed") {
+      const auto seed = whole(value);
+      if (!seed) refuse("--seed: a whole number from 0");
+      options.world.seed = *seed;
+    } else if (name == "--speed") {
+      wish_m_s = number(value, 0.05, 0.8);
+      if (!wish_m_s) refuse("--speed: 0.05 to 0.8 m/s");
+    } else if (name == "--patient-mass") {
+      mass_kg = number(value, 30.0, 150.0);
+      if (!mass_kg) refuse("--patient-mass: 30 to 150 kg");
+    } else if (name == "--patient-seed") {
+      const auto seed = whole(value);
+      if (!seed) refuse("--patient-seed: a whole number from 0");
+      options.world.patient = PatientParams::random(*seed);
+    } else {
+      const auto seconds = number(value, 0.001, 1e7);
+      if (!seconds) refuse("--virtual: 0.001 to 10000000 s");
+      options.virtual_s = *seconds;
+    }
+  }
+  if (wish_m_s) options.world.patient.wish_m_s = *wish_m_s;
+  if (mass_kg) options.world.patient.mass_kg = *mass_kg;
+  return options;
+}
+
+int run_virtual(const Options& options) {
+  World world(options.world);
+  const auto steps = static_cast<std::uint64_t>(std::llround(options.virtual_s * 1000.0));
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::uint64_t i = 0; i < steps && g_end == 0; ++i) world.advance_1ms();
+  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  std::printf("simulated %.3f s in %.3f s: %.0f times real time, no computer attached; digest %016llx\n", world.time_s(), took_s,
+              world.time_s() / std::max(took_s, 1e-9), static_cast<unsigned long long>(world.digest()));
+  return 0;
+}
+
+std::int64_t steady_ns() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+void wait_until(std::int64_t when_ns) {
+  const timespec when{static_cast<time_t>(when_ns / 1'000'000'000), static_cast<long>(when_ns % 1'000'000'000)};
+  ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &when, nullptr);  // a signal ends it early; the loop looks
+}
+
+// One calm line for each thing that happens, none for what merely goes on.
+class Reporter {
+ public:
+  void tell(const World& world, const ProgramState& program) {
+    if (program.computer_attached != attached_) say(world, program.computer_attached ? "a computer has opened the line" : "the line is closed");
+    if (world.drives_enabled() != enabled_) say(world, world.drives_enabled() ? "drives enabled" : "drives disabled");
+    if (world.patient().state() != patient_) say(world, "patient is " + std::string(patient_state_name(world.patient().state())));
+    if (program.late != late_) say(world, "was late and let time go, " + std::to_string(program.late) + " times so far");
+    attached_ = program.computer_attached;
+    enabled_ = world.drives_enabled();
+    patient_ = world.patient().state();
+    late_ = program.late;
+  }
+
+ private:
+  static void say(const World& world, const std::string& what) {
+    std::printf("hoist-sim %8.2f s: %s\n", world.time_s(), what.c_str());
+    std::fflush(stdout);
+  }
+  bool attached_{false};
+  bool enabled_{false};
+  PatientState patient_{PatientState::standing};
+  std::uint64_t late_{};
+};
+
+// Moves characters between the terminal and the gateway, no faster than the real line.
+class Pump {
+ public:
+  void run(SerialLine& line, World& world, ProgramState& program) {
+    const SerialLine::Presence presence = line.presence();
+    if (presence.changed) {
+      world.uart_hang_up();
+      in_size_ = out_size_ = 0;
+    }
+    program.computer_attached = presence.there;
+    if (in_size_ == 0) in_size_ = line.read(in_);
+    const std::size_t taken = world.uart_write(std::span<const char>(in_).first(in_size_));
+    std::memmove(in_.data(), in_.data() + taken, in_size_ - taken);
+    in_size_ -= taken;
+
+    out_size_ += world.uart_read(std::span<char>(out_).subspan(out_size_));
+    if (!presence.there) out_size_ = 0;  // into an open end
+    if (out_size_ == 0) return;
+    const std::size_t put = line.write(std::span<const char>(out_).first(out_size_));
+    std::memmove(out_.data(), out_.data() + put, out_size_ - put);
+    out_size_ -= put;
+  }
+
+ private:
+  std::array<char, kUartBytesPerStep> in_{};
+  std::array<char, kUartBytesPerStep> out_{};
+  std::size_t in_size_{};
+  std::size_t out_size_{};
+};
+
+int run_real_time(const Options& options) {
+  World world(options.world);
+  SerialLine line;
+  if (const std::string why = line.open(options.link); !why.empty()) refuse(why);
+  RequestSocket requests;
+  if (!options.control.empty())
+    if (const std::string why = requests.open(options.control); !why.empty()) refuse(why);
+  ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
+
+  const Scenario& scenario = *options.world.scenario;
+  std::printf("hoist-sim: SIMULATION, no real hoist. Scenario %.*s: the patient (%.0f kg, %.2f m/s) %.*s. SLCAN at %s\n",
+              static_cast<int>(scenario.name.size()), scenario.name.data(), options.world.patient.mass_kg, options.world.patient.wish_m_s,
+              static_cast<int>(scenario.title.size()), scenario.title.data(), options.link.empty() ? line.path().c_str() : options.link.c_str());
+  std::fflush(stdout);
+
+  ProgramState program;
+  Reporter reporter;
+  Pump pump;
+  std::uint64_t steps = 0;
+  std::int64_t due_ns = steady_ns() + kStep_ns;
+  while (g_end == 0) {
+    wait_until(due_ns);
+    const std::int64_t now_ns = steady_ns();
+    if (now_ns - due_ns > kCatchUp_ns) {
+      ++program.late;
+      due_ns = now_ns;
+    }
+    while (due_ns <= now_ns) {
+      pump.run(line, world, program);
+      world.advance_1ms();
+      due_ns += kStep_ns;
+      if (++steps % kServeEverySteps == 0)
+        requests.serve([&world, &program](std::string_view request) { return answer_request(world, program, request); });
+      reporter.tell(world, program);
+    }
+  }
+  std::puts("hoist-sim: ended");
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  ::sigaction(SIGTERM, &action, nullptr);
+  ::sigaction(SIGINT, &action, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);
+  const Options options = read_options(argc, argv);
+  return options.virtual_s > 0.0 ? run_virtual(options) : run_real_time(options);
+}

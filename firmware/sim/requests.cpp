@@ -1,0 +1,242 @@
+#include "firmware/sim/requests.hpp"
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <variant>
+
+namespace hoist::sim {
+namespace {
+
+using contract::Node;
+using nlohmann::json;
+
+struct Refused {
+  std::string why;
+};
+using Answer = std::variant<json, Refused>;
+
+const json kDone = {{"ok", true}};
+constexpr double kBatteryMax_v = 32.0;
+constexpr double kWishMin_m_s = 0.05, kWishMax_m_s = 0.8;
+constexpr double kPlaceMax_m = 100.0;
+
+// Fields. Each refusal names the field and what it may be.
+std::optional<std::string> text(const json& request, const char* field) {
+  const auto it = request.find(field);
+  if (it == request.end() || !it->is_string()) return std::nullopt;
+  return it->get<std::string>();
+}
+std::optional<double> number(const json& request, const char* field, double low, double high) {
+  const auto it = request.find(field);
+  if (it == request.end() || !it->is_number()) return std::nullopt;
+  const double value = it->get<double>();
+  if (!std::isfinite(value) || value < low || value > high) return std::nullopt;
+  return value;
+}
+std::optional<bool> flag(const json& request, const char* field) {
+  const auto it = request.find(field);
+  if (it == request.end() || !it->is_boolean()) return std::nullopt;
+  return it->get<bool>();
+}
+std::optional<Node> node(const json& request) {
+  const auto name = text(request, "node");
+  if (!name) return std::nullopt;
+  for (std::size_t i = 0; i < contract::kNodes.size(); ++i)
+    if (contract::kNodes[i].name == *name) return static_cast<Node>(i);
+  return std::nullopt;
+}
+std::string node_names() {
+  std::string names;
+  for (const contract::NodeInfo& info : contract::kNodes) names += (names.empty() ? "" : ", ") + std::string(info.name);
+  return names;
+}
+Refused bad_node() { return {"node: one of " + node_names()}; }
+
+Answer op_state(World& world, const ProgramState& program, const json&) {
+  const Plant& plant = world.plant();
+  const Patient& patient = world.patient();
+  const PlatformMotion& at = plant.platform();
+  json pulled = json::array();
+  for (std::size_t i = 0; i < contract::kNodes.size(); ++i)
+    if (world.unplugged(static_cast<Node>(i))) pulled.push_back(contract::kNodes[i].name);
+  return json{{"time_s", world.time_s()},
+              {"x_m", at.x_m},
+              {"y_m", at.y_m},
+              {"psi_rad", at.psi_rad},
+              {"speed_m_s", at.speed_m_s},
+              {"yaw_rate_rad_s", at.yaw_rate_rad_s},
+              {"wheel_left_m_s", plant.wheel_speed_m_s(Side::left)},
+              {"wheel_right_m_s", plant.wheel_speed_m_s(Side::right)},
+              {"slipping", plant.slipping()},
+              {"enabled", world.drives_enabled()},
+              {"patient", patient_state_name(patient.state())},
+              {"scenario", patient.scenario().name},
+              {"progress_m", patient.progress_m()},
+              {"dx_m", patient.harness().dx_m},
+              {"dy_m", patient.harness().dy_m},
+              {"pelvis_yaw_rad", patient.harness().yaw_rad},
+              {"strut_left_alpha_rad", plant.strut_alpha_rad(Side::left)},
+              {"strut_right_alpha_rad", plant.strut_alpha_rad(Side::right)},
+              {"supply_v", plant.supply_v()},
+              {"bumpers", plant.bumpers()},
+              {"unplugged", pulled},
+              {"bus_frames", world.bus_counters().frames},
+              {"computer_attached", program.computer_attached},
+              {"late", program.late},
+              {"simulated", true}};
+}
+
+Answer op_bumper(World& world, const ProgramState&, const json& request) {
+  constexpr std::array<std::string_view, 4> kStrips{"front", "rear", "left", "right"};  // order of the bits
+  const auto which = text(request, "which");
+  int bit = -1;
+  for (std::size_t i = 0; which && i < kStrips.size(); ++i)
+    if (*which == kStrips[i]) bit = static_cast<int>(i);
+  if (bit < 0) return Refused{"which: front, rear, left or right"};
+  const auto pressed = flag(request, "pressed");
+  if (!pressed) return Refused{"pressed: true or false"};
+  world.plant().force_bumper(bit, *pressed);
+  return kDone;
+}
+
+Answer op_fall(World& world, void (Patient::*how)()) {
+  (world.patient().*how)();
+  return kDone;
+}
+Answer op_trip(World& world, const ProgramState&, const json&) { return op_fall(world, &Patient::trip); }
+Answer op_collapse(World& world, const ProgramState&, const json&) { return op_fall(world, &Patient::collapse); }
+Answer op_hang(World& world, const ProgramState&, const json&) { return op_fall(world, &Patient::hang); }
+
+Answer op_plug(World& world, const json& request, bool pulled) {
+  const auto which = node(request);
+  if (!which) return bad_node();
+  world.unplug(*which, pulled);
+  return kDone;
+}
+Answer op_unplug(World& world, const ProgramState&, const json& request) { return op_plug(world, request, true); }
+Answer op_replug(World& world, const ProgramState&, const json& request) { return op_plug(world, request, false); }
+
+Answer op_freeze(World& world, const ProgramState&, const json& request) {
+  const auto which = node(request);
+  if (!which || *which == Node::core) return bad_node();
+  const auto frozen = flag(request, "frozen");
+  if (!frozen) return Refused{"frozen: true or false"};
+  world.freeze(*which, *frozen);
+  return kDone;
+}
+
+Answer op_freeze_sensor(World& world, const ProgramState&, const json& request) {
+  const auto which = node(request);
+  if (!which || contract::kNodes[static_cast<std::size_t>(*which)].kind != contract::NodeKind::tilt)
+    return Refused{"node: tilt_left, tilt_right or tilt_base"};
+  const auto frozen = flag(request, "frozen");
+  if (!frozen) return Refused{"frozen: true or false"};
+  world.freeze_sensor(*which, *frozen);
+  return kDone;
+}
+
+Answer op_battery(World& world, const ProgramState&, const json& request) {
+  const auto it = request.find("volts");
+  if (it != request.end() && it->is_null()) {
+    world.plant().force_battery(std::nullopt);
+    return kDone;
+  }
+  const auto volts = number(request, "volts", 0.0, kBatteryMax_v);
+  if (!volts) return Refused{"volts: 0 to 32 for both batteries together, or null for what physics gives"};
+  world.plant().force_battery(*volts);
+  return kDone;
+}
+
+Answer op_power(World& world, const ProgramState&, const json& request) {
+  const auto on = flag(request, "on");
+  if (!on) return Refused{"on: true or false (false: the emergency cut-off relay has opened)"};
+  world.plant().cut_power(!*on);
+  return kDone;
+}
+
+Answer op_wish(World& world, const ProgramState&, const json& request) {
+  const auto wish_m_s = number(request, "speed_m_s", kWishMin_m_s, kWishMax_m_s);
+  if (!wish_m_s) return Refused{"speed_m_s: 0.05 to 0.8"};
+  world.patient().set_wish(*wish_m_s);
+  return kDone;
+}
+
+Answer op_obstacle(World& world, const ProgramState&, const json& request) {
+  const auto x_m = number(request, "x_m", -kPlaceMax_m, kPlaceMax_m);
+  const auto y_m = number(request, "y_m", -kPlaceMax_m, kPlaceMax_m);
+  const auto radius_m = number(request, "radius_m", 0.01, 10.0);
+  if (!x_m || !y_m) return Refused{"x_m, y_m: -100 to 100"};
+  if (!radius_m) return Refused{"radius_m: 0.01 to 10"};
+  if (!world.plant().add_obstacle({*x_m, *y_m, *radius_m})) return Refused{"op: there is no room for another obstacle"};
+  return kDone;
+}
+
+Answer restart(World& world, const Scenario& scenario) {
+  if (!world.restart(scenario)) return Refused{"op: only while the drives are disabled and the hoist stands still"};
+  return kDone;
+}
+Answer op_scenario(World& world, const ProgramState&, const json& request) {
+  const auto name = text(request, "name");
+  const Scenario* scenario = name ? find_scenario(*name) : nullptr;
+  if (scenario == nullptr) {
+    std::string names;
+    for (const Scenario& row : kScenarios) names += (names.empty() ? "" : ", ") + std::string(row.name);
+    return Refused{"name: one of " + names};
+  }
+  return restart(world, *scenario);
+}
+Answer op_reset(World& world, const ProgramState&, const json&) { return restart(world, world.patient().scenario()); }
+
+Answer op_help(World&, const ProgramState&, const json&);
+
+struct Operation {
+  std::string_view name;
+  std::string_view meaning;
+  Answer (*run)(World&, const ProgramState&, const json&);
+};
+constexpr std::array kOperations{
+    Operation{"state", "the true state of the world", op_state},
+    Operation{"bumper", "which (front, rear, left, right), pressed", op_bumper},
+    Operation{"trip", "the patient stumbles", op_trip},
+    Operation{"collapse", "the patient's legs give way", op_collapse},
+    Operation{"hang", "the patient hangs forward in the harness", op_hang},
+    Operation{"unplug", "node: its plug is pulled", op_unplug},
+    Operation{"replug", "node: its plug is back", op_replug},
+    Operation{"freeze", "node, frozen: its processor stands still", op_freeze},
+    Operation{"freeze_sensor", "node, frozen: its sensor repeats the last sample", op_freeze_sensor},
+    Operation{"battery", "volts of both together, null for what physics gives", op_battery},
+    Operation{"power", "on: false opens the emergency cut-off relay", op_power},
+    Operation{"wish", "speed_m_s the patient likes to walk", op_wish},
+    Operation{"obstacle", "x_m, y_m, radius_m: a post on the floor", op_obstacle},
+    Operation{"scenario", "name: back at the start mark of that scenario", op_scenario},
+    Operation{"reset", "machine and patient back at the start mark", op_reset},
+    Operation{"help", "this list", op_help},
+};
+
+Answer op_help(World&, const ProgramState&, const json&) {
+  json list = json::object();
+  for (const Operation& operation : kOperations) list[std::string(operation.name)] = operation.meaning;
+  return list;
+}
+
+}  // namespace
+
+std::string answer_request(World& world, const ProgramState& program, std::string_view line) {
+  const auto refuse = [](const std::string& why) { return json{{"error", why}}.dump(-1, ' ', false, json::error_handler_t::replace); };
+  if (line.size() > kRequestMax) return refuse("line: at most 4096 characters");
+  const json request = json::parse(line.begin(), line.end(), nullptr, false);
+  if (request.is_discarded() || !request.is_object()) return refuse("line: one JSON object");
+  const auto op = text(request, "op");
+  if (!op) return refuse("op: a word; {\"op\":\"help\"} lists them");
+  for (const Operation& operation : kOperations) {
+    if (operation.name != *op) continue;
+    const Answer answer = operation.run(world, program, request);
+    if (const auto* refused = std::get_if<Refused>(&answer)) return refuse(refused->why);
+    return std::get<json>(answer).dump(-1, ' ', false, json::error_handler_t::replace);
+  }
+  return refuse("op: unknown; {\"op\":\"help\"} lists them");
+}
+
+}  // namespace hoist::sim

@@ -1,0 +1,26 @@
+// What may be asked of a running simulator: one JSON object per line, one line of answer. The operations are one list in requests.cpp;
+// {"op":"help"} answers with it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "firmware/sim/world.hpp"
+
+namespace hoist::sim {
+
+/// Longest line that is read; a longer one is refused.
+inline constexpr std::size_t kRequestMax = 4096;
+
+/// Figures that only the program around the world knows.
+struct ProgramState {
+  std::uint64_t late{};           ///< times it was more than 50 ms behind and let time go
+  bool computer_attached{false};  ///< somebody has the serial line open
+};
+
+/// Carries out one request. Always one line of JSON without its end: the result, or {"error": "..."} that names the field and what it may
+/// be; a refused request has changed nothing.
+[[nodiscard]] std::string answer_request(World& world, const ProgramState& program, std::string_view line);
+
+}  // namespace hoist::sim

@@ -1,0 +1,290 @@
+#include "firmware/sim/world.hpp"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "firmware/boards/host/host_boards.hpp"
+#include "firmware/nodes/drive/drive_node.hpp"
+#include "firmware/nodes/gateway/gateway_node.hpp"
+#include "firmware/nodes/io/io_node.hpp"
+#include "firmware/nodes/tilt/tilt_node.hpp"
+
+namespace hoist::sim {
+namespace {
+
+using contract::CanFrame;
+using contract::Node;
+
+constexpr std::uint64_t kMillisecond_ns = 1'000'000;
+constexpr std::size_t kNodeCount = contract::kNodes.size();
+constexpr std::size_t kHostQueueMax = 256;
+constexpr double kAtRest_m_s = 0.005;
+
+constexpr std::size_t index(Node node) { return static_cast<std::size_t>(node); }
+constexpr Side side_of(Node node) { return node == Node::drive_left ? Side::left : Side::right; }
+constexpr Place place_of(Node node) {
+  return node == Node::tilt_left ? Place::left_strut : (node == Node::tilt_right ? Place::right_strut : Place::chassis);
+}
+
+// The machine as its boards see it: the plant behind wires that can break.
+class Machine {
+ public:
+  explicit Machine(Plant& plant) : plant_(plant) {}
+
+  bool read_imu(Node node, firmware::ImuSample& sample) {
+    const auto place = place_of(node);
+    firmware::ImuSample& last = last_sample_[static_cast<std::size_t>(place)];
+    if (!sensor_frozen_[static_cast<std::size_t>(place)]) {
+      const ImuReading reading = plant_.read_imu(place);
+      last = {static_cast<float>(reading.ax_m_s2),          static_cast<float>(reading.ay_m_s2),
+              static_cast<float>(reading.az_m_s2),          static_cast<float>(reading.alpha_rate_rad_s),
+              static_cast<float>(reading.beta_rate_rad_s),  static_cast<float>(reading.yaw_rate_rad_s)};
+    }
+    sample = last;
+    return true;
+  }
+  std::int32_t encoder_counts(Node node) {
+    Encoder& encoder = encoders_[static_cast<std::size_t>(side_of(node))];
+    const std::int32_t raw = plant_.encoder_counts(side_of(node));
+    const auto moved = static_cast<std::uint32_t>(raw) - static_cast<std::uint32_t>(encoder.raw);
+    encoder.raw = raw;
+    if (encoder.fault == World::EncoderFault::none) encoder.shown += moved;
+    if (encoder.fault == World::EncoderFault::reversed) encoder.shown -= moved;
+    return static_cast<std::int32_t>(encoder.shown);
+  }
+  float motor_current_a(Node node) { return static_cast<float>(plant_.motor_current_a(side_of(node))); }
+  float supply_v() { return static_cast<float>(plant_.supply_v()); }
+  void set_bridge(Node node, bool enabled, float duty_norm) {
+    plant_.set_bridge(side_of(node), enabled, static_cast<double>(duty_norm));
+  }
+  std::uint8_t bumpers() { return plant_.bumpers(); }
+  std::uint8_t switches() { return 0; }
+  float battery_v(int battery) { return static_cast<float>(plant_.battery_v(battery)); }
+
+  void freeze_sensor(Node node, bool frozen) { sensor_frozen_[static_cast<std::size_t>(place_of(node))] = frozen; }
+  void break_encoder(Node node, World::EncoderFault fault) { encoders_[static_cast<std::size_t>(side_of(node))].fault = fault; }
+
+ private:
+  struct Encoder {
+    std::int32_t raw{};
+    std::uint32_t shown{};
+    World::EncoderFault fault{World::EncoderFault::none};
+  };
+  Plant& plant_;
+  std::array<firmware::ImuSample, kPlaceCount> last_sample_{};
+  std::array<bool, kPlaceCount> sensor_frozen_{};
+  std::array<Encoder, 2> encoders_{};
+};
+
+using TiltBoard = firmware::HostTiltBoard<Machine>;
+using DriveBoard = firmware::HostDriveBoard<Machine>;
+using IoBoard = firmware::HostIoBoard<Machine>;
+
+// A board with its node: what one box on the hoist is.
+template <class Board, class Firmware>
+struct Box {
+  template <class... Args>
+  explicit Box(Node node, Args&&... args) : board(std::forward<Args>(args)...), firmware(board, node) {}
+  Box(const Box&) = delete;  // the firmware holds on to its board
+  Box& operator=(const Box&) = delete;
+  ~Box() = default;
+  Board board;
+  Firmware firmware;
+};
+using DriveBox = Box<DriveBoard, firmware::DriveNode<DriveBoard>>;
+using IoBox = Box<IoBoard, firmware::IoNode<IoBoard>>;
+using TiltBox = Box<TiltBoard, firmware::TiltNode<TiltBoard>>;
+
+constexpr bool fed_by_its_plug(Node node) { return node != Node::drive_left && node != Node::drive_right && node != Node::core; }
+
+}  // namespace
+
+struct World::Parts {
+  explicit Parts(const WorldOptions& options)
+      : plant(options.plant, options.seed),
+        patient(options.patient, *options.scenario),
+        bus({.bit_rate = 250'000, .worst_stuffing = options.worst_stuffing}),
+        machine(plant),
+        drive_left(Node::drive_left, bus, machine, Node::drive_left),
+        drive_right(Node::drive_right, bus, machine, Node::drive_right),
+        io(Node::io, bus, machine),
+        tilt_left(Node::tilt_left, bus, machine, Node::tilt_left),
+        tilt_right(Node::tilt_right, bus, machine, Node::tilt_right),
+        tilt_base(Node::tilt_base, bus, machine, Node::tilt_base),
+        gateway_board(bus),
+        gateway(gateway_board),
+        host_port(bus.add_port()) {
+    const bool in_process = options.host_in_process;
+    bus.set_connected(gateway_board.port(), !in_process);
+    bus.set_connected(host_port, in_process);
+    core_port = in_process ? host_port : gateway_board.port();
+    set_out();
+  }
+
+  void set_out() {
+    const contract::PathPose start = patient.path().pose(0.0);
+    plant.place(start.x_m, start.y_m, start.psi_rad);
+  }
+
+  // Calls `what` with the firmware of a node of the bus.
+  template <class What>
+  void with_node(Node node, What&& what) {
+    switch (node) {
+      case Node::drive_left: what(drive_left.firmware); break;
+      case Node::drive_right: what(drive_right.firmware); break;
+      case Node::io: what(io.firmware); break;
+      case Node::tilt_left: what(tilt_left.firmware); break;
+      case Node::tilt_right: what(tilt_right.firmware); break;
+      case Node::tilt_base: what(tilt_base.firmware); break;
+      case Node::core: break;
+    }
+  }
+  [[nodiscard]] std::size_t port_of(Node node) const {
+    switch (node) {
+      case Node::drive_left: return drive_left.board.port();
+      case Node::drive_right: return drive_right.board.port();
+      case Node::io: return io.board.port();
+      case Node::tilt_left: return tilt_left.board.port();
+      case Node::tilt_right: return tilt_right.board.port();
+      case Node::tilt_base: return tilt_base.board.port();
+      case Node::core: return core_port;
+    }
+    return bus::kVirtualPortMax;
+  }
+  [[nodiscard]] bool runs(Node node) const { return !frozen[index(node)] && !(pulled[index(node)] && fed_by_its_plug(node)); }
+
+  void deliver(std::size_t port, const CanFrame& frame) {
+    if (port == host_port) {
+      if (host_count < kHostQueueMax) host_queue[(host_first + host_count++) % kHostQueueMax] = frame;
+      return;
+    }
+    if (port == gateway_board.port()) {
+      gateway.on_frame(frame);
+      return;
+    }
+    // Ports were given out in the order of the nodes.
+    const auto node = static_cast<Node>(port);
+    if (runs(node)) with_node(node, [&frame](auto& firmware) { firmware.on_frame(frame); });
+  }
+
+  void advance_1ms() {
+    patient.step_1ms({plant.platform(), plant.harness_force(patient.harness()), plant.bridge_enabled(Side::left) && plant.bridge_enabled(Side::right)});
+    plant.step(patient.harness(), 0.001);
+    for (std::size_t i = 0; i < kNodeCount; ++i) {
+      const auto node = static_cast<Node>(i);
+      if (runs(node)) with_node(node, [](auto& firmware) { firmware.tick_1ms(); });
+    }
+    gateway.tick_1ms();
+    bus.advance(kMillisecond_ns, [this](std::size_t port, const CanFrame& frame) { deliver(port, frame); });
+  }
+
+  Plant plant;
+  Patient patient;
+  bus::VirtualBus bus;
+  Machine machine;
+  DriveBox drive_left, drive_right;
+  IoBox io;
+  TiltBox tilt_left, tilt_right, tilt_base;
+  firmware::HostGatewayBoard gateway_board;
+  firmware::GatewayNode<firmware::HostGatewayBoard> gateway;
+  std::size_t host_port;
+  std::size_t core_port{};
+  std::array<bool, kNodeCount> pulled{};
+  std::array<bool, kNodeCount> frozen{};
+  std::array<CanFrame, kHostQueueMax> host_queue{};
+  std::size_t host_first{};
+  std::size_t host_count{};
+};
+
+World::World(const WorldOptions& options) : parts_(std::make_unique<Parts>(options)) {}
+World::~World() = default;
+
+void World::advance_1ms() { parts_->advance_1ms(); }
+std::uint64_t World::time_ns() const { return parts_->bus.now_ns(); }
+
+bool World::host_send(const CanFrame& frame) { return parts_->bus.send(parts_->host_port, frame); }
+
+std::size_t World::host_receive(std::span<CanFrame> out) {
+  Parts& p = *parts_;
+  std::size_t given = 0;
+  for (; given < out.size() && p.host_count > 0; ++given, --p.host_count) {
+    out[given] = p.host_queue[p.host_first];
+    p.host_first = (p.host_first + 1) % kHostQueueMax;
+  }
+  return given;
+}
+
+std::size_t World::uart_write(std::span<const char> bytes) { return parts_->gateway_board.from_computer().write(bytes); }
+std::size_t World::uart_read(std::span<char> bytes) { return parts_->gateway_board.to_computer().read(bytes); }
+void World::uart_hang_up() {
+  parts_->gateway_board.from_computer().clear();
+  parts_->gateway_board.to_computer().clear();
+}
+
+void World::unplug(Node node, bool pulled) {
+  Parts& p = *parts_;
+  if (p.pulled[index(node)] == pulled) return;
+  p.pulled[index(node)] = pulled;
+  p.bus.set_connected(p.port_of(node), !pulled);
+  if (!pulled && fed_by_its_plug(node)) p.with_node(node, [](auto& firmware) { firmware.power_on(); });
+}
+bool World::unplugged(Node node) const { return parts_->pulled[index(node)]; }
+
+void World::freeze(Node node, bool frozen) {
+  Parts& p = *parts_;
+  if (node == Node::core || p.frozen[index(node)] == frozen) return;
+  p.frozen[index(node)] = frozen;
+  if (!frozen) p.with_node(node, [](auto& firmware) { firmware.power_on(); });
+}
+
+void World::freeze_sensor(Node node, bool frozen) {
+  if (contract::kNodes[index(node)].kind == contract::NodeKind::tilt) parts_->machine.freeze_sensor(node, frozen);
+}
+void World::break_encoder(Node node, EncoderFault fault) {
+  if (contract::kNodes[index(node)].kind == contract::NodeKind::drive) parts_->machine.break_encoder(node, fault);
+}
+void World::set_frame_fault(bus::VirtualBus::FaultHook hook) { parts_->bus.set_fault_hook(std::move(hook)); }
+std::size_t World::port_of(Node node) const { return parts_->port_of(node); }
+
+bool World::drives_enabled() const {
+  return parts_->plant.bridge_enabled(Side::left) || parts_->plant.bridge_enabled(Side::right);
+}
+
+bool World::restart(const Scenario& scenario) {
+  if (drives_enabled() || std::fabs(parts_->plant.platform().speed_m_s) > kAtRest_m_s) return false;
+  parts_->patient.restart(scenario);
+  parts_->set_out();
+  return true;
+}
+
+Plant& World::plant() { return parts_->plant; }
+const Plant& World::plant() const { return parts_->plant; }
+Patient& World::patient() { return parts_->patient; }
+const Patient& World::patient() const { return parts_->patient; }
+const bus::VirtualBusCounters& World::bus_counters() const { return parts_->bus.counters(); }
+
+std::uint64_t World::digest() const {
+  // FNV-1a over the bits: not one of them may differ.
+  std::uint64_t hash = 0xCBF29CE484222325ULL;
+  const auto mix = [&hash](std::uint64_t bits) {
+    for (int i = 0; i < 8; ++i) {
+      hash ^= (bits >> (8 * i)) & 0xFF;
+      hash *= 0x100000001B3ULL;
+    }
+  };
+  const auto mix_real = [&mix](double value) { mix(std::bit_cast<std::uint64_t>(value)); };
+  const PlatformMotion& at = parts_->plant.platform();
+  const HarnessMotion& harness = parts_->patient.harness();
+  for (const double value : {at.x_m, at.y_m, at.psi_rad, at.speed_m_s, at.yaw_rate_rad_s, harness.dx_m, harness.dy_m, harness.yaw_rad,
+                             parts_->plant.motor_current_a(Side::left), parts_->plant.motor_current_a(Side::right),
+                             parts_->plant.duty_norm(Side::left), parts_->plant.duty_norm(Side::right), parts_->plant.supply_v()})
+    mix_real(value);
+  mix(parts_->bus.counters().frames);
+  mix(parts_->bus.counters().busy_ns);
+  mix(parts_->bus.now_ns());
+  return hash;
+}
+
+}  // namespace hoist::sim

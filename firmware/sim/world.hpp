@@ -1,0 +1,89 @@
+// The simulated world: machine, patient, the six nodes with the shipped firmware sources, the UART gateway and the bus between them, in
+// virtual time. Nothing here knows the control laws, and a computer on the bus cannot tell it from a real hoist, except that every node says
+// it is simulated.
+//
+// A computer attaches in one of two ways: as a bus port in this process (tests: host_send, host_receive), or through the gateway's serial
+// line (the program: uart_write, uart_read). No heap after construction, no clock.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "control/bus/virtual_bus.hpp"
+#include "control/contract/can_dictionary.hpp"
+#include "control/contract/can_frame.hpp"
+#include "firmware/sim/patient.hpp"
+#include "firmware/sim/plant.hpp"
+
+namespace hoist::sim {
+
+struct WorldOptions {
+  std::uint64_t seed{1};  ///< of the sensors' noise and biases
+  PlantParams plant{};
+  PatientParams patient{};
+  const Scenario* scenario{&kScenarios.front()};
+  bool host_in_process{false};  ///< true: the computer is the port of host_send / host_receive; false: it is behind the gateway
+  bool worst_stuffing{false};   ///< true: every frame as long as bit stuffing can make it
+};
+
+class World {
+ public:
+  explicit World(const WorldOptions& options);
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// One millisecond: patient, machine, firmware, bus.
+  void advance_1ms();
+  [[nodiscard]] std::uint64_t time_ns() const;
+  [[nodiscard]] double time_s() const { return static_cast<double>(time_ns()) * 1e-9; }
+
+  /// The computer's own port. False when the queue is full or the port is pulled.
+  bool host_send(const contract::CanFrame& frame);
+  /// Frames that have arrived, oldest first; how many were written to `out`.
+  std::size_t host_receive(std::span<contract::CanFrame> out);
+  /// The gateway's serial line: how many bytes were taken or given.
+  std::size_t uart_write(std::span<const char> bytes);
+  std::size_t uart_read(std::span<char> bytes);
+  /// The computer has closed the line: what waits in it is gone.
+  void uart_hang_up();
+
+  // Faults. Nodes are named as on the bus; the computer itself (Node::core) may be unplugged too.
+  /// Pulls a node's plug or puts it back. Sensors and inputs are fed through that plug and start anew; the drives have their own supply.
+  void unplug(contract::Node node, bool pulled);
+  [[nodiscard]] bool unplugged(contract::Node node) const;
+  /// The node's processor stops: it neither answers nor changes its outputs. Letting it go resets it, as its watchdog would.
+  void freeze(contract::Node node, bool frozen);
+  /// The sensor behind a tilt node repeats its last sample for ever, while the node goes on.
+  void freeze_sensor(contract::Node node, bool frozen);
+  /// The encoder of a drive gives no more counts, or counts backward.
+  enum class EncoderFault : std::uint8_t { none, lost, reversed };
+  void break_encoder(contract::Node node, EncoderFault fault);
+  /// Judges each frame on the bus (drop, corrupt, delay, deaf ports); an empty one ends that.
+  void set_frame_fault(bus::VirtualBus::FaultHook hook);
+  /// The port of a node, for such a hook.
+  [[nodiscard]] std::size_t port_of(contract::Node node) const;
+
+  /// The bridge of a drive is on, its brake open.
+  [[nodiscard]] bool drives_enabled() const;
+  /// Machine and patient back at the start mark of a scenario. False, and nothing done, while a drive is enabled or the machine moves.
+  [[nodiscard]] bool restart(const Scenario& scenario);
+
+  // The truth, for tests and for the state that the program tells.
+  [[nodiscard]] Plant& plant();
+  [[nodiscard]] const Plant& plant() const;
+  [[nodiscard]] Patient& patient();
+  [[nodiscard]] const Patient& patient() const;
+  [[nodiscard]] const bus::VirtualBusCounters& bus_counters() const;
+  /// A digest of everything that moves: two worlds with equal digests all along are the same run.
+  [[nodiscard]] std::uint64_t digest() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace hoist::sim
