@@ -2,17 +2,88 @@
 #pragma once
 #include <cstdint>
 
+#include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
+#include "control/core/command/lease.hpp"
+#include "control/core/command/remote_drive.hpp"
+#include "control/core/command/server_watch.hpp"
+#include "control/core/command/staging.hpp"
+#include "control/core/derived.hpp"
+#include "control/core/estimate/estimate.hpp"
+#include "control/core/event_queue.hpp"
+#include "control/core/intent/intent.hpp"
+#include "control/core/law/pfp.hpp"
+#include "control/core/law/pfp_turn.hpp"
+#include "control/core/monitor/monitor_list.hpp"
+#include "control/core/output/bus_master.hpp"
+#include "control/core/output/drive_control.hpp"
+#include "control/core/output/limiter.hpp"
+#include "control/core/output/safety_gate.hpp"
+#include "control/core/output/wheel_mixing.hpp"
 
 namespace hoist::core {
 
+/// What belongs to the mode in charge; begins anew with every change of mode, so that no mode remembers another.
+struct Motion {
+  Braking braking = Braking::none;
+  bool leaving = false;      // braking to a stop, then STANDBY
+  bool powered = false;      // both drives have been enabled since the mode began
+  bool remote_lost = false;  // REMOTE: commands stopped while the dead-man was held
+  std::uint32_t epoch = 0;   // lease with which the mode began
+  std::uint64_t ticks = 0;   // steps since the mode began
+};
+
+/// An acknowledgement that waits for a drive to leave its fault.
+struct PendingAcknowledge {
+  std::uint32_t request_id = 0, client = 0;
+  std::uint8_t ticks_left = 0;
+};
+
 struct CoreState {
-  CoreState() = default;
-  explicit CoreState(const contract::Params& initial) : params(initial) {}
+  CoreState() : CoreState(contract::Params{}) {}
+  /// The parameters are taken as they are; load_params checks.
+  explicit CoreState(const contract::Params& initial) : params(initial), derived(derive(initial)) {}
 
   contract::Params params;
+  Derived derived;
   std::uint64_t parameter_version = 1;
   bool started = false;
+  std::uint64_t tick = 0, time_ns = 0, ticks_run = 0;
+
+  Estimate sensed;
+  PatientIntent intent;
+
+  Lease lease;
+  RemoteDrive remote;
+  ServerWatch server;
+  Staging staging;
+  std::uint64_t next_sequence = 0;  // of the commands; 0 = whatever comes first
+  PendingAcknowledge pending;
+
+  contract::Mode mode = contract::Mode::init;
+  Motion motion;
+  std::uint8_t still_ticks = 0;  // commanded and measured standstill, up to kStillTicks
+  std::uint8_t clear_ticks = 0;  // INIT: everything there, up to kClearTicks
+  law::PfpState<double> lean;
+  law::PfpTurnState<double> turn;
+
+  MonitorList monitors;
+  std::uint32_t conditions = 0;  // what holds now
+  std::uint32_t latched = 0;     // what is in force: protective faults stay until acknowledged
+  std::uint8_t stop_cause = 0;   // fault of the latest protective stop plus one
+  std::uint8_t bus_settle_ticks = 0;
+  std::uint8_t remote_lost_ticks = 0;  // how long the lost driver is still shown
+  std::uint32_t nodes_heard = 0;       // bit per node: answering
+
+  Limiter limiter;
+  DriveControl left_control, right_control;
+  SafetyGate gate;
+  BusMaster master;
+  double left_command_m_s = 0, right_command_m_s = 0;  // as sent
+
+  EventQueue events;
+  bool params_changed = false;
+  std::uint32_t bus_frames = 0, bus_refused = 0, commands_refused = 0, overruns = 0;
 };
 
 }  // namespace hoist::core

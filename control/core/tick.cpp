@@ -1,30 +1,187 @@
 #include "control/core/tick.hpp"
 
+#include <cmath>
 #include <cstddef>
 
 #include "control/contract/can_dictionary.hpp"
+#include "control/core/command/commands.hpp"
+#include "control/core/estimate/receive.hpp"
+#include "control/core/modes/mode_list.hpp"
+#include "control/core/output/supervisor.hpp"
+#include "control/core/record.hpp"
 
 namespace hoist::core {
 
+using contract::CanFrame;
+using contract::Event;
+using contract::EventKind;
+using contract::Fault;
+using contract::Node;
+using contract::Pdo;
+
 namespace {
-// The host's heartbeat: 100 ms, a tenth of a second in steps.
-constexpr std::uint64_t kHeartbeatTicks = 10;
+
+/// After the bus came back, nodes get this long to be heard again before their silence is their own fault.
+constexpr std::uint8_t kBusSettleTicks = 50;
+
+void receive_frames(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
+  state.sensed.next_tick();
+  state.master.next_tick();
+  for (const CanFrame& frame : inputs.frames) {
+    ++state.bus_frames;
+    if (!receive(frame, state.sensed, state.master, state.derived, dt_s)) ++state.bus_refused;
+  }
+  if (!inputs.bus_up) {
+    state.bus_settle_ticks = kBusSettleTicks;
+  } else if (state.bus_settle_ticks > 0) {
+    --state.bus_settle_ticks;
+  }
+  std::uint32_t heard = 0;
+  for (std::size_t n = 0; n < contract::kRemoteNodeCount; ++n) heard |= state.sensed.heard(static_cast<Node>(n)).lost() ? 0U : 1U << n;
+  if (heard == state.nodes_heard) return;
+  for (std::size_t n = 0; n < contract::kRemoteNodeCount; ++n) {
+    if ((((heard ^ state.nodes_heard) >> n) & 1U) == 0) continue;
+    Event event;
+    event.kind = EventKind::node_changed;
+    event.item = static_cast<std::uint32_t>(n);
+    event.code = (heard >> n) & 1U;
+    emit(state, event);
+  }
+  state.nodes_heard = heard;
+}
+
+void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
+  if (!(inputs.wake_lateness_s <= kLate_s)) ++state.overruns;
+  if (state.motion.remote_lost) {
+    state.remote_lost_ticks = kRemoteLostShownTicks;
+  } else if (state.remote_lost_ticks > 0) {
+    --state.remote_lost_ticks;
+  }
+  const MonitorView view{state.sensed,
+                         state.params,
+                         state.mode,
+                         is_moving(state.mode),
+                         state.motion.powered,
+                         state.latched,
+                         state.left_command_m_s,
+                         state.right_command_m_s,
+                         state.left_control.refuses_to_run(),
+                         state.right_control.refuses_to_run(),
+                         inputs.bus_up,
+                         state.bus_settle_ticks == 0,
+                         state.server.alive(),
+                         state.server.seen(),
+                         state.remote_lost_ticks > 0,
+                         inputs.wake_lateness_s,
+                         state.ticks_run,
+                         dt_s};
+  judge_faults(state, check_all(state.monitors, view));
+}
+
+void take_commands(CoreState& state, const TickInputs& inputs) noexcept {
+  watch_server(state, inputs.server_heartbeat);
+  for (std::size_t i = 0; i < inputs.commands.size(); ++i) {
+    // Copied once: what is checked is what is used, whoever else can write there.
+    const contract::Command command = inputs.commands[i];
+    if (i < kCommandsPerTick) {
+      take_command(state, command);
+    } else {
+      take_surplus_command(state, command);
+    }
+  }
+  if (inputs.drive_fresh) take_drive_command(state, inputs.drive);
+  serve_pending(state);
+}
+
+/// The mode's wish, through the limiter.
+Wish decide(CoreState& state, double dt_s) noexcept {
+  Motion& motion = state.motion;
+  ++motion.ticks;
+  if (state.sensed.left_drive.enabled() && state.sensed.right_drive.enabled() && mode_row_of(state.mode).drives) motion.powered = true;
+  const Wish wish = mode_row_of(state.mode).step(state, dt_s);
+  if (wish.done) finish_mode(state);
+  if (mode_row_of(state.mode).drives) {
+    state.limiter.step(state.params, wish.braking, wish.speed_m_s, wish.yaw_rate_rad_s, dt_s);
+  } else {
+    state.limiter.reset();
+  }
+  state.still_ticks =
+      !at_rest(state) ? std::uint8_t{0} : static_cast<std::uint8_t>(state.still_ticks < kStillTicks ? state.still_ticks + 1 : kStillTicks);
+  return wish;
+}
+
+CanFrame drive_frame(Node node, std::uint16_t control, std::int32_t target) noexcept {
+  CanFrame frame{contract::pdo_cob_id(Pdo::drive_rx1, node), static_cast<std::uint8_t>(contract::pdo_bytes(Pdo::drive_rx1)), 0, {}};
+  contract::write_slot(frame, contract::pdo_slot(Pdo::drive_rx1, 0x6040), control);
+  // A target means something only to a drive that runs; the others are told zero.
+  contract::write_slot(frame, contract::pdo_slot(Pdo::drive_rx1, 0x60FF), control == contract::canopen::drive::kEnable ? target : 0);
+  return frame;
+}
+
+double commanded_m_s(const CanFrame& frame, double motor_per_m) noexcept {
+  return wheel_m_s(static_cast<std::int32_t>(contract::read_slot(frame, contract::pdo_slot(Pdo::drive_rx1, 0x60FF))), motor_per_m);
+}
+
+void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& out) noexcept {
+  const bool drives = mode_row_of(state.mode).drives;
+  const WheelCommand wheels = mix_wheels(state.limiter.speed_m_s(), state.limiter.yaw_rate_rad_s(), state.derived);
+  static_cast<void>(
+      out.frames.push_back(drive_frame(Node::drive_left, state.left_control.step(state.sensed.left_drive, drives), wheels.left_raw)));
+  static_cast<void>(
+      out.frames.push_back(drive_frame(Node::drive_right, state.right_control.step(state.sensed.right_drive, drives), wheels.right_raw)));
+  state.master.step(inputs.tick, state.sensed, state.params, out.frames);
+  static_cast<void>(out.frames.push_back(contract::canopen::sync()));
+
+  const GateView view{state.mode, state.sensed.tilts_lost(), state.sensed.drives_lost(),
+                      state.remote.held() && state.remote.age_s(state.time_ns) < state.params.remote_stop_age_s};
+  bool refused = false;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < out.frames.size(); ++i) {
+    CanFrame frame = out.frames[i];
+    if (!state.gate.judge(frame, view, state.params, state.derived, dt_s)) {
+      refused = true;
+      // The first two are the drives' commands; anything else simply does not leave.
+      if (i >= 2) continue;
+      frame = state.gate.zero_command(out.frames[i].id, view);
+    }
+    out.frames[kept++] = frame;
+  }
+  while (out.frames.size() > kept) out.frames.pop_back();
+  if (refused) {
+    // Both wheels stand together: a single refused one would spin the hoist about the other.
+    for (std::size_t i = 0; i < 2; ++i) out.frames[i] = state.gate.zero_command(out.frames[i].id, view);
+    raise_fault(state, Fault::gate_refused);
+    state.limiter.reset();
+  }
+  state.left_command_m_s = commanded_m_s(out.frames[0], state.derived.left_motor_per_m);
+  state.right_command_m_s = commanded_m_s(out.frames[1], state.derived.right_motor_per_m);
+}
+
 }  // namespace
 
 void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& out) noexcept {
-  namespace canopen = contract::canopen;
   out.frames.clear();
   out.events.clear();
-  out.record = {};
-  out.params_changed = false;
-  static_cast<void>(dt_s);
-  state.started = true;
-  out.record.tick = inputs.tick;
-  out.record.time_ns = inputs.time_ns;
-  out.record.parameter_version = static_cast<std::uint32_t>(state.parameter_version);
-  if (inputs.tick % kHeartbeatTicks == 0)
-    static_cast<void>(out.frames.push_back(canopen::heartbeat(contract::node_id(contract::Node::core), canopen::NmtState::operational)));
-  static_cast<void>(out.frames.push_back(canopen::sync()));
+  state.tick = inputs.tick;
+  state.time_ns = inputs.time_ns;
+  if (!state.started) {
+    state.started = true;
+    Event event;
+    event.kind = EventKind::core_started;
+    emit(state, event);
+  }
+  ++state.ticks_run;
+  receive_frames(state, inputs, dt_s);
+  state.sensed.odometry.update(state.sensed.left_drive, state.sensed.right_drive, state.derived, dt_s);
+  state.intent.update(state.sensed, state.derived, state.params.neutral_start_tolerance_norm);
+  watch(state, inputs, dt_s);
+  take_commands(state, inputs);
+  const Wish wish = decide(state, dt_s);
+  send_frames(state, inputs, dt_s, out);
+  fill_record(state, inputs, wish, out.record);
+  state.events.drain(out.events);
+  out.params_changed = state.params_changed;
+  state.params_changed = false;
 }
 
 bool load_params(CoreState& state, const contract::Params& params) noexcept {
@@ -32,6 +189,7 @@ bool load_params(CoreState& state, const contract::Params& params) noexcept {
   for (std::size_t i = 0; i < contract::kParamCount; ++i)
     if (contract::check_param(i, contract::get_param(params, i)) != contract::ParamCheck::ok) return false;
   state.params = params;
+  state.derived = derive(params);
   return true;
 }
 

@@ -1,0 +1,275 @@
+#include "control/core/command/commands.hpp"
+
+#include <bit>
+#include <cmath>
+
+#include "control/core/modes/mode_list.hpp"
+#include "control/core/output/supervisor.hpp"
+
+namespace hoist::core {
+
+using contract::Command;
+using contract::CommandKind;
+using contract::Event;
+using contract::EventKind;
+using contract::Fault;
+using contract::Mode;
+using contract::Refusal;
+using contract::refusal_bit;
+
+namespace {
+
+// Odometry marks beyond these are mistakes: the widest hall, and some tens of turns.
+constexpr double kPoseLargest_m = 1000.0, kPoseLargest_rad = 1000.0;
+// "Set neutral": a patient whose harness moved further than this within the second was not standing at ease. Gait sway of a walking
+// patient is 12 mm forward and back (paper readings, section 5); a standing one moves by a few.
+constexpr double kNeutralSpread_m = 0.02;
+
+// What a command came to: refusal bits (0 = done) and, for parameters, which row it was about.
+struct Verdict {
+  std::uint32_t bits = 0;
+  std::uint32_t item = 0;
+  bool later = false;  // answered in a later step
+};
+
+constexpr Verdict refused(Refusal refusal, std::uint32_t item = 0) { return {refusal_bit(refusal), item, false}; }
+
+bool standing(const CoreState& state) noexcept { return state.mode == Mode::standby && at_rest(state); }
+
+// ----- parameters -----
+
+Verdict stage(CoreState& state, const Command& command) noexcept {
+  Staging& staging = state.staging;
+  if (command.b == 0) {
+    staging.rows.clear();
+    staging.client = command.client;
+  }
+  // A row of somebody else's set, or one that does not follow the last: the set is not what its sender thinks it is.
+  if (staging.client != command.client || command.b != staging.rows.size()) return refused(Refusal::out_of_order, command.a);
+  const auto index = contract::find_param_id(command.a);
+  if (!index) return refused(Refusal::unknown_item, command.a);
+  switch (contract::check_param(*index, command.v0)) {
+    case contract::ParamCheck::ok:
+      break;
+    case contract::ParamCheck::unknown:
+      return refused(Refusal::unknown_item, command.a);
+    case contract::ParamCheck::not_finite:
+      return refused(Refusal::not_finite, command.a);
+    case contract::ParamCheck::out_of_range:
+      return refused(Refusal::out_of_range, command.a);
+  }
+  for (const Staging::Row& row : staging.rows)
+    if (row.index == *index) return refused(Refusal::inconsistent_set, command.a);
+  if (!staging.rows.push_back({*index, command.v0})) return refused(Refusal::out_of_order, command.a);
+  return {};
+}
+
+// Puts a checked set into force: all rows at once, one new version, one event each.
+void put_into_force(CoreState& state, const Staging& set, const Command& command) noexcept {
+  const contract::Params before = state.params;
+  for (const Staging::Row& row : set.rows) contract::set_param_unchecked(state.params, row.index, row.value);
+  state.derived = derive(state.params);
+  ++state.parameter_version;
+  state.params_changed = true;
+  state.master.params_changed(before, state.params);
+  for (const Staging::Row& row : set.rows) {
+    Event event;
+    event.kind = EventKind::parameter_changed;
+    event.request_id = command.request_id;
+    event.client = command.client;
+    event.item = contract::kParams[row.index].id;
+    event.value = row.value;
+    event.before = contract::get_param(before, row.index);
+    emit(state, event);
+  }
+}
+
+// All reasons against a set, and the first row they are about.
+Verdict check_set(const CoreState& state, const Staging& set, contract::Role role) noexcept {
+  Verdict verdict;
+  contract::Params next = state.params;
+  for (const Staging::Row& row : set.rows) {
+    const contract::ParamInfo& info = contract::kParams[row.index];
+    std::uint32_t bits = 0;
+    if (static_cast<int>(role) < static_cast<int>(info.role)) bits |= refusal_bit(Refusal::not_allowed);
+    if (info.edit == contract::EditRule::stopped && !standing(state)) bits |= refusal_bit(Refusal::only_when_stopped);
+    if (bits != 0 && verdict.item == 0) verdict.item = info.id;
+    verdict.bits |= bits;
+    contract::set_param_unchecked(next, row.index, row.value);
+  }
+  if (contract::check_param_set(next) != nullptr) verdict.bits |= refusal_bit(Refusal::inconsistent_set);
+  return verdict;
+}
+
+Verdict commit(CoreState& state, const Command& command) noexcept {
+  const Staging set = state.staging;
+  if (set.client != command.client || set.rows.empty() || command.a != set.rows.size()) return refused(Refusal::out_of_order);
+  state.staging.rows.clear();
+  if (command.b > static_cast<std::uint32_t>(contract::Role::engineer)) return refused(Refusal::not_allowed);
+  const Verdict verdict = check_set(state, set, static_cast<contract::Role>(command.b));
+  if (verdict.bits == 0) put_into_force(state, set, command);
+  return verdict;
+}
+
+Verdict set_neutral(CoreState& state, const Command& command) noexcept {
+  if (!standing(state)) return refused(at_rest(state) ? Refusal::only_when_stopped : Refusal::moving);
+  const auto posture = state.intent.last_second();
+  if (!posture.complete) return refused(Refusal::sensors_settling);
+  std::uint32_t bits = 0;
+  if (posture.dx_spread_m > kNeutralSpread_m) bits |= refusal_bit(Refusal::moving);
+  constexpr std::size_t kLean = contract::param_index(contract::ParamName::neutral_lean_m);
+  constexpr std::size_t kTurn = contract::param_index(contract::ParamName::neutral_turn_rad);
+  // The range of the parameter is the bound on a neutral posture: 0.10 m.
+  if (contract::check_param(kLean, posture.dx_m) != contract::ParamCheck::ok ||
+      contract::check_param(kTurn, posture.dpsi_rad) != contract::ParamCheck::ok)
+    bits |= refusal_bit(Refusal::out_of_range);
+  if (bits != 0) return {bits, contract::kParams[kLean].id, false};
+  Staging set;
+  static_cast<void>(set.rows.push_back({kLean, posture.dx_m}));
+  static_cast<void>(set.rows.push_back({kTurn, posture.dpsi_rad}));
+  put_into_force(state, set, command);
+  Event event;
+  event.kind = EventKind::neutral_set;
+  event.request_id = command.request_id;
+  event.client = command.client;
+  event.value = posture.dx_m;
+  emit(state, event);
+  return {};
+}
+
+// ----- pose, lease, modes -----
+
+Verdict set_pose(CoreState& state, const Command& command) noexcept {
+  if (!std::isfinite(command.v0) || !std::isfinite(command.v1) || !std::isfinite(command.v2)) return refused(Refusal::not_finite);
+  if (std::fabs(command.v0) > kPoseLargest_m || std::fabs(command.v1) > kPoseLargest_m || std::fabs(command.v2) > kPoseLargest_rad)
+    return refused(Refusal::out_of_range);
+  if (!at_rest(state)) return refused(Refusal::moving);
+  state.sensed.odometry.pose = {command.v0, command.v1, command.v2};
+  state.sensed.odometry.distance_m = 0;
+  Event event;
+  event.kind = EventKind::pose_set;
+  event.request_id = command.request_id;
+  event.client = command.client;
+  emit(state, event);
+  return {};
+}
+
+Verdict take_lease(CoreState& state, const Command& command) noexcept {
+  // The server itself never drives.
+  if (command.client == 0) return refused(Refusal::no_lease);
+  const std::uint32_t holder = state.lease.holder;
+  if (holder != 0 && holder != command.client) {
+    if (command.a != 1) return refused(Refusal::no_lease);
+    if (!at_rest(state)) return refused(Refusal::moving);
+  }
+  give_lease(state, command.client);
+  return {};
+}
+
+Verdict release_lease(CoreState& state, const Command& command) noexcept {
+  const std::uint32_t holder = state.lease.holder;
+  // The server releases for a client that is gone and names it in `a`; 0 means whoever holds it.
+  const bool by_server = command.client == 0 && (command.a == 0 || command.a == holder);
+  if (holder == 0 || (!by_server && command.client != holder)) return refused(Refusal::no_lease);
+  give_lease(state, 0);
+  return {};
+}
+
+Verdict ask_mode(CoreState& state, const Command& command) noexcept {
+  if (command.a >= contract::kModes.size()) return refused(Refusal::unknown_item);
+  const auto to = static_cast<Mode>(command.a);
+  const bool holds = state.lease.held_by(command.client, command.lease_epoch);
+  // All reasons at once: whoever is refused for the lease also learns what else is in the way.
+  if (!holds) {
+    const bool start = to == Mode::user || to == Mode::remote;
+    return {refusal_bit(Refusal::no_lease) | (start ? start_refusals(state) : 0U), 0, false};
+  }
+  return {request_mode(state, to), 0, false};
+}
+
+Verdict ask_acknowledge(CoreState& state, const Command& command) noexcept {
+  if (!state.lease.held_by(command.client, command.lease_epoch)) return refused(Refusal::no_lease);
+  if (state.pending.ticks_left > 0) return refused(Refusal::out_of_order);
+  bool wait = false;
+  const std::uint32_t bits = acknowledge(state, wait);
+  if (wait) state.pending = {command.request_id, command.client, kResetTicksMax};
+  return {bits, 0, wait};
+}
+
+Verdict execute(CoreState& state, const Command& command) noexcept {
+  switch (command.kind) {
+    case CommandKind::stop:
+      raise_fault(state, Fault::stop_pressed);
+      return {};
+    case CommandKind::request_mode:
+      return ask_mode(state, command);
+    case CommandKind::acknowledge:
+      return ask_acknowledge(state, command);
+    case CommandKind::take_lease:
+      return take_lease(state, command);
+    case CommandKind::release_lease:
+      return release_lease(state, command);
+    case CommandKind::stage_parameter:
+      return stage(state, command);
+    case CommandKind::commit_parameters:
+      return commit(state, command);
+    case CommandKind::set_pose:
+      return set_pose(state, command);
+    case CommandKind::set_neutral:
+      return set_neutral(state, command);
+    case CommandKind::none:
+      break;
+  }
+  return refused(Refusal::unknown_item);
+}
+
+void answer(CoreState& state, const Command& command, const Verdict& verdict) noexcept {
+  if (verdict.later) return;
+  Event event;
+  event.request_id = command.request_id;
+  event.client = command.client;
+  event.item = verdict.item;
+  if (verdict.bits == 0) {
+    event.kind = EventKind::command_done;
+  } else {
+    event.kind = EventKind::command_refused;
+    event.code = static_cast<std::uint32_t>(std::countr_zero(verdict.bits));
+    event.bits = verdict.bits;
+    ++state.commands_refused;
+  }
+  emit(state, event);
+}
+
+}  // namespace
+
+void take_command(CoreState& state, const Command& command) noexcept {
+  const bool in_order = state.next_sequence == 0 || command.sequence == state.next_sequence;
+  // After a gap (the ring went round) the order goes on from the newest; an old number never brings the count back, so nothing that
+  // was once sent can be played again. STOP is done in any order: it can only stop.
+  if (in_order || command.sequence > state.next_sequence) state.next_sequence = command.sequence + 1;
+  if (!in_order && command.kind != CommandKind::stop) {
+    answer(state, command, refused(Refusal::out_of_order));
+    return;
+  }
+  answer(state, command, execute(state, command));
+}
+
+void take_surplus_command(CoreState& state, const Command& command) noexcept {
+  if (command.kind == CommandKind::stop) raise_fault(state, Fault::stop_pressed);
+  if (command.sequence >= state.next_sequence) state.next_sequence = command.sequence + 1;
+  ++state.commands_refused;
+}
+
+void take_drive_command(CoreState& state, const contract::DriveCommand& command) noexcept {
+  if (!state.remote.take(command, state.lease, state.time_ns, state.params.remote_stop_age_s)) ++state.commands_refused;
+}
+
+void watch_server(CoreState& state, std::uint64_t heartbeat) noexcept {
+  if (state.server.update(heartbeat) == ServerWatch::News::none) return;
+  // Gone, or another one: nobody it knew drives any more, and its numbers begin anew.
+  give_lease(state, 0);
+  state.staging.rows.clear();
+  state.next_sequence = 0;
+}
+
+}  // namespace hoist::core

@@ -1,0 +1,80 @@
+// The driving command of the lease holder: what is accepted, and how old it is (hazards H17 to H20).
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+#include "control/contract/commands.hpp"
+#include "control/core/command/lease.hpp"
+
+namespace hoist::core {
+
+/// A stick this close to the middle is in the middle.
+inline constexpr double kStickNeutral_norm = 0.02;
+/// What is shown as age when there is no command (signals.def).
+inline constexpr double kNoCommand_s = 9.999;
+
+class RemoteDrive {
+ public:
+  /// False when the command is refused; nothing is changed then. Refused is what does not come from the lease holder, does not rise in
+  /// sequence, is not a number or beyond 1, or echoes a telemetry stamp from the future or older than max_echo_age_s. Letting go is
+  /// taken from the holder whatever else is wrong with it: it can only stop.
+  [[nodiscard]] bool take(const contract::DriveCommand& command, const Lease& lease, std::uint64_t now_ns, double max_echo_age_s) noexcept {
+    if (!lease.held_by(command.client, command.lease_epoch) || command.sequence <= sequence_) return false;
+    const bool held = command.held == 1;
+    const bool fresh = command.echo_time_ns <= now_ns && seconds(now_ns - command.echo_time_ns) <= max_echo_age_s;
+    if (held) {
+      // Written so that a NaN fails.
+      const bool in_range = std::fabs(command.speed_norm) <= 1.0 && std::fabs(command.yaw_norm) <= 1.0;
+      if (!fresh || !in_range) return false;
+    }
+    sequence_ = command.sequence;
+    accepted_ns_ = now_ns;
+    known_ = true;
+    held_ = held;
+    speed_norm_ = held ? command.speed_norm : 0.0;
+    yaw_norm_ = held ? command.yaw_norm : 0.0;
+    if (neutral() && fresh) awaits_neutral_ = false;
+    return true;
+  }
+
+  /// A new driver, or none: nothing of the former one remains.
+  void reset() noexcept { *this = RemoteDrive{}; }
+
+  /// REMOTE begins. A hand that had been on the stick long ago is not on it now.
+  void begin(std::uint64_t now_ns, double stop_age_s) noexcept {
+    if (age_s(now_ns) > stop_age_s) let_go();
+    awaits_neutral_ = !neutral();
+  }
+  /// Commands stopped coming while the dead-man was held: the next motion needs a neutral stick first.
+  void lose() noexcept {
+    let_go();
+    awaits_neutral_ = true;
+  }
+
+  [[nodiscard]] bool held() const noexcept { return held_; }
+  [[nodiscard]] bool neutral() const noexcept {
+    return !held_ || (std::fabs(speed_norm_) <= kStickNeutral_norm && std::fabs(yaw_norm_) <= kStickNeutral_norm);
+  }
+  [[nodiscard]] bool awaits_neutral() const noexcept { return awaits_neutral_; }
+  [[nodiscard]] double speed_norm() const noexcept { return speed_norm_; }
+  [[nodiscard]] double yaw_norm() const noexcept { return yaw_norm_; }
+  [[nodiscard]] double age_s(std::uint64_t now_ns) const noexcept {
+    if (!known_ || now_ns < accepted_ns_) return kNoCommand_s;
+    const double age = seconds(now_ns - accepted_ns_);
+    return age < kNoCommand_s ? age : kNoCommand_s;
+  }
+
+ private:
+  [[nodiscard]] static double seconds(std::uint64_t ns) noexcept { return static_cast<double>(ns) * 1e-9; }
+  void let_go() noexcept {
+    held_ = false;
+    speed_norm_ = 0;
+    yaw_norm_ = 0;
+  }
+
+  std::uint64_t sequence_ = 0, accepted_ns_ = 0;
+  double speed_norm_ = 0, yaw_norm_ = 0;
+  bool known_ = false, held_ = false, awaits_neutral_ = false;
+};
+
+}  // namespace hoist::core

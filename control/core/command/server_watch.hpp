@@ -1,0 +1,40 @@
+// Whether the server lives, by its heartbeat counter (hazard H21: 250 ms).
+#pragma once
+#include <cstdint>
+
+namespace hoist::core {
+
+class ServerWatch {
+ public:
+  enum class News : std::uint8_t { none, lost, restarted };
+
+  [[nodiscard]] News update(std::uint64_t heartbeat) noexcept {
+    const std::uint64_t before = heartbeat_;
+    const bool moved = known_ && heartbeat != before;
+    heartbeat_ = heartbeat;
+    known_ = true;
+    if (moved) {
+      const bool restarted = alive_ && heartbeat < before;
+      alive_ = true;
+      seen_ = true;
+      silent_ticks_ = 0;
+      // The counter only ever rises in one life of the server: this is another server, and nobody it knows drives.
+      return restarted ? News::restarted : News::none;
+    }
+    if (!alive_ || ++silent_ticks_ < kSilentTicks) return News::none;
+    alive_ = false;
+    return News::lost;
+  }
+
+  [[nodiscard]] bool alive() const noexcept { return alive_; }
+  [[nodiscard]] bool seen() const noexcept { return seen_; }
+
+ private:
+  static constexpr std::uint32_t kSilentTicks = 25;
+
+  std::uint64_t heartbeat_ = 0;
+  std::uint32_t silent_ticks_ = 0;
+  bool known_ = false, alive_ = false, seen_ = false;
+};
+
+}  // namespace hoist::core

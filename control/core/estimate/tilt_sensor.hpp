@@ -1,0 +1,96 @@
+// One tilt sensor (left strut, right strut or chassis): TPDO1 with angles, status and sample counter, TPDO2 with rates.
+#pragma once
+#include <cstdint>
+#include <numbers>
+
+#include "control/contract/can_dictionary.hpp"
+#include "control/core/estimate/freshness.hpp"
+
+namespace hoist::core {
+
+/// Bits of 2120h.
+namespace tilt_status {
+inline constexpr std::uint8_t kValid = 1, kConverged = 2, kAccelerationOutOfRange = 4, kGyroSaturated = 8, kSelfTestFailed = 16;
+}
+
+class TiltSensor {
+ public:
+  void next_tick() noexcept {
+    fresh_.next_tick();
+    heard_.next_tick();
+  }
+
+  void take_angles(const contract::CanFrame& frame) noexcept {
+    using contract::Pdo;
+    constexpr auto kAlpha = contract::pdo_slot(Pdo::tilt_tx1, 0x6010), kBeta = contract::pdo_slot(Pdo::tilt_tx1, 0x6020);
+    constexpr auto kStatus = contract::pdo_slot(Pdo::tilt_tx1, 0x2120), kCounter = contract::pdo_slot(Pdo::tilt_tx1, 0x2121);
+    const auto counter = static_cast<std::uint8_t>(contract::read_slot(frame, kCounter));
+    const auto status = static_cast<std::uint8_t>(contract::read_slot(frame, kStatus));
+    const auto steps = static_cast<std::uint8_t>(counter - counter_);
+    heard_.renew();
+    status_ = status;
+    // The same sample twice is no news: it may be a sensor whose processor stands while its bus controller repeats (H6).
+    if (known_ && steps == 0) {
+      if (repeated_frames_ < kOldestTicks) ++repeated_frames_;
+      return;
+    }
+    repeated_frames_ = 0;
+    counter_ = counter;
+    if ((status & tilt_status::kValid) == 0) return;
+    const double alpha_rad = static_cast<double>(contract::read_slot(frame, kAlpha)) * (kAlpha.scale * kRadPerDeg);
+    const double beta_rad = static_cast<double>(contract::read_slot(frame, kBeta)) * (kBeta.scale * kRadPerDeg);
+    // The sensor's own counter tells how much time lies between two samples, whatever the bus did to the frames.
+    if (known_ && steps <= kRateGapSteps) {
+      const double span_s = static_cast<double>(steps) * kSample_s;
+      alpha_rate_rad_s_ = (alpha_rad - alpha_rad_) / span_s;
+      beta_rate_rad_s_ = (beta_rad - beta_rad_) / span_s;
+    } else {
+      alpha_rate_rad_s_ = 0;
+      beta_rate_rad_s_ = 0;
+    }
+    known_ = true;
+    alpha_rad_ = alpha_rad;
+    beta_rad_ = beta_rad;
+    fresh_.renew();
+  }
+
+  void take_rates(const contract::CanFrame& frame) noexcept {
+    using contract::Pdo;
+    constexpr auto kYaw = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 1), kPitch = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 2),
+                   kRoll = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 3);
+    yaw_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kYaw)) * (kYaw.scale * kRadPerDeg);
+    pitch_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kPitch)) * (kPitch.scale * kRadPerDeg);
+    roll_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kRoll)) * (kRoll.scale * kRadPerDeg);
+  }
+
+  /// The node said that it has started anew: its counter and its filter begin again.
+  void restart() noexcept { *this = TiltSensor{}; }
+
+  /// A valid sample that was new. `heard` also counts repeated and invalid ones: the node lives.
+  [[nodiscard]] const Freshness& fresh() const noexcept { return fresh_; }
+  [[nodiscard]] const Freshness& heard() const noexcept { return heard_; }
+  [[nodiscard]] double alpha_rad() const noexcept { return alpha_rad_; }
+  [[nodiscard]] double beta_rad() const noexcept { return beta_rad_; }
+  /// From the difference of the last two samples.
+  [[nodiscard]] double alpha_rate_rad_s() const noexcept { return alpha_rate_rad_s_; }
+  [[nodiscard]] double beta_rate_rad_s() const noexcept { return beta_rate_rad_s_; }
+  [[nodiscard]] double yaw_rate_rad_s() const noexcept { return yaw_rate_rad_s_; }
+  [[nodiscard]] double pitch_rate_rad_s() const noexcept { return pitch_rate_rad_s_; }
+  [[nodiscard]] double roll_rate_rad_s() const noexcept { return roll_rate_rad_s_; }
+  [[nodiscard]] bool has(std::uint8_t status_bit) const noexcept { return (status_ & status_bit) != 0; }
+  [[nodiscard]] std::uint8_t repeated_frames() const noexcept { return repeated_frames_; }
+
+ private:
+  static constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+  static constexpr double kSample_s = 0.01;          // 2103h
+  static constexpr std::uint8_t kRateGapSteps = 20;  // over a longer gap a mean rate says nothing about now
+
+  double alpha_rad_ = 0, beta_rad_ = 0;
+  double alpha_rate_rad_s_ = 0, beta_rate_rad_s_ = 0;
+  double yaw_rate_rad_s_ = 0, pitch_rate_rad_s_ = 0, roll_rate_rad_s_ = 0;
+  Freshness fresh_, heard_;
+  std::uint8_t status_ = 0, counter_ = 0, repeated_frames_ = 0;
+  bool known_ = false;
+};
+
+}  // namespace hoist::core

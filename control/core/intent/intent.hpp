@@ -1,0 +1,74 @@
+// What the patient asks for, step by step: equations (1)-(3), neutral and range, and the memory that "Set neutral" needs.
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "control/core/derived.hpp"
+#include "control/core/estimate/estimate.hpp"
+#include "control/core/intent/pelvis.hpp"
+
+namespace hoist::core {
+
+/// One second of steps: how long neutral must last before a start, and what "Set neutral" averages.
+inline constexpr std::size_t kNeutralTicks = 100;
+
+class PatientIntent {
+ public:
+  void update(const Estimate& sensed, const Derived& derived, double tolerance_norm) noexcept {
+    pelvis_ = pelvis_exact(sensed.relative(), derived.geometry);
+    // A stale tilt means no intent. Holding the last one would drive on with a patient nobody sees (H4).
+    const Intent<double> wish = sensed.tilts_stale() ? Intent<double>{} : normalise(pelvis_, derived.range, derived.neutral);
+    lean_norm_ = wish.u_norm;
+    turn_norm_ = wish.u_psi_norm;
+    if (!wish.valid) {
+      held_ = 0;
+      neutral_ticks_ = 0;
+      return;
+    }
+    dx_m_[next_] = pelvis_.dx_m;
+    dpsi_rad_[next_] = pelvis_.dpsi_rad;
+    next_ = next_ + 1 == kNeutralTicks ? 0 : next_ + 1;
+    if (held_ < kNeutralTicks) ++held_;
+    if (std::fabs(lean_norm_) <= tolerance_norm && std::fabs(turn_norm_) <= tolerance_norm) {
+      if (neutral_ticks_ < kNeutralTicks) ++neutral_ticks_;
+    } else {
+      neutral_ticks_ = 0;
+    }
+  }
+
+  [[nodiscard]] const Pelvis<double>& pelvis() const noexcept { return pelvis_; }
+  /// u and u_psi, -1 to 1; 0 while any tilt is stale.
+  [[nodiscard]] double lean_norm() const noexcept { return lean_norm_; }
+  [[nodiscard]] double turn_norm() const noexcept { return turn_norm_; }
+  /// Upright and straight for a whole second.
+  [[nodiscard]] bool neutral() const noexcept { return neutral_ticks_ == kNeutralTicks; }
+
+  struct Posture {
+    bool complete = false;  // a whole second without a gap
+    double dx_m = 0, dpsi_rad = 0;
+    double dx_spread_m = 0;  // largest minus smallest: a patient who moves has no posture
+  };
+  [[nodiscard]] Posture last_second() const noexcept {
+    Posture posture;
+    if (held_ < kNeutralTicks) return posture;
+    double low_m = dx_m_[0], high_m = dx_m_[0];
+    for (std::size_t i = 0; i < kNeutralTicks; ++i) {
+      posture.dx_m += dx_m_[i] / static_cast<double>(kNeutralTicks);
+      posture.dpsi_rad += dpsi_rad_[i] / static_cast<double>(kNeutralTicks);
+      low_m = dx_m_[i] < low_m ? dx_m_[i] : low_m;
+      high_m = dx_m_[i] > high_m ? dx_m_[i] : high_m;
+    }
+    posture.dx_spread_m = high_m - low_m;
+    posture.complete = true;
+    return posture;
+  }
+
+ private:
+  Pelvis<double> pelvis_;
+  double lean_norm_ = 0, turn_norm_ = 0;
+  std::array<double, kNeutralTicks> dx_m_{}, dpsi_rad_{};
+  std::size_t next_ = 0, held_ = 0, neutral_ticks_ = 0;
+};
+
+}  // namespace hoist::core

@@ -1,0 +1,14 @@
+// PROTECTIVE_STOP: ramp to zero, then hold with the drives enabled, until somebody acknowledges. A falling patient is held, never let roll.
+#pragma once
+#include "control/core/modes/mode.hpp"
+
+namespace hoist::core {
+
+struct ProtectiveStopMode {
+  static constexpr contract::Mode kMode = contract::Mode::protective_stop;
+
+  static void enter(CoreState& /*state*/) noexcept {}
+  static Wish step(CoreState& state, double /*dt_s*/) noexcept { return {0, 0, state.motion.braking, false}; }
+};
+
+}  // namespace hoist::core

@@ -1,0 +1,14 @@
+// STANDBY: everything is there and nothing moves; the drives are off, so the hoist can be pushed by hand.
+#pragma once
+#include "control/core/modes/mode.hpp"
+
+namespace hoist::core {
+
+struct StandbyMode {
+  static constexpr contract::Mode kMode = contract::Mode::standby;
+
+  static void enter(CoreState& /*state*/) noexcept {}
+  static Wish step(CoreState& /*state*/, double /*dt_s*/) noexcept { return {}; }
+};
+
+}  // namespace hoist::core

@@ -1,0 +1,34 @@
+// What every monitor may look at. A monitor answers one question each step: does its fault's condition hold now?
+//
+// A monitor is a small class with `static constexpr contract::Fault kFault` (the hazard and the reaction stand in that fault's row of
+// faults.def) and `bool check(const MonitorView&) noexcept`. It is called in every step and in every mode, so that its memory is right
+// when it matters; it decides itself in which modes its condition means anything.
+#pragma once
+#include <cstdint>
+
+#include "control/contract/faults.hpp"
+#include "control/contract/params.hpp"
+#include "control/core/estimate/estimate.hpp"
+
+namespace hoist::core {
+
+struct MonitorView {
+  const Estimate& sensed;
+  const contract::Params& params;
+  contract::Mode mode;
+  bool moving;                                 // a mode in which the wheels may turn
+  bool powered;                                // both drives have been enabled since the mode began and are meant to follow
+  std::uint32_t latched;                       // faults in force before this step
+  double left_command_m_s, right_command_m_s;  // what the drives were last told
+  bool left_refuses, right_refuses;            // a drive that does not run although it should (drive_control.hpp)
+  bool bus_up, bus_settled;                    // settled: long enough up that silence is the node's own
+  bool server_alive, server_seen;
+  bool remote_lost;
+  float wake_lateness_s;
+  std::uint64_t ticks;  // steps since the start of the core
+  double dt_s;
+
+  [[nodiscard]] bool has(contract::Fault fault) const noexcept { return (latched & contract::fault_bit(fault)) != 0; }
+};
+
+}  // namespace hoist::core

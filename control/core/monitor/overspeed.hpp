@@ -1,0 +1,58 @@
+// H1: the wheels do something else than they were told.
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+#include "control/core/monitor/monitor.hpp"
+
+namespace hoist::core {
+
+class Overspeed {
+ public:
+  static constexpr contract::Fault kFault = contract::Fault::overspeed;
+
+  bool check(const MonitorView& view) noexcept {
+    const Odometry& odometry = view.sensed.odometry;
+    const bool known = !view.sensed.drives_lost();
+    if (!view.powered || !known) {
+      // A hoist whose drives are off may be pushed by hand.
+      left_.value = odometry.wheel_left_m_s;
+      right_.value = odometry.wheel_right_m_s;
+      fast_ticks_ = 0;
+      apart_ticks_ = 0;
+      return false;
+    }
+    follow(left_.value, view.left_command_m_s, view.dt_s);
+    follow(right_.value, view.right_command_m_s, view.dt_s);
+    const bool fast = !(std::fabs(odometry.speed_m_s) <= view.params.speed_m_s_max + kBeyondMax_m_s);
+    const bool apart = !(std::fabs(odometry.wheel_left_m_s - left_.value) <= kApart_m_s &&
+                         std::fabs(odometry.wheel_right_m_s - right_.value) <= kApart_m_s);
+    fast_ticks_ = count(fast, fast_ticks_, kFastTicks);
+    apart_ticks_ = count(apart, apart_ticks_, kApartTicks);
+    return fast_ticks_ == kFastTicks || apart_ticks_ == kApartTicks;
+  }
+
+ private:
+  struct Reference {
+    double value = 0;
+  };
+  // Research on safety, H1. Per wheel, because a single wheel that runs away moves the middle by only half.
+  static constexpr double kBeyondMax_m_s = 0.1;
+  static constexpr double kApart_m_s = 0.15;
+  static constexpr std::uint8_t kApartTicks = 15;  // 150 ms
+  // One position report that a late SYNC moved by some milliseconds must not trip: 50 ms in a row.
+  static constexpr std::uint8_t kFastTicks = 5;
+  // A drive follows its command with about this lag (0.08 s in the closed-loop model, plus one step each way on the bus); without it
+  // every bumper stop would differ by a x lag = 0.15 m/s.
+  static constexpr double kFollow_s = 0.1;
+
+  static void follow(double& value, double command, double dt_s) noexcept { value += (command - value) * (dt_s / kFollow_s); }
+  [[nodiscard]] static std::uint8_t count(bool holds, std::uint8_t ticks, std::uint8_t limit) noexcept {
+    return !holds ? std::uint8_t{0} : static_cast<std::uint8_t>(ticks < limit ? ticks + 1 : limit);
+  }
+
+  Reference left_, right_;
+  std::uint8_t fast_ticks_ = 0, apart_ticks_ = 0;
+};
+
+}  // namespace hoist::core

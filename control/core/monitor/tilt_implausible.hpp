@@ -1,0 +1,45 @@
+// H7: angles that this mechanism cannot have.
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+#include "control/core/monitor/monitor.hpp"
+
+namespace hoist::core {
+
+class TiltImplausible {
+ public:
+  static constexpr contract::Fault kFault = contract::Fault::tilt_implausible;
+
+  bool check(const MonitorView& view) noexcept {
+    const Estimate& sensed = view.sensed;
+    const StrutAngles<double> struts = sensed.relative();
+    const bool steep = beyond(struts.alpha_left_rad, kAngle_rad) || beyond(struts.alpha_right_rad, kAngle_rad) ||
+                       beyond(struts.beta_left_rad, kAngle_rad) || beyond(struts.beta_right_rad, kAngle_rad) ||
+                       beyond(sensed.base.alpha_rad(), kAngle_rad) || beyond(sensed.base.beta_rad(), kAngle_rad);
+    const bool fast = too_fast(sensed.left_strut) || too_fast(sensed.right_strut) || too_fast(sensed.base);
+    const bool twisted = beyond(struts.alpha_left_rad - struts.alpha_right_rad, kTwist_rad);
+    const bool apart = beyond(struts.beta_left_rad - struts.beta_right_rad, kApart_rad);
+    apart_ticks_ = !apart ? std::uint8_t{0} : static_cast<std::uint8_t>(apart_ticks_ < kApartTicks ? apart_ticks_ + 1 : kApartTicks);
+    return view.mode != contract::Mode::init && (steep || fast || twisted || apart_ticks_ == kApartTicks);
+  }
+
+ private:
+  static constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
+  // Research on safety, H7. The stop of the ball joints is at 15 degrees against the chassis.
+  static constexpr double kAngle_rad = 17 * kRadPerDeg;
+  static constexpr double kRate_rad_s = 200 * kRadPerDeg;
+  // The top bar is rigid: both struts lean sideways alike. For 100 ms, because the three sensors do not sample together.
+  static constexpr double kApart_rad = 4 * kRadPerDeg;
+  static constexpr std::uint8_t kApartTicks = 10;
+  static constexpr double kTwist_rad = 25 * kRadPerDeg;
+
+  [[nodiscard]] static bool beyond(double angle, double limit) noexcept { return !(std::fabs(angle) <= limit); }
+  [[nodiscard]] static bool too_fast(const TiltSensor& tilt) noexcept {
+    return tilt.fresh().now() && (beyond(tilt.alpha_rate_rad_s(), kRate_rad_s) || beyond(tilt.beta_rate_rad_s(), kRate_rad_s));
+  }
+
+  std::uint8_t apart_ticks_ = 0;
+};
+
+}  // namespace hoist::core

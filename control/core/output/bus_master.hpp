@@ -1,0 +1,241 @@
+// The CANopen master: finds each node, asks what it is, writes its parameters, starts it, and keeps the heartbeat and the SYNC.
+//
+// One SDO request is under way at a time and at most one leaves per step, which keeps the pace of at least 5 ms that the bus load plan
+// assumes. Every wait ends: a request is tried kSdoTries times, then its node rests kNodeRest ticks before the core begins anew with it.
+#pragma once
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "control/contract/can_dictionary.hpp"
+#include "control/contract/params.hpp"
+#include "control/core/estimate/estimate.hpp"
+#include "control/core/types.hpp"
+
+namespace hoist::core {
+
+class BusMaster {
+ public:
+  enum class Phase : std::uint8_t { absent, identify, configure, start, running };
+
+  void next_tick() noexcept {
+    for (Link& link : links_) {
+      if (link.heartbeat_age_ticks < kOldestTicks) ++link.heartbeat_age_ticks;
+      if (link.rest_ticks > 0) --link.rest_ticks;
+    }
+  }
+
+  /// A heartbeat or boot-up frame. True when the node has just started anew.
+  [[nodiscard]] bool take_heartbeat(contract::Node node, std::uint8_t state) noexcept {
+    Link& link = links_[static_cast<std::size_t>(node)];
+    link.heartbeat_age_ticks = 0;
+    link.state = state;
+    const bool boot = state == static_cast<std::uint8_t>(contract::canopen::NmtState::boot_up);
+    if (boot) {
+      if (busy_ && sdo_node_ == node) busy_ = false;
+      link.phase = Phase::identify;
+      link.rest_ticks = 0;
+    } else if (link.phase == Phase::absent && link.rest_ticks == 0) {
+      link.phase = Phase::identify;
+    }
+    return boot;
+  }
+
+  /// False when nobody asked for this.
+  [[nodiscard]] bool take_sdo_reply(contract::Node node, const contract::CanFrame& frame) noexcept {
+    namespace canopen = contract::canopen;
+    if (!busy_ || node != sdo_node_) return false;
+    if (contract::read_le(&frame.data[1], 2) != sdo_index_ || frame.data[3] != sdo_sub_) return false;
+    Link& link = links_[static_cast<std::size_t>(node)];
+    if (frame.data[0] == canopen::kSdoAbort) {
+      // The node understood and will not: asking again at once would not help. It rests, then everything begins anew with it.
+      busy_ = false;
+      give_up(link);
+      return true;
+    }
+    if (sdo_param_ == kIdentity) {
+      if (frame.data[0] != canopen::sdo_upload_reply_command(4)) return false;
+      link.product = contract::read_le(&frame.data[4], 4);
+      link.unwritten = params_of(node);
+      link.phase = Phase::configure;
+    } else {
+      if (frame.data[0] != canopen::kSdoDownloadReply) return false;
+      link.unwritten &= ~(1U << sdo_param_);
+    }
+    busy_ = false;
+    return true;
+  }
+
+  /// After the parameters changed: each node learns the ones that live in it.
+  void params_changed(const contract::Params& before, const contract::Params& now) noexcept {
+    for (std::size_t i = 0; i < contract::kParamObjects.size(); ++i) {
+      const std::size_t row = contract::param_index(contract::kParamObjects[i].param);
+      if (contract::get_param(before, row) == contract::get_param(now, row)) continue;
+      for (std::size_t n = 0; n < links_.size(); ++n)
+        if (contract::kNodes[n].kind == contract::kParamObjects[i].kind) links_[n].unwritten |= 1U << i;
+      // A value on its way is the old one: its answer must not count for the new one.
+      if (busy_ && sdo_param_ == i) busy_ = false;
+    }
+  }
+
+  /// NMT and SDO frames of this step, then the heartbeat when it is due. SYNC is the caller's, last of all.
+  template <std::size_t N>
+  void step(std::uint64_t tick, const Estimate& sensed, const contract::Params& params, FixedVector<contract::CanFrame, N>& out) noexcept {
+    namespace canopen = contract::canopen;
+    if (tick % kHeartbeatTicks == 0) send(out, canopen::heartbeat(contract::node_id(contract::Node::core), canopen::NmtState::operational));
+    all_running_ = true;
+    for (std::size_t n = 0; n < links_.size(); ++n) {
+      advance(static_cast<contract::Node>(n), sensed, out);
+      all_running_ = all_running_ && links_[n].phase == Phase::running && links_[n].unwritten == 0;
+    }
+    if (busy_) {
+      wait_for_reply(params, out);
+    } else {
+      ask_next(params, out);
+    }
+  }
+
+  [[nodiscard]] Phase phase(contract::Node node) const noexcept { return links_[static_cast<std::size_t>(node)].phase; }
+  /// Every node is known, has its parameters and runs.
+  [[nodiscard]] bool all_running() const noexcept { return all_running_; }
+  /// Any node says that it is a build for a simulator.
+  [[nodiscard]] bool simulated() const noexcept {
+    std::uint32_t products = 0;
+    for (const Link& link : links_) products |= link.product;
+    return (products & contract::canopen::kSimulatedProduct) != 0;
+  }
+
+ private:
+  struct Link {
+    std::uint32_t product = 0;
+    std::uint32_t unwritten = 0;  // bit per row of kParamObjects
+    Phase phase = Phase::absent;
+    std::uint8_t state = 0;
+    std::uint8_t heartbeat_age_ticks = kOldestTicks;
+    std::uint8_t rest_ticks = 0;
+    std::uint8_t start_ticks = 0;
+  };
+  static_assert(contract::kParamObjects.size() < 32, "unwritten holds a bit per row");
+
+  static constexpr std::uint64_t kHeartbeatTicks = 10;  // 100 ms
+  static constexpr std::uint8_t kSilenceTicks = 25;     // 250 ms, the consumer time of the plan
+  static constexpr std::uint8_t kSdoTicks = 10;         // an answer later than 100 ms does not come (worst case of the load plan: 27 ms)
+  static constexpr std::uint8_t kSdoTries = 3;
+  static constexpr std::uint8_t kNodeRest = 100;   // one second
+  static constexpr std::uint8_t kStartTicks = 20;  // from NMT start to the first process data, with two heartbeats in between
+  static constexpr std::size_t kIdentity = 31;     // the request that is no parameter: 1018h:2
+
+  template <std::size_t N>
+  static void send(FixedVector<contract::CanFrame, N>& out, const contract::CanFrame& frame) noexcept {
+    // Two drive commands, heartbeat, an SDO, an NMT per node and SYNC: 11 at most, far below the room.
+    static_assert(N >= 16);
+    static_cast<void>(out.push_back(frame));
+  }
+
+  static std::uint32_t params_of(contract::Node node) noexcept {
+    std::uint32_t mask = 0;
+    for (std::size_t i = 0; i < contract::kParamObjects.size(); ++i)
+      if (contract::kParamObjects[i].kind == contract::kNodes[static_cast<std::size_t>(node)].kind) mask |= 1U << i;
+    return mask;
+  }
+
+  void give_up(Link& link) noexcept {
+    link.phase = Phase::absent;
+    link.rest_ticks = kNodeRest;
+  }
+
+  template <std::size_t N>
+  void advance(contract::Node node, const Estimate& sensed, FixedVector<contract::CanFrame, N>& out) noexcept {
+    namespace canopen = contract::canopen;
+    Link& link = links_[static_cast<std::size_t>(node)];
+    const bool silent = link.heartbeat_age_ticks >= kSilenceTicks;
+    switch (link.phase) {
+      case Phase::absent:
+        return;
+      case Phase::identify:
+        if (silent) link.phase = Phase::absent;
+        return;
+      case Phase::configure:
+        if (silent) {
+          link.phase = Phase::absent;
+        } else if (link.unwritten == 0) {
+          link.phase = Phase::start;
+          link.start_ticks = 0;
+          send(out, canopen::nmt(canopen::NmtCommand::start, contract::node_id(node)));
+        }
+        return;
+      case Phase::start:
+        // Process data that were already under way when the node was started count: a node that outlived the core never stopped.
+        if (link.start_ticks > 0 && !sensed.heard(node).lost()) {
+          link.phase = Phase::running;
+        } else if (++link.start_ticks >= kStartTicks) {
+          give_up(link);
+        }
+        return;
+      case Phase::running:
+        // Its data are gone: whatever happened to the node, it is met anew at its next heartbeat.
+        if (sensed.heard(node).lost()) link.phase = Phase::absent;
+        return;
+    }
+  }
+
+  template <std::size_t N>
+  void wait_for_reply(const contract::Params& params, FixedVector<contract::CanFrame, N>& out) noexcept {
+    if (++sdo_ticks_ < kSdoTicks) return;
+    if (++sdo_tries_ < kSdoTries) {
+      ask(params, out);
+      return;
+    }
+    busy_ = false;
+    give_up(links_[static_cast<std::size_t>(sdo_node_)]);
+  }
+
+  template <std::size_t N>
+  void ask_next(const contract::Params& params, FixedVector<contract::CanFrame, N>& out) noexcept {
+    namespace canopen = contract::canopen;
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      turn_ = turn_ + 1 < links_.size() ? turn_ + 1 : 0;
+      const Link& link = links_[turn_];
+      const bool identify = link.phase == Phase::identify;
+      const bool write = (link.phase == Phase::configure || link.phase == Phase::running) && link.unwritten != 0;
+      if (!identify && !write) continue;
+      sdo_node_ = static_cast<contract::Node>(turn_);
+      sdo_param_ = identify ? kIdentity : static_cast<std::size_t>(std::countr_zero(link.unwritten));
+      sdo_tries_ = 0;
+      // A node that somebody stopped does not answer SDO until it is called back.
+      if (link.state == static_cast<std::uint8_t>(canopen::NmtState::stopped))
+        send(out, canopen::nmt(canopen::NmtCommand::pre_operational, contract::node_id(sdo_node_)));
+      ask(params, out);
+      return;
+    }
+  }
+
+  template <std::size_t N>
+  void ask(const contract::Params& params, FixedVector<contract::CanFrame, N>& out) noexcept {
+    namespace canopen = contract::canopen;
+    busy_ = true;
+    sdo_ticks_ = 0;
+    const std::uint32_t id = canopen::kSdoRequestBase + contract::node_id(sdo_node_);
+    if (sdo_param_ == kIdentity) {
+      sdo_index_ = 0x1018;
+      sdo_sub_ = 2;
+      send(out, canopen::sdo(id, canopen::kSdoUploadRequest, sdo_index_, sdo_sub_, 0));
+      return;
+    }
+    const contract::ParamObject& object = contract::kParamObjects[sdo_param_];
+    sdo_index_ = object.index;
+    sdo_sub_ = object.sub;
+    const auto value = static_cast<float>(contract::get_param(params, contract::param_index(object.param)));
+    send(out, canopen::sdo(id, canopen::sdo_download_command(4), sdo_index_, sdo_sub_, std::bit_cast<std::uint32_t>(value)));
+  }
+
+  std::array<Link, contract::kRemoteNodeCount> links_{};
+  std::size_t turn_ = 0, sdo_param_ = 0;
+  contract::Node sdo_node_ = contract::Node::core;
+  std::uint16_t sdo_index_ = 0;
+  std::uint8_t sdo_sub_ = 0, sdo_ticks_ = 0, sdo_tries_ = 0;
+  bool busy_ = false, all_running_ = false;
+};
+
+}  // namespace hoist::core

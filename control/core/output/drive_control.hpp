@@ -1,0 +1,70 @@
+// Leads one drive through the states of CiA 402 with its controlword: enabled only when the mode lets it be.
+#pragma once
+#include <cstdint>
+
+#include "control/contract/can_dictionary.hpp"
+#include "control/core/estimate/drive_sensor.hpp"
+
+namespace hoist::core {
+
+/// How long a drive may take to become enabled, and to leave its fault after a reset: three status reports are enough on a healthy bus.
+inline constexpr std::uint8_t kEnableTicksMax = 50, kResetTicksMax = 50;
+/// A drive that had been enabled and reports otherwise this often in a row has switched itself off.
+inline constexpr std::uint8_t kDroppedTicksMax = 5;
+
+class DriveControl {
+ public:
+  [[nodiscard]] std::uint16_t step(const DriveSensor& drive, bool wanted) noexcept {
+    namespace cia402 = contract::canopen::drive;
+    watch(drive, wanted);
+    const cia402::State state = drive.state();
+    if (reset_ticks_ > 0) {
+      --reset_ticks_;
+      if (state != cia402::State::fault) reset_ticks_ = 0;
+      // The drive acts on the rising edge; a bus that swallowed it gets another one.
+      return reset_ticks_ % 4 == 0 ? cia402::kDisableVoltage : cia402::kFaultReset;
+    }
+    switch (state) {
+      case cia402::State::fault:
+      case cia402::State::fault_reaction:
+      case cia402::State::quick_stop_active:
+        return cia402::kDisableVoltage;
+      case cia402::State::not_ready:
+      case cia402::State::switch_on_disabled:
+        return cia402::kShutdown;
+      case cia402::State::ready:
+        return wanted ? cia402::kSwitchOn : cia402::kShutdown;
+      case cia402::State::switched_on:
+      case cia402::State::operation_enabled:
+        return wanted ? cia402::kEnable : cia402::kShutdown;
+    }
+    return cia402::kDisableVoltage;
+  }
+
+  /// Asks for a fault reset; called on acknowledgement only.
+  void reset_fault() noexcept { reset_ticks_ = kResetTicksMax; }
+
+  /// Wanted and not enabled for too long, or dropped out by itself.
+  [[nodiscard]] bool refuses_to_run() const noexcept {
+    return missing_ticks_ >= kEnableTicksMax || (was_enabled_ && missing_ticks_ >= kDroppedTicksMax);
+  }
+
+ private:
+  void watch(const DriveSensor& drive, bool wanted) noexcept {
+    if (!wanted || drive.fresh().lost()) {
+      // A silent drive is another fault's matter; when it comes back it starts from the beginning.
+      was_enabled_ = false;
+      missing_ticks_ = 0;
+    } else if (drive.enabled()) {
+      was_enabled_ = true;
+      missing_ticks_ = 0;
+    } else if (missing_ticks_ < kOldestTicks) {
+      ++missing_ticks_;
+    }
+  }
+
+  std::uint8_t missing_ticks_ = 0, reset_ticks_ = 0;
+  bool was_enabled_ = false;
+};
+
+}  // namespace hoist::core

@@ -1,0 +1,123 @@
+// Bounds on speed, acceleration, jerk, turn rate and turn acceleration, and the ramps of the stops. Whatever asks, nothing faster leaves.
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+#include "control/contract/params.hpp"
+
+namespace hoist::core {
+
+/// Which stop is in force. Later rows are stronger; a stop in force is only ever replaced by a stronger one.
+enum class Braking : std::uint8_t { none, soft, remote, protective, bumper };
+
+/// R1, research on safety 2.1: the gentle ramp at which normal walking also slows.
+inline constexpr double kSoftDeceleration_m_s2 = 0.5;
+/// Driving stops a little harder than walking: the therapist has let go or the link is gone (H17: R1 at 0.8).
+inline constexpr double kRemoteDeceleration_m_s2 = 0.8;
+
+[[nodiscard]] inline double deceleration_m_s2(Braking braking, const contract::Params& params) noexcept {
+  switch (braking) {
+    case Braking::soft:
+      return kSoftDeceleration_m_s2;
+    case Braking::remote:
+      return kRemoteDeceleration_m_s2;
+    case Braking::protective:
+      return params.protective_deceleration_m_s2;
+    case Braking::bumper:
+      return params.bumper_deceleration_m_s2;
+    case Braking::none:
+      break;
+  }
+  return params.acceleration_m_s2_max;
+}
+
+class Limiter {
+ public:
+  /// One step towards the wish; while a stop is in force the wish is not looked at. A wish that is not a number counts as zero.
+  void step(const contract::Params& params, Braking braking, double speed_wish_m_s, double yaw_wish_rad_s, double dt_s) noexcept {
+    if (braking != Braking::none) {
+      brake(params, braking, dt_s);
+      return;
+    }
+    if (stopping_) {
+      // Ending a stop early lets go of the brake at once. Rolling the old deceleration off jerk by jerk would carry the speed through
+      // zero into the other direction.
+      stopping_ = false;
+      acceleration_m_s2_ = 0;
+    }
+    const double speed_max_m_s = params.speed_m_s_max * params.speed_cap_norm;
+    follow_speed(params, clamp(finite(speed_wish_m_s), speed_max_m_s), dt_s);
+    const double yaw_target_rad_s = clamp(finite(yaw_wish_rad_s), params.yaw_rate_rad_s_max);
+    yaw_rate_rad_s_ = toward(yaw_rate_rad_s_, yaw_target_rad_s, params.yaw_acceleration_rad_s2_max * dt_s);
+  }
+
+  /// Standing: nothing is commanded.
+  void reset() noexcept { *this = Limiter{}; }
+  /// Takes over a hoist that already rolls (pushed by hand, drives off), so that the stop ramps from there and does not jerk.
+  void start_from(const contract::Params& params, double speed_m_s, double yaw_rate_rad_s) noexcept {
+    reset();
+    speed_m_s_ = clamp(finite(speed_m_s), params.speed_m_s_max);
+    yaw_rate_rad_s_ = clamp(finite(yaw_rate_rad_s), params.yaw_rate_rad_s_max);
+  }
+
+  [[nodiscard]] double speed_m_s() const noexcept { return speed_m_s_; }
+  [[nodiscard]] double acceleration_m_s2() const noexcept { return acceleration_m_s2_; }
+  [[nodiscard]] double yaw_rate_rad_s() const noexcept { return yaw_rate_rad_s_; }
+  [[nodiscard]] bool at_rest() const noexcept { return speed_m_s_ == 0 && yaw_rate_rad_s_ == 0; }
+
+ private:
+  [[nodiscard]] static double finite(double x) noexcept { return std::isfinite(x) ? x : 0.0; }
+  [[nodiscard]] static double clamp(double x, double limit) noexcept { return x > limit ? limit : (x < -limit ? -limit : x); }
+  [[nodiscard]] static double toward(double from, double to, double step) noexcept {
+    const double gap = to - from;
+    return gap > step ? from + step : (gap < -step ? from - step : to);
+  }
+
+  void brake(const contract::Params& params, Braking braking, double dt_s) noexcept {
+    const double rate_m_s2 = deceleration_m_s2(braking, params);
+    const double speed = std::fabs(speed_m_s_);
+    const double yaw_rate = std::fabs(yaw_rate_rad_s_);
+    // Turn rate falls in step with speed, so that the hoist stops on the curve it was on, as far as the bound on turning allows.
+    double yaw_step = params.yaw_acceleration_rad_s2_max * dt_s;
+    if (speed > 0 && yaw_rate * rate_m_s2 * dt_s < yaw_step * speed) yaw_step = yaw_rate * rate_m_s2 * dt_s / speed;
+    const double before_m_s = speed_m_s_;
+    speed_m_s_ = toward(speed_m_s_, 0, rate_m_s2 * dt_s);
+    acceleration_m_s2_ = (speed_m_s_ - before_m_s) / dt_s;
+    yaw_rate_rad_s_ = toward(yaw_rate_rad_s_, 0, yaw_step);
+    stopping_ = true;
+  }
+
+  /// The largest acceleration now, in whole and part steps of J dt, from which the speed still meets the gap when the acceleration
+  /// then falls by J dt in every step. Exact for this discrete ramp (a continuous square root overshoots by up to J dt^2 / 8), so the
+  /// top speed is never passed, not even by rounding of the shape.
+  [[nodiscard]] static double reachable_m_s2(double gap_m_s, double jerk_step_m_s2, double dt_s) noexcept {
+    const double unit_m_s = jerk_step_m_s2 * dt_s;
+    const double ratio = gap_m_s / unit_m_s;
+    // With m = floor(n): sum of n, n-1, ..., n-m = (m+1)(n - m/2) units. m is the largest whole number with m (m+1) / 2 <= ratio.
+    const double m = std::floor((std::sqrt(1.0 + 8.0 * ratio) - 1.0) / 2.0);
+    return (ratio / (m + 1.0) + m / 2.0) * jerk_step_m_s2;
+  }
+
+  void follow_speed(const contract::Params& params, double target_m_s, double dt_s) noexcept {
+    const double gap_m_s = target_m_s - speed_m_s_;
+    const double jerk_step_m_s2 = params.jerk_m_s3_max * dt_s;
+    double wanted_m_s2 = reachable_m_s2(std::fabs(gap_m_s), jerk_step_m_s2, dt_s);
+    if (wanted_m_s2 > params.acceleration_m_s2_max) wanted_m_s2 = params.acceleration_m_s2_max;
+    if (gap_m_s < 0) wanted_m_s2 = -wanted_m_s2;
+    acceleration_m_s2_ = toward(acceleration_m_s2_, wanted_m_s2, jerk_step_m_s2);
+    const double next_m_s = speed_m_s_ + acceleration_m_s2_ * dt_s;
+    // Rounding must not leave a billionth of a metre per second for ever.
+    constexpr double kSame_m_s = 1e-9;
+    if (std::fabs(target_m_s - next_m_s) < kSame_m_s && std::fabs(acceleration_m_s2_) <= jerk_step_m_s2) {
+      speed_m_s_ = target_m_s;
+      acceleration_m_s2_ = 0;
+    } else {
+      speed_m_s_ = next_m_s;
+    }
+  }
+
+  double speed_m_s_ = 0, acceleration_m_s2_ = 0, yaw_rate_rad_s_ = 0;
+  bool stopping_ = false;
+};
+
+}  // namespace hoist::core

@@ -1,0 +1,91 @@
+#include "control/core/record.hpp"
+
+#include <cmath>
+
+#include "control/core/output/supervisor.hpp"
+
+namespace hoist::core {
+
+double stop_distance_m(const CoreState& state) noexcept {
+  const double speed = std::fabs(state.limiter.speed_m_s());
+  Braking braking = state.motion.braking;
+  if (braking == Braking::none && state.mode == contract::Mode::remote) braking = Braking::remote;
+  const double ramp_m = speed * kReaction_s + speed * speed / (2.0 * deceleration_m_s2(braking, state.params));
+  if (braking != Braking::none || state.mode != contract::Mode::user) return ramp_m;
+  return std::fmax(ramp_m, speed * (kReaction_s + state.params.lean_tau_release_s));
+}
+
+void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& wish, contract::TickRecord& record) noexcept {
+  const auto f32 = [](double value) { return static_cast<float>(value); };
+  const Estimate& sensed = state.sensed;
+  record.tick = inputs.tick;
+  record.time_ns = inputs.time_ns;
+  record.left_alpha_rad = f32(sensed.left_strut.alpha_rad());
+  record.left_beta_rad = f32(sensed.left_strut.beta_rad());
+  record.right_alpha_rad = f32(sensed.right_strut.alpha_rad());
+  record.right_beta_rad = f32(sensed.right_strut.beta_rad());
+  record.base_alpha_rad = f32(sensed.base.alpha_rad());
+  record.base_beta_rad = f32(sensed.base.beta_rad());
+  record.base_yaw_rate_rad_s = f32(sensed.base.yaw_rate_rad_s());
+  record.base_pitch_rate_rad_s = f32(sensed.base.pitch_rate_rad_s());
+  record.base_roll_rate_rad_s = f32(sensed.base.roll_rate_rad_s());
+  record.dx_m = f32(state.intent.pelvis().dx_m);
+  record.dy_m = f32(state.intent.pelvis().dy_m);
+  record.dpsi_rad = f32(state.intent.pelvis().dpsi_rad);
+  record.lean_norm = f32(state.intent.lean_norm());
+  record.turn_norm = f32(state.intent.turn_norm());
+  record.lean_filtered_units = f32(state.lean.v_f_units);
+  record.turn_filtered_units = f32(state.turn.omega_f_units);
+  record.speed_wish_m_s = f32(wish.speed_m_s);
+  record.yaw_rate_wish_rad_s = f32(wish.yaw_rate_rad_s);
+  record.speed_command_m_s = f32((state.left_command_m_s + state.right_command_m_s) / 2.0);
+  record.yaw_rate_command_rad_s = f32((state.right_command_m_s - state.left_command_m_s) / state.params.track_width_m);
+  record.wheel_left_command_m_s = f32(state.left_command_m_s);
+  record.wheel_right_command_m_s = f32(state.right_command_m_s);
+  record.remote_age_s = f32(state.remote.age_s(state.time_ns));
+  record.stop_distance_m = f32(stop_distance_m(state));
+  const Odometry& odometry = sensed.odometry;
+  record.speed_m_s = f32(odometry.speed_m_s);
+  record.yaw_rate_rad_s = f32(odometry.yaw_rate_rad_s);
+  record.x_m = f32(odometry.pose.x_m);
+  record.y_m = f32(odometry.pose.y_m);
+  record.psi_rad = f32(odometry.pose.psi_rad);
+  record.distance_m = f32(odometry.distance_m);
+  record.wheel_left_m_s = f32(odometry.wheel_left_m_s);
+  record.wheel_right_m_s = f32(odometry.wheel_right_m_s);
+  record.left_counts = sensed.left_drive.counts();
+  record.right_counts = sensed.right_drive.counts();
+  record.left_current_a = f32(sensed.left_drive.current_a());
+  record.right_current_a = f32(sensed.right_drive.current_a());
+  record.left_supply_v = f32(sensed.left_drive.supply_v());
+  record.right_supply_v = f32(sensed.right_drive.supply_v());
+  record.battery_a_v = f32(sensed.io.battery_a_v());
+  record.battery_b_v = f32(sensed.io.battery_b_v());
+  record.wake_lateness_s = std::isfinite(inputs.wake_lateness_s) ? inputs.wake_lateness_s : 0.0F;
+  record.tick_duration_s = std::isfinite(inputs.previous_duration_s) ? inputs.previous_duration_s : 0.0F;
+  record.overruns = state.overruns;
+  record.bus_frames = state.bus_frames;
+  record.bus_refused = inputs.bus_refused_total + state.bus_refused;
+  record.commands_refused = state.commands_refused;
+  record.fault_bits = state.latched;
+  record.blocked_bits = start_refusals(state);
+  record.lease_epoch = state.lease.epoch;
+  record.lease_holder = state.lease.holder;
+  record.parameter_version = static_cast<std::uint32_t>(state.parameter_version);
+  record.left_status_word = sensed.left_drive.status_word();
+  record.right_status_word = sensed.right_drive.status_word();
+  record.mode = static_cast<std::uint8_t>(state.mode);
+  record.stop_cause = state.stop_cause;
+  record.bumpers = sensed.io.bumpers();
+  record.simulated = state.master.simulated() ? 1 : 0;
+  record.tilt_left_age_ticks = sensed.left_strut.fresh().age_ticks();
+  record.tilt_right_age_ticks = sensed.right_strut.fresh().age_ticks();
+  record.tilt_base_age_ticks = sensed.base.fresh().age_ticks();
+  record.drive_left_age_ticks = sensed.left_drive.fresh().age_ticks();
+  record.drive_right_age_ticks = sensed.right_drive.fresh().age_ticks();
+  record.io_age_ticks = sensed.io.fresh().age_ticks();
+  record.server_alive = state.server.alive() ? 1 : 0;
+  record.standing_still = odometry.standing_still ? 1 : 0;
+}
+
+}  // namespace hoist::core
