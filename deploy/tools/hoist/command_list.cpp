@@ -5,11 +5,17 @@
 namespace hoist::tool {
 
 int run_laws(std::span<const std::string_view> arguments);
+int run_sessions(std::span<const std::string_view> arguments);
+int run_export(std::span<const std::string_view> arguments);
+int run_metrics(std::span<const std::string_view> arguments);
 
 namespace {
 
 constexpr std::array kCommands = {
     Command{"laws", "compute the paper's equations from JSON lines", &run_laws},
+    Command{"sessions", "list the sessions of a database", &run_sessions},
+    Command{"export", "write a recorded session as CSV or JSON", &run_export},
+    Command{"metrics", "how well a session's exercise was walked", &run_metrics},
 };
 
 }  // namespace

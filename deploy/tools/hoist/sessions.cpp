@@ -1,0 +1,47 @@
+// hoist sessions: what a database holds, one JSON object per line, newest first.
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "db/store/session_reader.hpp"
+#include "deploy/tools/hoist/command.hpp"
+#include "deploy/tools/hoist/recording_file.hpp"
+
+namespace hoist::tool {
+
+int run_sessions(std::span<const std::string_view> arguments) {
+  if (arguments.size() == 1 && arguments[0] == "--help") {
+    std::fputs("usage: hoist sessions DB\n\nOne line of JSON per recorded session, newest first.\n", stdout);
+    return kDone;
+  }
+  if (arguments.size() != 1) return bad_usage("sessions", "name a database");
+  db::Result<db::Database> database = db::Database::attach(std::string(arguments[0]));
+  if (!database) return refuse("sessions", database.error());
+  const db::SessionReader reader(*database);
+  db::SessionQuery query;
+  query.limit = db::kMaxPage;
+  do {
+    const db::Result<db::SessionPage> page = reader.list(query);
+    if (!page) return refuse("sessions", page.error());
+    for (const db::SessionInfo& session : page->sessions) {
+      nlohmann::json line{{"id", session.id},
+                          {"subject", nullptr},
+                          {"started_utc_ns", session.started_utc_ns},
+                          {"duration_s", session.duration_s},
+                          {"samples", session.sample_count},
+                          {"gaps", session.gap_count},
+                          {"simulated", session.simulated},
+                          {"recording", session.recording},
+                          {"close_reason", session.close_reason},
+                          {"exercise", nullptr},
+                          {"note", session.note}};
+      if (session.subject) line["subject"] = *session.subject;
+      if (session.exercise_json) line["exercise"] = nlohmann::json::parse(*session.exercise_json, nullptr, false);
+      std::printf("%s\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    }
+    query.before = page->next;
+  } while (query.before);
+  return kDone;
+}
+
+}  // namespace hoist::tool
