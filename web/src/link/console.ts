@@ -1,0 +1,229 @@
+// Ties the connection to the store and offers what screens may ask for. The only writer of the store.
+import { modes } from '../contract/faults.gen';
+import { layoutHash } from '../contract/messages.gen';
+import type { ParamName } from '../contract/params.gen';
+import type { TickRecord } from '../contract/signals.gen';
+import { readFrame } from './frame';
+import { live } from './live';
+import { rest } from './rest';
+import { Link, replyLost, subprotocol, type Reply, type SocketLike } from './socket';
+import { store, type Exercise, type LogLine, type Notice, type Recording } from './store';
+
+const late_ms = 500;
+const gone_ms = 1000;
+const ageCheck_ms = 100;
+const logLines = 200;
+/** If the hoist has not begun to stop after this time, STOP goes out again, by the other way too. */
+const stopAgain_ms = 300;
+const stopTries = 10;
+
+const link = new Link(
+  {
+    open: () => new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/ws`, subprotocol) as unknown as SocketLike,
+    now_ms: () => performance.now(),
+    setTimer: (call, delay_ms) => window.setTimeout(call, delay_ms),
+    clearTimer: (timer) => window.clearTimeout(timer),
+  },
+  {
+    state(state) {
+      if (state === 'open') store.set({ link: state, everOpen: true, signedIn: true });
+      else store.set({ link: state, lease: { ...store.value.lease, mine: false } });
+    },
+    rtt: (rtt_s) => store.set({ rtt_s }),
+    binary: takeFrame,
+    text: takeText,
+    refused: () => void checkSignedIn(),
+  },
+);
+
+async function checkSignedIn(): Promise<void> {
+  const answer = await rest('GET', '/status');
+  if (!answer.ok && (answer.problem.status === 401 || answer.problem.status === 403)) store.set({ signedIn: false });
+}
+
+function takeFrame(buffer: ArrayBuffer): void {
+  const frame = readFrame(buffer);
+  if (!frame.ok) {
+    if (frame.why === 'layout') store.set({ layoutDiffers: true });
+    return;
+  }
+  const newest = frame.records.at(-1);
+  if (newest === undefined) return;
+  live.take(frame.records, performance.now());
+  store.set({ data: 'fresh', dataAge_s: 0, ...slowPart(newest) });
+  if (newest.mode === modeStopped) stopSeen();
+}
+
+const modeStopped = modes.find((mode) => mode.name === 'protective_stop')!.value;
+
+function slowPart(record: TickRecord) {
+  return {
+    mode: modes[record.mode]?.name ?? 'init',
+    faultBits: record.fault_bits,
+    blockedBits: record.blocked_bits,
+    standingStill: record.standing_still === 1,
+    bumpers: record.bumpers,
+  } as const;
+}
+
+const shapes = ['eight', 'square', 'straight', 'free'];
+function readExercise(value: unknown): Exercise | null {
+  if (typeof value !== 'object' || value === null) return null;
+  return shapes.includes((value as { shape?: string }).shape ?? '') ? (value as Exercise) : null;
+}
+
+function takeText(message: { type: string; [more: string]: unknown }): void {
+  const now = store.value;
+  switch (message.type) {
+    case 'welcome': {
+      const exercise = readExercise(message.exercise);
+      store.set({
+        client: Number(message.client ?? 0),
+        role: String(message.role ?? ''),
+        version: String(message.version ?? ''),
+        simulated: message.simulated === true,
+        scenario: typeof message.scenario === 'string' ? message.scenario : null,
+        layoutDiffers: message.layout_hash !== layoutHash,
+        ...(exercise === null ? {} : { exercise }),
+      });
+      break;
+    }
+    case 'parameters':
+      store.set({ parameters: { ...(message.values as Record<string, number>) }, parameterVersion: Number(message.version ?? 0) });
+      break;
+    case 'lease':
+      store.set({ lease: { epoch: Number(message.epoch ?? 0), holder: Number(message.holder ?? 0), mine: message.mine === true } });
+      break;
+    case 'recording': {
+      const started = Number(message.started_utc_ms ?? 0);
+      store.set({
+        recording: {
+          state: (message.state as Recording['state']) ?? 'idle',
+          session: typeof message.session === 'number' ? message.session : null,
+          started_utc_ms: started > 0 ? started : null,
+          samples: Number(message.samples ?? 0),
+          detail: String(message.detail ?? ''),
+        },
+      });
+      break;
+    }
+    case 'core':
+      store.set({ coreConnected: message.connected === true });
+      break;
+    case 'event': {
+      const line: LogLine = {
+        time_ns: Number(message.time_ns ?? 0),
+        kind: String(message.kind ?? ''),
+        name: String(message.name ?? ''),
+        value: typeof message.value === 'number' ? message.value : null,
+        before: typeof message.before === 'number' ? message.before : null,
+      };
+      if (line.kind === 'pose_set') live.clearPath();
+      store.set({ log: [...now.log, line].slice(-logLines) });
+      break;
+    }
+    case 'notice':
+      notify((message.level as Notice['level']) ?? 'info', String(message.text_key ?? message.text ?? ''));
+      break;
+  }
+}
+
+let noticeId = 0;
+const noticesMost = 3;
+const noticeFor_ms = 6000;
+/** A short sentence at the edge of the screen. */
+export function notify(level: Notice['level'], text: string, plain = false): void {
+  if (text === '' || store.value.notices.some((notice) => notice.text === text)) return;
+  const id = ++noticeId;
+  store.set({ notices: [...store.value.notices, { id, level, text, plain }].slice(-noticesMost) });
+  window.setTimeout(() => store.set({ notices: store.value.notices.filter((notice) => notice.id !== id) }), noticeFor_ms);
+}
+
+function checkAge(): void {
+  if (live.record === null) return;
+  const age_ms = performance.now() - live.received_ms;
+  const data = age_ms > gone_ms ? 'gone' : age_ms > late_ms ? 'late' : 'fresh';
+  store.set({ data, dataAge_s: data === 'fresh' ? 0 : Math.floor(age_ms / 100) / 10 });
+}
+
+export function startLink(): void {
+  link.start();
+  window.setInterval(checkAge, ageCheck_ms);
+  document.addEventListener('visibilitychange', () => {
+    if (!document.hidden) link.hurry();
+  });
+  window.addEventListener('online', () => link.hurry());
+}
+
+// ------------------------------------------------------------------------------------------------ what screens may ask for
+let stopTimer: number | null = null;
+let stopLeft = 0;
+
+/** STOP. Goes out at once; again, and by plain HTTP, until the hoist says that it stopped. */
+export function stop(): void {
+  store.set({ stopSent: true, stopFailed: false });
+  stopLeft = stopTries;
+  sendStop();
+}
+
+function sendStop(): void {
+  const sent = link.send({ type: 'stop' });
+  if (!sent || stopLeft < stopTries) void rest('POST', '/stop').then((answer) => answer.ok && stopSeen());
+  if (stopTimer !== null) window.clearTimeout(stopTimer);
+  stopTimer = window.setTimeout(() => {
+    stopTimer = null;
+    if (!store.value.stopSent) return;
+    if (--stopLeft > 0) sendStop();
+    else store.set({ stopSent: false, stopFailed: true });
+  }, stopAgain_ms);
+}
+
+function stopSeen(): void {
+  if (stopTimer !== null) window.clearTimeout(stopTimer);
+  stopTimer = null;
+  store.set({ stopSent: false, stopFailed: false });
+}
+
+/** The newest time stamp seen: driving commands carry it back, so that old ones are known as old. */
+export const echo = () => live.record?.time_ns ?? 0;
+
+let driveSequence = 0;
+export function drive(speed: number, yaw: number, held: boolean): boolean {
+  // A stalled link must not fill up with old wishes: they would all be late.
+  if (link.queued > 2048) return false;
+  return link.send({ type: 'drive', sequence: ++driveSequence, echo: echo(), speed, yaw, held });
+}
+
+export const takeLease = (take_over: boolean): Promise<Reply> => link.request({ type: 'lease_take', take_over });
+export const releaseLease = (): Promise<Reply> => link.request({ type: 'lease_release' });
+
+/** Asks whether to take control from someone else; set by the shell, which shows the question. */
+export const dialogs: { askTakeOver: () => Promise<boolean> } = { askTakeOver: () => Promise.resolve(false) };
+
+/** Makes sure that this console is in control. Takes a free control at once, asks before taking it from someone. */
+async function ensureLease(): Promise<Reply> {
+  const { lease } = store.value;
+  if (lease.mine) return { ok: true, refusals: [], errors: [] };
+  if (lease.holder === 0) {
+    const reply = await takeLease(false);
+    if (reply.ok) return reply;
+    if (store.value.lease.holder === 0) return reply;
+  }
+  if (!(await dialogs.askTakeOver())) return { ok: false, refusals: ['kept'], errors: [] };
+  return takeLease(true);
+}
+
+async function withLease(message: { type: string; [more: string]: unknown }): Promise<Reply> {
+  if (store.value.link !== 'open') return replyLost;
+  const lease = await ensureLease();
+  return lease.ok ? link.request(message) : lease;
+}
+
+export const requestMode = (mode: 'user' | 'remote' | 'standby', exercise?: Exercise): Promise<Reply> =>
+  withLease({ type: 'mode', mode, ...(exercise === undefined ? {} : { exercise }) });
+export const acknowledge = (): Promise<Reply> => withLease({ type: 'acknowledge' });
+export const setNeutral = (): Promise<Reply> => withLease({ type: 'neutral' });
+export const setParameters = (values: Partial<Record<ParamName, number>>): Promise<Reply> => withLease({ type: 'set', values });
+export const applyPreset = (name: string): Promise<Reply> => withLease({ type: 'preset', name });
+export const marker = (text: string): Promise<Reply> => link.request({ type: 'marker', text });
+export const everyTick = (on: boolean): boolean => link.send({ type: 'stream', every_tick: on });

@@ -1,0 +1,243 @@
+// The connection to the server: one WebSocket that is opened again whenever it is lost, requests matched to their replies, and the
+// measured round trip. Knows nothing of screens. Clock, timers and socket are passed in, so that tests run it in virtual time.
+
+export type LinkState = 'connecting' | 'open' | 'lost';
+
+export interface SocketLike {
+  binaryType: string;
+  readonly readyState: number;
+  readonly bufferedAmount: number;
+  onopen: ((event: unknown) => void) | null;
+  onclose: ((event: { code: number; reason: string }) => void) | null;
+  onmessage: ((event: { data: unknown }) => void) | null;
+  onerror: ((event: unknown) => void) | null;
+  send(data: string): void;
+  close(code?: number, reason?: string): void;
+}
+
+export interface LinkHost {
+  open(): SocketLike;
+  now_ms(): number;
+  setTimer(call: () => void, delay_ms: number): number;
+  clearTimer(timer: number): void;
+}
+
+export interface FieldError {
+  field: string;
+  value?: number | string | null;
+  min?: number;
+  max?: number;
+  message?: string;
+}
+export interface Reply {
+  ok: boolean;
+  refusals: string[];
+  errors: FieldError[];
+  detail?: string;
+  [more: string]: unknown;
+}
+
+export interface LinkEvents {
+  state(state: LinkState): void;
+  text(message: { type: string; [more: string]: unknown }): void;
+  binary(buffer: ArrayBuffer): void;
+  rtt(rtt_s: number | null): void;
+  /** The socket was refused or broke before it opened; the page asks whether it is still signed in. */
+  refused(): void;
+}
+
+export const subprotocol = 'hoist.v1';
+export const backOffFirst_ms = 250;
+export const backOffLast_ms = 2000;
+/** Telemetry comes 20 times a second: silence this long means the connection is dead, whatever the socket says. */
+export const silence_ms = 2500;
+export const openWithin_ms = 4000;
+export const ping_ms = 1000;
+export const replyWithin_ms = 2000;
+/** Requests that may wait for a reply at once; more means that something loops. */
+export const requestsMost = 64;
+
+export const replyLost: Reply = { ok: false, refusals: ['link_lost'], errors: [] };
+
+export class Link {
+  private socket: SocketLike | null = null;
+  private state_: LinkState = 'connecting';
+  private backOff_ms = backOffFirst_ms;
+  private retryTimer: number | null = null;
+  private beatTimer: number | null = null;
+  private heard_ms = 0;
+  private opened_ms = 0;
+  private wasOpen = false;
+  private stopped = false;
+  private nextRequest = 1;
+  private readonly waiting = new Map<number, { resolve: (reply: Reply) => void; timer: number }>();
+
+  constructor(
+    private readonly host: LinkHost,
+    private readonly events: LinkEvents,
+  ) {}
+
+  get state(): LinkState {
+    return this.state_;
+  }
+
+  start(): void {
+    this.stopped = false;
+    this.connect();
+  }
+
+  /** Closes for good. */
+  stop(): void {
+    this.stopped = true;
+    if (this.retryTimer !== null) this.host.clearTimer(this.retryTimer);
+    this.retryTimer = null;
+    this.drop();
+  }
+
+  /** Tries again now, for example because the screen came back. */
+  hurry(): void {
+    if (this.stopped || this.socket !== null) return;
+    if (this.retryTimer !== null) this.host.clearTimer(this.retryTimer);
+    this.backOff_ms = backOffFirst_ms;
+    this.connect();
+  }
+
+  /** Sends without waiting for an answer. False: not connected, nothing was sent. */
+  send(message: object): boolean {
+    if (this.socket === null || this.state_ !== 'open') return false;
+    this.socket.send(JSON.stringify(message));
+    return true;
+  }
+
+  /** Bytes handed to the browser and not yet on the wire: more than a few driving commands means a stalled link. */
+  get queued(): number {
+    return this.socket?.bufferedAmount ?? 0;
+  }
+
+  /** Sends a request and resolves with its reply; never rejects. */
+  request(message: { type: string; [more: string]: unknown }): Promise<Reply> {
+    if (this.state_ !== 'open' || this.waiting.size >= requestsMost) return Promise.resolve(replyLost);
+    const request = this.nextRequest++;
+    return new Promise((resolve) => {
+      const timer = this.host.setTimer(() => {
+        this.waiting.delete(request);
+        resolve({ ok: false, refusals: ['no_answer'], errors: [] });
+      }, replyWithin_ms);
+      this.waiting.set(request, { resolve, timer });
+      if (!this.send({ ...message, request })) this.settle(request, replyLost);
+    });
+  }
+
+  private settle(request: number, reply: Reply): void {
+    const entry = this.waiting.get(request);
+    if (entry === undefined) return; // too late, or never asked
+    this.waiting.delete(request);
+    this.host.clearTimer(entry.timer);
+    entry.resolve(reply);
+  }
+
+  private to(state: LinkState): void {
+    if (this.state_ === state) return;
+    this.state_ = state;
+    this.events.state(state);
+  }
+
+  private connect(): void {
+    this.retryTimer = null;
+    let socket: SocketLike;
+    try {
+      socket = this.host.open();
+    } catch {
+      this.again();
+      return;
+    }
+    this.socket = socket;
+    this.opened_ms = this.host.now_ms();
+    this.wasOpen = false;
+    socket.binaryType = 'arraybuffer';
+    socket.onopen = () => {
+      if (this.socket !== socket) return;
+      this.wasOpen = true;
+      this.heard_ms = this.host.now_ms();
+      this.to('open');
+    };
+    socket.onmessage = (event) => {
+      if (this.socket !== socket) return;
+      this.heard_ms = this.host.now_ms();
+      if (typeof event.data === 'string') this.readText(event.data);
+      else if (event.data instanceof ArrayBuffer) this.events.binary(event.data);
+    };
+    socket.onclose = () => {
+      if (this.socket !== socket) return;
+      const opened = this.wasOpen;
+      this.drop();
+      if (!opened) this.events.refused();
+      this.again();
+    };
+    socket.onerror = () => {}; // a close always follows
+    this.beatTimer ??= this.host.setTimer(() => this.beat(), ping_ms);
+  }
+
+  private readText(data: string): void {
+    let message: unknown;
+    try {
+      message = JSON.parse(data);
+    } catch {
+      return; // a damaged message is no message
+    }
+    if (typeof message !== 'object' || message === null || typeof (message as { type?: unknown }).type !== 'string') return;
+    const known = message as { type: string; [more: string]: unknown };
+    if (known.type === 'reply') {
+      const { request, ok, refusals, errors } = known;
+      if (typeof request === 'number')
+        this.settle(request, {
+          ...known,
+          ok: ok === true,
+          refusals: Array.isArray(refusals) ? refusals.map(String) : [],
+          errors: Array.isArray(errors) ? (errors as FieldError[]) : [],
+        });
+      return;
+    }
+    if (known.type === 'pong') {
+      if (typeof known.t === 'number') this.events.rtt(Math.max(0, this.host.now_ms() - known.t) / 1000);
+      return;
+    }
+    // A welcome means that the server took us in: only then does the next loss start with a short wait again.
+    if (known.type === 'welcome') this.backOff_ms = backOffFirst_ms;
+    this.events.text(known);
+  }
+
+  private beat(): void {
+    this.beatTimer = null;
+    if (this.socket === null) return;
+    const now_ms = this.host.now_ms();
+    const dead = this.wasOpen ? now_ms - this.heard_ms > silence_ms : now_ms - this.opened_ms > openWithin_ms;
+    if (dead) {
+      const socket = this.socket;
+      this.drop();
+      socket.close();
+      this.again();
+      return;
+    }
+    if (this.state_ === 'open') this.send({ type: 'ping', t: now_ms });
+    this.beatTimer = this.host.setTimer(() => this.beat(), ping_ms);
+  }
+
+  /** Forgets the socket: whoever waits for a reply learns that it will not come. */
+  private drop(): void {
+    const socket = this.socket;
+    this.socket = null;
+    if (this.beatTimer !== null) this.host.clearTimer(this.beatTimer);
+    this.beatTimer = null;
+    if (socket !== null && this.stopped) socket.close();
+    for (const request of [...this.waiting.keys()]) this.settle(request, replyLost);
+    this.events.rtt(null);
+    this.to('lost');
+  }
+
+  private again(): void {
+    if (this.stopped) return;
+    this.retryTimer = this.host.setTimer(() => this.connect(), this.backOff_ms);
+    this.backOff_ms = Math.min(backOffLast_ms, this.backOff_ms * 2);
+  }
+}

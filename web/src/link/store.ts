@@ -1,0 +1,131 @@
+// What the console knows at this moment. Screens read it through useStore; only link/console.ts writes it.
+import { useEffect, useReducer, useRef } from 'preact/hooks';
+import type { ModeName } from '../contract/faults.gen';
+import type { LinkState } from './socket';
+
+export type Exercise =
+  | { shape: 'eight'; c_m: number; radius_m: number }
+  | { shape: 'square'; side_m: number }
+  | { shape: 'straight'; length_m: number }
+  | { shape: 'free' };
+
+export interface Recording {
+  state: 'idle' | 'recording' | 'failed';
+  session: number | null;
+  started_utc_ms: number | null;
+  samples: number;
+  detail: string;
+}
+export interface LogLine {
+  time_ns: number;
+  kind: string;
+  name: string;
+  value: number | null;
+  before: number | null;
+}
+export interface Notice {
+  id: number;
+  level: 'info' | 'warning' | 'error';
+  /** Key of the message files, or a sentence when `plain`. */
+  text: string;
+  plain: boolean;
+}
+
+export interface State {
+  link: LinkState;
+  everOpen: boolean;
+  signedIn: boolean;
+  layoutDiffers: boolean;
+  rtt_s: number | null;
+  /** Age of the newest record: fresh, or late (over 0.5 s), or gone (over 1 s), or none yet. */
+  data: 'none' | 'fresh' | 'late' | 'gone';
+  dataAge_s: number;
+  client: number | null;
+  role: string;
+  version: string;
+  simulated: boolean;
+  scenario: string | null;
+  exercise: Exercise;
+  coreConnected: boolean;
+  parameters: Record<string, number>;
+  parameterVersion: number;
+  lease: { epoch: number; holder: number; mine: boolean };
+  recording: Recording;
+  // The slow part of the newest record: kept here so that screens draw anew only when it changes.
+  mode: ModeName;
+  faultBits: number;
+  blockedBits: number;
+  standingStill: boolean;
+  bumpers: number;
+  stopSent: boolean;
+  stopFailed: boolean;
+  log: LogLine[];
+  notices: Notice[];
+}
+
+export const initial: State = {
+  link: 'connecting',
+  everOpen: false,
+  signedIn: true,
+  layoutDiffers: false,
+  rtt_s: null,
+  data: 'none',
+  dataAge_s: 0,
+  client: null,
+  role: '',
+  version: '',
+  simulated: false,
+  scenario: null,
+  exercise: { shape: 'eight', c_m: 1.0, radius_m: 0.8 },
+  coreConnected: false,
+  parameters: {},
+  parameterVersion: 0,
+  lease: { epoch: 0, holder: 0, mine: false },
+  recording: { state: 'idle', session: null, started_utc_ms: null, samples: 0, detail: '' },
+  mode: 'init',
+  faultBits: 0,
+  blockedBits: 0,
+  standingStill: true,
+  bumpers: 0,
+  stopSent: false,
+  stopFailed: false,
+  log: [],
+  notices: [],
+};
+
+export class Store<T extends object> {
+  private listeners = new Set<() => void>();
+  constructor(public value: T) {}
+
+  /** Changes some fields; tells nobody when all of them stay as they are. */
+  set(change: Partial<T>): void {
+    let differs = false;
+    for (const key of Object.keys(change) as (keyof T)[]) if (!Object.is(this.value[key], change[key])) differs = true;
+    if (!differs) return;
+    this.value = { ...this.value, ...change };
+    for (const listener of [...this.listeners]) listener();
+  }
+
+  subscribe(listener: () => void): () => void {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  }
+}
+
+export const store = new Store<State>(initial);
+
+/** Draws the component anew when the chosen part changes. */
+export function useStore<R>(choose: (state: State) => R): R {
+  const [, again] = useReducer((n: number) => n + 1, 0);
+  const chosen = choose(store.value);
+  const last = useRef(chosen);
+  last.current = chosen;
+  useEffect(() => {
+    const check = () => {
+      if (!Object.is(choose(store.value), last.current)) again(0);
+    };
+    check();
+    return store.subscribe(check);
+  }, []);
+  return chosen;
+}

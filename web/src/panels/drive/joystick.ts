@@ -1,0 +1,85 @@
+// The hold-to-run rules, apart from any screen: while held, the wish goes out 25 times a second; when let go, by whatever cause, three
+// zeros go out at once and then nothing. The server and the hoist stop on silence too: this is only the quickest way.
+
+export const send_hz = 25;
+export const sendEach_ms = 1000 / send_hz;
+export const zerosOnRelease = 3;
+/** Around the middle nothing moves: a resting thumb is never quite still. */
+export const deadZone_norm = 0.12;
+
+export type Send = (speed: number, yaw: number, held: boolean) => void;
+export interface Timers {
+  every(call: () => void, each_ms: number): number;
+  cancel(timer: number): void;
+}
+
+/** Takes the dead zone out and keeps the rest continuous; anything not finite is zero. */
+export function shape(value: number): number {
+  if (!Number.isFinite(value)) return 0;
+  const size = Math.min(1, Math.abs(value));
+  if (size <= deadZone_norm) return 0;
+  return (Math.sign(value) * (size - deadZone_norm)) / (1 - deadZone_norm);
+}
+
+export class HoldToRun {
+  private timer: number | null = null;
+  private speed = 0;
+  private yaw = 0;
+
+  constructor(
+    private readonly send: Send,
+    private readonly timers: Timers,
+  ) {}
+
+  get held(): boolean {
+    return this.timer !== null;
+  }
+
+  /** The dead-man is pressed: sends at once and then at a steady rate. */
+  press(speed: number, yaw: number): void {
+    this.speed = shape(speed);
+    this.yaw = shape(yaw);
+    if (this.timer !== null) return;
+    this.send(this.speed, this.yaw, true);
+    this.timer = this.timers.every(() => this.send(this.speed, this.yaw, true), sendEach_ms);
+  }
+
+  /** Moves the wish; nothing happens unless held. */
+  move(speed: number, yaw: number): void {
+    if (this.timer === null) return;
+    this.speed = shape(speed);
+    this.yaw = shape(yaw);
+  }
+
+  /** Let go, for whatever reason. Safe to call at any time, any number of times. */
+  release(): void {
+    if (this.timer === null) return;
+    this.timers.cancel(this.timer);
+    this.timer = null;
+    this.speed = 0;
+    this.yaw = 0;
+    for (let i = 0; i < zerosOnRelease; i++) this.send(0, 0, false);
+  }
+}
+
+export const driveKeys: Record<string, { speed: number; yaw: number }> = {
+  ArrowUp: { speed: 1, yaw: 0 },
+  KeyW: { speed: 1, yaw: 0 },
+  ArrowDown: { speed: -1, yaw: 0 },
+  KeyS: { speed: -1, yaw: 0 },
+  ArrowLeft: { speed: 0, yaw: 1 },
+  KeyA: { speed: 0, yaw: 1 },
+  ArrowRight: { speed: 0, yaw: -1 },
+  KeyD: { speed: 0, yaw: -1 },
+};
+
+/** What the pressed keys ask for together; opposite keys cancel. */
+export function keysWish(pressed: Iterable<string>): { speed: number; yaw: number } {
+  let speed = 0;
+  let yaw = 0;
+  for (const key of pressed) {
+    speed += driveKeys[key]?.speed ?? 0;
+    yaw += driveKeys[key]?.yaw ?? 0;
+  }
+  return { speed: Math.max(-1, Math.min(1, speed)), yaw: Math.max(-1, Math.min(1, yaw)) };
+}

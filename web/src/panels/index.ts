@@ -1,0 +1,9 @@
+// The list of screens, in the order of the menu. To add one: a folder beside this file and one row here.
+import { drivePanel } from './drive/drive';
+import { healthPanel } from './health/health';
+import type { Panel } from './panel';
+import { sessionsPanel } from './sessions/sessions';
+import { tunePanel } from './tune/tune';
+import { walkPanel } from './walk/walk';
+
+export const panels: readonly Panel[] = [walkPanel, drivePanel, tunePanel, sessionsPanel, healthPanel];

@@ -1,0 +1,94 @@
+// The recorded sessions as /api/v1/sessions gives them.
+import type { SignalName } from '../../contract/signals.gen';
+import type { Exercise } from '../../link/store';
+
+export interface Session {
+  id: number;
+  subject: string | null;
+  started_utc_ms: number;
+  duration_s: number;
+  simulated: boolean;
+  recording: boolean;
+  exercise: Exercise | null;
+  note: string;
+  samples: number;
+  gaps: number;
+}
+export interface SessionPage {
+  items: Session[];
+  next: string | null;
+}
+export interface Metrics {
+  C: number | null;
+  J_N: number | null;
+  reference_length_m: number | null;
+  duration_s: number | null;
+  distance_m: number | null;
+  mean_speed_m_s: number | null;
+  rms_position_m: number | null;
+  rms_heading_rad: number | null;
+  exercise: Exercise | null;
+  reason_if_none: string | null;
+}
+export interface SampleColumn {
+  name: SignalName;
+  unit: string;
+  min: (number | null)[];
+  max: (number | null)[];
+}
+export interface Samples {
+  from_s: number[];
+  to_s: number[];
+  columns: SampleColumn[];
+}
+export interface SessionEvent {
+  time_s: number;
+  kind: string;
+  name: string;
+  text?: string;
+  value?: number | null;
+  before?: number | null;
+}
+
+/** Columns that a chart offers first. */
+export const curveChoices: readonly SignalName[] = [
+  'speed_m_s', 'speed_command_m_s', 'lean_norm', 'turn_norm', 'yaw_rate_rad_s', 'dx_m', 'dy_m', 'left_alpha_rad', 'right_alpha_rad',
+  'left_current_a', 'right_current_a', 'battery_a_v', 'battery_b_v',
+];
+
+/** One curve through smallest and largest values of each run: [time, column, …] for the chart, each run giving two points. */
+export function zigzag(samples: Samples, names: readonly SignalName[]): [number[], ...(number | null)[][]] {
+  const time: number[] = [];
+  const rows: (number | null)[][] = names.map(() => []);
+  const columns = names.map((name) => samples.columns.find((column) => column.name === name));
+  for (let i = 0; i < samples.from_s.length; i++) {
+    const from = samples.from_s[i]!;
+    const to = samples.to_s[i] ?? from;
+    const single = to <= from;
+    time.push(from);
+    if (!single) time.push(to);
+    columns.forEach((column, c) => {
+      rows[c]!.push(column?.min[i] ?? null);
+      if (!single) rows[c]!.push(column?.max[i] ?? null);
+    });
+  }
+  return [time, ...rows];
+}
+
+/** The path from thinned columns: the middle of each run. */
+export function pathOf(samples: Samples): { x: number[]; y: number[] } {
+  const middle = (name: SignalName) => {
+    const column = samples.columns.find((item) => item.name === name);
+    return column === undefined ? [] : column.min.map((low, i) => ((low ?? NaN) + (column.max[i] ?? NaN)) / 2);
+  };
+  const xs = middle('x_m');
+  const ys = middle('y_m');
+  const x: number[] = [];
+  const y: number[] = [];
+  for (let i = 0; i < Math.min(xs.length, ys.length); i++) {
+    if (!Number.isFinite(xs[i]) || !Number.isFinite(ys[i])) continue;
+    x.push(xs[i]!);
+    y.push(ys[i]!);
+  }
+  return { x, y };
+}

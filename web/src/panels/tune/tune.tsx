@@ -1,0 +1,216 @@
+// Every setting from the table, with what it does in plain words. A change goes to the hoist at once; what it refuses is said at the row.
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { presets, type ParamInfo } from '../../contract/params.gen';
+import { applyPreset, notify, setParameters } from '../../link/console';
+import type { Reply } from '../../link/socket';
+import { useStore } from '../../link/store';
+import { useSettings } from '../../text/settings';
+import { plain, readNumber, shownAs, t, words } from '../../text/text';
+import { Refusal, reasons } from '../../ui/refusal';
+import type { Panel } from '../panel';
+import { groups, niceStep, type Group } from './groups';
+
+/** A slider that is being drawn sends no more often than this. */
+const debounce_ms = 200;
+/** Values travel as 64-bit numbers, but drives keep 32-bit ones. */
+const same = (a: number, b: number) => Math.abs(a - b) <= 1e-6 * Math.max(Math.abs(a), Math.abs(b), 1e-9);
+
+function Row({ row, role, moving, connected }: { row: ParamInfo; role: string; moving: boolean; connected: boolean }) {
+  const value = useStore((s) => s.parameters[row.name] ?? NaN);
+  const show = shownAs(row.name, row.unit);
+  const toShown = (si: number) => si * show.factor;
+  const [draft, setDraft] = useState<string | null>(null); // what is being typed
+  const [slide, setSlide] = useState<number | null>(null); // where the slider is held, shown units
+  const [error, setError] = useState<string | null>(null);
+  const [undo, setUndo] = useState<number | null>(null);
+  const timer = useRef<number | null>(null);
+  const begun = useRef<number | null>(null); // value in force when the change began: what Undo goes back to
+
+  useEffect(() => () => void (timer.current !== null && window.clearTimeout(timer.current)), []);
+  const lockedByMode = row.edit === 'stopped' && moving;
+  const locked = !connected || lockedByMode || !Number.isFinite(value) || (row.role === 'engineer' && role !== 'engineer') || role === 'viewer';
+
+  const apply = async (si: number) => {
+    if (timer.current !== null) window.clearTimeout(timer.current);
+    timer.current = null;
+    const before = begun.current ?? value;
+    begun.current = null;
+    const reply = await setParameters({ [row.name]: si });
+    setSlide(null);
+    if (reply.ok) {
+      setError(null);
+      setDraft(null);
+      if (!same(before, si)) setUndo(before);
+    } else if (reply.refusals[0] !== 'kept') setError(why(reply));
+  };
+  const why = (reply: Reply): string => {
+    const field = reply.errors.find((item) => item.field === row.name) ?? reply.errors[0];
+    const range =
+      field?.min !== undefined && field.max !== undefined
+        ? ` ${t('refused.range', { min: plain(toShown(field.min)), max: plain(toShown(field.max)) })} ${show.unit}`
+        : '';
+    return reasons(reply).join(' ') + range;
+  };
+  const type = (text: string) => {
+    setDraft(text);
+    setError(null);
+  };
+  const enter = () => {
+    if (draft === null) return;
+    const number = readNumber(draft);
+    if (!Number.isFinite(number)) {
+      setError(t('tune.number'));
+      return;
+    }
+    const si = number / show.factor;
+    if (same(si, value)) {
+      setDraft(null);
+      setError(null);
+    } else void apply(si);
+  };
+  const draw = (shown: number) => {
+    begun.current ??= value;
+    setSlide(shown);
+    setDraft(null);
+    setError(null);
+    if (timer.current !== null) window.clearTimeout(timer.current);
+    // Rounding to the slider's steps must not push an end value out of its range.
+    timer.current = window.setTimeout(() => void apply(Math.max(row.min, Math.min(row.max, shown / show.factor))), debounce_ms);
+  };
+
+  const changed = Number.isFinite(value) && !same(value, row.default);
+  const min = toShown(row.min);
+  const max = toShown(row.max);
+  const defaultAt = ((row.default - row.min) / (row.max - row.min)) * 100;
+  const id = `p-${row.name}`;
+  return (
+    <div class={`tune-row${changed ? ' changed' : ''}${locked ? ' locked' : ''}`}>
+      <div class="tune-words">
+        <label for={id} class="tune-title">
+          {words(row.title)}
+        </label>
+        <p class="tune-effect" id={`${id}-effect`}>
+          {words(row.effect)}
+        </p>
+        {lockedByMode ? <p class="tune-note">{t('tune.stopped')}</p> : null}
+        {error !== null ? (
+          <p class="tune-error" role="alert" id={`${id}-error`}>
+            {error}
+          </p>
+        ) : null}
+      </div>
+      <div class="tune-slider">
+        <input
+          type="range"
+          aria-label={t('tune.slider', { name: words(row.title) })}
+          min={min}
+          max={max}
+          step={niceStep(max - min)}
+          value={slide ?? (Number.isFinite(value) ? toShown(value) : min)}
+          disabled={locked}
+          onInput={(event) => draw(Number(event.currentTarget.value))}
+        />
+        <span class="tune-default" ref={(element) => element?.style.setProperty('--at', `${defaultAt}%`)} title={t('tune.default', { value: `${plain(toShown(row.default))} ${show.unit}` })} />
+        <span class="tune-range num">
+          <span>{plain(min)}</span>
+          <span>{t('tune.default', { value: `${plain(toShown(row.default))} ${show.unit}` })}</span>
+          <span>{plain(max)}</span>
+        </span>
+      </div>
+      <div class="tune-value">
+        <input
+          id={id}
+          type="text"
+          inputMode="decimal"
+          autocomplete="off"
+          class="num"
+          name={row.name}
+          aria-describedby={error !== null ? `${id}-error ${id}-effect` : `${id}-effect`}
+          aria-invalid={error !== null}
+          value={draft ?? (slide !== null ? plain(slide) : Number.isFinite(value) ? plain(toShown(value)) : '')}
+          disabled={locked}
+          onInput={(event) => type(event.currentTarget.value)}
+          onBlur={enter}
+          onKeyDown={(event) => {
+            if (event.key === 'Enter') enter();
+            if (event.key === 'Escape') {
+              setDraft(null);
+              setError(null);
+            }
+          }}
+        />
+        <span class="tune-unit">{show.unit}</span>
+      </div>
+      <div class="tune-buttons">
+        <button type="button" class="quiet" disabled={locked || undo === null} onClick={() => {
+          const back = undo;
+          setUndo(null);
+          setError(null);
+          if (back !== null) void apply(back);
+        }}>
+          {t('tune.undo')}
+        </button>
+        <button type="button" class="quiet" disabled={locked || !changed} onClick={() => void apply(row.default)}>
+          {t('tune.back')}
+        </button>
+      </div>
+    </div>
+  );
+}
+
+function GroupView({ group, role, moving, connected }: { group: Group; role: string; moving: boolean; connected: boolean }) {
+  const everyday = group.rows.filter((row) => row.role === 'therapist');
+  const deep = group.rows.filter((row) => row.role === 'engineer');
+  const rows = (list: ParamInfo[]) => list.map((row) => <Row key={row.name} row={row} role={role} moving={moving} connected={connected} />);
+  return (
+    <section class="card tune-group">
+      <h2>{t(group.title)}</h2>
+      {rows(everyday)}
+      {deep.length > 0 ? (
+        <details>
+          <summary>{t('tune.engineers', { n: deep.length })}</summary>
+          {rows(deep)}
+        </details>
+      ) : null}
+    </section>
+  );
+}
+
+function TuneView() {
+  useSettings();
+  const link = useStore((s) => s.link);
+  const role = useStore((s) => s.role);
+  const moving = useStore((s) => s.mode === 'user' || s.mode === 'remote');
+  const values = useStore((s) => s.parameters);
+  const [reply, setReply] = useState<Reply | null>(null);
+  const connected = link === 'open';
+  const list = groups();
+  const differing = list.flatMap((group) => group.rows).filter((row) => values[row.name] !== undefined && !same(values[row.name]!, row.default)).length;
+  const inForce = (preset: (typeof presets)[number]) =>
+    Object.entries(preset.values).every(([name, value]) => values[name] !== undefined && same(values[name]!, value));
+  const choose = async (preset: (typeof presets)[number]) => {
+    const answer = await applyPreset(preset.name);
+    setReply(answer.ok || answer.refusals[0] === 'kept' ? null : answer);
+    if (answer.ok) notify('info', t('tune.presetApplied', { name: words(preset.title) }), true);
+  };
+  return (
+    <div class="tune">
+      <div class="walk-controls">
+        <div class="choice" role="radiogroup" aria-label={t('tune.preset')}>
+          {presets.map((preset) => (
+            <button key={preset.name} type="button" role="radio" aria-checked={inForce(preset)} title={words(preset.doc)} disabled={!connected || moving} onClick={() => void choose(preset)}>
+              {words(preset.title)}
+            </button>
+          ))}
+        </div>
+        <p class="hint">{differing > 0 ? t('tune.changedCount', { n: differing }) : t('tune.allDefault')}</p>
+      </div>
+      <Refusal reply={reply} onClose={() => setReply(null)} />
+      {list.map((group) => (
+        <GroupView key={group.title} group={group} role={role} moving={moving} connected={connected} />
+      ))}
+    </div>
+  );
+}
+
+export const tunePanel: Panel = { id: 'tune', title: 'nav.tune', icon: 'tune', View: TuneView };

@@ -1,0 +1,139 @@
+// The patient leads: choose the exercise, start, watch, mark, end.
+import { useEffect, useState } from 'preact/hooks';
+import { refusals } from '../../contract/faults.gen';
+import { marker, notify, requestMode, setNeutral } from '../../link/console';
+import { live, useReading } from '../../link/live';
+import type { Reply } from '../../link/socket';
+import { store, useStore, type Exercise } from '../../link/store';
+import { useSettings } from '../../text/settings';
+import { degrees, duration, fixed, t, words } from '../../text/text';
+import type { TextKey } from '../../text/en';
+import { FloorView } from '../../ui/floor_view';
+import { HoistPicture } from '../../ui/hoist_picture';
+import { Reading } from '../../ui/reading';
+import { Refusal } from '../../ui/refusal';
+import type { Panel } from '../panel';
+
+/** Sizes that fit a room of 5 × 5 m; the server's own default for its scenario comes first. */
+const choices: readonly Exercise[] = [
+  { shape: 'eight', c_m: 1.0, radius_m: 0.8 },
+  { shape: 'square', side_m: 3.2 },
+  { shape: 'straight', length_m: 10 },
+  { shape: 'free' },
+];
+const markers: readonly TextKey[] = ['marker.help', 'marker.stumble', 'marker.rest', 'marker.good'];
+
+/** The reasons that keep the hoist from starting now. Control and standby are no reasons here: Start takes care of the one, the strip shows the other. */
+export function startBlockers(bits: number): string[] {
+  return refusals
+    .filter((row) => (bits >>> row.bit) & 1 && row.name !== 'no_lease' && row.name !== 'not_standby' && row.name !== 'stick_not_neutral')
+    .map((row) => words(row.text));
+}
+
+function WalkView() {
+  useSettings();
+  const mode = useStore((s) => s.mode);
+  const link = useStore((s) => s.link);
+  const exercise = useStore((s) => s.exercise);
+  const blocked = useStore((s) => s.blockedBits);
+  const [busy, setBusy] = useState(false);
+  const [reply, setReply] = useState<Reply | null>(null);
+  const moving = mode === 'user' || mode === 'remote';
+  useEffect(() => {
+    if (moving) setReply(null);
+  }, [moving]);
+
+  const run = async (action: () => Promise<Reply>, done?: () => void) => {
+    setBusy(true);
+    const answer = await action();
+    setBusy(false);
+    setReply(answer.ok || answer.refusals[0] === 'kept' ? null : answer);
+    if (answer.ok) done?.();
+  };
+  const mark = async (key: TextKey) => {
+    const answer = await marker(t(key));
+    if (answer.ok) notify('info', t('walk.marked', { text: t(key) }), true);
+    else setReply(answer);
+  };
+  const blockers = mode === 'standby' && link === 'open' ? startBlockers(blocked) : [];
+
+  return (
+    <div class="walk">
+      <div class="walk-controls">
+        <div class="choice" role="radiogroup" aria-label={t('exercise.label')}>
+          {choices.map((choice) => {
+            const chosen = choice.shape === exercise.shape;
+            return (
+              <button
+                key={choice.shape}
+                type="button"
+                role="radio"
+                aria-checked={chosen}
+                disabled={moving}
+                onClick={() => store.set({ exercise: choice })}
+              >
+                {t(`exercise.${choice.shape}`)}
+              </button>
+            );
+          })}
+        </div>
+        <button type="button" class="plain" disabled={busy || moving || link !== 'open'} title={t('walk.neutralHint')}
+          onClick={() => void run(setNeutral, () => notify('info', t('walk.neutralDone'), true))}>
+          {t('walk.neutral')}
+        </button>
+        {moving ? (
+          <button type="button" class="big" disabled={busy || link !== 'open'} onClick={() => void run(() => requestMode('standby'))}>
+            {t('walk.end')}
+          </button>
+        ) : (
+          <button type="button" class="big primary" disabled={busy || link !== 'open'} onClick={() => void run(() => requestMode('user', exercise))}>
+            {busy ? t('walk.starting') : t('walk.start')}
+          </button>
+        )}
+      </div>
+      <Refusal reply={reply} onClose={() => setReply(null)} />
+      {reply === null && blockers.length > 0 ? (
+        <div class="blockers" role="status">
+          <strong>{t('strip.notReady')}:</strong> {blockers.join(' ')}
+        </div>
+      ) : null}
+      <div class="walk-body">
+        <section class="card floor-card">
+          <FloorView exercise={exercise} />
+        </section>
+        <section class="card">
+          <HoistPicture />
+          <div class="readings">
+            <Reading label={t('walk.speed')} unit="m/s" read={(r) => fixed(r.speed_m_s, 2)} />
+            <Reading label={t('walk.distance')} unit="m" read={(r) => fixed(r.distance_m, 1)} />
+            <Time />
+            <Reading label={t('walk.lean')} read={(r) => degrees((r.left_alpha_rad + r.right_alpha_rad) / 2 - r.base_alpha_rad)} />
+            <Reading label={t('walk.turn')} unit="°/s" read={(r) => fixed((r.yaw_rate_rad_s * 180) / Math.PI, 0)} />
+            <Reading label={t('walk.stopDistance')} unit="m" read={(r) => fixed(r.stop_distance_m, 2)} />
+          </div>
+          <div class="markers" role="group" aria-label={t('walk.markers')}>
+            {markers.map((key) => (
+              <button key={key} type="button" class="plain" disabled={link !== 'open' || !moving} onClick={() => void mark(key)}>
+                {t(key)}
+              </button>
+            ))}
+          </div>
+        </section>
+      </div>
+    </div>
+  );
+}
+
+function Time() {
+  const text = useReading(() => duration(live.motion_s), 4);
+  return (
+    <div class="reading">
+      <span class="reading-label">{t('walk.time')}</span>
+      <span class="reading-value">
+        <span class="num">{text}</span>
+      </span>
+    </div>
+  );
+}
+
+export const walkPanel: Panel = { id: 'walk', title: 'nav.walk', icon: 'walk', View: WalkView };

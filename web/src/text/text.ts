@@ -1,0 +1,79 @@
+// Words and numbers for people, in the chosen language.
+import type { Words } from '../contract/params.gen';
+import { refusals } from '../contract/faults.gen';
+import { de } from './de';
+import { en, type TextKey } from './en';
+import { settings } from './settings';
+
+const tables = { en, de };
+
+export function t(key: TextKey, values: Record<string, string | number> = {}): string {
+  return tables[settings.value.language][key].replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
+}
+
+/** The same for a key that came over the wire; null when there is no such text. */
+export function textOf(key: string): string | null {
+  return Object.hasOwn(en, key) ? t(key as TextKey) : null;
+}
+
+export const words = (both: Words): string => both[settings.value.language];
+
+export function refusalText(name: string): string {
+  const row = refusals.find((refusal) => refusal.name === name);
+  return row ? words(row.text) : (textOf(`refused.${name}`) ?? t('refused.unknown'));
+}
+
+const locale = () => (settings.value.language === 'de' ? 'de-DE' : 'en-GB');
+export const noValue = '–';
+const minus = (text: string) => text.replace('-', '−');
+
+/** A number with a fixed count of decimals; a dash for what is not a number. Never "−0.0". */
+export function fixed(value: number | null | undefined, decimals: number): string {
+  if (value === null || value === undefined || !Number.isFinite(value)) return noValue;
+  const zero = Number(value.toFixed(decimals)) === 0 ? 0 : value;
+  return minus(new Intl.NumberFormat(locale(), { minimumFractionDigits: decimals, maximumFractionDigits: decimals, useGrouping: false }).format(zero));
+}
+
+/** A number with up to four significant digits and no idle zeros, for settings. */
+export function plain(value: number): string {
+  if (!Number.isFinite(value)) return noValue;
+  return minus(new Intl.NumberFormat(locale(), { maximumSignificantDigits: 4, useGrouping: false }).format(value));
+}
+
+export const quantity = (value: number | null | undefined, decimals: number, unit: string): string => `${fixed(value, decimals)} ${unit}`;
+
+export const toDegrees = (rad: number): number => (rad * 180) / Math.PI;
+/** An angle for a screen: degrees with one decimal. */
+export const degrees = (rad: number | null | undefined, decimals = 1): string =>
+  rad === null || rad === undefined ? noValue : `${fixed(toDegrees(rad), decimals)}°`;
+
+/** Reads what a person typed: comma or point, minus sign of any kind. NaN when it is not a number. */
+export function readNumber(text: string): number {
+  const tidy = text.trim().replace('−', '-').replace(',', '.');
+  return /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(tidy) ? Number(tidy) : NaN;
+}
+
+/** 75 s → 1:15, 3671 s → 1:01:11. */
+export function duration(seconds: number | null | undefined): string {
+  if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return noValue;
+  const whole = Math.max(0, Math.floor(seconds));
+  const two = (n: number) => String(n).padStart(2, '0');
+  const hours = Math.floor(whole / 3600);
+  return hours > 0 ? `${hours}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}` : `${Math.floor(whole / 60)}:${two(whole % 60)}`;
+}
+
+export function date(utc_ms: number | null | undefined): string {
+  if (utc_ms === null || utc_ms === undefined || !Number.isFinite(utc_ms)) return noValue;
+  return new Intl.DateTimeFormat(locale(), { dateStyle: 'medium', timeStyle: 'short' }).format(utc_ms);
+}
+
+// ------------------------------------------------------------------------------- settings: SI underneath, degrees on screens
+const shares = new Set(['lean_dead_band_norm', 'turn_dead_band_norm', 'speed_cap_norm', 'neutral_start_tolerance_norm']);
+
+/** How a setting is shown: shown value = SI value × factor. */
+export function shownAs(name: string, unit: string): { factor: number; unit: string } {
+  if (unit === 'rad' || unit.startsWith('rad/')) return { factor: 180 / Math.PI, unit: unit.replace('rad', '°') };
+  if (shares.has(name)) return { factor: 100, unit: '%' };
+  if (unit === 'units' || unit === 'counts') return { factor: 1, unit: t(`unit.${unit}`) };
+  return { factor: 1, unit };
+}

@@ -1,0 +1,18 @@
+// Small line drawings; decoration only, the words beside them say it.
+const paths = {
+  walk: 'M13 4.5a1.6 1.6 0 1 0 0-.01M9 21l2.5-6-2-3 1-5 4 3 3 1M10.5 7 7 9.5 6 13M14 12l-1 3 2.5 6',
+  drive: 'M12 3v6M12 21v-6M3 12h6M21 12h-6M12 12m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M10 4.5 12 2.5l2 2M10 19.5l2 2 2-2M4.5 10l-2 2 2 2M19.5 10l2 2-2 2',
+  tune: 'M5 4v8M5 16v4M12 4v2M12 10v10M19 4v10M19 18v2M3 14h4M10 8h4M17 16h4',
+  sessions: 'M5 4h14v16H5zM9 8h6M9 12h6M9 16h3',
+  health: 'M3 12h4l2-6 4 12 3-8 1.5 2H21',
+  settings: 'M12 3a9 9 0 1 0 0 18zM12 3a9 9 0 0 1 0 18',
+} as const;
+export type IconName = keyof typeof paths;
+
+export function Icon({ name }: { name: IconName }) {
+  return (
+    <svg class="icon" viewBox="0 0 24 24" aria-hidden="true">
+      <path d={paths[name]} />
+    </svg>
+  );
+}

@@ -1,0 +1,184 @@
+// Always visible: what the hoist does, who is in control, how good the link is, whether it records, how full the batteries are.
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { modes } from '../contract/faults.gen';
+import { releaseLease } from '../link/console';
+import { useReading } from '../link/live';
+import { useStore } from '../link/store';
+import { languages, settings, useSettings, type Theme } from '../text/settings';
+import { duration, fixed, t, words } from '../text/text';
+import { Icon } from './icons';
+
+const themes: readonly { id: Theme; key: 'bar.themeAuto' | 'bar.themeLight' | 'bar.themeDark' }[] = [
+  { id: 'auto', key: 'bar.themeAuto' },
+  { id: 'light', key: 'bar.themeLight' },
+  { id: 'dark', key: 'bar.themeDark' },
+];
+/** Round trips from which the link counts as fair and as poor. */
+const fair_s = 0.08;
+const poor_s = 0.2;
+const sampleRate_hz = 100;
+/** A pair of full 12 V lead batteries at rest. */
+const full_v = 25.6;
+
+export function StatusBar() {
+  useSettings();
+  const simulated = useStore((s) => s.simulated);
+  return (
+    <header class="bar">
+      <ModeChip />
+      {simulated ? <span class="simulation">{t('bar.simulation')}</span> : null}
+      <span class="bar-gap" />
+      <Control />
+      <LinkQuality />
+      <RecordingMark />
+      <Battery />
+      <DisplayMenu />
+    </header>
+  );
+}
+
+function ModeChip() {
+  const mode = useStore((s) => s.mode);
+  const old = useStore((s) => s.data !== 'fresh');
+  const still = useStore((s) => s.standingStill);
+  const row = modes.find((item) => item.name === mode)!;
+  return (
+    <div class={`mode mode-${mode}${old ? ' old' : ''}`} role="status">
+      <strong>{words(row.title)}</strong>
+      <span>{still ? t('bar.still') : t('bar.moving')}</span>
+    </div>
+  );
+}
+
+function Item({ label, value, old, children }: { label: string; value: string; old?: boolean; children?: preact.ComponentChildren }) {
+  return (
+    <div class={old ? 'bar-item old' : 'bar-item'}>
+      <span class="bar-label">{label}</span>
+      <span class="bar-value">
+        {children}
+        <span class="num">{value}</span>
+      </span>
+    </div>
+  );
+}
+
+function Control() {
+  const mine = useStore((s) => s.lease.mine);
+  const holder = useStore((s) => s.lease.holder);
+  const moving = useStore((s) => s.mode === 'user' || s.mode === 'remote');
+  const value = mine ? t('bar.controlMine') : holder !== 0 ? t('bar.controlOther') : t('bar.controlNobody');
+  return (
+    <div class="bar-item control">
+      <span class="bar-label">{t('bar.control')}</span>
+      <span class="bar-value">
+        {value}
+        {mine && !moving ? (
+          <button type="button" class="link-button" title={t('bar.giveBack')} aria-label={t('bar.giveBack')} onClick={() => void releaseLease()}>
+            ×
+          </button>
+        ) : null}
+      </span>
+    </div>
+  );
+}
+
+function LinkQuality() {
+  const link = useStore((s) => s.link);
+  const rtt_s = useStore((s) => s.rtt_s);
+  const ever = useStore((s) => s.everOpen);
+  const grade = link !== 'open' ? 0 : rtt_s === null || rtt_s < fair_s ? 3 : rtt_s < poor_s ? 2 : 1;
+  const value =
+    link === 'open' ? t('bar.milliseconds', { n: rtt_s === null ? '–' : fixed(rtt_s * 1000, 0) }) : ever ? t('bar.linkLost') : t('bar.linkConnecting');
+  return (
+    <Item label={t('bar.link')} value={value}>
+      <svg class={`bars grade-${grade}`} viewBox="0 0 18 14" aria-hidden="true">
+        <rect x="0" y="9" width="4" height="5" />
+        <rect x="7" y="5" width="4" height="9" />
+        <rect x="14" y="0" width="4" height="14" />
+      </svg>
+    </Item>
+  );
+}
+
+function RecordingMark() {
+  const { state, samples } = useStore((s) => s.recording);
+  if (state === 'recording')
+    return (
+      <Item label={t('bar.recording')} value={duration(samples / sampleRate_hz)}>
+        <span class="dot on" aria-hidden="true" />
+      </Item>
+    );
+  return (
+    <div class="bar-item recording">
+      <span class="bar-label">{t('bar.recording')}</span>
+      <span class="bar-value" title={state === 'failed' ? t('bar.recordingFailed') : t('bar.recordingOff')}>
+        <span class={state === 'failed' ? 'dot failed' : 'dot'} aria-hidden="true" />
+        {state === 'failed' ? '!' : '–'}
+        <span class="visually-hidden">{state === 'failed' ? t('bar.recordingFailed') : t('bar.recordingOff')}</span>
+      </span>
+    </div>
+  );
+}
+
+function Battery() {
+  const old = useStore((s) => s.data !== 'fresh');
+  const empty_v = useStore((s) => s.parameters.battery_empty_v ?? 22);
+  const low_v = useStore((s) => s.parameters.battery_low_v ?? 23);
+  const volts = useReading((r) => (r === null ? NaN : Math.round((r.battery_a_v + r.battery_b_v) * 10) / 10), 1);
+  const share = Number.isFinite(volts) ? Math.max(0, Math.min(1, (volts - empty_v) / (full_v - empty_v))) : 0;
+  return (
+    <Item label={t('bar.battery')} value={`${fixed(volts, 1)} V`} old={old}>
+      <svg class={volts < low_v ? 'battery low' : 'battery'} viewBox="0 0 26 14" aria-hidden="true">
+        <rect class="battery-edge" x="1" y="1" width="21" height="12" rx="2.5" />
+        <rect class="battery-edge" x="23" y="5" width="2" height="4" />
+        <rect class="battery-fill" x="3" y="3" width={17 * share} height="8" rx="1" />
+      </svg>
+    </Item>
+  );
+}
+
+function DisplayMenu() {
+  const { language, theme } = useSettings();
+  const [open, setOpen] = useState(false);
+  const box = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    if (!open) return;
+    const away = (event: Event) => {
+      if (!box.current?.contains(event.target as Node)) setOpen(false);
+    };
+    const escape = (event: KeyboardEvent) => event.key === 'Escape' && setOpen(false);
+    document.addEventListener('pointerdown', away);
+    document.addEventListener('keydown', escape);
+    return () => {
+      document.removeEventListener('pointerdown', away);
+      document.removeEventListener('keydown', escape);
+    };
+  }, [open]);
+  return (
+    <div class="menu" ref={box}>
+      <button type="button" class="menu-button" aria-label={t('bar.settings')} aria-expanded={open} onClick={() => setOpen(!open)}>
+        <Icon name="settings" />
+      </button>
+      {open ? (
+        <div class="menu-box card">
+          <span class="bar-label">{t('bar.language')}</span>
+          <div class="choice" role="radiogroup" aria-label={t('bar.language')}>
+            {languages.map((item) => (
+              <button key={item.id} type="button" role="radio" aria-checked={item.id === language} lang={item.id} onClick={() => settings.set({ language: item.id })}>
+                {item.name}
+              </button>
+            ))}
+          </div>
+          <span class="bar-label">{t('bar.theme')}</span>
+          <div class="choice" role="radiogroup" aria-label={t('bar.theme')}>
+            {themes.map((item) => (
+              <button key={item.id} type="button" role="radio" aria-checked={item.id === theme} onClick={() => settings.set({ theme: item.id })}>
+                {t(item.key)}
+              </button>
+            ))}
+          </div>
+        </div>
+      ) : null}
+    </div>
+  );
+}

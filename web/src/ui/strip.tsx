@@ -1,0 +1,113 @@
+// The line under the status bar: the most important alarm with what to do, or in calm times one sentence. Its height never changes.
+import { useState } from 'preact/hooks';
+import { faults, type FaultInfo } from '../contract/faults.gen';
+import { acknowledge, notify } from '../link/console';
+import { useStore } from '../link/store';
+import { useSettings } from '../text/settings';
+import { fixed, t, words } from '../text/text';
+import { HoldButton } from './hold_button';
+import { reasons } from './refusal';
+
+type Priority = FaultInfo['priority'] | 'calm';
+interface Alarm {
+  id: string;
+  priority: Priority;
+  text: string;
+  action: string;
+}
+const rank: Record<Priority, number> = { high: 0, medium: 1, low: 2, calm: 3 };
+const marks: Record<Priority, string> = { high: '!!!', medium: '!!', low: '!', calm: '' };
+export const releaseHold_ms = 2000;
+
+/** The active faults, most important first. */
+export function activeFaults(bits: number): FaultInfo[] {
+  return faults.filter((fault) => (bits >>> fault.bit) & 1).sort((a, b) => rank[a.priority] - rank[b.priority] || a.bit - b.bit);
+}
+
+export function Strip() {
+  useSettings();
+  const link = useStore((s) => s.link);
+  const ever = useStore((s) => s.everOpen);
+  const data = useStore((s) => s.data);
+  const age_s = useStore((s) => s.dataAge_s);
+  const core = useStore((s) => s.coreConnected);
+  const mode = useStore((s) => s.mode);
+  const bits = useStore((s) => s.faultBits);
+  const mine = useStore((s) => s.lease.mine);
+  const layout = useStore((s) => s.layoutDiffers);
+  const failed = useStore((s) => s.stopFailed);
+  const sending = useStore((s) => s.stopSent);
+  const recording = useStore((s) => s.recording.state);
+  const [all, setAll] = useState(false);
+  const [busy, setBusy] = useState(false);
+
+  const alarms: Alarm[] = [];
+  const add = (id: string, priority: Priority, text: string, action = '') => alarms.push({ id, priority, text, action });
+  if (failed) add('stop', 'high', t('stop.failed'));
+  if (layout) add('layout', 'high', t('strip.layout'), t('strip.layoutAction'));
+  if (ever && link !== 'open' && data !== 'fresh')
+    add('link', 'high', data === 'none' ? t('strip.lost') : `${t('strip.lost')} · ${t('strip.noData', { s: fixed(age_s, 0) })}`, t('strip.lostAction'));
+  else if (link === 'open' && !core) add('core', 'high', t('strip.core'), t('strip.coreAction'));
+  else if (link === 'open' && data === 'gone') add('data', 'high', t('strip.noData', { s: fixed(age_s, 0) }), t('strip.lostAction'));
+  if (data !== 'gone' && data !== 'none')
+    for (const fault of activeFaults(bits)) add(fault.name, fault.priority, words(fault.text), words(fault.action));
+  if (recording === 'failed') add('recording', 'medium', t('strip.recordingFailed'), t('strip.recordingFailedAction'));
+  alarms.sort((a, b) => rank[a.priority] - rank[b.priority]);
+
+  const calm = sending
+    ? t('stop.sending')
+    : link !== 'open' || data === 'none'
+      ? t('strip.connecting')
+      : mode === 'user'
+        ? t('strip.walking')
+        : mode === 'remote'
+          ? t(mine ? 'strip.driving' : 'strip.drivingOther')
+          : mode === 'init'
+            ? t('strip.starting')
+            : t('strip.ready');
+  const first: Alarm = alarms[0] ?? { id: 'calm', priority: 'calm', text: calm, action: '' };
+  const more = alarms.slice(1);
+
+  const release = async () => {
+    setBusy(true);
+    const reply = await acknowledge();
+    setBusy(false);
+    if (reply.ok) notify('info', t('stop.released'), true);
+    else if (reply.refusals[0] !== 'kept') notify('warning', reasons(reply).join(' '), true);
+  };
+
+  return (
+    <div class={`strip ${first.priority}`}>
+      <div class="strip-text" role={first.priority === 'high' ? 'alert' : 'status'} aria-live={first.priority === 'high' ? 'assertive' : 'polite'}>
+        {first.priority === 'calm' ? null : (
+          <span class="strip-mark" role="img" aria-label={t(`priority.${first.priority}`)}>
+            {marks[first.priority]}
+          </span>
+        )}
+        <span class="strip-words">
+          <strong>{first.text}</strong> <span>{first.action}</span>
+        </span>
+      </div>
+      {more.length > 0 ? (
+        <button type="button" class="quiet" aria-expanded={all} onClick={() => setAll(!all)}>
+          {t('strip.others', { n: more.length })}
+        </button>
+      ) : null}
+      {mode === 'protective_stop' && link === 'open' ? (
+        <HoldButton label={t('stop.release')} hint={t('stop.releaseHint')} hold_ms={releaseHold_ms} disabled={busy} onDone={() => void release()} />
+      ) : null}
+      {all && more.length > 0 ? (
+        <ul class="strip-more card">
+          {more.map((alarm) => (
+            <li key={alarm.id}>
+              <strong>
+                {marks[alarm.priority]} {alarm.text}
+              </strong>{' '}
+              {alarm.action}
+            </li>
+          ))}
+        </ul>
+      ) : null}
+    </div>
+  );
+}

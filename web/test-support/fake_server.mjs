@@ -1,0 +1,348 @@
+// A small stand-in for hoist-server, so that screens can be made and looked at without the rest: serves dist/, streams records of a made-up
+// walk, answers commands. It knows the wire, not the hoist: what it shows is drawn, never simulated.
+//
+//   node test-support/fake_server.mjs [--port 8099] [--dist dist]
+import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { extname, join, normalize } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { WebSocketServer } from 'ws';
+
+const here = fileURLToPath(new URL('..', import.meta.url));
+const table = (name) => readFileSync(join(here, 'src/contract', `${name}.gen.ts`), 'utf8');
+const signalText = table('signals');
+export const recordBytes = Number(/tickRecordBytes = (\d+)/.exec(signalText)[1]);
+export const signals = [...signalText.matchAll(/id: \d+, name: '(\w+)', type: '(\w+)', unit: '([^']*)', lsb: [^,]+, offset: (\d+)/g)].map(
+  ([, name, type, unit, offset]) => ({ name, type, unit, offset: Number(offset) }),
+);
+export const layoutHash = /layoutHash = '(\w+)'/.exec(table('messages'))[1];
+const paramRows = [...table('params').matchAll(/name: '(\w+)', unit: '[^']*', min: (\S+), default: (\S+), max: ([^,\s]+),\s+edit: '(\w+)'/g)].map(
+  ([, name, min, def, max, edit]) => ({ name, min: Number(min), default: Number(def), max: Number(max), edit }),
+);
+const presetValues = Object.fromEntries(
+  [...table('params').matchAll(/name: '(\w+)', title: [^\n]*\n\s+doc: [^\n]*\n\s+values: \{([^}]*)\}/g)].map(([, name, body]) => [
+    name,
+    Object.fromEntries([...body.matchAll(/(\w+): ([^,\s]+)/g)].map(([, key, value]) => [key, Number(value)])),
+  ]),
+);
+const faultBit = Object.fromEntries([...table('faults').matchAll(/bit: (\d+), name: '(\w+)', priority/g)].map(([, bit, name]) => [name, Number(bit)]));
+const modeValue = Object.fromEntries([...table('faults').matchAll(/value: (\d+), name: '(\w+)'/g)].map(([, value, name]) => [name, Number(value)]));
+
+export function encodeRecords(records) {
+  const buffer = Buffer.alloc(16 + records.length * recordBytes);
+  buffer.writeUInt8(1, 0);
+  buffer.writeUInt8(1, 1);
+  buffer.writeUInt16LE(records.length, 2);
+  buffer.writeUInt32LE(recordBytes, 4);
+  buffer.writeBigUInt64LE(BigInt(`0x${layoutHash}`), 8);
+  records.forEach((record, i) => {
+    for (const { name, type, offset } of signals) {
+      const at = 16 + i * recordBytes + offset;
+      const value = record[name] ?? 0;
+      if (type === 'u64') buffer.writeBigUInt64LE(BigInt(Math.round(value)), at);
+      else if (type === 'u32') buffer.writeUInt32LE(value >>> 0, at);
+      else if (type === 'i32') buffer.writeInt32LE(value | 0, at);
+      else if (type === 'f32') buffer.writeFloatLE(value, at);
+      else if (type === 'u16') buffer.writeUInt16LE(value, at);
+      else buffer.writeUInt8(value, at);
+    }
+  });
+  return buffer;
+}
+
+const types = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml', '.webmanifest': 'application/manifest+json' };
+const dt_s = 0.01;
+
+export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn = true, exercise = { shape: 'eight', c_m: 1, radius_m: 0.8 } } = {}) {
+  const values = Object.fromEntries(paramRows.map((row) => [row.name, row.default]));
+  const hoist = {
+    tick: 0, mode: 'standby', x: 0, y: 0, psi: 0, v: 0, w: 0, distance: 0, lean: 0, turn: 0, faults: 0, exercise, version: 1, drive: { speed: 0, yaw: 0, held: false, tick: -1000 },
+    drives: [], session: null, sessionTick: 0, commands: [],
+  };
+  const lease = { epoch: 0, holder: 0 };
+  const clients = new Map();
+  let nextClient = 1;
+  const day_ms = 86_400_000;
+  const sessions = [3, 2, 1].map((id) => ({
+    id, subject: id === 2 ? null : 'K-07', started_utc_ms: Date.UTC(2026, 10, 21, 9, 30) - (3 - id) * day_ms, duration_s: 60 + id * 37.4, simulated: true, recording: false,
+    exercise: id === 1 ? { shape: 'square', side_m: 3.2 } : exercise, note: id === 3 ? 'Calmer with a larger standing zone' : '', samples: 6000, gaps: 0,
+  }));
+
+  const tell = (message, only) => {
+    const text = JSON.stringify(message);
+    for (const [id, client] of clients) if (only === undefined || only === id) client.socket.send(text);
+  };
+  const event = (kind, more = {}) => tell({ type: 'event', kind, tick: hoist.tick, time_ns: hoist.tick * 1e7, ...more });
+  const tellLease = () => {
+    for (const id of clients.keys()) tell({ type: 'lease', epoch: lease.epoch, holder: lease.holder, mine: lease.holder === id }, id);
+  };
+  const tellRecording = () =>
+    tell({ type: 'recording', state: hoist.session === null ? 'idle' : 'recording', session: hoist.session, started_utc_ms: Date.now(), samples: hoist.tick - hoist.sessionTick, durable_tick: hoist.tick, detail: '' });
+  const setMode = (mode) => {
+    if (hoist.mode === mode) return;
+    hoist.mode = mode;
+    if (mode === 'user' || mode === 'remote') {
+      hoist.session = 4;
+      hoist.sessionTick = hoist.tick;
+    } else hoist.session = null;
+    event('mode_changed', { name: mode });
+    tellRecording();
+  };
+  const stopNow = () => {
+    hoist.faults |= 1 << faultBit.stop_pressed;
+    setMode('protective_stop');
+    event('fault_raised', { name: 'stop_pressed' });
+  };
+  const heading0 = () => (hoist.exercise.shape === 'eight' ? Math.asin(hoist.exercise.radius_m / hoist.exercise.c_m) : 0);
+
+  // The walk as a bead on the figure: speed up, follow the curvature, wobble a little.
+  const curvature = () => {
+    const e = hoist.exercise;
+    if (e.shape === 'square') {
+      const along = hoist.distance % e.side_m;
+      return along > e.side_m - 0.25 ? Math.PI / 2 / 0.25 : 0;
+    }
+    if (e.shape !== 'eight') return 0;
+    const slope = Math.asin(e.radius_m / e.c_m);
+    const straight = Math.sqrt(e.c_m ** 2 - e.radius_m ** 2);
+    const arc = e.radius_m * (Math.PI + 2 * slope);
+    const along = hoist.distance % (4 * straight + 2 * arc);
+    if (along < straight) return 0;
+    if (along < straight + arc) return -1 / e.radius_m;
+    if (along < 3 * straight + arc) return 0;
+    return along < 3 * straight + 2 * arc ? 1 / e.radius_m : 0;
+  };
+  const step = () => {
+    hoist.tick++;
+    let wish = 0;
+    let turn = 0;
+    if (hoist.mode === 'user') {
+      wish = 0.42 + 0.03 * Math.sin(hoist.tick / 90);
+      turn = curvature() * hoist.v * (1 + 0.03 * Math.sin(hoist.tick / 47));
+      hoist.lean = 0.35 + 0.08 * Math.sin(hoist.tick / 55);
+      hoist.turn = Math.max(-1, Math.min(1, turn / 0.58));
+    } else if (hoist.mode === 'remote' && hoist.drive.held && hoist.tick - hoist.drive.tick < 25) {
+      wish = hoist.drive.speed * values.remote_speed_m_s_max;
+      turn = hoist.drive.yaw * values.remote_yaw_rate_rad_s_max;
+      hoist.lean = 0.02 * Math.sin(hoist.tick / 60);
+      hoist.turn = 0;
+    } else {
+      hoist.lean = 0.015 * Math.sin(hoist.tick / 60);
+      hoist.turn = 0.01 * Math.sin(hoist.tick / 75);
+    }
+    const ramp = (hoist.mode === 'protective_stop' ? 1.0 : 0.5) * dt_s;
+    hoist.v += Math.max(-ramp, Math.min(ramp, wish - hoist.v));
+    hoist.w = hoist.v === 0 && wish === 0 && hoist.mode !== 'remote' ? 0 : turn;
+    hoist.psi += hoist.w * dt_s;
+    hoist.x += hoist.v * Math.cos(hoist.psi) * dt_s;
+    hoist.y += hoist.v * Math.sin(hoist.psi) * dt_s;
+    hoist.distance += Math.abs(hoist.v) * dt_s;
+    const range = values.lean_range_rad;
+    const sway = hoist.mode === 'user' ? 0.03 * Math.sin(hoist.tick / 32) : 0.004 * Math.sin(hoist.tick / 80);
+    return {
+      tick: hoist.tick, time_ns: hoist.tick * 1e7,
+      left_alpha_rad: (hoist.lean - 0.5 * hoist.turn) * range, right_alpha_rad: (hoist.lean + 0.5 * hoist.turn) * range,
+      left_beta_rad: sway, right_beta_rad: sway, base_alpha_rad: 0.002, base_beta_rad: 0.001, lean_norm: hoist.lean, turn_norm: hoist.turn,
+      dx_m: 0.8 * Math.tan(hoist.lean * range), dy_m: -0.8 * Math.tan(sway), speed_wish_m_s: wish, speed_command_m_s: hoist.v, speed_m_s: hoist.v, yaw_rate_rad_s: hoist.w,
+      x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi, distance_m: hoist.distance, stop_distance_m: hoist.v ** 2 / 1.6, remote_age_s: 9.999,
+      battery_a_v: 12.43, battery_b_v: 12.38, left_supply_v: 24.7, right_supply_v: 24.7, left_current_a: 0.6 + hoist.v, right_current_a: 0.5 + hoist.v,
+      wake_lateness_s: 6e-5, tick_duration_s: 2.1e-4, bus_frames: hoist.tick * 7, fault_bits: hoist.faults, blocked_bits: hoist.faults ? 4 : 0, lease_epoch: lease.epoch, lease_holder: lease.holder,
+      parameter_version: hoist.version, mode: modeValue[hoist.mode], stop_cause: 0, simulated: 1, server_alive: 1, standing_still: Math.abs(hoist.v) < 0.02 ? 1 : 0,
+    };
+  };
+
+  const refuse = (...refusals) => ({ ok: false, refusals, errors: [] });
+  const setValues = (wanted) => {
+    const errors = [];
+    const moving = hoist.mode === 'user' || hoist.mode === 'remote';
+    for (const [name, value] of Object.entries(wanted)) {
+      const row = paramRows.find((item) => item.name === name);
+      if (row === undefined) return { ok: false, refusals: ['unknown_item'], errors: [{ field: name, value }] };
+      if (row.edit === 'stopped' && moving) return { ok: false, refusals: ['only_when_stopped'], errors: [{ field: name, value }] };
+      if (!(value >= row.min && value <= row.max)) errors.push({ field: name, value, min: row.min, max: row.max, message: '' });
+    }
+    if (errors.length > 0) return { ok: false, refusals: ['out_of_range'], errors };
+    for (const [name, value] of Object.entries(wanted)) {
+      event('parameter_changed', { name, value, before: values[name] });
+      values[name] = value;
+    }
+    hoist.version++;
+    tell({ type: 'parameters', version: hoist.version, values });
+    return { ok: true };
+  };
+  const commands = {
+    lease_take(message, id) {
+      if (lease.holder !== 0 && lease.holder !== id && message.take_over !== true) return refuse('no_lease');
+      lease.holder = id;
+      lease.epoch++;
+      tellLease();
+      return { ok: true };
+    },
+    lease_release(_message, id) {
+      if (lease.holder === id) lease.holder = 0;
+      tellLease();
+      return { ok: true };
+    },
+    mode(message, id) {
+      if (lease.holder !== id) return refuse('no_lease');
+      if (message.mode === 'standby') {
+        setMode('standby');
+        return { ok: true };
+      }
+      if (hoist.mode !== 'standby') return refuse('not_standby', ...(hoist.faults ? ['fault_active'] : []));
+      hoist.exercise = message.exercise ?? { shape: 'free' };
+      const square = hoist.exercise.shape === 'square' ? -hoist.exercise.side_m / 2 : 0;
+      Object.assign(hoist, { x: square, y: square, psi: heading0(), distance: 0 });
+      event('pose_set');
+      setMode(message.mode);
+      return { ok: true };
+    },
+    acknowledge(_message, id) {
+      if (lease.holder !== id) return refuse('no_lease');
+      hoist.faults = 0;
+      setMode('standby');
+      return { ok: true };
+    },
+    neutral: () => ({ ok: true }),
+    pose: () => ({ ok: true }),
+    marker: (message) => (hoist.session === null ? refuse('not_standby') : (event('marker', { name: message.text }), { ok: true })),
+    set: (message, id) => (lease.holder === id ? setValues(message.values) : refuse('no_lease')),
+    preset: (message, id) => (lease.holder === id ? setValues(presetValues[message.name] ?? { unknown: 0 }) : refuse('no_lease')),
+  };
+  const take = (message, id, socket) => {
+    hoist.commands.push(message);
+    if (hoist.commands.length > 10_000) hoist.commands.shift();
+    if (message.type === 'ping') socket.send(JSON.stringify({ type: 'pong', t: message.t, time_ns: hoist.tick * 1e7 }));
+    else if (message.type === 'stop') stopNow();
+    else if (message.type === 'drive') {
+      if (lease.holder === id) hoist.drive = { ...message, tick: hoist.tick };
+    } else if (message.type in commands) socket.send(JSON.stringify({ type: 'reply', request: message.request, ...commands[message.type](message, id) }));
+  };
+
+  const sampleColumn = (name, i, id) => {
+    const s = i / 1000;
+    const loop = s * 4 * Math.PI + id;
+    if (name === 'x_m') return 1.8 * Math.sin(loop);
+    if (name === 'y_m') return 0.75 * Math.sin(2 * loop) + 0.04 * Math.sin(31 * s);
+    if (name === 'speed_m_s') return 0.42 * Math.min(1, 12 * s) + 0.02 * Math.sin(90 * s);
+    if (name === 'speed_command_m_s') return 0.42 * Math.min(1, 12 * s) + 0.015 * Math.sin(80 * s);
+    return 0.3 * Math.sin(20 * s + name.length);
+  };
+  const api = (request, url, body, send) => {
+    if (!signedIn) return send(401, { title: 'Not signed in', status: 401 });
+    const path = url.pathname.replace('/api/v1', '');
+    if (path === '/status') return send(200, { version: 'fake' });
+    if (path === '/stop' && request.method === 'POST') {
+      stopNow();
+      return send(200, { ok: true });
+    }
+    if (path === '/sessions') return send(200, { items: sessions, next: null });
+    const [, id, rest] = /^\/sessions\/(\d+)(?:\/(\w+))?$/.exec(path) ?? [];
+    const session = sessions.find((item) => item.id === Number(id));
+    if (session === undefined) return send(404, { title: 'Unknown', status: 404 });
+    if (rest === undefined && request.method === 'DELETE') {
+      sessions.splice(sessions.indexOf(session), 1);
+      return send(204, null);
+    }
+    if (rest === undefined && request.method === 'PATCH') return send(200, Object.assign(session, JSON.parse(body)));
+    if (rest === undefined) return send(200, session);
+    if (rest === 'metrics')
+      return send(200, { C: 0.82, J_N: 6.1, reference_length_m: 11.4, duration_s: session.duration_s, distance_m: 25.8, mean_speed_m_s: 0.39, rms_position_m: 0.11, rms_heading_rad: 0.14, exercise: session.exercise, reason_if_none: null });
+    if (rest === 'events')
+      return send(200, { items: [{ time_s: 0, kind: 'mode_changed', name: 'user' }, { time_s: 12.3, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 50, value: 60 }, { time_s: 31, kind: 'marker', name: '', text: 'Stumble' }, { time_s: 96, kind: 'fault_raised', name: 'stop_pressed' }] });
+    if (rest === 'samples') {
+      const names = (url.searchParams.get('columns') ?? '').split(',');
+      const runs = Array.from({ length: 600 }, (_, i) => i * (1000 / 600));
+      const at = runs.map((i) => (i / 1000) * session.duration_s);
+      return send(200, { from_s: at, to_s: at.map((value) => value + 0.05), columns: names.map((name) => ({ name, unit: signals.find((row) => row.name === name)?.unit ?? '', min: runs.map((i) => sampleColumn(name, i, session.id) - 0.003), max: runs.map((i) => sampleColumn(name, i, session.id) + 0.003) })) });
+    }
+    send(404, { title: 'Unknown', status: 404 });
+  };
+
+  const server = createServer((request, response) => {
+    const url = new URL(request.url, 'http://fake');
+    const send = (status, value) => {
+      response.writeHead(status, { 'Content-Type': status < 400 ? 'application/json' : 'application/problem+json' });
+      response.end(value === null ? undefined : JSON.stringify(value));
+    };
+    let body = '';
+    request.on('data', (piece) => (body += piece));
+    request.on('end', () => {
+      if (url.pathname.startsWith('/api/v1/')) return api(request, url, body, send);
+      const file = join(dist, normalize(url.pathname === '/' ? '/index.html' : url.pathname));
+      if (!file.startsWith(dist) || !existsSync(file) || !statSync(file).isFile()) return send(404, { title: 'Unknown', status: 404 });
+      response.writeHead(200, { 'Content-Type': types[extname(file)] ?? 'application/octet-stream', 'Content-Security-Policy': "default-src 'self'" });
+      createReadStream(file).pipe(response);
+    });
+  });
+  const sockets = new WebSocketServer({ noServer: true, handleProtocols: (offered) => (offered.has('hoist.v1') ? 'hoist.v1' : false) });
+  server.on('upgrade', (request, socket, head) => {
+    if (!signedIn) {
+      socket.end('HTTP/1.1 401 Unauthorized\r\n\r\n');
+      return;
+    }
+    sockets.handleUpgrade(request, socket, head, (ws) => {
+      const id = nextClient++;
+      clients.set(id, { socket: ws });
+      const send = (message) => ws.send(JSON.stringify(message));
+      send({ type: 'welcome', client: id, role: 'engineer', version: 'fake', layout_hash: layoutHash, record_bytes: recordBytes, simulated: true, scenario: 'figure-eight', exercise });
+      send({ type: 'core', connected: true });
+      send({ type: 'parameters', version: hoist.version, values });
+      send({ type: 'lease', epoch: lease.epoch, holder: lease.holder, mine: false });
+      tellRecording();
+      ws.on('message', (data, binary) => !binary && take(JSON.parse(data.toString()), id, ws));
+      ws.on('close', () => {
+        clients.delete(id);
+        if (lease.holder === id) {
+          lease.holder = 0;
+          tellLease();
+        }
+      });
+    });
+  });
+
+  // Ticks follow the clock, not the timer, so that a busy machine does not slow the made-up walk.
+  const began = performance.now();
+  const timer = setInterval(() => {
+    const due = Math.floor((performance.now() - began) / 10) - hoist.tick;
+    for (let left = Math.min(due, 50); left > 0; ) {
+      const records = [];
+      for (; left > 0 && records.length < 5; left--) records.push(step());
+      const frame = encodeRecords(records);
+      for (const client of clients.values()) client.socket.send(frame);
+    }
+    if (hoist.session !== null && hoist.tick % 50 < 5) tellRecording();
+  }, 50);
+
+  return new Promise((resolve) => {
+    server.listen(port, '127.0.0.1', () =>
+      resolve({
+        url: `http://127.0.0.1:${server.address().port}/`,
+        hoist, lease, values, clients,
+        skip: (ticks) => {
+          for (let i = 0; i < ticks; i++) {
+            const record = step();
+            if (i % 5 === 0) for (const client of clients.values()) client.socket.send(encodeRecords([record]));
+          }
+        },
+        fault: (name) => (hoist.faults |= 1 << faultBit[name]),
+        dropAll: () => {
+          for (const client of clients.values()) client.socket.terminate();
+        },
+        close: () =>
+          new Promise((done) => {
+            clearInterval(timer);
+            for (const client of clients.values()) client.socket.terminate();
+            sockets.close();
+            server.close(done);
+          }),
+      }),
+    );
+  });
+}
+
+if (process.argv[1] === fileURLToPath(import.meta.url)) {
+  const option = (name, fallback) => (process.argv.includes(`--${name}`) ? process.argv[process.argv.indexOf(`--${name}`) + 1] : fallback);
+  const fake = await startFakeServer({ port: Number(option('port', 8099)), dist: option('dist', join(here, 'dist')) });
+  console.log(`Open ${fake.url}`);
+}
