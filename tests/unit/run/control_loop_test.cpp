@@ -1,0 +1,103 @@
+// The step that the real-time thread runs: it must never allocate, whatever arrives.
+#include "control/run/control_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "control/contract/can_dictionary.hpp"
+#include "control/publish/server_link.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace hoist::run {
+namespace {
+
+// A bus on which anything may arrive.
+class NoisyPort final : public bus::CanPort {
+ public:
+  std::size_t receive(std::span<contract::CanFrame> out, std::uint64_t) noexcept override {
+    const std::size_t count = next() % 24;
+    for (std::size_t i = 0; i < count; ++i) {
+      constexpr std::array<std::uint32_t, 12> ids{0x181, 0x182, 0x188, 0x191, 0x192, 0x193, 0x293, 0x281, 0x701, 0x711, 0x581, 0x123};
+      out[i].id = ids[next() % ids.size()];
+      out[i].dlc = static_cast<std::uint8_t>(next() % 9);
+      for (std::uint8_t& byte : out[i].data) byte = static_cast<std::uint8_t>(next());
+    }
+    counters_.received += static_cast<std::uint32_t>(count);
+    return count;
+  }
+  std::size_t send(std::span<const contract::CanFrame> frames, std::uint64_t) noexcept override {
+    sent += frames.size();
+    for (const contract::CanFrame& frame : frames)
+      if (frame.id == contract::canopen::kSync) ++syncs;
+    return frames.size();
+  }
+  [[nodiscard]] bool up() const noexcept override { return true; }
+  [[nodiscard]] const bus::PortCounters& counters() const noexcept override { return counters_; }
+  std::uint64_t sent = 0, syncs = 0;
+
+ private:
+  std::uint32_t next() { return (seed_ = seed_ * 1664525U + 1013904223U) >> 8; }
+  std::uint32_t seed_ = 7;
+  bus::PortCounters counters_;
+};
+
+TEST(ControlLoop, NeverAllocatesInTenThousandSteps) {
+  std::string error;
+  auto link = publish::CoreLink::create("", 1, 1, error);
+  ASSERT_NE(link, nullptr) << error;
+  publish::ServerLink server("");
+  ASSERT_TRUE(server.attach_directly(*link, error)) << error;
+  NoisyPort port;
+  auto loop = std::make_unique<ControlLoop>(port, *link, contract::Params{});
+  const std::uint64_t before = test::allocations();
+  for (std::uint64_t tick = 0; tick < 10'000; ++tick) {
+    server.beat();
+    contract::Command command;
+    command.kind = static_cast<contract::CommandKind>(tick % 11);
+    command.client = 1;
+    command.request_id = static_cast<std::uint32_t>(tick);
+    command.a = static_cast<std::uint32_t>(tick % 5);
+    command.v0 = tick % 3 == 0 ? std::nan("") : 0.1;
+    server.send(command);
+    ControlLoop::Step step;
+    step.tick = tick;
+    step.time_ns = 1'000'000'000 + tick * 10'000'000;
+    loop->step(step);
+  }
+  EXPECT_EQ(test::allocations() - before, 0U);
+  EXPECT_EQ(port.syncs, 10'000U) << "one SYNC each step, whatever happens";
+}
+
+TEST(ControlLoop, PublishesEveryStepAndEveryFrame) {
+  std::string error;
+  auto link = publish::CoreLink::create("", 1, 1, error);
+  publish::ServerLink server("");
+  ASSERT_TRUE(server.attach_directly(*link, error)) << error;
+  publish::TickReader ticks(server);
+  publish::BusReader frames(server);
+  NoisyPort port;
+  auto loop = std::make_unique<ControlLoop>(port, *link, contract::Params{});
+  contract::ParamsInForce params;
+  ASSERT_TRUE(server.params(params)) << "the parameters are there before the first step";
+  EXPECT_EQ(params.values[contract::param_index(contract::ParamName::track_width_m)], contract::Params{}.track_width_m);
+  for (std::uint64_t tick = 0; tick < 50; ++tick) {
+    ControlLoop::Step step;
+    step.tick = tick;
+    step.time_ns = 1'000'000'000 + tick * 10'000'000;
+    loop->step(step);
+  }
+  auto records = std::make_unique<std::array<contract::TickRecord, 64>>();
+  ASSERT_EQ(ticks.read(*records).count, 50U);
+  for (std::uint64_t tick = 0; tick < 50; ++tick) {
+    EXPECT_EQ((*records)[tick].tick, tick);
+    EXPECT_EQ((*records)[tick].time_ns, 1'000'000'000 + tick * 10'000'000);
+  }
+  auto bus = std::make_unique<std::array<contract::BusRecord, 4096>>();
+  EXPECT_EQ(frames.read(*bus).count, port.counters().received + port.sent);
+}
+
+}  // namespace
+}  // namespace hoist::run
