@@ -24,7 +24,7 @@ constexpr double kPendulum_m = 1.0;
 constexpr double kFallPush_m_s2 = 2.5;
 /// Legs give way within this time; then the weight pulls forward.
 constexpr double kCollapse_s = 0.4;
-constexpr double kCollapsePush_m_s2 = 1.3;
+constexpr double kCollapsePush_m_s2 = 2.0;
 /// 0.163 m = 11.5 degrees on a strut of 0.8 m: past 10, short of the stop.
 constexpr double kHang_m = 0.163;
 /// Sideways the legs keep the body between the struts: 1 Hz, well damped.

@@ -1,0 +1,230 @@
+// The patient alone, on a platform that the test moves.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/sim/patient.hpp"
+#include "firmware/sim/plant.hpp"
+
+namespace hoist::sim {
+namespace {
+
+// A platform that follows the lean perfectly, or does what the test says, with the real springs.
+class Stage {
+ public:
+  explicit Stage(std::string_view scenario = "straight", const PatientParams& params = {})
+      : patient(params, *find_scenario(scenario)), springs_({}, 1) {
+    const contract::PathPose start = patient.path().pose(0.0);
+    platform.x_m = start.x_m;
+    platform.y_m = start.y_m;
+    platform.psi_rad = start.psi_rad;
+  }
+  void run(double seconds) {
+    const int ticks = static_cast<int>(std::lround(seconds * 1000.0));
+    for (int i = 0; i < ticks; ++i) {
+      patient.step_1ms({platform, springs_.harness_force(patient.harness()), released});
+      if (follows) {
+        // Speed in proportion to the lean, as a well-behaved hoist would in the end: 0.3 m/s at 3 cm.
+        const double goal_m_s = std::clamp(10.0 * patient.harness().dx_m, -0.6, 0.6);
+        const double change_m_s = std::clamp(goal_m_s - platform.speed_m_s, -0.0005, 0.0005);
+        platform.acceleration_m_s2 = change_m_s / 0.001;
+        platform.speed_m_s += change_m_s;
+      }
+      platform.x_m += platform.speed_m_s * std::cos(platform.psi_rad) * 0.001;
+      platform.y_m += platform.speed_m_s * std::sin(platform.psi_rad) * 0.001;
+      largest_lean_rad = std::max(largest_lean_rad, std::fabs(std::atan(patient.harness().dx_m / 0.8)));
+    }
+  }
+  Patient patient;
+  PlatformMotion platform;
+  bool released{false};
+  bool follows{false};
+  double largest_lean_rad{};
+
+ private:
+  Plant springs_;
+};
+
+TEST(Patient, StandsStillBeforeTheBrakesLetGoAndForASecondAfter) {
+  Stage stage;
+  stage.run(3.0);
+  EXPECT_EQ(stage.patient.state(), PatientState::standing);
+  EXPECT_EQ(stage.largest_lean_rad, 0.0);
+  EXPECT_EQ(stage.patient.harness().yaw_rad, 0.0);
+  stage.released = true;
+  stage.run(0.9);
+  EXPECT_EQ(stage.patient.state(), PatientState::waiting);
+  EXPECT_EQ(stage.largest_lean_rad, 0.0);
+  stage.run(0.2);
+  EXPECT_EQ(stage.patient.state(), PatientState::leading);
+}
+
+TEST(Patient, LeadsAFollowingPlatformToTheEndOfTheStraightAndStands) {
+  Stage stage;
+  stage.released = stage.follows = true;
+  stage.run(60.0);
+  EXPECT_EQ(stage.patient.state(), PatientState::leading);
+  EXPECT_TRUE(stage.patient.arrived());
+  EXPECT_NEAR(stage.platform.x_m, 10.0, 0.7);
+  EXPECT_LT(std::fabs(stage.platform.speed_m_s), 0.01);
+  EXPECT_LT(stage.largest_lean_rad, 10.0 * kDegree_rad);
+  // Back upright, feet still.
+  EXPECT_LT(std::fabs(stage.patient.harness().dx_m), 0.005);
+  EXPECT_LT(std::fabs(stage.patient.harness().dy_m), 0.002);
+}
+
+TEST(Patient, LetsAHoistLeadThatMovesByItself) {
+  Stage stage;
+  stage.released = true;
+  stage.platform.speed_m_s = 0.2;
+  stage.run(0.5);
+  EXPECT_EQ(stage.patient.state(), PatientState::following);
+  stage.run(20.0);
+  EXPECT_EQ(stage.patient.state(), PatientState::following);
+  EXPECT_LT(stage.largest_lean_rad, 4.0 * kDegree_rad);
+}
+
+TEST(Patient, GivesUpLeadingAHoistThatDoesNotFollow) {
+  Stage stage;
+  stage.released = true;
+  stage.run(1.5);
+  EXPECT_EQ(stage.patient.state(), PatientState::leading);
+  stage.run(5.0);
+  EXPECT_EQ(stage.patient.state(), PatientState::following);
+  EXPECT_LT(stage.largest_lean_rad, 10.5 * kDegree_rad);
+  stage.run(3.0);
+  EXPECT_LT(std::fabs(stage.patient.harness().dx_m), 0.01);  // upright again
+  // Only switching the drives off restores the trust.
+  stage.follows = true;
+  stage.run(5.0);
+  EXPECT_EQ(stage.patient.state(), PatientState::following);
+  stage.released = false;
+  stage.run(0.1);
+  EXPECT_EQ(stage.patient.state(), PatientState::standing);
+  stage.released = true;
+  stage.run(1.2);
+  EXPECT_EQ(stage.patient.state(), PatientState::leading);
+}
+
+TEST(Patient, TheScenarioOfStandingNeverSetsOff) {
+  Stage stage("stand");
+  stage.released = stage.follows = true;
+  stage.run(20.0);
+  EXPECT_EQ(stage.patient.state(), PatientState::waiting);
+  EXPECT_EQ(stage.largest_lean_rad, 0.0);
+}
+
+TEST(Patient, SwayGrowsWithSpeedAndSwingsTwiceForwardForOnceSideways) {
+  Stage stage;
+  stage.released = true;
+  stage.platform.speed_m_s = 0.3;
+  stage.run(8.0);
+  ASSERT_EQ(stage.patient.state(), PatientState::following);
+  double lateral_m = 0.0;
+  int crossings_forward = 0, crossings_lateral = 0;
+  HarnessMotion last = stage.patient.harness();
+  double mean_m = 0.0;
+  for (int i = 0; i < 10000; ++i) {
+    stage.run(0.001);
+    mean_m += stage.patient.harness().dx_m / 10000.0;
+  }
+  for (int i = 0; i < 10000; ++i) {
+    stage.run(0.001);
+    const HarnessMotion& now = stage.patient.harness();
+    lateral_m = std::max(lateral_m, std::fabs(now.dy_m));
+    crossings_forward += (now.dx_m - mean_m > 0.0) != (last.dx_m - mean_m > 0.0) ? 1 : 0;
+    crossings_lateral += (now.dy_m > 0.0) != (last.dy_m > 0.0) ? 1 : 0;
+    last = now;
+  }
+  EXPECT_NEAR(lateral_m, 0.6 * 0.03, 0.008);  // a follower sways less
+  // 0.42 + 0.5 x 0.3 = 0.57 Hz in 10 s: 11.4 crossings sideways, twice that forward.
+  EXPECT_NEAR(crossings_lateral, 11, 2);
+  EXPECT_NEAR(crossings_forward, 23, 3);
+}
+
+// What the fall guards of the core must catch: past 10 degrees with more than 25 deg/s outward (research/safety 2.1).
+void expect_fall(void (Patient::*how)(), double within_s) {
+  Stage stage;
+  stage.released = stage.follows = true;
+  stage.run(6.0);
+  ASSERT_EQ(stage.patient.state(), PatientState::leading);
+  (stage.patient.*how)();
+  double last_rad = 0.0, fastest_rad_s = 0.0;
+  bool past = false;
+  for (double t = 0.0; t < within_s; t += 0.001) {
+    stage.run(0.001);
+    const double lean_rad = std::atan(stage.patient.harness().dx_m / 0.8);
+    if (lean_rad > 10.0 * kDegree_rad) {
+      past = true;
+      fastest_rad_s = std::max(fastest_rad_s, (lean_rad - last_rad) / 0.001);
+    }
+    last_rad = lean_rad;
+  }
+  EXPECT_TRUE(past);
+  EXPECT_GT(fastest_rad_s, 25.0 * kDegree_rad);
+  EXPECT_LT(stage.largest_lean_rad, 18.0 * kDegree_rad);  // the stop and its rubber hold
+}
+TEST(Patient, AStumbleGoesQuicklyPastTenDegrees) { expect_fall(&Patient::trip, 2.0); }
+TEST(Patient, ACollapseGoesQuicklyPastTenDegrees) { expect_fall(&Patient::collapse, 3.0); }
+
+TEST(Patient, HangingStaysPastTenDegreesWithoutAGait) {
+  Stage stage;
+  stage.released = stage.follows = true;
+  stage.run(6.0);
+  stage.patient.hang();
+  stage.follows = false;
+  stage.platform.acceleration_m_s2 = 0.0;
+  stage.run(3.0);
+  const double lean_rad = std::atan(stage.patient.harness().dx_m / 0.8);
+  EXPECT_GT(lean_rad, 10.0 * kDegree_rad);
+  EXPECT_LT(lean_rad, 13.0 * kDegree_rad);
+  const double before_m = stage.patient.harness().dy_m;
+  stage.run(1.0);
+  EXPECT_NEAR(stage.patient.harness().dy_m, before_m, 1e-4);
+}
+
+TEST(Patient, IsHelpedUprightOnceTheHoistStands) {
+  Stage stage;
+  stage.released = stage.follows = true;
+  stage.run(6.0);
+  stage.patient.trip();
+  stage.follows = false;
+  stage.platform.speed_m_s = 0.0;
+  stage.platform.acceleration_m_s2 = 0.0;
+  stage.run(2.5);
+  EXPECT_EQ(stage.patient.state(), PatientState::tripping);
+  stage.run(5.0);
+  EXPECT_EQ(stage.patient.state(), PatientState::following);
+  EXPECT_LT(std::fabs(stage.patient.harness().dx_m), 0.01);
+}
+
+TEST(Patient, RandomPatientsAreReproducibleAndInTheirRanges) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const PatientParams a = PatientParams::random(seed), b = PatientParams::random(seed);
+    EXPECT_EQ(a.mass_kg, b.mass_kg);
+    EXPECT_EQ(a.sway_yaw_rad, b.sway_yaw_rad);
+    EXPECT_GE(a.mass_kg, 50.0);
+    EXPECT_LE(a.mass_kg, 100.0);
+    EXPECT_GE(a.wish_m_s, 0.20);
+    EXPECT_LE(a.wish_m_s, 0.60);
+  }
+  EXPECT_NE(PatientParams::random(1).mass_kg, PatientParams::random(2).mass_kg);
+}
+
+TEST(Patient, LooksAlongTheLine) {
+  Stage stage("figure-eight");
+  stage.released = stage.follows = true;
+  stage.run(3.0);
+  // The right-hand arc comes first: the pelvis turns right once it is near.
+  double most_right_rad = 0.0;
+  for (int i = 0; i < 8000; ++i) {
+    stage.run(0.001);
+    most_right_rad = std::min(most_right_rad, stage.patient.harness().yaw_rad);
+  }
+  EXPECT_LT(most_right_rad, -10.0 * kDegree_rad);
+  EXPECT_GT(stage.patient.progress_m(), 0.5);
+}
+
+}  // namespace
+}  // namespace hoist::sim

@@ -1,0 +1,273 @@
+// The world through its bus and its serial line, with a computer that knows no control laws.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "control/contract/can_dictionary.hpp"
+#include "firmware/sim/world.hpp"
+#include "tests/unit/sim/scripted_host.hpp"
+
+namespace hoist::sim {
+namespace {
+
+using contract::Node;
+using contract::canopen::drive::State;
+
+WorldOptions in_process(std::string_view scenario = "stand", std::uint64_t seed = 1) {
+  WorldOptions options;
+  options.host_in_process = true;
+  options.scenario = find_scenario(scenario);
+  options.seed = seed;
+  return options;
+}
+State left_state(const ScriptedHost& host) { return contract::canopen::drive::state(host.status_word[0]); }
+
+TEST(World, AllSixNodesBootAndTalkOnceStarted) {
+  World world(in_process());
+  ScriptedHost host(world);
+  host.run(1.0);
+  for (const contract::NodeInfo& node : contract::kNodes) {
+    if (node.kind == contract::NodeKind::host) continue;
+    EXPECT_GE(host.count_by_id[contract::canopen::kHeartbeatBase + node.id], 8U) << node.name;
+  }
+  for (const Node node : {Node::tilt_left, Node::tilt_right, Node::tilt_base})
+    EXPECT_NEAR(host.count_by_id[contract::pdo_cob_id(contract::Pdo::tilt_tx1, node)], 98, 3);
+  for (const Node node : {Node::drive_left, Node::drive_right})
+    EXPECT_NEAR(host.count_by_id[contract::pdo_cob_id(contract::Pdo::drive_tx1, node)], 98, 3);
+  EXPECT_NEAR(host.count_by_id[contract::pdo_cob_id(contract::Pdo::io_tx1, Node::io)], 50, 3);
+  EXPECT_EQ(world.bus_counters().rx_lost, 0U);
+  EXPECT_EQ(world.bus_counters().tx_refused, 0U);
+}
+
+TEST(World, EveryNodeSaysThatItIsSimulated) {
+  World world(in_process());
+  ScriptedHost host(world);
+  host.run(0.2);
+  host.keep = true;
+  for (const contract::NodeInfo& node : contract::kNodes) {
+    if (node.kind == contract::NodeKind::host) continue;
+    host.seen.clear();
+    ASSERT_TRUE(world.host_send(contract::canopen::sdo(0x600U + node.id, contract::canopen::kSdoUploadRequest, 0x1018, 2, 0)));
+    host.run(0.05);
+    bool answered = false;
+    for (const contract::CanFrame& frame : host.seen) {
+      if (frame.id != 0x580U + node.id) continue;
+      answered = true;
+      EXPECT_EQ(frame.data[0], contract::canopen::sdo_upload_reply_command(4)) << node.name;
+      EXPECT_NE(contract::read_le(&frame.data[4], 4) & contract::canopen::kSimulatedProduct, 0U) << node.name;
+    }
+    EXPECT_TRUE(answered) << node.name;
+  }
+}
+
+TEST(World, DrivesFollowTheirCommand) {
+  World world(in_process());
+  ScriptedHost host(world);
+  host.run(3.0);
+  host.enable();
+  EXPECT_EQ(left_state(host), State::operation_enabled);
+  EXPECT_TRUE(world.drives_enabled());
+  host.drive(0.30);
+  host.run(3.0);
+  EXPECT_NEAR(world.plant().platform().speed_m_s, 0.30, 0.01);
+  EXPECT_EQ(world.patient().state(), PatientState::following);  // it moved by itself, so the patient lets it lead
+  host.drive(0.0);
+  host.run(2.0);
+  EXPECT_NEAR(world.plant().platform().speed_m_s, 0.0, 0.01);
+}
+
+TEST(World, ASilentComputerStopsTheWheelsByThemselves) {
+  World world(in_process());
+  ScriptedHost host(world);
+  host.run(3.0);
+  host.enable();
+  host.drive(0.30);
+  host.run(3.0);
+  world.unplug(Node::core, true);
+  const double speed_m_s = world.plant().platform().speed_m_s;
+  const double x_m = world.plant().platform().x_m;
+  // Braking begins within 50 ms of the last command (design 6), with 1 m/s2 at the wheel (quick-stop ramp 300 rad/s2 at the motor).
+  for (int i = 0; i < 60; ++i) world.advance_1ms();
+  EXPECT_LT(world.plant().platform().speed_m_s, speed_m_s - 0.005);
+  for (int i = 0; i < 1000; ++i) world.advance_1ms();
+  EXPECT_NEAR(world.plant().platform().speed_m_s, 0.0, 1e-3);
+  EXPECT_FALSE(world.drives_enabled());
+  EXPECT_LT(world.plant().platform().x_m - x_m, speed_m_s * 0.05 + speed_m_s * speed_m_s / 2.0 + 0.03);
+}
+
+TEST(World, AnUnpluggedSensorIsSilentAndStartsAnewWhenPluggedIn) {
+  World world(in_process());
+  ScriptedHost host(world);
+  host.run(3.0);
+  const std::uint32_t id = contract::pdo_cob_id(contract::Pdo::tilt_tx1, Node::tilt_left);
+  world.unplug(Node::tilt_left, true);
+  EXPECT_TRUE(world.unplugged(Node::tilt_left));
+  host.run(0.02);
+  const std::uint32_t before = host.count_by_id[id];
+  host.run(1.0);
+  EXPECT_EQ(host.count_by_id[id], before);
+  host.keep = true;
+  world.unplug(Node::tilt_left, false);
+  host.run(1.0);
+  bool booted = false;
+  for (const contract::CanFrame& frame : host.seen) booted = booted || (frame.id == 0x711 && frame.data[0] == 0);
+  EXPECT_TRUE(booted);
+  EXPECT_GT(host.count_by_id[id], before + 20);
+}
+
+TEST(World, AnUnpluggedDriveStopsOnItsOwnPower) {
+  World world(in_process());
+  ScriptedHost host(world);
+  host.run(3.0);
+  host.enable();
+  host.drive(0.30);
+  host.run(3.0);
+  world.unplug(Node::drive_left, true);
+  host.run(0.5);
+  EXPECT_FALSE(world.plant().bridge_enabled(Side::left));
+  EXPECT_NEAR(world.plant().wheel_speed_m_s(Side::left), 0.0, 0.02);
+}
+
+TEST(World, AFrozenNodeIsSilentAndAFrozenSensorIsNot) {
+  World world(in_process());
+  ScriptedHost host(world);
+  host.run(3.0);
+  const std::uint32_t left = contract::pdo_cob_id(contract::Pdo::tilt_tx1, Node::tilt_left);
+  const std::uint32_t right = contract::pdo_cob_id(contract::Pdo::tilt_tx1, Node::tilt_right);
+  world.freeze(Node::tilt_left, true);
+  world.freeze_sensor(Node::tilt_right, true);
+  host.run(0.02);
+  const std::uint32_t left_before = host.count_by_id[left], right_before = host.count_by_id[right];
+  host.keep = true;
+  host.run(2.0);
+  EXPECT_EQ(host.count_by_id[left], left_before);
+  EXPECT_NEAR(host.count_by_id[right], right_before + 200, 3);
+}
+
+TEST(World, ABrokenEncoderMakesTheDriveLetGo) {
+  for (const World::EncoderFault fault : {World::EncoderFault::lost, World::EncoderFault::reversed}) {
+    World world(in_process());
+    ScriptedHost host(world);
+    host.run(3.0);
+    host.enable();
+    host.drive(0.20);
+    host.run(2.0);
+    ASSERT_EQ(left_state(host), State::operation_enabled);
+    world.break_encoder(Node::drive_left, fault);
+    host.run(1.0);
+    EXPECT_EQ(left_state(host), State::fault);
+    EXPECT_FALSE(world.plant().bridge_enabled(Side::left));
+    EXPECT_LT(std::fabs(world.plant().wheel_speed_m_s(Side::left)), 0.7);
+  }
+}
+
+TEST(World, AFaultHookSeesAndDropsFrames) {
+  World world(in_process());
+  ScriptedHost host(world);
+  host.run(1.0);
+  const std::uint32_t id = contract::pdo_cob_id(contract::Pdo::tilt_tx1, Node::tilt_base);
+  world.set_frame_fault([id](std::size_t, const contract::CanFrame& frame, std::uint64_t) {
+    return bus::BusFault{frame.id == id ? bus::BusFault::Kind::drop : bus::BusFault::Kind::none, 0, 0};
+  });
+  host.run(0.02);
+  const std::uint32_t before = host.count_by_id[id];
+  host.run(0.5);
+  EXPECT_EQ(host.count_by_id[id], before);
+  world.set_frame_fault({});
+  host.run(0.5);
+  EXPECT_GT(host.count_by_id[id], before + 40);
+}
+
+TEST(World, SameSeedSameRunOtherSeedAnother) {
+  const auto digest = [](std::uint64_t seed) {
+    World world(in_process("stand", seed));
+    ScriptedHost host(world);
+    host.run(3.0);
+    host.enable();
+    host.drive(0.25);
+    host.run(2.0);
+    return world.digest();
+  };
+  EXPECT_EQ(digest(1), digest(1));
+  // Noise reaches the sensors only; in this script no wheel depends on them, so another patient makes another run.
+  const auto walk = [](double mass_kg) {
+    WorldOptions options = in_process("straight");
+    options.patient.mass_kg = mass_kg;
+    World world(options);
+    ScriptedHost host(world);
+    host.run(3.0);
+    host.enable();
+    host.run(3.0);
+    return world.digest();
+  };
+  EXPECT_EQ(walk(75.0), walk(75.0));
+  EXPECT_NE(walk(75.0), walk(80.0));
+}
+
+TEST(World, GoesBackToTheStartMarkOnlyWithTheDrivesOff) {
+  World world(in_process());
+  ScriptedHost host(world);
+  host.run(3.0);
+  host.enable();
+  host.drive(0.2);
+  host.run(2.0);
+  EXPECT_FALSE(world.restart(*find_scenario("square")));
+  EXPECT_GT(world.plant().platform().x_m, 0.1);
+  host.drive(0.0);
+  host.run(1.5);
+  host.control_word = 0x06;
+  host.run(0.2);
+  ASSERT_FALSE(world.drives_enabled());
+  EXPECT_TRUE(world.restart(*find_scenario("square")));
+  EXPECT_DOUBLE_EQ(world.plant().platform().x_m, -1.6);
+  EXPECT_DOUBLE_EQ(world.plant().platform().y_m, -1.6);
+  EXPECT_EQ(world.patient().state(), PatientState::standing);
+}
+
+// A line of the gateway's protocol into the world, and what comes back within a while.
+std::string talk(World& world, std::string_view text, int milliseconds) {
+  std::string back;
+  std::array<char, 512> piece{};
+  EXPECT_EQ(world.uart_write(text), text.size());
+  for (int i = 0; i < milliseconds; ++i) {
+    world.advance_1ms();
+    const std::size_t got = world.uart_read(piece);
+    back.append(piece.data(), got);
+  }
+  return back;
+}
+
+TEST(World, TheGatewaySpeaksSlcanAndCarriesFramesBothWays) {
+  WorldOptions options;
+  options.scenario = find_scenario("stand");
+  World world(options);
+  EXPECT_EQ(talk(world, "", 300), "");  // closed: silent
+  EXPECT_EQ(talk(world, "S5\rO\r", 3).substr(0, 2), "\r\r");
+  EXPECT_NE(talk(world, "", 200).find("t71117F\r"), std::string::npos);  // heartbeat of the left strut, pre-operational
+  (void)talk(world, "t00020100\r", 150);
+  EXPECT_NE(talk(world, "", 200).find("t711105\r"), std::string::npos);  // and operational
+  EXPECT_NE(talk(world, "t0800\r", 20).find("t1816"), 0U);
+  EXPECT_NE(talk(world, "t0800\r", 20).find("t1918"), 0U);
+  (void)talk(world, "C\r", 5);
+  EXPECT_EQ(talk(world, "", 200), "");
+}
+
+TEST(World, ACutPowerLineLeavesTheNodesTalking) {
+  World world(in_process());
+  ScriptedHost host(world);
+  host.run(3.0);
+  host.enable();
+  host.drive(0.2);
+  host.run(1.0);
+  world.plant().cut_power(true);
+  host.run(0.5);
+  EXPECT_EQ(left_state(host), State::fault);
+  EXPECT_FALSE(world.drives_enabled());
+  const std::uint32_t before = host.count_by_id[contract::pdo_cob_id(contract::Pdo::drive_tx1, Node::drive_left)];
+  host.run(0.5);
+  EXPECT_GT(host.count_by_id[contract::pdo_cob_id(contract::Pdo::drive_tx1, Node::drive_left)], before + 40);
+}
+
+}  // namespace
+}  // namespace hoist::sim
