@@ -1,0 +1,317 @@
+// The part that all nodes share, seen from the wire. Frames are written out by hand, so that an error of the table or of the packing
+// cannot hide in the test.
+#include "firmware/lib/canopen_node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+
+#include "firmware/lib/convert.hpp"
+#include "firmware/nodes/drive/drive_node.hpp"
+#include "firmware/nodes/io/io_node.hpp"
+#include "firmware/nodes/tilt/tilt_node.hpp"
+#include "tests/unit/firmware/test_board.hpp"
+
+namespace hoist::firmware {
+namespace {
+
+constexpr std::uint32_t kAskLeft = 0x601, kAnswerLeft = 0x581;
+
+CanFrame aborted(std::uint32_t id, std::uint16_t index, std::uint8_t sub, std::uint32_t code) {
+  return frame_of(id, {0x80, index & 0xFF, index >> 8, sub, static_cast<int>(code & 0xFF), static_cast<int>((code >> 8) & 0xFF),
+                       static_cast<int>((code >> 16) & 0xFF), static_cast<int>(code >> 24)});
+}
+std::uint32_t bits_of(float value) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &value, 4);
+  return bits;
+}
+
+class DriveSdo : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    tick(node_, 1);
+    board_.sent.clear();
+  }
+  CanFrame ask_left(std::initializer_list<int> bytes) { return ask(node_, board_, frame_of(kAskLeft, bytes)); }
+  CanFrame write(std::uint16_t index, std::uint8_t sub, std::size_t bytes, std::uint32_t value) {
+    return ask(node_, board_, canopen::sdo(kAskLeft, canopen::sdo_download_command(bytes), index, sub, value));
+  }
+  std::uint32_t read(std::uint16_t index, std::uint8_t sub) {
+    const CanFrame answer = ask(node_, board_, canopen::sdo(kAskLeft, 0x40, index, sub, 0));
+    EXPECT_EQ(answer.data[0] & 0xE0, 0x40) << std::hex << index;
+    return contract::read_le(&answer.data[4], 4);
+  }
+  TestBoard board_;
+  DriveNode<TestBoard> node_{board_, contract::Node::drive_left};
+};
+
+TEST_F(DriveSdo, UploadsOneTwoAndFourBytes) {
+  EXPECT_EQ(ask_left({0x40, 0x61, 0x60, 0, 0, 0, 0, 0}), frame_of(kAnswerLeft, {0x4F, 0x61, 0x60, 0, 3, 0, 0, 0}));
+  EXPECT_EQ(ask_left({0x40, 0x17, 0x10, 0, 0, 0, 0, 0}), frame_of(kAnswerLeft, {0x4B, 0x17, 0x10, 0, 100, 0, 0, 0}));
+  EXPECT_EQ(ask_left({0x40, 0x00, 0x10, 0, 0, 0, 0, 0}), frame_of(kAnswerLeft, {0x43, 0x00, 0x10, 0, 0x92, 0x01, 0x02, 0x00}));
+  EXPECT_EQ(ask_left({0x40, 0x85, 0x60, 0, 0, 0, 0, 0}), frame_of(kAnswerLeft, {0x43, 0x85, 0x60, 0, 0x2C, 0x01, 0, 0}));
+}
+
+TEST_F(DriveSdo, DownloadsStoreAndAnswer) {
+  EXPECT_EQ(ask_left({0x2B, 0x17, 0x10, 0, 50, 0, 0, 0}), frame_of(kAnswerLeft, {0x60, 0x17, 0x10, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(read(0x1017, 0), 50U);
+  EXPECT_EQ(write(0x2200, 5, 4, bits_of(2.5F)).data[0], 0x60);
+  EXPECT_EQ(read(0x2200, 5), bits_of(2.5F));
+  // Size not given (bit 0 clear): the object's own.
+  EXPECT_EQ(ask_left({0x22, 0x85, 0x60, 0, 100, 0, 0, 0}).data[0], 0x60);
+  EXPECT_EQ(read(0x6085, 0), 100U);
+}
+
+TEST_F(DriveSdo, EveryObjectOfTheTableAnswersAndNoOtherDoes) {
+  int answered = 0;
+  for (const contract::ObjectInfo& o : contract::kObjects) {
+    const bool ours = contract::object_applies(o, contract::NodeKind::drive);
+    const CanFrame answer = ask(node_, board_, canopen::sdo(kAskLeft, 0x40, o.index, o.sub, 0));
+    ASSERT_EQ(answer.id, kAnswerLeft);
+    if (ours) {
+      EXPECT_EQ(answer.data[0], canopen::sdo_upload_reply_command(contract::object_bytes(o.type))) << o.name;
+      ++answered;
+    } else if (contract::find_object(contract::NodeKind::drive, o.index, o.sub) == nullptr) {
+      EXPECT_EQ(answer.data[0], 0x80) << o.name;
+    }
+  }
+  EXPECT_EQ(static_cast<std::size_t>(answered), kObjectRows<contract::NodeKind::drive>.size());
+}
+
+TEST_F(DriveSdo, AbortsWithTheReason) {
+  EXPECT_EQ(ask_left({0x40, 0x34, 0x12, 0, 0, 0, 0, 0}), aborted(kAnswerLeft, 0x1234, 0, 0x06020000));
+  EXPECT_EQ(ask_left({0x40, 0x00, 0x22, 9, 0, 0, 0, 0}), aborted(kAnswerLeft, 0x2200, 9, 0x06090011));
+  EXPECT_EQ(ask_left({0x40, 0x17, 0x10, 1, 0, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 1, 0x06090011));
+  EXPECT_EQ(ask_left({0x2B, 0x41, 0x60, 0, 0, 0, 0, 0}), aborted(kAnswerLeft, 0x6041, 0, 0x06010002));
+  EXPECT_EQ(ask_left({0x2F, 0x17, 0x10, 0, 50, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x06070010));
+  EXPECT_EQ(ask_left({0x23, 0x17, 0x10, 0, 50, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x06070010));
+  EXPECT_EQ(ask_left({0x2B, 0x17, 0x10, 0, 9, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x06090030));
+  EXPECT_EQ(read(0x1017, 0), 100U);  // nothing of all that was stored
+  EXPECT_EQ(node_.stack().counters().sdo_aborts, 7U);
+}
+
+TEST_F(DriveSdo, ArraysTellHowManyTheyAre) {
+  EXPECT_EQ(ask_left({0x40, 0x00, 0x22, 0, 0, 0, 0, 0}), frame_of(kAnswerLeft, {0x4F, 0x00, 0x22, 0, 6, 0, 0, 0}));
+  EXPECT_EQ(ask_left({0x40, 0x18, 0x10, 0, 0, 0, 0, 0}), frame_of(kAnswerLeft, {0x4F, 0x18, 0x10, 0, 4, 0, 0, 0}));
+  EXPECT_EQ(ask_left({0x2F, 0x00, 0x22, 0, 1, 0, 0, 0}), aborted(kAnswerLeft, 0x2200, 0, 0x06010002));
+}
+
+TEST_F(DriveSdo, RefusesWhatItDoesNotSpeak) {
+  // Segmented download and upload segments, block transfer, unknown commands, a reserved bit: one abort each.
+  for (const int command : {0x21, 0x20, 0x00, 0x01, 0x60, 0x70, 0xA0, 0xC0, 0xE0, 0xFF, 0x41, 0x33})
+    EXPECT_EQ(ask_left({command, 0x17, 0x10, 0, 0, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x05040001)) << command;
+  // Short requests.
+  EXPECT_EQ(ask_left({0x40, 0x17, 0x10, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x05040001));
+  EXPECT_EQ(ask_left({0x40}), aborted(kAnswerLeft, 0, 0, 0x05040001));
+  EXPECT_EQ(node_.stack().counters().wrong_length, 2U);
+  // An abort is never answered.
+  board_.sent.clear();
+  node_.on_frame(aborted(kAskLeft, 0x1017, 0, 0x05040000));
+  EXPECT_TRUE(board_.sent.empty());
+}
+
+TEST_F(DriveSdo, FloatsMustBeNumbersInRange) {
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                          -std::numeric_limits<float>::infinity(), -0.001F, 5.001F, 1e30F})
+    EXPECT_EQ(write(0x2200, 1, 4, bits_of(bad)), aborted(kAnswerLeft, 0x2200, 1, 0x06090030)) << bad;
+  EXPECT_EQ(write(0x2200, 1, 4, bits_of(5.0F)).data[0], 0x60);
+  EXPECT_EQ(write(0x2200, 1, 4, bits_of(0.0F)).data[0], 0x60);
+}
+
+TEST_F(DriveSdo, SignedRangesAreSigned) {
+  EXPECT_EQ(write(0x60FF, 0, 4, static_cast<std::uint32_t>(-400000)).data[0], 0x60);
+  EXPECT_EQ(write(0x60FF, 0, 4, static_cast<std::uint32_t>(-400001)).data[0], 0x80);
+  EXPECT_EQ(write(0x60FF, 0, 4, 400001).data[0], 0x80);
+}
+
+TEST_F(DriveSdo, VetoesOfTheDrive) {
+  EXPECT_EQ(write(0x605A, 0, 2, 6).data[0], 0x60);
+  EXPECT_EQ(write(0x605A, 0, 2, 3), aborted(kAnswerLeft, 0x605A, 0, 0x06090030));  // allowed by the table, not built
+  EXPECT_EQ(write(0x1016, 1, 4, 0x007F00FA).data[0], 0x60);
+  EXPECT_EQ(write(0x1016, 1, 4, 0), aborted(kAnswerLeft, 0x1016, 1, 0x06090030));           // not watching
+  EXPECT_EQ(write(0x1016, 1, 4, 0x007F1388), aborted(kAnswerLeft, 0x1016, 1, 0x06090030));  // 5 s
+  EXPECT_EQ(write(0x1016, 1, 4, 0x007E00FA), aborted(kAnswerLeft, 0x1016, 1, 0x06090030));  // somebody else
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 1));
+  EXPECT_EQ(write(0x6040, 0, 2, 6), aborted(kAnswerLeft, 0x6040, 0, 0x08000022));
+  EXPECT_EQ(write(0x60FF, 0, 4, 1), aborted(kAnswerLeft, 0x60FF, 0, 0x08000022));
+}
+
+TEST_F(DriveSdo, TheAnswerIsKeptWhenTheControllerIsFull) {
+  board_.room = false;
+  node_.on_frame(canopen::sdo(kAskLeft, 0x40, 0x1017, 0, 0));
+  tick(node_, 3);
+  board_.room = true;
+  tick(node_, 3);
+  EXPECT_EQ(board_.with_id(kAnswerLeft).size(), 1U);
+}
+
+TEST_F(DriveSdo, OtherNodesRequestsAndForeignFramesAreIgnored) {
+  board_.sent.clear();
+  node_.on_frame(canopen::sdo(0x602, 0x40, 0x1017, 0, 0));
+  CanFrame extended = canopen::sdo(kAskLeft, 0x40, 0x1017, 0, 0);
+  extended.flags = CanFrame::kExtended;
+  node_.on_frame(extended);
+  CanFrame remote = extended;
+  remote.flags = CanFrame::kRemote;
+  node_.on_frame(remote);
+  EXPECT_TRUE(board_.sent.empty());
+}
+
+TEST(CanopenIdentity, SaysWhoItIsAndThatItIsSimulated) {
+  TestBoard board;
+  TiltNode<TestBoard> tilt(board, contract::Node::tilt_right);
+  tick(tilt, 1);
+  const auto read = [&](std::uint16_t index, std::uint8_t sub) {
+    return contract::read_le(&ask(tilt, board, canopen::sdo(0x612, 0x40, index, sub, 0)).data[4], 4);
+  };
+  EXPECT_EQ(read(0x1000, 0), 0x0002019AU);
+  EXPECT_EQ(read(0x1014, 0), 0x092U);
+  EXPECT_EQ(read(0x1018, 2), 0x80000001U);
+  TestBoard real;
+  real.is_simulated = false;
+  IoNode<TestBoard> io(real, contract::Node::io);
+  tick(io, 1);
+  EXPECT_EQ(ask(io, real, canopen::sdo(0x608, 0x40, 0x1018, 2, 0)), frame_of(0x588, {0x43, 0x18, 0x10, 2, 3, 0, 0, 0}));
+}
+
+TEST(CanopenNmt, BootsUpThenBeatsAndFollowsCommands) {
+  TestBoard board;
+  IoNode<TestBoard> node(board, contract::Node::io);
+  board.room = false;
+  tick(node, 5);  // the boot-up message must not get lost
+  board.room = true;
+  tick(node, 1);
+  EXPECT_EQ(board.sent, std::vector{frame_of(0x708, {0})});
+  board.sent.clear();
+  tick(node, 99);
+  EXPECT_TRUE(board.sent.empty());
+  tick(node, 1);
+  EXPECT_EQ(board.sent, std::vector{frame_of(0x708, {127})});
+
+  const auto state_after = [&](const CanFrame& command) {
+    node.on_frame(command);
+    board.sent.clear();
+    tick(node, 100);
+    const auto beats = board.with_id(0x708);
+    return beats.empty() ? -1 : beats.back().data[0];
+  };
+  EXPECT_EQ(state_after(frame_of(0, {1, 8})), 5);
+  EXPECT_EQ(state_after(frame_of(0, {2, 0})), 4);
+  EXPECT_EQ(state_after(frame_of(0, {128, 8})), 127);
+  EXPECT_EQ(state_after(frame_of(0, {1, 9})), 127);     // somebody else's
+  EXPECT_EQ(state_after(frame_of(0, {77, 8})), 127);    // no such command
+  EXPECT_EQ(state_after(frame_of(0, {1})), 127);        // too short
+  EXPECT_EQ(state_after(frame_of(0, {1, 8, 0})), 127);  // too long
+  EXPECT_EQ(node.stack().counters().unknown, 1U);
+  EXPECT_EQ(node.stack().counters().wrong_length, 2U);
+}
+
+TEST(CanopenNmt, ResetsBootAgain) {
+  TestBoard board;
+  IoNode<TestBoard> node(board, contract::Node::io);
+  make_operational(node, board);
+  EXPECT_EQ(ask(node, board, canopen::sdo(0x608, 0x2B, 0x1017, 0, 50)).data[0], 0x60);
+  for (const int command : {130, 129}) {
+    node.on_frame(frame_of(0, {command, 8}));
+    board.sent.clear();
+    tick(node, 1);
+    EXPECT_EQ(board.sent, std::vector{frame_of(0x708, {0})}) << command;
+    EXPECT_EQ(ask(node, board, canopen::sdo(0x608, 0x40, 0x1017, 0, 0)), frame_of(0x588, {0x4B, 0x17, 0x10, 0, 100, 0, 0, 0}));
+  }
+}
+
+TEST(CanopenNmt, ResetCommunicationKeepsTheApplicationsParameters) {
+  TestBoard board;
+  DriveNode<TestBoard> node(board, contract::Node::drive_left);
+  tick(node, 1);
+  EXPECT_EQ(ask(node, board, canopen::sdo(kAskLeft, 0x23, 0x2200, 5, bits_of(2.0F))).data[0], 0x60);
+  const auto limit = [&] { return contract::read_le(&ask(node, board, canopen::sdo(kAskLeft, 0x40, 0x2200, 5, 0)).data[4], 4); };
+  node.on_frame(frame_of(0, {130, 1}));
+  tick(node, 1);
+  EXPECT_EQ(limit(), bits_of(2.0F));
+  node.on_frame(frame_of(0, {129, 1}));
+  tick(node, 1);
+  EXPECT_EQ(limit(), bits_of(6.0F));
+}
+
+TEST(CanopenNmt, StoppedAnswersNothingButNmt) {
+  TestBoard board;
+  DriveNode<TestBoard> node(board, contract::Node::drive_left);
+  make_operational(node, board);
+  node.on_frame(frame_of(0, {2, 1}));
+  node.on_frame(canopen::sdo(kAskLeft, 0x40, 0x1017, 0, 0));
+  node.on_frame(canopen::sync());
+  EXPECT_TRUE(board.sent.empty());
+}
+
+TEST(CanopenPdo, SynchronousOnesFollowEveryNthSync) {
+  TestBoard board;
+  board.counts = -2;
+  board.current_a = -3.0F;
+  board.supply_voltage_v = 25.5F;
+  DriveNode<TestBoard> node(board, contract::Node::drive_right);
+  tick(node, 1);
+  node.on_frame(canopen::sync());
+  EXPECT_TRUE(board.with_id(0x182).empty());  // not operational yet
+  make_operational(node, board);
+  tick(node, 2);
+  for (int sync = 1; sync <= 10; ++sync) {
+    board.sent.clear();
+    node.on_frame(canopen::sync());
+    // Status: switch-on disabled, voltage, remote, speed zero. Position -2, current -3 A of 6 A = -500.
+    EXPECT_EQ(board.with_id(0x182), std::vector{frame_of(0x182, {0x50, 0x12, 0xFE, 0xFF, 0xFF, 0xFF, 0x0C, 0xFE})}) << sync;
+    // Speed 0, no error, 25.50 V = 2550 = 0x09F6.
+    EXPECT_EQ(board.with_id(0x282), sync % 5 == 0 ? std::vector{frame_of(0x282, {0, 0, 0, 0, 0, 0, 0xF6, 0x09})} : std::vector<CanFrame>{})
+        << sync;
+  }
+  board.sent.clear();
+  node.on_frame(frame_of(0x080, {1}));  // a SYNC with a counter is none of ours
+  EXPECT_TRUE(board.sent.empty());
+}
+
+TEST(CanopenEmcy, OneMessagePerChangeAndNotFasterThanTheInhibitTime) {
+  TestBoard board;
+  DriveNode<TestBoard> node(board, contract::Node::drive_left);
+  make_operational(node, board);
+  const CanFrame short_rpdo = frame_of(0x201, {6, 0}), good = frame_of(0x201, {6, 0, 0, 0, 0, 0});
+  node.on_frame(short_rpdo);
+  node.on_frame(short_rpdo);
+  tick(node, 1);
+  EXPECT_EQ(board.with_id(0x081), std::vector{frame_of(0x081, {0x10, 0x82, 0x11, 0, 0, 0, 0, 0})});
+  board.sent.clear();
+  node.on_frame(good);
+  tick(node, 20);
+  EXPECT_TRUE(board.with_id(0x081).empty());  // 100 ms are not over
+  for (int i = 0; i < 8; ++i) {
+    tick(node, 10);
+    node.on_frame(good);
+  }
+  EXPECT_EQ(board.with_id(0x081), std::vector{frame_of(0x081, {0, 0, 0, 0, 0, 0, 0, 0})});
+}
+
+TEST(CanopenEmcy, AFloodIsBoundedAndCounted) {
+  TestBoard board;
+  DriveNode<TestBoard> node(board, contract::Node::drive_left);
+  make_operational(node, board);
+  for (int i = 0; i < 100; ++i) {
+    node.on_frame(frame_of(0x201, {6, 0}));
+    node.on_frame(frame_of(0x201, {6, 0, 0, 0, 0, 0}));
+  }
+  EXPECT_EQ(node.stack().counters().emcy_lost, 200U - kEmcyQueueMax);
+}
+
+TEST(Convert, RoundsAndHoldsAtTheEnds) {
+  EXPECT_EQ(to_integer<std::int16_t>(1.5F), 2);
+  EXPECT_EQ(to_integer<std::int16_t>(-1.5F), -2);
+  EXPECT_EQ(to_integer<std::int16_t>(0.49F), 0);
+  EXPECT_EQ(to_integer<std::int16_t>(1e9F), 32767);
+  EXPECT_EQ(to_integer<std::int16_t>(-1e9F), -32768);
+  EXPECT_EQ(to_integer<std::uint16_t>(-3.0F), 0);
+  EXPECT_EQ(to_integer<std::int32_t>(3e9F), std::numeric_limits<std::int32_t>::max());
+  EXPECT_EQ(to_integer<std::int32_t>(std::numeric_limits<float>::quiet_NaN()), 0);
+}
+
+}  // namespace
+}  // namespace hoist::firmware

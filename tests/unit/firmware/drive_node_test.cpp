@@ -1,0 +1,547 @@
+// The drive on a motor, commanded over its own frames. Times are milliseconds of virtual time.
+#include "firmware/nodes/drive/drive_node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "firmware/sim/motor.hpp"
+#include "tests/unit/firmware/test_board.hpp"
+
+namespace hoist::firmware {
+namespace {
+
+using State = canopen::drive::State;
+constexpr int kShutdown = 0x06, kSwitchOn = 0x07, kEnable = 0x0F, kQuickStop = 0x02, kOff = 0x00, kReset = 0x80, kHalt = 0x10F;
+
+std::uint32_t bits_of(float value) { return std::bit_cast<std::uint32_t>(value); }
+
+sim::MotorConfig loaded_motor() {
+  sim::MotorConfig config;
+  config.inertia_kg_m2 = 1.0e-3;  // rotor plus its half of 100 kg through gear 30
+  return config;
+}
+
+class DriveTest : public ::testing::Test {
+ protected:
+  using Node = DriveNode<TestBoard>;
+  void SetUp() override { make_operational(node_, board_); }
+
+  CanFrame rpdo(int word, double target_rad_s) const {
+    CanFrame frame{0x201, 6, 0, {}};
+    contract::write_le(&frame.data[0], 2, static_cast<std::uint32_t>(word));
+    contract::write_le(&frame.data[2], 4, static_cast<std::uint32_t>(std::lround(1000 * target_rad_s)));
+    return frame;
+  }
+  void one_ms() {
+    board_.counts = encoder_dead_ ? board_.counts : (encoder_reversed_ ? -motor_.encoder_counts() : motor_.encoder_counts());
+    if (!readings_by_hand_) board_.current_a = static_cast<float>(motor_.current_a());
+    node_.tick_1ms();
+    ++now_ms_;
+    peak_current_a_ = std::max(peak_current_a_, std::fabs(motor_.current_a()));
+    ASSERT_TRUE(std::isfinite(board_.duty_norm) && std::fabs(board_.duty_norm) <= 1.0F);
+    if (board_.bridge_on) {
+      motor_.step(board_.duty_norm * board_.supply_voltage_v, load_n_m_, 0.001);
+    } else {
+      motor_.step(motor_.config().constant_v_s_rad * motor_.speed_rad_s(), load_n_m_, 0.001);  // open: no current
+    }
+  }
+  // The computer as it should be: RPDO every 10 ms, heartbeat every 100 ms.
+  void run(int milliseconds, int word, double target_rad_s) {
+    for (int i = 0; i < milliseconds; ++i) {
+      if (now_ms_ % 10 == 0) node_.on_frame(rpdo(word, target_rad_s));
+      if (now_ms_ % 100 == 0 && heartbeats_) node_.on_frame(canopen::heartbeat(0x7F, canopen::NmtState::operational));
+      one_ms();
+    }
+  }
+  void silence(int milliseconds) {
+    for (int i = 0; i < milliseconds; ++i) one_ms();
+  }
+  void enable() {
+    run(10, kShutdown, 0);
+    run(10, kSwitchOn, 0);
+    run(10, kEnable, 0);
+    ASSERT_EQ(node_.state(), State::operation_enabled);
+  }
+  void drive_at(double target_rad_s) {
+    enable();
+    run(1000, kEnable, target_rad_s);
+    ASSERT_NEAR(motor_.speed_rad_s(), target_rad_s, 2.0);
+    board_.sent.clear();
+  }
+  std::uint16_t status() const { return node_.stack().values().get<0x6041>(); }
+  std::uint16_t error_code() const { return node_.stack().values().get<0x603F>(); }
+  std::vector<int> emergencies() const {
+    std::vector<int> codes;
+    for (const CanFrame& f : board_.with_id(0x081)) codes.push_back(static_cast<int>(contract::read_le(&f.data[0], 2)));
+    return codes;
+  }
+  // Milliseconds from now until `condition`, driven by `step`; -1 after `limit`.
+  template <class Condition, class Step>
+  int until(int limit, Condition condition, Step step) {
+    for (int i = 0; i <= limit; ++i) {
+      if (condition()) return i;
+      step();
+    }
+    return -1;
+  }
+
+  TestBoard board_;
+  Node node_{board_, contract::Node::drive_left};
+  sim::Motor motor_{loaded_motor()};
+  double load_n_m_ = 0, peak_current_a_ = 0;
+  bool encoder_dead_ = false, encoder_reversed_ = false, heartbeats_ = true, readings_by_hand_ = false;
+  int now_ms_ = 0;
+};
+
+TEST_F(DriveTest, ReachesOperationInOrderAndTheBridgeIsOffUntilThen) {
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+  run(20, kEnable, 50);  // enabling without the steps before it
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+  run(10, kShutdown, 50);
+  EXPECT_EQ(canopen::drive::state(status()), State::ready);
+  run(10, kSwitchOn, 50);
+  EXPECT_EQ(canopen::drive::state(status()), State::switched_on);
+  EXPECT_FALSE(board_.bridge_on);
+  run(10, kEnable, 50);
+  EXPECT_EQ(canopen::drive::state(status()), State::operation_enabled);
+  EXPECT_TRUE(board_.bridge_on);
+  run(500, kEnable, 50);
+  EXPECT_NEAR(motor_.speed_rad_s(), 50, 0.5);
+  EXPECT_EQ(status() & 0x1610, 0x0610);  // target reached, remote, voltage, not at zero
+  EXPECT_NEAR((node_.stack().values().get<0x606C>()), 50000, 3000);
+  run(10, kSwitchOn, 50);  // disable operation: ramps down first
+  EXPECT_EQ(node_.state(), State::operation_enabled);
+  run(400, kSwitchOn, 50);
+  EXPECT_EQ(node_.state(), State::switched_on);
+  EXPECT_NEAR(motor_.speed_rad_s(), 0, 2.0);
+  EXPECT_FALSE(board_.bridge_on);
+  run(10, kShutdown, 0);
+  EXPECT_EQ(node_.state(), State::ready);
+  run(10, kOff, 0);
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+}
+
+TEST_F(DriveTest, ShutdownToEnableInOneStepAsTheStandardAllows) {
+  run(10, kShutdown, 0);
+  run(10, kEnable, 0);
+  EXPECT_EQ(node_.state(), State::operation_enabled);
+}
+
+TEST_F(DriveTest, TheReferenceRampsAndTheSpeedFollows) {
+  enable();
+  int reached = until(
+      1000, [&] { return node_.reference_rad_s() >= 90; }, [&] { run(1, kEnable, 90); });
+  EXPECT_NEAR(reached, 200, 12);  // 450 rad/s2
+  run(300, kEnable, 90);
+  EXPECT_NEAR(motor_.speed_rad_s(), 90, 1);
+  run(1000, kEnable, -90);
+  EXPECT_NEAR(motor_.speed_rad_s(), -90, 1);
+  run(1000, kHalt, -90);
+  EXPECT_NEAR(motor_.speed_rad_s(), 0, 1);
+  EXPECT_TRUE(board_.bridge_on);  // halted is held, not released
+}
+
+TEST_F(DriveTest, RpdoDeadlineBrakesWithinFiftyMilliseconds) {
+  drive_at(150);
+  const double before = node_.reference_rad_s();
+  const int braking = until(
+      100, [&] { return node_.reference_rad_s() < before - 0.5F; }, [&] { silence(1); });
+  EXPECT_GT(braking, 20);      // one lost command is tolerated
+  EXPECT_LE(braking + 9, 50);  // the last command may have come up to 9 ms before
+  silence(1);
+  EXPECT_EQ(emergencies(), std::vector{0x8250});
+  EXPECT_EQ(node_.state(), State::quick_stop_active);
+  const int off = until(
+      2000, [&] { return !board_.bridge_on; }, [&] { silence(1); });
+  EXPECT_NEAR(off, 560, 40);  // 150 / 300 s, the loop's lag and a moment at rest
+  EXPECT_NEAR(motor_.speed_rad_s(), 0, 2.0);
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+  silence(5000);
+  EXPECT_FALSE(board_.bridge_on);
+}
+
+TEST_F(DriveTest, AfterALossTheOldWordDoesNotEnableAgain) {
+  drive_at(100);
+  silence(60);
+  run(2000, kEnable, 100);  // the computer is back and goes on as if nothing had been
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+  EXPECT_FALSE(board_.bridge_on);
+  EXPECT_NEAR(motor_.speed_rad_s(), 0, 2.0);
+  enable();
+}
+
+TEST_F(DriveTest, LostCommandsInARowAreToleratedUpToTheDeadline) {
+  drive_at(100);
+  for (int i = 0; i < 600; ++i) {
+    if (now_ms_ % 30 == 0) node_.on_frame(rpdo(kEnable, 100));  // two of three are lost
+    if (now_ms_ % 100 == 0) node_.on_frame(canopen::heartbeat(0x7F, canopen::NmtState::operational));
+    one_ms();
+  }
+  EXPECT_EQ(node_.state(), State::operation_enabled);
+  EXPECT_TRUE(emergencies().empty());
+}
+
+TEST_F(DriveTest, LosingTheComputersHeartbeatStopsAlthoughCommandsGoOn) {
+  drive_at(100);
+  heartbeats_ = false;
+  const int stopping = until(
+      400, [&] { return node_.state() == State::quick_stop_active; }, [&] { run(1, kEnable, 100); });
+  EXPECT_GT(stopping, 140);
+  EXPECT_LE(stopping, 251);
+  EXPECT_EQ(node_.stack().state(), canopen::NmtState::pre_operational);
+  run(2000, kEnable, 100);
+  EXPECT_EQ(emergencies().at(0), 0x8130);
+  EXPECT_FALSE(board_.bridge_on);
+  EXPECT_NEAR(motor_.speed_rad_s(), 0, 2.0);
+}
+
+TEST_F(DriveTest, ARestartedComputerIsALostOne) {
+  drive_at(100);
+  node_.on_frame(canopen::heartbeat(0x7F, canopen::NmtState::boot_up));
+  EXPECT_EQ(node_.state(), State::quick_stop_active);
+  run(2000, kEnable, 100);
+  EXPECT_FALSE(board_.bridge_on);
+}
+
+TEST_F(DriveTest, LeavingOperationalStopsOnTheRamp) {
+  for (const canopen::NmtCommand command :
+       {canopen::NmtCommand::pre_operational, canopen::NmtCommand::stop, canopen::NmtCommand::reset_communication}) {
+    node_.power_on();
+    make_operational(node_, board_);
+    drive_at(100);
+    node_.on_frame(canopen::nmt(command, 1));
+    EXPECT_EQ(node_.state(), State::quick_stop_active);
+    run(100, kEnable, 100);
+    EXPECT_NEAR(node_.reference_rad_s(), 70, 1);
+    EXPECT_NEAR(motor_.speed_rad_s(), 85, 5);  // the loop follows its reference 50 ms later
+    run(1000, kEnable, 100);
+    EXPECT_FALSE(board_.bridge_on);
+    EXPECT_NEAR(motor_.speed_rad_s(), 0, 2.0);
+  }
+}
+
+TEST_F(DriveTest, ResetNodeSwitchesOffAtOnce) {
+  drive_at(100);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::reset_node, 1));
+  EXPECT_FALSE(board_.bridge_on);
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+}
+
+TEST_F(DriveTest, QuickStopUsesItsOwnRampAndEndsDisabled) {
+  drive_at(150);
+  const int stopped = until(
+      2000, [&] { return node_.reference_rad_s() == 0.0F; }, [&] { run(1, kQuickStop, 150); });
+  EXPECT_NEAR(stopped, 500, 15);  // 300 rad/s2, 1.0 m/s2 at the wheel
+  run(100, kQuickStop, 150);
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+  EXPECT_FALSE(board_.bridge_on);
+}
+
+TEST_F(DriveTest, QuickStopOptionSixStaysAndHolds) {
+  EXPECT_EQ(ask(node_, board_, canopen::sdo(0x601, canopen::sdo_download_command(2), 0x605A, 0, 6)).data[0], 0x60);
+  drive_at(100);
+  run(1500, kQuickStop, 100);
+  EXPECT_EQ(node_.state(), State::quick_stop_active);
+  EXPECT_TRUE(board_.bridge_on);
+  run(500, kEnable, 100);  // does not run on
+  EXPECT_EQ(node_.state(), State::quick_stop_active);
+  EXPECT_NEAR(motor_.speed_rad_s(), 0, 2.0);
+  silence(1000);  // and the loss of the computer ends the holding
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+  EXPECT_FALSE(board_.bridge_on);
+}
+
+TEST_F(DriveTest, DisableVoltageLetsGoAtOnce) {
+  drive_at(100);
+  run(1, kOff, 100);
+  while (now_ms_ % 10 != 1) run(1, kOff, 100);
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+  EXPECT_FALSE(board_.bridge_on);
+}
+
+TEST_F(DriveTest, RefusedCommandsAreNoSignOfLife) {
+  drive_at(100);
+  for (int i = 0; i < 60; ++i) {
+    if (i % 10 == 0) node_.on_frame(rpdo(kEnable, 401));  // beyond the range
+    one_ms();
+  }
+  EXPECT_EQ(node_.state(), State::quick_stop_active);
+  EXPECT_EQ(node_.stack().counters().out_of_range, 6U);
+  EXPECT_EQ(emergencies(), std::vector{0x8250});
+}
+
+TEST_F(DriveTest, WrongLengthCommandsAreRefusedAndReported) {
+  drive_at(100);
+  CanFrame longer = rpdo(kEnable, 100);
+  longer.dlc = 8;
+  for (int i = 0; i < 60; ++i) {
+    if (i % 10 == 0) node_.on_frame(longer);
+    one_ms();
+  }
+  EXPECT_EQ(node_.state(), State::quick_stop_active);
+  EXPECT_EQ(node_.stack().counters().wrong_length, 6U);
+  EXPECT_EQ(emergencies().at(0), 0x8210);
+}
+
+TEST_F(DriveTest, UnderVoltageLatchesUntilAnEdgeAfterItsEnd) {
+  drive_at(50);
+  board_.supply_voltage_v = 18.9F;
+  run(9, kEnable, 50);
+  EXPECT_EQ(node_.state(), State::operation_enabled);  // the sag of a moment
+  run(2, kEnable, 50);
+  EXPECT_EQ(node_.state(), State::fault);
+  EXPECT_FALSE(board_.bridge_on);
+  EXPECT_EQ(error_code(), 0x3220);
+  EXPECT_EQ(emergencies(), std::vector{0x3220});
+  EXPECT_EQ(node_.stack().values().get<0x1001>(), 0x05);
+  run(20, kReset, 0);  // the cause is still there
+  EXPECT_EQ(node_.state(), State::fault);
+  board_.supply_voltage_v = 24;
+  run(200, kReset, 0);  // a level is no edge
+  EXPECT_EQ(node_.state(), State::fault);
+  run(20, kOff, 0);
+  EXPECT_EQ(node_.state(), State::fault);
+  run(10, kReset, 0);
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+  EXPECT_EQ(error_code(), 0);
+  run(1000, kReset, 0);
+  EXPECT_EQ(emergencies().back(), 0);
+  enable();
+}
+
+TEST_F(DriveTest, AResetBitHeldSinceTheLossOfTheComputerIsNoEdge) {
+  drive_at(50);
+  board_.supply_voltage_v = 10;
+  run(20, kEnable, 50);
+  board_.supply_voltage_v = 24;
+  silence(100);
+  run(50, kReset, 0);
+  EXPECT_EQ(node_.state(), State::fault);
+  run(10, kOff, 0);
+  run(10, kReset, 0);
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+}
+
+TEST_F(DriveTest, DoesNotSwitchOnWithoutSupply) {
+  board_.supply_voltage_v = 0;  // the emergency cut-off relay
+  run(10, kShutdown, 0);
+  run(10, kSwitchOn, 0);
+  run(10, kEnable, 0);
+  EXPECT_EQ(node_.state(), State::ready);
+  EXPECT_EQ(status() & 0x10, 0);
+  board_.supply_voltage_v = 24;
+  run(50, kEnable, 50);  // a word left over from before does not enable
+  EXPECT_NE(node_.state(), State::operation_enabled);
+  EXPECT_FALSE(board_.bridge_on);
+}
+
+TEST_F(DriveTest, TheSpeedIsMeasuredAlsoWithoutSupply) {
+  board_.supply_voltage_v = 0;
+  load_n_m_ = -0.1;  // somebody pushes
+  run(500, kOff, 0);
+  EXPECT_GT(motor_.speed_rad_s(), 30);
+  EXPECT_NEAR(node_.speed_rad_s(), motor_.speed_rad_s(), 3);
+}
+
+TEST_F(DriveTest, DeadEncoderIsFoundWithinAHundredMilliseconds) {
+  drive_at(60);
+  encoder_dead_ = true;
+  const int found = until(
+      500, [&] { return node_.state() == State::fault; }, [&] { run(1, kEnable, 60); });
+  EXPECT_GT(found, 90);
+  EXPECT_LE(found, 150);
+  EXPECT_FALSE(board_.bridge_on);
+  EXPECT_EQ(error_code(), 0x7305);
+  EXPECT_LT(peak_current_a_, 9.0);
+  run(200, kEnable, 60);
+  EXPECT_EQ(emergencies(), std::vector{0x7305});
+}
+
+TEST_F(DriveTest, ReversedEncoderIsFoundBeforeItRunsAway) {
+  encoder_reversed_ = true;
+  enable();
+  const int found = until(
+      1000, [&] { return node_.state() == State::fault; }, [&] { run(1, kEnable, 60); });
+  EXPECT_GT(found, 0);
+  EXPECT_LE(found, 200);
+  EXPECT_FALSE(board_.bridge_on);
+  EXPECT_EQ(error_code(), 0x7305);
+  EXPECT_LT(std::fabs(motor_.speed_rad_s()), 100);
+}
+
+TEST_F(DriveTest, ABlockedWheelIsFoundAndDoesNotBurn) {
+  enable();
+  motor_.lock(true);
+  const int found = until(
+      1000, [&] { return node_.state() == State::fault; }, [&] { run(1, kEnable, 100); });
+  EXPECT_GT(found, 100);
+  EXPECT_LE(found, 250);
+  EXPECT_LT(peak_current_a_, 9.0);
+}
+
+TEST_F(DriveTest, HonestMotionNeverLooksLikeAnEncoderFault) {
+  enable();
+  // Hard reversals, holding against a push near the current limit, being driven down a slope.
+  for (int i = 0; i < 6; ++i) run(700, kEnable, i % 2 == 0 ? 180 : -180);
+  run(1000, kEnable, 0);
+  load_n_m_ = 0.55;  // 4.8 A of 6
+  run(2000, kEnable, 0);
+  load_n_m_ = -0.55;
+  run(2000, kEnable, 0);
+  run(2000, kEnable, 100);
+  load_n_m_ = -0.8;  // more than the limiter may hold: it gives way
+  run(300, kEnable, 0);
+  EXPECT_EQ(node_.state(), State::operation_enabled);
+  EXPECT_EQ(error_code(), 0);
+  EXPECT_TRUE(emergencies().empty());
+}
+
+TEST_F(DriveTest, SlowCrawlingIsNoStall) {
+  enable();
+  run(5000, kEnable, 2.5);
+  EXPECT_EQ(node_.state(), State::operation_enabled);
+  EXPECT_NEAR(motor_.speed_rad_s(), 2.5, 1.0);
+}
+
+TEST_F(DriveTest, OverSpeedRampsDownIntoTheFault) {
+  drive_at(190);
+  load_n_m_ = -1.2;  // driven by something stronger
+  const int found = until(
+      1000, [&] { return node_.state() == State::fault_reaction; }, [&] { run(1, kEnable, 190); });
+  ASSERT_GE(found, 0);
+  EXPECT_EQ(error_code(), 0x8400);
+  load_n_m_ = 0;
+  run(2000, kEnable, 190);
+  EXPECT_EQ(node_.state(), State::fault);
+  EXPECT_FALSE(board_.bridge_on);
+  EXPECT_LT(std::fabs(motor_.speed_rad_s()), 3.0);
+}
+
+TEST_F(DriveTest, ImpossibleReadingsSwitchOff) {
+  readings_by_hand_ = true;
+  for (const bool current : {true, false}) {
+    board_.current_a = 0;
+    board_.supply_voltage_v = 24;
+    node_.power_on();
+    make_operational(node_, board_);
+    enable();
+    (current ? board_.current_a : board_.supply_voltage_v) = std::numeric_limits<float>::quiet_NaN();
+    one_ms();
+    EXPECT_EQ(node_.state(), State::fault);
+    EXPECT_FALSE(board_.bridge_on);
+    EXPECT_EQ(error_code(), 0x5000);
+    run(20, kOff, 0);
+    run(20, kReset, 0);
+    EXPECT_EQ(node_.state(), State::fault);  // still impossible
+  }
+}
+
+TEST_F(DriveTest, ACurrentBeyondEveryLimitTripsInTwoMilliseconds) {
+  readings_by_hand_ = true;
+  enable();
+  board_.current_a = -18.5F;
+  one_ms();
+  EXPECT_EQ(node_.state(), State::operation_enabled);
+  one_ms();
+  EXPECT_EQ(node_.state(), State::fault);
+  EXPECT_EQ(error_code(), 0x2310);
+  EXPECT_FALSE(board_.bridge_on);
+}
+
+TEST_F(DriveTest, ParametersWrittenOverTheBusAct) {
+  EXPECT_EQ(ask(node_, board_, canopen::sdo(0x601, canopen::sdo_download_command(4), 0x2200, 5, bits_of(2.0F))).data[0], 0x60);
+  EXPECT_EQ(ask(node_, board_, canopen::sdo(0x601, canopen::sdo_download_command(4), 0x2200, 6, bits_of(100.0F))).data[0], 0x60);
+  enable();
+  const int reached = until(
+      2000, [&] { return node_.reference_rad_s() >= 90; }, [&] { run(1, kEnable, 90); });
+  EXPECT_NEAR(reached, 900, 20);
+  load_n_m_ = 0.5;  // needs 4.3 A
+  peak_current_a_ = 0;
+  run(100, kEnable, 90);
+  EXPECT_LT(peak_current_a_, 2.0 * 1.5);
+}
+
+TEST_F(DriveTest, TheFeedbackGainOfTheLawIsFixed) {
+  const auto write = [&](float value) {
+    return ask(node_, board_, canopen::sdo(0x601, canopen::sdo_download_command(4), 0x2200, 3, bits_of(value))).data[0];
+  };
+  EXPECT_EQ(write(1.0F), 0x60);
+  EXPECT_EQ(write(0.5F), 0x80);
+}
+
+TEST_F(DriveTest, TakesOverAPushedWheelSmoothly) {
+  load_n_m_ = -0.1;
+  run(400, kOff, 0);
+  load_n_m_ = 0;
+  const double pushed = motor_.speed_rad_s();
+  ASSERT_GT(pushed, 20);
+  run(10, kShutdown, 0);
+  run(10, kEnable, 0);
+  const double before = motor_.speed_rad_s();
+  run(10, kEnable, 0);
+  EXPECT_LT(before - motor_.speed_rad_s(), 12.0);  // 450 rad/s2 plus the loop's own settling, not a slammed brake
+  run(500, kEnable, 0);
+  EXPECT_NEAR(motor_.speed_rad_s(), 0, 1.5);
+}
+
+TEST_F(DriveTest, LateTicksAreCounted) {
+  node_.note_late_tick();
+  node_.note_late_tick();
+  EXPECT_EQ((node_.stack().values().get<0x2220, 1>()), 2U);
+}
+
+TEST_F(DriveTest, NothingThatArrivesCanTurnTheBridgeOnOutsideItsStates) {
+  std::mt19937 random(5);
+  readings_by_hand_ = true;
+  std::uint64_t enabled_ticks = 0;
+  for (int i = 0; i < 300000; ++i) {
+    switch (random() % 12U) {
+      case 0:
+        node_.on_frame(rpdo(static_cast<int>(random() & 0x1FFU), static_cast<double>(random() % 800U) - 400));
+        break;
+      case 1:
+      case 2:
+      case 3: {
+        static constexpr int kWords[] = {kShutdown, kSwitchOn, kEnable, kEnable, kEnable, kQuickStop, kReset, kOff};
+        node_.on_frame(rpdo(kWords[random() % 8U], 100));
+        break;
+      }
+      case 4: {
+        CanFrame frame{static_cast<std::uint32_t>(random() % 0x800U), static_cast<std::uint8_t>(random() % 9U), 0, {}};
+        for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(random());
+        if (random() % 2U == 0) frame.id = 0x601;
+        node_.on_frame(frame);
+        break;
+      }
+      case 5:
+        node_.on_frame(canopen::nmt(random() % 50U == 0 ? canopen::NmtCommand::reset_node : canopen::NmtCommand::start, 0));
+        break;
+      case 6:
+        board_.current_a = random() % 500U == 0 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(random() % 16U) - 8.0F;
+        break;
+      case 7:
+        board_.supply_voltage_v = random() % 50U == 0 ? std::bit_cast<float>(static_cast<std::uint32_t>(random())) : 24.0F;
+        break;
+      case 8:
+        board_.counts += static_cast<std::int32_t>(random() % 61U) - 30;
+        break;
+      default:
+        break;
+    }
+    node_.tick_1ms();
+    if (board_.sent.size() > 1000) board_.sent.clear();
+    ASSERT_TRUE(std::isfinite(board_.duty_norm) && std::fabs(board_.duty_norm) <= 1.0F);
+    const bool may =
+        node_.state() == State::operation_enabled || node_.state() == State::quick_stop_active || node_.state() == State::fault_reaction;
+    ASSERT_TRUE(may || !board_.bridge_on);
+    ASSERT_TRUE(may || board_.duty_norm == 0.0F);
+    enabled_ticks += node_.state() == State::operation_enabled ? 1U : 0U;
+  }
+  EXPECT_GT(enabled_ticks, 1000U);
+}
+
+}  // namespace
+}  // namespace hoist::firmware

@@ -1,0 +1,260 @@
+#include "firmware/nodes/tilt/tilt_node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "tests/unit/firmware/test_board.hpp"
+
+namespace hoist::firmware {
+namespace {
+
+constexpr float kDegree = 0.01745329252F;
+constexpr std::uint8_t kValid = 1, kConverged = 2, kAcceleration = 4, kSaturated = 8, kFailed = 16;
+
+// A sensor held at an angle, with noise, read under SYNC every 10 ms like on the hoist.
+class TiltTest : public ::testing::Test {
+ protected:
+  using Node = TiltNode<TestBoard>;
+  void SetUp() override { make_operational(node_, board_); }
+
+  void at_angle(float alpha_rad, float beta_rad) {
+    alpha_rad_ = alpha_rad;
+    beta_rad_ = beta_rad;
+  }
+  // One 10 ms cycle; returns what the node sent.
+  std::vector<CanFrame> cycle() {
+    const auto noise = [this](float scale) { return scale * noise_(random_); };
+    board_.imu.ax_m_s2 = -9.80665F * std::sin(alpha_rad_) + noise(0.05F);
+    board_.imu.ay_m_s2 = 9.80665F * std::cos(alpha_rad_) * std::sin(beta_rad_) + noise(0.05F);
+    board_.imu.az_m_s2 = 9.80665F * std::cos(alpha_rad_) * std::cos(beta_rad_) + noise(0.05F);
+    board_.imu.alpha_rate_rad_s = alpha_bias_ + alpha_rate_ + noise(0.003F);
+    board_.imu.beta_rate_rad_s = beta_bias_ + noise(0.003F);
+    board_.imu.yaw_rate_rad_s = yaw_bias_ + noise(0.003F);
+    tick(node_, 10);
+    board_.sent.clear();
+    node_.on_frame(canopen::sync());
+    return board_.sent;
+  }
+  void cycles(int n) {
+    for (int i = 0; i < n; ++i) {
+      (void)cycle();
+      alpha_rad_ += 0.01F * alpha_rate_;
+    }
+  }
+  std::uint8_t status() const { return node_.stack().values().get<0x2120>(); }
+  float alpha_deg() const { return 0.001F * node_.stack().values().get<0x6010>(); }
+  float beta_deg() const { return 0.001F * node_.stack().values().get<0x6020>(); }
+
+  TestBoard board_;
+  Node node_{board_, contract::Node::tilt_base};
+  std::mt19937 random_{3};
+  std::normal_distribution<float> noise_{0.0F, 1.0F};
+  float alpha_rad_ = 0, beta_rad_ = 0, alpha_rate_ = 0;
+  float alpha_bias_ = 0.02F, beta_bias_ = -0.015F, yaw_bias_ = 0.01F;
+};
+
+TEST_F(TiltTest, ConvergesAfterTwoStillSecondsAndNotBefore) {
+  at_angle(5 * kDegree, -3 * kDegree);
+  cycles(199);
+  EXPECT_EQ(status(), kValid);
+  cycles(1);
+  EXPECT_EQ(status(), kValid | kConverged);
+  const auto& values = node_.stack().values();
+  EXPECT_NEAR((values.get<0x2101, 1>()), 0.02, 0.001);
+  EXPECT_NEAR((values.get<0x2101, 2>()), -0.015, 0.001);
+  EXPECT_NEAR(alpha_deg(), 5.0, 0.05);
+  EXPECT_NEAR(beta_deg(), -3.0, 0.05);
+  cycles(3000);  // half a minute later still
+  EXPECT_NEAR(alpha_deg(), 5.0, 0.15);
+  EXPECT_NEAR(beta_deg(), -3.0, 0.15);
+  EXPECT_NEAR((values.get<0x2110, 1>()), 0, 100);  // yaw rate in 0.01 deg/s: the bias of 57 is gone, 17 of noise remain
+}
+
+TEST_F(TiltTest, AnyMotionBeginsTheStillTimeAnew) {
+  cycles(150);
+  alpha_rate_ = 0.06F;  // 3.4 deg/s for 50 ms
+  cycles(5);
+  alpha_rate_ = 0;
+  cycles(195);
+  EXPECT_EQ(status(), kValid);  // 350 cycles, but never 200 still ones in a row
+  cycles(6);
+  EXPECT_EQ(status(), kValid | kConverged);
+  EXPECT_NEAR((node_.stack().values().get<0x2101, 1>()), 0.02, 0.001);
+}
+
+TEST_F(TiltTest, ASlowSteadyTurnIsNoStandstill) {
+  alpha_rate_ = 0.6F * kDegree;  // below every rate threshold, but 0.9 deg from the first quarter to the last
+  cycles(1000);
+  EXPECT_EQ(status() & kConverged, 0);
+}
+
+TEST_F(TiltTest, APushDuringTheStillTimeIsNoStandstill) {
+  cycles(100);
+  alpha_rad_ = 5 * kDegree;  // 0.85 m/s2 on x
+  cycles(1);
+  cycles(198);
+  EXPECT_EQ(status() & kConverged, 0);
+}
+
+TEST_F(TiltTest, FollowsAMotionWithinTheFiltersReach) {
+  cycles(200);
+  alpha_rate_ = 10 * kDegree;
+  cycles(100);
+  alpha_rate_ = 0;
+  EXPECT_NEAR(alpha_deg(), 10.0, 0.3);
+  EXPECT_NEAR(beta_deg(), 0.0, 0.1);
+}
+
+TEST_F(TiltTest, ProcessDataAreTheBytesOfThePlan) {
+  alpha_bias_ = beta_bias_ = yaw_bias_ = 0;
+  board_.imu = {};
+  TestBoard quiet;
+  TiltNode<TestBoard> node(quiet, contract::Node::tilt_base);
+  make_operational(node, quiet);
+  // atan2(-ax, az) = 0.5 gives 28.6479 degrees = 28648; beta 0; rates in 0.01 deg/s.
+  quiet.imu = {-std::sin(0.5F) * 9.80665F, 0, std::cos(0.5F) * 9.80665F, 0.1F, -0.2F, 0.3F};
+  tick(node, 10);
+  quiet.sent.clear();
+  node.on_frame(canopen::sync());
+  ASSERT_EQ(quiet.sent.size(), 2U);
+  EXPECT_EQ(quiet.sent[0].id, 0x193U);
+  EXPECT_EQ(quiet.sent[0].dlc, 6);
+  // The node's own clock has sampled once before this SYNC, 10 ms ago or now: the first sample sets the angle.
+  EXPECT_EQ(static_cast<std::int16_t>(contract::read_le(&quiet.sent[0].data[0], 2)), 28648);
+  EXPECT_EQ(quiet.sent[0].data[2], 0);
+  EXPECT_EQ(quiet.sent[0].data[3], 0);
+  EXPECT_EQ(quiet.sent[0].data[4], kValid);
+  EXPECT_EQ(quiet.sent[0].data[5], quiet.imu_reads);
+  // 17.19, 5.73, -11.46 deg/s.
+  EXPECT_EQ(quiet.sent[1], frame_of(0x293, {0xB7, 0x06, 0x3D, 0x02, 0x86, 0xFB}));
+}
+
+TEST_F(TiltTest, OnlyTheBaseSendsRatesUntilAskedTo) {
+  TestBoard board;
+  TiltNode<TestBoard> strut(board, contract::Node::tilt_left);
+  make_operational(strut, board);
+  const auto rates = [&] {
+    tick(strut, 10);
+    board.sent.clear();
+    strut.on_frame(canopen::sync());
+    EXPECT_EQ(board.with_id(0x191).size(), 1U);
+    return board.with_id(0x291).size();
+  };
+  EXPECT_EQ(rates(), 0U);
+  const auto write = [&](std::uint32_t value) {
+    return ask(strut, board, canopen::sdo(0x611, canopen::sdo_download_command(4), 0x1801, 1, value)).data[0];
+  };
+  EXPECT_EQ(write(0x291), 0x60);
+  EXPECT_EQ(rates(), 1U);
+  EXPECT_EQ(write(0x80000291), 0x60);
+  EXPECT_EQ(rates(), 0U);
+  EXPECT_EQ(write(0x292), 0x80);  // another node's id
+  EXPECT_EQ(write(0x291), 0x60);
+  strut.on_frame(canopen::nmt(canopen::NmtCommand::reset_communication, 0));
+  make_operational(strut, board);
+  EXPECT_EQ(rates(), 0U);  // a switch for one session
+  EXPECT_EQ(cycle().size(), 2U);
+}
+
+TEST_F(TiltTest, SamplesWithTheSyncAndAloneWithoutIt) {
+  cycles(10);
+  const int before = board_.imu_reads;
+  cycles(100);
+  EXPECT_EQ(board_.imu_reads, before + 100);
+  node_.on_frame(canopen::sync());  // a second SYNC at once brings no second sample
+  EXPECT_EQ(board_.imu_reads, before + 100);
+  tick(node_, 1000);
+  EXPECT_NEAR(board_.imu_reads, before + 200, 1);
+}
+
+TEST_F(TiltTest, SampleAtTheSyncNotBefore) {
+  cycles(5);
+  tick(node_, 9);
+  const int before = board_.imu_reads;
+  tick(node_, 1);
+  EXPECT_EQ(board_.imu_reads, before);
+  node_.on_frame(canopen::sync());
+  EXPECT_EQ(board_.imu_reads, before + 1);
+}
+
+TEST_F(TiltTest, NotANumberIsNoSample) {
+  at_angle(4 * kDegree, 0);
+  cycles(220);
+  const float before_deg = alpha_deg();
+  const std::uint8_t counter = node_.stack().values().get<0x2121>();
+  for (float ImuSample::*field : {&ImuSample::ax_m_s2, &ImuSample::ay_m_s2, &ImuSample::az_m_s2, &ImuSample::alpha_rate_rad_s,
+                                  &ImuSample::beta_rate_rad_s, &ImuSample::yaw_rate_rad_s}) {
+    const ImuSample good = board_.imu;
+    board_.imu.*field = std::numeric_limits<float>::quiet_NaN();
+    tick(node_, 10);
+    node_.on_frame(canopen::sync());
+    EXPECT_EQ(status(), kConverged);  // valid is gone
+    EXPECT_EQ(node_.stack().values().get<0x2121>(), counter);
+    EXPECT_EQ(alpha_deg(), before_deg);
+    board_.imu = good;
+  }
+  cycles(1);
+  EXPECT_EQ(status(), kValid | kConverged);
+  EXPECT_EQ(node_.stack().values().get<0x2121>(), static_cast<std::uint8_t>(counter + 1));
+  EXPECT_NEAR(alpha_deg(), 4.0, 0.2);
+}
+
+TEST_F(TiltTest, ASensorThatIsGoneFailsForGoodAndSaysSo) {
+  cycles(220);
+  board_.imu_fresh = false;
+  board_.sent.clear();
+  std::vector<CanFrame> emergencies;
+  for (int i = 0; i < 9; ++i) (void)cycle();
+  EXPECT_EQ(status(), kConverged);
+  (void)cycle();
+  EXPECT_EQ(status(), kConverged | kFailed);
+  tick(node_, 1);
+  EXPECT_EQ(board_.with_id(0x093), std::vector{frame_of(0x093, {0x00, 0x50, 0x21, 0, 0, 0, 0, 0})});
+  board_.imu_fresh = true;
+  cycles(300);
+  EXPECT_EQ(status(), kConverged | kFailed);
+  node_.power_on();
+  make_operational(node_, board_);
+  cycles(201);
+  EXPECT_EQ(status(), kValid | kConverged);
+}
+
+TEST_F(TiltTest, SaysWhenItsReadingsAreBeyondItsRange) {
+  cycles(200);
+  board_.imu.alpha_rate_rad_s = 4.35F;
+  tick(node_, 10);
+  node_.on_frame(canopen::sync());
+  EXPECT_EQ(status(), kValid | kConverged | kSaturated);
+  cycles(1);
+  EXPECT_EQ(status(), kValid | kConverged);
+  board_.imu.az_m_s2 = 3.0F;  // falling
+  tick(node_, 10);
+  node_.on_frame(canopen::sync());
+  EXPECT_EQ(status(), kValid | kConverged | kAcceleration);
+}
+
+TEST_F(TiltTest, AGyroBeyondAnyBiasNeverConverges) {
+  alpha_bias_ = 0.45F;
+  cycles(600);
+  EXPECT_EQ(status() & kConverged, 0);
+}
+
+TEST_F(TiltTest, RandomReadingsNeverGiveAValidWrongFormat) {
+  std::uniform_int_distribution<std::uint32_t> bits;
+  for (int i = 0; i < 20000; ++i) {
+    float* fields[] = {&board_.imu.ax_m_s2,          &board_.imu.ay_m_s2,         &board_.imu.az_m_s2,
+                       &board_.imu.alpha_rate_rad_s, &board_.imu.beta_rate_rad_s, &board_.imu.yaw_rate_rad_s};
+    for (float* field : fields) *field = std::bit_cast<float>(bits(random_));
+    board_.imu_fresh = bits(random_) % 4U != 0;
+    tick(node_, 10);
+    node_.on_frame(canopen::sync());
+    ASSERT_TRUE(std::isfinite(node_.alpha_rad()) && std::isfinite(node_.beta_rad()));
+    ASSERT_EQ(status() & kConverged, 0);
+  }
+}
+
+}  // namespace
+}  // namespace hoist::firmware
