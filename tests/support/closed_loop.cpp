@@ -1,0 +1,141 @@
+#include "tests/support/closed_loop.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+namespace hoist::tests {
+namespace {
+
+constexpr int kWorldStepsPerTick = 10;
+/// Driving commands come at 25 Hz (design: every 40 ms while held).
+constexpr std::uint64_t kTicksPerCommand = 4;
+constexpr std::uint32_t kNotKnown = 0;
+
+sim::WorldOptions in_process(sim::WorldOptions options) {
+  options.host_in_process = true;
+  return options;
+}
+
+}  // namespace
+
+ClosedLoop::ClosedLoop(const ClosedLoopOptions& options)
+    : world_(in_process(options.world)), core_(std::make_unique<core::CoreState>(options.params)), outputs_(std::make_unique<core::TickOutputs>()) {
+  commands_.reserve(64);
+  events_.reserve(4096);
+}
+
+void ClosedLoop::step() {
+  if (core_runs_) {
+    core::TickInputs inputs;
+    inputs.tick = ticks_++;
+    inputs.time_ns = kClockStart_ns + world_.time_ns();
+    const std::size_t got = world_.host_receive(frames_);
+    inputs.frames = std::span<const contract::CanFrame>(frames_).first(got);
+    inputs.bus_up = true;
+    inputs.commands = commands_;
+    if (server_runs_) ++heartbeat_;
+    inputs.server_heartbeat = heartbeat_;
+    inputs.wake_lateness_s = static_cast<float>(lateness_s_);
+    lateness_s_ = 0.0;
+    if ((stick_held_ && inputs.tick % kTicksPerCommand == 0) || last_command_) {
+      inputs.drive_fresh = true;
+      inputs.drive.lease_epoch = record().lease_epoch;
+      inputs.drive.client = kClient;
+      inputs.drive.sequence = ++drive_sequence_;
+      inputs.drive.echo_time_ns = record().time_ns;
+      inputs.drive.speed_norm = stick_held_ ? speed_norm_ : 0.0;
+      inputs.drive.yaw_norm = stick_held_ ? yaw_norm_ : 0.0;
+      inputs.drive.held = stick_held_ ? 1 : 0;
+      last_command_ = false;
+    }
+    core::tick(*core_, inputs, core::kTick_s, *outputs_);
+    commands_.clear();
+    for (const contract::CanFrame& frame : outputs_->frames) {
+      (void)world_.host_send(frame);
+      if (see_) see_(frame);
+    }
+    for (const contract::Event& event : outputs_->events) events_.push_back(event);
+    // A cheap digest of the record: its 64-bit words, each mixed in.
+    const auto* bytes = reinterpret_cast<const char*>(&outputs_->record);
+    for (std::size_t at = 0; at + 8 <= sizeof(contract::TickRecord); at += 8) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, bytes + at, 8);
+      record_hash_ = (record_hash_ ^ word) * 0x9E3779B97F4A7C15ULL;
+      record_hash_ ^= record_hash_ >> 29;
+    }
+  }
+  for (int i = 0; i < kWorldStepsPerTick; ++i) world_.advance_1ms();
+}
+
+void ClosedLoop::run(double seconds) {
+  const auto steps = std::lround(seconds / core::kTick_s);
+  for (long i = 0; i < steps; ++i) step();
+}
+
+bool ClosedLoop::run_until(const std::function<bool()>& done, double at_most_s) {
+  const auto steps = std::lround(at_most_s / core::kTick_s);
+  for (long i = 0; i < steps && !done(); ++i) step();
+  return done();
+}
+
+std::uint32_t ClosedLoop::ask(contract::CommandKind kind, std::uint32_t a, double v0, double v1, double v2) {
+  contract::Command command;
+  command.sequence = ++sequence_;
+  command.kind = kind;
+  command.request_id = ++requests_;
+  command.client = kClient;
+  command.lease_epoch = ticks_ > 0 ? record().lease_epoch : kNotKnown;
+  command.a = a;
+  command.v0 = v0;
+  command.v1 = v1;
+  command.v2 = v2;
+  commands_.push_back(command);
+  return requests_;
+}
+
+bool ClosedLoop::start(contract::Mode mode) {
+  if (!run_until([this] { return this->mode() == contract::Mode::standby; }, 10.0)) return false;
+  if (record().lease_holder != kClient) ask(contract::CommandKind::take_lease);
+  if (!run_until([this] { return record().blocked_bits == 0; }, 10.0)) return false;
+  ask(contract::CommandKind::request_mode, static_cast<std::uint32_t>(mode));
+  return run_until([this, mode] { return this->mode() == mode; }, 1.0);
+}
+
+void ClosedLoop::hold_stick(double speed_norm, double yaw_norm) {
+  speed_norm_ = speed_norm;
+  yaw_norm_ = yaw_norm;
+  stick_held_ = true;
+}
+
+void ClosedLoop::let_go() {
+  stick_held_ = false;
+  last_command_ = true;
+}
+
+bool ClosedLoop::fault(contract::Fault which) const {
+  return ((record().fault_bits >> contract::kFaults[static_cast<std::size_t>(which)].bit) & 1U) != 0;
+}
+
+bool ClosedLoop::ever_raised(contract::Fault which) const {
+  return std::any_of(events_.begin(), events_.end(), [which](const contract::Event& event) {
+    return event.kind == contract::EventKind::fault_raised && event.code == static_cast<std::uint32_t>(which);
+  });
+}
+
+std::uint64_t ClosedLoop::digest() const { return record_hash_ ^ world_.digest(); }
+
+double simulated_seconds_per_second(double virtual_s) {
+  ClosedLoopOptions options;
+  options.world.scenario = sim::find_scenario("figure-eight");
+  ClosedLoop loop(options);
+  // The start is part of the world's work but not of the figure that is asked.
+  if (!loop.start(contract::Mode::user)) return 0.0;
+  const auto begin = std::chrono::steady_clock::now();
+  loop.run(virtual_s);
+  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return took_s > 0.0 ? virtual_s / took_s : 0.0;
+}
+
+}  // namespace hoist::tests

@@ -1,0 +1,98 @@
+// The whole loop in virtual time: the real control step, the shipped node sources, the bus, the machine and the patient. Nothing waits for a
+// clock, so a minute takes some hundredths of a second, and the same options give the same run bit for bit.
+//
+// The loop is the one hoist-control runs: wake every 10 ms, hand over the frames received, step, send the frames in their order.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "control/contract/commands.hpp"
+#include "control/contract/faults.hpp"
+#include "control/contract/params.hpp"
+#include "control/contract/signals.hpp"
+#include "control/core/tick.hpp"
+#include "firmware/sim/world.hpp"
+
+namespace hoist::tests {
+
+struct ClosedLoopOptions {
+  sim::WorldOptions world{};  ///< host_in_process is set by the loop
+  contract::Params params{};
+};
+
+/// One driver with client number 1 sits at the console.
+class ClosedLoop {
+ public:
+  explicit ClosedLoop(const ClosedLoopOptions& options);
+
+  /// One control step and the ten milliseconds of the world that follow it.
+  void step();
+  void run(double seconds);
+  /// Steps until `done` or for this long; whether it came to be.
+  bool run_until(const std::function<bool()>& done, double at_most_s);
+
+  // The driver's wishes, carried out in the next step. Each returns the number of the request; the answer is among the events.
+  std::uint32_t ask(contract::CommandKind kind, std::uint32_t a = 0, double v0 = 0.0, double v1 = 0.0, double v2 = 0.0);
+  /// Waits for standby, takes the lease and asks for the mode. False when it is not in force within 10 s.
+  bool start(contract::Mode mode);
+  /// Holds the joystick there from now on, renewed every 40 ms; let_go ends that with a last command, silence without one.
+  void hold_stick(double speed_norm, double yaw_norm);
+  void let_go();
+  void fall_silent() { stick_held_ = false; }
+
+  // Faults of the computer itself.
+  void kill_core() { core_runs_ = false; }
+  void stop_server() { server_runs_ = false; }
+  /// The next step begins this late (as told to the core; the world goes on meanwhile).
+  void be_late(double seconds) { lateness_s_ = seconds; }
+
+  [[nodiscard]] const contract::TickRecord& record() const { return outputs_->record; }
+  [[nodiscard]] contract::Mode mode() const { return static_cast<contract::Mode>(record().mode); }
+  [[nodiscard]] bool fault(contract::Fault which) const;
+  [[nodiscard]] const std::vector<contract::Event>& events() const { return events_; }
+  /// Whether a fault has been raised at any time.
+  [[nodiscard]] bool ever_raised(contract::Fault which) const;
+  [[nodiscard]] sim::World& world() { return world_; }
+  [[nodiscard]] const core::CoreState& core() const { return *core_; }
+  [[nodiscard]] double time_s() const { return world_.time_s(); }
+  [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
+  /// Digest of the world and of every record so far.
+  [[nodiscard]] std::uint64_t digest() const;
+  /// Sees each frame the core sends, after the step.
+  void on_sent(std::function<void(const contract::CanFrame&)> see) { see_ = std::move(see); }
+
+ private:
+  static constexpr std::uint32_t kClient = 1;
+  static constexpr std::uint64_t kClockStart_ns = 1'000'000'000;
+  static constexpr std::size_t kFramesMax = 256;
+
+  sim::World world_;
+  std::unique_ptr<core::CoreState> core_;
+  std::unique_ptr<core::TickOutputs> outputs_;
+  std::array<contract::CanFrame, kFramesMax> frames_{};
+  std::vector<contract::Command> commands_;
+  std::vector<contract::Event> events_;
+  std::function<void(const contract::CanFrame&)> see_;
+  std::uint64_t ticks_{};
+  std::uint64_t sequence_{};
+  std::uint32_t requests_{};
+  std::uint64_t drive_sequence_{};
+  std::uint64_t heartbeat_{};
+  std::uint64_t record_hash_{};
+  double speed_norm_{};
+  double yaw_norm_{};
+  double lateness_s_{};
+  bool stick_held_{false};
+  bool last_command_{false};
+  bool core_runs_{true};
+  bool server_runs_{true};
+};
+
+/// Speed of the whole closed loop (core, six nodes, plant, patient walking a figure of eight): simulated seconds for each real one.
+[[nodiscard]] double simulated_seconds_per_second(double virtual_s);
+
+}  // namespace hoist::tests
