@@ -15,6 +15,7 @@ const panelOfAddress = () => panels.find((panel) => `#/${panel.id}` === location
 export function App() {
   useSettings();
   const [panel, setPanel] = useState(panelOfAddress);
+  const stale = useStore((s) => s.data !== 'fresh') && panel.live;
   const signedIn = useStore((s) => s.signedIn);
   useEffect(() => {
     const change = () => setPanel(panelOfAddress());
@@ -49,7 +50,7 @@ export function App() {
           </a>
         ))}
       </nav>
-      <main class="main">
+      <main class={stale ? 'main stale' : 'main'}>
         <h1 class="visually-hidden">{t(panel.title)}</h1>
         <View key={panel.id} />
       </main>

@@ -7,5 +7,7 @@ export interface Panel {
   id: string;
   title: TextKey;
   icon: IconName;
+  /** Shows values of this moment: grey when they are old. */
+  live: boolean;
   View: ComponentType;
 }

@@ -32,6 +32,7 @@ export const de: Record<TextKey, string> = {
   'bar.controlOther': 'Jemand anderes',
   'bar.controlNobody': 'Niemand',
   'bar.giveBack': 'Steuerung abgeben',
+  'bar.giveBackShort': 'Abgeben',
   'bar.link': 'Verbindung',
   'bar.linkLost': 'Verloren',
   'bar.linkConnecting': 'Verbindet …',

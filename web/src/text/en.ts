@@ -31,6 +31,7 @@ export const en = {
   'bar.controlOther': 'Someone else',
   'bar.controlNobody': 'Nobody',
   'bar.giveBack': 'Hand over control',
+  'bar.giveBackShort': 'Hand over',
   'bar.link': 'Connection',
   'bar.linkLost': 'Lost',
   'bar.linkConnecting': 'Connecting …',

@@ -138,7 +138,7 @@ export function HoistPicture() {
             <ellipse class="p-body" cy="4" rx="15" ry="18" />
             <circle class="p-head" cy="-20" r="10" />
           </g>
-          <path class="p-forward" d="M40 74H66M60 69 66 74 60 79" />
+          <path class="p-forward" d="M-74-80H-48M-54-85-48-80-54-75" />
           <text ref={ref('sideText')} class="p-text" x="78" y="-78" text-anchor="end" />
         </svg>
         <figcaption>{t('picture.side')}</figcaption>

@@ -66,18 +66,16 @@ function Control() {
   const mine = useStore((s) => s.lease.mine);
   const holder = useStore((s) => s.lease.holder);
   const moving = useStore((s) => s.mode === 'user' || s.mode === 'remote');
-  const value = mine ? t('bar.controlMine') : holder !== 0 ? t('bar.controlOther') : t('bar.controlNobody');
+  const known = useStore((s) => s.link === 'open');
+  const value = !known ? '–' : mine ? t('bar.controlMine') : holder !== 0 ? t('bar.controlOther') : t('bar.controlNobody');
   return (
     <div class="bar-item control">
       <span class="bar-label">{t('bar.control')}</span>
       <span class="bar-value">
-        {value}
-        {mine && !moving ? (
-          <button type="button" class="link-button" title={t('bar.giveBack')} aria-label={t('bar.giveBack')} onClick={() => void releaseLease()}>
-            ×
-          </button>
-        ) : null}
-      </span>
+{value}</span>
+      <button type="button" class="link-button" hidden={!mine || moving} aria-label={t('bar.giveBack')} onClick={() => void releaseLease()}>
+        {t('bar.giveBackShort')}
+      </button>
     </div>
   );
 }

@@ -238,4 +238,4 @@ function DriveView() {
   );
 }
 
-export const drivePanel: Panel = { id: 'drive', title: 'nav.drive', icon: 'drive', View: DriveView };
+export const drivePanel: Panel = { id: 'drive', title: 'nav.drive', icon: 'drive', live: true, View: DriveView };

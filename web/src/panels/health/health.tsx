@@ -127,4 +127,4 @@ function HealthView() {
   );
 }
 
-export const healthPanel: Panel = { id: 'health', title: 'nav.health', icon: 'health', View: HealthView };
+export const healthPanel: Panel = { id: 'health', title: 'nav.health', icon: 'health', live: true, View: HealthView };

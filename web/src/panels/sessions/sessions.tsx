@@ -184,14 +184,13 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
             ‹ {t('sessions.back')}
           </button>
           <h2>{session === null ? t('sessions.one', { n: id }) : `${date(session.started_utc_ms)} · ${exerciseName(session.exercise)}`}</h2>
-          <span class="bar-gap" />
           <a class="plain" href={`/api/v1/sessions/${id}/export?format=csv`} download>
             {t('sessions.csv')}
           </a>
           <a class="plain" href={`/api/v1/sessions/${id}/export?format=json`} download>
             {t('sessions.json')}
           </a>
-          <button type="button" class="plain" disabled={session?.recording !== false} onClick={onDelete}>
+          <button type="button" class="plain last" disabled={session?.recording !== false} onClick={onDelete}>
             {t('sessions.delete')}
           </button>
         </div>
@@ -318,4 +317,4 @@ function PathPicture({ samples, exercise }: { samples: Samples | null; exercise:
   return <canvas ref={canvas} class="floor small" role="img" aria-label={t('floor.label')} />;
 }
 
-export const sessionsPanel: Panel = { id: 'sessions', title: 'nav.sessions', icon: 'sessions', View: SessionsView };
+export const sessionsPanel: Panel = { id: 'sessions', title: 'nav.sessions', icon: 'sessions', live: false, View: SessionsView };

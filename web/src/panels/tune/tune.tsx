@@ -81,7 +81,7 @@ function Row({ row, role, moving, connected }: { row: ParamInfo; role: string; m
   const changed = Number.isFinite(value) && !same(value, row.default);
   const min = toShown(row.min);
   const max = toShown(row.max);
-  const defaultAt = ((row.default - row.min) / (row.max - row.min)) * 100;
+  const defaultShare = (row.default - row.min) / (row.max - row.min);
   const id = `p-${row.name}`;
   return (
     <div class={`tune-row${changed ? ' changed' : ''}${locked ? ' locked' : ''}`}>
@@ -110,7 +110,7 @@ function Row({ row, role, moving, connected }: { row: ParamInfo; role: string; m
           disabled={locked}
           onInput={(event) => draw(Number(event.currentTarget.value))}
         />
-        <span class="tune-default" ref={(element) => element?.style.setProperty('--at', `${defaultAt}%`)} title={t('tune.default', { value: `${plain(toShown(row.default))} ${show.unit}` })} />
+        <span class="tune-default" ref={(element) => element?.style.setProperty('--share', String(defaultShare))} title={t('tune.default', { value: `${plain(toShown(row.default))} ${show.unit}` })} />
         <span class="tune-range num">
           <span>{plain(min)}</span>
           <span>{t('tune.default', { value: `${plain(toShown(row.default))} ${show.unit}` })}</span>
@@ -213,4 +213,4 @@ function TuneView() {
   );
 }
 
-export const tunePanel: Panel = { id: 'tune', title: 'nav.tune', icon: 'tune', View: TuneView };
+export const tunePanel: Panel = { id: 'tune', title: 'nav.tune', icon: 'tune', live: false, View: TuneView };

@@ -136,4 +136,4 @@ function Time() {
   );
 }
 
-export const walkPanel: Panel = { id: 'walk', title: 'nav.walk', icon: 'walk', View: WalkView };
+export const walkPanel: Panel = { id: 'walk', title: 'nav.walk', icon: 'walk', live: true, View: WalkView };
