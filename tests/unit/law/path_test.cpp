@@ -100,6 +100,11 @@ TEST(ReferencePath, ProjectsLikeBruteForce) {
   }
 }
 
+TEST(ReferencePath, TakesTheFirstOfEquallyNearPlaces) {
+  // Inside a corner both edges are a quarter of a metre away.
+  EXPECT_EQ(ReferencePath::square(2.0).project(0.75, -0.75, 1.5, 1.0), 1.75);
+}
+
 TEST(ReferencePath, ProjectionNeverJumpsTheCrossing) {
   // Walking the eight five times through its crossing: a search of the whole figure would change branch there.
   const auto path = ReferencePath::eight();
