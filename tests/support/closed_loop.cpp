@@ -50,6 +50,7 @@ void ClosedLoop::step() {
       inputs.drive.held = stick_held_ ? 1 : 0;
       last_command_ = false;
     }
+    if (see_inputs_) see_inputs_(inputs);
     core::tick(*core_, inputs, core::kTick_s, *outputs_);
     commands_.clear();
     for (const contract::CanFrame& frame : outputs_->frames) {

@@ -64,6 +64,8 @@ class ClosedLoop {
   [[nodiscard]] std::uint64_t digest() const;
   /// Sees each frame the core sends, after the step.
   void on_sent(std::function<void(const contract::CanFrame&)> see) { see_ = std::move(see); }
+  /// Sees what each step is given, before the step; its spans live only during the call.
+  void on_inputs(std::function<void(const core::TickInputs&)> see) { see_inputs_ = std::move(see); }
 
  private:
   static constexpr std::uint32_t kClient = 1;
@@ -77,6 +79,7 @@ class ClosedLoop {
   std::vector<contract::Command> commands_;
   std::vector<contract::Event> events_;
   std::function<void(const contract::CanFrame&)> see_;
+  std::function<void(const core::TickInputs&)> see_inputs_;
   std::uint64_t ticks_{};
   std::uint64_t sequence_{};
   std::uint32_t requests_{};
