@@ -101,7 +101,10 @@ export function HoistPicture() {
             </marker>
           </defs>
         </svg>
-        <figcaption>{t('picture.above')}</figcaption>
+        <figcaption>
+          {t('picture.above')}
+          <span class="legend">{t('picture.standing')}</span>
+        </figcaption>
       </div>
       <div class="picture-part">
         <svg viewBox="-80 -92 160 172" aria-hidden="true">

@@ -89,8 +89,8 @@ export function Strip() {
         </span>
       </div>
       {more.length > 0 ? (
-        <button type="button" class="quiet" aria-expanded={all} onClick={() => setAll(!all)}>
-          {t('strip.others', { n: more.length })}
+        <button type="button" class="quiet" aria-expanded={all} aria-label={t('strip.others', { n: more.length })} onClick={() => setAll(!all)}>
+          +{more.length}
         </button>
       ) : null}
       {mode === 'protective_stop' && link === 'open' ? (

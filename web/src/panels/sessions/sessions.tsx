@@ -2,6 +2,7 @@
 import type { ComponentType } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { signals, type SignalName } from '../../contract/signals.gen';
+import { notify } from '../../link/console';
 import { rest, type Problem } from '../../link/rest';
 import { useStore, type Exercise } from '../../link/store';
 import { useSettings } from '../../text/settings';
@@ -65,7 +66,8 @@ function SessionsView() {
     const timer = window.setTimeout(() => {
       setLeaving(null);
       void rest('DELETE', `/sessions/${id}`).then((answer) => {
-        if (!answer.ok) setError(problemText(answer.problem));
+        if (answer.ok) notify('info', t('sessions.deleted', { n: id }), true);
+        else setError(problemText(answer.problem));
         void load(null);
       });
     }, undoDelete_ms);
@@ -172,6 +174,7 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
     if (answer.ok) {
       setSession(answer.value);
       setError(null);
+      notify('info', t('sessions.saved'), true);
       onChange();
     } else setError(problemText(answer.problem));
   };

@@ -15,7 +15,7 @@ const debounce_ms = 200;
 /** Values travel as 64-bit numbers, but drives keep 32-bit ones. */
 const same = (a: number, b: number) => Math.abs(a - b) <= 1e-6 * Math.max(Math.abs(a), Math.abs(b), 1e-9);
 
-function Row({ row, role, moving, connected }: { row: ParamInfo; role: string; moving: boolean; connected: boolean }) {
+function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; standby: boolean; connected: boolean }) {
   const value = useStore((s) => s.parameters[row.name] ?? NaN);
   const show = shownAs(row.name, row.unit);
   const toShown = (si: number) => si * show.factor;
@@ -27,7 +27,7 @@ function Row({ row, role, moving, connected }: { row: ParamInfo; role: string; m
   const begun = useRef<number | null>(null); // value in force when the change began: what Undo goes back to
 
   useEffect(() => () => void (timer.current !== null && window.clearTimeout(timer.current)), []);
-  const lockedByMode = row.edit === 'stopped' && moving;
+  const lockedByMode = row.edit === 'stopped' && !standby;
   const locked = !connected || lockedByMode || !Number.isFinite(value) || (row.role === 'engineer' && role !== 'engineer') || role === 'viewer';
 
   const apply = async (si: number) => {
@@ -92,7 +92,7 @@ function Row({ row, role, moving, connected }: { row: ParamInfo; role: string; m
         <p class="tune-effect" id={`${id}-effect`}>
           {words(row.effect)}
         </p>
-        {lockedByMode ? <p class="tune-note">{t('tune.stopped')}</p> : null}
+        {row.edit === 'stopped' ? <p class={lockedByMode ? 'tune-note now' : 'tune-note'}>{t('tune.stopped')}</p> : null}
         {error !== null ? (
           <p class="tune-error" role="alert" id={`${id}-error`}>
             {error}
@@ -158,10 +158,10 @@ function Row({ row, role, moving, connected }: { row: ParamInfo; role: string; m
   );
 }
 
-function GroupView({ group, role, moving, connected }: { group: Group; role: string; moving: boolean; connected: boolean }) {
+function GroupView({ group, role, standby, connected }: { group: Group; role: string; standby: boolean; connected: boolean }) {
   const everyday = group.rows.filter((row) => row.role === 'therapist');
   const deep = group.rows.filter((row) => row.role === 'engineer');
-  const rows = (list: ParamInfo[]) => list.map((row) => <Row key={row.name} row={row} role={role} moving={moving} connected={connected} />);
+  const rows = (list: ParamInfo[]) => list.map((row) => <Row key={row.name} row={row} role={role} standby={standby} connected={connected} />);
   return (
     <section class="card tune-group">
       <h2>{t(group.title)}</h2>
@@ -180,7 +180,7 @@ function TuneView() {
   useSettings();
   const link = useStore((s) => s.link);
   const role = useStore((s) => s.role);
-  const moving = useStore((s) => s.mode === 'user' || s.mode === 'remote');
+  const standby = useStore((s) => s.mode === 'standby');
   const values = useStore((s) => s.parameters);
   const [reply, setReply] = useState<Reply | null>(null);
   const connected = link === 'open';
@@ -198,16 +198,20 @@ function TuneView() {
       <div class="walk-controls">
         <div class="choice" role="radiogroup" aria-label={t('tune.preset')}>
           {presets.map((preset) => (
-            <button key={preset.name} type="button" role="radio" aria-checked={inForce(preset)} title={words(preset.doc)} disabled={!connected || moving} onClick={() => void choose(preset)}>
+            <button key={preset.name} type="button" role="radio" aria-checked={inForce(preset)} title={words(preset.doc)} disabled={!connected || !standby} onClick={() => void choose(preset)}>
               {words(preset.title)}
             </button>
           ))}
         </div>
-        <p class="hint">{differing > 0 ? t('tune.changedCount', { n: differing }) : t('tune.allDefault')}</p>
+        <p class="hint">
+          {differing > 0 ? t('tune.changedCount', { n: differing }) : t('tune.allDefault')}
+          <br />
+          {t('tune.live')}
+        </p>
       </div>
       <Refusal reply={reply} onClose={() => setReply(null)} />
       {list.map((group) => (
-        <GroupView key={group.title} group={group} role={role} moving={moving} connected={connected} />
+        <GroupView key={group.title} group={group} role={role} standby={standby} connected={connected} />
       ))}
     </div>
   );

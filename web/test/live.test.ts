@@ -1,0 +1,119 @@
+import { describe, expect, it } from 'vitest';
+import { signals, type TickRecord } from '../src/contract/signals.gen';
+import { modes } from '../src/contract/faults.gen';
+import { Live } from '../src/link/live';
+import { activeFaults } from '../src/ui/strip';
+import { wishArrow } from '../src/ui/hoist_picture';
+import { fit, patternPoints } from '../src/ui/geometry';
+import { zigzag, pathOf, type Samples } from '../src/panels/sessions/model';
+
+const record = (change: Partial<TickRecord>): TickRecord => ({ ...(Object.fromEntries(signals.map((row) => [row.name, 0])) as TickRecord), ...change });
+const user = modes.find((mode) => mode.name === 'user')!.value;
+
+describe('Live', () => {
+  it('keeps the path, one point each two centimetres, and begins anew on a jump', () => {
+    const live = new Live();
+    for (let i = 0; i < 100; i++) live.take([record({ tick: i, time_ns: i * 1e7, x_m: i * 0.005 })], 0);
+    expect(live.path.x.length).toBeGreaterThan(20);
+    expect(live.path.x.length).toBeLessThan(30);
+    live.take([record({ tick: 100, x_m: 5 })], 0);
+    expect([...live.path.x.latest()]).toEqual([5]);
+  });
+
+  it('counts steps that did not arrive, and starts over with a new core', () => {
+    const live = new Live();
+    live.take([record({ tick: 10 }), record({ tick: 11 }), record({ tick: 15 })], 0);
+    expect(live.lost).toBe(3);
+    live.take([record({ tick: 2 })], 0);
+    expect(live.lost).toBe(3);
+    expect(live.history.speed_m_s.length).toBe(1);
+  });
+
+  it('times the present motion by the hoist clock and keeps the last one', () => {
+    const live = new Live();
+    live.take([record({ tick: 1, time_ns: 1e9 })], 0);
+    expect(live.motion_s).toBeNaN();
+    live.take([record({ tick: 2, time_ns: 2e9, mode: user }), record({ tick: 3, time_ns: 5.5e9, mode: user })], 0);
+    expect(live.motion_s).toBeCloseTo(3.5, 9);
+    live.take([record({ tick: 4, time_ns: 9e9 })], 0);
+    expect(live.motion_s).toBeCloseTo(3.5, 9);
+    live.take([record({ tick: 5, time_ns: 20e9, mode: user })], 0);
+    expect(live.motion_s).toBe(0);
+  });
+});
+
+describe('alarms', () => {
+  it('come most important first, and only those that are on', () => {
+    expect(activeFaults(0)).toEqual([]);
+    const rank = { high: 0, medium: 1, low: 2 };
+    const all = activeFaults(0xffffffff);
+    for (let i = 1; i < all.length; i++) expect(rank[all[i]!.priority]).toBeGreaterThanOrEqual(rank[all[i - 1]!.priority]);
+    expect(activeFaults(0b10)).toMatchObject([{ bit: 1 }]);
+  });
+});
+
+describe('the arrow of the wish', () => {
+  it('is absent at rest, points up when leaning forward, down when leaning back, left for a left turn', () => {
+    const end = (path: string) => path.split(' ').slice(-2).map(Number) as [number, number];
+    expect(wishArrow(0, 0)).toBe('');
+    expect(end(wishArrow(1, 0))[1]).toBeLessThan(-50);
+    expect(end(wishArrow(-1, 0))[1]).toBeGreaterThan(50);
+    expect(end(wishArrow(0.5, 0.5))[0]).toBeLessThan(-10);
+    expect(end(wishArrow(0.5, -0.5))[0]).toBeGreaterThan(10);
+  });
+});
+
+describe('the planned figures', () => {
+  const length = (points: { x: number; y: number }[]) => points.slice(1).reduce((sum, point, i) => sum + Math.hypot(point.x - points[i]!.x, point.y - points[i]!.y), 0);
+
+  it('have their exact lengths', () => {
+    expect(length(patternPoints({ shape: 'square', side_m: 3.2 }))).toBeCloseTo(12.8, 9);
+    expect(length(patternPoints({ shape: 'straight', length_m: 10 }))).toBeCloseTo(10, 9);
+    const slope = Math.asin(0.8);
+    const exact = 4 * 0.6 + 2 * 0.8 * (Math.PI + 2 * slope);
+    const drawn = length(patternPoints({ shape: 'eight', c_m: 1, radius_m: 0.8 }));
+    expect(drawn).toBeLessThan(exact);
+    expect(drawn).toBeGreaterThan(exact * 0.998);
+    expect(patternPoints({ shape: 'free' })).toEqual([]);
+    expect(patternPoints({ shape: 'eight', c_m: 0.5, radius_m: 0.8 })).toEqual([]);
+  });
+
+  it('turn right first on the eight and left on the square', () => {
+    const eight = patternPoints({ shape: 'eight', c_m: 1, radius_m: 0.8 });
+    expect(eight[1]!.x).toBeGreaterThan(0);
+    expect(eight[1]!.y).toBeGreaterThan(0);
+    expect(eight[40]!.y).toBeLessThan(0);
+    const square = patternPoints({ shape: 'square', side_m: 2 });
+    expect(square[0]).toEqual({ x: -1, y: -1 });
+    expect(square[2]).toEqual({ x: 1, y: 1 });
+  });
+
+  it('fit the frame, whatever is not a number', () => {
+    const frame = fit([{ x: -2, y: 0 }, { x: 2, y: 1 }, { x: NaN, y: 3 }], 500, 400);
+    expect(frame.centre_x).toBe(0);
+    expect(frame.pixels_per_m).toBe(100);
+    expect(fit([], 300, 300)).toEqual({ centre_x: 0, centre_y: 0, pixels_per_m: 100 });
+  });
+});
+
+describe('thinned samples', () => {
+  const samples: Samples = {
+    from_s: [0, 1, 2],
+    to_s: [0.5, 1.5, 2],
+    columns: [
+      { name: 'x_m', unit: 'm', min: [0, 1, 3], max: [2, 3, 3] },
+      { name: 'y_m', unit: 'm', min: [0, null, 1], max: [0, null, 1] },
+    ],
+  };
+  it('become a curve through smallest and largest, with holes where nothing was recorded', () => {
+    expect(zigzag(samples, ['x_m', 'y_m'])).toEqual([
+      [0, 0.5, 1, 1.5, 2],
+      [0, 2, 1, 3, 3],
+      [0, 0, null, null, 1],
+    ]);
+    expect(zigzag(samples, ['speed_m_s'])[1]).toEqual([null, null, null, null, null]);
+  });
+  it('become a path that skips holes', () => {
+    expect(pathOf(samples)).toEqual({ x: [1, 3], y: [0, 1] });
+  });
+});

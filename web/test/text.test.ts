@@ -1,0 +1,126 @@
+import { readdirSync, readFileSync } from 'node:fs';
+import { beforeEach, describe, expect, it } from 'vitest';
+import { faults, modes, refusals } from '../src/contract/faults.gen';
+import { eventKinds, nodes } from '../src/contract/messages.gen';
+import { params } from '../src/contract/params.gen';
+import { groups, niceStep } from '../src/panels/tune/groups';
+import { de } from '../src/text/de';
+import { en } from '../src/text/en';
+import { settings } from '../src/text/settings';
+import { date, degrees, duration, fixed, plain, readNumber, refusalText, shownAs, t, textOf } from '../src/text/text';
+
+beforeEach(() => settings.set({ language: 'en' }));
+
+describe('the message files', () => {
+  it('have the same keys', () => {
+    expect(Object.keys(de).sort()).toEqual(Object.keys(en).sort());
+  });
+
+  it('have the same placeholders, and no empty text', () => {
+    const places = (text: string) => (text.match(/\{\w+\}/g) ?? []).sort();
+    for (const key of Object.keys(en) as (keyof typeof en)[]) {
+      expect(places(de[key]), key).toEqual(places(en[key]));
+      expect(en[key].trim(), key).not.toBe('');
+      expect(de[key].trim(), key).not.toBe('');
+    }
+  });
+
+  it('have no text that no screen uses', () => {
+    const source = readdirSync('src', { recursive: true, encoding: 'utf8' })
+      .filter((file) => /\.tsx?$/.test(file) && !file.startsWith('text/en') && !file.startsWith('text/de'))
+      .map((file) => readFileSync(`src/${file}`, 'utf8'))
+      .join('\n');
+    // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, role.R, unit.U.
+    const built = /^(exercise|priority|event|health\.part|refused|role|unit)\./;
+    const unused = Object.keys(en).filter((key) => !built.test(key) && !source.includes(`'${key}'`));
+    expect(unused).toEqual([]);
+  });
+
+  it('show no Greek letters and no inner names to people', () => {
+    for (const text of [...Object.values(en), ...Object.values(de)]) expect(text).not.toMatch(/[α-ωΑ-Ω]|_[a-z]|undefined|null|NaN/);
+  });
+
+  it('have words for every event and every node', () => {
+    for (const kind of eventKinds) if (kind !== 'none' && kind !== 'command_done') expect(textOf(`event.${kind}`), kind).not.toBeNull();
+    for (const node of nodes) if (node.name !== 'core') expect(textOf(`health.part.${node.name}`), node.name).not.toBeNull();
+  });
+});
+
+describe('the tables', () => {
+  it('have words in both languages', () => {
+    const all = [...faults.flatMap((row) => [row.text, row.action]), ...refusals.map((row) => row.text), ...modes.map((row) => row.title), ...params.flatMap((row) => [row.title, row.effect])];
+    for (const text of all) {
+      expect(text.en).not.toBe('');
+      expect(text.de).not.toBe('');
+    }
+  });
+
+  it('explain every refusal, also one that this page does not know', () => {
+    for (const row of refusals) expect(refusalText(row.name)).toBe(row.text.en);
+    expect(refusalText('link_lost')).toBe(en['refused.link_lost']);
+    expect(refusalText('something_new')).toBe(en['refused.unknown']);
+  });
+});
+
+describe('numbers', () => {
+  it('have a comma in German and a point in English', () => {
+    expect(fixed(1.25, 2)).toBe('1.25');
+    settings.set({ language: 'de' });
+    expect(fixed(1.25, 2)).toBe('1,25');
+    expect(plain(1234.5)).toBe('1235');
+    expect(plain(0.0125)).toBe('0,0125');
+    expect(t('refused.range', { min: plain(0.5), max: plain(60) })).toBe('Erlaubt: 0,5 bis 60');
+  });
+
+  it('never show minus zero, NaN or infinity', () => {
+    expect(fixed(-0.001, 2)).toBe('0.00');
+    expect(fixed(-0.4, 0)).toBe('0');
+    expect(fixed(-1.2, 1)).toBe('−1.2');
+    for (const value of [NaN, Infinity, -Infinity, null, undefined]) expect(fixed(value, 1)).toBe('–');
+  });
+
+  it('show angles in degrees only', () => {
+    expect(degrees(Math.PI / 18)).toBe('10.0°');
+    expect(degrees(-Math.PI / 180, 0)).toBe('−1°');
+    expect(shownAs('lean_range_rad', 'rad')).toMatchObject({ unit: '°' });
+    expect(shownAs('fall_rate_rad_s', 'rad/s').unit).toBe('°/s');
+    expect(10 / shownAs('lean_range_rad', 'rad').factor).toBeCloseTo(0.174532925, 8);
+    for (const row of params) expect(shownAs(row.name, row.unit).unit).not.toMatch(/^rad/);
+  });
+
+  it('are read as people type them', () => {
+    expect(readNumber('1,5')).toBe(1.5);
+    expect(readNumber(' 1.5 ')).toBe(1.5);
+    expect(readNumber('−3')).toBe(-3);
+    expect(readNumber('.5')).toBe(0.5);
+    expect(readNumber('1e-3')).toBe(0.001);
+    for (const text of ['', 'abc', '1,2,3', '1 2', '0x10', 'Infinity', 'NaN', '--1', '.']) expect(readNumber(text), text).toBeNaN();
+  });
+
+  it('show durations and dates', () => {
+    expect(duration(0)).toBe('0:00');
+    expect(duration(75.9)).toBe('1:15');
+    expect(duration(3671)).toBe('1:01:11');
+    expect(duration(-2)).toBe('0:00');
+    expect(duration(undefined)).toBe('–');
+    expect(date(NaN)).toBe('–');
+  });
+});
+
+describe('the tuning page', () => {
+  it('shows every parameter once', () => {
+    const shown = groups().flatMap((group) => group.rows.map((row) => row.name));
+    expect([...shown].sort()).toEqual(params.map((row) => row.name).sort());
+  });
+
+  it('moves sliders in steps of 1, 2 or 5', () => {
+    for (const row of params) {
+      const range = (row.max - row.min) * shownAs(row.name, row.unit).factor;
+      const step = niceStep(range);
+      const lead = step / 10 ** Math.floor(Math.log10(step) + 1e-9);
+      expect([1, 2, 5].some((wanted) => Math.abs(lead - wanted) < 1e-6), row.name).toBe(true);
+      expect(range / step).toBeGreaterThan(100);
+      expect(range / step).toBeLessThan(450);
+    }
+  });
+});
