@@ -133,12 +133,15 @@ inline constexpr std::array kPdoEntries{
 #undef HOIST_PDO
 
 constexpr const PdoInfo& pdo_info(Pdo pdo) { return kPdos[static_cast<std::size_t>(pdo)]; }
-constexpr std::size_t pdo_bytes(Pdo pdo) {
-  std::size_t bytes = 0;
+// Sums and look-ups over the tables are done by the compiler once; asking at run time is one load.
+inline constexpr auto kPdoBytes = [] {
+  std::array<std::uint8_t, kPdos.size()> bytes{};
   for (const PdoEntry& e : kPdoEntries)
-    if (e.pdo == pdo) bytes += object_bytes(find_object(pdo_info(pdo).kind, e.index, e.sub)->type);
+    bytes[static_cast<std::size_t>(e.pdo)] = static_cast<std::uint8_t>(bytes[static_cast<std::size_t>(e.pdo)] +
+                                                                       object_bytes(find_object(pdo_info(e.pdo).kind, e.index, e.sub)->type));
   return bytes;
-}
+}();
+constexpr std::size_t pdo_bytes(Pdo pdo) { return kPdoBytes[static_cast<std::size_t>(pdo)]; }
 constexpr std::uint32_t pdo_cob_id(Pdo pdo, Node node) { return static_cast<std::uint32_t>(pdo_info(pdo).cob_base) + node_id(node); }
 
 // Where one object lies inside one PDO; the compiler refuses an object that is not mapped there.
