@@ -27,7 +27,7 @@ run_ctest() {
   size=10000000
   ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1} \
     UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1} \
-    GTEST_OUTPUT="xml:$results/gtest/" \
+    GTEST_BRIEF=${GTEST_BRIEF:-1} GTEST_OUTPUT="xml:$results/gtest/" \
     ctest --test-dir "$folder" -j "$(build_jobs)" --timeout "$ctest_timeout_s" --output-on-failure \
     --test-output-size-failed "$size" -R "$filter" --output-junit "$results/ctest.xml" </dev/null || return 0
 }
