@@ -1,0 +1,402 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+
+#include "control/contract/reference_path.hpp"
+#include "db/export/fixed_point.hpp"
+#include "db/export/session_export.hpp"
+#include "db/store/sqlite.hpp"
+#include "db/summary/session_metrics.hpp"
+#include "tests/unit/db/db_support.hpp"
+
+namespace hoist::db::test {
+namespace {
+
+using contract::TickRecord;
+using nlohmann::json;
+
+std::string fixed(std::int64_t value, int decimals) {
+  std::array<char, kMaxNumber_chars> text;
+  return {text.data(), print_fixed(text.data(), value, decimals)};
+}
+
+TEST(FixedPoint, prints_the_stored_integer_exactly) {
+  EXPECT_EQ(fixed(0, 0), "0");
+  EXPECT_EQ(fixed(0, 3), "0.000");
+  EXPECT_EQ(fixed(-1, 5), "-0.00001");
+  EXPECT_EQ(fixed(12345, 2), "123.45");
+  EXPECT_EQ(fixed(-12345, 5), "-0.12345");
+  EXPECT_EQ(fixed(100000, 5), "1.00000");
+  EXPECT_EQ(fixed(std::numeric_limits<std::int64_t>::min(), 0), "-9223372036854775808");
+  EXPECT_EQ(fixed(std::numeric_limits<std::int64_t>::min(), 15), "-9223.372036854775808");
+  EXPECT_EQ(fixed(std::numeric_limits<std::int64_t>::max(), 9), "9223372036.854775807");
+}
+
+TEST(FixedPoint, reading_the_text_gives_the_value_that_the_store_gives) {
+  std::mt19937_64 random(1);
+  for (int round = 0; round < 200000; ++round) {
+    const auto value = static_cast<std::int64_t>(random() >> (random() % 40 + 11)) * (round % 2 == 0 ? 1 : -1);
+    const int decimals = static_cast<int>(random() % 10);
+    ASSERT_EQ(std::strtod(fixed(value, decimals).c_str(), nullptr), static_cast<double>(value) / std::pow(10.0, decimals)) << value << " " << decimals;
+  }
+}
+
+TEST(FixedPoint, utc_is_iso_8601_also_before_1970) {
+  UtcPrinter printer;
+  std::array<char, kMaxNumber_chars> text;
+  const auto utc = [&](std::int64_t ns) { return std::string(text.data(), printer.print(text.data(), ns)); };
+  EXPECT_EQ(utc(0), "1970-01-01T00:00:00.000000Z");
+  EXPECT_EQ(utc(kStartUtc_ns), "2026-09-21T14:13:20.123456Z");
+  EXPECT_EQ(utc(-1), "1969-12-31T23:59:59.999999Z");
+}
+
+TEST(Csv, no_text_can_start_a_formula_or_leave_its_cell) {
+  EXPECT_EQ(csv_cell("plain"), "plain");
+  EXPECT_EQ(csv_cell(""), "");
+  EXPECT_EQ(csv_cell("=1+1"), "\"'=1+1\"");
+  EXPECT_EQ(csv_cell("+49"), "\"'+49\"");
+  EXPECT_EQ(csv_cell("-2"), "\"'-2\"");
+  EXPECT_EQ(csv_cell("@SUM(A1)"), "\"'@SUM(A1)\"");
+  EXPECT_EQ(csv_cell("\tx"), "\"'\tx\"");
+  EXPECT_EQ(csv_cell("a,b"), "\"a,b\"");
+  EXPECT_EQ(csv_cell("say \"ah\""), "\"say \"\"ah\"\"\"");
+  EXPECT_EQ(csv_cell("two\nlines"), "\"two\nlines\"");
+}
+
+struct Fixture {
+  TempDir dir;
+  Database database = std::move(*Database::open(dir / "hoist.db"));
+  SessionWriter writer = std::move(*SessionWriter::create(database));
+  SessionId id = 0;
+
+  void record(const SessionStart& start, const std::vector<TickRecord>& records) {
+    id = *writer.begin(start);
+    EXPECT_TRUE(writer.append_ticks(records).ok());
+  }
+  void end() { EXPECT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok()); }
+};
+
+std::string whole(Database& database, SessionId id, const ExportOptions& options, std::size_t* largest = nullptr) {
+  Result<SessionExport> session_export = SessionExport::open(database, id, options);
+  EXPECT_TRUE(session_export.ok());
+  std::string all, piece;
+  for (;;) {
+    const Result<bool> more = session_export->next_chunk(piece);
+    EXPECT_TRUE(more.ok()) << (more.ok() ? "" : more.error().message);
+    if (!more.ok() || !*more) break;
+    EXPECT_FALSE(piece.empty());
+    if (largest != nullptr) *largest = std::max(*largest, piece.size());
+    all += piece;
+  }
+  EXPECT_FALSE(*session_export->next_chunk(piece)) << "the end stays the end";
+  return all;
+}
+
+struct Csv {
+  std::vector<std::string> comments, names;
+  std::vector<std::vector<std::string>> rows;
+};
+Csv parse_csv(const std::string& text) {
+  Csv csv;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with('#')) {
+      EXPECT_TRUE(csv.names.empty()) << "comments only before the names";
+      csv.comments.push_back(line);
+      continue;
+    }
+    std::vector<std::string> cells;
+    std::istringstream cells_stream(line);
+    for (std::string cell; std::getline(cells_stream, cell, ',');) cells.push_back(cell);
+    if (csv.names.empty())
+      csv.names = cells;
+    else
+      csv.rows.push_back(cells);
+  }
+  return csv;
+}
+
+std::vector<TickRecord> walk_with_gap() {
+  Walk walk(21);
+  std::vector<TickRecord> records = walk.records(0, 3200);
+  records.erase(records.begin() + 1000, records.begin() + 1040);
+  return records;
+}
+
+TEST(Csv, every_value_reads_back_as_it_was_stored) {
+  Fixture f;
+  SessionStart start = start_of_walk();
+  start.note = "first\nsecond, with \"quotes\"";
+  const std::vector<TickRecord> records = walk_with_gap();
+  f.record(start, records);
+  f.end();
+  std::size_t largest = 0;
+  const Csv csv = parse_csv(whole(f.database, f.id, {}, &largest));
+  EXPECT_LT(largest, 200000U) << "a piece is small whatever the session's length";
+  EXPECT_EQ(csv.comments.front(), "# hoist session " + std::to_string(f.id));
+  EXPECT_NE(std::ranges::find(csv.comments, "# simulated"), csv.comments.end());
+  EXPECT_NE(std::ranges::find(csv.comments, "# note first second, with \"quotes\""), csv.comments.end());
+  EXPECT_TRUE(csv.comments.back().starts_with("# units: UTC,s,,,ns,rad,"));
+  ASSERT_EQ(csv.names.size(), contract::kSignalCount + 3);
+  EXPECT_EQ(csv.names[0], "utc");
+  EXPECT_EQ(csv.names[1], "time_s");
+  EXPECT_EQ(csv.names[2], "gap_before");
+  EXPECT_EQ(csv.names[3], "tick");
+  ASSERT_EQ(csv.rows.size(), records.size());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    ASSERT_EQ(csv.rows[i].size(), csv.names.size());
+    EXPECT_EQ(csv.rows[i][2], i == 1000 ? "1" : "0");
+    for (std::size_t c = 0; c < contract::kSignalCount; ++c)
+      ASSERT_EQ(std::strtod(csv.rows[i][c + 3].c_str(), nullptr), kept(records[i], csv.names[c + 3])) << csv.names[c + 3] << " row " << i;
+    EXPECT_NEAR(std::strtod(csv.rows[i][1].c_str(), nullptr), static_cast<double>(records[i].time_ns - kStart_ns) / 1e9, 0.51e-6);
+  }
+  EXPECT_EQ(csv.rows[0][0].substr(0, 19), "2026-09-21T14:13:20");
+  EXPECT_EQ(csv.rows[100][0].substr(0, 21), "2026-09-21T14:13:21.1");
+}
+
+TEST(Csv, chosen_columns_come_in_the_asked_order_and_unknown_ones_are_refused) {
+  Fixture f;
+  f.record(start_of_walk(), Walk(22).records(0, 50));
+  f.end();
+  ExportOptions options;
+  options.columns = {"y_m", "x_m"};
+  options.comments = false;
+  const Csv csv = parse_csv(whole(f.database, f.id, options));
+  EXPECT_TRUE(csv.comments.empty());
+  EXPECT_EQ(csv.names, (std::vector<std::string>{"utc", "time_s", "gap_before", "y_m", "x_m"}));
+  EXPECT_EQ(csv.rows.size(), 50U);
+  options.columns = {"x_m", "secret_m"};
+  const Result<SessionExport> refused = SessionExport::open(f.database, f.id, options);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().field, "columns");
+  EXPECT_EQ(SessionExport::open(f.database, f.id + 1, {}).error().kind, ErrorKind::not_found);
+}
+
+TEST(Csv, a_clock_that_was_set_moves_utc_and_nothing_else) {
+  Fixture f;
+  const std::vector<TickRecord> records = Walk(23).records(0, 300);
+  f.record(start_of_walk(), records);
+  ASSERT_TRUE(f.writer.append_utc_anchor(records[200].time_ns, kStartUtc_ns + 3'600'000'000'000).ok());
+  f.end();
+  const Csv csv = parse_csv(whole(f.database, f.id, {}));
+  EXPECT_EQ(csv.rows[199][0].substr(11, 5), "14:13");
+  EXPECT_EQ(csv.rows[200][0], "2026-09-21T15:13:20.123456Z");
+  EXPECT_EQ(csv.rows[299][0].substr(11, 5), "15:13");
+  EXPECT_NEAR(std::stod(csv.rows[200][1]), 2.0, 0.001);
+}
+
+TEST(Csv, an_export_of_a_running_session_ends_where_it_began_also_when_the_session_is_folded_meanwhile) {
+  Fixture f;
+  Walk walk(24);
+  const std::vector<TickRecord> records = walk.records(0, 2000);
+  f.record(start_of_walk(), records);
+  ASSERT_TRUE(f.writer.commit().ok());
+  for (const ExportFormat format : {ExportFormat::csv, ExportFormat::json}) {
+    ExportOptions options;
+    options.format = format;
+    Result<SessionExport> running = SessionExport::open(f.database, f.id, options);
+    ASSERT_TRUE(running.ok());
+    std::string all, piece;
+    for (int i = 0; i < 4; ++i) {
+      ASSERT_TRUE(*running->next_chunk(piece));
+      all += piece;
+    }
+    if (f.writer.recording()) {
+      ASSERT_TRUE(f.writer.append_ticks(walk.records(2000, 700)).ok());
+      f.end();
+    }
+    while (*running->next_chunk(piece)) all += piece;
+    if (format == ExportFormat::csv) {
+      const Csv csv = parse_csv(all);
+      ASSERT_EQ(csv.rows.size(), 2000U);
+      for (std::size_t i = 0; i < csv.rows.size(); ++i) ASSERT_EQ(csv.rows[i][3], std::to_string(i));
+    } else {
+      EXPECT_EQ(json::parse(all)["data"]["tick"].size(), 2700U);
+    }
+  }
+}
+
+TEST(EventsCsv, events_and_markers_in_order_with_harmless_texts) {
+  Fixture f;
+  f.record(start_of_walk(), Walk(25).records(0, 10));
+  contract::Event event;
+  event.tick = 8;
+  event.time_ns = kStart_ns + 80'000'000;
+  event.kind = contract::EventKind::mode_changed;
+  event.code = 2;
+  event.value = 0.1;
+  ASSERT_TRUE(f.writer.append_events(std::span(&event, 1)).ok());
+  ASSERT_TRUE(f.writer.append_marker(3, kStartUtc_ns + 30'000'000, "=HYPERLINK(\"http://evil\")").ok());
+  f.end();
+  ExportOptions options;
+  options.format = ExportFormat::events_csv;
+  options.comments = false;
+  EXPECT_EQ(whole(f.database, f.id, options),
+            "utc,time_s,tick,kind,name,code,bits,item,value,before,request_id,client,text\n"
+            "2026-09-21T14:13:20.153456Z,0.030000,3,marker,,,,,,,,,\"'=HYPERLINK(\"\"http://evil\"\")\"\n"
+            "2026-09-21T14:13:20.203456Z,0.080000,8,mode_changed,user,2,0,0,0.1,0,0,0,\n");
+}
+
+TEST(Json, holds_everything_column_by_column) {
+  Fixture f;
+  SessionStart start = start_of_walk();
+  start.exercise_json = R"({"shape":"straight","length_m":10})";
+  const std::vector<TickRecord> records = walk_with_gap();
+  f.record(start, records);
+  ASSERT_TRUE(f.writer.append_marker(3, kStartUtc_ns, "ok").ok());
+  f.end();
+  ExportOptions options;
+  options.format = ExportFormat::json;
+  const json all = json::parse(whole(f.database, f.id, options));
+  EXPECT_EQ(all["session"]["id"], f.id);
+  EXPECT_EQ(all["session"]["subject"], "P-017");
+  EXPECT_EQ(all["session"]["started_utc"], "2026-09-21T14:13:20.123456Z");
+  EXPECT_EQ(all["session"]["exercise"]["length_m"], 10);
+  EXPECT_EQ(all["rows"], records.size());
+  ASSERT_EQ(all["columns"].size(), contract::kSignalCount + 2);
+  for (const json& column : all["columns"]) {
+    const std::string name = column["name"];
+    ASSERT_EQ(all["data"][name].size(), records.size()) << name;
+    if (name == "time_s" || name == "gap_before") continue;
+    for (std::size_t i = 0; i < records.size(); ++i) ASSERT_EQ(all["data"][name][i].get<double>(), kept(records[i], name)) << name;
+  }
+  EXPECT_EQ(all["data"]["gap_before"][1000], 1);
+  EXPECT_EQ(all["gaps"][0]["reason"], "not_received");
+  EXPECT_EQ(all["gaps"][0]["to_tick"], 1039);
+  EXPECT_EQ(all["markers"][0]["text"], "ok");
+}
+
+TEST(Json, an_empty_session_is_valid_json) {
+  Fixture f;
+  f.record(start_of_walk(), {});
+  f.end();
+  ExportOptions options;
+  options.format = ExportFormat::json;
+  const json all = json::parse(whole(f.database, f.id, options));
+  EXPECT_EQ(all["rows"], 0);
+  EXPECT_EQ(all["data"]["x_m"].size(), 0U);
+  EXPECT_EQ(parse_csv(whole(f.database, f.id, {})).rows.size(), 0U);
+}
+
+// Somebody follows a figure of eight with a wobble; before and after the hoist stands in standby.
+std::vector<TickRecord> follow(const contract::ReferencePath& path, double length_m) {
+  std::vector<TickRecord> records;
+  const auto add = [&](double s_m, double offset_m, contract::Mode mode) {
+    const std::size_t i = records.size();
+    const contract::PathPose pose = path.pose(s_m);
+    TickRecord r;
+    r.tick = i;
+    r.time_ns = kStart_ns + i * kTick_ns;
+    r.x_m = static_cast<float>(pose.x_m - offset_m * std::sin(pose.psi_rad));
+    r.y_m = static_cast<float>(pose.y_m + offset_m * std::cos(pose.psi_rad));
+    r.psi_rad = static_cast<float>(pose.psi_rad + offset_m);
+    r.dpsi_rad = static_cast<float>(0.2 * pose.kappa_per_m + 0.01 * std::sin(static_cast<double>(i)));
+    r.speed_m_s = mode == contract::Mode::standby ? 0.0F : 0.4F;
+    r.mode = static_cast<std::uint8_t>(mode);
+    records.push_back(r);
+  };
+  for (int i = 0; i < 150; ++i) add(0, 0, contract::Mode::standby);
+  for (double s_m = 0; s_m < length_m; s_m += 0.004) add(s_m, 0.05 * std::sin(s_m), contract::Mode::user);
+  for (int i = 0; i < 150; ++i) add(length_m, 0, contract::Mode::standby);
+  return records;
+}
+
+std::string run(const std::string& command) {
+  std::string out;
+  FILE* pipe = popen(command.c_str(), "r");
+  EXPECT_NE(pipe, nullptr);
+  if (pipe == nullptr) return out;
+  std::array<char, 4096> buffer;
+  for (std::size_t n = 0; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) out.append(buffer.data(), n);
+  const int status = pclose(pipe);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << command << "\n" << out;
+  return out;
+}
+
+TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {
+  const std::string tool = std::string(HOIST_BINARY_DIR) + "/bin/hoist";
+  struct Case {
+    const char* exercise;
+    contract::ReferencePath path;
+    double length_m;
+    json shape;
+  };
+  const std::vector<Case> cases{
+      {R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})", contract::ReferencePath::eight(1.0, 0.8), 12.0, {{"shape", "eight"}, {"c", 1.0}, {"R", 0.8}}},
+      {R"({"shape":"square","side_m":3.2})", contract::ReferencePath::square(3.2), 14.0, {{"shape", "square"}, {"a", 3.2}}}};
+  for (const Case& one : cases) {
+    Fixture f;
+    SessionStart start = start_of_walk();
+    start.exercise_json = one.exercise;
+    f.record(start, follow(one.path, one.length_m));
+    f.end();
+    const std::string db = (f.dir / "hoist.db").string(), id = std::to_string(f.id);
+    const json metrics = json::parse(run(tool + " metrics " + db + " " + id));
+    // The columns as any other program would take them: out of the CSV, moving rows only.
+    const Csv csv = parse_csv(run(tool + " export " + db + " " + id + " --columns mode,x_m,y_m,psi_rad,dpsi_rad"));
+    json in = one.shape;
+    in["dt"] = 0.01;
+    for (const auto& row : csv.rows) {
+      if (row[3] != "2" && row[3] != "3") continue;
+      in["x"].push_back(std::stod(row[4]));
+      in["y"].push_back(std::stod(row[5]));
+      in["psi"].push_back(std::stod(row[6]));
+      in["dpsi"].push_back(std::stod(row[7]));
+    }
+    ASSERT_GT(in["x"].size(), 2000U);
+    EXPECT_EQ(metrics["moving_samples"], in["x"].size());
+    std::ofstream(f.dir / "in.jsonl") << in.dump() << "\n";
+    const json laws = json::parse(run(tool + " laws evaluate < " + (f.dir / "in.jsonl").string()));
+    EXPECT_EQ(metrics["C"].get<double>(), laws["C"].get<double>());
+    EXPECT_EQ(metrics["J"].get<double>(), laws["J"].get<double>());
+    EXPECT_EQ(metrics["L"].get<double>(), laws["L"].get<double>());
+    // Only the eight turns all the time; the square's reference turns in its corners alone.
+    if (one.shape["shape"] == "eight") {
+      EXPECT_GT(metrics["C"].get<double>(), 0.8) << "the wobble is small";
+    }
+    EXPECT_GT(metrics["J"].get<double>(), 0.0);
+    EXPECT_NEAR(metrics["mean_speed_m_s"].get<double>(), 0.4, 1e-9);
+    const json listed = json::parse(run(tool + " sessions " + db));
+    EXPECT_EQ(listed["id"], f.id);
+    EXPECT_EQ(listed["exercise"]["shape"], one.shape["shape"]);
+  }
+}
+
+TEST(Metrics, without_walking_or_exercise_there_are_no_figures_but_a_reason) {
+  Fixture f;
+  std::vector<TickRecord> still(100);
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    still[i].tick = i;
+    still[i].time_ns = kStart_ns + i * kTick_ns;
+    still[i].mode = static_cast<std::uint8_t>(contract::Mode::standby);
+  }
+  SessionStart start = start_of_walk();
+  f.record(start, still);
+  f.end();
+  const Result<SessionMetrics> plain = session_metrics(f.database, f.id);
+  ASSERT_TRUE(plain.ok());
+  EXPECT_EQ(plain->moving_samples, 0U);
+  EXPECT_EQ(plain->distance_m, 0);
+  EXPECT_TRUE(plain->shape.empty());
+  EXPECT_FALSE(plain->correlation.has_value());
+  SessionPatch patch;
+  patch.exercise_json = std::optional<std::string>(R"({"shape":"square","side_m":3.2})");
+  ASSERT_TRUE(SessionEditor(f.database).patch(f.id, patch).ok());
+  const Result<SessionMetrics> asked = session_metrics(f.database, f.id);
+  ASSERT_TRUE(asked.ok());
+  EXPECT_EQ(asked->shape, "square");
+  EXPECT_FALSE(asked->normalised_ise.has_value());
+  EXPECT_EQ(asked->why_absent, "Nobody walked in this session.");
+  EXPECT_EQ(session_metrics(f.database, f.id + 1).error().kind, ErrorKind::not_found);
+}
+
+}  // namespace
+}  // namespace hoist::db::test

@@ -1,0 +1,719 @@
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <random>
+
+#include "db/store/schema_list.hpp"
+#include "db/store/sqlite.hpp"
+#include "tests/unit/db/db_support.hpp"
+
+namespace hoist::db::test {
+namespace {
+
+using contract::BusRecord;
+using contract::Event;
+using contract::EventKind;
+using contract::TickRecord;
+
+Database open_at(const std::filesystem::path& file, OpenOptions options = {}) {
+  Result<Database> database = Database::open(file, options);
+  EXPECT_TRUE(database.ok()) << (database.ok() ? "" : database.error().message);
+  return std::move(*database);
+}
+SessionWriter writer_of(Database& database) {
+  Result<SessionWriter> writer = SessionWriter::create(database);
+  EXPECT_TRUE(writer.ok()) << (writer.ok() ? "" : writer.error().message);
+  return std::move(*writer);
+}
+// Records a closed session of `count` samples from tick 0.
+SessionId record_session(Database& database, std::size_t count, std::uint32_t seed, std::vector<TickRecord>* kept_records = nullptr) {
+  SessionWriter writer = writer_of(database);
+  const Result<SessionId> id = writer.begin(start_of_walk());
+  EXPECT_TRUE(id.ok());
+  Walk walk(seed);
+  const std::vector<TickRecord> records = walk.records(0, count);
+  for (std::size_t i = 0; i < count; i += 5) EXPECT_TRUE(writer.append_ticks(std::span(records).subspan(i, std::min<std::size_t>(5, count - i))).ok());
+  EXPECT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns + static_cast<std::int64_t>(count) * 10'000'000).ok());
+  if (kept_records != nullptr) *kept_records = records;
+  return *id;
+}
+std::int64_t number_of(Database& database, const char* sql) {
+  Statement statement(database.handle(), sql);
+  return statement.step() ? statement.integer_at(0) : -1;
+}
+
+TEST(Open, an_empty_file_gets_the_newest_schema_and_keeps_it) {
+  TempDir dir;
+  {
+    Database database = open_at(dir / "hoist.db");
+    EXPECT_TRUE(database.report().created);
+    EXPECT_EQ(database.report().migrated_from, 0);
+    EXPECT_EQ(database.report().schema_version, schema_version());
+    EXPECT_EQ(number_of(database, "PRAGMA synchronous"), 2) << "FULL";
+    EXPECT_EQ(number_of(database, "PRAGMA foreign_keys"), 1);
+    Statement mode(database.handle(), "PRAGMA journal_mode");
+    ASSERT_TRUE(mode.step());
+    EXPECT_EQ(mode.text_at(0), "wal");
+  }
+  Database again = open_at(dir / "hoist.db");
+  EXPECT_FALSE(again.report().created);
+  EXPECT_EQ(again.report().migrated_from, schema_version());
+  EXPECT_TRUE(again.report().set_aside.empty());
+}
+
+TEST(Open, a_newer_schema_is_refused_and_left_alone) {
+  TempDir dir;
+  {
+    Database database = open_at(dir / "hoist.db");
+    execute(database.handle(), "PRAGMA user_version = 99");
+  }
+  const Result<Database> refused = Database::open(dir / "hoist.db");
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().kind, ErrorKind::newer_schema);
+  EXPECT_NE(refused.error().message.find("newer Hoist"), std::string::npos);
+  const Result<Database> attached = Database::attach(dir / "hoist.db");
+  ASSERT_FALSE(attached.ok());
+  EXPECT_EQ(attached.error().kind, ErrorKind::newer_schema);
+  EXPECT_TRUE(std::filesystem::exists(dir / "hoist.db"));
+}
+
+TEST(Open, a_file_that_is_no_database_is_set_aside_with_its_date) {
+  TempDir dir;
+  std::ofstream(dir / "hoist.db") << std::string(5000, 'x');
+  OpenOptions options;
+  options.utc_now_ns = kStartUtc_ns;
+  Database database = open_at(dir / "hoist.db", options);
+  EXPECT_EQ(database.report().set_aside.filename(), "hoist.db.corrupt-20260921T141320Z");
+  EXPECT_FALSE(database.report().set_aside_reason.empty());
+  EXPECT_TRUE(std::filesystem::exists(database.report().set_aside));
+  EXPECT_TRUE(database.report().created);
+  EXPECT_TRUE(SessionReader(database).list().ok());
+}
+
+TEST(Open, damaged_and_cut_files_never_crash_and_never_stay_in_the_way) {
+  TempDir dir;
+  {
+    Database database = open_at(dir / "good.db");
+    record_session(database, 900, 1);
+  }
+  const auto size = std::filesystem::file_size(dir / "good.db");
+  std::mt19937_64 random(7);
+  int set_aside = 0;
+  for (int round = 0; round < 60; ++round) {
+    const auto file = dir / "hoist.db";
+    for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(file.string() + suffix);
+    std::filesystem::copy_file(dir / "good.db", file);
+    if (round % 3 == 0) {
+      std::filesystem::resize_file(file, random() % size);
+    } else {
+      std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+      for (int flips = 0; flips < 40; ++flips) {
+        stream.seekp(static_cast<std::streamoff>(random() % size));
+        stream.put(static_cast<char>(random()));
+      }
+    }
+    OpenOptions options;
+    options.utc_now_ns = kStartUtc_ns;
+    const Result<Database> opened = Database::open(file, options);
+    if (!opened) {
+      // A version number damaged upwards looks like a newer program's; anything else must have opened.
+      EXPECT_EQ(opened.error().kind, ErrorKind::newer_schema) << opened.error().message;
+      continue;
+    }
+    Database database = std::move(const_cast<Database&>(*opened));
+    if (!database.report().set_aside.empty()) {
+      ++set_aside;
+      std::filesystem::remove(database.report().set_aside);
+    }
+    // Damage inside a blob is beyond the check; reading it is an error or gives the rows that are there, never a crash.
+    Result<SessionWriter> writer = SessionWriter::create(database);
+    const SessionReader reader(database);
+    const Result<SessionPage> page = reader.list();
+    if (!page) continue;
+    for (const SessionInfo& session : page->sessions) {
+      const Result<Columns> columns = reader.read_columns(session.id, all_columns());
+      if (!columns) {
+        EXPECT_FALSE(columns.error().message.empty());
+      }
+    }
+  }
+  EXPECT_GT(set_aside, 20);
+}
+
+TEST(Open, readers_need_a_prepared_file) {
+  TempDir dir;
+  EXPECT_FALSE(Database::attach(dir / "none.db").ok());
+  EXPECT_FALSE(std::filesystem::exists(dir / "none.db"));
+}
+
+TEST(Writer, what_was_appended_is_read_back_while_recording_and_after_folding) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  Database other = std::move(*Database::attach(dir / "hoist.db"));
+  SessionWriter writer = writer_of(database);
+  const Result<SessionId> id = writer.begin(start_of_walk());
+  ASSERT_TRUE(id.ok());
+  Walk walk(11);
+  const std::vector<TickRecord> records = walk.records(400, 6543);
+  std::size_t done = 0;
+  while (done < records.size()) {
+    const std::size_t n = std::min<std::size_t>(7, records.size() - done);
+    ASSERT_TRUE(writer.append_ticks(std::span(records).subspan(done, n)).ok());
+    done += n;
+    // Nothing waits for longer than half a second of samples.
+    EXPECT_LE(done - writer.durable().samples, kCommitSamples);
+  }
+  const Result<Durable> durable = writer.commit();
+  ASSERT_TRUE(durable.ok());
+  EXPECT_EQ(durable->last_tick, records.back().tick);
+  EXPECT_EQ(durable->samples, records.size());
+  expect_recorded(other, *id, records);
+  const Result<SessionInfo> live = SessionReader(other).get(*id);
+  ASSERT_TRUE(live.ok());
+  EXPECT_TRUE(live->recording);
+  EXPECT_EQ(live->sample_count, records.size());
+  EXPECT_EQ(live->subject, "P-017");
+  EXPECT_EQ(live->layout_hash, 0xFEDCBA9876543210ULL);
+  ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns + 1).ok());
+  EXPECT_FALSE(writer.recording());
+  expect_recorded(other, *id, records);
+  const Result<SessionInfo> closed = SessionReader(other).get(*id);
+  ASSERT_TRUE(closed.ok());
+  EXPECT_FALSE(closed->recording);
+  EXPECT_EQ(closed->close_reason, "finished");
+  EXPECT_EQ(closed->sample_count, records.size());
+  EXPECT_NEAR(closed->duration_s, 65.42, 0.01);
+  EXPECT_EQ(number_of(database, "SELECT count(*) FROM chunks"), 3) << "6543 samples fold into 30 s chunks";
+  EXPECT_EQ(closed->gap_count, 0U);
+  EXPECT_EQ(number_of(database, "SELECT folded FROM sessions"), 1);
+}
+
+TEST(Writer, one_long_span_is_taken_whole) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  SessionWriter writer = writer_of(database);
+  const Result<SessionId> id = writer.begin(start_of_walk());
+  Walk walk(12);
+  const std::vector<TickRecord> records = walk.records(0, 15000);
+  ASSERT_TRUE(writer.append_ticks(records).ok());
+  EXPECT_EQ(writer.refused_samples(), 0U);
+  ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
+  expect_recorded(database, *id, records);
+}
+
+TEST(Writer, missing_and_impossible_samples_become_gaps) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  SessionWriter writer = writer_of(database);
+  const Result<SessionId> id = writer.begin(start_of_walk());
+  Walk walk(13);
+  std::vector<TickRecord> records = walk.records(10, 60);
+  const auto append = [&](std::size_t from, std::size_t to) { return writer.append_ticks(std::span(records).subspan(from, to - from)); };
+  records[20].x_m = std::numeric_limits<float>::quiet_NaN();
+  records[21].x_m = std::numeric_limits<float>::infinity();
+  records[22].speed_m_s = 1e30F;
+  records[23].time_ns = records[19].time_ns;
+  ASSERT_TRUE(append(0, 30).ok());
+  ASSERT_TRUE(append(35, 40).ok());  // five never came
+  ASSERT_TRUE(writer.append_gap("ticks", records[40].tick, records[44].tick, "ring_overrun").ok());
+  ASSERT_TRUE(append(45, 60).ok());
+  EXPECT_EQ(writer.refused_samples(), 4U);
+  // Going back is refused, and the rest is still there.
+  const Status back = append(50, 51);
+  ASSERT_FALSE(back.ok());
+  EXPECT_EQ(back.error().kind, ErrorKind::bad_value);
+  EXPECT_EQ(back.error().field, "tick");
+  ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
+
+  const Result<std::vector<Gap>> gaps = SessionReader(database).gaps(*id);
+  ASSERT_TRUE(gaps.ok());
+  ASSERT_EQ(gaps->size(), 5U);
+  const auto gap = [&](std::size_t i) { return (*gaps)[i]; };
+  EXPECT_EQ(gap(0).reason, "not_finite");
+  EXPECT_EQ(gap(0).from_tick, 30U);
+  EXPECT_EQ(gap(0).to_tick, 31U);
+  EXPECT_EQ(gap(1).reason, "out_of_range");
+  EXPECT_EQ(gap(2).reason, "time_not_rising");
+  EXPECT_EQ(gap(3).reason, "not_received");
+  EXPECT_EQ(gap(3).from_tick, 40U);
+  EXPECT_EQ(gap(3).to_tick, 44U);
+  EXPECT_EQ(gap(4).reason, "ring_overrun");
+
+  std::vector<TickRecord> expected;
+  for (std::size_t i = 0; i < records.size(); ++i)
+    if ((i < 20 || i > 23) && (i < 30 || i > 34) && (i < 40 || i > 44)) expected.push_back(records[i]);
+  expect_recorded(database, *id, expected);
+  const std::vector<std::string> none;
+  const Result<Columns> columns = SessionReader(database).read_columns(*id, none);
+  ASSERT_TRUE(columns.ok());
+  std::vector<std::uint64_t> after_gap;
+  for (std::size_t i = 0; i < columns->tick.size(); ++i)
+    if (columns->gap_before[i] != 0) after_gap.push_back(columns->tick[i]);
+  EXPECT_EQ(after_gap, (std::vector<std::uint64_t>{34, 45, 55}));
+}
+
+TEST(Writer, events_markers_parameters_and_frames_come_back) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  SessionWriter writer = writer_of(database);
+  SessionStart start = start_of_walk();
+  std::vector<double> values;
+  for (const contract::ParamInfo& p : contract::kParams) values.push_back(p.default_value);
+  start.parameter_values = values;
+  start.exercise_json = R"({"shape": "eight", "centre_m": 1.0, "radius_m": 0.8})";
+  const Result<SessionId> id = writer.begin(start);
+  ASSERT_TRUE(id.ok()) << id.error().message;
+  Event raised;
+  raised.tick = 5;
+  raised.time_ns = kStart_ns + 50'000'000;
+  raised.kind = EventKind::fault_raised;
+  raised.code = static_cast<std::uint32_t>(contract::Fault::bumper_pressed);
+  Event changed;
+  changed.kind = EventKind::parameter_changed;
+  changed.item = contract::kParams[3].id;
+  changed.value = 0.125;
+  changed.before = std::numeric_limits<double>::quiet_NaN();
+  Event unknown;
+  unknown.kind = EventKind::fault_cleared;
+  unknown.code = 31;
+  ASSERT_TRUE(writer.append_events(std::vector<Event>{raised, changed}).ok());
+  ASSERT_TRUE(writer.commit().ok());
+  ASSERT_TRUE(writer.append_events(std::vector<Event>{unknown}).ok());
+  ASSERT_TRUE(writer.append_marker(7, kStartUtc_ns + 70'000'000, "first step ≈ \"good\"").ok());
+  std::vector<BusRecord> frames;
+  for (std::uint64_t i = 0; i < 34567; ++i) {
+    BusRecord f;
+    f.time_ns = kStart_ns + i * 1'000'000;
+    f.id = 0x180 + static_cast<std::uint32_t>(i % 10);
+    f.dlc = 8;
+    f.sent = static_cast<std::uint8_t>(i % 2);
+    f.data = i * 0x0001'0003'0007'000BULL;
+    frames.push_back(f);
+  }
+  for (std::size_t i = 0; i < frames.size(); i += 321) {
+    ASSERT_TRUE(writer.append_bus(std::span(frames).subspan(i, std::min<std::size_t>(321, frames.size() - i))).ok());
+    if (i % 2 == 0) {
+      ASSERT_TRUE(writer.commit().ok());
+    }
+  }
+  ASSERT_TRUE(writer.end(CloseReason::core_restarted, kStartUtc_ns).ok());
+
+  const SessionReader reader(database);
+  const Result<std::vector<StoredEvent>> events = reader.events(*id);
+  ASSERT_TRUE(events.ok());
+  ASSERT_EQ(events->size(), 3U);
+  EXPECT_EQ((*events)[0].kind_name, "fault_raised");
+  EXPECT_EQ((*events)[0].name, "bumper_pressed");
+  EXPECT_EQ((*events)[1].name, contract::kParams[3].name);
+  EXPECT_EQ((*events)[1].value, 0.125);
+  EXPECT_TRUE(std::isnan((*events)[1].before));
+  EXPECT_EQ((*events)[2].name, "");
+  const auto markers = reader.markers(*id);
+  ASSERT_TRUE(markers.ok());
+  ASSERT_EQ(markers->size(), 1U);
+  EXPECT_EQ((*markers)[0].text, "first step ≈ \"good\"");
+  const auto parameters = reader.parameters(*id);
+  ASSERT_TRUE(parameters.ok());
+  ASSERT_EQ(parameters->size(), contract::kParamCount);
+  EXPECT_EQ(parameters->front().first, contract::kParams[0].name);
+  EXPECT_EQ(parameters->front().second, contract::kParams[0].default_value);
+  for (const auto& [first, limit] : {std::pair<std::uint64_t, std::size_t>{0, 100000}, {29990, 20}, {34566, 5}, {40000, 5}}) {
+    const auto back = reader.bus_frames(*id, first, limit);
+    ASSERT_TRUE(back.ok());
+    const std::size_t expected = first >= frames.size() ? 0 : std::min<std::size_t>(limit, frames.size() - first);
+    ASSERT_EQ(back->size(), expected);
+    for (std::size_t i = 0; i < expected; ++i) {
+      EXPECT_EQ((*back)[i].data, frames[first + i].data);
+      EXPECT_EQ((*back)[i].time_ns, frames[first + i].time_ns);
+      EXPECT_EQ((*back)[i].id, frames[first + i].id);
+      EXPECT_EQ((*back)[i].sent, frames[first + i].sent);
+    }
+  }
+  EXPECT_EQ(reader.get(*id)->close_reason, "core_restarted");
+}
+
+TEST(Writer, wrong_calls_are_refused_by_name_and_change_nothing) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  SessionWriter writer = writer_of(database);
+  Walk walk(1);
+  const auto refused = [](const auto& result, ErrorKind kind, const std::string& field) {
+    ASSERT_FALSE(result.ok());
+    EXPECT_EQ(result.error().kind, kind);
+    EXPECT_EQ(result.error().field, field);
+    EXPECT_FALSE(result.error().message.empty());
+  };
+  refused(writer.append_ticks(walk.records(0, 1)), ErrorKind::wrong_state, "");
+  refused(writer.commit(), ErrorKind::wrong_state, "");
+  refused(writer.end(CloseReason::finished, 0), ErrorKind::wrong_state, "");
+  SessionStart start = start_of_walk();
+  start.subject = std::string(65, 'a');
+  refused(writer.begin(start), ErrorKind::bad_value, "subject");
+  start = start_of_walk();
+  start.subject = "line\nbreak";
+  refused(writer.begin(start), ErrorKind::bad_value, "subject");
+  start = start_of_walk();
+  start.note = "bad \xff utf-8";
+  refused(writer.begin(start), ErrorKind::bad_value, "note");
+  start = start_of_walk();
+  start.exercise_json = R"({"shape": "circle"})";
+  refused(writer.begin(start), ErrorKind::bad_value, "exercise");
+  start = start_of_walk();
+  const std::vector<double> three{1, 2, 3};
+  start.parameter_values = three;
+  refused(writer.begin(start), ErrorKind::bad_value, "parameter_values");
+  EXPECT_EQ(number_of(database, "SELECT count(*) FROM sessions"), 0);
+  ASSERT_TRUE(writer.begin(start_of_walk()).ok());
+  refused(writer.begin(start_of_walk()), ErrorKind::wrong_state, "");
+  refused(writer.append_gap("video", 1, 2, "x"), ErrorKind::bad_value, "stream");
+  refused(writer.append_gap("ticks", 3, 2, "x"), ErrorKind::bad_value, "to_tick");
+  refused(writer.append_gap("ticks", 1, 2, ""), ErrorKind::bad_value, "reason");
+  refused(writer.append_marker(1, 1, std::string(501, 'a')), ErrorKind::bad_value, "text");
+}
+
+TEST(Writer, a_full_disk_is_told_and_what_fits_later_is_complete) {
+  TempDir dir;
+  OpenOptions options;
+  options.max_pages = 60;  // 240 kB: the first minute does not fit
+  Database database = open_at(dir / "hoist.db", options);
+  SessionWriter writer = writer_of(database);
+  const Result<SessionId> id = writer.begin(start_of_walk());
+  ASSERT_TRUE(id.ok());
+  Walk walk(14);
+  const std::vector<TickRecord> records = walk.records(0, 14000);
+  std::size_t errors = 0;
+  for (std::size_t i = 0; i < records.size(); i += 5) {
+    const Status status = writer.append_ticks(std::span(records).subspan(i, 5));
+    if (!status) {
+      EXPECT_EQ(status.error().kind, ErrorKind::disk_full) << status.error().message;
+      ++errors;
+    }
+  }
+  EXPECT_GT(errors, 5U);
+  EXPECT_LT(errors, 400U) << "a full disk must not be asked at every tick";
+  EXPECT_EQ(writer.failed_commits(), errors);
+  const Durable before = writer.durable();
+  ASSERT_TRUE(before.last_tick.has_value());
+  EXPECT_LT(*before.last_tick, 13999U);
+  EXPECT_GT(writer.refused_samples(), 0U) << "memory is bounded";
+  EXPECT_FALSE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
+  EXPECT_TRUE(writer.recording());
+  // What was acknowledged is readable while the disk is full.
+  {
+    const std::vector<TickRecord> durable(records.begin(), records.begin() + static_cast<std::ptrdiff_t>(before.samples));
+    expect_recorded(database, *id, durable);
+  }
+  // Room again: the minute in memory is kept, the rest is one explicit gap.
+  execute(database.handle(), "PRAGMA max_page_count = 100000");
+  ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
+  const auto gaps = SessionReader(database).gaps(*id);
+  ASSERT_TRUE(gaps.ok());
+  ASSERT_EQ(gaps->size(), 1U);
+  EXPECT_EQ(gaps->front().reason, "storage");
+  EXPECT_EQ(gaps->front().to_tick, 13999U);
+  const std::vector<TickRecord> expected(records.begin(), records.begin() + static_cast<std::ptrdiff_t>(gaps->front().from_tick));
+  EXPECT_GE(expected.size(), before.samples + kMaxPendingSamples - kCommitSamples);
+  expect_recorded(database, *id, expected);
+}
+
+TEST(Writer, a_locked_database_is_busy_and_loses_nothing) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  sqlite3_busy_timeout(database.handle(), 1);
+  Database other = std::move(*Database::attach(dir / "hoist.db"));
+  SessionWriter writer = writer_of(database);
+  const Result<SessionId> id = writer.begin(start_of_walk());
+  Walk walk(15);
+  const std::vector<TickRecord> records = walk.records(0, 130);
+  {
+    Transaction lock(other.handle(), Transaction::Kind::write);
+    const Status status = writer.append_ticks(records);
+    ASSERT_FALSE(status.ok());
+    EXPECT_EQ(status.error().kind, ErrorKind::busy);
+  }
+  ASSERT_TRUE(writer.commit().ok());
+  expect_recorded(other, *id, records);
+}
+
+TEST(Writer, sessions_left_open_are_closed_as_interrupted_and_folded) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  Walk walk(16);
+  const std::vector<TickRecord> records = walk.records(0, 730);
+  {
+    SessionWriter writer = writer_of(database);
+    ASSERT_TRUE(writer.begin(start_of_walk()).ok());
+    ASSERT_TRUE(writer.append_ticks(records).ok());
+    ASSERT_TRUE(writer.commit().ok());
+  }
+  SessionWriter next = writer_of(database);
+  ASSERT_EQ(next.interrupted().size(), 1U);
+  const SessionId id = next.interrupted()[0];
+  const Result<SessionInfo> info = SessionReader(database).get(id);
+  ASSERT_TRUE(info.ok());
+  EXPECT_EQ(info->close_reason, "interrupted");
+  EXPECT_EQ(info->ended_utc_ns, kStartUtc_ns + static_cast<std::int64_t>(records.back().time_ns - kStart_ns));
+  EXPECT_EQ(number_of(database, "SELECT count(*) FROM chunks"), 1);
+  expect_recorded(database, id, records);
+  EXPECT_TRUE(writer_of(database).interrupted().empty());
+}
+
+TEST(Reader, pages_run_from_the_newest_to_the_oldest) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  SessionWriter writer = writer_of(database);
+  for (int i = 0; i < 23; ++i) {
+    SessionStart start = start_of_walk();
+    start.subject = i % 4 == 0 ? "A" : "B";
+    ASSERT_TRUE(writer.begin(start).ok());
+    ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
+  }
+  const SessionReader reader(database);
+  SessionQuery query;
+  query.limit = 10;
+  std::vector<SessionId> seen;
+  do {
+    const Result<SessionPage> page = reader.list(query);
+    ASSERT_TRUE(page.ok());
+    EXPECT_EQ(page->total, 23U);
+    EXPECT_LE(page->sessions.size(), 10U);
+    for (const SessionInfo& session : page->sessions) seen.push_back(session.id);
+    query.before = page->next;
+  } while (query.before);
+  ASSERT_EQ(seen.size(), 23U);
+  EXPECT_TRUE(std::ranges::is_sorted(seen, std::ranges::greater{}));
+  query = {};
+  query.subject = "A";
+  EXPECT_EQ(reader.list(query)->total, 6U);
+  EXPECT_EQ(reader.list(query)->sessions.size(), 6U);
+  query.limit = 0;
+  EXPECT_EQ(reader.list(query).error().field, "limit");
+  query.limit = kMaxPage + 1;
+  EXPECT_EQ(reader.list(query).error().field, "limit");
+}
+
+TEST(Reader, unknown_sessions_columns_and_ranges_are_refused) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  const SessionId id = record_session(database, 300, 2);
+  const SessionReader reader(database);
+  EXPECT_EQ(reader.get(id + 1).error().kind, ErrorKind::not_found);
+  EXPECT_EQ(reader.columns(id + 1).error().kind, ErrorKind::not_found);
+  const std::vector<std::string> unknown{"x_m", "no_such_m"};
+  EXPECT_EQ(reader.read_columns(id, unknown).error().field, "columns");
+  EXPECT_EQ(reader.read_columns(id + 1, {}).error().kind, ErrorKind::not_found);
+  EXPECT_EQ(reader.read_columns(id, {}, {2, 1}).error().field, "range");
+  EXPECT_EQ(reader.read_columns(id, {}, {std::nan(""), 1}).error().field, "range");
+  EXPECT_EQ(reader.overview(id, {}, 0).error().field, "runs");
+  EXPECT_EQ(reader.overview(id, {}, kMaxOverviewRuns + 1).error().field, "runs");
+}
+
+TEST(Reader, a_time_range_gives_exactly_its_samples) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  std::vector<TickRecord> records;
+  const SessionId id = record_session(database, 7000, 3, &records);
+  const SessionReader reader(database);
+  const std::vector<std::string> names{"x_m", "mode", "left_alpha_rad"};
+  for (const auto& [from_s, to_s] : {std::pair{0.0, 1.0}, {12.34, 12.35}, {29.0, 31.5}, {69.5, 1000.0}, {80.0, 90.0}, {-5.0, 0.2}, {3.0, 3.0}}) {
+    const Result<Columns> columns = reader.read_columns(id, names, {from_s, to_s});
+    ASSERT_TRUE(columns.ok());
+    std::size_t at = 0;
+    for (const TickRecord& record : records) {
+      const double time_s = static_cast<double>(record.time_ns - kStart_ns) / 1e9;
+      if (time_s < from_s || time_s >= to_s) continue;
+      ASSERT_LT(at, columns->tick.size());
+      EXPECT_EQ(columns->tick[at], record.tick);
+      EXPECT_EQ(columns->time_s[at], time_s);
+      EXPECT_EQ(columns->values[0][at], kept(record, "x_m"));
+      EXPECT_EQ(columns->values[1][at], record.mode);
+      EXPECT_EQ(columns->values[2][at], kept(record, "left_alpha_rad"));
+      ++at;
+    }
+    EXPECT_EQ(at, columns->tick.size());
+  }
+}
+
+TEST(Reader, the_overview_holds_every_extreme_at_every_resolution) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  std::vector<TickRecord> records;
+  const SessionId id = record_session(database, 20000, 4, &records);
+  const SessionReader reader(database);
+  const std::vector<std::string> names{"x_m", "left_alpha_rad", "mode", "left_counts"};
+  for (const std::size_t runs : {1, 7, 40, 150, 1000, 4000}) {
+    const Result<Overview> overview = reader.overview(id, names, runs);
+    ASSERT_TRUE(overview.ok());
+    const std::size_t count = overview->from_s.size();
+    ASSERT_GT(count, 0U);
+    ASSERT_LE(count, runs);
+    if (runs >= 7) {
+      EXPECT_GE(count * 4, std::min<std::size_t>(runs, 160)) << "not much coarser than asked";
+    }
+    std::size_t run = 0;
+    std::vector<double> low(names.size(), 1e300), high(names.size(), -1e300);
+    const auto check = [&] {
+      for (std::size_t c = 0; c < names.size(); ++c) {
+        EXPECT_EQ(overview->min[c][run], low[c]) << names[c] << " run " << run << " of " << runs;
+        EXPECT_EQ(overview->max[c][run], high[c]) << names[c] << " run " << run << " of " << runs;
+      }
+    };
+    for (const TickRecord& record : records) {
+      const double time_s = static_cast<double>(record.time_ns - kStart_ns) / 1e9;
+      if (time_s > overview->to_s[run]) {
+        check();
+        ++run;
+        ASSERT_LT(run, count);
+        EXPECT_EQ(overview->from_s[run], time_s);
+        low.assign(names.size(), 1e300);
+        high.assign(names.size(), -1e300);
+      }
+      for (std::size_t c = 0; c < names.size(); ++c) {
+        low[c] = std::min(low[c], kept(record, names[c]));
+        high[c] = std::max(high[c], kept(record, names[c]));
+      }
+    }
+    check();
+    EXPECT_EQ(run + 1, count);
+    EXPECT_TRUE(std::ranges::none_of(overview->gap_before, [](auto flag) { return flag != 0; }));
+  }
+  // A narrow range is drawn from samples, and only from those inside.
+  const Result<Overview> narrow = reader.overview(id, names, 500, {10.0, 20.0});
+  ASSERT_TRUE(narrow.ok());
+  EXPECT_TRUE(narrow->exact_range);
+  EXPECT_EQ(narrow->from_s.size(), 500U);
+  EXPECT_GE(narrow->from_s.front(), 10.0);
+  EXPECT_LT(narrow->to_s.back(), 20.0);
+  EXPECT_FALSE(reader.overview(id, names, 10)->exact_range);
+}
+
+TEST(Reader, a_long_overview_touches_no_body) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  const SessionId id = record_session(database, 20000, 4);
+  // Bodies that cannot be read at all: what comes from directories still works, what needs samples says what is wrong.
+  execute(database.handle(), "UPDATE chunks SET body = zeroblob(length(body))");
+  const SessionReader reader(database);
+  const std::vector<std::string> names{"x_m"};
+  EXPECT_TRUE(reader.overview(id, names, 100).ok());
+  const Result<Columns> columns = reader.read_columns(id, names, {35, 36});
+  ASSERT_FALSE(columns.ok());
+  EXPECT_EQ(columns.error().kind, ErrorKind::corrupt);
+  EXPECT_EQ(columns.error().message, "session " + std::to_string(id) + ", chunk of samples from tick 3000: its body is damaged");
+}
+
+TEST(Reader, gaps_show_in_the_overview) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  SessionWriter writer = writer_of(database);
+  const Result<SessionId> id = writer.begin(start_of_walk());
+  Walk walk(5);
+  ASSERT_TRUE(writer.append_ticks(walk.records(0, 5000)).ok());
+  ASSERT_TRUE(writer.append_ticks(walk.records(5400, 5000)).ok());
+  ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
+  for (const std::size_t runs : {10U, 3000U}) {
+    const Result<Overview> overview = SessionReader(database).overview(*id, {}, runs);
+    ASSERT_TRUE(overview.ok());
+    EXPECT_EQ(std::ranges::count(overview->gap_before, 1), 1);
+  }
+}
+
+TEST(Reader, a_recording_with_other_columns_stays_readable) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  std::vector<TickRecord> records;
+  const SessionId id = record_session(database, 500, 6, &records);
+  // As if an older Hoist had called this column otherwise, in other units and steps.
+  Statement(database.handle(), "UPDATE column_layout SET name = 'seat_height_mm', unit = 'mm', lsb = 1e-2, decimals = 2 WHERE name = 'x_m'").run();
+  const SessionReader reader(database);
+  const std::vector<std::string> gone{"x_m"}, old{"seat_height_mm", "y_m"};
+  EXPECT_EQ(reader.read_columns(id, gone).error().field, "columns");
+  const Result<Columns> columns = reader.read_columns(id, old);
+  ASSERT_TRUE(columns.ok());
+  EXPECT_EQ(columns->info[0].unit, "mm");
+  EXPECT_EQ(columns->values[0][100], static_cast<double>(std::llrint(kept(records[100], "x_m") * 1e5)) / 100);
+  EXPECT_EQ(columns->values[1][100], kept(records[100], "y_m"));
+}
+
+TEST(Editor, patches_all_or_nothing) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  const SessionId id = record_session(database, 10, 8);
+  SessionEditor editor(database);
+  SessionPatch patch;
+  patch.note = "Went well.\nTired at the end.";
+  patch.subject = std::optional<std::string>{};
+  patch.exercise_json = std::optional<std::string>(R"({"shape":"square","side_m":3.2})");
+  ASSERT_TRUE(editor.patch(id, patch).ok());
+  const SessionReader reader(database);
+  EXPECT_EQ(reader.get(id)->note, "Went well.\nTired at the end.");
+  EXPECT_FALSE(reader.get(id)->subject.has_value());
+  EXPECT_EQ(reader.get(id)->exercise_json, R"({"shape":"square","side_m":3.2})");
+  patch.note = "changed";
+  patch.exercise_json = std::optional<std::string>(R"({"shape":"square","side_m":-1})");
+  const Status refused = editor.patch(id, patch);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().field, "exercise");
+  EXPECT_EQ(reader.get(id)->note, "Went well.\nTired at the end.");
+  EXPECT_EQ(editor.patch(id + 1, {}).error().kind, ErrorKind::not_found);
+}
+
+TEST(Editor, exercises_are_checked_field_by_field) {
+  for (const char* good : {R"({"shape":"square","side_m":0.2})", R"({"shape":"eight","centre_m":1,"radius_m":1})", R"({"shape":"straight","length_m":100})"})
+    EXPECT_TRUE(check_exercise(good).ok()) << good;
+  for (const char* bad : {"", "7", "{}", R"({"shape":"square"})", R"({"shape":"square","side_m":"3"})", R"({"shape":"square","side_m":0.1})",
+                          R"({"shape":"square","side_m":3,"extra":1})", R"({"shape":"eight","centre_m":1,"radius_m":1.1})",
+                          R"({"shape":"straight","length_m":1e400})", R"({"shape":"straight","length_m":null})"})
+    EXPECT_FALSE(check_exercise(bad).ok()) << bad;
+}
+
+TEST(Editor, deleting_takes_everything_and_never_a_session_being_recorded) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  Database other = std::move(*Database::attach(dir / "hoist.db"));
+  const SessionId kept_session = record_session(database, 400, 9);
+  SessionWriter writer = writer_of(database);
+  SessionStart start = start_of_walk();
+  start.note = "SECRET-NOTE-OF-A-PATIENT";
+  const Result<SessionId> id = writer.begin(start);
+  Walk walk(10);
+  ASSERT_TRUE(writer.append_ticks(walk.records(0, 400)).ok());
+  ASSERT_TRUE(writer.append_marker(1, 1, "SECRET-MARKER").ok());
+  ASSERT_TRUE(writer.commit().ok());
+  SessionEditor editor(other);
+  EXPECT_EQ(editor.remove(*id).error().kind, ErrorKind::wrong_state);
+  ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
+  ASSERT_TRUE(editor.remove(*id).ok());
+  EXPECT_EQ(editor.remove(*id).error().kind, ErrorKind::not_found);
+  for (const char* table : {"sessions", "column_layout", "chunks", "markers", "parameters"}) {
+    const std::string key = std::string(table) == "sessions" ? "id" : "session_id";
+    EXPECT_EQ(number_of(database, ("SELECT count(*) FROM " + std::string(table) + " WHERE " + key + " = " + std::to_string(*id)).c_str()), 0) << table;
+  }
+  EXPECT_EQ(SessionReader(database).get(kept_session)->sample_count, 400U);
+  // A number is never given twice.
+  EXPECT_GT(*writer.begin(start_of_walk()), *id);
+  // The words are gone from the file, not only from the tables.
+  for (const char* name : {"hoist.db", "hoist.db-wal"}) {
+    std::ifstream stream(dir / name, std::ios::binary);
+    const std::string content((std::istreambuf_iterator<char>(stream)), {});
+    EXPECT_EQ(content.find("SECRET-"), std::string::npos) << name;
+  }
+}
+
+TEST(Size, a_walk_takes_at_most_41_bytes_per_sample) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  const SessionId id = record_session(database, 30000, 17);
+  const auto bytes = static_cast<double>(number_of(database, "SELECT sum(length(directory) + length(body)) FROM chunks")) / 30000;
+  RecordProperty("bytes_per_sample", std::to_string(bytes));
+  std::printf("  %.1f B per sample of %zu columns\n", bytes, contract::kSignalCount);
+  EXPECT_LE(bytes, 41.0);
+  EXPECT_EQ(SessionReader(database).get(id)->sample_count, 30000U);
+}
+
+}  // namespace
+}  // namespace hoist::db::test
