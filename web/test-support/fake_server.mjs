@@ -249,7 +249,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     if (rest === 'metrics')
       return send(200, { C: 0.82, J_N: 6.1, reference_length_m: 11.4, duration_s: session.duration_s, distance_m: 25.8, mean_speed_m_s: 0.39, rms_position_m: 0.11, rms_heading_rad: 0.14, exercise: session.exercise, reason_if_none: null });
     if (rest === 'events')
-      return send(200, { items: [{ time_s: 0, kind: 'mode_changed', name: 'user' }, { time_s: 12.3, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 50, value: 60 }, { time_s: 31, kind: 'marker', name: '', text: 'Stumble' }, { time_s: 96, kind: 'fault_raised', name: 'stop_pressed' }] });
+      return send(200, { items: [{ time_s: 0, kind: 'mode_changed', name: 'user' }, { time_s: 12.3, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 50, value: 60 }, { time_s: 96, kind: 'fault_raised', name: 'stop_pressed' }], markers: [{ utc_ms: session.started_utc_ms + 31_000, text: 'Stumble' }], gaps: [] });
     if (rest === 'samples') {
       const names = (url.searchParams.get('columns') ?? '').split(',');
       const runs = Array.from({ length: 600 }, (_, i) => i * (1000 / 600));

@@ -6,7 +6,7 @@ import { live, useReading } from '../../link/live';
 import { useStore, type LogLine } from '../../link/store';
 import type { TextKey } from '../../text/en';
 import { useSettings } from '../../text/settings';
-import { duration, fixed, plain, shownAs, t, textOf, words } from '../../text/text';
+import { duration, fixed, plain, refusalText, shownAs, t, textOf, words } from '../../text/text';
 import type { Panel } from '../panel';
 
 const parts: readonly { key: TextKey; age: SignalName }[] = [
@@ -42,6 +42,7 @@ export function eventText(kind: string, name: string, value: number | null, befo
     const number = (si: number | null) => (si === null ? '–' : plain(si * show.factor));
     return `${title}: ${words(param.title)} ${number(before)} → ${number(value)} ${show.unit}`;
   }
+  if (kind === 'command_refused' && name !== '') return `${title}: ${refusalText(name)}`;
   if (fault) return `${title}: ${words(fault.text)}`;
   if (mode) return `${title}: ${words(mode.title)}`;
   const part = textOf(`health.part.${name}`);

@@ -45,9 +45,18 @@ export interface SessionEvent {
   time_s: number;
   kind: string;
   name: string;
-  text?: string;
-  value?: number | null;
-  before?: number | null;
+  value: number | null;
+  before: number | null;
+}
+export interface SessionEvents {
+  items: SessionEvent[];
+  markers: { utc_ms: number; text: string }[];
+}
+
+/** What happened, with the marks in between, in order of time. Answers to single commands are left out: their effect is there too. */
+export function story(events: SessionEvents, started_utc_ms: number): SessionEvent[] {
+  const marks = (events.markers ?? []).map((mark) => ({ time_s: (mark.utc_ms - started_utc_ms) / 1000, kind: 'marker', name: mark.text, value: null, before: null }));
+  return [...events.items.filter((event) => event.kind !== 'command_done'), ...marks].sort((a, b) => a.time_s - b.time_s);
 }
 
 /** Columns that a chart offers first. */

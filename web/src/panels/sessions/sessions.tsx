@@ -11,7 +11,7 @@ import { fit, patternPoints, type Point } from '../../ui/geometry';
 import { drawFloor } from '../../ui/floor_view';
 import { eventText } from '../health/health';
 import type { Panel } from '../panel';
-import { curveChoices, pathOf, type Metrics, type Samples, type Session, type SessionEvent, type SessionPage } from './model';
+import { curveChoices, pathOf, story, type Metrics, type Samples, type Session, type SessionEvents, type SessionPage } from './model';
 
 /** A deleted session can be taken back this long; only then is the server asked. */
 const undoDelete_ms = 6000;
@@ -147,7 +147,7 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
   const [metrics, setMetrics] = useState<Metrics | null>(null);
   const [path, setPath] = useState<Samples | null>(null);
   const [samples, setSamples] = useState<Samples | null>(null);
-  const [events, setEvents] = useState<SessionEvent[] | null>(null);
+  const [events, setEvents] = useState<SessionEvents | null>(null);
   const [error, setError] = useState<string | null>(null);
   const [names, setNames] = useState<SignalName[]>(['speed_m_s', 'speed_command_m_s']);
   const [ChartView, setChartView] = useState<ChartType | null>(null);
@@ -156,7 +156,7 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
     void rest<Session>('GET', `/sessions/${id}`).then((answer) => (answer.ok ? setSession(answer.value) : setError(problemText(answer.problem))));
     void rest<Metrics>('GET', `/sessions/${id}/metrics`).then((answer) => answer.ok && setMetrics(answer.value));
     void rest<Samples>('GET', `/sessions/${id}/samples?columns=x_m,y_m&points=${pathRuns}`).then((answer) => answer.ok && setPath(answer.value));
-    void rest<{ items: SessionEvent[] }>('GET', `/sessions/${id}/events`).then((answer) => answer.ok && setEvents(answer.value.items));
+    void rest<SessionEvents>('GET', `/sessions/${id}/events`).then((answer) => answer.ok && setEvents(answer.value));
     void import('./chart').then((module) => setChartView(() => module.Chart));
   }, [id]);
   useEffect(() => {
@@ -167,6 +167,7 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
     void rest<Samples>('GET', `/sessions/${id}/samples?columns=${names.join(',')}&points=${curveRuns}`).then((answer) => answer.ok && setSamples(answer.value));
   }, [id, names]);
 
+  const happened = events !== null && session !== null ? story(events, session.started_utc_ms) : [];
   const toggle = (name: SignalName) =>
     setNames((before) => (before.includes(name) ? before.filter((item) => item !== name) : [...before, name].slice(-curvesMost)));
   const save = async (change: Partial<Pick<Session, 'note' | 'subject'>>) => {
@@ -229,15 +230,14 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
       </div>
       <section class="card">
         <h2>{t('sessions.events')}</h2>
-        {events !== null && events.length === 0 ? <p class="hint">{t('sessions.eventsNone')}</p> : null}
+        {happened.length === 0 ? <p class="hint">{t('sessions.eventsNone')}</p> : null}
         <ul class="events">
-          {(events ?? [])
-            .filter((event) => event.kind !== 'command_done')
+          {happened
             .slice(0, eventsShown)
             .map((event, index) => (
               <li key={index}>
                 <span class="num">{duration(event.time_s)}</span>{' '}
-                {event.kind === 'marker' ? `${t('event.marker')}: ${event.text ?? event.name}` : eventText(event.kind, event.name, event.value ?? null, event.before ?? null)}
+                {eventText(event.kind, event.name, event.value, event.before)}
               </li>
             ))}
         </ul>

@@ -1,0 +1,415 @@
+// A person at the console, with the real programs behind it: headless Chromium against hoist-server, hoist-control and hoist-sim.
+//
+//   node tests/web/e2e.mjs [--bin build/bin] [--web web/dist] [--json FILE] [--only TEXT] [--shots DIR]
+//
+// What the hoist really does is asked of the simulator, never of the page. Ends with `N passed, N failed, N skipped`.
+import { existsSync, mkdirSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join, resolve } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { assert, sleep, Stack, until } from './stack.mjs';
+
+const top = fileURLToPath(new URL('../..', import.meta.url));
+const option = (name, fallback) => (process.argv.includes(`--${name}`) ? process.argv[process.argv.indexOf(`--${name}`) + 1] : fallback);
+const bin = resolve(option('bin', join(top, 'build/bin')));
+const web = resolve(option('web', join(top, 'web/dist')));
+const report = option('json');
+const only = option('only', '');
+const shots = option('shots');
+const programs = ['hoist-sim', 'hoist-control', 'hoist-server'];
+const chromiumPath = [process.env.CHROME_PATH, '/usr/bin/chromium', '/usr/bin/chromium-browser'].find((path) => path && existsSync(path));
+
+/** One lap of the eight with c = 1 m, R = 0.8 m: four straights of 0.6 m and two arcs. */
+const lap_m = 4 * 0.6 + 2 * 0.8 * (Math.PI + 2 * Math.asin(0.8));
+const stillBelow_m_s = 0.02;
+/** From 0.65 m/s at 1.0 m/s² a stop takes 0.65 s; the rest is the way of the command on a busy machine. */
+const stopWithin_ms = 2500;
+
+let stack;
+let browser;
+let context;
+let page;
+let complaints = [];
+let walked = null; // the recorded walk that later cases look at
+let stopAt = null;
+
+const still = async () => Math.abs((await stack.truth()).speed_m_s) < stillBelow_m_s;
+const goes = async () => Math.abs((await stack.truth()).speed_m_s) > 0.08;
+const modeName = () => page.locator('.mode strong').textContent();
+const button = (name) => page.getByRole('button', { name, exact: true });
+const go = (name) => page.getByRole('link', { name }).click();
+
+async function openConsole() {
+  page = await context.newPage();
+  page.on('pageerror', (error) => complaints.push(String(error)));
+  page.on('console', (message) => {
+    // A lost connection is written to the console by the browser itself; those tests cut it on purpose.
+    if (message.type() === 'error' && !/ERR_CONNECTION|WebSocket|503/.test(message.text())) complaints.push(message.text());
+  });
+  await page.goto(`${stack.origin}/`);
+  await until('the page shows live data', async () => (await modeName()) !== 'Starting', 15_000);
+}
+
+/** Releases a stop if there is one, ends motion if there is some. */
+async function toStandby() {
+  for (let tries = 0; tries < 20; tries++) {
+    const mode = await modeName();
+    if (mode === 'Standby') return;
+    if (mode === 'Stopped') await holdRelease();
+    else if (mode === 'Patient leads' || mode === 'Therapist drives') {
+      await page.goto(`${stack.origin}/#/walk`);
+      await button('End').click();
+    }
+    await sleep(300);
+  }
+  throw new Error(`the hoist does not come to standby: ${await modeName()}`);
+}
+async function holdRelease() {
+  const release = page.getByRole('button', { name: 'Hold to release' });
+  const box = await release.boundingBox();
+  if (box === null) return;
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await sleep(2200);
+  await page.mouse.up();
+  await sleep(300);
+}
+/** Starts, trying again while the patient finds the upright posture. */
+async function startMotion(panel, name, mode) {
+  await page.goto(`${stack.origin}/#/${panel}`);
+  await until(
+    `"${name}" starts`,
+    async () => {
+      if ((await modeName()) === mode) return true;
+      if (await button(name).isEnabled().catch(() => false)) await button(name).click();
+      await sleep(400);
+      return (await modeName()) === mode;
+    },
+    25_000,
+    300,
+  );
+}
+const startWalk = () => startMotion('walk', 'Start walking', 'Patient leads');
+const startDrive = () => startMotion('drive', 'Take control and drive', 'Therapist drives');
+
+/** Pixels of the floor view in the colour of the walked path. */
+const pathPixels = () =>
+  page.evaluate(() => {
+    const canvas = document.querySelector('canvas.floor');
+    const probe = document.createElement('span');
+    probe.style.color = getComputedStyle(canvas).getPropertyValue('--accent');
+    document.body.append(probe);
+    const [r, g, b] = getComputedStyle(probe).color.match(/\d+/g).map(Number);
+    probe.remove();
+    const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 200 && Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b) < 30) count++;
+    return count;
+  });
+
+async function newestSession(test, within_ms = 10_000) {
+  return until('the session is in the list', async () => (await stack.rest('GET', '/sessions?limit=20')).json().items.find(test), within_ms, 250);
+}
+
+async function padCentre() {
+  const box = await page.locator('.pad').boundingBox();
+  return { x: box.x + box.width / 2, y: box.y + box.height / 2, size: box.width };
+}
+
+const cases = {
+  async 'the printed link signs this device in, once'() {
+    const first = stack.link;
+    page = await context.newPage();
+    await page.goto(first);
+    assert(new URL(page.url()).search === '', 'the token stays in the address');
+    await until('live data', async () => (await modeName()) !== 'Starting', 15_000);
+    const other = await browser.newContext();
+    const answer = await (await other.newPage()).goto(first);
+    assert(answer.status() === 401, `a used link answers ${answer.status()}, not 401`);
+    const stranger = await other.newPage();
+    await stranger.goto(`${stack.origin}/`);
+    await until('a stranger is told to open the link', () => stranger.getByText('This device is not signed in').isVisible(), 10_000);
+    await other.close();
+    await page.close();
+    await openConsole();
+  },
+
+  async 'the screens say that this is a simulation'() {
+    for (const name of ['Walk', 'Drive', 'Tune', 'Sessions', 'Health']) {
+      await go(name);
+      assert(await page.getByText('SIMULATION', { exact: true }).first().isVisible(), `no mark on ${name}`);
+      const box = await page.getByRole('button', { name: 'STOP' }).boundingBox();
+      assert(box !== null && box.width >= 72 && box.height >= 72, `no large STOP on ${name}`);
+      stopAt ??= box;
+      assert(stopAt.x === box.x && stopAt.y === box.y, `STOP moved on ${name}`);
+    }
+  },
+
+  async 'Start on Walk: the patient walks the eight, its path draws, the session has figures'() {
+    await toStandby();
+    await startWalk();
+    await until('the hoist moves', goes, 15_000);
+    const early = await pathPixels();
+    const begun = await stack.truth();
+    await until('one lap is walked', async () => (await stack.truth()).progress_m - begun.progress_m > lap_m, 150_000, 500);
+    if (shots) await page.screenshot({ path: join(shots, 'walk-lap.png') });
+    const late = await pathPixels();
+    assert(late > early + 500, `the path did not draw: ${early} pixels, then ${late}`);
+    await page.getByRole('button', { name: 'Went well' }).click();
+    await button('End').click();
+    await until('the hoist stands after End', still, 6000);
+    await until('standby', async () => (await modeName()) === 'Standby');
+    const session = await newestSession((item) => !item.recording && item.duration_s > 20, 20_000);
+    const figures = (await stack.rest('GET', `/sessions/${session.id}/metrics`)).json();
+    assert(figures.C > 0.6 && figures.C <= 1, `similarity C = ${figures.C}`);
+    assert(figures.J_N > 0 && figures.J_N < 25, `accuracy J_N = ${figures.J_N}`);
+    assert(figures.distance_m > 0.9 * lap_m, `distance ${figures.distance_m} m`);
+    const events = (await stack.rest('GET', `/sessions/${session.id}/events`)).json();
+    assert(events.markers.some((mark) => mark.text === 'Went well'), 'the mark is not in the session');
+    walked = { id: session.id, figures };
+  },
+
+  async 'Sessions shows the walk with its figures, path and course'() {
+    assert(walked, 'there is no walked session');
+    await page.goto(`${stack.origin}/#/sessions`);
+    await page.locator('.session-item').first().click();
+    await until('the similarity', async () => (await page.locator('.figures').textContent()).includes(walked.figures.C.toFixed(2)), 10_000);
+    await until('the path', async () => (await pathPixels()) > 500, 10_000);
+    await until('the course', () => page.locator('.uplot canvas').isVisible(), 10_000);
+    await page.getByLabel('Note').fill('calm, "=1+1" walk');
+    await page.getByRole('button', { name: 'Save' }).last().click();
+    await until('the note is kept', async () => (await stack.rest('GET', `/sessions/${walked.id}`)).json().note === 'calm, "=1+1" walk');
+    if (shots) await page.screenshot({ path: join(shots, 'session.png') });
+  },
+
+  async 'the CSV export has units, a row each 10 ms and no unexplained gap'() {
+    assert(walked, 'there is no walked session');
+    await page.goto(`${stack.origin}/#/sessions`);
+    await page.locator('.session-item').first().click();
+    const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('link', { name: 'Table (CSV)' }).click()]);
+    assert(/\.csv$/.test(download.suggestedFilename()), `the file is called ${download.suggestedFilename()}`);
+    const text = (await stack.rest('GET', `/sessions/${walked.id}/export?format=csv`)).text;
+    const lines = text.trimEnd().split(/\r?\n/);
+    const comments = lines.filter((line) => line.startsWith('#'));
+    const [names, ...rows] = lines.filter((line) => !line.startsWith('#'));
+    const columns = names.split(',');
+    for (const name of ['utc', 'time_s', 'gap_before', 'tick', 'speed_m_s', 'left_alpha_rad', 'battery_a_v']) assert(columns.includes(name), `no column ${name}`);
+    assert(comments.some((line) => line.includes('m/s') && line.includes('rad')), 'no row of units');
+    const at = (name) => columns.indexOf(name);
+    let before = null;
+    let gaps = 0;
+    for (const row of rows) {
+      const cells = row.split(',');
+      assert(cells.length === columns.length, `a row has ${cells.length} cells, not ${columns.length}`);
+      const tick = Number(cells[at('tick')]);
+      if (before !== null && tick !== before.tick + 1) {
+        gaps++;
+        assert(cells[at('gap_before')] === '1', `ticks ${before.tick} to ${tick} are missing without a word`);
+      }
+      if (before !== null && tick === before.tick + 1) {
+        const dt_s = Number(cells[at('time_s')]) - before.time_s;
+        assert(dt_s > 0 && dt_s < 0.1, `tick ${tick} comes ${dt_s} s after the one before`);
+      }
+      before = { tick, time_s: Number(cells[at('time_s')]) };
+    }
+    const seconds = before.time_s - Number(rows[0].split(',')[at('time_s')]);
+    const rate = (rows.length - 1) / seconds;
+    assert(gaps > 0 || (rate > 99 && rate < 101), `${rate.toFixed(2)} rows a second`);
+    assert(rows.length > 2000, `only ${rows.length} rows`);
+  },
+
+  async 'Tune: build-up strength changes at once, out of range is refused with the range, the session has the change'() {
+    await toStandby();
+    await startWalk();
+    await go('Tune');
+    const field = page.getByLabel('Build-up strength', { exact: true });
+    await field.fill('44');
+    await field.press('Enter');
+    await until('the core has the new value', async () => (await stack.rest('GET', '/parameters/lean_gain_filtered_units')).json().value === 44, 2000);
+    await field.fill('400');
+    await field.press('Enter');
+    await until('the refusal names the range', async () => /0 to 100/.test((await page.locator('.tune-error').first().textContent().catch(() => '')) ?? ''));
+    assert((await stack.rest('GET', '/parameters/lean_gain_filtered_units')).json().value === 44, 'a refused value was taken');
+    await field.press('Escape');
+    assert((await modeName()) === 'Patient leads', 'tuning ended the walk');
+    await toStandby();
+    const session = await newestSession((item) => !item.recording, 15_000);
+    const events = (await stack.rest('GET', `/sessions/${session.id}/events`)).json().items;
+    assert(
+      events.some((event) => event.kind === 'parameter_changed' && event.name === 'lean_gain_filtered_units' && event.value === 44),
+      'the change is not in the session',
+    );
+    await page.goto(`${stack.origin}/#/tune`);
+    await page.locator('.tune-row', { has: page.getByLabel('Build-up strength', { exact: true }) }).getByRole('button', { name: 'Default' }).click();
+    await until('the default is back', async () => (await stack.rest('GET', '/parameters/lean_gain_filtered_units')).json().value === 50);
+  },
+
+  async 'the joystick moves the hoist; letting go stops it; it goes where it is pushed'() {
+    await toStandby();
+    await startDrive();
+    const pad = await padCentre();
+    await page.mouse.move(pad.x, pad.y);
+    await page.mouse.down();
+    await page.mouse.move(pad.x, pad.y - pad.size * 0.34, { steps: 4 });
+    await until('the hoist drives forward', async () => (await stack.truth()).speed_m_s > 0.15);
+    await page.mouse.move(pad.x - pad.size * 0.3, pad.y - pad.size * 0.1, { steps: 4 });
+    await until('it turns left', async () => (await stack.truth()).yaw_rate_rad_s > 0.1);
+    await page.mouse.up();
+    await until('it stands after letting go', still, stopWithin_ms);
+    await page.keyboard.down('ArrowDown');
+    await until('it drives backward by key', async () => (await stack.truth()).speed_m_s < -0.05);
+    await page.keyboard.up('ArrowDown');
+    await until('it stands after the key', still, stopWithin_ms);
+    assert((await modeName()) === 'Therapist drives', 'driving ended by itself');
+  },
+
+  async 'losing the focus, leaving the page or closing the tab while driving stops the hoist'() {
+    for (const way of ['blur', 'page', 'close']) {
+      await toStandby();
+      await startDrive();
+      const pad = await padCentre();
+      await page.mouse.move(pad.x, pad.y);
+      await page.mouse.down();
+      await page.mouse.move(pad.x, pad.y - pad.size * 0.34, { steps: 3 });
+      await until(`it drives (${way})`, goes);
+      if (way === 'blur') await page.evaluate(() => window.dispatchEvent(new Event('blur')));
+      else if (way === 'page') await page.evaluate(() => (location.hash = '#/health'));
+      else await page.close();
+      await until(`it stands after ${way}`, still, stopWithin_ms);
+      if (way === 'close') await openConsole();
+      else await page.mouse.up();
+      await sleep(300);
+      assert(await still(), `it moved again after ${way}`);
+    }
+  },
+
+  async 'STOP stops from every page, by one touch or the space bar, and is released by holding'() {
+    for (const [name, press] of [['Walk', 'touch'], ['Drive', 'touch'], ['Tune', 'space'], ['Sessions', 'touch'], ['Health', 'space']]) {
+      await toStandby();
+      await startWalk();
+      await until('the patient walks', goes, 15_000);
+      await go(name);
+      if (press === 'space') await page.keyboard.press('Space');
+      else {
+        const box = await page.getByRole('button', { name: 'STOP' }).boundingBox();
+        await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+        // Pressing is enough: the button is never let go before the hoist stands.
+        await page.mouse.down();
+      }
+      await until(`it stands after STOP on ${name}`, still, stopWithin_ms);
+      await page.mouse.up();
+      await until('the page says so', async () => (await modeName()) === 'Stopped');
+      assert(!(await goes()), 'it moved again after STOP');
+    }
+    const release = page.getByRole('button', { name: 'Hold to release' });
+    await release.click();
+    await sleep(500);
+    assert((await modeName()) === 'Stopped', 'a short tap released the stop');
+    await toStandby();
+  },
+
+  async 'a killed server: the walk goes on, the console comes back by itself'() {
+    await toStandby();
+    await startWalk();
+    await until('the patient walks', goes, 15_000);
+    await stack.programs['hoist-server'].kill('SIGKILL');
+    await until('the page says that the connection is lost', () => page.getByText('No connection to the hoist').isVisible(), 6000);
+    const far = (await stack.truth()).progress_m;
+    await sleep(2500);
+    const farther = (await stack.truth()).progress_m;
+    assert(farther - far > 0.3, `the walk did not go on: ${far.toFixed(2)} m, then ${farther.toFixed(2)} m`);
+    await stack.startServer();
+    await until('the console is back', async () => !(await page.getByText('No connection to the hoist').isVisible()) && (await modeName()) === 'Patient leads', 10_000);
+    await toStandby();
+    await until('it stands', still, stopWithin_ms);
+  },
+
+  async 'a killed control core: the wheels stop by themselves, and it comes back on standby'() {
+    await toStandby();
+    await startWalk();
+    await until('the patient walks', goes, 15_000);
+    await stack.programs['hoist-control'].kill('SIGKILL');
+    await until('the wheels stop', still, 1500);
+    await until('the page says so', () => page.getByText('The control computer does not answer').first().isVisible(), 6000);
+    await stack.startControl();
+    await until('it is back, and not moving', async () => ['Standby', 'Stopped'].includes(await modeName()), 15_000);
+    await sleep(1000);
+    assert(await still(), 'it moved after the restart');
+    await toStandby();
+    await startWalk();
+    await until('and can walk again', goes, 15_000);
+    await toStandby();
+  },
+
+  async 'the page had nothing to complain about'() {
+    assert(complaints.length === 0, complaints.slice(0, 5).join('\n'));
+  },
+};
+
+const tests = [];
+const names = Object.keys(cases).filter((name) => name.includes(only));
+const skipAll = (reason) => names.forEach((name) => tests.push({ name, status: 'skipped', reason }));
+const missing = programs.filter((name) => !existsSync(join(bin, name)));
+if (missing.length > 0) skipAll(`${missing.join(', ')} not in ${bin}`);
+else if (!existsSync(join(web, 'index.html'))) skipAll(`no built console in ${web}`);
+else if (chromiumPath === undefined) skipAll('no chromium on this machine');
+else {
+  const { chromium } = createRequire(join(top, 'web/package.json'))('playwright-core');
+  if (shots) mkdirSync(shots, { recursive: true });
+  stack = new Stack({ bin, web });
+  const quit = () => void stack.stop().finally(() => process.exit(1));
+  process.once('SIGINT', quit);
+  process.once('SIGTERM', quit);
+  try {
+    await stack.start();
+    browser = await chromium.launch({
+      executablePath: chromiumPath,
+      args: ['--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+    });
+    context = await browser.newContext({ viewport: { width: 1280, height: 800 }, locale: 'en-GB', acceptDownloads: true });
+    // Every run signs in first, also when only one case is asked for.
+    const signIn = Object.keys(cases)[0];
+    if (!names.includes(signIn)) names.unshift(signIn);
+    for (const name of names) {
+      const began = performance.now();
+      let failure = null;
+      try {
+        await cases[name]();
+      } catch (error) {
+        failure = error;
+      }
+      tests.push(failure === null ? { name, status: 'passed' } : { name, status: 'failed', reason: failure.message });
+      console.log(`${failure === null ? 'passed' : 'FAILED'}  ${name} (${((performance.now() - began) / 1000).toFixed(1)} s)`);
+      if (failure !== null) {
+        console.log(`${failure.stack}\n${stack.outputs()}`);
+        if (shots && page && !page.isClosed()) await page.screenshot({ path: join(shots, `failed-${tests.length}.png`) }).catch(() => {});
+        // The next case starts from a fresh page.
+        await page?.mouse.up().catch(() => {});
+        await page?.close().catch(() => {});
+        for (const program of programs) if (stack.programs[program]?.ended) await { 'hoist-sim': () => stack.startSim(), 'hoist-control': () => stack.startControl(), 'hoist-server': () => stack.startServer() }[program]().catch(() => {});
+        await openConsole().catch(() => {});
+      }
+    }
+  } catch (error) {
+    console.log(`${error.stack}\n${stack.outputs()}`);
+    tests.push({ name: 'the programs and the browser start', status: 'failed', reason: error.message });
+  } finally {
+    await browser?.close().catch(() => {});
+    await stack.stop();
+  }
+}
+
+const of = (status) => tests.filter((one) => one.status === status);
+for (const one of of('skipped')) console.log(`skipped  ${one.name}: ${one.reason}`);
+if (report)
+  writeFileSync(
+    report,
+    JSON.stringify({
+      tests,
+      passed: of('passed').map((one) => one.name),
+      failed: of('failed').map(({ name, reason }) => ({ name, message: reason })),
+      skipped: of('skipped').map(({ name, reason }) => ({ name, reason })),
+    }),
+  );
+console.log(`${of('passed').length} passed, ${of('failed').length} failed, ${of('skipped').length} skipped`);
+process.exit(of('failed').length > 0 ? 1 : 0);
