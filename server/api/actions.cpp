@@ -1,0 +1,250 @@
+#include "server/api/actions.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "control/contract/faults.hpp"
+#include "control/contract/params.hpp"
+
+namespace hoist::server {
+
+using contract::Command;
+using contract::CommandKind;
+using nlohmann::json;
+
+namespace {
+Command command_of(CommandKind kind, const Asker& asker) {
+  Command command;
+  command.kind = kind;
+  command.client = asker.client;
+  command.lease_epoch = asker.epoch;
+  return command;
+}
+
+Outcome outcome_of(const CoreAnswer& answer) {
+  Outcome outcome;
+  switch (answer.kind) {
+    case CoreAnswer::Kind::done: return outcome;
+    case CoreAnswer::Kind::refused: {
+      outcome.kind = Outcome::Kind::refused;
+      outcome.refusals = refusal_names(answer.bits);
+      for (const contract::RefusalInfo& r : contract::kRefusals)
+        if (r.bit == answer.code) outcome.detail = r.text_en;
+      constexpr std::uint32_t kBadValue = contract::refusal_bit(contract::Refusal::out_of_range) | contract::refusal_bit(contract::Refusal::not_finite) |
+                                          contract::refusal_bit(contract::Refusal::inconsistent_set);
+      if ((answer.bits & kBadValue) != 0) outcome.kind = Outcome::Kind::invalid;
+      return outcome;
+    }
+    case CoreAnswer::Kind::unanswered: outcome.detail = "The core does not answer."; break;
+    case CoreAnswer::Kind::no_core: outcome.detail = "The control core is not connected."; break;
+    case CoreAnswer::Kind::busy: outcome.detail = "The control core has not taken the last commands yet."; break;
+  }
+  outcome.kind = Outcome::Kind::unreachable;
+  return outcome;
+}
+
+Outcome invalid(std::vector<FieldError> errors, std::string detail) {
+  Outcome outcome;
+  outcome.kind = Outcome::Kind::invalid;
+  outcome.errors = std::move(errors);
+  outcome.detail = std::move(detail);
+  return outcome;
+}
+
+void ask(Services& services, const Command& command, OutcomeDone done) {
+  services.core.ask(command, [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); });
+}
+
+FieldError range_error(const contract::ParamInfo& p, std::string message, std::optional<double> value) {
+  return {std::string{p.name}, std::move(message), value, p.min, p.max};
+}
+
+void set_values(Services& services, const Asker& asker, std::vector<std::pair<std::uint32_t, double>> rows, OutcomeDone done) {
+  Command commit = command_of(CommandKind::commit_parameters, asker);
+  commit.b = static_cast<std::uint32_t>(asker.role);
+  services.core.ask_parameters(rows, commit, [done = std::move(done), rows](const CoreAnswer& answer) {
+    Outcome outcome = outcome_of(answer);
+    if (answer.kind == CoreAnswer::Kind::refused) {
+      // Name the row. A set that contradicts itself has no single row: the sentence tells.
+      if (const auto index = contract::find_param_id(answer.item)) {
+        std::optional<double> value;
+        for (const auto& [id, v] : rows)
+          if (id == answer.item) value = v;
+        outcome.errors.push_back(range_error(contract::kParams[*index], outcome.detail, value));
+      }
+    }
+    done(outcome);
+  });
+}
+}  // namespace
+
+std::vector<std::string> refusal_names(std::uint32_t bits) {
+  std::vector<std::string> names;
+  for (const contract::RefusalInfo& r : contract::kRefusals)
+    if ((bits >> r.bit & 1U) != 0) names.emplace_back(r.name);
+  return names;
+}
+
+std::vector<std::string> fault_names(std::uint32_t bits) {
+  std::vector<std::string> names;
+  for (const contract::FaultInfo& f : contract::kFaults)
+    if ((bits >> f.bit & 1U) != 0) names.emplace_back(f.name);
+  return names;
+}
+
+void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done) {
+  Command command = command_of(CommandKind::take_lease, asker);
+  command.a = take_over ? 1 : 0;
+  services.core.ask(command, [done = std::move(done), &services](const CoreAnswer& answer) {
+    Outcome outcome = outcome_of(answer);
+    outcome.epoch = services.core.lease_epoch();
+    done(outcome);
+  });
+}
+
+void act_release_lease(Services& services, const Asker& asker, OutcomeDone done) {
+  ask(services, command_of(CommandKind::release_lease, asker), std::move(done));
+}
+
+void act_stop(Services& services, std::uint32_t client, OutcomeDone done) {
+  CoreDesk::Done answered;
+  if (done) answered = [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); };
+  services.core.stop(client, std::move(answered));
+}
+
+void act_acknowledge(Services& services, const Asker& asker, OutcomeDone done) {
+  ask(services, command_of(CommandKind::acknowledge, asker), std::move(done));
+}
+
+void act_neutral(Services& services, const Asker& asker, OutcomeDone done) {
+  ask(services, command_of(CommandKind::set_neutral, asker), std::move(done));
+}
+
+void act_mode(Services& services, const Asker& asker, const json& mode_name, const json& exercise_value, OutcomeDone done) {
+  std::optional<contract::Mode> mode;
+  if (mode_name.is_string())
+    for (contract::Mode m : {contract::Mode::standby, contract::Mode::user, contract::Mode::remote})
+      if (contract::kModes[static_cast<std::size_t>(m)].name == mode_name.get_ref<const std::string&>()) mode = m;
+  if (!mode) {
+    done(invalid({{"mode", "must be user, remote or standby", {}, {}, {}}}, "There is no such mode to ask for."));
+    return;
+  }
+  std::vector<FieldError> errors;
+  const auto exercise = read_exercise(exercise_value, errors);
+  if (!exercise) {
+    done(invalid(std::move(errors), "The exercise cannot be used."));
+    return;
+  }
+  Command request = command_of(CommandKind::request_mode, asker);
+  request.a = static_cast<std::uint32_t>(*mode);
+  if (*mode == contract::Mode::standby) {
+    ask(services, request, std::move(done));
+    return;
+  }
+  // The pose first: the exercise's figure and the odometry must share their origin before the first step.
+  const StartPose pose = start_pose(*exercise);
+  Command set_pose = command_of(CommandKind::set_pose, asker);
+  set_pose.v0 = pose.x_m;
+  set_pose.v1 = pose.y_m;
+  set_pose.v2 = pose.psi_rad;
+  services.core.ask(set_pose, [&services, request, stored = stored_exercise(*exercise), done = std::move(done)](const CoreAnswer& answer) mutable {
+    if (!answer.done()) {
+      Outcome outcome = outcome_of(answer);
+      // Whoever wants to start is told everything that is in the way, not only what stopped the first step.
+      if (answer.kind == CoreAnswer::Kind::refused && services.core.newest()) {
+        outcome.kind = Outcome::Kind::refused;
+        outcome.refusals = refusal_names(answer.bits | services.core.newest()->blocked_bits);
+      }
+      done(outcome);
+      return;
+    }
+    services.recorder.set_exercise(std::move(stored));
+    ask(services, request, std::move(done));
+  });
+}
+
+void act_pose(Services& services, const Asker& asker, const json& pose, OutcomeDone done) {
+  // Larger than any hall; further out the odometry's single precision would show.
+  constexpr double kPlace_m = 1000.0, kHeading_rad = 1000.0;
+  Command command = command_of(CommandKind::set_pose, asker);
+  std::vector<FieldError> errors;
+  const auto read = [&](const char* name, double limit, double& out) {
+    const auto at = pose.find(name);
+    if (at == pose.end() || !at->is_number()) {
+      errors.push_back({name, "must be a number", {}, -limit, limit});
+      return;
+    }
+    out = at->get<double>();
+    if (!std::isfinite(out) || std::fabs(out) > limit) errors.push_back({name, "is outside its range", out, -limit, limit});
+  };
+  read("x_m", kPlace_m, command.v0);
+  read("y_m", kPlace_m, command.v1);
+  read("psi_rad", kHeading_rad, command.v2);
+  if (!errors.empty()) {
+    done(invalid(std::move(errors), "The pose cannot be used."));
+    return;
+  }
+  ask(services, command, std::move(done));
+}
+
+void act_set(Services& services, const Asker& asker, const json& values, OutcomeDone done) {
+  if (!values.is_object() || values.empty()) {
+    done(invalid({{"values", "must name at least one parameter", {}, {}, {}}}, "There is nothing to change."));
+    return;
+  }
+  std::vector<std::pair<std::uint32_t, double>> rows;
+  std::vector<FieldError> errors;
+  bool unknown = false;
+  bool role = false;
+  for (const auto& [name, value] : values.items()) {
+    const auto index = contract::find_param(name);
+    if (!index) {
+      unknown = true;
+      errors.push_back({name, "There is no such parameter.", {}, {}, {}});
+      continue;
+    }
+    const contract::ParamInfo& p = contract::kParams[*index];
+    if (!value.is_number()) {
+      errors.push_back(range_error(p, "must be a number", std::nullopt));
+      continue;
+    }
+    const double number = value.get<double>();
+    if (contract::check_param(*index, number) != contract::ParamCheck::ok) {
+      errors.push_back(range_error(p, "is outside its range", std::isfinite(number) ? std::optional{number} : std::nullopt));
+      continue;
+    }
+    if (asker.role < p.role) {
+      role = true;
+      errors.push_back(range_error(p, "only an engineer may change this", number));
+      continue;
+    }
+    rows.emplace_back(p.id, number);
+  }
+  if (!errors.empty()) {
+    Outcome outcome = invalid(std::move(errors), unknown ? "There is no such parameter." : role ? "Your role may not change this." : "A value is outside its range; nothing was changed.");
+    if (unknown) outcome.kind = Outcome::Kind::unknown;
+    outcome.refusals = {unknown ? "unknown_item" : "out_of_range"};
+    services.counters.add(Count::commands_refused);
+    done(outcome);
+    return;
+  }
+  set_values(services, asker, std::move(rows), std::move(done));
+}
+
+void act_preset(Services& services, const Asker& asker, const std::string& name, OutcomeDone done) {
+  std::vector<std::pair<std::uint32_t, double>> rows;
+  for (const contract::PresetValue& v : contract::kPresetValues)
+    if (v.preset == name) rows.emplace_back(contract::kParams[contract::param_index(v.param)].id, v.value);
+  if (rows.empty()) {
+    Outcome outcome = invalid({{"name", "There is no such preset.", {}, {}, {}}}, "There is no such preset.");
+    outcome.kind = Outcome::Kind::unknown;
+    outcome.refusals = {"unknown_item"};
+    done(outcome);
+    return;
+  }
+  set_values(services, asker, std::move(rows), std::move(done));
+}
+
+}  // namespace hoist::server

@@ -1,0 +1,48 @@
+// What a client may ask of the hoist, the same for REST and WebSocket: checked here, asked of the core, answered once.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "server/api/exercise.hpp"
+#include "server/http/problem.hpp"
+#include "server/services.hpp"
+
+namespace hoist::server {
+
+struct Outcome {
+  enum class Kind : std::uint8_t { done, refused, invalid, unknown, unreachable };
+  Kind kind = Kind::done;
+  std::vector<std::string> refusals;  // names of the refusal table
+  std::vector<FieldError> errors;
+  std::string detail;
+  std::uint32_t epoch = 0;  // of a lease just taken
+  [[nodiscard]] bool done() const { return kind == Kind::done; }
+};
+using OutcomeDone = std::function<void(const Outcome&)>;
+
+// Who asks: the number the core knows, the lease epoch it believes, the role.
+struct Asker {
+  std::uint32_t client = 0;
+  std::uint32_t epoch = 0;
+  contract::Role role = contract::Role::viewer;
+};
+
+void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done);
+void act_release_lease(Services& services, const Asker& asker, OutcomeDone done);
+// Sets the pose to the start of the exercise, then asks for the mode; `exercise` is what gets recorded.
+void act_mode(Services& services, const Asker& asker, const nlohmann::json& mode, const nlohmann::json& exercise, OutcomeDone done);
+void act_stop(Services& services, std::uint32_t client, OutcomeDone done);
+void act_acknowledge(Services& services, const Asker& asker, OutcomeDone done);
+void act_neutral(Services& services, const Asker& asker, OutcomeDone done);
+void act_pose(Services& services, const Asker& asker, const nlohmann::json& pose, OutcomeDone done);
+// {name: number, …}, all or nothing.
+void act_set(Services& services, const Asker& asker, const nlohmann::json& values, OutcomeDone done);
+void act_preset(Services& services, const Asker& asker, const std::string& name, OutcomeDone done);
+
+[[nodiscard]] std::vector<std::string> refusal_names(std::uint32_t bits);
+[[nodiscard]] std::vector<std::string> fault_names(std::uint32_t bits);
+
+}  // namespace hoist::server

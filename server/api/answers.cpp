@@ -1,0 +1,78 @@
+#include "server/api/answers.hpp"
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+namespace hoist::server {
+
+Problem problem_of(const Outcome& outcome) {
+  Problem problem;
+  problem.detail = outcome.detail;
+  problem.errors = outcome.errors;
+  problem.refusals = outcome.refusals;
+  switch (outcome.kind) {
+    case Outcome::Kind::refused:
+      problem.status = 409;
+      problem.name = "refused";
+      problem.title = "Refused";
+      break;
+    case Outcome::Kind::invalid:
+      problem.status = 422;
+      problem.name = "invalid";
+      problem.title = "A value cannot be used";
+      break;
+    case Outcome::Kind::unknown:
+      problem.status = 404;
+      problem.name = "unknown";
+      problem.title = "There is no such thing";
+      break;
+    default:
+      problem.status = 503;
+      problem.name = "no-core";
+      problem.title = "The control core does not answer";
+      break;
+  }
+  return problem;
+}
+
+Response store_error(const db::Error& error, std::string_view path) {
+  using db::ErrorKind;
+  Problem problem{.status = 503, .name = "storage", .title = "The database does not answer", .detail = error.message, .errors = {}, .refusals = {}};
+  if (error.kind == ErrorKind::not_found) problem = {.status = 404, .name = "unknown", .title = "There is no such session", .detail = error.message, .errors = {}, .refusals = {}};
+  if (error.kind == ErrorKind::wrong_state) problem = {.status = 409, .name = "not-now", .title = "Not now", .detail = error.message, .errors = {}, .refusals = {}};
+  if (error.kind == ErrorKind::bad_value) {
+    problem = {.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = error.message, .errors = {}, .refusals = {}};
+    problem.errors.push_back({error.field, error.message, {}, {}, {}});
+  }
+  return problem_response(problem, path);
+}
+
+Response no_database(const std::string& why, std::string_view path) {
+  return problem_response({.status = 503, .name = "storage", .title = "The database cannot be opened", .detail = why, .errors = {}, .refusals = {}}, path);
+}
+
+OutcomeDone answer_done(const CallPtr& call) {
+  return [call](const Outcome& outcome) {
+    if (outcome.done())
+      call->respond(nlohmann::json{{"ok", true}});
+    else
+      call->fail(problem_of(outcome));
+  };
+}
+
+Asker asker_of(const Call& call) {
+  Session& session = *call.session;
+  if (session.client == 0) session.client = call.services.next_client();
+  return {session.client, call.services.core.lease_epoch(), session.role};
+}
+
+std::optional<std::uint32_t> lease_header(const Call& call) {
+  const std::string_view text = call.request.header("x-hoist-lease");
+  if (text.empty()) return call.services.core.lease_epoch();
+  std::uint32_t epoch = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), epoch);
+  if (code != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return epoch;
+}
+
+}  // namespace hoist::server

@@ -1,0 +1,19 @@
+// How outcomes and store errors become REST answers.
+#pragma once
+#include "db/store/result.hpp"
+#include "server/api/actions.hpp"
+#include "server/api/call.hpp"
+
+namespace hoist::server {
+
+[[nodiscard]] Problem problem_of(const Outcome& outcome);
+[[nodiscard]] Response store_error(const db::Error& error, std::string_view path);
+[[nodiscard]] Response no_database(const std::string& why, std::string_view path);
+// {"ok": true} or the problem.
+[[nodiscard]] OutcomeDone answer_done(const CallPtr& call);
+// Who this call speaks for; gives the session its number on first use.
+[[nodiscard]] Asker asker_of(const Call& call);
+// The lease epoch of X-Hoist-Lease, else the current one. Nothing when the header is not a number.
+[[nodiscard]] std::optional<std::uint32_t> lease_header(const Call& call);
+
+}  // namespace hoist::server

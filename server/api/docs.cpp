@@ -1,0 +1,75 @@
+// /api/openapi.json, /api/docs and the WebSocket's handshake.
+#include <nlohmann/json.hpp>
+
+#include "server/api/handlers.hpp"
+#include "server/contract/openapi.hpp"
+#include "server/contract/routes.hpp"
+#include "server/live/hub.hpp"
+
+namespace hoist::server::api {
+
+namespace {
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (char c : text) {
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '&')
+      out += "&amp;";
+    else
+      out.push_back(c);
+  }
+  return out;
+}
+
+// One of the comma-separated names of Sec-WebSocket-Protocol.
+bool offers(std::string_view protocols, std::string_view wanted) {
+  while (!protocols.empty()) {
+    const std::size_t comma = protocols.find(',');
+    std::string_view name = protocols.substr(0, comma);
+    protocols = comma == std::string_view::npos ? std::string_view{} : protocols.substr(comma + 1);
+    while (!name.empty() && name.front() == ' ') name.remove_prefix(1);
+    while (!name.empty() && name.back() == ' ') name.remove_suffix(1);
+    if (name == wanted) return true;
+  }
+  return false;
+}
+}  // namespace
+
+void get_openapi(const CallPtr& call) {
+  static const std::string kText = openapi_document().dump();
+  Response response;
+  response.content_type = "application/json";
+  response.body = kText;
+  call->respond(std::move(response));
+}
+
+void get_docs(const CallPtr& call) {
+  std::string rows;
+  for (const Route& r : kRoutes)
+    rows += "<tr><td>" + std::string{method_name(r.method)} + "</td><td><code>" + escaped(r.path) + "</code></td><td>" + std::string{access_name(r.access)} + "</td><td>" + escaped(r.summary) + "</td></tr>\n";
+  Response response;
+  response.content_type = "text/html; charset=utf-8";
+  response.body =
+      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Hoist API</title>\n"
+      "<h1>Hoist API</h1><p>The full description: <a href=\"/api/openapi.json\">/api/openapi.json</a> (OpenAPI 3.1). SI units, the unit is the end of each name.</p>\n"
+      "<p>Scripts send <code>Authorization: Bearer TOKEN</code>; the token stands in the file given by --token-file. Errors are application/problem+json.</p>\n"
+      "<table border=\"1\" cellpadding=\"4\"><tr><th>Method</th><th>Path</th><th>Least role</th><th>What it does</th></tr>\n" +
+      rows + "</table></html>\n";
+  call->respond(std::move(response));
+}
+
+void open_live(const CallPtr& call) {
+  if (!call->request.wants_upgrade || !offers(call->request.header("sec-websocket-protocol"), "hoist.v1")) {
+    Response response = problem_response({.status = 426, .name = "upgrade", .title = "This address speaks WebSocket", .detail = "Connect with the subprotocol hoist.v1.", .errors = {}, .refusals = {}}, call->request.path);
+    response.set("Upgrade", "websocket");
+    call->respond(std::move(response));
+    return;
+  }
+  Response response;
+  response.status = 101;
+  response.upgrade = std::make_shared<LiveTicket>(LiveTicket{call->session});
+  call->respond(std::move(response));
+}
+
+}  // namespace hoist::server::api

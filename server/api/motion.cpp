@@ -1,0 +1,72 @@
+// /mode, /stop, /acknowledge, /lease, /neutral, /pose: what moves the hoist or keeps it from moving.
+#include <nlohmann/json.hpp>
+
+#include "control/contract/faults.hpp"
+#include "server/api/answers.hpp"
+#include "server/api/handlers.hpp"
+
+namespace hoist::server::api {
+
+using nlohmann::json;
+
+namespace {
+const json& field(const Call& call, const char* name) {
+  static const json kNull;
+  const auto at = call.body->find(name);
+  return at == call.body->end() ? kNull : *at;
+}
+
+// The asker with the epoch of the header; nothing after a refusal.
+std::optional<Asker> driver(const CallPtr& call, bool header_required) {
+  const auto epoch = lease_header(*call);
+  if (!epoch || (header_required && call->request.header("x-hoist-lease").empty())) {
+    call->fail({.status = 409, .name = "refused", .title = "Refused", .detail = "Take control first (POST /api/v1/lease) and send its epoch as X-Hoist-Lease.", .errors = {}, .refusals = {"no_lease"}});
+    return std::nullopt;
+  }
+  Asker asker = asker_of(*call);
+  asker.epoch = *epoch;
+  return asker;
+}
+}  // namespace
+
+void get_mode(const CallPtr& call) {
+  const auto& newest = call->services.core.newest();
+  if (!newest || !call->services.core.connected() || newest->mode >= contract::kModes.size()) {
+    call->fail({.status = 503, .name = "no-core", .title = "The control core does not answer", .detail = "The control core is not connected.", .errors = {}, .refusals = {}});
+    return;
+  }
+  const contract::ModeInfo& mode = contract::kModes[newest->mode];
+  call->respond(json{{"mode", mode.name}, {"moving", mode.moving}, {"standing_still", newest->standing_still != 0}, {"blocked", refusal_names(newest->blocked_bits)},
+                     {"stop_cause", newest->stop_cause == 0 ? json(nullptr) : json(fault_names(1U << ((newest->stop_cause - 1U) & 31U)))}});
+}
+
+void set_mode(const CallPtr& call) {
+  if (const auto asker = driver(call, true)) act_mode(call->services, *asker, field(*call, "mode"), field(*call, "exercise"), answer_done(call));
+}
+
+void stop(const CallPtr& call) { act_stop(call->services, asker_of(*call).client, answer_done(call)); }
+
+void acknowledge(const CallPtr& call) {
+  if (const auto asker = driver(call, false)) act_acknowledge(call->services, *asker, answer_done(call));
+}
+
+void take_lease(const CallPtr& call) {
+  const json& over = field(*call, "take_over");
+  if (!over.is_null() && !over.is_boolean()) {
+    call->fail({.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = "take_over must be true or false.", .errors = {{"take_over", "must be true or false", {}, {}, {}}}, .refusals = {}});
+    return;
+  }
+  const Asker asker = asker_of(*call);
+  act_take_lease(call->services, asker, over.is_boolean() && over.get<bool>(), [call, client = asker.client](const Outcome& outcome) {
+    if (outcome.done())
+      call->respond(json{{"epoch", outcome.epoch}, {"holder", client}});
+    else
+      call->fail(problem_of(outcome));
+  });
+}
+
+void release_lease(const CallPtr& call) { act_release_lease(call->services, asker_of(*call), answer_done(call)); }
+void set_neutral(const CallPtr& call) { act_neutral(call->services, asker_of(*call), answer_done(call)); }
+void set_pose(const CallPtr& call) { act_pose(call->services, asker_of(*call), *call->body, answer_done(call)); }
+
+}  // namespace hoist::server::api

@@ -1,0 +1,124 @@
+// /parameters and /presets: read what is in force, change it through the core.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "control/contract/params.hpp"
+#include "server/api/answers.hpp"
+#include "server/api/handlers.hpp"
+#include "server/live/views.hpp"
+
+namespace hoist::server::api {
+
+using nlohmann::json;
+
+namespace {
+json parameter_json(std::size_t index, const contract::ParamsInForce& in_force) {
+  constexpr std::array<std::string_view, 3> kScopes{"core", "drive", "tilt"};
+  const contract::ParamInfo& p = contract::kParams[index];
+  return {{"id", p.id},
+          {"name", p.name},
+          {"unit", p.unit},
+          {"value", in_force.values[index]},
+          {"default", p.default_value},
+          {"min", p.min},
+          {"max", p.max},
+          {"edit", p.edit == contract::EditRule::live ? "live" : "stopped"},
+          {"scope", kScopes[static_cast<std::size_t>(p.scope)]},
+          {"role", access_role(p.role)},
+          {"source", p.source},
+          {"title", {{"en", p.title_en}, {"de", p.title_de}}},
+          {"effect", {{"en", p.effect_en}, {"de", p.effect_de}}}};
+}
+
+// The core's life is part of it: a restarted core counts its versions anew.
+std::string etag(const Services& s) { return "\"" + std::to_string(s.core.link().life()) + "-" + std::to_string(s.core.parameters().version) + "\""; }
+
+bool ready(const CallPtr& call) {
+  if (call->services.core.has_parameters()) return true;
+  call->fail({.status = 503, .name = "no-core", .title = "The control core does not answer", .detail = "The control core is not connected.", .errors = {}, .refusals = {}});
+  return false;
+}
+
+void change(const CallPtr& call, const json& values) {
+  if (const std::string_view match = call->request.header("if-match"); !match.empty() && match != "*" && match != etag(call->services)) {
+    call->fail({.status = 412, .name = "changed-meanwhile", .title = "Somebody else has changed the parameters", .detail = "Read them again, then change them.", .errors = {}, .refusals = {}});
+    return;
+  }
+  act_set(call->services, asker_of(*call), values, [call, values](const Outcome& outcome) {
+    if (!outcome.done()) {
+      call->fail(problem_of(outcome));
+      return;
+    }
+    // In force now; the core's own numbers, not what was asked.
+    json changed = json::object();
+    for (const auto& [name, value] : values.items())
+      if (const auto index = contract::find_param(name)) changed[name] = call->services.core.parameters().values[*index];
+    Response response = json_response({{"version", call->services.core.parameters().version}, {"values", std::move(changed)}});
+    response.set("ETag", etag(call->services));
+    call->respond(std::move(response));
+  });
+}
+}  // namespace
+
+void list_parameters(const CallPtr& call) {
+  if (!ready(call)) return;
+  const Services& s = call->services;
+  if (call->request.header("if-none-match") == etag(s)) {
+    Response response;
+    response.status = 304;
+    response.set("ETag", etag(s));
+    call->respond(std::move(response));
+    return;
+  }
+  json items = json::array();
+  for (std::size_t i = 0; i < contract::kParamCount; ++i) items.push_back(parameter_json(i, s.core.parameters()));
+  Response response = json_response({{"version", s.core.parameters().version}, {"items", std::move(items)}});
+  response.set("ETag", etag(s));
+  call->respond(std::move(response));
+}
+
+void get_parameter(const CallPtr& call) {
+  const auto index = contract::find_param(call->path_values.at(0));
+  if (!index) {
+    call->fail({.status = 404, .name = "unknown", .title = "There is no such parameter", .detail = "GET /api/v1/parameters lists them.", .errors = {}, .refusals = {}});
+    return;
+  }
+  if (!ready(call)) return;
+  Response response = json_response(parameter_json(*index, call->services.core.parameters()));
+  response.set("ETag", etag(call->services));
+  call->respond(std::move(response));
+}
+
+void put_parameter(const CallPtr& call) {
+  const auto value = call->body->find("value");
+  change(call, json{{call->path_values.at(0), value == call->body->end() ? json(nullptr) : *value}});
+}
+
+void change_parameters(const CallPtr& call) { change(call, *call->body); }
+
+void list_presets(const CallPtr& call) {
+  json items = json::array();
+  for (const contract::PresetInfo& p : contract::kPresets) {
+    json values = json::object();
+    for (const contract::PresetValue& v : contract::kPresetValues)
+      if (v.preset == p.name) values[std::string{contract::kParams[contract::param_index(v.param)].name}] = v.value;
+    items.push_back({{"name", p.name}, {"title", {{"en", p.title_en}, {"de", p.title_de}}}, {"doc", {{"en", p.doc_en}, {"de", p.doc_de}}}, {"values", std::move(values)}});
+  }
+  call->respond(json{{"items", std::move(items)}});
+}
+
+void apply_preset(const CallPtr& call) {
+  const std::string name = call->path_values.at(0);
+  act_preset(call->services, asker_of(*call), name, [call, name](const Outcome& outcome) {
+    if (!outcome.done()) {
+      call->fail(problem_of(outcome));
+      return;
+    }
+    json values = json::object();
+    for (const contract::PresetValue& v : contract::kPresetValues)
+      if (v.preset == name) values[std::string{contract::kParams[contract::param_index(v.param)].name}] = call->services.core.parameters().values[contract::param_index(v.param)];
+    call->respond(json{{"version", call->services.core.parameters().version}, {"values", std::move(values)}});
+  });
+}
+
+}  // namespace hoist::server::api

@@ -1,0 +1,306 @@
+// /sessions: recorded sessions, their columns, figures and exports. All of it runs on the recorder's thread.
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "control/contract/faults.hpp"
+#include "control/contract/reference_path.hpp"
+#include "db/export/session_export.hpp"
+#include "db/metrics/run_summary.hpp"
+#include "db/store/session_reader.hpp"
+#include "db/summary/session_metrics.hpp"
+#include "server/api/answers.hpp"
+#include "server/api/exercise.hpp"
+#include "server/api/handlers.hpp"
+
+namespace hoist::server::api {
+
+using nlohmann::json;
+
+namespace {
+constexpr std::size_t kColumnLimit = 32;
+constexpr std::size_t kDefaultPoints = 1000;
+
+json session_json(const db::SessionInfo& s) {
+  json out{{"id", s.id},
+           {"started_utc_ms", s.started_utc_ns / 1'000'000},
+           {"ended_utc_ms", nullptr},
+           {"duration_s", s.duration_s},
+           {"samples", s.sample_count},
+           {"gaps", s.gap_count},
+           {"recording", s.recording},
+           {"close_reason", s.close_reason},
+           {"simulated", s.simulated},
+           {"subject", nullptr},
+           {"note", s.note},
+           {"exercise", exercise_of_store(s.exercise_json)},
+           {"software_version", s.software_version},
+           {"stored_bytes", s.stored_bytes}};
+  if (s.ended_utc_ns) out["ended_utc_ms"] = *s.ended_utc_ns / 1'000'000;
+  if (s.subject) out["subject"] = *s.subject;
+  return out;
+}
+
+template <typename T>
+std::optional<T> number(std::string_view text) {
+  T value{};
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
+  return value;
+}
+
+Problem bad_query(std::string name, std::string message, std::optional<double> min, std::optional<double> max) {
+  Problem problem{.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = name + " " + message, .errors = {}, .refusals = {}};
+  problem.errors.push_back({std::move(name), std::move(message), std::nullopt, min, max});
+  return problem;
+}
+
+std::optional<std::string> query(const Call& call, const char* name) {
+  const auto at = call.request.query.find(name);
+  return at == call.request.query.end() ? std::nullopt : std::optional{at->second};
+}
+
+// The session of {id}; an id that is no number is no session.
+std::optional<db::SessionId> session_id(const CallPtr& call) {
+  const auto id = number<db::SessionId>(call->path_values.at(0));
+  if (!id || *id <= 0) {
+    call->fail({.status = 404, .name = "unknown", .title = "There is no such session", .detail = "GET /api/v1/sessions lists them.", .errors = {}, .refusals = {}});
+    return std::nullopt;
+  }
+  return id;
+}
+
+// Runs `work` with the database, or says why there is none.
+void with_database(const CallPtr& call, std::function<Response(db::Database&)> work) {
+  in_background(call, [work = std::move(work), path = call->request.path](Records& records) -> Response {
+    db::Database* database = records.database();
+    return database == nullptr ? no_database(records.why(), path) : work(*database);
+  });
+}
+}  // namespace
+
+void list_sessions(const CallPtr& call) {
+  db::SessionQuery wanted;
+  if (const auto limit = query(*call, "limit")) {
+    const auto value = number<std::size_t>(*limit);
+    if (!value || *value < 1 || *value > db::kMaxPage) return call->fail(bad_query("limit", "must be a whole number", 1, static_cast<double>(db::kMaxPage)));
+    wanted.limit = *value;
+  }
+  if (const auto cursor = query(*call, "cursor"); cursor && !cursor->empty()) {
+    wanted.before = number<db::SessionId>(*cursor);
+    if (!wanted.before) return call->fail(bad_query("cursor", "must be the `next` of an earlier answer", {}, {}));
+  }
+  if (const auto subject = query(*call, "q"); subject && !subject->empty()) wanted.subject = *subject;
+  with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
+    const auto page = db::SessionReader(database).list(wanted);
+    if (!page) return store_error(page.error(), path);
+    json items = json::array();
+    for (const db::SessionInfo& s : page->sessions) items.push_back(session_json(s));
+    return json_response({{"items", std::move(items)}, {"next", page->next ? json(std::to_string(*page->next)) : json(nullptr)}, {"total", page->total}});
+  });
+}
+
+void get_session(const CallPtr& call) {
+  const auto id = session_id(call);
+  if (!id) return;
+  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
+    const auto session = db::SessionReader(database).get(id);
+    return session ? json_response(session_json(*session)) : store_error(session.error(), path);
+  });
+}
+
+void change_session(const CallPtr& call) {
+  const auto id = session_id(call);
+  if (!id) return;
+  db::SessionPatch patch;
+  std::vector<FieldError> errors;
+  for (const auto& [name, value] : call->body->items()) {
+    if (name == "note" && value.is_string()) {
+      patch.note = value.get<std::string>();
+    } else if (name == "subject" && (value.is_string() || value.is_null())) {
+      patch.subject = value.is_null() ? std::optional<std::string>{} : std::optional{value.get<std::string>()};
+    } else if (name == "exercise") {
+      const auto exercise = read_exercise(value, errors);
+      if (exercise) patch.exercise_json = stored_exercise(*exercise);
+    } else {
+      errors.push_back({name, name == "note" || name == "subject" ? "must be text" : "cannot be changed: note, subject and exercise can", {}, {}, {}});
+    }
+  }
+  if (!errors.empty()) {
+    call->fail({.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = "Nothing was changed.", .errors = std::move(errors), .refusals = {}});
+    return;
+  }
+  with_database(call, [id = *id, patch, path = call->request.path](db::Database& database) -> Response {
+    if (const db::Status changed = db::SessionEditor(database).patch(id, patch); !changed) return store_error(changed.error(), path);
+    const auto session = db::SessionReader(database).get(id);
+    return session ? json_response(session_json(*session)) : store_error(session.error(), path);
+  });
+}
+
+void delete_session(const CallPtr& call) {
+  const auto id = session_id(call);
+  if (!id) return;
+  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
+    if (const db::Status removed = db::SessionEditor(database).remove(id); !removed) return store_error(removed.error(), path);
+    Response response;
+    response.status = 204;
+    return response;
+  });
+}
+
+void get_samples(const CallPtr& call) {
+  const auto id = session_id(call);
+  if (!id) return;
+  std::vector<std::string> names;
+  std::string_view rest = call->request.query.contains("columns") ? std::string_view{call->request.query.at("columns")} : std::string_view{};
+  while (!rest.empty()) {
+    const std::size_t comma = rest.find(',');
+    if (comma != 0) names.emplace_back(rest.substr(0, comma));
+    rest = comma == std::string_view::npos ? std::string_view{} : rest.substr(comma + 1);
+  }
+  if (names.empty() || names.size() > kColumnLimit)
+    return call->fail(bad_query("columns", "must name 1 to 32 live values, separated by commas", 1, static_cast<double>(kColumnLimit)));
+  std::size_t points = kDefaultPoints;
+  if (const auto text = query(*call, "points")) {
+    const auto value = number<std::size_t>(*text);
+    if (!value || *value < 1 || *value > db::kMaxOverviewRuns) return call->fail(bad_query("points", "must be a whole number", 1, static_cast<double>(db::kMaxOverviewRuns)));
+    points = *value;
+  }
+  db::TimeRange range;
+  for (const char* name : {"from_s", "to_s"}) {
+    const auto text = query(*call, name);
+    if (!text) continue;
+    const auto value = number<double>(*text);
+    if (!value || !std::isfinite(*value)) return call->fail(bad_query(name, "must be a number", {}, {}));
+    (name == std::string_view{"from_s"} ? range.from_s : range.to_s) = *value;
+  }
+  with_database(call, [id = *id, names, points, range, path = call->request.path](db::Database& database) -> Response {
+    const auto overview = db::SessionReader(database).overview(id, names, points, range);
+    if (!overview) return store_error(overview.error(), path);
+    json columns = json::array();
+    for (std::size_t i = 0; i < overview->info.size(); ++i)
+      columns.push_back({{"name", overview->info[i].name}, {"unit", overview->info[i].unit}, {"min", overview->min[i]}, {"max", overview->max[i]}});
+    return json_response({{"from_s", overview->from_s}, {"to_s", overview->to_s}, {"gap_before", overview->gap_before}, {"columns", std::move(columns)}});
+  });
+}
+
+void get_events(const CallPtr& call) {
+  const auto id = session_id(call);
+  if (!id) return;
+  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
+    const db::SessionReader reader(database);
+    const auto session = reader.get(id);
+    if (!session) return store_error(session.error(), path);
+    const auto events = reader.events(id);
+    if (!events) return store_error(events.error(), path);
+    const auto markers = reader.markers(id);
+    if (!markers) return store_error(markers.error(), path);
+    const auto gaps = reader.gaps(id);
+    if (!gaps) return store_error(gaps.error(), path);
+    json list = json::array();
+    for (const db::StoredEvent& e : *events) {
+      const double time_s = (static_cast<double>(e.time_ns) - static_cast<double>(session->start_time_ns)) * 1e-9;
+      list.push_back({{"time_s", time_s}, {"tick", e.tick}, {"kind", e.kind_name}, {"name", e.name}, {"code", e.code}, {"item", e.item}, {"bits", e.bits}, {"value", e.value}, {"before", e.before}, {"client", e.client}});
+    }
+    json marked = json::array();
+    for (const db::Marker& m : *markers) marked.push_back({{"tick", m.tick}, {"utc_ms", m.utc_ns / 1'000'000}, {"text", m.text}});
+    json missing = json::array();
+    for (const db::Gap& g : *gaps) missing.push_back({{"stream", g.stream}, {"from_tick", g.from_tick}, {"to_tick", g.to_tick}, {"reason", g.reason}});
+    return json_response({{"items", std::move(list)}, {"markers", std::move(marked)}, {"gaps", std::move(missing)}});
+  });
+}
+
+namespace {
+// Root mean square distance and heading from the pattern, over the moving part.
+std::optional<db::RunDeviation> deviation(db::Database& database, db::SessionId id, const Exercise& e) {
+  const std::array<std::string, 5> names{"x_m", "y_m", "psi_rad", "dpsi_rad", "mode"};
+  const auto read = db::SessionReader(database).read_columns(id, names);
+  if (!read) return std::nullopt;
+  std::array<std::vector<double>, 4> kept;
+  for (std::size_t i = 0; i < read->tick.size(); ++i) {
+    const auto mode = static_cast<std::size_t>(read->values[4][i]);
+    if (mode >= contract::kModes.size() || !contract::kModes[mode].moving) continue;
+    for (std::size_t c = 0; c < kept.size(); ++c) kept[c].push_back(read->values[c][i]);
+  }
+  using contract::ReferencePath;
+  const ReferencePath path = e.shape == Exercise::Shape::eight    ? ReferencePath::eight(e.c_m, e.radius_m)
+                             : e.shape == Exercise::Shape::square ? ReferencePath::square(e.side_m)
+                                                                  : ReferencePath::straight(e.length_m);
+  return db::run_deviation(path, {.dt_s = 0.01, .x_m = kept[0], .y_m = kept[1], .psi_rad = kept[2], .dpsi_rad = kept[3]});
+}
+}  // namespace
+
+void get_metrics(const CallPtr& call) {
+  const auto id = session_id(call);
+  if (!id) return;
+  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
+    const auto session = db::SessionReader(database).get(id);
+    if (!session) return store_error(session.error(), path);
+    const auto metrics = db::session_metrics(database, id);
+    if (!metrics) return store_error(metrics.error(), path);
+    const auto or_null = [](const std::optional<double>& v) { return v && std::isfinite(*v) ? json(*v) : json(nullptr); };
+    const json exercise = exercise_of_store(session->exercise_json);
+    std::vector<FieldError> ignored;
+    std::optional<db::RunDeviation> off;
+    if (const auto walked = read_exercise(exercise, ignored); walked && walked->shape != Exercise::Shape::free) off = deviation(database, id, *walked);
+    return json_response({{"C", or_null(metrics->correlation)},
+                          {"J_N", or_null(metrics->normalised_ise)},
+                          {"reference_length_m", or_null(metrics->path_length_m)},
+                          {"duration_s", metrics->moving_s},
+                          {"distance_m", metrics->distance_m},
+                          {"mean_speed_m_s", metrics->mean_speed_m_s},
+                          {"max_speed_m_s", metrics->max_speed_m_s},
+                          {"rms_position_m", off ? or_null(off->position_rms_m) : json(nullptr)},
+                          {"rms_heading_rad", off ? or_null(off->heading_rms_rad) : json(nullptr)},
+                          {"exercise", exercise},
+                          {"reason_if_none", !metrics->why_absent.empty() ? json(metrics->why_absent) : exercise.is_null() ? json("No exercise was chosen.") : json(nullptr)}});
+  });
+}
+
+void export_session(const CallPtr& call) {
+  const auto id = session_id(call);
+  if (!id) return;
+  const std::string format = query(*call, "format").value_or("csv");
+  const auto wanted = db::find_export_format(format);
+  if (!wanted) return call->fail(bad_query("format", "must be csv, events or json", {}, {}));
+  Recorder& recorder = call->services.recorder;
+  auto post = call->services.post;
+  in_background(call, [id = *id, wanted = *wanted, path = call->request.path, &recorder, post](Records& records) -> Response {
+    db::Database* database = records.database();
+    if (database == nullptr) return no_database(records.why(), path);
+    auto opened = db::SessionExport::open(*database, id, {.format = wanted, .columns = {}, .comments = true});
+    if (!opened) return store_error(opened.error(), path);
+    Response response;
+    response.content_type = opened->content_type();
+    response.set("Content-Disposition", "attachment; filename=\"" + opened->file_name() + "\"");
+    // The export lives on the recorder's thread, one piece per job, so that recording and other jobs go on between the pieces.
+    auto held = std::make_shared<db::SessionExport>(std::move(*opened));
+    response.next_piece = [held, &recorder, post](std::function<void(PieceState, std::string)> done) {
+      const bool taken = recorder.run([held, post, done](Records&) {
+        std::string piece;
+        const auto more = held->next_chunk(piece);
+        const PieceState state = !more ? PieceState::failed : *more ? PieceState::more : PieceState::last;
+        post([done, state, text = std::move(piece)]() mutable { done(state, std::move(text)); });
+      });
+      if (!taken) done(PieceState::failed, "");
+    };
+    return response;
+  });
+}
+
+void add_marker(const CallPtr& call) {
+  const auto id = session_id(call);
+  if (!id) return;
+  const auto text = call->body->find("text");
+  if (text == call->body->end() || !text->is_string() || text->get_ref<const std::string&>().size() > db::kMaxMarker_bytes)
+    return call->fail(bad_query("text", "must be text of at most 500 bytes", {}, static_cast<double>(db::kMaxMarker_bytes)));
+  in_background(call, [id = *id, words = text->get<std::string>(), path = call->request.path](Records& records) -> Response {
+    db::Database* database = records.database();
+    if (database == nullptr) return no_database(records.why(), path);
+    if (const auto session = db::SessionReader(*database).get(id); !session) return store_error(session.error(), path);
+    const db::Status stored = records.marker(id, words);
+    return stored ? json_response({{"ok", true}}, 201) : store_error(stored.error(), path);
+  });
+}
+
+}  // namespace hoist::server::api

@@ -1,0 +1,158 @@
+#include "server/app.hpp"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <filesystem>
+#include <utility>
+
+#include "server/api/actions.hpp"
+#include "server/http/auth.hpp"
+#include "server/http/listener.hpp"
+#include "server/link/core_desk.hpp"
+#include "server/live/hub.hpp"
+#include "server/record/recorder.hpp"
+#include "server/services.hpp"
+
+namespace hoist::server {
+
+namespace asio = boost::asio;
+
+namespace {
+constexpr std::uint64_t kPoll_ns = 10'000'000;
+// The core publishes within the first millisecond of its step; looking a little later finds every step at its freshest.
+constexpr std::uint64_t kPhase_ns = 2'000'000;
+constexpr int kGoodbye_ms = 300;
+
+std::uint64_t steady_ns() {
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
+}
+std::int64_t utc_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+}  // namespace
+
+struct App::Parts {
+  explicit Parts(Settings settings_in)
+      : settings(std::move(settings_in)),
+        core(settings.socket_path, counters),
+        recorder(core.link(), {.file = settings.db_path, .version = std::string{kVersion}, .utc_ns = &utc_ns, .steady_ns = &steady_ns}),
+
+        timer(io),
+        goodbye(io) {}
+
+  void arm() {
+    // An absolute raster, so that no delay adds up; its phase follows the core's when there is one.
+    next_ns += kPoll_ns;
+    const std::uint64_t now = steady_ns();
+    if (core.newest()) {
+      const std::uint64_t tick_ns = core.newest()->time_ns;
+      if (tick_ns <= now && now - tick_ns < 2 * kPoll_ns) next_ns = tick_ns + kPhase_ns + ((now - tick_ns + kPoll_ns - kPhase_ns) / kPoll_ns) * kPoll_ns;
+    }
+    if (next_ns <= now || next_ns > now + 2 * kPoll_ns) next_ns = now + kPoll_ns;
+    timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(next_ns)));
+    timer.async_wait([this](boost::system::error_code error) {
+      if (error || ending) return;
+      poll();
+      arm();
+    });
+  }
+
+  void poll() {
+    const std::uint64_t now = steady_ns();
+    core.poll(now);
+    hub.poll(now);
+    // A lease taken over REST has no connection that could end: it is given back when its session falls silent.
+    for (const SessionPtr& session : auth->sessions()) {
+      if (session->client == 0 || core.lease_holder() != session->client || now - session->used_ns < kRestLease_ns) continue;
+      session->used_ns = now;
+      act_release_lease(*services, {session->client, core.lease_epoch(), session->role}, [](const Outcome&) {});
+    }
+  }
+
+  void end() {
+    if (ending) return;
+    ending = true;
+    timer.cancel();
+    hub.close_all();
+    listener->close();
+    goodbye.expires_after(std::chrono::milliseconds(kGoodbye_ms));
+    goodbye.async_wait([this](boost::system::error_code) { io.stop(); });
+  }
+
+  Settings settings;
+  Counters counters;
+  asio::io_context io{1};
+  CoreDesk core;
+  Recorder recorder;
+  Hub hub;
+  std::unique_ptr<Auth> auth;
+  std::unique_ptr<Services> services;
+  std::unique_ptr<Listener> listener;
+  asio::steady_timer timer;
+  asio::steady_timer goodbye;
+  std::uint64_t next_ns = 0;
+  std::uint32_t last_client = 0;
+  bool ending = false;
+};
+
+App::App(Settings settings) : parts_(std::make_unique<Parts>(std::move(settings))) {}
+
+App::~App() {
+  // Jobs hold calls, and calls hold connections: the recorder ends first, then nothing is left that could post.
+  Parts& p = *parts_;
+  p.recorder.stop();
+  p.core.set_listener(nullptr);
+  p.core.close();
+  p.io.restart();
+  p.io.poll();
+}
+
+bool App::start(std::string& error) {
+  Parts& p = *parts_;
+  p.auth = Auth::create({.token_file = p.settings.token_file, .hosts = p.settings.hosts}, static_cast<std::uint64_t>(utc_ns() / 1'000'000'000), error);
+  if (!p.auth) return false;
+  // Numbers begin at a random place: a core that outlives a server must not take a new connection for an old one.
+  p.last_client = static_cast<std::uint32_t>(std::stoul(random_hex(3), nullptr, 16)) << 6U;
+  p.services.reset(new Services{.settings = p.settings,
+                                .counters = p.counters,
+                                .auth = *p.auth,
+                                .core = p.core,
+                                .hub = p.hub,
+                                .recorder = p.recorder,
+                                .now_ns = &steady_ns,
+                                .utc_ns = &utc_ns,
+                                .post = [&io = p.io](std::function<void()> work) { asio::post(io, std::move(work)); },
+                                .next_client = [&p] { return ++p.last_client; },
+                                .started_utc_ns = utc_ns(),
+                                .started_ns = steady_ns()});
+  p.hub.set_services(*p.services);
+  p.core.set_listener(&p.hub);
+  std::error_code ignored;
+  if (p.settings.db_path.has_parent_path()) std::filesystem::create_directories(p.settings.db_path.parent_path(), ignored);
+  p.listener = std::make_unique<Listener>(p.io, *p.services);
+  const std::uint16_t port = p.listener->open(p.settings.bind, p.settings.port, error);
+  if (port == 0) return false;
+  p.settings.port = port;
+  p.services->base_url = "http://" + (p.settings.bind.find(':') == std::string::npos ? p.settings.bind : "[" + p.settings.bind + "]") + ":" + std::to_string(port);
+  p.recorder.start();
+  return true;
+}
+
+void App::run() {
+  Parts& p = *parts_;
+  p.next_ns = steady_ns();
+  p.arm();
+  p.io.run();
+}
+
+void App::stop() {
+  asio::post(parts_->io, [p = parts_.get()] { p->end(); });
+}
+
+std::uint16_t App::port() const { return parts_->settings.port; }
+std::string App::bearer_token() const { return parts_->auth->bearer_token(); }
+std::string App::link() const { return parts_->services->base_url + "/?token=" + parts_->auth->link_token(); }
+
+}  // namespace hoist::server

@@ -1,0 +1,102 @@
+#include "server/contract/openapi.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "server/contract/routes.hpp"
+#include "server/contract/schemas.hpp"
+
+namespace hoist::server {
+
+using nlohmann::json;
+
+namespace {
+json reference(std::string_view name) { return {{"$ref", "#/components/schemas/" + std::string{name}}}; }
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
+  return out;
+}
+
+// Every status that a route may answer besides its own success, see api.def.
+std::set<std::string> errors_of(const Route& route) {
+  std::set<std::string> codes{"400", "405", "408", "421", "431", "500"};
+  std::string_view rest = route.errors;
+  while (!rest.empty()) {
+    const std::size_t space = rest.find(' ');
+    codes.emplace(rest.substr(0, space));
+    rest = space == std::string_view::npos ? std::string_view{} : rest.substr(space + 1);
+  }
+  if (route.access != Access::open) codes.insert({"401", "403"});
+  if (!route.request.empty()) codes.insert({"413", "415"});
+  return codes;
+}
+
+json parameters_of(const Route& route) {
+  json list = json::array();
+  std::string_view rest = route.path;
+  for (std::size_t open = rest.find('{'); open != std::string_view::npos; open = rest.find('{')) {
+    const std::size_t close = rest.find('}', open);
+    const std::string name{rest.substr(open + 1, close - open - 1)};
+    list.push_back({{"name", name}, {"in", "path"}, {"required", true}, {"schema", {{"type", name == "id" ? "integer" : "string"}}}});
+    rest = rest.substr(close + 1);
+  }
+  for (const RouteInput& input : kRouteInputs) {
+    if (input.operation != route.operation) continue;
+    const bool header = input.type.empty();
+    list.push_back({{"name", input.name}, {"in", header ? "header" : "query"}, {"required", input.required}, {"description", input.summary}, {"schema", {{"type", header ? "string" : input.type}}}});
+  }
+  return list;
+}
+
+json operation_of(const Route& route) {
+  json operation{{"operationId", route.operation}, {"summary", route.summary}};
+  operation["x-role"] = access_name(route.access);
+  if (route.access == Access::open) operation["security"] = json::array();
+  if (json inputs = parameters_of(route); !inputs.empty()) operation["parameters"] = std::move(inputs);
+  if (!route.request.empty())
+    operation["requestBody"] = {{"required", route.request != "Empty" && route.request != "LeaseRequest"}, {"content", {{"application/json", {{"schema", reference(route.request)}}}}}};
+  json success{{"description", route.success == 101 ? "The connection is a WebSocket from here" : "Done"}};
+  if (route.operation == "export_session") {
+    success["content"] = {{"text/csv", {{"schema", {{"type", "string"}}}}}, {"application/json", {{"schema", {{"type", "object"}}}}}};
+  } else if (route.response.find('/') != std::string_view::npos) {
+    success["content"][std::string{route.response}] = {{"schema", {{"type", "string"}}}};
+  } else if (!route.response.empty()) {
+    success["content"]["application/json"] = {{"schema", reference(route.response)}};
+  }
+  json responses{{std::to_string(route.success), std::move(success)}};
+  for (const std::string& code : errors_of(route)) {
+    json answer{{"description", reason_phrase(static_cast<unsigned>(std::stoul(code)))}};
+    if (code != "304") answer["content"]["application/problem+json"] = {{"schema", reference("Problem")}};
+    responses[code] = std::move(answer);
+  }
+  operation["responses"] = std::move(responses);
+  return operation;
+}
+}  // namespace
+
+json openapi_document() {
+  json document{{"openapi", "3.1.0"},
+                {"info",
+                 {{"title", "Hoist"},
+                  {"version", "1"},
+                  {"description",
+                   "Control system of a motorised walking-rehabilitation aid. SI units; a name ends with its unit. Frames: x forward, y left, z up. Errors are problem+json (RFC 9457). "
+                   "GET routes also answer HEAD. Unsafe methods by cookie need the header X-Hoist: 1."}}},
+                {"servers", json::array({{{"url", "/"}}})},
+                {"security", json::array({{{"bearer", json::array()}}, {{"cookie", json::array()}}})}};
+  json paths = json::object();
+  for (const Route& route : kRoutes) paths[std::string{route.path}][lower(method_name(route.method))] = operation_of(route);
+  document["paths"] = std::move(paths);
+  document["components"] = {{"schemas", json::parse(schemas_text())},
+                            {"securitySchemes",
+                             {{"bearer", {{"type", "http"}, {"scheme", "bearer"}, {"description", "The token of --token-file"}}},
+                              {"cookie", {{"type", "apiKey"}, {"in", "cookie"}, {"name", "hoist_session"}, {"description", "Set by opening the link that the terminal shows"}}}}}};
+  return document;
+}
+
+}  // namespace hoist::server

@@ -1,0 +1,66 @@
+// Typed view of api.def, without the handlers: for OpenAPI and tests.
+#pragma once
+#include <array>
+#include <string_view>
+
+#include "control/contract/check.hpp"
+#include "server/http/exchange.hpp"
+
+namespace hoist::server {
+
+enum class Access : std::uint8_t { open, viewer, therapist, engineer };
+constexpr std::string_view access_name(Access access) {
+  constexpr std::array<std::string_view, 4> kNames{"open", "viewer", "therapist", "engineer"};
+  return kNames[static_cast<std::size_t>(access)];
+}
+
+struct Route {
+  std::string_view operation;
+  Method method;
+  std::string_view path;
+  Access access;
+  unsigned success;
+  std::string_view errors;
+  std::string_view request;
+  std::string_view response;
+  std::string_view summary;
+};
+struct RouteInput {
+  std::string_view operation;
+  std::string_view name;
+  std::string_view type;  // of a query field; empty for a header
+  bool required;
+  std::string_view summary;
+};
+
+#define HOIST_ROUTE(...)
+#define HOIST_QUERY(...)
+#define HOIST_HEADER(...)
+inline constexpr std::array kRoutes{
+#undef HOIST_ROUTE
+#define HOIST_ROUTE(operation, method, path, access, success, errors, request, response, summary) \
+  Route{#operation, Method::method, path, Access::access, success, errors, request, response, summary},
+#include "server/contract/api.def"
+#undef HOIST_ROUTE
+#define HOIST_ROUTE(...)
+};
+inline constexpr std::array kRouteInputs{
+#undef HOIST_QUERY
+#undef HOIST_HEADER
+#define HOIST_QUERY(operation, name, type, summary) RouteInput{#operation, name, type, false, summary},
+#define HOIST_HEADER(operation, name, required, summary) RouteInput{#operation, name, "", required, summary},
+#include "server/contract/api.def"
+};
+#undef HOIST_ROUTE
+#undef HOIST_QUERY
+#undef HOIST_HEADER
+
+static_assert(contract::unique_by(kRoutes, [](const Route& r) { return r.operation; }), "api.def: an operation is named twice");
+static_assert(contract::all_rows(kRouteInputs, [](const RouteInput& input) {
+                for (const Route& r : kRoutes)
+                  if (r.operation == input.operation) return true;
+                return false;
+              }),
+              "api.def: an input belongs to no route");
+
+}  // namespace hoist::server

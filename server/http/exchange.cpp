@@ -1,0 +1,113 @@
+#include "server/http/exchange.hpp"
+
+namespace hoist::server {
+
+std::string_view method_name(Method method) {
+  switch (method) {
+    case Method::get: return "GET";
+    case Method::head: return "HEAD";
+    case Method::post: return "POST";
+    case Method::put: return "PUT";
+    case Method::patch: return "PATCH";
+    case Method::del: return "DELETE";
+    case Method::other: break;
+  }
+  return "OTHER";
+}
+
+Method parse_method(std::string_view text) {
+  for (Method m : {Method::get, Method::head, Method::post, Method::put, Method::patch, Method::del})
+    if (text == method_name(m)) return m;
+  return Method::other;
+}
+
+std::string_view Request::header(std::string_view name) const {
+  const auto found = headers.find(std::string{name});
+  return found == headers.end() ? std::string_view{} : std::string_view{found->second};
+}
+
+namespace {
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+}  // namespace
+
+std::optional<std::string> percent_decode(std::string_view text, bool plus_is_space) {
+  std::string out;
+  out.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    char c = text[i];
+    if (c == '%') {
+      if (i + 2 >= text.size()) return std::nullopt;
+      const int high = hex_digit(text[i + 1]);
+      const int low = hex_digit(text[i + 2]);
+      if (high < 0 || low < 0) return std::nullopt;
+      c = static_cast<char>(high * 16 + low);
+      i += 2;
+    } else if (c == '+' && plus_is_space) {
+      c = ' ';
+    }
+    if (c == '\0') return std::nullopt;
+    out.push_back(c);
+  }
+  return out;
+}
+
+bool parse_target(std::string_view target, Request& request) {
+  if (target.empty() || target.front() != '/') return false;
+  target = target.substr(0, target.find('#'));
+  const std::size_t mark = target.find('?');
+  auto path = percent_decode(target.substr(0, mark), false);
+  if (!path) return false;
+  request.path = std::move(*path);
+  request.query.clear();
+  if (mark == std::string_view::npos) return true;
+  std::string_view rest = target.substr(mark + 1);
+  for (std::size_t fields = 0; !rest.empty(); ++fields) {
+    if (fields >= kQueryFieldLimit) return false;
+    const std::size_t end = rest.find('&');
+    const std::string_view field = rest.substr(0, end);
+    rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
+    if (field.empty()) continue;
+    const std::size_t equals = field.find('=');
+    auto name = percent_decode(field.substr(0, equals), true);
+    auto value = equals == std::string_view::npos ? std::optional<std::string>{std::string{}} : percent_decode(field.substr(equals + 1), true);
+    if (!name || !value) return false;
+    request.query[std::move(*name)] = std::move(*value);
+  }
+  return true;
+}
+
+std::string_view reason_phrase(unsigned status) {
+  switch (status) {
+    case 200: return "OK";
+    case 201: return "Created";
+    case 204: return "No Content";
+    case 303: return "See Other";
+    case 304: return "Not Modified";
+    case 400: return "Bad Request";
+    case 401: return "Unauthorized";
+    case 403: return "Forbidden";
+    case 404: return "Not Found";
+    case 405: return "Method Not Allowed";
+    case 408: return "Request Timeout";
+    case 409: return "Conflict";
+    case 412: return "Precondition Failed";
+    case 413: return "Content Too Large";
+    case 415: return "Unsupported Media Type";
+    case 421: return "Misdirected Request";
+    case 422: return "Unprocessable Content";
+    case 426: return "Upgrade Required";
+    case 429: return "Too Many Requests";
+    case 431: return "Request Header Fields Too Large";
+    case 500: return "Internal Server Error";
+    case 503: return "Service Unavailable";
+    case 507: return "Insufficient Storage";
+    default: return "Answer";
+  }
+}
+
+}  // namespace hoist::server

@@ -1,0 +1,56 @@
+// One request and its answer, free of any network library: what the router, the API and the tests talk in.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace hoist::server {
+
+enum class Method : std::uint8_t { get, head, post, put, patch, del, other };
+[[nodiscard]] std::string_view method_name(Method method);
+[[nodiscard]] Method parse_method(std::string_view text);
+
+struct Request {
+  Method method = Method::other;
+  std::string path;                          // percent-decoded, without the query
+  std::map<std::string, std::string> query;  // percent-decoded; the last of equal names counts
+  std::map<std::string, std::string> headers;  // names in lower case; equal names joined with ", "
+  std::string body;
+  std::string address;  // of the peer
+  bool wants_upgrade = false;
+
+  // The value of a header (name in lower case), or nothing.
+  [[nodiscard]] std::string_view header(std::string_view name) const;
+};
+
+// Splits a request target into path and query and decodes both. False: not an absolute path, a broken %-escape, a NUL, or more than
+// kQueryFieldLimit fields.
+inline constexpr std::size_t kQueryFieldLimit = 32;
+[[nodiscard]] bool parse_target(std::string_view target, Request& request);
+[[nodiscard]] std::optional<std::string> percent_decode(std::string_view text, bool plus_is_space);
+
+// A long answer comes in pieces: the source is called once per piece and answers once, now or later, on the network thread.
+enum class PieceState : std::uint8_t { more, last, failed };
+using PieceSource = std::function<void(std::function<void(PieceState, std::string)>)>;
+
+struct Response {
+  unsigned status = 200;
+  std::string content_type;
+  std::vector<std::pair<std::string, std::string>> headers;
+  std::string body;
+  PieceSource next_piece;  // set for long answers, instead of body
+  // Set when this connection becomes a WebSocket; the live side takes the socket over with this ticket.
+  std::shared_ptr<struct LiveTicket> upgrade;
+
+  void set(std::string name, std::string value) { headers.emplace_back(std::move(name), std::move(value)); }
+};
+
+[[nodiscard]] std::string_view reason_phrase(unsigned status);
+
+}  // namespace hoist::server

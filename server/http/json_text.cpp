@@ -1,0 +1,40 @@
+#include "server/http/json_text.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace hoist::server {
+
+std::optional<nlohmann::json> parse_json(std::string_view text, JsonError& error) {
+  std::size_t depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\')
+        ++i;
+      else if (c == '"')
+        in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kJsonDepthLimit) {
+        error = {i + 1, "nested deeper than " + std::to_string(kJsonDepthLimit) + " levels"};
+        return std::nullopt;
+      }
+    } else if ((c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+  }
+  try {
+    return nlohmann::json::parse(text.begin(), text.end());
+  } catch (const nlohmann::json::parse_error& e) {
+    error = {e.byte, "not valid JSON"};
+  } catch (const nlohmann::json::exception&) {
+    error = {0, "a number is too large"};
+  }
+  return std::nullopt;
+}
+
+std::string dump_json(const nlohmann::json& value) { return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace); }
+
+}  // namespace hoist::server

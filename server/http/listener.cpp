@@ -1,0 +1,431 @@
+#include "server/http/listener.hpp"
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <chrono>
+#include <ctime>
+#include <list>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "server/http/problem.hpp"
+#include "server/http/router.hpp"
+#include "server/live/adopt.hpp"
+
+namespace hoist::server {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using tcp = asio::ip::tcp;
+
+class Connection;
+
+struct Listener::Shared {
+  Shared(asio::io_context& io_in, Services& services_in) : io(io_in), services(services_in), acceptor(io_in), pause(io_in) {}
+  asio::io_context& io;
+  Services& services;
+  tcp::acceptor acceptor;
+  asio::steady_timer pause;
+  bool closing = false;
+  // Every socket that came through the door and is still open, WebSockets included.
+  std::size_t open = 0;
+  std::map<std::string, std::size_t> per_address;
+  std::list<std::weak_ptr<Connection>> connections;
+};
+
+namespace {
+// One place in the limits; given back when the socket is gone, whoever holds it by then.
+std::shared_ptr<void> take_seat(const std::shared_ptr<Listener::Shared>& shared, const std::string& address) {
+  ++shared->open;
+  ++shared->per_address[address];
+  return std::shared_ptr<void>(nullptr, [shared, address](void*) {
+    --shared->open;
+    const auto at = shared->per_address.find(address);
+    if (at != shared->per_address.end() && --at->second == 0) shared->per_address.erase(at);
+  });
+}
+
+std::string http_date() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  char text[64];
+  const std::size_t size = std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S GMT", &parts);
+  return {text, size};
+}
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
+  return out;
+}
+
+std::string head_of(const Response& response, bool keep, bool chunked, std::optional<std::size_t> length) {
+  std::string head = "HTTP/1.1 " + std::to_string(response.status) + " " + std::string{reason_phrase(response.status)} + "\r\n";
+  const auto add = [&head](std::string_view name, std::string_view value) {
+    head.append(name).append(": ");
+    // A value never breaks out of its line, whatever it was made from.
+    for (char c : value) head.push_back(static_cast<unsigned char>(c) < 0x20 ? ' ' : c);
+    head.append("\r\n");
+  };
+  add("Server", "Hoist");
+  add("Date", http_date());
+  if (!response.content_type.empty()) add("Content-Type", response.content_type);
+  for (const auto& [name, value] : response.headers) add(name, value);
+  add("X-Content-Type-Options", "nosniff");
+  add("Content-Security-Policy",
+      "default-src 'self'; connect-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'");
+  add("Referrer-Policy", "no-referrer");
+  add("Cross-Origin-Opener-Policy", "same-origin");
+  add("Cross-Origin-Resource-Policy", "same-origin");
+  if (chunked) add("Transfer-Encoding", "chunked");
+  if (length) add("Content-Length", std::to_string(*length));
+  add("Connection", keep ? "keep-alive" : "close");
+  head += "\r\n";
+  return head;
+}
+}  // namespace
+
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(std::shared_ptr<Listener::Shared> shared, tcp::socket socket, std::string address, std::shared_ptr<void> seat)
+      : shared_(std::move(shared)), socket_(std::move(socket)), deadline_(shared_->io), address_(std::move(address)), seat_(std::move(seat)) {}
+
+  void start() { read_header(kHeaderTime_s); }
+
+  // At the end of the program: at once when nothing is under way.
+  void end() {
+    ending_ = true;
+    if (!busy_) drop();
+  }
+
+ private:
+  using Parser = http::request_parser<http::string_body>;
+
+  void limit_time(int seconds) {
+    deadline_.expires_after(std::chrono::seconds(seconds));
+    deadline_.async_wait([self = shared_from_this()](beast::error_code error) {
+      if (error || self->deadline_.expiry() > asio::steady_timer::clock_type::now()) return;
+      self->shared_->services.counters.add(Count::connections_timed_out);
+      self->drop();
+    });
+  }
+
+  void drop() {
+    beast::error_code ignored;
+    deadline_.cancel();
+    socket_.close(ignored);
+  }
+
+  // The first request's header must arrive within five seconds of connecting; later ones within five seconds of their first byte.
+  void read_header(int seconds) {
+    busy_ = false;
+    if (ending_) {
+      drop();
+      return;
+    }
+    parser_.emplace();
+    parser_->header_limit(static_cast<std::uint32_t>(kHeaderLimit_bytes));
+    parser_->body_limit(kBodyLimit_bytes);
+    limit_time(seconds);
+    http::async_read_header(socket_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) { self->on_header(error); });
+  }
+
+  void wait_for_next() {
+    busy_ = false;
+    if (ending_) {
+      drop();
+      return;
+    }
+    if (buffer_.size() > 0) {
+      read_header(kHeaderTime_s);
+      return;
+    }
+    limit_time(kIdleTime_s);
+    socket_.async_wait(tcp::socket::wait_read, [self = shared_from_this()](beast::error_code error) {
+      if (error) {
+        self->drop();
+        return;
+      }
+      self->read_header(kHeaderTime_s);
+    });
+  }
+
+  void on_header(beast::error_code error) {
+    if (error) {
+      refuse(error);
+      return;
+    }
+    busy_ = true;
+    if (beast::iequals(parser_->get()[http::field::expect], "100-continue")) {
+      static const std::string kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
+      asio::async_write(socket_, asio::buffer(kContinue), [self = shared_from_this()](beast::error_code failed, std::size_t) {
+        if (failed)
+          self->drop();
+        else
+          self->read_body();
+      });
+      return;
+    }
+    read_body();
+  }
+
+  void read_body() {
+    if (parser_->is_done()) {
+      handle();
+      return;
+    }
+    limit_time(kBodyTime_s);
+    http::async_read(socket_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      if (error)
+        self->refuse(error);
+      else
+        self->handle();
+    });
+  }
+
+  // A request that could not be read: say why when that helps, then close.
+  void refuse(beast::error_code error) {
+    Counters& counters = shared_->services.counters;
+    if (error == http::error::end_of_stream || error == asio::error::operation_aborted || error == asio::error::eof ||
+        error == asio::error::connection_reset || error == http::error::partial_message || error == asio::error::bad_descriptor) {
+      drop();
+      return;
+    }
+    counters.add(Count::http_requests);
+    counters.add(Count::http_refused);
+    keep_ = false;
+    head_only_ = false;
+    busy_ = true;
+    Problem problem{.status = 400, .name = "bad-request", .title = "The request cannot be read", .detail = error.message(), .errors = {}, .refusals = {}};
+    if (error == http::error::header_limit) {
+      counters.add(Count::http_refused_header_too_large);
+      problem = {.status = 431, .name = "header-too-large", .title = "The header is too large", .detail = "At most " + std::to_string(kHeaderLimit_bytes) + " bytes.", .errors = {}, .refusals = {}};
+    } else if (error == http::error::body_limit) {
+      counters.add(Count::http_refused_body_too_large);
+      problem = {.status = 413, .name = "body-too-large", .title = "The body is too large", .detail = "At most " + std::to_string(kBodyLimit_bytes) + " bytes.", .errors = {}, .refusals = {}};
+    } else {
+      counters.add(Count::http_refused_malformed);
+    }
+    send(problem_response(problem, ""));
+  }
+
+  void handle() {
+    const auto& message = parser_->get();
+    keep_ = message.keep_alive() && !ending_;
+    version_10_ = message.version() < 11;
+    Request request;
+    request.address = address_;
+    request.method = parse_method({message.method_string().data(), message.method_string().size()});
+    head_only_ = request.method == Method::head;
+    for (const auto& field : message) {
+      std::string name = lower({field.name_string().data(), field.name_string().size()});
+      const std::string_view value{field.value().data(), field.value().size()};
+      auto [at, fresh] = request.headers.try_emplace(std::move(name), value);
+      if (!fresh) at->second.append(", ").append(value);
+    }
+    request.wants_upgrade = beast::websocket::is_upgrade(message);
+    if (!parse_target({message.target().data(), message.target().size()}, request)) {
+      shared_->services.counters.add(Count::http_refused_malformed);
+      send(problem_response({.status = 400, .name = "bad-target", .title = "The address cannot be read", .detail = "It must be a path with valid %-escapes.", .errors = {}, .refusals = {}}, ""));
+      return;
+    }
+    request.body = parser_->get().body();
+    // The core's answer is bounded at half a second and the recorder's by its queue; the time limit is for the client's side.
+    limit_time(kIdleTime_s);
+    dispatch(shared_->services, std::move(request), [self = shared_from_this()](Response response) { self->send(std::move(response)); });
+  }
+
+  void send(Response response) {
+    if (!socket_.is_open()) return;
+    if (response.upgrade) {
+      upgrade(std::move(response));
+      return;
+    }
+    limit_time(kWriteTime_s);
+    const bool no_body = response.status == 204 || response.status == 304;
+    if (response.next_piece) {
+      pieces_ = std::move(response.next_piece);
+      chunked_ = !version_10_;
+      if (!chunked_) keep_ = false;
+      outgoing_ = head_of(response, keep_, chunked_, std::nullopt);
+      write([](Connection& self) { self.next_piece(); });
+      return;
+    }
+    outgoing_ = head_of(response, keep_, false, no_body ? std::nullopt : std::optional{response.body.size()});
+    if (!head_only_ && !no_body) outgoing_ += response.body;
+    write([](Connection& self) { self.finish(); });
+  }
+
+  void write(void (*then)(Connection&)) {
+    asio::async_write(socket_, asio::buffer(outgoing_), [self = shared_from_this(), then](beast::error_code error, std::size_t) {
+      if (error)
+        self->drop();
+      else
+        then(*self);
+    });
+  }
+
+  // A long answer, piece by piece: the next one is asked for only when the last one has left, so memory stays small.
+  void next_piece() {
+    deadline_.cancel();
+    pieces_([self = shared_from_this()](PieceState state, std::string piece) {
+      if (!self->socket_.is_open()) return;
+      if (state == PieceState::failed) {
+        // The answer has begun, so the only honest way to say that it is not whole is to break it off.
+        self->drop();
+        return;
+      }
+      self->limit_time(kWriteTime_s);
+      self->outgoing_.clear();
+      if (!piece.empty() && self->chunked_) {
+        char size[20];
+        std::snprintf(size, sizeof size, "%zx\r\n", piece.size());
+        self->outgoing_ = size;
+        self->outgoing_ += piece;
+        self->outgoing_ += "\r\n";
+      } else {
+        self->outgoing_ = std::move(piece);
+      }
+      if (state == PieceState::last) {
+        if (self->chunked_) self->outgoing_ += "0\r\n\r\n";
+        self->write([](Connection& c) { c.finish(); });
+      } else {
+        self->write([](Connection& c) { c.next_piece(); });
+      }
+    });
+  }
+
+  void finish() {
+    pieces_ = nullptr;
+    if (keep_ && !ending_) {
+      wait_for_next();
+      return;
+    }
+    // Our answer must not be lost to a reset because the client is still sending: say that we are done, then read on for a moment.
+    beast::error_code ignored;
+    socket_.shutdown(tcp::socket::shutdown_send, ignored);
+    limit_time(2);
+    drain(0);
+  }
+
+  void drain(std::size_t seen) {
+    constexpr std::size_t kDrainLimit = 1024 * 1024;
+    scrap_.resize(8192);
+    socket_.async_read_some(asio::buffer(scrap_), [self = shared_from_this(), seen](beast::error_code error, std::size_t count) {
+      if (error || seen + count > kDrainLimit)
+        self->drop();
+      else
+        self->drain(seen + count);
+    });
+  }
+
+  void upgrade(Response response) {
+    deadline_.cancel();
+    // Bytes that came after the request belong to the WebSocket; no client of ours sends any before our answer.
+    if (buffer_.size() > 0) {
+      drop();
+      return;
+    }
+    adopt_socket(shared_->services.hub, std::move(socket_), parser_->release(), std::move(response.upgrade), std::move(seat_));
+  }
+
+  std::shared_ptr<Listener::Shared> shared_;
+  tcp::socket socket_;
+  asio::steady_timer deadline_;
+  std::string address_;
+  std::shared_ptr<void> seat_;
+  beast::flat_buffer buffer_{kHeaderLimit_bytes + kBodyLimit_bytes};
+  std::optional<Parser> parser_;
+  std::string outgoing_;
+  std::string scrap_;
+  PieceSource pieces_;
+  bool keep_ = false;
+  bool version_10_ = false;
+  bool head_only_ = false;
+  bool chunked_ = false;
+  bool busy_ = false;
+  bool ending_ = false;
+};
+
+Listener::Listener(asio::io_context& io, Services& services) : shared_(std::make_shared<Shared>(io, services)) {}
+Listener::~Listener() { close(); }
+
+std::uint16_t Listener::open(const std::string& address, std::uint16_t port, std::string& error) {
+  beast::error_code code;
+  const auto ip = asio::ip::make_address(address, code);
+  if (code) {
+    error = address + " is not an address";
+    return 0;
+  }
+  tcp::acceptor& acceptor = shared_->acceptor;
+  const tcp::endpoint endpoint(ip, port);
+  acceptor.open(endpoint.protocol(), code);
+  if (!code) acceptor.set_option(tcp::acceptor::reuse_address(true), code);
+  if (!code) acceptor.bind(endpoint, code);
+  if (!code) acceptor.listen(asio::socket_base::max_listen_connections, code);
+  if (code) {
+    error = "cannot listen on " + address + " port " + std::to_string(port) + ": " + code.message();
+    return 0;
+  }
+  accept();
+  return acceptor.local_endpoint().port();
+}
+
+void Listener::accept() {
+  shared_->acceptor.async_accept([shared = shared_, this](beast::error_code error, tcp::socket socket) {
+    if (shared->closing || error == asio::error::operation_aborted) return;
+    if (error) {
+      // Out of descriptors, most likely: a short pause instead of a busy loop.
+      shared->pause.expires_after(std::chrono::milliseconds(100));
+      shared->pause.async_wait([shared, this](beast::error_code stopped) {
+        if (!stopped && !shared->closing) accept();
+      });
+      return;
+    }
+    Counters& counters = shared->services.counters;
+    beast::error_code ignored;
+    const std::string address = socket.remote_endpoint(ignored).address().to_string();
+    const auto at = shared->per_address.find(address);
+    const bool full = shared->open >= kConnectionLimit;
+    const bool greedy = at != shared->per_address.end() && at->second >= kAddressLimit;
+    if (full || greedy) {
+      counters.add(full ? Count::connections_refused_total_limit : Count::connections_refused_address_limit);
+      static constexpr std::string_view kFull = "HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 2\r\nConnection: close\r\n\r\n";
+      socket.non_blocking(true, ignored);
+      socket.write_some(asio::buffer(kFull.data(), kFull.size()), ignored);
+      socket.shutdown(tcp::socket::shutdown_both, ignored);
+    } else {
+      counters.add(Count::connections_accepted);
+      socket.set_option(tcp::no_delay(true), ignored);
+      auto seat = take_seat(shared, address);
+      auto connection = std::make_shared<Connection>(shared, std::move(socket), address, std::move(seat));
+      shared->connections.remove_if([](const auto& weak) { return weak.expired(); });
+      shared->connections.push_back(connection);
+      connection->start();
+    }
+    accept();
+  });
+}
+
+void Listener::close() {
+  if (shared_->closing) return;
+  shared_->closing = true;
+  beast::error_code ignored;
+  shared_->acceptor.close(ignored);
+  shared_->pause.cancel();
+  for (const auto& weak : shared_->connections)
+    if (const auto connection = weak.lock()) connection->end();
+}
+
+std::size_t Listener::connections() const { return shared_->open; }
+
+}  // namespace hoist::server

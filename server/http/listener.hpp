@@ -1,0 +1,44 @@
+// The door: accepts connections up to the limits, reads requests with time limits, writes answers, hands WebSockets over.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "server/services.hpp"
+
+namespace boost::asio {
+class io_context;
+}
+
+namespace hoist::server {
+
+// Limits of research safety H31: one slow or hungry address must not keep others out.
+inline constexpr std::size_t kConnectionLimit = 64;
+inline constexpr std::size_t kAddressLimit = 16;
+inline constexpr std::size_t kHeaderLimit_bytes = 8 * 1024;
+inline constexpr std::size_t kBodyLimit_bytes = 64 * 1024;
+inline constexpr int kHeaderTime_s = 5;
+inline constexpr int kBodyTime_s = 10;
+inline constexpr int kIdleTime_s = 60;
+// A client that does not take an answer for this long is gone.
+inline constexpr int kWriteTime_s = 20;
+
+class Listener {
+ public:
+  Listener(boost::asio::io_context& io, Services& services);
+  ~Listener();
+  // Binds and begins to accept; the port that was bound, or 0 with the reason in `error`.
+  std::uint16_t open(const std::string& address, std::uint16_t port, std::string& error);
+  // No new connections; idle ones end, answers under way get a moment.
+  void close();
+  [[nodiscard]] std::size_t connections() const;
+
+  struct Shared;
+
+ private:
+  void accept();
+  std::shared_ptr<Shared> shared_;
+};
+
+}  // namespace hoist::server

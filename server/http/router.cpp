@@ -1,0 +1,210 @@
+#include "server/http/router.hpp"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "server/api/handlers.hpp"
+#include "server/contract/routes.hpp"
+#include "server/http/json_text.hpp"
+#include "server/http/static_files.hpp"
+
+namespace hoist::server {
+
+namespace {
+using Handler = void (*)(const CallPtr&);
+constexpr std::array kHandlers{
+#define HOIST_ROUTE(operation, ...) Handler{&api::operation},
+#define HOIST_QUERY(...)
+#define HOIST_HEADER(...)
+#include "server/contract/api.def"
+#undef HOIST_ROUTE
+#undef HOIST_QUERY
+#undef HOIST_HEADER
+};
+static_assert(kHandlers.size() == kRoutes.size());
+
+std::vector<std::string_view> split(std::string_view path) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const std::size_t slash = path.find('/');
+    parts.push_back(path.substr(0, slash));
+    if (slash == std::string_view::npos) return parts;
+    path.remove_prefix(slash + 1);
+  }
+}
+
+// Whether `path` is an instance of the pattern; fills in what stood for the {…}.
+bool matches(std::string_view pattern, std::string_view path, std::vector<std::string>& values) {
+  const auto want = split(pattern);
+  const auto have = split(path);
+  if (want.size() != have.size()) return false;
+  values.clear();
+  for (std::size_t i = 0; i < want.size(); ++i) {
+    if (want[i].starts_with('{')) {
+      if (have[i].empty()) return false;
+      values.emplace_back(have[i]);
+    } else if (want[i] != have[i]) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Problem problem(unsigned status, std::string name, std::string title, std::string detail) {
+  return {.status = status, .name = std::move(name), .title = std::move(title), .detail = std::move(detail), .errors = {}, .refusals = {}};
+}
+
+Response link_page() {
+  Response page;
+  page.status = 401;
+  page.content_type = "text/html; charset=utf-8";
+  page.set("Cache-Control", "no-store");
+  page.body =
+      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Hoist</title>"
+      "<h1>This link is used up</h1><p>Each link opens the console once. A fresh link stands in the terminal where Hoist was started: open that one.</p>"
+      "<h1 lang=\"de\">Dieser Link ist verbraucht</h1><p lang=\"de\">Jeder Link öffnet die Konsole einmal. Ein neuer Link steht im Terminal, "
+      "in dem Hoist gestartet wurde: bitte diesen öffnen.</p></html>";
+  return page;
+}
+
+// GET /?token=…: trades a one-time link for a session cookie.
+Response open_link(Services& services, const std::string& token) {
+  const SessionPtr session = services.auth.use_link(token, static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000));
+  if (!session) {
+    services.counters.add(Count::http_refused_link);
+    return link_page();
+  }
+  std::cout << "The link was used. For the next device:\nOpen " << services.base_url << "/?token=" << services.auth.link_token() << std::endl;
+  Response response;
+  response.status = 303;
+  response.set("Location", "/");
+  response.set("Cache-Control", "no-store");
+  response.set("Set-Cookie", "hoist_session=" + session->secret + "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(kSessionLife_s));
+  return response;
+}
+
+bool is_json_type(std::string_view type) {
+  type = type.substr(0, type.find(';'));
+  while (!type.empty() && type.back() == ' ') type.remove_suffix(1);
+  return type == "application/json" || type == "application/merge-patch+json";
+}
+
+// Everything that can be refused before the handler. Nothing = go on.
+std::optional<Problem> refuse(Services& services, const Route& route, Call& call) {
+  const Request& request = call.request;
+  Counters& counters = services.counters;
+  if (route.access == Access::open) return std::nullopt;
+  const std::string_view origin = request.header("origin");
+  if (!origin.empty() && !Auth::origin_matches(origin, request.header("host"))) {
+    counters.add(Count::http_refused_origin);
+    return problem(403, "foreign-origin", "Another page tried to use this console", "Open the console itself and use it there.");
+  }
+  call.session = services.auth.find(request, static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000));
+  if (!call.session) {
+    counters.add(Count::http_refused_no_session);
+    return problem(401, "no-session", "Not logged in", "Open the link that the terminal shows, or send the token as Authorization: Bearer.");
+  }
+  call.session->used_ns = services.now_ns();
+  const bool unsafe = route.method != Method::get;
+  if (!call.session->bearer) {
+    // A cookie is sent by the browser on its own; the header and the origin show that it was our page that asked.
+    if (route.operation == "open_live" && origin.empty()) {
+      counters.add(Count::http_refused_origin);
+      return problem(403, "no-origin", "The request does not say which page it comes from", "Use the console, or send the token as Authorization: Bearer.");
+    }
+    if (unsafe && request.header("x-hoist") != "1") {
+      counters.add(Count::http_refused_origin);
+      return problem(403, "no-x-hoist", "The header X-Hoist: 1 is missing", "Use the console, or send the token as Authorization: Bearer.");
+    }
+  }
+  if (static_cast<unsigned>(call.session->role) + 1U < static_cast<unsigned>(route.access))
+    return problem(403, "role", "Your role may not do this", "Ask someone with the role " + std::string{access_name(route.access)} + ".");
+  if (unsafe && !call.session->bearer && route.request.empty() && !request.header("content-type").empty() && !is_json_type(request.header("content-type"))) {
+    counters.add(Count::http_refused_body);
+    return problem(415, "not-json", "The body must be JSON", "Send Content-Type: application/json.");
+  }
+  if (route.request.empty()) return std::nullopt;
+  const bool may_be_empty = route.request == "Empty" || route.request == "LeaseRequest";
+  if (request.body.empty() && may_be_empty) {
+    call.body = std::make_shared<const nlohmann::json>(nlohmann::json::object());
+    return std::nullopt;
+  }
+  if (!is_json_type(request.header("content-type"))) {
+    counters.add(Count::http_refused_body);
+    return problem(415, "not-json", "The body must be JSON", "Send Content-Type: application/json.");
+  }
+  JsonError error;
+  auto body = parse_json(request.body, error);
+  if (!body || !body->is_object()) {
+    counters.add(Count::http_refused_body);
+    return problem(400, "bad-json", "The body cannot be read",
+                   body ? "The body must be a JSON object." : "At byte " + std::to_string(error.position) + ": " + error.message + ".");
+  }
+  call.body = std::make_shared<const nlohmann::json>(std::move(*body));
+  return std::nullopt;
+}
+}  // namespace
+
+void dispatch(Services& services, Request request, std::function<void(Response)> answer) {
+  Counters& counters = services.counters;
+  counters.add(Count::http_requests);
+  const bool head = request.method == Method::head;
+  auto finish = [answer = std::move(answer), head, &counters](Response response) {
+    if (response.status >= 400) counters.add(Count::http_refused);
+    if (head) response.next_piece = nullptr;
+    answer(std::move(response));
+  };
+  const std::string_view host = request.header("host");
+  if (!services.auth.host_allowed(host)) {
+    counters.add(Count::http_refused_host);
+    finish(problem_response(problem(421, "host", "This name does not belong to the hoist", "Open the address that the terminal shows."), request.path));
+    return;
+  }
+  const Method method = head ? Method::get : request.method;
+  const bool api_path = request.path == "/ws" || request.path == "/api" || request.path.starts_with("/api/");
+  if (!api_path && method == Method::get) {
+    const auto token = request.query.find("token");
+    if (request.path == "/" && token != request.query.end() && !head)
+      finish(open_link(services, token->second));
+    else
+      finish(serve_static(services.settings.web_dir, request));
+    return;
+  }
+  std::vector<std::string> values;
+  std::string allowed;
+  for (std::size_t i = 0; i < kRoutes.size(); ++i) {
+    const Route& route = kRoutes[i];
+    if (!matches(route.path, request.path, values)) continue;
+    if (route.method != method) {
+      allowed += (allowed.empty() ? "" : ", ") + std::string{method_name(route.method)} + (route.method == Method::get ? ", HEAD" : "");
+      continue;
+    }
+    auto call = std::make_shared<Call>(services, std::move(request), std::move(finish));
+    call->path_values = std::move(values);
+    if (const auto refused = refuse(services, route, *call)) {
+      call->fail(*refused);
+      return;
+    }
+    try {
+      kHandlers[i](call);
+    } catch (const std::exception&) {
+      // The call answers 500 by itself when the last hold on it goes.
+    }
+    return;
+  }
+  if (!allowed.empty() || !api_path) {
+    counters.add(Count::http_refused_method);
+    Response response = problem_response(problem(405, "method", "This cannot be done here", "Allowed: " + (allowed.empty() ? "GET, HEAD" : allowed) + "."), request.path);
+    response.set("Allow", allowed.empty() ? "GET, HEAD" : allowed);
+    finish(std::move(response));
+    return;
+  }
+  counters.add(Count::http_refused_no_route);
+  finish(problem_response(problem(404, "no-route", "There is no such address", "See /api/docs for what there is."), request.path));
+}
+
+}  // namespace hoist::server

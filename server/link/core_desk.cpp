@@ -1,0 +1,221 @@
+#include "server/link/core_desk.hpp"
+
+#include <utility>
+
+namespace hoist::server {
+
+using contract::Command;
+using contract::CommandKind;
+using contract::Event;
+using contract::EventKind;
+
+namespace {
+// One poll copies at most this many ticks; what is left comes with the next one.
+constexpr std::size_t kTicksPerPoll = 128;
+constexpr std::size_t kEventsPerPoll = 128;
+}  // namespace
+
+CoreDesk::CoreDesk(std::string socket_path, Counters& counters)
+    : link_(std::move(socket_path)), counters_(counters), ticks_(link_), events_(link_), tick_buffer_(kTicksPerPoll), event_buffer_(kEventsPerPoll) {}
+
+std::uint32_t CoreDesk::next_request() {
+  if (++last_request_ == 0) ++last_request_;  // 0 means "not asked by anyone"
+  return last_request_;
+}
+
+bool CoreDesk::send(Command& command) {
+  if (link_.send(command) == 0) return false;
+  counters_.add(Count::commands_sent);
+  return true;
+}
+
+void CoreDesk::ask(Command command, Done done) {
+  if (!connected_) {
+    done({.kind = CoreAnswer::Kind::no_core});
+    return;
+  }
+  if (outbox_.size() >= kOutboxLimit) {
+    done({.kind = CoreAnswer::Kind::busy});
+    return;
+  }
+  command.request_id = next_request();
+  pending_[command.request_id] = {command.request_id, now_ns_ + kAnswerLimit_ns, std::move(done), std::nullopt};
+  outbox_.push_back(command);
+  flush_outbox();
+}
+
+void CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, Command commit, Done done) {
+  if (!connected_) {
+    done({.kind = CoreAnswer::Kind::no_core});
+    return;
+  }
+  if (outbox_.size() + id_values.size() >= kOutboxLimit) {
+    done({.kind = CoreAnswer::Kind::busy});
+    return;
+  }
+  commit.kind = CommandKind::commit_parameters;
+  commit.request_id = next_request();
+  commit.a = static_cast<std::uint32_t>(id_values.size());
+  std::uint32_t position = 0;
+  for (const auto& [id, value] : id_values) {
+    Command stage = commit;
+    stage.kind = CommandKind::stage_parameter;
+    stage.request_id = next_request();
+    stage.a = id;
+    stage.b = position++;
+    stage.v0 = value;
+    staged_[stage.request_id] = commit.request_id;
+    outbox_.push_back(stage);
+  }
+  pending_[commit.request_id] = {commit.request_id, now_ns_ + kAnswerLimit_ns, std::move(done), std::nullopt};
+  outbox_.push_back(commit);
+  flush_outbox();
+}
+
+bool CoreDesk::stop(std::uint32_t client, Done done) {
+  // Sent even when the core has been silent for a while: whatever is at the other end of the segment should see it.
+  if (!link_.attached()) {
+    if (done) done({.kind = CoreAnswer::Kind::no_core});
+    return false;
+  }
+  Command command;
+  command.kind = CommandKind::stop;
+  command.client = client;
+  command.request_id = next_request();
+  if (done) pending_[command.request_id] = {command.request_id, now_ns_ + kAnswerLimit_ns, std::move(done), std::nullopt};
+  if (!send(command)) outbox_.push_front(command);
+  return true;
+}
+
+bool CoreDesk::drive(const contract::DriveCommand& command) {
+  if (!connected_) return false;
+  link_.drive(command);
+  return true;
+}
+
+void CoreDesk::flush_outbox() {
+  while (!outbox_.empty()) {
+    if (!send(outbox_.front())) return;
+    outbox_.pop_front();
+  }
+}
+
+void CoreDesk::answer_all(CoreAnswer::Kind kind) {
+  auto waiting = std::exchange(pending_, {});
+  staged_.clear();
+  outbox_.clear();
+  for (auto& [id, pending] : waiting)
+    if (pending.done) pending.done({.kind = kind});
+}
+
+void CoreDesk::set_connected(bool connected) {
+  if (connected == connected_) return;
+  connected_ = connected;
+  if (listener_ != nullptr) listener_->on_core(connected);
+}
+
+void CoreDesk::set_lease(std::uint32_t epoch, std::uint32_t holder) {
+  if (epoch == lease_epoch_ && holder == lease_holder_) return;
+  lease_epoch_ = epoch;
+  lease_holder_ = holder;
+  if (listener_ != nullptr) listener_->on_lease(epoch, holder);
+}
+
+void CoreDesk::poll(std::uint64_t now_ns) {
+  now_ns_ = now_ns;
+  const bool attached = link_.poll_connect();
+  if (attached && link_.life() != life_) {
+    // A new core knows nothing of what was asked of the old one.
+    life_ = link_.life();
+    answer_all(CoreAnswer::Kind::no_core);
+    newest_.reset();
+    parameters_ = {};
+    heard_ns_ = now_ns;
+    set_connected(false);
+  }
+  if (attached) link_.beat();
+  read_ticks(now_ns);
+  read_parameters();
+  std::vector<Event> events;
+  std::vector<Answered> answered;
+  read_events(events, answered);
+  if (attached && newest_.has_value() && heard_ns_ + kCoreSilence_ns > now_ns) {
+    set_connected(true);
+  } else if (!attached || heard_ns_ + kCoreSilence_ns <= now_ns) {
+    if (connected_) {
+      set_connected(false);
+      set_lease(lease_epoch_, 0);
+      answer_all(CoreAnswer::Kind::no_core);
+    }
+  }
+  if (listener_ != nullptr)
+    for (const Event& event : events) listener_->on_event(event);
+  for (Answered& a : answered)
+    if (a.done) a.done(a.answer);
+  // Past its time: the answer may still come, but nobody waits for it any more.
+  std::vector<Done> late;
+  for (auto it = pending_.begin(); it != pending_.end();) {
+    if (it->second.deadline_ns > now_ns) {
+      ++it;
+      continue;
+    }
+    counters_.add(Count::commands_unanswered);
+    late.push_back(std::move(it->second.done));
+    std::erase_if(staged_, [id = it->first](const auto& row) { return row.second == id; });
+    std::erase_if(outbox_, [id = it->first](const Command& c) { return c.request_id == id && c.kind != CommandKind::stop; });
+    it = pending_.erase(it);
+  }
+  for (Done& done : late)
+    if (done) done({.kind = CoreAnswer::Kind::unanswered});
+  flush_outbox();
+}
+
+void CoreDesk::read_ticks(std::uint64_t now_ns) {
+  const auto got = ticks_.read(tick_buffer_);
+  if (got.lost != 0) counters_.add(Count::telemetry_ticks_lost, got.lost);
+  if (got.count == 0) return;
+  heard_ns_ = now_ns;
+  const std::span<const contract::TickRecord> records(tick_buffer_.data(), got.count);
+  newest_ = records.back();
+  if (listener_ != nullptr) listener_->on_ticks(records, got.lost);
+  set_lease(newest_->lease_epoch, newest_->lease_holder);
+}
+
+void CoreDesk::read_parameters() {
+  contract::ParamsInForce now{};
+  if (!link_.params(now) || now.version == 0 || (now.version == parameters_.version && now.values == parameters_.values)) return;
+  parameters_ = now;
+  if (listener_ != nullptr) listener_->on_parameters(parameters_);
+}
+
+void CoreDesk::read_events(std::vector<Event>& events, std::vector<Answered>& answered) {
+  const auto got = events_.read(event_buffer_);
+  for (std::size_t i = 0; i < got.count; ++i) {
+    const Event& event = event_buffer_[i];
+    events.push_back(event);
+    if (event.kind == EventKind::lease_changed) set_lease(event.code, event.client);
+    if (event.kind != EventKind::command_done && event.kind != EventKind::command_refused) continue;
+    const bool refused = event.kind == EventKind::command_refused;
+    if (refused) counters_.add(Count::commands_refused);
+    if (const auto staged = staged_.find(event.request_id); staged != staged_.end()) {
+      const auto set = pending_.find(staged->second);
+      if (refused && set != pending_.end() && !set->second.staging_refusal) set->second.staging_refusal = event;
+      staged_.erase(staged);
+      continue;
+    }
+    const auto found = pending_.find(event.request_id);
+    if (found == pending_.end()) continue;
+    // A set fails because of one of its rows: that row is what the person wants to hear about.
+    const Event& reason = refused && found->second.staging_refusal ? *found->second.staging_refusal : event;
+    answered.push_back({std::move(found->second.done),
+                        {.kind = refused ? CoreAnswer::Kind::refused : CoreAnswer::Kind::done,
+                         .code = reason.code,
+                         .bits = reason.bits != 0 || !refused ? reason.bits : 1U << (reason.code & 31U),
+                         .item = reason.item,
+                         .value = reason.value}});
+    std::erase_if(staged_, [id = found->first](const auto& row) { return row.second == id; });
+    pending_.erase(found);
+  }
+}
+
+}  // namespace hoist::server

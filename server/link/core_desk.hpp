@@ -1,0 +1,122 @@
+// The server's desk at the core's door: asks on behalf of clients and matches the answers, reads what the core publishes, once per poll.
+//
+// One thread, no clock and no network of its own: `poll` is called by a timer and told the steady time, so tests run it in virtual time.
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/contract/commands.hpp"
+#include "control/contract/shared_memory.hpp"
+#include "control/contract/signals.hpp"
+#include "control/publish/server_link.hpp"
+#include "server/counters.hpp"
+
+namespace hoist::server {
+
+// How long a client waits for the core's answer. The core answers within two ticks; half a second is a core that is gone or stuck.
+inline constexpr std::uint64_t kAnswerLimit_ns = 500'000'000;
+// Commands that wait for room in the ring; more are refused at once.
+inline constexpr std::size_t kOutboxLimit = 256;
+// The core has said nothing for this long: it counts as not connected, whatever the socket says.
+inline constexpr std::uint64_t kCoreSilence_ns = 500'000'000;
+
+struct CoreAnswer {
+  enum class Kind : std::uint8_t { done, refused, unanswered, no_core, busy };
+  Kind kind = Kind::no_core;
+  std::uint32_t code = 0;  // first Refusal
+  std::uint32_t bits = 0;  // all refusals
+  std::uint32_t item = 0;  // the parameter in question
+  double value = 0;
+  [[nodiscard]] bool done() const { return kind == Kind::done; }
+};
+
+// Who wants to hear what the core says. Called from within poll, in this order: ticks, state changes, events, answers.
+class CoreListener {
+ public:
+  virtual ~CoreListener() = default;
+  virtual void on_core(bool connected) = 0;
+  virtual void on_ticks(std::span<const contract::TickRecord> records, std::uint64_t lost) = 0;
+  virtual void on_parameters(const contract::ParamsInForce& parameters) = 0;
+  virtual void on_lease(std::uint32_t epoch, std::uint32_t holder) = 0;
+  virtual void on_event(const contract::Event& event) = 0;
+};
+
+class CoreDesk {
+ public:
+  using Done = std::function<void(const CoreAnswer&)>;
+
+  CoreDesk(std::string socket_path, Counters& counters);
+  void set_listener(CoreListener* listener) { listener_ = listener; }
+
+  // Attaches if need be, beats the heart, reads ticks, events and parameters, answers and times out what is pending.
+  void poll(std::uint64_t now_ns);
+
+  // Answers everything that is pending: at the end of the program.
+  void close() { answer_all(CoreAnswer::Kind::no_core); }
+
+  // Asks one thing. `done` is called exactly once, from a later poll or, when the core is away, before this returns.
+  void ask(contract::Command command, Done done);
+  // Stages each value and commits them: all or nothing, one answer.
+  void ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, contract::Command commit, Done done);
+  // STOP overtakes everything that waits. Never refused here; false only when no core is attached.
+  bool stop(std::uint32_t client, Done done);
+  // The newest driving command. Not queued: only the latest counts. False when no core is connected.
+  bool drive(const contract::DriveCommand& command);
+
+  [[nodiscard]] bool connected() const { return connected_; }
+  [[nodiscard]] const std::optional<contract::TickRecord>& newest() const { return newest_; }
+  [[nodiscard]] const contract::ParamsInForce& parameters() const { return parameters_; }
+  [[nodiscard]] bool has_parameters() const { return parameters_.version != 0; }
+  [[nodiscard]] std::uint32_t lease_epoch() const { return lease_epoch_; }
+  [[nodiscard]] std::uint32_t lease_holder() const { return lease_holder_; }
+  [[nodiscard]] const publish::ServerLink& link() const { return link_; }
+
+ private:
+  struct Pending {
+    std::uint32_t request_id = 0;
+    std::uint64_t deadline_ns = 0;
+    Done done;
+    std::optional<contract::Event> staging_refusal;  // the staged row that was refused, kept until the set's own answer
+  };
+  struct Answered {
+    Done done;
+    CoreAnswer answer;
+  };
+
+  std::uint32_t next_request();
+  void flush_outbox();
+  bool send(contract::Command& command);
+  void read_ticks(std::uint64_t now_ns);
+  void read_events(std::vector<contract::Event>& events, std::vector<Answered>& answered);
+  void read_parameters();
+  void set_connected(bool connected);
+  void set_lease(std::uint32_t epoch, std::uint32_t holder);
+  void answer_all(CoreAnswer::Kind kind);
+
+  publish::ServerLink link_;
+  Counters& counters_;
+  CoreListener* listener_ = nullptr;
+  publish::TickReader ticks_;
+  publish::EventReader events_;
+  std::vector<contract::TickRecord> tick_buffer_;
+  std::vector<contract::Event> event_buffer_;
+  std::deque<contract::Command> outbox_;
+  std::map<std::uint32_t, Pending> pending_;
+  std::map<std::uint32_t, std::uint32_t> staged_;  // request of a staged row -> request of its set
+  std::uint32_t last_request_ = 0;
+  std::uint64_t now_ns_ = 0;
+  std::uint64_t life_ = 0;
+  std::uint64_t heard_ns_ = 0;
+  bool connected_ = false;
+  std::optional<contract::TickRecord> newest_;
+  contract::ParamsInForce parameters_{};
+  std::uint32_t lease_epoch_ = 0;
+  std::uint32_t lease_holder_ = 0;
+};
+
+}  // namespace hoist::server

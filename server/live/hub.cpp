@@ -1,0 +1,218 @@
+#include "server/live/hub.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "control/contract/can_dictionary.hpp"
+#include "control/contract/faults.hpp"
+#include "server/api/actions.hpp"
+#include "server/api/exercise.hpp"
+#include "server/http/json_text.hpp"
+#include "server/live/client.hpp"
+#include "server/live/views.hpp"
+
+namespace hoist::server {
+
+using nlohmann::json;
+
+namespace {
+// A batch is sent at the latest this many samples after it began, whatever was lost in between.
+constexpr std::size_t kBatchLimit = 64;
+
+void put(std::string& out, std::uint64_t value, int bytes) {
+  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFF));
+}
+
+SharedFrame text_frame(const json& message) { return make_frame(Opcode::text, dump_json(message)); }
+
+json lease_json(const CoreDesk& core, std::uint32_t client) {
+  return {{"type", "lease"}, {"epoch", core.lease_epoch()}, {"holder", core.lease_holder()}, {"mine", client != 0 && core.lease_holder() == client}};
+}
+
+json parameters_message(const contract::ParamsInForce& parameters) {
+  json values = json::object();
+  for (std::size_t i = 0; i < contract::kParamCount; ++i) values[std::string{contract::kParams[i].name}] = parameters.values[i];
+  return {{"type", "parameters"}, {"version", parameters.version}, {"values", std::move(values)}};
+}
+}  // namespace
+
+std::string layout_hash_hex() {
+  static constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string out;
+  for (int shift = 60; shift >= 0; shift -= 4) out.push_back(kDigits[(contract::layout_hash() >> shift) & 15U]);
+  return out;
+}
+
+json recording_json(const RecordingStatus& status) {
+  json out{{"state", recording_state_name(status.state)}, {"session", nullptr}, {"started_utc_ms", nullptr}, {"samples", status.samples}, {"durable_tick", nullptr}, {"detail", status.detail}};
+  if (status.session) out["session"] = *status.session;
+  if (status.started_utc_ms) out["started_utc_ms"] = *status.started_utc_ms;
+  if (status.durable_tick) out["durable_tick"] = *status.durable_tick;
+  return out;
+}
+
+json event_json(const contract::Event& event) {
+  using contract::EventKind;
+  json out{{"kind", contract::event_name(event.kind)}, {"tick", event.tick}, {"time_ns", event.time_ns}, {"client", event.client}};
+  switch (event.kind) {
+    case EventKind::fault_raised:
+    case EventKind::fault_cleared:
+      out["code"] = event.code;
+      for (const contract::FaultInfo& f : contract::kFaults)
+        if (f.bit == event.code) out["name"] = f.name;
+      break;
+    case EventKind::mode_changed:
+      out["code"] = event.code;
+      out["item"] = event.item;
+      if (event.code < contract::kModes.size()) out["name"] = contract::kModes[event.code].name;
+      break;
+    case EventKind::parameter_changed:
+      out["item"] = event.item;
+      out["value"] = event.value;
+      out["before"] = event.before;
+      if (const auto index = contract::find_param_id(event.item)) out["name"] = contract::kParams[*index].name;
+      break;
+    case EventKind::node_changed:
+      out["code"] = event.code;
+      out["item"] = event.item;
+      if (event.item < contract::kNodes.size()) out["name"] = contract::kNodes[event.item].name;
+      break;
+    case EventKind::command_refused:
+      out["code"] = event.code;
+      out["refusals"] = refusal_names(event.bits != 0 ? event.bits : 1U << (event.code & 31U));
+      if (const auto index = contract::find_param_id(event.item)) out["name"] = contract::kParams[*index].name;
+      break;
+    case EventKind::lease_changed: out["code"] = event.code; break;
+    default: break;
+  }
+  return out;
+}
+
+SharedFrame telemetry_frame(std::span<const contract::TickRecord> records) {
+  std::string payload;
+  payload.reserve(16 + records.size_bytes());
+  put(payload, 1, 1);  // kind: tick records
+  put(payload, 1, 1);  // version
+  put(payload, records.size(), 2);
+  put(payload, sizeof(contract::TickRecord), 4);
+  put(payload, contract::layout_hash(), 8);
+  // Little endian in memory as on the wire: every machine this runs on is.
+  static_assert(std::endian::native == std::endian::little);
+  payload.append(reinterpret_cast<const char*>(records.data()), records.size_bytes());
+  return make_frame(Opcode::binary, payload);
+}
+
+Hub::Hub() { batch_.reserve(kBatchLimit); }
+Hub::~Hub() = default;
+
+void Hub::add(std::shared_ptr<Client> client) {
+  const Services& s = *services_;
+  json welcome{{"type", "welcome"},
+               {"client", client->number()},
+               {"role", access_role(client->session()->role)},
+               {"version", kVersion},
+               {"layout_hash", layout_hash_hex()},
+               {"record_bytes", sizeof(contract::TickRecord)},
+               {"simulated", s.core.newest() ? s.core.newest()->simulated != 0 : s.settings.scenario.has_value()},
+               {"scenario", nullptr},
+               {"exercise", nullptr}};
+  if (s.settings.scenario) {
+    welcome["scenario"] = *s.settings.scenario;
+    welcome["exercise"] = exercise_json(exercise_of_scenario(*s.settings.scenario));
+  }
+  client->send(welcome);
+  client->send(json{{"type", "core"}, {"connected", s.core.connected()}});
+  if (s.core.has_parameters()) client->send(parameters_message(s.core.parameters()));
+  client->send(lease_json(s.core, client->number()));
+  json recording = recording_json(s.recorder.status());
+  recording["type"] = "recording";
+  client->send(recording);
+  clients_.push_back(std::move(client));
+}
+
+void Hub::remove(const Client* client) {
+  const auto at = std::find_if(clients_.begin(), clients_.end(), [client](const auto& c) { return c.get() == client; });
+  if (at == clients_.end()) return;
+  const std::shared_ptr<Client> held = *at;
+  clients_.erase(at);
+  // Whoever is gone drives no more: said to the core, which stops remote motion and frees the lease.
+  if (held->holds_lease())
+    act_release_lease(*services_, {held->number(), services_->core.lease_epoch(), held->session()->role}, [](const Outcome&) {});
+}
+
+void Hub::broadcast(const SharedFrame& frame) {
+  // A client that is closed for being slow leaves the list while we go through it.
+  const auto all = clients_;
+  for (const auto& client : all) client->send(frame);
+}
+
+void Hub::send_batch() {
+  if (batch_.empty()) return;
+  const SharedFrame frame = telemetry_frame(batch_);
+  batch_.clear();
+  for (const auto& client : clients_)
+    if (!client->every_tick()) client->send_telemetry(frame);
+}
+
+void Hub::on_ticks(std::span<const contract::TickRecord> records, std::uint64_t) {
+  if (clients_.empty()) {
+    batch_.clear();
+    return;
+  }
+  if (std::any_of(clients_.begin(), clients_.end(), [](const auto& c) { return c->every_tick(); })) {
+    const SharedFrame frame = telemetry_frame(records);
+    for (const auto& client : clients_)
+      if (client->every_tick()) client->send_telemetry(frame);
+  }
+  for (const contract::TickRecord& record : records) {
+    batch_.push_back(record);
+    if (batch_.size() >= kBatchSamples) send_batch();
+  }
+}
+
+void Hub::on_core(bool connected) {
+  if (!connected) batch_.clear();
+  broadcast(text_frame({{"type", "core"}, {"connected", connected}}));
+}
+
+void Hub::on_parameters(const contract::ParamsInForce& parameters) {
+  services_->recorder.set_parameters(parameters);
+  broadcast(text_frame(parameters_message(parameters)));
+}
+
+void Hub::on_lease(std::uint32_t, std::uint32_t) {
+  const auto all = clients_;
+  for (const auto& client : all) {
+    // Every step is for whoever drives; the next driver asks for it again.
+    if (!client->holds_lease()) client->set_every_tick(false);
+    client->send(lease_json(services_->core, client->number()));
+  }
+}
+
+void Hub::on_event(const contract::Event& event) {
+  // Answers to somebody's question are theirs alone.
+  if (event.kind == contract::EventKind::command_done || event.kind == contract::EventKind::none) return;
+  json message = event_json(event);
+  message["type"] = "event";
+  broadcast(text_frame(message));
+}
+
+void Hub::poll(std::uint64_t now_ns) {
+  const auto all = clients_;
+  for (const auto& client : all) client->poll(now_ns);
+  RecordingStatus status = services_->recorder.status();
+  if (status != told_) {
+    told_ = std::move(status);
+    json message = recording_json(told_);
+    message["type"] = "recording";
+    broadcast(text_frame(message));
+  }
+}
+
+void Hub::close_all() {
+  const auto all = clients_;
+  for (const auto& client : all) client->close(CloseCode::going_away, "the server ends");
+}
+
+}  // namespace hoist::server

@@ -1,0 +1,62 @@
+// All open WebSockets: hears what the core says, encodes each frame once, shares it among all clients.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "server/link/core_desk.hpp"
+#include "server/live/frame.hpp"
+#include "server/record/recorder.hpp"
+#include "server/services.hpp"
+
+namespace hoist::server {
+
+// Samples of one ordinary telemetry frame: 20 frames per second.
+inline constexpr std::size_t kBatchSamples = 5;
+
+class Client;
+
+// What the handshake needs to know besides the request.
+struct LiveTicket {
+  SessionPtr session;
+};
+
+class Hub final : public CoreListener {
+ public:
+  Hub();
+  ~Hub() override;
+  void set_services(Services& services) { services_ = &services; }
+
+  void on_core(bool connected) override;
+  void on_ticks(std::span<const contract::TickRecord> records, std::uint64_t lost) override;
+  void on_parameters(const contract::ParamsInForce& parameters) override;
+  void on_lease(std::uint32_t epoch, std::uint32_t holder) override;
+  void on_event(const contract::Event& event) override;
+
+  // Once per poll: pings, silent clients, the recording's state.
+  void poll(std::uint64_t now_ns);
+  // Every client gets a close frame; the sockets end by themselves.
+  void close_all();
+
+  void add(std::shared_ptr<Client> client);
+  void remove(const Client* client);
+  [[nodiscard]] std::size_t clients() const { return clients_.size(); }
+  [[nodiscard]] Services& services() const { return *services_; }
+
+ private:
+  void broadcast(const SharedFrame& frame);
+  void send_batch();
+
+  Services* services_ = nullptr;
+  std::vector<std::shared_ptr<Client>> clients_;
+  std::vector<contract::TickRecord> batch_;
+  RecordingStatus told_;
+};
+
+// The binary frame of some samples: 16 bytes of header, then the records as they lie in memory.
+[[nodiscard]] SharedFrame telemetry_frame(std::span<const contract::TickRecord> records);
+
+}  // namespace hoist::server
+

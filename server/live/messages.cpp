@@ -1,0 +1,212 @@
+// What each incoming message does. One function per HOIST_IN row of messages.def; an unlisted type is refused.
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "control/contract/faults.hpp"
+#include "server/api/actions.hpp"
+#include "server/live/client.hpp"
+
+namespace hoist::server {
+
+using contract::Role;
+using nlohmann::json;
+
+namespace {
+constexpr std::uint64_t kNoticeEvery_ns = 1'000'000'000;
+
+Asker asker_of(const Client& client) {
+  return {client.number(), client.hub().services().core.lease_epoch(), client.session()->role};
+}
+
+json reply_json(const json& request, const Outcome& outcome) {
+  json reply{{"type", "reply"}, {"request", request}, {"ok", outcome.done()}};
+  if (outcome.done()) {
+    if (outcome.epoch != 0) reply["epoch"] = outcome.epoch;
+    return reply;
+  }
+  reply["refusals"] = outcome.refusals;
+  reply["errors"] = to_json(outcome.errors);
+  reply["detail"] = outcome.detail;
+  return reply;
+}
+
+// The answer finds its client by a weak hold: whoever has left gets none.
+OutcomeDone reply_to(Client& client, const json& message) {
+  return [weak = client.weak_from_this(), request = message.value("request", json())](const Outcome& outcome) {
+    if (const auto held = weak.lock()) held->send(reply_json(request, outcome));
+  };
+}
+
+void refuse_fields(Client& client, const json& message, std::vector<FieldError> errors) {
+  Outcome outcome;
+  outcome.kind = Outcome::Kind::invalid;
+  outcome.errors = std::move(errors);
+  outcome.detail = "The message cannot be used.";
+  client.hub().services().counters.add(Count::ws_refused);
+  reply_to(client, message)(outcome);
+}
+
+const json& field(const json& message, const char* name) {
+  static const json kNull;
+  const auto at = message.find(name);
+  return at == message.end() ? kNull : *at;
+}
+
+namespace on {
+void lease_take(Client& client, const json& message) {
+  const json& over = field(message, "take_over");
+  act_take_lease(client.hub().services(), asker_of(client), over.is_boolean() && over.get<bool>(), reply_to(client, message));
+}
+void lease_release(Client& client, const json& message) {
+  act_release_lease(client.hub().services(), asker_of(client), reply_to(client, message));
+}
+void mode(Client& client, const json& message) {
+  act_mode(client.hub().services(), asker_of(client), field(message, "mode"), field(message, "exercise"), reply_to(client, message));
+}
+void stop(Client& client, const json&) { act_stop(client.hub().services(), client.number(), nullptr); }
+void acknowledge(Client& client, const json& message) {
+  act_acknowledge(client.hub().services(), asker_of(client), reply_to(client, message));
+}
+
+void drive(Client& client, const json& message) {
+  Services& services = client.hub().services();
+  const json& sequence = field(message, "sequence");
+  const json& echo = field(message, "echo");
+  const json& speed = field(message, "speed");
+  const json& yaw = field(message, "yaw");
+  const json& held = field(message, "held");
+  const char* refused = nullptr;
+  // A stamp is a whole number of nanoseconds; JavaScript writes large ones as doubles.
+  const auto whole = [](const json& v) { return v.is_number() && v.get<double>() >= 0 && v.get<double>() < 1.8e19; };
+  if (!whole(sequence) || !whole(echo) || !speed.is_number() || !yaw.is_number() || !held.is_boolean())
+    refused = "out_of_range";
+  else if (std::fabs(speed.get<double>()) > 1.0 || std::fabs(yaw.get<double>()) > 1.0)
+    refused = "out_of_range";
+  else if (!client.holds_lease())
+    refused = "no_lease";
+  contract::DriveCommand command;
+  if (refused == nullptr) {
+    command.lease_epoch = services.core.lease_epoch();
+    command.client = client.number();
+    command.sequence = sequence.is_number_unsigned() ? sequence.get<std::uint64_t>() : static_cast<std::uint64_t>(sequence.get<double>());
+    command.echo_time_ns = echo.is_number_unsigned() ? echo.get<std::uint64_t>() : static_cast<std::uint64_t>(echo.get<double>());
+    command.speed_norm = speed.get<double>();
+    command.yaw_norm = yaw.get<double>();
+    command.held = held.get<bool>() ? 1 : 0;
+    if (command.sequence <= client.drive_sequence)
+      refused = "out_of_order";
+    else if (!services.core.drive(command))
+      refused = "stale_command";
+    else
+      client.drive_sequence = command.sequence;
+  }
+  if (refused == nullptr) return;
+  services.counters.add(Count::ws_refused);
+  services.counters.add(Count::ws_refused_drive);
+  const std::uint64_t now = services.now_ns();
+  if (client.drive_notice_ns != 0 && now - client.drive_notice_ns < kNoticeEvery_ns) return;
+  client.drive_notice_ns = now;
+  client.send(json{{"type", "notice"}, {"level", "warning"}, {"text_key", "drive_refused"}, {"refusals", {refused}}});
+}
+
+void set(Client& client, const json& message) {
+  act_set(client.hub().services(), asker_of(client), field(message, "values"), reply_to(client, message));
+}
+void preset(Client& client, const json& message) {
+  const json& name = field(message, "name");
+  act_preset(client.hub().services(), asker_of(client), name.is_string() ? name.get<std::string>() : std::string{}, reply_to(client, message));
+}
+void neutral(Client& client, const json& message) { act_neutral(client.hub().services(), asker_of(client), reply_to(client, message)); }
+void pose(Client& client, const json& message) { act_pose(client.hub().services(), asker_of(client), message, reply_to(client, message)); }
+
+void marker(Client& client, const json& message) {
+  Services& services = client.hub().services();
+  const json& text = field(message, "text");
+  if (!text.is_string() || text.get_ref<const std::string&>().size() > db::kMaxMarker_bytes) {
+    refuse_fields(client, message, {{"text", "must be text of at most 500 bytes", {}, {}, 500.0}});
+    return;
+  }
+  auto answer = [done = reply_to(client, message), post = services.post](Outcome outcome) { post([done, outcome] { done(outcome); }); };
+  const bool taken = services.recorder.run([answer, words = text.get<std::string>()](Records& records) {
+    const RecordingStatus status = records.status();
+    Outcome outcome;
+    if (!status.session) {
+      outcome.kind = Outcome::Kind::refused;
+      outcome.detail = "Nothing is being recorded.";
+    } else if (const db::Status stored = records.marker(*status.session, words); !stored) {
+      outcome.kind = Outcome::Kind::unreachable;
+      outcome.detail = stored.error().message;
+    }
+    answer(outcome);
+  });
+  if (!taken) {
+    Outcome outcome;
+    outcome.kind = Outcome::Kind::unreachable;
+    outcome.detail = "The recorder is busy.";
+    reply_to(client, message)(outcome);
+  }
+}
+
+void stream(Client& client, const json& message) {
+  const json& every = field(message, "every_tick");
+  const bool wanted = every.is_boolean() && every.get<bool>();
+  if (wanted && !client.holds_lease()) {
+    client.send(json{{"type", "notice"}, {"level", "info"}, {"text_key", "every_tick_refused"}, {"refusals", {"no_lease"}}});
+    return;
+  }
+  client.set_every_tick(wanted);
+}
+
+void ping(Client& client, const json& message) {
+  const json& t = field(message, "t");
+  client.send(json{{"type", "pong"}, {"t", t.is_number() ? t : json(0)}, {"time_ns", client.hub().services().now_ns()}});
+}
+}  // namespace on
+
+struct Row {
+  const char* type;
+  bool answered;
+  Role role;
+  void (*handler)(Client&, const json&);
+};
+constexpr std::array kRows{
+#define HOIST_IN(type, answered, role, doc) Row{#type, answered != 0, Role::role, &on::type},
+#define HOIST_OUT(...)
+#define HOIST_FIELD(...)
+#include "server/contract/messages.def"
+#undef HOIST_IN
+#undef HOIST_OUT
+#undef HOIST_FIELD
+};
+}  // namespace
+
+void handle_message(Client& client, const json& message) {
+  Counters& counters = client.hub().services().counters;
+  const json& type = field(message, "type");
+  const std::string name = type.is_string() ? type.get<std::string>() : std::string{};
+  for (const Row& row : kRows) {
+    if (name != row.type) continue;
+    if (row.answered && !field(message, "request").is_number_integer()) {
+      refuse_fields(client, message, {{"request", "must be a whole number", {}, {}, {}}});
+      return;
+    }
+    if (client.session()->role < row.role) {
+      counters.add(Count::ws_refused);
+      Outcome outcome;
+      outcome.kind = Outcome::Kind::refused;
+      outcome.detail = "Your role may not do this.";
+      if (row.answered) reply_to(client, message)(outcome);
+      return;
+    }
+    row.handler(client, message);
+    return;
+  }
+  counters.add(Count::ws_refused);
+  counters.add(Count::ws_refused_type);
+  refuse_fields(client, message, {{"type", "There is no such message.", {}, {}, {}}});
+}
+
+}  // namespace hoist::server

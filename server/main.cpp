@@ -1,0 +1,47 @@
+// hoist-server: reads the command line, prints the link, serves until it is told to end.
+#include <pthread.h>
+#include <signal.h>
+
+#include <iostream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/app.hpp"
+#include "server/settings.hpp"
+
+int main(int argc, char** argv) {
+  using namespace hoist::server;
+  Settings settings;
+  std::string error;
+  if (!parse_settings(std::vector<std::string>(argv + 1, argv + argc), settings, error)) {
+    std::cerr << "hoist-server: " << error << "\n";
+    return 2;
+  }
+  if (settings.help) {
+    std::cout << usage();
+    return 0;
+  }
+  // Signals are taken by one thread that waits for them, so that no handler runs in the middle of anything.
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+
+  App app(settings);
+  if (!app.start(error)) {
+    std::cerr << "hoist-server: " << error << "\n";
+    return 1;
+  }
+  std::cout << "Open " << app.link() << std::endl;
+  std::thread waiter([&] {
+    int got = 0;
+    sigwait(&signals, &got);
+    app.stop();
+  });
+  waiter.detach();
+  app.run();
+  return 0;
+}

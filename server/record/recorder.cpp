@@ -1,0 +1,435 @@
+#include "server/record/recorder.hpp"
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include "control/contract/faults.hpp"
+#include "db/store/database.hpp"
+#include "db/store/session_writer.hpp"
+#include "server/services.hpp"
+
+namespace hoist::server {
+
+using contract::BusRecord;
+using contract::Event;
+using contract::TickRecord;
+
+namespace {
+constexpr auto kPass = std::chrono::milliseconds(20);
+// While the disk refuses, asked again this often.
+constexpr std::uint64_t kRetry_ns = 1'000'000'000;
+constexpr std::uint64_t kCommit_ns = 400'000'000;
+// The wall clock is compared with the steady one this often; a jump of more than this is noted in the recording.
+constexpr std::uint64_t kAnchor_ns = 1'000'000'000;
+constexpr std::int64_t kJump_ns = 50'000'000;
+// Of what came just before a recording began: what belongs to its first step may have been read before the step itself.
+constexpr std::size_t kKeptEvents = 64, kKeptFrames = 512;
+constexpr std::uint64_t kTick_ns = 10'000'000;
+constexpr std::size_t kReadTicks = 256, kReadEvents = 256, kReadFrames = 2048;
+// One pass reads at most this often, so that jobs get their turn.
+constexpr int kReadsPerPass = 16;
+
+bool moving(const TickRecord& record) { return record.mode < contract::kModes.size() && contract::kModes[record.mode].moving; }
+}  // namespace
+
+// Everything that only the recorder's thread touches.
+class Recorder::Work final : public Records {
+ public:
+  Work(Recorder& owner, const publish::ServerLink& link) : owner_(owner), ticks_(link), events_(link), bus_(link), tick_buffer_(kReadTicks), event_buffer_(kReadEvents), bus_buffer_(kReadFrames) {}
+
+  void open() {
+    now_ns_ = owner_.options_.steady_ns();
+    if (writer_) return;
+    auto writing = db::Database::open(owner_.options_.file, {.utc_now_ns = owner_.options_.utc_ns()});
+    if (!writing) return fail(writing.error());
+    writing_.emplace(std::move(*writing));
+    const db::OpenReport& report = writing_->report();
+    if (!report.set_aside.empty())
+      std::fprintf(stderr, "The database was damaged (%s); it was set aside as %s and a new one was begun.\n", report.set_aside_reason.c_str(), report.set_aside.c_str());
+    auto writer = db::SessionWriter::create(*writing_);
+    if (!writer) return fail(writer.error());
+    writer_.emplace(std::move(*writer));
+    auto reading = db::Database::attach(owner_.options_.file);
+    if (!reading) return fail(reading.error());
+    reading_.emplace(std::move(*reading));
+    error_.clear();
+  }
+
+  void pass() {
+    now_ns_ = owner_.options_.steady_ns();
+    if (!writer_ || !reading_) {
+      if (now_ns_ - tried_ns_ >= kRetry_ns) {
+        tried_ns_ = now_ns_;
+        open();
+      }
+    }
+    for (int i = 0; i < kReadsPerPass; ++i) {
+      const std::size_t ticks = read_ticks();
+      const std::size_t events = read_events();
+      const std::size_t frames = read_bus();
+      if (ticks < kReadTicks && events < kReadEvents && frames < kReadFrames) break;
+    }
+    if (session_open() && now_ns_ - committed_ns_ >= kCommit_ns) commit();
+    tell();
+  }
+
+  void finish() {
+    pass();
+    if (session_open()) end(db::CloseReason::server_stopped);
+    tell();
+  }
+
+  // ---- Records
+  db::Database* database() override { return reading_ ? &*reading_ : nullptr; }
+  std::string why() override { return error_; }
+  RecordingStatus status() override {
+    tell();
+    return owner_.status();
+  }
+  db::Status begin_manual(std::optional<std::string> subject, std::string note) override {
+    if (!writer_) return db::Error{db::ErrorKind::io, error_, ""};
+    if (session_open() && manual_) return db::Error{db::ErrorKind::wrong_state, "A recording is already running.", ""};
+    if (!last_) return db::Error{db::ErrorKind::wrong_state, "The control core is not connected: there is nothing to record.", ""};
+    if (session_open()) end(db::CloseReason::finished);
+    if (session_open()) return db::Error{db::ErrorKind::io, error_, ""};
+    return begin(*last_, std::move(subject), std::move(note), true);
+  }
+  db::Status end_manual() override {
+    if (!session_open()) return db::Error{db::ErrorKind::wrong_state, "Nothing is being recorded.", ""};
+    if (last_ && moving(*last_)) return db::Error{db::ErrorKind::wrong_state, "The recording goes on while the hoist moves.", ""};
+    return try_end(db::CloseReason::finished);
+  }
+  db::Status marker(db::SessionId session, std::string_view text) override {
+    if (!session_open() || writer_->session() != session) return db::Error{db::ErrorKind::wrong_state, "This session is not being recorded.", ""};
+    db::Status stored = writer_->append_marker(last_tick_, owner_.options_.utc_ns(), text);
+    if (!stored) return stored;
+    const auto durable = writer_->commit();
+    return durable ? db::Status{} : db::Status{durable.error()};
+  }
+
+ private:
+  [[nodiscard]] bool session_open() const { return writer_ && writer_->recording(); }
+
+  void fail(const db::Error& error) {
+    if (error.message != error_) std::fprintf(stderr, "recording: %s\n", error.message.c_str());
+    error_ = error.message.empty() ? db::error_kind_name(error.kind) : error.message;
+  }
+  void check(const db::Status& status) {
+    if (!status) fail(status.error());
+  }
+
+  // UTC now minus steady now.
+  [[nodiscard]] std::int64_t offset_ns() const {
+    return owner_.options_.utc_ns() - static_cast<std::int64_t>(owner_.options_.steady_ns());
+  }
+
+  db::Status begin(const TickRecord& first, std::optional<std::string> subject, std::string note, bool manual) {
+    db::SessionStart start;
+    start.subject = std::move(subject);
+    start.note = std::move(note);
+    start.start_time_ns = first.time_ns;
+    start.core_start_time_ns = ticks_.life();
+    offset_ns_ = offset_ns();
+    anchored_ns_ = now_ns_;
+    start.started_utc_ns = static_cast<std::int64_t>(first.time_ns) + offset_ns_;
+    start.simulated = first.simulated != 0;
+    start.layout_hash = contract::layout_hash();
+    start.software_version = owner_.options_.version;
+    contract::ParamsInForce parameters;
+    {
+      const std::lock_guard lock(owner_.mutex_);
+      if (!manual) start.exercise_json = owner_.exercise_;
+      parameters = owner_.parameters_;
+    }
+    if (parameters.version != 0) start.parameter_values = parameters.values;
+    const auto begun = writer_->begin(start);
+    if (!begun) {
+      fail(begun.error());
+      return begun.error();
+    }
+    error_.clear();
+    manual_ = manual;
+    life_ = ticks_.life();
+    samples_ = 0;
+    started_utc_ms_ = start.started_utc_ns / 1'000'000;
+    first_tick_ = first.tick;
+    last_tick_ = first.tick;
+    fresh_ = true;
+    committed_ns_ = now_ns_;
+    std::vector<Event> events;
+    for (const Event& event : kept_events_)
+      if (event.tick >= first.tick) events.push_back(event);
+    std::vector<BusRecord> frames;
+    for (const BusRecord& frame : kept_frames_)
+      if (frame.time_ns + kTick_ns >= first.time_ns) frames.push_back(frame);
+    kept_events_.clear();
+    kept_frames_.clear();
+    if (!events.empty()) check(writer_->append_events(events));
+    if (!frames.empty()) check(writer_->append_bus(frames));
+    return {};
+  }
+
+  // What goes wrong is told and tried again with the next commit.
+  void end(db::CloseReason reason) {
+    if (!try_end(reason)) end_again_ = reason;
+  }
+
+  db::Status try_end(db::CloseReason reason) {
+    db::Status ended = writer_->end(reason, owner_.options_.utc_ns());
+    if (!ended) {
+      fail(ended.error());
+      return ended;
+    }
+    end_again_.reset();
+    error_.clear();
+    quiet_since_ns_ = 0;
+    return {};
+  }
+
+  void commit() {
+    committed_ns_ = now_ns_;
+    if (end_again_) {
+      end(*end_again_);
+      return;
+    }
+    const auto durable = writer_->commit();
+    if (!durable)
+      fail(durable.error());
+    else
+      error_.clear();
+    if (now_ns_ - anchored_ns_ >= kAnchor_ns) {
+      anchored_ns_ = now_ns_;
+      const std::int64_t now = offset_ns();
+      if (now - offset_ns_ > kJump_ns || offset_ns_ - now > kJump_ns) {
+        offset_ns_ = now;
+        check(writer_->append_utc_anchor(last_time_ns_, static_cast<std::int64_t>(last_time_ns_) + now));
+      }
+    }
+  }
+
+  std::size_t read_ticks() {
+    const auto got = ticks_.read(tick_buffer_);
+    if (got.count == 0) return 0;
+    if (session_open() && ticks_.life() != life_) {
+      // The old core is gone; what it said is stored. What follows is another session, and the time between belongs to neither.
+      end(db::CloseReason::core_restarted);
+    }
+    std::size_t from = 0;
+    if (session_open() && !fresh_ && got.lost > 0 && tick_buffer_[0].tick > last_tick_ + 1)
+      check(writer_->append_gap("ticks", last_tick_ + 1, tick_buffer_[0].tick - 1, "recorder_late"));
+    for (std::size_t i = 0; i < got.count; ++i) {
+      const TickRecord& record = tick_buffer_[i];
+      const bool was_moving = last_ && ticks_.life() == last_life_ && moving(*last_);
+      const bool starts = moving(record) && !was_moving;
+      if (starts && session_open() && !manual_) {
+        append(from, i);
+        from = i;
+        end(db::CloseReason::finished);
+      }
+      if (starts && session_open() && manual_) name_exercise();
+      // Also when the disk refused at the start: asked again while motion lasts, so that the rest is recorded.
+      if (moving(record) && writer_ && !session_open() && (starts || now_ns_ - begin_tried_ns_ >= kRetry_ns)) {
+        begin_tried_ns_ = now_ns_;
+        from = i;
+        check(begin(record, std::nullopt, "", false));
+      }
+      if (!session_open()) from = i + 1;
+      last_ = record;
+      last_life_ = ticks_.life();
+      if (session_open() && !manual_ && over(record)) {
+        append(from, i + 1);
+        from = i + 1;
+        end(db::CloseReason::finished);
+      }
+    }
+    append(from, got.count);
+    return got.count;
+  }
+
+  void append(std::size_t from, std::size_t to) {
+    if (!session_open() || from >= to) return;
+    fresh_ = false;
+    samples_ += to - from;
+    last_tick_ = tick_buffer_[to - 1].tick;
+    last_time_ns_ = tick_buffer_[to - 1].time_ns;
+    check(writer_->append_ticks(std::span(tick_buffer_).subspan(from, to - from)));
+  }
+
+  // Motion has ended for good.
+  bool over(const TickRecord& record) {
+    if (moving(record)) {
+      quiet_since_ns_ = 0;
+      return false;
+    }
+    const bool stopped = record.mode == static_cast<std::uint8_t>(contract::Mode::protective_stop);
+    if (stopped && record.standing_still == 0) {
+      quiet_since_ns_ = 0;
+      return false;
+    }
+    if (quiet_since_ns_ == 0 || quiet_mode_ != record.mode) {
+      quiet_since_ns_ = record.time_ns;
+      quiet_mode_ = record.mode;
+    }
+    const double limit_s = stopped ? kAfterStop_s : kAfterStandby_s;
+    return static_cast<double>(record.time_ns - quiet_since_ns_) * 1e-9 >= limit_s;
+  }
+
+  // A recording that was begun by hand learns what is walked in it.
+  void name_exercise() {
+    std::optional<std::string> exercise;
+    {
+      const std::lock_guard lock(owner_.mutex_);
+      exercise = owner_.exercise_;
+    }
+    if (!exercise || !reading_) return;
+    db::SessionPatch patch;
+    patch.exercise_json = exercise;
+    check(db::SessionEditor(*reading_).patch(writer_->session(), patch));
+  }
+
+  std::size_t read_events() {
+    const auto got = events_.read(event_buffer_);
+    std::size_t from = 0;
+    if (session_open() && events_.life() == life_) {
+      if (got.lost > 0) check(writer_->append_gap("events", last_tick_, got.count > 0 ? event_buffer_[0].tick : last_tick_, "recorder_late"));
+      // A record of an earlier step than the session's first is not part of it.
+      while (from < got.count && event_buffer_[from].tick < first_tick_) ++from;
+      if (from < got.count) check(writer_->append_events(std::span(event_buffer_).subspan(from, got.count - from)));
+    } else {
+      for (std::size_t i = 0; i < got.count; ++i) kept_events_.push_back(event_buffer_[i]);
+      while (kept_events_.size() > kKeptEvents) kept_events_.pop_front();
+    }
+    return got.count;
+  }
+
+  std::size_t read_bus() {
+    const auto got = bus_.read(bus_buffer_);
+    if (session_open() && bus_.life() == life_) {
+      if (got.lost > 0) check(writer_->append_gap("bus", last_tick_, last_tick_, "recorder_late"));
+      if (got.count > 0) check(writer_->append_bus(std::span(bus_buffer_).first(got.count)));
+    } else {
+      for (std::size_t i = 0; i < got.count; ++i) kept_frames_.push_back(bus_buffer_[i]);
+      while (kept_frames_.size() > kKeptFrames) kept_frames_.pop_front();
+    }
+    return got.count;
+  }
+
+  void tell() {
+    RecordingStatus status;
+    status.detail = error_;
+    if (session_open()) {
+      status.state = error_.empty() ? RecordingState::recording : RecordingState::failed;
+      status.session = writer_->session();
+      status.started_utc_ms = started_utc_ms_;
+      status.samples = samples_;
+      status.durable_tick = writer_->durable().last_tick;
+    } else {
+      status.state = error_.empty() ? RecordingState::idle : RecordingState::failed;
+    }
+    const std::lock_guard lock(owner_.mutex_);
+    // Samples count up with every pass; what is told changes with every commit, so that nobody is told fifty times a second.
+    if (status.session == owner_.status_.session && status.state == owner_.status_.state && status.detail == owner_.status_.detail &&
+        status.durable_tick == owner_.status_.durable_tick)
+      return;
+    owner_.status_ = std::move(status);
+  }
+
+  Recorder& owner_;
+  publish::TickReader ticks_;
+  publish::EventReader events_;
+  publish::BusReader bus_;
+  std::vector<TickRecord> tick_buffer_;
+  std::vector<Event> event_buffer_;
+  std::vector<BusRecord> bus_buffer_;
+  std::deque<Event> kept_events_;
+  std::deque<BusRecord> kept_frames_;
+  std::optional<db::Database> writing_;
+  std::optional<db::Database> reading_;
+  std::optional<db::SessionWriter> writer_;
+  std::string error_;
+  std::optional<TickRecord> last_;
+  std::uint64_t last_life_ = 0;
+  std::optional<db::CloseReason> end_again_;
+  bool manual_ = false;
+  bool fresh_ = true;
+  std::uint64_t life_ = 0;
+  std::uint64_t samples_ = 0;
+  std::int64_t started_utc_ms_ = 0;
+  std::int64_t offset_ns_ = 0;
+  std::uint64_t anchored_ns_ = 0;
+  std::uint64_t first_tick_ = 0;
+  std::uint64_t last_tick_ = 0;
+  std::uint64_t last_time_ns_ = 0;
+  std::uint64_t quiet_since_ns_ = 0;
+  std::uint8_t quiet_mode_ = 0;
+  std::uint64_t committed_ns_ = 0;
+  std::uint64_t tried_ns_ = 0;
+  std::uint64_t begin_tried_ns_ = 0;
+  std::uint64_t now_ns_ = 0;
+};
+
+Recorder::Recorder(const publish::ServerLink& link, Options options) : options_(std::move(options)), work_(std::make_unique<Work>(*this, link)) {}
+Recorder::~Recorder() { stop(); }
+
+void Recorder::start() { thread_ = std::thread([this] { main(); }); }
+
+void Recorder::stop() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  wake_.notify_one();
+  thread_.join();
+}
+
+void Recorder::set_parameters(const contract::ParamsInForce& parameters) {
+  const std::lock_guard lock(mutex_);
+  parameters_ = parameters;
+}
+
+void Recorder::set_exercise(std::optional<std::string> exercise_json) {
+  const std::lock_guard lock(mutex_);
+  exercise_ = std::move(exercise_json);
+}
+
+RecordingStatus Recorder::status() const {
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+bool Recorder::run(Job job) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (ending_ || jobs_.size() >= kJobLimit) return false;
+    jobs_.push_back(std::move(job));
+  }
+  wake_.notify_one();
+  return true;
+}
+
+void Recorder::main() {
+  work_->open();
+  while (true) {
+    Job job;
+    bool ending = false;
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait_for(lock, kPass, [this] { return ending_ || !jobs_.empty(); });
+      if (!jobs_.empty()) {
+        job = std::move(jobs_.front());
+        jobs_.pop_front();
+      }
+      ending = ending_ && !job;
+    }
+    if (ending) break;
+    work_->pass();
+    if (job) job(*work_);
+  }
+  work_->finish();
+}
+
+}  // namespace hoist::server

@@ -1,0 +1,94 @@
+// The recorder's thread: everything the core publishes goes into the database while something is being recorded, and every other use of
+// the database runs here too, so that a slow disk never holds up the network. Therapy goes on whatever the disk does.
+#pragma once
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "control/contract/shared_memory.hpp"
+#include "control/publish/server_link.hpp"
+#include "db/store/session_reader.hpp"
+#include "db/store/session_types.hpp"
+
+namespace hoist::server {
+
+// Jobs that wait for the recorder's thread; more are refused.
+inline constexpr std::size_t kJobLimit = 64;
+// After motion the recording goes on for this long, so that the roll-out is in it.
+inline constexpr double kAfterStandby_s = 3.0;
+inline constexpr double kAfterStop_s = 10.0;
+
+enum class RecordingState : std::uint8_t { idle, recording, failed };
+[[nodiscard]] constexpr const char* recording_state_name(RecordingState state) {
+  return state == RecordingState::idle ? "idle" : state == RecordingState::recording ? "recording" : "failed";
+}
+struct RecordingStatus {
+  RecordingState state = RecordingState::idle;
+  std::optional<db::SessionId> session;
+  std::optional<std::int64_t> started_utc_ms;
+  std::uint64_t samples = 0;
+  std::optional<std::uint64_t> durable_tick;
+  std::string detail;  // why it failed, in a sentence
+  bool operator==(const RecordingStatus&) const = default;
+};
+
+// What a job may use, on the recorder's thread only. `database` is null while it cannot be opened; `why` says why.
+class Records {
+ public:
+  virtual ~Records() = default;
+  virtual db::Database* database() = 0;
+  virtual std::string why() = 0;
+  virtual db::Status begin_manual(std::optional<std::string> subject, std::string note) = 0;
+  virtual db::Status end_manual() = 0;
+  virtual db::Status marker(db::SessionId session, std::string_view text) = 0;
+  virtual RecordingStatus status() = 0;
+};
+
+class Recorder {
+ public:
+  using Job = std::function<void(Records&)>;
+  struct Options {
+    std::filesystem::path file;
+    std::string version;
+    std::function<std::int64_t()> utc_ns;      // wall clock
+    std::function<std::uint64_t()> steady_ns;  // the clock that the core uses
+  };
+  // The link's readers are made here; the link itself is not used afterwards.
+  Recorder(const publish::ServerLink& link, Options options);
+  ~Recorder();
+  void start();
+  // Commits, closes the open session and joins.
+  void stop();
+
+  // From the network thread.
+  void set_parameters(const contract::ParamsInForce& parameters);
+  // What the next motion walks, as stored in the database; nothing = free.
+  void set_exercise(std::optional<std::string> exercise_json);
+  [[nodiscard]] RecordingStatus status() const;
+  // False when too many wait; then the job is not run.
+  [[nodiscard]] bool run(Job job);
+
+ private:
+  class Work;
+  void main();
+
+  Options options_;
+  std::unique_ptr<Work> work_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<Job> jobs_;
+  bool ending_ = false;
+  RecordingStatus status_;
+  contract::ParamsInForce parameters_{};
+  std::optional<std::string> exercise_;
+  std::thread thread_;
+};
+
+}  // namespace hoist::server

@@ -1,0 +1,36 @@
+// What every handler may use. Owned by App; all of it is touched by the network thread only (the recorder guards itself).
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "server/counters.hpp"
+#include "server/http/auth.hpp"
+#include "server/link/core_desk.hpp"
+#include "server/record/recorder.hpp"
+#include "server/settings.hpp"
+
+namespace hoist::server {
+
+class Hub;
+
+inline constexpr std::string_view kVersion = "0.1.0";
+
+struct Services {
+  const Settings& settings;
+  Counters& counters;
+  Auth& auth;
+  CoreDesk& core;
+  Hub& hub;
+  Recorder& recorder;
+  std::function<std::uint64_t()> now_ns;            // steady
+  std::function<std::int64_t()> utc_ns;             // wall
+  std::function<void(std::function<void()>)> post;  // runs something on the network thread; the only member that any thread may call
+  std::function<std::uint32_t()> next_client;       // numbers for connections and REST sessions, never used twice
+  std::string base_url = {};  // http://127.0.0.1:8080
+  std::int64_t started_utc_ns = 0;
+  std::uint64_t started_ns = 0;
+};
+
+}  // namespace hoist::server

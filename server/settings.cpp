@@ -1,0 +1,73 @@
+#include "server/settings.hpp"
+
+#include <charconv>
+
+namespace hoist::server {
+
+std::string usage() {
+  return "hoist-server: console, REST and WebSocket for one hoist\n"
+         "\n"
+         "  --socket FILE      Unix socket of hoist-control (required)\n"
+         "  --db FILE          database with all sessions (required; made when missing)\n"
+         "  --web DIR          the built console; without it only the API is served\n"
+         "  --port N           TCP port, 8080 when not given; 0 takes any free one\n"
+         "  --bind ADDRESS     127.0.0.1 (when not given) or ::1\n"
+         "  --host NAME        further name under which browsers may call; may be repeated\n"
+         "  --scenario NAME    what the simulator plays: chooses the exercise offered first\n"
+         "  --token-file FILE  where the token for scripts is written, readable only by this user\n"
+         "  --help             this text\n";
+}
+
+bool parse_settings(const std::vector<std::string>& arguments, Settings& settings, std::string& error) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& option = arguments[i];
+    if (option == "--help" || option == "-h") {
+      settings.help = true;
+      return true;
+    }
+    const bool known = option == "--socket" || option == "--db" || option == "--web" || option == "--port" || option == "--bind" ||
+                       option == "--host" || option == "--scenario" || option == "--token-file";
+    if (!known) {
+      error = "unknown option " + option + "; see --help";
+      return false;
+    }
+    if (i + 1 >= arguments.size() || arguments[i + 1].empty()) {
+      error = option + " needs a value";
+      return false;
+    }
+    const std::string& value = arguments[++i];
+    if (option == "--socket") settings.socket_path = value;
+    if (option == "--db") settings.db_path = value;
+    if (option == "--web") settings.web_dir = value;
+    if (option == "--bind") settings.bind = value;
+    if (option == "--host") settings.hosts.push_back(value);
+    if (option == "--scenario") settings.scenario = value;
+    if (option == "--token-file") settings.token_file = value;
+    if (option == "--port") {
+      unsigned port = 0;
+      const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), port);
+      if (code != std::errc{} || end != value.data() + value.size() || port > 65535) {
+        error = "--port must be a number from 0 to 65535, not " + value;
+        return false;
+      }
+      settings.port = static_cast<std::uint16_t>(port);
+    }
+  }
+  if (settings.bind != "127.0.0.1" && settings.bind != "::1") {
+    error = "--bind " + settings.bind +
+            " is refused: without TLS anyone on the network could read the session and drive the hoist, so only this computer "
+            "(127.0.0.1 or ::1) may connect for now";
+    return false;
+  }
+  if (settings.socket_path.empty()) {
+    error = "--socket FILE is required; see --help";
+    return false;
+  }
+  if (settings.db_path.empty()) {
+    error = "--db FILE is required; see --help";
+    return false;
+  }
+  return true;
+}
+
+}  // namespace hoist::server

@@ -1,0 +1,27 @@
+// What the command line says.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hoist::server {
+
+struct Settings {
+  std::string socket_path;
+  std::string bind = "127.0.0.1";
+  std::uint16_t port = 8080;  // 0 = any free one
+  std::filesystem::path web_dir;
+  std::filesystem::path db_path;
+  std::optional<std::string> scenario;
+  std::filesystem::path token_file;
+  std::vector<std::string> hosts;
+  bool help = false;
+};
+
+[[nodiscard]] std::string usage();
+// Reads the arguments after the program's name. False with a sentence in `error` for anything unknown, incomplete or not allowed.
+[[nodiscard]] bool parse_settings(const std::vector<std::string>& arguments, Settings& settings, std::string& error);
+
+}  // namespace hoist::server
