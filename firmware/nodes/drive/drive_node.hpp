@@ -19,6 +19,7 @@ namespace hoist::firmware {
 inline constexpr float kEncoderCountsPerTurn = 2000;   // of the motor shaft: 500 lines, four edges each
 inline constexpr float kServoTick_s = 0.001F;          // paper S2: 1 kHz
 inline constexpr float kWindingOhm = 1.2F;             // motor model of the research page (assumed, to be measured)
+inline constexpr float kGenerated_v_s_rad = 0.115F;    // of the same model
 inline constexpr float kUnderVoltage_v = 19.0F;        // hazard H12
 inline constexpr float kSupplyBack_v = 20.0F;          // a reset of that fault needs this much
 inline constexpr std::uint32_t kUnderVoltage_ms = 10;  // longer than the sag of one current peak
@@ -189,8 +190,11 @@ class DriveNode {
   }
 
   void enable() {
-    // A wheel that is being pushed is taken over at its speed and braked on the ramp, not at the current limit.
+    // A wheel that is being pushed is taken over at its speed and the voltage that it generates, and then braked on the ramp: otherwise
+    // the first tick would short it.
     servo_.reference_rad_s.value = speed_rad_s_;
+    servo_.integral_v = kGenerated_v_s_rad * speed_rad_s_;
+    servo_.applied_v = servo_.integral_v;
     restart_watches();
     leaving_ = false;
     state_ = State::operation_enabled;

@@ -99,6 +99,17 @@ TEST_F(TiltTest, APushDuringTheStillTimeIsNoStandstill) {
   EXPECT_EQ(status() & kConverged, 0);
 }
 
+TEST_F(TiltTest, AMissingSampleBeginsTheStillTimeAnew) {
+  cycles(150);
+  board_.imu_fresh = false;
+  cycles(1);
+  board_.imu_fresh = true;
+  cycles(199);
+  EXPECT_EQ(status(), kValid);
+  cycles(1);
+  EXPECT_EQ(status(), kValid | kConverged);
+}
+
 TEST_F(TiltTest, FollowsAMotionWithinTheFiltersReach) {
   cycles(200);
   alpha_rate_ = 10 * kDegree;
