@@ -87,7 +87,7 @@ export function HoistPicture() {
           <rect class="p-wheel" x="48" y="-6" width="12" height="34" rx="4" />
           <circle class="p-castor" cx="-52" cy="-52" r="5" />
           <circle class="p-castor" cx="52" cy="-52" r="5" />
-          <rect class="p-zone" x="-40" y={-deadLean * fullLean_px} width="80" height={2 * deadLean * fullLean_px} />
+          <rect class="p-zone" x="-49" y={-deadLean * fullLean_px} width="98" height={2 * deadLean * fullLean_px} />
           <path class="p-limit" d={`M-34 ${-fullLean_px}H34M-34 ${fullLean_px - 6}H34`} />
           <g ref={ref('patient')}>
             <path class="p-bar" d="M-40 0H40" />
