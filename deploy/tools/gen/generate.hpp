@@ -18,8 +18,10 @@ std::vector<GeneratedFile> generate_all();
 
 // One function per kind of file; generate_all() is the list.
 std::vector<GeneratedFile> typescript_files();
+GeneratedFile messages_file();
 std::vector<GeneratedFile> markdown_files();
 GeneratedFile dbc_file();
+GeneratedFile openapi_file();
 std::vector<GeneratedFile> eds_files();
 
 // The lock of ids: every id that was ever given away, one per line ("param 20 lean_dead_band_norm"). A row that leaves its table

@@ -1,11 +1,8 @@
 // The console's view of the tables: types and descriptions, and the reading of one tick record from the wire.
 #include <string>
 
-#include "control/contract/can_dictionary.hpp"
-#include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
-#include "control/contract/shared_memory.hpp"
 #include "control/contract/signals.hpp"
 #include "deploy/tools/gen/generate.hpp"
 
@@ -273,33 +270,8 @@ export const modes: readonly ModeInfo[] = [
   return {"web/src/contract/faults.gen.ts", out + "];\n"};
 }
 
-GeneratedFile messages_file() {
-  std::string out = head("control/contract/commands.hpp and can_dictionary.def");
-  out += "/** What the core reports, by the number it has on the wire. */\nexport const eventKinds = [";
-  // The names end where event_name has no further one.
-  constexpr std::uint32_t kKindsMost = 64;
-  for (std::uint32_t kind = 0; kind < kKindsMost; ++kind) {
-    const auto name = event_name(static_cast<EventKind>(kind));
-    if (kind > 0 && name == event_name(EventKind::none)) break;
-    out += "\n  " + quoted(name) + ",";
-  }
-  out += "\n] as const;\nexport type EventKind = (typeof eventKinds)[number];\n\n";
-  out += name_union("NodeName", kNodes);
-  out +=
-      "\nexport interface NodeInfo {\n  name: NodeName;\n  id: number;\n  title: string;\n}\n\n/** The nodes of the bus, in the order of "
-      "their numbers in events. */\n"
-      "export const nodes: readonly NodeInfo[] = [\n";
-  for (const auto& node : kNodes) {
-    out += "  { name: " + quoted(node.name) + ", id: " + std::to_string(node.id) + ", title: " + quoted(node.title) + " },\n";
-  }
-  out += "];\n\n/** Two programs with different hashes do not understand each other. */\nexport const layoutHash = '";
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  for (int shift = 60; shift >= 0; shift -= 4) out += kDigits[(layout_hash() >> shift) & 0xFU];
-  return {"web/src/contract/messages.gen.ts", out + "';\n"};
-}
-
 }  // namespace
 
-std::vector<GeneratedFile> typescript_files() { return {params_file(), signals_file(), faults_file(), messages_file()}; }
+std::vector<GeneratedFile> typescript_files() { return {params_file(), signals_file(), faults_file()}; }
 
 }  // namespace hoist::gen

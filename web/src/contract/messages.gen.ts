@@ -1,4 +1,255 @@
-// Made by `deploy/dev gen` from control/contract/commands.hpp and can_dictionary.def; do not edit.
+// Made by `deploy/dev gen` from server/contract/messages.def, control/contract/commands.hpp and can_dictionary.def; do not edit.
+
+/** What is walked; null and free mean the same. */
+export type Exercise =
+  | { shape: 'eight'; c_m: number; radius_m: number }
+  | { shape: 'square'; side_m: number }
+  | { shape: 'straight'; length_m: number }
+  | { shape: 'free' };
+
+/** Which field was refused and what is allowed. */
+export interface FieldError {
+  field: string;
+  value?: number | string | null;
+  min?: number;
+  max?: number;
+  message?: string;
+}
+
+/** Take control; take_over takes it from somebody else while standing still. */
+export interface LeaseTakeRequest {
+  type: 'lease_take';
+  /** Comes back in the reply. */
+  request: number;
+  /** Also when somebody else is in control. */
+  take_over?: boolean;
+}
+
+/** Give control back. */
+export interface LeaseReleaseRequest {
+  type: 'lease_release';
+  /** Comes back in the reply. */
+  request: number;
+}
+
+/** Start or end motion. The pose is set to the start of the exercise first. */
+export interface ModeRequest {
+  type: 'mode';
+  /** Comes back in the reply. */
+  request: number;
+  /** What to change to. */
+  mode: "user" | "remote" | "standby";
+  /** What is walked; goes into the recording. */
+  exercise?: Exercise | null;
+}
+
+/** STOP. Never refused. */
+export interface StopRequest {
+  type: 'stop';
+}
+
+/** Leave a stop once its cause is gone. */
+export interface AcknowledgeRequest {
+  type: 'acknowledge';
+  /** Comes back in the reply. */
+  request: number;
+}
+
+/** Driving command, 25 per second while held. Not answered; refusals are counted and told at most once per second. */
+export interface DriveRequest {
+  type: 'drive';
+  /** Rises with every message of one connection. */
+  sequence: number;
+  /** time_ns of the newest record seen. */
+  echo: number;
+  /** -1 to 1 of the driving limit, forward positive. */
+  speed: number;
+  /** -1 to 1 of the turning limit, left positive. */
+  yaw: number;
+  /** The dead-man is held. */
+  held: boolean;
+}
+
+/** Change parameters, all or nothing. */
+export interface SetRequest {
+  type: 'set';
+  /** Comes back in the reply. */
+  request: number;
+  /** Names and new values. */
+  values: Record<string, number>;
+}
+
+/** Set all values of a preset. */
+export interface PresetRequest {
+  type: 'preset';
+  /** Comes back in the reply. */
+  request: number;
+  /** Name of the preset. */
+  name: string;
+}
+
+/** Take the way the patient stands now as upright. */
+export interface NeutralRequest {
+  type: 'neutral';
+  /** Comes back in the reply. */
+  request: number;
+}
+
+/** Set the odometry's pose while standing still. */
+export interface PoseRequest {
+  type: 'pose';
+  /** Comes back in the reply. */
+  request: number;
+  x_m: number;
+  y_m: number;
+  psi_rad: number;
+}
+
+/** Set a marker now in the session that is being recorded. */
+export interface MarkerRequest {
+  type: 'marker';
+  /** Comes back in the reply. */
+  request: number;
+  /** At most 500 bytes. */
+  text: string;
+}
+
+/** Choose how often live values come; every step only for whoever is in control. */
+export interface StreamRequest {
+  type: 'stream';
+  every_tick: boolean;
+}
+
+/** Measure the way there and back. */
+export interface PingRequest {
+  type: 'ping';
+  /** Comes back in the pong. */
+  t: number;
+}
+
+/** What the console may send. */
+export type ClientMessage =
+  | LeaseTakeRequest
+  | LeaseReleaseRequest
+  | ModeRequest
+  | StopRequest
+  | AcknowledgeRequest
+  | DriveRequest
+  | SetRequest
+  | PresetRequest
+  | NeutralRequest
+  | PoseRequest
+  | MarkerRequest
+  | StreamRequest
+  | PingRequest;
+
+/** First message: who you are, what runs here. */
+export interface WelcomeMessage {
+  type: 'welcome';
+  /** Number of this connection. */
+  client: number;
+  role: string;
+  version: string;
+  /** 16 hexadecimal digits; a page made for another layout reloads. */
+  layout_hash: string;
+  record_bytes: number;
+  simulated: boolean;
+  scenario: string | null;
+  /** Chosen when nothing else is. */
+  exercise: Exercise | null;
+}
+
+/** Answer to a message with `request`. */
+export interface ReplyMessage {
+  type: 'reply';
+  request: number;
+  ok: boolean;
+  /** Names of the refusal table. */
+  refusals?: string[];
+  /** Which field, what is allowed. */
+  errors?: FieldError[];
+  detail?: string;
+  /** Number of the lease just taken. */
+  epoch?: number;
+}
+
+/** Something the core did. */
+export interface EventMessage {
+  type: 'event';
+  kind: string;
+  tick: number;
+  time_ns: number;
+  code?: number;
+  /** Name of the fault, mode, parameter or node. */
+  name?: string;
+  item?: number;
+  value?: number;
+  before?: number;
+  client?: number;
+  refusals?: string[];
+}
+
+/** Values in force, on connecting and after each change. */
+export interface ParametersMessage {
+  type: 'parameters';
+  version: number;
+  values: Record<string, number>;
+}
+
+/** Who is in control. */
+export interface LeaseMessage {
+  type: 'lease';
+  epoch: number;
+  /** 0 for nobody. */
+  holder: number;
+  mine: boolean;
+}
+
+/** What is being recorded. */
+export interface RecordingMessage {
+  type: 'recording';
+  state: "idle" | "recording" | "failed";
+  session: number | null;
+  started_utc_ms: number | null;
+  samples: number;
+  /** Newest step that is safe on disk. */
+  durable_tick: number | null;
+  detail: string;
+}
+
+/** Whether the control core answers. */
+export interface CoreMessage {
+  type: 'core';
+  connected: boolean;
+}
+
+/** Answer to ping. */
+export interface PongMessage {
+  type: 'pong';
+  t: number;
+  /** The server's steady clock. */
+  time_ns: number;
+}
+
+/** Something to tell the person. */
+export interface NoticeMessage {
+  type: 'notice';
+  level: "info" | "warning";
+  text_key: string;
+  refusals?: string[];
+}
+
+/** What the server sends as text. */
+export type ServerMessage =
+  | WelcomeMessage
+  | ReplyMessage
+  | EventMessage
+  | ParametersMessage
+  | LeaseMessage
+  | RecordingMessage
+  | CoreMessage
+  | PongMessage
+  | NoticeMessage;
 
 /** What the core reports, by the number it has on the wire. */
 export const eventKinds = [
@@ -44,4 +295,4 @@ export const nodes: readonly NodeInfo[] = [
 ];
 
 /** Two programs with different hashes do not understand each other. */
-export const layoutHash = '86b9d280b235a491';
+export const layoutHash = '5ff6ae93f6c0d2ec';
