@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/core/command/commands.hpp"
@@ -79,7 +80,7 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
 }
 
 void take_commands(CoreState& state, const TickInputs& inputs) noexcept {
-  watch_server(state, inputs.server_heartbeat);
+  watch_server(state, inputs.server_heartbeat, inputs.server_life);
   for (std::size_t i = 0; i < inputs.commands.size(); ++i) {
     // Copied once: what is checked is what is used, whoever else can write there.
     const contract::Command command = inputs.commands[i];
@@ -162,6 +163,8 @@ void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOu
 void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& out) noexcept {
   out.frames.clear();
   out.events.clear();
+  // Also the few bytes behind the last value: equal steps are equal byte for byte, in memory and in a replay.
+  std::memset(static_cast<void*>(&out.record), 0, sizeof out.record);
   state.tick = inputs.tick;
   state.time_ns = inputs.time_ns;
   if (!state.started) {

@@ -264,8 +264,8 @@ void take_drive_command(CoreState& state, const contract::DriveCommand& command)
   if (!state.remote.take(command, state.lease, state.time_ns, state.params.remote_stop_age_s)) ++state.commands_refused;
 }
 
-void watch_server(CoreState& state, std::uint64_t heartbeat) noexcept {
-  if (state.server.update(heartbeat) == ServerWatch::News::none) return;
+void watch_server(CoreState& state, std::uint64_t heartbeat, std::uint64_t life) noexcept {
+  if (state.server.update(heartbeat, life) == ServerWatch::News::none) return;
   // Gone, or another one: nobody it knew drives any more, and its numbers begin anew.
   give_lease(state, 0);
   state.staging.rows.clear();

@@ -18,6 +18,6 @@ void take_surplus_command(CoreState& state, const contract::Command& command) no
 /// The newest driving command. No event: it comes 25 times a second, and its effect is in every record.
 void take_drive_command(CoreState& state, const contract::DriveCommand& command) noexcept;
 /// Whether the server still lives; when it does not, nobody drives.
-void watch_server(CoreState& state, std::uint64_t heartbeat) noexcept;
+void watch_server(CoreState& state, std::uint64_t heartbeat, std::uint64_t life) noexcept;
 
 }  // namespace hoist::core

@@ -8,13 +8,16 @@ class ServerWatch {
  public:
   enum class News : std::uint8_t { none, lost, restarted };
 
-  [[nodiscard]] News update(std::uint64_t heartbeat) noexcept {
+  /// `life` tells servers apart: 0 while none is attached, another number for each one that attaches.
+  [[nodiscard]] News update(std::uint64_t heartbeat, std::uint64_t life = 0) noexcept {
     const std::uint64_t before = heartbeat_;
     const bool moved = known_ && heartbeat != before;
+    const bool another = known_ && life != life_;
+    life_ = life;
     heartbeat_ = heartbeat;
     known_ = true;
     if (moved) {
-      const bool restarted = alive_ && heartbeat < before;
+      const bool restarted = another || (alive_ && heartbeat < before);
       alive_ = true;
       seen_ = true;
       silent_ticks_ = 0;
@@ -32,7 +35,7 @@ class ServerWatch {
  private:
   static constexpr std::uint32_t kSilentTicks = 25;
 
-  std::uint64_t heartbeat_ = 0;
+  std::uint64_t heartbeat_ = 0, life_ = 0;
   std::uint32_t silent_ticks_ = 0;
   bool known_ = false, alive_ = false, seen_ = false;
 };

@@ -29,6 +29,11 @@ class TiltSensor {
     const auto steps = static_cast<std::uint8_t>(counter - counter_);
     heard_.renew();
     status_ = status;
+    if ((status & tilt_status::kValid) == 0) {
+      // The sensor says itself that this is no sample (H8); its counter may stand without being frozen.
+      repeated_frames_ = 0;
+      return;
+    }
     // The same sample twice is no news: it may be a sensor whose processor stands while its bus controller repeats (H6).
     if (known_ && steps == 0) {
       if (repeated_frames_ < kOldestTicks) ++repeated_frames_;
@@ -36,7 +41,6 @@ class TiltSensor {
     }
     repeated_frames_ = 0;
     counter_ = counter;
-    if ((status & tilt_status::kValid) == 0) return;
     const double alpha_rad = static_cast<double>(contract::read_slot(frame, kAlpha)) * (kAlpha.scale * kRadPerDeg);
     const double beta_rad = static_cast<double>(contract::read_slot(frame, kBeta)) * (kBeta.scale * kRadPerDeg);
     // The sensor's own counter tells how much time lies between two samples, whatever the bus did to the frames.

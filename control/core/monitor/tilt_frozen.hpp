@@ -23,7 +23,9 @@ class TiltFrozen {
     const bool rolling =
         std::fabs(sensed.odometry.wheel_left_m_s) > kRolling_m_s || std::fabs(sensed.odometry.wheel_right_m_s) > kRolling_m_s;
     before_ = now;
-    constant_ticks_ = !(same && rolling)
+    // Without new samples there is nothing to compare; a silent sensor is another monitor's matter.
+    const bool sampled = sensed.left_strut.fresh().now() && sensed.right_strut.fresh().now();
+    constant_ticks_ = !(same && rolling && sampled)
                           ? std::uint8_t{0}
                           : static_cast<std::uint8_t>(constant_ticks_ < kConstantTicks ? constant_ticks_ + 1 : kConstantTicks);
     return view.mode != contract::Mode::init && (counter_stands || constant_ticks_ == kConstantTicks);

@@ -25,9 +25,11 @@ class DriveControl {
       return reset_ticks_ % 4 == 0 ? cia402::kDisableVoltage : cia402::kFaultReset;
     }
     switch (state) {
+      case cia402::State::quick_stop_active:
+        // It brakes by itself and then switches off. Disabling the voltage now would let the wheel roll on.
+        return cia402::kQuickStop;
       case cia402::State::fault:
       case cia402::State::fault_reaction:
-      case cia402::State::quick_stop_active:
         return cia402::kDisableVoltage;
       case cia402::State::not_ready:
       case cia402::State::switch_on_disabled:

@@ -108,12 +108,7 @@ class Limiter {
     const double next_m_s = speed_m_s_ + acceleration_m_s2_ * dt_s;
     // Rounding must not leave a billionth of a metre per second for ever.
     constexpr double kSame_m_s = 1e-9;
-    if (std::fabs(target_m_s - next_m_s) < kSame_m_s && std::fabs(acceleration_m_s2_) <= jerk_step_m_s2) {
-      speed_m_s_ = target_m_s;
-      acceleration_m_s2_ = 0;
-    } else {
-      speed_m_s_ = next_m_s;
-    }
+    speed_m_s_ = std::fabs(target_m_s - next_m_s) < kSame_m_s ? target_m_s : next_m_s;
   }
 
   double speed_m_s_ = 0, acceleration_m_s2_ = 0, yaw_rate_rad_s_ = 0;

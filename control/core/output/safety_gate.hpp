@@ -80,6 +80,11 @@ class SafetyGate {
     const double turn_m_s = derived_turn_m_s(params.yaw_rate_rad_s_max, params);
     if (std::fabs(wheel) > params.speed_m_s_max + turn_m_s + kRounding_m_s) return false;
     const double turn_step_m_s = derived_turn_m_s(params.yaw_acceleration_rad_s2_max, params) * dt_s;
+    if (control != drive::kEnable) {
+      // Without power the target means nothing; what the drive does then is its own ramp.
+      sent = {};
+      return true;
+    }
     if (sent.enabled) {
       // No stop of the hoist brakes harder than the bumper's.
       if (std::fabs(wheel - sent.wheel_m_s) > params.bumper_deceleration_m_s2 * dt_s + turn_step_m_s + kRounding_m_s) return false;
@@ -96,7 +101,7 @@ class SafetyGate {
       const double gain_m_s = std::fabs(wheel) - std::fabs(sent.wheel_m_s);
       if (gain_m_s > (blind ? 0.0 : params.acceleration_m_s2_max * dt_s) + turn_step_m_s + kRounding_m_s) return false;
     }
-    sent = {wheel, control == drive::kEnable};
+    sent = {wheel, true};
     return true;
   }
 

@@ -1,6 +1,7 @@
 // A hoist made of a script: answers the core's frames the way nodes do, with values the test sets by hand. No physics beyond wheels that
 // follow their command with a lag, no firmware: what goes wrong here is the core's.
 #pragma once
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -27,7 +28,9 @@ struct FakeNode {
 };
 
 struct FakeTilt : FakeNode {
-  double alpha_deg = 0, beta_deg = 0;
+  double alpha_deg = 0, beta_deg = 0;  // where the strut goes, no faster than slew_deg per step
+  double alpha_now_deg = 0, beta_now_deg = 0;
+  double slew_deg = 1;
   std::uint8_t status = 3;  // valid, converged
   std::uint8_t counter = 0;
   bool frozen = false;
@@ -246,9 +249,11 @@ class ScriptedHoist {
       if (!t.frozen) ++t.counter;
       contract::CanFrame f{contract::pdo_cob_id(Pdo::tilt_tx1, node), 6, 0, {}};
       // The last digit of a real filter never rests.
+      t.alpha_now_deg += std::clamp(t.alpha_deg - t.alpha_now_deg, -t.slew_deg, t.slew_deg);
+      t.beta_now_deg += std::clamp(t.beta_deg - t.beta_now_deg, -t.slew_deg, t.slew_deg);
       const double noise_deg = t.dither && !t.frozen ? 0.001 * static_cast<double>(t.counter % 3) : 0.0;
-      contract::write_slot(f, contract::pdo_slot(Pdo::tilt_tx1, 0x6010), std::lround((t.alpha_deg + noise_deg) * 1000));
-      contract::write_slot(f, contract::pdo_slot(Pdo::tilt_tx1, 0x6020), std::lround(t.beta_deg * 1000));
+      contract::write_slot(f, contract::pdo_slot(Pdo::tilt_tx1, 0x6010), std::lround((t.alpha_now_deg + noise_deg) * 1000));
+      contract::write_slot(f, contract::pdo_slot(Pdo::tilt_tx1, 0x6020), std::lround(t.beta_now_deg * 1000));
       contract::write_slot(f, contract::pdo_slot(Pdo::tilt_tx1, 0x2120), t.status);
       contract::write_slot(f, contract::pdo_slot(Pdo::tilt_tx1, 0x2121), t.counter);
       frames.push_back(f);

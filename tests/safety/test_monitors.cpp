@@ -1,0 +1,292 @@
+// Each monitor: trips in time, stays quiet below its threshold, and its fault names the hazard. One test per hazard id.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "control/core/modes/mode_list.hpp"
+#include "tests/unit/core/scripted_hoist.hpp"
+
+namespace hoist::core::test {
+namespace {
+
+using contract::CommandKind;
+using contract::EventKind;
+using contract::Fault;
+using contract::Mode;
+using contract::Reaction;
+
+struct Trip {
+  const char* name;
+  Fault fault;
+  const char* hazard;
+  Mode mode;
+  int budget_ticks;                               // from the cause to braking
+  std::function<void(ScriptedHoist&)> cause;      // once, before the first step
+  std::function<void(ScriptedHoist&, int)> each;  // before every step
+};
+
+void nothing(ScriptedHoist&, int) {}
+
+const std::vector<Trip>& trips() {
+  static const std::vector<Trip> table = {
+      {"left strut unplugged", Fault::tilt_left_lost, "H4", Mode::user, 6, [](ScriptedHoist& h) { h.tilt_left.silent = true; }, nothing},
+      {"right strut unplugged", Fault::tilt_right_lost, "H4", Mode::user, 6, [](ScriptedHoist& h) { h.tilt_right.silent = true; }, nothing},
+      {"chassis sensor unplugged", Fault::tilt_base_lost, "H4", Mode::remote, 6, [](ScriptedHoist& h) { h.tilt_base.silent = true; },
+       nothing},
+      {"left drive unplugged", Fault::drive_left_lost, "H3", Mode::user, 6, [](ScriptedHoist& h) { h.drive_left.silent = true; }, nothing},
+      {"right drive unplugged", Fault::drive_right_lost, "H3", Mode::remote, 6, [](ScriptedHoist& h) { h.drive_right.silent = true; },
+       nothing},
+      {"input node unplugged", Fault::io_lost, "H14", Mode::user, 6, [](ScriptedHoist& h) { h.io.silent = true; }, nothing},
+      {"bus cut", Fault::bus_down, "H5", Mode::user, 1, [](ScriptedHoist& h) { h.bus_up = false; }, nothing},
+      {"left drive in fault", Fault::drive_left_fault, "H2", Mode::user, 3, [](ScriptedHoist& h) { h.drive_left.fault = true; }, nothing},
+      {"right drive in fault", Fault::drive_right_fault, "H2", Mode::remote, 3, [](ScriptedHoist& h) { h.drive_right.fault = true; },
+       nothing},
+      {"drive drops out", Fault::drive_left_fault, "H2", Mode::user, 8, nullptr, [](ScriptedHoist& h, int) { h.drive_left.status = 0x40; }},
+      {"strut beyond its stop", Fault::tilt_implausible, "H7", Mode::remote, 2,
+       [](ScriptedHoist& h) {
+         h.tilt_left.slew_deg = 99;
+         h.tilt_left.alpha_deg = 17.5;
+       },
+       nothing},
+      {"chassis beyond belief", Fault::tilt_implausible, "H7", Mode::user, 2,
+       [](ScriptedHoist& h) {
+         h.tilt_base.slew_deg = 99;
+         h.tilt_base.beta_deg = -18;
+       },
+       nothing},
+      {"strut jumps", Fault::tilt_implausible, "H7", Mode::user, 2,
+       [](ScriptedHoist& h) {
+         h.tilt_right.slew_deg = 99;
+         h.tilt_right.alpha_deg = h.tilt_right.alpha_now_deg - 2.2;
+       },
+       nothing},
+      {"struts lean apart sideways", Fault::tilt_implausible, "H7", Mode::user, 20,
+       [](ScriptedHoist& h) {
+         h.tilt_left.beta_deg = 2.2;
+         h.tilt_right.beta_deg = -2.2;
+       },
+       nothing},
+      {"struts twisted", Fault::tilt_implausible, "H7", Mode::remote, 14, [](ScriptedHoist& h) { h.lean(0, 26); }, nothing},
+      {"counter stands", Fault::tilt_frozen, "H6", Mode::user, 4, [](ScriptedHoist& h) { h.tilt_left.frozen = true; }, nothing},
+      {"angles stand while rolling", Fault::tilt_frozen, "H6", Mode::remote, 32,
+       [](ScriptedHoist& h) { h.tilt_left.dither = h.tilt_right.dither = false; }, nothing},
+      {"self-test failed", Fault::tilt_sensor_fault, "H8", Mode::user, 2, [](ScriptedHoist& h) { h.tilt_base.status = 3 | 16; }, nothing},
+      {"samples invalid", Fault::tilt_sensor_fault, "H8", Mode::user, 6, [](ScriptedHoist& h) { h.tilt_right.status = 2; }, nothing},
+      {"gyro saturated", Fault::tilt_sensor_fault, "H8", Mode::user, 6, [](ScriptedHoist& h) { h.tilt_right.status = 3 | 8; }, nothing},
+      {"front bumper", Fault::bumper_pressed, "H13", Mode::user, 1, [](ScriptedHoist& h) { h.io.bumpers = 1; }, nothing},
+      {"right bumper", Fault::bumper_pressed, "H13", Mode::remote, 1, [](ScriptedHoist& h) { h.io.bumpers = 8; }, nothing},
+      {"wheel runs away", Fault::overspeed, "H1", Mode::remote, 25, [](ScriptedHoist& h) { h.drive_left.forced_m_s = 0.6; }, nothing},
+      {"wheel stands against its command", Fault::overspeed, "H1", Mode::remote, 25, [](ScriptedHoist& h) { h.drive_right.forced_m_s = 0; },
+       nothing},
+      {"faster than allowed", Fault::overspeed, "H1", Mode::user, 8,
+       [](ScriptedHoist& h) { h.drive_left.forced_m_s = h.drive_right.forced_m_s = 0.8; }, nothing},
+      {"one step far too late", Fault::loop_overrun, "H22", Mode::user, 1, [](ScriptedHoist& h) { h.lateness_s = 0.031F; }, nothing},
+      {"two late steps in a second", Fault::loop_overrun, "H22", Mode::remote, 60, nullptr,
+       [](ScriptedHoist& h, int i) {
+         if (i == 0 || i == 50) h.lateness_s = 0.006F;
+       }},
+  };
+  return table;
+}
+
+// Walking or driving at about 0.25 m/s.
+void set_going(ScriptedHoist& hoist, Mode mode) {
+  ASSERT_TRUE(hoist.start(mode));
+  if (mode == Mode::user) {
+    hoist.lean_gently(6, 250);
+  } else {
+    hoist.drive_for(200, 0.9);
+  }
+  ASSERT_GT(hoist.command_m_s(), 0.15);
+}
+
+TEST(Monitors, EachTripsInTimeStopsAndNamesItsHazard) {
+  for (const Trip& trip : trips()) {
+    SCOPED_TRACE(trip.name);
+    ScriptedHoist hoist;
+    set_going(hoist, trip.mode);
+    if (HasFatalFailure()) return;
+    if (trip.cause) trip.cause(hoist);
+    int ticks = 0;
+    while (hoist.state.mode != Mode::protective_stop && ticks < 300) {
+      trip.each(hoist, ticks);
+      if (trip.mode == Mode::remote) hoist.hold(0.9);
+      hoist.step();
+      ++ticks;
+    }
+    EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+    EXPECT_LE(ticks, trip.budget_ticks);
+    EXPECT_TRUE(hoist.has_fault(trip.fault));
+    EXPECT_EQ(hoist.out.record.stop_cause, static_cast<int>(trip.fault) + 1);
+    EXPECT_EQ(contract::kFaults[static_cast<std::size_t>(trip.fault)].hazard, trip.hazard);
+    EXPECT_EQ(contract::kFaults[static_cast<std::size_t>(trip.fault)].reaction, Reaction::protective_stop);
+    // I4: after the ramp nothing is commanded any more, whatever the cause does.
+    hoist.worst_deceleration_m_s2 = 0;
+    hoist.step(120);
+    EXPECT_EQ(hoist.state.limiter.speed_m_s(), 0);
+    EXPECT_LE(hoist.worst_deceleration_m_s2, trip.fault == Fault::bumper_pressed ? 1.5 + 1e-9 : 1.0 + 1e-9);
+    EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+    EXPECT_FALSE(hoist.ever_not_finite);
+    EXPECT_FALSE(hoist.has_fault(Fault::gate_refused)) << "the gate has nothing to add to a stop that works";
+  }
+}
+
+TEST(Monitors, QuietJustBelowEveryThreshold) {
+  struct Near {
+    const char* name;
+    Mode mode;
+    std::function<void(ScriptedHoist&, int)> each;
+  };
+  const Near table[] = {
+      {"two frames of a strut missing", Mode::user, [](ScriptedHoist& h, int i) { h.tilt_left.silent = i % 10 < 2; }},
+      {"four frames of a strut missing", Mode::user, [](ScriptedHoist& h, int i) { h.tilt_left.silent = i % 20 < 4; }},
+      {"four frames of a drive missing", Mode::user, [](ScriptedHoist& h, int i) { h.drive_left.silent = i % 40 < 4; }},
+      {"a counter that repeats twice", Mode::user, [](ScriptedHoist& h, int i) { h.tilt_left.frozen = i % 10 < 2; }},
+      {"sideways apart for 80 ms", Mode::user,
+       [](ScriptedHoist& h, int i) {
+         h.tilt_left.slew_deg = h.tilt_right.slew_deg = 1.9;
+         h.tilt_left.beta_deg = i % 30 < 8 ? 2.2 : 0;
+         h.tilt_right.beta_deg = -h.tilt_left.beta_deg;
+       }},
+      {"sideways apart by 3.8 degrees", Mode::user,
+       [](ScriptedHoist& h, int) {
+         h.tilt_left.beta_deg = 1.9;
+         h.tilt_right.beta_deg = -1.9;
+       }},
+      {"chassis on a ramp", Mode::remote,
+       [](ScriptedHoist& h, int) { h.tilt_base.alpha_deg = h.tilt_left.alpha_deg = h.tilt_right.alpha_deg = 8; }},
+      {"invalid for 40 ms", Mode::user, [](ScriptedHoist& h, int i) { h.tilt_right.status = i % 50 < 4 ? 2 : 3; }},
+      {"acceleration out of range", Mode::user, [](ScriptedHoist& h, int) { h.tilt_right.status = 7; }},
+      {"a wheel 0.13 off", Mode::remote, [](ScriptedHoist& h, int) { h.drive_left.forced_m_s = h.drive_left.target_m_s + 0.13; }},
+      {"a wheel far off for 100 ms", Mode::remote,
+       [](ScriptedHoist& h, int i) { h.drive_left.forced_m_s = i % 60 < 10 ? h.drive_left.target_m_s + 0.3 : NAN; }},
+      {"a late step every 1.1 s", Mode::user,
+       [](ScriptedHoist& h, int i) {
+         if (i % 110 == 0) h.lateness_s = 0.02F;
+       }},
+      {"4.9 ms late in every step", Mode::user, [](ScriptedHoist& h, int) { h.lateness_s = 0.0049F; }},
+      {"batteries at 23.1 V", Mode::user, [](ScriptedHoist& h, int) { h.io.battery_a_v = h.io.battery_b_v = 11.55; }},
+  };
+  for (const Near& near : table) {
+    SCOPED_TRACE(near.name);
+    ScriptedHoist hoist;
+    set_going(hoist, near.mode);
+    if (HasFatalFailure()) return;
+    for (int i = 0; i < 400; ++i) {
+      near.each(hoist, i);
+      if (near.mode == Mode::remote && i % 4 == 0) hoist.hold(0.9);
+      hoist.step();
+      ASSERT_EQ(hoist.state.mode, near.mode) << i << " faults " << hoist.state.latched;
+    }
+    EXPECT_EQ(hoist.count(EventKind::fault_raised), 0);
+  }
+}
+
+TEST(Monitors, H4AStaleTiltMeansNoIntentAndNeverTheLastOne) {
+  ScriptedHoist hoist;
+  set_going(hoist, Mode::user);
+  hoist.tilt_left.silent = true;
+  hoist.step(2);
+  EXPECT_GT(hoist.out.record.lean_norm, 0.4F);
+  hoist.step();
+  EXPECT_EQ(hoist.out.record.lean_norm, 0.0F) << "30 ms after the last sample";
+  EXPECT_EQ(hoist.out.record.tilt_left_age_ticks, 3);
+  EXPECT_EQ(hoist.state.mode, Mode::user);
+}
+
+TEST(Monitors, H5ReconnectingTheBusAsksForAnAcknowledgementAndNothingMore) {
+  ScriptedHoist hoist;
+  set_going(hoist, Mode::user);
+  hoist.bus_up = false;
+  hoist.step(100);
+  EXPECT_EQ(hoist.state.latched & ~contract::fault_bit(Fault::bus_down), 0U) << "one alarm for one cable";
+  hoist.bus_up = true;
+  hoist.lean(0);
+  hoist.step(250);
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge), 0U);
+  EXPECT_EQ(hoist.state.mode, Mode::standby);
+}
+
+TEST(Monitors, AReplugedNodeIsConfiguredAgainBeforeItCounts) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  hoist.tilt_left.silent = true;
+  hoist.step(40);
+  ASSERT_EQ(hoist.state.mode, Mode::protective_stop);
+  hoist.tilt_left.written.clear();
+  hoist.tilt_left.silent = false;
+  hoist.tilt_left.booted = false;  // it lost its power
+  hoist.step(150);
+  EXPECT_EQ(hoist.tilt_left.written.size(), 2U);
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge), 0U);
+}
+
+TEST(Monitors, H12BatteryWarnsThenStopsGentlyAndBlocksTheStart) {
+  EXPECT_EQ(contract::kFaults[static_cast<std::size_t>(Fault::battery_empty)].hazard, "H12");
+  ScriptedHoist hoist;
+  set_going(hoist, Mode::user);
+  hoist.io.battery_a_v = hoist.io.battery_b_v = 11.2;  // 22.4 V together
+  hoist.step(300);
+  EXPECT_TRUE(hoist.has_fault(Fault::battery_low));
+  EXPECT_EQ(hoist.state.mode, Mode::user) << "a warning moves nothing";
+  hoist.io.battery_a_v = hoist.io.battery_b_v = 10.0;
+  hoist.worst_deceleration_m_s2 = 0;
+  int ticks = 0;
+  while (!hoist.state.motion.leaving && ticks < 300) {
+    hoist.step();
+    ++ticks;
+  }
+  EXPECT_LE(ticks, 200);
+  EXPECT_TRUE(hoist.reach(Mode::standby, 300));
+  EXPECT_LE(hoist.worst_deceleration_m_s2, 0.5 + 1e-9);
+  hoist.lean(0);
+  hoist.step(120);
+  EXPECT_NE(hoist.ask_mode(Mode::user), 0U);
+}
+
+TEST(Monitors, H12AShortSagDoesNotCount) {
+  ScriptedHoist hoist;
+  set_going(hoist, Mode::user);
+  hoist.io.battery_a_v = 9.5;  // 22.3 V together, for 0.3 s
+  hoist.step(30);
+  hoist.io.battery_a_v = 12.8;
+  hoist.step(300);
+  EXPECT_EQ(hoist.count(EventKind::fault_raised), 0);
+}
+
+TEST(Monitors, H22ALateStepInStandbyIsCountedOnly) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  hoist.lateness_s = 0.2F;
+  hoist.step();
+  EXPECT_EQ(hoist.state.mode, Mode::standby);
+  EXPECT_EQ(hoist.out.record.overruns, 1U);
+}
+
+TEST(Monitors, EveryFaultOfTheTableIsTestedHereOrNamed) {
+  std::uint32_t covered = 0;
+  for (const Trip& trip : trips()) covered |= contract::fault_bit(trip.fault);
+  // Tested by name: fall in test_budgets.cpp, the driver and the server in unit/core/test_remote.cpp, batteries above, STOP in
+  // unit/core/test_modes.cpp, the gate in unit/core/test_gate.cpp and below.
+  for (const Fault fault : {Fault::fall_detected, Fault::remote_command_lost, Fault::server_lost, Fault::battery_low, Fault::battery_empty,
+                            Fault::stop_pressed, Fault::gate_refused})
+    covered |= contract::fault_bit(fault);
+  for (const auto& fault : contract::kFaults) EXPECT_NE(covered & (1U << fault.bit), 0U) << fault.name;
+}
+
+TEST(Monitors, H1TheGateStopsAControllerThatGoesWrong) {
+  ScriptedHoist hoist;
+  set_going(hoist, Mode::user);
+  // The controller's memory is damaged: from one step to the next it wants to stand at full speed.
+  hoist.state.limiter.start_from(hoist.state.params, 0.65, 0);
+  hoist.step();
+  EXPECT_TRUE(hoist.has_fault(Fault::gate_refused));
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+  EXPECT_EQ(hoist.command_m_s(), 0) << "neither wheel gets it";
+  EXPECT_EQ(hoist.drive_left.target_m_s, 0);
+  EXPECT_EQ(hoist.drive_right.target_m_s, 0);
+}
+
+}  // namespace
+}  // namespace hoist::core::test

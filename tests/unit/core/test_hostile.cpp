@@ -1,0 +1,194 @@
+// Commands and frames made of anything (hazards H28, H30): nothing moves, nothing crashes, nothing that is no number leaves.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+
+#include "control/core/modes/mode_list.hpp"
+#include "tests/unit/core/scripted_hoist.hpp"
+
+namespace hoist::core::test {
+namespace {
+
+using contract::CommandKind;
+using contract::Fault;
+using contract::Mode;
+using contract::Refusal;
+using contract::refusal_bit;
+
+bool same_params(const contract::Params& a, const contract::Params& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+TEST(Hostile, AHundredThousandRandomCommandsChangeNothing) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  const contract::Params before = hoist.state.params;
+  const auto lease = hoist.state.lease;
+  std::mt19937_64 random(42);
+  std::uint32_t sent = 0;
+  const auto refused_before = hoist.state.commands_refused;
+  while (sent < 100'000) {
+    for (int i = 0; i < 60; ++i) {
+      contract::Command c;
+      std::uint64_t words[8];
+      for (auto& w : words) w = random();
+      std::memcpy(static_cast<void*>(&c), words, sizeof c);
+      // One in two has a kind that exists; STOP is left out, because that one is never refused.
+      if (i % 2 == 0) c.kind = static_cast<CommandKind>(2 + random() % 8);
+      if (c.kind == CommandKind::stop) c.kind = CommandKind::none;
+      hoist.commands.push_back(c);
+      ++sent;
+    }
+    std::uint64_t words[6];
+    for (auto& w : words) w = random();
+    std::memcpy(static_cast<void*>(&hoist.drive_command), words, sizeof hoist.drive_command);
+    hoist.drive_fresh = true;
+    hoist.step();
+    hoist.events.clear();
+    ASSERT_EQ(hoist.state.mode, Mode::standby);
+    ASSERT_EQ(hoist.command_m_s(), 0.0);
+  }
+  EXPECT_TRUE(same_params(hoist.state.params, before));
+  EXPECT_EQ(hoist.state.lease.holder, lease.holder);
+  EXPECT_EQ(hoist.state.lease.epoch, lease.epoch);
+  EXPECT_GE(hoist.state.commands_refused - refused_before, sent) << "each one is counted";
+  EXPECT_FALSE(hoist.ever_not_finite);
+}
+
+TEST(Hostile, InOrderCommandsWithRandomContentNeitherMoveNorBreakTheRanges) {
+  std::mt19937_64 random(7);
+  for (int run = 0; run < 20; ++run) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    for (int i = 0; i < 2000; ++i) {
+      contract::Command c;
+      std::uint64_t words[8];
+      for (auto& w : words) w = random();
+      std::memcpy(static_cast<void*>(&c), words, sizeof c);
+      c.sequence = ++hoist.sequence;
+      c.kind = static_cast<CommandKind>(2 + random() % 8);
+      c.client = static_cast<std::uint32_t>(random() % 3);  // 7 holds the lease
+      c.a %= 100;
+      c.b %= 3;
+      hoist.commands.push_back(c);
+      hoist.step();
+      ASSERT_FALSE(is_moving(hoist.state.mode));
+      for (std::size_t p = 0; p < contract::kParamCount; ++p)
+        ASSERT_EQ(contract::check_param(p, contract::get_param(hoist.state.params, p)), contract::ParamCheck::ok);
+      ASSERT_EQ(contract::check_param_set(hoist.state.params), nullptr);
+    }
+    EXPECT_FALSE(hoist.ever_not_finite);
+  }
+}
+
+TEST(Hostile, ReplayedAndReorderedCommandsAreRefused) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  contract::Command c;
+  c.kind = CommandKind::release_lease;
+  c.client = 7;
+  c.request_id = 901;
+  c.sequence = hoist.sequence;  // seen before
+  hoist.commands.push_back(c);
+  hoist.step();
+  EXPECT_EQ(hoist.answer(901), refusal_bit(Refusal::out_of_order));
+  EXPECT_EQ(hoist.state.lease.holder, 7U);
+  c.sequence = hoist.sequence + 5;  // some were lost: this one is refused, and the order goes on from it
+  c.request_id = 902;
+  hoist.commands.push_back(c);
+  hoist.step();
+  EXPECT_EQ(hoist.answer(902), refusal_bit(Refusal::out_of_order));
+  c.sequence = hoist.sequence + 2;  // and never back
+  c.request_id = 903;
+  hoist.commands.push_back(c);
+  hoist.step();
+  EXPECT_EQ(hoist.answer(903), refusal_bit(Refusal::out_of_order));
+  hoist.sequence += 5;
+  EXPECT_EQ(hoist.ask(CommandKind::release_lease), 0U);
+}
+
+TEST(Hostile, StopWorksEvenOutOfOrderAndInAFlood) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  for (int i = 0; i < 500; ++i) {
+    contract::Command c;
+    c.sequence = 1;
+    c.kind = i == 499 ? CommandKind::stop : CommandKind::set_neutral;
+    hoist.commands.push_back(c);
+  }
+  hoist.step();
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+}
+
+TEST(Hostile, RandomFramesNeverCrashMoveOrLeakANumberThatIsNone) {
+  std::mt19937_64 random(99);
+  for (const Mode mode : {Mode::standby, Mode::user, Mode::remote}) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(mode == Mode::standby ? hoist.ready() : hoist.start(mode));
+    for (int i = 0; i < 3000; ++i) {
+      for (int k = 0; k < 10; ++k) {
+        contract::CanFrame f;
+        f.id = static_cast<std::uint32_t>(random() % (k % 3 == 0 ? 0x20000000ULL : 0x800ULL));
+        f.dlc = static_cast<std::uint8_t>(random() % 17);
+        f.flags = static_cast<std::uint8_t>(k % 5 == 0 ? random() % 8 : 0);
+        const std::uint64_t bytes = random();
+        std::memcpy(f.data.data(), &bytes, 8);
+        hoist.extra.push_back(f);
+      }
+      const double before = hoist.state.limiter.speed_m_s();
+      hoist.step();
+      hoist.events.clear();
+      ASSERT_LE(std::abs(hoist.state.limiter.speed_m_s() - before), 1.5 * kTick_s + 1e-9);
+      if (mode == Mode::standby) {
+        ASSERT_EQ(hoist.command_m_s(), 0.0);
+      }
+    }
+    EXPECT_FALSE(hoist.ever_not_finite);
+    EXPECT_GT(hoist.out.record.bus_refused, 10000U);
+  }
+}
+
+TEST(Hostile, FramesThatAreNotOursAreCounted) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  const auto refused = hoist.out.record.bus_refused;
+  contract::CanFrame short_tilt{0x191, 5, 0, {}}, remote{0x191, 6, contract::CanFrame::kRemote, {}},
+      extended{0x191, 6, contract::CanFrame::kExtended, {}}, stranger{0x1A5, 8, 0, {}}, as_core{0x77F, 1, 0, {5}}, order{0x201, 6, 0, {}},
+      unasked = contract::canopen::sdo(0x581, 0x60, 0x2200, 1, 0), state{0x711, 1, 0, {42}};
+  for (const auto& f : {short_tilt, remote, extended, stranger, as_core, order, unasked, state}) hoist.extra.push_back(f);
+  hoist.step();
+  EXPECT_EQ(hoist.out.record.bus_refused, refused + 8);
+  EXPECT_EQ(hoist.state.mode, Mode::standby);
+}
+
+TEST(Hostile, APositionThatJumpsIsNotDriven) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  const float x = hoist.out.record.x_m;
+  hoist.drive_left.counts += 1e6;
+  hoist.drive_right.counts += 1e6;
+  hoist.step(3);
+  EXPECT_FLOAT_EQ(hoist.out.record.x_m, x);
+  EXPECT_EQ(hoist.state.mode, Mode::standby);
+}
+
+TEST(Hostile, ThePositionMayWrapAround) {
+  ScriptedHoist hoist;
+  hoist.drive_left.counts = hoist.drive_right.counts = 2147483647.0 - 5000.0;
+  ASSERT_TRUE(hoist.start(Mode::remote));
+  hoist.drive_for(400, 1.0);
+  EXPECT_LT(hoist.out.record.left_counts, 0) << "past 2^31";
+  EXPECT_NEAR(hoist.out.record.x_m, 4 * 0.3 - 0.3 * 0.3, 0.2);
+  EXPECT_EQ(hoist.state.mode, Mode::remote);
+}
+
+TEST(Hostile, SameInputsGiveTheSameBytes) {
+  ScriptedHoist a, b;
+  for (ScriptedHoist* h : {&a, &b}) {
+    ASSERT_TRUE(h->start(Mode::user));
+    h->lean_gently(6, 300);
+  }
+  EXPECT_EQ(std::memcmp(&a.out.record, &b.out.record, sizeof a.out.record), 0);
+}
+
+}  // namespace
+}  // namespace hoist::core::test

@@ -1,0 +1,146 @@
+// Bounds of every motion, under wishes that nobody sane would have.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <random>
+
+#include "control/core/output/limiter.hpp"
+#include "control/core/output/wheel_mixing.hpp"
+#include "control/core/types.hpp"
+
+namespace hoist::core {
+namespace {
+
+constexpr double kRounding = 1e-9;
+
+TEST(Limiter, NeverExceedsAnyBoundUnderRandomWishes) {
+  std::mt19937_64 random(20261121);
+  std::uniform_real_distribution<double> wide(-3.0, 3.0), unit(0.0, 1.0);
+  for (int run = 0; run < 200; ++run) {
+    contract::Params p;
+    p.speed_m_s_max = 0.05 + 0.6 * unit(random);
+    p.acceleration_m_s2_max = 0.05 + 0.45 * unit(random);
+    p.jerk_m_s3_max = 0.5 + 19.5 * unit(random);
+    p.yaw_rate_rad_s_max = 0.05 + 0.8 * unit(random);
+    p.yaw_acceleration_rad_s2_max = 0.1 + 1.9 * unit(random);
+    Limiter limiter;
+    double speed = 0, wish_yaw = 0;
+    for (int i = 0; i < 3000; ++i) {
+      if (i % (1 + static_cast<int>(random() % 150)) == 0) {
+        speed = wide(random);
+        wish_yaw = wide(random);
+      }
+      const double v = limiter.speed_m_s(), a = limiter.acceleration_m_s2(), w = limiter.yaw_rate_rad_s();
+      limiter.step(p, Braking::none, speed, wish_yaw, kTick_s);
+      ASSERT_LE(std::abs(limiter.speed_m_s()), p.speed_m_s_max + kRounding) << run << " " << i;
+      ASSERT_LE(std::abs(limiter.speed_m_s() - v) / kTick_s, p.acceleration_m_s2_max + 1e-6);
+      ASSERT_LE(std::abs(limiter.acceleration_m_s2() - a) / kTick_s, p.jerk_m_s3_max + 1e-6);
+      ASSERT_LE(std::abs(limiter.yaw_rate_rad_s()), p.yaw_rate_rad_s_max + kRounding);
+      ASSERT_LE(std::abs(limiter.yaw_rate_rad_s() - w) / kTick_s, p.yaw_acceleration_rad_s2_max + 1e-6);
+    }
+  }
+}
+
+TEST(Limiter, ReachesItsTargetWithoutOvershoot) {
+  const contract::Params p;
+  for (const double target : {0.001, 0.0123, 0.1, 0.3, 0.65, -0.2, -0.65}) {
+    Limiter limiter;
+    double largest = 0;
+    int reached = 0;
+    for (int i = 0; i < 400; ++i) {
+      limiter.step(p, Braking::none, target, 0, kTick_s);
+      largest = std::max(largest, std::abs(limiter.speed_m_s()));
+      if (reached == 0 && limiter.speed_m_s() == target) reached = i;
+    }
+    EXPECT_LE(largest, std::abs(target) + kRounding);
+    EXPECT_EQ(limiter.speed_m_s(), target) << "exactly";
+    EXPECT_LE(reached * kTick_s, std::abs(target) / 0.5 + 0.5 / 3.0 + 0.1) << "and not lazily";
+  }
+}
+
+TEST(Limiter, TheCapOfThePatientHolds) {
+  contract::Params p;
+  p.speed_cap_norm = 0.2;
+  Limiter limiter;
+  for (int i = 0; i < 500; ++i) {
+    limiter.step(p, Braking::none, 5.0, 0, kTick_s);
+    ASSERT_LE(limiter.speed_m_s(), 0.13 + kRounding);
+  }
+  EXPECT_NEAR(limiter.speed_m_s(), 0.13, 1e-9);
+}
+
+TEST(Limiter, EachStopBrakesAtItsOwnRateAndNeverHarder) {
+  const contract::Params p;
+  const std::pair<Braking, double> stops[] = {
+      {Braking::soft, 0.5}, {Braking::remote, 0.8}, {Braking::protective, 1.0}, {Braking::bumper, 1.5}};
+  for (const auto& [braking, rate] : stops) {
+    for (const double turn : {0.0, 0.5, -0.8}) {
+      Limiter limiter;
+      for (int i = 0; i < 400; ++i) limiter.step(p, Braking::none, 0.6, turn, kTick_s);
+      const double v0 = limiter.speed_m_s();
+      int ticks = 0;
+      while (!limiter.at_rest() && ticks < 1000) {
+        const double v = limiter.speed_m_s(), w = limiter.yaw_rate_rad_s();
+        // Whatever is wished meanwhile does not count.
+        limiter.step(p, braking, 0.65, -turn, kTick_s);
+        ASSERT_LE(v - limiter.speed_m_s(), rate * kTick_s + kRounding);
+        ASSERT_GE(limiter.speed_m_s(), 0.0) << "a stop never reverses";
+        ASSERT_LE(std::abs(limiter.yaw_rate_rad_s()), std::abs(w));
+        ++ticks;
+      }
+      EXPECT_NEAR(ticks * kTick_s, v0 / rate, 0.5) << "the turn may end a little later than the speed";
+      EXPECT_EQ(limiter.speed_m_s(), 0.0);
+    }
+  }
+}
+
+TEST(Limiter, AStopThatEndsEarlyDoesNotCarryIntoReverse) {
+  const contract::Params p;
+  Limiter limiter;
+  for (int i = 0; i < 200; ++i) limiter.step(p, Braking::none, 0.3, 0, kTick_s);
+  while (limiter.speed_m_s() > 0.015) limiter.step(p, Braking::protective, 0, 0, kTick_s);
+  for (int i = 0; i < 200; ++i) {
+    limiter.step(p, Braking::none, 0.3, 0, kTick_s);
+    ASSERT_GE(limiter.speed_m_s(), 0.0);
+  }
+  EXPECT_NEAR(limiter.speed_m_s(), 0.3, 1e-9);
+}
+
+TEST(Limiter, WhatIsNotANumberCountsAsZero) {
+  const contract::Params p;
+  Limiter limiter;
+  for (int i = 0; i < 200; ++i) limiter.step(p, Braking::none, 0.3, 0.3, kTick_s);
+  for (int i = 0; i < 200; ++i) limiter.step(p, Braking::none, i % 2 == 0 ? NAN : HUGE_VAL, -HUGE_VAL, kTick_s);
+  EXPECT_EQ(limiter.speed_m_s(), 0.0);
+  EXPECT_EQ(limiter.yaw_rate_rad_s(), 0.0);
+  limiter.start_from(p, NAN, HUGE_VAL);
+  EXPECT_TRUE(limiter.at_rest());
+  limiter.start_from(p, 9, 9);
+  EXPECT_LE(limiter.speed_m_s(), p.speed_m_s_max);
+}
+
+TEST(WheelMixing, LeftTurnDrivesTheRightWheelFasterAndKeepsTheCurveAtTheDrivesLimit) {
+  contract::Params p;
+  const Derived d = derive(p);
+  const WheelCommand wheels = mix_wheels(0.3, 0.5, d);
+  EXPECT_EQ(wheels.left_raw, std::lround((0.3 - 0.5 * 0.35) / 0.1 * 30 * 1000));
+  EXPECT_EQ(wheels.right_raw, std::lround((0.3 + 0.5 * 0.35) / 0.1 * 30 * 1000));
+  const WheelCommand limit = mix_wheels(3.0, 2.0, d);
+  EXPECT_EQ(limit.right_raw, 400000);
+  EXPECT_NEAR(static_cast<double>(limit.left_raw) / limit.right_raw, (3.0 - 0.7) / (3.0 + 0.7), 1e-5);
+  const WheelCommand nothing = mix_wheels(NAN, 0, d);
+  EXPECT_EQ(nothing.left_raw, 0);
+  EXPECT_EQ(nothing.right_raw, 0);
+}
+
+TEST(WheelMixing, ACalibratedWheelIsCommandedByItsOwnRadius) {
+  contract::Params p;
+  p.wheel_left_scale_norm = 1.05;
+  const Derived d = derive(p);
+  const WheelCommand wheels = mix_wheels(0.3, 0, d);
+  EXPECT_NEAR(static_cast<double>(wheels.right_raw) / wheels.left_raw, 1.05, 1e-4);
+  EXPECT_NEAR(wheel_m_s(wheels.left_raw, d.left_motor_per_m), 0.3, 1e-5);
+}
+
+}  // namespace
+}  // namespace hoist::core

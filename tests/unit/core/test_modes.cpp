@@ -1,0 +1,320 @@
+// Every mode against every request, the guards of a start, stops and how they are left (hazard table 2.3).
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "control/core/modes/mode_list.hpp"
+#include "control/core/output/supervisor.hpp"
+#include "tests/unit/core/scripted_hoist.hpp"
+
+namespace hoist::core::test {
+namespace {
+
+using contract::CommandKind;
+using contract::EventKind;
+using contract::Fault;
+using contract::Mode;
+using contract::Refusal;
+using contract::refusal_bit;
+
+// A hoist brought into a mode, with client 7 as the driver.
+ScriptedHoist in_mode(Mode mode) {
+  ScriptedHoist hoist;
+  switch (mode) {
+    case Mode::init:
+      hoist.tilt_left.silent = true;
+      hoist.step(150);
+      EXPECT_EQ(hoist.ask(CommandKind::take_lease), 0U);
+      break;
+    case Mode::standby:
+      EXPECT_TRUE(hoist.ready());
+      break;
+    case Mode::user:
+    case Mode::remote:
+      EXPECT_TRUE(hoist.start(mode));
+      break;
+    case Mode::protective_stop:
+      EXPECT_TRUE(hoist.ready());
+      hoist.ask(CommandKind::stop);
+      hoist.step(120);
+      break;
+  }
+  EXPECT_EQ(hoist.state.mode, mode);
+  return hoist;
+}
+
+constexpr Mode kAll[] = {Mode::init, Mode::standby, Mode::user, Mode::remote, Mode::protective_stop};
+
+TEST(Modes, EveryRequestInEveryModeDoesWhatTheTableSays) {
+  for (const Mode from : kAll) {
+    for (const Mode to : kAll) {
+      ScriptedHoist hoist = in_mode(from);
+      const bool listed = find_transition(from, to, Asker::driver) != nullptr;
+      const std::uint32_t bits = hoist.ask_mode(to);
+      // Asking for the standby one is in already is granted and changes nothing.
+      const bool nothing = from == Mode::standby && to == Mode::standby;
+      EXPECT_EQ(bits == 0, listed || nothing) << static_cast<int>(from) << " -> " << static_cast<int>(to) << " bits " << bits;
+      if (listed || nothing) {
+        EXPECT_TRUE(hoist.reach(to, 50));
+      } else {
+        hoist.step(50);
+        EXPECT_EQ(hoist.state.mode, from) << static_cast<int>(from) << " -> " << static_cast<int>(to);
+      }
+    }
+  }
+}
+
+TEST(Modes, MotionToMotionIsForbiddenAndSaysSo) {
+  ScriptedHoist hoist = in_mode(Mode::user);
+  EXPECT_NE(hoist.ask_mode(Mode::remote) & refusal_bit(Refusal::not_standby), 0U);
+  ScriptedHoist other = in_mode(Mode::remote);
+  EXPECT_NE(other.ask_mode(Mode::user) & refusal_bit(Refusal::not_standby), 0U);
+}
+
+TEST(Modes, StopIsDoneFromEveryModeByAnyone) {
+  for (const Mode from : kAll) {
+    ScriptedHoist hoist = in_mode(from);
+    EXPECT_EQ(hoist.ask(CommandKind::stop, 99), 0U) << "client 99 has no lease";
+    EXPECT_EQ(hoist.state.mode, Mode::protective_stop) << static_cast<int>(from);
+    EXPECT_TRUE(hoist.has_fault(Fault::stop_pressed));
+    EXPECT_EQ(hoist.out.record.stop_cause, static_cast<int>(Fault::stop_pressed) + 1);
+  }
+}
+
+TEST(Modes, ProtectiveStopIsLeftOnlyByAcknowledgement) {
+  ScriptedHoist hoist = in_mode(Mode::protective_stop);
+  hoist.step(2000);
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop) << "never by itself";
+  EXPECT_NE(hoist.ask(CommandKind::acknowledge, 8), 0U) << "not by somebody without the lease";
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge), 0U);
+  EXPECT_EQ(hoist.state.mode, Mode::standby) << "and never back into motion";
+  EXPECT_EQ(hoist.state.latched, 0U);
+}
+
+TEST(Modes, AcknowledgementWaitsForOneSecondOfStandstill) {
+  ScriptedHoist hoist = in_mode(Mode::user);
+  hoist.lean_gently(6, 300);
+  hoist.ask(CommandKind::stop);
+  EXPECT_NE(hoist.ask(CommandKind::acknowledge) & refusal_bit(Refusal::moving), 0U);
+  while (hoist.state.still_ticks == 0) hoist.step();
+  hoist.step(90);
+  EXPECT_NE(hoist.ask(CommandKind::acknowledge) & refusal_bit(Refusal::moving), 0U);
+  hoist.lean(0);
+  hoist.step(20);
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge), 0U);
+}
+
+TEST(Modes, AcknowledgementIsRefusedWhileTheCauseIsThere) {
+  ScriptedHoist hoist = in_mode(Mode::standby);
+  hoist.io.bumpers = 1;
+  hoist.step(150);
+  ASSERT_EQ(hoist.state.mode, Mode::protective_stop);
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge), refusal_bit(Refusal::cause_not_cleared));
+  hoist.io.bumpers = 0;
+  hoist.step(3);
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge), 0U);
+}
+
+TEST(Modes, EveryGuardOfAStartRefusesAndNamesItself) {
+  struct Case {
+    const char* name;
+    Refusal refusal;
+    std::function<void(ScriptedHoist&)> spoil;
+  };
+  const Case cases[] = {
+      {"leaning", Refusal::not_neutral,
+       [](ScriptedHoist& h) {
+         h.lean(4);
+         h.step(10);
+       }},
+      {"just upright again", Refusal::not_neutral,
+       [](ScriptedHoist& h) {
+         h.lean(4);
+         h.step(10);
+         h.lean(0);
+         h.step(60);
+       }},
+      {"sensor settles", Refusal::sensors_settling,
+       [](ScriptedHoist& h) {
+         h.tilt_base.status = 1;
+         h.step(3);
+       }},
+      {"pushed by hand", Refusal::moving,
+       [](ScriptedHoist& h) {
+         h.drive_left.forced_m_s = h.drive_right.forced_m_s = 0.1;
+         h.step(5);
+       }},
+      {"node parameters not written", Refusal::nodes_missing,
+       [](ScriptedHoist& h) {
+         h.state.master.params_changed(contract::Params{}, [] {
+           contract::Params p;
+           p.drive_velocity_gain_v_s_rad = 0.2;
+           return p;
+         }());
+         h.drive_left.sdo_deaf = true;
+         h.step(3);
+       }},
+      {"battery empty", Refusal::battery_empty_start,
+       [](ScriptedHoist& h) {
+         h.io.battery_a_v = h.io.battery_b_v = 10.5;
+         h.step(400);
+       }},
+      {"bumper", Refusal::bumper_start,
+       [](ScriptedHoist& h) {
+         h.io.bumpers = 4;
+         h.step(3);
+       }},
+      {"stick out of the middle", Refusal::stick_not_neutral,
+       [](ScriptedHoist& h) {
+         h.hold(0.5);
+         h.step();
+       }},
+      {"fault", Refusal::fault_active, [](ScriptedHoist& h) { h.ask(CommandKind::stop); }},
+  };
+  for (const Mode mode : {Mode::user, Mode::remote}) {
+    for (const Case& c : cases) {
+      ScriptedHoist hoist = in_mode(Mode::standby);
+      c.spoil(hoist);
+      const std::uint32_t bits = hoist.ask_mode(mode);
+      EXPECT_NE(bits & refusal_bit(c.refusal), 0U) << c.name;
+      EXPECT_NE(hoist.out.record.blocked_bits & refusal_bit(c.refusal), 0U) << c.name;
+      EXPECT_FALSE(is_moving(hoist.state.mode)) << c.name;
+      hoist.step(30);
+      EXPECT_EQ(hoist.drive_left.target_m_s, 0) << c.name;
+    }
+  }
+}
+
+TEST(Modes, ARefusalNamesAllReasonsAtOnce) {
+  ScriptedHoist hoist = in_mode(Mode::standby);
+  hoist.lean(4);
+  hoist.tilt_left.status = 1;
+  hoist.step(5);
+  const std::uint32_t bits = hoist.ask_mode(Mode::user, 8);
+  EXPECT_EQ(bits, refusal_bit(Refusal::not_neutral) | refusal_bit(Refusal::sensors_settling) | refusal_bit(Refusal::no_lease));
+}
+
+TEST(Modes, StandbyKeepsTheDrivesOffAndMotionEnablesThem) {
+  ScriptedHoist hoist = in_mode(Mode::standby);
+  EXPECT_EQ(hoist.drive_left.status, 0x21);
+  ASSERT_EQ(hoist.ask_mode(Mode::user), 0U);
+  ASSERT_TRUE(hoist.run_until_powered());
+  EXPECT_EQ(hoist.drive_left.status, 0x27);
+  EXPECT_EQ(hoist.ask_mode(Mode::standby), 0U);
+  hoist.step(5);
+  EXPECT_EQ(hoist.drive_left.status, 0x21);
+}
+
+TEST(Modes, FiltersStartFromZeroOnEveryEntry) {
+  ScriptedHoist hoist = in_mode(Mode::user);
+  hoist.lean_gently(7, 400);
+  EXPECT_GT(hoist.out.record.lean_filtered_units, 3.0F);
+  hoist.lean(0);
+  hoist.ask_mode(Mode::standby);
+  ASSERT_TRUE(hoist.reach(Mode::standby));
+  hoist.step(120);
+  ASSERT_EQ(hoist.ask_mode(Mode::user), 0U);
+  for (int i = 0; i < 100; ++i) {
+    hoist.step();
+    ASSERT_EQ(hoist.out.record.lean_filtered_units, 0.0F);
+    ASSERT_EQ(hoist.command_m_s(), 0.0);
+  }
+}
+
+TEST(Modes, NothingBuildsUpBeforeTheDrivesRun) {
+  ScriptedHoist hoist = in_mode(Mode::standby);
+  ASSERT_EQ(hoist.ask_mode(Mode::user), 0U);
+  hoist.drive_left.status = 0x40;  // takes longer than the other
+  hoist.lean(1.9);
+  hoist.step();
+  EXPECT_EQ(hoist.out.record.lean_filtered_units, 0.0F);
+  ASSERT_TRUE(hoist.run_until_powered());
+  hoist.step(20);
+  EXPECT_GT(hoist.out.record.lean_filtered_units, 0.0F);
+}
+
+TEST(Modes, LeavingMotionRampsGentlyFirst) {
+  ScriptedHoist hoist = in_mode(Mode::user);
+  hoist.lean_gently(8, 500);
+  const double v = hoist.command_m_s();
+  ASSERT_GT(v, 0.3);
+  hoist.worst_deceleration_m_s2 = 0;
+  EXPECT_EQ(hoist.ask_mode(Mode::standby), 0U);
+  EXPECT_EQ(hoist.state.mode, Mode::user) << "the ramp comes first";
+  int ticks = 0;
+  while (hoist.state.mode == Mode::user && ticks < 1000) {
+    hoist.step();
+    ++ticks;
+  }
+  EXPECT_EQ(hoist.state.mode, Mode::standby);
+  EXPECT_NEAR(ticks * 0.01, v / 0.5, 0.3);
+  EXPECT_LE(hoist.worst_deceleration_m_s2, 0.5 + 1e-9);
+}
+
+TEST(Modes, TheTableHasNoWayIntoMotionButFromStandby) {
+  for (const Transition& row : kTransitions) {
+    if (is_moving(row.to)) {
+      EXPECT_EQ(row.from, Mode::standby);
+      EXPECT_EQ(row.asker, Asker::driver);
+    }
+    if (row.from == Mode::protective_stop) {
+      EXPECT_EQ(row.asker, Asker::acknowledgement);
+    }
+    if (is_moving(row.from) && row.to == Mode::standby) {
+      EXPECT_TRUE(row.ramp_first);
+    }
+    EXPECT_NE(row.to, Mode::init);
+  }
+}
+
+TEST(Modes, ADriveThatDoesNotEnableStopsTheStart) {
+  ScriptedHoist hoist = in_mode(Mode::standby);
+  hoist.ask_mode(Mode::user);
+  for (int i = 0; i < 80 && hoist.state.mode == Mode::user; ++i) {
+    hoist.drive_right.status = 0x21;
+    hoist.step();
+    EXPECT_EQ(hoist.command_m_s(), 0);
+  }
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+  EXPECT_TRUE(hoist.has_fault(Fault::drive_right_fault));
+}
+
+TEST(Modes, AcknowledgingADriveFaultResetsTheDrive) {
+  ScriptedHoist hoist = in_mode(Mode::user);
+  hoist.drive_left.fault = true;
+  ASSERT_TRUE(hoist.reach(Mode::protective_stop, 5));
+  hoist.step(150);
+  const std::uint32_t id = hoist.send(CommandKind::acknowledge);
+  hoist.step(60);
+  EXPECT_EQ(hoist.answer(id), 0U);
+  EXPECT_EQ(hoist.state.mode, Mode::standby);
+  EXPECT_EQ(hoist.state.latched, 0U);
+}
+
+TEST(Modes, AcknowledgingADriveThatStaysInFaultIsRefused) {
+  ScriptedHoist hoist = in_mode(Mode::user);
+  hoist.drive_left.fault = true;
+  hoist.drive_left.ignores_reset = true;
+  ASSERT_TRUE(hoist.reach(Mode::protective_stop, 5));
+  hoist.step(150);
+  const std::uint32_t id = hoist.send(CommandKind::acknowledge);
+  hoist.step(60);
+  EXPECT_EQ(hoist.answer(id), refusal_bit(Refusal::cause_not_cleared));
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+}
+
+TEST(Modes, StoppingAHoistThatIsPushedByHandRampsFromItsSpeed) {
+  ScriptedHoist hoist = in_mode(Mode::standby);
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = 0.4;
+  hoist.step(20);
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = NAN;
+  hoist.ask(CommandKind::stop);
+  EXPECT_NEAR(hoist.state.limiter.speed_m_s(), 0.39, 0.02);
+  hoist.step(100);
+  EXPECT_EQ(hoist.state.limiter.speed_m_s(), 0);
+  EXPECT_FALSE(hoist.has_fault(Fault::gate_refused));
+}
+
+}  // namespace
+}  // namespace hoist::core::test
