@@ -29,19 +29,22 @@ constexpr double kCollapsePush_m_s2 = 2.0;
 constexpr double kHang_m = 0.163;
 /// Sideways the legs keep the body between the struts: 1 Hz, well damped.
 constexpr double kCentre_rad_s = 6.28;
-/// Where a lean becomes uncomfortable (7 degrees), and how hard the patient then resists going farther.
-constexpr double kComfort_m = 0.095;
+/// Where a lean becomes uncomfortable (7.5 degrees), and how hard the patient then resists going farther.
+constexpr double kComfort_m = 0.105;
 constexpr double kComfort_n_m = 1200.0;
 constexpr double kArrivalRoll_s = 0.9;
 constexpr double kStoppingLead_m_s = 0.25;
-/// Bends are taken at a pace that needs no more than this turn rate (20 deg/s, two thirds of a full turn of the pelvis), never slower
+/// Bends are taken at a pace that needs no more than this turn rate (16 deg/s, half of what a full turn of the pelvis gives), never slower
 /// than a stroll.
-constexpr double kComfortableTurn_rad_s = 0.35;
-constexpr double kSlowest_m_s = 0.12;
+constexpr double kComfortableTurn_rad_s = 0.28;
+constexpr double kSlowest_m_s = 0.15;
+constexpr double kForeseenPiece_m = 0.3;
+constexpr int kForeseenPieces = 5;
+constexpr double kGentle_m_s2 = 0.08;
 constexpr double kSlowerLag_s = 0.3;
 constexpr double kFasterLag_s = 2.0;
-/// Of each strut's 0.214 m to its stop, what a patient uses for lean and turn together; the sway of the gait comes on top.
-constexpr double kReach_m = 0.13;
+/// Of each strut's 0.214 m to its stop, what a patient uses for lean, turn and sway together: 11.7 degrees.
+constexpr double kReach_m = 0.165;
 constexpr double kHalfWidth_m = 0.3;
 
 }  // namespace
@@ -53,7 +56,7 @@ PatientParams PatientParams::random(std::uint64_t seed) {
   p.wish_m_s = random.uniform(0.20, 0.60);
   p.leg_force_n = random.uniform(60.0, 80.0);
   p.compensation_norm = random.uniform(0.7, 0.9);
-  p.drive_n_s_m = p.mass_kg * random.uniform(1.6, 2.2);
+  p.drive_n_s_m = p.mass_kg * random.uniform(2.2, 3.2);
   p.speed_lead_m_s = random.uniform(0.08, 0.14);
   p.reaction_s = random.uniform(0.15, 0.35);
   p.yaw_lag_s = random.uniform(0.2, 0.35);
@@ -164,13 +167,22 @@ void Patient::steer(const PlatformMotion& seen) {
   // Arc through the goal, at the speed of the moment; a patient setting off already looks where to go.
   const double speed_m_s = std::max(seen.speed_m_s, 0.15);
   const double wanted_rad_s = 2.0 * speed_m_s * std::sin(std::clamp(bearing_rad, -kPi / 2.0, kPi / 2.0)) / distance_m;
-  const double left_over_m = std::max(kReach_m - std::fabs(x_m_), 0.0);
+  const double sway_m = params_.sway_forward_m + kHalfWidth_m * params_.sway_yaw_rad;
+  const double left_over_m = std::max(kReach_m - sway_m - std::fabs(x_m_), 0.0);
   const double limit_rad = std::min(params_.yaw_limit_rad, std::asin(std::min(left_over_m / kHalfWidth_m, 1.0)));
   yaw_goal_rad_ = std::clamp(wanted_rad_s / params_.turn_habit_per_s, -limit_rad, limit_rad);
-  // Leaning and turning share the struts' reach (the stops): one walks slower where the line bends.
-  const double bend_per_m = std::fabs(2.0 * std::sin(std::clamp(bearing_rad, -kPi / 2.0, kPi / 2.0)) / distance_m);
-  const double pace_goal_m_s = std::max(kSlowest_m_s, kComfortableTurn_rad_s / std::max(bend_per_m, 1e-3));
-  const double pace_change_m_s = std::min(pace_goal_m_s, params_.wish_m_s) - pace_m_s_;
+  // Leaning and turning share the struts' reach (the stops): one walks slower where the line bends, and slows down before it does.
+  const double needed_per_m = std::fabs(2.0 * std::sin(std::clamp(bearing_rad, -kPi / 2.0, kPi / 2.0)) / distance_m);
+  double pace_goal_m_s = std::min(params_.wish_m_s, std::max(kSlowest_m_s, kComfortableTurn_rad_s / std::max(needed_per_m, 1e-3)));
+  double psi_here_rad = path_.pose(progress_m_).psi_rad;
+  for (int piece = 0; piece < kForeseenPieces; ++piece) {
+    const double psi_there_rad = path_.pose(progress_m_ + (piece + 1) * kForeseenPiece_m).psi_rad;
+    const double bend_per_m = std::max(std::fabs(psi_there_rad - psi_here_rad) / kForeseenPiece_m, 1e-3);
+    psi_here_rad = psi_there_rad;
+    const double in_bend_m_s = std::max(kSlowest_m_s, kComfortableTurn_rad_s / bend_per_m);
+    pace_goal_m_s = std::min(pace_goal_m_s, std::sqrt(in_bend_m_s * in_bend_m_s + 2.0 * kGentle_m_s2 * piece * kForeseenPiece_m));
+  }
+  const double pace_change_m_s = pace_goal_m_s - pace_m_s_;
   pace_m_s_ += pace_change_m_s * (kThought_s / (pace_change_m_s < 0.0 ? kSlowerLag_s : kFasterLag_s));
   if (!path_.closed() && progress_m_ >= path_.length_m() - kArrivalRoll_s * std::fabs(seen.speed_m_s)) arrived_ = true;
 }

@@ -22,7 +22,7 @@ struct PatientParams {
   double wish_m_s{0.30};             ///< the speed this patient likes to walk
   double leg_force_n{70.0};
   double compensation_norm{0.8};     ///< share of the spring's push that the legs take
-  double drive_n_s_m{140.0};          ///< legs: newtons for each m/s that is missing
+  double drive_n_s_m{220.0};          ///< legs: newtons for each m/s that is missing
   double speed_lead_m_s{0.12};       ///< walks at most this much faster (or slower) than the frame
   double reaction_s{0.2};
   double yaw_lag_s{0.25};
