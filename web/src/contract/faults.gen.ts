@@ -47,7 +47,8 @@ export type RefusalName =
   | 'inconsistent_set'
   | 'cause_not_cleared'
   | 'bumper_start'
-  | 'out_of_order';
+  | 'out_of_order'
+  | 'not_allowed';
 
 export type ModeName =
   | 'init'
@@ -206,6 +207,7 @@ export const refusals: readonly RefusalInfo[] = [
   { bit: 15, name: 'cause_not_cleared', text: { en: 'The cause of the stop is still there.', de: 'Der Grund des Halts besteht noch.' } },
   { bit: 16, name: 'bumper_start', text: { en: 'A bumper touches something.', de: 'Ein Stoßfänger berührt etwas.' } },
   { bit: 17, name: 'out_of_order', text: { en: 'The command is out of order.', de: 'Der Befehl ist nicht in der Reihenfolge.' } },
+  { bit: 18, name: 'not_allowed', text: { en: 'Your role may not change this.', de: 'Das darf Ihre Rolle nicht ändern.' } },
 ];
 
 export interface ModeInfo {
