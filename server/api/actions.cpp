@@ -225,7 +225,8 @@ void act_set(Services& services, const Asker& asker, const json& values, Outcome
   if (!errors.empty()) {
     Outcome outcome = invalid(std::move(errors), unknown ? "There is no such parameter." : role ? "Your role may not change this." : "A value is outside its range; nothing was changed.");
     if (unknown) outcome.kind = Outcome::Kind::unknown;
-    outcome.refusals = {unknown ? "unknown_item" : "out_of_range"};
+    if (role && !unknown) outcome.kind = Outcome::Kind::refused;
+    outcome.refusals = {unknown ? "unknown_item" : role ? "not_allowed" : "out_of_range"};
     services.counters.add(Count::commands_refused);
     done(outcome);
     return;

@@ -39,7 +39,8 @@ void CoreDesk::ask(Command command, Done done) {
     return;
   }
   command.request_id = next_request();
-  pending_[command.request_id] = {command.request_id, now_ns_ + kAnswerLimit_ns, std::move(done), std::nullopt};
+  const std::uint64_t limit_ns = command.kind == CommandKind::acknowledge ? kAcknowledgeLimit_ns : kAnswerLimit_ns;
+  pending_[command.request_id] = {command.request_id, now_ns_ + limit_ns, std::move(done), std::nullopt};
   outbox_.push_back(command);
   flush_outbox();
 }

@@ -20,6 +20,8 @@ namespace hoist::server {
 
 // How long a client waits for the core's answer. The core answers within two ticks; half a second is a core that is gone or stuck.
 inline constexpr std::uint64_t kAnswerLimit_ns = 500'000'000;
+// An acknowledgement waits for the drives to leave their fault state, which the core gives half a second.
+inline constexpr std::uint64_t kAcknowledgeLimit_ns = 1'000'000'000;
 // Commands that wait for room in the ring; more are refused at once.
 inline constexpr std::size_t kOutboxLimit = 256;
 // The core has said nothing for this long: it counts as not connected, whatever the socket says.
