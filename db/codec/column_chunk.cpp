@@ -127,6 +127,7 @@ CodecError parse_directory(ByteView blob, ChunkDirectory& directory) {
   directory.body_bytes = body_bytes;
   directory.columns.resize(columns);
   const std::size_t blocks = directory.block_count();
+  directory.blocks.reserve(columns * blocks);
   std::size_t offset = 0;
   for (ChunkColumn& column : directory.columns) {
     column.planes = in.u8();
@@ -137,19 +138,18 @@ CodecError parse_directory(ByteView blob, ChunkDirectory& directory) {
       column.step = in.signed_varint();
       column.range = linear_range(column, 0, samples);
       for (std::size_t b = 0; b < blocks; ++b)
-        column.blocks.push_back(linear_range(column, b * kBlockSamples, b * kBlockSamples + directory.block_samples(b)));
+        directory.blocks.push_back(linear_range(column, b * kBlockSamples, b * kBlockSamples + directory.block_samples(b)));
       continue;
     }
     column.range.min = wrapping_sum(column.first, in.signed_varint());
     column.range.max = wrapping_sum(column.range.min, static_cast<std::int64_t>(in.varint()));
     column.bytes = directory.layout == ChunkLayout::frame_per_column ? in.varint() : column.planes * (samples - 1);
     if (blocks < 2) {
-      column.blocks.push_back(column.range);
+      directory.blocks.push_back(column.range);
     } else {
-      column.blocks.resize(blocks);
-      for (MinMax& block : column.blocks) {
-        block.min = wrapping_sum(column.range.min, static_cast<std::int64_t>(in.varint()));
-        block.max = wrapping_sum(block.min, static_cast<std::int64_t>(in.varint()));
+      for (std::size_t b = 0; b < blocks; ++b) {
+        const std::int64_t low = wrapping_sum(column.range.min, static_cast<std::int64_t>(in.varint()));
+        directory.blocks.push_back({low, wrapping_sum(low, static_cast<std::int64_t>(in.varint()))});
       }
     }
     if (!in.ok()) return CodecError::directory_damaged;

@@ -48,7 +48,6 @@ struct ChunkColumn {
   MinMax range;
   std::size_t offset = 0;    ///< of the column's planes: in the body (frame_per_column) or in the unpacked frame (one_frame)
   std::size_t bytes = 0;     ///< length there
-  std::vector<MinMax> blocks;
 };
 
 struct ChunkDirectory {
@@ -56,6 +55,8 @@ struct ChunkDirectory {
   std::size_t samples = 0;
   std::size_t body_bytes = 0;      ///< whole body
   std::vector<ChunkColumn> columns;
+  std::vector<MinMax> blocks;      ///< block_count() of the first column, then of the next …: one allocation, because an overview reads hundreds
+  [[nodiscard]] const MinMax& block(std::size_t column, std::size_t number) const { return blocks[column * block_count() + number]; }
   [[nodiscard]] std::size_t block_count() const { return (samples + kBlockSamples - 1) / kBlockSamples; }
   /// Samples in block number `block`.
   [[nodiscard]] std::size_t block_samples(std::size_t block) const {

@@ -95,6 +95,12 @@ struct SessionExport::State {
   std::size_t row = 0;
   std::optional<std::uint64_t> written_tick;
   UtcPrinter utc;
+  struct Cell {
+    std::int64_t value = 0;
+    std::size_t length = 0;  // 0 = nothing printed yet
+    std::array<char, 32> text{};
+  };
+  std::vector<Cell> cells;
   // JSON position: 0 = time_s, 1 = gap_before, then the chosen columns.
   std::size_t json_column = 0;
   bool first_number = true;
@@ -173,8 +179,16 @@ struct SessionExport::State {
       *at++ = ',';
       *at++ = written_tick && tick != *written_tick + 1 ? '1' : '0';
       for (std::size_t c = 0; c < chosen.size(); ++c) {
-        *at++ = ',';
-        at = print_fixed(at, values[c][row], layout[chosen[c]].decimals);
+        // Half of the columns rarely change: their text is copied, not printed anew.
+        Cell& cell = cells[c];
+        const std::int64_t value = values[c][row];
+        if (value != cell.value || cell.length == 0) {
+          cell.text[0] = ',';
+          cell.length = static_cast<std::size_t>(print_fixed(cell.text.data() + 1, value, layout[chosen[c]].decimals) - cell.text.data());
+          cell.value = value;
+        }
+        std::memcpy(at, cell.text.data(), cell.text.size());
+        at += cell.length;
       }
       *at++ = '\n';
       written_tick = tick;
@@ -368,6 +382,7 @@ Result<SessionExport> SessionExport::open(Database& database, SessionId session,
       if (!found) return Error{ErrorKind::bad_value, "this session has no column " + one_line(name), "columns"};
       state->chosen.push_back(*found);
     }
+    state->cells.resize(state->chosen.size());
     state->prepare();
     return SessionExport(std::move(state));
   });

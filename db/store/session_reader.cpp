@@ -93,8 +93,12 @@ template <typename Use>
 void for_chunks(ChunkSource& source, const Selection& selection, Use use) {
   const auto first = source.first_tick_from_time(selection.from_time_ns);
   if (!first) return;
-  for (auto chunk = source.at_or_after(*first); chunk && chunk->first_time_ns < selection.to_time_ns; chunk = source.at_or_after(chunk->last_tick + 1))
+  for (std::uint64_t next_tick = *first;;) {
+    auto chunk = source.at_or_after(next_tick);
+    if (!chunk || chunk->first_time_ns >= selection.to_time_ns) return;
+    next_tick = chunk->last_tick + 1;
     if (!use(*chunk)) return;
+  }
 }
 
 // Collects minima and maxima; a run is closed when it holds enough parts (blocks or samples).
@@ -222,7 +226,9 @@ Result<Columns> SessionReader::read_columns(SessionId session, std::span<const s
       }
       for (std::size_t c = 0; c < selection.info.size(); ++c) {
         const double scale = decimal_scale(selection.info[c].decimals);
-        for (std::size_t i = from; i < to; ++i) out.values[c].push_back(static_cast<double>(values[c + 2][i]) / scale);
+        const std::size_t before = out.values[c].size();
+        out.values[c].resize(before + (to - from));
+        for (std::size_t i = from; i < to; ++i) out.values[c][before + i - from] = static_cast<double>(values[c + 2][i]) / scale;
       }
       return true;
     });
@@ -243,13 +249,13 @@ Result<Overview> SessionReader::overview(SessionId session, std::span<const std:
     std::size_t blocks = 0, samples = 0;
     const auto from = static_cast<std::int64_t>(selection.from_time_ns), to = static_cast<std::int64_t>(selection.to_time_ns);
     const auto block_inside = [&](const MinMax& time) { return time.max >= from && time.min < to; };
-    for_chunks(source, selection, [&](const StoredChunk& chunk) {
+    for_chunks(source, selection, [&](StoredChunk& chunk) {
       for (std::size_t b = 0; b < chunk.directory.block_count(); ++b) {
-        if (!block_inside(chunk.directory.columns[selection.which[1]].blocks[b])) continue;
+        if (!block_inside(chunk.directory.block(selection.which[1], b))) continue;
         ++blocks;
         samples += chunk.directory.block_samples(b);
       }
-      chunks.push_back(chunk);
+      chunks.push_back(std::move(chunk));
       return true;
     });
     Overview out;
@@ -259,14 +265,12 @@ Result<Overview> SessionReader::overview(SessionId session, std::span<const std:
     if (blocks * kCoarse >= runs && blocks > 0) {
       RunBuilder builder(out, selection, (blocks + runs - 1) / runs);
       for (const StoredChunk& chunk : chunks) {
-        const ChunkColumn& ticks = chunk.directory.columns[selection.which[0]];
-        const ChunkColumn& times = chunk.directory.columns[selection.which[1]];
         for (std::size_t b = 0; b < chunk.directory.block_count(); ++b) {
-          if (!block_inside(times.blocks[b])) continue;
-          const MinMax tick = ticks.blocks[b];
+          const MinMax tick = chunk.directory.block(selection.which[0], b), time = chunk.directory.block(selection.which[1], b);
+          if (!block_inside(time)) continue;
           const bool inner_gap = static_cast<std::size_t>(tick.max - tick.min) + 1 != chunk.directory.block_samples(b);
-          builder.add(static_cast<std::uint64_t>(tick.min), static_cast<std::uint64_t>(tick.max), times.blocks[b].min, times.blocks[b].max, inner_gap,
-                      [&](std::size_t i) { return chunk.directory.columns[selection.which[i + 2]].blocks[b]; });
+          builder.add(static_cast<std::uint64_t>(tick.min), static_cast<std::uint64_t>(tick.max), time.min, time.max, inner_gap,
+                      [&](std::size_t i) { return chunk.directory.block(selection.which[i + 2], b); });
         }
       }
       return out;

@@ -82,12 +82,12 @@ TEST(Codec, the_directory_knows_the_extremes_of_every_block) {
       const auto [low, high] = std::ranges::minmax(table[c]);
       EXPECT_EQ(directory.columns[c].range.min, low);
       EXPECT_EQ(directory.columns[c].range.max, high);
-      ASSERT_EQ(directory.columns[c].blocks.size(), directory.block_count());
+      ASSERT_EQ(directory.blocks.size(), table.size() * directory.block_count());
       for (std::size_t b = 0; b < directory.block_count(); ++b) {
         const auto begin = table[c].begin() + static_cast<std::ptrdiff_t>(b * kBlockSamples);
         const auto [block_low, block_high] = std::minmax_element(begin, begin + static_cast<std::ptrdiff_t>(directory.block_samples(b)));
-        EXPECT_EQ(directory.columns[c].blocks[b].min, *block_low);
-        EXPECT_EQ(directory.columns[c].blocks[b].max, *block_high);
+        EXPECT_EQ(directory.block(c, b).min, *block_low);
+        EXPECT_EQ(directory.block(c, b).max, *block_high);
       }
     }
   }
