@@ -84,10 +84,16 @@ inline constexpr std::array kObjects{
 constexpr bool object_applies(const ObjectInfo& object, NodeKind kind) {
   return object.owner == ObjectOwner::all || static_cast<int>(object.owner) == static_cast<int>(kind);
 }
+// Row of an object in kObjects, or kObjects.size() when this kind of node has none. As a number, because comparing addresses of table
+// rows is no constant expression under the undefined-behaviour sanitizer of g++ 12.
+constexpr std::size_t object_row(NodeKind kind, std::uint16_t index, std::uint8_t sub) {
+  for (std::size_t i = 0; i < kObjects.size(); ++i)
+    if (kObjects[i].index == index && kObjects[i].sub == sub && object_applies(kObjects[i], kind)) return i;
+  return kObjects.size();
+}
 constexpr const ObjectInfo* find_object(NodeKind kind, std::uint16_t index, std::uint8_t sub) {
-  for (const ObjectInfo& o : kObjects)
-    if (o.index == index && o.sub == sub && object_applies(o, kind)) return &o;
-  return nullptr;
+  const std::size_t row = object_row(kind, index, sub);
+  return row < kObjects.size() ? &kObjects[row] : nullptr;
 }
 
 enum class Pdo : std::uint8_t {
@@ -138,7 +144,7 @@ inline constexpr auto kPdoBytes = [] {
   std::array<std::uint8_t, kPdos.size()> bytes{};
   for (const PdoEntry& e : kPdoEntries)
     bytes[static_cast<std::size_t>(e.pdo)] = static_cast<std::uint8_t>(bytes[static_cast<std::size_t>(e.pdo)] +
-                                                                       object_bytes(find_object(pdo_info(e.pdo).kind, e.index, e.sub)->type));
+                                                                       object_bytes(kObjects[object_row(pdo_info(e.pdo).kind, e.index, e.sub)].type));
   return bytes;
 }();
 constexpr std::size_t pdo_bytes(Pdo pdo) { return kPdoBytes[static_cast<std::size_t>(pdo)]; }
@@ -150,15 +156,18 @@ struct PdoSlot {
   ObjectType type;
   double scale;
 };
+// Declared only: a call during compilation is the error message. No throw, which the firmware's compiler options refuse.
+void this_object_is_not_mapped_in_this_pdo();
 consteval PdoSlot pdo_slot(Pdo pdo, std::uint16_t index, std::uint8_t sub = 0) {
   std::size_t offset = 0;
   for (const PdoEntry& e : kPdoEntries) {
     if (e.pdo != pdo) continue;
-    const ObjectInfo* o = find_object(pdo_info(pdo).kind, e.index, e.sub);
-    if (e.index == index && e.sub == sub) return PdoSlot{offset, o->type, o->scale};
-    offset += object_bytes(o->type);
+    const ObjectInfo& o = kObjects[object_row(pdo_info(pdo).kind, e.index, e.sub)];
+    if (e.index == index && e.sub == sub) return PdoSlot{offset, o.type, o.scale};
+    offset += object_bytes(o.type);
   }
-  throw "this object is not mapped in this PDO";
+  this_object_is_not_mapped_in_this_pdo();
+  return {};
 }
 
 constexpr std::uint32_t read_le(const std::uint8_t* at, std::size_t bytes) {
@@ -257,13 +266,13 @@ static_assert(unique_by(kObjects, [](const ObjectInfo& o) { return (static_cast<
               "can_dictionary.def: an object is listed twice");
 static_assert(all_rows(kObjects, [](const ObjectInfo& o) { return o.min <= o.default_value && o.default_value <= o.max && !o.title.empty(); }),
               "can_dictionary.def: a default lies outside its range");
-static_assert(all_rows(kPdoEntries, [](const PdoEntry& e) { return find_object(pdo_info(e.pdo).kind, e.index, e.sub) != nullptr; }),
+static_assert(all_rows(kPdoEntries, [](const PdoEntry& e) { return object_row(pdo_info(e.pdo).kind, e.index, e.sub) < kObjects.size(); }),
               "can_dictionary.def: a PDO maps an object that does not exist");
 static_assert(all_rows(kPdos, [](const PdoInfo& p) { return pdo_bytes(p.pdo) <= 8 && pdo_bytes(p.pdo) > 0; }),
               "can_dictionary.def: a PDO holds 1 to 8 bytes");
 static_assert(all_rows(kParamObjects, [](const ParamObject& o) {
-                const ObjectInfo* object = find_object(o.kind, o.index, o.sub);
-                return object != nullptr && object->type == ObjectType::f32 && object->access == Access::rw;
+                const std::size_t row = object_row(o.kind, o.index, o.sub);
+                return row < kObjects.size() && kObjects[row].type == ObjectType::f32 && kObjects[row].access == Access::rw;
               }),
               "params.def: a parameter's object does not exist or is not a writable 32-bit float");
 
