@@ -140,6 +140,24 @@ TEST(Falls, AFallenPatientIsNotAcknowledgedAwayBeforeStandingAgain) {
   EXPECT_EQ(hoist.ask(CommandKind::acknowledge), 0U);
 }
 
+TEST(Falls, TheBlowAtTheStopIsNotCalledABrokenSensor) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  fall(
+      hoist, [](double t) { return std::min(14.0, 40 * t); }, 10, 100);
+  ASSERT_TRUE(hoist.has_fault(Fault::fall_detected));
+  hoist.tilt_left.slew_deg = hoist.tilt_right.slew_deg = 9;
+  hoist.lean(17.5);
+  hoist.step(2);
+  hoist.lean(9);
+  hoist.step(200);
+  EXPECT_FALSE(hoist.has_fault(Fault::tilt_implausible));
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge), 0U);
+  hoist.tilt_left.alpha_deg = 17.5;
+  hoist.step(5);
+  EXPECT_TRUE(hoist.has_fault(Fault::tilt_implausible)) << "afterwards it counts again";
+}
+
 TEST(Falls, ATwistIsATurnAndNoFall) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));

@@ -21,7 +21,11 @@ class TiltImplausible {
     const bool twisted = beyond(struts.alpha_left_rad - struts.alpha_right_rad, kTwist_rad);
     const bool apart = beyond(struts.beta_left_rad - struts.beta_right_rad, kApart_rad);
     apart_ticks_ = !apart ? std::uint8_t{0} : static_cast<std::uint8_t>(apart_ticks_ < kApartTicks ? apart_ticks_ + 1 : kApartTicks);
-    return view.mode != contract::Mode::init && (steep || fast || twisted || apart_ticks_ == kApartTicks);
+    if (view.mode == contract::Mode::init) return false;
+    // A fallen patient hits the mechanical stop, and the blow shows in every accelerometer. That is the fall, which has its own alarm; a
+    // sensor that is really wrong still is so after the acknowledgement.
+    if (view.has(contract::Fault::fall_detected) && !view.has(kFault)) return false;
+    return steep || fast || twisted || apart_ticks_ == kApartTicks;
   }
 
  private:
