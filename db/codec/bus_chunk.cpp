@@ -17,7 +17,8 @@ constexpr int kLevel = 1;
 constexpr std::size_t kWords = 4;  // 16-bit words of the eight data bytes
 
 std::uint64_t stream_key(const BusRecord& f) {
-  return (static_cast<std::uint64_t>(f.id) << 32) | (static_cast<std::uint64_t>(f.dlc) << 16) | (static_cast<std::uint64_t>(f.flags) << 8) | f.sent;
+  return (static_cast<std::uint64_t>(f.id) << 32) | (static_cast<std::uint64_t>(f.dlc) << 16) | (static_cast<std::uint64_t>(f.flags) << 8) |
+         f.sent;
 }
 
 std::int16_t word(std::uint64_t data, std::size_t index) { return static_cast<std::int16_t>(data >> (16 * index)); }
@@ -122,7 +123,8 @@ CodecError decode_bus(ByteView blob, std::vector<BusRecord>& frames) {
     return ZSTD_isError(n) == 0 && n == expected;
   };
   Bytes order, time_planes, planes;
-  if (!section(count * 2, order) || !section(time_plane_count * (count - 1), time_planes) || !section(count * kWords * 2, planes) || in.left() != 0)
+  if (!section(count * 2, order) || !section(time_plane_count * (count - 1), time_planes) || !section(count * kWords * 2, planes) ||
+      in.left() != 0)
     return CodecError::body_damaged;
   std::vector<std::int64_t> times(count);
   if (!read_planes(time_plane_count, first_time, step, time_planes, times)) return CodecError::body_damaged;

@@ -177,7 +177,8 @@ ChunkEncoder& ChunkEncoder::operator=(ChunkEncoder&& other) noexcept {
   return *this;
 }
 
-CodecError ChunkEncoder::encode(std::span<const std::vector<std::int64_t>> columns, std::size_t samples, ChunkLayout layout, EncodedChunk& out) {
+CodecError ChunkEncoder::encode(std::span<const std::vector<std::int64_t>> columns, std::size_t samples, ChunkLayout layout,
+                                EncodedChunk& out) {
   if (context_ == nullptr) return CodecError::zstd_failed;
   if (columns.empty() || columns.size() > kMaxChunkColumns || samples == 0 || samples > kMaxChunkSamples) return CodecError::no_such_column;
   ChunkDirectory directory;

@@ -20,12 +20,18 @@ namespace hoist::db {
 enum class CodecError : std::uint8_t { none, directory_damaged, directory_unknown_version, body_damaged, no_such_column, zstd_failed };
 constexpr const char* codec_error_text(CodecError error) {
   switch (error) {
-    case CodecError::none: return "ok";
-    case CodecError::directory_damaged: return "its directory is damaged";
-    case CodecError::directory_unknown_version: return "its directory has a version this program does not know";
-    case CodecError::body_damaged: return "its body is damaged";
-    case CodecError::no_such_column: return "it has no such column";
-    case CodecError::zstd_failed: break;
+    case CodecError::none:
+      return "ok";
+    case CodecError::directory_damaged:
+      return "its directory is damaged";
+    case CodecError::directory_unknown_version:
+      return "its directory has a version this program does not know";
+    case CodecError::body_damaged:
+      return "its body is damaged";
+    case CodecError::no_such_column:
+      return "it has no such column";
+    case CodecError::zstd_failed:
+      break;
   }
   return "zstd failed";
 }
@@ -42,20 +48,21 @@ struct MinMax {
 };
 
 struct ChunkColumn {
-  std::uint8_t planes = 0;   ///< bytes per stored difference; 0 = the value steps by `step` each sample (0 = constant)
+  std::uint8_t planes = 0;  ///< bytes per stored difference; 0 = the value steps by `step` each sample (0 = constant)
   std::int64_t first = 0;
-  std::int64_t step = 0;     ///< only with planes == 0
+  std::int64_t step = 0;  ///< only with planes == 0
   MinMax range;
-  std::size_t offset = 0;    ///< of the column's planes: in the body (frame_per_column) or in the unpacked frame (one_frame)
-  std::size_t bytes = 0;     ///< length there
+  std::size_t offset = 0;  ///< of the column's planes: in the body (frame_per_column) or in the unpacked frame (one_frame)
+  std::size_t bytes = 0;   ///< length there
 };
 
 struct ChunkDirectory {
   ChunkLayout layout = ChunkLayout::one_frame;
   std::size_t samples = 0;
-  std::size_t body_bytes = 0;      ///< whole body
+  std::size_t body_bytes = 0;  ///< whole body
   std::vector<ChunkColumn> columns;
-  std::vector<MinMax> blocks;      ///< block_count() of the first column, then of the next …: one allocation, because an overview reads hundreds
+  std::vector<MinMax>
+      blocks;  ///< block_count() of the first column, then of the next …: one allocation, because an overview reads hundreds
   [[nodiscard]] const MinMax& block(std::size_t column, std::size_t number) const { return blocks[column * block_count() + number]; }
   [[nodiscard]] std::size_t block_count() const { return (samples + kBlockSamples - 1) / kBlockSamples; }
   /// Samples in block number `block`.
@@ -80,7 +87,8 @@ class ChunkEncoder {
   ChunkEncoder(ChunkEncoder&&) noexcept;
   ChunkEncoder& operator=(ChunkEncoder&&) noexcept;
   /// columns[c] holds `samples` values each (1 to kMaxChunkSamples).
-  [[nodiscard]] CodecError encode(std::span<const std::vector<std::int64_t>> columns, std::size_t samples, ChunkLayout layout, EncodedChunk& out);
+  [[nodiscard]] CodecError encode(std::span<const std::vector<std::int64_t>> columns, std::size_t samples, ChunkLayout layout,
+                                  EncodedChunk& out);
 
  private:
   ZSTD_CCtx_s* context_;
@@ -102,7 +110,8 @@ class ChunkDecoder {
 
  private:
   [[nodiscard]] CodecError unpack(ByteView frame, std::size_t expected_bytes);
-  [[nodiscard]] static CodecError rebuild(const ChunkDirectory& directory, std::size_t column, ByteView planes, std::vector<std::int64_t>& values);
+  [[nodiscard]] static CodecError rebuild(const ChunkDirectory& directory, std::size_t column, ByteView planes,
+                                          std::vector<std::int64_t>& values);
   ZSTD_DCtx_s* context_;
   Bytes planes_;
 };

@@ -80,9 +80,9 @@ struct SessionExport::State {
   ExportOptions options;
   ChunkSource source;
   std::vector<Anchor> anchors;
-  std::vector<std::size_t> chosen;     // columns to write
+  std::vector<std::size_t> chosen;  // columns to write
   std::size_t tick_column = 0, time_column = 0;
-  std::uint64_t last_tick = 0;         // of the session when the export began: one that is being recorded must not grow under our hands
+  std::uint64_t last_tick = 0;  // of the session when the export began: one that is being recorded must not grow under our hands
   bool any_samples = false;
   std::uint64_t sample_count = 0;
 
@@ -229,7 +229,8 @@ struct SessionExport::State {
     if (!markers) throw SqlFailure{markers.error()};
     for (const Marker& marker : *markers) {
       const std::int64_t micros = microseconds_since(info.started_utc_ns, marker.utc_ns);
-      lines.push_back({marker.tick, stamp(marker.utc_ns, micros) + ',' + std::to_string(marker.tick) + ",marker,,,,,,,,," + csv_cell(marker.text)});
+      lines.push_back(
+          {marker.tick, stamp(marker.utc_ns, micros) + ',' + std::to_string(marker.tick) + ",marker,,,,,,,,," + csv_cell(marker.text)});
     }
     std::ranges::stable_sort(lines, {}, &Line::tick);
     for (const Line& line : lines) out += line.text + "\n";
@@ -258,7 +259,8 @@ struct SessionExport::State {
     for (const std::size_t c : chosen) columns.push_back({{"name", layout[c].name}, {"unit", layout[c].unit}, {"lsb", layout[c].lsb}});
     // Text of a foreign file may be broken UTF-8: replaced, not thrown.
     const auto dump = [](const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); };
-    out = "{\"session\":" + dump(session) + ",\n\"columns\":" + dump(columns) + ",\n\"rows\":" + std::to_string(sample_count) + ",\n\"data\":{";
+    out = "{\"session\":" + dump(session) + ",\n\"columns\":" + dump(columns) + ",\n\"rows\":" + std::to_string(sample_count) +
+          ",\n\"data\":{";
   }
 
   // One column after the other, so that only one chunk's column is in memory: time_s, gap_before, then the chosen ones.
@@ -316,9 +318,17 @@ struct SessionExport::State {
     check(events);
     json event_rows = json::array();
     for (const StoredEvent& event : *events)
-      event_rows.push_back({{"tick", event.tick}, {"time_ns", event.time_ns}, {"kind", event.kind_name}, {"name", event.name}, {"code", event.code},
-                            {"bits", event.bits}, {"item", event.item}, {"value", finite(event.value)}, {"before", finite(event.before)},
-                            {"request_id", event.request_id}, {"client", event.client}});
+      event_rows.push_back({{"tick", event.tick},
+                            {"time_ns", event.time_ns},
+                            {"kind", event.kind_name},
+                            {"name", event.name},
+                            {"code", event.code},
+                            {"bits", event.bits},
+                            {"item", event.item},
+                            {"value", finite(event.value)},
+                            {"before", finite(event.before)},
+                            {"request_id", event.request_id},
+                            {"client", event.client}});
     const auto markers = reader.markers(info.id);
     check(markers);
     json marker_rows = json::array();
@@ -355,7 +365,8 @@ struct SessionExport::State {
         if (csv_rows(out)) return true;
         step = Step::over;
         return false;
-      default: return false;
+      default:
+        return false;
     }
   }
 };
@@ -410,9 +421,12 @@ std::string SessionExport::content_type() const {
 std::string SessionExport::file_name() const {
   const std::string base = "hoist_session_" + std::to_string(state_->info.id);
   switch (state_->options.format) {
-    case ExportFormat::json: return base + ".json";
-    case ExportFormat::events_csv: return base + "_events.csv";
-    case ExportFormat::csv: break;
+    case ExportFormat::json:
+      return base + ".json";
+    case ExportFormat::events_csv:
+      return base + "_events.csv";
+    case ExportFormat::csv:
+      break;
   }
   return base + ".csv";
 }

@@ -7,7 +7,8 @@
 namespace hoist::db {
 namespace {
 constexpr std::size_t kFewColumns = 12;  // up to here single reads beat reading the whole body
-constexpr const char* kColumns = "SELECT id, first_tick, last_tick, first_time_ns, last_time_ns, directory FROM chunks WHERE session_id = ?1 ";
+constexpr const char* kColumns =
+    "SELECT id, first_tick, last_tick, first_time_ns, last_time_ns, directory FROM chunks WHERE session_id = ?1 ";
 }  // namespace
 
 ChunkSource::ChunkSource(sqlite3* handle, SessionId session, std::size_t column_count)
@@ -20,15 +21,16 @@ ChunkSource::ChunkSource(sqlite3* handle, SessionId session, std::size_t column_
 ChunkSource::~ChunkSource() { sqlite3_blob_close(blob_); }
 
 void ChunkSource::damaged(std::uint64_t first_tick, CodecError error) const {
-  throw SqlFailure{Error{ErrorKind::corrupt,
-                         "session " + std::to_string(session_) + ", chunk of samples from tick " + std::to_string(first_tick) + ": " +
-                             codec_error_text(error),
-                         {}}};
+  throw SqlFailure{Error{
+      ErrorKind::corrupt,
+      "session " + std::to_string(session_) + ", chunk of samples from tick " + std::to_string(first_tick) + ": " + codec_error_text(error),
+      {}}};
 }
 void ChunkSource::gone(std::uint64_t first_tick) const {
-  throw SqlFailure{Error{ErrorKind::not_found,
-                         "session " + std::to_string(session_) + ", samples from tick " + std::to_string(first_tick) + ": deleted meanwhile",
-                         {}}};
+  throw SqlFailure{
+      Error{ErrorKind::not_found,
+            "session " + std::to_string(session_) + ", samples from tick " + std::to_string(first_tick) + ": deleted meanwhile",
+            {}}};
 }
 
 StoredChunk ChunkSource::row_of(Statement& statement) const {
@@ -74,7 +76,8 @@ void ChunkSource::load(const StoredChunk& chunk, std::span<const std::size_t> wh
       if (code == SQLITE_ERROR) gone(chunk.first_tick);
       throw_sql(handle_, code, "reading samples");
     }
-    if (static_cast<std::size_t>(sqlite3_blob_bytes(blob_)) != chunk.directory.body_bytes) damaged(chunk.first_tick, CodecError::body_damaged);
+    if (static_cast<std::size_t>(sqlite3_blob_bytes(blob_)) != chunk.directory.body_bytes)
+      damaged(chunk.first_tick, CodecError::body_damaged);
     for (std::size_t i = 0; i < which.size(); ++i) {
       if (which[i] >= chunk.directory.columns.size()) damaged(chunk.first_tick, CodecError::no_such_column);
       const ChunkColumn& column = chunk.directory.columns[which[i]];
@@ -100,7 +103,8 @@ std::vector<ColumnInfo> layout_of(sqlite3* handle, SessionId session) {
   Statement statement(handle, "SELECT name, unit, type, lsb, decimals FROM column_layout WHERE session_id = ?1 ORDER BY position");
   statement.integer(1, session);
   while (statement.step())
-    layout.push_back({statement.text_at(0), statement.text_at(1), statement.text_at(2), statement.real_at(3), static_cast<int>(statement.integer_at(4))});
+    layout.push_back({statement.text_at(0), statement.text_at(1), statement.text_at(2), statement.real_at(3),
+                      static_cast<int>(statement.integer_at(4))});
   return layout;
 }
 

@@ -121,8 +121,8 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
         const int found = user_version(handle);
         if (found > schema_version())
           return Error{ErrorKind::newer_schema,
-                       "the database " + file.string() + " was written by a newer Hoist (schema " + std::to_string(found) + ", this one knows " +
-                           std::to_string(schema_version()) + "): install that version, or choose another file",
+                       "the database " + file.string() + " was written by a newer Hoist (schema " + std::to_string(found) +
+                           ", this one knows " + std::to_string(schema_version()) + "): install that version, or choose another file",
                        {}};
         execute(handle, "PRAGMA journal_mode = WAL");
         for (int next = found; next < schema_version(); ++next) {

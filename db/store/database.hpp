@@ -27,10 +27,10 @@ struct OpenOptions {
 /// What opening found and did; each is worth a line in the log and on the Health page.
 struct OpenReport {
   bool created = false;
-  int migrated_from = 0;              ///< schema version found (0 = empty file)
-  int schema_version = 0;             ///< schema version now
-  std::filesystem::path set_aside;    ///< where a corrupt file was moved to; empty when there was none
-  std::string set_aside_reason;       ///< what the check said
+  int migrated_from = 0;            ///< schema version found (0 = empty file)
+  int schema_version = 0;           ///< schema version now
+  std::filesystem::path set_aside;  ///< where a corrupt file was moved to; empty when there was none
+  std::string set_aside_reason;     ///< what the check said
 };
 
 class Database {

@@ -21,15 +21,24 @@ enum class ErrorKind : std::uint8_t {
 };
 constexpr const char* error_kind_name(ErrorKind kind) {
   switch (kind) {
-    case ErrorKind::not_found: return "not_found";
-    case ErrorKind::bad_value: return "bad_value";
-    case ErrorKind::wrong_state: return "wrong_state";
-    case ErrorKind::busy: return "busy";
-    case ErrorKind::disk_full: return "disk_full";
-    case ErrorKind::io: return "io";
-    case ErrorKind::corrupt: return "corrupt";
-    case ErrorKind::newer_schema: return "newer_schema";
-    case ErrorKind::internal: break;
+    case ErrorKind::not_found:
+      return "not_found";
+    case ErrorKind::bad_value:
+      return "bad_value";
+    case ErrorKind::wrong_state:
+      return "wrong_state";
+    case ErrorKind::busy:
+      return "busy";
+    case ErrorKind::disk_full:
+      return "disk_full";
+    case ErrorKind::io:
+      return "io";
+    case ErrorKind::corrupt:
+      return "corrupt";
+    case ErrorKind::newer_schema:
+      return "newer_schema";
+    case ErrorKind::internal:
+      break;
   }
   return "internal";
 }

@@ -39,7 +39,8 @@ Status check_subject(const std::optional<std::string>& subject) {
 }
 
 Status check_note(std::string_view note) {
-  if (note.size() > kMaxNote_bytes || !plain_text(note)) return Error{ErrorKind::bad_value, "note must be plain text of at most 4000 bytes", "note"};
+  if (note.size() > kMaxNote_bytes || !plain_text(note))
+    return Error{ErrorKind::bad_value, "note must be plain text of at most 4000 bytes", "note"};
   return {};
 }
 
@@ -53,7 +54,8 @@ Status check_exercise(std::string_view json) {
     std::string_view name;
     std::array<std::string_view, 2> sizes;
   };
-  static constexpr std::array kShapes{Shape{"square", {"side_m", ""}}, Shape{"eight", {"centre_m", "radius_m"}}, Shape{"straight", {"length_m", ""}}};
+  static constexpr std::array kShapes{Shape{"square", {"side_m", ""}}, Shape{"eight", {"centre_m", "radius_m"}},
+                                      Shape{"straight", {"length_m", ""}}};
   for (const Shape& known : kShapes) {
     if (shape->get_ref<const std::string&>() != known.name) continue;
     std::size_t expected = 1;

@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kCoarse = 4;
 constexpr double kNanoseconds = 1e-9;
 constexpr const char* kSessionColumns =
-    "SELECT id, subject, started_utc_ns, start_time_ns, core_start_time_ns, simulated, ended_utc_ns, close_reason, layout_hash, software_version, "
+    "SELECT id, subject, started_utc_ns, start_time_ns, core_start_time_ns, simulated, ended_utc_ns, close_reason, layout_hash, "
+    "software_version, "
     "note, exercise, coalesce(sample_count, (SELECT sum(samples) FROM chunks WHERE session_id = sessions.id), 0), "
     "coalesce(first_time_ns, (SELECT min(first_time_ns) FROM chunks WHERE session_id = sessions.id), 0), "
     "coalesce(last_time_ns, (SELECT max(last_time_ns) FROM chunks WHERE session_id = sessions.id), 0), "
@@ -47,8 +48,8 @@ Error no_such_session(SessionId session) { return {ErrorKind::not_found, "there 
 struct Selection {
   std::uint64_t start_time_ns = 0;
   std::size_t column_count = 0;
-  std::vector<ColumnInfo> info;        // of the asked columns
-  std::vector<std::size_t> which;      // tick, time_ns, then the asked ones
+  std::vector<ColumnInfo> info;                    // of the asked columns
+  std::vector<std::size_t> which;                  // tick, time_ns, then the asked ones
   std::uint64_t from_time_ns = 0, to_time_ns = 0;  // half open
 };
 
@@ -72,7 +73,8 @@ Selection select(sqlite3* handle, SessionId session, std::span<const std::string
   const std::vector<ColumnInfo> layout = layout_of(handle, session);
   selection.column_count = layout.size();
   const auto tick = find_column(layout, "tick"), time = find_column(layout, "time_ns");
-  if (!tick || !time) throw SqlFailure{Error{ErrorKind::corrupt, "session " + std::to_string(session) + " has no tick and time columns", {}}};
+  if (!tick || !time)
+    throw SqlFailure{Error{ErrorKind::corrupt, "session " + std::to_string(session) + " has no tick and time columns", {}}};
   selection.which = {*tick, *time};
   for (const std::string& name : names) {
     const auto found = find_column(layout, name);
@@ -104,7 +106,8 @@ void for_chunks(ChunkSource& source, const Selection& selection, Use use) {
 // Collects minima and maxima; a run is closed when it holds enough parts (blocks or samples).
 class RunBuilder {
  public:
-  RunBuilder(Overview& out, const Selection& selection, std::size_t parts_per_run) : out_(out), selection_(selection), parts_per_run_(parts_per_run) {}
+  RunBuilder(Overview& out, const Selection& selection, std::size_t parts_per_run)
+      : out_(out), selection_(selection), parts_per_run_(parts_per_run) {}
 
   // `inner_gap`: the part itself misses samples.
   template <typename RangeOf>
@@ -146,7 +149,8 @@ class RunBuilder {
 }  // namespace
 
 Result<SessionPage> SessionReader::list(const SessionQuery& query) const {
-  if (query.limit == 0 || query.limit > kMaxPage) return Error{ErrorKind::bad_value, "limit must be 1 to " + std::to_string(kMaxPage), "limit"};
+  if (query.limit == 0 || query.limit > kMaxPage)
+    return Error{ErrorKind::bad_value, "limit must be 1 to " + std::to_string(kMaxPage), "limit"};
   return guarded([&]() -> Result<SessionPage> {
     sqlite3* handle = database_->handle();
     Transaction transaction(handle, Transaction::Kind::read);
@@ -156,7 +160,8 @@ Result<SessionPage> SessionReader::list(const SessionQuery& query) const {
       if (query.subject) count.text(1, query.subject);
       if (count.step()) page.total = count.unsigned_at(0);
     }
-    Statement rows(handle, std::string(kSessionColumns) + "WHERE id < ?1 " + (query.subject ? "AND subject = ?3 " : "") + "ORDER BY id DESC LIMIT ?2");
+    Statement rows(
+        handle, std::string(kSessionColumns) + "WHERE id < ?1 " + (query.subject ? "AND subject = ?3 " : "") + "ORDER BY id DESC LIMIT ?2");
     rows.integer(1, query.before.value_or(std::numeric_limits<std::int64_t>::max()));
     // One more than asked tells whether a next page exists.
     rows.unsigned_integer(2, query.limit + 1);
@@ -210,8 +215,10 @@ Result<Columns> SessionReader::read_columns(SessionId session, std::span<const s
     for_chunks(source, selection, [&](const StoredChunk& chunk) {
       source.load(chunk, selection.which, values);
       const std::vector<std::int64_t>&ticks = values[0], &times = values[1];
-      const auto from = static_cast<std::size_t>(std::ranges::lower_bound(times, static_cast<std::int64_t>(selection.from_time_ns)) - times.begin());
-      const auto to = static_cast<std::size_t>(std::ranges::lower_bound(times, static_cast<std::int64_t>(selection.to_time_ns)) - times.begin());
+      const auto from =
+          static_cast<std::size_t>(std::ranges::lower_bound(times, static_cast<std::int64_t>(selection.from_time_ns)) - times.begin());
+      const auto to =
+          static_cast<std::size_t>(std::ranges::lower_bound(times, static_cast<std::int64_t>(selection.to_time_ns)) - times.begin());
       if (to <= from) return true;
       if (out.tick.size() + (to - from) > kMaxReadSamples) {
         too_many = true;
@@ -233,13 +240,16 @@ Result<Columns> SessionReader::read_columns(SessionId session, std::span<const s
       return true;
     });
     if (too_many)
-      return Error{ErrorKind::bad_value, "the range holds more than " + std::to_string(kMaxReadSamples) + " samples: ask for less, or for the overview", "range"};
+      return Error{ErrorKind::bad_value,
+                   "the range holds more than " + std::to_string(kMaxReadSamples) + " samples: ask for less, or for the overview", "range"};
     return out;
   });
 }
 
-Result<Overview> SessionReader::overview(SessionId session, std::span<const std::string> names, std::size_t runs, const TimeRange& range) const {
-  if (runs == 0 || runs > kMaxOverviewRuns) return Error{ErrorKind::bad_value, "runs must be 1 to " + std::to_string(kMaxOverviewRuns), "runs"};
+Result<Overview> SessionReader::overview(SessionId session, std::span<const std::string> names, std::size_t runs,
+                                         const TimeRange& range) const {
+  if (runs == 0 || runs > kMaxOverviewRuns)
+    return Error{ErrorKind::bad_value, "runs must be 1 to " + std::to_string(kMaxOverviewRuns), "runs"};
   return guarded([&]() -> Result<Overview> {
     sqlite3* handle = database_->handle();
     Transaction transaction(handle, Transaction::Kind::read);
@@ -283,7 +293,9 @@ Result<Overview> SessionReader::overview(SessionId session, std::span<const std:
       for (std::size_t i = 0; i < values[1].size(); ++i) {
         if (values[1][i] < from || values[1][i] >= to) continue;
         const auto tick = static_cast<std::uint64_t>(values[0][i]);
-        builder.add(tick, tick, values[1][i], values[1][i], false, [&](std::size_t c) { return MinMax{values[c + 2][i], values[c + 2][i]}; });
+        builder.add(tick, tick, values[1][i], values[1][i], false, [&](std::size_t c) {
+          return MinMax{values[c + 2][i], values[c + 2][i]};
+        });
       }
     }
     return out;
@@ -294,7 +306,8 @@ Result<std::vector<StoredEvent>> SessionReader::events(SessionId session) const 
   return guarded([&]() -> Result<std::vector<StoredEvent>> {
     std::vector<StoredEvent> out;
     Statement row(database_->handle(),
-                  "SELECT tick, time_ns, kind, code, bits, item, request_id, client, value, before, kind_name, name FROM events WHERE session_id = ?1 "
+                  "SELECT tick, time_ns, kind, code, bits, item, request_id, client, value, before, kind_name, name FROM events WHERE "
+                  "session_id = ?1 "
                   "ORDER BY number");
     row.integer(1, session);
     while (row.step()) {
@@ -358,7 +371,8 @@ Result<std::vector<contract::BusRecord>> SessionReader::bus_frames(SessionId ses
       chunk.clear();
       if (const CodecError error = decode_bus(row.blob_at(1), chunk); error != CodecError::none)
         return Error{ErrorKind::corrupt,
-                     "session " + std::to_string(session) + ", bus frames from number " + std::to_string(first_frame) + ": " + codec_error_text(error),
+                     "session " + std::to_string(session) + ", bus frames from number " + std::to_string(first_frame) + ": " +
+                         codec_error_text(error),
                      {}};
       const std::size_t skip = first > first_frame ? std::min<std::size_t>(first - first_frame, chunk.size()) : 0;
       const std::size_t count = std::min(chunk.size() - skip, limit - out.size());

@@ -20,14 +20,14 @@ inline constexpr std::size_t kMaxOverviewRuns = 4000;    ///< runs of one overvi
 inline constexpr std::size_t kMaxReadSamples = 1000000;  ///< samples of one read_columns; more is refused: ask for less or for the overview
 
 struct SessionQuery {
-  std::size_t limit = 50;                  ///< 1 to kMaxPage
-  std::optional<SessionId> before;         ///< only sessions older than this one: the cursor of the page before
-  std::optional<std::string> subject;      ///< only this code
+  std::size_t limit = 50;              ///< 1 to kMaxPage
+  std::optional<SessionId> before;     ///< only sessions older than this one: the cursor of the page before
+  std::optional<std::string> subject;  ///< only this code
 };
 struct SessionPage {
-  std::vector<SessionInfo> sessions;       ///< newest first
-  std::optional<SessionId> next;           ///< cursor for the next page; absent at the end
-  std::uint64_t total = 0;                 ///< sessions that match, on all pages
+  std::vector<SessionInfo> sessions;  ///< newest first
+  std::optional<SessionId> next;      ///< cursor for the next page; absent at the end
+  std::uint64_t total = 0;            ///< sessions that match, on all pages
 };
 
 class SessionReader {

@@ -16,10 +16,10 @@ inline constexpr std::size_t kMaxSubject_bytes = 64, kMaxNote_bytes = 4000, kMax
 
 /// Everything known when a recording begins. `parameter_values` are in the order of contract::kParams, or empty when unknown.
 struct SessionStart {
-  std::optional<std::string> subject;        ///< pseudonymous code, never a name
-  std::int64_t started_utc_ns = 0;           ///< wall clock …
-  std::uint64_t start_time_ns = 0;           ///< … at this moment of the core's steady clock: the anchor of all UTC times
-  std::uint64_t core_start_time_ns = 0;      ///< SegmentHeader::start_time_ns: which life of the core
+  std::optional<std::string> subject;    ///< pseudonymous code, never a name
+  std::int64_t started_utc_ns = 0;       ///< wall clock …
+  std::uint64_t start_time_ns = 0;       ///< … at this moment of the core's steady clock: the anchor of all UTC times
+  std::uint64_t core_start_time_ns = 0;  ///< SegmentHeader::start_time_ns: which life of the core
   bool simulated = false;
   std::uint64_t layout_hash = 0;
   std::string software_version;
@@ -31,10 +31,14 @@ struct SessionStart {
 enum class CloseReason : std::uint8_t { finished, core_restarted, interrupted, server_stopped };
 constexpr const char* close_reason_name(CloseReason reason) {
   switch (reason) {
-    case CloseReason::finished: return "finished";
-    case CloseReason::core_restarted: return "core_restarted";
-    case CloseReason::interrupted: return "interrupted";
-    case CloseReason::server_stopped: break;
+    case CloseReason::finished:
+      return "finished";
+    case CloseReason::core_restarted:
+      return "core_restarted";
+    case CloseReason::interrupted:
+      return "interrupted";
+    case CloseReason::server_stopped:
+      break;
   }
   return "server_stopped";
 }
@@ -55,15 +59,15 @@ struct SessionInfo {
   std::optional<std::string> exercise_json;
   std::uint64_t sample_count = 0;
   std::uint64_t gap_count = 0;
-  double duration_s = 0;                     ///< from the first to the last sample
-  std::uint64_t stored_bytes = 0;            ///< chunk blobs of samples and bus frames; filled by get(), 0 in lists
+  double duration_s = 0;           ///< from the first to the last sample
+  std::uint64_t stored_bytes = 0;  ///< chunk blobs of samples and bus frames; filled by get(), 0 in lists
 };
 
 struct ColumnInfo {
   std::string name;
   std::string unit;
-  std::string type;      ///< as in signals.def: u64, f32 …
-  double lsb = 1;        ///< always 10^-decimals
+  std::string type;  ///< as in signals.def: u64, f32 …
+  double lsb = 1;    ///< always 10^-decimals
   int decimals = 0;
 };
 
@@ -96,19 +100,19 @@ struct TimeRange {
 /// Samples of some columns. All vectors have the same length; values are int / 10^decimals, exactly the number that the CSV prints.
 struct Columns {
   std::vector<ColumnInfo> info;
-  std::vector<double> time_s;             ///< since the session's start
+  std::vector<double> time_s;  ///< since the session's start
   std::vector<std::uint64_t> tick;
-  std::vector<std::uint8_t> gap_before;   ///< 1 = samples are missing between the one before and this one
+  std::vector<std::uint8_t> gap_before;     ///< 1 = samples are missing between the one before and this one
   std::vector<std::vector<double>> values;  ///< values[column][sample]
 };
 
 /// Smallest and largest value of each run of samples, in order of time. Runs hold whole stored blocks or equal numbers of samples.
 struct Overview {
   std::vector<ColumnInfo> info;
-  std::vector<double> from_s, to_s;       ///< times of the first and the last sample of each run
-  std::vector<std::uint8_t> gap_before;   ///< 1 = samples are missing before or inside this run
+  std::vector<double> from_s, to_s;           ///< times of the first and the last sample of each run
+  std::vector<std::uint8_t> gap_before;       ///< 1 = samples are missing before or inside this run
   std::vector<std::vector<double>> min, max;  ///< [column][run]
-  bool exact_range = false;               ///< false: whole blocks at both ends were taken, so the range may be a few seconds wider
+  bool exact_range = false;                   ///< false: whole blocks at both ends were taken, so the range may be a few seconds wider
 };
 
 }  // namespace hoist::db

@@ -46,12 +46,18 @@ static_assert(kSignalCount <= kMaxChunkColumns);
 
 constexpr std::string_view type_name(SignalType type) {
   switch (type) {
-    case SignalType::u64: return "u64";
-    case SignalType::u32: return "u32";
-    case SignalType::i32: return "i32";
-    case SignalType::f32: return "f32";
-    case SignalType::u16: return "u16";
-    case SignalType::u8: break;
+    case SignalType::u64:
+      return "u64";
+    case SignalType::u32:
+      return "u32";
+    case SignalType::i32:
+      return "i32";
+    case SignalType::f32:
+      return "f32";
+    case SignalType::u16:
+      return "u16";
+    case SignalType::u8:
+      break;
   }
   return "u8";
 }
@@ -77,8 +83,12 @@ Fit to_integers(const TickRecord& record, std::array<std::int64_t, kSignalCount>
         out[c] = static_cast<std::int64_t>(value);
         break;
       }
-      case SignalType::u32: out[c] = read_as<std::uint32_t>(record, signal); break;
-      case SignalType::i32: out[c] = read_as<std::int32_t>(record, signal); break;
+      case SignalType::u32:
+        out[c] = read_as<std::uint32_t>(record, signal);
+        break;
+      case SignalType::i32:
+        out[c] = read_as<std::int32_t>(record, signal);
+        break;
       case SignalType::f32: {
         const double scaled = static_cast<double>(read_as<float>(record, signal)) * decimal_scale(kDecimals[c]);
         if (!std::isfinite(scaled)) return Fit::not_finite;
@@ -86,8 +96,12 @@ Fit to_integers(const TickRecord& record, std::array<std::int64_t, kSignalCount>
         out[c] = std::llrint(scaled);
         break;
       }
-      case SignalType::u16: out[c] = read_as<std::uint16_t>(record, signal); break;
-      case SignalType::u8: out[c] = read_as<std::uint8_t>(record, signal); break;
+      case SignalType::u16:
+        out[c] = read_as<std::uint16_t>(record, signal);
+        break;
+      case SignalType::u8:
+        out[c] = read_as<std::uint8_t>(record, signal);
+        break;
     }
   }
   return Fit::ok;
@@ -114,7 +128,8 @@ std::string meaning(const Event& event) {
     case EventKind::node_changed:
       if (event.item < contract::kNodes.size()) return std::string(contract::kNodes[event.item].name);
       break;
-    default: break;
+    default:
+      break;
   }
   return {};
 }
@@ -135,13 +150,16 @@ struct SessionWriter::State {
       : handle(database.handle()),
         put_chunk(handle,
                   "INSERT INTO chunks (session_id, first_tick, last_tick, first_time_ns, last_time_ns, samples, directory, body) "
-                  "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8) ON CONFLICT (session_id, first_tick) DO UPDATE SET last_tick = ?3, first_time_ns = ?4, "
+                  "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8) ON CONFLICT (session_id, first_tick) DO UPDATE SET last_tick = ?3, "
+                  "first_time_ns = ?4, "
                   "last_time_ns = ?5, samples = ?6, directory = ?7, body = ?8"),
-        put_bus(handle,
-                "INSERT INTO bus_chunks (session_id, first_frame, frames, first_time_ns, last_time_ns, body) VALUES (?1, ?2, ?3, ?4, ?5, ?6) "
-                "ON CONFLICT (session_id, first_frame) DO UPDATE SET frames = ?3, first_time_ns = ?4, last_time_ns = ?5, body = ?6"),
+        put_bus(
+            handle,
+            "INSERT INTO bus_chunks (session_id, first_frame, frames, first_time_ns, last_time_ns, body) VALUES (?1, ?2, ?3, ?4, ?5, ?6) "
+            "ON CONFLICT (session_id, first_frame) DO UPDATE SET frames = ?3, first_time_ns = ?4, last_time_ns = ?5, body = ?6"),
         put_event(handle,
-                  "INSERT INTO events (session_id, number, tick, time_ns, kind, kind_name, code, bits, item, value, before, request_id, client, name) "
+                  "INSERT INTO events (session_id, number, tick, time_ns, kind, kind_name, code, bits, item, value, before, request_id, "
+                  "client, name) "
                   "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)"),
         put_gap(handle, "INSERT INTO gaps (session_id, number, stream, from_tick, to_tick, reason) VALUES (?1, ?2, ?3, ?4, ?5, ?6)"),
         put_marker(handle, "INSERT INTO markers (session_id, number, tick, utc_ns, text) VALUES (?1, ?2, ?3, ?4, ?5)"),
@@ -162,11 +180,11 @@ struct SessionWriter::State {
   std::uint64_t start_time_ns = 0;
   std::vector<std::vector<std::int64_t>> tail;  // samples since the newest complete chunk, by column; its first ones may be durable already
   std::size_t tail_durable = 0;
-  std::size_t retry_at = 0;                     // samples waiting at which append_ticks commits by itself
+  std::size_t retry_at = 0;  // samples waiting at which append_ticks commits by itself
   std::uint64_t durable_samples = 0;
   std::optional<std::uint64_t> durable_tick;
   std::optional<std::uint64_t> last_tick, last_time_ns;
-  std::vector<BusRecord> bus_tail;              // frames since the newest complete bus chunk
+  std::vector<BusRecord> bus_tail;  // frames since the newest complete bus chunk
   std::size_t bus_durable = 0;
   std::uint64_t bus_first = 0;
   std::vector<Event> events;
@@ -226,7 +244,8 @@ struct SessionWriter::State {
       std::span<const std::vector<std::int64_t>> columns(tail);
       if (begin > 0) {
         for (std::size_t c = 0; c < kSignalCount; ++c)
-          part[c].assign(tail[c].begin() + static_cast<std::ptrdiff_t>(begin), tail[c].begin() + static_cast<std::ptrdiff_t>(begin + count));
+          part[c].assign(tail[c].begin() + static_cast<std::ptrdiff_t>(begin),
+                         tail[c].begin() + static_cast<std::ptrdiff_t>(begin + count));
         columns = part;
       }
       put_samples(columns, count, ChunkLayout::one_frame);
@@ -388,7 +407,8 @@ struct SessionWriter::State {
     {
       Statement statement(handle, "SELECT id, samples, first_tick FROM chunks WHERE session_id = ?1 ORDER BY first_tick");
       statement.integer(1, id);
-      while (statement.step()) rows.push_back({statement.integer_at(0), static_cast<std::size_t>(statement.integer_at(1)), statement.unsigned_at(2)});
+      while (statement.step())
+        rows.push_back({statement.integer_at(0), static_cast<std::size_t>(statement.integer_at(1)), statement.unsigned_at(2)});
     }
     Statement remove(handle, "DELETE FROM chunks WHERE id = ?1");
     std::vector<std::vector<std::int64_t>> group(layout.size()), values;
@@ -428,7 +448,8 @@ struct SessionWriter::State {
     {
       Statement statement(handle, "SELECT id, first_frame, frames FROM bus_chunks WHERE session_id = ?1 ORDER BY first_frame");
       statement.integer(1, id);
-      while (statement.step()) rows.push_back({statement.integer_at(0), statement.unsigned_at(1), static_cast<std::size_t>(statement.integer_at(2))});
+      while (statement.step())
+        rows.push_back({statement.integer_at(0), statement.unsigned_at(1), static_cast<std::size_t>(statement.integer_at(2))});
     }
     Statement read(handle, "SELECT body FROM bus_chunks WHERE id = ?1"), remove(handle, "DELETE FROM bus_chunks WHERE id = ?1");
     std::vector<BusRecord> group;
@@ -476,9 +497,10 @@ struct SessionWriter::State {
     };
     std::vector<Open> open;
     {
-      Statement statement(handle,
-                          "SELECT id, started_utc_ns + coalesce((SELECT max(last_time_ns) FROM chunks WHERE session_id = sessions.id) - start_time_ns, 0) "
-                          "FROM sessions WHERE ended_utc_ns IS NULL ORDER BY id");
+      Statement statement(
+          handle,
+          "SELECT id, started_utc_ns + coalesce((SELECT max(last_time_ns) FROM chunks WHERE session_id = sessions.id) - start_time_ns, 0) "
+          "FROM sessions WHERE ended_utc_ns IS NULL ORDER BY id");
       while (statement.step()) open.push_back({statement.integer_at(0), statement.integer_at(1)});
     }
     for (const Open& one : open) {
@@ -527,14 +549,16 @@ Result<SessionId> SessionWriter::begin(const SessionStart& start) {
   if (start.exercise_json)
     if (Status checked = check_exercise(*start.exercise_json); !checked) return checked.error();
   if (!start.parameter_values.empty() && start.parameter_values.size() != contract::kParamCount)
-    return Error{ErrorKind::bad_value, "parameter_values must hold " + std::to_string(contract::kParamCount) + " values, or none", "parameter_values"};
+    return Error{ErrorKind::bad_value, "parameter_values must hold " + std::to_string(contract::kParamCount) + " values, or none",
+                 "parameter_values"};
   for (const double value : start.parameter_values)
     if (!std::isfinite(value)) return Error{ErrorKind::bad_value, "parameter_values must be finite", "parameter_values"};
   return guarded([&]() -> Result<SessionId> {
     s.clear_session();
     Transaction transaction(s.handle, Transaction::Kind::write);
     Statement insert(s.handle,
-                     "INSERT INTO sessions (subject, started_utc_ns, start_time_ns, core_start_time_ns, simulated, layout_hash, software_version, note, exercise) "
+                     "INSERT INTO sessions (subject, started_utc_ns, start_time_ns, core_start_time_ns, simulated, layout_hash, "
+                     "software_version, note, exercise) "
                      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9) RETURNING id");
     insert.text(1, start.subject)
         .integer(2, start.started_utc_ns)
@@ -548,7 +572,8 @@ Result<SessionId> SessionWriter::begin(const SessionStart& start) {
     if (!insert.step()) throw SqlFailure{Error{ErrorKind::internal, "the new session got no number", {}}};
     const SessionId id = insert.integer_at(0);
     insert.reset();
-    Statement column(s.handle, "INSERT INTO column_layout (session_id, position, name, unit, type, lsb, decimals) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)");
+    Statement column(
+        s.handle, "INSERT INTO column_layout (session_id, position, name, unit, type, lsb, decimals) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)");
     for (std::size_t c = 0; c < kSignalCount; ++c)
       column.integer(1, id)
           .unsigned_integer(2, c)
@@ -576,7 +601,8 @@ Status SessionWriter::append_ticks(std::span<const TickRecord> records) {
   std::array<std::int64_t, kSignalCount> row{};
   for (const TickRecord& record : records) {
     if (s.last_tick && record.tick <= *s.last_tick)
-      return Error{ErrorKind::bad_value, "tick " + std::to_string(record.tick) + " does not follow tick " + std::to_string(*s.last_tick), "tick"};
+      return Error{ErrorKind::bad_value, "tick " + std::to_string(record.tick) + " does not follow tick " + std::to_string(*s.last_tick),
+                   "tick"};
     const Fit fit = to_integers(record, row);
     if (s.last_tick && record.tick > *s.last_tick + 1) s.note_gap("ticks", *s.last_tick + 1, record.tick - 1, "not_received");
     s.last_tick = record.tick;
@@ -584,7 +610,10 @@ Status SessionWriter::append_ticks(std::span<const TickRecord> records) {
     if (fit != Fit::ok || !time_rises || s.waiting() >= kMaxPendingSamples) {
       ++s.refused_samples;
       s.note_gap("ticks", record.tick, record.tick,
-                 fit == Fit::not_finite ? "not_finite" : fit == Fit::out_of_range ? "out_of_range" : !time_rises ? "time_not_rising" : "storage");
+                 fit == Fit::not_finite     ? "not_finite"
+                 : fit == Fit::out_of_range ? "out_of_range"
+                 : !time_rises              ? "time_not_rising"
+                                            : "storage");
       continue;
     }
     s.last_time_ns = record.time_ns;

@@ -28,8 +28,8 @@ inline constexpr std::size_t kMaxPendingSamples = 6000, kMaxPendingFrames = 1200
 /// What is safe on disk.
 struct Durable {
   SessionId session = 0;
-  std::uint64_t samples = 0;              ///< of this session
-  std::optional<std::uint64_t> last_tick; ///< newest durable tick
+  std::uint64_t samples = 0;               ///< of this session
+  std::optional<std::uint64_t> last_tick;  ///< newest durable tick
 };
 
 class SessionWriter {

@@ -10,15 +10,20 @@ namespace {
 ErrorKind kind_of(int code) {
   switch (code & 0xFF) {
     case SQLITE_BUSY:
-    case SQLITE_LOCKED: return ErrorKind::busy;
-    case SQLITE_FULL: return ErrorKind::disk_full;
+    case SQLITE_LOCKED:
+      return ErrorKind::busy;
+    case SQLITE_FULL:
+      return ErrorKind::disk_full;
     case SQLITE_IOERR:
     case SQLITE_CANTOPEN:
     case SQLITE_PERM:
-    case SQLITE_READONLY: return ErrorKind::io;
+    case SQLITE_READONLY:
+      return ErrorKind::io;
     case SQLITE_CORRUPT:
-    case SQLITE_NOTADB: return ErrorKind::corrupt;
-    default: return ErrorKind::internal;
+    case SQLITE_NOTADB:
+      return ErrorKind::corrupt;
+    default:
+      return ErrorKind::internal;
   }
 }
 
@@ -113,7 +118,9 @@ void execute(sqlite3* handle, const char* sql) {
 }
 bool try_execute(sqlite3* handle, const char* sql) noexcept { return sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) == SQLITE_OK; }
 
-Transaction::Transaction(sqlite3* handle, Kind kind) : handle_(handle) { execute(handle, kind == Kind::write ? "BEGIN IMMEDIATE" : "BEGIN"); }
+Transaction::Transaction(sqlite3* handle, Kind kind) : handle_(handle) {
+  execute(handle, kind == Kind::write ? "BEGIN IMMEDIATE" : "BEGIN");
+}
 Transaction::~Transaction() {
   // After SQLITE_FULL or SQLITE_IOERR the database may have rolled back by itself.
   if (open_ && sqlite3_get_autocommit(handle_) == 0) try_execute(handle_, "ROLLBACK");

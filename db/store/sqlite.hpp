@@ -34,7 +34,9 @@ class Statement {
   Statement& unsigned_integer(int index, std::uint64_t value) { return integer(index, static_cast<std::int64_t>(value)); }
   Statement& real(int index, double value);
   Statement& text(int index, std::string_view value);
-  Statement& text(int index, const std::optional<std::string>& value) { return value ? text(index, std::string_view(*value)) : null(index); }
+  Statement& text(int index, const std::optional<std::string>& value) {
+    return value ? text(index, std::string_view(*value)) : null(index);
+  }
   Statement& blob(int index, ByteView value);
   Statement& null(int index);
 

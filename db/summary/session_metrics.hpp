@@ -12,17 +12,17 @@ namespace hoist::db {
 
 struct SessionMetrics {
   SessionId session = 0;
-  std::uint64_t moving_samples = 0;     ///< samples in a mode in which the wheels may turn: only these count
+  std::uint64_t moving_samples = 0;  ///< samples in a mode in which the wheels may turn: only these count
   double moving_s = 0;
   double distance_m = 0;
   double mean_speed_m_s = 0;
   double max_speed_m_s = 0;
   // With an exercise only.
-  std::string shape;                    ///< empty without an exercise
-  std::optional<double> correlation;    ///< C; absent without an exercise or where it is not defined (nothing turned)
-  std::optional<double> normalised_ise; ///< J_N
-  std::optional<double> path_length_m;  ///< L: progress along the pattern
-  std::string why_absent;               ///< a sentence when there is an exercise and still no figure
+  std::string shape;                     ///< empty without an exercise
+  std::optional<double> correlation;     ///< C; absent without an exercise or where it is not defined (nothing turned)
+  std::optional<double> normalised_ise;  ///< J_N
+  std::optional<double> path_length_m;   ///< L: progress along the pattern
+  std::string why_absent;                ///< a sentence when there is an exercise and still no figure
 };
 
 /// Errors: not_found, corrupt, io. A session without movement gives zeros and no C, J_N.

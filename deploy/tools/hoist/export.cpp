@@ -87,7 +87,8 @@ int run_export(std::span<const std::string_view> arguments) {
     const db::Result<bool> more = session_export->next_chunk(piece);
     if (!more) return refuse("export", more.error());
     if (!*more) break;
-    if (std::fwrite(piece.data(), 1, piece.size(), out) != piece.size()) return refuse("export", {db::ErrorKind::io, "the file could not be written", {}});
+    if (std::fwrite(piece.data(), 1, piece.size(), out) != piece.size())
+      return refuse("export", {db::ErrorKind::io, "the file could not be written", {}});
   }
   if (std::fflush(out) != 0) return refuse("export", {db::ErrorKind::io, "the file could not be written", {}});
   return kDone;

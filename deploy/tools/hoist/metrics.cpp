@@ -12,7 +12,8 @@ namespace hoist::tool {
 int run_metrics(std::span<const std::string_view> arguments) {
   if (arguments.size() == 1 && arguments[0] == "--help") {
     std::fputs(
-        "usage: hoist metrics DB SESSION\n\nC and J_N of the session's exercise and a few plain figures, as one line of JSON; null = not defined.\n",
+        "usage: hoist metrics DB SESSION\n\nC and J_N of the session's exercise and a few plain figures, as one line of JSON; null = not "
+        "defined.\n",
         stdout);
     return kDone;
   }

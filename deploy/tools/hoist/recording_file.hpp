@@ -27,7 +27,8 @@ inline int refuse(std::string_view command, const db::Error& error) {
   return kRefused;
 }
 inline int bad_usage(std::string_view command, std::string_view sentence) {
-  std::fprintf(stderr, "hoist %s: %s (see hoist %s --help)\n", std::string(command).c_str(), std::string(sentence).c_str(), std::string(command).c_str());
+  std::fprintf(stderr, "hoist %s: %s (see hoist %s --help)\n", std::string(command).c_str(), std::string(sentence).c_str(),
+               std::string(command).c_str());
   return kBadUsage;
 }
 

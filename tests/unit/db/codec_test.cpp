@@ -23,12 +23,24 @@ Table random_table(std::mt19937_64& random, std::size_t columns, std::size_t sam
     const auto step = static_cast<std::int64_t>(random() % 1000) - 500;
     for (std::size_t i = 0; i < samples; ++i) {
       switch (temper) {
-        case 0: column.push_back(first); break;
-        case 1: column.push_back(wrapping_sum(first / 4, step * static_cast<std::int64_t>(i))); break;
-        case 2: column.push_back(static_cast<std::int64_t>(random()) >> (64 - width)); break;
-        case 3: column.push_back(random() % 50 == 0 ? step : 0); break;
-        case 4: column.push_back(random() % 2 == 0 ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max()); break;
-        default: column.push_back((column.empty() ? 0 : column.back()) + static_cast<std::int64_t>(random() % 7) - 3); break;
+        case 0:
+          column.push_back(first);
+          break;
+        case 1:
+          column.push_back(wrapping_sum(first / 4, step * static_cast<std::int64_t>(i)));
+          break;
+        case 2:
+          column.push_back(static_cast<std::int64_t>(random()) >> (64 - width));
+          break;
+        case 3:
+          column.push_back(random() % 50 == 0 ? step : 0);
+          break;
+        case 4:
+          column.push_back(random() % 2 == 0 ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max());
+          break;
+        default:
+          column.push_back((column.empty() ? 0 : column.back()) + static_cast<std::int64_t>(random() % 7) - 3);
+          break;
       }
     }
   }
@@ -60,7 +72,8 @@ TEST(Codec, every_integer_comes_back_in_both_layouts) {
       // One column alone gives the same.
       const std::size_t one = random() % table.size();
       const ChunkColumn& column = directory.columns[one];
-      const ByteView payload = layout == ChunkLayout::one_frame ? ByteView(chunk.body) : ByteView(chunk.body).subspan(column.offset, column.bytes);
+      const ByteView payload =
+          layout == ChunkLayout::one_frame ? ByteView(chunk.body) : ByteView(chunk.body).subspan(column.offset, column.bytes);
       std::vector<std::int64_t> alone;
       ASSERT_EQ(decoder.column(directory, one, payload, alone), CodecError::none);
       ASSERT_EQ(alone, table[one]);
@@ -186,7 +199,8 @@ TEST(Codec, varints_refuse_overlong_numbers) {
   ByteReader over(most);
   EXPECT_EQ(over.varint(), 0U);
   EXPECT_FALSE(over.ok());
-  for (const std::int64_t value : {std::int64_t{0}, std::int64_t{-1}, std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()})
+  for (const std::int64_t value :
+       {std::int64_t{0}, std::int64_t{-1}, std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()})
     EXPECT_EQ(unzigzag(zigzag(value)), value);
 }
 

@@ -121,9 +121,9 @@ int shm_unmap(sqlite3_file* base, int remove) {
   return SQLITE_OK;
 }
 
-const sqlite3_io_methods kMethods{2,           close_file,  read_file,     write_file,  truncate_file,   sync_file, file_size, lock_file, lock_file,
-                                  check_lock,  file_control, sector_size,  characteristics, shm_map,     shm_lock,  shm_barrier, shm_unmap,
-                                  nullptr,     nullptr};
+const sqlite3_io_methods kMethods{2,         close_file,  read_file,  write_file,   truncate_file, sync_file,       file_size,
+                                  lock_file, lock_file,   check_lock, file_control, sector_size,   characteristics, shm_map,
+                                  shm_lock,  shm_barrier, shm_unmap,  nullptr,      nullptr};
 
 int open_file(sqlite3_vfs*, const char* name, sqlite3_file* base, int flags, int* out_flags) {
   File* file = as_file(base);
@@ -211,7 +211,8 @@ void CrashDisk::restart() {
   for (auto& [name, content] : disk->files) {
     for (const Operation& operation : content->unsynced) {
       switch (disk->random() % 3) {
-        case 0: break;
+        case 0:
+          break;
         case 1:
           if (operation.truncate)
             content->durable.resize(operation.offset, '\0');
@@ -220,7 +221,8 @@ void CrashDisk::restart() {
           break;
         default:
           for (std::size_t at = 0; at < operation.data.size(); at += kSector)
-            if (disk->random() % 2 == 0) apply(content->durable, operation.offset + at, operation.data.data() + at, std::min(kSector, operation.data.size() - at));
+            if (disk->random() % 2 == 0)
+              apply(content->durable, operation.offset + at, operation.data.data() + at, std::min(kSector, operation.data.size() - at));
       }
     }
     content->unsynced.clear();

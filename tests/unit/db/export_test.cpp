@@ -45,7 +45,8 @@ TEST(FixedPoint, reading_the_text_gives_the_value_that_the_store_gives) {
   for (int round = 0; round < 200000; ++round) {
     const auto value = static_cast<std::int64_t>(random() >> (random() % 40 + 11)) * (round % 2 == 0 ? 1 : -1);
     const int decimals = static_cast<int>(random() % 10);
-    ASSERT_EQ(std::strtod(fixed(value, decimals).c_str(), nullptr), static_cast<double>(value) / std::pow(10.0, decimals)) << value << " " << decimals;
+    ASSERT_EQ(std::strtod(fixed(value, decimals).c_str(), nullptr), static_cast<double>(value) / std::pow(10.0, decimals))
+        << value << " " << decimals;
   }
 }
 
@@ -330,7 +331,10 @@ TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {
     json shape;
   };
   const std::vector<Case> cases{
-      {R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})", contract::ReferencePath::eight(1.0, 0.8), 12.0, {{"shape", "eight"}, {"c", 1.0}, {"R", 0.8}}},
+      {R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})",
+       contract::ReferencePath::eight(1.0, 0.8),
+       12.0,
+       {{"shape", "eight"}, {"c", 1.0}, {"R", 0.8}}},
       {R"({"shape":"square","side_m":3.2})", contract::ReferencePath::square(3.2), 14.0, {{"shape", "square"}, {"a", 3.2}}}};
   for (const Case& one : cases) {
     Fixture f;

@@ -36,7 +36,8 @@ SessionId record_session(Database& database, std::size_t count, std::uint32_t se
   EXPECT_TRUE(id.ok());
   Walk walk(seed);
   const std::vector<TickRecord> records = walk.records(0, count);
-  for (std::size_t i = 0; i < count; i += 5) EXPECT_TRUE(writer.append_ticks(std::span(records).subspan(i, std::min<std::size_t>(5, count - i))).ok());
+  for (std::size_t i = 0; i < count; i += 5)
+    EXPECT_TRUE(writer.append_ticks(std::span(records).subspan(i, std::min<std::size_t>(5, count - i))).ok());
   EXPECT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns + static_cast<std::int64_t>(count) * 10'000'000).ok());
   if (kept_records != nullptr) *kept_records = records;
   return *id;
@@ -519,7 +520,8 @@ TEST(Reader, a_time_range_gives_exactly_its_samples) {
   const SessionId id = record_session(database, 7000, 3, &records);
   const SessionReader reader(database);
   const std::vector<std::string> names{"x_m", "mode", "left_alpha_rad"};
-  for (const auto& [from_s, to_s] : {std::pair{0.0, 1.0}, {12.34, 12.35}, {29.0, 31.5}, {69.5, 1000.0}, {80.0, 90.0}, {-5.0, 0.2}, {3.0, 3.0}}) {
+  for (const auto& [from_s, to_s] :
+       {std::pair{0.0, 1.0}, {12.34, 12.35}, {29.0, 31.5}, {69.5, 1000.0}, {80.0, 90.0}, {-5.0, 0.2}, {3.0, 3.0}}) {
     const Result<Columns> columns = reader.read_columns(id, names, {from_s, to_s});
     ASSERT_TRUE(columns.ok());
     std::size_t at = 0;
@@ -628,7 +630,8 @@ TEST(Reader, a_recording_with_other_columns_stays_readable) {
   std::vector<TickRecord> records;
   const SessionId id = record_session(database, 500, 6, &records);
   // As if an older Hoist had called this column otherwise, in other units and steps.
-  Statement(database.handle(), "UPDATE column_layout SET name = 'seat_height_mm', unit = 'mm', lsb = 1e-2, decimals = 2 WHERE name = 'x_m'").run();
+  Statement(database.handle(), "UPDATE column_layout SET name = 'seat_height_mm', unit = 'mm', lsb = 1e-2, decimals = 2 WHERE name = 'x_m'")
+      .run();
   const SessionReader reader(database);
   const std::vector<std::string> gone{"x_m"}, old{"seat_height_mm", "y_m"};
   EXPECT_EQ(reader.read_columns(id, gone).error().field, "columns");
@@ -663,11 +666,13 @@ TEST(Editor, patches_all_or_nothing) {
 }
 
 TEST(Editor, exercises_are_checked_field_by_field) {
-  for (const char* good : {R"({"shape":"square","side_m":0.2})", R"({"shape":"eight","centre_m":1,"radius_m":1})", R"({"shape":"straight","length_m":100})"})
+  for (const char* good :
+       {R"({"shape":"square","side_m":0.2})", R"({"shape":"eight","centre_m":1,"radius_m":1})", R"({"shape":"straight","length_m":100})"})
     EXPECT_TRUE(check_exercise(good).ok()) << good;
-  for (const char* bad : {"", "7", "{}", R"({"shape":"square"})", R"({"shape":"square","side_m":"3"})", R"({"shape":"square","side_m":0.1})",
-                          R"({"shape":"square","side_m":3,"extra":1})", R"({"shape":"eight","centre_m":1,"radius_m":1.1})",
-                          R"({"shape":"straight","length_m":1e400})", R"({"shape":"straight","length_m":null})"})
+  for (const char* bad :
+       {"", "7", "{}", R"({"shape":"square"})", R"({"shape":"square","side_m":"3"})", R"({"shape":"square","side_m":0.1})",
+        R"({"shape":"square","side_m":3,"extra":1})", R"({"shape":"eight","centre_m":1,"radius_m":1.1})",
+        R"({"shape":"straight","length_m":1e400})", R"({"shape":"straight","length_m":null})"})
     EXPECT_FALSE(check_exercise(bad).ok()) << bad;
 }
 
@@ -691,7 +696,9 @@ TEST(Editor, deleting_takes_everything_and_never_a_session_being_recorded) {
   EXPECT_EQ(editor.remove(*id).error().kind, ErrorKind::not_found);
   for (const char* table : {"sessions", "column_layout", "chunks", "markers", "parameters"}) {
     const std::string key = std::string(table) == "sessions" ? "id" : "session_id";
-    EXPECT_EQ(number_of(database, ("SELECT count(*) FROM " + std::string(table) + " WHERE " + key + " = " + std::to_string(*id)).c_str()), 0) << table;
+    EXPECT_EQ(number_of(database, ("SELECT count(*) FROM " + std::string(table) + " WHERE " + key + " = " + std::to_string(*id)).c_str()),
+              0)
+        << table;
   }
   EXPECT_EQ(SessionReader(database).get(kept_session)->sample_count, 400U);
   // A number is never given twice.
