@@ -62,6 +62,8 @@ class Patient {
   [[nodiscard]] PatientState state() const { return state_; }
   /// Arc length along the line that the patient has come to.
   [[nodiscard]] double progress_m() const { return progress_m_; }
+  /// Weight that the harness bears: a good part of a body that no longer stands on its feet.
+  [[nodiscard]] double carried_n() const { return fallen() ? kCarried_norm * params_.mass_kg * kGravity_m_s2 : 0.0; }
   /// True once a straight has been walked to its end.
   [[nodiscard]] bool arrived() const { return arrived_; }
   [[nodiscard]] const PatientParams& params() const { return params_; }
@@ -87,6 +89,7 @@ class Patient {
   // One memory each 10 ms; the longest reaction that a patient may have.
   static constexpr std::size_t kMemories = 64;
   static constexpr int kThoughtTicks = 10;
+  static constexpr double kCarried_norm = 0.4;  // assumed
 
   void think(const PatientSenses& senses);
   void decide(const PatientSenses& senses);

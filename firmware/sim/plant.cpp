@@ -97,7 +97,7 @@ double Plant::friction_n_m(Side side) const {
 }
 
 double Plant::grip_n(Side side) const {
-  return grip_norm_[index(side)] * 0.5 * params_.driven_load_norm * params_.mass_kg * kGravity_m_s2;
+  return grip_norm_[index(side)] * 0.5 * params_.driven_load_norm * (params_.mass_kg * kGravity_m_s2 + carried_n_);
 }
 
 void Plant::step_rolling(const std::array<double, 2>& drive_n_m, double forward_n, double turn_n_m, double dt_s) {

@@ -34,8 +34,8 @@ struct PlantParams {
   double spring_n_m{300.0};      ///< K, both struts together, at the harness
   double damping_n_s_m{60.0};    ///< both struts together
   double stop_rad{15.0 * kDegree_rad};  ///< M2: deflection mechanically limited
-  double stop_spring_n_m{20000.0};      ///< rubber of the stop, each strut
-  double stop_damping_n_s_m{300.0};
+  double stop_spring_n_m{8000.0};       ///< rubber of the stop with harness and body behind it, each strut (assumed)
+  double stop_damping_n_s_m{200.0};
   /// 0: the bar's ends slide, the struts stay parallel sideways; 1: a bar of fixed width draws them inward when it turns, 2.2 deg each at
   /// 25 deg. The paper does not say; the plausibility rule of hazard H7 (left and right lean alike sideways) supposes 0.
   double bar_stiff_norm{0.0};
@@ -96,6 +96,8 @@ class Plant {
   // Faults and world.
   void force_bumper(int bit, bool pressed);
   void force_battery(std::optional<double> both_v) { battery_.force(both_v); }
+  /// Weight that hangs in the harness and so presses the wheels to the floor, N.
+  void set_carried(double weight_n) { carried_n_ = weight_n; }
   void set_grip(Side side, double grip_norm) { grip_norm_[index(side)] = grip_norm; }
   void cut_power(bool cut) { power_cut_ = cut; }
   void jump_gyro_bias(Place place, double by_rad_s) { imus_[static_cast<std::size_t>(place)].jump_bias(by_rad_s); }
@@ -145,6 +147,7 @@ class Plant {
   double inverse_cross_;        // and beside it
   bool sliding_{false};
   bool power_cut_{false};
+  double carried_n_{};
   double pitch_rad_{};
   double roll_rad_{};
   double pitch_rate_rad_s_{};

@@ -171,6 +171,7 @@ struct World::Parts {
 
   void advance_1ms() {
     patient.step_1ms({plant.platform(), plant.harness_force(patient.harness()), plant.bridge_enabled(Side::left) && plant.bridge_enabled(Side::right)});
+    plant.set_carried(patient.carried_n());
     plant.step(patient.harness(), 0.001);
     for (std::size_t i = 0; i < kNodeCount; ++i) {
       const auto node = static_cast<Node>(i);

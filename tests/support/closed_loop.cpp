@@ -13,17 +13,51 @@ constexpr int kWorldStepsPerTick = 10;
 constexpr std::uint64_t kTicksPerCommand = 4;
 constexpr std::uint32_t kNotKnown = 0;
 
-sim::WorldOptions in_process(sim::WorldOptions options) {
-  options.host_in_process = true;
-  return options;
+/// 1 Mbaud, ten bits a character.
+constexpr std::size_t kSerialPerMillisecond = 100;
+
+sim::WorldOptions attached(const ClosedLoopOptions& options) {
+  sim::WorldOptions world = options.world;
+  world.host_in_process = !options.through_gateway;
+  return world;
 }
 
 }  // namespace
 
 ClosedLoop::ClosedLoop(const ClosedLoopOptions& options)
-    : world_(in_process(options.world)), core_(std::make_unique<core::CoreState>(options.params)), outputs_(std::make_unique<core::TickOutputs>()) {
+    : world_(attached(options)),
+      through_gateway_(options.through_gateway),
+      core_(std::make_unique<core::CoreState>(options.params)),
+      outputs_(std::make_unique<core::TickOutputs>()) {
   commands_.reserve(64);
   events_.reserve(4096);
+  if (through_gateway_) to_gateway_ = "\rC\rS5\rO\r";
+}
+
+void ClosedLoop::send(const contract::CanFrame& frame) {
+  if (!through_gateway_) {
+    (void)world_.host_send(frame);
+    return;
+  }
+  std::array<char, contract::kSlcanLineMax> line{};
+  to_gateway_.append(line.data(), contract::slcan_encode(frame, line));
+}
+
+std::size_t ClosedLoop::receive() {
+  if (!through_gateway_) return world_.host_receive(frames_);
+  return std::exchange(frames_count_, 0);
+}
+
+void ClosedLoop::move_serial_line() {
+  if (!to_gateway_.empty()) {
+    const std::size_t sent = world_.uart_write(std::span<const char>(to_gateway_).first(std::min(kSerialPerMillisecond, to_gateway_.size())));
+    to_gateway_.erase(0, sent);
+  }
+  std::array<char, kSerialPerMillisecond> piece{};
+  const std::size_t got = world_.uart_read(piece);
+  decoder_.feed(std::span<const char>(piece).first(got), [this](const contract::SlcanLine& line) {
+    if (line.kind == contract::SlcanKind::frame && frames_count_ < kFramesMax) frames_[frames_count_++] = line.frame;
+  });
 }
 
 void ClosedLoop::step() {
@@ -31,7 +65,7 @@ void ClosedLoop::step() {
     core::TickInputs inputs;
     inputs.tick = ticks_++;
     inputs.time_ns = kClockStart_ns + world_.time_ns();
-    const std::size_t got = world_.host_receive(frames_);
+    const std::size_t got = receive();
     inputs.frames = std::span<const contract::CanFrame>(frames_).first(got);
     inputs.bus_up = true;
     inputs.commands = commands_;
@@ -54,7 +88,7 @@ void ClosedLoop::step() {
     core::tick(*core_, inputs, core::kTick_s, *outputs_);
     commands_.clear();
     for (const contract::CanFrame& frame : outputs_->frames) {
-      (void)world_.host_send(frame);
+      send(frame);
       if (see_) see_(frame);
     }
     for (const contract::Event& event : outputs_->events) events_.push_back(event);
@@ -67,7 +101,10 @@ void ClosedLoop::step() {
       record_hash_ ^= record_hash_ >> 29;
     }
   }
-  for (int i = 0; i < kWorldStepsPerTick; ++i) world_.advance_1ms();
+  for (int i = 0; i < kWorldStepsPerTick; ++i) {
+    world_.advance_1ms();
+    if (through_gateway_) move_serial_line();
+  }
 }
 
 void ClosedLoop::run(double seconds) {

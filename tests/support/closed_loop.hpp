@@ -8,12 +8,15 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
+#include "control/contract/slcan_codec.hpp"
 #include "control/core/tick.hpp"
 #include "firmware/sim/world.hpp"
 
@@ -22,6 +25,7 @@ namespace hoist::tests {
 struct ClosedLoopOptions {
   sim::WorldOptions world{};  ///< host_in_process is set by the loop
   contract::Params params{};
+  bool through_gateway{false};  ///< frames go as SLCAN lines over the gateway's serial line at 1 Mbaud instead of straight to the bus
 };
 
 /// One driver with client number 1 sits at the console.
@@ -72,7 +76,15 @@ class ClosedLoop {
   static constexpr std::uint64_t kClockStart_ns = 1'000'000'000;
   static constexpr std::size_t kFramesMax = 256;
 
+  void send(const contract::CanFrame& frame);
+  std::size_t receive();
+  void move_serial_line();
+
   sim::World world_;
+  bool through_gateway_;
+  std::string to_gateway_;              // characters waiting for the serial line
+  contract::SlcanDecoder decoder_;
+  std::size_t frames_count_{};          // received through the gateway since the last step
   std::unique_ptr<core::CoreState> core_;
   std::unique_ptr<core::TickOutputs> outputs_;
   std::array<contract::CanFrame, kFramesMax> frames_{};

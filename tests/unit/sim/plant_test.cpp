@@ -144,10 +144,10 @@ TEST(Plant, SpringsAndStopPushAsTheirFiguresSay) {
   EXPECT_NEAR(force.forward_n, 0.0, 1e-9);
   // Two springs of 150 N/m, 0.3 m from the middle, each stretched by 0.3 sin(0.2).
   EXPECT_NEAR(force.turn_n_m, 2.0 * 150.0 * 0.3 * std::sin(0.2) * 0.3 * std::cos(0.2), 1e-9);
-  // One millimetre past the stop at 15 degrees adds 2 x 20 N.
+  // One millimetre past the stop at 15 degrees adds 2 x 8 N.
   const double stop_m = 0.80 * std::tan(15.0 * kDegree_rad);
   lean.dx_m = stop_m + 0.001;
-  EXPECT_NEAR(plant.harness_force(lean).forward_n, 300.0 * lean.dx_m + 40.0, 1e-6);
+  EXPECT_NEAR(plant.harness_force(lean).forward_n, 300.0 * lean.dx_m + 16.0, 1e-6);
   // Rubber never pulls: leaving the stop quickly gives spring and damping only.
   lean.dx_rate_m_s = -2.0;
   EXPECT_NEAR(plant.harness_force(lean).forward_n, 300.0 * lean.dx_m - 60.0 * 2.0, 1e-6);

@@ -1,0 +1,110 @@
+// The therapist drives: the stick moves the hoist, and silence stops it (hazards H17, H18, H20, H21).
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/closed_loop.hpp"
+
+namespace hoist::tests {
+namespace {
+
+using contract::Fault;
+using contract::Mode;
+
+ClosedLoopOptions standing() {
+  ClosedLoopOptions options;
+  options.world.scenario = sim::find_scenario("figure-eight");
+  return options;
+}
+double speed_m_s(ClosedLoop& loop) { return loop.world().plant().platform().speed_m_s; }
+
+TEST(Driving, TheStickMovesTheHoistAndThePatientFollows) {
+  ClosedLoop loop(standing());
+  ASSERT_TRUE(loop.start(Mode::remote));
+  loop.hold_stick(0.0, 0.0);
+  loop.run(0.1);
+  loop.hold_stick(1.0, 0.0);
+  loop.run(4.0);
+  EXPECT_NEAR(speed_m_s(loop), 0.30, 0.02);
+  EXPECT_EQ(loop.world().patient().state(), sim::PatientState::following);
+  loop.hold_stick(0.0, 0.5);
+  loop.run(4.0);
+  EXPECT_NEAR(speed_m_s(loop), 0.0, 0.02);
+  EXPECT_NEAR(loop.world().plant().platform().yaw_rate_rad_s, 0.5 * 0.523598776, 0.03);
+  loop.let_go();
+  loop.run(2.0);
+  EXPECT_EQ(loop.mode(), Mode::remote);
+  EXPECT_NEAR(loop.world().plant().platform().yaw_rate_rad_s, 0.0, 0.01);
+}
+
+TEST(Driving, H17_SilenceStopsWithinItsDistance) {
+  ClosedLoop loop(standing());
+  ASSERT_TRUE(loop.start(Mode::remote));
+  loop.hold_stick(0.0, 0.0);
+  loop.run(0.1);
+  loop.hold_stick(1.0, 0.0);
+  loop.run(4.0);
+  const double from_m_s = speed_m_s(loop);
+  const sim::PlatformMotion before = loop.world().plant().platform();
+  loop.fall_silent();
+  const double silent_s = loop.time_s();
+  // The last command may be 40 ms old already; at 250 ms nothing but the ramp is left.
+  double at_400_ms = from_m_s, stopped_s = -1.0;
+  while (loop.time_s() < silent_s + 3.0) {
+    loop.step();
+    if (std::fabs(loop.time_s() - silent_s - 0.40) < 0.005) at_400_ms = speed_m_s(loop);
+    if (stopped_s < 0.0 && speed_m_s(loop) < 0.01) stopped_s = loop.time_s() - silent_s;
+  }
+  EXPECT_LT(at_400_ms, 0.8 * from_m_s);
+  EXPECT_GT(stopped_s, 0.0);
+  EXPECT_LT(stopped_s, 0.25 + from_m_s / 0.8 + 0.25);
+  const sim::PlatformMotion& after = loop.world().plant().platform();
+  // 0.3 m/s: 0.25 s of rolling and the ramp at 0.8 m/s2 (safety 2.2: 0.39 m at 0.6).
+  EXPECT_LT(std::hypot(after.x_m - before.x_m, after.y_m - before.y_m), 0.20);
+  EXPECT_TRUE(loop.ever_raised(Fault::remote_command_lost));
+  EXPECT_EQ(loop.mode(), Mode::standby);
+  // Commands that come again move nothing: the driver has to start anew.
+  loop.hold_stick(1.0, 0.0);
+  loop.run(2.0);
+  EXPECT_NEAR(speed_m_s(loop), 0.0, 1e-3);
+}
+
+TEST(Driving, H21_AServerThatDiesStopsRemoteButNotThePatient) {
+  {
+    ClosedLoop loop(standing());
+    ASSERT_TRUE(loop.start(Mode::remote));
+    loop.hold_stick(0.0, 0.0);
+    loop.run(0.1);
+    loop.hold_stick(1.0, 0.0);
+    loop.run(3.0);
+    loop.stop_server();
+    loop.fall_silent();
+    loop.run(2.0);
+    EXPECT_NEAR(speed_m_s(loop), 0.0, 0.01);
+    EXPECT_EQ(loop.record().lease_holder, 0U);
+  }
+  ClosedLoop loop(standing());
+  ASSERT_TRUE(loop.start(Mode::user));
+  loop.run(6.0);
+  loop.stop_server();
+  loop.run(10.0);
+  EXPECT_EQ(loop.mode(), Mode::user);
+  EXPECT_TRUE(loop.fault(Fault::server_lost));
+  EXPECT_GT(speed_m_s(loop), 0.1);
+}
+
+TEST(Driving, TurningOnTheSpotFastTripsNothing) {
+  ClosedLoop loop(standing());
+  ASSERT_TRUE(loop.start(Mode::remote));
+  loop.hold_stick(0.0, 0.0);
+  loop.run(0.1);
+  for (int i = 0; i < 6; ++i) {
+    loop.hold_stick(0.5, i % 2 == 0 ? 1.0 : -1.0);
+    loop.run(3.0);
+  }
+  EXPECT_EQ(loop.mode(), Mode::remote);
+  EXPECT_EQ(loop.record().stop_cause, 0U);
+}
+
+}  // namespace
+}  // namespace hoist::tests

@@ -1,0 +1,276 @@
+// Something breaks while the patient walks: the hoist stops in time, gently enough, and stays stopped. Hazard numbers and budgets:
+// the hazard table of the safety page; the design's "Decided" goes before it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "tests/support/closed_loop.hpp"
+
+namespace hoist::tests {
+namespace {
+
+using contract::Fault;
+using contract::Mode;
+using contract::Node;
+
+class Walk {
+ public:
+  explicit Walk(std::string_view scenario = "straight", double wish_m_s = 0.45) : loop([&] {
+    ClosedLoopOptions options;
+    options.world.scenario = sim::find_scenario(scenario);
+    options.world.patient.wish_m_s = wish_m_s;
+    return options;
+  }()) {}
+
+  /// Walks until the wish is nearly reached.
+  [[nodiscard]] bool set_off() {
+    const double wish_m_s = loop.world().patient().params().wish_m_s;
+    return loop.start(Mode::user) && loop.run_until([&] { return speed_m_s() > 0.85 * wish_m_s; }, 15.0);
+  }
+  [[nodiscard]] double speed_m_s() { return loop.world().plant().platform().speed_m_s; }
+
+  struct Stop {
+    double reaction_s{-1.0};   ///< from the fault to the mode PROTECTIVE_STOP
+    double stopped_s{-1.0};    ///< from the fault to rest
+    double distance_m{};
+    double hardest_m_s2{};     ///< steepest fall of the commanded speed
+  };
+  /// Runs on for 4 s after the fault and measures.
+  Stop watch() {
+    Stop stop;
+    const double begin_s = loop.time_s();
+    const double begin_m = loop.world().plant().platform().x_m;
+    double last_m_s = static_cast<double>(loop.record().speed_command_m_s);
+    while (loop.time_s() < begin_s + 4.0) {
+      loop.step();
+      const double now_m_s = static_cast<double>(loop.record().speed_command_m_s);
+      stop.hardest_m_s2 = std::max(stop.hardest_m_s2, (last_m_s - now_m_s) / core::kTick_s);
+      last_m_s = now_m_s;
+      // step() has already moved the world ten milliseconds past the decision.
+      if (stop.reaction_s < 0.0 && loop.mode() == Mode::protective_stop) stop.reaction_s = loop.time_s() - core::kTick_s - begin_s;
+      if (stop.stopped_s < 0.0 && std::fabs(speed_m_s()) < 0.01) stop.stopped_s = loop.time_s() - begin_s;
+    }
+    stop.distance_m = loop.world().plant().platform().x_m - begin_m;
+    return stop;
+  }
+
+  ClosedLoop loop;
+};
+
+void expect_protective_stop(Walk& walk, const Walk::Stop& stop, Fault cause, double reaction_s, double deceleration_m_s2) {
+  EXPECT_GE(stop.reaction_s, 0.0) << "no protective stop";
+  EXPECT_LE(stop.reaction_s, reaction_s + 1e-6);
+  EXPECT_GT(stop.stopped_s, 0.0) << "not at rest";
+  EXPECT_LE(stop.hardest_m_s2, deceleration_m_s2 * 1.01);
+  EXPECT_TRUE(walk.loop.ever_raised(cause));
+  EXPECT_EQ(walk.loop.record().stop_cause, static_cast<unsigned>(contract::kFaults[static_cast<std::size_t>(cause)].bit) + 1U);
+  EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);  // and it stays until somebody acknowledges
+}
+
+TEST(Faults, H15_AStumbleStopsTheHoist) {
+  Walk walk("trip", 0.45);
+  ASSERT_TRUE(walk.loop.start(Mode::user));
+  double lean_rad = 0.0;
+  ASSERT_TRUE(walk.loop.run_until([&] { return walk.loop.world().patient().state() == sim::PatientState::tripping; }, 12.0));
+  double before_m = 0.0, from_m_s = 0.0;
+  // From the moment the body passes the guard's ten degrees quickly, or thirteen, it may take 30 ms (and the sensor's 10).
+  double past_s = -1.0, stopped_mode_s = -1.0, last_rad = 0.0;
+  while (walk.loop.time_s() < 20.0) {
+    walk.loop.step();
+    lean_rad = std::atan(walk.loop.world().patient().harness().dx_m / 0.8);
+    const double rate_rad_s = (lean_rad - last_rad) / core::kTick_s;
+    last_rad = lean_rad;
+    if (past_s < 0.0 && lean_rad > 10.5 * sim::kDegree_rad && rate_rad_s > 27.0 * sim::kDegree_rad) past_s = walk.loop.time_s();
+    if (stopped_mode_s < 0.0) {
+      before_m = walk.loop.world().plant().platform().x_m;
+      from_m_s = walk.speed_m_s();
+      if (walk.loop.mode() == Mode::protective_stop) stopped_mode_s = walk.loop.time_s();
+    }
+  }
+  ASSERT_GT(past_s, 0.0);
+  ASSERT_GT(stopped_mode_s, 0.0);
+  EXPECT_LE(stopped_mode_s - past_s, 0.040);
+  EXPECT_TRUE(walk.loop.ever_raised(Fault::fall_detected));
+  // The body strikes the stop meanwhile and then hangs there with some 200 N: the wheels may slide for a moment.
+  EXPECT_LT(walk.loop.world().plant().platform().x_m - before_m, from_m_s * from_m_s / 2.0 + 0.25);
+  EXPECT_NEAR(walk.speed_m_s(), 0.0, 0.01);
+  // The servo holds against the body in the harness; it never lets the hoist roll.
+  EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);
+}
+
+TEST(Faults, H15_ACollapseStopsTheHoist) {
+  Walk walk("straight", 0.30);
+  ASSERT_TRUE(walk.set_off());
+  walk.loop.world().patient().collapse();
+  const Walk::Stop stop = walk.watch();
+  expect_protective_stop(walk, stop, Fault::fall_detected, 1.5, 1.0);
+}
+
+TEST(Faults, AFallOnlyEndsWithTheDriversAcknowledgement) {
+  Walk walk("straight", 0.30);
+  ASSERT_TRUE(walk.set_off());
+  walk.loop.world().patient().trip();
+  ASSERT_TRUE(walk.loop.run_until([&] { return walk.loop.mode() == Mode::protective_stop; }, 3.0));
+  walk.loop.run(1.5);
+  walk.loop.ask(contract::CommandKind::acknowledge);  // still hanging at the stop
+  walk.loop.run(0.1);
+  EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);
+  // Helped upright after three seconds at rest; nothing moves by itself.
+  walk.loop.run(8.0);
+  EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);
+  walk.loop.ask(contract::CommandKind::acknowledge);
+  walk.loop.run(0.1);
+  EXPECT_EQ(walk.loop.mode(), Mode::standby);
+}
+
+class LostNode : public testing::TestWithParam<std::pair<Node, Fault>> {};
+TEST_P(LostNode, H3_H4_H14_StopsWithinSixtyMilliseconds) {
+  Walk walk;
+  ASSERT_TRUE(walk.set_off());
+  const double from_m_s = walk.speed_m_s();
+  walk.loop.world().unplug(GetParam().first, true);
+  const Walk::Stop stop = walk.watch();
+  expect_protective_stop(walk, stop, GetParam().second, 0.060, 1.0);
+  EXPECT_LE(stop.stopped_s, 0.060 + from_m_s / 1.0 + 0.35);
+  EXPECT_LE(stop.distance_m, from_m_s * 0.1 + from_m_s * from_m_s / 2.0 + 0.08);
+}
+INSTANTIATE_TEST_SUITE_P(Nodes, LostNode,
+                         testing::Values(std::pair{Node::tilt_left, Fault::tilt_left_lost}, std::pair{Node::tilt_right, Fault::tilt_right_lost},
+                                         std::pair{Node::tilt_base, Fault::tilt_base_lost}, std::pair{Node::io, Fault::io_lost},
+                                         std::pair{Node::drive_left, Fault::drive_left_lost},
+                                         std::pair{Node::drive_right, Fault::drive_right_lost}),
+                         [](const auto& row) { return std::string(contract::kNodes[static_cast<std::size_t>(row.param.first)].name); });
+
+TEST(Faults, H3_ADeadDriveDoesNotSpinTheHoist) {
+  Walk walk;
+  ASSERT_TRUE(walk.set_off());
+  walk.loop.world().unplug(Node::drive_left, true);
+  double fastest_rad_s = 0.0;
+  const double psi_rad = walk.loop.world().plant().platform().psi_rad;
+  for (int i = 0; i < 300; ++i) {
+    walk.loop.step();
+    fastest_rad_s = std::max(fastest_rad_s, std::fabs(walk.loop.world().plant().platform().yaw_rate_rad_s));
+  }
+  EXPECT_LT(fastest_rad_s, 30.0 * sim::kDegree_rad);
+  EXPECT_LT(std::fabs(walk.loop.world().plant().platform().psi_rad - psi_rad), 10.0 * sim::kDegree_rad);
+}
+
+TEST(Faults, H5_ADeadComputerIsStoppedByTheDrivesAlone) {
+  Walk walk;
+  ASSERT_TRUE(walk.set_off());
+  const double from_m_s = walk.speed_m_s();
+  const double begin_m = walk.loop.world().plant().platform().x_m;
+  walk.loop.kill_core();
+  sim::World& world = walk.loop.world();
+  // The last command left 10 ms ago. 50 ms after it the motors brake; 300 rad/s2 at the motor is 1 m/s2 at the wheel.
+  const double current_a = world.plant().motor_current_a(sim::Side::left);
+  double brakes_ms = -1.0, fastest_m_s = from_m_s, at_200_ms = from_m_s;
+  for (int ms = 1; ms <= 900; ++ms) {
+    world.advance_1ms();
+    fastest_m_s = std::max(fastest_m_s, world.plant().platform().speed_m_s);
+    if (brakes_ms < 0.0 && world.plant().motor_current_a(sim::Side::left) < current_a - 0.3) brakes_ms = 10.0 + ms;
+    if (ms == 200) at_200_ms = world.plant().platform().speed_m_s;
+  }
+  EXPECT_GT(brakes_ms, 40.0);  // one lost command is not yet a reason
+  EXPECT_LE(brakes_ms, 60.0);  // 50, and 10 until the current shows it
+  EXPECT_LT(at_200_ms, from_m_s - 0.05);
+  EXPECT_LT(fastest_m_s, from_m_s + 0.02);
+  EXPECT_NEAR(world.plant().platform().speed_m_s, 0.0, 0.005);
+  EXPECT_LT(world.plant().platform().x_m - begin_m, from_m_s * 0.06 + from_m_s * from_m_s / 2.0 + 0.05);
+  for (int ms = 0; ms < 600; ++ms) world.advance_1ms();
+  EXPECT_FALSE(world.drives_enabled());
+}
+
+TEST(Faults, H13_ABumperStopsWithinThirtyMilliseconds) {
+  Walk walk("straight", 0.60);
+  ASSERT_TRUE(walk.set_off());
+  const double from_m_s = walk.speed_m_s();
+  walk.loop.world().plant().force_bumper(0, true);
+  const Walk::Stop stop = walk.watch();
+  expect_protective_stop(walk, stop, Fault::bumper_pressed, 0.030, 1.5);
+  // 0.14 m from 0.6 m/s (safety 2.1), plus the servo's own lag.
+  EXPECT_LE(stop.distance_m, from_m_s * 0.040 + from_m_s * from_m_s / 3.0 + 0.06);
+}
+
+TEST(Faults, H13_ARealPostIsNotRunOver) {
+  Walk walk("straight", 0.45);
+  ASSERT_TRUE(walk.loop.world().plant().add_obstacle({3.0, 0.0, 0.05}));
+  ASSERT_TRUE(walk.loop.start(Mode::user));
+  ASSERT_TRUE(walk.loop.run_until([&] { return walk.loop.mode() == Mode::protective_stop; }, 20.0));
+  walk.loop.run(3.0);
+  EXPECT_TRUE(walk.loop.ever_raised(Fault::bumper_pressed));
+  EXPECT_NEAR(walk.speed_m_s(), 0.0, 0.01);
+}
+
+TEST(Faults, H4_AStuckSensorProcessorStops) {
+  Walk walk;
+  ASSERT_TRUE(walk.set_off());
+  walk.loop.world().freeze(Node::tilt_left, true);  // processor stuck: no frames at all
+  const Walk::Stop stop = walk.watch();
+  expect_protective_stop(walk, stop, Fault::tilt_left_lost, 0.060, 1.0);
+}
+
+TEST(Faults, H2_AReversedEncoderStops) {
+  Walk walk;
+  ASSERT_TRUE(walk.set_off());
+  walk.loop.world().break_encoder(Node::drive_left, sim::World::EncoderFault::reversed);
+  double fastest_m_s = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    walk.loop.step();
+    fastest_m_s = std::max(fastest_m_s, std::fabs(walk.loop.world().plant().wheel_speed_m_s(sim::Side::left)));
+  }
+  EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);
+  EXPECT_TRUE(walk.loop.ever_raised(Fault::drive_left_fault));
+  EXPECT_LT(fastest_m_s, 0.60);  // from 0.38: it drives the wrong way for 50 ms at the current limit
+  EXPECT_NEAR(walk.speed_m_s(), 0.0, 0.02);
+}
+
+TEST(Faults, H12_EmptyBatteriesEndTheWalkGently) {
+  Walk walk("straight", 0.30);
+  ASSERT_TRUE(walk.set_off());
+  walk.loop.world().plant().force_battery(21.5);
+  double hardest_m_s2 = 0.0, last_m_s = static_cast<double>(walk.loop.record().speed_command_m_s);
+  EXPECT_TRUE(walk.loop.run_until(
+      [&] {
+        const double now_m_s = static_cast<double>(walk.loop.record().speed_command_m_s);
+        hardest_m_s2 = std::max(hardest_m_s2, (last_m_s - now_m_s) / core::kTick_s);
+        last_m_s = now_m_s;
+        return walk.loop.mode() == Mode::standby;
+      },
+      8.0));
+  EXPECT_TRUE(walk.loop.ever_raised(Fault::battery_empty));
+  EXPECT_LE(hardest_m_s2, 0.55);
+}
+
+TEST(Faults, StopIsObeyedAtOnceByAnyMode) {
+  Walk walk("straight", 0.60);
+  ASSERT_TRUE(walk.set_off());
+  walk.loop.ask(contract::CommandKind::stop);
+  const Walk::Stop stop = walk.watch();
+  expect_protective_stop(walk, stop, Fault::stop_pressed, 0.010, 1.0);
+}
+
+TEST(Faults, H22_ALateStepStops) {
+  Walk walk;
+  ASSERT_TRUE(walk.set_off());
+  walk.loop.be_late(0.035);
+  const Walk::Stop stop = walk.watch();
+  expect_protective_stop(walk, stop, Fault::loop_overrun, 0.040, 1.0);
+}
+
+TEST(Faults, TheEmergencyOffStopsAndTheCoreSeesIt) {
+  Walk walk;
+  ASSERT_TRUE(walk.set_off());
+  const double from_m_s = walk.speed_m_s();
+  const double begin_m = walk.loop.world().plant().platform().x_m;
+  walk.loop.world().plant().cut_power(true);
+  walk.loop.run(2.0);
+  EXPECT_NEAR(walk.speed_m_s(), 0.0, 1e-6);
+  EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);
+  EXPECT_LT(walk.loop.world().plant().platform().x_m - begin_m, from_m_s * from_m_s / (2.0 * 0.8));
+}
+
+}  // namespace
+}  // namespace hoist::tests
