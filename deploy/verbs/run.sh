@@ -76,7 +76,9 @@ await_path() {
 say "scenario '$scenario', state in $state, data in $data"
 start hoist-sim build/bin/hoist-sim --scenario "$scenario" --pty-link "$state/can" --control "$state/sim.sock"
 await_path "$state/can"
-start hoist-control build/bin/hoist-control --bus "slcan:$state/can" --socket "$state/core.sock" --params "$data/parameters.json"
+# An ordinary computer holds a program up for 10 to 100 ms now and then. A real hoist must stop for that (30 ms); here it would only stop
+# a simulated patient for no reason, so the bound is wider for this run and is not stored.
+start hoist-control build/bin/hoist-control --bus "slcan:$state/can" --socket "$state/core.sock" --params "$data/parameters.json" --set loop_late_s_max=0.2
 await_path "$state/core.sock"
 start hoist-server build/bin/hoist-server --socket "$state/core.sock" --port "$port" --web web/dist --db "$data/hoist.db" \
   --scenario "$scenario" --token-file "$state/token"

@@ -77,7 +77,7 @@ export class Stack {
     await until('hoist-sim makes its bus', () => existsSync(this.path('can')) && existsSync(this.path('sim.sock')));
   }
   async startControl() {
-    this.run('hoist-control', ['--bus', `slcan:${this.path('can')}`, '--socket', this.path('core.sock'), '--params', this.path('data', 'parameters.json')]);
+    this.run('hoist-control', ['--bus', `slcan:${this.path('can')}`, '--socket', this.path('core.sock'), '--params', this.path('data', 'parameters.json'), '--set', 'loop_late_s_max=0.2']);
     await until('hoist-control makes its socket', () => existsSync(this.path('core.sock')));
   }
   async startServer() {

@@ -15,8 +15,10 @@ class LoopOverrun {
 
   bool check(const MonitorView& view) noexcept {
     if (since_late_ticks_ < kWindowTicks) ++since_late_ticks_;
-    bool trip = !(view.wake_lateness_s <= kFarTooLate_s);
-    if (!(view.wake_lateness_s <= kLate_s)) {
+    const double lateness_s = static_cast<double>(view.wake_lateness_s);
+    const double far_too_late_s = view.params.loop_late_s_max;
+    bool trip = !(lateness_s <= far_too_late_s);
+    if (!(lateness_s <= far_too_late_s * kLateShare)) {
       trip = trip || since_late_ticks_ < kWindowTicks;
       since_late_ticks_ = 0;
     }
@@ -25,7 +27,7 @@ class LoopOverrun {
   }
 
  private:
-  static constexpr float kFarTooLate_s = 0.030F;
+  static constexpr double kLateShare = 1.0 / 6.0;  // H22: 5 ms of 30 ms
   static constexpr std::uint8_t kWindowTicks = 100;
 
   std::uint8_t since_late_ticks_ = kWindowTicks;
