@@ -12,10 +12,10 @@ namespace hoist::sim {
 /// accelerometer 400 ug/sqrt(Hz) over 50 Hz.
 struct ImuParams {
   double gyro_noise_rad_s{0.1 * kDegree_rad};
-  double gyro_bias_rad_s{1.0 * kDegree_rad};               ///< largest bias at power-on
-  double gyro_wander_rad_s_sqrt_s{0.002 * kDegree_rad};    ///< random walk of the bias, per root second
+  double gyro_bias_rad_s{1.0 * kDegree_rad};             ///< largest bias at power-on
+  double gyro_wander_rad_s_sqrt_s{0.002 * kDegree_rad};  ///< random walk of the bias, per root second
   double acc_noise_m_s2{0.03};
-  double acc_bias_m_s2{0.02};                              ///< 0.12 deg of tilt
+  double acc_bias_m_s2{0.02};  ///< 0.12 deg of tilt
 };
 
 class Imu {

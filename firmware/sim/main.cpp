@@ -158,7 +158,8 @@ void wait_until(std::int64_t when_ns) {
 class Reporter {
  public:
   void tell(const World& world, const ProgramState& program) {
-    if (program.computer_attached != attached_) say(world, program.computer_attached ? "a computer has opened the line" : "the line is closed");
+    if (program.computer_attached != attached_)
+      say(world, program.computer_attached ? "a computer has opened the line" : "the line is closed");
     if (world.drives_enabled() != enabled_) say(world, world.drives_enabled() ? "drives enabled" : "drives disabled");
     if (world.patient().state() != patient_) say(world, "patient is " + std::string(patient_state_name(world.patient().state())));
     if (program.late != late_) say(world, "was late and let time go, " + std::to_string(program.late) + " times so far");
@@ -224,7 +225,8 @@ int run_real_time(const Options& options) {
   const Scenario& scenario = *options.world.scenario;
   std::printf("hoist-sim: SIMULATION, no real hoist. Scenario %.*s: the patient (%.0f kg, %.2f m/s) %.*s. SLCAN at %s\n",
               static_cast<int>(scenario.name.size()), scenario.name.data(), options.world.patient.mass_kg, options.world.patient.wish_m_s,
-              static_cast<int>(scenario.title.size()), scenario.title.data(), options.link.empty() ? line.path().c_str() : options.link.c_str());
+              static_cast<int>(scenario.title.size()), scenario.title.data(),
+              options.link.empty() ? line.path().c_str() : options.link.c_str());
   std::fflush(stdout);
 
   ProgramState program;

@@ -71,13 +71,20 @@ PatientParams PatientParams::random(std::uint64_t seed) {
 
 std::string_view patient_state_name(PatientState state) {
   switch (state) {
-    case PatientState::standing: return "standing";
-    case PatientState::waiting: return "waiting";
-    case PatientState::leading: return "leading";
-    case PatientState::following: return "following";
-    case PatientState::tripping: return "tripping";
-    case PatientState::collapsing: return "collapsing";
-    case PatientState::hanging: return "hanging";
+    case PatientState::standing:
+      return "standing";
+    case PatientState::waiting:
+      return "waiting";
+    case PatientState::leading:
+      return "leading";
+    case PatientState::following:
+      return "following";
+    case PatientState::tripping:
+      return "tripping";
+    case PatientState::collapsing:
+      return "collapsing";
+    case PatientState::hanging:
+      return "hanging";
   }
   return "unknown";
 }
@@ -143,7 +150,8 @@ void Patient::decide(const PatientSenses& senses) {
         fall(PatientState::tripping);
       }
       break;
-    default: break;
+    default:
+      break;
   }
 }
 
@@ -190,7 +198,8 @@ void Patient::steer(const PlatformMotion& seen) {
 void Patient::think(const PatientSenses& senses) {
   decide(senses);
   memories_[memory_at_] = {senses.platform, senses.springs.forward_n};
-  const auto back = static_cast<std::size_t>(std::clamp(std::lround(params_.reaction_s / kThought_s), 0L, static_cast<long>(kMemories) - 1));
+  const auto back =
+      static_cast<std::size_t>(std::clamp(std::lround(params_.reaction_s / kThought_s), 0L, static_cast<long>(kMemories) - 1));
   const Memory& felt = memories_[(memory_at_ + kMemories - back) % kMemories];
   memory_at_ = (memory_at_ + 1) % kMemories;
 
@@ -213,7 +222,8 @@ void Patient::think(const PatientSenses& senses) {
     case PatientState::following:
       gait_goal_norm_ = 0.6 * pace_norm;
       break;
-    default: break;
+    default:
+      break;
   }
   if (holds_turn_) yaw_goal_rad_ = held_turn_rad_;
 }
@@ -226,13 +236,15 @@ double Patient::fall_push_n(const PlatformMotion& platform) {
       const double lean_m_s2 = kGravity_m_s2 / kPendulum_m * foot_ahead_m_;
       return params_.mass_kg * std::clamp(lean_m_s2, -kFallPush_m_s2, kFallPush_m_s2);
     }
-    case PatientState::collapsing: return params_.mass_kg * kCollapsePush_m_s2 * std::min(1.0, state_s_ / kCollapse_s);
+    case PatientState::collapsing:
+      return params_.mass_kg * kCollapsePush_m_s2 * std::min(1.0, state_s_ / kCollapse_s);
     case PatientState::hanging: {
       // Weight in the harness; what movement is left is damped by dragging feet.
       const double wanted_m_s2 = 9.0 * (kHang_m - x_m_) - 6.0 * x_rate_m_s_;
       return params_.mass_kg * (wanted_m_s2 + platform.acceleration_m_s2);
     }
-    default: return 0.0;
+    default:
+      return 0.0;
   }
 }
 

@@ -19,21 +19,21 @@ namespace hoist::sim {
 
 struct PatientParams {
   double mass_kg{75.0};
-  double wish_m_s{0.30};             ///< the speed this patient likes to walk
+  double wish_m_s{0.30};  ///< the speed this patient likes to walk
   double leg_force_n{70.0};
-  double compensation_norm{0.8};     ///< share of the spring's push that the legs take
-  double drive_n_s_m{220.0};          ///< legs: newtons for each m/s that is missing
-  double speed_lead_m_s{0.12};       ///< walks at most this much faster (or slower) than the frame
+  double compensation_norm{0.8};  ///< share of the spring's push that the legs take
+  double drive_n_s_m{220.0};      ///< legs: newtons for each m/s that is missing
+  double speed_lead_m_s{0.12};    ///< walks at most this much faster (or slower) than the frame
   double reaction_s{0.2};
   double yaw_lag_s{0.25};
   double yaw_limit_rad{30.0 * kDegree_rad};
-  double look_ahead_m{0.75};         ///< 0.6 to 0.9
-  double foresight_s{0.5};           ///< how far ahead the patient feels where the hoist is turning
-  double turn_habit_per_s{1.2};      ///< what the patient has learnt: turn rate of the hoist for each radian of pelvis
-  double sway_forward_m{0.012};      ///< at step frequency
-  double sway_lateral_m{0.03};       ///< at stride frequency
+  double look_ahead_m{0.75};     ///< 0.6 to 0.9
+  double foresight_s{0.5};       ///< how far ahead the patient feels where the hoist is turning
+  double turn_habit_per_s{1.2};  ///< what the patient has learnt: turn rate of the hoist for each radian of pelvis
+  double sway_forward_m{0.012};  ///< at step frequency
+  double sway_lateral_m{0.03};   ///< at stride frequency
   double sway_yaw_rad{5.0 * kDegree_rad};
-  double stride_hz{0.42};            ///< stride frequency = this + slope x speed
+  double stride_hz{0.42};  ///< stride frequency = this + slope x speed
   double stride_hz_per_m_s{0.5};
 
   /// Somebody else: every figure drawn evenly from its usual range; the same seed gives the same person.
@@ -124,16 +124,16 @@ class Patient {
   double push_goal_m_s_{};   // speed the legs work for
   double compensation_n_{};  // spring force that the legs take over
   double yaw_goal_rad_{};
-  double pace_m_s_{};        // wish, less in bends
+  double pace_m_s_{};  // wish, less in bends
   double progress_m_{};
   bool arrived_{false};
-  double state_s_{};         // since the state began
-  double ignored_s_{};       // how long a lean has been without effect
-  double still_s_{};         // how long the platform has stood
+  double state_s_{};    // since the state began
+  double ignored_s_{};  // how long a lean has been without effect
+  double still_s_{};    // how long the platform has stood
   double begin_x_m_{};
   double begin_y_m_{};
-  bool distrusts_{false};    // the hoist leads until the drives are off
-  double foot_ahead_m_{};    // of a stumbling patient: pelvis ahead of the foot that stays behind
+  bool distrusts_{false};  // the hoist leads until the drives are off
+  double foot_ahead_m_{};  // of a stumbling patient: pelvis ahead of the foot that stays behind
   double held_turn_rad_{};
   bool holds_turn_{false};
 };

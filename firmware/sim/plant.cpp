@@ -79,8 +79,7 @@ HarnessForce Plant::harness_force(const HarnessMotion& harness) const {
       const double out_m = std::sqrt(out_square);
       const double out_rate_m_s = (x_m * x_rate_m_s + y_m * y_rate_m_s) / out_m;
       // Rubber pushes back; it never pulls.
-      const double stop_n =
-          std::max(0.0, params_.stop_spring_n_m * (out_m - limit_m) + params_.stop_damping_n_s_m * out_rate_m_s);
+      const double stop_n = std::max(0.0, params_.stop_spring_n_m * (out_m - limit_m) + params_.stop_damping_n_s_m * out_rate_m_s);
       forward_n += stop_n * x_m / out_m;
       left_n += stop_n * y_m / out_m;
     }
@@ -192,8 +191,7 @@ void Plant::feel_obstacles(double& forward_n) {
     const double press_m = post.radius_m - std::sqrt(gap_x_m * gap_x_m + gap_y_m * gap_y_m);
     if (press_m <= 0.0) continue;
     // Which strip: the side that the post stands farther out on.
-    const bool lengthwise =
-        std::fabs(ahead_m) / params_.bumper_half_length_m >= std::fabs(left_m) / params_.bumper_half_width_m;
+    const bool lengthwise = std::fabs(ahead_m) / params_.bumper_half_length_m >= std::fabs(left_m) / params_.bumper_half_width_m;
     if (!lengthwise) {
       touched_ |= left_m > 0.0 ? 0x04 : 0x08;
       continue;  // the casters roll along it; sideways the wheels hold anyway
@@ -260,16 +258,14 @@ void Plant::step(const HarnessMotion& harness, double dt_s) {
 
 Plant::Vector Plant::sensor_velocity(Place place) const {
   if (place == Place::chassis) {
-    return {platform_.speed_m_s + pitch_rate_rad_s_ * params_.sensor_base_height_m,
-            -roll_rate_rad_s_ * params_.sensor_base_height_m, 0.0};
+    return {platform_.speed_m_s + pitch_rate_rad_s_ * params_.sensor_base_height_m, -roll_rate_rad_s_ * params_.sensor_base_height_m, 0.0};
   }
   const Side side = place == Place::left_strut ? Side::left : Side::right;
   const double up = params_.sensor_height_m / params_.strut_length_m;
   const double beside_m = side == Side::left ? params_.strut_spacing_m / 2.0 : -params_.strut_spacing_m / 2.0;
   return {platform_.speed_m_s - platform_.yaw_rate_rad_s * (beside_m + up * harness_.dy_m) + up * strut_forward_rate_m_s(side) +
               pitch_rate_rad_s_ * params_.sensor_height_m,
-          platform_.yaw_rate_rad_s * up * strut_forward_m(side) + up * harness_.dy_rate_m_s -
-              roll_rate_rad_s_ * params_.sensor_height_m,
+          platform_.yaw_rate_rad_s * up * strut_forward_m(side) + up * harness_.dy_rate_m_s - roll_rate_rad_s_ * params_.sensor_height_m,
           0.0};
 }
 

@@ -22,17 +22,17 @@ struct PlantParams {
   double strut_spacing_m{0.60};  ///< d_s
   double track_width_m{0.70};    ///< d_ww
   double wheel_radius_m{0.10};
-  double gear_ratio{30.0};       ///< 2000 counts at the motor, 60000 at the wheel
+  double gear_ratio{30.0};  ///< 2000 counts at the motor, 60000 at the wheel
   MotorConfig motor{};
-  double mass_kg{60.0};          ///< chassis, batteries, struts; THERA-Trainer e-go class (assumed)
+  double mass_kg{60.0};           ///< chassis, batteries, struts; THERA-Trainer e-go class (assumed)
   double yaw_inertia_kg_m2{8.0};  ///< 60 kg spread over 0.9 x 0.8 m (assumed)
   double wheel_inertia_kg_m2{0.01};
-  double rolling_n{3.0};         ///< rolling resistance, each side
-  double grip_norm{0.7};         ///< rubber on linoleum
-  double driven_load_norm{0.7};  ///< share of the weight on the two driven wheels; the casters carry the rest
-  double brake_n_m{8.0};         ///< holding brake at the wheel, closed while the bridge is off: about 1.2 m/s2
-  double spring_n_m{300.0};      ///< K, both struts together, at the harness
-  double damping_n_s_m{60.0};    ///< both struts together
+  double rolling_n{3.0};                ///< rolling resistance, each side
+  double grip_norm{0.7};                ///< rubber on linoleum
+  double driven_load_norm{0.7};         ///< share of the weight on the two driven wheels; the casters carry the rest
+  double brake_n_m{8.0};                ///< holding brake at the wheel, closed while the bridge is off: about 1.2 m/s2
+  double spring_n_m{300.0};             ///< K, both struts together, at the harness
+  double damping_n_s_m{60.0};           ///< both struts together
   double stop_rad{15.0 * kDegree_rad};  ///< M2: deflection mechanically limited
   double stop_spring_n_m{8000.0};       ///< rubber of the stop with harness and body behind it, each strut (assumed)
   double stop_damping_n_s_m{200.0};
@@ -45,7 +45,7 @@ struct PlantParams {
   double pitch_rad_per_m_s2{0.0105};
   double pitch_rad_per_n{0.00005};
   double pitch_lag_s{0.08};
-  double electronics_a{1.5};     ///< computer, router and nodes
+  double electronics_a{1.5};  ///< computer, router and nodes
   double bumper_half_length_m{0.45};
   double bumper_half_width_m{0.40};
   ImuParams imu{};

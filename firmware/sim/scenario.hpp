@@ -16,8 +16,8 @@ struct Scenario {
   std::string_view name;
   std::string_view title;
   Figure figure;
-  double length_m;          ///< of a straight: where the patient stops; 0 for figures that go round
-  double trip_after_s;      ///< the patient stumbles this long after setting off; 0 = never
+  double length_m;      ///< of a straight: where the patient stops; 0 for figures that go round
+  double trip_after_s;  ///< the patient stumbles this long after setting off; 0 = never
 };
 
 /// Sizes of the figures are the contract's (research reading D34): eight c = 1, R = 0.8; square of 3.2 m.
@@ -39,10 +39,14 @@ constexpr const Scenario* find_scenario(std::string_view name) {
 /// The line on the floor; a patient who only stands has a straight that nobody walks.
 inline contract::ReferencePath scenario_path(const Scenario& scenario) {
   switch (scenario.figure) {
-    case Figure::eight: return contract::ReferencePath::eight();
-    case Figure::square: return contract::ReferencePath::square();
-    case Figure::straight: return contract::ReferencePath::straight(scenario.length_m);
-    case Figure::none: break;
+    case Figure::eight:
+      return contract::ReferencePath::eight();
+    case Figure::square:
+      return contract::ReferencePath::square();
+    case Figure::straight:
+      return contract::ReferencePath::straight(scenario.length_m);
+    case Figure::none:
+      break;
   }
   return contract::ReferencePath::straight();
 }

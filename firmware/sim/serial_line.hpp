@@ -32,8 +32,8 @@ class SerialLine {
 
  private:
   int master_{-1};
-  int slave_{-1};   // kept open: the terminal would fall back to echo and line mode each time its last user closes it
-  int watch_{-1};   // inotify on the slave; without it somebody is always assumed to be there
+  int slave_{-1};  // kept open: the terminal would fall back to echo and line mode each time its last user closes it
+  int watch_{-1};  // inotify on the slave; without it somebody is always assumed to be there
   int openings_{};
   bool was_there_{false};
   std::string path_;

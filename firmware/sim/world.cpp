@@ -38,9 +38,9 @@ class Machine {
     firmware::ImuSample& last = last_sample_[static_cast<std::size_t>(place)];
     if (!sensor_frozen_[static_cast<std::size_t>(place)]) {
       const ImuReading reading = plant_.read_imu(place);
-      last = {static_cast<float>(reading.ax_m_s2),          static_cast<float>(reading.ay_m_s2),
-              static_cast<float>(reading.az_m_s2),          static_cast<float>(reading.alpha_rate_rad_s),
-              static_cast<float>(reading.beta_rate_rad_s),  static_cast<float>(reading.yaw_rate_rad_s)};
+      last = {static_cast<float>(reading.ax_m_s2),         static_cast<float>(reading.ay_m_s2),
+              static_cast<float>(reading.az_m_s2),         static_cast<float>(reading.alpha_rate_rad_s),
+              static_cast<float>(reading.beta_rate_rad_s), static_cast<float>(reading.yaw_rate_rad_s)};
     }
     sample = last;
     return true;
@@ -56,9 +56,7 @@ class Machine {
   }
   float motor_current_a(Node node) { return static_cast<float>(plant_.motor_current_a(side_of(node))); }
   float supply_v() { return static_cast<float>(plant_.supply_v()); }
-  void set_bridge(Node node, bool enabled, float duty_norm) {
-    plant_.set_bridge(side_of(node), enabled, static_cast<double>(duty_norm));
-  }
+  void set_bridge(Node node, bool enabled, float duty_norm) { plant_.set_bridge(side_of(node), enabled, static_cast<double>(duty_norm)); }
   std::uint8_t bumpers() { return plant_.bumpers(); }
   std::uint8_t switches() { return 0; }
   float battery_v(int battery) { return static_cast<float>(plant_.battery_v(battery)); }
@@ -132,24 +130,44 @@ struct World::Parts {
   template <class What>
   void with_node(Node node, What&& what) {
     switch (node) {
-      case Node::drive_left: what(drive_left.firmware); break;
-      case Node::drive_right: what(drive_right.firmware); break;
-      case Node::io: what(io.firmware); break;
-      case Node::tilt_left: what(tilt_left.firmware); break;
-      case Node::tilt_right: what(tilt_right.firmware); break;
-      case Node::tilt_base: what(tilt_base.firmware); break;
-      case Node::core: break;
+      case Node::drive_left:
+        what(drive_left.firmware);
+        break;
+      case Node::drive_right:
+        what(drive_right.firmware);
+        break;
+      case Node::io:
+        what(io.firmware);
+        break;
+      case Node::tilt_left:
+        what(tilt_left.firmware);
+        break;
+      case Node::tilt_right:
+        what(tilt_right.firmware);
+        break;
+      case Node::tilt_base:
+        what(tilt_base.firmware);
+        break;
+      case Node::core:
+        break;
     }
   }
   [[nodiscard]] std::size_t port_of(Node node) const {
     switch (node) {
-      case Node::drive_left: return drive_left.board.port();
-      case Node::drive_right: return drive_right.board.port();
-      case Node::io: return io.board.port();
-      case Node::tilt_left: return tilt_left.board.port();
-      case Node::tilt_right: return tilt_right.board.port();
-      case Node::tilt_base: return tilt_base.board.port();
-      case Node::core: return core_port;
+      case Node::drive_left:
+        return drive_left.board.port();
+      case Node::drive_right:
+        return drive_right.board.port();
+      case Node::io:
+        return io.board.port();
+      case Node::tilt_left:
+        return tilt_left.board.port();
+      case Node::tilt_right:
+        return tilt_right.board.port();
+      case Node::tilt_base:
+        return tilt_base.board.port();
+      case Node::core:
+        return core_port;
     }
     return bus::kVirtualPortMax;
   }
@@ -170,7 +188,8 @@ struct World::Parts {
   }
 
   void advance_1ms() {
-    patient.step_1ms({plant.platform(), plant.harness_force(patient.harness()), plant.bridge_enabled(Side::left) && plant.bridge_enabled(Side::right)});
+    patient.step_1ms(
+        {plant.platform(), plant.harness_force(patient.harness()), plant.bridge_enabled(Side::left) && plant.bridge_enabled(Side::right)});
     plant.set_carried(patient.carried_n());
     plant.step(patient.harness(), 0.001);
     for (std::size_t i = 0; i < kNodeCount; ++i) {
@@ -249,9 +268,7 @@ void World::break_encoder(Node node, EncoderFault fault) {
 void World::set_frame_fault(bus::VirtualBus::FaultHook hook) { parts_->bus.set_fault_hook(std::move(hook)); }
 std::size_t World::port_of(Node node) const { return parts_->port_of(node); }
 
-bool World::drives_enabled() const {
-  return parts_->plant.bridge_enabled(Side::left) || parts_->plant.bridge_enabled(Side::right);
-}
+bool World::drives_enabled() const { return parts_->plant.bridge_enabled(Side::left) || parts_->plant.bridge_enabled(Side::right); }
 
 bool World::restart(const Scenario& scenario) {
   if (drives_enabled() || std::fabs(parts_->plant.platform().speed_m_s) > kAtRest_m_s) return false;

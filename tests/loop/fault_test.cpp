@@ -17,12 +17,13 @@ using contract::Node;
 
 class Walk {
  public:
-  explicit Walk(std::string_view scenario = "straight", double wish_m_s = 0.45) : loop([&] {
-    ClosedLoopOptions options;
-    options.world.scenario = sim::find_scenario(scenario);
-    options.world.patient.wish_m_s = wish_m_s;
-    return options;
-  }()) {}
+  explicit Walk(std::string_view scenario = "straight", double wish_m_s = 0.45)
+      : loop([&] {
+          ClosedLoopOptions options;
+          options.world.scenario = sim::find_scenario(scenario);
+          options.world.patient.wish_m_s = wish_m_s;
+          return options;
+        }()) {}
 
   /// Walks until the wish is nearly reached.
   [[nodiscard]] bool set_off() {
@@ -32,10 +33,10 @@ class Walk {
   [[nodiscard]] double speed_m_s() { return loop.world().plant().platform().speed_m_s; }
 
   struct Stop {
-    double reaction_s{-1.0};   ///< from the fault to the mode PROTECTIVE_STOP
-    double stopped_s{-1.0};    ///< from the fault to rest
+    double reaction_s{-1.0};  ///< from the fault to the mode PROTECTIVE_STOP
+    double stopped_s{-1.0};   ///< from the fault to rest
     double distance_m{};
-    double hardest_m_s2{};     ///< steepest fall of the commanded speed
+    double hardest_m_s2{};  ///< steepest fall of the commanded speed
   };
   /// Runs on for 4 s after the fault and measures.
   Stop watch() {
@@ -137,7 +138,8 @@ TEST_P(LostNode, H3_H4_H14_StopsWithinSixtyMilliseconds) {
   EXPECT_LE(stop.distance_m, from_m_s * 0.1 + from_m_s * from_m_s / 2.0 + 0.08);
 }
 INSTANTIATE_TEST_SUITE_P(Nodes, LostNode,
-                         testing::Values(std::pair{Node::tilt_left, Fault::tilt_left_lost}, std::pair{Node::tilt_right, Fault::tilt_right_lost},
+                         testing::Values(std::pair{Node::tilt_left, Fault::tilt_left_lost},
+                                         std::pair{Node::tilt_right, Fault::tilt_right_lost},
                                          std::pair{Node::tilt_base, Fault::tilt_base_lost}, std::pair{Node::io, Fault::io_lost},
                                          std::pair{Node::drive_left, Fault::drive_left_lost},
                                          std::pair{Node::drive_right, Fault::drive_right_lost}),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "db/metrics/evaluate.hpp"
+#include "tests/support/allocation_counter.hpp"
 #include "tests/support/closed_loop.hpp"
 
 namespace hoist::tests {
@@ -188,6 +189,16 @@ TEST(Walking, SameSeedSameRunBitForBit) {
   const std::uint64_t first = digest(5);
   EXPECT_EQ(digest(5), first);
   EXPECT_NE(digest(6), first);  // the sensors' noise reaches the wheels
+}
+
+TEST(Walking, NeitherWorldNorCoreAllocatesOnceUnderWay) {
+  ClosedLoop loop(scenario("figure-eight"));
+  ASSERT_TRUE(loop.start(Mode::user));
+  loop.run(5.0);
+  const std::uint64_t before = test::allocations();
+  loop.run(20.0);
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_GT(before, 0U);  // the counter does count
 }
 
 TEST(Walking, LosingAFrameNowAndThenIsNotFelt) {

@@ -82,9 +82,9 @@ class ClosedLoop {
 
   sim::World world_;
   bool through_gateway_;
-  std::string to_gateway_;              // characters waiting for the serial line
+  std::string to_gateway_;  // characters waiting for the serial line
   contract::SlcanDecoder decoder_;
-  std::size_t frames_count_{};          // received through the gateway since the last step
+  std::size_t frames_count_{};  // received through the gateway since the last step
   std::unique_ptr<core::CoreState> core_;
   std::unique_ptr<core::TickOutputs> outputs_;
   std::array<contract::CanFrame, kFramesMax> frames_{};
@@ -107,7 +107,8 @@ class ClosedLoop {
   bool server_runs_{true};
 };
 
-/// Speed of the whole closed loop (core, six nodes, plant, patient walking a figure of eight): simulated seconds for each real one.
+/// Speed of the whole closed loop (core, six nodes, plant, patient walking a figure of eight): simulated seconds for
+/// each second of one core.
 [[nodiscard]] double simulated_seconds_per_second(double virtual_s);
 
 }  // namespace hoist::tests

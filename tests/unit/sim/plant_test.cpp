@@ -35,7 +35,8 @@ TEST(Plant, SteadySpeedIsWhatTheMotorEquationSays) {
   // duty V = R i + K w, and K i carries Coulomb, viscous and rolling friction.
   const double shaft_rad_s = plant.platform().speed_m_s / p.wheel_radius_m * p.gear_ratio;
   const double friction_n_m = p.motor.coulomb_n_m + p.motor.viscous_n_m_s * shaft_rad_s + p.rolling_n * p.wheel_radius_m / p.gear_ratio;
-  const double expected_rad_s = (duty * supply_v - p.motor.resistance_ohm * friction_n_m / p.motor.constant_v_s_rad) / p.motor.constant_v_s_rad;
+  const double expected_rad_s =
+      (duty * supply_v - p.motor.resistance_ohm * friction_n_m / p.motor.constant_v_s_rad) / p.motor.constant_v_s_rad;
   EXPECT_NEAR(shaft_rad_s, expected_rad_s, 0.01 * expected_rad_s);
   EXPECT_NEAR(plant.motor_current_a(Side::left), friction_n_m / p.motor.constant_v_s_rad, 0.01);
   EXPECT_NEAR(plant.platform().y_m, 0.0, 1e-9);

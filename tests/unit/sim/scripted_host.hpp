@@ -18,7 +18,8 @@ class ScriptedHost {
   void cycle() {
     receive();
     if (cycles_ % 50 == 0) send(contract::canopen::nmt(contract::canopen::NmtCommand::start, 0));
-    if (cycles_ % 10 == 0) send(contract::canopen::heartbeat(contract::node_id(contract::Node::core), contract::canopen::NmtState::operational));
+    if (cycles_ % 10 == 0)
+      send(contract::canopen::heartbeat(contract::node_id(contract::Node::core), contract::canopen::NmtState::operational));
     if (commands) {
       command(contract::Node::drive_left, left_rad_s);
       command(contract::Node::drive_right, right_rad_s);
