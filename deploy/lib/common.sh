@@ -66,7 +66,10 @@ build_tree() {
     }
     printf '%s' "${options[*]}" >"$stamp"
   fi
-  ninja -C "$folder" -j "$(build_jobs)" --quiet "${targets[@]}" >&2 || return 1
+  # A person sees how far it is; a log sees what went wrong only.
+  local quiet=(--quiet)
+  [ ! -t 2 ] || quiet=()
+  ninja -C "$folder" -j "$(build_jobs)" "${quiet[@]}" "${targets[@]}" >&2 || return 1
 }
 
 build_normal() {
