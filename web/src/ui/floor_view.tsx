@@ -128,8 +128,14 @@ export function FloorView({ exercise }: { exercise: Exercise }) {
   useEffect(() => {
     pattern.current = patternPoints(exercise);
   }, [exercise]);
-  useFrame(() => {
+  const drawn = useRef({ what: '', at_ms: -Infinity });
+  useFrame((now_ms) => {
     if (canvas.current === null) return;
+    // A hoist that stands is not drawn anew, except once a second: colours and size may have changed.
+    const r = live.record;
+    const what = r === null ? '' : `${r.x_m.toFixed(3)} ${r.y_m.toFixed(3)} ${r.psi_rad.toFixed(3)} ${live.pathLife} ${live.path.x.length} ${exercise.shape}`;
+    if (what === drawn.current.what && now_ms - drawn.current.at_ms < 1000) return;
+    drawn.current = { what, at_ms: now_ms };
     const x = live.path.x.latest();
     const y = live.path.y.latest();
     const bounds: Point[] = [...pattern.current];
