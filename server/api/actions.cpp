@@ -143,6 +143,17 @@ void act_mode(Services& services, const Asker& asker, const json& mode_name, con
     ask(services, request, std::move(done));
     return;
   }
+  if (asker.client == 0 || services.core.lease_holder() != asker.client || services.core.lease_epoch() != asker.epoch) {
+    // Said here, so that somebody who may not start does not move the pose either; with everything else that is in the way.
+    Outcome outcome;
+    outcome.kind = services.core.connected() ? Outcome::Kind::refused : Outcome::Kind::unreachable;
+    outcome.detail = services.core.connected() ? "Someone else is in control, or nobody is: take control first." : "The control core is not connected.";
+    const std::uint32_t blocked = services.core.newest() ? services.core.newest()->blocked_bits : 0;
+    if (services.core.connected()) outcome.refusals = refusal_names(blocked | contract::refusal_bit(contract::Refusal::no_lease));
+    services.counters.add(Count::commands_refused);
+    done(outcome);
+    return;
+  }
   // The pose first: the exercise's figure and the odometry must share their origin before the first step.
   const StartPose pose = start_pose(*exercise);
   Command set_pose = command_of(CommandKind::set_pose, asker);

@@ -22,6 +22,11 @@ void control_recording(const CallPtr& call) {
     call->fail({.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = "action must be start or stop.", .errors = {{"action", "must be start or stop", {}, {}, {}}}, .refusals = {}});
     return;
   }
+  for (const char* name : {"subject", "note"}) {
+    if (!body.contains(name) || body.at(name).is_string()) continue;
+    call->fail({.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = std::string{name} + " must be text.", .errors = {{name, "must be text", {}, {}, {}}}, .refusals = {}});
+    return;
+  }
   in_background(call, [start = *action == "start", subject = text("subject"), note = text("note").value_or(""), path = call->request.path](Records& records) -> Response {
     const db::Status status = start ? records.begin_manual(subject, note) : records.end_manual();
     if (!status) {

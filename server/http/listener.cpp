@@ -252,6 +252,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
     }
     limit_time(kWriteTime_s);
     const bool no_body = response.status == 204 || response.status == 304;
+    if (response.next_piece && head_only_) {
+      // Its length is not known before it is made.
+      outgoing_ = head_of(response, keep_, !version_10_, std::nullopt);
+      write([](Connection& self) { self.finish(); });
+      return;
+    }
     if (response.next_piece) {
       pieces_ = std::move(response.next_piece);
       chunked_ = !version_10_;

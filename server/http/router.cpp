@@ -153,9 +153,8 @@ void dispatch(Services& services, Request request, std::function<void(Response)>
   Counters& counters = services.counters;
   counters.add(Count::http_requests);
   const bool head = request.method == Method::head;
-  auto finish = [answer = std::move(answer), head, &counters](Response response) {
+  auto finish = [answer = std::move(answer), &counters](Response response) {
     if (response.status >= 400) counters.add(Count::http_refused);
-    if (head) response.next_piece = nullptr;
     answer(std::move(response));
   };
   const std::string_view host = request.header("host");

@@ -155,6 +155,12 @@ void Hub::send_batch() {
     if (!client->every_tick()) client->send_telemetry(frame);
 }
 
+void Hub::set_every_tick(Client& client, bool on) {
+  if (client.every_tick() == on) return;
+  send_batch();
+  client.set_every_tick(on);
+}
+
 void Hub::on_ticks(std::span<const contract::TickRecord> records, std::uint64_t) {
   if (clients_.empty()) {
     batch_.clear();
@@ -185,7 +191,7 @@ void Hub::on_lease(std::uint32_t, std::uint32_t) {
   const auto all = clients_;
   for (const auto& client : all) {
     // Every step is for whoever drives; the next driver asks for it again.
-    if (!client->holds_lease()) client->set_every_tick(false);
+    if (!client->holds_lease()) set_every_tick(*client, false);
     client->send(lease_json(services_->core, client->number()));
   }
 }

@@ -42,6 +42,8 @@ class Hub final : public CoreListener {
 
   void add(std::shared_ptr<Client> client);
   void remove(const Client* client);
+  // Changes how often a client gets values, between two batches, so that it sees each step once.
+  void set_every_tick(Client& client, bool on);
   [[nodiscard]] std::size_t clients() const { return clients_.size(); }
   [[nodiscard]] Services& services() const { return *services_; }
 

@@ -157,7 +157,7 @@ void stream(Client& client, const json& message) {
     client.send(json{{"type", "notice"}, {"level", "info"}, {"text_key", "every_tick_refused"}, {"refusals", {"no_lease"}}});
     return;
   }
-  client.set_every_tick(wanted);
+  client.hub().set_every_tick(client, wanted);
 }
 
 void ping(Client& client, const json& message) {

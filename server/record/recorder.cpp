@@ -42,20 +42,32 @@ class Recorder::Work final : public Records {
 
   void open() {
     now_ns_ = owner_.options_.steady_ns();
-    if (writer_) return;
+    if (!writer_ && !open_writer()) return;
+    if (!reading_) {
+      auto reading = db::Database::attach(owner_.options_.file);
+      if (!reading) return fail(reading.error());
+      reading_.emplace(std::move(*reading));
+    }
+    error_.clear();
+  }
+
+  bool open_writer() {
     auto writing = db::Database::open(owner_.options_.file, {.utc_now_ns = owner_.options_.utc_ns()});
-    if (!writing) return fail(writing.error());
+    if (!writing) {
+      fail(writing.error());
+      return false;
+    }
     writing_.emplace(std::move(*writing));
     const db::OpenReport& report = writing_->report();
     if (!report.set_aside.empty())
       std::fprintf(stderr, "The database was damaged (%s); it was set aside as %s and a new one was begun.\n", report.set_aside_reason.c_str(), report.set_aside.c_str());
     auto writer = db::SessionWriter::create(*writing_);
-    if (!writer) return fail(writer.error());
+    if (!writer) {
+      fail(writer.error());
+      return false;
+    }
     writer_.emplace(std::move(*writer));
-    auto reading = db::Database::attach(owner_.options_.file);
-    if (!reading) return fail(reading.error());
-    reading_.emplace(std::move(*reading));
-    error_.clear();
+    return true;
   }
 
   void pass() {

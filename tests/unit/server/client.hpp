@@ -1,0 +1,76 @@
+// Test clients: HTTP answers and WebSocket messages through Beast, raw bytes through a plain socket.
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "control/contract/signals.hpp"
+
+namespace hoist::test {
+
+using Headers = std::vector<std::pair<std::string, std::string>>;
+
+struct Answer {
+  unsigned status = 0;
+  std::map<std::string, std::string> headers;  // names in lower case
+  std::string body;
+  [[nodiscard]] nlohmann::json json() const;
+  [[nodiscard]] std::string header(const std::string& name) const;
+};
+
+// One request on its own connection. Host and Content-Length are added unless given.
+Answer http(std::uint16_t port, const std::string& method, const std::string& target, const Headers& headers = {}, const std::string& body = "");
+
+// Sends bytes as they are and returns everything until the server closes or `quiet` passes without a byte.
+class Raw {
+ public:
+  explicit Raw(std::uint16_t port, int receive_buffer = 0);
+  ~Raw();
+  Raw(const Raw&) = delete;
+  Raw& operator=(const Raw&) = delete;
+  bool send(const std::string& bytes);
+  // Reads until `count` bytes, the end or the limit.
+  std::string read(std::size_t count, int limit_ms = 2000);
+  std::string read_to_end(int limit_ms = 8000);
+  [[nodiscard]] bool closed() const { return closed_; }
+
+ private:
+  int fd_ = -1;
+  bool closed_ = false;
+};
+
+// A WebSocket client that collects what comes.
+class Live {
+ public:
+  // The handshake's HTTP status is in `status`; 101 = open.
+  Live(std::uint16_t port, const Headers& headers, const std::string& protocol = "hoist.v1");
+  ~Live();
+  [[nodiscard]] unsigned status() const;
+  [[nodiscard]] std::string protocol() const;
+  void send(const nlohmann::json& message);
+  void send_text(const std::string& text);
+  void send_binary(const std::string& bytes);
+  // The next text message of this type (and, for replies, this request); messages of other types are passed over. Empty object when the
+  // limit passes or the socket closes.
+  nlohmann::json wait(const std::string& type, int request = -1);
+  // Sends a message with a fresh `request` and returns its reply.
+  nlohmann::json ask(nlohmann::json message);
+  // Records of the next telemetry frames until at least `count` are there.
+  std::vector<contract::TickRecord> records(std::size_t count);
+  [[nodiscard]] std::uint64_t frame_layout_hash() const;
+  // Reads until the server closes; the close code.
+  unsigned wait_close();
+  void close();
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace hoist::test

@@ -1,0 +1,62 @@
+// A small stand-in for the control core: owns the shared segments, answers commands by simple rules, publishes what the test wants.
+#pragma once
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "control/contract/shared_memory.hpp"
+#include "control/publish/core_link.hpp"
+
+namespace hoist::test {
+
+class FakeCore {
+ public:
+  explicit FakeCore(const std::string& socket_path);
+  ~FakeCore();
+
+  // Changes what the next records say.
+  void set(const std::function<void(contract::TickRecord&)>& change);
+  // While muted it reads commands and answers none, but goes on publishing.
+  void mute(bool on);
+  void publish_event(contract::Event event);
+  void publish_bus(contract::BusRecord record);
+  // Publishes `count` steps at once, as if their time had passed: 10 ms each. Returns when they are published.
+  void skip(std::size_t count);
+
+  [[nodiscard]] std::vector<contract::Command> commands();
+  [[nodiscard]] contract::DriveCommand drive();
+  [[nodiscard]] std::vector<contract::TickRecord> published();
+  [[nodiscard]] contract::Mode mode();
+
+ private:
+  void main();
+  void step();
+  void take(const contract::Command& command);
+  void answer(const contract::Command& command, std::uint32_t refusal_bits, std::uint32_t item = 0);
+  void publish_tick();
+
+  std::unique_ptr<publish::CoreLink> link_;
+  std::mutex mutex_;
+  contract::TickRecord record_{};
+  contract::ParamsInForce params_{};
+  std::vector<std::pair<std::size_t, double>> staged_;
+  bool staging_broken_ = false;
+  std::vector<contract::Command> commands_;
+  std::vector<contract::TickRecord> published_;
+  std::vector<contract::Event> events_;
+  std::vector<contract::BusRecord> frames_;
+  contract::DriveCommand drive_{};
+  std::size_t skip_ = 0;
+  std::condition_variable skipped_;
+  bool muted_ = false;
+  std::atomic<bool> ending_{false};
+  std::thread thread_;
+};
+
+}  // namespace hoist::test

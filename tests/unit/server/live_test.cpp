@@ -1,0 +1,245 @@
+// The WebSocket: handshake, telemetry, lease, driving, STOP, limits, slow readers.
+#include <set>
+
+#include "server/live/client.hpp"
+#include "server/live/views.hpp"
+#include "tests/unit/server/fixture.hpp"
+
+namespace hoist::test {
+namespace {
+
+using contract::Mode;
+class LiveTest : public ServerTest {
+ protected:
+  json counters() { return get("/api/v1/status").json()["counters"]; }
+};
+
+TEST_F(LiveTest, HandshakeNeedsSessionOriginAndSubprotocol_H28) {
+  EXPECT_EQ(Live(port_, {}).status(), 401U);
+  EXPECT_EQ(Live(port_, bearer_, "").status(), 426U) << "no subprotocol";
+  EXPECT_EQ(Live(port_, bearer_, "hoist.v2").status(), 426U);
+  Live two(port_, bearer_, "foxglove, hoist.v1");
+  EXPECT_EQ(two.status(), 101U);
+  EXPECT_EQ(two.protocol(), "hoist.v1");
+  const std::string cookie = log_in();
+  EXPECT_EQ(Live(port_, {{"Cookie", cookie}}).status(), 403U) << "a browser always says its origin";
+  EXPECT_EQ(Live(port_, {{"Cookie", cookie}, {"Origin", "http://evil.example"}}).status(), 403U);
+  EXPECT_EQ(Live(port_, {{"Cookie", cookie}, {"Origin", "null"}}).status(), 403U);
+  EXPECT_EQ(Live(port_, {{"Cookie", cookie}, {"Origin", origin()}, {"Host", "evil.example"}}).status(), 421U);
+  EXPECT_EQ(Live(port_, {{"Cookie", cookie}, {"Origin", origin()}}).status(), 101U);
+  Headers foreign = bearer_;
+  foreign.emplace_back("Origin", "http://evil.example");
+  EXPECT_EQ(Live(port_, foreign).status(), 403U) << "also with the token";
+  EXPECT_EQ(http(port_, "GET", "/ws", bearer_).status, 426U);
+}
+
+TEST_F(LiveTest, WelcomeSaysWhatRuns) {
+  Live live(port_, bearer_);
+  const json welcome = live.wait("welcome");
+  EXPECT_EQ(welcome["layout_hash"], server::layout_hash_hex());
+  EXPECT_EQ(welcome["record_bytes"], sizeof(contract::TickRecord));
+  EXPECT_EQ(welcome["simulated"], true);
+  EXPECT_EQ(welcome["exercise"], (json{{"shape", "eight"}, {"c_m", 1.0}, {"radius_m", 0.8}}));
+  EXPECT_EQ(live.wait("core")["connected"], true);
+  EXPECT_EQ(live.wait("parameters")["values"].size(), contract::kParamCount);
+  EXPECT_EQ(live.wait("lease")["mine"], false);
+  EXPECT_EQ(live.wait("recording")["state"], "idle");
+}
+
+TEST_F(LiveTest, TelemetryIsWhatTheCorePublished) {
+  Live live(port_, bearer_);
+  const auto got = live.records(40);
+  ASSERT_GE(got.size(), 40U);
+  EXPECT_EQ(live.frame_layout_hash(), contract::layout_hash());
+  const auto published = core_->published();
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    ASSERT_LE(got[i].tick, published.size());
+    EXPECT_EQ(std::memcmp(&got[i], &published[got[i].tick - 1], sizeof got[i]), 0) << "tick " << got[i].tick;
+    if (i > 0) {
+      EXPECT_EQ(got[i].tick, got[i - 1].tick + 1);
+    }
+  }
+}
+
+TEST_F(LiveTest, LeaseAndDriving) {
+  Live driver(port_, bearer_);
+  Live other(port_, bearer_);
+  const json drive{{"type", "drive"}, {"sequence", 1}, {"echo", 5}, {"speed", 0.5}, {"yaw", -0.25}, {"held", true}};
+  other.send(drive);
+  EXPECT_EQ(other.wait("notice")["refusals"][0], "no_lease");
+  const json taken = driver.ask({{"type", "lease_take"}});
+  ASSERT_EQ(taken["ok"], true) << taken;
+  EXPECT_GT(taken["epoch"].get<int>(), 0);
+  EXPECT_TRUE(until([&] { return driver.wait("lease")["mine"] == true; }));
+  const json refused = other.ask({{"type", "lease_take"}});
+  EXPECT_EQ(refused["ok"], false);
+  EXPECT_EQ(refused["refusals"][0], "no_lease");
+  driver.send(drive);
+  ASSERT_TRUE(until([&] { return get("/api/v1/status").status == 200 && core_->drive().held == 1; }));
+  const contract::DriveCommand command = core_->drive();
+  EXPECT_EQ(command.speed_norm, 0.5);
+  EXPECT_EQ(command.yaw_norm, -0.25);
+  EXPECT_EQ(command.echo_time_ns, 5U);
+  EXPECT_EQ(command.lease_epoch, taken["epoch"].get<std::uint32_t>());
+  // The same number again, out of range, not a number: refused, and the last good one stays.
+  driver.send(drive);
+  EXPECT_EQ(driver.wait("notice")["refusals"][0], "out_of_order");
+  json bad = drive;
+  bad["sequence"] = 2;
+  bad["speed"] = 1.5;
+  driver.send(bad);
+  bad["speed"] = "0.5";
+  driver.send(bad);
+  bad["speed"] = 0.5;
+  bad["sequence"] = -3;
+  driver.send(bad);
+  bad.erase("held");
+  driver.send(bad);
+  ASSERT_TRUE(until([&] { return counters()["ws_refused_drive"] >= 6; }));
+  EXPECT_EQ(core_->drive().sequence, 1U);
+  EXPECT_EQ(driver.ask({{"type", "lease_release"}})["ok"], true);
+}
+
+TEST_F(LiveTest, ADriverWhoIsGoneLosesTheLease) {
+  auto driver = std::make_unique<Live>(port_, bearer_);
+  ASSERT_EQ(driver->ask({{"type", "lease_take"}})["ok"], true);
+  driver->close();
+  EXPECT_TRUE(until([&] { return get("/api/v1/status").json()["lease"]["holder"] == 0; }));
+  // Numbers are never used again: the next connection is not taken for the last driver.
+  Live next(port_, bearer_);
+  const json welcome = next.wait("welcome");
+  for (const auto& command : core_->commands()) EXPECT_NE(command.client, welcome["client"].get<std::uint32_t>());
+}
+
+TEST_F(LiveTest, StopFromSomeoneWhoDoesNotDrive) {
+  Live driver(port_, bearer_);
+  ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
+  ASSERT_EQ(driver.ask({{"type", "mode"}, {"mode", "user"}, {"exercise", nullptr}})["ok"], true);
+  EXPECT_EQ(core_->mode(), Mode::user);
+  Live other(port_, bearer_);
+  other.send({{"type", "stop"}});
+  EXPECT_TRUE(until([&] { return get("/api/v1/status").json()["core"]["mode"] == "protective_stop"; }));
+  EXPECT_EQ(other.ask({{"type", "acknowledge"}})["ok"], false);
+  EXPECT_EQ(driver.ask({{"type", "acknowledge"}})["ok"], true);
+}
+
+TEST_F(LiveTest, StopIsHeardEvenBeyondTheMessageLimit) {
+  Live live(port_, bearer_);
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+  for (std::uint64_t i = 0; i < server::kMessagesPerSecond; ++i) live.send({{"type", "ping"}, {"t", i}});
+  live.send({{"type", "stop"}});
+  EXPECT_TRUE(until([&] { return get("/api/v1/status").json()["core"]["mode"] == "protective_stop"; }));
+}
+
+TEST_F(LiveTest, ParametersOverTheSocket) {
+  Live live(port_, bearer_);
+  ASSERT_EQ(live.wait("parameters")["version"], 1);
+  EXPECT_EQ(live.ask({{"type", "set"}, {"values", {{"lean_gain_filtered_units", 30}}}})["ok"], true);
+  const json changed = live.wait("parameters");
+  EXPECT_EQ(changed["values"]["lean_gain_filtered_units"], 30.0);
+  const json event = live.wait("event");
+  EXPECT_EQ(event["kind"], "parameter_changed");
+  EXPECT_EQ(event["name"], "lean_gain_filtered_units");
+  EXPECT_EQ(event["before"], 50.0);
+  const json refused = live.ask({{"type", "set"}, {"values", {{"lean_gain_filtered_units", 101}}}});
+  EXPECT_EQ(refused["ok"], false);
+  EXPECT_EQ(refused["errors"][0]["max"], 100.0);
+  EXPECT_EQ(live.ask({{"type", "preset"}, {"name", "paper"}})["ok"], true);
+  EXPECT_EQ(live.ask({{"type", "preset"}, {"name", "nothing"}})["ok"], false);
+  EXPECT_EQ(live.ask({{"type", "set"}, {"values", json::array({1})}})["ok"], false);
+}
+
+TEST_F(LiveTest, EveryStepOnlyForTheDriver) {
+  Live live(port_, bearer_);
+  live.send({{"type", "stream"}, {"every_tick", true}});
+  EXPECT_EQ(live.wait("notice")["refusals"][0], "no_lease");
+  ASSERT_EQ(live.ask({{"type", "lease_take"}})["ok"], true);
+  live.send({{"type", "stream"}, {"every_tick", true}});
+  const json pong_before = live.ask({{"type", "neutral"}});
+  EXPECT_EQ(pong_before["ok"], true);
+  const auto records = live.records(20);
+  ASSERT_GE(records.size(), 20U);
+  for (std::size_t i = 1; i < records.size(); ++i) EXPECT_EQ(records[i].tick, records[i - 1].tick + 1);
+}
+
+TEST_F(LiveTest, MessagesThatCannotBeUsed_H30) {
+  struct Case {
+    std::string text;
+    unsigned code;
+  };
+  for (const Case& c : {Case{"not json", 1008}, {"[1]", 1008}, {std::string(4000, '['), 1008}, {"{\"type\": \"ping\", \"t\": NaN}", 1008}, {std::string(4097, ' '), 1009}}) {
+    Live live(port_, bearer_);
+    live.send_text(c.text);
+    EXPECT_EQ(live.wait_close(), c.code) << c.text.substr(0, 40);
+  }
+  Live binary(port_, bearer_);
+  binary.send_binary("x");
+  EXPECT_EQ(binary.wait_close(), 1003U);
+  Live live(port_, bearer_);
+  EXPECT_EQ(live.ask({{"type", "unheard"}})["ok"], false);
+  live.send({{"type", "neutral"}});
+  EXPECT_EQ(live.wait("reply")["errors"][0]["field"], "request");
+  live.send({{"type", 5}});
+  EXPECT_EQ(live.wait("reply")["errors"][0]["field"], "type");
+  EXPECT_GE(counters()["ws_refused"].get<int>(), 9);
+}
+
+TEST_F(LiveTest, TooManyMessagesEndTheConnection_H31) {
+  Live live(port_, bearer_);
+  // More than a second's worth in one go; a slow machine refills meanwhile, hence the margin.
+  for (int i = 0; i < 2000; ++i) live.send({{"type", "ping"}, {"t", i}});
+  EXPECT_TRUE(until([&] { return counters()["ws_refused_rate"] == 1; }));
+}
+
+TEST_F(LiveTest, AReaderWhoNeverReadsDelaysNobody_H31) {
+  // A tiny window and no reading: the server's buffers for this client fill up.
+  Raw stuck(port_, 2048);
+  ASSERT_TRUE(stuck.send("GET /ws HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
+                         "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                         "Sec-WebSocket-Protocol: hoist.v1\r\nAuthorization: " +
+                         bearer_[0].second + "\r\n\r\n"));
+  ASSERT_EQ(stuck.read(12), "HTTP/1.1 101");
+  Live good(port_, bearer_);
+  // Much more than its buffers hold, faster than time.
+  std::uint64_t last = 0;
+  bool dropped = false;
+  for (int round = 0; round < 60 && !dropped; ++round) {
+    core_->skip(100);
+    const auto records = good.records(100);
+    ASSERT_GE(records.size(), 100U);
+    for (const auto& record : records) {
+      EXPECT_EQ(record.tick, last == 0 ? record.tick : last + 1) << "the good reader misses nothing";
+      last = record.tick;
+    }
+    const json now = counters();
+    dropped = now["telemetry_frames_dropped"] > 0 || now["ws_closed_slow"] > 0 || now["ws_closed_silent"] > 0;
+  }
+  EXPECT_TRUE(dropped) << "the stuck one loses frames or its connection, never anyone's memory";
+}
+
+TEST_F(LiveTest, ASilentClientIsDropped) {
+  Raw silent(port_);
+  ASSERT_TRUE(silent.send("GET /ws HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
+                          "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                          "Sec-WebSocket-Protocol: hoist.v1\r\nAuthorization: " +
+                          bearer_[0].second + "\r\n\r\n"));
+  const std::string all = silent.read_to_end(20000);
+  EXPECT_TRUE(all.starts_with("HTTP/1.1 101"));
+  EXPECT_TRUE(silent.closed()) << "it answers no ping";
+  EXPECT_EQ(counters()["ws_closed_silent"], 1);
+}
+
+TEST_F(LiveTest, TheCoreDiesAndComesBack) {
+  Live live(port_, bearer_);
+  ASSERT_GE(live.records(5).size(), 5U);
+  core_.reset();
+  EXPECT_TRUE(until([&] { return live.wait("core")["connected"] == false; }));
+  EXPECT_EQ(live.ask({{"type", "neutral"}})["ok"], false);
+  core_ = std::make_unique<FakeCore>((folder_ / "core.sock").string());
+  EXPECT_TRUE(until([&] { return live.wait("core")["connected"] == true; }));
+  EXPECT_GE(live.records(5).size(), 5U);
+  EXPECT_EQ(live.ask({{"type", "neutral"}})["ok"], true) << "commands work in the new life";
+}
+
+}  // namespace
+}  // namespace hoist::test

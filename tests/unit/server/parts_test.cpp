@@ -1,0 +1,200 @@
+// The parts that need no network: command line, host and origin lists, targets, JSON limits, exercises, tables.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "server/api/exercise.hpp"
+#include "server/contract/openapi.hpp"
+#include "server/contract/routes.hpp"
+#include "server/http/auth.hpp"
+#include "server/http/exchange.hpp"
+#include "server/http/json_text.hpp"
+#include "server/settings.hpp"
+
+namespace hoist::server {
+namespace {
+
+using nlohmann::json;
+
+TEST(Settings, ReadsAllOptions) {
+  Settings s;
+  std::string error;
+  ASSERT_TRUE(parse_settings({"--socket", "a", "--db", "b", "--port", "0", "--web", "w", "--host", "x", "--host", "y", "--scenario", "square", "--token-file", "t", "--bind", "::1"}, s, error)) << error;
+  EXPECT_EQ(s.port, 0);
+  EXPECT_EQ(s.hosts, (std::vector<std::string>{"x", "y"}));
+  EXPECT_EQ(s.scenario, "square");
+}
+
+TEST(Settings, RefusesToListenToTheNetworkWithoutTls) {
+  for (const char* address : {"0.0.0.0", "192.168.1.5", "::", "127.0.0.2"}) {
+    Settings s;
+    std::string error;
+    EXPECT_FALSE(parse_settings({"--socket", "a", "--db", "b", "--bind", address}, s, error)) << address;
+    EXPECT_NE(error.find("TLS"), std::string::npos) << error;
+  }
+}
+
+TEST(Settings, RefusesWhatItDoesNotKnow) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"--db", "b"}, {"--socket", "a"}, {"--socket", "a", "--db", "b", "--port", "65536"}, {"--socket", "a", "--db", "b", "--port", "1x"},
+        {"--socket", "a", "--db", "b", "--port"}, {"--socket", "a", "--db", "b", "--what", "x"}}) {
+    Settings s;
+    std::string error;
+    EXPECT_FALSE(parse_settings(arguments, s, error));
+    EXPECT_FALSE(error.empty());
+  }
+}
+
+TEST(Host, OnlyOurNames) {
+  std::string error;
+  const auto auth = Auth::create({.token_file = "", .hosts = {"hoist.local"}}, 1000, error);
+  ASSERT_TRUE(auth) << error;
+  for (const char* good : {"127.0.0.1", "127.0.0.1:8080", "localhost:1", "LOCALHOST", "[::1]", "[::1]:80", "hoist.local:443"}) EXPECT_TRUE(auth->host_allowed(good)) << good;
+  for (const char* bad : {"", "evil.example", "127.0.0.1.evil.example", "localhost.", "[::1", "[::1]x", "127.0.0.1:80x", "127.0.0.1@evil", "hoist.local.evil", "127.0.0.1:1234567", "::1"})
+    EXPECT_FALSE(auth->host_allowed(bad)) << bad;
+}
+
+TEST(Origin, ExactlyTheHostAsked) {
+  EXPECT_TRUE(Auth::origin_matches("http://127.0.0.1:8080", "127.0.0.1:8080"));
+  for (const char* bad : {"", "null", "https://127.0.0.1:8080", "http://127.0.0.1:80801", "http://127.0.0.1:808", "http://127.0.0.1", "http://localhost:8080", "http://127.0.0.1:8080/", "http://evil.example"})
+    EXPECT_FALSE(Auth::origin_matches(bad, "127.0.0.1:8080")) << bad;
+}
+
+TEST(Auth, ALinkWorksOnceAndSessionsOutliveTheServer) {
+  const auto folder = std::filesystem::temp_directory_path() / ("hoist-auth-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  std::string error;
+  std::string secret;
+  std::string token;
+  {
+    const auto auth = Auth::create({.token_file = folder / "token", .hosts = {}}, 1000, error);
+    ASSERT_TRUE(auth) << error;
+    token = auth->bearer_token();
+    EXPECT_EQ(token.size(), 64U);
+    const std::string link = auth->link_token();
+    EXPECT_FALSE(auth->use_link("", 1000));
+    EXPECT_FALSE(auth->use_link(link.substr(1), 1000));
+    const auto session = auth->use_link(link, 1000);
+    ASSERT_TRUE(session);
+    secret = session->secret;
+    EXPECT_FALSE(auth->use_link(link, 1000)) << "a link must not work twice";
+    EXPECT_NE(auth->link_token(), link);
+  }
+  struct stat info {};
+  ASSERT_EQ(::stat((folder / "token").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777U, 0600U);
+  ASSERT_EQ(::stat((folder / "token.sessions").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777U, 0600U);
+  const auto again = Auth::create({.token_file = folder / "token", .hosts = {}}, 1010, error);
+  ASSERT_TRUE(again) << error;
+  EXPECT_EQ(again->bearer_token(), token);
+  Request request;
+  request.headers["cookie"] = "other=1; hoist_session=" + secret;
+  EXPECT_TRUE(again->find(request, 1010));
+  EXPECT_FALSE(again->find(request, 1000 + kSessionLife_s + 1)) << "a session ends after its day";
+  request.headers["cookie"] = "hoist_session=" + secret.substr(1);
+  EXPECT_FALSE(again->find(request, 1010));
+  request.headers = {{"authorization", "Bearer " + token}};
+  EXPECT_TRUE(again->find(request, 1010));
+  request.headers = {{"authorization", "Bearer " + token + "0"}};
+  EXPECT_FALSE(again->find(request, 1010));
+  // A file that others may read is not believed.
+  ::chmod((folder / "token.sessions").c_str(), 0644);
+  const auto wary = Auth::create({.token_file = folder / "token", .hosts = {}}, 1010, error);
+  request.headers = {{"cookie", "hoist_session=" + secret}};
+  EXPECT_FALSE(wary->find(request, 1010));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Target, DecodesAndRefuses) {
+  Request r;
+  ASSERT_TRUE(parse_target("/a%20b/c?x=1%2C2&y=a+b&z", r));
+  EXPECT_EQ(r.path, "/a b/c");
+  EXPECT_EQ(r.query["x"], "1,2");
+  EXPECT_EQ(r.query["y"], "a b");
+  EXPECT_TRUE(r.query.contains("z"));
+  for (const char* bad : {"", "a", "http://x/", "/%", "/%4", "/%zz", "/%00", "*"}) EXPECT_FALSE(parse_target(bad, r)) << bad;
+  std::string many = "/?";
+  for (int i = 0; i < 40; ++i) many += "a" + std::to_string(i) + "=1&";
+  EXPECT_FALSE(parse_target(many, r));
+}
+
+TEST(Json, BoundedInDepth) {
+  JsonError error;
+  EXPECT_FALSE(parse_json(std::string(100000, '['), error));
+  EXPECT_EQ(error.position, kJsonDepthLimit + 1);
+  EXPECT_TRUE(parse_json("[[[[[[[[1]]]]]]]]", error));
+  EXPECT_FALSE(parse_json("[[[[[[[[[1]]]]]]]]]", error));
+  EXPECT_TRUE(parse_json(R"({"a": "[[[[[[[[[[[[[[\"{{{{{{{{{"})", error)) << "brackets in a text are no depth";
+}
+
+TEST(Json, RefusesWhatIsNoJson) {
+  for (const char* bad : {"", "NaN", "{\"a\": NaN}", "{\"a\": Infinity}", "{\"a\": 1e999}", "{a: 1}", "{\"a\": 1,}", "{\"a\": 1} x", "\"\xff\"", "{\"a\": 01}"}) {
+    JsonError error;
+    EXPECT_FALSE(parse_json(bad, error)) << bad;
+    EXPECT_FALSE(error.message.empty());
+  }
+}
+
+TEST(Exercise, ReadsTheFourShapes) {
+  std::vector<FieldError> errors;
+  const auto eight = read_exercise(json::parse(R"({"shape": "eight", "c_m": 1.0, "radius_m": 0.8})"), errors);
+  ASSERT_TRUE(eight);
+  EXPECT_NEAR(start_pose(*eight).psi_rad, 0.9272952180016122, 1e-12);  // asin 0.8
+  EXPECT_EQ(exercise_of_store(stored_exercise(*eight)), exercise_json(*eight));
+  const auto square = read_exercise(json::parse(R"({"shape": "square", "side_m": 3.2})"), errors);
+  ASSERT_TRUE(square);
+  EXPECT_DOUBLE_EQ(start_pose(*square).x_m, -1.6);
+  EXPECT_TRUE(read_exercise(json::parse(R"({"shape": "straight", "length_m": 10})"), errors));
+  EXPECT_TRUE(read_exercise(nullptr, errors));
+  EXPECT_TRUE(errors.empty());
+  EXPECT_FALSE(stored_exercise(*read_exercise(nullptr, errors)));
+}
+
+TEST(Exercise, RefusesSizesAndNamesTheField) {
+  for (const char* bad : {R"({"shape": "circle"})", R"({})", R"(5)", R"({"shape": "eight", "c_m": 1})", R"({"shape": "eight", "c_m": 1, "radius_m": 1.1})",
+                          R"({"shape": "square", "side_m": 0})", R"({"shape": "square", "side_m": 1000})", R"({"shape": "straight", "length_m": "10"})"}) {
+    std::vector<FieldError> errors;
+    EXPECT_FALSE(read_exercise(json::parse(bad), errors)) << bad;
+    ASSERT_EQ(errors.size(), 1U) << bad;
+    EXPECT_TRUE(errors[0].field.starts_with("exercise.")) << bad;
+  }
+}
+
+TEST(Exercise, ComesFromTheScenario) {
+  EXPECT_EQ(exercise_of_scenario("figure-eight").shape, Exercise::Shape::eight);
+  EXPECT_EQ(exercise_of_scenario("square").shape, Exercise::Shape::square);
+  EXPECT_EQ(exercise_of_scenario("straight").shape, Exercise::Shape::straight);
+  EXPECT_EQ(exercise_of_scenario("bumper").shape, Exercise::Shape::free);
+}
+
+TEST(OpenApi, NamesEveryRouteAndOnlyKnownSchemas) {
+  const json document = openapi_document();
+  EXPECT_EQ(document["openapi"], "3.1.0");
+  std::set<std::string> operations;
+  for (const Route& route : kRoutes) {
+    std::string method{method_name(route.method)};
+    for (char& c : method) c = static_cast<char>(std::tolower(c));
+    ASSERT_TRUE(document["paths"][std::string{route.path}].contains(method)) << route.path;
+    operations.insert(document["paths"][std::string{route.path}][method]["operationId"]);
+  }
+  EXPECT_EQ(operations.size(), kRoutes.size());
+  // Every reference leads somewhere.
+  const std::string text = document.dump();
+  const std::string mark = "#/components/schemas/";
+  std::size_t references = 0;
+  for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + 1)) {
+    const std::size_t end = text.find('"', at);
+    EXPECT_TRUE(document["components"]["schemas"].contains(text.substr(at + mark.size(), end - at - mark.size())));
+    ++references;
+  }
+  EXPECT_GT(references, 50U);
+}
+
+}  // namespace
+}  // namespace hoist::server

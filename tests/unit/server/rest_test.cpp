@@ -1,0 +1,229 @@
+// Routes, sessions, refusals, parameters and motion over REST. Every answer is checked against OpenAPI by the fixture.
+#include "server/contract/routes.hpp"
+#include "control/contract/params.hpp"
+#include "tests/unit/server/fixture.hpp"
+
+namespace hoist::test {
+namespace {
+
+using contract::CommandKind;
+using contract::Mode;
+class Rest : public ServerTest {};
+
+TEST_F(Rest, EveryGetRouteAnswersAsDescribed) {
+  for (const server::Route& route : server::kRoutes) {
+    if (route.method != server::Method::get || route.operation == "open_live") continue;
+    std::string path{route.path};
+    if (const auto at = path.find("{name}"); at != std::string::npos) path.replace(at, 6, "speed_m_s_max");
+    if (const auto at = path.find("{id}"); at != std::string::npos) path.replace(at, 4, "1");
+    const Answer answer = get(path);
+    EXPECT_TRUE(answer.status == 200 || answer.status == 404 || answer.status == 422) << path << " " << answer.body;
+    const Answer head = call("HEAD", path);
+    EXPECT_EQ(head.status, answer.status) << path;
+    EXPECT_TRUE(head.body.empty());
+  }
+}
+
+TEST_F(Rest, NothingWithoutASession_H28) {
+  for (const server::Route& route : server::kRoutes) {
+    if (route.access == server::Access::open) continue;
+    std::string path{route.path};
+    for (const char* mark : {"{name}", "{id}"})
+      if (const auto at = path.find(mark); at != std::string::npos) path.replace(at, std::string(mark).size(), "1");
+    const Answer answer = http(port_, std::string{server::method_name(route.method)}, path, {{"Content-Type", "application/json"}}, route.method == server::Method::get ? "" : "{}");
+    EXPECT_EQ(answer.status, 401) << path;
+    EXPECT_EQ(answer.header("content-type"), "application/problem+json");
+  }
+  EXPECT_TRUE(core_->commands().empty()) << "nothing may reach the core without a session";
+  EXPECT_EQ(http(port_, "GET", "/api/v1/status", {{"Authorization", "Bearer 00"}}).status, 401);
+  EXPECT_EQ(http(port_, "GET", "/api/v1/status", {{"Cookie", "hoist_session=00"}}).status, 401);
+}
+
+TEST_F(Rest, TheLinkWorksOnce) {
+  const std::string target = link_.substr(link_.find("/?"));
+  const std::string cookie = log_in();
+  ASSERT_TRUE(cookie.starts_with("hoist_session="));
+  const Answer again = http(port_, "GET", target);
+  EXPECT_EQ(again.status, 401);
+  EXPECT_NE(again.body.find("terminal"), std::string::npos);
+  EXPECT_EQ(again.header("set-cookie"), "");
+  EXPECT_EQ(http(port_, "GET", "/api/v1/status", {{"Cookie", cookie}}).status, 200);
+}
+
+TEST_F(Rest, ForeignPagesAreRefused_H29) {
+  const std::string cookie = log_in();
+  const auto post = [&](Headers headers, const std::string& body = "{}") {
+    headers.emplace_back("Cookie", cookie);
+    return http(port_, "POST", "/api/v1/neutral", headers, body).status;
+  };
+  const Headers own{{"Origin", origin()}, {"X-Hoist", "1"}, {"Content-Type", "application/json"}};
+  EXPECT_EQ(post(own), 200);
+  EXPECT_EQ(post({{"Origin", origin()}, {"Content-Type", "application/json"}}), 403) << "without X-Hoist";
+  for (const char* foreign : {"http://evil.example", "null", "http://127.0.0.1:1", "http://localhost.evil"}) EXPECT_EQ(post({{"Origin", foreign}, {"X-Hoist", "1"}, {"Content-Type", "application/json"}}), 403) << foreign;
+  EXPECT_EQ(post({{"Origin", origin()}, {"X-Hoist", "1"}, {"Content-Type", "text/plain"}}), 415);
+  EXPECT_EQ(http(port_, "GET", "/api/v1/status", {{"Host", "evil.example"}, {"Cookie", cookie}}).status, 421) << "DNS rebinding";
+  EXPECT_EQ(http(port_, "GET", "/", {{"Host", "evil.example"}}).status, 421);
+  std::size_t neutrals = 0;
+  for (const auto& command : core_->commands()) neutrals += command.kind == CommandKind::set_neutral;
+  EXPECT_EQ(neutrals, 1U) << "what was refused must not reach the core";
+}
+
+TEST_F(Rest, UnknownRouteAndMethod) {
+  EXPECT_EQ(get("/api/v1/nothing").status, 404);
+  EXPECT_EQ(get("/api/v1/sessions/").status, 404);
+  const Answer wrong = call("DELETE", "/api/v1/parameters");
+  EXPECT_EQ(wrong.status, 405);
+  EXPECT_EQ(wrong.header("allow"), "GET, HEAD, PATCH");
+  EXPECT_EQ(http(port_, "POST", "/", {}, "x").status, 405);
+  EXPECT_EQ(http(port_, "BREW", "/api/v1/status", bearer_).status, 405);
+}
+
+TEST_F(Rest, StaticFiles) {
+  const Answer page = http(port_, "GET", "/");
+  EXPECT_EQ(page.status, 200);
+  EXPECT_NE(page.header("content-security-policy").find("default-src 'self'"), std::string::npos);
+  EXPECT_NE(page.header("content-security-policy").find("frame-ancestors 'none'"), std::string::npos);
+  EXPECT_EQ(page.header("x-content-type-options"), "nosniff");
+  EXPECT_EQ(page.header("cache-control"), "no-cache");
+  EXPECT_EQ(http(port_, "GET", "/", {{"If-None-Match", page.header("etag")}}).status, 304);
+  const Answer plain = http(port_, "GET", "/assets/app-12ab.js");
+  EXPECT_EQ(plain.body, "plain");
+  EXPECT_NE(plain.header("cache-control").find("immutable"), std::string::npos);
+  const Answer squeezed = http(port_, "GET", "/assets/app-12ab.js", {{"Accept-Encoding", "gzip, deflate"}});
+  EXPECT_EQ(squeezed.body, "squeezed");
+  EXPECT_EQ(squeezed.header("content-encoding"), "gzip");
+  for (const char* bad : {"/secret.html", "/../secret.html", "/%2e%2e/secret.html", "/assets/../../secret.html", "/link.html", "/.hidden.html", "/assets", "/token", "//secret.html", "/assets/%2e%2e%2fsecret.html"})
+    EXPECT_EQ(http(port_, "GET", bad).status, 404) << bad;
+}
+
+TEST_F(Rest, ParametersAreChangedThroughTheCore) {
+  const Answer list = get("/api/v1/parameters");
+  ASSERT_EQ(list.status, 200);
+  EXPECT_EQ(list.json()["items"].size(), contract::kParamCount);
+  EXPECT_EQ(call("GET", "/api/v1/parameters", nullptr, {{"If-None-Match", list.header("etag")}}).status, 304);
+  const Answer changed = call("PUT", "/api/v1/parameters/lean_gain_filtered_units", {{"value", 40.0}});
+  ASSERT_EQ(changed.status, 200) << changed.body;
+  EXPECT_EQ(changed.json()["values"]["lean_gain_filtered_units"], 40.0);
+  EXPECT_EQ(get("/api/v1/parameters/lean_gain_filtered_units").json()["value"], 40.0);
+  EXPECT_EQ(call("PUT", "/api/v1/parameters/lean_gain_filtered_units", {{"value", 41.0}}, {{"If-Match", list.header("etag")}}).status, 412);
+  EXPECT_EQ(call("PATCH", "/api/v1/parameters", {{"lean_dead_band_norm", 0.1}, {"turn_dead_band_norm", 0.2}}).status, 200);
+  EXPECT_EQ(get("/api/v1/parameters/turn_dead_band_norm").json()["value"], 0.2);
+}
+
+TEST_F(Rest, RefusedParametersNameFieldAndRangeAndChangeNothing) {
+  const Answer high = call("PUT", "/api/v1/parameters/lean_gain_filtered_units", {{"value", 1000.0}});
+  EXPECT_EQ(high.status, 422);
+  EXPECT_EQ(high.json()["errors"][0]["field"], "lean_gain_filtered_units");
+  EXPECT_EQ(high.json()["errors"][0]["min"], 0.0);
+  EXPECT_EQ(high.json()["errors"][0]["max"], 100.0);
+  EXPECT_EQ(call("PUT", "/api/v1/parameters/lean_gain_filtered_units", {{"value", "NaN"}}).status, 422);
+  EXPECT_EQ(call("PUT", "/api/v1/parameters/lean_gain_filtered_units", {{"value", nullptr}}).status, 422);
+  EXPECT_EQ(call("PUT", "/api/v1/parameters/lean_gain_filtered_units", json::object()).status, 422);
+  EXPECT_EQ(call("PUT", "/api/v1/parameters/nothing", {{"value", 1}}).status, 404);
+  // One bad row spoils the set.
+  EXPECT_EQ(call("PATCH", "/api/v1/parameters", {{"lean_dead_band_norm", 0.1}, {"turn_dead_band_norm", 9}}).status, 422);
+  EXPECT_EQ(call("PATCH", "/api/v1/parameters", json::object()).status, 422);
+  EXPECT_EQ(get("/api/v1/parameters/lean_dead_band_norm").json()["value"], 0.05);
+  EXPECT_TRUE(core_->commands().empty()) << "what is out of range is not even asked";
+  // Only when stopped: the core's own rule.
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+  const Answer moving = call("PUT", "/api/v1/parameters/lean_range_rad", {{"value", 0.1}});
+  EXPECT_EQ(moving.status, 409) << moving.body;
+  EXPECT_EQ(moving.json()["refusals"][0], "only_when_stopped");
+  EXPECT_EQ(moving.json()["errors"][0]["field"], "lean_range_rad");
+}
+
+TEST_F(Rest, Presets) {
+  EXPECT_EQ(get("/api/v1/presets").json()["items"].size(), contract::kPresets.size());
+  EXPECT_EQ(call("POST", "/api/v1/presets/paper/apply", json::object()).status, 200);
+  EXPECT_EQ(get("/api/v1/parameters/speed_per_unit_m_s").json()["value"], 0.01);
+  EXPECT_EQ(call("POST", "/api/v1/presets/none/apply", json::object()).status, 404);
+}
+
+TEST_F(Rest, BodiesThatCannotBeUsed_H30) {
+  const auto put = [&](const std::string& body, const char* type = "application/json") {
+    Headers headers = bearer_;
+    headers.emplace_back("Content-Type", type);
+    const Answer answer = http(port_, "PUT", "/api/v1/parameters/lean_gain_filtered_units", headers, body);
+    check_described("PUT", "/api/v1/parameters/lean_gain_filtered_units", answer);
+    return answer;
+  };
+  EXPECT_EQ(put("{\"value\": ").status, 400);
+  EXPECT_NE(put("{\"value\": x}").body.find("At byte"), std::string::npos);
+  EXPECT_EQ(put("{\"value\": NaN}").status, 400);
+  EXPECT_EQ(put("[1]").status, 400);
+  EXPECT_EQ(put("{\"value\": 1}", "text/plain").status, 415);
+  EXPECT_EQ(put(std::string(60000, '[')).status, 400);
+  EXPECT_EQ(put("{\"value\": 1e999}").status, 400);
+  EXPECT_TRUE(core_->commands().empty());
+  EXPECT_EQ(get("/api/v1/status").status, 200) << "and it goes on serving";
+}
+
+TEST_F(Rest, StartNeedsTheLease) {
+  const json start{{"mode", "user"}, {"exercise", {{"shape", "eight"}, {"c_m", 1.0}, {"radius_m", 0.8}}}};
+  EXPECT_EQ(call("POST", "/api/v1/mode", start).status, 409) << "no lease header";
+  const Answer lease = call("POST", "/api/v1/lease", json::object());
+  ASSERT_EQ(lease.status, 200) << lease.body;
+  const std::string epoch = std::to_string(lease.json()["epoch"].get<int>());
+  EXPECT_EQ(call("POST", "/api/v1/mode", start, {{"X-Hoist-Lease", "0"}}).status, 409) << "an old epoch";
+  EXPECT_EQ(core_->mode(), Mode::standby);
+  EXPECT_EQ(call("POST", "/api/v1/mode", {{"mode", "fly"}}, {{"X-Hoist-Lease", epoch}}).status, 422);
+  EXPECT_EQ(call("POST", "/api/v1/mode", {{"mode", "user"}, {"exercise", {{"shape", "square"}, {"side_m", -1}}}}, {{"X-Hoist-Lease", epoch}}).status, 422);
+  ASSERT_EQ(call("POST", "/api/v1/mode", start, {{"X-Hoist-Lease", epoch}}).status, 200);
+  EXPECT_EQ(core_->mode(), Mode::user);
+  // The pose was set to the start of the figure before the mode was asked for.
+  const auto commands = core_->commands();
+  std::size_t pose = commands.size(), mode = commands.size();
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    if (commands[i].kind == CommandKind::set_pose) pose = i;
+    if (commands[i].kind == CommandKind::request_mode && commands[i].a == static_cast<std::uint32_t>(Mode::user)) mode = i;
+  }
+  ASSERT_LT(pose, mode);
+  EXPECT_NEAR(commands[pose].v2, 0.9272952180016122, 1e-12);
+  EXPECT_EQ(get("/api/v1/mode").json()["mode"], "user");
+}
+
+TEST_F(Rest, StopIsForEveryone) {
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+  const std::string cookie = log_in();
+  // As the console's fallback sends it: a cookie, the header, no body at all.
+  EXPECT_EQ(http(port_, "POST", "/api/v1/stop", {{"Cookie", cookie}, {"X-Hoist", "1"}, {"Origin", origin()}}).status, 200);
+  EXPECT_EQ(core_->mode(), Mode::protective_stop);
+  EXPECT_EQ(call("POST", "/api/v1/acknowledge", json::object()).status, 409) << "only the driver releases";
+  ASSERT_EQ(call("POST", "/api/v1/lease", json::object()).status, 200);
+  EXPECT_EQ(call("POST", "/api/v1/acknowledge", json::object()).status, 200);
+}
+
+TEST_F(Rest, ACoreThatDoesNotAnswerIsSaidSo) {
+  core_->mute(true);
+  const Answer answer = call("POST", "/api/v1/neutral", json::object());
+  EXPECT_EQ(answer.status, 503);
+  EXPECT_NE(answer.json()["detail"].get<std::string>().find("does not answer"), std::string::npos);
+  core_.reset();
+  wait_for_core(false);
+  EXPECT_EQ(call("POST", "/api/v1/stop", json::object()).status, 503);
+  EXPECT_EQ(get("/api/v1/mode").status, 503);
+}
+
+TEST_F(Rest, PoseIsChecked) {
+  EXPECT_EQ(call("POST", "/api/v1/pose", {{"x_m", 1}, {"y_m", 2}, {"psi_rad", 0.5}}).status, 200);
+  const Answer bad = call("POST", "/api/v1/pose", {{"x_m", 1e6}, {"psi_rad", "x"}});
+  EXPECT_EQ(bad.status, 422);
+  EXPECT_EQ(bad.json()["errors"].size(), 3U);
+}
+
+TEST_F(Rest, RefusalsAreCounted) {
+  const auto counters = [&] { return get("/api/v1/status").json()["counters"]; };
+  const json before = counters();
+  EXPECT_EQ(http(port_, "GET", "/api/v1/status").status, 401);
+  EXPECT_EQ(http(port_, "GET", "/api/v1/status", {{"Host", "evil"}}).status, 421);
+  EXPECT_EQ(get("/api/v1/none").status, 404);
+  const json after = counters();
+  EXPECT_EQ(after["http_refused_no_session"].get<int>(), before["http_refused_no_session"].get<int>() + 1);
+  EXPECT_EQ(after["http_refused_host"].get<int>(), before["http_refused_host"].get<int>() + 1);
+  EXPECT_EQ(after["http_refused_no_route"].get<int>(), before["http_refused_no_route"].get<int>() + 1);
+  EXPECT_EQ(after["http_refused"].get<int>(), before["http_refused"].get<int>() + 3);
+}
+
+}  // namespace
+}  // namespace hoist::test
