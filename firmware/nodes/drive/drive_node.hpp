@@ -34,6 +34,13 @@ inline constexpr float kStallReference_rad_s = 1.0F;  // holding still against a
 inline constexpr float kReversedSpeed_rad_s = 20.0F;  // hazard H2: speed against the voltage that the motor generates
 inline constexpr float kReversedVoltage_v = 2.5F;     // more than 30 % error of kWindingOhm makes at 6 A
 inline constexpr std::uint32_t kReversed_ms = 50;
+// Hazard H2, an encoder that stops counting under way: the motor generates a voltage that the measured speed does not explain. Honest
+// differences are the brushes and the filter's lag (together under 1.5 V), a winding 30 % beside kWindingOhm (copper: 23 % at 80 degrees),
+// and magnets, supply reading and encoder together 15 %.
+inline constexpr float kUnexplained_v = 1.5F;
+inline constexpr float kUnexplainedShareOfWinding = 0.3F;
+inline constexpr float kUnexplainedShareOfGenerated = 0.15F;
+inline constexpr std::uint32_t kUnexplained_ms = 50;
 inline constexpr float kStandstill_rad_s = 2.0F;      // 0.7 cm/s at the wheel; one count in a filtered millisecond is 0.6 rad/s
 inline constexpr std::uint32_t kStandstill_ms = 20;   // at rest for so long: stopped
 inline constexpr std::uint32_t kStopLonger_ms = 500;  // after the ramp's end the bridge goes off even if the wheel is still pushed
@@ -255,7 +262,7 @@ class DriveNode {
   }
 
   void restart_watches() {
-    under_voltage_ms_ = over_current_ms_ = over_speed_ms_ = stall_ms_ = reversed_ms_ = 0;
+    under_voltage_ms_ = over_current_ms_ = over_speed_ms_ = stall_ms_ = reversed_ms_ = unexplained_ms_ = 0;
     stall_counts_ = counts_;
   }
 
@@ -269,7 +276,8 @@ class DriveNode {
     return age_ms >= limit_ms;
   }
 
-  void watch(float reference_rad_s, float current_limit_a) {
+  // `applied_v` is the voltage of the tick before: the one that made the current just read.
+  void watch(float reference_rad_s, float current_limit_a, float applied_v) {
     if (lasts(supply_v_ < kUnderVoltage_v, under_voltage_ms_, kUnderVoltage_ms))
       fault(emcy::kUnderVoltage, error_bit::kVoltage, Reaction::off);
     if (lasts(std::fabs(current_a_) > kOverCurrent_a, over_current_ms_, kOverCurrent_ms))
@@ -277,7 +285,7 @@ class DriveNode {
     if (lasts(std::fabs(speed_rad_s_) > kOverSpeed_rad_s, over_speed_ms_, kOverSpeed_ms))
       fault(emcy::kOverSpeed, error_bit::kProfile, Reaction::ramp);
 
-    // Lost encoder or blocked wheel: current without movement although movement is asked for.
+    // Blocked wheel, or an encoder that never counted: current without movement although movement is asked for.
     const std::int32_t moved = law::delta32(counts_, stall_counts_);
     const bool moving = moved > kStallCounts || moved < -kStallCounts;
     if (moving) stall_counts_ = counts_;
@@ -288,10 +296,19 @@ class DriveNode {
 
     // Reversed encoder: it shows the motor turning against the voltage that the motor itself generates. Comparing with the plain duty
     // would take every braking for it: then the duty does oppose the speed, rightly.
-    const float generated_v = servo_.applied_v - kWindingOhm * current_a_;
+    const float winding_v = kWindingOhm * current_a_;
+    const float generated_v = applied_v - winding_v;
     const bool reversed = std::fabs(speed_rad_s_) > kReversedSpeed_rad_s && std::fabs(generated_v) > kReversedVoltage_v &&
                           (generated_v > 0) != (speed_rad_s_ > 0);
     if (lasts(reversed, reversed_ms_, kReversed_ms)) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
+
+    // Encoder that stopped counting under way. The servo sees a wheel that stands, speeds it up, and the current soon falls below what
+    // the stall rule asks for, because the motor runs so fast; what gives it away is the voltage that it generates.
+    const float explained_v = kGenerated_v_s_rad * speed_rad_s_;
+    const float allowed_v =
+        kUnexplained_v + kUnexplainedShareOfWinding * std::fabs(winding_v) + kUnexplainedShareOfGenerated * std::fabs(generated_v);
+    const bool unexplained = std::fabs(generated_v - explained_v) > allowed_v;
+    if (lasts(unexplained, unexplained_ms_, kUnexplained_ms)) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
   }
 
   // ---- every millisecond
@@ -336,12 +353,13 @@ class DriveNode {
     input.target_rad_s = halted ? 0.0F : 0.001F * static_cast<float>(values.template get<0x60FF>());
     input.current_a = current_a_;
     input.supply_v = supply_v_;
+    const float applied_before_v = servo_.applied_v;
     const law::ServoOutput<float> output = law::servo_step(config, servo_, input, kServoTick_s);
     speed_rad_s_ = output.speed_rad_s;
     duty_norm_ = output.duty_norm;
     limited_ = output.limited;
     // Refused with usable readings means no supply; the watch below decides when that is a fault, until then nothing drives.
-    watch(output.reference_rad_s, config.current_limit_a);
+    watch(output.reference_rad_s, config.current_limit_a, applied_before_v);
     if (leaving_ && powered()) finish_stop(output.reference_rad_s);
     if (!powered()) return;  // just switched off, with the bridge
     board_.set_bridge(!output.refused, duty_norm_);
@@ -417,7 +435,7 @@ class DriveNode {
 
   std::uint16_t fault_code_ = 0;
   std::uint8_t fault_bit_ = 0;
-  std::uint32_t under_voltage_ms_ = 0, over_current_ms_ = 0, over_speed_ms_ = 0, stall_ms_ = 0, reversed_ms_ = 0;
+  std::uint32_t under_voltage_ms_ = 0, over_current_ms_ = 0, over_speed_ms_ = 0, stall_ms_ = 0, reversed_ms_ = 0, unexplained_ms_ = 0;
   std::int32_t stall_counts_ = 0;
 };
 

@@ -56,6 +56,15 @@ class DriveTest : public ::testing::Test {
       one_ms();
     }
   }
+  // Another machine, switched on just now: no speed, no faults, and an encoder that begins where this motor stands.
+  void start_anew(const sim::MotorConfig& config) {
+    motor_ = sim::Motor(config);
+    board_.counts = motor_.encoder_counts();
+    load_n_m_ = peak_current_a_ = 0;
+    encoder_dead_ = false;
+    node_.power_on();
+    make_operational(node_, board_);
+  }
   void silence(int milliseconds) {
     for (int i = 0; i < milliseconds; ++i) one_ms();
   }
@@ -346,18 +355,96 @@ TEST_F(DriveTest, TheSpeedIsMeasuredAlsoWithoutSupply) {
   EXPECT_NEAR(node_.speed_rad_s(), motor_.speed_rad_s(), 3);
 }
 
-TEST_F(DriveTest, DeadEncoderIsFoundWithinAHundredMilliseconds) {
-  drive_at(60);
-  encoder_dead_ = true;
-  const int found = until(
-      500, [&] { return node_.state() == State::fault; }, [&] { run(1, kEnable, 60); });
-  EXPECT_GT(found, 90);
-  EXPECT_LE(found, 150);
-  EXPECT_FALSE(board_.bridge_on);
-  EXPECT_EQ(error_code(), 0x7305);
-  EXPECT_LT(peak_current_a_, 9.0);
-  run(200, kEnable, 60);
-  EXPECT_EQ(emergencies(), std::vector{0x7305});
+TEST_F(DriveTest, H2_AnEncoderThatDiesUnderWayIsFoundBeforeTheWheelRunsAway) {
+  for (const double speed_rad_s : {25.0, 60.0, 120.0, 195.0, -120.0}) {
+    SCOPED_TRACE(speed_rad_s);
+    start_anew(loaded_motor());
+    drive_at(speed_rad_s);
+    encoder_dead_ = true;
+    const int found = until(
+        500, [&] { return node_.state() == State::fault; }, [&] { run(1, kEnable, speed_rad_s); });
+    EXPECT_GE(found, 50);
+    EXPECT_LE(found, 75);
+    EXPECT_FALSE(board_.bridge_on);
+    EXPECT_EQ(error_code(), 0x7305);
+    EXPECT_LT(peak_current_a_, 9.0);
+    EXPECT_LT(std::fabs(motor_.speed_rad_s()), 240);  // 0.8 m/s
+    run(200, kEnable, speed_rad_s);
+    EXPECT_EQ(emergencies(), std::vector{0x7305});
+  }
+}
+
+TEST_F(DriveTest, H2_AnEncoderThatNeverCountedIsFoundWhenMotionBegins) {
+  for (const double load_n_m : {0.0, 0.6}) {  // freely, and against nearly what the limiter allows
+    SCOPED_TRACE(load_n_m);
+    start_anew(loaded_motor());
+    encoder_dead_ = true;
+    enable();
+    load_n_m_ = load_n_m;
+    const int found = until(
+        1000, [&] { return node_.state() == State::fault; }, [&] { run(1, kEnable, 60); });
+    EXPECT_GT(found, 50);
+    EXPECT_LE(found, 250);
+    EXPECT_EQ(error_code(), 0x7305);
+    EXPECT_FALSE(board_.bridge_on);
+    EXPECT_LT(std::fabs(motor_.speed_rad_s()), 150);
+  }
+}
+
+TEST_F(DriveTest, H2_NoHonestMotorLooksLikeALostEncoder) {
+  for (const float supply_v : {21.6F, 24.0F, 27.0F}) {
+    for (const double resistance : {0.8, 1.0, 1.2}) {
+      for (const double constant : {0.9, 1.0, 1.1}) {
+        for (const float limit_a : {6.0F, 12.0F}) {
+          SCOPED_TRACE(testing::Message() << supply_v << " V, resistance x " << resistance << ", constant x " << constant << ", " << limit_a
+                                          << " A");
+          sim::MotorConfig config = loaded_motor();
+          config.resistance_ohm *= resistance;
+          config.constant_v_s_rad *= constant;
+          board_.supply_voltage_v = supply_v;
+          start_anew(config);
+          ASSERT_EQ(ask(node_, board_, canopen::sdo(0x601, canopen::sdo_download_command(4), 0x2200, 5, bits_of(limit_a))).data[0], 0x60);
+          enable();
+          const auto go = [&](int milliseconds, int word, double target_rad_s, const char* what) {
+            run(milliseconds, word, target_rad_s);
+            EXPECT_EQ(error_code(), 0) << what << " " << target_rad_s;
+          };
+          go(1500, kEnable, 180, "fastest walk, as far as the supply goes");
+          go(1500, kEnable, 0, "braking");
+          go(700, kEnable, 120, "setting off");
+          go(1500, kEnable, -120, "reversal at the limit");
+          for (const double load_n_m : {0.45, -0.45, 0.0}) {
+            load_n_m_ = load_n_m;
+            go(800, kEnable, 0, "held on a slope");
+            go(1000, kEnable, 100, "on a slope");
+            go(800, kEnable, 0, "braking on a slope");
+          }
+          go(800, kEnable, 120, "setting off");
+          go(800, kQuickStop, 120, "quick stop");
+          EXPECT_EQ(node_.state(), State::switch_on_disabled);  // the quick stop's proper end
+          EXPECT_TRUE(emergencies().empty());
+        }
+      }
+    }
+  }
+}
+
+TEST_F(DriveTest, H2_ABlockedWheelIsLeftToTheStallRuleWhateverTheWinding) {
+  for (const double resistance : {0.8, 1.0, 1.2}) {
+    for (const float supply_v : {21.6F, 27.0F}) {
+      SCOPED_TRACE(testing::Message() << supply_v << " V, resistance x " << resistance);
+      sim::MotorConfig config = loaded_motor();
+      config.resistance_ohm *= resistance;
+      board_.supply_voltage_v = supply_v;
+      start_anew(config);
+      drive_at(100);
+      motor_.lock(true);
+      const int found = until(
+          1000, [&] { return node_.state() == State::fault; }, [&] { run(1, kEnable, 100); });
+      EXPECT_GE(found, 100);  // the other rule would need half of that
+      EXPECT_LE(found, 200);
+    }
+  }
 }
 
 TEST_F(DriveTest, ReversedEncoderIsFoundBeforeItRunsAway) {
