@@ -17,6 +17,7 @@
 #include "control/core/monitor/monitor_list.hpp"
 #include "control/core/output/bus_master.hpp"
 #include "control/core/output/drive_control.hpp"
+#include "control/core/output/hold_watch.hpp"
 #include "control/core/output/limiter.hpp"
 #include "control/core/output/safety_gate.hpp"
 #include "control/core/output/wheel_mixing.hpp"
@@ -31,6 +32,7 @@ struct Motion {
   bool remote_lost = false;  // REMOTE: commands stopped while the dead-man was held
   std::uint32_t epoch = 0;   // lease with which the mode began
   std::uint64_t ticks = 0;   // steps since the mode began
+  HoldWatch hold;            // PROTECTIVE_STOP: whether it does hold
 };
 
 /// An acknowledgement that waits for a drive to leave its fault.

@@ -124,12 +124,15 @@ double commanded_m_s(const CanFrame& frame, double motor_per_m) noexcept {
 }
 
 void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& out) noexcept {
+  if (state.mode == contract::Mode::protective_stop && state.motion.hold.step(state.limiter, state.sensed))
+    raise_fault(state, Fault::overspeed);  // H1, H2: the wheels do something else than they were told
+  const bool cut = state.motion.hold.cut();
   const bool drives = mode_row_of(state.mode).drives;
   const WheelCommand wheels = mix_wheels(state.limiter.speed_m_s(), state.limiter.yaw_rate_rad_s(), state.derived);
   static_cast<void>(
-      out.frames.push_back(drive_frame(Node::drive_left, state.left_control.step(state.sensed.left_drive, drives), wheels.left_raw)));
-  static_cast<void>(
-      out.frames.push_back(drive_frame(Node::drive_right, state.right_control.step(state.sensed.right_drive, drives), wheels.right_raw)));
+      out.frames.push_back(drive_frame(Node::drive_left, state.left_control.step(state.sensed.left_drive, drives, cut), wheels.left_raw)));
+  static_cast<void>(out.frames.push_back(
+      drive_frame(Node::drive_right, state.right_control.step(state.sensed.right_drive, drives, cut), wheels.right_raw)));
   state.master.step(inputs.tick, state.sensed, state.params, out.frames);
   static_cast<void>(out.frames.push_back(contract::canopen::sync()));
 

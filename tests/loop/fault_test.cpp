@@ -229,6 +229,38 @@ TEST(Faults, H2_AReversedEncoderStops) {
   EXPECT_NEAR(walk.speed_m_s(), 0.0, 0.02);
 }
 
+class LostEncoder : public testing::TestWithParam<std::tuple<Node, double>> {};
+TEST_P(LostEncoder, H2_StopsBeforeTheHoistRunsAwayOrCircles) {
+  const auto [node, wish_m_s] = GetParam();
+  Walk walk("straight", wish_m_s);
+  ASSERT_TRUE(walk.set_off());
+  sim::World& world = walk.loop.world();
+  const double from_rad = world.plant().platform().psi_rad;
+  world.break_encoder(node, sim::World::EncoderFault::lost);
+  double fastest_m_s = 0.0, turned_rad = 0.0, rested_s = -1.0;
+  for (int i = 0; i < 600; ++i) {
+    walk.loop.step();
+    const sim::PlatformMotion& at = world.plant().platform();
+    const double wheel_m_s =
+        std::max(std::fabs(world.plant().wheel_speed_m_s(sim::Side::left)), std::fabs(world.plant().wheel_speed_m_s(sim::Side::right)));
+    fastest_m_s = std::max(fastest_m_s, wheel_m_s);
+    turned_rad = std::max(turned_rad, std::fabs(at.psi_rad - from_rad));
+    if (wheel_m_s > 0.01) rested_s = -1.0;
+    if (wheel_m_s <= 0.01 && rested_s < 0.0) rested_s = (i + 1) * core::kTick_s;
+  }
+  RecordProperty("rested_ms", static_cast<int>(rested_s * 1000.0));
+  RecordProperty("fastest_mm_s", static_cast<int>(fastest_m_s * 1000.0));
+  RecordProperty("turned_deg", static_cast<int>(turned_rad / sim::kDegree_rad));
+  EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);
+  EXPECT_TRUE(walk.loop.ever_raised(node == Node::drive_left ? Fault::drive_left_fault : Fault::drive_right_fault));
+  EXPECT_GT(rested_s, 0.0);  // and stays at rest
+  EXPECT_LE(rested_s, 2.0);
+  EXPECT_LT(fastest_m_s, 0.9);
+  EXPECT_LT(turned_rad, 90.0 * sim::kDegree_rad);
+}
+INSTANTIATE_TEST_SUITE_P(Sides, LostEncoder,
+                         testing::Combine(testing::Values(Node::drive_left, Node::drive_right), testing::Values(0.25, 0.45, 0.60)));
+
 TEST(Faults, H12_EmptyBatteriesEndTheWalkGently) {
   Walk walk("straight", 0.30);
   ASSERT_TRUE(walk.set_off());

@@ -177,6 +177,19 @@ TEST(Walking, ManyPatientsNeverTripAGuard) {
   EXPECT_GT(simulated_s, 1000.0);
 }
 
+TEST(Walking, H7_TightTurnsOfTheSquareAreNoImplausibleTilt) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    ClosedLoopOptions options = scenario("square");
+    options.world.patient = sim::PatientParams::random(seed);
+    options.world.seed = seed;
+    ClosedLoop loop(options);
+    ASSERT_TRUE(loop.start(Mode::user)) << "seed " << seed;
+    loop.run(60.0);
+    EXPECT_FALSE(was_stopped(loop)) << "seed " << seed;
+    EXPECT_GT(static_cast<double>(loop.record().distance_m), 6.0) << "seed " << seed;
+  }
+}
+
 TEST(Walking, SameSeedSameRunBitForBit) {
   const auto digest = [](std::uint64_t seed) {
     ClosedLoopOptions options = scenario("figure-eight");

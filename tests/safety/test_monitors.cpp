@@ -182,6 +182,86 @@ TEST(Monitors, QuietJustBelowEveryThreshold) {
   }
 }
 
+// A tight turn leaks into beta (yaw rate x lean x 0.8 s): at 20 degrees per second and 10 degrees of twist that explains 2.8 degrees more.
+TEST(Monitors, H7ATurnWidensTheSideLeanRuleByWhatItExplainsAndNoMore) {
+  for (const double beta_deg : {3.2, 3.7}) {  // each strut: 6.4 and 7.4 degrees apart; the bound is 6.8
+    SCOPED_TRACE(beta_deg);
+    ScriptedHoist hoist;
+    set_going(hoist, Mode::user);
+    if (HasFatalFailure()) return;
+    hoist.tilt_base.yaw_rate_deg_s = 20;
+    hoist.lean(6, 10);
+    hoist.step(30);
+    ASSERT_EQ(hoist.state.mode, Mode::user);
+    hoist.tilt_left.beta_deg = beta_deg;
+    hoist.tilt_right.beta_deg = -beta_deg;
+    int ticks = 0;
+    while (hoist.state.mode == Mode::user && ticks < 100) {
+      hoist.step();
+      ++ticks;
+    }
+    if (beta_deg < 3.5) {
+      EXPECT_EQ(hoist.state.mode, Mode::user);
+      hoist.tilt_base.yaw_rate_deg_s = 0;  // the turn has ended: so has, soon, what it explains
+      EXPECT_TRUE(hoist.reach(Mode::protective_stop, 30));
+    } else {
+      EXPECT_LE(ticks, 20);
+    }
+    EXPECT_TRUE(hoist.has_fault(Fault::tilt_implausible));
+  }
+}
+
+TEST(Monitors, H2AStopThatDoesNotStopLetsGoOfBothDrives) {
+  ScriptedHoist hoist;
+  set_going(hoist, Mode::remote);
+  if (HasFatalFailure()) return;
+  hoist.drive_left.forced_m_s = 0.6;  // its servo has lost the wheel
+  ASSERT_TRUE(hoist.reach(Mode::protective_stop, 30));
+  int ticks = 0;
+  while (hoist.drive_right.last_control != 0x00 && ticks < 500) {
+    EXPECT_EQ(hoist.drive_right.last_control, 0x0F) << "until then the other wheel brakes under its servo";
+    hoist.step();
+    ++ticks;
+  }
+  const int ramp_ticks = 70;  // 0.65 m/s at 1 m/s2, and a little
+  EXPECT_GT(ticks, 100);
+  EXPECT_LE(ticks, ramp_ticks + 100);
+  EXPECT_EQ(hoist.drive_left.last_control, 0x00);
+  for (int i = 0; i < 300; ++i) {
+    hoist.step();
+    ASSERT_EQ(hoist.drive_left.last_control, 0x00) << "and never again by itself";
+    ASSERT_EQ(hoist.drive_right.last_control, 0x00);
+  }
+  EXPECT_TRUE(hoist.has_fault(Fault::overspeed));
+  EXPECT_NE(hoist.ask(CommandKind::acknowledge), 0U) << "it still rolls";
+  hoist.drive_left.forced_m_s = NAN;
+  hoist.step(150);
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge), 0U);
+  hoist.step(5);
+  EXPECT_EQ(hoist.state.mode, Mode::standby);
+  EXPECT_EQ(hoist.drive_left.last_control, 0x06);
+}
+
+TEST(Monitors, H2AWheelThatNoEncoderShowsIsSeenByTheGyro) {
+  for (const double yaw_deg_s : {3.0, 6.0}) {
+    SCOPED_TRACE(yaw_deg_s);
+    ScriptedHoist hoist;
+    set_going(hoist, Mode::user);
+    if (HasFatalFailure()) return;
+    static_cast<void>(hoist.ask(CommandKind::stop));
+    ASSERT_EQ(hoist.state.mode, Mode::protective_stop);
+    hoist.step(200);
+    EXPECT_EQ(hoist.drive_left.last_control, 0x0F) << "a stop that works holds by servo";
+    hoist.tilt_base.yaw_rate_deg_s = yaw_deg_s;
+    hoist.step(20);
+    EXPECT_EQ(hoist.drive_left.last_control, 0x0F) << "a shove is over sooner";
+    hoist.step(20);
+    const bool cut = yaw_deg_s > 4;
+    EXPECT_EQ(hoist.drive_left.last_control, cut ? 0x00 : 0x0F);
+    EXPECT_EQ(hoist.drive_right.last_control, cut ? 0x00 : 0x0F);
+  }
+}
+
 TEST(Monitors, H4AStaleTiltMeansNoIntentAndNeverTheLastOne) {
   ScriptedHoist hoist;
   set_going(hoist, Mode::user);

@@ -14,9 +14,10 @@ inline constexpr std::uint8_t kDroppedTicksMax = 5;
 
 class DriveControl {
  public:
-  [[nodiscard]] std::uint16_t step(const DriveSensor& drive, bool wanted) noexcept {
+  /// `cut`: no voltage at all, whatever the drive does, because its own ramp is not trusted either.
+  [[nodiscard]] std::uint16_t step(const DriveSensor& drive, bool wanted, bool cut) noexcept {
     namespace cia402 = contract::canopen::drive;
-    watch(drive, wanted);
+    watch(drive, wanted && !cut);
     const cia402::State state = drive.state();
     if (reset_ticks_ > 0) {
       --reset_ticks_;
@@ -24,6 +25,7 @@ class DriveControl {
       // The drive acts on the rising edge; a bus that swallowed it gets another one.
       return reset_ticks_ % 4 == 0 ? cia402::kDisableVoltage : cia402::kFaultReset;
     }
+    if (cut) return cia402::kDisableVoltage;
     switch (state) {
       case cia402::State::quick_stop_active:
         // It brakes by itself and then switches off. Disabling the voltage now would let the wheel roll on.

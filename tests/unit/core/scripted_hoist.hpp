@@ -31,6 +31,7 @@ struct FakeTilt : FakeNode {
   double alpha_deg = 0, beta_deg = 0;  // where the strut goes, no faster than slew_deg per step
   double alpha_now_deg = 0, beta_now_deg = 0;
   double slew_deg = 1;
+  double yaw_rate_deg_s = 0;
   std::uint8_t status = 3;  // valid, converged
   std::uint8_t counter = 0;
   bool frozen = false;
@@ -261,7 +262,12 @@ class ScriptedHoist {
     tilt(Node::tilt_left, tilt_left);
     tilt(Node::tilt_right, tilt_right);
     tilt(Node::tilt_base, tilt_base);
-    if (runs(tilt_base)) frames.push_back(contract::CanFrame{contract::pdo_cob_id(Pdo::tilt_tx2, Node::tilt_base), 6, 0, {}});
+    if (runs(tilt_base)) {
+      contract::CanFrame f{contract::pdo_cob_id(Pdo::tilt_tx2, Node::tilt_base), 6, 0, {}};
+      constexpr contract::PdoSlot kYaw = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 1);
+      contract::write_slot(f, kYaw, std::lround(tilt_base.yaw_rate_deg_s / kYaw.scale));
+      frames.push_back(f);
+    }
     const auto drive = [&](Node node, FakeDrive& d) {
       if (!runs(d)) return;
       contract::CanFrame f{contract::pdo_cob_id(Pdo::drive_tx1, node), 8, 0, {}};

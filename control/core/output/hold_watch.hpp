@@ -1,0 +1,51 @@
+// H2: the last resort of PROTECTIVE_STOP. A stop that does not end in standstill has lost its servo; then the drives are taken off both
+// wheels and the holding brakes stop the hoist.
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+#include "control/core/estimate/estimate.hpp"
+#include "control/core/output/limiter.hpp"
+
+namespace hoist::core {
+
+class HoldWatch {
+ public:
+  /// Once in every step of PROTECTIVE_STOP. True in the step in which the drives are to be let go; from then on `cut` holds until the mode
+  /// is left.
+  [[nodiscard]] bool step(const Limiter& limiter, const Estimate& sensed) noexcept {
+    if (cut_) return false;
+    hold_ticks_ = !limiter.at_rest() ? std::uint8_t{0} : static_cast<std::uint8_t>(hold_ticks_ < kHoldTicks ? hold_ticks_ + 1 : kHoldTicks);
+    moving_ticks_ =
+        !moves(sensed) ? std::uint8_t{0} : static_cast<std::uint8_t>(moving_ticks_ < kMovingTicks ? moving_ticks_ + 1 : kMovingTicks);
+    cut_ = hold_ticks_ == kHoldTicks && moving_ticks_ == kMovingTicks;
+    return cut_;
+  }
+
+  [[nodiscard]] bool cut() const noexcept { return cut_; }
+
+ private:
+  // The ramp takes v / a; a second after its end even a wheel that was fought over stands.
+  static constexpr std::uint8_t kHoldTicks = 100;
+  // A shove at a hoist that stands is no such case: it is over sooner than this, or worth the same answer.
+  static constexpr std::uint8_t kMovingTicks = 30;
+  static constexpr double kWheel_m_s = 0.05;
+  // A wheel whose encoder is dead is seen by the chassis' gyro alone: 0.05 m/s at one wheel of 0.7 m track is 4 degrees per second. The
+  // gyro's own offset is below one.
+  static constexpr double kTurn_rad_s = 0.07;
+
+  [[nodiscard]] static bool moves(const Estimate& sensed) noexcept {
+    // With both drives off already (emergency off) there is nothing to let go, and who pushes the hoist away is no alarm.
+    if (!sensed.left_drive.enabled() && !sensed.right_drive.enabled()) return false;
+    const auto faster = [](double x, double limit) { return !(std::fabs(x) <= limit); };
+    if (!sensed.drives_lost() &&
+        (faster(sensed.odometry.wheel_left_m_s, kWheel_m_s) || faster(sensed.odometry.wheel_right_m_s, kWheel_m_s)))
+      return true;
+    return !sensed.base.fresh().lost() && faster(sensed.base.yaw_rate_rad_s(), kTurn_rad_s);
+  }
+
+  std::uint8_t hold_ticks_ = 0, moving_ticks_ = 0;
+  bool cut_ = false;
+};
+
+}  // namespace hoist::core
