@@ -3,12 +3,12 @@
 #
 # The server prints the console's address (with a one-time token) when it is ready. A program that dies is started again.
 # options: --port PORT       the console's port (default 8080)
-#          --scenario NAME   what the simulator plays (build/bin/hoist-sim --help lists them; default "walk")
+#          --scenario NAME   what the simulator plays (build/bin/hoist-sim --help lists them; default "figure-eight")
 #          --state DIR       sockets and the simulated bus (default: a folder of this user and port under $XDG_RUNTIME_DIR or /tmp)
 #          --data DIR        parameters and the database (default build/run-data)
 #          --no-setup        leave the machine as it is
 port=8080
-scenario=walk
+scenario=figure-eight
 state=
 data=build/run-data
 while [ $# -gt 0 ]; do

@@ -33,6 +33,9 @@ constexpr std::int64_t kCatchUp_ns = 5 * kStep_ns;
 /// Below hoist-control's 49, so that the simulated machine never delays the controller; above everything ordinary, so that a busy
 /// computer does not silence the simulated sensors.
 constexpr int kRealTimePriority = 30;
+/// A busy computer lets time go many times a second: one line in a while tells how often and how much, and small change is not told.
+constexpr std::int64_t kTellLateEvery_ns = 10'000'000'000;
+constexpr std::int64_t kTellLateFrom_ns = 20'000'000;
 /// 1 Mbaud with ten bits a character.
 constexpr std::size_t kUartBytesPerStep = 100;
 constexpr std::uint64_t kServeEverySteps = 5;
@@ -162,11 +165,20 @@ class Reporter {
       say(world, program.computer_attached ? "a computer has opened the line" : "the line is closed");
     if (world.drives_enabled() != enabled_) say(world, world.drives_enabled() ? "drives enabled" : "drives disabled");
     if (world.patient().state() != patient_) say(world, "patient is " + std::string(patient_state_name(world.patient().state())));
-    if (program.late != late_) say(world, "was late and let time go, " + std::to_string(program.late) + " times so far");
     attached_ = program.computer_attached;
     enabled_ = world.drives_enabled();
     patient_ = world.patient().state();
-    late_ = program.late;
+  }
+
+  /// Time was let go. What was not told yet is told with the next line.
+  void let_go(const World& world, std::int64_t now_ns, std::int64_t gone_ns) {
+    ++late_times_;
+    late_ns_ += gone_ns;
+    if (late_ns_ < kTellLateFrom_ns || now_ns - told_late_ns_ < kTellLateEvery_ns) return;
+    say(world, "was late " + std::to_string(late_times_) + " times and let " + std::to_string(late_ns_ / 1'000'000) + " ms go");
+    told_late_ns_ = now_ns;
+    late_times_ = 0;
+    late_ns_ = 0;
   }
 
  private:
@@ -177,7 +189,9 @@ class Reporter {
   bool attached_{false};
   bool enabled_{false};
   PatientState patient_{PatientState::standing};
-  std::uint64_t late_{};
+  std::uint64_t late_times_{};  // since the last line about it
+  std::int64_t late_ns_{};
+  std::int64_t told_late_ns_{-kTellLateEvery_ns};
 };
 
 // Moves characters between the terminal and the gateway, no faster than the real line.
@@ -239,6 +253,7 @@ int run_real_time(const Options& options) {
     const std::int64_t now_ns = steady_ns();
     if (now_ns - due_ns > kCatchUp_ns) {
       ++program.late;
+      reporter.let_go(world, now_ns, now_ns - due_ns);
       due_ns = now_ns;
     }
     while (due_ns <= now_ns) {

@@ -15,7 +15,7 @@ inline constexpr std::size_t kRequestMax = 4096;
 
 /// Figures that only the program around the world knows.
 struct ProgramState {
-  std::uint64_t late{};           ///< times it was more than 50 ms behind and let time go
+  std::uint64_t late{};           ///< times it was more than 5 ms behind and let time go
   bool computer_attached{false};  ///< somebody has the serial line open
 };
 

@@ -27,7 +27,6 @@ inline constexpr std::array kScenarios{
     Scenario{"straight", "walks 10 m straight ahead, then stands", Figure::straight, 10.0, 0.0},
     Scenario{"stand", "stands still", Figure::none, 0.0, 0.0},
     Scenario{"trip", "walks straight ahead and stumbles after 6 s", Figure::straight, 10.0, 6.0},
-    Scenario{"walk", "the same as figure-eight", Figure::eight, 0.0, 0.0},
 };
 
 constexpr const Scenario* find_scenario(std::string_view name) {
