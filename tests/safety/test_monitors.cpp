@@ -368,5 +368,24 @@ TEST(Monitors, H1TheGateStopsAControllerThatGoesWrong) {
   EXPECT_EQ(hoist.drive_right.target_m_s, 0);
 }
 
+// A serial line that was held up hands over the answers to several SYNCs at once; that is one late step, not a frozen sensor.
+TEST(TiltSensorTest, H6AHeldUpLineIsNoFrozenSensor) {
+  TiltSensor sensor;
+  contract::CanFrame frame{contract::pdo_cob_id(contract::Pdo::tilt_tx1, contract::Node::tilt_left), 6, 0, {}};
+  contract::write_slot(frame, contract::pdo_slot(contract::Pdo::tilt_tx1, 0x2120), tilt_status::kValid | tilt_status::kConverged);
+  const auto hand_over = [&](int counter, int frames) {
+    sensor.next_tick();
+    contract::write_slot(frame, contract::pdo_slot(contract::Pdo::tilt_tx1, 0x2121), counter);
+    for (int i = 0; i < frames; ++i) sensor.take_angles(frame);
+  };
+  hand_over(1, 1);
+  hand_over(1, 6);
+  EXPECT_EQ(sensor.repeated_frames(), 1);
+  hand_over(2, 6);
+  EXPECT_LE(sensor.repeated_frames(), 1);
+  for (int i = 0; i < 3; ++i) hand_over(2, 1);
+  EXPECT_GE(sensor.repeated_frames(), 3) << "a counter that stands over steps still counts";
+}
+
 }  // namespace
 }  // namespace hoist::core::test

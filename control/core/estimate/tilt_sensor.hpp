@@ -18,6 +18,7 @@ class TiltSensor {
   void next_tick() noexcept {
     fresh_.next_tick();
     heard_.next_tick();
+    repeat_counted_ = false;
   }
 
   void take_angles(const contract::CanFrame& frame) noexcept {
@@ -35,8 +36,10 @@ class TiltSensor {
       return;
     }
     // The same sample twice is no news: it may be a sensor whose processor stands while its bus controller repeats (H6).
+    // Once a step at most: frames that a serial line held up and hands over together answer SYNCs that came too close to each other.
     if (known_ && steps == 0) {
-      if (repeated_frames_ < kOldestTicks) ++repeated_frames_;
+      if (!repeat_counted_ && repeated_frames_ < kOldestTicks) ++repeated_frames_;
+      repeat_counted_ = true;
       return;
     }
     repeated_frames_ = 0;
@@ -82,6 +85,7 @@ class TiltSensor {
   [[nodiscard]] double pitch_rate_rad_s() const noexcept { return pitch_rate_rad_s_; }
   [[nodiscard]] double roll_rate_rad_s() const noexcept { return roll_rate_rad_s_; }
   [[nodiscard]] bool has(std::uint8_t status_bit) const noexcept { return (status_ & status_bit) != 0; }
+  /// Steps in a row that brought only the sample known already.
   [[nodiscard]] std::uint8_t repeated_frames() const noexcept { return repeated_frames_; }
 
  private:
@@ -94,7 +98,7 @@ class TiltSensor {
   double yaw_rate_rad_s_ = 0, pitch_rate_rad_s_ = 0, roll_rate_rad_s_ = 0;
   Freshness fresh_, heard_;
   std::uint8_t status_ = 0, counter_ = 0, repeated_frames_ = 0;
-  bool known_ = false;
+  bool known_ = false, repeat_counted_ = false;
 };
 
 }  // namespace hoist::core
