@@ -173,13 +173,14 @@ TEST(Dbc, DecodesWhatTheNodesEncode) {
 
 TEST(Dbc, IsReadByCanmatrix) {
   // Debian's own interpreter: another one on the path does not see Debian's packages.
-  if (std::system("/usr/bin/python3 -c 'import canmatrix.formats' >/dev/null 2>&1") != 0) GTEST_SKIP() << "python3-canmatrix is not installed";
+  if (std::system("/usr/bin/python3 -c 'import canmatrix.formats' >/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "python3-canmatrix is not installed";
   const std::string script =
       "import canmatrix.formats, sys; m = list(canmatrix.formats.loadp(sys.argv[1]).values())[0]; sys.exit(0 if len(m.frames) == "
       "int(sys.argv[2]) else 1)";
   const auto frames = parse_dbc(dbc_file().text).messages.size();
-  const std::string command =
-      "/usr/bin/python3 -c '" + script + "' '" + HOIST_SOURCE_DIR + "/" + dbc_file().path + "' " + std::to_string(frames) + " >/dev/null 2>&1";
+  const std::string command = "/usr/bin/python3 -c '" + script + "' '" + HOIST_SOURCE_DIR + "/" + dbc_file().path + "' " +
+                              std::to_string(frames) + " >/dev/null 2>&1";
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
