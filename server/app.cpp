@@ -26,7 +26,8 @@ constexpr std::uint64_t kPhase_ns = 2'000'000;
 constexpr int kGoodbye_ms = 300;
 
 std::uint64_t steady_ns() {
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
 }
 std::int64_t utc_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -48,7 +49,8 @@ struct App::Parts {
     const std::uint64_t now = steady_ns();
     if (core.newest()) {
       const std::uint64_t tick_ns = core.newest()->time_ns;
-      if (tick_ns <= now && now - tick_ns < 2 * kPoll_ns) next_ns = tick_ns + kPhase_ns + ((now - tick_ns + kPoll_ns - kPhase_ns) / kPoll_ns) * kPoll_ns;
+      if (tick_ns <= now && now - tick_ns < 2 * kPoll_ns)
+        next_ns = tick_ns + kPhase_ns + ((now - tick_ns + kPoll_ns - kPhase_ns) / kPoll_ns) * kPoll_ns;
     }
     if (next_ns <= now || next_ns > now + 2 * kPoll_ns) next_ns = now + kPoll_ns;
     timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(next_ns)));
@@ -111,7 +113,8 @@ App::~App() {
 
 bool App::start(std::string& error) {
   Parts& p = *parts_;
-  p.auth = Auth::create({.token_file = p.settings.token_file, .hosts = p.settings.hosts}, static_cast<std::uint64_t>(utc_ns() / 1'000'000'000), error);
+  p.auth = Auth::create({.token_file = p.settings.token_file, .hosts = p.settings.hosts},
+                        static_cast<std::uint64_t>(utc_ns() / 1'000'000'000), error);
   if (!p.auth) return false;
   // Numbers begin at a random place: a core that outlives a server must not take a new connection for an old one.
   p.last_client = static_cast<std::uint32_t>(std::stoul(random_hex(3), nullptr, 16)) << 6U;
@@ -135,7 +138,8 @@ bool App::start(std::string& error) {
   const std::uint16_t port = p.listener->open(p.settings.bind, p.settings.port, error);
   if (port == 0) return false;
   p.settings.port = port;
-  p.services->base_url = "http://" + (p.settings.bind.find(':') == std::string::npos ? p.settings.bind : "[" + p.settings.bind + "]") + ":" + std::to_string(port);
+  p.services->base_url = "http://" + (p.settings.bind.find(':') == std::string::npos ? p.settings.bind : "[" + p.settings.bind + "]") +
+                         ":" + std::to_string(port);
   p.recorder.start();
   return true;
 }

@@ -28,7 +28,7 @@ struct Services {
   std::function<std::int64_t()> utc_ns;             // wall
   std::function<void(std::function<void()>)> post;  // runs something on the network thread; the only member that any thread may call
   std::function<std::uint32_t()> next_client;       // numbers for connections and REST sessions, never used twice
-  std::string base_url = {};  // http://127.0.0.1:8080
+  std::string base_url = {};                        // http://127.0.0.1:8080
   std::int64_t started_utc_ns = 0;
   std::uint64_t started_ns = 0;
 };

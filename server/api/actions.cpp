@@ -26,20 +26,28 @@ Command command_of(CommandKind kind, const Asker& asker) {
 Outcome outcome_of(const CoreAnswer& answer) {
   Outcome outcome;
   switch (answer.kind) {
-    case CoreAnswer::Kind::done: return outcome;
+    case CoreAnswer::Kind::done:
+      return outcome;
     case CoreAnswer::Kind::refused: {
       outcome.kind = Outcome::Kind::refused;
       outcome.refusals = refusal_names(answer.bits);
       for (const contract::RefusalInfo& r : contract::kRefusals)
         if (r.bit == answer.code) outcome.detail = r.text_en;
-      constexpr std::uint32_t kBadValue = contract::refusal_bit(contract::Refusal::out_of_range) | contract::refusal_bit(contract::Refusal::not_finite) |
+      constexpr std::uint32_t kBadValue = contract::refusal_bit(contract::Refusal::out_of_range) |
+                                          contract::refusal_bit(contract::Refusal::not_finite) |
                                           contract::refusal_bit(contract::Refusal::inconsistent_set);
       if ((answer.bits & kBadValue) != 0) outcome.kind = Outcome::Kind::invalid;
       return outcome;
     }
-    case CoreAnswer::Kind::unanswered: outcome.detail = "The core does not answer."; break;
-    case CoreAnswer::Kind::no_core: outcome.detail = "The control core is not connected."; break;
-    case CoreAnswer::Kind::busy: outcome.detail = "The control core has not taken the last commands yet."; break;
+    case CoreAnswer::Kind::unanswered:
+      outcome.detail = "The core does not answer.";
+      break;
+    case CoreAnswer::Kind::no_core:
+      outcome.detail = "The control core is not connected.";
+      break;
+    case CoreAnswer::Kind::busy:
+      outcome.detail = "The control core has not taken the last commands yet.";
+      break;
   }
   outcome.kind = Outcome::Kind::unreachable;
   return outcome;
@@ -128,7 +136,7 @@ void act_mode(Services& services, const Asker& asker, const json& mode_name, con
     for (contract::Mode m : {contract::Mode::standby, contract::Mode::user, contract::Mode::remote})
       if (contract::kModes[static_cast<std::size_t>(m)].name == mode_name.get_ref<const std::string&>()) mode = m;
   if (!mode) {
-    done(invalid({{"mode", "must be user, remote or standby", {}, {}, {}}}, "There is no such mode to ask for."));
+    done(invalid({{"mode", "must be user, remote or standby"}}, "There is no such mode to ask for."));
     return;
   }
   std::vector<FieldError> errors;
@@ -147,7 +155,8 @@ void act_mode(Services& services, const Asker& asker, const json& mode_name, con
     // Said here, so that somebody who may not start does not move the pose either; with everything else that is in the way.
     Outcome outcome;
     outcome.kind = services.core.connected() ? Outcome::Kind::refused : Outcome::Kind::unreachable;
-    outcome.detail = services.core.connected() ? "Someone else is in control, or nobody is: take control first." : "The control core is not connected.";
+    outcome.detail =
+        services.core.connected() ? "Someone else is in control, or nobody is: take control first." : "The control core is not connected.";
     const std::uint32_t blocked = services.core.newest() ? services.core.newest()->blocked_bits : 0;
     if (services.core.connected()) outcome.refusals = refusal_names(blocked | contract::refusal_bit(contract::Refusal::no_lease));
     services.counters.add(Count::commands_refused);
@@ -160,20 +169,21 @@ void act_mode(Services& services, const Asker& asker, const json& mode_name, con
   set_pose.v0 = pose.x_m;
   set_pose.v1 = pose.y_m;
   set_pose.v2 = pose.psi_rad;
-  services.core.ask(set_pose, [&services, request, stored = stored_exercise(*exercise), done = std::move(done)](const CoreAnswer& answer) mutable {
-    if (!answer.done()) {
-      Outcome outcome = outcome_of(answer);
-      // Whoever wants to start is told everything that is in the way, not only what stopped the first step.
-      if (answer.kind == CoreAnswer::Kind::refused && services.core.newest()) {
-        outcome.kind = Outcome::Kind::refused;
-        outcome.refusals = refusal_names(answer.bits | services.core.newest()->blocked_bits);
-      }
-      done(outcome);
-      return;
-    }
-    services.recorder.set_exercise(std::move(stored));
-    ask(services, request, std::move(done));
-  });
+  services.core.ask(set_pose,
+                    [&services, request, stored = stored_exercise(*exercise), done = std::move(done)](const CoreAnswer& answer) mutable {
+                      if (!answer.done()) {
+                        Outcome outcome = outcome_of(answer);
+                        // Whoever wants to start is told everything that is in the way, not only what stopped the first step.
+                        if (answer.kind == CoreAnswer::Kind::refused && services.core.newest()) {
+                          outcome.kind = Outcome::Kind::refused;
+                          outcome.refusals = refusal_names(answer.bits | services.core.newest()->blocked_bits);
+                        }
+                        done(outcome);
+                        return;
+                      }
+                      services.recorder.set_exercise(std::move(stored));
+                      ask(services, request, std::move(done));
+                    });
 }
 
 void act_pose(Services& services, const Asker& asker, const json& pose, OutcomeDone done) {
@@ -202,7 +212,7 @@ void act_pose(Services& services, const Asker& asker, const json& pose, OutcomeD
 
 void act_set(Services& services, const Asker& asker, const json& values, OutcomeDone done) {
   if (!values.is_object() || values.empty()) {
-    done(invalid({{"values", "must name at least one parameter", {}, {}, {}}}, "There is nothing to change."));
+    done(invalid({{"values", "must name at least one parameter"}}, "There is nothing to change."));
     return;
   }
   std::vector<std::pair<std::uint32_t, double>> rows;
@@ -213,7 +223,7 @@ void act_set(Services& services, const Asker& asker, const json& values, Outcome
     const auto index = contract::find_param(name);
     if (!index) {
       unknown = true;
-      errors.push_back({name, "There is no such parameter.", {}, {}, {}});
+      errors.push_back({name, "There is no such parameter."});
       continue;
     }
     const contract::ParamInfo& p = contract::kParams[*index];
@@ -234,7 +244,9 @@ void act_set(Services& services, const Asker& asker, const json& values, Outcome
     rows.emplace_back(p.id, number);
   }
   if (!errors.empty()) {
-    Outcome outcome = invalid(std::move(errors), unknown ? "There is no such parameter." : role ? "Your role may not change this." : "A value is outside its range; nothing was changed.");
+    Outcome outcome = invalid(std::move(errors), unknown ? "There is no such parameter."
+                                                 : role  ? "Your role may not change this."
+                                                         : "A value is outside its range; nothing was changed.");
     if (unknown) outcome.kind = Outcome::Kind::unknown;
     if (role && !unknown) outcome.kind = Outcome::Kind::refused;
     outcome.refusals = {unknown ? "unknown_item" : role ? "not_allowed" : "out_of_range"};
@@ -250,7 +262,7 @@ void act_preset(Services& services, const Asker& asker, const std::string& name,
   for (const contract::PresetValue& v : contract::kPresetValues)
     if (v.preset == name) rows.emplace_back(contract::kParams[contract::param_index(v.param)].id, v.value);
   if (rows.empty()) {
-    Outcome outcome = invalid({{"name", "There is no such preset.", {}, {}, {}}}, "There is no such preset.");
+    Outcome outcome = invalid({{"name", "There is no such preset."}}, "There is no such preset.");
     outcome.kind = Outcome::Kind::unknown;
     outcome.refusals = {"unknown_item"};
     done(outcome);

@@ -37,18 +37,19 @@ Problem problem_of(const Outcome& outcome) {
 
 Response store_error(const db::Error& error, std::string_view path) {
   using db::ErrorKind;
-  Problem problem{.status = 503, .name = "storage", .title = "The database does not answer", .detail = error.message, .errors = {}, .refusals = {}};
-  if (error.kind == ErrorKind::not_found) problem = {.status = 404, .name = "unknown", .title = "There is no such session", .detail = error.message, .errors = {}, .refusals = {}};
-  if (error.kind == ErrorKind::wrong_state) problem = {.status = 409, .name = "not-now", .title = "Not now", .detail = error.message, .errors = {}, .refusals = {}};
+  Problem problem{.status = 503, .name = "storage", .title = "The database does not answer", .detail = error.message};
+  if (error.kind == ErrorKind::not_found)
+    problem = {.status = 404, .name = "unknown", .title = "There is no such session", .detail = error.message};
+  if (error.kind == ErrorKind::wrong_state) problem = {.status = 409, .name = "not-now", .title = "Not now", .detail = error.message};
   if (error.kind == ErrorKind::bad_value) {
-    problem = {.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = error.message, .errors = {}, .refusals = {}};
-    problem.errors.push_back({error.field, error.message, {}, {}, {}});
+    problem = {.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = error.message};
+    problem.errors.push_back({error.field, error.message});
   }
   return problem_response(problem, path);
 }
 
 Response no_database(const std::string& why, std::string_view path) {
-  return problem_response({.status = 503, .name = "storage", .title = "The database cannot be opened", .detail = why, .errors = {}, .refusals = {}}, path);
+  return problem_response({.status = 503, .name = "storage", .title = "The database cannot be opened", .detail = why}, path);
 }
 
 OutcomeDone answer_done(const CallPtr& call) {

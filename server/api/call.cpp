@@ -7,7 +7,8 @@
 namespace hoist::server {
 
 namespace {
-const Problem kUnfinished{.status = 500, .name = "internal", .title = "Something went wrong in the server", .detail = "Try again; if it stays, call service.", .errors = {}, .refusals = {}};
+const Problem kUnfinished{
+    .status = 500, .name = "internal", .title = "Something went wrong in the server", .detail = "Try again; if it stays, call service."};
 }
 
 Call::~Call() {
@@ -37,7 +38,7 @@ void in_background(const CallPtr& call, std::function<Response(Records&)> work) 
     post([held = std::move(call), answer = std::move(response)]() mutable { held->respond(std::move(answer)); });
   };
   if (!services.recorder.run(std::move(job)))
-    call->fail({.status = 503, .name = "busy", .title = "The recorder is busy", .detail = "Try again in a moment.", .errors = {}, .refusals = {}});
+    call->fail({.status = 503, .name = "busy", .title = "The recorder is busy", .detail = "Try again in a moment."});
 }
 
 }  // namespace hoist::server

@@ -14,7 +14,8 @@ namespace hoist::server {
 
 class Call {
  public:
-  Call(Services& services_in, Request request_in, std::function<void(Response)> answer) : services(services_in), request(std::move(request_in)), answer_(std::move(answer)) {}
+  Call(Services& services_in, Request request_in, std::function<void(Response)> answer)
+      : services(services_in), request(std::move(request_in)), answer_(std::move(answer)) {}
   ~Call();
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
@@ -25,8 +26,8 @@ class Call {
 
   Services& services;
   const Request request;
-  SessionPtr session;                   // null only on open routes
-  std::vector<std::string> path_values;  // what stood for {name}, {id} …
+  SessionPtr session;                          // null only on open routes
+  std::vector<std::string> path_values;        // what stood for {name}, {id} …
   std::shared_ptr<const nlohmann::json> body;  // an object, when the route has a request schema
 
  private:

@@ -47,13 +47,17 @@ void get_openapi(const CallPtr& call) {
 void get_docs(const CallPtr& call) {
   std::string rows;
   for (const Route& r : kRoutes)
-    rows += "<tr><td>" + std::string{method_name(r.method)} + "</td><td><code>" + escaped(r.path) + "</code></td><td>" + std::string{access_name(r.access)} + "</td><td>" + escaped(r.summary) + "</td></tr>\n";
+    rows += "<tr><td>" + std::string{method_name(r.method)} + "</td><td><code>" + escaped(r.path) + "</code></td><td>" +
+            std::string{access_name(r.access)} + "</td><td>" + escaped(r.summary) + "</td></tr>\n";
   Response response;
   response.content_type = "text/html; charset=utf-8";
   response.body =
-      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Hoist API</title>\n"
-      "<h1>Hoist API</h1><p>The full description: <a href=\"/api/openapi.json\">/api/openapi.json</a> (OpenAPI 3.1). SI units, the unit is the end of each name.</p>\n"
-      "<p>Scripts send <code>Authorization: Bearer TOKEN</code>; the token stands in the file given by --token-file. Errors are application/problem+json.</p>\n"
+      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Hoist "
+      "API</title>\n"
+      "<h1>Hoist API</h1><p>The full description: <a href=\"/api/openapi.json\">/api/openapi.json</a> (OpenAPI 3.1). SI units, the unit is "
+      "the end of each name.</p>\n"
+      "<p>Scripts send <code>Authorization: Bearer TOKEN</code>; the token stands in the file given by --token-file. Errors are "
+      "application/problem+json.</p>\n"
       "<table border=\"1\" cellpadding=\"4\"><tr><th>Method</th><th>Path</th><th>Least role</th><th>What it does</th></tr>\n" +
       rows + "</table></html>\n";
   call->respond(std::move(response));
@@ -61,7 +65,9 @@ void get_docs(const CallPtr& call) {
 
 void open_live(const CallPtr& call) {
   if (!call->request.wants_upgrade || !offers(call->request.header("sec-websocket-protocol"), "hoist.v1")) {
-    Response response = problem_response({.status = 426, .name = "upgrade", .title = "This address speaks WebSocket", .detail = "Connect with the subprotocol hoist.v1.", .errors = {}, .refusals = {}}, call->request.path);
+    Response response = problem_response(
+        {.status = 426, .name = "upgrade", .title = "This address speaks WebSocket", .detail = "Connect with the subprotocol hoist.v1."},
+        call->request.path);
     response.set("Upgrade", "websocket");
     call->respond(std::move(response));
     return;

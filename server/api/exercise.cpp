@@ -31,7 +31,7 @@ std::optional<Exercise> read_exercise(const json& value, std::vector<FieldError>
   if (value.is_null()) return exercise;
   const auto shape = value.is_object() ? value.find("shape") : value.end();
   if (!value.is_object() || shape == value.end() || !shape->is_string()) {
-    errors.push_back({"exercise.shape", "must be eight, square, straight or free", {}, {}, {}});
+    errors.push_back({"exercise.shape", "must be eight, square, straight or free"});
     return std::nullopt;
   }
   const std::string name = shape->get<std::string>();
@@ -53,16 +53,20 @@ std::optional<Exercise> read_exercise(const json& value, std::vector<FieldError>
     exercise.shape = Exercise::Shape::straight;
     return read_size(value, "length_m", exercise.length_m, errors) ? std::optional{exercise} : std::nullopt;
   }
-  errors.push_back({"exercise.shape", "must be eight, square, straight or free", {}, {}, {}});
+  errors.push_back({"exercise.shape", "must be eight, square, straight or free"});
   return std::nullopt;
 }
 
 json exercise_json(const Exercise& e) {
   switch (e.shape) {
-    case Exercise::Shape::eight: return {{"shape", "eight"}, {"c_m", e.c_m}, {"radius_m", e.radius_m}};
-    case Exercise::Shape::square: return {{"shape", "square"}, {"side_m", e.side_m}};
-    case Exercise::Shape::straight: return {{"shape", "straight"}, {"length_m", e.length_m}};
-    case Exercise::Shape::free: break;
+    case Exercise::Shape::eight:
+      return {{"shape", "eight"}, {"c_m", e.c_m}, {"radius_m", e.radius_m}};
+    case Exercise::Shape::square:
+      return {{"shape", "square"}, {"side_m", e.side_m}};
+    case Exercise::Shape::straight:
+      return {{"shape", "straight"}, {"length_m", e.length_m}};
+    case Exercise::Shape::free:
+      break;
   }
   return {{"shape", "free"}};
 }

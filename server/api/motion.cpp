@@ -20,7 +20,11 @@ const json& field(const Call& call, const char* name) {
 std::optional<Asker> driver(const CallPtr& call, bool header_required) {
   const auto epoch = lease_header(*call);
   if (!epoch || (header_required && call->request.header("x-hoist-lease").empty())) {
-    call->fail({.status = 409, .name = "refused", .title = "Refused", .detail = "Take control first (POST /api/v1/lease) and send its epoch as X-Hoist-Lease.", .errors = {}, .refusals = {"no_lease"}});
+    call->fail({.status = 409,
+                .name = "refused",
+                .title = "Refused",
+                .detail = "Take control first (POST /api/v1/lease) and send its epoch as X-Hoist-Lease.",
+                .refusals = {"no_lease"}});
     return std::nullopt;
   }
   Asker asker = asker_of(*call);
@@ -32,16 +36,21 @@ std::optional<Asker> driver(const CallPtr& call, bool header_required) {
 void get_mode(const CallPtr& call) {
   const auto& newest = call->services.core.newest();
   if (!newest || !call->services.core.connected() || newest->mode >= contract::kModes.size()) {
-    call->fail({.status = 503, .name = "no-core", .title = "The control core does not answer", .detail = "The control core is not connected.", .errors = {}, .refusals = {}});
+    call->fail(
+        {.status = 503, .name = "no-core", .title = "The control core does not answer", .detail = "The control core is not connected."});
     return;
   }
   const contract::ModeInfo& mode = contract::kModes[newest->mode];
-  call->respond(json{{"mode", mode.name}, {"moving", mode.moving}, {"standing_still", newest->standing_still != 0}, {"blocked", refusal_names(newest->blocked_bits)},
+  call->respond(json{{"mode", mode.name},
+                     {"moving", mode.moving},
+                     {"standing_still", newest->standing_still != 0},
+                     {"blocked", refusal_names(newest->blocked_bits)},
                      {"stop_cause", newest->stop_cause == 0 ? json(nullptr) : json(fault_names(1U << ((newest->stop_cause - 1U) & 31U)))}});
 }
 
 void set_mode(const CallPtr& call) {
-  if (const auto asker = driver(call, true)) act_mode(call->services, *asker, field(*call, "mode"), field(*call, "exercise"), answer_done(call));
+  if (const auto asker = driver(call, true))
+    act_mode(call->services, *asker, field(*call, "mode"), field(*call, "exercise"), answer_done(call));
 }
 
 void stop(const CallPtr& call) { act_stop(call->services, asker_of(*call).client, answer_done(call)); }
@@ -53,7 +62,11 @@ void acknowledge(const CallPtr& call) {
 void take_lease(const CallPtr& call) {
   const json& over = field(*call, "take_over");
   if (!over.is_null() && !over.is_boolean()) {
-    call->fail({.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = "take_over must be true or false.", .errors = {{"take_over", "must be true or false", {}, {}, {}}}, .refusals = {}});
+    call->fail({.status = 422,
+                .name = "invalid",
+                .title = "A value cannot be used",
+                .detail = "take_over must be true or false.",
+                .errors = {{"take_over", "must be true or false"}}});
     return;
   }
   const Asker asker = asker_of(*call);

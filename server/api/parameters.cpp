@@ -31,17 +31,23 @@ json parameter_json(std::size_t index, const contract::ParamsInForce& in_force) 
 }
 
 // The core's life is part of it: a restarted core counts its versions anew.
-std::string etag(const Services& s) { return "\"" + std::to_string(s.core.link().life()) + "-" + std::to_string(s.core.parameters().version) + "\""; }
+std::string etag(const Services& s) {
+  return "\"" + std::to_string(s.core.link().life()) + "-" + std::to_string(s.core.parameters().version) + "\"";
+}
 
 bool ready(const CallPtr& call) {
   if (call->services.core.has_parameters()) return true;
-  call->fail({.status = 503, .name = "no-core", .title = "The control core does not answer", .detail = "The control core is not connected.", .errors = {}, .refusals = {}});
+  call->fail(
+      {.status = 503, .name = "no-core", .title = "The control core does not answer", .detail = "The control core is not connected."});
   return false;
 }
 
 void change(const CallPtr& call, const json& values) {
   if (const std::string_view match = call->request.header("if-match"); !match.empty() && match != "*" && match != etag(call->services)) {
-    call->fail({.status = 412, .name = "changed-meanwhile", .title = "Somebody else has changed the parameters", .detail = "Read them again, then change them.", .errors = {}, .refusals = {}});
+    call->fail({.status = 412,
+                .name = "changed-meanwhile",
+                .title = "Somebody else has changed the parameters",
+                .detail = "Read them again, then change them."});
     return;
   }
   act_set(call->services, asker_of(*call), values, [call, values](const Outcome& outcome) {
@@ -80,7 +86,7 @@ void list_parameters(const CallPtr& call) {
 void get_parameter(const CallPtr& call) {
   const auto index = contract::find_param(call->path_values.at(0));
   if (!index) {
-    call->fail({.status = 404, .name = "unknown", .title = "There is no such parameter", .detail = "GET /api/v1/parameters lists them.", .errors = {}, .refusals = {}});
+    call->fail({.status = 404, .name = "unknown", .title = "There is no such parameter", .detail = "GET /api/v1/parameters lists them."});
     return;
   }
   if (!ready(call)) return;
@@ -102,7 +108,10 @@ void list_presets(const CallPtr& call) {
     json values = json::object();
     for (const contract::PresetValue& v : contract::kPresetValues)
       if (v.preset == p.name) values[std::string{contract::kParams[contract::param_index(v.param)].name}] = v.value;
-    items.push_back({{"name", p.name}, {"title", {{"en", p.title_en}, {"de", p.title_de}}}, {"doc", {{"en", p.doc_en}, {"de", p.doc_de}}}, {"values", std::move(values)}});
+    items.push_back({{"name", p.name},
+                     {"title", {{"en", p.title_en}, {"de", p.title_de}}},
+                     {"doc", {{"en", p.doc_en}, {"de", p.doc_de}}},
+                     {"values", std::move(values)}});
   }
   call->respond(json{{"items", std::move(items)}});
 }
@@ -116,7 +125,9 @@ void apply_preset(const CallPtr& call) {
     }
     json values = json::object();
     for (const contract::PresetValue& v : contract::kPresetValues)
-      if (v.preset == name) values[std::string{contract::kParams[contract::param_index(v.param)].name}] = call->services.core.parameters().values[contract::param_index(v.param)];
+      if (v.preset == name)
+        values[std::string{contract::kParams[contract::param_index(v.param)].name}] =
+            call->services.core.parameters().values[contract::param_index(v.param)];
     call->respond(json{{"version", call->services.core.parameters().version}, {"values", std::move(values)}});
   });
 }

@@ -50,7 +50,7 @@ std::optional<T> number(std::string_view text) {
 }
 
 Problem bad_query(std::string name, std::string message, std::optional<double> min, std::optional<double> max) {
-  Problem problem{.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = name + " " + message, .errors = {}, .refusals = {}};
+  Problem problem{.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = name + " " + message};
   problem.errors.push_back({std::move(name), std::move(message), std::nullopt, min, max});
   return problem;
 }
@@ -64,7 +64,7 @@ std::optional<std::string> query(const Call& call, const char* name) {
 std::optional<db::SessionId> session_id(const CallPtr& call) {
   const auto id = number<db::SessionId>(call->path_values.at(0));
   if (!id || *id <= 0) {
-    call->fail({.status = 404, .name = "unknown", .title = "There is no such session", .detail = "GET /api/v1/sessions lists them.", .errors = {}, .refusals = {}});
+    call->fail({.status = 404, .name = "unknown", .title = "There is no such session", .detail = "GET /api/v1/sessions lists them."});
     return std::nullopt;
   }
   return id;
@@ -83,7 +83,8 @@ void list_sessions(const CallPtr& call) {
   db::SessionQuery wanted;
   if (const auto limit = query(*call, "limit")) {
     const auto value = number<std::size_t>(*limit);
-    if (!value || *value < 1 || *value > db::kMaxPage) return call->fail(bad_query("limit", "must be a whole number", 1, static_cast<double>(db::kMaxPage)));
+    if (!value || *value < 1 || *value > db::kMaxPage)
+      return call->fail(bad_query("limit", "must be a whole number", 1, static_cast<double>(db::kMaxPage)));
     wanted.limit = *value;
   }
   if (const auto cursor = query(*call, "cursor"); cursor && !cursor->empty()) {
@@ -96,7 +97,8 @@ void list_sessions(const CallPtr& call) {
     if (!page) return store_error(page.error(), path);
     json items = json::array();
     for (const db::SessionInfo& s : page->sessions) items.push_back(session_json(s));
-    return json_response({{"items", std::move(items)}, {"next", page->next ? json(std::to_string(*page->next)) : json(nullptr)}, {"total", page->total}});
+    return json_response(
+        {{"items", std::move(items)}, {"next", page->next ? json(std::to_string(*page->next)) : json(nullptr)}, {"total", page->total}});
   });
 }
 
@@ -123,11 +125,15 @@ void change_session(const CallPtr& call) {
       const auto exercise = read_exercise(value, errors);
       if (exercise) patch.exercise_json = stored_exercise(*exercise);
     } else {
-      errors.push_back({name, name == "note" || name == "subject" ? "must be text" : "cannot be changed: note, subject and exercise can", {}, {}, {}});
+      errors.push_back({name, name == "note" || name == "subject" ? "must be text" : "cannot be changed: note, subject and exercise can"});
     }
   }
   if (!errors.empty()) {
-    call->fail({.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = "Nothing was changed.", .errors = std::move(errors), .refusals = {}});
+    call->fail({.status = 422,
+                .name = "invalid",
+                .title = "A value cannot be used",
+                .detail = "Nothing was changed.",
+                .errors = std::move(errors)});
     return;
   }
   with_database(call, [id = *id, patch, path = call->request.path](db::Database& database) -> Response {
@@ -152,7 +158,8 @@ void get_samples(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
   std::vector<std::string> names;
-  std::string_view rest = call->request.query.contains("columns") ? std::string_view{call->request.query.at("columns")} : std::string_view{};
+  std::string_view rest =
+      call->request.query.contains("columns") ? std::string_view{call->request.query.at("columns")} : std::string_view{};
   while (!rest.empty()) {
     const std::size_t comma = rest.find(',');
     if (comma != 0) names.emplace_back(rest.substr(0, comma));
@@ -163,7 +170,8 @@ void get_samples(const CallPtr& call) {
   std::size_t points = kDefaultPoints;
   if (const auto text = query(*call, "points")) {
     const auto value = number<std::size_t>(*text);
-    if (!value || *value < 1 || *value > db::kMaxOverviewRuns) return call->fail(bad_query("points", "must be a whole number", 1, static_cast<double>(db::kMaxOverviewRuns)));
+    if (!value || *value < 1 || *value > db::kMaxOverviewRuns)
+      return call->fail(bad_query("points", "must be a whole number", 1, static_cast<double>(db::kMaxOverviewRuns)));
     points = *value;
   }
   db::TimeRange range;
@@ -179,8 +187,10 @@ void get_samples(const CallPtr& call) {
     if (!overview) return store_error(overview.error(), path);
     json columns = json::array();
     for (std::size_t i = 0; i < overview->info.size(); ++i)
-      columns.push_back({{"name", overview->info[i].name}, {"unit", overview->info[i].unit}, {"min", overview->min[i]}, {"max", overview->max[i]}});
-    return json_response({{"from_s", overview->from_s}, {"to_s", overview->to_s}, {"gap_before", overview->gap_before}, {"columns", std::move(columns)}});
+      columns.push_back(
+          {{"name", overview->info[i].name}, {"unit", overview->info[i].unit}, {"min", overview->min[i]}, {"max", overview->max[i]}});
+    return json_response(
+        {{"from_s", overview->from_s}, {"to_s", overview->to_s}, {"gap_before", overview->gap_before}, {"columns", std::move(columns)}});
   });
 }
 
@@ -200,12 +210,22 @@ void get_events(const CallPtr& call) {
     json list = json::array();
     for (const db::StoredEvent& e : *events) {
       const double time_s = (static_cast<double>(e.time_ns) - static_cast<double>(session->start_time_ns)) * 1e-9;
-      list.push_back({{"time_s", time_s}, {"tick", e.tick}, {"kind", e.kind_name}, {"name", e.name}, {"code", e.code}, {"item", e.item}, {"bits", e.bits}, {"value", e.value}, {"before", e.before}, {"client", e.client}});
+      list.push_back({{"time_s", time_s},
+                      {"tick", e.tick},
+                      {"kind", e.kind_name},
+                      {"name", e.name},
+                      {"code", e.code},
+                      {"item", e.item},
+                      {"bits", e.bits},
+                      {"value", e.value},
+                      {"before", e.before},
+                      {"client", e.client}});
     }
     json marked = json::array();
     for (const db::Marker& m : *markers) marked.push_back({{"tick", m.tick}, {"utc_ms", m.utc_ns / 1'000'000}, {"text", m.text}});
     json missing = json::array();
-    for (const db::Gap& g : *gaps) missing.push_back({{"stream", g.stream}, {"from_tick", g.from_tick}, {"to_tick", g.to_tick}, {"reason", g.reason}});
+    for (const db::Gap& g : *gaps)
+      missing.push_back({{"stream", g.stream}, {"from_tick", g.from_tick}, {"to_tick", g.to_tick}, {"reason", g.reason}});
     return json_response({{"items", std::move(list)}, {"markers", std::move(marked)}, {"gaps", std::move(missing)}});
   });
 }
@@ -242,7 +262,8 @@ void get_metrics(const CallPtr& call) {
     const json exercise = exercise_of_store(session->exercise_json);
     std::vector<FieldError> ignored;
     std::optional<db::RunDeviation> off;
-    if (const auto walked = read_exercise(exercise, ignored); walked && walked->shape != Exercise::Shape::free) off = deviation(database, id, *walked);
+    if (const auto walked = read_exercise(exercise, ignored); walked && walked->shape != Exercise::Shape::free)
+      off = deviation(database, id, *walked);
     return json_response({{"C", or_null(metrics->correlation)},
                           {"J_N", or_null(metrics->normalised_ise)},
                           {"reference_length_m", or_null(metrics->path_length_m)},
@@ -253,7 +274,9 @@ void get_metrics(const CallPtr& call) {
                           {"rms_position_m", off ? or_null(off->position_rms_m) : json(nullptr)},
                           {"rms_heading_rad", off ? or_null(off->heading_rms_rad) : json(nullptr)},
                           {"exercise", exercise},
-                          {"reason_if_none", !metrics->why_absent.empty() ? json(metrics->why_absent) : exercise.is_null() ? json("No exercise was chosen.") : json(nullptr)}});
+                          {"reason_if_none", !metrics->why_absent.empty() ? json(metrics->why_absent)
+                                             : exercise.is_null()         ? json("No exercise was chosen.")
+                                                                          : json(nullptr)}});
   });
 }
 

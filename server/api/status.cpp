@@ -23,7 +23,8 @@ std::string iso_utc(std::int64_t utc_ns) {
 
 void get_status(const CallPtr& call) {
   const Services& s = call->services;
-  json core{{"connected", s.core.connected()}, {"mode", nullptr}, {"faults", json::array()}, {"blocked", json::array()}, {"standing_still", nullptr}, {"tick", nullptr}, {"bus", nullptr}};
+  json core{{"connected", s.core.connected()}, {"mode", nullptr}, {"faults", json::array()}, {"blocked", json::array()},
+            {"standing_still", nullptr},       {"tick", nullptr}, {"bus", nullptr}};
   bool simulated = s.settings.scenario.has_value();
   if (const auto& newest = s.core.newest(); newest && s.core.connected()) {
     simulated = newest->simulated != 0;
@@ -36,16 +37,17 @@ void get_status(const CallPtr& call) {
   }
   json counters = json::object();
   for (std::size_t i = 0; i < kCounterNames.size(); ++i) counters[std::string{kCounterNames[i]}] = s.counters.get(i);
-  call->respond(json{{"version", kVersion},
-                     {"started", iso_utc(s.started_utc_ns)},
-                     {"simulated", simulated},
-                     {"scenario", s.settings.scenario ? json(*s.settings.scenario) : json(nullptr)},
-                     {"core", std::move(core)},
-                     {"recording", recording_json(s.recorder.status())},
-                     {"lease", {{"holder", s.core.lease_holder()}, {"epoch", s.core.lease_epoch()}}},
-                     {"clients", s.hub.clients()},
-                     {"counters", std::move(counters)},
-                     {"server", {{"uptime_s", static_cast<double>(s.now_ns() - s.started_ns) * 1e-9}, {"layout_hash", layout_hash_hex()}}}});
+  call->respond(
+      json{{"version", kVersion},
+           {"started", iso_utc(s.started_utc_ns)},
+           {"simulated", simulated},
+           {"scenario", s.settings.scenario ? json(*s.settings.scenario) : json(nullptr)},
+           {"core", std::move(core)},
+           {"recording", recording_json(s.recorder.status())},
+           {"lease", {{"holder", s.core.lease_holder()}, {"epoch", s.core.lease_epoch()}}},
+           {"clients", s.hub.clients()},
+           {"counters", std::move(counters)},
+           {"server", {{"uptime_s", static_cast<double>(s.now_ns() - s.started_ns) * 1e-9}, {"layout_hash", layout_hash_hex()}}}});
 }
 
 }  // namespace hoist::server::api

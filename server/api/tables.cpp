@@ -18,8 +18,14 @@ void list_signals(const CallPtr& call) {
   constexpr std::array<std::string_view, 6> kTypes{"u64", "u32", "i32", "f32", "u16", "u8"};
   json items = json::array();
   for (const contract::SignalInfo& s : contract::kSignals)
-    items.push_back({{"id", s.id}, {"name", s.name}, {"unit", s.unit}, {"type", kTypes[static_cast<std::size_t>(s.type)]}, {"lsb", s.lsb}, {"offset", s.offset},
-                     {"title", words(s.title_en, s.title_de)}, {"doc", s.doc}});
+    items.push_back({{"id", s.id},
+                     {"name", s.name},
+                     {"unit", s.unit},
+                     {"type", kTypes[static_cast<std::size_t>(s.type)]},
+                     {"lsb", s.lsb},
+                     {"offset", s.offset},
+                     {"title", words(s.title_en, s.title_de)},
+                     {"doc", s.doc}});
   call->respond(json{{"record_bytes", sizeof(contract::TickRecord)}, {"items", std::move(items)}});
 }
 
@@ -28,11 +34,16 @@ void list_faults(const CallPtr& call) {
   constexpr std::array<std::string_view, 3> kReactions{"warn", "soft_stop", "protective_stop"};
   json items = json::array();
   for (const contract::FaultInfo& f : contract::kFaults)
-    items.push_back({{"bit", f.bit}, {"name", f.name}, {"priority", kPriorities[static_cast<std::size_t>(f.priority)]},
-                     {"reaction", kReactions[static_cast<std::size_t>(f.reaction)]}, {"hazard", f.hazard}, {"text", words(f.text_en, f.text_de)},
+    items.push_back({{"bit", f.bit},
+                     {"name", f.name},
+                     {"priority", kPriorities[static_cast<std::size_t>(f.priority)]},
+                     {"reaction", kReactions[static_cast<std::size_t>(f.reaction)]},
+                     {"hazard", f.hazard},
+                     {"text", words(f.text_en, f.text_de)},
                      {"action", words(f.action_en, f.action_de)}});
   json refusals = json::array();
-  for (const contract::RefusalInfo& r : contract::kRefusals) refusals.push_back({{"bit", r.bit}, {"name", r.name}, {"text", words(r.text_en, r.text_de)}});
+  for (const contract::RefusalInfo& r : contract::kRefusals)
+    refusals.push_back({{"bit", r.bit}, {"name", r.name}, {"text", words(r.text_en, r.text_de)}});
   call->respond(json{{"items", std::move(items)}, {"refusals", std::move(refusals)}});
 }
 

@@ -48,7 +48,11 @@ json parameters_of(const Route& route) {
   for (const RouteInput& input : kRouteInputs) {
     if (input.operation != route.operation) continue;
     const bool header = input.type.empty();
-    list.push_back({{"name", input.name}, {"in", header ? "header" : "query"}, {"required", input.required}, {"description", input.summary}, {"schema", {{"type", header ? "string" : input.type}}}});
+    list.push_back({{"name", input.name},
+                    {"in", header ? "header" : "query"},
+                    {"required", input.required},
+                    {"description", input.summary},
+                    {"schema", {{"type", header ? "string" : input.type}}}});
   }
   return list;
 }
@@ -59,7 +63,8 @@ json operation_of(const Route& route) {
   if (route.access == Access::open) operation["security"] = json::array();
   if (json inputs = parameters_of(route); !inputs.empty()) operation["parameters"] = std::move(inputs);
   if (!route.request.empty())
-    operation["requestBody"] = {{"required", route.request != "Empty" && route.request != "LeaseRequest"}, {"content", {{"application/json", {{"schema", reference(route.request)}}}}}};
+    operation["requestBody"] = {{"required", route.request != "Empty" && route.request != "LeaseRequest"},
+                                {"content", {{"application/json", {{"schema", reference(route.request)}}}}}};
   json success{{"description", route.success == 101 ? "The connection is a WebSocket from here" : "Done"}};
   if (route.operation == "export_session") {
     success["content"] = {{"text/csv", {{"schema", {{"type", "string"}}}}}, {"application/json", {{"schema", {{"type", "object"}}}}}};
@@ -85,7 +90,8 @@ json openapi_document() {
                  {{"title", "Hoist"},
                   {"version", "1"},
                   {"description",
-                   "Control system of a motorised walking-rehabilitation aid. SI units; a name ends with its unit. Frames: x forward, y left, z up. Errors are problem+json (RFC 9457). "
+                   "Control system of a motorised walking-rehabilitation aid. SI units; a name ends with its unit. Frames: x forward, y "
+                   "left, z up. Errors are problem+json (RFC 9457). "
                    "GET routes also answer HEAD. Unsafe methods by cookie need the header X-Hoist: 1."}}},
                 {"servers", json::array({{{"url", "/"}}})},
                 {"security", json::array({{{"bearer", json::array()}}, {{"cookie", json::array()}}})}};
@@ -95,7 +101,11 @@ json openapi_document() {
   document["components"] = {{"schemas", json::parse(schemas_text())},
                             {"securitySchemes",
                              {{"bearer", {{"type", "http"}, {"scheme", "bearer"}, {"description", "The token of --token-file"}}},
-                              {"cookie", {{"type", "apiKey"}, {"in", "cookie"}, {"name", "hoist_session"}, {"description", "Set by opening the link that the terminal shows"}}}}}};
+                              {"cookie",
+                               {{"type", "apiKey"},
+                                {"in", "cookie"},
+                                {"name", "hoist_session"},
+                                {"description", "Set by opening the link that the terminal shows"}}}}}};
   return document;
 }
 

@@ -56,11 +56,12 @@ inline constexpr std::array kRouteInputs{
 #undef HOIST_HEADER
 
 static_assert(contract::unique_by(kRoutes, [](const Route& r) { return r.operation; }), "api.def: an operation is named twice");
-static_assert(contract::all_rows(kRouteInputs, [](const RouteInput& input) {
-                for (const Route& r : kRoutes)
-                  if (r.operation == input.operation) return true;
-                return false;
-              }),
+static_assert(contract::all_rows(kRouteInputs,
+                                 [](const RouteInput& input) {
+                                   for (const Route& r : kRoutes)
+                                     if (r.operation == input.operation) return true;
+                                   return false;
+                                 }),
               "api.def: an input belongs to no route");
 
 }  // namespace hoist::server

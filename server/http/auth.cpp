@@ -21,7 +21,8 @@ constexpr std::size_t kLinkBytes = 24;
 constexpr std::string_view kCookieName = "hoist_session";
 
 bool is_token(std::string_view text, std::size_t bytes) {
-  return text.size() == 2 * bytes && std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
+  return text.size() == 2 * bytes &&
+         std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
 }
 
 // Written beside the target and renamed, so that a reader never sees half of it; only we may read it.
@@ -49,7 +50,8 @@ std::optional<std::string> read_private(const std::filesystem::path& file) {
   if (fd < 0) return std::nullopt;
   struct stat info {};
   std::string text;
-  if (::fstat(fd, &info) == 0 && S_ISREG(info.st_mode) && info.st_uid == ::geteuid() && (info.st_mode & 0077) == 0 && info.st_size < 65536) {
+  if (::fstat(fd, &info) == 0 && S_ISREG(info.st_mode) && info.st_uid == ::geteuid() && (info.st_mode & 0077) == 0 &&
+      info.st_size < 65536) {
     text.resize(static_cast<std::size_t>(info.st_size));
     const ssize_t got = ::read(fd, text.data(), text.size());
     text.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
@@ -86,7 +88,8 @@ bool same_secret(std::string_view a, std::string_view b) {
 std::unique_ptr<Auth> Auth::create(Options options, std::uint64_t utc_s, std::string& error) {
   std::unique_ptr<Auth> auth(new Auth(std::move(options)));
   if (!auth->load(error)) return nullptr;
-  std::erase_if(auth->sessions_, [utc_s](const SessionPtr& s) { return s->created_utc_s + kSessionLife_s < utc_s || s->created_utc_s > utc_s + 3600; });
+  std::erase_if(auth->sessions_,
+                [utc_s](const SessionPtr& s) { return s->created_utc_s + kSessionLife_s < utc_s || s->created_utc_s > utc_s + 3600; });
   auth->link_ = random_hex(kLinkBytes);
   if (!auth->save(error)) return nullptr;
   return auth;
@@ -140,7 +143,8 @@ bool Auth::host_allowed(std::string_view host) const {
     name = name.substr(0, name.find(':'));
   }
   const std::string_view port = host.substr(name.size());
-  if (!port.empty() && (port.size() > 6 || !std::all_of(port.begin() + 1, port.end(), [](char c) { return c >= '0' && c <= '9'; }))) return false;
+  if (!port.empty() && (port.size() > 6 || !std::all_of(port.begin() + 1, port.end(), [](char c) { return c >= '0' && c <= '9'; })))
+    return false;
   const auto equal = [name](std::string_view other) {
     return name.size() == other.size() && std::equal(name.begin(), name.end(), other.begin(), [](char a, char b) {
              const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c; };

@@ -22,7 +22,7 @@ inline constexpr std::uint64_t kSessionLife_s = 12 * 3600;
 inline constexpr std::uint64_t kRestLease_ns = 10'000'000'000;
 
 struct Session {
-  std::string secret;        // the cookie's value, or the bearer token
+  std::string secret;  // the cookie's value, or the bearer token
   bool bearer = false;
   contract::Role role = contract::Role::engineer;
   std::uint64_t created_utc_s = 0;

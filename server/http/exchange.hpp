@@ -18,8 +18,8 @@ enum class Method : std::uint8_t { get, head, post, put, patch, del, other };
 
 struct Request {
   Method method = Method::other;
-  std::string path;                          // percent-decoded, without the query
-  std::map<std::string, std::string> query;  // percent-decoded; the last of equal names counts
+  std::string path;                            // percent-decoded, without the query
+  std::map<std::string, std::string> query;    // percent-decoded; the last of equal names counts
   std::map<std::string, std::string> headers;  // names in lower case; equal names joined with ", "
   std::string body;
   std::string address;  // of the peer

@@ -82,7 +82,8 @@ std::string head_of(const Response& response, bool keep, bool chunked, std::opti
   for (const auto& [name, value] : response.headers) add(name, value);
   add("X-Content-Type-Options", "nosniff");
   add("Content-Security-Policy",
-      "default-src 'self'; connect-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'");
+      "default-src 'self'; connect-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; form-action 'self'; "
+      "frame-ancestors 'none'");
   add("Referrer-Policy", "no-referrer");
   add("Cross-Origin-Opener-Policy", "same-origin");
   add("Cross-Origin-Resource-Policy", "same-origin");
@@ -97,7 +98,11 @@ std::string head_of(const Response& response, bool keep, bool chunked, std::opti
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(std::shared_ptr<Listener::Shared> shared, tcp::socket socket, std::string address, std::shared_ptr<void> seat)
-      : shared_(std::move(shared)), socket_(std::move(socket)), deadline_(shared_->io), address_(std::move(address)), seat_(std::move(seat)) {}
+      : shared_(std::move(shared)),
+        socket_(std::move(socket)),
+        deadline_(shared_->io),
+        address_(std::move(address)),
+        seat_(std::move(seat)) {}
 
   void start() { read_header(kHeaderTime_s); }
 
@@ -136,7 +141,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     parser_->header_limit(static_cast<std::uint32_t>(kHeaderLimit_bytes));
     parser_->body_limit(kBodyLimit_bytes);
     limit_time(seconds);
-    http::async_read_header(socket_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) { self->on_header(error); });
+    http::async_read_header(socket_, buffer_, *parser_,
+                            [self = shared_from_this()](beast::error_code error, std::size_t) { self->on_header(error); });
   }
 
   void wait_for_next() {
@@ -205,13 +211,19 @@ class Connection : public std::enable_shared_from_this<Connection> {
     keep_ = false;
     head_only_ = false;
     busy_ = true;
-    Problem problem{.status = 400, .name = "bad-request", .title = "The request cannot be read", .detail = error.message(), .errors = {}, .refusals = {}};
+    Problem problem{.status = 400, .name = "bad-request", .title = "The request cannot be read", .detail = error.message()};
     if (error == http::error::header_limit) {
       counters.add(Count::http_refused_header_too_large);
-      problem = {.status = 431, .name = "header-too-large", .title = "The header is too large", .detail = "At most " + std::to_string(kHeaderLimit_bytes) + " bytes.", .errors = {}, .refusals = {}};
+      problem = {.status = 431,
+                 .name = "header-too-large",
+                 .title = "The header is too large",
+                 .detail = "At most " + std::to_string(kHeaderLimit_bytes) + " bytes."};
     } else if (error == http::error::body_limit) {
       counters.add(Count::http_refused_body_too_large);
-      problem = {.status = 413, .name = "body-too-large", .title = "The body is too large", .detail = "At most " + std::to_string(kBodyLimit_bytes) + " bytes.", .errors = {}, .refusals = {}};
+      problem = {.status = 413,
+                 .name = "body-too-large",
+                 .title = "The body is too large",
+                 .detail = "At most " + std::to_string(kBodyLimit_bytes) + " bytes."};
     } else {
       counters.add(Count::http_refused_malformed);
     }
@@ -235,7 +247,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
     request.wants_upgrade = beast::websocket::is_upgrade(message);
     if (!parse_target({message.target().data(), message.target().size()}, request)) {
       shared_->services.counters.add(Count::http_refused_malformed);
-      send(problem_response({.status = 400, .name = "bad-target", .title = "The address cannot be read", .detail = "It must be a path with valid %-escapes.", .errors = {}, .refusals = {}}, ""));
+      send(problem_response(
+          {.status = 400, .name = "bad-target", .title = "The address cannot be read", .detail = "It must be a path with valid %-escapes."},
+          ""));
       return;
     }
     request.body = parser_->get().body();
@@ -405,7 +419,8 @@ void Listener::accept() {
     const bool greedy = at != shared->per_address.end() && at->second >= kAddressLimit;
     if (full || greedy) {
       counters.add(full ? Count::connections_refused_total_limit : Count::connections_refused_address_limit);
-      static constexpr std::string_view kFull = "HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 2\r\nConnection: close\r\n\r\n";
+      static constexpr std::string_view kFull =
+          "HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 2\r\nConnection: close\r\n\r\n";
       socket.non_blocking(true, ignored);
       socket.write_some(asio::buffer(kFull.data(), kFull.size()), ignored);
       socket.shutdown(tcp::socket::shutdown_both, ignored);

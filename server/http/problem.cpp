@@ -21,7 +21,10 @@ json to_json(const std::vector<FieldError>& errors) {
 }
 
 Response problem_response(const Problem& problem, std::string_view instance) {
-  json body{{"type", "/problems/" + problem.name}, {"title", problem.title}, {"status", problem.status}, {"detail", problem.detail},
+  json body{{"type", "/problems/" + problem.name},
+            {"title", problem.title},
+            {"status", problem.status},
+            {"detail", problem.detail},
             {"instance", instance}};
   if (!problem.errors.empty()) body["errors"] = to_json(problem.errors);
   if (!problem.refusals.empty()) body["refusals"] = problem.refusals;

@@ -13,9 +13,9 @@ namespace hoist::server {
 struct FieldError {
   std::string field;
   std::string message;
-  std::optional<double> value;
-  std::optional<double> min;
-  std::optional<double> max;
+  std::optional<double> value = {};
+  std::optional<double> min = {};
+  std::optional<double> max = {};
 };
 
 struct Problem {
@@ -23,8 +23,8 @@ struct Problem {
   std::string name;  // the last part of `type`, for programs
   std::string title;
   std::string detail;  // what to do next, for people
-  std::vector<FieldError> errors;
-  std::vector<std::string> refusals;
+  std::vector<FieldError> errors = {};
+  std::vector<std::string> refusals = {};
 };
 
 [[nodiscard]] nlohmann::json to_json(const std::vector<FieldError>& errors);

@@ -55,7 +55,7 @@ bool matches(std::string_view pattern, std::string_view path, std::vector<std::s
 }
 
 Problem problem(unsigned status, std::string name, std::string title, std::string detail) {
-  return {.status = status, .name = std::move(name), .title = std::move(title), .detail = std::move(detail), .errors = {}, .refusals = {}};
+  return {.status = status, .name = std::move(name), .title = std::move(title), .detail = std::move(detail)};
 }
 
 Response link_page() {
@@ -65,8 +65,10 @@ Response link_page() {
   page.set("Cache-Control", "no-store");
   page.body =
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Hoist</title>"
-      "<h1>This link is used up</h1><p>Each link opens the console once. A fresh link stands in the terminal where Hoist was started: open that one.</p>"
-      "<h1 lang=\"de\">Dieser Link ist verbraucht</h1><p lang=\"de\">Jeder Link öffnet die Konsole einmal. Ein neuer Link steht im Terminal, "
+      "<h1>This link is used up</h1><p>Each link opens the console once. A fresh link stands in the terminal where Hoist was started: open "
+      "that one.</p>"
+      "<h1 lang=\"de\">Dieser Link ist verbraucht</h1><p lang=\"de\">Jeder Link öffnet die Konsole einmal. Ein neuer Link steht im "
+      "Terminal, "
       "in dem Hoist gestartet wurde: bitte diesen öffnen.</p></html>";
   return page;
 }
@@ -78,12 +80,14 @@ Response open_link(Services& services, const std::string& token) {
     services.counters.add(Count::http_refused_link);
     return link_page();
   }
-  std::cout << "The link was used. For the next device:\nOpen " << services.base_url << "/?token=" << services.auth.link_token() << std::endl;
+  std::cout << "The link was used. For the next device:\nOpen " << services.base_url << "/?token=" << services.auth.link_token()
+            << std::endl;
   Response response;
   response.status = 303;
   response.set("Location", "/");
   response.set("Cache-Control", "no-store");
-  response.set("Set-Cookie", "hoist_session=" + session->secret + "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(kSessionLife_s));
+  response.set("Set-Cookie",
+               "hoist_session=" + session->secret + "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(kSessionLife_s));
   return response;
 }
 
@@ -106,7 +110,8 @@ std::optional<Problem> refuse(Services& services, const Route& route, Call& call
   call.session = services.auth.find(request, static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000));
   if (!call.session) {
     counters.add(Count::http_refused_no_session);
-    return problem(401, "no-session", "Not logged in", "Open the link that the terminal shows, or send the token as Authorization: Bearer.");
+    return problem(401, "no-session", "Not logged in",
+                   "Open the link that the terminal shows, or send the token as Authorization: Bearer.");
   }
   call.session->used_ns = services.now_ns();
   const bool unsafe = route.method != Method::get;
@@ -114,7 +119,8 @@ std::optional<Problem> refuse(Services& services, const Route& route, Call& call
     // A cookie is sent by the browser on its own; the header and the origin show that it was our page that asked.
     if (route.operation == "open_live" && origin.empty()) {
       counters.add(Count::http_refused_origin);
-      return problem(403, "no-origin", "The request does not say which page it comes from", "Use the console, or send the token as Authorization: Bearer.");
+      return problem(403, "no-origin", "The request does not say which page it comes from",
+                     "Use the console, or send the token as Authorization: Bearer.");
     }
     if (unsafe && request.header("x-hoist") != "1") {
       counters.add(Count::http_refused_origin);
@@ -123,7 +129,8 @@ std::optional<Problem> refuse(Services& services, const Route& route, Call& call
   }
   if (static_cast<unsigned>(call.session->role) + 1U < static_cast<unsigned>(route.access))
     return problem(403, "role", "Your role may not do this", "Ask someone with the role " + std::string{access_name(route.access)} + ".");
-  if (unsafe && !call.session->bearer && route.request.empty() && !request.header("content-type").empty() && !is_json_type(request.header("content-type"))) {
+  if (unsafe && !call.session->bearer && route.request.empty() && !request.header("content-type").empty() &&
+      !is_json_type(request.header("content-type"))) {
     counters.add(Count::http_refused_body);
     return problem(415, "not-json", "The body must be JSON", "Send Content-Type: application/json.");
   }
@@ -160,7 +167,8 @@ void dispatch(Services& services, Request request, std::function<void(Response)>
   const std::string_view host = request.header("host");
   if (!services.auth.host_allowed(host)) {
     counters.add(Count::http_refused_host);
-    finish(problem_response(problem(421, "host", "This name does not belong to the hoist", "Open the address that the terminal shows."), request.path));
+    finish(problem_response(problem(421, "host", "This name does not belong to the hoist", "Open the address that the terminal shows."),
+                            request.path));
     return;
   }
   const Method method = head ? Method::get : request.method;
@@ -197,7 +205,8 @@ void dispatch(Services& services, Request request, std::function<void(Response)>
   }
   if (!allowed.empty() || !api_path) {
     counters.add(Count::http_refused_method);
-    Response response = problem_response(problem(405, "method", "This cannot be done here", "Allowed: " + (allowed.empty() ? "GET, HEAD" : allowed) + "."), request.path);
+    Response response = problem_response(
+        problem(405, "method", "This cannot be done here", "Allowed: " + (allowed.empty() ? "GET, HEAD" : allowed) + "."), request.path);
     response.set("Allow", allowed.empty() ? "GET, HEAD" : allowed);
     finish(std::move(response));
     return;

@@ -17,11 +17,18 @@ namespace {
 constexpr off_t kFileLimit = 16 * 1024 * 1024;
 
 std::string_view media_type(std::string_view name) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kTypes{{
-      {".html", "text/html; charset=utf-8"}, {".js", "text/javascript; charset=utf-8"}, {".mjs", "text/javascript; charset=utf-8"},
-      {".css", "text/css; charset=utf-8"}, {".json", "application/json"}, {".svg", "image/svg+xml"}, {".png", "image/png"},
-      {".ico", "image/x-icon"}, {".webmanifest", "application/manifest+json"}, {".woff2", "font/woff2"},
-      {".txt", "text/plain; charset=utf-8"}, {".map", "application/json"}}};
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kTypes{{{".html", "text/html; charset=utf-8"},
+                                                                                         {".js", "text/javascript; charset=utf-8"},
+                                                                                         {".mjs", "text/javascript; charset=utf-8"},
+                                                                                         {".css", "text/css; charset=utf-8"},
+                                                                                         {".json", "application/json"},
+                                                                                         {".svg", "image/svg+xml"},
+                                                                                         {".png", "image/png"},
+                                                                                         {".ico", "image/x-icon"},
+                                                                                         {".webmanifest", "application/manifest+json"},
+                                                                                         {".woff2", "font/woff2"},
+                                                                                         {".txt", "text/plain; charset=utf-8"},
+                                                                                         {".map", "application/json"}}};
   for (const auto& [end, type] : kTypes)
     if (name.ends_with(end)) return type;
   return {};
@@ -41,7 +48,9 @@ int open_below(const std::filesystem::path& folder, std::string_view path, struc
     const std::size_t slash = path.find('/');
     const std::string segment{path.substr(0, slash)};
     const bool last = slash == std::string_view::npos;
-    const int next = safe_segment(segment) ? ::openat(at, segment.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | (last ? 0 : O_DIRECTORY)) : -1;
+    const int next = safe_segment(segment)
+                         ? ::openat(at, segment.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | (last ? 0 : O_DIRECTORY))
+                         : -1;
     ::close(at);
     at = next;
     if (last) break;
@@ -59,7 +68,8 @@ int open_below(const std::filesystem::path& folder, std::string_view path, struc
 bool hashed(std::string_view path) { return path.starts_with("assets/"); }
 
 Response not_found(const Request& request) {
-  return problem_response({.status = 404, .name = "not-found", .title = "There is nothing here", .detail = "Open the start page.", .errors = {}, .refusals = {}}, request.path);
+  return problem_response({.status = 404, .name = "not-found", .title = "There is nothing here", .detail = "Open the start page."},
+                          request.path);
 }
 }  // namespace
 
@@ -78,8 +88,8 @@ Response serve_static(const std::filesystem::path& folder, const Request& reques
   response.content_type = std::string{type};
   response.set("Vary", "Accept-Encoding");
   response.set("Cache-Control", hashed(path) ? "public, max-age=31536000, immutable" : "no-cache");
-  const std::string etag = "\"" + std::to_string(info.st_size) + "-" + std::to_string(info.st_mtim.tv_sec) + "-" + std::to_string(info.st_mtim.tv_nsec) +
-                           (compressed ? "-gz\"" : "\"");
+  const std::string etag = "\"" + std::to_string(info.st_size) + "-" + std::to_string(info.st_mtim.tv_sec) + "-" +
+                           std::to_string(info.st_mtim.tv_nsec) + (compressed ? "-gz\"" : "\"");
   response.set("ETag", etag);
   if (request.header("if-none-match") == etag) {
     ::close(fd);

@@ -16,7 +16,12 @@ constexpr std::size_t kEventsPerPoll = 128;
 }  // namespace
 
 CoreDesk::CoreDesk(std::string socket_path, Counters& counters)
-    : link_(std::move(socket_path)), counters_(counters), ticks_(link_), events_(link_), tick_buffer_(kTicksPerPoll), event_buffer_(kEventsPerPoll) {}
+    : link_(std::move(socket_path)),
+      counters_(counters),
+      ticks_(link_),
+      events_(link_),
+      tick_buffer_(kTicksPerPoll),
+      event_buffer_(kEventsPerPoll) {}
 
 std::uint32_t CoreDesk::next_request() {
   if (++last_request_ == 0) ++last_request_;  // 0 means "not asked by anyone"

@@ -18,7 +18,12 @@ using tcp = asio::ip::tcp;
 using nlohmann::json;
 
 Client::Client(Hub& hub, tcp::socket socket, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat)
-    : hub_(hub), socket_(std::move(socket)), closing_timer_(socket_.get_executor()), session_(std::move(session)), number_(number), seat_(std::move(seat)) {}
+    : hub_(hub),
+      socket_(std::move(socket)),
+      closing_timer_(socket_.get_executor()),
+      session_(std::move(session)),
+      number_(number),
+      seat_(std::move(seat)) {}
 
 bool Client::holds_lease() const { return number_ != 0 && hub_.services().core.lease_holder() == number_; }
 
@@ -48,17 +53,26 @@ void Client::read() {
     for (Incoming& message : messages) {
       if (self->closing_ || self->gone_) break;
       switch (message.kind) {
-        case Incoming::Kind::text: self->on_message(std::move(message.payload)); break;
-        case Incoming::Kind::ping: self->send(make_frame(Opcode::pong, message.payload)); break;
-        case Incoming::Kind::pong: break;
-        case Incoming::Kind::close: self->close(CloseCode::normal, ""); break;
+        case Incoming::Kind::text:
+          self->on_message(std::move(message.payload));
+          break;
+        case Incoming::Kind::ping:
+          self->send(make_frame(Opcode::pong, message.payload));
+          break;
+        case Incoming::Kind::pong:
+          break;
+        case Incoming::Kind::close:
+          self->close(CloseCode::normal, "");
+          break;
       }
     }
     if (!good && !self->closing_) {
       Counters& counters = self->hub_.services().counters;
       counters.add(Count::ws_refused);
       const CloseCode code = self->reader_.error();
-      counters.add(code == CloseCode::too_big ? Count::ws_refused_too_big : code == CloseCode::not_text ? Count::ws_refused_not_text : Count::ws_refused_protocol);
+      counters.add(code == CloseCode::too_big    ? Count::ws_refused_too_big
+                   : code == CloseCode::not_text ? Count::ws_refused_not_text
+                                                 : Count::ws_refused_protocol);
       self->close(code, code == CloseCode::too_big ? "at most 4096 bytes" : code == CloseCode::not_text ? "text only" : "");
     }
     if (!self->gone_) self->read();

@@ -1,8 +1,8 @@
 // One browser's socket: what it says is read strictly, what it is told goes through one bounded queue.
 #pragma once
+#include <array>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <array>
 #include <deque>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -30,7 +30,7 @@ class Client : public std::enable_shared_from_this<Client> {
   Client(Hub& hub, boost::asio::ip::tcp::socket socket, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat);
 
   void start();
-  void send(const SharedFrame& frame);            // control: never dropped, bounded
+  void send(const SharedFrame& frame);  // control: never dropped, bounded
   void send(const nlohmann::json& message);
   void send_telemetry(const SharedFrame& frame);  // may be dropped for a newer one
   void poll(std::uint64_t now_ns);

@@ -14,7 +14,16 @@ using SharedFrame = std::shared_ptr<const std::string>;
 enum class Opcode : std::uint8_t { continuation = 0, text = 1, binary = 2, close = 8, ping = 9, pong = 10 };
 
 // Close codes that we send.
-enum class CloseCode : std::uint16_t { normal = 1000, going_away = 1001, protocol = 1002, not_text = 1003, bad_utf8 = 1007, policy = 1008, too_big = 1009, try_later = 1013 };
+enum class CloseCode : std::uint16_t {
+  normal = 1000,
+  going_away = 1001,
+  protocol = 1002,
+  not_text = 1003,
+  bad_utf8 = 1007,
+  policy = 1008,
+  too_big = 1009,
+  try_later = 1013
+};
 
 inline constexpr std::size_t kMessageLimit_bytes = 4096;
 

@@ -27,7 +27,10 @@ void put(std::string& out, std::uint64_t value, int bytes) {
 SharedFrame text_frame(const json& message) { return make_frame(Opcode::text, dump_json(message)); }
 
 json lease_json(const CoreDesk& core, std::uint32_t client) {
-  return {{"type", "lease"}, {"epoch", core.lease_epoch()}, {"holder", core.lease_holder()}, {"mine", client != 0 && core.lease_holder() == client}};
+  return {{"type", "lease"},
+          {"epoch", core.lease_epoch()},
+          {"holder", core.lease_holder()},
+          {"mine", client != 0 && core.lease_holder() == client}};
 }
 
 json parameters_message(const contract::ParamsInForce& parameters) {
@@ -45,7 +48,12 @@ std::string layout_hash_hex() {
 }
 
 json recording_json(const RecordingStatus& status) {
-  json out{{"state", recording_state_name(status.state)}, {"session", nullptr}, {"started_utc_ms", nullptr}, {"samples", status.samples}, {"durable_tick", nullptr}, {"detail", status.detail}};
+  json out{{"state", recording_state_name(status.state)},
+           {"session", nullptr},
+           {"started_utc_ms", nullptr},
+           {"samples", status.samples},
+           {"durable_tick", nullptr},
+           {"detail", status.detail}};
   if (status.session) out["session"] = *status.session;
   if (status.started_utc_ms) out["started_utc_ms"] = *status.started_utc_ms;
   if (status.durable_tick) out["durable_tick"] = *status.durable_tick;
@@ -83,8 +91,11 @@ json event_json(const contract::Event& event) {
       out["refusals"] = refusal_names(event.bits != 0 ? event.bits : 1U << (event.code & 31U));
       if (const auto index = contract::find_param_id(event.item)) out["name"] = contract::kParams[*index].name;
       break;
-    case EventKind::lease_changed: out["code"] = event.code; break;
-    default: break;
+    case EventKind::lease_changed:
+      out["code"] = event.code;
+      break;
+    default:
+      break;
   }
   return out;
 }

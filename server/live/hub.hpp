@@ -61,4 +61,3 @@ class Hub final : public CoreListener {
 [[nodiscard]] SharedFrame telemetry_frame(std::span<const contract::TickRecord> records);
 
 }  // namespace hoist::server
-

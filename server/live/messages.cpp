@@ -17,9 +17,7 @@ using nlohmann::json;
 namespace {
 constexpr std::uint64_t kNoticeEvery_ns = 1'000'000'000;
 
-Asker asker_of(const Client& client) {
-  return {client.number(), client.hub().services().core.lease_epoch(), client.session()->role};
-}
+Asker asker_of(const Client& client) { return {client.number(), client.hub().services().core.lease_epoch(), client.session()->role}; }
 
 json reply_json(const json& request, const Outcome& outcome) {
   json reply{{"type", "reply"}, {"request", request}, {"ok", outcome.done()}};
@@ -117,7 +115,8 @@ void set(Client& client, const json& message) {
 }
 void preset(Client& client, const json& message) {
   const json& name = field(message, "name");
-  act_preset(client.hub().services(), asker_of(client), name.is_string() ? name.get<std::string>() : std::string{}, reply_to(client, message));
+  act_preset(client.hub().services(), asker_of(client), name.is_string() ? name.get<std::string>() : std::string{},
+             reply_to(client, message));
 }
 void neutral(Client& client, const json& message) { act_neutral(client.hub().services(), asker_of(client), reply_to(client, message)); }
 void pose(Client& client, const json& message) { act_pose(client.hub().services(), asker_of(client), message, reply_to(client, message)); }
@@ -190,7 +189,7 @@ void handle_message(Client& client, const json& message) {
   for (const Row& row : kRows) {
     if (name != row.type) continue;
     if (row.answered && !field(message, "request").is_number_integer()) {
-      refuse_fields(client, message, {{"request", "must be a whole number", {}, {}, {}}});
+      refuse_fields(client, message, {{"request", "must be a whole number"}});
       return;
     }
     if (client.session()->role < row.role) {
@@ -206,7 +205,7 @@ void handle_message(Client& client, const json& message) {
   }
   counters.add(Count::ws_refused);
   counters.add(Count::ws_refused_type);
-  refuse_fields(client, message, {{"type", "There is no such message.", {}, {}, {}}});
+  refuse_fields(client, message, {{"type", "There is no such message."}});
 }
 
 }  // namespace hoist::server

@@ -38,7 +38,14 @@ bool moving(const TickRecord& record) { return record.mode < contract::kModes.si
 // Everything that only the recorder's thread touches.
 class Recorder::Work final : public Records {
  public:
-  Work(Recorder& owner, const publish::ServerLink& link) : owner_(owner), ticks_(link), events_(link), bus_(link), tick_buffer_(kReadTicks), event_buffer_(kReadEvents), bus_buffer_(kReadFrames) {}
+  Work(Recorder& owner, const publish::ServerLink& link)
+      : owner_(owner),
+        ticks_(link),
+        events_(link),
+        bus_(link),
+        tick_buffer_(kReadTicks),
+        event_buffer_(kReadEvents),
+        bus_buffer_(kReadFrames) {}
 
   void open() {
     now_ns_ = owner_.options_.steady_ns();
@@ -60,7 +67,8 @@ class Recorder::Work final : public Records {
     writing_.emplace(std::move(*writing));
     const db::OpenReport& report = writing_->report();
     if (!report.set_aside.empty())
-      std::fprintf(stderr, "The database was damaged (%s); it was set aside as %s and a new one was begun.\n", report.set_aside_reason.c_str(), report.set_aside.c_str());
+      std::fprintf(stderr, "The database was damaged (%s); it was set aside as %s and a new one was begun.\n",
+                   report.set_aside_reason.c_str(), report.set_aside.c_str());
     auto writer = db::SessionWriter::create(*writing_);
     if (!writer) {
       fail(writer.error());
@@ -115,7 +123,8 @@ class Recorder::Work final : public Records {
     return try_end(db::CloseReason::finished);
   }
   db::Status marker(db::SessionId session, std::string_view text) override {
-    if (!session_open() || writer_->session() != session) return db::Error{db::ErrorKind::wrong_state, "This session is not being recorded.", ""};
+    if (!session_open() || writer_->session() != session)
+      return db::Error{db::ErrorKind::wrong_state, "This session is not being recorded.", ""};
     db::Status stored = writer_->append_marker(last_tick_, owner_.options_.utc_ns(), text);
     if (!stored) return stored;
     const auto durable = writer_->commit();
@@ -134,9 +143,7 @@ class Recorder::Work final : public Records {
   }
 
   // UTC now minus steady now.
-  [[nodiscard]] std::int64_t offset_ns() const {
-    return owner_.options_.utc_ns() - static_cast<std::int64_t>(owner_.options_.steady_ns());
-  }
+  [[nodiscard]] std::int64_t offset_ns() const { return owner_.options_.utc_ns() - static_cast<std::int64_t>(owner_.options_.steady_ns()); }
 
   db::Status begin(const TickRecord& first, std::optional<std::string> subject, std::string note, bool manual) {
     db::SessionStart start;
@@ -306,7 +313,8 @@ class Recorder::Work final : public Records {
     const auto got = events_.read(event_buffer_);
     std::size_t from = 0;
     if (session_open() && events_.life() == life_) {
-      if (got.lost > 0) check(writer_->append_gap("events", last_tick_, got.count > 0 ? event_buffer_[0].tick : last_tick_, "recorder_late"));
+      if (got.lost > 0)
+        check(writer_->append_gap("events", last_tick_, got.count > 0 ? event_buffer_[0].tick : last_tick_, "recorder_late"));
       // A record of an earlier step than the session's first is not part of it.
       while (from < got.count && event_buffer_[from].tick < first_tick_) ++from;
       if (from < got.count) check(writer_->append_events(std::span(event_buffer_).subspan(from, got.count - from)));
@@ -383,10 +391,13 @@ class Recorder::Work final : public Records {
   std::uint64_t now_ns_ = 0;
 };
 
-Recorder::Recorder(const publish::ServerLink& link, Options options) : options_(std::move(options)), work_(std::make_unique<Work>(*this, link)) {}
+Recorder::Recorder(const publish::ServerLink& link, Options options)
+    : options_(std::move(options)), work_(std::make_unique<Work>(*this, link)) {}
 Recorder::~Recorder() { stop(); }
 
-void Recorder::start() { thread_ = std::thread([this] { main(); }); }
+void Recorder::start() {
+  thread_ = std::thread([this] { main(); });
+}
 
 void Recorder::stop() {
   if (!thread_.joinable()) return;

@@ -150,7 +150,8 @@ struct Live::Parts {
     std::memcpy(&count, text.data() + 2, 2);
     std::memcpy(&bytes, text.data() + 4, 4);
     std::memcpy(&hash, text.data() + 8, 8);
-    if (text[0] != 1 || text[1] != 1 || bytes != sizeof(contract::TickRecord) || text.size() != 16 + std::size_t{count} * bytes) return true;
+    if (text[0] != 1 || text[1] != 1 || bytes != sizeof(contract::TickRecord) || text.size() != 16 + std::size_t{count} * bytes)
+      return true;
     for (std::size_t i = 0; i < count; ++i) {
       contract::TickRecord record;
       std::memcpy(&record, text.data() + 16 + i * bytes, bytes);

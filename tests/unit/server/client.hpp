@@ -25,7 +25,8 @@ struct Answer {
 };
 
 // One request on its own connection. Host and Content-Length are added unless given.
-Answer http(std::uint16_t port, const std::string& method, const std::string& target, const Headers& headers = {}, const std::string& body = "");
+Answer http(std::uint16_t port, const std::string& method, const std::string& target, const Headers& headers = {},
+            const std::string& body = "");
 
 // Sends bytes as they are and returns everything until the server closes or `quiet` passes without a byte.
 class Raw {

@@ -11,14 +11,16 @@ using namespace contract;
 
 namespace {
 std::uint64_t steady_ns() {
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
 }
 constexpr int kStep_ms = 5;
 }  // namespace
 
 FakeCore::FakeCore(const std::string& socket_path) {
   std::string error;
-  const auto utc = static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count());
+  const auto utc = static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count());
   link_ = publish::CoreLink::create(socket_path, steady_ns(), utc, error);
   if (!link_) throw std::runtime_error(error);
   params_.version = 1;
@@ -95,7 +97,9 @@ void FakeCore::take(const Command& c) {
   const bool holds = record_.lease_holder != 0 && record_.lease_holder == c.client && record_.lease_epoch == c.lease_epoch;
   const auto mode = static_cast<Mode>(record_.mode);
   switch (c.kind) {
-    case CommandKind::stop: record_.mode = static_cast<std::uint8_t>(Mode::protective_stop); return answer(c, 0);
+    case CommandKind::stop:
+      record_.mode = static_cast<std::uint8_t>(Mode::protective_stop);
+      return answer(c, 0);
     case CommandKind::acknowledge:
       if (!holds) return answer(c, refusal_bit(Refusal::no_lease));
       record_.mode = static_cast<std::uint8_t>(Mode::standby);
@@ -137,7 +141,8 @@ void FakeCore::take(const Command& c) {
     case CommandKind::commit_parameters: {
       if (staging_broken_ || staged_.size() != c.a) return answer(c, refusal_bit(Refusal::out_of_order));
       for (const auto& [index, value] : staged_)
-        if (kParams[index].edit == EditRule::stopped && mode != Mode::standby) return answer(c, refusal_bit(Refusal::only_when_stopped), kParams[index].id);
+        if (kParams[index].edit == EditRule::stopped && mode != Mode::standby)
+          return answer(c, refusal_bit(Refusal::only_when_stopped), kParams[index].id);
       for (const auto& [index, value] : staged_) {
         Event event;
         event.kind = EventKind::parameter_changed;
@@ -156,8 +161,10 @@ void FakeCore::take(const Command& c) {
       record_.y_m = static_cast<float>(c.v1);
       record_.psi_rad = static_cast<float>(c.v2);
       return answer(c, 0);
-    case CommandKind::set_neutral: return answer(c, 0);
-    case CommandKind::none: break;
+    case CommandKind::set_neutral:
+      return answer(c, 0);
+    case CommandKind::none:
+      break;
   }
   answer(c, refusal_bit(Refusal::unknown_item));
 }

@@ -99,7 +99,8 @@ class ServerTest : public ::testing::Test {
       if (!methods.contains(name)) continue;
       const json& responses = methods[name]["responses"];
       const std::string status = std::to_string(answer.status);
-      ASSERT_TRUE(responses.contains(status)) << method << " " << target << " answered " << status << ", which OpenAPI does not name: " << answer.body;
+      ASSERT_TRUE(responses.contains(status)) << method << " " << target << " answered " << status
+                                              << ", which OpenAPI does not name: " << answer.body;
       const json content = responses[status].value("content", json::object());
       const std::string type = answer.header("content-type").substr(0, answer.header("content-type").find(';'));
       if (content.empty() || method == "HEAD") return;

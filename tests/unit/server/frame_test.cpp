@@ -27,7 +27,11 @@ std::string masked(unsigned first, std::string_view payload, bool long_form = fa
 TEST(Frame, WholeMessages) {
   FrameReader reader;
   std::vector<Incoming> out;
-  ASSERT_TRUE(reader.feed(masked(0x81, "hello") + masked(0x89, "p") + masked(0x8A, "") + masked(0x88, "\x03\xe8" "bye"), out));
+  ASSERT_TRUE(reader.feed(masked(0x81, "hello") + masked(0x89, "p") + masked(0x8A, "") +
+                              masked(0x88,
+                                     "\x03\xe8"
+                                     "bye"),
+                          out));
   ASSERT_EQ(out.size(), 4U);
   EXPECT_EQ(out[0].payload, "hello");
   EXPECT_EQ(out[1].kind, Incoming::Kind::ping);
@@ -36,7 +40,8 @@ TEST(Frame, WholeMessages) {
 }
 
 TEST(Frame, SameResultForAnyPortions) {
-  std::string stream = masked(0x01, "one ") + masked(0x89, "in between") + masked(0x00, "message ") + masked(0x80, "in parts") + masked(0x81, std::string(4096, 'x')) + masked(0x81, "");
+  std::string stream = masked(0x01, "one ") + masked(0x89, "in between") + masked(0x00, "message ") + masked(0x80, "in parts") +
+                       masked(0x81, std::string(4096, 'x')) + masked(0x81, "");
   std::mt19937 random(7);
   for (int round = 0; round < 50; ++round) {
     FrameReader reader;

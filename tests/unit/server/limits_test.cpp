@@ -17,19 +17,23 @@ class Limits : public ServerTest {
 
 TEST_F(Limits, HeaderAndBodySizes_H30) {
   EXPECT_TRUE(raw("GET / HTTP/1.1\r\n" + host() + "X-Long: " + std::string(9000, 'x') + "\r\n\r\n").starts_with("HTTP/1.1 431"));
-  EXPECT_TRUE(raw("POST /api/v1/stop HTTP/1.1\r\n" + host() + "Content-Length: 70000\r\n\r\n").starts_with("HTTP/1.1 413")) << "before the body is sent";
-  EXPECT_TRUE(raw("POST /api/v1/stop HTTP/1.1\r\n" + host() + "Content-Length: 70000\r\n\r\n" + std::string(70000, 'x')).starts_with("HTTP/1.1 413"));
+  EXPECT_TRUE(raw("POST /api/v1/stop HTTP/1.1\r\n" + host() + "Content-Length: 70000\r\n\r\n").starts_with("HTTP/1.1 413"))
+      << "before the body is sent";
+  EXPECT_TRUE(raw("POST /api/v1/stop HTTP/1.1\r\n" + host() + "Content-Length: 70000\r\n\r\n" + std::string(70000, 'x'))
+                  .starts_with("HTTP/1.1 413"));
   std::string chunked = "POST /api/v1/stop HTTP/1.1\r\n" + host() + "Transfer-Encoding: chunked\r\n\r\n";
   for (int i = 0; i < 20; ++i) chunked += "1000\r\n" + std::string(4096, 'x') + "\r\n";
   EXPECT_TRUE(raw(chunked + "0\r\n\r\n").starts_with("HTTP/1.1 413"));
 }
 
 TEST_F(Limits, MalformedRequestsAreAnsweredOrClosed_H30) {
-  for (const std::string& bad :
-       {std::string("\r\n\r\nnonsense\r\n\r\n"), std::string("GET\r\n\r\n"), std::string("GET / HTTP/9.9\r\n\r\n"), std::string("GET / HTTP/1.1\r\nbroken header\r\n\r\n"),
-        std::string("POST / HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\nx"), std::string("POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n"),
-        std::string("POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\nContent-Length: 3\r\n\r\n0\r\n\r\n"), std::string("GET /%00 HTTP/1.1\r\n" + host() + "Connection: close\r\n\r\n"),
-        std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11) + "\r\n\r\n"}) {
+  for (const std::string& bad : {std::string("\r\n\r\nnonsense\r\n\r\n"), std::string("GET\r\n\r\n"), std::string("GET / HTTP/9.9\r\n\r\n"),
+                                 std::string("GET / HTTP/1.1\r\nbroken header\r\n\r\n"),
+                                 std::string("POST / HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\nx"),
+                                 std::string("POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n"),
+                                 std::string("POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\nContent-Length: 3\r\n\r\n0\r\n\r\n"),
+                                 std::string("GET /%00 HTTP/1.1\r\n" + host() + "Connection: close\r\n\r\n"),
+                                 std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11) + "\r\n\r\n"}) {
     const std::string answer = raw(bad);
     EXPECT_TRUE(answer.empty() || answer.starts_with("HTTP/1.1 4")) << bad << " -> " << answer;
     EXPECT_EQ(answer.find("HTTP/1.1 2"), std::string::npos);

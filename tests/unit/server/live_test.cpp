@@ -167,7 +167,11 @@ TEST_F(LiveTest, MessagesThatCannotBeUsed_H30) {
     std::string text;
     unsigned code;
   };
-  for (const Case& c : {Case{"not json", 1008}, {"[1]", 1008}, {std::string(4000, '['), 1008}, {"{\"type\": \"ping\", \"t\": NaN}", 1008}, {std::string(4097, ' '), 1009}}) {
+  for (const Case& c : {Case{"not json", 1008},
+                        {"[1]", 1008},
+                        {std::string(4000, '['), 1008},
+                        {"{\"type\": \"ping\", \"t\": NaN}", 1008},
+                        {std::string(4097, ' '), 1009}}) {
     Live live(port_, bearer_);
     live.send_text(c.text);
     EXPECT_EQ(live.wait_close(), c.code) << c.text.substr(0, 40);
@@ -194,10 +198,11 @@ TEST_F(LiveTest, TooManyMessagesEndTheConnection_H31) {
 TEST_F(LiveTest, AReaderWhoNeverReadsDelaysNobody_H31) {
   // A tiny window and no reading: the server's buffers for this client fill up.
   Raw stuck(port_, 2048);
-  ASSERT_TRUE(stuck.send("GET /ws HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
-                         "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-                         "Sec-WebSocket-Protocol: hoist.v1\r\nAuthorization: " +
-                         bearer_[0].second + "\r\n\r\n"));
+  ASSERT_TRUE(stuck.send(
+      "GET /ws HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
+      "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+      "Sec-WebSocket-Protocol: hoist.v1\r\nAuthorization: " +
+      bearer_[0].second + "\r\n\r\n"));
   ASSERT_EQ(stuck.read(12), "HTTP/1.1 101");
   Live good(port_, bearer_);
   // Much more than its buffers hold, faster than time.
@@ -219,10 +224,11 @@ TEST_F(LiveTest, AReaderWhoNeverReadsDelaysNobody_H31) {
 
 TEST_F(LiveTest, ASilentClientIsDropped) {
   Raw silent(port_);
-  ASSERT_TRUE(silent.send("GET /ws HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
-                          "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-                          "Sec-WebSocket-Protocol: hoist.v1\r\nAuthorization: " +
-                          bearer_[0].second + "\r\n\r\n"));
+  ASSERT_TRUE(silent.send(
+      "GET /ws HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
+      "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+      "Sec-WebSocket-Protocol: hoist.v1\r\nAuthorization: " +
+      bearer_[0].second + "\r\n\r\n"));
   const std::string all = silent.read_to_end(20000);
   EXPECT_TRUE(all.starts_with("HTTP/1.1 101"));
   EXPECT_TRUE(silent.closed()) << "it answers no ping";

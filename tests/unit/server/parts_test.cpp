@@ -24,7 +24,10 @@ using nlohmann::json;
 TEST(Settings, ReadsAllOptions) {
   Settings s;
   std::string error;
-  ASSERT_TRUE(parse_settings({"--socket", "a", "--db", "b", "--port", "0", "--web", "w", "--host", "x", "--host", "y", "--scenario", "square", "--token-file", "t", "--bind", "::1"}, s, error)) << error;
+  ASSERT_TRUE(parse_settings({"--socket", "a", "--db", "b", "--port", "0", "--web", "w", "--host", "x", "--host", "y", "--scenario",
+                              "square", "--token-file", "t", "--bind", "::1"},
+                             s, error))
+      << error;
   EXPECT_EQ(s.port, 0);
   EXPECT_EQ(s.hosts, (std::vector<std::string>{"x", "y"}));
   EXPECT_EQ(s.scenario, "square");
@@ -40,9 +43,12 @@ TEST(Settings, RefusesToListenToTheNetworkWithoutTls) {
 }
 
 TEST(Settings, RefusesWhatItDoesNotKnow) {
-  for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"--db", "b"}, {"--socket", "a"}, {"--socket", "a", "--db", "b", "--port", "65536"}, {"--socket", "a", "--db", "b", "--port", "1x"},
-        {"--socket", "a", "--db", "b", "--port"}, {"--socket", "a", "--db", "b", "--what", "x"}}) {
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--db", "b"},
+                                                    {"--socket", "a"},
+                                                    {"--socket", "a", "--db", "b", "--port", "65536"},
+                                                    {"--socket", "a", "--db", "b", "--port", "1x"},
+                                                    {"--socket", "a", "--db", "b", "--port"},
+                                                    {"--socket", "a", "--db", "b", "--what", "x"}}) {
     Settings s;
     std::string error;
     EXPECT_FALSE(parse_settings(arguments, s, error));
@@ -54,14 +60,17 @@ TEST(Host, OnlyOurNames) {
   std::string error;
   const auto auth = Auth::create({.token_file = "", .hosts = {"hoist.local"}}, 1000, error);
   ASSERT_TRUE(auth) << error;
-  for (const char* good : {"127.0.0.1", "127.0.0.1:8080", "localhost:1", "LOCALHOST", "[::1]", "[::1]:80", "hoist.local:443"}) EXPECT_TRUE(auth->host_allowed(good)) << good;
-  for (const char* bad : {"", "evil.example", "127.0.0.1.evil.example", "localhost.", "[::1", "[::1]x", "127.0.0.1:80x", "127.0.0.1@evil", "hoist.local.evil", "127.0.0.1:1234567", "::1"})
+  for (const char* good : {"127.0.0.1", "127.0.0.1:8080", "localhost:1", "LOCALHOST", "[::1]", "[::1]:80", "hoist.local:443"})
+    EXPECT_TRUE(auth->host_allowed(good)) << good;
+  for (const char* bad : {"", "evil.example", "127.0.0.1.evil.example", "localhost.", "[::1", "[::1]x", "127.0.0.1:80x", "127.0.0.1@evil",
+                          "hoist.local.evil", "127.0.0.1:1234567", "::1"})
     EXPECT_FALSE(auth->host_allowed(bad)) << bad;
 }
 
 TEST(Origin, ExactlyTheHostAsked) {
   EXPECT_TRUE(Auth::origin_matches("http://127.0.0.1:8080", "127.0.0.1:8080"));
-  for (const char* bad : {"", "null", "https://127.0.0.1:8080", "http://127.0.0.1:80801", "http://127.0.0.1:808", "http://127.0.0.1", "http://localhost:8080", "http://127.0.0.1:8080/", "http://evil.example"})
+  for (const char* bad : {"", "null", "https://127.0.0.1:8080", "http://127.0.0.1:80801", "http://127.0.0.1:808", "http://127.0.0.1",
+                          "http://localhost:8080", "http://127.0.0.1:8080/", "http://evil.example"})
     EXPECT_FALSE(Auth::origin_matches(bad, "127.0.0.1:8080")) << bad;
 }
 
@@ -134,7 +143,8 @@ TEST(Json, BoundedInDepth) {
 }
 
 TEST(Json, RefusesWhatIsNoJson) {
-  for (const char* bad : {"", "NaN", "{\"a\": NaN}", "{\"a\": Infinity}", "{\"a\": 1e999}", "{a: 1}", "{\"a\": 1,}", "{\"a\": 1} x", "\"\xff\"", "{\"a\": 01}"}) {
+  for (const char* bad : {"", "NaN", "{\"a\": NaN}", "{\"a\": Infinity}", "{\"a\": 1e999}", "{a: 1}", "{\"a\": 1,}", "{\"a\": 1} x",
+                          "\"\xff\"", "{\"a\": 01}"}) {
     JsonError error;
     EXPECT_FALSE(parse_json(bad, error)) << bad;
     EXPECT_FALSE(error.message.empty());
@@ -157,8 +167,9 @@ TEST(Exercise, ReadsTheFourShapes) {
 }
 
 TEST(Exercise, RefusesSizesAndNamesTheField) {
-  for (const char* bad : {R"({"shape": "circle"})", R"({})", R"(5)", R"({"shape": "eight", "c_m": 1})", R"({"shape": "eight", "c_m": 1, "radius_m": 1.1})",
-                          R"({"shape": "square", "side_m": 0})", R"({"shape": "square", "side_m": 1000})", R"({"shape": "straight", "length_m": "10"})"}) {
+  for (const char* bad :
+       {R"({"shape": "circle"})", R"({})", R"(5)", R"({"shape": "eight", "c_m": 1})", R"({"shape": "eight", "c_m": 1, "radius_m": 1.1})",
+        R"({"shape": "square", "side_m": 0})", R"({"shape": "square", "side_m": 1000})", R"({"shape": "straight", "length_m": "10"})"}) {
     std::vector<FieldError> errors;
     EXPECT_FALSE(read_exercise(json::parse(bad), errors)) << bad;
     ASSERT_EQ(errors.size(), 1U) << bad;

@@ -44,7 +44,9 @@ TEST_F(Record, AWalkIsRecordedAndExportedAsPublished) {
   ASSERT_EQ(call("POST", "/api/v1/lease", json::object()).status, 200);
   const json lease = get("/api/v1/status").json()["lease"];
   const Headers holder{{"X-Hoist-Lease", std::to_string(lease["epoch"].get<int>())}};
-  ASSERT_EQ(call("POST", "/api/v1/mode", {{"mode", "user"}, {"exercise", {{"shape", "eight"}, {"c_m", 1.0}, {"radius_m", 0.8}}}}, holder).status, 200);
+  ASSERT_EQ(
+      call("POST", "/api/v1/mode", {{"mode", "user"}, {"exercise", {{"shape", "eight"}, {"c_m", 1.0}, {"radius_m", 0.8}}}}, holder).status,
+      200);
   ASSERT_TRUE(wait_state("recording"));
   EXPECT_EQ(call("POST", "/api/v1/sessions/1/markers", {{"text", "=1+1 looks, good"}}).status, 201);
   EXPECT_EQ(call("POST", "/api/v1/sessions/1/markers", {{"text", 5}}).status, 422);
@@ -83,7 +85,8 @@ TEST_F(Record, AWalkIsRecordedAndExportedAsPublished) {
   const json samples = get("/api/v1/sessions/1/samples?columns=x_m,mode&points=10").json();
   EXPECT_EQ(samples["columns"][0]["name"], "x_m");
   EXPECT_LE(samples["from_s"].size(), 10U);
-  for (const char* bad : {"", "?columns=", "?columns=nothing", "?columns=x_m&points=0", "?columns=x_m&points=1e9", "?columns=x_m&from_s=x", "?columns=x_m&from_s=nan"})
+  for (const char* bad : {"", "?columns=", "?columns=nothing", "?columns=x_m&points=0", "?columns=x_m&points=1e9", "?columns=x_m&from_s=x",
+                          "?columns=x_m&from_s=nan"})
     EXPECT_EQ(get(std::string("/api/v1/sessions/1/samples") + bad).status, 422) << bad;
   EXPECT_EQ(get("/api/v1/sessions/1/metrics").status, 200);
   EXPECT_EQ(call("PATCH", "/api/v1/sessions/1", {{"note", "went well"}, {"subject", "P-17"}}).json()["note"], "went well");

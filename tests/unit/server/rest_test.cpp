@@ -1,6 +1,6 @@
 // Routes, sessions, refusals, parameters and motion over REST. Every answer is checked against OpenAPI by the fixture.
-#include "server/contract/routes.hpp"
 #include "control/contract/params.hpp"
+#include "server/contract/routes.hpp"
 #include "tests/unit/server/fixture.hpp"
 
 namespace hoist::test {
@@ -30,7 +30,8 @@ TEST_F(Rest, NothingWithoutASession_H28) {
     std::string path{route.path};
     for (const char* mark : {"{name}", "{id}"})
       if (const auto at = path.find(mark); at != std::string::npos) path.replace(at, std::string(mark).size(), "1");
-    const Answer answer = http(port_, std::string{server::method_name(route.method)}, path, {{"Content-Type", "application/json"}}, route.method == server::Method::get ? "" : "{}");
+    const Answer answer = http(port_, std::string{server::method_name(route.method)}, path, {{"Content-Type", "application/json"}},
+                               route.method == server::Method::get ? "" : "{}");
     EXPECT_EQ(answer.status, 401) << path;
     EXPECT_EQ(answer.header("content-type"), "application/problem+json");
   }
@@ -59,7 +60,8 @@ TEST_F(Rest, ForeignPagesAreRefused_H29) {
   const Headers own{{"Origin", origin()}, {"X-Hoist", "1"}, {"Content-Type", "application/json"}};
   EXPECT_EQ(post(own), 200);
   EXPECT_EQ(post({{"Origin", origin()}, {"Content-Type", "application/json"}}), 403) << "without X-Hoist";
-  for (const char* foreign : {"http://evil.example", "null", "http://127.0.0.1:1", "http://localhost.evil"}) EXPECT_EQ(post({{"Origin", foreign}, {"X-Hoist", "1"}, {"Content-Type", "application/json"}}), 403) << foreign;
+  for (const char* foreign : {"http://evil.example", "null", "http://127.0.0.1:1", "http://localhost.evil"})
+    EXPECT_EQ(post({{"Origin", foreign}, {"X-Hoist", "1"}, {"Content-Type", "application/json"}}), 403) << foreign;
   EXPECT_EQ(post({{"Origin", origin()}, {"X-Hoist", "1"}, {"Content-Type", "text/plain"}}), 415);
   EXPECT_EQ(http(port_, "GET", "/api/v1/status", {{"Host", "evil.example"}, {"Cookie", cookie}}).status, 421) << "DNS rebinding";
   EXPECT_EQ(http(port_, "GET", "/", {{"Host", "evil.example"}}).status, 421);
@@ -92,7 +94,8 @@ TEST_F(Rest, StaticFiles) {
   const Answer squeezed = http(port_, "GET", "/assets/app-12ab.js", {{"Accept-Encoding", "gzip, deflate"}});
   EXPECT_EQ(squeezed.body, "squeezed");
   EXPECT_EQ(squeezed.header("content-encoding"), "gzip");
-  for (const char* bad : {"/secret.html", "/../secret.html", "/%2e%2e/secret.html", "/assets/../../secret.html", "/link.html", "/.hidden.html", "/assets", "/token", "//secret.html", "/assets/%2e%2e%2fsecret.html"})
+  for (const char* bad : {"/secret.html", "/../secret.html", "/%2e%2e/secret.html", "/assets/../../secret.html", "/link.html",
+                          "/.hidden.html", "/assets", "/token", "//secret.html", "/assets/%2e%2e%2fsecret.html"})
     EXPECT_EQ(http(port_, "GET", bad).status, 404) << bad;
 }
 
@@ -168,7 +171,10 @@ TEST_F(Rest, StartNeedsTheLease) {
   EXPECT_EQ(call("POST", "/api/v1/mode", start, {{"X-Hoist-Lease", "0"}}).status, 409) << "an old epoch";
   EXPECT_EQ(core_->mode(), Mode::standby);
   EXPECT_EQ(call("POST", "/api/v1/mode", {{"mode", "fly"}}, {{"X-Hoist-Lease", epoch}}).status, 422);
-  EXPECT_EQ(call("POST", "/api/v1/mode", {{"mode", "user"}, {"exercise", {{"shape", "square"}, {"side_m", -1}}}}, {{"X-Hoist-Lease", epoch}}).status, 422);
+  EXPECT_EQ(
+      call("POST", "/api/v1/mode", {{"mode", "user"}, {"exercise", {{"shape", "square"}, {"side_m", -1}}}}, {{"X-Hoist-Lease", epoch}})
+          .status,
+      422);
   ASSERT_EQ(call("POST", "/api/v1/mode", start, {{"X-Hoist-Lease", epoch}}).status, 200);
   EXPECT_EQ(core_->mode(), Mode::user);
   // The pose was set to the start of the figure before the mode was asked for.

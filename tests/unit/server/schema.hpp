@@ -6,6 +6,7 @@
 namespace hoist::test {
 
 // Empty when `value` fits `schema`, otherwise where it does not. `document` resolves $ref.
-std::string mismatch(const nlohmann::json& document, const nlohmann::json& schema, const nlohmann::json& value, const std::string& where = "$");
+std::string mismatch(const nlohmann::json& document, const nlohmann::json& schema, const nlohmann::json& value,
+                     const std::string& where = "$");
 
 }  // namespace hoist::test
