@@ -119,12 +119,19 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
             ++counters_.refused;
           }
           break;
-        case SlcanKind::ack: on_answer(true, now_ns); break;
-        case SlcanKind::bel: on_answer(false, now_ns); break;
+        case SlcanKind::ack:
+          on_answer(true, now_ns);
+          break;
+        case SlcanKind::bel:
+          on_answer(false, now_ns);
+          break;
         case SlcanKind::refused:
-        case SlcanKind::error: ++counters_.refused; break;
+        case SlcanKind::error:
+          ++counters_.refused;
+          break;
         case SlcanKind::state:
-        case SlcanKind::command: break;
+        case SlcanKind::command:
+          break;
       }
     });
     if (static_cast<std::size_t>(got) < read_buffer_.size()) break;

@@ -24,12 +24,12 @@ class SlcanPort final : public CanPort {
   [[nodiscard]] const PortCounters& counters() const noexcept override { return counters_; }
 
   // Limits, each with its reason.
-  static constexpr std::uint64_t kRetryNs = 200'000'000;         // reopening a device that went away (research: 200 ms)
-  static constexpr std::uint64_t kAnswerNs = 50'000'000;         // silence after a `t` line that counts as a fault of the adapter
-  static constexpr std::uint64_t kSetupNs = 500'000'000;         // C, S5, O must be answered within this
-  static constexpr std::uint32_t kWindow = 16;                   // unanswered lines: two steps of the fullest traffic
-  static constexpr std::uint32_t kSilencesBeforeSetup = 4;       // then the adapter is set up again
-  static constexpr int kReadsPerStep = 4;                        // bounds the work of one step even on a babbling line
+  static constexpr std::uint64_t kRetryNs = 200'000'000;    // reopening a device that went away (research: 200 ms)
+  static constexpr std::uint64_t kAnswerNs = 50'000'000;    // silence after a `t` line that counts as a fault of the adapter
+  static constexpr std::uint64_t kSetupNs = 500'000'000;    // C, S5, O must be answered within this
+  static constexpr std::uint32_t kWindow = 16;              // unanswered lines: two steps of the fullest traffic
+  static constexpr std::uint32_t kSilencesBeforeSetup = 4;  // then the adapter is set up again
+  static constexpr int kReadsPerStep = 4;                   // bounds the work of one step even on a babbling line
 
  private:
   enum class State : std::uint8_t { closed, setting_up, up };

@@ -53,10 +53,13 @@ enum class Access : std::uint8_t { ro, rw };
 constexpr std::size_t object_bytes(ObjectType type) {
   switch (type) {
     case ObjectType::u8:
-    case ObjectType::i8: return 1;
+    case ObjectType::i8:
+      return 1;
     case ObjectType::u16:
-    case ObjectType::i16: return 2;
-    default: return 4;
+    case ObjectType::i16:
+      return 2;
+    default:
+      return 4;
   }
 }
 enum class ObjectOwner : std::uint8_t { tilt, drive, io, host, all };  // the first four in the order of NodeKind
@@ -74,9 +77,19 @@ struct ObjectInfo {
 };
 inline constexpr std::array kObjects{
 #undef HOIST_OBJECT
-#define HOIST_OBJECT(kind, index, sub, name, type, access, def, lo, hi, unit, scale, title)                              \
-  ObjectInfo{ObjectOwner::kind, index, sub, #name, ObjectType::type, Access::access, static_cast<double>(def),           \
-             static_cast<double>(lo), static_cast<double>(hi), unit, static_cast<double>(scale), title},
+#define HOIST_OBJECT(kind, index, sub, name, type, access, def, lo, hi, unit, scale, title) \
+  ObjectInfo{ObjectOwner::kind,                                                             \
+             index,                                                                         \
+             sub,                                                                           \
+             #name,                                                                         \
+             ObjectType::type,                                                              \
+             Access::access,                                                                \
+             static_cast<double>(def),                                                      \
+             static_cast<double>(lo),                                                       \
+             static_cast<double>(hi),                                                       \
+             unit,                                                                          \
+             static_cast<double>(scale),                                                    \
+             title},
 #include "control/contract/can_dictionary.def"
 #undef HOIST_OBJECT
 #define HOIST_OBJECT(...)
@@ -143,8 +156,8 @@ constexpr const PdoInfo& pdo_info(Pdo pdo) { return kPdos[static_cast<std::size_
 inline constexpr auto kPdoBytes = [] {
   std::array<std::uint8_t, kPdos.size()> bytes{};
   for (const PdoEntry& e : kPdoEntries)
-    bytes[static_cast<std::size_t>(e.pdo)] = static_cast<std::uint8_t>(bytes[static_cast<std::size_t>(e.pdo)] +
-                                                                       object_bytes(kObjects[object_row(pdo_info(e.pdo).kind, e.index, e.sub)].type));
+    bytes[static_cast<std::size_t>(e.pdo)] = static_cast<std::uint8_t>(
+        bytes[static_cast<std::size_t>(e.pdo)] + object_bytes(kObjects[object_row(pdo_info(e.pdo).kind, e.index, e.sub)].type));
   return bytes;
 }();
 constexpr std::size_t pdo_bytes(Pdo pdo) { return kPdoBytes[static_cast<std::size_t>(pdo)]; }
@@ -182,10 +195,14 @@ constexpr void write_le(std::uint8_t* at, std::size_t bytes, std::uint32_t value
 constexpr std::int64_t read_slot(const CanFrame& frame, PdoSlot slot) {
   const std::uint32_t raw = read_le(frame.data.data() + slot.offset, object_bytes(slot.type));
   switch (slot.type) {
-    case ObjectType::i8: return static_cast<std::int8_t>(raw);
-    case ObjectType::i16: return static_cast<std::int16_t>(raw);
-    case ObjectType::i32: return static_cast<std::int32_t>(raw);
-    default: return raw;
+    case ObjectType::i8:
+      return static_cast<std::int8_t>(raw);
+    case ObjectType::i16:
+      return static_cast<std::int16_t>(raw);
+    case ObjectType::i32:
+      return static_cast<std::int32_t>(raw);
+    default:
+      return raw;
   }
 }
 constexpr void write_slot(CanFrame& frame, PdoSlot slot, std::int64_t value) {
@@ -245,7 +262,14 @@ namespace drive {
 inline constexpr std::uint16_t kShutdown = 0x06, kSwitchOn = 0x07, kEnable = 0x0F, kDisableVoltage = 0x00, kQuickStop = 0x02,
                                kFaultReset = 0x80;
 enum class State : std::uint8_t {
-  not_ready, switch_on_disabled, ready, switched_on, operation_enabled, quick_stop_active, fault_reaction, fault
+  not_ready,
+  switch_on_disabled,
+  ready,
+  switched_on,
+  operation_enabled,
+  quick_stop_active,
+  fault_reaction,
+  fault
 };
 constexpr State state(std::uint16_t status) {
   if ((status & 0x4F) == 0x00) return State::not_ready;
@@ -264,16 +288,18 @@ static_assert(unique_by(kNodes, [](const NodeInfo& n) { return n.id; }), "can_di
 static_assert(kNodes.back().kind == NodeKind::host, "can_dictionary.def: the core is the last node");
 static_assert(unique_by(kObjects, [](const ObjectInfo& o) { return (static_cast<std::uint64_t>(o.owner) << 32) | (o.index << 8) | o.sub; }),
               "can_dictionary.def: an object is listed twice");
-static_assert(all_rows(kObjects, [](const ObjectInfo& o) { return o.min <= o.default_value && o.default_value <= o.max && !o.title.empty(); }),
+static_assert(all_rows(kObjects,
+                       [](const ObjectInfo& o) { return o.min <= o.default_value && o.default_value <= o.max && !o.title.empty(); }),
               "can_dictionary.def: a default lies outside its range");
 static_assert(all_rows(kPdoEntries, [](const PdoEntry& e) { return object_row(pdo_info(e.pdo).kind, e.index, e.sub) < kObjects.size(); }),
               "can_dictionary.def: a PDO maps an object that does not exist");
 static_assert(all_rows(kPdos, [](const PdoInfo& p) { return pdo_bytes(p.pdo) <= 8 && pdo_bytes(p.pdo) > 0; }),
               "can_dictionary.def: a PDO holds 1 to 8 bytes");
-static_assert(all_rows(kParamObjects, [](const ParamObject& o) {
-                const std::size_t row = object_row(o.kind, o.index, o.sub);
-                return row < kObjects.size() && kObjects[row].type == ObjectType::f32 && kObjects[row].access == Access::rw;
-              }),
+static_assert(all_rows(kParamObjects,
+                       [](const ParamObject& o) {
+                         const std::size_t row = object_row(o.kind, o.index, o.sub);
+                         return row < kObjects.size() && kObjects[row].type == ObjectType::f32 && kObjects[row].access == Access::rw;
+                       }),
               "params.def: a parameter's object does not exist or is not a writable 32-bit float");
 
 }  // namespace hoist::contract

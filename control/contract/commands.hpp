@@ -9,15 +9,15 @@ namespace hoist::contract {
 
 enum class CommandKind : std::uint32_t {
   none = 0,
-  stop = 1,             // anyone; protective stop, never refused
-  request_mode = 2,     // a = Mode: standby, user or remote; lease holder only
-  acknowledge = 3,      // leave PROTECTIVE_STOP once the cause is gone; lease holder only
-  take_lease = 4,       // client asks to be the driver; granted when free, or when standing still and `a` = 1 (take over)
-  release_lease = 5,    // by its holder, or by the server for a client that is gone
-  stage_parameter = 6,  // a = parameter id, v0 = value, b = position in the set, counted from 0
+  stop = 1,               // anyone; protective stop, never refused
+  request_mode = 2,       // a = Mode: standby, user or remote; lease holder only
+  acknowledge = 3,        // leave PROTECTIVE_STOP once the cause is gone; lease holder only
+  take_lease = 4,         // client asks to be the driver; granted when free, or when standing still and `a` = 1 (take over)
+  release_lease = 5,      // by its holder, or by the server for a client that is gone
+  stage_parameter = 6,    // a = parameter id, v0 = value, b = position in the set, counted from 0
   commit_parameters = 7,  // a = number of staged rows, role in b; all or nothing
-  set_pose = 8,         // v0 = x_m, v1 = y_m, v2 = psi_rad; standing still only
-  set_neutral = 9,      // take the mean of the last second as neutral; standing still only; stored as parameters
+  set_pose = 8,           // v0 = x_m, v1 = y_m, v2 = psi_rad; standing still only
+  set_neutral = 9,        // take the mean of the last second as neutral; standing still only; stored as parameters
 };
 
 // One request of a client, in order. `request_id` comes back in the event that answers it.
@@ -38,7 +38,7 @@ static_assert(sizeof(Command) == 64 && std::is_trivially_copyable_v<Command>);
 struct DriveCommand {
   std::uint32_t lease_epoch = 0;
   std::uint32_t client = 0;
-  std::uint64_t sequence = 0;     // rises with every command of one lease
+  std::uint64_t sequence = 0;      // rises with every command of one lease
   std::uint64_t echo_time_ns = 0;  // time_ns of the newest telemetry record the client had seen: its age is judged by the core's clock
   double speed_norm = 0;
   double yaw_norm = 0;
@@ -62,18 +62,30 @@ enum class EventKind : std::uint32_t {
 };
 constexpr std::string_view event_name(EventKind kind) {
   switch (kind) {
-    case EventKind::command_done: return "command_done";
-    case EventKind::command_refused: return "command_refused";
-    case EventKind::mode_changed: return "mode_changed";
-    case EventKind::fault_raised: return "fault_raised";
-    case EventKind::fault_cleared: return "fault_cleared";
-    case EventKind::parameter_changed: return "parameter_changed";
-    case EventKind::lease_changed: return "lease_changed";
-    case EventKind::node_changed: return "node_changed";
-    case EventKind::pose_set: return "pose_set";
-    case EventKind::neutral_set: return "neutral_set";
-    case EventKind::core_started: return "core_started";
-    case EventKind::none: break;
+    case EventKind::command_done:
+      return "command_done";
+    case EventKind::command_refused:
+      return "command_refused";
+    case EventKind::mode_changed:
+      return "mode_changed";
+    case EventKind::fault_raised:
+      return "fault_raised";
+    case EventKind::fault_cleared:
+      return "fault_cleared";
+    case EventKind::parameter_changed:
+      return "parameter_changed";
+    case EventKind::lease_changed:
+      return "lease_changed";
+    case EventKind::node_changed:
+      return "node_changed";
+    case EventKind::pose_set:
+      return "pose_set";
+    case EventKind::neutral_set:
+      return "neutral_set";
+    case EventKind::core_started:
+      return "core_started";
+    case EventKind::none:
+      break;
   }
   return "none";
 }

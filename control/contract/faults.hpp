@@ -83,14 +83,18 @@ inline constexpr std::array kModes{
 #undef HOIST_REFUSAL
 
 static_assert(kFaults.size() <= 32 && kRefusals.size() <= 32, "fault_bits and blocked_bits hold 32 rows");
-static_assert(unique_by(kFaults, [](const FaultInfo& f) { return f.bit; }) && all_rows(kFaults, [](const FaultInfo& f) { return f.bit < 32; }),
+static_assert(unique_by(kFaults, [](const FaultInfo& f) { return f.bit; }) &&
+                  all_rows(kFaults, [](const FaultInfo& f) { return f.bit < 32; }),
               "faults.def: a fault bit is used twice or out of range");
 static_assert(unique_by(kFaults, [](const FaultInfo& f) { return f.name; }), "faults.def: a fault name is used twice");
-static_assert(all_rows(kFaults, [](const FaultInfo& f) {
-                return !f.hazard.empty() && !f.text_en.empty() && !f.action_en.empty() && !f.text_de.empty() && !f.action_de.empty();
-              }),
+static_assert(all_rows(kFaults,
+                       [](const FaultInfo& f) {
+                         return !f.hazard.empty() && !f.text_en.empty() && !f.action_en.empty() && !f.text_de.empty() &&
+                                !f.action_de.empty();
+                       }),
               "faults.def: a fault lacks its words");
-static_assert(unique_by(kRefusals, [](const RefusalInfo& r) { return r.bit; }) && unique_by(kRefusals, [](const RefusalInfo& r) { return r.name; }),
+static_assert(unique_by(kRefusals, [](const RefusalInfo& r) { return r.bit; }) &&
+                  unique_by(kRefusals, [](const RefusalInfo& r) { return r.name; }),
               "faults.def: a refusal is used twice");
 static_assert(unique_by(kModes, [](const ModeInfo& m) { return m.value; }), "faults.def: a mode value is used twice");
 static_assert(all_rows(kModes, [](const ModeInfo& m) { return m.value < kModes.size() && kModes[m.value].value == m.value; }),

@@ -42,9 +42,22 @@ struct ParamInfo {
 };
 
 inline constexpr std::array kParams{
-#define HOIST_PARAM(id, name, unit, lo, def, hi, edit, scope, role, source, title_en, effect_en, title_de, effect_de)                  \
-  ParamInfo{id,     #name,    unit,      static_cast<double>(lo), static_cast<double>(def), static_cast<double>(hi), EditRule::edit, \
-            ParamScope::scope, Role::role, source, title_en, effect_en, title_de, effect_de, &Params::name},
+#define HOIST_PARAM(id, name, unit, lo, def, hi, edit, scope, role, source, title_en, effect_en, title_de, effect_de) \
+  ParamInfo{id,                                                                                                       \
+            #name,                                                                                                    \
+            unit,                                                                                                     \
+            static_cast<double>(lo),                                                                                  \
+            static_cast<double>(def),                                                                                 \
+            static_cast<double>(hi),                                                                                  \
+            EditRule::edit,                                                                                           \
+            ParamScope::scope,                                                                                        \
+            Role::role,                                                                                               \
+            source,                                                                                                   \
+            title_en,                                                                                                 \
+            effect_en,                                                                                                \
+            title_de,                                                                                                 \
+            effect_de,                                                                                                \
+            &Params::name},
 #include "control/contract/params.def"
 #undef HOIST_PARAM
 };
@@ -87,7 +100,8 @@ inline const char* check_param_set(const Params& p) {
   if (p.battery_empty_v >= p.battery_low_v) return "battery_empty_v must be below battery_low_v";
   if (p.remote_speed_m_s_max > p.speed_m_s_max) return "remote_speed_m_s_max must not exceed speed_m_s_max";
   if (p.remote_yaw_rate_rad_s_max > p.yaw_rate_rad_s_max) return "remote_yaw_rate_rad_s_max must not exceed yaw_rate_rad_s_max";
-  if (p.protective_deceleration_m_s2 < p.acceleration_m_s2_max) return "protective_deceleration_m_s2 must not be below acceleration_m_s2_max";
+  if (p.protective_deceleration_m_s2 < p.acceleration_m_s2_max)
+    return "protective_deceleration_m_s2 must not be below acceleration_m_s2_max";
   if (p.bumper_deceleration_m_s2 < p.protective_deceleration_m_s2)
     return "bumper_deceleration_m_s2 must not be below protective_deceleration_m_s2";
   return nullptr;
@@ -140,21 +154,25 @@ static_assert(unique_by(kParams, [](const ParamInfo& p) { return p.id; }), "para
 static_assert(unique_by(kParams, [](const ParamInfo& p) { return p.name; }), "params.def: a name is used twice");
 static_assert(all_rows(kParams, [](const ParamInfo& p) { return p.min <= p.default_value && p.default_value <= p.max && p.min < p.max; }),
               "params.def: a default lies outside its range");
-static_assert(all_rows(kParams, [](const ParamInfo& p) {
-                return !p.source.empty() && !p.title_en.empty() && !p.effect_en.empty() && !p.title_de.empty() && !p.effect_de.empty();
-              }),
+static_assert(all_rows(kParams,
+                       [](const ParamInfo& p) {
+                         return !p.source.empty() && !p.title_en.empty() && !p.effect_en.empty() && !p.title_de.empty() &&
+                                !p.effect_de.empty();
+                       }),
               "params.def: a row lacks its source or its words");
-static_assert(all_rows(kPresetValues, [](const PresetValue& v) {
-                const ParamInfo& p = kParams[param_index(v.param)];
-                return v.value >= p.min && v.value <= p.max;
-              }),
+static_assert(all_rows(kPresetValues,
+                       [](const PresetValue& v) {
+                         const ParamInfo& p = kParams[param_index(v.param)];
+                         return v.value >= p.min && v.value <= p.max;
+                       }),
               "params.def: a preset value lies outside its range");
-static_assert(all_rows(kParams, [](const ParamInfo& p) {
-                if (p.scope == ParamScope::core) return true;
-                for (const ParamObject& o : kParamObjects)
-                  if (kParams[param_index(o.param)].name == p.name) return true;
-                return false;
-              }),
+static_assert(all_rows(kParams,
+                       [](const ParamInfo& p) {
+                         if (p.scope == ParamScope::core) return true;
+                         for (const ParamObject& o : kParamObjects)
+                           if (kParams[param_index(o.param)].name == p.name) return true;
+                         return false;
+                       }),
               "params.def: a node parameter has no object");
 
 constexpr std::uint64_t params_hash() {

@@ -50,8 +50,8 @@ struct SegmentHeader {
   Word layout_hash;
   Word bytes;
   Word writer_pid;
-  Word start_time_ns;  // the core's steady clock at its start; also tells two lives of the core apart
-  Word start_utc_ns;   // wall clock at that moment: the anchor for people's time
+  Word start_time_ns;   // the core's steady clock at its start; also tells two lives of the core apart
+  Word start_utc_ns;    // wall clock at that moment: the anchor for people's time
   Word commands_taken;  // state segment only: how many commands of the attached server the core has read
   Word reserved;
 };

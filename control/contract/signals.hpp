@@ -43,9 +43,9 @@ struct SignalInfo {
 };
 
 inline constexpr std::array kSignals{
-#define HOIST_SIGNAL(id, type, name, unit, lsb, title_en, title_de, doc)                                                    \
-  SignalInfo{id, SignalType::type, #name, unit, static_cast<double>(lsb), offsetof(TickRecord, name), sizeof(signal_cpp::type), \
-             title_en, title_de, doc},
+#define HOIST_SIGNAL(id, type, name, unit, lsb, title_en, title_de, doc)                                                              \
+  SignalInfo{id,       SignalType::type, #name, unit, static_cast<double>(lsb), offsetof(TickRecord, name), sizeof(signal_cpp::type), \
+             title_en, title_de,         doc},
 #include "control/contract/signals.def"
 #undef HOIST_SIGNAL
 };
@@ -67,19 +67,26 @@ inline double signal_value(const TickRecord& record, std::size_t index) {
     return static_cast<double>(value);
   };
   switch (s.type) {
-    case SignalType::u64: return read(std::uint64_t{});
-    case SignalType::u32: return read(std::uint32_t{});
-    case SignalType::i32: return read(std::int32_t{});
-    case SignalType::f32: return read(float{});
-    case SignalType::u16: return read(std::uint16_t{});
-    case SignalType::u8: return read(std::uint8_t{});
+    case SignalType::u64:
+      return read(std::uint64_t{});
+    case SignalType::u32:
+      return read(std::uint32_t{});
+    case SignalType::i32:
+      return read(std::int32_t{});
+    case SignalType::f32:
+      return read(float{});
+    case SignalType::u16:
+      return read(std::uint16_t{});
+    case SignalType::u8:
+      return read(std::uint8_t{});
   }
   return 0.0;
 }
 
 static_assert(unique_by(kSignals, [](const SignalInfo& s) { return s.id; }), "signals.def: an id is used twice");
 static_assert(unique_by(kSignals, [](const SignalInfo& s) { return s.name; }), "signals.def: a name is used twice");
-static_assert(all_rows(kSignals, [](const SignalInfo& s) { return s.lsb > 0 && !s.title_en.empty() && !s.title_de.empty() && !s.doc.empty(); }),
+static_assert(all_rows(kSignals,
+                       [](const SignalInfo& s) { return s.lsb > 0 && !s.title_en.empty() && !s.title_de.empty() && !s.doc.empty(); }),
               "signals.def: a row lacks its step or its words");
 namespace detail {
 consteval bool no_hidden_padding() {

@@ -50,8 +50,8 @@ class FixedVector {
 
 /// Everything a step may know. The caller copies from shared memory once; the core trusts no field of `commands` and `drive`.
 struct TickInputs {
-  std::uint64_t tick = 0;     // number of this step since the core started
-  std::uint64_t time_ns = 0;  // the steady clock at its wake-up
+  std::uint64_t tick = 0;                      // number of this step since the core started
+  std::uint64_t time_ns = 0;                   // the steady clock at its wake-up
   std::span<const contract::CanFrame> frames;  // received since the last step, in order
   std::uint32_t bus_refused_total = 0;         // lines and frames that the bus back end itself refused, since the start
   bool bus_up = false;

@@ -83,9 +83,7 @@ void CoreLink::end() noexcept {
   current_ = nullptr;
   inside_.store(false);
 }
-std::uint64_t CoreLink::heartbeat() const noexcept {
-  return current_ == nullptr ? 0 : current_->heartbeat.load(std::memory_order_relaxed);
-}
+std::uint64_t CoreLink::heartbeat() const noexcept { return current_ == nullptr ? 0 : current_->heartbeat.load(std::memory_order_relaxed); }
 std::size_t CoreLink::read_commands(std::span<contract::Command> out, std::uint64_t& lost) noexcept {
   lost = 0;
   if (current_ == nullptr) return 0;

@@ -82,7 +82,8 @@ void write_header(contract::SegmentHeader& header, std::uint64_t magic, std::siz
 
 std::string check_header(const contract::SegmentHeader& header, std::uint64_t magic, std::size_t bytes) {
   if (header.magic.load(std::memory_order_acquire) != magic) return "the other side's memory is not a segment of this product";
-  if (header.layout_hash.load(std::memory_order_relaxed) != contract::layout_hash() || header.bytes.load(std::memory_order_relaxed) != bytes)
+  if (header.layout_hash.load(std::memory_order_relaxed) != contract::layout_hash() ||
+      header.bytes.load(std::memory_order_relaxed) != bytes)
     return "core and server are different builds: restart both from the same build";
   return {};
 }

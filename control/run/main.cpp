@@ -74,7 +74,10 @@ std::string parse(int argc, char** argv, Options& options, bool& help) {
       options.real_time = false;
       continue;
     }
-    std::string* text = argument == "--bus" ? &options.bus : argument == "--socket" ? &options.socket : argument == "--params" ? &options.params : nullptr;
+    std::string* text = argument == "--bus"      ? &options.bus
+                        : argument == "--socket" ? &options.socket
+                        : argument == "--params" ? &options.params
+                                                 : nullptr;
     if (text == nullptr && argument != "--set") return "unknown argument " + std::string(argument) + "; --help lists them";
     if (++i == argc) return std::string(argument) + " needs a value";
     if (text != nullptr)
@@ -97,7 +100,8 @@ std::string apply_set(contract::Params& params, const std::string& assignment) {
   const contract::ParamInfo& info = contract::kParams[*index];
   if (error != std::errc() || at != end || contract::check_param(*index, value) != contract::ParamCheck::ok) {
     char text[200];
-    std::snprintf(text, sizeof text, "%s must be a number from %g to %g %s", name.c_str(), info.min, info.max, std::string(info.unit).c_str());
+    std::snprintf(text, sizeof text, "%s must be a number from %g to %g %s", name.c_str(), info.min, info.max,
+                  std::string(info.unit).c_str());
     return text;
   }
   contract::set_param_unchecked(params, *index, value);
@@ -159,7 +163,8 @@ int main(int argc, char** argv) {
     const run::LoadedParams loaded = run::load_parameter_file(options.params);
     for (const std::string& remark : loaded.remarks) std::cerr << "hoist-control: " << remark << "\n";
     if (!loaded.usable) {
-      std::cerr << "hoist-control: " << loaded.problem << "\n  Parameters decide how hard this machine may push a patient, so it does not start on guesses.\n"
+      std::cerr << "hoist-control: " << loaded.problem
+                << "\n  Parameters decide how hard this machine may push a patient, so it does not start on guesses.\n"
                 << "  Move the file away to start from the defaults.\n";
       return 1;
     }
@@ -182,7 +187,8 @@ int main(int argc, char** argv) {
     std::cerr << "hoist-control: " << error << "\n";
     return 2;
   }
-  std::unique_ptr<publish::CoreLink> link = publish::CoreLink::create(options.socket, now_ns(CLOCK_MONOTONIC), now_ns(CLOCK_REALTIME), error);
+  std::unique_ptr<publish::CoreLink> link =
+      publish::CoreLink::create(options.socket, now_ns(CLOCK_MONOTONIC), now_ns(CLOCK_REALTIME), error);
   if (!link) {
     std::cerr << "hoist-control: " << error << "\n";
     return 1;
@@ -207,7 +213,8 @@ int main(int argc, char** argv) {
     if (refused == 0)
       std::cout << "hoist-control: real-time priority " << kControlPriority << " (SCHED_FIFO)" << std::endl;
     else
-      std::cout << "hoist-control: no real-time priority (" << std::strerror(refused) << "): steps may be late when this computer is busy" << std::endl;
+      std::cout << "hoist-control: no real-time priority (" << std::strerror(refused) << "): steps may be late when this computer is busy"
+                << std::endl;
   }
 
   // A value given by --set holds for this run only: the file changes when somebody changes a parameter.
@@ -219,7 +226,8 @@ int main(int argc, char** argv) {
     if (options.params.empty() || !link->params(in_force) || in_force.version == before.version) continue;
     contract::Params to_store = stored;
     for (std::size_t i = 0; i < contract::kParamCount; ++i) {
-      const bool only_this_run = in_force.values[i] == contract::get_param(params, i) && contract::get_param(params, i) != contract::get_param(stored, i);
+      const bool only_this_run =
+          in_force.values[i] == contract::get_param(params, i) && contract::get_param(params, i) != contract::get_param(stored, i);
       if (!only_this_run) contract::set_param_unchecked(to_store, i, in_force.values[i]);
     }
     if (const std::string problem = run::save_parameter_file(options.params, to_store); !problem.empty())

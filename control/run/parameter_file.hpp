@@ -8,10 +8,10 @@
 namespace hoist::run {
 
 struct LoadedParams {
-  contract::Params params;            // defaults where the file says nothing
-  bool usable = false;                // false: the file exists and must not be used; `problem` says why
+  contract::Params params;  // defaults where the file says nothing
+  bool usable = false;      // false: the file exists and must not be used; `problem` says why
   std::string problem;
-  std::vector<std::string> remarks;   // unknown names, values out of range that were left at their default
+  std::vector<std::string> remarks;  // unknown names, values out of range that were left at their default
 };
 // A missing file is a first start: defaults, usable.
 LoadedParams load_parameter_file(const std::string& path);

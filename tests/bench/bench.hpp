@@ -11,10 +11,10 @@ struct Row {
   std::string what;
   double value = 0;
   std::string unit;
-  double floor = 0;        // 0: no floor, the value stands alone
+  double floor = 0;  // 0: no floor, the value stands alone
   std::string floor_what;
-  double goal_ratio = 0;   // largest ratio wanted; 0: none
-  double goal_value = 0;   // for rows without a floor; 0: none
+  double goal_ratio = 0;  // largest ratio wanted; 0: none
+  double goal_value = 0;  // for rows without a floor; 0: none
   bool more_is_better = false;
   std::string note;
 };

@@ -54,7 +54,8 @@ double percentile(std::vector<double>& values, double p) {
 
 Rows measure_loop(const std::string& bin, double seconds) {
   const TemporaryFolder folder;
-  const Process sim({bin + "/hoist-sim", "--scenario", "stand", "--pty-link", folder / "can", "--control", folder / "sim.sock"}, folder / "log");
+  const Process sim({bin + "/hoist-sim", "--scenario", "stand", "--pty-link", folder / "can", "--control", folder / "sim.sock"},
+                    folder / "log");
   const Process control({bin + "/hoist-control", "--bus", "slcan:" + (folder / "can"), "--socket", folder / "core.sock"}, folder / "log");
   publish::ServerLink link(folder / "core.sock");
   for (int i = 0; i < 500 && !link.poll_connect(); ++i) ::poll(nullptr, 0, 10);
@@ -88,9 +89,10 @@ Rows measure_loop(const std::string& bin, double seconds) {
   const std::string bare = "bare 100 Hz loop, same seconds";
   return {{"control loop wake-up lateness, median", percentile(core_us, 0.5), "us", percentile(bare_us, 0.5), bare, 1.15, 0, false, note},
           {"control loop wake-up lateness, 99 %", percentile(core_us, 0.99), "us", percentile(bare_us, 0.99), bare, 1.3, 0, false, ""},
-          {"control loop step, bus reading and writing included, median", percentile(step_us, 0.5), "us", 0, "", 0, 0, false, "SLCAN over a pty"},
-          {"control program CPU per step", static_cast<double>(cpu_ns) * 1e-3 / std::max<double>(1.0, static_cast<double>(core_us.size())), "us", 0,
-           "", 0, 0, false, "all threads"}};
+          {"control loop step, bus reading and writing included, median", percentile(step_us, 0.5), "us", 0, "", 0, 0, false,
+           "SLCAN over a pty"},
+          {"control program CPU per step", static_cast<double>(cpu_ns) * 1e-3 / std::max<double>(1.0, static_cast<double>(core_us.size())),
+           "us", 0, "", 0, 0, false, "all threads"}};
 }
 
 }  // namespace hoist::bench

@@ -60,7 +60,8 @@ double bare_law_ns() {
       law::pfp_turn_step(rotation, w, intent.u_psi_norm, 0.01);
       auto wheels = law::wheel_speeds(law::platform_speed(v.v_units, w.omega_units, law::SpeedScale<double>{}), 0.7);
       benchmark::DoNotOptimize(wheels);
-      benchmark::DoNotOptimize(law::odometry_step(odometry, pose, static_cast<std::int32_t>(at & 1023U), static_cast<std::int32_t>(at & 511U)));
+      benchmark::DoNotOptimize(
+          law::odometry_step(odometry, pose, static_cast<std::int32_t>(at & 1023U), static_cast<std::int32_t>(at & 511U)));
     }
     benchmark::DoNotOptimize(pose);
   });
@@ -106,8 +107,9 @@ double tick_ns() {
 Rows measure_law_and_tick() {
   const double law_ns = bare_law_ns();
   const double tick_ns = bench::tick_ns();
-  return {{"bare law (eqs 1-3, Algorithms 1 and 2, mixing, odometry)", law_ns, "ns", 0, "", 0, 0, false, ""},
-          {"whole tick, walking (estimate to safety gate)", tick_ns, "ns", law_ns, "bare law", 5.0, 0, false, "frames of a simulated walk"}};
+  return {
+      {"bare law (eqs 1-3, Algorithms 1 and 2, mixing, odometry)", law_ns, "ns", 0, "", 0, 0, false, ""},
+      {"whole tick, walking (estimate to safety gate)", tick_ns, "ns", law_ns, "bare law", 5.0, 0, false, "frames of a simulated walk"}};
 }
 
 Rows measure_shared_memory() {
@@ -151,7 +153,8 @@ Rows measure_shared_memory() {
 
 Rows measure_simulator() {
   const double speed = tests::simulated_seconds_per_second(60.0);
-  return {{"simulator: whole closed loop, as a multiple of real time", speed, "x", 0, "", 0, 300, true, "core, nodes, bus, plant and patient on one core"}};
+  return {{"simulator: whole closed loop, as a multiple of real time", speed, "x", 0, "", 0, 300, true,
+           "core, nodes, bus, plant and patient on one core"}};
 }
 
 }  // namespace hoist::bench

@@ -105,10 +105,11 @@ class FrameCounter {
 Rows measure_websocket(const std::string& bin, int clients, double seconds) {
   const TemporaryFolder folder;
   const std::uint16_t port = free_port();
-  const Process sim({bin + "/hoist-sim", "--scenario", "stand", "--pty-link", folder / "can", "--control", folder / "sim.sock"}, folder / "log");
+  const Process sim({bin + "/hoist-sim", "--scenario", "stand", "--pty-link", folder / "can", "--control", folder / "sim.sock"},
+                    folder / "log");
   const Process control({bin + "/hoist-control", "--bus", "slcan:" + (folder / "can"), "--socket", folder / "core.sock"}, folder / "log");
-  const Process server({bin + "/hoist-server", "--socket", folder / "core.sock", "--port", std::to_string(port), "--web", folder / "", "--db",
-                        folder / "hoist.db", "--scenario", "stand", "--token-file", folder / "token"},
+  const Process server({bin + "/hoist-server", "--socket", folder / "core.sock", "--port", std::to_string(port), "--web", folder / "",
+                        "--db", folder / "hoist.db", "--scenario", "stand", "--token-file", folder / "token"},
                        folder / "log");
   std::string token, answer;
   std::vector<int> sockets;
@@ -162,7 +163,8 @@ Rows measure_websocket(const std::string& bin, int clients, double seconds) {
   if (messages < 1) throw std::runtime_error("no telemetry arrived");
   return {{"server CPU per delivered WebSocket message", cpu_us / messages, "us", 0, "", 0, 0, false,
            std::to_string(sockets.size()) + " clients, 20 messages/s each, recorder idle, whole process"},
-          {"WebSocket messages per second and client", messages / seconds / static_cast<double>(sockets.size()), "1/s", 20, "asked", 1.02, 0, false, ""}};
+          {"WebSocket messages per second and client", messages / seconds / static_cast<double>(sockets.size()), "1/s", 20, "asked", 1.02,
+           0, false, ""}};
 }
 
 }  // namespace hoist::bench

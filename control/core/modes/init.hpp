@@ -17,8 +17,8 @@ struct InitMode {
       return !tilt.fresh().stale() && !tilt.has(tilt_status::kSelfTestFailed) && !tilt.has(tilt_status::kGyroSaturated);
     };
     // A bus that has only just come up may still go again; outside INIT that would be a fault.
-    const bool ready = state.bus_settle_ticks == 0 && state.master.all_running() && sound(sensed.left_strut) && sound(sensed.right_strut) && sound(sensed.base) &&
-                       !sensed.drives_lost() && !sensed.io.fresh().lost() && sensed.io.battery_known();
+    const bool ready = state.bus_settle_ticks == 0 && state.master.all_running() && sound(sensed.left_strut) && sound(sensed.right_strut) &&
+                       sound(sensed.base) && !sensed.drives_lost() && !sensed.io.fresh().lost() && sensed.io.battery_known();
     state.clear_ticks =
         !ready ? std::uint8_t{0} : static_cast<std::uint8_t>(state.clear_ticks < kClearTicks ? state.clear_ticks + 1 : kClearTicks);
     return {0, 0, Braking::none, state.clear_ticks == kClearTicks};
