@@ -102,7 +102,10 @@ std::string_view type_name(ObjectType type) {
 
 // Bits of a frame with 11-bit id and `bytes` data bytes at worst bit stuffing, with the 3 bits between frames
 // (Davis, Burns, Bril, Lukkien 2007).
-constexpr double worst_frame_bits(std::size_t bytes) { return static_cast<double>(47 + 8 * bytes + (34 + 8 * bytes - 1) / 4); }
+constexpr double worst_frame_bits(std::size_t bytes) {
+  const std::size_t stuffed_bits = (34 + 8 * bytes - 1) / 4;  // whole bits, rounded down
+  return static_cast<double>(47 + 8 * bytes + stuffed_bits);
+}
 
 GeneratedFile can_page() {
   constexpr double kBitsPerSecond = 250000.0, kSyncHz = 100.0, kHeartbeatHz = 10.0;
