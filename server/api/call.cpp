@@ -27,7 +27,7 @@ void Call::respond(Response response) {
 
 void in_background(const CallPtr& call, std::function<Response(Records&)> work) {
   Services& services = call->services;
-  auto job = [call, work = std::move(work), post = services.post, path = call->request.path](Records& records) mutable {
+  auto job = [held = call, work = std::move(work), post = services.post, path = call->request.path](Records& records) mutable {
     Response response;
     try {
       response = work(records);
@@ -35,7 +35,7 @@ void in_background(const CallPtr& call, std::function<Response(Records&)> work) 
       response = problem_response(kUnfinished, path);
     }
     // The call belongs to the network thread and must also end there.
-    post([held = std::move(call), answer = std::move(response)]() mutable { held->respond(std::move(answer)); });
+    post([held = std::move(held), answer = std::move(response)]() mutable { held->respond(std::move(answer)); });
   };
   if (!services.recorder.run(std::move(job)))
     call->fail({.status = 503, .name = "busy", .title = "The recorder is busy", .detail = "Try again in a moment."});
