@@ -14,12 +14,13 @@
 
 namespace hoist::firmware {
 
-inline constexpr std::uint32_t kTiltSample_ms = 10;        // paper T5: 100 Hz; the printed gain belongs to this rate
-inline constexpr std::uint32_t kTiltSampleMin_ms = 5;      // a SYNC sooner than this after a sample sends but does not sample
-inline constexpr std::uint32_t kTiltSyncLost_ms = 12;      // then the node's own clock takes over
-inline constexpr std::uint32_t kTiltGap_ms = 100;          // after a longer gap the angle starts anew from gravity
-inline constexpr std::uint32_t kTiltStillSamples = 200;    // D23: a still 2 s at power-on
-inline constexpr std::uint32_t kTiltReadFailuresMax = 10;  // unusable readings in a row: the sensor has failed
+inline constexpr std::uint32_t kTiltSample_ms = 10;      // paper T5: 100 Hz; the printed gain belongs to this rate
+inline constexpr std::uint32_t kTiltSampleMin_ms = 5;    // a SYNC sooner than this after a sample sends but does not sample
+inline constexpr std::uint32_t kTiltSyncLost_ms = 12;    // then the node's own clock takes over
+inline constexpr std::uint32_t kTiltGap_ms = 100;        // after a longer gap the angle starts anew from gravity
+inline constexpr std::uint32_t kTiltStillSamples = 200;  // D23: a still 2 s at power-on
+inline constexpr std::uint32_t kTiltQuarterSamples = kTiltStillSamples / 4;  // its first and last quarter are compared
+inline constexpr std::uint32_t kTiltReadFailuresMax = 10;                    // unusable readings in a row: the sensor has failed
 inline constexpr float kGravity_m_s2 = 9.80665F;
 inline constexpr float kAccelerationMax_m_s2 = 19.0F;  // just inside the +-2 g that resolve a walking tilt best
 inline constexpr float kRateMax_rad_s = 4.3F;          // just inside +-250 deg/s
@@ -181,15 +182,15 @@ class TiltNode {
     const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
     for (std::size_t i = 0; i < 2; ++i) {
       axes_[i].angle_sum_rad += angles_rad[i];
-      if (window_.samples < kTiltStillSamples / 4) axes_[i].first_angle_rad += angles_rad[i];
-      if (window_.samples >= kTiltStillSamples - kTiltStillSamples / 4) axes_[i].last_angle_rad += angles_rad[i];
+      if (window_.samples < kTiltQuarterSamples) axes_[i].first_angle_rad += angles_rad[i];
+      if (window_.samples >= kTiltStillSamples - kTiltQuarterSamples) axes_[i].last_angle_rad += angles_rad[i];
     }
     window_.rate_sum_rad_s[0] += s.alpha_rate_rad_s - window_.first.alpha_rate_rad_s;
     window_.rate_sum_rad_s[1] += s.beta_rate_rad_s - window_.first.beta_rate_rad_s;
     window_.rate_sum_rad_s[2] += s.yaw_rate_rad_s - window_.first.yaw_rate_rad_s;
     if (++window_.samples < kTiltStillSamples) return;
 
-    constexpr float kQuarter = static_cast<float>(kTiltStillSamples / 4);
+    constexpr float kQuarter = static_cast<float>(kTiltQuarterSamples);
     for (const Axis& axis : axes_) {
       if (above((axis.last_angle_rad - axis.first_angle_rad) / kQuarter, kStillTurn_rad)) {
         window_ = {};
