@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "control/contract/can_frame.hpp"
 
@@ -29,43 +30,106 @@ struct ImuSample {
   float yaw_rate_rad_s = 0;    // > 0 while turning left
 };
 
+// What a CAN controller says about itself. The states are those of ISO 11898: warning from 96 errors on, passive from 128 on, bus_off
+// above 255 transmit errors: it then neither sends nor hears until it is asked to return.
+struct CanHealth {
+  enum class State : std::uint8_t { active, warning, passive, bus_off };
+  State state = State::active;
+  std::uint8_t tx_errors = 0, rx_errors = 0;
+  std::uint32_t lost = 0;  // received frames lost for want of room, since power-on
+  friend constexpr bool operator==(const CanHealth&, const CanHealth&) = default;
+};
+
 // Every board. send() hands one frame to the controller: false when it has no room, the frame is then not sent.
 // simulated() is true for every board that is not the real machine; the node then says so in its product code (1018h:2, bit 31).
+// can_restart() lets a controller that is bus-off begin its way back (128 times 11 recessive bits); in any other state it does nothing.
 template <class B>
 concept CanBoard = requires(B board, const B constant, const contract::CanFrame& frame) {
   { board.send(frame) } -> std::same_as<bool>;
   { constant.simulated() } -> std::same_as<bool>;
+  { constant.can_health() } -> std::same_as<CanHealth>;
+  { board.can_restart() } -> std::same_as<void>;
+};
+
+// Why the processor started. When the hardware shows several causes at once, the worst counts: watchdog, then software, pin, power.
+enum class ResetCause : std::uint8_t { power, pin, watchdog, software };
+
+// Two pages of flash that are erased one by one. Erased bytes read 0xFF. write() puts bytes into an erased place; false when the flash
+// refused or the bytes do not read back. Offsets and lengths are multiples of the chip's write unit, which divides 256.
+template <class F>
+concept FlashPages = requires(F flash, const F constant, int page, std::size_t offset, std::span<const std::byte> bytes) {
+  { F::kPageBytes } -> std::convertible_to<std::size_t>;
+  { flash.erase(page) } -> std::same_as<bool>;
+  { flash.write(page, offset, bytes) } -> std::same_as<bool>;
+  { constant.read(page) } -> std::same_as<std::span<const std::byte>>;
+};
+
+// A board whose node keeps parameters. restart() does not return on a microcontroller; into_loader leaves the word for the loader that
+// makes it stay there.
+template <class B>
+concept StoringBoard = CanBoard<B> && requires(B board, const B constant, bool into_loader) {
+  requires FlashPages<std::remove_cvref_t<decltype(board.flash())>>;
+  { constant.reset_cause() } -> std::same_as<ResetCause>;
+  { board.restart(into_loader) } -> std::same_as<void>;
+};
+
+// What is known about the inertial sensor. Until the chip has answered, none of it is true.
+struct ImuReport {
+  bool found = false;             // the chip answered, with its own identity
+  bool wrong_part = false;        // something answered with another identity: see who_am_i
+  bool self_test_failed = false;  // the chip's own self-test was outside its data sheet's limits, or registers did not keep their values
+  std::uint8_t who_am_i = 0;      // what the identity register said
+  friend constexpr bool operator==(const ImuReport&, const ImuReport&) = default;
 };
 
 // read_imu() is false when the sensor gave no new reading.
 template <class B>
-concept TiltBoard = CanBoard<B> && requires(B board, ImuSample& sample) {
+concept TiltBoard = StoringBoard<B> && requires(B board, const B constant, ImuSample& sample) {
   { board.read_imu(sample) } -> std::same_as<bool>;
+  { constant.imu_report() } -> std::same_as<ImuReport>;
 };
+
+// edge_time_us() of an encoder that has given fewer than two edges in one direction, or none for longer than the counter reaches.
+inline constexpr std::uint32_t kEdgeTimeUnknown_us = 0xFFFFFFFF;
 
 // The encoder counts up when the wheel drives forward and wraps at 32 bit. The current is positive when it drives forward. duty_norm is
 // -1 to 1 of the supply; set_bridge(false, 0) switches all transistors off, so that the motor coasts.
+//   edge_time_us()           microseconds between the last two edges, kEdgeTimeUnknown_us when unknown or after a change of direction
+//   illegal_encoder_steps()  how often both lines changed at once, since power-on; wraps
+//   driver_ok()              false while the bridge's driver reports a fault (nFAULT low)
+// A board that measures its own temperature has `float board_temperature_c()` besides; a node uses it when it is there.
 template <class B>
-concept DriveBoard = CanBoard<B> && requires(B board, bool enabled, float duty_norm) {
+concept DriveBoard = StoringBoard<B> && requires(B board, bool enabled, float duty_norm) {
   { board.encoder_counts() } -> std::same_as<std::int32_t>;
+  { board.edge_time_us() } -> std::same_as<std::uint32_t>;
+  { board.illegal_encoder_steps() } -> std::same_as<std::uint32_t>;
   { board.motor_current_a() } -> std::same_as<float>;
   { board.supply_v() } -> std::same_as<float>;
+  { board.driver_ok() } -> std::same_as<bool>;
   { board.set_bridge(enabled, duty_norm) } -> std::same_as<void>;
 };
-
-// Bits of bumpers(): 0 front, 1 rear, 2 left, 3 right, set = pressed. battery_v(0) and (1) are the two 12 V batteries.
 template <class B>
-concept IoBoard = CanBoard<B> && requires(B board, int battery) {
+concept MeasuresTemperature = requires(B board) {
+  { board.board_temperature_c() } -> std::same_as<float>;
+};
+
+// Bits of bumpers(): 0 front, 1 rear, 2 left, 3 right, set = pressed. battery_v(0) and (1) are the two 12 V batteries. set_outputs()
+// switches the eight outputs, bit n = output n; all are off after power-on.
+template <class B>
+concept IoBoard = StoringBoard<B> && requires(B board, int battery, std::uint8_t outputs) {
   { board.bumpers() } -> std::same_as<std::uint8_t>;
   { board.switches() } -> std::same_as<std::uint8_t>;
   { board.battery_v(battery) } -> std::same_as<float>;
+  { board.set_outputs(outputs) } -> std::same_as<void>;
 };
 
-// The serial line to the computer: both calls move as many bytes as are there or fit, and return how many.
+// The serial line to the computer: both calls move as many bytes as are there or fit, and return how many. uart_lost() counts the
+// characters that the line lost for want of room or by a framing error, since power-on; wraps.
 template <class B>
-concept GatewayBoard = CanBoard<B> && requires(B board, std::span<char> in, std::span<const char> out) {
+concept GatewayBoard = CanBoard<B> && requires(B board, const B constant, std::span<char> in, std::span<const char> out) {
   { board.uart_read(in) } -> std::same_as<std::size_t>;
   { board.uart_write(out) } -> std::same_as<std::size_t>;
+  { constant.uart_lost() } -> std::same_as<std::uint32_t>;
 };
 
 }  // namespace hoist::firmware

@@ -21,6 +21,7 @@ constexpr std::uint64_t kMillisecond_ns = 1'000'000;
 constexpr std::size_t kNodeCount = contract::kNodes.size();
 constexpr std::size_t kHostQueueMax = 256;
 constexpr double kAtRest_m_s = 0.005;
+constexpr double kTurn_rad = 6.283185307179586;
 
 constexpr std::size_t index(Node node) { return static_cast<std::size_t>(node); }
 constexpr Side side_of(Node node) { return node == Node::drive_left ? Side::left : Side::right; }
@@ -50,10 +51,13 @@ class Machine {
     const std::int32_t raw = plant_.encoder_counts(side_of(node));
     const auto moved = static_cast<std::uint32_t>(raw) - static_cast<std::uint32_t>(encoder.raw);
     encoder.raw = raw;
+    if (encoder.fault != World::EncoderFault::lost && moved != 0) note_edges(encoder, static_cast<std::int32_t>(moved), node);
     if (encoder.fault == World::EncoderFault::none) encoder.shown += moved;
     if (encoder.fault == World::EncoderFault::reversed) encoder.shown -= moved;
     return static_cast<std::int32_t>(encoder.shown);
   }
+  // The time between the last two edges, as a timer on the encoder's lines would show it.
+  std::uint32_t edge_time_us(Node node) { return encoders_[static_cast<std::size_t>(side_of(node))].edge_us; }
   float motor_current_a(Node node) { return static_cast<float>(plant_.motor_current_a(side_of(node))); }
   float supply_v() { return static_cast<float>(plant_.supply_v()); }
   void set_bridge(Node node, bool enabled, float duty_norm) { plant_.set_bridge(side_of(node), enabled, static_cast<double>(duty_norm)); }
@@ -68,8 +72,21 @@ class Machine {
   struct Encoder {
     std::int32_t raw{};
     std::uint32_t shown{};
+    std::uint32_t edge_us{firmware::kEdgeTimeUnknown_us};
+    std::int32_t last_step{};
     World::EncoderFault fault{World::EncoderFault::none};
   };
+  // Edges of a perfect encoder: evenly spaced at the shaft's speed. After a change of direction one more is needed.
+  void note_edges(Encoder& encoder, std::int32_t moved, Node node) {
+    const PlantParams& params = plant_.params();
+    const double shaft_rad_s = std::fabs(plant_.wheel_speed_m_s(side_of(node))) / params.wheel_radius_m * params.gear_ratio;
+    const double edge_us = 1e6 * kTurn_rad / (params.motor.counts_per_turn * shaft_rad_s);
+    const bool turned = (moved > 0) != (encoder.last_step > 0);
+    const bool known = (!turned || moved > 1 || moved < -1) && edge_us < 4e9;
+    encoder.edge_us = known ? static_cast<std::uint32_t>(edge_us) : firmware::kEdgeTimeUnknown_us;
+    encoder.last_step = moved;
+  }
+
   Plant& plant_;
   std::array<firmware::ImuSample, kPlaceCount> last_sample_{};
   std::array<bool, kPlaceCount> sensor_frozen_{};

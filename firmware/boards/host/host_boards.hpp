@@ -2,11 +2,13 @@
 //
 // Machine is whatever plays the hardware (firmware/sim/world.cpp); a board never sees more of it than its own wires:
 //   bool read_imu(contract::Node, firmware::ImuSample&)
-//   std::int32_t encoder_counts(contract::Node)   float motor_current_a(contract::Node)   float supply_v()
+//   std::int32_t encoder_counts(contract::Node)   std::uint32_t edge_time_us(contract::Node)   float motor_current_a(contract::Node)
+//   float supply_v()
 //   void set_bridge(contract::Node, bool enabled, float duty_norm)
 //   std::uint8_t bumpers()   std::uint8_t switches()   float battery_v(int)
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -24,29 +26,90 @@ class HostCan {
   explicit HostCan(bus::VirtualBus& bus) : bus_(bus), port_(bus.add_port()) {}
   bool send(const contract::CanFrame& frame) { return bus_.send(port_, frame); }
   [[nodiscard]] bool simulated() const { return true; }
+  // The bus in virtual time has no error counters: the health is what a test or a scenario says it is.
+  [[nodiscard]] CanHealth can_health() const { return health_; }
+  void can_restart() {
+    if (health_.state == CanHealth::State::bus_off) health_ = {CanHealth::State::active, 0, 0, health_.lost};
+  }
+  void set_can_health(const CanHealth& health) { health_ = health; }
   [[nodiscard]] std::size_t port() const { return port_; }
 
  private:
   bus::VirtualBus& bus_;
   std::size_t port_;
+  CanHealth health_{};
+};
+
+/// Two pages of flash in memory, empty when the simulation begins, and the reason of the last start.
+class HostStore {
+ public:
+  static constexpr std::size_t kPageBytes = 1024;
+  [[nodiscard]] bool erase(int page) {
+    if (page < 0 || page > 1) return false;
+    pages_[static_cast<std::size_t>(page)].fill(std::byte{0xFF});
+    return true;
+  }
+  [[nodiscard]] bool write(int page, std::size_t offset, std::span<const std::byte> bytes) {
+    if (page < 0 || page > 1 || offset > kPageBytes || bytes.size() > kPageBytes - offset) return false;
+    auto& target = pages_[static_cast<std::size_t>(page)];
+    for (std::size_t i = 0; i < bytes.size(); ++i) target[offset + i] &= bytes[i];  // flash only clears bits
+    return std::equal(bytes.begin(), bytes.end(), target.begin() + static_cast<std::ptrdiff_t>(offset));
+  }
+  [[nodiscard]] std::span<const std::byte> read(int page) const {
+    return page < 0 || page > 1 ? std::span<const std::byte>{} : std::span<const std::byte>(pages_[static_cast<std::size_t>(page)]);
+  }
+
+ private:
+  static constexpr std::array<std::byte, kPageBytes> erased() {
+    std::array<std::byte, kPageBytes> bytes{};
+    bytes.fill(std::byte{0xFF});
+    return bytes;
+  }
+  std::array<std::array<std::byte, kPageBytes>, 2> pages_{erased(), erased()};
+};
+
+/// What every board with parameters has besides its CAN controller. A restart is only noted: the world that runs the node carries it out.
+class HostStoringBoard : public HostCan {
+ public:
+  using HostCan::HostCan;
+  HostStore& flash() { return flash_; }
+  [[nodiscard]] ResetCause reset_cause() const { return cause_; }
+  void set_reset_cause(ResetCause cause) { cause_ = cause; }
+  void restart(bool into_loader) { restart_asked_ = true, loader_asked_ = into_loader; }
+  [[nodiscard]] bool restart_asked() const { return restart_asked_; }
+  [[nodiscard]] bool loader_asked() const { return loader_asked_; }
+  void restart_done() { restart_asked_ = loader_asked_ = false; }
+
+ private:
+  HostStore flash_{};
+  ResetCause cause_ = ResetCause::power;
+  bool restart_asked_ = false, loader_asked_ = false;
 };
 
 template <class Machine>
-class HostTiltBoard : public HostCan {
+class HostTiltBoard : public HostStoringBoard {
  public:
-  HostTiltBoard(bus::VirtualBus& bus, Machine& machine, contract::Node node) : HostCan(bus), machine_(machine), node_(node) {}
+  HostTiltBoard(bus::VirtualBus& bus, Machine& machine, contract::Node node) : HostStoringBoard(bus), machine_(machine), node_(node) {}
   bool read_imu(ImuSample& sample) { return machine_.read_imu(node_, sample); }
+  [[nodiscard]] ImuReport imu_report() const { return report_; }
+  void set_imu_report(const ImuReport& report) { report_ = report; }
 
  private:
   Machine& machine_;
   contract::Node node_;
+  ImuReport report_{true, false, false, 0};
 };
 
 template <class Machine>
-class HostDriveBoard : public HostCan {
+class HostDriveBoard : public HostStoringBoard {
  public:
-  HostDriveBoard(bus::VirtualBus& bus, Machine& machine, contract::Node node) : HostCan(bus), machine_(machine), node_(node) {}
+  HostDriveBoard(bus::VirtualBus& bus, Machine& machine, contract::Node node) : HostStoringBoard(bus), machine_(machine), node_(node) {}
   std::int32_t encoder_counts() { return machine_.encoder_counts(node_); }
+  std::uint32_t edge_time_us() { return machine_.edge_time_us(node_); }
+  std::uint32_t illegal_encoder_steps() { return illegal_encoder_steps_; }
+  bool driver_ok() { return driver_ok_; }
+  void add_illegal_encoder_step() { ++illegal_encoder_steps_; }
+  void set_driver_ok(bool ok) { driver_ok_ = ok; }
   float motor_current_a() { return machine_.motor_current_a(node_); }
   float supply_v() { return machine_.supply_v(); }
   void set_bridge(bool enabled, float duty_norm) { machine_.set_bridge(node_, enabled, duty_norm); }
@@ -54,18 +117,23 @@ class HostDriveBoard : public HostCan {
  private:
   Machine& machine_;
   contract::Node node_;
+  std::uint32_t illegal_encoder_steps_ = 0;
+  bool driver_ok_ = true;
 };
 
 template <class Machine>
-class HostIoBoard : public HostCan {
+class HostIoBoard : public HostStoringBoard {
  public:
-  HostIoBoard(bus::VirtualBus& bus, Machine& machine) : HostCan(bus), machine_(machine) {}
+  HostIoBoard(bus::VirtualBus& bus, Machine& machine) : HostStoringBoard(bus), machine_(machine) {}
   std::uint8_t bumpers() { return machine_.bumpers(); }
   std::uint8_t switches() { return machine_.switches(); }
   float battery_v(int battery) { return machine_.battery_v(battery); }
+  void set_outputs(std::uint8_t outputs) { outputs_ = outputs; }
+  [[nodiscard]] std::uint8_t outputs() const { return outputs_; }
 
  private:
   Machine& machine_;
+  std::uint8_t outputs_ = 0;
 };
 
 /// One direction of the serial line: bytes that have been written and not yet read. What does not fit is refused to the writer, as by a
@@ -100,6 +168,7 @@ class HostGatewayBoard : public HostCan {
   explicit HostGatewayBoard(bus::VirtualBus& bus) : HostCan(bus) {}
   std::size_t uart_read(std::span<char> in) { return from_computer_.read(in); }
   std::size_t uart_write(std::span<const char> out) { return to_computer_.write(out); }
+  [[nodiscard]] std::uint32_t uart_lost() const { return 0; }  // the line in this process loses nothing
 
   SerialFifo& from_computer() { return from_computer_; }
   SerialFifo& to_computer() { return to_computer_; }
