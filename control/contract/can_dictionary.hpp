@@ -223,12 +223,18 @@ enum class SdoAbort : std::uint32_t {
   write_only = 0x06010001,
   read_only = 0x06010002,
   no_object = 0x06020000,
+  hardware = 0x06060000,
   length = 0x06070010,
+  too_long = 0x06070012,
+  too_short = 0x06070013,
   no_sub = 0x06090011,
   range = 0x06090030,
   too_high = 0x06090031,
   too_low = 0x06090032,
+  transfer = 0x08000020,
+  local_control = 0x08000021,
   device_state = 0x08000022,
+  no_data = 0x08000024,
 };
 inline constexpr std::uint32_t kSimulatedProduct = 0x80000000U;  // bit of 1018h:2 set by builds for a simulator
 

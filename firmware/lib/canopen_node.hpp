@@ -17,13 +17,12 @@
 #include "control/contract/can_dictionary.hpp"
 #include "firmware/lib/board.hpp"
 #include "firmware/lib/object_table.hpp"
+#include "firmware/lib/sdo_server.hpp"
 
 namespace hoist::firmware {
 
-using contract::CanFrame;
 using contract::canopen::NmtCommand;
 using contract::canopen::NmtState;
-using contract::canopen::SdoAbort;
 
 // Emergency codes in use (CiA 301 and 402).
 namespace emcy {
@@ -52,6 +51,14 @@ constexpr std::uint32_t device_type(contract::NodeKind kind) {
   }
 }
 
+// Where the RPDO of a kind is in its kPdoRows. Outside of the node, because a class is not complete inside its own constants (clang).
+template <contract::NodeKind kKind>
+consteval std::size_t find_rpdo() {
+  for (std::size_t i = 0; i < kPdoRows<kKind>.size(); ++i)
+    if (kPdoRows<kKind>[i].direction == contract::PdoDirection::rx) return i;
+  return kNoObject;
+}
+
 struct NodeCounters {
   std::uint32_t wrong_length = 0;  // frames for this node with a DLC that the service does not have
   std::uint32_t out_of_range = 0;  // RPDOs refused because of a value
@@ -68,13 +75,17 @@ class CanopenNode {
   static constexpr auto& kRows = kObjectRows<kKind>;
   static constexpr auto& kPdos = kPdoRows<kKind>;
 
-  CanopenNode(Board& board, contract::Node node) : board_(board), node_id_(contract::node_id(node)), node_(node) { power_on(); }
+  CanopenNode(Board& board, contract::Node node)
+      : board_(board), node_id_(contract::node_id(node)), node_(node), sdo_(contract::node_id(node)) {
+    power_on();
+  }
 
   void power_on() {
     values_.restore();
     identify();
     state_ = NmtState::boot_up;
     counters_ = {};
+    sdo_ = SdoServer(node_id_);
     pdo_off_ = 0;
     errors_ = {};
     error_count_ = 0;
@@ -104,7 +115,9 @@ class CanopenNode {
     }
     if (++heartbeat_age_ms_ >= values_.template get<0x1017>() && board_.send(contract::canopen::heartbeat(node_id_, state_)))
       heartbeat_age_ms_ = 0;
-    if (sdo_waiting_ && board_.send(sdo_reply_)) sdo_waiting_ = false;
+    Dictionary<App> dictionary{*this, app};
+    sdo_.tick_1ms(dictionary);
+    send_sdo_answer();
     watch_heartbeat(app);
     watch_rpdo(app);
     send_timed_pdos();
@@ -115,7 +128,13 @@ class CanopenNode {
   [[nodiscard]] bool operational() const { return state_ == NmtState::operational; }
   [[nodiscard]] std::uint8_t node_id() const { return node_id_; }
   [[nodiscard]] contract::Node node() const { return node_; }
-  [[nodiscard]] const NodeCounters& counters() const { return counters_; }
+  [[nodiscard]] NodeCounters counters() const {
+    NodeCounters all = counters_;
+    all.wrong_length += sdo_.wrong_lengths();
+    all.unknown += sdo_.unknown();
+    all.sdo_aborts = sdo_.aborts();
+    return all;
+  }
   [[nodiscard]] ObjectValues<kKind>& values() { return values_; }
   [[nodiscard]] const ObjectValues<kKind>& values() const { return values_; }
   // RPDO1 has come within its deadline.
@@ -173,12 +192,7 @@ class CanopenNode {
     std::uint8_t error_register = 0;
   };
 
-  static consteval std::size_t find_rpdo() {
-    for (std::size_t i = 0; i < kPdos.size(); ++i)
-      if (kPdos[i].direction == contract::PdoDirection::rx) return i;
-    return kNoObject;
-  }
-  static constexpr std::size_t kRpdoAt = find_rpdo();
+  static constexpr std::size_t kRpdoAt = find_rpdo<kKind>();
   static constexpr bool kHasRpdo = kRpdoAt != kNoObject;
   static constexpr bool kHasHeartbeatConsumer = find_row<kKind>(0x1016, 1) != kNoObject;
 
@@ -194,7 +208,7 @@ class CanopenNode {
     heartbeat_age_ms_ = 0;
     watched_armed_ = false;
     rpdo_armed_ = false;
-    sdo_waiting_ = false;
+    sdo_.forget();
     emcy_count_ = 0;
     emcy_age_ms_ = 0xFFFF;
     pdo_syncs_ = {};
@@ -390,15 +404,6 @@ class CanopenNode {
     }
   }
 
-  void reply(const CanFrame& frame) {
-    sdo_reply_ = frame;
-    sdo_waiting_ = !board_.send(frame);
-  }
-  void abort_sdo(std::uint16_t index, std::uint8_t sub, SdoAbort code) {
-    ++counters_.sdo_aborts;
-    reply(contract::canopen::sdo(contract::canopen::kSdoReplyBase + node_id_, contract::canopen::kSdoAbort, index, sub,
-                                 static_cast<std::uint32_t>(code)));
-  }
   // Highest sub-index of an object that has several; 0 when the index does not exist or is a single value.
   static std::uint8_t highest_sub(std::uint16_t index) {
     std::uint8_t highest = 0;
@@ -407,47 +412,61 @@ class CanopenNode {
     return highest;
   }
 
-  // Expedited transfers. Whatever is asked, exactly one answer leaves, except to an abort.
+  // What the SDO server asks: the objects of this node, and the application's last word on writing them.
+  template <class App>
+  struct Dictionary {
+    CanopenNode& node;
+    App& app;
+
+    SdoAbort sdo_read(std::uint16_t index, std::uint8_t sub, SdoSource& source) {
+      const std::size_t at = find_row<kKind>(index, sub);
+      if (at != kNoObject) {
+        source.raw = node.values_.raw(at);
+        source.raw_bytes = static_cast<std::uint8_t>(contract::object_bytes(kRows[at].type));
+        return SdoAbort::none;
+      }
+      const std::uint8_t highest = highest_sub(index);
+      if (sub != 0 || highest == 0) return missing(index);
+      // Sub-index 0 of an array or record is how many there are; it is in no table.
+      source.raw = highest;
+      source.raw_bytes = 1;
+      return SdoAbort::none;
+    }
+    SdoAbort sdo_target(std::uint16_t index, std::uint8_t sub, SdoTarget& target) {
+      const std::size_t at = find_row<kKind>(index, sub);
+      if (at == kNoObject) return sub == 0 && highest_sub(index) != 0 ? SdoAbort::read_only : missing(index);
+      if (!kRows[at].writable) return SdoAbort::read_only;
+      target.bytes = static_cast<std::uint8_t>(contract::object_bytes(kRows[at].type));
+      return SdoAbort::none;
+    }
+    SdoAbort sdo_write(std::uint16_t index, std::uint8_t sub, std::uint32_t raw) {
+      const std::size_t at = find_row<kKind>(index, sub);
+      if (at == kNoObject) return SdoAbort::no_object;
+      if (!in_range(kRows[at], raw)) return SdoAbort::range;
+      if (const SdoAbort veto = app.check_write(index, sub, raw); veto != SdoAbort::none) return veto;
+      node.values_.set_raw(at, raw);
+      return SdoAbort::none;
+    }
+    // No node has a domain; programs are loaded by the boot loader.
+    SdoAbort sdo_domain_begin(std::uint16_t, std::uint8_t, std::uint32_t) { return SdoAbort::no_object; }
+    SdoAbort sdo_domain_data(std::span<const std::uint8_t>) { return SdoAbort::no_object; }
+    SdoAbort sdo_domain_end() { return SdoAbort::no_object; }
+    void sdo_domain_cancel() {}
+
+    static SdoAbort missing(std::uint16_t index) {
+      return highest_sub(index) != 0 || find_row<kKind>(index, 0) != kNoObject ? SdoAbort::no_sub : SdoAbort::no_object;
+    }
+  };
+
   template <class App>
   void on_sdo(const CanFrame& frame, App& app) {
     if (state_ == NmtState::stopped) return;
-    const std::uint16_t index = static_cast<std::uint16_t>(contract::read_le(&frame.data[1], 2));
-    const std::uint8_t sub = frame.data[3];
-    if (frame.dlc != 8) {
-      ++counters_.wrong_length;
-      return frame.dlc >= 4 ? abort_sdo(index, sub, SdoAbort::command) : abort_sdo(0, 0, SdoAbort::command);
-    }
-    const std::uint8_t command = frame.data[0];
-    if (command == contract::canopen::kSdoAbort) return;  // no transfer is ever open here
-    const bool download = (command & 0xF2U) == 0x22U;     // expedited; bit 0: size given, bits 2 and 3: bytes without data
-    if (!download && command != contract::canopen::kSdoUploadRequest) {
-      ++counters_.unknown;
-      return abort_sdo(index, sub, SdoAbort::command);
-    }
-    const std::size_t at = find_row<kKind>(index, sub);
-    if (at == kNoObject) {
-      const std::uint8_t highest = highest_sub(index);
-      const bool exists = highest != 0 || find_row<kKind>(index, 0) != kNoObject;
-      if (!exists) return abort_sdo(index, sub, SdoAbort::no_object);
-      if (sub != 0) return abort_sdo(index, sub, SdoAbort::no_sub);
-      // Sub-index 0 of an array or record is how many there are; it is in no table.
-      if (download) return abort_sdo(index, sub, SdoAbort::read_only);
-      return reply(contract::canopen::sdo(contract::canopen::kSdoReplyBase + node_id_, contract::canopen::sdo_upload_reply_command(1),
-                                          index, sub, highest));
-    }
-    const ObjectRow& row = kRows[at];
-    const std::size_t bytes = contract::object_bytes(row.type);
-    if (!download)
-      return reply(contract::canopen::sdo(contract::canopen::kSdoReplyBase + node_id_, contract::canopen::sdo_upload_reply_command(bytes),
-                                          index, sub, values_.raw(at)));
-    if (!row.writable) return abort_sdo(index, sub, SdoAbort::read_only);
-    const bool size_given = (command & 1U) != 0;
-    if (size_given && 4U - ((command >> 2) & 3U) != bytes) return abort_sdo(index, sub, SdoAbort::length);
-    const std::uint32_t raw = contract::read_le(&frame.data[4], bytes);
-    if (!in_range(row, raw)) return abort_sdo(index, sub, SdoAbort::range);
-    if (const SdoAbort veto = app.check_write(index, sub, raw); veto != SdoAbort::none) return abort_sdo(index, sub, veto);
-    values_.set_raw(at, raw);
-    reply(contract::canopen::sdo(contract::canopen::kSdoReplyBase + node_id_, contract::canopen::kSdoDownloadReply, index, sub, 0));
+    Dictionary<App> dictionary{*this, app};
+    sdo_.on_request(frame, dictionary);
+    send_sdo_answer();
+  }
+  void send_sdo_answer() {
+    if (sdo_.answer_waiting() && board_.send(sdo_.answer())) sdo_.answer_sent();
   }
 
   Board& board_;
@@ -475,8 +494,7 @@ class CanopenNode {
   std::size_t emcy_first_ = 0, emcy_count_ = 0;
   std::uint16_t emcy_age_ms_ = 0xFFFF;
 
-  bool sdo_waiting_ = false;
-  CanFrame sdo_reply_{};
+  SdoServer sdo_;
 };
 
 }  // namespace hoist::firmware

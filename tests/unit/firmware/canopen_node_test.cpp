@@ -85,8 +85,8 @@ TEST_F(DriveSdo, AbortsWithTheReason) {
   EXPECT_EQ(ask_left({0x40, 0x00, 0x22, 9, 0, 0, 0, 0}), aborted(kAnswerLeft, 0x2200, 9, 0x06090011));
   EXPECT_EQ(ask_left({0x40, 0x17, 0x10, 1, 0, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 1, 0x06090011));
   EXPECT_EQ(ask_left({0x2B, 0x41, 0x60, 0, 0, 0, 0, 0}), aborted(kAnswerLeft, 0x6041, 0, 0x06010002));
-  EXPECT_EQ(ask_left({0x2F, 0x17, 0x10, 0, 50, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x06070010));
-  EXPECT_EQ(ask_left({0x23, 0x17, 0x10, 0, 50, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x06070010));
+  EXPECT_EQ(ask_left({0x2F, 0x17, 0x10, 0, 50, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x06070013));
+  EXPECT_EQ(ask_left({0x23, 0x17, 0x10, 0, 50, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x06070012));
   EXPECT_EQ(ask_left({0x2B, 0x17, 0x10, 0, 9, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x06090030));
   EXPECT_EQ(read(0x1017, 0), 100U);  // nothing of all that was stored
   EXPECT_EQ(node_.stack().counters().sdo_aborts, 7U);
@@ -99,9 +99,12 @@ TEST_F(DriveSdo, ArraysTellHowManyTheyAre) {
 }
 
 TEST_F(DriveSdo, RefusesWhatItDoesNotSpeak) {
-  // Segmented download and upload segments, block transfer, unknown commands, a reserved bit: one abort each.
-  for (const int command : {0x21, 0x20, 0x00, 0x01, 0x60, 0x70, 0xA0, 0xC0, 0xE0, 0xFF, 0x41, 0x33})
+  // Block transfer, unknown commands, a reserved bit: one abort each.
+  for (const int command : {0xA0, 0xC0, 0xE0, 0xFF, 0x41, 0x33})
     EXPECT_EQ(ask_left({command, 0x17, 0x10, 0, 0, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x05040001)) << command;
+  // Segments of a transfer that nobody has begun; their bytes name no object.
+  for (const int command : {0x00, 0x01, 0x60, 0x70})
+    EXPECT_EQ(ask_left({command, 0x17, 0x10, 0, 0, 0, 0, 0}), aborted(kAnswerLeft, 0, 0, 0x05040001)) << command;
   // Short requests.
   EXPECT_EQ(ask_left({0x40, 0x17, 0x10, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x05040001));
   EXPECT_EQ(ask_left({0x40}), aborted(kAnswerLeft, 0, 0, 0x05040001));
