@@ -24,6 +24,9 @@ const lap_m = 4 * 0.6 + 2 * 0.8 * (Math.PI + 2 * Math.asin(0.8));
 const stillBelow_m_s = 0.02;
 /** From 0.65 m/s at 1.0 m/s² a stop takes 0.65 s; the rest is the way of the command on a busy machine. */
 const stopWithin_ms = 2500;
+/** Real time needs a computer that gives it. A case that failed while the simulated bus starved proves nothing: it is tried so often, then
+ * skipped with that reason. The same behaviour is judged in virtual time by the C++ tests, whatever the computer does. */
+const attemptsMax = 3;
 
 let stack;
 let browser;
@@ -114,6 +117,12 @@ const newestId = async () => (await stack.rest('GET', '/sessions?limit=1')).json
 const recordedSince = (before) =>
   until('the session is closed and in the list', async () => (await stack.rest('GET', '/sessions?limit=5')).json().items.find((item) => item.id > before && !item.recording), 20_000, 250);
 
+/** Thrown by a case that has nothing to look at; only the case before can have failed. */
+class NothingToJudge extends Error {}
+function needWalk() {
+  if (walked === null) throw new NothingToJudge('the walk that it looks at was not recorded');
+}
+
 async function padCentre() {
   const box = await page.locator('.pad').boundingBox();
   return { x: box.x + box.width / 2, y: box.y + box.height / 2, size: box.width };
@@ -177,7 +186,7 @@ const cases = {
   },
 
   async 'Sessions shows the walk with its figures, path and course'() {
-    assert(walked, 'there is no walked session');
+    needWalk();
     await page.goto(`${stack.origin}/#/sessions`);
     await page.locator('.session-item').first().click();
     await until('the similarity', async () => (await page.locator('.figures').textContent()).includes(walked.figures.C.toFixed(2)), 10_000);
@@ -190,7 +199,7 @@ const cases = {
   },
 
   async 'the CSV export has units, a row each 10 ms and no unexplained gap'() {
-    assert(walked, 'there is no walked session');
+    needWalk();
     await page.goto(`${stack.origin}/#/sessions`);
     await page.locator('.session-item').first().click();
     const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('link', { name: 'Table (CSV)' }).click()]);
@@ -355,6 +364,7 @@ const cases = {
 };
 
 const tests = [];
+const of = (status) => tests.filter((one) => one.status === status);
 const names = Object.keys(cases).filter((name) => name.includes(only));
 const skipAll = (reason) => names.forEach((name) => tests.push({ name, status: 'skipped', reason }));
 /** Null, or why the case failed. */
@@ -367,12 +377,13 @@ async function attempt(name) {
   }
 }
 
-/** The next case starts from running programs and a fresh page. */
+/** The next case starts from running programs, the patient at the start mark and a fresh page. */
 async function recover() {
   await page?.mouse.up().catch(() => {});
   await page?.close().catch(() => {});
   const start = { 'hoist-sim': () => stack.startSim(), 'hoist-control': () => stack.startControl(), 'hoist-server': () => stack.startServer() };
   for (const program of programs) if (stack.programs[program]?.ended) await start[program]().catch(() => {});
+  await stack.ask({ op: 'reset' }).catch(() => {});
   await openConsole().catch(() => {});
 }
 
@@ -399,14 +410,27 @@ else {
     if (!names.includes(signIn)) names.unshift(signIn);
     for (const name of names) {
       const began = performance.now();
-      let failure = await attempt(name);
-      if (failure !== null && (await stack.starved())) {
-        console.log(`again   ${name}: this computer was too busy for the simulated bus (${failure.message})`);
-        await recover();
+      let failure = null;
+      let busy = false;
+      // A computer that was too busy for two cases will hardly be better for the others: they get one attempt each.
+      const attempts = of('skipped').length < 2 ? attemptsMax : 1;
+      for (let round = 1; round <= attempts; round++) {
+        const lateBefore = await stack.lateCount();
         failure = await attempt(name);
+        busy = failure !== null && (await stack.starved(lateBefore));
+        if (!busy) break;
+        console.log(`busy    ${name}: this computer was too busy for the simulated bus (${failure.message})`);
+        await recover();
+      }
+      const took = `(${((performance.now() - began) / 1000).toFixed(1)} s)`;
+      if (busy || failure instanceof NothingToJudge) {
+        const reason = busy ? `this computer was too busy for the simulated bus` : failure.message;
+        tests.push({ name, status: 'skipped', reason });
+        console.log(`skipped ${name}: ${reason} ${took}`);
+        continue;
       }
       tests.push(failure === null ? { name, status: 'passed' } : { name, status: 'failed', reason: failure.message });
-      console.log(`${failure === null ? 'passed' : 'FAILED'}  ${name} (${((performance.now() - began) / 1000).toFixed(1)} s)`);
+      console.log(`${failure === null ? 'passed' : 'FAILED'}  ${name} ${took}`);
       if (failure !== null) {
         console.log(`${failure.stack}\n${stack.outputs()}`);
         if (shots && page && !page.isClosed()) await page.screenshot({ path: join(shots, `failed-${tests.length}.png`) }).catch(() => {});
@@ -422,7 +446,6 @@ else {
   }
 }
 
-const of = (status) => tests.filter((one) => one.status === status);
 for (const one of of('skipped')) console.log(`skipped  ${one.name}: ${one.reason}`);
 if (report)
   writeFileSync(
