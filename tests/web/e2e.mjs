@@ -85,7 +85,11 @@ async function startMotion(panel, name, mode) {
     async () => {
       const now = await modeName();
       if (now === mode) return true;
-      if (now === 'Stopped') await holdRelease();
+      if (now === 'Stopped') {
+        await holdRelease();
+        // The patient has gone some steps; figures of a walk count from the start mark.
+        await stack.ask({ op: 'reset' });
+      }
       if (await button(name).isEnabled().catch(() => false)) await button(name).click();
       await sleep(400);
       return (await modeName()) === mode;
