@@ -1,9 +1,12 @@
 #include "control/bus/slcan.hpp"
 
 #include <fcntl.h>
+#include <linux/serial.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -18,9 +21,32 @@ namespace {
 constexpr std::string_view kSetup = "\rC\rS5\rO\r";
 // The answer that counts is the one to `O`; the ones before it may be BEL (nothing to close, rate set while open).
 constexpr std::uint32_t kSetupAnswers = 4;
+constexpr const char* kGone = "the device has gone away";
+constexpr const char* kBusOff = "the adapter's controller is off the bus (bus-off): check wiring and termination";
+
+struct Baud {
+  std::uint32_t bits_s;
+  speed_t code;
+};
+// The rates that Linux has a name for and that are worth anything to a CAN bus.
+constexpr std::array kBauds{Baud{115200, B115200},   Baud{230400, B230400},   Baud{460800, B460800},   Baud{500000, B500000},
+                            Baud{576000, B576000},   Baud{921600, B921600},   Baud{1000000, B1000000}, Baud{1152000, B1152000},
+                            Baud{1500000, B1500000}, Baud{2000000, B2000000}, Baud{2500000, B2500000}, Baud{3000000, B3000000},
+                            Baud{3500000, B3500000}, Baud{4000000, B4000000}};
+const Baud* find_baud(std::uint32_t bits_s) {
+  const auto found = std::find_if(kBauds.begin(), kBauds.end(), [bits_s](const Baud& row) { return row.bits_s == bits_s; });
+  return found == kBauds.end() ? nullptr : &*found;
+}
 }  // namespace
 
-SlcanPort::SlcanPort(std::string path) : path_(std::move(path)) {}
+bool SlcanPort::valid_baud(std::uint32_t baud) noexcept { return find_baud(baud) != nullptr; }
+std::string SlcanPort::baud_list() {
+  std::string list;
+  for (const Baud& row : kBauds) list += (list.empty() ? "" : ", ") + std::to_string(row.bits_s);
+  return list;
+}
+
+SlcanPort::SlcanPort(std::string path, std::uint32_t baud) : path_(std::move(path)), baud_(baud) {}
 
 SlcanPort::~SlcanPort() {
   if (fd_ < 0) return;
@@ -33,15 +59,10 @@ void SlcanPort::open_device(std::uint64_t now_ns) noexcept {
   fd_ = ::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd_ < 0) {
     deadline_ns_ = now_ns + kRetryNs;
+    problem_ = errno == EACCES ? "the device may not be opened by this user" : "the device is not there";
     return;
   }
-  termios settings{};
-  if (::tcgetattr(fd_, &settings) == 0) {
-    ::cfmakeraw(&settings);
-    settings.c_cflag |= CLOCAL | CREAD | CRTSCTS;  // a pty ignores the handshake; a real gateway needs it at 1 Mbaud
-    ::cfsetspeed(&settings, B1000000);
-    ::tcsetattr(fd_, TCSANOW, &settings);
-  }
+  if (!set_up_line()) return close_device(now_ns, "the device is no serial line, or not at this rate");
   ::tcflush(fd_, TCIOFLUSH);
   decoder_.restart();
   if (ever_open_) ++counters_.reopened;
@@ -49,11 +70,34 @@ void SlcanPort::open_device(std::uint64_t now_ns) noexcept {
   begin_setup(now_ns);
 }
 
-void SlcanPort::close_device(std::uint64_t now_ns) noexcept {
+// Raw, eight bits, handshake by wire, the rate asked for. False when the line will not have it: tcsetattr() is content when any one
+// setting took, so the settings are read back.
+bool SlcanPort::set_up_line() noexcept {
+  const Baud* baud = find_baud(baud_);
+  termios wanted{}, got{};
+  if (baud == nullptr || ::tcgetattr(fd_, &wanted) != 0) return false;
+  ::cfmakeraw(&wanted);
+  wanted.c_cflag |= CLOCAL | CREAD | CRTSCTS;  // a pty ignores the handshake; a real gateway needs it at 1 Mbaud
+  wanted.c_cflag &= static_cast<tcflag_t>(~CSTOPB);
+  wanted.c_cc[VMIN] = 1;  // a read of zero bytes is then always a line that was hung up
+  wanted.c_cc[VTIME] = 0;
+  if (::cfsetspeed(&wanted, baud->code) != 0 || ::tcsetattr(fd_, TCSANOW, &wanted) != 0 || ::tcgetattr(fd_, &got) != 0) return false;
+  if (::cfgetospeed(&got) != baud->code || (got.c_lflag & (ICANON | ECHO)) != 0) return false;
+  // Converters of FTDI's kind hold bytes back for 16 ms unless the port is marked so. Others do not know the request, and need it not.
+  serial_struct serial{};
+  if (::ioctl(fd_, TIOCGSERIAL, &serial) == 0) {
+    serial.flags |= ASYNC_LOW_LATENCY;
+    [[maybe_unused]] const int refused = ::ioctl(fd_, TIOCSSERIAL, &serial);
+  }
+  return true;
+}
+
+void SlcanPort::close_device(std::uint64_t now_ns, const char* why) noexcept {
   if (fd_ >= 0) ::close(fd_);
   fd_ = -1;
   state_ = State::closed;
   pending_size_ = 0;
+  problem_ = why;
   deadline_ns_ = now_ns + kRetryNs;
 }
 
@@ -63,9 +107,12 @@ void SlcanPort::begin_setup(std::uint64_t now_ns) noexcept {
   setup_answers_ = 0;
   unanswered_ = 0;
   silences_ = 0;
+  // An adapter that is opened anew has left bus-off behind; if not, it will say so again.
+  counters_.state = BusState::active;
+  problem_ = "the adapter does not answer";
   std::memcpy(pending_.data(), kSetup.data(), kSetup.size());
   pending_size_ = kSetup.size();
-  if (!flush()) close_device(now_ns);
+  if (!flush()) close_device(now_ns, kGone);
 }
 
 // Writes what is pending; false when the device is gone.
@@ -86,13 +133,50 @@ void SlcanPort::on_answer(bool accepted, std::uint64_t now_ns) noexcept {
     // frames arrive. An adapter that skips one answer is caught by frames or by the deadline.
     if (++setup_answers_ < kSetupAnswers) return;
     if (accepted)
-      state_ = State::up;
+      become_up();
     else
       deadline_ns_ = now_ns;  // refused: set up again at the next look
     return;
   }
   if (unanswered_ > 0) --unanswered_;
   if (!accepted) ++counters_.send_refused;
+}
+
+void SlcanPort::become_up() noexcept {
+  state_ = State::up;
+  problem_ = counters_.state == BusState::off ? kBusOff : "";
+}
+
+// "s" and a letter with the two error counters: the controller's state has changed.
+void SlcanPort::on_state(const SlcanLine& line) noexcept {
+  const BusState before = counters_.state;
+  counters_.state = line.state == 'a'   ? BusState::active
+                    : line.state == 'w' ? BusState::warning
+                    : line.state == 'p' ? BusState::passive
+                                        : BusState::off;
+  counters_.rx_errors = line.rx_errors;
+  counters_.tx_errors = line.tx_errors;
+  if (counters_.state == BusState::off && before != BusState::off) {
+    ++counters_.bus_offs;
+    unanswered_ = 0;  // what was under way is lost with the bus
+  }
+  if (state_ == State::up) become_up();
+}
+
+// "e", how many letters, and a letter for each error: o and O are frames lost for want of room, the others faults on the wire. A line that
+// does not keep to that is refused.
+void SlcanPort::on_errors(std::string_view text) noexcept {
+  const std::size_t letters = text.size() >= 2 && text[1] >= '1' && text[1] <= '9' ? static_cast<std::size_t>(text[1] - '0') : 0;
+  constexpr std::string_view kKnown = "abBcfoOs";
+  const std::string_view errors = text.size() >= 2 ? text.substr(2) : std::string_view{};
+  if (letters == 0 || errors.size() != letters || errors.find_first_not_of(kKnown) != std::string_view::npos) {
+    ++counters_.refused;
+    return;
+  }
+  for (const char error : errors) {
+    if (error == 'o' || error == 'O') ++counters_.overflows;
+    ++counters_.bus_errors;
+  }
 }
 
 std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) noexcept {
@@ -105,13 +189,13 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
     const ssize_t got = ::read(fd_, read_buffer_.data(), read_buffer_.size());
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) break;
     if (got <= 0) {  // the other end closed, or the adapter was pulled out
-      close_device(now_ns);
+      close_device(now_ns, kGone);
       return count;
     }
     decoder_.feed(std::span<const char>(read_buffer_.data(), static_cast<std::size_t>(got)), [&](const SlcanLine& line) {
       switch (line.kind) {
         case SlcanKind::frame:
-          if (state_ == State::setting_up) state_ = State::up;
+          if (state_ == State::setting_up) become_up();
           if (count < out.size()) {
             out[count++] = line.frame;
             ++counters_.received;
@@ -126,10 +210,14 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
           on_answer(false, now_ns);
           break;
         case SlcanKind::refused:
-        case SlcanKind::error:
           ++counters_.refused;
           break;
+        case SlcanKind::error:
+          on_errors(line.text);
+          break;
         case SlcanKind::state:
+          on_state(line);
+          break;
         case SlcanKind::command:
           break;
       }
@@ -139,7 +227,7 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
   if (state_ == State::setting_up && now_ns >= deadline_ns_) {
     // Some adapters do not answer the empty line: three answers with the last accepted are a set-up adapter too.
     if (setup_answers_ == kSetupAnswers - 1)
-      state_ = State::up;
+      become_up();
     else
       begin_setup(now_ns);
   }
@@ -153,7 +241,7 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
 
 std::size_t SlcanPort::send(std::span<const CanFrame> frames, std::uint64_t now_ns) noexcept {
   std::size_t taken = 0;
-  if (state_ == State::up && pending_size_ == 0) {
+  if (up() && pending_size_ == 0) {
     for (const CanFrame& frame : frames) {
       if (unanswered_ >= kWindow) break;
       const std::size_t length =
@@ -167,16 +255,8 @@ std::size_t SlcanPort::send(std::span<const CanFrame> frames, std::uint64_t now_
   }
   counters_.sent += static_cast<std::uint32_t>(taken);
   counters_.send_refused += static_cast<std::uint32_t>(frames.size() - taken);
-  if (fd_ >= 0 && !flush()) close_device(now_ns);
+  if (fd_ >= 0 && !flush()) close_device(now_ns, kGone);
   return taken;
-}
-
-std::unique_ptr<CanPort> open_port(std::string_view address, std::string& error) {
-  constexpr std::string_view kSlcan = "slcan:";
-  if (address.starts_with(kSlcan) && address.size() > kSlcan.size())
-    return std::make_unique<SlcanPort>(std::string(address.substr(kSlcan.size())));
-  error = "unknown bus \"" + std::string(address) + "\": use slcan:PATH, for example slcan:/dev/ttyUSB0";
-  return nullptr;
 }
 
 }  // namespace hoist::bus

@@ -2,6 +2,7 @@
 // line through with bytes of the line before it.
 #pragma once
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -13,15 +14,23 @@ namespace hoist::bus {
 
 class SlcanPort final : public CanPort {
  public:
-  explicit SlcanPort(std::string path);
+  static constexpr std::uint32_t kDefaultBaud = 1'000'000;  // what a full bus needs (585 kbit/s) with room; 115200 is too slow
+  // `baud` must be one of the rates that valid_baud() knows.
+  explicit SlcanPort(std::string path, std::uint32_t baud = kDefaultBaud);
   ~SlcanPort() override;
   SlcanPort(const SlcanPort&) = delete;
   SlcanPort& operator=(const SlcanPort&) = delete;
 
   std::size_t receive(std::span<contract::CanFrame> out, std::uint64_t now_ns) noexcept override;
   std::size_t send(std::span<const contract::CanFrame> frames, std::uint64_t now_ns) noexcept override;
-  [[nodiscard]] bool up() const noexcept override { return state_ == State::up; }
+  // Also false while the adapter says that its controller is off the bus.
+  [[nodiscard]] bool up() const noexcept override { return state_ == State::up && counters_.state != BusState::off; }
   [[nodiscard]] const PortCounters& counters() const noexcept override { return counters_; }
+  [[nodiscard]] const char* problem() const noexcept override { return problem_.load(std::memory_order_relaxed); }
+
+  [[nodiscard]] static bool valid_baud(std::uint32_t baud) noexcept;
+  // "115200, 230400, ..." for refusals.
+  [[nodiscard]] static std::string baud_list();
 
   // Limits, each with its reason.
   static constexpr std::uint64_t kRetryNs = 200'000'000;    // reopening a device that went away (research: 200 ms)
@@ -34,12 +43,17 @@ class SlcanPort final : public CanPort {
  private:
   enum class State : std::uint8_t { closed, setting_up, up };
   void open_device(std::uint64_t now_ns) noexcept;
-  void close_device(std::uint64_t now_ns) noexcept;
+  [[nodiscard]] bool set_up_line() noexcept;
+  void close_device(std::uint64_t now_ns, const char* why) noexcept;
   void begin_setup(std::uint64_t now_ns) noexcept;
   void on_answer(bool accepted, std::uint64_t now_ns) noexcept;
+  void on_state(const contract::SlcanLine& line) noexcept;
+  void on_errors(std::string_view text) noexcept;
+  void become_up() noexcept;
   bool flush() noexcept;
 
   std::string path_;
+  std::uint32_t baud_;
   int fd_ = -1;
   State state_ = State::closed;
   bool ever_open_ = false;
@@ -50,6 +64,7 @@ class SlcanPort final : public CanPort {
   std::uint32_t silences_ = 0;
   contract::SlcanDecoder decoder_;
   PortCounters counters_;
+  std::atomic<const char*> problem_{"not opened yet"};
   // The tail of a write that the tty did not take whole: a line must be finished before the next one begins.
   std::array<char, 2048> pending_{};
   std::size_t pending_size_ = 0;

@@ -12,6 +12,8 @@
 #include <memory>
 #include <string>
 
+#include "control/bus/socketcan.hpp"
+
 namespace hoist::bus {
 namespace {
 using contract::CanFrame;
@@ -207,12 +209,121 @@ TEST_F(SlcanPortTest, ABabblingLineIsBoundedAndRefused) {
   EXPECT_EQ(receive(), 1U) << "a good line after noise is heard";
 }
 
+TEST_F(SlcanPortTest, BusOffOfTheAdapterStopsSendingUntilItIsBack) {
+  bring_up();
+  EXPECT_STREQ(port->problem(), "");
+  adapter.say("sw096000\r");
+  receive();
+  EXPECT_EQ(port->counters().state, BusState::warning);
+  EXPECT_EQ(port->counters().rx_errors, 96U);
+  EXPECT_TRUE(port->up());
+  adapter.say("sp001128\r");
+  receive();
+  EXPECT_EQ(port->counters().state, BusState::passive);
+  EXPECT_EQ(port->counters().tx_errors, 128U);
+  EXPECT_TRUE(port->up());
+  adapter.heard();
+
+  adapter.say("sb001255\r");
+  receive();
+  EXPECT_EQ(port->counters().state, BusState::off);
+  EXPECT_EQ(port->counters().bus_offs, 1U);
+  EXPECT_FALSE(port->up());
+  EXPECT_NE(std::string(port->problem()).find("bus-off"), std::string::npos);
+  const std::array out{frame(0x201, 1)};
+  EXPECT_EQ(port->send(out, now_ns), 0U) << "an old command must not wait for the bus";
+  EXPECT_EQ(adapter.heard(), "");
+
+  adapter.say("sa000000\r");
+  receive();
+  EXPECT_TRUE(port->up());
+  EXPECT_STREQ(port->problem(), "");
+  EXPECT_EQ(port->send(out, now_ns), 1U);
+}
+
+TEST_F(SlcanPortTest, CountsErrorsTheAdapterTellsAndRefusesLinesThatCannotBe) {
+  bring_up();
+  adapter.say("e1a\re3boO\r");
+  receive();
+  EXPECT_EQ(port->counters().bus_errors, 4U);
+  EXPECT_EQ(port->counters().overflows, 2U);
+  EXPECT_EQ(port->counters().refused, 0U);
+  for (const std::string bad : {"e\r", "e0\r", "e2a\r", "e1aa\r", "e1x\r", "eaa\r"}) {
+    const std::uint32_t before = port->counters().refused;
+    adapter.say(bad);
+    receive();
+    EXPECT_EQ(port->counters().refused, before + 1) << bad;
+  }
+  EXPECT_EQ(port->counters().bus_errors, 4U);
+  EXPECT_TRUE(port->up());
+}
+
+TEST_F(SlcanPortTest, SaysWhyItIsNotUp) {
+  SlcanPort nowhere("/nowhere/tty");
+  nowhere.receive(frames, now_ns);
+  EXPECT_STREQ(nowhere.problem(), "the device is not there");
+  SlcanPort no_tty("/dev/null");
+  no_tty.receive(frames, now_ns);
+  EXPECT_STREQ(no_tty.problem(), "the device is no serial line, or not at this rate");
+  EXPECT_FALSE(no_tty.up());
+  receive();
+  EXPECT_STREQ(port->problem(), "the adapter does not answer");
+}
+
+TEST_F(SlcanPortTest, SetsTheSerialLineUp) {
+  port = std::make_unique<SlcanPort>(adapter.path, 2'000'000);
+  bring_up();
+  const int fd = ::open(adapter.path.c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_GE(fd, 0);
+  termios settings{};
+  ASSERT_EQ(::tcgetattr(fd, &settings), 0);
+  ::close(fd);
+  EXPECT_EQ(::cfgetospeed(&settings), static_cast<speed_t>(B2000000));
+  EXPECT_NE(settings.c_cflag & CRTSCTS, 0U);
+  EXPECT_EQ(settings.c_lflag & (ICANON | ECHO | ISIG), 0U);
+  EXPECT_EQ(settings.c_iflag & (ICRNL | IXON), 0U) << "a CR that becomes a line feed would end no line";
+}
+
 TEST(OpenPort, RefusesUnknownWordsAndSaysWhatToWrite) {
   std::string error;
   EXPECT_EQ(open_port("can0", error), nullptr);
   EXPECT_NE(error.find("slcan:"), std::string::npos);
+  EXPECT_NE(error.find("socketcan:"), std::string::npos);
   EXPECT_EQ(open_port("slcan:", error), nullptr);
   EXPECT_NE(open_port("slcan:/nowhere", error), nullptr) << "a device that is not there yet is waited for";
+}
+
+TEST(OpenPort, RefusesARateThatIsNone) {
+  std::string error;
+  EXPECT_NE(open_port("slcan:/nowhere@115200", error), nullptr);
+  EXPECT_NE(open_port("slcan:/nowhere@3000000", error), nullptr);
+  for (const char* bad : {"slcan:/nowhere@", "slcan:/nowhere@1000001", "slcan:/nowhere@fast", "slcan:/nowhere@-1", "slcan:/nowhere@9600",
+                          "slcan:/nowhere@1000000 ", "slcan:@1000000"}) {
+    error.clear();
+    EXPECT_EQ(open_port(bad, error), nullptr) << bad;
+    EXPECT_FALSE(error.empty()) << bad;
+  }
+  open_port("slcan:/nowhere@9600", error);
+  EXPECT_NE(error.find("1000000"), std::string::npos) << "says what is allowed";
+}
+
+TEST(OpenPort, RefusesAnInterfaceNameThatCannotBe) {
+  std::string error;
+  for (const char* bad : {"socketcan:", "socketcan:a/b", "socketcan:sixteencharacter", "socketcan:..", "socketcan:can 0"}) {
+    error.clear();
+    EXPECT_EQ(open_port(bad, error), nullptr) << bad;
+    EXPECT_NE(error.find("15 characters"), std::string::npos) << bad;
+  }
+  // Whether this kernel has CAN or not: either a port that waits for its interface, or a refusal that says what is missing.
+  error.clear();
+  const auto port = open_port("socketcan:hoist-none", error);
+  if (SocketCanPort::kernel_problem().empty()) {
+    ASSERT_NE(port, nullptr);
+    EXPECT_FALSE(port->up());
+  } else {
+    EXPECT_EQ(port, nullptr);
+    EXPECT_EQ(error, SocketCanPort::kernel_problem());
+  }
 }
 
 }  // namespace
