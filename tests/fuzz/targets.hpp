@@ -1,0 +1,13 @@
+// The declarations of everything in targets.def.
+#pragma once
+#include "tests/fuzz/target.hpp"
+
+namespace hoist::fuzz {
+
+#define HOIST_FUZZ_TARGET(name)   \
+  void fuzz_##name(Bytes input); \
+  std::vector<Input> seeds_##name();
+#include "tests/fuzz/targets.def"
+#undef HOIST_FUZZ_TARGET
+
+}  // namespace hoist::fuzz
