@@ -38,6 +38,8 @@ const std::vector<Layer>& layers() {
       // run is the place that wires the others together. The bus master speaks CANopen with the nodes' own stack.
       {"control/run/", {"control/", "firmware/lib/"}, false},
       {"firmware/lib/", {"firmware/lib/", "control/contract/"}, true},
+      {"firmware/boot/host/", {"firmware/boot/", "firmware/lib/", "control/contract/"}, true},
+      {"firmware/boot/", {"firmware/boot/", "firmware/boards/", "firmware/lib/", "control/contract/"}, true},
       {"firmware/nodes/", {"firmware/nodes/", "firmware/lib/", "control/core/law/", "control/contract/"}, true},
       {"firmware/boards/",
        {"firmware/boards/", "firmware/nodes/", "firmware/lib/", "control/core/law/", "control/contract/", "control/bus/"},
@@ -87,7 +89,8 @@ const std::vector<Forbidden>& forbidden_in_pure_code() {
 }
 
 bool is_pure(std::string_view path) {
-  return starts_with(path, "control/core/") || starts_with(path, "firmware/nodes/") || starts_with(path, "firmware/lib/");
+  return starts_with(path, "control/core/") || starts_with(path, "firmware/nodes/") || starts_with(path, "firmware/lib/") ||
+         starts_with(path, "firmware/boot/");
 }
 
 // Tests wait for events or use virtual time. Whoever must let real time pass stands here with the reason.

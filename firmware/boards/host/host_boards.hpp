@@ -17,6 +17,7 @@
 #include "control/bus/virtual_bus.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "firmware/lib/board.hpp"
+#include "firmware/lib/program_control.hpp"
 
 namespace hoist::firmware {
 
@@ -26,6 +27,8 @@ class HostCan {
   explicit HostCan(bus::VirtualBus& bus) : bus_(bus), port_(bus.add_port()) {}
   bool send(const contract::CanFrame& frame) { return bus_.send(port_, frame); }
   [[nodiscard]] bool simulated() const { return true; }
+  /// Nothing that was sent still waits for the bus.
+  [[nodiscard]] bool sent_all() const { return bus_.waiting(port_) == 0; }
   // The bus in virtual time has no error counters: the health is what a test or a scenario says it is.
   [[nodiscard]] CanHealth can_health() const { return health_; }
   void can_restart() {
@@ -79,11 +82,15 @@ class HostStoringBoard : public HostCan {
   [[nodiscard]] bool restart_asked() const { return restart_asked_; }
   [[nodiscard]] bool loader_asked() const { return loader_asked_; }
   void restart_done() { restart_asked_ = loader_asked_ = false; }
+  /// What the loader of this board has found in its flash.
+  [[nodiscard]] ProgramInfo program() const { return program_; }
+  void set_program(const ProgramInfo& program) { program_ = program; }
 
  private:
   HostStore flash_{};
   ResetCause cause_ = ResetCause::power;
   bool restart_asked_ = false, loader_asked_ = false;
+  ProgramInfo program_{};
 };
 
 template <class Machine>

@@ -1,0 +1,37 @@
+// Four words of RAM that outlive a reset, at the same place for the loader and the application: whether the next start is to stay in the
+// loader, and how often the application was ended by its watchdog. After power-on they hold anything, so each word has its complement
+// beside it, and what does not fit counts as "nothing asked, no failure".
+#pragma once
+#include <cstdint>
+
+namespace hoist::firmware {
+
+struct Mailbox {
+  std::uint32_t request = 0, request_check = 0;
+  std::uint32_t failures = 0, failures_check = 0;
+};
+static_assert(sizeof(Mailbox) == 16);
+
+inline constexpr std::uint32_t kEnterLoader = 0x4C4F4144U;  // "LOAD"
+// After so many watchdog resets in a row the loader keeps the node (task of the loader: a program that cannot live must stay replaceable).
+inline constexpr std::uint32_t kFailedStartsMax = 3;
+// An application that has run for so long has started well; it then calls forget_failures().
+inline constexpr std::uint32_t kStartedWell_ms = 10000;
+
+constexpr void ask_for_loader(Mailbox& mailbox) {
+  mailbox.request = kEnterLoader;
+  mailbox.request_check = ~kEnterLoader;
+}
+constexpr void forget_request(Mailbox& mailbox) {
+  mailbox.request = 0;
+  mailbox.request_check = ~0U;
+}
+constexpr bool loader_asked(const Mailbox& mailbox) { return mailbox.request == kEnterLoader && mailbox.request_check == ~kEnterLoader; }
+constexpr std::uint32_t failures(const Mailbox& mailbox) { return mailbox.failures_check == ~mailbox.failures ? mailbox.failures : 0; }
+constexpr void set_failures(Mailbox& mailbox, std::uint32_t count) {
+  mailbox.failures = count;
+  mailbox.failures_check = ~count;
+}
+constexpr void forget_failures(Mailbox& mailbox) { set_failures(mailbox, 0); }
+
+}  // namespace hoist::firmware
