@@ -1,5 +1,5 @@
 // hoist-sim: the simulated hoist as a program. It runs the world in real time behind a pseudo terminal that speaks SLCAN like the real
-// gateway, so that hoist-control drives it unchanged.
+// gateway, or with its nodes directly on a CAN interface of the kernel, so that hoist-control drives it unchanged.
 #include <sched.h>
 #include <sys/prctl.h>
 #include <time.h>
@@ -13,10 +13,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "control/bus/can_port.hpp"
 #include "firmware/sim/request_socket.hpp"
 #include "firmware/sim/requests.hpp"
 #include "firmware/sim/serial_line.hpp"
@@ -47,15 +49,18 @@ struct Options {
   WorldOptions world;
   std::string link;
   std::string control;
+  std::string bus;
   double virtual_s{0.0};
 };
 
 void print_usage() {
   std::puts(
-      "hoist-sim: a simulated hoist with a walking patient, on a pseudo terminal that speaks SLCAN like the real gateway.\n"
+      "hoist-sim: a simulated hoist with a walking patient, on a pseudo terminal that speaks SLCAN like the real gateway, or on a CAN\n"
+      "interface.\n"
       "  --scenario NAME     what the patient does (default figure-eight; --list names them)\n"
       "  --list              the scenarios, one a line\n"
       "  --pty-link PATH     put a symbolic link to the pseudo terminal there\n"
+      "  --bus ADDRESS       the simulated nodes on a CAN interface, socketcan:NAME, instead of the pseudo terminal\n"
       "  --control PATH      answer requests (JSON lines) at this Unix socket; {\"op\":\"help\"} lists them\n"
       "  --seed N            seed of the sensors' noise (default 1)\n"
       "  --speed WISH_M_S    speed the patient likes to walk, 0.05 to 0.8 (default 0.30)\n"
@@ -97,7 +102,7 @@ Options read_options(int argc, char** argv) {
                     scenario.title.data());
       std::exit(0);
     }
-    constexpr std::array<std::string_view, 8> kNames{"--scenario", "--pty-link",     "--control",      "--seed",
+    constexpr std::array<std::string_view, 9> kNames{"--scenario", "--pty-link",     "--bus",          "--control", "--seed",
                                                      "--speed",    "--patient-mass", "--patient-seed", "--virtual"};
     bool known = false;
     for (const std::string_view one : kNames) known = known || one == name;
@@ -109,6 +114,9 @@ Options read_options(int argc, char** argv) {
       if (options.world.scenario == nullptr) refuse("--scenario: no '" + std::string(value) + "'; --list names them");
     } else if (name == "--pty-link") {
       options.link = value;
+    } else if (name == "--bus") {
+      options.bus = value;
+      if (!value.starts_with("socketcan:")) refuse("--bus: socketcan:NAME, for example socketcan:vcan0");
     } else if (name == "--control") {
       options.control = value;
     } else if (name == "--seed") {
@@ -133,6 +141,8 @@ Options read_options(int argc, char** argv) {
   }
   if (wish_m_s) options.world.patient.wish_m_s = *wish_m_s;
   if (mass_kg) options.world.patient.mass_kg = *mass_kg;
+  if (!options.bus.empty() && !options.link.empty()) refuse("--bus and --pty-link: one of them");
+  options.world.host_in_process = !options.bus.empty();
   return options;
 }
 
@@ -160,9 +170,12 @@ void wait_until(std::int64_t when_ns) {
 // One calm line for each thing that happens, none for what merely goes on.
 class Reporter {
  public:
+  explicit Reporter(bool on_interface) : on_interface_(on_interface) {}
   void tell(const World& world, const ProgramState& program) {
     if (program.computer_attached != attached_)
-      say(world, program.computer_attached ? "a computer has opened the line" : "the line is closed");
+      say(world, on_interface_               ? (program.computer_attached ? "the interface is up" : "the interface is down")
+                 : program.computer_attached ? "a computer has opened the line"
+                                             : "the line is closed");
     if (world.drives_enabled() != enabled_) say(world, world.drives_enabled() ? "drives enabled" : "drives disabled");
     if (world.patient().state() != patient_) say(world, "patient is " + std::string(patient_state_name(world.patient().state())));
     attached_ = program.computer_attached;
@@ -186,6 +199,7 @@ class Reporter {
     std::printf("hoist-sim %8.2f s: %s\n", world.time_s(), what.c_str());
     std::fflush(stdout);
   }
+  bool on_interface_;
   bool attached_{false};
   bool enabled_{false};
   PatientState patient_{PatientState::standing};
@@ -224,10 +238,33 @@ class Pump {
   std::size_t out_size_{};
 };
 
+// Moves frames between a CAN interface and the simulated bus. The simulated bus has bit times and arbitration, so what it hands over in
+// one millisecond is what 250 kbit/s carry in one; and a frame from the interface waits for its turn on the simulated wire.
+class Bridge {
+ public:
+  void run(hoist::bus::CanPort& port, World& world, ProgramState& program, std::uint64_t now_ns) {
+    const std::size_t heard = port.receive(frames_, now_ns);
+    // What the simulated port has no room for is refused and counted there.
+    for (std::size_t i = 0; i < heard; ++i) static_cast<void>(world.host_send(frames_[i]));
+    program.computer_attached = port.up();
+    port.send(std::span<const hoist::contract::CanFrame>(frames_).first(world.host_receive(frames_)), now_ns);
+  }
+
+ private:
+  std::array<hoist::contract::CanFrame, 256> frames_{};
+};
+
 int run_real_time(const Options& options) {
   World world(options.world);
   SerialLine line;
-  if (const std::string why = line.open(options.link); !why.empty()) refuse(why);
+  std::unique_ptr<hoist::bus::CanPort> port;
+  if (!options.bus.empty()) {
+    std::string error;
+    port = hoist::bus::open_port(options.bus, error);
+    if (!port) refuse(error);
+  } else if (const std::string why = line.open(options.link); !why.empty()) {
+    refuse(why);
+  }
   RequestSocket requests;
   if (!options.control.empty())
     if (const std::string why = requests.open(options.control); !why.empty()) refuse(why);
@@ -237,15 +274,16 @@ int run_real_time(const Options& options) {
     std::puts("hoist-sim: no real-time priority: on a busy computer simulated time will lag");
 
   const Scenario& scenario = *options.world.scenario;
-  std::printf("hoist-sim: SIMULATION, no real hoist. Scenario %.*s: the patient (%.0f kg, %.2f m/s) %.*s. SLCAN at %s\n",
+  const std::string where = port ? "Nodes on " + options.bus : "SLCAN at " + (options.link.empty() ? line.path() : options.link);
+  std::printf("hoist-sim: SIMULATION, no real hoist. Scenario %.*s: the patient (%.0f kg, %.2f m/s) %.*s. %s\n",
               static_cast<int>(scenario.name.size()), scenario.name.data(), options.world.patient.mass_kg, options.world.patient.wish_m_s,
-              static_cast<int>(scenario.title.size()), scenario.title.data(),
-              options.link.empty() ? line.path().c_str() : options.link.c_str());
+              static_cast<int>(scenario.title.size()), scenario.title.data(), where.c_str());
   std::fflush(stdout);
 
   ProgramState program;
-  Reporter reporter;
+  Reporter reporter(port != nullptr);
   Pump pump;
+  Bridge bridge;
   std::uint64_t steps = 0;
   std::int64_t due_ns = steady_ns() + kStep_ns;
   while (g_end == 0) {
@@ -257,7 +295,10 @@ int run_real_time(const Options& options) {
       due_ns = now_ns;
     }
     while (due_ns <= now_ns) {
-      pump.run(line, world, program);
+      if (port)
+        bridge.run(*port, world, program, static_cast<std::uint64_t>(now_ns));
+      else
+        pump.run(line, world, program);
       world.advance_1ms();
       due_ns += kStep_ns;
       if (++steps % kServeEverySteps == 0)

@@ -16,7 +16,7 @@ inline constexpr std::size_t kRequestMax = 4096;
 /// Figures that only the program around the world knows.
 struct ProgramState {
   std::uint64_t late{};           ///< times it was more than 5 ms behind and let time go
-  bool computer_attached{false};  ///< somebody has the serial line open
+  bool computer_attached{false};  ///< somebody has the serial line open, or the CAN interface is up
 };
 
 /// Carries out one request. Always one line of JSON without its end: the result, or {"error": "..."} that names the field and what it may
