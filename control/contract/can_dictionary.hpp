@@ -19,6 +19,8 @@ namespace hoist::contract {
 #define HOIST_OBJECT(...)
 #define HOIST_PDO(...)
 #define HOIST_PDO_ENTRY(...)
+#define HOIST_PDO_OFF(...)
+#define HOIST_TEXT(...)
 
 enum class Node : std::uint8_t {
 #undef HOIST_NODE
@@ -63,52 +65,6 @@ constexpr std::size_t object_bytes(ObjectType type) {
   }
 }
 enum class ObjectOwner : std::uint8_t { tilt, drive, io, host, all };  // the first four in the order of NodeKind
-struct ObjectInfo {
-  ObjectOwner owner;
-  std::uint16_t index;
-  std::uint8_t sub;
-  std::string_view name;
-  ObjectType type;
-  Access access;
-  double default_value, min, max;
-  std::string_view unit;
-  double scale;
-  std::string_view title;
-};
-inline constexpr std::array kObjects{
-#undef HOIST_OBJECT
-#define HOIST_OBJECT(kind, index, sub, name, type, access, def, lo, hi, unit, scale, title) \
-  ObjectInfo{ObjectOwner::kind,                                                             \
-             index,                                                                         \
-             sub,                                                                           \
-             #name,                                                                         \
-             ObjectType::type,                                                              \
-             Access::access,                                                                \
-             static_cast<double>(def),                                                      \
-             static_cast<double>(lo),                                                       \
-             static_cast<double>(hi),                                                       \
-             unit,                                                                          \
-             static_cast<double>(scale),                                                    \
-             title},
-#include "control/contract/can_dictionary.def"
-#undef HOIST_OBJECT
-#define HOIST_OBJECT(...)
-};
-constexpr bool object_applies(const ObjectInfo& object, NodeKind kind) {
-  return object.owner == ObjectOwner::all || static_cast<int>(object.owner) == static_cast<int>(kind);
-}
-// Row of an object in kObjects, or kObjects.size() when this kind of node has none. As a number, because comparing addresses of table
-// rows is no constant expression under the undefined-behaviour sanitizer of g++ 12.
-constexpr std::size_t object_row(NodeKind kind, std::uint16_t index, std::uint8_t sub) {
-  for (std::size_t i = 0; i < kObjects.size(); ++i)
-    if (kObjects[i].index == index && kObjects[i].sub == sub && object_applies(kObjects[i], kind)) return i;
-  return kObjects.size();
-}
-constexpr const ObjectInfo* find_object(NodeKind kind, std::uint16_t index, std::uint8_t sub) {
-  const std::size_t row = object_row(kind, index, sub);
-  return row < kObjects.size() ? &kObjects[row] : nullptr;
-}
-
 enum class Pdo : std::uint8_t {
 #undef HOIST_PDO
 #define HOIST_PDO(name, ...) name,
@@ -146,12 +102,212 @@ inline constexpr std::array kPdoEntries{
 #define HOIST_PDO_ENTRY(pdo, index, sub) PdoEntry{Pdo::pdo, index, sub},
 #include "control/contract/can_dictionary.def"
 #undef HOIST_PDO_ENTRY
+#define HOIST_PDO_ENTRY(...)
 };
+constexpr const PdoInfo& pdo_info(Pdo pdo) { return kPdos[static_cast<std::size_t>(pdo)]; }
+
+struct PdoOff {
+  Pdo pdo;
+  Node node;
+};
+inline constexpr std::array kPdosOff{
+#undef HOIST_PDO_OFF
+#define HOIST_PDO_OFF(pdo, node) PdoOff{Pdo::pdo, Node::node},
+#include "control/contract/can_dictionary.def"
+#undef HOIST_PDO_OFF
+#define HOIST_PDO_OFF(...)
+};
+// Whether a node sends or takes a PDO without having been told to.
+constexpr bool pdo_on_by_default(Pdo pdo, Node node) {
+  for (const PdoOff& off : kPdosOff)
+    if (off.pdo == pdo && off.node == node) return false;
+  return true;
+}
+
+struct TextInfo {
+  std::uint16_t index;
+  std::string_view name, title;
+};
+inline constexpr std::array kTexts{
+#undef HOIST_TEXT
+#define HOIST_TEXT(index, name, title) TextInfo{index, #name, title},
+#include "control/contract/can_dictionary.def"
+#undef HOIST_TEXT
+#define HOIST_TEXT(...)
+};
+
+struct ObjectInfo {
+  ObjectOwner owner;
+  std::uint16_t index;
+  std::uint8_t sub;
+  std::string_view name;
+  ObjectType type;
+  Access access;
+  double default_value, min, max;
+  std::string_view unit;
+  double scale;
+  std::string_view title;
+};
+// The rows as they are written; kObjects below has those that follow from the PDOs, too.
+inline constexpr std::array kTableObjects{
+#undef HOIST_OBJECT
+#define HOIST_OBJECT(kind, index, sub, name, type, access, def, lo, hi, unit, scale, title) \
+  ObjectInfo{ObjectOwner::kind,                                                             \
+             index,                                                                         \
+             sub,                                                                           \
+             #name,                                                                         \
+             ObjectType::type,                                                              \
+             Access::access,                                                                \
+             static_cast<double>(def),                                                      \
+             static_cast<double>(lo),                                                       \
+             static_cast<double>(hi),                                                       \
+             unit,                                                                          \
+             static_cast<double>(scale),                                                    \
+             title},
+#include "control/contract/can_dictionary.def"
+#undef HOIST_OBJECT
+#define HOIST_OBJECT(...)
+};
+
+// CiA 301: where the records of a PDO are.
+constexpr std::uint16_t pdo_communication_index(const PdoInfo& pdo) {
+  return static_cast<std::uint16_t>((pdo.direction == PdoDirection::rx ? 0x1400 : 0x1800) + pdo.number - 1);
+}
+constexpr std::uint16_t pdo_mapping_index(const PdoInfo& pdo) {
+  return static_cast<std::uint16_t>((pdo.direction == PdoDirection::rx ? 0x1600 : 0x1A00) + pdo.number - 1);
+}
+inline constexpr std::uint32_t kPdoOffBit = 0x80000000U;  // of a PDO's COB-ID: it does not exist
+inline constexpr double kEventInhibit_100us = 100;        // shortest distance of PDOs sent on change: 10 ms
+
+namespace detail {
+struct PdoTexts {
+  std::string_view id_name, id_title, type_name, type_title, inhibit_name, inhibit_title, event_name, event_title;
+};
+inline constexpr std::array kPdoTexts{
+#undef HOIST_PDO
+#define HOIST_PDO(name, kind, dir, number, base, type, period, title)                                           \
+  PdoTexts{#name "_cob_id",  title ": COB-ID, bit 31 = off", #name "_type",        title ": transmission type", \
+           #name "_inhibit", title ": inhibit time",         #name "_event_timer", title ": event timer"},
+#include "control/contract/can_dictionary.def"
+#undef HOIST_PDO
+#define HOIST_PDO(...)
+};
+struct EntryTexts {
+  std::string_view name, title;
+};
+inline constexpr std::array kEntryTexts{
+#undef HOIST_PDO_ENTRY
+#define HOIST_PDO_ENTRY(pdo, index, sub) EntryTexts{#pdo "_maps_" #index "_" #sub, "Mapped: " #index ":" #sub " in " #pdo},
+#include "control/contract/can_dictionary.def"
+#undef HOIST_PDO_ENTRY
+#define HOIST_PDO_ENTRY(...)
+};
+constexpr std::size_t derived_count() {
+  std::size_t count = kPdoEntries.size();
+  for (const PdoInfo& p : kPdos) count += p.direction == PdoDirection::tx ? 4U : 2U;
+  return count;
+}
+constexpr ObjectType table_type(NodeKind kind, std::uint16_t index, std::uint8_t sub) {
+  for (const ObjectInfo& o : kTableObjects)
+    if (o.index == index && o.sub == sub && (o.owner == ObjectOwner::all || static_cast<int>(o.owner) == static_cast<int>(kind)))
+      return o.type;
+  return ObjectType::u8;  // a mapping without an object is refused by a check at the end of this file
+}
+consteval auto all_objects() {
+  std::array<ObjectInfo, kTableObjects.size() + derived_count()> all{};
+  std::size_t at = 0;
+  for (const ObjectInfo& o : kTableObjects) all[at++] = o;
+  for (std::size_t i = 0; i < kPdos.size(); ++i) {
+    const PdoInfo& p = kPdos[i];
+    const PdoTexts& texts = kPdoTexts[i];
+    const ObjectOwner owner = static_cast<ObjectOwner>(p.kind);
+    const std::uint16_t index = pdo_communication_index(p);
+    const bool timed = p.type > 240;
+    all[at++] = {owner,        index, 1, texts.id_name, ObjectType::u32, Access::rw, static_cast<double>(p.cob_base), 0x180,
+                 4294967295.0, "",    1, texts.id_title};
+    all[at++] = {owner, index, 2, texts.type_name, ObjectType::u8, Access::rw, static_cast<double>(p.type), 0,
+                 255,   "",    1, texts.type_title};
+    if (p.direction == PdoDirection::rx) continue;
+    all[at++] = {owner, index,    3, texts.inhibit_name, ObjectType::u16, Access::rw, timed ? kEventInhibit_100us : 0.0, 0,
+                 65535, "100 us", 1, texts.inhibit_title};
+    all[at++] = {owner, index, 5, texts.event_name, ObjectType::u16, Access::rw, timed ? static_cast<double>(p.period_ms) : 0.0, 0,
+                 65535, "ms",  1, texts.event_title};
+  }
+  for (const PdoInfo& p : kPdos) {
+    std::uint8_t sub = 0;
+    for (std::size_t e = 0; e < kPdoEntries.size(); ++e) {
+      const PdoEntry& entry = kPdoEntries[e];
+      if (entry.pdo != p.pdo) continue;
+      const std::uint32_t value = (static_cast<std::uint32_t>(entry.index) << 16) | (static_cast<std::uint32_t>(entry.sub) << 8) |
+                                  static_cast<std::uint32_t>(8 * object_bytes(table_type(p.kind, entry.index, entry.sub)));
+      all[at++] = {static_cast<ObjectOwner>(p.kind),
+                   pdo_mapping_index(p),
+                   ++sub,
+                   kEntryTexts[e].name,
+                   ObjectType::u32,
+                   Access::ro,
+                   static_cast<double>(value),
+                   0,
+                   4294967295.0,
+                   "",
+                   1,
+                   kEntryTexts[e].title};
+    }
+  }
+  return all;
+}
+}  // namespace detail
+
+// Every object of every kind: the rows of the table and the PDOs' records.
+inline constexpr auto kObjects = detail::all_objects();
+
+constexpr bool object_applies(const ObjectInfo& object, NodeKind kind) {
+  return object.owner == ObjectOwner::all || static_cast<int>(object.owner) == static_cast<int>(kind);
+}
+// Row of an object in kObjects, or kObjects.size() when this kind of node has none. As a number, because comparing addresses of table
+// rows is no constant expression under the undefined-behaviour sanitizer of g++ 12.
+constexpr std::size_t object_row(NodeKind kind, std::uint16_t index, std::uint8_t sub) {
+  for (std::size_t i = 0; i < kObjects.size(); ++i)
+    if (kObjects[i].index == index && kObjects[i].sub == sub && object_applies(kObjects[i], kind)) return i;
+  return kObjects.size();
+}
+// Whether the default of an object is meant "plus node id" (COB-IDs of the predefined connection set).
+constexpr bool is_node_relative(std::uint16_t index, std::uint8_t sub) {
+  return index == 0x1014 || (index == 0x1200 && (sub == 1 || sub == 2)) ||
+         (sub == 1 && ((index >= 0x1400 && index < 0x1600) || (index >= 0x1800 && index < 0x1A00)));
+}
+// The default of an object in one very node.
+constexpr double object_default(const ObjectInfo& object, Node node) {
+  if (!is_node_relative(object.index, object.sub)) return object.default_value;
+  double value = object.default_value + node_id(node);
+  for (const PdoOff& off : kPdosOff)
+    if (off.node == node && object.sub == 1 && object.index == pdo_communication_index(pdo_info(off.pdo))) value += kPdoOffBit;
+  return value;
+}
+// Parameters are what may be written and is kept by 1010h: not commands (1003h, 1010h, 1011h, program control 1F50h and up) and not process
+// inputs, which are the objects of RPDOs.
+constexpr bool is_stored(const ObjectInfo& object) {
+  if (object.access != Access::rw || object.index == 0x1003 || object.index == 0x1010 || object.index == 0x1011 ||
+      (object.index >= 0x1F50 && object.index < 0x1F60))
+    return false;
+  for (const PdoEntry& e : kPdoEntries)
+    if (pdo_info(e.pdo).direction == PdoDirection::rx && static_cast<int>(pdo_info(e.pdo).kind) == static_cast<int>(object.owner) &&
+        e.index == object.index && e.sub == object.sub)
+      return false;
+  return true;
+}
+constexpr const ObjectInfo* find_object(NodeKind kind, std::uint16_t index, std::uint8_t sub) {
+  const std::size_t row = object_row(kind, index, sub);
+  return row < kObjects.size() ? &kObjects[row] : nullptr;
+}
+
 #undef HOIST_NODE
 #undef HOIST_OBJECT
 #undef HOIST_PDO
+#undef HOIST_PDO_ENTRY
+#undef HOIST_PDO_OFF
+#undef HOIST_TEXT
 
-constexpr const PdoInfo& pdo_info(Pdo pdo) { return kPdos[static_cast<std::size_t>(pdo)]; }
 // Sums and look-ups over the tables are done by the compiler once; asking at run time is one load.
 inline constexpr auto kPdoBytes = [] {
   std::array<std::uint8_t, kPdos.size()> bytes{};
@@ -236,7 +392,8 @@ enum class SdoAbort : std::uint32_t {
   device_state = 0x08000022,
   no_data = 0x08000024,
 };
-inline constexpr std::uint32_t kSimulatedProduct = 0x80000000U;  // bit of 1018h:2 set by builds for a simulator
+inline constexpr std::uint32_t kSave = 0x65766173, kLoad = 0x64616F6C;  // written to 1010h and 1011h: "save" and "load" in ASCII
+inline constexpr std::uint32_t kSimulatedProduct = 0x80000000U;         // bit of 1018h:2 set by builds for a simulator
 
 constexpr CanFrame nmt(NmtCommand command, std::uint8_t node) {
   CanFrame f{kNmt, 2, 0, {}};
@@ -299,6 +456,11 @@ static_assert(all_rows(kObjects,
               "can_dictionary.def: a default lies outside its range");
 static_assert(all_rows(kPdoEntries, [](const PdoEntry& e) { return object_row(pdo_info(e.pdo).kind, e.index, e.sub) < kObjects.size(); }),
               "can_dictionary.def: a PDO maps an object that does not exist");
+static_assert(all_rows(kPdos,
+                       [](const PdoInfo& p) {
+                         return p.direction == PdoDirection::tx || object_row(p.kind, pdo_communication_index(p), 5) < kObjects.size();
+                       }),
+              "can_dictionary.def: an RPDO has no row for its deadline (sub-index 5 of 1400h and up)");
 static_assert(all_rows(kPdos, [](const PdoInfo& p) { return pdo_bytes(p.pdo) <= 8 && pdo_bytes(p.pdo) > 0; }),
               "can_dictionary.def: a PDO holds 1 to 8 bytes");
 static_assert(all_rows(kParamObjects,

@@ -13,11 +13,17 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
+#include <type_traits>
+#include <utility>
 
 #include "control/contract/can_dictionary.hpp"
 #include "firmware/lib/board.hpp"
 #include "firmware/lib/object_table.hpp"
+#include "firmware/lib/program_control.hpp"
+#include "firmware/lib/parameter_store.hpp"
 #include "firmware/lib/sdo_server.hpp"
+#include "firmware/lib/version.hpp"
 
 namespace hoist::firmware {
 
@@ -26,17 +32,20 @@ using contract::canopen::NmtState;
 
 // Emergency codes in use (CiA 301 and 402).
 namespace emcy {
-inline constexpr std::uint16_t kNone = 0x0000, kOverCurrent = 0x2310, kUnderVoltage = 0x3220, kHardware = 0x5000, kEncoder = 0x7305,
-                               kHeartbeat = 0x8130, kPdoLength = 0x8210, kRpdoDeadline = 0x8250, kOverSpeed = 0x8400;
+inline constexpr std::uint16_t kNone = 0x0000, kOverCurrent = 0x2310, kUnderVoltage = 0x3220, kHardware = 0x5000, kParametersLost = 0x6310,
+                               kEncoder = 0x7305, kCanOverrun = 0x8110, kCanPassive = 0x8120, kHeartbeat = 0x8130,
+                               kBusOffRecovered = 0x8140, kPdoLength = 0x8210, kRpdoDeadline = 0x8250, kOverSpeed = 0x8400;
 }
 // Bits of the error register 1001h. Bit 0 is set while any error is.
 namespace error_bit {
 inline constexpr std::uint8_t kGeneric = 0x01, kCurrent = 0x02, kVoltage = 0x04, kCommunication = 0x10, kProfile = 0x20;
 }
 
-inline constexpr std::size_t kErrorsMax = 8;           // different errors active at the same time
-inline constexpr std::size_t kEmcyQueueMax = 8;        // EMCY waiting for the inhibit time; later ones are counted and dropped
-inline constexpr std::uint16_t kEventInhibit_ms = 10;  // shortest distance of PDOs sent on change (canbus plan, section 5)
+inline constexpr std::size_t kErrorsMax = 8;            // different errors active at the same time
+inline constexpr std::size_t kEmcyQueueMax = 8;         // EMCY waiting for the inhibit time; later ones are counted and dropped
+inline constexpr std::size_t kErrorHistory = 4;         // errors that 1003h remembers
+inline constexpr std::uint32_t kOverrunHold_ms = 1000;  // lost frames are an error until none was lost for so long
+inline constexpr std::uint32_t kBusOffWait_ms = 200;    // before a controller that is bus off is asked to return, and before each next time
 // Product codes 1018h:2, without the simulator bit: 1 tilt, 2 drive, 3 input board.
 constexpr std::uint32_t product_code(contract::NodeKind kind) { return static_cast<std::uint32_t>(kind) + 1; }
 // Device types 1000h: CiA 410 with two axes, CiA 402 servo, CiA 401 with digital and analogue inputs.
@@ -59,6 +68,18 @@ consteval std::size_t find_rpdo() {
   return kNoObject;
 }
 
+// Device names 1008h.
+constexpr std::string_view device_name(contract::NodeKind kind) {
+  switch (kind) {
+    case contract::NodeKind::tilt:
+      return "Hoist tilt sensor";
+    case contract::NodeKind::drive:
+      return "Hoist drive";
+    default:
+      return "Hoist input board";
+  }
+}
+
 struct NodeCounters {
   std::uint32_t wrong_length = 0;  // frames for this node with a DLC that the service does not have
   std::uint32_t out_of_range = 0;  // RPDOs refused because of a value
@@ -68,7 +89,8 @@ struct NodeCounters {
   std::uint32_t sdo_aborts = 0;
 };
 
-template <CanBoard Board, contract::NodeKind kKind>
+// A board that knows the name of its hardware has `static constexpr std::string_view kHardwareName`; others are called by what they are.
+template <StoringBoard Board, contract::NodeKind kKind>
 class CanopenNode {
  public:
   static_assert(kKind != contract::NodeKind::host);
@@ -81,15 +103,17 @@ class CanopenNode {
   }
 
   void power_on() {
-    values_.restore();
-    identify();
     state_ = NmtState::boot_up;
     counters_ = {};
     sdo_ = SdoServer(node_id_);
-    pdo_off_ = 0;
     errors_ = {};
     error_count_ = 0;
+    overrun_age_ms_ = kOverrunHold_ms;
+    can_lost_ = board_.can_health().lost;
+    bus_off_ = false;
     leave_communication();
+    restore(0, 0xFFFF);
+    if (!parameters_ok_) set_error(emcy::kParametersLost, error_bit::kProfile, true);
   }
 
   template <class App>
@@ -102,11 +126,12 @@ class CanopenNode {
     if constexpr (kHasHeartbeatConsumer)
       if (frame.id == contract::canopen::kHeartbeatBase + watched_node()) return on_heartbeat(frame, app);
     if constexpr (kHasRpdo)
-      if (frame.id == static_cast<std::uint32_t>(kPdos[kRpdoAt].cob_base) + node_id_) return on_rpdo(frame, app);
+      if (frame.id == (values_.raw(kPdos[kRpdoAt].communication) & ~kNoRemoteBit)) return on_rpdo(frame, app);
   }
 
   template <class App>
   void tick_1ms(App& app) {
+    watch_controller(app);
     if (state_ == NmtState::boot_up) {
       if (!board_.send(contract::canopen::heartbeat(node_id_, NmtState::boot_up))) return;
       heartbeat_age_ms_ = 0;
@@ -115,6 +140,8 @@ class CanopenNode {
     }
     if (++heartbeat_age_ms_ >= values_.template get<0x1017>() && board_.send(contract::canopen::heartbeat(node_id_, state_)))
       heartbeat_age_ms_ = 0;
+    if constexpr (requires { board_.restart(true); })
+      if (restart_in_ms_ != 0 && --restart_in_ms_ == 0) return board_.restart(true);
     Dictionary<App> dictionary{*this, app};
     sdo_.tick_1ms(dictionary);
     send_sdo_answer();
@@ -140,12 +167,11 @@ class CanopenNode {
   // RPDO1 has come within its deadline.
   [[nodiscard]] bool rpdo_alive() const { return rpdo_armed_; }
 
-  // A PDO that is off is never sent; all are on after power-on.
-  void set_pdo_on(contract::Pdo pdo, bool on) {
-    const std::uint32_t bit = 1U << static_cast<unsigned>(pdo);
-    pdo_off_ = on ? pdo_off_ & ~bit : pdo_off_ | bit;
-  }
-  // A PDO of type 255 goes out as soon as its inhibit time allows.
+  // Whether the stored parameters could be read, or there never were any. False means that the node runs on defaults that somebody had
+  // changed: EMCY 6310h, until parameters are saved again or the defaults are asked for.
+  [[nodiscard]] bool parameters_ok() const { return parameters_ok_; }
+
+  // A PDO sent on events goes out as soon as its inhibit time allows, an acyclic one (type 0) with the next SYNC.
   void request_pdo(contract::Pdo pdo) {
     for (std::size_t i = 0; i < kPdos.size(); ++i)
       if (kPdos[i].pdo == pdo) pdo_requested_[i] = true;
@@ -175,11 +201,7 @@ class CanopenNode {
     std::uint8_t error_register = error_count_ == 0 ? 0 : error_bit::kGeneric;
     for (std::size_t i = 0; i < error_count_; ++i) error_register = static_cast<std::uint8_t>(error_register | errors_[i].register_bit);
     values_.template set<0x1001>(error_register);
-    if (emcy_count_ == kEmcyQueueMax) {
-      ++counters_.emcy_lost;
-      return;
-    }
-    emcy_[(emcy_first_ + emcy_count_++) % kEmcyQueueMax] = Emergency{active ? code : emcy::kNone, error_register};
+    report(active ? code : emcy::kNone);
   }
 
  private:
@@ -196,11 +218,62 @@ class CanopenNode {
   static constexpr bool kHasRpdo = kRpdoAt != kNoObject;
   static constexpr bool kHasHeartbeatConsumer = find_row<kKind>(0x1016, 1) != kNoObject;
 
+  static constexpr std::size_t kHistoryAt = find_row<kKind>(0x1003, 1);
+  static_assert(find_row<kKind>(0x1003, kErrorHistory) == kHistoryAt + kErrorHistory - 1 &&
+                find_row<kKind>(0x1003, kErrorHistory + 1) == kNoObject);
+  static constexpr std::uint32_t kNoRemoteBit = 0x40000000U;  // of a COB-ID: no remote requests, which nothing here answers anyway
+  using Store = ParameterStore<std::remove_cvref_t<decltype(std::declval<Board&>().flash())>>;
+  static_assert(store_bytes(kStoredRows<kKind>.size()) <= std::remove_cvref_t<decltype(std::declval<Board&>().flash())>::kPageBytes);
+
+  // One EMCY, and its line in 1003h when it is an error rather than the end of one.
+  void report(std::uint16_t code) {
+    const std::uint8_t error_register = values_.template get<0x1001>();
+    if (code != emcy::kNone) {
+      for (std::size_t i = kErrorHistory - 1; i > 0; --i) values_.set_raw(kHistoryAt + i, values_.raw(kHistoryAt + i - 1));
+      values_.set_raw(kHistoryAt, code | (static_cast<std::uint32_t>(error_register) << 16));
+      const std::uint8_t count = values_.template get<0x1003>();
+      if (count < kErrorHistory) values_.template set<0x1003>(static_cast<std::uint8_t>(count + 1U));
+    }
+    if (emcy_count_ == kEmcyQueueMax) {
+      ++counters_.emcy_lost;
+      return;
+    }
+    emcy_[(emcy_first_ + emcy_count_++) % kEmcyQueueMax] = Emergency{code, error_register};
+  }
+
+  [[nodiscard]] Store store() { return Store(board_.flash(), static_cast<std::uint8_t>(kKind)); }
+
+  // Values at power-on of the objects in a range of indices: defaults, what depends on the very node, and over them what 1010h has kept.
+  void restore(std::uint16_t first, std::uint16_t last) {
+    values_.restore(first, last);
+    identify();
+    parameters_ok_ = true;
+    const StoreState state = store().load([&](const StoredValue& value) {
+      if (value.index < first || value.index > last) return;
+      const std::size_t at = find_row<kKind>(value.index, value.sub);
+      if (at == kNoObject || !kRows[at].stored) return;  // of an older or newer program
+      const bool fits = contract::object_bytes(kRows[at].type) == value.bytes && in_range(kRows[at], value.raw);
+      if (fits)
+        values_.set_raw(at, value.raw);
+      else
+        parameters_ok_ = false;  // this one has its default
+    });
+    if (state == StoreState::lost) parameters_ok_ = false;
+  }
+
   // The objects whose value depends on the very node rather than on the table.
   void identify() {
+    for (std::size_t i = 0; i < kRows.size(); ++i)
+      if (contract::is_node_relative(kRows[i].index, kRows[i].sub)) values_.set_raw(i, kRows[i].initial + node_id_);
+    for (const PdoRow& row : kPdos)
+      if (!contract::pdo_on_by_default(row.pdo, node_))
+        values_.set_raw(row.communication, values_.raw(row.communication) | contract::kPdoOffBit);
     values_.template set<0x1000>(device_type(kKind));
-    values_.template set<0x1014>(contract::canopen::kEmcyBase + node_id_);
     values_.template set<0x1018, 2>(product_code(kKind) | (board_.simulated() ? contract::canopen::kSimulatedProduct : 0U));
+    if constexpr (LoadableBoard<Board>) {
+      values_.template set<contract::kProgramId, 1>(board_.program().crc);
+      values_.template set<contract::kProgramVersion, 1>(board_.program().version);
+    }
   }
 
   // Everything that must not survive a reset of the communication.
@@ -209,6 +282,7 @@ class CanopenNode {
     watched_armed_ = false;
     rpdo_armed_ = false;
     sdo_.forget();
+    restart_in_ms_ = 0;
     emcy_count_ = 0;
     emcy_age_ms_ = 0xFFFF;
     pdo_syncs_ = {};
@@ -221,6 +295,7 @@ class CanopenNode {
     if (state_ == to) return;
     const NmtState from = state_;
     state_ = to;
+    restart_in_ms_ = 0;  // somebody called the node back: what was agreed in the other state does not hold
     if (to == NmtState::operational) {
       pdo_syncs_ = {};
       pdo_age_ms_ = {};
@@ -249,11 +324,11 @@ class CanopenNode {
         app.on_power_on();
         return;
       case NmtCommand::reset_communication:
-        values_.restore(0x1000, 0x1FFF);
-        identify();
         leave_communication();
         errors_ = {};
         error_count_ = 0;
+        restore(0x1000, 0x1FFF);
+        if (!parameters_ok_) set_error(emcy::kParametersLost, error_bit::kProfile, true);
         change_state(NmtState::boot_up, app);
         return;
       default:
@@ -271,17 +346,20 @@ class CanopenNode {
     app.on_sync();
     for (std::size_t i = 0; i < kPdos.size(); ++i) {
       const PdoRow& row = kPdos[i];
-      if (row.direction != contract::PdoDirection::tx || row.type == 0 || row.type > 240) continue;
-      if (++pdo_syncs_[i] < row.type) continue;
+      const std::uint32_t type = pdo_type(row);
+      if (row.direction != contract::PdoDirection::tx || type > kLastSyncType) continue;
+      if (type == 0 ? !pdo_requested_[i] : ++pdo_syncs_[i] < type) continue;
       pdo_syncs_[i] = 0;
+      pdo_requested_[i] = false;
       (void)send_pdo(i);  // no room: counted; the next SYNC brings newer values
     }
   }
 
   [[nodiscard]] bool send_pdo(std::size_t which) {
     const PdoRow& row = kPdos[which];
-    if (((pdo_off_ >> static_cast<unsigned>(row.pdo)) & 1U) != 0) return true;
-    CanFrame frame{static_cast<std::uint32_t>(row.cob_base) + node_id_, row.bytes, 0, {}};
+    const std::uint32_t id = values_.raw(row.communication);
+    if ((id & contract::kPdoOffBit) != 0) return true;
+    CanFrame frame{id & ~kNoRemoteBit, row.bytes, 0, {}};
     std::size_t at = 0;
     for (std::size_t i = 0; i < row.entries; ++i) {
       const std::size_t bytes = contract::object_bytes(kRows[row.row[i]].type);
@@ -296,14 +374,18 @@ class CanopenNode {
     return false;
   }
 
-  // Type 255: on request, at most once per inhibit time, and in any case once per period.
+  static constexpr std::uint32_t kLastSyncType = 240;
+  [[nodiscard]] std::uint32_t pdo_type(const PdoRow& row) const { return values_.raw(row.communication + 1U); }
+
+  // Types 254 and 255: on request, at most once per inhibit time, and in any case once per event timer (0 = only on request).
   void send_timed_pdos() {
     if (!operational()) return;
     for (std::size_t i = 0; i < kPdos.size(); ++i) {
       const PdoRow& row = kPdos[i];
-      if (row.direction != contract::PdoDirection::tx || row.type != 255) continue;
+      if (row.direction != contract::PdoDirection::tx || pdo_type(row) <= kLastSyncType) continue;
       if (pdo_age_ms_[i] < 0xFFFF) ++pdo_age_ms_[i];
-      const bool due = pdo_age_ms_[i] >= row.period_ms || (pdo_requested_[i] && pdo_age_ms_[i] >= kEventInhibit_ms);
+      const std::uint32_t inhibit_ms = (values_.raw(row.communication + 2U) + 9U) / 10U, event_ms = values_.raw(row.communication + 3U);
+      const bool due = (event_ms != 0 && pdo_age_ms_[i] >= event_ms) || (pdo_requested_[i] && pdo_age_ms_[i] >= inhibit_ms);
       if (!due || !send_pdo(i)) continue;  // no room: tried again in the next tick
       pdo_age_ms_[i] = 0;
       pdo_requested_[i] = false;
@@ -354,6 +436,12 @@ class CanopenNode {
     watched_armed_ = false;  // watches again from the next heartbeat on
     set_error(emcy::kHeartbeat, error_bit::kCommunication, true);
     app.on_heartbeat_lost();
+    behave_as_told(app);
+  }
+
+  // 1029h:1: what a communication error does to the state of the node.
+  template <class App>
+  void behave_as_told(App& app) {
     switch (values_.template get<0x1029, 1>()) {
       case 0:
         if (operational()) change_state(NmtState::pre_operational, app);
@@ -363,6 +451,35 @@ class CanopenNode {
         break;
       default:
         break;
+    }
+  }
+
+  // The controller's own health. A controller that is bus off neither hears nor is heard: the node leaves operation, and is asked back by
+  // its master like any node that had been away.
+  template <class App>
+  void watch_controller(App& app) {
+    const CanHealth health = board_.can_health();
+    values_.template set<0x2300, 1>(static_cast<std::uint8_t>(health.state));
+    values_.template set<0x2300, 2>(health.tx_errors);
+    values_.template set<0x2300, 3>(health.rx_errors);
+    values_.template set<0x2300, 4>(health.lost);
+    if (health.lost != can_lost_) overrun_age_ms_ = 0;
+    can_lost_ = health.lost;
+    if (overrun_age_ms_ < kOverrunHold_ms) ++overrun_age_ms_;
+    set_error(emcy::kCanOverrun, error_bit::kCommunication, overrun_age_ms_ < kOverrunHold_ms);
+    set_error(emcy::kCanPassive, error_bit::kCommunication, health.state >= CanHealth::State::passive);
+    const bool was_off = bus_off_;
+    bus_off_ = health.state == CanHealth::State::bus_off;
+    if (bus_off_ && !was_off) {
+      const std::uint16_t count = values_.template get<0x2300, 5>();
+      if (count < 0xFFFF) values_.template set<0x2300, 5>(static_cast<std::uint16_t>(count + 1U));
+      bus_off_age_ms_ = 0;
+      if (operational()) behave_as_told(app);
+    }
+    if (was_off && !bus_off_) report(emcy::kBusOffRecovered);
+    if (bus_off_ && ++bus_off_age_ms_ >= kBusOffWait_ms) {
+      bus_off_age_ms_ = 0;
+      board_.can_restart();
     }
   }
 
@@ -412,6 +529,64 @@ class CanopenNode {
     return highest;
   }
 
+  [[nodiscard]] std::string_view text(std::uint16_t index) const {
+    if (index == 0x1008) return device_name(kKind);
+    if (index == 0x100A) return kSoftwareVersion;
+    if constexpr (requires { Board::kHardwareName; })
+      return Board::kHardwareName;
+    else
+      return board_.simulated() ? "simulated" : "unnamed";
+  }
+
+  // Writes that the stack itself has a say in, whatever the application is.
+  [[nodiscard]] SdoAbort check_own_write(std::uint16_t index, std::uint8_t sub, std::uint32_t raw) const {
+    if (index == 0x1010 || index == 0x1011) {
+      if (raw != (index == 0x1010 ? contract::canopen::kSave : contract::canopen::kLoad)) return SdoAbort::transfer;
+      // Erasing flash stops everything else: never while the node works, and never while a motor is under the servo.
+      return state_ == NmtState::pre_operational && !bridge_on() ? SdoAbort::none : SdoAbort::device_state;
+    }
+    for (const PdoRow& row : kPdos) {
+      if (kRows[row.communication].index != index) continue;
+      const bool tx = row.direction == contract::PdoDirection::tx;
+      if (sub == 1) {
+        // 181h to 57Fh is where PDOs live. There, the ids that nodes send and those that they receive take turns in blocks of 80h; keeping
+        // to them, no command can ever be taken for a measurement or the other way round (CiA 301, predefined connection set).
+        const std::uint32_t id = raw & ~(contract::kPdoOffBit | kNoRemoteBit);
+        const bool fits = id > 0x180 && id < 0x580 && (id & 0x7FU) != 0 && ((id >> 7) % 2 == 1) == tx;
+        if (!fits) return SdoAbort::range;
+        // What a node sends may be switched on and off at any time: the rates are a switch for one session.
+        if (tx && ((raw ^ values_.raw(row.communication)) & ~contract::kPdoOffBit) == 0) return SdoAbort::none;
+      } else if (sub == 2) {
+        // Commands take effect when they come; remote requests (252, 253) do not exist.
+        if ((raw > kLastSyncType && raw < 254) || (!tx && raw < 254)) return SdoAbort::range;
+      }
+      return state_ == NmtState::pre_operational ? SdoAbort::none : SdoAbort::device_state;
+    }
+    return SdoAbort::none;
+  }
+  // The drive's servo has the motor, be it only for the ramp to standstill.
+  [[nodiscard]] bool bridge_on() const {
+    if constexpr (kKind == contract::NodeKind::drive) {
+      using State = contract::canopen::drive::State;
+      const State now = contract::canopen::drive::state(values_.template get<0x6041>());
+      return now == State::operation_enabled || now == State::quick_stop_active || now == State::fault_reaction;
+    } else {
+      return false;
+    }
+  }
+  // 1010h: all parameters as they are now. 1011h: a copy without parameters, which makes the next start one with defaults.
+  [[nodiscard]] SdoAbort keep_parameters(bool now) {
+    const bool kept = store().save(now ? kStoredRows<kKind>.size() : 0, [&](std::size_t i) {
+      const std::size_t at = kStoredRows<kKind>[i];
+      const ObjectRow& row = kRows[at];
+      return StoredValue{row.index, row.sub, static_cast<std::uint8_t>(contract::object_bytes(row.type)), values_.raw(at)};
+    });
+    if (!kept) return SdoAbort::hardware;
+    parameters_ok_ = true;
+    set_error(emcy::kParametersLost, error_bit::kProfile, false);
+    return SdoAbort::none;
+  }
+
   // What the SDO server asks: the objects of this node, and the application's last word on writing them.
   template <class App>
   struct Dictionary {
@@ -420,6 +595,11 @@ class CanopenNode {
 
     SdoAbort sdo_read(std::uint16_t index, std::uint8_t sub, SdoSource& source) {
       const std::size_t at = find_row<kKind>(index, sub);
+      if (index == 0x1003 && sub > node.values_.template get<0x1003>() && sub <= kErrorHistory) return SdoAbort::no_data;
+      if (sub == 0 && (index == 0x1008 || index == 0x1009 || index == 0x100A)) {
+        source.text = node.text(index);
+        return SdoAbort::none;
+      }
       if (at != kNoObject) {
         source.raw = node.values_.raw(at);
         source.raw_bytes = static_cast<std::uint8_t>(contract::object_bytes(kRows[at].type));
@@ -434,6 +614,7 @@ class CanopenNode {
     }
     SdoAbort sdo_target(std::uint16_t index, std::uint8_t sub, SdoTarget& target) {
       const std::size_t at = find_row<kKind>(index, sub);
+      if (sub == 0 && (index == 0x1008 || index == 0x1009 || index == 0x100A)) return SdoAbort::read_only;
       if (at == kNoObject) return sub == 0 && highest_sub(index) != 0 ? SdoAbort::read_only : missing(index);
       if (!kRows[at].writable) return SdoAbort::read_only;
       target.bytes = static_cast<std::uint8_t>(contract::object_bytes(kRows[at].type));
@@ -443,7 +624,13 @@ class CanopenNode {
       const std::size_t at = find_row<kKind>(index, sub);
       if (at == kNoObject) return SdoAbort::no_object;
       if (!in_range(kRows[at], raw)) return SdoAbort::range;
+      if (const SdoAbort veto = node.check_own_write(index, sub, raw); veto != SdoAbort::none) return veto;
+      if (index == contract::kProgramControl) return node.end_program(raw, app);
       if (const SdoAbort veto = app.check_write(index, sub, raw); veto != SdoAbort::none) return veto;
+      if (index == 0x1010 || index == 0x1011) return node.keep_parameters(index == 0x1010);
+      if (index == 0x1003) {
+        for (std::size_t i = 0; i < kErrorHistory; ++i) node.values_.set_raw(kHistoryAt + i, 0);
+      }
       node.values_.set_raw(at, raw);
       return SdoAbort::none;
     }
@@ -454,9 +641,25 @@ class CanopenNode {
     void sdo_domain_cancel() {}
 
     static SdoAbort missing(std::uint16_t index) {
+      if (index == 0x1008 || index == 0x1009 || index == 0x100A) return SdoAbort::no_sub;
       return highest_sub(index) != 0 || find_row<kKind>(index, 0) != kNoObject ? SdoAbort::no_sub : SdoAbort::no_object;
     }
   };
+
+  // 1F51h:1. The answer leaves first, then the board restarts into its loader. An application that moves something says in
+  // standing_safely() whether it may be ended now.
+  template <class App>
+  SdoAbort end_program(std::uint32_t raw, App& app) {
+    if constexpr (requires { board_.restart(true); }) {
+      bool standing_safely = true;
+      if constexpr (requires { app.standing_safely(); }) standing_safely = app.standing_safely();
+      const SdoAbort veto = check_program_control(raw, state_, standing_safely);
+      if (veto == SdoAbort::none) restart_in_ms_ = kProgramAnswer_ms;
+      return veto;
+    } else {
+      return SdoAbort::device_state;
+    }
+  }
 
   template <class App>
   void on_sdo(const CanFrame& frame, App& app) {
@@ -482,7 +685,6 @@ class CanopenNode {
   bool rpdo_armed_ = false;
   std::uint32_t rpdo_age_ms_ = 0;
 
-  std::uint32_t pdo_off_ = 0;  // by Pdo
   std::array<std::uint32_t, kPdos.size()> pdo_sent_{};
   std::array<std::uint8_t, kPdos.size()> pdo_syncs_{};
   std::array<std::uint16_t, kPdos.size()> pdo_age_ms_{};
@@ -495,6 +697,10 @@ class CanopenNode {
   std::uint16_t emcy_age_ms_ = 0xFFFF;
 
   SdoServer sdo_;
+  std::uint16_t restart_in_ms_ = 0;  // until the loader is entered; 0: nobody asked for it
+  bool parameters_ok_ = true;
+  bool bus_off_ = false;
+  std::uint32_t bus_off_age_ms_ = 0, can_lost_ = 0, overrun_age_ms_ = kOverrunHold_ms;
 };
 
 }  // namespace hoist::firmware

@@ -20,6 +20,7 @@ struct ObjectRow {
   std::uint8_t sub;
   ObjectType type;
   bool writable;
+  bool stored;  // a parameter that 1010h keeps
   std::uint32_t low, high, initial;
 };
 
@@ -56,6 +57,7 @@ consteval std::array<ObjectRow, object_count<kKind>()> make_object_rows() {
                              o.sub,
                              o.type,
                              o.access == contract::Access::rw,
+                             contract::is_stored(o),
                              raw_word(o.type, o.min),
                              raw_word(o.type, o.max),
                              raw_word(o.type, o.default_value)};
@@ -66,6 +68,22 @@ template <contract::NodeKind kKind>
 inline constexpr auto kObjectRows = make_object_rows<kKind>();
 
 inline constexpr std::size_t kNoObject = std::numeric_limits<std::size_t>::max();
+
+template <contract::NodeKind kKind>
+consteval std::size_t stored_count() {
+  std::size_t count = 0;
+  for (const ObjectRow& row : kObjectRows<kKind>) count += row.stored ? 1U : 0U;
+  return count;
+}
+// Places in kObjectRows of what 1010h keeps.
+template <contract::NodeKind kKind>
+inline constexpr auto kStoredRows = [] {
+  std::array<std::uint8_t, stored_count<kKind>()> rows{};
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < kObjectRows<kKind>.size(); ++i)
+    if (kObjectRows<kKind>[i].stored) rows[at++] = static_cast<std::uint8_t>(i);
+  return rows;
+}();
 
 // Where an object is in kObjectRows; kNoObject when this kind of node does not have it.
 template <contract::NodeKind kKind>
@@ -168,13 +186,12 @@ class ObjectValues {
   std::array<std::uint32_t, kObjectRows<kKind>.size()> raw_{};
 };
 
-// One process data frame of a kind: which objects, in which order.
+// One process data frame of a kind: which objects, in which order. `communication` is the place in kObjectRows of its COB-ID (sub-index 1
+// of 1400h or 1800h and up), which is followed by its type and, when the node sends it, by its inhibit time and its event timer.
 struct PdoRow {
   contract::Pdo pdo{};
   contract::PdoDirection direction{};
-  std::uint16_t cob_base = 0;
-  std::uint8_t type = 0;
-  std::uint16_t period_ms = 0;
+  std::uint8_t communication = 0;
   std::uint8_t bytes = 0;
   std::uint8_t entries = 0;
   std::array<std::uint8_t, 8> row{};  // place in kObjectRows
@@ -192,7 +209,12 @@ consteval std::array<PdoRow, pdo_count<kKind>()> make_pdo_rows() {
   std::size_t at = 0;
   for (const contract::PdoInfo& p : contract::kPdos) {
     if (p.kind != kKind) continue;
-    PdoRow row{p.pdo, p.direction, p.cob_base, p.type, p.period_ms, static_cast<std::uint8_t>(contract::pdo_bytes(p.pdo)), 0, {}};
+    PdoRow row{p.pdo,
+               p.direction,
+               static_cast<std::uint8_t>(find_row<kKind>(contract::pdo_communication_index(p), 1)),
+               static_cast<std::uint8_t>(contract::pdo_bytes(p.pdo)),
+               0,
+               {}};
     for (const contract::PdoEntry& e : contract::kPdoEntries)
       if (e.pdo == p.pdo) row.row[row.entries++] = static_cast<std::uint8_t>(find_row<kKind>(e.index, e.sub));
     rows[at++] = row;

@@ -252,7 +252,7 @@ std::vector<std::string> eds_faults(const std::string& text) {
     for (const char* key : {"ParameterName", "DataType", "AccessType", "PDOMapping"}) {
       if (section.count(key) == 0) faults.push_back(name + " lacks " + key);
     }
-    static const std::set<std::string> types = {"0x0002", "0x0003", "0x0004", "0x0005", "0x0006", "0x0007", "0x0008"};
+    static const std::set<std::string> types = {"0x0002", "0x0003", "0x0004", "0x0005", "0x0006", "0x0007", "0x0008", "0x0009"};
     if (types.count(section.at("DataType")) == 0) faults.push_back(name + " has an unknown type");
   }
   for (const auto& [index, count] : members) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -146,7 +147,7 @@ std::string dbc_text() {
 
 struct EdsEntry {
   std::string title;
-  ObjectType type;
+  std::optional<ObjectType> type;  // none = a text
   std::string access;
   std::string default_value;  // empty = not given
   std::string low, high;      // empty = the whole range of the type
@@ -155,8 +156,9 @@ struct EdsEntry {
 // (index, sub) in order.
 using EdsObjects = std::map<std::pair<unsigned, unsigned>, EdsEntry>;
 
-int data_type_code(ObjectType type) {
-  switch (type) {  // CiA 301, table of static data types
+int data_type_code(std::optional<ObjectType> type) {
+  if (!type) return 9;
+  switch (*type) {  // CiA 301, table of static data types
     case ObjectType::i8:
       return 2;
     case ObjectType::i16:
@@ -175,38 +177,9 @@ int data_type_code(ObjectType type) {
   return 8;
 }
 
-// The process data of a node as communication and mapping objects, whose values are fixed.
-void add_pdos(const NodeInfo& node, EdsObjects& objects) {
-  const auto constant = [](std::string title, ObjectType type, std::string value) {
-    return EdsEntry{std::move(title), type, "const", std::move(value), "", "", false};
-  };
-  for (const auto& pdo : kPdos) {
-    if (pdo.kind != node.kind) continue;
-    const bool tx = pdo.direction == PdoDirection::tx;
-    const unsigned communication = (tx ? 0x1800U : 0x1400U) + pdo.number - 1U;
-    const unsigned mapping = (tx ? 0x1A00U : 0x1600U) + pdo.number - 1U;
-    objects[{communication, 1}] = constant("COB-ID", ObjectType::u32, hex_text(static_cast<unsigned>(pdo.cob_base) + node.id, 3));
-    objects[{communication, 2}] = constant("Transmission type", ObjectType::u8, std::to_string(pdo.type));
-    if (tx && pdo.type > 240) objects[{communication, 5}] = constant("Event timer", ObjectType::u16, std::to_string(pdo.period_ms));
-    unsigned sub = 0;
-    for (const auto& entry : kPdoEntries) {
-      if (entry.pdo != pdo.pdo) continue;
-      const auto& object = *find_object(pdo.kind, entry.index, entry.sub);
-      const auto value = (static_cast<unsigned>(entry.index) << 16U) | (static_cast<unsigned>(entry.sub) << 8U) |
-                         static_cast<unsigned>(8 * object_bytes(object.type));
-      ++sub;
-      objects[{mapping, sub}] = constant("Mapped object " + std::to_string(sub), ObjectType::u32, hex_text(value, 8));
-    }
-  }
-}
-
 EdsObjects eds_objects(const NodeInfo& node) {
   EdsObjects objects;
-  add_pdos(node, objects);
-  objects[{0x1200, 1}] = {
-      "COB-ID client to server", ObjectType::u32, "const", hex_text(canopen::kSdoRequestBase + node.id, 3), "", "", false};
-  objects[{0x1200, 2}] = {
-      "COB-ID server to client", ObjectType::u32, "const", hex_text(canopen::kSdoReplyBase + node.id, 3), "", "", false};
+  for (const auto& text : kTexts) objects[{text.index, 0}] = {std::string(text.title), std::nullopt, "const", "", "", "", false};
   for (const auto& object : kObjects) {
     if (!object_applies(object, node.kind)) continue;
     const bool mapped = std::any_of(kPdoEntries.begin(), kPdoEntries.end(), [&](const PdoEntry& e) {
@@ -219,7 +192,14 @@ EdsObjects eds_objects(const NodeInfo& node) {
                    number_text(object.min),
                    number_text(object.max),
                    mapped};
-    if (object.index == 0x1014) entry.default_value = hex_text(canopen::kEmcyBase + node.id, 3);
+    const bool mapping = (object.index >= 0x1600 && object.index < 0x1800) || (object.index >= 0x1A00 && object.index < 0x1C00);
+    if (mapping) entry.access = "const";
+    // Identifiers and what they map are read in hexadecimal; the limits of an identifier are rules, not numbers.
+    if (mapping || is_node_relative(object.index, object.sub)) {
+      entry.default_value = hex_text(static_cast<unsigned>(object_default(object, *find_node(node.id))), mapping ? 8 : 3);
+      entry.low.clear();
+      entry.high.clear();
+    }
     // What identifies a device is the build's own business; a wrong default would be worse than none.
     if (object.index == 0x1000 || object.index == 0x1018) entry.default_value.clear();
     objects[{object.index, object.sub}] = entry;
@@ -237,6 +217,9 @@ std::string eds_entry(const std::string& section, const EdsEntry& entry) {
 }
 
 std::string record_title(unsigned index) {
+  if (index == 0x1003) return "Pre-defined error field";
+  if (index == 0x1010) return "Store parameters";
+  if (index == 0x1011) return "Restore default parameters";
   if (index == 0x1016) return "Consumer heartbeat time";
   if (index == 0x1018) return "Identity object";
   if (index == 0x1029) return "Error behaviour";
@@ -274,8 +257,8 @@ std::string eds_text(const NodeInfo& node) {
       count(PdoDirection::rx) + "\nNrOfTXPDO=" + count(PdoDirection::tx) +
       "\nLSS_Supported=0\n\n"
       "[DummyUsage]\nDummy0001=0\nDummy0002=0\nDummy0003=0\nDummy0004=0\nDummy0005=0\nDummy0006=0\nDummy0007=0\n\n"
-      "[Comments]\nLines=2\nLine1=Process data are fixed: their communication and mapping records describe them and cannot be read over "
-      "SDO.\nLine2=This file is for node " +
+      "[Comments]\nLines=2\nLine1=Process data map what they map; their identifiers and types may be set before the node is started."
+      "\nLine2=This file is for node " +
       std::to_string(node.id) + " only.\n\n";
   std::vector<unsigned> mandatory, optional, manufacturer;
   for (const auto& [address, entry] : objects) {
@@ -290,7 +273,8 @@ std::string eds_text(const NodeInfo& node) {
   for (auto at = objects.begin(); at != objects.end();) {
     const unsigned index = at->first.first;
     const std::string section = hex_text(index, 4).substr(2);
-    if (at->first.second == 0) {
+    const auto next = std::next(at);
+    if (at->first.second == 0 && (next == objects.end() || next->first.first != index)) {
       out += eds_entry(section, at->second);
       ++at;
       continue;
@@ -303,8 +287,12 @@ std::string eds_text(const NodeInfo& node) {
       highest = end->first.second;
     }
     char sub[24];
-    out += "[" + section + "]\nParameterName=" + record_title(index) + "\nObjectType=0x9\nSubNumber=" + hex_text(members + 1, 1) + "\n\n";
-    out += eds_entry(section + "sub0", {"Highest sub-index supported", ObjectType::u8, "const", std::to_string(highest), "", "", false});
+    // Sub-index 0 follows from the others, unless it is an object of its own (1003h).
+    const bool counted = at->first.second != 0;
+    out += "[" + section + "]\nParameterName=" + record_title(index) +
+           "\nObjectType=0x9\nSubNumber=" + hex_text(members + (counted ? 1 : 0), 1) + "\n\n";
+    if (counted)
+      out += eds_entry(section + "sub0", {"Highest sub-index supported", ObjectType::u8, "const", std::to_string(highest), "", "", false});
     for (; at != end; ++at) {
       std::snprintf(sub, sizeof sub, "sub%X", at->first.second);
       out += eds_entry(section + sub, at->second);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "control/contract/can_dictionary.hpp"
+#include "control/contract/emergencies.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
@@ -95,6 +96,15 @@ GeneratedFile faults_page() {
   return {"control/contract/faults.gen.md", out};
 }
 
+GeneratedFile emergencies_page() {
+  std::string out = head("control/contract/emergencies.def", "Emergency messages");
+  out += "Codes of EMCY messages. A code without a row of its own is told by the row of its class.\n\n";
+  out += table_head({"code", "bits that count", "what the therapist reads", "for engineers"});
+  for (const auto& e : kEmergencies)
+    out += row({code(hex_text(e.code, 4)), code(hex_text(e.mask, 4)), std::string(e.text_en), std::string(e.detail_en)});
+  return {"control/contract/emergencies.gen.md", out};
+}
+
 std::string_view type_name(ObjectType type) {
   constexpr std::array<std::string_view, 7> kNames = {"u8", "i8", "u16", "i16", "u32", "i32", "f32"};
   return kNames[static_cast<std::size_t>(type)];
@@ -118,8 +128,8 @@ GeneratedFile can_page() {
   for (const auto& pdo : kPdos) {
     for (const auto& node : kNodes) {
       if (node.kind != pdo.kind) continue;
-      // The struts' rates are a research switch; the regular load has them off (can_dictionary.def).
-      const bool off = pdo.pdo == Pdo::tilt_tx2 && node.name != "tilt_base";
+      // Switched off until somebody asks for it (HOIST_PDO_OFF): not in the regular load.
+      const bool off = !pdo_on_by_default(pdo.pdo, *find_node(node.id));
       std::string content;
       for (const auto& entry : kPdoEntries) {
         if (entry.pdo != pdo.pdo) continue;
@@ -150,14 +160,21 @@ GeneratedFile can_page() {
     const std::string unit = object.scale == 1.0 ? std::string(object.unit) : number_text(object.scale) + " " + std::string(object.unit);
     out +=
         row({std::string(kOwners[static_cast<std::size_t>(object.owner)]), address, code(object.name), std::string(type_name(object.type)),
-             object.access == Access::rw ? "read, write" : "read", number_text(object.default_value),
+             object.access == Access::rw ? "read, write" : "read",
+             is_node_relative(object.index, object.sub) ? hex_text(static_cast<unsigned>(object.default_value), 3) + " + node"
+                                                        : number_text(object.default_value),
              number_text(object.min) + " to " + number_text(object.max), unit, std::string(object.title)});
+  }
+  for (const auto& text : kTexts) {
+    char address[24];
+    std::snprintf(address, sizeof address, "%04Xh:0", text.index);
+    out += row({"all", address, code(text.name), "text", "read", "", "", "", std::string(text.title)});
   }
   return {"control/contract/can_dictionary.gen.md", out};
 }
 
 }  // namespace
 
-std::vector<GeneratedFile> markdown_files() { return {params_page(), signals_page(), faults_page(), can_page()}; }
+std::vector<GeneratedFile> markdown_files() { return {params_page(), signals_page(), faults_page(), emergencies_page(), can_page()}; }
 
 }  // namespace hoist::gen

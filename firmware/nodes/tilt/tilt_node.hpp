@@ -67,7 +67,6 @@ class TiltNode {
  private:
   friend Stack;
   static constexpr std::uint32_t kAgeMax = 0xFFFF;
-  static constexpr std::uint32_t kTpdo2Off = 0x80000000U;  // CiA 301: bit 31 of a PDO's COB-ID
 
   struct Axis {
     law::TiltState<float> state{};
@@ -84,9 +83,7 @@ class TiltNode {
   void on_rpdo() {}
   void on_rpdo_deadline() {}
   void on_heartbeat_lost() {}
-  void on_nmt(NmtState, NmtState to) {
-    if (to == NmtState::boot_up) set_default_tpdo2();  // 1801h is a communication object
-  }
+  void on_nmt(NmtState, NmtState) {}
   void on_power_on() {
     axes_ = {};
     window_ = {};
@@ -96,21 +93,8 @@ class TiltNode {
     sync_age_ms_ = kAgeMax;
     sample_age_ms_ = 0;
     gap_ms_ = 0;
-    set_default_tpdo2();
   }
-  // Rates: odometry needs the chassis' own, the struts' are for research.
-  void set_default_tpdo2() { set_tpdo2(stack_.node() == contract::Node::tilt_base); }
-  void set_tpdo2(bool on) {
-    stack_.values().template set<0x1801, 1>(contract::pdo_cob_id(contract::Pdo::tilt_tx2, stack_.node()) | (on ? 0U : kTpdo2Off));
-    stack_.set_pdo_on(contract::Pdo::tilt_tx2, on);
-  }
-  SdoAbort check_write(std::uint16_t index, std::uint8_t, std::uint32_t raw) {
-    if (index == 0x1801) {  // only on or off: the id itself is fixed
-      if ((raw & ~kTpdo2Off) != contract::pdo_cob_id(contract::Pdo::tilt_tx2, stack_.node())) return SdoAbort::range;
-      set_tpdo2((raw & kTpdo2Off) == 0);
-    }
-    return SdoAbort::none;
-  }
+  SdoAbort check_write(std::uint16_t, std::uint8_t, std::uint32_t) { return SdoAbort::none; }
 
   static bool usable(const ImuSample& s) {
     return std::isfinite(s.ax_m_s2) && std::isfinite(s.ay_m_s2) && std::isfinite(s.az_m_s2) && std::isfinite(s.alpha_rate_rad_s) &&

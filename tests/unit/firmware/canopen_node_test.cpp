@@ -70,7 +70,10 @@ TEST_F(DriveSdo, EveryObjectOfTheTableAnswersAndNoOtherDoes) {
     const bool ours = contract::object_applies(o, contract::NodeKind::drive);
     const CanFrame answer = ask(node_, board_, canopen::sdo(kAskLeft, 0x40, o.index, o.sub, 0));
     ASSERT_EQ(answer.id, kAnswerLeft);
-    if (ours) {
+    if (ours && o.index == 0x1003 && o.sub > 0) {
+      EXPECT_EQ(answer, aborted(kAnswerLeft, o.index, o.sub, 0x08000024)) << "no error yet";
+      ++answered;
+    } else if (ours) {
       EXPECT_EQ(answer.data[0], canopen::sdo_upload_reply_command(contract::object_bytes(o.type))) << o.name;
       ++answered;
     } else if (contract::find_object(contract::NodeKind::drive, o.index, o.sub) == nullptr) {
@@ -303,6 +306,214 @@ TEST(CanopenEmcy, AFloodIsBoundedAndCounted) {
     node.on_frame(frame_of(0x201, {6, 0, 0, 0, 0, 0}));
   }
   EXPECT_EQ(node.stack().counters().emcy_lost, 200U - kEmcyQueueMax);
+}
+
+// ---- the error memory 1003h
+
+TEST(CanopenEmcy, ErrorsAreRememberedNewestFirstUntilForgotten) {
+  TestBoard board;
+  DriveNode<TestBoard> node(board, contract::Node::drive_left);
+  make_operational(node, board);
+  const auto read = [&](int sub) { return ask(node, board, frame_of(kAskLeft, {0x40, 0x03, 0x10, sub, 0, 0, 0, 0})); };
+  EXPECT_EQ(read(0), frame_of(kAnswerLeft, {0x4F, 0x03, 0x10, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(read(1), aborted(kAnswerLeft, 0x1003, 1, 0x08000024));
+  for (int i = 0; i < 3; ++i) {
+    node.on_frame(frame_of(0x201, {6, 0}));              // too short: 8210h
+    node.on_frame(frame_of(0x201, {6, 0, 0, 0, 0, 0}));  // good: the error's end is no error
+  }
+  tick(node, 41);  // and no more: 8250h
+  EXPECT_EQ(read(0).data[4], 4);
+  EXPECT_EQ(read(1), frame_of(kAnswerLeft, {0x43, 0x03, 0x10, 1, 0x50, 0x82, 0x11, 0}));
+  for (const int sub : {2, 3, 4}) EXPECT_EQ(read(sub), frame_of(kAnswerLeft, {0x43, 0x03, 0x10, sub, 0x10, 0x82, 0x11, 0}));
+  EXPECT_EQ(read(5), aborted(kAnswerLeft, 0x1003, 5, 0x06090011));
+  EXPECT_EQ(ask(node, board, frame_of(kAskLeft, {0x2F, 0x03, 0x10, 0, 1, 0, 0, 0})), aborted(kAnswerLeft, 0x1003, 0, 0x06090030));
+  EXPECT_EQ(read(0).data[4], 4);
+  EXPECT_EQ(ask(node, board, frame_of(kAskLeft, {0x2F, 0x03, 0x10, 0, 0, 0, 0, 0})).data[0], 0x60);
+  EXPECT_EQ(read(0).data[4], 0);
+  EXPECT_EQ(read(1), aborted(kAnswerLeft, 0x1003, 1, 0x08000024));
+}
+
+// ---- texts
+
+TEST(CanopenIdentity, SaysItsNamesInWords) {
+  TestBoard board;
+  DriveNode<TestBoard> node(board, contract::Node::drive_left);
+  tick(node, 1);
+  const auto text = [&](int index) {
+    std::string out;
+    const CanFrame first = ask(node, board, frame_of(kAskLeft, {0x40, index, 0x10, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(first.data[0], 0x41);
+    for (bool toggle = false, last = false; !last && out.size() < 100; toggle = !toggle) {
+      const CanFrame answer = ask(node, board, frame_of(kAskLeft, {toggle ? 0x70 : 0x60, 0, 0, 0, 0, 0, 0, 0}));
+      for (int i = 0; i < 7 - ((answer.data[0] >> 1) & 7); ++i) out += static_cast<char>(answer.data[static_cast<std::size_t>(i) + 1]);
+      last = (answer.data[0] & 1) != 0;
+    }
+    EXPECT_EQ(out.size(), first.data[4]);
+    return out;
+  };
+  EXPECT_EQ(text(0x08), "Hoist drive");
+  EXPECT_EQ(text(0x09), "simulated");
+  EXPECT_EQ(text(0x0A), HOIST_PROJECT_VERSION);
+  EXPECT_EQ(ask(node, board, frame_of(kAskLeft, {0x2F, 0x08, 0x10, 0, 65, 0, 0, 0})), aborted(kAnswerLeft, 0x1008, 0, 0x06010002));
+  EXPECT_EQ(ask(node, board, frame_of(kAskLeft, {0x40, 0x08, 0x10, 1, 0, 0, 0, 0})), aborted(kAnswerLeft, 0x1008, 1, 0x06090011));
+}
+
+// ---- communication records of the PDOs
+
+class PdoRecords : public ::testing::Test {
+ protected:
+  void SetUp() override { tick(node_, 1); }
+  std::uint32_t write(std::uint16_t index, std::uint8_t sub, std::size_t bytes, std::uint32_t value) {
+    const CanFrame answer = ask(node_, board_, canopen::sdo(0x608, canopen::sdo_download_command(bytes), index, sub, value));
+    return answer.data[0] == 0x60 ? 0 : contract::read_le(&answer.data[4], 4);
+  }
+  std::uint32_t read(std::uint16_t index, std::uint8_t sub) {
+    return contract::read_le(&ask(node_, board_, canopen::sdo(0x608, 0x40, index, sub, 0)).data[4], 4);
+  }
+  TestBoard board_;
+  IoNode<TestBoard> node_{board_, contract::Node::io};
+};
+
+TEST_F(PdoRecords, DescribeWhatIsSent) {
+  EXPECT_EQ(read(0x1800, 0), 5U);
+  EXPECT_EQ(read(0x1800, 1), 0x188U);
+  EXPECT_EQ(read(0x1800, 2), 255U);
+  EXPECT_EQ(read(0x1800, 3), 100U);
+  EXPECT_EQ(read(0x1800, 5), 20U);
+  EXPECT_EQ(read(0x1A00, 0), 2U);
+  EXPECT_EQ(read(0x1A00, 1), 0x60000108U);
+  EXPECT_EQ(read(0x1A01, 4), 0x64010410U);
+  EXPECT_EQ(read(0x1200, 1), 0x608U);
+  EXPECT_EQ(read(0x1200, 2), 0x588U);
+  EXPECT_EQ(write(0x1A00, 1, 4, 0x60000208), 0x06010002U);
+}
+
+TEST_F(PdoRecords, IdsAndTimesTakeEffectAtOnceAndOnlyBeforeTheStart) {
+  EXPECT_EQ(write(0x1800, 1, 4, 0x1A5), 0U);
+  EXPECT_EQ(write(0x1800, 5, 2, 50), 0U);
+  EXPECT_EQ(write(0x1801, 2, 1, 3), 0U);  // with every third SYNC
+  make_operational(node_, board_);
+  tick(node_, 100);
+  EXPECT_EQ(board_.with_id(0x1A5).size(), 2U);
+  EXPECT_TRUE(board_.with_id(0x188).empty());
+  EXPECT_TRUE(board_.with_id(0x288).empty());
+  for (int i = 0; i < 6; ++i) node_.on_frame(canopen::sync());
+  EXPECT_EQ(board_.with_id(0x288).size(), 2U);
+  EXPECT_EQ(write(0x1800, 1, 4, 0x188), 0x08000022U);
+  EXPECT_EQ(write(0x1800, 2, 1, 1), 0x08000022U);
+  EXPECT_EQ(write(0x1800, 5, 2, 20), 0x08000022U);
+  EXPECT_EQ(read(0x1800, 1), 0x1A5U);
+  // Only on and off is a switch that works under way.
+  EXPECT_EQ(write(0x1800, 1, 4, 0x800001A5), 0U);
+  board_.sent.clear();
+  tick(node_, 200);
+  EXPECT_TRUE(board_.with_id(0x1A5).empty());
+}
+
+TEST_F(PdoRecords, TypeZeroWaitsForAnEventAndASync) {
+  EXPECT_EQ(write(0x1800, 2, 1, 0), 0U);
+  make_operational(node_, board_);
+  node_.on_frame(canopen::sync());
+  tick(node_, 50);
+  EXPECT_TRUE(board_.with_id(0x188).empty());
+  board_.bumper_bits = 1;
+  tick(node_, 20);
+  EXPECT_TRUE(board_.with_id(0x188).empty());
+  node_.on_frame(canopen::sync());
+  node_.on_frame(canopen::sync());
+  EXPECT_EQ(board_.with_id(0x188).size(), 1U);
+}
+
+TEST_F(PdoRecords, AnEventTimerOfZeroSendsOnChangeOnly) {
+  EXPECT_EQ(write(0x1800, 5, 2, 0), 0U);
+  make_operational(node_, board_);
+  tick(node_, 500);
+  EXPECT_TRUE(board_.with_id(0x188).empty());
+  board_.bumper_bits = 1;
+  tick(node_, 1);
+  EXPECT_EQ(board_.with_id(0x188).size(), 1U);
+}
+
+TEST_F(PdoRecords, IdsThatAreNoPdosOfThatDirectionAreRefused) {
+  for (const std::uint32_t bad :
+       {0x000U, 0x080U, 0x180U, 0x200U, 0x208U, 0x481U + 0x80U, 0x580U, 0x588U, 0x608U, 0x708U, 0x7FFU, 0x20000188U, 0x188U + 0x800U})
+    EXPECT_EQ(write(0x1800, 1, 4, bad), 0x06090030U) << std::hex << bad;
+  EXPECT_EQ(write(0x1800, 1, 4, 0x4FF), 0U);
+  EXPECT_EQ(write(0x1800, 1, 4, 0x40000188), 0U);  // no remote requests: there are none anyway
+  for (const std::uint32_t bad : {241U, 252U, 253U}) EXPECT_EQ(write(0x1800, 2, 1, bad), 0x06090030U) << bad;
+}
+
+TEST(PdoRecordsOfADrive, ACommandIdCanNeverBeAMeasurements) {
+  TestBoard board;
+  DriveNode<TestBoard> node(board, contract::Node::drive_left);
+  tick(node, 1);
+  const auto write = [&](std::uint8_t sub, std::size_t bytes, std::uint32_t value) {
+    return ask(node, board, canopen::sdo(kAskLeft, canopen::sdo_download_command(bytes), 0x1400, sub, value)).data[0];
+  };
+  EXPECT_EQ(write(1, 4, 0x191), 0x80);  // a tilt sensor's, six bytes long like a command
+  EXPECT_EQ(write(2, 1, 1), 0x80);      // commands do not wait for a SYNC
+  EXPECT_EQ(write(1, 4, 0x301), 0x60);
+  make_operational(node, board);
+  node.on_frame(frame_of(0x201, {6, 0, 0, 0, 0, 0}));
+  EXPECT_FALSE(node.stack().rpdo_alive());
+  node.on_frame(frame_of(0x301, {6, 0, 0, 0, 0, 0}));
+  EXPECT_TRUE(node.stack().rpdo_alive());
+  EXPECT_EQ(write(1, 4, 0x80000301), 0x80);  // a command is not switched off under way
+  node.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
+  EXPECT_EQ(write(1, 4, 0x80000301), 0x60);
+  make_operational(node, board);
+  node.on_frame(frame_of(0x301, {6, 0, 0, 0, 0, 0}));
+  EXPECT_FALSE(node.stack().rpdo_alive());
+}
+
+// ---- the controller's health
+
+TEST(CanopenHealth, TheControllersCountersAndErrorsAreTold) {
+  TestBoard board;
+  DriveNode<TestBoard> node(board, contract::Node::drive_left);
+  make_operational(node, board);
+  board.health = {CanHealth::State::passive, 130, 7, 3};
+  tick(node, 2);
+  const auto read = [&](int sub) {
+    return contract::read_le(&ask(node, board, frame_of(kAskLeft, {0x40, 0x00, 0x23, sub, 0, 0, 0, 0})).data[4], 4);
+  };
+  EXPECT_EQ(board.with_id(0x081), std::vector{frame_of(0x081, {0x10, 0x81, 0x11, 0, 0, 0, 0, 0})});  // frames were lost
+  EXPECT_EQ(read(1), 2U);
+  EXPECT_EQ(read(2), 130U);
+  EXPECT_EQ(read(3), 7U);
+  EXPECT_EQ(read(4), 3U);
+  tick(node, 110);
+  EXPECT_EQ(board.with_id(0x081), std::vector{frame_of(0x081, {0x20, 0x81, 0x11, 0, 0, 0, 0, 0})});
+  EXPECT_TRUE(node.stack().operational());
+  board.health.state = CanHealth::State::active;
+  board.sent.clear();
+  tick(node, 1200);
+  EXPECT_EQ(board.with_id(0x081).size(), 2U);  // both errors are over
+  EXPECT_EQ(board.with_id(0x081).back().data[2], 0);
+}
+
+TEST(CanopenHealth, BusOffLeavesOperationAndIsAskedBack) {
+  TestBoard board;
+  DriveNode<TestBoard> node(board, contract::Node::drive_left);
+  make_operational(node, board);
+  board.health.state = CanHealth::State::bus_off;
+  board.room = false;
+  tick(node, 199);
+  EXPECT_FALSE(node.stack().operational());
+  EXPECT_EQ(board.can_restarts, 0);
+  tick(node, 2);
+  EXPECT_EQ(board.can_restarts, 1);
+  tick(node, 400);
+  EXPECT_EQ(board.can_restarts, 3);  // again and again, with pauses
+  board.health.state = CanHealth::State::active;
+  board.room = true;
+  tick(node, 400);
+  const auto emergencies = board.with_id(0x081);
+  EXPECT_TRUE(
+      std::any_of(emergencies.begin(), emergencies.end(), [](const CanFrame& f) { return f.data[0] == 0x40 && f.data[1] == 0x81; }));
+  EXPECT_EQ(node.stack().values().get<0x1001>(), 0);
+  EXPECT_FALSE(node.stack().operational());  // until its master says so
+  EXPECT_EQ((node.stack().values().get<0x2300, 5>()), 1);
 }
 
 TEST(Convert, RoundsAndHoldsAtTheEnds) {
