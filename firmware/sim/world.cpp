@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "firmware/boards/host/host_boards.hpp"
+#include "firmware/boot/host/updatable_node.hpp"
 #include "firmware/nodes/drive/drive_node.hpp"
 #include "firmware/nodes/gateway/gateway_node.hpp"
 #include "firmware/nodes/io/io_node.hpp"
@@ -97,8 +98,11 @@ using TiltBoard = firmware::HostTiltBoard<Machine>;
 using DriveBoard = firmware::HostDriveBoard<Machine>;
 using IoBoard = firmware::HostIoBoard<Machine>;
 
-// A board with its node: what one box on the hoist is.
-template <class Board, class Firmware>
+template <class Board, class Application>
+using Device = firmware::UpdatableNode<Board, Application>;
+
+// A board with its node and the loader under it: what one box on the hoist is.
+template <class Board, class Application>
 struct Box {
   template <class... Args>
   explicit Box(Node node, Args&&... args) : board(std::forward<Args>(args)...), firmware(board, node) {}
@@ -106,7 +110,7 @@ struct Box {
   Box& operator=(const Box&) = delete;
   ~Box() = default;
   Board board;
-  Firmware firmware;
+  Device<Board, Application> firmware;
 };
 using DriveBox = Box<DriveBoard, firmware::DriveNode<DriveBoard>>;
 using IoBox = Box<IoBoard, firmware::IoNode<IoBoard>>;
@@ -273,7 +277,7 @@ void World::freeze(Node node, bool frozen) {
   Parts& p = *parts_;
   if (node == Node::core || p.frozen[index(node)] == frozen) return;
   p.frozen[index(node)] = frozen;
-  if (!frozen) p.with_node(node, [](auto& firmware) { firmware.power_on(); });
+  if (!frozen) p.with_node(node, [](auto& firmware) { firmware.watchdog_reset(); });
 }
 
 void World::freeze_sensor(Node node, bool frozen) {
@@ -284,6 +288,17 @@ void World::break_encoder(Node node, EncoderFault fault) {
 }
 void World::set_frame_fault(bus::VirtualBus::FaultHook hook) { parts_->bus.set_fault_hook(std::move(hook)); }
 std::size_t World::port_of(Node node) const { return parts_->port_of(node); }
+
+bool World::in_loader(Node node) const {
+  bool in_loader = false;
+  parts_->with_node(node, [&in_loader](auto& firmware) { in_loader = firmware.in_loader(); });
+  return in_loader;
+}
+firmware::ProgramFlash* World::program_flash(Node node) {
+  firmware::ProgramFlash* flash = nullptr;
+  parts_->with_node(node, [&flash](auto& firmware) { flash = &firmware.loader_board().flash(); });
+  return flash;
+}
 
 bool World::drives_enabled() const { return parts_->plant.bridge_enabled(Side::left) || parts_->plant.bridge_enabled(Side::right); }
 

@@ -15,6 +15,7 @@
 #include "control/bus/virtual_bus.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/can_frame.hpp"
+#include "firmware/boot/host/program_flash.hpp"
 #include "firmware/sim/patient.hpp"
 #include "firmware/sim/plant.hpp"
 
@@ -66,6 +67,11 @@ class World {
   void set_frame_fault(bus::VirtualBus::FaultHook hook);
   /// The port of a node, for such a hook.
   [[nodiscard]] std::size_t port_of(contract::Node node) const;
+
+  /// A node is in its loader: it has no program, or was sent there for a new one.
+  [[nodiscard]] bool in_loader(contract::Node node) const;
+  /// The flash in which a node's program lies; null for the computer.
+  [[nodiscard]] firmware::ProgramFlash* program_flash(contract::Node node);
 
   /// The bridge of a drive is on, its brake open.
   [[nodiscard]] bool drives_enabled() const;

@@ -66,9 +66,7 @@ template <class Board, class Firmware>
 class UpdatableNode {
  public:
   UpdatableNode(Board& board, contract::Node node)
-      : board_(board), loader_board_(board), node_(node), firmware_((tell_program(board, burn_first()), board), node) {
-    start(LoaderReset::power_or_pin);
-  }
+      : board_(board), loader_board_(board), node_(node), firmware_((tell_program(board, burn_first()), board), node) {}
 
   void on_frame(const contract::CanFrame& frame) {
     if (silent_ms_ > 0) return;

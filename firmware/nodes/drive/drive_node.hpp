@@ -76,6 +76,8 @@ class DriveNode {
   [[nodiscard]] State state() const { return state_; }
   [[nodiscard]] float speed_rad_s() const { return speed_rad_s_; }
   [[nodiscard]] float reference_rad_s() const { return servo_.reference_rad_s.value; }
+  // Asked by the stack before it ends the program for a new one (1F51h:1): nothing is held and nothing rolls.
+  [[nodiscard]] bool standing_safely() const { return !powered() && std::fabs(speed_rad_s_) < kStandstill_rad_s; }
 
  private:
   friend Stack;

@@ -1,0 +1,583 @@
+// Brings a new program into a node over the bus, without I/O and without a clock: frames in, at most one frame out per step, time as
+// nanoseconds. The same for the tool, for tests in virtual time and for whoever else can pass frames on.
+//
+// What it does, in order: listens whether a control computer is at work (then it refuses), asks the drives whether they are enabled (then
+// it refuses), asks the node who it is and what it runs, sends it into its loader, sends the program in segments, compares flash status
+// and CRC, starts it, and asks the running program for its CRC and version. Nothing is erased before the last of the refusals.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "control/contract/can_dictionary.hpp"
+#include "control/contract/firmware_image.hpp"
+
+namespace hoist::bus {
+
+// One SDO transfer at a time: read up to four bytes, write one to four, or send a domain in segments.
+class SdoExchange {
+ public:
+  enum class Outcome : std::uint8_t { idle, busy, done, aborted, timed_out };
+  // A loader answers the segment that begins a new erase unit when the unit is erased: 100 ms on the LPC11C24 (data sheet table 10).
+  static constexpr std::uint64_t kAnswer_ns = 1'000'000'000;
+  // Everything else is answered within the worst case of the load plan, 27 ms, or was lost; a lost question is asked again.
+  static constexpr std::uint64_t kQuestion_ns = 200'000'000;
+  static constexpr int kQuestions = 3;
+
+  void read(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub) {
+    begin(node_id, index, sub, Kind::read, contract::canopen::kSdoUploadRequest, 0);
+  }
+  /// Asked once: whoever writes knows whether doing it twice is the same as once.
+  void write(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub, std::size_t bytes, std::uint32_t value) {
+    begin(node_id, index, sub, Kind::write, contract::canopen::sdo_download_command(bytes), value);
+  }
+  /// `content` must outlive the transfer and be longer than four bytes.
+  void send(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> content) {
+    begin(node_id, index, sub, Kind::send, 0x21, static_cast<std::uint32_t>(content.size()));
+    content_ = content;
+  }
+  [[nodiscard]] Outcome outcome() const { return outcome_; }
+  [[nodiscard]] std::uint32_t value() const { return value_; }         // what was read, or the abort code
+  [[nodiscard]] std::size_t bytes_sent() const { return confirmed_; }  // of a domain, confirmed by the node
+
+  /// The next frame to send, if it is its time.
+  std::optional<contract::CanFrame> step(std::uint64_t now_ns) {
+    if (outcome_ != Outcome::busy) return std::nullopt;
+    if (to_send_) {
+      to_send_ = false;
+      asked_ns_ = now_ns;
+      return request_;
+    }
+    if (now_ns - asked_ns_ < (kind_ == Kind::read ? kQuestion_ns : kAnswer_ns)) return std::nullopt;
+    if (kind_ == Kind::read && ++asked_ < kQuestions) {
+      asked_ns_ = now_ns;
+      return request_;
+    }
+    outcome_ = Outcome::timed_out;
+    // The node may still wait in the middle: it is told that nobody continues.
+    return contract::canopen::sdo(contract::canopen::kSdoRequestBase + node_id_, contract::canopen::kSdoAbort, index_, sub_,
+                                  static_cast<std::uint32_t>(contract::canopen::SdoAbort::time_out));
+  }
+  void on_frame(const contract::CanFrame& frame) {
+    namespace canopen = contract::canopen;
+    if (outcome_ != Outcome::busy || to_send_ || frame.flags != 0 || frame.dlc != 8 || frame.id != canopen::kSdoReplyBase + node_id_)
+      return;
+    const std::uint8_t command = frame.data[0];
+    const bool names_it = contract::read_le(&frame.data[1], 2) == index_ && frame.data[3] == sub_;
+    if (command == canopen::kSdoAbort) {
+      // A node that lost its place answers with the object 0:0.
+      if (!names_it && !(frame.data[1] == 0 && frame.data[2] == 0 && frame.data[3] == 0)) return;
+      value_ = contract::read_le(&frame.data[4], 4);
+      outcome_ = Outcome::aborted;
+      return;
+    }
+    switch (kind_) {
+      case Kind::read:
+        if (!names_it || (command & 0xF3U) != 0x43U) return;
+        value_ = contract::read_le(&frame.data[4], 4U - ((command >> 2) & 3U));
+        outcome_ = Outcome::done;
+        return;
+      case Kind::write:
+        if (names_it && command == canopen::kSdoDownloadReply) outcome_ = Outcome::done;
+        return;
+      case Kind::send:
+        if (names_it && command == canopen::kSdoDownloadReply && offered_ == 0) return next_segment();
+        if (offered_ == 0 || command != (0x20U | (toggle_ ? 0x10U : 0U))) return;
+        confirmed_ = offered_;
+        toggle_ = !toggle_;
+        if (confirmed_ == content_.size()) {
+          outcome_ = Outcome::done;
+          return;
+        }
+        return next_segment();
+    }
+  }
+
+ private:
+  enum class Kind : std::uint8_t { read, write, send };
+
+  void begin(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub, Kind kind, std::uint8_t command, std::uint32_t value) {
+    node_id_ = node_id;
+    index_ = index;
+    sub_ = sub;
+    kind_ = kind;
+    outcome_ = Outcome::busy;
+    to_send_ = true;
+    toggle_ = false;
+    asked_ = 0;
+    offered_ = confirmed_ = 0;
+    value_ = 0;
+    request_ = contract::canopen::sdo(contract::canopen::kSdoRequestBase + node_id, command, index, sub, value);
+  }
+  void next_segment() {
+    const std::size_t bytes = std::min<std::size_t>(7, content_.size() - confirmed_);
+    offered_ = confirmed_ + bytes;
+    request_ = contract::CanFrame{contract::canopen::kSdoRequestBase + node_id_, 8, 0, {}};
+    request_.data[0] = static_cast<std::uint8_t>((toggle_ ? 0x10U : 0U) | ((7U - bytes) << 1) | (offered_ == content_.size() ? 1U : 0U));
+    std::copy_n(content_.begin() + static_cast<std::ptrdiff_t>(confirmed_), bytes, request_.data.begin() + 1);
+    to_send_ = true;
+  }
+
+  std::uint8_t node_id_ = 0, sub_ = 0;
+  std::uint16_t index_ = 0;
+  Kind kind_ = Kind::read;
+  Outcome outcome_ = Outcome::idle;
+  bool to_send_ = false, toggle_ = false;
+  std::uint64_t asked_ns_ = 0;
+  int asked_ = 0;
+  std::uint32_t value_ = 0;
+  std::size_t offered_ = 0, confirmed_ = 0;
+  std::span<const std::uint8_t> content_{};
+  contract::CanFrame request_{};
+};
+
+// What is known of one node from asking it.
+struct NodeProgram {
+  bool present = false;   // it was heard or it answered
+  bool answered = false;  // it said who it is
+  bool in_loader = false;
+  bool simulated = false;
+  std::uint32_t product = 0, version = 0, crc = 0, flash_status = 0;
+};
+
+// The questions above to one node: who it is, the version and CRC of its program and, in the loader, what is in its flash. A node whose
+// program knows nothing of versions answers 0 for them.
+class ProgramQuery {
+ public:
+  void begin(std::uint8_t node_id) {
+    *this = ProgramQuery();
+    node_id_ = node_id;
+    busy_ = true;
+    exchange_.read(node_id_, 0x1018, 2);
+  }
+  [[nodiscard]] bool busy() const { return busy_; }
+  [[nodiscard]] const NodeProgram& result() const { return result_; }
+  void on_frame(const contract::CanFrame& frame) { exchange_.on_frame(frame); }
+  std::optional<contract::CanFrame> step(std::uint64_t now_ns) {
+    if (!busy_) return std::nullopt;
+    if (const auto frame = exchange_.step(now_ns)) return frame;
+    if (exchange_.outcome() == SdoExchange::Outcome::busy) return std::nullopt;
+    const bool done = exchange_.outcome() == SdoExchange::Outcome::done;
+    const std::uint32_t value = done ? exchange_.value() : 0;
+    switch (question_++) {
+      case 0:
+        result_.present = result_.answered = done;
+        result_.product = value;
+        result_.in_loader = (value & contract::kLoaderProduct) != 0;
+        result_.simulated = (value & contract::canopen::kSimulatedProduct) != 0;
+        if (!done) {
+          busy_ = false;
+          return std::nullopt;
+        }
+        exchange_.read(node_id_, contract::kProgramVersion, 1);
+        break;
+      case 1:
+        result_.version = value;
+        exchange_.read(node_id_, contract::kProgramId, 1);
+        break;
+      case 2:
+        result_.crc = value;
+        if (!result_.in_loader) {
+          busy_ = false;
+          return std::nullopt;
+        }
+        exchange_.read(node_id_, contract::kFlashStatus, 1);
+        break;
+      default:
+        result_.flash_status = value;
+        busy_ = false;
+        return std::nullopt;
+    }
+    return exchange_.step(now_ns);
+  }
+
+ private:
+  std::uint8_t node_id_ = 0;
+  bool busy_ = false;
+  int question_ = 0;
+  NodeProgram result_{};
+  SdoExchange exchange_{};
+};
+
+class FirmwareUpdate {
+ public:
+  enum class Phase : std::uint8_t { listening, asking_drives, asking_node, entering_loader, sending, checking, starting, done, failed };
+  enum class Failure : std::uint8_t {
+    none,
+    bad_image,        // not a program, or not for this kind of node
+    computer_active,  // a control computer is on the bus
+    drive_enabled,    // a drive holds or moves its wheel, or does not say
+    absent,           // the node does not answer
+    wrong_chip,       // a program for silicon and a simulated node, or the other way round
+    older,            // the node runs a newer program
+    not_ready,        // the node refuses to end its program
+    no_loader,        // it went away and did not come back in its loader
+    refused,          // the loader refused the program
+    broken_off,       // three transfers were begun and none came to its end
+    not_whole,        // the loader has something else than what was sent
+    did_not_start,    // it was started and did not come back as a running program with this CRC
+  };
+  struct Options {
+    bool force = false;  // also an older program, and the same once more
+  };
+
+  // `image` must outlive this.
+  FirmwareUpdate(std::span<const std::uint8_t> image, contract::Node node, Options options)
+      : image_(image), node_(node), node_id_(contract::node_id(node)), options_(options) {
+    if (contract::check_image_file(image) != contract::ImageError::none) {
+      fail(Failure::bad_image);
+      return;
+    }
+    header_ = contract::read_image_header(image);
+    if (node == contract::Node::core || header_.kind != static_cast<std::uint8_t>(contract::kNodes[static_cast<std::size_t>(node)].kind))
+      fail(Failure::bad_image);
+  }
+
+  [[nodiscard]] Phase phase() const { return phase_; }
+  [[nodiscard]] bool over() const { return phase_ == Phase::done || phase_ == Phase::failed; }
+  [[nodiscard]] Failure failure() const { return failure_; }
+  // The node had exactly this program already, and was left alone.
+  [[nodiscard]] bool was_there() const { return was_there_; }
+  // The last abort code that the node gave; 0 when it gave none.
+  [[nodiscard]] std::uint32_t abort_code() const { return abort_code_; }
+  [[nodiscard]] const contract::ImageHeader& header() const { return header_; }
+  [[nodiscard]] const NodeProgram& before() const { return before_; }  // valid from entering_loader on
+  [[nodiscard]] std::size_t bytes_sent() const {
+    return phase_ == Phase::sending ? exchange_.bytes_sent() : (phase_ > Phase::sending && phase_ != Phase::failed ? image_.size() : 0);
+  }
+  [[nodiscard]] int tries() const { return tries_; }
+
+  void on_frame(const contract::CanFrame& frame) {
+    namespace canopen = contract::canopen;
+    if (over() || frame.flags != 0) return;
+    const std::uint32_t service = frame.id & 0x780U;
+    if (phase_ == Phase::listening) {
+      if (frame.id == canopen::kHeartbeatBase + contract::node_id(contract::Node::core) || frame.id == canopen::kSync ||
+          frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_left) ||
+          frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_right))
+        return fail(Failure::computer_active);
+      for (std::size_t i = 0; i < kDrives.size(); ++i)
+        if (frame.id == canopen::kHeartbeatBase + contract::node_id(kDrives[i])) drive_heard_[i] = true;
+    }
+    if (service == canopen::kHeartbeatBase && frame.id == canopen::kHeartbeatBase + node_id_ && frame.dlc == 1) {
+      // Boot-up: the node has started anew. A loader that was entered long ago only says that it is pre-operational.
+      if (frame.data[0] == static_cast<std::uint8_t>(canopen::NmtState::boot_up)) booted_ = true;
+    }
+    exchange_.on_frame(frame);
+    query_.on_frame(frame);
+  }
+
+  // At least once per millisecond; at most one frame comes back.
+  std::optional<contract::CanFrame> step(std::uint64_t now_ns) {
+    now_ns_ = now_ns;
+    if (!entered_) {
+      entered_ = true;
+      phase_ns_ = now_ns;
+    }
+    switch (phase_) {
+      case Phase::listening:
+        if (now_ns - phase_ns_ < kListen_ns) return std::nullopt;
+        enter(Phase::asking_drives);
+        return ask_next_drive();
+      case Phase::asking_drives:
+        return ask_drives();
+      case Phase::asking_node:
+        return ask_node();
+      case Phase::entering_loader:
+        return enter_loader();
+      case Phase::sending:
+        return send_program();
+      case Phase::checking:
+        return check_program();
+      case Phase::starting:
+        return start_program();
+      case Phase::done:
+      case Phase::failed:
+        break;
+    }
+    return std::nullopt;
+  }
+
+  // Limits, each with its reason.
+  static constexpr std::uint64_t kListen_ns = 350'000'000;    // three heartbeats of 100 ms, whoever sends them
+  static constexpr std::uint64_t kReboot_ns = 3'000'000'000;  // from the end of a program to the loader's first word, and back
+  static constexpr int kTriesMax = 3;                         // transfers begun anew after a time-out or a lost segment
+
+ private:
+  using Outcome = SdoExchange::Outcome;
+  static constexpr std::array kDrives{contract::Node::drive_left, contract::Node::drive_right};
+
+  void enter(Phase phase) {
+    phase_ = phase;
+    phase_ns_ = now_ns_;
+    stage_ = 0;
+  }
+  void fail(Failure why) {
+    phase_ = Phase::failed;
+    failure_ = why;
+  }
+  // The frame of an exchange that is still under way, or its end: then over is true and outcome() tells.
+  std::optional<contract::CanFrame> pump(bool& over) {
+    const auto frame = exchange_.step(now_ns_);
+    over = exchange_.outcome() != Outcome::busy;
+    if (exchange_.outcome() == Outcome::aborted) abort_code_ = exchange_.value();
+    return frame;
+  }
+
+  std::optional<contract::CanFrame> ask_next_drive() {
+    while (drive_ < kDrives.size() && !drive_heard_[drive_]) ++drive_;
+    if (drive_ == kDrives.size()) {
+      enter(Phase::asking_node);
+      query_.begin(node_id_);
+      return query_.step(now_ns_);
+    }
+    exchange_.read(contract::node_id(kDrives[drive_]), 0x6041, 0);
+    return exchange_.step(now_ns_);
+  }
+  std::optional<contract::CanFrame> ask_drives() {
+    namespace drive = contract::canopen::drive;
+    bool over = false;
+    const auto frame = pump(over);
+    if (!over) return frame;
+    if (exchange_.outcome() == Outcome::done) {
+      const drive::State state = drive::state(static_cast<std::uint16_t>(exchange_.value()));
+      if (state == drive::State::operation_enabled || state == drive::State::quick_stop_active || state == drive::State::fault_reaction) {
+        fail(Failure::drive_enabled);
+        return std::nullopt;
+      }
+    } else if (exchange_.outcome() != Outcome::aborted ||
+               exchange_.value() != static_cast<std::uint32_t>(contract::canopen::SdoAbort::no_object)) {
+      // A drive in its loader has no such object and no bridge that is on. One that says nothing may do anything.
+      fail(Failure::drive_enabled);
+      return frame;
+    }
+    ++drive_;
+    return ask_next_drive();
+  }
+
+  std::optional<contract::CanFrame> ask_node() {
+    const auto frame = query_.step(now_ns_);
+    if (query_.busy() || frame) return frame;
+    before_ = query_.result();
+    const bool for_simulator = header_.chip == static_cast<std::uint8_t>(contract::ImageChip::simulated);
+    if (!before_.answered) {
+      fail(Failure::absent);
+    } else if (before_.simulated != for_simulator) {
+      fail(Failure::wrong_chip);
+    } else if (!options_.force && before_.version > header_.version) {
+      fail(Failure::older);
+    } else if (!options_.force && !before_.in_loader && before_.version == header_.version && before_.crc == header_.crc) {
+      was_there_ = true;
+      phase_ = Phase::done;
+    } else {
+      enter(before_.in_loader ? Phase::sending : Phase::entering_loader);
+      if (phase_ == Phase::sending) begin_sending();
+    }
+    return std::nullopt;
+  }
+
+  std::optional<contract::CanFrame> enter_loader() {
+    namespace canopen = contract::canopen;
+    switch (stage_) {
+      case 0:  // pre-operational first: the only state in which a node may be ended
+        stage_ = 1;
+        return canopen::nmt(canopen::NmtCommand::pre_operational, node_id_);
+      case 1:
+        stage_ = 2;
+        booted_ = false;
+        exchange_.write(node_id_, contract::kProgramControl, 1, 1, static_cast<std::uint32_t>(contract::ProgramCommand::stop));
+        return exchange_.step(now_ns_);
+      case 2: {
+        bool over = false;
+        const auto frame = pump(over);
+        if (!over) return frame;
+        if (exchange_.outcome() == Outcome::aborted) {
+          fail(Failure::not_ready);
+          return std::nullopt;
+        }
+        // Request or answer was lost. A node that has gone all the same is heard; one that has not is asked again.
+        if (exchange_.outcome() == Outcome::timed_out && !booted_ && ++stops_ < SdoExchange::kQuestions) {
+          stage_ = 0;
+          return frame;
+        }
+        phase_ns_ = now_ns_;
+        stage_ = 3;
+        return frame;
+      }
+      default:
+        return wait_for_boot(Failure::no_loader);
+    }
+  }
+  // After a reset: its boot-up message, then who it is. A reset that is not seen within kReboot_ns did not happen.
+  std::optional<contract::CanFrame> wait_for_boot(Failure otherwise) {
+    if (stage_ == 3) {
+      if (booted_) {
+        stage_ = 4;
+        query_.begin(node_id_);
+        return query_.step(now_ns_);
+      }
+      if (now_ns_ - phase_ns_ >= kReboot_ns) fail(otherwise);
+      return std::nullopt;
+    }
+    const auto frame = query_.step(now_ns_);
+    if (query_.busy() || frame) return frame;
+    const NodeProgram& now = query_.result();
+    if (phase_ == Phase::entering_loader) {
+      if (!now.answered || !now.in_loader) {
+        fail(otherwise);
+      } else {
+        enter(Phase::sending);
+        begin_sending();
+      }
+      return std::nullopt;
+    }
+    if (!now.answered || now.in_loader || now.crc != header_.crc || now.version != header_.version) {
+      fail(otherwise);
+    } else {
+      phase_ = Phase::done;
+    }
+    return std::nullopt;
+  }
+
+  void begin_sending() {
+    ++tries_;
+    exchange_.send(node_id_, contract::kProgramData, 1, image_);
+  }
+  std::optional<contract::CanFrame> send_program() {
+    bool over = false;
+    const auto frame = pump(over);
+    if (!over) return frame;
+    if (exchange_.outcome() == Outcome::done) {
+      enter(Phase::checking);
+      exchange_.read(node_id_, contract::kFlashStatus, 1);
+      return exchange_.step(now_ns_);
+    }
+    // A lost frame shows as a time-out here or as a time-out or wrong toggle there; everything else is the loader's word on this program.
+    using contract::canopen::SdoAbort;
+    const auto code = static_cast<SdoAbort>(abort_code_);
+    const bool lost = exchange_.outcome() == Outcome::timed_out || code == SdoAbort::toggle || code == SdoAbort::time_out ||
+                      code == SdoAbort::command || code == SdoAbort::transfer;
+    if (!lost) {
+      fail(Failure::refused);
+    } else if (tries_ >= kTriesMax) {
+      fail(Failure::broken_off);
+    } else {
+      begin_sending();
+    }
+    return frame;
+  }
+
+  std::optional<contract::CanFrame> check_program() {
+    bool over = false;
+    const auto frame = pump(over);
+    if (!over) return frame;
+    const std::uint32_t wanted = stage_ == 0 ? static_cast<std::uint32_t>(contract::FlashStatus::good) : header_.crc;
+    if (exchange_.outcome() != Outcome::done || exchange_.value() != wanted) {
+      fail(Failure::not_whole);
+      return frame;
+    }
+    if (stage_ == 0) {
+      stage_ = 1;
+      exchange_.read(node_id_, contract::kProgramId, 1);
+      return exchange_.step(now_ns_);
+    }
+    enter(Phase::starting);
+    booted_ = false;
+    exchange_.write(node_id_, contract::kProgramControl, 1, 1, static_cast<std::uint32_t>(contract::ProgramCommand::start));
+    return exchange_.step(now_ns_);
+  }
+
+  std::optional<contract::CanFrame> start_program() {
+    if (stage_ >= 3) return wait_for_boot(Failure::did_not_start);
+    bool over = false;
+    const auto frame = pump(over);
+    if (!over) return frame;
+    if (exchange_.outcome() == Outcome::aborted) {
+      fail(Failure::did_not_start);
+    } else {
+      stage_ = 3;
+      phase_ns_ = now_ns_;
+    }
+    return frame;
+  }
+
+  std::span<const std::uint8_t> image_;
+  contract::Node node_;
+  std::uint8_t node_id_;
+  Options options_;
+  contract::ImageHeader header_{};
+  Phase phase_ = Phase::listening;
+  Failure failure_ = Failure::none;
+  bool was_there_ = false, booted_ = false, entered_ = false;
+  int stage_ = 0, tries_ = 0, stops_ = 0;
+  std::uint64_t now_ns_ = 0, phase_ns_ = 0;
+  std::uint32_t abort_code_ = 0;
+  std::array<bool, 2> drive_heard_{};
+  std::size_t drive_ = 0;
+  NodeProgram before_{};
+  SdoExchange exchange_{};
+  ProgramQuery query_{};
+};
+
+constexpr std::string_view phase_text(FirmwareUpdate::Phase phase) {
+  switch (phase) {
+    case FirmwareUpdate::Phase::listening:
+      return "listening on the bus";
+    case FirmwareUpdate::Phase::asking_drives:
+      return "asking the drives";
+    case FirmwareUpdate::Phase::asking_node:
+      return "asking the node";
+    case FirmwareUpdate::Phase::entering_loader:
+      return "waiting for the loader";
+    case FirmwareUpdate::Phase::sending:
+      return "sending";
+    case FirmwareUpdate::Phase::checking:
+      return "checking";
+    case FirmwareUpdate::Phase::starting:
+      return "starting the program";
+    case FirmwareUpdate::Phase::done:
+      return "done";
+    case FirmwareUpdate::Phase::failed:
+      return "failed";
+  }
+  return "";
+}
+// What happened and what to do next.
+constexpr std::string_view failure_text(FirmwareUpdate::Failure failure) {
+  using Failure = FirmwareUpdate::Failure;
+  switch (failure) {
+    case Failure::none:
+      return "";
+    case Failure::bad_image:
+      return "the file is no program for this kind of node; look at it with `hoist firmware show`";
+    case Failure::computer_active:
+      return "a control computer is at work on this bus; end hoist-control first";
+    case Failure::drive_enabled:
+      return "a drive is enabled, or does not say that it is not; switch the drives off first";
+    case Failure::absent:
+      return "the node does not answer; look at its plug and supply, then try again";
+    case Failure::wrong_chip:
+      return "the file is for another chip (a simulated node takes only programs for `simulated`, and no other node takes those)";
+    case Failure::older:
+      return "the node runs a newer program; --force puts the older one in all the same";
+    case Failure::not_ready:
+      return "the node refuses to end its program: it must be pre-operational, and a drive must stand with its bridge off";
+    case Failure::no_loader:
+      return "the node did not come back in its loader; switch its supply off and on and try again";
+    case Failure::refused:
+      return "the loader refused the program; the one before is still there unless the flash is broken";
+    case Failure::broken_off:
+      return "three transfers were broken off; the node waits in its loader: look at the cable and run the same command again";
+    case Failure::not_whole:
+      return "the loader does not have what was sent; run the same command again";
+    case Failure::did_not_start:
+      return "the program was stored but does not run; send another one";
+  }
+  return "";
+}
+
+}  // namespace hoist::bus
