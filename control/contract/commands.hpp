@@ -59,6 +59,7 @@ enum class EventKind : std::uint32_t {
   pose_set = 9,
   neutral_set = 10,
   core_started = 11,
+  emergency = 12,  // item: node, code: EMCY code (0 = an error has ended), bits: error register, value: its five further bytes, as a number
 };
 constexpr std::string_view event_name(EventKind kind) {
   switch (kind) {
@@ -84,6 +85,8 @@ constexpr std::string_view event_name(EventKind kind) {
       return "neutral_set";
     case EventKind::core_started:
       return "core_started";
+    case EventKind::emergency:
+      return "emergency";
     case EventKind::none:
       break;
   }

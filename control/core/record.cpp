@@ -6,6 +6,45 @@
 
 namespace hoist::core {
 
+namespace {
+
+std::uint16_t to_u16(std::uint32_t value) noexcept { return static_cast<std::uint16_t>(value < 0xFFFF ? value : 0xFFFF); }
+
+void fill_health(const CoreState& state, const TickInputs& inputs, contract::TickRecord& record) noexcept {
+  using contract::Node;
+  const BusHealth& health = state.health;
+  record.bus_load_norm = static_cast<float>(health.load().load_norm());
+  record.bus_frames_per_s = to_u16(health.load().frames_per_s());
+  record.bus_send_refused = inputs.bus.send_refused;
+  record.bus_reopened = inputs.bus.reopened;
+  record.bus_overflows = inputs.bus.overflows;
+  record.bus_errors = inputs.bus.errors;
+  record.bus_tx_errors = inputs.bus.tx_errors;
+  record.bus_rx_errors = inputs.bus.rx_errors;
+  record.bus_state = inputs.bus.state;
+  record.bus_up = inputs.bus_up ? 1 : 0;
+  record.syncs_lost = health.syncs_lost();
+  record.babbling_id = health.babbling_id();
+  record.duplicate_id = health.duplicate_id();
+#define HOIST_FILL_NODE(name)                                                    \
+  record.name##_lost_frames = health.node(Node::name).lost_frames;              \
+  record.name##_lost_10s = health.node(Node::name).lost_10s();                  \
+  record.name##_emcy_code = health.node(Node::name).emcy_code;                  \
+  record.name##_emcy_count = health.node(Node::name).emcy_count;                \
+  record.name##_error_register = health.node(Node::name).error_register;        \
+  record.name##_nmt_state = state.master.nmt_state(Node::name);                 \
+  record.name##_heartbeats_missed = state.master.heartbeats_missed(Node::name);
+  HOIST_FILL_NODE(drive_left)
+  HOIST_FILL_NODE(drive_right)
+  HOIST_FILL_NODE(io)
+  HOIST_FILL_NODE(tilt_left)
+  HOIST_FILL_NODE(tilt_right)
+  HOIST_FILL_NODE(tilt_base)
+#undef HOIST_FILL_NODE
+}
+
+}  // namespace
+
 double stop_distance_m(const CoreState& state) noexcept {
   const double speed = std::fabs(state.limiter.speed_m_s());
   Braking braking = state.motion.braking;
@@ -65,7 +104,7 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.tick_duration_s = std::isfinite(inputs.previous_duration_s) ? inputs.previous_duration_s : 0.0F;
   record.overruns = state.overruns;
   record.bus_frames = state.bus_frames;
-  record.bus_refused = inputs.bus_refused_total + state.bus_refused;
+  record.bus_refused = inputs.bus.refused + state.bus_refused;
   record.commands_refused = state.commands_refused;
   record.fault_bits = state.latched;
   record.blocked_bits = start_refusals(state);
@@ -86,6 +125,7 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.io_age_ticks = sensed.io.fresh().age_ticks();
   record.server_alive = state.server.alive() ? 1 : 0;
   record.standing_still = odometry.standing_still ? 1 : 0;
+  fill_health(state, inputs, record);
 }
 
 }  // namespace hoist::core

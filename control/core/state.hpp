@@ -11,6 +11,7 @@
 #include "control/core/derived.hpp"
 #include "control/core/estimate/estimate.hpp"
 #include "control/core/event_queue.hpp"
+#include "control/core/health/bus_health.hpp"
 #include "control/core/intent/intent.hpp"
 #include "control/core/law/pfp.hpp"
 #include "control/core/law/pfp_turn.hpp"
@@ -53,6 +54,7 @@ struct CoreState {
   std::uint64_t tick = 0, time_ns = 0, ticks_run = 0;
 
   Estimate sensed;
+  BusHealth health;
   PatientIntent intent;
 
   Lease lease;

@@ -25,11 +25,25 @@ namespace {
 /// After the bus came back, nodes get this long to be heard again before their silence is their own fault.
 constexpr std::uint8_t kBusSettleTicks = 50;
 
+void tell_emergency(CoreState& state, const CanFrame& frame) noexcept {
+  const auto node = contract::find_node(static_cast<std::uint8_t>(frame.id & 0x7F));
+  Event event;
+  event.kind = EventKind::emergency;
+  event.item = static_cast<std::uint32_t>(*node);
+  event.code = contract::read_le(&frame.data[0], 2);
+  event.bits = frame.data[2];
+  // Forty bits, which a double holds exactly.
+  event.value = static_cast<double>(contract::read_le(&frame.data[3], 4)) + static_cast<double>(frame.data[7]) * 4294967296.0;
+  emit(state, event);
+}
+
 void receive_frames(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
   state.sensed.next_tick();
   state.master.next_tick();
+  state.health.next_tick(inputs.tick, inputs.bus_up);
   for (const CanFrame& frame : inputs.frames) {
     ++state.bus_frames;
+    if (state.health.take(frame)) tell_emergency(state, frame);
     if (!receive(frame, state.sensed, state.master, state.derived, dt_s)) ++state.bus_refused;
   }
   if (!inputs.bus_up) {
@@ -59,6 +73,7 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
     --state.remote_lost_ticks;
   }
   const MonitorView view{state.sensed,
+                         state.health,
                          state.params,
                          state.mode,
                          is_moving(state.mode),
@@ -157,6 +172,7 @@ void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOu
     raise_fault(state, Fault::gate_refused);
     state.limiter.reset();
   }
+  for (const CanFrame& frame : out.frames) state.health.sent(frame);
   state.left_command_m_s = commanded_m_s(out.frames[0], state.derived.left_motor_per_m);
   state.right_command_m_s = commanded_m_s(out.frames[1], state.derived.right_motor_per_m);
 }

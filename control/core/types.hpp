@@ -48,12 +48,23 @@ class FixedVector {
   std::size_t size_ = 0;
 };
 
+/// What the bus back end counts and is told by its controller, since the start (bus::PortCounters, copied: the core knows no back end).
+struct BusCounters {
+  std::uint32_t refused = 0;       // lines and frames that it refused itself
+  std::uint32_t send_refused = 0;  // frames of ours that it did not take
+  std::uint32_t reopened = 0;
+  std::uint32_t overflows = 0;
+  std::uint32_t errors = 0;
+  std::uint16_t tx_errors = 0, rx_errors = 0;
+  std::uint8_t state = 0;  // 0 active, 1 warning, 2 passive, 3 off
+};
+
 /// Everything a step may know. The caller copies from shared memory once; the core trusts no field of `commands` and `drive`.
 struct TickInputs {
   std::uint64_t tick = 0;                      // number of this step since the core started
   std::uint64_t time_ns = 0;                   // the steady clock at its wake-up
   std::span<const contract::CanFrame> frames;  // received since the last step, in order
-  std::uint32_t bus_refused_total = 0;         // lines and frames that the bus back end itself refused, since the start
+  BusCounters bus;
   bool bus_up = false;
   std::span<const contract::Command> commands;  // new since the last step, in order
   bool drive_fresh = false;                     // `drive` was written since the last step

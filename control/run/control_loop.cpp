@@ -18,7 +18,15 @@ void ControlLoop::step(const Step& step) noexcept {
 
   const std::size_t received = port_.receive(frames_, step.time_ns);
   inputs.frames = {frames_.data(), received};
-  inputs.bus_refused_total = port_.counters().refused;
+  const bus::PortCounters& counters = port_.counters();
+  inputs.bus.refused = counters.refused;
+  inputs.bus.send_refused = counters.send_refused;
+  inputs.bus.reopened = counters.reopened;
+  inputs.bus.overflows = counters.overflows;
+  inputs.bus.errors = counters.bus_errors;
+  inputs.bus.tx_errors = counters.tx_errors;
+  inputs.bus.rx_errors = counters.rx_errors;
+  inputs.bus.state = static_cast<std::uint8_t>(counters.state);
   inputs.bus_up = port_.up();
 
   std::size_t commands = 0;

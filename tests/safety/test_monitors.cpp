@@ -80,6 +80,22 @@ const std::vector<Trip>& trips() {
        nothing},
       {"faster than allowed", Fault::overspeed, "H1", Mode::user, 8,
        [](ScriptedHoist& h) { h.drive_left.forced_m_s = h.drive_right.forced_m_s = 0.8; }, nothing},
+      {"a second strut sensor with the same number", Fault::node_duplicate, "H30", Mode::user, 8, nullptr,
+       [](ScriptedHoist& h, int) { h.extra.push_back({0x191, 6, 0, {0, 0, 0, 0, 3, h.tilt_left.counter}}); }},
+      {"a second drive with the same number", Fault::node_duplicate, "H30", Mode::remote, 8, nullptr,
+       [](ScriptedHoist& h, int) { h.extra.push_back({0x182, 8, 0, {0x27, 0}}); }},
+      {"a second input node with the same number", Fault::node_duplicate, "H30", Mode::user, 40, nullptr,
+       [](ScriptedHoist& h, int i) {
+         if (i % 10 == 4) h.extra.push_back({0x708, 1, 0, {5}});
+       }},
+      {"a sensor floods the bus", Fault::node_babbling, "H30", Mode::user, 6, nullptr,
+       [](ScriptedHoist& h, int) {
+         for (int k = 0; k < 15; ++k) h.extra.push_back({0x292, 6, 0, {}});
+       }},
+      {"a stranger floods the bus", Fault::node_babbling, "H30", Mode::remote, 4, nullptr,
+       [](ScriptedHoist& h, int) {
+         for (int k = 0; k < 15; ++k) h.extra.push_back({0x010, 8, 0, {}});
+       }},
       {"one step far too late", Fault::loop_overrun, "H22", Mode::user, 1, [](ScriptedHoist& h) { h.lateness_s = 0.031F; }, nothing},
       {"two late steps in a second", Fault::loop_overrun, "H22", Mode::remote, 60, nullptr,
        [](ScriptedHoist& h, int i) {
@@ -165,6 +181,25 @@ TEST(Monitors, QuietJustBelowEveryThreshold) {
          if (i % 110 == 0) h.lateness_s = 0.02F;
        }},
       {"4.9 ms late in every step", Mode::user, [](ScriptedHoist& h, int) { h.lateness_s = 0.0049F; }},
+      {"a stranger speaks 20 times a second", Mode::user,
+       [](ScriptedHoist& h, int i) {
+         if (i % 5 == 0) h.extra.push_back({0x1A5, 8, 0, {}});
+       }},
+      {"both struts send their rates too", Mode::user,
+       [](ScriptedHoist& h, int) {
+         h.extra.push_back({0x291, 6, 0, {}});
+         h.extra.push_back({0x292, 6, 0, {}});
+       }},
+      {"one frame in a hundred of every node missing", Mode::user,
+       [](ScriptedHoist& h, int i) {
+         h.tilt_left.silent = i % 100 == 3;
+         h.tilt_right.silent = i % 100 == 17;
+         h.tilt_base.silent = i % 100 == 40;
+         h.drive_left.silent = i % 100 == 55;
+         h.drive_right.silent = i % 100 == 71;
+         h.io.silent = i % 100 == 90;
+       }},
+      {"a bumper node that speaks with every step", Mode::user, [](ScriptedHoist& h, int) { h.extra.push_back({0x188, 2, 0, {}}); }},
       {"batteries at 23.1 V", Mode::user, [](ScriptedHoist& h, int) { h.io.battery_a_v = h.io.battery_b_v = 11.55; }},
   };
   for (const Near& near : table) {

@@ -9,11 +9,13 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/core/estimate/estimate.hpp"
+#include "control/core/health/bus_health.hpp"
 
 namespace hoist::core {
 
 struct MonitorView {
   const Estimate& sensed;
+  const BusHealth& health;
   const contract::Params& params;
   contract::Mode mode;
   bool moving;                                 // a mode in which the wheels may turn

@@ -10,6 +10,8 @@
 #include "control/core/monitor/fall.hpp"
 #include "control/core/monitor/loop_overrun.hpp"
 #include "control/core/monitor/monitor.hpp"
+#include "control/core/monitor/node_babbling.hpp"
+#include "control/core/monitor/node_duplicate.hpp"
 #include "control/core/monitor/node_lost.hpp"
 #include "control/core/monitor/overspeed.hpp"
 #include "control/core/monitor/remote_lost.hpp"
@@ -26,7 +28,7 @@ using MonitorList = std::tuple<
     NodeLost<contract::Node::tilt_base, contract::Fault::tilt_base_lost>,
     NodeLost<contract::Node::drive_left, contract::Fault::drive_left_lost>,
     NodeLost<contract::Node::drive_right, contract::Fault::drive_right_lost>, NodeLost<contract::Node::io, contract::Fault::io_lost>,
-    BusDown, DriveFault<true>, DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault, BumperPressed, FallDetected,
+    BusDown, NodeDuplicate, NodeBabbling, DriveFault<true>, DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault, BumperPressed, FallDetected,
     BatteryBelow<contract::Fault::battery_empty, &contract::Params::battery_empty_v>,
     BatteryBelow<contract::Fault::battery_low, &contract::Params::battery_low_v>, RemoteCommandLost, ServerLost, Overspeed, LoopOverrun>;
 

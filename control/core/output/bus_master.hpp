@@ -97,6 +97,15 @@ class BusMaster {
   }
 
   [[nodiscard]] Phase phase(contract::Node node) const noexcept { return links_[static_cast<std::size_t>(node)].phase; }
+  /// State in the node's latest heartbeat; 255 before the first one.
+  [[nodiscard]] std::uint8_t nmt_state(contract::Node node) const noexcept { return links_[static_cast<std::size_t>(node)].state; }
+  /// Heartbeats in a row that should have come by now. One may be 30 ms late on a full bus (load plan: 28 ms).
+  [[nodiscard]] std::uint8_t heartbeats_missed(contract::Node node) const noexcept {
+    const std::uint8_t age_ticks = links_[static_cast<std::size_t>(node)].heartbeat_age_ticks;
+    return age_ticks < kNodeHeartbeatTicks + kHeartbeatLateTicks
+               ? std::uint8_t{0}
+               : static_cast<std::uint8_t>((age_ticks - kHeartbeatLateTicks) / kNodeHeartbeatTicks);
+  }
   /// Every node is known, has its parameters and runs.
   [[nodiscard]] bool all_running() const noexcept { return all_running_; }
   /// Any node says that it is a build for a simulator.
@@ -111,7 +120,7 @@ class BusMaster {
     std::uint32_t product = 0;
     std::uint32_t unwritten = 0;  // bit per row of kParamObjects
     Phase phase = Phase::absent;
-    std::uint8_t state = 0;
+    std::uint8_t state = 255;
     std::uint8_t heartbeat_age_ticks = kOldestTicks;
     std::uint8_t rest_ticks = 0;
     std::uint8_t start_ticks = 0;
@@ -119,6 +128,7 @@ class BusMaster {
   static_assert(contract::kParamObjects.size() < 32, "unwritten holds a bit per row");
 
   static constexpr std::uint64_t kHeartbeatTicks = 10;  // 100 ms
+  static constexpr std::uint8_t kNodeHeartbeatTicks = 10, kHeartbeatLateTicks = 3;
   static constexpr std::uint8_t kSilenceTicks = 25;     // 250 ms, the consumer time of the plan
   static constexpr std::uint8_t kSdoTicks = 10;         // an answer later than 100 ms does not come (worst case of the load plan: 27 ms)
   static constexpr std::uint8_t kSdoTries = 3;

@@ -27,6 +27,11 @@ void tell_faults(CoreState& state, std::uint32_t bits, EventKind kind) noexcept 
     Event event;
     event.kind = kind;
     event.code = static_cast<std::uint32_t>(std::countr_zero(bits));
+    // Which device it is about, where a fault may be about any.
+    if (kind == EventKind::fault_raised && event.code == static_cast<std::uint32_t>(Fault::node_duplicate))
+      event.item = state.health.duplicate_id();
+    if (kind == EventKind::fault_raised && event.code == static_cast<std::uint32_t>(Fault::node_babbling))
+      event.item = state.health.babbling_id();
     emit(state, event);
   }
 }

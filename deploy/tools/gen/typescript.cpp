@@ -1,6 +1,7 @@
 // The console's view of the tables: types and descriptions, and the reading of one tick record from the wire.
 #include <string>
 
+#include "control/contract/emergencies.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
@@ -270,8 +271,31 @@ export const modes: readonly ModeInfo[] = [
   return {"web/src/contract/faults.gen.ts", out + "];\n"};
 }
 
+GeneratedFile emergencies_file() {
+  std::string out = head("control/contract/emergencies.def");
+  out += R"(import type { Words } from './faults.gen';
+
+export interface EmergencyInfo {
+  code: number;
+  /** Bits of the code that count; of all rows that fit, the first one is meant. The last one fits every code. */
+  mask: number;
+  name: string;
+  text: Words;
+  /** For engineers. */
+  detail: Words;
+}
+
+export const emergencies: readonly EmergencyInfo[] = [
+)";
+  for (const auto& e : kEmergencies) {
+    out += "  {\n    code: " + hex_text(e.code, 4) + ", mask: " + hex_text(e.mask, 4) + ", name: " + quoted(e.name) +
+           ",\n    text: " + words(e.text_en, e.text_de) + ",\n    detail: " + words(e.detail_en, e.detail_de) + ",\n  },\n";
+  }
+  return {"web/src/contract/emergencies.gen.ts", out + "];\n"};
+}
+
 }  // namespace
 
-std::vector<GeneratedFile> typescript_files() { return {params_file(), signals_file(), faults_file()}; }
+std::vector<GeneratedFile> typescript_files() { return {params_file(), signals_file(), faults_file(), emergencies_file()}; }
 
 }  // namespace hoist::gen

@@ -27,7 +27,9 @@ export type FaultName =
   | 'gate_refused'
   | 'stop_pressed'
   | 'tilt_sensor_fault'
-  | 'bus_down';
+  | 'bus_down'
+  | 'node_duplicate'
+  | 'node_babbling';
 
 export type RefusalName =
   | 'not_standby'
@@ -178,6 +180,16 @@ export const faults: readonly FaultInfo[] = [
     bit: 21, name: 'bus_down', priority: 'high', reaction: 'protective_stop',
     text: { en: 'The connection to sensors and drives is broken', de: 'Die Verbindung zu Sensoren und Antrieben ist unterbrochen' },
     action: { en: 'Check the bus cable; it reconnects by itself, then acknowledge.', de: 'Buskabel prüfen; sie verbindet sich selbst wieder, dann quittieren.' },
+  },
+  {
+    bit: 22, name: 'node_duplicate', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'Two devices on the bus answer under the same number', de: 'Zwei Geräte am Bus antworten unter derselben Nummer' },
+    action: { en: 'Unplug the device that was added last, then acknowledge; call service.', de: 'Das zuletzt angesteckte Gerät abziehen, dann quittieren; Service rufen.' },
+  },
+  {
+    bit: 23, name: 'node_babbling', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'A device floods the bus with messages', de: 'Ein Gerät überflutet den Bus mit Nachrichten' },
+    action: { en: 'Unplug the device named here, then acknowledge; call service.', de: 'Das hier genannte Gerät abziehen, dann quittieren; Service rufen.' },
   },
 ];
 

@@ -265,6 +265,7 @@ export const eventKinds = [
   'pose_set',
   'neutral_set',
   'core_started',
+  'emergency',
 ] as const;
 export type EventKind = (typeof eventKinds)[number];
 
@@ -295,4 +296,4 @@ export const nodes: readonly NodeInfo[] = [
 ];
 
 /** Two programs with different hashes do not understand each other. */
-export const layoutHash = '5ff6ae93f6c0d2ec';
+export const layoutHash = '307ac25cd21321fe';

@@ -57,7 +57,8 @@ export type ParamName =
   | 'drive_current_limit_a'
   | 'drive_acceleration_rad_s2'
   | 'tilt_kalman_angle_norm'
-  | 'tilt_kalman_bias_per_s';
+  | 'tilt_kalman_bias_per_s'
+  | 'bus_load_norm_max';
 
 export interface ParamInfo {
   id: number;
@@ -388,6 +389,12 @@ export const params: readonly ParamInfo[] = [
     edit: 'stopped', scope: 'tilt', role: 'engineer', source: 'paper eq (14), second gain',
     title: { en: 'Tilt filter: bias gain', de: 'Neigungsfilter: Drift' },
     effect: { en: 'How quickly the drift of the gyroscope is learnt.', de: 'Wie schnell die Drift des Drehratensensors gelernt wird.' },
+  },
+  {
+    id: 92, name: 'bus_load_norm_max', unit: '', min: 0.5, default: 0.95, max: 1.2,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'load plan: 86 % at most with every option on and the service reserve, counted with the most stuff bits',
+    title: { en: 'Bus load limit', de: 'Grenze der Buslast' },
+    effect: { en: 'The hoist stops when the bus to sensors and drives is busier than this for a second.', de: 'Die Hilfe hält an, wenn der Bus zu Sensoren und Antrieben eine Sekunde lang voller ist als dies.' },
   },
 ];
 

@@ -59,8 +59,36 @@ export type SignalName =
   | 'lease_epoch'
   | 'lease_holder'
   | 'parameter_version'
+  | 'bus_load_norm'
+  | 'bus_send_refused'
+  | 'bus_reopened'
+  | 'bus_overflows'
+  | 'bus_errors'
+  | 'syncs_lost'
+  | 'drive_left_lost_frames'
+  | 'drive_right_lost_frames'
+  | 'io_lost_frames'
+  | 'tilt_left_lost_frames'
+  | 'tilt_right_lost_frames'
+  | 'tilt_base_lost_frames'
   | 'left_status_word'
   | 'right_status_word'
+  | 'bus_frames_per_s'
+  | 'bus_tx_errors'
+  | 'bus_rx_errors'
+  | 'babbling_id'
+  | 'drive_left_emcy_code'
+  | 'drive_left_emcy_count'
+  | 'drive_right_emcy_code'
+  | 'drive_right_emcy_count'
+  | 'io_emcy_code'
+  | 'io_emcy_count'
+  | 'tilt_left_emcy_code'
+  | 'tilt_left_emcy_count'
+  | 'tilt_right_emcy_code'
+  | 'tilt_right_emcy_count'
+  | 'tilt_base_emcy_code'
+  | 'tilt_base_emcy_count'
   | 'mode'
   | 'stop_cause'
   | 'bumpers'
@@ -72,7 +100,34 @@ export type SignalName =
   | 'drive_right_age_ticks'
   | 'io_age_ticks'
   | 'server_alive'
-  | 'standing_still';
+  | 'standing_still'
+  | 'bus_state'
+  | 'bus_up'
+  | 'duplicate_id'
+  | 'drive_left_nmt_state'
+  | 'drive_left_heartbeats_missed'
+  | 'drive_left_error_register'
+  | 'drive_left_lost_10s'
+  | 'drive_right_nmt_state'
+  | 'drive_right_heartbeats_missed'
+  | 'drive_right_error_register'
+  | 'drive_right_lost_10s'
+  | 'io_nmt_state'
+  | 'io_heartbeats_missed'
+  | 'io_error_register'
+  | 'io_lost_10s'
+  | 'tilt_left_nmt_state'
+  | 'tilt_left_heartbeats_missed'
+  | 'tilt_left_error_register'
+  | 'tilt_left_lost_10s'
+  | 'tilt_right_nmt_state'
+  | 'tilt_right_heartbeats_missed'
+  | 'tilt_right_error_register'
+  | 'tilt_right_lost_10s'
+  | 'tilt_base_nmt_state'
+  | 'tilt_base_heartbeats_missed'
+  | 'tilt_base_error_register'
+  | 'tilt_base_lost_10s';
 
 export interface SignalInfo {
   id: number;
@@ -90,7 +145,7 @@ export interface SignalInfo {
 /** Every live value of one control step. */
 export type TickRecord = Record<SignalName, number>;
 
-export const tickRecordBytes = 240;
+export const tickRecordBytes = 344;
 
 /** Reads the record that begins at byte `at`. */
 export function readTickRecord(view: DataView, at: number): TickRecord {
@@ -148,20 +203,75 @@ export function readTickRecord(view: DataView, at: number): TickRecord {
     lease_epoch: view.getUint32(at + 208, true),
     lease_holder: view.getUint32(at + 212, true),
     parameter_version: view.getUint32(at + 216, true),
-    left_status_word: view.getUint16(at + 220, true),
-    right_status_word: view.getUint16(at + 222, true),
-    mode: view.getUint8(at + 224),
-    stop_cause: view.getUint8(at + 225),
-    bumpers: view.getUint8(at + 226),
-    simulated: view.getUint8(at + 227),
-    tilt_left_age_ticks: view.getUint8(at + 228),
-    tilt_right_age_ticks: view.getUint8(at + 229),
-    tilt_base_age_ticks: view.getUint8(at + 230),
-    drive_left_age_ticks: view.getUint8(at + 231),
-    drive_right_age_ticks: view.getUint8(at + 232),
-    io_age_ticks: view.getUint8(at + 233),
-    server_alive: view.getUint8(at + 234),
-    standing_still: view.getUint8(at + 235),
+    bus_load_norm: view.getFloat32(at + 220, true),
+    bus_send_refused: view.getUint32(at + 224, true),
+    bus_reopened: view.getUint32(at + 228, true),
+    bus_overflows: view.getUint32(at + 232, true),
+    bus_errors: view.getUint32(at + 236, true),
+    syncs_lost: view.getUint32(at + 240, true),
+    drive_left_lost_frames: view.getUint32(at + 244, true),
+    drive_right_lost_frames: view.getUint32(at + 248, true),
+    io_lost_frames: view.getUint32(at + 252, true),
+    tilt_left_lost_frames: view.getUint32(at + 256, true),
+    tilt_right_lost_frames: view.getUint32(at + 260, true),
+    tilt_base_lost_frames: view.getUint32(at + 264, true),
+    left_status_word: view.getUint16(at + 268, true),
+    right_status_word: view.getUint16(at + 270, true),
+    bus_frames_per_s: view.getUint16(at + 272, true),
+    bus_tx_errors: view.getUint16(at + 274, true),
+    bus_rx_errors: view.getUint16(at + 276, true),
+    babbling_id: view.getUint16(at + 278, true),
+    drive_left_emcy_code: view.getUint16(at + 280, true),
+    drive_left_emcy_count: view.getUint16(at + 282, true),
+    drive_right_emcy_code: view.getUint16(at + 284, true),
+    drive_right_emcy_count: view.getUint16(at + 286, true),
+    io_emcy_code: view.getUint16(at + 288, true),
+    io_emcy_count: view.getUint16(at + 290, true),
+    tilt_left_emcy_code: view.getUint16(at + 292, true),
+    tilt_left_emcy_count: view.getUint16(at + 294, true),
+    tilt_right_emcy_code: view.getUint16(at + 296, true),
+    tilt_right_emcy_count: view.getUint16(at + 298, true),
+    tilt_base_emcy_code: view.getUint16(at + 300, true),
+    tilt_base_emcy_count: view.getUint16(at + 302, true),
+    mode: view.getUint8(at + 304),
+    stop_cause: view.getUint8(at + 305),
+    bumpers: view.getUint8(at + 306),
+    simulated: view.getUint8(at + 307),
+    tilt_left_age_ticks: view.getUint8(at + 308),
+    tilt_right_age_ticks: view.getUint8(at + 309),
+    tilt_base_age_ticks: view.getUint8(at + 310),
+    drive_left_age_ticks: view.getUint8(at + 311),
+    drive_right_age_ticks: view.getUint8(at + 312),
+    io_age_ticks: view.getUint8(at + 313),
+    server_alive: view.getUint8(at + 314),
+    standing_still: view.getUint8(at + 315),
+    bus_state: view.getUint8(at + 316),
+    bus_up: view.getUint8(at + 317),
+    duplicate_id: view.getUint8(at + 318),
+    drive_left_nmt_state: view.getUint8(at + 319),
+    drive_left_heartbeats_missed: view.getUint8(at + 320),
+    drive_left_error_register: view.getUint8(at + 321),
+    drive_left_lost_10s: view.getUint8(at + 322),
+    drive_right_nmt_state: view.getUint8(at + 323),
+    drive_right_heartbeats_missed: view.getUint8(at + 324),
+    drive_right_error_register: view.getUint8(at + 325),
+    drive_right_lost_10s: view.getUint8(at + 326),
+    io_nmt_state: view.getUint8(at + 327),
+    io_heartbeats_missed: view.getUint8(at + 328),
+    io_error_register: view.getUint8(at + 329),
+    io_lost_10s: view.getUint8(at + 330),
+    tilt_left_nmt_state: view.getUint8(at + 331),
+    tilt_left_heartbeats_missed: view.getUint8(at + 332),
+    tilt_left_error_register: view.getUint8(at + 333),
+    tilt_left_lost_10s: view.getUint8(at + 334),
+    tilt_right_nmt_state: view.getUint8(at + 335),
+    tilt_right_heartbeats_missed: view.getUint8(at + 336),
+    tilt_right_error_register: view.getUint8(at + 337),
+    tilt_right_lost_10s: view.getUint8(at + 338),
+    tilt_base_nmt_state: view.getUint8(at + 339),
+    tilt_base_heartbeats_missed: view.getUint8(at + 340),
+    tilt_base_error_register: view.getUint8(at + 341),
+    tilt_base_lost_10s: view.getUint8(at + 342),
   };
 }
 
@@ -219,18 +329,73 @@ export const signals: readonly SignalInfo[] = [
   { id: 68, name: 'lease_epoch', type: 'u32', unit: '', lsb: 1, offset: 208, title: { en: 'Lease number', de: 'Steuerungsnummer' }, doc: 'Rises with every new driver.' },
   { id: 69, name: 'lease_holder', type: 'u32', unit: '', lsb: 1, offset: 212, title: { en: 'Lease holder', de: 'Steuernder' }, doc: 'Client number of the driver, 0 for nobody.' },
   { id: 70, name: 'parameter_version', type: 'u32', unit: '', lsb: 1, offset: 216, title: { en: 'Parameter version', de: 'Parameterstand' }, doc: 'Rises with every accepted parameter change.' },
-  { id: 71, name: 'left_status_word', type: 'u16', unit: '', lsb: 1, offset: 220, title: { en: 'Left drive status', de: 'Status Antrieb links' }, doc: 'Status word of the left drive, CiA 402 6041h.' },
-  { id: 72, name: 'right_status_word', type: 'u16', unit: '', lsb: 1, offset: 222, title: { en: 'Right drive status', de: 'Status Antrieb rechts' }, doc: 'Status word of the right drive, CiA 402 6041h.' },
-  { id: 73, name: 'mode', type: 'u8', unit: '', lsb: 1, offset: 224, title: { en: 'Mode', de: 'Betriebsart' }, doc: 'Row of the mode table.' },
-  { id: 74, name: 'stop_cause', type: 'u8', unit: '', lsb: 1, offset: 225, title: { en: 'Stop cause', de: 'Haltegrund' }, doc: 'Fault that caused the latest protective stop, plus one; 0 for none.' },
-  { id: 75, name: 'bumpers', type: 'u8', unit: '', lsb: 1, offset: 226, title: { en: 'Bumpers', de: 'Stoßfänger' }, doc: 'Bit 0 front, 1 rear, 2 left, 3 right: pressed.' },
-  { id: 76, name: 'simulated', type: 'u8', unit: '', lsb: 1, offset: 227, title: { en: 'Simulated', de: 'Simuliert' }, doc: '1 when any node says that it is a simulated build.' },
-  { id: 77, name: 'tilt_left_age_ticks', type: 'u8', unit: 'ticks', lsb: 1, offset: 228, title: { en: 'Left strut sensor age', de: 'Alter Sensor links' }, doc: 'Steps since the last fresh frame, 255 at most.' },
-  { id: 78, name: 'tilt_right_age_ticks', type: 'u8', unit: 'ticks', lsb: 1, offset: 229, title: { en: 'Right strut sensor age', de: 'Alter Sensor rechts' }, doc: 'Steps since the last fresh frame, 255 at most.' },
-  { id: 79, name: 'tilt_base_age_ticks', type: 'u8', unit: 'ticks', lsb: 1, offset: 230, title: { en: 'Chassis sensor age', de: 'Alter Sensor Fahrgestell' }, doc: 'Steps since the last fresh frame, 255 at most.' },
-  { id: 80, name: 'drive_left_age_ticks', type: 'u8', unit: 'ticks', lsb: 1, offset: 231, title: { en: 'Left drive age', de: 'Alter Antrieb links' }, doc: 'Steps since the last fresh frame, 255 at most.' },
-  { id: 81, name: 'drive_right_age_ticks', type: 'u8', unit: 'ticks', lsb: 1, offset: 232, title: { en: 'Right drive age', de: 'Alter Antrieb rechts' }, doc: 'Steps since the last fresh frame, 255 at most.' },
-  { id: 82, name: 'io_age_ticks', type: 'u8', unit: 'ticks', lsb: 1, offset: 233, title: { en: 'Input node age', de: 'Alter Eingangsknoten' }, doc: 'Steps since the last fresh frame, 255 at most.' },
-  { id: 83, name: 'server_alive', type: 'u8', unit: '', lsb: 1, offset: 234, title: { en: 'Console server', de: 'Konsolenserver' }, doc: '1 while the server\'s heartbeat is younger than 250 ms.' },
-  { id: 84, name: 'standing_still', type: 'u8', unit: '', lsb: 1, offset: 235, title: { en: 'Standing still', de: 'Steht still' }, doc: '1 while both wheels turn slower than 0.02 m/s.' },
+  { id: 85, name: 'bus_load_norm', type: 'f32', unit: '', lsb: 0.001, offset: 220, title: { en: 'Bus load', de: 'Buslast' }, doc: 'Share of the last second in which the bus was busy, counted with the most stuff bits: at most 18 % of itself too high.' },
+  { id: 86, name: 'bus_send_refused', type: 'u32', unit: '', lsb: 1, offset: 224, title: { en: 'Frames not sent', de: 'Nicht gesendete Nachrichten' }, doc: 'Frames of the core that the bus connection did not take, since the start.' },
+  { id: 87, name: 'bus_reopened', type: 'u32', unit: '', lsb: 1, offset: 228, title: { en: 'Bus reopened', de: 'Bus neu geöffnet' }, doc: 'Times the bus connection had to be opened again, since the start.' },
+  { id: 88, name: 'bus_overflows', type: 'u32', unit: '', lsb: 1, offset: 232, title: { en: 'Frames overrun', de: 'Übergelaufene Nachrichten' }, doc: 'Frames that adapter or kernel lost for want of room, since the start.' },
+  { id: 89, name: 'bus_errors', type: 'u32', unit: '', lsb: 1, offset: 236, title: { en: 'Bus errors', de: 'Busfehler' }, doc: 'Error reports of our bus controller, since the start; 0 where it does not tell.' },
+  { id: 90, name: 'syncs_lost', type: 'u32', unit: '', lsb: 1, offset: 240, title: { en: 'Lost SYNC messages', de: 'Verlorene SYNC-Nachrichten' }, doc: 'SYNC messages that no node answered, since the start.' },
+  { id: 100, name: 'drive_left_lost_frames', type: 'u32', unit: '', lsb: 1, offset: 244, title: { en: 'Left drive: lost frames', de: 'Antrieb links: verlorene Nachrichten' }, doc: 'Frames of this node that should have come and did not, since the start.' },
+  { id: 110, name: 'drive_right_lost_frames', type: 'u32', unit: '', lsb: 1, offset: 248, title: { en: 'Right drive: lost frames', de: 'Antrieb rechts: verlorene Nachrichten' }, doc: 'Frames of this node that should have come and did not, since the start.' },
+  { id: 120, name: 'io_lost_frames', type: 'u32', unit: '', lsb: 1, offset: 252, title: { en: 'Input node: lost frames', de: 'Eingangsknoten: verlorene Nachrichten' }, doc: 'Frames of this node that should have come and did not, since the start.' },
+  { id: 130, name: 'tilt_left_lost_frames', type: 'u32', unit: '', lsb: 1, offset: 256, title: { en: 'Left strut sensor: lost frames', de: 'Sensor links: verlorene Nachrichten' }, doc: 'Frames of this node that should have come and did not, since the start.' },
+  { id: 140, name: 'tilt_right_lost_frames', type: 'u32', unit: '', lsb: 1, offset: 260, title: { en: 'Right strut sensor: lost frames', de: 'Sensor rechts: verlorene Nachrichten' }, doc: 'Frames of this node that should have come and did not, since the start.' },
+  { id: 150, name: 'tilt_base_lost_frames', type: 'u32', unit: '', lsb: 1, offset: 264, title: { en: 'Chassis sensor: lost frames', de: 'Sensor Fahrgestell: verlorene Nachrichten' }, doc: 'Frames of this node that should have come and did not, since the start.' },
+  { id: 71, name: 'left_status_word', type: 'u16', unit: '', lsb: 1, offset: 268, title: { en: 'Left drive status', de: 'Status Antrieb links' }, doc: 'Status word of the left drive, CiA 402 6041h.' },
+  { id: 72, name: 'right_status_word', type: 'u16', unit: '', lsb: 1, offset: 270, title: { en: 'Right drive status', de: 'Status Antrieb rechts' }, doc: 'Status word of the right drive, CiA 402 6041h.' },
+  { id: 91, name: 'bus_frames_per_s', type: 'u16', unit: '1/s', lsb: 1, offset: 272, title: { en: 'Frames per second', de: 'Nachrichten je Sekunde' }, doc: 'Frames on the bus in the last second, received and sent.' },
+  { id: 92, name: 'bus_tx_errors', type: 'u16', unit: '', lsb: 1, offset: 274, title: { en: 'Send error counter', de: 'Sendefehlerzähler' }, doc: 'Error counter of our bus controller for sending, as last told.' },
+  { id: 93, name: 'bus_rx_errors', type: 'u16', unit: '', lsb: 1, offset: 276, title: { en: 'Receive error counter', de: 'Empfangsfehlerzähler' }, doc: 'Error counter of our bus controller for receiving, as last told.' },
+  { id: 94, name: 'babbling_id', type: 'u16', unit: '', lsb: 1, offset: 278, title: { en: 'Flooding id', de: 'Flutende Kennung' }, doc: 'CAN id that comes far more often than planned; 65535 for none.' },
+  { id: 101, name: 'drive_left_emcy_code', type: 'u16', unit: '', lsb: 1, offset: 280, title: { en: 'Left drive: emergency', de: 'Antrieb links: Notmeldung' }, doc: 'Code of the latest emergency message (table of emergencies); 0 for none since the start.' },
+  { id: 102, name: 'drive_left_emcy_count', type: 'u16', unit: '', lsb: 1, offset: 282, title: { en: 'Left drive: emergencies', de: 'Antrieb links: Notmeldungen' }, doc: 'Emergency messages since the start, without those that say that an error has ended.' },
+  { id: 111, name: 'drive_right_emcy_code', type: 'u16', unit: '', lsb: 1, offset: 284, title: { en: 'Right drive: emergency', de: 'Antrieb rechts: Notmeldung' }, doc: 'Code of the latest emergency message (table of emergencies); 0 for none since the start.' },
+  { id: 112, name: 'drive_right_emcy_count', type: 'u16', unit: '', lsb: 1, offset: 286, title: { en: 'Right drive: emergencies', de: 'Antrieb rechts: Notmeldungen' }, doc: 'Emergency messages since the start, without those that say that an error has ended.' },
+  { id: 121, name: 'io_emcy_code', type: 'u16', unit: '', lsb: 1, offset: 288, title: { en: 'Input node: emergency', de: 'Eingangsknoten: Notmeldung' }, doc: 'Code of the latest emergency message (table of emergencies); 0 for none since the start.' },
+  { id: 122, name: 'io_emcy_count', type: 'u16', unit: '', lsb: 1, offset: 290, title: { en: 'Input node: emergencies', de: 'Eingangsknoten: Notmeldungen' }, doc: 'Emergency messages since the start, without those that say that an error has ended.' },
+  { id: 131, name: 'tilt_left_emcy_code', type: 'u16', unit: '', lsb: 1, offset: 292, title: { en: 'Left strut sensor: emergency', de: 'Sensor links: Notmeldung' }, doc: 'Code of the latest emergency message (table of emergencies); 0 for none since the start.' },
+  { id: 132, name: 'tilt_left_emcy_count', type: 'u16', unit: '', lsb: 1, offset: 294, title: { en: 'Left strut sensor: emergencies', de: 'Sensor links: Notmeldungen' }, doc: 'Emergency messages since the start, without those that say that an error has ended.' },
+  { id: 141, name: 'tilt_right_emcy_code', type: 'u16', unit: '', lsb: 1, offset: 296, title: { en: 'Right strut sensor: emergency', de: 'Sensor rechts: Notmeldung' }, doc: 'Code of the latest emergency message (table of emergencies); 0 for none since the start.' },
+  { id: 142, name: 'tilt_right_emcy_count', type: 'u16', unit: '', lsb: 1, offset: 298, title: { en: 'Right strut sensor: emergencies', de: 'Sensor rechts: Notmeldungen' }, doc: 'Emergency messages since the start, without those that say that an error has ended.' },
+  { id: 151, name: 'tilt_base_emcy_code', type: 'u16', unit: '', lsb: 1, offset: 300, title: { en: 'Chassis sensor: emergency', de: 'Sensor Fahrgestell: Notmeldung' }, doc: 'Code of the latest emergency message (table of emergencies); 0 for none since the start.' },
+  { id: 152, name: 'tilt_base_emcy_count', type: 'u16', unit: '', lsb: 1, offset: 302, title: { en: 'Chassis sensor: emergencies', de: 'Sensor Fahrgestell: Notmeldungen' }, doc: 'Emergency messages since the start, without those that say that an error has ended.' },
+  { id: 73, name: 'mode', type: 'u8', unit: '', lsb: 1, offset: 304, title: { en: 'Mode', de: 'Betriebsart' }, doc: 'Row of the mode table.' },
+  { id: 74, name: 'stop_cause', type: 'u8', unit: '', lsb: 1, offset: 305, title: { en: 'Stop cause', de: 'Haltegrund' }, doc: 'Fault that caused the latest protective stop, plus one; 0 for none.' },
+  { id: 75, name: 'bumpers', type: 'u8', unit: '', lsb: 1, offset: 306, title: { en: 'Bumpers', de: 'Stoßfänger' }, doc: 'Bit 0 front, 1 rear, 2 left, 3 right: pressed.' },
+  { id: 76, name: 'simulated', type: 'u8', unit: '', lsb: 1, offset: 307, title: { en: 'Simulated', de: 'Simuliert' }, doc: '1 when any node says that it is a simulated build.' },
+  { id: 77, name: 'tilt_left_age_ticks', type: 'u8', unit: 'ticks', lsb: 1, offset: 308, title: { en: 'Left strut sensor age', de: 'Alter Sensor links' }, doc: 'Steps since the last fresh frame, 255 at most.' },
+  { id: 78, name: 'tilt_right_age_ticks', type: 'u8', unit: 'ticks', lsb: 1, offset: 309, title: { en: 'Right strut sensor age', de: 'Alter Sensor rechts' }, doc: 'Steps since the last fresh frame, 255 at most.' },
+  { id: 79, name: 'tilt_base_age_ticks', type: 'u8', unit: 'ticks', lsb: 1, offset: 310, title: { en: 'Chassis sensor age', de: 'Alter Sensor Fahrgestell' }, doc: 'Steps since the last fresh frame, 255 at most.' },
+  { id: 80, name: 'drive_left_age_ticks', type: 'u8', unit: 'ticks', lsb: 1, offset: 311, title: { en: 'Left drive age', de: 'Alter Antrieb links' }, doc: 'Steps since the last fresh frame, 255 at most.' },
+  { id: 81, name: 'drive_right_age_ticks', type: 'u8', unit: 'ticks', lsb: 1, offset: 312, title: { en: 'Right drive age', de: 'Alter Antrieb rechts' }, doc: 'Steps since the last fresh frame, 255 at most.' },
+  { id: 82, name: 'io_age_ticks', type: 'u8', unit: 'ticks', lsb: 1, offset: 313, title: { en: 'Input node age', de: 'Alter Eingangsknoten' }, doc: 'Steps since the last fresh frame, 255 at most.' },
+  { id: 83, name: 'server_alive', type: 'u8', unit: '', lsb: 1, offset: 314, title: { en: 'Console server', de: 'Konsolenserver' }, doc: '1 while the server\'s heartbeat is younger than 250 ms.' },
+  { id: 84, name: 'standing_still', type: 'u8', unit: '', lsb: 1, offset: 315, title: { en: 'Standing still', de: 'Steht still' }, doc: '1 while both wheels turn slower than 0.02 m/s.' },
+  { id: 95, name: 'bus_state', type: 'u8', unit: '', lsb: 1, offset: 316, title: { en: 'Bus controller', de: 'Buscontroller' }, doc: 'What our bus controller says of itself: 0 active, 1 warning, 2 passive, 3 off.' },
+  { id: 96, name: 'bus_up', type: 'u8', unit: '', lsb: 1, offset: 317, title: { en: 'Bus connected', de: 'Bus verbunden' }, doc: '1 while frames can pass.' },
+  { id: 97, name: 'duplicate_id', type: 'u8', unit: '', lsb: 1, offset: 318, title: { en: 'Doubled node number', de: 'Doppelte Knotennummer' }, doc: 'Node id under which two devices answer, 127 when a second control computer is on the bus; 0 for none.' },
+  { id: 103, name: 'drive_left_nmt_state', type: 'u8', unit: '', lsb: 1, offset: 319, title: { en: 'Left drive: state', de: 'Antrieb links: Zustand' }, doc: 'State in its latest heartbeat: 0 starting, 4 stopped, 5 working, 127 waiting; 255 before the first one.' },
+  { id: 104, name: 'drive_left_heartbeats_missed', type: 'u8', unit: '', lsb: 1, offset: 320, title: { en: 'Left drive: heartbeats missed', de: 'Antrieb links: fehlende Lebenszeichen' }, doc: 'Heartbeats in a row that should have come by now, 25 at most.' },
+  { id: 105, name: 'drive_left_error_register', type: 'u8', unit: '', lsb: 1, offset: 321, title: { en: 'Left drive: error register', de: 'Antrieb links: Fehlerregister' }, doc: 'Object 1001h as its latest emergency message told it; 0 while no error is active.' },
+  { id: 106, name: 'drive_left_lost_10s', type: 'u8', unit: '', lsb: 1, offset: 322, title: { en: 'Left drive: lost lately', de: 'Antrieb links: zuletzt verloren' }, doc: 'Lost frames in the last ten seconds, 255 at most.' },
+  { id: 113, name: 'drive_right_nmt_state', type: 'u8', unit: '', lsb: 1, offset: 323, title: { en: 'Right drive: state', de: 'Antrieb rechts: Zustand' }, doc: 'State in its latest heartbeat: 0 starting, 4 stopped, 5 working, 127 waiting; 255 before the first one.' },
+  { id: 114, name: 'drive_right_heartbeats_missed', type: 'u8', unit: '', lsb: 1, offset: 324, title: { en: 'Right drive: heartbeats missed', de: 'Antrieb rechts: fehlende Lebenszeichen' }, doc: 'Heartbeats in a row that should have come by now, 25 at most.' },
+  { id: 115, name: 'drive_right_error_register', type: 'u8', unit: '', lsb: 1, offset: 325, title: { en: 'Right drive: error register', de: 'Antrieb rechts: Fehlerregister' }, doc: 'Object 1001h as its latest emergency message told it; 0 while no error is active.' },
+  { id: 116, name: 'drive_right_lost_10s', type: 'u8', unit: '', lsb: 1, offset: 326, title: { en: 'Right drive: lost lately', de: 'Antrieb rechts: zuletzt verloren' }, doc: 'Lost frames in the last ten seconds, 255 at most.' },
+  { id: 123, name: 'io_nmt_state', type: 'u8', unit: '', lsb: 1, offset: 327, title: { en: 'Input node: state', de: 'Eingangsknoten: Zustand' }, doc: 'State in its latest heartbeat: 0 starting, 4 stopped, 5 working, 127 waiting; 255 before the first one.' },
+  { id: 124, name: 'io_heartbeats_missed', type: 'u8', unit: '', lsb: 1, offset: 328, title: { en: 'Input node: heartbeats missed', de: 'Eingangsknoten: fehlende Lebenszeichen' }, doc: 'Heartbeats in a row that should have come by now, 25 at most.' },
+  { id: 125, name: 'io_error_register', type: 'u8', unit: '', lsb: 1, offset: 329, title: { en: 'Input node: error register', de: 'Eingangsknoten: Fehlerregister' }, doc: 'Object 1001h as its latest emergency message told it; 0 while no error is active.' },
+  { id: 126, name: 'io_lost_10s', type: 'u8', unit: '', lsb: 1, offset: 330, title: { en: 'Input node: lost lately', de: 'Eingangsknoten: zuletzt verloren' }, doc: 'Lost frames in the last ten seconds, 255 at most.' },
+  { id: 133, name: 'tilt_left_nmt_state', type: 'u8', unit: '', lsb: 1, offset: 331, title: { en: 'Left strut sensor: state', de: 'Sensor links: Zustand' }, doc: 'State in its latest heartbeat: 0 starting, 4 stopped, 5 working, 127 waiting; 255 before the first one.' },
+  { id: 134, name: 'tilt_left_heartbeats_missed', type: 'u8', unit: '', lsb: 1, offset: 332, title: { en: 'Left strut sensor: heartbeats missed', de: 'Sensor links: fehlende Lebenszeichen' }, doc: 'Heartbeats in a row that should have come by now, 25 at most.' },
+  { id: 135, name: 'tilt_left_error_register', type: 'u8', unit: '', lsb: 1, offset: 333, title: { en: 'Left strut sensor: error register', de: 'Sensor links: Fehlerregister' }, doc: 'Object 1001h as its latest emergency message told it; 0 while no error is active.' },
+  { id: 136, name: 'tilt_left_lost_10s', type: 'u8', unit: '', lsb: 1, offset: 334, title: { en: 'Left strut sensor: lost lately', de: 'Sensor links: zuletzt verloren' }, doc: 'Lost frames in the last ten seconds, 255 at most.' },
+  { id: 143, name: 'tilt_right_nmt_state', type: 'u8', unit: '', lsb: 1, offset: 335, title: { en: 'Right strut sensor: state', de: 'Sensor rechts: Zustand' }, doc: 'State in its latest heartbeat: 0 starting, 4 stopped, 5 working, 127 waiting; 255 before the first one.' },
+  { id: 144, name: 'tilt_right_heartbeats_missed', type: 'u8', unit: '', lsb: 1, offset: 336, title: { en: 'Right strut sensor: heartbeats missed', de: 'Sensor rechts: fehlende Lebenszeichen' }, doc: 'Heartbeats in a row that should have come by now, 25 at most.' },
+  { id: 145, name: 'tilt_right_error_register', type: 'u8', unit: '', lsb: 1, offset: 337, title: { en: 'Right strut sensor: error register', de: 'Sensor rechts: Fehlerregister' }, doc: 'Object 1001h as its latest emergency message told it; 0 while no error is active.' },
+  { id: 146, name: 'tilt_right_lost_10s', type: 'u8', unit: '', lsb: 1, offset: 338, title: { en: 'Right strut sensor: lost lately', de: 'Sensor rechts: zuletzt verloren' }, doc: 'Lost frames in the last ten seconds, 255 at most.' },
+  { id: 153, name: 'tilt_base_nmt_state', type: 'u8', unit: '', lsb: 1, offset: 339, title: { en: 'Chassis sensor: state', de: 'Sensor Fahrgestell: Zustand' }, doc: 'State in its latest heartbeat: 0 starting, 4 stopped, 5 working, 127 waiting; 255 before the first one.' },
+  { id: 154, name: 'tilt_base_heartbeats_missed', type: 'u8', unit: '', lsb: 1, offset: 340, title: { en: 'Chassis sensor: heartbeats missed', de: 'Sensor Fahrgestell: fehlende Lebenszeichen' }, doc: 'Heartbeats in a row that should have come by now, 25 at most.' },
+  { id: 155, name: 'tilt_base_error_register', type: 'u8', unit: '', lsb: 1, offset: 341, title: { en: 'Chassis sensor: error register', de: 'Sensor Fahrgestell: Fehlerregister' }, doc: 'Object 1001h as its latest emergency message told it; 0 while no error is active.' },
+  { id: 156, name: 'tilt_base_lost_10s', type: 'u8', unit: '', lsb: 1, offset: 342, title: { en: 'Chassis sensor: lost lately', de: 'Sensor Fahrgestell: zuletzt verloren' }, doc: 'Lost frames in the last ten seconds, 255 at most.' },
 ];

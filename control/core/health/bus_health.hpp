@@ -1,0 +1,227 @@
+// The health of the bus: looks at every frame that passed, received or sent, and never at what it means. Frames lost on the way, load,
+// emergencies, an id that two nodes share, an id that floods the bus, a second control computer.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+
+#include "control/contract/can_dictionary.hpp"
+#include "control/contract/can_frame.hpp"
+#include "control/core/health/bus_load.hpp"
+#include "control/core/health/node_health.hpp"
+
+namespace hoist::core {
+
+class BusHealth {
+ public:
+  /// Nobody, where a CAN id is told.
+  static constexpr std::uint16_t kNoId = 0xFFFF;
+
+  /// At the start of every step, before its frames.
+  void next_tick(std::uint64_t tick, bool bus_up) noexcept {
+    tick_ = static_cast<std::uint32_t>(tick);
+    for (NodeHealth& node : nodes_) node.twice.next_tick();
+    second_master_.next_tick();
+    if (babble_hold_ticks_ > 0 && --babble_hold_ticks_ == 0) babbling_id_ = kNoId;
+    if (!bus_up) {
+      for (NodeHealth& node : nodes_) forget_streams(node);
+    }
+    if (++window_ticks_ >= kWindowTicks) {
+      window_ticks_ = 0;
+      settle();
+    }
+    if (tick_ - second_tick_ >= kTicksPerSecond) close_second();
+  }
+
+  /// A received frame. True when it is an emergency message of one of our nodes and worth telling of (not one of a flood).
+  [[nodiscard]] bool take(const contract::CanFrame& frame) noexcept {
+    if ((frame.flags & contract::CanFrame::kError) != 0) return false;  // told by the adapter, never on the wire
+    load_.take(frame);
+    if (frame.flags != 0 || frame.id > 0x7FF) {
+      take_stranger(frame);
+      return false;
+    }
+    const std::size_t at = node_of_id(frame.id);
+    const FrameKind kind = kKindOfFunction[frame.id >> 7];
+    if (at >= nodes_.size() || kind == FrameKind::other || kFramePlans[at][static_cast<std::size_t>(kind)].bytes == 0xFF) {
+      take_stranger(frame);
+      return false;
+    }
+    NodeHealth& node = nodes_[at];
+    const FramePlan& plan = kFramePlans[at][static_cast<std::size_t>(kind)];
+    const bool in_budget = node.rate[static_cast<std::size_t>(kind)].take(tick_, plan.budget);
+    if (!in_budget) accuse_babbling(frame.id);
+    if (frame.dlc != plan.bytes) return false;
+    switch (kind) {
+      case FrameKind::emergency:
+        take_emergency(node, frame);
+        return in_budget;
+      case FrameKind::heartbeat:
+        take_heartbeat(node, frame);
+        return false;
+      case FrameKind::sdo_reply:
+      case FrameKind::other:
+        return false;
+      default:
+        break;
+    }
+    const bool too_many = node.tpdo[static_cast<std::size_t>(kind)].take(plan.by_sync ? sync_clock_ : tick_ * kStreamUnit, plan.period);
+    if (kind == FrameKind::tpdo1) {
+      // One SYNC, one answer. Frames on change may come in between, so an own timer proves nothing.
+      if (too_many && plan.by_sync) node.twice.add(kSecondAnswer);
+      // It has just said that it began anew and nobody has started it: this is the data of another one.
+      if (node.booted && tick_ - node.boot_tick >= kBootGraceTicks) node.twice.add(kDataAfterBoot);
+    }
+    return false;
+  }
+
+  /// A frame of ours that left.
+  void sent(const contract::CanFrame& frame) noexcept {
+    namespace canopen = contract::canopen;
+    load_.take(frame);
+    if (frame.id == canopen::kSync) sync_clock_ += kStreamUnit;
+    if (frame.id != canopen::kNmt || frame.data[0] != static_cast<std::uint8_t>(canopen::NmtCommand::start)) return;
+    const std::size_t at = node_of_id(frame.data[1]);
+    if (at < nodes_.size()) nodes_[at].booted = false;
+  }
+
+  [[nodiscard]] const NodeHealth& node(contract::Node node) const noexcept { return nodes_[static_cast<std::size_t>(node)]; }
+  [[nodiscard]] const BusLoad& load() const noexcept { return load_; }
+  /// SYNC messages that no node answered: lost between the core and the bus.
+  [[nodiscard]] std::uint32_t syncs_lost() const noexcept { return syncs_lost_; }
+  /// Node id that two nodes share, the core's own when a second control computer speaks; 0 = none.
+  [[nodiscard]] std::uint8_t duplicate_id() const noexcept {
+    if (second_master_.verdict()) return contract::node_id(contract::Node::core);
+    for (std::size_t n = 0; n < nodes_.size(); ++n)
+      if (nodes_[n].twice.verdict()) return contract::kNodes[n].id;
+    return 0;
+  }
+  /// CAN id that comes far more often than planned; kNoId = none.
+  [[nodiscard]] std::uint16_t babbling_id() const noexcept { return babbling_id_; }
+
+ private:
+  // A frame that is late by less than this is late and not lost. A serial line at full load was seen to hold frames up for 50 ms.
+  static constexpr std::uint8_t kWindowTicks = 25;
+  static constexpr std::uint32_t kTicksPerSecond = 100;
+  static constexpr std::uint8_t kBabbleHoldTicks = 100;
+  // Points of suspicion, of which 40 are a verdict and one fades each step: five second answers in a row, three second heartbeats in a row,
+  // three frames of process data after a boot-up, five orders of a stranger.
+  static constexpr std::uint8_t kSecondAnswer = 10, kSecondHeartbeat = 20, kDataAfterBoot = 15, kForeignOrder = 10;
+  // What was on its way when the node fell silent may still arrive.
+  static constexpr std::uint32_t kBootGraceTicks = 2;
+  // Ids that no node of ours has. A logger or another machine part may speak now and then; a flood of anything hurts.
+  static constexpr RateWatch::Budget kStrangerBudget = RateWatch::budget(20);
+  // A service tool's requests, whose answers the nodes may send (load plan: an SDO each 4.3 ms).
+  static constexpr RateWatch::Budget kServiceBudget = RateWatch::budget(kTicksPerSecond);
+  // Nodes whose data come with SYNC must all have missed the same one before it is the SYNC that was lost.
+  static constexpr std::size_t kWitnesses = 3;
+
+  static constexpr std::array<FrameKind, 16> kKindOfFunction = {
+      FrameKind::other, FrameKind::emergency, FrameKind::other, FrameKind::tpdo1,     FrameKind::other, FrameKind::tpdo2,
+      FrameKind::other, FrameKind::tpdo3,     FrameKind::other, FrameKind::tpdo4,     FrameKind::other, FrameKind::sdo_reply,
+      FrameKind::other, FrameKind::other,     FrameKind::heartbeat, FrameKind::other};
+
+  [[nodiscard]] static std::size_t node_of_id(std::uint32_t id) noexcept {
+    static constexpr auto kTable = [] {
+      std::array<std::uint8_t, 128> table{};
+      table.fill(static_cast<std::uint8_t>(contract::kRemoteNodeCount));
+      for (std::size_t i = 0; i < contract::kRemoteNodeCount; ++i) table[contract::kNodes[i].id] = static_cast<std::uint8_t>(i);
+      return table;
+    }();
+    return kTable[id & 0x7F];
+  }
+
+  static void forget_streams(NodeHealth& node) noexcept {
+    for (StreamWatch& stream : node.tpdo) stream.forget();
+    node.heartbeat.forget();
+  }
+
+  void accuse_babbling(std::uint32_t id) noexcept {
+    if (babble_hold_ticks_ == 0) babbling_id_ = static_cast<std::uint16_t>(id < kNoId ? id : kNoId - 1U);
+    babble_hold_ticks_ = kBabbleHoldTicks;
+  }
+
+  void take_stranger(const contract::CanFrame& frame) noexcept {
+    namespace canopen = contract::canopen;
+    const bool short_id = frame.flags == 0 && frame.id <= 0x7FF;
+    const std::uint32_t function = frame.id & 0x780;
+    // Only one computer may lead: SYNC, the commands of the drives and the core's own heartbeat are ours to send.
+    const bool order = short_id && (frame.id == canopen::kSync || (function == 0x200 && node_of_id(frame.id) < nodes_.size()));
+    const bool own_heartbeat = short_id && frame.id == canopen::kHeartbeatBase + contract::node_id(contract::Node::core);
+    if (order) second_master_.add(kForeignOrder);
+    if (own_heartbeat) second_master_.add(kSecondHeartbeat);
+    if (order || own_heartbeat) return;  // named as what they are; a flood of them is that verdict many times over
+    const bool service = short_id && function == canopen::kSdoRequestBase && node_of_id(frame.id) < nodes_.size();
+    if (!(service ? service_.take(tick_, kServiceBudget) : strangers_.take(tick_, kStrangerBudget))) accuse_babbling(frame.id);
+  }
+
+  static void take_emergency(NodeHealth& node, const contract::CanFrame& frame) noexcept {
+    const auto code = static_cast<std::uint16_t>(contract::read_le(&frame.data[0], 2));
+    node.error_register = frame.data[2];
+    if (code == 0) return;  // an error has ended
+    node.emcy_code = code;
+    if (node.emcy_count < 0xFFFF) ++node.emcy_count;
+  }
+
+  void take_heartbeat(NodeHealth& node, const contract::CanFrame& frame) noexcept {
+    constexpr FramePlan kPlan = kFramePlans[0][static_cast<std::size_t>(FrameKind::heartbeat)];
+    if (frame.data[0] == static_cast<std::uint8_t>(contract::canopen::NmtState::boot_up)) {
+      forget_streams(node);
+      node.booted = true;
+      node.boot_tick = tick_;
+      node.error_register = 0;
+      return;
+    }
+    if (node.heartbeat.take(tick_ * kStreamUnit, kPlan.period)) node.twice.add(kSecondHeartbeat);
+  }
+
+  /// Counts what is missing. A SYNC that never reached the bus is missing in every node's data alike and no node's fault.
+  void settle() noexcept {
+    std::array<std::array<std::uint32_t, kTpdoMax + 1>, contract::kRemoteNodeCount> lost{};
+    std::uint32_t common = 0xFFFFFFFF;
+    std::size_t witnesses = 0;
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+      NodeHealth& node = nodes_[n];
+      for (std::size_t i = 0; i < kTpdoMax; ++i) lost[n][i] = node.tpdo[i].settle();
+      lost[n][kTpdoMax] = node.heartbeat.settle();
+      if (!node.tpdo[0].known() || !kFramePlans[n][0].by_sync) continue;
+      ++witnesses;
+      common = lost[n][0] < common ? lost[n][0] : common;
+    }
+    if (witnesses < kWitnesses) common = 0;
+    syncs_lost_ += common;
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+      std::uint32_t sum = lost[n][kTpdoMax];
+      for (std::size_t i = 0; i < kTpdoMax; ++i) {
+        const FramePlan& plan = kFramePlans[n][i];
+        // Process data of every n-th SYNC come later by a missing one, and are not missing.
+        const std::uint32_t excused = plan.by_sync && plan.period == kStreamUnit ? common : 0;
+        sum += lost[n][i] > excused ? lost[n][i] - excused : 0;
+      }
+      nodes_[n].lost_frames += sum;
+      std::uint8_t& second = nodes_[n].lost_by_second[second_];
+      second = static_cast<std::uint8_t>(second + sum < 255 ? second + sum : 255);
+    }
+  }
+
+  void close_second() noexcept {
+    load_.close(static_cast<double>(tick_ - second_tick_) / kTicksPerSecond);
+    second_tick_ = tick_;
+    second_ = second_ + 1 < kSeconds ? second_ + 1 : 0;
+    for (NodeHealth& node : nodes_) node.lost_by_second[second_] = 0;
+  }
+
+  static constexpr std::size_t kSeconds = std::tuple_size_v<decltype(NodeHealth::lost_by_second)>;
+
+  std::array<NodeHealth, contract::kRemoteNodeCount> nodes_{};
+  BusLoad load_;
+  RateWatch strangers_, service_;
+  Suspicion second_master_;
+  std::uint32_t tick_ = 0, second_tick_ = 0, sync_clock_ = 0, syncs_lost_ = 0;
+  std::size_t second_ = 0;
+  std::uint16_t babbling_id_ = kNoId;
+  std::uint8_t window_ticks_ = 0, babble_hold_ticks_ = 0;
+};
+
+}  // namespace hoist::core

@@ -1,0 +1,17 @@
+// H30: an id, ours or unknown, floods the bus, or the bus as a whole is fuller than it may be. The next thing would be commands and
+// sensor data that come too late.
+#pragma once
+#include "control/core/monitor/monitor.hpp"
+
+namespace hoist::core {
+
+struct NodeBabbling {
+  static constexpr contract::Fault kFault = contract::Fault::node_babbling;
+
+  bool check(const MonitorView& view) noexcept {
+    const bool full = !(view.health.load().load_norm() <= view.params.bus_load_norm_max);
+    return view.mode != contract::Mode::init && (full || view.health.babbling_id() != BusHealth::kNoId);
+  }
+};
+
+}  // namespace hoist::core
