@@ -49,7 +49,8 @@ enum class PortUse : std::uint8_t { core, tool };
 // Opens one of
 //   socketcan:can0                      a CAN interface of the kernel
 //   slcan:/dev/ttyUSB0[@1000000]        the UART gateway or any SLCAN adapter, with the rate of its serial line
-// Null with the reason in `error` when the words are wrong, or this kernel has no CAN at all; a device that
+//   replay:FILE                         a recording in candump's log format, at the pace at which it was recorded
+// Null with the reason in `error` when the words are wrong, the recording is none, or this kernel has no CAN at all; a device that
 // is not there yet is no error: the port keeps trying and says up() == false.
 std::unique_ptr<CanPort> open_port(std::string_view address, std::string& error, PortUse use = PortUse::tool);
 

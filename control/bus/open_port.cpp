@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "control/bus/can_port.hpp"
+#include "control/bus/replay.hpp"
 #include "control/bus/slcan.hpp"
 #include "control/bus/socketcan.hpp"
 
@@ -36,6 +37,12 @@ std::unique_ptr<CanPort> open_socketcan(std::string_view rest, PortUse use, std:
   return error.empty() ? std::make_unique<SocketCanPort>(rest, use) : nullptr;
 }
 
+std::unique_ptr<CanPort> open_replay(std::string_view rest, std::string& error) {
+  std::vector<LogEntry> entries;
+  error = rest.empty() ? "replay: needs a file in candump's log format" : read_log(std::string(rest), entries);
+  return error.empty() ? std::make_unique<ReplayPort>(std::move(entries)) : nullptr;
+}
+
 }  // namespace
 
 std::unique_ptr<CanPort> open_port(std::string_view address, std::string& error, PortUse use) {
@@ -45,8 +52,10 @@ std::unique_ptr<CanPort> open_port(std::string_view address, std::string& error,
   if (colon != std::string_view::npos) {
     if (kind == "slcan") return open_slcan(rest, error);
     if (kind == "socketcan") return open_socketcan(rest, use, error);
+    if (kind == "replay") return open_replay(rest, error);
   }
-  error = "unknown bus \"" + std::string(address) + "\": use socketcan:INTERFACE (socketcan:can0) or slcan:DEVICE (slcan:/dev/ttyUSB0)";
+  error = "unknown bus \"" + std::string(address) +
+          "\": use socketcan:INTERFACE (socketcan:can0), slcan:DEVICE (slcan:/dev/ttyUSB0) or replay:FILE";
   return nullptr;
 }
 

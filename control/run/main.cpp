@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "control/bus/can_port.hpp"
+#include "control/bus/capture.hpp"
 #include "control/publish/core_link.hpp"
 #include "control/run/control_loop.hpp"
 #include "control/run/parameter_file.hpp"
@@ -47,13 +48,15 @@ struct Options {
   std::string bus = "slcan:/dev/ttyUSB0";
   std::string socket = "/run/hoist/core.sock";
   std::string params;
+  std::string capture;
   std::vector<std::string> set;
   bool real_time = true;
 };
 
 void print_help() {
   std::cout << "hoist-control: the 100 Hz control core of Hoist\n\n"
-               "  --bus ADDRESS      slcan:PATH (default slcan:/dev/ttyUSB0)\n"
+               "  --bus ADDRESS      socketcan:NAME, slcan:DEVICE[@BAUD] or replay:FILE (default slcan:/dev/ttyUSB0)\n"
+               "  --capture FILE     appends every frame to FILE, in candump's log format\n"
                "  --socket PATH      where hoist-server attaches (default /run/hoist/core.sock)\n"
                "  --params FILE      stored parameters; created at the first change (default: nothing is stored)\n"
                "  --set NAME=VALUE   starts with this value (SI units) instead of the stored one; may be repeated\n"
@@ -74,10 +77,11 @@ std::string parse(int argc, char** argv, Options& options, bool& help) {
       options.real_time = false;
       continue;
     }
-    std::string* text = argument == "--bus"      ? &options.bus
-                        : argument == "--socket" ? &options.socket
-                        : argument == "--params" ? &options.params
-                                                 : nullptr;
+    std::string* text = argument == "--bus"       ? &options.bus
+                        : argument == "--socket"  ? &options.socket
+                        : argument == "--params"  ? &options.params
+                        : argument == "--capture" ? &options.capture
+                                                  : nullptr;
     if (text == nullptr && argument != "--set") return "unknown argument " + std::string(argument) + "; --help lists them";
     if (++i == argc) return std::string(argument) + " needs a value";
     if (text != nullptr)
@@ -182,10 +186,21 @@ int main(int argc, char** argv) {
   }
 
   std::string error;
-  std::unique_ptr<bus::CanPort> port = bus::open_port(options.bus, error);
+  std::unique_ptr<bus::CanPort> port = bus::open_port(options.bus, error, bus::PortUse::core);
   if (!port) {
     std::cerr << "hoist-control: " << error << "\n";
     return 2;
+  }
+  const bus::Capture* capture = nullptr;
+  if (!options.capture.empty()) {
+    const auto utc_offset_ns = static_cast<std::int64_t>(now_ns(CLOCK_REALTIME)) - static_cast<std::int64_t>(now_ns(CLOCK_MONOTONIC));
+    std::unique_ptr<bus::Capture> opened = bus::Capture::open(options.capture, "can0", utc_offset_ns, error);
+    if (!opened) {
+      std::cerr << "hoist-control: --capture: " << error << "\n";
+      return 1;
+    }
+    capture = opened.get();
+    port = std::make_unique<bus::CapturePort>(std::move(port), std::move(opened));
   }
   std::unique_ptr<publish::CoreLink> link =
       publish::CoreLink::create(options.socket, now_ns(CLOCK_MONOTONIC), now_ns(CLOCK_REALTIME), error);
@@ -220,7 +235,19 @@ int main(int argc, char** argv) {
   // A value given by --set holds for this run only: the file changes when somebody changes a parameter.
   contract::ParamsInForce before{};
   link->params(before);
+  std::string_view bus_problem = port->problem();
+  if (!bus_problem.empty()) std::cout << "hoist-control: bus: " << bus_problem << std::endl;
+  bool capture_failed = false;
   while (!ended.load()) {
+    if (const std::string_view now = port->problem(); now != bus_problem) {
+      bus_problem = now;
+      std::cout << "hoist-control: bus: " << (now.empty() ? "up" : now) << std::endl;
+    }
+    if (capture != nullptr && capture->failure() != 0 && !capture_failed) {
+      capture_failed = true;
+      std::cerr << "hoist-control: " << options.capture << ": " << std::strerror(capture->failure()) << "; nothing more is captured"
+                << std::endl;
+    }
     if (const std::string news = link->serve(100); !news.empty()) std::cout << "hoist-control: " << news << std::endl;
     contract::ParamsInForce in_force;
     if (options.params.empty() || !link->params(in_force) || in_force.version == before.version) continue;
@@ -235,6 +262,8 @@ int main(int argc, char** argv) {
     before = in_force;
   }
   thread.join();
+  if (capture != nullptr && capture->dropped() > 0)
+    std::cerr << "hoist-control: " << capture->dropped() << " frames are missing in " << options.capture << std::endl;
   std::cout << "hoist-control: stopped" << std::endl;
   return 0;
 }

@@ -1,0 +1,156 @@
+#include "control/bus/decode.hpp"
+
+#include <bit>
+#include <optional>
+#include <string_view>
+
+#include "control/contract/can_dictionary.hpp"
+
+namespace hoist::bus {
+
+using contract::CanFrame;
+using contract::NodeKind;
+namespace canopen = contract::canopen;
+
+namespace {
+
+std::string_view nmt_state(std::uint8_t state) {
+  switch (static_cast<canopen::NmtState>(state)) {
+    case canopen::NmtState::boot_up:
+      return "boot-up";
+    case canopen::NmtState::stopped:
+      return "stopped";
+    case canopen::NmtState::operational:
+      return "operational";
+    case canopen::NmtState::pre_operational:
+      return "pre-operational";
+  }
+  return "unknown";
+}
+std::string_view nmt_command(std::uint8_t command) {
+  switch (static_cast<canopen::NmtCommand>(command)) {
+    case canopen::NmtCommand::start:
+      return "start";
+    case canopen::NmtCommand::stop:
+      return "stop";
+    case canopen::NmtCommand::pre_operational:
+      return "pre-operational";
+    case canopen::NmtCommand::reset_node:
+      return "reset node";
+    case canopen::NmtCommand::reset_communication:
+      return "reset communication";
+  }
+  return "unknown";
+}
+std::string node_name(std::uint8_t id) {
+  const auto node = contract::find_node(id);
+  return node ? std::string(contract::kNodes[static_cast<std::size_t>(*node)].name) : std::string();
+}
+
+bool has_bytes(const CanFrame& frame, std::size_t bytes, DecodedFrame& out) {
+  if (frame.dlc == bytes) return true;
+  out.problem = std::to_string(frame.dlc) + " bytes instead of " + std::to_string(bytes);
+  return false;
+}
+
+double object_value(const std::uint8_t* at, const contract::ObjectInfo& object) {
+  const std::uint32_t raw = contract::read_le(at, contract::object_bytes(object.type));
+  switch (object.type) {
+    case contract::ObjectType::i8:
+      return static_cast<std::int8_t>(raw) * object.scale;
+    case contract::ObjectType::i16:
+      return static_cast<std::int16_t>(raw) * object.scale;
+    case contract::ObjectType::i32:
+      return static_cast<std::int32_t>(raw) * object.scale;
+    case contract::ObjectType::f32:
+      return static_cast<double>(std::bit_cast<float>(raw)) * object.scale;
+    default:
+      return raw * object.scale;
+  }
+}
+
+void decode_pdo(const CanFrame& frame, const contract::PdoInfo& pdo, std::string_view node, DecodedFrame& out) {
+  // "drive_tx1" of the node drive_left is drive_left_tx1, as in the DBC.
+  out.name = std::string(node) + std::string(pdo.name.substr(pdo.name.find('_')));
+  if (!has_bytes(frame, contract::pdo_bytes(pdo.pdo), out)) return;
+  std::size_t at = 0;
+  for (const contract::PdoEntry& entry : contract::kPdoEntries) {
+    if (entry.pdo != pdo.pdo) continue;
+    const contract::ObjectInfo& object = contract::kObjects[contract::object_row(pdo.kind, entry.index, entry.sub)];
+    out.fields.push_back({std::string(object.name), object_value(&frame.data[at], object), std::string(object.unit), {}});
+    at += contract::object_bytes(object.type);
+  }
+}
+
+void decode_sdo(const CanFrame& frame, std::size_t node, bool reply, DecodedFrame& out) {
+  const contract::NodeInfo& info = contract::kNodes[node];
+  out.name = std::string(info.name) + (reply ? "_sdo_reply" : "_sdo_request");
+  if (!has_bytes(frame, 8, out)) return;
+  const std::uint32_t index = contract::read_le(&frame.data[1], 2);
+  const std::uint8_t sub = frame.data[3];
+  // Segments carry data where the others carry an index: no object may be named for them.
+  const std::uint8_t command = frame.data[0] >> 5;
+  const bool names_object = frame.data[0] == canopen::kSdoAbort || command == 1 || command == 2 || (reply && command == 3);
+  const contract::ObjectInfo* object = names_object ? contract::find_object(info.kind, static_cast<std::uint16_t>(index), sub) : nullptr;
+  out.fields.push_back({"command", static_cast<double>(frame.data[0]), {}, frame.data[0] == canopen::kSdoAbort ? "abort" : ""});
+  out.fields.push_back({"index", static_cast<double>(index), {}, object != nullptr ? std::string(object->name) : std::string()});
+  out.fields.push_back({"sub", static_cast<double>(sub), {}, {}});
+  out.fields.push_back({"value", static_cast<double>(contract::read_le(&frame.data[4], 4)), {}, {}});
+}
+
+}  // namespace
+
+DecodedFrame decode_frame(const CanFrame& frame) {
+  DecodedFrame out;
+  if ((frame.flags & CanFrame::kError) != 0) {
+    out.name = "error_frame";
+    return out;
+  }
+  if (frame.flags != 0 || frame.id > 0x7FF) return out;
+  if (frame.id == canopen::kNmt) {
+    out.name = "nmt";
+    if (!has_bytes(frame, 2, out)) return out;
+    out.fields.push_back({"command", static_cast<double>(frame.data[0]), {}, std::string(nmt_command(frame.data[0]))});
+    out.fields.push_back({"node", static_cast<double>(frame.data[1]), {}, frame.data[1] == 0 ? "all" : node_name(frame.data[1])});
+    return out;
+  }
+  if (frame.id == canopen::kSync) {
+    out.name = "sync";
+    has_bytes(frame, 0, out);
+    return out;
+  }
+  const auto node = contract::find_node(static_cast<std::uint8_t>(frame.id & 0x7F));
+  if (!node) return out;
+  const auto row = static_cast<std::size_t>(*node);
+  const contract::NodeInfo& info = contract::kNodes[row];
+  const std::uint32_t base = frame.id & 0x780;
+  if (base == canopen::kHeartbeatBase) {
+    out.name = std::string(info.name) + "_heartbeat";
+    if (has_bytes(frame, 1, out))
+      out.fields.push_back({"state", static_cast<double>(frame.data[0]), {}, std::string(nmt_state(frame.data[0]))});
+    return out;
+  }
+  if (info.kind == NodeKind::host) return out;
+  if (base == canopen::kEmcyBase) {
+    out.name = std::string(info.name) + "_emergency";
+    if (!has_bytes(frame, 8, out)) return out;
+    std::uint64_t details = 0;
+    for (std::size_t i = 5; i > 0; --i) details = (details << 8) | frame.data[2 + i];
+    out.fields.push_back({"code", static_cast<double>(contract::read_le(&frame.data[0], 2)), {}, {}});
+    out.fields.push_back({"error_register", static_cast<double>(frame.data[2]), {}, {}});
+    out.fields.push_back({"details", static_cast<double>(details), {}, {}});
+    return out;
+  }
+  if (base == canopen::kSdoReplyBase || base == canopen::kSdoRequestBase) {
+    decode_sdo(frame, row, base == canopen::kSdoReplyBase, out);
+    return out;
+  }
+  for (const contract::PdoInfo& pdo : contract::kPdos) {
+    if (pdo.kind != info.kind || pdo.cob_base != base) continue;
+    decode_pdo(frame, pdo, info.name, out);
+    break;
+  }
+  return out;
+}
+
+}  // namespace hoist::bus
