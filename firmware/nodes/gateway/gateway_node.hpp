@@ -1,5 +1,10 @@
-// The UART-CAN gateway: SLCAN on the serial line, frames on the bus. It understands no CANopen and holds no state that could go stale:
-// when the computer falls silent it sends nothing, and the drives stop by their own deadline.
+// The UART-CAN gateway: SLCAN on the serial line, frames on the bus. It understands no CANopen and holds nothing that could go stale:
+// when the computer falls silent it sends nothing, and the drives stop by their own deadline; a frame that the bus does not take in time
+// is dropped, and so is everything that waited when the controller went bus-off.
+//
+// Beyond plain SLCAN, asked for with E1 while closed (E0 ends it): state lines (s, a letter, two counters) when the state of the controller
+// changes, and error lines (e, how many, letters o and O) when frames were lost towards the computer or towards the bus. Not by default:
+// the kernel's driver never comes back from `sb`, and other programs do not know these lines.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -12,17 +17,24 @@
 
 namespace hoist::firmware {
 
-inline constexpr std::size_t kGatewayTxMax = 16;        // frames from the computer waiting for the bus; more are refused with BEL
-inline constexpr std::size_t kGatewayRxMax = 32;        // frames kept for polling (X0)
-inline constexpr std::size_t kGatewayUartMax = 1024;    // characters waiting for the serial line, 10 ms of it at 1 Mbaud
-inline constexpr std::size_t kGatewayReplyRoom = 64;    // of these kept free for answers
-inline constexpr std::size_t kGatewayReadsPerPoll = 8;  // pieces of 64 characters taken from the serial line at once
+inline constexpr std::size_t kGatewayTxMax = 16;             // frames from the computer waiting for the bus; more are refused with BEL
+inline constexpr std::size_t kGatewayRxMax = 32;             // frames kept for polling (X0)
+inline constexpr std::size_t kGatewayUartMax = 1024;         // characters waiting for the serial line, 10 ms of it at 1 Mbaud
+inline constexpr std::size_t kGatewayReplyRoom = 64;         // of these kept free for answers
+inline constexpr std::size_t kGatewayReadsPerPoll = 8;       // pieces of 64 characters taken from the serial line at once
+inline constexpr std::uint16_t kGatewayStale_ms = 50;        // a frame that waited so long is no command any more; drives stop after 40 ms
+inline constexpr std::uint32_t kGatewayBusOffWait_ms = 200;  // before a controller that is bus-off is asked to return, and each next time
+inline constexpr std::uint32_t kGatewayStateLine_ms = 100;   // shortest distance of two state lines, and of two error lines
+inline constexpr std::size_t kGatewayNewsRoom = kGatewayUartMax / 2;  // they leave only while so much of the line's queue is free
 
 struct GatewayCounters {
   std::uint32_t to_bus = 0, to_uart = 0;
   std::uint32_t lost_to_uart = 0;  // the computer or the serial line was too slow
   std::uint32_t refused = 0;       // lines answered with BEL
   std::uint32_t lost_replies = 0;
+  std::uint32_t stale = 0;         // frames dropped because the bus did not take them in time
+  std::uint32_t bus_off = 0;       // times that the controller was bus-off
+  std::uint32_t can_restarts = 0;  // times that it was asked to return
 };
 
 template <GatewayBoard Board>
@@ -30,7 +42,7 @@ class GatewayNode {
  public:
   using CanFrame = contract::CanFrame;
 
-  explicit GatewayNode(Board& board) : board_(board) {}
+  explicit GatewayNode(Board& board) : board_(board) { power_on(); }
 
   // A frame from the bus.
   void on_frame(const CanFrame& frame) {
@@ -47,7 +59,10 @@ class GatewayNode {
 
   void tick_1ms() {
     now_ms_ = static_cast<std::uint16_t>(now_ms_ + 1U == contract::kSlcanStampWrap_ms ? 0U : now_ms_ + 1U);
+    watch_controller();
     poll();
+    tell_news();
+    write_uart();
   }
 
   // Moves what can be moved in both directions. May be called as often as the board likes; tick_1ms() does it too.
@@ -64,8 +79,14 @@ class GatewayNode {
   }
 
   void power_on() {
-    open_ = listen_only_ = stamps_ = false;
+    open_ = listen_only_ = stamps_ = news_ = false;
     auto_send_ = true;
+    bus_off_ = false;
+    told_state_ = CanHealth::State::active;
+    lost_seen_ = board_.can_health().lost;
+    uart_lost_seen_ = board_.uart_lost();
+    lost_in_ = lost_out_ = 0;
+    state_age_ms_ = error_age_ms_ = kGatewayStateLine_ms;
     flags_ = 0;
     now_ms_ = 0;
     decoder_ = {};
@@ -79,12 +100,16 @@ class GatewayNode {
   [[nodiscard]] const contract::SlcanCounters& line_counters() const { return decoder_.counters(); }
 
  private:
-  static constexpr std::uint8_t kRxFull = 0x01, kTxFull = 0x02, kOverrun = 0x08;
+  static constexpr std::uint8_t kRxFull = 0x01, kTxFull = 0x02, kWarning = 0x04, kOverrun = 0x08, kPassive = 0x20, kBusError = 0x80;
   static constexpr std::string_view kOk = "\r", kBell = "\a";
 
   struct Received {
     CanFrame frame{};
     std::uint16_t at_ms = 0;
+  };
+  struct Waiting {
+    CanFrame frame{};
+    std::uint16_t age_ms = 0;
   };
 
   void on_line(const contract::SlcanLine& line) {
@@ -106,14 +131,15 @@ class GatewayNode {
   void on_tx_line(const contract::SlcanLine& line) {
     // A stamp belongs to received frames.
     if (!open_ || listen_only_ || line.stamp_ms) return refuse();
-    if (tx_count_ == kGatewayTxMax) {
+    if (tx_count_ == kGatewayTxMax || bus_off_) {
       flags_ |= kTxFull;
+      lose_to_bus();
       return refuse();
     }
     // By id, so that a SYNC never waits behind a queue of SDOs; equal ids keep their order.
     std::size_t at = tx_count_++;
-    for (; at > 0 && tx_[at - 1].id > line.frame.id; --at) tx_[at] = tx_[at - 1];
-    tx_[at] = line.frame;
+    for (; at > 0 && tx_[at - 1].frame.id > line.frame.id; --at) tx_[at] = tx_[at - 1];
+    tx_[at] = Waiting{line.frame, 0};
     if (auto_send_)
       reply((line.frame.flags & CanFrame::kExtended) != 0 ? "Z\r" : "z\r");
     else
@@ -132,6 +158,9 @@ class GatewayNode {
         open_ = true;
         listen_only_ = text[0] == 'L';
         clear_queues();
+        // What was before is not this computer's; a controller that is in trouble now is news to it.
+        told_state_ = CanHealth::State::active;
+        lost_in_ = lost_out_ = 0;
         return accept(true);
       case 'C':
         if (text.size() != 1) return refuse();
@@ -146,6 +175,10 @@ class GatewayNode {
         if (open_ || (argument != '0' && argument != '1')) return refuse();
         stamps_ = argument == '1';
         return accept(true);
+      case 'E':
+        if (open_ || (argument != '0' && argument != '1')) return refuse();
+        news_ = argument == '1';
+        return accept(true);
       case 'P':
         if (text.size() != 1 || !open_ || auto_send_) return refuse();
         if (rx_count_ == 0) return reply(kOk);
@@ -157,6 +190,10 @@ class GatewayNode {
         return reply("A\r");
       case 'F': {
         if (text.size() != 1) return refuse();
+        const CanHealth::State state = board_.can_health().state;
+        if (state == CanHealth::State::warning) flags_ |= kWarning;
+        if (state == CanHealth::State::passive) flags_ |= kPassive;
+        if (state == CanHealth::State::bus_off) flags_ |= kBusError;
         const char answer[4] = {'F', contract::slcan_detail::hex_digit(flags_ >> 4), contract::slcan_detail::hex_digit(flags_), '\r'};
         flags_ = 0;
         return reply(std::string_view(answer, 4));
@@ -197,10 +234,87 @@ class GatewayNode {
 
   void send_frames() {
     std::size_t sent = 0;
-    while (sent < tx_count_ && board_.send(tx_[sent])) ++sent;
+    while (sent < tx_count_ && !bus_off_ && board_.send(tx_[sent].frame)) ++sent;
     counters_.to_bus += static_cast<std::uint32_t>(sent);
     for (std::size_t i = sent; i < tx_count_; ++i) tx_[i - sent] = tx_[i];
     tx_count_ -= sent;
+  }
+  void lose_to_bus() {
+    if (lost_out_ < kNewsMax) ++lost_out_;
+  }
+
+  // Each millisecond: the controller's state, and what has waited too long.
+  void watch_controller() {
+    const CanHealth health = board_.can_health();
+    if (health.lost != lost_seen_) {
+      const std::uint32_t lost = health.lost - lost_seen_;
+      lost_seen_ = health.lost;
+      flags_ |= kRxFull | kOverrun;
+      lost_in_ = lost >= kNewsMax ? kNewsMax : static_cast<std::uint8_t>(lost_in_ > kNewsMax - lost ? kNewsMax : lost_in_ + lost);
+    }
+    if (board_.uart_lost() != uart_lost_seen_) {
+      uart_lost_seen_ = board_.uart_lost();
+      flags_ |= kOverrun;
+      lose_to_bus();  // part of a line to the bus, which the decoder drops whole
+    }
+    const bool off = health.state == CanHealth::State::bus_off;
+    if (off && !bus_off_) {
+      ++counters_.bus_off;
+      bus_off_ms_ = 0;
+      counters_.stale += static_cast<std::uint32_t>(tx_count_);
+      for (; tx_count_ > 0; --tx_count_) lose_to_bus();
+    }
+    bus_off_ = off;
+    if (off && ++bus_off_ms_ >= kGatewayBusOffWait_ms) {
+      bus_off_ms_ = 0;
+      ++counters_.can_restarts;
+      board_.can_restart();
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < tx_count_; ++i) {
+      if (++tx_[i].age_ms >= kGatewayStale_ms) {
+        ++counters_.stale;
+        flags_ |= kTxFull;
+        lose_to_bus();
+      } else {
+        tx_[kept++] = tx_[i];
+      }
+    }
+    tx_count_ = kept;
+  }
+
+  // A change is told once; when it changes to and fro, the newest state as often as the distance allows.
+  void tell_news() {
+    if (state_age_ms_ < kGatewayStateLine_ms) ++state_age_ms_;
+    if (error_age_ms_ < kGatewayStateLine_ms) ++error_age_ms_;
+    if (!open_ || !news_ || kGatewayUartMax - uart_count_ < kGatewayNewsRoom) return;
+    const CanHealth health = board_.can_health();
+    if (health.state != told_state_ && state_age_ms_ >= kGatewayStateLine_ms) {
+      std::array<char, 9> line{'s', "awpb"[static_cast<std::size_t>(health.state)], 0, 0, 0, 0, 0, 0, '\r'};
+      put_decimal3(&line[2], health.rx_errors);
+      put_decimal3(&line[5], health.tx_errors);
+      if (put(std::string_view(line.data(), line.size()))) {
+        told_state_ = health.state;
+        state_age_ms_ = 0;
+      }
+    }
+    if ((lost_in_ != 0 || lost_out_ != 0) && error_age_ms_ >= kGatewayStateLine_ms) {
+      // One letter each: `o` lost on the way to the computer, `O` on the way to the bus; the digit counts the letters, as the kernel reads it.
+      std::array<char, 5> line{'e', lost_in_ != 0 && lost_out_ != 0 ? '2' : '1'};
+      std::size_t length = 2;
+      if (lost_in_ != 0) line[length++] = 'o';
+      if (lost_out_ != 0) line[length++] = 'O';
+      line[length++] = '\r';
+      if (put(std::string_view(line.data(), length))) {
+        lost_in_ = lost_out_ = 0;
+        error_age_ms_ = 0;
+      }
+    }
+  }
+  static void put_decimal3(char* at, std::uint8_t value) {
+    at[0] = static_cast<char>('0' + value / 100);
+    at[1] = static_cast<char>('0' + value / 10 % 10);
+    at[2] = static_cast<char>('0' + value % 10);
   }
 
   void put_polled() {
@@ -219,6 +333,7 @@ class GatewayNode {
   void lose_frame() {
     ++counters_.lost_to_uart;
     flags_ |= kRxFull | kOverrun;
+    if (lost_in_ < kNewsMax) ++lost_in_;
   }
 
   // A whole line or nothing of it.
@@ -238,15 +353,21 @@ class GatewayNode {
     }
   }
 
+  static constexpr std::uint8_t kNewsMax = 255;
+
   Board& board_;
-  bool open_ = false, listen_only_ = false, stamps_ = false;
+  bool open_ = false, listen_only_ = false, stamps_ = false, news_ = false, bus_off_ = false;
+  CanHealth::State told_state_ = CanHealth::State::active;
+  std::uint32_t bus_off_ms_ = 0, state_age_ms_ = 0, error_age_ms_ = 0;
+  std::uint32_t lost_seen_ = 0, uart_lost_seen_ = 0;
+  std::uint8_t lost_in_ = 0, lost_out_ = 0;  // since the last error line
   bool auto_send_ = true;
   std::uint32_t flags_ = 0;
   std::uint16_t now_ms_ = 0;
   contract::SlcanDecoder decoder_{};
   GatewayCounters counters_{};
   std::size_t tx_count_ = 0;
-  std::array<CanFrame, kGatewayTxMax> tx_{};
+  std::array<Waiting, kGatewayTxMax> tx_{};
   std::size_t rx_first_ = 0, rx_count_ = 0;
   std::array<Received, kGatewayRxMax> rx_{};
   std::size_t uart_first_ = 0, uart_count_ = 0;

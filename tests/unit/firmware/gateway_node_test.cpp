@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 #include "tests/unit/firmware/test_board.hpp"
 
 namespace hoist::firmware {
@@ -134,6 +137,147 @@ TEST_F(GatewayTest, PollingOnRequest) {
   EXPECT_EQ(say("A\r"), "t191101\rt191102\rA\r");
   EXPECT_EQ(say("P\r"), "\r");
   EXPECT_EQ(say("X1\rP\r"), "\r\a");
+}
+
+TEST_F(GatewayTest, H5_AFrameThatTheBusDidNotTakeInTimeIsNeverSent) {
+  open();
+  board_.room = false;
+  EXPECT_EQ(say("t20160F00A0860100\r"), "z\r");
+  tick(node_, 30);
+  EXPECT_EQ(say("t0800\r"), "z\r");
+  tick(node_, 25);  // the first is 55 ms old, the second 25
+  board_.room = true;
+  node_.poll();
+  ASSERT_EQ(board_.sent.size(), 1U);
+  EXPECT_EQ(board_.sent[0].id, 0x080U);
+  EXPECT_EQ(node_.counters().stale, 1U);
+  EXPECT_EQ(say("F\r"), "F02\r");
+}
+
+TEST_F(GatewayTest, H5_BusOffDropsWhatWaitedRefusesMoreAndComesBackByItself) {
+  open();
+  board_.room = false;
+  EXPECT_EQ(say("t20160F00A0860100\r"), "z\r");
+  board_.health = {CanHealth::State::bus_off, 255, 40, 0};
+  tick(node_, 1);
+  board_.room = true;
+  EXPECT_EQ(say("t20160F00A0860100\r"), "\a");
+  EXPECT_TRUE(board_.sent.empty());
+  EXPECT_EQ(say("F\r"), "F82\r");
+  tick(node_, 195);
+  EXPECT_EQ(board_.can_restarts, 0);
+  tick(node_, 10);
+  EXPECT_EQ(board_.can_restarts, 1);
+  tick(node_, 1000);  // still jammed: asked again and again, not in every millisecond
+  EXPECT_EQ(board_.can_restarts, 6);
+  board_.health = {};
+  EXPECT_EQ(say("t0800\r"), "z\r");
+  ASSERT_EQ(board_.sent.size(), 1U);
+  EXPECT_EQ(node_.counters().bus_off, 1U);
+  tick(node_, 1000);
+  EXPECT_EQ(board_.can_restarts, 6);
+}
+
+TEST_F(GatewayTest, WithoutBeingAskedItTellsNoStates) {
+  open();
+  board_.to_host.clear();
+  board_.health = {CanHealth::State::bus_off, 255, 0, 7};
+  tick(node_, 500);
+  EXPECT_EQ(board_.to_host, "");
+}
+
+TEST_F(GatewayTest, TellsEachStateOnceWithItsCounters) {
+  ASSERT_EQ(say("E1\rO\r"), "\r\r");
+  EXPECT_EQ(say("E0\r"), "\a");  // only while closed
+  board_.to_host.clear();
+  const auto becomes = [&](CanHealth::State state, std::uint8_t tx, std::uint8_t rx) {
+    board_.health.state = state;
+    board_.health.tx_errors = tx;
+    board_.health.rx_errors = rx;
+    tick(node_, 1000);
+  };
+  becomes(CanHealth::State::active, 5, 0);
+  becomes(CanHealth::State::warning, 96, 3);
+  becomes(CanHealth::State::warning, 97, 3);
+  becomes(CanHealth::State::passive, 128, 120);
+  becomes(CanHealth::State::bus_off, 255, 0);
+  becomes(CanHealth::State::active, 0, 0);
+  EXPECT_EQ(board_.to_host, "sw003096\rsp120128\rsb000255\rsa000000\r");
+  for (const char* text : {"sw003096", "sb000255"}) EXPECT_EQ(contract::slcan_parse(text).kind, contract::SlcanKind::state);
+}
+
+TEST_F(GatewayTest, ATroubleThatIsThereWhenItOpensIsTold) {
+  board_.health = {CanHealth::State::passive, 0, 130, 0};
+  ASSERT_EQ(say("E1\r"), "\r");
+  tick(node_, 200);
+  EXPECT_EQ(say("O\r"), "\rsp130000\r");
+}
+
+TEST_F(GatewayTest, AStateThatFluttersCannotFloodTheLine) {
+  ASSERT_EQ(say("E1\rO\r"), "\r\r");
+  board_.to_host.clear();
+  for (int i = 0; i < 1000; ++i) {
+    board_.health.state = i % 2 == 0 ? CanHealth::State::passive : CanHealth::State::warning;
+    board_.health.lost += 3;
+    tick(node_, 1);
+  }
+  EXPECT_LE(std::count(board_.to_host.begin(), board_.to_host.end(), 's'), 11);
+  const auto errors = std::count(board_.to_host.begin(), board_.to_host.end(), 'e');
+  EXPECT_LE(errors, 11);
+  EXPECT_GE(errors, 9);
+}
+
+TEST_F(GatewayTest, LostFramesAreToldInBothDirections) {
+  ASSERT_EQ(say("E1\rO\r"), "\r\r");
+  board_.to_host.clear();
+  board_.health.lost = 4;
+  tick(node_, 200);
+  EXPECT_EQ(board_.to_host, "e1o\r");
+  EXPECT_EQ(say("F\r"), "F09\r");
+  board_.room = false;
+  std::string lines;
+  for (std::size_t i = 0; i <= kGatewayTxMax; ++i) lines += "t1230\r";
+  EXPECT_EQ(say(lines).substr(2 * kGatewayTxMax), "\ae1O\r");
+  board_.health.lost = 5;
+  board_.to_host.clear();
+  tick(node_, 200);  // the queue's frames go stale as well
+  EXPECT_TRUE(board_.to_host.find("e2oO\r") != std::string::npos || board_.to_host.find("e1o\r") != std::string::npos);
+  EXPECT_EQ(contract::slcan_parse("e2oO").kind, contract::SlcanKind::error);
+}
+
+TEST_F(GatewayTest, NewsNeverTakeTheRoomOfFrames) {
+  ASSERT_EQ(say("E1\rO\r"), "\r\r");
+  board_.uart_room = 0;
+  board_.to_host.clear();
+  const CanFrame frame = frame_of(0x193, {1, 2, 3, 4, 5, 6});
+  for (int i = 0; i < 40; ++i) node_.on_frame(frame);
+  board_.health = {CanHealth::State::passive, 0, 130, 9};
+  tick(node_, 1000);
+  board_.uart_room = 40 * 18;  // exactly the frames
+  node_.poll();
+  EXPECT_EQ(board_.to_host.size(), 40U * 18U);
+  EXPECT_EQ(board_.to_host.find_first_of("se"), std::string::npos);
+  EXPECT_EQ(node_.counters().lost_to_uart, 0U);
+}
+
+TEST_F(GatewayTest, AnyTextAndAnyHealthKeepItAlive) {
+  std::mt19937 random(4);
+  for (int i = 0; i < 60000; ++i) {
+    static constexpr std::string_view kLetters = "OLCSEXZPAFVvNMmtTrRz0123456789ABF\r\r\r\a";
+    if (random() % 3U == 0) board_.from_host += kLetters[random() % kLetters.size()];
+    if (random() % 20U == 0) board_.from_host += "\rt2016000000000000\r";
+    if (random() % 50U == 0) board_.health.state = static_cast<CanHealth::State>(random() % 4U);
+    if (random() % 50U == 0) board_.health.lost += random() % 1000U;
+    board_.room = random() % 4U != 0;
+    board_.uart_room = random() % 2U == 0 ? 0 : random() % 64U;
+    if (random() % 2U == 0) node_.on_frame(frame_of(0x193, {1, 2}));
+    const std::size_t before = board_.sent.size();
+    node_.tick_1ms();
+    ASSERT_TRUE(board_.health.state != CanHealth::State::bus_off || board_.sent.size() == before);
+    if (board_.to_host.size() > 10000) board_.to_host.clear();
+    if (board_.sent.size() > 1000) board_.sent.clear();
+  }
+  EXPECT_GT(node_.counters().to_bus, 0U);
 }
 
 TEST_F(GatewayTest, PowerOnCloses) {
