@@ -21,6 +21,8 @@ struct Pin {
 //   tilt and drive   left: strap 0 to ground, right: strap 1 to ground     tilt only: both to ground = base
 inline constexpr Pin kStrap0{3, 0};
 inline constexpr Pin kStrap1{3, 1};
+// To ground at reset: the board stays in its loader, whatever the flash holds (firmware/boot).
+inline constexpr Pin kService{3, 2};
 // Lights while the program runs: low = on. Toggles once a second in normal running, eight times a second when the board refused to start.
 inline constexpr Pin kLed{2, 10};
 
@@ -60,6 +62,9 @@ inline constexpr float kBus_v_per_count = kBusDivider * kAdcReference_v / kAdcCo
 inline constexpr Pin kBumperFront{2, 0}, kBumperRear{2, 1}, kBumperLeft{2, 2}, kBumperRight{2, 3};
 // Configuration switches, bit 0 to 3 of the object: closed to ground = 1.
 inline constexpr Pin kSwitch0{2, 6}, kSwitch1{2, 7}, kSwitch2{2, 8}, kSwitch3{2, 11};
+// Outputs 0 to 7 of the object, high = on; low from reset on by 10 kOhm to ground outside.
+inline constexpr Pin kOutput0{1, 4}, kOutput1{1, 5}, kOutput2{1, 6}, kOutput3{1, 7}, kOutput4{1, 8}, kOutput5{1, 10}, kOutput6{1, 11},
+    kOutput7{1, 2};
 // Two 12 V batteries in series: A is the lower one, measured directly; the second channel measures both together.
 inline constexpr Pin kBatteryA{0, 11};    // function 2: AD0, behind 47 kOhm over 10 kOhm
 inline constexpr Pin kBatteryBoth{1, 0};  // function 2: AD1, behind 100 kOhm over 10 kOhm

@@ -81,7 +81,7 @@ constexpr float self_test_power(float base, std::uint8_t code) {
 template <RegisterBus Bus, class Chip>
 class ImuChip {
  public:
-  explicit ImuChip(Bus& bus) : bus_(bus) {}
+  constexpr explicit ImuChip(Bus& bus) : bus_(bus) {}
 
   /// As after power-on.
   void restart() {

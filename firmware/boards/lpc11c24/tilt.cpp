@@ -1,0 +1,124 @@
+// The tilt sensor on the LPC11C24: one image for both struts and the base, told apart by the straps, and for three inertial chips, told
+// apart by asking.
+#include <array>
+#include "firmware/boards/cortex_m0/late.hpp"
+#include "firmware/boards/cortex_m0/run.hpp"
+#include "firmware/boards/lpc11c24/board.hpp"
+#include "firmware/boards/lpc11c24/serial_buses.hpp"
+#include "firmware/lib/imu/icm42688p.hpp"
+#include "firmware/lib/imu/lsm6dso.hpp"
+#include "firmware/lib/imu/mpu6050.hpp"
+#include "firmware/nodes/tilt/tilt_node.hpp"
+
+namespace hoist::firmware::lpc11c24 {
+namespace {
+
+inline constexpr std::uint32_t kAskAgain_ms = 100;
+
+class TiltBoard : public Board {
+ public:
+  void start() {
+    I2cBus::start();
+    SpiBus::start();
+  }
+
+  void tick_1ms() {
+    switch (part_) {
+      case Part::unknown:
+        if (++asked_ms_ == kAskAgain_ms) ask();
+        return;
+      case Part::mpu6050:
+        return mpu6050_.step_1ms();
+      case Part::lsm6dso:
+        return lsm6dso_.step_1ms();
+      case Part::icm42688p:
+        return icm42688p_.step_1ms();
+    }
+  }
+
+  bool read_imu(ImuSample& sample) {
+    switch (part_) {
+      case Part::unknown:
+        return false;
+      case Part::mpu6050:
+        return mpu6050_.read(sample);
+      case Part::lsm6dso:
+        return lsm6dso_.read(sample);
+      case Part::icm42688p:
+        return icm42688p_.read(sample);
+    }
+    return false;
+  }
+  [[nodiscard]] ImuReport imu_report() const {
+    switch (part_) {
+      case Part::unknown:
+        return foreign_;
+      case Part::mpu6050:
+        return mpu6050_.report();
+      case Part::lsm6dso:
+        return lsm6dso_.report();
+      case Part::icm42688p:
+        return icm42688p_.report();
+    }
+    return {};
+  }
+
+ private:
+  enum class Part : std::uint8_t { unknown, mpu6050, lsm6dso, icm42688p };
+
+  // Identities only; from here on the chip's own driver asks again, and resets it first.
+  void ask() {
+    asked_ms_ = 0;
+    std::array<std::uint8_t, 1> answer{};
+    if (spi_.read(Lsm6dsoChip::kWhoAmIRegister, answer) && answer[0] == Lsm6dsoChip::kWhoAmI) {
+      part_ = Part::lsm6dso;
+    } else if (spi_.read(Icm42688pChip::kWhoAmIRegister, answer) && answer[0] == Icm42688pChip::kWhoAmI) {
+      part_ = Part::icm42688p;
+    } else if (i2c_.read(Mpu6050Chip::kWhoAmIRegister, answer)) {
+      part_ = Part::mpu6050;  // or whatever sits at its address: the driver tells
+    } else if (answer[0] != 0x00 && answer[0] != 0xFF) {
+      foreign_ = {false, true, false, answer[0]};  // something on SPI that is none of the two
+    }
+  }
+
+  I2cBus i2c_{kMpu6050Address};
+  SpiBus spi_{};
+  ImuChip<I2cBus, Mpu6050Chip> mpu6050_{i2c_};
+  ImuChip<SpiBus, Lsm6dsoChip> lsm6dso_{spi_};
+  ImuChip<SpiBus, Icm42688pChip> icm42688p_{spi_};
+  Part part_ = Part::unknown;
+  std::uint32_t asked_ms_ = 0;
+  ImuReport foreign_{};
+};
+
+constinit cortex_m0::Late<TiltBoard> board_place;
+constinit cortex_m0::Late<TiltNode<TiltBoard>> node_place;
+
+[[noreturn]] void run_as(TiltBoard& the_board, contract::Node place) {
+  the_board.start();
+  if (!the_board.start_can({false, contract::node_id(place)})) cortex_m0::refuse_to_start(the_board);
+  auto& node = node_place.make(the_board, place);
+  cortex_m0::run(node, the_board);
+}
+
+}  // namespace
+}  // namespace hoist::firmware::lpc11c24
+
+extern "C" {
+using hoist::firmware::lpc11c24::board_place;
+
+void can_interrupt() { board_place.object.on_can_interrupt(); }
+
+void hoist_outputs_off() {}
+
+[[noreturn]] void hoist_main() {
+  using namespace hoist;
+  auto& the_board = board_place.make();
+  if (!the_board.start_core()) firmware::cortex_m0::refuse_to_start(the_board);
+  const firmware::lpc11c24::Straps straps = firmware::lpc11c24::read_straps();
+  if (!straps.strap0 && !straps.strap1) firmware::cortex_m0::refuse_to_start(the_board);
+  firmware::lpc11c24::run_as(the_board, straps.strap0 && straps.strap1 ? contract::Node::tilt_base
+                             : straps.strap0                ? contract::Node::tilt_left
+                                                            : contract::Node::tilt_right);
+}
+}
