@@ -4,10 +4,12 @@
 
 namespace hoist::tool {
 
+int run_firmware(std::span<const std::string_view> arguments);
 int run_laws(std::span<const std::string_view> arguments);
 int run_sessions(std::span<const std::string_view> arguments);
 int run_export(std::span<const std::string_view> arguments);
 int run_metrics(std::span<const std::string_view> arguments);
+int run_bus(std::span<const std::string_view> arguments);
 
 namespace {
 
@@ -16,6 +18,8 @@ constexpr std::array kCommands = {
     Command{"sessions", "list the sessions of a database", &run_sessions},
     Command{"export", "write a recorded session as CSV or JSON", &run_export},
     Command{"metrics", "how well a session's exercise was walked", &run_metrics},
+    Command{"bus", "look at the CAN bus and its recordings", &run_bus},
+    Command{"firmware", "the nodes' programs: pack, list, update", &run_firmware},
 };
 
 }  // namespace
