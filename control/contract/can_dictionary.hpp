@@ -376,6 +376,7 @@ enum class SdoAbort : std::uint32_t {
   toggle = 0x05030000,
   time_out = 0x05040000,
   command = 0x05040001,
+  no_memory = 0x05040005,
   write_only = 0x06010001,
   read_only = 0x06010002,
   no_object = 0x06020000,
