@@ -1,0 +1,28 @@
+// Programs of nodes as files: read, packed, written.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "control/contract/firmware_image.hpp"
+
+namespace hoist::tool {
+
+/// What went wrong, as a sentence that names the field or the file; empty: nothing did.
+using Refusal = std::string;
+
+/// Reads at most contract::kImageMax bytes.
+[[nodiscard]] Refusal read_file(const std::string& path, std::vector<std::uint8_t>& content);
+/// Writes beside it first, so that a full disk leaves no half file under that name.
+[[nodiscard]] Refusal write_file(const std::string& path, std::span<const std::uint8_t> content);
+
+/// Fills in the header behind the vectors of a linked program, and pads it to whole words. A program for silicon must have been linked
+/// with the magic in its place; for a simulated chip an empty place will do.
+[[nodiscard]] Refusal pack_image(std::vector<std::uint8_t>& image, contract::ImageKind kind, const contract::ImageChipInfo& chip,
+                                 std::uint32_t version);
+
+[[nodiscard]] std::string version_text(std::uint32_t version);
+
+}  // namespace hoist::tool
