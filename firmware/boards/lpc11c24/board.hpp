@@ -57,6 +57,7 @@ class Board {
   [[nodiscard]] ResetCause reset_cause() const { return reset_cause_; }
   void restart(bool into_loader) {
     hoist_outputs_off();
+    forget_request(mailbox());
     if (into_loader) ask_for_loader(mailbox());
     cortex_m0::reset_now();
   }

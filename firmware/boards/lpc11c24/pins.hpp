@@ -2,7 +2,7 @@
 // computer that plays the outside of the pins reads the same table as the drivers.
 //
 // One circuit per node kind, all with: 12 MHz crystal, CAN on the chip's own transceiver (CANH, CANL, STB to ground, VCC 5 V), SWD on
-// PIO0_10 and PIO1_3, reset on PIO0_0. PIO0_1 is pulled up: low at reset starts the factory's serial loader. PIO0_3 stays free. Function
+// PIO0_10 and PIO1_3, reset on PIO0_0. PIO0_1 is pulled up: low at reset starts the factory's serial loader. Function
 // numbers are the FUNC field of the pin's IOCON register (UM10398, chapter 7).
 #pragma once
 #include <cstdint>
@@ -22,7 +22,7 @@ struct Pin {
 inline constexpr Pin kStrap0{3, 0};
 inline constexpr Pin kStrap1{3, 1};
 // To ground at reset: the board stays in its loader, whatever the flash holds (firmware/boot).
-inline constexpr Pin kService{3, 2};
+inline constexpr Pin kService{0, 3};
 // Lights while the program runs: low = on. Toggles once a second in normal running, eight times a second when the board refused to start.
 inline constexpr Pin kLed{2, 10};
 

@@ -23,70 +23,37 @@ class TiltBoard : public Board {
   }
 
   void tick_1ms() {
-    switch (part_) {
-      case Part::unknown:
-        if (++asked_ms_ == kAskAgain_ms) ask();
-        return;
-      case Part::mpu6050:
-        return mpu6050_.step_1ms();
-      case Part::lsm6dso:
-        return lsm6dso_.step_1ms();
-      case Part::icm42688p:
-        return icm42688p_.step_1ms();
-    }
+    if (found_) return imu_.step_1ms();
+    if (++asked_ms_ == kAskAgain_ms) ask();
   }
-
-  bool read_imu(ImuSample& sample) {
-    switch (part_) {
-      case Part::unknown:
-        return false;
-      case Part::mpu6050:
-        return mpu6050_.read(sample);
-      case Part::lsm6dso:
-        return lsm6dso_.read(sample);
-      case Part::icm42688p:
-        return icm42688p_.read(sample);
-    }
-    return false;
-  }
-  [[nodiscard]] ImuReport imu_report() const {
-    switch (part_) {
-      case Part::unknown:
-        return foreign_;
-      case Part::mpu6050:
-        return mpu6050_.report();
-      case Part::lsm6dso:
-        return lsm6dso_.report();
-      case Part::icm42688p:
-        return icm42688p_.report();
-    }
-    return {};
-  }
+  bool read_imu(ImuSample& sample) { return found_ && imu_.read(sample); }
+  [[nodiscard]] ImuReport imu_report() const { return found_ ? imu_.report() : foreign_; }
 
  private:
-  enum class Part : std::uint8_t { unknown, mpu6050, lsm6dso, icm42688p };
-
   // Identities only; from here on the chip's own driver asks again, and resets it first.
   void ask() {
     asked_ms_ = 0;
     std::array<std::uint8_t, 1> answer{};
     if (spi_.read(Lsm6dsoChip::kWhoAmIRegister, answer) && answer[0] == Lsm6dsoChip::kWhoAmI) {
-      part_ = Part::lsm6dso;
+      use(ImuChip<SpiBus, Lsm6dsoChip>(spi_));
     } else if (spi_.read(Icm42688pChip::kWhoAmIRegister, answer) && answer[0] == Icm42688pChip::kWhoAmI) {
-      part_ = Part::icm42688p;
+      use(ImuChip<SpiBus, Icm42688pChip>(spi_));
     } else if (i2c_.read(Mpu6050Chip::kWhoAmIRegister, answer)) {
-      part_ = Part::mpu6050;  // or whatever sits at its address: the driver tells
+      use(ImuChip<I2cBus, Mpu6050Chip>(i2c_));  // or whatever sits at its address: the driver tells
     } else if (answer[0] != 0x00 && answer[0] != 0xFF) {
       foreign_ = {false, true, false, answer[0]};  // something on SPI that is none of the two
     }
   }
 
+  void use(const ImuEngine& chip) {
+    imu_ = chip;
+    found_ = true;
+  }
+
   I2cBus i2c_{kMpu6050Address};
   SpiBus spi_{};
-  ImuChip<I2cBus, Mpu6050Chip> mpu6050_{i2c_};
-  ImuChip<SpiBus, Lsm6dsoChip> lsm6dso_{spi_};
-  ImuChip<SpiBus, Icm42688pChip> icm42688p_{spi_};
-  Part part_ = Part::unknown;
+  bool found_ = false;
+  ImuEngine imu_ = ImuChip<I2cBus, Mpu6050Chip>(i2c_);
   std::uint32_t asked_ms_ = 0;
   ImuReport foreign_{};
 };

@@ -78,10 +78,58 @@ constexpr float self_test_power(float base, std::uint8_t code) {
   return power;
 }
 
-template <RegisterBus Bus, class Chip>
-class ImuChip {
+// Any RegisterBus, its kind forgotten. The bus must outlive it.
+class RegisterBusRef {
  public:
-  constexpr explicit ImuChip(Bus& bus) : bus_(bus) {}
+  template <RegisterBus Bus>
+  constexpr explicit RegisterBusRef(Bus& bus)
+      : bus_(&bus),
+        write_([](void* b, std::uint8_t reg, std::uint8_t value) { return static_cast<Bus*>(b)->write(reg, value); }),
+        read_([](void* b, std::uint8_t reg, std::span<std::uint8_t> out) { return static_cast<Bus*>(b)->read(reg, out); }) {}
+  bool write(std::uint8_t reg, std::uint8_t value) { return write_(bus_, reg, value); }
+  bool read(std::uint8_t reg, std::span<std::uint8_t> out) { return read_(bus_, reg, out); }
+
+ private:
+  void* bus_;
+  bool (*write_)(void*, std::uint8_t, std::uint8_t);
+  bool (*read_)(void*, std::uint8_t, std::span<std::uint8_t>);
+};
+
+// What differs between chips, as data: a board that may carry one of three has the engine once in its flash, not three times.
+struct ImuDescription {
+  std::uint8_t who_am_i_register, who_am_i;
+  std::span<const RegisterValue> reset;
+  std::uint16_t reset_ms;
+  std::span<const RegisterValue> work;
+  std::uint16_t work_ms;
+  float acceleration_m_s2, rate_rad_s;  // one step
+  std::uint8_t burst_register, burst_bytes, ready_at, ready_mask;
+  std::span<const SelfTestPass> passes;
+  RawImu (*decode)(const std::uint8_t*);
+  bool (*read_codes)(RegisterBusRef&, SelfTestCodes&);
+  bool (*passed)(std::size_t, const SelfTestCodes&, const SelfTestResult&);
+};
+template <class Chip>
+inline constexpr ImuDescription kImuDescription{Chip::kWhoAmIRegister,
+                                                Chip::kWhoAmI,
+                                                Chip::kReset,
+                                                Chip::kReset_ms,
+                                                Chip::kWork,
+                                                Chip::kWork_ms,
+                                                Chip::kAcceleration_m_s2,
+                                                Chip::kRate_rad_s,
+                                                Chip::kBurstRegister,
+                                                Chip::kBurstBytes,
+                                                Chip::kReadyAt,
+                                                Chip::kReadyMask,
+                                                Chip::kPasses,
+                                                Chip::decode,
+                                                Chip::template read_codes<RegisterBusRef>,
+                                                Chip::passed};
+
+class ImuEngine {
+ public:
+  constexpr ImuEngine(RegisterBusRef bus, const ImuDescription& chip) : bus_(bus), chip_(&chip) {}
 
   /// As after power-on.
   void restart() {
@@ -99,8 +147,8 @@ class ImuChip {
     }
     switch (phase_) {
       case Phase::reset:
-        if (!write_all(Chip::kReset)) return lose_bus();
-        return go(Phase::identify, Chip::kReset_ms);
+        if (!write_all(chip_->reset)) return lose_bus();
+        return go(Phase::identify, chip_->reset_ms);
       case Phase::identify:
         return identify();
       case Phase::prepare:
@@ -117,9 +165,9 @@ class ImuChip {
         if (!write_all(pass().relax)) return lose_bus();
         return judge();
       case Phase::configure:
-        if (!write_all(Chip::kWork)) return lose_bus();
+        if (!write_all(chip_->work)) return lose_bus();
         check_at_ = 0;
-        return go(Phase::verify, Chip::kWork_ms);
+        return go(Phase::verify, chip_->work_ms);
       case Phase::verify:  // every register once, then one now and then
         if (!check_register()) return;
         if (check_at_ != 0) return;
@@ -137,7 +185,7 @@ class ImuChip {
   [[nodiscard]] bool read(ImuSample& sample) {
     if (phase_ != Phase::running) return false;
     RawImu raw{};
-    if (!read_raw(raw, Chip::kReadyMask)) return false;
+    if (!read_raw(raw, chip_->ready_mask)) return false;
     if (has_last_ && raw == last_) {
       if (same_ < kImuFrozenReadings) ++same_;
     } else {
@@ -146,8 +194,8 @@ class ImuChip {
     last_ = raw;
     has_last_ = true;
     if (same_ >= kImuFrozenReadings) return false;
-    const auto acceleration_m_s2 = [&raw](std::size_t axis) { return Chip::kAcceleration_m_s2 * static_cast<float>(raw[axis]); };
-    const auto rate_rad_s = [&raw](std::size_t axis) { return Chip::kRate_rad_s * static_cast<float>(raw[3 + axis]); };
+    const auto acceleration_m_s2 = [&raw, this](std::size_t axis) { return chip_->acceleration_m_s2 * static_cast<float>(raw[axis]); };
+    const auto rate_rad_s = [&raw, this](std::size_t axis) { return chip_->rate_rad_s * static_cast<float>(raw[3 + axis]); };
     // Right-handed with x forward and z up: turning about y leans forward, about x leans right.
     sample = {acceleration_m_s2(0), acceleration_m_s2(1), acceleration_m_s2(2), rate_rad_s(1), rate_rad_s(0), rate_rad_s(2)};
     return true;
@@ -159,7 +207,7 @@ class ImuChip {
  private:
   enum class Phase : std::uint8_t { reset, identify, prepare, rest, stimulus, configure, verify, running, failed };
 
-  [[nodiscard]] const SelfTestPass& pass() const { return Chip::kPasses[pass_]; }
+  [[nodiscard]] const SelfTestPass& pass() const { return chip_->passes[pass_]; }
 
   void go(Phase to, std::uint16_t wait_ms) {
     phase_ = to;
@@ -179,27 +227,26 @@ class ImuChip {
 
   void identify() {
     std::array<std::uint8_t, 1> identity{};
-    if (!bus_.read(Chip::kWhoAmIRegister, identity)) return lose_bus();
+    if (!bus_.read(chip_->who_am_i_register, identity)) return lose_bus();
     report_.who_am_i = identity[0];
-    report_.wrong_part = identity[0] != Chip::kWhoAmI;
+    report_.wrong_part = identity[0] != chip_->who_am_i;
     if (report_.wrong_part) return lose_bus();
     report_.found = true;
-    if (!Chip::read_codes(bus_, codes_)) return lose_bus();
+    if (!chip_->read_codes(bus_, codes_)) return lose_bus();
     pass_ = 0;
     go(Phase::prepare, 0);
   }
 
   // One burst holds the ready bits and the newest sample.
   [[nodiscard]] bool read_raw(RawImu& raw, std::uint8_t ready_mask) {
-    static_assert(Chip::kBurstBytes <= kImuBurstMax);
-    std::array<std::uint8_t, Chip::kBurstBytes> bytes{};
-    if (!bus_.read(Chip::kBurstRegister, bytes)) {
+    std::array<std::uint8_t, kImuBurstMax> bytes{};
+    if (!bus_.read(chip_->burst_register, std::span(bytes).first(chip_->burst_bytes))) {
       if (++bus_failures_ >= kImuBusFailuresMax) lose_bus();
       return false;
     }
     bus_failures_ = 0;
-    if ((bytes[Chip::kReadyAt] & ready_mask) != ready_mask) return false;
-    raw = Chip::decode(bytes.data());
+    if ((bytes[chip_->ready_at] & ready_mask) != ready_mask) return false;
+    raw = chip_->decode(bytes.data());
     return true;
   }
 
@@ -227,8 +274,8 @@ class ImuChip {
   void judge() {
     SelfTestResult result{rest_, {}};
     for (std::size_t i = 0; i < rest_.size(); ++i) result.shift[i] = moved_[i] - rest_[i];
-    if (!Chip::passed(pass_, codes_, result)) return try_again();
-    if (++pass_ < Chip::kPasses.size()) return go(Phase::prepare, 0);
+    if (!chip_->passed(pass_, codes_, result)) return try_again();
+    if (++pass_ < chip_->passes.size()) return go(Phase::prepare, 0);
     go(Phase::configure, 0);
   }
   void try_again() {
@@ -241,7 +288,7 @@ class ImuChip {
 
   // Reads one register of the configuration back; true when it is as it was written.
   [[nodiscard]] bool check_register() {
-    const RegisterValue& expected = Chip::kWork[check_at_];
+    const RegisterValue& expected = chip_->work[check_at_];
     std::array<std::uint8_t, 1> value{};
     if (!bus_.read(expected.reg, value)) {
       if (++bus_failures_ >= kImuBusFailuresMax) lose_bus();
@@ -253,11 +300,12 @@ class ImuChip {
       go(Phase::failed, 0);
       return false;
     }
-    check_at_ = static_cast<std::uint8_t>((check_at_ + 1U) % Chip::kWork.size());
+    check_at_ = static_cast<std::uint8_t>((check_at_ + 1U) % chip_->work.size());
     return true;
   }
 
-  Bus& bus_;
+  RegisterBusRef bus_;
+  const ImuDescription* chip_;
   Phase phase_ = Phase::reset;
   std::uint16_t wait_ms_ = kImuPowerUp_ms, sample_age_ms_ = 0;
   ImuReport report_{};
@@ -267,6 +315,13 @@ class ImuChip {
   std::array<std::int32_t, 6> sums_{};
   std::array<float, 6> rest_{}, moved_{};
   RawImu last_{};
+};
+
+template <RegisterBus Bus, class Chip>
+class ImuChip : public ImuEngine {
+ public:
+  static_assert(Chip::kBurstBytes <= kImuBurstMax);
+  constexpr explicit ImuChip(Bus& bus) : ImuEngine(RegisterBusRef(bus), kImuDescription<Chip>) {}
 };
 
 }  // namespace hoist::firmware
