@@ -13,127 +13,18 @@
 #include <span>
 #include <string_view>
 
+#include "control/bus/sdo_client.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/firmware_image.hpp"
 
 namespace hoist::bus {
 
-// One SDO transfer at a time: read up to four bytes, write one to four, or send a domain in segments.
-class SdoExchange {
- public:
-  enum class Outcome : std::uint8_t { idle, busy, done, aborted, timed_out };
-  // A loader answers the segment that begins a new erase unit when the unit is erased: 100 ms on the LPC11C24 (data sheet table 10).
-  static constexpr std::uint64_t kAnswer_ns = 1'000'000'000;
-  // Everything else is answered within the worst case of the load plan, 27 ms, or was lost; a lost question is asked again.
-  static constexpr std::uint64_t kQuestion_ns = 200'000'000;
-  static constexpr int kQuestions = 3;
-
-  void read(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub) {
-    begin(node_id, index, sub, Kind::read, contract::canopen::kSdoUploadRequest, 0);
-  }
-  /// Asked once: whoever writes knows whether doing it twice is the same as once.
-  void write(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub, std::size_t bytes, std::uint32_t value) {
-    begin(node_id, index, sub, Kind::write, contract::canopen::sdo_download_command(bytes), value);
-  }
-  /// `content` must outlive the transfer and be longer than four bytes.
-  void send(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> content) {
-    begin(node_id, index, sub, Kind::send, 0x21, static_cast<std::uint32_t>(content.size()));
-    content_ = content;
-  }
-  [[nodiscard]] Outcome outcome() const { return outcome_; }
-  [[nodiscard]] std::uint32_t value() const { return value_; }         // what was read, or the abort code
-  [[nodiscard]] std::size_t bytes_sent() const { return confirmed_; }  // of a domain, confirmed by the node
-
-  /// The next frame to send, if it is its time.
-  std::optional<contract::CanFrame> step(std::uint64_t now_ns) {
-    if (outcome_ != Outcome::busy) return std::nullopt;
-    if (to_send_) {
-      to_send_ = false;
-      asked_ns_ = now_ns;
-      return request_;
-    }
-    if (now_ns - asked_ns_ < (kind_ == Kind::read ? kQuestion_ns : kAnswer_ns)) return std::nullopt;
-    if (kind_ == Kind::read && ++asked_ < kQuestions) {
-      asked_ns_ = now_ns;
-      return request_;
-    }
-    outcome_ = Outcome::timed_out;
-    // The node may still wait in the middle: it is told that nobody continues.
-    return contract::canopen::sdo(contract::canopen::kSdoRequestBase + node_id_, contract::canopen::kSdoAbort, index_, sub_,
-                                  static_cast<std::uint32_t>(contract::canopen::SdoAbort::time_out));
-  }
-  void on_frame(const contract::CanFrame& frame) {
-    namespace canopen = contract::canopen;
-    if (outcome_ != Outcome::busy || to_send_ || frame.flags != 0 || frame.dlc != 8 || frame.id != canopen::kSdoReplyBase + node_id_)
-      return;
-    const std::uint8_t command = frame.data[0];
-    const bool names_it = contract::read_le(&frame.data[1], 2) == index_ && frame.data[3] == sub_;
-    if (command == canopen::kSdoAbort) {
-      // A node that lost its place answers with the object 0:0.
-      if (!names_it && !(frame.data[1] == 0 && frame.data[2] == 0 && frame.data[3] == 0)) return;
-      value_ = contract::read_le(&frame.data[4], 4);
-      outcome_ = Outcome::aborted;
-      return;
-    }
-    switch (kind_) {
-      case Kind::read:
-        if (!names_it || (command & 0xF3U) != 0x43U) return;
-        value_ = contract::read_le(&frame.data[4], 4U - ((command >> 2) & 3U));
-        outcome_ = Outcome::done;
-        return;
-      case Kind::write:
-        if (names_it && command == canopen::kSdoDownloadReply) outcome_ = Outcome::done;
-        return;
-      case Kind::send:
-        if (names_it && command == canopen::kSdoDownloadReply && offered_ == 0) return next_segment();
-        if (offered_ == 0 || command != (0x20U | (toggle_ ? 0x10U : 0U))) return;
-        confirmed_ = offered_;
-        toggle_ = !toggle_;
-        if (confirmed_ == content_.size()) {
-          outcome_ = Outcome::done;
-          return;
-        }
-        return next_segment();
-    }
-  }
-
- private:
-  enum class Kind : std::uint8_t { read, write, send };
-
-  void begin(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub, Kind kind, std::uint8_t command, std::uint32_t value) {
-    node_id_ = node_id;
-    index_ = index;
-    sub_ = sub;
-    kind_ = kind;
-    outcome_ = Outcome::busy;
-    to_send_ = true;
-    toggle_ = false;
-    asked_ = 0;
-    offered_ = confirmed_ = 0;
-    value_ = 0;
-    request_ = contract::canopen::sdo(contract::canopen::kSdoRequestBase + node_id, command, index, sub, value);
-  }
-  void next_segment() {
-    const std::size_t bytes = std::min<std::size_t>(7, content_.size() - confirmed_);
-    offered_ = confirmed_ + bytes;
-    request_ = contract::CanFrame{contract::canopen::kSdoRequestBase + node_id_, 8, 0, {}};
-    request_.data[0] = static_cast<std::uint8_t>((toggle_ ? 0x10U : 0U) | ((7U - bytes) << 1) | (offered_ == content_.size() ? 1U : 0U));
-    std::copy_n(content_.begin() + static_cast<std::ptrdiff_t>(confirmed_), bytes, request_.data.begin() + 1);
-    to_send_ = true;
-  }
-
-  std::uint8_t node_id_ = 0, sub_ = 0;
-  std::uint16_t index_ = 0;
-  Kind kind_ = Kind::read;
-  Outcome outcome_ = Outcome::idle;
-  bool to_send_ = false, toggle_ = false;
-  std::uint64_t asked_ns_ = 0;
-  int asked_ = 0;
-  std::uint32_t value_ = 0;
-  std::size_t offered_ = 0, confirmed_ = 0;
-  std::span<const std::uint8_t> content_{};
-  contract::CanFrame request_{};
-};
+// Nobody else is at work on the bus during an update, so requests need not be paced for anybody's sake.
+inline constexpr SdoTiming kQuestionTiming{.answer_ns = 200'000'000, .tries = 3, .pace_ns = 0};
+// To start a program is not the same twice as once: the running program refuses it.
+inline constexpr SdoTiming kOnceTiming{.answer_ns = 1'000'000'000, .tries = 1, .pace_ns = 0};
+// A loader answers the segment that begins a new erase unit when the unit is erased: 100 ms on the LPC11C24 (data sheet table 10).
+inline constexpr SdoTiming kProgramTiming{.answer_ns = 1'000'000'000, .tries = 1, .pace_ns = 0};
 
 // What is known of one node from asking it.
 struct NodeProgram {
@@ -152,7 +43,7 @@ class ProgramQuery {
     *this = ProgramQuery();
     node_id_ = node_id;
     busy_ = true;
-    exchange_.read(node_id_, 0x1018, 2);
+    ask(node_id_, 0x1018, 2);
   }
   [[nodiscard]] bool busy() const { return busy_; }
   [[nodiscard]] const NodeProgram& result() const { return result_; }
@@ -160,8 +51,8 @@ class ProgramQuery {
   std::optional<contract::CanFrame> step(std::uint64_t now_ns) {
     if (!busy_) return std::nullopt;
     if (const auto frame = exchange_.step(now_ns)) return frame;
-    if (exchange_.outcome() == SdoExchange::Outcome::busy) return std::nullopt;
-    const bool done = exchange_.outcome() == SdoExchange::Outcome::done;
+    if (exchange_.outcome() == SdoClient::Outcome::busy) return std::nullopt;
+    const bool done = exchange_.outcome() == SdoClient::Outcome::done;
     const std::uint32_t value = done ? exchange_.value() : 0;
     switch (question_++) {
       case 0:
@@ -173,11 +64,11 @@ class ProgramQuery {
           busy_ = false;
           return std::nullopt;
         }
-        exchange_.read(node_id_, contract::kProgramVersion, 1);
+        ask(node_id_, contract::kProgramVersion, 1);
         break;
       case 1:
         result_.version = value;
-        exchange_.read(node_id_, contract::kProgramId, 1);
+        ask(node_id_, contract::kProgramId, 1);
         break;
       case 2:
         result_.crc = value;
@@ -185,7 +76,7 @@ class ProgramQuery {
           busy_ = false;
           return std::nullopt;
         }
-        exchange_.read(node_id_, contract::kFlashStatus, 1);
+        ask(node_id_, contract::kFlashStatus, 1);
         break;
       default:
         result_.flash_status = value;
@@ -196,11 +87,14 @@ class ProgramQuery {
   }
 
  private:
+  void ask(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub) {
+    if (!exchange_.upload(node_id, index, sub)) busy_ = false;
+  }
   std::uint8_t node_id_ = 0;
   bool busy_ = false;
   int question_ = 0;
   NodeProgram result_{};
-  SdoExchange exchange_{};
+  SdoClient exchange_{kQuestionTiming};
 };
 
 class FirmwareUpdate {
@@ -247,7 +141,7 @@ class FirmwareUpdate {
   [[nodiscard]] const contract::ImageHeader& header() const { return header_; }
   [[nodiscard]] const NodeProgram& before() const { return before_; }  // valid from entering_loader on
   [[nodiscard]] std::size_t bytes_sent() const {
-    return phase_ == Phase::sending ? exchange_.bytes_sent() : (phase_ > Phase::sending && phase_ != Phase::failed ? image_.size() : 0);
+    return phase_ == Phase::sending ? exchange_.confirmed() : (phase_ > Phase::sending && phase_ != Phase::failed ? image_.size() : 0);
   }
   [[nodiscard]] int tries() const { return tries_; }
 
@@ -308,7 +202,7 @@ class FirmwareUpdate {
   static constexpr int kTriesMax = 3;                         // transfers begun anew after a time-out or a lost segment
 
  private:
-  using Outcome = SdoExchange::Outcome;
+  using Outcome = SdoClient::Outcome;
   static constexpr std::array kDrives{contract::Node::drive_left, contract::Node::drive_right};
 
   void enter(Phase phase) {
@@ -320,11 +214,22 @@ class FirmwareUpdate {
     phase_ = Phase::failed;
     failure_ = why;
   }
+  void ask(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub) {
+    exchange_.set_timing(kQuestionTiming);
+    if (!exchange_.upload(node_id, index, sub)) fail(Failure::absent);
+  }
+  // What is sent must live as long as the transfer: the numbers 0 to 3, at their own places.
+  static constexpr std::array<std::uint8_t, 4> kCommandBytes{0, 1, 2, 3};
+  void command(contract::ProgramCommand what, const SdoTiming& timing) {
+    exchange_.set_timing(timing);
+    if (!exchange_.download(node_id_, contract::kProgramControl, 1, std::span(kCommandBytes).subspan(static_cast<std::size_t>(what), 1)))
+      fail(Failure::absent);
+  }
   // The frame of an exchange that is still under way, or its end: then over is true and outcome() tells.
   std::optional<contract::CanFrame> pump(bool& over) {
     const auto frame = exchange_.step(now_ns_);
     over = exchange_.outcome() != Outcome::busy;
-    if (exchange_.outcome() == Outcome::aborted) abort_code_ = exchange_.value();
+    if (exchange_.outcome() == Outcome::aborted) abort_code_ = exchange_.abort_code();
     return frame;
   }
 
@@ -335,7 +240,7 @@ class FirmwareUpdate {
       query_.begin(node_id_);
       return query_.step(now_ns_);
     }
-    exchange_.read(contract::node_id(kDrives[drive_]), 0x6041, 0);
+    ask(contract::node_id(kDrives[drive_]), 0x6041, 0);
     return exchange_.step(now_ns_);
   }
   std::optional<contract::CanFrame> ask_drives() {
@@ -350,7 +255,7 @@ class FirmwareUpdate {
         return std::nullopt;
       }
     } else if (exchange_.outcome() != Outcome::aborted ||
-               exchange_.value() != static_cast<std::uint32_t>(contract::canopen::SdoAbort::no_object)) {
+               exchange_.abort_code() != static_cast<std::uint32_t>(contract::canopen::SdoAbort::no_object)) {
       // A drive in its loader has no such object and no bridge that is on. One that says nothing may do anything.
       fail(Failure::drive_enabled);
       return frame;
@@ -389,7 +294,7 @@ class FirmwareUpdate {
       case 1:
         stage_ = 2;
         booted_ = false;
-        exchange_.write(node_id_, contract::kProgramControl, 1, 1, static_cast<std::uint32_t>(contract::ProgramCommand::stop));
+        command(contract::ProgramCommand::stop, kQuestionTiming);
         return exchange_.step(now_ns_);
       case 2: {
         bool over = false;
@@ -398,11 +303,6 @@ class FirmwareUpdate {
         if (exchange_.outcome() == Outcome::aborted) {
           fail(Failure::not_ready);
           return std::nullopt;
-        }
-        // Request or answer was lost. A node that has gone all the same is heard; one that has not is asked again.
-        if (exchange_.outcome() == Outcome::timed_out && !booted_ && ++stops_ < SdoExchange::kQuestions) {
-          stage_ = 0;
-          return frame;
         }
         phase_ns_ = now_ns_;
         stage_ = 3;
@@ -445,7 +345,8 @@ class FirmwareUpdate {
 
   void begin_sending() {
     ++tries_;
-    exchange_.send(node_id_, contract::kProgramData, 1, image_);
+    exchange_.set_timing(kProgramTiming);
+    if (!exchange_.download(node_id_, contract::kProgramData, 1, image_, true)) fail(Failure::bad_image);
   }
   std::optional<contract::CanFrame> send_program() {
     bool over = false;
@@ -453,13 +354,13 @@ class FirmwareUpdate {
     if (!over) return frame;
     if (exchange_.outcome() == Outcome::done) {
       enter(Phase::checking);
-      exchange_.read(node_id_, contract::kFlashStatus, 1);
+      ask(node_id_, contract::kFlashStatus, 1);
       return exchange_.step(now_ns_);
     }
     // A lost frame shows as a time-out here or as a time-out or wrong toggle there; everything else is the loader's word on this program.
     using contract::canopen::SdoAbort;
     const auto code = static_cast<SdoAbort>(abort_code_);
-    const bool lost = exchange_.outcome() == Outcome::timed_out || code == SdoAbort::toggle || code == SdoAbort::time_out ||
+    const bool lost = exchange_.outcome() != Outcome::aborted || code == SdoAbort::toggle || code == SdoAbort::time_out ||
                       code == SdoAbort::command || code == SdoAbort::transfer;
     if (!lost) {
       fail(Failure::refused);
@@ -482,12 +383,12 @@ class FirmwareUpdate {
     }
     if (stage_ == 0) {
       stage_ = 1;
-      exchange_.read(node_id_, contract::kProgramId, 1);
+      ask(node_id_, contract::kProgramId, 1);
       return exchange_.step(now_ns_);
     }
     enter(Phase::starting);
     booted_ = false;
-    exchange_.write(node_id_, contract::kProgramControl, 1, 1, static_cast<std::uint32_t>(contract::ProgramCommand::start));
+    command(contract::ProgramCommand::start, kOnceTiming);
     return exchange_.step(now_ns_);
   }
 
@@ -513,13 +414,13 @@ class FirmwareUpdate {
   Phase phase_ = Phase::listening;
   Failure failure_ = Failure::none;
   bool was_there_ = false, booted_ = false, entered_ = false;
-  int stage_ = 0, tries_ = 0, stops_ = 0;
+  int stage_ = 0, tries_ = 0;
   std::uint64_t now_ns_ = 0, phase_ns_ = 0;
   std::uint32_t abort_code_ = 0;
   std::array<bool, 2> drive_heard_{};
   std::size_t drive_ = 0;
   NodeProgram before_{};
-  SdoExchange exchange_{};
+  SdoClient exchange_{kQuestionTiming};
   ProgramQuery query_{};
 };
 
