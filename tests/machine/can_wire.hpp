@@ -1,0 +1,111 @@
+// The CAN cable with its bits: arbitration among everybody who has something to send when the wire is free, frames as long as their own stuff
+// bits make them, acknowledge, error frames. What is sent is heard by all who take part; who nobody acknowledges tries again.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "control/contract/can_frame.hpp"
+#include "tests/machine/time.hpp"
+
+namespace hoist::machine {
+
+/// Bits of this very frame from its start bit to the end of frame, stuff bits included, without the intermission.
+[[nodiscard]] unsigned wire_bits(const contract::CanFrame& frame);
+
+/// Errors as a controller hears of them; the numbers are the LEC codes of a C_CAN.
+enum class CanError : std::uint8_t { none = 0, stuff = 1, form = 2, acknowledge = 3, bit1 = 4, bit0 = 5, crc = 6 };
+
+/// Somebody on the wire.
+class CanStation {
+ public:
+  virtual ~CanStation() = default;
+  /// Takes part: hears, acknowledges, may send.
+  [[nodiscard]] virtual bool on_bus() const = 0;
+  /// The frame it would send next, if any. Asked when the wire is free, before arbitration.
+  [[nodiscard]] virtual bool offer(contract::CanFrame& frame) = 0;
+  /// Its offer has won: the frame's first bit is on the wire.
+  virtual void began() = 0;
+  /// The frame that it began is through, or was destroyed.
+  virtual void sent(CanError error) = 0;
+  /// A frame of somebody else is through, or was destroyed.
+  virtual void heard(const contract::CanFrame& frame, CanError error) = 0;
+  /// This many bit times without anything on the wire have passed.
+  virtual void idle(std::uint64_t bits) = 0;
+};
+
+class CanWire {
+ public:
+  static constexpr Time kBit = 192;  ///< 250 kbit/s
+  static constexpr unsigned kErrorBits = 20;
+  static constexpr unsigned kIntermissionBits = 3;
+
+  /// What a fault hook does to the frame that has just won: nothing, destroy it, or take it away after the sender's acknowledge.
+  enum class Mischief : std::uint8_t { none, corrupt, unheard, unacknowledged };
+  using Hook = std::function<Mischief(std::size_t from, const contract::CanFrame&, Time now)>;
+
+  [[nodiscard]] std::size_t connect(CanStation& station) {
+    stations_.push_back(&station);
+    plugged_.push_back(true);
+    return stations_.size() - 1;
+  }
+  void plug(std::size_t station, bool in) { plugged_[station] = in; }
+  [[nodiscard]] bool plugged(std::size_t station) const { return plugged_[station]; }
+  void set_hook(Hook hook) { hook_ = std::move(hook); }
+  /// Sees each frame that came through.
+  void on_frame(std::function<void(const contract::CanFrame&, Time)> see) { see_ = std::move(see); }
+
+  /// The next instant at which the wire wants to be advanced to.
+  [[nodiscard]] Time next() const { return busy_ ? until_ : kNever; }
+  /// Up to `now`: ends the frame under way if its time has come, and begins the next one if the wire is free.
+  void advance(Time now);
+
+  [[nodiscard]] std::uint64_t frames() const { return frames_; }
+  [[nodiscard]] std::uint64_t errors() const { return errors_; }
+  [[nodiscard]] Time busy_time() const { return busy_time_; }
+
+ private:
+  void begin(Time now);
+  void finish();
+
+  std::vector<CanStation*> stations_;
+  std::vector<bool> plugged_;
+  Hook hook_;
+  std::function<void(const contract::CanFrame&, Time)> see_;
+  bool busy_{};
+  Time until_{};       // end of what is on the wire
+  Time free_since_{};  // or since when it is free
+  std::size_t sender_{};
+  contract::CanFrame frame_{};
+  CanError error_{CanError::none};
+  bool heard_by_others_{true};
+  std::uint64_t frames_{}, errors_{};
+  Time busy_time_{};
+};
+
+/// The computer's end of the wire: sends its lowest id first, keeps what it hears.
+class HostStation : public CanStation {
+ public:
+  void send(const contract::CanFrame& frame);
+  [[nodiscard]] std::size_t waiting() const { return out_.size(); }
+  std::deque<contract::CanFrame> received;
+  void set_on_bus(bool on) { on_ = on; }
+
+  [[nodiscard]] bool on_bus() const override { return on_; }
+  [[nodiscard]] bool offer(contract::CanFrame& frame) override;
+  void began() override {}
+  void sent(CanError error) override;
+  void heard(const contract::CanFrame& frame, CanError error) override {
+    if (error == CanError::none) received.push_back(frame);
+  }
+  void idle(std::uint64_t) override {}
+
+ private:
+  std::deque<contract::CanFrame> out_;
+  bool on_{true};
+};
+
+}  // namespace hoist::machine
