@@ -31,6 +31,9 @@ const skipMessage = (body) => attribute(/<skipped\b(?:[^>"]|"[^"]*")*>/.exec(bod
 // A GoogleTest skip carries "file:line", a line break, and what the test said.
 const skipReason = (body) => skipMessage(body).split('\n').slice(1).join(' ').trim();
 
+// Any other program says why in a line of its output: "skipped: reason".
+const printedReason = (body) => /^skipped: (.+)$/m.exec(unescape(/<system-out>([\s\S]*?)<\/system-out>/.exec(body)?.[1] ?? ''))?.[1];
+
 function countGoogleTest(file, prefix) {
   let failed = 0;
   for (const [tag, body] of testcases(readFileSync(file, 'utf8'))) {
@@ -60,7 +63,7 @@ function countCtest(folder, prefix) {
     const reported = failures.has(program);
     if (failed && !reported) cases.push({ status: 'failed', name: `${prefix}${program}`, reason: 'ended without a report: it crashed, hung or could not start' });
     else if (failed && failures.get(program) === 0) cases.push({ status: 'failed', name: `${prefix}${program}`, reason: 'every case passed, but the program ended badly' });
-    else if (!reported && (status === 'disabled' || skipMessage(body).startsWith('SKIP_'))) cases.push({ status: 'skipped', name: `${prefix}${program}`, reason: skipMessage(body) || status });
+    else if (!reported && (status === 'disabled' || skipMessage(body).startsWith('SKIP_'))) cases.push({ status: 'skipped', name: `${prefix}${program}`, reason: printedReason(body) ?? (skipMessage(body) || status) });
     // Not run and not skipped: its program was never built, or what it needs failed.
     else if (!reported && status === 'notrun') cases.push({ status: 'failed', name: `${prefix}${program}`, reason: skipMessage(body) || 'could not be run' });
     else if (!reported) cases.push({ status: 'passed', name: `${prefix}${program}`, reason: '' });

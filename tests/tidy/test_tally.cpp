@@ -98,6 +98,17 @@ TEST_F(Tally, AProgramThatWasNeverBuiltIsAFailure) {
   EXPECT_EQ(count().last_line(), "0 passed, 1 failed, 0 skipped");
 }
 
+TEST_F(Tally, AProgramThatSkipsItselfPrintsTheReason) {
+  write_program("test_x", kPassed);
+  write_ctest(
+      R"(<testcase name="test_x" status="run"></testcase><testcase name="model" status="notrun"><skipped message="SKIP_RETURN_CODE=77"/>)"
+      R"(<system-out>skipped: no spin &amp; no gcc
+</system-out></testcase>)");
+  const auto told = count();
+  EXPECT_EQ(told.last_line(), "1 passed, 0 failed, 1 skipped");
+  EXPECT_NE(told.output.find("model: no spin & no gcc"), std::string::npos);
+}
+
 TEST_F(Tally, ASkipNeedsAReason) {
   write_ctest(R"(<testcase name="test_x" status="run"></testcase>)");
   write_program(

@@ -1,0 +1,126 @@
+/* Remote driving over a channel that loses, delays, reorders and doubles: a client with a stick and a dead-man, a rival that takes the lease
+ * and gives it back, and the core that judges by its own clock. The rules are those of control/core/command/{lease,remote_drive}.hpp; with
+ * one of them taken away by -D the search must find a way to hurt somebody (tests/model/CMakeLists.txt does that for each).
+ *
+ * Time is counted in units of 250 ms, the two limits of the design: a command is taken while the telemetry that it echoes is at most FRESH
+ * units old, and the core stops when it has taken none for SILENT units. So a hand that is off the stick (let go, tab closed, link cut,
+ * tablet on the floor) has stopped the hoist after FRESH + SILENT units, whatever the channel does. */
+#define FRESH 1
+#define SILENT 1
+#define END 5
+#define SLOTS 2
+
+typedef Message { bool used; byte epoch; byte number; byte echo; bit stick; }
+#define OFF 0    /* dead-man not held, or the stick in the middle: the core takes them for the same */
+#define PUSHED 1 /* held and pushed */
+
+Message air[SLOTS];
+byte now = 0;
+
+/* the client: where the hand is, the newest telemetry seen, the lease believed in (0: none yet), the number of the next command */
+bit hand = OFF; byte seen = 0; byte believed = 0; byte number = 1;
+byte since_push = END + 1; /* truth for the assertions: units since the hand pushed; END + 1: never */
+
+/* the core */
+bool ours = false; /* the client holds the lease; else the rival or nobody */
+byte epoch = 0; byte taken_number = 0; byte taken_at = 0; bit stick = OFF; bool awaits_neutral = false;
+
+/* truth for the assertions */
+bool gap = false;         /* commands stopped coming while pushed, and no middle position has been taken since */
+byte let_go_number = 0;   /* number of the newest accepted let-go of this lease */
+
+#define moving (stick == PUSHED && !awaits_neutral)
+
+inline judge()
+{
+  if
+  :: moving ->
+     assert(since_push <= FRESH + SILENT);
+     assert(!gap)
+  :: else
+  fi
+}
+
+inline take(m)
+{
+  if
+  :: (ours
+#ifndef NO_EPOCH
+      && m.epoch == epoch
+#endif
+#ifndef NO_SEQUENCE
+      && m.number > taken_number
+#endif
+      && (m.stick == OFF
+#ifdef NO_ECHO
+      || true
+#endif
+      || now - m.echo <= FRESH)) ->
+     if
+     :: m.stick == PUSHED -> assert(m.epoch == epoch); assert(m.number > let_go_number)
+     :: else
+     fi;
+     taken_number = m.number; taken_at = now; stick = m.stick;
+     if
+     :: m.stick != PUSHED && now - m.echo <= FRESH -> awaits_neutral = false; gap = false
+     :: else
+     fi;
+     if
+     :: m.stick == OFF && m.number > let_go_number -> let_go_number = m.number
+     :: else
+     fi;
+     judge()
+  :: else
+  fi
+}
+
+/* A new holder, only while nothing moves: everything of the former one is void. */
+inline grant(to_us)
+{
+  epoch++; ours = to_us; taken_number = 0; taken_at = now; stick = OFF; awaits_neutral = true; gap = false; let_go_number = 0;
+  if
+  :: to_us -> believed = epoch; number = 1
+  :: else
+  fi
+}
+
+#define SEND(i) atomic { believed > 0 && number < 4 && !air[i].used -> air[i].used = true; air[i].epoch = believed; air[i].number = number; \
+  air[i].echo = seen; air[i].stick = hand; number++ }
+#define DROP(i) air[i].used = false; air[i].epoch = 0; air[i].number = 0; air[i].echo = 0; air[i].stick = 0
+
+init {
+  do
+  :: atomic { now < END ->   /* time passes; the core's step */
+       now++;
+       if
+       :: hand == PUSHED -> since_push = 0
+       :: hand != PUSHED && since_push <= END -> since_push++
+       :: else
+       fi;
+#ifndef NO_SILENCE
+       if
+       :: stick != OFF && now - taken_at > SILENT ->
+          if
+          :: stick == PUSHED -> gap = true
+          :: else
+          fi;
+          stick = OFF;
+#ifndef NO_NEUTRAL
+          awaits_neutral = true
+#endif
+       :: else
+       fi;
+#endif
+       judge()
+     }
+  /* the hand moves, telemetry is seen, a command is sent, the lease is given to us or to the rival */
+  :: atomic { hand == OFF -> hand = PUSHED; since_push = 0 } :: atomic { hand == PUSHED -> hand = OFF }
+  :: atomic { seen != now -> seen = now }
+  :: SEND(0) :: SEND(1)
+  :: atomic { epoch < 3 && !moving && !ours -> grant(true) } :: atomic { epoch < 3 && !moving && ours -> grant(false) }
+  /* the channel: a command arrives, arrives and stays on its way to arrive again, or is lost */
+  :: atomic { air[0].used -> take(air[0]); DROP(0) } :: atomic { air[0].used -> take(air[0]) } :: atomic { air[0].used -> DROP(0) }
+  :: atomic { air[1].used -> take(air[1]); DROP(1) } :: atomic { air[1].used -> take(air[1]) } :: atomic { air[1].used -> DROP(1) }
+  :: now == END -> break
+  od
+}
