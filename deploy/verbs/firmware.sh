@@ -1,4 +1,21 @@
 # shellcheck shell=bash
 # cross-compiles the Cortex-M0 images and checks their size
+#
+# Images land in build/firmware/ as hoist-NODE-CHIP.elf and .bin. The build stops when one is too large or links what a node must not
+# have (heap, printf, exceptions, 64-bit division, doubles); firmware/SIZES.gen.md is written anew.
+# options: --no-setup   leave the machine as it is
 common_options firmware "$@"
-not_here_yet firmware "the boards' start-up code (firmware/boards/lpc11c24, stm32f072) is not in this tree"
+setup build firmware
+say "building (build/firmware/)"
+build_tree build -DCMAKE_BUILD_TYPE=RelWithDebInfo -- firmware || die "the images did not build: see above"
+[ -n "$(find build/firmware -maxdepth 1 -name '*.size' -print -quit 2>/dev/null)" ] ||
+  die "no image was made: is arm-none-eabi-g++ installed? (deploy/packages, group firmware)"
+{
+  printf '# Sizes of the images\n\nWritten by `deploy/dev firmware`. Bytes. Flash without the loader in front of it; RAM with vectors, mailbox and the reserved stack.\n'
+  printf 'Compiler: %s\n\n' "$(arm-none-eabi-g++ -dumpfullversion)"
+  printf '| image | flash | of | RAM | of | of it stack |\n|---|---|---|---|---|---|\n'
+  sort build/firmware/*.size | while read -r name flash flash_most ram ram_most stack; do
+    printf '| %s | %s | %s | %s | %s | %s |\n' "$name" "$flash" "$flash_most" "$ram" "$ram_most" "$stack"
+  done
+} >firmware/SIZES.gen.md
+sed -n '/^|/p' firmware/SIZES.gen.md

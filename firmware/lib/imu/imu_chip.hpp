@@ -81,7 +81,9 @@ constexpr float self_test_power(float base, std::uint8_t code) {
 // Any RegisterBus, its kind forgotten. The bus must outlive it.
 class RegisterBusRef {
  public:
+  // Not for itself: a copy must refer to the same bus, not to what it was copied from.
   template <RegisterBus Bus>
+    requires(!std::same_as<Bus, RegisterBusRef>)
   constexpr explicit RegisterBusRef(Bus& bus)
       : bus_(&bus),
         write_([](void* b, std::uint8_t reg, std::uint8_t value) { return static_cast<Bus*>(b)->write(reg, value); }),
