@@ -42,7 +42,7 @@ const std::vector<Layer>& layers() {
       {"firmware/boot/", {"firmware/boot/", "firmware/boards/", "firmware/lib/", "control/contract/"}, true},
       {"firmware/nodes/", {"firmware/nodes/", "firmware/lib/", "control/core/law/", "control/contract/"}, true},
       {"firmware/boards/",
-       {"firmware/boards/", "firmware/nodes/", "firmware/lib/", "control/core/law/", "control/contract/", "control/bus/"},
+       {"firmware/boards/", "firmware/boot/", "firmware/nodes/", "firmware/lib/", "control/core/law/", "control/contract/", "control/bus/"},
        false},
       // The physics must not share code with the controller: a shared mistake would cancel itself.
       {"firmware/sim/", {"firmware/", "control/contract/", "control/bus/"}, false},
