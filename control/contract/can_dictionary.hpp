@@ -20,6 +20,7 @@ namespace hoist::contract {
 #define HOIST_PDO(...)
 #define HOIST_PDO_ENTRY(...)
 #define HOIST_PDO_OFF(...)
+#define HOIST_PDO_ON_CHANGE(...)
 #define HOIST_TEXT(...)
 
 enum class Node : std::uint8_t {
@@ -124,6 +125,24 @@ constexpr bool pdo_on_by_default(Pdo pdo, Node node) {
   return true;
 }
 
+struct PdoOnChange {
+  Pdo pdo;
+  std::uint16_t inhibit_100us;
+};
+inline constexpr std::array kPdosOnChange{
+#undef HOIST_PDO_ON_CHANGE
+#define HOIST_PDO_ON_CHANGE(pdo, inhibit) PdoOnChange{Pdo::pdo, inhibit},
+#include "control/contract/can_dictionary.def"
+#undef HOIST_PDO_ON_CHANGE
+#define HOIST_PDO_ON_CHANGE(...)
+};
+// Shortest distance of two that are sent on change; 0 for a PDO that only its timer or the SYNC sends.
+constexpr std::uint16_t pdo_on_change_100us(Pdo pdo) {
+  for (const PdoOnChange& row : kPdosOnChange)
+    if (row.pdo == pdo) return row.inhibit_100us;
+  return 0;
+}
+
 struct TextInfo {
   std::uint16_t index;
   std::string_view name, title;
@@ -177,7 +196,6 @@ constexpr std::uint16_t pdo_mapping_index(const PdoInfo& pdo) {
   return static_cast<std::uint16_t>((pdo.direction == PdoDirection::rx ? 0x1600 : 0x1A00) + pdo.number - 1);
 }
 inline constexpr std::uint32_t kPdoOffBit = 0x80000000U;  // of a PDO's COB-ID: it does not exist
-inline constexpr double kEventInhibit_100us = 100;        // shortest distance of PDOs sent on change: 10 ms
 
 namespace detail {
 struct PdoTexts {
@@ -228,7 +246,7 @@ consteval auto all_objects() {
     all[at++] = {owner, index, 2, texts.type_name, ObjectType::u8, Access::rw, static_cast<double>(p.type), 0,
                  255,   "",    1, texts.type_title};
     if (p.direction == PdoDirection::rx) continue;
-    all[at++] = {owner, index,    3, texts.inhibit_name, ObjectType::u16, Access::rw, timed ? kEventInhibit_100us : 0.0, 0,
+    all[at++] = {owner, index,    3, texts.inhibit_name, ObjectType::u16, Access::rw, static_cast<double>(pdo_on_change_100us(p.pdo)), 0,
                  65535, "100 us", 1, texts.inhibit_title};
     all[at++] = {owner, index, 5, texts.event_name, ObjectType::u16, Access::rw, timed ? static_cast<double>(p.period_ms) : 0.0, 0,
                  65535, "ms",  1, texts.event_title};
@@ -306,6 +324,7 @@ constexpr const ObjectInfo* find_object(NodeKind kind, std::uint16_t index, std:
 #undef HOIST_PDO
 #undef HOIST_PDO_ENTRY
 #undef HOIST_PDO_OFF
+#undef HOIST_PDO_ON_CHANGE
 #undef HOIST_TEXT
 
 // Sums and look-ups over the tables are done by the compiler once; asking at run time is one load.

@@ -4,11 +4,13 @@
 #include <initializer_list>
 #include <string>
 
+#include "control/contract/bus_load.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/emergencies.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
+#include "deploy/tools/gen/bus_load.hpp"
 #include "deploy/tools/gen/generate.hpp"
 
 namespace hoist::gen {
@@ -110,21 +112,12 @@ std::string_view type_name(ObjectType type) {
   return kNames[static_cast<std::size_t>(type)];
 }
 
-// Bits of a frame with 11-bit id and `bytes` data bytes at worst bit stuffing, with the 3 bits between frames
-// (Davis, Burns, Bril, Lukkien 2007).
-constexpr double worst_frame_bits(std::size_t bytes) {
-  const std::size_t stuffed_bits = (34 + 8 * bytes - 1) / 4;  // whole bits, rounded down
-  return static_cast<double>(47 + 8 * bytes + stuffed_bits);
-}
-
 GeneratedFile can_page() {
-  constexpr double kBitsPerSecond = 250000.0, kSyncHz = 100.0, kHeartbeatHz = 10.0;
   std::string out = head("control/contract/can_dictionary.def", "The bus: nodes, process data, objects");
   out += "CANopen at 250 kbit/s. The DBC of all frames is `hoist.gen.dbc`; one EDS per node is in `firmware/nodes/eds/`.\n\n## Nodes\n\n" +
          table_head({"node", "id", "title"});
   for (const auto& node : kNodes) out += row({code(node.name), hex_text(node.id, 2), std::string(node.title)});
   out += "\n## Process data\n\n" + table_head({"frame", "id", "bytes", "from", "when", "content", "worst load"});
-  double load = worst_frame_bits(0) * kSyncHz;
   for (const auto& pdo : kPdos) {
     for (const auto& node : kNodes) {
       if (node.kind != pdo.kind) continue;
@@ -136,34 +129,29 @@ GeneratedFile can_page() {
         const auto* object = find_object(pdo.kind, entry.index, entry.sub);
         content += (content.empty() ? "" : ", ") + std::string(object->name) + " " + std::string(type_name(object->type));
       }
-      const double bits_per_second = worst_frame_bits(pdo_bytes(pdo.pdo)) * 1000.0 / static_cast<double>(pdo.period_ms);
-      if (!off) load += bits_per_second;
+      const double bits_per_second =
+          static_cast<double>(worst_frame_bits(pdo_bytes(pdo.pdo))) * 1000.0 / static_cast<double>(pdo.period_ms);
       const std::string when = pdo.type <= 240 ? "every " + (pdo.type == 1 ? std::string() : std::to_string(pdo.type) + ". ") + "SYNC"
                                                : "every " + std::to_string(pdo.period_ms) + " ms or on change";
       char percent[16];
-      std::snprintf(percent, sizeof percent, "%.1f %%", 100.0 * bits_per_second / kBitsPerSecond);
+      std::snprintf(percent, sizeof percent, "%.1f %%", 100.0 * bits_per_second / kBusBitRate);
       out += row({std::string(node.name) + " " + std::string(pdo.title), hex_text(static_cast<unsigned>(pdo.cob_base) + node.id, 3),
                   std::to_string(pdo_bytes(pdo.pdo)), pdo.direction == PdoDirection::tx ? std::string(node.name) : "core",
                   off ? "research switch, off" : when, content, off ? "-" : percent});
     }
   }
-  load += static_cast<double>(kNodes.size()) * worst_frame_bits(1) * kHeartbeatHz;
-  char percent[16];
-  std::snprintf(percent, sizeof percent, "%.1f %%", 100.0 * load / kBitsPerSecond);
-  out += "\nWith SYNC at 100 Hz and " + std::to_string(kNodes.size()) + " heartbeats at 10 Hz the regular load is at worst " + percent +
-         " of the bus (every frame stuffed as badly as can be); service data and emergencies come on top.\n";
+  out += "\nWhat all of it together makes of the bus, and how late each frame can be, is in `firmware/BUS_LOAD.gen.md`.\n";
   out += "\n## Objects\n\n" + table_head({"nodes", "object", "name", "type", "access", "default", "range", "unit", "title"});
   constexpr std::array<std::string_view, 5> kOwners = {"tilt", "drive", "io", "core", "all"};
   for (const auto& object : kObjects) {
     char address[24];
     std::snprintf(address, sizeof address, "%04Xh:%u", object.index, object.sub);
     const std::string unit = object.scale == 1.0 ? std::string(object.unit) : number_text(object.scale) + " " + std::string(object.unit);
-    out +=
-        row({std::string(kOwners[static_cast<std::size_t>(object.owner)]), address, code(object.name), std::string(type_name(object.type)),
-             object.access == Access::rw ? "read, write" : "read",
-             is_node_relative(object.index, object.sub) ? hex_text(static_cast<unsigned>(object.default_value), 3) + " + node"
-                                                        : number_text(object.default_value),
-             number_text(object.min) + " to " + number_text(object.max), unit, std::string(object.title)});
+    out += row({std::string(kOwners[static_cast<std::size_t>(object.owner)]), address, code(object.name),
+                std::string(type_name(object.type)), object.access == Access::rw ? "read, write" : "read",
+                is_node_relative(object.index, object.sub) ? hex_text(static_cast<unsigned>(object.default_value), 3) + " + node"
+                                                           : number_text(object.default_value),
+                number_text(object.min) + " to " + number_text(object.max), unit, std::string(object.title)});
   }
   for (const auto& text : kTexts) {
     char address[24];
@@ -173,8 +161,14 @@ GeneratedFile can_page() {
   return {"control/contract/can_dictionary.gen.md", out};
 }
 
+GeneratedFile load_page() {
+  return {"firmware/BUS_LOAD.gen.md", "<!-- " + made_from("control/contract/can_dictionary.def") + " -->\n\n" + bus_load_page()};
+}
+
 }  // namespace
 
-std::vector<GeneratedFile> markdown_files() { return {params_page(), signals_page(), faults_page(), emergencies_page(), can_page()}; }
+std::vector<GeneratedFile> markdown_files() {
+  return {params_page(), signals_page(), faults_page(), emergencies_page(), can_page(), load_page()};
+}
 
 }  // namespace hoist::gen
