@@ -255,13 +255,14 @@ TEST(CanopenNmt, StoppedAnswersNothingButNmt) {
 TEST(CanopenPdo, SynchronousOnesFollowEveryNthSync) {
   TestBoard board;
   board.counts = -2;
-  board.current_a = -3.0F;
   board.supply_voltage_v = 25.5F;
   DriveNode<TestBoard> node(board, contract::Node::drive_right);
   tick(node, 1);
   node.on_frame(canopen::sync());
   EXPECT_TRUE(board.with_id(0x182).empty());  // not operational yet
   make_operational(node, board);
+  tick(node, 500);  // its self-test is over
+  board.current_a = -3.0F;
   tick(node, 2);
   for (int sync = 1; sync <= 10; ++sync) {
     board.sent.clear();
