@@ -52,6 +52,9 @@ struct ServoInput {
   std::int32_t position_counts{};
   Real current_a{};  ///< positive drives forward
   Real supply_v{Real(24)};
+  /// A caller that knows the shaft's speed better than the difference of two positions (edge times) says so; it is low-passed all the same.
+  bool speed_measured{false};
+  Real speed_rad_s{};
 };
 
 template <typename Real>
@@ -85,8 +88,8 @@ template <typename Real>
 template <typename Real>
 inline ServoOutput<Real> servo_step(const ServoConfig<Real>& config, ServoState<Real>& state, const ServoInput<Real>& input, Real dt_s) {
   ServoOutput<Real> output;
-  if (!std::isfinite(input.target_rad_s) || !std::isfinite(input.current_a) || !(input.supply_v >= config.supply_min_v) ||
-      !std::isfinite(input.supply_v) || !(dt_s > Real(0)) || !std::isfinite(dt_s)) {
+  if (!std::isfinite(input.target_rad_s) || !std::isfinite(input.current_a) || !std::isfinite(input.speed_rad_s) ||
+      !(input.supply_v >= config.supply_min_v) || !std::isfinite(input.supply_v) || !(dt_s > Real(0)) || !std::isfinite(dt_s)) {
     state = {};
     output.refused = true;
     return output;
@@ -96,7 +99,8 @@ inline ServoOutput<Real> servo_step(const ServoConfig<Real>& config, ServoState<
   state.started = true;
   state.position_counts = input.position_counts;
   constexpr Real kTurnRad = Real(6.283185307179586);
-  const Real raw_rad_s = static_cast<Real>(moved_counts) * (kTurnRad / (config.counts_per_turn * dt_s));
+  const Real raw_rad_s =
+      input.speed_measured ? input.speed_rad_s : static_cast<Real>(moved_counts) * (kTurnRad / (config.counts_per_turn * dt_s));
   output.speed_rad_s = low_pass_step(config.speed_low_pass_s, state.speed_rad_s, raw_rad_s, dt_s);
 
   // Reference: a command that is too old (or of unknown age) is a command to stand still; the same ramp brings it there.

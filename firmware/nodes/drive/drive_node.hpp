@@ -6,6 +6,12 @@
 //   off        the bridge goes off at once. For faults in which the servo itself cannot be trusted: encoder, current, supply, readings.
 //   hold       operation enabled with target zero: normal standing.
 // Operation is enabled only by a word that sets bit 3 anew, only while RPDOs arrive in time.
+//
+// A start begins in "not ready" with the self-test: current sensor at rest, readings, bridge driver, encoder lines, stored parameters, and
+// what restarted the processor. The bridge stays off until it has passed.
+//
+// The current limit in force is the one of 2200h:5, folded back for what could break first: a hot winding or board, a sagging supply while
+// motoring, a rising one while braking. Folding comes first, faults only where it does not help.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -13,13 +19,13 @@
 #include "control/core/law/servo_loop.hpp"
 #include "firmware/lib/canopen_node.hpp"
 #include "firmware/lib/convert.hpp"
+#include "firmware/nodes/drive/speed_estimate.hpp"
+#include "firmware/nodes/drive/winding.hpp"
 
 namespace hoist::firmware {
 
 inline constexpr float kEncoderCountsPerTurn = 2000;   // of the motor shaft: 500 lines, four edges each
 inline constexpr float kServoTick_s = 0.001F;          // paper S2: 1 kHz
-inline constexpr float kWindingOhm = 1.2F;             // motor model of the research page (assumed, to be measured)
-inline constexpr float kGenerated_v_s_rad = 0.115F;    // of the same model
 inline constexpr float kUnderVoltage_v = 19.0F;        // hazard H12
 inline constexpr float kSupplyBack_v = 20.0F;          // a reset of that fault needs this much
 inline constexpr std::uint32_t kUnderVoltage_ms = 10;  // longer than the sag of one current peak
@@ -32,10 +38,10 @@ inline constexpr std::int32_t kStallCounts = 2;       // the encoder shows no mo
 inline constexpr std::uint32_t kStall_ms = 100;       // ... for so long
 inline constexpr float kStallReference_rad_s = 1.0F;  // holding still against a load is no stall
 inline constexpr float kReversedSpeed_rad_s = 20.0F;  // hazard H2: speed against the voltage that the motor generates
-inline constexpr float kReversedVoltage_v = 2.5F;     // more than 30 % error of kWindingOhm makes at 6 A
+inline constexpr float kReversedVoltage_v = 2.5F;     // more than 30 % error of the resistance makes at 6 A
 inline constexpr std::uint32_t kReversed_ms = 50;
 // Hazard H2, an encoder that stops counting under way: the motor generates a voltage that the measured speed does not explain. Honest
-// differences are the brushes and the filter's lag (together under 1.5 V), a winding 30 % beside kWindingOhm (copper: 23 % at 80 degrees),
+// differences are the brushes and the filter's lag (together under 1.5 V), a winding 30 % beside 2230h:6 (copper: 23 % at 80 degrees),
 // and magnets, supply reading and encoder together 15 %.
 inline constexpr float kUnexplained_v = 1.5F;
 inline constexpr float kUnexplainedShareOfWinding = 0.3F;
@@ -47,26 +53,54 @@ inline constexpr std::uint32_t kStopLonger_ms = 500;  // after the ramp's end th
 inline constexpr float kTargetReached_rad_s = 3.0F;
 inline constexpr std::uint32_t kWatchMin_ms = 100, kWatchMax_ms = 500;  // allowed consumer heartbeat times
 
+inline constexpr std::uint32_t kSelfTest_ms = 20;  // the first 4 let the readings settle, the rest are averaged
+inline constexpr std::uint32_t kSelfTestSettle_ms = 4;
+inline constexpr float kCurrentOffsetMax_a = 0.6F;   // a tenth of the rated current; a healthy amplifier shows a tenth of that
+inline constexpr float kCurrentNoiseMax_a = 1.0F;    // from lowest to highest, with the bridge off
+inline constexpr std::uint32_t kDriverFault_ms = 2;  // nFAULT low for so long; a shorter one is noise on the line
+inline constexpr std::uint32_t kOverVoltage_ms = 5;
+inline constexpr float kOverVoltageFold_v = 2.0F;               // so far below 2231h:1 braking begins to give way
+inline constexpr float kSagBegin_v = 21.0F, kSagEnd_v = 19.5F;  // while motoring; ends above the 19 V that switch off, hazard H12
+inline constexpr float kSagShare = 0.25F;                       // of the current limit, left at kSagEnd_v
+inline constexpr std::uint32_t kIllegalSteps = 3;               // in one window: a broken line; single ones are noise and only counted
+inline constexpr std::uint32_t kIllegalWindow_ms = 100;         // hazard H2
+inline constexpr float kBoardTripAbove_k = 5;                   // above 2230h:9
+inline constexpr float kBoardUnknown_c = -273.1F;
+
+// Faults of a drive beside those that every node has (CiA 402).
+namespace drive_emcy {
+inline constexpr std::uint16_t kOverVoltage = 0x3210, kBoardHot = 0x4210, kWindingHot = 0x4310, kBridge = 0x5400, kWatchdog = 0x6010;
+}
+inline constexpr std::uint8_t kTemperatureErrorBit = 0x08;  // of 1001h
+
+// Bits of 2251h: what the self-test found. 0 = passed.
+namespace self_test_bit {
+inline constexpr std::uint8_t kRunning = 0x01, kCurrentSensor = 0x02, kReadings = 0x04, kDriver = 0x08, kEncoder = 0x10, kParameters = 0x20,
+                              kWatchdog = 0x40;
+}
+
 template <DriveBoard Board>
 class DriveNode {
  public:
   using Stack = CanopenNode<Board, contract::NodeKind::drive>;
   using State = contract::canopen::drive::State;
 
-  DriveNode(Board& board, contract::Node node) : board_(board), stack_(board, node) { on_power_on(); }
+  DriveNode(Board& board, contract::Node node) : board_(board), stack_(board, node) { start(); }
 
   void on_frame(const CanFrame& frame) { stack_.on_frame(frame, *this); }
 
   void tick_1ms() {
     stack_.tick_1ms(*this);
+    ++uptime_ms_;
     read_board();
+    if (state_ == State::not_ready) test_itself();
     run_servo();
     publish();
   }
 
   void power_on() {
     stack_.power_on();
-    on_power_on();
+    start();
   }
 
   // Told by the board when a 1 kHz tick began before the one before it had ended.
@@ -76,6 +110,7 @@ class DriveNode {
   [[nodiscard]] State state() const { return state_; }
   [[nodiscard]] float speed_rad_s() const { return speed_rad_s_; }
   [[nodiscard]] float reference_rad_s() const { return servo_.reference_rad_s.value; }
+  [[nodiscard]] float current_limit_a() const { return current_limit_a_; }
   // Asked by the stack before it ends the program for a new one (1F51h:1): nothing is held and nothing rolls.
   [[nodiscard]] bool standing_safely() const { return !powered() && std::fabs(speed_rad_s_) < kStandstill_rad_s; }
 
@@ -94,10 +129,23 @@ class DriveNode {
   void on_rpdo() { apply(stack_.values().template get<0x6040>()); }
   void on_rpdo_deadline() { lose_command(); }
   void on_heartbeat_lost() { lose_command(); }
-  void on_nmt(NmtState, NmtState) { lose_command(); }
+  void on_nmt(NmtState, NmtState to) {
+    lose_command();
+    // A reset of the communication forgets the list of errors; a latched fault is still one.
+    if (to == NmtState::boot_up && fault_code_ != 0) stack_.set_error(fault_code_, fault_bit_, true);
+  }
+  // A real start: nothing is known of the time before, except what ended it.
+  void start() {
+    winding_.start(winding_config());
+    first_fault_ = {};
+    uptime_ms_ = 0;
+    after_watchdog_ = board_.reset_cause() == ResetCause::watchdog;
+    on_power_on();
+  }
+  // A reset over the bus: the winding is as hot as before, and the snapshot stays.
   void on_power_on() {
     board_.set_bridge(false, 0.0F);
-    state_ = State::switch_on_disabled;
+    begin_self_test();
     leaving_to_ = State::switch_on_disabled;
     leaving_ = false;
     servo_ = {};
@@ -106,8 +154,11 @@ class DriveNode {
     limited_ = false;
     word_ = kNoEdges;
     fault_code_ = 0;
-    restart_watches();
     counts_ = board_.encoder_counts();
+    estimate_.restart(counts_);
+    restart_watches();
+    stack_.values().template set<0x2221>(static_cast<std::uint8_t>(board_.reset_cause()));
+    publish_first_fault();
   }
   SdoAbort check_write(std::uint16_t index, std::uint8_t sub, std::uint32_t raw) {
     switch (index) {
@@ -165,6 +216,7 @@ class DriveNode {
       if ((risen & kResetBit) != 0 && fault_cause_gone()) clear_fault();
       return;
     }
+    if ((risen & kResetBit) != 0) forget_first_fault();  // of a fault that a reset of the node had ended
     if (state_ == State::fault_reaction || state_ == State::switch_on_disabled || state_ == State::not_ready) {
       const bool shutdown = (word & (kNoQuickStopBit | kVoltageBit | kSwitchOnBit)) == (kNoQuickStopBit | kVoltageBit);
       if (state_ == State::switch_on_disabled && shutdown) state_ = State::ready;  // transition 2
@@ -190,8 +242,8 @@ class DriveNode {
         state_ = State::ready;
       return;
     }
-    if (state_ == State::ready && supply_v_ >= kUnderVoltage_v) state_ = State::switched_on;  // transition 3
-    if ((word & kEnableBit) == 0) {                                                           // transition 5
+    if (state_ == State::ready && supply_v_ >= kUnderVoltage_v && board_.driver_ok()) state_ = State::switched_on;  // transition 3
+    if ((word & kEnableBit) == 0) {                                                                                 // transition 5
       if (state_ == State::operation_enabled) begin_stop(State::operation_enabled, State::switched_on);
       return;
     }
@@ -202,7 +254,7 @@ class DriveNode {
     // A wheel that is being pushed is taken over at its speed and the voltage that it generates, and then braked on the ramp: otherwise
     // the first tick would short it.
     servo_.reference_rad_s.value = speed_rad_s_;
-    servo_.integral_v = kGenerated_v_s_rad * speed_rad_s_;
+    servo_.integral_v = stack_.values().template get<0x2230, 7>() * speed_rad_s_;
     servo_.applied_v = servo_.integral_v;
     restart_watches();
     leaving_ = false;
@@ -235,6 +287,17 @@ class DriveNode {
     if (fault_code_ != 0) return;
     fault_code_ = code;
     fault_bit_ = register_bit;
+    if (first_fault_.code == 0) {
+      first_fault_ = {code,
+                      uptime_ms_,
+                      counts_,
+                      to_integer<std::int32_t>(1000.0F * speed_rad_s_),
+                      to_integer<std::int32_t>(1000.0F * current_a_),
+                      static_cast<std::uint32_t>(to_integer<std::int32_t>(1000.0F * supply_v_)),
+                      to_integer<std::int16_t>(1000.0F * duty_norm_),
+                      to_integer<std::int16_t>(10.0F * winding_.temperature_c())};
+      publish_first_fault();
+    }
     stack_.values().template set<0x603F>(code);
     stack_.set_error(code, register_bit, true);
     if (reaction == Reaction::off || !powered())
@@ -252,6 +315,16 @@ class DriveNode {
         return readings_usable_;
       case emcy::kOverCurrent:
         return readings_usable_ && std::fabs(current_a_) <= kOverCurrent_a;
+      case drive_emcy::kOverVoltage:
+        return supply_v_ < stack_.values().template get<0x2231, 1>() - kOverVoltageFold_v;
+      case drive_emcy::kWindingHot:
+        return winding_.current_share(winding_config()) > Winding::kFoldShare;
+      case drive_emcy::kBoardHot:
+        return !board_too_hot();
+      case drive_emcy::kBridge:
+        return board_.driver_ok();
+      case emcy::kParametersLost:
+        return stack_.parameters_ok();
       default:
         return true;  // an encoder shows whether it works only when the motor runs
     }
@@ -260,11 +333,83 @@ class DriveNode {
     stack_.set_error(fault_code_, fault_bit_, false);
     fault_code_ = 0;
     stack_.values().template set<0x603F>(0);
+    forget_first_fault();
+    after_watchdog_ = false;
+    if (self_test_ != 0)
+      begin_self_test();  // it was the test that failed: once more
+    else
+      state_ = State::switch_on_disabled;
+  }
+
+  // What was true at the first fault, for whoever comes to repair it. Only a reset of the fault makes room for another.
+  struct FirstFault {
+    std::uint16_t code = 0;
+    std::uint32_t time_ms = 0;
+    std::int32_t position_counts = 0, speed_mrad_s = 0, current_ma = 0;
+    std::uint32_t supply_mv = 0;
+    std::int16_t duty_permille = 0, winding_dc = 0;
+  };
+  void publish_first_fault() {
+    auto& values = stack_.values();
+    values.template set<0x2240, 1>(first_fault_.code);
+    values.template set<0x2240, 2>(first_fault_.time_ms);
+    values.template set<0x2240, 3>(first_fault_.position_counts);
+    values.template set<0x2240, 4>(first_fault_.speed_mrad_s);
+    values.template set<0x2240, 5>(first_fault_.current_ma);
+    values.template set<0x2240, 6>(first_fault_.supply_mv);
+    values.template set<0x2240, 7>(first_fault_.duty_permille);
+    values.template set<0x2240, 8>(first_fault_.winding_dc);
+  }
+  void forget_first_fault() {
+    first_fault_ = {};
+    publish_first_fault();
+  }
+
+  // ---- self-test
+
+  void begin_self_test() {
+    state_ = State::not_ready;
+    self_test_ = self_test_bit::kRunning;
+    self_test_ms_ = 0;
+    offset_sum_a_ = 0;
+    offset_low_a_ = offset_high_a_ = 0;
+    current_offset_a_ = 0;
+    illegal_at_start_ = illegal_seen_ = board_.illegal_encoder_steps();
+  }
+  // One millisecond of it, with the bridge off: no current can flow, and what the sensor shows is its offset.
+  void test_itself() {
+    if (!readings_usable_) self_test_ |= self_test_bit::kReadings;
+    if (++self_test_ms_ > kSelfTestSettle_ms) {
+      if (self_test_ms_ == kSelfTestSettle_ms + 1) offset_low_a_ = offset_high_a_ = current_a_;
+      if (current_a_ < offset_low_a_) offset_low_a_ = current_a_;
+      if (current_a_ > offset_high_a_) offset_high_a_ = current_a_;
+      offset_sum_a_ += current_a_;
+    }
+    if (self_test_ms_ < kSelfTest_ms) return;
+    const float offset_a = offset_sum_a_ / static_cast<float>(kSelfTest_ms - kSelfTestSettle_ms);
+    const bool quiet = offset_high_a_ - offset_low_a_ <= kCurrentNoiseMax_a;
+    if (!(std::fabs(offset_a) <= kCurrentOffsetMax_a) || !quiet) self_test_ |= self_test_bit::kCurrentSensor;
+    // Without its supply (emergency stop pressed) the driver reports a fault rightly; then it is looked at when the supply is there.
+    if (supply_v_ >= kUnderVoltage_v && !board_.driver_ok()) self_test_ |= self_test_bit::kDriver;
+    if (board_.illegal_encoder_steps() != illegal_at_start_) self_test_ |= self_test_bit::kEncoder;
+    if (!stack_.parameters_ok()) self_test_ |= self_test_bit::kParameters;
+    if (after_watchdog_) self_test_ |= self_test_bit::kWatchdog;
+    self_test_ = static_cast<std::uint8_t>(self_test_ & ~self_test_bit::kRunning);
     state_ = State::switch_on_disabled;
+    // The worst first: its code is the one that stays.
+    if ((self_test_ & (self_test_bit::kReadings | self_test_bit::kCurrentSensor)) != 0)
+      fault(emcy::kHardware, error_bit::kCurrent, Reaction::off);
+    if ((self_test_ & self_test_bit::kDriver) != 0) fault(drive_emcy::kBridge, error_bit::kProfile, Reaction::off);
+    if ((self_test_ & self_test_bit::kEncoder) != 0) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
+    if ((self_test_ & self_test_bit::kWatchdog) != 0) fault(drive_emcy::kWatchdog, error_bit::kProfile, Reaction::off);
+    if ((self_test_ & self_test_bit::kParameters) != 0) fault(emcy::kParametersLost, error_bit::kProfile, Reaction::off);
+    if (self_test_ == 0) current_offset_a_ = offset_a;
   }
 
   void restart_watches() {
     under_voltage_ms_ = over_current_ms_ = over_speed_ms_ = stall_ms_ = reversed_ms_ = unexplained_ms_ = 0;
+    over_voltage_ms_ = driver_ms_ = illegal_age_ms_ = 0;
+    illegal_seen_ = board_.illegal_encoder_steps();
     stall_counts_ = counts_;
   }
 
@@ -280,8 +425,15 @@ class DriveNode {
 
   // `applied_v` is the voltage of the tick before: the one that made the current just read.
   void watch(float reference_rad_s, float current_limit_a, float applied_v) {
+    const auto& values = stack_.values();
+    if (lasts(!board_.driver_ok(), driver_ms_, kDriverFault_ms)) fault(drive_emcy::kBridge, error_bit::kProfile, Reaction::off);
     if (lasts(supply_v_ < kUnderVoltage_v, under_voltage_ms_, kUnderVoltage_ms))
       fault(emcy::kUnderVoltage, error_bit::kVoltage, Reaction::off);
+    if (lasts(supply_v_ > values.template get<0x2231, 1>(), over_voltage_ms_, kOverVoltage_ms))
+      fault(drive_emcy::kOverVoltage, error_bit::kVoltage, Reaction::off);
+    if (winding_.too_hot(winding_config())) fault(drive_emcy::kWindingHot, kTemperatureErrorBit, Reaction::ramp);
+    if (board_too_hot()) fault(drive_emcy::kBoardHot, kTemperatureErrorBit, Reaction::ramp);
+    watch_encoder_lines();
     if (lasts(std::fabs(current_a_) > kOverCurrent_a, over_current_ms_, kOverCurrent_ms))
       fault(emcy::kOverCurrent, error_bit::kCurrent, Reaction::off);
     if (lasts(std::fabs(speed_rad_s_) > kOverSpeed_rad_s, over_speed_ms_, kOverSpeed_ms))
@@ -298,7 +450,7 @@ class DriveNode {
 
     // Reversed encoder: it shows the motor turning against the voltage that the motor itself generates. Comparing with the plain duty
     // would take every braking for it: then the duty does oppose the speed, rightly.
-    const float winding_v = kWindingOhm * current_a_;
+    const float winding_v = values.template get<0x2230, 6>() * current_a_;
     const float generated_v = applied_v - winding_v;
     const bool reversed = std::fabs(speed_rad_s_) > kReversedSpeed_rad_s && std::fabs(generated_v) > kReversedVoltage_v &&
                           (generated_v > 0) != (speed_rad_s_ > 0);
@@ -306,23 +458,79 @@ class DriveNode {
 
     // Encoder that stopped counting under way. The servo sees a wheel that stands, speeds it up, and the current soon falls below what
     // the stall rule asks for, because the motor runs so fast; what gives it away is the voltage that it generates.
-    const float explained_v = kGenerated_v_s_rad * speed_rad_s_;
+    const float explained_v = values.template get<0x2230, 7>() * speed_rad_s_;
     const float allowed_v =
         kUnexplained_v + kUnexplainedShareOfWinding * std::fabs(winding_v) + kUnexplainedShareOfGenerated * std::fabs(generated_v);
     const bool unexplained = std::fabs(generated_v - explained_v) > allowed_v;
     if (lasts(unexplained, unexplained_ms_, kUnexplained_ms)) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
   }
 
+  // Both lines changing at once is impossible; now and then noise looks like it.
+  void watch_encoder_lines() {
+    const std::uint32_t steps = board_.illegal_encoder_steps();
+    if (steps - illegal_seen_ >= kIllegalSteps) {
+      fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
+    } else if (++illegal_age_ms_ >= kIllegalWindow_ms) {
+      illegal_age_ms_ = 0;
+      illegal_seen_ = steps;
+    }
+  }
+
+  // ---- how much current may flow
+
+  [[nodiscard]] WindingConfig winding_config() const {
+    const auto& values = stack_.values();
+    WindingConfig config;
+    config.limit_c = values.template get<0x2230, 2>();
+    config.ambient_c = values.template get<0x2230, 3>();
+    config.thermal_resistance_k_w = values.template get<0x2230, 4>();
+    config.time_constant_s = values.template get<0x2230, 5>();
+    config.resistance_ohm = values.template get<0x2230, 6>();
+    return config;
+  }
+  [[nodiscard]] bool board_too_hot() const { return board_temperature_c_ > stack_.values().template get<0x2230, 9>() + kBoardTripAbove_k; }
+  // Nothing thermal changes within 10 ms: these divisions need not be made in every tick.
+  void update_thermal_share() {
+    const float winding = winding_.current_share(winding_config());
+    const float board = Winding::fold_share(board_temperature_c_, stack_.values().template get<0x2230, 9>());
+    thermal_share_ = winding < board ? winding : board;
+  }
+  [[nodiscard]] float limit_in_force_a() const {
+    const auto& values = stack_.values();
+    float share = thermal_share_;
+    const bool braking = (speed_rad_s_ > 0) != (current_a_ > 0);
+    const float room_v = values.template get<0x2231, 1>() - supply_v_;
+    if (braking && room_v < kOverVoltageFold_v) {
+      // What the motor gives back has nowhere to go when the battery does not take it.
+      const float room_share = room_v <= 0.0F ? 0.0F : room_v / kOverVoltageFold_v;
+      if (room_share < share) share = room_share;
+    }
+    if (!braking && supply_v_ < kSagBegin_v) {
+      const float above_end_v = supply_v_ - kSagEnd_v;
+      const float sag_share = above_end_v <= 0.0F ? kSagShare : kSagShare + (1.0F - kSagShare) / (kSagBegin_v - kSagEnd_v) * above_end_v;
+      if (sag_share < share) share = sag_share;
+    }
+    return share * values.template get<0x2200, 5>();
+  }
+
   // ---- every millisecond
 
   void read_board() {
     counts_ = board_.encoder_counts();
+    measured_rad_s_ = kRadPerMsPerCount * estimate_.step(counts_, board_.edge_time_us());
+    if constexpr (MeasuresTemperature<Board>) {
+      const float board_c = board_.board_temperature_c();
+      // A sensor that gives no number is taken for hot: the board is then allowed its least current, not its most.
+      board_temperature_c_ = std::isfinite(board_c) ? board_c : stack_.values().template get<0x2230, 9>();
+    }
     const float current_a = board_.motor_current_a();
     const float supply_v = board_.supply_v();
     readings_usable_ = std::isfinite(current_a) && std::isfinite(supply_v);
-    current_a_ = std::isfinite(current_a) ? current_a : 0.0F;
+    current_a_ = std::isfinite(current_a) ? current_a - current_offset_a_ : 0.0F;
     supply_v_ = std::isfinite(supply_v) ? supply_v : 0.0F;
     if (!readings_usable_ && powered()) fault(emcy::kHardware, error_bit::kGeneric, Reaction::off);
+    winding_.step_1ms(winding_config(), current_a_);
+    if (uptime_ms_ % kSlowPublish_ms == 0) update_thermal_share();
   }
 
   void run_servo() {
@@ -332,11 +540,13 @@ class DriveNode {
     config.k_p_v_s_rad = values.template get<0x2200, 1>();
     config.k_i_v_rad = values.template get<0x2200, 2>();
     config.speed_low_pass_s = values.template get<0x2200, 4>();
-    config.current_limit_a = values.template get<0x2200, 5>();
+    config.current_limit_a = current_limit_a_ = limit_in_force_a();
     config.acceleration_max_rad_s2 = values.template get<0x2200, 6>();
     law::ServoInput<float> input;
     input.position_counts = counts_;
     input.command_age_s = 0;  // the RPDO deadline is judged above, with its own reaction
+    input.speed_measured = true;
+    input.speed_rad_s = measured_rad_s_;
 
     if (!powered()) {
       // The speed is measured all the time; the loop stays at rest, whatever the supply does.
@@ -410,6 +620,8 @@ class DriveNode {
     if (supply_v_ >= kUnderVoltage_v) status = static_cast<std::uint16_t>(status | 0x10U);
     if (stack_.operational()) status = static_cast<std::uint16_t>(status | 0x200U);
     if (enabled && std::fabs(speed_rad_s_ - target_rad_s) < kTargetReached_rad_s) status = static_cast<std::uint16_t>(status | 0x400U);
+    const float asked_limit_a = values.template get<0x2200, 5>();
+    if (current_limit_a_ < asked_limit_a) status = static_cast<std::uint16_t>(status | 0x80U);  // warning: less than asked for
     if (limited_) status = static_cast<std::uint16_t>(status | 0x800U);
     if (std::fabs(speed_rad_s_) < kStandstill_rad_s) status = static_cast<std::uint16_t>(status | 0x1000U);
     values.template set<0x6041>(status);
@@ -420,6 +632,14 @@ class DriveNode {
     const float supply_v = supply_v_ > 0 ? supply_v_ : 0.0F;
     values.template set<0x6079>(static_cast<std::uint32_t>(to_integer<std::int32_t>(1000.0F * supply_v)));
     values.template set<0x2211>(to_integer<std::uint16_t>(100.0F * supply_v));
+    values.template set<0x2251>(self_test_);
+    values.template set<0x2250, 1>(board_.illegal_encoder_steps());
+    if (uptime_ms_ % kSlowPublish_ms != 0) return;
+    values.template set<0x2210>(to_integer<std::int16_t>(10.0F * board_temperature_c_));
+    values.template set<0x2230, 1>(to_integer<std::int16_t>(10.0F * winding_.temperature_c()));
+    values.template set<0x2230, 8>(current_limit_a_);
+    values.template set<0x2250, 2>(board_.edge_time_us());
+    values.template set<0x2252>(to_integer<std::int16_t>(1000.0F * current_offset_a_));
   }
 
   Board& board_;
@@ -430,14 +650,29 @@ class DriveNode {
   std::uint32_t stop_age_ms_ = 0, still_ms_ = 0;
   std::uint16_t word_ = kNoEdges;
 
+  static constexpr std::uint32_t kSlowPublish_ms = 10;
+  // One count per millisecond, in rad/s.
+  static constexpr float kRadPerMsPerCount = 6.2831853F / (kEncoderCountsPerTurn * kServoTick_s);
+
+  std::uint32_t uptime_ms_ = 0;
   law::ServoState<float> servo_{};
+  SpeedEstimate estimate_{};
+  Winding winding_{};
+  FirstFault first_fault_{};
+  bool after_watchdog_ = false;
+  std::uint8_t self_test_ = self_test_bit::kRunning;
+  std::uint32_t self_test_ms_ = 0;
+  float offset_sum_a_ = 0, offset_low_a_ = 0, offset_high_a_ = 0, current_offset_a_ = 0;
   std::int32_t counts_ = 0;
   float current_a_ = 0, supply_v_ = 0, speed_rad_s_ = 0, duty_norm_ = 0;
+  float measured_rad_s_ = 0, current_limit_a_ = 0, board_temperature_c_ = kBoardUnknown_c, thermal_share_ = 1;
   bool readings_usable_ = false, limited_ = false;
 
   std::uint16_t fault_code_ = 0;
   std::uint8_t fault_bit_ = 0;
   std::uint32_t under_voltage_ms_ = 0, over_current_ms_ = 0, over_speed_ms_ = 0, stall_ms_ = 0, reversed_ms_ = 0, unexplained_ms_ = 0;
+  std::uint32_t over_voltage_ms_ = 0, driver_ms_ = 0, illegal_age_ms_ = 0;
+  std::uint32_t illegal_at_start_ = 0, illegal_seen_ = 0;
   std::int32_t stall_counts_ = 0;
 };
 

@@ -1,4 +1,6 @@
-// The input board: bumpers and switches at once when they change and every 20 ms anyway, battery voltages every 100 ms. CiA 401.
+// The input board: bumpers and switches at once when they change and every 20 ms anyway, battery voltages every 100 ms; eight outputs that
+// the computer sets by RPDO1 and that go to their error values (6206h, 6207h) when it falls silent or the node is no longer operational.
+// CiA 401.
 #pragma once
 #include <cstdint>
 
@@ -12,7 +14,7 @@ class IoNode {
  public:
   using Stack = CanopenNode<Board, contract::NodeKind::io>;
 
-  IoNode(Board& board, contract::Node node) : board_(board), stack_(board, node) {}
+  IoNode(Board& board, contract::Node node) : board_(board), stack_(board, node) { on_power_on(); }
 
   void on_frame(const CanFrame& frame) { stack_.on_frame(frame, *this); }
 
@@ -31,6 +33,7 @@ class IoNode {
     values.template set<0x6401, 2>(battery_10mv(1));
     const std::uint32_t sent_before = stack_.sent(contract::Pdo::io_tx1);
     stack_.tick_1ms(*this);
+    board_.set_outputs(values.template get<0x6200, 1>());
     if (stack_.sent(contract::Pdo::io_tx1) != sent_before || !stack_.operational()) pressed_ = bumpers;
   }
 
@@ -44,11 +47,26 @@ class IoNode {
   friend Stack;
   void on_sync() {}
   void on_rpdo() {}
-  void on_rpdo_deadline() {}
+  void on_rpdo_deadline() { outputs_to_error_values(); }
   void on_heartbeat_lost() {}
-  void on_nmt(NmtState, NmtState) {}
-  void on_power_on() { pressed_ = 0; }
-  SdoAbort check_write(std::uint16_t, std::uint8_t, std::uint32_t) { return SdoAbort::none; }
+  void on_nmt(NmtState, NmtState) { outputs_to_error_values(); }
+  void on_power_on() {
+    pressed_ = 0;
+    // Off, whatever the error values say: those are for a computer that was there.
+    stack_.values().template set<0x6200, 1>(0);
+    board_.set_outputs(0);
+    stack_.values().template set<0x2221>(static_cast<std::uint8_t>(board_.reset_cause()));
+  }
+  // Only an RPDO has a deadline, so only an RPDO may switch something on.
+  SdoAbort check_write(std::uint16_t index, std::uint8_t, std::uint32_t) {
+    return index == 0x6200 ? SdoAbort::device_state : SdoAbort::none;
+  }
+  void outputs_to_error_values() {
+    auto& values = stack_.values();
+    const unsigned mode = values.template get<0x6206, 1>(), value = values.template get<0x6207, 1>(),
+                   now = values.template get<0x6200, 1>();
+    values.template set<0x6200, 1>(static_cast<std::uint8_t>((now & ~mode) | (value & mode)));
+  }
 
   std::int16_t battery_10mv(int battery) {
     const std::int16_t value = to_integer<std::int16_t>(100.0F * board_.battery_v(battery));

@@ -3,6 +3,9 @@
 //
 // It samples when a SYNC arrives, so that the three sensors look at the same instant: the chassis' acceleration shows in every sensor and
 // cancels only in differences of equal, simultaneous filters (research D4). Without SYNC it samples on its own clock.
+//
+// A sensor that is missing, of another kind, failed its self-test or stopped giving readings makes the node invalid until it is switched
+// off and on. How the sensor sits on its strut is an object (2104h); everything behind it is in the frame of the hoist.
 #pragma once
 #include <array>
 #include <cmath>
@@ -11,6 +14,7 @@
 #include "control/core/law/tilt_kalman.hpp"
 #include "firmware/lib/canopen_node.hpp"
 #include "firmware/lib/convert.hpp"
+#include "firmware/lib/trig.hpp"
 
 namespace hoist::firmware {
 
@@ -21,6 +25,7 @@ inline constexpr std::uint32_t kTiltGap_ms = 100;        // after a longer gap t
 inline constexpr std::uint32_t kTiltStillSamples = 200;  // D23: a still 2 s at power-on
 inline constexpr std::uint32_t kTiltQuarterSamples = kTiltStillSamples / 4;  // its first and last quarter are compared
 inline constexpr std::uint32_t kTiltReadFailuresMax = 10;                    // unusable readings in a row: the sensor has failed
+inline constexpr std::uint32_t kTiltStart_ms = 6000;                         // power-up and every try of the sensor's self-test fit in
 inline constexpr float kGravity_m_s2 = 9.80665F;
 inline constexpr float kAccelerationMax_m_s2 = 19.0F;  // just inside the +-2 g that resolve a walking tilt best
 inline constexpr float kRateMax_rad_s = 4.3F;          // just inside +-250 deg/s
@@ -34,7 +39,8 @@ template <TiltBoard Board>
 class TiltNode {
  public:
   using Stack = CanopenNode<Board, contract::NodeKind::tilt>;
-  static constexpr std::uint8_t kValid = 0x01, kConverged = 0x02, kAccelerationRange = 0x04, kGyroSaturated = 0x08, kSelfTestFailed = 0x10;
+  static constexpr std::uint8_t kValid = 0x01, kConverged = 0x02, kAccelerationRange = 0x04, kGyroSaturated = 0x08, kSelfTestFailed = 0x10,
+                                kSensorMissing = 0x20;
 
   TiltNode(Board& board, contract::Node node) : board_(board), stack_(board, node) { on_power_on(); }
 
@@ -51,6 +57,7 @@ class TiltNode {
     if (sync_age_ms_ < kAgeMax) ++sync_age_ms_;
     if (sample_age_ms_ < kAgeMax) ++sample_age_ms_;
     if (gap_ms_ < kAgeMax) ++gap_ms_;
+    watch_sensor();
     if (sync_age_ms_ > kTiltSyncLost_ms && sample_age_ms_ >= kTiltSample_ms) sample();
     stack_.tick_1ms(*this);
   }
@@ -88,24 +95,97 @@ class TiltNode {
     axes_ = {};
     window_ = {};
     yaw_bias_rad_s_ = 0;
-    started_ = converged_ = failed_ = false;
+    started_ = converged_ = failed_ = missing_ = false;
     failures_ = 0;
+    start_age_ms_ = 0;
+    stack_.values().template set<0x2221>(static_cast<std::uint8_t>(board_.reset_cause()));
+    set_mounting(stack_.values().template get<0x2104>());
     sync_age_ms_ = kAgeMax;
     sample_age_ms_ = 0;
     gap_ms_ = 0;
   }
-  SdoAbort check_write(std::uint16_t, std::uint8_t, std::uint32_t) { return SdoAbort::none; }
+  SdoAbort check_write(std::uint16_t index, std::uint8_t, std::uint32_t raw) {
+    if (index != 0x2104) return SdoAbort::none;
+    if (stack_.operational()) return SdoAbort::device_state;
+    if (!set_mounting(static_cast<std::uint8_t>(raw))) return SdoAbort::range;
+    // Every angle was of another direction: all begins anew.
+    axes_ = {};
+    window_ = {};
+    started_ = converged_ = false;
+    return SdoAbort::none;
+  }
+
+  // ---- the sensor
+
+  // Which axis of the chip points forward, left and up, and in which sense.
+  struct Mounting {
+    std::array<std::uint8_t, 3> axis{0, 1, 2};
+    std::array<bool, 3> reversed{};
+  };
+  // 2104h: tens and ones are 1 to 6. False, and nothing changed, when these are not two different axes.
+  bool set_mounting(std::uint8_t code) {
+    const std::uint8_t forward = static_cast<std::uint8_t>(code / 10U), left = static_cast<std::uint8_t>(code % 10U);
+    if (forward < 1 || forward > 6 || left < 1 || left > 6 || (forward - 1) % 3 == (left - 1) % 3) return false;
+    Mounting m;
+    m.axis[0] = static_cast<std::uint8_t>((forward - 1) % 3);
+    m.axis[1] = static_cast<std::uint8_t>((left - 1) % 3);
+    m.axis[2] = static_cast<std::uint8_t>(3 - m.axis[0] - m.axis[1]);
+    m.reversed[0] = forward > 3;
+    m.reversed[1] = left > 3;
+    // Up completes a right-handed frame: the axes in cyclic order need no sign.
+    const bool cyclic = m.axis[1] == (m.axis[0] + 1) % 3;
+    m.reversed[2] = (m.reversed[0] != m.reversed[1]) == cyclic;
+    mounting_ = m;
+    return true;
+  }
+  [[nodiscard]] ImuSample mounted(const ImuSample& chip) const {
+    const std::array<float, 3> acceleration{chip.ax_m_s2, chip.ay_m_s2, chip.az_m_s2};
+    const std::array<float, 3> rate{chip.beta_rate_rad_s, chip.alpha_rate_rad_s, chip.yaw_rate_rad_s};  // about x, y, z
+    std::array<float, 6> out{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t from = mounting_.axis[i];
+      out[i] = mounting_.reversed[i] ? -acceleration[from] : acceleration[from];
+      out[3 + i] = mounting_.reversed[i] ? -rate[from] : rate[from];
+    }
+    return {out[0], out[1], out[2], out[4], out[3], out[5]};
+  }
+  // What the chip's driver found out. The first readings may take as long as the self-test with all its tries.
+  void watch_sensor() {
+    const ImuReport report = board_.imu_report();
+    stack_.values().template set<0x2122>(report.who_am_i);
+    if (start_age_ms_ < kTiltStart_ms) ++start_age_ms_;
+    if (report.self_test_failed) give_up(false);
+    if (report.wrong_part) give_up(true);
+    if (!started_ && start_age_ms_ == kTiltStart_ms) give_up(!report.found);
+  }
+  void give_up(bool missing) {
+    missing_ = missing_ || missing;
+    if (failed_) return;
+    failed_ = true;
+    stack_.set_error(emcy::kHardware, error_bit::kProfile, true);
+    publish_status(0);
+  }
+  void publish_status(std::uint8_t bits) {
+    stack_.values().template set<0x2120>(static_cast<std::uint8_t>(bits | (converged_ ? kConverged : 0U) |
+                                                                   (failed_ ? kSelfTestFailed : 0U) | (missing_ ? kSensorMissing : 0U)));
+  }
 
   static bool usable(const ImuSample& s) {
     return std::isfinite(s.ax_m_s2) && std::isfinite(s.ay_m_s2) && std::isfinite(s.az_m_s2) && std::isfinite(s.alpha_rate_rad_s) &&
            std::isfinite(s.beta_rate_rad_s) && std::isfinite(s.yaw_rate_rad_s);
   }
   static bool above(float value, float limit) { return value > limit || value < -limit; }
+  // Equations (17) and (18) as law::acc_angles reads them, with an arctangent that gives the same bits on every machine.
+  static law::AccAngles<float> gravity_of(const ImuSample& s) {
+    if (s.ax_m_s2 == 0.0F && s.ay_m_s2 == 0.0F && s.az_m_s2 == 0.0F) return {};
+    return {arctan2(-s.ax_m_s2, s.az_m_s2), arctan2(s.ay_m_s2, s.az_m_s2), true};
+  }
 
   void sample() {
-    ImuSample s;
-    const bool fresh = board_.read_imu(s) && usable(s);
-    const law::AccAngles<float> gravity = fresh ? law::acc_angles(s.ax_m_s2, s.ay_m_s2, s.az_m_s2) : law::AccAngles<float>{};
+    ImuSample chip;
+    const bool fresh = board_.read_imu(chip) && usable(chip);
+    const ImuSample s = fresh ? mounted(chip) : ImuSample{};
+    const law::AccAngles<float> gravity = fresh ? gravity_of(s) : law::AccAngles<float>{};
     const bool late = sample_age_ms_ < kTiltSample_ms - 2 || sample_age_ms_ > kTiltSample_ms + 2;
     const float dt_s = 0.001F * static_cast<float>(!late && gap_ms_ == sample_age_ms_ ? kTiltSample_ms : gap_ms_);
     sample_age_ms_ = 0;
@@ -134,13 +214,10 @@ class TiltNode {
 
   // An unusable sample: the counter stands still, which the computer takes for a missing sensor, and the valid bit goes.
   void fail() {
-    auto& values = stack_.values();
-    if (failures_ < kTiltReadFailuresMax && ++failures_ == kTiltReadFailuresMax) {
-      failed_ = true;
-      stack_.set_error(emcy::kHardware, error_bit::kProfile, true);
-    }
+    // Before the first reading the sensor is still starting; watch_sensor() ends that.
+    if (started_ && failures_ < kTiltReadFailuresMax && ++failures_ == kTiltReadFailuresMax) give_up(false);
     if (!converged_) window_ = {};
-    values.template set<0x2120>(static_cast<std::uint8_t>((converged_ ? kConverged : 0U) | (failed_ ? kSelfTestFailed : 0U)));
+    publish_status(0);
   }
 
   // The still two seconds. Any motion begins them anew.
@@ -210,10 +287,13 @@ class TiltNode {
                               above(s.ay_m_s2, kAccelerationMax_m_s2) || above(s.az_m_s2, kAccelerationMax_m_s2);
     const bool saturated =
         above(s.alpha_rate_rad_s, kRateMax_rad_s) || above(s.beta_rate_rad_s, kRateMax_rad_s) || above(s.yaw_rate_rad_s, kRateMax_rad_s);
+    constexpr float kMilliG = 1000.0F / kGravity_m_s2;
+    values.template set<0x2111, 1>(to_integer<std::int16_t>(kMilliG * s.ax_m_s2));
+    values.template set<0x2111, 2>(to_integer<std::int16_t>(kMilliG * s.ay_m_s2));
+    values.template set<0x2111, 3>(to_integer<std::int16_t>(kMilliG * s.az_m_s2));
     // A failed sensor stays invalid until it is switched off and on, also when it seems to work again.
-    values.template set<0x2120>(static_cast<std::uint8_t>((failed_ ? 0U : kValid) | (converged_ ? kConverged : 0U) |
-                                                          (acceleration ? kAccelerationRange : 0U) | (saturated ? kGyroSaturated : 0U) |
-                                                          (failed_ ? kSelfTestFailed : 0U)));
+    publish_status(
+        static_cast<std::uint8_t>((failed_ ? 0U : kValid) | (acceleration ? kAccelerationRange : 0U) | (saturated ? kGyroSaturated : 0U)));
     values.template set<0x2121>(static_cast<std::uint8_t>(values.template get<0x2121>() + 1U));
   }
 
@@ -222,8 +302,9 @@ class TiltNode {
   std::array<Axis, 2> axes_{};  // alpha, beta
   Window window_{};
   float yaw_bias_rad_s_ = 0;
-  bool started_ = false, converged_ = false, failed_ = false;
-  std::uint32_t failures_ = 0;
+  Mounting mounting_{};
+  bool started_ = false, converged_ = false, failed_ = false, missing_ = false;
+  std::uint32_t failures_ = 0, start_age_ms_ = 0;
   std::uint32_t sync_age_ms_ = kAgeMax, sample_age_ms_ = 0, gap_ms_ = 0;
 };
 

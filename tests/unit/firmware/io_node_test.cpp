@@ -79,6 +79,55 @@ TEST_F(IoTest, ImpossibleVoltagesReadAsEmpty) {
   EXPECT_EQ(board_.with_id(0x288), std::vector{frame_of(0x288, {0, 0, 0, 0, 0, 0, 0, 0})});
 }
 
+TEST_F(IoTest, OutputsFollowTheComputerAndGoOffWithoutIt) {
+  EXPECT_EQ(board_.output_bits, 0);
+  for (int i = 0; i < 10; ++i) {
+    node_.on_frame(frame_of(0x208, {0xA5}));
+    tick(node_, 50);
+    EXPECT_EQ(board_.output_bits, 0xA5);
+  }
+  tick(node_, 51);  // 100 ms after the last
+  EXPECT_EQ(board_.output_bits, 0);
+  EXPECT_EQ(board_.with_id(0x088).size(), 1U);
+  EXPECT_EQ(contract::read_le(&board_.with_id(0x088)[0].data[0], 2), 0x8250U);
+  node_.on_frame(frame_of(0x208, {0x01}));
+  tick(node_, 1);
+  EXPECT_EQ(board_.output_bits, 1);
+}
+
+TEST_F(IoTest, ErrorValuesDecideWhatHappensToEachOutput) {
+  const auto write = [&](std::uint16_t index, std::uint32_t value) {
+    return ask(node_, board_, canopen::sdo(0x608, canopen::sdo_download_command(1), index, 1, value)).data[0];
+  };
+  EXPECT_EQ(write(0x6206, 0x0F), 0x60);  // the upper four stay as they are
+  EXPECT_EQ(write(0x6207, 0x02), 0x60);  // of the lower four, only output 1 is on
+  node_.on_frame(frame_of(0x208, {0x55}));
+  tick(node_, 1);
+  EXPECT_EQ(board_.output_bits, 0x55);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
+  tick(node_, 1);
+  EXPECT_EQ(board_.output_bits, 0x52);
+  node_.on_frame(frame_of(0x208, {0xFF}));  // nobody listens
+  tick(node_, 1);
+  EXPECT_EQ(board_.output_bits, 0x52);
+  node_.power_on();
+  EXPECT_EQ(board_.output_bits, 0);
+}
+
+TEST_F(IoTest, AnSdoSwitchesNothingOn) {
+  EXPECT_EQ(ask(node_, board_, canopen::sdo(0x608, canopen::sdo_download_command(1), 0x6200, 1, 0xFF)).data[0], 0x80);
+  tick(node_, 5);
+  EXPECT_EQ(board_.output_bits, 0);
+}
+
+TEST_F(IoTest, AFrameOfTheWrongLengthSwitchesNothing) {
+  node_.on_frame(frame_of(0x208, {0xFF, 0xFF}));
+  node_.on_frame(frame_of(0x208, {}));
+  tick(node_, 5);
+  EXPECT_EQ(board_.output_bits, 0);
+  EXPECT_EQ(node_.stack().counters().wrong_length, 2U);
+}
+
 TEST_F(IoTest, SilentUnlessOperational) {
   node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
   board_.bumper_bits = 1;

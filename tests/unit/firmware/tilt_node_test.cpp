@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -231,6 +232,122 @@ TEST_F(TiltTest, ASensorThatIsGoneFailsForGoodAndSaysSo) {
   make_operational(node_, board_);
   cycles(201);
   EXPECT_EQ(status(), kValid | kConverged);
+}
+
+TEST_F(TiltTest, H6_ASensorThatFailedItsSelfTestIsNeverValid) {
+  TestBoard board;
+  board.report = {true, false, true, 0x68};
+  TiltNode<TestBoard> node(board, contract::Node::tilt_left);
+  make_operational(node, board);
+  tick(node, 2);
+  EXPECT_EQ(board.with_id(0x091).size(), 1U);  // EMCY 5000h
+  EXPECT_EQ(contract::read_le(&board.with_id(0x091).at(0).data[0], 2), 0x5000U);
+  for (int i = 0; i < 1000; ++i) {
+    tick(node, 10);
+    node.on_frame(canopen::sync());
+    ASSERT_EQ((node.stack().values().get<0x2120>() & kValid), 0);
+    ASSERT_NE((node.stack().values().get<0x2120>() & kFailed), 0);
+  }
+}
+
+TEST_F(TiltTest, AForeignPartIsNamedAndNeverValid) {
+  TestBoard board;
+  board.report = {false, true, false, 0x6A};
+  board.imu_fresh = false;
+  TiltNode<TestBoard> node(board, contract::Node::tilt_left);
+  make_operational(node, board);
+  tick(node, 20);
+  EXPECT_EQ((node.stack().values().get<0x2120>()), kFailed | 32);
+  EXPECT_EQ((node.stack().values().get<0x2122>()), 0x6A);
+  board.report = {true, false, false, 0x68};
+  board.imu_fresh = true;
+  tick(node, 3000);
+  EXPECT_EQ((node.stack().values().get<0x2120>() & kValid), 0);
+}
+
+TEST_F(TiltTest, TheSensorHasTimeForItsSelfTestButNotForEver) {
+  TestBoard board;
+  board.report = {};
+  board.imu_fresh = false;
+  TiltNode<TestBoard> node(board, contract::Node::tilt_base);
+  make_operational(node, board);
+  tick(node, 3000);
+  EXPECT_EQ((node.stack().values().get<0x2120>()), 0);  // not valid, not failed either
+  board.imu_fresh = true;
+  board.report = {true, false, false, 0x68};
+  tick(node, 2300);
+  EXPECT_EQ((node.stack().values().get<0x2120>()), kValid | kConverged);
+  TestBoard dead;
+  dead.report = {};
+  dead.imu_fresh = false;
+  TiltNode<TestBoard> missing(dead, contract::Node::tilt_base);
+  make_operational(missing, dead);
+  tick(missing, 6001);
+  EXPECT_EQ((missing.stack().values().get<0x2120>()), kFailed | 32);
+}
+
+// A sensor turned on its strut in all 24 ways shows the same angles.
+TEST_F(TiltTest, EveryMountingGivesTheSameAngles) {
+  const std::array<float, 3> acceleration{-9.80665F * std::sin(0.1F), 9.80665F * std::sin(0.05F), 9.7F},
+      rate{0.2F, -0.1F, 0.3F};  // x, y, z
+  int mountings = 0;
+  for (int code = 11; code <= 66; ++code) {
+    const int forward = code / 10, left = code % 10;
+    TestBoard board;
+    TiltNode<TestBoard> node(board, contract::Node::tilt_base);
+    tick(node, 2);
+    const bool accepted =
+        ask(node, board, canopen::sdo(0x613, canopen::sdo_download_command(1), 0x2104, 0, static_cast<std::uint32_t>(code))).data[0] ==
+        0x60;
+    const bool exists = forward >= 1 && forward <= 6 && left >= 1 && left <= 6 && (forward - left) % 3 != 0;
+    ASSERT_EQ(accepted, exists) << code;
+    if (!exists) continue;
+    ++mountings;
+    // Which chip axis is which, by the cross product rather than by parity as in the node.
+    std::array<std::array<float, 3>, 3> axes{};  // rows: hoist x, y, z in chip axes
+    axes[0][static_cast<std::size_t>((forward - 1) % 3)] = forward > 3 ? -1.0F : 1.0F;
+    axes[1][static_cast<std::size_t>((left - 1) % 3)] = left > 3 ? -1.0F : 1.0F;
+    for (std::size_t i = 0; i < 3; ++i)
+      axes[2][i] = axes[0][(i + 1) % 3] * axes[1][(i + 2) % 3] - axes[0][(i + 2) % 3] * axes[1][(i + 1) % 3];
+    std::array<float, 3> chip_acceleration{}, chip_rate{};
+    for (std::size_t h = 0; h < 3; ++h)
+      for (std::size_t c = 0; c < 3; ++c) chip_acceleration[c] += axes[h][c] * acceleration[h], chip_rate[c] += axes[h][c] * rate[h];
+    board.imu = {chip_acceleration[0], chip_acceleration[1], chip_acceleration[2], chip_rate[1], chip_rate[0], chip_rate[2]};
+    node.on_frame(canopen::nmt(canopen::NmtCommand::start, 0));
+    tick(node, 10);
+    node.on_frame(canopen::sync());
+    const auto& values = node.stack().values();
+    ASSERT_NEAR((values.get<0x6010>()), 5764, 60) << code;  // atan2(0.979, 9.7)
+    ASSERT_NEAR((values.get<0x6020>()), 2893, 60) << code;
+    ASSERT_EQ((values.get<0x2110, 1>()), 1719) << code;  // 0.3 rad/s
+    ASSERT_EQ((values.get<0x2110, 2>()), -573) << code;
+    ASSERT_EQ((values.get<0x2110, 3>()), 1146) << code;
+    ASSERT_NEAR((values.get<0x2111, 3>()), 989, 1) << code;
+  }
+  EXPECT_EQ(mountings, 24);
+}
+
+TEST_F(TiltTest, TheMountingCannotChangeUnderWay) {
+  cycles(201);
+  const auto answer = ask(node_, board_, canopen::sdo(0x613, canopen::sdo_download_command(1), 0x2104, 0, 45));
+  EXPECT_EQ(answer.data[0], 0x80);
+  EXPECT_EQ(contract::read_le(&answer.data[4], 4), static_cast<std::uint32_t>(SdoAbort::device_state));
+  EXPECT_EQ(status(), kValid | kConverged);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
+  EXPECT_EQ(ask(node_, board_, canopen::sdo(0x613, canopen::sdo_download_command(1), 0x2104, 0, 45)).data[0], 0x60);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 0));
+  cycles(1);
+  EXPECT_EQ(status() & kConverged, 0);  // the bias was of other axes
+}
+
+TEST_F(TiltTest, RawAccelerationsAreReadInThousandthsOfG) {
+  board_.imu = {-0.980665F, 0.4903325F, 9.80665F, 0, 0, 0};
+  tick(node_, 10);
+  node_.on_frame(canopen::sync());
+  const auto& values = node_.stack().values();
+  EXPECT_EQ((values.get<0x2111, 1>()), -100);
+  EXPECT_EQ((values.get<0x2111, 2>()), 50);
+  EXPECT_EQ((values.get<0x2111, 3>()), 1000);
 }
 
 TEST_F(TiltTest, SaysWhenItsReadingsAreBeyondItsRange) {
