@@ -40,7 +40,7 @@ void tell_emergency(CoreState& state, const CanFrame& frame) noexcept {
 void receive_frames(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
   state.sensed.next_tick();
   state.master.next_tick();
-  state.health.next_tick(inputs.tick, inputs.bus_up);
+  state.health.next_tick(inputs.time_ns, inputs.bus_up);
   for (const CanFrame& frame : inputs.frames) {
     ++state.bus_frames;
     if (state.health.take(frame)) tell_emergency(state, frame);

@@ -18,9 +18,13 @@ class BusHealth {
   /// Nobody, where a CAN id is told.
   static constexpr std::uint16_t kNoId = 0xFFFF;
 
-  /// At the start of every step, before its frames.
-  void next_tick(std::uint64_t tick, bool bus_up) noexcept {
-    tick_ = static_cast<std::uint32_t>(tick);
+  /// At the start of every step, before its frames. By the clock and not by the number of steps: after a hold-up the frames of the whole
+  /// pause come at once, and none of them is one too many.
+  void next_tick(std::uint64_t time_ns, bool bus_up) noexcept {
+    static_assert(kStreamUnit == 256);
+    clock_ = static_cast<std::uint32_t>(time_ns * 2 / 78'125);  // 10 ms are kStreamUnit
+    tick_ = static_cast<std::uint32_t>(time_ns / 10'000'000);
+    if (second_tick_ == 0) second_tick_ = tick_;
     for (NodeHealth& node : nodes_) node.twice.next_tick();
     second_master_.next_tick();
     if (babble_hold_ticks_ > 0 && --babble_hold_ticks_ == 0) babbling_id_ = kNoId;
@@ -66,7 +70,7 @@ class BusHealth {
       default:
         break;
     }
-    const bool too_many = node.tpdo[static_cast<std::size_t>(kind)].take(plan.by_sync ? sync_clock_ : tick_ * kStreamUnit, plan.period);
+    const bool too_many = node.tpdo[static_cast<std::size_t>(kind)].take(plan.by_sync ? sync_clock_ : clock_, plan.period);
     if (kind == FrameKind::tpdo1) {
       // One SYNC, one answer. Frames on change may come in between, so an own timer proves nothing.
       if (too_many && plan.by_sync) node.twice.add(kSecondAnswer);
@@ -173,7 +177,7 @@ class BusHealth {
       node.error_register = 0;
       return;
     }
-    if (node.heartbeat.take(tick_ * kStreamUnit, kPlan.period)) node.twice.add(kSecondHeartbeat);
+    if (node.heartbeat.take(clock_, kPlan.period)) node.twice.add(kSecondHeartbeat);
   }
 
   /// Counts what is missing. A SYNC that never reached the bus is missing in every node's data alike and no node's fault.
@@ -218,7 +222,7 @@ class BusHealth {
   BusLoad load_;
   RateWatch strangers_, service_;
   Suspicion second_master_;
-  std::uint32_t tick_ = 0, second_tick_ = 0, sync_clock_ = 0, syncs_lost_ = 0;
+  std::uint32_t tick_ = 0, clock_ = 0, second_tick_ = 0, sync_clock_ = 0, syncs_lost_ = 0;
   std::size_t second_ = 0;
   std::uint16_t babbling_id_ = kNoId;
   std::uint8_t window_ticks_ = 0, babble_hold_ticks_ = 0;
