@@ -20,7 +20,10 @@ constexpr const char* kSessionColumns =
     "note, exercise, coalesce(sample_count, (SELECT sum(samples) FROM chunks WHERE session_id = sessions.id), 0), "
     "coalesce(first_time_ns, (SELECT min(first_time_ns) FROM chunks WHERE session_id = sessions.id), 0), "
     "coalesce(last_time_ns, (SELECT max(last_time_ns) FROM chunks WHERE session_id = sessions.id), 0), "
-    "(SELECT count(*) FROM gaps WHERE session_id = sessions.id) FROM sessions ";
+    "(SELECT count(*) FROM gaps WHERE session_id = sessions.id), "
+    // The length of a blob stands in its row's head: no chunk is read for this.
+    "(SELECT coalesce(sum(length(directory) + length(body)), 0) FROM chunks WHERE session_id = sessions.id) + "
+    "(SELECT coalesce(sum(length(body)), 0) FROM bus_chunks WHERE session_id = sessions.id) FROM sessions ";
 
 SessionInfo info_of(const Statement& row) {
   SessionInfo info;
@@ -40,6 +43,7 @@ SessionInfo info_of(const Statement& row) {
   info.sample_count = row.unsigned_at(12);
   info.duration_s = static_cast<double>(row.integer_at(14) - row.integer_at(13)) * kNanoseconds;
   info.gap_count = row.unsigned_at(15);
+  info.stored_bytes = row.unsigned_at(16);
   return info;
 }
 
@@ -183,12 +187,7 @@ Result<SessionInfo> SessionReader::get(SessionId session) const {
     Transaction transaction(handle, Transaction::Kind::read);
     Statement row(handle, std::string(kSessionColumns) + "WHERE id = ?1");
     if (!row.integer(1, session).step()) return no_such_session(session);
-    SessionInfo info = info_of(row);
-    Statement bytes(handle,
-                    "SELECT (SELECT coalesce(sum(length(directory) + length(body)), 0) FROM chunks WHERE session_id = ?1) + "
-                    "(SELECT coalesce(sum(length(body)), 0) FROM bus_chunks WHERE session_id = ?1)");
-    if (bytes.integer(1, session).step()) info.stored_bytes = bytes.unsigned_at(0);
-    return info;
+    return info_of(row);
   });
 }
 

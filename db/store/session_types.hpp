@@ -60,7 +60,7 @@ struct SessionInfo {
   std::uint64_t sample_count = 0;
   std::uint64_t gap_count = 0;
   double duration_s = 0;           ///< from the first to the last sample
-  std::uint64_t stored_bytes = 0;  ///< chunk blobs of samples and bus frames; filled by get(), 0 in lists
+  std::uint64_t stored_bytes = 0;  ///< chunk blobs of samples and bus frames
 };
 
 struct ColumnInfo {

@@ -126,6 +126,7 @@ std::string meaning(const Event& event) {
       if (const auto index = contract::find_param_id(event.item)) return std::string(contract::kParams[*index].name);
       break;
     case EventKind::node_changed:
+    case EventKind::emergency:
       if (event.item < contract::kNodes.size()) return std::string(contract::kNodes[event.item].name);
       break;
     default:

@@ -24,6 +24,12 @@ void put(std::string& out, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFF));
 }
 
+constexpr std::uint32_t kNoCanId = 0xFFFF;  // babbling_id of a bus that is simply full
+bool is_about_a_device(std::uint32_t code) {
+  return code == static_cast<std::uint32_t>(contract::Fault::node_duplicate) ||
+         code == static_cast<std::uint32_t>(contract::Fault::node_babbling);
+}
+
 SharedFrame text_frame(const json& message) { return make_frame(Opcode::text, dump_json(message)); }
 
 json lease_json(const CoreDesk& core, std::uint32_t client) {
@@ -69,6 +75,19 @@ json event_json(const contract::Event& event) {
       out["code"] = event.code;
       for (const contract::FaultInfo& f : contract::kFaults)
         if (f.bit == event.code) out["name"] = f.name;
+      // A fault that may be about any device names the one it is about.
+      if (event.kind == EventKind::fault_raised && is_about_a_device(event.code)) {
+        out["item"] = event.item;
+        if (const auto node = contract::find_node(static_cast<std::uint8_t>(event.item & 0x7FU)); node && event.item != kNoCanId)
+          out["node"] = contract::kNodes[static_cast<std::size_t>(*node)].name;
+      }
+      break;
+    case EventKind::emergency:
+      out["code"] = event.code;
+      out["item"] = event.item;
+      out["bits"] = event.bits;
+      out["value"] = event.value;
+      if (event.item < contract::kNodes.size()) out["name"] = contract::kNodes[event.item].name;
       break;
     case EventKind::mode_changed:
       out["code"] = event.code;
@@ -210,6 +229,10 @@ void Hub::on_lease(std::uint32_t, std::uint32_t) {
 void Hub::on_event(const contract::Event& event) {
   // Answers to somebody's question are theirs alone.
   if (event.kind == contract::EventKind::command_done || event.kind == contract::EventKind::none) return;
+  if (event.kind == contract::EventKind::emergency) {
+    if (emergencies_.size() == kEmergenciesKept) emergencies_.pop_front();
+    emergencies_.push_back(event);
+  }
   json message = event_json(event);
   message["type"] = "event";
   broadcast(text_frame(message));

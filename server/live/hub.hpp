@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,9 @@ namespace hoist::server {
 
 // Samples of one ordinary telemetry frame: 20 frames per second.
 inline constexpr std::size_t kBatchSamples = 5;
+
+// Emergency messages of nodes that are kept for whoever asks later; all of a session are in its recording.
+inline constexpr std::size_t kEmergenciesKept = 64;
 
 class Client;
 
@@ -45,6 +49,8 @@ class Hub final : public CoreListener {
   // Changes how often a client gets values, between two batches, so that it sees each step once.
   void set_every_tick(Client& client, bool on);
   [[nodiscard]] std::size_t clients() const { return clients_.size(); }
+  // The latest emergency messages since the server started, oldest first.
+  [[nodiscard]] const std::deque<contract::Event>& emergencies() const { return emergencies_; }
   [[nodiscard]] Services& services() const { return *services_; }
 
  private:
@@ -55,6 +61,7 @@ class Hub final : public CoreListener {
   std::vector<std::shared_ptr<Client>> clients_;
   std::vector<contract::TickRecord> batch_;
   RecordingStatus told_;
+  std::deque<contract::Event> emergencies_;
 };
 
 // The binary frame of some samples: 16 bytes of header, then the records as they lie in memory.

@@ -110,6 +110,19 @@ class Walk {
     r.battery_a_v = r.battery_b_v = f(supply_ / 2);
     r.wake_lateness_s = f(std::fabs(noise(15e-6)));
     r.tick_duration_s = f(20e-6 + std::fabs(noise(3e-6)));
+    // The bus: some eight frames a step, its load anew each second, one node that loses a frame a second.
+    frames_ += 7 + tick % 2 + (tick % 5 == 0 ? 2 : 0);
+    r.bus_frames = static_cast<std::uint32_t>(frames_);
+    if (tick % 100 == 0 || load_ == 0) load_ = 0.41 + noise(0.002);
+    r.bus_load_norm = f(load_);
+    r.bus_frames_per_s = static_cast<std::uint16_t>(load_ * 2200);
+    r.bus_up = 1;
+    r.babbling_id = 0xFFFF;
+    r.io_age_ticks = static_cast<std::uint8_t>(tick % 2);
+    r.drive_left_nmt_state = r.drive_right_nmt_state = r.io_nmt_state = 5;
+    r.tilt_left_nmt_state = r.tilt_right_nmt_state = r.tilt_base_nmt_state = 5;
+    r.tilt_right_lost_frames = static_cast<std::uint32_t>(tick / 100);
+    r.tilt_right_lost_10s = static_cast<std::uint8_t>(9 + tick / 50 % 2);
     r.mode = static_cast<std::uint8_t>(contract::Mode::user);
     r.simulated = 1;
     r.server_alive = 1;
@@ -126,7 +139,8 @@ class Walk {
 
  private:
   std::mt19937 random_;
-  double v_ = 0, w_ = 0, x_ = 0, y_ = 0, psi_ = 0, distance_ = 0, left_ = 0, right_ = 0, supply_ = 0;
+  double v_ = 0, w_ = 0, x_ = 0, y_ = 0, psi_ = 0, distance_ = 0, left_ = 0, right_ = 0, supply_ = 0, load_ = 0;
+  std::uint64_t frames_ = 0;
   std::int32_t last_left_ = 0, last_right_ = 0;
 };
 

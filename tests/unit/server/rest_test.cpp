@@ -1,4 +1,5 @@
 // Routes, sessions, refusals, parameters and motion over REST. Every answer is checked against OpenAPI by the fixture.
+#include "control/contract/can_dictionary.hpp"
 #include "control/contract/params.hpp"
 #include "server/contract/routes.hpp"
 #include "tests/unit/server/fixture.hpp"
@@ -22,6 +23,53 @@ TEST_F(Rest, EveryGetRouteAnswersAsDescribed) {
     EXPECT_EQ(head.status, answer.status) << path;
     EXPECT_TRUE(head.body.empty());
   }
+}
+
+TEST_F(Rest, HealthNamesTheNodeThatLosesAndTheOneThatIsSilent) {
+  core_->set([](contract::TickRecord& record) {
+    record.tilt_left_nmt_state = record.tilt_right_nmt_state = record.tilt_base_nmt_state = 5;
+    record.drive_left_nmt_state = record.drive_right_nmt_state = 5;
+    record.io_nmt_state = 127;
+    record.io_age_ticks = 255;
+    record.tilt_right_lost_10s = 7;
+    record.tilt_right_lost_frames = 70;
+    record.drive_left_age_ticks = 90;
+    record.drive_left_heartbeats_missed = 8;
+    record.drive_left_emcy_code = 0x8250;
+    record.drive_left_emcy_count = 2;
+    record.bus_up = 1;
+    record.bus_state = 2;
+    record.bus_load_norm = 0.41F;
+    record.babbling_id = 0xFFFF;
+  });
+  contract::Event event;
+  event.kind = contract::EventKind::emergency;
+  event.item = static_cast<std::uint32_t>(contract::Node::drive_left);
+  event.code = 0x8250;
+  event.bits = 0x11;
+  core_->publish_event(event);
+  json health;
+  ASSERT_TRUE(until([&] {
+    health = get("/api/v1/health").json();
+    return !health["emergencies"].empty() && health["bus"]["state"] == "passive";
+  }));
+  const auto state = [&](const char* name) {
+    for (const json& node : health["nodes"])
+      if (node["name"] == name) return node["state"].get<std::string>();
+    return std::string{};
+  };
+  EXPECT_EQ(health["nodes"].size(), contract::kRemoteNodeCount);
+  EXPECT_EQ(state("tilt_left"), "working");
+  EXPECT_EQ(state("tilt_right"), "losing");
+  EXPECT_EQ(state("drive_left"), "silent");
+  EXPECT_EQ(state("io"), "waiting");
+  EXPECT_TRUE(health["bus"]["duplicate_id"].is_null());
+  EXPECT_TRUE(health["bus"]["babbling_id"].is_null());
+  EXPECT_NEAR(health["bus"]["load_norm"].get<double>(), 0.41, 1e-6);
+  const json& told = health["emergencies"][0];
+  EXPECT_EQ(told["node"], "drive_left");
+  EXPECT_EQ(told["emergency"]["name"], "rpdo_timeout");
+  EXPECT_EQ(told["error_register"], 0x11);
 }
 
 TEST_F(Rest, NothingWithoutASession_H28) {

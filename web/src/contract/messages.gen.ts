@@ -183,6 +183,10 @@ export interface EventMessage {
   /** Name of the fault, mode, parameter or node. */
   name?: string;
   item?: number;
+  /** Name of the node that a fault is about. */
+  node?: string;
+  /** Error register of an emergency message. */
+  bits?: number;
   value?: number;
   before?: number;
   client?: number;
