@@ -57,7 +57,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
   const values = Object.fromEntries(paramRows.map((row) => [row.name, row.default]));
   const hoist = {
     tick: 0, mode: 'standby', x: 0, y: 0, psi: 0, v: 0, w: 0, distance: 0, lean: 0, turn: 0, faults: 0, exercise, version: 1, drive: { speed: 0, yaw: 0, held: false, tick: -1000 },
-    drives: [], session: null, sessionTick: 0, commands: [],
+    drives: [], trouble: {}, session: null, sessionTick: 0, commands: [],
   };
   const lease = { epoch: 0, holder: 0 };
   const clients = new Map();
@@ -147,9 +147,16 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi, distance_m: hoist.distance, stop_distance_m: hoist.v ** 2 / 1.6, remote_age_s: 9.999,
       battery_a_v: 12.43, battery_b_v: 12.38, left_supply_v: 24.7, right_supply_v: 24.7, left_current_a: 0.6 + hoist.v, right_current_a: 0.5 + hoist.v,
       wake_lateness_s: 6e-5, tick_duration_s: 2.1e-4, bus_frames: hoist.tick * 7, fault_bits: hoist.faults, blocked_bits: hoist.faults ? 4 : 0, lease_epoch: lease.epoch, lease_holder: lease.holder,
-      parameter_version: hoist.version, mode: modeValue[hoist.mode], stop_cause: 0, simulated: 1, server_alive: 1, standing_still: Math.abs(hoist.v) < 0.02 ? 1 : 0,
+      parameter_version: hoist.version, ...health(hoist.tick), mode: modeValue[hoist.mode], stop_cause: 0, simulated: 1, server_alive: 1, standing_still: Math.abs(hoist.v) < 0.02 ? 1 : 0,
     };
   };
+
+  // Nodes and bus: well, or with the troubles that trouble() asked for.
+  const parts = ['drive_left', 'drive_right', 'io', 'tilt_left', 'tilt_right', 'tilt_base'];
+  const health = () => ({
+    ...Object.fromEntries(parts.flatMap((name) => [[`${name}_nmt_state`, 5], [`${name}_age_ticks`, name === 'io' ? hoist.tick % 2 : 0]])),
+    bus_up: 1, bus_load_norm: 0.41, bus_frames_per_s: 905, babbling_id: 65535, ...hoist.trouble,
+  });
 
   const refuse = (...refusals) => ({ ok: false, refusals, errors: [] });
   const setValues = (wanted) => {
@@ -232,6 +239,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     if (!signedIn) return send(401, { title: 'Not signed in', status: 401 });
     const path = url.pathname.replace('/api/v1', '');
     if (path === '/status') return send(200, { version: 'fake' });
+    if (path === '/health') return send(200, { connected: true, nodes: [], bus: null, emergencies: hoist.tick < 100 ? [] : [{ node: 'io', time_ns: 5e8, age_s: 1, error_register: 0, emergency: { code: 0x8140 } }] });
     if (path === '/stop' && request.method === 'POST') {
       stopNow();
       return send(200, { ok: true });
@@ -327,6 +335,8 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
           }
         },
         fault: (name) => (hoist.faults |= 1 << faultBit[name]),
+        trouble: (change) => (hoist.trouble = change),
+        event,
         dropAll: () => {
           for (const client of clients.values()) client.socket.terminate();
         },

@@ -47,6 +47,19 @@ for (const [size, [width, height]] of Object.entries(sizes)) {
     await page.waitForTimeout(500);
     await shot('drive-stopped');
     fake.fault('tilt_left_lost');
+    await page.goto(`${fake.url}#/health`);
+    await page.waitForTimeout(600);
+    await shot('health-well');
+    fake.fault('node_babbling');
+    fake.trouble({
+      tilt_left_age_ticks: 255, tilt_left_heartbeats_missed: 25, tilt_right_lost_10s: 11, tilt_right_lost_frames: 48, drive_left_error_register: 0x11,
+      drive_left_emcy_code: 0x8250, drive_left_emcy_count: 1, io_age_ticks: 120, io_nmt_state: 127, bus_load_norm: 0.93, bus_frames_per_s: 2004, bus_state: 2,
+      bus_errors: 318, babbling_id: 0x292,
+    });
+    fake.event('emergency', { name: 'drive_left', code: 0x8250, item: 0, bits: 0x11 });
+    await page.waitForTimeout(900);
+    await shot('health-trouble');
+    await page.screenshot({ path: join(out, `${size}-${look}-health-whole.png`), fullPage: true });
     for (const name of ['tune', 'sessions', 'health']) {
       await page.goto(`${fake.url}#/${name}`);
       await page.waitForTimeout(500);

@@ -1,13 +1,13 @@
 // Ties the connection to the store and offers what screens may ask for. The only writer of the store.
-import { modes } from '../contract/faults.gen';
-import { layoutHash } from '../contract/messages.gen';
+import { faults, modes, type FaultName } from '../contract/faults.gen';
+import { layoutHash, type Exercise } from '../contract/messages.gen';
 import type { ParamName } from '../contract/params.gen';
 import type { TickRecord } from '../contract/signals.gen';
 import { readFrame } from './frame';
 import { live } from './live';
 import { rest } from './rest';
 import { Link, replyLost, subprotocol, type Reply, type SocketLike } from './socket';
-import { store, type Exercise, type LogLine, type Notice, type Recording } from './store';
+import { store, type Emergency, type LogLine, type Notice, type Recording } from './store';
 
 const late_ms = 500;
 const gone_ms = 1000;
@@ -54,6 +54,11 @@ function takeFrame(buffer: ArrayBuffer): void {
   if (newest.mode === modeStopped) stopSeen();
 }
 
+const bitOf = (name: FaultName) => faults.find((fault) => fault.name === name)!.bit;
+const duplicateBit = bitOf('node_duplicate');
+const babblingBit = bitOf('node_babbling');
+const nobody = 0xffff;
+
 const modeStopped = modes.find((mode) => mode.name === 'protective_stop')!.value;
 
 function slowPart(record: TickRecord) {
@@ -63,6 +68,9 @@ function slowPart(record: TickRecord) {
     blockedBits: record.blocked_bits,
     standingStill: record.standing_still === 1,
     bumpers: record.bumpers,
+    // The alarm outlasts its cause until somebody acknowledges it; so does the name of the device.
+    duplicateId: record.duplicate_id !== 0 ? record.duplicate_id : ((record.fault_bits >>> duplicateBit) & 1) === 1 ? store.value.duplicateId : null,
+    babblingId: record.babbling_id !== nobody ? record.babbling_id : ((record.fault_bits >>> babblingBit) & 1) === 1 ? store.value.babblingId : null,
   } as const;
 }
 
@@ -117,7 +125,9 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
         name: String(message.name ?? ''),
         value: typeof message.value === 'number' ? message.value : null,
         before: typeof message.before === 'number' ? message.before : null,
+        code: typeof message.code === 'number' ? message.code : null,
       };
+      if (line.kind === 'emergency') takeEmergencies([{ time_ns: line.time_ns, node: line.name, code: line.code ?? 0, errorRegister: Number(message.bits ?? 0) }]);
       if (line.kind === 'pose_set') live.clearPath();
       store.set({ log: [...now.log, line].slice(-logLines) });
       break;
@@ -126,6 +136,25 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
       notify((message.level as Notice['level']) ?? 'info', String(message.text_key ?? message.text ?? ''));
       break;
   }
+}
+
+const emergenciesMost = 64;
+function takeEmergencies(more: readonly Emergency[]): void {
+  const all = new Map([...store.value.emergencies, ...more].map((item) => [`${item.time_ns} ${item.node} ${item.code}`, item]));
+  store.set({ emergencies: [...all.values()].sort((a, b) => a.time_ns - b.time_ns).slice(-emergenciesMost) });
+}
+
+/** What devices reported before this page was opened. */
+export async function fetchEmergencies(): Promise<void> {
+  interface Told {
+    node: string;
+    time_ns: number;
+    error_register: number;
+    emergency: { code: number };
+  }
+  const answer = await rest<{ emergencies?: Told[] }>('GET', '/health');
+  if (answer.ok)
+    takeEmergencies((answer.value.emergencies ?? []).map((item) => ({ time_ns: item.time_ns, node: item.node, code: item.emergency.code, errorRegister: item.error_register })));
 }
 
 let noticeId = 0;

@@ -1,5 +1,5 @@
 // Plain requests to /api/v1. Errors come back as values: a screen must always have something to say.
-import type { FieldError } from './socket';
+import type { FieldError } from '../contract/messages.gen';
 
 export interface Problem {
   status: number; // 0 = the server cannot be reached

@@ -1,6 +1,8 @@
 // The connection to the server: one WebSocket that is opened again whenever it is lost, requests matched to their replies, and the
 // measured round trip. Knows nothing of screens. Clock, timers and socket are passed in, so that tests run it in virtual time.
 
+import type { FieldError } from '../contract/messages.gen';
+
 export type LinkState = 'connecting' | 'open' | 'lost';
 
 export interface SocketLike {
@@ -22,13 +24,6 @@ export interface LinkHost {
   clearTimer(timer: number): void;
 }
 
-export interface FieldError {
-  field: string;
-  value?: number | string | null;
-  min?: number;
-  max?: number;
-  message?: string;
-}
 export interface Reply {
   ok: boolean;
   refusals: string[];

@@ -1,13 +1,8 @@
 // What the console knows at this moment. Screens read it through useStore; only link/console.ts writes it.
 import { useEffect, useReducer, useRef } from 'preact/hooks';
 import type { ModeName } from '../contract/faults.gen';
+import type { Exercise } from '../contract/messages.gen';
 import type { LinkState } from './socket';
-
-export type Exercise =
-  | { shape: 'eight'; c_m: number; radius_m: number }
-  | { shape: 'square'; side_m: number }
-  | { shape: 'straight'; length_m: number }
-  | { shape: 'free' };
 
 export interface Recording {
   state: 'idle' | 'recording' | 'failed';
@@ -22,6 +17,14 @@ export interface LogLine {
   name: string;
   value: number | null;
   before: number | null;
+  code: number | null;
+}
+/** An emergency message of a node; code 0 says that an error has ended. */
+export interface Emergency {
+  time_ns: number;
+  node: string;
+  code: number;
+  errorRegister: number;
 }
 export interface Notice {
   id: number;
@@ -57,9 +60,13 @@ export interface State {
   blockedBits: number;
   standingStill: boolean;
   bumpers: number;
+  /** Node id that two devices share, and CAN id that floods the bus: kept while the alarm about it is shown. Null = not told. */
+  duplicateId: number | null;
+  babblingId: number | null;
   stopSent: boolean;
   stopFailed: boolean;
   log: LogLine[];
+  emergencies: Emergency[];
   notices: Notice[];
 }
 
@@ -87,9 +94,12 @@ export const initial: State = {
   blockedBits: 0,
   standingStill: true,
   bumpers: 0,
+  duplicateId: null,
+  babblingId: null,
   stopSent: false,
   stopFailed: false,
   log: [],
+  emergencies: [],
   notices: [],
 };
 

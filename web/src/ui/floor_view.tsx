@@ -1,7 +1,7 @@
 // The floor from above: planned figure dashed, walked path solid, the hoist at its place. x to the right, y up, like the paper's figures.
 import { useEffect, useRef } from 'preact/hooks';
 import { live, useFrame } from '../link/live';
-import type { Exercise } from '../link/store';
+import type { Exercise } from '../contract/messages.gen';
 import { fixed, t } from '../text/text';
 import { fit, patternPoints, type Frame, type Point } from './geometry';
 

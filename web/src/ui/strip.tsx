@@ -1,10 +1,11 @@
 // The line under the status bar: the most important alarm with what to do, or in calm times one sentence. Its height never changes.
 import { useState } from 'preact/hooks';
-import { faults, type FaultInfo } from '../contract/faults.gen';
+import { faults, type FaultInfo, type FaultName } from '../contract/faults.gen';
 import { acknowledge, notify } from '../link/console';
 import { useStore } from '../link/store';
 import { useSettings } from '../text/settings';
 import { fixed, t, words } from '../text/text';
+import { deviceOfCan, deviceOfNode } from './device';
 import { HoldButton } from './hold_button';
 import { reasons } from './refusal';
 
@@ -38,6 +39,8 @@ export function Strip() {
   const failed = useStore((s) => s.stopFailed);
   const sending = useStore((s) => s.stopSent);
   const recording = useStore((s) => s.recording.state);
+  const duplicateId = useStore((s) => s.duplicateId);
+  const babblingId = useStore((s) => s.babblingId);
   const [all, setAll] = useState(false);
   const [busy, setBusy] = useState(false);
 
@@ -49,8 +52,12 @@ export function Strip() {
     add('link', 'high', data === 'none' ? t('strip.lost') : `${t('strip.lost')} · ${t('strip.noData', { s: fixed(age_s, 0) })}`, t('strip.lostAction'));
   else if (link === 'open' && !core) add('core', 'high', t('strip.core'), t('strip.coreAction'));
   else if (link === 'open' && data === 'gone') add('data', 'high', t('strip.noData', { s: fixed(age_s, 0) }), t('strip.lostAction'));
+  const device: Partial<Record<FaultName, string | null>> = { node_duplicate: deviceOfNode(duplicateId), node_babbling: deviceOfCan(babblingId) };
   if (data !== 'gone' && data !== 'none')
-    for (const fault of activeFaults(bits)) add(fault.name, fault.priority, words(fault.text), words(fault.action));
+    for (const fault of activeFaults(bits)) {
+      const name = device[fault.name];
+      add(fault.name, fault.priority, name ? `${words(fault.text)}: ${name}` : words(fault.text), words(fault.action));
+    }
   if (recording === 'failed') add('recording', 'medium', t('strip.recordingFailed'), t('strip.recordingFailedAction'));
   alarms.sort((a, b) => rank[a.priority] - rank[b.priority]);
 

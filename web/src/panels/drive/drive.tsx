@@ -2,7 +2,8 @@
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { drive, everyTick, notify, requestMode, setParameters } from '../../link/console';
 import type { Reply } from '../../link/socket';
-import { useStore, type Exercise } from '../../link/store';
+import type { Exercise } from '../../contract/messages.gen';
+import { useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { fixed, t, toDegrees } from '../../text/text';
 import { FloorView } from '../../ui/floor_view';

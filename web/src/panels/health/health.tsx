@@ -1,25 +1,18 @@
 // Whether everything answers: parts, loop, bus, power, this console, and what happened lately.
 import { faults, modes } from '../../contract/faults.gen';
 import { params } from '../../contract/params.gen';
-import type { SignalName, TickRecord } from '../../contract/signals.gen';
+import type { TickRecord } from '../../contract/signals.gen';
+import { useEffect } from 'preact/hooks';
+import { fetchEmergencies } from '../../link/console';
 import { live, useReading } from '../../link/live';
-import { useStore, type LogLine } from '../../link/store';
+import { useStore, type Emergency, type LogLine } from '../../link/store';
 import type { TextKey } from '../../text/en';
 import { useSettings } from '../../text/settings';
 import { duration, fixed, plain, refusalText, shownAs, t, textOf, words } from '../../text/text';
+import { emergencyInfo, hex } from '../../ui/device';
 import type { Panel } from '../panel';
+import { nodeView, partNames, tick_ms, type NodeView } from './nodes';
 
-const parts: readonly { key: TextKey; age: SignalName }[] = [
-  { key: 'health.part.tilt_left', age: 'tilt_left_age_ticks' },
-  { key: 'health.part.tilt_right', age: 'tilt_right_age_ticks' },
-  { key: 'health.part.tilt_base', age: 'tilt_base_age_ticks' },
-  { key: 'health.part.drive_left', age: 'drive_left_age_ticks' },
-  { key: 'health.part.drive_right', age: 'drive_right_age_ticks' },
-  { key: 'health.part.io', age: 'io_age_ticks' },
-];
-const tick_ms = 10;
-/** Sensors and drives speak each 10 ms and count as lost after 60 ms; the inputs speak each 20 ms and on change. */
-const silent_ticks = 25;
 const bumperKeys: readonly TextKey[] = ['health.bumper.front', 'health.bumper.rear', 'health.bumper.left', 'health.bumper.right'];
 
 function Line({ label, value, state }: { label: string; value: string; state?: 'good' | 'bad' }) {
@@ -31,8 +24,97 @@ function Line({ label, value, state }: { label: string; value: string; state?: '
   );
 }
 
+const stateWords = {
+  works: 'health.works', losing: 'health.losing', reports: 'health.reports', waiting: 'health.waiting', silent: 'health.silent', never: 'health.silent',
+} as const satisfies Record<NodeView['state'], TextKey>;
+
+function detailOf(view: NodeView): string {
+  if (view.state === 'never') return t('health.never');
+  const words: string[] = [];
+  if (view.state === 'silent' || view.state === 'waiting')
+    words.push(view.age_ms === null ? t('health.silentLong') : t('health.silentFor', { s: fixed(view.age_ms / 1000, 1) }));
+  else words.push(t('health.lastMessage', { ms: fixed(view.age_ms === null ? null : view.age_ms + tick_ms, 0) }));
+  if (view.lostLately > 0) words.push(t('health.lostLately', { n: view.lostLately }));
+  else if (view.lostAll > 0) words.push(t('health.lostAll', { n: view.lostAll }));
+  return words.join(' · ');
+}
+
+function Part({ view }: { view: NodeView }) {
+  const info = view.emergency === 0 ? null : emergencyInfo(view.emergency);
+  return (
+    <li class={`part ${view.state === 'works' ? 'good' : 'bad'}`}>
+      <span class="part-name">{t(`health.part.${view.name}` as TextKey)}</span>
+      <strong class="part-state">{t(stateWords[view.state])}</strong>
+      <span class="part-detail num">{detailOf(view)}</span>
+      {info === null ? null : (
+        <span class="part-emergency">
+          {words(info.text)}. <span class="hint">{words(info.detail)} ({hex(view.emergency)})</span>
+        </span>
+      )}
+    </li>
+  );
+}
+
+const wireKeys: readonly TextKey[] = ['health.bus.active', 'health.bus.warning', 'health.bus.passive', 'health.bus.off'];
+
+/** From this share of the limit on, the bar warns. */
+const loadNearLimit = 0.9;
+
+function Bus({ r }: { r: TickRecord | null }) {
+  const limit = useStore((s) => s.parameters.bus_load_norm_max) ?? 1;
+  const up = r !== null && r.bus_up === 1;
+  const load = r?.bus_load_norm ?? 0;
+  return (
+    <section class="card">
+      <h2>{t('health.bus')}</h2>
+      <div class="load">
+        <div class="load-words">
+          <span>{t('health.busLoad')}</span>
+          <span class="num">{r === null ? '–' : `${fixed(load * 100, 0)} %`}</span>
+        </div>
+        <svg class={`load-bar ${load > limit * loadNearLimit ? 'near' : ''}`} viewBox="0 0 100 1" preserveAspectRatio="none" aria-hidden="true">
+          <rect width={Math.min(1, load) * 100} height="1" />
+        </svg>
+      </div>
+      <Line label={t('health.busConnected')} value={r === null ? '–' : t(up ? 'health.busUp' : 'health.busDown')} state={r === null || up ? 'good' : 'bad'} />
+      <Line label={t('health.busWire')} value={r === null ? '–' : t(wireKeys[r.bus_state] ?? 'health.bus.off')} state={r === null || r.bus_state === 0 ? 'good' : 'bad'} />
+      <Line label={t('health.busRate')} value={r === null ? '–' : t('health.perSecond', { n: r.bus_frames_per_s })} />
+      <Line label={t('health.frames')} value={fixed(r?.bus_frames, 0)} />
+      <Line label={t('health.refusedFrames')} value={fixed(r?.bus_refused, 0)} />
+      <Line label={t('health.busNotSent')} value={fixed(r?.bus_send_refused, 0)} />
+      <Line label={t('health.busLostSync')} value={fixed(r?.syncs_lost, 0)} />
+      <Line label={t('health.busErrors')} value={fixed(r?.bus_errors, 0)} />
+      <Line label={t('health.busReopened')} value={fixed(r?.bus_reopened, 0)} />
+    </section>
+  );
+}
+
+function Emergencies({ list }: { list: readonly Emergency[] }) {
+  const now_ns = live.record?.time_ns ?? 0;
+  const shown = list.slice(-12).reverse();
+  if (shown.length === 0) return <p class="hint">{t('health.emergenciesNone')}</p>;
+  return (
+    <ul class="events">
+      {shown.map((item) => {
+        const info = emergencyInfo(item.code);
+        return (
+          <li key={`${item.time_ns} ${item.node} ${item.code}`}>
+            <span class="num">−{duration((now_ns - item.time_ns) / 1e9)}</span> {textOf(`health.part.${item.node}`) ?? t('device.unknown')}: {words(info.text)}
+            {item.code === 0 ? null : (
+              <span class="hint">
+                {' '}
+                {words(info.detail)} ({hex(item.code)})
+              </span>
+            )}
+          </li>
+        );
+      })}
+    </ul>
+  );
+}
+
 /** What an event says, in words. */
-export function eventText(kind: string, name: string, value: number | null, before: number | null): string {
+export function eventText(kind: string, name: string, value: number | null, before: number | null, code: number | null = null): string {
   const title = textOf(`event.${kind}`) ?? kind.replaceAll('_', ' ');
   const fault = faults.find((row) => row.name === name);
   const mode = modes.find((row) => row.name === name);
@@ -46,6 +128,7 @@ export function eventText(kind: string, name: string, value: number | null, befo
   if (fault) return `${title}: ${words(fault.text)}`;
   if (mode) return `${title}: ${words(mode.title)}`;
   const part = textOf(`health.part.${name}`);
+  if (kind === 'emergency') return `${part ?? t('device.unknown')}: ${words(emergencyInfo(code ?? 0).text)}`;
   if (part !== null) return `${title}: ${part}`;
   if (kind === 'marker' && name !== '') return `${title}: ${name}`;
   return title;
@@ -59,7 +142,7 @@ function Events({ log }: { log: readonly LogLine[] }) {
     <ul class="events">
       {shown.map((line, index) => (
         <li key={`${line.time_ns}-${index}`}>
-          <span class="num">−{duration((now_ns - line.time_ns) / 1e9)}</span> {eventText(line.kind, line.name, line.value, line.before)}
+          <span class="num">−{duration((now_ns - line.time_ns) / 1e9)}</span> {eventText(line.kind, line.name, line.value, line.before, line.code)}
         </li>
       ))}
     </ul>
@@ -74,18 +157,19 @@ function HealthView() {
   const version = useStore((s) => s.version);
   const log = useStore((s) => s.log);
   const recording = useStore((s) => s.recording);
+  const emergencies = useStore((s) => s.emergencies);
+  const open = useStore((s) => s.link === 'open');
+  useEffect(() => {
+    if (open) void fetchEmergencies();
+  }, [open]);
   const n = (value: number | undefined, decimals: number, unit: string) => `${fixed(value, decimals)} ${unit}`;
   return (
     <div class="health">
-      <section class="card">
+      <section class="card wide">
         <h2>{t('health.parts')}</h2>
-        {parts.map(({ key, age }) => {
-          const ticks = r?.[age];
-          const good = ticks !== undefined && ticks < silent_ticks;
-          return <Line key={key} label={t(key)} value={ticks === undefined ? '–' : good ? `${t('health.answers')} · ${fixed(ticks * tick_ms, 0)} ms` : t('health.silent')} state={good ? 'good' : 'bad'} />;
-        })}
-        <Line label={t('health.part.server')} value={r?.server_alive === 1 ? t('health.answers') : t('health.silent')} state={r?.server_alive === 1 ? 'good' : 'bad'} />
+        <ul class="parts">{r === null ? null : partNames.map((name) => <Part key={name} view={nodeView(r, name)} />)}</ul>
       </section>
+      <Bus r={r} />
       <section class="card">
         <h2>{t('health.power')}</h2>
         <Line label={t('health.batteryA')} value={n(r?.battery_a_v, 2, 'V')} />
@@ -107,18 +191,20 @@ function HealthView() {
         <Line label={t('health.lateness')} value={n(r === null ? undefined : r.wake_lateness_s * 1e3, 2, 'ms')} />
         <Line label={t('health.duration')} value={n(r === null ? undefined : r.tick_duration_s * 1e3, 2, 'ms')} />
         <Line label={t('health.overruns')} value={fixed(r?.overruns, 0)} />
-        <h2>{t('health.bus')}</h2>
-        <Line label={t('health.frames')} value={fixed(r?.bus_frames, 0)} />
-        <Line label={t('health.refusedFrames')} value={fixed(r?.bus_refused, 0)} />
         <Line label={t('health.refusedCommands')} value={fixed(r?.commands_refused, 0)} />
       </section>
       <section class="card">
         <h2>{t('health.link')}</h2>
+        <Line label={t('health.part.server')} value={r?.server_alive === 1 ? t('health.answers') : t('health.silent')} state={r?.server_alive === 1 ? 'good' : 'bad'} />
         <Line label={t('health.rtt')} value={n(rtt_s === null ? undefined : rtt_s * 1000, 0, 'ms')} />
         <Line label={t('health.lost')} value={fixed(live.lost, 0)} />
         <Line label={t('health.role')} value={textOf(`role.${role}`) ?? '–'} />
         <Line label={t('health.recording')} value={recording.state === 'recording' ? t('sessions.one', { n: recording.session ?? '–' }) : recording.state === 'failed' ? recording.detail || t('bar.recordingFailed') : t('bar.recordingOff')} />
         <Line label={t('health.version')} value={version || '–'} />
+      </section>
+      <section class="card wide">
+        <h2>{t('health.emergencies')}</h2>
+        <Emergencies list={emergencies} />
       </section>
       <section class="card wide">
         <h2>{t('health.log')}</h2>

@@ -1,6 +1,6 @@
 // The recorded sessions as /api/v1/sessions gives them.
 import type { SignalName } from '../../contract/signals.gen';
-import type { Exercise } from '../../link/store';
+import type { Exercise } from '../../contract/messages.gen';
 
 export interface Session {
   id: number;
@@ -47,6 +47,7 @@ export interface SessionEvent {
   name: string;
   value: number | null;
   before: number | null;
+  code: number | null;
 }
 export interface SessionEvents {
   items: SessionEvent[];
@@ -55,7 +56,7 @@ export interface SessionEvents {
 
 /** What happened, with the marks in between, in order of time. Answers to single commands are left out: their effect is there too. */
 export function story(events: SessionEvents, started_utc_ms: number): SessionEvent[] {
-  const marks = (events.markers ?? []).map((mark) => ({ time_s: (mark.utc_ms - started_utc_ms) / 1000, kind: 'marker', name: mark.text, value: null, before: null }));
+  const marks = (events.markers ?? []).map((mark) => ({ time_s: (mark.utc_ms - started_utc_ms) / 1000, kind: 'marker', name: mark.text, value: null, before: null, code: null }));
   return [...events.items.filter((event) => event.kind !== 'command_done'), ...marks].sort((a, b) => a.time_s - b.time_s);
 }
 

@@ -4,7 +4,8 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { signals, type SignalName } from '../../contract/signals.gen';
 import { notify } from '../../link/console';
 import { rest, type Problem } from '../../link/rest';
-import { useStore, type Exercise } from '../../link/store';
+import type { Exercise } from '../../contract/messages.gen';
+import { useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { date, degrees, duration, fixed, refusalText, t, words } from '../../text/text';
 import { fit, patternPoints, type Point } from '../../ui/geometry';
@@ -237,7 +238,7 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
             .map((event, index) => (
               <li key={index}>
                 <span class="num">{duration(event.time_s)}</span>{' '}
-                {eventText(event.kind, event.name, event.value, event.before)}
+                {eventText(event.kind, event.name, event.value, event.before, event.code)}
               </li>
             ))}
         </ul>
