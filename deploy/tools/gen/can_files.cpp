@@ -194,6 +194,8 @@ EdsObjects eds_objects(const NodeInfo& node) {
                    mapped};
     const bool mapping = (object.index >= 0x1600 && object.index < 0x1800) || (object.index >= 0x1A00 && object.index < 0x1C00);
     if (mapping) entry.access = "const";
+    // A process input: written by an RPDO, and whether an SDO may write it is up to the node's state.
+    if (mapped && object.access == Access::rw) entry.access = "rww";
     // Identifiers and what they map are read in hexadecimal; the limits of an identifier are rules, not numbers.
     if (mapping || is_node_relative(object.index, object.sub)) {
       entry.default_value = hex_text(static_cast<unsigned>(object_default(object, *find_node(node.id))), mapping ? 8 : 3);
