@@ -23,6 +23,7 @@
 
 #include "control/bus/can_port.hpp"
 #include "control/bus/capture.hpp"
+#include "control/bus/pokeys/input_port.hpp"
 #include "control/publish/core_link.hpp"
 #include "control/run/control_loop.hpp"
 #include "control/run/parameter_file.hpp"
@@ -49,20 +50,24 @@ struct Options {
   std::string socket = "/run/hoist/core.sock";
   std::string params;
   std::string capture;
+  std::string inputs = "can";
   std::vector<std::string> set;
   bool real_time = true;
 };
 
 void print_help() {
-  std::cout << "hoist-control: the 100 Hz control core of Hoist\n\n"
-               "  --bus ADDRESS      socketcan:NAME, slcan:DEVICE[@BAUD] or replay:FILE (default slcan:/dev/ttyUSB0)\n"
-               "  --capture FILE     appends every frame to FILE, in candump's log format\n"
-               "  --socket PATH      where hoist-server attaches (default /run/hoist/core.sock)\n"
-               "  --params FILE      stored parameters; created at the first change (default: nothing is stored)\n"
-               "  --set NAME=VALUE   starts with this value (SI units) instead of the stored one; may be repeated\n"
-               "  --no-realtime      does not ask for real-time priority and locked memory\n"
-               "  --help             this page\n\n"
-               "Ends with a controlled stop on SIGINT or SIGTERM.\n";
+  std::cout
+      << "hoist-control: the 100 Hz control core of Hoist\n\n"
+         "  --bus ADDRESS      socketcan:NAME, slcan:DEVICE[@BAUD] or replay:FILE (default slcan:/dev/ttyUSB0)\n"
+         "  --inputs WHERE     bumpers, switches and batteries from: can (the input node, default), pokeys:usb, pokeys:/dev/hidraw0 or\n"
+         "                     pokeys:udp:HOST; pins in control/bus/README.md\n"
+         "  --capture FILE     appends every frame to FILE, in candump's log format\n"
+         "  --socket PATH      where hoist-server attaches (default /run/hoist/core.sock)\n"
+         "  --params FILE      stored parameters; created at the first change (default: nothing is stored)\n"
+         "  --set NAME=VALUE   starts with this value (SI units) instead of the stored one; may be repeated\n"
+         "  --no-realtime      does not ask for real-time priority and locked memory\n"
+         "  --help             this page\n\n"
+         "Ends with a controlled stop on SIGINT or SIGTERM.\n";
 }
 
 // Empty when the arguments are fine, otherwise the sentence for people.
@@ -81,6 +86,7 @@ std::string parse(int argc, char** argv, Options& options, bool& help) {
                         : argument == "--socket"  ? &options.socket
                         : argument == "--params"  ? &options.params
                         : argument == "--capture" ? &options.capture
+                        : argument == "--inputs"  ? &options.inputs
                                                   : nullptr;
     if (text == nullptr && argument != "--set") return "unknown argument " + std::string(argument) + "; --help lists them";
     if (++i == argc) return std::string(argument) + " needs a value";
@@ -191,6 +197,17 @@ int main(int argc, char** argv) {
     std::cerr << "hoist-control: " << error << "\n";
     return 2;
   }
+  const bus::pokeys::InputPort* pokeys = nullptr;
+  if (options.inputs != "can") {
+    bus::pokeys::InputOptions inputs;
+    if (const std::string problem = bus::pokeys::parse_inputs(options.inputs, inputs); !problem.empty()) {
+      std::cerr << "hoist-control: --inputs: " << problem << "\n";
+      return 2;
+    }
+    auto with_inputs = std::make_unique<bus::pokeys::InputPort>(std::move(port), std::move(inputs));
+    pokeys = with_inputs.get();
+    port = std::move(with_inputs);
+  }
   const bus::Capture* capture = nullptr;
   if (!options.capture.empty()) {
     const auto utc_offset_ns = static_cast<std::int64_t>(now_ns(CLOCK_REALTIME)) - static_cast<std::int64_t>(now_ns(CLOCK_MONOTONIC));
@@ -238,11 +255,17 @@ int main(int argc, char** argv) {
   std::string_view bus_problem = port->problem();
   if (!bus_problem.empty()) std::cout << "hoist-control: bus: " << bus_problem << std::endl;
   bool capture_failed = false;
+  std::string_view input_problem;
   while (!ended.load()) {
     if (const std::string_view now = port->problem(); now != bus_problem) {
       bus_problem = now;
       std::cout << "hoist-control: bus: " << (now.empty() ? "up" : now) << std::endl;
     }
+    if (pokeys != nullptr)
+      if (const std::string_view now = pokeys->input_problem(); now != input_problem) {
+        input_problem = now;
+        std::cout << "hoist-control: inputs: " << (now.empty() ? "come from the PoKeys" : now) << std::endl;
+      }
     if (capture != nullptr && capture->failure() != 0 && !capture_failed) {
       capture_failed = true;
       std::cerr << "hoist-control: " << options.capture << ": " << std::strerror(capture->failure()) << "; nothing more is captured"

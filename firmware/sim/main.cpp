@@ -19,6 +19,7 @@
 #include <string_view>
 
 #include "control/bus/can_port.hpp"
+#include "firmware/sim/pokeys_device.hpp"
 #include "firmware/sim/request_socket.hpp"
 #include "firmware/sim/requests.hpp"
 #include "firmware/sim/serial_line.hpp"
@@ -50,6 +51,7 @@ struct Options {
   std::string link;
   std::string control;
   std::string bus;
+  std::uint16_t pokeys_port{0};  // 0: the input node is on the bus
   double virtual_s{0.0};
 };
 
@@ -61,6 +63,7 @@ void print_usage() {
       "  --list              the scenarios, one a line\n"
       "  --pty-link PATH     put a symbolic link to the pseudo terminal there\n"
       "  --bus ADDRESS       the simulated nodes on a CAN interface, socketcan:NAME, instead of the pseudo terminal\n"
+      "  --pokeys-udp PORT   bumpers and batteries from a PoKeys57E at 127.0.0.1:PORT instead of the input node on the bus\n"
       "  --control PATH      answer requests (JSON lines) at this Unix socket; {\"op\":\"help\"} lists them\n"
       "  --seed N            seed of the sensors' noise (default 1)\n"
       "  --speed WISH_M_S    speed the patient likes to walk, 0.05 to 0.8 (default 0.30)\n"
@@ -102,8 +105,8 @@ Options read_options(int argc, char** argv) {
                     scenario.title.data());
       std::exit(0);
     }
-    constexpr std::array<std::string_view, 9> kNames{"--scenario", "--pty-link",     "--bus",          "--control", "--seed",
-                                                     "--speed",    "--patient-mass", "--patient-seed", "--virtual"};
+    constexpr std::array<std::string_view, 10> kNames{"--scenario", "--pty-link", "--pokeys-udp",   "--bus",          "--control",
+                                                      "--seed",     "--speed",    "--patient-mass", "--patient-seed", "--virtual"};
     bool known = false;
     for (const std::string_view one : kNames) known = known || one == name;
     if (!known) refuse("unknown option '" + std::string(name) + "'; --help lists them");
@@ -117,6 +120,10 @@ Options read_options(int argc, char** argv) {
     } else if (name == "--bus") {
       options.bus = value;
       if (!value.starts_with("socketcan:")) refuse("--bus: socketcan:NAME, for example socketcan:vcan0");
+    } else if (name == "--pokeys-udp") {
+      const auto port = whole(value);
+      if (!port || *port < 1 || *port > 65535) refuse("--pokeys-udp: a port from 1 to 65535");
+      options.pokeys_port = static_cast<std::uint16_t>(*port);
     } else if (name == "--control") {
       options.control = value;
     } else if (name == "--seed") {
@@ -265,6 +272,11 @@ int run_real_time(const Options& options) {
   } else if (const std::string why = line.open(options.link); !why.empty()) {
     refuse(why);
   }
+  PokeysDevice pokeys;
+  if (options.pokeys_port != 0) {
+    if (const std::string why = pokeys.open(options.pokeys_port); !why.empty()) refuse(why);
+    world.unplug(hoist::contract::Node::io, true);
+  }
   RequestSocket requests;
   if (!options.control.empty())
     if (const std::string why = requests.open(options.control); !why.empty()) refuse(why);
@@ -281,6 +293,7 @@ int run_real_time(const Options& options) {
   std::fflush(stdout);
 
   ProgramState program;
+  if (options.pokeys_port != 0) program.pokeys = &pokeys;
   Reporter reporter(port != nullptr);
   Pump pump;
   Bridge bridge;
@@ -300,6 +313,7 @@ int run_real_time(const Options& options) {
       else
         pump.run(line, world, program);
       world.advance_1ms();
+      pokeys.serve({world.plant().bumpers(), 0, {world.plant().battery_v(0), world.plant().battery_v(1)}});
       due_ns += kStep_ns;
       if (++steps % kServeEverySteps == 0)
         requests.serve([&world, &program](std::string_view request) { return answer_request(world, program, request); });

@@ -6,6 +6,8 @@
 #include <optional>
 #include <variant>
 
+#include "firmware/sim/pokeys_device.hpp"
+
 namespace hoist::sim {
 namespace {
 
@@ -156,6 +158,14 @@ Answer op_power(World& world, const ProgramState&, const json& request) {
   return kDone;
 }
 
+Answer op_pokeys(World&, const ProgramState& program, const json& request) {
+  if (program.pokeys == nullptr) return Refused{"op: there is no PoKeys; start with --pokeys-udp"};
+  const auto silent = flag(request, "silent");
+  if (!silent) return Refused{"silent: true or false"};
+  program.pokeys->set_silent(*silent);
+  return kDone;
+}
+
 Answer op_wish(World& world, const ProgramState&, const json& request) {
   const auto wish_m_s = number(request, "speed_m_s", kWishMin_m_s, kWishMax_m_s);
   if (!wish_m_s) return Refused{"speed_m_s: 0.05 to 0.8"};
@@ -208,6 +218,7 @@ constexpr std::array kOperations{
     Operation{"freeze_sensor", "node, frozen: its sensor repeats the last sample", op_freeze_sensor},
     Operation{"battery", "volts of both together, null for what physics gives", op_battery},
     Operation{"power", "on: false opens the emergency cut-off relay", op_power},
+    Operation{"pokeys", "silent: the PoKeys on the network answers nobody", op_pokeys},
     Operation{"wish", "speed_m_s the patient likes to walk", op_wish},
     Operation{"obstacle", "x_m, y_m, radius_m: a post on the floor", op_obstacle},
     Operation{"scenario", "name: back at the start mark of that scenario", op_scenario},

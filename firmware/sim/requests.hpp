@@ -10,6 +10,8 @@
 
 namespace hoist::sim {
 
+class PokeysDevice;
+
 /// Longest line that is read; a longer one is refused.
 inline constexpr std::size_t kRequestMax = 4096;
 
@@ -17,6 +19,7 @@ inline constexpr std::size_t kRequestMax = 4096;
 struct ProgramState {
   std::uint64_t late{};           ///< times it was more than 5 ms behind and let time go
   bool computer_attached{false};  ///< somebody has the serial line open, or the CAN interface is up
+  PokeysDevice* pokeys{nullptr};  ///< the PoKeys on the network, if there is one
 };
 
 /// Carries out one request. Always one line of JSON without its end: the result, or {"error": "..."} that names the field and what it may

@@ -1,0 +1,64 @@
+// A CAN port whose input node is a PoKeys: the real port beside it carries everything else. Frames with the input node's ids that still
+// come over the bus are refused, so that there is one source of bumpers and never two that disagree.
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "control/bus/can_port.hpp"
+#include "control/bus/pokeys/io_stand_in.hpp"
+
+namespace hoist::bus::pokeys {
+
+struct InputOptions {
+  Wiring wiring;
+  std::unique_ptr<Transport> transport;
+};
+// "pokeys:udp:HOST[:PORT]", "pokeys:/dev/hidraw0" or "pokeys:usb", then optionally "?bumpers=1,2,3,4&switches=5,6,7,8&batteries=41,42&full_v=20".
+// Empty when it was understood, otherwise the refusal.
+[[nodiscard]] std::string parse_inputs(std::string_view text, InputOptions& options);
+
+class InputPort final : public CanPort {
+ public:
+  // Begins to ask the device, in a thread of its own.
+  InputPort(std::unique_ptr<CanPort> port, InputOptions options);
+  ~InputPort() override;
+  InputPort(const InputPort&) = delete;
+  InputPort& operator=(const InputPort&) = delete;
+
+  std::size_t receive(std::span<contract::CanFrame> out, std::uint64_t now_ns) noexcept override;
+  std::size_t send(std::span<const contract::CanFrame> frames, std::uint64_t now_ns) noexcept override;
+  [[nodiscard]] bool up() const noexcept override { return port_->up(); }
+  [[nodiscard]] const PortCounters& counters() const noexcept override { return counters_; }
+  [[nodiscard]] const char* problem() const noexcept override { return port_->problem(); }
+  // What is wrong with the inputs; empty while they come. Any thread may ask.
+  [[nodiscard]] const char* input_problem() const noexcept { return input_problem_.load(std::memory_order_relaxed); }
+  // Frames of a second input node on the bus that were refused.
+  [[nodiscard]] std::uint32_t doubles() const noexcept { return doubles_; }
+
+ private:
+  void run();
+  void publish();
+  [[nodiscard]] Readings latest(std::uint8_t& pressed) noexcept;
+  void copy_counters() noexcept;
+
+  std::unique_ptr<CanPort> port_;
+  std::unique_ptr<Transport> transport_;
+  Device device_;
+  IoStandIn stand_in_;
+  PortCounters counters_;
+  std::uint32_t doubles_ = 0;
+  // From the asking thread to the control thread: each word is whole by itself, its time in it, so no reading is ever newer than its time.
+  std::atomic<std::uint64_t> inputs_word_{0};     // 40 bits of time in ms, bumpers, switches
+  std::atomic<std::uint64_t> batteries_word_{0};  // 36 bits of time in ms (two years), two voltages of 14 bits
+  std::atomic<std::uint8_t> pressed_{0};          // touched since the control thread last looked
+  std::atomic<const char*> input_problem_{""};
+  std::atomic<bool> ending_{false};
+  int wake_fd_ = -1;
+  std::thread thread_;
+};
+
+}  // namespace hoist::bus::pokeys

@@ -1,0 +1,189 @@
+"""The whole hoist on a real CAN interface: simulated nodes, control core and server as processes, inside the guest of vcan_vm.sh."""
+import json
+import os
+import socket
+import struct
+import subprocess
+import sys
+import time
+
+import canmatrix.formats
+from harness import Failed, Hoist, Program, check, run, run_suite, until
+
+BIN = sys.argv[1]
+TOP = sys.argv[2]
+NAME = "hoist0"
+hoist = None
+
+ERROR_FLAG = 0x20000000
+ERROR_CONTROL, ERROR_BUS_OFF, ERROR_RESTARTED = 0x4, 0x40, 0x100
+
+
+def make_interface():
+    run("ip", "link", "add", NAME, "type", "vcan")
+    run("ip", "link", "set", NAME, "up")
+
+
+def inject(error_class, control=0):
+    """Writes an error frame to the interface, as a controller's driver would report it."""
+    with socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as line:
+        line.bind((NAME, ))
+        line.send(struct.pack("=IB3x8B", ERROR_FLAG | error_class, 8, 0, control, 0, 0, 0, 0, 0, 0))
+
+
+def again():
+    """What every case begins with: standing, ready, at the start mark."""
+    hoist.recover()
+    hoist.place_anew()
+
+
+def stops_with(*faults):
+    """Whatever else: the machine stands, and one of these is named."""
+    until("the core stops", lambda: hoist.mode() not in ("user", "standby"), 60.0)
+    named = hoist.status()["faults"]
+    check(set(named) & set(faults), f"stopped with {named}, none of {faults}")
+    hoist.wait_stopped()
+
+
+def walks_and_every_frame_means_the_same_to_an_independent_reader():
+    again()
+    log = hoist.path("candump.log")
+    with open(log, "wb") as file:
+        dump = subprocess.Popen(["candump", "-L", NAME], stdout=file)
+    hoist.walk()
+    dump.terminate()
+    dump.wait()
+    hoist.call("POST", "/stop", {})
+    hoist.wait_stopped()
+
+    # Our own reader ...
+    ours = [json.loads(line) for line in run(os.path.join(BIN, "hoist"), "bus", "log", "--json", log).splitlines()]
+    check(len(ours) > 500, f"only {len(ours)} frames while walking")
+    unknown = {frame["id"] for frame in ours if frame["name"] is None}
+    check(not unknown, f"frames nobody knows: {sorted(map(hex, unknown))}")
+    problems = [frame for frame in ours if "problem" in frame]
+    check(not problems, f"refused: {problems[:3]}")
+    # ... and the generated DBC in the hands of canmatrix.
+    matrix = list(canmatrix.formats.loadp(os.path.join(TOP, "control/contract/hoist.gen.dbc")).values())[0]
+    frames = {frame.arbitration_id.id: frame for frame in matrix.frames}
+    compared, seen = 0, set()
+    with open(log) as file:
+        for mine, line in zip(ours, file):
+            identifier, data = line.split()[2].split("#")
+            identifier, data = int(identifier, 16), bytes.fromhex(data)
+            check(identifier == mine["id"], f"line by line: {identifier:03X} against {mine['id']:03X}")
+            theirs = frames.get(identifier)
+            check(theirs is not None, f"{identifier:03X} is not in the DBC")
+            check(theirs.name == mine["name"], f"{identifier:03X} is {theirs.name} in the DBC, {mine['name']} to us")
+            check(len(data) == theirs.size, f"{theirs.name} has {len(data)} bytes, {theirs.size} in the DBC")
+            if not data:
+                continue
+            for field, decoded in theirs.decode(data).items():
+                check(field in mine["fields"], f"{theirs.name} has no {field} to us")
+                check(abs(float(decoded.phys_value) - mine["fields"][field]) < 1e-6, f"{theirs.name}.{field}: {decoded.phys_value} against {mine['fields'][field]}")
+                compared += 1
+            seen.add(theirs.name)
+    check(compared > 1500, f"only {compared} values compared")
+    for name in ("drive_left_tx1", "drive_right_rx1", "tilt_base_tx2", "io_tx1", "sync", "tilt_left_heartbeat", "core_heartbeat"):
+        check(name in seen or name == "sync", f"{name} never came")
+    print(f"         {len(ours)} frames, {compared} values the same to both")
+
+
+def a_link_that_goes_down_stops_the_hoist_and_it_comes_back():
+    again()
+    hoist.walk()
+    run("ip", "link", "set", NAME, "down")
+    hoist.core.says("the interface is down")
+    stops_with("bus_down")
+    run("ip", "link", "set", NAME, "up")
+    again()
+    hoist.walk(0.2)
+
+
+def an_interface_that_is_removed_and_made_anew():
+    again()
+    hoist.walk()
+    run("ip", "link", "del", NAME)
+    stops_with("bus_down")
+    hoist.core.says("there is no such interface")
+    make_interface()
+    again()
+    hoist.walk(0.2)
+
+
+def bus_off_stops_the_hoist_until_the_controller_is_restarted():
+    again()
+    hoist.walk()
+    inject(ERROR_BUS_OFF)
+    stops_with("bus_down")
+    hoist.core.says("bus-off")
+    time.sleep(1.0)  # and it stays so: data that still arrive are no proof that we may speak
+    check("bus_down" in hoist.status()["faults"], "bus-off went away by itself")
+    hoist.take_lease()
+    code, _ = hoist.call("POST", "/acknowledge", {})
+    check(hoist.mode() != "standby", f"acknowledged while bus-off ({code})")
+    inject(ERROR_RESTARTED)
+    again()
+    hoist.walk(0.2)
+
+
+def an_error_passive_controller_goes_on():
+    again()
+    hoist.walk()
+    inject(ERROR_CONTROL, 0x20)
+    before = hoist.truth()["x_m"]
+    until("it goes on walking", lambda: abs(hoist.truth()["x_m"] - before) > 0.3, 60.0)
+    check(hoist.mode() == "user", f"mode {hoist.mode()}: passive still speaks")
+    inject(ERROR_CONTROL, 0x40)
+
+
+def a_flood_from_somebody_else_does_not_break_the_loop():
+    again()
+    # As fast as the guest can: far more than any bus carries, with ids that nobody of ours has.
+    flood = Program(hoist.folder, "cangen", "cangen", NAME, "-g", "0", "-I", "3F0", "-L", "8", "-n", "20000")
+    flood.process.wait(60)
+    check(hoist.core.process.poll() is None, "the core has ended")
+    again()
+    hoist.walk(0.2)
+
+
+def ends_with_a_controlled_stop():
+    again()
+    hoist.walk()
+    check(hoist.core.end() == 0, "exit code")
+    check("stopped" in hoist.core.output(), "says so")
+    hoist.wait_stopped()
+    log = hoist.path("core.log")
+    own = run(os.path.join(BIN, "hoist"), "bus", "log", "--count", log)
+    check("drive_left_rx1" in own and "tilt_base_tx1" in own, "the core's own recording")
+    hoist.core = None
+
+
+def main():
+    global hoist
+    make_interface()
+    hoist = Hoist(BIN, f"socketcan:{NAME}", f"socketcan:{NAME}", core_options=())
+    hoist.core_options = ["--capture", hoist.path("core.log")]
+    try:
+        hoist.start()
+        code = run_suite("CoreOnVcan", [
+            walks_and_every_frame_means_the_same_to_an_independent_reader,
+            a_link_that_goes_down_stops_the_hoist_and_it_comes_back,
+            an_interface_that_is_removed_and_made_anew,
+            bus_off_stops_the_hoist_until_the_controller_is_restarted,
+            an_error_passive_controller_goes_on,
+            a_flood_from_somebody_else_does_not_break_the_loop,
+            ends_with_a_controlled_stop,
+        ])
+        if code != 0:
+            print(hoist.logs())
+    except Failed as error:
+        print(f"the programs did not start: {error}\n{hoist.logs()}")
+        code = 1
+    finally:
+        hoist.stop()
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,272 @@
+"""What the suites share: the real programs as processes, waiting for what they do, and a report of every case.
+
+Nothing here measures time: a wait ends when the thing has happened, and only fails when it has not for very long, because a guest is slow
+and the machine around it may be busy.
+"""
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+import urllib.error
+import urllib.request
+from xml.sax.saxutils import quoteattr
+
+
+class Failed(Exception):
+    """A case found something wrong."""
+
+
+class Skipped(Exception):
+    """A case cannot be tried here; says why."""
+
+
+def check(condition, message):
+    if not condition:
+        raise Failed(message)
+
+
+def until(what, ask, within_s=30.0, each_s=0.1):
+    """Asks again and again until `ask` gives something true, and gives that."""
+    end = time.monotonic() + within_s
+    while True:
+        value = ask()
+        if value:
+            return value
+        if time.monotonic() > end:
+            raise Failed(f"{what}: not within {within_s:.0f} s")
+        time.sleep(each_s)
+
+
+def run(*command, **options):
+    """Runs a command to its end; gives its output, fails when it fails."""
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False, **options)
+    check(done.returncode == 0, f"{' '.join(command)} ended with {done.returncode}: {done.stdout[-2000:]}")
+    return done.stdout
+
+
+class Program:
+    """A program that runs beside the test; its output goes to a file."""
+
+    def __init__(self, folder, name, *command):
+        self.name = name
+        self.path = os.path.join(folder, f"{name}.log")
+        with open(self.path, "ab") as output:
+            self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT)
+
+    def output(self):
+        with open(self.path, errors="replace") as file:
+            return file.read()
+
+    def says(self, text, within_s=30.0):
+        def ask():
+            check(self.process.poll() is None or text in self.output(), f"{self.name} has ended ({self.process.returncode}): {self.output()[-1500:]}")
+            return text in self.output()
+
+        until(f"{self.name} says \"{text}\"", ask, within_s)
+
+    def end(self, number=signal.SIGTERM, within_s=20.0):
+        """Ends it and gives its exit code."""
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+            try:
+                self.process.wait(within_s)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
+                raise Failed(f"{self.name} did not end: {self.output()[-1500:]}") from None
+        return self.process.returncode
+
+
+class Hoist:
+    """Simulator, control core and server in a folder of their own."""
+
+    def __init__(self, bin_folder, sim_bus, core_bus, scenario="straight", sim_options=(), core_options=()):
+        self.bin = bin_folder
+        self.folder = tempfile.mkdtemp(prefix="hoist-")
+        self.sim_bus, self.core_bus = sim_bus, core_bus
+        self.scenario = scenario
+        self.sim_options, self.core_options = list(sim_options), list(core_options)
+        self.sim = self.core = self.server = None
+        self.epoch = None
+
+    def path(self, *parts):
+        return os.path.join(self.folder, *parts)
+
+    def program(self, name, *arguments):
+        return Program(self.folder, name, os.path.join(self.bin, name), *arguments)
+
+    def start_sim(self):
+        where = ["--bus", self.sim_bus] if self.sim_bus else ["--pty-link", self.path("can")]
+        self.sim = self.program("hoist-sim", "--scenario", self.scenario, "--control", self.path("sim.sock"), *where, *self.sim_options)
+        self.sim.says("SIMULATION")
+
+    def start_core(self):
+        bus = self.core_bus or f"slcan:{self.path('can')}"
+        # A guest's clock ticks at 100 Hz and its processor is shared: late steps are the guest's, not the core's.
+        self.core = self.program("hoist-control", "--bus", bus, "--socket", self.path("core.sock"), "--no-realtime", "--set", "loop_late_s_max=0.2",
+                                 *self.core_options)
+        self.core.says("100 Hz")
+
+    def start_server(self):
+        self.port = 18080
+        self.server = self.program("hoist-server", "--socket", self.path("core.sock"), "--port", str(self.port), "--db", self.path("hoist.db"),
+                                   "--token-file", self.path("token"))
+        self.server.says("Open http")
+        with open(self.path("token")) as file:
+            self.token = file.read().strip()
+
+    def start(self):
+        self.start_sim()
+        self.start_core()
+        self.start_server()
+        self.wait_ready()
+
+    def stop(self):
+        for program in (self.server, self.core, self.sim):
+            if program is not None:
+                program.end()
+
+    def logs(self):
+        return "\n".join(f"--- {p.name}\n{p.output()[-3000:]}" for p in (self.sim, self.core, self.server) if p is not None)
+
+    # The server's API.
+    def call(self, method, path, body=None):
+        request = urllib.request.Request(f"http://127.0.0.1:{self.port}/api/v1{path}", method=method, data=None if body is None else json.dumps(body).encode())
+        request.add_header("Authorization", f"Bearer {self.token}")
+        if body is not None:
+            request.add_header("Content-Type", "application/json")
+        if self.epoch is not None:
+            request.add_header("X-Hoist-Lease", str(self.epoch))
+        try:
+            with urllib.request.urlopen(request, timeout=20) as answer:
+                return answer.status, json.loads(answer.read() or b"{}")
+        except urllib.error.HTTPError as error:
+            return error.code, json.loads(error.read() or b"{}")
+
+    def status(self):
+        return self.call("GET", "/status")[1]["core"]
+
+    def take_lease(self):
+        code, answer = self.call("POST", "/lease", {"take_over": True})
+        check(code == 200, f"lease: {answer}")
+        self.epoch = answer["epoch"]
+
+    def mode(self):
+        return self.status()["mode"]
+
+    def wait_mode(self, mode, within_s=60.0):
+        until(f"mode {mode}", lambda: self.mode() == mode, within_s)
+
+    def wait_ready(self, within_s=90.0):
+        """In standby with nothing in the way of walking but that nobody has taken control."""
+
+        def ask():
+            now = self.status()
+            return now["connected"] and now["mode"] == "standby" and set(now["blocked"]) <= {"no_lease"}
+
+        until("the core is ready", ask, within_s)
+
+    def recover(self):
+        """Out of walking or of a stop whose cause is gone, back to standby."""
+
+        def ask():
+            mode = self.mode()
+            if mode == "standby":
+                return True
+            if mode == "user":
+                self.call("POST", "/stop", {})
+            self.take_lease()
+            self.call("POST", "/acknowledge", {})
+            return self.mode() == "standby"
+
+        try:
+            until("the stop is acknowledged", ask, 60.0, 0.3)
+        except Failed as error:
+            raise Failed(f"{error}; {self.status()}") from None
+        self.wait_ready()
+
+    def walk(self, at_least_m=0.5):
+        """Lets the patient lead and waits until the machine has moved.
+
+        On a busy machine the simulated patient may give up waiting, or the core may stop because frames came too late. Neither is what a
+        case is about, so it is tried anew.
+        """
+        tries = 4
+        for one in range(tries):
+            start = self.truth()
+            try:
+                until("walking begins", self.begin_walking, 30.0, 0.3)
+                until("the machine moves", lambda: abs(self.truth()["x_m"] - start["x_m"]) > at_least_m and self.mode() == "user", 30.0, 0.2)
+                return
+            except Failed as error:
+                if one + 1 == tries:
+                    raise Failed(f"{error}; {self.status()}; {self.truth()}") from None
+                self.recover()
+                self.place_anew()
+
+    def begin_walking(self):
+        self.take_lease()
+        code, _ = self.call("POST", "/mode", {"mode": "user", "exercise": {"shape": "straight", "length_m": 10}})
+        return code == 200 or self.mode() == "user"
+
+    def wait_stopped(self):
+        """At rest, with the bridges off or held."""
+        until("the machine stands", lambda: abs(self.truth()["speed_m_s"]) < 0.01, 60.0, 0.1)
+
+    # The simulator's truth and faults.
+    def ask_sim(self, **request):
+        with socket.socket(socket.AF_UNIX) as line:
+            line.settimeout(20)
+            line.connect(self.path("sim.sock"))
+            line.sendall(json.dumps(request).encode() + b"\n")
+            answer = b""
+            while not answer.endswith(b"\n"):
+                piece = line.recv(65536)
+                check(piece, "the simulator closed its socket")
+                answer += piece
+        return json.loads(answer)
+
+    def truth(self):
+        return self.ask_sim(op="state")
+
+    def place_anew(self):
+        """Patient and machine back at the start mark."""
+        until("the simulator starts anew", lambda: "ok" in self.ask_sim(op="reset"), 60.0, 0.2)
+
+
+def run_suite(name, cases):
+    """Runs the cases, prints how each went and leaves a report as GoogleTest does (GTEST_OUTPUT=xml:FILE). Gives the exit code."""
+    only = os.environ.get("HOIST_CASES")
+    lines, failures = [], 0
+    for case in cases:
+        if only and not re.search(only, case.__name__):
+            continue
+        print(f"[ RUN  ] {name}.{case.__name__}", flush=True)
+        body = ""
+        result = "completed"
+        try:
+            case()
+            print(f"[   OK ] {name}.{case.__name__}", flush=True)
+        except Skipped as reason:
+            print(f"[ SKIP ] {name}.{case.__name__}: {reason}", flush=True)
+            result, body = "skipped", f"<skipped message={quoteattr(f'{name}:1{chr(10)}{reason}')}/>".replace("\n", "&#x0A;")
+        except Exception as error:  # pylint: disable=broad-except
+            failures += 1
+            print(f"[ FAIL ] {name}.{case.__name__}: {error}", flush=True)
+            if not isinstance(error, Failed):
+                traceback.print_exc()
+            body = f"<failure message={quoteattr(str(error)[:500])}/>".replace("\n", "&#x0A;")
+        lines.append(f'<testcase name="{case.__name__}" classname="{name}" status="run" result="{result}">{body}</testcase>')
+    target = os.environ.get("GTEST_OUTPUT", "")
+    if target.startswith("xml:") and not target.endswith("/"):
+        with open(target[4:], "w") as file:
+            file.write(f'<testsuites><testsuite name="{name}">{"".join(lines)}</testsuite></testsuites>\n')
+    print(f"{len(lines) - failures} of {len(lines)} cases good", flush=True)
+    sys.stdout.flush()
+    return 1 if failures else 0
