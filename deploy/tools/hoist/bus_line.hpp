@@ -1,0 +1,39 @@
+// A bus that a person has named, and one SDO client on it: what the sub-commands of `hoist bus` that talk to nodes share.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "control/bus/can_port.hpp"
+#include "control/bus/sdo_client.hpp"
+
+namespace hoist::tool {
+
+class BusLine {
+ public:
+  /// Empty when the bus is there, otherwise why not.
+  [[nodiscard]] std::string open(const std::string& address);
+  /// Passes on what comes during this time.
+  void listen(double seconds, const std::function<void(const contract::CanFrame&)>& on_frame);
+  /// The result of one transfer; read it in client(). `what` is for the sentence in problem().
+  [[nodiscard]] bool upload(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub);
+  [[nodiscard]] bool download(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> content);
+  [[nodiscard]] const bus::SdoClient& client() const { return client_; }
+  /// Why the last transfer failed, as half a sentence.
+  [[nodiscard]] std::string problem() const;
+
+ private:
+  void step(const std::function<void(const contract::CanFrame&)>& on_frame);
+  [[nodiscard]] bool run();
+
+  std::unique_ptr<bus::CanPort> port_;
+  bus::SdoClient client_;
+  std::array<contract::CanFrame, 256> frames_{};
+  bool gone_ = false;
+};
+
+}  // namespace hoist::tool
