@@ -109,7 +109,7 @@ TEST(BusHealth, FaultFreeWalkingLosesNothingAndAccusesNobody) {
     SCOPED_TRACE(seed);
     ClosedLoop loop(walk(seed, seed == 12));
     ASSERT_TRUE(loop.start(Mode::user));
-    loop.run(300.0);
+    loop.run(1200.0);
     for (std::size_t n = 0; n < contract::kRemoteNodeCount; ++n)
       EXPECT_EQ(lost(loop, static_cast<Node>(n)), 0U) << contract::kNodes[n].name;
     EXPECT_EQ(loop.record().syncs_lost, 0U);

@@ -237,6 +237,7 @@ export const de: Record<TextKey, string> = {
   'health.busLostSync': 'Rufe ohne Antwort',
   'health.busErrors': 'Fehler auf der Leitung',
   'health.busReopened': 'Neu verbunden',
+  'health.busCounts': 'Bus seit dem Start',
   'health.emergencies': 'Meldungen der Geräte',
   'health.emergenciesNone': 'Kein Gerät hat einen Fehler gemeldet.',
   'device.unknown': 'ein unbekanntes Gerät',

@@ -236,6 +236,7 @@ export const en = {
   'health.busLostSync': 'Calls nobody answered',
   'health.busErrors': 'Errors on the wire',
   'health.busReopened': 'Connected again',
+  'health.busCounts': 'Bus since the start',
   'health.emergencies': 'Messages from devices',
   'health.emergenciesNone': 'No device has reported an error.',
   'device.unknown': 'an unknown device',

@@ -79,11 +79,19 @@ function Bus({ r }: { r: TickRecord | null }) {
       <Line label={t('health.busConnected')} value={r === null ? '–' : t(up ? 'health.busUp' : 'health.busDown')} state={r === null || up ? 'good' : 'bad'} />
       <Line label={t('health.busWire')} value={r === null ? '–' : t(wireKeys[r.bus_state] ?? 'health.bus.off')} state={r === null || r.bus_state === 0 ? 'good' : 'bad'} />
       <Line label={t('health.busRate')} value={r === null ? '–' : t('health.perSecond', { n: r.bus_frames_per_s })} />
+      <Line label={t('health.busErrors')} value={fixed(r?.bus_errors, 0)} />
+    </section>
+  );
+}
+
+function BusCounts({ r }: { r: TickRecord | null }) {
+  return (
+    <section class="card">
+      <h2>{t('health.busCounts')}</h2>
       <Line label={t('health.frames')} value={fixed(r?.bus_frames, 0)} />
       <Line label={t('health.refusedFrames')} value={fixed(r?.bus_refused, 0)} />
       <Line label={t('health.busNotSent')} value={fixed(r?.bus_send_refused, 0)} />
       <Line label={t('health.busLostSync')} value={fixed(r?.syncs_lost, 0)} />
-      <Line label={t('health.busErrors')} value={fixed(r?.bus_errors, 0)} />
       <Line label={t('health.busReopened')} value={fixed(r?.bus_reopened, 0)} />
     </section>
   );
@@ -99,7 +107,7 @@ function Emergencies({ list }: { list: readonly Emergency[] }) {
         const info = emergencyInfo(item.code);
         return (
           <li key={`${item.time_ns} ${item.node} ${item.code}`}>
-            <span class="num">−{duration((now_ns - item.time_ns) / 1e9)}</span> {textOf(`health.part.${item.node}`) ?? t('device.unknown')}: {words(info.text)}
+            <span class="num">−{duration((now_ns - item.time_ns) / 1e9)}</span> {textOf(`health.part.${item.node}`) ?? t('device.unknown')}: {words(info.text)}.
             {item.code === 0 ? null : (
               <span class="hint">
                 {' '}
@@ -169,7 +177,12 @@ function HealthView() {
         <h2>{t('health.parts')}</h2>
         <ul class="parts">{r === null ? null : partNames.map((name) => <Part key={name} view={nodeView(r, name)} />)}</ul>
       </section>
+      <section class="card wide">
+        <h2>{t('health.emergencies')}</h2>
+        <Emergencies list={emergencies} />
+      </section>
       <Bus r={r} />
+      <BusCounts r={r} />
       <section class="card">
         <h2>{t('health.power')}</h2>
         <Line label={t('health.batteryA')} value={n(r?.battery_a_v, 2, 'V')} />
@@ -201,10 +214,6 @@ function HealthView() {
         <Line label={t('health.role')} value={textOf(`role.${role}`) ?? '–'} />
         <Line label={t('health.recording')} value={recording.state === 'recording' ? t('sessions.one', { n: recording.session ?? '–' }) : recording.state === 'failed' ? recording.detail || t('bar.recordingFailed') : t('bar.recordingOff')} />
         <Line label={t('health.version')} value={version || '–'} />
-      </section>
-      <section class="card wide">
-        <h2>{t('health.emergencies')}</h2>
-        <Emergencies list={emergencies} />
       </section>
       <section class="card wide">
         <h2>{t('health.log')}</h2>
