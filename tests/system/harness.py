@@ -114,7 +114,9 @@ class Hoist:
         self.core.says("100 Hz")
 
     def start_server(self):
-        self.port = 18080
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = probe.getsockname()[1]
         self.server = self.program("hoist-server", "--socket", self.path("core.sock"), "--port", str(self.port), "--db", self.path("hoist.db"),
                                    "--token-file", self.path("token"))
         self.server.says("Open http")

@@ -1,10 +1,10 @@
 #!/bin/bash
-# Runs one suite in the guest of vcan_vm.sh, for ctest: run_suite.sh NAME "PACKAGE..." COMMAND [ARGUMENT...]
+# Runs one suite for ctest, in the guest of vcan_vm.sh or on this machine: run_suite.sh guest|here NAME "PACKAGE..." COMMAND [ARGUMENT...]
 # What is missing on this machine skips the suite (exit code 77) with the reason. Under `deploy/dev test` each case is counted: the suite
 # leaves the same kind of report as a GoogleTest program does.
 set -u
-name=$1 packages=$2
-shift 2
+where=$1 name=$2 packages=$3
+shift 3
 here=$(dirname "$(realpath "$0")")
 # GoogleTest's own convention: "xml:FOLDER/" asks for a report there.
 reports=
@@ -20,23 +20,29 @@ skip() {
 }
 
 missing=()
-for package in user-mode-linux iproute2 kmod $packages; do
+[ "$where" = here ] || packages="user-mode-linux iproute2 kmod $packages"
+for package in $packages; do
   dpkg-query -W -f '${db:Status-Abbrev}' "$package" 2>/dev/null | grep -q '^ii' || missing+=("$package")
 done
 [ ${#missing[@]} -eq 0 ] || skip "Debian packages that are not installed: ${missing[*]}"
-for program; do
-  case $program in
-    */bin/*) [ -x "$program" ] || skip "$(basename "$program") is not built" ;;
+# A suite gets the folder of the programs, or is a program itself.
+programs=()
+for argument; do
+  case $argument in
+    */bin) programs+=("$argument"/hoist-{sim,control,server} "$argument/hoist") ;;
+    */bin/test_*) programs+=("$argument") ;;
   esac
 done
+for program in "${programs[@]}"; do
+  [ -x "$program" ] || skip "$(basename "$program") is not built"
+done
 
-arguments=(-t 280)
-if [ -n "$reports" ]; then
-  arguments+=(-w "$reports")
-  export GTEST_OUTPUT="xml:$reports/$name.xml"
-fi
-# A sanitizer's programs cannot start in the guest.
-case ${1:-} in
-  */bin/*) if grep -qa '__asan_init\|__tsan_init' "$1"; then skip "sanitized programs do not start in user-mode Linux"; fi ;;
-esac
+[ -z "$reports" ] || export GTEST_OUTPUT="xml:$reports/$name.xml"
+[ "$where" = guest ] || exec "$@"
+
+for program in "${programs[@]}"; do
+  if grep -qa '__asan_init\|__tsan_init' "$program"; then skip "sanitized programs do not start in user-mode Linux"; fi
+done
+arguments=(-t 580)
+[ -z "$reports" ] || arguments+=(-w "$reports")
 exec "$here/vcan_vm.sh" "${arguments[@]}" "$@"

@@ -1,0 +1,80 @@
+"""Bumpers and batteries from a PoKeys on the network instead of the input node: the real programs, on this machine itself."""
+import socket
+import sys
+
+from harness import Failed, Hoist, check, run_suite, until
+
+BIN = sys.argv[1]
+hoist = None
+
+
+def free_udp_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def again():
+    hoist.recover()
+    hoist.place_anew()
+
+
+def the_hoist_walks_without_an_input_node_on_the_bus():
+    again()
+    check("io" in hoist.truth()["unplugged"], "the simulator's own input node is off the bus")
+    hoist.core.says("inputs: come from the PoKeys")
+    hoist.walk()
+    check(hoist.status()["faults"] == [], f"{hoist.status()['faults']}")
+
+
+def a_bumper_stops_the_hoist():
+    again()
+    hoist.walk()
+    hoist.ask_sim(op="bumper", which="front", pressed=True)
+    try:
+        until("the core stops", lambda: hoist.mode() == "protective_stop", 10.0)
+        check("bumper" in " ".join(hoist.status()["faults"]), f"{hoist.status()['faults']}")
+        hoist.wait_stopped()
+    finally:
+        hoist.ask_sim(op="bumper", which="front", pressed=False)
+    again()
+
+
+def a_device_that_falls_silent_stops_the_hoist_and_comes_back():
+    again()
+    hoist.walk()
+    hoist.ask_sim(op="pokeys", silent=True)
+    try:
+        until("the core stops", lambda: hoist.mode() not in ("user", "standby"), 10.0)
+        hoist.wait_stopped()
+        until("the input node is named as lost", lambda: "io_lost" in hoist.status()["faults"], 10.0)
+        hoist.core.says("the device does not answer")
+    finally:
+        hoist.ask_sim(op="pokeys", silent=False)
+    again()
+    hoist.walk(0.2)
+
+
+def main():
+    global hoist
+    port = free_udp_port()
+    hoist = Hoist(BIN, None, None, sim_options=["--pokeys-udp", str(port)], core_options=["--inputs", f"pokeys:udp:127.0.0.1:{port}"])
+    try:
+        hoist.start()
+        code = run_suite("PokeysInputs", [
+            the_hoist_walks_without_an_input_node_on_the_bus,
+            a_bumper_stops_the_hoist,
+            a_device_that_falls_silent_stops_the_hoist_and_comes_back,
+        ])
+        if code != 0:
+            print(hoist.logs())
+    except Failed as error:
+        print(f"the programs did not start: {error}\n{hoist.logs()}")
+        code = 1
+    finally:
+        hoist.stop()
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())
