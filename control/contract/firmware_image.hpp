@@ -52,7 +52,7 @@ struct ImageChipInfo {
   std::uint32_t ram_at, ram_bytes;
 };
 // Flash and RAM: UM10398 table 2 (32 KB and 8 KB) and RM0091 section 2.2 (128 KB and 16 KB); the division is firmware/boot/README.md's.
-inline constexpr std::array kImageChips{ImageChipInfo{ImageChip::lpc11c24, "lpc11c24", 0x1000, 0x5000, 0x10000000, 0x2000},
+inline constexpr std::array kImageChips{ImageChipInfo{ImageChip::lpc11c24, "lpc11c24", 0x1000, 0x6000, 0x10000000, 0x2000},
                                         ImageChipInfo{ImageChip::stm32f072, "stm32f072", 0x08002000, 0x1D000, 0x20000000, 0x4000},
                                         ImageChipInfo{ImageChip::simulated, "simulated", 0, 0x5000, 0, 0}};
 
@@ -143,18 +143,19 @@ constexpr ImageHeader read_image_header(std::span<const std::uint8_t> image) {
 // Everything that can be said from the first kImageMin bytes, before the rest has come. `kind` and `chip`: what is wanted.
 constexpr ImageError check_image_start(std::span<const std::uint8_t> start, ImageKind kind, const ImageChipInfo& chip) {
   if (start.size() < kImageMin) return ImageError::too_short;
-  const ImageHeader header = read_image_header(start);
-  if (header.magic != kImageMagic) return ImageError::magic;
-  if (header.reserved != 0) return ImageError::reserved;
-  if (header.kind != static_cast<std::uint8_t>(kind)) return ImageError::kind;
-  if (header.chip != static_cast<std::uint8_t>(chip.chip)) return ImageError::chip;
-  if (header.length < kImageMin) return ImageError::too_short;
-  if (header.length > chip.application_max) return ImageError::too_long;
+  if (image_word(start, kImageHeaderAt) != kImageMagic) return ImageError::magic;
+  const std::uint32_t length = image_word(start, kImageHeaderAt + 4);
+  const std::uint32_t for_whom = image_word(start, kImageHeaderAt + 16);
+  if ((for_whom >> 16) != 0) return ImageError::reserved;
+  if ((for_whom & 0xFFU) != static_cast<std::uint32_t>(kind)) return ImageError::kind;
+  if ((for_whom >> 8) != static_cast<std::uint32_t>(chip.chip)) return ImageError::chip;
+  if (length < kImageMin) return ImageError::too_short;
+  if (length > chip.application_max) return ImageError::too_long;
   if (chip.ram_bytes != 0) {
     const std::uint32_t stack = image_word(start, 0), entry = image_word(start, 4);
     const bool stack_fits = stack > chip.ram_at && stack <= chip.ram_at + chip.ram_bytes && (stack & 3U) == 0;
     // Bit 0 is the mark of Thumb code; a Cortex-M0 has no other.
-    const bool entry_fits = (entry & 1U) != 0 && entry >= chip.application_at + kImageMin && entry < chip.application_at + header.length;
+    const bool entry_fits = (entry & 1U) != 0 && entry >= chip.application_at + kImageMin && entry < chip.application_at + length;
     if (!stack_fits || !entry_fits) return ImageError::vectors;
   }
   return ImageError::none;
@@ -172,9 +173,8 @@ constexpr std::uint32_t image_crc(std::span<const std::uint8_t> start, std::span
 // A whole image: as long as its header says, and with the right CRC.
 constexpr ImageError check_image(std::span<const std::uint8_t> image, ImageKind kind, const ImageChipInfo& chip) {
   if (const ImageError error = check_image_start(image, kind, chip); error != ImageError::none) return error;
-  const ImageHeader header = read_image_header(image);
-  if (header.length != image.size()) return ImageError::length;
-  return image_crc(image) == header.crc ? ImageError::none : ImageError::crc;
+  if (image_word(image, kImageHeaderAt + 4) != image.size()) return ImageError::length;
+  return image_crc(image) == image_word(image, kImageCrcAt) ? ImageError::none : ImageError::crc;
 }
 
 // The same of a file from anywhere, for whatever kind and chip it says it is.
@@ -193,9 +193,9 @@ constexpr ImageError check_image_file(std::span<const std::uint8_t> image) {
 // What lies in flash, which is longer than the image: the program if there is a whole one, or why there is none.
 constexpr ImageError check_flash(std::span<const std::uint8_t> flash, ImageKind kind, const ImageChipInfo& chip) {
   if (const ImageError error = check_image_start(flash, kind, chip); error != ImageError::none) return error;
-  const ImageHeader header = read_image_header(flash);
-  if (header.length > flash.size()) return ImageError::too_long;
-  return check_image(flash.first(header.length), kind, chip);
+  const std::uint32_t length = image_word(flash, kImageHeaderAt + 4);
+  if (length > flash.size()) return ImageError::too_long;
+  return image_crc(flash.first(length)) == image_word(flash, kImageCrcAt) ? ImageError::none : ImageError::crc;
 }
 
 inline constexpr std::uint32_t kVersionMax = 0xFFFFFFFFU;

@@ -64,8 +64,87 @@ consteval std::array<ObjectRow, object_count<kKind>()> make_object_rows() {
   return rows;
 }
 
+// The rows as they lie in flash: 8 bytes each, with bounds and default as places in a list of the words that occur. Most rows share
+// theirs with others; written out they took 20 bytes.
+struct PackedRow {
+  std::uint16_t index;
+  std::uint8_t sub;
+  std::uint8_t type : 5, writable : 1, stored : 1;
+  std::uint8_t low, high, initial;
+};
+static_assert(sizeof(PackedRow) == 8);
+
+template <std::size_t kRows, std::size_t kWords>
+struct ObjectTable {
+  std::array<PackedRow, kRows> rows{};
+  std::array<std::uint32_t, kWords> words{};
+
+  [[nodiscard]] static constexpr std::size_t size() { return kRows; }
+  [[nodiscard]] constexpr ObjectRow operator[](std::size_t at) const {
+    const PackedRow& row = rows[at];
+    return {row.index,       row.sub,         static_cast<ObjectType>(row.type), row.writable != 0, row.stored != 0, words[row.low],
+            words[row.high], words[row.initial]};
+  }
+
+  struct Iterator {
+    const ObjectTable* table;
+    std::size_t at;
+    constexpr ObjectRow operator*() const { return (*table)[at]; }
+    constexpr Iterator& operator++() {
+      ++at;
+      return *this;
+    }
+    constexpr bool operator==(const Iterator&) const = default;
+  };
+  [[nodiscard]] constexpr Iterator begin() const { return {this, 0}; }
+  [[nodiscard]] constexpr Iterator end() const { return {this, kRows}; }
+};
+
+// The different words of bounds and defaults, each once.
+template <std::size_t kRows>
+struct WordList {
+  std::array<std::uint32_t, 3 * kRows> words{};
+  std::size_t count = 0;
+
+  consteval std::uint8_t place(std::uint32_t word) {
+    for (std::size_t i = 0; i < count; ++i)
+      if (words[i] == word) return static_cast<std::uint8_t>(i);
+    words[count] = word;
+    return static_cast<std::uint8_t>(count++);
+  }
+};
 template <contract::NodeKind kKind>
-inline constexpr auto kObjectRows = make_object_rows<kKind>();
+consteval std::size_t object_words() {
+  WordList<object_count<kKind>()> list;
+  for (const ObjectRow& row : make_object_rows<kKind>())
+    for (const std::uint32_t word : {row.low, row.high, row.initial}) (void)list.place(word);
+  return list.count;
+}
+template <contract::NodeKind kKind>
+consteval auto make_object_table() {
+  constexpr std::size_t kWords = object_words<kKind>();
+  static_assert(kWords <= 256, "a place in the list of words must fit into a byte");
+  ObjectTable<object_count<kKind>(), kWords> table;
+  WordList<object_count<kKind>()> list;
+  std::size_t at = 0;
+  for (const ObjectRow& row : make_object_rows<kKind>()) {
+    static_assert(static_cast<int>(ObjectType::f32) < 32);
+    PackedRow& packed = table.rows[at++];
+    packed.index = row.index;
+    packed.sub = row.sub;
+    packed.type = static_cast<std::uint8_t>(row.type) & 31U;
+    packed.writable = row.writable ? 1 : 0;
+    packed.stored = row.stored ? 1 : 0;
+    packed.low = list.place(row.low);
+    packed.high = list.place(row.high);
+    packed.initial = list.place(row.initial);
+  }
+  for (std::size_t i = 0; i < kWords; ++i) table.words[i] = list.words[i];
+  return table;
+}
+
+template <contract::NodeKind kKind>
+inline constexpr auto kObjectRows = make_object_table<kKind>();
 
 inline constexpr std::size_t kNoObject = std::numeric_limits<std::size_t>::max();
 

@@ -8,6 +8,7 @@
 namespace {
 namespace soft = hoist::firmware::cortex_m0::soft_float;
 using Word = std::uint32_t;  // a float travels in a core register
+using AnyWord [[gnu::may_alias]] = std::uint32_t;
 
 // One bit after the other; a division by zero gives all ones.
 std::uint64_t divide(std::uint32_t dividend, std::uint32_t divisor) {
@@ -34,7 +35,7 @@ Word __aeabi_fdiv(Word a, Word b) { return soft::divide(a, b); }
 int __aeabi_fcmpun(Word a, Word b) { return soft::unordered(a, b) ? 1 : 0; }
 int __aeabi_fcmpeq(Word a, Word b) { return soft::equal(a, b) ? 1 : 0; }
 int __aeabi_fcmplt(Word a, Word b) { return soft::less(a, b) ? 1 : 0; }
-int __aeabi_fcmple(Word a, Word b) { return soft::less_equal(a, b) ? 1 : 0; }
+int __aeabi_fcmple(Word a, Word b) { return __aeabi_fcmplt(a, b) | __aeabi_fcmpeq(a, b); }
 int __aeabi_fcmpgt(Word a, Word b) { return __aeabi_fcmplt(b, a); }
 int __aeabi_fcmpge(Word a, Word b) { return __aeabi_fcmple(b, a); }
 Word __aeabi_ui2f(std::uint32_t value) { return soft::from_unsigned(value); }
@@ -60,7 +61,10 @@ std::int32_t __aeabi_idiv(std::int32_t a, std::int32_t b) { return static_cast<s
 void* memcpy(void* to, const void* from, std::size_t count) {
   auto* t = static_cast<unsigned char*>(to);
   const auto* f = static_cast<const unsigned char*>(from);
-  for (std::size_t i = 0; i < count; ++i) t[i] = f[i];
+  if (((reinterpret_cast<std::uintptr_t>(t) | reinterpret_cast<std::uintptr_t>(f)) & 3U) == 0)
+    for (; count >= 4; count -= 4, t += 4, f += 4)
+      *reinterpret_cast<AnyWord*>(t) = *reinterpret_cast<const AnyWord*>(f);
+  for (; count > 0; --count) *t++ = *f++;
   return to;
 }
 void* memmove(void* to, const void* from, std::size_t count) {
@@ -72,7 +76,10 @@ void* memmove(void* to, const void* from, std::size_t count) {
 }
 void* memset(void* to, int value, std::size_t count) {
   auto* t = static_cast<unsigned char*>(to);
-  for (std::size_t i = 0; i < count; ++i) t[i] = static_cast<unsigned char>(value);
+  const unsigned char byte = static_cast<unsigned char>(value);
+  if ((reinterpret_cast<std::uintptr_t>(t) & 3U) == 0)
+    for (const AnyWord word = byte * 0x01010101U; count >= 4; count -= 4, t += 4) *reinterpret_cast<AnyWord*>(t) = word;
+  for (; count > 0; --count) *t++ = byte;
   return to;
 }
 void __aeabi_memcpy(void* to, const void* from, std::size_t count) { (void)memcpy(to, from, count); }

@@ -12,7 +12,7 @@ namespace hoist::firmware::cortex_m0::soft_float {
 
 inline constexpr std::uint32_t kSign = 0x80000000, kInfinity = 0x7F800000, kNan = 0x7FC00000, kLeading = 0x00800000;
 
-constexpr bool is_nan(std::uint32_t a) { return (a & ~kSign) > kInfinity; }
+[[gnu::always_inline]] constexpr bool is_nan(std::uint32_t a) { return (a & ~kSign) > kInfinity; }
 
 // Shifted right; what falls out stays visible in the lowest bit.
 constexpr std::uint32_t shift_sticky(std::uint32_t value, std::uint32_t by) {
@@ -22,6 +22,15 @@ constexpr std::uint32_t shift_sticky(std::uint32_t value, std::uint32_t by) {
 
 // `significand` is not zero and below 2^31; its leading bit may be anywhere.
 constexpr std::uint32_t pack(std::uint32_t sign, std::int32_t exponent, std::uint32_t significand) {
+  // In large steps first: integers and differences may have few bits.
+  if (significand < 0x4000U) {
+    significand <<= 16;
+    exponent -= 16;
+  }
+  if (significand < 0x400000U) {
+    significand <<= 8;
+    exponent -= 8;
+  }
   while ((significand & 0x40000000U) == 0) {
     significand <<= 1;
     --exponent;
@@ -111,15 +120,20 @@ constexpr std::uint32_t divide(std::uint32_t a, std::uint32_t b) {
   return pack(sign, x.exponent - y.exponent + 126, quotient | (rest != 0 ? 1U : 0U));
 }
 
-// Order as of integers; both zeros are one.
-constexpr std::int32_t order_key(std::uint32_t a) {
-  const std::int32_t size = static_cast<std::int32_t>(a & ~kSign);
-  return (a & kSign) != 0 ? -size : size;
-}
 constexpr bool unordered(std::uint32_t a, std::uint32_t b) { return is_nan(a) || is_nan(b); }
-constexpr bool equal(std::uint32_t a, std::uint32_t b) { return !unordered(a, b) && order_key(a) == order_key(b); }
-constexpr bool less(std::uint32_t a, std::uint32_t b) { return !unordered(a, b) && order_key(a) < order_key(b); }
-constexpr bool less_equal(std::uint32_t a, std::uint32_t b) { return !unordered(a, b) && order_key(a) <= order_key(b); }
+constexpr bool equal(std::uint32_t a, std::uint32_t b) {
+  if (is_nan(a)) return false;
+  return a == b || ((a | b) << 1) == 0;  // both zeros are one
+}
+// Sign and size are compared as the integers they are. Written out, without calls: nothing is called more often.
+constexpr bool less(std::uint32_t a, std::uint32_t b) {
+  if (((a | b) & kSign) == 0) return a < b && b <= kInfinity;  // the usual case
+  if (is_nan(a) || is_nan(b)) return false;
+  if (((a | b) << 1) == 0) return false;
+  if (((a ^ b) & kSign) != 0) return (a & kSign) != 0;
+  return b < a;
+}
+constexpr bool less_equal(std::uint32_t a, std::uint32_t b) { return less(a, b) || equal(a, b); }
 
 constexpr std::uint32_t from_unsigned(std::uint32_t value, std::uint32_t sign = 0) {
   if (value == 0) return 0;

@@ -4,11 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 
 #include "firmware/boards/lpc11c24/clock.hpp"
 #include "firmware/boards/lpc11c24/memory.hpp"
+#include "firmware/boards/lpc11c24/parameter_pages.hpp"
 
 namespace hoist::firmware::lpc11c24 {
 
@@ -39,39 +39,25 @@ inline bool write_page(std::uint32_t to, const std::uint32_t* words) {
 }
 }  // namespace iap
 
-// The two copies of the parameters: FlashPages of firmware/lib/board.hpp.
-class ParameterFlash {
+// The sector of the parameters. The watchdog gets more time while a routine holds the processor.
+class ParameterSector {
  public:
-  static constexpr std::size_t kPageBytes = kSectorBytes;
+  static constexpr std::size_t kBytes = kSectorBytes;
 
-  bool erase(int page) {
-    if (page != 0 && page != 1) return false;
+  bool erase() {
     watchdog::set_timeout(watchdog::kFlashTimeout_ms);
-    const bool good = iap::erase_sector(start(page) / kSectorBytes);
+    const bool good = iap::erase_sector(kParametersStart / kSectorBytes);
     watchdog::set_timeout(watchdog::kTimeout_ms);
     return good;
   }
-  bool write(int page, std::size_t offset, std::span<const std::byte> bytes) {
-    if ((page != 0 && page != 1) || offset % kFlashWriteBytes != 0 || bytes.size() % kFlashWriteBytes != 0 || offset > kPageBytes ||
-        bytes.size() > kPageBytes - offset)
-      return false;
-    bool good = true;
-    std::array<std::uint32_t, kFlashWriteBytes / 4> piece{};  // the routine takes whole words from RAM only
-    for (std::size_t at = 0; good && at < bytes.size(); at += kFlashWriteBytes) {
-      std::memcpy(piece.data(), bytes.data() + at, kFlashWriteBytes);
-      watchdog::set_timeout(watchdog::kFlashTimeout_ms);
-      good = iap::write_page(static_cast<std::uint32_t>(start(page) + offset + at), piece.data());
-      watchdog::set_timeout(watchdog::kTimeout_ms);
-    }
+  bool write(std::size_t offset, const std::array<std::uint32_t, kSlotWriteBytes / 4>& words) {
+    watchdog::set_timeout(watchdog::kFlashTimeout_ms);
+    const bool good = iap::write_page(static_cast<std::uint32_t>(kParametersStart + offset), words.data());
+    watchdog::set_timeout(watchdog::kTimeout_ms);
     return good;
   }
-  [[nodiscard]] std::span<const std::byte> read(int page) const {
-    if (page != 0 && page != 1) return {};
-    return {reinterpret_cast<const std::byte*>(start(page)), kPageBytes};
-  }
-
- private:
-  static constexpr std::uint32_t start(int page) { return kParametersStart + (page == 0 ? 0U : kSectorBytes); }
+  [[nodiscard]] std::span<const std::byte> bytes() const { return {reinterpret_cast<const std::byte*>(kParametersStart), kBytes}; }
 };
+using ParameterFlash = ParameterPages<ParameterSector>;
 
 }  // namespace hoist::firmware::lpc11c24
