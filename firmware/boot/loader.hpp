@@ -16,8 +16,6 @@
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/firmware_image.hpp"
 #include "firmware/boot/mailbox.hpp"
-#include "firmware/lib/board.hpp"
-#include "firmware/lib/sdo_server.hpp"
 
 namespace hoist::firmware {
 
@@ -25,9 +23,11 @@ namespace hoist::firmware {
 //   kWritePage        bytes that are written at once, at a multiple of it; the header lies in the first page
 //   kEraseUnit        bytes that are erased at once, a multiple of kWritePage
 //   application()     the flash of the application as it can be read
-//   erase(unit)       one unit to FFh; write(offset, bytes): one page. False when the flash says so. Both may take 100 ms
+//   erase(unit)       one unit to FFh; write(offset, bytes): one page, which lies at the address of a word. False when the flash says so.
+//                     Both may take 100 ms
 //   send(frame)       as every board; sent_all(): nothing that was sent still waits for the bus
 //   simulated()       as every board
+//   kind(), chip()    whose programs it takes
 //   mailbox()         the four words of mailbox.hpp
 //   restart()         resets the chip; returns only on boards of this computer
 template <class B>
@@ -41,6 +41,8 @@ concept LoaderBoard = requires(B board, const B constant, const contract::CanFra
   { board.send(frame) } -> std::same_as<bool>;
   { board.sent_all() } -> std::same_as<bool>;
   { constant.simulated() } -> std::same_as<bool>;
+  { constant.kind() } -> std::same_as<contract::ImageKind>;
+  { constant.chip() } -> std::convertible_to<const contract::ImageChipInfo&>;
   { board.mailbox() } -> std::same_as<Mailbox&>;
   { board.restart() } -> std::same_as<void>;
 };
@@ -50,19 +52,22 @@ enum class StartReason : std::uint8_t { application, asked, service_pin, failed_
 
 enum class LoaderReset : std::uint8_t { power_or_pin, watchdog, software };
 
-// Which of the two runs after this reset. Counts watchdog resets, and takes the request out of the mailbox: it counts for one start.
+// Which of the two runs after this reset. Counts the times that the application was ended by
+// its watchdog or by a fault, and takes the request out of the mailbox: it counts for one start.
 template <LoaderBoard Board>
-[[nodiscard]] StartReason decide_start(Board& board, LoaderReset reset, bool service_pin, contract::ImageKind kind,
-                                       const contract::ImageChipInfo& chip) {
+[[nodiscard]] StartReason decide_start(Board& board, LoaderReset reset, bool service_pin) {
   Mailbox& mailbox = board.mailbox();
   const bool asked = reset != LoaderReset::power_or_pin && loader_asked(mailbox);
+  const bool fell = reset == LoaderReset::watchdog || (reset == LoaderReset::software && application_fell(mailbox));
   forget_request(mailbox);
   if (reset == LoaderReset::power_or_pin) forget_failures(mailbox);
-  if (reset == LoaderReset::watchdog) set_failures(mailbox, std::min(failures(mailbox), kFailedStartsMax) + 1);
+  if (fell) set_failures(mailbox, std::min(failures(mailbox), kFailedStartsMax) + 1);
   if (service_pin) return StartReason::service_pin;
   if (asked) return StartReason::asked;
-  if (contract::check_flash(board.application(), kind, chip) != contract::ImageError::none) return StartReason::no_program;
-  return failures(mailbox) >= kFailedStartsMax ? StartReason::failed_starts : StartReason::application;
+  if (contract::check_flash(board.application(), board.kind(), board.chip()) != contract::ImageError::none) return StartReason::no_program;
+  if (failures(mailbox) >= kFailedStartsMax) return StartReason::failed_starts;
+  leave_request(mailbox, kApplicationRuns);
+  return StartReason::application;
 }
 
 inline constexpr std::uint32_t kLoaderHeartbeat_ms = 100;
@@ -71,233 +76,239 @@ inline constexpr std::uint32_t kLoaderPatience_ms = 60000;
 // The answer to "start" must be on the bus before the reset; a bus that does not take it for so long will not take it at all.
 inline constexpr std::uint32_t kLastAnswer_ms = 50;
 
+// A client that is silent for so long within a transfer has gone.
+inline constexpr std::uint32_t kLoaderTransfer_ms = 1000;
+
+// Speaks SDO by itself instead of through sdo_server.hpp: with that one it does not fit into a sector (DECISIONS.md, 1). Expedited reads
+// and writes of the few objects below, and one segmented download.
 template <LoaderBoard Board>
 class Loader {
  public:
   using FlashStatus = contract::FlashStatus;
   using ImageError = contract::ImageError;
+  using SdoAbort = contract::canopen::SdoAbort;
+  using CanFrame = contract::CanFrame;
   static_assert(Board::kWritePage >= contract::kImageMin && Board::kEraseUnit % Board::kWritePage == 0);
 
-  Loader(Board& board, std::uint8_t node_id, contract::ImageKind kind, const contract::ImageChipInfo& chip, StartReason reason)
-      : board_(board), chip_(chip), kind_(kind), node_id_(node_id), reason_(reason), sdo_(node_id) {
+  Loader(Board& board, std::uint8_t node_id, StartReason reason) : board_(board), node_id_(node_id), reason_(reason) {
     examine();
     if (reason == StartReason::failed_starts) status_ = FlashStatus::failed_starts;
   }
 
   void on_frame(const CanFrame& frame) {
     if (frame.flags != 0) return;
-    if (frame.id == contract::canopen::kNmt && frame.dlc == 2 && (frame.data[1] == 0 || frame.data[1] == node_id_)) {
+    if (frame.id == contract::canopen::kNmt) {
       // A loader knows one state. It can be told to start anew, nothing else: least of all to become operational.
+      if (frame.dlc != 2 || (frame.data[1] != 0 && frame.data[1] != node_id_)) return;
       const auto command = static_cast<contract::canopen::NmtCommand>(frame.data[0]);
-      if (command == contract::canopen::NmtCommand::reset_node) leave(false);
+      if (command == contract::canopen::NmtCommand::reset_node) leave(0);
       if (command == contract::canopen::NmtCommand::reset_communication) announced_ = false;
       return;
     }
     if (frame.id != contract::canopen::kSdoRequestBase + node_id_ || !announced_ || leaving_) return;
     quiet_ms_ = 0;
-    sdo_.on_request(frame, *this);
+    on_request(frame);
     send_answer();
   }
 
   void tick_1ms() {
+    send_answer();
+    ++quiet_ms_;
     if (leaving_) {
-      send_answer();
-      if ((sdo_.answer_waiting() || !board_.sent_all()) && ++leaving_ms_ < kLastAnswer_ms) return;
-      if (stay_) ask_for_loader(board_.mailbox());
+      if ((answer_waiting_ || !board_.sent_all()) && quiet_ms_ < kLastAnswer_ms) return;
+      leave_request(board_.mailbox(), after_reset_);
       return board_.restart();
     }
-    if (!announced_) {
-      announced_ = board_.send(contract::canopen::heartbeat(node_id_, contract::canopen::NmtState::boot_up));
-      heartbeat_ms_ = 0;
-      return;
+    if (++heartbeat_ms_ >= kLoaderHeartbeat_ms || !announced_) {
+      const bool sent = board_.send(contract::canopen::heartbeat(
+          node_id_, announced_ ? contract::canopen::NmtState::pre_operational : contract::canopen::NmtState::boot_up));
+      if (sent) {
+        announced_ = true;
+        heartbeat_ms_ = 0;
+      }
     }
-    if (++heartbeat_ms_ >= kLoaderHeartbeat_ms &&
-        board_.send(contract::canopen::heartbeat(node_id_, contract::canopen::NmtState::pre_operational)))
-      heartbeat_ms_ = 0;
-    send_answer();
-    sdo_.tick_1ms(*this);
-    if (status_ == FlashStatus::busy && !sdo_.answer_waiting() && board_.sent_all()) clear_next();
-    if (reason_ == StartReason::asked && status_ == FlashStatus::good && ++quiet_ms_ >= kLoaderPatience_ms) leave(false);
+    if (open_ && quiet_ms_ >= kLoaderTransfer_ms) abort(SdoAbort::time_out);
+    if (status_ == FlashStatus::busy && !answer_waiting_ && board_.sent_all()) clear_next();
+    if (reason_ == StartReason::asked && status_ == FlashStatus::good && quiet_ms_ >= kLoaderPatience_ms) leave(0);
   }
 
   [[nodiscard]] FlashStatus status() const { return status_; }
   [[nodiscard]] std::uint8_t node_id() const { return node_id_; }
 
-  // The dictionary, as the SDO server asks it.
-  SdoAbort sdo_read(std::uint16_t index, std::uint8_t sub, SdoSource& source) {
-    source.raw_bytes = 4;
-    if (sub == 0 && count_of(index) != 0) {
-      source.raw_bytes = 1;
-      source.raw = count_of(index);
-      return SdoAbort::none;
-    }
-    switch ((static_cast<std::uint32_t>(index) << 8) | sub) {
-      case 0x100000:  // no device profile
-      case 0x101801:
-      case 0x101804:
-      case 0x1F5101:  // the program is stopped
-        return SdoAbort::none;
-      case 0x100100:
-        source.raw_bytes = 1;
-        source.raw = status_ == FlashStatus::good || status_ == FlashStatus::busy ? 0 : 1;
-        return SdoAbort::none;
-      case 0x101802:
-        source.raw = (static_cast<std::uint32_t>(kind_) + 1) | contract::kLoaderProduct |
-                     (board_.simulated() ? contract::canopen::kSimulatedProduct : 0U);
-        return SdoAbort::none;
-      case 0x101803:
-        source.raw = kLoaderRevision;
-        return SdoAbort::none;
-      case 0x1F5601:
-        source.raw = whole_ ? contract::read_image_header(board_.application()).crc : 0;
-        return SdoAbort::none;
-      case 0x1F5701:
-        source.raw = static_cast<std::uint32_t>(status_);
-        return SdoAbort::none;
-      case 0x2F0001:
-        source.raw = whole_ ? contract::read_image_header(board_.application()).version : 0;
-        return SdoAbort::none;
-      case 0x1F5001:
-        return SdoAbort::write_only;
-      default:
-        return count_of(index) != 0 ? SdoAbort::no_sub : SdoAbort::no_object;
-    }
-  }
-  SdoAbort sdo_target(std::uint16_t index, std::uint8_t sub, SdoTarget& target) {
-    if (count_of(index) == 0) return index == 0x1000 || index == 0x1001 ? SdoAbort::read_only : SdoAbort::no_object;
-    if (sub > count_of(index)) return SdoAbort::no_sub;
-    if (sub == 0 || (index != contract::kProgramData && index != contract::kProgramControl)) return SdoAbort::read_only;
-    if (status_ == FlashStatus::busy) return SdoAbort::device_state;
-    target.bytes = index == contract::kProgramControl ? 1 : 0;
-    return SdoAbort::none;
-  }
-  SdoAbort sdo_write(std::uint16_t, std::uint8_t, std::uint32_t raw) {
-    switch (static_cast<contract::ProgramCommand>(raw)) {
-      case contract::ProgramCommand::stop:
-        return SdoAbort::none;
-      case contract::ProgramCommand::start:
-        if (!whole_) return SdoAbort::device_state;
-        forget_failures(board_.mailbox());
-        leave(false);
-        return SdoAbort::none;
-      case contract::ProgramCommand::reset:
-        leave(true);
-        return SdoAbort::none;
-      case contract::ProgramCommand::clear:
-        status_ = FlashStatus::busy;
-        whole_ = false;
-        clear_at_ = 0;
-        return SdoAbort::none;
-    }
-    return SdoAbort::range;
-  }
-  SdoAbort sdo_domain_begin(std::uint16_t, std::uint8_t, std::uint32_t told) {
-    if (told != 0 && told < contract::kImageMin) return SdoAbort::too_short;
-    if (told > chip_.application_max) return SdoAbort::too_long;
-    told_ = told;
-    received_ = 0;
-    touched_ = false;
-    return SdoAbort::none;
-  }
-  SdoAbort sdo_domain_data(std::span<const std::uint8_t> bytes) {
-    for (const std::uint8_t byte : bytes) {
-      // Until the header has been judged nothing in flash is touched; a wrong file costs the node nothing.
-      if (received_ >= contract::kImageMin && received_ == length_) return SdoAbort::too_long;
-      if (received_ < kPage) {
-        first_[received_] = byte;
-      } else {
-        page_[received_ % kPage] = byte;
-      }
-      ++received_;
-      if (received_ == contract::kImageMin)
-        if (const SdoAbort code = judge_start(); code != SdoAbort::none) return code;
-      if (received_ > kPage && received_ % kPage == 0)
-        if (!write_page(received_ - kPage)) return failed(FlashStatus::write_failed);
-    }
-    return SdoAbort::none;
-  }
-  SdoAbort sdo_domain_end() {
-    if (received_ < contract::kImageMin || received_ != length_) return SdoAbort::too_short;
-    // What is not written stays erased: the rest of the last page is filled with FFh.
-    if (const std::size_t rest = received_ % kPage; received_ > kPage && rest != 0) {
-      std::fill(page_.begin() + static_cast<std::ptrdiff_t>(rest), page_.end(), kErased);
-      if (!write_page(received_ - rest)) return failed(FlashStatus::write_failed);
-    }
-    const std::size_t in_first = std::min<std::size_t>(received_, kPage);
-    const std::span<const std::uint8_t> start = std::span<const std::uint8_t>(first_).first(in_first);
-    const std::span<const std::uint8_t> rest = board_.application().subspan(in_first, received_ - in_first);
-    if (contract::image_crc(start, rest) != contract::read_image_header(start).crc) return failed(FlashStatus::damaged);
-    std::fill(first_.begin() + static_cast<std::ptrdiff_t>(in_first), first_.end(), kErased);
-    touched_ = false;  // from here on nothing is half done any more
-    const bool written = board_.write(0, first_);
-    examine();
-    if (!written || !whole_) return failed(FlashStatus::write_failed);
-    forget_failures(board_.mailbox());
-    return SdoAbort::none;
-  }
-  void sdo_domain_cancel() {
-    if (!touched_) return;  // refused before anything was erased, or its end has already said what is there
-    touched_ = false;
-    if (status_ != FlashStatus::write_failed && status_ != FlashStatus::damaged) status_ = FlashStatus::no_program;
-  }
-
  private:
   static constexpr std::size_t kPage = Board::kWritePage;
   static constexpr std::uint8_t kErased = 0xFF;
+  static constexpr std::uint8_t kToggle = 0x10;
   static constexpr std::uint32_t kLoaderRevision = 0x00010000;
+
+  // ---- the bus
+
+  // Exactly one answer follows each request, except an abort. One that still waits is dropped: its client has given up waiting.
+  void on_request(const CanFrame& frame) {
+    const std::uint8_t command = frame.data[0];
+    if (frame.dlc != 8) return abort(SdoAbort::command);
+    if (command == contract::canopen::kSdoAbort) return close();
+    if ((command & 0xE0U) == 0) return open_ ? on_segment(frame) : abort(SdoAbort::command);
+    close();
+    // The answer names the object as the request does.
+    answer_ = frame;
+    answer_.id = contract::canopen::kSdoReplyBase + node_id_;
+    const std::uint16_t index = static_cast<std::uint16_t>(contract::read_le(&frame.data[1], 2));
+    const std::uint8_t sub = frame.data[3];
+    SdoAbort code = SdoAbort::command;
+    if (command == contract::canopen::kSdoUploadRequest) {
+      code = read(index, sub);
+    } else if ((command & 0xF0U) == 0x20U) {
+      code = write(index, sub, command, contract::read_le(&frame.data[4], 4));
+    }
+    if (code != SdoAbort::none) return abort(code);
+    answer_waiting_ = true;
+  }
+  void answer_value(std::size_t bytes, std::uint32_t value) {
+    answer_.data[0] = contract::canopen::sdo_upload_reply_command(bytes);
+    contract::write_le(&answer_.data[4], 4, value);
+  }
+  void abort(SdoAbort code) {
+    close();
+    answer_.id = contract::canopen::kSdoReplyBase + node_id_;
+    answer_.dlc = 8;
+    answer_.data[0] = contract::canopen::kSdoAbort;
+    contract::write_le(&answer_.data[4], 4, static_cast<std::uint32_t>(code));
+    answer_waiting_ = true;
+  }
+  void send_answer() {
+    if (answer_waiting_ && board_.send(answer_)) answer_waiting_ = false;
+  }
 
   // Highest sub-index of the objects that have several; 0: no such object.
   static constexpr std::uint8_t count_of(std::uint16_t index) {
-    switch (index) {
-      case 0x1018:
-        return 4;
-      case contract::kProgramData:
-      case contract::kProgramControl:
-      case contract::kProgramId:
-      case contract::kFlashStatus:
-      case contract::kProgramVersion:
-        return 1;
-      default:
-        return 0;
+    if (index == 0x1018) return 4;
+    return (index >= contract::kProgramData && index <= contract::kProgramControl) ||
+                   (index >= contract::kProgramId && index <= contract::kFlashStatus) || index == contract::kProgramVersion
+               ? 1
+               : 0;
+  }
+  // A word of the header of the program that is there; 0 when there is none.
+  [[nodiscard]] std::uint32_t header_word(std::size_t at) const { return whole_ ? contract::image_word(board_.application(), at) : 0; }
+
+  [[nodiscard]] SdoAbort read(std::uint16_t index, std::uint8_t sub) {
+    const std::uint8_t count = count_of(index);
+    if (count == 0 && index != 0x1000) return SdoAbort::no_object;
+    if (sub > count) return SdoAbort::no_sub;
+    std::uint32_t value = 0;  // 1000h: no device profile; 1018h:1 and 4: no numbers; 1F51h: stopped
+    if (sub == 0 && count != 0) {
+      answer_value(1, count);
+      return SdoAbort::none;
     }
+    switch (index) {
+      case contract::kProgramData:
+        return SdoAbort::write_only;
+      case 0x1018:
+        if (sub == 2)
+          value = (static_cast<std::uint32_t>(board_.kind()) + 1) | contract::kLoaderProduct |
+                  (board_.simulated() ? contract::canopen::kSimulatedProduct : 0U);
+        if (sub == 3) value = kLoaderRevision;
+        break;
+      case contract::kProgramId:
+        value = header_word(contract::kImageCrcAt);
+        break;
+      case contract::kFlashStatus:
+        value = static_cast<std::uint32_t>(status_);
+        break;
+      case contract::kProgramVersion:
+        value = header_word(contract::kImageHeaderAt + 12);
+        break;
+      default:
+        break;
+    }
+    answer_value(index == contract::kProgramControl ? 1 : 4, value);
+    return SdoAbort::none;
   }
 
-  // What lies in flash now.
-  void examine() {
-    const ImageError error = contract::check_flash(board_.application(), kind_, chip_);
-    whole_ = error == ImageError::none;
-    switch (error) {
-      case ImageError::none:
-        status_ = FlashStatus::good;
-        break;
-      case ImageError::crc:
-      case ImageError::vectors:
-        status_ = FlashStatus::damaged;
-        break;
-      case ImageError::kind:
-      case ImageError::chip:
-        status_ = FlashStatus::unknown_format;
-        break;
-      default:
-        status_ = FlashStatus::no_program;
-        break;
+  // A write of 1F51h:1 in one frame, or the announcement of a program for 1F50h:1. `value`: the last four bytes of the request.
+  [[nodiscard]] SdoAbort write(std::uint16_t index, std::uint8_t sub, std::uint8_t command, std::uint32_t value) {
+    const std::uint8_t count = count_of(index);
+    if (count == 0) return index == 0x1000 ? SdoAbort::read_only : SdoAbort::no_object;
+    if (sub > count) return SdoAbort::no_sub;
+    if (sub == 0 || index > contract::kProgramControl || index < contract::kProgramData) return SdoAbort::read_only;
+    if (status_ == FlashStatus::busy) return SdoAbort::device_state;
+    const bool expedited = (command & 2U) != 0;
+    answer_.data[0] = contract::canopen::kSdoDownloadReply;
+    contract::write_le(&answer_.data[4], 4, 0);
+    if (index == contract::kProgramControl) {
+      // One byte, or as many of the four as the object has.
+      if (!expedited || ((command & 1U) != 0 && (command & 0x0CU) != 0x0CU)) return SdoAbort::length;
+      return control(value & 0xFFU);
     }
+    if (expedited) return SdoAbort::too_short;
+    const std::uint32_t told = (command & 1U) != 0 ? value : 0;
+    if (told > board_.chip().application_max) return SdoAbort::too_long;
+    told_ = told;
+    received_ = 0;
+    toggle_ = touched_ = false;
+    open_ = true;
+    return SdoAbort::none;
+  }
+  [[nodiscard]] SdoAbort control(std::uint32_t what) {
+    if (what > static_cast<std::uint32_t>(contract::ProgramCommand::clear)) return SdoAbort::range;
+    if (what == static_cast<std::uint32_t>(contract::ProgramCommand::start)) {
+      if (!whole_) return SdoAbort::device_state;
+      forget_failures(board_.mailbox());
+      leave(0);
+    } else if (what == static_cast<std::uint32_t>(contract::ProgramCommand::reset)) {
+      leave(kEnterLoader);
+    } else if (what == static_cast<std::uint32_t>(contract::ProgramCommand::clear)) {
+      status_ = FlashStatus::busy;
+      whole_ = false;
+      clear_at_ = 0;
+    }
+    return SdoAbort::none;
+  }
+  void leave(std::uint32_t request) {
+    leaving_ = true;
+    after_reset_ = request;
+    quiet_ms_ = 0;
+  }
+
+  // ---- a program that comes
+
+  void on_segment(const CanFrame& frame) {
+    const std::uint8_t command = frame.data[0];
+    SdoAbort code = SdoAbort::toggle;
+    if (((command & kToggle) != 0) == toggle_) {
+      const std::size_t bytes = 7U - ((static_cast<std::size_t>(command) >> 1) & 7U);
+      code = SdoAbort::none;
+      for (std::size_t i = 1; i <= bytes && code == SdoAbort::none; ++i) code = take(frame.data[i]);
+      if (code == SdoAbort::none && (command & 1U) != 0) code = finish();
+    }
+    if (code != SdoAbort::none) {
+      // A segment names no object; its answer does.
+      contract::write_le(&answer_.data[0], 4, (static_cast<std::uint32_t>(contract::kProgramData) << 8) | (1U << 24));
+      return abort(code);
+    }
+    contract::write_le(&answer_.data[0], 4, 0x20U | (command & kToggle));
+    contract::write_le(&answer_.data[4], 4, 0);
+    toggle_ = !toggle_;
+    answer_waiting_ = true;
+  }
+
+  [[nodiscard]] SdoAbort take(std::uint8_t byte) {
+    // Until the header has been judged nothing in flash is touched; a wrong file costs the node nothing.
+    if (received_ >= contract::kImageMin && received_ == length_) return SdoAbort::too_long;
+    const std::size_t at = received_++ % kPage;
+    (received_ <= kPage ? first_ : page_)[at] = byte;
+    if (received_ == contract::kImageMin) return judge_start();
+    if (received_ > kPage && at == kPage - 1 && !write_page(received_ - kPage)) return failed(FlashStatus::write_failed);
+    return SdoAbort::none;
   }
 
   // The header has come. Right: the unit that holds the old header goes first, so that from now on there is no program.
   [[nodiscard]] SdoAbort judge_start() {
     const std::span<const std::uint8_t> start = std::span<const std::uint8_t>(first_).first(contract::kImageMin);
-    switch (contract::check_image_start(start, kind_, chip_)) {
-      case ImageError::none:
-        break;
-      case ImageError::too_short:
-        return SdoAbort::too_short;
-      case ImageError::too_long:
-        return SdoAbort::too_long;
-      default:
-        return SdoAbort::range;
-    }
-    length_ = contract::read_image_header(start).length;
+    const ImageError error = contract::check_image_start(start, board_.kind(), board_.chip());
+    if (error == ImageError::too_long) return SdoAbort::too_long;
+    if (error != ImageError::none) return SdoAbort::range;
+    length_ = contract::image_word(start, contract::kImageHeaderAt + 4);
     if (told_ != 0 && length_ != told_) return SdoAbort::length;
     whole_ = false;
     touched_ = true;
@@ -310,12 +321,44 @@ class Loader {
     if (offset % Board::kEraseUnit == 0 && !board_.erase(offset / Board::kEraseUnit)) return false;
     return board_.write(offset, page_);
   }
+
+  [[nodiscard]] SdoAbort finish() {
+    if (received_ < contract::kImageMin || received_ != length_) return SdoAbort::too_short;
+    // What is not written stays erased: the rest of the last page is filled with FFh.
+    const std::size_t end = received_;
+    for (std::size_t at = end % kPage; at != 0; at = (at + 1) % kPage) (end <= kPage ? first_ : page_)[at] = kErased;
+    if (end > kPage && end % kPage != 0 && !write_page(end - end % kPage)) return failed(FlashStatus::write_failed);
+    const std::size_t in_first = end < kPage ? end : kPage;
+    const std::span<const std::uint8_t> start = std::span<const std::uint8_t>(first_).first(in_first);
+    if (contract::image_crc(start, board_.application().subspan(in_first, end - in_first)) !=
+        contract::image_word(start, contract::kImageCrcAt))
+      return failed(FlashStatus::damaged);
+    const bool written = board_.write(0, first_);
+    examine();
+    if (!written || !whole_) return failed(FlashStatus::write_failed);
+    open_ = touched_ = false;
+    forget_failures(board_.mailbox());
+    return SdoAbort::none;
+  }
   [[nodiscard]] SdoAbort failed(FlashStatus why) {
     status_ = why;
     whole_ = false;
     return why == FlashStatus::damaged ? SdoAbort::transfer : SdoAbort::hardware;
   }
+  // The transfer is over, or another request has taken its place.
+  void close() { open_ = false; }
 
+  // ---- the flash
+
+  // What lies there now.
+  void examine() {
+    const ImageError error = contract::check_flash(board_.application(), board_.kind(), board_.chip());
+    whole_ = error == ImageError::none;
+    status_ = whole_                                                     ? FlashStatus::good
+              : error == ImageError::crc || error == ImageError::vectors ? FlashStatus::damaged
+              : error == ImageError::kind || error == ImageError::chip   ? FlashStatus::unknown_format
+                                                                         : FlashStatus::no_program;
+  }
   void clear_next() {
     if (!board_.erase(clear_at_)) {
       status_ = FlashStatus::write_failed;
@@ -324,30 +367,21 @@ class Loader {
     }
   }
 
-  void leave(bool stay) {
-    leaving_ = true;
-    stay_ = stay;
-    leaving_ms_ = 0;
-  }
-  void send_answer() {
-    if (sdo_.answer_waiting() && board_.send(sdo_.answer())) sdo_.answer_sent();
-  }
-
   Board& board_;
-  const contract::ImageChipInfo& chip_;
-  contract::ImageKind kind_;
   std::uint8_t node_id_;
   StartReason reason_;
-  SdoServer sdo_;
   FlashStatus status_ = FlashStatus::no_program;
   bool whole_ = false;    // there is a program that may be started
   bool touched_ = false;  // a transfer has begun to change the flash
-  bool announced_ = false, leaving_ = false, stay_ = false;
-  std::uint32_t heartbeat_ms_ = 0, quiet_ms_ = 0, leaving_ms_ = 0;
+  bool announced_ = false, leaving_ = false, open_ = false, toggle_ = false, answer_waiting_ = false;
+  std::uint32_t after_reset_ = 0;  // what the mailbox says then
+  std::uint32_t heartbeat_ms_ = 0, quiet_ms_ = 0;
   std::uint32_t told_ = 0, received_ = 0, length_ = 0;
   std::size_t clear_at_ = 0;
-  std::array<std::uint8_t, kPage> first_{};
-  std::array<std::uint8_t, kPage> page_{};
+  CanFrame answer_{};
+  // Written before they are read; on purpose without an initial value, which would only cost flash.
+  alignas(std::uint32_t) std::array<std::uint8_t, kPage> first_;
+  alignas(std::uint32_t) std::array<std::uint8_t, kPage> page_;
 };
 
 }  // namespace hoist::firmware

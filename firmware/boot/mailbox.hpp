@@ -1,6 +1,6 @@
 // Four words of RAM that outlive a reset, at the same place for the loader and the application: whether the next start is to stay in the
-// loader, and how often the application was ended by its watchdog. After power-on they hold anything, so each word has its complement
-// beside it, and what does not fit counts as "nothing asked, no failure".
+// loader, and how often in a row the application was ended by its watchdog or a fault. After power-on they hold anything, so each word
+// has its complement beside it, and what does not fit counts as "nothing asked, no failure".
 #pragma once
 #include <cstdint>
 
@@ -12,21 +12,26 @@ struct Mailbox {
 };
 static_assert(sizeof(Mailbox) == 16);
 
-inline constexpr std::uint32_t kEnterLoader = 0x4C4F4144U;  // "LOAD"
-// After so many watchdog resets in a row the loader keeps the node (task of the loader: a program that cannot live must stay replaceable).
+inline constexpr std::uint32_t kEnterLoader = 0x4C4F4144U;      // "LOAD"
+inline constexpr std::uint32_t kApplicationRuns = 0x52554E53U;  // "RUNS": left by the loader, taken away by every orderly restart
+// After so many such ends in a row the loader keeps the node: a program that cannot live must stay replaceable.
 inline constexpr std::uint32_t kFailedStartsMax = 3;
 // An application that has run for so long has started well; it then calls forget_failures().
 inline constexpr std::uint32_t kStartedWell_ms = 10000;
 
-constexpr void ask_for_loader(Mailbox& mailbox) {
-  mailbox.request = kEnterLoader;
-  mailbox.request_check = ~kEnterLoader;
+constexpr void leave_request(Mailbox& mailbox, std::uint32_t request) {
+  mailbox.request = request;
+  mailbox.request_check = ~request;
 }
-constexpr void forget_request(Mailbox& mailbox) {
-  mailbox.request = 0;
-  mailbox.request_check = ~0U;
+constexpr bool request_is(const Mailbox& mailbox, std::uint32_t request) {
+  return mailbox.request == request && mailbox.request_check == ~request;
 }
-constexpr bool loader_asked(const Mailbox& mailbox) { return mailbox.request == kEnterLoader && mailbox.request_check == ~kEnterLoader; }
+constexpr void ask_for_loader(Mailbox& mailbox) { leave_request(mailbox, kEnterLoader); }
+constexpr void forget_request(Mailbox& mailbox) { leave_request(mailbox, 0); }
+constexpr bool loader_asked(const Mailbox& mailbox) { return request_is(mailbox, kEnterLoader); }
+// The application ended without saying so: a fault that reset the chip.
+constexpr bool application_fell(const Mailbox& mailbox) { return request_is(mailbox, kApplicationRuns); }
+
 constexpr std::uint32_t failures(const Mailbox& mailbox) { return mailbox.failures_check == ~mailbox.failures ? mailbox.failures : 0; }
 constexpr void set_failures(Mailbox& mailbox, std::uint32_t count) {
   mailbox.failures = count;

@@ -39,7 +39,13 @@ class HostLoaderBoard {
   static constexpr std::size_t kWritePage = ProgramFlash::kWritePage;
   static constexpr std::size_t kEraseUnit = ProgramFlash::kEraseUnit;
 
-  explicit HostLoaderBoard(Board& board) : board_(board) { forget_request(mailbox_); }
+  HostLoaderBoard(Board& board, contract::Node node) : board_(board), node_(node) { forget_request(mailbox_); }
+  [[nodiscard]] contract::ImageKind kind() const {
+    return static_cast<contract::ImageKind>(contract::kNodes[static_cast<std::size_t>(node_)].kind);
+  }
+  [[nodiscard]] static const contract::ImageChipInfo& chip() {
+    return *contract::find_image_chip(static_cast<std::uint8_t>(contract::ImageChip::simulated));
+  }
   [[nodiscard]] std::span<const std::uint8_t> application() const { return flash_.read(); }
   bool erase(std::size_t unit) { return flash_.erase(unit); }
   bool write(std::size_t offset, std::span<const std::uint8_t> bytes) { return flash_.write(offset, bytes); }
@@ -57,6 +63,7 @@ class HostLoaderBoard {
 
  private:
   Board& board_;
+  contract::Node node_;
   ProgramFlash flash_{};
   Mailbox mailbox_{};
   bool restart_asked_ = false;
@@ -66,7 +73,7 @@ template <class Board, class Firmware>
 class UpdatableNode {
  public:
   UpdatableNode(Board& board, contract::Node node)
-      : board_(board), loader_board_(board), node_(node), firmware_((tell_program(board, burn_first()), board), node) {}
+      : board_(board), loader_board_(board, node), node_(node), firmware_((tell_program(board, burn_first()), board), node) {}
 
   void on_frame(const contract::CanFrame& frame) {
     if (silent_ms_ > 0) return;
@@ -85,6 +92,7 @@ class UpdatableNode {
     firmware_.tick_1ms();
     if (++alive_ms_ == kStartedWell_ms) forget_failures(loader_board_.mailbox());
     if (board_.restart_asked()) {
+      forget_request(loader_board_.mailbox());
       if (board_.loader_asked()) ask_for_loader(loader_board_.mailbox());
       board_.restart_done();
       silent_ms_ = kRestart_ms;
@@ -102,15 +110,9 @@ class UpdatableNode {
   // From the reset to the first words on the bus: clock and controller of a real chip need a few milliseconds.
   static constexpr std::uint32_t kRestart_ms = 5;
 
-  [[nodiscard]] contract::ImageKind kind() const {
-    return static_cast<contract::ImageKind>(contract::kNodes[static_cast<std::size_t>(node_)].kind);
-  }
-  [[nodiscard]] static const contract::ImageChipInfo& chip() {
-    return *contract::find_image_chip(static_cast<std::uint8_t>(contract::ImageChip::simulated));
-  }
   std::span<const std::uint8_t> burn_first() {
     std::array<std::uint8_t, kFirstSimulatedBytes> image{};
-    seal_image(image, kind(), contract::ImageChip::simulated, kFirstSimulatedVersion);
+    seal_image(image, loader_board_.kind(), contract::ImageChip::simulated, kFirstSimulatedVersion);
     loader_board_.flash().burn(image);
     return loader_board_.application();
   }
@@ -123,9 +125,9 @@ class UpdatableNode {
     silent_ms_ = 0;
     alive_ms_ = 0;
     board_.restart_done();
-    const StartReason reason = decide_start(loader_board_, reset, false, kind(), chip());
+    const StartReason reason = decide_start(loader_board_, reset, false);
     if (reason != StartReason::application) {
-      loader_.emplace(loader_board_, contract::node_id(node_), kind(), chip(), reason);
+      loader_.emplace(loader_board_, contract::node_id(node_), reason);
       return;
     }
     loader_.reset();

@@ -51,6 +51,8 @@ struct BootBoard {
   }
   bool sent_all() const { return !bus_busy; }
   bool simulated() const { return true; }
+  ImageKind kind() const { return ImageKind::drive; }
+  const contract::ImageChipInfo& chip() const { return *contract::find_image_chip("simulated"); }
   Mailbox& mailbox() { return box; }
   void restart() { restarted = true; }
 };
@@ -69,9 +71,9 @@ class LoaderBench {
     board.flash.power_up();
     board.restarted = false;
     board.sent.clear();
-    const StartReason reason = decide_start(board, why, service_pin, ImageKind::drive, simulated_chip());
+    const StartReason reason = decide_start(board, why, service_pin);
     if (reason != StartReason::application) {
-      loader.emplace(board, kTestNode, ImageKind::drive, simulated_chip(), reason);
+      loader.emplace(board, kTestNode, reason);
       run(1);
     }
     return reason;

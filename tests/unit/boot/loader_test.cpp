@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 #include "tests/unit/boot/boot_support.hpp"
@@ -50,6 +52,7 @@ TEST_F(Start, ARequestCountsForOneStartOnly) {
   ask_for_loader(board.box);
   EXPECT_EQ(reset(LoaderReset::software), StartReason::asked);
   EXPECT_EQ(reset(LoaderReset::software), StartReason::application);
+  EXPECT_EQ(failures(board.box), 0U);
 }
 
 // After power-on the mailbox holds anything, even by chance the word; it must not keep a node from its work.
@@ -71,11 +74,25 @@ TEST_F(Start, ThreeWatchdogResetsInARowKeepTheNode) {
   EXPECT_EQ(reset(LoaderReset::watchdog), StartReason::application);
   EXPECT_EQ(reset(LoaderReset::watchdog), StartReason::failed_starts);
   EXPECT_EQ(status(), static_cast<std::uint32_t>(FlashStatus::failed_starts));
-  EXPECT_EQ(reset(LoaderReset::software), StartReason::failed_starts);  // not forgotten by a plain restart
+  EXPECT_EQ(reset(LoaderReset::software), StartReason::failed_starts);  // not forgotten by a restart of the loader
   EXPECT_EQ(write(contract::kProgramControl, 1, 1), 0U);                // but a person may try again
   run(3);
   EXPECT_TRUE(board.restarted);
   EXPECT_EQ(reset(LoaderReset::software), StartReason::application);
+}
+
+// A fault resets the chip as a restart does; only the orderly one takes its mark away.
+TEST_F(Start, ThreeFaultsInARowKeepTheNodeAndRestartsDoNot) {
+  burn_old();
+  EXPECT_EQ(reset(LoaderReset::power_or_pin), StartReason::application);
+  for (int i = 0; i < 10; ++i) {
+    forget_request(board.box);
+    EXPECT_EQ(reset(LoaderReset::software), StartReason::application) << i;
+  }
+  EXPECT_EQ(reset(LoaderReset::software), StartReason::application);
+  EXPECT_EQ(reset(LoaderReset::watchdog), StartReason::application);
+  EXPECT_EQ(reset(LoaderReset::software), StartReason::failed_starts);
+  EXPECT_EQ(reset(LoaderReset::power_or_pin), StartReason::application);  // switched off and on: it may try again
 }
 
 TEST_F(Start, TheServicePinAlwaysWins) {
@@ -251,6 +268,91 @@ TEST_F(Transfer, AnAbandonedTransferIsForgotten) {
   EXPECT_TRUE(aborted);
   EXPECT_EQ(status(), static_cast<std::uint32_t>(FlashStatus::no_program));
   EXPECT_EQ(download(image), 0U);
+}
+
+// What is wrong in the dialogue itself ends the transfer with the code of CiA 301 and changes nothing else.
+TEST_F(Transfer, AWrongDialogueIsRefused) {
+  burn_old();
+  enter();
+  const auto segment = [&](std::uint8_t command) {
+    contract::CanFrame frame{canopen::kSdoRequestBase + kTestNode, 8, 0, {}};
+    frame.data[0] = command;
+    const auto answer = ask(frame);
+    return answer && answer->data[0] == canopen::kSdoAbort ? contract::read_le(&answer->data[4], 4) : 0U;
+  };
+  EXPECT_EQ(segment(0x00), 0x05040001U);  // no transfer is open
+  EXPECT_EQ(ask(0x21, contract::kProgramData, 1, 9000)->data[0], canopen::kSdoDownloadReply);
+  EXPECT_EQ(segment(0x10), 0x05030000U);  // the first segment has toggle 0
+  EXPECT_EQ(segment(0x00), 0x05040001U);  // and that was its end
+  EXPECT_EQ(ask(0x21, contract::kProgramData, 1, 9000)->data[0], canopen::kSdoDownloadReply);
+  EXPECT_EQ(segment(0x00), 0U);
+  EXPECT_EQ(segment(0x00), 0x05030000U);
+  // Another request takes the place of a transfer, and an abort ends it without an answer.
+  EXPECT_EQ(ask(0x21, contract::kProgramData, 1, 9000)->data[0], canopen::kSdoDownloadReply);
+  EXPECT_EQ(status(), 0U);
+  EXPECT_EQ(segment(0x00), 0x05040001U);
+  EXPECT_EQ(ask(0x21, contract::kProgramData, 1, 9000)->data[0], canopen::kSdoDownloadReply);
+  EXPECT_FALSE(ask(canopen::kSdoAbort, contract::kProgramData, 1, 0x08000000));
+  EXPECT_EQ(segment(0x00), 0x05040001U);
+  // Short frames, expedited programs, long commands, unknown services.
+  contract::CanFrame cut{canopen::kSdoRequestBase + kTestNode, 7, 0, {}};
+  cut.data[0] = canopen::kSdoUploadRequest;
+  EXPECT_EQ(ask(cut)->data[0], canopen::kSdoAbort);
+  EXPECT_EQ(ask(0x23, contract::kProgramData, 1, 1)->data[0], canopen::kSdoAbort);
+  EXPECT_EQ(contract::read_le(&ask(0x23, contract::kProgramControl, 1, 1)->data[4], 4), 0x06070010U);
+  EXPECT_EQ(contract::read_le(&ask(0xA0, contract::kProgramData, 1, 1)->data[4], 4), 0x05040001U);
+  EXPECT_EQ(contract::read_le(&ask(0x60, 0, 0, 0)->data[4], 4), 0x05040001U);
+  EXPECT_EQ(board.flash.erases(), 0U);
+  EXPECT_FALSE(board.restarted);
+  EXPECT_EQ(reset(LoaderReset::software), StartReason::application);
+}
+
+// Any frames at all: the loader answers or is silent, never touches the flash without the header of a program for this node, and what it
+// may be made to start is always a whole program.
+TEST_F(Transfer, AnyFramesDoNoHarm) {
+  std::uint32_t state = 12345;
+  const auto random = [&state] { return (state = state * 1664525U + 1013904223U) >> 16; };
+  burn_old();
+  enter();
+  int restarts = 0, clears = 0;
+  for (int i = 0; i < 200000; ++i) {
+    contract::CanFrame frame{};
+    const std::uint32_t kind = random() % 8;
+    frame.id = kind == 0 ? random() & 0x7FFU : kind == 1 ? canopen::kNmt : canopen::kSdoRequestBase + kTestNode;
+    frame.dlc = random() % 8 == 0 ? static_cast<std::uint8_t>(random() % 9) : 8;
+    for (auto& byte : frame.data) byte = static_cast<std::uint8_t>(random());
+    if (random() % 2 == 0) {  // sensible objects, so that the deeper places are reached
+      constexpr std::array<std::uint8_t, 8> kCommands{0x21, 0x2F, 0x40, 0x80, 0x00, 0x10, 0x01, 0x23};
+      frame.data[0] = kCommands[random() % kCommands.size()];
+      contract::write_le(&frame.data[1], 2, 0x1F50 + random() % 8);
+      frame.data[3] = static_cast<std::uint8_t>(random() % 2);
+      if (random() % 2 == 0) contract::write_le(&frame.data[4], 4, random() % 16);
+    }
+    const bool clear = frame.dlc == 8 && (frame.data[0] & 0xF2U) == 0x22U && contract::read_le(&frame.data[1], 3) == 0x011F51U;
+    loader->on_frame(frame);
+    run(static_cast<int>(random() % 3));
+    board.sent.clear();
+    if (clear && loader->status() == FlashStatus::busy) ++clears;
+    if (board.restarted) {
+      ++restarts;
+      const StartReason reason = reset(LoaderReset::software);
+      if (reason == StartReason::application) {
+        ASSERT_EQ(contract::check_flash(board.application(), ImageKind::drive, simulated_chip()), ImageError::none);
+        enter();
+      }
+    }
+    if (clears == 0) {
+      ASSERT_EQ(board.flash.erases(), 0U) << i;
+    }
+    if (clears > 0 && random() % 256 == 0) {
+      burn_old();
+      enter();
+    }
+  }
+  EXPECT_GT(restarts, 20);
+  EXPECT_GT(clears, 5);
+  EXPECT_EQ(board.flash.writes(), 0U);
+  EXPECT_EQ(board.flash.misuses(), 0U);
 }
 
 // The promise of the loader. The power goes after every single byte that is erased or written (every eleventh one in the long middle),
