@@ -1,6 +1,7 @@
 #include "tests/machine/c_can.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstdio>
 #include <string>
 
@@ -41,6 +42,7 @@ void CCan::reset() {
   clock_divider_ = 1;  // UM10398: the divider's reset value
   objects_ = {};       // on silicon undefined but for the valid bits; the manual asks the program to set them all
   interfaces_ = {};
+  look();
   sending_ = -1;
   tec_ = rec_ = 0;
   bus_off_ = status_pending_ = false;
@@ -50,9 +52,17 @@ void CCan::reset() {
 
 std::uint32_t CCan::interrupt_id() const {
   if (status_pending_ && (control_ & (kSie | kEie)) != 0) return 0x8000;
-  for (unsigned i = 0; i < kObjects; ++i)
-    if ((objects_[i].control & kPending) != 0) return i + 1;
-  return 0;
+  return pending_ == 0 ? 0 : static_cast<std::uint32_t>(std::countr_zero(pending_)) + 1;
+}
+
+void CCan::look() {
+  wants_ = pending_ = 0;
+  for (unsigned i = 0; i < kObjects; ++i) {
+    const Object& object = objects_[i];
+    if ((object.control & kPending) != 0) pending_ |= 1U << i;
+    if ((object.arb2 & kValid) != 0 && (object.control & kRequest) != 0) wants_ |= 1U << i;
+  }
+  ++changes_;
 }
 
 std::uint32_t CCan::gather(std::uint32_t bit, unsigned half) const {
@@ -143,6 +153,7 @@ void CCan::write(std::uint32_t offset, std::uint32_t value, std::uint64_t cycles
       case 0x20:
         at.request = value & 0x3FU;
         transfer(at, value & 0x3FU);
+        look();
         at.busy_until = cycles + kBusyCycles * (clock_divider_ + 1);
         return;
       case 0x24:
@@ -280,21 +291,19 @@ void CCan::transfer(Interface& through, unsigned number) {
 }
 
 bool CCan::offer(CanFrame& frame) {
-  for (unsigned i = 0; i < kObjects; ++i) {
-    const Object& object = objects_[i];
-    if ((object.arb2 & kValid) == 0 || (object.control & kRequest) == 0) continue;
-    frame = {};
-    const bool extended = (object.arb2 & kExtended) != 0;
-    const std::uint32_t id = ((object.arb2 & 0x1FFFU) << 16) | object.arb1;
-    frame.id = extended ? id : id >> 18;
-    frame.dlc = static_cast<std::uint8_t>(std::min<std::uint32_t>(object.control & 0xFU, 8));
-    frame.flags = static_cast<std::uint8_t>((extended ? CanFrame::kExtended : 0) | ((object.arb2 & kTransmit) == 0 ? CanFrame::kRemote : 0));
-    if ((object.arb2 & kTransmit) != 0)
-      for (unsigned b = 0; b < frame.dlc; ++b) frame.data[b] = static_cast<std::uint8_t>(object.data[b / 2] >> (8 * (b & 1U)));
-    sending_ = static_cast<int>(i);
-    return true;
-  }
-  return false;
+  if (wants_ == 0) return false;
+  const auto number = static_cast<unsigned>(std::countr_zero(wants_));
+  const Object& object = objects_[number];
+  frame = {};
+  const bool extended = (object.arb2 & kExtended) != 0;
+  const std::uint32_t id = ((object.arb2 & 0x1FFFU) << 16) | object.arb1;
+  frame.id = extended ? id : id >> 18;
+  frame.dlc = static_cast<std::uint8_t>(std::min<std::uint32_t>(object.control & 0xFU, 8));
+  frame.flags = static_cast<std::uint8_t>((extended ? CanFrame::kExtended : 0) | ((object.arb2 & kTransmit) == 0 ? CanFrame::kRemote : 0));
+  if ((object.arb2 & kTransmit) != 0)
+    for (unsigned b = 0; b < frame.dlc; ++b) frame.data[b] = static_cast<std::uint8_t>(object.data[b / 2] >> (8 * (b & 1U)));
+  sending_ = static_cast<int>(number);
+  return true;
 }
 
 void CCan::began() {
@@ -324,6 +333,7 @@ void CCan::sent(CanError error) {
   // Data written meanwhile go out as a frame of their own.
   if ((object.control & kNewData) == 0) object.control &= ~kRequest;
   if ((object.control & kTxIe) != 0) object.control |= kPending;
+  look();
   update_states();
 }
 
@@ -362,6 +372,7 @@ void CCan::heard(const CanFrame& frame, CanError error) {
     const bool remote = (frame.flags & CanFrame::kRemote) != 0;
     if (remote && (object.control & kRemoteEnable) != 0) {
       object.control |= kRequest;
+      look();
       return;
     }
     if (remote && (object.control & kUseMask) == 0) return;  // an object of exactly this id ignores it
@@ -384,6 +395,7 @@ void CCan::heard(const CanFrame& frame, CanError error) {
         half = static_cast<std::uint16_t>((half & ~(0xFFU << shift)) | (byte << shift));
       }
     if ((object.control & kRxIe) != 0) object.control |= kPending;
+    look();
     return;
   }
 }
@@ -395,6 +407,7 @@ void CCan::set_errors(unsigned transmit, unsigned receive) {
 }
 
 void CCan::update_states() {
+  ++changes_;
   const std::uint32_t before = status_;
   status_ &= ~(kEPass | kEWarn | kBOff);
   if (tec_ >= 96 || rec_ >= 96) status_ |= kEWarn;

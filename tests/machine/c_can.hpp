@@ -31,6 +31,8 @@ class CCan : public CanStation {
   void heard(const contract::CanFrame& frame, CanError error) override;
   void idle(std::uint64_t bits) override;
 
+  /// Grows whenever the wire has changed something that the chip may have to look at.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
   [[nodiscard]] unsigned transmit_errors() const { return tec_; }
   [[nodiscard]] unsigned receive_errors() const { return rec_; }
   [[nodiscard]] bool bus_off() const { return bus_off_; }
@@ -53,6 +55,7 @@ class CCan : public CanStation {
   [[nodiscard]] std::uint32_t interrupt_id() const;
   [[nodiscard]] std::uint32_t gather(std::uint32_t bit_of_control, unsigned half) const;
   void transfer(Interface& through, unsigned number);
+  void look();
   [[nodiscard]] bool accepts(const Object& object, const contract::CanFrame& frame) const;
   void update_states();
   void note_status(bool is_error_state);
@@ -61,6 +64,8 @@ class CCan : public CanStation {
   std::uint32_t control_{1}, status_{}, timing_{0x2301}, prescaler_{}, clock_divider_{};
   std::array<Object, kObjects> objects_{};
   std::array<Interface, 2> interfaces_{};
+  std::uint32_t wants_{}, pending_{};  // objects that ask to be sent, that ask for an interrupt; kept by look()
+  std::uint64_t changes_{};
   int sending_{-1};
   unsigned tec_{}, rec_{};
   bool bus_off_{};

@@ -9,6 +9,7 @@ namespace {
 using contract::CanFrame;
 
 constexpr std::uint64_t kRecessiveTail = 11;
+constexpr std::uint64_t kIdleLump = 8;  // idle bits are told in lumps of at least this many
 constexpr unsigned kTailBits = 1 + 1 + 1 + 7;  // CRC delimiter, acknowledge and its delimiter, end of frame: never stuffed
 
 // The bits in their order, as arbitration sees them.
@@ -88,12 +89,12 @@ void CanWire::advance(Time now) {
     const Time from = free_since_;
     if (now > from) {
       const std::uint64_t bits = (now - from) / kBit;
-      if (bits > 0) {
+      if (bits >= kIdleLump) {
         for (std::size_t i = 0; i < stations_.size(); ++i) stations_[i]->idle(bits);
         free_since_ += bits * kBit;
       }
     }
-    begin(std::max(from, now));
+    begin(now);
     if (!busy_) return;
   }
 }

@@ -38,7 +38,8 @@ void CortexM0::reset() {
   irq_priority_.fill(0);
   svc_priority_ = pendsv_priority_ = systick_priority_ = 0;
   scr_ = systick_csr_ = systick_reload_ = 0;
-  systick_left_ = 0;
+  systick_stopped_ = 0;
+  systick_zero_at_ = UINT64_MAX;
   attention_ = false;
   last_word_ = kNoWord;
   lowest_sp_ = 0xFFFFFFFF;
@@ -124,7 +125,7 @@ void CortexM0::store(std::uint32_t address, unsigned size, std::uint32_t value) 
 }
 
 std::uint16_t CortexM0::fetch(std::uint32_t address) {
-  const std::uint8_t* at = memory(address, 2);
+  const std::uint8_t* at = address >= kRemapBytes && address + 2 <= flash_.size() ? &flash_[address] : memory(address, 2);
   if (at == nullptr) throw Fault{"fetch from nothing", address};
   const std::uint32_t word = address >> 2;
   if (word != last_word_) {
@@ -702,6 +703,7 @@ void CortexM0::enter(int exception, std::uint32_t return_address) {
   active_[active_count_++] = exception;
   exception_ = exception;
   ++exception_counts_[static_cast<std::size_t>(exception)];
+  if (exception == kSysTick) note_tick();
   const std::uint32_t vector = load(static_cast<std::uint32_t>(exception) * 4, 4);
   if ((vector & 1U) == 0) throw Fault{"vector without the Thumb bit", vector};
   r_[15] = vector & ~1U;
@@ -743,50 +745,82 @@ void CortexM0::hard_fault(const Fault& fault) {
   }
 }
 
-unsigned CortexM0::step() {
-  if (locked_up_) return 0;
-  unsigned cost = 0;
-  waits_ = 0;
-  try {
-    if (attention_) {
-      attention_ = false;
-      if (take_exception()) {
-        cost = kExceptionEntry_cycles;
-        attention_ = true;  // something more urgent may have come
+std::uint64_t CortexM0::run(std::uint64_t clocks) {
+  const std::uint64_t begin = cycles_, end = begin + clocks;
+  stop_ = false;
+  while (cycles_ < end && !locked_up_) {
+    unsigned cost = 0;
+    waits_ = 0;
+    const auto account = [this, &cost] {
+      all_waits_ += waits_;
+      cycles_ += cost + waits_;
+      busy_cycles_ += cost + waits_;
+      if (cycles_ >= systick_zero_at_) systick_is_zero();
+    };
+    try {
+      while (cycles_ < end && !stop_) {
+        waits_ = 0;
+        if (attention_) {
+          attention_ = false;
+          cost = 0;
+          if (take_exception()) {
+            attention_ = true;  // something more urgent may have come
+            cost = kExceptionEntry_cycles;
+            account();
+            continue;
+          }
+        }
+        if (asleep_) return cycles_ - begin;
+        const std::uint32_t pc = r_[15];
+        if (pc >= kRomBase && pc < kRomEnd) {
+          if (!bus_.call_rom(pc | 1U)) throw Fault{"call into the ROM at an address that is no routine", pc};
+          next_pc_ = r_[15];
+          branch_exchange(r_[14]);
+          r_[15] = next_pc_;
+          cost = 4;
+        } else {
+          const std::uint16_t op = fetch(pc);
+          next_pc_ = pc + 2;
+          if (see_) see_(pc, op);
+          cost = execute(op);
+          r_[15] = next_pc_;
+        }
+        ++instructions_;
+        account();
       }
+      break;
+    } catch (const Fault& fault) {
+      hard_fault(fault);
+      cost += kExceptionEntry_cycles;
+      account();
+      if (stop_) break;
     }
-    if (asleep_) return 0;
-    if (cost == 0) {
-      const std::uint32_t pc = r_[15];
-      if (pc >= kRomBase && pc < kRomEnd) {
-        if (!bus_.call_rom(pc | 1U)) throw Fault{"call into the ROM at an address that is no routine", pc};
-        next_pc_ = r_[15];
-        branch_exchange(r_[14]);
-        r_[15] = next_pc_;
-        cost = 4;
-      } else {
-        const std::uint16_t op = fetch(pc);
-        next_pc_ = pc + 2;
-        if (see_) see_(pc, op);
-        cost = execute(op);
-        r_[15] = next_pc_;
-      }
-      ++instructions_;
-    }
-  } catch (const Fault& fault) {
-    hard_fault(fault);
-    cost += kExceptionEntry_cycles;
   }
-  cost += waits_;
-  cycles_ += cost;
-  busy_cycles_ += cost;
-  advance_systick(cost);
-  return cost;
+  return cycles_ - begin;
 }
 
 void CortexM0::sleep(std::uint64_t cycles) {
   cycles_ += cycles;
-  advance_systick(cycles);
+  while (cycles_ >= systick_zero_at_) systick_is_zero();
+}
+
+void CortexM0::note_tick() {
+  const std::uint64_t busy = busy_cycles_ - work_busy_, waits = all_waits_ - work_waits_;
+  work_busy_ = busy_cycles_;
+  work_waits_ = all_waits_;
+  work_.instructions += instructions_ - work_instructions_;
+  work_instructions_ = instructions_;
+  ++work_.ticks;
+  work_.total_cycles += busy;
+  work_.total_without_waits += busy - waits;
+  work_.worst_cycles = std::max(work_.worst_cycles, busy);
+  work_.worst_without_waits = std::max(work_.worst_without_waits, busy - waits);
+}
+void CortexM0::reset_work() {
+  work_ = {};
+  work_busy_ = busy_cycles_;
+  work_waits_ = all_waits_;
+  work_instructions_ = instructions_;
 }
 
 void CortexM0::set_lines(std::uint32_t lines) {
@@ -799,30 +833,22 @@ void CortexM0::set_lines(std::uint32_t lines) {
 }
 
 // SysTick counts from its reload value down to 0; reaching 0 sets COUNTFLAG and pends; the clock after that reloads.
-void CortexM0::advance_systick(std::uint64_t cycles) {
-  if ((systick_csr_ & 1U) == 0) return;
-  while (cycles > 0) {
-    if (systick_left_ == 0) {
-      if (systick_reload_ == 0) return;
-      systick_left_ = systick_reload_;
-      --cycles;
-      continue;
-    }
-    const std::uint64_t moved = std::min(cycles, systick_left_);
-    systick_left_ -= moved;
-    cycles -= moved;
-    if (systick_left_ == 0) {
-      systick_csr_ |= 0x10000U;
-      if ((systick_csr_ & 2U) != 0) {
-        pending_ |= 1ULL << kSysTick;
-        attention_ = true;
-      }
-    }
+void CortexM0::systick_is_zero() {
+  systick_csr_ |= 0x10000U;
+  if ((systick_csr_ & 2U) != 0) {
+    pending_ |= 1ULL << kSysTick;
+    attention_ = true;
   }
+  systick_zero_at_ = systick_reload_ == 0 ? UINT64_MAX : systick_zero_at_ + systick_reload_ + 1ULL;
+}
+std::uint64_t CortexM0::systick_left() const {
+  if (systick_zero_at_ == UINT64_MAX) return systick_stopped_;
+  const std::uint64_t left = systick_zero_at_ - cycles_;
+  return left > systick_reload_ ? 0 : left;  // the clock in which it reloads
 }
 std::uint64_t CortexM0::cycles_to_systick() const {
-  if ((systick_csr_ & 3U) != 3U || (systick_left_ == 0 && systick_reload_ == 0)) return UINT64_MAX;
-  return systick_left_ != 0 ? systick_left_ : systick_reload_ + 1ULL;
+  if ((systick_csr_ & 3U) != 3U || systick_zero_at_ == UINT64_MAX) return UINT64_MAX;
+  return systick_zero_at_ - cycles_;
 }
 
 std::uint32_t CortexM0::read_system(std::uint32_t address) {
@@ -835,7 +861,7 @@ std::uint32_t CortexM0::read_system(std::uint32_t address) {
     case 0xE000E014:
       return systick_reload_;
     case 0xE000E018:
-      return static_cast<std::uint32_t>(systick_left_);
+      return static_cast<std::uint32_t>(systick_left());
     case 0xE000E01C:
       return 0x80000000U;  // no reference clock to speak of
     case 0xE000E100:
@@ -877,6 +903,12 @@ void CortexM0::write_system(std::uint32_t address, std::uint32_t value) {
   switch (address) {
     case 0xE000E010:
       if ((value & 1U) != 0 && (value & 4U) == 0) bus_.violation("SysTick on its reference clock: not modelled");
+      if ((value & 1U) == 0) {
+        systick_stopped_ = systick_left();
+        systick_zero_at_ = UINT64_MAX;
+      } else if ((systick_csr_ & 1U) == 0 && (systick_stopped_ != 0 || systick_reload_ != 0)) {
+        systick_zero_at_ = cycles_ + (systick_stopped_ != 0 ? systick_stopped_ : systick_reload_ + 1ULL);
+      }
       systick_csr_ = (systick_csr_ & 0x10000U) | (value & 7U);
       return;
     case 0xE000E014:
@@ -884,7 +916,8 @@ void CortexM0::write_system(std::uint32_t address, std::uint32_t value) {
       systick_reload_ = value & 0xFFFFFFU;
       return;
     case 0xE000E018:
-      systick_left_ = 0;
+      systick_stopped_ = 0;
+      if (systick_zero_at_ != UINT64_MAX) systick_zero_at_ = cycles_ + systick_reload_ + 1ULL;
       systick_csr_ &= ~0x10000U;
       return;
     case 0xE000E100:

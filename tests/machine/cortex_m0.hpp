@@ -47,12 +47,19 @@ class CortexM0 {
   /// Registers as after a reset; stack pointer and first instruction from the vectors at address 0.
   void reset();
 
-  /// Takes a pending exception if one may be taken, then one instruction. Returns the core clocks it took; 0 while asleep or locked up.
-  unsigned step();
+  /// Takes a pending exception if one may be taken, or else one instruction. Returns the core clocks it took; 0 while asleep or locked up.
+  unsigned step() { return static_cast<unsigned>(run(1)); }
+  /// The same again and again until that many clocks are over or stop() was called; returns the clocks it took. Less than asked for: asleep,
+  /// locked up or stopped.
+  std::uint64_t run(std::uint64_t clocks);
+  /// Ends run() behind the instruction under way: the peripherals want to be looked at.
+  void stop() { stop_ = true; }
 
   /// Moves SysTick on without executing: `cycles` core clocks asleep.
   void sleep(std::uint64_t cycles);
   [[nodiscard]] bool asleep() const { return asleep_; }
+  /// Ends a WFI as an interrupt would that is over at once.
+  void wake() { asleep_ = false; }
   [[nodiscard]] bool locked_up() const { return locked_up_; }
   /// Core clocks until SysTick wants attention; UINT64_MAX when it is off.
   [[nodiscard]] std::uint64_t cycles_to_systick() const;
@@ -90,6 +97,14 @@ class CortexM0 {
   /// The lowest stack pointer since the last reset.
   [[nodiscard]] std::uint32_t lowest_sp() const { return lowest_sp_; }
   [[nodiscard]] std::uint64_t hard_faults() const { return exception_counts_[kHardFault]; }
+  /// Work between one SysTick and the next, since reset_work().
+  struct Work {
+    std::uint64_t ticks{}, worst_cycles{}, total_cycles{}, instructions{};
+    std::uint64_t worst_without_waits{};  ///< the same millisecond's, or another's, with a flash that never waits
+    std::uint64_t total_without_waits{};
+  };
+  [[nodiscard]] const Work& work() const { return work_; }
+  void reset_work();
   /// Sees each instruction's address before it is executed. Slow; empty ends it.
   void on_instruction(std::function<void(std::uint32_t address, std::uint16_t opcode)> see) { see_ = std::move(see); }
 
@@ -104,6 +119,9 @@ class CortexM0 {
   std::uint32_t load(std::uint32_t address, unsigned size);
   void store(std::uint32_t address, unsigned size, std::uint32_t value);
   std::uint16_t fetch(std::uint32_t address);
+  void note_tick();
+  void systick_is_zero();
+  [[nodiscard]] std::uint64_t systick_left() const;
   std::uint8_t* memory(std::uint32_t address, unsigned size, bool for_write);
   [[nodiscard]] const std::uint8_t* memory(std::uint32_t address, unsigned size) const;
   std::uint32_t read_system(std::uint32_t address);
@@ -134,7 +152,6 @@ class CortexM0 {
   void enter(int exception, std::uint32_t return_address);
   void leave(std::uint32_t exc_return);
   void hard_fault(const Fault& fault);
-  void advance_systick(std::uint64_t cycles);
 
   std::span<std::uint8_t> flash_;
   std::span<std::uint8_t> ram_;
@@ -146,6 +163,7 @@ class CortexM0 {
   bool asleep_{};
   bool locked_up_{};
   bool attention_{};
+  bool stop_{};
   bool vectors_in_ram_{};
   unsigned flash_waits_{};
   unsigned waits_{};  // wait states of the instruction under way
@@ -162,11 +180,14 @@ class CortexM0 {
   std::uint32_t scr_{};
 
   std::uint32_t systick_csr_{}, systick_reload_{};
-  std::uint64_t systick_left_{};   // clocks (of its own source) until the counter is 0; 0: reload at the next
+  std::uint64_t systick_stopped_{};            // what the counter shows while it is off
+  std::uint64_t systick_zero_at_{UINT64_MAX};  // when it reaches 0, counted in cycles_
 
   std::uint64_t instructions_{}, cycles_{}, busy_cycles_{}, flash_words_{};
   std::array<std::uint64_t, 48> exception_counts_{};
   std::uint32_t lowest_sp_{0xFFFFFFFF};
+  Work work_{};
+  std::uint64_t work_busy_{}, work_waits_{}, work_instructions_{}, all_waits_{};
   std::function<void(std::uint32_t, std::uint16_t)> see_;
 };
 

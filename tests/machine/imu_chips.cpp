@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kGravity_m_s2 = 9.80665;
 constexpr double kDegree_rad = 3.14159265358979323846 / 180.0;
-constexpr Time kSamplePeriod = kMillisecond;  // none of the three gives more than what a program at 100 Hz can see
 
 std::uint8_t high(std::int16_t value) { return static_cast<std::uint8_t>(static_cast<std::uint16_t>(value) >> 8); }
 std::uint8_t low(std::int16_t value) { return static_cast<std::uint8_t>(static_cast<std::uint16_t>(value) & 0xFFU); }
@@ -84,8 +83,8 @@ bool Mpu6050::i2c_address(std::uint8_t address, bool read, Time now) {
   return true;
 }
 void Mpu6050::sample(Time now) {
-  if (frozen_ || (bank_[0][0x6B] & 0x40U) != 0 || now < ready_at_) return;
-  ready_at_ = now + kSamplePeriod;
+  if (frozen_ || (bank_[0][0x6B] & 0x40U) != 0 || slot(now) <= data_slot_) return;
+  data_slot_ = slot(now);
   ++samples_;
   const ChipMotion at = motion_(now);
   const unsigned force_range = (bank_[0][0x1C] >> 3) & 3U, rate_range = (bank_[0][0x1B] >> 3) & 3U;
@@ -115,18 +114,16 @@ std::uint8_t Mpu6050::read_register(std::uint8_t address, Time now) {
     const std::int16_t value = rate_[(address - 0x43U) / 2];
     return (address & 1U) != 0 ? high(value) : low(value);
   }
-  if (address == 0x3A) return now >= ready_at_ ? 1 : 0;
+  if (address == 0x3A) return (bank_[0][0x6B] & 0x40U) == 0 && tell_ready(now) ? 1 : 0;
   return bank_[0][address];
 }
 void Mpu6050::write_register(std::uint8_t address, std::uint8_t value, Time now) {
   if (address == 0x6B && (value & 0x80U) != 0) {
     defaults();
-    ready_at_ = now + 100 * kMillisecond;
+    wake(now + 100 * kMillisecond);
     return;
   }
-  if (now < ready_at_ && (bank_[0][0x6B] & 0x40U) != 0) {
-    if (ready_at_ - now > kSamplePeriod) complain_("MPU-6050: written less than 100 ms after its reset");
-  }
+  if (now < awake_from_) complain_("MPU-6050: written less than 100 ms after its reset");
   if (address == 0x75 || (address >= 0x3B && address <= 0x60)) complain_("MPU-6050: read-only register written");
   bank_[0][address] = value;
 }
@@ -144,8 +141,8 @@ void Lsm6dso::defaults() {
   rate_ = {};
 }
 void Lsm6dso::sample(Time now) {
-  if (frozen_ || now < ready_at_) return;
-  ready_at_ = now + kSamplePeriod;
+  if (frozen_ || slot(now) <= data_slot_) return;
+  data_slot_ = slot(now);
   ++samples_;
   const ChipMotion at = motion_(now);
   constexpr std::array<double, 4> kForce_mg{0.061, 0.488, 0.122, 0.244};
@@ -167,7 +164,7 @@ void Lsm6dso::sample(Time now) {
 std::uint8_t Lsm6dso::read_register(std::uint8_t address, Time now) {
   if (address == 0x0F) return identity_;
   if (address == 0x1E) {
-    if (now < ready_at_) return 0;
+    if (slot(now) <= data_slot_) return 0;
     return static_cast<std::uint8_t>(((bank_[0][0x10] >> 4) != 0 ? 1U : 0U) | ((bank_[0][0x11] >> 4) != 0 ? 2U : 0U) | 4U);
   }
   if (address == 0x22) sample(now);
@@ -185,7 +182,7 @@ std::uint8_t Lsm6dso::read_register(std::uint8_t address, Time now) {
 void Lsm6dso::write_register(std::uint8_t address, std::uint8_t value, Time now) {
   if (address == 0x12 && (value & 1U) != 0) {
     defaults();
-    ready_at_ = now + 50 * kMicrosecond;
+    wake(now + 50 * kMicrosecond);
     return;
   }
   if (address == 0x0F || (address >= 0x1A && address <= 0x2F)) complain_("LSM6DSO: read-only register written");
@@ -211,8 +208,8 @@ void Icm42688p::defaults() {
   rate_ = {};
 }
 void Icm42688p::sample(Time now) {
-  if (frozen_ || now < ready_at_) return;
-  ready_at_ = now + kSamplePeriod;
+  if (frozen_ || slot(now) <= data_slot_) return;
+  data_slot_ = slot(now);
   ++samples_;
   const ChipMotion at = motion_(now);
   const bool rate_on = (bank_[0][0x4E] & 0x0CU) == 0x0CU, force_on = (bank_[0][0x4E] & 3U) == 3U;
@@ -234,7 +231,7 @@ std::uint8_t Icm42688p::read_register(std::uint8_t address, Time now) {
   if (address == 0x76) return bank_[0][0x76];
   if (bank != 0) return bank_[bank][address];
   if (address == 0x75) return identity_;
-  if (address == 0x2D) return now >= ready_at_ ? 0x08 : 0;
+  if (address == 0x2D) return tell_ready(now) ? 0x08 : 0;
   if (address == 0x1D || address == 0x1E) return 0;  // 25 degrees C
   if (address == 0x1F) sample(now);
   if (address >= 0x1F && address <= 0x24) {
@@ -255,7 +252,7 @@ void Icm42688p::write_register(std::uint8_t address, std::uint8_t value, Time no
   const unsigned bank = std::min<unsigned>(bank_[0][0x76] & 7U, 4);
   if (bank == 0 && address == 0x11 && (value & 1U) != 0) {
     defaults();
-    ready_at_ = now + kMillisecond;
+    wake(now + kMillisecond);
     return;
   }
   if (bank == 0 && (address == 0x75 || (address >= 0x1D && address <= 0x2D))) complain_("ICM-42688-P: read-only register written");

@@ -54,6 +54,20 @@ class ImuChip : public I2cDevice, public SpiDevice {
   bool frozen_{}, removed_{};
   std::array<std::array<std::uint8_t, 128>, 5> bank_{};
   std::array<std::int16_t, 3> force_{}, rate_{};
+  /// The chip samples by its own clock, from when it was last woken or reset.
+  [[nodiscard]] std::uint64_t slot(Time now) const { return now > awake_from_ ? (now - awake_from_) / kMillisecond : 0; }
+  void wake(Time from) {
+    awake_from_ = from;
+    told_slot_ = data_slot_ = 0;
+  }
+  /// True once for each new sample.
+  [[nodiscard]] bool tell_ready(Time now) {
+    const bool fresh = slot(now) > told_slot_;
+    told_slot_ = slot(now);
+    return fresh;
+  }
+  Time awake_from_{};
+  std::uint64_t told_slot_{}, data_slot_{};
   std::uint64_t samples_{};
   std::uint8_t pointer_{};
   bool pointer_set_{};  // I2C: the first byte written is the address
@@ -77,7 +91,6 @@ class Mpu6050 : public ImuChip {
  private:
   void defaults();
   void sample(Time now);
-  Time ready_at_{};
 };
 
 /// ST LSM6DSO on SPI (data sheet DS12140).
@@ -92,7 +105,6 @@ class Lsm6dso : public ImuChip {
  private:
   void defaults();
   void sample(Time now);
-  Time ready_at_{};
 };
 
 /// TDK ICM-42688-P on SPI (data sheet DS-000347).
@@ -108,7 +120,6 @@ class Icm42688p : public ImuChip {
  private:
   void defaults();
   void sample(Time now);
-  Time ready_at_{};
 };
 
 }  // namespace hoist::machine

@@ -369,15 +369,7 @@ void Lpc11c24::do_reset(ResetCause cause) {
     core_->set_reg(15, word & ~1U);
   }
   next_ = 0;
-  work_busy_ = core_->busy_cycles();
-  work_instructions_ = core_->instructions();
-  work_systicks_ = core_->exceptions(CortexM0::kSysTick);
-}
-
-void Lpc11c24::reset_work() {
-  work_ = {};
-  work_busy_ = core_->busy_cycles();
-  work_instructions_ = core_->instructions();
+  touched_ = true;
 }
 
 // ---------------------------------------------------------------- time
@@ -425,6 +417,8 @@ void Lpc11c24::service(Time until) {
 }
 
 void Lpc11c24::update_lines() {
+  touched_ = false;
+  can_changes_ = can_.changes();
   if ((adc_control_ & 0x10000U) != 0) update_burst();
   std::uint32_t lines = 0;
   if (can_.line()) lines |= 1U << 13;
@@ -442,7 +436,14 @@ void Lpc11c24::update_lines() {
   for (unsigned p = 0; p < kPorts; ++p)
     if ((ports_[p].ris & ports_[p].ie) != 0) lines |= 1U << (31 - p);
   core_->set_lines(lines);
-  next_ = next_event();
+  const Time next = next_event();
+  if (next < next_ || reset_wanted_ || !powered_) core_->stop();
+  next_ = next;
+}
+
+// While the core runs, time follows its clocks.
+void Lpc11c24::catch_up() {
+  if (in_slice_) now_ = slice_from_ + (core_->cycles() - slice_cycles_) * unit_;
 }
 
 void Lpc11c24::run_until(Time end) {
@@ -450,7 +451,7 @@ void Lpc11c24::run_until(Time end) {
     now_ = end;
     return;
   }
-  update_lines();  // the wire may have brought something
+  if (touched_ || can_.changes() != can_changes_) update_lines();  // something has come from outside
   while (now_ < end) {
     if (reset_wanted_) {
       const ResetCause cause = *reset_wanted_;
@@ -460,32 +461,23 @@ void Lpc11c24::run_until(Time end) {
     if (!powered_) break;
     if (next_ <= now_) service(now_);
     if (reset_wanted_) continue;
+    const Time until = std::min(end, std::max(next_, now_ + 1));
     if (hung_) {
-      const Time until = std::min(end, std::max(next_, now_ + 1));
       now_ = until;
       continue;
     }
-    const unsigned cost = core_->step();
-    if (cost != 0) {
-      now_ += cost * unit_;
-      if (core_->exceptions(CortexM0::kSysTick) != work_systicks_) {
-        work_systicks_ = core_->exceptions(CortexM0::kSysTick);
-        const std::uint64_t busy = core_->busy_cycles() - work_busy_;
-        work_busy_ = core_->busy_cycles();
-        work_.instructions += core_->instructions() - work_instructions_;
-        work_instructions_ = core_->instructions();
-        ++work_.ticks;
-        work_.total_cycles += busy;
-        work_.worst_cycles = std::max(work_.worst_cycles, busy);
-      }
-      continue;
-    }
-    // Asleep (or locked up): on to whatever comes first.
-    Time until = std::min(end, next_);
+    slice_from_ = now_;
+    slice_cycles_ = core_->cycles();
+    in_slice_ = true;
+    (void)core_->run((until - now_ + unit_ - 1) / unit_);
+    catch_up();
+    in_slice_ = false;
+    if (now_ >= until || !(core_->asleep() || core_->locked_up())) continue;
+    // Asleep: on to whatever comes first.
+    Time wake = until;
     const std::uint64_t tick = core_->cycles_to_systick();
-    if (tick != UINT64_MAX) until = std::min(until, now_ + tick * unit_);
-    const Time rest = until > now_ ? until - now_ : 1;
-    const std::uint64_t cycles = (rest + unit_ - 1) / unit_;
+    if (tick != UINT64_MAX) wake = std::min(wake, now_ + tick * unit_);
+    const std::uint64_t cycles = wake > now_ ? (wake - now_ + unit_ - 1) / unit_ : 1;
     core_->sleep(cycles);
     now_ += cycles * unit_;
   }
@@ -495,7 +487,7 @@ void Lpc11c24::run_until(Time end) {
 void Lpc11c24::stall(double seconds) {
   const auto cycles = static_cast<std::uint64_t>(seconds * clock_hz_);
   core_->sleep(cycles);
-  now_ += cycles * unit_;
+  catch_up();
   if (wdt_deadline_ <= now_) {
     wdt_deadline_ = kNever;
     wdt_mode_ |= 4U;
@@ -523,6 +515,7 @@ bool Lpc11c24::reachable(unsigned block) {
 
 bool Lpc11c24::read(std::uint32_t address, unsigned size, std::uint32_t& value) {
   value = 0;
+  catch_up();
   if (address >= 0x50000000 && address < 0x50040000) {
     if ((ahb_clocks_ & (1U << kGpioClock)) == 0) {
       violation("GPIO touched without its clock");
@@ -585,6 +578,7 @@ bool Lpc11c24::read(std::uint32_t address, unsigned size, std::uint32_t& value) 
 }
 
 bool Lpc11c24::write(std::uint32_t address, unsigned size, std::uint32_t value) {
+  catch_up();
   if (address >= 0x50000000 && address < 0x50040000) {
     if ((ahb_clocks_ & (1U << kGpioClock)) == 0) {
       violation("GPIO touched without its clock");
@@ -673,6 +667,9 @@ void Lpc11c24::update_clock() {
   if (clock_hz_ > 50'000'000) violation("system clock of " + std::to_string(clock_hz_) + " Hz, 50 MHz is the most");
   if (kSecond % clock_hz_ != 0) violation("system clock of " + std::to_string(clock_hz_) + " Hz does not divide 48 MHz: not modelled");
   unit_ = std::max<Time>(1, kSecond / clock_hz_);
+  slice_from_ = now_;
+  slice_cycles_ = core_->cycles();
+  core_->stop();
   const std::uint32_t waits = flashcfg_ & 3U;
   const std::uint32_t needed = clock_hz_ > 40'000'000 ? 2 : (clock_hz_ > 20'000'000 ? 1 : 0);
   if (waits < needed || waits == 3) violation("FLASHCFG: " + std::to_string(waits) + " wait states at " + std::to_string(clock_hz_) + " Hz");
@@ -948,6 +945,7 @@ std::uint32_t Lpc11c24::inputs(unsigned port) const {
 
 void Lpc11c24::look_at_port(unsigned number) {
   Port& port = ports_[number];
+  touched_ = true;
   const std::uint32_t level = inputs(number);
   const std::uint32_t rose = level & ~port.seen, fell = port.seen & ~level;
   port.seen = level;
@@ -1311,6 +1309,8 @@ void Lpc11c24::write_wwdt(std::uint32_t offset, std::uint32_t value) {
 // ---------------------------------------------------------------- flash routines of the ROM
 
 bool Lpc11c24::call_rom(std::uint32_t address) {
+  catch_up();
+  core_->stop();
   if (address != 0x1FFF1FF1) return false;
   const std::uint32_t status = iap(core_->reg(0), core_->reg(1));
   (void)core_->poke(core_->reg(1), 4, status);

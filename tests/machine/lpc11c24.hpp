@@ -105,25 +105,25 @@ class Lpc11c24 : private PeripheralBus {
   [[nodiscard]] const CortexM0& core() const { return *core_; }
   [[nodiscard]] CCan& can() { return can_; }
   [[nodiscard]] I2c& i2c() { return i2c_; }
-  [[nodiscard]] Uart& uart() { return uart_; }
+  /// To be asked for anew each time it is used: the chip then looks what has come.
+  [[nodiscard]] Uart& uart() {
+    touched_ = true;
+    return uart_;
+  }
+  [[nodiscard]] const Uart& uart_state() const { return uart_; }
   [[nodiscard]] std::span<std::uint8_t> flash() { return flash_; }
   [[nodiscard]] std::span<std::uint8_t> ram() { return ram_; }
 
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Each thing that correct firmware never does, with how often.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& violations() const { return violations_; }
+  /// Adds one: for what hangs on the chip.
+  void complain(const std::string& what) { violation(what); }
   void forget_violations() { violations_.clear(); }
   [[nodiscard]] std::uint64_t resets(ResetCause cause) const { return resets_[static_cast<std::size_t>(cause)]; }
   [[nodiscard]] std::uint32_t clock_hz() const { return clock_hz_; }
   /// The core stays where it is, its blocks go on: as if it hung with interrupts off.
   void hang(bool hung) { hung_ = hung; }
-
-  // Work of the core for each millisecond from one SysTick to the next, since reset_work().
-  struct Work {
-    std::uint64_t ticks{}, worst_cycles{}, total_cycles{}, instructions{};
-  };
-  [[nodiscard]] const Work& work() const { return work_; }
-  void reset_work();
 
  private:
   struct Port {
@@ -141,7 +141,10 @@ class Lpc11c24 : private PeripheralBus {
   bool read(std::uint32_t address, unsigned size, std::uint32_t& value) override;
   bool write(std::uint32_t address, unsigned size, std::uint32_t value) override;
   bool call_rom(std::uint32_t address) override;
-  void request_reset() override { reset_wanted_ = ResetCause::software; }
+  void request_reset() override {
+    reset_wanted_ = ResetCause::software;
+    core_->stop();
+  }
   void violation(const std::string& what) override;
 
   [[nodiscard]] bool reachable(unsigned block);
@@ -179,6 +182,7 @@ class Lpc11c24 : private PeripheralBus {
   std::uint32_t iap_erase(std::uint32_t first, std::uint32_t last);
   std::uint32_t iap_write(std::uint32_t to, std::uint32_t from, std::uint32_t count);
   void stall(double seconds);
+  void catch_up();
 
   std::string name_;
   std::vector<std::uint8_t> flash_, ram_;
@@ -192,9 +196,14 @@ class Lpc11c24 : private PeripheralBus {
   bool powered_{};
   bool hung_{};
   Time now_{};
+  Time slice_from_{};  // where the core's run under way began, and its clocks then
+  std::uint64_t slice_cycles_{};
+  bool in_slice_{};
   Time unit_{4};
   std::uint32_t clock_hz_{12'000'000};
   Time next_{};  // cached next event
+  bool touched_{true};  // from outside, since the lines were last looked at
+  std::uint64_t can_changes_{};
   std::map<std::string, std::uint64_t> violations_;
   std::array<std::uint64_t, 5> resets_{};
   std::optional<ResetCause> reset_wanted_;
@@ -238,9 +247,6 @@ class Lpc11c24 : private PeripheralBus {
   std::uint64_t flash_operations_{};
   std::vector<bool> page_written_;
   double supply_v_{3.3};
-
-  Work work_{};
-  std::uint64_t work_busy_{}, work_instructions_{}, work_systicks_{};
 };
 
 }  // namespace hoist::machine
