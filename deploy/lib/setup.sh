@@ -98,6 +98,7 @@ setup() {
   fi
   install_npm_packages web
   install_npm_packages tests/web
+  install_npm_packages tests/system/peers
   use_newest_node
 }
 

@@ -76,6 +76,8 @@ int run_bus_load(std::span<const std::string_view> arguments) {
     }
     if (argument == "--json") {
       json = true;
+    } else if (argument == "--bus" && i + 1 < arguments.size()) {
+      ++i;  // like its neighbours; no bus is needed
     } else if (argument == "--markdown") {
       markdown = true;
     } else if (argument == "--rates" && i + 1 < arguments.size() &&
