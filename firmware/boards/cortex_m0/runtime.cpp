@@ -26,22 +26,23 @@ std::uint64_t divide(std::uint32_t dividend, std::uint32_t divisor) {
 }
 }  // namespace
 
+// The floats lie in RAM and are reached through far_calls.cpp.
 extern "C" {
-Word __aeabi_fadd(Word a, Word b) { return soft::add(a, b); }
-Word __aeabi_fsub(Word a, Word b) { return __aeabi_fadd(a, b ^ soft::kSign); }
-Word __aeabi_frsub(Word a, Word b) { return __aeabi_fadd(b, a ^ soft::kSign); }
-Word __aeabi_fmul(Word a, Word b) { return soft::multiply(a, b); }
-Word __aeabi_fdiv(Word a, Word b) { return soft::divide(a, b); }
-int __aeabi_fcmpun(Word a, Word b) { return soft::unordered(a, b) ? 1 : 0; }
-int __aeabi_fcmpeq(Word a, Word b) { return soft::equal(a, b) ? 1 : 0; }
-int __aeabi_fcmplt(Word a, Word b) { return soft::less(a, b) ? 1 : 0; }
-int __aeabi_fcmple(Word a, Word b) { return __aeabi_fcmplt(a, b) | __aeabi_fcmpeq(a, b); }
-int __aeabi_fcmpgt(Word a, Word b) { return __aeabi_fcmplt(b, a); }
-int __aeabi_fcmpge(Word a, Word b) { return __aeabi_fcmple(b, a); }
-Word __aeabi_ui2f(std::uint32_t value) { return soft::from_unsigned(value); }
-Word __aeabi_i2f(std::int32_t value) { return soft::from_signed(value); }
-std::int32_t __aeabi_f2iz(Word a) { return soft::to_signed(a); }
-std::uint32_t __aeabi_f2uiz(Word a) { return soft::to_unsigned(a); }
+Word hoist_fadd(Word a, Word b) { return soft::add(a, b); }
+Word hoist_fsub(Word a, Word b) { return hoist_fadd(a, b ^ soft::kSign); }
+Word hoist_frsub(Word a, Word b) { return hoist_fadd(b, a ^ soft::kSign); }
+Word hoist_fmul(Word a, Word b) { return soft::multiply(a, b); }
+Word hoist_fdiv(Word a, Word b) { return soft::divide(a, b); }
+int hoist_fcmpun(Word a, Word b) { return soft::unordered(a, b) ? 1 : 0; }
+int hoist_fcmpeq(Word a, Word b) { return soft::equal(a, b) ? 1 : 0; }
+int hoist_fcmplt(Word a, Word b) { return soft::less(a, b) ? 1 : 0; }
+int hoist_fcmple(Word a, Word b) { return hoist_fcmplt(a, b) | hoist_fcmpeq(a, b); }
+int hoist_fcmpgt(Word a, Word b) { return hoist_fcmplt(b, a); }
+int hoist_fcmpge(Word a, Word b) { return hoist_fcmple(b, a); }
+Word hoist_ui2f(std::uint32_t value) { return soft::from_unsigned(value); }
+Word hoist_i2f(std::int32_t value) { return soft::from_signed(value); }
+std::int32_t hoist_f2iz(Word a) { return soft::to_signed(a); }
+std::uint32_t hoist_f2uiz(Word a) { return soft::to_unsigned(a); }
 
 // Quotient in the first register, rest in the second.
 std::uint64_t __aeabi_uidivmod(std::uint32_t a, std::uint32_t b) { return divide(a, b); }
@@ -58,7 +59,7 @@ std::uint64_t __aeabi_idivmod(std::int32_t a, std::int32_t b) {
 std::int32_t __aeabi_idiv(std::int32_t a, std::int32_t b) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(__aeabi_idivmod(a, b))); }
 
 // The compiler must not see in these loops the very functions that they are (-fno-tree-loop-distribute-patterns for this file).
-void* memcpy(void* to, const void* from, std::size_t count) {
+void* hoist_memcpy(void* to, const void* from, std::size_t count) {
   auto* t = static_cast<unsigned char*>(to);
   const auto* f = static_cast<const unsigned char*>(from);
   if (((reinterpret_cast<std::uintptr_t>(t) | reinterpret_cast<std::uintptr_t>(f)) & 3U) == 0)
@@ -70,11 +71,11 @@ void* memcpy(void* to, const void* from, std::size_t count) {
 void* memmove(void* to, const void* from, std::size_t count) {
   auto* t = static_cast<unsigned char*>(to);
   const auto* f = static_cast<const unsigned char*>(from);
-  if (t < f) return memcpy(to, from, count);
+  if (t < f) return hoist_memcpy(to, from, count);
   while (count-- > 0) t[count] = f[count];
   return to;
 }
-void* memset(void* to, int value, std::size_t count) {
+void* hoist_memset(void* to, int value, std::size_t count) {
   auto* t = static_cast<unsigned char*>(to);
   const unsigned char byte = static_cast<unsigned char>(value);
   if ((reinterpret_cast<std::uintptr_t>(t) & 3U) == 0)
@@ -82,8 +83,8 @@ void* memset(void* to, int value, std::size_t count) {
   for (; count > 0; --count) *t++ = byte;
   return to;
 }
-void __aeabi_memcpy(void* to, const void* from, std::size_t count) { (void)memcpy(to, from, count); }
-void __aeabi_memcpy4(void* to, const void* from, std::size_t count) { (void)memcpy(to, from, count); }
-void __aeabi_memset(void* to, std::size_t count, int value) { (void)memset(to, value, count); }
-void __aeabi_memclr(void* to, std::size_t count) { (void)memset(to, 0, count); }
+void __aeabi_memcpy(void* to, const void* from, std::size_t count) { (void)hoist_memcpy(to, from, count); }
+void __aeabi_memcpy4(void* to, const void* from, std::size_t count) { (void)hoist_memcpy(to, from, count); }
+void __aeabi_memset(void* to, std::size_t count, int value) { (void)hoist_memset(to, value, count); }
+void __aeabi_memclr(void* to, std::size_t count) { (void)hoist_memset(to, 0, count); }
 }

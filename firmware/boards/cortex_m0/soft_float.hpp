@@ -51,18 +51,20 @@ struct Parts {
   std::int32_t exponent;
   std::uint32_t significand;
 };
-constexpr Parts unpack(std::uint32_t a) {
-  Parts parts{static_cast<std::int32_t>((a >> 23) & 0xFFU), a & (kLeading - 1U)};
-  if (parts.exponent != 0) {
-    parts.significand |= kLeading;
-    return parts;
-  }
-  parts.exponent = 1;
+constexpr Parts unpack_denormal(std::uint32_t a) {
+  Parts parts{1, a & (kLeading - 1U)};
   while ((parts.significand & kLeading) == 0) {
     parts.significand <<= 1;
     --parts.exponent;
   }
   return parts;
+}
+
+// The usual case is written out wherever it is needed.
+[[gnu::always_inline]] constexpr Parts unpack(std::uint32_t a) {
+  const std::uint32_t exponent = (a >> 23) & 0xFFU;
+  if (exponent == 0) return unpack_denormal(a);
+  return {static_cast<std::int32_t>(exponent), (a & (kLeading - 1U)) | kLeading};
 }
 
 constexpr std::uint32_t add(std::uint32_t a, std::uint32_t b) {

@@ -38,7 +38,7 @@ class Encoder {
   }
 
   // The interrupt. An edge that comes after the clearing and before the reading gives a second interrupt without a step: harmless.
-  void on_interrupt() {
+  [[gnu::always_inline]] void on_interrupt() {
     Gpio<2>::Clear::write(kBits);
     const std::uint32_t now = lines();
     const std::uint32_t step = (lines_ << 2) | now;
@@ -76,7 +76,7 @@ class Encoder {
   // By (before << 2 | now), each as B << 1 | A. Forward is A leading: 0, 1, 3, 2.
   static constexpr std::array<std::int8_t, 16> kSteps = {0, 1, -1, kIllegal, -1, 0, kIllegal, 1, 1, kIllegal, 0, -1, kIllegal, -1, 1, 0};
 
-  static std::uint32_t lines() { return Register<gpio_base(2) + (kBits << 2)>::read() >> kEncoderA.bit; }
+  [[gnu::always_inline]] static std::uint32_t lines() { return Register<gpio_base(2) + (kBits << 2)>::read() >> kEncoderA.bit; }
 
   std::uint32_t lines_ = 0;
   volatile std::int32_t counts_ = 0;
