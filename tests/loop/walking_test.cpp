@@ -245,6 +245,7 @@ TEST(Walking, EndsInStandbyWhenTheDriverAsks) {
       4.0));
   EXPECT_LE(hardest_m_s2, 0.55);  // R1
   EXPECT_TRUE(loop.run_until([&loop] { return !loop.world().drives_enabled(); }, 2.0));
+  loop.run(0.05);  // a thought later the patient has felt the brakes
   EXPECT_EQ(loop.world().patient().state(), sim::PatientState::standing);
 }
 

@@ -1,7 +1,7 @@
 // First-order low-pass, as the drive uses on its speed (page 6, "filtering the result using a first order low-pass filter").
 #pragma once
 
-#include <cmath>
+#include "control/core/law/finite.hpp"
 
 namespace hoist::law {
 
@@ -16,7 +16,7 @@ template <typename Real>
 inline Real low_pass_step(Real tau_s, LowPassState<Real>& state, Real input, Real dt_s) {
   const Real share = dt_s / (tau_s + dt_s);
   const Real next = state.value + share * (input - state.value);
-  if (std::isfinite(next)) state.value = next;
+  if (finite(next)) state.value = next;
   return state.value;
 }
 

@@ -1,7 +1,7 @@
 // Ramp: a value follows its target by at most `max_rate` per second (page 6, "the reference speed ... is rate-limited").
 #pragma once
 
-#include <cmath>
+#include "control/core/law/finite.hpp"
 
 namespace hoist::law {
 
@@ -14,7 +14,7 @@ struct RateLimitState {
 template <typename Real>
 inline Real rate_limit_step(Real max_rate, RateLimitState<Real>& state, Real target, Real dt_s) {
   const Real largest_step = max_rate * dt_s;
-  if (!std::isfinite(target) || !(largest_step >= Real(0)) || !std::isfinite(largest_step)) return state.value;
+  if (!finite(target) || !(largest_step >= Real(0)) || !finite(largest_step)) return state.value;
   const Real wanted_step = target - state.value;
   if (wanted_step > largest_step) {
     state.value += largest_step;

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "control/core/law/finite.hpp"
 #include "control/core/law/low_pass.hpp"
 #include "control/core/law/odometry.hpp"
 #include "control/core/law/rate_limit.hpp"
@@ -70,8 +71,8 @@ struct ServoOutput {
 /// nullptr when the parameters are usable, else a sentence naming the first that is not, with its range.
 template <typename Real>
 [[nodiscard]] inline const char* refusal(const ServoConfig<Real>& config) {
-  const auto positive = [](Real x) { return x > Real(0) && std::isfinite(x); };
-  const auto not_negative = [](Real x) { return x >= Real(0) && std::isfinite(x); };
+  const auto positive = [](Real x) { return x > Real(0) && finite(x); };
+  const auto not_negative = [](Real x) { return x >= Real(0) && finite(x); };
   if (!positive(config.counts_per_turn)) return "counts_per_turn: > 0";
   if (!positive(config.acceleration_max_rad_s2)) return "acceleration_max_rad_s2: > 0";
   if (!not_negative(config.current_limit_a)) return "current_limit_a: >= 0";
@@ -88,8 +89,8 @@ template <typename Real>
 template <typename Real>
 inline ServoOutput<Real> servo_step(const ServoConfig<Real>& config, ServoState<Real>& state, const ServoInput<Real>& input, Real dt_s) {
   ServoOutput<Real> output;
-  if (!std::isfinite(input.target_rad_s) || !std::isfinite(input.current_a) || !std::isfinite(input.speed_rad_s) ||
-      !(input.supply_v >= config.supply_min_v) || !std::isfinite(input.supply_v) || !(dt_s > Real(0)) || !std::isfinite(dt_s)) {
+  if (!finite(input.target_rad_s) || !finite(input.current_a) || !finite(input.speed_rad_s) || !(input.supply_v >= config.supply_min_v) ||
+      !finite(input.supply_v) || !(dt_s > Real(0)) || !finite(dt_s)) {
     state = {};
     output.refused = true;
     return output;
@@ -122,7 +123,7 @@ inline ServoOutput<Real> servo_step(const ServoConfig<Real>& config, ServoState<
   // Feedback to the integral: it ends the tick as if the PI had asked for what it got.
   state.integral_v += applied_v - wanted_v;
   state.applied_v = applied_v;
-  if (!std::isfinite(applied_v) || !std::isfinite(state.integral_v)) {
+  if (!finite(applied_v) || !finite(state.integral_v)) {
     state = {};
     output = {};
     output.refused = true;

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "control/core/law/finite.hpp"
+
 namespace hoist::law {
 
 /// Static gain. The default is the PRINTED one (14). It is not the solution of (13), which is (0.028434, -0.034849) (see
@@ -33,7 +35,7 @@ struct AccAngles {
 /// Reading of (17)-(18) that can hold with z up (D21): specific force in the sensor frame (at rest 0, 0, +g), any unit.
 template <typename Real>
 [[nodiscard]] inline AccAngles<Real> acc_angles(Real ax, Real ay, Real az) {
-  if (!std::isfinite(ax) || !std::isfinite(ay) || !std::isfinite(az)) return {};
+  if (!finite(ax) || !finite(ay) || !finite(az)) return {};
   if (ax == Real(0) && ay == Real(0) && az == Real(0)) return {};
   return {std::atan2(-ax, az), std::atan2(ay, az), true};
 }
@@ -41,7 +43,7 @@ template <typename Real>
 /// Start of the filter (D23): the first accelerometer angle, the bias measured at rest, the first rate sample.
 template <typename Real>
 [[nodiscard]] inline TiltState<Real> tilt_start(Real angle_rad, Real bias_rad_s, Real rate_rad_s) {
-  if (!std::isfinite(angle_rad) || !std::isfinite(bias_rad_s) || !std::isfinite(rate_rad_s)) return {};
+  if (!finite(angle_rad) || !finite(bias_rad_s) || !finite(rate_rad_s)) return {};
   return {angle_rad, bias_rad_s, rate_rad_s};
 }
 
@@ -50,13 +52,13 @@ template <typename Real>
 /// missing.
 template <typename Real>
 [[nodiscard]] inline bool tilt_step(const TiltGain<Real>& gain, TiltState<Real>& state, Real rate_rad_s, Real acc_angle_rad, Real dt_s) {
-  if (!std::isfinite(rate_rad_s) || !std::isfinite(acc_angle_rad) || !std::isfinite(dt_s) || !(dt_s > Real(0))) return false;
+  if (!finite(rate_rad_s) || !finite(acc_angle_rad) || !finite(dt_s) || !(dt_s > Real(0))) return false;
   const Real predicted_rad = state.angle_rad + dt_s * (state.previous_rate_rad_s - state.bias_rad_s);  // (15)
   const Real innovation_rad = acc_angle_rad - predicted_rad;
   const Real angle_rad = predicted_rad + gain.k_angle * innovation_rad;     // (16)
   const Real bias_rad_s = state.bias_rad_s + gain.k_bias * innovation_rad;  // (16)
   // Two finite inputs can still overflow together.
-  if (!std::isfinite(angle_rad) || !std::isfinite(bias_rad_s)) return false;
+  if (!finite(angle_rad) || !finite(bias_rad_s)) return false;
   state = {angle_rad, bias_rad_s, rate_rad_s};
   return true;
 }

@@ -92,7 +92,10 @@ class DriveNode {
   void tick_1ms() {
     stack_.tick_1ms(*this);
     ++uptime_ms_;
+    slow_ms_ = slow_ms_ + 1 < kSlow_ms ? slow_ms_ + 1 : 0;
+    motor_watch_ms_ = motor_watch_ms_ + 1 < kMotorWatch_ms ? motor_watch_ms_ + 1 : 0;
     read_board();
+    if (slow_ms_ == 0) look_after_heat();
     if (state_ == State::not_ready) test_itself();
     run_servo();
     publish();
@@ -125,6 +128,7 @@ class DriveNode {
     // The position of this very instant: both drives see the same SYNC.
     counts_ = board_.encoder_counts();
     stack_.values().template set<0x6064>(counts_);
+    publish_numbers();
   }
   void on_rpdo() { apply(stack_.values().template get<0x6040>()); }
   void on_rpdo_deadline() { lose_command(); }
@@ -407,7 +411,7 @@ class DriveNode {
   }
 
   void restart_watches() {
-    under_voltage_ms_ = over_current_ms_ = over_speed_ms_ = stall_ms_ = reversed_ms_ = unexplained_ms_ = 0;
+    under_voltage_ms_ = over_current_ms_ = over_speed_ms_ = stall_ms_ = reversed_looks_ = unexplained_looks_ = 0;
     over_voltage_ms_ = driver_ms_ = illegal_age_ms_ = 0;
     illegal_seen_ = board_.illegal_encoder_steps();
     stall_counts_ = counts_;
@@ -431,8 +435,6 @@ class DriveNode {
       fault(emcy::kUnderVoltage, error_bit::kVoltage, Reaction::off);
     if (lasts(supply_v_ > values.template get<0x2231, 1>(), over_voltage_ms_, kOverVoltage_ms))
       fault(drive_emcy::kOverVoltage, error_bit::kVoltage, Reaction::off);
-    if (winding_.too_hot(winding_config())) fault(drive_emcy::kWindingHot, kTemperatureErrorBit, Reaction::ramp);
-    if (board_too_hot()) fault(drive_emcy::kBoardHot, kTemperatureErrorBit, Reaction::ramp);
     watch_encoder_lines();
     if (lasts(std::fabs(current_a_) > kOverCurrent_a, over_current_ms_, kOverCurrent_ms))
       fault(emcy::kOverCurrent, error_bit::kCurrent, Reaction::off);
@@ -447,14 +449,19 @@ class DriveNode {
         !moving && std::fabs(current_a_) > kStallCurrentShare * current_limit_a && std::fabs(reference_rad_s) > kStallReference_rad_s;
     if (!stalled) stall_counts_ = counts_;
     if (lasts(stalled, stall_ms_, kStall_ms)) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
+    if (motor_watch_ms_ == 0) watch_motor(applied_v);
+  }
 
+  // Whether speed, voltage and current belong to one motor; every few milliseconds, because it is a dozen operations in soft float.
+  void watch_motor(float applied_v) {
+    const auto& values = stack_.values();
     // Reversed encoder: it shows the motor turning against the voltage that the motor itself generates. Comparing with the plain duty
     // would take every braking for it: then the duty does oppose the speed, rightly.
     const float winding_v = values.template get<0x2230, 6>() * current_a_;
     const float generated_v = applied_v - winding_v;
     const bool reversed = std::fabs(speed_rad_s_) > kReversedSpeed_rad_s && std::fabs(generated_v) > kReversedVoltage_v &&
                           (generated_v > 0) != (speed_rad_s_ > 0);
-    if (lasts(reversed, reversed_ms_, kReversed_ms)) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
+    if (lasts(reversed, reversed_looks_, kReversed_ms / kMotorWatch_ms + 1)) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
 
     // Encoder that stopped counting under way. The servo sees a wheel that stands, speeds it up, and the current soon falls below what
     // the stall rule asks for, because the motor runs so fast; what gives it away is the voltage that it generates.
@@ -462,7 +469,8 @@ class DriveNode {
     const float allowed_v =
         kUnexplained_v + kUnexplainedShareOfWinding * std::fabs(winding_v) + kUnexplainedShareOfGenerated * std::fabs(generated_v);
     const bool unexplained = std::fabs(generated_v - explained_v) > allowed_v;
-    if (lasts(unexplained, unexplained_ms_, kUnexplained_ms)) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
+    if (lasts(unexplained, unexplained_looks_, kUnexplained_ms / kMotorWatch_ms + 1))
+      fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
   }
 
   // Both lines changing at once is impossible; now and then noise looks like it.
@@ -489,13 +497,23 @@ class DriveNode {
     return config;
   }
   [[nodiscard]] bool board_too_hot() const { return board_temperature_c_ > stack_.values().template get<0x2230, 9>() + kBoardTripAbove_k; }
-  // Nothing thermal changes within 10 ms: these divisions need not be made in every tick.
-  void update_thermal_share() {
-    const float winding = winding_.current_share(winding_config());
-    const float board = Winding::fold_share(board_temperature_c_, stack_.values().template get<0x2230, 9>());
+  // Nothing thermal changes within 10 ms.
+  void look_after_heat() {
+    const float board_limit_c = stack_.values().template get<0x2230, 9>();
+    if constexpr (MeasuresTemperature<Board>) {
+      const float board_c = board_.board_temperature_c();
+      // A sensor that gives no number is taken for hot: the board is then allowed its least current, not its most.
+      board_temperature_c_ = law::finite(board_c) ? board_c : board_limit_c;
+    }
+    const WindingConfig config = winding_config();
+    const float winding = winding_.current_share(config);
+    const float board = Winding::fold_share(board_temperature_c_, board_limit_c);
     thermal_share_ = winding < board ? winding : board;
+    if (!powered()) return;
+    if (winding_.too_hot(config)) fault(drive_emcy::kWindingHot, kTemperatureErrorBit, Reaction::ramp);
+    if (board_too_hot()) fault(drive_emcy::kBoardHot, kTemperatureErrorBit, Reaction::ramp);
   }
-  [[nodiscard]] float limit_in_force_a() const {
+  [[nodiscard]] float limit_in_force_a() {
     const auto& values = stack_.values();
     float share = thermal_share_;
     const bool braking = (speed_rad_s_ > 0) != (current_a_ > 0);
@@ -510,6 +528,7 @@ class DriveNode {
       const float sag_share = above_end_v <= 0.0F ? kSagShare : kSagShare + (1.0F - kSagShare) / (kSagBegin_v - kSagEnd_v) * above_end_v;
       if (sag_share < share) share = sag_share;
     }
+    limit_folded_ = share < 1.0F;
     return share * values.template get<0x2200, 5>();
   }
 
@@ -518,19 +537,13 @@ class DriveNode {
   void read_board() {
     counts_ = board_.encoder_counts();
     measured_rad_s_ = kRadPerMsPerCount * estimate_.step(counts_, board_.edge_time_us());
-    if constexpr (MeasuresTemperature<Board>) {
-      const float board_c = board_.board_temperature_c();
-      // A sensor that gives no number is taken for hot: the board is then allowed its least current, not its most.
-      board_temperature_c_ = std::isfinite(board_c) ? board_c : stack_.values().template get<0x2230, 9>();
-    }
     const float current_a = board_.motor_current_a();
     const float supply_v = board_.supply_v();
-    readings_usable_ = std::isfinite(current_a) && std::isfinite(supply_v);
-    current_a_ = std::isfinite(current_a) ? current_a - current_offset_a_ : 0.0F;
-    supply_v_ = std::isfinite(supply_v) ? supply_v : 0.0F;
+    readings_usable_ = law::finite(current_a) && law::finite(supply_v);
+    current_a_ = law::finite(current_a) ? current_a - current_offset_a_ : 0.0F;
+    supply_v_ = law::finite(supply_v) ? supply_v : 0.0F;
     if (!readings_usable_ && powered()) fault(emcy::kHardware, error_bit::kGeneric, Reaction::off);
     winding_.step_1ms(winding_config(), current_a_);
-    if (uptime_ms_ % kSlowPublish_ms == 0) update_thermal_share();
   }
 
   void run_servo() {
@@ -587,8 +600,6 @@ class DriveNode {
   }
 
   void publish() {
-    auto& values = stack_.values();
-    const float target_rad_s = 0.001F * static_cast<float>(values.template get<0x60FF>());
     std::uint16_t status = 0;
     switch (state_) {
       case State::not_ready:
@@ -616,25 +627,35 @@ class DriveNode {
         status = 0x08;
         break;
     }
-    const bool enabled = state_ == State::operation_enabled;
     if (supply_v_ >= kUnderVoltage_v) status = static_cast<std::uint16_t>(status | 0x10U);
+    if (limit_folded_) status = static_cast<std::uint16_t>(status | 0x80U);  // warning: less current than asked for
     if (stack_.operational()) status = static_cast<std::uint16_t>(status | 0x200U);
-    if (enabled && std::fabs(speed_rad_s_ - target_rad_s) < kTargetReached_rad_s) status = static_cast<std::uint16_t>(status | 0x400U);
-    const float asked_limit_a = values.template get<0x2200, 5>();
-    if (current_limit_a_ < asked_limit_a) status = static_cast<std::uint16_t>(status | 0x80U);  // warning: less than asked for
+    if (state_ == State::operation_enabled && on_target_) status = static_cast<std::uint16_t>(status | 0x400U);
     if (limited_) status = static_cast<std::uint16_t>(status | 0x800U);
-    if (std::fabs(speed_rad_s_) < kStandstill_rad_s) status = static_cast<std::uint16_t>(status | 0x1000U);
-    values.template set<0x6041>(status);
-    values.template set<0x6064>(counts_);
+    if (at_rest_) status = static_cast<std::uint16_t>(status | 0x1000U);
+    stack_.values().template set<0x6041>(status);
+    stack_.values().template set<0x6064>(counts_);
+    stack_.values().template set<0x2251>(self_test_);
+    if (slow_ms_ != 0) return;
+    publish_numbers();
+    publish_slowly();
+  }
+  // What travels in PDOs: at every SYNC, and now and then for those who ask by SDO. Conversions cost more than the servo does.
+  void publish_numbers() {
+    auto& values = stack_.values();
+    const float target_rad_s = 0.001F * static_cast<float>(values.template get<0x60FF>());
+    on_target_ = std::fabs(speed_rad_s_ - target_rad_s) < kTargetReached_rad_s;
+    at_rest_ = std::fabs(speed_rad_s_) < kStandstill_rad_s;
     values.template set<0x606C>(to_integer<std::int32_t>(1000.0F * speed_rad_s_));
     const float rated_a = 0.001F * static_cast<float>(values.template get<0x6075>());
     values.template set<0x6078>(to_integer<std::int16_t>(1000.0F * current_a_ / rated_a));
     const float supply_v = supply_v_ > 0 ? supply_v_ : 0.0F;
     values.template set<0x6079>(static_cast<std::uint32_t>(to_integer<std::int32_t>(1000.0F * supply_v)));
     values.template set<0x2211>(to_integer<std::uint16_t>(100.0F * supply_v));
-    values.template set<0x2251>(self_test_);
+  }
+  void publish_slowly() {
+    auto& values = stack_.values();
     values.template set<0x2250, 1>(board_.illegal_encoder_steps());
-    if (uptime_ms_ % kSlowPublish_ms != 0) return;
     values.template set<0x2210>(to_integer<std::int16_t>(10.0F * board_temperature_c_));
     values.template set<0x2230, 1>(to_integer<std::int16_t>(10.0F * winding_.temperature_c()));
     values.template set<0x2230, 8>(current_limit_a_);
@@ -650,7 +671,7 @@ class DriveNode {
   std::uint32_t stop_age_ms_ = 0, still_ms_ = 0;
   std::uint16_t word_ = kNoEdges;
 
-  static constexpr std::uint32_t kSlowPublish_ms = 10;
+  static constexpr std::uint32_t kSlow_ms = 10, kMotorWatch_ms = 5;
   // One count per millisecond, in rad/s.
   static constexpr float kRadPerMsPerCount = 6.2831853F / (kEncoderCountsPerTurn * kServoTick_s);
 
@@ -659,7 +680,8 @@ class DriveNode {
   SpeedEstimate estimate_{};
   Winding winding_{};
   FirstFault first_fault_{};
-  bool after_watchdog_ = false;
+  bool after_watchdog_ = false, on_target_ = false, at_rest_ = true, limit_folded_ = false;
+  std::uint32_t slow_ms_ = 0, motor_watch_ms_ = 0;
   std::uint8_t self_test_ = self_test_bit::kRunning;
   std::uint32_t self_test_ms_ = 0;
   float offset_sum_a_ = 0, offset_low_a_ = 0, offset_high_a_ = 0, current_offset_a_ = 0;
@@ -670,7 +692,7 @@ class DriveNode {
 
   std::uint16_t fault_code_ = 0;
   std::uint8_t fault_bit_ = 0;
-  std::uint32_t under_voltage_ms_ = 0, over_current_ms_ = 0, over_speed_ms_ = 0, stall_ms_ = 0, reversed_ms_ = 0, unexplained_ms_ = 0;
+  std::uint32_t under_voltage_ms_ = 0, over_current_ms_ = 0, over_speed_ms_ = 0, stall_ms_ = 0, reversed_looks_ = 0, unexplained_looks_ = 0;
   std::uint32_t over_voltage_ms_ = 0, driver_ms_ = 0, illegal_age_ms_ = 0;
   std::uint32_t illegal_at_start_ = 0, illegal_seen_ = 0;
   std::int32_t stall_counts_ = 0;

@@ -171,8 +171,8 @@ class TiltNode {
   }
 
   static bool usable(const ImuSample& s) {
-    return std::isfinite(s.ax_m_s2) && std::isfinite(s.ay_m_s2) && std::isfinite(s.az_m_s2) && std::isfinite(s.alpha_rate_rad_s) &&
-           std::isfinite(s.beta_rate_rad_s) && std::isfinite(s.yaw_rate_rad_s);
+    return law::finite(s.ax_m_s2) && law::finite(s.ay_m_s2) && law::finite(s.az_m_s2) && law::finite(s.alpha_rate_rad_s) &&
+           law::finite(s.beta_rate_rad_s) && law::finite(s.yaw_rate_rad_s);
   }
   static bool above(float value, float limit) { return value > limit || value < -limit; }
   // Equations (17) and (18) as law::acc_angles reads them, with an arctangent that gives the same bits on every machine.
