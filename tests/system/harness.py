@@ -127,7 +127,7 @@ class Hoist:
         self.start_sim()
         self.start_core()
         self.start_server()
-        self.wait_ready()
+        self.recover()
 
     def stop(self):
         for program in (self.server, self.core, self.sim):
@@ -165,33 +165,28 @@ class Hoist:
     def wait_mode(self, mode, within_s=60.0):
         until(f"mode {mode}", lambda: self.mode() == mode, within_s)
 
-    def wait_ready(self, within_s=90.0):
-        """In standby with nothing in the way of walking but that nobody has taken control."""
+    def recover(self):
+        """To standby with nothing in the way of walking: out of the start, of walking, or of a stop whose cause is gone. A slow machine may
+        stumble on the way, so this goes on until it has worked."""
 
         def ask():
             now = self.status()
-            return now["connected"] and now["mode"] == "standby" and set(now["blocked"]) <= {"no_lease"}
-
-        until("the core is ready", ask, within_s)
-
-    def recover(self):
-        """Out of walking or of a stop whose cause is gone, back to standby."""
-
-        def ask():
-            mode = self.mode()
-            if mode == "standby":
-                return True
-            if mode == "user":
+            if not now["connected"]:
+                return False
+            if now["mode"] == "standby":
+                if "not_neutral" in now["blocked"]:
+                    self.ask_sim(op="reset")  # the patient stands upright again; refused while a drive is still on
+                return set(now["blocked"]) <= {"no_lease"}
+            if now["mode"] == "user":
                 self.call("POST", "/stop", {})
             self.take_lease()
             self.call("POST", "/acknowledge", {})
-            return self.mode() == "standby"
+            return False
 
         try:
-            until("the stop is acknowledged", ask, 60.0, 0.3)
+            until("ready in standby", ask, 150.0, 0.3)
         except Failed as error:
             raise Failed(f"{error}; {self.status()}") from None
-        self.wait_ready()
 
     def walk(self, at_least_m=0.5):
         """Lets the patient lead and waits until the machine has moved.
@@ -211,6 +206,16 @@ class Hoist:
                     raise Failed(f"{error}; {self.status()}; {self.truth()}") from None
                 self.recover()
                 self.place_anew()
+
+    def enable(self):
+        """Lets the patient lead and waits until both drives have their bridges on: commands and data pass both ways, in time enough for the
+        drives' deadlines. For lines on which a guest is too slow for a walk."""
+
+        def ask():
+            self.begin_walking()
+            return self.truth()["enabled"] and self.mode() == "user"
+
+        until("the drives are enabled", ask, 90.0, 0.3)
 
     def begin_walking(self):
         self.take_lease()
