@@ -28,7 +28,7 @@ void fill_health(const CoreState& state, const TickInputs& inputs, contract::Tic
   record.duplicate_id = health.duplicate_id();
 #define HOIST_FILL_NODE(name)                                                    \
   record.name##_lost_frames = health.node(Node::name).lost_frames;              \
-  record.name##_lost_10s = health.node(Node::name).lost_10s();                  \
+  record.name##_lost_10s = health.node(Node::name).lost_10s;                  \
   record.name##_emcy_code = health.node(Node::name).emcy_code;                  \
   record.name##_emcy_count = health.node(Node::name).emcy_count;                \
   record.name##_error_register = health.node(Node::name).error_register;        \

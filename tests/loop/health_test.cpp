@@ -25,7 +25,7 @@ ClosedLoopOptions walk(std::uint64_t seed = 1, bool through_gateway = false) {
 }
 
 std::uint32_t lost(const ClosedLoop& loop, Node node) { return loop.core().health.node(node).lost_frames; }
-std::uint8_t lost_lately(const ClosedLoop& loop, Node node) { return loop.core().health.node(node).lost_10s(); }
+std::uint8_t lost_lately(const ClosedLoop& loop, Node node) { return loop.core().health.node(node).lost_10s; }
 
 void expect_nobody_accused(const ClosedLoop& loop) {
   EXPECT_FALSE(loop.ever_raised(Fault::node_duplicate));

@@ -25,11 +25,10 @@ class BusHealth {
     clock_ = static_cast<std::uint32_t>(time_ns * 2 / 78'125);  // 10 ms are kStreamUnit
     tick_ = static_cast<std::uint32_t>(time_ns / 10'000'000);
     if (second_tick_ == 0) second_tick_ = tick_;
-    for (NodeHealth& node : nodes_) node.twice.next_tick();
-    second_master_.next_tick();
+    if (suspects_) fade_suspicions();
     if (babble_hold_ticks_ > 0 && --babble_hold_ticks_ == 0) babbling_id_ = kNoId;
     if (!bus_up) {
-      for (NodeHealth& node : nodes_) forget_streams(node);
+      for (NodeWatch& watch : watches_) watch.forget_streams();
     }
     if (++window_ticks_ >= kWindowTicks) {
       window_ticks_ = 0;
@@ -48,36 +47,34 @@ class BusHealth {
     }
     const std::size_t at = node_of_id(frame.id);
     const FrameKind kind = kKindOfFunction[frame.id >> 7];
-    if (at >= nodes_.size() || kind == FrameKind::other || kFramePlans[at][static_cast<std::size_t>(kind)].bytes == 0xFF) {
+    if (at >= watches_.size() || kind == FrameKind::other) {
       take_stranger(frame);
       return false;
     }
-    NodeHealth& node = nodes_[at];
     const FramePlan& plan = kFramePlans[at][static_cast<std::size_t>(kind)];
-    const bool in_budget = node.rate[static_cast<std::size_t>(kind)].take(tick_, plan.budget);
+    if (plan.bytes == kNotPlanned) {
+      take_stranger(frame);
+      return false;
+    }
+    NodeWatch& watch = watches_[at];
+    const bool right_length = frame.dlc == plan.bytes;
+    if (right_length && static_cast<std::size_t>(kind) < kTpdoMax) {
+      const StreamWatch::Came came = watch.tpdo[static_cast<std::size_t>(kind)].take(plan.by_sync ? sync_clock_ : clock_, plan.period);
+      if (kind == FrameKind::tpdo1) {
+        // One SYNC, one answer. Frames on change may come in between, so an own timer proves nothing.
+        if (came == StreamWatch::Came::too_many && plan.by_sync) suspect(at, kSecondAnswer);
+        // It has just said that it began anew and nobody has started it: this is the data of another one.
+        if (watch.booted && tick_ - watch.boot_tick >= kBootGraceTicks) suspect(at, kDataAfterBoot);
+      }
+      if (came == StreamWatch::Came::in_time) return false;
+    } else if (right_length && kind == FrameKind::heartbeat) {
+      if (take_heartbeat(at, frame, plan)) return false;
+    }
+    const bool in_budget = watch.rate[static_cast<std::size_t>(kind)].take(tick_, plan.budget);
     if (!in_budget) accuse_babbling(frame.id);
-    if (frame.dlc != plan.bytes) return false;
-    switch (kind) {
-      case FrameKind::emergency:
-        take_emergency(node, frame);
-        return in_budget;
-      case FrameKind::heartbeat:
-        take_heartbeat(node, frame);
-        return false;
-      case FrameKind::sdo_reply:
-      case FrameKind::other:
-        return false;
-      default:
-        break;
-    }
-    const bool too_many = node.tpdo[static_cast<std::size_t>(kind)].take(plan.by_sync ? sync_clock_ : clock_, plan.period);
-    if (kind == FrameKind::tpdo1) {
-      // One SYNC, one answer. Frames on change may come in between, so an own timer proves nothing.
-      if (too_many && plan.by_sync) node.twice.add(kSecondAnswer);
-      // It has just said that it began anew and nobody has started it: this is the data of another one.
-      if (node.booted && tick_ - node.boot_tick >= kBootGraceTicks) node.twice.add(kDataAfterBoot);
-    }
-    return false;
+    if (kind != FrameKind::emergency || !right_length) return false;
+    take_emergency(nodes_[at], frame);
+    return in_budget;
   }
 
   /// A frame of ours that left.
@@ -87,7 +84,7 @@ class BusHealth {
     if (frame.id == canopen::kSync) sync_clock_ += kStreamUnit;
     if (frame.id != canopen::kNmt || frame.data[0] != static_cast<std::uint8_t>(canopen::NmtCommand::start)) return;
     const std::size_t at = node_of_id(frame.data[1]);
-    if (at < nodes_.size()) nodes_[at].booted = false;
+    if (at < watches_.size()) watches_[at].booted = false;
   }
 
   [[nodiscard]] const NodeHealth& node(contract::Node node) const noexcept { return nodes_[static_cast<std::size_t>(node)]; }
@@ -96,9 +93,10 @@ class BusHealth {
   [[nodiscard]] std::uint32_t syncs_lost() const noexcept { return syncs_lost_; }
   /// Node id that two nodes share, the core's own when a second control computer speaks; 0 = none.
   [[nodiscard]] std::uint8_t duplicate_id() const noexcept {
-    if (second_master_.verdict()) return contract::node_id(contract::Node::core);
-    for (std::size_t n = 0; n < nodes_.size(); ++n)
-      if (nodes_[n].twice.verdict()) return contract::kNodes[n].id;
+    if (!suspects_) return 0;
+    if (twice_[kCore].verdict()) return contract::kNodes[kCore].id;
+    for (std::size_t n = 0; n < kCore; ++n)
+      if (twice_[n].verdict()) return contract::kNodes[n].id;
     return 0;
   }
   /// CAN id that comes far more often than planned; kNoId = none.
@@ -117,7 +115,8 @@ class BusHealth {
   // Ids that no node of ours has. A logger or another machine part may speak now and then; a flood of anything hurts.
   static constexpr RateWatch::Budget kStrangerBudget = RateWatch::budget(20);
   // A service tool's requests, whose answers the nodes may send (load plan: an SDO each 4.3 ms).
-  static constexpr RateWatch::Budget kServiceBudget = RateWatch::budget(kTicksPerSecond);
+  static constexpr RateWatch::Budget kServiceBudget = RateWatch::budget(2 * kTicksPerSecond);
+  static constexpr std::size_t kCore = contract::kRemoteNodeCount;
   // Nodes whose data come with SYNC must all have missed the same one before it is the SYNC that was lost.
   static constexpr std::size_t kWitnesses = 3;
 
@@ -136,9 +135,16 @@ class BusHealth {
     return kTable[id & 0x7F];
   }
 
-  static void forget_streams(NodeHealth& node) noexcept {
-    for (StreamWatch& stream : node.tpdo) stream.forget();
-    node.heartbeat.forget();
+  void suspect(std::size_t node, std::uint8_t points) noexcept {
+    twice_[node].add(points);
+    suspects_ = true;
+  }
+  void fade_suspicions() noexcept {
+    suspects_ = false;
+    for (Suspicion& suspicion : twice_) {
+      suspicion.next_tick();
+      suspects_ = suspects_ || !suspicion.none();
+    }
   }
 
   void accuse_babbling(std::uint32_t id) noexcept {
@@ -151,12 +157,12 @@ class BusHealth {
     const bool short_id = frame.flags == 0 && frame.id <= 0x7FF;
     const std::uint32_t function = frame.id & 0x780;
     // Only one computer may lead: SYNC, the commands of the drives and the core's own heartbeat are ours to send.
-    const bool order = short_id && (frame.id == canopen::kSync || (function == 0x200 && node_of_id(frame.id) < nodes_.size()));
+    const bool order = short_id && (frame.id == canopen::kSync || (function == 0x200 && node_of_id(frame.id) < watches_.size()));
     const bool own_heartbeat = short_id && frame.id == canopen::kHeartbeatBase + contract::node_id(contract::Node::core);
-    if (order) second_master_.add(kForeignOrder);
-    if (own_heartbeat) second_master_.add(kSecondHeartbeat);
+    if (order) suspect(kCore, kForeignOrder);
+    if (own_heartbeat) suspect(kCore, kSecondHeartbeat);
     if (order || own_heartbeat) return;  // named as what they are; a flood of them is that verdict many times over
-    const bool service = short_id && function == canopen::kSdoRequestBase && node_of_id(frame.id) < nodes_.size();
+    const bool service = short_id && function == canopen::kSdoRequestBase && node_of_id(frame.id) < watches_.size();
     if (!(service ? service_.take(tick_, kServiceBudget) : strangers_.take(tick_, kStrangerBudget))) accuse_babbling(frame.id);
   }
 
@@ -168,16 +174,19 @@ class BusHealth {
     if (node.emcy_count < 0xFFFF) ++node.emcy_count;
   }
 
-  void take_heartbeat(NodeHealth& node, const contract::CanFrame& frame) noexcept {
-    constexpr FramePlan kPlan = kFramePlans[0][static_cast<std::size_t>(FrameKind::heartbeat)];
+  /// True when it came in its time.
+  [[nodiscard]] bool take_heartbeat(std::size_t at, const contract::CanFrame& frame, const FramePlan& plan) noexcept {
+    NodeWatch& watch = watches_[at];
     if (frame.data[0] == static_cast<std::uint8_t>(contract::canopen::NmtState::boot_up)) {
-      forget_streams(node);
-      node.booted = true;
-      node.boot_tick = tick_;
-      node.error_register = 0;
-      return;
+      watch.forget_streams();
+      watch.booted = true;
+      watch.boot_tick = tick_;
+      nodes_[at].error_register = 0;
+      return false;
     }
-    if (node.heartbeat.take(clock_, kPlan.period)) node.twice.add(kSecondHeartbeat);
+    const StreamWatch::Came came = watch.heartbeat.take(clock_, plan.period);
+    if (came == StreamWatch::Came::too_many) suspect(at, kSecondHeartbeat);
+    return came == StreamWatch::Came::in_time;
   }
 
   /// Counts what is missing. A SYNC that never reached the bus is missing in every node's data alike and no node's fault.
@@ -186,10 +195,10 @@ class BusHealth {
     std::uint32_t common = 0xFFFFFFFF;
     std::size_t witnesses = 0;
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
-      NodeHealth& node = nodes_[n];
-      for (std::size_t i = 0; i < kTpdoMax; ++i) lost[n][i] = node.tpdo[i].settle();
-      lost[n][kTpdoMax] = node.heartbeat.settle();
-      if (!node.tpdo[0].known() || !kFramePlans[n][0].by_sync) continue;
+      NodeWatch& watch = watches_[n];
+      for (std::size_t i = 0; i < kTpdoMax; ++i) lost[n][i] = watch.tpdo[i].settle();
+      lost[n][kTpdoMax] = watch.heartbeat.settle();
+      if (!watch.tpdo[0].known() || !kFramePlans[n][0].by_sync) continue;
       ++witnesses;
       common = lost[n][0] < common ? lost[n][0] : common;
     }
@@ -203,9 +212,11 @@ class BusHealth {
         const std::uint32_t excused = plan.by_sync && plan.period == kStreamUnit ? common : 0;
         sum += lost[n][i] > excused ? lost[n][i] - excused : 0;
       }
-      nodes_[n].lost_frames += sum;
-      std::uint8_t& second = nodes_[n].lost_by_second[second_];
+      if (sum == 0) continue;
+      std::uint8_t& second = watches_[n].lost_by_second[second_];
       second = static_cast<std::uint8_t>(second + sum < 255 ? second + sum : 255);
+      nodes_[n].lost_frames += sum;
+      nodes_[n].lost_10s = watches_[n].lost_lately();
     }
   }
 
@@ -213,19 +224,24 @@ class BusHealth {
     load_.close(static_cast<double>(tick_ - second_tick_) / kTicksPerSecond);
     second_tick_ = tick_;
     second_ = second_ + 1 < kSeconds ? second_ + 1 : 0;
-    for (NodeHealth& node : nodes_) node.lost_by_second[second_] = 0;
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+      watches_[n].lost_by_second[second_] = 0;
+      nodes_[n].lost_10s = watches_[n].lost_lately();
+    }
   }
 
-  static constexpr std::size_t kSeconds = std::tuple_size_v<decltype(NodeHealth::lost_by_second)>;
+  static constexpr std::size_t kSeconds = std::tuple_size_v<decltype(NodeWatch::lost_by_second)>;
 
   std::array<NodeHealth, contract::kRemoteNodeCount> nodes_{};
+  std::array<NodeWatch, contract::kRemoteNodeCount> watches_{};
+  std::array<Suspicion, contract::kNodes.size()> twice_{};  // of two nodes with one id; the last one is a second computer
   BusLoad load_;
   RateWatch strangers_, service_;
-  Suspicion second_master_;
   std::uint32_t tick_ = 0, clock_ = 0, second_tick_ = 0, sync_clock_ = 0, syncs_lost_ = 0;
   std::size_t second_ = 0;
   std::uint16_t babbling_id_ = kNoId;
   std::uint8_t window_ticks_ = 0, babble_hold_ticks_ = 0;
+  bool suspects_ = false;  // somebody has points
 };
 
 }  // namespace hoist::core

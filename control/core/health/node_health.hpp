@@ -15,12 +15,14 @@ enum class FrameKind : std::uint8_t { tpdo1, tpdo2, tpdo3, tpdo4, emergency, sdo
 inline constexpr std::size_t kFrameKinds = static_cast<std::size_t>(FrameKind::other);
 inline constexpr std::size_t kTpdoMax = 4;
 
+inline constexpr std::uint8_t kNotPlanned = 0xFF;
+
 /// What the dictionary plans for one kind of frame of one node.
 struct FramePlan {
   std::int32_t period = 0;   // in 1/kStreamUnit steps of its clock; 0 = the node does not send this evenly, or not at all
   bool by_sync = false;      // its clock is the SYNC, else the control step
-  std::uint8_t bytes = 0xFF;  // length of the frame; 0xFF = not planned
-  RateWatch::Budget budget;
+  std::uint8_t bytes = kNotPlanned;  // length of the frame
+  RateWatch::Budget budget;   // of frames that did not come in their time; of all where there is no period
 };
 
 namespace detail {
@@ -32,9 +34,9 @@ constexpr FramePlan frame_plan(contract::NodeKind kind, FrameKind frame) {
       plan.bytes = 8;
       plan.budget = RateWatch::budget(10);
       return plan;
-    case FrameKind::sdo_reply:  // the core asks at most once a step; a service tool on the same bus may ask as well
+    case FrameKind::sdo_reply:  // the core asks at most once a step; a service tool on the same bus may ask each 4.3 ms (load plan)
       plan.bytes = 8;
-      plan.budget = RateWatch::budget(kTicksPerSecond);
+      plan.budget = RateWatch::budget(2 * kTicksPerSecond);
       return plan;
     case FrameKind::heartbeat:  // 1017h: 100 ms
       plan.bytes = 1;
@@ -79,7 +81,7 @@ class Suspicion {
     if (points_ >= kVerdict) hold_ticks_ = kHoldTicks;
   }
   [[nodiscard]] bool verdict() const noexcept { return hold_ticks_ > 0; }
-  void clear() noexcept { *this = Suspicion{}; }
+  [[nodiscard]] bool none() const noexcept { return points_ == 0 && hold_ticks_ == 0; }
 
  private:
   static constexpr std::uint8_t kVerdict = 40, kMost = 60, kHoldTicks = 100;
@@ -87,20 +89,29 @@ class Suspicion {
   std::uint8_t points_ = 0, hold_ticks_ = 0;
 };
 
+/// What is told about a node.
 struct NodeHealth {
+  std::uint32_t lost_frames = 0;    // since the core started
+  std::uint16_t emcy_code = 0;      // of the latest emergency that was one; 0 = none yet
+  std::uint16_t emcy_count = 0;     // messages of errors, not of their end; stays at its largest value
+  std::uint8_t error_register = 0;  // 1001h as the latest emergency message told it
+  std::uint8_t lost_10s = 0;        // 255 at most
+};
+
+/// What is kept to find that out.
+struct NodeWatch {
   std::array<StreamWatch, kTpdoMax> tpdo;
   StreamWatch heartbeat;
   std::array<RateWatch, kFrameKinds> rate;
-  Suspicion twice;
-  std::uint32_t lost_frames = 0;                // since the core started
   std::array<std::uint8_t, 10> lost_by_second{};  // the running one and the nine before it
-  std::uint16_t emcy_code = 0;                  // of the latest emergency that was one; 0 = none yet
-  std::uint16_t emcy_count = 0;                 // messages of errors, not of their end; stays at its largest value
-  std::uint8_t error_register = 0;              // 1001h as the latest emergency message told it
-  bool booted = false;                          // it has said that it started anew, and nobody has let it run since
+  bool booted = false;                            // it has said that it started anew, and nobody has let it run since
   std::uint32_t boot_tick = 0;
 
-  [[nodiscard]] std::uint8_t lost_10s() const noexcept {
+  void forget_streams() noexcept {
+    for (StreamWatch& stream : tpdo) stream.forget();
+    heartbeat.forget();
+  }
+  [[nodiscard]] std::uint8_t lost_lately() const noexcept {
     std::uint32_t sum = 0;
     for (const std::uint8_t lost : lost_by_second) sum += lost;
     return static_cast<std::uint8_t>(sum < 255 ? sum : 255);

@@ -6,13 +6,12 @@ namespace hoist::core {
 
 class RateWatch {
  public:
-  /// What one kind of frame may do: kFreedom times the plan for ever, and half a second's worth of the plan plus ten frames at once.
+  /// What may come for ever, 1.5 times the plan, and at once, half a second's worth of the plan and ten frames.
   struct Budget {
     std::uint32_t leak = 0, room = 0;  // in 1/kUnit frames: per step, and in all
   };
   [[nodiscard]] static constexpr Budget budget(std::uint32_t planned_per_s) noexcept {
-    // 2.5 x plan: two nodes with one id come to twice the plan, and that is another fault with another name.
-    return {planned_per_s * kUnit * 5 / 2 / kStepsPerSecond, (10 + planned_per_s / 2) * kUnit};
+    return {planned_per_s * kUnit * 3 / 2 / kStepsPerSecond, (10 + planned_per_s / 2) * kUnit};
   }
 
   /// One frame came in step `tick`. False when it is beyond the budget.

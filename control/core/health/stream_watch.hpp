@@ -13,26 +13,38 @@ inline constexpr std::int32_t kStreamUnit = 256;
 
 class StreamWatch {
  public:
-  /// One frame came at `now` (in 1/kStreamUnit steps, may wrap). True when it is one more than the stream can have by now.
-  [[nodiscard]] bool take(std::uint32_t now, std::int32_t period) noexcept {
+  enum class Came : std::uint8_t {
+    in_time,
+    late,     // or the first after a silence
+    early,    // or one that made up for a late one
+    too_many  // one more than the stream can have by now
+  };
+
+  /// One frame came at `now` (in 1/kStreamUnit steps, may wrap).
+  [[nodiscard]] Came take(std::uint32_t now, std::int32_t period) noexcept {
     const auto late = static_cast<std::int32_t>(now - due_);
+    const std::int32_t nearly = period - period / 4;
+    // In its time is three quarters of a period more or less, not one half: a 20 ms timer seen in steps of 10 ms is off by one half now and
+    // then; what is really missing stays missing and shows with the next frame.
+    if (known_ && late >= -nearly && late < nearly) {
+      due_ += static_cast<std::uint32_t>(period + late / kFollow);
+      return Came::in_time;
+    }
     if (!known_ || late > kForgetPeriods * period || late < -2 * period) {
       // The first one, or the first after so long a silence that nobody knows what should have come, or that the clock has wrapped.
       *this = StreamWatch{};
       known_ = true;
       due_ = now + static_cast<std::uint32_t>(period);
-      return false;
+      return Came::late;
     }
-    // -1: before its time, a frame that was held up or one too many. Never less, because `due_` is at most 1.75 periods ahead. Three quarters
-    // of a period, not one half: a 20 ms timer seen in steps of 10 ms is off by one half now and then; what is really missing stays missing
-    // and shows with the next frame.
-    const std::int32_t missed = late >= -period * 3 / 4 ? (late + period / 4) / period : -1;
+    // -1: before its time, a frame that was held up or one too many. Never less, because `due_` is at most 1.75 periods ahead.
+    const std::int32_t missed = late > 0 ? (late + period / 4) / period : -1;
     due_ += static_cast<std::uint32_t>((missed + 1) * period);
-    if (missed == 0) due_ += static_cast<std::uint32_t>(late / kFollow);
     owed_ += missed;
     if (owed_ < least_) least_ = owed_;
     if (owed_ > most_) most_ = owed_;
-    return missed < 0 && owed_ < 0;
+    if (missed > 0) return Came::late;
+    return owed_ < 0 ? Came::too_many : Came::early;
   }
 
   /// At the end of a window: how many frames were missing during the whole of it. They are settled then, and so is a surplus.
