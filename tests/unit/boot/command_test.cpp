@@ -1,0 +1,162 @@
+// `hoist firmware` as a person uses it: files, and a whole update of a node of hoist-sim over its pseudo terminal.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "tests/unit/boot/boot_support.hpp"
+
+namespace hoist::firmware {
+namespace {
+
+class FirmwareCommand : public testing::Test {
+ protected:
+  FirmwareCommand() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "hoist-firmware-test-XXXXXX").string();
+    folder_ = ::mkdtemp(pattern.data());
+  }
+  ~FirmwareCommand() override {
+    if (simulator_ > 0) {
+      ::kill(simulator_, SIGTERM);
+      ::waitpid(simulator_, nullptr, 0);
+    }
+    std::filesystem::remove_all(folder_);
+  }
+
+  struct Result {
+    int code = -1;
+    std::string text;  // standard output and standard error
+  };
+  Result hoist(const std::string& arguments) {
+    Result result;
+    std::FILE* pipe = ::popen((std::string(HOIST_PROGRAM) + " firmware " + arguments + " 2>&1").c_str(), "r");
+    if (pipe == nullptr) return result;
+    std::array<char, 4096> piece{};
+    while (const std::size_t got = std::fread(piece.data(), 1, piece.size(), pipe)) result.text.append(piece.data(), got);
+    const int status = ::pclose(pipe);
+    result.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return result;
+  }
+  [[nodiscard]] std::string file(const std::string& name) const { return folder_ + "/" + name; }
+  void write(const std::string& name, const std::vector<std::uint8_t>& content) const {
+    std::ofstream(file(name), std::ios::binary)
+        .write(reinterpret_cast<const char*>(content.data()), static_cast<std::streamsize>(content.size()));
+  }
+  std::vector<std::uint8_t> read(const std::string& name) const {
+    std::ifstream in(file(name), std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  }
+  // Starts hoist-sim and waits for its first line, which it prints when its terminal is there.
+  void start_simulator() {
+    std::array<int, 2> out{};
+    ASSERT_EQ(::pipe2(out.data(), O_CLOEXEC), 0);
+    const std::string link = file("bus");
+    simulator_ = ::fork();
+    if (simulator_ == 0) {
+      ::dup2(out[1], STDOUT_FILENO);
+      ::execl(HOIST_SIMULATOR, HOIST_SIMULATOR, "--pty-link", link.c_str(), static_cast<char*>(nullptr));
+      ::_exit(127);
+    }
+    ::close(out[1]);
+    pollfd readable{out[0], POLLIN, 0};
+    std::string text;
+    std::array<char, 256> piece{};
+    while (text.find("SLCAN at") == std::string::npos && ::poll(&readable, 1, 30000) == 1) {
+      const ssize_t got = ::read(out[0], piece.data(), piece.size());
+      if (got <= 0) break;
+      text.append(piece.data(), static_cast<std::size_t>(got));
+    }
+    simulator_out_ = out[0];  // stays open: a closed pipe would end the simulator
+    ASSERT_NE(text.find("SLCAN at"), std::string::npos) << text;
+  }
+
+ private:
+  std::string folder_;
+  pid_t simulator_ = -1;
+  int simulator_out_ = -1;
+};
+
+TEST_F(FirmwareCommand, PacksAndShowsAProgram) {
+  auto linked = make_image(5001, 0, 3, ImageKind::tilt, ImageChip::lpc11c24);
+  contract::write_le(&linked[0], 4, 0x10001FD0);
+  contract::write_le(&linked[4], 4, 0x10D5);
+  for (std::size_t i = contract::kImageHeaderAt + 4; i < contract::kImageMin; ++i) linked[i] = 0;  // as the linker leaves it
+  write("in.bin", linked);
+  const Result packed = hoist("pack " + file("in.bin") + " --kind drive --chip lpc11c24 --version 1.2.3 " + file("out"));
+  EXPECT_EQ(packed.code, 0) << packed.text;
+  const auto image = read("out");
+  EXPECT_EQ(image.size(), 5004U);  // whole words
+  EXPECT_EQ(contract::check_image_file(image), ImageError::none);
+  EXPECT_TRUE(std::equal(linked.begin(), linked.begin() + contract::kImageHeaderAt, image.begin()));
+  EXPECT_TRUE(std::equal(linked.begin() + contract::kImageMin, linked.end(), image.begin() + contract::kImageMin));
+  const Result shown = hoist("show " + file("out") + " --json");
+  EXPECT_EQ(shown.code, 0);
+  EXPECT_NE(shown.text.find(R"("kind":"drive","chip":"lpc11c24","version":"1.2.3","length":5004)"), std::string::npos) << shown.text;
+  // Packed once more it is another version of the same.
+  EXPECT_EQ(hoist("pack " + file("out") + " --kind drive --chip lpc11c24 --version 1.2.4 " + file("again")).code, 0);
+  EXPECT_EQ(contract::read_image_header(read("again")).version, contract::image_version(1, 2, 4));
+}
+
+TEST_F(FirmwareCommand, RefusesWithTheReasonAndWritesNothing) {
+  write("junk", std::vector<std::uint8_t>(5000, 0x33));
+  write("short", std::vector<std::uint8_t>(100, 0));
+  write("long", std::vector<std::uint8_t>(contract::kImageMax + 1, 0));
+  write("empty", std::vector<std::uint8_t>(5000, 0xFF));
+  const auto refused = [&](const std::string& arguments, int code, const std::string& because) {
+    const Result result = hoist(arguments);
+    EXPECT_EQ(result.code, code) << arguments << '\n' << result.text;
+    EXPECT_NE(result.text.find(because), std::string::npos) << arguments << '\n' << result.text;
+    EXPECT_FALSE(std::filesystem::exists(file("out")));
+  };
+  const std::string good = " --kind drive --chip lpc11c24 --version 1.2.3 " + file("out");
+  refused("pack " + file("junk") + good, 1, "C0h");
+  refused("pack " + file("empty") + good, 1, "C0h");
+  refused("pack " + file("short") + good, 1, "too short");
+  refused("pack " + file("long") + good, 1, "longer than");
+  refused("pack " + file("absent") + good, 1, "cannot read");
+  refused("pack " + file("junk") + " --kind wheel --chip lpc11c24 --version 1.2.3 " + file("out"), 2, "--kind");
+  refused("pack " + file("junk") + " --kind drive --chip z80 --version 1.2.3 " + file("out"), 2, "--chip");
+  refused("pack " + file("junk") + " --kind drive --chip lpc11c24 --version 1.2 " + file("out"), 2, "--version");
+  refused("pack " + file("junk") + " --force" + good, 2, "--force");
+  refused("show " + file("junk"), 1, "magic");
+  refused("update --bus slcan:" + file("nothing") + " --node tilt_left " + file("junk"), 1, "magic");
+  refused("update --bus slcan:x --node nobody " + file("junk"), 2, "--node");
+  refused("burn", 2, "burn");
+  EXPECT_EQ(hoist("--help").code, 0);
+}
+
+TEST_F(FirmwareCommand, UpdatesANodeOfTheSimulator) {
+  start_simulator();
+  const std::string bus = "--bus slcan:" + file("bus") + " ";
+  Result listed = hoist("list --json " + bus);
+  EXPECT_EQ(listed.code, 0) << listed.text;
+  EXPECT_NE(listed.text.find(R"({"node":"tilt_left","present":true,"in_loader":false,"simulated":true,"version":"1.0.0")"),
+            std::string::npos)
+      << listed.text;
+  write("new", make_image(1500, contract::image_version(1, 2, 3), 9, ImageKind::tilt));
+  write("old", make_image(1500, contract::image_version(0, 2, 3), 9, ImageKind::tilt));
+  const Result updated = hoist("update " + bus + "--node tilt_left " + file("new"));
+  EXPECT_EQ(updated.code, 0) << updated.text;
+  EXPECT_NE(updated.text.find("tilt_left runs 1.2.3 now (before: 1.0.0)"), std::string::npos) << updated.text;
+  EXPECT_NE(updated.text.find("sending"), std::string::npos);
+  listed = hoist("list " + bus);
+  EXPECT_NE(listed.text.find("tilt_left     1.2.3"), std::string::npos) << listed.text;
+  EXPECT_NE(listed.text.find("tilt_right    1.0.0"), std::string::npos) << listed.text;
+  const Result refused = hoist("update " + bus + "--node tilt_left " + file("old"));
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.text.find("it runs 1.2.3"), std::string::npos) << refused.text;
+  EXPECT_EQ(hoist("update " + bus + "--node drive_left " + file("new")).code, 1);
+}
+
+}  // namespace
+}  // namespace hoist::firmware
