@@ -17,10 +17,13 @@ using contract::SlcanKind;
 using contract::SlcanLine;
 
 namespace {
-// Close, 250 kbit/s (canbus plan, section 5), open. A leading empty line ends whatever half line the adapter still holds.
-constexpr std::string_view kSetup = "\rC\rS5\rO\r";
-// The answer that counts is the one to `O`; the ones before it may be BEL (nothing to close, rate set while open).
-constexpr std::uint32_t kSetupAnswers = 4;
+// Close, 250 kbit/s (canbus plan, section 5), state and error lines please (our gateway's own; others refuse it, and that is fine), open. A
+// leading empty line ends whatever half line the adapter still holds.
+constexpr std::string_view kSetup = "\rC\rS5\rE1\rO\r";
+// The answer that counts is the one to `O`; the ones before it may be BEL (nothing to close, rate set while open, E1 unknown).
+constexpr std::uint32_t kSetupAnswers = 5;
+// Some adapters answer neither the empty line nor what they do not know.
+constexpr std::uint32_t kSetupAnswersLeast = 3;
 constexpr const char* kGone = "the device has gone away";
 constexpr const char* kBusOff = "the adapter's controller is off the bus (bus-off): check wiring and termination";
 
@@ -131,6 +134,7 @@ void SlcanPort::on_answer(bool accepted, std::uint64_t now_ns) noexcept {
   if (state_ == State::setting_up) {
     // Adapters differ in whether they answer an empty line; so the set-up is over when the answer to `O` is the last one owed, or when
     // frames arrive. An adapter that skips one answer is caught by frames or by the deadline.
+    last_accepted_ = accepted;
     if (++setup_answers_ < kSetupAnswers) return;
     if (accepted)
       become_up();
@@ -225,8 +229,7 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
     if (static_cast<std::size_t>(got) < read_buffer_.size()) break;
   }
   if (state_ == State::setting_up && now_ns >= deadline_ns_) {
-    // Some adapters do not answer the empty line: three answers with the last accepted are a set-up adapter too.
-    if (setup_answers_ == kSetupAnswers - 1)
+    if (setup_answers_ >= kSetupAnswersLeast && last_accepted_)
       become_up();
     else
       begin_setup(now_ns);

@@ -35,7 +35,7 @@ class SlcanPort final : public CanPort {
   // Limits, each with its reason.
   static constexpr std::uint64_t kRetryNs = 200'000'000;    // reopening a device that went away (research: 200 ms)
   static constexpr std::uint64_t kAnswerNs = 50'000'000;    // silence after a `t` line that counts as a fault of the adapter
-  static constexpr std::uint64_t kSetupNs = 500'000'000;    // C, S5, O must be answered within this
+  static constexpr std::uint64_t kSetupNs = 500'000'000;    // C, S5, E1, O must be answered within this
   static constexpr std::uint32_t kWindow = 16;              // unanswered lines: two steps of the fullest traffic
   static constexpr std::uint32_t kSilencesBeforeSetup = 4;  // then the adapter is set up again
   static constexpr int kReadsPerStep = 4;                   // bounds the work of one step even on a babbling line
@@ -59,6 +59,7 @@ class SlcanPort final : public CanPort {
   bool ever_open_ = false;
   std::uint64_t deadline_ns_ = 0;  // closed: next try; setting up: give up
   std::uint32_t setup_answers_ = 0;
+  bool last_accepted_ = false;  // the newest answer to the set-up
   std::uint32_t unanswered_ = 0;
   std::uint64_t last_answer_ns_ = 0;
   std::uint32_t silences_ = 0;

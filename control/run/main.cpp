@@ -211,7 +211,9 @@ int main(int argc, char** argv) {
   const bus::Capture* capture = nullptr;
   if (!options.capture.empty()) {
     const auto utc_offset_ns = static_cast<std::int64_t>(now_ns(CLOCK_REALTIME)) - static_cast<std::int64_t>(now_ns(CLOCK_MONOTONIC));
-    std::unique_ptr<bus::Capture> opened = bus::Capture::open(options.capture, "can0", utc_offset_ns, error);
+    constexpr std::string_view kSocketCan = "socketcan:";
+    const std::string interface = options.bus.starts_with(kSocketCan) ? options.bus.substr(kSocketCan.size()) : "can0";
+    std::unique_ptr<bus::Capture> opened = bus::Capture::open(options.capture, interface, utc_offset_ns, error);
     if (!opened) {
       std::cerr << "hoist-control: --capture: " << error << "\n";
       return 1;

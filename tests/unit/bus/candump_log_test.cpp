@@ -14,6 +14,7 @@
 #include "control/bus/decode.hpp"
 #include "control/bus/replay.hpp"
 #include "control/contract/can_dictionary.hpp"
+#include "tests/support/allocation_counter.hpp"
 
 namespace hoist::bus {
 namespace {
@@ -206,6 +207,27 @@ TEST(Capture, WhatFindsNoRoomIsCounted) {
   EXPECT_EQ(static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n')), capture->written());
   std::vector<LogEntry> entries;
   EXPECT_EQ(read_log(file.path, entries), "");
+}
+
+TEST(Capture, NothingIsAllocatedOnTheWay) {
+  const TemporaryFile file;
+  std::string error;
+  auto capture = Capture::open(file.path, "can0", 0, error);
+  ASSERT_NE(capture, nullptr) << error;
+  auto inner = std::make_unique<FakePort>();
+  Capture& tap = *capture;
+  CapturePort port(std::move(inner), std::move(capture));
+  const std::array out{CanFrame{0x201, 1, 0, {1}}, CanFrame{0x202, 1, 0, {2}}};
+  std::array<CanFrame, 8> in{};
+  tap.flush();  // the writing thread has begun
+  const std::uint64_t before = test::allocations();
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    port.receive(in, i);
+    port.send(out, i);
+  }
+  tap.flush();
+  EXPECT_EQ(test::allocations() - before, 0U);
+  EXPECT_EQ(tap.written(), 2000U);
 }
 
 TEST(Capture, AFolderThatIsNotThereIsRefused) {

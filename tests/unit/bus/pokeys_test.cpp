@@ -44,6 +44,29 @@ TEST(PokeysPackets, OnlyTheAnswerToTheQuestionIsGood) {
   EXPECT_EQ(check_reply(reply, CommandCode::analogue, 7), ReplyCheck::other_command);
 }
 
+TEST(PokeysPackets, ThePlayedDeviceAnswersGoodRequestsOnly) {
+  Packet reply{};
+  const Packet good = make_request(CommandCode::inputs, 0, 9);
+  ASSERT_TRUE(PokeysDevice::answer(good, {0b0110, 0b0001, {}}, reply));
+  EXPECT_EQ(check_reply(reply, CommandCode::inputs, 9), ReplyCheck::good);
+  EXPECT_FALSE(pin_level(reply, 1));
+  EXPECT_TRUE(pin_level(reply, 2));
+  EXPECT_TRUE(pin_level(reply, 3));
+  EXPECT_TRUE(pin_level(reply, 5));
+  EXPECT_FALSE(pin_level(reply, 6));
+  Packet bad = good;
+  bad[7] ^= 1;
+  EXPECT_FALSE(PokeysDevice::answer(bad, {}, reply)) << "a wrong checksum";
+  bad = good;
+  bad[0] = kReplyMark;
+  bad[7] = checksum(bad);
+  EXPECT_FALSE(PokeysDevice::answer(bad, {}, reply)) << "a reply is no request";
+  bad = good;
+  bad[1] = 0x41;
+  bad[7] = checksum(bad);
+  EXPECT_FALSE(PokeysDevice::answer(bad, {}, reply)) << "a command it does not know";
+}
+
 // The device's end of a socketpair. What it does with a request is up to the test.
 class Bench : public ::testing::Test {
  protected:

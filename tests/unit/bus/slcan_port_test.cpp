@@ -57,8 +57,8 @@ class SlcanPortTest : public ::testing::Test {
   std::size_t receive() { return port->receive(frames, now_ns); }
   void bring_up() {
     receive();
-    EXPECT_EQ(adapter.heard(), "\rC\rS5\rO\r");
-    adapter.say("\r\r\r\r");
+    EXPECT_EQ(adapter.heard(), "\rC\rS5\rE1\rO\r");
+    adapter.say("\r\r\r\a\r");
     receive();
     ASSERT_TRUE(port->up());
   }
@@ -71,9 +71,9 @@ class SlcanPortTest : public ::testing::Test {
 TEST_F(SlcanPortTest, SetsUpTheAdapterAndIsUpOnlyThen) {
   EXPECT_FALSE(port->up());
   receive();
-  EXPECT_EQ(adapter.heard(), "\rC\rS5\rO\r");
+  EXPECT_EQ(adapter.heard(), "\rC\rS5\rE1\rO\r");
   EXPECT_FALSE(port->up());
-  adapter.say("\r\a\a");  // nothing to close, rate already set: an adapter that was left open
+  adapter.say("\r\a\a\r");  // nothing to close, rate already set: an adapter that was left open
   receive();
   EXPECT_FALSE(port->up());
   adapter.say("\r");
@@ -84,10 +84,10 @@ TEST_F(SlcanPortTest, SetsUpTheAdapterAndIsUpOnlyThen) {
 TEST_F(SlcanPortTest, ARefusedOpenIsTriedAgain) {
   receive();
   adapter.heard();
-  adapter.say("\r\r\r\a");
+  adapter.say("\r\r\r\r\a");
   receive();
   EXPECT_FALSE(port->up());
-  EXPECT_EQ(adapter.heard(), "\rC\rS5\rO\r");
+  EXPECT_EQ(adapter.heard(), "\rC\rS5\rE1\rO\r");
 }
 
 TEST_F(SlcanPortTest, ASilentAdapterIsAskedAgain) {
@@ -98,7 +98,29 @@ TEST_F(SlcanPortTest, ASilentAdapterIsAskedAgain) {
   EXPECT_EQ(adapter.heard(), "");
   now_ns += 1;
   receive();
-  EXPECT_EQ(adapter.heard(), "\rC\rS5\rO\r");
+  EXPECT_EQ(adapter.heard(), "\rC\rS5\rE1\rO\r");
+}
+
+TEST_F(SlcanPortTest, AnAdapterThatAnswersOnlyWhatItKnowsIsUpToo) {
+  receive();
+  adapter.heard();
+  adapter.say("\r\r\r");  // to C, S5 and O
+  receive();
+  EXPECT_FALSE(port->up()) << "more may come";
+  now_ns += SlcanPort::kSetupNs;
+  receive();
+  EXPECT_TRUE(port->up());
+}
+
+TEST_F(SlcanPortTest, AnAdapterWhoseLastAnswerWasARefusalIsNot) {
+  receive();
+  adapter.heard();
+  adapter.say("\r\r\a");
+  receive();
+  now_ns += SlcanPort::kSetupNs;
+  receive();
+  EXPECT_FALSE(port->up());
+  EXPECT_EQ(adapter.heard(), "\rC\rS5\rE1\rO\r");
 }
 
 TEST_F(SlcanPortTest, CarriesFramesBothWays) {
@@ -164,7 +186,7 @@ TEST_F(SlcanPortTest, SilenceAfterFramesIsAFaultAndAtLastSetsUpAgain) {
   }
   EXPECT_EQ(port->counters().send_refused, SlcanPort::kSilencesBeforeSetup);
   EXPECT_FALSE(port->up());
-  EXPECT_NE(adapter.heard().find("\rC\rS5\rO\r"), std::string::npos);
+  EXPECT_NE(adapter.heard().find("\rC\rS5\rE1\rO\r"), std::string::npos);
 }
 
 TEST_F(SlcanPortTest, ComesBackAfterTheAdapterWasPulledOut) {
@@ -186,8 +208,8 @@ TEST_F(SlcanPortTest, ComesBackAfterTheAdapterWasPulledOut) {
   EXPECT_EQ(second.heard(), "") << "not before the retry time";
   now_ns += SlcanPort::kRetryNs;
   receive();
-  EXPECT_EQ(second.heard(), "\rC\rS5\rO\r");
-  second.say("\r\r\r\r");
+  EXPECT_EQ(second.heard(), "\rC\rS5\rE1\rO\r");
+  second.say("\r\r\r\a\r");
   receive();
   EXPECT_TRUE(port->up());
   EXPECT_EQ(port->counters().reopened, 1U);
