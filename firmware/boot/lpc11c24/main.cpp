@@ -32,9 +32,6 @@ static_assert(kChip.ram_at == kRamStart && kChip.ram_bytes == kRamBytes);
 // A gateway has no place among the nodes: its loader uses the number below the computer's.
 constexpr std::uint8_t kGatewayLoader = 0x7E;
 
-// Free on every board (pins.hpp), pulled up; low at reset keeps the node in its loader whatever is in flash.
-constexpr Pin kServicePin{0, 3};
-
 // Reset, and faults: nothing else is ever enabled.
 union Vector {
   std::uint32_t* address;
@@ -169,9 +166,9 @@ LoaderReset reset_kind() {
 }
 
 bool service_pin_low() {
-  set_pin<kServicePin>(0, kPinPullUp | kPinHysteresis);
+  set_pin<kService>(0, kPinPullUp | kPinHysteresis);
   for (std::uint32_t i = 0; i < 100; ++i) asm volatile("nop");  // as for the straps
-  return !read_pin<kServicePin>();
+  return !read_pin<kService>();
 }
 
 // 0: the straps say nothing. Such a board stays off the bus: two nodes with one number would be worse than none.
