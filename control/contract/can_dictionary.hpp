@@ -246,8 +246,8 @@ consteval auto all_objects() {
     all[at++] = {owner, index, 2, texts.type_name, ObjectType::u8, Access::rw, static_cast<double>(p.type), 0,
                  255,   "",    1, texts.type_title};
     if (p.direction == PdoDirection::rx) continue;
-    all[at++] = {owner, index,    3, texts.inhibit_name, ObjectType::u16, Access::rw, static_cast<double>(pdo_on_change_100us(p.pdo)), 0,
-                 65535, "100 us", 1, texts.inhibit_title};
+    all[at++] = {owner, index, 3,   texts.inhibit_name, ObjectType::u16, Access::rw, static_cast<double>(pdo_on_change_100us(p.pdo)), 0,
+                 65535, "ms",  0.1, texts.inhibit_title};
     all[at++] = {owner, index, 5, texts.event_name, ObjectType::u16, Access::rw, timed ? static_cast<double>(p.period_ms) : 0.0, 0,
                  65535, "ms",  1, texts.event_title};
   }

@@ -20,8 +20,8 @@
 #include "control/contract/can_dictionary.hpp"
 #include "firmware/lib/board.hpp"
 #include "firmware/lib/object_table.hpp"
-#include "firmware/lib/program_control.hpp"
 #include "firmware/lib/parameter_store.hpp"
+#include "firmware/lib/program_control.hpp"
 #include "firmware/lib/sdo_server.hpp"
 #include "firmware/lib/version.hpp"
 
@@ -41,11 +41,12 @@ namespace error_bit {
 inline constexpr std::uint8_t kGeneric = 0x01, kCurrent = 0x02, kVoltage = 0x04, kCommunication = 0x10, kProfile = 0x20;
 }
 
-inline constexpr std::size_t kErrorsMax = 8;            // different errors active at the same time
-inline constexpr std::size_t kEmcyQueueMax = 8;         // EMCY waiting for the inhibit time; later ones are counted and dropped
-inline constexpr std::size_t kErrorHistory = 4;         // errors that 1003h remembers
-inline constexpr std::uint32_t kOverrunHold_ms = 1000;  // lost frames are an error until none was lost for so long
-inline constexpr std::uint32_t kBusOffWait_ms = 200;    // before a controller that is bus off is asked to return, and before each next time
+inline constexpr std::size_t kErrorsMax = 8;     // different errors active at the same time
+inline constexpr std::size_t kEmcyQueueMax = 8;  // EMCY waiting for the inhibit time; later ones are counted and dropped
+inline constexpr std::size_t kErrorHistory = 4;  // errors that 1003h remembers
+inline constexpr std::uint32_t kConsumerMin_ms = 100, kConsumerMax_ms = 500;  // allowed consumer heartbeat times
+inline constexpr std::uint32_t kOverrunHold_ms = 1000;                        // lost frames are an error until none was lost for so long
+inline constexpr std::uint32_t kBusOffWait_ms = 200;  // before a controller that is bus off is asked to return, and before each next time
 // Product codes 1018h:2, without the simulator bit: 1 tilt, 2 drive, 3 input board.
 constexpr std::uint32_t product_code(contract::NodeKind kind) { return static_cast<std::uint32_t>(kind) + 1; }
 // Device types 1000h: CiA 410 with two axes, CiA 402 servo, CiA 401 with digital and analogue inputs.
@@ -544,6 +545,11 @@ class CanopenNode {
       if (raw != (index == 0x1010 ? contract::canopen::kSave : contract::canopen::kLoad)) return SdoAbort::transfer;
       // Erasing flash stops everything else: never while the node works, and never while a motor is under the servo.
       return state_ == NmtState::pre_operational && !bridge_on() ? SdoAbort::none : SdoAbort::device_state;
+    }
+    if (index == 0x1016) {  // a node that does not watch its computer, or watches somebody else, is refused
+      const std::uint32_t time_ms = raw & 0xFFFFU;
+      const bool fits = (raw >> 16) == contract::node_id(contract::Node::core) && time_ms >= kConsumerMin_ms && time_ms <= kConsumerMax_ms;
+      return fits ? SdoAbort::none : SdoAbort::range;
     }
     for (const PdoRow& row : kPdos) {
       if (kRows[row.communication].index != index) continue;

@@ -334,6 +334,27 @@ TEST(CanopenEmcy, ErrorsAreRememberedNewestFirstUntilForgotten) {
   EXPECT_EQ(read(1), aborted(kAnswerLeft, 0x1003, 1, 0x08000024));
 }
 
+// ---- the computer's heartbeat
+
+TEST(CanopenHeartbeat, TheInputBoardMissesItsComputer) {
+  TestBoard board;
+  IoNode<TestBoard> node(board, contract::Node::io);
+  make_operational(node, board);
+  tick(node, 1000);
+  EXPECT_TRUE(node.stack().operational());  // never heard: not missed
+  node.on_frame(frame_of(0x77F, {5}));
+  tick(node, 249);
+  EXPECT_TRUE(node.stack().operational());
+  board.sent.clear();
+  tick(node, 1);
+  EXPECT_FALSE(node.stack().operational());
+  EXPECT_EQ(board.with_id(0x088), std::vector{frame_of(0x088, {0x30, 0x81, 0x11, 0, 0, 0, 0, 0})});
+  // Nobody else is watched, and nobody for longer than half a second.
+  for (const std::uint32_t bad : {0U, 0x007F0000U, 0x007F0063U, 0x007F01F5U, 0x001100FAU})
+    EXPECT_EQ(ask(node, board, canopen::sdo(0x608, 0x23, 0x1016, 1, bad)), aborted(0x588, 0x1016, 1, 0x06090030)) << std::hex << bad;
+  EXPECT_EQ(ask(node, board, canopen::sdo(0x608, 0x23, 0x1016, 1, 0x007F012C)).data[0], 0x60);
+}
+
 // ---- texts
 
 TEST(CanopenIdentity, SaysItsNamesInWords) {
