@@ -9,6 +9,10 @@ namespace hoist::firmware::cortex_m0 {
 
 inline std::uint32_t read_word(std::uint32_t address) { return *reinterpret_cast<const volatile std::uint32_t*>(address); }
 inline void write_word(std::uint32_t address, std::uint32_t value) { *reinterpret_cast<volatile std::uint32_t*>(address) = value; }
+// A few registers do something else when they are accessed as a word.
+inline std::uint8_t read_byte(std::uint32_t address) { return *reinterpret_cast<const volatile std::uint8_t*>(address); }
+inline void write_byte(std::uint32_t address, std::uint8_t value) { *reinterpret_cast<volatile std::uint8_t*>(address) = value; }
+inline void write_half(std::uint32_t address, std::uint16_t value) { *reinterpret_cast<volatile std::uint16_t*>(address) = value; }
 
 template <std::uint32_t kAddress>
 struct Register {

@@ -21,7 +21,7 @@
 
 namespace hoist::firmware::cortex_m0 {
 
-inline constexpr std::uint32_t kFramesPerRound = 8;  // a babbling bus must not keep the loop from its tick
+inline constexpr std::uint32_t kFramesPerRound = 8;   // a babbling bus must not keep the loop from its tick
 inline constexpr std::uint32_t kTicksToCatchUp = 20;  // after a longer pause (flash erase) the missing milliseconds are given up
 inline constexpr std::uint32_t kLedNormal_ms = 500, kLedRefused_ms = 62;
 

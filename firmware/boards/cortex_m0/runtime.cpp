@@ -56,15 +56,16 @@ std::uint64_t __aeabi_idivmod(std::int32_t a, std::int32_t b) {
   if (a < 0) rest = 0U - rest;
   return (static_cast<std::uint64_t>(rest) << 32) | quotient;
 }
-std::int32_t __aeabi_idiv(std::int32_t a, std::int32_t b) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(__aeabi_idivmod(a, b))); }
+std::int32_t __aeabi_idiv(std::int32_t a, std::int32_t b) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(__aeabi_idivmod(a, b)));
+}
 
 // The compiler must not see in these loops the very functions that they are (-fno-tree-loop-distribute-patterns for this file).
 void* hoist_memcpy(void* to, const void* from, std::size_t count) {
   auto* t = static_cast<unsigned char*>(to);
   const auto* f = static_cast<const unsigned char*>(from);
   if (((reinterpret_cast<std::uintptr_t>(t) | reinterpret_cast<std::uintptr_t>(f)) & 3U) == 0)
-    for (; count >= 4; count -= 4, t += 4, f += 4)
-      *reinterpret_cast<AnyWord*>(t) = *reinterpret_cast<const AnyWord*>(f);
+    for (; count >= 4; count -= 4, t += 4, f += 4) *reinterpret_cast<AnyWord*>(t) = *reinterpret_cast<const AnyWord*>(f);
   for (; count > 0; --count) *t++ = *f++;
   return to;
 }

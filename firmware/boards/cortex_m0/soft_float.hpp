@@ -46,6 +46,16 @@ constexpr std::uint32_t pack(std::uint32_t sign, std::int32_t exponent, std::uin
   return sign | ((static_cast<std::uint32_t>(exponent) << 23) + rounded);
 }
 
+// The end of pack() where the leading bit is in its place: written out in the common ways through add() and multiply(), which are called more
+// often than anything else in a node, and never with a result that is too small or too large.
+[[gnu::always_inline]] constexpr bool rounds_to_normal(std::int32_t exponent) { return static_cast<std::uint32_t>(exponent) < 0xFDU; }
+[[gnu::always_inline]] constexpr std::uint32_t round_normal(std::uint32_t sign, std::int32_t exponent, std::uint32_t significand) {
+  std::uint32_t rounded = (significand + 0x40U) >> 7;
+  if ((significand & 0x7FU) == 0x40U) rounded &= ~1U;
+  return sign | ((static_cast<std::uint32_t>(exponent) << 23) + rounded);
+}
+[[gnu::always_inline]] constexpr bool is_normal_exponent(std::uint32_t exponent) { return exponent - 1U < 0xFEU; }
+
 // 24 bits with the leading one set, and the exponent that belongs to it; for finite numbers other than zero.
 struct Parts {
   std::int32_t exponent;
@@ -68,10 +78,35 @@ constexpr Parts unpack_denormal(std::uint32_t a) {
 }
 
 constexpr std::uint32_t add(std::uint32_t a, std::uint32_t b) {
-  if ((a & ~kSign) < (b & ~kSign)) {
+  if (a << 1 < b << 1) {
     const std::uint32_t swap = a;
     a = b;
     b = swap;
+  }
+  // Two normal numbers: nearly always.
+  const std::uint32_t large_exponent = (a << 1) >> 24, small_exponent = (b << 1) >> 24;
+  if (is_normal_exponent(large_exponent) && small_exponent != 0) {
+    std::uint32_t sum = ((a << 8) | kSign) >> 2, smaller = ((b << 8) | kSign) >> 2;  // leading bit in bit 29
+    const std::uint32_t by = large_exponent - small_exponent;
+    if (by != 0) {
+      if (by >= 27U) return a;  // less than half of its last bit, and no tie
+      const std::uint32_t lost = smaller << (32U - by);
+      smaller >>= by;
+      if (lost != 0) smaller |= 1U;
+    }
+    auto exponent = static_cast<std::int32_t>(large_exponent);
+    if (static_cast<std::int32_t>(a ^ b) >= 0) {
+      sum += smaller;
+    } else {
+      sum -= smaller;
+      if (sum == 0) return 0;
+    }
+    while ((sum & 0x40000000U) == 0) {
+      sum <<= 1;
+      --exponent;
+    }
+    if (rounds_to_normal(exponent)) return round_normal(a & kSign, exponent, sum);
+    return pack(a & kSign, exponent, sum);
   }
   const bool opposed = ((a ^ b) & kSign) != 0;
   if ((a & ~kSign) >= kInfinity) return is_nan(a) || (opposed && (b & ~kSign) == kInfinity) ? kNan : a;
@@ -90,6 +125,33 @@ constexpr std::uint32_t multiply(std::uint32_t a, std::uint32_t b) {
   const std::uint32_t sign = (a ^ b) & kSign;
   a &= ~kSign;
   b &= ~kSign;
+  // Two normal numbers with a normal product: nearly always.
+  if (is_normal_exponent(a >> 23) && is_normal_exponent(b >> 23)) {
+    std::int32_t exponent = static_cast<std::int32_t>((a >> 23) + (b >> 23)) - 127;
+    a = (a << 8) | kSign;  // leading bit in bit 31, eight zeros below
+    b = (b << 8) | kSign;
+    // Halves of 16 bits, the lower ones with eight zeros: the product's upper word and whether anything is below it.
+    const std::uint32_t ah = a >> 16, bh = b >> 16;
+    a &= 0xFFFFU;
+    b &= 0xFFFFU;
+    const std::uint32_t one = ah * b;
+    std::uint32_t middle = one + a * bh;  // below 2^33: the carry is worth 2^48
+    std::uint32_t high = ah * bh;
+    if (middle < one) high += 0x10000U;
+    const std::uint32_t low_word = a * b;
+    const std::uint32_t low = low_word + (middle << 16);
+    if (low < low_word) ++high;
+    high += middle >> 16;
+    // The product is in bits 63 to 62 of high and low.
+    if ((high & kSign) != 0) {
+      high = (high >> 1) | (high & 1U);
+    } else {
+      --exponent;
+    }
+    if (low != 0) high |= 1U;
+    if (rounds_to_normal(exponent)) return round_normal(sign, exponent, high);
+    return pack(sign, exponent, high);
+  }
   if (a >= kInfinity || b >= kInfinity) return a > kInfinity || b > kInfinity || a == 0 || b == 0 ? kNan : sign | kInfinity;
   if (a == 0 || b == 0) return sign;
   const Parts x = unpack(a), y = unpack(b);
@@ -110,16 +172,30 @@ constexpr std::uint32_t divide(std::uint32_t a, std::uint32_t b) {
   if (b == kInfinity || a == 0) return sign;
   const Parts x = unpack(a), y = unpack(b);
   std::uint32_t rest = x.significand, quotient = 0;
-  for (std::uint32_t i = 0; i < 31; ++i) {
+  const auto bit = [&rest, &quotient, by = y.significand ]() __attribute__((always_inline)) {
     quotient <<= 1;
-    if (rest >= y.significand) {
-      rest -= y.significand;
-      quotient |= 1U;
+    if (rest >= by) {
+      rest -= by;
+      quotient += 1U;
     }
     rest <<= 1;
+  };
+  // 27 bits: 24 or 25 of the result and two to round by; three to a round, because counting the rounds costs as much as a bit.
+  for (std::uint32_t round = 0; round < 9; ++round) {
+    bit();
+    bit();
+    bit();
   }
-  // One half to two. The bit below the lowest one that rounding looks at says whether there is a rest.
-  return pack(sign, x.exponent - y.exponent + 126, quotient | (rest != 0 ? 1U : 0U));
+  // One half to two. The lowest bit says whether there is a rest.
+  std::uint32_t significand = quotient << 4;
+  if (rest != 0) significand |= 1U;
+  std::int32_t exponent = x.exponent - y.exponent + 126;
+  if ((significand & 0x40000000U) == 0) {
+    significand <<= 1;
+    --exponent;
+  }
+  if (rounds_to_normal(exponent)) return round_normal(sign, exponent, significand);
+  return pack(sign, exponent, significand);
 }
 
 constexpr bool unordered(std::uint32_t a, std::uint32_t b) { return is_nan(a) || is_nan(b); }
@@ -154,7 +230,8 @@ constexpr std::uint32_t magnitude(std::uint32_t a, std::uint32_t most) {
   return value < most ? value : most;
 }
 constexpr std::int32_t to_signed(std::uint32_t a) {
-  return (a & kSign) != 0 ? static_cast<std::int32_t>(0U - magnitude(a, 0x80000000U)) : static_cast<std::int32_t>(magnitude(a, 0x7FFFFFFFU));
+  return (a & kSign) != 0 ? static_cast<std::int32_t>(0U - magnitude(a, 0x80000000U))
+                          : static_cast<std::int32_t>(magnitude(a, 0x7FFFFFFFU));
 }
 constexpr std::uint32_t to_unsigned(std::uint32_t a) { return (a & kSign) != 0 ? 0U : magnitude(a, 0xFFFFFFFFU); }
 

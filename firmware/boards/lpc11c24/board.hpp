@@ -50,6 +50,7 @@ class Board {
 
   // For the node.
   bool send(const contract::CanFrame& frame) { return can_.send(frame); }
+  [[nodiscard]] bool all_sent() const { return can_.all_sent(); }
   [[nodiscard]] bool simulated() const { return false; }
   [[nodiscard]] CanHealth can_health() const { return can_.health(); }
   void can_restart() { can_.restart(); }
@@ -62,7 +63,8 @@ class Board {
     cortex_m0::reset_now();
   }
   [[nodiscard]] ProgramInfo program() const {
-    return {cortex_m0::read_word(kApplicationStart + contract::kImageHeaderAt + 12), cortex_m0::read_word(kApplicationStart + contract::kImageCrcAt)};
+    return {cortex_m0::read_word(kApplicationStart + contract::kImageHeaderAt + 12),
+            cortex_m0::read_word(kApplicationStart + contract::kImageCrcAt)};
   }
 
   // For the main loop.

@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "control/contract/can_frame.hpp"
+#include "firmware/boards/cortex_m0/can_filter.hpp"
 #include "firmware/boards/cortex_m0/ring.hpp"
 #include "firmware/boards/lpc11c24/registers.hpp"
 #include "firmware/lib/board.hpp"
@@ -75,18 +76,7 @@ inline constexpr std::size_t kCanTransmitMax = 16;  // frames waiting for their 
 inline constexpr std::size_t kCanReceiveMax = 16;   // frames waiting for the main loop: 3 ms of a full bus
 inline constexpr std::uint32_t kReceivesPerInterrupt = 32;
 
-// Which frames a node looks at; the rest is dropped in the interrupt. The gateway takes all.
-struct CanFilter {
-  bool all = true;
-  std::uint8_t node_id = 0;
-  [[nodiscard]] bool wants(std::uint32_t id, bool extended) const {
-    if (all) return true;
-    if (extended) return false;
-    const std::uint32_t node = id & 0x7FU;
-    // NMT and SYNC, its own identifiers (also those it sends itself: another node that uses them shows so), and all heartbeats.
-    return node == 0 || node == node_id || (id >> 7) == 0xE;
-  }
-};
+using cortex_m0::CanFilter;
 
 class Can {
  public:
@@ -106,7 +96,8 @@ class Can {
   bool send(const CanFrame& frame) {
     if (waiting_count_ == kCanTransmitMax) return false;
     std::size_t at = waiting_count_++;
-    for (; at > 0 && order(waiting_[at - 1]) > order(frame); --at) waiting_[at] = waiting_[at - 1];
+    for (; at > 0 && cortex_m0::arbitration_order(waiting_[at - 1]) > cortex_m0::arbitration_order(frame); --at)
+      waiting_[at] = waiting_[at - 1];
     waiting_[at] = frame;
     (void)service();
     return true;
@@ -136,7 +127,9 @@ class Can {
   bool receive(CanFrame& frame) { return received_.take(frame); }
   [[nodiscard]] bool has_frame() const { return !received_.empty(); }
   // Nothing waits and nothing is under way: a node that restarts itself waits for this, so that its answer still leaves.
-  [[nodiscard]] bool all_sent() const { return waiting_count_ == 0 && (c_can::TransmitRequest1::read() & ((1U << kTransmitClasses) - 1U)) == 0; }
+  [[nodiscard]] bool all_sent() const {
+    return waiting_count_ == 0 && (c_can::TransmitRequest1::read() & ((1U << kTransmitClasses) - 1U)) == 0;
+  }
 
   [[nodiscard]] CanHealth health() const {
     const std::uint32_t status = c_can::Status::read();
@@ -185,14 +178,10 @@ class Can {
   }
 
  private:
-  // Identifiers in the order of arbitration: a standard frame goes before an extended one with the same first 11 bits.
-  static std::uint32_t order(const CanFrame& frame) {
-    return (frame.flags & CanFrame::kExtended) != 0 ? (frame.id << 1) | 1U : frame.id << 19;
-  }
   static std::uint32_t object_of(const CanFrame& frame) {
     const std::uint32_t id = (frame.flags & CanFrame::kExtended) != 0 ? frame.id >> 18 : frame.id;
-    if (id < 0x180) return 1;  // NMT, SYNC, EMCY
-    if (id < 0x580) return 2;  // process data
+    if (id < 0x180) return 1;   // NMT, SYNC, EMCY
+    if (id < 0x580) return 2;   // process data
     return id < 0x700 ? 3 : 4;  // SDO; heartbeat
   }
 
@@ -232,7 +221,8 @@ class Can {
     // A remote frame is what a receive object sends when it is asked to transmit.
     Loop::Id2::write((id >> 16) | c_can::kValid | (extended ? c_can::kExtended : 0U) | (remote ? 0U : c_can::kTransmit));
     for (std::uint32_t i = 0; i < 4; ++i)
-      cortex_m0::write_word(Loop::kData + 4 * i, static_cast<std::uint32_t>(frame.data[2 * i]) | (static_cast<std::uint32_t>(frame.data[2 * i + 1]) << 8));
+      cortex_m0::write_word(Loop::kData + 4 * i,
+                            static_cast<std::uint32_t>(frame.data[2 * i]) | (static_cast<std::uint32_t>(frame.data[2 * i + 1]) << 8));
     Loop::Message::write((frame.dlc & 0xFU) | c_can::kEndOfChain | c_can::kRequest | c_can::kTransmitInterrupt);
     (void)Loop::move(object);
   }

@@ -35,7 +35,7 @@ inline constexpr std::uint32_t kPllLock_loops = 100'000;    // data sheet: 100 u
 }
 
 // Reset when the supply falls below 2.7 V: above what the flash needs, so that a sinking supply cannot run the processor wild.
-inline void start_brown_out() { 
+inline void start_brown_out() {
   syscon::PowerDown::clear(syscon::kBrownOutOff);
   syscon::BrownOut::write(3U | (1U << 4));
 }

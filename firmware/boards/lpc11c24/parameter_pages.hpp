@@ -20,7 +20,8 @@ inline constexpr std::size_t kSlotWriteBytes = 256;  // the smallest piece that 
 
 // erase(): all of it to FFh. write(): 256 bytes at a multiple of 256, checked. bytes(): what is in it.
 template <class S>
-concept FlashSector = requires(S sector, const S constant, std::size_t offset, const std::array<std::uint32_t, kSlotWriteBytes / 4>& words) {
+concept FlashSector = requires(S sector, const S constant, std::size_t offset,
+                               const std::array<std::uint32_t, kSlotWriteBytes / 4>& words) {
   { S::kBytes } -> std::convertible_to<std::size_t>;
   { sector.erase() } -> std::same_as<bool>;
   { sector.write(offset, words) } -> std::same_as<bool>;
@@ -59,7 +60,9 @@ class ParameterPages {
   }
 
  private:
-  [[nodiscard]] std::span<const std::byte> slot_bytes(std::size_t slot) const { return sector_.bytes().subspan(slot * kSlotBytes, kSlotBytes); }
+  [[nodiscard]] std::span<const std::byte> slot_bytes(std::size_t slot) const {
+    return sector_.bytes().subspan(slot * kSlotBytes, kSlotBytes);
+  }
   [[nodiscard]] bool blank(std::size_t slot) const {
     for (const std::byte b : slot_bytes(slot))
       if (b != std::byte{0xFF}) return false;

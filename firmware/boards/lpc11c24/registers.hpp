@@ -11,7 +11,7 @@ using cortex_m0::Register;
 
 // ---- system control, chapter 3
 namespace syscon {
-using Remap = Register<0x40048000>;         // 1: vectors from RAM
+using Remap = Register<0x40048000>;            // 1: vectors from RAM
 using PeripheralReset = Register<0x40048004>;  // 1 = runs: bit 0 SSP0, 1 I2C, 2 SSP1, 3 C_CAN
 using PllControl = Register<0x40048008>;
 using PllStatus = Register<0x4004800C>;
@@ -55,11 +55,11 @@ consteval std::uint32_t iocon_address(Pin pin) {
     Pin pin;
     std::uint8_t offset;
   };
-  constexpr Row kRows[] = {{{2, 6}, 0x00},  {{2, 0}, 0x08},  {{0, 2}, 0x1C},  {{2, 7}, 0x20},  {{2, 8}, 0x24},  {{2, 1}, 0x28},
-                           {{0, 4}, 0x30},  {{0, 5}, 0x34},  {{0, 6}, 0x4C},  {{0, 7}, 0x50},  {{2, 10}, 0x58}, {{2, 2}, 0x5C},
-                           {{0, 8}, 0x60},  {{0, 9}, 0x64},  {{1, 10}, 0x6C}, {{2, 11}, 0x70}, {{0, 11}, 0x74}, {{1, 0}, 0x78},
-                           {{1, 1}, 0x7C},  {{1, 2}, 0x80},  {{3, 0}, 0x84},  {{3, 1}, 0x88},  {{2, 3}, 0x8C},  {{1, 4}, 0x94},
-                           {{1, 11}, 0x98}, {{1, 5}, 0xA0},  {{1, 6}, 0xA4},  {{1, 7}, 0xA8},  {{1, 8}, 0x14},  {{0, 3}, 0x2C}};
+  constexpr Row kRows[] = {{{2, 6}, 0x00},  {{2, 0}, 0x08}, {{0, 2}, 0x1C},  {{2, 7}, 0x20},  {{2, 8}, 0x24},  {{2, 1}, 0x28},
+                           {{0, 4}, 0x30},  {{0, 5}, 0x34}, {{0, 6}, 0x4C},  {{0, 7}, 0x50},  {{2, 10}, 0x58}, {{2, 2}, 0x5C},
+                           {{0, 8}, 0x60},  {{0, 9}, 0x64}, {{1, 10}, 0x6C}, {{2, 11}, 0x70}, {{0, 11}, 0x74}, {{1, 0}, 0x78},
+                           {{1, 1}, 0x7C},  {{1, 2}, 0x80}, {{3, 0}, 0x84},  {{3, 1}, 0x88},  {{2, 3}, 0x8C},  {{1, 4}, 0x94},
+                           {{1, 11}, 0x98}, {{1, 5}, 0xA0}, {{1, 6}, 0xA4},  {{1, 7}, 0xA8},  {{1, 8}, 0x14},  {{0, 3}, 0x2C}};
   for (const Row& row : kRows)
     if (row.pin.port == pin.port && row.pin.bit == pin.bit) return 0x40044000U + row.offset;
   return 0;

@@ -85,7 +85,7 @@ void hoist_outputs_off() {}
   const firmware::lpc11c24::Straps straps = firmware::lpc11c24::read_straps();
   if (!straps.strap0 && !straps.strap1) firmware::cortex_m0::refuse_to_start(the_board);
   firmware::lpc11c24::run_as(the_board, straps.strap0 && straps.strap1 ? contract::Node::tilt_base
-                             : straps.strap0                ? contract::Node::tilt_left
-                                                            : contract::Node::tilt_right);
+                                        : straps.strap0                ? contract::Node::tilt_left
+                                                                       : contract::Node::tilt_right);
 }
 }

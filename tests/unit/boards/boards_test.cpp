@@ -33,7 +33,7 @@ TEST(Lpc11c24Memory, NothingOverlaps) {
   EXPECT_EQ(kLoaderStart + kLoaderBytes, kApplicationStart);
   EXPECT_EQ(kApplicationStart + kApplicationBytes, kParametersStart);
   EXPECT_EQ(kParametersStart + kSectorBytes, 0x8000U);  // 32 KB of flash
-  EXPECT_EQ(kParametersStart % kSectorBytes, 0U);           // an erase must not reach into the program
+  EXPECT_EQ(kParametersStart % kSectorBytes, 0U);       // an erase must not reach into the program
   EXPECT_EQ(kMailboxBytes, sizeof(Mailbox));
   EXPECT_EQ(kMailboxStart + kMailboxBytes + 32, kRamStart + kRamBytes);  // the factory's flash routines use the last 32 bytes
   EXPECT_LE(kStackTop, kMailboxStart);

@@ -31,10 +31,11 @@ void expect_same(std::uint32_t a, std::uint32_t b) {
 }
 
 TEST(SoftFloat, AgreesOnEveryPairOfSpecialValues) {
-  std::vector<std::uint32_t> words{0x00000000, 0x00000001, 0x00000002, 0x003FFFFF, 0x00400000, 0x007FFFFF, 0x00800000, 0x00800001, 0x00FFFFFF,
-                                   0x01000000, 0x0C000000, 0x33800000, 0x34000000, 0x3F000000, 0x3F7FFFFF, 0x3F800000, 0x3F800001, 0x3FFFFFFF,
-                                   0x40000000, 0x40490FDB, 0x4B000000, 0x4B7FFFFF, 0x4B800000, 0x4EFFFFFF, 0x4F000000, 0x4F800000, 0x5F000000,
-                                   0x7E800000, 0x7F000000, 0x7F7FFFFE, 0x7F7FFFFF, 0x7F800000, 0x7F800001, 0x7FC00000};
+  std::vector<std::uint32_t> words{0x00000000, 0x00000001, 0x00000002, 0x003FFFFF, 0x00400000, 0x007FFFFF, 0x00800000,
+                                   0x00800001, 0x00FFFFFF, 0x01000000, 0x0C000000, 0x33800000, 0x34000000, 0x3F000000,
+                                   0x3F7FFFFF, 0x3F800000, 0x3F800001, 0x3FFFFFFF, 0x40000000, 0x40490FDB, 0x4B000000,
+                                   0x4B7FFFFF, 0x4B800000, 0x4EFFFFFF, 0x4F000000, 0x4F800000, 0x5F000000, 0x7E800000,
+                                   0x7F000000, 0x7F7FFFFE, 0x7F7FFFFF, 0x7F800000, 0x7F800001, 0x7FC00000};
   const std::size_t positive = words.size();
   for (std::size_t i = 0; i < positive; ++i) words.push_back(words[i] | soft::kSign);
   for (const std::uint32_t a : words)
