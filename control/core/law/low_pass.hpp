@@ -10,14 +10,25 @@ struct LowPassState {
   Real value{};
 };
 
+/// How much of the way to its input the filter goes in one step. The only division in it: who filters in every millisecond keeps it.
+template <typename Real>
+[[nodiscard]] constexpr Real low_pass_share(Real tau_s, Real dt_s) {
+  return dt_s / (tau_s + dt_s);
+}
+
+/// The same step with that share at hand.
+template <typename Real>
+inline Real low_pass_by_share(Real share, LowPassState<Real>& state, Real input) {
+  const Real next = state.value + share * (input - state.value);
+  if (finite(next)) state.value = next;
+  return state.value;
+}
+
 /// Backward Euler of tau y' + y = x: stable for every tau >= 0 and dt > 0, one division, no exponential on a processor without one.
 /// tau = 0 passes the input through. An input that is not finite is ignored.
 template <typename Real>
 inline Real low_pass_step(Real tau_s, LowPassState<Real>& state, Real input, Real dt_s) {
-  const Real share = dt_s / (tau_s + dt_s);
-  const Real next = state.value + share * (input - state.value);
-  if (finite(next)) state.value = next;
-  return state.value;
+  return low_pass_by_share(low_pass_share(tau_s, dt_s), state, input);
 }
 
 }  // namespace hoist::law

@@ -31,6 +31,7 @@ struct ServoConfig {
   Real k_p_v_s_rad{Real(0.18)};         ///< volts per rad/s of error
   Real k_i_v_rad{Real(2.7)};            ///< volts per second and rad/s of error
   Real speed_low_pass_s{Real(0.004)};   ///< one count in 1 ms is 3.1 rad/s; this smooths it
+  Real speed_low_pass_share{};          ///< low_pass_share() of it, from a caller that keeps it; 0: computed in every step
   Real limiter_v_per_a{Real(0.48)};     ///< 0.4 times the winding's resistance; stable up to several times that
   Real supply_min_v{Real(6)};           ///< below this no duty is computed from the supply
   Real command_timeout_s{Real(0.040)};  ///< an older command counts as "stand still"
@@ -102,7 +103,8 @@ inline ServoOutput<Real> servo_step(const ServoConfig<Real>& config, ServoState<
   constexpr Real kTurnRad = Real(6.283185307179586);
   const Real raw_rad_s =
       input.speed_measured ? input.speed_rad_s : static_cast<Real>(moved_counts) * (kTurnRad / (config.counts_per_turn * dt_s));
-  output.speed_rad_s = low_pass_step(config.speed_low_pass_s, state.speed_rad_s, raw_rad_s, dt_s);
+  output.speed_rad_s = config.speed_low_pass_share > Real(0) ? low_pass_by_share(config.speed_low_pass_share, state.speed_rad_s, raw_rad_s)
+                                                             : low_pass_step(config.speed_low_pass_s, state.speed_rad_s, raw_rad_s, dt_s);
 
   // Reference: a command that is too old (or of unknown age) is a command to stand still; the same ramp brings it there.
   output.command_stale = !(input.command_age_s <= config.command_timeout_s);

@@ -95,7 +95,7 @@ class DriveNode {
     slow_ms_ = slow_ms_ + 1 < kSlow_ms ? slow_ms_ + 1 : 0;
     motor_watch_ms_ = motor_watch_ms_ + 1 < kMotorWatch_ms ? motor_watch_ms_ + 1 : 0;
     read_board();
-    if (slow_ms_ == 0) look_after_heat();
+    if (slow_ms_ == kHeatAt_ms) look_after_heat();
     if (state_ == State::not_ready) test_itself();
     run_servo();
     publish();
@@ -129,6 +129,7 @@ class DriveNode {
     counts_ = board_.encoder_counts();
     stack_.values().template set<0x6064>(counts_);
     publish_numbers();
+    numbers_age_ms_ = 0;
   }
   void on_rpdo() { apply(stack_.values().template get<0x6040>()); }
   void on_rpdo_deadline() { lose_command(); }
@@ -449,7 +450,7 @@ class DriveNode {
         !moving && std::fabs(current_a_) > kStallCurrentShare * current_limit_a && std::fabs(reference_rad_s) > kStallReference_rad_s;
     if (!stalled) stall_counts_ = counts_;
     if (lasts(stalled, stall_ms_, kStall_ms)) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
-    if (motor_watch_ms_ == 0) watch_motor(applied_v);
+    if (motor_watch_ms_ == kMotorWatchAt_ms) watch_motor(applied_v);
   }
 
   // Whether speed, voltage and current belong to one motor; every few milliseconds, because it is a dozen operations in soft float.
@@ -553,6 +554,11 @@ class DriveNode {
     config.k_p_v_s_rad = values.template get<0x2200, 1>();
     config.k_i_v_rad = values.template get<0x2200, 2>();
     config.speed_low_pass_s = values.template get<0x2200, 4>();
+    if (std::bit_cast<std::uint32_t>(config.speed_low_pass_s) != filter_bits_) {
+      filter_bits_ = std::bit_cast<std::uint32_t>(config.speed_low_pass_s);
+      filter_share_ = law::low_pass_share(config.speed_low_pass_s, kServoTick_s);
+    }
+    config.speed_low_pass_share = filter_share_;
     config.current_limit_a = current_limit_a_ = limit_in_force_a();
     config.acceleration_max_rad_s2 = values.template get<0x2200, 6>();
     law::ServoInput<float> input;
@@ -575,7 +581,11 @@ class DriveNode {
     }
     if (leaving_) config.acceleration_max_rad_s2 = static_cast<float>(values.template get<0x6085>());
     const bool halted = leaving_ || (word_ & kHaltBit) != 0;
-    input.target_rad_s = halted ? 0.0F : 0.001F * static_cast<float>(values.template get<0x60FF>());
+    if (values.template get<0x60FF>() != target_mrad_s_) {
+      target_mrad_s_ = values.template get<0x60FF>();
+      target_rad_s_ = 0.001F * static_cast<float>(target_mrad_s_);
+    }
+    input.target_rad_s = halted ? 0.0F : target_rad_s_;
     input.current_a = current_a_;
     input.supply_v = supply_v_;
     const float applied_before_v = servo_.applied_v;
@@ -636,8 +646,8 @@ class DriveNode {
     stack_.values().template set<0x6041>(status);
     stack_.values().template set<0x6064>(counts_);
     stack_.values().template set<0x2251>(self_test_);
-    if (slow_ms_ != 0) return;
-    publish_numbers();
+    if (numbers_age_ms_ < 2 * kSlow_ms) ++numbers_age_ms_;
+    if (slow_ms_ == kNumbersAt_ms && numbers_age_ms_ >= 2 * kSlow_ms) publish_numbers();
     publish_slowly();
   }
   // What travels in PDOs: at every SYNC, and now and then for those who ask by SDO. Conversions cost more than the servo does.
@@ -653,14 +663,23 @@ class DriveNode {
     values.template set<0x6079>(static_cast<std::uint32_t>(to_integer<std::int32_t>(1000.0F * supply_v)));
     values.template set<0x2211>(to_integer<std::uint16_t>(100.0F * supply_v));
   }
+  // For those who ask by SDO: each every 10 ms, one at a time.
   void publish_slowly() {
     auto& values = stack_.values();
-    values.template set<0x2250, 1>(board_.illegal_encoder_steps());
-    values.template set<0x2210>(to_integer<std::int16_t>(10.0F * board_temperature_c_));
-    values.template set<0x2230, 1>(to_integer<std::int16_t>(10.0F * winding_.temperature_c()));
-    values.template set<0x2230, 8>(current_limit_a_);
-    values.template set<0x2250, 2>(board_.edge_time_us());
-    values.template set<0x2252>(to_integer<std::int16_t>(1000.0F * current_offset_a_));
+    switch (slow_ms_) {
+      case 1:
+        return values.template set<0x2210>(to_integer<std::int16_t>(10.0F * board_temperature_c_));
+      case 3:
+        return values.template set<0x2230, 1>(to_integer<std::int16_t>(10.0F * winding_.temperature_c()));
+      case 4:
+        return values.template set<0x2252>(to_integer<std::int16_t>(1000.0F * current_offset_a_));
+      case 6:
+        values.template set<0x2230, 8>(current_limit_a_);
+        values.template set<0x2250, 1>(board_.illegal_encoder_steps());
+        return values.template set<0x2250, 2>(board_.edge_time_us());
+      default:
+        return;
+    }
   }
 
   Board& board_;
@@ -671,7 +690,9 @@ class DriveNode {
   std::uint32_t stop_age_ms_ = 0, still_ms_ = 0;
   std::uint16_t word_ = kNoEdges;
 
+  // What need not be done in every tick, and in which of the ten: no two in the same one.
   static constexpr std::uint32_t kSlow_ms = 10, kMotorWatch_ms = 5;
+  static constexpr std::uint32_t kHeatAt_ms = 5, kNumbersAt_ms = 8, kMotorWatchAt_ms = 2;
   // One count per millisecond, in rad/s.
   static constexpr float kRadPerMsPerCount = 6.2831853F / (kEncoderCountsPerTurn * kServoTick_s);
 
@@ -681,7 +702,11 @@ class DriveNode {
   Winding winding_{};
   FirstFault first_fault_{};
   bool after_watchdog_ = false, on_target_ = false, at_rest_ = true, limit_folded_ = false;
-  std::uint32_t slow_ms_ = 0, motor_watch_ms_ = 0;
+  std::uint32_t slow_ms_ = 0, motor_watch_ms_ = 0, numbers_age_ms_ = 0;
+  std::uint32_t filter_bits_ = 0;  // the time constant that filter_share_ belongs to
+  float filter_share_ = 0;
+  std::int32_t target_mrad_s_ = 0;  // 60FFh, and the same as a float
+  float target_rad_s_ = 0;
   std::uint8_t self_test_ = self_test_bit::kRunning;
   std::uint32_t self_test_ms_ = 0;
   float offset_sum_a_ = 0, offset_low_a_ = 0, offset_high_a_ = 0, current_offset_a_ = 0;

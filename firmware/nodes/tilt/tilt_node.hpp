@@ -287,10 +287,12 @@ class TiltNode {
                               above(s.ay_m_s2, kAccelerationMax_m_s2) || above(s.az_m_s2, kAccelerationMax_m_s2);
     const bool saturated =
         above(s.alpha_rate_rad_s, kRateMax_rad_s) || above(s.beta_rate_rad_s, kRateMax_rad_s) || above(s.yaw_rate_rad_s, kRateMax_rad_s);
+    // For those who ask by SDO, one axis with each sample: conversions are dear without floating point in hardware.
     constexpr float kMilliG = 1000.0F / kGravity_m_s2;
-    values.template set<0x2111, 1>(to_integer<std::int16_t>(kMilliG * s.ax_m_s2));
-    values.template set<0x2111, 2>(to_integer<std::int16_t>(kMilliG * s.ay_m_s2));
-    values.template set<0x2111, 3>(to_integer<std::int16_t>(kMilliG * s.az_m_s2));
+    raw_axis_ = raw_axis_ == 2 ? std::uint8_t{0} : static_cast<std::uint8_t>(raw_axis_ + 1U);
+    if (raw_axis_ == 0) values.template set<0x2111, 1>(to_integer<std::int16_t>(kMilliG * s.ax_m_s2));
+    if (raw_axis_ == 1) values.template set<0x2111, 2>(to_integer<std::int16_t>(kMilliG * s.ay_m_s2));
+    if (raw_axis_ == 2) values.template set<0x2111, 3>(to_integer<std::int16_t>(kMilliG * s.az_m_s2));
     // A failed sensor stays invalid until it is switched off and on, also when it seems to work again.
     publish_status(
         static_cast<std::uint8_t>((failed_ ? 0U : kValid) | (acceleration ? kAccelerationRange : 0U) | (saturated ? kGyroSaturated : 0U)));
@@ -303,6 +305,7 @@ class TiltNode {
   Window window_{};
   float yaw_bias_rad_s_ = 0;
   Mounting mounting_{};
+  std::uint8_t raw_axis_ = 2;
   bool started_ = false, converged_ = false, failed_ = false, missing_ = false;
   std::uint32_t failures_ = 0, start_age_ms_ = 0;
   std::uint32_t sync_age_ms_ = kAgeMax, sample_age_ms_ = 0, gap_ms_ = 0;
