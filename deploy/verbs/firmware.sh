@@ -11,7 +11,7 @@ build_tree build -DCMAKE_BUILD_TYPE=RelWithDebInfo -- firmware || die "the image
 [ -n "$(find build/firmware -maxdepth 1 -name '*.size' -print -quit 2>/dev/null)" ] ||
   die "no image was made: is arm-none-eabi-g++ installed? (deploy/packages, group firmware)"
 {
-  printf '# Sizes of the images\n\nWritten by `deploy/dev firmware`. Bytes. Flash without the loader in front of it; RAM with vectors, mailbox and the reserved stack.\n'
+  printf '# Sizes of the images\n\nWritten by deploy/dev firmware. Bytes. Flash without the loader in front of it; RAM with vectors, mailbox and the reserved stack.\n'
   printf 'Compiler: %s\n\n' "$(arm-none-eabi-g++ -dumpfullversion)"
   printf '| image | flash | of | RAM | of | of it stack |\n|---|---|---|---|---|---|\n'
   sort build/firmware/*.size | while read -r name flash flash_most ram ram_most stack; do
