@@ -59,6 +59,8 @@ class SafetyGate {
   static constexpr std::uint8_t kDriveBytes = contract::pdo_bytes(contract::Pdo::drive_rx1);
   // Two steps of 60FFh in ground speed at the largest wheel, plus rounding: what a legal ramp may differ from its own arithmetic.
   static constexpr double kRounding_m_s = 5e-5;
+  // The stop after the driver let go or was lost has no parameter (research on safety: H17, R1 at 0.8).
+  static constexpr double kLettingGo_m_s2 = 0.8;
 
   [[nodiscard]] static constexpr bool may_enable(contract::Mode mode) noexcept {
     return contract::kModes[static_cast<std::size_t>(mode)].moving || mode == contract::Mode::protective_stop;
@@ -86,23 +88,32 @@ class SafetyGate {
       return true;
     }
     if (sent.enabled) {
-      // No stop of the hoist brakes harder than the bumper's.
-      if (std::fabs(wheel - sent.wheel_m_s) > params.bumper_deceleration_m_s2 * dt_s + turn_step_m_s + kRounding_m_s) return false;
+      if (std::fabs(wheel - sent.wheel_m_s) > hardest_stop_m_s2(params) * dt_s + turn_step_m_s + kRounding_m_s) return false;
     } else if (wheel != 0.0 && view.mode != contract::Mode::protective_stop) {
       // Motion begins at rest. Only a stop may begin on the move: it takes over a hoist that is being pushed.
       if (std::fabs(wheel) > params.acceleration_m_s2_max * dt_s + turn_step_m_s + kRounding_m_s) return false;
     }
     const bool faster = std::fabs(wheel) > std::fabs(sent.wheel_m_s) + kRounding_m_s;
     if (faster && sent.enabled) {
-      // Nothing speeds up while the hoist is blind or nobody leads it. A turning ramp may speed up one wheel even as the hoist brakes,
-      // so a stop is bounded by the turn step alone.
+      // Nothing speeds up while the hoist is blind or nobody leads it, but for one wheel while the hoist brakes in a turn: the inner one
+      // runs backward faster when the speed falls faster than the turn, the outer one when the turn is ended first.
       const bool blind = (view.mode == contract::Mode::user && view.tilts_lost) || view.drives_lost ||
                          (view.mode == contract::Mode::remote && !view.driver_fresh) || view.mode == contract::Mode::protective_stop;
       const double gain_m_s = std::fabs(wheel) - std::fabs(sent.wheel_m_s);
-      if (gain_m_s > (blind ? 0.0 : params.acceleration_m_s2_max * dt_s) + turn_step_m_s + kRounding_m_s) return false;
+      const double inner_m_s = hardest_stop_m_s2(params) * dt_s - turn_step_m_s;
+      const double stopping_m_s = inner_m_s > turn_step_m_s ? inner_m_s : turn_step_m_s;
+      const double driving_m_s = params.acceleration_m_s2_max * dt_s + turn_step_m_s;
+      if (gain_m_s > (blind || driving_m_s < stopping_m_s ? stopping_m_s : driving_m_s) + kRounding_m_s) return false;
     }
     sent = {wheel, true};
     return true;
+  }
+
+  /// No stop brakes harder: usually the bumper's, unless its parameter was set below the others.
+  [[nodiscard]] static double hardest_stop_m_s2(const contract::Params& params) noexcept {
+    const double harder = params.bumper_deceleration_m_s2 > params.protective_deceleration_m_s2 ? params.bumper_deceleration_m_s2
+                                                                                                : params.protective_deceleration_m_s2;
+    return harder > kLettingGo_m_s2 ? harder : kLettingGo_m_s2;
   }
 
   [[nodiscard]] static double derived_turn_m_s(double turn, const contract::Params& params) noexcept {
