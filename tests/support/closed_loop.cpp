@@ -34,12 +34,27 @@ sim::WorldOptions attached(const ClosedLoopOptions& options) {
 
 ClosedLoop::ClosedLoop(const ClosedLoopOptions& options)
     : world_(attached(options)),
+      params_(options.params),
       through_gateway_(options.through_gateway),
       core_(std::make_unique<core::CoreState>(options.params)),
       outputs_(std::make_unique<core::TickOutputs>()) {
   commands_.reserve(64);
   events_.reserve(4096);
   if (through_gateway_) to_gateway_ = "\rC\rS5\rO\r";
+}
+
+void ClosedLoop::restart_core() {
+  *core_ = core::CoreState(params_);
+  *outputs_ = {};
+  ticks_ = 0;
+  // Another life of the core: the server attaches anew, and its commands are numbered from the beginning.
+  sequence_ = 0;
+  drive_sequence_ = 0;
+  commands_.clear();
+  // It opens the bus anew: what came before is not for it.
+  while (receive() > 0) {
+  }
+  core_runs_ = true;
 }
 
 void ClosedLoop::send(const contract::CanFrame& frame) {
@@ -127,7 +142,7 @@ bool ClosedLoop::run_until(const std::function<bool()>& done, double at_most_s) 
   return done();
 }
 
-std::uint32_t ClosedLoop::ask(contract::CommandKind kind, std::uint32_t a, double v0, double v1, double v2) {
+std::uint32_t ClosedLoop::ask(contract::CommandKind kind, std::uint32_t a, double v0, double v1, double v2, std::uint32_t b) {
   contract::Command command;
   command.sequence = ++sequence_;
   command.kind = kind;
@@ -135,6 +150,7 @@ std::uint32_t ClosedLoop::ask(contract::CommandKind kind, std::uint32_t a, doubl
   command.client = kClient;
   command.lease_epoch = ticks_ > 0 ? record().lease_epoch : kNotKnown;
   command.a = a;
+  command.b = b;
   command.v0 = v0;
   command.v1 = v1;
   command.v2 = v2;

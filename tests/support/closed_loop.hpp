@@ -40,7 +40,8 @@ class ClosedLoop {
   bool run_until(const std::function<bool()>& done, double at_most_s);
 
   // The driver's wishes, carried out in the next step. Each returns the number of the request; the answer is among the events.
-  std::uint32_t ask(contract::CommandKind kind, std::uint32_t a = 0, double v0 = 0.0, double v1 = 0.0, double v2 = 0.0);
+  std::uint32_t ask(contract::CommandKind kind, std::uint32_t a = 0, double v0 = 0.0, double v1 = 0.0, double v2 = 0.0,
+                    std::uint32_t b = 0);
   /// Waits for standby, takes the lease and asks for the mode. False when it is not in force within 10 s.
   bool start(contract::Mode mode);
   /// Holds the joystick there from now on, renewed every 40 ms; let_go ends that with a last command, silence without one.
@@ -50,7 +51,12 @@ class ClosedLoop {
 
   // Faults of the computer itself.
   void kill_core() { core_runs_ = false; }
+  /// The core goes on after kill_core() as if it had been held: same state, and it sees how late it is.
+  void resume_core() { core_runs_ = true; }
+  /// Another core in its place, as after a crash: it knows nothing.
+  void restart_core();
   void stop_server() { server_runs_ = false; }
+  void resume_server() { server_runs_ = true; }
   /// The next step begins this late (as told to the core; the world goes on meanwhile).
   void be_late(double seconds) { lateness_s_ = seconds; }
 
@@ -81,6 +87,7 @@ class ClosedLoop {
   void move_serial_line();
 
   sim::World world_;
+  contract::Params params_;
   bool through_gateway_;
   std::string to_gateway_;  // characters waiting for the serial line
   contract::SlcanDecoder decoder_;
