@@ -17,11 +17,12 @@ using contract::SlcanKind;
 using contract::SlcanLine;
 
 namespace {
-// Close, 250 kbit/s (canbus plan, section 5), state and error lines please (our gateway's own; others refuse it, and that is fine), open. A
-// leading empty line ends whatever half line the adapter still holds.
-constexpr std::string_view kSetup = "\rC\rS5\rE1\rO\r";
+// Close, 250 kbit/s (canbus plan, section 5), state and error lines please, open. A leading empty line ends whatever half line the adapter
+// still holds. E1 is our gateway's own. Most others refuse it, and that is fine; some (slcanpty) then forget the lines behind it too, so
+// that every second try does without.
+constexpr std::string_view kSetup = "\rC\rS5\rE1\rO\r", kPlainSetup = "\rC\rS5\rO\r";
 // The answer that counts is the one to `O`; the ones before it may be BEL (nothing to close, rate set while open, E1 unknown).
-constexpr std::uint32_t kSetupAnswers = 5;
+constexpr std::uint32_t kSetupAnswers = 5, kPlainSetupAnswers = 4;
 // Some adapters answer neither the empty line nor what they do not know.
 constexpr std::uint32_t kSetupAnswersLeast = 3;
 constexpr const char* kGone = "the device has gone away";
@@ -113,8 +114,9 @@ void SlcanPort::begin_setup(std::uint64_t now_ns) noexcept {
   // An adapter that is opened anew has left bus-off behind; if not, it will say so again.
   counters_.state = BusState::active;
   problem_ = "the adapter does not answer";
-  std::memcpy(pending_.data(), kSetup.data(), kSetup.size());
-  pending_size_ = kSetup.size();
+  const std::string_view lines = plain_setup_ ? kPlainSetup : kSetup;
+  std::memcpy(pending_.data(), lines.data(), lines.size());
+  pending_size_ = lines.size();
   if (!flush()) close_device(now_ns, kGone);
 }
 
@@ -135,7 +137,7 @@ void SlcanPort::on_answer(bool accepted, std::uint64_t now_ns) noexcept {
     // Adapters differ in whether they answer an empty line; so the set-up is over when the answer to `O` is the last one owed, or when
     // frames arrive. An adapter that skips one answer is caught by frames or by the deadline.
     last_accepted_ = accepted;
-    if (++setup_answers_ < kSetupAnswers) return;
+    if (++setup_answers_ < (plain_setup_ ? kPlainSetupAnswers : kSetupAnswers)) return;
     if (accepted)
       become_up();
     else
@@ -231,8 +233,10 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
   if (state_ == State::setting_up && now_ns >= deadline_ns_) {
     if (setup_answers_ >= kSetupAnswersLeast && last_accepted_)
       become_up();
-    else
+    else {
+      plain_setup_ = !plain_setup_;
       begin_setup(now_ns);
+    }
   }
   if (state_ == State::up && unanswered_ > 0 && now_ns - last_answer_ns_ > kAnswerNs) {
     counters_.send_refused += unanswered_;

@@ -59,6 +59,7 @@ class SlcanPort final : public CanPort {
   bool ever_open_ = false;
   std::uint64_t deadline_ns_ = 0;  // closed: next try; setting up: give up
   std::uint32_t setup_answers_ = 0;
+  bool plain_setup_ = false;    // without E1: the adapter did not come up when asked for state lines
   bool last_accepted_ = false;  // the newest answer to the set-up
   std::uint32_t unanswered_ = 0;
   std::uint64_t last_answer_ns_ = 0;
