@@ -91,7 +91,7 @@ std::vector<Input> seeds_loader_frames() {
   append(clear, canopen::sdo(canopen::kSdoRequestBase + firmware::kTestNode, 0x2F, contract::kProgramControl, 1, 3));
   clear.push_back(20);
   Input read;
-  for (const std::uint16_t index : {0x1000, 0x1018, 0x1F56, 0x1F57, 0x2F00})
+  for (const std::uint16_t index : std::array<std::uint16_t, 5>{0x1000, 0x1018, 0x1F56, 0x1F57, 0x2F00})
     append(read, canopen::sdo(canopen::kSdoRequestBase + firmware::kTestNode, canopen::kSdoUploadRequest, index, 1, 0));
   return {transfer(image), clear, read};
 }
