@@ -58,7 +58,8 @@ build_tree() {
   targets=("$@")
   # A changed option list configures again; ninja itself notices changed CMakeLists.
   local stamp=$folder/.hoist-options
-  if [ ! -e "$folder/build.ninja" ] || [ "$(cat "$stamp" 2>/dev/null)" != "${options[*]}" ]; then
+  if [ ! -e "$folder/build.ninja" ] || [ "$(cat "$stamp" 2>/dev/null)" != "${options[*]}" ] ||
+    [ build/.stamps/packages -nt "$stamp" ]; then
     mkdir -p "$folder"
     cmake -S . -B "$folder" -G Ninja "${options[@]}" >"$folder/configure.log" 2>&1 || {
       cat "$folder/configure.log" >&2

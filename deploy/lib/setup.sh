@@ -60,6 +60,9 @@ install_packages() {
     tail -n 30 build/apt.log >&2
     die "apt-get could not install them (its last lines are above, all of them in build/apt.log)"
   }
+  # What is there now decides what can be built: every tree looks again (build_tree).
+  mkdir -p build/.stamps
+  touch build/.stamps/packages
 }
 
 node_major() { "$1" --version 2>/dev/null | sed -n 's/^v\([0-9]*\)\..*/\1/p'; }

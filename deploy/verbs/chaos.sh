@@ -11,6 +11,6 @@ for option in "$@"; do
     *) arguments+=("$option") ;;
   esac
 done
-setup build test
+setup build
 build_normal hoist-chaos
 exec build/bin/hoist-chaos "${arguments[@]}"

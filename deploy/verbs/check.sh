@@ -9,7 +9,7 @@ source deploy/lib/tests.sh
 source deploy/lib/lint.sh
 
 common_options check "$@"
-setup build test check
+setup build test firmware check
 static=$(new_results static)
 sanitized=$(new_results sanitize)
 normal=$(new_results tests)

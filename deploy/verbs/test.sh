@@ -23,7 +23,7 @@ while [ $# -gt 0 ]; do
   shift
 done
 
-setup build test
+setup build test firmware
 results=$(new_results tests)
 if [ -n "$sanitize" ]; then
   build_sanitized || die "the sanitized build failed: see above"
