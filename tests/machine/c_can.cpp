@@ -201,7 +201,8 @@ void CCan::write(std::uint32_t offset, std::uint32_t value, std::uint64_t cycles
         const std::uint32_t bit = 1 + ((timing_ >> 8) & 0xFU) + 1 + ((timing_ >> 12) & 7U) + 1;
         const std::uint32_t per_bit = tq * bit * (clock_divider_ + 1);
         rate_good_ = clock_hz / kBusRate_hz * kBusRate_hz == clock_hz && clock_hz / kBusRate_hz == per_bit;
-        if (!rate_good_) complain_("C_CAN: one bit is " + std::to_string(per_bit) + " clocks of " + std::to_string(clock_hz) + " Hz, not 4 us");
+        if (!rate_good_)
+          complain_("C_CAN: one bit is " + std::to_string(per_bit) + " clocks of " + std::to_string(clock_hz) + " Hz, not 4 us");
         integrated_bits_ = 0;
         if (bus_off_) recovery_bits_ = kRecoveryBits;
       }

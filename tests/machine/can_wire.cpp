@@ -9,7 +9,7 @@ namespace {
 using contract::CanFrame;
 
 constexpr std::uint64_t kRecessiveTail = 11;
-constexpr std::uint64_t kIdleLump = 8;  // idle bits are told in lumps of at least this many
+constexpr std::uint64_t kIdleLump = 8;         // idle bits are told in lumps of at least this many
 constexpr unsigned kTailBits = 1 + 1 + 1 + 7;  // CRC delimiter, acknowledge and its delimiter, end of frame: never stuffed
 
 // The bits in their order, as arbitration sees them.
@@ -150,8 +150,8 @@ void CanWire::finish() {
 }
 
 void HostStation::send(const CanFrame& frame) {
-  const auto at = std::upper_bound(out_.begin(), out_.end(), frame,
-                                   [](const CanFrame& a, const CanFrame& b) { return key_of(a) < key_of(b); });
+  const auto at =
+      std::upper_bound(out_.begin(), out_.end(), frame, [](const CanFrame& a, const CanFrame& b) { return key_of(a) < key_of(b); });
   out_.insert(at, frame);
 }
 bool HostStation::offer(CanFrame& frame) {

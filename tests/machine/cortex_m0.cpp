@@ -585,8 +585,7 @@ unsigned CortexM0::execute_wide(std::uint16_t first, std::uint16_t second) {
   if ((first & 0xF800U) == 0xF000U && (second & 0xD000U) == 0xD000U) {
     const std::uint32_t s = (first >> 10) & 1U, j1 = (second >> 13) & 1U, j2 = (second >> 11) & 1U;
     const std::uint32_t i1 = (j1 ^ s) ^ 1U, i2 = (j2 ^ s) ^ 1U;
-    const std::uint32_t offset =
-        sign_extend((s << 24) | (i1 << 23) | (i2 << 22) | ((first & 0x3FFU) << 12) | ((second & 0x7FFU) << 1), 25);
+    const std::uint32_t offset = sign_extend((s << 24) | (i1 << 23) | (i2 << 22) | ((first & 0x3FFU) << 12) | ((second & 0x7FFU) << 1), 25);
     r_[14] = next_pc_ | 1U;
     jump(r_[15] + 4 + offset);
     return 4;

@@ -82,6 +82,8 @@ class CortexM0 {
   [[nodiscard]] std::uint32_t flags() const;
   void set_flags(std::uint32_t apsr);
   [[nodiscard]] bool primask() const { return primask_; }
+  /// Some interrupt is enabled and would be taken.
+  [[nodiscard]] bool interruptible() const { return !primask_ && (enabled_ != 0 || (systick_csr_ & 3U) == 3U); }
   [[nodiscard]] int exception() const { return exception_; }
 
   /// Memory as the core sees it, without cost or effect; false outside flash and RAM.
@@ -169,11 +171,11 @@ class CortexM0 {
   unsigned waits_{};  // wait states of the instruction under way
   std::uint32_t last_word_{kNoWord};
 
-  int exception_{};                // in progress, 0: thread
-  std::array<int, 48> active_{};   // nested exceptions, innermost last
+  int exception_{};               // in progress, 0: thread
+  std::array<int, 48> active_{};  // nested exceptions, innermost last
   std::size_t active_count_{};
-  std::uint64_t pending_{};        // by exception number
-  std::uint32_t enabled_{};        // interrupts
+  std::uint64_t pending_{};  // by exception number
+  std::uint32_t enabled_{};  // interrupts
   std::uint32_t lines_{};
   std::array<std::uint8_t, kIrqCount> irq_priority_{};
   std::uint8_t svc_priority_{}, pendsv_priority_{}, systick_priority_{};

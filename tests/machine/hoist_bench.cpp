@@ -15,7 +15,7 @@ namespace board = firmware::lpc11c24;
 
 constexpr Time kQuantum = 4 * kMicrosecond;  // one bit: how far chips and wire run apart
 constexpr int kPlantStepsPerMillisecond = 4;
-constexpr std::size_t kSerialWindow = 4;     // characters that a UART bridge has on the way at most
+constexpr std::size_t kSerialWindow = 4;  // characters that a UART bridge has on the way at most
 
 constexpr std::size_t index(Box box) { return static_cast<std::size_t>(box); }
 constexpr sim::Place place_of(Box box) {
@@ -39,7 +39,8 @@ ImagesOrReason load_images() {
     const char* name;
     Image* into;
   };
-  for (const Wanted& wanted : {Wanted{"tilt", &images.tilt}, Wanted{"drive", &images.drive}, Wanted{"io", &images.io}, Wanted{"gateway", &images.gateway}}) {
+  for (const Wanted& wanted :
+       {Wanted{"tilt", &images.tilt}, Wanted{"drive", &images.drive}, Wanted{"io", &images.io}, Wanted{"gateway", &images.gateway}}) {
     const std::string path = *directory + "/hoist-" + wanted.name + "-lpc11c24.elf";
     auto image = load_elf(path, kFlashBytes);
     if (!image) return {std::nullopt, "no image " + path};
@@ -74,8 +75,9 @@ HoistBench::HoistBench(const Images& images, const BenchOptions& options)
 // The board around the chip, as pins.hpp says it is wired.
 void HoistBench::wire_up(Box box, const Image& image) {
   auto& chip = chips_[index(box)];
-  chip = std::make_unique<Lpc11c24>(kNames[index(box)], image.flash);
-  if (image.lowest != 0) chip->start_at(image.lowest);
+  const std::vector<std::uint8_t>& whole = options_.flash[index(box)];
+  chip = std::make_unique<Lpc11c24>(kNames[index(box)], whole.empty() ? image.flash : whole);
+  if (whole.empty() && image.lowest != 0) chip->start_at(image.lowest);
   chip->drive_pin(0, 1, true);
   const auto to_ground = [&chip](board::Pin pin) { chip->drive_pin(pin.port, pin.bit, false); };
   switch (box) {
@@ -163,7 +165,8 @@ void HoistBench::read_bridge(Box box, sim::Side side) {
 
 // The counts of one plant step as edges on A and B, evenly over the next one: what the chip sees is one step late.
 void HoistBench::turn_encoder(Box box, sim::Side side, std::int32_t before, Time from, Time span) {
-  const auto moved = static_cast<std::int32_t>(static_cast<std::uint32_t>(plant_.encoder_counts(side)) - static_cast<std::uint32_t>(before));
+  const auto moved =
+      static_cast<std::int32_t>(static_cast<std::uint32_t>(plant_.encoder_counts(side)) - static_cast<std::uint32_t>(before));
   const std::int32_t sense = moved < 0 ? -1 : 1;
   const std::int32_t count = moved * sense;
   unsigned& shown = encoder_pins_[side == sim::Side::left ? 0 : 1];
@@ -257,7 +260,8 @@ std::uint64_t HoistBench::digest() const {
     for (int i = 0; i < 8; ++i) hash = (hash ^ ((value >> (8 * i)) & 0xFFU)) * 0x100000001B3ULL;
   };
   const sim::PlatformMotion& at = plant_.platform();
-  for (const double value : {at.x_m, at.y_m, at.psi_rad, at.speed_m_s, supply_v_, motor_a_[0], motor_a_[1]}) mix(std::bit_cast<std::uint64_t>(value));
+  for (const double value : {at.x_m, at.y_m, at.psi_rad, at.speed_m_s, supply_v_, motor_a_[0], motor_a_[1]})
+    mix(std::bit_cast<std::uint64_t>(value));
   for (const auto& chip : chips_) {
     mix(chip->core().instructions());
     mix(chip->core().cycles());

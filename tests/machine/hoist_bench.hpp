@@ -47,6 +47,8 @@ struct BenchOptions {
   sim::PatientParams patient{};
   const sim::Scenario* scenario{&sim::kScenarios.front()};
   bool through_gateway{true};  ///< false: the computer is on the wire itself, and the gateway is not there
+  /// The whole flash of a box instead of the bare application: its loader, and whatever lies behind it. It starts at address 0.
+  std::array<std::vector<std::uint8_t>, 7> flash{};
   std::array<ImuKind, 3> imus{ImuKind::mpu6050, ImuKind::mpu6050, ImuKind::mpu6050};  ///< left, right, base
 };
 

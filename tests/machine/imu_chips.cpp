@@ -15,9 +15,7 @@ std::uint8_t low(std::int16_t value) { return static_cast<std::uint8_t>(static_c
 
 }  // namespace
 
-std::int16_t ImuChip::saturate(double counts) {
-  return static_cast<std::int16_t>(std::lround(std::clamp(counts, -32768.0, 32767.0)));
-}
+std::int16_t ImuChip::saturate(double counts) { return static_cast<std::int16_t>(std::lround(std::clamp(counts, -32768.0, 32767.0))); }
 
 bool ImuChip::i2c_write(std::uint8_t byte, Time now) {
   if (!pointer_set_) {

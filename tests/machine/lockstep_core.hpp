@@ -22,6 +22,7 @@ class LockstepCore : private PeripheralBus {
   /// Clocks and instructions of the node's work in the last tick.
   [[nodiscard]] std::uint64_t cycles() const { return cycles_; }
   [[nodiscard]] std::uint64_t instructions() const { return instructions_; }
+  [[nodiscard]] CortexM0& core() { return core_; }
   /// Bytes of stack used so far.
   [[nodiscard]] std::uint32_t stack_bytes() const { return stack_top_ - core_.lowest_sp(); }
 

@@ -13,16 +13,29 @@ constexpr Time kCrystalStart = 500 * kMicrosecond;  // data sheet: 500 us typica
 constexpr Time kPllLock = 100 * kMicrosecond;       // data sheet: 100 us
 constexpr double kAdcReference_v = 3.3;
 constexpr double kAdcClockMax_hz = 4.5e6;
-constexpr unsigned kAdcClocks = 11;                 // for all ten bits
-constexpr std::uint32_t kFlashcfgReserved = 0x00010100;  // whatever they are, a program has to write them back
-constexpr std::uint32_t kDeviceId = 0x1430102B;     // LPC11C24
+constexpr unsigned kAdcClocks = 11;                           // for all ten bits
+constexpr std::uint32_t kFlashcfgReserved = 0x00010100;       // whatever they are, a program has to write them back
+constexpr std::uint32_t kDeviceId = 0x1430102B;               // LPC11C24
 constexpr double kEraseTime_s = 0.100, kWriteTime_s = 0.001;  // data sheet: 100 ms an erase, 1 ms for 256 bytes
 constexpr std::size_t kPageBytes = 256;
 
 // Blocks at 0x40000000 + n * 0x4000.
 enum Block : unsigned {
-  kI2c = 0, kWwdt = 1, kUart = 2, kCt16b0 = 3, kCt16b1 = 4, kCt32b0 = 5, kCt32b1 = 6, kAdc = 7, kPmu = 14, kFlashctrl = 15, kSsp0 = 16,
-  kIocon = 17, kSyscon = 18, kCan = 20, kSsp1 = 22
+  kI2c = 0,
+  kWwdt = 1,
+  kUart = 2,
+  kCt16b0 = 3,
+  kCt16b1 = 4,
+  kCt32b0 = 5,
+  kCt32b1 = 6,
+  kAdc = 7,
+  kPmu = 14,
+  kFlashctrl = 15,
+  kSsp0 = 16,
+  kIocon = 17,
+  kSyscon = 18,
+  kCan = 20,
+  kSsp1 = 22
 };
 struct Gate {
   unsigned block;
@@ -308,7 +321,8 @@ void Lpc11c24::do_reset(ResetCause cause) {
   constexpr std::array<std::uint32_t, 5> kStatus{1, 2, 4, 8, 16};
   reset_status_ |= kStatus[static_cast<std::size_t>(cause)];
   remap_ = 2;  // the ROM leaves it like this when it starts a program in flash
-  presetctrl_ = pll_ = osc_ = wdtosc_ = pll_source_ = pll_source_wanted_ = pll_update_ = main_source_ = main_source_wanted_ = main_update_ = 0;
+  presetctrl_ = pll_ = osc_ = wdtosc_ = pll_source_ = pll_source_wanted_ = pll_update_ = main_source_ = main_source_wanted_ = main_update_ =
+      0;
   ircctrl_ = 0x80;
   ahb_divider_ = 1;
   ahb_clocks_ = 0x85F;
@@ -359,8 +373,7 @@ void Lpc11c24::do_reset(ResetCause cause) {
   }
   if (sum != 0) violation("the ROM would not start this image: its first eight vectors do not add up to 0");
   std::memcpy(&word, &flash_[0x2FC], 4);
-  if (word == 0x12345678 || word == 0x87654321 || word == 0x43218765 || word == 0x4E697370)
-    violation("the word at 2FCh locks the chip");
+  if (word == 0x12345678 || word == 0x87654321 || word == 0x43218765 || word == 0x4E697370) violation("the word at 2FCh locks the chip");
   core_->reset();
   if (start_vectors_ != 0) {
     std::memcpy(&word, &flash_[start_vectors_], 4);
@@ -672,7 +685,8 @@ void Lpc11c24::update_clock() {
   core_->stop();
   const std::uint32_t waits = flashcfg_ & 3U;
   const std::uint32_t needed = clock_hz_ > 40'000'000 ? 2 : (clock_hz_ > 20'000'000 ? 1 : 0);
-  if (waits < needed || waits == 3) violation("FLASHCFG: " + std::to_string(waits) + " wait states at " + std::to_string(clock_hz_) + " Hz");
+  if (waits < needed || waits == 3)
+    violation("FLASHCFG: " + std::to_string(waits) + " wait states at " + std::to_string(clock_hz_) + " Hz");
   core_->set_flash_waits(waits);
 }
 
@@ -857,6 +871,7 @@ void Lpc11c24::write_syscon(std::uint32_t offset, std::uint32_t value) {
     case 0x150:
       reserved(~0x1FU);
       bod_ = value & 0x1FU;
+      set_supply(supply_v_);
       return;
     case 0x154:
       return;
@@ -1230,8 +1245,8 @@ void Lpc11c24::feed_watchdog() {
   double rate = kIrc_hz;
   if (wdt_source_ == 1) rate = clock_hz_;
   if (wdt_source_ == 2) {
-    constexpr std::array<double, 16> kOscillator{0,      0.6e6, 1.05e6, 1.4e6,  1.75e6, 2.1e6, 2.4e6, 2.7e6,
-                                                 3.0e6,  3.25e6, 3.5e6,  3.75e6, 4.0e6,  4.2e6, 4.4e6, 4.6e6};
+    constexpr std::array<double, 16> kOscillator{0,     0.6e6,  1.05e6, 1.4e6,  1.75e6, 2.1e6, 2.4e6, 2.7e6,
+                                                 3.0e6, 3.25e6, 3.5e6,  3.75e6, 4.0e6,  4.2e6, 4.4e6, 4.6e6};
     rate = kOscillator[(wdtosc_ >> 5) & 15U] / (2.0 * (1.0 + (wdtosc_ & 31U)));
   }
   if (wdt_divider_ == 0 || rate <= 0.0) {
@@ -1335,11 +1350,14 @@ std::uint32_t Lpc11c24::iap(std::uint32_t table, std::uint32_t result) {
   if (core_->lowest_sp() < CortexM0::kRamBase + 0xC0) violation("IAP: called with the stack at the end of RAM");
   if (core_->reg(13) > CortexM0::kRamBase + kRamBytes - 32) violation("IAP: stack within the 32 bytes of RAM that the ROM uses");
   const auto interruptible = [&] {
-    if (!core_->primask()) violation("IAP: flash written or erased with interrupts on, whose program is in that flash");
+    if (core_->interruptible()) violation("IAP: flash written or erased with interrupts on, whose program is in that flash");
   };
-  const auto sectors_good = [&](std::uint32_t first, std::uint32_t last) { return first <= last && last < kFlashBytes / kFlashSectorBytes; };
+  const auto sectors_good = [&](std::uint32_t first, std::uint32_t last) {
+    return first <= last && last < kFlashBytes / kFlashSectorBytes;
+  };
   const auto clock_good = [&](std::uint32_t khz) {
-    if (khz != clock_hz_ / 1000) violation("IAP: told a clock of " + std::to_string(khz) + " kHz, it is " + std::to_string(clock_hz_ / 1000));
+    if (khz != clock_hz_ / 1000)
+      violation("IAP: told a clock of " + std::to_string(khz) + " kHz, it is " + std::to_string(clock_hz_ / 1000));
   };
   switch (word[0]) {
     case 50:

@@ -201,7 +201,7 @@ class Lpc11c24 : private PeripheralBus {
   bool in_slice_{};
   Time unit_{4};
   std::uint32_t clock_hz_{12'000'000};
-  Time next_{};  // cached next event
+  Time next_{};         // cached next event
   bool touched_{true};  // from outside, since the lines were last looked at
   std::uint64_t can_changes_{};
   std::map<std::string, std::uint64_t> violations_;

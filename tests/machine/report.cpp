@@ -41,13 +41,17 @@ std::optional<Cost> measure(const std::string& program, unsigned waits) {
 int report(double seconds) {
   std::printf(
       "# What the firmware costs on the LPC11C24\n\n"
-      "Written by `machine-report` (tests/machine): the images as they are flashed, run on a model of the chip at 48 MHz. Never measured on\n"
-      "silicon. Clocks are the Cortex-M0's (fast multiplier); *no waits* supposes a flash that always keeps up, *all waits* charges two wait\n"
-      "states for each 32-bit word fetched from it, as if nothing were fetched ahead: the truth lies between. A millisecond has 48000 clocks;\n"
+      "Written by `machine-report` (tests/machine): the images as they are flashed, run on a model of the chip at 48 MHz. Never measured "
+      "on\n"
+      "silicon. Clocks are the Cortex-M0's (fast multiplier); *no waits* supposes a flash that always keeps up, *all waits* charges two "
+      "wait\n"
+      "states for each 32-bit word fetched from it, as if nothing were fetched ahead: the truth lies between. A millisecond has 48000 "
+      "clocks;\n"
       "the servo tick may take 12000.\n\n"
       "## One tick of a node, without interrupts\n\n"
       "20000 ticks with changing speeds (drive) and swaying (tilt; its work comes with every tenth tick).\n\n"
-      "| node | instructions, mean / worst | clocks, no waits, mean / worst | clocks, all waits, mean / worst | share of a millisecond, worst |\n"
+      "| node | instructions, mean / worst | clocks, no waits, mean / worst | clocks, all waits, mean / worst | share of a millisecond, "
+      "worst |\n"
       "|---|---|---|---|---|\n");
   for (const char* name : {"drive", "tilt"}) {
     const auto fast = measure(std::string("lockstep_") + name, 0), slow = measure(std::string("lockstep_") + name, kWaits);
@@ -55,11 +59,11 @@ int report(double seconds) {
       std::fprintf(stderr, "machine-report: the programs are missing or do not run\n");
       return 1;
     }
-    std::printf("| %s | %.0f / %llu | %.0f / %llu | %.0f / %llu | %.1f to %.1f %% |\n", name, static_cast<double>(fast->instructions) / kTicks,
-                static_cast<unsigned long long>(fast->worst_instructions), static_cast<double>(fast->total) / kTicks,
-                static_cast<unsigned long long>(fast->worst), static_cast<double>(slow->total) / kTicks,
-                static_cast<unsigned long long>(slow->worst), 100.0 * static_cast<double>(fast->worst) / kBudget_cycles,
-                100.0 * static_cast<double>(slow->worst) / kBudget_cycles);
+    std::printf("| %s | %.0f / %llu | %.0f / %llu | %.0f / %llu | %.1f to %.1f %% |\n", name,
+                static_cast<double>(fast->instructions) / kTicks, static_cast<unsigned long long>(fast->worst_instructions),
+                static_cast<double>(fast->total) / kTicks, static_cast<unsigned long long>(fast->worst),
+                static_cast<double>(slow->total) / kTicks, static_cast<unsigned long long>(slow->worst),
+                100.0 * static_cast<double>(fast->worst) / kBudget_cycles, 100.0 * static_cast<double>(slow->worst) / kBudget_cycles);
   }
 
   const ImagesOrReason found = load_images();
@@ -78,20 +82,22 @@ int report(double seconds) {
   loop.run(seconds);
   std::printf(
       "\n## All work of a millisecond, walking the figure of eight\n\n"
-      "Interrupts, main loop and bus included, with the real control core behind the gateway. Stack: the deepest since power-on, of the 1024\n"
+      "Interrupts, main loop and bus included, with the real control core behind the gateway. Stack: the deepest since power-on, of the "
+      "1024\n"
       "bytes reserved.\n\n"
-      "| board | instructions per ms | clocks per ms, no waits, mean / worst | all waits, mean / worst | share of the processor | stack, bytes |\n"
+      "| board | instructions per ms | clocks per ms, no waits, mean / worst | all waits, mean / worst | share of the processor | stack, "
+      "bytes |\n"
       "|---|---|---|---|---|---|\n");
   for (std::size_t i = 0; i < kBoxCount; ++i) {
     const Lpc11c24& chip = loop.bench().chip(static_cast<Box>(i));
     const CortexM0::Work& work = chip.core().work();
     const auto ticks = static_cast<double>(std::max<std::uint64_t>(work.ticks, 1));
-    std::printf("| %s | %.0f | %.0f / %llu | %.0f / %llu | %.1f to %.1f %% | %u |\n", chip.name().c_str(),
-                static_cast<double>(work.instructions) / ticks, static_cast<double>(work.total_without_waits) / ticks,
-                static_cast<unsigned long long>(work.worst_without_waits), static_cast<double>(work.total_cycles) / ticks,
-                static_cast<unsigned long long>(work.worst_cycles), 100.0 * static_cast<double>(work.total_without_waits) / ticks / kBudget_cycles,
-                100.0 * static_cast<double>(work.total_cycles) / ticks / kBudget_cycles,
-                firmware::lpc11c24::kStackTop - chip.core().lowest_sp());
+    std::printf(
+        "| %s | %.0f | %.0f / %llu | %.0f / %llu | %.1f to %.1f %% | %u |\n", chip.name().c_str(),
+        static_cast<double>(work.instructions) / ticks, static_cast<double>(work.total_without_waits) / ticks,
+        static_cast<unsigned long long>(work.worst_without_waits), static_cast<double>(work.total_cycles) / ticks,
+        static_cast<unsigned long long>(work.worst_cycles), 100.0 * static_cast<double>(work.total_without_waits) / ticks / kBudget_cycles,
+        100.0 * static_cast<double>(work.total_cycles) / ticks / kBudget_cycles, firmware::lpc11c24::kStackTop - chip.core().lowest_sp());
   }
   const CanWire& wire = loop.bench().wire();
   std::printf("\nBus load with the frames' own stuff bits: %.1f %%. Violations found by the model: %s.\n",

@@ -185,9 +185,7 @@ void Ssp::reset() {
   due_ = kNever;
 }
 
-std::uint32_t Ssp::raw() const {
-  return (overrun_ ? 1U : 0U) | (in_.size() >= kFifo / 2 ? 4U : 0U) | (out_.size() <= kFifo / 2 ? 8U : 0U);
-}
+std::uint32_t Ssp::raw() const { return (overrun_ ? 1U : 0U) | (in_.size() >= kFifo / 2 ? 4U : 0U) | (out_.size() <= kFifo / 2 ? 8U : 0U); }
 
 std::uint32_t Ssp::read(std::uint32_t offset, Time now) {
   (void)now;
@@ -437,7 +435,8 @@ void Uart::write(std::uint32_t offset, std::uint32_t value, Time now, std::uint3
       scr_ = value & 0xFFU;
       return;
     case 0x28:
-      if ((value & 0xF0U) == 0 || (value & 0xFU) >= ((value >> 4) & 0xFU)) complain_("UART: fractional divider needs MULVAL above DIVADDVAL");
+      if ((value & 0xF0U) == 0 || (value & 0xFU) >= ((value >> 4) & 0xFU))
+        complain_("UART: fractional divider needs MULVAL above DIVADDVAL");
       fdr_ = value & 0xFFU;
       checked_ = false;
       return;

@@ -68,10 +68,12 @@ struct Echo {
   Time now{};
 };
 
-std::optional<Image> program(const std::string& name) { return load_elf(std::string(HOIST_PROGRAMS_DIR) + "/" + name + ".elf", kFlashBytes); }
+std::optional<Image> program(const std::string& name) {
+  return load_elf(std::string(HOIST_PROGRAMS_DIR) + "/" + name + ".elf", kFlashBytes);
+}
 
-#define NEEDS_PROGRAM(image, name)                                                              \
-  auto image = program(name);                                                                  \
+#define NEEDS_PROGRAM(image, name) \
+  auto image = program(name);      \
   if (!image) GTEST_SKIP() << "no ARM compiler when this was built: program " << (name) << " is missing"
 
 TEST(Chip, ABareProgramTicksNestsAndAnswersOnTheBus) {

@@ -69,20 +69,19 @@ TEST_P(HardFault, IsTakenAndRemembered) {
   ASSERT_EQ(bare.bus.violations.size(), 1U);
   EXPECT_NE(bare.bus.violations[0].find(bad.why), std::string::npos) << bare.bus.violations[0];
 }
-INSTANTIATE_TEST_SUITE_P(
-    Cases, HardFault,
-    testing::Values(Forbidden{"unaligned_word", 0x6808, 0, 0, kRam + 2, "unaligned read"},
-                    Forbidden{"unaligned_half_store", 0x8008, 0, 0, kRam + 1, "unaligned write"},
-                    Forbidden{"read_of_nothing", 0x6808, 0, 0, 0x20000000, "read of nothing"},
-                    Forbidden{"write_to_flash", 0x6008, 0, 0, 0x100, "write to nothing"},
-                    Forbidden{"udiv", 0xFBB0, 0xF0F1, 8, 2, "instruction this core does not have"},
-                    Forbidden{"cbz", 0xB100, 0, 0, 0, "instruction this core does not have"},
-                    Forbidden{"it_block", 0xBF08, 0, 0, 0, "instruction this core does not have"},
-                    Forbidden{"movw", 0xF240, 0x0001, 0, 0, "instruction this core does not have"},
-                    Forbidden{"ldrex", 0xE851, 0x0F00, 0, kRam, "instruction this core does not have"},
-                    Forbidden{"arm_state", 0x4700, 0, kCode, 0, "jump into ARM state"},
-                    Forbidden{"udf", 0xDE00, 0, 0, 0, "undefined instruction"}),
-    [](const testing::TestParamInfo<Forbidden>& tested) { return std::string(tested.param.name); });
+INSTANTIATE_TEST_SUITE_P(Cases, HardFault,
+                         testing::Values(Forbidden{"unaligned_word", 0x6808, 0, 0, kRam + 2, "unaligned read"},
+                                         Forbidden{"unaligned_half_store", 0x8008, 0, 0, kRam + 1, "unaligned write"},
+                                         Forbidden{"read_of_nothing", 0x6808, 0, 0, 0x20000000, "read of nothing"},
+                                         Forbidden{"write_to_flash", 0x6008, 0, 0, 0x100, "write to nothing"},
+                                         Forbidden{"udiv", 0xFBB0, 0xF0F1, 8, 2, "instruction this core does not have"},
+                                         Forbidden{"cbz", 0xB100, 0, 0, 0, "instruction this core does not have"},
+                                         Forbidden{"it_block", 0xBF08, 0, 0, 0, "instruction this core does not have"},
+                                         Forbidden{"movw", 0xF240, 0x0001, 0, 0, "instruction this core does not have"},
+                                         Forbidden{"ldrex", 0xE851, 0x0F00, 0, kRam, "instruction this core does not have"},
+                                         Forbidden{"arm_state", 0x4700, 0, kCode, 0, "jump into ARM state"},
+                                         Forbidden{"udf", 0xDE00, 0, 0, 0, "undefined instruction"}),
+                         [](const testing::TestParamInfo<Forbidden>& tested) { return std::string(tested.param.name); });
 
 TEST(Core, FetchOutsideMemoryIsAHardFault) {
   Bare bare;
@@ -110,18 +109,18 @@ TEST(Core, CostsWhatTheReferenceManualSays) {
     std::uint16_t first, second;
     unsigned clocks;
   };
-  constexpr std::array<Cost, 12> kCosts{{{0x2001, 0, 1},        // MOVS
-                                         {0x4348, 0, 1},        // MULS, fast multiplier
-                                         {0x6808, 0, 2},        // LDR
-                                         {0x6008, 0, 2},        // STR
-                                         {0xC903, 0, 3},        // LDM of two
-                                         {0xB51F, 0, 7},        // PUSH of six
-                                         {0xBC07, 0, 4},        // POP of three
-                                         {0xE000, 0, 3},        // B
-                                         {0xD0FF, 0, 1},        // BEQ, not taken
-                                         {0xF000, 0xF800, 4},   // BL
-                                         {0xF3EF, 0x8010, 4},   // MRS
-                                         {0x4770, 0, 3}}};      // BX
+  constexpr std::array<Cost, 12> kCosts{{{0x2001, 0, 1},       // MOVS
+                                         {0x4348, 0, 1},       // MULS, fast multiplier
+                                         {0x6808, 0, 2},       // LDR
+                                         {0x6008, 0, 2},       // STR
+                                         {0xC903, 0, 3},       // LDM of two
+                                         {0xB51F, 0, 7},       // PUSH of six
+                                         {0xBC07, 0, 4},       // POP of three
+                                         {0xE000, 0, 3},       // B
+                                         {0xD0FF, 0, 1},       // BEQ, not taken
+                                         {0xF000, 0xF800, 4},  // BL
+                                         {0xF3EF, 0x8010, 4},  // MRS
+                                         {0x4770, 0, 3}}};     // BX
   for (const Cost& cost : kCosts) {
     Bare bare;
     bare.half(kCode, cost.first);
@@ -202,8 +201,8 @@ class Judge {
   uc_engine* engine_{};
 };
 
-constexpr std::array<int, 15> kRegs{UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2,  UC_ARM_REG_R3,  UC_ARM_REG_R4,
-                                    UC_ARM_REG_R5, UC_ARM_REG_R6, UC_ARM_REG_R7,  UC_ARM_REG_R8,  UC_ARM_REG_R9,
+constexpr std::array<int, 15> kRegs{UC_ARM_REG_R0,  UC_ARM_REG_R1,  UC_ARM_REG_R2,  UC_ARM_REG_R3, UC_ARM_REG_R4,
+                                    UC_ARM_REG_R5,  UC_ARM_REG_R6,  UC_ARM_REG_R7,  UC_ARM_REG_R8, UC_ARM_REG_R9,
                                     UC_ARM_REG_R10, UC_ARM_REG_R11, UC_ARM_REG_R12, UC_ARM_REG_SP, UC_ARM_REG_LR};
 
 // One random instruction, valid for a Cortex-M0, with its second half if it has one.
@@ -264,7 +263,8 @@ Instruction random_instruction(std::mt19937& random) {
     case 20:
       return make(random() % 2 == 0 ? 0xE000U | any(11) : 0xB000U | any(8));  // B; ADD and SUB of SP
     default:
-      if (random() % 2 == 0) return {static_cast<std::uint16_t>(0xF000U | (any(1) != 0 ? 0x7FFU : 0U)), static_cast<std::uint16_t>(0xF800U | any(11))};
+      if (random() % 2 == 0)
+        return {static_cast<std::uint16_t>(0xF000U | (any(1) != 0 ? 0x7FFU : 0U)), static_cast<std::uint16_t>(0xF800U | any(11))};
       return random() % 2 == 0 ? Instruction{static_cast<std::uint16_t>(0xF380U | any(3)), 0x8800}
                                : Instruction{0xF3EF, static_cast<std::uint16_t>(0x8000U | (static_cast<unsigned>(any(3)) << 8))};
   }

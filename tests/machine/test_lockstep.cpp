@@ -56,7 +56,9 @@ void ask_qemu(const std::string& program) {
   if (!load_elf(path, kFlashBytes)) GTEST_SKIP() << "no ARM compiler when this was built: program " << program << " is missing";
   if (std::system("qemu-system-arm --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "qemu-system-arm is not installed";
   // Semihosting prints on standard error.
-  FILE* qemu = popen(("timeout 300 qemu-system-arm -M microbit -display none -monitor none -serial none -semihosting -kernel " + path + " 2>&1").c_str(), "r");
+  FILE* qemu = popen(
+      ("timeout 300 qemu-system-arm -M microbit -display none -monitor none -serial none -semihosting -kernel " + path + " 2>&1").c_str(),
+      "r");
   ASSERT_NE(qemu, nullptr);
   std::array<char, 64> line{};
   const char* got = std::fgets(line.data(), line.size(), qemu);

@@ -127,10 +127,9 @@ struct Vectors {
 
 // The word that the ROM wants cannot be computed here from addresses that only the linker knows; the test puts it in.
 __attribute__((section(".vectors"), used)) const Vectors vectors = {
-    kStackTop,
-    {start,         fault_handler, fault_handler, nullptr,       nullptr,       nullptr,       nullptr,       nullptr, nullptr, nullptr,
-     fault_handler, nullptr,       nullptr,       fault_handler, systick_handler, fault_handler, fault_handler, fault_handler, fault_handler,
-     fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler,
-     can_handler,   fault_handler, fault_handler, fault_handler, fault_handler, timer_handler, fault_handler, fault_handler, fault_handler,
-     fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler,
-     fault_handler}};
+    kStackTop, {start,         fault_handler, fault_handler, nullptr,       nullptr,       nullptr,       nullptr,         nullptr,
+                nullptr,       nullptr,       fault_handler, nullptr,       nullptr,       fault_handler, systick_handler, fault_handler,
+                fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler,   fault_handler,
+                fault_handler, fault_handler, fault_handler, fault_handler, can_handler,   fault_handler, fault_handler,   fault_handler,
+                fault_handler, timer_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler,   fault_handler,
+                fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler}};

@@ -80,4 +80,5 @@ extern "C" std::uint32_t stack_top;
 __attribute__((section(".vectors"), used)) const struct {
   std::uint32_t* stack;
   Entry entries[15];
-} vectors = {&stack_top, {start, fault, fault, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, fault, nullptr, nullptr, fault, fault}};
+} vectors = {&stack_top,
+             {start, fault, fault, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, fault, nullptr, nullptr, fault, fault}};

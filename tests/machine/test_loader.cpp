@@ -1,0 +1,160 @@
+// The loader as machine code: starts what is whole, keeps what is not, and takes a new program over the bus, with the power cut in the middle
+// of its flash operations too.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "control/bus/firmware_update.hpp"
+#include "control/contract/firmware_image.hpp"
+#include "firmware/boards/lpc11c24/memory.hpp"
+#include "tests/machine/hoist_bench.hpp"
+
+namespace hoist::machine {
+namespace {
+
+using contract::CanFrame;
+namespace board = firmware::lpc11c24;
+
+constexpr std::uint32_t kOld = contract::image_version(1, 0, 0), kNew = contract::image_version(1, 2, 3);
+
+void put(std::vector<std::uint8_t>& bytes, std::size_t at, std::uint32_t word) {
+  for (unsigned i = 0; i < 4; ++i) bytes[at + i] = static_cast<std::uint8_t>(word >> (8 * i));
+}
+
+// The application as a packed file: what `hoist firmware pack` makes of the linked program.
+std::vector<std::uint8_t> packed(const Image& application, contract::ImageKind kind, std::uint32_t version) {
+  std::size_t end = application.flash.size();
+  while (end > board::kApplicationStart && application.flash[end - 1] == 0xFF) --end;
+  end = (end + 3) & ~std::size_t{3};
+  std::vector<std::uint8_t> bytes(application.flash.begin() + board::kApplicationStart,
+                                  application.flash.begin() + static_cast<std::ptrdiff_t>(end));
+  put(bytes, contract::kImageHeaderAt + 4, static_cast<std::uint32_t>(bytes.size()));
+  put(bytes, contract::kImageHeaderAt + 12, version);
+  bytes[contract::kImageHeaderAt + 16] = static_cast<std::uint8_t>(kind);
+  bytes[contract::kImageHeaderAt + 17] = static_cast<std::uint8_t>(contract::ImageChip::lpc11c24);
+  put(bytes, contract::kImageCrcAt, contract::image_crc(bytes));
+  return bytes;
+}
+
+struct Parts {
+  Images images;
+  Image io_loader;
+  std::vector<std::uint8_t> old_program, new_program;
+  /// Loader with a program behind it.
+  [[nodiscard]] std::vector<std::uint8_t> flash_with(const std::vector<std::uint8_t>& program) const {
+    std::vector<std::uint8_t> flash = io_loader.flash;
+    std::copy(program.begin(), program.end(), flash.begin() + board::kApplicationStart);
+    return flash;
+  }
+};
+
+class Loader : public testing::Test {
+ protected:
+  void SetUp() override {
+    ImagesOrReason found = load_images();
+    if (!found.images) GTEST_SKIP() << found.reason;
+    auto loader = load_elf(*firmware_directory() + "/hoist-boot-io-lpc11c24.elf", kFlashBytes);
+    if (!loader) GTEST_SKIP() << "no image hoist-boot-io-lpc11c24.elf";
+    parts.images = std::move(*found.images);
+    parts.io_loader = std::move(*loader);
+    parts.old_program = packed(parts.images.io, contract::ImageKind::io, kOld);
+    parts.new_program = packed(parts.images.io, contract::ImageKind::io, kNew);
+    ASSERT_EQ(contract::check_image_file(parts.old_program), contract::ImageError::none);
+  }
+  [[nodiscard]] BenchOptions options(std::vector<std::uint8_t> flash) const {
+    BenchOptions out;
+    out.through_gateway = false;
+    out.scenario = sim::find_scenario("stand");
+    out.flash[static_cast<std::size_t>(Box::io)] = std::move(flash);
+    return out;
+  }
+
+  // Passes frames between bench and whoever asks, a millisecond at a time; what `each_ms` returns goes onto the wire.
+  template <class Other>
+  void talk(HoistBench& bench, Other& other, const std::function<bool()>& over, int at_most_ms) {
+    std::array<CanFrame, 64> frames{};
+    for (int ms = 0; ms < at_most_ms && !over(); ++ms) {
+      const std::size_t got = bench.host_receive(frames);
+      for (std::size_t i = 0; i < got; ++i) other.on_frame(frames[i]);
+      if (const auto frame = other.step(static_cast<std::uint64_t>(bench.now()) * 125 / 6)) bench.host_send(*frame);
+      bench.advance_1ms();
+    }
+  }
+  [[nodiscard]] bus::NodeProgram ask(HoistBench& bench) {
+    bus::ProgramQuery query;
+    query.begin(contract::node_id(contract::Node::io));
+    talk(
+        bench, query, [&query] { return !query.busy(); }, 3000);
+    return query.result();
+  }
+  static void run(HoistBench& bench, int ms) {
+    for (int i = 0; i < ms; ++i) bench.advance_1ms();
+  }
+  Parts parts;
+};
+
+TEST_F(Loader, StartsAWholeProgram) {
+  HoistBench bench(parts.images, options(parts.flash_with(parts.old_program)));
+  run(bench, 600);
+  const bus::NodeProgram program = ask(bench);
+  EXPECT_TRUE(program.answered);
+  EXPECT_FALSE(program.in_loader);
+  EXPECT_EQ(program.version, kOld);
+  EXPECT_EQ(bench.violations(), "");
+}
+
+TEST_F(Loader, KeepsADamagedProgramAndSaysSo) {
+  std::vector<std::uint8_t> damaged = parts.old_program;
+  damaged[damaged.size() / 2] ^= 0x10;
+  HoistBench bench(parts.images, options(parts.flash_with(damaged)));
+  run(bench, 600);
+  const bus::NodeProgram program = ask(bench);
+  EXPECT_TRUE(program.answered);
+  EXPECT_TRUE(program.in_loader);
+  EXPECT_NE(program.flash_status, 0U);
+  EXPECT_EQ(bench.violations(), "");
+}
+
+TEST_F(Loader, TakesANewProgramOverTheBus) {
+  HoistBench bench(parts.images, options(parts.flash_with(parts.old_program)));
+  run(bench, 600);
+  bus::FirmwareUpdate update(parts.new_program, contract::Node::io, {});
+  talk(
+      bench, update, [&update] { return update.over(); }, 40'000);
+  EXPECT_EQ(update.phase(), bus::FirmwareUpdate::Phase::done) << bus::failure_text(update.failure());
+  EXPECT_FALSE(update.was_there());
+  const bus::NodeProgram program = ask(bench);
+  EXPECT_FALSE(program.in_loader);
+  EXPECT_EQ(program.version, kNew);
+  EXPECT_GT(bench.chip(Box::io).flash_operations(), 10U);
+  EXPECT_EQ(bench.violations(), "");
+}
+
+// The power goes in the middle of erasing or writing. Whatever is then in the flash, the node comes up in its loader, and the update goes
+// through when it is tried again.
+class LoaderCut : public Loader, public testing::WithParamInterface<int> {};
+TEST_P(LoaderCut, LeavesANodeThatStillTakesAProgram) {
+  HoistBench bench(parts.images, options(parts.flash_with(parts.old_program)));
+  run(bench, 600);
+  Lpc11c24& chip = bench.chip(Box::io);
+  chip.cut_power_in_flash_operation(GetParam());
+  bus::FirmwareUpdate broken(parts.new_program, contract::Node::io, {});
+  talk(
+      bench, broken, [&chip] { return !chip.powered(); }, 40'000);
+  ASSERT_FALSE(chip.powered());
+  run(bench, 200);
+  chip.reset(ResetCause::power_on);
+  run(bench, 600);
+  EXPECT_TRUE(ask(bench).in_loader);
+  bus::FirmwareUpdate again(parts.new_program, contract::Node::io, {});
+  talk(
+      bench, again, [&again] { return again.over(); }, 40'000);
+  EXPECT_EQ(again.phase(), bus::FirmwareUpdate::Phase::done) << bus::failure_text(again.failure());
+  EXPECT_EQ(ask(bench).version, kNew);
+  EXPECT_EQ(bench.violations(), "");
+}
+INSTANTIATE_TEST_SUITE_P(Operations, LoaderCut, testing::Values(1, 2, 9, 30));
+
+}  // namespace
+}  // namespace hoist::machine
