@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "control/contract/can_dictionary.hpp"
+#include "control/contract/emergencies.hpp"
 
 namespace hoist::bus {
 
@@ -77,7 +78,7 @@ void decode_pdo(const CanFrame& frame, const contract::PdoInfo& pdo, std::string
   for (const contract::PdoEntry& entry : contract::kPdoEntries) {
     if (entry.pdo != pdo.pdo) continue;
     const contract::ObjectInfo& object = contract::kObjects[contract::object_row(pdo.kind, entry.index, entry.sub)];
-    out.fields.push_back({std::string(object.name), object_value(&frame.data[at], object), std::string(object.unit), {}});
+    out.fields.push_back({std::string(object.name), object_value(&frame.data[at], object), std::string(object.unit), {}, false});
     at += contract::object_bytes(object.type);
   }
 }
@@ -92,10 +93,11 @@ void decode_sdo(const CanFrame& frame, std::size_t node, bool reply, DecodedFram
   const std::uint8_t command = frame.data[0] >> 5;
   const bool names_object = frame.data[0] == canopen::kSdoAbort || command == 1 || command == 2 || (reply && command == 3);
   const contract::ObjectInfo* object = names_object ? contract::find_object(info.kind, static_cast<std::uint16_t>(index), sub) : nullptr;
-  out.fields.push_back({"command", static_cast<double>(frame.data[0]), {}, frame.data[0] == canopen::kSdoAbort ? "abort" : ""});
-  out.fields.push_back({"index", static_cast<double>(index), {}, object != nullptr ? std::string(object->name) : std::string()});
-  out.fields.push_back({"sub", static_cast<double>(sub), {}, {}});
-  out.fields.push_back({"value", static_cast<double>(contract::read_le(&frame.data[4], 4)), {}, {}});
+  const bool abort = frame.data[0] == canopen::kSdoAbort;
+  out.fields.push_back({"command", static_cast<double>(frame.data[0]), {}, abort ? "abort" : "", true});
+  out.fields.push_back({"index", static_cast<double>(index), {}, object != nullptr ? std::string(object->name) : std::string(), true});
+  out.fields.push_back({"sub", static_cast<double>(sub), {}, {}, true});
+  out.fields.push_back({"value", static_cast<double>(contract::read_le(&frame.data[4], 4)), {}, {}, true});
 }
 
 }  // namespace
@@ -110,8 +112,8 @@ DecodedFrame decode_frame(const CanFrame& frame) {
   if (frame.id == canopen::kNmt) {
     out.name = "nmt";
     if (!has_bytes(frame, 2, out)) return out;
-    out.fields.push_back({"command", static_cast<double>(frame.data[0]), {}, std::string(nmt_command(frame.data[0]))});
-    out.fields.push_back({"node", static_cast<double>(frame.data[1]), {}, frame.data[1] == 0 ? "all" : node_name(frame.data[1])});
+    out.fields.push_back({"command", static_cast<double>(frame.data[0]), {}, std::string(nmt_command(frame.data[0])), false});
+    out.fields.push_back({"node", static_cast<double>(frame.data[1]), {}, frame.data[1] == 0 ? "all" : node_name(frame.data[1]), false});
     return out;
   }
   if (frame.id == canopen::kSync) {
@@ -127,7 +129,7 @@ DecodedFrame decode_frame(const CanFrame& frame) {
   if (base == canopen::kHeartbeatBase) {
     out.name = std::string(info.name) + "_heartbeat";
     if (has_bytes(frame, 1, out))
-      out.fields.push_back({"state", static_cast<double>(frame.data[0]), {}, std::string(nmt_state(frame.data[0]))});
+      out.fields.push_back({"state", static_cast<double>(frame.data[0]), {}, std::string(nmt_state(frame.data[0])), false});
     return out;
   }
   if (info.kind == NodeKind::host) return out;
@@ -136,9 +138,10 @@ DecodedFrame decode_frame(const CanFrame& frame) {
     if (!has_bytes(frame, 8, out)) return out;
     std::uint64_t details = 0;
     for (std::size_t i = 5; i > 0; --i) details = (details << 8) | frame.data[2 + i];
-    out.fields.push_back({"code", static_cast<double>(contract::read_le(&frame.data[0], 2)), {}, {}});
-    out.fields.push_back({"error_register", static_cast<double>(frame.data[2]), {}, {}});
-    out.fields.push_back({"details", static_cast<double>(details), {}, {}});
+    const auto code = static_cast<std::uint16_t>(contract::read_le(&frame.data[0], 2));
+    out.fields.push_back({"code", static_cast<double>(code), {}, std::string(contract::emergency_info(code).text_en), true});
+    out.fields.push_back({"error_register", static_cast<double>(frame.data[2]), {}, {}, true});
+    out.fields.push_back({"details", static_cast<double>(details), {}, {}, true});
     return out;
   }
   if (base == canopen::kSdoReplyBase || base == canopen::kSdoRequestBase) {

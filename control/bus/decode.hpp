@@ -13,6 +13,7 @@ struct DecodedField {
   double value = 0;
   std::string unit;     // empty where there is none
   std::string meaning;  // a word for the value where there is one: "operational"
+  bool hex = false;     // people read it in hexadecimal: identifiers, codes
 };
 struct DecodedFrame {
   std::string name;     // "drive_left_tx1"; empty when no node of the dictionary sends such a frame

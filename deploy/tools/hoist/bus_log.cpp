@@ -31,7 +31,10 @@ void print_text(const bus::LogEntry& entry, const bus::DecodedFrame& frame, std:
   if (frame.name.empty())
     for (std::size_t i = 0; i < entry.frame.dlc; ++i) std::printf(" %02X", entry.frame.data[i]);
   for (const bus::DecodedField& field : frame.fields) {
-    std::printf(" %s=%.10g", field.name.c_str(), field.value);
+    if (field.hex)
+      std::printf(" %s=%llXh", field.name.c_str(), static_cast<unsigned long long>(field.value));
+    else
+      std::printf(" %s=%.10g", field.name.c_str(), field.value);
     if (!field.unit.empty()) std::printf(" %s", field.unit.c_str());
     if (!field.meaning.empty()) std::printf(" (%s)", field.meaning.c_str());
   }

@@ -307,6 +307,12 @@ TEST(Decode, SpeaksOfServicesInWords) {
   const DecodedFrame request = decode_frame(canopen::sdo(0x601, canopen::kSdoUploadRequest, 0x6064, 0, 0));
   EXPECT_EQ(request.name, "drive_left_sdo_request");
   EXPECT_EQ(request.fields[1].meaning, "position");
+  const DecodedFrame emergency = decode_frame({0x082, 8, 0, {0x10, 0x23, 0x02, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF}});
+  EXPECT_EQ(emergency.name, "drive_right_emergency");
+  EXPECT_EQ(emergency.fields[0].meaning, "The motor draws too much current");
+  EXPECT_DOUBLE_EQ(emergency.fields[2].value, 1099511627775.0);
+  const DecodedFrame segment = decode_frame({0x581, 8, 0, {0x00, 0x64, 0x60, 0x00, 1, 2, 3, 4}});
+  EXPECT_EQ(segment.fields[1].meaning, "") << "data of a segment that look like an index";
   EXPECT_EQ(decode_frame({0x300, 0, 0, {}}).name, "") << "nobody sends that";
   EXPECT_EQ(decode_frame({0x181, 8, CanFrame::kExtended, {}}).name, "") << "a long id is another id";
 }

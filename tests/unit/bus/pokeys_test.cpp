@@ -328,6 +328,13 @@ TEST_F(Bench, ADeviceThatIsPulledOutIsSeen) {
   EXPECT_STREQ(device->problem(), "the device has gone away");
 }
 
+TEST(PokeysUsb, WhatIsNoPokeysIsNotTalkedTo) {
+  HidrawTransport nowhere("/nowhere/hidraw0"), file("/dev/null");
+  EXPECT_STREQ(nowhere.open(), "the device is not there");
+  EXPECT_STREQ(file.open(), "the device is no HID device");
+  EXPECT_EQ(file.descriptor(), -1);
+}
+
 // ---- the input node
 
 class StandIn : public ::testing::Test {
