@@ -34,12 +34,15 @@ class Converter {
     rcc::Apb2Clocks::set(rcc::kAdc);
     Configuration2::write(2U << 30);
     Control::write(1U << 31);  // calibration
-    bool good = wait_clear(Control::read, 1U << 31);
+    const bool good = wait_clear(Control::read, 1U << 31);
     Status::write(1);
-    Control::write(1);
-    good = wait_set(Status::read, 1) && good;
     SampleTime::write(3);
-    return good;
+    // Switched on again until it says so: within four of its clocks after the calibration it forgets.
+    for (std::uint32_t i = 0; i < kLoopsMax; ++i) {
+      Control::write(1);
+      if ((Status::read() & 1U) != 0) return good;
+    }
+    return false;
   }
   // One conversion now. NaN when the converter does not answer.
   [[nodiscard]] float convert(std::uint32_t channel) {

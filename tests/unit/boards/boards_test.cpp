@@ -13,6 +13,8 @@
 #include "firmware/boards/lpc11c24/memory.hpp"
 #include "firmware/boards/lpc11c24/parameter_pages.hpp"
 #include "firmware/boards/lpc11c24/pins.hpp"
+#include "firmware/boards/stm32f072/memory.hpp"
+#include "firmware/boards/stm32f072/pins.hpp"
 #include "firmware/boot/mailbox.hpp"
 #include "firmware/lib/parameter_store.hpp"
 
@@ -69,6 +71,38 @@ TEST(Lpc11c24Pins, MeasuringRangesHoldWhatTheNodesJudge) {
   EXPECT_GT(kBus_v_per_count * kAdcCounts, 32.0F);  // braking into full batteries
   EXPECT_GT(kBatteryADivider * kAdcReference_v, 15.0F);
   EXPECT_GT(kBatteryBothDivider * kAdcReference_v, 30.0F);
+}
+
+TEST(Stm32f072Memory, TheLoaderAndTheApplicationMeanTheSamePlaces) {
+  using namespace stm32f072;
+  const contract::ImageChipInfo* chip = contract::find_image_chip("stm32f072");
+  ASSERT_NE(chip, nullptr);
+  EXPECT_EQ(chip->application_at, kApplicationStart);
+  EXPECT_EQ(chip->application_max, kApplicationBytes);
+  EXPECT_EQ(chip->ram_at, kRamStart);
+  EXPECT_EQ(chip->ram_bytes, kRamBytes);
+  EXPECT_EQ(kApplicationStart + kApplicationBytes, kParametersStart);
+  EXPECT_EQ(kParametersStart + 2 * kPageBytes, kFlashStart + kFlashBytes);
+  EXPECT_EQ(kMailboxBytes, sizeof(Mailbox));
+  EXPECT_EQ(kMailboxStart % 8, 0U);  // the stack begins there
+}
+
+TEST(Stm32f072Pins, NoPinHasTwoJobsOnOneBoard) {
+  using namespace stm32f072;
+  const std::vector<Pin> everywhere{kCanRx, kCanTx, kStrap0, kStrap1, kService, kLed};
+  const std::vector<std::vector<Pin>> boards{
+      {kI2cScl, kI2cSda, kSpiSck, kSpiMiso, kSpiMosi, kSpiSelect},
+      {kBridgeEnable, kBridgePhase, kBridgeAwake, kBridgeFault, kEncoderA, kEncoderB, kEdgeA, kEdgeB, kEdgeOpen, kMotorCurrent,
+       kBusVoltage},
+      {kBumperFront, kBumperRear, kBumperLeft, kBumperRight, kSwitch0, kSwitch1, kSwitch2, kSwitch3, kOutput0, kOutput1, kOutput2, kOutput3,
+       kOutput4, kOutput5, kOutput6, kOutput7, kBatteryA, kBatteryBoth},
+      {kUartRxd, kUartTxd, kUartRts, kUartCts}};
+  const std::vector<Pin> debugger{{'A', 13}, {'A', 14}};
+  for (const std::vector<Pin>& board : boards) {
+    std::set<std::pair<char, int>> used;
+    for (const std::vector<Pin>& pins : {debugger, everywhere, board})
+      for (const Pin& pin : pins) EXPECT_TRUE(used.emplace(pin.port, pin.bit).second) << 'P' << pin.port << int{pin.bit};
+  }
 }
 
 // A sector of flash whose power can be cut in any operation: a cut write leaves its first half, a cut erase anything.
