@@ -296,7 +296,8 @@ class CanopenNode {
     if (state_ == to) return;
     const NmtState from = state_;
     state_ = to;
-    restart_in_ms_ = 0;  // somebody called the node back: what was agreed in the other state does not hold
+    if (to == NmtState::stopped) sdo_.forget();  // a stopped node has no SDO, not even to end a transfer
+    restart_in_ms_ = 0;                          // somebody called the node back: what was agreed in the other state does not hold
     if (to == NmtState::operational) {
       pdo_syncs_ = {};
       pdo_age_ms_ = {};

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "control/contract/firmware_image.hpp"
 #include "deploy/tools/hoist/bus_line.hpp"
 #include "deploy/tools/hoist/command.hpp"
 #include "deploy/tools/hoist/node_objects.hpp"
@@ -175,6 +176,9 @@ int run_bus_scan(std::span<const std::string_view> arguments) {
         device = read_text(line, node_id, 0x1008);
         hardware = read_text(line, node_id, 0x1009);
         software = read_text(line, node_id, 0x100A);
+        // A node without a program has its loader's few objects, and no names.
+        if (device.empty() && line.upload(node_id, 0x1018, 2) && (line.client().value() & contract::kLoaderProduct) != 0)
+          device = "boot loader";
       }
     }
     if (request->json)

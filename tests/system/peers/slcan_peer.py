@@ -7,11 +7,15 @@ Nothing here measures time: a wait ends when the thing has happened.
 """
 import json
 import os
+import pty
+import select
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import traceback
+import tty
 from xml.sax.saxutils import quoteattr
 
 SIM, HOIST = sys.argv[1:3]
@@ -180,6 +184,54 @@ def case_hoist_bus_load(sim):
     page = sim.json("load")
     check(page["load_worst_with_service"] < 0.8, f"load {page['load_worst_with_service']}")
     check("## Response times" in sim.bus("load", "--markdown"), "the page")
+
+
+class AdapterWithComputer:
+    """An SLCAN adapter on whose bus a control computer beats, and nobody else."""
+
+    def __init__(self):
+        self.ours, self.theirs = pty.openpty()
+        tty.setraw(self.theirs)
+        self.path = os.ttyname(self.theirs)
+        self.heard = b""
+        self.going = True
+        self.thread = threading.Thread(target=self.run)
+        self.thread.start()
+
+    def run(self):
+        opened = False
+        while self.going:
+            if select.select([self.ours], [], [], 0.05)[0]:
+                lines = os.read(self.ours, 4096)
+                self.heard += lines
+                for line in lines.split(b"\r")[:-1]:
+                    opened = opened or line == b"O"
+                    os.write(self.ours, b"z\r" if line[:1] == b"t" else b"\r")
+            if opened:
+                os.write(self.ours, b"t77F105\r")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.going = False
+        self.thread.join()
+        os.close(self.ours)
+        os.close(self.theirs)
+
+
+def case_hoist_bus_does_not_write_beside_the_control_computer(_):
+    with AdapterWithComputer() as adapter:
+        def bus(*words):
+            return subprocess.run([HOIST, "bus", "--bus", f"slcan:{adapter.path}", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                  text=True, timeout=60, check=False)
+        for words in (("write", "drive_left", "velocity_gain", "0.2"), ("save", "drive_left"), ("load-defaults", "io")):
+            done = bus(*words)
+            check(done.returncode == 1 and "control computer is at work" in done.stderr, f"{words}: {done.returncode} {done.stderr}")
+        check(b"t60" not in adapter.heard, f"something was asked: {adapter.heard}")
+        done = bus("write", "drive_left", "velocity_gain", "0.2", "--force")
+        check(done.returncode == 1 and "does not answer" in done.stderr, f"forced: {done.returncode} {done.stderr}")
+        check(adapter.heard.count(b"t60182300220") == 3, f"asked three times: {adapter.heard}")
 
 
 def case_hoist_bus_without_a_bus(sim):

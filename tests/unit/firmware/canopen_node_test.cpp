@@ -250,6 +250,13 @@ TEST(CanopenNmt, StoppedAnswersNothingButNmt) {
   node.on_frame(canopen::sdo(kAskLeft, 0x40, 0x1017, 0, 0));
   node.on_frame(canopen::sync());
   EXPECT_TRUE(board.sent.empty());
+  // A transfer under way ends without a word, also when its client stays away.
+  node.on_frame(frame_of(0, {128, 1}));
+  EXPECT_EQ(ask(node, board, canopen::sdo(kAskLeft, 0x40, 0x1008, 0, 0)).data[0], 0x41);
+  node.on_frame(frame_of(0, {2, 1}));
+  board.sent.clear();
+  tick(node, 2000);
+  EXPECT_TRUE(board.with_id(kAnswerLeft).empty());
 }
 
 TEST(CanopenPdo, SynchronousOnesFollowEveryNthSync) {
