@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <linux/serial.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
@@ -66,6 +67,8 @@ void SlcanPort::open_device(std::uint64_t now_ns) noexcept {
     problem_ = errno == EACCES ? "the device may not be opened by this user" : "the device is not there";
     return;
   }
+  // Two programs on one line would take each other's frames away, and neither would hear what the other one sends.
+  if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) return close_device(now_ns, "another program has the device open");
   if (!set_up_line()) return close_device(now_ns, "the device is no serial line, or not at this rate");
   ::tcflush(fd_, TCIOFLUSH);
   decoder_.restart();

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "control/bus/can_port.hpp"
 #include "tests/unit/boot/boot_support.hpp"
 
 namespace hoist::firmware {
@@ -156,6 +157,22 @@ TEST_F(FirmwareCommand, UpdatesANodeOfTheSimulator) {
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.text.find("it runs 1.2.3"), std::string::npos) << refused.text;
   EXPECT_EQ(hoist("update " + bus + "--node drive_left " + file("new")).code, 1);
+}
+
+// A line without echo: whoever shares it with hoist-control would hear nothing of it. So the line itself is refused.
+TEST_F(FirmwareCommand, RefusesALineThatAnotherProgramHasOpen) {
+  start_simulator();
+  std::string error;
+  const auto port = bus::open_port("slcan:" + file("bus"), error);
+  ASSERT_TRUE(port) << error;
+  std::array<contract::CanFrame, 16> frames{};
+  port->receive(frames, 1);
+  write("new", make_image(1500, contract::image_version(1, 2, 3), 9, ImageKind::tilt));
+  for (const std::string& verb : {std::string("list"), "update --node tilt_left " + file("new")}) {
+    const Result refused = hoist(verb + " --bus slcan:" + file("bus"));
+    EXPECT_EQ(refused.code, 1) << refused.text;
+    EXPECT_NE(refused.text.find("another program has the device open"), std::string::npos) << refused.text;
+  }
 }
 
 }  // namespace
