@@ -5,7 +5,10 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
+
+#include "firmware/lib/convert.hpp"
 
 namespace hoist::firmware {
 namespace {
@@ -65,6 +68,61 @@ TEST(Trig, TheBitsAreThoseOfTheReference) {
     digest = (digest ^ std::bit_cast<std::uint32_t>(arctan2(y, x))) * 16777619U;
   }
   EXPECT_EQ(digest, 203874511U);
+}
+
+// In double every float and a half are exact.
+template <class Integer>
+Integer rounded(float value) {
+  if (std::isnan(value)) return 0;
+  const double nearest = std::round(static_cast<double>(value));  // halves away from zero
+  if (nearest <= static_cast<double>(std::numeric_limits<Integer>::min())) return std::numeric_limits<Integer>::min();
+  if (nearest >= static_cast<double>(std::numeric_limits<Integer>::max())) return std::numeric_limits<Integer>::max();
+  return static_cast<Integer>(nearest);
+}
+
+TEST(Convert, RoundsToTheNearestForEveryKindOfFloat) {
+  std::mt19937 random(8);
+  const auto check = [](float value) {
+    ASSERT_EQ(to_integer<std::int16_t>(value), rounded<std::int16_t>(value)) << value;
+    ASSERT_EQ(to_integer<std::uint16_t>(value), rounded<std::uint16_t>(value)) << value;
+    ASSERT_EQ(to_integer<std::int32_t>(value), rounded<std::int32_t>(value)) << value;
+    ASSERT_EQ(to_integer<std::uint32_t>(value), rounded<std::uint32_t>(value)) << value;
+    ASSERT_EQ(to_integer<std::int8_t>(value), rounded<std::int8_t>(value)) << value;
+  };
+  for (const float value : {0.0F,
+                            -0.0F,
+                            0.5F,
+                            -0.5F,
+                            0.49999997F,
+                            0.50000006F,
+                            1.5F,
+                            2.5F,
+                            -2.5F,
+                            127.5F,
+                            32767.0F,
+                            32767.5F,
+                            32766.5F,
+                            -32768.0F,
+                            -32768.5F,
+                            -32769.0F,
+                            65535.0F,
+                            65535.5F,
+                            8388607.5F,
+                            16777216.0F,
+                            2147483520.0F,
+                            2147483648.0F,
+                            -2147483648.0F,
+                            4294967040.0F,
+                            4294967296.0F,
+                            1e30F,
+                            -1e30F,
+                            1e-40F,
+                            std::numeric_limits<float>::infinity(),
+                            -std::numeric_limits<float>::infinity(),
+                            std::numeric_limits<float>::quiet_NaN()})
+    check(value);
+  for (int i = 0; i < 400000; ++i) check(std::bit_cast<float>(static_cast<std::uint32_t>(random())));
+  for (int i = -80000; i < 80000; ++i) check(static_cast<float>(i) * 0.25F);
 }
 
 }  // namespace
