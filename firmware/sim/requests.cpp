@@ -60,9 +60,11 @@ Answer op_state(World& world, const ProgramState& program, const json&) {
   const Plant& plant = world.plant();
   const Patient& patient = world.patient();
   const PlatformMotion& at = plant.platform();
-  json pulled = json::array();
-  for (std::size_t i = 0; i < contract::kNodes.size(); ++i)
+  json pulled = json::array(), in_loader = json::array();
+  for (std::size_t i = 0; i < contract::kNodes.size(); ++i) {
     if (world.unplugged(static_cast<Node>(i))) pulled.push_back(contract::kNodes[i].name);
+    if (world.in_loader(static_cast<Node>(i))) in_loader.push_back(contract::kNodes[i].name);
+  }
   return json{{"time_s", world.time_s()},
               {"x_m", at.x_m},
               {"y_m", at.y_m},
@@ -84,6 +86,7 @@ Answer op_state(World& world, const ProgramState& program, const json&) {
               {"supply_v", plant.supply_v()},
               {"bumpers", plant.bumpers()},
               {"unplugged", pulled},
+              {"in_loader", in_loader},
               {"bus_frames", world.bus_counters().frames},
               {"computer_attached", program.computer_attached},
               {"late", program.late},
