@@ -30,6 +30,7 @@ std::uint8_t lost_lately(const ClosedLoop& loop, Node node) { return loop.core()
 void expect_nobody_accused(const ClosedLoop& loop) {
   EXPECT_FALSE(loop.ever_raised(Fault::node_duplicate));
   EXPECT_FALSE(loop.ever_raised(Fault::node_babbling));
+  EXPECT_FALSE(loop.ever_raised(Fault::tilt_frozen));
   EXPECT_EQ(loop.record().duplicate_id, 0);
   EXPECT_EQ(loop.record().babbling_id, core::BusHealth::kNoId);
 }

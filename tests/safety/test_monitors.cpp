@@ -70,6 +70,10 @@ const std::vector<Trip>& trips() {
       {"counter stands", Fault::tilt_frozen, "H6", Mode::user, 4, [](ScriptedHoist& h) { h.tilt_left.frozen = true; }, nothing},
       {"angles stand while rolling", Fault::tilt_frozen, "H6", Mode::remote, 32,
        [](ScriptedHoist& h) { h.tilt_left.dither = h.tilt_right.dither = false; }, nothing},
+      {"one strut's chip stands while its twin moves", Fault::tilt_frozen, "H6", Mode::user, 34,
+       [](ScriptedHoist& h) { h.tilt_right.dither = false; }, nothing},
+      {"the chassis' gyroscopes stand", Fault::tilt_frozen, "H6", Mode::user, 22, [](ScriptedHoist& h) { h.tilt_base.dither = false; },
+       nothing},
       {"self-test failed", Fault::tilt_sensor_fault, "H8", Mode::user, 2, [](ScriptedHoist& h) { h.tilt_base.status = 3 | 16; }, nothing},
       {"samples invalid", Fault::tilt_sensor_fault, "H8", Mode::user, 6, [](ScriptedHoist& h) { h.tilt_right.status = 2; }, nothing},
       {"gyro saturated", Fault::tilt_sensor_fault, "H8", Mode::user, 6, [](ScriptedHoist& h) { h.tilt_right.status = 3 | 8; }, nothing},
@@ -186,10 +190,15 @@ TEST(Monitors, QuietJustBelowEveryThreshold) {
          if (i % 5 == 0) h.extra.push_back({0x1A5, 8, 0, {}});
        }},
       {"both struts send their rates too", Mode::user,
-       [](ScriptedHoist& h, int) {
-         h.extra.push_back({0x291, 6, 0, {}});
-         h.extra.push_back({0x292, 6, 0, {}});
+       [](ScriptedHoist& h, int i) {
+         h.extra.push_back({0x291, 6, 0, {static_cast<std::uint8_t>(i % 2)}});
+         h.extra.push_back({0x292, 6, 0, {static_cast<std::uint8_t>(i % 3)}});
        }},
+      {"a strut's chip that stands for 200 ms", Mode::user, [](ScriptedHoist& h, int i) { h.tilt_right.dither = i % 40 >= 20; }},
+      {"gyroscopes that stand for 180 ms", Mode::user, [](ScriptedHoist& h, int i) { h.tilt_base.dither = i % 30 >= 18; }},
+      {"two quiet struts on a hoist that rolls slowly", Mode::remote,
+       [](ScriptedHoist& h, int i) { h.tilt_left.dither = h.tilt_right.dither = i % 20 == 0; }},
+      {"a strut livelier than its twin", Mode::user, [](ScriptedHoist& h, int i) { h.tilt_left.dither = i % 10 < 5; }},
       {"one frame in a hundred of every node missing", Mode::user,
        [](ScriptedHoist& h, int i) {
          h.tilt_left.silent = i % 100 == 3;

@@ -1,5 +1,7 @@
 // One tilt sensor (left strut, right strut or chassis): TPDO1 with angles, status and sample counter, TPDO2 with rates.
 #pragma once
+#include <array>
+#include <bit>
 #include <cstdint>
 #include <numbers>
 
@@ -19,6 +21,7 @@ class TiltSensor {
     fresh_.next_tick();
     heard_.next_tick();
     repeat_counted_ = false;
+    rates_counted_ = false;
   }
 
   void take_angles(const contract::CanFrame& frame) noexcept {
@@ -44,6 +47,8 @@ class TiltSensor {
     }
     repeated_frames_ = 0;
     counter_ = counter;
+    judge_liveliness({static_cast<std::int32_t>(contract::read_slot(frame, kAlpha)), static_cast<std::int32_t>(contract::read_slot(frame, kBeta))},
+                     steps == 1);
     const double alpha_rad = static_cast<double>(contract::read_slot(frame, kAlpha)) * (kAlpha.scale * kRadPerDeg);
     const double beta_rad = static_cast<double>(contract::read_slot(frame, kBeta)) * (kBeta.scale * kRadPerDeg);
     // The sensor's own counter tells how much time lies between two samples, whatever the bus did to the frames.
@@ -65,6 +70,18 @@ class TiltSensor {
     using contract::Pdo;
     constexpr auto kYaw = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 1), kPitch = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 2),
                    kRoll = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 3);
+    const std::array<std::int32_t, 3> raw = {static_cast<std::int32_t>(contract::read_slot(frame, kYaw)),
+                                             static_cast<std::int32_t>(contract::read_slot(frame, kPitch)),
+                                             static_cast<std::int32_t>(contract::read_slot(frame, kRoll))};
+    // Yaw is as measured; pitch and roll are without the bias that the filter goes on learning, which moves them by a digit now and then.
+    const auto near = [&](std::size_t i) { return raw[i] - raw_rates_[i] <= 1 && raw_rates_[i] - raw[i] <= 1; };
+    if (raw[0] != raw_rates_[0] || !near(1) || !near(2)) {
+      same_rates_ = 0;
+    } else if (!rates_counted_ && same_rates_ < kOldestTicks) {
+      ++same_rates_;  // once a step: frames that come together, or too many of them, are no proof
+    }
+    rates_counted_ = true;
+    raw_rates_ = raw;
     yaw_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kYaw)) * (kYaw.scale * kRadPerDeg);
     pitch_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kPitch)) * (kPitch.scale * kRadPerDeg);
     roll_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kRoll)) * (kRoll.scale * kRadPerDeg);
@@ -88,7 +105,34 @@ class TiltSensor {
   /// Steps in a row that brought only the sample known already.
   [[nodiscard]] std::uint8_t repeated_frames() const noexcept { return repeated_frames_; }
 
+  /// Of the last kLivelySamples samples, those in which an angle changed its course by more than rounding does; -1 until so many are known.
+  [[nodiscard]] int lively_samples() const noexcept {
+    return judged_samples_ < kLivelySamples ? -1 : std::popcount(lively_ & ((1U << kLivelySamples) - 1U));
+  }
+  /// Steps in a row whose message brought the very same turn rate, and pitch and roll rates within a digit.
+  [[nodiscard]] std::uint8_t same_rates() const noexcept { return same_rates_; }
+  static constexpr int kLivelySamples = 30;
+
  private:
+  struct RawAngles {
+    std::int32_t alpha = 0, beta = 0;
+  };
+  // The second difference of rounded values that lie on a smooth curve is two steps at most: half a step of rounding, weighted 1, 2, 1.
+  static constexpr std::int32_t kRoundingSteps = 2;
+
+  void judge_liveliness(RawAngles now, bool next_sample) noexcept {
+    const RawAngles step{now.alpha - raw_.alpha, now.beta - raw_.beta};
+    raw_ = now;
+    // Only three samples in a row have a second difference; a lost frame says nothing.
+    steps_in_row_ = !next_sample ? std::uint8_t{0} : static_cast<std::uint8_t>(steps_in_row_ < 2 ? steps_in_row_ + 1 : 2);
+    const RawAngles bend{step.alpha - raw_step_.alpha, step.beta - raw_step_.beta};
+    raw_step_ = step;
+    if (steps_in_row_ < 2) return;
+    const auto bends = [](std::int32_t by) { return by > kRoundingSteps || by < -kRoundingSteps; };
+    lively_ = (lively_ << 1) | (bends(bend.alpha) || bends(bend.beta) ? 1U : 0U);
+    if (judged_samples_ < kLivelySamples) ++judged_samples_;
+  }
+
   static constexpr double kRadPerDeg = std::numbers::pi / 180.0;
   static constexpr double kSample_s = 0.01;          // 2103h
   static constexpr std::uint8_t kRateGapSteps = 20;  // over a longer gap a mean rate says nothing about now
@@ -97,8 +141,12 @@ class TiltSensor {
   double alpha_rate_rad_s_ = 0, beta_rate_rad_s_ = 0;
   double yaw_rate_rad_s_ = 0, pitch_rate_rad_s_ = 0, roll_rate_rad_s_ = 0;
   Freshness fresh_, heard_;
+  RawAngles raw_, raw_step_;
+  std::array<std::int32_t, 3> raw_rates_{};
+  std::uint32_t lively_ = 0;  // newest sample in bit 0
+  std::uint8_t judged_samples_ = 0, steps_in_row_ = 0, same_rates_ = 0;
   std::uint8_t status_ = 0, counter_ = 0, repeated_frames_ = 0;
-  bool known_ = false, repeat_counted_ = false;
+  bool known_ = false, repeat_counted_ = false, rates_counted_ = false;
 };
 
 }  // namespace hoist::core

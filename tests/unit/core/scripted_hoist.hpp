@@ -266,6 +266,9 @@ class ScriptedHoist {
       contract::CanFrame f{contract::pdo_cob_id(Pdo::tilt_tx2, Node::tilt_base), 6, 0, {}};
       constexpr contract::PdoSlot kYaw = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 1);
       contract::write_slot(f, kYaw, std::lround(tilt_base.yaw_rate_deg_s / kYaw.scale));
+      // No gyroscope is quiet in its last digit.
+      if (tilt_base.dither && !tilt_base.frozen)
+        contract::write_slot(f, kYaw, std::lround(tilt_base.yaw_rate_deg_s / kYaw.scale) + static_cast<std::int64_t>(tick_number % 3));
       frames.push_back(f);
     }
     const auto drive = [&](Node node, FakeDrive& d) {
