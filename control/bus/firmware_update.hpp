@@ -149,7 +149,7 @@ class FirmwareUpdate {
     namespace canopen = contract::canopen;
     if (over() || frame.flags != 0) return;
     const std::uint32_t service = frame.id & 0x780U;
-    if (phase_ == Phase::listening) {
+    if (phase_ <= Phase::entering_loader) {
       if (frame.id == canopen::kHeartbeatBase + contract::node_id(contract::Node::core) || frame.id == canopen::kSync ||
           frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_left) ||
           frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_right))

@@ -32,13 +32,13 @@ static_assert(kChip.ram_at == kRamStart && kChip.ram_bytes == kRamBytes);
 // A gateway has no place among the nodes: its loader uses the number below the computer's.
 constexpr std::uint8_t kGatewayLoader = 0x7E;
 
-// Reset, and faults: nothing else is ever enabled.
+// Reset, and faults. Nothing else is ever enabled and no SVC is executed, so the table ends here.
 union Vector {
   std::uint32_t* address;
   void (*handler)();
 };
 struct Vectors {
-  Vector at[16];
+  Vector at[8];
 };
 consteval Vectors make_vectors() {
   Vectors v{};
