@@ -89,6 +89,19 @@ def walks_and_every_frame_means_the_same_to_an_independent_reader():
     print(f"         {len(ours)} frames, {compared} values the same to both")
 
 
+def the_engineers_tool_reads_beside_the_computer_and_does_not_disturb_it():
+    again()
+    scan = run(os.path.join(BIN, "hoist"), "bus", "scan", "--bus", f"socketcan:{NAME}")
+    for node in ("drive_left", "drive_right", "io", "tilt_left", "tilt_right", "tilt_base"):
+        check(node in scan, f"{node} is not in what scan found: {scan}")
+    speed = run(os.path.join(BIN, "hoist"), "bus", "read", "drive_left", "velocity_gain", "--bus", f"socketcan:{NAME}")
+    check("0.12" in speed, f"velocity_gain: {speed}")
+    refused = subprocess.run([os.path.join(BIN, "hoist"), "bus", "write", "drive_left", "velocity_gain", "0.2", "--bus", f"socketcan:{NAME}"],
+                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False)
+    check(refused.returncode != 0, f"wrote into a drive beside a running computer: {refused.stdout}")
+    again()
+
+
 def a_link_that_goes_down_stops_the_hoist_and_it_comes_back():
     again()
     hoist.walk()
@@ -168,6 +181,7 @@ def main():
         hoist.start()
         code = run_suite("CoreOnVcan", [
             walks_and_every_frame_means_the_same_to_an_independent_reader,
+            the_engineers_tool_reads_beside_the_computer_and_does_not_disturb_it,
             a_link_that_goes_down_stops_the_hoist_and_it_comes_back,
             an_interface_that_is_removed_and_made_anew,
             bus_off_stops_the_hoist_until_the_controller_is_restarted,
