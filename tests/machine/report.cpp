@@ -15,17 +15,16 @@ namespace hoist::machine {
 namespace {
 
 constexpr double kBudget_cycles = 48'000;  // one millisecond at 48 MHz
-constexpr unsigned kWaits = 2;             // FLASHTIM for 48 MHz
 constexpr std::uint32_t kTicks = 20'000;
 
 struct Cost {
   std::uint64_t worst{}, total{}, instructions{}, worst_instructions{};
   std::uint32_t stack{};
 };
-std::optional<Cost> measure(const std::string& program, unsigned waits) {
+std::optional<Cost> measure(const std::string& program) {
   const auto image = load_elf(std::string(HOIST_PROGRAMS_DIR) + "/" + program + ".elf", kFlashBytes);
   if (!image) return std::nullopt;
-  LockstepCore core(*image, waits);
+  LockstepCore core(*image);
   Cost cost;
   for (std::uint32_t tick = 0; tick < kTicks; ++tick) {
     if (!core.tick()) return std::nullopt;
@@ -48,22 +47,19 @@ int report(double seconds) {
       "states for each 32-bit word fetched from it, as if nothing were fetched ahead: the truth lies between. A millisecond has 48000 "
       "clocks;\n"
       "the servo tick may take 12000.\n\n"
-      "## One tick of a node, without interrupts\n\n"
+      "## One tick of a node, without interrupts and flash waits\n\n"
       "20000 ticks with changing speeds (drive) and swaying (tilt; its work comes with every tenth tick).\n\n"
-      "| node | instructions, mean / worst | clocks, no waits, mean / worst | clocks, all waits, mean / worst | share of a millisecond, "
-      "worst |\n"
+      "| node | instructions, mean / worst | clocks, mean / worst | share of a millisecond, worst | stack, bytes |\n"
       "|---|---|---|---|---|\n");
   for (const char* name : {"drive", "tilt"}) {
-    const auto fast = measure(std::string("lockstep_") + name, 0), slow = measure(std::string("lockstep_") + name, kWaits);
-    if (!fast || !slow) {
+    const auto cost = measure(std::string("lockstep_") + name);
+    if (!cost) {
       std::fprintf(stderr, "machine-report: the programs are missing or do not run\n");
       return 1;
     }
-    std::printf("| %s | %.0f / %llu | %.0f / %llu | %.0f / %llu | %.1f to %.1f %% |\n", name,
-                static_cast<double>(fast->instructions) / kTicks, static_cast<unsigned long long>(fast->worst_instructions),
-                static_cast<double>(fast->total) / kTicks, static_cast<unsigned long long>(fast->worst),
-                static_cast<double>(slow->total) / kTicks, static_cast<unsigned long long>(slow->worst),
-                100.0 * static_cast<double>(fast->worst) / kBudget_cycles, 100.0 * static_cast<double>(slow->worst) / kBudget_cycles);
+    std::printf("| %s | %.0f / %llu | %.0f / %llu | %.1f %% | %u |\n", name, static_cast<double>(cost->instructions) / kTicks,
+                static_cast<unsigned long long>(cost->worst_instructions), static_cast<double>(cost->total) / kTicks,
+                static_cast<unsigned long long>(cost->worst), 100.0 * static_cast<double>(cost->worst) / kBudget_cycles, cost->stack);
   }
 
   const ImagesOrReason found = load_images();
