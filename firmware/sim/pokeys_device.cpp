@@ -38,7 +38,7 @@ bool PokeysDevice::answer(std::span<const std::uint8_t, kPacket> request, const 
       break;
     case 0xCC:
       if (request[2] != 0) return false;
-      reply[8] = static_cast<std::uint8_t>((pins.bumpers & 0x0FU) | (pins.switches << 4));
+      reply[8] = static_cast<std::uint8_t>((pins.bumpers & 0x0FU) | (static_cast<unsigned>(pins.switches) << 4));
       break;
     case 0x3A:
       for (std::size_t i = 0; i < pins.battery_v.size(); ++i) {
