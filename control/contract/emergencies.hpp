@@ -28,7 +28,8 @@ constexpr const EmergencyInfo& emergency_info(std::uint16_t code) {
 
 static_assert(kEmergencies.back().mask == 0, "emergencies.def: the last row is for every code");
 static_assert(unique_by(kEmergencies, [](const EmergencyInfo& e) { return e.name; }), "emergencies.def: a name is used twice");
-static_assert(all_rows(kEmergencies, [](const EmergencyInfo& e) { return (e.code & e.mask) == e.code && emergency_info(e.code).code == e.code; }),
+static_assert(all_rows(kEmergencies,
+                       [](const EmergencyInfo& e) { return (e.code & e.mask) == e.code && emergency_info(e.code).code == e.code; }),
               "emergencies.def: a row can never be reached");
 static_assert(all_rows(kEmergencies,
                        [](const EmergencyInfo& e) {

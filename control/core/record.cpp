@@ -26,13 +26,13 @@ void fill_health(const CoreState& state, const TickInputs& inputs, contract::Tic
   record.syncs_lost = health.syncs_lost();
   record.babbling_id = health.babbling_id();
   record.duplicate_id = health.duplicate_id();
-#define HOIST_FILL_NODE(name)                                                    \
-  record.name##_lost_frames = health.node(Node::name).lost_frames;              \
-  record.name##_lost_10s = health.node(Node::name).lost_10s;                  \
-  record.name##_emcy_code = health.node(Node::name).emcy_code;                  \
-  record.name##_emcy_count = health.node(Node::name).emcy_count;                \
-  record.name##_error_register = health.node(Node::name).error_register;        \
-  record.name##_nmt_state = state.master.nmt_state(Node::name);                 \
+#define HOIST_FILL_NODE(name)                                            \
+  record.name##_lost_frames = health.node(Node::name).lost_frames;       \
+  record.name##_lost_10s = health.node(Node::name).lost_10s;             \
+  record.name##_emcy_code = health.node(Node::name).emcy_code;           \
+  record.name##_emcy_count = health.node(Node::name).emcy_count;         \
+  record.name##_error_register = health.node(Node::name).error_register; \
+  record.name##_nmt_state = state.master.nmt_state(Node::name);          \
   record.name##_heartbeats_missed = state.master.heartbeats_missed(Node::name);
   HOIST_FILL_NODE(drive_left)
   HOIST_FILL_NODE(drive_right)

@@ -31,7 +31,8 @@ json words(std::string_view en, std::string_view de) { return {{"en", en}, {"de"
 
 json emergency_json(std::uint16_t code) {
   const contract::EmergencyInfo& info = contract::emergency_info(code);
-  return {{"code", code}, {"name", info.name}, {"text", words(info.text_en, info.text_de)}, {"detail", words(info.detail_en, info.detail_de)}};
+  return {
+      {"code", code}, {"name", info.name}, {"text", words(info.text_en, info.text_de)}, {"detail", words(info.detail_en, info.detail_de)}};
 }
 
 json node_json(const contract::TickRecord& record, const contract::NodeInfo& node) {
@@ -98,7 +99,8 @@ void get_health(const CallPtr& call) {
                            {"error_register", event->bits & 0xFFU},
                            {"emergency", emergency_json(static_cast<std::uint16_t>(event->code & 0xFFFFU))}});
   }
-  call->respond(json{{"connected", s.core.connected()}, {"nodes", std::move(nodes)}, {"bus", std::move(bus)}, {"emergencies", std::move(emergencies)}});
+  call->respond(json{
+      {"connected", s.core.connected()}, {"nodes", std::move(nodes)}, {"bus", std::move(bus)}, {"emergencies", std::move(emergencies)}});
 }
 
 }  // namespace hoist::server::api

@@ -85,9 +85,13 @@ const std::vector<Trip>& trips() {
       {"faster than allowed", Fault::overspeed, "H1", Mode::user, 8,
        [](ScriptedHoist& h) { h.drive_left.forced_m_s = h.drive_right.forced_m_s = 0.8; }, nothing},
       {"a second strut sensor with the same number", Fault::node_duplicate, "H30", Mode::user, 8, nullptr,
-       [](ScriptedHoist& h, int) { h.extra.push_back({0x191, 6, 0, {0, 0, 0, 0, 3, h.tilt_left.counter}}); }},
+       [](ScriptedHoist& h, int) {
+         h.extra.push_back({0x191, 6, 0, {0, 0, 0, 0, 3, h.tilt_left.counter}});
+       }},
       {"a second drive with the same number", Fault::node_duplicate, "H30", Mode::remote, 8, nullptr,
-       [](ScriptedHoist& h, int) { h.extra.push_back({0x182, 8, 0, {0x27, 0}}); }},
+       [](ScriptedHoist& h, int) {
+         h.extra.push_back({0x182, 8, 0, {0x27, 0}});
+       }},
       {"a second input node with the same number", Fault::node_duplicate, "H30", Mode::user, 40, nullptr,
        [](ScriptedHoist& h, int i) {
          if (i % 10 == 4) h.extra.push_back({0x708, 1, 0, {5}});
@@ -208,7 +212,10 @@ TEST(Monitors, QuietJustBelowEveryThreshold) {
          h.drive_right.silent = i % 100 == 71;
          h.io.silent = i % 100 == 90;
        }},
-      {"a bumper node that speaks with every step", Mode::user, [](ScriptedHoist& h, int) { h.extra.push_back({0x188, 2, 0, {}}); }},
+      {"a bumper node that speaks with every step", Mode::user,
+       [](ScriptedHoist& h, int) {
+         h.extra.push_back({0x188, 2, 0, {}});
+       }},
       {"batteries at 23.1 V", Mode::user, [](ScriptedHoist& h, int) { h.io.battery_a_v = h.io.battery_b_v = 11.55; }},
   };
   for (const Near& near : table) {

@@ -47,8 +47,9 @@ class TiltSensor {
     }
     repeated_frames_ = 0;
     counter_ = counter;
-    judge_liveliness({static_cast<std::int32_t>(contract::read_slot(frame, kAlpha)), static_cast<std::int32_t>(contract::read_slot(frame, kBeta))},
-                     steps == 1);
+    judge_liveliness(
+        {static_cast<std::int32_t>(contract::read_slot(frame, kAlpha)), static_cast<std::int32_t>(contract::read_slot(frame, kBeta))},
+        steps == 1);
     const double alpha_rad = static_cast<double>(contract::read_slot(frame, kAlpha)) * (kAlpha.scale * kRadPerDeg);
     const double beta_rad = static_cast<double>(contract::read_slot(frame, kBeta)) * (kBeta.scale * kRadPerDeg);
     // The sensor's own counter tells how much time lies between two samples, whatever the bus did to the frames.

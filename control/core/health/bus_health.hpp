@@ -121,8 +121,8 @@ class BusHealth {
   static constexpr std::size_t kWitnesses = 3;
 
   static constexpr std::array<FrameKind, 16> kKindOfFunction = {
-      FrameKind::other, FrameKind::emergency, FrameKind::other, FrameKind::tpdo1,     FrameKind::other, FrameKind::tpdo2,
-      FrameKind::other, FrameKind::tpdo3,     FrameKind::other, FrameKind::tpdo4,     FrameKind::other, FrameKind::sdo_reply,
+      FrameKind::other, FrameKind::emergency, FrameKind::other,     FrameKind::tpdo1, FrameKind::other, FrameKind::tpdo2,
+      FrameKind::other, FrameKind::tpdo3,     FrameKind::other,     FrameKind::tpdo4, FrameKind::other, FrameKind::sdo_reply,
       FrameKind::other, FrameKind::other,     FrameKind::heartbeat, FrameKind::other};
 
   [[nodiscard]] static std::size_t node_of_id(std::uint32_t id) noexcept {

@@ -19,10 +19,10 @@ inline constexpr std::uint8_t kNotPlanned = 0xFF;
 
 /// What the dictionary plans for one kind of frame of one node.
 struct FramePlan {
-  std::int32_t period = 0;   // in 1/kStreamUnit steps of its clock; 0 = the node does not send this evenly, or not at all
-  bool by_sync = false;      // its clock is the SYNC, else the control step
+  std::int32_t period = 0;           // in 1/kStreamUnit steps of its clock; 0 = the node does not send this evenly, or not at all
+  bool by_sync = false;              // its clock is the SYNC, else the control step
   std::uint8_t bytes = kNotPlanned;  // length of the frame
-  RateWatch::Budget budget;   // of frames that did not come in their time; of all where there is no period
+  RateWatch::Budget budget;          // of frames that did not come in their time; of all where there is no period
 };
 
 namespace detail {

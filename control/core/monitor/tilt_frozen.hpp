@@ -30,7 +30,8 @@ class TiltFrozen {
                           : static_cast<std::uint8_t>(constant_ticks_ < kConstantTicks ? constant_ticks_ + 1 : kConstantTicks);
     // One chip that repeats its last sample: the filter behind it glides smoothly to where that sample points, for many seconds, while the
     // other strut, on the same rigid bar, keeps changing its course.
-    const bool glides = rolling && (glides_beside(sensed.left_strut, sensed.right_strut) || glides_beside(sensed.right_strut, sensed.left_strut));
+    const bool glides =
+        rolling && (glides_beside(sensed.left_strut, sensed.right_strut) || glides_beside(sensed.right_strut, sensed.left_strut));
     // And where a sensor sends its rates as they are measured: three gyroscopes that never change their last digit.
     const bool same_rates = repeats_rates(sensed.left_strut) || repeats_rates(sensed.right_strut) || repeats_rates(sensed.base);
     return view.mode != contract::Mode::init && (counter_stands || constant_ticks_ == kConstantTicks || glides || same_rates);

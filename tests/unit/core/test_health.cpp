@@ -219,14 +219,14 @@ TEST(Health, ASyncThatReachedNobodyIsNoNodesFault) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
   for (int i = 0; i < 6; ++i) {
-    for (FakeNode* node : {static_cast<FakeNode*>(&hoist.drive_left), static_cast<FakeNode*>(&hoist.drive_right),
-                           static_cast<FakeNode*>(&hoist.tilt_left), static_cast<FakeNode*>(&hoist.tilt_right),
-                           static_cast<FakeNode*>(&hoist.tilt_base)})
+    for (FakeNode* node :
+         {static_cast<FakeNode*>(&hoist.drive_left), static_cast<FakeNode*>(&hoist.drive_right), static_cast<FakeNode*>(&hoist.tilt_left),
+          static_cast<FakeNode*>(&hoist.tilt_right), static_cast<FakeNode*>(&hoist.tilt_base)})
       node->silent = true;
     hoist.step();
-    for (FakeNode* node : {static_cast<FakeNode*>(&hoist.drive_left), static_cast<FakeNode*>(&hoist.drive_right),
-                           static_cast<FakeNode*>(&hoist.tilt_left), static_cast<FakeNode*>(&hoist.tilt_right),
-                           static_cast<FakeNode*>(&hoist.tilt_base)})
+    for (FakeNode* node :
+         {static_cast<FakeNode*>(&hoist.drive_left), static_cast<FakeNode*>(&hoist.drive_right), static_cast<FakeNode*>(&hoist.tilt_left),
+          static_cast<FakeNode*>(&hoist.tilt_right), static_cast<FakeNode*>(&hoist.tilt_base)})
       node->silent = false;
     hoist.step(72);
   }
