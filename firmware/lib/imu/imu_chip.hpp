@@ -83,8 +83,7 @@ class RegisterBusRef {
  public:
   // Not for itself: a copy must refer to the same bus, not to what it was copied from.
   template <RegisterBus Bus>
-    requires(!std::same_as<Bus, RegisterBusRef>)
-  constexpr explicit RegisterBusRef(Bus& bus)
+  requires(!std::same_as<Bus, RegisterBusRef>) constexpr explicit RegisterBusRef(Bus& bus)
       : bus_(&bus),
         write_([](void* b, std::uint8_t reg, std::uint8_t value) { return static_cast<Bus*>(b)->write(reg, value); }),
         read_([](void* b, std::uint8_t reg, std::span<std::uint8_t> out) { return static_cast<Bus*>(b)->read(reg, out); }) {}

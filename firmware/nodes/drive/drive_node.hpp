@@ -524,7 +524,7 @@ class DriveNode {
       const float room_share = room_v <= 0.0F ? 0.0F : room_v / kOverVoltageFold_v;
       if (room_share < share) share = room_share;
     }
-    if (!braking && supply_v_ < kSagBegin_v) {
+    if (!braking && powered() && supply_v_ < kSagBegin_v) {
       const float above_end_v = supply_v_ - kSagEnd_v;
       const float sag_share = above_end_v <= 0.0F ? kSagShare : kSagShare + (1.0F - kSagShare) / (kSagBegin_v - kSagEnd_v) * above_end_v;
       if (sag_share < share) share = sag_share;

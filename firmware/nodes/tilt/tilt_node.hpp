@@ -99,7 +99,7 @@ class TiltNode {
     failures_ = 0;
     start_age_ms_ = 0;
     stack_.values().template set<0x2221>(static_cast<std::uint8_t>(board_.reset_cause()));
-    set_mounting(stack_.values().template get<0x2104>());
+    if (!set_mounting(stack_.values().template get<0x2104>())) give_up(false);  // kept by a program that knew others
     sync_age_ms_ = kAgeMax;
     sample_age_ms_ = 0;
     gap_ms_ = 0;

@@ -142,7 +142,8 @@ TEST(SpeedEstimate, AfterAStandstillTheFirstEdgesAreNoneOfTheOldSpeed) {
 struct Ripple {
   double speed_rad_s = 0, duty = 0;
 };
-Ripple creep(bool edges, double uneven, double target_rad_s) {
+// cogging_n_m: the iron's pull, 24 times a turn; it is what a servo at a crawl has to smooth.
+Ripple creep(bool edges, double uneven, double target_rad_s, double cogging_n_m = 0) {
   sim::MotorConfig config;
   config.inertia_kg_m2 = 1.0e-3;
   sim::Motor motor(config);
@@ -166,7 +167,7 @@ Ripple creep(bool edges, double uneven, double target_rad_s) {
     }
     const auto output = law::servo_step(servo, state, input, 0.001F);
     const double before = motor.angle_rad();
-    motor.step(static_cast<double>(output.duty_norm) * 24.0, 0.0, 0.001);
+    motor.step(static_cast<double>(output.duty_norm) * 24.0, cogging_n_m * std::sin(24 * motor.angle_rad()), 0.001);
     encoder.step((motor.angle_rad() - before) / 0.001);
     if (i < kSettle) continue;
     sum += motor.speed_rad_s();
@@ -189,6 +190,17 @@ TEST(SpeedEstimate, TheServoIsSmoothAtTwoToThreeRadiansASecond) {
       EXPECT_LE(after.speed_rad_s, before.speed_rad_s + 0.005);
       EXPECT_LT(after.speed_rad_s, 0.05 * target);
     }
+  }
+}
+
+TEST(SpeedEstimate, WithCoggingTheShaftIsNoLessSteadyAndTheServoWorksLess) {
+  for (const double target : {2.0, 2.5, 3.0}) {
+    SCOPED_TRACE(target);
+    const Ripple before = creep(false, 0.15, target, 0.01), after = creep(true, 0.15, target, 0.01);
+    std::printf("creeping at %.1f rad/s over cogging: speed ripple %.4f -> %.4f rad/s, duty ripple %.4f -> %.4f\n", target,
+                before.speed_rad_s, after.speed_rad_s, before.duty, after.duty);
+    EXPECT_LE(after.speed_rad_s, 1.1 * before.speed_rad_s);
+    EXPECT_LE(after.duty, before.duty);
   }
 }
 
