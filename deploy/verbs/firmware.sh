@@ -11,9 +11,17 @@ build_tree build -DCMAKE_BUILD_TYPE=RelWithDebInfo -- firmware || die "the image
 [ -n "$(find build/firmware -maxdepth 1 -name '*.size' -print -quit 2>/dev/null)" ] ||
   die "no image was made: is arm-none-eabi-g++ installed? (deploy/packages, group firmware)"
 {
-  printf '# Sizes of the images\n\nWritten by deploy/dev firmware. Bytes. Flash without the loader in front of it; RAM with vectors, mailbox and the reserved stack.\n'
-  printf 'Compiler: %s\n\n' "$(arm-none-eabi-g++ -dumpfullversion)"
-  printf '| image | flash | of | RAM | of | of it stack |\n|---|---|---|---|---|---|\n'
+  cat <<TEXT
+<!-- Made by \`deploy/dev firmware\`; do not edit. -->
+
+# Sizes of the images
+
+Bytes, as $(arm-none-eabi-g++ -dumpfullversion) of arm-none-eabi-g++ makes them. Flash without the loader in front of it; RAM with vectors,
+mailbox and the reserved stack.
+
+| image | flash | of | RAM | of | of it stack |
+|---|---|---|---|---|---|
+TEXT
   sort build/firmware/*.size | while read -r name flash flash_most ram ram_most stack; do
     printf '| %s | %s | %s | %s | %s | %s |\n' "$name" "$flash" "$flash_most" "$ram" "$ram_most" "$stack"
   done
