@@ -157,7 +157,7 @@ void SlcanPort::become_up() noexcept {
 }
 
 // "s" and a letter with the two error counters: the controller's state has changed.
-void SlcanPort::on_state(const SlcanLine& line) noexcept {
+void SlcanPort::on_state(const SlcanLine& line, std::uint64_t now_ns) noexcept {
   const BusState before = counters_.state;
   counters_.state = line.state == 'a'   ? BusState::active
                     : line.state == 'w' ? BusState::warning
@@ -167,6 +167,7 @@ void SlcanPort::on_state(const SlcanLine& line) noexcept {
   counters_.tx_errors = line.tx_errors;
   if (counters_.state == BusState::off && before != BusState::off) {
     ++counters_.bus_offs;
+    off_since_ns_ = now_ns;
     unanswered_ = 0;  // what was under way is lost with the bus
   }
   if (state_ == State::up) become_up();
@@ -225,7 +226,7 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
           on_errors(line.text);
           break;
         case SlcanKind::state:
-          on_state(line);
+          on_state(line, now_ns);
           break;
         case SlcanKind::command:
           break;
@@ -246,6 +247,7 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
     unanswered_ = 0;
     if (++silences_ >= kSilencesBeforeSetup) begin_setup(now_ns);
   }
+  if (state_ == State::up && counters_.state == BusState::off && now_ns - off_since_ns_ >= kBusOffNs) begin_setup(now_ns);
   return count;
 }
 

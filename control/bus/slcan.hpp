@@ -33,12 +33,13 @@ class SlcanPort final : public CanPort {
   [[nodiscard]] static std::string baud_list();
 
   // Limits, each with its reason.
-  static constexpr std::uint64_t kRetryNs = 200'000'000;    // reopening a device that went away (research: 200 ms)
-  static constexpr std::uint64_t kAnswerNs = 50'000'000;    // silence after a `t` line that counts as a fault of the adapter
-  static constexpr std::uint64_t kSetupNs = 500'000'000;    // C, S5, E1, O must be answered within this
-  static constexpr std::uint32_t kWindow = 16;              // unanswered lines: two steps of the fullest traffic
-  static constexpr std::uint32_t kSilencesBeforeSetup = 4;  // then the adapter is set up again
-  static constexpr int kReadsPerStep = 4;                   // bounds the work of one step even on a babbling line
+  static constexpr std::uint64_t kRetryNs = 200'000'000;     // reopening a device that went away (research: 200 ms)
+  static constexpr std::uint64_t kAnswerNs = 50'000'000;     // silence after a `t` line that counts as a fault of the adapter
+  static constexpr std::uint64_t kSetupNs = 500'000'000;     // C, S5, E1, O must be answered within this
+  static constexpr std::uint32_t kWindow = 16;               // unanswered lines: two steps of the fullest traffic
+  static constexpr std::uint32_t kSilencesBeforeSetup = 4;   // then the adapter is set up again
+  static constexpr std::uint64_t kBusOffNs = 2'000'000'000;  // then the adapter is asked anew: the line that said "active" may be lost
+  static constexpr int kReadsPerStep = 4;                    // bounds the work of one step even on a babbling line
 
  private:
   enum class State : std::uint8_t { closed, setting_up, up };
@@ -47,7 +48,7 @@ class SlcanPort final : public CanPort {
   void close_device(std::uint64_t now_ns, const char* why) noexcept;
   void begin_setup(std::uint64_t now_ns) noexcept;
   void on_answer(bool accepted, std::uint64_t now_ns) noexcept;
-  void on_state(const contract::SlcanLine& line) noexcept;
+  void on_state(const contract::SlcanLine& line, std::uint64_t now_ns) noexcept;
   void on_errors(std::string_view text) noexcept;
   void become_up() noexcept;
   bool flush() noexcept;
@@ -64,6 +65,7 @@ class SlcanPort final : public CanPort {
   std::uint32_t unanswered_ = 0;
   std::uint64_t last_answer_ns_ = 0;
   std::uint32_t silences_ = 0;
+  std::uint64_t off_since_ns_ = 0;  // when the controller was said to be off the bus
   contract::SlcanDecoder decoder_;
   PortCounters counters_;
   std::atomic<const char*> problem_{"not opened yet"};

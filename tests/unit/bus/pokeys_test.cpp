@@ -395,8 +395,8 @@ TEST_F(StandIn, BehavesAsTheInputNode) {
       EXPECT_EQ(contract::read_le(&frame.data[2], 2), 1265U);
     }
   EXPECT_EQ(heartbeats, 10);
-  EXPECT_NEAR(inputs, 50, 1);
-  EXPECT_NEAR(batteries, 10, 1);
+  EXPECT_NEAR(inputs, 1000 / contract::pdo_info(contract::Pdo::io_tx1).period_ms, 1) << "as often as the dictionary says";
+  EXPECT_NEAR(batteries, 1000 / contract::pdo_info(contract::Pdo::io_tx2).period_ms, 1);
   node.on_frame(contract::canopen::nmt(contract::canopen::NmtCommand::stop, 0));
   EXPECT_FALSE(bumpers_within(20));
   node.on_frame(contract::canopen::nmt(contract::canopen::NmtCommand::reset_node, 8));

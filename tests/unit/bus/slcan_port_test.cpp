@@ -273,6 +273,30 @@ TEST_F(SlcanPortTest, BusOffOfTheAdapterStopsSendingUntilItIsBack) {
   EXPECT_EQ(port->send(out, now_ns), 1U);
 }
 
+TEST_F(SlcanPortTest, BusOffWhoseEndWasNotHeardIsAskedForAgain) {
+  bring_up();
+  adapter.say("sb000255\r");
+  receive();
+  now_ns += SlcanPort::kBusOffNs - 1;
+  receive();
+  EXPECT_EQ(adapter.heard(), "");
+  EXPECT_FALSE(port->up());
+  now_ns += 1;
+  receive();
+  EXPECT_EQ(adapter.heard(), "\rC\rS5\rE1\rO\r");
+  EXPECT_FALSE(port->up()) << "not before it has answered";
+  adapter.say("\r\r\r\r\rsb000255\r");  // still off, and says so
+  receive();
+  EXPECT_FALSE(port->up());
+  EXPECT_EQ(port->counters().bus_offs, 2U);
+  now_ns += SlcanPort::kBusOffNs;
+  receive();
+  adapter.heard();
+  adapter.say("\r\r\r\r\r");
+  receive();
+  EXPECT_TRUE(port->up());
+}
+
 TEST_F(SlcanPortTest, CountsErrorsTheAdapterTellsAndRefusesLinesThatCannotBe) {
   bring_up();
   adapter.say("e1a\re3boO\r");
