@@ -71,7 +71,7 @@ template <LoaderBoard Board>
 }
 
 inline constexpr std::uint32_t kLoaderHeartbeat_ms = 100;
-// A node that was asked into its loader, has a whole program and hears nothing for so long goes back to work.
+// A node that was asked into its loader or got a new program there, and hears nothing for so long, goes to work.
 inline constexpr std::uint32_t kLoaderPatience_ms = 60000;
 // The answer to "start" must be on the bus before the reset; a bus that does not take it for so long will not take it at all.
 inline constexpr std::uint32_t kLastAnswer_ms = 50;
@@ -245,7 +245,7 @@ class Loader {
     if (told > board_.chip().application_max) return SdoAbort::too_long;
     told_ = told;
     received_ = 0;
-    toggle_ = touched_ = false;
+    toggle_ = false;
     open_ = true;
     return SdoAbort::none;
   }
@@ -311,7 +311,6 @@ class Loader {
     length_ = contract::image_word(start, contract::kImageHeaderAt + 4);
     if (told_ != 0 && length_ != told_) return SdoAbort::length;
     whole_ = false;
-    touched_ = true;
     status_ = FlashStatus::no_program;
     return board_.erase(0) ? SdoAbort::none : failed(FlashStatus::write_failed);
   }
@@ -336,7 +335,8 @@ class Loader {
     const bool written = board_.write(0, first_);
     examine();
     if (!written || !whole_) return failed(FlashStatus::write_failed);
-    open_ = touched_ = false;
+    open_ = false;
+    reason_ = StartReason::asked;  // whatever it was before: there is something to start again, also when nobody says so
     forget_failures(board_.mailbox());
     return SdoAbort::none;
   }
@@ -372,7 +372,6 @@ class Loader {
   StartReason reason_;
   FlashStatus status_ = FlashStatus::no_program;
   bool whole_ = false;    // there is a program that may be started
-  bool touched_ = false;  // a transfer has begun to change the flash
   bool announced_ = false, leaving_ = false, open_ = false, toggle_ = false, answer_waiting_ = false;
   std::uint32_t after_reset_ = 0;  // what the mailbox says then
   std::uint32_t heartbeat_ms_ = 0, quiet_ms_ = 0;

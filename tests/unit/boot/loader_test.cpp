@@ -144,6 +144,17 @@ TEST_F(Start, AForgottenLoaderGoesBackToWork) {
   EXPECT_FALSE(board.restarted);  // without a program there is nothing to go back to
 }
 
+// The computer that sent it died before it said "start".
+TEST_F(Transfer, ANewProgramThatNobodyStartsStartsByItself) {
+  ASSERT_EQ(reset(LoaderReset::power_or_pin), StartReason::no_program);
+  ASSERT_EQ(download(make_image(2000, kNew)), 0U);
+  run(static_cast<int>(kLoaderPatience_ms) - 10);
+  EXPECT_FALSE(board.restarted);
+  run(20);
+  EXPECT_TRUE(board.restarted);
+  EXPECT_EQ(reset(LoaderReset::software), StartReason::application);
+}
+
 TEST_F(Transfer, ANewProgramIsTakenAndStarted) {
   burn_old();
   enter();
