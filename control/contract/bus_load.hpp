@@ -67,8 +67,9 @@ constexpr BusPlan bus_plan(SwitchedPdos switched = SwitchedPdos::as_planned) {
   for (std::size_t n = 0; n < kNodes.size(); ++n) {
     const Node node = static_cast<Node>(n);
     const std::uint32_t id = kNodes[n].id;
-    add({canopen::kHeartbeatBase + id, FrameKind::heartbeat, node, "heartbeat", 1, beat, kNodeJitterBits,
-         watch - kHeartbeatLossesTolerated * beat - beat});
+    const std::uint64_t own_beat = kNodes[n].kind == NodeKind::host ? canopen::kCoreHeartbeat_ms * kBitsPerMs : beat;
+    add({canopen::kHeartbeatBase + id, FrameKind::heartbeat, node, "heartbeat", 1, own_beat, kNodeJitterBits,
+         watch - kHeartbeatLossesTolerated * own_beat - own_beat});
     if (kNodes[n].kind == NodeKind::host) continue;
     add({canopen::kEmcyBase + id, FrameKind::emergency, node, "EMCY", 8, inhibit, 0, inhibit});
     for (const PdoInfo& p : kPdos) {

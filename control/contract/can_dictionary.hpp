@@ -388,6 +388,8 @@ constexpr void write_slot(CanFrame& frame, PdoSlot slot, std::int64_t value) {
 namespace canopen {
 inline constexpr std::uint32_t kNmt = 0x000, kSync = 0x080, kEmcyBase = 0x080, kSdoReplyBase = 0x580, kSdoRequestBase = 0x600,
                                kHeartbeatBase = 0x700;
+// The computer's own heartbeat. Drives wait 250 ms for it: four of five may be lost before one stops for want of it.
+inline constexpr std::uint32_t kCoreHeartbeat_ms = 50;
 enum class NmtCommand : std::uint8_t { start = 1, stop = 2, pre_operational = 128, reset_node = 129, reset_communication = 130 };
 enum class NmtState : std::uint8_t { boot_up = 0, stopped = 4, operational = 5, pre_operational = 127 };
 enum class SdoAbort : std::uint32_t {

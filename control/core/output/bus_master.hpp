@@ -127,7 +127,7 @@ class BusMaster {
   };
   static_assert(contract::kParamObjects.size() < 32, "unwritten holds a bit per row");
 
-  static constexpr std::uint64_t kHeartbeatTicks = 10;  // 100 ms
+  static constexpr std::uint64_t kHeartbeatTicks = contract::canopen::kCoreHeartbeat_ms / 10;
   static constexpr std::uint8_t kNodeHeartbeatTicks = 10, kHeartbeatLateTicks = 3;
   static constexpr std::uint8_t kSilenceTicks = 25;     // 250 ms, the consumer time of the plan
   static constexpr std::uint8_t kSdoTicks = 10;         // an answer later than 100 ms does not come (worst case of the load plan: 27 ms)

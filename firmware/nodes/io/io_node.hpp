@@ -1,4 +1,4 @@
-// The input board: bumpers and switches at once when they change and every 20 ms anyway, battery voltages every 100 ms; eight outputs that
+// The input board: bumpers and switches at once when they change and every 10 ms anyway, battery voltages every 100 ms; eight outputs that
 // the computer sets by RPDO1 and that go to their error values (6206h, 6207h) when it falls silent or the node is no longer operational.
 // CiA 401.
 #pragma once

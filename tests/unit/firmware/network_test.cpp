@@ -94,7 +94,7 @@ TEST_P(NetworkTest, AllBootUpAndTheCycleFitsItsTimes) {
   }
   for (const std::uint32_t id : {0x181U, 0x182U, 0x191U, 0x192U, 0x193U, 0x293U}) EXPECT_EQ(count[id], 1000) << std::hex << id;
   for (const std::uint32_t id : {0x281U, 0x282U}) EXPECT_EQ(count[id], 200) << std::hex << id;
-  EXPECT_EQ(count[0x188], 500);
+  EXPECT_EQ(count[0x188], 1000);
   EXPECT_EQ(count[0x288], 100);
   EXPECT_EQ(count[0x581], 500);
   for (const std::uint32_t id : {0x701U, 0x702U, 0x708U, 0x711U, 0x712U, 0x713U}) EXPECT_NEAR(count[id], 100, 1) << std::hex << id;

@@ -35,7 +35,7 @@ TEST(World, AllSixNodesBootAndTalkOnceStarted) {
     EXPECT_NEAR(host.count_by_id[contract::pdo_cob_id(contract::Pdo::tilt_tx1, node)], 98, 3);
   for (const Node node : {Node::drive_left, Node::drive_right})
     EXPECT_NEAR(host.count_by_id[contract::pdo_cob_id(contract::Pdo::drive_tx1, node)], 98, 3);
-  EXPECT_NEAR(host.count_by_id[contract::pdo_cob_id(contract::Pdo::io_tx1, Node::io)], 50, 3);
+  EXPECT_NEAR(host.count_by_id[contract::pdo_cob_id(contract::Pdo::io_tx1, Node::io)], 98, 3);
   EXPECT_EQ(world.bus_counters().rx_lost, 0U);
   EXPECT_EQ(world.bus_counters().tx_refused, 0U);
 }
