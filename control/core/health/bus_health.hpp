@@ -196,7 +196,11 @@ class BusHealth {
     std::size_t witnesses = 0;
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
       NodeWatch& watch = watches_[n];
-      for (std::size_t i = 0; i < kTpdoMax; ++i) lost[n][i] = watch.tpdo[i].settle();
+      for (std::size_t i = 0; i < kTpdoMax; ++i) {
+        lost[n][i] = watch.tpdo[i].settle();
+        const FramePlan& plan = kFramePlans[n][i];
+        if (!plan.by_sync && plan.period < 2 * kStreamUnit && watch.tpdo[i].wavers(clock_)) lost[n][i] = 0;
+      }
       lost[n][kTpdoMax] = watch.heartbeat.settle();
       if (!watch.tpdo[0].known() || !kFramePlans[n][0].by_sync) continue;
       ++witnesses;

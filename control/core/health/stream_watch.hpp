@@ -44,7 +44,10 @@ class StreamWatch {
     if (owed_ < least_) least_ = owed_;
     if (owed_ > most_) most_ = owed_;
     if (missed > 0) return Came::late;
-    return owed_ < 0 ? Came::too_many : Came::early;
+    if (owed_ < 0) return Came::too_many;
+    wavers_ = true;
+    wavered_at_ = now;
+    return Came::early;
   }
 
   /// At the end of a window: how many frames were missing during the whole of it. They are settled then, and so is a surplus.
@@ -55,6 +58,10 @@ class StreamWatch {
     return lost;
   }
 
+  /// Frames have come late and made up for it within the last seconds. A timer of about one step, seen in steps, does so while its clock
+  /// drifts across ours, and then misses a step without a frame being lost.
+  [[nodiscard]] bool wavers(std::uint32_t now) const noexcept { return wavers_ && now - wavered_at_ < kWaverPeriod; }
+
   /// The sender or the way to it began anew; nothing is expected until its next frame.
   void forget() noexcept { *this = StreamWatch{}; }
   [[nodiscard]] bool known() const noexcept { return known_; }
@@ -63,9 +70,11 @@ class StreamWatch {
   static constexpr std::int32_t kForgetPeriods = 100;  // a second of silence of a 10 ms stream: its sender is lost, which is another alarm
   static constexpr std::int32_t kFollow = 8;           // share of the observed offset by which the expectation follows
 
-  std::uint32_t due_ = 0;
+  static constexpr std::uint32_t kWaverPeriod = 500U * kStreamUnit;  // 5 s: at 100 ppm a frame needs that long past a millisecond of jitter
+
+  std::uint32_t due_ = 0, wavered_at_ = 0;
   std::int32_t owed_ = 0, least_ = 0, most_ = 0;  // frames that should have come and have not
-  bool known_ = false;
+  bool known_ = false, wavers_ = false;
 };
 
 }  // namespace hoist::core

@@ -287,13 +287,13 @@ class ScriptedHoist {
     drive(Node::drive_left, drive_left);
     drive(Node::drive_right, drive_right);
     if (runs(io)) {
-      if (tick_number % 2 == 0 || io.bumpers != last_bumpers_) {
+      if (tick_number % (contract::pdo_info(Pdo::io_tx1).period_ms / 10U) == 0 || io.bumpers != last_bumpers_) {
         contract::CanFrame f{contract::pdo_cob_id(Pdo::io_tx1, Node::io), 2, 0, {}};
         f.data[0] = io.bumpers;
         frames.push_back(f);
         last_bumpers_ = io.bumpers;
       }
-      if (tick_number % 10 == 0) {
+      if (tick_number % (contract::pdo_info(Pdo::io_tx2).period_ms / 10U) == 0) {
         contract::CanFrame g{contract::pdo_cob_id(Pdo::io_tx2, Node::io), 8, 0, {}};
         contract::write_slot(g, contract::pdo_slot(Pdo::io_tx2, 0x6401, 1), std::lround(io.battery_a_v * 100));
         contract::write_slot(g, contract::pdo_slot(Pdo::io_tx2, 0x6401, 2), std::lround(io.battery_b_v * 100));
