@@ -43,9 +43,9 @@ std::uint32_t symbol(const Image& image, const std::string& name) {
 
 int report(double seconds) {
   std::printf(
-      "# What the firmware costs on the LPC11C24\n\n"
-      "Written by `machine-report` (tests/machine): the images as they are flashed, run on a model of the chip at 48 MHz. Never measured "
-      "on\n"
+      "<!-- Made by `deploy/dev firmware`; do not edit. -->\n\n"
+      "<!-- Made by `deploy/dev firmware`; do not edit. -->\n\n# What the firmware costs on the LPC11C24\n\n"
+      "The images as they are flashed, run on a model of the chip (tests/machine) at 48 MHz. Never measured on\n"
       "silicon. Clocks are the Cortex-M0's (fast multiplier); *no waits* supposes a flash that always keeps up, *all waits* charges two "
       "wait\n"
       "states for each 32-bit word fetched from it, as if nothing were fetched ahead: the truth lies between. A millisecond has 48000 "
