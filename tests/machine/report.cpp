@@ -43,7 +43,6 @@ std::uint32_t symbol(const Image& image, const std::string& name) {
 
 int report(double seconds) {
   std::printf(
-      "<!-- Made by `deploy/dev firmware`; do not edit. -->\n\n"
       "<!-- Made by `deploy/dev firmware`; do not edit. -->\n\n# What the firmware costs on the LPC11C24\n\n"
       "The images as they are flashed, run on a model of the chip (tests/machine) at 48 MHz. Never measured on\n"
       "silicon. Clocks are the Cortex-M0's (fast multiplier); *no waits* supposes a flash that always keeps up, *all waits* charges two "
