@@ -32,6 +32,9 @@ TEST(Generated, NoFileIsLeftBehindByARemovedGenerator) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(top / folder)) {
       const auto path = std::filesystem::relative(entry.path(), top).generic_string();
       if (path.find(".gen.") == std::string::npos) continue;
+      // Measured ones are made by a verb of their own, which they name.
+      const std::string text = content_of(path), made_by = text.substr(0, text.find('\n'));
+      if (made_by.rfind("<!-- Made by `deploy/dev ", 0) == 0 && made_by.find("`deploy/dev gen`") == std::string::npos) continue;
       EXPECT_EQ(expected.count(path), 1U) << path << " is made by nothing";
     }
   }
