@@ -371,7 +371,7 @@ class Loader {
   std::uint8_t node_id_;
   StartReason reason_;
   FlashStatus status_ = FlashStatus::no_program;
-  bool whole_ = false;    // there is a program that may be started
+  bool whole_ = false;  // there is a program that may be started
   bool announced_ = false, leaving_ = false, open_ = false, toggle_ = false, answer_waiting_ = false;
   std::uint32_t after_reset_ = 0;  // what the mailbox says then
   std::uint32_t heartbeat_ms_ = 0, quiet_ms_ = 0;

@@ -82,7 +82,7 @@ struct ObjectTable {
   [[nodiscard]] static constexpr std::size_t size() { return kRows; }
   [[nodiscard]] constexpr ObjectRow operator[](std::size_t at) const {
     const PackedRow& row = rows[at];
-    return {row.index,       row.sub,         static_cast<ObjectType>(row.type), row.writable != 0, row.stored != 0, words[row.low],
+    return {row.index,       row.sub,           static_cast<ObjectType>(row.type), row.writable != 0, row.stored != 0, words[row.low],
             words[row.high], words[row.initial]};
   }
 

@@ -65,8 +65,9 @@ void fuzz_gateway_serial(Bytes input) {
            "only frames that can exist reach the bus");
     board.sent.clear();
     contract::SlcanDecoder decoder;
-    decoder.feed(std::span<const char>(board.to_host.data(), board.to_host.size()),
-                 [](const contract::SlcanLine& line) { must(line.kind != contract::SlcanKind::refused, "the gateway never answers nonsense"); });
+    decoder.feed(std::span<const char>(board.to_host.data(), board.to_host.size()), [](const contract::SlcanLine& line) {
+      must(line.kind != contract::SlcanKind::refused, "the gateway never answers nonsense");
+    });
     if (board.to_host.empty() || board.to_host.back() == '\r' || board.to_host.back() == '\a') board.to_host.clear();
   }
 }
@@ -77,7 +78,8 @@ std::vector<Input> seeds_gateway_serial() {
     return input;
   };
   Input session = host("\rC\rS5\rO\r");
-  for (const Input& part : {host("t0800\rt20160F0010270000\r"), Input{0x80, 0x81, 0x01, 8, 1, 2, 3, 4, 5, 6, 7, 8}, host("F\rV\rN\rO\rC\r")})
+  for (const Input& part :
+       {host("t0800\rt20160F0010270000\r"), Input{0x80, 0x81, 0x01, 8, 1, 2, 3, 4, 5, 6, 7, 8}, host("F\rV\rN\rO\rC\r")})
     session.insert(session.end(), part.begin(), part.end());
   return {session, host("S9\rO\rt0809\rU1\rZ1\rX1\rP\rA\rL\r")};
 }

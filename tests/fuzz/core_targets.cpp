@@ -135,7 +135,8 @@ void fuzz_core_commands(Bytes input) {
     }
     bench.step({}, commands, (what & 0x80U) != 0 ? &drive : nullptr);
     for (std::size_t i = 0; i < contract::kParamCount; ++i)
-      must(contract::check_param(i, contract::get_param(bench.state->params, i)) == contract::ParamCheck::ok, "no parameter leaves its range");
+      must(contract::check_param(i, contract::get_param(bench.state->params, i)) == contract::ParamCheck::ok,
+           "no parameter leaves its range");
   }
 }
 std::vector<Input> seeds_core_commands() {

@@ -82,7 +82,8 @@ void fuzz_bus_chunk(Bytes input) {
 std::vector<Input> seeds_bus_chunk() {
   std::vector<contract::BusRecord> frames;
   for (std::uint64_t i = 0; i < 60; ++i)
-    frames.push_back({1'000'000'000 + i * 1'000'000, static_cast<std::uint32_t>(0x180 + i % 5), 8, 0, static_cast<std::uint8_t>(i % 2), 0, i * 0x0101});
+    frames.push_back(
+        {1'000'000'000 + i * 1'000'000, static_cast<std::uint32_t>(0x180 + i % 5), 8, 0, static_cast<std::uint8_t>(i % 2), 0, i * 0x0101});
   db::Bytes blob;
   must(db::encode_bus(frames, blob) == db::CodecError::none, "good frames encode");
   return {blob};
@@ -132,7 +133,8 @@ void fuzz_websocket_frames(Bytes input) {
   must(whole == run(1), "how the stream is cut does not matter");
 }
 std::vector<Input> seeds_websocket_frames() {
-  return {input_of(masked(server::Opcode::text, R"({"type":"ping"})") + masked(server::Opcode::ping, "x") + masked(server::Opcode::close, "\x03\xe8")),
+  return {input_of(masked(server::Opcode::text, R"({"type":"ping"})") + masked(server::Opcode::ping, "x") +
+                   masked(server::Opcode::close, "\x03\xe8")),
           input_of("\x01\x81\x11\x22\x33\x44z" + masked(server::Opcode::continuation, "rest"))};
 }
 

@@ -35,7 +35,8 @@ void feed(N& node, firmware::TestBoard& board, Bytes input, Check&& check) {
     node.on_frame(frame);
     const bool sdo = frame.id == contract::canopen::kSdoRequestBase + node.stack().node_id();
     must(!sdo || board.sent.size() <= before + 1, "a request has at most one answer");
-    for (std::size_t i = before; i < board.sent.size(); ++i) must(board.sent[i].dlc <= 8 && board.sent[i].id <= 0x7FF, "only frames that can exist are sent");
+    for (std::size_t i = before; i < board.sent.size(); ++i)
+      must(board.sent[i].dlc <= 8 && board.sent[i].id <= 0x7FF, "only frames that can exist are sent");
     check();
     if (board.sent.size() > 1000) board.sent.clear();
   }

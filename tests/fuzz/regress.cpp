@@ -84,8 +84,7 @@ TEST_P(FuzzTarget, SurvivesKeptAndMutatedInputs) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, FuzzTarget, ::testing::ValuesIn(targets()),
-                         [](const auto& one) { return std::string(one.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, FuzzTarget, ::testing::ValuesIn(targets()), [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
 }  // namespace hoist::fuzz

@@ -4,7 +4,7 @@
 
 namespace hoist::fuzz {
 
-#define HOIST_FUZZ_TARGET(name)   \
+#define HOIST_FUZZ_TARGET(name)  \
   void fuzz_##name(Bytes input); \
   std::vector<Input> seeds_##name();
 #include "tests/fuzz/targets.def"

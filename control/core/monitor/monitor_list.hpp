@@ -28,8 +28,8 @@ using MonitorList = std::tuple<
     NodeLost<contract::Node::tilt_base, contract::Fault::tilt_base_lost>,
     NodeLost<contract::Node::drive_left, contract::Fault::drive_left_lost>,
     NodeLost<contract::Node::drive_right, contract::Fault::drive_right_lost>, NodeLost<contract::Node::io, contract::Fault::io_lost>,
-    BusDown, NodeDuplicate, NodeBabbling, DriveFault<true>, DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault, BumperPressed, FallDetected,
-    BatteryBelow<contract::Fault::battery_empty, &contract::Params::battery_empty_v>,
+    BusDown, NodeDuplicate, NodeBabbling, DriveFault<true>, DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault, BumperPressed,
+    FallDetected, BatteryBelow<contract::Fault::battery_empty, &contract::Params::battery_empty_v>,
     BatteryBelow<contract::Fault::battery_low, &contract::Params::battery_low_v>, RemoteCommandLost, ServerLost, Overspeed, LoopOverrun>;
 
 /// Runs every monitor; one bit per fault whose condition holds now.

@@ -129,8 +129,8 @@ class BusMaster {
 
   static constexpr std::uint64_t kHeartbeatTicks = contract::canopen::kCoreHeartbeat_ms / 10;
   static constexpr std::uint8_t kNodeHeartbeatTicks = 10, kHeartbeatLateTicks = 3;
-  static constexpr std::uint8_t kSilenceTicks = 25;     // 250 ms, the consumer time of the plan
-  static constexpr std::uint8_t kSdoTicks = 10;         // an answer later than 100 ms does not come (worst case of the load plan: 27 ms)
+  static constexpr std::uint8_t kSilenceTicks = 25;  // 250 ms, the consumer time of the plan
+  static constexpr std::uint8_t kSdoTicks = 10;      // an answer later than 100 ms does not come (worst case of the load plan: 27 ms)
   static constexpr std::uint8_t kSdoTries = 3;
   static constexpr std::uint8_t kNodeRest = 100;   // one second
   static constexpr std::uint8_t kStartTicks = 20;  // from NMT start to the first process data, with two heartbeats in between

@@ -408,7 +408,7 @@ TEST_F(PdoRecords, DescribeWhatIsSent) {
   EXPECT_EQ(read(0x1800, 1), 0x188U);
   EXPECT_EQ(read(0x1800, 2), 255U);
   EXPECT_EQ(read(0x1800, 3), 100U);
-  EXPECT_EQ(read(0x1800, 5), 20U);
+  EXPECT_EQ(read(0x1800, 5), 10U);
   EXPECT_EQ(read(0x1A00, 0), 2U);
   EXPECT_EQ(read(0x1A00, 1), 0x60000108U);
   EXPECT_EQ(read(0x1A01, 4), 0x64010410U);
