@@ -18,6 +18,10 @@ enum class CommandKind : std::uint32_t {
   commit_parameters = 7,  // a = number of staged rows, role in b; all or nothing
   set_pose = 8,           // v0 = x_m, v1 = y_m, v2 = psi_rad; standing still only
   set_neutral = 9,        // take the mean of the last second as neutral; standing still only; stored as parameters
+  // Service: nodes are in their loaders, the drives off, INIT stays until it ends. Engineer with the lease only.
+  begin_service = 10,  // role in b; on standby or in INIT; again while it is on: it goes on for another two seconds
+  service_frame = 11,  // a = CAN id, v0 = the eight data bytes as they are (std::bit_cast), v1 = how many of them; one a step
+  end_service = 12,
 };
 
 // One request of a client, in order. `request_id` comes back in the event that answers it.

@@ -25,6 +25,14 @@
 
 namespace hoist::core {
 
+/// INIT while nodes get new programs: frames of the engineer's tool pass, one a step, and the core itself asks no node anything.
+struct Service {
+  bool on = false;
+  bool waiting = false;          // `frame` leaves in this step
+  std::uint8_t quiet_ticks = 0;  // since the last word of the engineer's tool
+  contract::CanFrame frame;
+};
+
 /// What belongs to the mode in charge; begins anew with every change of mode, so that no mode remembers another.
 struct Motion {
   Braking braking = Braking::none;
@@ -34,6 +42,7 @@ struct Motion {
   std::uint32_t epoch = 0;   // lease with which the mode began
   std::uint64_t ticks = 0;   // steps since the mode began
   HoldWatch hold;            // PROTECTIVE_STOP: whether it does hold
+  Service service;           // INIT only
 };
 
 /// An acknowledgement that waits for a drive to leave its fault.

@@ -148,11 +148,14 @@ void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOu
       out.frames.push_back(drive_frame(Node::drive_left, state.left_control.step(state.sensed.left_drive, drives, cut), wheels.left_raw)));
   static_cast<void>(out.frames.push_back(
       drive_frame(Node::drive_right, state.right_control.step(state.sensed.right_drive, drives, cut), wheels.right_raw)));
-  state.master.step(inputs.tick, state.sensed, state.params, out.frames);
+  Service& service = state.motion.service;
+  state.master.step(inputs.tick, state.sensed, state.params, service.on, out.frames);
+  if (service.on && service.waiting) static_cast<void>(out.frames.push_back(service.frame));
+  service.waiting = false;
   static_cast<void>(out.frames.push_back(contract::canopen::sync()));
 
   const GateView view{state.mode, state.sensed.tilts_lost(), state.sensed.drives_lost(),
-                      state.remote.held() && state.remote.age_s(state.time_ns) < state.params.remote_stop_age_s};
+                      state.remote.held() && state.remote.age_s(state.time_ns) < state.params.remote_stop_age_s, service.on};
   bool refused = false;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.frames.size(); ++i) {

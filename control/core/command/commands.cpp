@@ -196,6 +196,37 @@ Verdict ask_acknowledge(CoreState& state, const Command& command) noexcept {
   return {bits, 0, wait};
 }
 
+// ----- service -----
+
+Verdict ask_service(CoreState& state, const Command& command) noexcept {
+  std::uint32_t bits = 0;
+  if (command.b != static_cast<std::uint32_t>(contract::Role::engineer)) bits |= refusal_bit(Refusal::not_allowed);
+  if (!state.lease.held_by(command.client, command.lease_epoch)) bits |= refusal_bit(Refusal::no_lease);
+  return {bits != 0 ? bits : begin_service(state), 0, false};
+}
+
+Verdict service_frame(CoreState& state, const Command& command) noexcept {
+  if (!state.lease.held_by(command.client, command.lease_epoch)) return refused(Refusal::no_lease);
+  Service& service = state.motion.service;
+  // One a step: a tool that sends more is not waiting for the answers.
+  if (!service.on || service.waiting) return refused(Refusal::out_of_order);
+  if (!(command.v1 >= 0.0 && command.v1 <= 8.0) || command.v1 != std::floor(command.v1)) return refused(Refusal::out_of_range);
+  contract::CanFrame frame{command.a, static_cast<std::uint8_t>(command.v1), 0, {}};
+  frame.data = std::bit_cast<decltype(frame.data)>(command.v0);
+  if (!SafetyGate::is_service_frame(frame)) return refused(Refusal::out_of_range);
+  service.frame = frame;
+  service.waiting = true;
+  service.quiet_ticks = 0;
+  return {};
+}
+
+Verdict end_service(CoreState& state, const Command& command) noexcept {
+  if (!state.lease.held_by(command.client, command.lease_epoch)) return refused(Refusal::no_lease);
+  if (!state.motion.service.on) return refused(Refusal::out_of_order);
+  state.motion.service = {};
+  return {};
+}
+
 Verdict execute(CoreState& state, const Command& command) noexcept {
   switch (command.kind) {
     case CommandKind::stop:
@@ -217,6 +248,12 @@ Verdict execute(CoreState& state, const Command& command) noexcept {
       return set_pose(state, command);
     case CommandKind::set_neutral:
       return set_neutral(state, command);
+    case CommandKind::begin_service:
+      return ask_service(state, command);
+    case CommandKind::service_frame:
+      return service_frame(state, command);
+    case CommandKind::end_service:
+      return end_service(state, command);
     case CommandKind::none:
       break;
   }

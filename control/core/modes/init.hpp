@@ -8,10 +8,20 @@ struct InitMode {
   static constexpr contract::Mode kMode = contract::Mode::init;
   /// Everything must hold this long before STANDBY: a node that comes and goes is not there.
   static constexpr std::uint8_t kClearTicks = 10;
+  /// A tool that says nothing for two seconds has gone; a node that restarts needs less.
+  static constexpr std::uint8_t kServiceTicks = 200;
 
   static void enter(CoreState& state) noexcept { state.clear_ticks = 0; }
 
   static Wish step(CoreState& state, double /*dt_s*/) noexcept {
+    Service& service = state.motion.service;
+    if (service.on) {
+      // Whoever began it must still hold the lease, and be reachable.
+      const bool led = state.lease.holder != 0 && state.lease.epoch == state.motion.epoch && state.server.alive();
+      if (!led || ++service.quiet_ticks >= kServiceTicks) service = {};
+      state.clear_ticks = 0;
+      return {};
+    }
     const Estimate& sensed = state.sensed;
     const auto sound = [](const TiltSensor& tilt) {
       return !tilt.fresh().stale() && !tilt.has(tilt_status::kSelfTestFailed) && !tilt.has(tilt_status::kGyroSaturated);

@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "control/contract/can_dictionary.hpp"
+#include "control/contract/firmware_image.hpp"
 #include "control/contract/params.hpp"
 #include "control/core/estimate/estimate.hpp"
 #include "control/core/types.hpp"
@@ -36,15 +37,16 @@ class BusMaster {
       if (busy_ && sdo_node_ == node) busy_ = false;
       link.phase = Phase::identify;
       link.rest_ticks = 0;
-    } else if (link.phase == Phase::absent && link.rest_ticks == 0) {
+    } else if (link.phase == Phase::absent && link.rest_ticks == 0 && !hands_off_) {
       link.phase = Phase::identify;
     }
     return boot;
   }
 
-  /// False when nobody asked for this.
+  /// False when nobody asked for this. While the hands are off somebody else asks.
   [[nodiscard]] bool take_sdo_reply(contract::Node node, const contract::CanFrame& frame) noexcept {
     namespace canopen = contract::canopen;
+    if (hands_off_) return true;
     if (!busy_ || node != sdo_node_) return false;
     if (contract::read_le(&frame.data[1], 2) != sdo_index_ || frame.data[3] != sdo_sub_) return false;
     Link& link = links_[static_cast<std::size_t>(node)];
@@ -57,6 +59,13 @@ class BusMaster {
     if (sdo_param_ == kIdentity) {
       if (frame.data[0] != canopen::sdo_upload_reply_command(4)) return false;
       link.product = contract::read_le(&frame.data[4], 4);
+      if ((link.product & contract::kLoaderProduct) != 0) {
+        // In its loader it has no parameters and does not run. One with a whole program goes back to work by itself, unless it is asked.
+        busy_ = false;
+        link.phase = Phase::absent;
+        link.rest_ticks = kLoaderRest;
+        return true;
+      }
       link.unwritten = params_of(node);
       link.phase = Phase::configure;
     } else {
@@ -79,11 +88,22 @@ class BusMaster {
     }
   }
 
-  /// NMT and SDO frames of this step, then the heartbeat when it is due. SYNC is the caller's, last of all.
+  /// NMT and SDO frames of this step, then the heartbeat when it is due. SYNC is the caller's, last of all. `hands_off`: somebody else
+  /// asks the nodes, and a question of ours would end what is under way there; afterwards each node is met anew.
   template <std::size_t N>
-  void step(std::uint64_t tick, const Estimate& sensed, const contract::Params& params, FixedVector<contract::CanFrame, N>& out) noexcept {
+  void step(std::uint64_t tick, const Estimate& sensed, const contract::Params& params, bool hands_off,
+            FixedVector<contract::CanFrame, N>& out) noexcept {
     namespace canopen = contract::canopen;
     if (tick % kHeartbeatTicks == 0) send(out, canopen::heartbeat(contract::node_id(contract::Node::core), canopen::NmtState::operational));
+    hands_off_ = hands_off;
+    if (hands_off) {
+      for (Link& link : links_) {
+        link.phase = Phase::absent;
+        link.rest_ticks = 0;
+      }
+      busy_ = all_running_ = false;
+      return;
+    }
     all_running_ = true;
     for (std::size_t n = 0; n < links_.size(); ++n) {
       advance(static_cast<contract::Node>(n), sensed, out);
@@ -122,7 +142,7 @@ class BusMaster {
     Phase phase = Phase::absent;
     std::uint8_t state = 255;
     std::uint8_t heartbeat_age_ticks = kOldestTicks;
-    std::uint8_t rest_ticks = 0;
+    std::uint16_t rest_ticks = 0;
     std::uint8_t start_ticks = 0;
   };
   static_assert(contract::kParamObjects.size() < 32, "unwritten holds a bit per row");
@@ -133,6 +153,7 @@ class BusMaster {
   static constexpr std::uint8_t kSdoTicks = 10;      // an answer later than 100 ms does not come (worst case of the load plan: 27 ms)
   static constexpr std::uint8_t kSdoTries = 3;
   static constexpr std::uint8_t kNodeRest = 100;   // one second
+  static constexpr std::uint16_t kLoaderRest = 9000;  // a minute and a half: a loader waits one minute for somebody who asks
   static constexpr std::uint8_t kStartTicks = 20;  // from NMT start to the first process data, with two heartbeats in between
   static constexpr std::size_t kIdentity = 31;     // the request that is no parameter: 1018h:2
 
@@ -245,7 +266,7 @@ class BusMaster {
   contract::Node sdo_node_ = contract::Node::core;
   std::uint16_t sdo_index_ = 0;
   std::uint8_t sdo_sub_ = 0, sdo_ticks_ = 0, sdo_tries_ = 0;
-  bool busy_ = false, all_running_ = false;
+  bool busy_ = false, all_running_ = false, hands_off_ = false;
 };
 
 }  // namespace hoist::core

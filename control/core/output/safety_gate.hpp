@@ -7,6 +7,7 @@
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/faults.hpp"
+#include "control/contract/firmware_image.hpp"
 #include "control/contract/params.hpp"
 #include "control/core/derived.hpp"
 #include "control/core/output/wheel_mixing.hpp"
@@ -19,6 +20,7 @@ struct GateView {
   bool tilts_lost = true;     // patient-led walking without a tilt
   bool drives_lost = true;    // either drive silent
   bool driver_fresh = false;  // a held driving command younger than remote_stop_age_s
+  bool service = false;       // nodes get new programs
 };
 
 class SafetyGate {
@@ -38,6 +40,30 @@ class SafetyGate {
     if (frame.id == canopen::kNmt) return judge_nmt(frame);
     if (frame.id > canopen::kSdoRequestBase && frame.id < canopen::kHeartbeatBase) return judge_sdo(frame, view);
     return false;
+  }
+
+  /// What an engineer's tool may send while nodes get new programs: to one node of ours, to hold or start it, to ask it anything, and to
+  /// write the objects of the program (CiA 302-3) and nothing else. A segment needs no look: the transfer it belongs to had one.
+  [[nodiscard]] static bool is_service_frame(const contract::CanFrame& frame) noexcept {
+    namespace canopen = contract::canopen;
+    if (frame.flags != 0) return false;
+    if (frame.id == canopen::kNmt) return judge_nmt(frame);
+    if (frame.id <= canopen::kSdoRequestBase || frame.id >= canopen::kHeartbeatBase || frame.dlc != 8) return false;
+    const auto node = contract::find_node(static_cast<std::uint8_t>(frame.id - canopen::kSdoRequestBase));
+    if (!node || *node == contract::Node::core) return false;
+    const auto index = static_cast<std::uint16_t>(contract::read_le(&frame.data[1], 2));
+    switch (frame.data[0] >> 5U) {
+      case 0:  // a segment to the node
+      case 2:  // the beginning of an upload
+      case 3:  // a segment from the node
+        return true;
+      case 1:  // the beginning of a download
+        return index >= contract::kProgramData && index <= contract::kFlashStatus && frame.data[3] == 1;
+      case 4:
+        return frame.data[0] == canopen::kSdoAbort;
+      default:  // block transfers, which no node of ours knows
+        return false;
+    }
   }
 
   /// What leaves instead of a refused drive command: no motion, and the drive holds zero if the mode lets it hold.
@@ -133,6 +159,7 @@ class SafetyGate {
   [[nodiscard]] static bool judge_sdo(const contract::CanFrame& frame, const GateView& view) noexcept {
     namespace canopen = contract::canopen;
     if (frame.dlc != 8) return false;
+    if (view.service && view.mode == contract::Mode::init && is_service_frame(frame)) return true;
     const auto node = contract::find_node(static_cast<std::uint8_t>(frame.id - canopen::kSdoRequestBase));
     if (!node || *node == contract::Node::core) return false;
     const contract::NodeKind kind = contract::kNodes[static_cast<std::size_t>(*node)].kind;

@@ -157,6 +157,18 @@ std::uint32_t request_mode(CoreState& state, Mode to) noexcept {
   return 0;
 }
 
+std::uint32_t begin_service(CoreState& state) noexcept {
+  if (state.mode != Mode::init) {
+    if (find_transition(state.mode, Mode::init, Asker::engineer) == nullptr) return refusal_bit(Refusal::not_standby);
+    if (!at_rest(state)) return refusal_bit(Refusal::moving);
+    change_mode(state, Mode::init);
+  }
+  state.motion.epoch = state.lease.epoch;
+  state.motion.service.on = true;
+  state.motion.service.quiet_ticks = 0;
+  return 0;
+}
+
 void finish_mode(CoreState& state) noexcept {
   if (find_transition(state.mode, Mode::standby, Asker::core) != nullptr) change_mode(state, Mode::standby);
 }

@@ -12,6 +12,7 @@ enum class Asker : std::uint8_t {
   core,             // the mode itself is finished, or a fault with the reaction soft_stop
   fault,            // a fault with the reaction protective_stop; STOP is one of them and open to anyone
   driver,           // the lease holder
+  engineer,         // the lease holder with this role: service
   acknowledgement,  // the lease holder, when the cause is gone and the hoist has stood for a second
 };
 
@@ -26,6 +27,7 @@ inline constexpr std::array kTransitions{
     Transition{contract::Mode::init, contract::Mode::protective_stop, Asker::fault, false},
     Transition{contract::Mode::standby, contract::Mode::user, Asker::driver, false},
     Transition{contract::Mode::standby, contract::Mode::remote, Asker::driver, false},
+    Transition{contract::Mode::standby, contract::Mode::init, Asker::engineer, false},
     Transition{contract::Mode::standby, contract::Mode::protective_stop, Asker::fault, false},
     Transition{contract::Mode::user, contract::Mode::standby, Asker::driver, true},
     Transition{contract::Mode::user, contract::Mode::standby, Asker::core, true},
@@ -65,6 +67,9 @@ void raise_fault(CoreState& state, contract::Fault fault) noexcept;
 
 /// The lease holder asks for a mode; `to` is a mode of the table. Refusal bits, 0 = done or under way.
 [[nodiscard]] std::uint32_t request_mode(CoreState& state, contract::Mode to) noexcept;
+/// The lease holder, an engineer, wants nodes to get new programs: INIT, and it stays. Also from INIT, where a node without a program keeps
+/// the hoist. Refusal bits, 0 = service is on.
+[[nodiscard]] std::uint32_t begin_service(CoreState& state) noexcept;
 /// The mode in charge says that it is finished.
 void finish_mode(CoreState& state) noexcept;
 

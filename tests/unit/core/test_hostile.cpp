@@ -33,7 +33,7 @@ TEST(Hostile, AHundredThousandRandomCommandsChangeNothing) {
       for (auto& w : words) w = random();
       std::memcpy(static_cast<void*>(&c), words, sizeof c);
       // One in two has a kind that exists; STOP is left out, because that one is never refused.
-      if (i % 2 == 0) c.kind = static_cast<CommandKind>(2 + random() % 8);
+      if (i % 2 == 0) c.kind = static_cast<CommandKind>(2 + random() % 11);
       if (c.kind == CommandKind::stop) c.kind = CommandKind::none;
       hoist.commands.push_back(c);
       ++sent;
@@ -65,7 +65,7 @@ TEST(Hostile, InOrderCommandsWithRandomContentNeitherMoveNorBreakTheRanges) {
       for (auto& w : words) w = random();
       std::memcpy(static_cast<void*>(&c), words, sizeof c);
       c.sequence = ++hoist.sequence;
-      c.kind = static_cast<CommandKind>(2 + random() % 8);
+      c.kind = static_cast<CommandKind>(2 + random() % 11);
       c.client = static_cast<std::uint32_t>(random() % 3);  // 7 holds the lease
       c.a %= 100;
       c.b %= 3;
