@@ -11,6 +11,7 @@
 #include "server/http/auth.hpp"
 #include "server/http/listener.hpp"
 #include "server/link/core_desk.hpp"
+#include "server/link/firmware_desk.hpp"
 #include "server/live/hub.hpp"
 #include "server/record/recorder.hpp"
 #include "server/services.hpp"
@@ -38,6 +39,7 @@ struct App::Parts {
   explicit Parts(Settings settings_in)
       : settings(std::move(settings_in)),
         core(settings.socket_path, counters),
+        firmware(core),
         recorder(core.link(), {.file = settings.db_path, .version = std::string{kVersion}, .utc_ns = &utc_ns, .steady_ns = &steady_ns}),
 
         timer(io),
@@ -64,9 +66,12 @@ struct App::Parts {
   void poll() {
     const std::uint64_t now = steady_ns();
     core.poll(now);
+    firmware.poll(now);
     hub.poll(now);
     // A lease taken over REST has no connection that could end: it is given back when its session falls silent.
     for (const SessionPtr& session : auth->sessions()) {
+      // Whoever watches an update does not have to ask all the time.
+      if (session->client != 0 && session->client == firmware.client()) session->used_ns = now;
       if (session->client == 0 || core.lease_holder() != session->client || now - session->used_ns < kRestLease_ns) continue;
       session->used_ns = now;
       act_release_lease(*services, {session->client, core.lease_epoch(), session->role}, [](const Outcome&) {});
@@ -87,6 +92,7 @@ struct App::Parts {
   Counters counters;
   asio::io_context io{1};
   CoreDesk core;
+  FirmwareDesk firmware;
   Recorder recorder;
   Hub hub;
   std::unique_ptr<Auth> auth;
@@ -122,6 +128,7 @@ bool App::start(std::string& error) {
                                 .counters = p.counters,
                                 .auth = *p.auth,
                                 .core = p.core,
+                                .firmware = p.firmware,
                                 .hub = p.hub,
                                 .recorder = p.recorder,
                                 .now_ns = &steady_ns,

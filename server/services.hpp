@@ -8,6 +8,7 @@
 #include "server/counters.hpp"
 #include "server/http/auth.hpp"
 #include "server/link/core_desk.hpp"
+#include "server/link/firmware_desk.hpp"
 #include "server/record/recorder.hpp"
 #include "server/settings.hpp"
 
@@ -22,6 +23,7 @@ struct Services {
   Counters& counters;
   Auth& auth;
   CoreDesk& core;
+  FirmwareDesk& firmware;
   Hub& hub;
   Recorder& recorder;
   std::function<std::uint64_t()> now_ns;            // steady

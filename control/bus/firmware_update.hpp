@@ -153,9 +153,10 @@ class FirmwareUpdate {
     if (over() || frame.flags != 0) return;
     const std::uint32_t service = frame.id & 0x780U;
     if (phase_ <= Phase::entering_loader) {
-      if (!options_.guarded && (frame.id == canopen::kHeartbeatBase + contract::node_id(contract::Node::core) || frame.id == canopen::kSync ||
-                                frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_left) ||
-                                frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_right)))
+      if (!options_.guarded &&
+          (frame.id == canopen::kHeartbeatBase + contract::node_id(contract::Node::core) || frame.id == canopen::kSync ||
+           frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_left) ||
+           frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_right)))
         return fail(Failure::computer_active);
       for (std::size_t i = 0; i < kDrives.size(); ++i)
         if (frame.id == canopen::kHeartbeatBase + contract::node_id(kDrives[i])) drive_heard_[i] = true;

@@ -257,6 +257,14 @@ void act_set(Services& services, const Asker& asker, const json& values, Outcome
   set_values(services, asker, std::move(rows), std::move(done));
 }
 
+void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
+                         OutcomeDone done) {
+  Command command = command_of(CommandKind::begin_service, asker);
+  command.b = static_cast<std::uint32_t>(asker.role);
+  services.firmware.begin(std::move(image), node, force, command,
+                          [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); });
+}
+
 void act_preset(Services& services, const Asker& asker, const std::string& name, OutcomeDone done) {
   std::vector<std::pair<std::uint32_t, double>> rows;
   for (const contract::PresetValue& v : contract::kPresetValues)

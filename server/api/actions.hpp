@@ -40,6 +40,9 @@ void act_neutral(Services& services, const Asker& asker, OutcomeDone done);
 void act_pose(Services& services, const Asker& asker, const nlohmann::json& pose, OutcomeDone done);
 // {name: number, …}, all or nothing.
 void act_set(Services& services, const Asker& asker, const nlohmann::json& values, OutcomeDone done);
+// Puts a checked program into a node; done when the core lets it begin.
+void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
+                         OutcomeDone done);
 void act_preset(Services& services, const Asker& asker, const std::string& name, OutcomeDone done);
 
 [[nodiscard]] std::vector<std::string> refusal_names(std::uint32_t bits);

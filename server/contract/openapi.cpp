@@ -62,7 +62,9 @@ json operation_of(const Route& route) {
   operation["x-role"] = access_name(route.access);
   if (route.access == Access::open) operation["security"] = json::array();
   if (json inputs = parameters_of(route); !inputs.empty()) operation["parameters"] = std::move(inputs);
-  if (!route.request.empty())
+  if (route.request.find('/') != std::string_view::npos)
+    operation["requestBody"] = {{"required", true}, {"content", {{std::string{route.request}, json::object()}}}};
+  else if (!route.request.empty())
     operation["requestBody"] = {{"required", route.request != "Empty" && route.request != "LeaseRequest"},
                                 {"content", {{"application/json", {{"schema", reference(route.request)}}}}}};
   json success{{"description", route.success == 101 ? "The connection is a WebSocket from here" : "Done"}};

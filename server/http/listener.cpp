@@ -139,7 +139,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     }
     parser_.emplace();
     parser_->header_limit(static_cast<std::uint32_t>(kHeaderLimit_bytes));
-    parser_->body_limit(kBodyLimit_bytes);
+    parser_->body_limit(kImageLimit_bytes);
+    body_limit_ = kImageLimit_bytes;
     limit_time(seconds);
     http::async_read_header(socket_, buffer_, *parser_,
                             [self = shared_from_this()](beast::error_code error, std::size_t) { self->on_header(error); });
@@ -171,6 +172,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return;
     }
     busy_ = true;
+    if (!beast::iequals(parser_->get()[http::field::content_type], "application/octet-stream")) {
+      body_limit_ = kBodyLimit_bytes;
+      parser_->body_limit(kBodyLimit_bytes);
+      if (const auto length = parser_->content_length(); length && *length > kBodyLimit_bytes) {
+        refuse(http::error::body_limit);
+        return;
+      }
+    }
     if (beast::iequals(parser_->get()[http::field::expect], "100-continue")) {
       static const std::string kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
       asio::async_write(socket_, asio::buffer(kContinue), [self = shared_from_this()](beast::error_code failed, std::size_t) {
@@ -223,7 +232,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
       problem = {.status = 413,
                  .name = "body-too-large",
                  .title = "The body is too large",
-                 .detail = "At most " + std::to_string(kBodyLimit_bytes) + " bytes."};
+                 .detail = "At most " + std::to_string(body_limit_) + " bytes."};
     } else {
       counters.add(Count::http_refused_malformed);
     }
@@ -363,6 +372,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   asio::steady_timer deadline_;
   std::string address_;
   std::shared_ptr<void> seat_;
+  std::size_t body_limit_ = kImageLimit_bytes;  // of the request that is being read
   beast::flat_buffer buffer_{kHeaderLimit_bytes + kBodyLimit_bytes};
   std::optional<Parser> parser_;
   std::string outgoing_;

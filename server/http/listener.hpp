@@ -18,6 +18,8 @@ inline constexpr std::size_t kConnectionLimit = 64;
 inline constexpr std::size_t kAddressLimit = 16;
 inline constexpr std::size_t kHeaderLimit_bytes = 8 * 1024;
 inline constexpr std::size_t kBodyLimit_bytes = 64 * 1024;
+// Of a program for a node, which comes as application/octet-stream.
+inline constexpr std::size_t kImageLimit_bytes = 128 * 1024;
 inline constexpr int kHeaderTime_s = 5;
 inline constexpr int kBodyTime_s = 10;
 inline constexpr int kIdleTime_s = 60;

@@ -135,6 +135,11 @@ std::optional<Problem> refuse(Services& services, const Route& route, Call& call
     return problem(415, "not-json", "The body must be JSON", "Send Content-Type: application/json.");
   }
   if (route.request.empty()) return std::nullopt;
+  if (route.request.find('/') != std::string_view::npos) {
+    if (request.header("content-type") == route.request) return std::nullopt;
+    counters.add(Count::http_refused_body);
+    return problem(415, "media-type", "The body is of another kind", "Send Content-Type: " + std::string{route.request} + ".");
+  }
   const bool may_be_empty = route.request == "Empty" || route.request == "LeaseRequest";
   if (request.body.empty() && may_be_empty) {
     call.body = std::make_shared<const nlohmann::json>(nlohmann::json::object());

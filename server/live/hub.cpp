@@ -19,6 +19,7 @@ using nlohmann::json;
 namespace {
 // A batch is sent at the latest this many samples after it began, whatever was lost in between.
 constexpr std::size_t kBatchLimit = 64;
+constexpr std::uint64_t kProgressEvery_ns = 250'000'000;
 
 void put(std::string& out, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFF));
@@ -246,6 +247,14 @@ void Hub::poll(std::uint64_t now_ns) {
     told_ = std::move(status);
     json message = recording_json(told_);
     message["type"] = "recording";
+    broadcast(text_frame(message));
+  }
+  const FirmwareDesk& firmware = services_->firmware;
+  if (firmware.changes() != told_update_ && (!firmware.busy() || now_ns - told_update_ns_ >= kProgressEvery_ns)) {
+    told_update_ = firmware.changes();
+    told_update_ns_ = now_ns;
+    json message = firmware_update_json(firmware);
+    message["type"] = "firmware_progress";
     broadcast(text_frame(message));
   }
 }

@@ -10,6 +10,11 @@
 
 namespace hoist::server {
 
+class FirmwareDesk;
+
+// The running or the last update; null before the first.
+[[nodiscard]] nlohmann::json firmware_update_json(const FirmwareDesk& desk);
+[[nodiscard]] std::string version_text(std::uint32_t version);
 [[nodiscard]] nlohmann::json recording_json(const RecordingStatus& status);
 // With the names that the numbers stand for.
 [[nodiscard]] nlohmann::json event_json(const contract::Event& event);

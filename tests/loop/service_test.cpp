@@ -49,8 +49,8 @@ class ServiceLoop : public testing::Test {
       // Whatever else happens: no drive is told to run, and from the core itself comes nothing that the loader would take for a request.
       if (frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, Node::drive_left) ||
           frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, Node::drive_right)) {
-        drives_told_to_run += (contract::read_slot(frame, contract::pdo_slot(contract::Pdo::drive_rx1, 0x6040)) & 0xFU) ==
-                              contract::canopen::drive::kEnable;
+        drives_told_to_run +=
+            (contract::read_slot(frame, contract::pdo_slot(contract::Pdo::drive_rx1, 0x6040)) & 0xFU) == contract::canopen::drive::kEnable;
       }
       requests += frame.id > contract::canopen::kSdoRequestBase && frame.id < contract::canopen::kHeartbeatBase;
     });
@@ -70,7 +70,8 @@ class ServiceLoop : public testing::Test {
     return answered(asked) && loop.mode() == Mode::init;
   }
   // As the server does: looks once per step, sends at most one frame, repeats its word once a second.
-  void update(const std::vector<std::uint8_t>& image, Node node, const std::function<bool()>& go_on = [] { return true; }) {
+  void update(
+      const std::vector<std::uint8_t>& image, Node node, const std::function<bool()>& go_on = [] { return true; }) {
     updating.emplace(image, node, FirmwareUpdate::Options{.guarded = true});
     begin_s = loop.time_s();
     for (int i = 0; i < 20'000 && !updating->over() && go_on(); ++i) {
@@ -127,7 +128,8 @@ TEST_F(ServiceLoop, ALostAnswerCostsATryAndNotTheUpdate) {
   int lost = 0;
   update(image, Node::tilt_left, [&] {
     // The node cannot be heard for 30 ms in the middle of the first two transfers.
-    if (updating->phase() == FirmwareUpdate::Phase::sending && updating->tries() <= 2 && updating->bytes_sent() > 700 && lost < updating->tries()) {
+    if (updating->phase() == FirmwareUpdate::Phase::sending && updating->tries() <= 2 && updating->bytes_sent() > 700 &&
+        lost < updating->tries()) {
       ++lost;
       loop.world().unplug(Node::tilt_left, true);
       for (int i = 0; i < 3; ++i) loop.step();

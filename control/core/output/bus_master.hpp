@@ -152,10 +152,10 @@ class BusMaster {
   static constexpr std::uint8_t kSilenceTicks = 25;  // 250 ms, the consumer time of the plan
   static constexpr std::uint8_t kSdoTicks = 10;      // an answer later than 100 ms does not come (worst case of the load plan: 27 ms)
   static constexpr std::uint8_t kSdoTries = 3;
-  static constexpr std::uint8_t kNodeRest = 100;   // one second
+  static constexpr std::uint8_t kNodeRest = 100;      // one second
   static constexpr std::uint16_t kLoaderRest = 9000;  // a minute and a half: a loader waits one minute for somebody who asks
-  static constexpr std::uint8_t kStartTicks = 20;  // from NMT start to the first process data, with two heartbeats in between
-  static constexpr std::size_t kIdentity = 31;     // the request that is no parameter: 1018h:2
+  static constexpr std::uint8_t kStartTicks = 20;     // from NMT start to the first process data, with two heartbeats in between
+  static constexpr std::size_t kIdentity = 31;        // the request that is no parameter: 1018h:2
 
   template <std::size_t N>
   static void send(FixedVector<contract::CanFrame, N>& out, const contract::CanFrame& frame) noexcept {

@@ -156,8 +156,8 @@ TEST_F(ServiceTest, OnlyTheFramesOfAnUpdatePass) {
   const auto sdo = [](std::uint8_t command, std::uint16_t index, std::uint8_t sub, std::uint32_t id = kRequest) {
     return canopen::sdo(id, command, index, sub, 1);
   };
-  for (const CanFrame& frame : {sdo(0x2F, 0x1F51, 1), sdo(0x21, 0x1F50, 1), sdo(0x2F, 0x1F57, 1), sdo(0x40, 0x2F00, 1), sdo(0x40, 0x6010, 0),
-                                sdo(0x00, 0, 0), sdo(0x11, 0x1234, 5), sdo(0x70, 0, 0), sdo(0x80, 0x1F50, 1),
+  for (const CanFrame& frame : {sdo(0x2F, 0x1F51, 1), sdo(0x21, 0x1F50, 1), sdo(0x2F, 0x1F57, 1), sdo(0x40, 0x2F00, 1),
+                                sdo(0x40, 0x6010, 0), sdo(0x00, 0, 0), sdo(0x11, 0x1234, 5), sdo(0x70, 0, 0), sdo(0x80, 0x1F50, 1),
                                 canopen::nmt(canopen::NmtCommand::pre_operational, node), canopen::nmt(canopen::NmtCommand::start, node)}) {
     EXPECT_EQ(ask(frame), 0U) << std::hex << frame.id << " " << int{frame.data[0]};
     EXPECT_EQ(left(frame), 1);
@@ -169,7 +169,8 @@ TEST_F(ServiceTest, OnlyTheFramesOfAnUpdatePass) {
   for (const CanFrame& frame :
        {sdo(0x23, 0x1017, 0), sdo(0x2F, 0x1F4F, 1), sdo(0x2F, 0x1F58, 1), sdo(0x2F, 0x1F51, 0), sdo(0x2F, 0x1F51, 2),
         // What the core itself may write is not the tool's.
-        sdo(0x23, own.index, own.sub, canopen::kSdoRequestBase + contract::node_id(own.kind == contract::NodeKind::drive ? Node::drive_left : Node::tilt_left)),
+        sdo(0x23, own.index, own.sub,
+            canopen::kSdoRequestBase + contract::node_id(own.kind == contract::NodeKind::drive ? Node::drive_left : Node::tilt_left)),
         sdo(0xC0, 0x1F50, 1), sdo(0xA0, 0x1F50, 1), sdo(0xE0, 0x1F50, 1), sdo(0x81, 0x1F50, 1),
         sdo(0x40, 0x1018, 2, canopen::kSdoRequestBase + contract::node_id(Node::core)), sdo(0x40, 0x1018, 2, canopen::kSdoRequestBase + 5),
         sdo(0x40, 0x1018, 2, canopen::kSdoRequestBase), shorter, extended, canopen::nmt(canopen::NmtCommand::reset_node, node),

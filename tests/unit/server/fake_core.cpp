@@ -4,6 +4,7 @@
 #include <bit>
 #include <chrono>
 #include <stdexcept>
+#include <utility>
 
 namespace hoist::test {
 
@@ -61,6 +62,16 @@ void FakeCore::step() {
     if (link_->read_drive(drive)) drive_ = drive;
   }
   link_->end();
+  if (bus_) {
+    for (const CanFrame& frame : bus_(service_frames_)) {
+      BusRecord record;
+      record.id = frame.id;
+      record.dlc = frame.dlc;
+      record.data = std::bit_cast<std::uint64_t>(frame.data);
+      frames_.push_back(record);
+    }
+    service_frames_.clear();
+  }
   for (const BusRecord& frame : frames_) link_->publish_bus(frame);
   frames_.clear();
   for (std::size_t i = 0; i <= skip_; ++i) publish_tick();
@@ -99,6 +110,7 @@ void FakeCore::take(const Command& c) {
   switch (c.kind) {
     case CommandKind::stop:
       record_.mode = static_cast<std::uint8_t>(Mode::protective_stop);
+      service_ = false;
       return answer(c, 0);
     case CommandKind::acknowledge:
       if (!holds) return answer(c, refusal_bit(Refusal::no_lease));
@@ -163,6 +175,25 @@ void FakeCore::take(const Command& c) {
       return answer(c, 0);
     case CommandKind::set_neutral:
       return answer(c, 0);
+    case CommandKind::begin_service:
+      if (c.b != static_cast<std::uint32_t>(Role::engineer)) return answer(c, refusal_bit(Refusal::not_allowed));
+      if (!holds) return answer(c, refusal_bit(Refusal::no_lease));
+      if (mode != Mode::standby && mode != Mode::init) return answer(c, refusal_bit(Refusal::not_standby));
+      record_.mode = static_cast<std::uint8_t>(Mode::init);
+      service_ = true;
+      return answer(c, 0);
+    case CommandKind::service_frame: {
+      if (!service_ || !holds) return answer(c, refusal_bit(Refusal::out_of_order));
+      CanFrame frame{c.a, static_cast<std::uint8_t>(c.v1), 0, {}};
+      frame.data = std::bit_cast<decltype(frame.data)>(c.v0);
+      service_frames_.push_back(frame);
+      return answer(c, 0);
+    }
+    case CommandKind::end_service:
+      if (!service_ || !holds) return answer(c, refusal_bit(Refusal::out_of_order));
+      service_ = false;
+      record_.mode = static_cast<std::uint8_t>(Mode::standby);
+      return answer(c, 0);
     case CommandKind::none:
       break;
   }
@@ -184,6 +215,10 @@ void FakeCore::publish_event(Event event) {
 void FakeCore::publish_bus(BusRecord record) {
   const std::lock_guard lock(mutex_);
   frames_.push_back(record);
+}
+void FakeCore::set_bus(Bus bus) {
+  const std::lock_guard lock(mutex_);
+  bus_ = std::move(bus);
 }
 void FakeCore::skip(std::size_t count) {
   std::unique_lock lock(mutex_);

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "control/contract/can_frame.hpp"
 #include "control/contract/shared_memory.hpp"
 #include "control/publish/core_link.hpp"
 
@@ -26,6 +27,9 @@ class FakeCore {
   void mute(bool on);
   void publish_event(contract::Event event);
   void publish_bus(contract::BusRecord record);
+  // The bus behind it: each step gives the frames of service that were accepted and takes what nodes say.
+  using Bus = std::function<std::vector<contract::CanFrame>(const std::vector<contract::CanFrame>&)>;
+  void set_bus(Bus bus);
   // Publishes `count` steps at once, as if their time had passed: 10 ms each. Returns when they are published.
   void skip(std::size_t count);
 
@@ -55,6 +59,9 @@ class FakeCore {
   std::size_t skip_ = 0;
   std::condition_variable skipped_;
   bool muted_ = false;
+  bool service_ = false;
+  Bus bus_;
+  std::vector<contract::CanFrame> service_frames_;
   std::atomic<bool> ending_{false};
   std::thread thread_;
 };

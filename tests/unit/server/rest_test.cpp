@@ -76,7 +76,7 @@ TEST_F(Rest, NothingWithoutASession_H28) {
   for (const server::Route& route : server::kRoutes) {
     if (route.access == server::Access::open) continue;
     std::string path{route.path};
-    for (const char* mark : {"{name}", "{id}"})
+    for (const char* mark : {"{name}", "{id}", "{node}"})
       if (const auto at = path.find(mark); at != std::string::npos) path.replace(at, std::string(mark).size(), "1");
     const Answer answer = http(port_, std::string{server::method_name(route.method)}, path, {{"Content-Type", "application/json"}},
                                route.method == server::Method::get ? "" : "{}");

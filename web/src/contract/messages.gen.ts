@@ -243,6 +243,22 @@ export interface NoticeMessage {
   refusals?: string[];
 }
 
+/** How far an update of a node's program has come: at most four times a second, and at its end. */
+export interface FirmwareProgressMessage {
+  type: 'firmware_progress';
+  node: string;
+  version: string;
+  /** listening, asking_drives, asking_node, entering_loader, sending, checking, starting, done or failed. */
+  phase: string;
+  result: "running" | "done" | "unchanged" | "failed" | "interrupted";
+  bytes_sent: number;
+  bytes_total: number;
+  /** Of the sending. */
+  seconds_left: number | null;
+  /** What happened and what to do next; empty while it runs. */
+  text: string;
+}
+
 /** What the server sends as text. */
 export type ServerMessage =
   | WelcomeMessage
@@ -253,7 +269,8 @@ export type ServerMessage =
   | RecordingMessage
   | CoreMessage
   | PongMessage
-  | NoticeMessage;
+  | NoticeMessage
+  | FirmwareProgressMessage;
 
 /** What the core reports, by the number it has on the wire. */
 export const eventKinds = [
