@@ -46,7 +46,8 @@ const std::vector<Layer>& layers() {
        false},
       // The physics must not share code with the controller: a shared mistake would cancel itself.
       {"firmware/sim/", {"firmware/", "control/contract/", "control/bus/"}, false},
-      {"server/", {"server/", "control/contract/", "control/publish/", "db/"}, false},
+      // The update of a node's program is frames in, frames out, without a bus; the tool and the server must not have two of them.
+      {"server/", {"server/", "control/contract/", "control/publish/", "control/bus/firmware_update.hpp", "db/"}, false},
       {"db/", {"db/", "control/contract/"}, false},
       {"deploy/tools/",
        {"deploy/tools/", "control/core/", "control/contract/", "control/bus/", "control/publish/", "db/", "firmware/", "server/"},

@@ -322,7 +322,8 @@ class ScriptedHoist {
         if (n.sdo_aborts) {
           replies_.push_back(canopen::sdo(reply, canopen::kSdoAbort, index, f.data[3], 0x08000022));
         } else if (f.data[0] == canopen::kSdoUploadRequest) {
-          replies_.push_back(canopen::sdo(reply, canopen::sdo_upload_reply_command(4), index, f.data[3], canopen::kSimulatedProduct | n.product_bits | id));
+          replies_.push_back(canopen::sdo(reply, canopen::sdo_upload_reply_command(4), index, f.data[3],
+                                          canopen::kSimulatedProduct | n.product_bits | id));
         } else {
           n.written.emplace_back((static_cast<std::uint32_t>(index) << 8) | f.data[3],
                                  std::bit_cast<float>(contract::read_le(&f.data[4], 4)));
