@@ -1,6 +1,7 @@
 // How busy the wire is: the bits of every frame that passed, in and out, over one second.
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "control/contract/can_frame.hpp"
@@ -29,7 +30,7 @@ class BusLoad {
   /// Once a second; `span_s` is how long it really was.
   void close(double span_s) noexcept {
     load_norm_ = bits_ / (kBusBits_s * span_s);
-    frames_per_s_ = static_cast<std::uint32_t>(frames_ / span_s + 0.5);
+    frames_per_s_ = static_cast<std::uint32_t>(std::lround(frames_ / span_s));
     bits_ = 0;
     frames_ = 0;
   }
