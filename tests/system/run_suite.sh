@@ -43,6 +43,8 @@ done
 for program in "${programs[@]}"; do
   if grep -qa '__asan_init\|__tsan_init' "$program"; then skip "sanitized programs do not start in user-mode Linux"; fi
 done
+# Some machines forbid what user-mode Linux lives on (tracing of processes, executable memory).
+"$here/vcan_vm.sh" -t 60 true >/dev/null 2>&1 || skip "user-mode Linux does not start on this machine (tests/system/vcan_vm.sh -k true shows why)"
 arguments=(-t 580)
 [ -z "$reports" ] || arguments+=(-w "$reports")
 exec "$here/vcan_vm.sh" "${arguments[@]}" "$@"
