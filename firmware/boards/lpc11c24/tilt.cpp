@@ -1,91 +1,9 @@
-// The tilt sensor on the LPC11C24: one image for both struts and the base, told apart by the straps, and for three inertial chips, told
-// apart by asking.
-#include <array>
-#include "firmware/boards/cortex_m0/late.hpp"
-#include "firmware/boards/cortex_m0/run.hpp"
+// The tilt sensor on the LPC11C24.
 #include "firmware/boards/lpc11c24/board.hpp"
 #include "firmware/boards/lpc11c24/serial_buses.hpp"
-#include "firmware/lib/imu/icm42688p.hpp"
-#include "firmware/lib/imu/lsm6dso.hpp"
-#include "firmware/lib/imu/mpu6050.hpp"
-#include "firmware/nodes/tilt/tilt_node.hpp"
 
-namespace hoist::firmware::lpc11c24 {
-namespace {
-
-inline constexpr std::uint32_t kAskAgain_ms = 100;
-
-class TiltBoard : public Board {
- public:
-  void start() {
-    I2cBus::start();
-    SpiBus::start();
-  }
-
-  void tick_1ms() {
-    if (found_) return imu_.step_1ms();
-    if (++asked_ms_ == kAskAgain_ms) ask();
-  }
-  bool read_imu(ImuSample& sample) { return found_ && imu_.read(sample); }
-  [[nodiscard]] ImuReport imu_report() const { return found_ ? imu_.report() : foreign_; }
-
- private:
-  // Identities only; from here on the chip's own driver asks again, and resets it first.
-  void ask() {
-    asked_ms_ = 0;
-    std::array<std::uint8_t, 1> answer{};
-    if (spi_.read(Lsm6dsoChip::kWhoAmIRegister, answer) && answer[0] == Lsm6dsoChip::kWhoAmI) {
-      use(ImuChip<SpiBus, Lsm6dsoChip>(spi_));
-    } else if (spi_.read(Icm42688pChip::kWhoAmIRegister, answer) && answer[0] == Icm42688pChip::kWhoAmI) {
-      use(ImuChip<SpiBus, Icm42688pChip>(spi_));
-    } else if (i2c_.read(Mpu6050Chip::kWhoAmIRegister, answer)) {
-      use(ImuChip<I2cBus, Mpu6050Chip>(i2c_));  // or whatever sits at its address: the driver tells
-    } else if (answer[0] != 0x00 && answer[0] != 0xFF) {
-      foreign_ = {false, true, false, answer[0]};  // something on SPI that is none of the two
-    }
-  }
-
-  void use(const ImuEngine& chip) {
-    imu_ = chip;
-    found_ = true;
-  }
-
-  I2cBus i2c_{kMpu6050Address};
-  SpiBus spi_{};
-  bool found_ = false;
-  ImuEngine imu_ = ImuChip<I2cBus, Mpu6050Chip>(i2c_);
-  std::uint32_t asked_ms_ = 0;
-  ImuReport foreign_{};
-};
-
-constinit cortex_m0::Late<TiltBoard> board_place;
-constinit cortex_m0::Late<TiltNode<TiltBoard>> node_place;
-
-[[noreturn]] void run_as(TiltBoard& the_board, contract::Node place) {
-  the_board.start();
-  if (!the_board.start_can({false, contract::node_id(place)})) cortex_m0::refuse_to_start(the_board);
-  auto& node = node_place.make(the_board, place);
-  cortex_m0::run(node, the_board);
+namespace hoist::firmware {
+namespace chip = lpc11c24;
 }
 
-}  // namespace
-}  // namespace hoist::firmware::lpc11c24
-
-extern "C" {
-using hoist::firmware::lpc11c24::board_place;
-
-void can_interrupt() { board_place.object.on_can_interrupt(); }
-
-void hoist_outputs_off() {}
-
-[[noreturn]] void hoist_main() {
-  using namespace hoist;
-  auto& the_board = board_place.make();
-  if (!the_board.start_core()) firmware::cortex_m0::refuse_to_start(the_board);
-  const firmware::lpc11c24::Straps straps = firmware::lpc11c24::read_straps();
-  if (!straps.strap0 && !straps.strap1) firmware::cortex_m0::refuse_to_start(the_board);
-  firmware::lpc11c24::run_as(the_board, straps.strap0 && straps.strap1 ? contract::Node::tilt_base
-                                        : straps.strap0                ? contract::Node::tilt_left
-                                                                       : contract::Node::tilt_right);
-}
-}
+#include "firmware/boards/cortex_m0/tilt_image.hpp"
