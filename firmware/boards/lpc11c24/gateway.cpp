@@ -1,48 +1,11 @@
-// The gateway between serial line and bus on the LPC11C24.
-#include "firmware/boards/cortex_m0/late.hpp"
-#include "firmware/boards/cortex_m0/run.hpp"
+// The gateway on the LPC11C24.
 #include "firmware/boards/lpc11c24/board.hpp"
 #include "firmware/boards/lpc11c24/uart.hpp"
-#include "firmware/nodes/gateway/gateway_node.hpp"
 
-namespace hoist::firmware::lpc11c24 {
-namespace {
-
-class GatewayBoard : public Board {
- public:
-  void start() { uart_.start(); }
-  std::size_t uart_read(std::span<char> in) { return uart_.read(in); }
-  std::size_t uart_write(std::span<const char> out) { return uart_.write(out); }
-  [[nodiscard]] std::uint32_t uart_lost() const { return uart_.lost(); }
-  [[nodiscard]] bool has_work() const { return uart_.has_characters(); }
-
-  void on_uart_interrupt() { uart_.on_interrupt(); }
-
- private:
-  Uart uart_{};
-};
-
-constinit cortex_m0::Late<GatewayBoard> board_place;
-constinit cortex_m0::Late<GatewayNode<GatewayBoard>> node_place;
-
-}  // namespace
-}  // namespace hoist::firmware::lpc11c24
-
-extern "C" {
-using hoist::firmware::lpc11c24::board_place;
-
-void can_interrupt() { board_place.object.on_can_interrupt(); }
-void uart_interrupt() { board_place.object.on_uart_interrupt(); }
-
-void hoist_outputs_off() {}
-
-[[noreturn]] void hoist_main() {
-  using namespace hoist::firmware;
-  auto& the_board = board_place.make();
-  if (!the_board.start_core()) cortex_m0::refuse_to_start(the_board);
-  the_board.start();
-  if (!the_board.start_can({})) cortex_m0::refuse_to_start(the_board);
-  auto& node = lpc11c24::node_place.make(the_board);
-  cortex_m0::run(node, the_board);
+namespace hoist::firmware {
+namespace chip = lpc11c24;
 }
-}
+
+#include "firmware/boards/cortex_m0/gateway_image.hpp"
+
+extern "C" void uart_interrupt() { hoist::firmware::gateway_image::board_place.object.on_uart_interrupt(); }
