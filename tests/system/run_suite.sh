@@ -47,4 +47,11 @@ done
 "$here/vcan_vm.sh" -t 60 true >/dev/null 2>&1 || skip "user-mode Linux does not start on this machine (tests/system/vcan_vm.sh -k true shows why)"
 arguments=(-t 580)
 [ -z "$reports" ] || arguments+=(-w "$reports")
+# The guest has one slow processor and the machine may be held up: what is broken fails twice. (The suites in Python repeat their cases
+# themselves.)
+"$here/vcan_vm.sh" "${arguments[@]}" "$@" && exit 0
+case $1 in
+  */bin/test_*) echo "failed; once more" ;;
+  *) exit 1 ;;
+esac
 exec "$here/vcan_vm.sh" "${arguments[@]}" "$@"
