@@ -2,7 +2,8 @@
 //
 // A monitor is a small class with `static constexpr contract::Fault kFault` (the hazard and the reaction stand in that fault's row of
 // faults.def) and `bool check(const MonitorView&) noexcept`. It is called in every step and in every mode, so that its memory is right
-// when it matters; it decides itself in which modes its condition means anything.
+// when it matters; it decides itself in which modes its condition means anything. Each number that decides goes through threshold() or
+// hold() (mutation.hpp), so that a test can be shown to fail when that number is wrong.
 #pragma once
 #include <cstdint>
 
@@ -10,6 +11,7 @@
 #include "control/contract/params.hpp"
 #include "control/core/estimate/estimate.hpp"
 #include "control/core/health/bus_health.hpp"
+#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 

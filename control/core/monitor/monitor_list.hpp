@@ -36,7 +36,10 @@ using MonitorList = std::tuple<
 [[nodiscard]] inline std::uint32_t check_all(MonitorList& monitors, const MonitorView& view) noexcept {
   return std::apply(
       [&view](auto&... monitor) {
-        return ((monitor.check(view) ? contract::fault_bit(std::remove_reference_t<decltype(monitor)>::kFault) : 0U) | ...);
+        return ((watches(std::remove_reference_t<decltype(monitor)>::kFault) && monitor.check(view)
+                     ? contract::fault_bit(std::remove_reference_t<decltype(monitor)>::kFault)
+                     : 0U) |
+                ...);
       },
       monitors);
 }

@@ -131,6 +131,7 @@ void judge_faults(CoreState& state, std::uint32_t conditions) noexcept {
 }
 
 void raise_fault(CoreState& state, Fault fault) noexcept {
+  if (!watches(fault)) return;
   const std::uint32_t bit = fault_bit(fault);
   if ((state.latched & bit) == 0) {
     state.latched |= bit;
