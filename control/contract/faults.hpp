@@ -13,6 +13,7 @@ enum class Priority : std::uint8_t { low, medium, high };
 enum class Reaction : std::uint8_t { warn, soft_stop, protective_stop };
 
 #define HOIST_FAULT(...)
+#define HOIST_MONITOR(...)
 #define HOIST_REFUSAL(...)
 #define HOIST_MODE(...)
 
@@ -39,6 +40,38 @@ inline constexpr std::array kFaults{
 #define HOIST_FAULT(...)
 };
 constexpr std::uint32_t fault_bit(Fault fault) { return 1U << static_cast<unsigned>(fault); }
+
+/// The row of a fault. Bits need not be without gaps, so a fault's number is not its place in the table.
+constexpr const FaultInfo& fault_info(Fault fault) {
+  for (const FaultInfo& info : kFaults)
+    if (info.bit == static_cast<std::uint8_t>(fault)) return info;
+  return kFaults.front();  // never: every enumerator is a row
+}
+
+/// What answers a fault, in the words of the hazard table: R1 soft stop, R2 protective stop, R3 the drive by itself, R4 power off.
+enum class MonitorReaction : std::uint8_t { warn, R1, R2, R3, R4 };
+/// How a fault is found, and how soon braking has to begin.
+struct MonitorInfo {
+  Fault fault;
+  std::string_view hazards;  // separated by a space
+  MonitorReaction reaction;
+  std::uint32_t budget_ms;
+  std::string_view threshold;
+};
+inline constexpr std::array kMonitors{
+#undef HOIST_MONITOR
+#define HOIST_MONITOR(fault, hazards, reaction, budget_ms, threshold) \
+  MonitorInfo{Fault::fault, hazards, MonitorReaction::reaction, budget_ms, threshold},
+#include "control/contract/faults.def"
+#undef HOIST_MONITOR
+#define HOIST_MONITOR(...)
+};
+/// The row of a fault; null for a fault without one, which does not compile.
+constexpr const MonitorInfo* find_monitor(Fault fault) {
+  for (const MonitorInfo& monitor : kMonitors)
+    if (monitor.fault == fault) return &monitor;
+  return nullptr;
+}
 
 enum class Refusal : std::uint8_t {
 #undef HOIST_REFUSAL
@@ -80,6 +113,7 @@ inline constexpr std::array kModes{
 #undef HOIST_MODE
 };
 #undef HOIST_FAULT
+#undef HOIST_MONITOR
 #undef HOIST_REFUSAL
 
 static_assert(kFaults.size() <= 32 && kRefusals.size() <= 32, "fault_bits and blocked_bits hold 32 rows");
@@ -93,6 +127,20 @@ static_assert(all_rows(kFaults,
                                 !f.action_de.empty();
                        }),
               "faults.def: a fault lacks its words");
+static_assert(kMonitors.size() == kFaults.size() && unique_by(kMonitors, [](const MonitorInfo& m) { return m.fault; }),
+              "faults.def: every fault needs exactly one HOIST_MONITOR row");
+static_assert(all_rows(kMonitors, [](const MonitorInfo& m) { return !m.hazards.empty() && m.budget_ms > 0 && !m.threshold.empty(); }),
+              "faults.def: a HOIST_MONITOR row lacks hazard, budget or threshold");
+// Both tables say the same: what the supervisor does is the fault's reaction, what the hazard table asks for is the monitor's. R3 and R4 are
+// others' doing, with a protective stop beside it.
+static_assert(all_rows(kFaults,
+                       [](const FaultInfo& f) {
+                         const MonitorInfo* m = find_monitor(static_cast<Fault>(f.bit));
+                         return m != nullptr && m->hazards.find(f.hazard) != std::string_view::npos &&
+                                (m->reaction == MonitorReaction::warn) == (f.reaction == Reaction::warn) &&
+                                (m->reaction == MonitorReaction::R1) == (f.reaction == Reaction::soft_stop);
+                       }),
+              "faults.def: HOIST_FAULT and HOIST_MONITOR of a fault do not agree");
 static_assert(unique_by(kRefusals, [](const RefusalInfo& r) { return r.bit; }) &&
                   unique_by(kRefusals, [](const RefusalInfo& r) { return r.name; }),
               "faults.def: a refusal is used twice");

@@ -516,7 +516,7 @@ class Session {
     return contract::canopen::drive::state(status_word) == contract::canopen::drive::State::operation_enabled;
   }
   static bool contract_fault(const TickRecord& record, Fault fault) {
-    return ((record.fault_bits >> contract::kFaults[static_cast<std::size_t>(fault)].bit) & 1U) != 0;
+    return ((record.fault_bits >> contract::fault_info(fault).bit) & 1U) != 0;
   }
 
   static const char* not_finite(const TickRecord& record) {

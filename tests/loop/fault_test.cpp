@@ -66,7 +66,7 @@ void expect_protective_stop(Walk& walk, const Walk::Stop& stop, Fault cause, dou
   EXPECT_GT(stop.stopped_s, 0.0) << "not at rest";
   EXPECT_LE(stop.hardest_m_s2, deceleration_m_s2 * 1.01);
   EXPECT_TRUE(walk.loop.ever_raised(cause));
-  EXPECT_EQ(walk.loop.record().stop_cause, static_cast<unsigned>(contract::kFaults[static_cast<std::size_t>(cause)].bit) + 1U);
+  EXPECT_EQ(walk.loop.record().stop_cause, static_cast<unsigned>(contract::fault_info(cause).bit) + 1U);
   EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);  // and it stays until somebody acknowledges
 }
 

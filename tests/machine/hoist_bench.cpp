@@ -324,9 +324,7 @@ bool MachineLoop::start(contract::Mode mode) {
   return run_until([this, mode] { return this->mode() == mode; }, 2.0);
 }
 
-bool MachineLoop::fault(contract::Fault which) const {
-  return ((record().fault_bits >> contract::kFaults[static_cast<std::size_t>(which)].bit) & 1U) != 0;
-}
+bool MachineLoop::fault(contract::Fault which) const { return ((record().fault_bits >> contract::fault_info(which).bit) & 1U) != 0; }
 std::string MachineLoop::faults() const {
   std::string out;
   for (const auto& row : contract::kFaults)

@@ -142,8 +142,8 @@ TEST(Monitors, EachTripsInTimeStopsAndNamesItsHazard) {
     EXPECT_LE(ticks, trip.budget_ticks);
     EXPECT_TRUE(hoist.has_fault(trip.fault));
     EXPECT_EQ(hoist.out.record.stop_cause, static_cast<int>(trip.fault) + 1);
-    EXPECT_EQ(contract::kFaults[static_cast<std::size_t>(trip.fault)].hazard, trip.hazard);
-    EXPECT_EQ(contract::kFaults[static_cast<std::size_t>(trip.fault)].reaction, Reaction::protective_stop);
+    EXPECT_EQ(contract::fault_info(trip.fault).hazard, trip.hazard);
+    EXPECT_EQ(contract::fault_info(trip.fault).reaction, Reaction::protective_stop);
     // I4: after the ramp nothing is commanded any more, whatever the cause does.
     hoist.worst_deceleration_m_s2 = 0;
     hoist.step(120);
@@ -354,7 +354,7 @@ TEST(Monitors, AReplugedNodeIsConfiguredAgainBeforeItCounts) {
 }
 
 TEST(Monitors, H12BatteryWarnsThenStopsGentlyAndBlocksTheStart) {
-  EXPECT_EQ(contract::kFaults[static_cast<std::size_t>(Fault::battery_empty)].hazard, "H12");
+  EXPECT_EQ(contract::fault_info(Fault::battery_empty).hazard, "H12");
   ScriptedHoist hoist;
   set_going(hoist, Mode::user);
   hoist.io.battery_a_v = hoist.io.battery_b_v = 11.2;  // 22.4 V together

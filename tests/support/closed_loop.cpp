@@ -177,9 +177,7 @@ void ClosedLoop::let_go() {
   last_command_ = true;
 }
 
-bool ClosedLoop::fault(contract::Fault which) const {
-  return ((record().fault_bits >> contract::kFaults[static_cast<std::size_t>(which)].bit) & 1U) != 0;
-}
+bool ClosedLoop::fault(contract::Fault which) const { return ((record().fault_bits >> contract::fault_info(which).bit) & 1U) != 0; }
 
 bool ClosedLoop::ever_raised(contract::Fault which) const {
   return std::any_of(events_.begin(), events_.end(), [which](const contract::Event& event) {

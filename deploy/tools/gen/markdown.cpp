@@ -91,6 +91,16 @@ GeneratedFile faults_page() {
                 std::string(kReactions[static_cast<std::size_t>(f.reaction)]), std::string(f.hazard), std::string(f.text_en),
                 std::string(f.action_en)});
   }
+  constexpr std::array<std::string_view, 5> kMonitorReactions = {"warning", "R1", "R2", "R3", "R4"};
+  out +=
+      "\n## Monitors\n\nHow each fault is found. R1 soft stop to standby, R2 protective stop until acknowledged, R3 the drive stops by "
+      "itself, R4 power off. *Budget*: from the cause to the beginning of braking.\n\n" +
+      table_head({"fault", "hazards", "reaction", "budget", "threshold"});
+  for (const auto& m : kMonitors) {
+    out +=
+        row({code(fault_info(m.fault).name), std::string(m.hazards), std::string(kMonitorReactions[static_cast<std::size_t>(m.reaction)]),
+             std::to_string(m.budget_ms) + " ms", std::string(m.threshold)});
+  }
   out += "\n## Refusals\n\nWhy a start is blocked or a command is refused.\n\n" + table_head({"bit", "name", "what the therapist reads"});
   for (const auto& r : kRefusals) out += row({std::to_string(r.bit), code(r.name), std::string(r.text_en)});
   out += "\n## Modes\n\n" + table_head({"value", "name", "title", "wheels may turn"});
