@@ -13,6 +13,8 @@ constexpr int kWorldStepsPerTick = 10;
 /// Driving commands come at 25 Hz (design: every 40 ms while held).
 constexpr std::uint64_t kTicksPerCommand = 4;
 constexpr std::uint32_t kNotKnown = 0;
+/// Driving commands that may be on their way at once: four seconds' worth.
+constexpr std::size_t kLinkMax = 100;
 
 /// Time this thread has had a processor: what the loop costs, however busy the machine is.
 double core_seconds() {
@@ -51,19 +53,39 @@ void ClosedLoop::restart_core() {
   sequence_ = 0;
   drive_sequence_ = 0;
   commands_.clear();
+  link_.clear();
   // It opens the bus anew: what came before is not for it.
   while (receive() > 0) {
   }
   core_runs_ = true;
 }
 
+void ClosedLoop::restart_server() {
+  ++server_life_;
+  heartbeat_ = 0;
+  sequence_ = 0;
+  drive_sequence_ = 0;
+  commands_.clear();
+  link_.clear();
+  server_runs_ = true;
+}
+
+void ClosedLoop::cut_link(bool cut) {
+  link_cut_ = cut;
+  if (cut) link_.clear();
+}
+
 void ClosedLoop::send(const contract::CanFrame& frame) {
+  if (!bus_up_) return;
   if (!through_gateway_) {
     (void)world_.host_send(frame);
     return;
   }
   std::array<char, contract::kSlcanLineMax> line{};
-  to_gateway_.append(line.data(), contract::slcan_encode(frame, line));
+  const std::size_t length = contract::slcan_encode(frame, line);
+  if (noise_)
+    for (char& c : std::span(line).first(length)) noise_(c);
+  to_gateway_.append(line.data(), length);
 }
 
 std::size_t ClosedLoop::receive() {
@@ -79,9 +101,36 @@ void ClosedLoop::move_serial_line() {
   }
   std::array<char, kSerialPerMillisecond> piece{};
   const std::size_t got = world_.uart_read(piece);
+  if (noise_)
+    for (char& c : std::span(piece).first(got)) noise_(c);
   decoder_.feed(std::span<const char>(piece).first(got), [this](const contract::SlcanLine& line) {
     if (line.kind == contract::SlcanKind::frame && frames_count_ < kFramesMax) frames_[frames_count_++] = line.frame;
   });
+}
+
+void ClosedLoop::drive_with_stick(core::TickInputs& inputs) {
+  if ((stick_held_ && inputs.tick % kTicksPerCommand == 0) || last_command_) {
+    contract::DriveCommand command;
+    command.lease_epoch = record().lease_epoch;
+    command.client = kClient;
+    command.sequence = ++drive_sequence_;
+    command.echo_time_ns = record().time_ns;
+    command.speed_norm = stick_held_ ? speed_norm_ : 0.0;
+    command.yaw_norm = stick_held_ ? yaw_norm_ : 0.0;
+    command.held = stick_held_ ? 1 : 0;
+    last_command_ = false;
+    if (!link_cut_ && link_.size() < kLinkMax) link_.push_back({inputs.tick + (link_delay_ ? link_delay_() : 0U), command});
+  }
+  // A server that hangs passes nothing on.
+  if (server_runs_ && !link_stalled_ && !link_.empty() && link_.front().due_tick <= inputs.tick) {
+    inputs.drive_fresh = true;
+    inputs.drive = link_.front().command;
+    link_.pop_front();
+  }
+  if (std::exchange(stranger_drives_, false)) {
+    inputs.drive_fresh = true;
+    inputs.drive = stranger_drive_;
+  }
 }
 
 void ClosedLoop::step() {
@@ -90,26 +139,18 @@ void ClosedLoop::step() {
     inputs.tick = ticks_++;
     inputs.time_ns = kClockStart_ns + world_.time_ns();
     const std::size_t got = receive();
-    inputs.frames = std::span<const contract::CanFrame>(frames_).first(got);
-    inputs.bus_up = true;
+    inputs.frames = std::span<const contract::CanFrame>(frames_).first(bus_up_ ? got : 0);
+    inputs.bus_up = bus_up_;
     inputs.commands = commands_;
     if (server_runs_) ++heartbeat_;
     inputs.server_heartbeat = heartbeat_;
+    inputs.server_life = server_life_;
     inputs.wake_lateness_s = static_cast<float>(lateness_s_);
     lateness_s_ = 0.0;
-    if ((stick_held_ && inputs.tick % kTicksPerCommand == 0) || last_command_) {
-      inputs.drive_fresh = true;
-      inputs.drive.lease_epoch = record().lease_epoch;
-      inputs.drive.client = kClient;
-      inputs.drive.sequence = ++drive_sequence_;
-      inputs.drive.echo_time_ns = record().time_ns;
-      inputs.drive.speed_norm = stick_held_ ? speed_norm_ : 0.0;
-      inputs.drive.yaw_norm = stick_held_ ? yaw_norm_ : 0.0;
-      inputs.drive.held = stick_held_ ? 1 : 0;
-      last_command_ = false;
-    }
+    drive_with_stick(inputs);
     if (see_inputs_) see_inputs_(inputs);
     core::tick(*core_, inputs, core::kTick_s, *outputs_);
+    if (break_) break_(*core_, *outputs_);
     commands_.clear();
     for (const contract::CanFrame& frame : outputs_->frames) {
       send(frame);
@@ -143,11 +184,16 @@ bool ClosedLoop::run_until(const std::function<bool()>& done, double at_most_s) 
 }
 
 std::uint32_t ClosedLoop::ask(contract::CommandKind kind, std::uint32_t a, double v0, double v1, double v2, std::uint32_t b) {
+  return ask_as(kClient, kind, a, v0, v1, v2, b);
+}
+
+std::uint32_t ClosedLoop::ask_as(std::uint32_t client, contract::CommandKind kind, std::uint32_t a, double v0, double v1, double v2,
+                                 std::uint32_t b) {
   contract::Command command;
   command.sequence = ++sequence_;
   command.kind = kind;
   command.request_id = ++requests_;
-  command.client = kClient;
+  command.client = client;
   command.lease_epoch = ticks_ > 0 ? record().lease_epoch : kNotKnown;
   command.a = a;
   command.b = b;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -42,12 +43,26 @@ class ClosedLoop {
   // The driver's wishes, carried out in the next step. Each returns the number of the request; the answer is among the events.
   std::uint32_t ask(contract::CommandKind kind, std::uint32_t a = 0, double v0 = 0.0, double v1 = 0.0, double v2 = 0.0,
                     std::uint32_t b = 0);
+  /// The same by another client of the server.
+  std::uint32_t ask_as(std::uint32_t client, contract::CommandKind kind, std::uint32_t a = 0, double v0 = 0.0, double v1 = 0.0,
+                       double v2 = 0.0, std::uint32_t b = 0);
+  /// A command or a driving command as it is, with whatever numbers it has: what a hostile or confused sender would put there.
+  void put(const contract::Command& command) { commands_.push_back(command); }
+  void put_drive(const contract::DriveCommand& command) { stranger_drive_ = command, stranger_drives_ = true; }
   /// Waits for standby, takes the lease and asks for the mode. False when it is not in force within 10 s.
   bool start(contract::Mode mode);
   /// Holds the joystick there from now on, renewed every 40 ms; let_go ends that with a last command, silence without one.
   void hold_stick(double speed_norm, double yaw_norm);
   void let_go();
   void fall_silent() { stick_held_ = false; }
+
+  // The way from the stick to the server. In order, as TCP has it.
+  /// Whatever is sent is gone.
+  void cut_link(bool cut);
+  /// Whatever is sent waits, and comes in a burst when this ends.
+  void stall_link(bool stalled) { link_stalled_ = stalled; }
+  /// Each driving command takes as many steps more as this says; an empty one ends that.
+  void delay_commands(std::function<std::uint32_t()> ticks) { link_delay_ = std::move(ticks); }
 
   // Faults of the computer itself.
   void kill_core() { core_runs_ = false; }
@@ -57,6 +72,10 @@ class ClosedLoop {
   void restart_core();
   void stop_server() { server_runs_ = false; }
   void resume_server() { server_runs_ = true; }
+  /// Another server in its place, as after a crash: its numbers begin anew.
+  void restart_server();
+  /// False: the computer's CAN interface is off the bus, and says so.
+  void set_bus_up(bool up) { bus_up_ = up; }
   /// The next step begins this late (as told to the core; the world goes on meanwhile).
   void be_late(double seconds) { lateness_s_ = seconds; }
 
@@ -68,6 +87,8 @@ class ClosedLoop {
   [[nodiscard]] bool ever_raised(contract::Fault which) const;
   [[nodiscard]] sim::World& world() { return world_; }
   [[nodiscard]] const core::CoreState& core() const { return *core_; }
+  /// Whether the core was run by the latest step.
+  [[nodiscard]] bool core_runs() const { return core_runs_; }
   [[nodiscard]] double time_s() const { return world_.time_s(); }
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
   /// Digest of the world and of every record so far.
@@ -76,6 +97,10 @@ class ClosedLoop {
   void on_sent(std::function<void(const contract::CanFrame&)> see) { see_ = std::move(see); }
   /// Sees what each step is given, before the step; its spans live only during the call.
   void on_inputs(std::function<void(const core::TickInputs&)> see) { see_inputs_ = std::move(see); }
+  /// A broken product, to show that a test notices: may change the core's state and what the step gave before any of it leaves.
+  void break_core(std::function<void(core::CoreState&, core::TickOutputs&)> how) { break_ = std::move(how); }
+  /// Noise on the gateway's serial line: sees each character on its way, may change it.
+  void set_serial_noise(std::function<void(char&)> noise) { noise_ = std::move(noise); }
 
  private:
   static constexpr std::uint32_t kClient = 1;
@@ -83,6 +108,7 @@ class ClosedLoop {
   static constexpr std::size_t kFramesMax = 256;
 
   void send(const contract::CanFrame& frame);
+  void drive_with_stick(core::TickInputs& inputs);
   std::size_t receive();
   void move_serial_line();
 
@@ -99,6 +125,15 @@ class ClosedLoop {
   std::vector<contract::Event> events_;
   std::function<void(const contract::CanFrame&)> see_;
   std::function<void(const core::TickInputs&)> see_inputs_;
+  std::function<void(core::CoreState&, core::TickOutputs&)> break_;
+  std::function<void(char&)> noise_;
+  std::function<std::uint32_t()> link_delay_;
+  struct UnderWay {
+    std::uint64_t due_tick;
+    contract::DriveCommand command;
+  };
+  std::deque<UnderWay> link_;  // driving commands on their way
+  contract::DriveCommand stranger_drive_{};
   std::uint64_t ticks_{};
   std::uint64_t sequence_{};
   std::uint32_t requests_{};
@@ -108,6 +143,11 @@ class ClosedLoop {
   double speed_norm_{};
   double yaw_norm_{};
   double lateness_s_{};
+  std::uint64_t server_life_{};
+  bool link_cut_{false};
+  bool link_stalled_{false};
+  bool stranger_drives_{false};
+  bool bus_up_{true};
   bool stick_held_{false};
   bool last_command_{false};
   bool core_runs_{true};
