@@ -31,7 +31,7 @@ using namespace hoist::sim;
 
 constexpr std::int64_t kStep_ns = 1'000'000;
 /// What may be caught up at once; beyond it the world's time simply did not pass, as for a machine that was asleep. Well below the drives'
-/// 40 ms deadline: the steps of a catch-up see no new command, and a busy computer must not look like a dead controller.
+/// 45 ms deadline: the steps of a catch-up see no new command, and a busy computer must not look like a dead controller.
 constexpr std::int64_t kCatchUp_ns = 5 * kStep_ns;
 /// Below hoist-control's 49, so that the simulated machine never delays the controller; above everything ordinary, so that a busy
 /// computer does not silence the simulated sensors.

@@ -1,7 +1,7 @@
 // The drive: servo loop at 1 kHz behind the CiA 402 state machine (profile velocity), and everything that makes it stop by itself.
 //
 // Three ways to a standstill:
-//   ramp       quick-stop ramp 6085h under the servo, then the bridge goes off. For every loss of the computer (RPDO deadline 40 ms,
+//   ramp       quick-stop ramp 6085h under the servo, then the bridge goes off. For every loss of the computer (RPDO deadline 45 ms,
 //              heartbeat 250 ms, NMT no longer operational), for its own quick stop, and for faults in which the encoder can be trusted.
 //   off        the bridge goes off at once. For faults in which the servo itself cannot be trusted: encoder, current, supply, readings.
 //   hold       operation enabled with target zero: normal standing.

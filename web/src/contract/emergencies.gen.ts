@@ -131,7 +131,7 @@ export const emergencies: readonly EmergencyInfo[] = [
   {
     code: 0x8250, mask: 0xFFFF, name: 'rpdo_timeout',
     text: { en: 'Its commands stopped coming; it braked by itself', de: 'Die Befehle blieben aus; es hat selbst gebremst' },
-    detail: { en: 'RPDO deadline of 40 ms passed: the core ended or was held up, or the bus is broken.', de: 'RPDO-Frist von 40 ms überschritten: Steuerung beendet oder aufgehalten, oder Bus unterbrochen.' },
+    detail: { en: 'RPDO deadline of 45 ms passed: the core ended or was held up, or the bus is broken.', de: 'RPDO-Frist von 45 ms überschritten: Steuerung beendet oder aufgehalten, oder Bus unterbrochen.' },
   },
   {
     code: 0x8400, mask: 0xFFFF, name: 'over_speed',
