@@ -81,8 +81,8 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
                          state.latched,
                          state.left_command_m_s,
                          state.right_command_m_s,
-                         state.left_control.refuses_to_run(),
-                         state.right_control.refuses_to_run(),
+                         state.left_control,
+                         state.right_control,
                          inputs.bus_up,
                          state.bus_settle_ticks == 0,
                          state.server.alive(),
@@ -117,7 +117,7 @@ Wish decide(CoreState& state, double dt_s) noexcept {
   const Wish wish = mode_row_of(state.mode).step(state, dt_s);
   if (wish.done) finish_mode(state);
   if (mode_row_of(state.mode).drives) {
-    state.limiter.step(state.params, wish.braking, wish.speed_m_s, wish.yaw_rate_rad_s, dt_s);
+    state.limiter.step(state.params, wish.braking, on_slope_m_s(wish.speed_m_s, state.latched, state.params), wish.yaw_rate_rad_s, dt_s);
   } else {
     state.limiter.reset();
   }

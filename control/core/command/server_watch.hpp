@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 
+#include "control/core/monitor/mutation.hpp"
+
 namespace hoist::core {
 
 class ServerWatch {
@@ -24,7 +26,7 @@ class ServerWatch {
       // The counter only ever rises in one life of the server: this is another server, and nobody it knows drives.
       return restarted ? News::restarted : News::none;
     }
-    if (!alive_ || ++silent_ticks_ < kSilentTicks) return News::none;
+    if (!alive_ || ++silent_ticks_ < hold<contract::Fault::server_lost, "silence">(kSilentTicks)) return News::none;
     alive_ = false;
     return News::lost;
   }

@@ -102,6 +102,8 @@ class TiltSensor {
   [[nodiscard]] double yaw_rate_rad_s() const noexcept { return yaw_rate_rad_s_; }
   [[nodiscard]] double pitch_rate_rad_s() const noexcept { return pitch_rate_rad_s_; }
   [[nodiscard]] double roll_rate_rad_s() const noexcept { return roll_rate_rad_s_; }
+  /// The three rates came in this step.
+  [[nodiscard]] bool rates_now() const noexcept { return rates_counted_; }
   [[nodiscard]] bool has(std::uint8_t status_bit) const noexcept { return (status_ & status_bit) != 0; }
   /// Steps in a row that brought only the sample known already.
   [[nodiscard]] std::uint8_t repeated_frames() const noexcept { return repeated_frames_; }

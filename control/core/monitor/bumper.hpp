@@ -1,4 +1,4 @@
-// H13: a bumper touches something. No debouncing on the press: a bounce is a touch.
+// H13: a bumper touches something. No debouncing on the press: a bounce is a touch. One report; R2 with 1.5 m/s2 within 30 ms.
 #pragma once
 #include "control/core/monitor/monitor.hpp"
 

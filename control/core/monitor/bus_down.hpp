@@ -1,4 +1,4 @@
-// H5: the way to all nodes is gone.
+// H5: the way to all nodes is gone. As the port says, at once; R2 within 60 ms, and the drives by themselves within 50.
 #pragma once
 #include "control/core/monitor/monitor.hpp"
 

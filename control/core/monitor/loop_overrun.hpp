@@ -1,8 +1,9 @@
-// H22: the loop woke too late, once badly or twice within a second.
+// H22: the loop woke too late, once badly (loop_late_s_max) or twice within a second (a sixth of it). R2 within 40 ms.
 #pragma once
 #include <cstdint>
 
 #include "control/core/monitor/monitor.hpp"
+#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 
@@ -14,12 +15,13 @@ class LoopOverrun {
   static constexpr contract::Fault kFault = contract::Fault::loop_overrun;
 
   bool check(const MonitorView& view) noexcept {
-    if (since_late_ticks_ < kWindowTicks) ++since_late_ticks_;
+    const std::uint8_t window_ticks = hold<kFault, "window", Laxer::lower>(kWindowTicks);
+    if (since_late_ticks_ < window_ticks) ++since_late_ticks_;
     const double lateness_s = static_cast<double>(view.wake_lateness_s);
     const double far_too_late_s = view.params.loop_late_s_max;
-    bool trip = !(lateness_s <= far_too_late_s);
-    if (!(lateness_s <= far_too_late_s * kLateShare)) {
-      trip = trip || since_late_ticks_ < kWindowTicks;
+    bool trip = !(lateness_s <= threshold<kFault, "once">(far_too_late_s));
+    if (!(lateness_s <= threshold<kFault, "twice">(far_too_late_s * kLateShare))) {
+      trip = trip || since_late_ticks_ < window_ticks;
       since_late_ticks_ = 0;
     }
     // A hoist that stands with its drives off loses nothing by a late step; the count of late steps tells of it.

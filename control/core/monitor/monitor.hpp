@@ -12,6 +12,7 @@
 #include "control/core/estimate/estimate.hpp"
 #include "control/core/health/bus_health.hpp"
 #include "control/core/monitor/mutation.hpp"
+#include "control/core/output/drive_control.hpp"
 
 namespace hoist::core {
 
@@ -20,12 +21,12 @@ struct MonitorView {
   const BusHealth& health;
   const contract::Params& params;
   contract::Mode mode;
-  bool moving;                                 // a mode in which the wheels may turn
-  bool powered;                                // both drives have been enabled since the mode began and are meant to follow
-  std::uint32_t latched;                       // faults in force before this step
-  double left_command_m_s, right_command_m_s;  // what the drives were last told
-  bool left_refuses, right_refuses;            // a drive that does not run although it should (drive_control.hpp)
-  bool bus_up, bus_settled;                    // settled: long enough up that silence is the node's own
+  bool moving;                                       // a mode in which the wheels may turn
+  bool powered;                                      // both drives have been enabled since the mode began and are meant to follow
+  std::uint32_t latched;                             // faults in force before this step
+  double left_command_m_s, right_command_m_s;        // what the drives were last told
+  const DriveControl &left_control, &right_control;  // know a drive that does not run although it should
+  bool bus_up, bus_settled;                          // settled: long enough up that silence is the node's own
   bool server_alive, server_seen;
   bool remote_lost;
   float wake_lateness_s;

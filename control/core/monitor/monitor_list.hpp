@@ -3,7 +3,10 @@
 #include <cstdint>
 #include <tuple>
 
+#include "control/core/monitor/base_tilt_high.hpp"
+#include "control/core/monitor/base_tilted.hpp"
 #include "control/core/monitor/battery.hpp"
+#include "control/core/monitor/battery_uneven.hpp"
 #include "control/core/monitor/bumper.hpp"
 #include "control/core/monitor/bus_down.hpp"
 #include "control/core/monitor/drive_fault.hpp"
@@ -14,6 +17,7 @@
 #include "control/core/monitor/node_duplicate.hpp"
 #include "control/core/monitor/node_lost.hpp"
 #include "control/core/monitor/overspeed.hpp"
+#include "control/core/monitor/patient_hanging.hpp"
 #include "control/core/monitor/remote_lost.hpp"
 #include "control/core/monitor/server_lost.hpp"
 #include "control/core/monitor/tilt_frozen.hpp"
@@ -22,15 +26,16 @@
 
 namespace hoist::core {
 
-using MonitorList = std::tuple<
-    NodeLost<contract::Node::tilt_left, contract::Fault::tilt_left_lost>,
-    NodeLost<contract::Node::tilt_right, contract::Fault::tilt_right_lost>,
-    NodeLost<contract::Node::tilt_base, contract::Fault::tilt_base_lost>,
-    NodeLost<contract::Node::drive_left, contract::Fault::drive_left_lost>,
-    NodeLost<contract::Node::drive_right, contract::Fault::drive_right_lost>, NodeLost<contract::Node::io, contract::Fault::io_lost>,
-    BusDown, NodeDuplicate, NodeBabbling, DriveFault<true>, DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault, BumperPressed,
-    FallDetected, BatteryBelow<contract::Fault::battery_empty, &contract::Params::battery_empty_v>,
-    BatteryBelow<contract::Fault::battery_low, &contract::Params::battery_low_v>, RemoteCommandLost, ServerLost, Overspeed, LoopOverrun>;
+using MonitorList = std::tuple<NodeLost<contract::Node::tilt_left, contract::Fault::tilt_left_lost>,
+                               NodeLost<contract::Node::tilt_right, contract::Fault::tilt_right_lost>,
+                               NodeLost<contract::Node::tilt_base, contract::Fault::tilt_base_lost>,
+                               NodeLost<contract::Node::drive_left, contract::Fault::drive_left_lost>,
+                               NodeLost<contract::Node::drive_right, contract::Fault::drive_right_lost>,
+                               NodeLost<contract::Node::io, contract::Fault::io_lost>, BusDown, NodeDuplicate, NodeBabbling,
+                               DriveFault<true>, DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault, BumperPressed,
+                               FallDetected, BatteryBelow<contract::Fault::battery_empty, &contract::Params::battery_empty_v>,
+                               BatteryBelow<contract::Fault::battery_low, &contract::Params::battery_low_v>, BatteryUneven, BaseTilted,
+                               BaseTiltHigh, PatientHanging, RemoteCommandLost, ServerLost, Overspeed, LoopOverrun>;
 
 /// Runs every monitor; one bit per fault whose condition holds now.
 [[nodiscard]] inline std::uint32_t check_all(MonitorList& monitors, const MonitorView& view) noexcept {

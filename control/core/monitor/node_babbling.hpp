@@ -2,6 +2,7 @@
 // sensor data that come too late.
 #pragma once
 #include "control/core/monitor/monitor.hpp"
+#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 
@@ -9,7 +10,7 @@ struct NodeBabbling {
   static constexpr contract::Fault kFault = contract::Fault::node_babbling;
 
   bool check(const MonitorView& view) noexcept {
-    const bool full = !(view.health.load().load_norm() <= view.params.bus_load_norm_max);
+    const bool full = !(view.health.load().load_norm() <= threshold<kFault, "load">(view.params.bus_load_norm_max));
     return view.mode != contract::Mode::init && (full || view.health.babbling_id() != BusHealth::kNoId);
   }
 };

@@ -1,6 +1,7 @@
 // H3, H4, H14: a node's periodic data have stopped for 50 ms (kLostTicks).
 #pragma once
 #include "control/core/monitor/monitor.hpp"
+#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 
@@ -10,7 +11,8 @@ struct NodeLost {
 
   bool check(const MonitorView& view) noexcept {
     // While the whole bus is down there is one cause to mend and one alarm to read, not six more.
-    return view.mode != contract::Mode::init && view.bus_settled && view.sensed.heard(kNode).lost();
+    return view.mode != contract::Mode::init && view.bus_settled &&
+           view.sensed.heard(kNode).age_ticks() >= hold<kFault, "silence">(kLostTicks);
   }
 };
 

@@ -1,9 +1,13 @@
 // H6: frames keep coming, but the sensor behind them stands still.
+//
+// Its sample counter stands for 30 ms; its turn rates are equal for 200 ms; on a rolling hoist (0.1 m/s) both struts' angles are equal for
+// 300 ms, or one strut glides smoothly for 300 ms while its twin does not. R2 within 500 ms, that of the slowest rule.
 #pragma once
 #include <cmath>
 #include <cstdint>
 
 #include "control/core/monitor/monitor.hpp"
+#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 
@@ -20,21 +24,23 @@ class TiltFrozen {
                                      sensed.right_strut.beta_rad()};
     const bool same = now.alpha_left_rad == before_.alpha_left_rad && now.alpha_right_rad == before_.alpha_right_rad &&
                       now.beta_left_rad == before_.beta_left_rad && now.beta_right_rad == before_.beta_right_rad;
+    const double rolling_m_s = threshold<kFault, "rolling">(kRolling_m_s);
     const bool rolling =
-        std::fabs(sensed.odometry.wheel_left_m_s) > kRolling_m_s || std::fabs(sensed.odometry.wheel_right_m_s) > kRolling_m_s;
+        !(std::fabs(sensed.odometry.wheel_left_m_s) <= rolling_m_s && std::fabs(sensed.odometry.wheel_right_m_s) <= rolling_m_s);
     before_ = now;
     // Without new samples there is nothing to compare; a silent sensor is another monitor's matter.
     const bool sampled = sensed.left_strut.fresh().now() && sensed.right_strut.fresh().now();
+    const std::uint8_t constant_ticks = hold<kFault, "both equal">(kConstantTicks);
     constant_ticks_ = !(same && rolling && sampled)
                           ? std::uint8_t{0}
-                          : static_cast<std::uint8_t>(constant_ticks_ < kConstantTicks ? constant_ticks_ + 1 : kConstantTicks);
+                          : static_cast<std::uint8_t>(constant_ticks_ < constant_ticks ? constant_ticks_ + 1 : constant_ticks);
     // One chip that repeats its last sample: the filter behind it glides smoothly to where that sample points, for many seconds, while the
     // other strut, on the same rigid bar, keeps changing its course.
     const bool glides =
         rolling && (glides_beside(sensed.left_strut, sensed.right_strut) || glides_beside(sensed.right_strut, sensed.left_strut));
     // And where a sensor sends its rates as they are measured: three gyroscopes that never change their last digit.
     const bool same_rates = repeats_rates(sensed.left_strut) || repeats_rates(sensed.right_strut) || repeats_rates(sensed.base);
-    return view.mode != contract::Mode::init && (counter_stands || constant_ticks_ == kConstantTicks || glides || same_rates);
+    return view.mode != contract::Mode::init && (counter_stands || constant_ticks_ == constant_ticks || glides || same_rates);
   }
 
  private:
@@ -46,14 +52,17 @@ class TiltFrozen {
   static constexpr int kStuckLively = 2, kTwinLively = 15;
   static constexpr std::uint8_t kSameRates = 20;  // H6: raw values identical for 20 samples
 
-  [[nodiscard]] static bool stands(const TiltSensor& tilt) noexcept { return !tilt.heard().lost() && tilt.repeated_frames() >= kRepeats; }
+  [[nodiscard]] static bool stands(const TiltSensor& tilt) noexcept {
+    return !tilt.heard().lost() && tilt.repeated_frames() >= hold<kFault, "counter">(kRepeats);
+  }
 
   [[nodiscard]] static bool glides_beside(const TiltSensor& tilt, const TiltSensor& twin) noexcept {
     const int own = tilt.lively_samples(), other = twin.lively_samples();
-    return tilt.fresh().now() && twin.fresh().now() && own >= 0 && own <= kStuckLively && other >= kTwinLively + 2 * own;
+    return tilt.fresh().now() && twin.fresh().now() && own >= 0 && own <= threshold<kFault, "stuck", Laxer::lower>(kStuckLively) &&
+           other >= threshold<kFault, "twin">(kTwinLively) + 2 * own;
   }
   [[nodiscard]] static bool repeats_rates(const TiltSensor& tilt) noexcept {
-    return tilt.has(tilt_status::kValid) && !tilt.heard().lost() && tilt.same_rates() >= kSameRates;
+    return tilt.has(tilt_status::kValid) && !tilt.heard().lost() && tilt.same_rates() >= hold<kFault, "rates">(kSameRates);
   }
 
   StrutAngles<double> before_;

@@ -1,9 +1,12 @@
 // H7: angles that this mechanism cannot have.
+//
+// tilt_rad_max, tilt_rate_rad_s_max and strut_twist_rad_max at once; strut_apart_rad_max for 100 ms. R2 within 100 ms.
 #pragma once
 #include <cmath>
 #include <cstdint>
 
 #include "control/core/monitor/monitor.hpp"
+#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 
@@ -14,40 +17,42 @@ class TiltImplausible {
   bool check(const MonitorView& view) noexcept {
     const Estimate& sensed = view.sensed;
     const StrutAngles<double> struts = sensed.relative();
-    const bool steep = beyond(struts.alpha_left_rad, kAngle_rad) || beyond(struts.alpha_right_rad, kAngle_rad) ||
-                       beyond(struts.beta_left_rad, kAngle_rad) || beyond(struts.beta_right_rad, kAngle_rad) ||
-                       beyond(sensed.base.alpha_rad(), kAngle_rad) || beyond(sensed.base.beta_rad(), kAngle_rad);
-    const bool fast = too_fast(sensed.left_strut) || too_fast(sensed.right_strut) || too_fast(sensed.base);
-    const bool twisted = beyond(struts.alpha_left_rad - struts.alpha_right_rad, kTwist_rad);
-    const double leak_rad = kLeak_s * std::fabs(sensed.base.yaw_rate_rad_s() * (struts.alpha_left_rad - struts.alpha_right_rad));
+    // The stop of the ball joints is at 15 degrees against the chassis.
+    const double angle_rad = threshold<kFault, "angle">(view.params.tilt_rad_max);
+    const bool steep = beyond(struts.alpha_left_rad, angle_rad) || beyond(struts.alpha_right_rad, angle_rad) ||
+                       beyond(struts.beta_left_rad, angle_rad) || beyond(struts.beta_right_rad, angle_rad) ||
+                       beyond(sensed.base.alpha_rad(), angle_rad) || beyond(sensed.base.beta_rad(), angle_rad);
+    const double rate_rad_s = threshold<kFault, "rate">(view.params.tilt_rate_rad_s_max);
+    const bool fast =
+        too_fast(sensed.left_strut, rate_rad_s) || too_fast(sensed.right_strut, rate_rad_s) || too_fast(sensed.base, rate_rad_s);
+    const bool twisted =
+        beyond(struts.alpha_left_rad - struts.alpha_right_rad, threshold<kFault, "twist">(view.params.strut_twist_rad_max));
+    const double leak_rad =
+        threshold<kFault, "leak">(kLeak_s) * std::fabs(sensed.base.yaw_rate_rad_s() * (struts.alpha_left_rad - struts.alpha_right_rad));
     leak_rad_ -= leak_rad_ * view.dt_s / kLeak_s;
     if (leak_rad > leak_rad_) leak_rad_ = leak_rad;
-    const bool apart = beyond(struts.beta_left_rad - struts.beta_right_rad, kApart_rad + leak_rad_);
-    apart_ticks_ = !apart ? std::uint8_t{0} : static_cast<std::uint8_t>(apart_ticks_ < kApartTicks ? apart_ticks_ + 1 : kApartTicks);
+    const bool apart =
+        beyond(struts.beta_left_rad - struts.beta_right_rad, threshold<kFault, "apart">(view.params.strut_apart_rad_max) + leak_rad_);
+    const std::uint8_t apart_ticks = hold<kFault, "apart time">(kApartTicks);
+    apart_ticks_ = !apart ? std::uint8_t{0} : static_cast<std::uint8_t>(apart_ticks_ < apart_ticks ? apart_ticks_ + 1 : apart_ticks);
     if (view.mode == contract::Mode::init) return false;
     // A fallen patient hits the mechanical stop, and the blow shows in every accelerometer. That is the fall, which has its own alarm; a
     // sensor that is really wrong still is so after the acknowledgement.
     if (view.has(contract::Fault::fall_detected) && !view.has(kFault)) return false;
-    return steep || fast || twisted || apart_ticks_ == kApartTicks;
+    return steep || fast || twisted || apart_ticks_ == apart_ticks;
   }
 
  private:
-  static constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
-  // Research on safety, H7. The stop of the ball joints is at 15 degrees against the chassis.
-  static constexpr double kAngle_rad = 17 * kRadPerDeg;
-  static constexpr double kRate_rad_s = 200 * kRadPerDeg;
   // The top bar is rigid: both struts lean sideways alike. For 100 ms, because the three sensors do not sample together.
-  static constexpr double kApart_rad = 4 * kRadPerDeg;
   static constexpr std::uint8_t kApartTicks = 10;
   // A sensor that leans forward by alpha and turns with its strut about the upright feels part of the turn as a roll: yaw rate x alpha,
   // which its filter, slow to trust gravity, holds for about this long (measured 0.79 degrees for each degree per second). Left and right
   // differ by what they lean differently, and in a tight turn that is what the patient does. It fades as slowly as it came.
   static constexpr double kLeak_s = 0.8;
-  static constexpr double kTwist_rad = 25 * kRadPerDeg;
 
   [[nodiscard]] static bool beyond(double angle, double limit) noexcept { return !(std::fabs(angle) <= limit); }
-  [[nodiscard]] static bool too_fast(const TiltSensor& tilt) noexcept {
-    return tilt.fresh().now() && (beyond(tilt.alpha_rate_rad_s(), kRate_rad_s) || beyond(tilt.beta_rate_rad_s(), kRate_rad_s));
+  [[nodiscard]] static bool too_fast(const TiltSensor& tilt, double limit_rad_s) noexcept {
+    return tilt.fresh().now() && (beyond(tilt.alpha_rate_rad_s(), limit_rad_s) || beyond(tilt.beta_rate_rad_s(), limit_rad_s));
   }
 
   double leak_rad_ = 0;  // the most that the turn of the last moments explains

@@ -1,9 +1,15 @@
-// H8: a tilt sensor says itself that it cannot be trusted.
+// H8: a tilt sensor says itself that it cannot be trusted, or what it says of its turning cannot be.
+//
+// Its self-test has failed, at once; its samples are invalid or its gyroscope saturated, for 50 ms. R2 within 60 ms.
+// The rates that it sends add up to more than drift_rad_max in ten seconds, which a thing that stops at 15 degrees cannot do: its gyroscope
+// has lost its zero. R2 as soon as they do. Sensors that send no rates are not judged so.
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "control/core/monitor/monitor.hpp"
+#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 
@@ -15,12 +21,33 @@ class TiltSensorFault {
     const bool left = bad(view.sensed.left_strut, bad_ticks_[0]);
     const bool right = bad(view.sensed.right_strut, bad_ticks_[1]);
     const bool base = bad(view.sensed.base, bad_ticks_[2]);
-    return view.mode != contract::Mode::init && (left || right || base);
+    const double drift_rad = threshold<kFault, "drift">(view.params.drift_rad_max);
+    const bool left_drifts = drifts(view.sensed.left_strut, drifts_[0], drift_rad, view.dt_s);
+    const bool right_drifts = drifts(view.sensed.right_strut, drifts_[1], drift_rad, view.dt_s);
+    const bool base_drifts = drifts(view.sensed.base, drifts_[2], drift_rad, view.dt_s);
+    return view.mode != contract::Mode::init && (left || right || base || left_drifts || right_drifts || base_drifts);
   }
 
  private:
   // As long as a silent sensor is given: an invalid sample is worth as little as none.
   static constexpr std::uint8_t kBadTicks = kLostTicks;
+
+  struct Drift {
+    double pitch_rad = 0, roll_rad = 0;
+  };
+  static constexpr double kDrift_s = 10.0;  // H8
+
+  // What the rates add up to, with a memory of ten seconds.
+  [[nodiscard]] static bool drifts(const TiltSensor& tilt, Drift& drift, double limit_rad, double dt_s) noexcept {
+    if (tilt.rates_now()) {
+      drift.pitch_rad += tilt.pitch_rate_rad_s() * dt_s;
+      drift.roll_rad += tilt.roll_rate_rad_s() * dt_s;
+    }
+    const double keep = 1.0 - dt_s / kDrift_s;
+    drift.pitch_rad *= keep;
+    drift.roll_rad *= keep;
+    return !(std::fabs(drift.pitch_rad) <= limit_rad && std::fabs(drift.roll_rad) <= limit_rad);
+  }
 
   [[nodiscard]] static bool bad(const TiltSensor& tilt, std::uint8_t& ticks) noexcept {
     if (tilt.heard().lost()) {
@@ -28,11 +55,13 @@ class TiltSensorFault {
       return false;
     }
     const bool useless = !tilt.has(tilt_status::kValid) || tilt.has(tilt_status::kGyroSaturated);
-    ticks = !useless ? std::uint8_t{0} : static_cast<std::uint8_t>(ticks < kBadTicks ? ticks + 1 : kBadTicks);
-    return tilt.has(tilt_status::kSelfTestFailed) || ticks == kBadTicks;
+    const std::uint8_t bad_ticks = hold<kFault, "invalid">(kBadTicks);
+    ticks = !useless ? std::uint8_t{0} : static_cast<std::uint8_t>(ticks < bad_ticks ? ticks + 1 : bad_ticks);
+    return tilt.has(tilt_status::kSelfTestFailed) || ticks == bad_ticks;
   }
 
   std::array<std::uint8_t, 3> bad_ticks_{};
+  std::array<Drift, 3> drifts_{};
 };
 
 }  // namespace hoist::core

@@ -49,8 +49,8 @@ class DriveControl {
   void reset_fault() noexcept { reset_ticks_ = kResetTicksMax; }
 
   /// Wanted and not enabled for too long, or dropped out by itself.
-  [[nodiscard]] bool refuses_to_run() const noexcept {
-    return missing_ticks_ >= kEnableTicksMax || (was_enabled_ && missing_ticks_ >= kDroppedTicksMax);
+  [[nodiscard]] bool refuses_to_run(std::uint8_t start_ticks_max, std::uint8_t dropped_ticks_max) const noexcept {
+    return missing_ticks_ >= start_ticks_max || (was_enabled_ && missing_ticks_ >= dropped_ticks_max);
   }
 
  private:

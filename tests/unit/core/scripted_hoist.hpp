@@ -33,7 +33,8 @@ struct FakeTilt : FakeNode {
   double alpha_now_deg = 0, beta_now_deg = 0;
   double slew_deg = 1;
   double yaw_rate_deg_s = 0;
-  std::uint8_t status = 3;  // valid, converged
+  double pitch_rate_deg_s = 0;  // as the gyroscope says, sent by the chassis
+  std::uint8_t status = 3;      // valid, converged
   std::uint8_t counter = 0;
   bool frozen = false;
   bool dither = true;
@@ -68,6 +69,8 @@ class ScriptedHoist {
   FakeIo io;
   bool bus_up = true;
   bool server_up = true;
+  /// Whoever walks sways: by so much to either side, once in two seconds, while the wheels turn.
+  double sway_deg = 0.4;
   std::uint64_t heartbeat = 1;
   std::uint64_t tick_number = 0;
   std::uint64_t time_ns = 1'000'000'000;
@@ -246,6 +249,8 @@ class ScriptedHoist {
       }
     });
     const auto runs = [](const FakeNode& n) { return !n.silent && n.nmt == canopen::NmtState::operational; };
+    const bool walks = std::abs(drive_left.wheel_m_s + drive_right.wheel_m_s) > 0.04;
+    const double swayed_deg = walks ? sway_deg * std::sin(std::numbers::pi * static_cast<double>(tick_number) * kTick_s) : 0.0;
     const auto tilt = [&](Node node, FakeTilt& t) {
       if (!runs(t)) return;
       if (!t.frozen) ++t.counter;
@@ -254,8 +259,9 @@ class ScriptedHoist {
       t.alpha_now_deg += std::clamp(t.alpha_deg - t.alpha_now_deg, -t.slew_deg, t.slew_deg);
       t.beta_now_deg += std::clamp(t.beta_deg - t.beta_now_deg, -t.slew_deg, t.slew_deg);
       const double noise_deg = t.dither && !t.frozen ? 0.001 * static_cast<double>(t.counter % 3) : 0.0;
+      const double aside_deg = node != Node::tilt_base && t.dither && !t.frozen ? swayed_deg : 0.0;
       contract::write_slot(f, contract::pdo_slot(Pdo::tilt_tx1, 0x6010), std::lround((t.alpha_now_deg + noise_deg) * 1000));
-      contract::write_slot(f, contract::pdo_slot(Pdo::tilt_tx1, 0x6020), std::lround(t.beta_now_deg * 1000));
+      contract::write_slot(f, contract::pdo_slot(Pdo::tilt_tx1, 0x6020), std::lround((t.beta_now_deg + aside_deg) * 1000));
       contract::write_slot(f, contract::pdo_slot(Pdo::tilt_tx1, 0x2120), t.status);
       contract::write_slot(f, contract::pdo_slot(Pdo::tilt_tx1, 0x2121), t.counter);
       frames.push_back(f);
@@ -267,6 +273,8 @@ class ScriptedHoist {
       contract::CanFrame f{contract::pdo_cob_id(Pdo::tilt_tx2, Node::tilt_base), 6, 0, {}};
       constexpr contract::PdoSlot kYaw = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 1);
       contract::write_slot(f, kYaw, std::lround(tilt_base.yaw_rate_deg_s / kYaw.scale));
+      constexpr contract::PdoSlot kPitch = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 2);
+      contract::write_slot(f, kPitch, std::lround(tilt_base.pitch_rate_deg_s / kPitch.scale));
       // No gyroscope is quiet in its last digit.
       if (tilt_base.dither && !tilt_base.frozen)
         contract::write_slot(f, kYaw, std::lround(tilt_base.yaw_rate_deg_s / kYaw.scale) + static_cast<std::int64_t>(tick_number % 3));

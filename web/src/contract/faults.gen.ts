@@ -29,7 +29,11 @@ export type FaultName =
   | 'tilt_sensor_fault'
   | 'bus_down'
   | 'node_duplicate'
-  | 'node_babbling';
+  | 'node_babbling'
+  | 'base_tilted'
+  | 'base_tilt_high'
+  | 'patient_hanging'
+  | 'battery_uneven';
 
 export type RefusalName =
   | 'not_standby'
@@ -190,6 +194,26 @@ export const faults: readonly FaultInfo[] = [
     bit: 23, name: 'node_babbling', priority: 'high', reaction: 'protective_stop',
     text: { en: 'A device floods the bus with messages', de: 'Ein Gerät überflutet den Bus mit Nachrichten' },
     action: { en: 'Unplug the device named here, then acknowledge; call service.', de: 'Das hier genannte Gerät abziehen, dann quittieren; Service rufen.' },
+  },
+  {
+    bit: 25, name: 'base_tilted', priority: 'high', reaction: 'protective_stop',
+    text: { en: 'The hoist stands too steeply', de: 'Die Hilfe steht zu schräg' },
+    action: { en: 'Hold the patient, bring the hoist onto level floor, then acknowledge.', de: 'Patienten sichern, die Hilfe auf ebenen Boden bringen, dann quittieren.' },
+  },
+  {
+    bit: 26, name: 'base_tilt_high', priority: 'medium', reaction: 'warn',
+    text: { en: 'The floor slopes: the hoist goes slowly', de: 'Der Boden ist schräg: die Hilfe fährt langsam' },
+    action: { en: 'Stay close to the patient and go back to level floor.', de: 'Nah beim Patienten bleiben und zurück auf ebenen Boden gehen.' },
+  },
+  {
+    bit: 28, name: 'patient_hanging', priority: 'high', reaction: 'soft_stop',
+    text: { en: 'The patient hangs in the harness and does not walk', de: 'Der Patient hängt im Gurt und geht nicht' },
+    action: { en: 'Help the patient onto the feet; start again when the patient stands.', de: 'Dem Patienten auf die Füße helfen; neu starten, wenn er steht.' },
+  },
+  {
+    bit: 29, name: 'battery_uneven', priority: 'low', reaction: 'warn',
+    text: { en: 'One battery is weaker than the other', de: 'Eine Batterie ist schwächer als die andere' },
+    action: { en: 'Finish this training, charge, and have the batteries checked.', de: 'Training beenden, laden und die Batterien prüfen lassen.' },
   },
 ];
 

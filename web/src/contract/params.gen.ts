@@ -52,6 +52,23 @@ export type ParamName =
   | 'battery_empty_v'
   | 'neutral_start_tolerance_norm'
   | 'loop_late_s_max'
+  | 'base_tilt_slow_rad'
+  | 'base_tilt_stop_rad'
+  | 'base_tilt_speed_m_s_max'
+  | 'hang_tilt_rad'
+  | 'hang_tilt_s'
+  | 'hang_speed_m_s'
+  | 'hang_still_s'
+  | 'hang_sway_m'
+  | 'battery_uneven_v'
+  | 'tilt_rad_max'
+  | 'tilt_rate_rad_s_max'
+  | 'strut_apart_rad_max'
+  | 'strut_twist_rad_max'
+  | 'overspeed_margin_m_s'
+  | 'following_error_m_s_max'
+  | 'following_error_s'
+  | 'drift_rad_max'
   | 'drive_velocity_gain_v_s_rad'
   | 'drive_velocity_integral_v_rad'
   | 'drive_current_limit_a'
@@ -355,6 +372,108 @@ export const params: readonly ParamInfo[] = [
     effect: { en: 'A control step that begins later than this stops the hoist.', de: 'Beginnt ein Regelschritt später, hält die Hilfe an.' },
   },
   {
+    id: 110, name: 'base_tilt_slow_rad', unit: 'rad', min: 0.034906585, default: 0.0872664626, max: 0.0872664626,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H9: 5 deg',
+    title: { en: 'Sloping floor: slow from', de: 'Schräger Boden: langsam ab' },
+    effect: { en: 'Slope from which the hoist goes slowly.', de: 'Schräge, ab der die Hilfe langsam fährt.' },
+  },
+  {
+    id: 111, name: 'base_tilt_stop_rad', unit: 'rad', min: 0.0872664626, default: 0.13962634, max: 0.13962634,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H9: 8 deg',
+    title: { en: 'Sloping floor: stop from', de: 'Schräger Boden: Halt ab' },
+    effect: { en: 'Slope at which the hoist stops.', de: 'Schräge, bei der die Hilfe hält.' },
+  },
+  {
+    id: 112, name: 'base_tilt_speed_m_s_max', unit: 'm/s', min: 0.05, default: 0.2, max: 0.2,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H9',
+    title: { en: 'Speed on sloping floor', de: 'Tempo auf schrägem Boden' },
+    effect: { en: 'Top speed while the floor slopes.', de: 'Höchsttempo, solange der Boden schräg ist.' },
+  },
+  {
+    id: 113, name: 'hang_tilt_rad', unit: 'rad', min: 0.1, default: 0.174532925, max: 0.255,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, hazard H16: 10 deg; 14 deg in paper, where a full wish takes 15',
+    title: { en: 'Hanging guard: lean', de: 'Hängewächter: Neigung' },
+    effect: { en: 'Lean that counts as hanging when it lasts.', de: 'Neigung, die als Hängen gilt, wenn sie andauert.' },
+  },
+  {
+    id: 114, name: 'hang_tilt_s', unit: 's', min: 0.5, default: 2, max: 3,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, hazard H16',
+    title: { en: 'Hanging guard: time of lean', de: 'Hängewächter: Dauer der Neigung' },
+    effect: { en: 'How long that lean may last.', de: 'Wie lange diese Neigung andauern darf.' },
+  },
+  {
+    id: 115, name: 'hang_speed_m_s', unit: 'm/s', min: 0.05, default: 0.1, max: 0.2,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, hazard H16',
+    title: { en: 'Hanging guard: speed', de: 'Hängewächter: Tempo' },
+    effect: { en: 'Speed from which a patient who does not sway counts as drawn along.', de: 'Tempo, ab dem ein Patient, der nicht pendelt, als gezogen gilt.' },
+  },
+  {
+    id: 116, name: 'hang_still_s', unit: 's', min: 1.5, default: 2.5, max: 4,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, hazard H16',
+    title: { en: 'Hanging guard: time without steps', de: 'Hängewächter: Dauer ohne Schritte' },
+    effect: { en: 'How long the hoist may roll without the sway of steps.', de: 'Wie lange die Hilfe ohne das Pendeln von Schritten rollen darf.' },
+  },
+  {
+    id: 117, name: 'hang_sway_m', unit: 'm', min: 0.002, default: 0.008, max: 0.02,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'a third of the least sway that walking shows, from side to side: research paper 5, simulated',
+    title: { en: 'Hanging guard: sway of a step', de: 'Hängewächter: Pendeln eines Schritts' },
+    effect: { en: 'Sideways way of the harness that counts as a step.', de: 'Seitlicher Weg des Gurts, der als Schritt gilt.' },
+  },
+  {
+    id: 118, name: 'battery_uneven_v', unit: 'V', min: 0.2, default: 0.5, max: 2,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H12',
+    title: { en: 'Batteries uneven', de: 'Batterien ungleich' },
+    effect: { en: 'Difference of the two batteries that raises a warning.', de: 'Unterschied der beiden Batterien, ab dem gewarnt wird.' },
+  },
+  {
+    id: 119, name: 'tilt_rad_max', unit: 'rad', min: 0.261799388, default: 0.296705973, max: 0.35,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H7: 17 deg, two beyond the mechanical stop',
+    title: { en: 'Believable lean', de: 'Glaubhafte Neigung' },
+    effect: { en: 'Largest lean that a sensor may report.', de: 'Größte Neigung, die ein Sensor melden darf.' },
+  },
+  {
+    id: 120, name: 'tilt_rate_rad_s_max', unit: 'rad/s', min: 2, default: 3.490658504, max: 4.2,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H7: 200 deg/s',
+    title: { en: 'Believable rate of lean', de: 'Glaubhafte Neigungsrate' },
+    effect: { en: 'Quickest change of a lean that a sensor may report.', de: 'Schnellste Änderung der Neigung, die ein Sensor melden darf.' },
+  },
+  {
+    id: 121, name: 'strut_apart_rad_max', unit: 'rad', min: 0.034906585, default: 0.0698131701, max: 0.13962634,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H7: 4 deg, the top bar is rigid',
+    title: { en: 'Struts apart sideways', de: 'Streben seitlich auseinander' },
+    effect: { en: 'How differently the two struts may lean to the side.', de: 'Wie verschieden sich die beiden Streben zur Seite neigen dürfen.' },
+  },
+  {
+    id: 122, name: 'strut_twist_rad_max', unit: 'rad', min: 0.261799388, default: 0.436332313, max: 0.523598776,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H7: 25 deg',
+    title: { en: 'Struts twisted', de: 'Streben verdreht' },
+    effect: { en: 'How differently the two struts may lean forward.', de: 'Wie verschieden sich die beiden Streben nach vorn neigen dürfen.' },
+  },
+  {
+    id: 123, name: 'overspeed_margin_m_s', unit: 'm/s', min: 0.05, default: 0.1, max: 0.1,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H1',
+    title: { en: 'Too fast from', de: 'Zu schnell ab' },
+    effect: { en: 'How far above the top speed the hoist stops.', de: 'Wie weit über dem Höchsttempo die Hilfe hält.' },
+  },
+  {
+    id: 124, name: 'following_error_m_s_max', unit: 'm/s', min: 0.08, default: 0.15, max: 0.15,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H1',
+    title: { en: 'Wheel beside its command', de: 'Rad neben seinem Befehl' },
+    effect: { en: 'How far a wheel\'s speed may be from its command.', de: 'Wie weit das Tempo eines Rads von seinem Befehl abweichen darf.' },
+  },
+  {
+    id: 125, name: 'following_error_s', unit: 's', min: 0.05, default: 0.15, max: 0.15,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H1',
+    title: { en: 'Time beside the command', de: 'Dauer neben dem Befehl' },
+    effect: { en: 'How long that may last.', de: 'Wie lange das andauern darf.' },
+  },
+  {
+    id: 126, name: 'drift_rad_max', unit: 'rad', min: 0.261799388, default: 0.523598776, max: 1,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H8: 30 deg in 10 s, the struts stop at 15',
+    title: { en: 'Believable turn of a sensor', de: 'Glaubhafte Drehung eines Sensors' },
+    effect: { en: 'How far a tilt sensor may say that it has turned over within ten seconds.', de: 'Wie weit sich ein Neigungssensor nach eigener Angabe in zehn Sekunden überschlagen haben darf.' },
+  },
+  {
     id: 80, name: 'drive_velocity_gain_v_s_rad', unit: 'V s/rad', min: 0, default: 0.12, max: 5,
     edit: 'live', scope: 'drive', role: 'engineer', source: 'tuned on the motor model, P1-P9',
     title: { en: 'Drive: gain', de: 'Antrieb: Verstärkung' },
@@ -409,11 +528,11 @@ export const presets: readonly PresetInfo[] = [
   {
     name: 'walk', title: { en: 'Walking', de: 'Gehen' },
     doc: { en: 'For walking at 0.3 to 0.6 m/s. Recommended.', de: 'Für Gehen mit 0,3 bis 0,6 m/s. Empfohlen.' },
-    values: { lean_range_rad: 0.174532925, turn_range_rad: 0.174532925, lean_filtered_units_max: 20, speed_per_unit_m_s: 0.03, yaw_rate_per_unit_rad_s: 0.011635528, fall_static_tilt_rad: 0.226892803, fall_static_s: 0.1, },
+    values: { lean_range_rad: 0.174532925, turn_range_rad: 0.174532925, lean_filtered_units_max: 20, speed_per_unit_m_s: 0.03, yaw_rate_per_unit_rad_s: 0.011635528, fall_static_tilt_rad: 0.226892803, fall_static_s: 0.1, hang_tilt_rad: 0.174532925, },
   },
   {
     name: 'paper', title: { en: 'As published', de: 'Wie veröffentlicht' },
     doc: { en: 'The published settings, for walking up to 0.3 m/s.', de: 'Die veröffentlichten Einstellungen, für Gehen bis 0,3 m/s.' },
-    values: { lean_range_rad: 0.261799388, turn_range_rad: 0.261799388, lean_filtered_units_max: 50, speed_per_unit_m_s: 0.01, yaw_rate_per_unit_rad_s: 0.017453293, fall_static_tilt_rad: 0.244346095, fall_static_s: 2, },
+    values: { lean_range_rad: 0.261799388, turn_range_rad: 0.261799388, lean_filtered_units_max: 50, speed_per_unit_m_s: 0.01, yaw_rate_per_unit_rad_s: 0.017453293, fall_static_tilt_rad: 0.244346095, fall_static_s: 2, hang_tilt_rad: 0.244346095, },
   },
 ];

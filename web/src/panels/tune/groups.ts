@@ -33,7 +33,12 @@ const order: readonly { title: TextKey; names: readonly ParamName[] }[] = [
   },
   {
     title: 'tune.group.guards',
-    names: ['fall_tilt_rad', 'fall_rate_rad_s', 'fall_static_tilt_rad', 'fall_static_s', 'battery_low_v', 'battery_empty_v'],
+    names: [
+      'fall_tilt_rad', 'fall_rate_rad_s', 'fall_static_tilt_rad', 'fall_static_s', 'hang_tilt_rad', 'hang_tilt_s', 'hang_speed_m_s',
+      'hang_still_s', 'hang_sway_m', 'base_tilt_slow_rad', 'base_tilt_stop_rad', 'base_tilt_speed_m_s_max', 'battery_low_v',
+      'battery_empty_v', 'battery_uneven_v', 'overspeed_margin_m_s', 'following_error_m_s_max', 'following_error_s', 'tilt_rad_max',
+      'tilt_rate_rad_s_max', 'strut_apart_rad_max', 'strut_twist_rad_max', 'drift_rad_max',
+    ],
   },
   {
     title: 'tune.group.machine',
