@@ -473,11 +473,12 @@ class Session {
       const contract::Event& e = events[events_seen_];
       const std::uint32_t bit = e.code < 32 ? 1U << e.code : 0U;
       if (e.kind == contract::EventKind::fault_raised) {
-        tell("fault " + std::string(contract::kFaults[e.code].name));
-        if ((raised_ & bit) != 0) broken("I11: a fault is raised twice: ", 0.0, contract::kFaults[e.code].name);
+        tell("fault " + std::string(contract::fault_info(static_cast<Fault>(e.code)).name));
+        if ((raised_ & bit) != 0) broken("I11: a fault is raised twice: ", 0.0, contract::fault_info(static_cast<Fault>(e.code)).name);
         raised_ |= bit;
       } else if (e.kind == contract::EventKind::fault_cleared) {
-        if ((raised_ & bit) == 0) broken("I11: a fault is cleared that was not raised: ", 0.0, contract::kFaults[e.code].name);
+        if ((raised_ & bit) == 0)
+          broken("I11: a fault is cleared that was not raised: ", 0.0, contract::fault_info(static_cast<Fault>(e.code)).name);
         raised_ &= ~bit;
       } else if (e.kind == contract::EventKind::mode_changed) {
         watch_mode_change(static_cast<Mode>(e.item), static_cast<Mode>(e.code), now_s);
@@ -507,7 +508,8 @@ class Session {
       if (from == Mode::remote && contract_fault(record, Fault::fall_detected)) return;
       ++report_.false_stops;
       if (options_.frame_loss == 0.0)
-        broken("false stop: ", 0.0, record.stop_cause > 0 ? contract::kFaults[record.stop_cause - 1U].name : "soft stop");
+        broken("false stop: ", 0.0,
+               record.stop_cause > 0 ? contract::fault_info(static_cast<Fault>(record.stop_cause - 1U)).name : "soft stop");
     }
   }
 
