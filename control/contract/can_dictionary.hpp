@@ -423,6 +423,9 @@ constexpr CanFrame nmt(NmtCommand command, std::uint8_t node) {
   f.data[1] = node;
   return f;
 }
+/// Bit of the input node's outputs (6200h:1) that feeds the relay in the motors' supply by changing (control/core/output/relay_feed.hpp).
+inline constexpr std::uint8_t kRelayFeed = 0x01;
+
 constexpr CanFrame sync() { return CanFrame{kSync, 0, 0, {}}; }
 constexpr CanFrame heartbeat(std::uint8_t node, NmtState state) {
   CanFrame f{kHeartbeatBase + node, 1, 0, {}};

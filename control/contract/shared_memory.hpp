@@ -10,6 +10,7 @@
 #include "control/contract/check.hpp"
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
+#include "control/contract/loop_report.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
 
@@ -59,6 +60,7 @@ struct SegmentHeader {
 struct StateSegment {
   SegmentHeader header;
   SeqSlot<ParamsInForce> params;
+  alignas(64) SeqSlot<LoopReport> loop;  // once a second
   SeqRing<TickRecord, kTickSlots> ticks;  // the newest slot is also the snapshot: one copy per tick
   SeqRing<Event, kEventSlots> events;
   SeqRing<BusRecord, kBusSlots> bus;

@@ -103,6 +103,17 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.wake_lateness_s = std::isfinite(inputs.wake_lateness_s) ? inputs.wake_lateness_s : 0.0F;
   record.tick_duration_s = std::isfinite(inputs.previous_duration_s) ? inputs.previous_duration_s : 0.0F;
   record.overruns = state.overruns;
+  const auto finite = [](float value) { return std::isfinite(value) ? value : 0.0F; };
+  record.lateness_p50_s = finite(inputs.loop.lateness_p50_s);
+  record.lateness_p99_s = finite(inputs.loop.lateness_p99_s);
+  record.lateness_max_s = finite(inputs.loop.lateness_max_s);
+  record.missed_ticks = state.missed_ticks;
+  record.page_faults = inputs.loop.page_faults;
+  record.allocations = inputs.loop.allocations;
+  record.loop_priority = inputs.loop.priority;
+  record.loop_cpu = inputs.loop.cpu;
+  record.memory_locked = inputs.loop.memory_locked ? 1 : 0;
+  record.relay_feed = state.relay.level();
   record.bus_frames = state.bus_frames;
   record.bus_refused = inputs.bus.refused + state.bus_refused;
   record.commands_refused = state.commands_refused;

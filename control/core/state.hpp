@@ -20,6 +20,7 @@
 #include "control/core/output/drive_control.hpp"
 #include "control/core/output/hold_watch.hpp"
 #include "control/core/output/limiter.hpp"
+#include "control/core/output/relay_feed.hpp"
 #include "control/core/output/safety_gate.hpp"
 #include "control/core/output/wheel_mixing.hpp"
 
@@ -92,11 +93,12 @@ struct CoreState {
   DriveControl left_control, right_control;
   SafetyGate gate;
   BusMaster master;
+  RelayFeed relay;
   double left_command_m_s = 0, right_command_m_s = 0;  // as sent
 
   EventQueue events;
   bool params_changed = false;
-  std::uint32_t bus_frames = 0, bus_refused = 0, commands_refused = 0, overruns = 0;
+  std::uint32_t bus_frames = 0, bus_refused = 0, commands_refused = 0, overruns = 0, missed_ticks = 0;
 };
 
 }  // namespace hoist::core

@@ -152,6 +152,7 @@ void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOu
   state.master.step(inputs.tick, state.sensed, state.params, service.on, out.frames);
   if (service.on && service.waiting) static_cast<void>(out.frames.push_back(service.frame));
   service.waiting = false;
+  state.relay.step(out.frames);
   static_cast<void>(out.frames.push_back(contract::canopen::sync()));
 
   const GateView view{state.mode, state.sensed.tilts_lost(), state.sensed.drives_lost(),
@@ -187,6 +188,7 @@ void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& 
   out.events.clear();
   // Also the few bytes behind the last value: equal steps are equal byte for byte, in memory and in a replay.
   std::memset(static_cast<void*>(&out.record), 0, sizeof out.record);
+  if (state.started && inputs.tick > state.tick + 1) state.missed_ticks += static_cast<std::uint32_t>(inputs.tick - state.tick - 1);
   state.tick = inputs.tick;
   state.time_ns = inputs.time_ns;
   if (!state.started) {

@@ -59,6 +59,15 @@ struct BusCounters {
   std::uint8_t state = 0;  // 0 active, 1 warning, 2 passive, 3 off
 };
 
+/// What the loop around the core measured of itself. Only shown and recorded; what the core reacts to is `wake_lateness_s`.
+struct LoopHealth {
+  float lateness_p50_s = 0, lateness_p99_s = 0, lateness_max_s = 0;  // of the last ten seconds
+  std::uint32_t page_faults = 0, allocations = 0;                    // of the control thread since it settled
+  std::uint8_t priority = 0;                                         // under SCHED_FIFO; 0: an ordinary thread
+  std::uint8_t cpu = 255;                                            // bound to this one; 255: to none
+  bool memory_locked = false;
+};
+
 /// Everything a step may know. The caller copies from shared memory once; the core trusts no field of `commands` and `drive`.
 struct TickInputs {
   std::uint64_t tick = 0;                      // number of this step since the core started
@@ -73,6 +82,7 @@ struct TickInputs {
   std::uint64_t server_life = 0;       // another number: another server, whose command sequence begins at 1 again; 0: none attached
   float wake_lateness_s = 0;
   float previous_duration_s = 0;
+  LoopHealth loop;
 };
 
 inline constexpr std::size_t kFramesPerTickMax = 48, kEventsPerTickMax = 64;

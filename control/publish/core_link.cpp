@@ -59,6 +59,7 @@ void CoreLink::publish_tick(const contract::TickRecord& record) noexcept { ring_
 void CoreLink::publish_event(const contract::Event& event) noexcept { ring_write(state().events, event); }
 void CoreLink::publish_bus(const contract::BusRecord& record) noexcept { ring_write(state().bus, record); }
 void CoreLink::publish_params(const contract::ParamsInForce& params) noexcept { seq_write(state().params, params_number_++, params); }
+void CoreLink::publish_loop(const contract::LoopReport& report) noexcept { seq_write(state().loop, loop_number_++, report); }
 
 bool CoreLink::begin() noexcept {
   // Sequentially consistent on both sides: either the helper sees `inside_` before it unmaps, or we see its null pointer.

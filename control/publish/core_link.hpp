@@ -28,6 +28,7 @@ class CoreLink {
   void publish_event(const contract::Event& event) noexcept;
   void publish_bus(const contract::BusRecord& record) noexcept;
   void publish_params(const contract::ParamsInForce& params) noexcept;
+  void publish_loop(const contract::LoopReport& report) noexcept;
   // Begins one look at the server's memory; everything below then speaks of the same server. False when none is attached.
   // Each begin() must be followed by end(), after which the memory may be let go by the helper thread.
   bool begin() noexcept;
@@ -69,6 +70,7 @@ class CoreLink {
   std::uint64_t cursor_ = 0;
   std::uint64_t drive_sequence_ = 0;
   std::uint64_t params_number_ = 0;
+  std::uint64_t loop_number_ = 0;
 };
 
 }  // namespace hoist::publish

@@ -127,4 +127,8 @@ bool ServerLink::newest(contract::TickRecord& record) const {
   return state_ && ring_newest(state_->as<const StateSegment>()->ticks, record);
 }
 
+bool ServerLink::loop(contract::LoopReport& report) const {
+  return state_ && seq_read_retry(state_->as<const StateSegment>()->loop, report) != 0;
+}
+
 }  // namespace hoist::publish

@@ -51,6 +51,8 @@ class ServerLink {
   void drive(const contract::DriveCommand& command) noexcept;
   bool params(contract::ParamsInForce& params) const;
   bool newest(contract::TickRecord& record) const;
+  // How punctual the core's loop is; false before its first second.
+  bool loop(contract::LoopReport& report) const;
 
   [[nodiscard]] std::shared_ptr<SharedState> shared_state() const { return shared_; }
   // For programs that hold both ends: attaches to a core in the same process.

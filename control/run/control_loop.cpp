@@ -13,8 +13,16 @@ void ControlLoop::step(const Step& step) noexcept {
   core::TickInputs inputs;
   inputs.tick = step.tick;
   inputs.time_ns = step.time_ns;
-  inputs.wake_lateness_s = step.wake_lateness_s;
-  inputs.previous_duration_s = step.previous_duration_s;
+  inputs.wake_lateness_s = static_cast<float>(step.wake_lateness_ns) * 1e-9F;
+  inputs.previous_duration_s = static_cast<float>(step.previous_duration_ns) * 1e-9F;
+  if (lateness_.add(step.wake_lateness_ns, step.previous_duration_ns)) {
+    loop_.lateness_p50_s = lateness_.p50_s();
+    loop_.lateness_p99_s = lateness_.p99_s();
+    loop_.lateness_max_s = lateness_.max_s();
+    link_.publish_loop(lateness_.report());
+  }
+  loop_.page_faults = page_faults_.load(std::memory_order_relaxed);
+  inputs.loop = loop_;
 
   const std::size_t received = port_.receive(frames_, step.time_ns);
   inputs.frames = {frames_.data(), received};
@@ -55,6 +63,12 @@ void ControlLoop::step(const Step& step) noexcept {
   if (outputs_.params_changed) publish_params();
   for (const contract::Event& event : outputs_.events) link_.publish_event(event);
   link_.publish_tick(outputs_.record);
+}
+
+void ControlLoop::set_granted(std::uint8_t priority, std::uint8_t cpu, bool memory_locked) noexcept {
+  loop_.priority = priority;
+  loop_.cpu = cpu;
+  loop_.memory_locked = memory_locked;
 }
 
 void ControlLoop::publish_frames(std::span<const contract::CanFrame> frames, std::uint64_t time_ns, bool sent) noexcept {

@@ -2,12 +2,14 @@
 // real-time thread, the allocation test and the benchmark run the same lines.
 #pragma once
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
 #include "control/bus/can_port.hpp"
 #include "control/core/tick.hpp"
 #include "control/publish/core_link.hpp"
+#include "control/run/lateness.hpp"
 
 namespace hoist::run {
 
@@ -19,12 +21,19 @@ class ControlLoop {
   struct Step {
     std::uint64_t tick = 0;
     std::uint64_t time_ns = 0;
-    float wake_lateness_s = 0;
-    float previous_duration_s = 0;
+    std::uint64_t wake_lateness_ns = 0;
+    std::uint64_t previous_duration_ns = 0;
     bool stop = false;  // the program wants to end: once, as if STOP had been pressed
   };
   // Runs one step. No allocation, no exception, no system call but the port's.
   void step(const Step& step) noexcept;
+
+  /// What the computer gave the thread that runs the steps. Set before the first one.
+  void set_granted(std::uint8_t priority, std::uint8_t cpu, bool memory_locked) noexcept;
+  /// Counted by another thread while the steps run.
+  void note_page_faults(std::uint32_t since_settled) noexcept { page_faults_.store(since_settled, std::memory_order_relaxed); }
+  /// Counted by the thread itself, before a step.
+  void note_allocations(std::uint32_t since_first_step) noexcept { loop_.allocations = since_first_step; }
 
   [[nodiscard]] bool standing_still() const noexcept { return outputs_.record.standing_still != 0; }
   [[nodiscard]] const contract::TickRecord& record() const noexcept { return outputs_.record; }
@@ -38,6 +47,9 @@ class ControlLoop {
   publish::CoreLink& link_;
   core::CoreState state_;
   core::TickOutputs outputs_;
+  Lateness lateness_;
+  core::LoopHealth loop_;
+  std::atomic<std::uint32_t> page_faults_{0};
   std::array<contract::CanFrame, kFramesPerStep> frames_{};
   std::array<contract::Command, contract::kCommandSlots> commands_{};
   std::uint32_t commands_lost_ = 0;

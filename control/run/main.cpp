@@ -1,10 +1,8 @@
 // hoist-control: the 100 Hz core on a real bus.
 //
-// Two threads. The control thread (SCHED_FIFO when permitted) sleeps until an absolute time, runs one step, sleeps again: one sleep and
-// the bus are its only system calls. The main thread accepts the server, stores changed parameters and waits for signals.
-#include <pthread.h>
-#include <sched.h>
-#include <sys/mman.h>
+// Its threads are the rows of threads.def. The control thread sleeps until an absolute time, runs one step, sleeps again: one sleep and the
+// bus are its only system calls. The watchdog thread tells the service manager that steps go on and counts page faults. The main thread
+// accepts the server, stores changed parameters and waits for signals.
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -16,6 +14,7 @@
 #include <cstring>
 #include <ctime>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -26,14 +25,15 @@
 #include "control/bus/pokeys/input_port.hpp"
 #include "control/publish/core_link.hpp"
 #include "control/run/control_loop.hpp"
+#include "control/run/heap_watch.hpp"
+#include "control/run/pacer.hpp"
 #include "control/run/parameter_file.hpp"
+#include "control/run/real_time.hpp"
+#include "control/run/watchdog.hpp"
 
 namespace {
 using namespace hoist;
 
-constexpr std::uint64_t kPeriodNs = 10'000'000;
-// One table of priorities: the control thread above everything of ours; below the kernel's own interrupt threads (50).
-constexpr int kControlPriority = 49;
 constexpr std::uint64_t kStopWithinNs = 3'000'000'000;  // from 0.65 m/s at 0.5 m/s2 takes 1.3 s; then end even if something still turns
 
 std::atomic<bool> stop_requested{false};
@@ -52,6 +52,7 @@ struct Options {
   std::string capture;
   std::string inputs = "can";
   std::vector<std::string> set;
+  std::string cpu = "auto";
   bool real_time = true;
 };
 
@@ -65,6 +66,8 @@ void print_help() {
          "  --socket PATH      where hoist-server attaches (default /run/hoist/core.sock)\n"
          "  --params FILE      stored parameters; created at the first change (default: nothing is stored)\n"
          "  --set NAME=VALUE   starts with this value (SI units) instead of the stored one; may be repeated\n"
+         "  --cpu WHICH        core for the control thread: auto (one that the kernel keeps free, else the last; default), none or a "
+         "number\n"
          "  --no-realtime      does not ask for real-time priority and locked memory\n"
          "  --help             this page\n\n"
          "Ends with a controlled stop on SIGINT or SIGTERM.\n";
@@ -87,6 +90,7 @@ std::string parse(int argc, char** argv, Options& options, bool& help) {
                         : argument == "--params"  ? &options.params
                         : argument == "--capture" ? &options.capture
                         : argument == "--inputs"  ? &options.inputs
+                        : argument == "--cpu"     ? &options.cpu
                                                   : nullptr;
     if (text == nullptr && argument != "--set") return "unknown argument " + std::string(argument) + "; --help lists them";
     if (++i == argc) return std::string(argument) + " needs a value";
@@ -118,41 +122,77 @@ std::string apply_set(contract::Params& params, const std::string& assignment) {
   return {};
 }
 
-// Touches stack and heap once, then locks it all: no page fault after the start.
-std::string lock_memory() {
-  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return std::strerror(errno);
-  volatile unsigned char stack[128 * 1024];
-  for (std::size_t i = 0; i < sizeof stack; i += 4096) stack[i] = 0;
-  return {};
-}
+// What the control thread shares with the others.
+struct LoopThread {
+  std::atomic<bool> ready{false};  // `granted` and `id` are filled
+  std::atomic<std::uint64_t> steps{0};
+  std::atomic<bool> ended{false};
+  run::Granted granted;
+  int id = 0;
+};
 
-void control_thread(run::ControlLoop& loop, std::atomic<bool>& ended) {
+void control_thread(run::ControlLoop& loop, LoopThread& shared, const Options& options, std::uint8_t cpu, bool memory_locked) {
   ::prctl(PR_SET_TIMERSLACK, 1UL);  // without it an ordinary thread wakes 50 us late (measured)
-  std::uint64_t wake_ns = now_ns(CLOCK_MONOTONIC) + kPeriodNs;
-  std::uint64_t tick = 0, stop_since_ns = 0;  // 0: not stopping
-  float duration_s = 0;
+  run::touch_stack();
+  shared.granted = run::take_row(run::ThreadId::control, options.real_time, cpu);
+  shared.id = ::gettid();
+  loop.set_granted(shared.granted.priority, shared.granted.cpu, memory_locked);
+  shared.ready.store(true);
+  run::Pacer pacer(now_ns(CLOCK_MONOTONIC) + run::kPeriodNs);
+  std::uint64_t stop_since_ns = 0;  // 0: not stopping
+  std::uint64_t duration_ns = 0;
+  const std::uint64_t heap_at_start = run::heap_requests();
   for (;;) {
+    const std::uint64_t wake_ns = pacer.wake_ns();
     const timespec until{static_cast<time_t>(wake_ns / 1'000'000'000U), static_cast<long>(wake_ns % 1'000'000'000U)};
     while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
     }
     const std::uint64_t start_ns = now_ns(CLOCK_MONOTONIC);
     run::ControlLoop::Step step;
-    step.tick = tick;
+    step.tick = pacer.tick();
     step.time_ns = start_ns;
-    step.wake_lateness_s = static_cast<float>(start_ns - wake_ns) * 1e-9F;
-    step.previous_duration_s = duration_s;
+    step.wake_lateness_ns = pacer.begin(start_ns);
+    step.previous_duration_ns = duration_ns;
     step.stop = stop_since_ns == 0 && stop_requested.load(std::memory_order_relaxed);
     if (step.stop) stop_since_ns = start_ns;
+    loop.note_allocations(static_cast<std::uint32_t>(run::heap_requests() - heap_at_start));
     loop.step(step);
     const std::uint64_t end_ns = now_ns(CLOCK_MONOTONIC);
-    duration_s = static_cast<float>(end_ns - start_ns) * 1e-9F;
+    duration_ns = end_ns - start_ns;
     if (stop_since_ns != 0 && (loop.standing_still() || start_ns - stop_since_ns > kStopWithinNs)) break;
-    // A missed step is left out, never made up for in a burst (Algorithm 1 is per step, D13); the tick number shows the hole.
-    const std::uint64_t missed = end_ns > wake_ns + kPeriodNs ? (end_ns - wake_ns) / kPeriodNs : 0;
-    tick += 1 + missed;
-    wake_ns += (1 + missed) * kPeriodNs;
+    pacer.end(end_ns);
+    shared.steps.store(shared.steps.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   }
-  ended.store(true);
+  shared.ended.store(true);
+}
+
+// Feeds the service manager's watchdog as long as steps go on, and counts the control thread's page faults once a second: from its second
+// second on, because what a program touches for the first time it meets in its first steps.
+void watchdog_thread(run::ControlLoop& loop, LoopThread& shared, run::Notifier& notifier, bool real_time) {
+  static_cast<void>(run::take_row(run::ThreadId::watchdog, real_time, run::kNoCpu));
+  std::optional<std::uint64_t> settled;
+  std::uint64_t next_count_ns = now_ns(CLOCK_MONOTONIC) + 1'000'000'000;
+  while (!shared.ended.load()) {
+    const timespec pause{0, static_cast<long>(notifier.period_ns())};
+    ::clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
+    notifier.look(shared.steps.load(std::memory_order_relaxed));
+    if (now_ns(CLOCK_MONOTONIC) < next_count_ns) continue;
+    next_count_ns += 1'000'000'000;
+    const std::optional<std::uint64_t> faults = run::page_faults_of(shared.id);
+    if (!settled) settled = faults;
+    if (settled && faults) loop.note_page_faults(static_cast<std::uint32_t>(*faults - *settled));
+  }
+  notifier.tell("STOPPING=1");
+}
+
+// One line for people: what the steps got of what they asked for.
+std::string describe(const run::Granted& granted, const std::string& lock_problem) {
+  std::string text = granted.priority > 0 ? "real-time priority " + std::to_string(granted.priority) + " (SCHED_FIFO)" : granted.problem;
+  text += granted.cpu == run::kNoCpu ? ", any processor core" : ", bound to processor core " + std::to_string(granted.cpu);
+  if (granted.priority > 0 && !granted.problem.empty()) text += " (" + granted.problem + ")";
+  text += lock_problem.empty() ? ", memory locked" : ", memory not locked (" + lock_problem + ")";
+  if (granted.priority == 0 || !lock_problem.empty()) text += ": steps may be late when this computer is busy";
+  return text;
 }
 }  // namespace
 
@@ -192,6 +232,14 @@ int main(int argc, char** argv) {
   }
 
   std::string error;
+  const std::optional<std::uint8_t> cpu = run::choose_cpu(options.cpu, run::isolated_cpus(), run::allowed_cpus(), error);
+  if (!cpu) {
+    std::cerr << "hoist-control: --cpu: " << error << "\n";
+    return 2;
+  }
+  // Before any other thread is born, so that none inherits more than its row.
+  run::Notifier notifier = run::Notifier::from_environment();
+  static_cast<void>(run::take_row(run::ThreadId::main, options.real_time, run::kNoCpu));
   std::unique_ptr<bus::CanPort> port = bus::open_port(options.bus, error, bus::PortUse::core);
   if (!port) {
     std::cerr << "hoist-control: " << error << "\n";
@@ -204,6 +252,7 @@ int main(int argc, char** argv) {
       std::cerr << "hoist-control: --inputs: " << problem << "\n";
       return 2;
     }
+    inputs.at_thread_start = [&options] { static_cast<void>(run::take_row(run::ThreadId::inputs, options.real_time, run::kNoCpu)); };
     auto with_inputs = std::make_unique<bus::pokeys::InputPort>(std::move(port), std::move(inputs));
     pokeys = with_inputs.get();
     port = std::move(with_inputs);
@@ -234,22 +283,13 @@ int main(int argc, char** argv) {
   ::sigaction(SIGTERM, &action, nullptr);
 
   run::ControlLoop loop(*port, *link, params);
-  std::atomic<bool> ended{false};
   std::cout << "hoist-control: 100 Hz on " << options.bus << ", server socket " << options.socket << std::endl;
-  if (options.real_time) {
-    if (const std::string problem = lock_memory(); !problem.empty())
-      std::cout << "hoist-control: memory is not locked (" << problem << "): steps may be late under memory pressure" << std::endl;
-  }
-  std::thread thread(control_thread, std::ref(loop), std::ref(ended));
-  if (options.real_time) {
-    const sched_param priority{kControlPriority};
-    const int refused = ::pthread_setschedparam(thread.native_handle(), SCHED_FIFO, &priority);
-    if (refused == 0)
-      std::cout << "hoist-control: real-time priority " << kControlPriority << " (SCHED_FIFO)" << std::endl;
-    else
-      std::cout << "hoist-control: no real-time priority (" << std::strerror(refused) << "): steps may be late when this computer is busy"
-                << std::endl;
-  }
+  const std::string lock_problem = options.real_time ? run::lock_memory() : std::string("--no-realtime");
+  LoopThread shared;
+  std::thread thread(control_thread, std::ref(loop), std::ref(shared), std::cref(options), *cpu, lock_problem.empty());
+  while (!shared.ready.load()) std::this_thread::yield();
+  std::thread watchdog(watchdog_thread, std::ref(loop), std::ref(shared), std::ref(notifier), options.real_time);
+  if (options.real_time) std::cout << "hoist-control: " << describe(shared.granted, lock_problem) << std::endl;
 
   // A value given by --set holds for this run only: the file changes when somebody changes a parameter.
   contract::ParamsInForce before{};
@@ -258,7 +298,7 @@ int main(int argc, char** argv) {
   if (!bus_problem.empty()) std::cout << "hoist-control: bus: " << bus_problem << std::endl;
   bool capture_failed = false;
   std::string_view input_problem;
-  while (!ended.load()) {
+  while (!shared.ended.load()) {
     if (const std::string_view now = port->problem(); now != bus_problem) {
       bus_problem = now;
       std::cout << "hoist-control: bus: " << (now.empty() ? "up" : now) << std::endl;
@@ -287,6 +327,7 @@ int main(int argc, char** argv) {
     before = in_force;
   }
   thread.join();
+  watchdog.join();
   if (capture != nullptr && capture->dropped() > 0)
     std::cerr << "hoist-control: " << capture->dropped() << " frames are missing in " << options.capture << std::endl;
   std::cout << "hoist-control: stopped" << std::endl;

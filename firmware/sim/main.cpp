@@ -218,6 +218,8 @@ class Reporter {
 // Moves characters between the terminal and the gateway, no faster than the real line.
 class Pump {
  public:
+  /// Where a request cuts the line.
+  [[nodiscard]] bool* cut() { return &cut_; }
   void run(SerialLine& line, World& world, ProgramState& program) {
     const SerialLine::Presence presence = line.presence();
     if (presence.changed) {
@@ -225,6 +227,14 @@ class Pump {
       in_size_ = out_size_ = 0;
     }
     program.computer_attached = presence.there;
+    if (cut_) {
+      // Both ends go on speaking, and nobody hears them.
+      std::array<char, kUartBytesPerStep> lost{};
+      static_cast<void>(line.read(lost));
+      static_cast<void>(world.uart_read(lost));
+      in_size_ = out_size_ = 0;
+      return;
+    }
     if (in_size_ == 0) in_size_ = line.read(in_);
     const std::size_t taken = world.uart_write(std::span<const char>(in_).first(in_size_));
     std::memmove(in_.data(), in_.data() + taken, in_size_ - taken);
@@ -243,6 +253,7 @@ class Pump {
   std::array<char, kUartBytesPerStep> out_{};
   std::size_t in_size_{};
   std::size_t out_size_{};
+  bool cut_{false};
 };
 
 // Moves frames between a CAN interface and the simulated bus. The simulated bus has bit times and arbitration, so what it hands over in
@@ -296,6 +307,7 @@ int run_real_time(const Options& options) {
   if (options.pokeys_port != 0) program.pokeys = &pokeys;
   Reporter reporter(port != nullptr);
   Pump pump;
+  if (!port) program.line_cut = pump.cut();
   Bridge bridge;
   std::uint64_t steps = 0;
   std::int64_t due_ns = steady_ns() + kStep_ns;

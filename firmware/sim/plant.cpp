@@ -226,7 +226,7 @@ void Plant::step(const HarnessMotion& harness, double dt_s) {
     std::array<double, 2> drive_n_m{};
     double supply_a = params_.electronics_a;
     for (std::size_t i = 0; i < 2; ++i) {
-      const bool enabled = bridges_[i].enabled && !power_cut_;
+      const bool enabled = bridges_[i].enabled && powered();
       const double shaft_rad_s = wheel_rad_s_[i] * params_.gear_ratio;
       const double terminal_v = enabled ? bridges_[i].duty_norm * battery_.both_v() : params_.motor.constant_v_s_rad * shaft_rad_s;
       const double torque_n_m = motors_[i].step_imposed(terminal_v, shaft_rad_s, h_s);

@@ -77,13 +77,13 @@ class Plant {
   [[nodiscard]] const PlatformMotion& platform() const { return platform_; }
   [[nodiscard]] double wheel_speed_m_s(Side side) const { return wheel_rad_s_[index(side)] * params_.wheel_radius_m; }
   [[nodiscard]] bool slipping() const { return sliding_; }
-  [[nodiscard]] bool bridge_enabled(Side side) const { return bridges_[index(side)].enabled && !power_cut_; }
+  [[nodiscard]] bool bridge_enabled(Side side) const { return bridges_[index(side)].enabled && powered(); }
   [[nodiscard]] double duty_norm(Side side) const { return bridges_[index(side)].duty_norm; }
 
   [[nodiscard]] std::int32_t encoder_counts(Side side) const { return motors_[index(side)].encoder_counts(); }
   [[nodiscard]] double motor_current_a(Side side) const { return motors_[index(side)].current_a(); }
   /// Supply at the drives; 0 after the emergency cut-off relay has opened.
-  [[nodiscard]] double supply_v() const { return power_cut_ ? 0.0 : battery_.both_v(); }
+  [[nodiscard]] double supply_v() const { return powered() ? battery_.both_v() : 0.0; }
   [[nodiscard]] double battery_v(int which) const { return battery_.one_v(which); }
   /// A sample as the sensor board reads it: the mean acceleration since the sample before (the chip's own filter), with noise and bias.
   [[nodiscard]] ImuReading read_imu(Place place);
@@ -100,6 +100,8 @@ class Plant {
   void set_carried(double weight_n) { carried_n_ = weight_n; }
   void set_grip(Side side, double grip_norm) { grip_norm_[index(side)] = grip_norm; }
   void cut_power(bool cut) { power_cut_ = cut; }
+  /// The second contact in the motors' supply, which the computer keeps closed.
+  void open_relay(bool open) { relay_open_ = open; }
   void jump_gyro_bias(Place place, double by_rad_s) { imus_[static_cast<std::size_t>(place)].jump_bias(by_rad_s); }
   /// False when there is no room for another.
   [[nodiscard]] bool add_obstacle(const Obstacle& obstacle);
@@ -124,6 +126,7 @@ class Plant {
   };
 
   static constexpr std::size_t index(Side side) { return static_cast<std::size_t>(side); }
+  [[nodiscard]] bool powered() const { return !power_cut_ && !relay_open_; }
   [[nodiscard]] double strut_forward_m(Side side) const;
   [[nodiscard]] double strut_forward_rate_m_s(Side side) const;
   [[nodiscard]] Vector sensor_velocity(Place place) const;
@@ -147,6 +150,7 @@ class Plant {
   double inverse_cross_;        // and beside it
   bool sliding_{false};
   bool power_cut_{false};
+  bool relay_open_{false};
   double carried_n_{};
   double pitch_rad_{};
   double roll_rad_{};

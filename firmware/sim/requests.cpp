@@ -93,6 +93,32 @@ Answer op_state(World& world, const ProgramState& program, const json&) {
               {"simulated", true}};
 }
 
+json witness_of(const World& world, Side side) {
+  const StopWitness& seen = world.witness(side);
+  const auto time_s = [](std::optional<std::uint64_t> ns) { return ns ? json(static_cast<double>(*ns) * 1e-9) : json(nullptr); };
+  return json{{"command_s", time_s(seen.command_ns())},
+              {"gave_up_s", time_s(seen.gave_up_ns())},
+              {"at_rest_s", time_s(seen.at_rest_ns())},
+              {"speed_m_s", seen.speed_at_command_m_s()},
+              {"rolled_m", seen.rolled_m()}};
+}
+Answer op_witness(World& world, const ProgramState& program, const json&) {
+  return json{{"time_s", world.time_s()},
+              {"late", program.late},
+              {"relay_closed", world.relay_closed()},
+              {"supply_v", world.plant().supply_v()},
+              {"left", witness_of(world, Side::left)},
+              {"right", witness_of(world, Side::right)}};
+}
+
+Answer op_line(World&, const ProgramState& program, const json& request) {
+  const auto cut = flag(request, "cut");
+  if (!cut) return Refused{"cut: true or false"};
+  if (program.line_cut == nullptr) return Refused{"op: there is no serial line; start without --bus"};
+  *program.line_cut = *cut;
+  return kDone;
+}
+
 Answer op_bumper(World& world, const ProgramState&, const json& request) {
   constexpr std::array<std::string_view, 4> kStrips{"front", "rear", "left", "right"};  // order of the bits
   const auto which = text(request, "which");
@@ -211,6 +237,8 @@ struct Operation {
 };
 constexpr std::array kOperations{
     Operation{"state", "the true state of the world", op_state},
+    Operation{"witness", "what the drives did after their last command, in the world's own time", op_witness},
+    Operation{"line", "cut: the serial line carries nothing either way", op_line},
     Operation{"bumper", "which (front, rear, left, right), pressed", op_bumper},
     Operation{"trip", "the patient stumbles", op_trip},
     Operation{"collapse", "the patient's legs give way", op_collapse},

@@ -19,6 +19,7 @@ inline constexpr std::size_t kRequestMax = 4096;
 struct ProgramState {
   std::uint64_t late{};           ///< times it was more than 5 ms behind and let time go
   bool computer_attached{false};  ///< somebody has the serial line open, or the CAN interface is up
+  bool* line_cut{nullptr};        ///< set: the serial line carries nothing; null where there is none
   PokeysDevice* pokeys{nullptr};  ///< the PoKeys on the network, if there is one
 };
 

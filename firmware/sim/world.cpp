@@ -11,6 +11,7 @@
 #include "firmware/nodes/gateway/gateway_node.hpp"
 #include "firmware/nodes/io/io_node.hpp"
 #include "firmware/nodes/tilt/tilt_node.hpp"
+#include "firmware/sim/motor_relay.hpp"
 
 namespace hoist::sim {
 namespace {
@@ -61,6 +62,10 @@ class Machine {
   std::uint32_t edge_time_us(Node node) { return encoders_[static_cast<std::size_t>(side_of(node))].edge_us; }
   float motor_current_a(Node node) { return static_cast<float>(plant_.motor_current_a(side_of(node))); }
   float supply_v() { return static_cast<float>(plant_.supply_v()); }
+  void set_outputs(std::uint8_t outputs) { outputs_ = outputs; }
+  // The relay's circuit looks at the output node's line, wherever that line comes from.
+  void step_relay_1ms() { plant_.open_relay(!relay_.step_1ms((outputs_ & contract::canopen::kRelayFeed) != 0)); }
+  [[nodiscard]] const MotorRelay& relay() const { return relay_; }
   void set_bridge(Node node, bool enabled, float duty_norm) { plant_.set_bridge(side_of(node), enabled, static_cast<double>(duty_norm)); }
   std::uint8_t bumpers() { return plant_.bumpers(); }
   std::uint8_t switches() { return 0; }
@@ -89,6 +94,8 @@ class Machine {
   }
 
   Plant& plant_;
+  MotorRelay relay_;
+  std::uint8_t outputs_{};
   std::array<firmware::ImuSample, kPlaceCount> last_sample_{};
   std::array<bool, kPlaceCount> sensor_frozen_{};
   std::array<Encoder, 2> encoders_{};
@@ -205,6 +212,9 @@ struct World::Parts {
     }
     // Ports were given out in the order of the nodes.
     const auto node = static_cast<Node>(port);
+    for (const Node drive : {Node::drive_left, Node::drive_right})
+      if (node == drive && frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, drive) && frame.flags == 0)
+        witnesses[static_cast<std::size_t>(side_of(drive))].command(bus.now_ns());
     if (runs(node)) with_node(node, [&frame](auto& firmware) { firmware.on_frame(frame); });
   }
 
@@ -217,8 +227,18 @@ struct World::Parts {
       const auto node = static_cast<Node>(i);
       if (runs(node)) with_node(node, [](auto& firmware) { firmware.tick_1ms(); });
     }
+    // Without power the node's outputs are off.
+    if (pulled[index(Node::io)]) machine.set_outputs(0);
+    machine.step_relay_1ms();
     gateway.tick_1ms();
     bus.advance(kMillisecond_ns, [this](std::size_t port, const CanFrame& frame) { deliver(port, frame); });
+    watch_stop(drive_left, Side::left);
+    watch_stop(drive_right, Side::right);
+  }
+
+  void watch_stop(DriveBox& drive, Side side) {
+    const bool obeys = drive.firmware.application().state() == contract::canopen::drive::State::operation_enabled;
+    witnesses[static_cast<std::size_t>(side)].look(bus.now_ns(), obeys, plant.wheel_speed_m_s(side));
   }
 
   Plant plant;
@@ -232,6 +252,7 @@ struct World::Parts {
   firmware::GatewayNode<firmware::HostGatewayBoard> gateway;
   std::size_t host_port;
   std::size_t core_port{};
+  std::array<StopWitness, 2> witnesses{};
   std::array<bool, kNodeCount> pulled{};
   std::array<bool, kNodeCount> frozen{};
   std::array<CanFrame, kHostQueueMax> host_queue{};
@@ -300,6 +321,8 @@ firmware::ProgramFlash* World::program_flash(Node node) {
   return flash;
 }
 
+bool World::relay_closed() const { return parts_->machine.relay().closed(); }
+const StopWitness& World::witness(Side side) const { return parts_->witnesses[static_cast<std::size_t>(side)]; }
 bool World::drives_enabled() const { return parts_->plant.bridge_enabled(Side::left) || parts_->plant.bridge_enabled(Side::right); }
 
 bool World::restart(const Scenario& scenario) {

@@ -18,6 +18,7 @@
 #include "firmware/boot/host/program_flash.hpp"
 #include "firmware/sim/patient.hpp"
 #include "firmware/sim/plant.hpp"
+#include "firmware/sim/stop_witness.hpp"
 
 namespace hoist::sim {
 
@@ -75,6 +76,10 @@ class World {
 
   /// The bridge of a drive is on, its brake open.
   [[nodiscard]] bool drives_enabled() const;
+  /// The relay in the motors' supply is closed (motor_relay.hpp).
+  [[nodiscard]] bool relay_closed() const;
+  /// What a drive did after its last command.
+  [[nodiscard]] const StopWitness& witness(Side side) const;
   /// Machine and patient back at the start mark of a scenario. False, and nothing done, while a drive is enabled or the machine moves.
   [[nodiscard]] bool restart(const Scenario& scenario);
 

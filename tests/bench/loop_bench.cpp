@@ -84,7 +84,8 @@ Rows measure_loop(const std::string& bin, double seconds) {
   const std::uint64_t cpu_ns = control.cpu_ns() - cpu_before;
   done = true;
   collector.join();
-  const std::string note = real_time ? "both SCHED_FIFO 49, idle machine, " + std::to_string(core_us.size()) + " wake-ups"
+  const std::string note = real_time ? "both SCHED_FIFO 49, the core bound to its processor core as shipped, idle machine, " +
+                                           std::to_string(core_us.size()) + " wake-ups"
                                      : "no real-time priority here: both ordinary threads";
   const std::string bare = "bare 100 Hz loop, same seconds";
   return {{"control loop wake-up lateness, median", percentile(core_us, 0.5), "us", percentile(bare_us, 0.5), bare, 1.15, 0, false, note},

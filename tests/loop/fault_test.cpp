@@ -185,6 +185,60 @@ TEST(Faults, H5_ADeadComputerIsStoppedByTheDrivesAlone) {
   EXPECT_FALSE(world.drives_enabled());
 }
 
+TEST(Faults, H23_WithoutACoreTheMotorsLoseTheirSupplyAfterTheyHaveStopped) {
+  Walk walk("straight", 0.60);
+  ASSERT_TRUE(walk.set_off());
+  sim::World& world = walk.loop.world();
+  walk.loop.kill_core();
+  double stopped_s = -1.0, opened_s = -1.0;
+  for (int ms = 1; ms <= 1500; ++ms) {
+    world.advance_1ms();
+    if (stopped_s < 0.0 && std::fabs(world.plant().platform().speed_m_s) < 0.01) stopped_s = ms * 1e-3;
+    if (opened_s < 0.0 && world.plant().supply_v() == 0.0) opened_s = ms * 1e-3;
+  }
+  EXPECT_GT(stopped_s, 0.0);
+  EXPECT_GT(opened_s, stopped_s) << "a motor without supply does not brake evenly: the drives come first";
+  EXPECT_GE(opened_s, 0.95);
+  EXPECT_LE(opened_s, 1.11);  // the input node's own deadline switches the output off after 100 ms: one more change
+  // A core that comes back finds everything off and begins in INIT; the supply is there again before it is ready.
+  walk.loop.restart_core();
+  walk.loop.step();
+  EXPECT_EQ(walk.loop.mode(), Mode::init);
+  bool moved = false;
+  ASSERT_TRUE(walk.loop.run_until(
+      [&] {
+        moved = moved || std::fabs(walk.speed_m_s()) > 0.01;
+        return walk.loop.mode() == Mode::standby;
+      },
+      8.0));
+  EXPECT_FALSE(moved);
+  EXPECT_GT(world.plant().supply_v(), 20.0);
+}
+
+TEST(Faults, H23_TheRelayStaysClosedThroughLostFramesAndAnyMode) {
+  Walk walk;
+  sim::World& world = walk.loop.world();
+  int frames = 0, open_ms = 0, last_level = -1, same_level = 0;
+  walk.loop.on_sent([&](const contract::CanFrame& frame) {
+    if (frame.id != contract::pdo_cob_id(contract::Pdo::io_rx1, contract::Node::io)) return;
+    ++frames;
+    if (frame.data[0] == last_level) ++same_level;
+    last_level = frame.data[0];
+  });
+  ASSERT_TRUE(walk.set_off());
+  const double begin_s = walk.loop.time_s();
+  frames = 0;
+  while (walk.loop.time_s() < begin_s + 5.0) {
+    walk.loop.step();
+    open_ms += world.plant().supply_v() == 0.0 ? 10 : 0;
+    if (walk.loop.time_s() > begin_s + 2.0) walk.loop.be_late(0.035);  // a protective stop feeds on
+  }
+  EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);
+  EXPECT_EQ(frames, 100) << "one each 50 ms";
+  EXPECT_EQ(same_level, 0) << "each one is a change";
+  EXPECT_EQ(open_ms, 0);
+}
+
 TEST(Faults, H13_ABumperStopsWithinThirtyMilliseconds) {
   Walk walk("straight", 0.60);
   ASSERT_TRUE(walk.set_off());

@@ -582,6 +582,12 @@ TEST(Monitors, H22ALateStepInStandbyIsCountedOnly) {
   hoist.step();
   EXPECT_EQ(hoist.state.mode, Mode::standby);
   EXPECT_EQ(hoist.out.record.overruns, 1U);
+  hoist.lateness_s = 0.0019F;
+  hoist.step();
+  EXPECT_EQ(hoist.out.record.overruns, 1U);
+  hoist.lateness_s = 0.0021F;
+  hoist.step();
+  EXPECT_EQ(hoist.out.record.overruns, 2U) << "more than 2 ms is counted";
 }
 
 TEST(Monitors, EveryFaultOfTheTableIsTestedHereOrNamed) {

@@ -94,6 +94,17 @@ bool is_pure(std::string_view path) {
          starts_with(path, "firmware/boot/");
 }
 
+// Hazard H26: the wall clock may jump, so only these look at it, and only for dates that people read. Everything that decides, ends or
+// expires goes by the steady clock.
+const std::map<std::string_view, std::string_view>& may_read_the_wall_clock() {
+  static const std::map<std::string_view, std::string_view> table = {
+      {"control/run/main.cpp", "the anchor of a core's life, and the dates of a capture, once at the start"},
+      {"server/http/listener.cpp", "the Date header"},
+      {"server/app.cpp", "dates of sessions and events"},
+  };
+  return table;
+}
+
 // Tests wait for events or use virtual time. Whoever must let real time pass stands here with the reason.
 const std::map<std::string_view, std::string_view>& may_sleep() {
   static const std::map<std::string_view, std::string_view> table = {};
@@ -160,6 +171,16 @@ void check_pure_words(const File& file, std::vector<Finding>& findings) {
         findings.push_back({file.path, number, "pure", "'" + match.str() + "' brings in " + std::string(why)});
       }
     }
+  }
+}
+
+void check_wall_clock(const File& file, std::vector<Finding>& findings) {
+  static const std::regex wall_clock(R"(\b(CLOCK_REALTIME\w*|gettimeofday|system_clock|std::time|timespec_get)\b|::time\s*\()");
+  if (may_read_the_wall_clock().count(file.path) != 0) return;
+  for (const auto& [number, text] : lines_of(without_comments(file.text, false))) {
+    std::smatch match;
+    if (std::regex_search(text, match, wall_clock))
+      findings.push_back({file.path, number, "wall-clock", "'" + match.str() + "': it may jump; the steady clock does not"});
   }
 }
 
@@ -262,6 +283,9 @@ std::vector<Finding> check_file(const File& file, const std::vector<std::string>
     if (!ends_with(file.path, ".cpp") && file.text.find("#pragma once") == std::string::npos)
       findings.push_back({file.path, 1, "pragma-once", "a header without #pragma once"});
     if (is_pure(file.path)) check_pure_words(file, findings);
+    if (starts_with(file.path, "control/") || starts_with(file.path, "server/") || starts_with(file.path, "db/") ||
+        starts_with(file.path, "firmware/"))
+      check_wall_clock(file, findings);
     if (starts_with(file.path, "tests/") && !starts_with(file.path, "tests/tidy/")) check_test_habits(file, findings);
   }
   if (starts_with(file.path, "web/src/") && (ends_with(file.path, ".ts") || ends_with(file.path, ".tsx")))

@@ -73,6 +73,19 @@ TEST(Tree, KeepsTheHouseRules) {
   EXPECT_TRUE(findings.empty()) << told(findings);
 }
 
+TEST(WallClock, H26OnlyDatesForPeopleComeFromIt) {
+  const Rules wall_clock = {"wall-clock"};
+  EXPECT_EQ(broken_by("control/run/a.cpp", "int f() { return clock_gettime(CLOCK_REALTIME, &t); }\n"), wall_clock);
+  EXPECT_EQ(broken_by("control/bus/a.cpp", "auto t = CLOCK_REALTIME_COARSE;\n"), wall_clock);
+  EXPECT_EQ(broken_by("server/link/a.cpp", "auto t = std::chrono::system_clock::now();\n"), wall_clock);
+  EXPECT_EQ(broken_by("db/store/a.cpp", "gettimeofday(&t, nullptr);\n"), wall_clock);
+  EXPECT_EQ(broken_by("firmware/sim/a.cpp", "auto t = ::time(nullptr);\n"), wall_clock);
+  EXPECT_EQ(broken_by("control/run/main.cpp", "auto t = now_ns(CLOCK_REALTIME);\n"), Rules{});
+  EXPECT_EQ(broken_by("control/run/a.cpp",
+                      "auto t = CLOCK_MONOTONIC; // not CLOCK_REALTIME\nauto u = lead_time(3), v = std::chrono::steady_clock::now();\n"),
+            Rules{});
+}
+
 TEST(Layers, EachForbiddenArrowIsFound) {
   const std::string pragma = "#pragma once\n";
   const auto includes = [&](const std::string& target) { return pragma + "#include \"" + target + "\"\n"; };

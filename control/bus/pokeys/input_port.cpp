@@ -123,7 +123,10 @@ InputPort::InputPort(std::unique_ptr<CanPort> port, InputOptions options)
     : port_(std::move(port)), transport_(std::move(options.transport)), device_(*transport_, options.wiring) {
   input_problem_ = device_.problem();
   wake_fd_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-  thread_ = std::thread([this] { run(); });
+  thread_ = std::thread([this, begin = std::move(options.at_thread_start)] {
+    if (begin) begin();
+    run();
+  });
 }
 
 InputPort::~InputPort() {

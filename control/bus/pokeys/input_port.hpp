@@ -3,6 +3,7 @@
 #pragma once
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@ namespace hoist::bus::pokeys {
 struct InputOptions {
   Wiring wiring;
   std::unique_ptr<Transport> transport;
+  std::function<void()> at_thread_start;  // called by the asking thread before anything else; may be empty
 };
 // "pokeys:udp:HOST[:PORT]", "pokeys:/dev/hidraw0" or "pokeys:usb", then optionally "?bumpers=1,2,3,4&switches=5,6,7,8&batteries=41,42&full_v=20".
 // Empty when it was understood, otherwise the refusal.

@@ -135,7 +135,10 @@ class HostIoBoard : public HostStoringBoard {
   std::uint8_t bumpers() { return machine_.bumpers(); }
   std::uint8_t switches() { return machine_.switches(); }
   float battery_v(int battery) { return machine_.battery_v(battery); }
-  void set_outputs(std::uint8_t outputs) { outputs_ = outputs; }
+  void set_outputs(std::uint8_t outputs) {
+    outputs_ = outputs;
+    if constexpr (requires { machine_.set_outputs(outputs); }) machine_.set_outputs(outputs);
+  }
   [[nodiscard]] std::uint8_t outputs() const { return outputs_; }
 
  private:

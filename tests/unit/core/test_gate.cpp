@@ -53,6 +53,15 @@ TEST_F(Gate, EnablesDrivesOnlyWhereTheModeLetsThemRun) {
   }
 }
 
+TEST_F(Gate, H23OfTheOutputsOnlyTheRelaysFeedLeaves) {
+  const std::uint32_t id = contract::pdo_cob_id(Pdo::io_rx1, Node::io);
+  EXPECT_TRUE(judge({id, 1, 0, {0}}));
+  EXPECT_TRUE(judge({id, 1, 0, {canopen::kRelayFeed}}));
+  for (unsigned bit = 1; bit < 8; ++bit) EXPECT_FALSE(judge({id, 1, 0, {static_cast<std::uint8_t>(1U << bit)}})) << bit;
+  EXPECT_FALSE(judge({id, 0, 0, {}}));
+  EXPECT_FALSE(judge({id, 2, 0, {1}}));
+}
+
 TEST_F(Gate, BoundsSpeedAndSteps) {
   bring_to(0.3);
   EXPECT_FALSE(left(0.35)) << "a jump";

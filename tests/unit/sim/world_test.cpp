@@ -5,6 +5,7 @@
 #include <string>
 
 #include "control/contract/can_dictionary.hpp"
+#include "firmware/sim/motor_relay.hpp"
 #include "firmware/sim/world.hpp"
 #include "tests/unit/sim/scripted_host.hpp"
 
@@ -88,7 +89,7 @@ TEST(World, ASilentComputerStopsTheWheelsByThemselves) {
   const double speed_m_s = world.plant().platform().speed_m_s;
   const double x_m = world.plant().platform().x_m;
   // Braking begins within 50 ms of the last command (design 6), with 1 m/s2 at the wheel (quick-stop ramp 300 rad/s2 at the motor).
-  for (int i = 0; i < 60; ++i) world.advance_1ms();
+  for (int i = 0; i < 65; ++i) world.advance_1ms();
   EXPECT_LT(world.plant().platform().speed_m_s, speed_m_s - 0.005);
   for (int i = 0; i < 1000; ++i) world.advance_1ms();
   EXPECT_NEAR(world.plant().platform().speed_m_s, 0.0, 1e-3);
@@ -251,6 +252,28 @@ TEST(World, TheGatewaySpeaksSlcanAndCarriesFramesBothWays) {
   EXPECT_NE(talk(world, "t0800\r", 20).find("t1918"), 0U);
   (void)talk(world, "C\r", 5);
   EXPECT_EQ(talk(world, "", 200), "");
+}
+
+TEST(MotorRelay, H23IsHeldByChangesAndByNothingElse) {
+  MotorRelay relay;
+  for (int ms = 0; ms < 5000; ++ms) ASSERT_TRUE(relay.step_1ms(false)) << "not fitted";
+  bool level = false;
+  for (int ms = 0; ms < 5000; ++ms) {
+    if (ms % 50 == 0) level = !level;
+    ASSERT_TRUE(relay.step_1ms(level));
+  }
+  for (const bool stuck : {true, false}) {
+    int held_ms = 0;
+    static_cast<void>(relay.step_1ms(!stuck));
+    while (relay.step_1ms(stuck) && held_ms < 3000) ++held_ms;
+    EXPECT_NEAR(held_ms, 1000, 2) << "stuck " << (stuck ? "on" : "off");
+    // One or two changes, as of a node that starts anew, close nothing.
+    EXPECT_FALSE(relay.step_1ms(!stuck));
+    EXPECT_FALSE(relay.step_1ms(stuck));
+    for (int ms = 0; ms < 2000; ++ms) ASSERT_FALSE(relay.step_1ms(stuck));
+    for (int change = 0; change < 4; ++change) static_cast<void>(relay.step_1ms(change % 2 == 0 ? !stuck : stuck));
+    EXPECT_TRUE(relay.closed());
+  }
 }
 
 TEST(World, ACutPowerLineLeavesTheNodesTalking) {

@@ -1,0 +1,38 @@
+// Feeds the relay in the motors' supply (hazard H23): an output of the input node that goes up and down as long as the core steps.
+//
+// The relay's own circuit takes the changes, not the level, so a core that hangs with the output on holds nothing. It opens about one second
+// after the last change: later than the drives need to brake by themselves (0.04 s deadline, then 0.65 m/s at 1.0 m/s2), because a motor
+// without supply does not brake evenly, and soon enough for a drive that did not. The contract with the circuit: firmware/HARDWARE.md.
+#pragma once
+#include <cstdint>
+
+#include "control/contract/can_dictionary.hpp"
+#include "control/core/types.hpp"
+
+namespace hoist::core {
+
+class RelayFeed {
+ public:
+  /// A change each 50 ms: twenty a second, and the node's own deadline of 100 ms is met with a frame lost.
+  static constexpr std::uint8_t kTicks = 5;
+
+  /// Once per step, in every mode: what may move is decided elsewhere, this only says that somebody decides.
+  template <std::size_t N>
+  void step(FixedVector<contract::CanFrame, N>& out) noexcept {
+    if (++ticks_ < kTicks) return;
+    ticks_ = 0;
+    level_ ^= contract::canopen::kRelayFeed;
+    contract::CanFrame frame{contract::pdo_cob_id(contract::Pdo::io_rx1, contract::Node::io),
+                             static_cast<std::uint8_t>(contract::pdo_bytes(contract::Pdo::io_rx1)),
+                             0,
+                             {}};
+    frame.data[0] = level_;
+    static_cast<void>(out.push_back(frame));
+  }
+  [[nodiscard]] std::uint8_t level() const noexcept { return level_; }
+
+ private:
+  std::uint8_t ticks_ = 0, level_ = 0;
+};
+
+}  // namespace hoist::core

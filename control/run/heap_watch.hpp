@@ -1,0 +1,8 @@
+// Counts what each thread asks of the heap, in the shipped program: after the start the steps must ask for nothing.
+#pragma once
+#include <cstdint>
+
+namespace hoist::run {
+/// Requests of the calling thread so far. Needs heap_watch.cpp in the program.
+[[nodiscard]] std::uint64_t heap_requests() noexcept;
+}  // namespace hoist::run

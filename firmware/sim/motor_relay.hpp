@@ -1,0 +1,38 @@
+// The relay in the motors' supply (hazard H23): closed while its input keeps changing, open about a second after the last change. The input
+// is an output of the input node, which the control computer changes every 50 ms; the real circuit is described in firmware/HARDWARE.md.
+#pragma once
+
+#include <cstdint>
+
+namespace hoist::sim {
+
+class MotorRelay {
+ public:
+  /// The circuit's time is 1.0 s with 20 % of tolerance; the drives have braked to rest after 0.70 s.
+  static constexpr std::uint32_t kHold_ms = 1000;
+  /// So many changes, each within the time, charge the circuit from empty.
+  static constexpr std::uint32_t kChangesToClose = 4;
+
+  /// One millisecond with the input at this level. Whether the relay is closed.
+  ///
+  /// Before the first change it is taken as bridged: a hoist on the bench, and the tests of single nodes, have no computer to feed it.
+  bool step_1ms(bool level) {
+    if (level != level_) {
+      level_ = level;
+      age_ms_ = 0;
+      if (changes_ < kChangesToClose) ++changes_;
+      if (changes_ == kChangesToClose) closed_ = true;
+    } else if (age_ms_ < kHold_ms && ++age_ms_ == kHold_ms && changes_ > 0) {
+      changes_ = 0;
+      closed_ = false;
+    }
+    return closed_;
+  }
+  [[nodiscard]] bool closed() const { return closed_; }
+
+ private:
+  std::uint32_t age_ms_{}, changes_{};
+  bool level_{false}, closed_{true};
+};
+
+}  // namespace hoist::sim
