@@ -146,7 +146,8 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       dx_m: 0.8 * Math.tan(hoist.lean * range), dy_m: -0.8 * Math.tan(sway), speed_wish_m_s: wish, speed_command_m_s: hoist.v, speed_m_s: hoist.v, yaw_rate_rad_s: hoist.w,
       x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi, distance_m: hoist.distance, stop_distance_m: hoist.v ** 2 / 1.6, remote_age_s: 9.999,
       battery_a_v: 12.43, battery_b_v: 12.38, left_supply_v: 24.7, right_supply_v: 24.7, left_current_a: 0.6 + hoist.v, right_current_a: 0.5 + hoist.v,
-      wake_lateness_s: 6e-5, tick_duration_s: 2.1e-4, bus_frames: hoist.tick * 7, fault_bits: hoist.faults, blocked_bits: hoist.faults ? 4 : 0, lease_epoch: lease.epoch, lease_holder: lease.holder,
+      wake_lateness_s: 6e-5, tick_duration_s: 2.1e-4, lateness_p50_s: 6e-5, lateness_p99_s: 2.1e-4, lateness_max_s: 4.1e-4, missed_ticks: 3, overruns: 5, page_faults: 0,
+      allocations: 0, loop_priority: 49, loop_cpu: 3, memory_locked: 1, bus_frames: hoist.tick * 7, fault_bits: hoist.faults, blocked_bits: hoist.faults ? 4 : 0, lease_epoch: lease.epoch, lease_holder: lease.holder,
       parameter_version: hoist.version, ...health(hoist.tick), mode: modeValue[hoist.mode], stop_cause: 0, simulated: 1, server_alive: 1, standing_still: Math.abs(hoist.v) < 0.02 ? 1 : 0,
     };
   };
@@ -240,6 +241,15 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     const path = url.pathname.replace('/api/v1', '');
     if (path === '/status') return send(200, { version: 'fake' });
     if (path === '/health') return send(200, { connected: true, nodes: [], bus: null, emergencies: hoist.tick < 100 ? [] : [{ node: 'io', time_ns: 5e8, age_s: 1, error_register: 0, emergency: { code: 0x8140 } }] });
+    if (path === '/loop') {
+      const bucket = (from_s, count) => ({ from_s, to_s: from_s * 1.25, count });
+      return send(200, {
+        steps: 184_402, missed: 3, late: 5, lateness_p50_s: 6e-5, lateness_p99_s: 2.1e-4, lateness_max_s: 4.1e-4, latest_ever_s: 0.0231, longest_step_s: 8e-4, page_faults: 0, allocations: 0,
+        priority: 49, cpu: 3, memory_locked: true,
+        lately: [bucket(2e-5, 30), bucket(5e-5, 800), bucket(1e-4, 150), bucket(4e-4, 6)],
+        ever: [bucket(0, 12), bucket(2e-5, 9_000), bucket(5e-5, 150_000), bucket(1e-4, 25_000), bucket(4e-4, 380), bucket(9e-4, 5), bucket(2.5e-3, 3), bucket(0.02, 2)],
+      });
+    }
     if (path === '/stop' && request.method === 'POST') {
       stopNow();
       return send(200, { ok: true });

@@ -27,6 +27,7 @@ FakeCore::FakeCore(const std::string& socket_path) {
   params_.version = 1;
   for (std::size_t i = 0; i < kParamCount; ++i) params_.values[i] = kParams[i].default_value;
   link_->publish_params(params_);
+  link_->publish_loop({});
   record_.mode = static_cast<std::uint8_t>(Mode::standby);
   record_.standing_still = 1;
   record_.simulated = 1;
@@ -215,6 +216,10 @@ void FakeCore::publish_event(Event event) {
 void FakeCore::publish_bus(BusRecord record) {
   const std::lock_guard lock(mutex_);
   frames_.push_back(record);
+}
+void FakeCore::publish_loop(const contract::LoopReport& report) {
+  const std::lock_guard lock(mutex_);
+  link_->publish_loop(report);
 }
 void FakeCore::set_bus(Bus bus) {
   const std::lock_guard lock(mutex_);

@@ -27,6 +27,7 @@ class FakeCore {
   void mute(bool on);
   void publish_event(contract::Event event);
   void publish_bus(contract::BusRecord record);
+  void publish_loop(const contract::LoopReport& report);
   // The bus behind it: each step gives the frames of service that were accepted and takes what nodes say.
   using Bus = std::function<std::vector<contract::CanFrame>(const std::vector<contract::CanFrame>&)>;
   void set_bus(Bus bus);

@@ -72,6 +72,36 @@ TEST_F(Rest, HealthNamesTheNodeThatLosesAndTheOneThatIsSilent) {
   EXPECT_EQ(told["error_register"], 0x11);
 }
 
+TEST_F(Rest, TheLoopTellsHowPunctualItIs_H22) {
+  contract::LoopReport report;
+  report.steps = 3;
+  report.ever[0] = 1;
+  report.ever[contract::lateness_bucket(300'000)] = 2;
+  report.lately[contract::kLatenessBuckets - 1] = 1;
+  report.latest_ever_ns = 310'000;
+  core_->publish_loop(report);
+  core_->set([](contract::TickRecord& record) {
+    record.missed_ticks = 7;
+    record.lateness_p99_s = 3e-4F;
+    record.loop_priority = 49;
+    record.loop_cpu = 255;
+  });
+  json loop;
+  ASSERT_TRUE(until([&] {
+    loop = get("/api/v1/loop").json();
+    return loop.value("missed", 0) == 7;
+  }));
+  EXPECT_EQ(loop["steps"], 3);
+  ASSERT_EQ(loop["ever"].size(), 2U) << "empty buckets are left out";
+  EXPECT_EQ(loop["ever"][0]["from_s"], 0.0);
+  EXPECT_EQ(loop["ever"][1]["count"], 2);
+  EXPECT_LE(loop["ever"][1]["from_s"].get<double>(), 300e-6);
+  EXPECT_GT(loop["ever"][1]["to_s"].get<double>(), 300e-6);
+  EXPECT_TRUE(loop["lately"][0]["to_s"].is_null()) << "the last one has no end";
+  EXPECT_EQ(loop["priority"], 49);
+  EXPECT_TRUE(loop["cpu"].is_null());
+}
+
 TEST_F(Rest, NothingWithoutASession_H28) {
   for (const server::Route& route : server::kRoutes) {
     if (route.access == server::Access::open) continue;

@@ -11,18 +11,11 @@ import { useSettings } from '../../text/settings';
 import { duration, fixed, plain, refusalText, shownAs, t, textOf, words } from '../../text/text';
 import { emergencyInfo, hex } from '../../ui/device';
 import type { Panel } from '../panel';
+import { Line } from './line';
+import { Loop } from './loop';
 import { nodeView, partNames, tick_ms, type NodeView } from './nodes';
 
 const bumperKeys: readonly TextKey[] = ['health.bumper.front', 'health.bumper.rear', 'health.bumper.left', 'health.bumper.right'];
-
-function Line({ label, value, state }: { label: string; value: string; state?: 'good' | 'bad' }) {
-  return (
-    <div class="line">
-      <span>{label}</span>
-      <span class={`num ${state ?? ''}`}>{value}</span>
-    </div>
-  );
-}
 
 const stateWords = {
   works: 'health.works', losing: 'health.losing', reports: 'health.reports', waiting: 'health.waiting', silent: 'health.silent', never: 'health.silent',
@@ -200,21 +193,16 @@ function HealthView() {
         })}
       </section>
       <section class="card">
-        <h2>{t('health.loop')}</h2>
-        <Line label={t('health.lateness')} value={n(r === null ? undefined : r.wake_lateness_s * 1e3, 2, 'ms')} />
-        <Line label={t('health.duration')} value={n(r === null ? undefined : r.tick_duration_s * 1e3, 2, 'ms')} />
-        <Line label={t('health.overruns')} value={fixed(r?.overruns, 0)} />
-        <Line label={t('health.refusedCommands')} value={fixed(r?.commands_refused, 0)} />
-      </section>
-      <section class="card">
         <h2>{t('health.link')}</h2>
         <Line label={t('health.part.server')} value={r?.server_alive === 1 ? t('health.answers') : t('health.silent')} state={r?.server_alive === 1 ? 'good' : 'bad'} />
         <Line label={t('health.rtt')} value={n(rtt_s === null ? undefined : rtt_s * 1000, 0, 'ms')} />
         <Line label={t('health.lost')} value={fixed(live.lost, 0)} />
+        <Line label={t('health.refusedCommands')} value={fixed(r?.commands_refused, 0)} />
         <Line label={t('health.role')} value={textOf(`role.${role}`) ?? '–'} />
         <Line label={t('health.recording')} value={recording.state === 'recording' ? t('sessions.one', { n: recording.session ?? '–' }) : recording.state === 'failed' ? recording.detail || t('bar.recordingFailed') : t('bar.recordingOff')} />
         <Line label={t('health.version')} value={version || '–'} />
       </section>
+      <Loop r={r} />
       <section class="card wide">
         <h2>{t('health.log')}</h2>
         <Events log={log} />
