@@ -160,6 +160,20 @@ def a_flood_from_somebody_else_does_not_break_the_loop():
     hoist.walk(0.2)
 
 
+def h26_a_wall_clock_that_jumps_changes_nothing():
+    again()
+    hoist.walk()
+    code, _ = hoist.call("GET", "/status")
+    check(code == 200, f"status {code}")
+    for jump in ("2021-03-04 05:06:07", "2044-05-06 07:08:09"):
+        run("date", "-s", jump)
+        before = hoist.truth()["x_m"]
+        until("it goes on walking", lambda: abs(hoist.truth()["x_m"] - before) > 0.3, 60.0)
+        check(hoist.mode() == "user", f"mode {hoist.mode()} after the clock was set to {jump}")
+        code, answer = hoist.call("POST", "/lease", {"take_over": True})
+        check(code == 200, f"the lease and the signed-in script outlive it: {code} {answer}")
+
+
 def ends_with_a_controlled_stop():
     again()
     hoist.walk()
@@ -187,6 +201,7 @@ def main():
             bus_off_stops_the_hoist_until_the_controller_is_restarted,
             an_error_passive_controller_goes_on,
             a_flood_from_somebody_else_does_not_break_the_loop,
+            h26_a_wall_clock_that_jumps_changes_nothing,
             ends_with_a_controlled_stop,
         ])
         if code != 0:

@@ -56,11 +56,13 @@ class Program:
     def __init__(self, folder, name, *command):
         self.name = name
         self.path = os.path.join(folder, f"{name}.log")
+        self.begin = os.path.getsize(self.path) if os.path.exists(self.path) else 0  # what an earlier life said does not count
         with open(self.path, "ab") as output:
             self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT)
 
     def output(self):
         with open(self.path, errors="replace") as file:
+            file.seek(self.begin)
             return file.read()
 
     def says(self, text, within_s=30.0):
@@ -92,6 +94,7 @@ class Hoist:
         self.sim_bus, self.core_bus = sim_bus, core_bus
         self.scenario = scenario
         self.sim_options, self.core_options = list(sim_options), list(core_options)
+        self.real_time = False
         self.sim = self.core = self.server = None
         self.epoch = None
 
@@ -109,8 +112,8 @@ class Hoist:
     def start_core(self):
         bus = self.core_bus or f"slcan:{self.path('can')}"
         # A guest's clock ticks at 100 Hz and its processor is shared: late steps are the guest's, not the core's.
-        self.core = self.program("hoist-control", "--bus", bus, "--socket", self.path("core.sock"), "--no-realtime", "--set", "loop_late_s_max=0.2",
-                                 *self.core_options)
+        self.core = self.program("hoist-control", "--bus", bus, "--socket", self.path("core.sock"), "--set", "loop_late_s_max=0.2",
+                                 *([] if self.real_time else ["--no-realtime"]), *self.core_options)
         self.core.says("100 Hz")
 
     def start_server(self):
