@@ -60,7 +60,7 @@ struct SegmentHeader {
 struct StateSegment {
   SegmentHeader header;
   SeqSlot<ParamsInForce> params;
-  alignas(64) SeqSlot<LoopReport> loop;  // once a second
+  alignas(64) SeqSlot<LoopReport> loop;   // once a second
   SeqRing<TickRecord, kTickSlots> ticks;  // the newest slot is also the snapshot: one copy per tick
   SeqRing<Event, kEventSlots> events;
   SeqRing<BusRecord, kBusSlots> bus;
