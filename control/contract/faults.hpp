@@ -10,7 +10,7 @@
 namespace hoist::contract {
 
 enum class Priority : std::uint8_t { low, medium, high };
-enum class Reaction : std::uint8_t { warn, soft_stop, protective_stop };
+enum class Reaction : std::uint8_t { warn, soft_stop, protective_stop, out_of_service, power_off };
 
 #define HOIST_FAULT(...)
 #define HOIST_MONITOR(...)

@@ -21,6 +21,7 @@
 #include "control/core/output/hold_watch.hpp"
 #include "control/core/output/limiter.hpp"
 #include "control/core/output/relay_feed.hpp"
+#include "control/core/output/repeat_watch.hpp"
 #include "control/core/output/safety_gate.hpp"
 #include "control/core/output/wheel_mixing.hpp"
 
@@ -84,7 +85,8 @@ struct CoreState {
   MonitorList monitors;
   std::uint32_t conditions = 0;  // what holds now
   std::uint32_t latched = 0;     // what is in force: protective faults stay until acknowledged
-  std::uint8_t stop_cause = 0;   // fault of the latest protective stop plus one
+  std::uint8_t stop_cause = 0;   // fault of the latest stop plus one
+  RepeatWatch repeats;
   std::uint8_t bus_settle_ticks = 0;
   std::uint8_t remote_lost_ticks = 0;  // how long the lost driver is still shown
   std::uint32_t nodes_heard = 0;       // bit per node: answering

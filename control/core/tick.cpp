@@ -123,6 +123,7 @@ Wish decide(CoreState& state, double dt_s) noexcept {
   }
   state.still_ticks =
       !at_rest(state) ? std::uint8_t{0} : static_cast<std::uint8_t>(state.still_ticks < kStillTicks ? state.still_ticks + 1 : kStillTicks);
+  serve_breakdown(state);
   return wish;
 }
 

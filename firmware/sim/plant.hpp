@@ -102,6 +102,10 @@ class Plant {
   void cut_power(bool cut) { power_cut_ = cut; }
   /// The second contact in the motors' supply, which the computer keeps closed.
   void open_relay(bool open) { relay_open_ = open; }
+  /// The emergency stop button: opens the chain, which the input node sees, and with it the relay. The motors lose their power and the
+  /// holding brakes, which power keeps open, close: the wheels brake as hard as the brakes can.
+  void press_emergency_stop(bool pressed) { emergency_stop_ = pressed; }
+  [[nodiscard]] bool emergency_stop() const { return emergency_stop_; }
   void jump_gyro_bias(Place place, double by_rad_s) { imus_[static_cast<std::size_t>(place)].jump_bias(by_rad_s); }
   /// False when there is no room for another.
   [[nodiscard]] bool add_obstacle(const Obstacle& obstacle);
@@ -126,7 +130,7 @@ class Plant {
   };
 
   static constexpr std::size_t index(Side side) { return static_cast<std::size_t>(side); }
-  [[nodiscard]] bool powered() const { return !power_cut_ && !relay_open_; }
+  [[nodiscard]] bool powered() const { return !power_cut_ && !relay_open_ && !emergency_stop_; }
   [[nodiscard]] double strut_forward_m(Side side) const;
   [[nodiscard]] double strut_forward_rate_m_s(Side side) const;
   [[nodiscard]] Vector sensor_velocity(Place place) const;
@@ -151,6 +155,7 @@ class Plant {
   bool sliding_{false};
   bool power_cut_{false};
   bool relay_open_{false};
+  bool emergency_stop_{false};
   double carried_n_{};
   double pitch_rad_{};
   double roll_rad_{};

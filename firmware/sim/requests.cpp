@@ -182,8 +182,15 @@ Answer op_battery(World& world, const ProgramState&, const json& request) {
 
 Answer op_power(World& world, const ProgramState&, const json& request) {
   const auto on = flag(request, "on");
-  if (!on) return Refused{"on: true or false (false: the emergency cut-off relay has opened)"};
+  if (!on) return Refused{"on: true or false (false: the relay has opened without a word from the emergency stop)"};
   world.plant().cut_power(!*on);
+  return kDone;
+}
+
+Answer op_emergency_stop(World& world, const ProgramState&, const json& request) {
+  const auto pressed = flag(request, "pressed");
+  if (!pressed) return Refused{"pressed: true or false"};
+  world.plant().press_emergency_stop(*pressed);
   return kDone;
 }
 
@@ -248,7 +255,8 @@ constexpr std::array kOperations{
     Operation{"freeze", "node, frozen: its processor stands still", op_freeze},
     Operation{"freeze_sensor", "node, frozen: its sensor repeats the last sample", op_freeze_sensor},
     Operation{"battery", "volts of both together, null for what physics gives", op_battery},
-    Operation{"power", "on: false opens the emergency cut-off relay", op_power},
+    Operation{"power", "on: false opens the motors' relay without a word from the emergency stop", op_power},
+    Operation{"emergency_stop", "pressed: the button on the hoist; opens chain and relay", op_emergency_stop},
     Operation{"pokeys", "silent: the PoKeys on the network answers nobody", op_pokeys},
     Operation{"wish", "speed_m_s the patient likes to walk", op_wish},
     Operation{"obstacle", "x_m, y_m, radius_m: a post on the floor", op_obstacle},

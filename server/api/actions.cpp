@@ -123,7 +123,9 @@ void act_stop(Services& services, std::uint32_t client, OutcomeDone done) {
 }
 
 void act_acknowledge(Services& services, const Asker& asker, OutcomeDone done) {
-  ask(services, command_of(CommandKind::acknowledge, asker), std::move(done));
+  Command command = command_of(CommandKind::acknowledge, asker);
+  command.b = static_cast<std::uint32_t>(asker.role);
+  ask(services, command, std::move(done));
 }
 
 void act_neutral(Services& services, const Asker& asker, OutcomeDone done) {

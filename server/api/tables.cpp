@@ -31,7 +31,7 @@ void list_signals(const CallPtr& call) {
 
 void list_faults(const CallPtr& call) {
   constexpr std::array<std::string_view, 3> kPriorities{"low", "medium", "high"};
-  constexpr std::array<std::string_view, 3> kReactions{"warn", "soft_stop", "protective_stop"};
+  constexpr std::array<std::string_view, 5> kReactions{"warn", "soft_stop", "protective_stop", "out_of_service", "power_off"};
   json items = json::array();
   for (const contract::FaultInfo& f : contract::kFaults)
     items.push_back({{"bit", f.bit},

@@ -62,7 +62,7 @@ std::string_view schemas_text() {
   "doc": {"type": "string"}}, "additionalProperties": false}}}, "additionalProperties": false},
 "FaultList": {"type": "object", "required": ["items", "refusals"], "properties": {"items": {"type": "array", "items": {"type": "object",
   "required": ["bit", "name", "priority", "reaction", "hazard", "text", "action"], "properties": {"bit": {"type": "integer"}, "name": {"type": "string"},
-  "priority": {"enum": ["low", "medium", "high"]}, "reaction": {"enum": ["warn", "soft_stop", "protective_stop"]}, "hazard": {"type": "string"},
+  "priority": {"enum": ["low", "medium", "high"]}, "reaction": {"enum": ["warn", "soft_stop", "protective_stop", "out_of_service", "power_off"]}, "hazard": {"type": "string"},
   "text": {"$ref": "#/components/schemas/Words"}, "action": {"$ref": "#/components/schemas/Words"}}, "additionalProperties": false}},
   "refusals": {"type": "array", "items": {"type": "object", "required": ["bit", "name", "text"], "properties": {"bit": {"type": "integer"}, "name": {"type": "string"},
   "text": {"$ref": "#/components/schemas/Words"}}, "additionalProperties": false}}}, "additionalProperties": false},

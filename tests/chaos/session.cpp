@@ -366,6 +366,18 @@ class Session {
         if (record.lease_holder == 0) return ask(CommandKind::take_lease);
         acknowledged_s_ = now_s;
         return ask(CommandKind::acknowledge);
+      case Mode::fault:
+      case Mode::emergency_stop:
+        loop_.fall_silent();
+        if (now_s < next_s_) return;
+        next_s_ = now_s + dice_.between(0.8, 2.5);
+        if (record.lease_holder == 0) return ask(CommandKind::take_lease);
+        acknowledged_s_ = now_s;
+        loop_.ask(CommandKind::acknowledge, 0, 0, 0, 0, static_cast<std::uint32_t>(contract::Role::engineer));
+        return;
+      case Mode::calibrate:
+      case Mode::guided:
+        return ask(CommandKind::request_mode, static_cast<std::uint32_t>(Mode::standby));
     }
   }
 
@@ -494,8 +506,8 @@ class Session {
     const bool allowed = std::any_of(core::kTransitions.begin(), core::kTransitions.end(),
                                      [&](const core::Transition& t) { return t.from == from && t.to == to; });
     if (!allowed) broken("I5: a change of mode that no table allows");
-    if (from == Mode::protective_stop && to == Mode::standby && now_s - acknowledged_s_ > 0.6)
-      broken("I5: a stop ended without acknowledgement");
+    const bool released = (from == Mode::protective_stop && to == Mode::standby) || to == Mode::init;
+    if (released && from != Mode::standby && now_s - acknowledged_s_ > 0.6) broken("I5: a stop ended without acknowledgement");
     if (to == Mode::user || to == Mode::remote) {
       ++report_.starts;
       if (std::fabs(record.lean_norm) > 0.2F + 1e-3F || std::fabs(record.turn_norm) > 0.2F + 1e-3F)

@@ -191,7 +191,8 @@ Verdict ask_acknowledge(CoreState& state, const Command& command) noexcept {
   if (!state.lease.held_by(command.client, command.lease_epoch)) return refused(Refusal::no_lease);
   if (state.pending.ticks_left > 0) return refused(Refusal::out_of_order);
   bool wait = false;
-  const std::uint32_t bits = acknowledge(state, wait);
+  if (command.b > static_cast<std::uint32_t>(contract::Role::engineer)) return refused(Refusal::not_allowed);
+  const std::uint32_t bits = acknowledge(state, static_cast<contract::Role>(command.b), wait);
   if (wait) state.pending = {command.request_id, command.client, kResetTicksMax};
   return {bits, 0, wait};
 }

@@ -62,10 +62,14 @@ class DriveSensor {
   [[nodiscard]] int moved_ticks() const noexcept { return moved_ticks_; }
   [[nodiscard]] double current_a() const noexcept { return current_a_; }
   [[nodiscard]] double supply_v() const noexcept { return supply_v_; }
+  /// Told since the drive started, and not longer ago than ten of its reports.
+  [[nodiscard]] bool supply_known() const noexcept { return supply_fresh_.age_ticks() < kSupplyTicksMax; }
 
  private:
   // 6078h counts in thousandths of 6075h, whose default is the rated current of the motor.
   static constexpr double kAmpsPerStep = contract::find_object(contract::NodeKind::drive, 0x6075, 0)->default_value / 1000.0 / 1000.0;
+
+  static constexpr std::uint8_t kSupplyTicksMax = 10 * contract::pdo_info(contract::Pdo::drive_tx2).period_ms / 10;
 
   double current_a_ = 0, supply_v_ = 0;
   std::int32_t counts_ = 0, moved_counts_ = 0;

@@ -39,6 +39,8 @@ class IoSensor {
   /// Bit set = pressed: 0 front, 1 rear, 2 left, 3 right.
   [[nodiscard]] std::uint8_t bumpers() const noexcept { return bumpers_ & kBumperBits; }
   [[nodiscard]] std::uint8_t switches() const noexcept { return switches_; }
+  /// Bit 0 of the switches: the chain that feeds the motors' relay is open, or its wire is torn.
+  [[nodiscard]] bool emergency_stop_open() const noexcept { return (switches_ & 1U) != 0; }
   [[nodiscard]] double battery_a_v() const noexcept { return battery_a_v_; }
   [[nodiscard]] double battery_b_v() const noexcept { return battery_b_v_; }
 

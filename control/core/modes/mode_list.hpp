@@ -3,6 +3,10 @@
 #include <array>
 #include <cstddef>
 
+#include "control/core/modes/calibrate.hpp"
+#include "control/core/modes/emergency_stop.hpp"
+#include "control/core/modes/fault.hpp"
+#include "control/core/modes/guided.hpp"
 #include "control/core/modes/init.hpp"
 #include "control/core/modes/mode.hpp"
 #include "control/core/modes/protective_stop.hpp"
@@ -26,7 +30,8 @@ constexpr ModeRow mode_row(bool drives) {
 
 inline constexpr std::array kModeList{
     mode_row<InitMode>(false),  mode_row<StandbyMode>(false),       mode_row<UserMode>(true),
-    mode_row<RemoteMode>(true), mode_row<ProtectiveStopMode>(true),
+    mode_row<RemoteMode>(true), mode_row<ProtectiveStopMode>(true), mode_row<CalibrateMode>(false),
+    mode_row<GuidedMode>(true), mode_row<FaultMode>(false),         mode_row<EmergencyStopMode>(false),
 };
 
 namespace detail {

@@ -10,6 +10,7 @@
 #include "control/core/monitor/bumper.hpp"
 #include "control/core/monitor/bus_down.hpp"
 #include "control/core/monitor/drive_fault.hpp"
+#include "control/core/monitor/emergency_stop.hpp"
 #include "control/core/monitor/fall.hpp"
 #include "control/core/monitor/loop_overrun.hpp"
 #include "control/core/monitor/monitor.hpp"
@@ -35,7 +36,7 @@ using MonitorList = std::tuple<NodeLost<contract::Node::tilt_left, contract::Fau
                                DriveFault<true>, DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault, BumperPressed,
                                FallDetected, BatteryBelow<contract::Fault::battery_empty, &contract::Params::battery_empty_v>,
                                BatteryBelow<contract::Fault::battery_low, &contract::Params::battery_low_v>, BatteryUneven, BaseTilted,
-                               BaseTiltHigh, PatientHanging, RemoteCommandLost, ServerLost, Overspeed, LoopOverrun>;
+                               BaseTiltHigh, PatientHanging, RemoteCommandLost, ServerLost, Overspeed, LoopOverrun, EmergencyStopOpen>;
 
 /// Runs every monitor; one bit per fault whose condition holds now.
 [[nodiscard]] inline std::uint32_t check_all(MonitorList& monitors, const MonitorView& view) noexcept {
@@ -49,9 +50,11 @@ using MonitorList = std::tuple<NodeLost<contract::Node::tilt_left, contract::Fau
       monitors);
 }
 
-/// The faults that no monitor watches: they are raised where they happen (gate_refused by the gate, stop_pressed by the STOP command).
+/// The faults that no monitor watches: they are raised where they happen (gate_refused by the gate, stop_pressed by the STOP command,
+/// parameters_corrupt and control_fault by the supervisor's own watch).
 inline constexpr std::uint32_t kRaisedDirectly =
-    contract::fault_bit(contract::Fault::gate_refused) | contract::fault_bit(contract::Fault::stop_pressed);
+    contract::fault_bit(contract::Fault::gate_refused) | contract::fault_bit(contract::Fault::stop_pressed) |
+    contract::fault_bit(contract::Fault::parameters_corrupt) | contract::fault_bit(contract::Fault::control_fault);
 
 namespace detail {
 template <typename... Monitor>

@@ -97,11 +97,7 @@ class BusMaster {
     if (tick % kHeartbeatTicks == 0) send(out, canopen::heartbeat(contract::node_id(contract::Node::core), canopen::NmtState::operational));
     hands_off_ = hands_off;
     if (hands_off) {
-      for (Link& link : links_) {
-        link.phase = Phase::absent;
-        link.rest_ticks = 0;
-      }
-      busy_ = all_running_ = false;
+      meet_all_again();
       return;
     }
     all_running_ = true;
@@ -114,6 +110,15 @@ class BusMaster {
     } else {
       ask_next(params, out);
     }
+  }
+
+  /// Every node is met anew at its next heartbeat: asked what it is, given its parameters, started.
+  void meet_all_again() noexcept {
+    for (Link& link : links_) {
+      link.phase = Phase::absent;
+      link.rest_ticks = 0;
+    }
+    busy_ = all_running_ = false;
   }
 
   [[nodiscard]] Phase phase(contract::Node node) const noexcept { return links_[static_cast<std::size_t>(node)].phase; }

@@ -47,6 +47,7 @@ class DriveControl {
 
   /// Asks for a fault reset; called on acknowledgement only.
   void reset_fault() noexcept { reset_ticks_ = kResetTicksMax; }
+  [[nodiscard]] bool resetting() const noexcept { return reset_ticks_ > 0; }
 
   /// Wanted and not enabled for too long, or dropped out by itself.
   [[nodiscard]] bool refuses_to_run(std::uint8_t start_ticks_max, std::uint8_t dropped_ticks_max) const noexcept {

@@ -18,6 +18,10 @@ using contract::refusal_bit;
 namespace {
 
 constexpr std::uint32_t kProtective = faults_with(Reaction::protective_stop);
+constexpr std::uint32_t kBreakdown = faults_with(Reaction::out_of_service);
+constexpr std::uint32_t kPowerOff = faults_with(Reaction::power_off);
+// What stays until somebody has acknowledged it.
+constexpr std::uint32_t kLatching = kProtective | kBreakdown | kPowerOff;
 constexpr std::uint32_t kSoft = faults_with(Reaction::soft_stop);
 constexpr std::uint32_t kWarnings = faults_with(Reaction::warn);
 constexpr std::uint32_t kDriveFaults = fault_bit(Fault::drive_left_fault) | fault_bit(Fault::drive_right_fault);
@@ -34,6 +38,19 @@ void tell_faults(CoreState& state, std::uint32_t bits, EventKind kind) noexcept 
       event.item = state.health.babbling_id();
     emit(state, event);
   }
+}
+
+void latch(CoreState& state, Fault fault) noexcept {
+  const std::uint32_t bit = fault_bit(fault);
+  if ((state.latched & bit) != 0) return;
+  state.latched |= bit;
+  tell_faults(state, bit, EventKind::fault_raised);
+}
+
+/// Acknowledged: these are no longer in force, unless they are found again.
+void clear_latched(CoreState& state, std::uint32_t bits) noexcept {
+  tell_faults(state, state.latched & bits, EventKind::fault_cleared);
+  state.latched &= ~bits;
 }
 
 void change_mode(CoreState& state, Mode to) noexcept {
@@ -60,11 +77,26 @@ void change_mode(CoreState& state, Mode to) noexcept {
 
 void stop_protectively(CoreState& state, std::uint32_t causes) noexcept {
   if (find_transition(state.mode, Mode::protective_stop, Asker::fault) != nullptr) {
+    const bool counts = state.mode != Mode::init;
     change_mode(state, Mode::protective_stop);
     state.motion.braking = Braking::protective;
     state.stop_cause = static_cast<std::uint8_t>(std::countr_zero(causes) + 1);
+    for (std::uint32_t bits = counts ? causes & kCountedStops : 0U; bits != 0; bits &= bits - 1) {
+      if (!state.repeats.note(static_cast<std::uint8_t>(std::countr_zero(bits)), state.time_ns, state.params)) continue;
+      if (watches(Fault::control_fault)) latch(state, Fault::control_fault);
+    }
   }
   if ((causes & fault_bit(Fault::bumper_pressed)) != 0) state.motion.braking = Braking::bumper;
+}
+
+/// The power is gone. What the controller remembers of motion goes with it, and whoever drove does so no longer.
+void stop_without_power(CoreState& state) noexcept {
+  if (find_transition(state.mode, Mode::emergency_stop, Asker::hardware) == nullptr) return;
+  state.repeats.forget_recent(state.time_ns);
+  change_mode(state, Mode::emergency_stop);
+  state.stop_cause = static_cast<std::uint8_t>(Fault::emergency_stop) + 1;
+  state.pending = {};
+  give_lease(state, 0);
 }
 
 /// Motion ends gently, then STANDBY.
@@ -72,6 +104,70 @@ void stop_softly(CoreState& state, Asker asker) noexcept {
   if (find_transition(state.mode, Mode::standby, asker) == nullptr || !is_moving(state.mode)) return;
   state.motion.leaving = true;
   if (state.motion.braking < Braking::soft) state.motion.braking = Braking::soft;
+}
+
+bool drive_in_fault(const DriveSensor& drive) noexcept {
+  using State = contract::canopen::drive::State;
+  return !drive.fresh().lost() && (drive.state() == State::fault || drive.state() == State::fault_reaction);
+}
+
+/// FAULT was entered for nothing but what plugs and cables explain.
+bool therapist_mends(const CoreState& state) noexcept {
+  const std::uint32_t causes = state.latched & (kProtective & ~kNotOfTheMachine);
+  return (state.latched & kBreakdown) == fault_bit(Fault::control_fault) && causes != 0 && (causes & ~kTherapistMends) == 0;
+}
+
+/// What there is to say about a mode that nothing can be started from.
+std::uint32_t where_it_stands(const CoreState& state) noexcept {
+  switch (state.mode) {
+    case Mode::init:
+      return refusal_bit(Refusal::nodes_missing);
+    case Mode::protective_stop:
+      return refusal_bit(Refusal::fault_active);
+    case Mode::fault:
+      return refusal_bit(Refusal::fault_mode);
+    case Mode::emergency_stop:
+      return refusal_bit(Refusal::emergency_stop_open);
+    case Mode::standby:
+    case Mode::user:
+    case Mode::remote:
+    case Mode::calibrate:
+    case Mode::guided:
+      break;
+  }
+  return 0;
+}
+
+std::uint32_t guard_refusals(const CoreState& state, Guard guard) noexcept {
+  std::uint32_t bits = 0;
+  switch (guard) {
+    case Guard::none:
+    case Guard::finished:
+    case Guard::ramp_first:
+      return 0;
+    case Guard::at_rest:
+      return at_rest(state) ? 0U : refusal_bit(Refusal::moving);
+    case Guard::stood:
+    case Guard::checked:
+      return state.still_ticks < kStillTicks ? refusal_bit(Refusal::moving) : 0U;
+    case Guard::ready:
+      return start_refusals(state, Mode::user);
+    case Guard::ready_off_a_bumper:
+      return start_refusals(state, Mode::remote);
+    case Guard::ready_with_a_path:
+      return start_refusals(state, Mode::guided);
+    case Guard::cause_gone:
+      // A drive's own fault goes with the acknowledgement; a hoist on its way out of service does not come back by this one.
+      if ((state.conditions & kProtective & ~kDriveFaults) != 0) bits |= refusal_bit(Refusal::cause_not_cleared);
+      if ((state.latched & kBreakdown) != 0) bits |= refusal_bit(Refusal::fault_mode);
+      if (state.still_ticks < kStillTicks) bits |= refusal_bit(Refusal::moving);
+      return bits;
+    case Guard::chain_closed:
+      if ((state.conditions & kPowerOff) != 0) bits |= refusal_bit(Refusal::emergency_stop_open);
+      if (!at_rest(state)) bits |= refusal_bit(Refusal::moving);
+      return bits;
+  }
+  return refusal_bit(Refusal::unknown_item);
 }
 
 }  // namespace
@@ -101,6 +197,8 @@ std::uint32_t start_refusals(const CoreState& state) noexcept {
     if (when) bits |= refusal_bit(refusal);
   };
   add(state.mode != Mode::standby, Refusal::not_standby);
+  add(state.mode == Mode::fault || (state.latched & kBreakdown) != 0, Refusal::fault_mode);
+  add(state.mode == Mode::emergency_stop || (state.conditions & kPowerOff) != 0, Refusal::emergency_stop_open);
   add(!state.master.all_running() || sensed.tilts_stale() || sensed.drives_lost() || sensed.io.fresh().lost(), Refusal::nodes_missing);
   add((state.latched & ~kWarnings) != 0, Refusal::fault_active);
   add(!state.intent.neutral(), Refusal::not_neutral);
@@ -116,52 +214,72 @@ std::uint32_t start_refusals(const CoreState& state) noexcept {
   return bits;
 }
 
+std::uint32_t start_refusals(const CoreState& state, Mode to) noexcept {
+  std::uint32_t bits = start_refusals(state);
+  // Nobody has given a path to follow yet.
+  if (to == Mode::guided) bits |= refusal_bit(Refusal::unknown_item);
+  return bits;
+}
+
 void judge_faults(CoreState& state, std::uint32_t conditions) noexcept {
+  // Out of service or without power there is nothing left to stop, and INIT will look at everything anew: only what led here is an alarm.
+  if (state.mode == Mode::fault || state.mode == Mode::emergency_stop) conditions &= ~kProtective;
   state.conditions = conditions;
   const std::uint32_t before = state.latched;
-  // Protective faults stay until acknowledged. In INIT nothing has run yet that an acknowledgement could be about.
-  const std::uint32_t kept = state.mode == Mode::init ? 0U : before & kProtective;
+  // Protective faults stay until acknowledged. In INIT nothing has run yet that an acknowledgement could be about, but for what puts the
+  // hoist out of service.
+  const std::uint32_t kept = before & (state.mode == Mode::init ? kBreakdown : kLatching);
   state.latched = conditions | kept;
   if (state.latched == before) return;
   const std::uint32_t raised = state.latched & ~before;
   tell_faults(state, before & ~state.latched, EventKind::fault_cleared);
   tell_faults(state, raised, EventKind::fault_raised);
+  if ((raised & kPowerOff) != 0) stop_without_power(state);
   if ((raised & kProtective) != 0 && state.mode != Mode::init) stop_protectively(state, raised & kProtective);
   if ((raised & kSoft) != 0) stop_softly(state, Asker::core);
 }
 
 void raise_fault(CoreState& state, Fault fault) noexcept {
   if (!watches(fault)) return;
-  const std::uint32_t bit = fault_bit(fault);
-  if ((state.latched & bit) == 0) {
-    state.latched |= bit;
-    tell_faults(state, bit, EventKind::fault_raised);
-  }
-  stop_protectively(state, bit);
+  latch(state, fault);
+  // In INIT, and where everything stands, there is nothing to brake: what is to go out of service does so within this step.
+  if ((fault_bit(fault) & kBreakdown) != 0 && (state.mode == Mode::init || (!is_moving(state.mode) && at_rest(state)))) return;
+  stop_protectively(state, fault_bit(fault));
+}
+
+void serve_breakdown(CoreState& state) noexcept {
+  if ((state.latched & kBreakdown) == 0) return;
+  const Transition* row = find_transition(state.mode, Mode::fault, Asker::breakdown);
+  if (row == nullptr || guard_refusals(state, row->guard) != 0) return;
+  change_mode(state, Mode::fault);
+  state.stop_cause = static_cast<std::uint8_t>(std::countr_zero(state.latched & kBreakdown) + 1);
+  state.pending = {};
 }
 
 std::uint32_t request_mode(CoreState& state, Mode to) noexcept {
-  if (to == Mode::standby) {
-    if (state.mode == Mode::standby) return 0;
-    const Transition* row = find_transition(state.mode, to, Asker::driver);
-    if (row == nullptr)
-      return refusal_bit(state.mode == Mode::init ? Refusal::nodes_missing : Refusal::fault_active) | refusal_bit(Refusal::not_standby);
+  if (to == state.mode && to == Mode::standby) return 0;
+  const Transition* row = find_transition(state.mode, to, Asker::driver);
+  if (row == nullptr) {
+    // What stands in the table from STANDBY is a mode to ask for; whoever asks elsewhere hears every reason, not only that it is elsewhere.
+    const bool start = find_transition(Mode::standby, to, Asker::driver) != nullptr;
+    if (!start && to != Mode::standby) return refusal_bit(Refusal::unknown_item);
+    return refusal_bit(Refusal::not_standby) | where_it_stands(state) | (is_moving(to) ? start_refusals(state, to) : 0U);
+  }
+  if (is_moving(state.mode)) {
     stop_softly(state, Asker::driver);
     return 0;
   }
-  if (to != Mode::user && to != Mode::remote) return refusal_bit(Refusal::unknown_item);
-  const std::uint32_t bits = start_refusals(state);
+  const std::uint32_t bits = is_moving(to) ? start_refusals(state, to) : guard_refusals(state, row->guard);
   if (bits != 0) return bits;
-  // The table has the last word, so that a mode added to faults.def is not reachable before somebody wrote down from where.
-  if (find_transition(state.mode, to, Asker::driver) == nullptr) return refusal_bit(Refusal::not_standby);
   change_mode(state, to);
   return 0;
 }
 
 std::uint32_t begin_service(CoreState& state) noexcept {
   if (state.mode != Mode::init) {
-    if (find_transition(state.mode, Mode::init, Asker::engineer) == nullptr) return refusal_bit(Refusal::not_standby);
-    if (!at_rest(state)) return refusal_bit(Refusal::moving);
+    const Transition* row = find_transition(state.mode, Mode::init, Asker::engineer);
+    if (row == nullptr) return refusal_bit(Refusal::not_standby) | where_it_stands(state);
+    if (const std::uint32_t bits = guard_refusals(state, row->guard); bits != 0) return bits;
     change_mode(state, Mode::init);
   }
   state.motion.epoch = state.lease.epoch;
@@ -174,24 +292,35 @@ void finish_mode(CoreState& state) noexcept {
   if (find_transition(state.mode, Mode::standby, Asker::core) != nullptr) change_mode(state, Mode::standby);
 }
 
-std::uint32_t acknowledge(CoreState& state, bool& wait) noexcept {
+std::uint32_t acknowledge(CoreState& state, contract::Role role, bool& wait) noexcept {
   wait = false;
-  if (find_transition(state.mode, Mode::standby, Asker::acknowledgement) == nullptr) return refusal_bit(Refusal::unknown_item);
-  const std::uint32_t causes = state.conditions & kProtective;
-  std::uint32_t bits = 0;
-  if ((causes & ~kDriveFaults) != 0) bits |= refusal_bit(Refusal::cause_not_cleared);
-  if (state.still_ticks < kStillTicks) bits |= refusal_bit(Refusal::moving);
+  const Transition* row = nullptr;
+  for (const Transition& each : kTransitions)
+    if (each.from == state.mode && each.asker == Asker::acknowledgement) row = &each;
+  if (row == nullptr) return refusal_bit(Refusal::unknown_item);
+  std::uint32_t bits = guard_refusals(state, row->guard);
+  if (row->guard == Guard::checked && role != contract::Role::engineer && !therapist_mends(state))
+    bits |= refusal_bit(Refusal::not_allowed);
   if (bits != 0) return bits;
-  if (causes != 0) {
-    // A drive leaves its fault only when told to, and telling it is what the therapist's press means.
-    if ((causes & fault_bit(Fault::drive_left_fault)) != 0) state.left_control.reset_fault();
-    if ((causes & fault_bit(Fault::drive_right_fault)) != 0) state.right_control.reset_fault();
+  // A drive leaves its fault only when told to, and telling it is what the press means.
+  const bool reset_left = drive_in_fault(state.sensed.left_drive) || (state.conditions & fault_bit(Fault::drive_left_fault)) != 0;
+  const bool reset_right = drive_in_fault(state.sensed.right_drive) || (state.conditions & fault_bit(Fault::drive_right_fault)) != 0;
+  if (reset_left) state.left_control.reset_fault();
+  if (reset_right) state.right_control.reset_fault();
+  if (row->to == Mode::init) {
+    // Everything is looked at anew, each node met as if the hoist had just been switched on.
+    state.repeats.forget();
+    state.master.meet_all_again();
+    change_mode(state, Mode::init);
+    clear_latched(state, kLatching);
+    return 0;
+  }
+  if ((state.conditions & kProtective) != 0) {
     wait = true;
     return 0;
   }
-  tell_faults(state, state.latched & kProtective, EventKind::fault_cleared);
-  state.latched &= ~kProtective;
-  change_mode(state, Mode::standby);
+  clear_latched(state, kProtective);
+  change_mode(state, row->to);
   return 0;
 }
 
@@ -202,7 +331,7 @@ void serve_pending(CoreState& state) noexcept {
   const bool cleared = (state.conditions & kProtective) == 0;
   if (!cleared && pending.ticks_left > 0 && state.mode == Mode::protective_stop) return;
   bool wait = false;
-  std::uint32_t bits = cleared ? acknowledge(state, wait) : refusal_bit(Refusal::cause_not_cleared);
+  std::uint32_t bits = cleared ? acknowledge(state, contract::Role::therapist, wait) : refusal_bit(Refusal::cause_not_cleared);
   pending.ticks_left = 0;
   Event event;
   event.kind = bits == 0 ? EventKind::command_done : EventKind::command_refused;

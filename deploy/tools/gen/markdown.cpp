@@ -83,7 +83,8 @@ GeneratedFile signals_page() {
 
 GeneratedFile faults_page() {
   constexpr std::array<std::string_view, 3> kPriorities = {"low", "medium", "high"};
-  constexpr std::array<std::string_view, 3> kReactions = {"warning only", "soft stop to standby", "protective stop until acknowledged"};
+  constexpr std::array<std::string_view, 5> kReactions = {"warning only", "soft stop to standby", "protective stop until acknowledged",
+                                                          "protective stop, then out of service", "emergency stop"};
   std::string out = head("control/contract/faults.def", "Faults, refusals, modes");
   out += "## Faults\n\n" + table_head({"bit", "name", "priority", "reaction", "hazard", "what the therapist reads", "what to do"});
   for (const auto& f : kFaults) {

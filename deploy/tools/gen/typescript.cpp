@@ -205,6 +205,10 @@ std::string_view priority_name(Priority priority) {
 }
 std::string_view reaction_name(Reaction reaction) {
   switch (reaction) {
+    case Reaction::power_off:
+      return "power_off";
+    case Reaction::out_of_service:
+      return "out_of_service";
     case Reaction::protective_stop:
       return "protective_stop";
     case Reaction::soft_stop:
@@ -225,7 +229,7 @@ export interface FaultInfo {
   bit: number;
   name: FaultName;
   priority: 'high' | 'medium' | 'low';
-  reaction: 'warn' | 'soft_stop' | 'protective_stop';
+  reaction: 'warn' | 'soft_stop' | 'protective_stop' | 'out_of_service' | 'power_off';
   text: Words;
   /** What to do next. */
   action: Words;

@@ -48,12 +48,14 @@ struct FakeDrive : FakeNode {
   double wheel_m_s = 0;     // what the wheel does
   double forced_m_s = NAN;  // when set, the wheel does this whatever it is told
   double counts = 0;
+  double supply_v = 25.6;
   double target_m_s = 0;
   std::uint16_t last_control = 0;
 };
 
 struct FakeIo : FakeNode {
   std::uint8_t bumpers = 0;
+  std::uint8_t switches = 0;
   double battery_a_v = 12.8, battery_b_v = 12.8;
 };
 
@@ -289,7 +291,7 @@ class ScriptedHoist {
       frames.push_back(f);
       if (tick_number % 5 == 0) {
         contract::CanFrame g{contract::pdo_cob_id(Pdo::drive_tx2, node), 8, 0, {}};
-        contract::write_slot(g, contract::pdo_slot(Pdo::drive_tx2, 0x2211), 2560);
+        contract::write_slot(g, contract::pdo_slot(Pdo::drive_tx2, 0x2211), std::lround(d.supply_v * 100));
         frames.push_back(g);
       }
     };
@@ -299,6 +301,7 @@ class ScriptedHoist {
       if (tick_number % (contract::pdo_info(Pdo::io_tx1).period_ms / 10U) == 0 || io.bumpers != last_bumpers_) {
         contract::CanFrame f{contract::pdo_cob_id(Pdo::io_tx1, Node::io), 2, 0, {}};
         f.data[0] = io.bumpers;
+        f.data[1] = io.switches;
         frames.push_back(f);
         last_bumpers_ = io.bumpers;
       }

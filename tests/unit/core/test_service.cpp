@@ -103,7 +103,7 @@ TEST_F(ServiceTest, IsRefusedWhereAnythingMovesOrIsHeld) {
       ASSERT_TRUE(hoist.start(mode));
     }
     ASSERT_EQ(hoist.state.mode, mode);
-    EXPECT_EQ(begin(), refusal_bit(Refusal::not_standby));
+    EXPECT_EQ(begin(), refusal_bit(Refusal::not_standby) | (mode == Mode::protective_stop ? refusal_bit(Refusal::fault_active) : 0U));
     EXPECT_EQ(ask(ask_product()), refusal_bit(Refusal::out_of_order));
     EXPECT_EQ(left(ask_product()), 0);
     EXPECT_EQ(hoist.state.mode, mode);

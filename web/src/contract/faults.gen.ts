@@ -33,7 +33,10 @@ export type FaultName =
   | 'base_tilted'
   | 'base_tilt_high'
   | 'patient_hanging'
-  | 'battery_uneven';
+  | 'battery_uneven'
+  | 'emergency_stop'
+  | 'parameters_corrupt'
+  | 'control_fault';
 
 export type RefusalName =
   | 'not_standby'
@@ -54,21 +57,29 @@ export type RefusalName =
   | 'cause_not_cleared'
   | 'bumper_start'
   | 'out_of_order'
-  | 'not_allowed';
+  | 'not_allowed'
+  | 'fault_mode'
+  | 'emergency_stop_open'
+  | 'set_outdated'
+  | 'node_version';
 
 export type ModeName =
   | 'init'
   | 'standby'
   | 'user'
   | 'remote'
-  | 'protective_stop';
+  | 'protective_stop'
+  | 'calibrate'
+  | 'guided'
+  | 'fault'
+  | 'emergency_stop';
 
 export interface FaultInfo {
   /** Place in fault_bits. */
   bit: number;
   name: FaultName;
   priority: 'high' | 'medium' | 'low';
-  reaction: 'warn' | 'soft_stop' | 'protective_stop';
+  reaction: 'warn' | 'soft_stop' | 'protective_stop' | 'out_of_service' | 'power_off';
   text: Words;
   /** What to do next. */
   action: Words;
@@ -215,6 +226,21 @@ export const faults: readonly FaultInfo[] = [
     text: { en: 'One battery is weaker than the other', de: 'Eine Batterie ist schwächer als die andere' },
     action: { en: 'Finish this training, charge, and have the batteries checked.', de: 'Training beenden, laden und die Batterien prüfen lassen.' },
   },
+  {
+    bit: 24, name: 'emergency_stop', priority: 'high', reaction: 'power_off',
+    text: { en: 'The emergency stop is pressed', de: 'Der Not-Halt ist gedrückt' },
+    action: { en: 'Help the patient, release the button, then take control and acknowledge.', de: 'Patienten helfen, Taster lösen, dann Steuerung übernehmen und quittieren.' },
+  },
+  {
+    bit: 30, name: 'parameters_corrupt', priority: 'high', reaction: 'out_of_service',
+    text: { en: 'The settings were damaged; undamaged ones are in force', de: 'Die Einstellungen waren beschädigt; unbeschädigte gelten' },
+    action: { en: 'Compare the settings with your notes; an engineer acknowledges.', de: 'Einstellungen mit den Unterlagen vergleichen; ein Techniker quittiert.' },
+  },
+  {
+    bit: 31, name: 'control_fault', priority: 'high', reaction: 'out_of_service',
+    text: { en: 'The same fault has stopped the hoist again and again', de: 'Dieselbe Störung hat die Hilfe immer wieder angehalten' },
+    action: { en: 'Free the patient and call service; the other alarm names the fault.', de: 'Patienten befreien und Service rufen; der andere Alarm nennt die Störung.' },
+  },
 ];
 
 export interface RefusalInfo {
@@ -244,6 +270,10 @@ export const refusals: readonly RefusalInfo[] = [
   { bit: 16, name: 'bumper_start', text: { en: 'A bumper touches something.', de: 'Ein Stoßfänger berührt etwas.' } },
   { bit: 17, name: 'out_of_order', text: { en: 'The command is out of order.', de: 'Der Befehl ist nicht in der Reihenfolge.' } },
   { bit: 18, name: 'not_allowed', text: { en: 'Your role may not change this.', de: 'Das darf Ihre Rolle nicht ändern.' } },
+  { bit: 19, name: 'fault_mode', text: { en: 'The hoist is out of service: see the alarm.', de: 'Die Hilfe ist außer Betrieb: siehe Alarm.' } },
+  { bit: 20, name: 'emergency_stop_open', text: { en: 'The emergency stop is still pressed: release it first.', de: 'Der Not-Halt ist noch gedrückt: zuerst lösen.' } },
+  { bit: 21, name: 'set_outdated', text: { en: 'These values did not arrive whole, or others have changed meanwhile: look again, then send again.', de: 'Diese Werte kamen nicht vollständig an oder andere haben sich inzwischen geändert: ansehen und neu senden.' } },
+  { bit: 22, name: 'node_version', text: { en: 'A sensor or drive runs another program version than this control.', de: 'Ein Sensor oder Antrieb hat eine andere Programmversion als diese Steuerung.' } },
 ];
 
 export interface ModeInfo {
@@ -260,4 +290,8 @@ export const modes: readonly ModeInfo[] = [
   { value: 2, name: 'user', moving: true, title: { en: 'Patient leads', de: 'Patient führt' } },
   { value: 3, name: 'remote', moving: true, title: { en: 'Therapist drives', de: 'Therapeut fährt' } },
   { value: 4, name: 'protective_stop', moving: false, title: { en: 'Stopped', de: 'Angehalten' } },
+  { value: 5, name: 'calibrate', moving: false, title: { en: 'Calibrating', de: 'Kalibriert' } },
+  { value: 6, name: 'guided', moving: true, title: { en: 'Guided exercise', de: 'Geführte Übung' } },
+  { value: 7, name: 'fault', moving: false, title: { en: 'Out of service', de: 'Außer Betrieb' } },
+  { value: 8, name: 'emergency_stop', moving: false, title: { en: 'Emergency stop', de: 'Not-Halt' } },
 ];

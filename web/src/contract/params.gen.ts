@@ -69,6 +69,8 @@ export type ParamName =
   | 'following_error_m_s_max'
   | 'following_error_s'
   | 'drift_rad_max'
+  | 'fault_stops_max'
+  | 'fault_stops_window_s'
   | 'drive_velocity_gain_v_s_rad'
   | 'drive_velocity_integral_v_rad'
   | 'drive_current_limit_a'
@@ -472,6 +474,18 @@ export const params: readonly ParamInfo[] = [
     edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H8: 30 deg in 10 s, the struts stop at 15',
     title: { en: 'Believable turn of a sensor', de: 'Glaubhafte Drehung eines Sensors' },
     effect: { en: 'How far a tilt sensor may say that it has turned over within ten seconds.', de: 'Wie weit sich ein Neigungssensor nach eigener Angabe in zehn Sekunden überschlagen haben darf.' },
+  },
+  {
+    id: 100, name: 'fault_stops_max', unit: '', min: 2, default: 3, max: 5,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety 2.3 and H22: three times',
+    title: { en: 'Stops until out of service', de: 'Halte bis außer Betrieb' },
+    effect: { en: 'So many stops for the same fault of the machine put it out of service.', de: 'So viele Halte durch dieselbe Störung des Geräts setzen es außer Betrieb.' },
+  },
+  {
+    id: 101, name: 'fault_stops_window_s', unit: 's', min: 60, default: 600, max: 3600,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'assumed: within one training of ten minutes',
+    title: { en: 'Stops count together for', de: 'Halte zählen zusammen während' },
+    effect: { en: 'Stops for the same fault that lie farther apart do not count together.', de: 'Halte durch dieselbe Störung, die weiter auseinander liegen, zählen nicht zusammen.' },
   },
   {
     id: 80, name: 'drive_velocity_gain_v_s_rad', unit: 'V s/rad', min: 0, default: 0.12, max: 5,

@@ -1,0 +1,390 @@
+// EMERGENCY_STOP and FAULT (hazard table 2.3; H22, H27): how the hoist gets there, what it forgets on the way, and who may lead it out again.
+#include <gtest/gtest.h>
+
+#include "control/core/modes/mode_list.hpp"
+#include "control/core/output/supervisor.hpp"
+#include "tests/unit/core/scripted_hoist.hpp"
+
+namespace hoist::core::test {
+namespace {
+
+using contract::CommandKind;
+using contract::EventKind;
+using contract::Fault;
+using contract::Mode;
+using contract::Refusal;
+using contract::refusal_bit;
+
+constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
+
+std::uint32_t acknowledge_as(ScriptedHoist& hoist, std::uint32_t role) { return hoist.ask(CommandKind::acknowledge, 7, 0, role); }
+
+// Stops the hoist once with this, mends it and acknowledges, if it can be.
+template <typename Break, typename Mend>
+void stop_once(ScriptedHoist& hoist, Break&& break_it, Mend&& mend_it) {
+  break_it(hoist);
+  hoist.step(10);
+  mend_it(hoist);
+  hoist.step(300);
+  static_cast<void>(acknowledge_as(hoist, kTherapist));
+  hoist.step(10);
+}
+void unplug(ScriptedHoist& hoist) { hoist.tilt_left.silent = true; }
+void plug(ScriptedHoist& hoist) { hoist.tilt_left.silent = false; }
+void lie(ScriptedHoist& hoist) { hoist.tilt_left.alpha_deg = 25; }
+void tell_the_truth(ScriptedHoist& hoist) { hoist.tilt_left.alpha_deg = hoist.tilt_left.alpha_now_deg = 0; }
+
+// The walking hoist of these tests: integrators full, wheels turning.
+ScriptedHoist walking() {
+  ScriptedHoist hoist;
+  EXPECT_TRUE(hoist.start(Mode::user));
+  hoist.lean_gently(7, 300);
+  EXPECT_GT(hoist.out.record.lean_filtered_units, 3.0F);
+  return hoist;
+}
+
+TEST(EmergencyStop, TheOpenChainLeadsThereWithinOneStepAndNothingIsCommanded) {
+  ScriptedHoist hoist = walking();
+  hoist.io.switches = 1;
+  hoist.step();
+  EXPECT_EQ(hoist.state.mode, Mode::emergency_stop);
+  EXPECT_TRUE(hoist.has_fault(Fault::emergency_stop));
+  EXPECT_EQ(hoist.out.record.stop_cause, static_cast<int>(Fault::emergency_stop) + 1);
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_EQ(hoist.command_m_s(), 0.0);
+    ASSERT_NE(hoist.drive_left.last_control, 0x0F) << "the drives are told to let go";
+    hoist.step();
+  }
+}
+
+TEST(EmergencyStop, ForgetsIntegratorsLimiterAndLease) {
+  ScriptedHoist hoist = walking();
+  const std::uint32_t epoch = hoist.state.lease.epoch;
+  hoist.io.switches = 1;
+  hoist.step();
+  EXPECT_EQ(hoist.out.record.lean_filtered_units, 0.0F);
+  EXPECT_EQ(hoist.out.record.turn_filtered_units, 0.0F);
+  EXPECT_TRUE(hoist.state.limiter.at_rest());
+  EXPECT_EQ(hoist.state.lease.holder, 0U);
+  EXPECT_NE(hoist.state.lease.epoch, epoch);
+}
+
+TEST(EmergencyStop, IsLeftOnlyWithTheChainClosedAndAnAcknowledgement) {
+  ScriptedHoist hoist = walking();
+  hoist.lean(0);
+  hoist.io.switches = 1;
+  hoist.step(300);
+  EXPECT_EQ(acknowledge_as(hoist, kTherapist), refusal_bit(Refusal::no_lease)) << "nobody drives after an emergency stop";
+  ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
+  EXPECT_EQ(acknowledge_as(hoist, kEngineer), refusal_bit(Refusal::emergency_stop_open));
+  EXPECT_EQ(hoist.state.mode, Mode::emergency_stop);
+  hoist.io.switches = 0;
+  hoist.step(1000);
+  EXPECT_EQ(hoist.state.mode, Mode::emergency_stop) << "never by itself";
+  EXPECT_EQ(acknowledge_as(hoist, kTherapist), 0U);
+  EXPECT_EQ(hoist.state.mode, Mode::init) << "everything is checked anew";
+  EXPECT_EQ(hoist.state.latched, 0U);
+  EXPECT_TRUE(hoist.reach(Mode::standby));
+}
+
+TEST(EmergencyStop, TheNodesAreMetAnewAfterwards) {
+  ScriptedHoist hoist = walking();
+  hoist.lean(0);
+  hoist.io.switches = 1;
+  hoist.step(100);
+  hoist.io.switches = 0;
+  hoist.step(10);
+  ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
+  const std::uint32_t asked = hoist.drive_left.sdo_requests;
+  ASSERT_EQ(acknowledge_as(hoist, kTherapist), 0U);
+  ASSERT_TRUE(hoist.reach(Mode::standby));
+  EXPECT_GT(hoist.drive_left.sdo_requests, asked + 3) << "what it is, and its parameters";
+}
+
+TEST(EmergencyStop, ComesFromEveryMode) {
+  for (const Mode from : {Mode::standby, Mode::user, Mode::remote, Mode::protective_stop, Mode::calibrate, Mode::fault}) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    if (is_moving(from) || from == Mode::calibrate) {
+      ASSERT_EQ(hoist.ask_mode(from), 0U);
+    }
+    if (from == Mode::protective_stop) hoist.ask(CommandKind::stop);
+    if (from == Mode::fault) raise_fault(hoist.state, Fault::control_fault);
+    hoist.step();
+    ASSERT_EQ(hoist.state.mode, from);
+    hoist.io.switches = 1;
+    hoist.step();
+    EXPECT_EQ(hoist.state.mode, Mode::emergency_stop) << static_cast<int>(from);
+  }
+  ScriptedHoist starting;
+  starting.tilt_left.silent = true;
+  starting.io.switches = 1;
+  starting.step(100);
+  EXPECT_EQ(starting.state.mode, Mode::emergency_stop) << "pressed when the hoist is switched on";
+  EXPECT_FALSE(starting.has_fault(Fault::tilt_left_lost)) << "there is one alarm, and it is the button";
+}
+
+TEST(EmergencyStop, ARelayThatOpensWithoutAWordIsOneToo) {
+  ScriptedHoist hoist = walking();
+  hoist.drive_left.supply_v = hoist.drive_right.supply_v = 0.3;
+  hoist.step(90);
+  EXPECT_NE(hoist.state.mode, Mode::emergency_stop) << "an input node that comes back closes the relay within a second";
+  hoist.step(20);
+  EXPECT_EQ(hoist.state.mode, Mode::emergency_stop);
+  hoist.lean(0);
+  hoist.step(100);
+  ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
+  EXPECT_EQ(acknowledge_as(hoist, kTherapist), refusal_bit(Refusal::emergency_stop_open)) << "the motors still have no power";
+  hoist.drive_left.supply_v = hoist.drive_right.supply_v = 25;
+  hoist.step(10);
+  EXPECT_EQ(acknowledge_as(hoist, kTherapist), 0U);
+}
+
+TEST(EmergencyStop, OneDriveWithoutSupplyOrEmptyBatteriesAreNone) {
+  ScriptedHoist one = walking();
+  one.drive_left.supply_v = 0.3;
+  one.step(200);
+  EXPECT_NE(one.state.mode, Mode::emergency_stop);
+  ScriptedHoist empty = walking();
+  empty.io.battery_a_v = empty.io.battery_b_v = 5;
+  empty.step(20);
+  empty.drive_left.supply_v = empty.drive_right.supply_v = 10;
+  empty.step(200);
+  EXPECT_NE(empty.state.mode, Mode::emergency_stop);
+}
+
+TEST(EmergencyStop, ASilentInputNodeDoesNotCloseTheChain) {
+  ScriptedHoist hoist = walking();
+  hoist.lean(0);
+  hoist.io.switches = 1;
+  hoist.step(100);
+  hoist.io.silent = true;
+  hoist.step(100);
+  ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
+  EXPECT_NE(acknowledge_as(hoist, kTherapist) & refusal_bit(Refusal::emergency_stop_open), 0U);
+  EXPECT_EQ(hoist.state.mode, Mode::emergency_stop);
+}
+
+// H22: "three times -> FAULT", for every fault of the machine.
+TEST(OutOfService, H22TheThirdStopForTheSameFaultIsTheLast) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  stop_once(hoist, lie, tell_the_truth);
+  ASSERT_EQ(hoist.state.mode, Mode::standby);
+  stop_once(hoist, lie, tell_the_truth);
+  ASSERT_EQ(hoist.state.mode, Mode::standby);
+  lie(hoist);
+  hoist.step(40);
+  EXPECT_TRUE(hoist.has_fault(Fault::tilt_implausible));
+  EXPECT_TRUE(hoist.has_fault(Fault::control_fault));
+  EXPECT_TRUE(hoist.reach(Mode::fault, 150)) << "once it has stood for a second";
+  hoist.step();
+  EXPECT_EQ(hoist.drive_left.status, 0x21) << "the drives are off";
+  EXPECT_TRUE(hoist.has_fault(Fault::tilt_implausible)) << "what it was about is still told";
+  tell_the_truth(hoist);
+  hoist.step(200);
+  EXPECT_EQ(acknowledge_as(hoist, kTherapist), refusal_bit(Refusal::not_allowed));
+  EXPECT_NE(hoist.ask_mode(Mode::user) & refusal_bit(Refusal::fault_mode), 0U);
+  EXPECT_EQ(acknowledge_as(hoist, kEngineer), 0U);
+  EXPECT_EQ(hoist.state.mode, Mode::init);
+  EXPECT_TRUE(hoist.reach(Mode::standby));
+  EXPECT_EQ(hoist.state.latched, 0U);
+  stop_once(hoist, lie, tell_the_truth);
+  EXPECT_EQ(hoist.state.mode, Mode::standby) << "the count begins anew";
+}
+
+TEST(OutOfService, H22TheThirdLateStepWhileWalkingBrakesFirst) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(hoist.ask_mode(Mode::user), 0U);
+    ASSERT_TRUE(hoist.run_until_powered());
+    hoist.lean_gently(7, 300);
+    hoist.worst_deceleration_m_s2 = 0;
+    hoist.lateness_s = 0.05F;
+    hoist.step();
+    ASSERT_EQ(hoist.state.mode, Mode::protective_stop) << "from motion the way leads through the ramp";
+    hoist.lean(0);
+    hoist.step(300);
+    EXPECT_LE(hoist.worst_deceleration_m_s2, 1.0 + 1e-9);
+    if (i < 2) {
+      ASSERT_EQ(acknowledge_as(hoist, kTherapist), 0U);
+    }
+    hoist.step(100);
+  }
+  EXPECT_EQ(hoist.state.mode, Mode::fault);
+}
+
+TEST(OutOfService, WhatPeopleDoIsNeverCounted) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  for (int i = 0; i < 6; ++i) {
+    stop_once(
+        hoist, [](ScriptedHoist& h) { h.ask(CommandKind::stop); }, [](ScriptedHoist&) {});
+    ASSERT_EQ(hoist.state.mode, Mode::standby);
+    stop_once(
+        hoist, [](ScriptedHoist& h) { h.io.bumpers = 1; }, [](ScriptedHoist& h) { h.io.bumpers = 0; });
+    ASSERT_EQ(hoist.state.mode, Mode::standby);
+  }
+  EXPECT_FALSE(hoist.has_fault(Fault::control_fault));
+}
+
+TEST(OutOfService, StopsFarApartOrForDifferentFaultsDoNotCountTogether) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  for (int i = 0; i < 2; ++i) {
+    stop_once(hoist, lie, tell_the_truth);
+    stop_once(hoist, unplug, plug);
+    ASSERT_EQ(hoist.state.mode, Mode::standby);
+  }
+  hoist.time_ns += 601'000'000'000;
+  hoist.step(100);
+  stop_once(hoist, lie, tell_the_truth);
+  EXPECT_EQ(hoist.state.mode, Mode::standby) << "ten minutes later";
+}
+
+TEST(OutOfService, ATherapistMayLeaveWhatAPlugExplains) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  for (int i = 0; i < 2; ++i) stop_once(hoist, unplug, plug);
+  ASSERT_EQ(hoist.state.mode, Mode::standby);
+  unplug(hoist);
+  hoist.step(10);
+  plug(hoist);
+  ASSERT_TRUE(hoist.reach(Mode::fault, 300));
+  hoist.step(200);
+  EXPECT_EQ(acknowledge_as(hoist, kTherapist), 0U);
+  EXPECT_TRUE(hoist.reach(Mode::standby));
+}
+
+TEST(OutOfService, StaysWhileTheHoistIsPushed) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  raise_fault(hoist.state, Fault::control_fault);
+  hoist.step(120);
+  ASSERT_EQ(hoist.state.mode, Mode::fault);
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = 0.2;
+  hoist.step(10);
+  EXPECT_EQ(acknowledge_as(hoist, kEngineer), refusal_bit(Refusal::moving));
+  EXPECT_EQ(hoist.state.mode, Mode::fault);
+}
+
+// No mode remembers another: whatever the table leads to begins with empty filters, ramps and integrators.
+TEST(Transitions, EveryEntryBeginsFromZero) {
+  for (const Transition& row : kTransitions) {
+    SCOPED_TRACE(std::string(contract::kModes[static_cast<std::size_t>(row.from)].name) + " -> " +
+                 std::string(contract::kModes[static_cast<std::size_t>(row.to)].name));
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    // The memory of a mode that never was: only the way in decides what is left of it.
+    CoreState& state = hoist.state;
+    state.mode = row.from;
+    state.motion = {};
+    state.motion.powered = true;
+    state.motion.leaving = row.guard == Guard::ramp_first;
+    state.motion.ticks = 77;
+    state.motion.epoch = state.lease.epoch;
+    state.lean.v_f_units = 9;
+    state.turn.omega_f_units = -9;
+    const bool walks = is_moving(row.from) && row.guard != Guard::ramp_first;
+    if (walks) state.limiter.start_from(state.params, 0.4, 0.1);
+    state.still_ticks = kStillTicks;
+    state.clear_ticks = 10;
+    switch (row.asker) {
+      case Asker::core:
+        finish_mode(state);
+        break;
+      case Asker::fault:
+        raise_fault(state, Fault::stop_pressed);
+        break;
+      case Asker::breakdown:
+        raise_fault(state, Fault::control_fault);
+        serve_breakdown(state);
+        break;
+      case Asker::hardware:
+        judge_faults(state, contract::fault_bit(Fault::emergency_stop));
+        break;
+      case Asker::driver: {
+        const std::uint32_t bits = request_mode(state, row.to);
+        if (row.guard == Guard::ready_with_a_path && bits != 0) continue;  // nothing to follow
+        ASSERT_EQ(bits, 0U);
+        if (row.guard == Guard::ramp_first) finish_mode(state);
+        break;
+      }
+      case Asker::engineer:
+        ASSERT_EQ(begin_service(state), 0U);
+        break;
+      case Asker::acknowledgement: {
+        bool wait = false;
+        ASSERT_EQ(acknowledge(state, contract::Role::engineer, wait), 0U);
+        break;
+      }
+    }
+    ASSERT_EQ(state.mode, row.to);
+    EXPECT_EQ(state.lean.v_f_units, 0);
+    EXPECT_EQ(state.lean.v_units, 0);
+    EXPECT_EQ(state.turn.omega_f_units, 0);
+    EXPECT_EQ(state.motion.ticks, 0U);
+    EXPECT_FALSE(state.motion.leaving);
+    EXPECT_FALSE(state.motion.powered);
+    EXPECT_EQ(state.still_ticks, 0);
+    EXPECT_EQ(state.clear_ticks, row.to == Mode::init ? 0 : state.clear_ticks);
+    // Only a stop takes over a hoist that rolls; everything else begins at rest.
+    if (row.to != Mode::protective_stop) {
+      EXPECT_TRUE(state.limiter.at_rest());
+      EXPECT_EQ(state.limiter.acceleration_m_s2(), 0);
+    }
+    if (is_moving(row.to)) {
+      EXPECT_EQ(row.from, Mode::standby);
+    }
+  }
+}
+
+// Every row the table does not have is refused, and changes nothing.
+TEST(Transitions, WhatTheTableDoesNotHaveIsRefusedWithEveryReason) {
+  for (const contract::ModeInfo& from : contract::kModes)
+    for (const contract::ModeInfo& to : contract::kModes) {
+      const auto from_mode = static_cast<Mode>(from.value), to_mode = static_cast<Mode>(to.value);
+      if (find_transition(from_mode, to_mode, Asker::driver) != nullptr) continue;
+      if (from_mode == Mode::standby && to_mode == Mode::standby) continue;
+      ScriptedHoist hoist;
+      ASSERT_TRUE(hoist.ready());
+      hoist.state.mode = from_mode;
+      const std::uint32_t bits = request_mode(hoist.state, to_mode);
+      EXPECT_NE(bits, 0U) << from.name << " -> " << to.name;
+      EXPECT_EQ(hoist.state.mode, from_mode);
+      if (to.moving) {
+        EXPECT_NE(bits & refusal_bit(Refusal::not_standby), 0U);
+      }
+      if (to.moving && from_mode == Mode::fault) {
+        EXPECT_NE(bits & refusal_bit(Refusal::fault_mode), 0U);
+      }
+      if (to.moving && from_mode == Mode::emergency_stop) {
+        EXPECT_NE(bits & refusal_bit(Refusal::emergency_stop_open), 0U);
+      }
+    }
+}
+
+// H1, caps per patient: 20, 50, 80 and 100 % bind in every mode in which wheels may turn.
+TEST(Caps, BindInEveryMovingMode) {
+  for (const double cap : {0.2, 0.5, 0.8, 1.0})
+    for (const Mode mode : {Mode::user, Mode::remote}) {
+      contract::Params p;
+      p.remote_speed_m_s_max = 0.6;
+      p.speed_cap_norm = cap;
+      ScriptedHoist hoist(p);
+      ASSERT_TRUE(hoist.start(mode));
+      double fastest_m_s = 0;
+      if (mode == Mode::user) hoist.lean_gently(9, 0);
+      for (int i = 0; i < 1500; ++i) {
+        if (mode == Mode::remote && i % 4 == 0) hoist.hold(1.0);
+        hoist.step();
+        fastest_m_s = std::max(fastest_m_s, std::abs(hoist.command_m_s()));
+      }
+      EXPECT_LE(fastest_m_s, cap * p.speed_m_s_max + 1e-3) << cap;
+      EXPECT_GE(fastest_m_s, std::min(cap * p.speed_m_s_max, 0.6) - 0.02) << cap << ": and no lower";
+    }
+}
+
+}  // namespace
+}  // namespace hoist::core::test
