@@ -32,6 +32,7 @@ class Soak:
     def __init__(self, bin_folder, csv):
         # Sessions of a few minutes: they begin, are recorded, end and are folded, again and again.
         self.hoist = Hoist(bin_folder, None, None, scenario="figure-eight")
+        self.hoist.real_time = True  # as on a hoist, where this machine permits it
         self.rows, self.csv = [], csv
         self.walks = self.drives = self.stops = 0
 
