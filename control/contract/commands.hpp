@@ -22,6 +22,11 @@ enum class CommandKind : std::uint32_t {
   begin_service = 10,  // role in b; on standby or in INIT; again while it is on: it goes on for another two seconds
   service_frame = 11,  // a = CAN id, v0 = the eight data bytes as they are (std::bit_cast), v1 = how many of them; one a step
   end_service = 12,
+  // Calibration (control/contract/calibration.hpp). The wheels never turn by themselves; lease holder with the step's role only.
+  begin_calibration = 20,    // a = CalibrationStep, role in b; on standby, or again while one is under way
+  measure_calibration = 21,  // v0, v1, v2 = what the operator measured, a = CalibrationPart; taken as soon as everything rests
+  use_calibration = 22,      // v0 = seconds since 1970 UTC; the result becomes parameters, and CALIBRATE ends
+  cancel_calibration = 23,   // the old values stay
 };
 
 // One request of a client, in order. `request_id` comes back in the event that answers it.
@@ -64,6 +69,10 @@ enum class EventKind : std::uint32_t {
   neutral_set = 10,
   core_started = 11,
   emergency = 12,  // item: node, code: EMCY code (0 = an error has ended), bits: error register, value: its five further bytes, as a number
+  // Calibration; code = CalibrationStep.
+  calibration_sample = 20,  // item = how many so far, value = what was measured
+  calibration_result = 21,  // one for each parameter that would change: item = parameter id, value and before
+  calibration_ended = 22,   // bits = 1 used, 0 the old values stay; item = CalibrationReason
 };
 constexpr std::string_view event_name(EventKind kind) {
   switch (kind) {
@@ -91,6 +100,12 @@ constexpr std::string_view event_name(EventKind kind) {
       return "core_started";
     case EventKind::emergency:
       return "emergency";
+    case EventKind::calibration_sample:
+      return "calibration_sample";
+    case EventKind::calibration_result:
+      return "calibration_result";
+    case EventKind::calibration_ended:
+      return "calibration_ended";
     case EventKind::none:
       break;
   }

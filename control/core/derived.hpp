@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "control/contract/params.hpp"
+#include "control/core/estimate/tilt_sensor.hpp"
 #include "control/core/intent/pelvis.hpp"
 #include "control/core/law/odometry.hpp"
 
@@ -20,6 +21,7 @@ struct Derived {
   PelvisGeometry<double> geometry;
   PelvisRange<double> range;
   PelvisNeutral<double> neutral;
+  TiltZero left_zero, right_zero, base_zero;
   law::OdometryConfig<double> odometry;
   double left_motor_per_m = 0;  // rad at the motor for each metre of ground
   double right_motor_per_m = 0;
@@ -33,6 +35,9 @@ struct Derived {
   // Lean and turn may have different ranges: each is the value that (1) or (3) reaches with the struts at its own angle (D5).
   d.range = {full_range(d.geometry, p.lean_range_rad).dx_max_m, full_range(d.geometry, p.turn_range_rad).dpsi_max_rad};
   d.neutral = {p.neutral_lean_m, p.neutral_turn_rad};
+  d.left_zero = {p.left_alpha_zero_rad, p.left_beta_zero_rad};
+  d.right_zero = {p.right_alpha_zero_rad, p.right_beta_zero_rad};
+  d.base_zero = {p.base_alpha_zero_rad, p.base_beta_zero_rad};
   const double per_count_m = 2.0 * std::numbers::pi * p.wheel_radius_m / p.encoder_counts_per_turn;
   d.odometry = {per_count_m * p.wheel_left_scale_norm, per_count_m * p.wheel_right_scale_norm, p.track_width_m,
                 law::OdometryMethod::kEuler};

@@ -4,6 +4,7 @@
 
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
+#include "control/core/calibrate/calibration.hpp"
 #include "control/core/command/lease.hpp"
 #include "control/core/command/remote_drive.hpp"
 #include "control/core/command/server_watch.hpp"
@@ -45,6 +46,7 @@ struct Motion {
   std::uint64_t ticks = 0;   // steps since the mode began
   HoldWatch hold;            // PROTECTIVE_STOP: whether it does hold
   Service service;           // INIT only
+  Calibration calibration;   // CALIBRATE only
 };
 
 /// An acknowledgement that waits for a drive to leave its fault.

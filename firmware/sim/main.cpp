@@ -19,6 +19,7 @@
 #include <string_view>
 
 #include "control/bus/can_port.hpp"
+#include "firmware/sim/hidden_errors.hpp"
 #include "firmware/sim/pokeys_device.hpp"
 #include "firmware/sim/request_socket.hpp"
 #include "firmware/sim/requests.hpp"
@@ -68,6 +69,7 @@ void print_usage() {
       "  --seed N            seed of the sensors' noise (default 1)\n"
       "  --speed WISH_M_S    speed the patient likes to walk, 0.05 to 0.8 (default 0.30)\n"
       "  --patient-mass KG   30 to 150 (default 75)\n"
+      "  --machine-seed N    another machine: its lengths, its sensors' mounting and its wheels stray from the design, for calibration\n"
       "  --patient-seed N    somebody else: all of the patient's figures drawn from their usual ranges\n"
       "  --virtual SECONDS   run the world alone as fast as possible, say how fast, and end");
 }
@@ -105,8 +107,9 @@ Options read_options(int argc, char** argv) {
                     scenario.title.data());
       std::exit(0);
     }
-    constexpr std::array<std::string_view, 10> kNames{"--scenario", "--pty-link", "--pokeys-udp",   "--bus",          "--control",
-                                                      "--seed",     "--speed",    "--patient-mass", "--patient-seed", "--virtual"};
+    constexpr std::array<std::string_view, 11> kNames{"--scenario",     "--pty-link",     "--pokeys-udp", "--bus",
+                                                      "--control",      "--seed",         "--speed",      "--patient-mass",
+                                                      "--patient-seed", "--machine-seed", "--virtual"};
     bool known = false;
     for (const std::string_view one : kNames) known = known || one == name;
     if (!known) refuse("unknown option '" + std::string(name) + "'; --help lists them");
@@ -136,6 +139,10 @@ Options read_options(int argc, char** argv) {
     } else if (name == "--patient-mass") {
       mass_kg = number(value, 30.0, 150.0);
       if (!mass_kg) refuse("--patient-mass: 30 to 150 kg");
+    } else if (name == "--machine-seed") {
+      const auto seed = whole(value);
+      if (!seed) refuse("--machine-seed: a whole number from 0");
+      options.world.plant = with_hidden_errors(options.world.plant, *seed);
     } else if (name == "--patient-seed") {
       const auto seed = whole(value);
       if (!seed) refuse("--patient-seed: a whole number from 0");

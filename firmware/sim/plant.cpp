@@ -15,6 +15,25 @@ constexpr double kObstacleSpring_n_m = 8000.0;
 constexpr double kObstacleDamping_n_s_m = 1500.0;
 /// A bumper strip gives way by this much before it is hard; it reports from the first touch.
 constexpr double kObstacleForceLimit_n = 2000.0;
+/// How somebody pushes a machine along a tape: slower than walking.
+constexpr double kPushPace_m_s = 0.4, kPushTurn_rad_s = 0.35, kPushShortest_s = 0.5;
+
+/// The same motion in the axes of a board that sits askew: turned forward about y, then to the right about x.
+ImuReading seen_askew(const ImuReading& truth, const MountingError& askew) {
+  const double sin_a = std::sin(askew.alpha_rad), cos_a = std::cos(askew.alpha_rad);
+  const double sin_b = std::sin(askew.beta_rad), cos_b = std::cos(askew.beta_rad);
+  ImuReading seen;
+  seen.ax_m_s2 = truth.ax_m_s2 * cos_a - truth.az_m_s2 * sin_a;
+  const double up_m_s2 = truth.ax_m_s2 * sin_a + truth.az_m_s2 * cos_a;
+  seen.ay_m_s2 = truth.ay_m_s2 * cos_b + up_m_s2 * sin_b;
+  seen.az_m_s2 = up_m_s2 * cos_b - truth.ay_m_s2 * sin_b;
+  // Rates about x, y and z turn like any vector.
+  seen.beta_rate_rad_s = truth.beta_rate_rad_s * cos_a - truth.yaw_rate_rad_s * sin_a;
+  const double yaw_rad_s = truth.beta_rate_rad_s * sin_a + truth.yaw_rate_rad_s * cos_a;
+  seen.alpha_rate_rad_s = truth.alpha_rate_rad_s * cos_b + yaw_rad_s * sin_b;
+  seen.yaw_rate_rad_s = yaw_rad_s * cos_b - truth.alpha_rate_rad_s * sin_b;
+  return seen;
+}
 
 double clamp_abs(double value, double limit) { return std::clamp(value, -limit, limit); }
 
@@ -227,10 +246,10 @@ void Plant::step(const HarnessMotion& harness, double dt_s) {
     double supply_a = params_.electronics_a;
     for (std::size_t i = 0; i < 2; ++i) {
       const bool enabled = bridges_[i].enabled && powered();
-      const double shaft_rad_s = wheel_rad_s_[i] * params_.gear_ratio;
+      const double shaft_rad_s = wheel_rad_s_[i] * gear(i);
       const double terminal_v = enabled ? bridges_[i].duty_norm * battery_.both_v() : params_.motor.constant_v_s_rad * shaft_rad_s;
       const double torque_n_m = motors_[i].step_imposed(terminal_v, shaft_rad_s, h_s);
-      drive_n_m[i] = params_.gear_ratio * (torque_n_m - params_.motor.viscous_n_m_s * shaft_rad_s);
+      drive_n_m[i] = gear(i) * (torque_n_m - params_.motor.viscous_n_m_s * shaft_rad_s);
       if (enabled) supply_a += bridges_[i].duty_norm * motors_[i].current_a();
     }
     battery_.step(supply_a, h_s);
@@ -240,7 +259,10 @@ void Plant::step(const HarnessMotion& harness, double dt_s) {
     feel_obstacles(forward_n);
     const double speed_before_m_s = platform_.speed_m_s;
     const double turn_before_rad_s = platform_.yaw_rate_rad_s;
-    if (sliding_) {
+    if (bridge_enabled(Side::left) || bridge_enabled(Side::right)) push_left_s_ = 0.0;
+    if (pushed()) {
+      step_pushed(h_s);
+    } else if (sliding_) {
       step_sliding(drive_n_m, forward_n, push.turn_n_m, h_s);
     } else {
       step_rolling(drive_n_m, forward_n, push.turn_n_m, h_s);
@@ -317,7 +339,41 @@ ImuReading Plant::read_imu(Place place) {
   truth.alpha_rate_rad_s = along(y_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
   truth.beta_rate_rad_s = along(x_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
   truth.yaw_rate_rad_s = along(z_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
+  const MountingError& askew = params_.mounting[static_cast<std::size_t>(place)];
+  if (askew.alpha_rad != 0.0 || askew.beta_rad != 0.0) truth = seen_askew(truth, askew);
   return imus_[static_cast<std::size_t>(place)].corrupt(truth, std::clamp(age_s, 0.0, 1.0));
+}
+
+void Plant::push_by_hand(double way_m, double turn_rad) {
+  if (!std::isfinite(way_m) || !std::isfinite(turn_rad)) return;
+  const double slowest_s = std::max(std::fabs(way_m) / kPushPace_m_s, std::fabs(turn_rad) / kPushTurn_rad_s);
+  push_total_s_ = push_left_s_ = std::max(slowest_s, kPushShortest_s);
+  push_way_m_ = way_m;
+  push_turn_rad_ = turn_rad;
+}
+
+void Plant::step_pushed(double dt_s) {
+  push_left_s_ = std::max(0.0, push_left_s_ - dt_s);
+  // A way whose speed rises and falls as half a sine; its mean is 2 / pi of its height.
+  const double share = std::sin(kPi * push_left_s_ / push_total_s_) * kPi / 2.0 / push_total_s_;
+  const double speed_m_s = push_left_s_ > 0.0 ? push_way_m_ * share : 0.0;
+  const double yaw_rate_rad_s = push_left_s_ > 0.0 ? push_turn_rad_ * share : 0.0;
+  platform_.acceleration_m_s2 = (speed_m_s - platform_.speed_m_s) / dt_s;
+  platform_.yaw_acceleration_rad_s2 = (yaw_rate_rad_s - platform_.yaw_rate_rad_s) / dt_s;
+  platform_.speed_m_s = speed_m_s;
+  platform_.yaw_rate_rad_s = yaw_rate_rad_s;
+  const double half_m_s = yaw_rate_rad_s * params_.track_width_m / 2.0;
+  wheel_rad_s_ = {(speed_m_s - half_m_s) / params_.wheel_radius_m, (speed_m_s + half_m_s) / params_.wheel_radius_m};
+  friction_impulse_ = {};
+  sliding_ = false;
+}
+
+std::uint8_t Plant::bumpers() const {
+  const auto touched = static_cast<unsigned>(touched_ | forced_bumpers_);
+  unsigned wired = 0;
+  for (std::size_t strip = 0; strip < params_.bumper_wires.size(); ++strip)
+    if (((touched >> strip) & 1U) != 0 && params_.bumper_wires[strip] < 8) wired |= 1U << params_.bumper_wires[strip];
+  return static_cast<std::uint8_t>(wired);
 }
 
 void Plant::force_bumper(int bit, bool pressed) {

@@ -16,6 +16,12 @@
 
 namespace hoist::sim {
 
+/// By how much a sensor sits askew on its strut, as alpha and beta.
+struct MountingError {
+  double alpha_rad{};
+  double beta_rad{};
+};
+
 /// Not in the paper (D31): values of research/paper 5, "assumed until a machine is measured", unless a line says otherwise.
 struct PlantParams {
   double strut_length_m{0.80};   ///< d
@@ -45,7 +51,11 @@ struct PlantParams {
   double pitch_rad_per_m_s2{0.0105};
   double pitch_rad_per_n{0.00005};
   double pitch_lag_s{0.08};
-  double electronics_a{1.5};  ///< computer, router and nodes
+  // What hidden_errors.hpp strays, exact as designed unless told otherwise.
+  std::array<MountingError, kPlaceCount> mounting{};
+  std::array<double, 2> wheel_norm{1.0, 1.0};            ///< true radius of each wheel / wheel_radius_m
+  std::array<std::uint8_t, 4> bumper_wires{0, 1, 2, 3};  ///< which input bit each strip is wired to; 255: to none
+  double electronics_a{1.5};                             ///< computer, router and nodes
   double bumper_half_length_m{0.45};
   double bumper_half_width_m{0.40};
   ImuParams imu{};
@@ -88,7 +98,7 @@ class Plant {
   /// A sample as the sensor board reads it: the mean acceleration since the sample before (the chip's own filter), with noise and bias.
   [[nodiscard]] ImuReading read_imu(Place place);
   /// Bit set = pressed: 0 front, 1 rear, 2 left, 3 right.
-  [[nodiscard]] std::uint8_t bumpers() const { return static_cast<std::uint8_t>(touched_ | forced_bumpers_); }
+  [[nodiscard]] std::uint8_t bumpers() const;
   /// True angle of a strut against the platform, rad.
   [[nodiscard]] double strut_alpha_rad(Side side) const;
   [[nodiscard]] double strut_beta_rad(Side side) const;
@@ -109,6 +119,14 @@ class Plant {
   void jump_gyro_bias(Place place, double by_rad_s) { imus_[static_cast<std::size_t>(place)].jump_bias(by_rad_s); }
   /// False when there is no room for another.
   [[nodiscard]] bool add_obstacle(const Obstacle& obstacle);
+  /// Wires a strip (0 front, 1 rear, 2 left, 3 right) to another bit of the input node; 255 = to none.
+  void wire_bumper(std::size_t strip, std::uint8_t bit) {
+    if (strip < params_.bumper_wires.size()) params_.bumper_wires[strip] = bit;
+  }
+  /// Somebody releases the brakes and pushes the machine by hand along this way while turning it by this angle, evenly and at walking
+  /// pace. Only while both bridges are off: the hand lets go when one is switched on.
+  void push_by_hand(double way_m, double turn_rad);
+  [[nodiscard]] bool pushed() const { return push_left_s_ > 0.0; }
   /// Puts the machine there, at rest. Encoders keep their counts, as when people push it.
   void place(double x_m, double y_m, double psi_rad);
 
@@ -140,6 +158,9 @@ class Plant {
   [[nodiscard]] double grip_n(Side side) const;
   void feel_obstacles(double& forward_n);
   void lean_chassis(double forward_n, double dt_s);
+  void step_pushed(double dt_s);
+  /// Motor turns for each turn of a wheel of the mean radius: a larger wheel goes further for the same turn of its motor.
+  [[nodiscard]] double gear(std::size_t i) const { return params_.gear_ratio / params_.wheel_norm[i]; }
 
   PlantParams params_;
   PlatformMotion platform_;
@@ -169,6 +190,8 @@ class Plant {
   std::uint8_t touched_{};
   std::uint8_t forced_bumpers_{};
   double time_s_{};
+  double push_left_s_{}, push_total_s_{};
+  double push_way_m_{}, push_turn_rad_{};
 };
 
 }  // namespace hoist::sim

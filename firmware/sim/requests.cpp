@@ -23,6 +23,7 @@ const json kDone = {{"ok", true}};
 constexpr double kBatteryMax_v = 32.0;
 constexpr double kWishMin_m_s = 0.05, kWishMax_m_s = 0.8;
 constexpr double kPlaceMax_m = 100.0;
+constexpr double kBarMax_m = 0.25, kBarMax_rad = 0.5;
 
 // Fields. Each refusal names the field and what it may be.
 std::optional<std::string> text(const json& request, const char* field) {
@@ -71,6 +72,8 @@ Answer op_state(World& world, const ProgramState& program, const json&) {
               {"psi_rad", at.psi_rad},
               {"speed_m_s", at.speed_m_s},
               {"yaw_rate_rad_s", at.yaw_rate_rad_s},
+              {"patient_in", world.patient_in()},
+              {"pushed", plant.pushed()},
               {"wheel_left_m_s", plant.wheel_speed_m_s(Side::left)},
               {"wheel_right_m_s", plant.wheel_speed_m_s(Side::right)},
               {"slipping", plant.slipping()},
@@ -209,6 +212,40 @@ Answer op_wish(World& world, const ProgramState&, const json& request) {
   return kDone;
 }
 
+Answer op_bar(World& world, const ProgramState&, const json& request) {
+  const auto dx_m = number(request, "dx_m", -kBarMax_m, kBarMax_m);
+  const auto yaw_rad = number(request, "yaw_rad", -kBarMax_rad, kBarMax_rad);
+  if (!dx_m) return Refused{"dx_m: -0.25 to 0.25, forward of the middle"};
+  if (!yaw_rad) return Refused{"yaw_rad: -0.5 to 0.5, to the left"};
+  if (world.drives_enabled()) return Refused{"op: only while the drives are disabled"};
+  world.hold_bar(*dx_m, 0.0, *yaw_rad);
+  return kDone;
+}
+Answer op_strap(World& world, const ProgramState&, const json&) {
+  if (world.drives_enabled()) return Refused{"op: only while the drives are disabled"};
+  world.strap_in();
+  return kDone;
+}
+
+Answer op_push(World& world, const ProgramState&, const json& request) {
+  const auto way_m = number(request, "way_m", -kPlaceMax_m, kPlaceMax_m);
+  const auto turn_rad = number(request, "turn_rad", -kPlaceMax_m, kPlaceMax_m);
+  if (!way_m) return Refused{"way_m: -100 to 100, forward"};
+  if (!turn_rad) return Refused{"turn_rad: -100 to 100, to the left"};
+  if (world.drives_enabled()) return Refused{"op: only while the drives are disabled"};
+  world.plant().push_by_hand(*way_m, *turn_rad);
+  return kDone;
+}
+
+Answer op_wire_bumper(World& world, const ProgramState&, const json& request) {
+  const auto strip = number(request, "strip", 0, 3);
+  const auto bit = number(request, "bit", 0, 255);
+  if (!strip || *strip != std::floor(*strip)) return Refused{"strip: 0 front, 1 rear, 2 left, 3 right"};
+  if (!bit || *bit != std::floor(*bit)) return Refused{"bit: input that it is wired to, 0 to 7; 255 for none"};
+  world.plant().wire_bumper(static_cast<std::size_t>(*strip), static_cast<std::uint8_t>(*bit));
+  return kDone;
+}
+
 Answer op_obstacle(World& world, const ProgramState&, const json& request) {
   const auto x_m = number(request, "x_m", -kPlaceMax_m, kPlaceMax_m);
   const auto y_m = number(request, "y_m", -kPlaceMax_m, kPlaceMax_m);
@@ -259,6 +296,10 @@ constexpr std::array kOperations{
     Operation{"emergency_stop", "pressed: the button on the hoist; opens chain and relay", op_emergency_stop},
     Operation{"pokeys", "silent: the PoKeys on the network answers nobody", op_pokeys},
     Operation{"wish", "speed_m_s the patient likes to walk", op_wish},
+    Operation{"bar", "dx_m, yaw_rad: the patient steps out, somebody holds the bar there; zeros let it stand", op_bar},
+    Operation{"strap", "the patient is strapped in again", op_strap},
+    Operation{"push", "way_m, turn_rad: somebody pushes the hoist by hand, the drives being off", op_push},
+    Operation{"wire_bumper", "strip (0 front, 1 rear, 2 left, 3 right), bit: wires it to another input, 255 to none", op_wire_bumper},
     Operation{"obstacle", "x_m, y_m, radius_m: a post on the floor", op_obstacle},
     Operation{"scenario", "name: back at the start mark of that scenario", op_scenario},
     Operation{"reset", "machine and patient back at the start mark", op_reset},

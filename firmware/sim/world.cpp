@@ -1,5 +1,6 @@
 #include "firmware/sim/world.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -85,7 +86,8 @@ class Machine {
   // Edges of a perfect encoder: evenly spaced at the shaft's speed. After a change of direction one more is needed.
   void note_edges(Encoder& encoder, std::int32_t moved, Node node) {
     const PlantParams& params = plant_.params();
-    const double shaft_rad_s = std::fabs(plant_.wheel_speed_m_s(side_of(node))) / params.wheel_radius_m * params.gear_ratio;
+    const double shaft_rad_s = std::fabs(plant_.wheel_speed_m_s(side_of(node))) / params.wheel_radius_m * params.gear_ratio /
+                               params.wheel_norm[static_cast<std::size_t>(side_of(node))];
     const double edge_us = 1e6 * kTurn_rad / (params.motor.counts_per_turn * shaft_rad_s);
     const bool turned = (moved > 0) != (encoder.last_step > 0);
     const bool known = (!turned || moved > 1 || moved < -1) && edge_us < 4e9;
@@ -219,10 +221,16 @@ struct World::Parts {
   }
 
   void advance_1ms() {
-    patient.step_1ms(
-        {plant.platform(), plant.harness_force(patient.harness()), plant.bridge_enabled(Side::left) && plant.bridge_enabled(Side::right)});
-    plant.set_carried(patient.carried_n());
-    plant.step(patient.harness(), 0.001);
+    if (bar_held) {
+      move_bar();
+      plant.set_carried(0.0);
+      plant.step(bar, 0.001);
+    } else {
+      patient.step_1ms({plant.platform(), plant.harness_force(patient.harness()),
+                        plant.bridge_enabled(Side::left) && plant.bridge_enabled(Side::right)});
+      plant.set_carried(patient.carried_n());
+      plant.step(patient.harness(), 0.001);
+    }
     for (std::size_t i = 0; i < kNodeCount; ++i) {
       const auto node = static_cast<Node>(i);
       if (runs(node)) with_node(node, [](auto& firmware) { firmware.tick_1ms(); });
@@ -241,8 +249,22 @@ struct World::Parts {
     witnesses[static_cast<std::size_t>(side)].look(bus.now_ns(), obeys, plant.wheel_speed_m_s(side));
   }
 
+  // An empty bar goes where the hand takes it, no faster than a hand does.
+  void move_bar() {
+    const auto follow = [](double& at, double& rate, double goal, double fastest) {
+      const double before = at;
+      at += std::clamp(goal - at, -fastest * 0.001, fastest * 0.001);
+      rate = (at - before) / 0.001;
+    };
+    follow(bar.dx_m, bar.dx_rate_m_s, bar_goal.dx_m, 0.1);
+    follow(bar.dy_m, bar.dy_rate_m_s, bar_goal.dy_m, 0.1);
+    follow(bar.yaw_rad, bar.yaw_rate_rad_s, bar_goal.yaw_rad, 0.2);
+  }
+
   Plant plant;
   Patient patient;
+  HarnessMotion bar, bar_goal;
+  bool bar_held{false};
   bus::VirtualBus bus;
   Machine machine;
   DriveBox drive_left, drive_right;
@@ -323,6 +345,22 @@ firmware::ProgramFlash* World::program_flash(Node node) {
 
 bool World::relay_closed() const { return parts_->machine.relay().closed(); }
 const StopWitness& World::witness(Side side) const { return parts_->witnesses[static_cast<std::size_t>(side)]; }
+
+void World::hold_bar(double dx_m, double dy_m, double yaw_rad) {
+  Parts& p = *parts_;
+  if (!std::isfinite(dx_m) || !std::isfinite(dy_m) || !std::isfinite(yaw_rad)) return;
+  if (!p.bar_held) p.bar = p.patient.harness();
+  p.bar_held = true;
+  p.bar_goal = {dx_m, dy_m, yaw_rad, 0.0, 0.0, 0.0};
+}
+void World::strap_in() {
+  Parts& p = *parts_;
+  if (!p.bar_held) return;
+  p.bar_held = false;
+  p.patient.restart(p.patient.scenario());
+}
+bool World::patient_in() const { return !parts_->bar_held; }
+
 bool World::drives_enabled() const { return parts_->plant.bridge_enabled(Side::left) || parts_->plant.bridge_enabled(Side::right); }
 
 bool World::restart(const Scenario& scenario) {

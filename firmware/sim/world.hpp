@@ -74,6 +74,13 @@ class World {
   /// The flash in which a node's program lies; null for the computer.
   [[nodiscard]] firmware::ProgramFlash* program_flash(contract::Node node);
 
+  /// The patient steps out of the harness, and somebody holds the bar there: forward and left of the middle, turned to the left. It moves
+  /// there at hand's pace. Zeros: it stands upright by its springs.
+  void hold_bar(double dx_m, double dy_m, double yaw_rad);
+  /// The patient is strapped in again, standing.
+  void strap_in();
+  [[nodiscard]] bool patient_in() const;
+
   /// The bridge of a drive is on, its brake open.
   [[nodiscard]] bool drives_enabled() const;
   /// The relay in the motors' supply is closed (motor_relay.hpp).

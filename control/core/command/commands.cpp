@@ -228,6 +228,52 @@ Verdict end_service(CoreState& state, const Command& command) noexcept {
   return {};
 }
 
+// ----- calibration -----
+
+Verdict ask_calibration(CoreState& state, const Command& command) noexcept {
+  const contract::CalibrationStepInfo* info = contract::find_calibration_step(command.a);
+  if (info == nullptr) return refused(Refusal::unknown_item);
+  std::uint32_t bits = 0;
+  if (command.b > static_cast<std::uint32_t>(contract::Role::engineer) || command.b < static_cast<std::uint32_t>(info->role))
+    bits |= refusal_bit(Refusal::not_allowed);
+  if (!state.lease.held_by(command.client, command.lease_epoch)) bits |= refusal_bit(Refusal::no_lease);
+  // All reasons at once; with one of them nothing begins.
+  return {bits != 0 ? bits | calibration_refusals(state, *info) : enter_calibration(state, *info), 0, false};
+}
+
+// What the steps after the first have in common: CALIBRATE, and the one who leads it.
+std::uint32_t calibration_lead(const CoreState& state, const Command& command) noexcept {
+  if (!state.lease.held_by(command.client, command.lease_epoch)) return refusal_bit(Refusal::no_lease);
+  return state.mode == Mode::calibrate ? 0U : refusal_bit(Refusal::out_of_order);
+}
+
+Verdict use_calibration(CoreState& state, const Command& command) noexcept {
+  if (const std::uint32_t bits = calibration_lead(state, command); bits != 0) return {bits, 0, false};
+  const Calibration& calibration = state.motion.calibration;
+  if (calibration.phase != contract::CalibrationPhase::result) return refused(Refusal::out_of_order);
+  if (!at_rest(state)) return refused(Refusal::moving);
+  const contract::CalibrationStepInfo& info = *contract::find_calibration_step(static_cast<std::uint32_t>(calibration.step));
+  // The date comes from outside, because the core knows no calendar; 0 would mean never.
+  const std::size_t date = contract::param_index(info.date);
+  if (contract::check_param(date, command.v0) != contract::ParamCheck::ok || !(command.v0 > 0)) return refused(Refusal::out_of_range);
+  Staging set = calibration.result;
+  static_cast<void>(set.rows.push_back({date, command.v0}));
+  put_into_force(state, set, command);
+  leave_calibration(state, true);
+  return {};
+}
+
+Verdict cancel_calibration(CoreState& state, const Command& command) noexcept {
+  if (const std::uint32_t bits = calibration_lead(state, command); bits != 0) return {bits, 0, false};
+  leave_calibration(state, false);
+  return {};
+}
+
+Verdict take_measurement(CoreState& state, const Command& command) noexcept {
+  const std::uint32_t bits = calibration_lead(state, command);
+  return {bits != 0 ? bits : measure_calibration(state, command), 0, false};
+}
+
 Verdict execute(CoreState& state, const Command& command) noexcept {
   switch (command.kind) {
     case CommandKind::stop:
@@ -255,6 +301,14 @@ Verdict execute(CoreState& state, const Command& command) noexcept {
       return service_frame(state, command);
     case CommandKind::end_service:
       return end_service(state, command);
+    case CommandKind::begin_calibration:
+      return ask_calibration(state, command);
+    case CommandKind::measure_calibration:
+      return take_measurement(state, command);
+    case CommandKind::use_calibration:
+      return use_calibration(state, command);
+    case CommandKind::cancel_calibration:
+      return cancel_calibration(state, command);
     case CommandKind::none:
       break;
   }

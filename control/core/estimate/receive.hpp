@@ -40,7 +40,8 @@ inline constexpr auto kNodeOfId = [] {
       switch (kind) {
         case contract::NodeKind::tilt:
           if (!fits(Pdo::tilt_tx1)) return false;
-          tilt.take_angles(frame);
+          tilt.take_angles(
+              frame, node == Node::tilt_left ? derived.left_zero : (node == Node::tilt_right ? derived.right_zero : derived.base_zero));
           return true;
         case contract::NodeKind::drive:
           return fits(Pdo::drive_tx1) &&

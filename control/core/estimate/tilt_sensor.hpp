@@ -10,6 +10,11 @@
 
 namespace hoist::core {
 
+/// What a sensor says while its strut stands upright (calibration); taken off every angle.
+struct TiltZero {
+  double alpha_rad = 0, beta_rad = 0;
+};
+
 /// Bits of 2120h.
 namespace tilt_status {
 inline constexpr std::uint8_t kValid = 1, kConverged = 2, kAccelerationOutOfRange = 4, kGyroSaturated = 8, kSelfTestFailed = 16;
@@ -24,7 +29,7 @@ class TiltSensor {
     rates_counted_ = false;
   }
 
-  void take_angles(const contract::CanFrame& frame) noexcept {
+  void take_angles(const contract::CanFrame& frame, TiltZero zero = {}) noexcept {
     using contract::Pdo;
     constexpr auto kAlpha = contract::pdo_slot(Pdo::tilt_tx1, 0x6010), kBeta = contract::pdo_slot(Pdo::tilt_tx1, 0x6020);
     constexpr auto kStatus = contract::pdo_slot(Pdo::tilt_tx1, 0x2120), kCounter = contract::pdo_slot(Pdo::tilt_tx1, 0x2121);
@@ -52,18 +57,20 @@ class TiltSensor {
         steps == 1);
     const double alpha_rad = static_cast<double>(contract::read_slot(frame, kAlpha)) * (kAlpha.scale * kRadPerDeg);
     const double beta_rad = static_cast<double>(contract::read_slot(frame, kBeta)) * (kBeta.scale * kRadPerDeg);
-    // The sensor's own counter tells how much time lies between two samples, whatever the bus did to the frames.
+    // Rates come from angles as sent: a new zero is no movement. The sensor's own counter tells how much time lies between two samples, whatever the bus did to the frames.
     if (known_ && steps <= kRateGapSteps) {
       const double span_s = static_cast<double>(steps) * kSample_s;
-      alpha_rate_rad_s_ = (alpha_rad - alpha_rad_) / span_s;
-      beta_rate_rad_s_ = (beta_rad - beta_rad_) / span_s;
+      alpha_rate_rad_s_ = (alpha_rad - sent_alpha_rad_) / span_s;
+      beta_rate_rad_s_ = (beta_rad - sent_beta_rad_) / span_s;
     } else {
       alpha_rate_rad_s_ = 0;
       beta_rate_rad_s_ = 0;
     }
     known_ = true;
-    alpha_rad_ = alpha_rad;
-    beta_rad_ = beta_rad;
+    sent_alpha_rad_ = alpha_rad;
+    sent_beta_rad_ = beta_rad;
+    alpha_rad_ = alpha_rad - zero.alpha_rad;
+    beta_rad_ = beta_rad - zero.beta_rad;
     fresh_.renew();
   }
 
@@ -94,8 +101,12 @@ class TiltSensor {
   /// A valid sample that was new. `heard` also counts repeated and invalid ones: the node lives.
   [[nodiscard]] const Freshness& fresh() const noexcept { return fresh_; }
   [[nodiscard]] const Freshness& heard() const noexcept { return heard_; }
+  /// With the calibrated zero taken off.
   [[nodiscard]] double alpha_rad() const noexcept { return alpha_rad_; }
   [[nodiscard]] double beta_rad() const noexcept { return beta_rad_; }
+  /// As the sensor sent them.
+  [[nodiscard]] double sent_alpha_rad() const noexcept { return sent_alpha_rad_; }
+  [[nodiscard]] double sent_beta_rad() const noexcept { return sent_beta_rad_; }
   /// From the difference of the last two samples.
   [[nodiscard]] double alpha_rate_rad_s() const noexcept { return alpha_rate_rad_s_; }
   [[nodiscard]] double beta_rate_rad_s() const noexcept { return beta_rate_rad_s_; }
@@ -141,6 +152,7 @@ class TiltSensor {
   static constexpr std::uint8_t kRateGapSteps = 20;  // over a longer gap a mean rate says nothing about now
 
   double alpha_rad_ = 0, beta_rad_ = 0;
+  double sent_alpha_rad_ = 0, sent_beta_rad_ = 0;
   double alpha_rate_rad_s_ = 0, beta_rate_rad_s_ = 0;
   double yaw_rate_rad_s_ = 0, pitch_rate_rad_s_ = 0, roll_rate_rad_s_ = 0;
   Freshness fresh_, heard_;

@@ -7,7 +7,10 @@ namespace hoist::core {
 struct BumperPressed {
   static constexpr contract::Fault kFault = contract::Fault::bumper_pressed;
 
-  bool check(const MonitorView& view) noexcept { return view.mode != contract::Mode::init && view.sensed.io.bumpers() != 0; }
+  // While the bumpers are calibrated each is pressed once; the drives are off then.
+  bool check(const MonitorView& view) noexcept {
+    return view.mode != contract::Mode::init && view.mode != contract::Mode::calibrate && view.sensed.io.bumpers() != 0;
+  }
 };
 
 }  // namespace hoist::core

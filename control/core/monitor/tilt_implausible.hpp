@@ -28,7 +28,8 @@ class TiltImplausible {
     const bool twisted =
         beyond(struts.alpha_left_rad - struts.alpha_right_rad, threshold<kFault, "twist">(view.params.strut_twist_rad_max));
     const double leak_rad =
-        threshold<kFault, "leak">(kLeak_s) * std::fabs(sensed.base.yaw_rate_rad_s() * (struts.alpha_left_rad - struts.alpha_right_rad));
+        threshold<kFault, "leak">(kLeak_s) *
+        std::fabs(sensed.base.yaw_rate_rad_s() * (sensed.left_strut.sent_alpha_rad() - sensed.right_strut.sent_alpha_rad()));
     leak_rad_ -= leak_rad_ * view.dt_s / kLeak_s;
     if (leak_rad > leak_rad_) leak_rad_ = leak_rad;
     const bool apart =
@@ -45,7 +46,7 @@ class TiltImplausible {
  private:
   // The top bar is rigid: both struts lean sideways alike. For 100 ms, because the three sensors do not sample together.
   static constexpr std::uint8_t kApartTicks = 10;
-  // A sensor that leans forward by alpha and turns with its strut about the upright feels part of the turn as a roll: yaw rate x alpha,
+  // A sensor that leans forward by alpha, mounting included, and turns with its strut about the upright feels part of the turn as a roll: yaw rate x alpha,
   // which its filter, slow to trust gravity, holds for about this long (measured 0.79 degrees for each degree per second). Left and right
   // differ by what they lean differently, and in a tight turn that is what the patient does. It fades as slowly as it came.
   static constexpr double kLeak_s = 0.8;

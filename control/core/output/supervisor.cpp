@@ -55,6 +55,7 @@ void clear_latched(CoreState& state, std::uint32_t bits) noexcept {
 
 void change_mode(CoreState& state, Mode to) noexcept {
   const Mode from = state.mode;
+  if (from == Mode::calibrate) end_calibration(state);
   state.mode = to;
   state.motion = {};
   state.motion.epoch = state.lease.epoch;
@@ -211,6 +212,7 @@ std::uint32_t start_refusals(const CoreState& state) noexcept {
   // A stick out of the middle counts as long as somebody's hand may still be on it.
   add(!state.remote.neutral() && state.remote.age_s(state.time_ns) <= state.params.remote_stop_age_s, Refusal::stick_not_neutral);
   add(sensed.io.bumpers() != 0, Refusal::bumper_start);
+  add(!calibration_valid(state), Refusal::not_calibrated);
   return bits;
 }
 
@@ -286,6 +288,25 @@ std::uint32_t begin_service(CoreState& state) noexcept {
   state.motion.service.on = true;
   state.motion.service.quiet_ticks = 0;
   return 0;
+}
+
+std::uint32_t enter_calibration(CoreState& state, const contract::CalibrationStepInfo& info) noexcept {
+  if (const std::uint32_t bits = calibration_refusals(state, info); bits != 0) return bits;
+  if (state.mode == Mode::calibrate) {
+    end_calibration(state);
+  } else {
+    if (find_transition(state.mode, Mode::calibrate, Asker::driver) == nullptr) return refusal_bit(Refusal::not_standby);
+    change_mode(state, Mode::calibrate);
+  }
+  state.motion.epoch = state.lease.epoch;
+  begin_calibration(state, info.step);
+  return 0;
+}
+
+void leave_calibration(CoreState& state, bool used) noexcept {
+  state.motion.calibration.used = used;
+  if (!used) state.motion.calibration.reason = contract::CalibrationReason::cancelled;
+  change_mode(state, Mode::standby);
 }
 
 void finish_mode(CoreState& state) noexcept {

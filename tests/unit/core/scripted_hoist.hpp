@@ -73,6 +73,7 @@ class ScriptedHoist {
   bool server_up = true;
   /// Whoever walks sways: by so much to either side, once in two seconds, while the wheels turn.
   double sway_deg = 0.4;
+  bool real = false;  // its nodes do not say that they are simulated
   std::uint64_t heartbeat = 1;
   std::uint64_t tick_number = 0;
   std::uint64_t time_ns = 1'000'000'000;
@@ -334,7 +335,7 @@ class ScriptedHoist {
           replies_.push_back(canopen::sdo(reply, canopen::kSdoAbort, index, f.data[3], 0x08000022));
         } else if (f.data[0] == canopen::kSdoUploadRequest) {
           replies_.push_back(canopen::sdo(reply, canopen::sdo_upload_reply_command(4), index, f.data[3],
-                                          canopen::kSimulatedProduct | n.product_bits | id));
+                                          (real ? 0U : canopen::kSimulatedProduct) | n.product_bits | id));
         } else {
           n.written.emplace_back((static_cast<std::uint32_t>(index) << 8) | f.data[3],
                                  std::bit_cast<float>(contract::read_le(&f.data[4], 4)));

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <chrono>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -194,6 +195,20 @@ void FakeCore::take(const Command& c) {
       if (!service_ || !holds) return answer(c, refusal_bit(Refusal::out_of_order));
       service_ = false;
       record_.mode = static_cast<std::uint8_t>(Mode::standby);
+      return answer(c, 0);
+    case CommandKind::begin_calibration:
+      if (!holds) return answer(c, refusal_bit(Refusal::no_lease));
+      record_.mode = static_cast<std::uint8_t>(Mode::calibrate);
+      record_.calibration_step = static_cast<std::uint8_t>(c.a);
+      record_.calibration_phase = 3;
+      return answer(c, 0);
+    case CommandKind::measure_calibration:
+      return answer(c, std::fabs(c.v0) <= 20.0 ? 0U : refusal_bit(Refusal::out_of_range));
+    case CommandKind::use_calibration:
+    case CommandKind::cancel_calibration:
+      if (mode != Mode::calibrate) return answer(c, refusal_bit(Refusal::out_of_order));
+      record_.mode = static_cast<std::uint8_t>(Mode::standby);
+      record_.calibration_step = record_.calibration_phase = 0;
       return answer(c, 0);
     case CommandKind::none:
       break;

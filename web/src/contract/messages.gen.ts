@@ -95,6 +95,44 @@ export interface NeutralRequest {
   request: number;
 }
 
+/** Begin a step of calibration on standby, or another one. The wheels never turn by themselves. */
+export interface CalibrateRequest {
+  type: 'calibrate';
+  /** Comes back in the reply. */
+  request: number;
+  /** Name of the step, see GET /api/v1/calibration. */
+  step: string;
+}
+
+/** What the operator measured; taken as soon as everything rests. */
+export interface CalibrateMeasureRequest {
+  type: 'calibrate_measure';
+  /** Comes back in the reply. */
+  request: number;
+  /** In the unit of the step; the sign is the direction. */
+  figure: number;
+  /** Of a driven square: how far ahead of the shown place it truly ended. */
+  x_m?: number;
+  /** Of a driven square: how far to the left. */
+  y_m?: number;
+  /** Of a driven square: which way round. */
+  turning?: "left" | "right";
+}
+
+/** The result becomes parameters, all or nothing. */
+export interface CalibrateUseRequest {
+  type: 'calibrate_use';
+  /** Comes back in the reply. */
+  request: number;
+}
+
+/** End calibrating; the old values stay. */
+export interface CalibrateCancelRequest {
+  type: 'calibrate_cancel';
+  /** Comes back in the reply. */
+  request: number;
+}
+
 /** Set the odometry's pose while standing still. */
 export interface PoseRequest {
   type: 'pose';
@@ -138,6 +176,10 @@ export type ClientMessage =
   | SetRequest
   | PresetRequest
   | NeutralRequest
+  | CalibrateRequest
+  | CalibrateMeasureRequest
+  | CalibrateUseRequest
+  | CalibrateCancelRequest
   | PoseRequest
   | MarkerRequest
   | StreamRequest

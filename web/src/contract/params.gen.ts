@@ -77,7 +77,24 @@ export type ParamName =
   | 'drive_acceleration_rad_s2'
   | 'tilt_kalman_angle_norm'
   | 'tilt_kalman_bias_per_s'
-  | 'bus_load_norm_max';
+  | 'bus_load_norm_max'
+  | 'left_alpha_zero_rad'
+  | 'left_beta_zero_rad'
+  | 'right_alpha_zero_rad'
+  | 'right_beta_zero_rad'
+  | 'base_alpha_zero_rad'
+  | 'base_beta_zero_rad'
+  | 'base_yaw_bias_rad_s'
+  | 'calibrated_zero_s'
+  | 'calibrated_neutral_s'
+  | 'calibrated_gyro_s'
+  | 'calibrated_strut_length_s'
+  | 'calibrated_strut_spacing_s'
+  | 'calibrated_wheel_radius_s'
+  | 'calibrated_track_s'
+  | 'calibrated_square_s'
+  | 'calibrated_encoders_s'
+  | 'calibrated_bumpers_s';
 
 export interface ParamInfo {
   id: number;
@@ -528,6 +545,108 @@ export const params: readonly ParamInfo[] = [
     edit: 'stopped', scope: 'core', role: 'engineer', source: 'load plan: 86 % at most with every option on and the service reserve, counted with the most stuff bits',
     title: { en: 'Bus load limit', de: 'Grenze der Buslast' },
     effect: { en: 'The hoist stops when the bus to sensors and drives is busier than this for a second.', de: 'Die Hilfe hält an, wenn der Bus zu Sensoren und Antrieben eine Sekunde lang voller ist als dies.' },
+  },
+  {
+    id: 150, name: 'left_alpha_zero_rad', unit: 'rad', min: -0.0872664626, default: 0, max: 0.0872664626,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: strut and chassis zero',
+    title: { en: 'Left strut zero, forward', de: 'Nullpunkt linke Strebe, vor' },
+    effect: { en: 'What the left strut sensor says while the strut stands upright.', de: 'Was der Sensor der linken Strebe meldet, während sie aufrecht steht.' },
+  },
+  {
+    id: 151, name: 'left_beta_zero_rad', unit: 'rad', min: -0.0872664626, default: 0, max: 0.0872664626,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: strut and chassis zero',
+    title: { en: 'Left strut zero, sideways', de: 'Nullpunkt linke Strebe, seitlich' },
+    effect: { en: 'What the left strut sensor says while the strut stands upright.', de: 'Was der Sensor der linken Strebe meldet, während sie aufrecht steht.' },
+  },
+  {
+    id: 152, name: 'right_alpha_zero_rad', unit: 'rad', min: -0.0872664626, default: 0, max: 0.0872664626,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: strut and chassis zero',
+    title: { en: 'Right strut zero, forward', de: 'Nullpunkt rechte Strebe, vor' },
+    effect: { en: 'What the right strut sensor says while the strut stands upright.', de: 'Was der Sensor der rechten Strebe meldet, während sie aufrecht steht.' },
+  },
+  {
+    id: 153, name: 'right_beta_zero_rad', unit: 'rad', min: -0.0872664626, default: 0, max: 0.0872664626,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: strut and chassis zero',
+    title: { en: 'Right strut zero, sideways', de: 'Nullpunkt rechte Strebe, seitlich' },
+    effect: { en: 'What the right strut sensor says while the strut stands upright.', de: 'Was der Sensor der rechten Strebe meldet, während sie aufrecht steht.' },
+  },
+  {
+    id: 154, name: 'base_alpha_zero_rad', unit: 'rad', min: -0.0872664626, default: 0, max: 0.0872664626,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: strut and chassis zero',
+    title: { en: 'Chassis zero, forward', de: 'Nullpunkt Fahrgestell, vor' },
+    effect: { en: 'What the chassis sensor says on a level floor.', de: 'Was der Sensor des Fahrgestells auf ebenem Boden meldet.' },
+  },
+  {
+    id: 155, name: 'base_beta_zero_rad', unit: 'rad', min: -0.0872664626, default: 0, max: 0.0872664626,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: strut and chassis zero',
+    title: { en: 'Chassis zero, sideways', de: 'Nullpunkt Fahrgestell, seitlich' },
+    effect: { en: 'What the chassis sensor says on a level floor.', de: 'Was der Sensor des Fahrgestells auf ebenem Boden meldet.' },
+  },
+  {
+    id: 156, name: 'base_yaw_bias_rad_s', unit: 'rad/s', min: -0.0523598776, default: 0, max: 0.0523598776,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: gyroscopes at rest',
+    title: { en: 'Chassis turn-rate zero', de: 'Nullpunkt der Drehrate' },
+    effect: { en: 'Turn rate that the chassis sensor reports at rest.', de: 'Drehrate, die der Sensor des Fahrgestells in Ruhe meldet.' },
+  },
+  {
+    id: 157, name: 'calibrated_zero_s', unit: 's', min: 0, default: 0, max: 253402300799,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: seconds since 1970-01-01 UTC',
+    title: { en: 'Struts zeroed', de: 'Streben genullt' },
+    effect: { en: 'When this was last done; 0 for never.', de: 'Wann dies zuletzt geschah; 0 für nie.' },
+  },
+  {
+    id: 158, name: 'calibrated_neutral_s', unit: 's', min: 0, default: 0, max: 253402300799,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: seconds since 1970-01-01 UTC',
+    title: { en: 'Neutral set', de: 'Neutral gesetzt' },
+    effect: { en: 'When this was last done; 0 for never.', de: 'Wann dies zuletzt geschah; 0 für nie.' },
+  },
+  {
+    id: 159, name: 'calibrated_gyro_s', unit: 's', min: 0, default: 0, max: 253402300799,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: seconds since 1970-01-01 UTC',
+    title: { en: 'Gyroscopes checked', de: 'Drehraten geprüft' },
+    effect: { en: 'When this was last done; 0 for never.', de: 'Wann dies zuletzt geschah; 0 für nie.' },
+  },
+  {
+    id: 160, name: 'calibrated_strut_length_s', unit: 's', min: 0, default: 0, max: 253402300799,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: seconds since 1970-01-01 UTC',
+    title: { en: 'Strut length measured', de: 'Strebenlänge gemessen' },
+    effect: { en: 'When this was last done; 0 for never.', de: 'Wann dies zuletzt geschah; 0 für nie.' },
+  },
+  {
+    id: 161, name: 'calibrated_strut_spacing_s', unit: 's', min: 0, default: 0, max: 253402300799,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: seconds since 1970-01-01 UTC',
+    title: { en: 'Strut spacing measured', de: 'Strebenabstand gemessen' },
+    effect: { en: 'When this was last done; 0 for never.', de: 'Wann dies zuletzt geschah; 0 für nie.' },
+  },
+  {
+    id: 162, name: 'calibrated_wheel_radius_s', unit: 's', min: 0, default: 0, max: 253402300799,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: seconds since 1970-01-01 UTC',
+    title: { en: 'Wheel radius measured', de: 'Radradius gemessen' },
+    effect: { en: 'When this was last done; 0 for never.', de: 'Wann dies zuletzt geschah; 0 für nie.' },
+  },
+  {
+    id: 163, name: 'calibrated_track_s', unit: 's', min: 0, default: 0, max: 253402300799,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: seconds since 1970-01-01 UTC',
+    title: { en: 'Track width measured', de: 'Spurweite gemessen' },
+    effect: { en: 'When this was last done; 0 for never.', de: 'Wann dies zuletzt geschah; 0 für nie.' },
+  },
+  {
+    id: 164, name: 'calibrated_square_s', unit: 's', min: 0, default: 0, max: 253402300799,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: seconds since 1970-01-01 UTC',
+    title: { en: 'Square driven', de: 'Quadrat gefahren' },
+    effect: { en: 'When this was last done; 0 for never.', de: 'Wann dies zuletzt geschah; 0 für nie.' },
+  },
+  {
+    id: 165, name: 'calibrated_encoders_s', unit: 's', min: 0, default: 0, max: 253402300799,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: seconds since 1970-01-01 UTC',
+    title: { en: 'Encoders checked', de: 'Geber geprüft' },
+    effect: { en: 'When this was last done; 0 for never.', de: 'Wann dies zuletzt geschah; 0 für nie.' },
+  },
+  {
+    id: 166, name: 'calibrated_bumpers_s', unit: 's', min: 0, default: 0, max: 253402300799,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: seconds since 1970-01-01 UTC',
+    title: { en: 'Bumpers checked', de: 'Stoßfänger geprüft' },
+    effect: { en: 'When this was last done; 0 for never.', de: 'Wann dies zuletzt geschah; 0 für nie.' },
   },
 ];
 

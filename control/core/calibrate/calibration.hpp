@@ -1,0 +1,64 @@
+// One calibration step from its first word to its result: what CALIBRATE remembers, and what moves it on. The measuring is a matter of the
+// steps; nothing here sends anything or changes a parameter.
+#pragma once
+#include <cstdint>
+
+#include "control/contract/calibration.hpp"
+#include "control/contract/commands.hpp"
+#include "control/core/calibrate/bumper_check.hpp"
+#include "control/core/calibrate/pairs.hpp"
+#include "control/core/calibrate/still_window.hpp"
+#include "control/core/calibrate/umbmark.hpp"
+#include "control/core/command/staging.hpp"
+#include "control/core/types.hpp"
+
+namespace hoist::core {
+
+struct CoreState;
+
+/// Nothing happened for this long: 60 s (research on safety, 2.3).
+inline constexpr std::uint32_t kCalibrationIdleTicks = 6000;
+/// Somebody who sees that it does not rest has had ten seconds to make it rest.
+inline constexpr std::uint32_t kCalibrationRestTicks = 1000;
+
+/// What rests or moves: six angles as sent, the ways of both wheels in counts, the turn rate.
+inline constexpr std::size_t kCalibrationChannels = 9;
+
+struct Calibration {
+  contract::CalibrationStep step = contract::CalibrationStep::none;
+  contract::CalibrationPhase phase = contract::CalibrationPhase::none;
+  contract::CalibrationReason reason = contract::CalibrationReason::none;
+  std::uint8_t done_percent = 0;
+  float value = 0;  // what the screen shows while it is measured
+
+  std::uint32_t idle_ticks = 0, restless_ticks = 0;
+  StillWindow<kCalibrationChannels> still, first_half;
+  std::int64_t left_counts = 0, right_counts = 0;  // since the step began
+  std::int64_t left_from = 0, right_from = 0;      // where the way or turn under way began
+  bool started = false;                            // that place is known
+  double turned_rad = 0;                           // by the gyroscope, since that place
+  bool turning = false;                            // second part of the wheel sensors' step
+  double entered = 0;                              // what the operator measured, waiting for rest
+  bool waiting = false;
+  MeasuredPairs pairs;
+  SquareMean left_squares, right_squares;
+  double side_m = 0;
+  BumperCheck bumpers;
+  bool used = false;
+  Staging result;  // parameters as they would become, dates not included
+};
+
+/// What a step needs that holds now; refusal bits, 0 = it may begin.
+[[nodiscard]] std::uint32_t calibration_refusals(const CoreState& state, const contract::CalibrationStepInfo& info) noexcept;
+/// The step begins anew.
+void begin_calibration(CoreState& state, contract::CalibrationStep step) noexcept;
+/// The operator's figures. Refusal bits, 0 = taken, at once or as soon as everything rests.
+[[nodiscard]] std::uint32_t measure_calibration(CoreState& state, const contract::Command& command) noexcept;
+/// Once per step of CALIBRATE. False when it is over: nothing happened for a minute, or a sensor went.
+[[nodiscard]] bool advance_calibration(CoreState& state, double dt_s) noexcept;
+/// Tells how it ended.
+void end_calibration(CoreState& state) noexcept;
+/// Whether patients may walk: the struts have been zeroed at least once. Simulated struts are upright by themselves.
+[[nodiscard]] bool calibration_valid(const CoreState& state) noexcept;
+
+}  // namespace hoist::core

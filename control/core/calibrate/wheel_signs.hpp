@@ -1,0 +1,31 @@
+// Whether each wheel counts the right way round, and whether each drive sits on its own wheel.
+#pragma once
+#include <cmath>
+
+#include "control/contract/calibration.hpp"
+
+namespace hoist::core {
+
+/// One wheel that went this share of the other's way or less counts nothing.
+inline constexpr double kDeadShare_norm = 0.2;
+
+/// What the wheels counted on a push straight ahead.
+[[nodiscard]] inline contract::CalibrationReason judge_push(double left_m, double right_m) noexcept {
+  using contract::CalibrationReason;
+  const double left = std::fabs(left_m), right = std::fabs(right_m);
+  if (left <= kDeadShare_norm * right) return CalibrationReason::left_encoder_dead;
+  if (right <= kDeadShare_norm * left) return CalibrationReason::right_encoder_dead;
+  if (left_m < 0 && right_m < 0) return CalibrationReason::both_backward;
+  if (left_m < 0) return CalibrationReason::left_encoder_reversed;
+  if (right_m < 0) return CalibrationReason::right_encoder_reversed;
+  return CalibrationReason::none;
+}
+
+/// What the wheels counted on a turn to the left; turned_rad is what the chassis gyroscope says of it.
+[[nodiscard]] inline contract::CalibrationReason judge_turn(double left_m, double right_m, double turned_rad) noexcept {
+  using contract::CalibrationReason;
+  if (!(turned_rad > 0)) return CalibrationReason::turned_right;
+  return right_m > left_m ? CalibrationReason::none : CalibrationReason::encoders_swapped;
+}
+
+}  // namespace hoist::core

@@ -1,0 +1,266 @@
+// Calibration on machines that hide how they were built: the real core and the shipped nodes with their sensors' noise, in virtual time.
+// Somebody pushes the hoist, moves the bar and reads a tape; the estimates must come out within 1 % and 0.1 degrees.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "control/contract/calibration.hpp"
+#include "firmware/sim/hidden_errors.hpp"
+#include "tests/support/closed_loop.hpp"
+
+namespace hoist::tests {
+namespace {
+
+using contract::CalibrationPhase;
+using contract::CalibrationReason;
+using contract::CalibrationStep;
+using contract::CommandKind;
+using contract::EventKind;
+using contract::Mode;
+
+constexpr double kDegree = sim::kDegree_rad;
+constexpr double kToday_s = 1'790'000'000.0;
+
+// Whoever calibrates: hands, tape and console.
+class Workshop {
+ public:
+  explicit Workshop(std::uint64_t seed) : loop(options(seed)) {}
+
+  bool open() {
+    if (!loop.run_until([this] { return loop.mode() == Mode::standby; }, 10.0)) return false;
+    loop.world().hold_bar(0, 0, 0);
+    loop.ask(CommandKind::take_lease);
+    // The filters have learnt their gyroscopes' biases after some 15 s (research on safety, 2.1); a technician waits a minute.
+    loop.run(60.0);
+    return true;
+  }
+  bool begin(CalibrationStep step) {
+    loop.ask(CommandKind::begin_calibration, static_cast<std::uint32_t>(step), 0, 0, 0,
+             static_cast<std::uint32_t>(contract::Role::engineer));
+    loop.run(0.02);
+    return loop.mode() == Mode::calibrate && loop.record().calibration_step == static_cast<int>(step);
+  }
+  [[nodiscard]] CalibrationPhase phase() const { return static_cast<CalibrationPhase>(loop.record().calibration_phase); }
+  [[nodiscard]] CalibrationReason reason() const { return static_cast<CalibrationReason>(loop.record().calibration_reason); }
+  bool comes(CalibrationPhase wanted, double at_most_s = 20.0) {
+    return loop.run_until([&] { return phase() == wanted; }, at_most_s);
+  }
+  // The operator's figure; true when it was taken as a sample.
+  bool measure(double figure, double v1 = 0, double v2 = 0, std::uint32_t part = 0) {
+    const auto before = count(EventKind::calibration_sample);
+    loop.ask(CommandKind::measure_calibration, part, figure, v1, v2);
+    return loop.run_until([&] { return count(EventKind::calibration_sample) > before; }, 15.0);
+  }
+  bool use() {
+    if (!comes(CalibrationPhase::result)) return false;
+    loop.ask(CommandKind::use_calibration, 0, kToday_s);
+    return loop.run_until([this] { return loop.mode() == Mode::standby; }, 0.1);
+  }
+  void push(double way_m, double turn_rad) {
+    loop.world().plant().push_by_hand(way_m, turn_rad);
+    loop.run_until([this] { return !loop.world().plant().pushed(); }, 120.0);
+    loop.run(0.8);
+  }
+  void bar(double dx_m, double yaw_rad) {
+    loop.world().hold_bar(dx_m, 0, yaw_rad);
+    // The filter trusts gravity slowly: its angle has settled when the hand has been at rest for a while.
+    loop.run(6.0);
+  }
+  // Where it stands, for a failed test's message.
+  [[nodiscard]] std::string told() const {
+    return ", mode " + std::to_string(loop.record().mode) + " phase " + std::to_string(loop.record().calibration_phase) + " reason " +
+           std::to_string(loop.record().calibration_reason) + " faults " + std::to_string(loop.record().fault_bits);
+  }
+  [[nodiscard]] long count(EventKind kind) const {
+    long n = 0;
+    for (const contract::Event& event : loop.events()) n += event.kind == kind ? 1 : 0;
+    return n;
+  }
+  [[nodiscard]] const contract::Params& params() const { return loop.core().params; }
+
+  ClosedLoop loop;
+
+ private:
+  static ClosedLoopOptions options(std::uint64_t seed) {
+    ClosedLoopOptions options;
+    options.world.seed = seed;
+    options.world.plant = sim::with_hidden_errors(sim::PlantParams{}, seed);
+    options.world.scenario = sim::find_scenario("stand");
+    return options;
+  }
+};
+
+// What the core now takes for the lean of an upright strut and a level chassis.
+void expect_upright(const Workshop& shop, const std::string& who) {
+  const auto& sensed = shop.loop.core().sensed;
+  const double noise = 0.1 * kDegree;
+  for (const core::TiltSensor* tilt : {&sensed.left_strut, &sensed.right_strut, &sensed.base}) {
+    EXPECT_NEAR(tilt->alpha_rad(), 0.0, noise) << who;
+    EXPECT_NEAR(tilt->beta_rad(), 0.0, noise) << who;
+  }
+}
+
+void calibrate_all(std::uint64_t seed) {
+  const std::string who = "machine seed " + std::to_string(seed);
+  Workshop shop(seed);
+  ASSERT_TRUE(shop.open()) << who;
+  const sim::PlantParams& truth = shop.loop.world().plant().params();
+
+  ASSERT_TRUE(shop.begin(CalibrationStep::zero)) << who;
+  ASSERT_TRUE(shop.use()) << who << shop.told();
+  shop.loop.run(0.1);
+  expect_upright(shop, who);
+
+  ASSERT_TRUE(shop.begin(CalibrationStep::gyro)) << who;
+  ASSERT_TRUE(shop.use()) << who << shop.told();
+
+  ASSERT_TRUE(shop.begin(CalibrationStep::strut_length)) << who;
+  for (const double way_m : {0.13, -0.13}) {
+    shop.bar(way_m, 0);
+    ASSERT_TRUE(shop.measure(way_m)) << who << shop.told();
+  }
+  ASSERT_TRUE(shop.use()) << who << shop.told();
+  EXPECT_NEAR(shop.params().strut_length_m, truth.strut_length_m, 0.01 * truth.strut_length_m) << who;
+
+  ASSERT_TRUE(shop.begin(CalibrationStep::strut_spacing)) << who;
+  for (const double turn_rad : {0.26, -0.26}) {
+    shop.bar(0, turn_rad);
+    ASSERT_TRUE(shop.measure(turn_rad)) << who << shop.told();
+  }
+  ASSERT_TRUE(shop.use()) << who << shop.told();
+  EXPECT_NEAR(shop.params().strut_spacing_m, truth.strut_spacing_m, 0.01 * truth.strut_spacing_m) << who;
+  shop.bar(0, 0);
+
+  ASSERT_TRUE(shop.begin(CalibrationStep::encoders)) << who;
+  ASSERT_TRUE(shop.comes(CalibrationPhase::operator_)) << who;
+  shop.push(0.5, 0);
+  shop.push(0, 1.5);
+  ASSERT_TRUE(shop.use()) << who << shop.told();
+
+  ASSERT_TRUE(shop.begin(CalibrationStep::wheel_radius)) << who;
+  ASSERT_TRUE(shop.comes(CalibrationPhase::operator_)) << who;
+  for (const double way_m : {2.0, -2.0}) {
+    shop.push(way_m, 0);
+    ASSERT_TRUE(shop.measure(way_m)) << who << shop.told();
+  }
+  ASSERT_TRUE(shop.use()) << who << shop.told();
+  EXPECT_NEAR(shop.params().wheel_radius_m, truth.wheel_radius_m, 0.01 * truth.wheel_radius_m) << who;
+
+  ASSERT_TRUE(shop.begin(CalibrationStep::track)) << who;
+  ASSERT_TRUE(shop.comes(CalibrationPhase::operator_)) << who;
+  for (const double turn_rad : {2 * sim::kPi, -2 * sim::kPi}) {
+    shop.push(0, turn_rad);
+    ASSERT_TRUE(shop.measure(turn_rad)) << who << shop.told();
+  }
+  ASSERT_TRUE(shop.use()) << who << shop.told();
+  EXPECT_NEAR(shop.params().track_width_m, truth.track_width_m, 0.01 * truth.track_width_m) << who;
+
+  ASSERT_TRUE(shop.begin(CalibrationStep::bumpers)) << who;
+  shop.loop.run(0.1);
+  for (int strip = 0; strip < 4; ++strip) {
+    shop.loop.world().plant().force_bumper(strip, true);
+    shop.loop.run(0.3);
+    shop.loop.world().plant().force_bumper(strip, false);
+    shop.loop.run(0.3);
+  }
+  ASSERT_TRUE(shop.use()) << who << shop.told();
+  EXPECT_FALSE(shop.loop.ever_raised(contract::Fault::bumper_pressed)) << who;
+  EXPECT_EQ(shop.params().calibrated_bumpers_s, kToday_s);
+  EXPECT_EQ(shop.params().calibrated_zero_s, kToday_s);
+
+  // Nothing of all this ever turned a wheel by itself.
+  EXPECT_FALSE(shop.loop.world().drives_enabled()) << who;
+}
+
+TEST(Calibration, FiftyMachinesWithHiddenErrorsComeOutWithinAPerCentAndATenthOfADegree) {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    calibrate_all(seed);
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(Calibration, TheOldValuesStayWhenTheBarMovesWhileItIsZeroed) {
+  Workshop shop(3);
+  ASSERT_TRUE(shop.open());
+  const contract::Params before = shop.params();
+  ASSERT_TRUE(shop.begin(CalibrationStep::zero));
+  for (int i = 0; i < 40; ++i) {
+    shop.loop.world().hold_bar(i % 2 == 0 ? 0.02 : -0.02, 0, 0);
+    shop.loop.run(0.5);
+    EXPECT_NE(shop.phase(), CalibrationPhase::result);
+  }
+  EXPECT_EQ(shop.phase(), CalibrationPhase::refused);
+  EXPECT_EQ(shop.reason(), CalibrationReason::not_still);
+  EXPECT_EQ(shop.count(EventKind::parameter_changed), 0);
+  EXPECT_EQ(shop.params().left_alpha_zero_rad, before.left_alpha_zero_rad);
+}
+
+TEST(Calibration, APatientWhoLeansInTheHarnessIsNoZero) {
+  Workshop shop(4);
+  ASSERT_TRUE(shop.open());
+  shop.bar(0.09, 0);  // six degrees: somebody hangs in it
+  ASSERT_TRUE(shop.begin(CalibrationStep::zero));
+  ASSERT_TRUE(shop.comes(CalibrationPhase::refused));
+  EXPECT_EQ(shop.reason(), CalibrationReason::zero_too_large);
+  shop.loop.ask(CommandKind::use_calibration, 0, kToday_s);
+  shop.loop.run(0.1);
+  EXPECT_EQ(shop.count(EventKind::parameter_changed), 0) << "nothing to use";
+  EXPECT_EQ(shop.loop.mode(), Mode::calibrate);
+}
+
+TEST(Calibration, AWrongWayIsRefusedAndTheOldRadiusStays) {
+  Workshop shop(5);
+  ASSERT_TRUE(shop.open());
+  const double before_m = shop.params().wheel_radius_m;
+  ASSERT_TRUE(shop.begin(CalibrationStep::wheel_radius));
+  ASSERT_TRUE(shop.comes(CalibrationPhase::operator_));
+  shop.push(2.0, 0);
+  ASSERT_TRUE(shop.measure(4.0));
+  shop.push(-2.0, 0);
+  ASSERT_TRUE(shop.measure(-4.0));
+  ASSERT_TRUE(shop.comes(CalibrationPhase::refused, 1.0));
+  EXPECT_EQ(shop.reason(), CalibrationReason::implausible);
+  EXPECT_EQ(shop.params().wheel_radius_m, before_m);
+}
+
+// H2
+TEST(Calibration, AReversedEncoderIsNamed) {
+  Workshop shop(6);
+  ASSERT_TRUE(shop.open());
+  shop.loop.world().break_encoder(contract::Node::drive_right, sim::World::EncoderFault::reversed);
+  ASSERT_TRUE(shop.begin(CalibrationStep::encoders));
+  ASSERT_TRUE(shop.comes(CalibrationPhase::operator_));
+  shop.push(0.5, 0);
+  ASSERT_TRUE(shop.comes(CalibrationPhase::refused, 3.0));
+  EXPECT_EQ(shop.reason(), CalibrationReason::right_encoder_reversed);
+}
+
+// H13
+TEST(Calibration, SwappedBumpersAreFound) {
+  Workshop shop(7);
+  ASSERT_TRUE(shop.open());
+  shop.loop.world().plant().wire_bumper(0, 1);
+  shop.loop.world().plant().wire_bumper(1, 0);
+  ASSERT_TRUE(shop.begin(CalibrationStep::bumpers));
+  shop.loop.run(0.1);
+  shop.loop.world().plant().force_bumper(0, true);
+  ASSERT_TRUE(shop.comes(CalibrationPhase::refused, 1.0));
+  EXPECT_EQ(shop.reason(), CalibrationReason::bumper_swapped);
+  EXPECT_EQ(shop.params().calibrated_bumpers_s, 0.0);
+}
+
+TEST(Calibration, AfterAMinuteWithoutProgressTheHoistIsOnStandbyAgain) {
+  Workshop shop(8);
+  ASSERT_TRUE(shop.open());
+  ASSERT_TRUE(shop.begin(CalibrationStep::strut_length));
+  shop.loop.run(59.0);
+  EXPECT_EQ(shop.loop.mode(), Mode::calibrate);
+  shop.loop.run(1.5);
+  EXPECT_EQ(shop.loop.mode(), Mode::standby);
+  EXPECT_EQ(shop.count(EventKind::calibration_ended), 1);
+  EXPECT_EQ(shop.count(EventKind::parameter_changed), 0);
+}
+
+}  // namespace
+}  // namespace hoist::tests

@@ -1,0 +1,206 @@
+// CALIBRATE through its commands: who may, what is refused, how it ends, what becomes parameters.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "control/contract/calibration.hpp"
+#include "tests/unit/core/scripted_hoist.hpp"
+
+namespace hoist::core::test {
+namespace {
+
+using contract::CalibrationPhase;
+using contract::CalibrationReason;
+using contract::CalibrationStep;
+using contract::CommandKind;
+using contract::EventKind;
+using contract::Mode;
+using contract::Refusal;
+using contract::refusal_bit;
+using contract::Role;
+
+constexpr double kToday_s = 1'790'000'000.0;
+
+std::uint32_t begin(ScriptedHoist& hoist, CalibrationStep step, Role role = Role::engineer, std::uint32_t client = 7) {
+  return hoist.ask(CommandKind::begin_calibration, client, static_cast<std::uint32_t>(step), static_cast<std::uint32_t>(role));
+}
+const Calibration& calibration(const ScriptedHoist& hoist) { return hoist.state.motion.calibration; }
+
+TEST(Calibrate, OnlyTheDriverInTheStepsRoleBegins) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  EXPECT_EQ(begin(hoist, CalibrationStep::strut_length, Role::therapist), refusal_bit(Refusal::not_allowed));
+  EXPECT_EQ(begin(hoist, CalibrationStep::zero, Role::viewer), refusal_bit(Refusal::not_allowed));
+  EXPECT_EQ(begin(hoist, CalibrationStep::zero, Role::therapist, 8), refusal_bit(Refusal::no_lease));
+  EXPECT_EQ(hoist.ask(CommandKind::begin_calibration, 7, 0, 2), refusal_bit(Refusal::unknown_item));
+  EXPECT_EQ(hoist.ask(CommandKind::begin_calibration, 7, 99, 2), refusal_bit(Refusal::unknown_item));
+  EXPECT_EQ(hoist.ask(CommandKind::begin_calibration, 7, 1, 77), refusal_bit(Refusal::not_allowed));
+  EXPECT_EQ(hoist.state.mode, Mode::standby);
+  EXPECT_EQ(begin(hoist, CalibrationStep::zero, Role::therapist), 0U);
+  EXPECT_EQ(hoist.state.mode, Mode::calibrate);
+}
+
+TEST(Calibrate, AllReasonsAreToldAtOnce) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  const std::uint32_t bits = begin(hoist, CalibrationStep::strut_length, Role::therapist, 8);
+  EXPECT_EQ(bits, refusal_bit(Refusal::not_allowed) | refusal_bit(Refusal::no_lease) | refusal_bit(Refusal::not_standby));
+  EXPECT_EQ(hoist.state.mode, Mode::user);
+}
+
+TEST(Calibrate, TheZerosBecomeParametersAsOneSetWithTheirDate) {
+  ScriptedHoist hoist;
+  hoist.tilt_left.alpha_deg = 1.5;
+  hoist.tilt_right.beta_deg = -2.0;
+  hoist.tilt_base.alpha_deg = 0.7;
+  ASSERT_TRUE(hoist.to_standby());
+  ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
+  hoist.state.params.neutral_lean_m = 0.03;
+  ASSERT_EQ(begin(hoist, CalibrationStep::zero, Role::therapist), 0U);
+  EXPECT_NE(hoist.ask(CommandKind::use_calibration, 7, 0, 0, kToday_s), 0U) << "there is no result yet";
+  hoist.step(220);
+  ASSERT_EQ(calibration(hoist).phase, CalibrationPhase::result);
+  EXPECT_EQ(hoist.state.params.left_alpha_zero_rad, 0.0) << "not before it is used";
+  EXPECT_EQ(hoist.ask(CommandKind::use_calibration, 7, 0, 0, 0.0), refusal_bit(Refusal::out_of_range)) << "a date that means never";
+  EXPECT_EQ(hoist.ask(CommandKind::use_calibration, 7, 0, 0, std::numeric_limits<double>::quiet_NaN()), refusal_bit(Refusal::out_of_range));
+  const auto version = hoist.state.parameter_version;
+  EXPECT_EQ(hoist.ask(CommandKind::use_calibration, 7, 0, 0, kToday_s), 0U);
+  EXPECT_TRUE(hoist.out.params_changed);
+  EXPECT_EQ(hoist.state.parameter_version, version + 1) << "one set";
+  EXPECT_EQ(hoist.state.mode, Mode::standby);
+  constexpr double kDegree = 3.14159265358979323846 / 180.0;
+  EXPECT_NEAR(hoist.state.params.left_alpha_zero_rad, 1.501 * kDegree, 2e-5);
+  EXPECT_NEAR(hoist.state.params.right_beta_zero_rad, -2.0 * kDegree, 2e-5);
+  EXPECT_NEAR(hoist.state.params.base_alpha_zero_rad, 0.701 * kDegree, 2e-5);
+  EXPECT_EQ(hoist.state.params.neutral_lean_m, 0.0) << "it was taken against the old zeros";
+  EXPECT_EQ(hoist.state.params.calibrated_zero_s, kToday_s);
+  hoist.step(5);
+  EXPECT_NEAR(hoist.state.sensed.left_strut.alpha_rad(), 0.0, 5e-5);
+  // H7: a new zero is no movement.
+  EXPECT_EQ(hoist.count(EventKind::fault_raised), 0);
+}
+
+TEST(Calibrate, CancellingLosingTheLeaseAndStopKeepTheOldValues) {
+  for (int how = 0; how < 4; ++how) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    ASSERT_EQ(begin(hoist, CalibrationStep::zero, Role::therapist), 0U);
+    hoist.step(230);
+    ASSERT_EQ(calibration(hoist).phase, CalibrationPhase::result);
+    if (how == 0) {
+      EXPECT_EQ(hoist.ask(CommandKind::cancel_calibration), 0U);
+    }
+    if (how == 1) {
+      EXPECT_EQ(hoist.ask_mode(Mode::standby), 0U);
+    }
+    if (how == 2) {
+      EXPECT_EQ(hoist.ask(CommandKind::release_lease), 0U);
+    }
+    if (how == 3) {
+      EXPECT_EQ(hoist.ask(CommandKind::stop), 0U);
+    }
+    hoist.step(2);
+    EXPECT_EQ(hoist.state.mode, how == 3 ? Mode::protective_stop : Mode::standby) << how;
+    EXPECT_EQ(hoist.count(EventKind::calibration_ended), 1) << how;
+    EXPECT_EQ(hoist.count(EventKind::parameter_changed), 0) << how;
+    EXPECT_EQ(hoist.state.params.calibrated_zero_s, 0.0);
+  }
+}
+
+TEST(Calibrate, NoWheelIsEverPoweredAndPushingIsNoFault) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  ASSERT_EQ(begin(hoist, CalibrationStep::wheel_radius), 0U);
+  hoist.step(60);
+  ASSERT_EQ(calibration(hoist).phase, CalibrationPhase::operator_);
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = 0.5;
+  for (int i = 0; i < 400; ++i) {
+    hoist.step();
+    ASSERT_NE(hoist.drive_left.status, 0x27);
+    ASSERT_EQ(hoist.command_m_s(), 0.0);
+  }
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = 0.0;
+  EXPECT_EQ(hoist.state.mode, Mode::calibrate);
+  EXPECT_EQ(hoist.count(EventKind::fault_raised), 0);
+  hoist.step(5);
+  ASSERT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 0, 0, 2.1), 0U);
+  hoist.step(60);
+  EXPECT_EQ(hoist.count(EventKind::calibration_sample), 1);
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = -0.5;
+  hoist.step(400);
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = 0.0;
+  hoist.step(5);
+  ASSERT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 0, 0, -2.1), 0U);
+  hoist.step(60);
+  ASSERT_EQ(calibration(hoist).phase, CalibrationPhase::result);
+  ASSERT_EQ(hoist.ask(CommandKind::use_calibration, 7, 0, 0, kToday_s), 0U);
+  EXPECT_NEAR(hoist.state.params.wheel_radius_m, 0.105, 1e-4);
+}
+
+TEST(Calibrate, HostileFiguresChangeNothing) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  EXPECT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 0, 0, 1.0), refusal_bit(Refusal::out_of_order)) << "nothing is calibrated";
+  ASSERT_EQ(begin(hoist, CalibrationStep::strut_length), 0U);
+  EXPECT_EQ(hoist.ask(CommandKind::measure_calibration, 8, 0, 0, 0.1), refusal_bit(Refusal::no_lease));
+  EXPECT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 0, 0, kNaN), refusal_bit(Refusal::not_finite));
+  EXPECT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 0, 0, 0.1, kNaN), refusal_bit(Refusal::not_finite));
+  EXPECT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 0, 0, 0.31), refusal_bit(Refusal::out_of_range));
+  EXPECT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 0, 0, 0.0), refusal_bit(Refusal::out_of_range));
+  EXPECT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 1, 0, 0.1), refusal_bit(Refusal::unknown_item));
+  EXPECT_EQ(calibration(hoist).pairs.size(), 0U);
+  ASSERT_EQ(begin(hoist, CalibrationStep::square), 0U) << "another step is begun without leaving the mode";
+  EXPECT_EQ(hoist.count(EventKind::calibration_ended), 1);
+  EXPECT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 0, 0, 3.0), refusal_bit(Refusal::unknown_item)) << "left or right?";
+  EXPECT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 1, 0, 3.0, 4.0, 0.0), refusal_bit(Refusal::out_of_range));
+  EXPECT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 1, 0, 3.0, 0.1, -0.1), 0U);
+  EXPECT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 2, 0, 2.0, 0.1, 0.1), refusal_bit(Refusal::inconsistent_set)) << "another size";
+}
+
+TEST(Calibrate, TwoSquaresBecomeTrackAndWheels) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  ASSERT_EQ(begin(hoist, CalibrationStep::square), 0U);
+  // Corners 2 % too far, sides straight: a track 2 % narrower than assumed.
+  constexpr double kCorner_rad = 0.02 * 3.14159265358979323846 / 2.0;
+  const double error_m = 2.0 * 3.0 * kCorner_rad;
+  ASSERT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 1, 0, 3.0, error_m, -error_m), 0U);
+  EXPECT_EQ(calibration(hoist).phase, CalibrationPhase::operator_);
+  ASSERT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 1, 0, 3.0, error_m, -error_m), 0U);
+  EXPECT_EQ(calibration(hoist).reason, CalibrationReason::one_direction);
+  ASSERT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 2, 0, 3.0, error_m, error_m), 0U);
+  ASSERT_EQ(calibration(hoist).phase, CalibrationPhase::result);
+  ASSERT_EQ(hoist.ask(CommandKind::use_calibration, 7, 0, 0, kToday_s), 0U);
+  EXPECT_NEAR(hoist.state.params.track_width_m, 0.70 / 1.02, 2e-3);
+  EXPECT_NEAR(hoist.state.params.wheel_left_scale_norm, 1.0, 1e-9);
+  EXPECT_NEAR(hoist.state.params.wheel_right_scale_norm, 1.0, 1e-9);
+}
+
+TEST(Calibrate, ALostSensorEndsIt) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  ASSERT_EQ(begin(hoist, CalibrationStep::strut_length), 0U);
+  hoist.tilt_left.silent = true;
+  hoist.step(20);
+  EXPECT_NE(hoist.state.mode, Mode::calibrate);
+  EXPECT_EQ(hoist.count(EventKind::parameter_changed), 0);
+}
+
+// Hazard table 2.3: patients walk only on a hoist whose struts have been zeroed. A simulated one says that it is simulated.
+TEST(Calibrate, ARealHoistThatWasNeverZeroedDoesNotStart) {
+  for (const bool zeroed : {false, true}) {
+    contract::Params params;
+    params.calibrated_zero_s = zeroed ? kToday_s : 0.0;
+    ScriptedHoist hoist(params);
+    hoist.real = true;
+    ASSERT_TRUE(hoist.ready());
+    EXPECT_EQ(hoist.ask_mode(Mode::user), zeroed ? 0U : refusal_bit(Refusal::not_calibrated));
+  }
+  ScriptedHoist simulated;
+  ASSERT_TRUE(simulated.ready());
+  EXPECT_EQ(simulated.ask_mode(Mode::user), 0U);
+}
+
+}  // namespace
+}  // namespace hoist::core::test
