@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "control/contract/calibration.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 
@@ -130,6 +131,67 @@ void act_acknowledge(Services& services, const Asker& asker, OutcomeDone done) {
 
 void act_neutral(Services& services, const Asker& asker, OutcomeDone done) {
   ask(services, command_of(CommandKind::set_neutral, asker), std::move(done));
+}
+
+void act_calibrate(Services& services, const Asker& asker, const json& step, OutcomeDone done) {
+  const contract::CalibrationStepInfo* info =
+      step.is_string() ? contract::find_calibration_step(std::string_view{step.get_ref<const std::string&>()}) : nullptr;
+  if (info == nullptr) {
+    done(invalid({{"step", "must be a step of the calibration table"}}, "There is no such calibration step."));
+    return;
+  }
+  Command command = command_of(CommandKind::begin_calibration, asker);
+  command.a = static_cast<std::uint32_t>(info->step);
+  command.b = static_cast<std::uint32_t>(asker.role);
+  ask(services, command, std::move(done));
+}
+
+void act_measure(Services& services, const Asker& asker, const json& measured, OutcomeDone done) {
+  // Wider than any step allows; the core knows the range of the step under way.
+  constexpr double kFigure = 1000.0;
+  Command command = command_of(CommandKind::measure_calibration, asker);
+  std::vector<FieldError> errors;
+  const auto read = [&](const char* name, bool required, double& out) {
+    const auto at = measured.find(name);
+    if (at == measured.end() && !required) return;
+    if (at == measured.end() || !at->is_number() || !(std::fabs(at->get<double>()) <= kFigure))
+      errors.push_back({name, "must be a number", {}, -kFigure, kFigure});
+    else
+      out = at->get<double>();
+  };
+  const auto turning = measured.find("turning");
+  const bool square = turning != measured.end();
+  read("figure", true, command.v0);
+  read("x_m", square, command.v1);
+  read("y_m", square, command.v2);
+  if (square) {
+    const bool left = *turning == "left";
+    if (!left && *turning != "right") errors.push_back({"turning", "must be left or right"});
+    command.a = static_cast<std::uint32_t>(left ? contract::CalibrationPart::left_square : contract::CalibrationPart::right_square);
+  }
+  if (!errors.empty()) {
+    done(invalid(std::move(errors), "The measurement cannot be used."));
+    return;
+  }
+  // The step under way names its range when the figure lies outside.
+  const std::uint32_t step = services.core.newest() ? services.core.newest()->calibration_step : 0U;
+  services.core.ask(command,
+                    [done = std::move(done), info = contract::find_calibration_step(step), figure = command.v0](const CoreAnswer& answer) {
+                      Outcome outcome = outcome_of(answer);
+                      if ((answer.bits & contract::refusal_bit(contract::Refusal::out_of_range)) != 0 && info != nullptr)
+                        outcome.errors.push_back({"figure", "its size is outside the range of this step", figure, info->least, info->most});
+                      done(outcome);
+                    });
+}
+
+void act_use_calibration(Services& services, const Asker& asker, OutcomeDone done) {
+  Command command = command_of(CommandKind::use_calibration, asker);
+  command.v0 = static_cast<double>(services.utc_ns() / 1'000'000'000);
+  ask(services, command, std::move(done));
+}
+
+void act_cancel_calibration(Services& services, const Asker& asker, OutcomeDone done) {
+  ask(services, command_of(CommandKind::cancel_calibration, asker), std::move(done));
 }
 
 void act_mode(Services& services, const Asker& asker, const json& mode_name, const json& exercise_value, OutcomeDone done) {

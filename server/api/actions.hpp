@@ -36,6 +36,13 @@ void act_release_lease(Services& services, const Asker& asker, OutcomeDone done)
 void act_mode(Services& services, const Asker& asker, const nlohmann::json& mode, const nlohmann::json& exercise, OutcomeDone done);
 void act_stop(Services& services, std::uint32_t client, OutcomeDone done);
 void act_acknowledge(Services& services, const Asker& asker, OutcomeDone done);
+// Begins a step of the calibration table, by its name.
+void act_calibrate(Services& services, const Asker& asker, const nlohmann::json& step, OutcomeDone done);
+// What the operator measured: {figure} or, for a driven square, {figure, x_m, y_m, turning}.
+void act_measure(Services& services, const Asker& asker, const nlohmann::json& measured, OutcomeDone done);
+// The result becomes parameters, with today's date.
+void act_use_calibration(Services& services, const Asker& asker, OutcomeDone done);
+void act_cancel_calibration(Services& services, const Asker& asker, OutcomeDone done);
 void act_neutral(Services& services, const Asker& asker, OutcomeDone done);
 void act_pose(Services& services, const Asker& asker, const nlohmann::json& pose, OutcomeDone done);
 // {name: number, …}, all or nothing.

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "control/contract/calibration.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/faults.hpp"
 #include "server/api/actions.hpp"
@@ -100,6 +101,20 @@ json event_json(const contract::Event& event) {
       out["value"] = event.value;
       out["before"] = event.before;
       if (const auto index = contract::find_param_id(event.item)) out["name"] = contract::kParams[*index].name;
+      break;
+    case EventKind::calibration_sample:
+    case EventKind::calibration_result:
+    case EventKind::calibration_ended:
+      out["code"] = event.code;
+      out["item"] = event.item;
+      out["bits"] = event.bits;
+      out["value"] = event.value;
+      out["before"] = event.before;
+      if (const auto index = contract::find_param_id(event.item); index && event.kind == EventKind::calibration_result)
+        out["name"] = contract::kParams[*index].name;
+      if (const auto* reason = contract::find_calibration_reason(event.item);
+          reason != nullptr && event.kind == EventKind::calibration_ended)
+        out["name"] = reason->name;
       break;
     case EventKind::node_changed:
       out["code"] = event.code;
@@ -233,6 +248,11 @@ void Hub::on_event(const contract::Event& event) {
   if (event.kind == contract::EventKind::emergency) {
     if (emergencies_.size() == kEmergenciesKept) emergencies_.pop_front();
     emergencies_.push_back(event);
+  }
+  if (event.kind == contract::EventKind::calibration_result) {
+    if (proposed_.size() < contract::kParamCount) proposed_.push_back(event);
+  } else if (event.kind == contract::EventKind::calibration_sample || event.kind == contract::EventKind::calibration_ended) {
+    proposed_.clear();
   }
   json message = event_json(event);
   message["type"] = "event";

@@ -51,6 +51,8 @@ class Hub final : public CoreListener {
   [[nodiscard]] std::size_t clients() const { return clients_.size(); }
   // The latest emergency messages since the server started, oldest first.
   [[nodiscard]] const std::deque<contract::Event>& emergencies() const { return emergencies_; }
+  // What the calibration step under way would change: the core's events, one for each parameter.
+  [[nodiscard]] const std::vector<contract::Event>& proposed() const { return proposed_; }
   [[nodiscard]] Services& services() const { return *services_; }
 
  private:
@@ -63,6 +65,7 @@ class Hub final : public CoreListener {
   RecordingStatus told_;
   std::uint64_t told_update_ = 0, told_update_ns_ = 0;  // changes of the firmware desk, and when they were told
   std::deque<contract::Event> emergencies_;
+  std::vector<contract::Event> proposed_;
 };
 
 // The binary frame of some samples: 16 bytes of header, then the records as they lie in memory.

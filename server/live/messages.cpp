@@ -119,6 +119,18 @@ void preset(Client& client, const json& message) {
              reply_to(client, message));
 }
 void neutral(Client& client, const json& message) { act_neutral(client.hub().services(), asker_of(client), reply_to(client, message)); }
+void calibrate(Client& client, const json& message) {
+  act_calibrate(client.hub().services(), asker_of(client), field(message, "step"), reply_to(client, message));
+}
+void calibrate_measure(Client& client, const json& message) {
+  act_measure(client.hub().services(), asker_of(client), message, reply_to(client, message));
+}
+void calibrate_use(Client& client, const json& message) {
+  act_use_calibration(client.hub().services(), asker_of(client), reply_to(client, message));
+}
+void calibrate_cancel(Client& client, const json& message) {
+  act_cancel_calibration(client.hub().services(), asker_of(client), reply_to(client, message));
+}
 void pose(Client& client, const json& message) { act_pose(client.hub().services(), asker_of(client), message, reply_to(client, message)); }
 
 void marker(Client& client, const json& message) {

@@ -151,7 +151,7 @@ const cases = {
   },
 
   async 'the screens say that this is a simulation'() {
-    for (const name of ['Walk', 'Drive', 'Tune', 'Sessions', 'Health']) {
+    for (const name of ['Walk', 'Drive', 'Tune', 'Sessions', 'Calibrate', 'Health']) {
       await go(name);
       assert(await page.getByText('SIMULATION', { exact: true }).first().isVisible(), `no mark on ${name}`);
       const box = await page.getByRole('button', { name: 'STOP' }).boundingBox();
@@ -263,6 +263,35 @@ const cases = {
     await page.goto(`${stack.origin}/#/tune`);
     await page.locator('.tune-row', { has: page.getByLabel('Build-up strength', { exact: true }) }).getByRole('button', { name: 'Default' }).click();
     await until('the default is back', async () => (await stack.rest('GET', '/parameters/lean_gain_filtered_units')).json().value === 50);
+  },
+
+  async 'Calibrate: the empty struts are zeroed, old and new are shown, and the date is kept'() {
+    await toStandby();
+    await stack.ask({ op: 'bar', dx_m: 0, yaw_rad: 0 });
+    try {
+      await go('Calibrate');
+      await page.getByRole('button', { name: /^Struts upright/ }).click();
+      await until(
+        'a result is offered',
+        async () => {
+          if (await button('Use').isVisible().catch(() => false)) return true;
+          for (const name of ['Start', 'Try again']) if (await button(name).isEnabled({ timeout: 50 }).catch(() => false)) await button(name).click();
+          return false;
+        },
+        30_000,
+        500,
+      );
+      assert((await modeName()) === 'Calibrating', 'the bar above does not say that it is being calibrated');
+      await until('six zeros and the neutral stand there, old beside new', async () => (await page.locator('.calibrate-changes tbody tr').count()) === 8);
+      assert((await stack.rest('GET', '/parameters/calibrated_zero_s')).json().value === 0, 'it was taken over before anybody agreed');
+      await button('Use').click();
+      await until('the hoist is on standby again', async () => (await modeName()) === 'Standby');
+      const today_s = (await stack.rest('GET', '/parameters/calibrated_zero_s')).json().value;
+      assert(Math.abs(today_s - Date.now() / 1000) < 120, `the date kept is ${today_s}`);
+      assert(!(await stack.truth()).enabled, 'a drive was switched on');
+    } finally {
+      await stack.ask({ op: 'strap' });
+    }
   },
 
   async 'the joystick moves the hoist; letting go stops it; it goes where it is pushed'() {

@@ -1,4 +1,5 @@
 // Routes, sessions, refusals, parameters and motion over REST. Every answer is checked against OpenAPI by the fixture.
+#include "control/contract/calibration.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/params.hpp"
 #include "server/contract/routes.hpp"
@@ -287,6 +288,45 @@ TEST_F(Rest, ACoreThatDoesNotAnswerIsSaidSo) {
   wait_for_core(false);
   EXPECT_EQ(call("POST", "/api/v1/stop", json::object()).status, 503);
   EXPECT_EQ(get("/api/v1/mode").status, 503);
+}
+
+TEST_F(Rest, ACalibrationStepIsLedFromBeginToUse) {
+  const json table = get("/api/v1/calibration").json();
+  EXPECT_EQ(table["items"].size(), contract::kCalibrationSteps.size());
+  EXPECT_EQ(table["reasons"].size(), contract::kCalibrationReasons.size());
+  EXPECT_TRUE(table["under_way"].is_null());
+  EXPECT_TRUE(table["items"][0]["done_utc_s"].is_null()) << "never";
+  EXPECT_EQ(call("POST", "/api/v1/calibration", {{"step", "wheel_radius"}}).status, 409) << "without the lease";
+  ASSERT_EQ(call("POST", "/api/v1/lease", json::object()).status, 200);
+  EXPECT_EQ(call("POST", "/api/v1/calibration", {{"step", "weather"}}).status, 422);
+  EXPECT_EQ(call("POST", "/api/v1/calibration/use", json::object()).status, 409) << "nothing has begun";
+  ASSERT_EQ(call("POST", "/api/v1/calibration", {{"step", "wheel_radius"}}).status, 200);
+  EXPECT_EQ(core_->commands().back().a, static_cast<std::uint32_t>(contract::CalibrationStep::wheel_radius));
+  EXPECT_EQ(core_->commands().back().b, static_cast<std::uint32_t>(contract::Role::engineer));
+  ASSERT_TRUE(until([&] { return get("/api/v1/calibration").json()["under_way"]["step"] == "wheel_radius"; }));
+  EXPECT_EQ(get("/api/v1/calibration").json()["under_way"]["phase"], "operator");
+  EXPECT_EQ(call("POST", "/api/v1/calibration/measure", {{"figure", "far"}}).status, 422);
+  const Answer far = call("POST", "/api/v1/calibration/measure", {{"figure", 21.0}});
+  EXPECT_EQ(far.status, 422);
+  EXPECT_EQ(far.json()["errors"][0]["field"], "figure");
+  EXPECT_EQ(far.json()["errors"][0]["max"], 20.0);
+  EXPECT_EQ(call("POST", "/api/v1/calibration/measure", {{"figure", 3.0}, {"turning", "up"}}).status, 422);
+  ASSERT_EQ(call("POST", "/api/v1/calibration/measure", {{"figure", -2.0}}).status, 200);
+  EXPECT_DOUBLE_EQ(core_->commands().back().v0, -2.0);
+  ASSERT_EQ(call("POST", "/api/v1/calibration/measure", {{"figure", 3.0}, {"x_m", 0.1}, {"y_m", -0.2}, {"turning", "right"}}).status, 200);
+  EXPECT_EQ(core_->commands().back().a, static_cast<std::uint32_t>(contract::CalibrationPart::right_square));
+  EXPECT_DOUBLE_EQ(core_->commands().back().v2, -0.2);
+  contract::Event event;
+  event.kind = contract::EventKind::calibration_result;
+  event.item = contract::kParams[contract::param_index(contract::ParamName::wheel_radius_m)].id;
+  event.value = 0.098;
+  event.before = 0.1;
+  core_->publish_event(event);
+  ASSERT_TRUE(until([&] { return get("/api/v1/calibration").json()["under_way"]["result"].size() == 1; }));
+  EXPECT_EQ(get("/api/v1/calibration").json()["under_way"]["result"][0]["name"], "wheel_radius_m");
+  ASSERT_EQ(call("POST", "/api/v1/calibration/use", json::object()).status, 200);
+  EXPECT_GT(core_->commands().back().v0, 1.6e9) << "today";
+  EXPECT_EQ(call("DELETE", "/api/v1/calibration").status, 409) << "it is over";
 }
 
 TEST_F(Rest, PoseIsChecked) {

@@ -252,6 +252,10 @@ export const requestMode = (mode: 'user' | 'remote' | 'standby', exercise?: Exer
   withLease({ type: 'mode', mode, ...(exercise === undefined ? {} : { exercise }) });
 export const acknowledge = (): Promise<Reply> => withLease({ type: 'acknowledge' });
 export const setNeutral = (): Promise<Reply> => withLease({ type: 'neutral' });
+export const calibrate = (step: string): Promise<Reply> => withLease({ type: 'calibrate', step });
+export const calibrateMeasure = (measured: object): Promise<Reply> => withLease({ type: 'calibrate_measure', ...measured });
+export const calibrateUse = (): Promise<Reply> => withLease({ type: 'calibrate_use' });
+export const calibrateCancel = (): Promise<Reply> => withLease({ type: 'calibrate_cancel' });
 export const setParameters = (values: Partial<Record<ParamName, number>>): Promise<Reply> => withLease({ type: 'set', values });
 export const applyPreset = (name: string): Promise<Reply> => withLease({ type: 'preset', name });
 export const marker = (text: string): Promise<Reply> => link.request({ type: 'marker', text });

@@ -5,6 +5,7 @@ const paths = {
   tune: 'M5 4v8M5 16v4M12 4v2M12 10v10M19 4v10M19 18v2M3 14h4M10 8h4M17 16h4',
   sessions: 'M5 4h14v16H5zM9 8h6M9 12h6M9 16h3',
   health: 'M3 12h4l2-6 4 12 3-8 1.5 2H21',
+  calibrate: 'M12 3v3M12 18v3M3 12h3M18 12h3M12 6a6 6 0 1 0 0 12a6 6 0 1 0 0-12M12 9v3l2 2',
   settings: 'M12 3a9 9 0 1 0 0 18zM12 3a9 9 0 0 1 0 18',
 } as const;
 export type IconName = keyof typeof paths;

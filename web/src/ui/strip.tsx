@@ -71,6 +71,8 @@ export function Strip() {
           ? t(mine ? 'strip.driving' : 'strip.drivingOther')
           : mode === 'init'
             ? t('strip.starting')
+            : mode === 'calibrate'
+              ? t('strip.calibrating')
             : t('strip.ready');
   const first: Alarm = alarms[0] ?? { id: 'calm', priority: 'calm', text: calm, action: '' };
   const more = alarms.slice(1);

@@ -120,6 +120,10 @@ export function eventText(kind: string, name: string, value: number | null, befo
   const fault = faults.find((row) => row.name === name);
   const mode = modes.find((row) => row.name === name);
   const param = params.find((row) => row.name === name);
+  if (kind === 'calibration_result' && param) {
+    const show = shownAs(param.name, param.unit);
+    return `${title}: ${words(param.title)} ${plain((value ?? NaN) * show.factor)} ${show.unit}`;
+  }
   if (kind === 'parameter_changed' && param) {
     const show = shownAs(param.name, param.unit);
     const number = (si: number | null) => (si === null ? '–' : plain(si * show.factor));

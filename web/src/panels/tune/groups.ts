@@ -44,14 +44,16 @@ const order: readonly { title: TextKey; names: readonly ParamName[] }[] = [
     title: 'tune.group.machine',
     names: [
       'strut_length_m', 'strut_spacing_m', 'track_width_m', 'wheel_radius_m', 'encoder_counts_per_turn', 'wheel_left_scale_norm',
-      'wheel_right_scale_norm', 'drive_velocity_gain_v_s_rad', 'drive_velocity_integral_v_rad', 'drive_current_limit_a',
+      'wheel_right_scale_norm', 'left_alpha_zero_rad', 'left_beta_zero_rad', 'right_alpha_zero_rad', 'right_beta_zero_rad',
+      'base_alpha_zero_rad', 'base_beta_zero_rad', 'base_yaw_bias_rad_s', 'drive_velocity_gain_v_s_rad', 'drive_velocity_integral_v_rad', 'drive_current_limit_a',
       'drive_acceleration_rad_s2', 'tilt_kalman_angle_norm', 'tilt_kalman_bias_per_s',
     ],
   },
 ];
 
 export function groups(): Group[] {
-  const left = new Map(params.map((row) => [row.name, row]));
+  // Dates of calibrations are no settings: they stand on the Calibrate screen.
+  const left = new Map(params.filter((row) => !row.name.startsWith('calibrated_')).map((row) => [row.name, row]));
   const result: Group[] = order.map(({ title, names }) => ({
     title,
     rows: names.flatMap((name) => {

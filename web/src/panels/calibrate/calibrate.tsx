@@ -1,0 +1,256 @@
+// Calibration step by step: what to do now, whether it rests, what was found, and the old value beside the new one.
+import { useEffect, useState } from 'preact/hooks';
+import { params } from '../../contract/params.gen';
+import { calibrate, calibrateCancel, calibrateMeasure, calibrateUse, notify } from '../../link/console';
+import { useReading } from '../../link/live';
+import { rest } from '../../link/rest';
+import type { Reply } from '../../link/socket';
+import { useStore } from '../../link/store';
+import { useSettings } from '../../text/settings';
+import { date, fixed, readNumber, shownAs, t, words } from '../../text/text';
+import { Refusal } from '../../ui/refusal';
+import type { Panel } from '../panel';
+import { entry, nowKey, phaseNames, stepNames, stepsFor, watched, type Change, type Now, type Step, type StepName, type Table } from './model';
+import { StepPicture } from './picture';
+
+const unitText = (unit: string): string => (unit === 'turns' ? t('calibrate.turns') : unit);
+
+function Changes({ list }: { list: readonly Change[] }) {
+  if (list.length === 0) return <p>{t('calibrate.checked')}</p>;
+  return (
+    <table class="calibrate-changes num">
+      <thead>
+        <tr>
+          <th />
+          <th>{t('calibrate.old')}</th>
+          <th>{t('calibrate.new')}</th>
+        </tr>
+      </thead>
+      <tbody>
+        {list.map((change) => {
+          const row = params.find((one) => one.name === change.name);
+          if (row === undefined) return null;
+          const show = shownAs(row.name, row.unit);
+          const decimals = row.unit.startsWith('rad') ? 2 : 4;
+          return (
+            <tr key={change.name}>
+              <th scope="row">{words(row.title)}</th>
+              <td>
+                {fixed(change.before * show.factor, decimals)} {show.unit}
+              </td>
+              <td>
+                <strong>
+                  {fixed(change.value * show.factor, decimals)} {show.unit}
+                </strong>
+              </td>
+            </tr>
+          );
+        })}
+      </tbody>
+    </table>
+  );
+}
+
+/** Where the operator writes what the tape says. The direction is a choice, because nobody should have to think of a minus sign. */
+function Entry({ step, second, busy, onMeasure }: { step: StepName; second: boolean; busy: boolean; onMeasure: (message: object) => void }) {
+  const [figure, setFigure] = useState('');
+  const [x, setX] = useState('');
+  const [y, setY] = useState('');
+  const [back, setBack] = useState(second);
+  useEffect(() => setBack(second), [second]);
+  const { factor, unit } = entry(step);
+  const square = step === 'square';
+  const size = readNumber(figure);
+  const values = square ? [size, readNumber(x), readNumber(y)] : [size];
+  const ready = values.every((value) => Number.isFinite(value)) && size > 0;
+  const turns = step === 'strut_spacing' || step === 'track' || square;
+  const send = () => {
+    if (square) onMeasure({ figure: size, x_m: readNumber(x) / 100, y_m: readNumber(y) / 100, turning: back ? 'right' : 'left' });
+    else onMeasure({ figure: (back ? -1 : 1) * size * factor });
+  };
+  return (
+    <form
+      class="calibrate-entry"
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (ready && !busy) send();
+      }}
+    >
+      <div class="choice" role="radiogroup" aria-label={t('calibrate.direction')}>
+        {[false, true].map((way) => (
+          <button key={String(way)} type="button" role="radio" aria-checked={back === way} onClick={() => setBack(way)}>
+            {t(turns ? (way ? 'calibrate.right' : 'calibrate.left') : way ? 'calibrate.backward' : 'calibrate.forward')}
+          </button>
+        ))}
+      </div>
+      <label>
+        <span>{t(square ? 'calibrate.side' : 'calibrate.measured')}</span>
+        <span class="calibrate-field">
+          <input name="figure" type="text" inputMode="decimal" autocomplete="off" class="num" value={figure} onInput={(event) => setFigure(event.currentTarget.value)} />
+          <span>{unitText(unit)}</span>
+        </span>
+      </label>
+      {square ? (
+        <>
+          <label>
+            <span>{t('calibrate.ahead')}</span>
+            <span class="calibrate-field">
+              <input name="x" type="text" inputMode="decimal" autocomplete="off" class="num" value={x} onInput={(event) => setX(event.currentTarget.value)} />
+              <span>cm</span>
+            </span>
+          </label>
+          <label>
+            <span>{t('calibrate.leftOf')}</span>
+            <span class="calibrate-field">
+              <input name="y" type="text" inputMode="decimal" autocomplete="off" class="num" value={y} onInput={(event) => setY(event.currentTarget.value)} />
+              <span>cm</span>
+            </span>
+          </label>
+        </>
+      ) : null}
+      <button type="submit" class="primary" disabled={!ready || busy}>
+        {t('calibrate.measure')}
+      </button>
+    </form>
+  );
+}
+
+function Guide({ item, now, table, simulated, connected }: { item: Step; now: Now | null; table: Table; simulated: boolean; connected: boolean }) {
+  const standby = useStore((s) => s.mode === 'standby');
+  const [reply, setReply] = useState<Reply | null>(null);
+  const [changes, setChanges] = useState<readonly Change[]>([]);
+  const step = item.name as StepName;
+  const running = now !== null && now.step === step;
+  const phase = running ? now.phase : 'none';
+  useEffect(() => setReply(null), [step]);
+  useEffect(() => {
+    if (phase !== 'result') return setChanges([]);
+    void rest<Table>('GET', '/calibration').then((answer) => answer.ok && setChanges(answer.value.under_way?.result ?? []));
+  }, [phase]);
+
+  const ask = async (what: Promise<Reply>): Promise<boolean> => {
+    const answer = await what;
+    setReply(answer.ok || answer.refusals[0] === 'kept' ? null : answer);
+    return answer.ok;
+  };
+  const use = async () => {
+    if (await ask(calibrateUse())) notify('info', t('calibrate.used', { name: words(item.title) }), true);
+  };
+  const key = running ? nowKey(now) : null;
+  const reason = running && now.reason > 0 ? table.reasons[now.reason - 1] : undefined;
+  const shown = running ? watched(now) : null;
+  const still = phase === 'measuring' || phase === 'result';
+  const second = running && now.done_percent >= 50;
+  return (
+    <section class="card calibrate-guide">
+      <h2>{words(item.title)}</h2>
+      <div class="calibrate-step">
+        <StepPicture step={step} strip={running && step === 'bumpers' && phase === 'operator' ? Math.round(now.value) : null} />
+        <div class="calibrate-words">
+          <p class="calibrate-action">{words(item.action)}</p>
+          {running ? (
+            <>
+              {key !== null ? (
+                <p class="calibrate-now" role="status" aria-live="polite">
+                  {t(key)}
+                </p>
+              ) : null}
+              {reason !== undefined ? (
+                <p class="calibrate-reason" role="alert">
+                  {words(reason.text)}
+                </p>
+              ) : null}
+              <div class="calibrate-live">
+                {phase === 'resting' || phase === 'measuring' ? (
+                  <span class={still ? 'calibrate-still' : 'calibrate-still moving'}>{t(still ? 'calibrate.still' : 'calibrate.moving')}</span>
+                ) : null}
+                {shown !== null && phase !== 'refused' ? (
+                  <span class="num calibrate-value">
+                    {fixed(shown.value, shown.decimals)} {unitText(shown.unit)}
+                  </span>
+                ) : null}
+                <progress max={100} value={now.done_percent} aria-label={t('calibrate.progress')} />
+              </div>
+            </>
+          ) : (
+            <p class="hint">{item.done_utc_s === null ? t('calibrate.never') : t('calibrate.last', { date: date(item.done_utc_s * 1000) })}</p>
+          )}
+        </div>
+      </div>
+      {phase === 'result' ? <Changes list={changes} /> : null}
+      {running && item.entered !== null && (phase === 'operator' || phase === 'result') ? (
+        <details open={phase === 'operator'} class="calibrate-more">
+          <summary>{t(phase === 'operator' ? 'calibrate.enter' : 'calibrate.again')}</summary>
+          <Entry step={step} second={second} busy={!connected} onMeasure={(message) => void ask(calibrateMeasure(message))} />
+        </details>
+      ) : null}
+      <div class="calibrate-buttons">
+        {!running ? (
+          <button type="button" class="primary big" disabled={!connected || (!standby && now === null)} onClick={() => void ask(calibrate(step))}>
+            {t('calibrate.start')}
+          </button>
+        ) : null}
+        {phase === 'result' ? (
+          <button type="button" class="primary big" onClick={() => void use()}>
+            {t(changes.length > 0 ? 'calibrate.use' : 'calibrate.note')}
+          </button>
+        ) : null}
+        {phase === 'refused' ? (
+          <button type="button" class="primary big" onClick={() => void ask(calibrate(step))}>
+            {t('calibrate.repeat')}
+          </button>
+        ) : null}
+        {running ? (
+          <button type="button" class="plain big" onClick={() => void ask(calibrateCancel())}>
+            {t(phase === 'result' ? 'calibrate.keep' : 'calibrate.cancel')}
+          </button>
+        ) : null}
+      </div>
+      <Refusal reply={reply} onClose={() => setReply(null)} />
+      {simulated && step === 'zero' && !running ? <p class="hint">{t('calibrate.simulated')}</p> : null}
+    </section>
+  );
+}
+
+function CalibrateView() {
+  useSettings();
+  const role = useStore((s) => s.role);
+  const connected = useStore((s) => s.link === 'open');
+  const version = useStore((s) => s.parameterVersion);
+  const simulated = useStore((s) => s.simulated);
+  const [table, setTable] = useState<Table | null>(null);
+  const [failed, setFailed] = useState(false);
+  const [chosen, setChosen] = useState<string | null>(null);
+  const text = useReading((r) => (r === null || r.calibration_step === 0 ? '' : [r.calibration_step, r.calibration_phase, r.calibration_done_percent, r.calibration_reason, r.calibration_value].join(' ')), 5);
+  useEffect(() => {
+    if (!connected) return;
+    void rest<Table>('GET', '/calibration').then((answer) => {
+      setFailed(!answer.ok);
+      if (answer.ok) setTable(answer.value);
+    });
+  }, [connected, version]);
+  if (table === null) return <p class="hint">{t(failed ? 'calibrate.failed' : 'common.loading')}</p>;
+  const [step = 0, phase = 0, done_percent = 0, reason = 0, value = 0] = text === '' ? [] : text.split(' ').map(Number);
+  const now: Now | null = text === '' ? null : { step: stepNames[step] ?? 'none', phase: phaseNames[phase] ?? 'none', done_percent, reason, value };
+  const items = stepsFor(table.items, role);
+  const item = items.find((one) => one.name === (now?.step ?? chosen)) ?? items[0];
+  return (
+    <div class="calibrate">
+      <ul class="calibrate-list">
+        {items.map((one) => (
+          <li key={one.name}>
+            <button type="button" aria-current={one === item ? 'true' : undefined} disabled={now !== null && one !== item} onClick={() => setChosen(one.name)}>
+              <span>{words(one.title)}</span>
+              <span class={one.done_utc_s === null ? 'calibrate-date never' : 'calibrate-date'}>
+                {one.done_utc_s === null ? t('calibrate.never') : date(one.done_utc_s * 1000)}
+              </span>
+            </button>
+          </li>
+        ))}
+      </ul>
+      {item === undefined ? null : <Guide item={item} now={now} table={table} simulated={simulated} connected={connected} />}
+    </div>
+  );
+}
+
+export const calibratePanel: Panel = { id: 'calibrate', title: 'nav.calibrate', icon: 'calibrate', live: true, View: CalibrateView };

@@ -1,0 +1,100 @@
+// What the Calibrate screen knows: the table of steps from the server, and what to do at this moment.
+import type { ParamName } from '../../contract/params.gen';
+import type { Words } from '../../contract/params.gen';
+import type { TextKey } from '../../text/en';
+
+export interface Step {
+  name: string;
+  role: 'viewer' | 'therapist' | 'engineer';
+  entered: { unit: 'm' | 'rad'; least: number; most: number } | null;
+  title: Words;
+  action: Words;
+  done_utc_s: number | null;
+}
+export interface Change {
+  name: ParamName;
+  value: number;
+  before: number;
+}
+export interface Table {
+  valid: boolean | null;
+  under_way: { step: string; result: Change[] } | null;
+  items: Step[];
+  reasons: { name: string; text: Words }[];
+}
+
+/** Numbers of the live values, in the order of the contract's table. */
+export const stepNames = ['none', 'zero', 'neutral', 'gyro', 'strut_length', 'strut_spacing', 'wheel_radius', 'track', 'square', 'encoders', 'bumpers'] as const;
+export type StepName = (typeof stepNames)[number];
+export const phaseNames = ['none', 'resting', 'measuring', 'operator', 'result', 'refused'] as const;
+export type Phase = (typeof phaseNames)[number];
+
+export interface Now {
+  step: StepName;
+  phase: Phase;
+  done_percent: number;
+  reason: number;
+  value: number;
+}
+
+/** A therapist sees what is theirs; an engineer everything. */
+export const stepsFor = (items: readonly Step[], role: string): Step[] => items.filter((item) => role === 'engineer' || item.role !== 'engineer');
+
+const bumperKeys: readonly TextKey[] = ['calibrate.press.front', 'calibrate.press.rear', 'calibrate.press.left', 'calibrate.press.right'];
+
+/** The one thing to do now. Null: the step's own words say it. */
+export function nowKey(now: Now): TextKey | null {
+  if (now.phase === 'result') return 'calibrate.now.result';
+  if (now.phase === 'refused') return null;
+  if (now.phase === 'resting') return now.step === 'neutral' ? 'calibrate.now.standStill' : 'calibrate.now.rest';
+  if (now.phase === 'measuring') return 'calibrate.now.measuring';
+  if (now.phase !== 'operator') return null;
+  if (now.step === 'bumpers') return bumperKeys[Math.min(3, Math.max(0, Math.round(now.value)))]!;
+  if (now.step === 'encoders') return now.done_percent < 50 ? 'calibrate.now.pushForward' : 'calibrate.now.turnLeft';
+  const second = now.done_percent >= 50;
+  switch (now.step) {
+    case 'strut_length':
+      return second ? 'calibrate.now.barBack' : 'calibrate.now.barForward';
+    case 'strut_spacing':
+      return second ? 'calibrate.now.barRight' : 'calibrate.now.barLeft';
+    case 'wheel_radius':
+      return second ? 'calibrate.now.pushBack' : 'calibrate.now.pushAhead';
+    case 'track':
+      return second ? 'calibrate.now.spinRight' : 'calibrate.now.spinLeft';
+    case 'square':
+      return second ? 'calibrate.now.squareRight' : 'calibrate.now.squareLeft';
+    default:
+      return null;
+  }
+}
+
+/** How the operator's figure is written: whole turns for a track, degrees for a bar, metres else. Shown × factor = SI. */
+export function entry(step: StepName): { factor: number; unit: 'm' | '°' | 'turns' } {
+  if (step === 'track') return { factor: 2 * Math.PI, unit: 'turns' };
+  if (step === 'strut_spacing') return { factor: Math.PI / 180, unit: '°' };
+  return { factor: 1, unit: 'm' };
+}
+
+/** The value that is watched, in the unit it is shown in; null where there is none to show. */
+export function watched(now: Now): { value: number; unit: 'm' | '°' | '°/s' | 'turns' | 'mm'; decimals: number } | null {
+  const degrees = (now.value * 180) / Math.PI;
+  switch (now.step) {
+    case 'zero':
+      return { value: degrees, unit: '°', decimals: 2 };
+    case 'gyro':
+      return { value: degrees, unit: '°/s', decimals: 2 };
+    case 'neutral':
+      return { value: now.value * 1000, unit: 'mm', decimals: 0 };
+    case 'strut_spacing':
+      return { value: degrees, unit: '°', decimals: 1 };
+    case 'track':
+      return { value: now.value / (2 * Math.PI), unit: 'turns', decimals: 2 };
+    case 'encoders':
+      return now.done_percent < 50 ? { value: now.value, unit: 'm', decimals: 2 } : { value: degrees, unit: '°', decimals: 0 };
+    case 'strut_length':
+    case 'wheel_radius':
+      return { value: now.value, unit: 'm', decimals: 3 };
+    default:
+      return null;
+  }
+}

@@ -1,0 +1,37 @@
+import { describe, expect, it } from 'vitest';
+import { entry, nowKey, stepNames, stepsFor, watched, type Now, type Step } from '../src/panels/calibrate/model';
+import { en } from '../src/text/en';
+
+const now = (change: Partial<Now>): Now => ({ step: 'zero', phase: 'operator', done_percent: 0, reason: 0, value: 0, ...change });
+const step = (name: string, role: Step['role']): Step => ({
+  name, role, entered: null, title: { en: name, de: name }, action: { en: '', de: '' }, done_utc_s: null,
+});
+
+describe('the Calibrate screen', () => {
+  it('shows a therapist only what is theirs', () => {
+    const items = [step('zero', 'therapist'), step('track', 'engineer'), step('bumpers', 'therapist')];
+    expect(stepsFor(items, 'therapist').map((item) => item.name)).toEqual(['zero', 'bumpers']);
+    expect(stepsFor(items, 'viewer').map((item) => item.name)).toEqual(['zero', 'bumpers']);
+    expect(stepsFor(items, 'engineer')).toHaveLength(3);
+  });
+
+  it('says at every moment of every step what to do, in words that exist', () => {
+    for (const name of stepNames.slice(1))
+      for (const phase of ['resting', 'measuring', 'operator', 'result'] as const)
+        for (const done_percent of [0, 50, 90]) {
+          const key = nowKey(now({ step: name, phase, done_percent }));
+          if (phase !== 'operator' || !['zero', 'neutral', 'gyro'].includes(name)) expect(key === null ? '' : en[key], `${name} ${phase}`).not.toBe('');
+        }
+    expect(nowKey(now({ step: 'bumpers', value: 2 }))).toBe('calibrate.press.left');
+    expect(nowKey(now({ step: 'strut_length', done_percent: 50 }))).toBe('calibrate.now.barBack');
+    expect(nowKey(now({ phase: 'refused' }))).toBeNull();
+  });
+
+  it('asks in the units of a tape and sends SI', () => {
+    expect(entry('track').factor).toBeCloseTo(2 * Math.PI);
+    expect(entry('strut_spacing').factor).toBeCloseTo(Math.PI / 180);
+    expect(entry('wheel_radius')).toEqual({ factor: 1, unit: 'm' });
+    expect(watched(now({ step: 'track', value: 4 * Math.PI }))?.value).toBeCloseTo(2);
+    expect(watched(now({ step: 'square' }))).toBeNull();
+  });
+});
