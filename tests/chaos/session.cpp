@@ -309,7 +309,6 @@ class Session {
     const double now_s = loop_.time_s();
     switch (loop_.mode()) {
       case Mode::init:
-      case Mode::calibrate:
         return;
       case Mode::standby:
         loop_.fall_silent();
