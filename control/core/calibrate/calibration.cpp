@@ -209,6 +209,12 @@ void watch_neutral(CoreState& state) noexcept {
   if (c.phase == CalibrationPhase::refused) c.reason = CalibrationReason::posture_too_far;
 }
 
+// Of the pairs; the last tenth is the result itself.
+std::uint8_t pairs_percent(const Calibration& c) noexcept {
+  const std::size_t wanted = info_of(c.step).samples;
+  return static_cast<std::uint8_t>(c.pairs.size() >= wanted ? 90 : c.pairs.size() * 100 / wanted);
+}
+
 // Another pair is complete: as soon as there are enough, a result.
 void judge_pairs(CoreState& state) noexcept {
   Calibration& c = state.motion.calibration;
@@ -216,7 +222,7 @@ void judge_pairs(CoreState& state) noexcept {
   c.idle_ticks = 0;
   c.phase = CalibrationPhase::operator_;
   c.reason = CalibrationReason::none;
-  c.done_percent = static_cast<std::uint8_t>(c.pairs.size() >= info.samples ? 90 : c.pairs.size() * 100 / info.samples);
+  c.done_percent = pairs_percent(c);
   if (c.pairs.size() < info.samples) return;
   if (!c.pairs.both_directions()) {
     c.reason = CalibrationReason::one_direction;
@@ -304,6 +310,7 @@ void watch_pairs(CoreState& state) noexcept {
   if (c.restless_ticks < kCalibrationRestTicks) return;
   c.waiting = false;
   c.phase = CalibrationPhase::operator_;
+  c.done_percent = pairs_percent(c);
   c.reason = CalibrationReason::not_still;
 }
 

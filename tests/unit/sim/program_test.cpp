@@ -75,6 +75,27 @@ TEST(Requests, DoWhatTheySay) {
   EXPECT_TRUE(ask(world, R"({"op":"help"})").contains("reset"));
 }
 
+TEST(Requests, LetSomebodyPushTheHoistAndHoldTheBar) {
+  World world(WorldOptions{});
+  const double from_rad = world.plant().platform().psi_rad;
+  const std::int32_t left = world.plant().encoder_counts(Side::left);
+  EXPECT_EQ(ask(world, R"({"op":"push","way_m":1.0,"turn_rad":0.5})").at("ok"), true);
+  EXPECT_EQ(ask(world, R"({"op":"bar","dx_m":0.1,"yaw_rad":0.0})").at("ok"), true);
+  EXPECT_EQ(ask(world, R"({"op":"state"})").at("patient_in"), false);
+  for (int i = 0; i < 4000; ++i) world.advance_1ms();
+  EXPECT_FALSE(world.plant().pushed());
+  EXPECT_NEAR(world.plant().platform().psi_rad - from_rad, 0.5, 1e-3);
+  EXPECT_GT(world.plant().encoder_counts(Side::left) - left, 60000) << "a turn and more: the encoders count a push";
+  EXPECT_NEAR(world.plant().strut_alpha_rad(Side::left), std::atan(0.1 / 0.8), 1e-9);
+  EXPECT_EQ(ask(world, R"({"op":"strap"})").at("ok"), true);
+  EXPECT_TRUE(world.patient_in());
+  EXPECT_EQ(ask(world, R"({"op":"wire_bumper","strip":0,"bit":1})").at("ok"), true);
+  EXPECT_EQ(ask(world, R"({"op":"bumper","which":"front","pressed":true})").at("ok"), true);
+  EXPECT_EQ(world.plant().bumpers(), 0x02);
+  EXPECT_TRUE(ask(world, R"({"op":"bar","dx_m":0.9,"yaw_rad":0.0})").contains("error"));
+  EXPECT_TRUE(ask(world, R"({"op":"push","way_m":"far","turn_rad":0.0})").contains("error"));
+}
+
 TEST(Requests, RefuseByNameAndChangeNothing) {
   World world(WorldOptions{});
   const std::uint64_t before = world.digest();

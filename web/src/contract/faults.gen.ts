@@ -61,7 +61,8 @@ export type RefusalName =
   | 'fault_mode'
   | 'emergency_stop_open'
   | 'set_outdated'
-  | 'node_version';
+  | 'node_version'
+  | 'not_calibrated';
 
 export type ModeName =
   | 'init'
@@ -274,6 +275,7 @@ export const refusals: readonly RefusalInfo[] = [
   { bit: 20, name: 'emergency_stop_open', text: { en: 'The emergency stop is still pressed: release it first.', de: 'Der Not-Halt ist noch gedrückt: zuerst lösen.' } },
   { bit: 21, name: 'set_outdated', text: { en: 'These values did not arrive whole, or others have changed meanwhile: look again, then send again.', de: 'Diese Werte kamen nicht vollständig an oder andere haben sich inzwischen geändert: ansehen und neu senden.' } },
   { bit: 22, name: 'node_version', text: { en: 'A sensor or drive runs another program version than this control.', de: 'Ein Sensor oder Antrieb hat eine andere Programmversion als diese Steuerung.' } },
+  { bit: 26, name: 'not_calibrated', text: { en: 'The struts have never been zeroed on this hoist: do that under Calibrate first.', de: 'Die Streben wurden an diesem Gerät noch nie genullt: zuerst unter Kalibrieren erledigen.' } },
 ];
 
 export interface ModeInfo {

@@ -144,7 +144,7 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
   return (
     <section class="card calibrate-guide">
       <h2>{words(item.title)}</h2>
-      <div class="calibrate-step">
+      <div class={changes.length > 2 ? 'calibrate-step short' : 'calibrate-step'}>
         <StepPicture step={step} strip={running && step === 'bumpers' && phase === 'operator' ? Math.round(now.value) : null} />
         <div class="calibrate-words">
           <p class="calibrate-action">{words(item.action)}</p>
@@ -236,7 +236,7 @@ function CalibrateView() {
   const item = items.find((one) => one.name === (now?.step ?? chosen)) ?? items[0];
   return (
     <div class="calibrate">
-      <ul class="calibrate-list">
+      <ul class={now === null ? 'calibrate-list' : 'calibrate-list running'}>
         {items.map((one) => (
           <li key={one.name}>
             <button type="button" aria-current={one === item ? 'true' : undefined} disabled={now !== null && one !== item} onClick={() => setChosen(one.name)}>
