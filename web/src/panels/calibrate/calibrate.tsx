@@ -108,7 +108,7 @@ function Entry({ step, second, busy, onMeasure }: { step: StepName; second: bool
           </label>
         </>
       ) : null}
-      <button type="submit" class="primary" disabled={!ready || busy}>
+      <button type="submit" class="primary big" disabled={!ready || busy}>
         {t('calibrate.measure')}
       </button>
     </form>
