@@ -272,8 +272,16 @@ std::uint64_t HoistBench::digest() const {
 
 // ---------------------------------------------------------------- with the core
 
+namespace {
+// These nodes are no simulation and say so: a hoist of theirs starts only after its struts have been zeroed.
+contract::Params zeroed(contract::Params params) {
+  params.calibrated_zero_s = 1.0;
+  return params;
+}
+}  // namespace
+
 MachineLoop::MachineLoop(const Images& images, const BenchOptions& options, const contract::Params& params)
-    : bench_(images, options), core_(std::make_unique<core::CoreState>(params)), outputs_(std::make_unique<core::TickOutputs>()) {}
+    : bench_(images, options), core_(std::make_unique<core::CoreState>(zeroed(params))), outputs_(std::make_unique<core::TickOutputs>()) {}
 
 void MachineLoop::step() {
   constexpr std::uint64_t kClockStart_ns = 1'000'000'000;
