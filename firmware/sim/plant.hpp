@@ -109,6 +109,13 @@ class Plant {
   /// Weight that hangs in the harness and so presses the wheels to the floor, N.
   void set_carried(double weight_n) { carried_n_ = weight_n; }
   void set_grip(Side side, double grip_norm) { grip_norm_[index(side)] = grip_norm; }
+  /// From now on the floor falls by slope_rad toward downhill_rad (a heading), everywhere: as when all wheels have rolled onto a ramp, with
+  /// the second or so that this takes. It leans the machine and draws it downhill. Not finite or steeper than 30 degrees: no change.
+  void tilt_floor(double slope_rad, double downhill_rad);
+  [[nodiscard]] double floor_slope_rad() const { return floor_rad_; }
+  /// True lean of the chassis, forward and to the right, rad.
+  [[nodiscard]] double chassis_alpha_rad() const { return pitch_rad_; }
+  [[nodiscard]] double chassis_beta_rad() const { return roll_rad_; }
   void cut_power(bool cut) { power_cut_ = cut; }
   /// The second contact in the motors' supply, which the computer keeps closed.
   void open_relay(bool open) { relay_open_ = open; }
@@ -161,6 +168,8 @@ class Plant {
   void step_pushed(double dt_s);
   /// Motor turns for each turn of a wheel of the mean radius: a larger wheel goes further for the same turn of its motor.
   [[nodiscard]] double gear(std::size_t i) const { return params_.gear_ratio / params_.wheel_norm[i]; }
+  [[nodiscard]] double floor_pitch_rad() const;
+  [[nodiscard]] double floor_roll_rad() const;
 
   PlantParams params_;
   PlatformMotion platform_;
@@ -178,6 +187,9 @@ class Plant {
   bool relay_open_{false};
   bool emergency_stop_{false};
   double carried_n_{};
+  double floor_rad_{};  // slope of the floor, on its way to floor_goal_rad_
+  double floor_goal_rad_{};
+  double downhill_rad_{};
   double pitch_rad_{};
   double roll_rad_{};
   double pitch_rate_rad_s_{};

@@ -24,6 +24,7 @@ constexpr double kBatteryMax_v = 32.0;
 constexpr double kWishMin_m_s = 0.05, kWishMax_m_s = 0.8;
 constexpr double kPlaceMax_m = 100.0;
 constexpr double kBarMax_m = 0.25, kBarMax_rad = 0.5;
+constexpr double kFloorMax_rad = 0.5;
 
 // Fields. Each refusal names the field and what it may be.
 std::optional<std::string> text(const json& request, const char* field) {
@@ -197,6 +198,15 @@ Answer op_emergency_stop(World& world, const ProgramState&, const json& request)
   return kDone;
 }
 
+Answer op_floor(World& world, const ProgramState&, const json& request) {
+  const auto slope_rad = number(request, "slope_rad", -kFloorMax_rad, kFloorMax_rad);
+  if (!slope_rad) return Refused{"slope_rad: -0.5 to 0.5"};
+  const auto downhill_rad = number(request, "downhill_rad", -kPi, kPi);
+  if (!downhill_rad) return Refused{"downhill_rad: -pi to pi, the heading in which the floor falls"};
+  world.plant().tilt_floor(*slope_rad, *downhill_rad);
+  return kDone;
+}
+
 Answer op_pokeys(World&, const ProgramState& program, const json& request) {
   if (program.pokeys == nullptr) return Refused{"op: there is no PoKeys; start with --pokeys-udp"};
   const auto silent = flag(request, "silent");
@@ -294,6 +304,7 @@ constexpr std::array kOperations{
     Operation{"battery", "volts of both together, null for what physics gives", op_battery},
     Operation{"power", "on: false opens the motors' relay without a word from the emergency stop", op_power},
     Operation{"emergency_stop", "pressed: the button on the hoist; opens chain and relay", op_emergency_stop},
+    Operation{"floor", "slope_rad, downhill_rad: the floor is a ramp that falls in that heading", op_floor},
     Operation{"pokeys", "silent: the PoKeys on the network answers nobody", op_pokeys},
     Operation{"wish", "speed_m_s the patient likes to walk", op_wish},
     Operation{"bar", "dx_m, yaw_rad: the patient steps out, somebody holds the bar there; zeros let it stand", op_bar},

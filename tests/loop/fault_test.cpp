@@ -364,6 +364,39 @@ TEST(Faults, H12_EmptyBatteriesEndTheWalkGently) {
   EXPECT_LE(hardest_m_s2, 0.55);
 }
 
+// H9: the ramp also draws the hoist downhill and shows in every sensor; a strut against the chassis shows nothing.
+TEST(Faults, H9_AGentleRampSlowsAndASteepOneStopsAndHolds) {
+  for (const double downhill_rad : {0.0, sim::kPi, sim::kPi / 2}) {
+    SCOPED_TRACE(downhill_rad);
+    Walk walk("straight", 0.45);
+    ASSERT_TRUE(walk.set_off());
+    sim::Plant& plant = walk.loop.world().plant();
+    plant.tilt_floor(6.0 * sim::kDegree_rad, downhill_rad);
+    walk.loop.run(2.5);
+    EXPECT_TRUE(walk.loop.fault(Fault::base_tilt_high));
+    EXPECT_EQ(walk.loop.mode(), Mode::user);
+    EXPECT_LE(std::fabs(static_cast<double>(walk.loop.record().speed_command_m_s)), 0.2 + 1e-6);
+    EXPECT_LE(std::fabs(walk.speed_m_s()), 0.23);
+    plant.tilt_floor(9.5 * sim::kDegree_rad, downhill_rad);
+    double steep_s = -1.0;
+    ASSERT_TRUE(walk.loop.run_until(
+        [&] {
+          if (steep_s < 0.0 && std::hypot(plant.chassis_alpha_rad(), plant.chassis_beta_rad()) > 8.0 * sim::kDegree_rad)
+            steep_s = walk.loop.time_s();
+          return walk.loop.mode() == Mode::protective_stop;
+        },
+        5.0));
+    EXPECT_TRUE(walk.loop.ever_raised(Fault::base_tilted));
+    if (steep_s > 0.0) {
+      EXPECT_LE(walk.loop.time_s() - steep_s, 0.200 + 1e-6);
+    }
+    walk.loop.run(1.0);
+    const double stood_m = plant.platform().x_m;
+    walk.loop.run(5.0);
+    EXPECT_NEAR(plant.platform().x_m, stood_m, 0.02) << "the servo holds it on the ramp";
+  }
+}
+
 TEST(Faults, StopIsObeyedAtOnceByAnyMode) {
   Walk walk("straight", 0.60);
   ASSERT_TRUE(walk.set_off());

@@ -41,11 +41,19 @@ const std::vector<Trip>& trips() {
       {"left drive in fault", Fault::drive_left_fault, "H2", Mode::user, 3, [](ScriptedHoist& h) { h.drive_left.fault = true; }, nothing},
       {"right drive in fault", Fault::drive_right_fault, "H2", Mode::remote, 3, [](ScriptedHoist& h) { h.drive_right.fault = true; },
        nothing},
+      {"right drive drops out", Fault::drive_right_fault, "H2", Mode::remote, 8, nullptr,
+       [](ScriptedHoist& h, int) { h.drive_right.status = 0x40; }},
       {"drive drops out", Fault::drive_left_fault, "H2", Mode::user, 8, nullptr, [](ScriptedHoist& h, int) { h.drive_left.status = 0x40; }},
       {"strut beyond its stop", Fault::tilt_implausible, "H7", Mode::remote, 2,
        [](ScriptedHoist& h) {
          h.tilt_left.slew_deg = 99;
          h.tilt_left.alpha_deg = 17.5;
+       },
+       nothing},
+      {"strut creeps beyond its stop", Fault::tilt_implausible, "H7", Mode::remote, 16,
+       [](ScriptedHoist& h) {
+         h.tilt_left.slew_deg = 1.5;
+         h.tilt_left.alpha_deg = 17.3;
        },
        nothing},
       {"chassis beyond belief", Fault::tilt_implausible, "H7", Mode::user, 2,
@@ -72,6 +80,13 @@ const std::vector<Trip>& trips() {
        [](ScriptedHoist& h) { h.tilt_left.dither = h.tilt_right.dither = false; }, nothing},
       {"one strut's chip stands while its twin moves", Fault::tilt_frozen, "H6", Mode::user, 34,
        [](ScriptedHoist& h) { h.tilt_right.dither = false; }, nothing},
+      {"one strut's chip all but stands", Fault::tilt_frozen, "H6", Mode::user, 48,
+       [](ScriptedHoist& h) {
+         h.sway_deg = 0;
+         h.tilt_right.dither = false;
+       },
+       // Two lively samples in thirty: one for each lonely bump of two digits.
+       [](ScriptedHoist& h, int i) { h.tilt_right.alpha_deg = i % 15 == 7 ? 6.002 : 6.0; }},
       {"the chassis' gyroscopes stand", Fault::tilt_frozen, "H6", Mode::user, 22, [](ScriptedHoist& h) { h.tilt_base.dither = false; },
        nothing},
       {"self-test failed", Fault::tilt_sensor_fault, "H8", Mode::user, 2, [](ScriptedHoist& h) { h.tilt_base.status = 3 | 16; }, nothing},
@@ -401,6 +416,58 @@ TEST(Monitors, H12BatteryWarnsThenStopsGentlyAndBlocksTheStart) {
   EXPECT_NE(hoist.ask_mode(Mode::user), 0U);
 }
 
+// H12: the filter's second, exactly.
+TEST(Monitors, H12ADeepSagIsFoundInASecond) {
+  ScriptedHoist hoist;
+  set_going(hoist, Mode::user);
+  hoist.io.battery_a_v = hoist.io.battery_b_v = 10.0;
+  int low_ticks = 0, empty_ticks = 0;
+  for (int i = 1; i <= 300 && empty_ticks == 0; ++i) {
+    hoist.step();
+    if (low_ticks == 0 && hoist.has_fault(Fault::battery_low)) low_ticks = i;
+    if (hoist.has_fault(Fault::battery_empty)) empty_ticks = i;
+  }
+  EXPECT_NEAR(low_ticks, 62, 12) << "25.6 V to 20 V passes 23 V after 0.62 s, and frames come every 0.1 s";
+  EXPECT_NEAR(empty_ticks, 103, 12);
+}
+
+// H2
+TEST(Monitors, H2ADriveThatDoesNotEnableIsGivenHalfASecond) {
+  for (const bool left : {true, false}) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    ASSERT_EQ(hoist.ask_mode(Mode::user), 0U);
+    int ticks = 0;
+    while (hoist.state.mode == Mode::user && ticks < 200) {
+      (left ? hoist.drive_left : hoist.drive_right).status = 0x21;
+      hoist.step();
+      ++ticks;
+    }
+    EXPECT_NEAR(ticks, 50, 3);
+    EXPECT_TRUE(hoist.has_fault(left ? Fault::drive_left_fault : Fault::drive_right_fault));
+  }
+}
+
+// A hoist that may go no faster than this.
+ScriptedHoist slow_hoist(double top_m_s) {
+  contract::Params slow;
+  slow.speed_m_s_max = top_m_s;
+  slow.remote_speed_m_s_max = top_m_s;
+  return ScriptedHoist(slow);
+}
+
+// H6: from 0.1 m/s on.
+TEST(Monitors, H6BothStrutsStandingAreFoundOnASlowHoistToo) {
+  ScriptedHoist hoist = slow_hoist(0.15);
+  ASSERT_TRUE(hoist.start(Mode::remote));
+  hoist.drive_for(200, 1.0);
+  ASSERT_NEAR(hoist.command_m_s(), 0.15, 1e-3);
+  hoist.tilt_left.dither = hoist.tilt_right.dither = false;
+  hoist.drive_for(36, 1.0);
+  EXPECT_TRUE(hoist.has_fault(Fault::tilt_frozen));
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+}
+
 TEST(Monitors, H12AShortSagDoesNotCount) {
   ScriptedHoist hoist;
   set_going(hoist, Mode::user);
@@ -547,11 +614,13 @@ TEST(Monitors, H16SmallSwayIsNoStepAndSlowRollingNoDrawing) {
   set_going(step, Mode::user);
   step.sway_deg = 0.36;
   EXPECT_EQ(ticks_until_leaving(step, 3000), 3000);
-  // Slower than 0.1 m/s nobody is drawn along.
-  contract::Params slow;
-  slow.speed_m_s_max = 0.095;
-  slow.remote_speed_m_s_max = 0.095;
-  ScriptedHoist crawl(slow);
+  // From 0.1 m/s on the patient may be drawn along; slower nobody is.
+  ScriptedHoist stroll = slow_hoist(0.15);
+  ASSERT_TRUE(stroll.start(Mode::user));
+  stroll.sway_deg = 0;
+  stroll.lean_gently(6, 700);
+  EXPECT_TRUE(stroll.has_fault(Fault::patient_hanging));
+  ScriptedHoist crawl = slow_hoist(0.095);
   ASSERT_TRUE(crawl.start(Mode::user));
   crawl.sway_deg = 0;
   crawl.lean_gently(6, 1000);

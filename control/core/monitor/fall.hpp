@@ -24,13 +24,13 @@ class FallDetected {
     // Written so that what is no number is beyond every limit.
     const auto beyond = [square](double limit_rad) { return !(square <= limit_rad * limit_rad); };
     const double tilt_rad = threshold<kFault, "tilt">(view.params.fall_tilt_rad);
-    resting_s_ = beyond(threshold<kFault, "static tilt">(view.params.fall_static_tilt_rad)) ? resting_s_ + view.dt_s : 0;
+    resting_s_ = beyond(threshold<kFault, "static_tilt">(view.params.fall_static_tilt_rad)) ? resting_s_ + view.dt_s : 0;
     if (view.mode == contract::Mode::protective_stop) {
       // Nothing new can trip here, and what tripped lasts until the patient stands again.
       return view.has(kFault) && beyond(tilt_rad);
     }
     if (!view.moving) return false;
-    if (resting_s_ > hold<kFault, "static time">(view.params.fall_static_s) - view.dt_s / 2) return true;
+    if (resting_s_ > hold<kFault, "static_time">(view.params.fall_static_s) - view.dt_s / 2) return true;
     if (!beyond(tilt_rad)) return false;
     const double alpha_rate =
         (sensed.left_strut.alpha_rate_rad_s() + sensed.right_strut.alpha_rate_rad_s()) / 2 - sensed.base.alpha_rate_rad_s();

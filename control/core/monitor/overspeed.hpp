@@ -30,14 +30,14 @@ class Overspeed {
     follow(right_.value, view.right_command_m_s, view.dt_s);
     const bool fast =
         !(std::fabs(odometry.speed_m_s) <= view.params.speed_m_s_max + threshold<kFault, "margin">(view.params.overspeed_margin_m_s));
-    const double apart_m_s = threshold<kFault, "following error">(view.params.following_error_m_s_max);
+    const double apart_m_s = threshold<kFault, "following_error">(view.params.following_error_m_s_max);
     // Per wheel, because a single wheel that runs away moves the middle by only half.
     const bool apart =
         !(std::fabs(odometry.wheel_left_m_s - left_.value) <= apart_m_s && std::fabs(odometry.wheel_right_m_s - right_.value) <= apart_m_s);
-    const std::uint8_t fast_ticks = hold<kFault, "time above">(kFastTicks);
+    const std::uint8_t fast_ticks = hold<kFault, "time_above">(kFastTicks);
     fast_ticks_ = count(fast, fast_ticks_, fast_ticks);
     apart_s_ = apart ? apart_s_ + view.dt_s : 0;
-    return fast_ticks_ == fast_ticks || apart_s_ > hold<kFault, "following time">(view.params.following_error_s) - view.dt_s / 2;
+    return fast_ticks_ == fast_ticks || apart_s_ > hold<kFault, "following_time">(view.params.following_error_s) - view.dt_s / 2;
   }
 
  private:

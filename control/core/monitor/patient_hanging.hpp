@@ -39,7 +39,7 @@ class PatientHanging {
     upright_s_ = view.moving || !known || beyond(tilt_rad * kUprightShare) ? 0 : upright_s_ + view.dt_s;
     if (view.has(kFault) && upright_s_ < kShown_s) return true;
     const double half_s = view.dt_s / 2;
-    return leaning_s_ > hold<kFault, "tilt time">(p.hang_tilt_s) - half_s || drawn_s_ > hold<kFault, "still time">(p.hang_still_s) - half_s;
+    return leaning_s_ > hold<kFault, "tilt_time">(p.hang_tilt_s) - half_s || drawn_s_ > hold<kFault, "still_time">(p.hang_still_s) - half_s;
   }
 
  private:

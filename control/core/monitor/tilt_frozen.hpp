@@ -30,7 +30,7 @@ class TiltFrozen {
     before_ = now;
     // Without new samples there is nothing to compare; a silent sensor is another monitor's matter.
     const bool sampled = sensed.left_strut.fresh().now() && sensed.right_strut.fresh().now();
-    const std::uint8_t constant_ticks = hold<kFault, "both equal">(kConstantTicks);
+    const std::uint8_t constant_ticks = hold<kFault, "both_equal">(kConstantTicks);
     constant_ticks_ = !(same && rolling && sampled)
                           ? std::uint8_t{0}
                           : static_cast<std::uint8_t>(constant_ticks_ < constant_ticks ? constant_ticks_ + 1 : constant_ticks);

@@ -34,7 +34,7 @@ class TiltImplausible {
     if (leak_rad > leak_rad_) leak_rad_ = leak_rad;
     const bool apart =
         beyond(struts.beta_left_rad - struts.beta_right_rad, threshold<kFault, "apart">(view.params.strut_apart_rad_max) + leak_rad_);
-    const std::uint8_t apart_ticks = hold<kFault, "apart time">(kApartTicks);
+    const std::uint8_t apart_ticks = hold<kFault, "apart_time">(kApartTicks);
     apart_ticks_ = !apart ? std::uint8_t{0} : static_cast<std::uint8_t>(apart_ticks_ < apart_ticks ? apart_ticks_ + 1 : apart_ticks);
     if (view.mode == contract::Mode::init) return false;
     // A fallen patient hits the mechanical stop, and the blow shows in every accelerometer. That is the fall, which has its own alarm; a

@@ -287,6 +287,38 @@ TEST(Plant, ForcedBumpersAndRefusedObstacles) {
   EXPECT_FALSE(plant.add_obstacle({50.0, 50.0, 0.1}));
 }
 
+TEST(Plant, ARampLeansAllSensorsAlikeAndDrawsDownhill) {
+  Plant plant({}, 1);
+  plant.tilt_floor(6.0 * kDegree_rad, kPi);  // falls behind the machine
+  run(plant, {}, 3.0);
+  EXPECT_NEAR(plant.chassis_alpha_rad(), -6.0 * kDegree_rad, 1e-3);
+  EXPECT_NEAR(plant.chassis_beta_rad(), 0.0, 1e-3);
+  for (const Place place : {Place::left_strut, Place::right_strut, Place::chassis}) {
+    double ax_m_s2 = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      run(plant, {}, 0.01);
+      ax_m_s2 += plant.read_imu(place).ax_m_s2 / 200.0;
+    }
+    EXPECT_NEAR(ax_m_s2, kGravity_m_s2 * std::sin(6.0 * kDegree_rad), 0.15);
+  }
+  EXPECT_NEAR(plant.platform().speed_m_s, 0.0, 1e-6) << "the brakes hold: 61 N of 160";
+  // Let roll: 60 kg x g x sin(6 deg) against the motors' short circuit.
+  enable(plant, 0.0, 0.0);
+  run(plant, {}, 2.0);
+  EXPECT_LT(plant.platform().speed_m_s, -0.005);
+  // To the left: it leans left and does not roll.
+  plant.place(0.0, 0.0, kPi / 2.0);
+  plant.set_bridge(Side::left, false, 0.0);
+  plant.set_bridge(Side::right, false, 0.0);
+  run(plant, {}, 2.0);
+  EXPECT_NEAR(plant.chassis_beta_rad(), -6.0 * kDegree_rad, 1e-3);
+  EXPECT_NEAR(plant.chassis_alpha_rad(), 0.0, 1e-3);
+  plant.tilt_floor(std::numeric_limits<double>::quiet_NaN(), 0.0);
+  plant.tilt_floor(2.0, 0.0);
+  run(plant, {}, 2.0);
+  EXPECT_NEAR(plant.floor_slope_rad(), 6.0 * kDegree_rad, 1e-6);
+}
+
 TEST(Plant, NonsenseFromABoardMovesNothing) {
   Plant plant({}, 1);
   enable(plant, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
