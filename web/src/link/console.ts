@@ -7,7 +7,7 @@ import { readFrame } from './frame';
 import { live } from './live';
 import { rest } from './rest';
 import { Link, replyLost, subprotocol, type Reply, type SocketLike } from './socket';
-import { store, type Emergency, type LogLine, type Notice, type Recording } from './store';
+import { stopped, store, type Emergency, type LogLine, type Notice, type Recording } from './store';
 
 const late_ms = 500;
 const gone_ms = 1000;
@@ -51,7 +51,7 @@ function takeFrame(buffer: ArrayBuffer): void {
   if (newest === undefined) return;
   live.take(frame.records, performance.now());
   store.set({ data: 'fresh', dataAge_s: 0, ...slowPart(newest) });
-  if (newest.mode === modeStopped) stopSeen();
+  if (stoppedModes.has(newest.mode)) stopSeen();
 }
 
 const bitOf = (name: FaultName) => faults.find((fault) => fault.name === name)!.bit;
@@ -59,7 +59,8 @@ const duplicateBit = bitOf('node_duplicate');
 const babblingBit = bitOf('node_babbling');
 const nobody = 0xffff;
 
-const modeStopped = modes.find((mode) => mode.name === 'protective_stop')!.value;
+/** Where a STOP has nothing left to do. */
+const stoppedModes = new Set(modes.filter((mode) => stopped(mode.name)).map((mode) => mode.value));
 
 function slowPart(record: TickRecord) {
   return {

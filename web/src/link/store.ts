@@ -70,6 +70,9 @@ export interface State {
   notices: Notice[];
 }
 
+/** Stopped until somebody acknowledges: the modes that the big release button is for. */
+export const stopped = (mode: ModeName): boolean => mode === 'protective_stop' || mode === 'fault' || mode === 'emergency_stop';
+
 export const initial: State = {
   link: 'connecting',
   everOpen: false,

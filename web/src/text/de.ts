@@ -51,6 +51,7 @@ export const de: Record<TextKey, string> = {
   'strip.walking': 'Der Patient führt die Hilfe.',
   'strip.driving': 'Sie führen die Hilfe mit dem Joystick.',
   'strip.drivingOther': 'Jemand anderes fährt die Hilfe.',
+  'strip.offBumper': 'Ein Stoßfänger berührt: nur gerade davon weg, langsam.',
   'strip.starting': 'Die Hilfe startet …',
   'strip.calibrating': 'Das Gerät wird kalibriert; seine Räder sind frei.',
   'strip.connecting': 'Verbindet mit der Hilfe …',

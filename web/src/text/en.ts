@@ -50,6 +50,7 @@ export const en = {
   'strip.walking': 'The patient leads the hoist.',
   'strip.driving': 'You lead the hoist with the joystick.',
   'strip.drivingOther': 'Someone else drives the hoist.',
+  'strip.offBumper': 'A bumper touches: only straight away from it, slowly.',
   'strip.starting': 'The hoist is starting …',
   'strip.calibrating': 'The hoist is being calibrated; its wheels are free.',
   'strip.connecting': 'Connecting to the hoist …',

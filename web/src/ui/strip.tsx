@@ -2,7 +2,7 @@
 import { useState } from 'preact/hooks';
 import { faults, type FaultInfo, type FaultName } from '../contract/faults.gen';
 import { acknowledge, notify } from '../link/console';
-import { useStore } from '../link/store';
+import { stopped, useStore } from '../link/store';
 import { useSettings } from '../text/settings';
 import { fixed, t, words } from '../text/text';
 import { deviceOfCan, deviceOfNode } from './device';
@@ -35,6 +35,7 @@ export function Strip() {
   const mode = useStore((s) => s.mode);
   const bits = useStore((s) => s.faultBits);
   const mine = useStore((s) => s.lease.mine);
+  const bumpers = useStore((s) => s.bumpers);
   const layout = useStore((s) => s.layoutDiffers);
   const failed = useStore((s) => s.stopFailed);
   const sending = useStore((s) => s.stopSent);
@@ -68,7 +69,7 @@ export function Strip() {
       : mode === 'user'
         ? t('strip.walking')
         : mode === 'remote'
-          ? t(mine ? 'strip.driving' : 'strip.drivingOther')
+          ? t(bumpers !== 0 ? 'strip.offBumper' : mine ? 'strip.driving' : 'strip.drivingOther')
           : mode === 'init'
             ? t('strip.starting')
             : mode === 'calibrate'
@@ -102,7 +103,7 @@ export function Strip() {
           +{more.length}
         </button>
       ) : null}
-      {mode === 'protective_stop' && link === 'open' ? (
+      {stopped(mode) && link === 'open' ? (
         <HoldButton label={t('stop.release')} hint={t('stop.releaseHint')} hold_ms={releaseHold_ms} disabled={busy} onDone={() => void release()} />
       ) : null}
       {all && more.length > 0 ? (
