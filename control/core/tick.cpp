@@ -211,11 +211,12 @@ void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& 
     emit(state, event);
   }
   ++state.ticks_run;
+  // Before anything uses a parameter: a damaged one decides nothing.
+  serve_params(state, dt_s);
   receive_frames(state, inputs, dt_s);
   state.sensed.odometry.update(state.sensed.left_drive, state.sensed.right_drive, state.derived, dt_s);
   state.intent.update(state.sensed, state.derived, state.params.neutral_start_tolerance_norm);
   watch(state, inputs, dt_s);
-  serve_params(state, dt_s);
   take_commands(state, inputs);
   const Wish wish = decide(state, dt_s);
   send_frames(state, inputs, dt_s, out);

@@ -107,6 +107,7 @@ void write_rows(CoreState& state, const Staging& set, const Asked& asked) noexce
 }
 
 void look_for_damage(CoreState& state) noexcept {
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): bits, not values, are what damaged memory changes
   if (std::memcmp(&state.params, &state.seal.copy, sizeof(Params)) == 0) return;
   if (!watches(contract::Fault::parameters_corrupt)) return;
   const Params* whole = whole_copy(state);
