@@ -9,15 +9,17 @@ namespace hoist::contract {
 
 enum class CommandKind : std::uint32_t {
   none = 0,
-  stop = 1,               // anyone; protective stop, never refused
-  request_mode = 2,       // a = Mode: standby, or one that standby leads to; lease holder only
-  acknowledge = 3,        // leave PROTECTIVE_STOP, FAULT or EMERGENCY_STOP once the cause is gone; role in b; lease holder only
-  take_lease = 4,         // client asks to be the driver; granted when free, or when standing still and `a` = 1 (take over)
-  release_lease = 5,      // by its holder, or by the server for a client that is gone
-  stage_parameter = 6,    // a = parameter id, v0 = value, b = position in the set, counted from 0
-  commit_parameters = 7,  // a = number of staged rows, role in b; all or nothing
-  set_pose = 8,           // v0 = x_m, v1 = y_m, v2 = psi_rad; standing still only
-  set_neutral = 9,        // take the mean of the last second as neutral; standing still only; stored as parameters
+  stop = 1,             // anyone; protective stop, never refused
+  request_mode = 2,     // a = Mode: standby, or one that standby leads to; lease holder only
+  acknowledge = 3,      // leave PROTECTIVE_STOP, FAULT or EMERGENCY_STOP once the cause is gone; role in b; lease holder only
+  take_lease = 4,       // client asks to be the driver; granted when free, or when standing still and `a` = 1 (take over)
+  release_lease = 5,    // by its holder, or by the server for a client that is gone
+  stage_parameter = 6,  // a = parameter id, v0 = value, b = position in the set, counted from 0
+  // a = number of staged rows, role in b, seal = ParamSetSeal over them; v0 = 0, or the seconds after which the values before come back
+  // unless confirmed; all or nothing
+  commit_parameters = 7,
+  set_pose = 8,     // v0 = x_m, v1 = y_m, v2 = psi_rad; standing still only
+  set_neutral = 9,  // take the mean of the last second as neutral; standing still only; stored as parameters
   // Service: nodes are in their loaders, the drives off, INIT stays until it ends. Engineer with the lease only.
   begin_service = 10,  // role in b; on standby or in INIT; again while it is on: it goes on for another two seconds
   service_frame = 11,  // a = CAN id, v0 = the eight data bytes as they are (std::bit_cast), v1 = how many of them; one a step
@@ -27,6 +29,8 @@ enum class CommandKind : std::uint32_t {
   measure_calibration = 21,  // v0, v1, v2 = what the operator measured, a = CalibrationPart; taken as soon as everything rests
   use_calibration = 22,      // v0 = seconds since 1970 UTC; the result becomes parameters, and CALIBRATE ends
   cancel_calibration = 23,   // the old values stay
+  confirm_parameters = 30,   // what is on trial stays; role in b, a = the version that was looked at, 0 = whichever
+  revert_parameters = 31,    // what is on trial goes back at once; role in b
 };
 
 // One request of a client, in order. `request_id` comes back in the event that answers it.
@@ -39,7 +43,7 @@ struct Command {
   std::uint32_t a = 0;
   std::uint32_t b = 0;
   double v0 = 0, v1 = 0, v2 = 0;
-  std::uint64_t reserved = 0;
+  std::uint64_t seal = 0;  // commit_parameters only
 };
 static_assert(sizeof(Command) == 64 && std::is_trivially_copyable_v<Command>);
 
@@ -68,6 +72,9 @@ enum class EventKind : std::uint32_t {
   pose_set = 9,
   neutral_set = 10,
   core_started = 11,
+  parameters_on_trial = 30,   // code = version, value = seconds
+  parameters_confirmed = 31,  // code = version
+  parameters_reverted = 32,   // code = version; request_id 0: nobody confirmed in time
   emergency = 12,  // item: node, code: EMCY code (0 = an error has ended), bits: error register, value: its five further bytes, as a number
   // Calibration; code = CalibrationStep.
   calibration_sample = 20,  // item = how many so far, value = what was measured
@@ -106,6 +113,12 @@ constexpr std::string_view event_name(EventKind kind) {
       return "calibration_result";
     case EventKind::calibration_ended:
       return "calibration_ended";
+    case EventKind::parameters_on_trial:
+      return "parameters_on_trial";
+    case EventKind::parameters_confirmed:
+      return "parameters_confirmed";
+    case EventKind::parameters_reverted:
+      return "parameters_reverted";
     case EventKind::none:
       break;
   }

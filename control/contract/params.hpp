@@ -93,17 +93,31 @@ inline ParamCheck check_param(std::size_t index, double value) {
   return value < kParams[index].min || value > kParams[index].max ? ParamCheck::out_of_range : ParamCheck::ok;
 }
 
-// Values that are each in range and still do not fit together. nullptr = consistent; otherwise the sentence for people.
+// THE cross checks: values that are each in range and still do not fit together. The first must be below the second, or at most as large.
+struct ParamOrder {
+  ParamName smaller, larger;
+  bool may_be_equal;
+  const char* sentence;
+};
+inline constexpr std::array kParamOrders{
+    ParamOrder{ParamName::remote_slow_age_s, ParamName::remote_stop_age_s, false, "remote_slow_age_s must be below remote_stop_age_s"},
+    ParamOrder{ParamName::fall_tilt_rad, ParamName::fall_static_tilt_rad, false, "fall_tilt_rad must be below fall_static_tilt_rad"},
+    ParamOrder{ParamName::battery_empty_v, ParamName::battery_low_v, false, "battery_empty_v must be below battery_low_v"},
+    ParamOrder{ParamName::base_tilt_slow_rad, ParamName::base_tilt_stop_rad, false, "base_tilt_slow_rad must be below base_tilt_stop_rad"},
+    ParamOrder{ParamName::remote_speed_m_s_max, ParamName::speed_m_s_max, true, "remote_speed_m_s_max must not exceed speed_m_s_max"},
+    ParamOrder{ParamName::remote_yaw_rate_rad_s_max, ParamName::yaw_rate_rad_s_max, true,
+               "remote_yaw_rate_rad_s_max must not exceed yaw_rate_rad_s_max"},
+    ParamOrder{ParamName::acceleration_m_s2_max, ParamName::protective_deceleration_m_s2, true,
+               "protective_deceleration_m_s2 must not be below acceleration_m_s2_max"},
+    ParamOrder{ParamName::protective_deceleration_m_s2, ParamName::bumper_deceleration_m_s2, true,
+               "bumper_deceleration_m_s2 must not be below protective_deceleration_m_s2"},
+};
+// nullptr = consistent; otherwise the sentence for people. Written so that what is not a number is not consistent.
 inline const char* check_param_set(const Params& p) {
-  if (p.remote_slow_age_s >= p.remote_stop_age_s) return "remote_slow_age_s must be below remote_stop_age_s";
-  if (p.fall_tilt_rad >= p.fall_static_tilt_rad) return "fall_tilt_rad must be below fall_static_tilt_rad";
-  if (p.battery_empty_v >= p.battery_low_v) return "battery_empty_v must be below battery_low_v";
-  if (p.remote_speed_m_s_max > p.speed_m_s_max) return "remote_speed_m_s_max must not exceed speed_m_s_max";
-  if (p.remote_yaw_rate_rad_s_max > p.yaw_rate_rad_s_max) return "remote_yaw_rate_rad_s_max must not exceed yaw_rate_rad_s_max";
-  if (p.protective_deceleration_m_s2 < p.acceleration_m_s2_max)
-    return "protective_deceleration_m_s2 must not be below acceleration_m_s2_max";
-  if (p.bumper_deceleration_m_s2 < p.protective_deceleration_m_s2)
-    return "bumper_deceleration_m_s2 must not be below protective_deceleration_m_s2";
+  for (const ParamOrder& order : kParamOrders) {
+    const double smaller = get_param(p, param_index(order.smaller)), larger = get_param(p, param_index(order.larger));
+    if (!(order.may_be_equal ? smaller <= larger : smaller < larger)) return order.sentence;
+  }
   return nullptr;
 }
 

@@ -39,6 +39,7 @@ struct SeqRing {
 struct ParamsInForce {
   std::uint64_t version = 0;
   std::array<double, kParamCount> values{};
+  std::array<double, kParamCount> kept{};  // the same, without what is only on trial: what the next start begins with
 };
 
 constexpr std::uint64_t kStateMagic = 0x3145544154534948ULL;    // "HISTATE1", little endian

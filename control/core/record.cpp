@@ -127,6 +127,8 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.mode = static_cast<std::uint8_t>(state.mode);
   record.stop_cause = state.stop_cause;
   record.bumpers = sensed.io.bumpers();
+  record.bumpers_acknowledged = state.bumpers_acknowledged;
+  record.settings_trial_s = f32(state.trial.left_s);
   record.simulated = state.master.simulated() ? 1 : 0;
   record.tilt_left_age_ticks = sensed.left_strut.fresh().age_ticks();
   record.tilt_right_age_ticks = sensed.right_strut.fresh().age_ticks();

@@ -6,6 +6,7 @@
 #include "control/contract/params.hpp"
 #include "control/core/calibrate/calibration.hpp"
 #include "control/core/command/lease.hpp"
+#include "control/core/command/param_keeper.hpp"
 #include "control/core/command/remote_drive.hpp"
 #include "control/core/command/server_watch.hpp"
 #include "control/core/command/staging.hpp"
@@ -58,9 +59,15 @@ struct PendingAcknowledge {
 struct CoreState {
   CoreState() : CoreState(contract::Params{}) {}
   /// The parameters are taken as they are; load_params checks.
-  explicit CoreState(const contract::Params& initial) : params(initial), derived(derive(initial)) {}
+  explicit CoreState(const contract::Params& initial)
+      : params(initial), live(initial), sent_to_nodes(initial), seal{initial, params_crc(initial)}, derived(derive(initial)) {}
 
-  contract::Params params;
+  contract::Params params;         // in force: what was last set, and what the limits are
+  contract::Params live;           // the same, but for gains that are still on their way there
+  contract::Params sent_to_nodes;  // what the master was told to write
+  ParamSeal seal;
+  bool slewing = false;
+  Trial trial;
   Derived derived;
   std::uint64_t parameter_version = 1;
   bool started = false;
@@ -89,6 +96,7 @@ struct CoreState {
   std::uint32_t latched = 0;     // what is in force: protective faults stay until acknowledged
   std::uint8_t stop_cause = 0;   // fault of the latest stop plus one
   RepeatWatch repeats;
+  std::uint8_t bumpers_acknowledged = 0;  // pressed still, and acknowledged so
   std::uint8_t bus_settle_ticks = 0;
   std::uint8_t remote_lost_ticks = 0;  // how long the lost driver is still shown
   std::uint32_t nodes_heard = 0;       // bit per node: answering

@@ -8,6 +8,7 @@
 #include "control/core/command/commands.hpp"
 #include "control/core/estimate/receive.hpp"
 #include "control/core/modes/mode_list.hpp"
+#include "control/core/output/bumper_room.hpp"
 #include "control/core/output/supervisor.hpp"
 #include "control/core/record.hpp"
 
@@ -72,6 +73,8 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
   } else if (state.remote_lost_ticks > 0) {
     --state.remote_lost_ticks;
   }
+  // What was let go counts anew when it touches again.
+  state.bumpers_acknowledged &= state.sensed.io.bumpers();
   const MonitorView view{state.sensed,
                          state.health,
                          state.params,
@@ -88,6 +91,7 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
                          state.server.alive(),
                          state.server.seen(),
                          state.remote_lost_ticks > 0,
+                         state.bumpers_acknowledged,
                          inputs.wake_lateness_s,
                          state.ticks_run,
                          dt_s};
@@ -114,8 +118,12 @@ Wish decide(CoreState& state, double dt_s) noexcept {
   Motion& motion = state.motion;
   ++motion.ticks;
   if (state.sensed.left_drive.enabled() && state.sensed.right_drive.enabled() && mode_row_of(state.mode).drives) motion.powered = true;
-  const Wish wish = mode_row_of(state.mode).step(state, dt_s);
+  Wish wish = mode_row_of(state.mode).step(state, dt_s);
   if (wish.done) finish_mode(state);
+  if (state.sensed.io.bumpers() != 0 && wish.braking == Braking::none) {
+    wish.speed_m_s = BumperRoom(state.sensed.io.bumpers()).speed_m_s(wish.speed_m_s);
+    wish.yaw_rate_rad_s = 0;
+  }
   if (mode_row_of(state.mode).drives) {
     state.limiter.step(state.params, wish.braking, on_slope_m_s(wish.speed_m_s, state.latched, state.params), wish.yaw_rate_rad_s, dt_s);
   } else {
@@ -150,14 +158,18 @@ void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOu
   static_cast<void>(out.frames.push_back(
       drive_frame(Node::drive_right, state.right_control.step(state.sensed.right_drive, drives, cut), wheels.right_raw)));
   Service& service = state.motion.service;
-  state.master.step(inputs.tick, state.sensed, state.params, service.on, out.frames);
+  state.master.step(inputs.tick, state.sensed, state.live, service.on, out.frames);
   if (service.on && service.waiting) static_cast<void>(out.frames.push_back(service.frame));
   service.waiting = false;
   state.relay.step(out.frames);
   static_cast<void>(out.frames.push_back(contract::canopen::sync()));
 
-  const GateView view{state.mode, state.sensed.tilts_lost(), state.sensed.drives_lost(),
-                      state.remote.held() && state.remote.age_s(state.time_ns) < state.params.remote_stop_age_s, service.on};
+  const GateView view{state.mode,
+                      state.sensed.tilts_lost(),
+                      state.sensed.drives_lost(),
+                      state.remote.held() && state.remote.age_s(state.time_ns) < state.params.remote_stop_age_s,
+                      service.on,
+                      state.sensed.io.bumpers()};
   bool refused = false;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.frames.size(); ++i) {
@@ -199,6 +211,8 @@ void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& 
     emit(state, event);
   }
   ++state.ticks_run;
+  // Before anything uses a parameter: a damaged one decides nothing.
+  serve_params(state, dt_s);
   receive_frames(state, inputs, dt_s);
   state.sensed.odometry.update(state.sensed.left_drive, state.sensed.right_drive, state.derived, dt_s);
   state.intent.update(state.sensed, state.derived, state.params.neutral_start_tolerance_norm);
@@ -216,8 +230,7 @@ bool load_params(CoreState& state, const contract::Params& params) noexcept {
   if (state.started || contract::check_param_set(params) != nullptr) return false;
   for (std::size_t i = 0; i < contract::kParamCount; ++i)
     if (contract::check_param(i, contract::get_param(params, i)) != contract::ParamCheck::ok) return false;
-  state.params = params;
-  state.derived = derive(params);
+  install_params(state, params);
   return true;
 }
 

@@ -87,7 +87,10 @@ void ControlLoop::publish_frames(std::span<const contract::CanFrame> frames, std
 void ControlLoop::publish_params() noexcept {
   contract::ParamsInForce params;
   params.version = state_.parameter_version;
-  for (std::size_t i = 0; i < contract::kParamCount; ++i) params.values[i] = contract::get_param(state_.params, i);
+  for (std::size_t i = 0; i < contract::kParamCount; ++i) {
+    params.values[i] = contract::get_param(state_.params, i);
+    params.kept[i] = core::kept_param(state_, i);
+  }
   link_.publish_params(params);
 }
 

@@ -16,6 +16,9 @@ using contract::CommandKind;
 using nlohmann::json;
 
 namespace {
+// How long values may be tried before they go back by themselves; the core has the same bounds (control/core/command/param_keeper.hpp).
+constexpr double kTrial_s_min = 1.0, kTrial_s_max = 120.0;
+
 Command command_of(CommandKind kind, const Asker& asker) {
   Command command;
   command.kind = kind;
@@ -70,8 +73,10 @@ FieldError range_error(const contract::ParamInfo& p, std::string message, std::o
   return {std::string{p.name}, std::move(message), value, p.min, p.max};
 }
 
-void set_values(Services& services, const Asker& asker, std::vector<std::pair<std::uint32_t, double>> rows, OutcomeDone done) {
+void set_values(Services& services, const Asker& asker, std::vector<std::pair<std::uint32_t, double>> rows, double revert_after_s,
+                OutcomeDone done) {
   Command commit = command_of(CommandKind::commit_parameters, asker);
+  commit.v0 = revert_after_s;
   commit.b = static_cast<std::uint32_t>(asker.role);
   services.core.ask_parameters(rows, commit, [done = std::move(done), rows](const CoreAnswer& answer) {
     Outcome outcome = outcome_of(answer);
@@ -274,7 +279,13 @@ void act_pose(Services& services, const Asker& asker, const json& pose, OutcomeD
   ask(services, command, std::move(done));
 }
 
-void act_set(Services& services, const Asker& asker, const json& values, OutcomeDone done) {
+void act_end_trial(Services& services, const Asker& asker, bool keep, OutcomeDone done) {
+  Command command = command_of(keep ? CommandKind::confirm_parameters : CommandKind::revert_parameters, asker);
+  command.b = static_cast<std::uint32_t>(asker.role);
+  ask(services, command, std::move(done));
+}
+
+void act_set(Services& services, const Asker& asker, const json& values, const json& revert_after_s, OutcomeDone done) {
   if (!values.is_object() || values.empty()) {
     done(invalid({{"values", "must name at least one parameter"}}, "There is nothing to change."));
     return;
@@ -283,6 +294,12 @@ void act_set(Services& services, const Asker& asker, const json& values, Outcome
   std::vector<FieldError> errors;
   bool unknown = false;
   bool role = false;
+  double trial_s = 0;
+  if (!revert_after_s.is_null()) {
+    trial_s = revert_after_s.is_number() ? revert_after_s.get<double>() : 0.0;
+    if (!(trial_s >= kTrial_s_min && trial_s <= kTrial_s_max))
+      errors.push_back({"revert_after_s", "must be a number of seconds", std::nullopt, kTrial_s_min, kTrial_s_max});
+  }
   for (const auto& [name, value] : values.items()) {
     const auto index = contract::find_param(name);
     if (!index) {
@@ -305,6 +322,10 @@ void act_set(Services& services, const Asker& asker, const json& values, Outcome
       errors.push_back(range_error(p, "only an engineer may change this", number));
       continue;
     }
+    if (trial_s > 0 && p.edit == contract::EditRule::stopped) {
+      errors.push_back(range_error(p, "cannot be tried: it may not go back while the hoist moves", number));
+      continue;
+    }
     rows.emplace_back(p.id, number);
   }
   if (!errors.empty()) {
@@ -318,7 +339,7 @@ void act_set(Services& services, const Asker& asker, const json& values, Outcome
     done(outcome);
     return;
   }
-  set_values(services, asker, std::move(rows), std::move(done));
+  set_values(services, asker, std::move(rows), trial_s, std::move(done));
 }
 
 void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
@@ -340,7 +361,7 @@ void act_preset(Services& services, const Asker& asker, const std::string& name,
     done(outcome);
     return;
   }
-  set_values(services, asker, std::move(rows), std::move(done));
+  set_values(services, asker, std::move(rows), 0, std::move(done));
 }
 
 }  // namespace hoist::server

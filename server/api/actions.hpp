@@ -46,7 +46,10 @@ void act_cancel_calibration(Services& services, const Asker& asker, OutcomeDone 
 void act_neutral(Services& services, const Asker& asker, OutcomeDone done);
 void act_pose(Services& services, const Asker& asker, const nlohmann::json& pose, OutcomeDone done);
 // {name: number, …}, all or nothing.
-void act_set(Services& services, const Asker& asker, const nlohmann::json& values, OutcomeDone done);
+// `revert_after_s`: null, or the seconds after which the values before come back unless confirmed.
+void act_set(Services& services, const Asker& asker, const nlohmann::json& values, const nlohmann::json& revert_after_s, OutcomeDone done);
+// What is on trial stays, or goes back at once.
+void act_end_trial(Services& services, const Asker& asker, bool keep, OutcomeDone done);
 // Puts a checked program into a node; done when the core lets it begin.
 void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
                          OutcomeDone done);

@@ -42,7 +42,7 @@ bool ready(const CallPtr& call) {
   return false;
 }
 
-void change(const CallPtr& call, const json& values) {
+void change(const CallPtr& call, const json& values, const json& revert_after_s) {
   if (const std::string_view match = call->request.header("if-match"); !match.empty() && match != "*" && match != etag(call->services)) {
     call->fail({.status = 412,
                 .name = "changed-meanwhile",
@@ -50,7 +50,7 @@ void change(const CallPtr& call, const json& values) {
                 .detail = "Read them again, then change them."});
     return;
   }
-  act_set(call->services, asker_of(*call), values, [call, values](const Outcome& outcome) {
+  act_set(call->services, asker_of(*call), values, revert_after_s, [call, values](const Outcome& outcome) {
     if (!outcome.done()) {
       call->fail(problem_of(outcome));
       return;
@@ -97,10 +97,21 @@ void get_parameter(const CallPtr& call) {
 
 void put_parameter(const CallPtr& call) {
   const auto value = call->body->find("value");
-  change(call, json{{call->path_values.at(0), value == call->body->end() ? json(nullptr) : *value}});
+  change(call, json{{call->path_values.at(0), value == call->body->end() ? json(nullptr) : *value}}, nullptr);
 }
 
-void change_parameters(const CallPtr& call) { change(call, *call->body); }
+void change_parameters(const CallPtr& call) {
+  json values = *call->body;
+  json revert_after_s;
+  if (const auto at = values.find("revert_after_s"); at != values.end()) {
+    revert_after_s = *at;
+    values.erase(at);
+  }
+  change(call, values, revert_after_s);
+}
+
+void keep_parameters(const CallPtr& call) { act_end_trial(call->services, asker_of(*call), true, answer_done(call)); }
+void undo_parameters(const CallPtr& call) { act_end_trial(call->services, asker_of(*call), false, answer_done(call)); }
 
 void list_presets(const CallPtr& call) {
   json items = json::array();

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "control/contract/param_set.hpp"
+
 namespace hoist::server {
 
 using contract::Command;
@@ -63,16 +65,20 @@ void CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>
   commit.request_id = next_request();
   commit.a = static_cast<std::uint32_t>(id_values.size());
   std::uint32_t position = 0;
+  contract::ParamSetSeal seal;
   for (const auto& [id, value] : id_values) {
+    seal.add(id, value);
     Command stage = commit;
     stage.kind = CommandKind::stage_parameter;
     stage.request_id = next_request();
     stage.a = id;
     stage.b = position++;
     stage.v0 = value;
+    stage.seal = 0;
     staged_[stage.request_id] = commit.request_id;
     outbox_.push_back(stage);
   }
+  commit.seal = seal.value(static_cast<std::uint32_t>(commit.seal));
   pending_[commit.request_id] = {commit.request_id, now_ns_ + kAnswerLimit_ns, std::move(done), std::nullopt};
   outbox_.push_back(commit);
   flush_outbox();

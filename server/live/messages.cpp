@@ -111,7 +111,13 @@ void drive(Client& client, const json& message) {
 }
 
 void set(Client& client, const json& message) {
-  act_set(client.hub().services(), asker_of(client), field(message, "values"), reply_to(client, message));
+  act_set(client.hub().services(), asker_of(client), field(message, "values"), field(message, "revert_after_s"), reply_to(client, message));
+}
+void keep_settings(Client& client, const json& message) {
+  act_end_trial(client.hub().services(), asker_of(client), true, reply_to(client, message));
+}
+void undo_settings(Client& client, const json& message) {
+  act_end_trial(client.hub().services(), asker_of(client), false, reply_to(client, message));
 }
 void preset(Client& client, const json& message) {
   const json& name = field(message, "name");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "control/contract/can_dictionary.hpp"
+#include "control/contract/param_set.hpp"
 #include "control/core/tick.hpp"
 #include "tests/fuzz/targets.hpp"
 
@@ -106,6 +107,7 @@ void fuzz_core_commands(Bytes input) {
   Bench bench;
   Pieces pieces(input);
   std::uint64_t sequence = 0;
+  contract::ParamSetSeal seal;
   for (std::size_t step = 0; step < kStepsMax && !pieces.empty(); ++step) {
     const std::uint8_t what = pieces.u8();
     std::vector<Command> commands;
@@ -121,6 +123,12 @@ void fuzz_core_commands(Bytes input) {
       command.v0 = std::bit_cast<double>(pieces.number(8));
       command.v1 = std::bit_cast<double>(pieces.number((what & 0x10U) != 0 ? 8 : 0));
       command.v2 = command.v1;
+      // Sealed as an honest client does, unless told otherwise: what is behind the seal is to be reached.
+      if (command.kind == contract::CommandKind::stage_parameter) {
+        if (command.b == 0) seal = {};
+        seal.add(command.a, command.v0);
+      }
+      command.seal = (what & 0x08U) != 0 ? pieces.number(8) : seal.value();
       commands.push_back(command);
     }
     contract::DriveCommand drive;
@@ -137,6 +145,7 @@ void fuzz_core_commands(Bytes input) {
     for (std::size_t i = 0; i < contract::kParamCount; ++i)
       must(contract::check_param(i, contract::get_param(bench.state->params, i)) == contract::ParamCheck::ok,
            "no parameter leaves its range");
+    must(contract::check_param_set(bench.state->params) == nullptr, "no set in force contradicts itself");
   }
 }
 std::vector<Input> seeds_core_commands() {

@@ -67,6 +67,7 @@ HoistBench::HoistBench(const Images& images, const BenchOptions& options)
   } else {
     (void)wire_.connect(host_);
   }
+  chip(Box::io).drive_pin(board::kSwitch0.port, board::kSwitch0.bit, false);  // the emergency stop chain is closed
   press_bumpers();
   for (std::size_t i = 0; i < kBoxCount; ++i)
     if (options.through_gateway || i != index(Box::gateway)) chips_[i]->reset(ResetCause::power_on);

@@ -200,6 +200,11 @@ std::uint32_t ClosedLoop::ask_as(std::uint32_t client, contract::CommandKind kin
   command.v0 = v0;
   command.v1 = v1;
   command.v2 = v2;
+  if (kind == contract::CommandKind::stage_parameter) {
+    if (b == 0) seal_ = {};
+    seal_.add(a, v0);
+  }
+  if (kind == contract::CommandKind::commit_parameters) command.seal = seal_.value();
   commands_.push_back(command);
   return requests_;
 }

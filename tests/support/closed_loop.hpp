@@ -15,6 +15,7 @@
 
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
+#include "control/contract/param_set.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
 #include "control/contract/slcan_codec.hpp"
@@ -135,6 +136,7 @@ class ClosedLoop {
   std::deque<UnderWay> link_;  // driving commands on their way
   contract::DriveCommand stranger_drive_{};
   std::uint64_t ticks_{};
+  contract::ParamSetSeal seal_;  // over what was staged
   std::uint64_t sequence_{};
   std::uint32_t requests_{};
   std::uint64_t drive_sequence_{};

@@ -3,6 +3,8 @@
 #include <bit>
 #include <cmath>
 
+#include "control/contract/param_set.hpp"
+#include "control/core/command/param_keeper.hpp"
 #include "control/core/modes/mode_list.hpp"
 #include "control/core/output/supervisor.hpp"
 
@@ -64,35 +66,16 @@ Verdict stage(CoreState& state, const Command& command) noexcept {
   return {};
 }
 
-// Puts a checked set into force: all rows at once, one new version, one event each.
-void put_into_force(CoreState& state, const Staging& set, const Command& command) noexcept {
-  const contract::Params before = state.params;
-  for (const Staging::Row& row : set.rows) contract::set_param_unchecked(state.params, row.index, row.value);
-  state.derived = derive(state.params);
-  ++state.parameter_version;
-  state.params_changed = true;
-  state.master.params_changed(before, state.params);
-  for (const Staging::Row& row : set.rows) {
-    Event event;
-    event.kind = EventKind::parameter_changed;
-    event.request_id = command.request_id;
-    event.client = command.client;
-    event.item = contract::kParams[row.index].id;
-    event.value = row.value;
-    event.before = contract::get_param(before, row.index);
-    emit(state, event);
-  }
-}
-
 // All reasons against a set, and the first row they are about.
-Verdict check_set(const CoreState& state, const Staging& set, contract::Role role) noexcept {
+Verdict check_set(const CoreState& state, const Staging& set, contract::Role role, bool trial) noexcept {
   Verdict verdict;
   contract::Params next = state.params;
   for (const Staging::Row& row : set.rows) {
     const contract::ParamInfo& info = contract::kParams[row.index];
     std::uint32_t bits = 0;
     if (static_cast<int>(role) < static_cast<int>(info.role)) bits |= refusal_bit(Refusal::not_allowed);
-    if (info.edit == contract::EditRule::stopped && !standing(state)) bits |= refusal_bit(Refusal::only_when_stopped);
+    // What may not change while moving may not go back while moving either.
+    if (info.edit == contract::EditRule::stopped && (trial || !standing(state))) bits |= refusal_bit(Refusal::only_when_stopped);
     if (bits != 0 && verdict.item == 0) verdict.item = info.id;
     verdict.bits |= bits;
     contract::set_param_unchecked(next, row.index, row.value);
@@ -101,14 +84,39 @@ Verdict check_set(const CoreState& state, const Staging& set, contract::Role rol
   return verdict;
 }
 
+// The set as it arrived is the set as it was sent, and was made for the parameters that are in force.
+bool sealed(const CoreState& state, const Staging& set, std::uint64_t seal) noexcept {
+  contract::ParamSetSeal arrived;
+  for (const Staging::Row& row : set.rows) arrived.add(contract::kParams[row.index].id, row.value);
+  const auto version = static_cast<std::uint32_t>(seal >> 32U);
+  return arrived.value(version) == seal && (version == 0 || version == static_cast<std::uint32_t>(state.parameter_version));
+}
+
 Verdict commit(CoreState& state, const Command& command) noexcept {
   const Staging set = state.staging;
   if (set.client != command.client || set.rows.empty() || command.a != set.rows.size()) return refused(Refusal::out_of_order);
   state.staging.rows.clear();
   if (command.b > static_cast<std::uint32_t>(contract::Role::engineer)) return refused(Refusal::not_allowed);
-  const Verdict verdict = check_set(state, set, static_cast<contract::Role>(command.b));
-  if (verdict.bits == 0) put_into_force(state, set, command);
+  if (!std::isfinite(command.v0)) return refused(Refusal::not_finite);
+  const bool trial = command.v0 != 0;
+  if (trial && !(command.v0 >= kTrial_s_min && command.v0 <= kTrial_s_max)) return refused(Refusal::out_of_range);
+  Verdict verdict = check_set(state, set, static_cast<contract::Role>(command.b), trial);
+  if (!sealed(state, set, command.seal)) verdict.bits |= refusal_bit(Refusal::set_outdated);
+  if (verdict.bits == 0) put_into_force(state, set, {command.request_id, command.client}, command.v0);
   return verdict;
+}
+
+Verdict end_trial(CoreState& state, const Command& command, bool keep) noexcept {
+  std::uint32_t bits = 0;
+  if (command.b != static_cast<std::uint32_t>(contract::Role::therapist) &&
+      command.b != static_cast<std::uint32_t>(contract::Role::engineer))
+    bits |= refusal_bit(Refusal::not_allowed);
+  // Keeping is for what somebody has seen; going back is always safe.
+  if (keep && command.a != 0 && command.a != static_cast<std::uint32_t>(state.parameter_version))
+    bits |= refusal_bit(Refusal::set_outdated);
+  if (bits != 0) return {bits, 0, false};
+  const Asked asked{command.request_id, command.client};
+  return (keep ? confirm_trial(state, asked) : revert_trial(state, asked)) ? Verdict{} : refused(Refusal::out_of_order);
 }
 
 Verdict set_neutral(CoreState& state, const Command& command) noexcept {
@@ -127,7 +135,7 @@ Verdict set_neutral(CoreState& state, const Command& command) noexcept {
   Staging set;
   static_cast<void>(set.rows.push_back({kLean, posture.dx_m}));
   static_cast<void>(set.rows.push_back({kTurn, posture.dpsi_rad}));
-  put_into_force(state, set, command);
+  put_into_force(state, set, {command.request_id, command.client}, 0);
   Event event;
   event.kind = EventKind::neutral_set;
   event.request_id = command.request_id;
@@ -258,7 +266,7 @@ Verdict use_calibration(CoreState& state, const Command& command) noexcept {
   if (contract::check_param(date, command.v0) != contract::ParamCheck::ok || !(command.v0 > 0)) return refused(Refusal::out_of_range);
   Staging set = calibration.result;
   static_cast<void>(set.rows.push_back({date, command.v0}));
-  put_into_force(state, set, command);
+  put_into_force(state, set, {command.request_id, command.client}, 0);
   leave_calibration(state, true);
   return {};
 }
@@ -291,6 +299,10 @@ Verdict execute(CoreState& state, const Command& command) noexcept {
       return stage(state, command);
     case CommandKind::commit_parameters:
       return commit(state, command);
+    case CommandKind::confirm_parameters:
+      return end_trial(state, command, true);
+    case CommandKind::revert_parameters:
+      return end_trial(state, command, false);
     case CommandKind::set_pose:
       return set_pose(state, command);
     case CommandKind::set_neutral:

@@ -23,7 +23,7 @@ struct UserMode {
     }
     // While the drives are still being enabled nothing builds up that would be let loose at once afterwards.
     if (!state.motion.powered) return {};
-    const contract::Params& p = state.params;
+    const contract::Params& p = state.live;
     law::PfpConfig<double> lean;
     lean.deadband_norm = p.lean_dead_band_norm;
     lean.tau_n_s = p.lean_tau_normal_s;

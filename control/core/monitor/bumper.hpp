@@ -9,7 +9,8 @@ struct BumperPressed {
 
   // While the bumpers are calibrated each is pressed once; the drives are off then.
   bool check(const MonitorView& view) noexcept {
-    return view.mode != contract::Mode::init && view.mode != contract::Mode::calibrate && view.sensed.io.bumpers() != 0;
+    return view.mode != contract::Mode::init && view.mode != contract::Mode::calibrate &&
+           (view.sensed.io.bumpers() & ~view.bumpers_acknowledged) != 0;
   }
 };
 

@@ -10,6 +10,7 @@
 #include "control/contract/firmware_image.hpp"
 #include "control/contract/params.hpp"
 #include "control/core/derived.hpp"
+#include "control/core/output/bumper_room.hpp"
 #include "control/core/output/wheel_mixing.hpp"
 
 namespace hoist::core {
@@ -21,6 +22,7 @@ struct GateView {
   bool drives_lost = true;    // either drive silent
   bool driver_fresh = false;  // a held driving command younger than remote_stop_age_s
   bool service = false;       // nodes get new programs
+  std::uint8_t bumpers = 0;   // pressed now: 0 front, 1 rear, 2 left, 3 right
 };
 
 class SafetyGate {
@@ -116,6 +118,10 @@ class SafetyGate {
       sent = {};
       return true;
     }
+    // H13: with a bumper pressed each wheel may only lead away from it, slowly. A stop ends on its ramp, whatever touches.
+    if (view.bumpers != 0 && view.mode != contract::Mode::protective_stop &&
+        std::fabs(wheel - BumperRoom(view.bumpers).speed_m_s(wheel)) > kRounding_m_s)
+      return false;
     if (sent.enabled) {
       if (std::fabs(wheel - sent.wheel_m_s) > hardest_stop_m_s2(params) * dt_s + turn_step_m_s + kRounding_m_s) return false;
     } else if (wheel != 0.0 && view.mode != contract::Mode::protective_stop) {

@@ -24,6 +24,7 @@ constexpr std::uint32_t kPowerOff = faults_with(Reaction::power_off);
 constexpr std::uint32_t kLatching = kProtective | kBreakdown | kPowerOff;
 constexpr std::uint32_t kSoft = faults_with(Reaction::soft_stop);
 constexpr std::uint32_t kWarnings = faults_with(Reaction::warn);
+constexpr std::uint32_t kBumper = fault_bit(Fault::bumper_pressed);
 constexpr std::uint32_t kDriveFaults = fault_bit(Fault::drive_left_fault) | fault_bit(Fault::drive_right_fault);
 
 void tell_faults(CoreState& state, std::uint32_t bits, EventKind kind) noexcept {
@@ -158,8 +159,9 @@ std::uint32_t guard_refusals(const CoreState& state, Guard guard) noexcept {
     case Guard::ready_with_a_path:
       return start_refusals(state, Mode::guided);
     case Guard::cause_gone:
-      // A drive's own fault goes with the acknowledgement; a hoist on its way out of service does not come back by this one.
-      if ((state.conditions & kProtective & ~kDriveFaults) != 0) bits |= refusal_bit(Refusal::cause_not_cleared);
+      // A drive's own fault goes with the acknowledgement; so does a bumper that touches, which only driving can clear (H13). A hoist on its
+      // way out of service does not come back by this one.
+      if ((state.conditions & kProtective & ~kDriveFaults & ~kBumper) != 0) bits |= refusal_bit(Refusal::cause_not_cleared);
       if ((state.latched & kBreakdown) != 0) bits |= refusal_bit(Refusal::fault_mode);
       if (state.still_ticks < kStillTicks) bits |= refusal_bit(Refusal::moving);
       return bits;
@@ -218,6 +220,8 @@ std::uint32_t start_refusals(const CoreState& state) noexcept {
 
 std::uint32_t start_refusals(const CoreState& state, Mode to) noexcept {
   std::uint32_t bits = start_refusals(state);
+  // In REMOTE the hoist may leave what it touches; limiter and gate see to it that it does nothing else.
+  if (to == Mode::remote && (state.sensed.io.bumpers() & ~state.bumpers_acknowledged) == 0) bits &= ~refusal_bit(Refusal::bumper_start);
   // Nobody has given a path to follow yet.
   if (to == Mode::guided) bits |= refusal_bit(Refusal::unknown_item);
   return bits;
@@ -336,10 +340,11 @@ std::uint32_t acknowledge(CoreState& state, contract::Role role, bool& wait) noe
     clear_latched(state, kLatching);
     return 0;
   }
-  if ((state.conditions & kProtective) != 0) {
+  if ((state.conditions & kProtective & ~kBumper) != 0) {
     wait = true;
     return 0;
   }
+  state.bumpers_acknowledged = state.sensed.io.bumpers();
   clear_latched(state, kProtective);
   change_mode(state, row->to);
   return 0;
@@ -349,7 +354,7 @@ void serve_pending(CoreState& state) noexcept {
   PendingAcknowledge& pending = state.pending;
   if (pending.ticks_left == 0) return;
   --pending.ticks_left;
-  const bool cleared = (state.conditions & kProtective) == 0;
+  const bool cleared = (state.conditions & kProtective & ~kBumper) == 0;
   if (!cleared && pending.ticks_left > 0 && state.mode == Mode::protective_stop) return;
   bool wait = false;
   std::uint32_t bits = cleared ? acknowledge(state, contract::Role::therapist, wait) : refusal_bit(Refusal::cause_not_cleared);

@@ -44,7 +44,8 @@ class IoBoard : public Board {
   }
   // The contacts open when pressed.
   std::uint8_t bumpers() { return Bumpers::read(); }
-  std::uint8_t switches() { return Switches::read() ^ 0x0FU; }
+  // Bit 0 is the emergency stop chain: its contact opens, so that a torn wire reads as pressed. The others are closed to ground = 1.
+  std::uint8_t switches() { return Switches::read() ^ 0x0EU; }
   float battery_v(int battery) {
     constexpr float kVolt = kAdcReference_v / kAdcCounts;
     const float lower_v = converter_.convert(kBatteryAChannel) * (kVolt * kBatteryADivider);

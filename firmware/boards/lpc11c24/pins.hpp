@@ -60,7 +60,7 @@ inline constexpr float kBus_v_per_count = kBusDivider * kAdcReference_v / kAdcCo
 
 // Bumpers: contacts that open when pressed, to ground, pull-ups on. A torn cable reads as pressed.
 inline constexpr Pin kBumperFront{2, 0}, kBumperRear{2, 1}, kBumperLeft{2, 2}, kBumperRight{2, 3};
-// Configuration switches, bit 0 to 3 of the object: closed to ground = 1.
+// Bit 0 of the object: a contact of the emergency stop chain, to ground, open when it is pressed. Bits 1 to 3: closed to ground = 1.
 inline constexpr Pin kSwitch0{2, 6}, kSwitch1{2, 7}, kSwitch2{2, 8}, kSwitch3{2, 11};
 // Outputs 0 to 7 of the object, high = on; low from reset on by 10 kOhm to ground outside.
 inline constexpr Pin kOutput0{1, 4}, kOutput1{1, 5}, kOutput2{1, 6}, kOutput3{1, 7}, kOutput4{1, 8}, kOutput5{1, 10}, kOutput6{1, 11},

@@ -11,6 +11,7 @@
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
+#include "control/contract/param_set.hpp"
 #include "control/core/tick.hpp"
 
 namespace hoist::core::test {
@@ -82,6 +83,7 @@ class ScriptedHoist {
   std::vector<contract::Command> commands;  // delivered in the next step
   std::vector<contract::Event> events;      // all that came out so far
   std::vector<contract::CanFrame> sent;     // by the core, in the last step
+  contract::ParamSetSeal seal;              // over what was staged, as an honest client works it out
   std::uint64_t sequence = 0, drive_sequence = 0;
   std::uint32_t next_request = 1;
   bool drive_fresh = false;
@@ -113,6 +115,11 @@ class ScriptedHoist {
     c.v0 = v0;
     c.v1 = v1;
     c.v2 = v2;
+    if (kind == contract::CommandKind::stage_parameter) {
+      if (b == 0) seal = {};
+      seal.add(a, v0);
+    }
+    if (kind == contract::CommandKind::commit_parameters) c.seal = seal.value();
     commands.push_back(c);
     return c.request_id;
   }

@@ -62,6 +62,23 @@ TEST_F(Gate, H23OfTheOutputsOnlyTheRelaysFeedLeaves) {
   EXPECT_FALSE(judge({id, 2, 0, {1}}));
 }
 
+TEST_F(Gate, H13LeadsOnlyAwayFromAPressedBumper) {
+  view.mode = Mode::remote;
+  view.driver_fresh = true;
+  view.bumpers = 1;
+  EXPECT_TRUE(left(0));
+  EXPECT_FALSE(left(0.004));
+  for (double v = 0; v > -0.099; v -= 0.004) EXPECT_TRUE(left(v));
+  EXPECT_TRUE(left(-0.1));
+  EXPECT_FALSE(left(-0.104));
+  view.mode = Mode::protective_stop;
+  EXPECT_TRUE(left(-0.09)) << "a stop ends on its ramp";
+  view.bumpers = 2;
+  EXPECT_TRUE(left(-0.08));
+  view.mode = Mode::remote;
+  EXPECT_FALSE(left(-0.07));
+}
+
 TEST_F(Gate, BoundsSpeedAndSteps) {
   bring_to(0.3);
   EXPECT_FALSE(left(0.35)) << "a jump";

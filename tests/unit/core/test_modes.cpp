@@ -130,13 +130,70 @@ TEST(Modes, AcknowledgementWaitsForOneSecondOfStandstill) {
 
 TEST(Modes, AcknowledgementIsRefusedWhileTheCauseIsThere) {
   ScriptedHoist hoist = in_mode(Mode::standby);
-  hoist.io.bumpers = 1;
+  hoist.tilt_left.silent = true;
   hoist.step(150);
   ASSERT_EQ(hoist.state.mode, Mode::protective_stop);
   EXPECT_EQ(hoist.ask(CommandKind::acknowledge), refusal_bit(Refusal::cause_not_cleared));
-  hoist.io.bumpers = 0;
-  hoist.step(3);
+  hoist.tilt_left.silent = false;
+  hoist.step(150);
   EXPECT_EQ(hoist.ask(CommandKind::acknowledge), 0U);
+}
+
+// H13: after the stop only away from what is touched, at 0.1 m/s, in REMOTE and nowhere else.
+TEST(Bumpers, H13OnlyAwayFromWhatIsTouchedAndSlowly) {
+  struct Case {
+    std::uint8_t bumpers;
+    bool forward, backward;
+  };
+  for (const Case& c : {Case{1, false, true}, {2, true, false}, {3, false, false}, {4, true, true}, {8, true, true}, {9, false, true}}) {
+    SCOPED_TRACE(int{c.bumpers});
+    for (const double stick : {1.0, -1.0}) {
+      ScriptedHoist hoist = in_mode(Mode::standby);
+      hoist.io.bumpers = c.bumpers;
+      hoist.step(150);
+      ASSERT_EQ(hoist.state.mode, Mode::protective_stop);
+      ASSERT_EQ(hoist.ask(CommandKind::acknowledge), 0U) << "acknowledged while it touches";
+      hoist.step(50);
+      ASSERT_EQ(hoist.state.mode, Mode::standby);
+      EXPECT_EQ(hoist.out.record.bumpers_acknowledged, c.bumpers);
+      EXPECT_EQ(hoist.ask_mode(Mode::user), refusal_bit(Refusal::bumper_start)) << "the patient cannot see what it touches";
+      ASSERT_EQ(hoist.ask_mode(Mode::remote), 0U);
+      ASSERT_TRUE(hoist.run_until_powered());
+      for (int i = 0; i < 200; ++i) {
+        if (i % 4 == 0) hoist.hold(stick, 0.7);
+        hoist.step();
+        ASSERT_EQ(hoist.state.mode, Mode::remote);
+        ASSERT_EQ(hoist.out.record.yaw_rate_command_rad_s, 0.0F) << "nothing turns";
+        ASSERT_LE(std::abs(hoist.command_m_s()), 0.1 + 1e-4);
+        ASSERT_LE(hoist.command_m_s() * stick, (stick > 0 ? c.forward : c.backward) ? 0.1 + 1e-4 : 0.0);
+      }
+      if (stick > 0 ? c.forward : c.backward) {
+        EXPECT_NEAR(hoist.command_m_s(), 0.1 * stick, 1e-3) << "and that way it does go";
+      }
+    }
+  }
+}
+
+TEST(Bumpers, H13OneThatTouchesAnewStopsAgain) {
+  ScriptedHoist hoist = in_mode(Mode::standby);
+  hoist.io.bumpers = 1;
+  hoist.step(150);
+  ASSERT_EQ(hoist.ask(CommandKind::acknowledge), 0U);
+  ASSERT_EQ(hoist.ask_mode(Mode::remote), 0U);
+  ASSERT_TRUE(hoist.run_until_powered());
+  hoist.drive_for(100, -1.0);
+  hoist.io.bumpers = 0;
+  hoist.drive_for(100, -1.0);
+  EXPECT_LT(hoist.command_m_s(), -0.2) << "free again";
+  hoist.io.bumpers = 1;
+  hoist.drive_for(2, -1.0);
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop) << "the acknowledgement was for that touch";
+  hoist.io.bumpers = 3;
+  hoist.step(150);
+  ASSERT_EQ(hoist.ask(CommandKind::acknowledge), 0U);
+  hoist.io.bumpers = 7;
+  hoist.step(2);
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop) << "another bumper is another touch";
 }
 
 TEST(Modes, EveryGuardOfAStartRefusesAndNamesItself) {

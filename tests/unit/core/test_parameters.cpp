@@ -1,6 +1,8 @@
 // Parameter sets (hazard H27), neutral, pose: all or nothing, checked here whatever the server checked.
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test {
@@ -22,6 +24,8 @@ bool same(const contract::Params& a, const contract::Params& b) {
     if (contract::get_param(a, i) != contract::get_param(b, i)) return false;
   return true;
 }
+
+bool is_moving_now(const ScriptedHoist& hoist) { return hoist.state.mode == Mode::user; }
 
 struct Row {
   ParamName name;
@@ -190,6 +194,288 @@ TEST(Parameters, LoadedOnlyWhenSoundAndBeforeTheFirstStep) {
   TickOutputs out;
   tick(state, TickInputs{}, kTick_s, out);
   EXPECT_FALSE(load_params(state, contract::Params{}));
+}
+
+// ----- H27: seal, version, damage -----
+
+TEST(Parameters, H27ASetThatArrivedDamagedOrLateIsRefusedWhole) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  const std::uint32_t gain = id_of(ParamName::lean_gain_filtered_units);
+  const auto commit = [&](std::uint64_t seal) {
+    hoist.send(CommandKind::stage_parameter, 7, gain, 0, 40);
+    const std::uint32_t id = hoist.send(CommandKind::commit_parameters, 7, 1, kEngineer);
+    hoist.commands.back().seal = seal;
+    hoist.step();
+    return hoist.answer(id);
+  };
+  contract::ParamSetSeal meant;
+  meant.add(gain, 40);
+  contract::ParamSetSeal other_value;
+  other_value.add(gain, 40.000000001);
+  const auto version = static_cast<std::uint32_t>(hoist.state.parameter_version);
+  EXPECT_EQ(commit(0), refusal_bit(Refusal::set_outdated)) << "no seal is none";
+  EXPECT_EQ(commit(other_value.value()), refusal_bit(Refusal::set_outdated)) << "not what was meant";
+  EXPECT_EQ(commit(meant.value(version + 1)), refusal_bit(Refusal::set_outdated)) << "made for other parameters";
+  for (unsigned bit = 0; bit < 32; ++bit) ASSERT_NE(commit(meant.value() ^ (1ULL << bit)), 0U) << bit;
+  EXPECT_EQ(hoist.state.params.lean_gain_filtered_units, 50);
+  EXPECT_EQ(hoist.state.parameter_version, version);
+  EXPECT_EQ(commit(meant.value(version)), 0U);
+  EXPECT_EQ(commit(meant.value(version)), refusal_bit(Refusal::set_outdated)) << "somebody was faster";
+}
+
+TEST(Parameters, H27EveryBitThatFlipsInMemoryIsFoundAndMended) {
+  for (std::size_t bit = 0; bit < sizeof(contract::Params) * 8; bit += 7) {
+    ScriptedHoist hoist;
+    hoist.state.params.lean_gain_direct_units = 3;
+    install_params(hoist.state, hoist.state.params);
+    ASSERT_TRUE(hoist.ready());
+    const contract::Params before = hoist.state.params;
+    auto* bytes = reinterpret_cast<unsigned char*>(bit % 2 == 0 ? &hoist.state.params : &hoist.state.seal.copy);
+    bytes[bit / 8] = static_cast<unsigned char>(bytes[bit / 8] ^ (1U << (bit % 8)));
+    hoist.step();
+    ASSERT_EQ(hoist.state.mode, Mode::fault) << bit;
+    ASSERT_TRUE(hoist.has_fault(contract::Fault::parameters_corrupt));
+    ASSERT_TRUE(same(hoist.state.params, before)) << "the copy that was whole is in force";
+    ASSERT_TRUE(hoist.out.params_changed);
+  }
+}
+
+TEST(Parameters, H27DamageInBothCopiesLeavesTheDefaults) {
+  ScriptedHoist hoist;
+  hoist.state.params.lean_gain_direct_units = 3;
+  install_params(hoist.state, hoist.state.params);
+  ASSERT_TRUE(hoist.ready());
+  hoist.state.params.speed_m_s_max = 6.5;
+  hoist.state.seal.copy.speed_m_s_max = 65;
+  hoist.step();
+  EXPECT_EQ(hoist.state.mode, Mode::fault);
+  EXPECT_TRUE(same(hoist.state.params, contract::Params{}));
+}
+
+TEST(Parameters, H27DamageWhileWalkingStopsOnTheRampOfSoundOnes) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  hoist.lean_gently(7, 300);
+  ASSERT_GT(hoist.command_m_s(), 0.3);
+  hoist.worst_deceleration_m_s2 = 0;
+  hoist.state.params.protective_deceleration_m_s2 = 40;
+  hoist.step();
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+  hoist.lean(0);
+  EXPECT_TRUE(hoist.reach(Mode::fault, 300));
+  EXPECT_LE(hoist.worst_deceleration_m_s2, 1.0 + 1e-9);
+}
+
+// ----- H27: gains while walking -----
+
+TEST(Gains, H27NeverMoveFasterThanTwentyPercentASecond) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  hoist.lean_gently(6, 100);
+  ASSERT_EQ(
+      set(hoist, {{ParamName::lean_gain_direct_units, 4}, {ParamName::lean_tau_normal_s, 5}, {ParamName::reversal_gain_norm, 0.0004}}), 0U);
+  EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 4) << "the table holds what was set";
+  contract::Params last = hoist.state.live;
+  int ticks = 0;
+  while (hoist.state.slewing && ticks < 3000) {
+    hoist.step();
+    ++ticks;
+    for (std::size_t i = 0; i < contract::kParamCount; ++i) {
+      const auto& info = contract::kParams[i];
+      const double from = contract::get_param(last, i), to = contract::get_param(hoist.state.live, i);
+      ASSERT_LE(std::abs(to - from), 0.2 * kTick_s * std::max(std::abs(from), 0.05 * (info.max - info.min)) * 1.0001) << info.name;
+      ASSERT_GE(to, info.min);
+      ASSERT_LE(to, info.max);
+    }
+    last = hoist.state.live;
+  }
+  EXPECT_TRUE(same(hoist.state.live, hoist.state.params)) << "and they arrive";
+  EXPECT_NEAR(ticks * kTick_s, std::log(2.0) / 0.2, 0.3) << "twice or half as much takes 3.5 s";
+}
+
+TEST(Gains, H27AJumpOfAGainIsNoJumpOfTheSpeed) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  hoist.lean_gently(5, 200);
+  float wish = hoist.out.record.speed_wish_m_s;
+  ASSERT_EQ(set(hoist, {{ParamName::lean_gain_direct_units, 10}, {ParamName::lean_gain_filtered_units, 100}}), 0U);
+  for (int i = 0; i < 400; ++i) {
+    hoist.step();
+    ASSERT_LE(std::abs(hoist.out.record.speed_wish_m_s - wish), 0.005F) << i;
+    wish = hoist.out.record.speed_wish_m_s;
+  }
+}
+
+TEST(Gains, OnStandbyAndForCapsThereIsNothingToWaitFor) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  ASSERT_EQ(set(hoist, {{ParamName::lean_gain_direct_units, 4}}), 0U);
+  EXPECT_EQ(hoist.state.live.lean_gain_direct_units, 4);
+  ASSERT_EQ(hoist.ask_mode(Mode::user), 0U);
+  ASSERT_TRUE(hoist.run_until_powered());
+  ASSERT_EQ(set(hoist, {{ParamName::speed_cap_norm, 0.2}}), 0U);
+  EXPECT_EQ(hoist.state.live.speed_cap_norm, 0.2) << "a lower cap must not wait; the limiter makes it gentle";
+}
+
+TEST(Gains, DrivesHearOfTheirGainsInSmallSteps) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  const std::size_t written = hoist.drive_left.written.size();
+  ASSERT_EQ(set(hoist, {{ParamName::drive_velocity_gain_v_s_rad, 0.2}}), 0U);
+  hoist.step(500);
+  ASSERT_GT(hoist.drive_left.written.size(), written + 5);
+  float last = 0.12F;
+  for (std::size_t i = written; i < hoist.drive_left.written.size(); ++i) {
+    const auto [object, value] = hoist.drive_left.written[i];
+    ASSERT_EQ(object, 0x220001U);
+    ASSERT_LE(value - last, 0.012F);
+    last = value;
+  }
+  EXPECT_EQ(last, 0.2F);
+}
+
+// ----- H27: values on trial -----
+
+// Stages and commits rows that go back after `seconds` unless confirmed.
+std::uint32_t attempt(ScriptedHoist& hoist, std::initializer_list<Row> rows, double seconds, std::uint32_t role = kEngineer) {
+  std::uint32_t n = 0;
+  for (const Row& row : rows) hoist.send(CommandKind::stage_parameter, 7, id_of(row.name), n++, row.value);
+  return hoist.ask(CommandKind::commit_parameters, 7, n, role, seconds);
+}
+
+TEST(TrialOfSettings, GoesBackByItselfWithWhatWasThereBefore) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  ASSERT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 20), 0U);
+  EXPECT_NEAR(hoist.out.record.settings_trial_s, 20, 0.02);
+  EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 4);
+  EXPECT_EQ(kept_param(hoist.state, contract::param_index(ParamName::lean_gain_direct_units)), 2) << "a restart would not find it";
+  const auto version = hoist.state.parameter_version;
+  hoist.server_up = false;  // nobody is left who could confirm
+  hoist.step(1990);
+  EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 4);
+  hoist.step(15);
+  EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 2);
+  EXPECT_EQ(hoist.state.parameter_version, version + 1);
+  EXPECT_EQ(hoist.count(EventKind::parameters_reverted), 1);
+  EXPECT_EQ(hoist.out.record.settings_trial_s, 0.0F);
+  EXPECT_EQ(hoist.state.mode, Mode::user) << "walking goes on";
+}
+
+TEST(TrialOfSettings, StaysWhenConfirmed) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  ASSERT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 5), 0U);
+  EXPECT_EQ(hoist.ask(CommandKind::confirm_parameters, 7, 0, 0), refusal_bit(Refusal::not_allowed)) << "a viewer does not decide";
+  EXPECT_EQ(hoist.ask(CommandKind::confirm_parameters, 7, 1, kTherapist), refusal_bit(Refusal::set_outdated)) << "another set was seen";
+  const auto version = static_cast<std::uint32_t>(hoist.state.parameter_version);
+  EXPECT_EQ(hoist.ask(CommandKind::confirm_parameters, 7, version, kTherapist), 0U);
+  EXPECT_TRUE(hoist.out.params_changed) << "from now on it is to be stored";
+  EXPECT_EQ(hoist.ask(CommandKind::confirm_parameters, 7, 0, kTherapist), refusal_bit(Refusal::out_of_order));
+  hoist.step(1000);
+  EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 4);
+  EXPECT_EQ(kept_param(hoist.state, contract::param_index(ParamName::lean_gain_direct_units)), 4);
+  EXPECT_EQ(hoist.count(EventKind::parameters_reverted), 0);
+}
+
+TEST(TrialOfSettings, IsUndoneOnRequest) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  ASSERT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}, {ParamName::turn_gain_direct_units, 3}}, 60), 0U);
+  EXPECT_EQ(hoist.ask(CommandKind::revert_parameters, 7, 0, kTherapist), 0U);
+  EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 2);
+  EXPECT_EQ(hoist.state.params.turn_gain_direct_units, 2);
+  EXPECT_EQ(hoist.ask(CommandKind::revert_parameters, 7, 0, kTherapist), refusal_bit(Refusal::out_of_order));
+}
+
+TEST(TrialOfSettings, ASecondTrialGoesBackToBeforeTheFirstAndWhatIsMeantStays) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  ASSERT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 5), 0U);
+  ASSERT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 5}, {ParamName::turn_gain_direct_units, 3}}, 5), 0U);
+  ASSERT_EQ(set(hoist, {{ParamName::turn_gain_direct_units, 6}, {ParamName::lean_range_rad, 0.2}}), 0U);
+  hoist.step(600);
+  EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 2);
+  EXPECT_EQ(hoist.state.params.turn_gain_direct_units, 6);
+  EXPECT_EQ(hoist.state.params.lean_range_rad, 0.2);
+}
+
+TEST(TrialOfSettings, IsOnlyForWhatMayChangeWhileMovingAndForASensibleTime) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  EXPECT_EQ(attempt(hoist, {{ParamName::lean_range_rad, 0.2}}, 20), refusal_bit(Refusal::only_when_stopped))
+      << "it would have to go back while somebody walks";
+  EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 0.5), refusal_bit(Refusal::out_of_range));
+  EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 121), refusal_bit(Refusal::out_of_range));
+  EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, -1), refusal_bit(Refusal::out_of_range));
+  EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, NAN), refusal_bit(Refusal::not_finite));
+  EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 2);
+}
+
+// H27: over random sequences of stages, commits, trials, damage and modes no wrong set is ever in force, and none is in force in part.
+TEST(Parameters, H27NoBadSetInForceOverRandomSequences) {
+  int accepted = 0, refused = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    const auto below = [&random](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    for (int i = 0; i < 1500; ++i) {
+      const contract::Params before = hoist.state.params;
+      const auto version = hoist.state.parameter_version;
+      contract::Params meant = before;
+      const std::size_t rows = 1 + below(6);
+      const std::uint32_t role = static_cast<std::uint32_t>(below(4));
+      const bool walking = is_moving_now(hoist);
+      for (std::size_t r = 0; r < rows; ++r) {
+        const std::size_t index = below(contract::kParamCount);
+        const auto& info = contract::kParams[index];
+        const double share = static_cast<double>(below(1000)) / 800.0 - 0.1;
+        const double value = below(30) == 0 ? NAN : info.min + share * (info.max - info.min);
+        contract::set_param_unchecked(meant, index, value);
+        hoist.send(CommandKind::stage_parameter, 7, below(40) == 0 ? 999 : info.id, static_cast<std::uint32_t>(r), value);
+      }
+      const double trial_s = below(4) == 0 ? 1.0 + static_cast<double>(below(3)) : 0.0;
+      const std::uint32_t id = hoist.send(CommandKind::commit_parameters, 7, static_cast<std::uint32_t>(rows), role, trial_s);
+      if (below(20) == 0) hoist.commands.back().seal ^= 1ULL << below(64);
+      if (below(15) == 0) hoist.send(CommandKind::request_mode, 7, static_cast<std::uint32_t>(walking ? Mode::standby : Mode::user));
+      if (below(10) == 0) hoist.send(CommandKind::acknowledge, 7, 0, kEngineer);
+      hoist.step();
+      const bool done = hoist.answer(id) == 0;
+      (done ? accepted : refused) += 1;
+      if (!done && version == hoist.state.parameter_version) {
+        ASSERT_TRUE(same(hoist.state.params, before)) << "nothing of a refused set";
+      }
+      if (done && hoist.state.parameter_version == version + 1) {
+        ASSERT_TRUE(same(hoist.state.params, meant)) << "all of a set that was taken";
+      }
+      for (std::size_t p = 0; p < contract::kParamCount; ++p) {
+        const double now = contract::get_param(hoist.state.params, p), was = contract::get_param(before, p);
+        ASSERT_EQ(contract::check_param(p, now), contract::ParamCheck::ok) << contract::kParams[p].name;
+        ASSERT_EQ(contract::check_param(p, contract::get_param(hoist.state.live, p)), contract::ParamCheck::ok);
+        if (now == was) continue;
+        ASSERT_TRUE(!walking || contract::kParams[p].edit == contract::EditRule::live) << contract::kParams[p].name << " while walking";
+      }
+      ASSERT_EQ(contract::check_param_set(hoist.state.params), nullptr);
+      hoist.events.clear();
+    }
+    ASSERT_FALSE(hoist.has_fault(contract::Fault::parameters_corrupt));
+  }
+  EXPECT_GT(accepted, 100) << "and the good ones are taken";
+  EXPECT_GT(refused, 5000);
+}
+
+// H27: what limits motion or trips a guard is changed on standby, by an engineer, and never while anybody moves.
+TEST(Parameters, H27LimitsAndTripsAreForEngineersOnStandby) {
+  for (const auto& row : contract::kParams) {
+    const bool limit = (row.id >= 40 && row.id <= 47 && row.name != "speed_cap_norm") || (row.id >= 52 && row.id <= 53) ||
+                       (row.id >= 60 && row.id <= 67) || (row.id >= 100 && row.id <= 129);
+    if (!limit) continue;
+    EXPECT_EQ(row.edit, contract::EditRule::stopped) << row.name;
+    EXPECT_EQ(row.role, contract::Role::engineer) << row.name;
+  }
 }
 
 TEST(Neutral, IsTheMeanOfTheLastSecond) {

@@ -153,6 +153,7 @@ void FakeCore::take(const Command& c) {
       return answer(c, 0);
     }
     case CommandKind::commit_parameters: {
+      trial_s_ = c.v0;
       if (staging_broken_ || staged_.size() != c.a) return answer(c, refusal_bit(Refusal::out_of_order));
       for (const auto& [index, value] : staged_)
         if (kParams[index].edit == EditRule::stopped && mode != Mode::standby)
@@ -176,6 +177,11 @@ void FakeCore::take(const Command& c) {
       record_.psi_rad = static_cast<float>(c.v2);
       return answer(c, 0);
     case CommandKind::set_neutral:
+      return answer(c, 0);
+    case CommandKind::confirm_parameters:
+    case CommandKind::revert_parameters:
+      if (trial_s_ == 0) return answer(c, refusal_bit(Refusal::out_of_order));
+      trial_s_ = 0;
       return answer(c, 0);
     case CommandKind::begin_service:
       if (c.b != static_cast<std::uint32_t>(Role::engineer)) return answer(c, refusal_bit(Refusal::not_allowed));

@@ -50,6 +50,7 @@ class FakeCore {
   std::mutex mutex_;
   contract::TickRecord record_{};
   contract::ParamsInForce params_{};
+  double trial_s_ = 0;
   std::vector<std::pair<std::size_t, double>> staged_;
   bool staging_broken_ = false;
   std::vector<contract::Command> commands_;

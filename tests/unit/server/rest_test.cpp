@@ -192,6 +192,27 @@ TEST_F(Rest, ParametersAreChangedThroughTheCore) {
   EXPECT_EQ(get("/api/v1/parameters/turn_dead_band_norm").json()["value"], 0.2);
 }
 
+TEST_F(Rest, ParametersOnTrialAreKeptOrTakenBack) {
+  EXPECT_EQ(call("POST", "/api/v1/parameters/confirm").status, 409) << "nothing is on trial";
+  ASSERT_EQ(call("PATCH", "/api/v1/parameters", {{"lean_dead_band_norm", 0.1}, {"revert_after_s", 20}}).status, 200);
+  EXPECT_EQ(core_->commands().back().v0, 20.0);
+  EXPECT_NE(core_->commands().back().seal, 0U) << "sealed on the way";
+  EXPECT_EQ(call("POST", "/api/v1/parameters/confirm").status, 200);
+  EXPECT_EQ(core_->commands().back().kind, contract::CommandKind::confirm_parameters);
+  ASSERT_EQ(call("PATCH", "/api/v1/parameters", {{"lean_dead_band_norm", 0.2}, {"revert_after_s", 5}}).status, 200);
+  EXPECT_EQ(call("POST", "/api/v1/parameters/revert").status, 200);
+  EXPECT_EQ(core_->commands().back().kind, contract::CommandKind::revert_parameters);
+  const std::size_t asked = core_->commands().size();
+  for (const json& wrong : {json(0), json(121), json("20"), json(true)}) {
+    const Answer refused = call("PATCH", "/api/v1/parameters", {{"lean_dead_band_norm", 0.1}, {"revert_after_s", wrong}});
+    EXPECT_EQ(refused.status, 422) << wrong;
+  }
+  const Answer stopped = call("PATCH", "/api/v1/parameters", {{"lean_range_rad", 0.2}, {"revert_after_s", 20}});
+  EXPECT_EQ(stopped.status, 422);
+  EXPECT_EQ(stopped.json()["errors"][0]["field"], "lean_range_rad");
+  EXPECT_EQ(core_->commands().size(), asked) << "what cannot be is not even asked";
+}
+
 TEST_F(Rest, RefusedParametersNameFieldAndRangeAndChangeNothing) {
   const Answer high = call("PUT", "/api/v1/parameters/lean_gain_filtered_units", {{"value", 1000.0}});
   EXPECT_EQ(high.status, 422);

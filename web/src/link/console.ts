@@ -69,6 +69,7 @@ function slowPart(record: TickRecord) {
     blockedBits: record.blocked_bits,
     standingStill: record.standing_still === 1,
     bumpers: record.bumpers,
+    trial_s: Math.ceil(record.settings_trial_s),
     // The alarm outlasts its cause until somebody acknowledges it; so does the name of the device.
     duplicateId: record.duplicate_id !== 0 ? record.duplicate_id : ((record.fault_bits >>> duplicateBit) & 1) === 1 ? store.value.duplicateId : null,
     babblingId: record.babbling_id !== nobody ? record.babbling_id : ((record.fault_bits >>> babblingBit) & 1) === 1 ? store.value.babblingId : null,
@@ -258,6 +259,11 @@ export const calibrateMeasure = (measured: object): Promise<Reply> => withLease(
 export const calibrateUse = (): Promise<Reply> => withLease({ type: 'calibrate_use' });
 export const calibrateCancel = (): Promise<Reply> => withLease({ type: 'calibrate_cancel' });
 export const setParameters = (values: Partial<Record<ParamName, number>>): Promise<Reply> => withLease({ type: 'set', values });
+/** Values that go back by themselves unless somebody keeps them: for what is tried while a patient walks. */
+export const tryParameters = (values: Partial<Record<ParamName, number>>, revert_after_s: number): Promise<Reply> =>
+  withLease({ type: 'set', values, revert_after_s });
+export const keepSettings = (): Promise<Reply> => withLease({ type: 'keep_settings' });
+export const undoSettings = (): Promise<Reply> => withLease({ type: 'undo_settings' });
 export const applyPreset = (name: string): Promise<Reply> => withLease({ type: 'preset', name });
 export const marker = (text: string): Promise<Reply> => link.request({ type: 'marker', text });
 export const everyTick = (on: boolean): boolean => link.send({ type: 'stream', every_tick: on });

@@ -60,6 +60,8 @@ export interface State {
   blockedBits: number;
   standingStill: boolean;
   bumpers: number;
+  /** Whole seconds until values on trial go back; 0 = none are. */
+  trial_s: number;
   /** Node id that two devices share, and CAN id that floods the bus: kept while the alarm about it is shown. Null = not told. */
   duplicateId: number | null;
   babblingId: number | null;
@@ -97,6 +99,7 @@ export const initial: State = {
   blockedBits: 0,
   standingStill: true,
   bumpers: 0,
+  trial_s: 0,
   duplicateId: null,
   babblingId: null,
   stopSent: false,

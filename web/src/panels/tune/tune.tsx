@@ -1,7 +1,8 @@
 // Every setting from the table, with what it does in plain words. A change goes to the hoist at once; what it refuses is said at the row.
 import { useEffect, useRef, useState } from 'preact/hooks';
+import { modes } from '../../contract/faults.gen';
 import { presets, type ParamInfo } from '../../contract/params.gen';
-import { applyPreset, notify, setParameters } from '../../link/console';
+import { applyPreset, keepSettings, notify, setParameters, tryParameters, undoSettings } from '../../link/console';
 import type { Reply } from '../../link/socket';
 import { useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
@@ -12,6 +13,8 @@ import { groups, niceStep, type Group } from './groups';
 
 /** A slider that is being drawn sends no more often than this. */
 const debounce_ms = 200;
+/** What is tried while the hoist moves goes back after this long unless somebody keeps it. */
+const trial_s = 20;
 /** Values travel as 64-bit numbers, but drives keep 32-bit ones. */
 const same = (a: number, b: number) => Math.abs(a - b) <= 1e-6 * Math.max(Math.abs(a), Math.abs(b), 1e-9);
 
@@ -27,6 +30,7 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
   const begun = useRef<number | null>(null); // value in force when the change began: what Undo goes back to
 
   useEffect(() => () => void (timer.current !== null && window.clearTimeout(timer.current)), []);
+  const moving = useStore((s) => modes.some((mode) => mode.name === s.mode && mode.moving));
   const lockedByMode = row.edit === 'stopped' && !standby;
   const locked = !connected || lockedByMode || !Number.isFinite(value) || (row.role === 'engineer' && role !== 'engineer') || role === 'viewer';
 
@@ -35,7 +39,7 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
     timer.current = null;
     const before = begun.current ?? value;
     begun.current = null;
-    const reply = await setParameters({ [row.name]: si });
+    const reply = await (moving && row.edit === 'live' ? tryParameters({ [row.name]: si }, trial_s) : setParameters({ [row.name]: si }));
     setSlide(null);
     if (reply.ok) {
       setError(null);
@@ -176,6 +180,33 @@ function GroupView({ group, role, standby, connected }: { group: Group; role: st
   );
 }
 
+/** Always there while something is on trial, at the bottom where a thumb reaches it; the rows above do not move. */
+function TrialBar() {
+  const left_s = useStore((s) => s.trial_s);
+  const [reply, setReply] = useState<Reply | null>(null);
+  if (left_s <= 0) return null;
+  const end = async (what: () => Promise<Reply>) => {
+    const answer = await what();
+    setReply(answer.ok || answer.refusals[0] === 'kept' ? null : answer);
+  };
+  return (
+    <div class="trial-bar" role="region" aria-label={t('tune.trial.title')}>
+      <p>
+        <strong>{t('tune.trial.title')}</strong> <span class="num">{t('tune.trial.left', { n: left_s })}</span>
+      </p>
+      <div class="trial-buttons">
+        <button type="button" onClick={() => void end(undoSettings)}>
+          {t('tune.trial.undo')}
+        </button>
+        <button type="button" class="primary" onClick={() => void end(keepSettings)}>
+          {t('tune.trial.keep')}
+        </button>
+      </div>
+      <Refusal reply={reply} onClose={() => setReply(null)} />
+    </div>
+  );
+}
+
 function TuneView() {
   useSettings();
   const link = useStore((s) => s.link);
@@ -213,6 +244,7 @@ function TuneView() {
       {list.map((group) => (
         <GroupView key={group.title} group={group} role={role} standby={standby} connected={connected} />
       ))}
+      <TrialBar />
     </div>
   );
 }

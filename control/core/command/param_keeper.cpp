@@ -1,0 +1,203 @@
+#include "control/core/command/param_keeper.hpp"
+
+#include <cmath>
+#include <cstring>
+
+#include "control/contract/crc32.hpp"
+#include "control/core/modes/mode_list.hpp"
+#include "control/core/output/supervisor.hpp"
+#include "control/core/state.hpp"
+
+namespace hoist::core {
+
+using contract::Event;
+using contract::EventKind;
+using contract::Params;
+
+namespace {
+
+constexpr auto kGains = [] {
+  constexpr std::size_t kCount = [] {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < contract::kParamCount; ++i) count += is_gain(i) ? 1U : 0U;
+    return count;
+  }();
+  std::array<std::size_t, kCount> gains{};
+  for (std::size_t i = 0, at = 0; i < contract::kParamCount; ++i)
+    if (is_gain(i)) gains[at++] = i;
+  return gains;
+}();
+// Drives learn of a gain on its way this often: 2 % a step, and a bus that has room for the rest.
+constexpr std::uint64_t kToNodesTicks = 10;
+
+// Nothing but doubles, so that no padding hides between them.
+static_assert(sizeof(Params) == contract::kParamCount * sizeof(double));
+
+void tell(CoreState& state, EventKind kind, const Asked& asked, std::uint32_t code, double value) noexcept {
+  Event event;
+  event.kind = kind;
+  event.request_id = asked.request_id;
+  event.client = asked.client;
+  event.code = code;
+  event.value = value;
+  emit(state, event);
+}
+
+void seal(CoreState& state) noexcept {
+  state.seal.copy = state.params;
+  state.seal.crc = params_crc(state.params);
+}
+
+[[nodiscard]] double slewed(double from, double to, std::size_t index, double dt_s) noexcept {
+  const contract::ParamInfo& info = contract::kParams[index];
+  const double size = std::fmax(std::fabs(from), kSlewFloor * (info.max - info.min));
+  const double step = kSlew_per_s * dt_s * size;
+  return to > from + step ? from + step : (to < from - step ? from - step : to);
+}
+
+void move_gains(CoreState& state, double dt_s) noexcept {
+  if (!state.slewing) return;
+  const bool driven = mode_row_of(state.mode).drives;
+  bool moving = false;
+  for (const std::size_t gain : kGains) {
+    const double target = contract::get_param(state.params, gain);
+    const double from = contract::get_param(state.live, gain);
+    const double to = driven ? slewed(from, target, gain, dt_s) : target;
+    contract::set_param_unchecked(state.live, gain, to);
+    moving = moving || to != target;
+  }
+  state.slewing = moving;
+  if (!moving || state.ticks_run % kToNodesTicks == 0) {
+    state.master.params_changed(state.sent_to_nodes, state.live);
+    state.sent_to_nodes = state.live;
+  }
+}
+
+// Writes rows into what is in force; the caller says what that means for a trial.
+void write_rows(CoreState& state, const Staging& set, const Asked& asked) noexcept {
+  const Params before = state.params;
+  for (const Staging::Row& row : set.rows) {
+    contract::set_param_unchecked(state.params, row.index, row.value);
+    if (!is_gain(row.index)) contract::set_param_unchecked(state.live, row.index, row.value);
+  }
+  state.derived = derive(state.params);
+  seal(state);
+  state.slewing = true;
+  ++state.parameter_version;
+  state.params_changed = true;
+  for (const Staging::Row& row : set.rows) {
+    Event event;
+    event.kind = EventKind::parameter_changed;
+    event.request_id = asked.request_id;
+    event.client = asked.client;
+    event.item = contract::kParams[row.index].id;
+    event.value = row.value;
+    event.before = contract::get_param(before, row.index);
+    emit(state, event);
+  }
+  // Where nothing is driven there is nothing to jolt: the gains are there at once, and the nodes are told in this step.
+  move_gains(state, 0);
+}
+
+// Which of the two copies is the one that was sealed; null when neither is.
+[[nodiscard]] const Params* whole_copy(const CoreState& state) noexcept {
+  if (params_crc(state.seal.copy) == state.seal.crc) return &state.seal.copy;
+  if (params_crc(state.params) == state.seal.crc) return &state.params;
+  return nullptr;
+}
+
+void look_for_damage(CoreState& state) noexcept {
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): bits, not values, are what damaged memory changes
+  if (std::memcmp(&state.params, &state.seal.copy, sizeof(Params)) == 0) return;
+  if (!watches(contract::Fault::parameters_corrupt)) return;
+  const Params* whole = whole_copy(state);
+  const Params good = whole != nullptr ? *whole : Params{};
+  const Params told = state.sent_to_nodes;
+  install_params(state, good);
+  state.master.params_changed(told, state.live);
+  ++state.parameter_version;
+  state.params_changed = true;
+  state.trial = {};
+  raise_fault(state, contract::Fault::parameters_corrupt);
+}
+
+}  // namespace
+
+std::uint32_t params_crc(const Params& params) noexcept {
+  std::array<std::uint8_t, sizeof(Params)> bytes{};
+  std::memcpy(bytes.data(), &params, sizeof(Params));
+  contract::Crc32 crc;
+  crc.add(bytes);
+  return crc.value();
+}
+
+double kept_param(const CoreState& state, std::size_t index) noexcept {
+  const bool tried = state.trial.left_s > 0 && state.trial.on_trial[index];
+  return contract::get_param(tried ? state.trial.before : state.params, index);
+}
+
+void install_params(CoreState& state, const Params& params) noexcept {
+  state.params = params;
+  state.live = params;
+  state.sent_to_nodes = params;
+  state.derived = derive(params);
+  state.slewing = false;
+  seal(state);
+}
+
+void put_into_force(CoreState& state, const Staging& set, const Asked& asked, double trial_s) noexcept {
+  Trial& trial = state.trial;
+  if (trial_s > 0) {
+    // A second trial on top of a first: what comes back is what was there before both.
+    if (trial.left_s <= 0) trial.before = state.params;
+    for (const Staging::Row& row : set.rows) trial.on_trial[row.index] = true;
+    trial.left_s = trial_s;
+  } else {
+    // Meant to stay: what was tried in these rows before is settled.
+    for (const Staging::Row& row : set.rows) {
+      contract::set_param_unchecked(trial.before, row.index, row.value);
+      trial.on_trial[row.index] = false;
+    }
+  }
+  write_rows(state, set, asked);
+  if (trial_s > 0) {
+    tell(state, EventKind::parameters_on_trial, asked, static_cast<std::uint32_t>(state.parameter_version), trial_s);
+  } else if (trial.left_s > 0) {
+    bool any = false;
+    for (const bool row : trial.on_trial) any = any || row;
+    if (!any) static_cast<void>(confirm_trial(state, asked));
+  }
+}
+
+bool confirm_trial(CoreState& state, const Asked& asked) noexcept {
+  if (state.trial.left_s <= 0) return false;
+  state.trial = {};
+  state.params_changed = true;  // the same values, but from now on they are to be kept
+  tell(state, EventKind::parameters_confirmed, asked, static_cast<std::uint32_t>(state.parameter_version), 0);
+  return true;
+}
+
+bool revert_trial(CoreState& state, const Asked& asked) noexcept {
+  if (state.trial.left_s <= 0) return false;
+  Staging back;
+  for (std::size_t i = 0; i < contract::kParamCount; ++i)
+    if (state.trial.on_trial[i]) static_cast<void>(back.rows.push_back({i, contract::get_param(state.trial.before, i)}));
+  state.trial = {};
+  write_rows(state, back, asked);
+  tell(state, EventKind::parameters_reverted, asked, static_cast<std::uint32_t>(state.parameter_version), 0);
+  return true;
+}
+
+void serve_params(CoreState& state, double dt_s) noexcept {
+  look_for_damage(state);
+  if (state.trial.left_s > 0) {
+    state.trial.left_s -= dt_s;
+    if (state.trial.left_s <= dt_s / 2) {
+      state.trial.left_s = dt_s;
+      static_cast<void>(revert_trial(state, {}));
+    }
+  }
+  move_gains(state, dt_s);
+}
+
+}  // namespace hoist::core
