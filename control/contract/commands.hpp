@@ -27,6 +27,8 @@ enum class CommandKind : std::uint32_t {
   measure_calibration = 21,  // v0, v1, v2 = what the operator measured, a = CalibrationPart; taken as soon as everything rests
   use_calibration = 22,      // v0 = seconds since 1970 UTC; the result becomes parameters, and CALIBRATE ends
   cancel_calibration = 23,   // the old values stay
+  // Exercises (guided_path.hpp): a = shape, with bit 8 for clockwise, b = laps, v0 = size_m, v1 = radius_m, v2 = speed_m_s; lease holder only.
+  begin_guided = 25,
 };
 
 // One request of a client, in order. `request_id` comes back in the event that answers it.
@@ -73,6 +75,7 @@ enum class EventKind : std::uint32_t {
   calibration_sample = 20,  // item = how many so far, value = what was measured
   calibration_result = 21,  // one for each parameter that would change: item = parameter id, value and before
   calibration_ended = 22,   // bits = 1 used, 0 the old values stay; item = CalibrationReason
+  guided_ended = 25,  // code = GuidedEnd (guided_path.hpp), value = metres that were left
 };
 constexpr std::string_view event_name(EventKind kind) {
   switch (kind) {
@@ -106,6 +109,8 @@ constexpr std::string_view event_name(EventKind kind) {
       return "calibration_result";
     case EventKind::calibration_ended:
       return "calibration_ended";
+    case EventKind::guided_ended:
+      return "guided_ended";
     case EventKind::none:
       break;
   }
