@@ -31,6 +31,8 @@ enum class CommandKind : std::uint32_t {
   cancel_calibration = 23,   // the old values stay
   confirm_parameters = 30,   // what is on trial stays; role in b, a = the version that was looked at, 0 = whichever
   revert_parameters = 31,    // what is on trial goes back at once; role in b
+  // Exercises (guided_path.hpp): a = shape, with bit 8 for clockwise, b = laps, v0 = size_m, v1 = radius_m, v2 = speed_m_s; lease holder only.
+  begin_guided = 25,
 };
 
 // One request of a client, in order. `request_id` comes back in the event that answers it.
@@ -80,6 +82,7 @@ enum class EventKind : std::uint32_t {
   calibration_sample = 20,  // item = how many so far, value = what was measured
   calibration_result = 21,  // one for each parameter that would change: item = parameter id, value and before
   calibration_ended = 22,   // bits = 1 used, 0 the old values stay; item = CalibrationReason
+  guided_ended = 25,  // code = GuidedEnd (guided_path.hpp), value = metres that were left
 };
 constexpr std::string_view event_name(EventKind kind) {
   switch (kind) {
@@ -119,6 +122,8 @@ constexpr std::string_view event_name(EventKind kind) {
       return "parameters_confirmed";
     case EventKind::parameters_reverted:
       return "parameters_reverted";
+    case EventKind::guided_ended:
+      return "guided_ended";
     case EventKind::none:
       break;
   }

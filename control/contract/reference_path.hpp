@@ -4,7 +4,9 @@
 // square: counter-clockwise from (-side/2, -side/2), heading 0.
 // eight:  arcs of radius R about (+c, 0) and (-c, 0), joined by straights that cross at the origin; starts at the origin, heading
 //         asin(R/c), right arc (clockwise) first. R = c gives two tangent circles.
-// straight: from the origin along +x; it ends, the other two go round for ever.
+// straight: from the origin along +x; it ends, the others go round for ever.
+// circle: counter-clockwise from the origin, heading 0, about (0, R).
+// A square may have round corners; it then begins in the middle of its first side. mirrored() turns any figure over to its right-hand twin.
 #pragma once
 
 #include <array>
@@ -13,7 +15,7 @@
 
 namespace hoist::contract {
 
-enum class PathShape : unsigned char { kSquare, kEight, kStraight };
+enum class PathShape : unsigned char { kSquare, kEight, kStraight, kCircle };
 
 /// A place on the figure. psi is not wrapped: it grows by a full turn with each lap of the square.
 struct PathPose {
@@ -31,7 +33,7 @@ inline constexpr double kStraightLength_m = 10.0;
 /// How far ahead the projection looks, so that the crossing of the eight is never jumped (D27).
 inline constexpr double kProjectionWindow_m = 0.5;
 
-/// A figure made of at most five lines and arcs. Copyable, no heap, every function pure.
+/// A figure made of at most nine lines and arcs. Copyable, no heap, every function pure.
 class ReferencePath {
  public:
   /// Sizes must be finite and > 0; the eight also needs radius <= centre. Anything else gives a path with valid() false, whose length is
@@ -46,6 +48,31 @@ class ReferencePath {
       if (side < 3) path.turn_corner(kQuarter_rad);
     }
     path.lap_turn_rad_ = 4.0 * kQuarter_rad;
+    return path;
+  }
+
+  /// A square whose corners are arcs of this radius, 0 < corner_radius <= side / 2.
+  [[nodiscard]] static ReferencePath round_square(double side_m, double corner_radius_m) {
+    ReferencePath path(PathShape::kSquare);
+    const double half_m = side_m / 2.0;
+    if (!usable(side_m) || !usable(corner_radius_m) || corner_radius_m > half_m) return path;
+    path.start_ = {0.0, -half_m, 0.0, 0.0};
+    const double straight_m = half_m - corner_radius_m;
+    for (int side = 0; side < 4; ++side) {
+      if (straight_m > 0.0) path.add_line(side == 0 ? straight_m : 2.0 * straight_m);
+      path.add_arc(corner_radius_m * kQuarter_rad, 1.0 / corner_radius_m);
+    }
+    if (straight_m > 0.0) path.add_line(straight_m);
+    path.lap_turn_rad_ = 4.0 * kQuarter_rad;
+    return path;
+  }
+
+  [[nodiscard]] static ReferencePath circle(double radius_m) {
+    ReferencePath path(PathShape::kCircle);
+    if (!usable(radius_m)) return path;
+    path.start_ = {0.0, 0.0, 0.0, 0.0};
+    path.add_arc(2.0 * kHalf_rad * radius_m, 1.0 / radius_m);
+    path.lap_turn_rad_ = 2.0 * kHalf_rad;
     return path;
   }
 
@@ -72,6 +99,16 @@ class ReferencePath {
     return path;
   }
 
+  /// The same figure with left and right exchanged.
+  [[nodiscard]] ReferencePath mirrored() const {
+    ReferencePath path = *this;
+    for (Segment& segment : path.segments_) flip(segment.begin);
+    flip(path.start_);
+    flip(path.pen_);
+    path.lap_turn_rad_ = -lap_turn_rad_;
+    return path;
+  }
+
   [[nodiscard]] PathShape shape() const { return shape_; }
   [[nodiscard]] bool valid() const { return count_ > 0; }
   /// Closed figures go round; the straight ends.
@@ -87,6 +124,21 @@ class ReferencePath {
     PathPose at = segments_[place.segment].at(place.along_m);
     at.psi_rad += place.lap * lap_turn_rad_;
     return at;
+  }
+
+  /// What lies ahead of s_m: how far the curvature stays as it is, and what it is after that (0 behind the end of an open figure).
+  struct Ahead {
+    double kappa_per_m{};
+    double left_m{};
+    double next_kappa_per_m{};
+  };
+  [[nodiscard]] Ahead ahead(double s_m) const {
+    if (!valid()) return {};
+    const Place place = locate(s_m);
+    const Segment& here = segments_[place.segment];
+    const bool last = place.segment + 1 == count_;
+    const double next = !last ? segments_[place.segment + 1].begin.kappa_per_m : (closed() ? segments_[0].begin.kappa_per_m : 0.0);
+    return {here.begin.kappa_per_m, here.length_m - place.along_m, next};
   }
 
   /// Nearest place to (x, y) with arc length in [from_m, from_m + window_m]: never backward, never across the crossing. Of equally near
@@ -132,7 +184,7 @@ class ReferencePath {
  private:
   static constexpr double kHalf_rad = 3.14159265358979323846;
   static constexpr double kQuarter_rad = kHalf_rad / 2.0;
-  static constexpr std::size_t kSegmentLimit = 5;
+  static constexpr std::size_t kSegmentLimit = 9;
   /// A place this close before a joint is on the joint, so that rounding does not decide which edge follows.
   static constexpr double kJoint_m = 1e-9;
 
@@ -185,6 +237,12 @@ class ReferencePath {
   explicit ReferencePath(PathShape shape) : shape_(shape) {}
 
   [[nodiscard]] static bool usable(double size_m) { return std::isfinite(size_m) && size_m > 0.0; }
+
+  static void flip(PathPose& pose) {
+    pose.y_m = -pose.y_m;
+    pose.psi_rad = -pose.psi_rad;
+    pose.kappa_per_m = -pose.kappa_per_m;
+  }
 
   [[nodiscard]] PathPose pen() const { return count_ == 0 ? start_ : pen_; }
 

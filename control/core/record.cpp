@@ -48,7 +48,7 @@ void fill_health(const CoreState& state, const TickInputs& inputs, contract::Tic
 double stop_distance_m(const CoreState& state) noexcept {
   const double speed = std::fabs(state.limiter.speed_m_s());
   Braking braking = state.motion.braking;
-  if (braking == Braking::none && state.mode == contract::Mode::remote) braking = Braking::remote;
+  if (braking == Braking::none && contract::led_by_hand(state.mode)) braking = Braking::remote;
   const double ramp_m = speed * kReaction_s + speed * speed / (2.0 * deceleration_m_s2(braking, state.params));
   if (braking != Braking::none || state.mode != contract::Mode::user) return ramp_m;
   return std::fmax(ramp_m, speed * (kReaction_s + state.params.lean_tau_release_s));
@@ -83,6 +83,12 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.wheel_right_command_m_s = f32(state.right_command_m_s);
   record.remote_age_s = f32(state.remote.age_s(state.time_ns));
   record.stop_distance_m = f32(stop_distance_m(state));
+  record.guided_progress_norm = f32(state.guided.progress_norm());
+  record.guided_cross_track_m = f32(state.guided.cross_m());
+  record.guided_heading_error_rad = f32(state.guided.heading_error_rad());
+  record.guided_remaining_m = f32(state.guided.left_m());
+  record.guided_phase = static_cast<std::uint8_t>(state.guided.phase);
+  record.guided_end = static_cast<std::uint8_t>(state.guided.ended());
   const Odometry& odometry = sensed.odometry;
   record.speed_m_s = f32(odometry.speed_m_s);
   record.yaw_rate_rad_s = f32(odometry.yaw_rate_rad_s);

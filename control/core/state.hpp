@@ -5,6 +5,7 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/core/calibrate/calibration.hpp"
+#include "control/core/command/guided.hpp"
 #include "control/core/command/lease.hpp"
 #include "control/core/command/param_keeper.hpp"
 #include "control/core/command/remote_drive.hpp"
@@ -90,6 +91,7 @@ struct CoreState {
   std::uint8_t clear_ticks = 0;  // INIT: everything there, up to kClearTicks
   law::PfpState<double> lean;
   law::PfpTurnState<double> turn;
+  GuidedRun guided;
 
   MonitorList monitors;
   std::uint32_t conditions = 0;  // what holds now

@@ -9,6 +9,7 @@
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/faults.hpp"
+#include "control/contract/guided_path.hpp"
 #include "control/contract/params.hpp"
 #include "db/codec/bus_chunk.hpp"
 #include "db/codec/column_chunk.hpp"
@@ -122,6 +123,8 @@ std::string meaning(const Event& event) {
       for (const contract::RefusalInfo& refusal : contract::kRefusals)
         if (refusal.bit == event.code) return std::string(refusal.name);
       break;
+    case EventKind::guided_ended:
+      return std::string(contract::guided_end_name(event.code));
     case EventKind::parameter_changed:
       if (const auto index = contract::find_param_id(event.item)) return std::string(contract::kParams[*index].name);
       break;

@@ -15,10 +15,16 @@ namespace hoist::db {
 namespace {
 
 contract::ReferencePath path_of(const nlohmann::json& exercise) {
+  using contract::ReferencePath;
   const std::string shape = exercise["shape"].get<std::string>();
-  if (shape == "square") return contract::ReferencePath::square(exercise["side_m"].get<double>());
-  if (shape == "eight") return contract::ReferencePath::eight(exercise["centre_m"].get<double>(), exercise["radius_m"].get<double>());
-  return contract::ReferencePath::straight(exercise["length_m"].get<double>());
+  const auto number = [&exercise](const char* name) { return exercise.value(name, 0.0); };
+  const double corner_m = number("corner_radius_m");
+  const ReferencePath path =
+      shape == "square" ? (corner_m > 0 ? ReferencePath::round_square(number("side_m"), corner_m) : ReferencePath::square(number("side_m")))
+      : shape == "eight"  ? ReferencePath::eight(number("centre_m"), number("radius_m"))
+      : shape == "circle" ? ReferencePath::circle(number("radius_m"))
+                          : ReferencePath::straight(number("length_m"));
+  return exercise.value("clockwise", false) ? path.mirrored() : path;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "control/contract/calibration.hpp"
 #include "control/contract/faults.hpp"
+#include "control/contract/guided_path.hpp"
 #include "control/contract/params.hpp"
 
 namespace hoist::server {
@@ -199,23 +200,48 @@ void act_cancel_calibration(Services& services, const Asker& asker, OutcomeDone 
   ask(services, command_of(CommandKind::cancel_calibration, asker), std::move(done));
 }
 
-void act_mode(Services& services, const Asker& asker, const json& mode_name, const json& exercise_value, OutcomeDone done) {
+namespace {
+// The limits of exercises by the parameters in force; nothing fits before they are known.
+contract::GuidedLimits guided_limits(const Services& services) {
+  contract::Params params;
+  if (services.core.has_parameters())
+    for (std::size_t i = 0; i < contract::kParamCount; ++i) contract::set_param_unchecked(params, i, services.core.parameters().values[i]);
+  return contract::guided_limits(params);
+}
+
+std::uint32_t blocked_bits(const Services& services) { return services.core.newest() ? services.core.newest()->blocked_bits : 0; }
+}  // namespace
+
+void act_mode(Services& services, const Asker& asker, const ModeWish& wish, OutcomeDone done) {
   std::optional<contract::Mode> mode;
-  if (mode_name.is_string())
-    for (contract::Mode m : {contract::Mode::standby, contract::Mode::user, contract::Mode::remote})
-      if (contract::kModes[static_cast<std::size_t>(m)].name == mode_name.get_ref<const std::string&>()) mode = m;
+  if (wish.mode.is_string())
+    for (contract::Mode m : {contract::Mode::standby, contract::Mode::user, contract::Mode::remote, contract::Mode::guided})
+      if (contract::kModes[static_cast<std::size_t>(m)].name == wish.mode.get_ref<const std::string&>()) mode = m;
   if (!mode) {
-    done(invalid({{"mode", "must be user, remote or standby"}}, "There is no such mode to ask for."));
+    done(invalid({{"mode", "must be user, remote, guided or standby"}}, "There is no such mode to ask for."));
     return;
   }
   std::vector<FieldError> errors;
-  const auto exercise = read_exercise(exercise_value, errors);
-  if (!exercise) {
-    done(invalid(std::move(errors), "The exercise cannot be used."));
-    return;
-  }
+  auto exercise = read_exercise(wish.exercise, errors);
   Command request = command_of(CommandKind::request_mode, asker);
   request.a = static_cast<std::uint32_t>(*mode);
+  if (*mode == contract::Mode::guided) {
+    if (!wish.exercise.is_null()) errors.push_back({"exercise", "is the path itself; leave it out"});
+    if (const auto path = read_guided(wish.path, guided_limits(services), errors)) {
+      contract::put_guided(request, *path);
+      exercise = exercise_of_guided(*path);
+    }
+  } else if (!wish.path.is_null()) {
+    errors.push_back({"path", "belongs to the mode guided only"});
+  }
+  if (!exercise || !errors.empty()) {
+    Outcome outcome = invalid(std::move(errors), "The exercise cannot be used.");
+    // Whoever wants to start is told everything that is in the way.
+    if (*mode == contract::Mode::guided)
+      outcome.refusals = refusal_names(blocked_bits(services) | contract::refusal_bit(contract::Refusal::exercise_limits));
+    done(outcome);
+    return;
+  }
   if (*mode == contract::Mode::standby) {
     ask(services, request, std::move(done));
     return;
@@ -226,8 +252,8 @@ void act_mode(Services& services, const Asker& asker, const json& mode_name, con
     outcome.kind = services.core.connected() ? Outcome::Kind::refused : Outcome::Kind::unreachable;
     outcome.detail =
         services.core.connected() ? "Someone else is in control, or nobody is: take control first." : "The control core is not connected.";
-    const std::uint32_t blocked = services.core.newest() ? services.core.newest()->blocked_bits : 0;
-    if (services.core.connected()) outcome.refusals = refusal_names(blocked | contract::refusal_bit(contract::Refusal::no_lease));
+    if (services.core.connected())
+      outcome.refusals = refusal_names(blocked_bits(services) | contract::refusal_bit(contract::Refusal::no_lease));
     services.counters.add(Count::commands_refused);
     done(outcome);
     return;
@@ -245,7 +271,7 @@ void act_mode(Services& services, const Asker& asker, const json& mode_name, con
                         // Whoever wants to start is told everything that is in the way, not only what stopped the first step.
                         if (answer.kind == CoreAnswer::Kind::refused && services.core.newest()) {
                           outcome.kind = Outcome::Kind::refused;
-                          outcome.refusals = refusal_names(answer.bits | services.core.newest()->blocked_bits);
+                          outcome.refusals = refusal_names(answer.bits | blocked_bits(services));
                         }
                         done(outcome);
                         return;

@@ -32,8 +32,14 @@ struct Asker {
 
 void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done);
 void act_release_lease(Services& services, const Asker& asker, OutcomeDone done);
-// Sets the pose to the start of the exercise, then asks for the mode; `exercise` is what gets recorded.
-void act_mode(Services& services, const Asker& asker, const nlohmann::json& mode, const nlohmann::json& exercise, OutcomeDone done);
+// Sets the pose to the start of the exercise, then asks for the mode; `exercise` is what gets recorded. For the mode "guided", `path` says what
+// the hoist drives and is the exercise.
+struct ModeWish {
+  const nlohmann::json& mode;
+  const nlohmann::json& exercise;
+  const nlohmann::json& path;
+};
+void act_mode(Services& services, const Asker& asker, const ModeWish& wish, OutcomeDone done);
 void act_stop(Services& services, std::uint32_t client, OutcomeDone done);
 void act_acknowledge(Services& services, const Asker& asker, OutcomeDone done);
 // Begins a step of the calibration table, by its name.

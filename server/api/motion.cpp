@@ -50,7 +50,7 @@ void get_mode(const CallPtr& call) {
 
 void set_mode(const CallPtr& call) {
   if (const auto asker = driver(call, true))
-    act_mode(call->services, *asker, field(*call, "mode"), field(*call, "exercise"), answer_done(call));
+    act_mode(call->services, *asker, {field(*call, "mode"), field(*call, "exercise"), field(*call, "path")}, answer_done(call));
 }
 
 void stop(const CallPtr& call) { act_stop(call->services, asker_of(*call).client, answer_done(call)); }

@@ -242,11 +242,7 @@ std::optional<db::RunDeviation> deviation(db::Database& database, db::SessionId 
     if (mode >= contract::kModes.size() || !contract::kModes[mode].moving) continue;
     for (std::size_t c = 0; c < kept.size(); ++c) kept[c].push_back(read->values[c][i]);
   }
-  using contract::ReferencePath;
-  const ReferencePath path = e.shape == Exercise::Shape::eight    ? ReferencePath::eight(e.c_m, e.radius_m)
-                             : e.shape == Exercise::Shape::square ? ReferencePath::square(e.side_m)
-                                                                  : ReferencePath::straight(e.length_m);
-  return db::run_deviation(path, {.dt_s = 0.01, .x_m = kept[0], .y_m = kept[1], .psi_rad = kept[2], .dpsi_rad = kept[3]});
+  return db::run_deviation(figure_of(e), {.dt_s = 0.01, .x_m = kept[0], .y_m = kept[1], .psi_rad = kept[2], .dpsi_rad = kept[3]});
 }
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include "control/contract/calibration.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/faults.hpp"
+#include "control/contract/guided_path.hpp"
 #include "server/api/actions.hpp"
 #include "server/api/exercise.hpp"
 #include "server/http/json_text.hpp"
@@ -125,6 +126,11 @@ json event_json(const contract::Event& event) {
       out["code"] = event.code;
       out["refusals"] = refusal_names(event.bits != 0 ? event.bits : 1U << (event.code & 31U));
       if (const auto index = contract::find_param_id(event.item)) out["name"] = contract::kParams[*index].name;
+      break;
+    case EventKind::guided_ended:
+      out["code"] = event.code;
+      out["name"] = contract::guided_end_name(event.code);
+      out["value"] = event.value;
       break;
     case EventKind::lease_changed:
       out["code"] = event.code;

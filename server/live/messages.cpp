@@ -62,7 +62,8 @@ void lease_release(Client& client, const json& message) {
   act_release_lease(client.hub().services(), asker_of(client), reply_to(client, message));
 }
 void mode(Client& client, const json& message) {
-  act_mode(client.hub().services(), asker_of(client), field(message, "mode"), field(message, "exercise"), reply_to(client, message));
+  act_mode(client.hub().services(), asker_of(client), {field(message, "mode"), field(message, "exercise"), field(message, "path")},
+           reply_to(client, message));
 }
 void stop(Client& client, const json&) { act_stop(client.hub().services(), client.number(), nullptr); }
 void acknowledge(Client& client, const json& message) {

@@ -209,10 +209,23 @@ std::uint32_t ClosedLoop::ask_as(std::uint32_t client, contract::CommandKind kin
   return requests_;
 }
 
-bool ClosedLoop::start(contract::Mode mode) {
-  if (!run_until([this] { return this->mode() == contract::Mode::standby; }, 10.0)) return false;
+bool ClosedLoop::may_start() {
+  if (!run_until([this] { return mode() == contract::Mode::standby; }, 10.0)) return false;
   if (record().lease_holder != kClient) ask(contract::CommandKind::take_lease);
-  if (!run_until([this] { return record().blocked_bits == 0; }, 10.0)) return false;
+  return run_until([this] { return record().blocked_bits == 0; }, 10.0);
+}
+
+bool ClosedLoop::start_guided(const contract::GuidedPath& path) {
+  if (!may_start()) return false;
+  contract::Command command;
+  contract::put_guided(command, path);
+  ask(command.kind, command.a, command.v0, command.v1, command.v2, command.b);
+  return run_until([this] { return mode() == contract::Mode::guided; }, 1.0);
+}
+
+bool ClosedLoop::start(contract::Mode mode) {
+  if (mode == contract::Mode::guided) return start_guided({});
+  if (!may_start()) return false;
   ask(contract::CommandKind::request_mode, static_cast<std::uint32_t>(mode));
   return run_until([this, mode] { return this->mode() == mode; }, 1.0);
 }

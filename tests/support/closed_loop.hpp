@@ -16,6 +16,7 @@
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/param_set.hpp"
+#include "control/contract/guided_path.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
 #include "control/contract/slcan_codec.hpp"
@@ -52,6 +53,8 @@ class ClosedLoop {
   void put_drive(const contract::DriveCommand& command) { stranger_drive_ = command, stranger_drives_ = true; }
   /// Waits for standby, takes the lease and asks for the mode. False when it is not in force within 10 s.
   bool start(contract::Mode mode);
+  /// Waits for standby, takes the lease and begins this exercise; the hand is still off the button. False when it is not in force within 10 s.
+  bool start_guided(const contract::GuidedPath& path);
   /// Holds the joystick there from now on, renewed every 40 ms; let_go ends that with a last command, silence without one.
   void hold_stick(double speed_norm, double yaw_norm);
   void let_go();
@@ -108,6 +111,8 @@ class ClosedLoop {
   static constexpr std::uint64_t kClockStart_ns = 1'000'000'000;
   static constexpr std::size_t kFramesMax = 256;
 
+  /// Waits for standby, takes the lease, waits until nothing is in the way of a start.
+  bool may_start();
   void send(const contract::CanFrame& frame);
   void drive_with_stick(core::TickInputs& inputs);
   std::size_t receive();

@@ -59,7 +59,7 @@ async function toStandby() {
     const mode = await modeName();
     if (mode === 'Standby') return;
     if (mode === 'Stopped') await holdRelease();
-    else if (mode === 'Patient leads' || mode === 'Therapist drives') {
+    else if (mode === 'Patient leads' || mode === 'Therapist drives' || mode === 'Exercise') {
       await page.goto(`${stack.origin}/#/walk`);
       await button('End').click();
     }
@@ -151,7 +151,7 @@ const cases = {
   },
 
   async 'the screens say that this is a simulation'() {
-    for (const name of ['Walk', 'Drive', 'Tune', 'Sessions', 'Calibrate', 'Health']) {
+    for (const name of ['Walk', 'Drive', 'Exercises', 'Tune', 'Sessions', 'Calibrate', 'Health']) {
       await go(name);
       assert(await page.getByText('SIMULATION', { exact: true }).first().isVisible(), `no mark on ${name}`);
       const box = await page.getByRole('button', { name: 'STOP' }).boundingBox();
@@ -311,6 +311,36 @@ const cases = {
     await page.keyboard.up('ArrowDown');
     await until('it stands after the key', still, stopWithin_ms);
     assert((await modeName()) === 'Therapist drives', 'driving ended by itself');
+  },
+
+  async 'Exercises: the hoist goes one metre while the button is held, stops when it is let go, and ends by itself'() {
+    await toStandby();
+    const before = await newestId();
+    await page.goto(`${stack.origin}/#/exercises`);
+    const less = page.getByRole('button', { name: 'Length: less' });
+    while (await less.isEnabled()) await less.click();
+    await startMotion('exercises', 'Start the exercise', 'Exercise');
+    const begun = await stack.truth();
+    const gone_m = async () => Math.hypot((await stack.truth()).x_m - begun.x_m, (await stack.truth()).y_m - begun.y_m);
+    await sleep(400);
+    assert(await still(), 'it moves before the button is held');
+    const box = await page.locator('.go').boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await until('it goes', goes);
+    await page.mouse.up();
+    await until('it stands after letting go', still, stopWithin_ms);
+    assert((await modeName()) === 'Exercise', 'letting go ended the exercise');
+    assert((await gone_m()) < 0.9, 'it did not stop on the way');
+    await page.keyboard.down('ArrowUp');
+    await until('the exercise is over', async () => (await modeName()) === 'Standby', 20_000);
+    await page.keyboard.up('ArrowUp');
+    assert(Math.abs((await gone_m()) - 1) < 0.05, `it went ${await gone_m()} m`);
+    assert((await stack.rest('GET', '/mode')).json().moving === false, 'it still moves');
+    const session = await recordedSince(before);
+    const events = (await stack.rest('GET', `/sessions/${session.id}/events`)).json().items;
+    assert(events.some((event) => event.kind === 'guided_ended' && event.name === 'finished'), 'the end is not in the session');
+    assert(session.exercise.shape === 'straight', 'the session does not know its exercise');
   },
 
   async 'losing the focus, leaving the page or closing the tab while driving stops the hoist'() {

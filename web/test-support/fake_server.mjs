@@ -81,7 +81,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
   const setMode = (mode) => {
     if (hoist.mode === mode) return;
     hoist.mode = mode;
-    if (mode === 'user' || mode === 'remote') {
+    if (mode === 'user' || mode === 'remote' || mode === 'guided') {
       hoist.session = 4;
       hoist.sessionTick = hoist.tick;
     } else hoist.session = null;
@@ -102,6 +102,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       const along = hoist.distance % e.side_m;
       return along > e.side_m - 0.25 ? Math.PI / 2 / 0.25 : 0;
     }
+    if (e.shape === 'circle') return (e.clockwise ? -1 : 1) / e.radius_m;
     if (e.shape !== 'eight') return 0;
     const slope = Math.asin(e.radius_m / e.c_m);
     const straight = Math.sqrt(e.c_m ** 2 - e.radius_m ** 2);
@@ -126,6 +127,15 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       turn = hoist.drive.yaw * values.remote_yaw_rate_rad_s_max;
       hoist.lean = 0.02 * Math.sin(hoist.tick / 60);
       hoist.turn = 0;
+    } else if (hoist.mode === 'guided') {
+      wish = hoist.drive.held && hoist.tick - hoist.drive.tick < 25 ? hoist.guided.speed_m_s : 0;
+      turn = curvature() * hoist.v;
+      hoist.lean = 0.03 * Math.sin(hoist.tick / 60);
+      hoist.turn = 0;
+      if (hoist.distance >= hoist.guided.total_m) {
+        setMode('standby');
+        event('guided_ended', { name: 'finished', code: 1, value: 0 });
+      }
     } else {
       hoist.lean = 0.015 * Math.sin(hoist.tick / 60);
       hoist.turn = 0.01 * Math.sin(hoist.tick / 75);
@@ -146,8 +156,14 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       dx_m: 0.8 * Math.tan(hoist.lean * range), dy_m: -0.8 * Math.tan(sway), speed_wish_m_s: wish, speed_command_m_s: hoist.v, speed_m_s: hoist.v, yaw_rate_rad_s: hoist.w,
       x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi, distance_m: hoist.distance, stop_distance_m: hoist.v ** 2 / 1.6, remote_age_s: 9.999,
       battery_a_v: 12.43, battery_b_v: 12.38, left_supply_v: 24.7, right_supply_v: 24.7, left_current_a: 0.6 + hoist.v, right_current_a: 0.5 + hoist.v,
+<<<<<<< HEAD
       wake_lateness_s: 6e-5, tick_duration_s: 2.1e-4, lateness_p50_s: 6e-5, lateness_p99_s: 2.1e-4, lateness_max_s: 4.1e-4, missed_ticks: 3, overruns: 5, page_faults: 0,
       allocations: 0, loop_priority: 49, loop_cpu: 3, memory_locked: 1, bus_frames: hoist.tick * 7, fault_bits: hoist.faults, blocked_bits: hoist.faults ? 4 : 0, lease_epoch: lease.epoch, lease_holder: lease.holder,
+=======
+      wake_lateness_s: 6e-5, tick_duration_s: 2.1e-4, bus_frames: hoist.tick * 7, fault_bits: hoist.faults, blocked_bits: hoist.faults ? 4 : 0, lease_epoch: lease.epoch, lease_holder: lease.holder,
+      guided_phase: hoist.mode === 'guided' ? 2 : 0, guided_progress_norm: hoist.guided ? Math.min(1, hoist.distance / hoist.guided.total_m) : 0,
+      guided_remaining_m: hoist.guided ? Math.max(0, hoist.guided.total_m - hoist.distance) : 0, guided_cross_track_m: hoist.mode === 'guided' ? 0.012 * Math.sin(hoist.tick / 70) : 0,
+>>>>>>> 7fbdc13 (wip2)
       parameter_version: hoist.version, ...health(hoist.tick), mode: modeValue[hoist.mode], stop_cause: 0, simulated: 1, server_alive: 1, standing_still: Math.abs(hoist.v) < 0.02 ? 1 : 0,
     };
   };
@@ -162,7 +178,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
   const refuse = (...refusals) => ({ ok: false, refusals, errors: [] });
   const setValues = (wanted) => {
     const errors = [];
-    const moving = hoist.mode === 'user' || hoist.mode === 'remote';
+    const moving = ['user', 'remote', 'guided'].includes(hoist.mode);
     for (const [name, value] of Object.entries(wanted)) {
       const row = paramRows.find((item) => item.name === name);
       if (row === undefined) return { ok: false, refusals: ['unknown_item'], errors: [{ field: name, value }] };
@@ -198,7 +214,11 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
         return { ok: true };
       }
       if (hoist.mode !== 'standby') return refuse('not_standby', ...(hoist.faults ? ['fault_active'] : []));
-      hoist.exercise = message.exercise ?? { shape: 'free' };
+      hoist.exercise = message.path ?? message.exercise ?? { shape: 'free' };
+      if (message.mode === 'guided') {
+        const { length_m = 0, side_m = 0, radius_m = 0, laps = 1, speed_m_s } = message.path;
+        hoist.guided = { speed_m_s, total_m: laps * (length_m + 4 * side_m + 2 * Math.PI * radius_m) };
+      }
       const square = hoist.exercise.shape === 'square' ? -hoist.exercise.side_m / 2 : 0;
       Object.assign(hoist, { x: square, y: square, psi: heading0(), distance: 0 });
       event('pose_set');

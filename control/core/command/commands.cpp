@@ -152,6 +152,8 @@ Verdict set_pose(CoreState& state, const Command& command) noexcept {
   if (std::fabs(command.v0) > kPoseLargest_m || std::fabs(command.v1) > kPoseLargest_m || std::fabs(command.v2) > kPoseLargest_rad)
     return refused(Refusal::out_of_range);
   if (!at_rest(state)) return refused(Refusal::moving);
+  // The exercise lies where it began, also while the hand is off the button.
+  if (state.mode == Mode::guided) return refused(Refusal::not_standby);
   state.sensed.odometry.pose = {command.v0, command.v1, command.v2};
   state.sensed.odometry.distance_m = 0;
   Event event;
@@ -189,10 +191,32 @@ Verdict ask_mode(CoreState& state, const Command& command) noexcept {
   const bool holds = state.lease.held_by(command.client, command.lease_epoch);
   // All reasons at once: whoever is refused for the lease also learns what else is in the way.
   if (!holds) {
-    const bool start = to == Mode::user || to == Mode::remote;
+    const bool start = to == Mode::user || to == Mode::remote || to == Mode::guided;
     return {refusal_bit(Refusal::no_lease) | (start ? start_refusals(state) : 0U), 0, false};
   }
   return {request_mode(state, to), 0, false};
+}
+
+Verdict begin_guided(CoreState& state, const Command& command) noexcept {
+  const contract::GuidedPath path = contract::guided_of(command);
+  const contract::GuidedProblems problems = contract::check_guided(path, contract::guided_limits(state.params));
+  const bool holds = state.lease.held_by(command.client, command.lease_epoch);
+  Verdict verdict;
+  for (std::size_t i = 0; i < problems.count; ++i) {
+    verdict.bits |= refusal_bit(Refusal::exercise_limits);
+    verdict.bits |= refusal_bit(problems.rows[i].finite ? Refusal::out_of_range : Refusal::not_finite);
+    if (i == 0) verdict.item = static_cast<std::uint32_t>(problems.rows[i].field);
+  }
+  // All reasons at once, also those that have nothing to do with the figure.
+  if (!holds) verdict.bits |= refusal_bit(Refusal::no_lease);
+  const bool elsewhere = find_transition(state.mode, Mode::guided, Asker::driver) == nullptr;
+  verdict.bits |=
+      (elsewhere ? request_mode(state, Mode::guided) : start_refusals(state, Mode::guided)) & ~refusal_bit(Refusal::no_exercise);
+  if (verdict.bits != 0) return verdict;
+  state.guided.load(path);
+  verdict.bits = request_mode(state, Mode::guided);
+  if (verdict.bits != 0) state.guided.unload();
+  return verdict;
 }
 
 Verdict ask_acknowledge(CoreState& state, const Command& command) noexcept {
@@ -321,6 +345,8 @@ Verdict execute(CoreState& state, const Command& command) noexcept {
       return use_calibration(state, command);
     case CommandKind::cancel_calibration:
       return cancel_calibration(state, command);
+    case CommandKind::begin_guided:
+      return begin_guided(state, command);
     case CommandKind::none:
       break;
   }

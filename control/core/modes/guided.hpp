@@ -1,5 +1,10 @@
-// GUIDED: the hoist follows a path while the therapist holds the dead-man. Without a path it stands.
+// GUIDED: the hoist drives an exercise by itself while the therapist holds. Letting go stops and stays; holding again goes on. Commands that
+// stop coming end it as they end REMOTE. The patient's lean is not used; the fall guards watch it all the same.
 #pragma once
+#include <cmath>
+
+#include "control/core/law/path_follower.hpp"
+#include "control/core/modes/dead_man.hpp"
 #include "control/core/modes/mode.hpp"
 
 namespace hoist::core {
@@ -7,12 +12,106 @@ namespace hoist::core {
 struct GuidedMode {
   static constexpr contract::Mode kMode = contract::Mode::guided;
 
-  static void enter(CoreState& state) noexcept { state.remote.begin(state.time_ns, state.params.remote_stop_age_s); }
-  static Wish step(CoreState& state, double /*dt_s*/) noexcept {
-    const bool led = state.lease.holder != 0 && state.lease.epoch == state.motion.epoch && state.server.alive();
-    if (!led) state.motion.leaving = true;
-    return {0, 0, Braking::remote, state.motion.leaving && at_rest(state)};
+  static void enter(CoreState& state) noexcept {
+    state.remote.begin(state.time_ns, state.params.remote_stop_age_s);
+    state.guided.begin(state.sensed.odometry.pose);
   }
+
+  static Wish step(CoreState& state, double /*dt_s*/) noexcept {
+    using contract::GuidedEnd;
+    const contract::Params& p = state.params;
+    GuidedRun& run = state.guided;
+    run.locate(state.sensed.odometry.pose);
+    const bool asked = state.motion.leaving;
+    const Hand hand = feel_hand(state);
+    if (hand.leaving) {
+      // Whatever began to end it before the hand was looked at: the driver's wish or a fault; otherwise the hand.
+      run.end(asked ? (soft_fault(state) ? GuidedEnd::stopped : GuidedEnd::asked)
+                    : (state.motion.remote_lost ? GuidedEnd::commands_lost : GuidedEnd::driver_gone));
+      run.phase = GuidedPhase::ending;
+      return {0, 0, state.motion.braking, at_rest(state)};
+    }
+    if (!(std::fabs(run.cross_m()) <= p.guided_deviation_m_max) ||
+        (run.phase != GuidedPhase::turning && !(std::fabs(run.heading_error_rad()) <= kHeadingMost_rad))) {
+      return leave(state, GuidedEnd::off_path);
+    }
+    if (!state.motion.powered) return {};
+    if (!hand.held) return {0, 0, Braking::remote, false};
+    if (run.phase == GuidedPhase::waiting) run.phase = GuidedPhase::following;
+    return run.phase == GuidedPhase::turning ? turn(state, hand) : follow(state, hand);
+  }
+
+ private:
+  /// Further off than this the law is no small correction any more.
+  static constexpr double kHeadingMost_rad = 1.0;
+  /// Gentler than the normal ramp, so that the patient sees the end coming and the ramp's own rounding has room.
+  static constexpr double kApproach_m_s2 = 0.3, kApproachShare_norm = 0.6;
+  static constexpr double kApproachYaw_rad_s2 = 1.0, kApproachYawShare_norm = 0.5;
+  /// What is still on its way when the command changes: one step, the limiter's rounding and the drive's lag.
+  static constexpr double kLag_s = 0.08;
+  /// A curve begins over this time at least.
+  static constexpr double kCurveRamp_s = 0.4;
+  static constexpr double kCreep_m_s = 0.03, kArrived_m = 0.008;
+  static constexpr double kCreep_rad_s = 0.05, kTurned_rad = 0.008;
+
+  static Wish leave(CoreState& state, contract::GuidedEnd reason) noexcept {
+    state.guided.end(reason);
+    state.guided.phase = GuidedPhase::ending;
+    state.motion.leaving = true;
+    if (state.motion.braking < Braking::soft) state.motion.braking = Braking::soft;
+    return {0, 0, state.motion.braking, at_rest(state)};
+  }
+
+  static Wish follow(CoreState& state, const Hand& hand) noexcept {
+    const contract::Params& p = state.params;
+    const contract::GuidedLimits limits = contract::guided_limits(p);
+    GuidedRun& run = state.guided;
+    if (run.leg_left_m() <= kArrived_m) {
+      if (!run.has_corners()) return leave(state, contract::GuidedEnd::finished);
+      if (at_rest(state)) run.phase = GuidedPhase::turning;
+      return {};
+    }
+    const double now_m_s = std::fabs(state.limiter.speed_m_s());
+    // A curve is entered half before and half behind its begin on the figure, so that no heading is left over, and earlier by the lag.
+    const double sharpest_s = 2.0 * limits.yaw_rate_rad_s / p.yaw_acceleration_rad_s2_max;
+    const double ramp_s = sharpest_s > kCurveRamp_s ? sharpest_s : kCurveRamp_s;
+    const double kappa = run.curvature_ahead(now_m_s * (kLag_s - ramp_s / 2), now_m_s * (kLag_s + ramp_s / 2));
+    const double curve = law::path_curvature<double>({}, {run.cross_m(), run.heading_error_rad(), kappa});
+    const double slow_m_s2 = least(kApproach_m_s2, kApproachShare_norm * p.acceleration_m_s2_max);
+    double speed_m_s = least(run.wish().speed_m_s, limits.speed_m_s);
+    speed_m_s = least(speed_m_s, run.curve_speed(contract::kGuidedYawShare_norm * limits.yaw_rate_rad_s, slow_m_s2));
+    // Whatever the correction asks for is driven as a curve of that radius, only slower.
+    if (curve != 0) speed_m_s = least(speed_m_s, limits.yaw_rate_rad_s / std::fabs(curve));
+    const double approach = law::approach_speed(run.leg_left_m() - now_m_s * kLag_s, 0.0, slow_m_s2);
+    speed_m_s = least(speed_m_s, approach > kCreep_m_s ? approach : kCreep_m_s);
+    return {speed_m_s * hand.fresh_norm, curve * now_m_s, Braking::none, false};
+  }
+
+  static Wish turn(CoreState& state, const Hand& hand) noexcept {
+    const contract::Params& p = state.params;
+    GuidedRun& run = state.guided;
+    const double left_rad = run.corner_rad();
+    if (std::fabs(left_rad) <= kTurned_rad) {
+      if (!at_rest(state)) return {};
+      if (run.last_leg()) return leave(state, contract::GuidedEnd::finished);
+      run.next_leg();
+      run.locate(state.sensed.odometry.pose);
+      run.phase = GuidedPhase::following;
+      return {};
+    }
+    const double slow_rad_s2 = least(kApproachYaw_rad_s2, kApproachYawShare_norm * p.yaw_acceleration_rad_s2_max);
+    const double approach = law::approach_speed(std::fabs(left_rad) - std::fabs(state.limiter.yaw_rate_rad_s()) * kLag_s, 0.0, slow_rad_s2);
+    const double rate = least(contract::kGuidedYawShare_norm * contract::guided_limits(p).yaw_rate_rad_s,
+                              approach > kCreep_rad_s ? approach : kCreep_rad_s);
+    return {0, (left_rad > 0 ? rate : -rate) * hand.fresh_norm, Braking::none, false};
+  }
+
+  [[nodiscard]] static bool soft_fault(const CoreState& state) noexcept {
+    for (const contract::FaultInfo& fault : contract::kFaults)
+      if (fault.reaction == contract::Reaction::soft_stop && (state.latched >> fault.bit & 1U) != 0) return true;
+    return false;
+  }
+  [[nodiscard]] static double least(double a, double b) noexcept { return a < b ? a : b; }
 };
 
 }  // namespace hoist::core

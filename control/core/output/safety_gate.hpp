@@ -133,7 +133,7 @@ class SafetyGate {
       // Nothing speeds up while the hoist is blind or nobody leads it, but for one wheel while the hoist brakes in a turn: the inner one
       // runs backward faster when the speed falls faster than the turn, the outer one when the turn is ended first.
       const bool blind = (view.mode == contract::Mode::user && view.tilts_lost) || view.drives_lost ||
-                         (view.mode == contract::Mode::remote && !view.driver_fresh) || view.mode == contract::Mode::protective_stop;
+                         (contract::led_by_hand(view.mode) && !view.driver_fresh) || view.mode == contract::Mode::protective_stop;
       const double gain_m_s = std::fabs(wheel) - std::fabs(sent.wheel_m_s);
       const double inner_m_s = hardest_stop_m_s2(params) * dt_s - turn_step_m_s;
       const double stopping_m_s = inner_m_s > turn_step_m_s ? inner_m_s : turn_step_m_s;

@@ -54,9 +54,20 @@ void clear_latched(CoreState& state, std::uint32_t bits) noexcept {
   state.latched &= ~bits;
 }
 
+/// The exercise is over, whatever ended it.
+void tell_guided_end(CoreState& state) noexcept {
+  state.guided.end(contract::GuidedEnd::stopped);
+  Event event;
+  event.kind = EventKind::guided_ended;
+  event.code = static_cast<std::uint32_t>(state.guided.ended());
+  event.value = state.guided.left_m();
+  emit(state, event);
+}
+
 void change_mode(CoreState& state, Mode to) noexcept {
   const Mode from = state.mode;
   if (from == Mode::calibrate) end_calibration(state);
+  if (from == Mode::guided) tell_guided_end(state);
   state.mode = to;
   state.motion = {};
   state.motion.epoch = state.lease.epoch;
@@ -218,12 +229,19 @@ std::uint32_t start_refusals(const CoreState& state) noexcept {
   return bits;
 }
 
+std::uint32_t guided_refusals(const CoreState& state) noexcept {
+  std::uint32_t bits = state.guided.loaded() ? 0U : refusal_bit(Refusal::no_exercise);
+  // The dead-man is to be pressed for this exercise, not still held from something else.
+  if (state.remote.held() && state.remote.age_s(state.time_ns) <= state.params.remote_stop_age_s)
+    bits |= refusal_bit(Refusal::release_first);
+  return bits;
+}
+
 std::uint32_t start_refusals(const CoreState& state, Mode to) noexcept {
   std::uint32_t bits = start_refusals(state);
   // In REMOTE the hoist may leave what it touches; limiter and gate see to it that it does nothing else.
   if (to == Mode::remote && (state.sensed.io.bumpers() & ~state.bumpers_acknowledged) == 0) bits &= ~refusal_bit(Refusal::bumper_start);
-  // Nobody has given a path to follow yet.
-  if (to == Mode::guided) bits |= refusal_bit(Refusal::unknown_item);
+  if (to == Mode::guided) bits |= guided_refusals(state);
   return bits;
 }
 

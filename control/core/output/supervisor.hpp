@@ -173,6 +173,9 @@ inline constexpr std::uint32_t kTherapistMends =
 /// The reasons against this way of starting: start_refusals, less the bumper that REMOTE is to drive away from.
 [[nodiscard]] std::uint32_t start_refusals(const CoreState& state, contract::Mode to) noexcept;
 
+/// What an exercise asks for besides: a figure, and a hand that is not yet on the button.
+[[nodiscard]] std::uint32_t guided_refusals(const CoreState& state) noexcept;
+
 /// Takes over what the monitors found: raises, clears, and reacts.
 void judge_faults(CoreState& state, std::uint32_t conditions) noexcept;
 /// A fault that no monitor watches happened just now (STOP, the gate).

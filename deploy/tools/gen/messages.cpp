@@ -90,10 +90,14 @@ GeneratedFile messages_file() {
   std::string out = "// " + made_from("server/contract/messages.def, control/contract/commands.hpp and can_dictionary.def") + "\n\n";
   out += R"(/** What is walked; null and free mean the same. */
 export type Exercise =
-  | { shape: 'eight'; c_m: number; radius_m: number }
-  | { shape: 'square'; side_m: number }
+  | { shape: 'eight'; c_m: number; radius_m: number; clockwise?: boolean }
+  | { shape: 'square'; side_m: number; corner_radius_m?: number; clockwise?: boolean }
+  | { shape: 'circle'; radius_m: number; clockwise?: boolean }
   | { shape: 'straight'; length_m: number }
   | { shape: 'free' };
+
+/** What the hoist drives by itself while the button is held. */
+export type GuidedPath = Exclude<Exercise, { shape: 'free' }> & { speed_m_s: number; laps?: number };
 
 /** Which field was refused and what is allowed. */
 export interface FieldError {
@@ -106,12 +110,12 @@ export interface FieldError {
 
 )";
   out += message_types(true) + message_types(false);
-  out += "/** What the core reports, by the number it has on the wire. */\nexport const eventKinds = [";
-  // The names end where event_name has no further one.
+  out += "/** What the core reports. */\nexport const eventKinds = [";
+  // Numbers without a name are gaps.
   constexpr std::uint32_t kKindsMost = 64;
   for (std::uint32_t kind = 0; kind < kKindsMost; ++kind) {
     const auto name = event_name(static_cast<EventKind>(kind));
-    if (kind > 0 && name == event_name(EventKind::none)) break;
+    if (kind > 0 && name == event_name(EventKind::none)) continue;
     out += "\n  '" + std::string(name) + "',";
   }
   out += "\n] as const;\nexport type EventKind = (typeof eventKinds)[number];\n\nexport type NodeName =";

@@ -12,6 +12,7 @@
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/param_set.hpp"
+#include "control/contract/guided_path.hpp"
 #include "control/core/tick.hpp"
 
 namespace hoist::core::test {
@@ -138,7 +139,14 @@ class ScriptedHoist {
     }
     return ~0U;
   }
+  /// GUIDED is asked for with an exercise: two metres straight on, unless another is given.
+  std::uint32_t ask_guided(const contract::GuidedPath& path, std::uint32_t client = 7) {
+    contract::Command c;
+    contract::put_guided(c, path);
+    return ask(c.kind, client, c.a, c.b, c.v0, c.v1, c.v2);
+  }
   std::uint32_t ask_mode(contract::Mode mode, std::uint32_t client = 7) {
+    if (mode == contract::Mode::guided) return ask_guided({}, client);
     return ask(contract::CommandKind::request_mode, client, static_cast<std::uint32_t>(mode));
   }
   /// The therapist's hand: a command with the newest telemetry stamp.

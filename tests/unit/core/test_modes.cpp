@@ -31,6 +31,7 @@ ScriptedHoist in_mode(Mode mode) {
       break;
     case Mode::user:
     case Mode::remote:
+    case Mode::guided:
       EXPECT_TRUE(hoist.start(mode));
       break;
     case Mode::protective_stop:
@@ -42,8 +43,6 @@ ScriptedHoist in_mode(Mode mode) {
       EXPECT_TRUE(hoist.ready());
       EXPECT_EQ(hoist.ask_mode(Mode::calibrate), 0U);
       break;
-    case Mode::guided:
-      break;  // needs a path
     case Mode::fault:
       EXPECT_TRUE(hoist.ready());
       raise_fault(hoist.state, Fault::control_fault);
@@ -60,8 +59,8 @@ ScriptedHoist in_mode(Mode mode) {
   return hoist;
 }
 
-constexpr Mode kAll[] = {Mode::init,      Mode::standby, Mode::user,          Mode::remote, Mode::protective_stop,
-                         Mode::calibrate, Mode::fault,   Mode::emergency_stop};
+constexpr Mode kAll[] = {Mode::init,      Mode::standby, Mode::user,           Mode::remote, Mode::protective_stop,
+                         Mode::calibrate, Mode::fault,   Mode::emergency_stop, Mode::guided};
 
 TEST(Modes, EveryRequestInEveryModeDoesWhatTheTableSays) {
   for (const Mode from : kAll) {
@@ -252,7 +251,7 @@ TEST(Modes, EveryGuardOfAStartRefusesAndNamesItself) {
        }},
       {"fault", Refusal::fault_active, [](ScriptedHoist& h) { h.ask(CommandKind::stop); }},
   };
-  for (const Mode mode : {Mode::user, Mode::remote}) {
+  for (const Mode mode : {Mode::user, Mode::remote, Mode::guided}) {
     for (const Case& c : cases) {
       ScriptedHoist hoist = in_mode(Mode::standby);
       c.spoil(hoist);

@@ -14,7 +14,15 @@ namespace hoist::contract {
 namespace {
 
 std::vector<ReferencePath> figures() {
-  return {ReferencePath::square(), ReferencePath::eight(), ReferencePath::eight(0.9, 0.9), ReferencePath::straight(4.0)};
+  return {ReferencePath::square(),
+          ReferencePath::eight(),
+          ReferencePath::eight(0.9, 0.9),
+          ReferencePath::straight(4.0),
+          ReferencePath::circle(0.7),
+          ReferencePath::round_square(2.0, 0.4),
+          ReferencePath::round_square(1.0, 0.5),
+          ReferencePath::square().mirrored(),
+          ReferencePath::eight().mirrored()};
 }
 
 TEST(ReferencePath, IsOneContinuousLineOfItsOwnLength) {

@@ -139,6 +139,11 @@ void FakeCore::take(const Command& c) {
       if (c.a != static_cast<std::uint32_t>(Mode::standby) && mode != Mode::standby) return answer(c, refusal_bit(Refusal::not_standby));
       record_.mode = static_cast<std::uint8_t>(c.a);
       return answer(c, 0);
+    case CommandKind::begin_guided:
+      if (!holds) return answer(c, refusal_bit(Refusal::no_lease));
+      if (mode != Mode::standby) return answer(c, refusal_bit(Refusal::not_standby));
+      record_.mode = static_cast<std::uint8_t>(Mode::guided);
+      return answer(c, 0);
     case CommandKind::stage_parameter: {
       if (c.b == 0) {
         staged_.clear();

@@ -1,6 +1,7 @@
 // Routes, sessions, refusals, parameters and motion over REST. Every answer is checked against OpenAPI by the fixture.
 #include "control/contract/calibration.hpp"
 #include "control/contract/can_dictionary.hpp"
+#include "control/contract/guided_path.hpp"
 #include "control/contract/params.hpp"
 #include "server/contract/routes.hpp"
 #include "tests/unit/server/fixture.hpp"
@@ -287,6 +288,55 @@ TEST_F(Rest, StartNeedsTheLease) {
   ASSERT_LT(pose, mode);
   EXPECT_NEAR(commands[pose].v2, 0.9272952180016122, 1e-12);
   EXPECT_EQ(get("/api/v1/mode").json()["mode"], "user");
+}
+
+TEST_F(Rest, AnExerciseIsCheckedFieldByFieldAndReachesTheCoreWhole) {
+  const std::string epoch = std::to_string(call("POST", "/api/v1/lease", json::object()).json()["epoch"].get<int>());
+  const auto ask = [&](const json& path) {
+    return call("POST", "/api/v1/mode", {{"mode", "guided"}, {"path", path}}, {{"X-Hoist-Lease", epoch}});
+  };
+  const json eight{{"shape", "eight"}, {"c_m", 1.0}, {"radius_m", 0.8}, {"clockwise", true}, {"speed_m_s", 0.3}, {"laps", 3}};
+  // Each field wrong by itself is named with what it may be.
+  const auto refused_field = [&](const char* name, const json& value) {
+    json path = eight;
+    path[name] = value;
+    const auto answer = ask(path);
+    EXPECT_EQ(answer.status, 422) << name << value;
+    return answer.json()["errors"][0];
+  };
+  EXPECT_EQ(refused_field("speed_m_s", 5.0)["field"], "path.speed_m_s");
+  EXPECT_NEAR(refused_field("speed_m_s", 5.0)["max"].get<double>(), 0.65, 1e-9);
+  EXPECT_EQ(refused_field("speed_m_s", "fast")["field"], "path.speed_m_s");
+  EXPECT_EQ(refused_field("laps", 0)["field"], "path.laps");
+  EXPECT_EQ(refused_field("laps", 1.5)["field"], "path.laps");
+  EXPECT_EQ(refused_field("laps", 40)["max"], 200.0) << "too long altogether";
+  EXPECT_EQ(refused_field("radius_m", 1.2)["field"], "path.radius_m");
+  EXPECT_EQ(refused_field("clockwise", "yes")["field"], "path.clockwise");
+  EXPECT_EQ(refused_field("shape", "spiral")["field"], "path.shape");
+  EXPECT_EQ(refused_field("shape", "free")["field"], "path.shape");
+  EXPECT_EQ(ask(nullptr).status, 422);
+  EXPECT_EQ(ask("eight").status, 422);
+  const json both{{"mode", "guided"}, {"path", eight}, {"exercise", {{"shape", "free"}}}};
+  EXPECT_EQ(call("POST", "/api/v1/mode", both, {{"X-Hoist-Lease", epoch}}).status, 422);
+  const json misplaced{{"mode", "remote"}, {"path", eight}};
+  EXPECT_EQ(call("POST", "/api/v1/mode", misplaced, {{"X-Hoist-Lease", epoch}}).status, 422);
+  for (const contract::Command& c : core_->commands())
+    EXPECT_NE(c.kind, contract::CommandKind::begin_guided) << "nothing of that reached the core";
+  ASSERT_EQ(ask(eight).status, 200);
+  bool pose = false;
+  for (const contract::Command& c : core_->commands()) {
+    pose = pose || c.kind == contract::CommandKind::set_pose;
+    if (c.kind != contract::CommandKind::begin_guided) continue;
+    EXPECT_TRUE(pose) << "figure and odometry share their origin";
+    const contract::GuidedPath path = contract::guided_of(c);
+    EXPECT_EQ(path.shape, contract::GuidedShape::eight);
+    EXPECT_TRUE(path.clockwise);
+    EXPECT_EQ(path.size_m, 1.0);
+    EXPECT_EQ(path.radius_m, 0.8);
+    EXPECT_EQ(path.speed_m_s, 0.3);
+    EXPECT_EQ(path.laps, 3U);
+  }
+  EXPECT_TRUE(until([&] { return get("/api/v1/mode").json()["mode"] == "guided"; }));
 }
 
 TEST_F(Rest, StopIsForEveryone) {

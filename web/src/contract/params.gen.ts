@@ -44,6 +44,8 @@ export type ParamName =
   | 'remote_yaw_rate_rad_s_max'
   | 'remote_slow_age_s'
   | 'remote_stop_age_s'
+  | 'guided_length_m_max'
+  | 'guided_deviation_m_max'
   | 'fall_tilt_rad'
   | 'fall_rate_rad_s'
   | 'fall_static_tilt_rad'
@@ -341,6 +343,18 @@ export const params: readonly ParamInfo[] = [
     edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, hazard H17',
     title: { en: 'Stop after', de: 'Halten ab' },
     effect: { en: 'Age of the last driving command at which the hoist stops.', de: 'Alter des letzten Fahrbefehls, ab dem die Hilfe hält.' },
+  },
+  {
+    id: 170, name: 'guided_length_m_max', unit: 'm', min: 1, default: 200, max: 1000,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'assumed; about ten minutes at 0.3 m/s',
+    title: { en: 'Longest exercise', de: 'Längste Übung' },
+    effect: { en: 'Longer exercises are refused, all laps together.', de: 'Längere Übungen werden abgelehnt, alle Runden zusammen.' },
+  },
+  {
+    id: 171, name: 'guided_deviation_m_max', unit: 'm', min: 0.05, default: 0.25, max: 1,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'assumed; half the free width beside the hoist in a room of 5 m',
+    title: { en: 'Deviation from the exercise', de: 'Abweichung von der Übung' },
+    effect: { en: 'Further beside its line the hoist stops.', de: 'Weiter neben der Linie hält die Hilfe an.' },
   },
   {
     id: 60, name: 'fall_tilt_rad', unit: 'rad', min: 0.1, default: 0.174532925, max: 0.22,

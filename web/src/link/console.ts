@@ -1,6 +1,6 @@
 // Ties the connection to the store and offers what screens may ask for. The only writer of the store.
 import { faults, modes, type FaultName } from '../contract/faults.gen';
-import { layoutHash, type Exercise } from '../contract/messages.gen';
+import { layoutHash, type Exercise, type GuidedPath } from '../contract/messages.gen';
 import type { ParamName } from '../contract/params.gen';
 import type { TickRecord } from '../contract/signals.gen';
 import { readFrame } from './frame';
@@ -76,7 +76,7 @@ function slowPart(record: TickRecord) {
   } as const;
 }
 
-const shapes = ['eight', 'square', 'straight', 'free'];
+const shapes = ['eight', 'square', 'circle', 'straight', 'free'];
 function readExercise(value: unknown): Exercise | null {
   if (typeof value !== 'object' || value === null) return null;
   return shapes.includes((value as { shape?: string }).shape ?? '') ? (value as Exercise) : null;
@@ -131,6 +131,9 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
       };
       if (line.kind === 'emergency') takeEmergencies([{ time_ns: line.time_ns, node: line.name, code: line.code ?? 0, errorRegister: Number(message.bits ?? 0) }]);
       if (line.kind === 'pose_set') live.clearPath();
+      // The other ways to end are told by the strip, or were asked for.
+      if (line.kind === 'guided_ended' && line.name === 'finished') notify('info', 'guided.finished');
+      if (line.kind === 'guided_ended' && line.name === 'off_path') notify('warning', 'guided.off_path');
       store.set({ log: [...now.log, line].slice(-logLines) });
       break;
     }
@@ -252,6 +255,8 @@ async function withLease(message: { type: string; [more: string]: unknown }): Pr
 
 export const requestMode = (mode: 'user' | 'remote' | 'standby', exercise?: Exercise): Promise<Reply> =>
   withLease({ type: 'mode', mode, ...(exercise === undefined ? {} : { exercise }) });
+/** Begins an exercise that the hoist drives while the button is held. */
+export const requestGuided = (path: GuidedPath): Promise<Reply> => withLease({ type: 'mode', mode: 'guided', path });
 export const acknowledge = (): Promise<Reply> => withLease({ type: 'acknowledge' });
 export const setNeutral = (): Promise<Reply> => withLease({ type: 'neutral' });
 export const calibrate = (step: string): Promise<Reply> => withLease({ type: 'calibrate', step });

@@ -122,7 +122,15 @@ export function drawFloor(canvas: HTMLCanvasElement, drawing: FloorDrawing, fram
   ctx.restore();
 }
 
-export function FloorView({ exercise }: { exercise: Exercise }) {
+/** Where a figure begins and which way one looks there. */
+function startOf(points: readonly Point[]): FloorDrawing['pose'] {
+  const [first, second] = points;
+  if (first === undefined || second === undefined) return null;
+  return { x_m: first.x, y_m: first.y, psi_rad: Math.atan2(second.y - first.y, second.x - first.x) };
+}
+
+/** With `planned` the hoist is drawn where the figure begins, and no walked path: this is what would be. */
+export function FloorView({ exercise, planned = false }: { exercise: Exercise; planned?: boolean }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const pattern = useRef<Point[]>([]);
   useEffect(() => {
@@ -133,17 +141,18 @@ export function FloorView({ exercise }: { exercise: Exercise }) {
     if (canvas.current === null) return;
     // A hoist that stands is not drawn anew, except once a second: colours and size may have changed.
     const r = live.record;
-    const what = r === null ? '' : `${r.x_m.toFixed(3)} ${r.y_m.toFixed(3)} ${r.psi_rad.toFixed(3)} ${live.pathLife} ${live.path.x.length} ${exercise.shape}`;
+    const what = r === null ? '' : `${r.x_m.toFixed(3)} ${r.y_m.toFixed(3)} ${r.psi_rad.toFixed(3)} ${live.pathLife} ${live.path.x.length} ${JSON.stringify(exercise)} ${planned}`;
     if (what === drawn.current.what && now_ms - drawn.current.at_ms < 1000) return;
     drawn.current = { what, at_ms: now_ms };
-    const x = live.path.x.latest();
-    const y = live.path.y.latest();
+    const pose = planned ? startOf(pattern.current) : live.record;
+    const x = planned ? [] : live.path.x.latest();
+    const y = planned ? [] : live.path.y.latest();
     const bounds: Point[] = [...pattern.current];
     // Every tenth point is enough to find the bounds.
     for (let i = 0; i < x.length; i += 10) bounds.push({ x: x[i]!, y: y[i]! });
-    if (live.record !== null) bounds.push({ x: live.record.x_m, y: live.record.y_m });
+    if (pose !== null) bounds.push({ x: pose.x_m, y: pose.y_m });
     const frame = fit(bounds, canvas.current.clientWidth, canvas.current.clientHeight);
-    drawFloor(canvas.current, { pattern: pattern.current, x, y, pose: live.record }, frame);
+    drawFloor(canvas.current, { pattern: pattern.current, x, y, pose }, frame);
   });
   return <canvas ref={canvas} class="floor" role="img" aria-label={t('floor.label')} />;
 }

@@ -10,9 +10,35 @@ export interface Point {
 const arcSteps = 48;
 
 export function patternPoints(exercise: Exercise): Point[] {
+  const points = leftHanded(exercise);
+  return 'clockwise' in exercise && exercise.clockwise === true ? points.map(({ x, y }) => ({ x, y: -y })) : points;
+}
+
+/** Points of an arc about a centre, from one angle over another. */
+function arc(centre_x: number, centre_y: number, radius: number, from: number, over: number): Point[] {
+  return Array.from({ length: arcSteps + 1 }, (_, i) => {
+    const angle = from + (over * i) / arcSteps;
+    return { x: centre_x + radius * Math.cos(angle), y: centre_y + radius * Math.sin(angle) };
+  });
+}
+
+function leftHanded(exercise: Exercise): Point[] {
   switch (exercise.shape) {
     case 'square': {
       const h = exercise.side_m / 2;
+      const r = exercise.corner_radius_m ?? 0;
+      if (r > 0 && r <= h) {
+        // Round corners: from the middle of the first side, so that every corner is one arc.
+        const inner = h - r;
+        return [
+          { x: 0, y: -h },
+          ...arc(inner, -inner, r, -Math.PI / 2, Math.PI / 2),
+          ...arc(inner, inner, r, 0, Math.PI / 2),
+          ...arc(-inner, inner, r, Math.PI / 2, Math.PI / 2),
+          ...arc(-inner, -inner, r, Math.PI, Math.PI / 2),
+          { x: 0, y: -h },
+        ];
+      }
       return [
         { x: -h, y: -h },
         { x: h, y: -h },
@@ -21,6 +47,8 @@ export function patternPoints(exercise: Exercise): Point[] {
         { x: -h, y: -h },
       ];
     }
+    case 'circle':
+      return arc(0, exercise.radius_m, exercise.radius_m, -Math.PI / 2, 2 * Math.PI);
     case 'straight':
       return [
         { x: 0, y: 0 },
@@ -30,22 +58,29 @@ export function patternPoints(exercise: Exercise): Point[] {
       const { c_m, radius_m } = exercise;
       if (!(radius_m > 0) || radius_m > c_m) return [];
       const slope = Math.asin(radius_m / c_m);
-      const points: Point[] = [{ x: 0, y: 0 }];
       // Each circle is entered and left where its tangent passes through the crossing.
-      for (let i = 0; i <= arcSteps; i++) {
-        const angle = Math.PI / 2 + slope - ((Math.PI + 2 * slope) * i) / arcSteps;
-        points.push({ x: c_m + radius_m * Math.cos(angle), y: radius_m * Math.sin(angle) });
-      }
-      for (let i = 0; i <= arcSteps; i++) {
-        const angle = Math.PI / 2 - slope + ((Math.PI + 2 * slope) * i) / arcSteps;
-        points.push({ x: -c_m + radius_m * Math.cos(angle), y: radius_m * Math.sin(angle) });
-      }
-      points.push({ x: 0, y: 0 });
-      return points;
+      return [
+        { x: 0, y: 0 },
+        ...arc(c_m, 0, radius_m, Math.PI / 2 + slope, -(Math.PI + 2 * slope)),
+        ...arc(-c_m, 0, radius_m, Math.PI / 2 - slope, Math.PI + 2 * slope),
+        { x: 0, y: 0 },
+      ];
     }
     case 'free':
       return [];
   }
+}
+
+/** Around the line stands the hoist, half as wide as long, and whoever walks beside it: half a hoist's diagonal and a hand's breadth. */
+const beside_m = 0.7;
+
+/** The free floor that a figure needs, rounded up to half metres: along the first view of the hoist, and across. */
+export function floorSpace(exercise: Exercise): { along_m: number; across_m: number } {
+  const points = patternPoints(exercise);
+  const span = (of: (point: Point) => number) => Math.max(...points.map(of)) - Math.min(...points.map(of)) + 2 * beside_m;
+  const up = (metres: number) => Math.ceil(metres * 2 - 1e-6) / 2;
+  if (points.length === 0) return { along_m: 0, across_m: 0 };
+  return { along_m: up(span((p) => p.x)), across_m: up(span((p) => p.y)) };
 }
 
 export interface Frame {

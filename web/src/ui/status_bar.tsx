@@ -65,7 +65,7 @@ function Item({ label, value, old, children }: { label: string; value: string; o
 function Control() {
   const mine = useStore((s) => s.lease.mine);
   const holder = useStore((s) => s.lease.holder);
-  const moving = useStore((s) => s.mode === 'user' || s.mode === 'remote');
+  const moving = useStore((s) => s.mode === 'user' || s.mode === 'remote' || s.mode === 'guided');
   const known = useStore((s) => s.link === 'open');
   const value = !known ? '–' : mine ? t('bar.controlMine') : holder !== 0 ? t('bar.controlOther') : t('bar.controlNobody');
   return (

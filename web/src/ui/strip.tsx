@@ -70,11 +70,13 @@ export function Strip() {
         ? t('strip.walking')
         : mode === 'remote'
           ? t(bumpers !== 0 ? 'strip.offBumper' : mine ? 'strip.driving' : 'strip.drivingOther')
-          : mode === 'init'
-            ? t('strip.starting')
-            : mode === 'calibrate'
-              ? t('strip.calibrating')
-            : t('strip.ready');
+          : mode === 'guided'
+            ? t(mine ? 'strip.guiding' : 'strip.drivingOther')
+            : mode === 'init'
+              ? t('strip.starting')
+              : mode === 'calibrate'
+                ? t('strip.calibrating')
+                : t('strip.ready');
   const first: Alarm = alarms[0] ?? { id: 'calm', priority: 'calm', text: calm, action: '' };
   const more = alarms.slice(1);
 

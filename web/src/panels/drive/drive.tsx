@@ -162,7 +162,7 @@ function DriveView() {
   const [busy, setBusy] = useState(false);
   const [reply, setReply] = useState<Reply | null>(null);
   const driving = mode === 'remote';
-  const moving = driving || mode === 'user';
+  const moving = driving || mode === 'user' || mode === 'guided';
   const tooSlow = rtt_s !== null && rtt_s > tooSlow_s;
   const active = driving && mine && link === 'open' && data !== 'gone' && !tooSlow;
 

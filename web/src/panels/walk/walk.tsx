@@ -39,7 +39,7 @@ function WalkView() {
   const blocked = useStore((s) => s.blockedBits);
   const [busy, setBusy] = useState(false);
   const [reply, setReply] = useState<Reply | null>(null);
-  const moving = mode === 'user' || mode === 'remote';
+  const moving = mode === 'user' || mode === 'remote' || mode === 'guided';
   useEffect(() => {
     if (moving) setReply(null);
   }, [moving]);

@@ -1,0 +1,135 @@
+// An exercise under way: the figure laid onto the floor where the hoist stood when it began, and how far along it the hoist is.
+#pragma once
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "control/contract/guided_path.hpp"
+#include "control/core/law/odometry.hpp"
+#include "control/core/law/path_follower.hpp"
+
+namespace hoist::core {
+
+enum class GuidedPhase : std::uint8_t { none, waiting, following, turning, ending };
+
+class GuidedRun {
+ public:
+  /// Takes a checked exercise; nothing of an earlier one remains.
+  void load(const contract::GuidedPath& wish) noexcept {
+    *this = GuidedRun{};
+    wish_ = wish;
+    figure_ = contract::figure_of(wish);
+    // A square with sharp corners is driven side by side, with a turn on the spot after each; everything else in one go.
+    corners_ = wish.shape == contract::GuidedShape::square && wish.radius_m == 0;
+    leg_m_ = corners_ ? wish.size_m : figure_.length_m() * wish.laps;
+    legs_ = corners_ ? 4 * wish.laps : 1;
+    loaded_ = true;
+  }
+  /// The wish was refused after all.
+  void unload() noexcept { loaded_ = false; }
+  [[nodiscard]] bool loaded() const noexcept { return loaded_; }
+
+  /// The figure begins where the hoist stands and the way it looks.
+  void begin(const law::Pose<double>& pose) noexcept {
+    const contract::PathPose start = figure_.pose(0.0);
+    const double turn_rad = start.psi_rad - pose.psi_rad;
+    cos_ = std::cos(turn_rad);
+    sin_ = std::sin(turn_rad);
+    turn_rad_ = turn_rad;
+    x_m_ = start.x_m - cos_ * pose.x_m + sin_ * pose.y_m;
+    y_m_ = start.y_m - sin_ * pose.x_m - cos_ * pose.y_m;
+    phase = GuidedPhase::waiting;
+    loaded_ = false;
+  }
+
+  /// Finds the nearest place on the figure, never backward and never past the end of the leg, and how far off it the hoist is.
+  void locate(const law::Pose<double>& pose) noexcept {
+    const double x_m = x_m_ + cos_ * pose.x_m - sin_ * pose.y_m;
+    const double y_m = y_m_ + sin_ * pose.x_m + cos_ * pose.y_m;
+    const double left_m = leg_end_m() - s_m_;
+    if (left_m > kInside_m) {
+      const double reach_m = left_m - kInside_m < contract::kProjectionWindow_m ? left_m - kInside_m : contract::kProjectionWindow_m;
+      s_m_ = figure_.project(x_m, y_m, s_m_, reach_m);
+    }
+    const contract::PathPose at = figure_.pose(s_m_);
+    const double cos_psi = std::cos(at.psi_rad), sin_psi = std::sin(at.psi_rad);
+    const double off_x_m = x_m - at.x_m, off_y_m = y_m - at.y_m;
+    cross_m_ = cos_psi * off_y_m - sin_psi * off_x_m;
+    // Past the end, where the projection stays, the way beyond counts back.
+    beyond_m_ = cos_psi * off_x_m + sin_psi * off_y_m;
+    heading_rad_ = pose.psi_rad + turn_rad_;
+    heading_error_rad_ = std::remainder(heading_rad_ - at.psi_rad, kTurn_rad);
+  }
+
+  /// Mean curvature of the figure between two distances ahead, within the leg: a step of the curvature becomes a ramp.
+  [[nodiscard]] double curvature_ahead(double from_m, double to_m) const noexcept {
+    const double begin_m = inside(s_m_ + from_m), end_m = inside(s_m_ + to_m);
+    if (end_m - begin_m < kShortest_m) return figure_.pose(s_m_).kappa_per_m;
+    return (figure_.pose(end_m).psi_rad - figure_.pose(begin_m).psi_rad) / (end_m - begin_m);
+  }
+
+  /// The fastest speed now so that no curve ahead needs more than this turn rate, slowing with this deceleration.
+  [[nodiscard]] double curve_speed(double yaw_rate_rad_s, double deceleration_m_s2) const noexcept {
+    const auto within = [yaw_rate_rad_s](double kappa_per_m) {
+      const double kappa = std::fabs(kappa_per_m);
+      return kappa > 0 ? yaw_rate_rad_s / kappa : HUGE_VAL;
+    };
+    const contract::ReferencePath::Ahead ahead = figure_.ahead(s_m_);
+    const double here = within(ahead.kappa_per_m);
+    // One joint ahead is enough: each piece of every figure is longer than the way to slow down before the next but one.
+    const double there = law::approach_speed(ahead.left_m, within(ahead.next_kappa_per_m), deceleration_m_s2);
+    return here < there ? here : there;
+  }
+
+  /// The heading to turn to at the end of this leg, against the present one; left positive.
+  [[nodiscard]] double corner_rad() const noexcept {
+    // Just behind the corner the next side has begun.
+    return std::remainder(figure_.pose(leg_end_m()).psi_rad - heading_rad_, kTurn_rad);
+  }
+  void next_leg() noexcept {
+    ++leg_;
+    s_m_ = leg_begin_m();
+  }
+
+  [[nodiscard]] const contract::GuidedPath& wish() const noexcept { return wish_; }
+  [[nodiscard]] bool has_corners() const noexcept { return corners_; }
+  [[nodiscard]] bool last_leg() const noexcept { return leg_ + 1 >= legs_; }
+  [[nodiscard]] double leg_left_m() const noexcept { return leg_end_m() - s_m_ - (beyond_m_ > 0 ? beyond_m_ : 0); }
+  [[nodiscard]] double cross_m() const noexcept { return cross_m_; }
+  [[nodiscard]] double heading_error_rad() const noexcept { return heading_error_rad_; }
+  [[nodiscard]] double total_m() const noexcept { return leg_m_ * legs_; }
+  [[nodiscard]] double left_m() const noexcept { return end_ == contract::GuidedEnd::finished ? 0.0 : total_m() - s_m_; }
+  [[nodiscard]] double progress_norm() const noexcept { return total_m() > 0 ? 1.0 - left_m() / total_m() : 0.0; }
+
+  /// The first reason for which it ends is the one that is told.
+  void end(contract::GuidedEnd reason) noexcept {
+    if (end_ == contract::GuidedEnd::none) end_ = reason;
+  }
+  [[nodiscard]] contract::GuidedEnd ended() const noexcept { return end_; }
+
+  GuidedPhase phase = GuidedPhase::none;
+
+ private:
+  static constexpr double kTurn_rad = 6.283185307179586;
+  // A place this close before the end still belongs to the leg (the figure's own joint is a thousand times narrower).
+  static constexpr double kInside_m = 1e-6;
+  static constexpr double kShortest_m = 1e-3;
+
+  [[nodiscard]] double leg_begin_m() const noexcept { return leg_m_ * leg_; }
+  [[nodiscard]] double leg_end_m() const noexcept { return leg_m_ * (leg_ + 1.0); }
+  [[nodiscard]] double inside(double s_m) const noexcept {
+    const double least = leg_begin_m(), most = leg_end_m() - kInside_m;
+    return s_m < least ? least : (s_m > most ? most : s_m);
+  }
+
+  contract::GuidedPath wish_;
+  contract::ReferencePath figure_ = contract::ReferencePath::straight();
+  double leg_m_ = 0;
+  std::uint32_t legs_ = 0, leg_ = 0;
+  bool corners_ = false, loaded_ = false;
+  double cos_ = 1, sin_ = 0, turn_rad_ = 0, x_m_ = 0, y_m_ = 0;  // from the floor's frame into the figure's
+  double s_m_ = 0, cross_m_ = 0, beyond_m_ = 0, heading_rad_ = 0, heading_error_rad_ = 0;
+  contract::GuidedEnd end_ = contract::GuidedEnd::none;
+};
+
+}  // namespace hoist::core

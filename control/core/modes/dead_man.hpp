@@ -1,0 +1,36 @@
+// The therapist's hand in the modes it leads (REMOTE and GUIDED): held, let go, ageing, gone (hazards H17 to H21).
+#pragma once
+#include "control/core/modes/mode.hpp"
+
+namespace hoist::core {
+
+struct Hand {
+  bool leaving = false;   // the mode ends: brake as state.motion.braking says until the hoist stands
+  bool held = false;      // held, and the stick has been at its middle since the mode began
+  double fresh_norm = 0;  // share of the wished speed: falls with the age of the last command
+};
+
+/// Looks at the hand once per step. Commands age: from remote_slow_age_s the speed falls, at remote_stop_age_s the mode ends; also when
+/// the one who began is no longer the driver, or cannot be reached.
+[[nodiscard]] inline Hand feel_hand(CoreState& state) noexcept {
+  const contract::Params& p = state.params;
+  Motion& motion = state.motion;
+  const double age_s = state.remote.age_s(state.time_ns);
+  bool gone = state.lease.holder == 0 || state.lease.epoch != motion.epoch || !state.server.alive();
+  if (state.remote.held() && age_s >= p.remote_stop_age_s) {
+    state.remote.lose();
+    if (!motion.leaving) motion.remote_lost = true;
+    gone = true;
+  }
+  if (gone) {
+    motion.leaving = true;
+    if (motion.braking < Braking::remote) motion.braking = Braking::remote;
+  }
+  if (motion.leaving) return {true, false, 0};
+  if (!state.remote.held() || state.remote.awaits_neutral()) return {};
+  const double fresh_norm =
+      age_s <= p.remote_slow_age_s ? 1.0 : (p.remote_stop_age_s - age_s) / (p.remote_stop_age_s - p.remote_slow_age_s);
+  return {false, true, fresh_norm};
+}
+
+}  // namespace hoist::core

@@ -1,0 +1,214 @@
+// The hoist drives a figure by itself while the therapist holds: choose it, see the floor it needs, start, hold.
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { everyTick, requestGuided, requestMode } from '../../link/console';
+import { live, useFrame } from '../../link/live';
+import type { Reply } from '../../link/socket';
+import { useStore } from '../../link/store';
+import { useSettings } from '../../text/settings';
+import { degrees, duration, fixed, t } from '../../text/text';
+import type { TextKey } from '../../text/en';
+import { FloorView } from '../../ui/floor_view';
+import { fit, floorSpace, patternPoints } from '../../ui/geometry';
+import { HoldToGo } from '../../ui/hold_to_go';
+import { Reading } from '../../ui/reading';
+import { Refusal } from '../../ui/refusal';
+import type { Panel } from '../panel';
+import { startBlockers } from '../walk/walk';
+import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, type Plan, type Shape, type Stepped } from './plan';
+
+/** Kept while the console is open, also when another screen is looked at meanwhile. */
+let kept: Plan = firstPlan;
+
+/** The figure drawn to scale beside the others: all in one frame of this many metres. */
+function ShapePicture({ shape }: { shape: Shape }) {
+  const size = 40;
+  const points = patternPoints(exerciseOf({ ...firstPlan, shape, length_m: 2.6, side_m: 2.2, radius_m: 1.2, eight_m: 0.75 }));
+  const frame = fit(points, size, size, 0.2, 1);
+  const line = points.map((p) => `${(size / 2 + (p.x - frame.centre_x) * frame.pixels_per_m).toFixed(1)},${(size / 2 - (p.y - frame.centre_y) * frame.pixels_per_m).toFixed(1)}`);
+  return (
+    <svg class="shape-picture" viewBox={`0 0 ${size} ${size}`} aria-hidden="true">
+      <polyline points={line.join(' ')} />
+    </svg>
+  );
+}
+
+function Stepper({ label, text, by, low, high }: { label: string; text: string; by: (step: 1 | -1) => void; low: boolean; high: boolean }) {
+  return (
+    <div class="stepper" role="group" aria-label={label}>
+      <span class="stepper-label">{label}</span>
+      <button type="button" class="plain" aria-label={t('guided.less', { what: label })} disabled={low} onClick={() => by(-1)}>
+        −
+      </button>
+      <span class="stepper-value num">{text}</span>
+      <button type="button" class="plain" aria-label={t('guided.more', { what: label })} disabled={high} onClick={() => by(1)}>
+        +
+      </button>
+    </div>
+  );
+}
+
+function Pair({ label, options, chosen, choose }: { label: string; options: readonly [string, string]; chosen: 0 | 1; choose: (which: 0 | 1) => void }) {
+  return (
+    <div class="stepper">
+      <span class="stepper-label">{label}</span>
+      <div class="choice" role="radiogroup" aria-label={label}>
+        {options.map((text, which) => (
+          <button key={text} type="button" role="radio" aria-checked={which === chosen} onClick={() => choose(which as 0 | 1)}>
+            {text}
+          </button>
+        ))}
+      </div>
+    </div>
+  );
+}
+
+const sizeOf: Record<Shape, { name: Stepped; label: TextKey }> = {
+  straight: { name: 'length_m', label: 'guided.length' },
+  square: { name: 'side_m', label: 'guided.side' },
+  circle: { name: 'radius_m', label: 'guided.radius' },
+  eight: { name: 'eight_m', label: 'guided.loops' },
+};
+
+function Settings({ plan, change, speedMost_m_s }: { plan: Plan; change: (part: Partial<Plan>) => void; speedMost_m_s: number }) {
+  const size = sizeOf[plan.shape];
+  const most = { ...steps.speed_m_s, most: Math.max(steps.speed_m_s.least, Math.min(steps.speed_m_s.most, speedMost_m_s)) };
+  return (
+    <div class="guided-settings">
+      <Stepper label={t(size.label)} text={`${fixed(plan[size.name], 1)} m`} low={plan[size.name] <= steps[size.name].least} high={plan[size.name] >= steps[size.name].most}
+        by={(by) => change({ [size.name]: stepped(steps[size.name], plan[size.name], by) })} />
+      <Stepper label={t('guided.speed')} text={`${fixed(plan.speed_m_s, 2)} m/s`} low={plan.speed_m_s <= most.least} high={plan.speed_m_s >= most.most - 1e-6}
+        by={(by) => change({ speed_m_s: stepped(most, plan.speed_m_s, by) })} />
+      {plan.shape === 'straight' ? null : (
+        <>
+          <Stepper label={t('guided.laps')} text={fixed(plan.laps, 0)} low={plan.laps <= steps.laps.least} high={plan.laps >= steps.laps.most}
+            by={(by) => change({ laps: stepped(steps.laps, plan.laps, by) })} />
+          <Pair label={t(plan.shape === 'eight' ? 'guided.firstLoop' : 'guided.side2')} options={[t('guided.left'), t('guided.right')]}
+            chosen={(plan.shape === 'eight') === plan.clockwise ? 0 : 1} choose={(which) => change({ clockwise: (which === 1) !== (plan.shape === 'eight') })} />
+        </>
+      )}
+      {plan.shape === 'square' ? (
+        <Pair label={t('guided.corners')} options={[t('guided.sharp'), t('guided.round')]} chosen={plan.round ? 1 : 0} choose={(which) => change({ round: which === 1 })} />
+      ) : null}
+    </div>
+  );
+}
+
+function Progress() {
+  const bar = useRef<HTMLDivElement>(null);
+  useFrame(() => {
+    const done = live.record === null || live.record.guided_phase === 0 ? 0 : live.record.guided_progress_norm;
+    if (bar.current) bar.current.style.transform = `scaleX(${Math.max(0, Math.min(1, done)).toFixed(4)})`;
+  });
+  return (
+    <div class="guided-progress" role="img" aria-label={t('guided.progress')}>
+      <div ref={bar} class="guided-done" />
+    </div>
+  );
+}
+
+function ExercisesView() {
+  useSettings();
+  const mode = useStore((s) => s.mode);
+  const link = useStore((s) => s.link);
+  const mine = useStore((s) => s.lease.mine);
+  const data = useStore((s) => s.data);
+  const blocked = useStore((s) => s.blockedBits);
+  const parameters = useStore((s) => s.parameters);
+  const [plan, setPlan] = useState(kept);
+  const [busy, setBusy] = useState(false);
+  const [reply, setReply] = useState<Reply | null>(null);
+  const guided = mode === 'guided';
+  const moving = guided || mode === 'user' || mode === 'remote';
+  // The path that was driven stays until something is chosen anew.
+  const [justDone, setJustDone] = useState(false);
+  const active = guided && mine && link === 'open' && data !== 'gone';
+  const speedMost_m_s = (parameters.speed_m_s_max ?? 0.6) * (parameters.speed_cap_norm ?? 1);
+  const yawLimit_rad_s = Math.min(parameters.remote_yaw_rate_rad_s_max ?? 0.5, parameters.yaw_rate_rad_s_max ?? 0.5);
+
+  const change = (part: Partial<Plan>) => {
+    kept = { ...plan, ...part };
+    setPlan(kept);
+    setReply(null);
+    setJustDone(false);
+  };
+  useEffect(() => {
+    if (!guided) return;
+    setReply(null);
+    setJustDone(true);
+  }, [guided]);
+  useEffect(() => {
+    if (!active) return;
+    everyTick(true);
+    return () => void everyTick(false);
+  }, [active]);
+  const run = async (action: () => Promise<Reply>) => {
+    setBusy(true);
+    const answer = await action();
+    setBusy(false);
+    setReply(answer.ok || answer.refusals[0] === 'kept' ? null : answer);
+  };
+
+  const exercise = useRef({ plan, figure: exerciseOf(plan) });
+  if (exercise.current.plan !== plan) exercise.current = { plan, figure: exerciseOf(plan) };
+  const space = floorSpace(exercise.current.figure);
+  const curve = curveSpeed_m_s(plan, yawLimit_rad_s);
+  const blockers = mode === 'standby' && link === 'open' ? startBlockers(blocked) : [];
+
+  return (
+    <div class="drive guided">
+      <div class="walk-controls">
+        <div class="choice shapes" role="radiogroup" aria-label={t('exercise.label')}>
+          {shapes.map((shape) => (
+            <button key={shape} type="button" role="radio" aria-checked={plan.shape === shape} disabled={moving} onClick={() => change({ shape })}>
+              <ShapePicture shape={shape} />
+              <span>{t(`exercise.${shape}`)}</span>
+            </button>
+          ))}
+        </div>
+        {moving ? (
+          <button type="button" class="big" disabled={busy || link !== 'open'} onClick={() => void run(() => requestMode('standby'))}>
+            {t(guided ? 'guided.end' : 'walk.end')}
+          </button>
+        ) : (
+          <button type="button" class="big primary" disabled={busy || link !== 'open'} onClick={() => void run(() => requestGuided(pathOf(plan)))}>
+            {busy ? t('walk.starting') : t('guided.start')}
+          </button>
+        )}
+      </div>
+      <Refusal reply={reply} onClose={() => setReply(null)} />
+      {reply === null && blockers.length > 0 ? (
+        <div class="blockers" role="status">
+          <strong>{t('strip.notReady')}:</strong> {blockers.join(' ')}
+        </div>
+      ) : null}
+      <div class="drive-body">
+        <section class="card guided-card">
+          {guided ? (
+            <div class="readings guided-readings">
+              <Reading label={t('guided.remaining')} unit="m" read={(r) => fixed(r.guided_remaining_m, 1)} />
+              <Reading label={t('walk.speed')} unit="m/s" read={(r) => fixed(r.speed_m_s, 2)} />
+              <Reading label={t('guided.offLine')} unit="cm" read={(r) => fixed(Math.abs(r.guided_cross_track_m) * 100, 0)} />
+              <Reading label={t('walk.lean')} read={(r) => degrees((r.left_alpha_rad + r.right_alpha_rad) / 2 - r.base_alpha_rad)} />
+              <Reading label={t('walk.stopDistance')} unit="m" read={(r) => fixed(r.stop_distance_m, 2)} />
+            </div>
+          ) : (
+            <Settings plan={plan} change={change} speedMost_m_s={speedMost_m_s} />
+          )}
+          <p class="guided-needs">
+            <strong>{t('guided.needs', { along: fixed(space.along_m, 1), across: fixed(space.across_m, 1) })}</strong>{' '}
+            {t('guided.takes', { length: fixed(length_m(plan), 1), time: duration(duration_s(plan, yawLimit_rad_s)) })}
+            {curve === null ? '' : ` ${t('guided.slower', { speed: fixed(curve, 2) })}`}
+          </p>
+          <Progress />
+          <HoldToGo active={active} locked={t(guided ? 'guided.other' : 'guided.locked')} />
+          <p class="hint">{t('guided.hint')}</p>
+        </section>
+        <section class="card floor-card">
+          <FloorView exercise={exercise.current.figure} planned={!moving && !justDone} />
+        </section>
+      </div>
+    </div>
+  );
+}
+
+export const exercisesPanel: Panel = { id: 'exercises', title: 'nav.exercises', icon: 'exercises', live: true, View: ExercisesView };

@@ -1,0 +1,57 @@
+// What the exercises' screen works out by itself: the figure as points, the floor it needs, what is asked of the hoist.
+import { describe, expect, it } from 'vitest';
+import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps } from '../src/panels/exercises/plan';
+import { floorSpace, patternPoints } from '../src/ui/geometry';
+
+const yawLimit_rad_s = (30 * Math.PI) / 180;
+
+describe('figures', () => {
+  it('close, except the straight, and keep their length when mirrored', () => {
+    for (const shape of shapes) {
+      const left = patternPoints(exerciseOf({ ...firstPlan, shape }));
+      const right = patternPoints(exerciseOf({ ...firstPlan, shape, clockwise: true }));
+      const [first, last] = [left[0]!, left.at(-1)!];
+      if (shape === 'straight') expect(Math.hypot(last.x - first.x, last.y - first.y)).toBeCloseTo(firstPlan.length_m);
+      else expect(Math.hypot(last.x - first.x, last.y - first.y)).toBeLessThan(1e-9);
+      left.forEach((point, i) => {
+        expect(right[i]!.x).toBeCloseTo(point.x);
+        if (shape !== 'straight') expect(right[i]!.y).toBeCloseTo(-point.y);
+      });
+    }
+  });
+  it('have the length of the geometry', () => {
+    expect(length_m({ ...firstPlan, shape: 'square', laps: 2 })).toBeCloseTo(2 * 4 * firstPlan.side_m);
+    expect(length_m({ ...firstPlan, shape: 'circle' })).toBeCloseTo(2 * Math.PI * firstPlan.radius_m, 1);
+    const rounded = length_m({ ...firstPlan, shape: 'square', round: true });
+    expect(rounded).toBeCloseTo(4 * firstPlan.side_m - (8 - 2 * Math.PI) * 0.5, 1);
+  });
+});
+
+describe('the floor', () => {
+  it('holds the figure with the hoist on it, in half metres', () => {
+    expect(floorSpace({ shape: 'straight', length_m: 10 })).toEqual({ along_m: 11.5, across_m: 1.5 });
+    expect(floorSpace({ shape: 'square', side_m: 3 })).toEqual({ along_m: 4.5, across_m: 4.5 });
+    const eight = floorSpace({ shape: 'eight', c_m: 1, radius_m: 0.8 });
+    expect(eight.along_m).toBeGreaterThanOrEqual(2 * 1.8 + 1.4);
+    expect(eight.across_m).toBeGreaterThanOrEqual(1.6 + 1.4);
+  });
+});
+
+describe('the wish', () => {
+  it('says no more than its shape has', () => {
+    expect(pathOf(firstPlan)).toEqual({ shape: 'straight', length_m: 10, speed_m_s: 0.3 });
+    expect(pathOf({ ...firstPlan, shape: 'square' })).not.toHaveProperty('corner_radius_m');
+    expect(pathOf({ ...firstPlan, shape: 'square', round: true })).toHaveProperty('corner_radius_m', 0.5);
+  });
+  it('steps on a grid and stops at its ends', () => {
+    expect(stepped(steps.speed_m_s, 0.3, 1)).toBe(0.35);
+    expect(stepped(steps.speed_m_s, 0.1, -1)).toBe(0.1);
+    expect(stepped(steps.laps, 20, 1)).toBe(20);
+  });
+  it('tells when a curve is slower than chosen', () => {
+    expect(curveSpeed_m_s({ ...firstPlan, shape: 'circle', radius_m: 0.4, speed_m_s: 0.6 }, yawLimit_rad_s)).toBeCloseTo(0.8 * yawLimit_rad_s * 0.4);
+    expect(curveSpeed_m_s({ ...firstPlan, shape: 'circle', radius_m: 3 }, yawLimit_rad_s)).toBeNull();
+    expect(curveSpeed_m_s(firstPlan, yawLimit_rad_s)).toBeNull();
+    expect(duration_s({ ...firstPlan, shape: 'straight' }, yawLimit_rad_s)).toBeCloseTo(10 / 0.3 + 2);
+  });
+});
