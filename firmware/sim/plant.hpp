@@ -109,6 +109,8 @@ class Plant {
   /// Weight that hangs in the harness and so presses the wheels to the floor, N.
   void set_carried(double weight_n) { carried_n_ = weight_n; }
   void set_grip(Side side, double grip_norm) { grip_norm_[index(side)] = grip_norm; }
+  /// Somebody pushes the frame forward and twists it to the left, besides what the springs do.
+  void set_shove(double forward_n, double turn_n_m) { shove_n_ = forward_n, shove_n_m_ = turn_n_m; }
   void cut_power(bool cut) { power_cut_ = cut; }
   /// The second contact in the motors' supply, which the computer keeps closed.
   void open_relay(bool open) { relay_open_ = open; }
@@ -178,6 +180,8 @@ class Plant {
   bool relay_open_{false};
   bool emergency_stop_{false};
   double carried_n_{};
+  double shove_n_{};
+  double shove_n_m_{};
   double pitch_rad_{};
   double roll_rad_{};
   double pitch_rate_rad_s_{};
