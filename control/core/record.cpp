@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "control/core/output/stop_distance.hpp"
 #include "control/core/output/supervisor.hpp"
 
 namespace hoist::core {
@@ -45,15 +46,6 @@ void fill_health(const CoreState& state, const TickInputs& inputs, contract::Tic
 
 }  // namespace
 
-double stop_distance_m(const CoreState& state) noexcept {
-  const double speed = std::fabs(state.limiter.speed_m_s());
-  Braking braking = state.motion.braking;
-  if (braking == Braking::none && contract::led_by_hand(state.mode)) braking = Braking::remote;
-  const double ramp_m = speed * kReaction_s + speed * speed / (2.0 * deceleration_m_s2(braking, state.params));
-  if (braking != Braking::none || state.mode != contract::Mode::user) return ramp_m;
-  return std::fmax(ramp_m, speed * (kReaction_s + state.params.lean_tau_release_s));
-}
-
 void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& wish, contract::TickRecord& record) noexcept {
   const auto f32 = [](double value) { return static_cast<float>(value); };
   const Estimate& sensed = state.sensed;
@@ -71,6 +63,10 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.dx_m = f32(state.intent.pelvis().dx_m);
   record.dy_m = f32(state.intent.pelvis().dy_m);
   record.dpsi_rad = f32(state.intent.pelvis().dpsi_rad);
+  record.gait_lean_m = f32(state.intent.gait().lean_m);
+  record.gait_turn_rad = f32(state.intent.gait().turn_rad);
+  record.gait_sway_m = f32(state.intent.gait().sway_m);
+  record.stride_hz = f32(state.intent.gait().stride_hz);
   record.lean_norm = f32(state.intent.lean_norm());
   record.turn_norm = f32(state.intent.turn_norm());
   record.lean_filtered_units = f32(state.lean.v_f_units);
@@ -82,7 +78,9 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.wheel_left_command_m_s = f32(state.left_command_m_s);
   record.wheel_right_command_m_s = f32(state.right_command_m_s);
   record.remote_age_s = f32(state.remote.age_s(state.time_ns));
-  record.stop_distance_m = f32(stop_distance_m(state));
+  const StopDistance stop = stop_distance(state, wish.speed_m_s);
+  record.stop_distance_m = f32(stop.link_m);
+  record.worst_stop_distance_m = f32(stop.computer_m);
   record.guided_progress_norm = f32(state.guided.progress_norm());
   record.guided_cross_track_m = f32(state.guided.cross_m());
   record.guided_heading_error_rad = f32(state.guided.heading_error_rad());
@@ -96,6 +94,14 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.y_m = f32(odometry.pose.y_m);
   record.psi_rad = f32(odometry.pose.psi_rad);
   record.distance_m = f32(odometry.distance_m);
+  const FusedOdometry& fused = sensed.fused;
+  record.fused_x_m = f32(fused.pose().x_m);
+  record.fused_y_m = f32(fused.pose().y_m);
+  record.fused_psi_rad = f32(fused.pose().psi_rad);
+  record.fused_yaw_rate_rad_s = f32(fused.yaw_rate_rad_s());
+  record.gyro_bias_rad_s = f32(fused.gyro_bias_rad_s());
+  record.slip_rate_rad_s = f32(fused.slip_rate_rad_s());
+  record.slip_state = static_cast<std::uint8_t>((fused.slipping() ? 1U : 0U) | (fused.gyro_used() ? 0U : 2U));
   record.wheel_left_m_s = f32(odometry.wheel_left_m_s);
   record.wheel_right_m_s = f32(odometry.wheel_right_m_s);
   record.left_counts = sensed.left_drive.counts();

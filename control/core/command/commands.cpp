@@ -156,6 +156,7 @@ Verdict set_pose(CoreState& state, const Command& command) noexcept {
   if (state.mode == Mode::guided) return refused(Refusal::not_standby);
   state.sensed.odometry.pose = {command.v0, command.v1, command.v2};
   state.sensed.odometry.distance_m = 0;
+  state.sensed.fused.set_pose(state.sensed.odometry.pose);
   Event event;
   event.kind = EventKind::pose_set;
   event.request_id = command.request_id;

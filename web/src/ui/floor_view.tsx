@@ -141,10 +141,11 @@ export function FloorView({ exercise, planned = false }: { exercise: Exercise; p
     if (canvas.current === null) return;
     // A hoist that stands is not drawn anew, except once a second: colours and size may have changed.
     const r = live.record;
-    const what = r === null ? '' : `${r.x_m.toFixed(3)} ${r.y_m.toFixed(3)} ${r.psi_rad.toFixed(3)} ${live.pathLife} ${live.path.x.length} ${JSON.stringify(exercise)} ${planned}`;
+    const what = r === null ? '' : `${r.fused_x_m.toFixed(3)} ${r.fused_y_m.toFixed(3)} ${r.fused_psi_rad.toFixed(3)} ${live.pathLife} ${live.path.x.length} ${JSON.stringify(exercise)} ${planned}`;
     if (what === drawn.current.what && now_ms - drawn.current.at_ms < 1000) return;
     drawn.current = { what, at_ms: now_ms };
-    const pose = planned ? startOf(pattern.current) : live.record;
+    const driven = r === null ? null : { x_m: r.fused_x_m, y_m: r.fused_y_m, psi_rad: r.fused_psi_rad };
+    const pose = planned ? startOf(pattern.current) : driven;
     const x = planned ? [] : live.path.x.latest();
     const y = planned ? [] : live.path.y.latest();
     const bounds: Point[] = [...pattern.current];
