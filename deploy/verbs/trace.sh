@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # every hazard with its monitors, guards and tests; fails on a hole
 #
-# options: --write      also writes control/HAZARDS.gen.md
+# options: --write      also writes control/HAZARDS.gen.md, and measures the reactions anew into control/REACTIONS.gen.md
 #          --no-setup   leave the machine as it is
 arguments=()
 for option in "$@"; do
@@ -11,5 +11,6 @@ for option in "$@"; do
   esac
 done
 setup build
-build_normal hoist-trace
+build_normal hoist-trace hoist-reactions
+[ ${#arguments[@]} -eq 0 ] || build/bin/hoist-reactions control/REACTIONS.gen.md >/dev/null
 exec build/bin/hoist-trace --top "$PWD" "${arguments[@]}"
