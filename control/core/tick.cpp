@@ -147,6 +147,20 @@ double commanded_m_s(const CanFrame& frame, double motor_per_m) noexcept {
   return wheel_m_s(static_cast<std::int32_t>(contract::read_slot(frame, contract::pdo_slot(Pdo::drive_rx1, 0x60FF))), motor_per_m);
 }
 
+GateView gate_view(const CoreState& state) noexcept {
+  const auto unfit = [](const DriveSensor& drive) {
+    using State = contract::canopen::drive::State;
+    return drive.fresh().lost() || drive.state() == State::fault || drive.state() == State::fault_reaction;
+  };
+  const Estimate& sensed = state.sensed;
+  return {state.mode,
+          sensed.tilts_lost(),
+          unfit(sensed.left_drive) || unfit(sensed.right_drive),
+          state.remote.held() && state.remote.age_s(state.time_ns) < state.params.remote_stop_age_s,
+          state.motion.service.on,
+          sensed.io.bumpers()};
+}
+
 void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& out) noexcept {
   if (state.mode == contract::Mode::protective_stop && state.motion.hold.step(state.limiter, state.sensed))
     raise_fault(state, Fault::overspeed);  // H1, H2: the wheels do something else than they were told
@@ -164,31 +178,24 @@ void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOu
   state.relay.step(out.frames);
   static_cast<void>(out.frames.push_back(contract::canopen::sync()));
 
-  const GateView view{state.mode,
-                      state.sensed.tilts_lost(),
-                      state.sensed.drives_lost(),
-                      state.remote.held() && state.remote.age_s(state.time_ns) < state.params.remote_stop_age_s,
-                      service.on,
-                      state.sensed.io.bumpers()};
-  bool refused = false;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < out.frames.size(); ++i) {
-    CanFrame frame = out.frames[i];
-    if (!state.gate.judge(frame, view, state.params, state.derived, dt_s)) {
+  const GateView view = gate_view(state);
+  // The first two are the drives' commands; of the others each one that may not simply does not leave.
+  bool refused = !state.gate.judge_drives(out.frames[0], out.frames[1], view, state.params, state.derived, dt_s);
+  if (refused) {
+    const SafetyGate::Motion left_over = state.gate.brake(out.frames[0], out.frames[1], view, state.params, state.derived, dt_s);
+    // The protective stop goes on from what the drives are told now.
+    state.limiter.start_from(state.params, left_over.speed_m_s, left_over.yaw_rate_rad_s);
+  }
+  std::size_t kept = 2;
+  for (std::size_t i = 2; i < out.frames.size(); ++i) {
+    if (SafetyGate::judge(out.frames[i], view)) {
+      out.frames[kept++] = out.frames[i];
+    } else {
       refused = true;
-      // The first two are the drives' commands; anything else simply does not leave.
-      if (i >= 2) continue;
-      frame = state.gate.zero_command(out.frames[i].id, view);
     }
-    out.frames[kept++] = frame;
   }
   while (out.frames.size() > kept) out.frames.pop_back();
-  if (refused) {
-    // Both wheels stand together: a single refused one would spin the hoist about the other.
-    for (std::size_t i = 0; i < 2; ++i) out.frames[i] = state.gate.zero_command(out.frames[i].id, view);
-    raise_fault(state, Fault::gate_refused);
-    state.limiter.reset();
-  }
+  if (refused) raise_fault(state, Fault::gate_refused);
   for (const CanFrame& frame : out.frames) state.health.sent(frame);
   state.left_command_m_s = commanded_m_s(out.frames[0], state.derived.left_motor_per_m);
   state.right_command_m_s = commanded_m_s(out.frames[1], state.derived.right_motor_per_m);

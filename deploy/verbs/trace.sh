@@ -1,4 +1,16 @@
 # shellcheck shell=bash
-# follows one sample through the programs and shows where its time goes
-common_options trace "$@"
-not_here_yet trace "the trace points and their reader are not in this tree"
+# every hazard with its monitors, guards and tests; fails on a hole
+#
+# options: --write      also writes control/HAZARDS.gen.md, and measures the reactions anew into control/REACTIONS.gen.md
+#          --no-setup   leave the machine as it is
+arguments=()
+for option in "$@"; do
+  case $option in
+    --write) arguments+=("$option") ;;
+    *) common_option trace "$option" ;;
+  esac
+done
+setup build
+build_normal hoist-trace hoist-reactions
+[ ${#arguments[@]} -eq 0 ] || build/bin/hoist-reactions control/REACTIONS.gen.md >/dev/null
+exec build/bin/hoist-trace --top "$PWD" "${arguments[@]}"

@@ -1,6 +1,6 @@
 // The safety tests and the core's unit tests with one mutant in force.
-//   mutant_suite --list              prints every mutant: off NAME, or lax NAME LIMIT
-//   mutant_suite --mutant OFF_OR_LAX NAME [LIMIT] [GoogleTest's options]
+//   mutant_suite --list              prints every mutant: off/FAULT, or lax/FAULT/LIMIT
+//   mutant_suite --mutant MUTANT [GoogleTest's options]
 // Ends with 1 at the first failure, which it names, and with 0 when no test noticed.
 #include <gtest/gtest.h>
 
@@ -39,21 +39,18 @@ std::string_view name_of(Fault fault) {
 }
 
 int list() {
-  for (const FaultInfo& fault : kFaults) std::printf("off %s\n", std::string(fault.name).c_str());
+  for (const FaultInfo& fault : kFaults) std::printf("off/%s\n", std::string(fault.name).c_str());
   for (std::size_t i = 0; i < mutation::limit_count; ++i)
-    std::printf("lax %s %s\n", std::string(name_of(mutation::limits[i].fault)).c_str(), mutation::limits[i].name);
+    std::printf("lax/%s/%s\n", std::string(name_of(mutation::limits[i].fault)).c_str(), mutation::limits[i].name);
   return mutation::limit_count <= mutation::kMostLimits ? 0 : 2;
 }
 
-bool choose(std::string_view what, std::string_view fault, std::string_view limit) {
-  if (what == "off") {
-    for (const FaultInfo& info : kFaults)
-      if (info.name == fault) mutation::off_bits = 1U << info.bit;
-    return mutation::off_bits != 0;
-  }
+bool choose(std::string_view mutant) {
+  for (const FaultInfo& info : kFaults)
+    if (mutant == "off/" + std::string(info.name)) mutation::off_bits = 1U << info.bit;
   for (std::size_t i = 0; i < mutation::limit_count; ++i)
-    if (what == "lax" && name_of(mutation::limits[i].fault) == fault && mutation::limits[i].name == limit) mutation::lax = i;
-  return mutation::lax != mutation::kMostLimits;
+    if (mutant == "lax/" + std::string(name_of(mutation::limits[i].fault)) + "/" + mutation::limits[i].name) mutation::lax = i;
+  return mutation::off_bits != 0 || mutation::lax != mutation::kMostLimits;
 }
 
 }  // namespace
@@ -62,7 +59,7 @@ int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   const auto argument = [&](int i) { return i < argc ? std::string_view(argv[i]) : std::string_view(); };
   if (argument(1) == "--list") return list();
-  if (argument(1) == "--mutant" && !choose(argument(2), argument(3), argument(4))) {
+  if (argument(1) == "--mutant" && !choose(argument(2))) {
     std::puts("there is no such mutant (--list)");
     return 2;
   }

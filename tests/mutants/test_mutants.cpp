@@ -55,7 +55,7 @@ std::string test_name(const testing::TestParamInfo<std::string>& info) {
 class EachMutant : public testing::TestWithParam<std::string> {};
 
 TEST_P(EachMutant, IsNoticed) {
-  const Outcome result = run("--gtest_brief=1 --mutant " + GetParam());
+  const Outcome result = run("--gtest_brief=1 --mutant '" + GetParam() + "'");
   ASSERT_TRUE(WIFEXITED(result.status)) << result.output;
   const int code = WEXITSTATUS(result.status);
   ASSERT_NE(code, 2) << result.output;

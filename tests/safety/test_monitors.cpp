@@ -743,14 +743,23 @@ TEST(Monitors, EveryFaultOfTheTableIsTestedHereOrNamed) {
 TEST(Monitors, H1TheGateStopsAControllerThatGoesWrong) {
   ScriptedHoist hoist;
   set_going(hoist, Mode::user);
+  const double going_m_s = hoist.drive_left.target_m_s;
   // The controller's memory is damaged: from one step to the next it wants to stand at full speed.
   hoist.state.limiter.start_from(hoist.state.params, 0.65, 0);
   hoist.step();
   EXPECT_TRUE(hoist.has_fault(Fault::gate_refused));
   EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
-  EXPECT_EQ(hoist.command_m_s(), 0) << "neither wheel gets it";
+  const double before_m_s = hoist.drive_left.target_m_s;
+  EXPECT_LT(before_m_s, going_m_s) << "neither wheel gets it";
+  EXPECT_GE(before_m_s, going_m_s - 0.0101) << "nor a jolt";
+  EXPECT_NEAR(hoist.drive_right.target_m_s, before_m_s, 1e-3) << "nor a turn";
+  hoist.worst_deceleration_m_s2 = 0;
+  for (int i = 0; i < 80; ++i) {
+    hoist.step();
+    EXPECT_NEAR(hoist.drive_right.target_m_s, hoist.drive_left.target_m_s, 1e-3);
+  }
   EXPECT_EQ(hoist.drive_left.target_m_s, 0);
-  EXPECT_EQ(hoist.drive_right.target_m_s, 0);
+  EXPECT_LE(hoist.worst_deceleration_m_s2, 1.0 + 1e-9);
 }
 
 // A serial line that was held up hands over the answers to several SYNCs at once; that is one late step, not a frozen sensor.

@@ -19,22 +19,23 @@ class Motion {
  public:
   explicit Motion(const contract::Params& params) : params_(params), derived_(derive(params)) {}
 
-  // One step; false when the gate lets one of the two frames not pass.
+  // One step; false when the gate does not let the pair of frames pass.
   bool step(Mode mode, Braking braking, double speed_m_s, double yaw_rate_rad_s) {
     limiter_.step(params_, braking, speed_m_s, yaw_rate_rad_s, kTick_s);
     const WheelCommand wheels = mix_wheels(limiter_.speed_m_s(), limiter_.yaw_rate_rad_s(), derived_);
-    const GateView view{mode, false, false, true};
-    return judge(contract::Node::drive_left, wheels.left_raw, view) && judge(contract::Node::drive_right, wheels.right_raw, view);
+    const GateView view{mode, false, false, true, false, 0};
+    return gate_.judge_drives(command(contract::Node::drive_left, wheels.left_raw), command(contract::Node::drive_right, wheels.right_raw),
+                              view, params_, derived_, kTick_s);
   }
   [[nodiscard]] bool at_rest() const { return limiter_.at_rest(); }
   [[nodiscard]] const Limiter& limiter() const { return limiter_; }
 
  private:
-  bool judge(contract::Node node, std::int32_t raw, const GateView& view) {
+  static contract::CanFrame command(contract::Node node, std::int32_t raw) {
     contract::CanFrame frame{contract::pdo_cob_id(contract::Pdo::drive_rx1, node), 6, 0, {}};
     contract::write_slot(frame, contract::pdo_slot(contract::Pdo::drive_rx1, 0x6040), canopen::drive::kEnable);
     contract::write_slot(frame, contract::pdo_slot(contract::Pdo::drive_rx1, 0x60FF), raw);
-    return gate_.judge(frame, view, params_, derived_, kTick_s);
+    return frame;
   }
 
   contract::Params params_;

@@ -169,6 +169,7 @@ void ClosedLoop::step() {
   for (int i = 0; i < kWorldStepsPerTick; ++i) {
     world_.advance_1ms();
     if (through_gateway_) move_serial_line();
+    if (see_millisecond_) see_millisecond_();
   }
 }
 

@@ -1,7 +1,8 @@
-// The last word on every frame that leaves. The gate is not told what the controller wanted: it judges the frame alone, against the mode,
-// the limits, the age of what the hoist knows, and what it let through before (hazard H1).
+// The last word on every frame that leaves. The gate is not told what the controller wanted: it judges the frames alone, against the mode,
+// the limits, the age of what the hoist knows, and what it let through before (hazard H1). Every condition here is tried by a test and every
+// change of one is noticed: deploy/dev cover.
 #pragma once
-#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -10,7 +11,6 @@
 #include "control/contract/firmware_image.hpp"
 #include "control/contract/params.hpp"
 #include "control/core/derived.hpp"
-#include "control/core/output/bumper_room.hpp"
 #include "control/core/output/wheel_mixing.hpp"
 
 namespace hoist::core {
@@ -19,23 +19,23 @@ namespace hoist::core {
 struct GateView {
   contract::Mode mode = contract::Mode::init;
   bool tilts_lost = true;     // patient-led walking without a tilt
-  bool drives_lost = true;    // either drive silent
+  bool drives_unfit = true;   // either drive silent or in fault
   bool driver_fresh = false;  // a held driving command younger than remote_stop_age_s
   bool service = false;       // nodes get new programs
-  std::uint8_t bumpers = 0;   // pressed now: 0 front, 1 rear, 2 left, 3 right
+  std::uint8_t bumpers = 0;   // pressed ones, bits as in io_sensor.hpp: 0 front, 1 rear, 2 left, 3 right
 };
 
 class SafetyGate {
  public:
-  /// Whether this frame may leave. A drive command that may is remembered as the last one sent.
-  [[nodiscard]] bool judge(const contract::CanFrame& frame, const GateView& view, const contract::Params& params, const Derived& derived,
-                           double dt_s) noexcept {
+  /// What the hoist was last told, or is to be told now.
+  struct Motion {
+    double speed_m_s = 0, yaw_rate_rad_s = 0;
+  };
+
+  /// Whether this frame may leave. The two drive commands are judged as the pair that they are, by judge_drives().
+  [[nodiscard]] static bool judge(const contract::CanFrame& frame, const GateView& view) noexcept {
     namespace canopen = contract::canopen;
     if (frame.flags != 0) return false;
-    if (frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_left))
-      return judge_drive(frame, 0, derived.left_motor_per_m, view, params, dt_s);
-    if (frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_right))
-      return judge_drive(frame, 1, derived.right_motor_per_m, view, params, dt_s);
     if (frame.id == canopen::kSync) return frame.dlc == 0;
     if (frame.id == canopen::kHeartbeatBase + contract::node_id(contract::Node::core))
       return frame.dlc == 1 && frame.data[0] == static_cast<std::uint8_t>(canopen::NmtState::operational);
@@ -45,6 +45,45 @@ class SafetyGate {
       return frame.dlc == contract::pdo_bytes(contract::Pdo::io_rx1) && (frame.data[0] & ~canopen::kRelayFeed) == 0;
     if (frame.id > canopen::kSdoRequestBase && frame.id < canopen::kHeartbeatBase) return judge_sdo(frame, view);
     return false;
+  }
+
+  /// Whether these two drive commands may leave together: each alone would hide a hoist that is spun about one wheel. A pair that may is
+  /// remembered as the last one sent.
+  [[nodiscard]] bool judge_drives(const contract::CanFrame& left, const contract::CanFrame& right, const GateView& view,
+                                  const contract::Params& params, const Derived& derived, double dt_s) noexcept {
+    Pair next;
+    if (!read_drive(left, kLeftId, derived.left_motor_per_m, view, next.left)) return false;
+    if (!read_drive(right, kRightId, derived.right_motor_per_m, view, next.right)) return false;
+    if (next.left.enabled && next.right.enabled) {
+      if (!may_go(next, view, params, dt_s)) return false;
+    } else if (next.left.enabled) {
+      if (!may_go_alone(next.left.m_s, sent_.left, view, params, dt_s)) return false;
+    } else if (next.right.enabled) {
+      if (!may_go_alone(next.right.m_s, sent_.right, view, params, dt_s)) return false;
+    }
+    // Without power a target means nothing; what the drive does then is its own ramp.
+    sent_ = next;
+    if (next.left.enabled == next.right.enabled) {
+      alone_ticks_ = 0;
+    } else if (alone_ticks_ < kAloneTicks) {
+      ++alone_ticks_;
+    }
+    return true;
+  }
+
+  /// What leaves instead of a refused pair: both wheels brake together from what they were last told, in the same proportion, so that the
+  /// hoist stays on its curve and no wheel brakes harder than a protective stop. A drive that was to be off stays off. Where the mode lets
+  /// no drive run both are switched off. Returns the motion that is left, for the stop that follows.
+  [[nodiscard]] Motion brake(contract::CanFrame& left, contract::CanFrame& right, const GateView& view, const contract::Params& params,
+                             const Derived& derived, double dt_s) noexcept {
+    const double largest_m_s = std::fmax(std::fabs(sent_.left.m_s), std::fabs(sent_.right.m_s));
+    const double step_m_s = params.protective_deceleration_m_s2 * dt_s;
+    const double share = largest_m_s > step_m_s ? 1.0 - step_m_s / largest_m_s : 0.0;
+    braked(left, kLeftId, derived.left_motor_per_m, share, view, sent_.left);
+    braked(right, kRightId, derived.right_motor_per_m, share, view, sent_.right);
+    if (sent_.left.enabled && sent_.right.enabled) return motion(sent_, params);
+    // The one wheel that still runs is all the motion there is.
+    return {sent_.left.m_s + sent_.right.m_s, 0};
   }
 
   /// What an engineer's tool may send while nodes get new programs: to one node of ours, to hold or start it, to ask it anything, and to
@@ -71,77 +110,124 @@ class SafetyGate {
     }
   }
 
-  /// What leaves instead of a refused drive command: no motion, and the drive holds zero if the mode lets it hold.
-  [[nodiscard]] contract::CanFrame zero_command(std::uint32_t id, const GateView& view) noexcept {
-    contract::CanFrame frame{id, kDriveBytes, 0, {}};
-    const std::uint16_t control = may_enable(view.mode) ? contract::canopen::drive::kEnable : contract::canopen::drive::kShutdown;
-    contract::write_slot(frame, kControl, control);
-    sent_[id == contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_left) ? 0 : 1] = {};
-    return frame;
-  }
-
  private:
-  struct Sent {
-    double wheel_m_s = 0;
+  struct Wheel {
+    double m_s = 0;
     bool enabled = false;
+  };
+  struct Pair {
+    Wheel left, right;
   };
   static constexpr contract::PdoSlot kControl = contract::pdo_slot(contract::Pdo::drive_rx1, 0x6040),
                                      kTarget = contract::pdo_slot(contract::Pdo::drive_rx1, 0x60FF);
   static constexpr std::uint8_t kDriveBytes = contract::pdo_bytes(contract::Pdo::drive_rx1);
+  static constexpr std::uint32_t kLeftId = contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_left),
+                                 kRightId = contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_right);
   // Two steps of 60FFh in ground speed at the largest wheel, plus rounding: what a legal ramp may differ from its own arithmetic.
   static constexpr double kRounding_m_s = 5e-5;
   // The stop after the driver let go or was lost has no parameter (research on safety: H17, R1 at 0.8).
   static constexpr double kLettingGo_m_s2 = 0.8;
+  // Away from what a bumper touches, and not faster (H13).
+  static constexpr double kAway_m_s = 0.1;
+  static constexpr unsigned kFront = 1U, kRear = 2U;
+  // A drive that drops out is noticed within 50 ms (H2, kDroppedTicksMax); twice that.
+  static constexpr std::uint8_t kAloneTicks = 10;
 
+  [[nodiscard]] static constexpr bool moves(contract::Mode mode) noexcept {
+    return contract::kModes[static_cast<std::size_t>(mode)].moving != 0;
+  }
   [[nodiscard]] static constexpr bool may_enable(contract::Mode mode) noexcept {
-    return contract::kModes[static_cast<std::size_t>(mode)].moving || mode == contract::Mode::protective_stop;
+    return moves(mode) || mode == contract::Mode::protective_stop;
+  }
+  [[nodiscard]] static constexpr bool runs(std::uint16_t control) noexcept {
+    return control == contract::canopen::drive::kEnable || control == contract::canopen::drive::kSwitchOn;
+  }
+  [[nodiscard]] static constexpr bool rests(std::uint16_t control) noexcept {
+    namespace drive = contract::canopen::drive;
+    return control == drive::kShutdown || control == drive::kDisableVoltage || control == drive::kQuickStop ||
+           control == drive::kFaultReset;
   }
 
-  [[nodiscard]] bool judge_drive(const contract::CanFrame& frame, std::size_t side, double motor_per_m, const GateView& view,
-                                 const contract::Params& params, double dt_s) noexcept {
-    namespace drive = contract::canopen::drive;
-    if (frame.dlc != kDriveBytes) return false;
+  /// The form of one drive's command: known words, no target without power, no power where the mode gives none.
+  [[nodiscard]] static bool read_drive(const contract::CanFrame& frame, std::uint32_t id, double motor_per_m, const GateView& view,
+                                       Wheel& wheel) noexcept {
+    if (frame.flags != 0 || frame.id != id || frame.dlc != kDriveBytes) return false;
     const auto control = static_cast<std::uint16_t>(contract::read_slot(frame, kControl));
-    const double wheel = wheel_m_s(static_cast<std::int32_t>(contract::read_slot(frame, kTarget)), motor_per_m);
-    Sent& sent = sent_[side];
-    const bool enable = control == drive::kEnable || control == drive::kSwitchOn;
-    const bool rest =
-        control == drive::kShutdown || control == drive::kDisableVoltage || control == drive::kQuickStop || control == drive::kFaultReset;
-    if (!enable && !rest) return false;
-    if (enable && !may_enable(view.mode)) return false;
-    if (wheel != 0.0 && control != drive::kEnable) return false;
-    const double turn_m_s = derived_turn_m_s(params.yaw_rate_rad_s_max, params);
-    if (std::fabs(wheel) > params.speed_m_s_max + turn_m_s + kRounding_m_s) return false;
-    const double turn_step_m_s = derived_turn_m_s(params.yaw_acceleration_rad_s2_max, params) * dt_s;
-    if (control != drive::kEnable) {
-      // Without power the target means nothing; what the drive does then is its own ramp.
-      sent = {};
-      return true;
+    if (!runs(control) && !rests(control)) return false;
+    if (runs(control) && !may_enable(view.mode)) return false;
+    wheel.m_s = wheel_m_s(static_cast<std::int32_t>(contract::read_slot(frame, kTarget)), motor_per_m);
+    wheel.enabled = control == contract::canopen::drive::kEnable;
+    return wheel.enabled || wheel.m_s == 0.0;
+  }
+
+  [[nodiscard]] static Motion motion(const Pair& pair, const contract::Params& params) noexcept {
+    return {(pair.left.m_s + pair.right.m_s) / 2.0, (pair.right.m_s - pair.left.m_s) / params.track_width_m};
+  }
+
+  /// Both wheels run: speed and turn of the hoist, and how fast they change.
+  [[nodiscard]] bool may_go(const Pair& next, const GateView& view, const contract::Params& params, double dt_s) const noexcept {
+    const double rounding_rad_s = 2.0 * kRounding_m_s / params.track_width_m;
+    const Motion to = motion(next, params);
+    const Motion from = motion(sent_, params);
+    const double speed = std::fabs(to.speed_m_s);
+    const double turn = std::fabs(to.yaw_rate_rad_s);
+    if (speed > params.speed_m_s_max + kRounding_m_s || turn > params.yaw_rate_rad_s_max + rounding_rad_s) return false;
+    // Motion begins at rest. Only a stop may begin on the move: it takes over a hoist that is being pushed.
+    const bool ran = sent_.left.enabled && sent_.right.enabled;
+    if (view.mode == contract::Mode::protective_stop && !ran) return true;
+    const bool faster = speed > std::fabs(from.speed_m_s) + kRounding_m_s;
+    const bool sharper = turn > std::fabs(from.yaw_rate_rad_s) + rounding_rad_s;
+    if ((faster || sharper) && blind(view)) return false;
+    const double hardest_m_s2 = faster ? params.acceleration_m_s2_max : hardest_stop_m_s2(params);
+    if (std::fabs(to.speed_m_s - from.speed_m_s) > hardest_m_s2 * dt_s + kRounding_m_s) return false;
+    if (std::fabs(to.yaw_rate_rad_s - from.yaw_rate_rad_s) > params.yaw_acceleration_rad_s2_max * dt_s + rounding_rad_s) return false;
+    return !faster || clear_of_bumpers(to.speed_m_s, view.bumpers);
+  }
+
+  /// Nothing speeds up or turns faster while the hoist is blind or nobody leads it.
+  [[nodiscard]] static bool blind(const GateView& view) noexcept {
+    if (view.drives_unfit || view.mode == contract::Mode::protective_stop) return true;
+    return view.mode == contract::Mode::user ? view.tilts_lost : !view.driver_fresh;
+  }
+
+  [[nodiscard]] static bool clear_of_bumpers(double speed_m_s, std::uint8_t bumpers) noexcept {
+    if (bumpers == 0) return true;
+    if (std::fabs(speed_m_s) > kAway_m_s + kRounding_m_s) return false;
+    return (bumpers & (speed_m_s > 0 ? kFront : kRear)) == 0;
+  }
+
+  /// One wheel runs, the other does not. While a mode begins it stands. If the other has dropped out it may go on as before until that is
+  /// noticed, and then only comes to rest. In a stop it may end its share of a turn: the inner wheel runs backward faster when the speed
+  /// falls faster than the turn, the outer one when the turn is ended first.
+  [[nodiscard]] bool may_go_alone(double wheel_m_s, const Wheel& sent, const GateView& view, const contract::Params& params,
+                                  double dt_s) const noexcept {
+    const bool stop = view.mode == contract::Mode::protective_stop;
+    const double half_track_m = params.track_width_m / 2.0;
+    if (std::fabs(wheel_m_s) > params.speed_m_s_max + params.yaw_rate_rad_s_max * half_track_m + kRounding_m_s) return false;
+    if (!sent.enabled) return stop || wheel_m_s == 0.0;
+    const double turn_step_m_s = params.yaw_acceleration_rad_s2_max * half_track_m * dt_s;
+    const double step_m_s = hardest_stop_m_s2(params) * dt_s + turn_step_m_s;
+    if (std::fabs(wheel_m_s - sent.m_s) > step_m_s + kRounding_m_s) return false;
+    double gain_m_s = 0.0;
+    if (stop) {
+      gain_m_s = std::fmax(step_m_s - 2.0 * turn_step_m_s, turn_step_m_s);
+    } else if (!blind(view) && alone_ticks_ < kAloneTicks) {
+      gain_m_s = params.acceleration_m_s2_max * dt_s + turn_step_m_s;
     }
-    // H13: with a bumper pressed each wheel may only lead away from it, slowly. A stop ends on its ramp, whatever touches.
-    if (view.bumpers != 0 && view.mode != contract::Mode::protective_stop &&
-        std::fabs(wheel - BumperRoom(view.bumpers).speed_m_s(wheel)) > kRounding_m_s)
-      return false;
-    if (sent.enabled) {
-      if (std::fabs(wheel - sent.wheel_m_s) > hardest_stop_m_s2(params) * dt_s + turn_step_m_s + kRounding_m_s) return false;
-    } else if (wheel != 0.0 && view.mode != contract::Mode::protective_stop) {
-      // Motion begins at rest. Only a stop may begin on the move: it takes over a hoist that is being pushed.
-      if (std::fabs(wheel) > params.acceleration_m_s2_max * dt_s + turn_step_m_s + kRounding_m_s) return false;
-    }
-    const bool faster = std::fabs(wheel) > std::fabs(sent.wheel_m_s) + kRounding_m_s;
-    if (faster && sent.enabled) {
-      // Nothing speeds up while the hoist is blind or nobody leads it, but for one wheel while the hoist brakes in a turn: the inner one
-      // runs backward faster when the speed falls faster than the turn, the outer one when the turn is ended first.
-      const bool blind = (view.mode == contract::Mode::user && view.tilts_lost) || view.drives_lost ||
-                         (contract::led_by_hand(view.mode) && !view.driver_fresh) || view.mode == contract::Mode::protective_stop;
-      const double gain_m_s = std::fabs(wheel) - std::fabs(sent.wheel_m_s);
-      const double inner_m_s = hardest_stop_m_s2(params) * dt_s - turn_step_m_s;
-      const double stopping_m_s = inner_m_s > turn_step_m_s ? inner_m_s : turn_step_m_s;
-      const double driving_m_s = params.acceleration_m_s2_max * dt_s + turn_step_m_s;
-      if (gain_m_s > (blind || driving_m_s < stopping_m_s ? stopping_m_s : driving_m_s) + kRounding_m_s) return false;
-    }
-    sent = {wheel, true};
-    return true;
+    return std::fabs(wheel_m_s) <= std::fabs(sent.m_s) + gain_m_s + kRounding_m_s;
+  }
+
+  static void braked(contract::CanFrame& frame, std::uint32_t id, double motor_per_m, double share, const GateView& view,
+                     Wheel& sent) noexcept {
+    namespace drive = contract::canopen::drive;
+    const auto asked = static_cast<std::uint16_t>(contract::read_slot(frame, kControl));
+    const std::uint16_t control = !may_enable(view.mode) ? drive::kShutdown : rests(asked) ? asked : drive::kEnable;
+    const bool enabled = control == drive::kEnable;
+    const auto target = enabled ? static_cast<std::int32_t>(std::lround(sent.m_s * share * motor_per_m / kTargetVelocity.scale)) : 0;
+    frame = {id, kDriveBytes, 0, {}};
+    contract::write_slot(frame, kControl, control);
+    contract::write_slot(frame, kTarget, target);
+    sent = {wheel_m_s(target, motor_per_m), enabled};
   }
 
   /// No stop brakes harder: usually the bumper's, unless its parameter was set below the others.
@@ -149,10 +235,6 @@ class SafetyGate {
     const double harder = params.bumper_deceleration_m_s2 > params.protective_deceleration_m_s2 ? params.bumper_deceleration_m_s2
                                                                                                 : params.protective_deceleration_m_s2;
     return harder > kLettingGo_m_s2 ? harder : kLettingGo_m_s2;
-  }
-
-  [[nodiscard]] static double derived_turn_m_s(double turn, const contract::Params& params) noexcept {
-    return turn * params.track_width_m / 2.0;
   }
 
   [[nodiscard]] static bool judge_nmt(const contract::CanFrame& frame) noexcept {
@@ -194,7 +276,8 @@ class SafetyGate {
     return value >= info.min - slack && value <= info.max + slack;
   }
 
-  std::array<Sent, 2> sent_{};
+  Pair sent_;
+  std::uint8_t alone_ticks_ = 0;
 };
 
 }  // namespace hoist::core

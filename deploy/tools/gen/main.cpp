@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "deploy/tools/gen/generate.hpp"
+#include "deploy/tools/trace/trace.hpp"
 
 namespace {
 
@@ -51,6 +52,8 @@ int run(int count, char** arguments) {
     return 1;
   }
   files.push_back({lock_path, lock.text});
+  // Made from the tables and the names of the tests.
+  files.push_back({std::string(hoist::trace::kPage), hoist::trace::page(hoist::trace::scan_tree(top))});
   int different = 0;
   for (const auto& file : files) {
     const auto path = top / file.path;

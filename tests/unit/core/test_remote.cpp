@@ -43,6 +43,7 @@ TEST(Lease, TheServerReleasesForAClientThatIsGone) {
   EXPECT_EQ(hoist.state.lease.holder, 0U);
 }
 
+// H20: the second therapist gets the hoist when it stands.
 TEST(Lease, CannotBeTakenOverWhileMoving) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::remote));
@@ -51,6 +52,7 @@ TEST(Lease, CannotBeTakenOverWhileMoving) {
   EXPECT_EQ(hoist.state.lease.holder, 7U);
 }
 
+// H20, H28: who had the lease once has nothing any more.
 TEST(Lease, OldEpochsCannotStartOrDrive) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());

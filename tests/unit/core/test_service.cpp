@@ -191,22 +191,19 @@ TEST_F(ServiceTest, OnlyTheFramesOfAnUpdatePass) {
 }
 
 TEST_F(ServiceTest, TheGateJudgesByItself) {
-  const contract::Params params;
-  const Derived derived = derive(params);
-  SafetyGate gate;
   const CanFrame start = canopen::sdo(kRequest, 0x2F, 0x1F51, 1, 1);
   for (const Mode mode : {Mode::init, Mode::standby, Mode::user, Mode::remote, Mode::protective_stop}) {
     for (const bool service : {false, true}) {
       GateView view{mode, false, false, false, service};
-      EXPECT_EQ(gate.judge(start, view, params, derived, kTick_s), mode == Mode::init && service);
+      EXPECT_EQ(SafetyGate::judge(start, view), mode == Mode::init && service);
     }
   }
   const GateView view{Mode::init, false, false, false, true};
-  EXPECT_FALSE(gate.judge(canopen::sdo(kRequest, 0x23, 0x1017, 0, 0), view, params, derived, kTick_s));
-  EXPECT_FALSE(gate.judge(canopen::nmt(canopen::NmtCommand::reset_node, 17), view, params, derived, kTick_s));
+  EXPECT_FALSE(SafetyGate::judge(canopen::sdo(kRequest, 0x23, 0x1017, 0, 0), view));
+  EXPECT_FALSE(SafetyGate::judge(canopen::nmt(canopen::NmtCommand::reset_node, 17), view));
   CanFrame enable{contract::pdo_cob_id(contract::Pdo::drive_rx1, Node::drive_left), 6, 0, {}};
   contract::write_slot(enable, contract::pdo_slot(contract::Pdo::drive_rx1, 0x6040), canopen::drive::kEnable);
-  EXPECT_FALSE(gate.judge(enable, view, params, derived, kTick_s));
+  EXPECT_FALSE(SafetyGate::judge(enable, view));
 }
 
 TEST_F(ServiceTest, EndsTwoSecondsAfterTheLastWord) {

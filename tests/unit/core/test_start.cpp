@@ -14,6 +14,7 @@ using contract::Node;
 using contract::Refusal;
 using contract::refusal_bit;
 
+// H23: every start of the control program, also after a crash, begins in INIT.
 TEST(Start, ComesUpByItselfWhenAllNodesAnswer) {
   ScriptedHoist hoist;
   EXPECT_EQ(hoist.state.mode, Mode::init);

@@ -36,6 +36,7 @@ struct Ack {
   }
 }
 
+// H25
 TEST(Kill, what_was_acknowledged_survives_kill_9) {
   TempDir dir;
   for (std::uint32_t round = 0; round < 12; ++round) {
@@ -163,6 +164,7 @@ std::uint64_t operations_of_a_life() {
   return disk.operations();
 }
 
+// H25
 TEST(PowerCut, nothing_acknowledged_is_lost_and_no_file_is_damaged) {
   const std::uint64_t operations = operations_of_a_life();
   ASSERT_GT(operations, 100U);

@@ -181,6 +181,7 @@ TEST(Csv, chosen_columns_come_in_the_asked_order_and_unknown_ones_are_refused) {
   EXPECT_EQ(SessionExport::open(f.database, f.id + 1, {}).error().kind, ErrorKind::not_found);
 }
 
+// H26
 TEST(Csv, a_clock_that_was_set_moves_utc_and_nothing_else) {
   Fixture f;
   const std::vector<TickRecord> records = Walk(23).records(0, 300);

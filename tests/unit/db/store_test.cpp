@@ -95,6 +95,7 @@ TEST(Open, a_file_that_is_no_database_is_set_aside_with_its_date) {
   EXPECT_TRUE(SessionReader(database).list().ok());
 }
 
+// H25
 TEST(Open, damaged_and_cut_files_never_crash_and_never_stay_in_the_way) {
   TempDir dir;
   {
@@ -376,6 +377,7 @@ TEST(Writer, wrong_calls_are_refused_by_name_and_change_nothing) {
   refused(writer.append_marker(1, 1, std::string(501, 'a')), ErrorKind::bad_value, "text");
 }
 
+// H24
 TEST(Writer, a_full_disk_is_told_and_what_fits_later_is_complete) {
   TempDir dir;
   OpenOptions options;

@@ -62,6 +62,7 @@ TEST_F(DriveTest, TheReferenceRampsAndTheSpeedFollows) {
   EXPECT_TRUE(board_.bridge_on);  // halted is held, not released
 }
 
+// H5, H23: nobody commands any more, for whatever reason.
 TEST_F(DriveTest, RpdoDeadlineBrakesWithinFiftyMilliseconds) {
   drive_at(150);
   const double before = node_.reference_rad_s();
@@ -116,6 +117,7 @@ TEST_F(DriveTest, LosingTheComputersHeartbeatStopsAlthoughCommandsGoOn) {
   EXPECT_NEAR(motor_.speed_rad_s(), 0, 2.0);
 }
 
+// H23: the control program crashed and was started again.
 TEST_F(DriveTest, ARestartedComputerIsALostOne) {
   drive_at(100);
   node_.on_frame(canopen::heartbeat(0x7F, canopen::NmtState::boot_up));
@@ -404,6 +406,7 @@ TEST_F(DriveTest, SlowCrawlingIsNoStall) {
   EXPECT_NEAR(motor_.speed_rad_s(), 2.5, 1.0);
 }
 
+// H1: the drive's own limit, whatever it is told.
 TEST_F(DriveTest, OverSpeedRampsDownIntoTheFault) {
   drive_at(190);
   load_n_m_ = -1.2;  // driven by something stronger

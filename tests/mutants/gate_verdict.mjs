@@ -1,0 +1,38 @@
+// gate_verdict.mjs LIST PROGRAM EQUIVALENT: runs the gate's tests with each mutant of the list, compares those that no test noticed with those
+// that nothing could notice (a line each: what it is, the source line, and why, separated by tabs), and fails on any other one.
+import { spawn } from 'node:child_process';
+import { existsSync, readFileSync } from 'node:fs';
+import { cpus } from 'node:os';
+
+const [listPath, program, equivalentPath] = process.argv.slice(2);
+const lines = (path) => (existsSync(path) ? readFileSync(path, 'utf8').split('\n').filter(Boolean) : []);
+const mutants = lines(listPath).map((row) => row.split('\t'));
+const header = readFileSync('control/core/output/safety_gate.hpp', 'utf8').split('\n');
+// Line numbers move; what stands in the line does not.
+const name = (what) => `${what.replace(/^line \d+: /, '')}\t${(header[Number(/^line (\d+)/.exec(what)[1]) - 1] ?? '').trim()}`;
+const reasons = new Map(lines(equivalentPath).filter((row) => !row.startsWith('#')).map((row) => {
+  const [what, source, why] = row.split('\t');
+  return [`${what}\t${source}`, why];
+}));
+
+// A mutant may also make a test wait for ever: that is noticed too.
+const limit_ms = 20000;
+const notices = (number) => new Promise((done) => {
+  const child = spawn(program, ['--gtest_brief=1', '--gtest_fail_fast'], { env: { ...process.env, GATE_MUTANT: number }, stdio: 'ignore', timeout: limit_ms });
+  child.on('exit', (code) => done(code !== 0));
+});
+const survived = [];
+let at = 0;
+const worker = async () => {
+  while (at < mutants.length) {
+    const [number, what] = mutants[at++];
+    if (!(await notices(number))) survived.push(what);
+  }
+};
+await Promise.all(cpus().map(worker));
+const known = survived.filter((what) => reasons.has(name(what)));
+const open = survived.filter((what) => !reasons.has(name(what)));
+for (const what of known) console.log(`cannot be noticed: ${what}: ${reasons.get(name(what))}`);
+for (const what of open) console.log(`NOT NOTICED: ${what.replace(/: /, '\t').split('\t')[0]}\t${name(what)}`);
+console.log(`${mutants.length} mutants of the gate: ${mutants.length - survived.length} noticed, ${known.length} that cannot be, ${open.length} not noticed`);
+process.exit(open.length > 0 ? 1 : 0);

@@ -1,0 +1,233 @@
+#include "tests/reactions/reactions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <sstream>
+
+#include "control/contract/faults.hpp"
+#include "tests/support/closed_loop.hpp"
+
+namespace hoist::reactions {
+namespace {
+
+using contract::Fault;
+using contract::Mode;
+using contract::Node;
+using tests::ClosedLoop;
+
+// What "braking begins" means for a row.
+enum class Begin {
+  command,  // the core's braking command has reached the drives: the step that brakes, and a millisecond on the bus
+  motor,    // the motors' current falls: the drives act by themselves
+};
+
+struct Row {
+  const char* hazard;
+  const char* fault;   // in words
+  const char* answer;  // in words
+  int budget_ms;
+  Mode mode;
+  const char* scenario;
+  Begin begin;
+  std::function<void(ClosedLoop&)> cause;
+  // When the hazard is there; null: at once. For a fall: when the body passes the guard's angle at its rate.
+  std::function<bool(ClosedLoop&, double& memory)> present;
+};
+
+int budget(Fault fault) { return static_cast<int>(contract::find_monitor(fault)->budget_ms); }
+
+bool falls(ClosedLoop& loop, double& last_rad) {
+  constexpr double kDeg = sim::kDegree_rad;
+  const double lean_rad = std::atan(loop.world().patient().harness().dx_m / 0.8);
+  const double rate_rad_s = (lean_rad - last_rad) / 0.001;
+  last_rad = lean_rad;
+  return lean_rad > 10.5 * kDeg && rate_rad_s > 27.0 * kDeg;
+}
+
+const std::vector<Row>& table() {
+  const auto unplugs = [](Node node) { return [node](ClosedLoop& l) { l.world().unplug(node, true); }; };
+  const auto sticks = [](Node node) { return [node](ClosedLoop& l) { l.world().freeze_sensor(node, true); }; };
+  using Encoder = sim::World::EncoderFault;
+  static const std::vector<Row> rows = {
+      {"H1", "the controller asks for a jump", "protective stop by the gate", budget(Fault::gate_refused) + 10, Mode::user, "straight",
+       Begin::command,
+       [](ClosedLoop& l) {
+         l.break_core([done = false](core::CoreState& state, core::TickOutputs&) mutable {
+           if (!done) state.limiter.start_from(state.params, 0.65, 0.5);
+           done = true;
+         });
+       },
+       nullptr},
+      {"H2", "an encoder is lost", "the drive, then protective stop", budget(Fault::drive_left_fault), Mode::user, "straight",
+       Begin::command, [](ClosedLoop& l) { l.world().break_encoder(Node::drive_left, Encoder::lost); }, nullptr},
+      {"H2", "an encoder is reversed", "the drive, then protective stop", budget(Fault::drive_right_fault), Mode::user, "straight",
+       Begin::command, [](ClosedLoop& l) { l.world().break_encoder(Node::drive_right, Encoder::reversed); }, nullptr},
+      {"H3", "the left drive is unplugged", "protective stop", budget(Fault::drive_left_lost), Mode::user, "straight", Begin::command,
+       unplugs(Node::drive_left), nullptr},
+      {"H3", "the right drive is unplugged", "protective stop", budget(Fault::drive_right_lost), Mode::user, "straight", Begin::command,
+       unplugs(Node::drive_right), nullptr},
+      {"H4", "a strut's sensor is unplugged", "protective stop", budget(Fault::tilt_left_lost), Mode::user, "straight", Begin::command,
+       unplugs(Node::tilt_left), nullptr},
+      {"H4", "the chassis' sensor is unplugged", "protective stop", budget(Fault::tilt_base_lost), Mode::user, "straight", Begin::command,
+       unplugs(Node::tilt_base), nullptr},
+      {"H4", "a strut's processor stands", "protective stop", budget(Fault::tilt_right_lost), Mode::user, "straight", Begin::command,
+       [](ClosedLoop& l) { l.world().freeze(Node::tilt_right, true); }, nullptr},
+      {"H5", "the bus is down, and the core sees it", "protective stop", budget(Fault::bus_down), Mode::user, "straight", Begin::command,
+       [](ClosedLoop& l) { l.set_bus_up(false); }, nullptr},
+      {"H5 H23", "the control program is dead", "the drives by themselves", 60, Mode::user, "straight", Begin::motor,
+       [](ClosedLoop& l) { l.kill_core(); }, nullptr},
+      {"H6", "a strut's chip repeats its sample", "protective stop", budget(Fault::tilt_frozen), Mode::user, "straight", Begin::command,
+       sticks(Node::tilt_left), nullptr},
+      {"H6", "the chassis' chip repeats its sample", "protective stop", budget(Fault::tilt_frozen), Mode::user, "straight", Begin::command,
+       sticks(Node::tilt_base), nullptr},
+      {"H12", "the batteries break down", "soft stop", budget(Fault::battery_empty), Mode::user, "straight", Begin::command,
+       [](ClosedLoop& l) { l.world().plant().force_battery(21.0); }, nullptr},
+      {"H13", "the front bumper is pressed", "stop at 1.5 m/s²", budget(Fault::bumper_pressed), Mode::user, "straight", Begin::command,
+       [](ClosedLoop& l) { l.world().plant().force_bumper(0, true); }, nullptr},
+      {"H14", "the input node is unplugged", "protective stop", budget(Fault::io_lost), Mode::user, "straight", Begin::command,
+       unplugs(Node::io), nullptr},
+      {"H15", "the patient stumbles, from 10.5° at 27°/s", "protective stop", budget(Fault::fall_detected), Mode::user, "straight",
+       Begin::command, [](ClosedLoop& l) { l.world().patient().trip(); }, falls},
+      {"H17", "the radio link is cut", "stop at 0.8 m/s²", budget(Fault::remote_command_lost), Mode::remote, "straight", Begin::command,
+       [](ClosedLoop& l) { l.cut_link(true); }, nullptr},
+      {"H21", "the server dies while a therapist drives", "stop at 0.8 m/s²", budget(Fault::server_lost), Mode::remote, "straight",
+       Begin::command,
+       [](ClosedLoop& l) {
+         l.stop_server();
+         l.fall_silent();
+       },
+       nullptr},
+      {"H22", "a step is 35 ms late", "protective stop", budget(Fault::loop_overrun), Mode::user, "straight", Begin::command,
+       [](ClosedLoop& l) { l.be_late(0.035); }, nullptr},
+      {"2.3", "STOP on the console", "protective stop", budget(Fault::stop_pressed) + 10, Mode::user, "straight", Begin::command,
+       [](ClosedLoop& l) { l.ask(contract::CommandKind::stop); }, nullptr},
+  };
+  return rows;
+}
+
+double speed_m_s(ClosedLoop& loop) { return loop.world().plant().platform().speed_m_s; }
+
+bool set_off(ClosedLoop& loop, const Row& row, double wish_m_s) {
+  if (!loop.start(row.mode)) return false;
+  if (row.mode == Mode::remote) {
+    loop.hold_stick(1.0, 0.0);
+    const double top_m_s = 0.85 * loop.core().params.remote_speed_m_s_max;
+    return loop.run_until([&] { return speed_m_s(loop) > top_m_s; }, 8.0);
+  }
+  return loop.run_until([&] { return speed_m_s(loop) > 0.85 * wish_m_s; }, 15.0);
+}
+
+// One try; adds to the row's figures.
+void once(const Row& row, int number, Reaction& result) {
+  tests::ClosedLoopOptions options;
+  options.world.seed = static_cast<std::uint64_t>(number) + 1;
+  options.world.scenario = sim::find_scenario(row.scenario);
+  options.world.patient.wish_m_s = 0.30 + 0.05 * (number % 4);
+  ClosedLoop loop(options);
+  ++result.tries;
+  if (!set_off(loop, row, options.world.patient.wish_m_s)) {
+    ++result.missed;
+    return;
+  }
+  loop.run(0.13 * (number % 7));  // somewhere else in the stride
+
+  // The fault comes in one millisecond of the step; all times are counted in these.
+  long now_ms = 0, fault_ms = -1, begin_ms = -1, stopped_ms = -1;
+  const long cause_ms = 100 + (number * 7) % 10;
+  double memory = 0, current_a = 0, begin_m = 0, stopped_m = 0;
+  bool caused = false;
+  loop.on_millisecond([&] {
+    ++now_ms;
+    sim::World& world = loop.world();
+    const double current_now_a = world.plant().motor_current_a(sim::Side::left) + world.plant().motor_current_a(sim::Side::right);
+    if (!caused && now_ms >= cause_ms) {
+      caused = true;
+      row.cause(loop);
+    }
+    const bool present = row.present == nullptr ? caused : row.present(loop, memory);
+    if (fault_ms < 0 && caused && present) {
+      fault_ms = now_ms;
+      begin_m = world.plant().platform().x_m;
+      current_a = current_now_a;
+    }
+    if (fault_ms < 0) return;
+    if (row.begin == Begin::motor && begin_ms < 0 && current_now_a < current_a - 0.6) begin_ms = now_ms;
+    if (stopped_ms < 0 && std::fabs(world.plant().platform().speed_m_s) < 0.01) {
+      stopped_ms = now_ms;
+      stopped_m = world.plant().platform().x_m;
+    }
+  });
+  while (now_ms < 6000 && (begin_ms < 0 || stopped_ms < 0)) {
+    const long step_ms = now_ms;
+    loop.step();
+    // The step decides at its beginning; its two commands are on the bus within a millisecond.
+    if (row.begin == Begin::command && fault_ms >= 0 && begin_ms < 0 && loop.core().motion.braking != core::Braking::none)
+      begin_ms = step_ms + 1;
+  }
+  if (fault_ms < 0 || begin_ms < 0 || stopped_ms < 0) {
+    ++result.missed;
+    return;
+  }
+  // A fall may be seen before it has reached the angle that is counted from.
+  const long reaction_ms = std::max(0L, begin_ms - fault_ms);
+  result.worst_ms = std::max(result.worst_ms, static_cast<int>(reaction_ms));
+  result.stopped_ms = std::max(result.stopped_ms, static_cast<int>(stopped_ms - fault_ms));
+  result.distance_cm = std::max(result.distance_cm, static_cast<int>(std::ceil((stopped_m - begin_m) * 100.0)));
+}
+
+}  // namespace
+
+std::vector<Reaction> measure(int tries) {
+  std::vector<Reaction> results;
+  for (const Row& row : table()) {
+    Reaction result{row.hazard, row.fault, row.answer, row.budget_ms};
+    for (int i = 0; i < tries; ++i) once(row, i, result);
+    results.push_back(result);
+  }
+  return results;
+}
+
+std::string page(const std::vector<Reaction>& rows) {
+  std::ostringstream text;
+  text << "<!-- Made by `deploy/dev trace --write`: measured, not written. Do not edit. -->\n"
+          "# How fast each hazard is answered\n\n"
+          "From the fault to the beginning of braking at the drives and to rest, in the whole loop in virtual time: the real control step, "
+          "the\n"
+          "shipped nodes' sources, the bus, the machine and a walking patient at 0.30 to 0.45 m/s (a therapist driving at the driving "
+          "speed limit\n"
+          "for H17 and H21). Each fault is tried "
+       << kPageTries
+       << " times, at every millisecond of the control step and in different moments of the stride; the worst\n"
+          "counts. `test_reactions` repeats some of them and fails when one is slower than its budget or than this page says. Rows whose "
+          "budget\n"
+          "is that of a single step have one step more here: the fault comes at any moment between two.\n\n"
+          "| hazard | fault | answer | budget | worst reaction | worst time to rest | longest way |\n|---|---|---|---|---|---|---|\n";
+  for (const Reaction& row : rows)
+    text << "| " << row.hazard << " | " << row.fault << " | " << row.answer << " | " << row.budget_ms << " ms | " << row.worst_ms
+         << " ms | " << row.stopped_ms << " ms | " << row.distance_cm << " cm |\n";
+  return text.str();
+}
+
+Reaction read_row(std::string_view page, std::string_view fault) {
+  Reaction row;
+  std::istringstream lines{std::string(page)};
+  for (std::string line; std::getline(lines, line);) {
+    std::vector<std::string> cells;
+    std::istringstream parts(line);
+    for (std::string cell; std::getline(parts, cell, '|');) cells.push_back(cell);
+    if (cells.size() < 8 || cells[2] != " " + std::string(fault) + " ") continue;
+    row = {cells[1],
+           std::string(fault),
+           cells[3],
+           std::atoi(cells[4].c_str()),
+           std::atoi(cells[5].c_str()),
+           std::atoi(cells[6].c_str()),
+           std::atoi(cells[7].c_str()),
+           1,
+           0};
+  }
+  return row;
+}
+
+}  // namespace hoist::reactions
