@@ -1,16 +1,50 @@
 # shellcheck shell=bash
 # random sessions with random faults in virtual time; what must always hold is checked in every step
 #
-# options: --sessions N, --seed S, --length SECONDS, --no-faults, --loss SHARE, --story, --jobs N (hoist-chaos --help says what they mean)
+# options: --sessions N, --seed S, --length SECONDS, --no-faults, --loss SHARE, --jitter SECONDS, --unmoved, --faults LIST, --story, --hashes,
+#          --state FILE, --jobs N (hoist-chaos --help says what they mean)
+#          --compilers   a few sessions built four ways (g++ and clang++, with and without optimisation): every second's hash must be the same
 #          --no-setup    leave the machine as it is
-# A session that breaks a promise is shown with its seed: `deploy/dev chaos --sessions 1 --story --seed S` tells it again, step by step.
+# A session that breaks a promise is told with its seed and made as small as it still breaks it; the line it prints replays it:
+# `deploy/dev chaos --seed S --length L --faults LIST`. Such lines are kept in tests/chaos/kept_seeds.txt and run by every test.
+# A long run survives being ended: `deploy/dev chaos --sessions 100000 --state FILE` goes on where it was.
 arguments=()
+compilers=
 for option in "$@"; do
   case $option in
     --no-setup | -h | --help) common_option chaos "$option" ;;
+    --compilers) compilers=1 ;;
     *) arguments+=("$option") ;;
   esac
 done
+
+# The same sessions by every compiler here: what differs is a mistake in the product or in the session, never taste of a compiler.
+compare_compilers() {
+  local reference='' name compiler kind flags folder hashes failed=0
+  for name in g++-release g++-debug clang++-release clang++-debug; do
+    compiler=${name%-*} kind=${name#*-} flags=-O2
+    [[ $kind == debug ]] && flags=-O0
+    if [[ $compiler == clang++ ]]; then compiler=$(command -v clang++ clang++-19 clang++-14 | head -n 1); fi
+    if [[ -z $compiler ]]; then
+      echo "$name: skipped, there is no clang++ here"
+      continue
+    fi
+    folder=build/chaos-$name
+    cmake -S . -B "$folder" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="$flags -DNDEBUG" >/dev/null
+    ninja -C "$folder" hoist-chaos >"$folder/build.log" 2>&1 || { tail -n 20 "$folder/build.log"; return 1; }
+    hashes=$("$folder/bin/hoist-chaos" --sessions 4 --seed 11 --length 60 --hashes --quiet --jobs 1 | grep '^seed' | sha256sum | cut -c 1-16)
+    echo "$name: $hashes"
+    reference=${reference:-$hashes}
+    [[ $hashes == "$reference" ]] || failed=1
+  done
+  if ((failed)); then echo "the builds differ: compare their --hashes second by second"; else echo "the same in every second"; fi
+  return "$failed"
+}
+
 setup build
+if [[ -n $compilers ]]; then
+  compare_compilers
+  exit
+fi
 build_normal hoist-chaos
 exec build/bin/hoist-chaos "${arguments[@]}"

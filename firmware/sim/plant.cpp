@@ -6,6 +6,7 @@
 namespace hoist::sim {
 namespace {
 
+constexpr double kBlocked_n_m = 200.0;  // at the wheel: more than any motor of this size has
 constexpr double kStepLongest_s = 0.001;
 /// The two impulses of friction hardly feel each other: three rounds settle them to 1e-6.
 constexpr int kFrictionRounds = 3;
@@ -48,6 +49,7 @@ Plant::Plant(const PlantParams& params, std::uint64_t seed)
       grip_norm_{params.grip_norm, params.grip_norm},
       battery_(params.battery),
       imus_{Imu(params.imu, seed * 4 + 1), Imu(params.imu, seed * 4 + 2), Imu(params.imu, seed * 4 + 3)} {
+  stop_m_ = params.strut_length_m * std::tan(params.stop_rad);
   const double r_m = params.wheel_radius_m;
   const double b_m = params.track_width_m;
   rotor_inertia_kg_m2_ = params.wheel_inertia_kg_m2 + params.motor.inertia_kg_m2 * params.gear_ratio * params.gear_ratio;
@@ -87,7 +89,7 @@ HarnessForce Plant::harness_force(const HarnessMotion& harness) const {
   const double half_m = params_.strut_spacing_m / 2.0;
   const double sine = std::sin(harness.yaw_rad);
   const double cosine = std::sqrt(1.0 - sine * sine);
-  const double limit_m = params_.strut_length_m * std::tan(params_.stop_rad);
+  const double limit_m = stop_m_;
   HarnessForce force;
   for (const double sense : {-1.0, 1.0}) {  // left strut, right strut
     const double x_m = harness.dx_m + sense * half_m * sine;
@@ -113,7 +115,8 @@ HarnessForce Plant::harness_force(const HarnessMotion& harness) const {
 }
 
 double Plant::friction_n_m(Side side) const {
-  const double running_n_m = params_.gear_ratio * params_.motor.coulomb_n_m + params_.rolling_n * params_.wheel_radius_m;
+  const double running_n_m = params_.gear_ratio * params_.motor.coulomb_n_m + params_.rolling_n * params_.wheel_radius_m +
+                             (blocked_[index(side)] ? kBlocked_n_m : 0.0);
   return bridge_enabled(side) ? running_n_m : running_n_m + params_.brake_n_m;
 }
 

@@ -118,6 +118,8 @@ class Plant {
   [[nodiscard]] double chassis_beta_rad() const { return roll_rad_; }
   /// Somebody pushes the frame forward and twists it to the left, besides what the springs do.
   void set_shove(double forward_n, double turn_n_m) { shove_n_ = forward_n, shove_n_m_ = turn_n_m; }
+  /// Something has got between wheel and frame: the wheel turns no more than the motor can tear it.
+  void block_wheel(Side side, bool blocked) { blocked_[index(side)] = blocked; }
   void cut_power(bool cut) { power_cut_ = cut; }
   /// The second contact in the motors' supply, which the computer keeps closed.
   void open_relay(bool open) { relay_open_ = open; }
@@ -181,6 +183,8 @@ class Plant {
   std::array<double, 2> wheel_rad_s_{};
   std::array<double, 2> friction_impulse_{};  // of the step before, where the next solution starts
   std::array<double, 2> grip_norm_{};
+  std::array<bool, 2> blocked_{};
+  double stop_m_;               // how far the harness may go before the stops
   double rotor_inertia_kg_m2_;  // rotor and wheel, seen at the wheel
   double inverse_own_;          // inverse of the two-wheel mass matrix: on the diagonal
   double inverse_cross_;        // and beside it

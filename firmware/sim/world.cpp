@@ -13,6 +13,7 @@
 #include "firmware/nodes/io/io_node.hpp"
 #include "firmware/nodes/tilt/tilt_node.hpp"
 #include "firmware/sim/motor_relay.hpp"
+#include "firmware/sim/random.hpp"
 
 namespace hoist::sim {
 namespace {
@@ -40,6 +41,8 @@ class Machine {
   bool read_imu(Node node, firmware::ImuSample& sample) {
     const auto place = place_of(node);
     firmware::ImuSample& last = last_sample_[static_cast<std::size_t>(place)];
+    const Ailment& ailment = ailments_[static_cast<std::size_t>(place)];
+    if (ailment.fault != World::SensorFault::none) return read_ailing(ailment, place, last, sample);
     if (!sensor_frozen_[static_cast<std::size_t>(place)]) {
       const ImuReading reading = plant_.read_imu(place);
       last = {static_cast<float>(reading.ax_m_s2),         static_cast<float>(reading.ay_m_s2),
@@ -73,6 +76,9 @@ class Machine {
   float battery_v(int battery) { return static_cast<float>(plant_.battery_v(battery)); }
 
   void freeze_sensor(Node node, bool frozen) { sensor_frozen_[static_cast<std::size_t>(place_of(node))] = frozen; }
+  void break_sensor(Node node, World::SensorFault fault, double size) {
+    ailments_[static_cast<std::size_t>(place_of(node))] = {fault, std::isfinite(size) ? std::clamp(size, 0.0, 1.0) : 0.0};
+  }
   void break_encoder(Node node, World::EncoderFault fault) { encoders_[static_cast<std::size_t>(side_of(node))].fault = fault; }
 
  private:
@@ -83,6 +89,34 @@ class Machine {
     std::int32_t last_step{};
     World::EncoderFault fault{World::EncoderFault::none};
   };
+  struct Ailment {
+    World::SensorFault fault{World::SensorFault::none};
+    double size{};
+  };
+  bool read_ailing(const Ailment& ailment, Place place, firmware::ImuSample& last, firmware::ImuSample& sample) {
+    if (ailment.fault == World::SensorFault::silent) return false;
+    const ImuReading truth = plant_.read_imu(place);
+    const auto changed = [&](double value, double range, float before) {
+      switch (ailment.fault) {
+        case World::SensorFault::offset:
+          return static_cast<float>(value + kOffsetShare * ailment.size * range);
+        case World::SensorFault::garbage:
+          return static_cast<float>(noise_.uniform(-range, range));
+        default:
+          return before + (static_cast<float>(value) - before) * static_cast<float>(kSample_s / (kSample_s + ailment.size));
+      }
+    };
+    sample = {changed(truth.ax_m_s2, kFullScale_m_s2, last.ax_m_s2),
+              changed(truth.ay_m_s2, kFullScale_m_s2, last.ay_m_s2),
+              changed(truth.az_m_s2, kFullScale_m_s2, last.az_m_s2),
+              changed(truth.alpha_rate_rad_s, kFullScale_rad_s, last.alpha_rate_rad_s),
+              changed(truth.beta_rate_rad_s, kFullScale_rad_s, last.beta_rate_rad_s),
+              changed(truth.yaw_rate_rad_s, kFullScale_rad_s, last.yaw_rate_rad_s)};
+    last = sample;
+    return true;
+  }
+  // Ranges of the consumer parts: 2 g, 250 degrees a second.
+  static constexpr double kFullScale_m_s2 = 19.6, kFullScale_rad_s = 4.36, kOffsetShare = 0.25, kSample_s = 0.01;
   // Edges of a perfect encoder: evenly spaced at the shaft's speed. After a change of direction one more is needed.
   void note_edges(Encoder& encoder, std::int32_t moved, Node node) {
     const PlantParams& params = plant_.params();
@@ -100,6 +134,8 @@ class Machine {
   std::uint8_t outputs_{};
   std::array<firmware::ImuSample, kPlaceCount> last_sample_{};
   std::array<bool, kPlaceCount> sensor_frozen_{};
+  std::array<Ailment, kPlaceCount> ailments_{};
+  Random noise_{0x6A09E667F3BCC908ULL};  // of readings that mean nothing
   std::array<Encoder, 2> encoders_{};
 };
 
@@ -144,10 +180,12 @@ struct World::Parts {
         tilt_base(Node::tilt_base, bus, machine, Node::tilt_base),
         gateway_board(bus),
         gateway(gateway_board),
-        host_port(bus.add_port()) {
+        host_port(bus.add_port()),
+        stranger_port(bus.add_port()) {
     const bool in_process = options.host_in_process;
     bus.set_connected(gateway_board.port(), !in_process);
     bus.set_connected(host_port, in_process);
+    bus.set_connected(stranger_port, false);
     core_port = in_process ? host_port : gateway_board.port();
     set_out();
   }
@@ -213,6 +251,7 @@ struct World::Parts {
       gateway.on_frame(frame);
       return;
     }
+    if (port == stranger_port) return;
     // Ports were given out in the order of the nodes.
     const auto node = static_cast<Node>(port);
     for (const Node drive : {Node::drive_left, Node::drive_right})
@@ -276,6 +315,7 @@ struct World::Parts {
   firmware::HostGatewayBoard gateway_board;
   firmware::GatewayNode<firmware::HostGatewayBoard> gateway;
   std::size_t host_port;
+  std::size_t stranger_port;
   std::size_t core_port{};
   std::array<StopWitness, 2> witnesses{};
   std::array<bool, kNodeCount> pulled{};
@@ -329,11 +369,18 @@ void World::freeze(Node node, bool frozen) {
 void World::freeze_sensor(Node node, bool frozen) {
   if (contract::kNodes[index(node)].kind == contract::NodeKind::tilt) parts_->machine.freeze_sensor(node, frozen);
 }
+void World::break_sensor(Node node, SensorFault fault, double size) {
+  if (contract::kNodes[index(node)].kind == contract::NodeKind::tilt) parts_->machine.break_sensor(node, fault, size);
+}
 void World::break_encoder(Node node, EncoderFault fault) {
   if (contract::kNodes[index(node)].kind == contract::NodeKind::drive) parts_->machine.break_encoder(node, fault);
 }
 void World::slip(const SlipBurst& burst) { parts_->slips.begin(burst); }
 void World::set_frame_fault(bus::VirtualBus::FaultHook hook) { parts_->bus.set_fault_hook(std::move(hook)); }
+bool World::stranger_send(const CanFrame& frame) {
+  parts_->bus.set_connected(parts_->stranger_port, true);
+  return parts_->bus.send(parts_->stranger_port, frame);
+}
 std::size_t World::port_of(Node node) const { return parts_->port_of(node); }
 
 bool World::in_loader(Node node) const {

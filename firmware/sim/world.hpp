@@ -62,6 +62,10 @@ class World {
   void freeze(contract::Node node, bool frozen);
   /// The sensor behind a tilt node repeats its last sample for ever, while the node goes on.
   void freeze_sensor(contract::Node node, bool frozen);
+  /// Other ways in which that sensor fails while its node goes on: readings moved by `size` (0 to 1: of half a g and one rad/s), random
+  /// ones of full range, ones that follow with a lag of up to a second, or no answer at all.
+  enum class SensorFault : std::uint8_t { none, offset, garbage, slow, silent };
+  void break_sensor(contract::Node node, SensorFault fault, double size);
   /// The encoder of a drive gives no more counts, or counts backward.
   enum class EncoderFault : std::uint8_t { none, lost, reversed };
   void break_encoder(contract::Node node, EncoderFault fault);
@@ -69,6 +73,8 @@ class World {
   void slip(const SlipBurst& burst);
   /// Judges each frame on the bus (drop, corrupt, delay, deaf ports); an empty one ends that.
   void set_frame_fault(bus::VirtualBus::FaultHook hook);
+  /// A stranger on the bus, who joins with the first frame: what a defective or foreign device sends. False when its queue is full.
+  bool stranger_send(const contract::CanFrame& frame);
   /// The port of a node, for such a hook.
   [[nodiscard]] std::size_t port_of(contract::Node node) const;
 

@@ -9,7 +9,6 @@
 #include "control/contract/faults.hpp"
 #include "db/store/database.hpp"
 #include "db/store/session_writer.hpp"
-#include "server/services.hpp"
 
 namespace hoist::server {
 
@@ -51,7 +50,7 @@ class Recorder::Work final : public Records {
     now_ns_ = owner_.options_.steady_ns();
     if (!writer_ && !open_writer()) return;
     if (!reading_) {
-      auto reading = db::Database::attach(owner_.options_.file);
+      auto reading = db::Database::attach(owner_.options_.file, {.vfs = owner_.options_.vfs});
       if (!reading) return fail(reading.error());
       reading_.emplace(std::move(*reading));
     }
@@ -59,7 +58,7 @@ class Recorder::Work final : public Records {
   }
 
   bool open_writer() {
-    auto writing = db::Database::open(owner_.options_.file, {.utc_now_ns = owner_.options_.utc_ns()});
+    auto writing = db::Database::open(owner_.options_.file, {.utc_now_ns = owner_.options_.utc_ns(), .vfs = owner_.options_.vfs});
     if (!writing) {
       fail(writing.error());
       return false;
@@ -67,8 +66,8 @@ class Recorder::Work final : public Records {
     writing_.emplace(std::move(*writing));
     const db::OpenReport& report = writing_->report();
     if (!report.set_aside.empty())
-      std::fprintf(stderr, "The database was damaged (%s); it was set aside as %s and a new one was begun.\n",
-                   report.set_aside_reason.c_str(), report.set_aside.c_str());
+      log("The database was damaged (" + report.set_aside_reason + "); it was set aside as " + report.set_aside.string() +
+          " and a new one was begun.");
     auto writer = db::SessionWriter::create(*writing_);
     if (!writer) {
       fail(writer.error());
@@ -134,8 +133,14 @@ class Recorder::Work final : public Records {
  private:
   [[nodiscard]] bool session_open() const { return writer_ && writer_->recording(); }
 
+  void log(const std::string& line) {
+    if (owner_.options_.log)
+      owner_.options_.log(line);
+    else
+      std::fprintf(stderr, "%s\n", line.c_str());
+  }
   void fail(const db::Error& error) {
-    if (error.message != error_) std::fprintf(stderr, "recording: %s\n", error.message.c_str());
+    if (error.message != error_) log("recording: " + error.message);
     error_ = error.message.empty() ? db::error_kind_name(error.kind) : error.message;
   }
   void check(const db::Status& status) {
@@ -408,6 +413,10 @@ void Recorder::stop() {
   wake_.notify_one();
   thread_.join();
 }
+
+void Recorder::open_here() { work_->open(); }
+void Recorder::pass_here() { work_->pass(); }
+void Recorder::finish_here() { work_->finish(); }
 
 void Recorder::set_parameters(const contract::ParamsInForce& parameters) {
   const std::lock_guard lock(mutex_);

@@ -59,6 +59,9 @@ class Recorder {
     std::string version;
     std::function<std::int64_t()> utc_ns;      // wall clock
     std::function<std::uint64_t()> steady_ns;  // the clock that the core uses
+    // For tests: the SQLite VFS to use, and where lines for the log go instead of the error output.
+    const char* vfs = nullptr;
+    std::function<void(const std::string&)> log = {};
   };
   // The link's readers are made here; the link itself is not used afterwards.
   Recorder(const publish::ServerLink& link, Options options);
@@ -66,6 +69,10 @@ class Recorder {
   void start();
   // Commits, closes the open session and joins.
   void stop();
+  // For a caller with its own clock, instead of start() and stop(): what the thread would do at its start, every 20 ms, and at its end.
+  void open_here();
+  void pass_here();
+  void finish_here();
 
   // From the network thread.
   void set_parameters(const contract::ParamsInForce& parameters);

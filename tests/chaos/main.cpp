@@ -1,19 +1,28 @@
 // hoist-chaos: many random sessions, or one again with its story.
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "tests/chaos/session.hpp"
+#include "tests/chaos/shrink.hpp"
 
 namespace {
 
 using hoist::chaos::SessionOptions;
 using hoist::chaos::SessionReport;
+
+// A piece of a long run: after each one the state is written down.
+constexpr std::uint64_t kPiece = 50;
+// Of more broken ones the seed is enough.
+constexpr std::uint64_t kShrunkMost = 5;
 
 int usage() {
   std::puts(
@@ -23,7 +32,13 @@ int usage() {
       "  --length S      seconds of each (default 120)\n"
       "  --no-faults     nothing breaks: then only the therapist may stop the hoist\n"
       "  --loss SHARE    of all frames that is lost, 0 to 0.2\n"
+      "  --jitter S      driving commands come up to S seconds later\n"
+      "  --unmoved       a patient who leads must not feel what breaks around server, network, disk, clock: each session twice (I12)\n"
+      "  --faults LIST   one session with these faults instead of the seed's own, with its story\n"
       "  --story         tell what happens in each session\n"
+      "  --hashes        print the hash of each second: equal on every machine, compiler and run\n"
+      "  --state FILE    a run that was ended goes on where this file says; it is written again and again\n"
+      "  --quiet         no line of progress\n"
       "  --jobs N        sessions at a time (default: processors)");
   return 2;
 }
@@ -34,11 +49,61 @@ bool number(const char* text, double& value) {
   return text != nullptr && end != text && *end == '\0' && value >= 0.0;
 }
 
+struct Totals {
+  std::uint64_t done = 0, bad = 0, digest = 0, samples = 0;
+  double walked_s = 0, distance_m = 0;
+  std::uint64_t starts = 0, stops = 0, false_stops = 0;
+
+  void add(const SessionReport& report) {
+    ++done;
+    bad += report.broken.empty() ? 0 : 1;
+    digest ^= report.digest;
+    samples += report.samples;
+    walked_s += report.walked_s;
+    distance_m += report.distance_m;
+    starts += static_cast<std::uint64_t>(report.starts);
+    stops += static_cast<std::uint64_t>(report.stops);
+    false_stops += static_cast<std::uint64_t>(report.false_stops);
+  }
+};
+
+// The run that a file belongs to, so that two different ones are never added up.
+std::string run_name(const SessionOptions& options, bool unmoved, std::uint64_t seed) {
+  char text[160];
+  std::snprintf(text, sizeof text, "seed=%llu length=%g faults=%d loss=%g jitter=%g unmoved=%d", static_cast<unsigned long long>(seed),
+                options.length_s, options.faults_max, options.frame_loss, options.link_jitter_s, unmoved ? 1 : 0);
+  return text;
+}
+bool load(const std::string& file, const std::string& name, Totals& totals) {
+  std::ifstream in(file);
+  if (!in) return true;
+  std::string known;
+  std::getline(in, known);
+  Totals t;
+  in >> t.done >> t.bad >> t.digest >> t.samples >> t.walked_s >> t.distance_m >> t.starts >> t.stops >> t.false_stops;
+  if (!in || known != name) return false;
+  totals = t;
+  return true;
+}
+void save(const std::string& file, const std::string& name, const Totals& t) {
+  const std::string fresh = file + ".new";
+  {
+    std::ofstream out(fresh);
+    out.precision(17);
+    out << name << '\n'
+        << t.done << ' ' << t.bad << ' ' << t.digest << ' ' << t.samples << ' ' << t.walked_s << ' ' << t.distance_m << ' ' << t.starts
+        << ' ' << t.stops << ' ' << t.false_stops << '\n';
+  }
+  (void)std::rename(fresh.c_str(), file.c_str());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   SessionOptions options;
   double sessions = 200, seed = 1, jobs = std::thread::hardware_concurrency();
+  bool unmoved = false, hashes = false, quiet = false;
+  std::string state;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     const char* next = i + 1 < argc ? argv[i + 1] : nullptr;
@@ -46,52 +111,97 @@ int main(int argc, char** argv) {
       options.faults_max = 0;
     } else if (word == "--story") {
       options.tell = true;
-    } else if (word == "--sessions" || word == "--seed" || word == "--jobs" || word == "--length" || word == "--loss") {
+    } else if (word == "--unmoved") {
+      unmoved = true;
+    } else if (word == "--hashes") {
+      hashes = true;
+    } else if (word == "--quiet") {
+      quiet = true;
+    } else if (word == "--state" && next != nullptr) {
+      state = argv[++i];
+    } else if (word == "--faults" && next != nullptr) {
+      options.faults = hoist::chaos::read_faults(argv[++i]);
+      if (!options.faults) return usage();
+      options.tell = true;
+      sessions = 1;
+    } else if (word == "--sessions" || word == "--seed" || word == "--jobs" || word == "--length" || word == "--loss" ||
+               word == "--jitter") {
       double& value = word == "--sessions" ? sessions
                       : word == "--seed"   ? seed
                       : word == "--jobs"   ? jobs
                       : word == "--length" ? options.length_s
-                                           : options.frame_loss;
+                      : word == "--loss"   ? options.frame_loss
+                                           : options.link_jitter_s;
       if (!number(next, value)) return usage();
       ++i;
     } else {
       return usage();
     }
   }
-  if (sessions < 1 || options.length_s < 15 || options.frame_loss > 0.2) return usage();
+  if (sessions < 1 || options.length_s < 15 || options.frame_loss > 0.2 || options.link_jitter_s > 1.0) return usage();
+  options.only_walk = options.outside_only = unmoved;
 
-  std::atomic<std::uint64_t> next{0};
+  const auto count = static_cast<std::uint64_t>(sessions), first = static_cast<std::uint64_t>(seed);
+  const std::string name = run_name(options, unmoved, first);
+  Totals totals;
+  if (!state.empty() && !load(state, name, totals)) {
+    std::fprintf(stderr, "%s belongs to another run; remove it or name another file.\n", state.c_str());
+    return 2;
+  }
+  std::uint64_t shrunk = 0;
   std::mutex mutex;
-  std::uint64_t bad = 0, digest = 0;
-  double walked_s = 0, distance_m = 0;
-  int starts = 0, stops = 0, false_stops = 0;
-  const auto count = static_cast<std::uint64_t>(sessions);
-  const auto work = [&] {
-    for (std::uint64_t i = next++; i < count; i = next++) {
-      SessionOptions mine = options;
-      mine.seed = static_cast<std::uint64_t>(seed) + i;
-      const SessionReport report = hoist::chaos::run_session(mine);
-      const std::lock_guard lock(mutex);
-      digest ^= report.digest;
-      walked_s += report.walked_s;
-      distance_m += report.distance_m;
-      starts += report.starts;
-      stops += report.stops;
-      false_stops += report.false_stops;
-      for (const std::string& line : report.story) std::puts(line.c_str());
-      if (report.broken.empty()) continue;
-      ++bad;
-      for (const std::string& line : report.broken)
-        std::printf("seed %llu: %s\n", static_cast<unsigned long long>(report.seed), line.c_str());
-    }
-  };
-  std::vector<std::thread> threads;
-  for (int i = 1; i < static_cast<int>(jobs); ++i) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
-  std::printf("%llu sessions of %g s: %d starts, %.1f h in motion, %.1f km, %d protective stops, %d false stops; digest %016llx\n",
-              static_cast<unsigned long long>(count), options.length_s, starts, walked_s / 3600, distance_m / 1000, stops, false_stops,
-              static_cast<unsigned long long>(digest));
-  std::printf("%llu passed, %llu failed, 0 skipped\n", static_cast<unsigned long long>(count - bad), static_cast<unsigned long long>(bad));
-  return bad == 0 ? 0 : 1;
+  const auto began = std::chrono::steady_clock::now();
+  const std::uint64_t done_before = totals.done;
+  while (totals.done < count) {
+    const std::uint64_t from = totals.done,
+                        to = std::min(count, from + kPiece * std::max<std::uint64_t>(1, static_cast<std::uint64_t>(jobs)));
+    std::atomic<std::uint64_t> next{from};
+    const auto work = [&] {
+      for (std::uint64_t i = next++; i < to; i = next++) {
+        SessionOptions mine = options;
+        mine.seed = first + i;
+        const SessionReport report = unmoved ? hoist::chaos::run_unmoved(mine) : hoist::chaos::run_session(mine);
+        std::string smaller;
+        {
+          const std::lock_guard lock(mutex);
+          totals.add(report);
+          for (const std::string& line : report.story) std::puts(line.c_str());
+          if (hashes)
+            for (std::size_t s = 0; s < report.hashes.size(); ++s)
+              std::printf("seed %llu second %zu %016llx\n", static_cast<unsigned long long>(report.seed), s + 1,
+                          static_cast<unsigned long long>(report.hashes[s]));
+          if (report.broken.empty()) continue;
+          for (const std::string& line : report.broken)
+            std::printf("seed %llu: %s\n", static_cast<unsigned long long>(report.seed), line.c_str());
+          if (options.faults || ++shrunk > kShrunkMost) continue;
+        }
+        smaller = hoist::chaos::replay_words(hoist::chaos::shrink(mine, report));
+        const std::lock_guard lock(mutex);
+        std::printf("seed %llu, at its smallest: deploy/dev chaos %s\n", static_cast<unsigned long long>(report.seed), smaller.c_str());
+        std::fflush(stdout);
+      }
+    };
+    std::vector<std::thread> threads;
+    for (int i = 1; i < static_cast<int>(jobs); ++i) threads.emplace_back(work);
+    work();
+    for (std::thread& thread : threads) thread.join();
+    if (!state.empty()) save(state, name, totals);
+    const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    const double per_s = static_cast<double>(totals.done - done_before) / std::max(took_s, 1e-3);
+    if (!quiet && count > 2 * kPiece)
+      std::fprintf(stderr, "%llu of %llu sessions, %.1f a second, %.0f min to go, %llu failed, %llu false stops\n",
+                   static_cast<unsigned long long>(totals.done), static_cast<unsigned long long>(count), per_s,
+                   static_cast<double>(count - totals.done) / std::max(per_s, 1e-3) / 60.0, static_cast<unsigned long long>(totals.bad),
+                   static_cast<unsigned long long>(totals.false_stops));
+  }
+  std::printf(
+      "%llu sessions of %g s: %llu starts, %.1f h in motion, %.1f km, %llu protective stops, %llu false stops, %llu samples found again; "
+      "digest %016llx\n",
+      static_cast<unsigned long long>(totals.done), options.length_s, static_cast<unsigned long long>(totals.starts),
+      totals.walked_s / 3600, totals.distance_m / 1000, static_cast<unsigned long long>(totals.stops),
+      static_cast<unsigned long long>(totals.false_stops), static_cast<unsigned long long>(totals.samples),
+      static_cast<unsigned long long>(totals.digest));
+  std::printf("%llu passed, %llu failed, 0 skipped\n", static_cast<unsigned long long>(totals.done - totals.bad),
+              static_cast<unsigned long long>(totals.bad));
+  return totals.bad == 0 ? 0 : 1;
 }

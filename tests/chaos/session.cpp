@@ -4,188 +4,207 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <optional>
-#include <string_view>
+#include <limits>
+#include <memory>
 
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "tests/chaos/storage.hpp"
+#include "tests/chaos/watch.hpp"
 #include "tests/support/closed_loop.hpp"
 
 namespace hoist::chaos {
 namespace {
 
+using contract::CanFrame;
+using contract::Command;
 using contract::CommandKind;
-using contract::Fault;
 using contract::Mode;
 using contract::Node;
 using contract::TickRecord;
 
-// splitmix64: the standard library's distributions differ between libraries, and a seed must mean the same session everywhere.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t next() {
-    std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ULL);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-    return z ^ (z >> 31);
-  }
-  double norm() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
-  double between(double low, double high) { return low + (high - low) * norm(); }
-  int below(int limit) { return static_cast<int>(next() % static_cast<std::uint64_t>(limit)); }
-  bool chance(double share) { return norm() < share; }
+// Streams of a session's chance: what one thing draws never changes what another does.
+constexpr std::uint64_t kWorldStream = 2, kTherapistStream = 3, kFrameStream = 4, kFaultStream = 5, kLinkStream = 6, kSerialStream = 7,
+                        kStorageStream = 8;
+constexpr std::uint32_t kStranger = 2;  // another client of the server
+constexpr double kMending_s = 12.0;
+constexpr std::size_t kRemembered = 64;
 
- private:
-  std::uint64_t state_;
-};
-
-enum class Kind : std::uint8_t {
-  unplug,
-  freeze,
-  freeze_sensor,
-  encoder_lost,
-  encoder_reversed,
-  drop,
-  corrupt,
-  delay,
-  bumper,
-  trip,
-  collapse,
-  hang,
-  battery,
-  gyro_jump,
-  slip,
-  server_hang,
-  core_stall,
-  core_crash,
-  link_loss,
-  power_cut,
-  obstacle,
-  lurch,
-  count
-};
-constexpr std::array<const char*, static_cast<std::size_t>(Kind::count)> kKindNames{"node unplugged",
-                                                                                    "node frozen",
-                                                                                    "sensor frozen",
-                                                                                    "encoder lost",
-                                                                                    "encoder reversed",
-                                                                                    "frames dropped",
-                                                                                    "frames corrupted",
-                                                                                    "frames delayed",
-                                                                                    "bumper",
-                                                                                    "trip",
-                                                                                    "collapse",
-                                                                                    "hang",
-                                                                                    "battery",
-                                                                                    "gyro bias jump",
-                                                                                    "wheel slips",
-                                                                                    "server hangs",
-                                                                                    "core stalls",
-                                                                                    "core crashes",
-                                                                                    "link to the stick lost",
-                                                                                    "power cut",
-                                                                                    "obstacle",
-                                                                                    "pelvis turned"};
-
-struct Event {
-  Kind kind{};
-  Node node{};
-  double start_s{}, end_s{}, size{};
-  bool on{false}, done{false};
-};
-
-constexpr std::array kTilts{Node::tilt_left, Node::tilt_right, Node::tilt_base};
-constexpr std::array kDrives{Node::drive_left, Node::drive_right};
-constexpr std::array kNodes{Node::drive_left, Node::drive_right, Node::io, Node::tilt_left, Node::tilt_right, Node::tilt_base};
-
-constexpr double kRest_m_s = 0.08;  // a wheel this slow has stopped: a patient who still walks shakes the brakes of a hoist that holds
-constexpr double kEps = 1e-6;
+bool moves(Mode mode) { return contract::kModes[static_cast<std::size_t>(mode)].moving != 0; }
 
 class Session {
  public:
-  explicit Session(const SessionOptions& options) : options_(options), dice_(options.seed), loop_(loop_options()) {
+  explicit Session(const SessionOptions& options)
+      : options_(options),
+        faults_(options.faults ? *options.faults : plan_faults(options.seed, options.faults_max, options.length_s, options.outside_only)),
+        board_(faults_),
+        therapist_dice_(options.seed, kTherapistStream),
+        frame_dice_(options.seed, kFrameStream),
+        fault_dice_(options.seed, kFaultStream),
+        link_dice_(options.seed, kLinkStream),
+        serial_dice_(options.seed, kSerialStream),
+        loop_(loop_options()),
+        watch_(loop_, board_, options_, report_) {
     report_.seed = options.seed;
-    plan_faults();
-    loop_.world().set_frame_fault([this](std::size_t, const contract::CanFrame& frame, std::uint64_t) { return frame_fault(frame); });
+    report_.faults = faults_;
+    report_.length_s = options.length_s;
+    report_.hashes.reserve(static_cast<std::size_t>(options.length_s) + 20);
+    const bool frames_fail = options_.frame_loss > 0 || planned(Kind::drop) || planned(Kind::corrupt) || planned(Kind::delay) ||
+                             planned(Kind::duplicate) || planned(Kind::bus_off);
+    if (frames_fail)
+      loop_.world().set_frame_fault([this](std::size_t port, const CanFrame& frame, std::uint64_t) { return frame_fault(port, frame); });
+    loop_.on_inputs([this](const core::TickInputs& inputs) { see(inputs); });
+    loop_.on_sent([this](const CanFrame& frame) {
+      if ((frame.id & ~0x7FU) != 0x200) return;
+      std::uint64_t word = frame.id;
+      for (const std::uint8_t byte : frame.data) word = word << 8 ^ byte;
+      report_.motion = (report_.motion ^ word) * 0x9E3779B97F4A7C15ULL;
+      report_.motion ^= report_.motion >> 29;
+    });
+    if (options_.sabotage)
+      loop_.break_core([this](core::CoreState& core, core::TickOutputs& out) { options_.sabotage(loop_.time_s(), core, out); });
+    if (options_.lying_disk || std::any_of(faults_.begin(), faults_.end(), [](const Fault& f) { return info(f.kind).disk; }))
+      begin_storage();
+    if (options_.link_jitter_s > 0) delay_commands(options_.link_jitter_s);
   }
 
   SessionReport run() {
-    const double settle_s = 12.0;
     while (loop_.time_s() < options_.length_s) step();
-    // Everything is mended; whoever can still be helped must come to standby by the therapist's acknowledgement.
-    finish_faults();
-    mending_ = true;
-    const double end_s = loop_.time_s() + settle_s;
-    while (loop_.time_s() < end_s && loop_.mode() != Mode::standby) step();
-    if (loop_.mode() != Mode::standby && !hopeless()) broken("I14: not back on standby within 12 s of mending");
+    if (!options_.only_walk) {
+      // Everything is mended; whoever can still be helped must come to standby by the therapist's acknowledgement.
+      for (Planned& row : board_.rows) {
+        if (row.on) apply(row, false);
+        row.on = false;
+        row.done = true;
+      }
+      mending_ = true;
+      const double end_s = loop_.time_s() + kMending_s;
+      while (loop_.time_s() < end_s && loop_.mode() != Mode::standby) step();
+      if (loop_.mode() != Mode::standby && !hopeless()) watch_.broken("I14: not back on standby within 12 s of mending");
+    }
     report_.digest = loop_.digest();
+    if (storage_ != nullptr) {
+      Dice dice(options_.seed, kStorageStream);
+      for (const std::string& line : storage_->verify(options_.lying_disk || dice.chance(0.5))) watch_.broken(line);
+      report_.samples = storage_->samples();
+    }
     return std::move(report_);
   }
 
  private:
   tests::ClosedLoopOptions loop_options() {
+    Dice dice(options_.seed, kWorldStream);
     tests::ClosedLoopOptions o;
-    o.world.seed = dice_.next();
-    o.world.patient = sim::PatientParams::random(dice_.next());
-    o.world.patient.wish_m_s = dice_.between(0.2, 0.6);
-    o.world.scenario = &sim::kScenarios[static_cast<std::size_t>(dice_.below(4))];
-    o.world.worst_stuffing = dice_.chance(0.5);
+    o.world.seed = dice.next();
+    o.world.patient = sim::PatientParams::random(dice.next());
+    o.world.patient.wish_m_s = dice.between(0.2, 0.6);
+    o.world.scenario = &sim::kScenarios[static_cast<std::size_t>(dice.below(4))];
+    if (options_.only_walk) o.world.scenario = &sim::kScenarios[static_cast<std::size_t>(dice.below(2))];
+    o.world.worst_stuffing = dice.chance(0.5);
     constexpr std::array kCaps{0.2, 0.5, 0.8, 1.0};
-    o.params.speed_cap_norm = kCaps[static_cast<std::size_t>(dice_.below(4))];
+    o.params.speed_cap_norm = kCaps[static_cast<std::size_t>(dice.below(4))];
+    o.through_gateway = dice.chance(0.05) || planned(Kind::serial_noise);
     return o;
   }
+  [[nodiscard]] bool planned(Kind kind) const {
+    return std::any_of(faults_.begin(), faults_.end(), [kind](const Fault& f) { return f.kind == kind; });
+  }
 
-  void plan_faults() {
-    const int count = options_.faults_max == 0 ? 0 : dice_.below(options_.faults_max + 1);
-    for (int i = 0; i < count; ++i) {
-      Event e;
-      e.kind = static_cast<Kind>(dice_.below(static_cast<int>(Kind::count)));
-      e.start_s = dice_.between(6.0, options_.length_s - 5.0);
-      e.end_s = e.start_s + (dice_.chance(0.5) ? dice_.between(0.02, 1.0) : dice_.between(1.0, 15.0));
-      e.size = dice_.norm();
-      switch (e.kind) {
-        case Kind::freeze_sensor:
-        case Kind::gyro_jump:
-          e.node = kTilts[static_cast<std::size_t>(dice_.below(3))];
-          break;
-        case Kind::encoder_lost:
-        case Kind::encoder_reversed:
-        case Kind::slip:
-          e.node = kDrives[static_cast<std::size_t>(dice_.below(2))];
-          break;
-        default:
-          e.node = kNodes[static_cast<std::size_t>(dice_.below(6))];
-      }
-      events_.push_back(e);
-    }
+  [[nodiscard]] std::uint64_t clock_ns() { return 1'000'000'000 + loop_.world().time_ns(); }
+  void begin_storage() {
+    storage_ = std::make_unique<Storage>(Dice(options_.seed, kStorageStream + 1).next());
+    storage_->lie(options_.lying_disk);
+    storage_->core_started(clock_ns());
+    storage_->tick(clock_ns());
+    storage_->start_server();
+    loop_.on_step([this](const core::TickInputs& inputs, const core::TickOutputs& outputs) { storage_->publish(inputs, outputs); });
   }
 
   // ---- faults
 
-  void apply(Event& e, bool on) {
+  // Server, disk and wall clock, where a session has them.
+  void apply_to_storage(const Fault& f, bool on) {
+    if (storage_ == nullptr) return;
+    switch (f.kind) {
+      case Kind::core_crash:
+        if (!on) storage_->core_started(clock_ns());
+        break;
+      case Kind::server_hang:
+        storage_->hang(on);
+        break;
+      case Kind::server_crash:
+        on ? storage_->kill_server() : storage_->start_server();
+        break;
+      case Kind::disk_full:
+        storage_->fill_disk(on);
+        break;
+      case Kind::disk_slow:
+        storage_->slow_disk(on ? 0.2 * f.size * f.size : 0.0);
+        break;
+      case Kind::disk_error:
+        storage_->fail_disk(on ? f.size * f.size : 0.0);
+        break;
+      case Kind::disk_power_cut:
+        on ? storage_->cut_power() : storage_->start_server();
+        break;
+      case Kind::clock_jump:
+        storage_->jump_clock((on ? 1.0 : -1.0) * (f.size - 0.5) * 1e5);
+        break;
+      default:
+        break;
+    }
+  }
+
+  void apply(Planned& row, bool on) {
+    const Fault& f = row.fault;
     sim::World& world = loop_.world();
-    const auto side = e.node == Node::drive_right ? sim::Side::right : sim::Side::left;
-    switch (e.kind) {
+    const auto side = f.node == Node::drive_right ? sim::Side::right : sim::Side::left;
+    const auto sensor = [&](sim::World::SensorFault fault) {
+      world.break_sensor(f.node, on ? fault : sim::World::SensorFault::none, f.size);
+    };
+    switch (f.kind) {
       case Kind::unplug:
-        world.unplug(e.node, on);
+        world.unplug(f.node, on);
+        break;
+      case Kind::loose_plug:
+        world.unplug(f.node, false);
         break;
       case Kind::freeze:
-        world.freeze(e.node, on);
+        world.freeze(f.node, on);
         break;
-      case Kind::freeze_sensor:
-        world.freeze_sensor(e.node, on);
+      case Kind::reboot:
+        world.freeze(f.node, on);
+        if (on) world.freeze(f.node, false);
+        break;
+      case Kind::sensor_stuck:
+        world.freeze_sensor(f.node, on);
+        break;
+      case Kind::sensor_offset:
+        sensor(sim::World::SensorFault::offset);
+        break;
+      case Kind::sensor_garbage:
+        sensor(sim::World::SensorFault::garbage);
+        break;
+      case Kind::sensor_slow:
+        sensor(sim::World::SensorFault::slow);
+        break;
+      case Kind::sensor_silent:
+        sensor(sim::World::SensorFault::silent);
+        // A sensor that failed stays invalid until it is switched off and on: that is how this one is mended.
+        if (!on) {
+          world.unplug(f.node, true);
+          world.unplug(f.node, false);
+        }
         break;
       case Kind::encoder_lost:
       case Kind::encoder_reversed:
-        world.break_encoder(e.node, !on                            ? sim::World::EncoderFault::none
-                                    : e.kind == Kind::encoder_lost ? sim::World::EncoderFault::lost
+        world.break_encoder(f.node, !on                            ? sim::World::EncoderFault::none
+                                    : f.kind == Kind::encoder_lost ? sim::World::EncoderFault::lost
                                                                    : sim::World::EncoderFault::reversed);
         break;
       case Kind::bumper:
-        world.plant().force_bumper(static_cast<int>(e.size * 4.0), on);
+        world.plant().force_bumper(static_cast<int>(f.size * 4.0), on);
         break;
       case Kind::trip:
         if (on) world.patient().trip();
@@ -197,36 +216,26 @@ class Session {
         if (on) world.patient().hang();
         break;
       case Kind::battery:
-        world.plant().force_battery(on ? std::optional<double>(18.0 + 6.0 * e.size) : std::nullopt);
+        world.plant().force_battery(on ? std::optional<double>(18.0 + 6.0 * f.size) : std::nullopt);
         break;
       case Kind::gyro_jump: {
-        const std::size_t place = static_cast<std::size_t>(std::find(kTilts.begin(), kTilts.end(), e.node) - kTilts.begin());
-        world.plant().jump_gyro_bias(static_cast<sim::Place>(place), (on ? 1.0 : -1.0) * (e.size - 0.5) * 0.35);
+        const auto place = f.node == Node::tilt_left    ? sim::Place::left_strut
+                           : f.node == Node::tilt_right ? sim::Place::right_strut
+                                                        : sim::Place::chassis;
+        world.plant().jump_gyro_bias(place, (on ? 1.0 : -1.0) * (f.size - 0.5) * 0.35);
         break;
       }
       case Kind::slip:
-        world.plant().set_grip(side, on ? 0.02 + 0.3 * e.size : 1.0);
+        world.plant().set_grip(side, on ? 0.02 + 0.3 * f.size : world.plant().params().grip_norm);
         break;
-      case Kind::server_hang:
-        on ? loop_.stop_server() : loop_.resume_server();
-        break;
-      case Kind::core_stall:
-        on ? loop_.kill_core() : loop_.resume_core();
-        break;
-      case Kind::core_crash:
-        if (on) {
-          loop_.kill_core();
-        } else {
-          loop_.restart_core();
-          core_restarted();
-        }
-        break;
-      case Kind::link_loss:
-        if (on) loop_.fall_silent();
-        link_lost_ = on;
+      case Kind::wheel_blocked:
+        world.plant().block_wheel(side, on);
         break;
       case Kind::power_cut:
         world.plant().cut_power(on);
+        break;
+      case Kind::emergency_stop:
+        world.plant().press_emergency_stop(on);
         break;
       case Kind::obstacle: {
         if (!on) break;
@@ -234,351 +243,392 @@ class Session {
         (void)world.plant().add_obstacle({at.x_m + 1.0 * std::cos(at.psi_rad), at.y_m + 1.0 * std::sin(at.psi_rad), 0.1});
         break;
       }
-      case Kind::lurch:
-        on ? world.patient().hold_turn((e.size - 0.5) * 1.2) : world.patient().release_turn();
+      case Kind::slope:
+        // Up to 10 degrees, any way; not for ever, so that the hoist can be brought onto level floor.
+        world.plant().tilt_floor(on ? 0.17 * f.size : 0.0, 40.0 * f.size);
         break;
-      case Kind::drop:
-      case Kind::corrupt:
-      case Kind::delay:
-      case Kind::count:
+      case Kind::pelvis_turned:
+        on ? world.patient().hold_turn((f.size - 0.5) * 1.2) : world.patient().release_turn();
+        break;
+      case Kind::core_bus_off:
+        loop_.set_bus_up(!on);
+        break;
+      case Kind::core_stall:
+        on ? loop_.kill_core() : loop_.resume_core();
+        // It sees by its clock how long it was away.
+        if (!on) loop_.be_late(f.end_s - f.start_s);
+        break;
+      case Kind::core_crash:
+        if (on) {
+          loop_.kill_core();
+        } else {
+          loop_.restart_core();
+          watch_.core_restarted();
+        }
+        break;
+      case Kind::server_hang:
+        on ? loop_.stop_server() : loop_.resume_server();
+        break;
+      case Kind::server_crash:
+        on ? loop_.stop_server() : loop_.restart_server();
+        break;
+      case Kind::link_loss:
+        loop_.cut_link(on);
+        break;
+      case Kind::link_stall:
+        loop_.stall_link(on);
+        break;
+      case Kind::link_jitter:
+        delay_commands(on ? 0.4 * f.size : options_.link_jitter_s);
+        break;
+      case Kind::tab_freeze:
+        if (on) loop_.fall_silent();
+        break;
+      case Kind::take_over:
+        if (!on) loop_.ask_as(kStranger, CommandKind::release_lease);
+        break;
+      case Kind::logout:
+        // The server lets the lease of a client go who is no longer logged in.
+        if (on) loop_.ask_as(0, CommandKind::release_lease, 1);
+        break;
+      case Kind::serial_noise:
+        if (on)
+          loop_.set_serial_noise([this, share = 0.02 * f.size * f.size](char& c) {
+            if (serial_dice_.chance(share)) c = static_cast<char>(serial_dice_.below(256));
+          });
+        else
+          loop_.set_serial_noise({});
+        break;
+      default:
+        break;  // acts in each step, or on each frame
+    }
+    apply_to_storage(f, on);
+    // A drive command that somebody holds on to while the link or the server fails must end by itself.
+    const bool cuts = f.kind == Kind::server_hang || f.kind == Kind::server_crash || f.kind == Kind::link_loss ||
+                      f.kind == Kind::link_stall || f.kind == Kind::tab_freeze;
+    if (on && cuts && loop_.mode() == Mode::remote) {
+      watch_.stick_falls_silent();
+      if (f.end_s - f.start_s > 0.5) watch_.must_stop("the driver's commands stopped", 0.30, 0.8);
+    }
+  }
+
+  // What a fault that goes on does in each step.
+  void go_on(const Fault& f) {
+    sim::World& world = loop_.world();
+    switch (f.kind) {
+      case Kind::loose_plug:
+        if (fault_dice_.chance(0.08)) world.unplug(f.node, !world.unplugged(f.node));
+        break;
+      case Kind::babble: {
+        CanFrame frame{static_cast<std::uint32_t>(f.size * 2047.0), 8, 0, {}};
+        if (frame.id == 0) frame.id = 1;
+        for (int i = 0; i < 2 + static_cast<int>(f.size * 20.0); ++i) (void)world.stranger_send(frame);
+        break;
+      }
+      case Kind::garbage_frames: {
+        CanFrame frame{static_cast<std::uint32_t>(fault_dice_.below(2048)), static_cast<std::uint8_t>(fault_dice_.below(9)), 0, {}};
+        for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(fault_dice_.below(256));
+        (void)world.stranger_send(frame);
+        break;
+      }
+      case Kind::duplicate:
+        for (const CanFrame& frame : echoes_) (void)world.stranger_send(frame);
+        echoes_.clear();
+        break;
+      case Kind::core_late:
+        if (fault_dice_.chance(0.1)) loop_.be_late(0.04 * fault_dice_.norm());
+        break;
+      case Kind::second_client:
+        confuse();
+        break;
+      case Kind::take_over:
+        if (fault_dice_.chance(0.05)) loop_.ask_as(kStranger, CommandKind::take_lease, 1);
+        break;
+      case Kind::replay:
+        if (!commands_.empty() && fault_dice_.chance(0.1)) {
+          Command old = commands_[static_cast<std::size_t>(fault_dice_.below(static_cast<int>(commands_.size())))];
+          loop_.put(old);
+        }
+        if (!drives_.empty() && fault_dice_.chance(0.2))
+          loop_.put_drive(drives_[static_cast<std::size_t>(fault_dice_.below(static_cast<int>(drives_.size())))]);
+        break;
+      case Kind::parameter_push:
+        if (fault_dice_.chance(0.1)) push_parameters();
+        break;
+      default:
         break;
     }
   }
 
-  bus::BusFault frame_fault(const contract::CanFrame&) {
-    if (options_.frame_loss > 0 && dice_.chance(options_.frame_loss)) return {bus::BusFault::Kind::drop};
-    for (const Event& e : events_) {
-      if (!e.on) continue;
-      if (e.kind == Kind::drop && dice_.chance(0.6 * e.size)) return {bus::BusFault::Kind::drop};
-      if (e.kind == Kind::corrupt && dice_.chance(0.6 * e.size)) return {bus::BusFault::Kind::corrupt};
-      if (e.kind == Kind::delay && dice_.chance(0.2)) return {bus::BusFault::Kind::delay, static_cast<std::uint64_t>(e.size * 40e6)};
+  // Another client, who is logged in too but does not drive.
+  void confuse() {
+    const TickRecord& record = loop_.record();
+    if (fault_dice_.chance(0.3)) {
+      contract::DriveCommand drive;
+      drive.lease_epoch = record.lease_epoch;
+      drive.client = kStranger;
+      drive.sequence = 1'000'000'000 + static_cast<std::uint64_t>(loop_.ticks());
+      drive.echo_time_ns = record.time_ns;
+      drive.speed_norm = fault_dice_.between(-1.5, 1.5);
+      drive.yaw_norm = fault_dice_.between(-1.5, 1.5);
+      drive.held = static_cast<std::uint64_t>(fault_dice_.below(3));
+      loop_.put_drive(drive);
     }
-    return {};
+    if (!fault_dice_.chance(0.1)) return;
+    constexpr std::array kTried{CommandKind::request_mode,  CommandKind::acknowledge,     CommandKind::take_lease,
+                                CommandKind::release_lease, CommandKind::stage_parameter, CommandKind::set_pose,
+                                CommandKind::set_neutral,   CommandKind::begin_service};
+    const CommandKind kind = kTried[static_cast<std::size_t>(fault_dice_.below(static_cast<int>(kTried.size())))];
+    // Standing, the lease may be taken by whoever is free to; that is "take_over"'s matter.
+    if (kind == CommandKind::take_lease && record.lease_holder == 0) return;
+    if ((kind == CommandKind::set_neutral || kind == CommandKind::set_pose) && !moves(loop_.mode())) return;
+    loop_.ask_as(kStranger, kind, static_cast<std::uint32_t>(fault_dice_.below(5) == 1 ? 3 : 2), fault_dice_.norm());
+  }
+
+  // Sets of every quality, by the driver: whole, broken, contradicting, of a role that may not.
+  void push_parameters() {
+    const int rows = 1 + fault_dice_.below(4);
+    for (int i = 0; i < rows; ++i) {
+      const auto index = static_cast<std::size_t>(fault_dice_.below(static_cast<int>(contract::kParamCount)));
+      const auto& info = contract::kParams[index];
+      double value = fault_dice_.between(info.min, info.max);
+      if (fault_dice_.chance(0.08)) value = std::numeric_limits<double>::quiet_NaN();
+      if (fault_dice_.chance(0.08)) value = info.max * 3.0 + 1.0;
+      // What decides how the hoist stops and who may drive stays as it is: the judge of this session does not read parameters. They are
+      // pushed all the same, by a role that may not.
+      const std::uint32_t id = fault_dice_.chance(0.03) ? 4095U : info.id;
+      loop_.ask(CommandKind::stage_parameter, id, value, 0, 0, static_cast<std::uint32_t>(fault_dice_.chance(0.05) ? i + 1 : i));
+    }
+    const auto role = fault_dice_.chance(0.5) ? contract::Role::therapist : contract::Role::viewer;
+    loop_.ask(CommandKind::commit_parameters, static_cast<std::uint32_t>(fault_dice_.chance(0.1) ? rows + 1 : rows), 0, 0, 0,
+              static_cast<std::uint32_t>(role));
+  }
+
+  void delay_commands(double most_s) {
+    if (most_s <= 0) return loop_.delay_commands({});
+    const int steps = static_cast<int>(most_s * 100.0) + 1;
+    loop_.delay_commands([this, steps] { return static_cast<std::uint32_t>(link_dice_.below(steps)); });
+  }
+
+  bus::BusFault frame_fault(std::size_t port, const CanFrame& frame) {
+    if (options_.frame_loss > 0 && frame_dice_.chance(options_.frame_loss)) return {bus::BusFault::Kind::drop};
+    std::uint32_t deaf = 0;
+    for (const Planned& row : board_.rows) {
+      if (!row.on) continue;
+      const Fault& f = row.fault;
+      const bool own = port == loop_.world().port_of(f.node);
+      switch (f.kind) {
+        case Kind::drop:  // of one node, or of all
+          if ((own || f.size > 0.7) && frame_dice_.chance(0.6 * f.size)) return {bus::BusFault::Kind::drop};
+          break;
+        case Kind::corrupt:
+          if ((own || f.size > 0.7) && frame_dice_.chance(0.6 * f.size)) return {bus::BusFault::Kind::corrupt};
+          break;
+        case Kind::delay:  // later ones of the same node overtake it
+          if ((own || f.size > 0.7) && frame_dice_.chance(0.2))
+            return {bus::BusFault::Kind::delay, static_cast<std::uint64_t>(f.size * 40e6)};
+          break;
+        case Kind::duplicate:
+          if (own && echoes_.size() < 4) echoes_.push_back(frame);
+          break;
+        case Kind::bus_off:
+          if (own) return {bus::BusFault::Kind::drop};
+          deaf |= 1U << loop_.world().port_of(f.node);
+          break;
+        default:
+          break;
+      }
+    }
+    bus::BusFault fault;
+    fault.deaf_ports = deaf;
+    return fault;
   }
 
   void drive_faults() {
     const double now_s = loop_.time_s();
-    for (Event& e : events_) {
-      if (!e.on && !e.done && now_s >= e.start_s) {
-        e.on = true;
-        tell(std::string(kKindNames[static_cast<std::size_t>(e.kind)]) + " begins, node " + std::to_string(contract::node_id(e.node)));
-        apply(e, true);
-      } else if (e.on && now_s >= e.end_s) {
-        e.on = false;
-        e.done = true;
-        tell(std::string(kKindNames[static_cast<std::size_t>(e.kind)]) + " ends");
-        apply(e, false);
+    for (Planned& row : board_.rows) {
+      if (!row.on && !row.done && now_s >= row.fault.start_s) {
+        row.on = true;
+        watch_.tell(std::string(info(row.fault.kind).name) + " begins, node " + std::to_string(contract::node_id(row.fault.node)));
+        watch_.fault_begins(row);
+        apply(row, true);
+      } else if (row.on && now_s >= row.fault.end_s) {
+        row.on = false;
+        row.done = true;
+        watch_.tell(std::string(info(row.fault.kind).name) + " ends");
+        apply(row, false);
       }
+      if (row.on) go_on(row.fault);
     }
+    if (options_.spoof && board_.any_yet()) (void)loop_.world().stranger_send(*options_.spoof);
   }
-  void finish_faults() {
-    for (Event& e : events_) {
-      if (e.on) apply(e, false);
-      e.on = false;
-      e.done = true;
-    }
-  }
-  [[nodiscard]] bool ever(Kind kind) const {
-    return std::any_of(events_.begin(), events_.end(), [kind](const Event& e) { return e.kind == kind && (e.on || e.done); });
-  }
-  [[nodiscard]] bool now(Kind kind) const {
-    return std::any_of(events_.begin(), events_.end(), [kind](const Event& e) { return e.kind == kind && e.on; });
-  }
-  [[nodiscard]] bool any_fault_yet() const {
-    return std::any_of(events_.begin(), events_.end(), [](const Event& e) { return e.on || e.done; });
-  }
-  // A simulated processor that stands still keeps its outputs; a real one has a watchdog (tests/machine).
-  [[nodiscard]] bool frozen_drive() const {
-    return std::any_of(events_.begin(), events_.end(), [](const Event& e) {
-      return e.kind == Kind::freeze && (e.on || e.done) && (e.node == Node::drive_left || e.node == Node::drive_right);
-    });
-  }
-  [[nodiscard]] bool fallen() { return loop_.world().patient().state() >= sim::PatientState::tripping; }
+
   // What no acknowledgement can mend: a patient on the floor, a post against a bumper.
   [[nodiscard]] bool hopeless() {
-    return ever(Kind::trip) || ever(Kind::collapse) || ever(Kind::hang) || loop_.world().plant().bumpers() != 0;
+    return board_.ever(Kind::trip) || board_.ever(Kind::collapse) || board_.ever(Kind::hang) || loop_.world().plant().bumpers() != 0;
+  }
+
+  void see(const core::TickInputs& inputs) {
+    watch_.before_step(inputs);
+    for (const Command& command : inputs.commands) {
+      if (command.kind == CommandKind::stop) continue;  // STOP may come as often as it likes
+      if (commands_.size() == kRemembered) commands_.erase(commands_.begin());
+      commands_.push_back(command);
+    }
+    if (!inputs.drive_fresh || inputs.drive.client == kStranger) return;
+    if (drives_.size() == kRemembered) drives_.erase(drives_.begin());
+    drives_.push_back(inputs.drive);
   }
 
   // ---- the therapist, ten times a second
 
   void ask(CommandKind kind, std::uint32_t a = 0, double v0 = 0.0) { loop_.ask(kind, a, v0); }
+  void ask_mode(Mode mode) { ask(CommandKind::request_mode, static_cast<std::uint32_t>(mode)); }
+  [[nodiscard]] bool console_works() const {
+    return !board_.now(Kind::server_hang) && !board_.now(Kind::server_crash) && !board_.now(Kind::tab_freeze) &&
+           !board_.now(Kind::link_loss) && !board_.now(Kind::link_stall);
+  }
 
   void therapist() {
-    if (!core_runs() || now(Kind::server_hang)) return;
-    const TickRecord& record = loop_.record();
+    if (!loop_.core_runs() || !console_works()) return;
     const double now_s = loop_.time_s();
-    switch (loop_.mode()) {
-      case Mode::init:
-        return;
-      case Mode::standby:
-        loop_.fall_silent();
-        if (mending_ || now_s < next_s_) return;
-        next_s_ = now_s + 0.5;
-        if (record.lease_holder == 0) return ask(CommandKind::take_lease);
-        if (dice_.chance(0.1)) return tune();
-        if (record.blocked_bits != 0) return;
-        ask(CommandKind::request_mode, static_cast<std::uint32_t>(dice_.chance(0.7) ? Mode::user : Mode::remote));
-        next_s_ = now_s + dice_.between(4.0, 25.0);
-        return;
-      case Mode::user:
-        if (now_s < next_s_ && !mending_) return;
-        if (dice_.chance(0.3)) {
-          tune();
-          next_s_ = now_s + dice_.between(1.0, 10.0);
-          return;
-        }
-        if (dice_.chance(0.2)) {
-          tell("STOP");
-          asked_stop_s_ = now_s;
-          return ask(CommandKind::stop);
-        }
-        ask(CommandKind::request_mode, static_cast<std::uint32_t>(Mode::standby));
-        asked_stop_s_ = now_s;
-        next_s_ = now_s + dice_.between(1.0, 4.0);
-        return;
-      case Mode::remote:
-        if (mending_ || now_s >= next_s_) {
-          loop_.let_go();
-          ask(CommandKind::request_mode, static_cast<std::uint32_t>(Mode::standby));
-          asked_stop_s_ = now_s;
-          next_s_ = now_s + dice_.between(1.0, 4.0);
-          return;
-        }
-        if (link_lost_) return loop_.fall_silent();
-        if (now_s < stick_s_) return;
-        stick_s_ = now_s + dice_.between(0.5, 2.5);
-        if (dice_.chance(0.25))
-          loop_.let_go();
-        else if (dice_.chance(0.1)) {
-          loop_.fall_silent();
-          asked_stop_s_ = now_s;  // the stick fell silent while pushed: that the hoist stops is no false stop
-          stick_s_ = now_s + dice_.between(0.05, 1.5);
-        } else {
-          // A hand that thinks of the patient: no jumps from full ahead to full astern, which the fall guard rightly stops.
-          stick_speed_norm_ = std::clamp(stick_speed_norm_ + dice_.between(-0.35, 0.35), -0.3, 1.0);
-          loop_.hold_stick(stick_speed_norm_, dice_.between(-0.7, 0.7));
-        }
-        return;
-      case Mode::protective_stop:
-        loop_.fall_silent();
-        if (now_s < next_s_) return;
-        next_s_ = now_s + dice_.between(0.8, 2.5);
-        if (record.lease_holder == 0) return ask(CommandKind::take_lease);
-        acknowledged_s_ = now_s;
-        return ask(CommandKind::acknowledge);
-      case Mode::fault:
-      case Mode::emergency_stop:
-        loop_.fall_silent();
-        if (now_s < next_s_) return;
-        next_s_ = now_s + dice_.between(0.8, 2.5);
-        if (record.lease_holder == 0) return ask(CommandKind::take_lease);
-        acknowledged_s_ = now_s;
-        loop_.ask(CommandKind::acknowledge, 0, 0, 0, 0, static_cast<std::uint32_t>(contract::Role::engineer));
-        return;
-      case Mode::calibrate:
-      case Mode::guided:
-        return ask(CommandKind::request_mode, static_cast<std::uint32_t>(Mode::standby));
+    const Mode mode = loop_.mode();
+    if (mode != last_mode_ && (mode == Mode::protective_stop || moves(last_mode_)))
+      next_s_ = std::max(next_s_, now_s + therapist_dice_.between(0.8, 2.5));
+    last_mode_ = mode;
+    if (options_.only_walk) return start_once(now_s);
+    if (mode == Mode::standby) return on_standby(now_s);
+    if (mode == Mode::user) return while_leading(now_s);
+    if (mode == Mode::remote) return while_driving(now_s);
+    if (mode == Mode::protective_stop || mode == Mode::fault || mode == Mode::emergency_stop) return while_stopped(now_s);
+    if (mode != Mode::init) ask_mode(Mode::standby);
+  }
+  [[nodiscard]] bool without_lease() const { return loop_.record().lease_holder != 1; }
+  void take_lease() { ask(CommandKind::take_lease, loop_.record().lease_holder == 0 ? 0 : 1); }
+
+  // A walk that begins before anything may break and is then left alone.
+  void start_once(double now_s) {
+    if (loop_.mode() != Mode::standby || started_ || now_s < next_s_) return;
+    next_s_ = now_s + 0.3;
+    if (without_lease()) return take_lease();
+    if (loop_.record().blocked_bits != 0) return;
+    started_ = true;
+    ask_mode(Mode::user);
+  }
+  void on_standby(double now_s) {
+    loop_.fall_silent();
+    if (mending_ || now_s < next_s_) return;
+    next_s_ = now_s + 0.5;
+    if (without_lease()) return take_lease();
+    if (therapist_dice_.chance(0.1)) return tune();
+    if (loop_.record().blocked_bits != 0) return;
+    ask_mode(therapist_dice_.chance(0.7) ? Mode::user : Mode::remote);
+    next_s_ = now_s + therapist_dice_.between(4.0, 25.0);
+  }
+  void while_leading(double now_s) {
+    if (now_s < next_s_ && !mending_) return;
+    if (!mending_ && therapist_dice_.chance(0.3)) {
+      tune();
+      next_s_ = now_s + therapist_dice_.between(1.0, 10.0);
+      return;
     }
+    if (therapist_dice_.chance(0.2) || without_lease()) {
+      watch_.tell("STOP");
+      watch_.therapist_stops();
+      next_s_ = now_s + therapist_dice_.between(1.0, 4.0);
+      return ask(CommandKind::stop);
+    }
+    ask_mode(Mode::standby);
+    watch_.therapist_stops();
+    next_s_ = now_s + therapist_dice_.between(1.0, 4.0);
+  }
+  void while_driving(double now_s) {
+    if (mending_ || now_s >= next_s_) {
+      loop_.let_go();
+      ask_mode(Mode::standby);
+      watch_.stick_falls_silent();
+      next_s_ = now_s + therapist_dice_.between(1.0, 4.0);
+      return;
+    }
+    if (now_s < stick_s_) return;
+    stick_s_ = now_s + therapist_dice_.between(0.5, 2.5);
+    if (therapist_dice_.chance(0.25)) {
+      loop_.let_go();
+    } else if (therapist_dice_.chance(0.1)) {
+      loop_.fall_silent();
+      watch_.stick_falls_silent();  // while pushed: that the hoist stops is no false stop
+      stick_s_ = now_s + therapist_dice_.between(0.05, 1.5);
+    } else {
+      // A hand that thinks of the patient: no jumps from full ahead to full astern, which the fall guard rightly stops.
+      stick_speed_norm_ = std::clamp(stick_speed_norm_ + therapist_dice_.between(-0.35, 0.35), -0.3, 1.0);
+      loop_.hold_stick(stick_speed_norm_, therapist_dice_.between(-0.7, 0.7));
+    }
+  }
+  void while_stopped(double now_s) {
+    loop_.fall_silent();
+    if (now_s < next_s_) return;
+    next_s_ = now_s + therapist_dice_.between(0.8, 2.5);
+    if (without_lease()) return take_lease();
+    // Out of service it takes an engineer.
+    loop_.ask(CommandKind::acknowledge, 0, 0, 0, 0,
+              static_cast<std::uint32_t>(loop_.mode() == Mode::protective_stop ? contract::Role::therapist : contract::Role::engineer));
   }
 
   // One changed parameter, sometimes impossible.
   void tune() {
-    const std::size_t index = static_cast<std::size_t>(dice_.below(static_cast<int>(contract::kParamCount)));
+    const auto index = static_cast<std::size_t>(therapist_dice_.below(static_cast<int>(contract::kParamCount)));
     const auto& info = contract::kParams[index];
-    const double value = dice_.chance(0.3) ? info.max * 3.0 + 1.0 : dice_.between(info.min, info.max);
+    const double value = therapist_dice_.chance(0.3) ? info.max * 3.0 + 1.0 : therapist_dice_.between(info.min, info.max);
     if (info.edit != contract::EditRule::live || info.role != contract::Role::therapist) return;
     ask(CommandKind::stage_parameter, info.id, value);
     loop_.ask(CommandKind::commit_parameters, 1, 0, 0, 0, static_cast<std::uint32_t>(contract::Role::therapist));
   }
 
-  // ---- one step and what must hold after it
-
-  [[nodiscard]] bool core_runs() const { return !now(Kind::core_stall) && !now(Kind::core_crash); }
-  void core_restarted() {
-    last_mode_ = Mode::init;
-    last_command_m_s_ = 0;
-    moving_end_s_ = loop_.time_s();
-    raised_ = 0;
-    events_seen_ = loop_.events().size();
-    ran_ = false;
-  }
-
   void step() {
     drive_faults();
     if (++ticks_ % 10 == 0) therapist();
-    const bool ran = core_runs();
+    const bool ran = loop_.core_runs();
     loop_.step();
-    const sim::PlatformMotion& truth = loop_.world().plant().platform();
-    report_.distance_m += std::fabs(truth.speed_m_s) * 0.01;
-    watch_truth(ran);
-    if (ran) watch_core();
-  }
-
-  void watch_truth(bool ran) {
-    const double now_s = loop_.time_s();
-    const sim::Plant& plant = loop_.world().plant();
-    const bool odd = ever(Kind::encoder_lost) || ever(Kind::encoder_reversed) || fallen() || ever(Kind::slip) || ever(Kind::power_cut) ||
-                     ever(Kind::obstacle) || frozen_drive();
-    if (!odd) {
-      if (std::fabs(plant.platform().speed_m_s) > 0.75) broken("I2: faster than 0.75 m/s", plant.platform().speed_m_s);
-      if (std::fabs(plant.platform().yaw_rate_rad_s) > 1.1)
-        broken("I2: turns faster than 63 degrees a second", plant.platform().yaw_rate_rad_s);
-    }
-    // I8: without the core the drives brake by themselves: 50 ms, then at most 0.75 s of ramp and the time to be sure of standstill.
-    if (ran)
-      core_silent_s_ = now_s;
-    else if (now_s - core_silent_s_ > 1.3 && !odd && fastest_wheel() > kRest_m_s)
-      broken("I8: a wheel turns 1.3 s after the core's last command", fastest_wheel());
-  }
-  [[nodiscard]] double fastest_wheel() {
-    const sim::Plant& plant = loop_.world().plant();
-    return std::max(std::fabs(plant.wheel_speed_m_s(sim::Side::left)), std::fabs(plant.wheel_speed_m_s(sim::Side::right)));
-  }
-
-  void watch_core() {
-    const double now_s = loop_.time_s();
-    const TickRecord& record = loop_.record();
-    const Mode mode = loop_.mode();
-    const bool moving_mode = mode == Mode::user || mode == Mode::remote;
-    // I13
-    if (const char* name = not_finite(record)) broken("I13: the record holds no number in ", 0.0, name);
-    // I4
-    const double wheels = std::max(std::fabs(static_cast<double>(record.wheel_left_command_m_s)),
-                                   std::fabs(static_cast<double>(record.wheel_right_command_m_s)));
-    if ((mode == Mode::init || mode == Mode::standby) && wheels > 0.0) broken("I4: wheels commanded in a mode that does not move", wheels);
-    // I2: limits of what is commanded.
-    const double speed = static_cast<double>(record.speed_command_m_s);
-    if (std::fabs(speed) > 0.65 + kEps) broken("I2: commanded above the top speed", speed);
-    const bool follow = enabled(record.left_status_word) && enabled(record.right_status_word);
-    // With one drive out, what the other one is told is no turn of the hoist.
-    if (follow && std::fabs(static_cast<double>(record.yaw_rate_command_rad_s)) > 0.872664626 + 1e-4)
-      broken("I2: commanded above the top turn rate", static_cast<double>(record.yaw_rate_command_rad_s));
-    if (ran_ && mode == last_mode_ && follow && followed_) {
-      const double change = std::fabs(speed) - std::fabs(last_command_m_s_);
-      const double braking = contract_fault(record, Fault::bumper_pressed) ? 1.5 : 1.0;
-      if (change > 0.5 * 0.01 + 1e-5) broken("I2: speeds up faster than 0.5 m/s2", change / 0.01);
-      if (-change > braking * 0.01 + 1e-5) broken("I2: brakes harder than allowed", -change / 0.01);
-    }
-    // I3, I6
-    if (mode == Mode::remote) {
-      if (record.lease_holder == 0 && std::fabs(static_cast<double>(record.speed_wish_m_s)) > 0) broken("I3: drives without a driver");
-      if (record.remote_age_s > 0.26F && (record.speed_wish_m_s != 0 || record.yaw_rate_wish_rad_s != 0))
-        broken("I6: an old command acts", static_cast<double>(record.remote_age_s));
-    }
-    // I1: at rest soon after motion has ended, whatever ended it.
-    if (moving_mode) moving_end_s_ = now_s;
-    const bool pushed = fallen() || ever(Kind::encoder_lost) || ever(Kind::encoder_reversed) || frozen_drive();
-    if (!moving_mode && now_s - moving_end_s_ > 1.3 && fastest_wheel() > kRest_m_s && !pushed)
-      broken("I1: a wheel turns 1.3 s after motion ended", fastest_wheel());
-    if (moving_mode) report_.walked_s += 0.01;
-
-    watch_events(now_s);
-    last_mode_ = mode;
-    last_command_m_s_ = speed;
-    followed_ = follow;
-    ran_ = true;
-  }
-
-  void watch_events(double now_s) {
-    const auto& events = loop_.events();
-    for (; events_seen_ < events.size(); ++events_seen_) {
-      const contract::Event& e = events[events_seen_];
-      const std::uint32_t bit = e.code < 32 ? 1U << e.code : 0U;
-      if (e.kind == contract::EventKind::fault_raised) {
-        tell("fault " + std::string(contract::fault_info(static_cast<Fault>(e.code)).name));
-        if ((raised_ & bit) != 0) broken("I11: a fault is raised twice: ", 0.0, contract::fault_info(static_cast<Fault>(e.code)).name);
-        raised_ |= bit;
-      } else if (e.kind == contract::EventKind::fault_cleared) {
-        if ((raised_ & bit) == 0)
-          broken("I11: a fault is cleared that was not raised: ", 0.0, contract::fault_info(static_cast<Fault>(e.code)).name);
-        raised_ &= ~bit;
-      } else if (e.kind == contract::EventKind::mode_changed) {
-        watch_mode_change(static_cast<Mode>(e.item), static_cast<Mode>(e.code), now_s);
-      }
-    }
-  }
-
-  void watch_mode_change(Mode from, Mode to, double now_s) {
-    tell("mode " + std::string(contract::kModes[static_cast<std::size_t>(from)].name) + " to " +
-         std::string(contract::kModes[static_cast<std::size_t>(to)].name));
-    const auto& record = loop_.record();
-    if (to == Mode::protective_stop || from == Mode::user || from == Mode::remote) next_s_ = now_s + dice_.between(0.8, 2.5);
-    const bool allowed = std::any_of(core::kTransitions.begin(), core::kTransitions.end(),
-                                     [&](const core::Transition& t) { return t.from == from && t.to == to; });
-    if (!allowed) broken("I5: a change of mode that no table allows");
-    const bool released = (from == Mode::protective_stop && to == Mode::standby) || to == Mode::init;
-    if (released && from != Mode::standby && now_s - acknowledged_s_ > 0.6) broken("I5: a stop ended without acknowledgement");
-    if (to == Mode::user || to == Mode::remote) {
-      ++report_.starts;
-      if (std::fabs(record.lean_norm) > 0.2F + 1e-3F || std::fabs(record.turn_norm) > 0.2F + 1e-3F)
-        broken("I7: a start away from neutral", static_cast<double>(record.lean_norm));
-    }
-    if (to == Mode::protective_stop) ++report_.stops;
-    const bool ended = (from == Mode::user || from == Mode::remote) && (to == Mode::protective_stop || to == Mode::standby);
-    if (ended && !any_fault_yet() && now_s - asked_stop_s_ > 4.0) {
-      // A patient who is driven about may rightly trip the fall guard; one who walks as he likes must never.
-      if (from == Mode::remote && contract_fault(record, Fault::fall_detected)) return;
-      ++report_.false_stops;
-      if (options_.frame_loss == 0.0)
-        broken("false stop: ", 0.0,
-               record.stop_cause > 0 ? contract::fault_info(static_cast<Fault>(record.stop_cause - 1U)).name : "soft stop");
-    }
-  }
-
-  // Only drives that say they follow commands can be held to the ramp; others brake by themselves.
-  static bool enabled(std::uint16_t status_word) {
-    return contract::canopen::drive::state(status_word) == contract::canopen::drive::State::operation_enabled;
-  }
-  static bool contract_fault(const TickRecord& record, Fault fault) {
-    return ((record.fault_bits >> contract::fault_info(fault).bit) & 1U) != 0;
-  }
-
-  static const char* not_finite(const TickRecord& record) {
-    const auto* bytes = reinterpret_cast<const char*>(&record);
-    for (const contract::SignalInfo& signal : contract::kSignals) {
-      if (signal.type != contract::SignalType::f32) continue;
-      float value = 0;
-      std::memcpy(&value, bytes + signal.offset, sizeof value);
-      if (!std::isfinite(value)) return signal.name.data();
-    }
-    return nullptr;
-  }
-
-  void tell(const std::string& what) {
-    if (!options_.tell) return;
-    char time[24];
-    std::snprintf(time, sizeof time, "%8.2f s  ", loop_.time_s());
-    report_.story.push_back(time + what);
-  }
-  void broken(std::string_view what, double value = 0.0, std::string_view name = {}) {
-    // One line for each promise: the first time tells most.
-    if (std::find(told_.begin(), told_.end(), what) != told_.end()) return;
-    told_.push_back(what);
-    char text[200];
-    std::snprintf(text, sizeof text, "%8.2f s  %.*s%.*s (%g)", loop_.time_s(), static_cast<int>(what.size()), what.data(),
-                  static_cast<int>(name.size()), name.data(), value);
-    report_.broken.emplace_back(text);
-    tell(std::string("BROKEN ") + text);
+    if (storage_ != nullptr) storage_->tick(clock_ns());
+    report_.distance_m += std::fabs(loop_.world().plant().platform().speed_m_s) * 0.01;
+    watch_.after_step(ran);
+    if (ticks_ % 100 == 0) report_.hashes.push_back(loop_.digest());
   }
 
   SessionOptions options_;
-  Dice dice_;
+  std::vector<Fault> faults_;
+  Board board_;
+  Dice therapist_dice_, frame_dice_, fault_dice_, link_dice_, serial_dice_;
   tests::ClosedLoop loop_;
+  std::unique_ptr<Storage> storage_;
   SessionReport report_;
-  std::vector<Event> events_;
-  std::vector<std::string_view> told_;
+  Watch watch_;
+  std::vector<Command> commands_;               // what was asked lately
+  std::vector<contract::DriveCommand> drives_;  // and driven
+  std::vector<CanFrame> echoes_;
   std::uint64_t ticks_{};
-  double next_s_{}, stick_s_{}, asked_stop_s_{-100.0}, acknowledged_s_{-100.0};
+  double next_s_{}, stick_s_{};
   double stick_speed_norm_{};
-  double moving_end_s_{}, core_silent_s_{}, last_command_m_s_{};
   Mode last_mode_{Mode::init};
-  std::size_t events_seen_{};
-  std::uint32_t raised_{};
-  bool mending_{false}, link_lost_{false}, ran_{false}, followed_{false};
+  bool mending_{false}, started_{false};
 };
 
 }  // namespace
 
 SessionReport run_session(const SessionOptions& options) { return Session(options).run(); }
+
+SessionReport run_unmoved(const SessionOptions& options) {
+  SessionOptions with = options, without = options;
+  with.only_walk = without.only_walk = true;
+  with.outside_only = true;
+  without.faults = std::vector<Fault>{};
+  SessionReport report = run_session(with);
+  const SessionReport plain = run_session(without);
+  if (report.motion != plain.motion) {
+    report.broken.emplace_back("I12: a patient who leads felt what concerns only server, network, disk, clock or other clients");
+    if (report.broken_s == 0) report.broken_s = options.length_s;
+  }
+  return report;
+}
 
 }  // namespace hoist::chaos

@@ -1,33 +1,58 @@
 // Deterministic chaos: one training session of a random patient with a random therapist and random faults, through the real core, the shipped
-// node sources and the simulated machine, in virtual time. What must hold is checked in every step (invariants of the hazard analysis).
-// The same seed gives the same session, bit for bit.
+// node sources, the real recorder and the simulated machine, in virtual time. What must hold is checked in every step (invariants of the
+// hazard analysis). The same seed gives the same session, bit for bit.
 #pragma once
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "control/core/tick.hpp"
+#include "tests/chaos/faults.hpp"
+
 namespace hoist::chaos {
+
+/// Breaks the product on purpose in step after step, to show that an invariant bites: may change the core and what its step gave.
+using Sabotage = std::function<void(double time_s, core::CoreState& core, core::TickOutputs& outputs)>;
 
 struct SessionOptions {
   std::uint64_t seed = 1;
   double length_s = 120.0;
-  int faults_max = 5;       // 0: nothing breaks, and then nothing may stop the hoist but the therapist
-  double frame_loss = 0.0;  // share of all frames that is lost, besides the faults
-  bool tell = false;        // keep the story of the session, not only what was wrong
+  int faults_max = 5;                             // 0: nothing breaks, and then nothing may stop the hoist but the therapist
+  double frame_loss = 0.0;                        // share of all frames that is lost, besides the faults
+  double link_jitter_s = 0.0;                     // driving commands come up to so much later, besides the faults
+  bool tell = false;                              // keep the story of the session, not only what was wrong
+  bool only_walk = false;                         // the therapist starts USER once and then leaves the patient alone
+  bool outside_only = false;                      // only server, network, disk, clock and other clients break
+  std::optional<std::vector<Fault>> faults = {};  // instead of the seed's own
+  Sabotage sabotage = {};                         // see there
+  bool lying_disk = false;                        // the disk says "synced" and has not: sabotage of the recorder
+  std::optional<contract::CanFrame> spoof = {};   // a stranger sends this in every step from the first fault on: sabotage of the drives
 };
 
 struct SessionReport {
   std::uint64_t seed = 0;
   std::uint64_t digest = 0;
+  std::vector<std::uint64_t> hashes;  // of everything so far, at the end of each second
+  std::uint64_t motion = 0;           // digest of the drive commands alone
+  std::vector<Fault> faults;          // as they were planned
+  double length_s = 0;
   double walked_s = 0;              // time in which the wheels might move
   double distance_m = 0;            // that the platform truly went
   int starts = 0;                   // motions begun
   int stops = 0;                    // protective stops
   int false_stops = 0;              // of those (and of soft stops by the core), the ones without any fault under way
+  std::uint64_t samples = 0;        // that were acknowledged as stored and found again
   std::vector<std::string> story;   // what happened, with the time; only when asked for
   std::vector<std::string> broken;  // invariants that did not hold, with the time; empty is what we want
+  double broken_s = 0;              // when the first of them was found
 };
 
 SessionReport run_session(const SessionOptions& options);
+
+/// I12: the same walk twice, with what only concerns server, network, disk, clock and other clients, and without. Broken when the drives are
+/// told anything else.
+SessionReport run_unmoved(const SessionOptions& options);
 
 }  // namespace hoist::chaos

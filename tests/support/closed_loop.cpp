@@ -151,6 +151,7 @@ void ClosedLoop::step() {
     if (see_inputs_) see_inputs_(inputs);
     core::tick(*core_, inputs, core::kTick_s, *outputs_);
     if (break_) break_(*core_, *outputs_);
+    if (see_step_) see_step_(inputs, *outputs_);
     commands_.clear();
     for (const contract::CanFrame& frame : outputs_->frames) {
       send(frame);

@@ -103,6 +103,8 @@ class ClosedLoop {
   void on_inputs(std::function<void(const core::TickInputs&)> see) { see_inputs_ = std::move(see); }
   /// After every millisecond of the world.
   void on_millisecond(std::function<void()> see) { see_millisecond_ = std::move(see); }
+  /// Sees what each step was given and what it gave, before any of it leaves.
+  void on_step(std::function<void(const core::TickInputs&, const core::TickOutputs&)> see) { see_step_ = std::move(see); }
   /// A broken product, to show that a test notices: may change the core's state and what the step gave before any of it leaves.
   void break_core(std::function<void(core::CoreState&, core::TickOutputs&)> how) { break_ = std::move(how); }
   /// Noise on the gateway's serial line: sees each character on its way, may change it.
@@ -135,6 +137,7 @@ class ClosedLoop {
   std::function<void(const core::TickInputs&)> see_inputs_;
   std::function<void()> see_millisecond_;
   std::function<void(core::CoreState&, core::TickOutputs&)> break_;
+  std::function<void(const core::TickInputs&, const core::TickOutputs&)> see_step_;
   std::function<void(char&)> noise_;
   std::function<std::uint32_t()> link_delay_;
   struct UnderWay {

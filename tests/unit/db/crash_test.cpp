@@ -6,13 +6,14 @@
 #include <cstdio>
 #include <optional>
 
-#include "tests/unit/db/crash_vfs.hpp"
+#include "tests/support/crash_disk.hpp"
 #include "tests/unit/db/db_support.hpp"
 
 namespace hoist::db::test {
 namespace {
 
 using contract::TickRecord;
+using tests::CrashDisk;
 
 // What the other side of a pipe is told after each commit.
 struct Ack {

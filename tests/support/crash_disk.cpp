@@ -1,14 +1,15 @@
-#include "tests/unit/db/crash_vfs.hpp"
+#include "tests/support/crash_disk.hpp"
 
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <map>
 #include <memory>
 #include <vector>
 
-namespace hoist::db::test {
+namespace hoist::tests {
 namespace {
 
 constexpr std::size_t kSector = 512;
@@ -22,13 +23,17 @@ struct Content {
   std::string now, durable;
   std::vector<Operation> unsynced;
   std::vector<std::unique_ptr<char[]>> shared;  // the WAL index: memory that a power cut empties
+  // Locks of the connections: a database that another one has open must not be tidied up by the first that closes it.
+  int readers = 0, reserved = 0, exclusive = 0;
+  std::array<int, SQLITE_SHM_NLOCK> shm_readers{}, shm_writers{};
 };
 struct Disk {
   std::map<std::string, std::shared_ptr<Content>> files;
   std::mt19937 random;
   std::uint64_t operations = 0, cut_at = 0;
   int temporary = 0;
-  bool cut = false, lying = false;
+  bool cut = false, lying = false, full = false;
+  std::uint32_t fails = 0;  // of 2^32
 
   // True when the power is (now) gone.
   bool count() {
@@ -37,8 +42,9 @@ struct Disk {
     if (cut_at != 0 && operations >= cut_at) cut = true;
     return cut;
   }
+  bool fails_now() { return fails != 0 && static_cast<std::uint32_t>(random()) < fails; }
 };
-Disk* disk = nullptr;
+thread_local Disk* disk = nullptr;
 
 void apply(std::string& bytes, std::size_t offset, const char* data, std::size_t size) {
   if (bytes.size() < offset + size) bytes.resize(offset + size, '\0');
@@ -51,11 +57,18 @@ struct File {
   std::string* name;
   int remove;
   std::shared_ptr<Content>* hold;
+  int level;                          // of the file's lock
+  std::uint32_t shm_read, shm_wrote;  // bit per lock of the WAL index
 };
 File* as_file(sqlite3_file* file) { return reinterpret_cast<File*>(file); }
 
+int unlock_file(sqlite3_file* base, int level);
+int shm_lock(sqlite3_file* base, int offset, int count, int flags);
+
 int close_file(sqlite3_file* base) {
   File* file = as_file(base);
+  (void)unlock_file(base, SQLITE_LOCK_NONE);
+  (void)shm_lock(base, 0, SQLITE_SHM_NLOCK, SQLITE_SHM_UNLOCK);
   if (file->remove != 0) disk->files.erase(*file->name);
   delete file->hold;
   delete file->name;
@@ -70,8 +83,9 @@ int read_file(sqlite3_file* base, void* to, int size, sqlite3_int64 offset) {
   return count == static_cast<std::size_t>(size) ? SQLITE_OK : SQLITE_IOERR_SHORT_READ;
 }
 int write_file(sqlite3_file* base, const void* from, int size, sqlite3_int64 offset) {
-  if (disk->cut) return SQLITE_IOERR_WRITE;
+  if (disk->cut || disk->fails_now()) return SQLITE_IOERR_WRITE;
   Content& content = *as_file(base)->content;
+  if (disk->full && static_cast<std::size_t>(offset) + static_cast<std::size_t>(size) > content.now.size()) return SQLITE_FULL;
   const auto* data = static_cast<const char*>(from);
   // The write during which the power goes is among those that may be torn.
   content.unsynced.push_back({false, static_cast<std::size_t>(offset), std::string(data, static_cast<std::size_t>(size))});
@@ -79,14 +93,14 @@ int write_file(sqlite3_file* base, const void* from, int size, sqlite3_int64 off
   return disk->count() ? SQLITE_IOERR_WRITE : SQLITE_OK;
 }
 int truncate_file(sqlite3_file* base, sqlite3_int64 size) {
-  if (disk->count()) return SQLITE_IOERR_TRUNCATE;
+  if (disk->count() || disk->fails_now()) return SQLITE_IOERR_TRUNCATE;
   Content& content = *as_file(base)->content;
   content.unsynced.push_back({true, static_cast<std::size_t>(size), {}});
   content.now.resize(static_cast<std::size_t>(size), '\0');
   return SQLITE_OK;
 }
 int sync_file(sqlite3_file* base, int) {
-  if (disk->count()) return SQLITE_IOERR_FSYNC;
+  if (disk->count() || disk->fails_now()) return SQLITE_IOERR_FSYNC;
   if (disk->lying) return SQLITE_OK;
   Content& content = *as_file(base)->content;
   content.durable = content.now;
@@ -97,9 +111,41 @@ int file_size(sqlite3_file* base, sqlite3_int64* size) {
   *size = static_cast<sqlite3_int64>(as_file(base)->content->now.size());
   return SQLITE_OK;
 }
-int lock_file(sqlite3_file*, int) { return SQLITE_OK; }
-int check_lock(sqlite3_file*, int* held) {
-  *held = 0;
+// Within one process and thread nothing ever waits: a lock that cannot be had is busy.
+int lock_file(sqlite3_file* base, int level) {
+  File& file = *as_file(base);
+  Content& content = *file.content;
+  if (level <= file.level) return SQLITE_OK;
+  const int own = file.level >= SQLITE_LOCK_SHARED ? 1 : 0;
+  if (own == 0) {
+    if (content.exclusive > 0) return SQLITE_BUSY;
+    ++content.readers;
+    file.level = SQLITE_LOCK_SHARED;
+  }
+  if (level >= SQLITE_LOCK_RESERVED && file.level < SQLITE_LOCK_RESERVED) {
+    if (content.reserved > 0) return SQLITE_BUSY;
+    ++content.reserved;
+    file.level = SQLITE_LOCK_RESERVED;
+  }
+  if (level >= SQLITE_LOCK_EXCLUSIVE) {
+    if (content.readers > 1) return SQLITE_BUSY;
+    ++content.exclusive;
+    file.level = SQLITE_LOCK_EXCLUSIVE;
+  }
+  return SQLITE_OK;
+}
+int unlock_file(sqlite3_file* base, int level) {
+  File& file = *as_file(base);
+  Content& content = *file.content;
+  if (file.level >= SQLITE_LOCK_EXCLUSIVE && level < SQLITE_LOCK_EXCLUSIVE) --content.exclusive;
+  if (file.level >= SQLITE_LOCK_RESERVED && level < SQLITE_LOCK_RESERVED) --content.reserved;
+  if (file.level >= SQLITE_LOCK_SHARED && level < SQLITE_LOCK_SHARED) --content.readers;
+  if (level < file.level) file.level = level;
+  return SQLITE_OK;
+}
+bool disk_reserved(sqlite3_file* base) { return as_file(base)->content->reserved > 0; }
+int check_lock(sqlite3_file* base, int* held) {
+  *held = disk_reserved(base) ? 1 : 0;
   return SQLITE_OK;
 }
 int file_control(sqlite3_file*, int, void*) { return SQLITE_NOTFOUND; }
@@ -114,7 +160,32 @@ int shm_map(sqlite3_file* base, int region, int size, int extend, void volatile*
   *out = content.shared[index].get();
   return SQLITE_OK;
 }
-int shm_lock(sqlite3_file*, int, int, int) { return SQLITE_OK; }
+int shm_lock(sqlite3_file* base, int offset, int count, int flags) {
+  File& file = *as_file(base);
+  Content& content = *file.content;
+  const bool exclusive = (flags & SQLITE_SHM_EXCLUSIVE) != 0;
+  for (int i = offset; i < offset + count; ++i) {
+    const std::uint32_t bit = 1U << i;
+    auto& readers = content.shm_readers[static_cast<std::size_t>(i)];
+    auto& writers = content.shm_writers[static_cast<std::size_t>(i)];
+    if ((flags & SQLITE_SHM_UNLOCK) != 0) {
+      if ((file.shm_wrote & bit) != 0) --writers;
+      if ((file.shm_read & bit) != 0) --readers;
+      file.shm_wrote &= ~bit;
+      file.shm_read &= ~bit;
+      continue;
+    }
+    const int others_read = readers - ((file.shm_read & bit) != 0 ? 1 : 0), others_write = writers - ((file.shm_wrote & bit) != 0 ? 1 : 0);
+    if (others_write > 0 || (exclusive && others_read > 0)) {
+      // All or nothing.
+      if (i > offset) (void)shm_lock(base, offset, i - offset, SQLITE_SHM_UNLOCK | (flags & (SQLITE_SHM_EXCLUSIVE | SQLITE_SHM_SHARED)));
+      return SQLITE_BUSY;
+    }
+    if (exclusive && (file.shm_wrote & bit) == 0) ++writers, file.shm_wrote |= bit;
+    if (!exclusive && (file.shm_read & bit) == 0) ++readers, file.shm_read |= bit;
+  }
+  return SQLITE_OK;
+}
 void shm_barrier(sqlite3_file*) {}
 int shm_unmap(sqlite3_file* base, int remove) {
   if (remove != 0) as_file(base)->content->shared.clear();
@@ -122,12 +193,12 @@ int shm_unmap(sqlite3_file* base, int remove) {
 }
 
 const sqlite3_io_methods kMethods{2,         close_file,  read_file,  write_file,   truncate_file, sync_file,       file_size,
-                                  lock_file, lock_file,   check_lock, file_control, sector_size,   characteristics, shm_map,
+                                  lock_file, unlock_file, check_lock, file_control, sector_size,   characteristics, shm_map,
                                   shm_lock,  shm_barrier, shm_unmap,  nullptr,      nullptr};
 
 int open_file(sqlite3_vfs*, const char* name, sqlite3_file* base, int flags, int* out_flags) {
   File* file = as_file(base);
-  file->base.pMethods = nullptr;
+  *file = {};
   const std::string key = name != nullptr ? name : "temporary-" + std::to_string(++disk->temporary);
   auto found = disk->files.find(key);
   if (found == disk->files.end()) {
@@ -195,10 +266,10 @@ const char* CrashDisk::vfs_name() { return "hoist-crash"; }
 CrashDisk::CrashDisk(std::uint32_t seed) {
   disk = new Disk;
   disk->random.seed(seed);
-  sqlite3_vfs_register(&the_vfs, 0);
+  static const int registered = sqlite3_vfs_register(&the_vfs, 0);
+  (void)registered;
 }
 CrashDisk::~CrashDisk() {
-  sqlite3_vfs_unregister(&the_vfs);
   delete disk;
   disk = nullptr;
 }
@@ -206,6 +277,16 @@ void CrashDisk::cut_after(std::uint64_t operations) { disk->cut_at = operations 
 bool CrashDisk::is_cut() const { return disk->cut; }
 std::uint64_t CrashDisk::operations() const { return disk->operations; }
 void CrashDisk::ignore_syncs(bool ignore) { disk->lying = ignore; }
+
+void CrashDisk::cut_now() { disk->cut = true; }
+void CrashDisk::fill(bool full) { disk->full = full; }
+void CrashDisk::fail(double share) { disk->fails = static_cast<std::uint32_t>(share * 4294967295.0); }
+
+void CrashDisk::restart_process() {
+  for (auto& [name, content] : disk->files) content->shared.clear();
+  disk->cut = false;
+  disk->cut_at = 0;
+}
 
 void CrashDisk::restart() {
   for (auto& [name, content] : disk->files) {
@@ -233,4 +314,4 @@ void CrashDisk::restart() {
   disk->cut_at = 0;
 }
 
-}  // namespace hoist::db::test
+}  // namespace hoist::tests

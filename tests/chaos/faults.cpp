@@ -1,0 +1,106 @@
+#include "tests/chaos/faults.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace hoist::chaos {
+namespace {
+
+using contract::Node;
+
+constexpr std::array kTilts{Node::tilt_left, Node::tilt_right, Node::tilt_base};
+constexpr std::array kDrives{Node::drive_left, Node::drive_right};
+constexpr std::array kNodes{Node::drive_left, Node::drive_right, Node::io, Node::tilt_left, Node::tilt_right, Node::tilt_base};
+constexpr std::array<std::string_view, 6> kNodeNames{"drive_left", "drive_right", "io", "tilt_left", "tilt_right", "tilt_base"};
+constexpr std::uint64_t kPlanStream = 1;
+// Nobody moves before this.
+constexpr double kFirst_s = 6.0;
+
+// So that a plan means the same when it was written down and read again.
+double rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
+
+Node target(const KindInfo& kind, int throw6) {
+  switch (kind.target) {
+    case Target::tilt:
+      return kTilts[static_cast<std::size_t>(throw6 % 3)];
+    case Target::drive:
+      return kDrives[static_cast<std::size_t>(throw6 % 2)];
+    case Target::any_node:
+    case Target::nothing:
+      break;
+  }
+  return kNodes[static_cast<std::size_t>(throw6)];
+}
+
+std::string_view cut(std::string_view& text, char end) {
+  const std::size_t at = std::min(text.find(end), text.size());
+  const std::string_view piece = text.substr(0, at);
+  text.remove_prefix(std::min(at + 1, text.size()));
+  return piece;
+}
+
+bool read_number(std::string_view text, double& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
+}
+
+}  // namespace
+
+std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bool outside_only) {
+  Dice dice(seed, kPlanStream);
+  std::vector<Kind> kinds;
+  for (const KindInfo& kind : kKinds) {
+    if (outside_only && !kind.outside) continue;
+    kinds.push_back(kind.kind);
+  }
+  std::vector<Fault> faults;
+  const int count = most <= 0 ? 0 : dice.below(most + 1);
+  for (int i = 0; i < count; ++i) {
+    Fault fault;
+    const KindInfo& kind = info(kinds[static_cast<std::size_t>(dice.below(static_cast<int>(kinds.size())))]);
+    fault.kind = kind.kind;
+    fault.start_s = rounded(dice.between(kFirst_s, length_s - 5.0));
+    const double length = dice.chance(0.5) ? dice.between(0.02, 1.0) : dice.between(1.0, 15.0);
+    fault.end_s = rounded(fault.start_s + length);
+    fault.size = rounded(dice.norm());
+    fault.node = target(kind, dice.below(6));
+    faults.push_back(fault);
+  }
+  return faults;
+}
+
+std::string faults_text(const std::vector<Fault>& faults) {
+  std::string text;
+  for (const Fault& fault : faults) {
+    const KindInfo& kind = info(fault.kind);
+    const std::string_view node = kind.target == Target::nothing ? std::string_view{} : kNodeNames[static_cast<std::size_t>(fault.node)];
+    char line[120];
+    std::snprintf(line, sizeof line, "%s%.*s:%.*s:%g:%g:%g", text.empty() ? "" : ",", static_cast<int>(kind.name.size()), kind.name.data(),
+                  static_cast<int>(node.size()), node.data(), fault.start_s, fault.end_s, fault.size);
+    text += line;
+  }
+  return text.empty() ? "-" : text;
+}
+
+std::optional<std::vector<Fault>> read_faults(std::string_view text) {
+  std::vector<Fault> faults;
+  if (text == "-") return faults;
+  while (!text.empty()) {
+    std::string_view row = cut(text, ',');
+    const std::string_view name = cut(row, ':'), node = cut(row, ':'), start = cut(row, ':'), end = cut(row, ':');
+    Fault fault;
+    const auto kind = std::find_if(kKinds.begin(), kKinds.end(), [name](const KindInfo& k) { return k.name == name; });
+    if (kind == kKinds.end() || !read_number(start, fault.start_s) || !read_number(end, fault.end_s) || !read_number(row, fault.size))
+      return std::nullopt;
+    fault.kind = kind->kind;
+    const auto named = std::find(kNodeNames.begin(), kNodeNames.end(), node);
+    if (kind->target != Target::nothing && named == kNodeNames.end()) return std::nullopt;
+    fault.node = named == kNodeNames.end() ? Node::io : static_cast<Node>(named - kNodeNames.begin());
+    faults.push_back(fault);
+  }
+  return faults;
+}
+
+}  // namespace hoist::chaos

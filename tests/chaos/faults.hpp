@@ -1,0 +1,157 @@
+// What may break in a random session: the list of research on safety, section 4.3, one row each, and the plan of one session.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "control/contract/can_dictionary.hpp"
+#include "tests/chaos/dice.hpp"
+
+namespace hoist::chaos {
+
+enum class Kind : std::uint8_t {
+  unplug,
+  loose_plug,
+  freeze,
+  reboot,
+  bus_off,
+  drop,
+  corrupt,
+  delay,
+  duplicate,
+  babble,
+  garbage_frames,
+  serial_noise,
+  sensor_stuck,
+  sensor_offset,
+  sensor_garbage,
+  sensor_slow,
+  sensor_silent,
+  gyro_jump,
+  encoder_lost,
+  encoder_reversed,
+  slip,
+  wheel_blocked,
+  battery,
+  power_cut,
+  emergency_stop,
+  bumper,
+  obstacle,
+  slope,
+  trip,
+  collapse,
+  hang,
+  pelvis_turned,
+  core_bus_off,
+  core_late,
+  core_stall,
+  core_crash,
+  server_hang,
+  server_crash,
+  link_loss,
+  link_stall,
+  link_jitter,
+  tab_freeze,
+  second_client,
+  take_over,
+  replay,
+  parameter_push,
+  logout,
+  disk_full,
+  disk_slow,
+  disk_error,
+  disk_power_cut,
+  clock_jump,
+  count
+};
+
+enum class Target : std::uint8_t { nothing, any_node, tilt, drive };
+
+struct KindInfo {
+  Kind kind;
+  std::string_view name;
+  Target target;
+  bool outside;  // server, network, disk, clock: a patient who leads must not feel it (I12)
+  bool disk;     // needs the recorder
+};
+
+inline constexpr std::array kKinds{
+    KindInfo{Kind::unplug, "unplug", Target::any_node, false, false},
+    KindInfo{Kind::loose_plug, "loose_plug", Target::any_node, false, false},
+    KindInfo{Kind::freeze, "freeze", Target::any_node, false, false},
+    KindInfo{Kind::reboot, "reboot", Target::any_node, false, false},
+    KindInfo{Kind::bus_off, "bus_off", Target::any_node, false, false},
+    KindInfo{Kind::drop, "drop", Target::any_node, false, false},
+    KindInfo{Kind::corrupt, "corrupt", Target::any_node, false, false},
+    KindInfo{Kind::delay, "delay", Target::any_node, false, false},
+    KindInfo{Kind::duplicate, "duplicate", Target::any_node, false, false},
+    KindInfo{Kind::babble, "babble", Target::nothing, false, false},
+    KindInfo{Kind::garbage_frames, "garbage_frames", Target::nothing, false, false},
+    KindInfo{Kind::serial_noise, "serial_noise", Target::nothing, false, false},
+    KindInfo{Kind::sensor_stuck, "sensor_stuck", Target::tilt, false, false},
+    KindInfo{Kind::sensor_offset, "sensor_offset", Target::tilt, false, false},
+    KindInfo{Kind::sensor_garbage, "sensor_garbage", Target::tilt, false, false},
+    KindInfo{Kind::sensor_slow, "sensor_slow", Target::tilt, false, false},
+    KindInfo{Kind::sensor_silent, "sensor_silent", Target::tilt, false, false},
+    KindInfo{Kind::gyro_jump, "gyro_jump", Target::tilt, false, false},
+    KindInfo{Kind::encoder_lost, "encoder_lost", Target::drive, false, false},
+    KindInfo{Kind::encoder_reversed, "encoder_reversed", Target::drive, false, false},
+    KindInfo{Kind::slip, "slip", Target::drive, false, false},
+    KindInfo{Kind::wheel_blocked, "wheel_blocked", Target::drive, false, false},
+    KindInfo{Kind::battery, "battery", Target::nothing, false, false},
+    KindInfo{Kind::power_cut, "power_cut", Target::nothing, false, false},
+    KindInfo{Kind::emergency_stop, "emergency_stop", Target::nothing, false, false},
+    KindInfo{Kind::bumper, "bumper", Target::nothing, false, false},
+    KindInfo{Kind::obstacle, "obstacle", Target::nothing, false, false},
+    KindInfo{Kind::slope, "slope", Target::nothing, false, false},
+    KindInfo{Kind::trip, "trip", Target::nothing, false, false},
+    KindInfo{Kind::collapse, "collapse", Target::nothing, false, false},
+    KindInfo{Kind::hang, "hang", Target::nothing, false, false},
+    KindInfo{Kind::pelvis_turned, "pelvis_turned", Target::nothing, false, false},
+    KindInfo{Kind::core_bus_off, "core_bus_off", Target::nothing, false, false},
+    KindInfo{Kind::core_late, "core_late", Target::nothing, false, false},
+    KindInfo{Kind::core_stall, "core_stall", Target::nothing, false, false},
+    KindInfo{Kind::core_crash, "core_crash", Target::nothing, false, false},
+    KindInfo{Kind::server_hang, "server_hang", Target::nothing, true, true},
+    KindInfo{Kind::server_crash, "server_crash", Target::nothing, true, true},
+    KindInfo{Kind::link_loss, "link_loss", Target::nothing, true, false},
+    KindInfo{Kind::link_stall, "link_stall", Target::nothing, true, false},
+    KindInfo{Kind::link_jitter, "link_jitter", Target::nothing, true, false},
+    KindInfo{Kind::tab_freeze, "tab_freeze", Target::nothing, true, false},
+    KindInfo{Kind::second_client, "second_client", Target::nothing, true, false},
+    KindInfo{Kind::take_over, "take_over", Target::nothing, true, false},
+    KindInfo{Kind::replay, "replay", Target::nothing, true, false},
+    KindInfo{Kind::parameter_push, "parameter_push", Target::nothing, false, false},
+    KindInfo{Kind::logout, "logout", Target::nothing, true, false},
+    KindInfo{Kind::disk_full, "disk_full", Target::nothing, true, true},
+    KindInfo{Kind::disk_slow, "disk_slow", Target::nothing, true, true},
+    KindInfo{Kind::disk_error, "disk_error", Target::nothing, true, true},
+    KindInfo{Kind::disk_power_cut, "disk_power_cut", Target::nothing, true, true},
+    KindInfo{Kind::clock_jump, "clock_jump", Target::nothing, true, true},
+};
+constexpr const KindInfo& info(Kind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
+static_assert([] {
+  for (std::size_t i = 0; i < kKinds.size(); ++i)
+    if (kKinds[i].kind != static_cast<Kind>(i)) return false;
+  return kKinds.size() == static_cast<std::size_t>(Kind::count);
+}());
+
+struct Fault {
+  Kind kind{};
+  contract::Node node{};
+  double start_s{}, end_s{};
+  double size{};  // 0 to 1, what it means depends on the kind
+};
+
+/// Up to `most` faults of one session, by its seed. `outside_only`: only what a patient who leads must not feel.
+[[nodiscard]] std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bool outside_only);
+
+/// "unplug:io:12.5:14:0.3,bumper::20:21:0.9", as --faults takes it and the file of kept sessions holds it. "-" is no fault at all.
+[[nodiscard]] std::string faults_text(const std::vector<Fault>& faults);
+/// Nothing when the text is no such list.
+[[nodiscard]] std::optional<std::vector<Fault>> read_faults(std::string_view text);
+
+}  // namespace hoist::chaos

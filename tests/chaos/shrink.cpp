@@ -1,0 +1,84 @@
+#include "tests/chaos/shrink.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace hoist::chaos {
+namespace {
+
+constexpr double kShortest_s = 15.0;
+constexpr double kAfter_s = 1.0;  // of what is kept behind the moment in which it broke
+
+// "I1: a wheel ..." is I1: a smaller session counts when it breaks the same promise.
+std::string promise(const SessionReport& report) {
+  if (report.broken.empty()) return {};
+  const std::string& line = report.broken.front();
+  const std::size_t at = line.find(':');
+  const std::size_t begin = at == std::string::npos ? 0 : line.find_last_of(' ', at) + 1;
+  return line.substr(begin, at == std::string::npos ? at : at - begin);
+}
+
+}  // namespace
+
+SessionOptions shrink(const SessionOptions& options, const SessionReport& report) {
+  SessionOptions best = options;
+  best.tell = false;
+  best.faults = report.faults;
+  const std::string wanted = promise(report);
+  int runs = 0;
+  const auto breaks = [&](const SessionOptions& tried, SessionReport& found) {
+    if (++runs > kShrinkRuns) return false;
+    found = tried.only_walk ? run_unmoved(tried) : run_session(tried);
+    return !found.broken.empty() && promise(found) == wanted;
+  };
+  SessionReport newest = report;
+  for (bool smaller = true; smaller && runs < kShrinkRuns;) {
+    smaller = false;
+    for (std::size_t i = 0; i < best.faults->size(); ++i) {
+      SessionOptions tried = best;
+      tried.faults->erase(tried.faults->begin() + static_cast<std::ptrdiff_t>(i));
+      SessionReport found;
+      if (!breaks(tried, found)) continue;
+      best = tried;
+      newest = found;
+      smaller = true;
+      break;
+    }
+    // What has not begun when it broke is not needed; what comes after is not either.
+    const double until_s = std::max(kShortest_s, std::ceil(newest.broken_s + kAfter_s));
+    if (until_s < best.length_s) {
+      SessionOptions tried = best;
+      tried.length_s = until_s;
+      SessionReport found;
+      if (breaks(tried, found)) {
+        best = tried;
+        newest = found;
+        smaller = true;
+      }
+    }
+    for (std::size_t i = 0; i < best.faults->size() && !smaller; ++i) {
+      SessionOptions tried = best;
+      Fault& fault = (*tried.faults)[i];
+      const double length_s = fault.end_s - fault.start_s;
+      if (length_s < 0.1) continue;
+      fault.end_s = fault.start_s + std::round(length_s * 500.0) / 1000.0;
+      SessionReport found;
+      if (!breaks(tried, found)) continue;
+      best = tried;
+      newest = found;
+      smaller = true;
+    }
+  }
+  return best;
+}
+
+std::string replay_words(const SessionOptions& options) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%s--seed %llu --length %g --faults ", options.only_walk ? "--unmoved " : "",
+                static_cast<unsigned long long>(options.seed), options.length_s);
+  return text + faults_text(options.faults ? *options.faults
+                                           : plan_faults(options.seed, options.faults_max, options.length_s, options.outside_only));
+}
+
+}  // namespace hoist::chaos

@@ -1,0 +1,18 @@
+// A session that broke a promise, made as small as it still breaks one: fewest faults, then the shortest time.
+#pragma once
+#include <string>
+
+#include "tests/chaos/session.hpp"
+
+namespace hoist::chaos {
+
+/// Runs at most this many sessions to find a smaller one.
+inline constexpr int kShrinkRuns = 80;
+
+/// `options` led to `report`, which is broken. Returns the smallest options that were found; they carry their faults with them.
+[[nodiscard]] SessionOptions shrink(const SessionOptions& options, const SessionReport& report);
+
+/// The words after "hoist-chaos" that tell this session again.
+[[nodiscard]] std::string replay_words(const SessionOptions& options);
+
+}  // namespace hoist::chaos

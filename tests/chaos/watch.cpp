@@ -1,0 +1,380 @@
+#include "tests/chaos/watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <span>
+
+#include "control/contract/params.hpp"
+#include "control/core/output/supervisor.hpp"
+
+namespace hoist::chaos {
+namespace {
+
+using contract::CommandKind;
+using contract::EventKind;
+using contract::Mode;
+using contract::Node;
+using contract::TickRecord;
+using HoistFault = contract::Fault;
+
+constexpr double kRest_m_s = 0.08;  // a wheel this slow has stopped: a patient who still walks shakes the brakes of a hoist that holds
+constexpr double kEps = 1e-6;
+// Between braking and standstill beside v/a: the drives' lag, and 50 ms of I1.
+constexpr double kRollOut_s = 0.35;
+
+bool moves(Mode mode) { return contract::kModes[static_cast<std::size_t>(mode)].moving != 0; }
+
+// Only drives that say they follow commands can be held to the ramp; others brake by themselves.
+bool enabled(std::uint16_t status_word) {
+  return contract::canopen::drive::state(status_word) == contract::canopen::drive::State::operation_enabled;
+}
+bool has(const TickRecord& record, HoistFault fault) { return (record.fault_bits & contract::fault_bit(fault)) != 0; }
+
+const char* not_finite(const TickRecord& record) {
+  const auto* bytes = reinterpret_cast<const char*>(&record);
+  for (const contract::SignalInfo& signal : contract::kSignals) {
+    if (signal.type != contract::SignalType::f32) continue;
+    float value = 0;
+    std::memcpy(&value, bytes + signal.offset, sizeof value);
+    if (!std::isfinite(value)) return signal.name.data();
+  }
+  return nullptr;
+}
+
+std::uint32_t lost_bit(Node node) {
+  constexpr std::array kLost{HoistFault::drive_left_lost, HoistFault::drive_right_lost, HoistFault::io_lost,
+                             HoistFault::tilt_left_lost,  HoistFault::tilt_right_lost,  HoistFault::tilt_base_lost};
+  return contract::fault_bit(kLost[static_cast<std::size_t>(node)]);
+}
+
+}  // namespace
+
+bool Board::now(Kind kind) const {
+  return std::any_of(rows.begin(), rows.end(), [kind](const Planned& r) { return r.fault.kind == kind && r.on; });
+}
+bool Board::ever(Kind kind) const {
+  return std::any_of(rows.begin(), rows.end(), [kind](const Planned& r) { return r.fault.kind == kind && (r.on || r.done); });
+}
+bool Board::ever(Kind kind, contract::NodeKind node) const {
+  return std::any_of(rows.begin(), rows.end(), [kind, node](const Planned& r) {
+    return r.fault.kind == kind && (r.on || r.done) && contract::kNodes[static_cast<std::size_t>(r.fault.node)].kind == node;
+  });
+}
+bool Board::any_yet() const {
+  return std::any_of(rows.begin(), rows.end(), [](const Planned& r) { return r.on || r.done; });
+}
+bool Board::any_inside_yet() const {
+  return std::any_of(rows.begin(), rows.end(), [](const Planned& r) { return (r.on || r.done) && !info(r.fault.kind).outside; });
+}
+bool Board::alone(const Planned& row, double now_s, double quiet_s) const {
+  return std::all_of(rows.begin(), rows.end(),
+                     [&](const Planned& r) { return &r == &row || (!r.on && (!r.done || now_s - r.fault.end_s > quiet_s)); });
+}
+
+Watch::Watch(tests::ClosedLoop& loop, const Board& board, const SessionOptions& options, SessionReport& report)
+    : loop_(loop), board_(board), options_(options), report_(report), params_(loop.core().params) {}
+
+void Watch::core_restarted() {
+  last_mode_ = Mode::init;
+  last_speed_m_s_ = 0;
+  moving_end_s_ = loop_.time_s();
+  raised_ = 0;
+  events_seen_ = loop_.events().size();
+  params_ = loop_.core().params;
+  parameter_version_ = loop_.core().parameter_version;
+  drive_sequence_ = drive_epoch_ = lease_epoch_ = lease_holder_ = 0;
+  staged_.clear();
+  must_raise_.clear();
+  ran_ = false;
+}
+
+bool Watch::fallen() const { return loop_.world().patient().state() >= sim::PatientState::tripping; }
+
+double Watch::fastest_wheel() const {
+  const sim::Plant& plant = loop_.world().plant();
+  return std::max(std::fabs(plant.wheel_speed_m_s(sim::Side::left)), std::fabs(plant.wheel_speed_m_s(sim::Side::right)));
+}
+
+// Where the hoist cannot answer for what its wheels do: it does not know it, somebody falls against it, or its simulated processor stands still
+// and keeps its outputs (a real one has a watchdog; tests/machine).
+bool Watch::odd() const {
+  return board_.ever(Kind::encoder_lost) || board_.ever(Kind::encoder_reversed) || fallen() || board_.ever(Kind::slip) ||
+         board_.ever(Kind::wheel_blocked) || board_.ever(Kind::power_cut) || board_.ever(Kind::obstacle) || board_.ever(Kind::slope) ||
+         board_.ever(Kind::freeze, contract::NodeKind::drive);
+}
+
+void Watch::tell(const std::string& what) {
+  if (!options_.tell) return;
+  char time[24];
+  std::snprintf(time, sizeof time, "%8.2f s  ", loop_.time_s());
+  report_.story.push_back(time + what);
+}
+
+void Watch::broken(std::string_view what, double value, std::string_view name) {
+  // One line for each promise: the first time tells most.
+  if (std::find(told_.begin(), told_.end(), what) != told_.end()) return;
+  told_.emplace_back(what);
+  char text[240];
+  std::snprintf(text, sizeof text, "%8.2f s  %.*s%.*s (%g)", loop_.time_s(), static_cast<int>(what.size()), what.data(),
+                static_cast<int>(name.size()), name.data(), value);
+  if (report_.broken.empty()) report_.broken_s = loop_.time_s();
+  report_.broken.emplace_back(text);
+  tell(std::string("BROKEN ") + text);
+}
+
+void Watch::must_stop(const char* cause, double budget_s, double braking_m_s2) {
+  if (!loop_.core_runs() || !moves(loop_.mode())) return;
+  const double now_s = loop_.time_s();
+  must_stop_.push_back({cause, now_s, now_s + budget_s + fastest_wheel() / braking_m_s2 + kRollOut_s});
+}
+
+// What a single fault must lead to, and how soon (research on safety, 2.2). Several at once hide each other; what holds then is the rest.
+void Watch::fault_begins(const Planned& row) {
+  const Fault& f = row.fault;
+  const double now_s = loop_.time_s(), length_s = f.end_s - f.start_s;
+  if (!board_.alone(row, now_s, 6.0) || !loop_.core_runs() || loop_.mode() == Mode::init) return;
+  const auto raise = [&](std::uint32_t bits, const char* what, double budget_s) { must_raise_.push_back({bits, what, now_s + budget_s}); };
+  switch (f.kind) {
+    case Kind::unplug:
+    case Kind::bus_off:
+    case Kind::freeze:
+      if (length_s < 0.12 || (raised_ & lost_bit(f.node)) != 0) break;
+      // A frozen drive keeps its outputs: only that it is missed can be asked.
+      raise(lost_bit(f.node), "I1: a silent node is not missed within 60 ms", 0.06 + 0.011);
+      if (f.kind != Kind::freeze || contract::kNodes[static_cast<std::size_t>(f.node)].kind != contract::NodeKind::drive)
+        must_stop("a node fell silent", 0.07, 1.0);
+      break;
+    case Kind::bumper:
+      if (length_s < 0.1) break;
+      raise(contract::fault_bit(HoistFault::bumper_pressed), "I1: a bumper is not felt within 30 ms", 0.03 + 0.011);
+      must_stop("a bumper", 0.04, 1.0);
+      break;
+    case Kind::core_bus_off:
+      if (length_s < 0.1) break;
+      must_stop("the bus is gone", 0.07, 1.0);
+      break;
+    case Kind::emergency_stop:
+      if (length_s < 0.1) break;
+      raise(contract::fault_bit(HoistFault::emergency_stop), "I1: the emergency stop is not seen within 30 ms", 0.03 + 0.011);
+      must_stop("the emergency stop", 0.03, 0.7);
+      break;
+    case Kind::power_cut:
+      must_stop("the drives' power is gone", 0.1, 0.7);
+      break;
+    default:
+      break;
+  }
+}
+
+void Watch::before_step(const core::TickInputs& inputs) {
+  commands_.assign(inputs.commands.begin(), inputs.commands.end());
+  last_tick_ = inputs.tick;
+  for (const contract::Command& c : commands_)
+    if (c.kind == CommandKind::acknowledge && lease_holder_ != 0 && c.client == lease_holder_ && c.lease_epoch == lease_epoch_)
+      acknowledged_s_ = loop_.time_s();
+  if (!inputs.drive_fresh) return;
+  // What may act: from the holder, under its number, newer than the last, held, and about a picture of the hoist not older than 250 ms.
+  const contract::DriveCommand& d = inputs.drive;
+  if (lease_holder_ == 0 || d.client != lease_holder_ || d.lease_epoch != lease_epoch_) return;
+  if (drive_epoch_ != lease_epoch_) drive_sequence_ = 0;
+  if (d.sequence <= drive_sequence_) return;
+  const bool fresh = d.echo_time_ns <= inputs.time_ns && inputs.time_ns - d.echo_time_ns <= 250'000'000;
+  if (d.held == 1 && !fresh) return;
+  drive_epoch_ = lease_epoch_;
+  drive_sequence_ = d.sequence;
+  if (d.held == 1) driven_s_ = loop_.time_s();
+}
+
+void Watch::after_step(bool core_ran) {
+  watch_truth(core_ran);
+  if (core_ran) watch_record();
+  commands_.clear();
+}
+
+void Watch::watch_truth(bool core_ran) {
+  const double now_s = loop_.time_s();
+  const sim::Plant& plant = loop_.world().plant();
+  if (!odd()) {
+    if (std::fabs(plant.platform().speed_m_s) > 0.75) broken("I2: faster than 0.75 m/s", plant.platform().speed_m_s);
+    if (std::fabs(plant.platform().yaw_rate_rad_s) > 1.1)
+      broken("I2: turns faster than 63 degrees a second", plant.platform().yaw_rate_rad_s);
+  }
+  // I8: without the core the drives brake by themselves: 50 ms, then the ramp.
+  if (core_ran) {
+    core_silent_s_ = now_s;
+    wheels_at_silence_m_s_ = fastest_wheel();
+  } else if (now_s - core_silent_s_ > 0.06 + wheels_at_silence_m_s_ + kRollOut_s && !odd() && fastest_wheel() > kRest_m_s) {
+    broken("I8: a wheel still turns after the core's last command", fastest_wheel());
+  }
+  // I1: each cause of a stop has its time.
+  for (std::size_t i = 0; i < must_stop_.size();) {
+    const MustStop& stop = must_stop_[i];
+    const bool rested = fastest_wheel() <= kRest_m_s;
+    if (!rested && now_s > stop.by_s && !odd()) broken(std::string("I1: a wheel turns too long after ") + stop.cause, fastest_wheel());
+    if (rested || now_s > stop.by_s)
+      must_stop_.erase(must_stop_.begin() + static_cast<std::ptrdiff_t>(i));
+    else
+      ++i;
+  }
+}
+
+void Watch::watch_record() {
+  const double now_s = loop_.time_s();
+  const TickRecord& record = loop_.record();
+  const Mode mode = loop_.mode();
+  if (const char* name = not_finite(record)) broken("I13: the record holds no number in ", 0.0, name);
+  watch_limits(record, mode);
+  if (mode == Mode::remote) watch_driver(record);
+  watch_parameters(mode);
+  // I1: at rest soon after motion has ended, whatever ended it.
+  if (moves(mode)) moving_end_s_ = now_s;
+  const bool pushed = fallen() || board_.ever(Kind::encoder_lost) || board_.ever(Kind::encoder_reversed) || board_.ever(Kind::slip) ||
+                      board_.ever(Kind::wheel_blocked) || board_.ever(Kind::freeze, contract::NodeKind::drive);
+  if (!moves(mode) && now_s - moving_end_s_ > 1.3 && fastest_wheel() > kRest_m_s && !pushed)
+    broken("I1: a wheel turns 1.3 s after motion ended", fastest_wheel());
+  if (moves(mode)) report_.walked_s += 0.01;
+  watch_events();
+  watch_deadlines(record);
+  if (record.tick != last_tick_) broken("I9: the record's tick is not the step's", static_cast<double>(record.tick));
+  lease_epoch_ = record.lease_epoch;
+  lease_holder_ = record.lease_holder;
+  last_mode_ = mode;
+  last_speed_m_s_ = static_cast<double>(record.speed_command_m_s);
+  followed_ = enabled(record.left_status_word) && enabled(record.right_status_word);
+  ran_ = true;
+}
+
+void Watch::watch_limits(const TickRecord& record, Mode mode) {
+  const double wheels = std::max(std::fabs(static_cast<double>(record.wheel_left_command_m_s)),
+                                 std::fabs(static_cast<double>(record.wheel_right_command_m_s)));
+  if (!moves(mode) && mode != Mode::protective_stop && wheels > 0.0) broken("I4: wheels commanded in a mode that does not move", wheels);
+  const double speed = static_cast<double>(record.speed_command_m_s);
+  if (std::fabs(speed) > 0.65 + kEps) broken("I2: commanded above the top speed", speed);
+  const bool follow = enabled(record.left_status_word) && enabled(record.right_status_word);
+  // With one drive out, what the other one is told is no turn of the hoist.
+  if (follow && std::fabs(static_cast<double>(record.yaw_rate_command_rad_s)) > 0.872664626 + 1e-4)
+    broken("I2: commanded above the top turn rate", static_cast<double>(record.yaw_rate_command_rad_s));
+  if (!ran_ || mode != last_mode_ || !follow || !followed_) return;
+  const double change = std::fabs(speed) - std::fabs(last_speed_m_s_);
+  const double braking = has(record, HoistFault::bumper_pressed) ? 1.5 : 1.0;
+  if (change > 0.5 * 0.01 + 1e-5) broken("I2: speeds up faster than 0.5 m/s2", change / 0.01);
+  if (-change > braking * 0.01 + 1e-5) broken("I2: brakes harder than allowed", -change / 0.01);
+}
+
+// I3, I6: judged by what reached the core, not by what it says of it.
+void Watch::watch_driver(const TickRecord& record) {
+  const bool wished = record.speed_wish_m_s != 0 || record.yaw_rate_wish_rad_s != 0;
+  if (!wished) return;
+  if (record.lease_holder == 0) broken("I3: drives without a driver");
+  if (record.remote_age_s > 0.26F) broken("I6: an old command acts", static_cast<double>(record.remote_age_s));
+  if (loop_.time_s() - driven_s_ > 0.27) broken("I6: acts on nothing fresh from its driver", loop_.time_s() - driven_s_);
+}
+
+// I10: what is in force changes only by a whole set that somebody gave, one number for each set, and never to what is not allowed.
+void Watch::watch_parameters(Mode mode) {
+  const core::CoreState& core = loop_.core();
+  for (const contract::Command& c : commands_)
+    if (c.kind == CommandKind::stage_parameter) {
+      if (c.b == 0) staged_.clear();
+      staged_.push_back(c);
+    }
+  const bool changed = !std::ranges::equal(std::as_bytes(std::span(&core.params, 1)), std::as_bytes(std::span(&params_, 1)));
+  if (changed != (core.parameter_version != parameter_version_) && parameter_version_ != 0 && changed)
+    broken("I10: parameters changed without a new version");
+  if (changed) {
+    std::size_t accounted = 0, count = 0;
+    for (const contract::Event& e : std::span(loop_.events()).subspan(events_seen_))
+      count += e.kind == EventKind::parameter_changed ? 1U : 0U;
+    for (std::size_t i = 0; i < contract::kParamCount; ++i) {
+      const double before = contract::get_param(params_, i), now = contract::get_param(core.params, i);
+      if (contract::check_param(i, now) != contract::ParamCheck::ok)
+        broken("I10: a value in force is not allowed: ", now, contract::kParams[i].name);
+      const bool given = std::any_of(staged_.begin(), staged_.end(),
+                                     [&](const contract::Command& c) { return c.a == contract::kParams[i].id && c.v0 == now; });
+      accounted += given ? 1U : 0U;
+      if (now == before) continue;
+      if (!given) broken("I10: a value is in force that nobody gave: ", now, contract::kParams[i].name);
+      if (moves(mode) && moves(last_mode_) && contract::kParams[i].edit != contract::EditRule::live)
+        broken("I10: changed while moving: ", now, contract::kParams[i].name);
+    }
+    if (contract::check_param_set(core.params) != nullptr) broken("I10: the values in force contradict each other");
+    const auto commit = std::find_if(commands_.begin(), commands_.end(),
+                                     [](const contract::Command& c) { return c.kind == CommandKind::commit_parameters; });
+    if (commit == commands_.end())
+      broken("I10: parameters changed without a commit");
+    else if (accounted < commit->a || count != commit->a)
+      broken("I10: a set is in force in part", static_cast<double>(count));
+    params_ = core.params;
+  }
+  parameter_version_ = core.parameter_version;
+}
+
+void Watch::watch_events() {
+  const auto& events = loop_.events();
+  for (; events_seen_ < events.size(); ++events_seen_) {
+    const contract::Event& e = events[events_seen_];
+    const std::uint32_t bit = e.code < 32 ? 1U << e.code : 0U;
+    const bool about_fault = e.kind == EventKind::fault_raised || e.kind == EventKind::fault_cleared;
+    const std::string_view name = about_fault ? contract::fault_info(static_cast<HoistFault>(e.code)).name : std::string_view{};
+    if (e.kind == EventKind::fault_raised) {
+      tell("fault " + std::string(name));
+      if ((raised_ & bit) != 0) broken("I11: a fault is raised twice: ", 0.0, name);
+      raised_ |= bit;
+    } else if (e.kind == EventKind::fault_cleared) {
+      if ((raised_ & bit) == 0) broken("I11: a fault is cleared that was not raised: ", 0.0, name);
+      raised_ &= ~bit;
+    } else if (e.kind == EventKind::mode_changed) {
+      watch_mode_change(static_cast<Mode>(e.item), static_cast<Mode>(e.code));
+    }
+  }
+  // Every fault in force has been told of, and none is told of that is not.
+  if (raised_ != loop_.record().fault_bits)
+    broken("I11: faults in force and faults told of differ", static_cast<double>(raised_ ^ loop_.record().fault_bits));
+}
+
+void Watch::watch_mode_change(Mode from, Mode to) {
+  const double now_s = loop_.time_s();
+  tell("mode " + std::string(contract::kModes[static_cast<std::size_t>(from)].name) + " to " +
+       std::string(contract::kModes[static_cast<std::size_t>(to)].name));
+  const TickRecord& record = loop_.record();
+  const bool allowed = std::any_of(core::kTransitions.begin(), core::kTransitions.end(),
+                                   [&](const core::Transition& t) { return t.from == from && t.to == to; });
+  if (!allowed) broken("I5: a change of mode that no table allows");
+  // An acknowledgement may wait half a second for a drive to leave its fault.
+  const bool released = (from == Mode::protective_stop && to == Mode::standby) || (from == Mode::fault && to != Mode::emergency_stop) ||
+                        from == Mode::emergency_stop;
+  if (released && now_s - acknowledged_s_ > 0.6) broken("I5: a stop ended without acknowledgement");
+  if (moves(to)) {
+    ++report_.starts;
+    if (std::fabs(record.lean_norm) > 0.2F + 1e-3F || std::fabs(record.turn_norm) > 0.2F + 1e-3F)
+      broken("I7: a start away from neutral", static_cast<double>(record.lean_norm));
+  }
+  if (to == Mode::protective_stop || to == Mode::emergency_stop) ++report_.stops;
+  const bool ended = moves(from) && !moves(to);
+  const bool excused = from == Mode::user ? board_.any_inside_yet() : board_.any_yet();
+  if (ended && !excused && now_s - asked_stop_s_ > 4.0) {
+    // A patient who is driven about may rightly trip the fall guard; one who walks as he likes must never.
+    if (from == Mode::remote && has(record, HoistFault::fall_detected)) return;
+    ++report_.false_stops;
+    if (options_.frame_loss == 0.0)
+      broken("false stop: ", 0.0,
+             record.stop_cause > 0 ? contract::fault_info(static_cast<HoistFault>(record.stop_cause - 1U)).name : "soft stop");
+  }
+}
+
+void Watch::watch_deadlines(const TickRecord& record) {
+  const double now_s = loop_.time_s();
+  for (std::size_t i = 0; i < must_raise_.size();) {
+    const MustRaise& must = must_raise_[i];
+    const bool raised = (record.fault_bits & must.any_of) != 0 || loop_.mode() == Mode::init;
+    if (!raised && now_s > must.by_s) broken(must.what, now_s - must.by_s);
+    if (raised || now_s > must.by_s)
+      must_raise_.erase(must_raise_.begin() + static_cast<std::ptrdiff_t>(i));
+    else
+      ++i;
+  }
+}
+
+}  // namespace hoist::chaos

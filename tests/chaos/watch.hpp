@@ -1,0 +1,98 @@
+// What must always hold: invariants I1 to I14 of research on safety, 4.3, judged from outside on what the core records and sends and on the
+// truth of the simulated machine. Nothing here asks the product whether it did well.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "control/contract/faults.hpp"
+#include "control/contract/signals.hpp"
+#include "tests/chaos/session.hpp"
+#include "tests/support/closed_loop.hpp"
+
+namespace hoist::chaos {
+
+/// Which faults of the plan are under way, and which have been.
+struct Planned {
+  Fault fault;
+  bool on = false, done = false;
+};
+class Board {
+ public:
+  explicit Board(const std::vector<Fault>& faults) {
+    for (const Fault& fault : faults) rows.push_back({fault});
+  }
+  [[nodiscard]] bool now(Kind kind) const;
+  [[nodiscard]] bool ever(Kind kind) const;
+  [[nodiscard]] bool ever(Kind kind, contract::NodeKind node) const;
+  [[nodiscard]] bool any_yet() const;
+  /// Something else than what a patient who leads must not feel.
+  [[nodiscard]] bool any_inside_yet() const;
+  /// No other fault is under way or has ended within `quiet_s`.
+  [[nodiscard]] bool alone(const Planned& row, double now_s, double quiet_s) const;
+  std::vector<Planned> rows;
+};
+
+class Watch {
+ public:
+  Watch(tests::ClosedLoop& loop, const Board& board, const SessionOptions& options, SessionReport& report);
+
+  void before_step(const core::TickInputs& inputs);
+  void after_step(bool core_ran);
+  void fault_begins(const Planned& row);
+  void therapist_stops() { asked_stop_s_ = loop_.time_s(), must_stop("STOP or the end of motion", 0.01, 0.5); }
+  void stick_falls_silent() { asked_stop_s_ = loop_.time_s(); }
+  void core_restarted();
+  void must_stop(const char* cause, double budget_s, double braking_m_s2);
+  void tell(const std::string& what);
+  void broken(std::string_view what, double value = 0.0, std::string_view name = {});
+  [[nodiscard]] double fastest_wheel() const;
+  /// The patient is down, or was made to fall: physics beyond the hoist's power.
+  [[nodiscard]] bool fallen() const;
+
+ private:
+  struct MustStop {
+    const char* cause;
+    double since_s, by_s;
+  };
+  struct MustRaise {
+    std::uint32_t any_of;
+    const char* what;
+    double by_s;
+  };
+
+  void watch_truth(bool core_ran);
+  void watch_record();
+  void watch_limits(const contract::TickRecord& record, contract::Mode mode);
+  void watch_driver(const contract::TickRecord& record);
+  void watch_parameters(contract::Mode mode);
+  void watch_events();
+  void watch_mode_change(contract::Mode from, contract::Mode to);
+  void watch_deadlines(const contract::TickRecord& record);
+  [[nodiscard]] bool odd() const;
+
+  tests::ClosedLoop& loop_;
+  const Board& board_;
+  const SessionOptions& options_;
+  SessionReport& report_;
+  std::vector<std::string> told_;
+  std::vector<MustStop> must_stop_;
+  std::vector<MustRaise> must_raise_;
+  std::vector<contract::Command> commands_;  // of this step
+  contract::Params params_;                  // in force after the step before
+  std::uint64_t parameter_version_{};
+  std::vector<contract::Command> staged_;  // rows of the set that is being gathered, by any client
+  double asked_stop_s_{-100.0}, acknowledged_s_{-100.0}, driven_s_{-100.0};
+  double moving_end_s_{}, core_silent_s_{}, wheels_at_silence_m_s_{};
+  double last_speed_m_s_{};
+  std::uint64_t drive_sequence_{};
+  std::uint32_t drive_epoch_{}, lease_epoch_{}, lease_holder_{};
+  contract::Mode last_mode_{contract::Mode::init};
+  std::size_t events_seen_{};
+  std::uint32_t raised_{};
+  std::uint64_t last_tick_{};
+  bool ran_{false}, followed_{false};
+};
+
+}  // namespace hoist::chaos
