@@ -63,6 +63,9 @@ export type RefusalName =
   | 'emergency_stop_open'
   | 'set_outdated'
   | 'node_version'
+  | 'no_exercise'
+  | 'exercise_limits'
+  | 'release_first'
   | 'not_calibrated';
 
 export type ModeName =
@@ -281,6 +284,9 @@ export const refusals: readonly RefusalInfo[] = [
   { bit: 20, name: 'emergency_stop_open', text: { en: 'The emergency stop is still pressed: release it first.', de: 'Der Not-Halt ist noch gedrückt: zuerst lösen.' } },
   { bit: 21, name: 'set_outdated', text: { en: 'These values did not arrive whole, or others have changed meanwhile: look again, then send again.', de: 'Diese Werte kamen nicht vollständig an oder andere haben sich inzwischen geändert: ansehen und neu senden.' } },
   { bit: 22, name: 'node_version', text: { en: 'A sensor or drive runs another program version than this control.', de: 'Ein Sensor oder Antrieb hat eine andere Programmversion als diese Steuerung.' } },
+  { bit: 23, name: 'no_exercise', text: { en: 'Choose an exercise first.', de: 'Zuerst eine Übung wählen.' } },
+  { bit: 24, name: 'exercise_limits', text: { en: 'The exercise does not fit: see size, speed and number of laps.', de: 'Die Übung passt nicht: Größe, Tempo und Zahl der Runden prüfen.' } },
+  { bit: 25, name: 'release_first', text: { en: 'Let go of the button first, then press it anew.', de: 'Zuerst den Knopf loslassen, dann neu drücken.' } },
   { bit: 26, name: 'not_calibrated', text: { en: 'The struts have never been zeroed on this hoist: do that under Calibrate first.', de: 'Die Streben wurden an diesem Gerät noch nie genullt: zuerst unter Kalibrieren erledigen.' } },
 ];
 
@@ -299,7 +305,7 @@ export const modes: readonly ModeInfo[] = [
   { value: 3, name: 'remote', moving: true, title: { en: 'Therapist drives', de: 'Therapeut fährt' } },
   { value: 4, name: 'protective_stop', moving: false, title: { en: 'Stopped', de: 'Angehalten' } },
   { value: 5, name: 'calibrate', moving: false, title: { en: 'Calibrating', de: 'Kalibriert' } },
-  { value: 6, name: 'guided', moving: true, title: { en: 'Guided exercise', de: 'Geführte Übung' } },
+  { value: 6, name: 'guided', moving: true, title: { en: 'Exercise', de: 'Übung' } },
   { value: 7, name: 'fault', moving: false, title: { en: 'Out of service', de: 'Außer Betrieb' } },
   { value: 8, name: 'emergency_stop', moving: false, title: { en: 'Emergency stop', de: 'Not-Halt' } },
 ];

@@ -2,10 +2,14 @@
 
 /** What is walked; null and free mean the same. */
 export type Exercise =
-  | { shape: 'eight'; c_m: number; radius_m: number }
-  | { shape: 'square'; side_m: number }
+  | { shape: 'eight'; c_m: number; radius_m: number; clockwise?: boolean }
+  | { shape: 'square'; side_m: number; corner_radius_m?: number; clockwise?: boolean }
+  | { shape: 'circle'; radius_m: number; clockwise?: boolean }
   | { shape: 'straight'; length_m: number }
   | { shape: 'free' };
+
+/** What the hoist drives by itself while the button is held. */
+export type GuidedPath = Exclude<Exercise, { shape: 'free' }> & { speed_m_s: number; laps?: number };
 
 /** Which field was refused and what is allowed. */
 export interface FieldError {
@@ -38,9 +42,11 @@ export interface ModeRequest {
   /** Comes back in the reply. */
   request: number;
   /** What to change to. */
-  mode: "user" | "remote" | "standby";
+  mode: "user" | "remote" | "guided" | "standby";
   /** What is walked; goes into the recording. */
   exercise?: Exercise | null;
+  /** For guided: what the hoist drives while the button is held; is the exercise, too. */
+  path?: GuidedPath | null;
 }
 
 /** STOP. Never refused. */
@@ -77,6 +83,22 @@ export interface SetRequest {
   request: number;
   /** Names and new values. */
   values: Record<string, number>;
+  /** Only on trial: the values before come back after so many seconds unless confirmed. */
+  revert_after_s?: number;
+}
+
+/** Values on trial stay. */
+export interface KeepSettingsRequest {
+  type: 'keep_settings';
+  /** Comes back in the reply. */
+  request: number;
+}
+
+/** Values on trial go back at once. */
+export interface UndoSettingsRequest {
+  type: 'undo_settings';
+  /** Comes back in the reply. */
+  request: number;
 }
 
 /** Set all values of a preset. */
@@ -174,6 +196,8 @@ export type ClientMessage =
   | AcknowledgeRequest
   | DriveRequest
   | SetRequest
+  | KeepSettingsRequest
+  | UndoSettingsRequest
   | PresetRequest
   | NeutralRequest
   | CalibrateRequest
@@ -314,7 +338,7 @@ export type ServerMessage =
   | NoticeMessage
   | FirmwareProgressMessage;
 
-/** What the core reports, by the number it has on the wire. */
+/** What the core reports. */
 export const eventKinds = [
   'none',
   'command_done',
@@ -329,6 +353,13 @@ export const eventKinds = [
   'neutral_set',
   'core_started',
   'emergency',
+  'calibration_sample',
+  'calibration_result',
+  'calibration_ended',
+  'guided_ended',
+  'parameters_on_trial',
+  'parameters_confirmed',
+  'parameters_reverted',
 ] as const;
 export type EventKind = (typeof eventKinds)[number];
 
@@ -359,4 +390,4 @@ export const nodes: readonly NodeInfo[] = [
 ];
 
 /** Two programs with different hashes do not understand each other. */
-export const layoutHash = 'a0a70cc7ca907753';
+export const layoutHash = '639bca8ff6e86a90';
