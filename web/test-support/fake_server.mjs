@@ -156,14 +156,10 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       dx_m: 0.8 * Math.tan(hoist.lean * range), dy_m: -0.8 * Math.tan(sway), speed_wish_m_s: wish, speed_command_m_s: hoist.v, speed_m_s: hoist.v, yaw_rate_rad_s: hoist.w,
       x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi, fused_x_m: hoist.x, fused_y_m: hoist.y, fused_psi_rad: hoist.psi, distance_m: hoist.distance, stop_distance_m: hoist.v ** 2 / 1.6, remote_age_s: 9.999,
       battery_a_v: 12.43, battery_b_v: 12.38, left_supply_v: 24.7, right_supply_v: 24.7, left_current_a: 0.6 + hoist.v, right_current_a: 0.5 + hoist.v,
-<<<<<<< HEAD
       wake_lateness_s: 6e-5, tick_duration_s: 2.1e-4, lateness_p50_s: 6e-5, lateness_p99_s: 2.1e-4, lateness_max_s: 4.1e-4, missed_ticks: 3, overruns: 5, page_faults: 0,
       allocations: 0, loop_priority: 49, loop_cpu: 3, memory_locked: 1, bus_frames: hoist.tick * 7, fault_bits: hoist.faults, blocked_bits: hoist.faults ? 4 : 0, lease_epoch: lease.epoch, lease_holder: lease.holder,
-=======
-      wake_lateness_s: 6e-5, tick_duration_s: 2.1e-4, bus_frames: hoist.tick * 7, fault_bits: hoist.faults, blocked_bits: hoist.faults ? 4 : 0, lease_epoch: lease.epoch, lease_holder: lease.holder,
       guided_phase: hoist.mode === 'guided' ? 2 : 0, guided_progress_norm: hoist.guided ? Math.min(1, hoist.distance / hoist.guided.total_m) : 0,
       guided_remaining_m: hoist.guided ? Math.max(0, hoist.guided.total_m - hoist.distance) : 0, guided_cross_track_m: hoist.mode === 'guided' ? 0.012 * Math.sin(hoist.tick / 70) : 0,
->>>>>>> 7fbdc13 (wip2)
       parameter_version: hoist.version, ...health(hoist.tick), mode: modeValue[hoist.mode], stop_cause: 0, simulated: 1, server_alive: 1, standing_still: Math.abs(hoist.v) < 0.02 ? 1 : 0,
     };
   };
