@@ -126,6 +126,29 @@ TEST(Faults, AFallOnlyEndsWithTheDriversAcknowledgement) {
   EXPECT_EQ(walk.loop.mode(), Mode::standby);
 }
 
+TEST(Faults, H16_AHangingPatientIsNotDrawnAlong) {
+  for (const double wish_m_s : {0.25, 0.45, 0.60}) {
+    SCOPED_TRACE(wish_m_s);
+    Walk walk("straight", wish_m_s);
+    ASSERT_TRUE(walk.set_off());
+    walk.loop.world().patient().hang();
+    const double begin_s = walk.loop.time_s();
+    double hardest_m_s2 = 0.0, last_m_s = static_cast<double>(walk.loop.record().speed_command_m_s);
+    ASSERT_TRUE(walk.loop.run_until([&] { return walk.loop.fault(Fault::patient_hanging); }, 4.0));
+    // It takes the body most of a second to sink past ten degrees, or half a stride until the sway is missed.
+    EXPECT_LE(walk.loop.time_s() - begin_s, 3.6);
+    EXPECT_TRUE(walk.loop.run_until(
+        [&] {
+          const double now_m_s = static_cast<double>(walk.loop.record().speed_command_m_s);
+          hardest_m_s2 = std::max(hardest_m_s2, (last_m_s - now_m_s) / core::kTick_s);
+          last_m_s = now_m_s;
+          return walk.loop.mode() == Mode::standby;
+        },
+        4.0));
+    EXPECT_LE(hardest_m_s2, 0.55);
+  }
+}
+
 class LostNode : public testing::TestWithParam<std::pair<Node, Fault>> {};
 TEST_P(LostNode, H3_H4_H14_StopsWithinSixtyMilliseconds) {
   Walk walk;

@@ -95,6 +95,51 @@ TEST(Falls, H15ComingBackFromBeyondTheLimitIsNoFall) {
   EXPECT_EQ(hoist.state.mode, Mode::user);
 }
 
+// Leans from 9 degrees on at 40 degrees per second up to 12; whether that was called a fall.
+bool quick_lean_trips(ScriptedHoist& hoist, double way) {
+  for (int i = 0; i <= 8; ++i) {
+    hoist.lean(way * (9.0 + 0.375 * i));
+    hoist.step();
+  }
+  return hoist.has_fault(Fault::fall_detected);
+}
+
+// A hoist that brakes throws the body forward; that is no fall, and braking harder would throw it farther.
+TEST(Falls, H15WhatTheHoistsOwnBrakingExplainsIsNoFall) {
+  struct Case {
+    const char* name;
+    double way;           // of the lean
+    double braking_m_s2;  // of the stick's ramp
+    int wait_ticks;       // from letting go to the lean
+    bool trips;
+  };
+  for (const Case& c : {Case{"thrown forward by the ramp", 1, 0.5, 15, false}, Case{"backward against it", -1, 0.5, 15, true},
+                        Case{"a ramp too soft to throw anybody", 1, 0.3, 15, true}, Case{"just after the stop", 1, 0.5, 80, false},
+                        Case{"a good while after it", 1, 0.5, 140, true}}) {
+    SCOPED_TRACE(c.name);
+    contract::Params params;
+    params.acceleration_m_s2_max = c.braking_m_s2;
+    params.remote_speed_m_s_max = 0.3;
+    ScriptedHoist hoist(params);
+    ASSERT_TRUE(hoist.start(Mode::remote));
+    hoist.drive_for(250, 1.0);
+    ASSERT_NEAR(hoist.command_m_s(), 0.3, 1e-3);
+    for (int i = 0; i <= 30; ++i) {
+      hoist.lean(c.way * 0.3 * i);
+      hoist.drive_for(1, 1.0);
+    }
+    hoist.drive_for(1, 0.0);
+    hoist.drive_for(c.wait_ticks, 0.0);
+    EXPECT_EQ(quick_lean_trips(hoist, c.way), c.trips);
+    // But nobody may lie in the stop, whatever threw him there.
+    for (int i = 0; i < 30; ++i) {
+      hoist.lean(c.way * std::min(14.0, 12.0 + 0.2 * i));
+      hoist.drive_for(1, 0.0);
+    }
+    EXPECT_TRUE(hoist.has_fault(Fault::fall_detected));
+  }
+}
+
 TEST(Falls, H16HangingBeyondTheRestingLeanStops) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));

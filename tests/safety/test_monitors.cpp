@@ -37,6 +37,8 @@ const std::vector<Trip>& trips() {
       {"right drive unplugged", Fault::drive_right_lost, "H3", Mode::remote, 6, [](ScriptedHoist& h) { h.drive_right.silent = true; },
        nothing},
       {"input node unplugged", Fault::io_lost, "H14", Mode::user, 6, [](ScriptedHoist& h) { h.io.silent = true; }, nothing},
+      {"batteries not told any more", Fault::io_lost, "H14", Mode::user, 262, [](ScriptedHoist& h) { h.io.battery_silent = true; },
+       nothing},
       {"bus cut", Fault::bus_down, "H5", Mode::user, 1, [](ScriptedHoist& h) { h.bus_up = false; }, nothing},
       {"left drive in fault", Fault::drive_left_fault, "H2", Mode::user, 3, [](ScriptedHoist& h) { h.drive_left.fault = true; }, nothing},
       {"right drive in fault", Fault::drive_right_fault, "H2", Mode::remote, 3, [](ScriptedHoist& h) { h.drive_right.fault = true; },
@@ -255,6 +257,7 @@ TEST(Monitors, QuietJustBelowEveryThreshold) {
        [](ScriptedHoist& h, int) {
          h.extra.push_back({0x188, 2, 0, {}});
        }},
+      {"batteries told every two seconds", Mode::user, [](ScriptedHoist& h, int i) { h.io.battery_silent = i % 200 >= 15; }},
       {"batteries at 23.1 V", Mode::user, [](ScriptedHoist& h, int) { h.io.battery_a_v = h.io.battery_b_v = 11.55; }},
       {"batteries 0.48 V apart", Mode::user, [](ScriptedHoist& h, int) { h.io.battery_a_v = h.io.battery_b_v + 0.48; }},
   };

@@ -2,6 +2,10 @@
 // moves the struts against each other and leaves the mean.
 //
 // fall_tilt_rad with fall_rate_rad_s outward, at once; fall_static_tilt_rad for fall_static_s. R2 within 30 ms; the servo goes on holding.
+//
+// A hoist that brakes or speeds up swings the body on its springs: m a / k, 7 degrees for 75 kg at 0.5 m/s2, 11 at 0.8. That is no fall, and
+// braking harder would only throw the body farther. So while the hoist itself changes its speed by kOwn_m_s2 or more, and for 0.3 s after,
+// a quick lean in the direction in which that throws the body is left to the resting rule.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -25,13 +29,14 @@ class FallDetected {
     const auto beyond = [square](double limit_rad) { return !(square <= limit_rad * limit_rad); };
     const double tilt_rad = threshold<kFault, "tilt">(view.params.fall_tilt_rad);
     resting_s_ = beyond(threshold<kFault, "static_tilt">(view.params.fall_static_tilt_rad)) ? resting_s_ + view.dt_s : 0;
+    note_own_acceleration(view);
     if (view.mode == contract::Mode::protective_stop) {
       // Nothing new can trip here, and what tripped lasts until the patient stands again.
       return view.has(kFault) && beyond(tilt_rad);
     }
     if (!view.moving) return false;
     if (resting_s_ > hold<kFault, "static_time">(view.params.fall_static_s) - view.dt_s / 2) return true;
-    if (!beyond(tilt_rad)) return false;
+    if (!beyond(tilt_rad) || thrown(alpha_rad, beta_rad)) return false;
     const double alpha_rate =
         (sensed.left_strut.alpha_rate_rad_s() + sensed.right_strut.alpha_rate_rad_s()) / 2 - sensed.base.alpha_rate_rad_s();
     const double beta_rate =
@@ -41,7 +46,28 @@ class FallDetected {
   }
 
  private:
-  double resting_s_ = 0;
+  static constexpr double kOwn_m_s2 = 0.4;         // below every stop ramp, above what walking asks for
+  static constexpr std::uint8_t kSwingTicks = 30;  // a quarter of a swing of 75 kg on 300 N/m, twice as long for heavier ones with legs
+
+  void note_own_acceleration(const MonitorView& view) noexcept {
+    const double command_m_s = (view.left_command_m_s + view.right_command_m_s) / 2;
+    const double own_m_s2 = (command_m_s - command_m_s_) / view.dt_s;
+    command_m_s_ = command_m_s;
+    if (std::fabs(own_m_s2) >= threshold<kFault, "own_acceleration", Laxer::lower>(kOwn_m_s2)) {
+      forward_ = own_m_s2 < 0;
+      swing_ticks_ = hold<kFault, "swing">(kSwingTicks);
+    } else if (swing_ticks_ > 0) {
+      --swing_ticks_;
+    }
+  }
+  /// Whether the hoist's own change of speed throws the body there: along the way, and not mainly to a side.
+  [[nodiscard]] bool thrown(double alpha_rad, double beta_rad) const noexcept {
+    return swing_ticks_ > 0 && (alpha_rad > 0) == forward_ && std::fabs(beta_rad) <= std::fabs(alpha_rad);
+  }
+
+  double resting_s_ = 0, command_m_s_ = 0;
+  std::uint8_t swing_ticks_ = 0;
+  bool forward_ = false;
 };
 
 }  // namespace hoist::core

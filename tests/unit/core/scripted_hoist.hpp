@@ -57,6 +57,7 @@ struct FakeIo : FakeNode {
   std::uint8_t bumpers = 0;
   std::uint8_t switches = 0;
   double battery_a_v = 12.8, battery_b_v = 12.8;
+  bool battery_silent = false;  // the bumpers still come
 };
 
 class ScriptedHoist {
@@ -306,7 +307,7 @@ class ScriptedHoist {
         frames.push_back(f);
         last_bumpers_ = io.bumpers;
       }
-      if (tick_number % (contract::pdo_info(Pdo::io_tx2).period_ms / 10U) == 0) {
+      if (!io.battery_silent && tick_number % (contract::pdo_info(Pdo::io_tx2).period_ms / 10U) == 0) {
         contract::CanFrame g{contract::pdo_cob_id(Pdo::io_tx2, Node::io), 8, 0, {}};
         contract::write_slot(g, contract::pdo_slot(Pdo::io_tx2, 0x6401, 1), std::lround(io.battery_a_v * 100));
         contract::write_slot(g, contract::pdo_slot(Pdo::io_tx2, 0x6401, 2), std::lround(io.battery_b_v * 100));
