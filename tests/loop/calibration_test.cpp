@@ -2,6 +2,8 @@
 // Somebody pushes the hoist, moves the bar and reads a tape; the estimates must come out within 1 % and 0.1 degrees.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -25,7 +27,8 @@ constexpr double kToday_s = 1'790'000'000.0;
 // Whoever calibrates: hands, tape and console.
 class Workshop {
  public:
-  explicit Workshop(std::uint64_t seed) : loop(options(seed)) {}
+  /// A new machine with default parameters; or one whose radius is known, and whose track to this share.
+  explicit Workshop(std::uint64_t seed, double track_error_norm = 0.0) : loop(options(seed, track_error_norm)) {}
 
   bool open() {
     if (!loop.run_until([this] { return loop.mode() == Mode::standby; }, 10.0)) return false;
@@ -82,26 +85,41 @@ class Workshop {
   ClosedLoop loop;
 
  private:
-  static ClosedLoopOptions options(std::uint64_t seed) {
+  static ClosedLoopOptions options(std::uint64_t seed, double track_error_norm) {
     ClosedLoopOptions options;
     options.world.seed = seed;
     options.world.plant = sim::with_hidden_errors(sim::PlantParams{}, seed);
     options.world.scenario = sim::find_scenario("stand");
+    if (track_error_norm != 0.0) {
+      options.params.wheel_radius_m = options.world.plant.wheel_radius_m;
+      options.params.track_width_m = options.world.plant.track_width_m * (seed % 2 == 0 ? 1.0 + track_error_norm : 1.0 - track_error_norm);
+    }
     return options;
   }
 };
 
+// The largest errors over all machines, for the report that control/README.md quotes.
+struct Worst {
+  double angle_rad = 0, length_norm = 0;
+};
+
+void expect_length(double found_m, double true_m, Worst& worst, const std::string& who) {
+  EXPECT_NEAR(found_m, true_m, 0.01 * true_m) << who;
+  worst.length_norm = std::max(worst.length_norm, std::fabs(found_m / true_m - 1.0));
+}
+
 // What the core now takes for the lean of an upright strut and a level chassis.
-void expect_upright(const Workshop& shop, const std::string& who) {
+void expect_upright(const Workshop& shop, Worst& worst, const std::string& who) {
   const auto& sensed = shop.loop.core().sensed;
   const double noise = 0.1 * kDegree;
   for (const core::TiltSensor* tilt : {&sensed.left_strut, &sensed.right_strut, &sensed.base}) {
     EXPECT_NEAR(tilt->alpha_rad(), 0.0, noise) << who;
     EXPECT_NEAR(tilt->beta_rad(), 0.0, noise) << who;
+    worst.angle_rad = std::max({worst.angle_rad, std::fabs(tilt->alpha_rad()), std::fabs(tilt->beta_rad())});
   }
 }
 
-void calibrate_all(std::uint64_t seed) {
+void calibrate_all(std::uint64_t seed, Worst& worst) {
   const std::string who = "machine seed " + std::to_string(seed);
   Workshop shop(seed);
   ASSERT_TRUE(shop.open()) << who;
@@ -110,7 +128,7 @@ void calibrate_all(std::uint64_t seed) {
   ASSERT_TRUE(shop.begin(CalibrationStep::zero)) << who;
   ASSERT_TRUE(shop.use()) << who << shop.told();
   shop.loop.run(0.1);
-  expect_upright(shop, who);
+  expect_upright(shop, worst, who);
 
   ASSERT_TRUE(shop.begin(CalibrationStep::gyro)) << who;
   ASSERT_TRUE(shop.use()) << who << shop.told();
@@ -121,7 +139,7 @@ void calibrate_all(std::uint64_t seed) {
     ASSERT_TRUE(shop.measure(way_m)) << who << shop.told();
   }
   ASSERT_TRUE(shop.use()) << who << shop.told();
-  EXPECT_NEAR(shop.params().strut_length_m, truth.strut_length_m, 0.01 * truth.strut_length_m) << who;
+  expect_length(shop.params().strut_length_m, truth.strut_length_m, worst, who);
 
   ASSERT_TRUE(shop.begin(CalibrationStep::strut_spacing)) << who;
   for (const double turn_rad : {0.26, -0.26}) {
@@ -129,7 +147,7 @@ void calibrate_all(std::uint64_t seed) {
     ASSERT_TRUE(shop.measure(turn_rad)) << who << shop.told();
   }
   ASSERT_TRUE(shop.use()) << who << shop.told();
-  EXPECT_NEAR(shop.params().strut_spacing_m, truth.strut_spacing_m, 0.01 * truth.strut_spacing_m) << who;
+  expect_length(shop.params().strut_spacing_m, truth.strut_spacing_m, worst, who);
   shop.bar(0, 0);
 
   ASSERT_TRUE(shop.begin(CalibrationStep::encoders)) << who;
@@ -145,7 +163,7 @@ void calibrate_all(std::uint64_t seed) {
     ASSERT_TRUE(shop.measure(way_m)) << who << shop.told();
   }
   ASSERT_TRUE(shop.use()) << who << shop.told();
-  EXPECT_NEAR(shop.params().wheel_radius_m, truth.wheel_radius_m, 0.01 * truth.wheel_radius_m) << who;
+  expect_length(shop.params().wheel_radius_m, truth.wheel_radius_m, worst, who);
 
   ASSERT_TRUE(shop.begin(CalibrationStep::track)) << who;
   ASSERT_TRUE(shop.comes(CalibrationPhase::operator_)) << who;
@@ -154,7 +172,7 @@ void calibrate_all(std::uint64_t seed) {
     ASSERT_TRUE(shop.measure(turn_rad)) << who << shop.told();
   }
   ASSERT_TRUE(shop.use()) << who << shop.told();
-  EXPECT_NEAR(shop.params().track_width_m, truth.track_width_m, 0.01 * truth.track_width_m) << who;
+  expect_length(shop.params().track_width_m, truth.track_width_m, worst, who);
 
   ASSERT_TRUE(shop.begin(CalibrationStep::bumpers)) << who;
   shop.loop.run(0.1);
@@ -174,9 +192,59 @@ void calibrate_all(std::uint64_t seed) {
 }
 
 TEST(Calibration, FiftyMachinesWithHiddenErrorsComeOutWithinAPerCentAndATenthOfADegree) {
+  Worst worst;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    calibrate_all(seed);
+    calibrate_all(seed, worst);
     if (HasFatalFailure()) return;
+  }
+  RecordProperty("worst_angle_deg", std::to_string(worst.angle_rad / kDegree));
+  RecordProperty("worst_length_percent", std::to_string(100.0 * worst.length_norm));
+}
+
+// Squares of three metres on machines whose wheels differ and whose track is known to 3 %: two of them, one each way round, find both.
+TEST(Calibration, SquaresRefineTrackAndUnequalWheels) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const std::string who = "machine seed " + std::to_string(seed);
+    Workshop shop(seed, 0.03);
+    ASSERT_TRUE(shop.open()) << who;
+    const sim::PlantParams& truth = shop.loop.world().plant().params();
+    ASSERT_TRUE(shop.begin(CalibrationStep::zero)) << who;
+    ASSERT_TRUE(shop.use()) << who << shop.told();
+    constexpr double kSide_m = 3.0;
+    const double assumed_track_m = shop.params().track_width_m;
+    // As a hoist that drives by its odometry goes: both wheels by what they count, the floor by what they are.
+    const auto go = [&](double left_m, double right_m) {
+      left_m *= truth.wheel_norm[0];
+      right_m *= truth.wheel_norm[1];
+      shop.push((left_m + right_m) / 2, (right_m - left_m) / truth.track_width_m);
+    };
+    std::array<std::array<double, 2>, 2> errors{};
+    for (const bool left : {true, false}) {
+      const sim::PlatformMotion from = shop.loop.world().plant().platform();
+      shop.loop.ask(CommandKind::set_pose);
+      shop.loop.run(0.02);
+      const double corner_m = (left ? 1 : -1) * assumed_track_m * sim::kPi / 4;
+      for (int corner = 0; corner < 4; ++corner) {
+        go(kSide_m, kSide_m);
+        go(-corner_m, corner_m);
+      }
+      ASSERT_EQ(shop.loop.mode(), Mode::standby) << who << shop.told();
+      EXPECT_NEAR(static_cast<double>(shop.loop.record().x_m), 0.0, 0.01) << who << ": the odometry believes that it closed the square";
+      EXPECT_NEAR(static_cast<double>(shop.loop.record().y_m), 0.0, 0.01) << who;
+      // Where it truly is, as somebody with a tape would find it from the start mark, less where it says it is.
+      const sim::PlatformMotion& at = shop.loop.world().plant().platform();
+      const double x_m = at.x_m - from.x_m, y_m = at.y_m - from.y_m;
+      const double cosine = std::cos(from.psi_rad), sine = std::sin(from.psi_rad);
+      errors[left ? 0 : 1] = {cosine * x_m + sine * y_m - static_cast<double>(shop.loop.record().x_m),
+                              cosine * y_m - sine * x_m - static_cast<double>(shop.loop.record().y_m)};
+    }
+    ASSERT_TRUE(shop.begin(CalibrationStep::square)) << who;
+    ASSERT_TRUE(shop.measure(kSide_m, errors[0][0], errors[0][1], 1)) << who << shop.told();
+    ASSERT_TRUE(shop.measure(kSide_m, errors[1][0], errors[1][1], 2)) << who << shop.told();
+    ASSERT_TRUE(shop.use()) << who << shop.told();
+    EXPECT_NEAR(shop.params().track_width_m, truth.track_width_m, 0.01 * truth.track_width_m) << who;
+    const double ratio = truth.wheel_norm[1] / truth.wheel_norm[0];
+    EXPECT_NEAR(shop.params().wheel_right_scale_norm / shop.params().wheel_left_scale_norm, ratio, 0.003) << who;
   }
 }
 
