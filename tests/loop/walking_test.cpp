@@ -177,6 +177,24 @@ TEST(Walking, ManyPatientsNeverTripAGuard) {
   EXPECT_GT(simulated_s, 1000.0);
 }
 
+// H15, H16: whoever does not know that the walk ends goes on pushing while the hoist brakes.
+TEST(Walking, H15_EndingAWalkIsNoFall) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    ClosedLoopOptions options = scenario(seed % 2 == 0 ? "straight" : "figure-eight");
+    options.world.patient = sim::PatientParams::random(seed);
+    options.world.seed = seed;
+    ClosedLoop loop(options);
+    ASSERT_TRUE(loop.start(Mode::user)) << "seed " << seed;
+    loop.run(7.0 + 0.1 * static_cast<double>(seed));
+    ASSERT_EQ(loop.mode(), Mode::user) << "seed " << seed;
+    loop.ask(contract::CommandKind::request_mode, static_cast<std::uint32_t>(Mode::standby));
+    ASSERT_TRUE(loop.run_until([&loop] { return loop.mode() != Mode::user; }, 4.0));
+    EXPECT_EQ(loop.mode(), Mode::standby) << "seed " << seed;
+    EXPECT_FALSE(was_stopped(loop)) << "seed " << seed;
+    EXPECT_FALSE(loop.ever_raised(Fault::patient_hanging)) << "seed " << seed;
+  }
+}
+
 TEST(Walking, H7_TightTurnsOfTheSquareAreNoImplausibleTilt) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     ClosedLoopOptions options = scenario("square");

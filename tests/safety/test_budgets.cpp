@@ -114,16 +114,16 @@ TEST(Falls, H15WhatTheHoistsOwnBrakingExplainsIsNoFall) {
     bool trips;
   };
   for (const Case& c : {Case{"thrown forward by the ramp", 1, 0.5, 15, false}, Case{"backward against it", -1, 0.5, 15, true},
-                        Case{"a ramp too soft to throw anybody", 1, 0.3, 15, true}, Case{"just after the stop", 1, 0.5, 80, false},
-                        Case{"a good while after it", 1, 0.5, 140, true}}) {
+                        Case{"a ramp too soft to throw anybody", 1, 0.3, 15, true}, Case{"just after the stop", 1, 0.5, 138, false},
+                        Case{"a good while after it", 1, 0.5, 164, true}}) {
     SCOPED_TRACE(c.name);
     contract::Params params;
     params.acceleration_m_s2_max = c.braking_m_s2;
-    params.remote_speed_m_s_max = 0.3;
+    params.remote_speed_m_s_max = 0.6;
     ScriptedHoist hoist(params);
     ASSERT_TRUE(hoist.start(Mode::remote));
-    hoist.drive_for(250, 1.0);
-    ASSERT_NEAR(hoist.command_m_s(), 0.3, 1e-3);
+    hoist.drive_for(300, 1.0);
+    ASSERT_NEAR(hoist.command_m_s(), 0.6, 1e-3);
     for (int i = 0; i <= 30; ++i) {
       hoist.lean(c.way * 0.3 * i);
       hoist.drive_for(1, 1.0);
@@ -132,7 +132,7 @@ TEST(Falls, H15WhatTheHoistsOwnBrakingExplainsIsNoFall) {
     hoist.drive_for(c.wait_ticks, 0.0);
     EXPECT_EQ(quick_lean_trips(hoist, c.way), c.trips);
     // But nobody may lie in the stop, whatever threw him there.
-    for (int i = 0; i < 30; ++i) {
+    for (int i = 0; i < 85; ++i) {
       hoist.lean(c.way * std::min(14.0, 12.0 + 0.2 * i));
       hoist.drive_for(1, 0.0);
     }

@@ -5,7 +5,8 @@
 //
 // A hoist that brakes or speeds up swings the body on its springs: m a / k, 7 degrees for 75 kg at 0.5 m/s2, 11 at 0.8. That is no fall, and
 // braking harder would only throw the body farther. So while the hoist itself changes its speed by kOwn_m_s2 or more, and for 0.3 s after,
-// a quick lean in the direction in which that throws the body is left to the resting rule.
+// a quick lean in the direction in which that throws the body is left to the resting rule; and where it brakes, the resting lean may last
+// kThrown_s longer, which is how long the swing of a heavy body stays out there.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -35,8 +36,12 @@ class FallDetected {
       return view.has(kFault) && beyond(tilt_rad);
     }
     if (!view.moving) return false;
-    if (resting_s_ > hold<kFault, "static_time">(view.params.fall_static_s) - view.dt_s / 2) return true;
-    if (!beyond(tilt_rad) || thrown(alpha_rad, beta_rad)) return false;
+    const bool thrown_there = thrown(alpha_rad, beta_rad);
+    // Thrown along the way it goes, or went until it stood: it brakes.
+    const bool brakes = command_m_s_ == 0 || forward_ == (command_m_s_ > 0);
+    const double longer_s = thrown_there && brakes ? hold<kFault, "thrown_time">(kThrown_s) : 0;
+    if (resting_s_ > hold<kFault, "static_time">(view.params.fall_static_s) + longer_s - view.dt_s / 2) return true;
+    if (!beyond(tilt_rad) || thrown_there) return false;
     const double alpha_rate =
         (sensed.left_strut.alpha_rate_rad_s() + sensed.right_strut.alpha_rate_rad_s()) / 2 - sensed.base.alpha_rate_rad_s();
     const double beta_rate =
@@ -48,6 +53,9 @@ class FallDetected {
  private:
   static constexpr double kOwn_m_s2 = 0.4;         // below every stop ramp, above what walking asks for
   static constexpr std::uint8_t kSwingTicks = 30;  // a quarter of a swing of 75 kg on 300 N/m, twice as long for heavier ones with legs
+
+  // 97 kg stopped from 0.5 m/s swing to 14 degrees and stay beyond 13 for about 0.4 s (simulated).
+  static constexpr double kThrown_s = 0.5;
 
   void note_own_acceleration(const MonitorView& view) noexcept {
     const double command_m_s = (view.left_command_m_s + view.right_command_m_s) / 2;
