@@ -90,6 +90,14 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.y_m = f32(odometry.pose.y_m);
   record.psi_rad = f32(odometry.pose.psi_rad);
   record.distance_m = f32(odometry.distance_m);
+  const FusedOdometry& fused = sensed.fused;
+  record.fused_x_m = f32(fused.pose().x_m);
+  record.fused_y_m = f32(fused.pose().y_m);
+  record.fused_psi_rad = f32(fused.pose().psi_rad);
+  record.fused_yaw_rate_rad_s = f32(fused.yaw_rate_rad_s());
+  record.gyro_bias_rad_s = f32(fused.gyro_bias_rad_s());
+  record.slip_rate_rad_s = f32(fused.slip_rate_rad_s());
+  record.slip_state = static_cast<std::uint8_t>((fused.slipping() ? 1U : 0U) | (fused.gyro_used() ? 0U : 2U));
   record.wheel_left_m_s = f32(odometry.wheel_left_m_s);
   record.wheel_right_m_s = f32(odometry.wheel_right_m_s);
   record.left_counts = sensed.left_drive.counts();

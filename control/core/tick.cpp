@@ -201,6 +201,8 @@ void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& 
   ++state.ticks_run;
   receive_frames(state, inputs, dt_s);
   state.sensed.odometry.update(state.sensed.left_drive, state.sensed.right_drive, state.derived, dt_s);
+  state.sensed.fused.update(state.sensed.odometry, state.sensed.left_drive, state.sensed.right_drive, state.sensed.base, state.derived,
+                            dt_s);
   state.intent.update(state.sensed, state.derived, state.params.neutral_start_tolerance_norm);
   watch(state, inputs, dt_s);
   take_commands(state, inputs);

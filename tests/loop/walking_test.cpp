@@ -83,6 +83,10 @@ TEST(Walking, TwoLapsOfTheEightCorrelateAndStayOnTheLine) {
   EXPECT_NEAR(static_cast<double>(loop.record().x_m), truth.x_m, 0.02);
   EXPECT_NEAR(static_cast<double>(loop.record().y_m), truth.y_m, 0.02);
   EXPECT_NEAR(static_cast<double>(loop.record().psi_rad), truth.psi_rad, 0.02);
+  EXPECT_FALSE(loop.ever_raised(Fault::wheel_slip));
+  EXPECT_NEAR(static_cast<double>(loop.record().fused_x_m), truth.x_m, 0.02);
+  EXPECT_NEAR(static_cast<double>(loop.record().fused_y_m), truth.y_m, 0.02);
+  EXPECT_NEAR(static_cast<double>(loop.record().fused_psi_rad), truth.psi_rad, 0.01);
 }
 
 TEST(Walking, TheSameOverTheSerialGateway) {

@@ -280,9 +280,12 @@ TEST(Monitors, QuietJustBelowEveryThreshold) {
 TEST(Monitors, H7ATurnWidensTheSideLeanRuleByWhatItExplainsAndNoMore) {
   for (const double beta_deg : {3.2, 3.7}) {  // each strut: 6.4 and 7.4 degrees apart; the bound is 6.8
     SCOPED_TRACE(beta_deg);
-    ScriptedHoist hoist;
+    contract::Params params;
+    params.slip_stop_s = 10;  // a chassis that turns without its wheels slips; here it is only a sensor's matter
+    ScriptedHoist hoist(params);
     set_going(hoist, Mode::user);
     if (HasFatalFailure()) return;
+    hoist.floor_grips = false;
     hoist.tilt_base.yaw_rate_deg_s = 20;
     hoist.lean(6, 10);
     hoist.step(30);
@@ -647,6 +650,56 @@ TEST(Monitors, H16AnEmptyHoistThatIsDrivenDoesNotHang) {
   EXPECT_TRUE(hoist.state.motion.leaving);
 }
 
+// A chassis that turns at 15 deg/s while its wheels go straight (H10's own figure), in both directions and both modes.
+TEST(Monitors, H10ASlipIsMarkedAtOnceAndStopsGentlyWhenItLasts) {
+  EXPECT_EQ(contract::fault_info(Fault::wheel_slip).hazard, "H10");
+  for (const double yaw_deg_s : {15.0, -15.0}) {
+    for (const Mode mode : {Mode::user, Mode::remote}) {
+      SCOPED_TRACE(yaw_deg_s);
+      ScriptedHoist hoist;
+      set_going(hoist, mode);
+      if (HasFatalFailure()) return;
+      hoist.tilt_base.yaw_rate_deg_s = yaw_deg_s;
+      hoist.worst_deceleration_m_s2 = 0;
+      int marked = -1, stopping = -1;
+      for (int i = 1; i <= 140 && stopping < 0; ++i) {
+        if (mode == Mode::remote) hoist.hold(0.9);
+        hoist.step();
+        if (marked < 0 && (hoist.out.record.slip_state & 1U) != 0) marked = i;
+        if (hoist.state.motion.leaving) stopping = i;
+      }
+      EXPECT_GT(marked, 0);
+      EXPECT_LE(marked, 20) << "noticed within 200 ms";
+      EXPECT_GE(stopping, marked + 98) << "a shorter slip stops nobody";
+      EXPECT_LE(stopping, marked + 100);
+      EXPECT_TRUE(hoist.has_fault(Fault::wheel_slip));
+      for (int i = 0; i < 200 && hoist.state.mode != Mode::standby; ++i) {
+        if (mode == Mode::remote) hoist.hold(0.9);
+        hoist.step();
+      }
+      EXPECT_EQ(hoist.state.mode, Mode::standby);
+      EXPECT_LE(hoist.worst_deceleration_m_s2, 0.5 + 1e-9) << "R1: the gentle ramp";
+      hoist.step();
+      EXPECT_FALSE(hoist.has_fault(Fault::wheel_slip)) << "with the drives off nothing slips";
+    }
+  }
+}
+
+TEST(Monitors, H10AShortSlipMarksTheTrackAndNothingElse) {
+  ScriptedHoist hoist;
+  set_going(hoist, Mode::user);
+  for (int burst = 0; burst < 5; ++burst) {
+    hoist.tilt_base.yaw_rate_deg_s = burst % 2 == 0 ? 15.0 : -15.0;
+    hoist.step(80);  // with the 200 ms in which both must agree again: just under a second
+    EXPECT_NE(hoist.out.record.slip_state & 1U, 0U);
+    hoist.tilt_base.yaw_rate_deg_s = 0;
+    hoist.step(60);
+    EXPECT_EQ(hoist.out.record.slip_state & 1U, 0U);
+  }
+  EXPECT_EQ(hoist.count(EventKind::fault_raised), 0);
+  EXPECT_EQ(hoist.state.mode, Mode::user);
+}
+
 TEST(Monitors, H22ALateStepInStandbyIsCountedOnly) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
@@ -669,8 +722,8 @@ TEST(Monitors, EveryFaultOfTheTableIsTestedHereOrNamed) {
   // unit/core/test_modes.cpp, the gate in unit/core/test_gate.cpp and below, what ends in FAULT or
   // EMERGENCY_STOP in test_out_of_service.cpp.
   for (const Fault fault : {Fault::fall_detected, Fault::remote_command_lost, Fault::server_lost, Fault::battery_low, Fault::battery_empty,
-                            Fault::stop_pressed, Fault::gate_refused, Fault::battery_uneven, Fault::base_tilt_high, Fault::patient_hanging,
-                            Fault::emergency_stop, Fault::parameters_corrupt, Fault::control_fault})
+                            Fault::stop_pressed, Fault::gate_refused, Fault::wheel_slip, Fault::battery_uneven, Fault::base_tilt_high,
+                            Fault::patient_hanging, Fault::emergency_stop, Fault::parameters_corrupt, Fault::control_fault})
     covered |= contract::fault_bit(fault);
   for (const auto& fault : contract::kFaults) EXPECT_NE(covered & (1U << fault.bit), 0U) << fault.name;
 }

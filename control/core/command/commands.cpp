@@ -146,6 +146,7 @@ Verdict set_pose(CoreState& state, const Command& command) noexcept {
   if (!at_rest(state)) return refused(Refusal::moving);
   state.sensed.odometry.pose = {command.v0, command.v1, command.v2};
   state.sensed.odometry.distance_m = 0;
+  state.sensed.fused.set_pose(state.sensed.odometry.pose);
   Event event;
   event.kind = EventKind::pose_set;
   event.request_id = command.request_id;

@@ -3,6 +3,7 @@
 #include "control/contract/can_dictionary.hpp"
 #include "control/core/estimate/drive_sensor.hpp"
 #include "control/core/estimate/freshness.hpp"
+#include "control/core/estimate/fused_odometry.hpp"
 #include "control/core/estimate/io_sensor.hpp"
 #include "control/core/estimate/odometry.hpp"
 #include "control/core/estimate/tilt_sensor.hpp"
@@ -15,6 +16,12 @@ struct Estimate {
   DriveSensor left_drive, right_drive;
   IoSensor io;
   Odometry odometry;
+  FusedOdometry fused;
+
+  /// Where the hoist is: the fused track, which slip does not lead astray. The encoders' own is odometry.pose.
+  [[nodiscard]] const law::Pose<double>& pose() const noexcept { return fused.pose(); }
+  /// Encoders and gyroscope disagree about the turn (H10): the distance of this moment is not to be trusted.
+  [[nodiscard]] bool slipping() const noexcept { return fused.slipping(); }
 
   void next_tick() noexcept {
     left_strut.next_tick();

@@ -25,6 +25,7 @@ class TiltSensor {
   void next_tick() noexcept {
     fresh_.next_tick();
     heard_.next_tick();
+    rates_fresh_.next_tick();
     repeat_counted_ = false;
     rates_counted_ = false;
   }
@@ -89,6 +90,7 @@ class TiltSensor {
       ++same_rates_;  // once a step: frames that come together, or too many of them, are no proof
     }
     rates_counted_ = true;
+    rates_fresh_.renew();
     raw_rates_ = raw;
     yaw_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kYaw)) * (kYaw.scale * kRadPerDeg);
     pitch_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kPitch)) * (kPitch.scale * kRadPerDeg);
@@ -101,6 +103,8 @@ class TiltSensor {
   /// A valid sample that was new. `heard` also counts repeated and invalid ones: the node lives.
   [[nodiscard]] const Freshness& fresh() const noexcept { return fresh_; }
   [[nodiscard]] const Freshness& heard() const noexcept { return heard_; }
+  /// The message with the rates.
+  [[nodiscard]] const Freshness& rates_fresh() const noexcept { return rates_fresh_; }
   /// With the calibrated zero taken off.
   [[nodiscard]] double alpha_rad() const noexcept { return alpha_rad_; }
   [[nodiscard]] double beta_rad() const noexcept { return beta_rad_; }
@@ -155,7 +159,7 @@ class TiltSensor {
   double sent_alpha_rad_ = 0, sent_beta_rad_ = 0;
   double alpha_rate_rad_s_ = 0, beta_rate_rad_s_ = 0;
   double yaw_rate_rad_s_ = 0, pitch_rate_rad_s_ = 0, roll_rate_rad_s_ = 0;
-  Freshness fresh_, heard_;
+  Freshness fresh_, heard_, rates_fresh_;
   RawAngles raw_, raw_step_;
   std::array<std::int32_t, 3> raw_rates_{};
   std::uint32_t lively_ = 0;  // newest sample in bit 0

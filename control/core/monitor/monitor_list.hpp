@@ -24,19 +24,21 @@
 #include "control/core/monitor/tilt_frozen.hpp"
 #include "control/core/monitor/tilt_implausible.hpp"
 #include "control/core/monitor/tilt_sensor_fault.hpp"
+#include "control/core/monitor/wheel_slip.hpp"
 
 namespace hoist::core {
 
-using MonitorList = std::tuple<NodeLost<contract::Node::tilt_left, contract::Fault::tilt_left_lost>,
-                               NodeLost<contract::Node::tilt_right, contract::Fault::tilt_right_lost>,
-                               NodeLost<contract::Node::tilt_base, contract::Fault::tilt_base_lost>,
-                               NodeLost<contract::Node::drive_left, contract::Fault::drive_left_lost>,
-                               NodeLost<contract::Node::drive_right, contract::Fault::drive_right_lost>,
-                               NodeLost<contract::Node::io, contract::Fault::io_lost>, BusDown, NodeDuplicate, NodeBabbling,
-                               DriveFault<true>, DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault, BumperPressed,
-                               FallDetected, BatteryBelow<contract::Fault::battery_empty, &contract::Params::battery_empty_v>,
-                               BatteryBelow<contract::Fault::battery_low, &contract::Params::battery_low_v>, BatteryUneven, BaseTilted,
-                               BaseTiltHigh, PatientHanging, RemoteCommandLost, ServerLost, Overspeed, LoopOverrun, EmergencyStopOpen>;
+using MonitorList =
+    std::tuple<NodeLost<contract::Node::tilt_left, contract::Fault::tilt_left_lost>,
+               NodeLost<contract::Node::tilt_right, contract::Fault::tilt_right_lost>,
+               NodeLost<contract::Node::tilt_base, contract::Fault::tilt_base_lost>,
+               NodeLost<contract::Node::drive_left, contract::Fault::drive_left_lost>,
+               NodeLost<contract::Node::drive_right, contract::Fault::drive_right_lost>,
+               NodeLost<contract::Node::io, contract::Fault::io_lost>, BusDown, NodeDuplicate, NodeBabbling, DriveFault<true>,
+               DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault, BumperPressed, FallDetected,
+               BatteryBelow<contract::Fault::battery_empty, &contract::Params::battery_empty_v>,
+               BatteryBelow<contract::Fault::battery_low, &contract::Params::battery_low_v>, BatteryUneven, BaseTilted, BaseTiltHigh,
+               PatientHanging, RemoteCommandLost, ServerLost, Overspeed, LoopOverrun, EmergencyStopOpen, WheelSlip>;
 
 /// Runs every monitor; one bit per fault whose condition holds now.
 [[nodiscard]] inline std::uint32_t check_all(MonitorList& monitors, const MonitorView& view) noexcept {

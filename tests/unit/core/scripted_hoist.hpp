@@ -32,7 +32,7 @@ struct FakeTilt : FakeNode {
   double alpha_deg = 0, beta_deg = 0;  // where the strut goes, no faster than slew_deg per step
   double alpha_now_deg = 0, beta_now_deg = 0;
   double slew_deg = 1;
-  double yaw_rate_deg_s = 0;
+  double yaw_rate_deg_s = 0;    // of the chassis' gyroscope, beyond what the wheels turn
   double pitch_rate_deg_s = 0;  // as the gyroscope says, sent by the chassis
   std::uint8_t status = 3;      // valid, converged
   std::uint8_t counter = 0;
@@ -71,6 +71,7 @@ class ScriptedHoist {
   FakeDrive drive_left, drive_right;
   FakeIo io;
   bool bus_up = true;
+  bool floor_grips = true;  // the chassis turns with the wheels; false: only as tilt_base says
   bool server_up = true;
   /// Whoever walks sways: by so much to either side, once in two seconds, while the wheels turn.
   double sway_deg = 0.4;
@@ -276,12 +277,15 @@ class ScriptedHoist {
     if (runs(tilt_base)) {
       contract::CanFrame f{contract::pdo_cob_id(Pdo::tilt_tx2, Node::tilt_base), 6, 0, {}};
       constexpr contract::PdoSlot kYaw = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 1);
-      contract::write_slot(f, kYaw, std::lround(tilt_base.yaw_rate_deg_s / kYaw.scale));
+      // The floor grips: the chassis turns as the wheels say.
+      const double turn_deg_s = tilt_base.yaw_rate_deg_s +
+                                (!floor_grips ? 0.0 : (drive_right.wheel_m_s - drive_left.wheel_m_s) / state.params.track_width_m / kDeg);
+      contract::write_slot(f, kYaw, std::lround(turn_deg_s / kYaw.scale));
       constexpr contract::PdoSlot kPitch = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 2);
       contract::write_slot(f, kPitch, std::lround(tilt_base.pitch_rate_deg_s / kPitch.scale));
       // No gyroscope is quiet in its last digit.
       if (tilt_base.dither && !tilt_base.frozen)
-        contract::write_slot(f, kYaw, std::lround(tilt_base.yaw_rate_deg_s / kYaw.scale) + static_cast<std::int64_t>(tick_number % 3));
+        contract::write_slot(f, kYaw, std::lround(turn_deg_s / kYaw.scale) + static_cast<std::int64_t>(tick_number % 3));
       frames.push_back(f);
     }
     const auto drive = [&](Node node, FakeDrive& d) {
