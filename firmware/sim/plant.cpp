@@ -262,7 +262,9 @@ void Plant::step(const HarnessMotion& harness, double dt_s) {
     }
     battery_.step(supply_a, h_s);
 
-    const HarnessForce push = harness_force(harness_);
+    HarnessForce push = harness_force(harness_);
+    push.forward_n += shove_n_;
+    push.turn_n_m += shove_n_m_;
     double forward_n = push.forward_n + (params_.mass_kg * kGravity_m_s2 + carried_n_) * std::sin(floor_pitch_rad());
     feel_obstacles(forward_n);
     const double speed_before_m_s = platform_.speed_m_s;

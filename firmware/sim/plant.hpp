@@ -116,6 +116,8 @@ class Plant {
   /// True lean of the chassis, forward and to the right, rad.
   [[nodiscard]] double chassis_alpha_rad() const { return pitch_rad_; }
   [[nodiscard]] double chassis_beta_rad() const { return roll_rad_; }
+  /// Somebody pushes the frame forward and twists it to the left, besides what the springs do.
+  void set_shove(double forward_n, double turn_n_m) { shove_n_ = forward_n, shove_n_m_ = turn_n_m; }
   void cut_power(bool cut) { power_cut_ = cut; }
   /// The second contact in the motors' supply, which the computer keeps closed.
   void open_relay(bool open) { relay_open_ = open; }
@@ -190,6 +192,8 @@ class Plant {
   double floor_rad_{};  // slope of the floor, on its way to floor_goal_rad_
   double floor_goal_rad_{};
   double downhill_rad_{};
+  double shove_n_{};
+  double shove_n_m_{};
   double pitch_rad_{};
   double roll_rad_{};
   double pitch_rate_rad_s_{};

@@ -172,6 +172,25 @@ Answer op_freeze_sensor(World& world, const ProgramState&, const json& request) 
   return kDone;
 }
 
+Answer op_slip(World& world, const ProgramState&, const json& request) {
+  const auto which = text(request, "which");
+  const bool left = which && (*which == "left" || *which == "both"), right = which && (*which == "right" || *which == "both");
+  if (!left && !right) return Refused{"which: left, right or both"};
+  const auto seconds = number(request, "seconds", 0.05, 10.0);
+  if (!seconds) return Refused{"seconds: 0.05 to 10"};
+  const auto grip_norm = number(request, "grip_norm", 0.0, 1.0);
+  if (!grip_norm) return Refused{"grip_norm: 0 to 1"};
+  const auto twist_n_m = number(request, "twist_n_m", -60.0, 60.0);
+  if (!twist_n_m) return Refused{"twist_n_m: -60 to 60, left positive"};
+  SlipBurst burst;
+  burst.seconds = *seconds;
+  const double dry_norm = world.plant().params().grip_norm;
+  burst.grip_norm = {left ? *grip_norm : dry_norm, right ? *grip_norm : dry_norm};
+  burst.twist_n_m = *twist_n_m;
+  world.slip(burst);
+  return kDone;
+}
+
 Answer op_battery(World& world, const ProgramState&, const json& request) {
   const auto it = request.find("volts");
   if (it != request.end() && it->is_null()) {
@@ -301,6 +320,8 @@ constexpr std::array kOperations{
     Operation{"replug", "node: its plug is back", op_replug},
     Operation{"freeze", "node, frozen: its processor stands still", op_freeze},
     Operation{"freeze_sensor", "node, frozen: its sensor repeats the last sample", op_freeze_sensor},
+    Operation{"slip", "which (left, right, both), seconds, grip_norm, twist_n_m: wheels lose the floor while somebody twists the frame",
+              op_slip},
     Operation{"battery", "volts of both together, null for what physics gives", op_battery},
     Operation{"power", "on: false opens the motors' relay without a word from the emergency stop", op_power},
     Operation{"emergency_stop", "pressed: the button on the hoist; opens chain and relay", op_emergency_stop},

@@ -16,8 +16,9 @@ struct Scenario {
   std::string_view name;
   std::string_view title;
   Figure figure;
-  double length_m;      ///< of a straight: where the patient stops; 0 for figures that go round
-  double trip_after_s;  ///< the patient stumbles this long after setting off; 0 = never
+  double length_m;       ///< of a straight: where the patient stops; 0 for figures that go round
+  double trip_after_s;   ///< the patient stumbles this long after setting off; 0 = never
+  bool slippery{false};  ///< wheels lose the floor for moments, again and again
 };
 
 /// Sizes of the figures are the contract's (research reading D34): eight c = 1, R = 0.8; square of 3.2 m.
@@ -26,6 +27,7 @@ inline constexpr std::array kScenarios{
     Scenario{"square", "walks the square of 3.2 m without end", Figure::square, 0.0, 0.0},
     Scenario{"straight", "walks 10 m straight ahead, then stands", Figure::straight, 10.0, 0.0},
     Scenario{"stand", "stands still", Figure::none, 0.0, 0.0},
+    Scenario{"slippery", "walks the figure of eight over wet patches and overpowers the frame there", Figure::eight, 0.0, 0.0, true},
     Scenario{"trip", "walks straight ahead and stumbles after 6 s", Figure::straight, 10.0, 6.0},
 };
 

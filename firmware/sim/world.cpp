@@ -133,6 +133,7 @@ struct World::Parts {
   explicit Parts(const WorldOptions& options)
       : plant(options.plant, options.seed),
         patient(options.patient, *options.scenario),
+        slips(options.seed, options.scenario->slippery),
         bus({.bit_rate = 250'000, .worst_stuffing = options.worst_stuffing}),
         machine(plant),
         drive_left(Node::drive_left, bus, machine, Node::drive_left),
@@ -221,6 +222,7 @@ struct World::Parts {
   }
 
   void advance_1ms() {
+    slips.step_1ms(plant);
     if (bar_held) {
       move_bar();
       plant.set_carried(0.0);
@@ -265,6 +267,7 @@ struct World::Parts {
   Patient patient;
   HarnessMotion bar, bar_goal;
   bool bar_held{false};
+  SlipBursts slips;
   bus::VirtualBus bus;
   Machine machine;
   DriveBox drive_left, drive_right;
@@ -329,6 +332,7 @@ void World::freeze_sensor(Node node, bool frozen) {
 void World::break_encoder(Node node, EncoderFault fault) {
   if (contract::kNodes[index(node)].kind == contract::NodeKind::drive) parts_->machine.break_encoder(node, fault);
 }
+void World::slip(const SlipBurst& burst) { parts_->slips.begin(burst); }
 void World::set_frame_fault(bus::VirtualBus::FaultHook hook) { parts_->bus.set_fault_hook(std::move(hook)); }
 std::size_t World::port_of(Node node) const { return parts_->port_of(node); }
 
@@ -366,6 +370,7 @@ bool World::drives_enabled() const { return parts_->plant.bridge_enabled(Side::l
 bool World::restart(const Scenario& scenario) {
   if (drives_enabled() || std::fabs(parts_->plant.platform().speed_m_s) > kAtRest_m_s) return false;
   parts_->patient.restart(scenario);
+  parts_->slips.set_at_random(scenario.slippery);
   parts_->set_out();
   return true;
 }

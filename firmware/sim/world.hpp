@@ -18,6 +18,7 @@
 #include "firmware/boot/host/program_flash.hpp"
 #include "firmware/sim/patient.hpp"
 #include "firmware/sim/plant.hpp"
+#include "firmware/sim/slip_bursts.hpp"
 #include "firmware/sim/stop_witness.hpp"
 
 namespace hoist::sim {
@@ -64,6 +65,8 @@ class World {
   /// The encoder of a drive gives no more counts, or counts backward.
   enum class EncoderFault : std::uint8_t { none, lost, reversed };
   void break_encoder(contract::Node node, EncoderFault fault);
+  /// Wheels lose the floor from now on, for a moment.
+  void slip(const SlipBurst& burst);
   /// Judges each frame on the bus (drop, corrupt, delay, deaf ports); an empty one ends that.
   void set_frame_fault(bus::VirtualBus::FaultHook hook);
   /// The port of a node, for such a hook.
