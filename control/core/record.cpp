@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "control/core/output/stop_distance.hpp"
 #include "control/core/output/supervisor.hpp"
 
 namespace hoist::core {
@@ -45,15 +46,6 @@ void fill_health(const CoreState& state, const TickInputs& inputs, contract::Tic
 
 }  // namespace
 
-double stop_distance_m(const CoreState& state) noexcept {
-  const double speed = std::fabs(state.limiter.speed_m_s());
-  Braking braking = state.motion.braking;
-  if (braking == Braking::none && state.mode == contract::Mode::remote) braking = Braking::remote;
-  const double ramp_m = speed * kReaction_s + speed * speed / (2.0 * deceleration_m_s2(braking, state.params));
-  if (braking != Braking::none || state.mode != contract::Mode::user) return ramp_m;
-  return std::fmax(ramp_m, speed * (kReaction_s + state.params.lean_tau_release_s));
-}
-
 void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& wish, contract::TickRecord& record) noexcept {
   const auto f32 = [](double value) { return static_cast<float>(value); };
   const Estimate& sensed = state.sensed;
@@ -71,6 +63,10 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.dx_m = f32(state.intent.pelvis().dx_m);
   record.dy_m = f32(state.intent.pelvis().dy_m);
   record.dpsi_rad = f32(state.intent.pelvis().dpsi_rad);
+  record.gait_lean_m = f32(state.intent.gait().lean_m);
+  record.gait_turn_rad = f32(state.intent.gait().turn_rad);
+  record.gait_sway_m = f32(state.intent.gait().sway_m);
+  record.stride_hz = f32(state.intent.gait().stride_hz);
   record.lean_norm = f32(state.intent.lean_norm());
   record.turn_norm = f32(state.intent.turn_norm());
   record.lean_filtered_units = f32(state.lean.v_f_units);
@@ -82,7 +78,9 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.wheel_left_command_m_s = f32(state.left_command_m_s);
   record.wheel_right_command_m_s = f32(state.right_command_m_s);
   record.remote_age_s = f32(state.remote.age_s(state.time_ns));
-  record.stop_distance_m = f32(stop_distance_m(state));
+  const StopDistance stop = stop_distance(state, wish.speed_m_s);
+  record.stop_distance_m = f32(stop.link_m);
+  record.worst_stop_distance_m = f32(stop.computer_m);
   const Odometry& odometry = sensed.odometry;
   record.speed_m_s = f32(odometry.speed_m_s);
   record.yaw_rate_rad_s = f32(odometry.yaw_rate_rad_s);

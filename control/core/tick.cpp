@@ -203,7 +203,7 @@ void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& 
   state.sensed.odometry.update(state.sensed.left_drive, state.sensed.right_drive, state.derived, dt_s);
   state.sensed.fused.update(state.sensed.odometry, state.sensed.left_drive, state.sensed.right_drive, state.sensed.base, state.derived,
                             dt_s);
-  state.intent.update(state.sensed, state.derived, state.params.neutral_start_tolerance_norm);
+  state.intent.update(state.sensed, state.derived, state.params.neutral_start_tolerance_norm, state.params.cadence_cancel_norm, dt_s);
   watch(state, inputs, dt_s);
   take_commands(state, inputs);
   const Wish wish = decide(state, dt_s);

@@ -7,6 +7,7 @@
 #include "control/core/derived.hpp"
 #include "control/core/estimate/estimate.hpp"
 #include "control/core/intent/pelvis.hpp"
+#include "control/core/law/gait_cancel.hpp"
 
 namespace hoist::core {
 
@@ -15,10 +16,14 @@ inline constexpr std::size_t kNeutralTicks = 100;
 
 class PatientIntent {
  public:
-  void update(const Estimate& sensed, const Derived& derived, double tolerance_norm) noexcept {
+  /// `calm_norm`: the share of the gait's sway that is taken out of lean and turn; 0 = none, as the paper has it. Guards look at the
+  /// sensors, never at what is left over here.
+  void update(const Estimate& sensed, const Derived& derived, double tolerance_norm, double calm_norm, double dt_s) noexcept {
     pelvis_ = pelvis_exact(sensed.relative(), derived.geometry);
+    take_gait(sensed.tilts_stale() ? 0.0 : calm_norm, dt_s);
+    const Pelvis<double> calm{pelvis_.dx_m - gait_.lean_m, pelvis_.dy_m, pelvis_.dpsi_rad - gait_.turn_rad};
     // A stale tilt means no intent. Holding the last one would drive on with a patient nobody sees (H4).
-    const Intent<double> wish = sensed.tilts_stale() ? Intent<double>{} : normalise(pelvis_, derived.range, derived.neutral);
+    const Intent<double> wish = sensed.tilts_stale() ? Intent<double>{} : normalise(calm, derived.range, derived.neutral);
     lean_norm_ = wish.u_norm;
     turn_norm_ = wish.u_psi_norm;
     if (!wish.valid) {
@@ -38,6 +43,8 @@ class PatientIntent {
   }
 
   [[nodiscard]] const Pelvis<double>& pelvis() const noexcept { return pelvis_; }
+  /// What was taken out as gait in this step; zeros while that is off.
+  [[nodiscard]] const law::GaitPart<double>& gait() const noexcept { return gait_; }
   /// u and u_psi, -1 to 1; 0 while any tilt is stale.
   [[nodiscard]] double lean_norm() const noexcept { return lean_norm_; }
   [[nodiscard]] double turn_norm() const noexcept { return turn_norm_; }
@@ -65,7 +72,20 @@ class PatientIntent {
   }
 
  private:
+  void take_gait(double calm_norm, double dt_s) noexcept {
+    gait_ = {};
+    if (!(calm_norm > 0.0)) {
+      gait_state_ = {};
+      return;
+    }
+    gait_ = law::gait_cancel_step(law::GaitCancelConfig<double>{}, gait_state_, pelvis_.dx_m, pelvis_.dy_m, pelvis_.dpsi_rad, dt_s);
+    gait_.lean_m *= calm_norm;
+    gait_.turn_rad *= calm_norm;
+  }
+
   Pelvis<double> pelvis_;
+  law::GaitCancelState<double> gait_state_;
+  law::GaitPart<double> gait_;
   double lean_norm_ = 0, turn_norm_ = 0;
   std::array<double, kNeutralTicks> dx_m_{}, dpsi_rad_{};
   std::size_t next_ = 0, held_ = 0, neutral_ticks_ = 0;

@@ -1,0 +1,122 @@
+// The stopping distance that is shown, against the one that is rolled: random patients, commands, turns and moments of the cut, with the
+// real step and the shipped nodes. HOIST_STOP_CUTS=10000 asks for more cuts than the default run has time for (deploy/dev stops).
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "firmware/sim/random.hpp"
+#include "tests/support/closed_loop.hpp"
+
+namespace hoist::tests {
+namespace {
+
+using contract::Mode;
+
+int cuts() {
+  const char* asked = std::getenv("HOIST_STOP_CUTS");
+  const int n = asked != nullptr ? std::atoi(asked) : 0;
+  return n > 0 ? n : 120;
+}
+
+enum class Cut { link_driving, stop_walking, computer_driving, computer_walking };
+
+struct Sum {
+  int cuts = 0, passed = 0;
+  double promised_m = 0, rolled_m = 0, excess_norm = 0, worst_m = -1;
+  std::uint64_t worst_seed = 0;
+};
+
+// One cut at a random moment: what was promised and what was rolled. False when the hoist did not come to move.
+bool one_cut(Cut cut, std::uint64_t seed, double& promised_m, double& rolled_m) {
+  sim::Random random(seed);
+  const bool driving = cut == Cut::link_driving || cut == Cut::computer_driving;
+  ClosedLoopOptions options;
+  options.world.seed = seed;
+  options.world.patient = sim::PatientParams::random(seed);
+  options.world.scenario = sim::find_scenario(driving ? "stand" : (random.next() % 2 == 0 ? "figure-eight" : "straight"));
+  options.params.remote_speed_m_s_max = random.uniform(0.10, 0.60);
+  ClosedLoop loop(options);
+  if (!loop.start(driving ? Mode::remote : Mode::user)) return false;
+  if (driving) {
+    // A hand that changes its mind a few times, then the cut in the middle of it.
+    loop.hold_stick(0.0, 0.0);
+    loop.run(0.2);
+    const auto changes = 1 + random.next() % 4;
+    for (std::uint64_t i = 0; i < changes; ++i) {
+      loop.hold_stick(random.uniform(-1.0, 1.0), random.next() % 2 == 0 ? 0.0 : random.uniform(-1.0, 1.0));
+      loop.run(random.uniform(0.1, 1.5));
+    }
+  } else {
+    loop.run(random.uniform(2.0, 14.0));
+  }
+  const contract::TickRecord& record = loop.record();
+  if (std::fabs(record.speed_m_s) < 0.03F) return false;
+  const auto speed_m_s = static_cast<double>(record.speed_m_s), command_m_s = static_cast<double>(record.speed_command_m_s);
+  const double true_m_s = loop.world().plant().platform().speed_m_s;
+  promised_m =
+      static_cast<double>(cut == Cut::link_driving || cut == Cut::stop_walking ? record.stop_distance_m : record.worst_stop_distance_m);
+  switch (cut) {
+    case Cut::link_driving:
+      loop.fall_silent();
+      break;
+    case Cut::stop_walking:
+      loop.ask(contract::CommandKind::stop);
+      break;
+    case Cut::computer_driving:
+    case Cut::computer_walking:
+      loop.kill_core();
+      break;
+  }
+  // The way of the axle's middle, until it stays.
+  rolled_m = 0;
+  double still_s = 0;
+  sim::PlatformMotion before = loop.world().plant().platform();
+  for (int i = 0; i < 400 && still_s < 0.3; ++i) {
+    loop.step();
+    const sim::PlatformMotion now = loop.world().plant().platform();
+    rolled_m += std::hypot(now.x_m - before.x_m, now.y_m - before.y_m);
+    still_s = std::fabs(now.speed_m_s) < 0.003 ? still_s + 0.01 : 0.0;
+    before = now;
+  }
+  if (std::getenv("HOIST_STOP_PRINT") != nullptr)
+    std::printf("cut %d,%llu,%.5f,%.5f,%.5f,%.5f,%.5f\n", static_cast<int>(cut), static_cast<unsigned long long>(seed), promised_m,
+                rolled_m, speed_m_s, command_m_s, true_m_s);
+  return true;
+}
+
+void judge(Cut cut, const char* name, int wanted) {
+  Sum sum;
+  std::uint64_t seed = static_cast<std::uint64_t>(cut) * 1'000'000;
+  const int most = wanted * 3;
+  for (int tried = 0; tried < most && sum.cuts < wanted; ++tried) {
+    double promised_m = 0, rolled_m = 0;
+    if (!one_cut(cut, ++seed, promised_m, rolled_m)) continue;
+    ++sum.cuts;
+    sum.promised_m += promised_m;
+    sum.rolled_m += rolled_m;
+    sum.excess_norm += promised_m / rolled_m - 1.0;
+    if (rolled_m - promised_m > sum.worst_m) {
+      sum.worst_m = rolled_m - promised_m;
+      sum.worst_seed = seed;
+    }
+    if (rolled_m > promised_m) ++sum.passed;
+  }
+  ASSERT_EQ(sum.cuts, wanted);
+  std::printf(
+      "%s: %d cuts, promised %.3f m, rolled %.3f m on average, excess %.1f %% of the way, %.1f %% on average; nearest %.1f mm (seed %llu), "
+      "passed %d\n",
+      name, sum.cuts, sum.promised_m / sum.cuts, sum.rolled_m / sum.cuts, 100.0 * (sum.promised_m / sum.rolled_m - 1.0),
+      100.0 * sum.excess_norm / sum.cuts, -1000.0 * sum.worst_m, static_cast<unsigned long long>(sum.worst_seed), sum.passed);
+  EXPECT_EQ(sum.passed, 0) << "seed " << sum.worst_seed << " rolled " << sum.worst_m << " m farther than promised";
+  EXPECT_LT(sum.excess_norm / sum.cuts, 0.20);
+}
+
+TEST(StopDistance, H17TheLinkDiesWhileSomebodyDrives) { judge(Cut::link_driving, "link, driving", cuts()); }
+TEST(StopDistance, H17StopWhileThePatientWalks) { judge(Cut::stop_walking, "stop, walking", cuts()); }
+TEST(StopDistance, H21TheComputerDiesWhileSomebodyDrives) { judge(Cut::computer_driving, "computer, driving", cuts()); }
+TEST(StopDistance, H21TheComputerDiesWhileThePatientWalks) { judge(Cut::computer_walking, "computer, walking", cuts()); }
+
+}  // namespace
+}  // namespace hoist::tests
