@@ -29,8 +29,12 @@ Result<MovingPart> moving_part(Database& database, SessionId session) {
   const SessionReader reader(database);
   const Result<SessionInfo> info = reader.get(session);
   if (!info) return info.error();
-  const std::vector<std::string> names{"mode", "x_m", "y_m", "psi_rad", "dpsi_rad", "speed_m_s"};
+  const Result<std::vector<ColumnInfo>> recorded = reader.columns(session);
+  if (!recorded) return recorded.error();
   MovingPart part;
+  part.fused = std::any_of(recorded->begin(), recorded->end(), [](const ColumnInfo& column) { return column.name == "fused_psi_rad"; });
+  const std::string of = part.fused ? "fused_" : "";
+  const std::vector<std::string> names{"mode", of + "x_m", of + "y_m", of + "psi_rad", "dpsi_rad", "speed_m_s"};
   Result<Overview> whole = reader.overview(session, {}, 1);
   if (!whole) return whole.error();
   if (whole->from_s.empty()) return part;
@@ -59,6 +63,7 @@ Result<SessionMetrics> session_metrics(Database& database, SessionId session) {
   if (!part) return part.error();
   SessionMetrics out;
   out.session = session;
+  out.track = part->fused ? "fused" : "encoders";
   out.moving_samples = part->x_m.size();
   out.moving_s = static_cast<double>(out.moving_samples) * kSample_s;
   for (const double speed : part->speed_m_s) {

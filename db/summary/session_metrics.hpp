@@ -17,6 +17,7 @@ struct SessionMetrics {
   double distance_m = 0;
   double mean_speed_m_s = 0;
   double max_speed_m_s = 0;
+  std::string track;  ///< which track was compared: "fused" (encoders and gyroscope, slip repaired) or "encoders" (older sessions)
   // With an exercise only.
   std::string shape;                     ///< empty without an exercise
   std::optional<double> correlation;     ///< C; absent without an exercise or where it is not defined (nothing turned)

@@ -8,6 +8,7 @@
 #include "db/export/session_export.hpp"
 #include "db/metrics/run_summary.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/summary/moving_part.hpp"
 #include "db/summary/session_metrics.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/exercise.hpp"
@@ -233,20 +234,13 @@ void get_events(const CallPtr& call) {
 namespace {
 // Root mean square distance and heading from the pattern, over the moving part.
 std::optional<db::RunDeviation> deviation(db::Database& database, db::SessionId id, const Exercise& e) {
-  const std::array<std::string, 5> names{"x_m", "y_m", "psi_rad", "dpsi_rad", "mode"};
-  const auto read = db::SessionReader(database).read_columns(id, names);
-  if (!read) return std::nullopt;
-  std::array<std::vector<double>, 4> kept;
-  for (std::size_t i = 0; i < read->tick.size(); ++i) {
-    const auto mode = static_cast<std::size_t>(read->values[4][i]);
-    if (mode >= contract::kModes.size() || !contract::kModes[mode].moving) continue;
-    for (std::size_t c = 0; c < kept.size(); ++c) kept[c].push_back(read->values[c][i]);
-  }
+  const db::Result<db::MovingPart> part = db::moving_part(database, id);
+  if (!part) return std::nullopt;
   using contract::ReferencePath;
   const ReferencePath path = e.shape == Exercise::Shape::eight    ? ReferencePath::eight(e.c_m, e.radius_m)
                              : e.shape == Exercise::Shape::square ? ReferencePath::square(e.side_m)
                                                                   : ReferencePath::straight(e.length_m);
-  return db::run_deviation(path, {.dt_s = 0.01, .x_m = kept[0], .y_m = kept[1], .psi_rad = kept[2], .dpsi_rad = kept[3]});
+  return db::run_deviation(path, {.dt_s = 0.01, .x_m = part->x_m, .y_m = part->y_m, .psi_rad = part->psi_rad, .dpsi_rad = part->dpsi_rad});
 }
 }  // namespace
 
@@ -273,6 +267,7 @@ void get_metrics(const CallPtr& call) {
                           {"max_speed_m_s", metrics->max_speed_m_s},
                           {"rms_position_m", off ? or_null(off->position_rms_m) : json(nullptr)},
                           {"rms_heading_rad", off ? or_null(off->heading_rms_rad) : json(nullptr)},
+                          {"track", metrics->track},
                           {"exercise", exercise},
                           {"reason_if_none", !metrics->why_absent.empty() ? json(metrics->why_absent)
                                              : exercise.is_null()         ? json("No exercise was chosen.")

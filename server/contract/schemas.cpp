@@ -136,10 +136,10 @@ std::string_view schemas_text() {
   "text": {"type": "string"}}, "additionalProperties": false}},
   "gaps": {"type": "array", "items": {"type": "object", "required": ["stream", "from_tick", "to_tick", "reason"], "properties": {"stream": {"type": "string"},
   "from_tick": {"type": "integer"}, "to_tick": {"type": "integer"}, "reason": {"type": "string"}}, "additionalProperties": false}}}, "additionalProperties": false},
-"Metrics": {"type": "object", "required": ["C", "J_N", "reference_length_m", "duration_s", "distance_m", "mean_speed_m_s", "max_speed_m_s", "rms_position_m", "rms_heading_rad", "exercise",
+"Metrics": {"type": "object", "required": ["C", "J_N", "reference_length_m", "duration_s", "distance_m", "mean_speed_m_s", "max_speed_m_s", "rms_position_m", "rms_heading_rad", "track", "exercise",
   "reason_if_none"], "properties": {"C": {"type": ["number", "null"]}, "J_N": {"type": ["number", "null"]}, "reference_length_m": {"type": ["number", "null"]},
   "duration_s": {"type": "number"}, "distance_m": {"type": "number"}, "mean_speed_m_s": {"type": "number"}, "max_speed_m_s": {"type": "number"},
-  "rms_position_m": {"type": ["number", "null"]}, "rms_heading_rad": {"type": ["number", "null"]}, "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"},
+  "rms_position_m": {"type": ["number", "null"]}, "rms_heading_rad": {"type": ["number", "null"]}, "track": {"enum": ["fused", "encoders"]}, "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"},
   "reason_if_none": {"type": ["string", "null"]}}, "additionalProperties": false},
 "MarkerRequest": {"type": "object", "required": ["text"], "properties": {"text": {"type": "string", "maxLength": 500}}},
 "FirmwareUpdate": {"type": "object", "required": ["node", "version", "phase", "result", "bytes_sent", "bytes_total", "seconds_left", "text"], "properties": {

@@ -144,7 +144,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       left_alpha_rad: (hoist.lean - 0.5 * hoist.turn) * range, right_alpha_rad: (hoist.lean + 0.5 * hoist.turn) * range,
       left_beta_rad: sway, right_beta_rad: sway, base_alpha_rad: 0.002, base_beta_rad: 0.001, lean_norm: hoist.lean, turn_norm: hoist.turn,
       dx_m: 0.8 * Math.tan(hoist.lean * range), dy_m: -0.8 * Math.tan(sway), speed_wish_m_s: wish, speed_command_m_s: hoist.v, speed_m_s: hoist.v, yaw_rate_rad_s: hoist.w,
-      x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi, distance_m: hoist.distance, stop_distance_m: hoist.v ** 2 / 1.6, remote_age_s: 9.999,
+      x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi, fused_x_m: hoist.x, fused_y_m: hoist.y, fused_psi_rad: hoist.psi, distance_m: hoist.distance, stop_distance_m: hoist.v ** 2 / 1.6, remote_age_s: 9.999,
       battery_a_v: 12.43, battery_b_v: 12.38, left_supply_v: 24.7, right_supply_v: 24.7, left_current_a: 0.6 + hoist.v, right_current_a: 0.5 + hoist.v,
       wake_lateness_s: 6e-5, tick_duration_s: 2.1e-4, lateness_p50_s: 6e-5, lateness_p99_s: 2.1e-4, lateness_max_s: 4.1e-4, missed_ticks: 3, overruns: 5, page_faults: 0,
       allocations: 0, loop_priority: 49, loop_cpu: 3, memory_locked: 1, bus_frames: hoist.tick * 7, fault_bits: hoist.faults, blocked_bits: hoist.faults ? 4 : 0, lease_epoch: lease.epoch, lease_holder: lease.holder,
@@ -230,8 +230,8 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
   const sampleColumn = (name, i, id) => {
     const s = i / 1000;
     const loop = s * 4 * Math.PI + id;
-    if (name === 'x_m') return 1.8 * Math.sin(loop);
-    if (name === 'y_m') return 0.75 * Math.sin(2 * loop) + 0.04 * Math.sin(31 * s);
+    if (name === 'x_m' || name === 'fused_x_m') return 1.8 * Math.sin(loop);
+    if (name === 'y_m' || name === 'fused_y_m') return 0.75 * Math.sin(2 * loop) + 0.04 * Math.sin(31 * s);
     if (name === 'speed_m_s') return 0.42 * Math.min(1, 12 * s) + 0.02 * Math.sin(90 * s);
     if (name === 'speed_command_m_s') return 0.42 * Math.min(1, 12 * s) + 0.015 * Math.sin(80 * s);
     return 0.3 * Math.sin(20 * s + name.length);
@@ -265,7 +265,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     if (rest === undefined && request.method === 'PATCH') return send(200, Object.assign(session, JSON.parse(body)));
     if (rest === undefined) return send(200, session);
     if (rest === 'metrics')
-      return send(200, { C: 0.82, J_N: 6.1, reference_length_m: 11.4, duration_s: session.duration_s, distance_m: 25.8, mean_speed_m_s: 0.39, rms_position_m: 0.11, rms_heading_rad: 0.14, exercise: session.exercise, reason_if_none: null });
+      return send(200, { C: 0.82, J_N: 6.1, reference_length_m: 11.4, duration_s: session.duration_s, distance_m: 25.8, mean_speed_m_s: 0.39, rms_position_m: 0.11, rms_heading_rad: 0.14, track: 'fused', exercise: session.exercise, reason_if_none: null });
     if (rest === 'events')
       return send(200, { items: [{ time_s: 0, kind: 'mode_changed', name: 'user' }, { time_s: 12.3, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 50, value: 60 }, { time_s: 96, kind: 'fault_raised', name: 'stop_pressed' }], markers: [{ utc_ms: session.started_utc_ms + 31_000, text: 'Stumble' }], gaps: [] });
     if (rest === 'samples') {

@@ -13,10 +13,10 @@ const user = modes.find((mode) => mode.name === 'user')!.value;
 describe('Live', () => {
   it('keeps the path, one point each two centimetres, and begins anew on a jump', () => {
     const live = new Live();
-    for (let i = 0; i < 100; i++) live.take([record({ tick: i, time_ns: i * 1e7, x_m: i * 0.005 })], 0);
+    for (let i = 0; i < 100; i++) live.take([record({ tick: i, time_ns: i * 1e7, fused_x_m: i * 0.005 })], 0);
     expect(live.path.x.length).toBeGreaterThan(20);
     expect(live.path.x.length).toBeLessThan(30);
-    live.take([record({ tick: 100, x_m: 5 })], 0);
+    live.take([record({ tick: 100, fused_x_m: 5 })], 0);
     expect([...live.path.x.latest()]).toEqual([5]);
   });
 

@@ -30,6 +30,7 @@ int run_metrics(std::span<const std::string_view> arguments) {
                             {"distance_m", metrics->distance_m},
                             {"mean_speed_m_s", metrics->mean_speed_m_s},
                             {"max_speed_m_s", metrics->max_speed_m_s},
+                            {"track", metrics->track},
                             {"shape", metrics->shape},
                             {"C", optional(metrics->correlation)},
                             {"J", optional(metrics->normalised_ise)},

@@ -100,6 +100,9 @@ class Walk {
     r.x_m = f(x_);
     r.y_m = f(y_);
     r.psi_rad = f(psi_);
+    r.fused_x_m = r.x_m;
+    r.fused_y_m = r.y_m;
+    r.fused_psi_rad = r.psi_rad;
     distance_ += static_cast<double>(r.speed_m_s) * 0.01;
     r.distance_m = f(distance_);
     // The drives report 10 mA and 100 mV steps, ten times a second the supply.

@@ -299,6 +299,9 @@ std::vector<TickRecord> follow(const contract::ReferencePath& path, double lengt
     r.x_m = static_cast<float>(pose.x_m - offset_m * std::sin(pose.psi_rad));
     r.y_m = static_cast<float>(pose.y_m + offset_m * std::cos(pose.psi_rad));
     r.psi_rad = static_cast<float>(pose.psi_rad + offset_m);
+    r.fused_x_m = r.x_m;
+    r.fused_y_m = r.y_m;
+    r.fused_psi_rad = r.psi_rad;
     r.dpsi_rad = static_cast<float>(0.2 * pose.kappa_per_m + 0.01 * std::sin(static_cast<double>(i)));
     r.speed_m_s = mode == contract::Mode::standby ? 0.0F : 0.4F;
     r.mode = static_cast<std::uint8_t>(mode);

@@ -91,6 +91,9 @@ void FakeCore::publish_tick() {
   ++record_.tick;
   record_.time_ns += 10'000'000;
   record_.x_m += 0.001F;
+  record_.fused_x_m = record_.x_m;
+  record_.fused_y_m = record_.y_m;
+  record_.fused_psi_rad = record_.psi_rad;
   link_->publish_tick(record_);
   published_.push_back(record_);
 }

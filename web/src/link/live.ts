@@ -38,11 +38,11 @@ export class Live {
         else if (record.tick > before.tick + 1) this.lost += record.tick - before.tick - 1;
       }
       for (const name of historySignals) this.history[name].push(record[name]);
-      const step_m = Math.hypot(record.x_m - this.path.x.last, record.y_m - this.path.y.last);
+      const step_m = Math.hypot(record.fused_x_m - this.path.x.last, record.fused_y_m - this.path.y.last);
       if (step_m > jump_m) this.clearPath();
       if (this.path.x.length === 0 || step_m >= pathStep_m) {
-        this.path.x.push(record.x_m);
-        this.path.y.push(record.y_m);
+        this.path.x.push(record.fused_x_m);
+        this.path.y.push(record.fused_y_m);
       }
       this.clockMotion(record);
       this.record = record;

@@ -191,6 +191,8 @@ export const de: Record<TextKey, string> = {
   'metric.speed': 'Mittleres Tempo',
   'metric.offPath': 'Neben dem Weg, im Mittel',
   'metric.offHeading': 'Neben der Richtung, im Mittel',
+  'metric.trackFused': 'Die Spur ist um den Schlupf der Räder berichtigt.',
+  'metric.trackEncoders': 'Die Spur stammt nur von den Rädern; Schlupf ist nicht berichtigt.',
   'metric.none': 'Kein Vergleich mit einem Plan',
   'event.mode_changed': 'Betriebsart',
   'event.fault_raised': 'Alarm',

@@ -190,6 +190,8 @@ export const en = {
   'metric.speed': 'Mean speed',
   'metric.offPath': 'Off the path, on average',
   'metric.offHeading': 'Off the direction, on average',
+  'metric.trackFused': 'The path has wheel slip repaired.',
+  'metric.trackEncoders': 'The path is from the wheels alone; slip is not repaired.',
   'metric.none': 'No comparison with a plan',
   'event.mode_changed': 'Mode',
   'event.fault_raised': 'Alarm',

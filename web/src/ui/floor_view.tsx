@@ -133,7 +133,7 @@ export function FloorView({ exercise }: { exercise: Exercise }) {
     if (canvas.current === null) return;
     // A hoist that stands is not drawn anew, except once a second: colours and size may have changed.
     const r = live.record;
-    const what = r === null ? '' : `${r.x_m.toFixed(3)} ${r.y_m.toFixed(3)} ${r.psi_rad.toFixed(3)} ${live.pathLife} ${live.path.x.length} ${exercise.shape}`;
+    const what = r === null ? '' : `${r.fused_x_m.toFixed(3)} ${r.fused_y_m.toFixed(3)} ${r.fused_psi_rad.toFixed(3)} ${live.pathLife} ${live.path.x.length} ${exercise.shape}`;
     if (what === drawn.current.what && now_ms - drawn.current.at_ms < 1000) return;
     drawn.current = { what, at_ms: now_ms };
     const x = live.path.x.latest();
@@ -141,9 +141,9 @@ export function FloorView({ exercise }: { exercise: Exercise }) {
     const bounds: Point[] = [...pattern.current];
     // Every tenth point is enough to find the bounds.
     for (let i = 0; i < x.length; i += 10) bounds.push({ x: x[i]!, y: y[i]! });
-    if (live.record !== null) bounds.push({ x: live.record.x_m, y: live.record.y_m });
+    if (live.record !== null) bounds.push({ x: live.record.fused_x_m, y: live.record.fused_y_m });
     const frame = fit(bounds, canvas.current.clientWidth, canvas.current.clientHeight);
-    drawFloor(canvas.current, { pattern: pattern.current, x, y, pose: live.record }, frame);
+    drawFloor(canvas.current, { pattern: pattern.current, x, y, pose: r === null ? null : { x_m: r.fused_x_m, y_m: r.fused_y_m, psi_rad: r.fused_psi_rad } }, frame);
   });
   return <canvas ref={canvas} class="floor" role="img" aria-label={t('floor.label')} />;
 }

@@ -27,6 +27,8 @@ export interface Metrics {
   mean_speed_m_s: number | null;
   rms_position_m: number | null;
   rms_heading_rad: number | null;
+  /** Which track was compared: with slip repaired, or the encoders' own. */
+  track: 'fused' | 'encoders';
   exercise: Exercise | null;
   reason_if_none: string | null;
 }
@@ -91,8 +93,9 @@ export function pathOf(samples: Samples): { x: number[]; y: number[] } {
     const column = samples.columns.find((item) => item.name === name);
     return column === undefined ? [] : column.min.map((low, i) => ((low ?? NaN) + (column.max[i] ?? NaN)) / 2);
   };
-  const xs = middle('x_m');
-  const ys = middle('y_m');
+  const fused = samples.columns.some((item) => item.name === 'fused_x_m');
+  const xs = middle(fused ? 'fused_x_m' : 'x_m');
+  const ys = middle(fused ? 'fused_y_m' : 'y_m');
   const x: number[] = [];
   const y: number[] = [];
   for (let i = 0; i < Math.min(xs.length, ys.length); i++) {

@@ -156,7 +156,12 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
   useEffect(() => {
     void rest<Session>('GET', `/sessions/${id}`).then((answer) => (answer.ok ? setSession(answer.value) : setError(problemText(answer.problem))));
     void rest<Metrics>('GET', `/sessions/${id}/metrics`).then((answer) => answer.ok && setMetrics(answer.value));
-    void rest<Samples>('GET', `/sessions/${id}/samples?columns=x_m,y_m&points=${pathRuns}`).then((answer) => answer.ok && setPath(answer.value));
+    // Sessions from before the slip-repaired track have the encoders' own only.
+    const pathFrom = (columns: string) => rest<Samples>('GET', `/sessions/${id}/samples?columns=${columns}&points=${pathRuns}`);
+    void pathFrom('fused_x_m,fused_y_m').then(async (fused) => {
+      const answer = fused.ok ? fused : await pathFrom('x_m,y_m');
+      if (answer.ok) setPath(answer.value);
+    });
     void rest<SessionEvents>('GET', `/sessions/${id}/events`).then((answer) => answer.ok && setEvents(answer.value));
     void import('./chart').then((module) => setChartView(() => module.Chart));
   }, [id]);
@@ -292,6 +297,7 @@ function Figures({ metrics }: { metrics: Metrics | null }) {
         <Figure label={t('metric.offPath')} value={`${fixed(m?.rms_position_m == null ? null : m.rms_position_m * 100, 0)} cm`} />
         <Figure label={t('metric.offHeading')} value={degrees(m?.rms_heading_rad, 0)} />
       </div>
+      {m ? <p class="hint">{t(m.track === 'fused' ? 'metric.trackFused' : 'metric.trackEncoders')}</p> : null}
       {m?.reason_if_none ? <p class="hint">{t('metric.none')}: {m.reason_if_none}</p> : null}
     </>
   );

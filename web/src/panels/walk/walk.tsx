@@ -110,7 +110,7 @@ function WalkView() {
             <Time />
             <Reading label={t('walk.lean')} read={(r) => degrees((r.left_alpha_rad + r.right_alpha_rad) / 2 - r.base_alpha_rad)} />
             <Reading label={t('walk.turn')} unit="°/s" read={(r) => fixed((r.yaw_rate_rad_s * 180) / Math.PI, 0)} />
-            <Reading label={t('walk.stopDistance')} unit="m" read={(r) => fixed(r.stop_distance_m, 2)} />
+            <Reading label={t('walk.stopDistance')} unit="cm" rate_hz={4} read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
           </div>
           <div class="markers" role="group" aria-label={t('walk.markers')}>
             {markers.map((key) => (
