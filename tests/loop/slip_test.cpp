@@ -100,7 +100,7 @@ TEST(Slip, H10ALongSlipStopsGentlyAndAShortOneDoesNot) {
     burst.grip_norm = {0.02, 0.02};
     burst.twist_n_m = 5.0;
     loop.world().slip(burst);
-    loop.run(0.25);
+    loop.run(0.5);
     EXPECT_NE(loop.record().slip_state & 1U, 0U);
     loop.run(3.0);
     EXPECT_EQ(loop.ever_raised(Fault::wheel_slip), seconds > 1.0);

@@ -685,6 +685,21 @@ TEST(Monitors, H10ASlipIsMarkedAtOnceAndStopsGentlyWhenItLasts) {
   }
 }
 
+// Slower slips, straight on and in a bend of 40 deg/s, are noticed within 200 ms too.
+TEST(Monitors, H10ASlowSlipIsNoticedWithin200ms) {
+  for (const double slip_deg_s : {8.0, -14.0}) {
+    SCOPED_TRACE(slip_deg_s);
+    ScriptedHoist hoist;
+    set_going(hoist, Mode::remote);
+    if (HasFatalFailure()) return;
+    const bool bend = slip_deg_s < 0;
+    if (bend) hoist.drive_for(300, 0.3, 1.0);
+    hoist.tilt_base.yaw_rate_deg_s = slip_deg_s;
+    for (int i = 0; i < 20; ++i) hoist.drive_for(1, bend ? 0.3 : 0.9, bend ? 1.0 : 0.0);
+    EXPECT_NE(hoist.out.record.slip_state & 1U, 0U);
+  }
+}
+
 TEST(Monitors, H10AShortSlipMarksTheTrackAndNothingElse) {
   ScriptedHoist hoist;
   set_going(hoist, Mode::user);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "control/core/monitor/mutation.hpp"
+
 namespace hoist::core {
 
 namespace {
@@ -90,7 +92,9 @@ void FusedOdometry::watch_slip(double wheel_rate_rad_s, double dt_s) noexcept {
   wheel_rate_rad_s_ += (std::fabs(wheel_rate_rad_s) - wheel_rate_rad_s_) * (dt_s / kRemembered_s);
   const double turning_rad_s = std::fmax(wheel_rate_rad_s_, std::fabs(wheel_rate_rad_s));
   if (slip_ticks_ == 0) {
-    if (std::fabs(apart_rad_) > kApart_rad + kApartPerRate_s * turning_rad_s) {
+    const double apart_max_rad = threshold<contract::Fault::wheel_slip, "apart">(kApart_rad) +
+                                 threshold<contract::Fault::wheel_slip, "apart per rate">(kApartPerRate_s) * turning_rad_s;
+    if (std::fabs(apart_rad_) > apart_max_rad) {
       apart_rad_ += given_away_rad_;
       given_away_rad_ = 0;
       slip_ticks_ = 1;

@@ -27,7 +27,7 @@ struct GaitCancelConfig {
   Real damping{Real(1.2)};        ///< k of the integrator: follows within about two thirds of a stride
   Real offset_share{Real(0.25)};  ///< of the offset state
   Real lock_per_s{Real(1.4)};     ///< of the frequency loop
-  Real learn_per_s{Real(0.5)};    ///< of the combiners, once they know the gait
+  Real learn_per_s{Real(0.18)};   ///< of the combiners, once they know the gait: delays a slow wish by 27 ms
   Real first_learn_per_s{Real(2.0)};
   Real first_learn_s{Real(4)};        ///< this much walking until then
   Real high_pass_s{Real(0.25)};       ///< what is slower is a wish
@@ -80,11 +80,17 @@ template <typename Real>
 }
 }  // namespace detail
 
-/// One step. Everything that is returned is to be taken away from the measured value. Inputs that are not finite, or a state that is not,
-/// begin anew: nothing is removed then.
+/// One step. Everything that is returned is to be taken away from the measured value. Inputs that are not finite or beyond 2 m or rad, or a state
+/// that is not finite, begin anew: nothing is removed then.
 template <typename Real>
 [[nodiscard]] inline GaitPart<Real> gait_cancel_step(const GaitCancelConfig<Real>& config, GaitCancelState<Real>& state, Real lean_m,
                                                      Real sway_m, Real turn_rad, Real dt_s) {
+  // Neither harness nor struts reach so far: whatever this is, it is no gait.
+  const auto believable = [](Real x) { return x < Real(2) && x > Real(-2); };
+  if (!believable(lean_m) || !believable(sway_m) || !believable(turn_rad)) {
+    state = {};
+    return {};
+  }
   GaitCancelState<Real> s = state;
   if (!(s.omega_rad_s > Real(0))) {
     s = {};

@@ -26,7 +26,7 @@ namespace stopping {
 
 /// Servo, gears and patient behind the command, measured in the closed loop over random patients and never passed there. A patient who
 /// leads holds against the stop with the springs; on their own quick stop the drives need no news from the bus.
-inline constexpr double kLagDriven_s = 0.067, kLagLed_s = 0.063, kLagAloneDriven_s = 0.037, kLagAloneLed_s = 0.045;
+inline constexpr double kLagDriven_s = 0.067, kLagLed_s = 0.06, kLagAloneDriven_s = 0.037, kLagAloneLed_s = 0.045;
 /// From the decision to the wheels: the rest of this step, the bus, and the drive's millisecond.
 inline constexpr double kStep_s = 0.012;
 /// A wheel that a patient pushes does not stop to the millimetre.
@@ -40,7 +40,8 @@ inline constexpr double kQuickStop_rad_s2 = contract::find_object(contract::Node
 
 [[nodiscard]] inline double ramp_m(double speed_m_s, double rate_m_s2) noexcept { return speed_m_s * speed_m_s / (2.0 * rate_m_s2); }
 
-/// The limiter while the last command ages: as Limiter::follow_speed, but without its gentle arrival, which only shortens the way.
+/// The limiter while the last command ages: Limiter::follow_speed in longer steps. A little gentler than that when it slows, so that the way
+/// never comes out too short.
 [[nodiscard]] inline double last_command_m(const CoreState& state, double wish_m_s) noexcept {
   const contract::Params& p = state.params;
   double speed = state.limiter.speed_m_s(), acceleration = state.limiter.acceleration_m_s2(), way_m = 0;
@@ -50,7 +51,10 @@ inline constexpr double kQuickStop_rad_s2 = contract::find_object(contract::Node
     age_s += piece_s;
     const double share = age_s <= p.remote_slow_age_s ? 1.0 : (p.remote_stop_age_s - age_s) / (p.remote_stop_age_s - p.remote_slow_age_s);
     const double gap = wish_m_s * share - speed;
-    const double largest = std::fmin(p.acceleration_m_s2_max, std::fabs(gap) / piece_s);
+    // The acceleration from which the gap is met while it falls by the jerk.
+    const double meets = std::sqrt(2.0 * p.jerk_m_s3_max * std::fabs(gap));
+    const double gentle = gap * speed < 0 ? std::fmax(meets - p.jerk_m_s3_max * kTick_s / 2.0, 0.0) : meets;
+    const double largest = std::fmin(std::fmin(p.acceleration_m_s2_max, gentle), std::fabs(gap) / piece_s);
     const double wanted = gap < 0 ? -largest : largest, change = p.jerk_m_s3_max * piece_s;
     acceleration = std::fmin(std::fmax(wanted, acceleration - change), acceleration + change);
     const double next = speed + acceleration * piece_s;

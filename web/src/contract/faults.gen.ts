@@ -36,7 +36,8 @@ export type FaultName =
   | 'battery_uneven'
   | 'emergency_stop'
   | 'parameters_corrupt'
-  | 'control_fault';
+  | 'control_fault'
+  | 'wheel_slip';
 
 export type RefusalName =
   | 'not_standby'
@@ -241,6 +242,11 @@ export const faults: readonly FaultInfo[] = [
     bit: 31, name: 'control_fault', priority: 'high', reaction: 'out_of_service',
     text: { en: 'The same fault has stopped the hoist again and again', de: 'Dieselbe Störung hat die Hilfe immer wieder angehalten' },
     action: { en: 'Free the patient and call service; the other alarm names the fault.', de: 'Patienten befreien und Service rufen; der andere Alarm nennt die Störung.' },
+  },
+  {
+    bit: 27, name: 'wheel_slip', priority: 'medium', reaction: 'soft_stop',
+    text: { en: 'The wheels slip', de: 'Die Räder rutschen' },
+    action: { en: 'Check floor and wheels, then start again; the track is kept by the gyroscope.', de: 'Boden und Räder prüfen, dann neu starten; der Kreisel führt die Spur weiter.' },
   },
 ];
 

@@ -71,6 +71,8 @@ export type ParamName =
   | 'drift_rad_max'
   | 'fault_stops_max'
   | 'fault_stops_window_s'
+  | 'slip_stop_s'
+  | 'cadence_cancel_norm'
   | 'drive_velocity_gain_v_s_rad'
   | 'drive_velocity_integral_v_rad'
   | 'drive_current_limit_a'
@@ -503,6 +505,18 @@ export const params: readonly ParamInfo[] = [
     edit: 'stopped', scope: 'core', role: 'engineer', source: 'assumed: within one training of ten minutes',
     title: { en: 'Stops count together for', de: 'Halte zählen zusammen während' },
     effect: { en: 'Stops for the same fault that lie farther apart do not count together.', de: 'Halte durch dieselbe Störung, die weiter auseinander liegen, zählen nicht zusammen.' },
+  },
+  {
+    id: 130, name: 'slip_stop_s', unit: 's', min: 0.3, default: 1, max: 10,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H10: R1 after 1 s',
+    title: { en: 'Longest slip', de: 'Längster Schlupf' },
+    effect: { en: 'How long the wheels may slip before the hoist stops gently.', de: 'Wie lange die Räder rutschen dürfen, bevor die Hilfe sanft hält.' },
+  },
+  {
+    id: 131, name: 'cadence_cancel_norm', unit: '', min: 0, default: 0, max: 1,
+    edit: 'stopped', scope: 'core', role: 'therapist', source: 'option, off: 0; all of the sway: 1',
+    title: { en: 'Calm the gait\'s sway', de: 'Gangpendeln beruhigen' },
+    effect: { en: 'Share of the swaying of each stride that is taken out of lean and turn. 0: as published.', de: 'Anteil des Pendelns bei jedem Schritt, der aus Neigung und Drehung herausgenommen wird. 0: wie veröffentlicht.' },
   },
   {
     id: 80, name: 'drive_velocity_gain_v_s_rad', unit: 'V s/rad', min: 0, default: 0.12, max: 5,
