@@ -230,8 +230,10 @@ void Watch::watch_record() {
   watch_parameters(mode);
   // I1: at rest soon after motion has ended, whatever ended it.
   if (moves(mode)) moving_end_s_ = now_s;
-  const bool pushed = fallen() || board_.ever(Kind::encoder_lost) || board_.ever(Kind::encoder_reversed) || board_.ever(Kind::slip) ||
-                      board_.ever(Kind::wheel_blocked) || board_.ever(Kind::freeze, contract::NodeKind::drive);
+  // A post that the hoist was stopped at pushes back, now and then for as long as it stands there.
+  const bool pushed = fallen() || board_.ever(Kind::slope) || board_.ever(Kind::obstacle) || board_.ever(Kind::encoder_lost) ||
+                      board_.ever(Kind::encoder_reversed) || board_.ever(Kind::slip) || board_.ever(Kind::wheel_blocked) ||
+                      board_.ever(Kind::freeze, contract::NodeKind::drive);
   if (!moves(mode) && now_s - moving_end_s_ > 1.3 && fastest_wheel() > kRest_m_s && !pushed)
     broken("I1: a wheel turns 1.3 s after motion ended", fastest_wheel());
   if (moves(mode)) report_.walked_s += 0.01;
@@ -275,18 +277,22 @@ void Watch::watch_driver(const TickRecord& record) {
 // I10: what is in force changes only by a whole set that somebody gave, one number for each set, and never to what is not allowed.
 void Watch::watch_parameters(Mode mode) {
   const core::CoreState& core = loop_.core();
-  for (const contract::Command& c : commands_)
-    if (c.kind == CommandKind::stage_parameter) {
-      if (c.b == 0) staged_.clear();
-      staged_.push_back(c);
-    }
+  const auto events = std::span(loop_.events()).subspan(events_seen_);
+  for (const contract::Command& c : commands_) {
+    // What was refused is no part of a set: an old number, somebody else's row, a value that cannot be.
+    const bool taken = c.kind == CommandKind::stage_parameter && std::any_of(events.begin(), events.end(), [&c](const contract::Event& e) {
+                         return e.kind == EventKind::command_done && e.request_id == c.request_id && e.client == c.client;
+                       });
+    if (!taken) continue;
+    if (c.b == 0) staged_.clear();
+    staged_.push_back(c);
+  }
   const bool changed = !std::ranges::equal(std::as_bytes(std::span(&core.params, 1)), std::as_bytes(std::span(&params_, 1)));
   if (changed != (core.parameter_version != parameter_version_) && parameter_version_ != 0 && changed)
     broken("I10: parameters changed without a new version");
   if (changed) {
     std::size_t accounted = 0, count = 0;
-    for (const contract::Event& e : std::span(loop_.events()).subspan(events_seen_))
-      count += e.kind == EventKind::parameter_changed ? 1U : 0U;
+    for (const contract::Event& e : events) count += e.kind == EventKind::parameter_changed ? 1U : 0U;
     for (std::size_t i = 0; i < contract::kParamCount; ++i) {
       const double before = contract::get_param(params_, i), now = contract::get_param(core.params, i);
       if (contract::check_param(i, now) != contract::ParamCheck::ok)
