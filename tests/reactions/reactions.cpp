@@ -81,6 +81,11 @@ const std::vector<Row>& table() {
        sticks(Node::tilt_left), nullptr},
       {"H6", "the chassis' chip repeats its sample", "protective stop", budget(Fault::tilt_frozen), Mode::user, "straight", Begin::command,
        sticks(Node::tilt_base), nullptr},
+      {"H9", "the floor tilts, from 8° of the chassis", "protective stop", budget(Fault::base_tilted), Mode::user, "straight",
+       Begin::command, [](ClosedLoop& l) { l.world().plant().tilt_floor(10.0 * sim::kDegree_rad, 0.0); },
+       [](ClosedLoop& l, double&) {
+         return std::hypot(l.world().plant().chassis_alpha_rad(), l.world().plant().chassis_beta_rad()) > 8.0 * sim::kDegree_rad;
+       }},
       {"H12", "the batteries break down", "soft stop", budget(Fault::battery_empty), Mode::user, "straight", Begin::command,
        [](ClosedLoop& l) { l.world().plant().force_battery(21.0); }, nullptr},
       {"H13", "the front bumper is pressed", "stop at 1.5 m/s²", budget(Fault::bumper_pressed), Mode::user, "straight", Begin::command,
