@@ -69,7 +69,10 @@ Verdict stage(CoreState& state, const Command& command) noexcept {
 // All reasons against a set, and the first row they are about.
 Verdict check_set(const CoreState& state, const Staging& set, contract::Role role, bool trial) noexcept {
   Verdict verdict;
-  contract::Params next = state.params;
+  // What is in force afterwards, and what is left of it when a running trial goes back: both must fit together.
+  contract::Params next = state.params, later = state.params;
+  if (!trial && state.trial.left_s > 0)
+    for (std::size_t i = 0; i < contract::kParamCount; ++i) contract::set_param_unchecked(later, i, kept_param(state, i));
   for (const Staging::Row& row : set.rows) {
     const contract::ParamInfo& info = contract::kParams[row.index];
     std::uint32_t bits = 0;
@@ -79,8 +82,9 @@ Verdict check_set(const CoreState& state, const Staging& set, contract::Role rol
     if (bits != 0 && verdict.item == 0) verdict.item = info.id;
     verdict.bits |= bits;
     contract::set_param_unchecked(next, row.index, row.value);
+    contract::set_param_unchecked(later, row.index, row.value);
   }
-  if (contract::check_param_set(next) != nullptr) verdict.bits |= refusal_bit(Refusal::inconsistent_set);
+  if (contract::check_param_set(next) != nullptr || contract::check_param_set(later) != nullptr) verdict.bits |= refusal_bit(Refusal::inconsistent_set);
   return verdict;
 }
 

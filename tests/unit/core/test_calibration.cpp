@@ -55,7 +55,9 @@ TEST(Calibrate, TheZerosBecomeParametersAsOneSetWithTheirDate) {
   hoist.tilt_base.alpha_deg = 0.7;
   ASSERT_TRUE(hoist.to_standby());
   ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
-  hoist.state.params.neutral_lean_m = 0.03;
+  contract::Params leaning = hoist.state.params;
+  leaning.neutral_lean_m = 0.03;
+  install_params(hoist.state, leaning);
   ASSERT_EQ(begin(hoist, CalibrationStep::zero, Role::therapist), 0U);
   EXPECT_NE(hoist.ask(CommandKind::use_calibration, 7, 0, 0, kToday_s), 0U) << "there is no result yet";
   hoist.step(220);

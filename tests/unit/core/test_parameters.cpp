@@ -109,6 +109,9 @@ TEST(Parameters, StagingNamesWhatIsWrong) {
   EXPECT_EQ(hoist.ask(CommandKind::stage_parameter, 8, tau, 1, 8), refusal_bit(Refusal::out_of_order)) << "somebody else's set";
   EXPECT_EQ(hoist.ask(CommandKind::commit_parameters, 8, 1, kEngineer), refusal_bit(Refusal::out_of_order));
   EXPECT_EQ(hoist.ask(CommandKind::commit_parameters, 7, 2, kEngineer), refusal_bit(Refusal::out_of_order)) << "not as many as staged";
+  // The rows that were refused are not part of the set.
+  hoist.seal = {};
+  hoist.seal.add(tau, 9);
   EXPECT_EQ(hoist.ask(CommandKind::commit_parameters, 7, 1, kEngineer), 0U);
   EXPECT_EQ(hoist.ask(CommandKind::commit_parameters, 7, 1, kEngineer), refusal_bit(Refusal::out_of_order)) << "committed once";
 }
@@ -411,6 +414,19 @@ TEST(TrialOfSettings, IsOnlyForWhatMayChangeWhileMovingAndForASensibleTime) {
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, -1), refusal_bit(Refusal::out_of_range));
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, NAN), refusal_bit(Refusal::not_finite));
   EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 2);
+}
+
+// A trial that ends must leave a set that fits together, whatever was set to stay meanwhile.
+TEST(Parameters, H27WhatGoesBackFitsWhatWasSetMeanwhile) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  ASSERT_EQ(set(hoist, {{ParamName::remote_speed_m_s_max, 0.5}}), 0U);
+  ASSERT_EQ(attempt(hoist, {{ParamName::remote_speed_m_s_max, 0.2}}, 20), 0U);
+  EXPECT_EQ(set(hoist, {{ParamName::speed_m_s_max, 0.3}}), refusal_bit(Refusal::inconsistent_set)) << "0.5 would come back";
+  EXPECT_EQ(set(hoist, {{ParamName::speed_m_s_max, 0.3}, {ParamName::remote_speed_m_s_max, 0.25}}), 0U);
+  hoist.step(2100);
+  EXPECT_EQ(contract::check_param_set(hoist.state.params), nullptr);
+  EXPECT_EQ(hoist.state.params.remote_speed_m_s_max, 0.25);
 }
 
 // H27: over random sequences of stages, commits, trials, damage and modes no wrong set is ever in force, and none is in force in part.
