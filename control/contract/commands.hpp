@@ -82,7 +82,7 @@ enum class EventKind : std::uint32_t {
   calibration_sample = 20,  // item = how many so far, value = what was measured
   calibration_result = 21,  // one for each parameter that would change: item = parameter id, value and before
   calibration_ended = 22,   // bits = 1 used, 0 the old values stay; item = CalibrationReason
-  guided_ended = 25,  // code = GuidedEnd (guided_path.hpp), value = metres that were left
+  guided_ended = 25,        // code = GuidedEnd (guided_path.hpp), value = metres that were left
 };
 constexpr std::string_view event_name(EventKind kind) {
   switch (kind) {

@@ -236,7 +236,8 @@ namespace {
 std::optional<db::RunDeviation> deviation(db::Database& database, db::SessionId id, const Exercise& e) {
   const db::Result<db::MovingPart> part = db::moving_part(database, id);
   if (!part) return std::nullopt;
-  return db::run_deviation(figure_of(e), {.dt_s = 0.01, .x_m = part->x_m, .y_m = part->y_m, .psi_rad = part->psi_rad, .dpsi_rad = part->dpsi_rad});
+  return db::run_deviation(figure_of(e),
+                           {.dt_s = 0.01, .x_m = part->x_m, .y_m = part->y_m, .psi_rad = part->psi_rad, .dpsi_rad = part->dpsi_rad});
 }
 }  // namespace
 

@@ -220,8 +220,11 @@ TEST(ChaosBites, I6AStickThatActsLongAfterItsLastCommand) {
   EXPECT_TRUE(bites(options, "I6"));
 }
 TEST(ChaosBites, I7AStartWithAPatientWhoLeans) {
-  SessionOptions options =
-      quiet([](double, core::CoreState& core, core::TickOutputs&) { core.params.neutral_start_tolerance_norm = 10.0; });
+  SessionOptions options = quiet([](double, core::CoreState& core, core::TickOutputs&) {
+    contract::Params lenient = core.params;
+    lenient.neutral_start_tolerance_norm = 10.0;
+    install_params(core, lenient);
+  });
   options.faults = std::vector<Fault>{{Kind::pelvis_turned, contract::Node::io, 6.5, 38.0, 0.95}};
   EXPECT_TRUE(bites(options, "I7"));
 }

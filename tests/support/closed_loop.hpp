@@ -15,8 +15,8 @@
 
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
-#include "control/contract/param_set.hpp"
 #include "control/contract/guided_path.hpp"
+#include "control/contract/param_set.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
 #include "control/contract/slcan_codec.hpp"

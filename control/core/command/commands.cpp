@@ -84,7 +84,8 @@ Verdict check_set(const CoreState& state, const Staging& set, contract::Role rol
     contract::set_param_unchecked(next, row.index, row.value);
     contract::set_param_unchecked(later, row.index, row.value);
   }
-  if (contract::check_param_set(next) != nullptr || contract::check_param_set(later) != nullptr) verdict.bits |= refusal_bit(Refusal::inconsistent_set);
+  if (contract::check_param_set(next) != nullptr || contract::check_param_set(later) != nullptr)
+    verdict.bits |= refusal_bit(Refusal::inconsistent_set);
   return verdict;
 }
 

@@ -11,8 +11,8 @@
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
-#include "control/contract/param_set.hpp"
 #include "control/contract/guided_path.hpp"
+#include "control/contract/param_set.hpp"
 #include "control/core/tick.hpp"
 
 namespace hoist::core::test {

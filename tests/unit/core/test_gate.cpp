@@ -290,7 +290,9 @@ TEST_F(Gate, WrongShapesAreRefused) {
 }
 
 TEST_F(Gate, SdoOnlyInItsShapeAndToANodeOfOurs) {
-  const auto ask = [](std::uint8_t node) { return canopen::sdo(canopen::kSdoRequestBase + node, canopen::kSdoUploadRequest, 0x1018, 1, 0); };
+  const auto ask = [](std::uint8_t node) {
+    return canopen::sdo(canopen::kSdoRequestBase + node, canopen::kSdoUploadRequest, 0x1018, 1, 0);
+  };
   EXPECT_TRUE(judge(ask(0x11)));
   EXPECT_FALSE(judge(ask(0x33))) << "nobody";
   EXPECT_FALSE(judge(ask(0x7F))) << "the core itself";

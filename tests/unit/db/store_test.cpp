@@ -281,7 +281,7 @@ TEST(Writer, events_markers_parameters_and_frames_come_back) {
   changed.before = std::numeric_limits<double>::quiet_NaN();
   Event unknown;
   unknown.kind = EventKind::fault_cleared;
-  unknown.code = 31;
+  unknown.code = 40;
   ASSERT_TRUE(writer.append_events(std::vector<Event>{raised, changed}).ok());
   ASSERT_TRUE(writer.commit().ok());
   ASSERT_TRUE(writer.append_events(std::vector<Event>{unknown}).ok());

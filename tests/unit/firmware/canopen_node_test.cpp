@@ -329,7 +329,7 @@ TEST(CanopenEmcy, ErrorsAreRememberedNewestFirstUntilForgotten) {
     node.on_frame(frame_of(0x201, {6, 0}));              // too short: 8210h
     node.on_frame(frame_of(0x201, {6, 0, 0, 0, 0, 0}));  // good: the error's end is no error
   }
-  tick(node, 41);  // and no more: 8250h
+  tick(node, 46);  // and no more: 8250h
   EXPECT_EQ(read(0).data[4], 4);
   EXPECT_EQ(read(1), frame_of(kAnswerLeft, {0x43, 0x03, 0x10, 1, 0x50, 0x82, 0x11, 0}));
   for (const int sub : {2, 3, 4}) EXPECT_EQ(read(sub), frame_of(kAnswerLeft, {0x43, 0x03, 0x10, sub, 0x10, 0x82, 0x11, 0}));
