@@ -6,10 +6,12 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <sstream>
 
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
+#include "control/core/output/supervisor.hpp"
 #include "tests/chaos/storage.hpp"
 #include "tests/chaos/watch.hpp"
 #include "tests/support/closed_loop.hpp"
@@ -79,9 +81,16 @@ class Session {
         row.done = true;
       }
       mending_ = true;
+      next_s_ = loop_.time_s();  // the therapist thinks of nothing else now
       const double end_s = loop_.time_s() + kMending_s;
       while (loop_.time_s() < end_s && loop_.mode() != Mode::standby) step();
-      if (loop_.mode() != Mode::standby && !hopeless()) watch_.broken("I14: not back on standby within 12 s of mending");
+      if (loop_.mode() != Mode::standby && !hopeless()) {
+        const core::CoreState& core = loop_.core();
+        std::ostringstream why;
+        why << "I14: not back on standby within 12 s of mending; faults in force " << std::hex << core.latched << ", found now "
+            << core.conditions << ", start blocked by " << core::start_refusals(core);
+        watch_.broken(why.str());
+      }
     }
     report_.digest = loop_.digest();
     if (storage_ != nullptr) {

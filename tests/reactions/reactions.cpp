@@ -97,6 +97,17 @@ const std::vector<Row>& table() {
        unplugs(Node::io), nullptr},
       {"H15", "the patient stumbles; the body is at 12° and 29°/s", "protective stop", budget(Fault::fall_detected), Mode::user, "straight",
        Begin::command, [](ClosedLoop& l) { l.world().patient().trip(); }, falls},
+      {"H7", "a strut's chip gives nonsense", "protective stop", budget(Fault::tilt_implausible), Mode::user, "straight", Begin::command,
+       [](ClosedLoop& l) { l.world().break_sensor(Node::tilt_left, sim::World::SensorFault::garbage, 1.0); }, nullptr},
+      {"H10", "both wheels lose the floor and the machine is twisted", "soft stop", budget(Fault::wheel_slip), Mode::user, "straight",
+       Begin::command,
+       [](ClosedLoop& l) {
+         l.world().slip({3.0, {0.05, 0.05}, 0.0, 25.0});
+       },
+       nullptr},
+      {"H16", "the patient hangs; the body is at 10.5°", "soft stop", budget(Fault::patient_hanging), Mode::user, "straight",
+       Begin::command, [](ClosedLoop& l) { l.world().patient().hang(); },
+       [](ClosedLoop& l, double&) { return std::atan(l.world().patient().harness().dx_m / 0.8) > 10.5 * sim::kDegree_rad; }},
       {"H17", "the radio link is cut", "stop at 0.8 m/s²", budget(Fault::remote_command_lost), Mode::remote, "straight", Begin::command,
        [](ClosedLoop& l) { l.cut_link(true); }, nullptr},
       {"H21", "the server dies while a therapist drives", "stop at 0.8 m/s²", budget(Fault::server_lost), Mode::remote, "straight",
@@ -166,7 +177,7 @@ void once(const Row& row, int number, Reaction& result) {
       stopped_m = world.plant().platform().x_m;
     }
   });
-  while (now_ms < 6000 && (begin_ms < 0 || stopped_ms < 0)) {
+  while (now_ms < 12000 && (begin_ms < 0 || stopped_ms < 0)) {
     const long step_ms = now_ms;
     loop.step();
     // The step decides at its beginning; its two commands are on the bus within a millisecond.
