@@ -78,7 +78,7 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.wheel_left_command_m_s = f32(state.left_command_m_s);
   record.wheel_right_command_m_s = f32(state.right_command_m_s);
   record.remote_age_s = f32(state.remote.age_s(state.time_ns));
-  const StopDistance stop = stop_distance(state, wish.speed_m_s);
+  const StopDistance stop = stop_distance(state);
   record.stop_distance_m = f32(stop.link_m);
   record.worst_stop_distance_m = f32(stop.computer_m);
   record.guided_progress_norm = f32(state.guided.progress_norm());

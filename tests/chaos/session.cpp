@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "control/contract/faults.hpp"
+#include "control/contract/guided_path.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
 #include "control/core/output/supervisor.hpp"
@@ -31,6 +32,7 @@ constexpr std::uint64_t kWorldStream = 2, kTherapistStream = 3, kFrameStream = 4
                         kStorageStream = 8;
 constexpr std::uint32_t kStranger = 2;  // another client of the server
 constexpr double kMending_s = 12.0;
+constexpr double kUnlearning_s = 20.0;
 constexpr std::size_t kRemembered = 64;
 
 bool moves(Mode mode) { return contract::kModes[static_cast<std::size_t>(mode)].moving != 0; }
@@ -82,12 +84,13 @@ class Session {
       }
       mending_ = true;
       next_s_ = loop_.time_s();  // the therapist thinks of nothing else now
-      const double end_s = loop_.time_s() + kMending_s;
+      // The published tilt filter takes long to unlearn the bias of a sensor that lied.
+      const double end_s = loop_.time_s() + kMending_s + (board_.ever(Kind::sensor_offset) ? kUnlearning_s : 0.0);
       while (loop_.time_s() < end_s && loop_.mode() != Mode::standby) step();
       if (loop_.mode() != Mode::standby && !hopeless()) {
         const core::CoreState& core = loop_.core();
         std::ostringstream why;
-        why << "I14: not back on standby within 12 s of mending; faults in force " << std::hex << core.latched << ", found now "
+        why << "I14: not back on standby soon after mending; faults in force " << std::hex << core.latched << ", found now "
             << core.conditions << ", start blocked by " << core::start_refusals(core);
         watch_.broken(why.str());
       }
@@ -315,7 +318,7 @@ class Session {
     // A drive command that somebody holds on to while the link or the server fails must end by itself.
     const bool cuts = f.kind == Kind::server_hang || f.kind == Kind::server_crash || f.kind == Kind::link_loss ||
                       f.kind == Kind::link_stall || f.kind == Kind::tab_freeze;
-    if (on && cuts && loop_.mode() == Mode::remote) {
+    if (on && cuts && contract::led_by_hand(loop_.mode())) {
       watch_.stick_falls_silent();
       if (f.end_s - f.start_s > 0.5) watch_.must_stop("the driver's commands stopped", 0.30, 0.8);
     }
@@ -509,6 +512,7 @@ class Session {
     if (mode == Mode::standby) return on_standby(now_s);
     if (mode == Mode::user) return while_leading(now_s);
     if (mode == Mode::remote) return while_driving(now_s);
+    if (mode == Mode::guided) return while_guiding(now_s);
     if (mode == Mode::protective_stop || mode == Mode::fault || mode == Mode::emergency_stop) return while_stopped(now_s);
     if (mode != Mode::init) ask_mode(Mode::standby);
   }
@@ -531,8 +535,43 @@ class Session {
     if (without_lease()) return take_lease();
     if (therapist_dice_.chance(0.1)) return tune();
     if (loop_.record().blocked_bits != 0) return;
-    ask_mode(therapist_dice_.chance(0.7) ? Mode::user : Mode::remote);
+    const bool leads = therapist_dice_.chance(0.7);
     next_s_ = now_s + therapist_dice_.between(4.0, 25.0);
+    if (leads) return ask_mode(Mode::user);
+    if (therapist_dice_.chance(0.4)) return begin_exercise(now_s);
+    ask_mode(Mode::remote);
+  }
+  void begin_exercise(double now_s) {
+    constexpr std::array kShapes{contract::GuidedShape::straight, contract::GuidedShape::square, contract::GuidedShape::circle,
+                                 contract::GuidedShape::eight};
+    const contract::GuidedShape shape = kShapes[static_cast<std::size_t>(therapist_dice_.below(static_cast<int>(kShapes.size())))];
+    const double size_m = therapist_dice_.between(0.8, 3.0);
+    const bool rounded = shape == contract::GuidedShape::eight;
+    Command command;
+    contract::put_guided(command,
+                         {shape, therapist_dice_.chance(0.5), size_m, rounded ? 0.5 * size_m : 0.0, therapist_dice_.between(0.1, 0.5), 1});
+    loop_.ask(command.kind, command.a, command.v0, command.v1, command.v2, command.b);
+    stick_s_ = now_s + 0.5;
+  }
+  // The hand on the button: held most of the time, let go now and then, sometimes gone without a word.
+  void while_guiding(double now_s) {
+    if (mending_ || now_s >= next_s_) {
+      loop_.let_go();
+      ask_mode(Mode::standby);
+      watch_.stick_falls_silent();
+      next_s_ = now_s + therapist_dice_.between(1.0, 4.0);
+      return;
+    }
+    if (now_s < stick_s_) return;
+    stick_s_ = now_s + therapist_dice_.between(0.5, 4.0);
+    if (therapist_dice_.chance(0.15)) {
+      loop_.let_go();
+    } else if (therapist_dice_.chance(0.05)) {
+      loop_.fall_silent();
+      watch_.stick_falls_silent();
+    } else {
+      loop_.hold_stick(0.0, 0.0);
+    }
   }
   void while_leading(double now_s) {
     if (now_s < next_s_ && !mending_) return;

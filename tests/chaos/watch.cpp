@@ -6,6 +6,7 @@
 #include <cstring>
 #include <span>
 
+#include "control/contract/guided_path.hpp"
 #include "control/contract/params.hpp"
 #include "control/core/output/supervisor.hpp"
 
@@ -226,7 +227,7 @@ void Watch::watch_record() {
   const Mode mode = loop_.mode();
   if (const char* name = not_finite(record)) broken("I13: the record holds no number in ", 0.0, name);
   watch_limits(record, mode);
-  if (mode == Mode::remote) watch_driver(record);
+  if (contract::led_by_hand(mode)) watch_driver(record);
   watch_parameters(mode);
   // I1: at rest soon after motion has ended, whatever ended it.
   if (moves(mode)) moving_end_s_ = now_s;
@@ -362,7 +363,9 @@ void Watch::watch_mode_change(Mode from, Mode to) {
   const bool excused = from == Mode::user ? board_.any_inside_yet() : board_.any_yet();
   if (ended && !excused && now_s - asked_stop_s_ > 4.0) {
     // A patient who is driven about may rightly trip the fall guard; one who walks as he likes must never.
-    if (from == Mode::remote && has(record, HoistFault::fall_detected)) return;
+    if (contract::led_by_hand(from) && (has(record, HoistFault::fall_detected) || has(record, HoistFault::patient_hanging))) return;
+    // An exercise ends by itself, too.
+    if (from == Mode::guided && record.guided_end == static_cast<std::uint8_t>(contract::GuidedEnd::finished)) return;
     ++report_.false_stops;
     if (options_.frame_loss == 0.0)
       broken("false stop: ", 0.0,

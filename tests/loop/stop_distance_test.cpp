@@ -20,7 +20,7 @@ int cuts() {
   return n > 0 ? n : 120;
 }
 
-enum class Cut { link_driving, stop_walking, computer_driving, computer_walking };
+enum class Cut { link_driving, stop_walking, computer_driving, computer_walking, link_guided };
 
 struct Sum {
   int cuts = 0, passed = 0;
@@ -31,15 +31,25 @@ struct Sum {
 // One cut at a random moment: what was promised and what was rolled. False when the hoist did not come to move.
 bool one_cut(Cut cut, std::uint64_t seed, double& promised_m, double& rolled_m) {
   sim::Random random(seed);
-  const bool driving = cut == Cut::link_driving || cut == Cut::computer_driving;
+  const bool driving = cut == Cut::link_driving || cut == Cut::computer_driving || cut == Cut::link_guided;
   ClosedLoopOptions options;
   options.world.seed = seed;
   options.world.patient = sim::PatientParams::random(seed);
   options.world.scenario = sim::find_scenario(driving ? "stand" : (random.next() % 2 == 0 ? "figure-eight" : "straight"));
   options.params.remote_speed_m_s_max = random.uniform(0.10, 0.60);
   ClosedLoop loop(options);
-  if (!loop.start(driving ? Mode::remote : Mode::user)) return false;
-  if (driving) {
+  if (cut == Cut::link_guided) {
+    const double speed_m_s = random.uniform(0.1, 0.6);
+    const auto shape = random.next() % 2 == 0 ? contract::GuidedShape::eight : contract::GuidedShape::straight;
+    if (!loop.start_guided({shape, random.next() % 2 == 0, random.uniform(1.5, 3.0), 1.0, speed_m_s, 1})) return false;
+  } else if (!loop.start(driving ? Mode::remote : Mode::user)) {
+    return false;
+  }
+  if (cut == Cut::link_guided) {
+    // Also where it slows for a bend, speeds up behind it, or comes to its end.
+    loop.hold_stick(0.0, 0.0);
+    loop.run(random.uniform(1.0, 14.0));
+  } else if (driving) {
     // A hand that changes its mind a few times, then the cut in the middle of it.
     loop.hold_stick(0.0, 0.0);
     loop.run(0.2);
@@ -55,10 +65,11 @@ bool one_cut(Cut cut, std::uint64_t seed, double& promised_m, double& rolled_m) 
   if (std::fabs(record.speed_m_s) < 0.03F) return false;
   const auto speed_m_s = static_cast<double>(record.speed_m_s), command_m_s = static_cast<double>(record.speed_command_m_s);
   const double true_m_s = loop.world().plant().platform().speed_m_s;
-  promised_m =
-      static_cast<double>(cut == Cut::link_driving || cut == Cut::stop_walking ? record.stop_distance_m : record.worst_stop_distance_m);
+  promised_m = static_cast<double>(cut == Cut::computer_driving || cut == Cut::computer_walking ? record.worst_stop_distance_m
+                                                                                                : record.stop_distance_m);
   switch (cut) {
     case Cut::link_driving:
+    case Cut::link_guided:
       loop.fall_silent();
       break;
     case Cut::stop_walking:
@@ -114,6 +125,7 @@ void judge(Cut cut, const char* name, int wanted) {
 }
 
 TEST(StopDistance, H17TheLinkDiesWhileSomebodyDrives) { judge(Cut::link_driving, "link, driving", cuts()); }
+TEST(StopDistance, H17TheLinkDiesInAnExercise) { judge(Cut::link_guided, "link, guided", cuts()); }
 TEST(StopDistance, H17StopWhileThePatientWalks) { judge(Cut::stop_walking, "stop, walking", cuts()); }
 TEST(StopDistance, H21TheComputerDiesWhileSomebodyDrives) { judge(Cut::computer_driving, "computer, driving", cuts()); }
 TEST(StopDistance, H21TheComputerDiesWhileThePatientWalks) { judge(Cut::computer_walking, "computer, walking", cuts()); }

@@ -14,14 +14,14 @@ struct GuidedMode {
 
   static void enter(CoreState& state) noexcept {
     state.remote.begin(state.time_ns, state.params.remote_stop_age_s);
-    state.guided.begin(state.sensed.odometry.pose);
+    state.guided.begin(state.sensed.pose());
   }
 
   static Wish step(CoreState& state, double /*dt_s*/) noexcept {
     using contract::GuidedEnd;
     const contract::Params& p = state.params;
     GuidedRun& run = state.guided;
-    run.locate(state.sensed.odometry.pose);
+    run.locate(state.sensed.pose());
     const bool asked = state.motion.leaving;
     const Hand hand = feel_hand(state);
     if (hand.leaving) {
@@ -95,7 +95,7 @@ struct GuidedMode {
       if (!at_rest(state)) return {};
       if (run.last_leg()) return leave(state, contract::GuidedEnd::finished);
       run.next_leg();
-      run.locate(state.sensed.odometry.pose);
+      run.locate(state.sensed.pose());
       run.phase = GuidedPhase::following;
       return {};
     }

@@ -66,8 +66,8 @@ inline constexpr double kQuickStop_rad_s2 = contract::find_object(contract::Node
 
 }  // namespace stopping
 
-/// `wish_m_s`: what the mode in charge asks for now, before limits.
-[[nodiscard]] inline StopDistance stop_distance(const CoreState& state, double wish_m_s) noexcept {
+/// Of the hoist as it moves in this step.
+[[nodiscard]] inline StopDistance stop_distance(const CoreState& state) noexcept {
   using namespace stopping;
   const Odometry& wheels = state.sensed.odometry;
   const double rolling_m_s = std::fabs(wheels.speed_m_s), command_m_s = std::fabs(state.limiter.speed_m_s());
@@ -88,8 +88,10 @@ inline constexpr double kQuickStop_rad_s2 = contract::find_object(contract::Node
   } else if (!state.remote.held() || state.remote.awaits_neutral()) {
     way_m = ramp_m(command_m_s, kRemoteDeceleration_m_s2);
   } else {
-    // The wish of a command that already ages is scaled down; the command itself is not.
-    const double full_m_s = state.mode == contract::Mode::remote ? state.remote.speed_norm() * state.params.remote_speed_m_s_max : wish_m_s;
+    // The wish of a command that already ages is scaled down; the command itself is not. An exercise may be about to go faster again,
+    // behind a bend: it counts with the speed that was chosen for it.
+    const double full_m_s = state.mode == contract::Mode::guided ? state.guided.wish().speed_m_s
+                                                                 : state.remote.speed_norm() * state.params.remote_speed_m_s_max;
     const double most_m_s = state.params.speed_m_s_max * state.params.speed_cap_norm;
     way_m = last_command_m(state, std::fmin(std::fmax(full_m_s, -most_m_s), most_m_s));
   }
