@@ -20,7 +20,7 @@ const changes = {
 };
 class Parser {
   constructor(source) {
-    this.tokens = source.match(/\d[\d.]*(?:e-?\d+)?\w*|[A-Za-z_]\w*(?:::[A-Za-z_]\w*)*(?:<[\w:]+>)?|->|\|\||&&|[=!<>]=|<<|>>|[-+*/&!<>()[\]{}.,?:]/g) ?? [];
+    this.tokens = source.match(/\d[\d.]*(?:e-?\d+)?\w*|[A-Za-z_]\w*(?:::[A-Za-z_]\w*)*(?:<[\w:]+>)?|->|\|\||&&|[=!<>]=|<<|>>|[-+*/&!~<>()[\]{}.,?:]/g) ?? [];
     this.at = 0;
   }
   get next() { return this.tokens[this.at]; }
@@ -57,7 +57,7 @@ class Parser {
       const inner = this.unary();
       return pick('! is left out', `static_cast<bool>(${inner})`, `!${inner}`);
     }
-    if (['-', '*', '&'].includes(this.next)) return this.take() + this.unary();
+    if (['-', '*', '&', '~'].includes(this.next)) return this.take() + this.unary();
     return this.postfix();
   }
   list(close) {

@@ -171,7 +171,6 @@ export interface SignalInfo {
   /** Place of the value in a tick record, in bytes. */
   offset: number;
   title: Words;
-  doc: string;
 }
 
 /** Every live value of one control step. */
@@ -187,7 +186,7 @@ export type TickRecord = Record<SignalName, number>;
   for (const auto& s : kSignals) {
     out += "  { id: " + std::to_string(s.id) + ", name: " + quoted(s.name) + ", type: " + quoted(type_name(s.type)) +
            ", unit: " + quoted(s.unit) + ", lsb: " + number_text(s.lsb) + ", offset: " + std::to_string(s.offset) +
-           ", title: " + words(s.title_en, s.title_de) + ", doc: " + quoted(s.doc) + " },\n";
+           ", title: " + words(s.title_en, s.title_de) + " },\n";
   }
   return {"web/src/contract/signals.gen.ts", out + "];\n"};
 }

@@ -454,5 +454,57 @@ TEST_F(Gate, SdoWritesOnlyNodeParametersInTheirRange) {
   EXPECT_FALSE(judge(write(0x01, 0x2200, 5, 6.0F))) << "the current limit needs standstill";
 }
 
+// What a tool may send while nodes get new programs (CiA 302-3): reading, segments, aborts, and writing sub 1 of 1F50h to 1F57h.
+TEST_F(Gate, H30OfServiceOnlyTheProgramsObjectsAreWritten) {
+  constexpr std::uint32_t kNode = contract::canopen::kSdoRequestBase + contract::node_id(Node::tilt_left);
+  const auto sdo = [](std::uint32_t id, unsigned first, unsigned index, unsigned sub) {
+    return CanFrame{id,
+                    8,
+                    0,
+                    {static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(index), static_cast<std::uint8_t>(index >> 8U),
+                     static_cast<std::uint8_t>(sub), 0, 0, 0, 0}};
+  };
+  for (unsigned first = 0; first < 256; ++first)
+    for (const unsigned index : {0x0000U, 0x1010U, 0x1F4FU, 0x1F50U, 0x1F51U, 0x1F57U, 0x1F58U, 0x501FU, 0x6060U})
+      for (const unsigned sub : {0U, 1U, 2U}) {
+        const bool program = index >= 0x1F50 && index <= 0x1F57 && sub == 1;
+        const unsigned kind = first >> 5U;
+        const bool may = kind == 0 || kind == 2 || kind == 3 || (kind == 1 && program) || first == 0x80;
+        EXPECT_EQ(SafetyGate::is_service_frame(sdo(kNode, first, index, sub)), may) << first << " " << index << " " << sub;
+      }
+  const CanFrame good = sdo(kNode, 0x21, 0x1F50, 1);
+  // Another length, a flag, the computer itself, nobody, and ids that only look like a node's when cut to a byte.
+  CanFrame bad = good;
+  bad.dlc = 7;
+  EXPECT_FALSE(SafetyGate::is_service_frame(bad));
+  bad = good;
+  bad.flags = CanFrame::kRemote;
+  EXPECT_FALSE(SafetyGate::is_service_frame(bad));
+  for (const std::uint32_t id : {contract::canopen::kSdoRequestBase + contract::node_id(Node::core),
+                                 contract::canopen::kSdoRequestBase + 0x7FU, kNode - 0x100U, kNode + 0x100U, kNode - 0x300U})
+    EXPECT_FALSE(SafetyGate::is_service_frame(sdo(id, 0x21, 0x1F50, 1))) << id;
+  // Only while service is on, which there is in INIT only.
+  for (const bool service : {false, true})
+    for (const auto& mode : contract::kModes) {
+      view.service = service;
+      view.mode = static_cast<Mode>(mode.value);
+      EXPECT_EQ(judge(good), service && view.mode == Mode::init) << service << " " << mode.name;
+      EXPECT_FALSE(judge(sdo(kNode - 0x300U, 0x40, 0x1000, 0))) << "no request of ours, whatever its last bits say";
+      EXPECT_FALSE(judge(sdo(kNode + 0x100U, 0x40, 0x1000, 0)));
+    }
+}
+
+TEST_F(Gate, H30AnNmtCommandHasTwoBytes) {
+  for (const int dlc : {0, 1, 3, 8}) {
+    CanFrame frame{contract::canopen::kNmt,
+                   static_cast<std::uint8_t>(dlc),
+                   0,
+                   {static_cast<std::uint8_t>(contract::canopen::NmtCommand::start), contract::node_id(Node::tilt_left)}};
+    EXPECT_FALSE(judge(frame)) << dlc;
+    frame.dlc = 2;
+    EXPECT_TRUE(judge(frame));
+  }
+}
+
 }  // namespace
 }  // namespace hoist::core
