@@ -192,7 +192,9 @@ void act_measure(Services& services, const Asker& asker, const json& measured, O
 
 void act_use_calibration(Services& services, const Asker& asker, OutcomeDone done) {
   Command command = command_of(CommandKind::use_calibration, asker);
-  command.v0 = static_cast<double>(services.utc_ns() / 1'000'000'000);
+  // Whole seconds: a day is all that anybody looks at.
+  const auto utc_s = services.utc_ns() / 1'000'000'000;
+  command.v0 = static_cast<double>(utc_s);
   ask(services, command, std::move(done));
 }
 

@@ -93,6 +93,13 @@ inline constexpr std::array kTransitions{
 
 namespace detail {
 
+// As find_transition, without a pointer that may be null: g++ 12 cannot compare those in a constant under its sanitizers.
+[[nodiscard]] consteval bool leads(contract::Mode from, contract::Mode to, Asker asker) {
+  bool found = false;
+  for (const Transition& row : kTransitions) found = found || (row.from == from && row.to == to && row.asker == asker);
+  return found;
+}
+
 [[nodiscard]] consteval bool may_move(contract::Mode mode) { return contract::kModes[static_cast<std::size_t>(mode)].moving; }
 
 /// Every mode that some chain of rows leads to, as bits.
@@ -132,9 +139,9 @@ namespace detail {
     const auto mode = static_cast<Mode>(info.value);
     if ((reachable_from(Mode::init) >> info.value & 1U) == 0) return false;
     if ((reachable_from(mode) >> static_cast<unsigned>(Mode::standby) & 1U) == 0) return false;
-    if (mode != Mode::emergency_stop && find_transition(mode, Mode::emergency_stop, Asker::hardware) == nullptr) return false;
+    if (mode != Mode::emergency_stop && !leads(mode, Mode::emergency_stop, Asker::hardware)) return false;
     const bool stopped = mode == Mode::protective_stop || mode == Mode::fault || mode == Mode::emergency_stop;
-    if (!stopped && find_transition(mode, Mode::protective_stop, Asker::fault) == nullptr) return false;
+    if (!stopped && !leads(mode, Mode::protective_stop, Asker::fault)) return false;
   }
   return true;
 }

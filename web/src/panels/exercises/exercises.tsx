@@ -189,7 +189,7 @@ function ExercisesView() {
               <Reading label={t('walk.speed')} unit="m/s" read={(r) => fixed(r.speed_m_s, 2)} />
               <Reading label={t('guided.offLine')} unit="cm" read={(r) => fixed(Math.abs(r.guided_cross_track_m) * 100, 0)} />
               <Reading label={t('walk.lean')} read={(r) => degrees((r.left_alpha_rad + r.right_alpha_rad) / 2 - r.base_alpha_rad)} />
-              <Reading label={t('walk.stopDistance')} unit="m" read={(r) => fixed(r.stop_distance_m, 2)} />
+              <Reading label={t('walk.stopDistance')} unit="cm" rate_hz={4} read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
             </div>
           ) : (
             <Settings plan={plan} change={change} speedMost_m_s={speedMost_m_s} />
