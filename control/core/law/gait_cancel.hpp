@@ -27,7 +27,7 @@ struct GaitCancelConfig {
   Real damping{Real(1.2)};        ///< k of the integrator: follows within about two thirds of a stride
   Real offset_share{Real(0.25)};  ///< of the offset state
   Real lock_per_s{Real(1.4)};     ///< of the frequency loop
-  Real learn_per_s{Real(0.18)};   ///< of the combiners, once they know the gait: delays a slow wish by 27 ms
+  Real learn_per_s{Real(0.18)};   ///< of the combiners, once they know the gait: delays a slow wish by less than 30 ms
   Real first_learn_per_s{Real(2.0)};
   Real first_learn_s{Real(4)};        ///< this much walking until then
   Real high_pass_s{Real(0.25)};       ///< what is slower is a wish
