@@ -135,7 +135,9 @@ void Watch::must_stop(const char* cause, double budget_s, double braking_m_s2) {
 void Watch::fault_begins(const Planned& row) {
   const Fault& f = row.fault;
   const double now_s = loop_.time_s(), length_s = f.end_s - f.start_s;
-  if (!board_.alone(row, now_s, 6.0) || !loop_.core_runs() || loop_.mode() == Mode::init) return;
+  if (!board_.alone(row, now_s, 6.0) || !loop_.core_runs()) return;
+  // Out of service nothing is latched but what led there: INIT looks at everything anew.
+  if (loop_.mode() == Mode::init || loop_.mode() == Mode::fault || loop_.mode() == Mode::emergency_stop) return;
   const auto raise = [&](std::uint32_t bits, const char* what, double budget_s) { must_raise_.push_back({bits, what, now_s + budget_s}); };
   switch (f.kind) {
     case Kind::unplug:
