@@ -11,17 +11,14 @@
 #include "control/contract/faults.hpp"
 #include "tests/chaos/session.hpp"
 #include "tests/chaos/shrink.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace hoist::chaos {
 namespace {
 
 using contract::Mode;
 
-#ifdef HOIST_SANITIZED
-constexpr std::uint64_t kSessions = 6;
-#else
-constexpr std::uint64_t kSessions = 40;
-#endif
+constexpr std::uint64_t kSessions = tests::seeds_for(40, 6), kUnmoved = tests::seeds_for(10, 4);
 
 std::string list(const SessionReport& report) {
   std::string text = "hoist-chaos --sessions 1 --story --seed " + std::to_string(report.seed) + " shows it:\n";
@@ -55,7 +52,7 @@ TEST(Chaos, WithoutFaultsOnlyTheTherapistStopsTheHoist) {
 // H21, H24, H26 (I12).
 TEST(Chaos, WhoLeadsDoesNotFeelServerNetworkDiskOrClock) {
   int faults = 0;
-  for (std::uint64_t seed = 1; seed <= kSessions / 4; ++seed) {
+  for (std::uint64_t seed = 1; seed <= kUnmoved; ++seed) {
     const SessionReport report = run_unmoved({.seed = seed, .length_s = 45.0});
     EXPECT_TRUE(report.broken.empty()) << list(report);
     EXPECT_GT(report.walked_s, 20.0);

@@ -10,6 +10,7 @@
 #include "control/contract/calibration.hpp"
 #include "firmware/sim/hidden_errors.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace hoist::tests {
 namespace {
@@ -193,7 +194,7 @@ void calibrate_all(std::uint64_t seed, Worst& worst) {
 
 TEST(Calibration, FiftyMachinesWithHiddenErrorsComeOutWithinAPerCentAndATenthOfADegree) {
   Worst worst;
-  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+  for (int seed = 1; seed <= seeds_for(50, 6); ++seed) {
     calibrate_all(seed, worst);
     if (HasFatalFailure()) return;
   }
@@ -203,7 +204,7 @@ TEST(Calibration, FiftyMachinesWithHiddenErrorsComeOutWithinAPerCentAndATenthOfA
 
 // Squares of three metres on machines whose wheels differ and whose track is known to 3 %: two of them, one each way round, find both.
 TEST(Calibration, SquaresRefineTrackAndUnequalWheels) {
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  for (int seed = 1; seed <= seeds_for(12, 2); ++seed) {
     const std::string who = "machine seed " + std::to_string(seed);
     Workshop shop(seed, 0.03);
     ASSERT_TRUE(shop.open()) << who;

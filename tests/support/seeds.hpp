@@ -1,0 +1,16 @@
+// How many seeds a property is tried with.
+#pragma once
+
+namespace hoist::tests {
+
+/// `n` in the normal tree. Under sanitizers everything takes ten times as long, and they look for other mistakes than more seeds find:
+/// `sanitized` there.
+constexpr int seeds_for([[maybe_unused]] int n, [[maybe_unused]] int sanitized) {
+#ifdef HOIST_SANITIZED
+  return sanitized;
+#else
+  return n;
+#endif
+}
+
+}  // namespace hoist::tests
