@@ -1,6 +1,35 @@
 // Why something was not done, and what to do: all reasons, in words.
+import { useState } from 'preact/hooks';
+import { refusals } from '../contract/faults.gen';
 import type { Reply } from '../link/socket';
-import { refusalText, t } from '../text/text';
+import { useStore } from '../link/store';
+import { refusalText, t, words } from '../text/text';
+
+/** Whether there is something to say about it. An answer that only tells that all was so already is none. */
+export function refused(answer: Reply): boolean {
+  return !answer.ok && answer.refusals[0] !== 'kept';
+}
+
+export interface Request {
+  busy: boolean;
+  /** The last answer, while it is a refusal that nobody has closed. */
+  reply: Reply | null;
+  /** Sends and waits; whether it was done. */
+  ask(what: () => Promise<Reply>): Promise<boolean>;
+  forget(): void;
+}
+export function useRequest(): Request {
+  const [busy, setBusy] = useState(false);
+  const [reply, setReply] = useState<Reply | null>(null);
+  const ask = async (what: () => Promise<Reply>) => {
+    setBusy(true);
+    const answer = await what();
+    setBusy(false);
+    setReply(refused(answer) ? answer : null);
+    return answer.ok;
+  };
+  return { busy, reply, ask, forget: () => setReply(null) };
+}
 
 export function reasons(reply: Reply): string[] {
   const texts = reply.refusals.map(refusalText);
@@ -8,8 +37,8 @@ export function reasons(reply: Reply): string[] {
   return texts.length > 0 ? [...new Set(texts)] : [reply.detail && reply.detail !== '' ? reply.detail : t('refused.unknown')];
 }
 
-export function Refusal({ reply, onClose }: { reply: Reply | null; onClose: () => void }) {
-  if (reply === null || reply.ok) return null;
+export function Refusal({ request: { reply, forget } }: { request: Request }) {
+  if (reply === null) return null;
   return (
     <div class="refusal" role="alert">
       <div>
@@ -20,9 +49,23 @@ export function Refusal({ reply, onClose }: { reply: Reply | null; onClose: () =
           ))}
         </ul>
       </div>
-      <button type="button" class="quiet" onClick={onClose}>
+      <button type="button" class="quiet" onClick={forget}>
         {t('common.close')}
       </button>
+    </div>
+  );
+}
+
+/** The reasons that keep the hoist from starting now. Control and standby are no reasons here: Start takes care of the one, the strip shows the
+ * other. Hidden while a refusal, which says the same, is open. */
+export function StartBlockers({ request }: { request: Request }) {
+  const ready = useStore((s) => s.mode === 'standby' && s.link === 'open');
+  const bits = useStore((s) => s.blockedBits);
+  const blockers = refusals.filter((row) => (bits >>> row.bit) & 1 && row.name !== 'no_lease' && row.name !== 'not_standby' && row.name !== 'stick_not_neutral');
+  if (!ready || request.reply !== null || blockers.length === 0) return null;
+  return (
+    <div class="blockers" role="status">
+      <strong>{t('strip.notReady')}:</strong> {blockers.map((row) => words(row.text)).join(' ')}
     </div>
   );
 }

@@ -4,11 +4,10 @@ import { params } from '../../contract/params.gen';
 import { calibrate, calibrateCancel, calibrateMeasure, calibrateUse, notify } from '../../link/console';
 import { useReading } from '../../link/live';
 import { rest } from '../../link/rest';
-import type { Reply } from '../../link/socket';
 import { useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { date, fixed, readNumber, shownAs, t, words } from '../../text/text';
-import { Refusal } from '../../ui/refusal';
+import { Refusal, useRequest } from '../../ui/refusal';
 import type { Panel } from '../panel';
 import { entry, nowKey, phaseNames, stepNames, stepsFor, watched, type Change, type Now, type Step, type StepName, type Table } from './model';
 import { StepPicture } from './picture';
@@ -117,24 +116,19 @@ function Entry({ step, second, busy, onMeasure }: { step: StepName; second: bool
 
 function Guide({ item, now, table, simulated, connected }: { item: Step; now: Now | null; table: Table; simulated: boolean; connected: boolean }) {
   const standby = useStore((s) => s.mode === 'standby');
-  const [reply, setReply] = useState<Reply | null>(null);
+  const request = useRequest();
   const [changes, setChanges] = useState<readonly Change[]>([]);
   const step = item.name as StepName;
   const running = now !== null && now.step === step;
   const phase = running ? now.phase : 'none';
-  useEffect(() => setReply(null), [step]);
+  useEffect(request.forget, [step]);
   useEffect(() => {
     if (phase !== 'result') return setChanges([]);
     void rest<Table>('GET', '/calibration').then((answer) => answer.ok && setChanges(answer.value.under_way?.result ?? []));
   }, [phase]);
 
-  const ask = async (what: Promise<Reply>): Promise<boolean> => {
-    const answer = await what;
-    setReply(answer.ok || answer.refusals[0] === 'kept' ? null : answer);
-    return answer.ok;
-  };
   const use = async () => {
-    if (await ask(calibrateUse())) notify('info', t('calibrate.used', { name: words(item.title) }), true);
+    if (await request.ask(calibrateUse)) notify('info', t('calibrate.used', { name: words(item.title) }), true);
   };
   const key = running ? nowKey(now) : null;
   const reason = running && now.reason > 0 ? table.reasons[now.reason - 1] : undefined;
@@ -181,12 +175,12 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
       {running && item.entered !== null && (phase === 'operator' || phase === 'result') ? (
         <details open={phase === 'operator'} class="calibrate-more">
           <summary>{t(phase === 'operator' ? 'calibrate.enter' : 'calibrate.again')}</summary>
-          <Entry step={step} second={second} busy={!connected} onMeasure={(message) => void ask(calibrateMeasure(message))} />
+          <Entry step={step} second={second} busy={!connected} onMeasure={(message) => void request.ask(() => calibrateMeasure(message))} />
         </details>
       ) : null}
       <div class="calibrate-buttons">
         {!running ? (
-          <button type="button" class="primary big" disabled={!connected || (!standby && now === null)} onClick={() => void ask(calibrate(step))}>
+          <button type="button" class="primary big" disabled={!connected || (!standby && now === null)} onClick={() => void request.ask(() => calibrate(step))}>
             {t('calibrate.start')}
           </button>
         ) : null}
@@ -196,17 +190,17 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
           </button>
         ) : null}
         {phase === 'refused' ? (
-          <button type="button" class="primary big" onClick={() => void ask(calibrate(step))}>
+          <button type="button" class="primary big" onClick={() => void request.ask(() => calibrate(step))}>
             {t('calibrate.repeat')}
           </button>
         ) : null}
         {running ? (
-          <button type="button" class="plain big" onClick={() => void ask(calibrateCancel())}>
+          <button type="button" class="plain big" onClick={() => void request.ask(calibrateCancel)}>
             {t(phase === 'result' ? 'calibrate.keep' : 'calibrate.cancel')}
           </button>
         ) : null}
       </div>
-      <Refusal reply={reply} onClose={() => setReply(null)} />
+      <Refusal request={request} />
       {simulated && step === 'zero' && !running ? <p class="hint">{t('calibrate.simulated')}</p> : null}
     </section>
   );

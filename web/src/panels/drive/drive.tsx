@@ -1,17 +1,16 @@
 // The therapist drives: take control, hold the joystick, let go to stop.
-import { useEffect, useRef, useState } from 'preact/hooks';
-import { drive, everyTick, notify, requestMode, setParameters } from '../../link/console';
-import type { Reply } from '../../link/socket';
+import { useEffect, useRef } from 'preact/hooks';
+import { notify, requestMode, setParameters } from '../../link/console';
 import type { Exercise } from '../../contract/messages.gen';
 import { useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { fixed, t, toDegrees } from '../../text/text';
 import { FloorView } from '../../ui/floor_view';
+import { useHand } from '../../ui/hand';
+import { driveKeys, type Wish } from '../../ui/hold_to_run';
 import { Reading } from '../../ui/reading';
-import { Refusal, reasons } from '../../ui/refusal';
-import { isTyping } from '../../ui/stop_button';
+import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
 import type { Panel } from '../panel';
-import { driveKeys, HoldToRun, keysWish } from './joystick';
 
 const limits = [
   { key: 'drive.slow', speed_m_s: 0.15 },
@@ -23,90 +22,27 @@ const free: Exercise = { shape: 'free' };
 const slow_s = 0.08;
 const tooSlow_s = 0.3;
 
-const browserTimers = {
-  every: (call: () => void, each_ms: number) => window.setInterval(call, each_ms),
-  cancel: (timer: number) => window.clearInterval(timer),
-};
+const middle: Wish = { speed: 0, yaw: 0 };
 
-/** The pad. Inert unless `active`; every way of losing the finger, the page or the screen lets go. */
+/** The pad. Inert unless `active`. */
 function Joystick({ active }: { active: boolean }) {
   const pad = useRef<HTMLDivElement>(null);
   const knob = useRef<HTMLDivElement>(null);
-  const pointer = useRef<number | null>(null);
-  const keys = useRef(new Set<string>());
-  const [held, setHeld] = useState(false);
-  const hold = useRef<HoldToRun | null>(null);
-  hold.current ??= new HoldToRun((speed, yaw, isHeld) => void drive(speed, yaw, isHeld), browserTimers);
-
-  const show = (speed: number, yaw: number) => {
-    const radius = (pad.current?.clientWidth ?? 0) * 0.34;
-    if (knob.current) knob.current.style.transform = `translate(${(-yaw * radius).toFixed(1)}px, ${(-speed * radius).toFixed(1)}px)`;
-  };
-  const release = () => {
-    pointer.current = null;
-    keys.current.clear();
-    hold.current?.release();
-    show(0, 0);
-    setHeld(false);
-  };
-  const wish = (event: PointerEvent) => {
-    const box = pad.current!.getBoundingClientRect();
-    const radius = box.width * 0.34;
-    let yaw = -(event.clientX - box.left - box.width / 2) / radius;
-    let speed = -(event.clientY - box.top - box.height / 2) / radius;
-    const size = Math.hypot(yaw, speed);
-    if (size > 1) {
-      yaw /= size;
-      speed /= size;
-    }
-    return { speed, yaw };
-  };
-  const byKeys = () => {
-    if (keys.current.size === 0) return release();
-    const { speed, yaw } = keysWish(keys.current);
-    if (hold.current!.held) hold.current!.move(speed, yaw);
-    else hold.current!.press(speed, yaw);
-    show(speed, yaw);
-    setHeld(true);
-  };
-
-  useEffect(() => {
-    if (!active) {
-      release();
-      return;
-    }
-    const down = (event: KeyboardEvent) => {
-      if (!(event.code in driveKeys) || event.ctrlKey || event.altKey || event.metaKey || isTyping(event.target)) return;
-      event.preventDefault();
-      if (event.repeat || pointer.current !== null) return;
-      keys.current.add(event.code);
-      byKeys();
-    };
-    const up = (event: KeyboardEvent) => {
-      if (keys.current.delete(event.code)) byKeys();
-    };
-    const hidden = () => {
-      if (document.hidden) release();
-    };
-    window.addEventListener('keydown', down);
-    window.addEventListener('keyup', up);
-    window.addEventListener('blur', release);
-    window.addEventListener('pagehide', release);
-    document.addEventListener('visibilitychange', hidden);
-    document.addEventListener('freeze', release);
-    window.addEventListener('hoist-dialog', release);
-    return () => {
-      window.removeEventListener('keydown', down);
-      window.removeEventListener('keyup', up);
-      window.removeEventListener('blur', release);
-      window.removeEventListener('pagehide', release);
-      document.removeEventListener('visibilitychange', hidden);
-      document.removeEventListener('freeze', release);
-      window.removeEventListener('hoist-dialog', release);
-      // No lostpointercapture comes when the pad itself goes away.
-      release();
-    };
-  }, [active]);
+  const reach_px = () => (pad.current?.clientWidth ?? 0) * 0.34;
+  const { held, handlers } = useHand(active, {
+    keys: driveKeys,
+    wish: (event) => {
+      const box = pad.current?.getBoundingClientRect();
+      if (box === undefined || box.width === 0) return middle;
+      const yaw = -(event.clientX - box.left - box.width / 2) / reach_px();
+      const speed = -(event.clientY - box.top - box.height / 2) / reach_px();
+      const size = Math.max(1, Math.hypot(yaw, speed));
+      return { speed: speed / size, yaw: yaw / size };
+    },
+    show: ({ speed, yaw }) => {
+      if (knob.current) knob.current.style.transform = `translate(${(-yaw * reach_px()).toFixed(1)}px, ${(-speed * reach_px()).toFixed(1)}px)`;
+    },
+  });
 
   return (
     <div
@@ -116,28 +52,7 @@ function Joystick({ active }: { active: boolean }) {
       aria-label={t('drive.stick')}
       aria-disabled={!active}
       tabIndex={0}
-      onPointerDown={(event) => {
-        if (!active || pointer.current !== null || event.button !== 0) return;
-        event.preventDefault();
-        pad.current!.setPointerCapture(event.pointerId);
-        pointer.current = event.pointerId;
-        keys.current.clear();
-        const { speed, yaw } = wish(event);
-        hold.current!.press(speed, yaw);
-        hold.current!.move(speed, yaw);
-        show(speed, yaw);
-        setHeld(true);
-      }}
-      onPointerMove={(event) => {
-        if (event.pointerId !== pointer.current) return;
-        const { speed, yaw } = wish(event);
-        hold.current!.move(speed, yaw);
-        show(speed, yaw);
-      }}
-      onPointerUp={(event) => event.pointerId === pointer.current && release()}
-      onPointerCancel={(event) => event.pointerId === pointer.current && release()}
-      onLostPointerCapture={(event) => event.pointerId === pointer.current && release()}
-      onContextMenu={(event) => event.preventDefault()}
+      {...handlers}
     >
       <svg viewBox="-100 -100 200 200" aria-hidden="true">
         <circle class="pad-ring" r="96" />
@@ -159,31 +74,19 @@ function DriveView() {
   const rtt_s = useStore((s) => s.rtt_s);
   const limit_m_s = useStore((s) => s.parameters.remote_speed_m_s_max ?? 0);
   const exercise = useStore((s) => s.exercise);
-  const [busy, setBusy] = useState(false);
-  const [reply, setReply] = useState<Reply | null>(null);
+  const request = useRequest();
   const driving = mode === 'remote';
   const moving = driving || mode === 'user' || mode === 'guided';
   const tooSlow = rtt_s !== null && rtt_s > tooSlow_s;
   const active = driving && mine && link === 'open' && data !== 'gone' && !tooSlow;
 
   useEffect(() => {
-    if (driving) setReply(null);
+    if (driving) request.forget();
   }, [driving]);
-  useEffect(() => {
-    if (!active) return;
-    everyTick(true);
-    return () => void everyTick(false);
-  }, [active]);
 
-  const run = async (action: () => Promise<Reply>) => {
-    setBusy(true);
-    const answer = await action();
-    setBusy(false);
-    setReply(answer.ok || answer.refusals[0] === 'kept' ? null : answer);
-  };
   const choose = async (speed_m_s: number) => {
     const answer = await setParameters({ remote_speed_m_s_max: speed_m_s });
-    if (!answer.ok && answer.refusals[0] !== 'kept') notify('warning', reasons(answer).join(' '), true);
+    if (refused(answer)) notify('warning', reasons(answer).join(' '), true);
   };
 
   return (
@@ -204,16 +107,16 @@ function DriveView() {
           ))}
         </div>
         {moving ? (
-          <button type="button" class="big" disabled={busy || link !== 'open'} onClick={() => void run(() => requestMode('standby'))}>
+          <button type="button" class="big" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('standby'))}>
             {driving ? t('drive.end') : t('walk.end')}
           </button>
         ) : (
-          <button type="button" class="big primary" disabled={busy || link !== 'open'} onClick={() => void run(() => requestMode('remote', free))}>
-            {busy ? t('walk.starting') : t('drive.take')}
+          <button type="button" class="big primary" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('remote', free))}>
+            {request.busy ? t('walk.starting') : t('drive.take')}
           </button>
         )}
       </div>
-      <Refusal reply={reply} onClose={() => setReply(null)} />
+      <Refusal request={request} />
       {rtt_s !== null && rtt_s > slow_s && link === 'open' ? (
         <div class="blockers" role="status">
           {t(tooSlow ? 'drive.tooSlow' : 'drive.slowLink', { n: fixed(rtt_s * 1000, 0) })}

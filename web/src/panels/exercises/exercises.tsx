@@ -1,8 +1,7 @@
 // The hoist drives a figure by itself while the therapist holds: choose it, see the floor it needs, start, hold.
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { everyTick, requestGuided, requestMode } from '../../link/console';
+import { requestGuided, requestMode } from '../../link/console';
 import { live, useFrame } from '../../link/live';
-import type { Reply } from '../../link/socket';
 import { useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { degrees, duration, fixed, t } from '../../text/text';
@@ -11,9 +10,8 @@ import { FloorView } from '../../ui/floor_view';
 import { fit, floorSpace, patternPoints } from '../../ui/geometry';
 import { HoldToGo } from '../../ui/hold_to_go';
 import { Reading } from '../../ui/reading';
-import { Refusal } from '../../ui/refusal';
+import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import type { Panel } from '../panel';
-import { startBlockers } from '../walk/walk';
 import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, type Plan, type Shape, type Stepped } from './plan';
 
 /** Kept while the console is open, also when another screen is looked at meanwhile. */
@@ -112,11 +110,9 @@ function ExercisesView() {
   const link = useStore((s) => s.link);
   const mine = useStore((s) => s.lease.mine);
   const data = useStore((s) => s.data);
-  const blocked = useStore((s) => s.blockedBits);
   const parameters = useStore((s) => s.parameters);
   const [plan, setPlan] = useState(kept);
-  const [busy, setBusy] = useState(false);
-  const [reply, setReply] = useState<Reply | null>(null);
+  const request = useRequest();
   const guided = mode === 'guided';
   const moving = guided || mode === 'user' || mode === 'remote';
   // The path that was driven stays until something is chosen anew.
@@ -128,31 +124,19 @@ function ExercisesView() {
   const change = (part: Partial<Plan>) => {
     kept = { ...plan, ...part };
     setPlan(kept);
-    setReply(null);
+    request.forget();
     setJustDone(false);
   };
   useEffect(() => {
     if (!guided) return;
-    setReply(null);
+    request.forget();
     setJustDone(true);
   }, [guided]);
-  useEffect(() => {
-    if (!active) return;
-    everyTick(true);
-    return () => void everyTick(false);
-  }, [active]);
-  const run = async (action: () => Promise<Reply>) => {
-    setBusy(true);
-    const answer = await action();
-    setBusy(false);
-    setReply(answer.ok || answer.refusals[0] === 'kept' ? null : answer);
-  };
 
   const exercise = useRef({ plan, figure: exerciseOf(plan) });
   if (exercise.current.plan !== plan) exercise.current = { plan, figure: exerciseOf(plan) };
   const space = floorSpace(exercise.current.figure);
   const curve = curveSpeed_m_s(plan, yawLimit_rad_s);
-  const blockers = mode === 'standby' && link === 'open' ? startBlockers(blocked) : [];
 
   return (
     <div class="drive guided">
@@ -166,21 +150,17 @@ function ExercisesView() {
           ))}
         </div>
         {moving ? (
-          <button type="button" class="big" disabled={busy || link !== 'open'} onClick={() => void run(() => requestMode('standby'))}>
+          <button type="button" class="big" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('standby'))}>
             {t(guided ? 'guided.end' : 'walk.end')}
           </button>
         ) : (
-          <button type="button" class="big primary" disabled={busy || link !== 'open'} onClick={() => void run(() => requestGuided(pathOf(plan)))}>
-            {busy ? t('walk.starting') : t('guided.start')}
+          <button type="button" class="big primary" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestGuided(pathOf(plan)))}>
+            {request.busy ? t('walk.starting') : t('guided.start')}
           </button>
         )}
       </div>
-      <Refusal reply={reply} onClose={() => setReply(null)} />
-      {reply === null && blockers.length > 0 ? (
-        <div class="blockers" role="status">
-          <strong>{t('strip.notReady')}:</strong> {blockers.join(' ')}
-        </div>
-      ) : null}
+      <Refusal request={request} />
+      <StartBlockers request={request} />
       <div class="drive-body">
         <section class="card guided-card">
           {guided ? (

@@ -7,7 +7,7 @@ import type { Reply } from '../../link/socket';
 import { useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { plain, readNumber, shownAs, t, words } from '../../text/text';
-import { Refusal, reasons } from '../../ui/refusal';
+import { Refusal, reasons, useRequest } from '../../ui/refusal';
 import type { Panel } from '../panel';
 import { groups, niceStep, type Group } from './groups';
 
@@ -183,26 +183,22 @@ function GroupView({ group, role, standby, connected }: { group: Group; role: st
 /** Always there while something is on trial, at the bottom where a thumb reaches it; the rows above do not move. */
 function TrialBar() {
   const left_s = useStore((s) => s.trial_s);
-  const [reply, setReply] = useState<Reply | null>(null);
+  const request = useRequest();
   if (left_s <= 0) return null;
-  const end = async (what: () => Promise<Reply>) => {
-    const answer = await what();
-    setReply(answer.ok || answer.refusals[0] === 'kept' ? null : answer);
-  };
   return (
     <div class="trial-bar" role="region" aria-label={t('tune.trial.title')}>
       <p>
         <strong>{t('tune.trial.title')}</strong> <span class="num">{t('tune.trial.left', { n: left_s })}</span>
       </p>
       <div class="trial-buttons">
-        <button type="button" onClick={() => void end(undoSettings)}>
+        <button type="button" onClick={() => void request.ask(undoSettings)}>
           {t('tune.trial.undo')}
         </button>
-        <button type="button" class="primary" onClick={() => void end(keepSettings)}>
+        <button type="button" class="primary" onClick={() => void request.ask(keepSettings)}>
           {t('tune.trial.keep')}
         </button>
       </div>
-      <Refusal reply={reply} onClose={() => setReply(null)} />
+      <Refusal request={request} />
     </div>
   );
 }
@@ -213,16 +209,14 @@ function TuneView() {
   const role = useStore((s) => s.role);
   const standby = useStore((s) => s.mode === 'standby');
   const values = useStore((s) => s.parameters);
-  const [reply, setReply] = useState<Reply | null>(null);
+  const request = useRequest();
   const connected = link === 'open';
   const list = groups();
   const differing = list.flatMap((group) => group.rows).filter((row) => values[row.name] !== undefined && !same(values[row.name]!, row.default)).length;
   const inForce = (preset: (typeof presets)[number]) =>
     Object.entries(preset.values).every(([name, value]) => values[name] !== undefined && same(values[name]!, value));
   const choose = async (preset: (typeof presets)[number]) => {
-    const answer = await applyPreset(preset.name);
-    setReply(answer.ok || answer.refusals[0] === 'kept' ? null : answer);
-    if (answer.ok) notify('info', t('tune.presetApplied', { name: words(preset.title) }), true);
+    if (await request.ask(() => applyPreset(preset.name))) notify('info', t('tune.presetApplied', { name: words(preset.title) }), true);
   };
   return (
     <div class="tune">
@@ -240,7 +234,7 @@ function TuneView() {
           {t('tune.live')}
         </p>
       </div>
-      <Refusal reply={reply} onClose={() => setReply(null)} />
+      <Refusal request={request} />
       {list.map((group) => (
         <GroupView key={group.title} group={group} role={role} standby={standby} connected={connected} />
       ))}

@@ -1,18 +1,16 @@
 // The patient leads: choose the exercise, start, watch, mark, end.
-import { useEffect, useState } from 'preact/hooks';
-import { refusals } from '../../contract/faults.gen';
+import { useEffect } from 'preact/hooks';
 import { marker, notify, requestMode, setNeutral } from '../../link/console';
 import { live, useReading } from '../../link/live';
-import type { Reply } from '../../link/socket';
 import type { Exercise } from '../../contract/messages.gen';
 import { store, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
-import { degrees, duration, fixed, t, words } from '../../text/text';
+import { degrees, duration, fixed, t } from '../../text/text';
 import type { TextKey } from '../../text/en';
 import { FloorView } from '../../ui/floor_view';
 import { HoistPicture } from '../../ui/hoist_picture';
 import { Reading } from '../../ui/reading';
-import { Refusal } from '../../ui/refusal';
+import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import type { Panel } from '../panel';
 
 /** Sizes that fit a room of 5 × 5 m; the server's own default for its scenario comes first. */
@@ -24,39 +22,23 @@ const choices: readonly Exercise[] = [
 ];
 const markers: readonly TextKey[] = ['marker.help', 'marker.stumble', 'marker.rest', 'marker.good'];
 
-/** The reasons that keep the hoist from starting now. Control and standby are no reasons here: Start takes care of the one, the strip shows the other. */
-export function startBlockers(bits: number): string[] {
-  return refusals
-    .filter((row) => (bits >>> row.bit) & 1 && row.name !== 'no_lease' && row.name !== 'not_standby' && row.name !== 'stick_not_neutral')
-    .map((row) => words(row.text));
-}
-
 function WalkView() {
   useSettings();
   const mode = useStore((s) => s.mode);
   const link = useStore((s) => s.link);
   const exercise = useStore((s) => s.exercise);
-  const blocked = useStore((s) => s.blockedBits);
-  const [busy, setBusy] = useState(false);
-  const [reply, setReply] = useState<Reply | null>(null);
+  const request = useRequest();
   const moving = mode === 'user' || mode === 'remote' || mode === 'guided';
   useEffect(() => {
-    if (moving) setReply(null);
+    if (moving) request.forget();
   }, [moving]);
 
-  const run = async (action: () => Promise<Reply>, done?: () => void) => {
-    setBusy(true);
-    const answer = await action();
-    setBusy(false);
-    setReply(answer.ok || answer.refusals[0] === 'kept' ? null : answer);
-    if (answer.ok) done?.();
-  };
   const mark = async (key: TextKey) => {
-    const answer = await marker(t(key));
-    if (answer.ok) notify('info', t('walk.marked', { text: t(key) }), true);
-    else setReply(answer);
+    if (await request.ask(() => marker(t(key)))) notify('info', t('walk.marked', { text: t(key) }), true);
   };
-  const blockers = mode === 'standby' && link === 'open' ? startBlockers(blocked) : [];
+  const neutral = async () => {
+    if (await request.ask(setNeutral)) notify('info', t('walk.neutralDone'), true);
+  };
 
   return (
     <div class="walk">
@@ -78,26 +60,22 @@ function WalkView() {
             );
           })}
         </div>
-        <button type="button" class="plain" disabled={busy || moving || link !== 'open'} title={t('walk.neutralHint')}
-          onClick={() => void run(setNeutral, () => notify('info', t('walk.neutralDone'), true))}>
+        <button type="button" class="plain" disabled={request.busy || moving || link !== 'open'} title={t('walk.neutralHint')}
+          onClick={() => void neutral()}>
           {t('walk.neutral')}
         </button>
         {moving ? (
-          <button type="button" class="big" disabled={busy || link !== 'open'} onClick={() => void run(() => requestMode('standby'))}>
+          <button type="button" class="big" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('standby'))}>
             {t('walk.end')}
           </button>
         ) : (
-          <button type="button" class="big primary" disabled={busy || link !== 'open'} onClick={() => void run(() => requestMode('user', exercise))}>
-            {busy ? t('walk.starting') : t('walk.start')}
+          <button type="button" class="big primary" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('user', exercise))}>
+            {request.busy ? t('walk.starting') : t('walk.start')}
           </button>
         )}
       </div>
-      <Refusal reply={reply} onClose={() => setReply(null)} />
-      {reply === null && blockers.length > 0 ? (
-        <div class="blockers" role="status">
-          <strong>{t('strip.notReady')}:</strong> {blockers.join(' ')}
-        </div>
-      ) : null}
+      <Refusal request={request} />
+      <StartBlockers request={request} />
       <div class="walk-body">
         <section class="card floor-card">
           <FloorView exercise={exercise} />

@@ -7,6 +7,11 @@ export const zerosOnRelease = 3;
 /** Around the middle nothing moves: a resting thumb is never quite still. */
 export const deadZone_norm = 0.12;
 
+/** Shares of what is allowed: forwards and to the left positive. */
+export interface Wish {
+  speed: number;
+  yaw: number;
+}
 export type Send = (speed: number, yaw: number, held: boolean) => void;
 export interface Timers {
   every(call: () => void, each_ms: number): number;
@@ -62,7 +67,7 @@ export class HoldToRun {
   }
 }
 
-export const driveKeys: Record<string, { speed: number; yaw: number }> = {
+export const driveKeys: Record<string, Wish> = {
   ArrowUp: { speed: 1, yaw: 0 },
   KeyW: { speed: 1, yaw: 0 },
   ArrowDown: { speed: -1, yaw: 0 },
@@ -74,12 +79,12 @@ export const driveKeys: Record<string, { speed: number; yaw: number }> = {
 };
 
 /** What the pressed keys ask for together; opposite keys cancel. */
-export function keysWish(pressed: Iterable<string>): { speed: number; yaw: number } {
+export function keysWish(pressed: Iterable<string>, keys: Record<string, Wish> = driveKeys): Wish {
   let speed = 0;
   let yaw = 0;
   for (const key of pressed) {
-    speed += driveKeys[key]?.speed ?? 0;
-    yaw += driveKeys[key]?.yaw ?? 0;
+    speed += keys[key]?.speed ?? 0;
+    yaw += keys[key]?.yaw ?? 0;
   }
   return { speed: Math.max(-1, Math.min(1, speed)), yaw: Math.max(-1, Math.min(1, yaw)) };
 }

@@ -1,5 +1,5 @@
 import { beforeEach, describe, expect, it } from 'vitest';
-import { deadZone_norm, HoldToRun, keysWish, sendEach_ms, shape, zerosOnRelease } from '../src/panels/drive/joystick';
+import { deadZone_norm, HoldToRun, keysWish, sendEach_ms, shape, zerosOnRelease } from '../src/ui/hold_to_run';
 
 type Sent = { speed: number; yaw: number; held: boolean };
 let sent: Sent[];

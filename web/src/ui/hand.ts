@@ -1,0 +1,114 @@
+// The hand that keeps the hoist moving: a finger or keys hold the dead-man. Every way of losing the finger, the keys, the page or the screen
+// lets go.
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { drive, everyTick } from '../link/console';
+import { HoldToRun, keysWish, type Wish } from './hold_to_run';
+import { isTyping } from './stop_button';
+
+const browserTimers = {
+  every: (call: () => void, each_ms: number) => window.setInterval(call, each_ms),
+  cancel: (timer: number) => window.clearInterval(timer),
+};
+
+export interface Grip {
+  /** The keys that hold it, and what each asks for. */
+  keys: Record<string, Wish>;
+  /** Where a finger on the element asks to go. */
+  wish(event: PointerEvent): Wish;
+  /** Draws the wish; the middle when let go. */
+  show?(wish: Wish): void;
+}
+
+export interface PointerHandlers {
+  onPointerDown(event: PointerEvent): void;
+  onPointerMove(event: PointerEvent): void;
+  onPointerUp(event: PointerEvent): void;
+  onPointerCancel(event: PointerEvent): void;
+  onLostPointerCapture(event: PointerEvent): void;
+  onContextMenu(event: Event): void;
+}
+
+/** Inert unless `active`. The handlers belong on the element that is held; a finger takes over from keys. */
+export function useHand(active: boolean, grip: Grip): { held: boolean; handlers: PointerHandlers } {
+  const pointer = useRef<number | null>(null);
+  const keys = useRef(new Set<string>());
+  const [held, setHeld] = useState(false);
+  const hold = useRef<HoldToRun | null>(null);
+  hold.current ??= new HoldToRun((speed, yaw, isHeld) => void drive(speed, yaw, isHeld), browserTimers);
+
+  const follow = (wish: Wish) => {
+    if (hold.current!.held) hold.current!.move(wish.speed, wish.yaw);
+    else hold.current!.press(wish.speed, wish.yaw);
+    grip.show?.(wish);
+    setHeld(true);
+  };
+  const release = () => {
+    pointer.current = null;
+    keys.current.clear();
+    hold.current?.release();
+    grip.show?.({ speed: 0, yaw: 0 });
+    setHeld(false);
+  };
+  const byKeys = () => (keys.current.size === 0 ? release() : follow(keysWish(keys.current, grip.keys)));
+  const lost = (event: PointerEvent) => {
+    if (event.pointerId === pointer.current) release();
+  };
+
+  useEffect(() => {
+    if (!active) {
+      release();
+      return;
+    }
+    everyTick(true);
+    const down = (event: KeyboardEvent) => {
+      if (!(event.code in grip.keys) || event.ctrlKey || event.altKey || event.metaKey || isTyping(event.target)) return;
+      event.preventDefault();
+      if (event.repeat || pointer.current !== null) return;
+      keys.current.add(event.code);
+      byKeys();
+    };
+    const up = (event: KeyboardEvent) => {
+      if (keys.current.delete(event.code)) byKeys();
+    };
+    const hidden = () => {
+      if (document.hidden) release();
+    };
+    const listeners: [EventTarget, string, (event: never) => void][] = [
+      [window, 'keydown', down],
+      [window, 'keyup', up],
+      [window, 'blur', release],
+      [window, 'pagehide', release],
+      [window, 'hoist-dialog', release],
+      [document, 'visibilitychange', hidden],
+      [document, 'freeze', release],
+    ];
+    for (const [target, type, call] of listeners) target.addEventListener(type, call as EventListener);
+    return () => {
+      for (const [target, type, call] of listeners) target.removeEventListener(type, call as EventListener);
+      // No lostpointercapture comes when the element itself goes away.
+      release();
+      everyTick(false);
+    };
+  }, [active]);
+
+  return {
+    held,
+    handlers: {
+      onPointerDown: (event) => {
+        if (!active || pointer.current !== null || event.button !== 0) return;
+        event.preventDefault();
+        (event.currentTarget as Element).setPointerCapture(event.pointerId);
+        pointer.current = event.pointerId;
+        keys.current.clear();
+        follow(grip.wish(event));
+      },
+      onPointerMove: (event) => {
+        if (event.pointerId === pointer.current) follow(grip.wish(event));
+      },
+      onPointerUp: lost,
+      onPointerCancel: lost,
+      onLostPointerCapture: lost,
+      onContextMenu: (event) => event.preventDefault(),
+    },
+  };
+}
