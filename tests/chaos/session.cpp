@@ -553,16 +553,17 @@ class Session {
     loop_.ask(command.kind, command.a, command.v0, command.v1, command.v2, command.b);
     stick_s_ = now_s + 0.5;
   }
+  [[nodiscard]] bool ended_by_hand(double now_s) {
+    if (!mending_ && now_s < next_s_) return false;
+    loop_.let_go();
+    ask_mode(Mode::standby);
+    watch_.stick_falls_silent();
+    next_s_ = now_s + therapist_dice_.between(1.0, 4.0);
+    return true;
+  }
   // The hand on the button: held most of the time, let go now and then, sometimes gone without a word.
   void while_guiding(double now_s) {
-    if (mending_ || now_s >= next_s_) {
-      loop_.let_go();
-      ask_mode(Mode::standby);
-      watch_.stick_falls_silent();
-      next_s_ = now_s + therapist_dice_.between(1.0, 4.0);
-      return;
-    }
-    if (now_s < stick_s_) return;
+    if (ended_by_hand(now_s) || now_s < stick_s_) return;
     stick_s_ = now_s + therapist_dice_.between(0.5, 4.0);
     if (therapist_dice_.chance(0.15)) {
       loop_.let_go();
@@ -591,14 +592,7 @@ class Session {
     next_s_ = now_s + therapist_dice_.between(1.0, 4.0);
   }
   void while_driving(double now_s) {
-    if (mending_ || now_s >= next_s_) {
-      loop_.let_go();
-      ask_mode(Mode::standby);
-      watch_.stick_falls_silent();
-      next_s_ = now_s + therapist_dice_.between(1.0, 4.0);
-      return;
-    }
-    if (now_s < stick_s_) return;
+    if (ended_by_hand(now_s) || now_s < stick_s_) return;
     stick_s_ = now_s + therapist_dice_.between(0.5, 2.5);
     if (therapist_dice_.chance(0.25)) {
       loop_.let_go();

@@ -8,7 +8,7 @@ import sys
 import time
 
 import canmatrix.formats
-from harness import Failed, Hoist, Program, check, run, run_suite, until
+from harness import Hoist, Program, check, run, run_hoist, until
 
 BIN = sys.argv[1]
 TOP = sys.argv[2]
@@ -191,27 +191,17 @@ def main():
     make_interface()
     hoist = Hoist(BIN, f"socketcan:{NAME}", f"socketcan:{NAME}", core_options=())
     hoist.core_options = ["--capture", hoist.path("core.log")]
-    try:
-        hoist.start()
-        code = run_suite("CoreOnVcan", [
-            walks_and_every_frame_means_the_same_to_an_independent_reader,
-            the_engineers_tool_reads_beside_the_computer_and_does_not_disturb_it,
-            a_link_that_goes_down_stops_the_hoist_and_it_comes_back,
-            an_interface_that_is_removed_and_made_anew,
-            bus_off_stops_the_hoist_until_the_controller_is_restarted,
-            an_error_passive_controller_goes_on,
-            a_flood_from_somebody_else_does_not_break_the_loop,
-            h26_a_wall_clock_that_jumps_changes_nothing,
-            ends_with_a_controlled_stop,
-        ])
-        if code != 0:
-            print(hoist.logs())
-    except Failed as error:
-        print(f"the programs did not start: {error}\n{hoist.logs()}")
-        code = 1
-    finally:
-        hoist.stop()
-    return code
+    return run_hoist("CoreOnVcan", hoist, [
+        walks_and_every_frame_means_the_same_to_an_independent_reader,
+        the_engineers_tool_reads_beside_the_computer_and_does_not_disturb_it,
+        a_link_that_goes_down_stops_the_hoist_and_it_comes_back,
+        an_interface_that_is_removed_and_made_anew,
+        bus_off_stops_the_hoist_until_the_controller_is_restarted,
+        an_error_passive_controller_goes_on,
+        a_flood_from_somebody_else_does_not_break_the_loop,
+        h26_a_wall_clock_that_jumps_changes_nothing,
+        ends_with_a_controlled_stop,
+    ])
 
 
 if __name__ == "__main__":

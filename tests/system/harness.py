@@ -73,9 +73,10 @@ class Program:
         until(f"{self.name} says \"{text}\"", ask, within_s)
 
     def end(self, number=signal.SIGTERM, within_s=20.0):
-        """Ends it and gives its exit code."""
+        """Ends it, also a stopped one, and gives its exit code."""
         if self.process.poll() is None:
             self.process.send_signal(number)
+            self.process.send_signal(signal.SIGCONT)
             try:
                 self.process.wait(within_s)
             except subprocess.TimeoutExpired:
@@ -248,6 +249,22 @@ class Hoist:
     def place_anew(self):
         """Patient and machine back at the start mark."""
         until("the simulator starts anew", lambda: "ok" in self.ask_sim(op="reset"), 60.0, 0.2)
+
+
+def run_hoist(name, hoist, cases):
+    """Starts the programs, runs the cases on them and ends them; their last words are printed when something failed. Gives
+    the exit code."""
+    try:
+        hoist.start()
+        code = run_suite(name, cases)
+        if code != 0:
+            print(hoist.logs())
+    except Failed as error:
+        print(f"the programs did not start: {error}\n{hoist.logs()}")
+        code = 1
+    finally:
+        hoist.stop()
+    return code
 
 
 def run_suite(name, cases):

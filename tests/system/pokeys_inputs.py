@@ -2,7 +2,7 @@
 import socket
 import sys
 
-from harness import Failed, Hoist, check, run_suite, until
+from harness import Hoist, check, run_hoist, until
 
 BIN = sys.argv[1]
 hoist = None
@@ -59,21 +59,11 @@ def main():
     global hoist
     port = free_udp_port()
     hoist = Hoist(BIN, None, None, sim_options=["--pokeys-udp", str(port)], core_options=["--inputs", f"pokeys:udp:127.0.0.1:{port}"])
-    try:
-        hoist.start()
-        code = run_suite("PokeysInputs", [
-            the_hoist_walks_without_an_input_node_on_the_bus,
-            a_bumper_stops_the_hoist,
-            a_device_that_falls_silent_stops_the_hoist_and_comes_back,
-        ])
-        if code != 0:
-            print(hoist.logs())
-    except Failed as error:
-        print(f"the programs did not start: {error}\n{hoist.logs()}")
-        code = 1
-    finally:
-        hoist.stop()
-    return code
+    return run_hoist("PokeysInputs", hoist, [
+        the_hoist_walks_without_an_input_node_on_the_bus,
+        a_bumper_stops_the_hoist,
+        a_device_that_falls_silent_stops_the_hoist_and_comes_back,
+    ])
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ import tempfile
 import time
 
 from driver import Driver
-from harness import Failed, Hoist, Skipped, check, run, run_suite, until
+from harness import Failed, Hoist, Skipped, check, run, run_hoist, until
 
 BIN = sys.argv[1]
 TOP = sys.argv[2]
@@ -381,33 +381,20 @@ def main():
     hoist = Hoist(BIN, None, None)
     hoist.core_options = ["--capture", hoist.path("bus.log")]
     hoist.real_time = True  # as on a hoist, where this machine permits it
-    try:
-        hoist.start()
-        code = run_suite("Processes", [
-            the_service_file_is_sound,
-            h23_the_service_manager_hears_ready_and_a_sign_of_life_only_while_steps_go_on,
-            h5_a_killed_core_leaves_wheels_that_stop_and_comes_back_in_init,
-            h22_a_stopped_core_that_goes_on_stands_and_stays_so,
-            h5_a_cut_line_stops_the_wheels_and_a_mended_one_moves_nothing,
-            h21_a_server_that_dies_or_hangs_does_not_disturb_a_walk,
-            h21_a_hanging_server_ends_remote_driving_in_time,
-            h21_a_killed_server_ends_remote_driving_in_time,
-            h23_core_and_server_die_together_and_start_together,
-            h5_everything_behind_the_gateway_dies_and_comes_back,
-            h22_a_machine_under_load_walks_on_or_stands_but_never_runs_away,
-            h22_with_what_it_asks_for_the_loop_never_waits_for_memory,
-        ])
-        if code != 0:
-            print(hoist.logs())
-    except Failed as error:
-        print(f"the programs did not start: {error}\n{hoist.logs()}")
-        code = 1
-    finally:
-        for program in (hoist.server, hoist.core, hoist.sim):
-            if program is not None and program.process.poll() is None:
-                program.process.send_signal(signal.SIGCONT)
-        hoist.stop()
-    return code
+    return run_hoist("Processes", hoist, [
+        the_service_file_is_sound,
+        h23_the_service_manager_hears_ready_and_a_sign_of_life_only_while_steps_go_on,
+        h5_a_killed_core_leaves_wheels_that_stop_and_comes_back_in_init,
+        h22_a_stopped_core_that_goes_on_stands_and_stays_so,
+        h5_a_cut_line_stops_the_wheels_and_a_mended_one_moves_nothing,
+        h21_a_server_that_dies_or_hangs_does_not_disturb_a_walk,
+        h21_a_hanging_server_ends_remote_driving_in_time,
+        h21_a_killed_server_ends_remote_driving_in_time,
+        h23_core_and_server_die_together_and_start_together,
+        h5_everything_behind_the_gateway_dies_and_comes_back,
+        h22_a_machine_under_load_walks_on_or_stands_but_never_runs_away,
+        h22_with_what_it_asks_for_the_loop_never_waits_for_memory,
+    ])
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@
 #include "control/bus/decode.hpp"
 #include "control/bus/replay.hpp"
 #include "control/contract/can_dictionary.hpp"
-#include "tests/support/allocation_counter.hpp"
+#include "control/run/heap_watch.hpp"
 
 namespace hoist::bus {
 namespace {
@@ -220,13 +220,13 @@ TEST(Capture, NothingIsAllocatedOnTheWay) {
   const std::array out{CanFrame{0x201, 1, 0, {1}}, CanFrame{0x202, 1, 0, {2}}};
   std::array<CanFrame, 8> in{};
   tap.flush();  // the writing thread has begun
-  const std::uint64_t before = test::allocations();
+  const std::uint64_t before = run::heap_requests();
   for (std::uint64_t i = 0; i < 1000; ++i) {
     port.receive(in, i);
     port.send(out, i);
   }
   tap.flush();
-  EXPECT_EQ(test::allocations() - before, 0U);
+  EXPECT_EQ(run::heap_requests() - before, 0U);
   EXPECT_EQ(tap.written(), 2000U);
 }
 

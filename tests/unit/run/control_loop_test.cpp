@@ -9,7 +9,7 @@
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/publish/server_link.hpp"
-#include "tests/support/allocation_counter.hpp"
+#include "control/run/heap_watch.hpp"
 
 namespace hoist::run {
 namespace {
@@ -52,7 +52,7 @@ TEST(ControlLoop, NeverAllocatesInTenThousandSteps) {
   ASSERT_TRUE(server.attach_directly(*link, error)) << error;
   NoisyPort port;
   auto loop = std::make_unique<ControlLoop>(port, *link, contract::Params{});
-  const std::uint64_t before = test::allocations();
+  const std::uint64_t before = heap_requests();
   for (std::uint64_t tick = 0; tick < 10'000; ++tick) {
     server.beat();
     contract::Command command;
@@ -67,7 +67,7 @@ TEST(ControlLoop, NeverAllocatesInTenThousandSteps) {
     step.time_ns = 1'000'000'000 + tick * 10'000'000;
     loop->step(step);
   }
-  EXPECT_EQ(test::allocations() - before, 0U);
+  EXPECT_EQ(heap_requests() - before, 0U);
   EXPECT_EQ(port.syncs, 10'000U) << "one SYNC each step, whatever happens";
 }
 
