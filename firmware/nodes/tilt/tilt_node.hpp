@@ -34,6 +34,10 @@ inline constexpr float kStillRate_rad_s = 0.03F;        // from the first sample
 inline constexpr float kStillAcceleration_m_s2 = 0.5F;  // likewise, each axis
 inline constexpr float kStillTurn_rad = 0.01F;          // gravity in the last quarter against the first: a slow steady turn
 inline constexpr float kBiasMax_rad_s = 0.4F;           // a gyro that shows more at rest (23 deg/s) is broken or is being turned
+// A gyroscope that has lost its zero (H8): no sample is valid while one of these is passed.
+inline constexpr float kBiasChange_rad_s = 0.0524F;         // H8: 3 deg/s from what it was at rest
+inline constexpr float kDisagreement_rad = 0.105F;          // H8: 6 deg between gyroscope and gravity ...
+inline constexpr float kDisagreementRate_per_s = 1 / 0.5F;  // ... low-passed with 0.5 s
 
 template <TiltBoard Board>
 class TiltNode {
@@ -79,6 +83,8 @@ class TiltNode {
     law::TiltState<float> state{};
     float first_angle_rad = 0, last_angle_rad = 0;  // sums over the first and last quarter of the window
     float angle_sum_rad = 0;
+    float rest_bias_rad_s = 0;   // as measured in the still start
+    float disagreement_rad = 0;  // of gravity from the filter, low-passed
   };
   struct Window {
     std::uint32_t samples = 0;
@@ -95,7 +101,7 @@ class TiltNode {
     axes_ = {};
     window_ = {};
     yaw_bias_rad_s_ = 0;
-    started_ = converged_ = failed_ = missing_ = false;
+    started_ = converged_ = failed_ = missing_ = doubtful_ = false;
     failures_ = 0;
     start_age_ms_ = 0;
     stack_.values().template set<0x2221>(static_cast<std::uint8_t>(board_.reset_cause()));
@@ -162,9 +168,10 @@ class TiltNode {
     missing_ = missing_ || missing;
     if (failed_) return;
     failed_ = true;
-    stack_.set_error(emcy::kHardware, error_bit::kProfile, true);
+    tell_error();
     publish_status(0);
   }
+  void tell_error() { stack_.set_error(emcy::kHardware, error_bit::kProfile, failed_ || doubtful_); }
   void publish_status(std::uint8_t bits) {
     stack_.values().template set<0x2120>(static_cast<std::uint8_t>(bits | (converged_ ? kConverged : 0U) |
                                                                    (failed_ ? kSelfTestFailed : 0U) | (missing_ ? kSensorMissing : 0U)));
@@ -192,8 +199,24 @@ class TiltNode {
     if (!fresh || !gravity.valid || !filter(s, gravity, dt_s)) return fail();
     gap_ms_ = 0;
     failures_ = 0;
+    doubt(gravity, dt_s);
     if (!converged_) settle(s, gravity);
     publish(s);
+  }
+
+  // H8: a gyroscope that has lost its zero disagrees with gravity, and is believed less and less. What the hoist itself does to a sensor
+  // stays below: braking with 1.5 m/s2 looks like 8.7 degrees of lean, but for less than half a second (DECISIONS.md, 23).
+  void doubt(const law::AccAngles<float>& gravity, float dt_s) {
+    bool zero_lost = false;
+    const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
+    for (std::size_t i = 0; i < 2; ++i) {
+      Axis& axis = axes_[i];
+      axis.disagreement_rad += (angles_rad[i] - axis.state.angle_rad - axis.disagreement_rad) * kDisagreementRate_per_s * dt_s;
+      zero_lost = zero_lost || above(axis.disagreement_rad, kDisagreement_rad) ||
+                  above(axis.state.bias_rad_s - axis.rest_bias_rad_s, kBiasChange_rad_s);
+    }
+    doubtful_ = converged_ && zero_lost;
+    tell_error();
   }
 
   bool filter(const ImuSample& s, const law::AccAngles<float>& gravity, float dt_s) {
@@ -204,6 +227,7 @@ class TiltNode {
     for (std::size_t i = 0; i < 2; ++i) {
       if (!started_ || gap_ms_ > kTiltGap_ms) {
         axes_[i].state = law::tilt_start(angles_rad[i], axes_[i].state.bias_rad_s, rates_rad_s[i]);
+        axes_[i].disagreement_rad = 0;
       } else if (!law::tilt_step(gain, axes_[i].state, rates_rad_s[i], angles_rad[i], dt_s)) {
         return false;
       }
@@ -261,9 +285,11 @@ class TiltNode {
     constexpr float kCount = static_cast<float>(kTiltStillSamples);
     const float rates_rad_s[2] = {s.alpha_rate_rad_s, s.beta_rate_rad_s};
     const float first_rad_s[2] = {window_.first.alpha_rate_rad_s, window_.first.beta_rate_rad_s};
-    for (std::size_t i = 0; i < 2; ++i)
-      axes_[i].state =
-          law::tilt_start(axes_[i].angle_sum_rad / kCount, first_rad_s[i] + window_.rate_sum_rad_s[i] / kCount, rates_rad_s[i]);
+    for (std::size_t i = 0; i < 2; ++i) {
+      axes_[i].rest_bias_rad_s = first_rad_s[i] + window_.rate_sum_rad_s[i] / kCount;
+      axes_[i].disagreement_rad = 0;
+      axes_[i].state = law::tilt_start(axes_[i].angle_sum_rad / kCount, axes_[i].rest_bias_rad_s, rates_rad_s[i]);
+    }
     yaw_bias_rad_s_ = window_.first.yaw_rate_rad_s + window_.rate_sum_rad_s[2] / kCount;
     converged_ = true;
   }
@@ -294,8 +320,8 @@ class TiltNode {
     if (raw_axis_ == 1) values.template set<0x2111, 2>(to_integer<std::int16_t>(kMilliG * s.ay_m_s2));
     if (raw_axis_ == 2) values.template set<0x2111, 3>(to_integer<std::int16_t>(kMilliG * s.az_m_s2));
     // A failed sensor stays invalid until it is switched off and on, also when it seems to work again.
-    publish_status(
-        static_cast<std::uint8_t>((failed_ ? 0U : kValid) | (acceleration ? kAccelerationRange : 0U) | (saturated ? kGyroSaturated : 0U)));
+    publish_status(static_cast<std::uint8_t>((failed_ || doubtful_ ? 0U : kValid) | (acceleration ? kAccelerationRange : 0U) |
+                                             (saturated ? kGyroSaturated : 0U)));
     values.template set<0x2121>(static_cast<std::uint8_t>(values.template get<0x2121>() + 1U));
   }
 
@@ -306,7 +332,7 @@ class TiltNode {
   float yaw_bias_rad_s_ = 0;
   Mounting mounting_{};
   std::uint8_t raw_axis_ = 2;
-  bool started_ = false, converged_ = false, failed_ = false, missing_ = false;
+  bool started_ = false, converged_ = false, failed_ = false, missing_ = false, doubtful_ = false;
   std::uint32_t failures_ = 0, start_age_ms_ = 0;
   std::uint32_t sync_age_ms_ = kAgeMax, sample_age_ms_ = 0, gap_ms_ = 0;
 };
