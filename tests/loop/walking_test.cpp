@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "db/metrics/evaluate.hpp"
+#include "control/run/heap_watch.hpp"
 #include "tests/support/closed_loop.hpp"
 
 namespace hoist::tests {
