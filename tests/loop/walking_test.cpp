@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "db/metrics/evaluate.hpp"
 #include "control/run/heap_watch.hpp"
+#include "db/metrics/evaluate.hpp"
 #include "tests/support/closed_loop.hpp"
 
 namespace hoist::tests {
