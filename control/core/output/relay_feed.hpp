@@ -1,7 +1,7 @@
 // Feeds the relay in the motors' supply (hazard H23): an output of the input node that goes up and down as long as the core steps.
 //
 // The relay's own circuit takes the changes, not the level, so a core that hangs with the output on holds nothing. It opens about one second
-// after the last change: later than the drives need to brake by themselves (0.04 s deadline, then 0.65 m/s at 1.0 m/s2), because a motor
+// after the last change: later than the drives need to brake by themselves (0.045 s deadline, then 0.65 m/s at 1.0 m/s2), because a motor
 // without supply does not brake evenly, and soon enough for a drive that did not. The contract with the circuit: firmware/HARDWARE.md.
 #pragma once
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace hoist::core {
 
 class RelayFeed {
  public:
-  /// A change each 50 ms: twenty a second, and the node's own deadline of 100 ms is met with a frame lost.
+  /// A change each 50 ms: twenty a second. The node's own deadline (1400h:5, 120 ms) lies after the second next frame, so that one may be lost.
   static constexpr std::uint8_t kTicks = 5;
 
   /// Once per step, in every mode: what may move is decided elsewhere, this only says that somebody decides.
