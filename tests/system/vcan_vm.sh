@@ -8,7 +8,8 @@
 # sees this file system (same paths, folder, environment; IN_VCAN_VM is set) and starts with lo and vcan0 up. The command is root in there,
 # reads nothing, and its output and errors come out together. No network but lo, one processor, a clock of 100 Hz: never measure time in it,
 # and sanitized programs do not start (its address space is too small).
-# Exit code: the command's; 124 when the time was over; 125 when the guest did not start or died.
+# Exit code: the command's; 124 when the time was over; 125 when the guest did not start or died, with "cannot run on this machine" when that is
+# no fault of the guest.
 set -u
 [ "${1:-}" = --guest ] || [ "${1:-}" = --inside ] || caller_environment=$(export -p)
 export PATH=/usr/sbin:/usr/bin:/sbin:/bin
@@ -116,6 +117,12 @@ if [ "$ended" -eq 124 ] || [ "$ended" -eq 137 ]; then
   exit 124
 fi
 code=$(tr -d '\r' <"$log" | sed -n 's/.*VCAN_VM_CODE=\([0-9]*\).*/\1/p' | tail -n 1)
+# Some machines forbid what user-mode Linux lives on (tracing of processes, executable memory) or have too little of it.
+reason=$(grep -m 1 -E '^ptrace: Operation not permitted|^check_ptrace|must be not mounted noexec|likely just ran out of space' "$log")
+[ -n "$code" ] || [ -z "$reason" ] || {
+  echo "vcan_vm: user-mode Linux cannot run on this machine: $reason" >&2
+  exit 125
+}
 [ -n "$code" ] || {
   echo "vcan_vm: the guest gave no result (its process ended with $ended); its console:" >&2
   tail -n 20 "$log" >&2
