@@ -205,9 +205,9 @@ void act_cancel_calibration(Services& services, const Asker& asker, OutcomeDone 
 namespace {
 // The limits of exercises by the parameters in force; nothing fits before they are known.
 contract::GuidedLimits guided_limits(const Services& services) {
+  if (!services.core.has_parameters()) return {};
   contract::Params params;
-  if (services.core.has_parameters())
-    for (std::size_t i = 0; i < contract::kParamCount; ++i) contract::set_param_unchecked(params, i, services.core.parameters().values[i]);
+  for (std::size_t i = 0; i < contract::kParamCount; ++i) contract::set_param_unchecked(params, i, services.core.parameters().values[i]);
   return contract::guided_limits(params);
 }
 
@@ -223,10 +223,20 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
     done(invalid({{"mode", "must be user, remote, guided or standby"}}, "There is no such mode to ask for."));
     return;
   }
-  std::vector<FieldError> errors;
-  auto exercise = read_exercise(wish.exercise, errors);
   Command request = command_of(CommandKind::request_mode, asker);
   request.a = static_cast<std::uint32_t>(*mode);
+  if (*mode == contract::Mode::standby) {
+    // Before anything else is looked at: ending motion is never refused for the form of what does not matter to it.
+    ask(services, request, std::move(done));
+    return;
+  }
+  if (*mode == contract::Mode::guided && !services.core.has_parameters()) {
+    // Without the parameters in force there are no limits to hold the exercise against.
+    done(outcome_of({.kind = CoreAnswer::Kind::no_core}));
+    return;
+  }
+  std::vector<FieldError> errors;
+  auto exercise = read_exercise(wish.exercise, errors);
   if (*mode == contract::Mode::guided) {
     if (!wish.exercise.is_null()) errors.push_back({"exercise", "is the path itself; leave it out"});
     if (const auto path = read_guided(wish.path, guided_limits(services), errors)) {
@@ -242,10 +252,6 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
     if (*mode == contract::Mode::guided)
       outcome.refusals = refusal_names(blocked_bits(services) | contract::refusal_bit(contract::Refusal::exercise_limits));
     done(outcome);
-    return;
-  }
-  if (*mode == contract::Mode::standby) {
-    ask(services, request, std::move(done));
     return;
   }
   if (asker.client == 0 || services.core.lease_holder() != asker.client || services.core.lease_epoch() != asker.epoch) {

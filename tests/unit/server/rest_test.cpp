@@ -288,6 +288,10 @@ TEST_F(Rest, StartNeedsTheLease) {
   ASSERT_LT(pose, mode);
   EXPECT_NEAR(commands[pose].v2, 0.9272952180016122, 1e-12);
   EXPECT_EQ(get("/api/v1/mode").json()["mode"], "user");
+  // Ending motion is never refused for the form of what does not matter to it.
+  const json end{{"mode", "standby"}, {"path", {{"shape", "spiral"}}}, {"exercise", {{"shape", "square"}, {"side_m", -1}}}};
+  ASSERT_EQ(call("POST", "/api/v1/mode", end, {{"X-Hoist-Lease", epoch}}).status, 200);
+  EXPECT_EQ(core_->mode(), Mode::standby);
 }
 
 TEST_F(Rest, AnExerciseIsCheckedFieldByFieldAndReachesTheCoreWhole) {
@@ -359,6 +363,11 @@ TEST_F(Rest, ACoreThatDoesNotAnswerIsSaidSo) {
   wait_for_core(false);
   EXPECT_EQ(call("POST", "/api/v1/stop", json::object()).status, 503);
   EXPECT_EQ(get("/api/v1/mode").status, 503);
+  // A server that never heard a core knows no limits: it says so instead of judging the exercise by others.
+  stop_server();
+  start_server();
+  const json fast{{"mode", "guided"}, {"path", {{"shape", "circle"}, {"radius_m", 1.0}, {"speed_m_s", 5.0}}}};
+  EXPECT_EQ(call("POST", "/api/v1/mode", fast, {{"X-Hoist-Lease", "1"}}).status, 503);
 }
 
 TEST_F(Rest, ACalibrationStepIsLedFromBeginToUse) {
