@@ -76,4 +76,25 @@ std::optional<std::uint32_t> lease_header(const Call& call) {
   return epoch;
 }
 
+std::optional<Asker> driver(const CallPtr& call, bool header_required) {
+  const auto epoch = lease_header(*call);
+  if (!epoch || (header_required && call->request.header("x-hoist-lease").empty())) {
+    call->fail({.status = 409,
+                .name = "refused",
+                .title = "Refused",
+                .detail = "Take control first (POST /api/v1/lease) and send its epoch as X-Hoist-Lease.",
+                .refusals = {"no_lease"}});
+    return std::nullopt;
+  }
+  Asker asker = asker_of(*call);
+  asker.epoch = *epoch;
+  return asker;
+}
+
+const nlohmann::json& field(const Call& call, const char* name) {
+  static const nlohmann::json kNull;
+  const auto at = call.body->find(name);
+  return at == call.body->end() ? kNull : *at;
+}
+
 }  // namespace hoist::server

@@ -1,5 +1,6 @@
 // How outcomes and store errors become REST answers.
 #pragma once
+#include <optional>
 #include "db/store/result.hpp"
 #include "server/api/actions.hpp"
 #include "server/api/call.hpp"
@@ -15,5 +16,9 @@ namespace hoist::server {
 [[nodiscard]] Asker asker_of(const Call& call);
 // The lease epoch of X-Hoist-Lease, else the current one. Nothing when the header is not a number.
 [[nodiscard]] std::optional<std::uint32_t> lease_header(const Call& call);
+// The asker with that epoch; nothing after a refusal.
+[[nodiscard]] std::optional<Asker> driver(const CallPtr& call, bool header_required = false);
+// A field of the body, null when it is not there.
+[[nodiscard]] const nlohmann::json& field(const Call& call, const char* name);
 
 }  // namespace hoist::server

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
@@ -16,28 +15,6 @@ using nlohmann::json;
 
 namespace {
 json words(std::string_view en, std::string_view de) { return {{"en", en}, {"de", de}}; }
-
-const json& field(const Call& call, const char* name) {
-  static const json kNull;
-  const auto at = call.body->find(name);
-  return at == call.body->end() ? kNull : *at;
-}
-
-// The asker with the lease epoch of the header, or the current one; nothing after a refusal.
-std::optional<Asker> driver(const CallPtr& call) {
-  const auto epoch = lease_header(*call);
-  if (!epoch) {
-    call->fail({.status = 409,
-                .name = "refused",
-                .title = "Refused",
-                .detail = "X-Hoist-Lease must be the epoch that POST /api/v1/lease gave.",
-                .refusals = {"no_lease"}});
-    return std::nullopt;
-  }
-  Asker asker = asker_of(*call);
-  asker.epoch = *epoch;
-  return asker;
-}
 
 json step_json(const contract::CalibrationStepInfo& info, const contract::ParamsInForce* params) {
   json entered = nullptr;

@@ -96,23 +96,14 @@ void update_firmware(const CallPtr& call) {
     call->fail(not_a_program(contract::image_error_text(error)));
     return;
   }
-  const auto epoch = lease_header(*call);
-  if (!epoch) {
-    call->fail({.status = 409,
-                .name = "refused",
-                .title = "Refused",
-                .detail = "Take control first (POST /api/v1/lease) and send its epoch as X-Hoist-Lease.",
-                .refusals = {"no_lease"}});
-    return;
-  }
+  const auto asker = driver(call);
+  if (!asker) return;
   if (services.firmware.busy()) {
     call->fail(
         {.status = 409, .name = "busy", .title = "Another update is under way", .detail = "Wait for its end: GET /api/v1/firmware."});
     return;
   }
-  Asker asker = asker_of(*call);
-  asker.epoch = *epoch;
-  act_update_firmware(services, asker, std::move(image), *node, force != call->request.query.end() && force->second == "1",
+  act_update_firmware(services, *asker, std::move(image), *node, force != call->request.query.end() && force->second == "1",
                       [call](const Outcome& outcome) {
                         if (outcome.done())
                           call->respond(state_json(call->services.firmware), 202);

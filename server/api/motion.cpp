@@ -9,30 +9,6 @@ namespace hoist::server::api {
 
 using nlohmann::json;
 
-namespace {
-const json& field(const Call& call, const char* name) {
-  static const json kNull;
-  const auto at = call.body->find(name);
-  return at == call.body->end() ? kNull : *at;
-}
-
-// The asker with the epoch of the header; nothing after a refusal.
-std::optional<Asker> driver(const CallPtr& call, bool header_required) {
-  const auto epoch = lease_header(*call);
-  if (!epoch || (header_required && call->request.header("x-hoist-lease").empty())) {
-    call->fail({.status = 409,
-                .name = "refused",
-                .title = "Refused",
-                .detail = "Take control first (POST /api/v1/lease) and send its epoch as X-Hoist-Lease.",
-                .refusals = {"no_lease"}});
-    return std::nullopt;
-  }
-  Asker asker = asker_of(*call);
-  asker.epoch = *epoch;
-  return asker;
-}
-}  // namespace
-
 void get_mode(const CallPtr& call) {
   const auto& newest = call->services.core.newest();
   if (!newest || !call->services.core.connected() || newest->mode >= contract::kModes.size()) {
@@ -56,7 +32,7 @@ void set_mode(const CallPtr& call) {
 void stop(const CallPtr& call) { act_stop(call->services, asker_of(*call).client, answer_done(call)); }
 
 void acknowledge(const CallPtr& call) {
-  if (const auto asker = driver(call, false)) act_acknowledge(call->services, *asker, answer_done(call));
+  if (const auto asker = driver(call)) act_acknowledge(call->services, *asker, answer_done(call));
 }
 
 void take_lease(const CallPtr& call) {
