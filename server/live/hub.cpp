@@ -231,6 +231,11 @@ void Hub::on_ticks(std::span<const contract::TickRecord> records, std::uint64_t)
 
 void Hub::on_core(bool connected) {
   if (!connected) batch_.clear();
+  if (const std::uint64_t life = services_->core.link().life(); life != core_life_) {
+    // What another core proposed is no result of this one. A core that was only silent for a while keeps its own.
+    proposed_.clear();
+    core_life_ = life;
+  }
   broadcast(text_frame({{"type", "core"}, {"connected", connected}}));
 }
 

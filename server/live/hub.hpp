@@ -66,6 +66,7 @@ class Hub final : public CoreListener {
   std::uint64_t told_update_ = 0, told_update_ns_ = 0;  // changes of the firmware desk, and when they were told
   std::deque<contract::Event> emergencies_;
   std::vector<contract::Event> proposed_;
+  std::uint64_t core_life_ = 0;  // of the core that proposed it
 };
 
 // The binary frame of some samples: 16 bytes of header, then the records as they lie in memory.
