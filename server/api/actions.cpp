@@ -1,6 +1,7 @@
 #include "server/api/actions.hpp"
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -75,11 +76,11 @@ FieldError range_error(const contract::ParamInfo& p, std::string message, std::o
 }
 
 void set_values(Services& services, const Asker& asker, std::vector<std::pair<std::uint32_t, double>> rows, double revert_after_s,
-                OutcomeDone done) {
+                std::uint32_t version, OutcomeDone done) {
   Command commit = command_of(CommandKind::commit_parameters, asker);
   commit.v0 = revert_after_s;
   commit.b = static_cast<std::uint32_t>(asker.role);
-  services.core.ask_parameters(rows, commit, [done = std::move(done), rows](const CoreAnswer& answer) {
+  services.core.ask_parameters(rows, version, commit, [done = std::move(done), rows](const CoreAnswer& answer) {
     Outcome outcome = outcome_of(answer);
     if (answer.kind == CoreAnswer::Kind::refused) {
       // Name the row. A set that contradicts itself has no single row: the sentence tells.
@@ -313,13 +314,29 @@ void act_pose(Services& services, const Asker& asker, const json& pose, OutcomeD
   ask(services, command, std::move(done));
 }
 
-void act_end_trial(Services& services, const Asker& asker, bool keep, OutcomeDone done) {
-  Command command = command_of(keep ? CommandKind::confirm_parameters : CommandKind::revert_parameters, asker);
+void act_keep_trial(Services& services, const Asker& asker, const json& version, OutcomeDone done) {
+  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
+  Command command = command_of(CommandKind::confirm_parameters, asker);
+  command.b = static_cast<std::uint32_t>(asker.role);
+  if (!version.is_null()) {
+    if (!version.is_number_unsigned() || version.get<std::uint64_t>() == 0 || version.get<std::uint64_t>() > kMost) {
+      done(invalid({{"version", "must be the version of the parameters that was looked at", {}, 1.0, static_cast<double>(kMost)}},
+                   "The version cannot be used; nothing was kept."));
+      return;
+    }
+    command.a = version.get<std::uint32_t>();
+  }
+  ask(services, command, std::move(done));
+}
+
+void act_undo_trial(Services& services, const Asker& asker, OutcomeDone done) {
+  Command command = command_of(CommandKind::revert_parameters, asker);
   command.b = static_cast<std::uint32_t>(asker.role);
   ask(services, command, std::move(done));
 }
 
-void act_set(Services& services, const Asker& asker, const json& values, const json& revert_after_s, OutcomeDone done) {
+void act_set(Services& services, const Asker& asker, const json& values, const json& revert_after_s, std::uint32_t version,
+             OutcomeDone done) {
   if (!values.is_object() || values.empty()) {
     done(invalid({{"values", "must name at least one parameter"}}, "There is nothing to change."));
     return;
@@ -373,7 +390,7 @@ void act_set(Services& services, const Asker& asker, const json& values, const j
     done(outcome);
     return;
   }
-  set_values(services, asker, std::move(rows), trial_s, std::move(done));
+  set_values(services, asker, std::move(rows), trial_s, version, std::move(done));
 }
 
 void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
@@ -395,7 +412,7 @@ void act_preset(Services& services, const Asker& asker, const std::string& name,
     done(outcome);
     return;
   }
-  set_values(services, asker, std::move(rows), 0, std::move(done));
+  set_values(services, asker, std::move(rows), 0, 0, std::move(done));
 }
 
 }  // namespace hoist::server

@@ -52,10 +52,14 @@ void act_cancel_calibration(Services& services, const Asker& asker, OutcomeDone 
 void act_neutral(Services& services, const Asker& asker, OutcomeDone done);
 void act_pose(Services& services, const Asker& asker, const nlohmann::json& pose, OutcomeDone done);
 // {name: number, …}, all or nothing.
-// `revert_after_s`: null, or the seconds after which the values before come back unless confirmed.
-void act_set(Services& services, const Asker& asker, const nlohmann::json& values, const nlohmann::json& revert_after_s, OutcomeDone done);
-// What is on trial stays, or goes back at once.
-void act_end_trial(Services& services, const Asker& asker, bool keep, OutcomeDone done);
+// `revert_after_s`: null, or the seconds after which the values before come back unless confirmed. `version`: of the parameters the change was
+// made for, 0 = whichever are in force; the core refuses it when they are others by then (H27).
+void act_set(Services& services, const Asker& asker, const nlohmann::json& values, const nlohmann::json& revert_after_s,
+             std::uint32_t version, OutcomeDone done);
+// What is on trial stays; `version`: null, or the one that was looked at, so that nobody keeps what somebody else has changed meanwhile (H27).
+void act_keep_trial(Services& services, const Asker& asker, const nlohmann::json& version, OutcomeDone done);
+// What is on trial goes back at once, whatever it is.
+void act_undo_trial(Services& services, const Asker& asker, OutcomeDone done);
 // Puts a checked program into a node; done when the core lets it begin.
 void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
                          OutcomeDone done);

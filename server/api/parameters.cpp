@@ -42,15 +42,27 @@ bool ready(const CallPtr& call) {
   return false;
 }
 
+Problem changed_meanwhile() {
+  return {.status = 412,
+          .name = "changed-meanwhile",
+          .title = "Somebody else has changed the parameters",
+          .detail = "Read them again, then change them."};
+}
+
 void change(const CallPtr& call, const json& values, const json& revert_after_s) {
-  if (const std::string_view match = call->request.header("if-match"); !match.empty() && match != "*" && match != etag(call->services)) {
-    call->fail({.status = 412,
-                .name = "changed-meanwhile",
-                .title = "Somebody else has changed the parameters",
-                .detail = "Read them again, then change them."});
+  const std::string_view match = call->request.header("if-match");
+  const bool matched = !match.empty() && match == etag(call->services);
+  if (!match.empty() && match != "*" && !matched) {
+    call->fail(changed_meanwhile());
     return;
   }
-  act_set(call->services, asker_of(*call), values, revert_after_s, [call, values](const Outcome& outcome) {
+  // The core looks at the version once more: somebody may be faster between here and there.
+  const std::uint32_t version = matched ? static_cast<std::uint32_t>(call->services.core.parameters().version) : 0;
+  act_set(call->services, asker_of(*call), values, revert_after_s, version, [call, values, version](const Outcome& outcome) {
+    if (version != 0 && std::ranges::find(outcome.refusals, "set_outdated") != outcome.refusals.end()) {
+      call->fail(changed_meanwhile());
+      return;
+    }
     if (!outcome.done()) {
       call->fail(problem_of(outcome));
       return;
@@ -110,8 +122,8 @@ void change_parameters(const CallPtr& call) {
   change(call, values, revert_after_s);
 }
 
-void keep_parameters(const CallPtr& call) { act_end_trial(call->services, asker_of(*call), true, answer_done(call)); }
-void undo_parameters(const CallPtr& call) { act_end_trial(call->services, asker_of(*call), false, answer_done(call)); }
+void keep_parameters(const CallPtr& call) { act_keep_trial(call->services, asker_of(*call), field(*call, "version"), answer_done(call)); }
+void undo_parameters(const CallPtr& call) { act_undo_trial(call->services, asker_of(*call), answer_done(call)); }
 
 void list_presets(const CallPtr& call) {
   json items = json::array();

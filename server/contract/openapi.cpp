@@ -65,7 +65,7 @@ json operation_of(const Route& route) {
   if (route.request.find('/') != std::string_view::npos)
     operation["requestBody"] = {{"required", true}, {"content", {{std::string{route.request}, json::object()}}}};
   else if (!route.request.empty())
-    operation["requestBody"] = {{"required", route.request != "Empty" && route.request != "LeaseRequest"},
+    operation["requestBody"] = {{"required", !body_may_be_empty(route)},
                                 {"content", {{"application/json", {{"schema", reference(route.request)}}}}}};
   json success{{"description", route.success == 101 ? "The connection is a WebSocket from here" : "Done"}};
   if (route.operation == "export_session") {

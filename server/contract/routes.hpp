@@ -25,6 +25,9 @@ struct Route {
   std::string_view response;
   std::string_view summary;
 };
+constexpr bool body_may_be_empty(const Route& route) {
+  return route.request == "Empty" || route.request == "LeaseRequest" || route.request == "KeepRequest";
+}
 struct RouteInput {
   std::string_view operation;
   std::string_view name;

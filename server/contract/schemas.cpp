@@ -7,6 +7,9 @@ std::string_view schemas_text() {
   return R"json({
 "OpenApi": {"type": "object", "required": ["openapi", "info", "paths", "components"], "properties": {"openapi": {"const": "3.1.0"}}},
 "Empty": {"type": "object", "maxProperties": 0, "description": "No fields; the body may be left out."},
+"KeepRequest": {"type": "object", "properties": {"version": {"type": "integer", "minimum": 1, "maximum": 4294967295,
+  "description": "Of the parameters that were looked at; refused when others have changed them meanwhile"}}, "additionalProperties": false,
+  "description": "The body may be left out."},
 "Words": {"type": "object", "required": ["en", "de"], "properties": {"en": {"type": "string"}, "de": {"type": "string"}}, "additionalProperties": false},
 "FieldError": {"type": "object", "required": ["field", "message"], "properties": {"field": {"type": "string"}, "message": {"type": "string"}, "value": {"type": "number"},
   "min": {"type": "number"}, "max": {"type": "number"}}, "additionalProperties": false},

@@ -140,7 +140,7 @@ std::optional<Problem> refuse(Services& services, const Route& route, Call& call
     counters.add(Count::http_refused_body);
     return problem(415, "media-type", "The body is of another kind", "Send Content-Type: " + std::string{route.request} + ".");
   }
-  const bool may_be_empty = route.request == "Empty" || route.request == "LeaseRequest";
+  const bool may_be_empty = body_may_be_empty(route);
   if (request.body.empty() && may_be_empty) {
     call.body = std::make_shared<const nlohmann::json>(nlohmann::json::object());
     return std::nullopt;

@@ -52,7 +52,8 @@ void CoreDesk::ask(Command command, Done done) {
   flush_outbox();
 }
 
-void CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, Command commit, Done done) {
+void CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, std::uint32_t version, Command commit,
+                              Done done) {
   if (!connected_) {
     done({.kind = CoreAnswer::Kind::no_core});
     return;
@@ -78,7 +79,7 @@ void CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>
     staged_[stage.request_id] = commit.request_id;
     outbox_.push_back(stage);
   }
-  commit.seal = seal.value(static_cast<std::uint32_t>(commit.seal));
+  commit.seal = seal.value(version);
   pending_[commit.request_id] = {commit.request_id, now_ns_ + kAnswerLimit_ns, std::move(done), std::nullopt};
   outbox_.push_back(commit);
   flush_outbox();

@@ -63,8 +63,9 @@ class CoreDesk {
 
   // Asks one thing. `done` is called exactly once, from a later poll or, when the core is away, before this returns.
   void ask(contract::Command command, Done done);
-  // Stages each value and commits them: all or nothing, one answer.
-  void ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, contract::Command commit, Done done);
+  // Stages each value and commits them: all or nothing, one answer. Sealed for this version of the parameters, 0 = whichever is in force.
+  void ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, std::uint32_t version, contract::Command commit,
+                      Done done);
   // STOP overtakes everything that waits. Never refused here; false only when no core is attached.
   bool stop(std::uint32_t client, Done done);
   // The newest driving command. Not queued: only the latest counts. False when no core is connected.

@@ -112,13 +112,14 @@ void drive(Client& client, const json& message) {
 }
 
 void set(Client& client, const json& message) {
-  act_set(client.hub().services(), asker_of(client), field(message, "values"), field(message, "revert_after_s"), reply_to(client, message));
+  act_set(client.hub().services(), asker_of(client), field(message, "values"), field(message, "revert_after_s"), 0,
+          reply_to(client, message));
 }
 void keep_settings(Client& client, const json& message) {
-  act_end_trial(client.hub().services(), asker_of(client), true, reply_to(client, message));
+  act_keep_trial(client.hub().services(), asker_of(client), field(message, "version"), reply_to(client, message));
 }
 void undo_settings(Client& client, const json& message) {
-  act_end_trial(client.hub().services(), asker_of(client), false, reply_to(client, message));
+  act_undo_trial(client.hub().services(), asker_of(client), reply_to(client, message));
 }
 void preset(Client& client, const json& message) {
   const json& name = field(message, "name");

@@ -163,6 +163,8 @@ void FakeCore::take(const Command& c) {
     case CommandKind::commit_parameters: {
       trial_s_ = c.v0;
       if (staging_broken_ || staged_.size() != c.a) return answer(c, refusal_bit(Refusal::out_of_order));
+      if (const auto made_for = static_cast<std::uint32_t>(c.seal >> 32U); made_for != 0 && made_for != record_.parameter_version)
+        return answer(c, refusal_bit(Refusal::set_outdated));
       for (const auto& [index, value] : staged_)
         if (kParams[index].edit == EditRule::stopped && mode != Mode::standby)
           return answer(c, refusal_bit(Refusal::only_when_stopped), kParams[index].id);
@@ -189,6 +191,8 @@ void FakeCore::take(const Command& c) {
     case CommandKind::confirm_parameters:
     case CommandKind::revert_parameters:
       if (trial_s_ == 0) return answer(c, refusal_bit(Refusal::out_of_order));
+      if (c.kind == CommandKind::confirm_parameters && c.a != 0 && c.a != record_.parameter_version)
+        return answer(c, refusal_bit(Refusal::set_outdated));
       trial_s_ = 0;
       return answer(c, 0);
     case CommandKind::begin_service:

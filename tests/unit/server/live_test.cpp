@@ -149,6 +149,21 @@ TEST_F(LiveTest, ParametersOverTheSocket) {
   EXPECT_EQ(live.ask({{"type", "set"}, {"values", json::array({1})}})["ok"], false);
 }
 
+TEST_F(LiveTest, WhatIsKeptIsWhatWasLookedAt_H27) {
+  Live live(port_, bearer_);
+  live.wait("parameters");
+  ASSERT_EQ(live.ask({{"type", "set"}, {"values", {{"lean_gain_filtered_units", 30}}}, {"revert_after_s", 20}})["ok"], true);
+  const json seen = live.wait("parameters")["version"];
+  ASSERT_EQ(live.ask({{"type", "set"}, {"values", {{"lean_gain_filtered_units", 90}}}, {"revert_after_s", 20}})["ok"], true);
+  const json refused = live.ask({{"type", "keep_settings"}, {"version", seen}});
+  EXPECT_EQ(refused["ok"], false);
+  EXPECT_EQ(refused["refusals"][0], "set_outdated");
+  EXPECT_EQ(live.ask({{"type", "keep_settings"}, {"version", "newest"}})["errors"][0]["field"], "version");
+  const json newest = live.wait("parameters")["version"];
+  EXPECT_EQ(live.ask({{"type", "keep_settings"}, {"version", newest}})["ok"], true);
+  EXPECT_EQ(live.ask({{"type", "undo_settings"}})["ok"], false) << "nothing is on trial any more";
+}
+
 TEST_F(LiveTest, EveryStepOnlyForTheDriver) {
   Live live(port_, bearer_);
   live.send({{"type", "stream"}, {"every_tick", true}});

@@ -193,6 +193,33 @@ TEST_F(Rest, ParametersAreChangedThroughTheCore) {
   EXPECT_EQ(get("/api/v1/parameters/turn_dead_band_norm").json()["value"], 0.2);
 }
 
+TEST_F(Rest, AChangeIsMadeForTheParametersThatWereLookedAt_H27) {
+  const json higher{{"value", 40.0}};
+  const auto put = [&](const std::string& etag) {
+    return call("PUT", "/api/v1/parameters/lean_gain_filtered_units", higher, {{"If-Match", etag}});
+  };
+  const std::string etag = get("/api/v1/parameters").header("etag");
+  ASSERT_EQ(put(etag).status, 200);
+  EXPECT_EQ(core_->commands().back().seal >> 32U, 1U) << "the version travels to the core";
+  ASSERT_EQ(put("*").status, 200);
+  EXPECT_EQ(core_->commands().back().seal >> 32U, 0U) << "whichever is in force";
+  // Somebody is faster than the server hears: the core refuses.
+  const std::string newest = get("/api/v1/parameters").header("etag");
+  core_->set([](contract::TickRecord& r) { r.parameter_version += 1; });
+  const Answer late = put(newest);
+  EXPECT_EQ(late.status, 412) << late.body;
+
+  core_->set([](contract::TickRecord& r) { r.parameter_version -= 1; });
+  ASSERT_EQ(call("PATCH", "/api/v1/parameters", {{"lean_dead_band_norm", 0.1}, {"revert_after_s", 20}}).status, 200);
+  const auto version = get("/api/v1/parameters").json()["version"].get<std::uint32_t>();
+  for (const json& wrong : {json(0), json(-1), json(1.5), json("2"), json(1ULL << 32U)})
+    EXPECT_EQ(call("POST", "/api/v1/parameters/confirm", {{"version", wrong}}).status, 422) << wrong;
+  const Answer old = call("POST", "/api/v1/parameters/confirm", {{"version", version - 1}});
+  EXPECT_EQ(old.status, 409);
+  EXPECT_EQ(old.json()["refusals"][0], "set_outdated");
+  EXPECT_EQ(call("POST", "/api/v1/parameters/confirm", {{"version", version}}).status, 200);
+}
+
 TEST_F(Rest, ParametersOnTrialAreKeptOrTakenBack) {
   EXPECT_EQ(call("POST", "/api/v1/parameters/confirm").status, 409) << "nothing is on trial";
   ASSERT_EQ(call("PATCH", "/api/v1/parameters", {{"lean_dead_band_norm", 0.1}, {"revert_after_s", 20}}).status, 200);
@@ -407,6 +434,30 @@ TEST_F(Rest, ACalibrationStepIsLedFromBeginToUse) {
   ASSERT_EQ(call("POST", "/api/v1/calibration/use", json::object()).status, 200);
   EXPECT_GT(core_->commands().back().v0, 1.6e9) << "today";
   EXPECT_EQ(call("DELETE", "/api/v1/calibration").status, 409) << "it is over";
+}
+
+TEST_F(Rest, WhatADeadCoreProposedIsNoResultOfTheNext) {
+  const auto at_result = [this] {
+    core_->set([](contract::TickRecord& r) {
+      r.mode = static_cast<std::uint8_t>(Mode::calibrate);
+      r.calibration_step = static_cast<std::uint8_t>(contract::CalibrationStep::zero);
+      r.calibration_phase = 4;
+    });
+    return until([&] { return get("/api/v1/calibration").json()["under_way"].is_object(); });
+  };
+  const auto result = [this] { return get("/api/v1/calibration").json()["under_way"]["result"]; };
+  ASSERT_TRUE(at_result());
+  contract::Event event;
+  event.kind = contract::EventKind::calibration_result;
+  event.item = contract::kParams[contract::param_index(contract::ParamName::wheel_radius_m)].id;
+  core_->publish_event(event);
+  ASSERT_TRUE(until([&] { return result().size() == 1; }));
+  core_.reset();
+  wait_for_core(false);
+  core_ = std::make_unique<FakeCore>((folder_ / "core.sock").string());
+  wait_for_core();
+  ASSERT_TRUE(at_result());
+  EXPECT_EQ(result().size(), 0U);
 }
 
 TEST_F(Rest, PoseIsChecked) {

@@ -92,6 +92,8 @@ export interface KeepSettingsRequest {
   type: 'keep_settings';
   /** Comes back in the reply. */
   request: number;
+  /** Of the parameters that were looked at; refused when others have changed them meanwhile. */
+  version?: number;
 }
 
 /** Values on trial go back at once. */

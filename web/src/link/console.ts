@@ -267,7 +267,11 @@ export const setParameters = (values: Partial<Record<ParamName, number>>): Promi
 /** Values that go back by themselves unless somebody keeps them: for what is tried while a patient walks. */
 export const tryParameters = (values: Partial<Record<ParamName, number>>, revert_after_s: number): Promise<Reply> =>
   withLease({ type: 'set', values, revert_after_s });
-export const keepSettings = (): Promise<Reply> => withLease({ type: 'keep_settings' });
+/** Keeps what this page shows: when somebody has changed more meanwhile, the hoist refuses (H27). */
+export const keepSettings = (): Promise<Reply> => {
+  const version = store.value.parameterVersion;
+  return withLease({ type: 'keep_settings', ...(version > 0 ? { version } : {}) });
+};
 export const undoSettings = (): Promise<Reply> => withLease({ type: 'undo_settings' });
 export const applyPreset = (name: string): Promise<Reply> => withLease({ type: 'preset', name });
 export const marker = (text: string): Promise<Reply> => link.request({ type: 'marker', text });
