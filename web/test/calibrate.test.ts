@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { entry, nowKey, stepNames, stepsFor, watched, type Now, type Step } from '../src/panels/calibrate/model';
+import { entry, nowKey, resultOf, stepNames, stepsFor, watched, type Now, type Step, type Table } from '../src/panels/calibrate/model';
 import { en } from '../src/text/en';
 
 const now = (change: Partial<Now>): Now => ({ step: 'zero', phase: 'operator', done_percent: 0, reason: 0, value: 0, ...change });
@@ -25,6 +25,16 @@ describe('the Calibrate screen', () => {
     expect(nowKey(now({ step: 'bumpers', value: 2 }))).toBe('calibrate.press.left');
     expect(nowKey(now({ step: 'strut_length', done_percent: 50 }))).toBe('calibrate.now.barBack');
     expect(nowKey(now({ phase: 'refused' }))).toBeNull();
+  });
+
+  it('has a result only of the step under way, and only when it is one', () => {
+    const result = [{ name: 'wheel_radius_m' as const, value: 0.098, before: 0.1 }];
+    const table = (under_way: Table['under_way']): Table => ({ valid: true, items: [], reasons: [], under_way });
+    expect(resultOf(table({ step: 'zero', phase: 'result', result }), 'zero')).toBe(result);
+    expect(resultOf(table({ step: 'zero', phase: 'result', result: [] }), 'zero')).toEqual([]);
+    expect(resultOf(table({ step: 'zero', phase: 'measuring', result: [] }), 'zero')).toBeNull();
+    expect(resultOf(table({ step: 'gyro', phase: 'result', result }), 'zero')).toBeNull();
+    expect(resultOf(table(null), 'zero')).toBeNull();
   });
 
   it('asks in the units of a tape and sends SI', () => {

@@ -9,7 +9,7 @@ import { useSettings } from '../../text/settings';
 import { date, fixed, readNumber, shownAs, t, words } from '../../text/text';
 import { Refusal, useRequest } from '../../ui/refusal';
 import type { Panel } from '../panel';
-import { entry, nowKey, phaseNames, stepNames, stepsFor, watched, type Change, type Now, type Step, type StepName, type Table } from './model';
+import { entry, nowKey, phaseNames, resultOf, stepNames, stepsFor, watched, type Change, type Now, type Step, type StepName, type Table } from './model';
 import { StepPicture } from './picture';
 
 const unitText = (unit: string): string => (unit === 'turns' ? t('calibrate.turns') : unit);
@@ -117,15 +117,28 @@ function Entry({ step, second, busy, onMeasure }: { step: StepName; second: bool
 function Guide({ item, now, table, simulated, connected }: { item: Step; now: Now | null; table: Table; simulated: boolean; connected: boolean }) {
   const standby = useStore((s) => s.mode === 'standby');
   const request = useRequest();
-  const [changes, setChanges] = useState<readonly Change[]>([]);
+  // Null until they are known: nobody takes over what nobody has seen.
+  const [changes, setChanges] = useState<readonly Change[] | null>(null);
+  const [failed, setFailed] = useState(false);
   const step = item.name as StepName;
   const running = now !== null && now.step === step;
   const phase = running ? now.phase : 'none';
   useEffect(request.forget, [step]);
   useEffect(() => {
-    if (phase !== 'result') return setChanges([]);
-    void rest<Table>('GET', '/calibration').then((answer) => answer.ok && setChanges(answer.value.under_way?.result ?? []));
-  }, [phase]);
+    if (phase !== 'result' || !connected) return;
+    let late = false;
+    void rest<Table>('GET', '/calibration').then((answer) => {
+      if (late) return;
+      const found = answer.ok ? resultOf(answer.value, step) : null;
+      setChanges(found);
+      setFailed(found === null);
+    });
+    return () => {
+      late = true;
+      setChanges(null);
+      setFailed(false);
+    };
+  }, [phase, step, connected]);
 
   const use = async () => {
     if (await request.ask(calibrateUse)) notify('info', t('calibrate.used', { name: words(item.title) }), true);
@@ -138,7 +151,7 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
   return (
     <section class="card calibrate-guide">
       <h2>{words(item.title)}</h2>
-      <div class={changes.length > 2 ? 'calibrate-step short' : 'calibrate-step'}>
+      <div class={changes !== null && changes.length > 2 ? 'calibrate-step short' : 'calibrate-step'}>
         <StepPicture step={step} strip={running && step === 'bumpers' && phase === 'operator' ? Math.round(now.value) : null} />
         <div class="calibrate-words">
           <p class="calibrate-action">{words(item.action)}</p>
@@ -171,7 +184,7 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
           )}
         </div>
       </div>
-      {phase === 'result' ? <Changes list={changes} /> : null}
+      {phase !== 'result' ? null : changes !== null ? <Changes list={changes} /> : <p>{t(failed ? 'calibrate.failed' : 'common.loading')}</p>}
       {running && item.entered !== null && (phase === 'operator' || phase === 'result') ? (
         <details open={phase === 'operator'} class="calibrate-more">
           <summary>{t(phase === 'operator' ? 'calibrate.enter' : 'calibrate.again')}</summary>
@@ -185,8 +198,8 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
           </button>
         ) : null}
         {phase === 'result' ? (
-          <button type="button" class="primary big" onClick={() => void use()}>
-            {t(changes.length > 0 ? 'calibrate.use' : 'calibrate.note')}
+          <button type="button" class="primary big" disabled={changes === null} onClick={() => void use()}>
+            {t(changes === null || changes.length > 0 ? 'calibrate.use' : 'calibrate.note')}
           </button>
         ) : null}
         {phase === 'refused' ? (

@@ -18,7 +18,7 @@ export interface Change {
 }
 export interface Table {
   valid: boolean | null;
-  under_way: { step: string; result: Change[] } | null;
+  under_way: { step: string; phase: string; result: Change[] } | null;
   items: Step[];
   reasons: { name: string; text: Words }[];
 }
@@ -36,6 +36,10 @@ export interface Now {
   reason: number;
   value: number;
 }
+
+/** What this step would change, when it has a result. Null: not known. */
+export const resultOf = ({ under_way }: Table, step: StepName): readonly Change[] | null =>
+  under_way !== null && under_way.step === step && under_way.phase === 'result' ? under_way.result : null;
 
 /** A therapist sees what is theirs; an engineer everything. */
 export const stepsFor = (items: readonly Step[], role: string): Step[] => items.filter((item) => role === 'engineer' || item.role !== 'engineer');
