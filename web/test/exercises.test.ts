@@ -1,7 +1,10 @@
 // What the exercises' screen works out by itself: the figure as points, the floor it needs, what is asked of the hoist.
 import { describe, expect, it } from 'vitest';
-import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps } from '../src/panels/exercises/plan';
+import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, withinCap } from '../src/panels/exercises/plan';
+import { modes } from '../src/contract/faults.gen';
+import { moving } from '../src/link/store';
 import { floorSpace, patternPoints } from '../src/ui/geometry';
+import { tooSlow } from '../src/ui/slow_link';
 
 const yawLimit_rad_s = (30 * Math.PI) / 180;
 
@@ -48,10 +51,23 @@ describe('the wish', () => {
     expect(stepped(steps.speed_m_s, 0.1, -1)).toBe(0.1);
     expect(stepped(steps.laps, 20, 1)).toBe(20);
   });
+  it('asks for no more speed than the patient may have', () => {
+    expect(pathOf(withinCap({ ...firstPlan, speed_m_s: 0.5 }, 0.2275)).speed_m_s).toBe(0.2275);
+    expect(withinCap(firstPlan, 0.65)).toEqual(firstPlan);
+  });
   it('tells when a curve is slower than chosen', () => {
     expect(curveSpeed_m_s({ ...firstPlan, shape: 'circle', radius_m: 0.4, speed_m_s: 0.6 }, yawLimit_rad_s)).toBeCloseTo(0.8 * yawLimit_rad_s * 0.4);
     expect(curveSpeed_m_s({ ...firstPlan, shape: 'circle', radius_m: 3 }, yawLimit_rad_s)).toBeNull();
     expect(curveSpeed_m_s(firstPlan, yawLimit_rad_s)).toBeNull();
     expect(duration_s({ ...firstPlan, shape: 'straight' }, yawLimit_rad_s)).toBeCloseTo(10 / 0.3 + 2);
+  });
+});
+
+describe('leading by hand', () => {
+  it('is locked when the connection is too slow, and only then', () => {
+    expect([null, 0.08, 0.3, 0.301, 4].map((rtt_s) => tooSlow({ rtt_s }))).toEqual([false, false, false, true, true]);
+  });
+  it('is going on in the modes that the table calls moving', () => {
+    expect(modes.filter((mode) => moving(mode.name)).map((mode) => mode.name)).toEqual(['user', 'remote', 'guided']);
   });
 });

@@ -1,6 +1,6 @@
 // What the console knows at this moment. Screens read it through useStore; only link/console.ts writes it.
 import { useEffect, useReducer, useRef } from 'preact/hooks';
-import type { ModeName } from '../contract/faults.gen';
+import { modes, type ModeName } from '../contract/faults.gen';
 import type { Exercise } from '../contract/messages.gen';
 import type { LinkState } from './socket';
 
@@ -74,6 +74,9 @@ export interface State {
 
 /** Stopped until somebody acknowledges: the modes that the big release button is for. */
 export const stopped = (mode: ModeName): boolean => mode === 'protective_stop' || mode === 'fault' || mode === 'emergency_stop';
+
+/** Somebody leads the hoist, by the mode table. */
+export const moving = (mode: ModeName): boolean => modes.some((row) => row.name === mode && row.moving);
 
 export const initial: State = {
   link: 'connecting',

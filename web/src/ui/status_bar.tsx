@@ -3,7 +3,7 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { modes } from '../contract/faults.gen';
 import { releaseLease } from '../link/console';
 import { useReading } from '../link/live';
-import { useStore } from '../link/store';
+import { moving, useStore } from '../link/store';
 import { languages, settings, useSettings, type Theme } from '../text/settings';
 import { duration, fixed, t, words } from '../text/text';
 import { Icon } from './icons';
@@ -65,7 +65,7 @@ function Item({ label, value, old, children }: { label: string; value: string; o
 function Control() {
   const mine = useStore((s) => s.lease.mine);
   const holder = useStore((s) => s.lease.holder);
-  const moving = useStore((s) => s.mode === 'user' || s.mode === 'remote' || s.mode === 'guided');
+  const led = useStore((s) => moving(s.mode));
   const known = useStore((s) => s.link === 'open');
   const value = !known ? '–' : mine ? t('bar.controlMine') : holder !== 0 ? t('bar.controlOther') : t('bar.controlNobody');
   return (
@@ -73,7 +73,7 @@ function Control() {
       <span class="bar-label">{t('bar.control')}</span>
       <span class="bar-value">
 {value}</span>
-      <button type="button" class="link-button" hidden={!mine || moving} aria-label={t('bar.giveBack')} onClick={() => void releaseLease()}>
+      <button type="button" class="link-button" hidden={!mine || led} aria-label={t('bar.giveBack')} onClick={() => void releaseLease()}>
         {t('bar.giveBackShort')}
       </button>
     </div>

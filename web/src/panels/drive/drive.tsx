@@ -2,7 +2,7 @@
 import { useEffect, useRef } from 'preact/hooks';
 import { notify, requestMode, setParameters } from '../../link/console';
 import type { Exercise } from '../../contract/messages.gen';
-import { useStore } from '../../link/store';
+import { moving, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { fixed, t, toDegrees } from '../../text/text';
 import { FloorView } from '../../ui/floor_view';
@@ -10,6 +10,7 @@ import { useHand } from '../../ui/hand';
 import { driveKeys, type Wish } from '../../ui/hold_to_run';
 import { Reading } from '../../ui/reading';
 import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
+import { SlowLink, tooSlow } from '../../ui/slow_link';
 import type { Panel } from '../panel';
 
 const limits = [
@@ -18,9 +19,6 @@ const limits = [
   { key: 'drive.fast', speed_m_s: 0.6 },
 ] as const;
 const free: Exercise = { shape: 'free' };
-/** From here on driving is called slow, and is refused: design page, remote commands. */
-const slow_s = 0.08;
-const tooSlow_s = 0.3;
 
 const middle: Wish = { speed: 0, yaw: 0 };
 
@@ -71,14 +69,12 @@ function DriveView() {
   const link = useStore((s) => s.link);
   const mine = useStore((s) => s.lease.mine);
   const data = useStore((s) => s.data);
-  const rtt_s = useStore((s) => s.rtt_s);
+  const slow = useStore(tooSlow);
   const limit_m_s = useStore((s) => s.parameters.remote_speed_m_s_max ?? 0);
   const exercise = useStore((s) => s.exercise);
   const request = useRequest();
   const driving = mode === 'remote';
-  const moving = driving || mode === 'user' || mode === 'guided';
-  const tooSlow = rtt_s !== null && rtt_s > tooSlow_s;
-  const active = driving && mine && link === 'open' && data !== 'gone' && !tooSlow;
+  const active = driving && mine && link === 'open' && data !== 'gone' && !slow;
 
   useEffect(() => {
     if (driving) request.forget();
@@ -106,7 +102,7 @@ function DriveView() {
             </button>
           ))}
         </div>
-        {moving ? (
+        {moving(mode) ? (
           <button type="button" class="big" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('standby'))}>
             {driving ? t('drive.end') : t('walk.end')}
           </button>
@@ -117,11 +113,7 @@ function DriveView() {
         )}
       </div>
       <Refusal request={request} />
-      {rtt_s !== null && rtt_s > slow_s && link === 'open' ? (
-        <div class="blockers" role="status">
-          {t(tooSlow ? 'drive.tooSlow' : 'drive.slowLink', { n: fixed(rtt_s * 1000, 0) })}
-        </div>
-      ) : null}
+      <SlowLink />
       <div class="drive-body">
         <section class="card stick-card">
           <Joystick active={active} />

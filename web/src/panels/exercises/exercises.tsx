@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { requestGuided, requestMode } from '../../link/console';
 import { live, useFrame } from '../../link/live';
-import { useStore } from '../../link/store';
+import { moving, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { degrees, duration, fixed, t } from '../../text/text';
 import type { TextKey } from '../../text/en';
@@ -11,8 +11,9 @@ import { fit, floorSpace, patternPoints } from '../../ui/geometry';
 import { HoldToGo } from '../../ui/hold_to_go';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
+import { SlowLink, tooSlow, tooSlowText } from '../../ui/slow_link';
 import type { Panel } from '../panel';
-import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, type Plan, type Shape, type Stepped } from './plan';
+import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, withinCap, type Plan, type Shape, type Stepped } from './plan';
 
 /** Kept while the console is open, also when another screen is looked at meanwhile. */
 let kept: Plan = firstPlan;
@@ -114,10 +115,12 @@ function ExercisesView() {
   const [plan, setPlan] = useState(kept);
   const request = useRequest();
   const guided = mode === 'guided';
-  const moving = guided || mode === 'user' || mode === 'remote';
+  const driven = moving(mode);
+  const rtt_s = useStore((s) => s.rtt_s);
+  const slow = tooSlow({ rtt_s });
   // The path that was driven stays until something is chosen anew.
   const [justDone, setJustDone] = useState(false);
-  const active = guided && mine && link === 'open' && data !== 'gone';
+  const active = guided && mine && link === 'open' && data !== 'gone' && !slow;
   const speedMost_m_s = (parameters.speed_m_s_max ?? 0.6) * (parameters.speed_cap_norm ?? 1);
   const yawLimit_rad_s = Math.min(parameters.remote_yaw_rate_rad_s_max ?? 0.5, parameters.yaw_rate_rad_s_max ?? 0.5);
 
@@ -136,31 +139,34 @@ function ExercisesView() {
   const exercise = useRef({ plan, figure: exerciseOf(plan) });
   if (exercise.current.plan !== plan) exercise.current = { plan, figure: exerciseOf(plan) };
   const space = floorSpace(exercise.current.figure);
-  const curve = curveSpeed_m_s(plan, yawLimit_rad_s);
+  // What is shown is what is asked for: a choice above the limit in force waits for a higher one.
+  const allowed = withinCap(plan, speedMost_m_s);
+  const curve = curveSpeed_m_s(allowed, yawLimit_rad_s);
 
   return (
     <div class="drive guided">
       <div class="walk-controls">
         <div class="choice shapes" role="radiogroup" aria-label={t('exercise.label')}>
           {shapes.map((shape) => (
-            <button key={shape} type="button" role="radio" aria-checked={plan.shape === shape} disabled={moving} onClick={() => change({ shape })}>
+            <button key={shape} type="button" role="radio" aria-checked={plan.shape === shape} disabled={driven} onClick={() => change({ shape })}>
               <ShapePicture shape={shape} />
               <span>{t(`exercise.${shape}`)}</span>
             </button>
           ))}
         </div>
-        {moving ? (
+        {driven ? (
           <button type="button" class="big" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('standby'))}>
             {t(guided ? 'guided.end' : 'walk.end')}
           </button>
         ) : (
-          <button type="button" class="big primary" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestGuided(pathOf(plan)))}>
+          <button type="button" class="big primary" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestGuided(pathOf(allowed)))}>
             {request.busy ? t('walk.starting') : t('guided.start')}
           </button>
         )}
       </div>
       <Refusal request={request} />
       <StartBlockers request={request} />
+      <SlowLink />
       <div class="drive-body">
         <section class="card guided-card">
           {guided ? (
@@ -172,19 +178,19 @@ function ExercisesView() {
               <Reading label={t('walk.stopDistance')} unit="cm" rate_hz={4} read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
             </div>
           ) : (
-            <Settings plan={plan} change={change} speedMost_m_s={speedMost_m_s} />
+            <Settings plan={allowed} change={change} speedMost_m_s={speedMost_m_s} />
           )}
           <p class="guided-needs">
             <strong>{t('guided.needs', { along: fixed(space.along_m, 1), across: fixed(space.across_m, 1) })}</strong>{' '}
-            {t('guided.takes', { length: fixed(length_m(plan), 1), time: duration(duration_s(plan, yawLimit_rad_s)) })}
+            {t('guided.takes', { length: fixed(length_m(allowed), 1), time: duration(duration_s(allowed, yawLimit_rad_s)) })}
             {curve === null ? '' : ` ${t('guided.slower', { speed: fixed(curve, 2) })}`}
           </p>
           <Progress />
-          <HoldToGo active={active} locked={t(guided ? 'guided.other' : 'guided.locked')} />
+          <HoldToGo active={active} locked={guided && slow ? tooSlowText(rtt_s) : t(guided ? 'guided.other' : 'guided.locked')} />
           <p class="hint">{t('guided.hint')}</p>
         </section>
         <section class="card floor-card">
-          <FloorView exercise={exercise.current.figure} planned={!moving && !justDone} />
+          <FloorView exercise={exercise.current.figure} planned={!driven && !justDone} />
         </section>
       </div>
     </div>

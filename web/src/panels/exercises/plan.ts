@@ -40,6 +40,9 @@ export function stepped({ least, most, step }: Step, value: number, by: 1 | -1):
   return Number(Math.min(most, Math.max(least, next)).toFixed(3));
 }
 
+/** The plan as the hoist may drive it now: not faster than this patient's limit. */
+export const withinCap = (plan: Plan, speedMost_m_s: number): Plan => ({ ...plan, speed_m_s: Math.min(plan.speed_m_s, speedMost_m_s) });
+
 const cornerRadius_m = 0.5;
 /** Loops a little smaller than half of the figure, so that they meet in a crossing. */
 const loopShare = 0.8;

@@ -1,10 +1,9 @@
 // Every setting from the table, with what it does in plain words. A change goes to the hoist at once; what it refuses is said at the row.
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { modes } from '../../contract/faults.gen';
 import { presets, type ParamInfo } from '../../contract/params.gen';
 import { applyPreset, keepSettings, notify, setParameters, tryParameters, undoSettings } from '../../link/console';
 import type { Reply } from '../../link/socket';
-import { useStore } from '../../link/store';
+import { moving, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { plain, readNumber, shownAs, t, words } from '../../text/text';
 import { Refusal, reasons, useRequest } from '../../ui/refusal';
@@ -30,7 +29,7 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
   const begun = useRef<number | null>(null); // value in force when the change began: what Undo goes back to
 
   useEffect(() => () => void (timer.current !== null && window.clearTimeout(timer.current)), []);
-  const moving = useStore((s) => modes.some((mode) => mode.name === s.mode && mode.moving));
+  const led = useStore((s) => moving(s.mode));
   const lockedByMode = row.edit === 'stopped' && !standby;
   const locked = !connected || lockedByMode || !Number.isFinite(value) || (row.role === 'engineer' && role !== 'engineer') || role === 'viewer';
 
@@ -39,7 +38,7 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
     timer.current = null;
     const before = begun.current ?? value;
     begun.current = null;
-    const reply = await (moving && row.edit === 'live' ? tryParameters({ [row.name]: si }, trial_s) : setParameters({ [row.name]: si }));
+    const reply = await (led && row.edit === 'live' ? tryParameters({ [row.name]: si }, trial_s) : setParameters({ [row.name]: si }));
     setSlide(null);
     if (reply.ok) {
       setError(null);

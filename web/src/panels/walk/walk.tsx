@@ -3,7 +3,7 @@ import { useEffect } from 'preact/hooks';
 import { marker, notify, requestMode, setNeutral } from '../../link/console';
 import { live, useReading } from '../../link/live';
 import type { Exercise } from '../../contract/messages.gen';
-import { store, useStore } from '../../link/store';
+import { moving, store, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { degrees, duration, fixed, t } from '../../text/text';
 import type { TextKey } from '../../text/en';
@@ -28,10 +28,10 @@ function WalkView() {
   const link = useStore((s) => s.link);
   const exercise = useStore((s) => s.exercise);
   const request = useRequest();
-  const moving = mode === 'user' || mode === 'remote' || mode === 'guided';
+  const led = moving(mode);
   useEffect(() => {
-    if (moving) request.forget();
-  }, [moving]);
+    if (led) request.forget();
+  }, [led]);
 
   const mark = async (key: TextKey) => {
     if (await request.ask(() => marker(t(key)))) notify('info', t('walk.marked', { text: t(key) }), true);
@@ -52,7 +52,7 @@ function WalkView() {
                 type="button"
                 role="radio"
                 aria-checked={chosen}
-                disabled={moving}
+                disabled={led}
                 onClick={() => store.set({ exercise: choice })}
               >
                 {t(`exercise.${choice.shape}`)}
@@ -60,11 +60,11 @@ function WalkView() {
             );
           })}
         </div>
-        <button type="button" class="plain" disabled={request.busy || moving || link !== 'open'} title={t('walk.neutralHint')}
+        <button type="button" class="plain" disabled={request.busy || led || link !== 'open'} title={t('walk.neutralHint')}
           onClick={() => void neutral()}>
           {t('walk.neutral')}
         </button>
-        {moving ? (
+        {led ? (
           <button type="button" class="big" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('standby'))}>
             {t('walk.end')}
           </button>
@@ -92,7 +92,7 @@ function WalkView() {
           </div>
           <div class="markers" role="group" aria-label={t('walk.markers')}>
             {markers.map((key) => (
-              <button key={key} type="button" class="plain" disabled={link !== 'open' || !moving} onClick={() => void mark(key)}>
+              <button key={key} type="button" class="plain" disabled={link !== 'open' || !led} onClick={() => void mark(key)}>
                 {t(key)}
               </button>
             ))}

@@ -1,0 +1,22 @@
+// The connection as whoever holds the hoist should know it. From a certain slowness nothing is led by hand any more: what is let go arrives late.
+import { useStore, type State } from '../link/store';
+import { fixed, t } from '../text/text';
+
+/** From here on the connection is called slow, and leading by hand is locked. */
+const slow_s = 0.08;
+const tooSlow_s = 0.3;
+
+export const tooSlow = (s: Pick<State, 'rtt_s'>): boolean => s.rtt_s !== null && s.rtt_s > tooSlow_s;
+
+export const tooSlowText = (rtt_s: number | null): string => t('drive.tooSlow', { n: fixed((rtt_s ?? 0) * 1000, 0) });
+
+export function SlowLink() {
+  const rtt_s = useStore((s) => s.rtt_s);
+  const open = useStore((s) => s.link === 'open');
+  if (!open || rtt_s === null || rtt_s <= slow_s) return null;
+  return (
+    <div class="blockers" role="status">
+      {tooSlow({ rtt_s }) ? tooSlowText(rtt_s) : t('drive.slowLink', { n: fixed(rtt_s * 1000, 0) })}
+    </div>
+  );
+}
