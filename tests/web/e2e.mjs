@@ -135,6 +135,17 @@ async function padCentre() {
   return { x: box.x + box.width / 2, y: box.y + box.height / 2, size: box.width };
 }
 
+/** In the page: it says that it is not seen, as when another tab is chosen or the screen goes dark. */
+function hidePage() {
+  Object.defineProperty(document, 'hidden', { configurable: true, get: () => true });
+  document.dispatchEvent(new Event('visibilitychange'));
+}
+/** In the page: the system takes the finger away from the stick. */
+function loseCapture() {
+  const pad = document.querySelector('.pad');
+  for (let id = 0; id < 100; id += 1) if (pad.hasPointerCapture(id)) pad.releasePointerCapture(id);
+}
+
 const cases = {
   async 'the printed link signs this device in, once'() {
     const first = stack.link;
@@ -347,7 +358,8 @@ const cases = {
   },
 
   async 'losing the focus, leaving the page or closing the tab while driving stops the hoist'() {
-    for (const way of ['blur', 'page', 'close']) {
+    // H19
+    for (const way of ['blur', 'hidden', 'capture', 'page', 'close']) {
       await toStandby();
       await startDrive();
       const pad = await padCentre();
@@ -356,6 +368,12 @@ const cases = {
       await page.mouse.move(pad.x, pad.y - pad.size * 0.34, { steps: 3 });
       await until(`it drives (${way})`, goes);
       if (way === 'blur') await page.evaluate(() => window.dispatchEvent(new Event('blur')));
+      else if (way === 'hidden') await page.evaluate(hidePage);
+      else if (way === 'capture') {
+        await page.evaluate(loseCapture);
+        // The browser tells of it with the next movement, which must not take hold again.
+        await page.mouse.move(pad.x, pad.y - pad.size * 0.3);
+      }
       else if (way === 'page') await page.evaluate(() => (location.hash = '#/health'));
       else await page.close();
       await until(`it stands after ${way}`, still, stopWithin_ms);
@@ -363,6 +381,7 @@ const cases = {
       else await page.mouse.up();
       await sleep(300);
       assert(await still(), `it moved again after ${way}`);
+      if (way === 'hidden') await page.evaluate(() => delete document.hidden);
     }
   },
 

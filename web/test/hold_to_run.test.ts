@@ -39,7 +39,7 @@ describe('hold to run', () => {
     expect(sent.every((one) => one.held && one.speed === 1)).toBe(true);
   });
 
-  // H19: pointer lost, window left, tab hidden and gamepad gone all end in this release.
+  // H19: pointer lost, window left and tab hidden all end in this release.
   it('sends exactly three zeros at once on release and then nothing', () => {
     hold.press(1, -1);
     pass(3);
