@@ -20,19 +20,24 @@ done
 
 # The same sessions by every compiler here: what differs is a mistake in the product or in the session, never taste of a compiler.
 compare_compilers() {
-  local reference='' name compiler kind flags folder hashes failed=0
+  local reference='' name compiler kind flags folder told hashes failed=0
   for name in g++-release g++-debug clang++-release clang++-debug; do
     compiler=${name%-*} kind=${name#*-} flags=-O2
     [[ $kind == debug ]] && flags=-O0
-    if [[ $compiler == clang++ ]]; then compiler=$(command -v clang++ clang++-19 clang++-14 | head -n 1); fi
+    if [[ $compiler == clang++ ]]; then compiler=$(command -v clang++ clang++-19 clang++-14 | head -n 1 || true); fi
     if [[ -z $compiler ]]; then
       echo "$name: skipped, there is no clang++ here"
       continue
     fi
     folder=build/chaos-$name
-    cmake -S . -B "$folder" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="$flags -DNDEBUG" >/dev/null
-    ninja -C "$folder" hoist-chaos >"$folder/build.log" 2>&1 || { tail -n 20 "$folder/build.log"; return 1; }
-    hashes=$("$folder/bin/hoist-chaos" --sessions 4 --seed 11 --length 60 --hashes --quiet --jobs 1 | grep '^seed' | sha256sum | cut -c 1-16)
+    say "building with $name ($folder/)"
+    build_tree "$folder" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=$flags -DNDEBUG" -- hoist-chaos ||
+      die "the build with $name failed: see above"
+    told=$("$folder/bin/hoist-chaos" --sessions 4 --seed 11 --length 60 --hashes --quiet --jobs 1) || {
+      grep -v '^seed' <<<"$told" || true
+      die "$name: a session broke a promise, or the program failed"
+    }
+    hashes=$(grep '^seed' <<<"$told" | sha256sum | cut -c 1-16)
     echo "$name: $hashes"
     reference=${reference:-$hashes}
     [[ $hashes == "$reference" ]] || failed=1

@@ -1,10 +1,10 @@
 # shellcheck shell=bash
 # cuts link and computer at random, and measures the way that is rolled against the stopping distance that was shown
 #
-# options: --cuts N      how many of each of the four kinds (default 2500: ten thousand in all)
+# options: --cuts N      how many of each of the five kinds (default 2000: ten thousand in all)
 #          --slips N     walks over slippery floor, for the track of encoders and gyroscope (default 100)
 #          --no-setup    leave the machine as it is
-cuts=2500
+cuts=2000
 slips=100
 while [ $# -gt 0 ]; do
   case $1 in

@@ -1,5 +1,5 @@
 // The stopping distance that is shown, against the one that is rolled: random patients, commands, turns and moments of the cut, with the
-// real step and the shipped nodes. HOIST_STOP_CUTS=10000 asks for more cuts than the default run has time for (deploy/dev stops).
+// real step and the shipped nodes. HOIST_STOP_CUTS=2000 asks for more cuts of each kind than the default run has time for (deploy/dev stops).
 #include <gtest/gtest.h>
 
 #include <cmath>
