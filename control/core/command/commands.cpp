@@ -381,9 +381,13 @@ void answer(CoreState& state, const Command& command, const Verdict& verdict) no
 void take_command(CoreState& state, const Command& command) noexcept {
   const bool in_order = state.next_sequence == 0 || command.sequence == state.next_sequence;
   // After a gap (the ring went round) the order goes on from the newest; an old number never brings the count back, so nothing that
-  // was once sent can be played again. STOP is done in any order: it can only stop.
+  // was once sent can be played again.
   if (in_order || command.sequence > state.next_sequence) state.next_sequence = command.sequence + 1;
-  if (!in_order && command.kind != CommandKind::stop) {
+  // Done in any order: STOP, and the driver's request for standby. Both can only stop, and a number must not keep anybody from it: after
+  // the server was lost the first command sets the count, whatever it is, and a wrong one there would let the patient walk on.
+  const bool only_stops = command.kind == CommandKind::stop ||
+                          (command.kind == CommandKind::request_mode && command.a == static_cast<std::uint32_t>(Mode::standby));
+  if (!in_order && !only_stops) {
     answer(state, command, refused(Refusal::out_of_order));
     return;
   }

@@ -119,6 +119,36 @@ TEST(Hostile, StopWorksEvenOutOfOrderAndInAFlood) {
   EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
 }
 
+// After the server was lost the first command sets the count. An old one that comes then must not keep the driver from ending the motion.
+TEST(Hostile, TheDriversRequestForStandbyIsDoneInAnyOrder) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  hoist.state.next_sequence = 5000;  // as an old command would set it
+  contract::Command c;
+  c.sequence = 3;
+  c.kind = CommandKind::request_mode;
+  c.a = static_cast<std::uint32_t>(Mode::standby);
+  c.client = 8;
+  c.lease_epoch = hoist.state.lease.epoch;
+  c.request_id = 901;
+  hoist.commands.push_back(c);
+  hoist.step();
+  EXPECT_EQ(hoist.answer(901), refusal_bit(Refusal::no_lease)) << "only the driver's";
+  EXPECT_FALSE(hoist.state.motion.leaving);
+  c.client = 7;
+  c.request_id = 902;
+  hoist.commands.push_back(c);
+  hoist.step();
+  EXPECT_EQ(hoist.answer(902), 0U);
+  EXPECT_TRUE(hoist.reach(Mode::standby, 300));
+  EXPECT_EQ(hoist.state.next_sequence, 5000U) << "and the count stays";
+  c.a = static_cast<std::uint32_t>(Mode::user);
+  c.request_id = 903;
+  hoist.commands.push_back(c);
+  hoist.step();
+  EXPECT_NE(hoist.answer(903) & refusal_bit(Refusal::out_of_order), 0U) << "nothing that moves";
+}
+
 TEST(Hostile, RandomFramesNeverCrashMoveOrLeakANumberThatIsNone) {
   std::mt19937_64 random(99);
   for (const Mode mode : {Mode::standby, Mode::user, Mode::remote}) {
