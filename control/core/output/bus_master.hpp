@@ -3,6 +3,7 @@
 // One SDO request is under way at a time and at most one leaves per step, which keeps the pace of at least 5 ms that the bus load plan
 // assumes. Every wait ends: a request is tried kSdoTries times, then its node rests kNodeRest ticks before the core begins anew with it.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -35,10 +36,9 @@ class BusMaster {
     const bool boot = state == static_cast<std::uint8_t>(contract::canopen::NmtState::boot_up);
     if (boot) {
       if (busy_ && sdo_node_ == node) busy_ = false;
-      link.phase = Phase::identify;
-      link.rest_ticks = 0;
+      identify(link);
     } else if (link.phase == Phase::absent && link.rest_ticks == 0 && !hands_off_) {
-      link.phase = Phase::identify;
+      identify(link);
     }
     return boot;
   }
@@ -58,20 +58,24 @@ class BusMaster {
     }
     if (sdo_param_ == kIdentity) {
       if (frame.data[0] != canopen::sdo_upload_reply_command(4)) return false;
-      link.product = contract::read_le(&frame.data[4], 4);
-      if ((link.product & contract::kLoaderProduct) != 0) {
-        // In its loader it has no parameters and does not run. One with a whole program goes back to work by itself, unless it is asked.
-        busy_ = false;
-        link.phase = Phase::absent;
-        link.rest_ticks = kLoaderRest;
+      busy_ = false;
+      if (link.product_known) {
+        link.revision = contract::read_le(&frame.data[4], 4);
+        link.unwritten = params_of(node);
+        link.phase = Phase::configure;
         return true;
       }
-      link.unwritten = params_of(node);
-      link.phase = Phase::configure;
-    } else {
-      if (frame.data[0] != canopen::kSdoDownloadReply) return false;
-      link.unwritten &= ~(1U << sdo_param_);
+      link.product = contract::read_le(&frame.data[4], 4);
+      link.product_known = true;
+      if ((link.product & contract::kLoaderProduct) != 0) {
+        // In its loader it has no parameters and does not run. One with a whole program goes back to work by itself, unless it is asked.
+        link.phase = Phase::absent;
+        link.rest_ticks = kLoaderRest;
+      }
+      return true;
     }
+    if (frame.data[0] != canopen::kSdoDownloadReply) return false;
+    link.unwritten &= ~(1U << sdo_param_);
     busy_ = false;
     return true;
   }
@@ -133,6 +137,11 @@ class BusMaster {
   }
   /// Every node is known, has its parameters and runs.
   [[nodiscard]] bool all_running() const noexcept { return all_running_; }
+  /// A node's program follows other rules than this control knows: CiA 301 raises the major half of the revision when behaviour changes.
+  [[nodiscard]] bool any_other_version() const noexcept {
+    return std::any_of(links_.begin(), links_.end(),
+                       [](const Link& link) { return link.phase > Phase::identify && link.revision >> 16U != kRevision >> 16U; });
+  }
   /// Any node says that it is a build for a simulator.
   [[nodiscard]] bool simulated() const noexcept {
     std::uint32_t products = 0;
@@ -142,7 +151,8 @@ class BusMaster {
 
  private:
   struct Link {
-    std::uint32_t product = 0;
+    std::uint32_t product = 0, revision = 0;
+    bool product_known = false;   // and its revision is asked for next
     std::uint32_t unwritten = 0;  // bit per row of kParamObjects
     Phase phase = Phase::absent;
     std::uint8_t state = 255;
@@ -151,6 +161,8 @@ class BusMaster {
     std::uint8_t start_ticks = 0;
   };
   static_assert(contract::kParamObjects.size() < 32, "unwritten holds a bit per row");
+  // One for all kinds of node.
+  static constexpr auto kRevision = static_cast<std::uint32_t>(contract::find_object(contract::NodeKind::tilt, 0x1018, 3)->default_value);
 
   static constexpr std::uint64_t kHeartbeatTicks = contract::canopen::kCoreHeartbeat_ms / 10;
   static constexpr std::uint8_t kNodeHeartbeatTicks = 10, kHeartbeatLateTicks = 3;
@@ -160,7 +172,7 @@ class BusMaster {
   static constexpr std::uint8_t kNodeRest = 100;      // one second
   static constexpr std::uint16_t kLoaderRest = 9000;  // a minute and a half: a loader waits one minute for somebody who asks
   static constexpr std::uint8_t kStartTicks = 20;     // from NMT start to the first process data, with two heartbeats in between
-  static constexpr std::size_t kIdentity = 31;        // the request that is no parameter: 1018h:2
+  static constexpr std::size_t kIdentity = 31;        // the request that is no parameter: 1018h:2, then :3
 
   template <std::size_t N>
   static void send(FixedVector<contract::CanFrame, N>& out, const contract::CanFrame& frame) noexcept {
@@ -176,6 +188,11 @@ class BusMaster {
     return mask;
   }
 
+  static void identify(Link& link) noexcept {
+    link.phase = Phase::identify;
+    link.rest_ticks = 0;
+    link.product_known = false;
+  }
   void give_up(Link& link) noexcept {
     link.phase = Phase::absent;
     link.rest_ticks = kNodeRest;
@@ -255,7 +272,7 @@ class BusMaster {
     const std::uint32_t id = canopen::kSdoRequestBase + contract::node_id(sdo_node_);
     if (sdo_param_ == kIdentity) {
       sdo_index_ = 0x1018;
-      sdo_sub_ = 2;
+      sdo_sub_ = links_[static_cast<std::size_t>(sdo_node_)].product_known ? 3 : 2;
       send(out, canopen::sdo(id, canopen::kSdoUploadRequest, sdo_index_, sdo_sub_, 0));
       return;
     }

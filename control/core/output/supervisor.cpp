@@ -214,6 +214,7 @@ std::uint32_t start_refusals(const CoreState& state) noexcept {
   add(state.mode == Mode::fault || (state.latched & kBreakdown) != 0, Refusal::fault_mode);
   add(state.mode == Mode::emergency_stop || (state.conditions & kPowerOff) != 0, Refusal::emergency_stop_open);
   add(!state.master.all_running() || sensed.tilts_stale() || sensed.drives_lost() || sensed.io.fresh().lost(), Refusal::nodes_missing);
+  add(state.master.any_other_version(), Refusal::node_version);
   add((state.latched & ~kWarnings) != 0, Refusal::fault_active);
   add(!state.intent.neutral(), Refusal::not_neutral);
   add(!at_rest(state), Refusal::moving);

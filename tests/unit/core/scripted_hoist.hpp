@@ -25,6 +25,7 @@ struct FakeNode {
   bool booted = false;
   std::vector<std::pair<std::uint32_t, float>> written;  // index << 8 | sub, value
   std::uint32_t sdo_requests = 0;
+  std::uint32_t revision = 0x00010000;  // of its program
   bool sdo_deaf = false;
   bool sdo_aborts = false;
   std::uint32_t product_bits = 0;  // besides those of a node at work
@@ -354,8 +355,9 @@ class ScriptedHoist {
         if (n.sdo_aborts) {
           replies_.push_back(canopen::sdo(reply, canopen::kSdoAbort, index, f.data[3], 0x08000022));
         } else if (f.data[0] == canopen::kSdoUploadRequest) {
-          replies_.push_back(canopen::sdo(reply, canopen::sdo_upload_reply_command(4), index, f.data[3],
-                                          (real ? 0U : canopen::kSimulatedProduct) | n.product_bits | id));
+          const std::uint32_t product = (real ? 0U : canopen::kSimulatedProduct) | n.product_bits | id;
+          replies_.push_back(
+              canopen::sdo(reply, canopen::sdo_upload_reply_command(4), index, f.data[3], f.data[3] == 3 ? n.revision : product));
         } else {
           n.written.emplace_back((static_cast<std::uint32_t>(index) << 8) | f.data[3],
                                  std::bit_cast<float>(contract::read_le(&f.data[4], 4)));

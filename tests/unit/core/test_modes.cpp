@@ -234,6 +234,12 @@ TEST(Modes, EveryGuardOfAStartRefusesAndNamesItself) {
          h.drive_left.sdo_deaf = true;
          h.step(3);
        }},
+      {"a node that follows other rules", Refusal::node_version,
+       [](ScriptedHoist& h) {
+         h.tilt_left.revision = 0x00020000;
+         h.state.master.meet_all_again();
+         h.step(60);
+       }},
       {"battery empty", Refusal::battery_empty_start,
        [](ScriptedHoist& h) {
          h.io.battery_a_v = h.io.battery_b_v = 10.5;
@@ -263,6 +269,14 @@ TEST(Modes, EveryGuardOfAStartRefusesAndNamesItself) {
       EXPECT_EQ(hoist.drive_left.target_m_s, 0) << c.name;
     }
   }
+}
+
+TEST(Modes, ANewerProgramOfTheSameRulesIsWelcome) {
+  ScriptedHoist hoist = in_mode(Mode::standby);
+  hoist.tilt_left.revision = 0x00010003;
+  hoist.state.master.meet_all_again();
+  hoist.step(60);
+  EXPECT_EQ(hoist.ask_mode(Mode::user), 0U);
 }
 
 TEST(Modes, ARefusalNamesAllReasonsAtOnce) {
