@@ -50,6 +50,25 @@ export function encodeRecords(records) {
   return buffer;
 }
 
+/** Some of the hoist's steps of calibration, with their numbers in the live values. */
+const steps = [
+  {
+    number: 1, name: 'zero', role: 'therapist', entered: null, date: 'calibrated_zero_s', title: { en: 'Struts upright', de: 'Streben aufrecht' },
+    action: { en: 'Take the patient out of the harness. Let the struts stand upright by themselves, and let go.', de: 'Patient aus dem Gurt nehmen. Die Streben von selbst aufrecht stehen lassen und loslassen.' },
+    found: { left_alpha_zero_rad: 0.0061, right_alpha_zero_rad: -0.0042, base_beta_zero_rad: 0.0013 },
+  },
+  {
+    number: 6, name: 'wheel_radius', role: 'engineer', entered: { unit: 'm', least: 1, most: 20 }, date: 'calibrated_wheel_radius_s', title: { en: 'Wheel radius', de: 'Radradius' },
+    action: { en: 'Push the hoist straight ahead along a measured way, enter it, press Measure; then back.', de: 'Das Gerät einen gemessenen Weg geradeaus schieben, eingeben, Messen drücken; dann zurück.' },
+    found: { wheel_radius_m: 0.0982 },
+  },
+  {
+    number: 10, name: 'bumpers', role: 'therapist', entered: null, date: 'calibrated_bumpers_s', title: { en: 'Bumpers', de: 'Stoßfänger' },
+    action: { en: 'Press the bumpers one after the other: front, rear, left, right.', de: 'Die Stoßfänger nacheinander drücken: vorn, hinten, links, rechts.' }, found: {},
+  },
+];
+const phases = ['none', 'resting', 'measuring', 'operator', 'result'];
+
 const types = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml', '.webmanifest': 'application/manifest+json' };
 const dt_s = 0.01;
 
@@ -57,7 +76,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
   const values = Object.fromEntries(paramRows.map((row) => [row.name, row.default]));
   const hoist = {
     tick: 0, mode: 'standby', x: 0, y: 0, psi: 0, v: 0, w: 0, distance: 0, lean: 0, turn: 0, faults: 0, exercise, version: 1, drive: { speed: 0, yaw: 0, held: false, tick: -1000 },
-    drives: [], trouble: {}, session: null, sessionTick: 0, commands: [],
+    drives: [], trouble: {}, calibration: null, trial: null, session: null, sessionTick: 0, commands: [],
   };
   const lease = { epoch: 0, holder: 0 };
   const clients = new Map();
@@ -113,8 +132,31 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     if (along < 3 * straight + arc) return 0;
     return along < 3 * straight + 2 * arc ? 1 / e.radius_m : 0;
   };
+  // Rest for a second, measure for two; what is entered by hand is measured twice.
+  const calibrationPhase = () => {
+    if (hoist.calibration === null) return 0;
+    const { step, begun, measured } = hoist.calibration;
+    if (step.entered !== null) return measured < 2 ? 3 : 4;
+    if (step.name === 'bumpers') return hoist.tick - begun < 400 ? 3 : 4;
+    return hoist.tick - begun < 100 ? 1 : hoist.tick - begun < 300 ? 2 : 4;
+  };
+  const calibration = () => {
+    if (hoist.calibration === null) return {};
+    const { step, begun, measured } = hoist.calibration;
+    const ticks = hoist.tick - begun;
+    return {
+      calibration_step: step.number, calibration_phase: calibrationPhase(), calibration_value: step.name === 'bumpers' ? Math.min(3, Math.floor(ticks / 100)) : step.entered ? 2.01 : 0.0061,
+      calibration_done_percent: Math.min(100, step.entered ? 50 * measured : ticks / 4),
+    };
+  };
+  const endTrial = (keep) => {
+    const { before } = hoist.trial;
+    hoist.trial = null;
+    if (!keep) setValues(before);
+  };
   const step = () => {
     hoist.tick++;
+    if (hoist.trial !== null && hoist.tick >= hoist.trial.until) endTrial(false);
     let wish = 0;
     let turn = 0;
     if (hoist.mode === 'user') {
@@ -160,7 +202,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       allocations: 0, loop_priority: 49, loop_cpu: 3, memory_locked: 1, bus_frames: hoist.tick * 7, fault_bits: hoist.faults, blocked_bits: hoist.faults ? 4 : 0, lease_epoch: lease.epoch, lease_holder: lease.holder,
       guided_phase: hoist.mode === 'guided' ? 2 : 0, guided_progress_norm: hoist.guided ? Math.min(1, hoist.distance / hoist.guided.total_m) : 0,
       guided_remaining_m: hoist.guided ? Math.max(0, hoist.guided.total_m - hoist.distance) : 0, guided_cross_track_m: hoist.mode === 'guided' ? 0.012 * Math.sin(hoist.tick / 70) : 0,
-      parameter_version: hoist.version, ...health(hoist.tick), mode: modeValue[hoist.mode], stop_cause: 0, simulated: 1, server_alive: 1, standing_still: Math.abs(hoist.v) < 0.02 ? 1 : 0,
+      parameter_version: hoist.version, settings_trial_s: hoist.trial === null ? 0 : (hoist.trial.until - hoist.tick) * dt_s, ...calibration(), ...health(hoist.tick), mode: modeValue[hoist.mode], stop_cause: 0, simulated: 1, server_alive: 1, standing_still: Math.abs(hoist.v) < 0.02 ? 1 : 0,
     };
   };
 
@@ -230,7 +272,51 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     neutral: () => ({ ok: true }),
     pose: () => ({ ok: true }),
     marker: (message) => (hoist.session === null ? refuse('not_standby') : (event('marker', { name: message.text }), { ok: true })),
-    set: (message, id) => (lease.holder === id ? setValues(message.values) : refuse('no_lease')),
+    set(message, id) {
+      if (lease.holder !== id) return refuse('no_lease');
+      const before = Object.fromEntries(Object.keys(message.values).map((name) => [name, values[name]]));
+      const answer = setValues(message.values);
+      if (answer.ok && message.revert_after_s > 0)
+        hoist.trial = { until: hoist.tick + message.revert_after_s * 100, before: { ...before, ...hoist.trial?.before } };
+      return answer;
+    },
+    keep_settings(message) {
+      if (hoist.trial === null) return refuse('out_of_order');
+      if (message.version !== undefined && message.version !== hoist.version) return refuse('set_outdated');
+      endTrial(true);
+      return { ok: true };
+    },
+    undo_settings() {
+      if (hoist.trial === null) return refuse('out_of_order');
+      endTrial(false);
+      return { ok: true };
+    },
+    calibrate(message, id) {
+      const step = steps.find((one) => one.name === message.step);
+      if (lease.holder !== id) return refuse('no_lease');
+      if (step === undefined) return refuse('unknown_item');
+      if (hoist.mode !== 'standby' && hoist.mode !== 'calibrate') return refuse('not_standby');
+      hoist.calibration = { step, begun: hoist.tick, measured: 0 };
+      setMode('calibrate');
+      return { ok: true };
+    },
+    calibrate_measure() {
+      if (hoist.calibration === null) return refuse('out_of_order');
+      hoist.calibration.measured++;
+      return { ok: true };
+    },
+    calibrate_use() {
+      if (calibrationPhase() !== 4) return refuse('out_of_order');
+      const { step } = hoist.calibration;
+      hoist.calibration = null;
+      setMode('standby');
+      return setValues({ ...step.found, [step.date]: Math.floor(Date.now() / 1000) });
+    },
+    calibrate_cancel() {
+      hoist.calibration = null;
+      setMode('standby');
+      return { ok: true };
+    },
     preset: (message, id) => (lease.holder === id ? setValues(presetValues[message.name] ?? { unknown: 0 }) : refuse('no_lease')),
   };
   const take = (message, id, socket) => {
@@ -264,6 +350,16 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
         priority: 49, cpu: 3, memory_locked: true,
         lately: [bucket(2e-5, 30), bucket(5e-5, 800), bucket(1e-4, 150), bucket(4e-4, 6)],
         ever: [bucket(0, 12), bucket(2e-5, 9_000), bucket(5e-5, 150_000), bucket(1e-4, 25_000), bucket(4e-4, 380), bucket(9e-4, 5), bucket(2.5e-3, 3), bucket(0.02, 2)],
+      });
+    }
+    if (path === '/calibration') {
+      const under = hoist.calibration?.step;
+      const phase = phases[calibrationPhase()];
+      return send(200, {
+        valid: steps.every((step) => values[step.date] > 0),
+        under_way: under === undefined ? null : { step: under.name, phase, result: phase !== 'result' ? [] : Object.entries(under.found).map(([name, value]) => ({ name, value, before: values[name] })) },
+        items: steps.map(({ name, role, entered, title, action, date }) => ({ name, role, entered, title, action, done_utc_s: values[date] > 0 ? values[date] : null })),
+        reasons: [],
       });
     }
     if (path === '/stop' && request.method === 'POST') {
