@@ -9,7 +9,6 @@
 #include "control/contract/reference_path.hpp"
 #include "db/metrics/evaluate.hpp"
 #include "db/store/session_reader.hpp"
-#include "db/summary/moving_part.hpp"
 
 namespace hoist::db {
 namespace {
@@ -62,17 +61,21 @@ Result<MovingPart> moving_part(Database& database, SessionId session) {
 }
 
 Result<SessionMetrics> session_metrics(Database& database, SessionId session) {
+  const Result<MovingPart> part = moving_part(database, session);
+  if (!part) return part.error();
+  return session_metrics(database, session, *part);
+}
+
+Result<SessionMetrics> session_metrics(Database& database, SessionId session, const MovingPart& part) {
   const SessionReader reader(database);
   const Result<SessionInfo> info = reader.get(session);
   if (!info) return info.error();
-  const Result<MovingPart> part = moving_part(database, session);
-  if (!part) return part.error();
   SessionMetrics out;
   out.session = session;
-  out.track = part->fused ? "fused" : "encoders";
-  out.moving_samples = part->x_m.size();
+  out.track = part.fused ? "fused" : "encoders";
+  out.moving_samples = part.x_m.size();
   out.moving_s = static_cast<double>(out.moving_samples) * kSample_s;
-  for (const double speed : part->speed_m_s) {
+  for (const double speed : part.speed_m_s) {
     out.distance_m += std::fabs(speed) * kSample_s;
     out.max_speed_m_s = std::max(out.max_speed_m_s, std::fabs(speed));
   }
@@ -82,11 +85,11 @@ Result<SessionMetrics> session_metrics(Database& database, SessionId session) {
     return Error{ErrorKind::corrupt, "session " + std::to_string(session) + ": its exercise is not one: " + checked.error().message, {}};
   const nlohmann::json exercise = nlohmann::json::parse(*info->exercise_json, nullptr, false);
   out.shape = exercise["shape"].get<std::string>();
-  if (part->x_m.empty()) {
+  if (part.x_m.empty()) {
     out.why_absent = "Nobody walked in this session.";
     return out;
   }
-  const RunColumns run{kSample_s, part->x_m, part->y_m, part->psi_rad, part->dpsi_rad};
+  const RunColumns run{kSample_s, part.x_m, part.y_m, part.psi_rad, part.dpsi_rad};
   const std::optional<Evaluation> evaluation = evaluate(path_of(exercise), run);
   if (!evaluation) {
     out.why_absent = "The recorded path cannot be compared with this exercise.";

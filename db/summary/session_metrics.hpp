@@ -7,6 +7,7 @@
 #include "db/store/database.hpp"
 #include "db/store/result.hpp"
 #include "db/store/session_types.hpp"
+#include "db/summary/moving_part.hpp"
 
 namespace hoist::db {
 
@@ -28,5 +29,7 @@ struct SessionMetrics {
 
 /// Errors: not_found, corrupt, io. A session without movement gives zeros and no C, J_N.
 Result<SessionMetrics> session_metrics(Database& database, SessionId session);
+/// The same of a part that is read already: decoding a long session is what takes the time.
+Result<SessionMetrics> session_metrics(Database& database, SessionId session, const MovingPart& part);
 
 }  // namespace hoist::db

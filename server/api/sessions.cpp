@@ -233,11 +233,9 @@ void get_events(const CallPtr& call) {
 
 namespace {
 // Root mean square distance and heading from the pattern, over the moving part.
-std::optional<db::RunDeviation> deviation(db::Database& database, db::SessionId id, const Exercise& e) {
-  const db::Result<db::MovingPart> part = db::moving_part(database, id);
-  if (!part) return std::nullopt;
+std::optional<db::RunDeviation> deviation(const db::MovingPart& part, const Exercise& e) {
   return db::run_deviation(figure_of(e),
-                           {.dt_s = 0.01, .x_m = part->x_m, .y_m = part->y_m, .psi_rad = part->psi_rad, .dpsi_rad = part->dpsi_rad});
+                           {.dt_s = db::kSample_s, .x_m = part.x_m, .y_m = part.y_m, .psi_rad = part.psi_rad, .dpsi_rad = part.dpsi_rad});
 }
 }  // namespace
 
@@ -247,14 +245,16 @@ void get_metrics(const CallPtr& call) {
   with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
     const auto session = db::SessionReader(database).get(id);
     if (!session) return store_error(session.error(), path);
-    const auto metrics = db::session_metrics(database, id);
+    const auto part = db::moving_part(database, id);
+    if (!part) return store_error(part.error(), path);
+    const auto metrics = db::session_metrics(database, id, *part);
     if (!metrics) return store_error(metrics.error(), path);
     const auto or_null = [](const std::optional<double>& v) { return v && std::isfinite(*v) ? json(*v) : json(nullptr); };
     const json exercise = exercise_of_store(session->exercise_json);
     std::vector<FieldError> ignored;
     std::optional<db::RunDeviation> off;
     if (const auto walked = read_exercise(exercise, ignored); walked && walked->shape != Exercise::Shape::free)
-      off = deviation(database, id, *walked);
+      off = deviation(*part, *walked);
     return json_response({{"C", or_null(metrics->correlation)},
                           {"J_N", or_null(metrics->normalised_ise)},
                           {"reference_length_m", or_null(metrics->path_length_m)},
