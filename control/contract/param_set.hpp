@@ -1,5 +1,5 @@
-// How a set of parameter values is sealed on its way to the core: CRC-32 over its rows, in their order. Whoever commits a set works it out
-// over what was meant; the core works it out over what arrived (hazard H27).
+// A set of parameter values on its way to the core: how long it may be on trial, and how it is sealed: CRC-32 over its rows, in their order.
+// Whoever commits a set works it out over what was meant; the core works it out over what arrived (hazard H27).
 #pragma once
 #include <array>
 #include <bit>
@@ -8,6 +8,10 @@
 #include "control/contract/crc32.hpp"
 
 namespace hoist::contract {
+
+/// How long values may be on trial before they go back by themselves. At least long enough to press "keep"; at most as long as somebody watches
+/// what he tries (hazard H27).
+inline constexpr double kTrial_s_min = 1.0, kTrial_s_max = 120.0;
 
 class ParamSetSeal {
  public:

@@ -9,6 +9,7 @@
 #include "control/contract/calibration.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/guided_path.hpp"
+#include "control/contract/param_set.hpp"
 #include "control/contract/params.hpp"
 
 namespace hoist::server {
@@ -18,9 +19,6 @@ using contract::CommandKind;
 using nlohmann::json;
 
 namespace {
-// How long values may be tried before they go back by themselves; the core has the same bounds (control/core/command/param_keeper.hpp).
-constexpr double kTrial_s_min = 1.0, kTrial_s_max = 120.0;
-
 Command command_of(CommandKind kind, const Asker& asker) {
   Command command;
   command.kind = kind;
@@ -348,8 +346,8 @@ void act_set(Services& services, const Asker& asker, const json& values, const j
   double trial_s = 0;
   if (!revert_after_s.is_null()) {
     trial_s = revert_after_s.is_number() ? revert_after_s.get<double>() : 0.0;
-    if (!(trial_s >= kTrial_s_min && trial_s <= kTrial_s_max))
-      errors.push_back({"revert_after_s", "must be a number of seconds", std::nullopt, kTrial_s_min, kTrial_s_max});
+    if (!(trial_s >= contract::kTrial_s_min && trial_s <= contract::kTrial_s_max))
+      errors.push_back({"revert_after_s", "must be a number of seconds", std::nullopt, contract::kTrial_s_min, contract::kTrial_s_max});
   }
   for (const auto& [name, value] : values.items()) {
     const auto index = contract::find_param(name);

@@ -104,7 +104,7 @@ Verdict commit(CoreState& state, const Command& command) noexcept {
   if (command.b > static_cast<std::uint32_t>(contract::Role::engineer)) return refused(Refusal::not_allowed);
   if (!std::isfinite(command.v0)) return refused(Refusal::not_finite);
   const bool trial = command.v0 != 0;
-  if (trial && !(command.v0 >= kTrial_s_min && command.v0 <= kTrial_s_max)) return refused(Refusal::out_of_range);
+  if (trial && !(command.v0 >= contract::kTrial_s_min && command.v0 <= contract::kTrial_s_max)) return refused(Refusal::out_of_range);
   Verdict verdict = check_set(state, set, static_cast<contract::Role>(command.b), trial);
   if (!sealed(state, set, command.seal)) verdict.bits |= refusal_bit(Refusal::set_outdated);
   if (verdict.bits == 0) put_into_force(state, set, {command.request_id, command.client}, command.v0);

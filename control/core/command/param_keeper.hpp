@@ -14,8 +14,6 @@ struct CoreState;
 
 /// Gains follow their new value by at most this share of themselves in a second (H27), or of a twentieth of their range when near zero.
 inline constexpr double kSlew_per_s = 0.2, kSlewFloor = 0.05;
-/// How long a trial may last. The server asks for 20 s unless told otherwise.
-inline constexpr double kTrial_s_min = 1.0, kTrial_s_max = 120.0;
 
 /// Rows that may change while moving and are shaped by the limiter anyway; a lower cap must not wait.
 [[nodiscard]] constexpr bool is_gain(std::size_t index) noexcept {
