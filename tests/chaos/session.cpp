@@ -31,7 +31,7 @@ using contract::TickRecord;
 constexpr std::uint64_t kWorldStream = 2, kTherapistStream = 3, kFrameStream = 4, kFaultStream = 5, kLinkStream = 6, kSerialStream = 7,
                         kStorageStream = 8;
 constexpr std::uint32_t kStranger = 2;  // another client of the server
-constexpr double kMending_s = 12.0;
+constexpr double kMending_s = 5.0;
 constexpr double kUnlearning_s = 20.0;
 constexpr std::size_t kRemembered = 64;
 
@@ -483,7 +483,10 @@ class Session {
   void see(const core::TickInputs& inputs) {
     watch_.before_step(inputs);
     for (const Command& command : inputs.commands) {
-      if (command.kind == CommandKind::stop) continue;  // STOP may come as often as it likes
+      // What can only stop is done in any order, so played again it stops again: that is no fault.
+      const bool only_stops = command.kind == CommandKind::stop ||
+                              (command.kind == CommandKind::request_mode && command.a == static_cast<std::uint32_t>(Mode::standby));
+      if (only_stops) continue;
       if (commands_.size() == kRemembered) commands_.erase(commands_.begin());
       commands_.push_back(command);
     }

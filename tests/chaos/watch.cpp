@@ -150,7 +150,8 @@ void Watch::fault_begins(const Planned& row) {
         must_stop("a node fell silent", 0.07, 1.0);
       break;
     case Kind::bumper:
-      if (length_s < 0.1) break;
+      // One that touches already, a post left behind and acknowledged, is no new touch.
+      if (length_s < 0.1 || loop_.core().sensed.io.bumpers() != 0) break;
       raise(contract::fault_bit(HoistFault::bumper_pressed), "I1: a bumper is not felt within 30 ms", 0.03 + 0.011);
       must_stop("a bumper", 0.04, 1.0);
       break;

@@ -1,6 +1,7 @@
-/* Remote driving over a channel that loses, delays, reorders and doubles: a client with a stick and a dead-man, a rival that takes the lease
- * and gives it back, and the core that judges by its own clock. The rules are those of control/core/command/{lease,remote_drive}.hpp; with
- * one of them taken away by -D the search must find a way to hurt somebody (tests/model/CMakeLists.txt does that for each).
+/* Leading by hand over a channel that loses, delays, reorders and doubles: a client with a stick and a dead-man, a rival that takes the lease
+ * and gives it back, and the core that judges by its own clock. In GUIDED the button is the same hand (modes/dead_man.hpp): what is "pushed"
+ * here is "held" there. The rules are those of control/core/command/{lease,remote_drive}.hpp; with one of them taken away by -D the search
+ * must find a way to hurt somebody (tests/model/CMakeLists.txt does that for each).
  *
  * Time is counted in units of 250 ms, the two limits of the design: a command is taken while the telemetry that it echoes is at most FRESH
  * units old, and the core stops when it has taken none for SILENT units. So a hand that is off the stick (let go, tab closed, link cut,
