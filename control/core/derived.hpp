@@ -27,6 +27,9 @@ struct Derived {
   double right_motor_per_m = 0;
   double left_counts_per_s_max = 0;
   double right_counts_per_s_max = 0;
+  double base_yaw_bias_rad_s = 0;
+
+  bool operator==(const Derived&) const = default;
 };
 
 [[nodiscard]] inline Derived derive(const contract::Params& p) noexcept {
@@ -38,6 +41,7 @@ struct Derived {
   d.left_zero = {p.left_alpha_zero_rad, p.left_beta_zero_rad};
   d.right_zero = {p.right_alpha_zero_rad, p.right_beta_zero_rad};
   d.base_zero = {p.base_alpha_zero_rad, p.base_beta_zero_rad};
+  d.base_yaw_bias_rad_s = p.base_yaw_bias_rad_s;
   const double per_count_m = 2.0 * std::numbers::pi * p.wheel_radius_m / p.encoder_counts_per_turn;
   d.odometry = {per_count_m * p.wheel_left_scale_norm, per_count_m * p.wheel_right_scale_norm, p.track_width_m,
                 law::OdometryMethod::kEuler};

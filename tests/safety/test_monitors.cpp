@@ -685,6 +685,32 @@ TEST(Monitors, H10ASlipIsMarkedAtOnceAndStopsGentlyWhenItLasts) {
   }
 }
 
+// Struts that send their rates (research switch) feel the hoist's turn as pitch and roll while they lean: 20 s of one bend are no lost zero.
+TEST(Monitors, H8ALongTurnWithALeanIsNoLostZero) {
+  for (const double turn_deg_s : {34.0, -34.0})
+    for (const double lost_deg_s : {0.0, 6.0}) {
+      SCOPED_TRACE(turn_deg_s);
+      ScriptedHoist hoist;
+      ASSERT_TRUE(hoist.ready());
+      hoist.lean_gently(10, 100);
+      hoist.tilt_left.beta_deg = hoist.tilt_right.beta_deg = 3;
+      hoist.tilt_base.yaw_rate_deg_s = turn_deg_s;
+      for (int i = 0; i < 2000; ++i) {
+        contract::CanFrame rates{contract::pdo_cob_id(contract::Pdo::tilt_tx2, contract::Node::tilt_left), 6, 0, {}};
+        constexpr contract::PdoSlot kYaw = contract::pdo_slot(contract::Pdo::tilt_tx2, 0x2110, 1),
+                                    kPitch = contract::pdo_slot(contract::Pdo::tilt_tx2, 0x2110, 2),
+                                    kRoll = contract::pdo_slot(contract::Pdo::tilt_tx2, 0x2110, 3);
+        // As firmware/sim/plant.cpp turns a sensor that leans forward and right.
+        contract::write_slot(rates, kYaw, std::lround(turn_deg_s * std::cos(10 * kDeg) * 100));
+        contract::write_slot(rates, kPitch, std::lround(turn_deg_s * std::sin(3 * kDeg) * 100));
+        contract::write_slot(rates, kRoll, std::lround((lost_deg_s - turn_deg_s * std::sin(10 * kDeg)) * 100));
+        hoist.extra.push_back(rates);
+        hoist.step();
+      }
+      EXPECT_EQ(hoist.has_fault(Fault::tilt_sensor_fault), lost_deg_s != 0);
+    }
+}
+
 // Slower slips, straight on and in a bend of 40 deg/s, are noticed within 200 ms too.
 TEST(Monitors, H10ASlowSlipIsNoticedWithin200ms) {
   for (const double slip_deg_s : {8.0, -14.0}) {

@@ -116,7 +116,7 @@ StillWindow<kCalibrationChannels>::Values look(const CoreState& state) noexcept 
   const Calibration& c = state.motion.calibration;
   return {sensed.left_strut.sent_alpha_rad(), sensed.left_strut.sent_beta_rad(),   sensed.right_strut.sent_alpha_rad(),
           sensed.right_strut.sent_beta_rad(), sensed.base.sent_alpha_rad(),        sensed.base.sent_beta_rad(),
-          static_cast<double>(c.left_counts), static_cast<double>(c.right_counts), sensed.base.yaw_rate_rad_s()};
+          static_cast<double>(c.left_counts), static_cast<double>(c.right_counts), sensed.base.sent_yaw_rate_rad_s()};
 }
 
 double widest_angle_rad(const StillWindow<kCalibrationChannels>& window) noexcept {
@@ -456,7 +456,7 @@ bool advance_calibration(CoreState& state, double dt_s) noexcept {
   const Estimate& sensed = state.sensed;
   c.left_counts += sensed.left_drive.moved_counts();
   c.right_counts += sensed.right_drive.moved_counts();
-  c.turned_rad += (sensed.base.yaw_rate_rad_s() - state.params.base_yaw_bias_rad_s) * dt_s;
+  c.turned_rad += sensed.base.yaw_rate_rad_s() * dt_s;
   if (sensed.tilts_lost() || sensed.drives_lost()) {
     c.reason = CalibrationReason::sensor_lost;
     return false;

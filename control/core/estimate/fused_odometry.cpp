@@ -126,6 +126,9 @@ void FusedOdometry::update(const Odometry& wheels, const DriveSensor& left, cons
     slip_rate_rad_s_ = 0;
     yaw_rate_rad_s_ = wheels.yaw_rate_rad_s;
   } else {
+    // A new calibration takes away what was learnt here: the bias is the rest.
+    if (gyro_used_) bias_rad_s_ -= derived.base_yaw_bias_rad_s - calibrated_rad_s_;
+    calibrated_rad_s_ = derived.base_yaw_bias_rad_s;
     gyro_used_ = true;
     use_gyro(base.yaw_rate_rad_s(), wheels.yaw_rate_rad_s, travel.turn_rad, dt_s);
   }

@@ -29,7 +29,7 @@ class FusedOdometry {
   [[nodiscard]] const law::Pose<double>& pose() const noexcept { return pose_; }
   /// Left positive; of the encoders while they grip, of the gyroscope without its bias while they do not.
   [[nodiscard]] double yaw_rate_rad_s() const noexcept { return yaw_rate_rad_s_; }
-  /// What the gyroscope shows at rest beyond what its node has taken away already.
+  /// What the gyroscope shows at rest beyond what its node and the calibration (base_yaw_bias_rad_s) have taken away already.
   [[nodiscard]] double gyro_bias_rad_s() const noexcept { return bias_rad_s_; }
   /// How much faster the encoders turn than the gyroscope, smoothed over 50 ms.
   [[nodiscard]] double slip_rate_rad_s() const noexcept { return slip_rate_rad_s_; }
@@ -52,8 +52,9 @@ class FusedOdometry {
   double apart_rad_ = 0, bias_rad_s_ = 0;
   // Their covariance; at first nothing is known about the bias but its size.
   double p_apart_ = 0, p_cross_ = 0, p_bias_ = kBiasAtStart_rad_s * kBiasAtStart_rad_s;
-  double offset_rad_ = 0;      // all that earlier slips have turned the hoist beyond the encoders
-  double given_away_rad_ = 0;  // what corrections took from `apart` lately
+  double calibrated_rad_s_ = 0;  // taken away by calibration when the bias was learnt
+  double offset_rad_ = 0;        // all that earlier slips have turned the hoist beyond the encoders
+  double given_away_rad_ = 0;    // what corrections took from `apart` lately
   std::uint16_t slip_ticks_ = 0, quiet_ticks_ = 0, still_ticks_ = 0;
   bool gyro_used_ = false;
 

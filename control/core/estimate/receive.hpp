@@ -58,7 +58,7 @@ inline constexpr auto kNodeOfId = [] {
       switch (kind) {
         case contract::NodeKind::tilt:
           if (!fits(Pdo::tilt_tx2)) return false;
-          tilt.take_rates(frame);
+          tilt.take_rates(frame, node == Node::tilt_base ? derived.base_yaw_bias_rad_s : 0.0);
           return true;
         case contract::NodeKind::drive:
           if (!fits(Pdo::drive_tx2)) return false;

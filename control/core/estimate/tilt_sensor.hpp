@@ -13,6 +13,7 @@ namespace hoist::core {
 /// What a sensor says while its strut stands upright (calibration); taken off every angle.
 struct TiltZero {
   double alpha_rad = 0, beta_rad = 0;
+  bool operator==(const TiltZero&) const = default;
 };
 
 /// Bits of 2120h.
@@ -75,7 +76,7 @@ class TiltSensor {
     fresh_.renew();
   }
 
-  void take_rates(const contract::CanFrame& frame) noexcept {
+  void take_rates(const contract::CanFrame& frame, double yaw_bias_rad_s = 0) noexcept {
     using contract::Pdo;
     constexpr auto kYaw = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 1), kPitch = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 2),
                    kRoll = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 3);
@@ -92,7 +93,8 @@ class TiltSensor {
     rates_counted_ = true;
     rates_fresh_.renew();
     raw_rates_ = raw;
-    yaw_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kYaw)) * (kYaw.scale * kRadPerDeg);
+    sent_yaw_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kYaw)) * (kYaw.scale * kRadPerDeg);
+    yaw_rate_rad_s_ = sent_yaw_rate_rad_s_ - yaw_bias_rad_s;
     pitch_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kPitch)) * (kPitch.scale * kRadPerDeg);
     roll_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kRoll)) * (kRoll.scale * kRadPerDeg);
   }
@@ -114,7 +116,9 @@ class TiltSensor {
   /// From the difference of the last two samples.
   [[nodiscard]] double alpha_rate_rad_s() const noexcept { return alpha_rate_rad_s_; }
   [[nodiscard]] double beta_rate_rad_s() const noexcept { return beta_rate_rad_s_; }
+  /// Without the calibrated rate at rest (of the chassis; of the struts nobody measures one).
   [[nodiscard]] double yaw_rate_rad_s() const noexcept { return yaw_rate_rad_s_; }
+  [[nodiscard]] double sent_yaw_rate_rad_s() const noexcept { return sent_yaw_rate_rad_s_; }
   [[nodiscard]] double pitch_rate_rad_s() const noexcept { return pitch_rate_rad_s_; }
   [[nodiscard]] double roll_rate_rad_s() const noexcept { return roll_rate_rad_s_; }
   /// The three rates came in this step.
@@ -158,7 +162,7 @@ class TiltSensor {
   double alpha_rad_ = 0, beta_rad_ = 0;
   double sent_alpha_rad_ = 0, sent_beta_rad_ = 0;
   double alpha_rate_rad_s_ = 0, beta_rate_rad_s_ = 0;
-  double yaw_rate_rad_s_ = 0, pitch_rate_rad_s_ = 0, roll_rate_rad_s_ = 0;
+  double sent_yaw_rate_rad_s_ = 0, yaw_rate_rad_s_ = 0, pitch_rate_rad_s_ = 0, roll_rate_rad_s_ = 0;
   Freshness fresh_, heard_, rates_fresh_;
   RawAngles raw_, raw_step_;
   std::array<std::int32_t, 3> raw_rates_{};

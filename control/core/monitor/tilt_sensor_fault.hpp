@@ -2,7 +2,8 @@
 //
 // Its self-test has failed, at once; its samples are invalid or its gyroscope saturated, for 50 ms. R2 within 60 ms.
 // The rates that it sends add up to more than drift_rad_max in ten seconds, which a thing that stops at 15 degrees cannot do: its gyroscope
-// has lost its zero. R2 as soon as they do. Sensors that send no rates are not judged so.
+// has lost its zero. R2 as soon as they do. Sensors that send no rates are not judged so. A sensor that leans feels part of the hoist's turn
+// as pitch and roll; in a long bend that adds up like a lost zero, so the chassis' turn rate is taken off first.
 #pragma once
 #include <array>
 #include <cmath>
@@ -22,9 +23,11 @@ class TiltSensorFault {
     const bool right = bad(view.sensed.right_strut, bad_ticks_[1]);
     const bool base = bad(view.sensed.base, bad_ticks_[2]);
     const double drift_rad = threshold<kFault, "drift">(view.params.drift_rad_max);
-    const bool left_drifts = drifts(view.sensed.left_strut, drifts_[0], drift_rad, view.dt_s);
-    const bool right_drifts = drifts(view.sensed.right_strut, drifts_[1], drift_rad, view.dt_s);
-    const bool base_drifts = drifts(view.sensed.base, drifts_[2], drift_rad, view.dt_s);
+    const TiltSensor& chassis = view.sensed.base;
+    const double turn_rad_s = chassis.rates_fresh().lost() ? 0.0 : chassis.yaw_rate_rad_s();
+    const bool left_drifts = drifts(view.sensed.left_strut, turn_rad_s, drifts_[0], drift_rad, view.dt_s);
+    const bool right_drifts = drifts(view.sensed.right_strut, turn_rad_s, drifts_[1], drift_rad, view.dt_s);
+    const bool base_drifts = drifts(view.sensed.base, turn_rad_s, drifts_[2], drift_rad, view.dt_s);
     return view.mode != contract::Mode::init && (left || right || base || left_drifts || right_drifts || base_drifts);
   }
 
@@ -38,10 +41,11 @@ class TiltSensorFault {
   static constexpr double kDrift_s = 10.0;  // H8
 
   // What the rates add up to, with a memory of ten seconds.
-  [[nodiscard]] static bool drifts(const TiltSensor& tilt, Drift& drift, double limit_rad, double dt_s) noexcept {
+  [[nodiscard]] static bool drifts(const TiltSensor& tilt, double turn_rad_s, Drift& drift, double limit_rad, double dt_s) noexcept {
     if (tilt.rates_now()) {
-      drift.pitch_rad += tilt.pitch_rate_rad_s() * dt_s;
-      drift.roll_rad += tilt.roll_rate_rad_s() * dt_s;
+      // The upright seen from a sensor that leans forward and right; as it sent its angles, because its mounting leans too.
+      drift.pitch_rad += (tilt.pitch_rate_rad_s() - turn_rad_s * std::sin(tilt.sent_beta_rad())) * dt_s;
+      drift.roll_rad += (tilt.roll_rate_rad_s() + turn_rad_s * std::sin(tilt.sent_alpha_rad())) * dt_s;
     }
     const double keep = 1.0 - dt_s / kDrift_s;
     drift.pitch_rad *= keep;

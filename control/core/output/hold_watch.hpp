@@ -31,7 +31,7 @@ class HoldWatch {
   static constexpr std::uint8_t kMovingTicks = 30;
   static constexpr double kWheel_m_s = 0.05;
   // A wheel whose encoder is dead is seen by the chassis' gyro alone: 0.05 m/s at one wheel of 0.7 m track is 4 degrees per second. The
-  // gyro's own offset is below one.
+  // gyro's own offset, less what calibration found, is below one.
   static constexpr double kTurn_rad_s = 0.07;
 
   [[nodiscard]] static bool moves(const Estimate& sensed) noexcept {

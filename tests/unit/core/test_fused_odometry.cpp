@@ -50,7 +50,7 @@ struct Bench {
       contract::CanFrame rates{contract::pdo_cob_id(Pdo::tilt_tx2, Node::tilt_base), 6, 0, {}};
       const double shown_deg_s = true_deg_s + gyro_bias_deg_s + 0.17 * random();  // 0.1 deg/s, evenly spread
       contract::write_slot(rates, contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 1), std::lround(shown_deg_s * 100));
-      sensed.base.take_rates(rates);
+      sensed.base.take_rates(rates, derived.base_yaw_bias_rad_s);
     }
     if (drives) {
       take(Node::drive_left, sensed.left_drive, left_m / derived.odometry.left_m_per_count);
@@ -117,6 +117,29 @@ TEST(FusedOdometry, H10AWrongTrackWidthIsNoSlipAndTeachesNoBias) {
     ASSERT_FALSE(bench.sensed.slipping()) << i;
   }
   EXPECT_LT(std::fabs(bench.sensed.fused.gyro_bias_rad_s()) / kDeg_rad, 0.05);
+}
+
+// What calibration found is taken off the rate itself; what is learnt here is the rest, also when a calibration comes later.
+TEST(FusedOdometry, H10WhatCalibrationFoundIsTakenOffOnce) {
+  Bench bench;
+  bench.gyro_bias_deg_s = 2.5;
+  bench.params.base_yaw_bias_rad_s = 2.5 * kDeg_rad;
+  bench.derived = derive(bench.params);
+  bench.run(1, 0.4, 0);  // no time to learn anything
+  EXPECT_FALSE(bench.sensed.slipping());
+  EXPECT_NEAR(bench.sensed.base.yaw_rate_rad_s() / kDeg_rad, 0, 0.2);
+  EXPECT_NEAR(bench.sensed.base.sent_yaw_rate_rad_s() / kDeg_rad, 2.5, 0.2);
+  EXPECT_NEAR(bench.sensed.fused.gyro_bias_rad_s() / kDeg_rad, 0, 0.1);
+  bench.gyro_bias_deg_s = 3.3;
+  bench.run(3, 0, 0);
+  const double rest_deg_s = bench.sensed.fused.gyro_bias_rad_s() / kDeg_rad;
+  EXPECT_NEAR(rest_deg_s, 0.8, 0.2);
+  bench.params.base_yaw_bias_rad_s = 2.9 * kDeg_rad;
+  bench.derived = derive(bench.params);
+  bench.step(0, 0);
+  EXPECT_NEAR(bench.sensed.fused.gyro_bias_rad_s() / kDeg_rad, rest_deg_s - 0.4, 0.02);
+  bench.run(3, 0.4, 0);
+  EXPECT_FALSE(bench.sensed.slipping());
 }
 
 TEST(FusedOdometry, H10TheBiasIsLearntStandingAndKeptUpWalking) {
