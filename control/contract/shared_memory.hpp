@@ -38,6 +38,7 @@ struct SeqRing {
 
 struct ParamsInForce {
   std::uint64_t version = 0;
+  std::uint64_t defaults_after_damage = 0;  // 1: nobody chose these, they stand in for settings that were damaged; not to be stored
   std::array<double, kParamCount> values{};
   std::array<double, kParamCount> kept{};  // the same, without what is only on trial: what the next start begins with
 };
@@ -76,8 +77,9 @@ struct CommandSegment {
 
 constexpr std::uint64_t layout_hash() {
   std::uint64_t hash = kHashStart;
-  for (std::uint64_t part : {params_hash(), signals_hash(), faults_hash(), std::uint64_t{sizeof(StateSegment)},
-                             std::uint64_t{sizeof(CommandSegment)}, std::uint64_t{sizeof(Command)}, std::uint64_t{kTickSlots}})
+  for (std::uint64_t part :
+       {params_hash(), signals_hash(), faults_hash(), std::uint64_t{sizeof(StateSegment)}, std::uint64_t{sizeof(CommandSegment)},
+        std::uint64_t{sizeof(ParamsInForce)}, std::uint64_t{sizeof(Command)}, std::uint64_t{kTickSlots}})
     hash = hash_number(hash, part);
   return hash;
 }

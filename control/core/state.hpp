@@ -55,19 +55,25 @@ struct Motion {
 struct PendingAcknowledge {
   std::uint32_t request_id = 0, client = 0;
   std::uint8_t ticks_left = 0;
+  std::uint8_t bumpers = 0;  // that touched when it was pressed, and have touched ever since
 };
 
 struct CoreState {
   CoreState() : CoreState(contract::Params{}) {}
   /// The parameters are taken as they are; load_params checks.
   explicit CoreState(const contract::Params& initial)
-      : params(initial), live(initial), sent_to_nodes(initial), seal{initial, params_crc(initial)}, derived(derive(initial)) {}
+      : params(initial),
+        live(initial),
+        sent_to_nodes(initial),
+        seal{initial, derive(initial), params_crc(initial)},
+        derived(derive(initial)) {}
 
   contract::Params params;         // in force: what was last set, and what the limits are
   contract::Params live;           // the same, but for gains that are still on their way there
   contract::Params sent_to_nodes;  // what the master was told to write
   ParamSeal seal;
   bool slewing = false;
+  bool defaults_after_damage = false;  // in force because both copies were damaged, until somebody sets a parameter
   Trial trial;
   Derived derived;
   std::uint64_t parameter_version = 1;

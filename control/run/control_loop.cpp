@@ -87,6 +87,7 @@ void ControlLoop::publish_frames(std::span<const contract::CanFrame> frames, std
 void ControlLoop::publish_params() noexcept {
   contract::ParamsInForce params;
   params.version = state_.parameter_version;
+  params.defaults_after_damage = state_.defaults_after_damage ? 1U : 0U;
   for (std::size_t i = 0; i < contract::kParamCount; ++i) {
     params.values[i] = contract::get_param(state_.params, i);
     params.kept[i] = core::kept_param(state_, i);

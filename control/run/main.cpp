@@ -315,14 +315,10 @@ int main(int argc, char** argv) {
     }
     if (const std::string news = link->serve(100); !news.empty()) std::cout << "hoist-control: " << news << std::endl;
     contract::ParamsInForce in_force;
-    if (options.params.empty() || !link->params(in_force) || in_force.kept == before.kept) continue;
-    contract::Params to_store = stored;
-    for (std::size_t i = 0; i < contract::kParamCount; ++i) {
-      const bool only_this_run =
-          in_force.kept[i] == contract::get_param(params, i) && contract::get_param(params, i) != contract::get_param(stored, i);
-      if (!only_this_run) contract::set_param_unchecked(to_store, i, in_force.kept[i]);
-    }
-    if (const std::string problem = run::save_parameter_file(options.params, to_store); !problem.empty())
+    if (options.params.empty() || !link->params(in_force)) continue;
+    const std::optional<contract::Params> to_store = run::params_to_store(in_force, before, params, stored);
+    if (!to_store) continue;
+    if (const std::string problem = run::save_parameter_file(options.params, *to_store); !problem.empty())
       std::cerr << "hoist-control: parameters not stored: " << problem << std::endl;
     before = in_force;
   }

@@ -68,6 +68,18 @@ LoadedParams load_parameter_file(const std::string& path) {
   return loaded;
 }
 
+std::optional<contract::Params> params_to_store(const contract::ParamsInForce& in_force, const contract::ParamsInForce& before,
+                                                const contract::Params& started_with, const contract::Params& stored) {
+  if (in_force.defaults_after_damage != 0 || in_force.kept == before.kept) return std::nullopt;
+  contract::Params to_store = stored;
+  for (std::size_t i = 0; i < contract::kParamCount; ++i) {
+    const double started = contract::get_param(started_with, i);
+    const bool only_this_run = in_force.kept[i] == started && started != contract::get_param(stored, i);
+    if (!only_this_run) contract::set_param_unchecked(to_store, i, in_force.kept[i]);
+  }
+  return to_store;
+}
+
 std::string save_parameter_file(const std::string& path, const contract::Params& params) {
   json values = json::object();
   for (std::size_t i = 0; i < contract::kParamCount; ++i) values[std::string(contract::kParams[i].name)] = contract::get_param(params, i);

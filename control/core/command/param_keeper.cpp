@@ -45,6 +45,7 @@ void tell(CoreState& state, EventKind kind, const Asked& asked, std::uint32_t co
 
 void seal(CoreState& state) noexcept {
   state.seal.copy = state.params;
+  state.seal.derived = state.derived;
   state.seal.crc = params_crc(state.params);
 }
 
@@ -106,18 +107,52 @@ void write_rows(CoreState& state, const Staging& set, const Asked& asked) noexce
   return nullptr;
 }
 
-void look_for_damage(CoreState& state) noexcept {
+[[nodiscard]] bool same_bits(const Params& a, const Params& b) noexcept {
   // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): bits, not values, are what damaged memory changes
-  if (std::memcmp(&state.params, &state.seal.copy, sizeof(Params)) == 0) return;
+  return std::memcmp(&a, &b, sizeof(Params)) == 0;
+}
+
+// Whatever a step decides by: the table, the gains as the laws see them (on their way they have no copy), and what follows from the table.
+[[nodiscard]] bool damaged(const CoreState& state) noexcept {
+  return !same_bits(state.params, state.seal.copy) || (!state.slewing && !same_bits(state.live, state.params)) ||
+         state.derived != state.seal.derived;
+}
+
+// Puts the rows on trial back to what was there before. That memory has no copy, so it is looked at when it is used: false when a value is
+// none of its row or the rows do not fit together, which a commit had made sure of; such rows stay as they are.
+[[nodiscard]] bool take_back(const Trial& trial, Params& params) noexcept {
+  bool whole = true;
+  Params back = params;
+  for (std::size_t i = 0; i < contract::kParamCount; ++i) {
+    if (!trial.on_trial[i]) continue;
+    const double value = contract::get_param(trial.before, i);
+    if (contract::check_param(i, value) == contract::ParamCheck::ok) {
+      contract::set_param_unchecked(back, i, value);
+    } else {
+      whole = false;
+    }
+  }
+  if (contract::check_param_set(back) != nullptr) return false;
+  params = back;
+  return whole;
+}
+
+void look_for_damage(CoreState& state) noexcept {
+  if (!damaged(state)) return;
   if (!watches(contract::Fault::parameters_corrupt)) return;
   const Params* whole = whole_copy(state);
-  const Params good = whole != nullptr ? *whole : Params{};
+  Params good = whole != nullptr ? *whole : Params{};
+  // Both copies hold what is only being tried; nobody is to keep that because of a damage.
+  const bool tried = state.trial.left_s > 0;
+  if (tried && whole != nullptr) static_cast<void>(take_back(state.trial, good));
   const Params told = state.sent_to_nodes;
   install_params(state, good);
+  if (whole == nullptr) state.defaults_after_damage = true;
   state.master.params_changed(told, state.live);
   ++state.parameter_version;
   state.params_changed = true;
   state.trial = {};
+  if (tried) tell(state, EventKind::parameters_reverted, {}, static_cast<std::uint32_t>(state.parameter_version), 0);
   raise_fault(state, contract::Fault::parameters_corrupt);
 }
 
@@ -153,7 +188,8 @@ void put_into_force(CoreState& state, const Staging& set, const Asked& asked, do
     for (const Staging::Row& row : set.rows) trial.on_trial[row.index] = true;
     trial.left_s = trial_s;
   } else {
-    // Meant to stay: what was tried in these rows before is settled.
+    // Meant to stay: what was tried in these rows before is settled. Whoever sets a value has seen the others.
+    state.defaults_after_damage = false;
     for (const Staging::Row& row : set.rows) {
       contract::set_param_unchecked(trial.before, row.index, row.value);
       trial.on_trial[row.index] = false;
@@ -172,6 +208,7 @@ void put_into_force(CoreState& state, const Staging& set, const Asked& asked, do
 bool confirm_trial(CoreState& state, const Asked& asked) noexcept {
   if (state.trial.left_s <= 0) return false;
   state.trial = {};
+  state.defaults_after_damage = false;
   state.params_changed = true;  // the same values, but from now on they are to be kept
   tell(state, EventKind::parameters_confirmed, asked, static_cast<std::uint32_t>(state.parameter_version), 0);
   return true;
@@ -179,12 +216,15 @@ bool confirm_trial(CoreState& state, const Asked& asked) noexcept {
 
 bool revert_trial(CoreState& state, const Asked& asked) noexcept {
   if (state.trial.left_s <= 0) return false;
+  Params before = state.params;
+  const bool whole = take_back(state.trial, before);
   Staging back;
   for (std::size_t i = 0; i < contract::kParamCount; ++i)
-    if (state.trial.on_trial[i]) static_cast<void>(back.rows.push_back({i, contract::get_param(state.trial.before, i)}));
+    if (state.trial.on_trial[i]) static_cast<void>(back.rows.push_back({i, contract::get_param(before, i)}));
   state.trial = {};
   write_rows(state, back, asked);
   tell(state, EventKind::parameters_reverted, asked, static_cast<std::uint32_t>(state.parameter_version), 0);
+  if (!whole) raise_fault(state, contract::Fault::parameters_corrupt);
   return true;
 }
 

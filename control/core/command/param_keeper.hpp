@@ -7,6 +7,7 @@
 
 #include "control/contract/params.hpp"
 #include "control/core/command/staging.hpp"
+#include "control/core/derived.hpp"
 
 namespace hoist::core {
 
@@ -24,9 +25,10 @@ inline constexpr double kSlew_per_s = 0.2, kSlewFloor = 0.05;
   return true;
 }
 
-/// A second copy and the checksum both must have.
+/// A second copy, also of what follows from it, and the checksum that both copies of the parameters must have.
 struct ParamSeal {
   contract::Params copy;
+  Derived derived;
   std::uint32_t crc = 0;
 };
 [[nodiscard]] std::uint32_t params_crc(const contract::Params& params) noexcept;

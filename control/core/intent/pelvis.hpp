@@ -23,6 +23,7 @@ template <typename Real>
 struct PelvisGeometry {
   Real strut_length_m{Real(0.80)};
   Real strut_spacing_m{Real(0.60)};
+  bool operator==(const PelvisGeometry&) const = default;
 };
 
 /// Displacement of the harness. dy is a measure of gait quality only and never drives the machine.
@@ -71,6 +72,7 @@ template <typename Real>
 struct PelvisRange {
   Real dx_max_m{};
   Real dpsi_max_rad{};
+  bool operator==(const PelvisRange&) const = default;
 };
 
 /// The range reached with both struts at `limit_rad` (15 deg is the mechanical stop): the value of (1), and of (3) with one strut
@@ -86,6 +88,7 @@ template <typename Real>
 struct PelvisNeutral {
   Real dx0_m{};
   Real dpsi0_rad{};
+  bool operator==(const PelvisNeutral&) const = default;
 };
 
 /// The normalised wish, each part in [-1, 1].

@@ -23,6 +23,7 @@ struct OdometryConfig {
   Real right_m_per_count{};
   Real track_m{};  ///< d_ww
   OdometryMethod method{OdometryMethod::kEuler};
+  bool operator==(const OdometryConfig&) const = default;
 };
 
 /// Pose on the floor. The heading is not wrapped: whole turns count.

@@ -254,6 +254,40 @@ TEST(Parameters, H27DamageInBothCopiesLeavesTheDefaults) {
   hoist.step();
   EXPECT_EQ(hoist.state.mode, Mode::fault);
   EXPECT_TRUE(same(hoist.state.params, contract::Params{}));
+  EXPECT_TRUE(hoist.state.defaults_after_damage) << "nobody chose them, and nobody stores them";
+  hoist.step(200);
+  ASSERT_EQ(hoist.ask(CommandKind::acknowledge, 7, 0, kEngineer), 0U);
+  ASSERT_TRUE(hoist.reach(Mode::standby));
+  EXPECT_TRUE(hoist.state.defaults_after_damage);
+  ASSERT_EQ(set(hoist, {{ParamName::lean_gain_direct_units, 4}}), 0U);
+  EXPECT_FALSE(hoist.state.defaults_after_damage) << "whoever sets one has seen the others";
+}
+
+// The gains as the laws see them, and what follows from the table, decide as much as the table does.
+TEST(Parameters, H27DamageBesideTheTableIsFoundAndMendedToo) {
+  struct Case {
+    const char* name;
+    double& (*where)(CoreState&);
+  };
+  for (const Case& c : {Case{"a gain", [](CoreState& s) -> double& { return s.live.lean_gain_direct_units; }},
+                        Case{"a cap", [](CoreState& s) -> double& { return s.live.speed_cap_norm; }},
+                        Case{"motor", [](CoreState& s) -> double& { return s.derived.left_motor_per_m; }},
+                        Case{"track", [](CoreState& s) -> double& { return s.derived.odometry.track_m; }},
+                        Case{"range", [](CoreState& s) -> double& { return s.derived.range.dx_max_m; }},
+                        Case{"neutral", [](CoreState& s) -> double& { return s.derived.neutral.dpsi0_rad; }},
+                        Case{"struts", [](CoreState& s) -> double& { return s.derived.geometry.strut_length_m; }},
+                        Case{"zero", [](CoreState& s) -> double& { return s.derived.right_zero.beta_rad; }},
+                        Case{"their copy", [](CoreState& s) -> double& { return s.seal.derived.right_counts_per_s_max; }}}) {
+    SCOPED_TRACE(c.name);
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    const double sound = c.where(hoist.state);
+    c.where(hoist.state) = sound + 0.01;
+    hoist.step();
+    EXPECT_EQ(hoist.state.mode, Mode::fault);
+    EXPECT_TRUE(hoist.has_fault(contract::Fault::parameters_corrupt));
+    EXPECT_EQ(c.where(hoist.state), sound);
+  }
 }
 
 TEST(Parameters, H27DamageWhileWalkingStopsOnTheRampOfSoundOnes) {
@@ -414,6 +448,39 @@ TEST(TrialOfSettings, IsOnlyForWhatMayChangeWhileMovingAndForASensibleTime) {
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, -1), refusal_bit(Refusal::out_of_range));
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, NAN), refusal_bit(Refusal::not_finite));
   EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 2);
+}
+
+TEST(TrialOfSettings, H27DamageEndsItWithWhatWasThereBefore) {
+  for (const bool in_copy : {false, true}) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.start(Mode::user));
+    ASSERT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 60), 0U);
+    contract::Params& hit = in_copy ? hoist.state.seal.copy : hoist.state.params;
+    hit.lean_range_rad = 0.3;
+    hoist.step();
+    EXPECT_TRUE(hoist.has_fault(contract::Fault::parameters_corrupt));
+    EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 2) << "a damage keeps nothing that was only tried";
+    EXPECT_EQ(kept_param(hoist.state, contract::param_index(ParamName::lean_gain_direct_units)), 2);
+    EXPECT_EQ(hoist.state.trial.left_s, 0);
+    EXPECT_EQ(hoist.count(EventKind::parameters_reverted), 1);
+    EXPECT_FALSE(hoist.state.defaults_after_damage);
+  }
+}
+
+TEST(TrialOfSettings, H27DamageInWhatIsToComeBackIsFoundBeforeItIsInForce) {
+  for (const double wrong : {static_cast<double>(NAN), 50.0, 0.6}) {  // none, out of its range, does not fit the others
+    SCOPED_TRACE(wrong);
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    ASSERT_EQ(set(hoist, {{ParamName::speed_m_s_max, 0.4}}), 0U);
+    ASSERT_EQ(attempt(hoist, {{ParamName::remote_speed_m_s_max, 0.2}}, 60), 0U);
+    hoist.state.trial.before.remote_speed_m_s_max = wrong;
+    hoist.ask(CommandKind::revert_parameters, 7, 0, kTherapist);
+    EXPECT_EQ(hoist.state.params.remote_speed_m_s_max, 0.2);
+    EXPECT_EQ(contract::check_param_set(hoist.state.params), nullptr);
+    EXPECT_TRUE(hoist.has_fault(contract::Fault::parameters_corrupt));
+    EXPECT_EQ(hoist.state.mode, Mode::fault);
+  }
 }
 
 // A trial that ends must leave a set that fits together, whatever was set to stay meanwhile.

@@ -81,5 +81,30 @@ TEST_F(ParameterFile, AFailedSaveSaysWhyAndLeavesTheOldFile) {
   EXPECT_NE(save_parameter_file("/nowhere/parameters.json", contract::Params{}).find("/nowhere"), std::string::npos);
 }
 
+// What the loop writes: never the defaults that stand in for damaged settings, and of --set only what somebody changed since.
+TEST_F(ParameterFile, KeepsWhatItHasWhenDefaultsStandInForDamagedSettings) {
+  contract::Params stored;
+  stored.lean_gain_direct_units = 3;
+  contract::Params started = stored;
+  started.turn_gain_direct_units = 5;  // --set
+  const auto in_force = [](const contract::Params& params) {
+    contract::ParamsInForce now;
+    for (std::size_t i = 0; i < contract::kParamCount; ++i) now.values[i] = now.kept[i] = contract::get_param(params, i);
+    return now;
+  };
+  const contract::ParamsInForce before = in_force(started);
+  EXPECT_FALSE(params_to_store(before, before, started, stored)) << "nothing has changed";
+  contract::ParamsInForce damaged = in_force(contract::Params{});
+  damaged.defaults_after_damage = 1;
+  EXPECT_FALSE(params_to_store(damaged, before, started, stored)) << "the file is the last place that knows better";
+  contract::Params changed = started;
+  changed.speed_cap_norm = 0.5;
+  const auto to_store = params_to_store(in_force(changed), before, started, stored);
+  ASSERT_TRUE(to_store);
+  EXPECT_EQ(to_store->speed_cap_norm, 0.5);
+  EXPECT_EQ(to_store->lean_gain_direct_units, 3);
+  EXPECT_EQ(to_store->turn_gain_direct_units, stored.turn_gain_direct_units) << "for this run only";
+}
+
 }  // namespace
 }  // namespace hoist::run
