@@ -102,7 +102,7 @@ TEST(EmergencyStop, TheNodesAreMetAnewAfterwards) {
 }
 
 TEST(EmergencyStop, ComesFromEveryMode) {
-  for (const Mode from : {Mode::standby, Mode::user, Mode::remote, Mode::protective_stop, Mode::calibrate, Mode::fault}) {
+  for (const Mode from : {Mode::standby, Mode::user, Mode::remote, Mode::guided, Mode::protective_stop, Mode::calibrate, Mode::fault}) {
     ScriptedHoist hoist;
     ASSERT_TRUE(hoist.ready());
     if (is_moving(from) || from == Mode::calibrate) {
@@ -122,6 +122,59 @@ TEST(EmergencyStop, ComesFromEveryMode) {
   starting.step(100);
   EXPECT_EQ(starting.state.mode, Mode::emergency_stop) << "pressed when the hoist is switched on";
   EXPECT_FALSE(starting.has_fault(Fault::tilt_left_lost)) << "there is one alarm, and it is the button";
+}
+
+// The way out of the emergency stop asks for no role, so it must not be a way around the engineer.
+TEST(EmergencyStop, H22_H27TheButtonLeadsNobodyAroundTheEngineer) {
+  for (const Fault fault : {Fault::control_fault, Fault::parameters_corrupt}) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    raise_fault(hoist.state, fault);
+    hoist.step(120);
+    ASSERT_EQ(hoist.state.mode, Mode::fault);
+    hoist.io.switches = 1;
+    hoist.step(100);
+    ASSERT_EQ(hoist.state.mode, Mode::emergency_stop);
+    hoist.io.switches = 0;
+    hoist.step(100);
+    ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
+    EXPECT_EQ(acknowledge_as(hoist, kTherapist), 0U) << "the button's own stop is over";
+    EXPECT_FALSE(hoist.has_fault(Fault::emergency_stop));
+    EXPECT_EQ(hoist.state.mode, Mode::fault);
+    EXPECT_TRUE(hoist.has_fault(fault));
+    hoist.step(200);
+    EXPECT_EQ(acknowledge_as(hoist, kTherapist), refusal_bit(Refusal::not_allowed));
+    EXPECT_EQ(acknowledge_as(hoist, kEngineer), 0U);
+    EXPECT_TRUE(hoist.reach(Mode::standby));
+    EXPECT_EQ(hoist.state.latched, 0U);
+  }
+}
+
+TEST(EmergencyStop, H22TheButtonDoesNotForgetHowOftenAFaultHasStopped) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  const auto press = [&hoist] {
+    hoist.step(200);
+    hoist.io.switches = 1;
+    hoist.step(100);
+    hoist.io.switches = 0;
+    hoist.step(100);
+    ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
+    ASSERT_EQ(acknowledge_as(hoist, kTherapist), 0U);
+  };
+  for (int i = 0; i < 2; ++i) stop_once(hoist, unplug, plug);
+  press();
+  ASSERT_TRUE(hoist.reach(Mode::standby));
+  unplug(hoist);
+  hoist.step(10);
+  plug(hoist);
+  ASSERT_TRUE(hoist.reach(Mode::fault, 300));
+  press();
+  ASSERT_EQ(hoist.state.mode, Mode::fault);
+  EXPECT_TRUE(hoist.has_fault(Fault::tilt_left_lost)) << "what it was about is still told";
+  hoist.step(200);
+  EXPECT_EQ(acknowledge_as(hoist, kTherapist), 0U) << "and a plug is still the therapist's to mend";
+  EXPECT_TRUE(hoist.reach(Mode::standby));
 }
 
 TEST(EmergencyStop, ARelayThatOpensWithoutAWordIsOneToo) {

@@ -352,11 +352,14 @@ std::uint32_t acknowledge(CoreState& state, contract::Role role, bool& wait) noe
   if (reset_left) state.left_control.reset_fault();
   if (reset_right) state.right_control.reset_fault();
   if (row->to == Mode::init) {
-    // Everything is looked at anew, each node met as if the hoist had just been switched on.
-    state.repeats.forget();
+    // Everything is looked at anew, each node met as if the hoist had just been switched on. But the button asks for no role: what put the
+    // hoist out of service stays, with its causes and counts, and INIT leads back to FAULT within this step.
+    const bool checked = row->guard == Guard::checked;
+    if (checked) state.repeats.forget();
+    const bool broken = !checked && (state.latched & kBreakdown) != 0;
     state.master.meet_all_again();
     change_mode(state, Mode::init);
-    clear_latched(state, kLatching);
+    clear_latched(state, broken ? kPowerOff : kLatching);
     return 0;
   }
   if ((state.conditions & kProtective & ~kBumper) != 0) {
@@ -373,10 +376,13 @@ void serve_pending(CoreState& state) noexcept {
   PendingAcknowledge& pending = state.pending;
   if (pending.ticks_left == 0) return;
   --pending.ticks_left;
+  pending.bumpers &= state.sensed.io.bumpers();
   const bool cleared = (state.conditions & kProtective & ~kBumper) == 0;
   if (!cleared && pending.ticks_left > 0 && state.mode == Mode::protective_stop) return;
   bool wait = false;
   std::uint32_t bits = cleared ? acknowledge(state, contract::Role::therapist, wait) : refusal_bit(Refusal::cause_not_cleared);
+  // What touched only after the press is a touch that nobody has acknowledged.
+  if (bits == 0) state.bumpers_acknowledged = pending.bumpers;
   pending.ticks_left = 0;
   Event event;
   event.kind = bits == 0 ? EventKind::command_done : EventKind::command_refused;

@@ -387,6 +387,34 @@ TEST(Modes, AcknowledgingADriveFaultResetsTheDrive) {
   EXPECT_EQ(hoist.state.latched, 0U);
 }
 
+// H13: the press was for what touched then, not for what touches when the drive is ready.
+TEST(Modes, ABumperPressedWhileTheDriveIsAwaitedIsNotAcknowledged) {
+  for (const bool let_go : {false, true}) {
+    ScriptedHoist hoist = in_mode(Mode::user);
+    hoist.drive_left.fault = true;
+    hoist.drive_left.ignores_reset = true;
+    if (let_go) hoist.io.bumpers = 1;
+    ASSERT_TRUE(hoist.reach(Mode::protective_stop, 5));
+    hoist.step(150);
+    const std::uint32_t id = hoist.send(CommandKind::acknowledge);
+    hoist.step(5);
+    ASSERT_GT(hoist.state.pending.ticks_left, 0);
+    if (let_go) {
+      hoist.io.bumpers = 0;
+      hoist.step(2);
+    }
+    hoist.io.bumpers = 1;
+    hoist.step(2);
+    hoist.drive_left.fault = false;
+    for (int i = 0; i < 60 && hoist.answer(id) == ~0U; ++i) hoist.step();
+    EXPECT_EQ(hoist.answer(id), 0U);
+    EXPECT_EQ(hoist.state.bumpers_acknowledged, 0);
+    hoist.step();
+    EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+    EXPECT_TRUE(hoist.has_fault(Fault::bumper_pressed));
+  }
+}
+
 TEST(Modes, AcknowledgingADriveThatStaysInFaultIsRefused) {
   ScriptedHoist hoist = in_mode(Mode::user);
   hoist.drive_left.fault = true;
