@@ -181,6 +181,8 @@ class SafetyGate {
     const double hardest_m_s2 = faster ? params.acceleration_m_s2_max : hardest_stop_m_s2(params);
     if (std::fabs(to.speed_m_s - from.speed_m_s) > hardest_m_s2 * dt_s + kRounding_m_s) return false;
     if (std::fabs(to.yaw_rate_rad_s - from.yaw_rate_rad_s) > params.yaw_acceleration_rad_s2_max * dt_s + rounding_rad_s) return false;
+    // A turn sweeps every corner sideways.
+    if (sharper && view.bumpers != 0) return false;
     return !faster || clear_of_bumpers(to.speed_m_s, view.bumpers);
   }
 

@@ -177,6 +177,19 @@ TEST_F(Gate, H13APressedBumperLetsNothingFasterThanAwayFromIt) {
   }
 }
 
+TEST_F(Gate, H13APressedBumperLetsNothingTurnFaster) {
+  for (const std::uint8_t bumper : {0, 1, 2, 4, 8})
+    for (const double turn_rad_s : {0.1, -0.1})
+      for (const double speed_m_s : {0.05, 0.0, -0.05}) {
+        SCOPED_TRACE(int{bumper});
+        bring_to(speed_m_s, turn_rad_s);
+        view.bumpers = bumper;
+        EXPECT_EQ(moving(speed_m_s, turn_rad_s * 1.01), bumper == 0) << "a turn sweeps every corner";
+        EXPECT_TRUE(moving(speed_m_s, turn_rad_s));
+        EXPECT_TRUE(moving(speed_m_s, turn_rad_s * 0.99)) << "and may always end";
+      }
+}
+
 TEST_F(Gate, AStopMayTakeOverAHoistThatRollsButNoOtherModeMay) {
   view.mode = Mode::protective_stop;
   EXPECT_TRUE(both(0.4));
