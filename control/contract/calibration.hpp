@@ -62,23 +62,28 @@ inline constexpr std::array kCalibrationSteps{
         "Strut spacing", "Empty harness. Hold the bar turned left by a measured angle, enter it, press Measure; then to the right (minus).",
         "Strebenabstand",
         "Leerer Gurt. Den Bügel um einen gemessenen Winkel nach links drehen, eingeben, Messen drücken; dann nach rechts (minus)."},
-    CalibrationStepInfo{CalibrationStep::wheel_radius, "wheel_radius", Role::engineer, ParamName::calibrated_wheel_radius_s, "m", 1.0, 20.0,
-                        2, "Wheel radius",
-                        "Push the hoist straight ahead along a measured way, enter it, press Measure; then back (minus).", "Radradius",
-                        "Das Gerät einen gemessenen Weg geradeaus schieben, eingeben, Messen drücken; dann zurück (minus)."},
     CalibrationStepInfo{
-        CalibrationStep::track, "track", Role::engineer, ParamName::calibrated_track_s, "rad", 3.1, 63.0, 2, "Track width",
-        "Turn the hoist on the spot by whole turns to the left, enter them, press Measure; then to the right (minus).", "Spurweite",
-        "Das Gerät auf der Stelle um ganze Drehungen nach links drehen, eingeben, Messen drücken; dann nach rechts (minus)."},
+        CalibrationStep::wheel_radius, "wheel_radius", Role::engineer, ParamName::calibrated_wheel_radius_s, "m", 1.0, 20.0, 2,
+        "Wheel radius",
+        "Release the brakes by hand. Push the hoist straight ahead along a measured way, enter it, press Measure; then back (minus).",
+        "Radradius",
+        "Die Bremsen von Hand lösen. Das Gerät einen gemessenen Weg geradeaus schieben, eingeben, Messen drücken; dann zurück (minus)."},
+    CalibrationStepInfo{CalibrationStep::track, "track", Role::engineer, ParamName::calibrated_track_s, "rad", 3.1, 63.0, 2, "Track width",
+                        "Release the brakes by hand. Turn the hoist on the spot by whole turns to the left, enter them, press Measure; "
+                        "then to the right (minus).",
+                        "Spurweite",
+                        "Die Bremsen von Hand lösen. Das Gerät auf der Stelle um ganze Drehungen nach links drehen, eingeben, Messen "
+                        "drücken; dann nach rechts (minus)."},
     CalibrationStepInfo{
         CalibrationStep::square, "square", Role::engineer, ParamName::calibrated_square_s, "m", 1.0, 20.0, 2, "Driven squares",
         "Drive the square once turning left and once turning right. Enter how far the hoist truly ended from where it says it did.",
         "Gefahrene Quadrate",
         "Das Quadrat einmal linksherum und einmal rechtsherum fahren. Eingeben, wie weit das Gerät wirklich von der angezeigten Stelle "
         "entfernt endete."},
-    CalibrationStepInfo{CalibrationStep::encoders, "encoders", Role::engineer, ParamName::calibrated_encoders_s, "", 0, 0, 0,
-                        "Wheel sensors", "Push the hoist forward by half a metre, then turn it left by a quarter.", "Radgeber",
-                        "Das Gerät einen halben Meter vorwärts schieben, dann um eine Vierteldrehung nach links drehen."},
+    CalibrationStepInfo{
+        CalibrationStep::encoders, "encoders", Role::engineer, ParamName::calibrated_encoders_s, "", 0, 0, 0, "Wheel sensors",
+        "Release the brakes by hand. Push the hoist forward by half a metre, then turn it left by a quarter.", "Radgeber",
+        "Die Bremsen von Hand lösen. Das Gerät einen halben Meter vorwärts schieben, dann um eine Vierteldrehung nach links drehen."},
     CalibrationStepInfo{CalibrationStep::bumpers, "bumpers", Role::therapist, ParamName::calibrated_bumpers_s, "", 0, 0, 0, "Bumpers",
                         "Press the bumpers one after the other: front, rear, left, right.", "Stoßfänger",
                         "Die Stoßfänger nacheinander drücken: vorn, hinten, links, rechts."},

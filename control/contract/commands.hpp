@@ -37,7 +37,7 @@ enum class CommandKind : std::uint32_t {
 
 // One request of a client, in order. `request_id` comes back in the event that answers it.
 struct Command {
-  std::uint64_t sequence = 0;  // counts up by one; anything else is refused as out_of_order
+  std::uint64_t sequence = 0;  // counts up by one; anything else but what can only stop is refused as out_of_order
   CommandKind kind = CommandKind::none;
   std::uint32_t request_id = 0;
   std::uint32_t client = 0;       // number the server gave to the connection; 0 is the server itself

@@ -1,4 +1,5 @@
-// CALIBRATE: sensors and geometry are measured by hand. The drives are off, so the hoist can be pushed; no wheel ever turns by itself here.
+// CALIBRATE: sensors and geometry are measured by hand. The drives are off, so the hoist can be pushed once its brakes are released by
+// hand; no wheel ever turns by itself here.
 #pragma once
 #include "control/core/calibrate/calibration.hpp"
 #include "control/core/modes/mode.hpp"

@@ -1,4 +1,5 @@
-// STANDBY: everything is there and nothing moves; the drives are off, so the hoist can be pushed by hand.
+// STANDBY: everything is there and nothing moves; the drives are off and their spring-applied brakes hold; the hoist can be pushed once
+// its brakes are released by hand.
 #pragma once
 #include "control/core/modes/mode.hpp"
 

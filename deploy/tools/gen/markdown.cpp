@@ -95,7 +95,8 @@ GeneratedFile faults_page() {
   constexpr std::array<std::string_view, 5> kMonitorReactions = {"warning", "R1", "R2", "R3", "R4"};
   out +=
       "\n## Monitors\n\nHow each fault is found. R1 soft stop to standby, R2 protective stop until acknowledged, R3 the drive stops by "
-      "itself, R4 power off. *Budget*: from the cause to the beginning of braking.\n\n" +
+      "itself, R4 power off. *Budget*: from the cause to the beginning of braking, by the rule that is there for a sudden "
+      "cause; a rule that waits longer says so under *threshold*.\n\n" +
       table_head({"fault", "hazards", "reaction", "budget", "threshold"});
   for (const auto& m : kMonitors) {
     out +=
