@@ -23,7 +23,7 @@ const free: Exercise = { shape: 'free' };
 const middle: Wish = { speed: 0, yaw: 0 };
 
 /** The pad. Inert unless `active`. */
-function Joystick({ active }: { active: boolean }) {
+function Joystick({ active, locked }: { active: boolean; locked: string }) {
   const pad = useRef<HTMLDivElement>(null);
   const knob = useRef<HTMLDivElement>(null);
   const reach_px = () => (pad.current?.clientWidth ?? 0) * 0.34;
@@ -58,7 +58,7 @@ function Joystick({ active }: { active: boolean }) {
         <path class="pad-arrow" d="M0-84-10-70H10zM0 84-10 70H10zM-84 0-70-10V10zM84 0 70-10V10z" />
       </svg>
       <div ref={knob} class="knob" />
-      <span class="pad-text">{active ? (held ? t('drive.held') : t('drive.hold')) : t('drive.locked')}</span>
+      <span class="pad-text">{active ? t(held ? 'drive.held' : 'drive.hold') : locked}</span>
     </div>
   );
 }
@@ -116,7 +116,7 @@ function DriveView() {
       <SlowLink />
       <div class="drive-body">
         <section class="card stick-card">
-          <Joystick active={active} />
+          <Joystick active={active} locked={!driving ? t('drive.locked') : mine ? '' : t('guided.other')} />
           <p class="hint">{t('drive.keys')}</p>
         </section>
         <section class="card floor-card drive-floor">

@@ -190,10 +190,10 @@ function TrialBar() {
         <strong>{t('tune.trial.title')}</strong> <span class="num">{t('tune.trial.left', { n: left_s })}</span>
       </p>
       <div class="trial-buttons">
-        <button type="button" onClick={() => void request.ask(undoSettings)}>
+        <button type="button" class="plain" onClick={() => void request.ask(undoSettings)}>
           {t('tune.trial.undo')}
         </button>
-        <button type="button" class="primary" onClick={() => void request.ask(keepSettings)}>
+        <button type="button" class="plain primary" onClick={() => void request.ask(keepSettings)}>
           {t('tune.trial.keep')}
         </button>
       </div>
