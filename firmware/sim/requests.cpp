@@ -270,7 +270,7 @@ Answer op_wire_bumper(World& world, const ProgramState&, const json& request) {
   const auto strip = number(request, "strip", 0, 3);
   const auto bit = number(request, "bit", 0, 255);
   if (!strip || *strip != std::floor(*strip)) return Refused{"strip: 0 front, 1 rear, 2 left, 3 right"};
-  if (!bit || *bit != std::floor(*bit)) return Refused{"bit: input that it is wired to, 0 to 7; 255 for none"};
+  if (!bit || *bit != std::floor(*bit) || (*bit > 7 && *bit < 255)) return Refused{"bit: input that it is wired to, 0 to 7; 255 for none"};
   world.plant().wire_bumper(static_cast<std::size_t>(*strip), static_cast<std::uint8_t>(*bit));
   return kDone;
 }

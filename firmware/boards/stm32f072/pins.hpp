@@ -43,6 +43,7 @@ inline constexpr float kBus_v_per_count = kBusDivider * kAdcReference_v / kAdcCo
 
 // ---- io
 inline constexpr Pin kBumperFront{'A', 0}, kBumperRear{'A', 1}, kBumperLeft{'A', 2}, kBumperRight{'A', 3};
+// Bit 0 of the object: a contact of the emergency stop chain, to ground, open when it is pressed. Bits 1 to 3: closed to ground = 1.
 inline constexpr Pin kSwitch0{'B', 5}, kSwitch1{'B', 10}, kSwitch2{'B', 11}, kSwitch3{'B', 15};
 inline constexpr Pin kOutput0{'A', 6}, kOutput1{'A', 7}, kOutput2{'A', 8}, kOutput3{'B', 0}, kOutput4{'B', 1}, kOutput5{'B', 2},
     kOutput6{'B', 6}, kOutput7{'B', 7};

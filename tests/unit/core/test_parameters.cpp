@@ -554,7 +554,7 @@ TEST(Parameters, H27NoBadSetInForceOverRandomSequences) {
 TEST(Parameters, H27LimitsAndTripsAreForEngineersOnStandby) {
   for (const auto& row : contract::kParams) {
     const bool limit = (row.id >= 40 && row.id <= 47 && row.name != "speed_cap_norm") || (row.id >= 52 && row.id <= 53) ||
-                       (row.id >= 60 && row.id <= 67) || (row.id >= 100 && row.id <= 129);
+                       (row.id >= 60 && row.id <= 67) || (row.id >= 100 && row.id <= 130) || (row.id >= 170 && row.id <= 171);
     if (!limit) continue;
     EXPECT_EQ(row.edit, contract::EditRule::stopped) << row.name;
     EXPECT_EQ(row.role, contract::Role::engineer) << row.name;

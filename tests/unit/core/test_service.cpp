@@ -201,9 +201,27 @@ TEST_F(ServiceTest, TheGateJudgesByItself) {
   const GateView view{Mode::init, false, false, false, true};
   EXPECT_FALSE(SafetyGate::judge(canopen::sdo(kRequest, 0x23, 0x1017, 0, 0), view));
   EXPECT_FALSE(SafetyGate::judge(canopen::nmt(canopen::NmtCommand::reset_node, 17), view));
-  CanFrame enable{contract::pdo_cob_id(contract::Pdo::drive_rx1, Node::drive_left), 6, 0, {}};
-  contract::write_slot(enable, contract::pdo_slot(contract::Pdo::drive_rx1, 0x6040), canopen::drive::kEnable);
-  EXPECT_FALSE(SafetyGate::judge(enable, view));
+  // Drive commands are judged as a pair, and service lets no drive run: both, or either alone.
+  const auto drive = [](Node node, std::uint16_t control) {
+    CanFrame frame{contract::pdo_cob_id(contract::Pdo::drive_rx1, node), 6, 0, {}};
+    contract::write_slot(frame, contract::pdo_slot(contract::Pdo::drive_rx1, 0x6040), control);
+    return frame;
+  };
+  const contract::Params params;
+  const Derived derived = derive(params);
+  const auto judge_pair = [&](std::uint16_t left, std::uint16_t right, const GateView& seen) {
+    SafetyGate gate;
+    return gate.judge_drives(drive(Node::drive_left, left), drive(Node::drive_right, right), seen, params, derived, kTick_s);
+  };
+  EXPECT_TRUE(judge_pair(canopen::drive::kEnable, canopen::drive::kEnable, {Mode::user, false, false, false, false}))
+      << "the pair is sound";
+  for (const Mode mode : {Mode::init, Mode::standby}) {
+    const GateView serviced{mode, false, false, false, true};
+    EXPECT_TRUE(judge_pair(0, 0, serviced));
+    EXPECT_FALSE(judge_pair(canopen::drive::kEnable, canopen::drive::kEnable, serviced));
+    EXPECT_FALSE(judge_pair(canopen::drive::kEnable, 0, serviced));
+    EXPECT_FALSE(judge_pair(0, canopen::drive::kEnable, serviced));
+  }
 }
 
 TEST_F(ServiceTest, EndsTwoSecondsAfterTheLastWord) {

@@ -92,6 +92,9 @@ TEST(Requests, LetSomebodyPushTheHoistAndHoldTheBar) {
   EXPECT_EQ(ask(world, R"({"op":"wire_bumper","strip":0,"bit":1})").at("ok"), true);
   EXPECT_EQ(ask(world, R"({"op":"bumper","which":"front","pressed":true})").at("ok"), true);
   EXPECT_EQ(world.plant().bumpers(), 0x02);
+  EXPECT_TRUE(ask(world, R"({"op":"wire_bumper","strip":0,"bit":255})").contains("ok"));
+  EXPECT_TRUE(ask(world, R"({"op":"wire_bumper","strip":0,"bit":8})").contains("error")) << "the input node has eight";
+  EXPECT_TRUE(ask(world, R"({"op":"wire_bumper","strip":0,"bit":254})").contains("error"));
   EXPECT_TRUE(ask(world, R"({"op":"bar","dx_m":0.9,"yaw_rad":0.0})").contains("error"));
   EXPECT_TRUE(ask(world, R"({"op":"push","way_m":"far","turn_rad":0.0})").contains("error"));
 }
