@@ -7,6 +7,7 @@
 
 #include "db/metrics/evaluate.hpp"
 #include "firmware/boards/lpc11c24/memory.hpp"
+#include "firmware/boards/lpc11c24/pins.hpp"
 #include "tests/machine/hoist_bench.hpp"
 
 namespace hoist::machine {
@@ -311,6 +312,31 @@ TEST(Faults, AStuckEncoderLineStopsTheHoist) {
   EXPECT_TRUE(loop.run_until([&loop] { return loop.mode() != Mode::user; }, 0.3));
   EXPECT_TRUE(loop.run_until([&loop] { return std::fabs(loop.bench().plant().platform().speed_m_s) < 0.01; }, 3.0));
   EXPECT_FALSE(loop.bench().plant().bridge_enabled(sim::Side::left));
+}
+
+// Hazard table 2.3: the contact of the emergency stop chain opens. A pin that floats is pulled up, so a torn wire reads alike.
+TEST(Faults, AnOpenEmergencyStopChainTakesThePowerUntilItIsClosedAndAcknowledged) {
+  NEEDS_IMAGES(images);
+  Walking loop(images);
+  ASSERT_TRUE(loop.walking) << loop.faults();
+  namespace board = firmware::lpc11c24;
+  Lpc11c24& chip = loop.bench().chip(Box::io);
+  chip.float_pin(board::kSwitch0.port, board::kSwitch0.bit);
+  EXPECT_TRUE(loop.run_until([&loop] { return loop.mode() == Mode::emergency_stop; }, 0.05));
+  EXPECT_TRUE(loop.fault(contract::Fault::emergency_stop));
+  EXPECT_TRUE(loop.run_until([&loop] { return std::fabs(loop.bench().plant().platform().speed_m_s) < 0.01; }, 3.0));
+  const auto acknowledge = [&loop] {
+    loop.ask(contract::CommandKind::take_lease);
+    loop.run(0.05);
+    loop.ask(contract::CommandKind::acknowledge);
+    loop.run(0.05);
+    return loop.mode() != Mode::emergency_stop;
+  };
+  EXPECT_FALSE(acknowledge()) << "the chain is still open";
+  chip.drive_pin(board::kSwitch0.port, board::kSwitch0.bit, false);
+  loop.run(0.1);
+  EXPECT_EQ(loop.mode(), Mode::emergency_stop) << "never by itself";
+  EXPECT_TRUE(acknowledge()) << loop.faults();
 }
 
 // A hung program is found by the chip's watchdog, which really resets it; the drive then says so and does not move by itself.
