@@ -5,7 +5,7 @@
 #include <array>
 #include <fstream>
 #include <limits>
-#include <sstream>
+#include <optional>
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/faults.hpp"
@@ -67,21 +67,12 @@ TEST(Chaos, WhatOnceBrokeHoldsNow) {
   ASSERT_TRUE(file.is_open());
   for (std::string line; std::getline(file, line);) {
     if (line.empty() || line.front() == '#') continue;
-    std::istringstream words(line);
-    SessionOptions options;
-    bool unmoved = false;
-    for (std::string word, value; words >> word;) {
-      if (word == "--unmoved") {
-        unmoved = options.only_walk = options.outside_only = true;
-        continue;
-      }
-      ASSERT_TRUE(words >> value) << line;
-      if (word == "--seed") options.seed = std::stoull(value);
-      if (word == "--length") options.length_s = std::stod(value);
-      if (word == "--faults") options.faults = read_faults(value);
+    const std::optional<SessionOptions> options = read_replay(line);
+    if (!options) {
+      ADD_FAILURE() << "no session: " << line;
+      continue;
     }
-    ASSERT_TRUE(options.faults.has_value()) << line;
-    const SessionReport report = unmoved ? run_unmoved(options) : run_session(options);
+    const SessionReport report = options->only_walk ? run_unmoved(*options) : run_session(*options);
     EXPECT_TRUE(report.broken.empty()) << line << "\n" << list(report);
   }
 }
@@ -321,6 +312,30 @@ TEST(ChaosShrink, FindsTheOneFaultThatMatters) {
   EXPECT_LE(small.faults->size(), 1U);
   EXPECT_LE(small.length_s, options.length_s);
   EXPECT_NE(replay_words(small).find("--seed 8"), std::string::npos);
+}
+
+TEST(ChaosShrink, WhatIsPrintedIsTheSessionAgain) {
+  SessionOptions options;
+  options.seed = 123456789;
+  options.length_s = 31;
+  options.frame_loss = 0.0125;
+  options.link_jitter_s = 0.3;
+  options.faults = std::vector<Fault>{{Kind::bumper, contract::Node::io, 20.0, 20.5, 0.1}};
+  for (const bool unmoved : {false, true}) {
+    options.only_walk = options.outside_only = unmoved;
+    const auto read = read_replay(replay_words(options));
+    ASSERT_TRUE(read.has_value());
+    EXPECT_EQ(read->seed, options.seed);
+    EXPECT_EQ(read->length_s, options.length_s);
+    EXPECT_EQ(read->frame_loss, options.frame_loss);
+    EXPECT_EQ(read->link_jitter_s, options.link_jitter_s);
+    EXPECT_EQ(read->only_walk, unmoved);
+    EXPECT_EQ(read->outside_only, unmoved);
+    EXPECT_EQ(faults_text(*read->faults), faults_text(*options.faults));
+  }
+  for (const char* wrong :
+       {"", "--seed 1", "--seed 1 --faults nonsense", "--seed x --faults bumper::1:2:0.5", "--lost 0.1 --seed 1", "--seed"})
+    EXPECT_FALSE(read_replay(wrong).has_value()) << wrong;
 }
 
 }  // namespace

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <cstdlib>
+#include <sstream>
 
 namespace hoist::chaos {
 namespace {
@@ -74,11 +75,44 @@ SessionOptions shrink(const SessionOptions& options, const SessionReport& report
 }
 
 std::string replay_words(const SessionOptions& options) {
-  char text[160];
-  std::snprintf(text, sizeof text, "%s--seed %llu --length %g --faults ", options.only_walk ? "--unmoved " : "",
-                static_cast<unsigned long long>(options.seed), options.length_s);
-  return text + faults_text(options.faults ? *options.faults
-                                           : plan_faults(options.seed, options.faults_max, options.length_s, options.outside_only));
+  std::ostringstream text;
+  if (options.only_walk) text << "--unmoved ";
+  text << "--seed " << options.seed << " --length " << options.length_s;
+  // Ten digits: what was given as words comes back as the same number.
+  text.precision(10);
+  if (options.frame_loss != 0) text << " --loss " << options.frame_loss;
+  if (options.link_jitter_s != 0) text << " --jitter " << options.link_jitter_s;
+  text << " --faults ";
+  return text.str() + faults_text(options.faults ? *options.faults
+                                                 : plan_faults(options.seed, options.faults_max, options.length_s, options.outside_only));
+}
+
+std::optional<SessionOptions> read_replay(const std::string& words) {
+  std::istringstream in(words);
+  SessionOptions options;
+  const auto number = [](const std::string& text, double& value) {
+    char* end = nullptr;
+    value = std::strtod(text.c_str(), &end);
+    return end != text.c_str() && *end == '\0' && value >= 0;
+  };
+  for (std::string word, value; in >> word;) {
+    if (word == "--unmoved") {
+      options.only_walk = options.outside_only = true;
+      continue;
+    }
+    double seed = 0;
+    if (!(in >> value)) return std::nullopt;
+    if (word == "--faults") {
+      options.faults = read_faults(value);
+      if (!options.faults) return std::nullopt;
+    } else if (word == "--seed" && number(value, seed)) {
+      options.seed = static_cast<std::uint64_t>(seed);
+    } else if (!(word == "--length" && number(value, options.length_s)) && !(word == "--loss" && number(value, options.frame_loss)) &&
+               !(word == "--jitter" && number(value, options.link_jitter_s))) {
+      return std::nullopt;
+    }
+  }
+  return options.faults ? std::optional(options) : std::nullopt;
 }
 
 }  // namespace hoist::chaos

@@ -1,5 +1,6 @@
 // A session that broke a promise, made as small as it still breaks one: fewest faults, then the shortest time.
 #pragma once
+#include <optional>
 #include <string>
 
 #include "tests/chaos/session.hpp"
@@ -14,5 +15,7 @@ inline constexpr int kShrinkRuns = 80;
 
 /// The words after "hoist-chaos" that tell this session again.
 [[nodiscard]] std::string replay_words(const SessionOptions& options);
+/// And back. Null for a word that is none of these, or without faults.
+[[nodiscard]] std::optional<SessionOptions> read_replay(const std::string& words);
 
 }  // namespace hoist::chaos

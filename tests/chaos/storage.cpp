@@ -83,7 +83,7 @@ void Storage::tick(std::uint64_t time_ns) {
 void Storage::note_acknowledged() {
   const server::RecordingStatus status = recorder_->status();
   if (!status.session || !status.durable_tick) return;
-  Acknowledged& known = acknowledged_[*status.session];
+  Acknowledged& known = acknowledged_.try_emplace(*status.session, Acknowledged{*status.durable_tick, *status.durable_tick}).first->second;
   known.last_tick = std::max(known.last_tick, *status.durable_tick);
 }
 
@@ -149,6 +149,14 @@ void Storage::check_session(db::Database& database, std::int64_t session, const 
     if (count == 0 || !in_gap(acknowledged.last_tick))
       return bad("lost ticks up to " + std::to_string(acknowledged.last_tick) + ", which were acknowledged");
   }
+  // The recording begins with the tick that began it.
+  const auto begin = std::find_if(published->second.begin(), published->second.end(),
+                                  [&info](const Kept& kept) { return kept.time_ns == info->start_time_ns; });
+  if (begin == published->second.end() || begin->tick > acknowledged.first_tick)
+    return bad("begins behind tick " + std::to_string(acknowledged.first_tick) + ", which was acknowledged");
+  if (count > 0 && columns->tick.front() < begin->tick) return bad("a tick before its begin");
+  for (std::uint64_t missing = begin->tick; count > 0 && missing < columns->tick.front(); ++missing)
+    if (!in_gap(missing)) return bad("tick " + std::to_string(missing) + " at its begin is missing and no gap says so");
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint64_t tick = columns->tick[i];
     if (i > 0 && (tick <= columns->tick[i - 1] || columns->time_s[i] <= columns->time_s[i - 1])) return bad("time does not rise");

@@ -53,7 +53,7 @@ class Storage {
     float x_m, alpha_rad;
   };
   struct Acknowledged {
-    std::uint64_t last_tick = 0;
+    std::uint64_t first_tick = 0, last_tick = 0;  // the first that was told to be safe, and the newest
   };
 
   void note_acknowledged();

@@ -102,7 +102,7 @@ double Watch::fastest_wheel() const {
 // and keeps its outputs (a real one has a watchdog; tests/machine).
 bool Watch::odd() const {
   return board_.ever(Kind::encoder_lost) || board_.ever(Kind::encoder_reversed) || fallen() || board_.ever(Kind::slip) ||
-         board_.ever(Kind::wheel_blocked) || board_.ever(Kind::power_cut) || board_.ever(Kind::obstacle) || board_.ever(Kind::slope) ||
+         board_.ever(Kind::wheel_blocked) || board_.ever(Kind::obstacle) || board_.ever(Kind::slope) ||
          board_.ever(Kind::freeze, contract::NodeKind::drive);
 }
 
@@ -235,10 +235,7 @@ void Watch::watch_record() {
   // I1: at rest soon after motion has ended, whatever ended it.
   if (moves(mode)) moving_end_s_ = now_s;
   // A post that the hoist was stopped at pushes back, now and then for as long as it stands there.
-  const bool pushed = fallen() || board_.ever(Kind::slope) || board_.ever(Kind::obstacle) || board_.ever(Kind::encoder_lost) ||
-                      board_.ever(Kind::encoder_reversed) || board_.ever(Kind::slip) || board_.ever(Kind::wheel_blocked) ||
-                      board_.ever(Kind::freeze, contract::NodeKind::drive);
-  if (!moves(mode) && now_s - moving_end_s_ > 1.3 && fastest_wheel() > kRest_m_s && !pushed)
+  if (!moves(mode) && now_s - moving_end_s_ > 1.3 && fastest_wheel() > kRest_m_s && !odd())
     broken("I1: a wheel turns 1.3 s after motion ended", fastest_wheel());
   if (moves(mode)) report_.walked_s += 0.01;
   watch_events();
