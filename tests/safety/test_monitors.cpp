@@ -454,6 +454,23 @@ TEST(Monitors, H2ADriveThatDoesNotEnableIsGivenHalfASecond) {
   }
 }
 
+TEST(Monitors, H2ADriveThatDropsOutIsNoticedWithinFiftyMilliseconds) {
+  for (const bool is_left : {true, false}) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.start(Mode::user));
+    hoist.lean_gently(6, 250);
+    FakeDrive& drive = is_left ? hoist.drive_left : hoist.drive_right;
+    const Fault fault = is_left ? Fault::drive_left_fault : Fault::drive_right_fault;
+    int steps = 0;
+    for (; !hoist.has_fault(fault) && steps < 50; ++steps) {
+      drive.status = 0x40;
+      hoist.step();
+    }
+    EXPECT_LE(steps, 8);
+    EXPECT_FALSE(hoist.has_fault(Fault::gate_refused)) << "the other wheel may go on until then";
+  }
+}
+
 // A hoist that may go no faster than this.
 ScriptedHoist slow_hoist(double top_m_s) {
   contract::Params slow;
@@ -472,6 +489,40 @@ TEST(Monitors, H6BothStrutsStandingAreFoundOnASlowHoistToo) {
   hoist.drive_for(36, 1.0);
   EXPECT_TRUE(hoist.has_fault(Fault::tilt_frozen));
   EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+}
+
+TEST(Monitors, H6AStuckChipMayJumpOnceInAWhile) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  hoist.lean_gently(6, 250);
+  hoist.tilt_right.dither = false;
+  // One jump in every 29 samples is two bends in every thirty.
+  int steps = 0;
+  for (; !hoist.has_fault(Fault::tilt_frozen) && steps < 300; ++steps) {
+    if (steps % 29 == 0) hoist.tilt_right.alpha_deg += 0.01;
+    hoist.step();
+  }
+  EXPECT_LE(steps, 70);
+}
+
+TEST(Monitors, H7TheStopOfTheBallJointsIsTheEndHoweverSlowlyItIsReached) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  const auto lean_all = [&](double deg) {
+    for (FakeTilt* tilt : {&hoist.tilt_left, &hoist.tilt_right, &hoist.tilt_base}) tilt->alpha_deg = deg;
+  };
+  for (double deg = 0; deg < 16.5; deg += 0.1) {
+    lean_all(deg);
+    hoist.step();
+  }
+  hoist.step(20);
+  EXPECT_FALSE(hoist.has_fault(Fault::tilt_implausible));
+  for (double deg = 16.5; deg < 17.5; deg += 0.1) {
+    lean_all(deg);
+    hoist.step();
+  }
+  hoist.step(20);
+  EXPECT_TRUE(hoist.has_fault(Fault::tilt_implausible));
 }
 
 TEST(Monitors, H12AShortSagDoesNotCount) {
