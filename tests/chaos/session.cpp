@@ -84,8 +84,9 @@ class Session {
       }
       mending_ = true;
       next_s_ = loop_.time_s();  // the therapist thinks of nothing else now
-      // The published tilt filter takes long to unlearn the bias of a sensor that lied.
-      const double end_s = loop_.time_s() + kMending_s + (board_.ever(Kind::sensor_offset) ? kUnlearning_s : 0.0);
+      // The published tilt filter takes long to unlearn the bias of a sensor that lied, or of a gyroscope whose zero came back.
+      const bool unlearns = board_.ever(Kind::sensor_offset) || board_.ever(Kind::gyro_jump);
+      const double end_s = loop_.time_s() + kMending_s + (unlearns ? kUnlearning_s : 0.0);
       while (loop_.time_s() < end_s && loop_.mode() != Mode::standby) step();
       if (loop_.mode() != Mode::standby && !hopeless()) {
         const core::CoreState& core = loop_.core();
