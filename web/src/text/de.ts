@@ -55,7 +55,7 @@ export const de: Record<TextKey, string> = {
   'strip.drivingOther': 'Jemand anderes fährt die Hilfe.',
   'strip.offBumper': 'Ein Stoßfänger berührt: nur gerade davon weg, langsam.',
   'strip.starting': 'Die Hilfe startet …',
-  'strip.calibrating': 'Das Gerät wird kalibriert; seine Räder sind frei.',
+  'strip.calibrating': 'Die Hilfe wird kalibriert; ihre Antriebe sind aus.',
   'strip.connecting': 'Verbindet mit der Hilfe …',
   'strip.notReady': 'Noch nicht bereit',
   'strip.lost': 'Keine Verbindung zur Hilfe',

@@ -54,7 +54,7 @@ export const en = {
   'strip.drivingOther': 'Someone else drives the hoist.',
   'strip.offBumper': 'A bumper touches: only straight away from it, slowly.',
   'strip.starting': 'The hoist is starting …',
-  'strip.calibrating': 'The hoist is being calibrated; its wheels are free.',
+  'strip.calibrating': 'The hoist is being calibrated; its drives are off.',
   'strip.connecting': 'Connecting to the hoist …',
   'strip.notReady': 'Not ready yet',
   'strip.lost': 'No connection to the hoist',
