@@ -32,7 +32,7 @@ constexpr std::uint64_t kWorldStream = 2, kTherapistStream = 3, kFrameStream = 4
                         kStorageStream = 8;
 constexpr std::uint32_t kStranger = 2;  // another client of the server
 constexpr double kMending_s = 5.0;
-constexpr double kUnlearning_s = 20.0;
+constexpr double kUnlearning_s = 40.0;
 constexpr std::size_t kRemembered = 64;
 
 bool moves(Mode mode) { return contract::kModes[static_cast<std::size_t>(mode)].moving != 0; }

@@ -59,15 +59,18 @@ class BusMaster {
     if (sdo_param_ == kIdentity) {
       if (frame.data[0] != canopen::sdo_upload_reply_command(4)) return false;
       busy_ = false;
+      // A serial line has no checksum. What would keep a node from work is believed only when it says the same twice.
+      const std::uint32_t told = contract::read_le(&frame.data[4], 4);
+      std::uint32_t& known = link.product_known ? link.revision : link.product;
+      const bool twice = told == known;
+      known = told;
       if (link.product_known) {
-        link.revision = contract::read_le(&frame.data[4], 4);
+        if (other_rules(told) && !twice) return true;
         link.unwritten = params_of(node);
         link.phase = Phase::configure;
-        return true;
-      }
-      link.product = contract::read_le(&frame.data[4], 4);
-      link.product_known = true;
-      if ((link.product & contract::kLoaderProduct) != 0) {
+      } else if ((told & contract::kLoaderProduct) == 0) {
+        link.product_known = true;
+      } else if (twice) {
         // In its loader it has no parameters and does not run. One with a whole program goes back to work by itself, unless it is asked.
         link.phase = Phase::absent;
         link.rest_ticks = kLoaderRest;
@@ -140,7 +143,7 @@ class BusMaster {
   /// A node's program follows other rules than this control knows: CiA 301 raises the major half of the revision when behaviour changes.
   [[nodiscard]] bool any_other_version() const noexcept {
     return std::any_of(links_.begin(), links_.end(),
-                       [](const Link& link) { return link.phase > Phase::identify && link.revision >> 16U != kRevision >> 16U; });
+                       [](const Link& link) { return link.phase > Phase::identify && other_rules(link.revision); });
   }
   /// Any node says that it is a build for a simulator.
   [[nodiscard]] bool simulated() const noexcept {
@@ -187,6 +190,8 @@ class BusMaster {
       if (contract::kParamObjects[i].kind == contract::kNodes[static_cast<std::size_t>(node)].kind) mask |= 1U << i;
     return mask;
   }
+
+  static constexpr bool other_rules(std::uint32_t revision) noexcept { return revision >> 16U != kRevision >> 16U; }
 
   static void identify(Link& link) noexcept {
     link.phase = Phase::identify;

@@ -26,6 +26,8 @@ struct FakeNode {
   std::vector<std::pair<std::uint32_t, float>> written;  // index << 8 | sub, value
   std::uint32_t sdo_requests = 0;
   std::uint32_t revision = 0x00010000;  // of its program
+  std::uint32_t garble = 0;             // bits that the line turns over in its next answer about 1018h:garbled_sub
+  std::uint8_t garbled_sub = 2;
   bool sdo_deaf = false;
   bool sdo_aborts = false;
   std::uint32_t product_bits = 0;  // besides those of a node at work
@@ -356,8 +358,9 @@ class ScriptedHoist {
           replies_.push_back(canopen::sdo(reply, canopen::kSdoAbort, index, f.data[3], 0x08000022));
         } else if (f.data[0] == canopen::kSdoUploadRequest) {
           const std::uint32_t product = (real ? 0U : canopen::kSimulatedProduct) | n.product_bits | id;
-          replies_.push_back(
-              canopen::sdo(reply, canopen::sdo_upload_reply_command(4), index, f.data[3], f.data[3] == 3 ? n.revision : product));
+          replies_.push_back(canopen::sdo(reply, canopen::sdo_upload_reply_command(4), index, f.data[3],
+                                          (f.data[3] == 3 ? n.revision : product) ^ (f.data[3] == n.garbled_sub ? n.garble : 0U)));
+          if (f.data[3] == n.garbled_sub) n.garble = 0;
         } else {
           n.written.emplace_back((static_cast<std::uint32_t>(index) << 8) | f.data[3],
                                  std::bit_cast<float>(contract::read_le(&f.data[4], 4)));

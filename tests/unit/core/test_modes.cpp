@@ -271,6 +271,20 @@ TEST(Modes, EveryGuardOfAStartRefusesAndNamesItself) {
   }
 }
 
+// A serial line has no checksum: one answer that says "loader" or "another version" may be a lie.
+TEST(Modes, OneGarbledAnswerKeepsNoNodeFromWork) {
+  for (const auto& [sub, bits] : {std::pair<std::uint8_t, std::uint32_t>{2, contract::kLoaderProduct}, {3, 0x00400000U}}) {
+    ScriptedHoist hoist = in_mode(Mode::standby);
+    hoist.drive_left.garbled_sub = sub;
+    hoist.drive_left.garble = bits;
+    hoist.state.master.meet_all_again();
+    hoist.step(100);
+    EXPECT_EQ(hoist.drive_left.garble, 0U) << "it was asked";
+    EXPECT_EQ(hoist.out.record.blocked_bits & (refusal_bit(Refusal::nodes_missing) | refusal_bit(Refusal::node_version)), 0U)
+        << static_cast<int>(sub);
+  }
+}
+
 TEST(Modes, ANewerProgramOfTheSameRulesIsWelcome) {
   ScriptedHoist hoist = in_mode(Mode::standby);
   hoist.tilt_left.revision = 0x00010003;
