@@ -406,6 +406,8 @@ const cases = {
       await startWalk();
       await until('the patient walks', goes, 15_000);
       await go(name);
+      // Also out of a field in which a number was just typed.
+      if (name === 'Tune') await page.getByLabel('Build-up strength', { exact: true }).click();
       if (press === 'space') await page.keyboard.press('Space');
       else {
         const box = await page.getByRole('button', { name: 'STOP' }).boundingBox();

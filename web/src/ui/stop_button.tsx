@@ -5,11 +5,16 @@ import { useStore } from '../link/store';
 import { useSettings } from '../text/settings';
 import { t } from '../text/text';
 
-/** Where a space is a letter. */
+/** Where keys write. */
 export function isTyping(target: EventTarget | null): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (target.isContentEditable || target instanceof HTMLTextAreaElement) return true;
   return target instanceof HTMLInputElement && ['text', 'search', 'number', 'email', 'password', 'url', 'tel'].includes(target.type);
+}
+
+/** Where a space belongs to what is written. In a number it never does, and whoever has just typed one must still be able to stop. */
+function wantsSpace(target: EventTarget | null): boolean {
+  return isTyping(target) && !(target instanceof HTMLInputElement && (target.type === 'number' || ['decimal', 'numeric'].includes(target.inputMode)));
 }
 
 export function StopButton() {
@@ -17,14 +22,14 @@ export function StopButton() {
   const sending = useStore((s) => s.stopSent);
   useEffect(() => {
     const key = (event: KeyboardEvent) => {
-      if (event.code !== 'Space' || isTyping(event.target)) return;
+      if (event.code !== 'Space' || wantsSpace(event.target)) return;
       event.preventDefault();
       event.stopPropagation();
       if (!event.repeat) stop();
     };
     const swallow = (event: KeyboardEvent) => {
       // A focused button would also be pressed by the space bar when it comes up.
-      if (event.code === 'Space' && !isTyping(event.target)) event.preventDefault();
+      if (event.code === 'Space' && !wantsSpace(event.target)) event.preventDefault();
     };
     window.addEventListener('keydown', key, true);
     window.addEventListener('keyup', swallow, true);
