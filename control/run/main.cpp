@@ -297,7 +297,7 @@ int main(int argc, char** argv) {
   std::string_view bus_problem = port->problem();
   if (!bus_problem.empty()) std::cout << "hoist-control: bus: " << bus_problem << std::endl;
   bool capture_failed = false;
-  std::string_view input_problem;
+  std::optional<std::string_view> input_problem;  // nothing said yet: a device that answers at once is told of, too
   while (!shared.ended.load()) {
     if (const std::string_view now = port->problem(); now != bus_problem) {
       bus_problem = now;
