@@ -272,6 +272,7 @@ class Session {
         if (!on) loop_.be_late(f.end_s - f.start_s);
         break;
       case Kind::core_crash:
+        forget_commands();
         if (on) {
           loop_.kill_core();
         } else {
@@ -284,6 +285,7 @@ class Session {
         break;
       case Kind::server_crash:
         on ? loop_.stop_server() : loop_.restart_server();
+        forget_commands();
         break;
       case Kind::link_loss:
         loop_.cut_link(on);
@@ -323,6 +325,12 @@ class Session {
       watch_.stick_falls_silent();
       if (f.end_s - f.start_s > 0.5) watch_.must_stop("the driver's commands stopped", 0.30, 0.8);
     }
+  }
+
+  // What waited in a server or a core dies with it: the memory they share is made anew, and nothing plays it again.
+  void forget_commands() {
+    commands_.clear();
+    drives_.clear();
   }
 
   // What a fault that goes on does in each step.
@@ -510,7 +518,7 @@ class Session {
     const double now_s = loop_.time_s();
     const Mode mode = loop_.mode();
     if (mode != last_mode_ && (mode == Mode::protective_stop || moves(last_mode_)))
-      next_s_ = std::max(next_s_, now_s + therapist_dice_.between(0.8, 2.5));
+      next_s_ = std::max(next_s_, now_s + pause_s(0.8, 2.5));
     last_mode_ = mode;
     if (options_.only_walk) return start_once(now_s);
     if (mode == Mode::standby) return on_standby(now_s);
@@ -521,6 +529,12 @@ class Session {
     if (mode != Mode::init) ask_mode(Mode::standby);
   }
   [[nodiscard]] bool without_lease() const { return loop_.record().lease_holder != 1; }
+  // A therapist looks and thinks before the next touch; while mending is judged nothing but the hoist may take time.
+  [[nodiscard]] double pause_s(double least_s, double most_s) {
+    const double thought_s = therapist_dice_.between(least_s, most_s);
+    return mending_ ? 0.3 : thought_s;
+  }
+  void wait(double now_s, double least_s, double most_s) { next_s_ = now_s + pause_s(least_s, most_s); }
   void take_lease() { ask(CommandKind::take_lease, loop_.record().lease_holder == 0 ? 0 : 1); }
 
   // A walk that begins before anything may break and is then left alone.
@@ -540,7 +554,7 @@ class Session {
     if (therapist_dice_.chance(0.1)) return tune();
     if (loop_.record().blocked_bits != 0) return;
     const bool leads = therapist_dice_.chance(0.7);
-    next_s_ = now_s + therapist_dice_.between(4.0, 25.0);
+    wait(now_s, 4.0, 25.0);
     if (leads) return ask_mode(Mode::user);
     if (therapist_dice_.chance(0.4)) return begin_exercise(now_s);
     ask_mode(Mode::remote);
@@ -562,7 +576,7 @@ class Session {
     loop_.let_go();
     ask_mode(Mode::standby);
     watch_.stick_falls_silent();
-    next_s_ = now_s + therapist_dice_.between(1.0, 4.0);
+    wait(now_s, 1.0, 4.0);
     return true;
   }
   // The hand on the button: held most of the time, let go now and then, sometimes gone without a word.
@@ -582,18 +596,18 @@ class Session {
     if (now_s < next_s_ && !mending_) return;
     if (!mending_ && therapist_dice_.chance(0.3)) {
       tune();
-      next_s_ = now_s + therapist_dice_.between(1.0, 10.0);
+      wait(now_s, 1.0, 10.0);
       return;
     }
     if (therapist_dice_.chance(0.2) || without_lease()) {
       watch_.tell("STOP");
       watch_.therapist_stops();
-      next_s_ = now_s + therapist_dice_.between(1.0, 4.0);
+      wait(now_s, 1.0, 4.0);
       return ask(CommandKind::stop);
     }
     ask_mode(Mode::standby);
     watch_.therapist_stops();
-    next_s_ = now_s + therapist_dice_.between(1.0, 4.0);
+    wait(now_s, 1.0, 4.0);
   }
   void while_driving(double now_s) {
     if (ended_by_hand(now_s) || now_s < stick_s_) return;
@@ -613,7 +627,7 @@ class Session {
   void while_stopped(double now_s) {
     loop_.fall_silent();
     if (now_s < next_s_) return;
-    next_s_ = now_s + therapist_dice_.between(0.8, 2.5);
+    wait(now_s, 0.8, 2.5);
     if (without_lease()) return take_lease();
     // Out of service it takes an engineer.
     loop_.ask(CommandKind::acknowledge, 0, 0, 0, 0,
