@@ -49,19 +49,19 @@ const std::vector<Trip>& trips() {
       {"strut beyond its stop", Fault::tilt_implausible, "H7", Mode::remote, 2,
        [](ScriptedHoist& h) {
          h.tilt_left.slew_deg = 99;
-         h.tilt_left.alpha_deg = 17.5;
+         h.tilt_left.alpha_deg = 19.0;
        },
        nothing},
       {"strut creeps beyond its stop", Fault::tilt_implausible, "H7", Mode::remote, 16,
        [](ScriptedHoist& h) {
          h.tilt_left.slew_deg = 1.5;
-         h.tilt_left.alpha_deg = 17.3;
+         h.tilt_left.alpha_deg = 18.8;
        },
        nothing},
       {"chassis beyond belief", Fault::tilt_implausible, "H7", Mode::user, 2,
        [](ScriptedHoist& h) {
          h.tilt_base.slew_deg = 99;
-         h.tilt_base.beta_deg = -18;
+         h.tilt_base.beta_deg = -19.5;
        },
        nothing},
       {"strut jumps", Fault::tilt_implausible, "H7", Mode::user, 2,
@@ -511,13 +511,13 @@ TEST(Monitors, H7TheStopOfTheBallJointsIsTheEndHoweverSlowlyItIsReached) {
   const auto lean_all = [&](double deg) {
     for (FakeTilt* tilt : {&hoist.tilt_left, &hoist.tilt_right, &hoist.tilt_base}) tilt->alpha_deg = deg;
   };
-  for (double deg = 0; deg < 16.5; deg += 0.1) {
+  for (double deg = 0; deg < 18.0; deg += 0.1) {
     lean_all(deg);
     hoist.step();
   }
   hoist.step(20);
   EXPECT_FALSE(hoist.has_fault(Fault::tilt_implausible));
-  for (double deg = 16.5; deg < 17.5; deg += 0.1) {
+  for (double deg = 18.0; deg < 19.0; deg += 0.1) {
     lean_all(deg);
     hoist.step();
   }

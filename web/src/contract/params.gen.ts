@@ -461,8 +461,8 @@ export const params: readonly ParamInfo[] = [
     effect: { en: 'Difference of the two batteries that raises a warning.', de: 'Unterschied der beiden Batterien, ab dem gewarnt wird.' },
   },
   {
-    id: 119, name: 'tilt_rad_max', unit: 'rad', min: 0.261799388, default: 0.296705973, max: 0.35,
-    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety H7: 17 deg, two beyond the mechanical stop',
+    id: 119, name: 'tilt_rad_max', unit: 'rad', min: 0.261799388, default: 0.322885912, max: 0.35,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: '18.5 deg, 3.5 beyond the mechanical stop: control DECISIONS 56',
     title: { en: 'Believable lean', de: 'Glaubhafte Neigung' },
     effect: { en: 'Largest lean that a sensor may report.', de: 'Größte Neigung, die ein Sensor melden darf.' },
   },
