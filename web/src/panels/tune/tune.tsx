@@ -27,6 +27,7 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
   const [undo, setUndo] = useState<number | null>(null);
   const timer = useRef<number | null>(null);
   const begun = useRef<number | null>(null); // value in force when the change began: what Undo goes back to
+  const touches = useRef(0); // an answer must not take away what was typed or drawn since it was asked for
 
   useEffect(() => () => void (timer.current !== null && window.clearTimeout(timer.current)), []);
   const led = useStore((s) => moving(s.mode));
@@ -38,12 +39,14 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
     timer.current = null;
     const before = begun.current ?? value;
     begun.current = null;
+    const asked = touches.current;
     const reply = await (led && row.edit === 'live' ? tryParameters({ [row.name]: si }, trial_s) : setParameters({ [row.name]: si }));
+    if (reply.ok && !same(before, si)) setUndo(before);
+    if (touches.current !== asked) return;
     setSlide(null);
     if (reply.ok) {
       setError(null);
       setDraft(null);
-      if (!same(before, si)) setUndo(before);
     } else if (reply.refusals[0] !== 'kept') setError(why(reply));
   };
   const why = (reply: Reply): string => {
@@ -55,6 +58,7 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
     return reasons(reply).join(' ') + range;
   };
   const type = (text: string) => {
+    touches.current++;
     setDraft(text);
     setError(null);
   };
@@ -73,6 +77,7 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
   };
   const draw = (shown: number) => {
     begun.current ??= value;
+    touches.current++;
     setSlide(shown);
     setDraft(null);
     setError(null);
