@@ -170,7 +170,11 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
       setSamples(null);
       return;
     }
-    void rest<Samples>('GET', `/sessions/${id}/samples?columns=${names.join(',')}&points=${curveRuns}`).then((answer) => answer.ok && setSamples(answer.value));
+    let wanted = true; // an answer that is overtaken by another choice of curves is of no use
+    void rest<Samples>('GET', `/sessions/${id}/samples?columns=${names.join(',')}&points=${curveRuns}`).then((answer) => wanted && answer.ok && setSamples(answer.value));
+    return () => {
+      wanted = false;
+    };
   }, [id, names]);
 
   const happened = events !== null && session !== null ? story(events, session.started_utc_ms) : [];
