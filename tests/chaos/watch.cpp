@@ -288,7 +288,7 @@ void Watch::watch_parameters(Mode mode) {
     if (c.b == 0) staged_.clear();
     staged_.push_back(c);
   }
-  const bool changed = !std::ranges::equal(std::as_bytes(std::span(&core.params, 1)), std::as_bytes(std::span(&params_, 1)));
+  const bool changed = std::memcmp(&core.params, &params_, sizeof params_) != 0;
   if (changed != (core.parameter_version != parameter_version_) && parameter_version_ != 0 && changed)
     broken("I10: parameters changed without a new version");
   if (changed) {

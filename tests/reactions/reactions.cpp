@@ -94,6 +94,9 @@ const std::vector<Row>& table() {
          });
        },
        nullptr},
+      // What blocks a wheel is a wheel beside its command: the servo's following error, or the drive's own word for it if that is sooner.
+      {"H1", "a wheel is blocked", "protective stop", bit(Fault::overspeed) | bit(Fault::drive_left_fault), budget(Fault::overspeed),
+       Mode::user, "straight", Begin::command, [](ClosedLoop& l) { l.world().plant().block_wheel(sim::Side::left, true); }, nullptr},
       {"H2", "an encoder is lost", "the drive, then protective stop", bit(Fault::drive_left_fault), budget(Fault::drive_left_fault),
        Mode::user, "straight", Begin::command, [](ClosedLoop& l) { l.world().break_encoder(Node::drive_left, Encoder::lost); }, nullptr},
       {"H2", "an encoder is reversed", "the drive, then protective stop", bit(Fault::drive_right_fault), budget(Fault::drive_right_fault),
