@@ -85,7 +85,7 @@ class Session {
       mending_ = true;
       next_s_ = loop_.time_s();  // the therapist thinks of nothing else now
       // The published tilt filter takes long to unlearn the bias of a sensor that lied, or of a gyroscope whose zero came back.
-      const bool unlearns = board_.ever(Kind::sensor_offset) || board_.ever(Kind::gyro_jump);
+      const bool unlearns = board_.ever(Kind::sensor_offset) || board_.ever(Kind::sensor_garbage) || board_.ever(Kind::gyro_jump);
       const double end_s = loop_.time_s() + kMending_s + (unlearns ? kUnlearning_s : 0.0);
       while (loop_.time_s() < end_s && loop_.mode() != Mode::standby) step();
       if (loop_.mode() != Mode::standby && !hopeless()) {
@@ -517,8 +517,7 @@ class Session {
     if (!loop_.core_runs() || !console_works()) return;
     const double now_s = loop_.time_s();
     const Mode mode = loop_.mode();
-    if (mode != last_mode_ && (mode == Mode::protective_stop || moves(last_mode_)))
-      next_s_ = std::max(next_s_, now_s + pause_s(0.8, 2.5));
+    if (mode != last_mode_ && (mode == Mode::protective_stop || moves(last_mode_))) next_s_ = std::max(next_s_, now_s + pause_s(0.8, 2.5));
     last_mode_ = mode;
     if (options_.only_walk) return start_once(now_s);
     if (mode == Mode::standby) return on_standby(now_s);
