@@ -1,5 +1,6 @@
 #include "control/publish/server_link.hpp"
 
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
@@ -20,20 +21,22 @@ std::uint64_t steady_now_ns() {
       std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
 }
 constexpr std::uint64_t kTryEachNs = 100'000'000;
+constexpr const char* kSilent = "the core does not answer";
 }  // namespace
 
 ServerLink::ServerLink(std::string socket_path) : socket_path_(std::move(socket_path)) {}
 
 bool ServerLink::create_commands() {
-  command_ = create_segment("hoist-commands", sizeof(CommandSegment), error_);
-  if (!command_.mapping) return false;
-  write_header(command_.mapping->as<CommandSegment>()->header, contract::kCommandMagic, sizeof(CommandSegment), steady_now_ns(), 0);
-  sent_ = 0;
-  driven_ = 0;
+  offered_ = create_segment("hoist-commands", sizeof(CommandSegment), error_);
+  if (!offered_.mapping) return false;
+  write_header(offered_.mapping->as<CommandSegment>()->header, contract::kCommandMagic, sizeof(CommandSegment), steady_now_ns(), 0);
   return true;
 }
 
 void ServerLink::adopt(std::shared_ptr<Mapping> state) {
+  command_ = std::move(offered_);
+  sent_ = 0;
+  driven_ = 0;
   const auto& header = state->as<const StateSegment>()->header;
   life_ = header.start_time_ns.load(std::memory_order_relaxed);
   start_utc_ns_ = static_cast<std::int64_t>(header.start_utc_ns.load(std::memory_order_relaxed));
@@ -55,10 +58,16 @@ bool ServerLink::poll_connect() {
     if (got == 0 || (got < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) lose();
     if (peer_) return true;
   }
-  const std::uint64_t now = steady_now_ns();
-  if (now < next_try_ns_) return false;
-  next_try_ns_ = now + kTryEachNs;
+  if (!asked_) {
+    const std::uint64_t now = steady_now_ns();
+    if (now < next_try_ns_) return false;
+    next_try_ns_ = now + kTryEachNs;
+    if (!ask()) return false;
+  }
+  return take_answer();
+}
 
+bool ServerLink::ask() {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (socket_path_.size() >= sizeof address.sun_path) {
@@ -66,17 +75,29 @@ bool ServerLink::poll_connect() {
     return false;
   }
   std::memcpy(address.sun_path, socket_path_.data(), socket_path_.size());
-  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  // Never blocks: beside a core that stands still its queue of connections fills up, and a blocking connect would wait for ever.
+  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket || ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    error_ = "no core listens on " + socket_path_;
+    error_ = errno == EAGAIN ? kSilent : "no core listens on " + socket_path_;
     return false;
   }
   if (!create_commands()) return false;
   const Hello hello{contract::kCommandMagic, contract::layout_hash(), 0, {}};
+  if (!send_hello(socket.get(), hello, offered_.descriptor.get(), error_)) return false;
+  asked_ = std::move(socket);
+  return true;
+}
+
+bool ServerLink::take_answer() {
+  pollfd wait{asked_.get(), POLLIN, 0};
+  if (::poll(&wait, 1, 0) != 1) {
+    error_ = kSilent;
+    return false;
+  }
+  Descriptor socket = std::move(asked_);
   Hello answer;
   Descriptor state_fd;
-  if (!send_hello(socket.get(), hello, command_.descriptor.get(), error_) || !receive_hello(socket.get(), answer, state_fd, 500, error_))
-    return false;
+  if (!receive_hello(socket.get(), answer, state_fd, 0, error_)) return false;
   if (answer.accepted != 1) {
     error_ = std::string("the core refused: ") + answer.text;
     return false;
@@ -95,7 +116,7 @@ bool ServerLink::attach_directly(CoreLink& core, std::string& error) {
     error = error_;
     return false;
   }
-  if (!core.attach(command_.descriptor.get(), error)) return false;
+  if (!core.attach(offered_.descriptor.get(), error)) return false;
   std::shared_ptr<Mapping> state = map_segment(core.state_descriptor(), sizeof(StateSegment), error);
   if (!state) return false;
   adopt(std::move(state));

@@ -35,8 +35,8 @@ class SharedState {
 class ServerLink {
  public:
   explicit ServerLink(std::string socket_path);
-  // Tries to attach when there is no core, notices when it is gone. Never blocks longer than the core's answer (500 ms at most, only
-  // while attaching). Returns attached(). Tries at most every 100 ms.
+  // Tries to attach when there is no core, notices when it is gone. Never blocks: asks at most every 100 ms, and a later call takes the
+  // answer. A core that stands still has the question waiting. Returns attached().
   bool poll_connect();
   [[nodiscard]] bool attached() const { return static_cast<bool>(peer_); }
   // The core's start time: another number is another life of the core. 0 before the first attach.
@@ -60,6 +60,8 @@ class ServerLink {
 
  private:
   bool create_commands();
+  bool ask();
+  bool take_answer();
   void adopt(std::shared_ptr<Mapping> state);
   void lose();
 
@@ -67,6 +69,8 @@ class ServerLink {
   std::shared_ptr<SharedState> shared_ = std::make_shared<SharedState>();
   Descriptor peer_;
   OwnedSegment command_;
+  Descriptor asked_;      // a connection whose answer has not come yet,
+  OwnedSegment offered_;  // and what it was offered
   std::shared_ptr<Mapping> state_;
   std::uint64_t life_ = 0;
   std::int64_t start_utc_ns_ = 0;

@@ -4,8 +4,8 @@
 # A results folder holds: ctest.xml and gtest/*.xml (C++), vitest.json (web), e2e.json (browser) and steps.tsv
 # (one line each: passed|failed|skipped, name, reason; separated by tabs).
 
-# A test program that hangs is a failure, not a longer wait.
-ctest_timeout_s=300
+# A test program that hangs is a failure, not a longer wait. The longest takes two minutes alone on two processors.
+ctest_timeout_s=900
 
 # Makes an empty results folder and prints its name.
 new_results() {

@@ -86,7 +86,8 @@ SerialLine::Presence SerialLine::presence() {
   const bool there = openings_ > 0;
   if (left) {
     // What the last user had not read must not greet the next one, and a lock it left behind must not keep the next one out.
-    ::tcflush(slave_, TCIOFLUSH);
+    // What the next one has written already, before this was seen, stays.
+    ::tcflush(slave_, there ? TCIFLUSH : TCIOFLUSH);
     ::ioctl(slave_, TIOCNXCL);
   }
   const bool changed = there != was_there_ || (left && there);

@@ -133,9 +133,33 @@ TEST(Link, ASecondServerIsRefusedWithAReason) {
   ServedCore core(path);
   ServerLink first(path), second(path);
   ASSERT_TRUE(attach(first));
-  EXPECT_FALSE(second.poll_connect());
+  while (second.last_error().find("another server") == std::string::npos) ASSERT_FALSE(second.poll_connect());
   EXPECT_NE(second.last_error().find("another server"), std::string::npos) << second.last_error();
   EXPECT_TRUE(first.poll_connect());
+}
+
+// A core that stands still accepts nobody, and soon its queue of connections is full.
+TEST(Link, ACoreThatStandsStillHoldsNobodyUp) {
+  const std::string path = temporary_socket();
+  std::string error;
+  const std::unique_ptr<CoreLink> core = CoreLink::create(path, 1000, 5, error);
+  ASSERT_NE(core, nullptr) << error;
+  ::alarm(60);  // whoever waits for the core would wait for ever
+  std::vector<std::unique_ptr<ServerLink>> servers;
+  for (int i = 0; i < 8; ++i) {
+    servers.push_back(std::make_unique<ServerLink>(path));
+    for (int k = 0; k < 100; ++k) EXPECT_FALSE(servers.back()->poll_connect());
+    EXPECT_EQ(servers.back()->last_error(), "the core does not answer");
+  }
+  ::alarm(0);
+  // It goes on, and finds the first one's question.
+  std::atomic<bool> ended{false};
+  std::thread goes_on([&] {
+    while (!ended) core->serve(5);
+  });
+  EXPECT_TRUE(attach(*servers.front()));
+  ended = true;
+  goes_on.join();
 }
 
 TEST(Link, TheServerComesBackAfterItsDeathAndBeginsANewLife) {

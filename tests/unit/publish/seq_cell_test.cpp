@@ -47,13 +47,16 @@ TEST(SeqCell, RefusesAValueThatIsBeingWritten) {
   EXPECT_EQ(seq_read_retry(slot, value), 0U) << "a dead writer must not hang a reader";
 }
 
+// A yield beside somebody else's work costs a slice of a millisecond or more.
+constexpr std::uint64_t kYieldEach = 4096;
+
 TEST(SeqCell, NeverGivesATornValueUnderAWriterThatRarelyPauses) {
   auto slot = std::make_unique<contract::SeqSlot<Wide>>();
   std::atomic<bool> done{false};
   std::thread writer([&] {
     for (std::uint64_t k = 0; k < 300'000; ++k) {
       seq_write(*slot, k, wide(k));
-      if (k % 16 == 0) std::this_thread::yield();
+      if (k % kYieldEach == 0) std::this_thread::yield();
     }
     done = true;
   });
@@ -133,7 +136,7 @@ TEST(Ring, ReadersAndWriterAtFullSpeedLoseNothingSilently) {
   std::thread writer([&] {
     for (std::uint64_t k = 0; k < kCount; ++k) {
       ring_write(*ring, wide(k));
-      if (k % 8 == 0) std::this_thread::yield();
+      if (k % kYieldEach == 0) std::this_thread::yield();
     }
   });
   std::uint64_t cursor = 0, seen = 0, lost = 0;
