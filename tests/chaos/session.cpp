@@ -85,7 +85,8 @@ class Session {
       mending_ = true;
       next_s_ = loop_.time_s();  // the therapist thinks of nothing else now
       // The published tilt filter takes long to unlearn the bias of a sensor that lied, or of a gyroscope whose zero came back.
-      const bool unlearns = board_.ever(Kind::sensor_offset) || board_.ever(Kind::sensor_garbage) || board_.ever(Kind::gyro_jump);
+      const bool unlearns = board_.ever(Kind::sensor_stuck) || board_.ever(Kind::sensor_offset) || board_.ever(Kind::sensor_garbage) ||
+                            board_.ever(Kind::sensor_slow) || board_.ever(Kind::gyro_jump);
       const double end_s = loop_.time_s() + kMending_s + (unlearns ? kUnlearning_s : 0.0);
       while (loop_.time_s() < end_s && loop_.mode() != Mode::standby) step();
       if (loop_.mode() != Mode::standby && !hopeless()) {
@@ -556,6 +557,7 @@ class Session {
     wait(now_s, 4.0, 25.0);
     if (leads) return ask_mode(Mode::user);
     if (therapist_dice_.chance(0.4)) return begin_exercise(now_s);
+    loop_.let_go();  // whoever drives takes the stick anew
     ask_mode(Mode::remote);
   }
   void begin_exercise(double now_s) {

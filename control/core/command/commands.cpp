@@ -157,8 +157,8 @@ Verdict set_pose(CoreState& state, const Command& command) noexcept {
   if (std::fabs(command.v0) > kPoseLargest_m || std::fabs(command.v1) > kPoseLargest_m || std::fabs(command.v2) > kPoseLargest_rad)
     return refused(Refusal::out_of_range);
   if (!at_rest(state)) return refused(Refusal::moving);
-  // The exercise lies where it began, also while the hand is off the button.
-  if (state.mode == Mode::guided) return refused(Refusal::not_standby);
+  // A track is not cut in two while somebody walks it, and an exercise lies where it began, also while the hand is off the button.
+  if (state.mode != Mode::standby && state.mode != Mode::calibrate) return refused(Refusal::not_standby);
   state.sensed.odometry.pose = {command.v0, command.v1, command.v2};
   state.sensed.odometry.distance_m = 0;
   state.sensed.fused.set_pose(state.sensed.odometry.pose);

@@ -40,10 +40,11 @@ class RemoteDrive {
   /// A new driver, or none: nothing of the former one remains.
   void reset() noexcept { *this = RemoteDrive{}; }
 
-  /// REMOTE begins. A hand that had been on the stick long ago is not on it now.
+  /// A mode that the hand leads begins. A stick that was last seen pushed, however long ago, or whose commands had stopped coming, may be
+  /// pushed still: it goes through its middle first. A hand that had been on it long ago is not on it now.
   void begin(std::uint64_t now_ns, double stop_age_s) noexcept {
+    awaits_neutral_ = awaits_neutral_ || !neutral();
     if (age_s(now_ns) > stop_age_s) let_go();
-    awaits_neutral_ = !neutral();
   }
   /// Commands stopped coming while the dead-man was held: the next motion needs a neutral stick first.
   void lose() noexcept {

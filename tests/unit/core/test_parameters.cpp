@@ -606,5 +606,16 @@ TEST(Pose, IsSetAtStandstillOnly) {
   EXPECT_EQ(hoist.ask(CommandKind::set_pose, 7, 0, 0, 0, 0, 0), refusal_bit(Refusal::moving));
 }
 
+// A start that is refused while a patient walks may have asked for its pose before.
+TEST(Pose, StaysWhileSomebodyWalksAlsoWhenTheHoistStands) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  EXPECT_EQ(hoist.ask(CommandKind::set_pose, 7, 0, 0, -1.5, -1.5, 0), refusal_bit(Refusal::not_standby));
+  ASSERT_EQ(hoist.ask(CommandKind::stop), 0U);
+  hoist.step(100);
+  ASSERT_EQ(hoist.state.mode, Mode::protective_stop);
+  EXPECT_EQ(hoist.ask(CommandKind::set_pose, 7, 0, 0, -1.5, -1.5, 0), refusal_bit(Refusal::not_standby));
+}
+
 }  // namespace
 }  // namespace hoist::core::test

@@ -178,6 +178,37 @@ TEST(Remote, AfterAGapTheStickMustComeBackFirst) {
   EXPECT_GT(hoist.command_m_s(), 0.05);
 }
 
+// The gap ended REMOTE; asking for it again does not make the hand let go of the stick.
+TEST(Remote, H17AfterAGapTheStickMustComeBackFirstAlsoInTheNextDrive) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::remote));
+  hoist.drive_for(60, 0.6);
+  hoist.step(300);
+  ASSERT_EQ(hoist.state.mode, Mode::standby);
+  ASSERT_TRUE(hoist.start(Mode::remote));
+  hoist.drive_for(100, 0.6);
+  EXPECT_EQ(hoist.command_m_s(), 0.0);
+  hoist.hold(0.0);
+  hoist.step(4);
+  hoist.drive_for(100, 0.6);
+  EXPECT_GT(hoist.command_m_s(), 0.05);
+}
+
+// A stick that was pushed on standby and then said nothing more is no stick in the middle.
+TEST(Remote, H17AStickLastSeenPushedIsPushed) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  hoist.drive_for(8, 1.0);
+  hoist.step(100);
+  ASSERT_TRUE(hoist.start(Mode::remote));
+  hoist.drive_for(100, 1.0);
+  EXPECT_EQ(hoist.command_m_s(), 0.0);
+  hoist.hold(0.0, 0.0, false);
+  hoist.step(4);
+  hoist.drive_for(100, 1.0);
+  EXPECT_GT(hoist.command_m_s(), 0.05);
+}
+
 TEST(Remote, LettingGoAndSilenceKeepRemote) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::remote));

@@ -94,47 +94,47 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 0, name: 'tilt_left_lost', priority: 'high', reaction: 'protective_stop',
     text: { en: 'Left strut sensor does not answer', de: 'Sensor der linken Strebe antwortet nicht' },
-    action: { en: 'Check its plug, then acknowledge.', de: 'Stecker prüfen, dann quittieren.' },
+    action: { en: 'Check its plug, then release the stop.', de: 'Stecker prüfen, dann Halt freigeben.' },
   },
   {
     bit: 1, name: 'tilt_right_lost', priority: 'high', reaction: 'protective_stop',
     text: { en: 'Right strut sensor does not answer', de: 'Sensor der rechten Strebe antwortet nicht' },
-    action: { en: 'Check its plug, then acknowledge.', de: 'Stecker prüfen, dann quittieren.' },
+    action: { en: 'Check its plug, then release the stop.', de: 'Stecker prüfen, dann Halt freigeben.' },
   },
   {
     bit: 2, name: 'tilt_base_lost', priority: 'high', reaction: 'protective_stop',
     text: { en: 'Chassis sensor does not answer', de: 'Sensor des Fahrgestells antwortet nicht' },
-    action: { en: 'Check its plug, then acknowledge.', de: 'Stecker prüfen, dann quittieren.' },
+    action: { en: 'Check its plug, then release the stop.', de: 'Stecker prüfen, dann Halt freigeben.' },
   },
   {
     bit: 3, name: 'drive_left_lost', priority: 'high', reaction: 'protective_stop',
     text: { en: 'Left drive does not answer', de: 'Linker Antrieb antwortet nicht' },
-    action: { en: 'Hold the patient, check its plug, then acknowledge.', de: 'Patienten sichern, Stecker prüfen, dann quittieren.' },
+    action: { en: 'Hold the patient, check its plug, then release the stop.', de: 'Patienten sichern, Stecker prüfen, dann Halt freigeben.' },
   },
   {
     bit: 4, name: 'drive_right_lost', priority: 'high', reaction: 'protective_stop',
     text: { en: 'Right drive does not answer', de: 'Rechter Antrieb antwortet nicht' },
-    action: { en: 'Hold the patient, check its plug, then acknowledge.', de: 'Patienten sichern, Stecker prüfen, dann quittieren.' },
+    action: { en: 'Hold the patient, check its plug, then release the stop.', de: 'Patienten sichern, Stecker prüfen, dann Halt freigeben.' },
   },
   {
     bit: 5, name: 'io_lost', priority: 'high', reaction: 'protective_stop',
     text: { en: 'Bumpers and batteries do not answer', de: 'Stoßfänger und Batterien antworten nicht' },
-    action: { en: 'Check the input node, then acknowledge.', de: 'Eingangsknoten prüfen, dann quittieren.' },
+    action: { en: 'Check the input node, then release the stop.', de: 'Eingangsknoten prüfen, dann Halt freigeben.' },
   },
   {
     bit: 6, name: 'drive_left_fault', priority: 'high', reaction: 'protective_stop',
     text: { en: 'Left drive reports a fault', de: 'Linker Antrieb meldet eine Störung' },
-    action: { en: 'Acknowledge; call service if it comes back.', de: 'Quittieren; kommt sie wieder, Service rufen.' },
+    action: { en: 'Release the stop; call service if it comes back.', de: 'Halt freigeben; kommt sie wieder, Service rufen.' },
   },
   {
     bit: 7, name: 'drive_right_fault', priority: 'high', reaction: 'protective_stop',
     text: { en: 'Right drive reports a fault', de: 'Rechter Antrieb meldet eine Störung' },
-    action: { en: 'Acknowledge; call service if it comes back.', de: 'Quittieren; kommt sie wieder, Service rufen.' },
+    action: { en: 'Release the stop; call service if it comes back.', de: 'Halt freigeben; kommt sie wieder, Service rufen.' },
   },
   {
     bit: 8, name: 'tilt_implausible', priority: 'high', reaction: 'protective_stop',
     text: { en: 'A tilt sensor reports impossible values', de: 'Ein Neigungssensor meldet unmögliche Werte' },
-    action: { en: 'Check that the sensors sit firmly, then acknowledge.', de: 'Festen Sitz der Sensoren prüfen, dann quittieren.' },
+    action: { en: 'Check that the sensors sit firmly, then release the stop.', de: 'Festen Sitz der Sensoren prüfen, dann Halt freigeben.' },
   },
   {
     bit: 9, name: 'tilt_frozen', priority: 'high', reaction: 'protective_stop',
@@ -144,12 +144,12 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 10, name: 'bumper_pressed', priority: 'high', reaction: 'protective_stop',
     text: { en: 'A bumper touches something', de: 'Ein Stoßfänger berührt etwas' },
-    action: { en: 'Clear the way, then acknowledge.', de: 'Weg frei machen, dann quittieren.' },
+    action: { en: 'Clear the way, then release the stop.', de: 'Weg frei machen, dann Halt freigeben.' },
   },
   {
     bit: 11, name: 'fall_detected', priority: 'high', reaction: 'protective_stop',
     text: { en: 'The patient is falling or hanging at the stop', de: 'Der Patient fällt oder hängt im Anschlag' },
-    action: { en: 'Help the patient upright, then acknowledge.', de: 'Patienten aufrichten, dann quittieren.' },
+    action: { en: 'Help the patient upright, then release the stop.', de: 'Patienten aufrichten, dann Halt freigeben.' },
   },
   {
     bit: 12, name: 'battery_empty', priority: 'medium', reaction: 'soft_stop',
@@ -174,22 +174,22 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 16, name: 'overspeed', priority: 'high', reaction: 'protective_stop',
     text: { en: 'The hoist moves differently than commanded', de: 'Die Hilfe bewegt sich anders als befohlen' },
-    action: { en: 'Acknowledge; call service if it comes back.', de: 'Quittieren; kommt es wieder, Service rufen.' },
+    action: { en: 'Release the stop; call service if it comes back.', de: 'Halt freigeben; kommt es wieder, Service rufen.' },
   },
   {
     bit: 17, name: 'loop_overrun', priority: 'high', reaction: 'protective_stop',
     text: { en: 'The controller was too late', de: 'Die Steuerung war zu spät' },
-    action: { en: 'Acknowledge; call service if it comes back.', de: 'Quittieren; kommt es wieder, Service rufen.' },
+    action: { en: 'Release the stop; call service if it comes back.', de: 'Halt freigeben; kommt es wieder, Service rufen.' },
   },
   {
     bit: 18, name: 'gate_refused', priority: 'high', reaction: 'protective_stop',
     text: { en: 'A command was outside the limits and was not sent', de: 'Ein Befehl lag außerhalb der Grenzen und wurde nicht gesendet' },
-    action: { en: 'Acknowledge; call service.', de: 'Quittieren; Service rufen.' },
+    action: { en: 'Release the stop; call service.', de: 'Halt freigeben; Service rufen.' },
   },
   {
     bit: 19, name: 'stop_pressed', priority: 'medium', reaction: 'protective_stop',
     text: { en: 'STOP was pressed', de: 'STOPP wurde gedrückt' },
-    action: { en: 'Acknowledge to go on.', de: 'Zum Weitermachen quittieren.' },
+    action: { en: 'Release the stop to go on.', de: 'Zum Weitermachen den Halt freigeben.' },
   },
   {
     bit: 20, name: 'tilt_sensor_fault', priority: 'high', reaction: 'protective_stop',
@@ -199,22 +199,22 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 21, name: 'bus_down', priority: 'high', reaction: 'protective_stop',
     text: { en: 'The connection to sensors and drives is broken', de: 'Die Verbindung zu Sensoren und Antrieben ist unterbrochen' },
-    action: { en: 'Check the bus cable; it reconnects by itself, then acknowledge.', de: 'Buskabel prüfen; sie verbindet sich selbst wieder, dann quittieren.' },
+    action: { en: 'Check the bus cable; it reconnects by itself, then release the stop.', de: 'Buskabel prüfen; sie verbindet sich selbst wieder, dann Halt freigeben.' },
   },
   {
     bit: 22, name: 'node_duplicate', priority: 'high', reaction: 'protective_stop',
     text: { en: 'Two devices on the bus answer under the same number', de: 'Zwei Geräte am Bus antworten unter derselben Nummer' },
-    action: { en: 'Unplug the device that was added last, then acknowledge; call service.', de: 'Das zuletzt angesteckte Gerät abziehen, dann quittieren; Service rufen.' },
+    action: { en: 'Unplug the device that was added last, then release the stop; call service.', de: 'Das zuletzt angesteckte Gerät abziehen, dann Halt freigeben; Service rufen.' },
   },
   {
     bit: 23, name: 'node_babbling', priority: 'high', reaction: 'protective_stop',
     text: { en: 'A device floods the bus with messages', de: 'Ein Gerät überflutet den Bus mit Nachrichten' },
-    action: { en: 'Unplug the device named here, then acknowledge; call service.', de: 'Das hier genannte Gerät abziehen, dann quittieren; Service rufen.' },
+    action: { en: 'Unplug the device named here, then release the stop; call service.', de: 'Das hier genannte Gerät abziehen, dann Halt freigeben; Service rufen.' },
   },
   {
     bit: 25, name: 'base_tilted', priority: 'high', reaction: 'protective_stop',
     text: { en: 'The hoist stands too steeply', de: 'Die Hilfe steht zu schräg' },
-    action: { en: 'Hold the patient, bring the hoist onto level floor, then acknowledge.', de: 'Patienten sichern, die Hilfe auf ebenen Boden bringen, dann quittieren.' },
+    action: { en: 'Hold the patient, bring the hoist onto level floor, then release the stop.', de: 'Patienten sichern, die Hilfe auf ebenen Boden bringen, dann Halt freigeben.' },
   },
   {
     bit: 26, name: 'base_tilt_high', priority: 'medium', reaction: 'warn',
@@ -234,12 +234,12 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 24, name: 'emergency_stop', priority: 'high', reaction: 'power_off',
     text: { en: 'The emergency stop is pressed', de: 'Der Not-Halt ist gedrückt' },
-    action: { en: 'Help the patient, release the button, then take control and acknowledge.', de: 'Patienten helfen, Taster lösen, dann Steuerung übernehmen und quittieren.' },
+    action: { en: 'Help the patient, release the button, then take control and release the stop.', de: 'Patienten helfen, Taster lösen, dann Steuerung übernehmen und Halt freigeben.' },
   },
   {
     bit: 30, name: 'parameters_corrupt', priority: 'high', reaction: 'out_of_service',
     text: { en: 'The settings were damaged; undamaged ones are in force', de: 'Die Einstellungen waren beschädigt; unbeschädigte gelten' },
-    action: { en: 'Compare the settings with your notes; an engineer acknowledges.', de: 'Einstellungen mit den Unterlagen vergleichen; ein Techniker quittiert.' },
+    action: { en: 'Compare the settings with your notes; an engineer releases the stop.', de: 'Einstellungen mit den Unterlagen vergleichen; ein Techniker gibt den Halt frei.' },
   },
   {
     bit: 31, name: 'control_fault', priority: 'high', reaction: 'out_of_service',
@@ -275,10 +275,10 @@ export const refusals: readonly RefusalInfo[] = [
   { bit: 11, name: 'unknown_item', text: { en: 'There is no such item.', de: 'Das gibt es nicht.' } },
   { bit: 12, name: 'only_when_stopped', text: { en: 'This can only be changed on standby.', de: 'Das lässt sich nur in Bereitschaft ändern.' } },
   { bit: 13, name: 'stale_command', text: { en: 'The command arrived too late.', de: 'Der Befehl kam zu spät.' } },
-  { bit: 14, name: 'inconsistent_set', text: { en: 'These values do not fit together.', de: 'Diese Werte passen nicht zusammen.' } },
+  { bit: 14, name: 'inconsistent_set', text: { en: 'These values contradict each other or others in force: change them together.', de: 'Diese Werte widersprechen sich oder anderen, die gelten: gemeinsam ändern.' } },
   { bit: 15, name: 'cause_not_cleared', text: { en: 'The cause of the stop is still there.', de: 'Der Grund des Halts besteht noch.' } },
   { bit: 16, name: 'bumper_start', text: { en: 'A bumper touches something.', de: 'Ein Stoßfänger berührt etwas.' } },
-  { bit: 17, name: 'out_of_order', text: { en: 'The command is out of order.', de: 'Der Befehl ist nicht in der Reihenfolge.' } },
+  { bit: 17, name: 'out_of_order', text: { en: 'This was asked at the wrong moment: see where it stands, then ask again.', de: 'Das kam im falschen Moment: ansehen, wie es steht, dann neu versuchen.' } },
   { bit: 18, name: 'not_allowed', text: { en: 'Your role may not change this.', de: 'Das darf Ihre Rolle nicht ändern.' } },
   { bit: 19, name: 'fault_mode', text: { en: 'The hoist is out of service: see the alarm.', de: 'Die Hilfe ist außer Betrieb: siehe Alarm.' } },
   { bit: 20, name: 'emergency_stop_open', text: { en: 'The emergency stop is still pressed: release it first.', de: 'Der Not-Halt ist noch gedrückt: zuerst lösen.' } },

@@ -60,6 +60,8 @@ export function useHand(active: boolean, grip: Grip): { held: boolean; handlers:
       return;
     }
     everyTick(true);
+    // Nobody holds it yet. After a gap the core waits for this before it moves again.
+    void drive(0, 0, false);
     const down = (event: KeyboardEvent) => {
       if (!(event.code in grip.keys) || event.ctrlKey || event.altKey || event.metaKey || isTyping(event.target)) return;
       event.preventDefault();
