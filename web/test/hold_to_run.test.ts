@@ -1,5 +1,5 @@
 import { beforeEach, describe, expect, it } from 'vitest';
-import { deadZone_norm, HoldToRun, keysWish, sendEach_ms, shape, zerosOnRelease } from '../src/ui/hold_to_run';
+import { deadZone_norm, HoldToRun, keysWish, sendEach_ms, shape, takesKeys, zerosOnRelease } from '../src/ui/hold_to_run';
 
 type Sent = { speed: number; yaw: number; held: boolean };
 let sent: Sent[];
@@ -85,6 +85,15 @@ describe('hold to run', () => {
     }
     expect(sent[0]).toEqual({ speed: 0, yaw: 0, held: true });
     expect(sent[1]).toEqual({ speed: -1, yaw: 1, held: true });
+  });
+});
+
+describe('Cmd', () => {
+  it('takes the keys away, as it goes down and as long as it is held', () => {
+    expect(takesKeys({ key: 'Meta', metaKey: true })).toBe(true);
+    expect(takesKeys({ key: 'Meta', metaKey: false })).toBe(true);
+    expect(takesKeys({ key: 'c', metaKey: true })).toBe(true);
+    expect(takesKeys({ key: 'w', metaKey: false })).toBe(false);
   });
 });
 

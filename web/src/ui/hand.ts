@@ -2,7 +2,7 @@
 // lets go.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { drive, everyTick } from '../link/console';
-import { HoldToRun, keysWish, type Wish } from './hold_to_run';
+import { HoldToRun, keysWish, takesKeys, type Wish } from './hold_to_run';
 import { isTyping } from './stop_button';
 
 const browserTimers = {
@@ -13,8 +13,8 @@ const browserTimers = {
 export interface Grip {
   /** The keys that hold it, and what each asks for. */
   keys: Record<string, Wish>;
-  /** Where a finger on the element asks to go. */
-  wish(event: PointerEvent): Wish;
+  /** Where a finger asks to go, by the place that the element had when the finger came down. */
+  wish(event: PointerEvent, box: DOMRect): Wish;
   /** Draws the wish; the middle when let go. */
   show?(wish: Wish): void;
 }
@@ -31,6 +31,8 @@ export interface PointerHandlers {
 /** Inert unless `active`. The handlers belong on the element that is held; a finger takes over from keys. */
 export function useHand(active: boolean, grip: Grip): { held: boolean; handlers: PointerHandlers } {
   const pointer = useRef<number | null>(null);
+  // Kept from the press on: a line of text that appears above moves the element, and must not become a wish.
+  const box = useRef<DOMRect | null>(null);
   const keys = useRef(new Set<string>());
   const [held, setHeld] = useState(false);
   const hold = useRef<HoldToRun | null>(null);
@@ -63,7 +65,11 @@ export function useHand(active: boolean, grip: Grip): { held: boolean; handlers:
     // Nobody holds it yet. After a gap the core waits for this before it moves again.
     void drive(0, 0, false);
     const down = (event: KeyboardEvent) => {
-      if (!(event.code in grip.keys) || event.ctrlKey || event.altKey || event.metaKey || isTyping(event.target)) return;
+      if (takesKeys(event)) {
+        if (keys.current.size > 0) release();
+        return;
+      }
+      if (!(event.code in grip.keys) || event.ctrlKey || event.altKey || isTyping(event.target)) return;
       event.preventDefault();
       if (event.repeat || pointer.current !== null) return;
       keys.current.add(event.code);
@@ -81,6 +87,10 @@ export function useHand(active: boolean, grip: Grip): { held: boolean; handlers:
       [window, 'blur', release],
       [window, 'pagehide', release],
       [window, 'hoist-dialog', release],
+      // Another size or a turned screen: nothing is where it was when the finger came down.
+      [window, 'resize', release],
+      ...(screen.orientation ? [[screen.orientation, 'change', release] as [EventTarget, string, () => void]] : []),
+      ...(window.visualViewport ? [[window.visualViewport, 'resize', release] as [EventTarget, string, () => void]] : []),
       [document, 'visibilitychange', hidden],
       [document, 'freeze', release],
     ];
@@ -99,13 +109,15 @@ export function useHand(active: boolean, grip: Grip): { held: boolean; handlers:
       onPointerDown: (event) => {
         if (!active || pointer.current !== null || event.button !== 0) return;
         event.preventDefault();
-        (event.currentTarget as Element).setPointerCapture(event.pointerId);
+        const element = event.currentTarget as Element;
+        element.setPointerCapture(event.pointerId);
+        box.current = element.getBoundingClientRect();
         pointer.current = event.pointerId;
         keys.current.clear();
-        follow(grip.wish(event));
+        follow(grip.wish(event, box.current));
       },
       onPointerMove: (event) => {
-        if (event.pointerId === pointer.current) follow(grip.wish(event));
+        if (event.pointerId === pointer.current && box.current) follow(grip.wish(event, box.current));
       },
       onPointerUp: lost,
       onPointerCancel: lost,

@@ -88,3 +88,6 @@ export function keysWish(pressed: Iterable<string>, keys: Record<string, Wish> =
   }
   return { speed: Math.max(-1, Math.min(1, speed)), yaw: Math.max(-1, Math.min(1, yaw)) };
 }
+
+/** Cmd, or the Windows key, is coming into play: macOS never tells when the keys held beside it are let go. */
+export const takesKeys = ({ key, metaKey }: { key: string; metaKey: boolean }): boolean => metaKey || key === 'Meta' || key === 'OS';

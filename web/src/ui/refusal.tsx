@@ -19,16 +19,16 @@ export interface Request {
   forget(): void;
 }
 export function useRequest(): Request {
-  const [busy, setBusy] = useState(false);
+  const [under_way, setUnderWay] = useState(0);
   const [reply, setReply] = useState<Reply | null>(null);
   const ask = async (what: () => Promise<Reply>) => {
-    setBusy(true);
+    setUnderWay((n) => n + 1);
     const answer = await what();
-    setBusy(false);
+    setUnderWay((n) => n - 1);
     setReply(refused(answer) ? answer : null);
     return answer.ok;
   };
-  return { busy, reply, ask, forget: () => setReply(null) };
+  return { busy: under_way > 0, reply, ask, forget: () => setReply(null) };
 }
 
 export function reasons(reply: Reply): string[] {

@@ -10,13 +10,14 @@ export const tooSlow = (s: Pick<State, 'rtt_s'>): boolean => s.rtt_s !== null &&
 
 export const tooSlowText = (rtt_s: number | null): string => t('drive.tooSlow', { n: fixed((rtt_s ?? 0) * 1000, 0) });
 
-export function SlowLink() {
+/** In the place of a hint below what is held, so that it moves nothing under the hand when it comes and goes. */
+export function SlowLink({ calm }: { calm: string }) {
   const rtt_s = useStore((s) => s.rtt_s);
   const open = useStore((s) => s.link === 'open');
-  if (!open || rtt_s === null || rtt_s <= slow_s) return null;
+  const said = open && rtt_s !== null && rtt_s > slow_s;
   return (
-    <div class="blockers" role="status">
-      {tooSlow({ rtt_s }) ? tooSlowText(rtt_s) : t('drive.slowLink', { n: fixed(rtt_s * 1000, 0) })}
-    </div>
+    <p class={said ? 'hint below-hand said' : 'hint below-hand'} role="status">
+      {!said ? calm : tooSlow({ rtt_s }) ? tooSlowText(rtt_s) : t('drive.slowLink', { n: fixed(rtt_s * 1000, 0) })}
+    </p>
   );
 }

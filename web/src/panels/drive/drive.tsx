@@ -2,7 +2,7 @@
 import { useEffect, useRef } from 'preact/hooks';
 import { notify, requestMode, setParameters } from '../../link/console';
 import type { Exercise } from '../../contract/messages.gen';
-import { moving, useStore } from '../../link/store';
+import { figure, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { fixed, t, toDegrees } from '../../text/text';
 import { FloorView } from '../../ui/floor_view';
@@ -11,6 +11,7 @@ import { driveKeys, type Wish } from '../../ui/hold_to_run';
 import { Reading } from '../../ui/reading';
 import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
 import { SlowLink, tooSlow } from '../../ui/slow_link';
+import { StartEnd } from '../../ui/start_end';
 import type { Panel } from '../panel';
 
 const limits = [
@@ -26,14 +27,13 @@ const middle: Wish = { speed: 0, yaw: 0 };
 function Joystick({ active, locked }: { active: boolean; locked: string }) {
   const pad = useRef<HTMLDivElement>(null);
   const knob = useRef<HTMLDivElement>(null);
-  const reach_px = () => (pad.current?.clientWidth ?? 0) * 0.34;
+  const reach_px = (width_px = pad.current?.clientWidth ?? 0) => width_px * 0.34;
   const { held, handlers } = useHand(active, {
     keys: driveKeys,
-    wish: (event) => {
-      const box = pad.current?.getBoundingClientRect();
-      if (box === undefined || box.width === 0) return middle;
-      const yaw = -(event.clientX - box.left - box.width / 2) / reach_px();
-      const speed = -(event.clientY - box.top - box.height / 2) / reach_px();
+    wish: (event, box) => {
+      if (box.width === 0) return middle;
+      const yaw = -(event.clientX - box.left - box.width / 2) / reach_px(box.width);
+      const speed = -(event.clientY - box.top - box.height / 2) / reach_px(box.width);
       const size = Math.max(1, Math.hypot(yaw, speed));
       return { speed: speed / size, yaw: yaw / size };
     },
@@ -71,7 +71,7 @@ function DriveView() {
   const data = useStore((s) => s.data);
   const slow = useStore(tooSlow);
   const limit_m_s = useStore((s) => s.parameters.remote_speed_m_s_max ?? 0);
-  const exercise = useStore((s) => s.exercise);
+  const drawn = useStore(figure);
   const request = useRequest();
   const driving = mode === 'remote';
   const active = driving && mine && link === 'open' && data !== 'gone' && !slow;
@@ -102,25 +102,16 @@ function DriveView() {
             </button>
           ))}
         </div>
-        {moving(mode) ? (
-          <button type="button" class="big" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('standby'))}>
-            {driving ? t('drive.end') : t('walk.end')}
-          </button>
-        ) : (
-          <button type="button" class="big primary" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('remote', free))}>
-            {request.busy ? t('walk.starting') : t('drive.take')}
-          </button>
-        )}
+        <StartEnd request={request} startLabel={t('drive.take')} endLabel={t(driving ? 'drive.end' : 'walk.end')} start={() => requestMode('remote', free)} />
       </div>
       <Refusal request={request} />
-      <SlowLink />
       <div class="drive-body">
         <section class="card stick-card">
           <Joystick active={active} locked={!driving ? t('drive.locked') : mine ? '' : t('guided.other')} />
-          <p class="hint">{t('drive.keys')}</p>
+          <SlowLink calm={t('drive.keys')} />
         </section>
         <section class="card floor-card drive-floor">
-          <FloorView exercise={driving ? free : exercise} />
+          <FloorView exercise={drawn} />
           <div class="readings">
             <Reading label={t('walk.speed')} unit="m/s" read={(r) => fixed(r.speed_m_s, 2)} />
             <Reading label={t('walk.stopDistance')} unit="cm" rate_hz={4} read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />

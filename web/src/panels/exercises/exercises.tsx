@@ -1,6 +1,6 @@
 // The hoist drives a figure by itself while the therapist holds: choose it, see the floor it needs, start, hold.
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { requestGuided, requestMode } from '../../link/console';
+import { requestGuided } from '../../link/console';
 import { live, useFrame } from '../../link/live';
 import { moving, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
@@ -12,6 +12,7 @@ import { HoldToGo } from '../../ui/hold_to_go';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { SlowLink, tooSlow, tooSlowText } from '../../ui/slow_link';
+import { StartEnd } from '../../ui/start_end';
 import type { Panel } from '../panel';
 import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, withinCap, type Plan, type Shape, type Stepped } from './plan';
 
@@ -154,19 +155,10 @@ function ExercisesView() {
             </button>
           ))}
         </div>
-        {driven ? (
-          <button type="button" class="big" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('standby'))}>
-            {t(guided ? 'guided.end' : 'walk.end')}
-          </button>
-        ) : (
-          <button type="button" class="big primary" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestGuided(pathOf(allowed)))}>
-            {request.busy ? t('walk.starting') : t('guided.start')}
-          </button>
-        )}
+        <StartEnd request={request} startLabel={t('guided.start')} endLabel={t(guided ? 'guided.end' : 'walk.end')} start={() => requestGuided(pathOf(allowed))} />
       </div>
       <Refusal request={request} />
       <StartBlockers request={request} />
-      <SlowLink />
       <div class="drive-body">
         <section class="card guided-card">
           {guided ? (
@@ -187,7 +179,7 @@ function ExercisesView() {
           </p>
           <Progress />
           <HoldToGo active={active} locked={guided && slow ? tooSlowText(rtt_s) : t(guided ? 'guided.other' : 'guided.locked')} />
-          <p class="hint">{t('guided.hint')}</p>
+          <SlowLink calm={t('guided.hint')} />
         </section>
         <section class="card floor-card">
           <FloorView exercise={exercise.current.figure} planned={!driven && !justDone} />

@@ -3,7 +3,7 @@ import { useEffect } from 'preact/hooks';
 import { marker, notify, requestMode, setNeutral } from '../../link/console';
 import { live, useReading } from '../../link/live';
 import type { Exercise } from '../../contract/messages.gen';
-import { moving, store, useStore } from '../../link/store';
+import { figure, moving, store, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { degrees, duration, fixed, t } from '../../text/text';
 import type { TextKey } from '../../text/en';
@@ -11,6 +11,7 @@ import { FloorView } from '../../ui/floor_view';
 import { HoistPicture } from '../../ui/hoist_picture';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
+import { StartEnd } from '../../ui/start_end';
 import type { Panel } from '../panel';
 
 /** Sizes that fit a room of 5 × 5 m; the server's own default for its scenario comes first. */
@@ -27,17 +28,22 @@ function WalkView() {
   const mode = useStore((s) => s.mode);
   const link = useStore((s) => s.link);
   const exercise = useStore((s) => s.exercise);
+  const drawn = useStore(figure);
   const request = useRequest();
+  // Marks and the neutral posture wait for their answers apart: a slow one keeps nobody from ending.
+  const aside = useRequest();
   const led = moving(mode);
   useEffect(() => {
-    if (led) request.forget();
+    if (!led) return;
+    request.forget();
+    aside.forget();
   }, [led]);
 
   const mark = async (key: TextKey) => {
-    if (await request.ask(() => marker(t(key)))) notify('info', t('walk.marked', { text: t(key) }), true);
+    if (await aside.ask(() => marker(t(key)))) notify('info', t('walk.marked', { text: t(key) }), true);
   };
   const neutral = async () => {
-    if (await request.ask(setNeutral)) notify('info', t('walk.neutralDone'), true);
+    if (await aside.ask(setNeutral)) notify('info', t('walk.neutralDone'), true);
   };
 
   return (
@@ -60,25 +66,18 @@ function WalkView() {
             );
           })}
         </div>
-        <button type="button" class="plain" disabled={request.busy || led || link !== 'open'} title={t('walk.neutralHint')}
+        <button type="button" class="plain" disabled={request.busy || aside.busy || led || link !== 'open'} title={t('walk.neutralHint')}
           onClick={() => void neutral()}>
           {t('walk.neutral')}
         </button>
-        {led ? (
-          <button type="button" class="big" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('standby'))}>
-            {t('walk.end')}
-          </button>
-        ) : (
-          <button type="button" class="big primary" disabled={request.busy || link !== 'open'} onClick={() => void request.ask(() => requestMode('user', exercise))}>
-            {request.busy ? t('walk.starting') : t('walk.start')}
-          </button>
-        )}
+        <StartEnd request={request} startLabel={t('walk.start')} endLabel={t('walk.end')} wait={aside.busy} start={() => requestMode('user', exercise)} />
       </div>
       <Refusal request={request} />
+      <Refusal request={aside} />
       <StartBlockers request={request} />
       <div class="walk-body">
         <section class="card floor-card">
-          <FloorView exercise={exercise} />
+          <FloorView exercise={drawn} />
         </section>
         <section class="card">
           <HoistPicture />

@@ -1,0 +1,28 @@
+// Start and End share one place on the screen, and mean the opposite. Whoever taps twice on End must not start the hoist with the second tap:
+// Start counts only when it had stood there for a while as the finger came down. End always counts.
+export const settle_ms = 800;
+
+export class FirmStart {
+  private shown_ms = -Infinity;
+  private led: boolean | null = null;
+  private pressed_ms: number | null = null;
+
+  /** What the button means from now on. */
+  show(led: boolean, now_ms: number): void {
+    // The first meaning follows no other one.
+    if (this.led !== null && this.led !== led) this.shown_ms = now_ms;
+    this.led = led;
+  }
+
+  /** The finger or the key comes down. */
+  press(now_ms: number): void {
+    this.pressed_ms = now_ms;
+  }
+
+  /** Whether a click that would start may do so. Assistive tools click without a press. */
+  counts(now_ms: number): boolean {
+    const pressed_ms = this.pressed_ms ?? now_ms;
+    this.pressed_ms = null;
+    return this.led === false && pressed_ms - this.shown_ms >= settle_ms;
+  }
+}
