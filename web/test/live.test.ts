@@ -20,6 +20,15 @@ describe('Live', () => {
     expect([...live.path.x.latest()]).toEqual([5]);
   });
 
+  it('keeps the walked path over a gap in which it may have been walked', () => {
+    const live = new Live();
+    live.take([record({ tick: 1, fused_x_m: 1 })], 0);
+    live.take([record({ tick: 201, fused_x_m: 2.2 })], 0);
+    expect([...live.path.x.latest()]).toEqual([1, 2.2]);
+    live.take([record({ tick: 301, fused_x_m: 9 })], 0);
+    expect([...live.path.x.latest()]).toEqual([9]);
+  });
+
   it('counts steps that did not arrive, and starts over with a new core', () => {
     const live = new Live();
     live.take([record({ tick: 10 }), record({ tick: 11 }), record({ tick: 15 })], 0);

@@ -226,6 +226,36 @@ describe('requests', () => {
     expect(await asked).toMatchObject({ ok: false, refusals: ['no_answer'] });
   });
 
+  it('are taken back on the same connection when no answer comes, and again when they are done late', async () => {
+    const end = { type: 'mode', mode: 'standby' };
+    const asked = link.request({ type: 'mode', mode: 'user' }, end);
+    const number = last().sent.find((message) => message.mode === 'user')!.request;
+    const ends = () => last().sent.filter((message) => message.mode === 'standby');
+    world.advance(replyWithin_ms - 1);
+    expect(ends()).toHaveLength(0);
+    world.advance(1);
+    expect(await asked).toMatchObject({ ok: false, refusals: ['no_answer'] });
+    expect(ends()).toHaveLength(1);
+    expect(ends()[0]!.request).not.toBe(number);
+    last().say({ type: 'reply', request: number, ok: true });
+    expect(ends()).toHaveLength(2);
+    last().say({ type: 'reply', request: number, ok: true });
+    expect(ends()).toHaveLength(2);
+  });
+
+  it('are taken back when a silent connection is given up, and not when they were answered', async () => {
+    const end = { type: 'mode', mode: 'standby' };
+    const answered = link.request({ type: 'mode', mode: 'user' }, end);
+    last().say({ type: 'reply', request: last().sent.at(-1)!.request, ok: true });
+    expect((await answered).ok).toBe(true);
+    const silent = last();
+    world.advance(silence_ms);
+    void link.request({ type: 'mode', mode: 'user' }, end);
+    world.advance(2 * ping_ms);
+    expect(silent.closed).toBe(true);
+    expect(silent.sent.map((message) => message.mode ?? message.type).filter((what) => what !== 'ping')).toEqual(['user', 'user', 'standby']);
+  });
+
   it('end when the connection is lost', async () => {
     const asked = link.request({ type: 'a' });
     last().onclose?.({ code: 1006, reason: '' });

@@ -7,7 +7,7 @@ import { readFrame } from './frame';
 import { live } from './live';
 import { rest } from './rest';
 import { Link, replyLost, subprotocol, type Reply, type SocketLike } from './socket';
-import { stopped, store, type Emergency, type LogLine, type Notice, type Recording } from './store';
+import { moving, stopped, store, type Emergency, type LogLine, type Notice, type Recording } from './store';
 
 const late_ms = 500;
 const gone_ms = 1000;
@@ -52,6 +52,8 @@ function takeFrame(buffer: ArrayBuffer): void {
   live.take(frame.records, performance.now());
   store.set({ data: 'fresh', dataAge_s: 0, ...slowPart(newest) });
   if (stoppedModes.has(newest.mode)) stopSeen();
+  // A STOP that did not get through is no news any more once the hoist is seen to stand, led by nobody.
+  else if (store.value.stopFailed && newest.standing_still === 1 && !moving(store.value.mode)) store.set({ stopFailed: false });
 }
 
 const bitOf = (name: FaultName) => faults.find((fault) => fault.name === name)!.bit;
@@ -86,7 +88,8 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
   const now = store.value;
   switch (message.type) {
     case 'welcome': {
-      const exercise = readExercise(message.exercise);
+      // Only the first welcome chooses: a connection that comes back must not take away what somebody has chosen since.
+      const exercise = now.client === null ? readExercise(message.exercise) : null;
       store.set({
         client: Number(message.client ?? 0),
         role: String(message.role ?? ''),
@@ -103,6 +106,7 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
       break;
     case 'lease':
       store.set({ lease: { epoch: Number(message.epoch ?? 0), holder: Number(message.holder ?? 0), mine: message.mine === true } });
+      if (message.mine !== true) store.set({ guided: null });
       break;
     case 'recording': {
       const started = Number(message.started_utc_ms ?? 0);
@@ -134,6 +138,8 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
       // The other ways to end are told by the strip, or were asked for.
       if (line.kind === 'guided_ended' && line.name === 'finished') notify('info', 'guided.finished');
       if (line.kind === 'guided_ended' && line.name === 'off_path') notify('warning', 'guided.off_path');
+      // The hoist may behave otherwise from here on, perhaps in the middle of a walk.
+      if (line.kind === 'parameters_reverted') notify('warning', 'trial.reverted');
       store.set({ log: [...now.log, line].slice(-logLines) });
       break;
     }
@@ -167,9 +173,10 @@ const noticesMost = 3;
 const noticeFor_ms = 6000;
 /** A short sentence at the edge of the screen. */
 export function notify(level: Notice['level'], text: string, plain = false): void {
-  if (text === '' || store.value.notices.some((notice) => notice.text === text)) return;
+  if (text === '') return;
   const id = ++noticeId;
-  store.set({ notices: [...store.value.notices, { id, level, text, plain }].slice(-noticesMost) });
+  // The same again replaces the one before, and is there for its full time: a second mark is a second mark.
+  store.set({ notices: [...store.value.notices.filter((notice) => notice.text !== text), { id, level, text, plain }].slice(-noticesMost) });
   window.setTimeout(() => store.set({ notices: store.value.notices.filter((notice) => notice.id !== id) }), noticeFor_ms);
 }
 
@@ -247,16 +254,22 @@ async function ensureLease(): Promise<Reply> {
   return takeLease(true);
 }
 
-async function withLease(message: { type: string; [more: string]: unknown }): Promise<Reply> {
+async function withLease(message: { type: string; [more: string]: unknown }, unanswered?: typeof message): Promise<Reply> {
   if (store.value.link !== 'open') return replyLost;
   const lease = await ensureLease();
-  return lease.ok ? link.request(message) : lease;
+  return lease.ok ? link.request(message, unanswered) : lease;
 }
 
+const end = { type: 'mode', mode: 'standby' };
+/** A start without an answer is followed by its end: nobody expects the hoist to begin after the screen has said that it did not. */
 export const requestMode = (mode: 'user' | 'remote' | 'standby', exercise?: Exercise): Promise<Reply> =>
-  withLease({ type: 'mode', mode, ...(exercise === undefined ? {} : { exercise }) });
+  withLease({ type: 'mode', mode, ...(exercise === undefined ? {} : { exercise }) }, mode === 'standby' ? undefined : end);
 /** Begins an exercise that the hoist drives while the button is held. */
-export const requestGuided = (path: GuidedPath): Promise<Reply> => withLease({ type: 'mode', mode: 'guided', path });
+export async function requestGuided(path: GuidedPath): Promise<Reply> {
+  const reply = await withLease({ type: 'mode', mode: 'guided', path }, end);
+  if (reply.ok) store.set({ guided: path });
+  return reply;
+}
 export const acknowledge = (): Promise<Reply> => withLease({ type: 'acknowledge' });
 export const setNeutral = (): Promise<Reply> => withLease({ type: 'neutral' });
 export const calibrate = (step: string): Promise<Reply> => withLease({ type: 'calibrate', step });

@@ -9,8 +9,9 @@ export const historySamples = 6000;
 /** A new point of the path each 2 cm: 8000 points are 160 m. */
 const pathStep_m = 0.02;
 const pathPoints = 8000;
-/** A jump this large in one step is a new start mark, not a walk. */
+/** A jump this large in one step is a new start mark, not a walk; what was missed meanwhile may have been walked. */
 const jump_m = 0.3;
+const walked_m_per_tick = 0.01;
 
 export const historySignals = ['time_ns', 'lean_norm', 'turn_norm', 'speed_m_s', 'speed_command_m_s'] as const satisfies readonly SignalName[];
 
@@ -39,7 +40,8 @@ export class Live {
       }
       for (const name of historySignals) this.history[name].push(record[name]);
       const step_m = Math.hypot(record.fused_x_m - this.path.x.last, record.fused_y_m - this.path.y.last);
-      if (step_m > jump_m) this.clearPath();
+      const missed = before === null ? 0 : Math.max(0, record.tick - before.tick - 1);
+      if (step_m > jump_m + missed * walked_m_per_tick) this.clearPath();
       if (this.path.x.length === 0 || step_m >= pathStep_m) {
         this.path.x.push(record.fused_x_m);
         this.path.y.push(record.fused_y_m);

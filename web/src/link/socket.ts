@@ -65,7 +65,9 @@ export class Link {
   private wasOpen = false;
   private stopped = false;
   private nextRequest = 1;
-  private readonly waiting = new Map<number, { resolve: (reply: Reply) => void; timer: number }>();
+  private readonly waiting = new Map<number, { resolve: (reply: Reply) => void; timer: number; unanswered: object | undefined }>();
+  /** Given up without an answer, with what takes each back. */
+  private readonly late = new Map<number, object>();
 
   constructor(
     private readonly host: LinkHost,
@@ -109,21 +111,30 @@ export class Link {
     return this.socket?.bufferedAmount ?? 0;
   }
 
-  /** Sends a request and resolves with its reply; never rejects. */
-  request(message: { type: string; [more: string]: unknown }): Promise<Reply> {
+  /** Sends a request and resolves with its reply; never rejects. A stalled connection may hold a request back and deliver it long after
+   * the screen has said that nothing came of it: `unanswered` then follows on the same connection, behind it, and takes it back. It goes
+   * out once more when the late answer says that it was done: a server that takes several steps may have ended before it had begun. */
+  request(message: { type: string; [more: string]: unknown }, unanswered?: { type: string; [more: string]: unknown }): Promise<Reply> {
     if (this.state_ !== 'open' || this.waiting.size >= requestsMost) return Promise.resolve(replyLost);
     const request = this.nextRequest++;
     return new Promise((resolve) => {
       const timer = this.host.setTimer(() => {
         this.waiting.delete(request);
+        if (unanswered !== undefined) {
+          this.late.set(request, unanswered);
+          this.send({ ...unanswered, request: this.nextRequest++ });
+        }
         resolve({ ok: false, refusals: ['no_answer'], errors: [] });
       }, replyWithin_ms);
-      this.waiting.set(request, { resolve, timer });
+      this.waiting.set(request, { resolve, timer, unanswered });
       if (!this.send({ ...message, request })) this.settle(request, replyLost);
     });
   }
 
   private settle(request: number, reply: Reply): void {
+    const takeBack = this.late.get(request);
+    this.late.delete(request);
+    if (takeBack !== undefined && reply.ok) this.send({ ...takeBack, request: this.nextRequest++ });
     const entry = this.waiting.get(request);
     if (entry === undefined) return; // too late, or never asked
     this.waiting.delete(request);
@@ -224,6 +235,11 @@ export class Link {
     this.socket = null;
     if (this.beatTimer !== null) this.host.clearTimer(this.beatTimer);
     this.beatTimer = null;
+    // A connection given up for its silence still delivers what it holds; on a closed one nothing goes out, nor comes late.
+    if (socket !== null && this.wasOpen)
+      for (const { unanswered } of this.waiting.values())
+        if (unanswered !== undefined) socket.send(JSON.stringify({ ...unanswered, request: this.nextRequest++ }));
+    this.late.clear();
     if (socket !== null && this.stopped) socket.close();
     for (const request of [...this.waiting.keys()]) this.settle(request, replyLost);
     this.events.rtt(null);

@@ -49,7 +49,10 @@ export interface State {
   simulated: boolean;
   scenario: string | null;
   exercise: Exercise;
-  coreConnected: boolean;
+  /** The figure that this page has set the hoist to drive. Null: none, or somebody else's. */
+  guided: Exercise | null;
+  /** Null: not told yet. */
+  coreConnected: boolean | null;
   parameters: Record<string, number>;
   parameterVersion: number;
   lease: { epoch: number; holder: number; mine: boolean };
@@ -78,6 +81,17 @@ export const stopped = (mode: ModeName): boolean => mode === 'protective_stop' |
 /** Somebody leads the hoist, by the mode table. */
 export const moving = (mode: ModeName): boolean => modes.some((row) => row.name === mode && row.moving);
 
+/** The figure that is under way, as far as this page knows it; on standby the chosen one. */
+export function figure({ mode, exercise, guided }: Pick<State, 'mode' | 'exercise' | 'guided'>): Exercise {
+  if (mode === 'guided') return guided ?? free;
+  return mode === 'remote' ? free : exercise;
+}
+const free: Exercise = { shape: 'free' };
+
+/** Whether anybody knows what the hoist does now. At the very first, before anything was heard, it is taken to be starting. */
+export const unknown = ({ link, everOpen, data, coreConnected }: Pick<State, 'link' | 'everOpen' | 'data' | 'coreConnected'>): boolean =>
+  data === 'gone' || (data === 'none' && (coreConnected === false || (everOpen && link !== 'open')));
+
 export const initial: State = {
   link: 'connecting',
   everOpen: false,
@@ -92,7 +106,8 @@ export const initial: State = {
   simulated: false,
   scenario: null,
   exercise: { shape: 'eight', c_m: 1.0, radius_m: 0.8 },
-  coreConnected: false,
+  guided: null,
+  coreConnected: null,
   parameters: {},
   parameterVersion: 0,
   lease: { epoch: 0, holder: 0, mine: false },

@@ -179,6 +179,7 @@ export const de: Record<TextKey, string> = {
   'tune.trial.left': 'Zurück in {n} s',
   'tune.trial.keep': 'Behalten',
   'tune.trial.undo': 'Jetzt zurück',
+  'trial.reverted': 'Die Einstellungen auf Probe sind zurückgegangen. Die Hilfe verhält sich wie vorher.',
   'tune.changedCount': '{n} weichen von den Vorgaben ab',
   'tune.allDefault': 'Alles steht auf der Vorgabe',
   'tune.number': 'Das ist keine Zahl.',

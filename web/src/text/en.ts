@@ -178,6 +178,7 @@ export const en = {
   'tune.trial.left': 'They go back in {n} s',
   'tune.trial.keep': 'Keep',
   'tune.trial.undo': 'Undo now',
+  'trial.reverted': 'The settings on trial went back. The hoist behaves as before.',
   'tune.changedCount': '{n} differ from the defaults',
   'tune.allDefault': 'Everything at its default',
   'tune.number': 'This is not a number.',

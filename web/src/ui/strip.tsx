@@ -51,7 +51,7 @@ export function Strip() {
   if (layout) add('layout', 'high', t('strip.layout'), t('strip.layoutAction'));
   if (ever && link !== 'open' && data !== 'fresh')
     add('link', 'high', data === 'none' ? t('strip.lost') : `${t('strip.lost')} · ${t('strip.noData', { s: fixed(age_s, 0) })}`, t('strip.lostAction'));
-  else if (link === 'open' && !core) add('core', 'high', t('strip.core'), t('strip.coreAction'));
+  else if (link === 'open' && core === false) add('core', 'high', t('strip.core'), t('strip.coreAction'));
   else if (link === 'open' && data === 'gone') add('data', 'high', t('strip.noData', { s: fixed(age_s, 0) }), t('strip.lostAction'));
   const device: Partial<Record<FaultName, string | null>> = { node_duplicate: deviceOfNode(duplicateId), node_babbling: deviceOfCan(babblingId) };
   if (data !== 'gone' && data !== 'none')
