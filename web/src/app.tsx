@@ -1,14 +1,16 @@
 // The frame around every screen: status bar, alarm strip, menu, STOP.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { dialogs } from './link/console';
-import { useStore } from './link/store';
+import { store, useStore } from './link/store';
 import { panels } from './panels/index';
 import { useSettings } from './text/settings';
 import { t, textOf } from './text/text';
 import { Icon } from './ui/icons';
+import { Question } from './ui/question';
 import { StatusBar } from './ui/status_bar';
 import { StopButton } from './ui/stop_button';
 import { Strip } from './ui/strip';
+import { TrialBar } from './ui/trial_bar';
 
 const panelOfAddress = () => panels.find((panel) => `#/${panel.id}` === location.hash.split('?')[0]) ?? panels[0]!;
 
@@ -17,6 +19,8 @@ export function App() {
   const [panel, setPanel] = useState(panelOfAddress);
   const stale = useStore((s) => s.data !== 'fresh') && panel.live;
   const signedIn = useStore((s) => s.signedIn);
+  const ever = useStore((s) => s.everOpen);
+  const { asking, answer } = useTakeOver();
   useEffect(() => {
     const change = () => setPanel(panelOfAddress());
     window.addEventListener('hashchange', change);
@@ -25,7 +29,8 @@ export function App() {
   useEffect(() => {
     document.title = `${t(panel.title)} – ${t('app.title')}`;
   });
-  if (!signedIn)
+  // Once it was open, the shell stays, and STOP with it: whoever is signed out in the middle of a walk must still try to stop it.
+  if (!signedIn && !ever)
     return (
       <div class="gate">
         <main class="card">
@@ -40,23 +45,27 @@ export function App() {
   const { View } = panel;
   return (
     <div class="shell">
-      <StatusBar />
-      <Strip />
-      <nav class="nav" aria-label={t('nav.label')}>
-        {panels.map((item) => (
-          <a key={item.id} href={`#/${item.id}`} aria-current={item.id === panel.id ? 'page' : undefined}>
-            <Icon name={item.icon} />
-            <span>{t(item.title)}</span>
-          </a>
-        ))}
-      </nav>
-      <main class={stale ? 'main stale' : 'main'}>
-        <h1 class="visually-hidden">{t(panel.title)}</h1>
-        <View key={panel.id} />
-      </main>
+      {/* While something is asked, neither key nor finger reaches anything else, STOP excepted. */}
+      <div class="shell-parts" inert={asking}>
+        <StatusBar />
+        <Strip />
+        <nav class="nav" aria-label={t('nav.label')}>
+          {panels.map((item) => (
+            <a key={item.id} href={`#/${item.id}`} aria-current={item.id === panel.id ? 'page' : undefined}>
+              <Icon name={item.icon} />
+              <span>{t(item.title)}</span>
+            </a>
+          ))}
+        </nav>
+        <main class={stale ? 'main stale' : 'main'}>
+          <h1 class="visually-hidden">{t(panel.title)}</h1>
+          <View key={panel.id} />
+        </main>
+        <TrialBar />
+      </div>
       <StopButton />
       <Notices />
-      <TakeOver />
+      {asking ? <TakeOver answer={answer} /> : null}
     </div>
   );
 }
@@ -77,34 +86,55 @@ function Notices() {
   );
 }
 
-/** The question before control is taken from somebody else. STOP stays free: the dialog never covers it. */
-function TakeOver() {
-  const [answer, setAnswer] = useState<((yes: boolean) => void) | null>(null);
-  const box = useRef<HTMLDivElement>(null);
+const timers = { once: (call: () => void, after_ms: number) => window.setTimeout(call, after_ms), cancel: (timer: number) => window.clearTimeout(timer) };
+
+/** The question before control is taken from somebody else. */
+function useTakeOver(): { asking: boolean; answer: (yes: boolean) => void } {
+  const [asking, setAsking] = useState(false);
+  const question = useRef<Question | null>(null);
+  question.current ??= new Question(setAsking, timers);
+  const answer = (yes: boolean) => question.current!.answer(yes);
+  const holder = useStore((s) => s.lease.holder);
+  const connected = useStore((s) => s.link === 'open');
+  const about = useRef(0);
+  const before = useRef<Element | null>(null);
   useEffect(() => {
     dialogs.askTakeOver = () => {
+      about.current = store.value.lease.holder;
+      before.current = document.activeElement;
       window.dispatchEvent(new Event('hoist-dialog'));
-      return new Promise<boolean>((resolve) => setAnswer(() => resolve));
+      return question.current!.ask();
     };
+    const away = () => answer(false);
+    window.addEventListener('hashchange', away);
+    return () => window.removeEventListener('hashchange', away);
   }, []);
+  // Whoever was asked about has left or is another one now, or nobody knows.
   useEffect(() => {
-    if (answer) box.current?.querySelector('button')?.focus();
-  }, [answer]);
-  if (answer === null) return null;
-  const done = (yes: boolean) => {
-    setAnswer(null);
-    answer(yes);
-  };
+    if (holder !== about.current || !connected) answer(false);
+  }, [holder, connected]);
+  useEffect(() => {
+    if (!asking && before.current instanceof HTMLElement) before.current.focus();
+  }, [asking]);
+  return { asking, answer };
+}
+
+/** STOP stays free: the dialog never covers it. */
+function TakeOver({ answer }: { answer: (yes: boolean) => void }) {
+  const box = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    box.current?.querySelector('button')?.focus();
+  }, []);
   return (
-    <div class="dialog-back" onKeyDown={(event) => event.key === 'Escape' && done(false)}>
+    <div class="dialog-back" onKeyDown={(event) => event.key === 'Escape' && answer(false)}>
       <div ref={box} class="card dialog" role="dialog" aria-modal="true" aria-labelledby="lease-question">
         <h2 id="lease-question">{t('lease.question')}</h2>
         <p>{t('lease.text')}</p>
         <div class="dialog-buttons">
-          <button type="button" class="big" onClick={() => done(false)}>
+          <button type="button" class="big" onClick={() => answer(false)}>
             {t('lease.keep')}
           </button>
-          <button type="button" class="big primary" onClick={() => done(true)}>
+          <button type="button" class="big primary" onClick={() => answer(true)}>
             {t('lease.take')}
           </button>
         </div>

@@ -26,6 +26,7 @@ export const de: Record<TextKey, string> = {
 
   'bar.still': 'Steht still',
   'bar.moving': 'In Bewegung',
+  'bar.unknown': 'Unbekannt',
   'bar.control': 'Steuerung',
   'bar.controlMine': 'Sie',
   'bar.controlOther': 'Jemand anderes',
@@ -65,6 +66,9 @@ export const de: Record<TextKey, string> = {
   'strip.coreAction': 'Die Räder halten von selbst. Kurz warten; dauert es an, aus- und einschalten.',
   'strip.layout': 'Diese Seite passt nicht zur Software der Hilfe',
   'strip.layoutAction': 'Seite neu laden. Bleibt es so, Service rufen.',
+  'strip.signedOut': 'Abgemeldet',
+  'strip.signedOutAction': 'Am Gerät selbst anhalten. Zum Anmelden auf diesem Gerät den Link öffnen, den die Hilfe zeigt.',
+  'strip.whole': 'Ganzer Text',
   'strip.others': '{n} weitere',
   'strip.recordingFailed': 'Dieses Training wird nicht aufgezeichnet',
   'strip.recordingFailedAction': 'Das Gehen kann sicher weitergehen. Speicher unter Zustand prüfen.',

@@ -25,6 +25,7 @@ export const en = {
 
   'bar.still': 'Standing still',
   'bar.moving': 'Moving',
+  'bar.unknown': 'Unknown',
   'bar.control': 'Control',
   'bar.controlMine': 'You',
   'bar.controlOther': 'Someone else',
@@ -64,6 +65,9 @@ export const en = {
   'strip.coreAction': 'The wheels stop by themselves. Wait a moment; if it lasts, switch the hoist off and on.',
   'strip.layout': 'This page does not fit the hoist’s software',
   'strip.layoutAction': 'Load the page again. If this stays, call service.',
+  'strip.signedOut': 'Signed out',
+  'strip.signedOutAction': 'Stop at the hoist itself. To sign in again, open the link that the hoist shows on this device.',
+  'strip.whole': 'Whole text',
   'strip.others': '{n} more',
   'strip.recordingFailed': 'This training is not being recorded',
   'strip.recordingFailedAction': 'Walking is safe to go on. Check the storage under Health.',

@@ -3,9 +3,9 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { modes } from '../contract/faults.gen';
 import { releaseLease } from '../link/console';
 import { useReading } from '../link/live';
-import { moving, useStore } from '../link/store';
+import { moving, unknown, useStore } from '../link/store';
 import { languages, settings, useSettings, type Theme } from '../text/settings';
-import { duration, fixed, t, words } from '../text/text';
+import { duration, fixed, noValue, t, words } from '../text/text';
 import { Icon } from './icons';
 
 const themes: readonly { id: Theme; key: 'bar.themeAuto' | 'bar.themeLight' | 'bar.themeDark' }[] = [
@@ -41,11 +41,13 @@ function ModeChip() {
   const mode = useStore((s) => s.mode);
   const old = useStore((s) => s.data !== 'fresh');
   const still = useStore((s) => s.standingStill);
+  const lost = useStore(unknown);
+  const heard = useStore((s) => s.data !== 'none');
   const row = modes.find((item) => item.name === mode)!;
   return (
-    <div class={`mode mode-${mode}${old ? ' old' : ''}`} role="status">
-      <strong>{words(row.title)}</strong>
-      <span>{still ? t('bar.still') : t('bar.moving')}</span>
+    <div class={`mode${lost ? '' : ` mode-${mode}`}${old ? ' old' : ''}`} role="status">
+      <strong>{lost ? t('bar.unknown') : words(row.title)}</strong>
+      <span>{lost || !heard ? noValue : still ? t('bar.still') : t('bar.moving')}</span>
     </div>
   );
 }
@@ -100,19 +102,22 @@ function LinkQuality() {
 
 function RecordingMark() {
   const { state, samples } = useStore((s) => s.recording);
-  if (state === 'recording')
+  const known = useStore((s) => s.link === 'open');
+  if (known && state === 'recording')
     return (
       <Item label={t('bar.recording')} value={duration(samples / sampleRate_hz)}>
         <span class="dot on" aria-hidden="true" />
       </Item>
     );
+  const failed = known && state === 'failed';
+  const said = t(!known ? 'bar.unknown' : failed ? 'bar.recordingFailed' : 'bar.recordingOff');
   return (
     <div class="bar-item recording">
       <span class="bar-label">{t('bar.recording')}</span>
-      <span class="bar-value" title={state === 'failed' ? t('bar.recordingFailed') : t('bar.recordingOff')}>
-        <span class={state === 'failed' ? 'dot failed' : 'dot'} aria-hidden="true" />
-        {state === 'failed' ? '!' : '–'}
-        <span class="visually-hidden">{state === 'failed' ? t('bar.recordingFailed') : t('bar.recordingOff')}</span>
+      <span class="bar-value" title={said}>
+        {known ? <span class={failed ? 'dot failed' : 'dot'} aria-hidden="true" /> : null}
+        {failed ? '!' : noValue}
+        <span class="visually-hidden">{said}</span>
       </span>
     </div>
   );

@@ -1,5 +1,5 @@
 // The one STOP: on every page, at one place, acting when touched and not when let go, without a question. The space bar does the same.
-import { useEffect } from 'preact/hooks';
+import { useEffect, useRef } from 'preact/hooks';
 import { stop } from '../link/console';
 import { useStore } from '../link/store';
 import { useSettings } from '../text/settings';
@@ -17,9 +17,35 @@ function wantsSpace(target: EventTarget | null): boolean {
   return isTyping(target) && !(target instanceof HTMLInputElement && (target.type === 'number' || ['decimal', 'numeric'].includes(target.inputMode)));
 }
 
+/** Where STOP must be drawn to stand at the same corner of what is seen, at the same size: a pinch leaves it outside, a keyboard on the screen
+ * covers it. `box` is its place on the page, `edge` how far it is from the corner. */
+export function intoView(box: { right: number; bottom: number }, edge: { right: number; bottom: number }, view: { scale: number; offsetLeft: number; offsetTop: number; width: number; height: number }): string {
+  const x = view.offsetLeft + view.width - edge.right / view.scale - box.right;
+  const y = view.offsetTop + view.height - edge.bottom / view.scale - box.bottom;
+  if (Math.abs(x) < 1 && Math.abs(y) < 1 && Math.abs(view.scale - 1) < 0.01) return '';
+  return `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) scale(${(1 / view.scale).toFixed(4)})`;
+}
+
 export function StopButton() {
   useSettings();
   const sending = useStore((s) => s.stopSent);
+  const button = useRef<HTMLButtonElement>(null);
+  useEffect(() => {
+    const view = window.visualViewport;
+    if (!view) return;
+    const follow = () => {
+      if (button.current === null) return;
+      const { style } = button.current;
+      style.transform = '';
+      const { right, bottom } = getComputedStyle(button.current);
+      style.transform = intoView(button.current.getBoundingClientRect(), { right: parseFloat(right), bottom: parseFloat(bottom) }, view);
+    };
+    follow();
+    for (const [target, type] of [[view, 'resize'], [view, 'scroll'], [window, 'resize']] as const) target.addEventListener(type, follow);
+    return () => {
+      for (const [target, type] of [[view, 'resize'], [view, 'scroll'], [window, 'resize']] as const) target.removeEventListener(type, follow);
+    };
+  }, []);
   useEffect(() => {
     const key = (event: KeyboardEvent) => {
       if (event.code !== 'Space' || wantsSpace(event.target)) return;
@@ -40,6 +66,7 @@ export function StopButton() {
   }, []);
   return (
     <button
+      ref={button}
       type="button"
       class={sending ? 'stop sending' : 'stop'}
       aria-label={t('stop.name')}

@@ -1,5 +1,5 @@
 // The line under the status bar: the most important alarm with what to do, or in calm times one sentence. Its height never changes.
-import { useState } from 'preact/hooks';
+import { useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { faults, type FaultInfo, type FaultName } from '../contract/faults.gen';
 import { acknowledge, notify } from '../link/console';
 import { stopped, useStore } from '../link/store';
@@ -28,6 +28,7 @@ export function activeFaults(bits: number): FaultInfo[] {
 export function Strip() {
   useSettings();
   const link = useStore((s) => s.link);
+  const signedIn = useStore((s) => s.signedIn);
   const ever = useStore((s) => s.everOpen);
   const data = useStore((s) => s.data);
   const age_s = useStore((s) => s.dataAge_s);
@@ -49,7 +50,8 @@ export function Strip() {
   const add = (id: string, priority: Priority, text: string, action = '') => alarms.push({ id, priority, text, action });
   if (failed) add('stop', 'high', t('stop.failed'));
   if (layout) add('layout', 'high', t('strip.layout'), t('strip.layoutAction'));
-  if (ever && link !== 'open' && data !== 'fresh')
+  if (!signedIn) add('signedOut', 'high', t('strip.signedOut'), t('strip.signedOutAction'));
+  else if (ever && link !== 'open' && data !== 'fresh')
     add('link', 'high', data === 'none' ? t('strip.lost') : `${t('strip.lost')} · ${t('strip.noData', { s: fixed(age_s, 0) })}`, t('strip.lostAction'));
   else if (link === 'open' && core === false) add('core', 'high', t('strip.core'), t('strip.coreAction'));
   else if (link === 'open' && data === 'gone') add('data', 'high', t('strip.noData', { s: fixed(age_s, 0) }), t('strip.lostAction'));
@@ -80,6 +82,17 @@ export function Strip() {
   const first: Alarm = alarms[0] ?? { id: 'calm', priority: 'calm', text: calm, action: '' };
   const more = alarms.slice(1);
 
+  // What to do must be readable to its end, also where the line is too short for it.
+  const line = useRef<HTMLSpanElement>(null);
+  const [cut, setCut] = useState(false);
+  useLayoutEffect(() => {
+    const measure = () => setCut(line.current !== null && line.current.scrollHeight > line.current.clientHeight + 1);
+    measure();
+    window.addEventListener('resize', measure);
+    return () => window.removeEventListener('resize', measure);
+  }, [first.text, first.action, cut, more.length, mode]);
+  const openable = more.length > 0 || (alarms.length > 0 && (cut || all));
+
   const release = async () => {
     setBusy(true);
     const reply = await acknowledge();
@@ -96,21 +109,27 @@ export function Strip() {
             {marks[first.priority]}
           </span>
         )}
-        <span class="strip-words">
+        <span ref={line} class="strip-words">
           <strong>{first.text}</strong> <span>{first.action}</span>
         </span>
       </div>
-      {more.length > 0 ? (
-        <button type="button" class="quiet" aria-expanded={all} aria-label={t('strip.others', { n: more.length })} onClick={() => setAll(!all)}>
-          +{more.length}
+      {openable ? (
+        <button
+          type="button"
+          class="quiet"
+          aria-expanded={all}
+          aria-label={more.length > 0 ? t('strip.others', { n: more.length }) : t('strip.whole')}
+          onClick={() => setAll(!all)}
+        >
+          {more.length > 0 ? `+${more.length}` : '…'}
         </button>
       ) : null}
       {stopped(mode) && link === 'open' ? (
         <HoldButton label={t('stop.release')} hint={t('stop.releaseHint')} hold_ms={releaseHold_ms} disabled={busy} onDone={() => void release()} />
       ) : null}
-      {all && more.length > 0 ? (
+      {all && openable ? (
         <ul class="strip-more card">
-          {more.map((alarm) => (
+          {alarms.map((alarm) => (
             <li key={alarm.id}>
               <strong>
                 {marks[alarm.priority]} {alarm.text}

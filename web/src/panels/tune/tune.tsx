@@ -1,7 +1,7 @@
 // Every setting from the table, with what it does in plain words. A change goes to the hoist at once; what it refuses is said at the row.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { presets, type ParamInfo } from '../../contract/params.gen';
-import { applyPreset, keepSettings, notify, setParameters, tryParameters, undoSettings } from '../../link/console';
+import { applyPreset, notify, setParameters, tryParameters } from '../../link/console';
 import type { Reply } from '../../link/socket';
 import { moving, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
@@ -184,29 +184,6 @@ function GroupView({ group, role, standby, connected }: { group: Group; role: st
   );
 }
 
-/** Always there while something is on trial, at the bottom where a thumb reaches it; the rows above do not move. */
-function TrialBar() {
-  const left_s = useStore((s) => s.trial_s);
-  const request = useRequest();
-  if (left_s <= 0) return null;
-  return (
-    <div class="trial-bar" role="region" aria-label={t('tune.trial.title')}>
-      <p>
-        <strong>{t('tune.trial.title')}</strong> <span class="num">{t('tune.trial.left', { n: left_s })}</span>
-      </p>
-      <div class="trial-buttons">
-        <button type="button" class="plain" onClick={() => void request.ask(undoSettings)}>
-          {t('tune.trial.undo')}
-        </button>
-        <button type="button" class="plain primary" onClick={() => void request.ask(keepSettings)}>
-          {t('tune.trial.keep')}
-        </button>
-      </div>
-      <Refusal request={request} />
-    </div>
-  );
-}
-
 function TuneView() {
   useSettings();
   const link = useStore((s) => s.link);
@@ -242,7 +219,6 @@ function TuneView() {
       {list.map((group) => (
         <GroupView key={group.title} group={group} role={role} standby={standby} connected={connected} />
       ))}
-      <TrialBar />
     </div>
   );
 }

@@ -1,0 +1,27 @@
+// Settings on trial go back by themselves, also while somebody walks: on every screen it says how soon, with the buttons to keep or undo.
+import { keepSettings, undoSettings } from '../link/console';
+import { useStore } from '../link/store';
+import { t } from '../text/text';
+import { Refusal, useRequest } from './refusal';
+
+export function TrialBar() {
+  const left_s = useStore((s) => s.trial_s);
+  const request = useRequest();
+  if (left_s <= 0) return null;
+  return (
+    <div class="trial-bar" role="region" aria-label={t('tune.trial.title')}>
+      <p>
+        <strong>{t('tune.trial.title')}</strong> <span class="num">{t('tune.trial.left', { n: left_s })}</span>
+      </p>
+      <div class="trial-buttons">
+        <button type="button" class="plain" onClick={() => void request.ask(undoSettings)}>
+          {t('tune.trial.undo')}
+        </button>
+        <button type="button" class="plain primary" onClick={() => void request.ask(keepSettings)}>
+          {t('tune.trial.keep')}
+        </button>
+      </div>
+      <Refusal request={request} />
+    </div>
+  );
+}
