@@ -33,9 +33,14 @@ std::unique_ptr<CoreLink> CoreLink::create(const std::string& socket_path, std::
   }
   std::memcpy(address.sun_path, socket_path.data(), socket_path.size());
   Descriptor listener(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
-  // A left-over socket of a core that died is taken over; one where a core still answers is not.
-  Descriptor probe(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
-  if (probe && ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
+  struct stat there {};
+  if (::lstat(socket_path.c_str(), &there) == 0 && !S_ISSOCK(there.st_mode)) {
+    error = socket_path + " exists and is no socket: it stays, choose another path";
+    return nullptr;
+  }
+  // A left-over socket of a core that died is taken over; one where a core still listens is not, also when it stands still and its queue is full.
+  Descriptor probe(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (probe && (::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 || errno == EAGAIN)) {
     error = "another hoist-control already listens on " + socket_path;
     return nullptr;
   }

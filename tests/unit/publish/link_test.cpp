@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <fstream>
 #include <string>
 #include <thread>
 
@@ -138,6 +139,18 @@ TEST(Link, ASecondServerIsRefusedWithAReason) {
   EXPECT_TRUE(first.poll_connect());
 }
 
+TEST(Link, AFileThatIsNoSocketStays) {
+  const std::string path = temporary_socket();
+  std::ofstream(path) << "precious";
+  std::string error;
+  EXPECT_EQ(CoreLink::create(path, 1000, 5, error), nullptr);
+  EXPECT_NE(error.find("no socket"), std::string::npos) << error;
+  std::string kept;
+  std::ifstream(path) >> kept;
+  EXPECT_EQ(kept, "precious");
+  ::unlink(path.c_str());
+}
+
 // A core that stands still accepts nobody, and soon its queue of connections is full.
 TEST(Link, ACoreThatStandsStillHoldsNobodyUp) {
   const std::string path = temporary_socket();
@@ -152,6 +165,8 @@ TEST(Link, ACoreThatStandsStillHoldsNobodyUp) {
     EXPECT_EQ(servers.back()->last_error(), "the core does not answer");
   }
   ::alarm(0);
+  EXPECT_EQ(CoreLink::create(path, 2000, 5, error), nullptr) << "it is not dead";
+  EXPECT_NE(error.find("another hoist-control"), std::string::npos) << error;
   // It goes on, and finds the first one's question.
   std::atomic<bool> ended{false};
   std::thread goes_on([&] {
