@@ -1,5 +1,6 @@
 #include "server/api/actions.hpp"
 
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -111,8 +112,11 @@ std::vector<std::string> fault_names(std::uint32_t bits) {
 void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done) {
   Command command = command_of(CommandKind::take_lease, asker);
   command.a = take_over ? 1 : 0;
-  services.core.ask(command, [done = std::move(done), &services](const CoreAnswer& answer) {
+  services.core.ask(command, [done = std::move(done), take_over, &services](const CoreAnswer& answer) {
     Outcome outcome = outcome_of(answer);
+    // The table's sentence tells others to take control, which is what was asked here.
+    if (!take_over && (answer.bits & contract::refusal_bit(contract::Refusal::no_lease)) != 0)
+      outcome.detail = "Somebody else is in control: ask again with take_over while the hoist stands still.";
     outcome.epoch = services.core.lease_epoch();
     done(outcome);
   });
@@ -211,6 +215,17 @@ contract::GuidedLimits guided_limits(const Services& services) {
 }
 
 std::uint32_t blocked_bits(const Services& services) { return services.core.newest() ? services.core.newest()->blocked_bits : 0; }
+
+// What the newest step says against a start in this mode, so that a refused one changes nothing. Whether the asker holds the lease is judged
+// by itself, and driving may leave a bumper: only the core knows which one was acknowledged.
+std::uint32_t start_refusals(const Services& services, contract::Mode mode) {
+  const auto& newest = services.core.newest();
+  if (!newest) return 0;
+  std::uint32_t bits = newest->blocked_bits & ~contract::refusal_bit(contract::Refusal::no_lease);
+  if (mode == contract::Mode::remote) bits &= ~contract::refusal_bit(contract::Refusal::bumper_start);
+  if (newest->mode != static_cast<std::uint8_t>(contract::Mode::standby)) bits |= contract::refusal_bit(contract::Refusal::not_standby);
+  return bits;
+}
 }  // namespace
 
 void act_mode(Services& services, const Asker& asker, const ModeWish& wish, OutcomeDone done) {
@@ -265,7 +280,17 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
     done(outcome);
     return;
   }
-  // The pose first: the exercise's figure and the odometry must share their origin before the first step.
+  if (!services.core.connected()) {
+    done(outcome_of({.kind = CoreAnswer::Kind::no_core}));
+    return;
+  }
+  if (const std::uint32_t bits = start_refusals(services, *mode); bits != 0) {
+    services.counters.add(Count::commands_refused);
+    done(outcome_of({.kind = CoreAnswer::Kind::refused, .code = static_cast<std::uint32_t>(std::countr_zero(bits)), .bits = bits}));
+    return;
+  }
+  // The pose first: the exercise's figure and the odometry must share their origin before the first step. Pose and exercise are set for a
+  // start that nothing is known to stand against; the core judges both once more and sets no pose outside standby.
   const StartPose pose = start_pose(*exercise);
   Command set_pose = command_of(CommandKind::set_pose, asker);
   set_pose.v0 = pose.x_m;
@@ -343,6 +368,7 @@ void act_set(Services& services, const Asker& asker, const json& values, const j
   std::vector<FieldError> errors;
   bool unknown = false;
   bool role = false;
+  bool no_number = false;
   double trial_s = 0;
   if (!revert_after_s.is_null()) {
     trial_s = revert_after_s.is_number() ? revert_after_s.get<double>() : 0.0;
@@ -358,6 +384,7 @@ void act_set(Services& services, const Asker& asker, const json& values, const j
     }
     const contract::ParamInfo& p = contract::kParams[*index];
     if (!value.is_number()) {
+      no_number = true;
       errors.push_back(range_error(p, "must be a number", std::nullopt));
       continue;
     }
@@ -378,9 +405,10 @@ void act_set(Services& services, const Asker& asker, const json& values, const j
     rows.emplace_back(p.id, number);
   }
   if (!errors.empty()) {
-    Outcome outcome = invalid(std::move(errors), unknown ? "There is no such parameter."
-                                                 : role  ? "Your role may not change this."
-                                                         : "A value is outside its range; nothing was changed.");
+    Outcome outcome = invalid(std::move(errors), unknown     ? "There is no such parameter."
+                                                 : role      ? "Your role may not change this."
+                                                 : no_number ? "A value is not a number; nothing was changed."
+                                                             : "A value is outside its range; nothing was changed.");
     if (unknown) outcome.kind = Outcome::Kind::unknown;
     if (role && !unknown) outcome.kind = Outcome::Kind::refused;
     outcome.refusals = {unknown ? "unknown_item" : role ? "not_allowed" : "out_of_range"};

@@ -147,11 +147,12 @@ void CoreDesk::poll(std::uint64_t now_ns) {
     set_connected(false);
   }
   if (attached) link_.beat();
-  read_ticks(now_ns);
-  read_parameters();
   std::vector<Event> events;
   std::vector<Answered> answered;
+  // Before the ticks, so that whoever hears an answer finds the step it came from in `newest()`.
   read_events(events, answered);
+  read_ticks(now_ns);
+  read_parameters();
   if (attached && newest_.has_value() && heard_ns_ + kCoreSilence_ns > now_ns) {
     set_connected(true);
   } else if (!attached || heard_ns_ + kCoreSilence_ns <= now_ns) {

@@ -20,7 +20,7 @@ constexpr std::uint64_t kNoticeEvery_ns = 1'000'000'000;
 Asker asker_of(const Client& client) { return {client.number(), client.hub().services().core.lease_epoch(), client.session()->role}; }
 
 json reply_json(const json& request, const Outcome& outcome) {
-  json reply{{"type", "reply"}, {"request", request}, {"ok", outcome.done()}};
+  json reply{{"type", "reply"}, {"request", request.is_number_integer() ? request : json(0)}, {"ok", outcome.done()}};
   if (outcome.done()) {
     if (outcome.epoch != 0) reply["epoch"] = outcome.epoch;
     return reply;
@@ -56,7 +56,7 @@ const json& field(const json& message, const char* name) {
 namespace on {
 void lease_take(Client& client, const json& message) {
   const json& over = field(message, "take_over");
-  act_take_lease(client.hub().services(), asker_of(client), over.is_boolean() && over.get<bool>(), reply_to(client, message));
+  act_take_lease(client.hub().services(), asker_of(client), over == true, reply_to(client, message));
 }
 void lease_release(Client& client, const json& message) {
   act_release_lease(client.hub().services(), asker_of(client), reply_to(client, message));
@@ -103,6 +103,15 @@ void drive(Client& client, const json& message) {
       client.drive_sequence = command.sequence;
   }
   if (refused == nullptr) return;
+  // Letting go is passed on whatever else is wrong: it can only stop. The next free number, since the core takes only those that rise.
+  if (held == false && client.holds_lease()) {
+    command.lease_epoch = services.core.lease_epoch();
+    command.client = client.number();
+    command.sequence = client.drive_sequence + 1;
+    command.speed_norm = command.yaw_norm = 0;
+    command.held = 0;
+    if (services.core.drive(command)) client.drive_sequence = command.sequence;
+  }
   services.counters.add(Count::ws_refused);
   services.counters.add(Count::ws_refused_drive);
   const std::uint64_t now = services.now_ns();
@@ -171,7 +180,7 @@ void marker(Client& client, const json& message) {
 
 void stream(Client& client, const json& message) {
   const json& every = field(message, "every_tick");
-  const bool wanted = every.is_boolean() && every.get<bool>();
+  const bool wanted = every == true;
   if (wanted && !client.holds_lease()) {
     client.send(json{{"type", "notice"}, {"level", "info"}, {"text_key", "every_tick_refused"}, {"refusals", {"no_lease"}}});
     return;
@@ -181,7 +190,7 @@ void stream(Client& client, const json& message) {
 
 void ping(Client& client, const json& message) {
   const json& t = field(message, "t");
-  client.send(json{{"type", "pong"}, {"t", t.is_number() ? t : json(0)}, {"time_ns", client.hub().services().now_ns()}});
+  client.send(json{{"type", "pong"}, {"t", t}, {"time_ns", client.hub().services().now_ns()}});
 }
 }  // namespace on
 
@@ -200,6 +209,42 @@ constexpr std::array kRows{
 #undef HOIST_OUT
 #undef HOIST_FIELD
 };
+
+struct FieldRow {
+  std::string_view type, name, kind;
+  bool required;
+};
+constexpr std::array kFields{
+#define HOIST_IN(...)
+#define HOIST_OUT(...)
+#define HOIST_FIELD(type, name, kind, required, doc) FieldRow{#type, name, kind, required != 0},
+#include "server/contract/messages.def"
+#undef HOIST_IN
+#undef HOIST_OUT
+#undef HOIST_FIELD
+};
+
+// What is wrong with the types of a message's fields; choices and nested values are judged by whoever uses them.
+std::vector<FieldError> wrong_fields(std::string_view type, const json& message) {
+  std::vector<FieldError> errors;
+  for (const FieldRow& row : kFields) {
+    if (row.type != type) continue;
+    const auto at = message.find(row.name);
+    const bool given = at != message.end() && (row.required || !at->is_null());
+    if (!given) {
+      if (row.required) errors.push_back({std::string{row.name}, "is missing"});
+    } else if (row.kind == "boolean" && !at->is_boolean()) {
+      errors.push_back({std::string{row.name}, "must be true or false"});
+    } else if (row.kind == "number" && !at->is_number()) {
+      errors.push_back({std::string{row.name}, "must be a number"});
+    } else if (row.kind == "string" && !at->is_string()) {
+      errors.push_back({std::string{row.name}, "must be text"});
+    } else if (row.kind.starts_with("Record<") && !at->is_object()) {
+      errors.push_back({std::string{row.name}, "must be an object of names and values"});
+    }
+  }
+  return errors;
+}
 }  // namespace
 
 void handle_message(Client& client, const json& message) {
@@ -219,6 +264,13 @@ void handle_message(Client& client, const json& message) {
       outcome.detail = "Your role may not do this.";
       if (row.answered) reply_to(client, message)(outcome);
       return;
+    }
+    // Driving judges itself, field by field: letting go counts whatever else is wrong.
+    if (row.handler != &on::drive) {
+      if (auto errors = wrong_fields(name, message); !errors.empty()) {
+        refuse_fields(client, message, std::move(errors));
+        return;
+      }
     }
     row.handler(client, message);
     return;

@@ -182,6 +182,7 @@ void FakeCore::take(const Command& c) {
       return answer(c, 0);
     }
     case CommandKind::set_pose:
+      if (mode != Mode::standby) return answer(c, refusal_bit(Refusal::not_standby));
       record_.x_m = static_cast<float>(c.v0);
       record_.y_m = static_cast<float>(c.v1);
       record_.psi_rad = static_cast<float>(c.v2);

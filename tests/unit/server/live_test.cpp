@@ -74,6 +74,7 @@ TEST_F(LiveTest, LeaseAndDriving) {
   const json refused = other.ask({{"type", "lease_take"}});
   EXPECT_EQ(refused["ok"], false);
   EXPECT_EQ(refused["refusals"][0], "no_lease");
+  EXPECT_NE(refused["detail"].get<std::string>().find("take_over"), std::string::npos) << "not what was asked just now";
   driver.send(drive);
   ASSERT_TRUE(until([&] { return get("/api/v1/status").status == 200 && core_->drive().held == 1; }));
   const contract::DriveCommand command = core_->drive();
@@ -98,6 +99,96 @@ TEST_F(LiveTest, LeaseAndDriving) {
   ASSERT_TRUE(until([&] { return counters()["ws_refused_drive"] >= 6; }));
   EXPECT_EQ(core_->drive().sequence, 1U);
   EXPECT_EQ(driver.ask({{"type", "lease_release"}})["ok"], true);
+}
+
+TEST_F(LiveTest, LettingGoIsPassedOnWhateverElseIsWrong_H17) {
+  Live driver(port_, bearer_);
+  ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
+  const json held{{"type", "drive"}, {"sequence", 10}, {"echo", 5}, {"speed", 0.5}, {"yaw", 0.25}, {"held", true}};
+  std::uint64_t sequence = 10;
+  std::uint64_t counted = 0;
+  for (const auto& [name, bad] : {std::pair<const char*, json>{"speed", 1.5},
+                                  {"speed", "fast"},
+                                  {"yaw", nullptr},
+                                  {"echo", -1},
+                                  {"sequence", 10},
+                                  {"sequence", "x"}}) {
+    json message = held;
+    message["sequence"] = sequence;
+    driver.send(message);
+    ASSERT_TRUE(until([&] { return core_->drive().held == 1; })) << name << bad;
+    message["held"] = false;
+    message["sequence"] = ++sequence;
+    message[name] = bad;
+    driver.send(message);
+    ASSERT_TRUE(until([&] { return core_->drive().held == 0; })) << name << bad;
+    EXPECT_EQ(core_->drive().speed_norm, 0.0);
+    EXPECT_EQ(core_->drive().yaw_norm, 0.0);
+    sequence += 2;
+    ASSERT_TRUE(until([&] { return counters()["ws_refused_drive"] == counted + 1; })) << "it is still told and counted";
+    ++counted;
+  }
+  // Neither anybody else's, nor what is not exactly letting go.
+  json message = held;
+  message["sequence"] = sequence;
+  driver.send(message);
+  ASSERT_TRUE(until([&] { return core_->drive().held == 1; }));
+  Live other(port_, bearer_);
+  message["held"] = false;
+  message["speed"] = 7;
+  other.send(message);
+  message["held"] = 0;
+  driver.send(message);
+  ASSERT_TRUE(until([&] { return counters()["ws_refused_drive"] == counted + 2; }));
+  EXPECT_EQ(core_->drive().held, 1U);
+}
+
+TEST_F(LiveTest, ARefusedStartMovesNoPose) {
+  Live driver(port_, bearer_);
+  ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
+  const json start{{"type", "mode"}, {"mode", "remote"}, {"exercise", {{"shape", "square"}, {"side_m", 3.0}}}};
+  const auto refused = [&](const char* why) {
+    const json reply = driver.ask(start);
+    EXPECT_EQ(reply["ok"], false);
+    EXPECT_NE(reply["refusals"].dump().find(why), std::string::npos) << reply;
+    EXPECT_FALSE(reply["detail"].get<std::string>().empty());
+    for (const auto& command : core_->commands()) EXPECT_NE(command.kind, contract::CommandKind::set_pose) << why;
+  };
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+  ASSERT_TRUE(until([&] { return get("/api/v1/mode").json()["mode"] == "user"; }));
+  refused("not_standby");
+  core_->set([](contract::TickRecord& r) {
+    r.mode = static_cast<std::uint8_t>(Mode::standby);
+    r.blocked_bits = contract::refusal_bit(contract::Refusal::not_neutral);
+  });
+  ASSERT_TRUE(until([&] { return get("/api/v1/mode").json()["blocked"] == json::array({"not_neutral"}); }));
+  refused("not_neutral");
+  core_->set([](contract::TickRecord& r) { r.blocked_bits = 0; });
+  ASSERT_TRUE(until([&] { return get("/api/v1/mode").json()["blocked"].empty(); }));
+  EXPECT_EQ(driver.ask(start)["ok"], true);
+}
+
+TEST_F(LiveTest, FieldsOfAWrongTypeAreNamed) {
+  Live live(port_, bearer_);
+  const auto refused = [&](json message, const char* field) {
+    const json reply = live.ask(std::move(message));
+    EXPECT_EQ(reply["ok"], false);
+    EXPECT_EQ(reply["errors"][0]["field"], field) << reply;
+  };
+  refused({{"type", "lease_take"}, {"take_over", "x"}}, "take_over");
+  refused({{"type", "ping"}, {"t", "x"}}, "t");
+  refused({{"type", "ping"}}, "t");
+  refused({{"type", "stream"}, {"every_tick", 1}}, "every_tick");
+  refused({{"type", "preset"}, {"name", 5}}, "name");
+  refused({{"type", "set"}, {"values", "x"}}, "values");
+  refused({{"type", "set"}, {"values", {{"lean_gain_filtered_units", 30}}}, {"revert_after_s", "soon"}}, "revert_after_s");
+  refused({{"type", "marker"}}, "text");
+  EXPECT_TRUE(core_->commands().empty());
+  live.send({{"type", "neutral"}, {"request", "x"}});
+  const json reply = live.wait("reply");
+  EXPECT_EQ(reply["errors"][0]["field"], "request");
+  EXPECT_EQ(reply["request"], 0) << "always a number";
+  EXPECT_EQ(live.ask({{"type", "lease_take"}, {"take_over", nullptr}})["ok"], true) << "left out";
 }
 
 TEST_F(LiveTest, ADriverWhoIsGoneLosesTheLease) {

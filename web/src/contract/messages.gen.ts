@@ -230,6 +230,7 @@ export interface WelcomeMessage {
 /** Answer to a message with `request`. */
 export interface ReplyMessage {
   type: 'reply';
+  /** That of the message; 0 for a refused one that carried no whole number. */
   request: number;
   ok: boolean;
   /** Names of the refusal table. */
