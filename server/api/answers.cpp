@@ -87,6 +87,7 @@ std::optional<Asker> driver(const CallPtr& call, bool header_required) {
     return std::nullopt;
   }
   Asker asker = asker_of(*call);
+  call->session->used_ns = call->services.now_ns();
   asker.epoch = *epoch;
   return asker;
 }

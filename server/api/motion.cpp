@@ -17,11 +17,16 @@ void get_mode(const CallPtr& call) {
     return;
   }
   const contract::ModeInfo& mode = contract::kModes[newest->mode];
+  // The core keeps the cause of the last stop; here it is that of the stop the hoist is in.
+  const bool stopped = newest->mode == static_cast<std::uint8_t>(contract::Mode::protective_stop) ||
+                       newest->mode == static_cast<std::uint8_t>(contract::Mode::fault) ||
+                       newest->mode == static_cast<std::uint8_t>(contract::Mode::emergency_stop);
+  const bool caused = stopped && newest->stop_cause != 0;
   call->respond(json{{"mode", mode.name},
                      {"moving", mode.moving},
                      {"standing_still", newest->standing_still != 0},
                      {"blocked", refusal_names(newest->blocked_bits)},
-                     {"stop_cause", newest->stop_cause == 0 ? json(nullptr) : json(fault_names(1U << ((newest->stop_cause - 1U) & 31U)))}});
+                     {"stop_cause", caused ? json(fault_names(1U << ((newest->stop_cause - 1U) & 31U))) : json(nullptr)}});
 }
 
 void set_mode(const CallPtr& call) {
@@ -46,6 +51,7 @@ void take_lease(const CallPtr& call) {
     return;
   }
   const Asker asker = asker_of(*call);
+  call->session->used_ns = call->services.now_ns();
   act_take_lease(call->services, asker, over.is_boolean() && over.get<bool>(), [call, client = asker.client](const Outcome& outcome) {
     if (outcome.done())
       call->respond(json{{"epoch", outcome.epoch}, {"holder", client}});

@@ -85,7 +85,8 @@ void list_sessions(const CallPtr& call) {
   if (const auto limit = query(*call, "limit")) {
     const auto value = number<std::size_t>(*limit);
     if (!value || *value < 1 || *value > db::kMaxPage)
-      return call->fail(bad_query("limit", "must be a whole number", 1, static_cast<double>(db::kMaxPage)));
+      return call->fail(
+          bad_query("limit", "must be a whole number from 1 to " + std::to_string(db::kMaxPage), 1, static_cast<double>(db::kMaxPage)));
     wanted.limit = *value;
   }
   if (const auto cursor = query(*call, "cursor"); cursor && !cursor->empty()) {
@@ -172,7 +173,8 @@ void get_samples(const CallPtr& call) {
   if (const auto text = query(*call, "points")) {
     const auto value = number<std::size_t>(*text);
     if (!value || *value < 1 || *value > db::kMaxOverviewRuns)
-      return call->fail(bad_query("points", "must be a whole number", 1, static_cast<double>(db::kMaxOverviewRuns)));
+      return call->fail(bad_query("points", "must be a whole number from 1 to " + std::to_string(db::kMaxOverviewRuns), 1,
+                                  static_cast<double>(db::kMaxOverviewRuns)));
     points = *value;
   }
   db::TimeRange range;

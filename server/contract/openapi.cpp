@@ -32,8 +32,26 @@ std::set<std::string> errors_of(const Route& route) {
     rest = space == std::string_view::npos ? std::string_view{} : rest.substr(space + 1);
   }
   if (route.access != Access::open) codes.insert({"401", "403"});
-  if (!route.request.empty()) codes.insert({"413", "415"});
+  if (takes_body(route)) codes.insert({"413", "415", "422"});
+  if (route.operation == "stop") codes.insert("413");
   return codes;
+}
+
+// "1..200" = least and most, "a|b" = the choices.
+json input_schema(const RouteInput& input) {
+  json schema{{"type", input.type.empty() ? "string" : input.type}};
+  std::string_view allowed = input.allowed;
+  if (const std::size_t dots = allowed.find(".."); dots != std::string_view::npos) {
+    schema["minimum"] = std::stoi(std::string{allowed.substr(0, dots)});
+    schema["maximum"] = std::stoi(std::string{allowed.substr(dots + 2)});
+  } else if (!allowed.empty()) {
+    for (std::size_t bar = allowed.find('|'); bar != std::string_view::npos; bar = allowed.find('|')) {
+      schema["enum"].push_back(allowed.substr(0, bar));
+      allowed.remove_prefix(bar + 1);
+    }
+    schema["enum"].push_back(allowed);
+  }
+  return schema;
 }
 
 json parameters_of(const Route& route) {
@@ -52,7 +70,7 @@ json parameters_of(const Route& route) {
                     {"in", header ? "header" : "query"},
                     {"required", input.required},
                     {"description", input.summary},
-                    {"schema", {{"type", header ? "string" : input.type}}}});
+                    {"schema", input_schema(input)}});
   }
   return list;
 }
@@ -64,7 +82,7 @@ json operation_of(const Route& route) {
   if (json inputs = parameters_of(route); !inputs.empty()) operation["parameters"] = std::move(inputs);
   if (route.request.find('/') != std::string_view::npos)
     operation["requestBody"] = {{"required", true}, {"content", {{std::string{route.request}, json::object()}}}};
-  else if (!route.request.empty())
+  else if (takes_body(route))
     operation["requestBody"] = {{"required", !body_may_be_empty(route)},
                                 {"content", {{"application/json", {{"schema", reference(route.request)}}}}}};
   json success{{"description", route.success == 101 ? "The connection is a WebSocket from here" : "Done"}};

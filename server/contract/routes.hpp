@@ -28,10 +28,13 @@ struct Route {
 constexpr bool body_may_be_empty(const Route& route) {
   return route.request == "Empty" || route.request == "LeaseRequest" || route.request == "KeepRequest";
 }
+// STOP is never refused, so nobody looks at what may come with it.
+constexpr bool takes_body(const Route& route) { return !route.request.empty() && route.operation != "stop"; }
 struct RouteInput {
   std::string_view operation;
   std::string_view name;
-  std::string_view type;  // of a query field; empty for a header
+  std::string_view type;     // of a query field; empty for a header
+  std::string_view allowed;  // of a query field: "1..200", "a|b", or nothing
   bool required;
   std::string_view summary;
 };
@@ -50,8 +53,8 @@ inline constexpr std::array kRoutes{
 inline constexpr std::array kRouteInputs{
 #undef HOIST_QUERY
 #undef HOIST_HEADER
-#define HOIST_QUERY(operation, name, type, summary) RouteInput{#operation, name, type, false, summary},
-#define HOIST_HEADER(operation, name, required, summary) RouteInput{#operation, name, "", required, summary},
+#define HOIST_QUERY(operation, name, type, allowed, summary) RouteInput{#operation, name, type, allowed, false, summary},
+#define HOIST_HEADER(operation, name, required, summary) RouteInput{#operation, name, "", "", required, summary},
 #include "server/contract/api.def"
 };
 #undef HOIST_ROUTE

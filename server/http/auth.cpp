@@ -59,6 +59,20 @@ std::optional<std::string> read_private(const std::filesystem::path& file) {
   ::close(fd);
   return text;
 }
+// Whether nothing but a token of ours is lost by writing this file anew: it is missing, empty or holds a token.
+bool may_replace(const std::filesystem::path& file) {
+  std::error_code none;
+  const auto state = std::filesystem::symlink_status(file, none);
+  if (none || !std::filesystem::exists(state)) return true;
+  if (!std::filesystem::is_regular_file(state)) return false;
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return false;
+  std::string text(2 * kTokenBytes + 2, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (!text.empty() && text.back() == '\n') text.pop_back();
+  return text.empty() || is_token(text, kTokenBytes);
+}
 }  // namespace
 
 std::string random_hex(std::size_t bytes) {
@@ -88,8 +102,10 @@ bool same_secret(std::string_view a, std::string_view b) {
 std::unique_ptr<Auth> Auth::create(Options options, std::uint64_t utc_s, std::string& error) {
   std::unique_ptr<Auth> auth(new Auth(std::move(options)));
   if (!auth->load(error)) return nullptr;
-  std::erase_if(auth->sessions_,
-                [utc_s](const SessionPtr& s) { return s->created_utc_s + kSessionLife_s < utc_s || s->created_utc_s > utc_s + 3600; });
+  for (auto it = auth->sessions_.begin(); it != auth->sessions_.end();) {
+    const auto session = it++;
+    if ((*session)->used_utc_s + kSessionLife_s < utc_s || (*session)->used_utc_s > utc_s + 3600) auth->end(session);
+  }
   auth->link_ = random_hex(kLinkBytes);
   if (!auth->save(error)) return nullptr;
   return auth;
@@ -99,12 +115,16 @@ bool Auth::load(std::string& error) {
   bearer_ = std::make_shared<Session>();
   bearer_->bearer = true;
   if (!options_.token_file.empty()) {
+    if (!may_replace(options_.token_file)) {
+      error = options_.token_file.string() + " is not a token file of this program and stays as it is: name another file, or move it away";
+      return false;
+    }
     std::string token = read_private(options_.token_file).value_or("");
     while (!token.empty() && token.back() == '\n') token.pop_back();
     if (is_token(token, kTokenBytes)) bearer_->secret = token;
     std::string text = read_private(options_.token_file.string() + ".sessions").value_or("");
     std::string_view rest = text;
-    while (!rest.empty() && sessions_.size() < kSessionLimit) {
+    while (!rest.empty() && sessions_.size() < kSessionLimit + kPastLimit) {
       const std::size_t end = rest.find('\n');
       const std::string_view line = rest.substr(0, end);
       rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
@@ -113,7 +133,8 @@ bool Auth::load(std::string& error) {
       auto session = std::make_shared<Session>();
       session->secret = std::string{line.substr(0, space)};
       const std::string_view number = line.substr(space + 1);
-      if (std::from_chars(number.data(), number.data() + number.size(), session->created_utc_s).ec != std::errc{}) continue;
+      if (std::from_chars(number.data(), number.data() + number.size(), session->used_utc_s).ec != std::errc{}) continue;
+      session->written_utc_s = session->used_utc_s;
       sessions_.push_back(std::move(session));
     }
   }
@@ -127,7 +148,9 @@ bool Auth::load(std::string& error) {
 bool Auth::save(std::string& error) const {
   if (options_.token_file.empty()) return true;
   std::string text;
-  for (const SessionPtr& s : sessions_) text += s->secret + " " + std::to_string(s->created_utc_s) + "\n";
+  // A session that has ended is one that was used long ago.
+  for (const SessionPtr& s : past_) text += s->secret + " 0\n";
+  for (const SessionPtr& s : sessions_) text += s->secret + " " + std::to_string(s->used_utc_s) + "\n";
   return write_private(options_.token_file.string() + ".sessions", text, error);
 }
 
@@ -160,6 +183,45 @@ bool Auth::origin_matches(std::string_view origin, std::string_view host) {
   return origin.size() == kScheme.size() + host.size() && origin.starts_with(kScheme) && origin.substr(kScheme.size()) == host;
 }
 
+void Auth::end(std::list<SessionPtr>::iterator session) {
+  past_.splice(past_.end(), sessions_, session);
+  if (past_.size() > kPastLimit) past_.pop_front();
+}
+
+void Auth::use(Session& session, std::uint64_t utc_s) {
+  session.used_utc_s = utc_s;
+  if (session.bearer || session.written_utc_s + kSessionWrite_s > utc_s) return;
+  // Also when the file cannot be written: it is not tried at every use.
+  session.written_utc_s = utc_s;
+  std::string ignored;
+  static_cast<void>(save(ignored));
+}
+
+namespace {
+// The value of our cookie in the rest of a cookie header, which it moves on; nothing when there is none left.
+std::optional<std::string_view> next_cookie(std::string_view& rest) {
+  while (!rest.empty()) {
+    const std::size_t end = rest.find(';');
+    std::string_view pair = rest.substr(0, end);
+    rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
+    while (!pair.empty() && pair.front() == ' ') pair.remove_prefix(1);
+    const std::size_t equals = pair.find('=');
+    if (equals != std::string_view::npos && pair.substr(0, equals) == kCookieName) return pair.substr(equals + 1);
+  }
+  return std::nullopt;
+}
+}  // namespace
+
+SessionPtr Auth::find_for_stop(const Request& request, std::uint64_t utc_s) {
+  if (SessionPtr session = find(request, utc_s)) return session;
+  if (!request.header("authorization").empty()) return nullptr;
+  std::string_view rest = request.header("cookie");
+  while (const auto secret = next_cookie(rest))
+    for (const SessionPtr& session : past_)
+      if (same_secret(session->secret, *secret)) return session;
+  return nullptr;
+}
+
 SessionPtr Auth::find(const Request& request, std::uint64_t utc_s) {
   const std::string_view authorization = request.header("authorization");
   if (!authorization.empty()) {
@@ -168,19 +230,15 @@ SessionPtr Auth::find(const Request& request, std::uint64_t utc_s) {
     return bearer_;
   }
   std::string_view rest = request.header("cookie");
-  while (!rest.empty()) {
-    const std::size_t end = rest.find(';');
-    std::string_view pair = rest.substr(0, end);
-    rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
-    while (!pair.empty() && pair.front() == ' ') pair.remove_prefix(1);
-    const std::size_t equals = pair.find('=');
-    if (equals == std::string_view::npos || pair.substr(0, equals) != kCookieName) continue;
-    const std::string_view secret = pair.substr(equals + 1);
+  while (const auto secret = next_cookie(rest)) {
     for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {
-      if (!same_secret((*it)->secret, secret)) continue;
-      if ((*it)->created_utc_s + kSessionLife_s >= utc_s) return *it;
-      sessions_.erase(it);
-      break;
+      if (!same_secret((*it)->secret, *secret)) continue;
+      if ((*it)->used_utc_s + kSessionLife_s < utc_s) {
+        end(it);
+        break;
+      }
+      use(**it, utc_s);
+      return *it;
     }
   }
   return nullptr;
@@ -191,8 +249,8 @@ SessionPtr Auth::use_link(std::string_view token, std::uint64_t utc_s) {
   link_ = random_hex(kLinkBytes);
   auto session = std::make_shared<Session>();
   session->secret = random_hex(kTokenBytes);
-  session->created_utc_s = utc_s;
-  if (sessions_.size() >= kSessionLimit) sessions_.pop_front();
+  session->used_utc_s = session->written_utc_s = utc_s;
+  if (sessions_.size() >= kSessionLimit) end(sessions_.begin());
   sessions_.push_back(session);
   std::string error;
   // When the file cannot be written the session still works; it only ends with this process.
@@ -202,6 +260,7 @@ SessionPtr Auth::use_link(std::string_view token, std::uint64_t utc_s) {
 
 std::vector<SessionPtr> Auth::sessions() const {
   std::vector<SessionPtr> all(sessions_.begin(), sessions_.end());
+  all.insert(all.end(), past_.begin(), past_.end());
   all.push_back(bearer_);
   return all;
 }

@@ -16,18 +16,25 @@
 namespace hoist::server {
 
 inline constexpr std::size_t kSessionLimit = 32;
-// A working day; nobody is logged out of a WebSocket that is already open.
+// Half a day without use; nobody is logged out of a WebSocket that is already open.
 inline constexpr std::uint64_t kSessionLife_s = 12 * 3600;
-// A lease taken over REST is given back this long after the session's last request.
+// A session's last use is written down when the one on disk is older than this, so that a restarted server knows it, too.
+inline constexpr std::uint64_t kSessionWrite_s = 3600;
+// Sessions that have ended and may still say STOP: whoever once stood beside the patient does not sign in first to stop the hoist.
+inline constexpr std::size_t kPastLimit = 32;
+// How long a browser keeps the cookie: the most that browsers allow, since what it is good for is judged here.
+inline constexpr std::uint64_t kCookieLife_s = 400 * 24 * 3600;
+// A lease taken over REST is given back this long after the session last used it.
 inline constexpr std::uint64_t kRestLease_ns = 10'000'000'000;
 
 struct Session {
   std::string secret;  // the cookie's value, or the bearer token
   bool bearer = false;
   contract::Role role = contract::Role::engineer;
-  std::uint64_t created_utc_s = 0;
-  std::uint32_t client = 0;  // number towards the core; 0 until it first asks the core for something
-  std::uint64_t used_ns = 0;
+  std::uint64_t used_utc_s = 0;     // last use; the session ends kSessionLife_s after it
+  std::uint64_t written_utc_s = 0;  // the last use that is on disk
+  std::uint32_t client = 0;         // number towards the core; 0 until it first asks the core for something
+  std::uint64_t used_ns = 0;        // last use of the lease
 };
 using SessionPtr = std::shared_ptr<Session>;
 
@@ -46,21 +53,30 @@ class Auth {
   [[nodiscard]] static bool origin_matches(std::string_view origin, std::string_view host);
 
   // The session of a request: Authorization first, then the cookie. Null when there is none that is valid.
+  // Being found is a use: it puts the session's end off.
   [[nodiscard]] SessionPtr find(const Request& request, std::uint64_t utc_s);
+  // For STOP only: also a session that has ended, which stays so.
+  [[nodiscard]] SessionPtr find_for_stop(const Request& request, std::uint64_t utc_s);
+  // A session was used other than by a request.
+  void use(Session& session, std::uint64_t utc_s);
   // Uses up a link. The new session, or null for a bad or used token; `link_token()` is fresh afterwards.
   [[nodiscard]] SessionPtr use_link(std::string_view token, std::uint64_t utc_s);
   [[nodiscard]] const std::string& link_token() const { return link_; }
   [[nodiscard]] const std::string& bearer_token() const { return bearer_->secret; }
+  // All that may hold a lease, those that have ended included.
   [[nodiscard]] std::vector<SessionPtr> sessions() const;
 
  private:
   explicit Auth(Options options) : options_(std::move(options)) {}
   bool load(std::string& error);
   bool save(std::string& error) const;
+  // The session can only say STOP from here.
+  void end(std::list<SessionPtr>::iterator session);
 
   Options options_;
   SessionPtr bearer_;
   std::list<SessionPtr> sessions_;
+  std::list<SessionPtr> past_;
   std::string link_;
 };
 

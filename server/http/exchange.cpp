@@ -89,6 +89,50 @@ bool parse_target(std::string_view target, Request& request) {
   return true;
 }
 
+namespace {
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
+// Takes the part before `separator` off a list.
+std::string_view next_part(std::string_view& rest, char separator) {
+  const std::size_t end = rest.find(separator);
+  const std::string_view part = trimmed(rest.substr(0, end));
+  rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
+  return part;
+}
+}  // namespace
+
+bool names_etag(std::string_view header, std::string_view etag) {
+  // Our own tags hold no comma.
+  while (!header.empty()) {
+    std::string_view tag = next_part(header, ',');
+    if (tag == "*") return true;
+    if (tag.starts_with("W/")) tag.remove_prefix(2);
+    if (tag == etag) return true;
+  }
+  return false;
+}
+
+bool accepts_gzip(std::string_view header) {
+  bool any = false;
+  while (!header.empty()) {
+    std::string_view row = next_part(header, ',');
+    const std::string_view coding = next_part(row, ';');
+    if (coding != "gzip" && coding != "*") continue;
+    bool refused = false;
+    while (!row.empty()) {
+      const std::string_view parameter = next_part(row, ';');
+      refused = refused || (parameter.starts_with("q=") && parameter.find_first_not_of("0.", 2) == std::string_view::npos);
+    }
+    if (coding == "gzip") return !refused;
+    any = !refused;
+  }
+  return any;
+}
+
 std::string_view reason_phrase(unsigned status) {
   switch (status) {
     case 200:

@@ -51,6 +51,11 @@ struct Response {
   void set(std::string name, std::string value) { headers.emplace_back(std::move(name), std::move(value)); }
 };
 
+// Whether an If-None-Match header (a list, weak ones too, or *) names this entity tag.
+[[nodiscard]] bool names_etag(std::string_view header, std::string_view etag);
+// Whether an Accept-Encoding header lets the answer be gzip.
+[[nodiscard]] bool accepts_gzip(std::string_view header);
+
 [[nodiscard]] std::string_view reason_phrase(unsigned status);
 
 }  // namespace hoist::server

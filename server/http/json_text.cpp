@@ -1,6 +1,8 @@
 #include "server/http/json_text.hpp"
 
 #include <nlohmann/json.hpp>
+#include <set>
+#include <vector>
 
 namespace hoist::server {
 
@@ -33,6 +35,20 @@ std::optional<nlohmann::json> parse_json(std::string_view text, JsonError& error
     error = {0, "a number is too large"};
   }
   return std::nullopt;
+}
+
+std::optional<std::string> repeated_name(std::string_view text) {
+  using nlohmann::json;
+  std::optional<std::string> repeated;
+  std::vector<std::set<std::string>> names;
+  [[maybe_unused]] const json read = json::parse(text.begin(), text.end(), [&](int, json::parse_event_t event, json& value) {
+    if (event == json::parse_event_t::object_start) names.emplace_back();
+    if (event == json::parse_event_t::object_end) names.pop_back();
+    if (event == json::parse_event_t::key && !names.back().insert(value.get<std::string>()).second && !repeated)
+      repeated = value.get<std::string>();
+    return true;
+  });
+  return repeated;
 }
 
 std::string dump_json(const nlohmann::json& value) { return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace); }

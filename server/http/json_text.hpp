@@ -17,6 +17,8 @@ struct JsonError {
 
 // The value, or nothing with the reason in `error`. NaN, infinities, numbers beyond double and invalid UTF-8 are refused.
 [[nodiscard]] std::optional<nlohmann::json> parse_json(std::string_view text, JsonError& error);
+// The first name that an object of this text gives twice, of which a parser silently keeps one. For text that `parse_json` has read.
+[[nodiscard]] std::optional<std::string> repeated_name(std::string_view text);
 // Compact text. Bytes that are not UTF-8 become U+FFFD instead of an exception.
 [[nodiscard]] std::string dump_json(const nlohmann::json& value);
 

@@ -7,7 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
+#include "server/contract/fields.hpp"
 #include "server/contract/routes.hpp"
 #include "server/http/json_text.hpp"
 #include "server/http/static_files.hpp"
@@ -87,7 +89,7 @@ Response open_link(Services& services, const std::string& token) {
   response.set("Location", "/");
   response.set("Cache-Control", "no-store");
   response.set("Set-Cookie",
-               "hoist_session=" + session->secret + "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(kSessionLife_s));
+               "hoist_session=" + session->secret + "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(kCookieLife_s));
   return response;
 }
 
@@ -107,13 +109,17 @@ std::optional<Problem> refuse(Services& services, const Route& route, Call& call
     counters.add(Count::http_refused_origin);
     return problem(403, "foreign-origin", "Another page tried to use this console", "Open the console itself and use it there.");
   }
-  call.session = services.auth.find(request, static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000));
+  const bool stops = route.operation == "stop";
+  const auto utc_s = static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000);
+  call.session = stops ? services.auth.find_for_stop(request, utc_s) : services.auth.find(request, utc_s);
   if (!call.session) {
     counters.add(Count::http_refused_no_session);
     return problem(401, "no-session", "Not logged in",
                    "Open the link that the terminal shows, or send the token as Authorization: Bearer.");
   }
-  call.session->used_ns = services.now_ns();
+  // A lease lives by what its holder does, not by whoever else shares the token and only looks on.
+  if (!request.header("x-hoist-lease").empty() && lease_header(call) == services.core.lease_epoch())
+    call.session->used_ns = services.now_ns();
   const bool unsafe = route.method != Method::get;
   if (!call.session->bearer) {
     // A cookie is sent by the browser on its own; the header and the origin show that it was our page that asked.
@@ -129,12 +135,20 @@ std::optional<Problem> refuse(Services& services, const Route& route, Call& call
   }
   if (static_cast<unsigned>(call.session->role) + 1U < static_cast<unsigned>(route.access))
     return problem(403, "role", "Your role may not do this", "Ask someone with the role " + std::string{access_name(route.access)} + ".");
+  if (stops) {
+    call.body = std::make_shared<const nlohmann::json>(nlohmann::json::object());
+    return std::nullopt;
+  }
   if (unsafe && !call.session->bearer && route.request.empty() && !request.header("content-type").empty() &&
       !is_json_type(request.header("content-type"))) {
     counters.add(Count::http_refused_body);
     return problem(415, "not-json", "The body must be JSON", "Send Content-Type: application/json.");
   }
   if (route.request.empty()) return std::nullopt;
+  if (const std::string_view coding = request.header("content-encoding"); !coding.empty() && coding != "identity") {
+    counters.add(Count::http_refused_body);
+    return problem(415, "content-encoding", "The body is encoded", "Send it as it is, without Content-Encoding.");
+  }
   if (route.request.find('/') != std::string_view::npos) {
     if (request.header("content-type") == route.request) return std::nullopt;
     counters.add(Count::http_refused_body);
@@ -155,6 +169,20 @@ std::optional<Problem> refuse(Services& services, const Route& route, Call& call
     counters.add(Count::http_refused_body);
     return problem(400, "bad-json", "The body cannot be read",
                    body ? "The body must be a JSON object." : "At byte " + std::to_string(error.position) + ": " + error.message + ".");
+  }
+  // Ending motion is never refused for the form of what does not matter to it.
+  const bool ends_motion = route.operation == "set_mode" && body->value("mode", nlohmann::json()) == "standby";
+  std::vector<FieldError> errors;
+  if (!ends_motion) {
+    for (std::string& name : unknown_fields(route.request, *body)) errors.push_back({std::move(name), "is not known here"});
+    if (auto name = repeated_name(request.body)) errors.push_back({std::move(*name), "is given twice"});
+  }
+  if (!errors.empty()) {
+    counters.add(Count::http_refused_body);
+    Problem refused =
+        problem(422, "invalid", "A field cannot be used", errors.front().field + " " + errors.front().message + "; nothing was done.");
+    refused.errors = std::move(errors);
+    return refused;
   }
   call.body = std::make_shared<const nlohmann::json>(std::move(*body));
   return std::nullopt;
@@ -198,7 +226,9 @@ void dispatch(Services& services, Request request, std::function<void(Response)>
     auto call = std::make_shared<Call>(services, std::move(request), std::move(finish));
     call->path_values = std::move(values);
     if (const auto refused = refuse(services, route, *call)) {
-      call->fail(*refused);
+      Response response = problem_response(*refused, call->request.path);
+      if (refused->status == 401) response.set("WWW-Authenticate", "Bearer realm=\"Hoist\"");
+      call->respond(std::move(response));
       return;
     }
     try {

@@ -79,7 +79,7 @@ Response serve_static(const std::filesystem::path& folder, const Request& reques
   const std::string_view type = media_type(path);
   if (type.empty()) return not_found(request);
   struct stat info {};
-  const bool gzip = request.header("accept-encoding").find("gzip") != std::string_view::npos;
+  const bool gzip = accepts_gzip(request.header("accept-encoding"));
   int fd = gzip ? open_below(folder, path + ".gz", info) : -1;
   const bool compressed = fd >= 0;
   if (fd < 0) fd = open_below(folder, path, info);
@@ -91,7 +91,7 @@ Response serve_static(const std::filesystem::path& folder, const Request& reques
   const std::string etag = "\"" + std::to_string(info.st_size) + "-" + std::to_string(info.st_mtim.tv_sec) + "-" +
                            std::to_string(info.st_mtim.tv_nsec) + (compressed ? "-gz\"" : "\"");
   response.set("ETag", etag);
-  if (request.header("if-none-match") == etag) {
+  if (names_etag(request.header("if-none-match"), etag)) {
     ::close(fd);
     response.status = 304;
     response.content_type.clear();

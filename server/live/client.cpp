@@ -82,6 +82,7 @@ void Client::read() {
 void Client::on_message(std::string text) {
   Services& services = hub_.services();
   services.counters.add(Count::ws_messages);
+  services.auth.use(*session_, static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000));
   // A full bucket of one second's messages, refilled evenly.
   const std::uint64_t now = services.now_ns();
   const std::uint64_t earned = (now - allowance_ns_) * kMessagesPerSecond / 1'000'000'000;

@@ -105,7 +105,19 @@ TEST(Auth, ALinkWorksOnceAndSessionsOutliveTheServer) {
   Request request;
   request.headers["cookie"] = "other=1; hoist_session=" + secret;
   EXPECT_TRUE(again->find(request, 1010));
-  EXPECT_FALSE(again->find(request, 1000 + kSessionLife_s + 1)) << "a session ends after its day";
+  EXPECT_TRUE(again->find(request, 1010 + kSessionLife_s)) << "in use";
+  const std::uint64_t late_s = 1010 + 2 * kSessionLife_s + 1;
+  EXPECT_FALSE(again->find(request, late_s)) << "a session ends half a day after its last use";
+  EXPECT_TRUE(again->find_for_stop(request, late_s)) << "but may still say STOP";
+  EXPECT_FALSE(again->find(request, 1011)) << "and stays ended";
+  {
+    const auto later = Auth::create({.token_file = folder / "token", .hosts = {}}, late_s, error);
+    ASSERT_TRUE(later) << error;
+    EXPECT_FALSE(later->find(request, late_s));
+    EXPECT_TRUE(later->find_for_stop(request, late_s)) << "also after a restart";
+    for (std::size_t i = 0; i < kSessionLimit + kPastLimit; ++i) ASSERT_TRUE(later->use_link(later->link_token(), late_s));
+    EXPECT_FALSE(later->find_for_stop(request, late_s)) << "not for ever: only so many are remembered";
+  }
   request.headers["cookie"] = "hoist_session=" + secret.substr(1);
   EXPECT_FALSE(again->find(request, 1010));
   request.headers = {{"authorization", "Bearer " + token}};
@@ -118,6 +130,29 @@ TEST(Auth, ALinkWorksOnceAndSessionsOutliveTheServer) {
   request.headers = {{"cookie", "hoist_session=" + secret}};
   EXPECT_FALSE(wary->find(request, 1010));
   std::filesystem::remove_all(folder);
+}
+
+TEST(Auth, ATokenFileThatIsNoneStaysAsItIs) {
+  const auto file = std::filesystem::temp_directory_path() / ("hoist-notes-" + std::to_string(::getpid()));
+  std::ofstream(file) << "what the therapist wrote\n";
+  std::string error;
+  EXPECT_FALSE(Auth::create({.token_file = file, .hosts = {}}, 1000, error));
+  EXPECT_NE(error.find("stays as it is"), std::string::npos) << error;
+  std::string text;
+  std::getline(std::ifstream(file) >> std::ws, text);
+  EXPECT_EQ(text, "what the therapist wrote");
+  std::ofstream(file).close();
+  EXPECT_TRUE(Auth::create({.token_file = file, .hosts = {}}, 1000, error)) << "an empty file is nobody's: " << error;
+  std::filesystem::remove(file);
+  std::filesystem::remove(file.string() + ".sessions");
+}
+
+TEST(Header, EntityTagsAndCodings) {
+  for (const char* yes : {"\"1\"", "W/\"1\"", "\"0\", \"1\"", "\"0\",W/\"1\"", "*"}) EXPECT_TRUE(names_etag(yes, "\"1\"")) << yes;
+  for (const char* no : {"", "\"2\"", "1", "\"11\"", "W/\"2\", \"3\""}) EXPECT_FALSE(names_etag(no, "\"1\"")) << no;
+  for (const char* yes : {"gzip", "deflate, gzip", "gzip;q=0.5", "gzip; q=1", "*", "br;q=0, *;q=0.1"})
+    EXPECT_TRUE(accepts_gzip(yes)) << yes;
+  for (const char* no : {"", "br", "gzip;q=0", "gzip; q=0.000", "*, gzip;q=0", "*;q=0", "xgzip"}) EXPECT_FALSE(accepts_gzip(no)) << no;
 }
 
 TEST(Target, DecodesAndRefuses) {
@@ -195,6 +230,14 @@ TEST(OpenApi, NamesEveryRouteAndOnlyKnownSchemas) {
     operations.insert(document["paths"][std::string{route.path}][method]["operationId"]);
   }
   EXPECT_EQ(operations.size(), kRoutes.size());
+  const auto schema_of = [&](const char* path, const std::string& name) {
+    for (const json& input : document["paths"][path]["get"]["parameters"])
+      if (input["name"] == name) return input["schema"];
+    return json();
+  };
+  EXPECT_EQ(schema_of("/api/v1/sessions", "limit"), (json{{"type", "integer"}, {"minimum", 1}, {"maximum", 200}}));
+  EXPECT_EQ(schema_of("/api/v1/sessions/{id}/export", "format")["enum"], (json{"csv", "events", "json"}));
+  EXPECT_FALSE(document["paths"]["/api/v1/stop"]["post"].contains("requestBody")) << "nothing of it is looked at";
   // Every reference leads somewhere.
   const std::string text = document.dump();
   const std::string mark = "#/components/schemas/";

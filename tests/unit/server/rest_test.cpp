@@ -1,9 +1,12 @@
 // Routes, sessions, refusals, parameters and motion over REST. Every answer is checked against OpenAPI by the fixture.
+#include <ctime>
+
 #include "control/contract/calibration.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/guided_path.hpp"
 #include "control/contract/params.hpp"
 #include "server/contract/routes.hpp"
+#include "server/http/auth.hpp"
 #include "tests/unit/server/fixture.hpp"
 
 namespace hoist::test {
@@ -241,13 +244,27 @@ TEST_F(Rest, ParametersOnTrialAreKeptOrTakenBack) {
   EXPECT_EQ(core_->commands().size(), asked) << "what cannot be is not even asked";
 }
 
+TEST_F(Rest, OneParameterOnTrial) {
+  ASSERT_EQ(call("PUT", "/api/v1/parameters/lean_dead_band_norm", {{"value", 0.1}, {"revert_after_s", 20}}).status, 200);
+  EXPECT_EQ(core_->commands().back().v0, 20.0);
+  const Answer wrong = call("PUT", "/api/v1/parameters/lean_dead_band_norm", {{"value", 0.1}, {"revert_after_s", "x"}});
+  EXPECT_EQ(wrong.status, 422);
+  EXPECT_EQ(wrong.json()["errors"][0]["field"], "revert_after_s");
+}
+
 TEST_F(Rest, RefusedParametersNameFieldAndRangeAndChangeNothing) {
   const Answer high = call("PUT", "/api/v1/parameters/lean_gain_filtered_units", {{"value", 1000.0}});
   EXPECT_EQ(high.status, 422);
   EXPECT_EQ(high.json()["errors"][0]["field"], "lean_gain_filtered_units");
   EXPECT_EQ(high.json()["errors"][0]["min"], 0.0);
   EXPECT_EQ(high.json()["errors"][0]["max"], 100.0);
-  EXPECT_EQ(call("PUT", "/api/v1/parameters/lean_gain_filtered_units", {{"value", "NaN"}}).status, 422);
+  const Answer text = call("PUT", "/api/v1/parameters/lean_gain_filtered_units", {{"value", "NaN"}});
+  EXPECT_EQ(text.status, 422);
+  EXPECT_EQ(text.json()["detail"], "value must be a number; nothing was changed.");
+  const Answer empty = call("PUT", "/api/v1/parameters/lean_gain_filtered_units", json::object());
+  EXPECT_EQ(empty.json()["detail"], "value is missing; it must be a number; nothing was changed.");
+  EXPECT_EQ(empty.json()["errors"][0]["field"], "value");
+  EXPECT_EQ(get("/api/v1/sessions?limit=201").json()["errors"][0]["message"], "must be a whole number from 1 to 200");
   EXPECT_EQ(call("PUT", "/api/v1/parameters/lean_gain_filtered_units", {{"value", nullptr}}).status, 422);
   EXPECT_EQ(call("PUT", "/api/v1/parameters/lean_gain_filtered_units", json::object()).status, 422);
   EXPECT_EQ(call("PUT", "/api/v1/parameters/nothing", {{"value", 1}}).status, 404);
@@ -379,6 +396,98 @@ TEST_F(Rest, StopIsForEveryone) {
   EXPECT_EQ(call("POST", "/api/v1/acknowledge", json::object()).status, 409) << "only the driver releases";
   ASSERT_EQ(call("POST", "/api/v1/lease", json::object()).status, 200);
   EXPECT_EQ(call("POST", "/api/v1/acknowledge", json::object()).status, 200);
+}
+
+TEST_F(Rest, StopLooksAtNoBody_H30) {
+  for (const char* body : {"", "{}", "null", "[]", "zzz", "{\"a\":1,\"a\":2}"})
+    for (const char* type : {"", "application/json", "application/x-www-form-urlencoded"}) {
+      core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+      Headers headers = bearer_;
+      if (*type != '\0') headers.emplace_back("Content-Type", type);
+      headers.emplace_back("Content-Encoding", "gzip");
+      const Answer answer = http(port_, "POST", "/api/v1/stop", headers, body);
+      check_described("POST", "/api/v1/stop", answer);
+      EXPECT_EQ(answer.status, 200) << body << " as " << type;
+      EXPECT_EQ(core_->mode(), Mode::protective_stop);
+    }
+}
+
+TEST_F(Rest, WhoWasEverSignedInMayStop) {
+  const std::string cookie = log_in();
+  stop_server();
+  // The session was last used yesterday.
+  const auto file = folder_ / "token.sessions";
+  std::ofstream(file) << cookie.substr(cookie.find('=') + 1) << " " << std::time(nullptr) - 24 * 3600 << "\n";
+  start_server();
+  wait_for_core();
+  const Headers own{{"Cookie", cookie}, {"X-Hoist", "1"}, {"Origin", origin()}};
+  const Answer out = http(port_, "GET", "/api/v1/status", own);
+  EXPECT_EQ(out.status, 401);
+  EXPECT_EQ(out.header("www-authenticate"), "Bearer realm=\"Hoist\"");
+  EXPECT_EQ(http(port_, "POST", "/api/v1/neutral", own).status, 401) << "nothing but STOP";
+  EXPECT_EQ(http(port_, "POST", "/api/v1/stop", {{"Cookie", cookie}, {"Origin", origin()}}).status, 403) << "the other checks stay";
+  EXPECT_EQ(http(port_, "POST", "/api/v1/stop", own).status, 200);
+  EXPECT_EQ(core_->mode(), Mode::protective_stop);
+}
+
+TEST_F(Rest, TheCauseOfAStopIsToldDuringTheStopOnly) {
+  const auto cause = [&](Mode mode) {
+    core_->set([mode](contract::TickRecord& r) {
+      r.mode = static_cast<std::uint8_t>(mode);
+      r.stop_cause = 1;
+    });
+    json told;
+    EXPECT_TRUE(until([&] {
+      told = get("/api/v1/mode").json();
+      return told["mode"] == contract::kModes[static_cast<std::size_t>(mode)].name;
+    }));
+    return told["stop_cause"];
+  };
+  EXPECT_EQ(cause(Mode::protective_stop).size(), 1U);
+  EXPECT_TRUE(cause(Mode::standby).is_null());
+  EXPECT_EQ(cause(Mode::fault).size(), 1U);
+}
+
+TEST_F(Rest, FieldsThatNobodyKnowsAreNamed) {
+  const auto refused = [&](const char* method, const char* path, const json& body, const char* field, const Headers& more = {}) {
+    const Answer answer = call(method, path, body, more);
+    EXPECT_EQ(answer.status, 422) << path << " " << answer.body;
+    EXPECT_EQ(answer.json()["errors"][0]["field"], field) << answer.body;
+    EXPECT_NE(answer.json()["detail"].get<std::string>().find(field), std::string::npos);
+  };
+  refused("PUT", "/api/v1/parameters/lean_dead_band_norm", {{"value", 0.1}, {"revert_after", 20}}, "revert_after");
+  refused("POST", "/api/v1/lease", {{"takeover", true}}, "takeover");
+  refused("POST", "/api/v1/neutral", {{"now", true}}, "now");
+  refused("POST", "/api/v1/pose", {{"x_m", 0}, {"y_m", 0}, {"psi_rad", 0}, {"z_m", 0}}, "z_m");
+  refused("POST", "/api/v1/recording", {{"action", "start"}, {"subjekt", "x"}}, "subjekt");
+  ASSERT_EQ(call("POST", "/api/v1/lease", json::object()).status, 200);
+  const Headers lease{{"X-Hoist-Lease", std::to_string(get("/api/v1/status").json()["lease"]["epoch"].get<int>())}};
+  const std::size_t asked = core_->commands().size();
+  refused("POST", "/api/v1/mode", {{"mode", "user"}, {"exercise", {{"shape", "circle"}, {"radius_m", 1}, {"radius", 2}}}},
+          "exercise.radius", lease);
+  EXPECT_EQ(core_->commands().size(), asked);
+  EXPECT_EQ(call("POST", "/api/v1/mode", {{"mode", "standby"}, {"please", true}}, lease).status, 200) << "ending motion is never refused";
+  Headers headers = bearer_;
+  headers.emplace_back("Content-Type", "application/json");
+  const Answer twice = http(port_, "PUT", "/api/v1/parameters/lean_dead_band_norm", headers, "{\"value\": 0.1, \"value\": 0.2}");
+  EXPECT_EQ(twice.status, 422);
+  EXPECT_EQ(twice.json()["errors"][0]["message"], "is given twice");
+  headers.emplace_back("Content-Encoding", "gzip");
+  EXPECT_EQ(http(port_, "PUT", "/api/v1/parameters/lean_dead_band_norm", headers, "{\"value\": 0.1}").status, 415);
+}
+
+TEST_F(Rest, ALeaseEndsWithItsHoldersUseOfIt) {
+  const Answer lease = call("POST", "/api/v1/lease", json::object());
+  ASSERT_EQ(lease.status, 200);
+  const Headers mine{{"X-Hoist-Lease", std::to_string(lease.json()["epoch"].get<int>())}};
+  const auto holder = [&](const Headers& more) { return call("GET", "/api/v1/status", nullptr, more).json()["lease"]["holder"]; };
+  // Longer than it lasts by itself.
+  const auto end = std::chrono::steady_clock::now() + std::chrono::nanoseconds(server::kRestLease_ns) + std::chrono::seconds(1);
+  while (std::chrono::steady_clock::now() < end) {
+    ASSERT_NE(holder(mine), 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
+  EXPECT_TRUE(until([&] { return holder({}) == 0; })) << "somebody who only looks on, with the same token, does not keep it";
 }
 
 TEST_F(Rest, ACoreThatDoesNotAnswerIsSaidSo) {
