@@ -1,5 +1,7 @@
 #include "server/http/listener.hpp"
 
+#include <algorithm>
+#include <array>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -52,6 +54,11 @@ std::shared_ptr<void> take_seat(const std::shared_ptr<Listener::Shared>& shared,
   });
 }
 
+const Problem kNoSeat{.status = 503,
+                      .name = "too-many-connections",
+                      .title = "Too many connections are open",
+                      .detail = "Close some, or wait a moment and try again."};
+
 std::string http_date() {
   const std::time_t now = std::time(nullptr);
   std::tm parts{};
@@ -97,14 +104,23 @@ std::string head_of(const Response& response, bool keep, bool chunked, std::opti
 
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(std::shared_ptr<Listener::Shared> shared, tcp::socket socket, std::string address, std::shared_ptr<void> seat)
-      : shared_(std::move(shared)),
+  Connection(std::shared_ptr<Listener::Shared> shared, tcp::socket socket, std::string address, std::shared_ptr<void> seat, bool reserved)
+      : reserved_(reserved),
+        unjudged_(reserved),
+        shared_(std::move(shared)),
         socket_(std::move(socket)),
         deadline_(shared_->io),
         address_(std::move(address)),
         seat_(std::move(seat)) {}
 
-  void start() { read_header(kHeaderTime_s); }
+  void start() { read_header(reserved_ ? kReservedHeaderTime_s : kHeaderTime_s); }
+
+  // On a reserved seat and nobody knows yet for whom: the first to go when such a seat is needed.
+  [[nodiscard]] bool unjudged() const { return unjudged_ && socket_.is_open(); }
+  void leave() {
+    drop();
+    seat_.reset();
+  }
 
   // At the end of the program: at once when nothing is under way.
   void end() {
@@ -116,11 +132,18 @@ class Connection : public std::enable_shared_from_this<Connection> {
   using Parser = http::request_parser<http::string_body>;
 
   void limit_time(int seconds) {
+    timed_out_ = false;
     deadline_.expires_after(std::chrono::seconds(seconds));
     deadline_.async_wait([self = shared_from_this()](beast::error_code error) {
       if (error || self->deadline_.expiry() > asio::steady_timer::clock_type::now()) return;
       self->shared_->services.counters.add(Count::connections_timed_out);
-      self->drop();
+      // A request that has begun is told why it is not answered; the reader ends with an error and says it.
+      self->timed_out_ = self->reading_ && (self->buffer_.size() > 0 || self->parser_->got_some());
+      beast::error_code ignored;
+      if (self->timed_out_)
+        self->socket_.cancel(ignored);
+      else
+        self->drop();
     });
   }
 
@@ -142,8 +165,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
     parser_->body_limit(kImageLimit_bytes);
     body_limit_ = kImageLimit_bytes;
     limit_time(seconds);
-    http::async_read_header(socket_, buffer_, *parser_,
-                            [self = shared_from_this()](beast::error_code error, std::size_t) { self->on_header(error); });
+    reading_ = true;
+    http::async_read_header(socket_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      self->reading_ = false;
+      self->on_header(error);
+    });
   }
 
   void wait_for_next() {
@@ -172,6 +198,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return;
     }
     busy_ = true;
+    if (reserved_ && !may_enter()) {
+      shared_->services.counters.add(Count::connections_refused_address_limit);
+      send_refusal(kNoSeat);
+      return;
+    }
+    unjudged_ = false;
     if (!beast::iequals(parser_->get()[http::field::content_type], "application/octet-stream")) {
       body_limit_ = kBodyLimit_bytes;
       parser_->body_limit(kBodyLimit_bytes);
@@ -199,7 +231,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return;
     }
     limit_time(kBodyTime_s);
+    reading_ = true;
     http::async_read(socket_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      self->reading_ = false;
       if (error)
         self->refuse(error);
       else
@@ -210,16 +244,19 @@ class Connection : public std::enable_shared_from_this<Connection> {
   // A request that could not be read: say why when that helps, then close.
   void refuse(beast::error_code error) {
     Counters& counters = shared_->services.counters;
+    if (timed_out_) {
+      send_refusal({.status = 408,
+                    .name = "too-slow",
+                    .title = "The request did not arrive in time",
+                    .detail = "A header has " + std::to_string(reserved_ ? kReservedHeaderTime_s : kHeaderTime_s) + " s, a body " +
+                              std::to_string(kBodyTime_s) + " s."});
+      return;
+    }
     if (error == http::error::end_of_stream || error == asio::error::operation_aborted || error == asio::error::eof ||
         error == asio::error::connection_reset || error == http::error::partial_message || error == asio::error::bad_descriptor) {
       drop();
       return;
     }
-    counters.add(Count::http_requests);
-    counters.add(Count::http_refused);
-    keep_ = false;
-    head_only_ = false;
-    busy_ = true;
     Problem problem{.status = 400, .name = "bad-request", .title = "The request cannot be read", .detail = error.message()};
     if (error == http::error::header_limit) {
       counters.add(Count::http_refused_header_too_large);
@@ -236,17 +273,37 @@ class Connection : public std::enable_shared_from_this<Connection> {
     } else {
       counters.add(Count::http_refused_malformed);
     }
-    send(problem_response(problem, ""));
+    send_refusal(problem);
   }
 
-  void handle() {
-    const auto& message = parser_->get();
-    keep_ = message.keep_alive() && !ending_;
-    version_10_ = message.version() < 11;
+  // Answers a request that nobody handles, then closes.
+  void send_refusal(const Problem& problem) {
+    shared_->services.counters.add(Count::http_requests);
+    shared_->services.counters.add(Count::http_refused);
+    keep_ = false;
+    head_only_ = false;
+    busy_ = true;
+    Response response = problem_response(problem, "");
+    if (problem.status == 503) response.set("Retry-After", "2");
+    send(std::move(response));
+  }
+
+  // Whether a reserved seat is for this request: of somebody who is signed in, or with a fresh link, or to say STOP.
+  bool may_enter() {
     Request request;
+    if (!read_request(request)) return false;
+    Services& services = shared_->services;
+    const auto utc_s = static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000);
+    const auto token = request.query.find("token");
+    const bool link = request.path == "/" && token != request.query.end() && same_secret(token->second, services.auth.link_token());
+    return link || services.auth.find_for_stop(request, utc_s) != nullptr;
+  }
+
+  // Header and target of what the parser has read. False when the target cannot be read.
+  bool read_request(Request& request) {
+    const auto& message = parser_->get();
     request.address = address_;
     request.method = parse_method({message.method_string().data(), message.method_string().size()});
-    head_only_ = request.method == Method::head;
     for (const auto& field : message) {
       std::string name = lower({field.name_string().data(), field.name_string().size()});
       const std::string_view value{field.value().data(), field.value().size()};
@@ -254,7 +311,18 @@ class Connection : public std::enable_shared_from_this<Connection> {
       if (!fresh) at->second.append(", ").append(value);
     }
     request.wants_upgrade = beast::websocket::is_upgrade(message);
-    if (!parse_target({message.target().data(), message.target().size()}, request)) {
+    return parse_target({message.target().data(), message.target().size()}, request);
+  }
+
+  void handle() {
+    const auto& message = parser_->get();
+    // A reserved seat is for one request, so that there is always one soon.
+    keep_ = message.keep_alive() && !ending_ && !reserved_;
+    version_10_ = message.version() < 11;
+    Request request;
+    const bool readable = read_request(request);
+    head_only_ = request.method == Method::head;
+    if (!readable) {
       shared_->services.counters.add(Count::http_refused_malformed);
       send(problem_response(
           {.status = 400, .name = "bad-target", .title = "The address cannot be read", .detail = "It must be a path with valid %-escapes."},
@@ -367,6 +435,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
     adopt_socket(shared_->services.hub, std::move(socket_), parser_->release(), std::move(response.upgrade), std::move(seat_));
   }
 
+  bool reserved_;
+  bool unjudged_;
+  bool reading_ = false;
+  bool timed_out_ = false;
   std::shared_ptr<Listener::Shared> shared_;
   tcp::socket socket_;
   asio::steady_timer deadline_;
@@ -425,21 +497,36 @@ void Listener::accept() {
     beast::error_code ignored;
     const std::string address = socket.remote_endpoint(ignored).address().to_string();
     const auto at = shared->per_address.find(address);
-    const bool full = shared->open >= kConnectionLimit;
     const bool greedy = at != shared->per_address.end() && at->second >= kAddressLimit;
-    if (full || greedy) {
-      counters.add(full ? Count::connections_refused_total_limit : Count::connections_refused_address_limit);
-      static constexpr std::string_view kFull =
-          "HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 2\r\nConnection: close\r\n\r\n";
+    const bool reserved = greedy || shared->open >= kConnectionLimit - kReservedSeats;
+    shared->connections.remove_if([](const auto& weak) { return weak.expired(); });
+    // All reserved seats taken: who has said nothing yet makes room, the earliest first, so that silence never keeps anybody out.
+    if (shared->open >= kConnectionLimit) {
+      const auto silent = std::ranges::find_if(shared->connections, [](const auto& weak) {
+        const auto held = weak.lock();
+        return held && held->unjudged();
+      });
+      if (silent != shared->connections.end()) {
+        counters.add(Count::connections_refused_total_limit);
+        silent->lock()->leave();
+      }
+    }
+    if (shared->open >= kConnectionLimit) {
+      counters.add(Count::connections_refused_total_limit);
+      Response response = problem_response(kNoSeat, "");
+      response.set("Retry-After", "2");
+      const std::string full = head_of(response, false, false, response.body.size()) + response.body;
       socket.non_blocking(true, ignored);
-      socket.write_some(asio::buffer(kFull.data(), kFull.size()), ignored);
+      // What the client has sent is taken first: closing over unread bytes would take our answer away from it.
+      std::array<char, 4096> scrap;
+      socket.read_some(asio::buffer(scrap), ignored);
+      socket.write_some(asio::buffer(full), ignored);
       socket.shutdown(tcp::socket::shutdown_both, ignored);
     } else {
       counters.add(Count::connections_accepted);
       socket.set_option(tcp::no_delay(true), ignored);
       auto seat = take_seat(shared, address);
-      auto connection = std::make_shared<Connection>(shared, std::move(socket), address, std::move(seat));
-      shared->connections.remove_if([](const auto& weak) { return weak.expired(); });
+      auto connection = std::make_shared<Connection>(shared, std::move(socket), address, std::move(seat), reserved);
       shared->connections.push_back(connection);
       connection->start();
     }

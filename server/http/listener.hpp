@@ -16,11 +16,14 @@ namespace hoist::server {
 // Limits of research safety H31: one slow or hungry address must not keep others out.
 inline constexpr std::size_t kConnectionLimit = 64;
 inline constexpr std::size_t kAddressLimit = 16;
+// Of all connections; for one request each of those who are signed in, whoever else sits at the door. STOP comes in here, too.
+inline constexpr std::size_t kReservedSeats = 16;
 inline constexpr std::size_t kHeaderLimit_bytes = 8 * 1024;
 inline constexpr std::size_t kBodyLimit_bytes = 64 * 1024;
 // Of a program for a node, which comes as application/octet-stream.
 inline constexpr std::size_t kImageLimit_bytes = 128 * 1024;
 inline constexpr int kHeaderTime_s = 5;
+inline constexpr int kReservedHeaderTime_s = 2;
 inline constexpr int kBodyTime_s = 10;
 inline constexpr int kIdleTime_s = 60;
 // A client that does not take an answer for this long is gone.

@@ -5,6 +5,8 @@
 namespace hoist::test {
 namespace {
 
+using contract::Mode;
+
 class Limits : public ServerTest {
  protected:
   std::string raw(const std::string& bytes) {
@@ -49,13 +51,37 @@ TEST_F(Limits, ConnectionsPerAddress_H31) {
   // The first one proves that all before it were accepted as well.
   ASSERT_TRUE(held.back()->send("GET / HTTP/1.1\r\n" + host() + "\r\n"));
   EXPECT_EQ(held.back()->read(12), "HTTP/1.1 200");
-  Raw one_more(port_);
-  const std::string answer = one_more.read_to_end();
-  EXPECT_TRUE(answer.empty() || answer.starts_with("HTTP/1.1 503")) << answer;
-  EXPECT_TRUE(one_more.closed());
+  const Answer answer = http(port_, "GET", "/");
+  EXPECT_EQ(answer.status, 503);
+  EXPECT_EQ(answer.header("content-type"), "application/problem+json");
+  EXPECT_EQ(answer.json()["type"], "/problems/too-many-connections");
+  EXPECT_EQ(answer.header("retry-after"), "2");
+  EXPECT_EQ(get("/api/v1/status").status, 200) << "whoever is signed in still comes in";
+  EXPECT_EQ(Live(port_, bearer_).status(), 101U);
+  EXPECT_EQ(http(port_, "GET", link_.substr(link_.find("/?"))).status, 303) << "and whoever signs in";
   held.clear();
   EXPECT_TRUE(until([&] { return http(port_, "GET", "/").status == 200; })) << "places are given back";
   EXPECT_GE(get("/api/v1/status").json()["counters"]["connections_refused_address_limit"].get<int>(), 1);
+}
+
+TEST_F(Limits, SilentConnectionsKeepNobodyOut_H31) {
+  std::vector<std::unique_ptr<Raw>> held;
+  for (std::size_t i = 0; i < 2 * server::kConnectionLimit; ++i) held.push_back(std::make_unique<Raw>(port_));
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+  EXPECT_EQ(call("POST", "/api/v1/stop").status, 200);
+  EXPECT_EQ(core_->mode(), Mode::protective_stop);
+  EXPECT_EQ(get("/api/v1/status").status, 200);
+}
+
+TEST_F(Limits, WhenEverySeatIsInUseTheDoorSaysSo_H31) {
+  // Signed in and in use: nothing of it may be taken away.
+  std::vector<std::unique_ptr<Live>> all;
+  for (std::size_t i = 0; i < server::kConnectionLimit; ++i) {
+    all.push_back(std::make_unique<Live>(port_, bearer_));
+    ASSERT_EQ(all.back()->status(), 101U) << i;
+  }
+  const std::string answer = raw("GET / HTTP/1.1\r\n" + host() + "\r\n");
+  EXPECT_TRUE(answer.empty() || (answer.starts_with("HTTP/1.1 503") && answer.find("too-many-connections") != std::string::npos)) << answer;
 }
 
 TEST_F(Limits, PipelinedRequestsAreAnsweredInOrder) {
@@ -72,9 +98,17 @@ TEST_F(Limits, PipelinedRequestsAreAnsweredInOrder) {
 TEST_F(Limits, ASlowHeaderIsCutOff_H31) {
   Raw slow(port_);
   ASSERT_TRUE(slow.send("GET / HTTP/1.1\r\nHost: 127"));
-  EXPECT_EQ(slow.read_to_end(20000), "");
+  const std::string answer = slow.read_to_end(20000);
+  EXPECT_TRUE(answer.starts_with("HTTP/1.1 408")) << answer;
+  EXPECT_NE(answer.find("/problems/too-slow"), std::string::npos) << answer;
   EXPECT_TRUE(slow.closed());
   EXPECT_EQ(get("/api/v1/status").json()["counters"]["connections_timed_out"], 1);
+  Raw body(port_);
+  ASSERT_TRUE(body.send("POST /api/v1/stop HTTP/1.1\r\n" + host() + "Content-Length: 5\r\n\r\n12"));
+  EXPECT_TRUE(body.read_to_end(20000).starts_with("HTTP/1.1 408"));
+  Raw silent(port_);
+  EXPECT_EQ(silent.read_to_end(20000), "") << "who asked nothing is told nothing";
+  EXPECT_TRUE(silent.closed());
 }
 
 TEST_F(Limits, EndsWhileClientsAreConnected) {
