@@ -145,7 +145,8 @@ void Watch::fault_begins(const Planned& row) {
     case Kind::freeze:
       if (length_s < 0.12 || (raised_ & lost_bit(f.node)) != 0) break;
       // A frozen drive keeps its outputs: only that it is missed can be asked.
-      raise(lost_bit(f.node), "I1: a silent node is not missed within 60 ms", 0.06 + 0.011);
+      // Where the bus fails meanwhile, everybody is missed at once.
+      raise(lost_bit(f.node) | contract::fault_bit(HoistFault::bus_down), "I1: a silent node is not missed within 60 ms", 0.06 + 0.011);
       if (f.kind != Kind::freeze || contract::kNodes[static_cast<std::size_t>(f.node)].kind != contract::NodeKind::drive)
         must_stop("a node fell silent", 0.07, 1.0);
       break;
