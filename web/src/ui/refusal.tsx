@@ -3,6 +3,7 @@ import { useState } from 'preact/hooks';
 import { refusals } from '../contract/faults.gen';
 import type { Reply } from '../link/socket';
 import { useStore } from '../link/store';
+import { serverText } from '../text/server';
 import { refusalText, t, words } from '../text/text';
 
 /** Whether there is something to say about it. An answer that only tells that all was so already is none. */
@@ -31,10 +32,10 @@ export function useRequest(): Request {
   return { busy: under_way > 0, reply, ask, forget: () => setReply(null) };
 }
 
+/** All reasons in words. Refusals have names; what has none is a sentence of the server, which is not always in the reader's language. */
 export function reasons(reply: Reply): string[] {
-  const texts = reply.refusals.map(refusalText);
-  for (const error of reply.errors) if (error.message && texts.length === 0) texts.push(error.message);
-  return texts.length > 0 ? [...new Set(texts)] : [reply.detail && reply.detail !== '' ? reply.detail : t('refused.unknown')];
+  if (reply.refusals.length > 0) return [...new Set(reply.refusals.map(refusalText))];
+  return [serverText(reply.detail, ...reply.errors.map((error) => error.message)) ?? t('refused.unknown')];
 }
 
 export function Refusal({ request: { reply, forget } }: { request: Request }) {

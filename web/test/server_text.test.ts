@@ -1,0 +1,62 @@
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { beforeEach, describe, expect, it } from 'vitest';
+import { en } from '../src/text/en';
+import { engineSentences, serverSentences, serverText } from '../src/text/server';
+import { settings } from '../src/text/settings';
+import { reasons } from '../src/ui/refusal';
+
+beforeEach(() => settings.set({ language: 'en' }));
+
+const sources = ['../server', '../db', '../control'].filter((folder) => existsSync(folder));
+const texts = () =>
+  sources
+    .flatMap((folder) => readdirSync(folder, { recursive: true, encoding: 'utf8' }).map((file) => `${folder}/${file}`))
+    .filter((file) => /\.(cpp|hpp)$/.test(file))
+    .map((file) => readFileSync(file, 'utf8'))
+    .join('\n');
+
+describe('sentences of the server', () => {
+  it('are all said by it still, letter by letter', () => {
+    expect(sources).toHaveLength(3);
+    const all = texts();
+    // Numbers are put in where a # stands: the words before the first one must be there.
+    for (const key of Object.keys(serverSentences)) expect(all.includes(`"${key.split('#')[0]!}`) || all.includes(key), key).toBe(true);
+  });
+
+  it('have words in both languages', () => {
+    for (const [key, words] of [...Object.entries(serverSentences), ...Object.entries(engineSentences)]) {
+      expect(words.en, key).not.toBe('');
+      expect(words.de, key).not.toBe('');
+      expect(words.de, key).not.toBe(words.en);
+    }
+  });
+
+  it('are known whatever numbers stand in them', () => {
+    expect(serverText('there is no session 4711')).toBe('This session is no longer there.');
+    settings.set({ language: 'de' });
+    expect(serverText('session 12 is being recorded: end it first')).toBe('Diese Sitzung wird noch aufgezeichnet.');
+  });
+
+  it('that are not known are shown to English readers only', () => {
+    expect(serverText('Something new', 'The recorder is busy')).toMatch(/^Busy just now/);
+    expect(serverText('', undefined, 'Something new')).toBe('Something new');
+    settings.set({ language: 'de' });
+    expect(serverText('Something new')).toBeNull();
+    expect(serverText('database or disk is full')).toBe('Der Speicher ist voll.');
+  });
+});
+
+describe('reasons of a refusal', () => {
+  const reply = { ok: false, refusals: [], errors: [] };
+  it('are never left out', () => {
+    expect(reasons(reply)).toEqual([en['refused.unknown']]);
+    expect(reasons({ ...reply, refusals: ['link_lost', 'link_lost'] })).toEqual([en['refused.link_lost']]);
+  });
+
+  it('are in the language of the reader', () => {
+    settings.set({ language: 'de' });
+    expect(reasons({ ...reply, detail: 'The control core is not connected.' })).toEqual(['Der Steuerrechner antwortet nicht.']);
+    expect(reasons({ ...reply, errors: [{ field: 'figure', message: 'its size is outside the range of this step' }] })[0]).toMatch(/^Diese Zahl/);
+    for (const detail of ['A new sentence.', '']) expect(reasons({ ...reply, detail })[0]).toMatch(/abgelehnt/);
+  });
+});
