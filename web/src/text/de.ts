@@ -318,6 +318,7 @@ export const de: Record<TextKey, string> = {
   'health.answers': 'antwortet',
   'health.silent': 'stumm',
   'health.works': 'arbeitet',
+  'health.unknown': 'nicht bekannt',
   'health.waiting': 'wird vorbereitet',
   'health.losing': 'verliert Nachrichten',
   'health.reports': 'meldet einen Fehler',

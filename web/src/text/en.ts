@@ -317,6 +317,7 @@ export const en = {
   'health.answers': 'answers',
   'health.silent': 'silent',
   'health.works': 'works',
+  'health.unknown': 'not known',
   'health.waiting': 'being prepared',
   'health.losing': 'loses messages',
   'health.reports': 'reports an error',

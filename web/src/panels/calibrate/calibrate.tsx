@@ -4,13 +4,17 @@ import { params } from '../../contract/params.gen';
 import { calibrate, calibrateCancel, calibrateMeasure, calibrateUse, notify } from '../../link/console';
 import { useReading } from '../../link/live';
 import { rest } from '../../link/rest';
+import type { Reply } from '../../link/socket';
 import { useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
-import { date, fixed, readNumber, shownAs, t, words } from '../../text/text';
+import { date, fixed, noValue, readNumber, shownAs, t, words } from '../../text/text';
 import { Refusal, useRequest } from '../../ui/refusal';
 import type { Panel } from '../panel';
 import { entry, nowKey, phaseNames, resultOf, stepNames, stepsFor, watched, type Change, type Now, type Step, type StepName, type Table } from './model';
 import { StepPicture } from './picture';
+
+/** What was asked for shows on the live values this much later at most; until then the buttons would ask for it once more. */
+const settle_ms = 500;
 
 const unitText = (unit: string): string => (unit === 'turns' ? t('calibrate.turns') : unit);
 
@@ -51,7 +55,7 @@ function Changes({ list }: { list: readonly Change[] }) {
 }
 
 /** Where the operator writes what the tape says. The direction is a choice, because nobody should have to think of a minus sign. */
-function Entry({ step, second, busy, onMeasure }: { step: StepName; second: boolean; busy: boolean; onMeasure: (message: object) => void }) {
+function Entry({ step, second, busy, onMeasure }: { step: StepName; second: boolean; busy: boolean; onMeasure: (message: object) => Promise<boolean> }) {
   const [figure, setFigure] = useState('');
   const [x, setX] = useState('');
   const [y, setY] = useState('');
@@ -63,16 +67,22 @@ function Entry({ step, second, busy, onMeasure }: { step: StepName; second: bool
   const values = square ? [size, readNumber(x), readNumber(y)] : [size];
   const ready = values.every((value) => Number.isFinite(value)) && size > 0;
   const turns = step === 'strut_spacing' || step === 'track' || square;
-  const send = () => {
-    if (square) onMeasure({ figure: size, x_m: readNumber(x) / 100, y_m: readNumber(y) / 100, turning: back ? 'right' : 'left' });
-    else onMeasure({ figure: (back ? -1 : 1) * size * factor });
+  const send = async () => {
+    const message = square
+      ? { figure: size, x_m: readNumber(x) / 100, y_m: readNumber(y) / 100, turning: back ? 'right' : 'left' }
+      : { figure: (back ? -1 : 1) * size * factor };
+    if (!(await onMeasure(message))) return;
+    // The next measurement is another way: its figure must be read off anew.
+    setFigure('');
+    setX('');
+    setY('');
   };
   return (
     <form
       class="calibrate-entry"
       onSubmit={(event) => {
         event.preventDefault();
-        if (ready && !busy) send();
+        if (ready && !busy) void send();
       }}
     >
       <div class="choice" role="radiogroup" aria-label={t('calibrate.direction')}>
@@ -116,10 +126,22 @@ function Entry({ step, second, busy, onMeasure }: { step: StepName; second: bool
 
 function Guide({ item, now, table, simulated, connected }: { item: Step; now: Now | null; table: Table; simulated: boolean; connected: boolean }) {
   const standby = useStore((s) => s.mode === 'standby');
+  const silent = useStore((s) => s.data === 'gone');
   const request = useRequest();
+  const [settling, setSettling] = useState(false);
+  const busy = request.busy || settling || !connected;
+  const ask = async (what: () => Promise<Reply>): Promise<boolean> => {
+    const done = await request.ask(what);
+    if (done) {
+      setSettling(true);
+      window.setTimeout(() => setSettling(false), settle_ms);
+    }
+    return done;
+  };
   // Null until they are known: nobody takes over what nobody has seen.
   const [changes, setChanges] = useState<readonly Change[] | null>(null);
   const [failed, setFailed] = useState(false);
+  const [tries, setTries] = useState(0);
   const step = item.name as StepName;
   const running = now !== null && now.step === step;
   const phase = running ? now.phase : 'none';
@@ -138,10 +160,10 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
       setChanges(null);
       setFailed(false);
     };
-  }, [phase, step, connected]);
+  }, [phase, step, connected, tries]);
 
   const use = async () => {
-    if (await request.ask(calibrateUse)) notify('info', t('calibrate.used', { name: words(item.title) }), true);
+    if (await ask(calibrateUse)) notify('info', t('calibrate.used', { name: words(item.title) }), true);
   };
   const key = running ? nowKey(now) : null;
   const reason = running && now.reason > 0 ? table.reasons[now.reason - 1] : undefined;
@@ -169,11 +191,11 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
               ) : null}
               <div class="calibrate-live">
                 {phase === 'resting' || phase === 'measuring' ? (
-                  <span class={still ? 'calibrate-still' : 'calibrate-still moving'}>{t(still ? 'calibrate.still' : 'calibrate.moving')}</span>
+                  <span class={still || silent ? 'calibrate-still' : 'calibrate-still moving'}>{t(silent ? 'health.unknown' : still ? 'calibrate.still' : 'calibrate.moving')}</span>
                 ) : null}
                 {shown !== null && phase !== 'refused' ? (
                   <span class="num calibrate-value">
-                    {fixed(shown.value, shown.decimals)} {unitText(shown.unit)}
+                    {silent ? noValue : fixed(shown.value, shown.decimals)} {unitText(shown.unit)}
                   </span>
                 ) : null}
                 <progress max={100} value={now.done_percent} aria-label={t('calibrate.progress')} />
@@ -184,31 +206,31 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
           )}
         </div>
       </div>
-      {phase !== 'result' ? null : changes !== null ? <Changes list={changes} /> : <p>{t(failed ? 'calibrate.failed' : 'common.loading')}</p>}
+      {phase !== 'result' ? null : changes !== null ? <Changes list={changes} /> : failed ? <Failed onRetry={() => setTries(tries + 1)} /> : <p>{t('common.loading')}</p>}
       {running && item.entered !== null && (phase === 'operator' || phase === 'result') ? (
         <details open={phase === 'operator'} class="calibrate-more">
           <summary>{t(phase === 'operator' ? 'calibrate.enter' : 'calibrate.again')}</summary>
-          <Entry step={step} second={second} busy={!connected} onMeasure={(message) => void request.ask(() => calibrateMeasure(message))} />
+          <Entry step={step} second={second} busy={busy} onMeasure={(message) => ask(() => calibrateMeasure(message))} />
         </details>
       ) : null}
       <div class="calibrate-buttons">
         {!running ? (
-          <button type="button" class="primary big" disabled={!connected || (!standby && now === null)} onClick={() => void request.ask(() => calibrate(step))}>
+          <button type="button" class="primary big" disabled={busy || (!standby && now === null)} onClick={() => void ask(() => calibrate(step))}>
             {t('calibrate.start')}
           </button>
         ) : null}
         {phase === 'result' ? (
-          <button type="button" class="primary big" disabled={changes === null} onClick={() => void use()}>
+          <button type="button" class="primary big" disabled={busy || changes === null} onClick={() => void use()}>
             {t(changes === null || changes.length > 0 ? 'calibrate.use' : 'calibrate.note')}
           </button>
         ) : null}
         {phase === 'refused' ? (
-          <button type="button" class="primary big" onClick={() => void request.ask(() => calibrate(step))}>
+          <button type="button" class="primary big" disabled={busy} onClick={() => void ask(() => calibrate(step))}>
             {t('calibrate.repeat')}
           </button>
         ) : null}
         {running ? (
-          <button type="button" class="plain big" onClick={() => void request.ask(calibrateCancel)}>
+          <button type="button" class="plain big" disabled={busy} onClick={() => void ask(calibrateCancel)}>
             {t(phase === 'result' ? 'calibrate.keep' : 'calibrate.cancel')}
           </button>
         ) : null}
@@ -216,6 +238,17 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
       <Refusal request={request} />
       {simulated && step === 'zero' && !running ? <p class="hint">{t('calibrate.simulated')}</p> : null}
     </section>
+  );
+}
+
+function Failed({ onRetry }: { onRetry: () => void }) {
+  return (
+    <p class="tune-error" role="alert">
+      {t('calibrate.failed')}{' '}
+      <button type="button" class="quiet" onClick={onRetry}>
+        {t('common.retry')}
+      </button>
+    </p>
   );
 }
 
@@ -227,16 +260,26 @@ function CalibrateView() {
   const simulated = useStore((s) => s.simulated);
   const [table, setTable] = useState<Table | null>(null);
   const [failed, setFailed] = useState(false);
+  const [tries, setTries] = useState(0);
   const [chosen, setChosen] = useState<string | null>(null);
   const text = useReading((r) => (r === null || r.calibration_step === 0 ? '' : [r.calibration_step, r.calibration_phase, r.calibration_done_percent, r.calibration_reason, r.calibration_value].join(' ')), 5);
   useEffect(() => {
-    if (!connected) return;
+    if (!connected) return undefined;
+    let late = false;
     void rest<Table>('GET', '/calibration').then((answer) => {
+      if (late) return;
       setFailed(!answer.ok);
       if (answer.ok) setTable(answer.value);
     });
-  }, [connected, version]);
-  if (table === null) return <p class="hint">{t(failed ? 'calibrate.failed' : 'common.loading')}</p>;
+    return () => {
+      late = true;
+    };
+  }, [connected, version, tries]);
+  const again = () => {
+    setFailed(false);
+    setTries(tries + 1);
+  };
+  if (table === null) return failed ? <Failed onRetry={again} /> : <p class="hint">{t('common.loading')}</p>;
   const [step = 0, phase = 0, done_percent = 0, reason = 0, value = 0] = text === '' ? [] : text.split(' ').map(Number);
   const now: Now | null = text === '' ? null : { step: stepNames[step] ?? 'none', phase: phaseNames[phase] ?? 'none', done_percent, reason, value };
   const items = stepsFor(table.items, role);

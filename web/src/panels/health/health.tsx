@@ -7,6 +7,7 @@ import { fetchEmergencies } from '../../link/console';
 import { live, useReading } from '../../link/live';
 import { useStore, type Emergency, type LogLine } from '../../link/store';
 import type { TextKey } from '../../text/en';
+import { serverText } from '../../text/server';
 import { useSettings } from '../../text/settings';
 import { duration, fixed, plain, refusalText, shownAs, t, textOf, words } from '../../text/text';
 import { emergencyInfo, hex } from '../../ui/device';
@@ -30,6 +31,17 @@ function detailOf(view: NodeView): string {
   if (view.lostLately > 0) words.push(t('health.lostLately', { n: view.lostLately }));
   else if (view.lostAll > 0) words.push(t('health.lostAll', { n: view.lostAll }));
   return words.join(' · ');
+}
+
+/** Nothing has come for a while: how this part is doing is not known, and the last that was heard would look like now. */
+function UnknownPart({ name }: { name: NodeView['name'] }) {
+  return (
+    <li class="part">
+      <span class="part-name">{t(`health.part.${name}` as TextKey)}</span>
+      <span class="part-state">{t('health.unknown')}</span>
+      <span class="part-detail">–</span>
+    </li>
+  );
 }
 
 function Part({ view }: { view: NodeView }) {
@@ -156,7 +168,10 @@ function Events({ log }: { log: readonly LogLine[] }) {
 
 function HealthView() {
   useSettings();
-  const r = useReading((record: TickRecord | null) => record, 2);
+  const newest = useReading((record: TickRecord | null) => record, 2);
+  // Old figures are not shown here at all: "works" and "free" are said of now, or not at all.
+  const silent = useStore((s) => s.data === 'gone');
+  const r = silent ? null : newest;
   const rtt_s = useStore((s) => s.rtt_s);
   const role = useStore((s) => s.role);
   const version = useStore((s) => s.version);
@@ -172,7 +187,7 @@ function HealthView() {
     <div class="health">
       <section class="card wide">
         <h2>{t('health.parts')}</h2>
-        <ul class="parts">{r === null ? null : partNames.map((name) => <Part key={name} view={nodeView(r, name)} />)}</ul>
+        <ul class="parts">{partNames.map((name) => (r === null ? <UnknownPart key={name} name={name} /> : <Part key={name} view={nodeView(r, name)} />))}</ul>
       </section>
       <section class="card wide">
         <h2>{t('health.emergencies')}</h2>
@@ -198,12 +213,12 @@ function HealthView() {
       </section>
       <section class="card">
         <h2>{t('health.link')}</h2>
-        <Line label={t('health.part.server')} value={r?.server_alive === 1 ? t('health.answers') : t('health.silent')} state={r?.server_alive === 1 ? 'good' : 'bad'} />
+        <Line label={t('health.part.server')} value={r === null ? '–' : t(r.server_alive === 1 ? 'health.answers' : 'health.silent')} state={r === null || r.server_alive === 1 ? 'good' : 'bad'} />
         <Line label={t('health.rtt')} value={n(rtt_s === null ? undefined : rtt_s * 1000, 0, 'ms')} />
         <Line label={t('health.lost')} value={fixed(live.lost, 0)} />
         <Line label={t('health.refusedCommands')} value={fixed(r?.commands_refused, 0)} />
         <Line label={t('health.role')} value={textOf(`role.${role}`) ?? '–'} />
-        <Line label={t('health.recording')} value={recording.state === 'recording' ? t('sessions.one', { n: recording.session ?? '–' }) : recording.state === 'failed' ? recording.detail || t('bar.recordingFailed') : t('bar.recordingOff')} />
+        <Line label={t('health.recording')} value={silent ? '–' : recording.state === 'recording' ? t('sessions.one', { n: recording.session ?? '–' }) : recording.state === 'failed' ? serverText(recording.detail) ?? t('bar.recordingFailed') : t('bar.recordingOff')} />
         <Line label={t('health.version')} value={version || '–'} />
       </section>
       <Loop r={r} />

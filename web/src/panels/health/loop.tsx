@@ -67,7 +67,8 @@ export function Loop({ r }: { r: TickRecord | null }) {
   const engineer = useStore((s) => s.role) === 'engineer';
   const open = useStore((s) => s.link === 'open');
   const tooLate_s = useStore((s) => s.parameters.loop_late_s_max) ?? 0.03;
-  const [report, setReport] = useState<LoopReport | null>(null);
+  const [told, setReport] = useState<LoopReport | null>(null);
+  const report = r === null ? null : told; // an old report must not stand for the loop of now
   useEffect(() => {
     if (!engineer || !open) return undefined;
     let gone = false;
