@@ -3,10 +3,10 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { presets, type ParamInfo } from '../../contract/params.gen';
 import { applyPreset, notify, setParameters, tryParameters } from '../../link/console';
 import type { Reply } from '../../link/socket';
-import { moving, useStore } from '../../link/store';
+import { moving, store, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { plain, readNumber, shownAs, t, words } from '../../text/text';
-import { Refusal, reasons, useRequest } from '../../ui/refusal';
+import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
 import type { Panel } from '../panel';
 import { groups, niceStep, type Group } from './groups';
 
@@ -17,6 +17,10 @@ const trial_s = 20;
 /** Values travel as 64-bit numbers, but drives keep 32-bit ones. */
 const same = (a: number, b: number) => Math.abs(a - b) <= 1e-6 * Math.max(Math.abs(a), Math.abs(b), 1e-9);
 
+/** To the hoist: on trial while somebody is led by it, for good while it stands. */
+const send = (row: ParamInfo, si: number): Promise<Reply> =>
+  moving(store.value.mode) && row.edit === 'live' ? tryParameters({ [row.name]: si }, trial_s) : setParameters({ [row.name]: si });
+
 function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; standby: boolean; connected: boolean }) {
   const value = useStore((s) => s.parameters[row.name] ?? NaN);
   const show = shownAs(row.name, row.unit);
@@ -25,29 +29,38 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
   const [slide, setSlide] = useState<number | null>(null); // where the slider is held, shown units
   const [error, setError] = useState<string | null>(null);
   const [undo, setUndo] = useState<number | null>(null);
+  const [undoing, setUndoing] = useState(false);
   const timer = useRef<number | null>(null);
+  const drawn = useRef<number | null>(null); // what the slider shows and the hoist has not been told yet
   const begun = useRef<number | null>(null); // value in force when the change began: what Undo goes back to
   const touches = useRef(0); // an answer must not take away what was typed or drawn since it was asked for
 
-  useEffect(() => () => void (timer.current !== null && window.clearTimeout(timer.current)), []);
-  const led = useStore((s) => moving(s.mode));
+  // Whoever draws a slider and goes to another screen at once has still set it.
+  useEffect(
+    () => () => {
+      if (timer.current !== null) window.clearTimeout(timer.current);
+      if (drawn.current === null) return;
+      void send(row, drawn.current).then((reply) => refused(reply) && notify('warning', `${words(row.title)}: ${reasons(reply).join(' ')}`, true));
+    },
+    [],
+  );
   const lockedByMode = row.edit === 'stopped' && !standby;
   const locked = !connected || lockedByMode || !Number.isFinite(value) || (row.role === 'engineer' && role !== 'engineer') || role === 'viewer';
 
-  const apply = async (si: number) => {
+  const apply = async (si: number): Promise<void> => {
     if (timer.current !== null) window.clearTimeout(timer.current);
     timer.current = null;
+    drawn.current = null;
     const before = begun.current ?? value;
     begun.current = null;
     const asked = touches.current;
-    const reply = await (led && row.edit === 'live' ? tryParameters({ [row.name]: si }, trial_s) : setParameters({ [row.name]: si }));
+    const reply = await send(row, si);
     if (reply.ok && !same(before, si)) setUndo(before);
     if (touches.current !== asked) return;
     setSlide(null);
-    if (reply.ok) {
-      setError(null);
-      setDraft(null);
-    } else if (reply.refusals[0] !== 'kept') setError(why(reply));
+    // Control left where it is: what was typed is not in force, so it must not stand there as if it were.
+    setDraft((now) => (refused(reply) ? now : null));
+    setError(refused(reply) ? why(reply) : null);
   };
   const why = (reply: Reply): string => {
     const field = reply.errors.find((item) => item.field === row.name) ?? reply.errors[0];
@@ -83,7 +96,9 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
     setError(null);
     if (timer.current !== null) window.clearTimeout(timer.current);
     // Rounding to the slider's steps must not push an end value out of its range.
-    timer.current = window.setTimeout(() => void apply(Math.max(row.min, Math.min(row.max, shown / show.factor))), debounce_ms);
+    const si = Math.max(row.min, Math.min(row.max, shown / show.factor));
+    drawn.current = si;
+    timer.current = window.setTimeout(() => void apply(si), debounce_ms);
   };
 
   const changed = Number.isFinite(value) && !same(value, row.default);
@@ -150,11 +165,11 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
         <span class="tune-unit">{show.unit}</span>
       </div>
       <div class="tune-buttons">
-        <button type="button" class="quiet" disabled={locked || undo === null} onClick={() => {
-          const back = undo;
-          setUndo(null);
-          setError(null);
-          if (back !== null) void apply(back);
+        <button type="button" class="quiet" disabled={locked || undo === null || undoing} onClick={() => {
+          if (undo === null) return;
+          // Stays there until it was done: a refusal must not take the way back away.
+          setUndoing(true);
+          void apply(undo).then(() => setUndoing(false));
         }}>
           {t('tune.undo')}
         </button>
