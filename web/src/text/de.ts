@@ -223,6 +223,8 @@ export const de: Record<TextKey, string> = {
   'sessions.eventsNone': 'Nichts vermerkt.',
   'sessions.simulated': 'Simulation',
   'sessions.failed': 'Die Sitzungen sind gerade nicht lesbar.',
+  'sessions.unread': 'Nicht lesbar.',
+  'sessions.notSaved': 'Nicht gespeichert.',
   'sessions.chart': 'Verlauf der gewählten Werte über der Zeit',
   'metric.similarity': 'Ähnlichkeit mit dem geplanten Weg',
   'metric.similarityHelp': '1 = Drehverlauf wie geplant',

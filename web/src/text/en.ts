@@ -222,6 +222,8 @@ export const en = {
   'sessions.eventsNone': 'Nothing noted.',
   'sessions.simulated': 'Simulation',
   'sessions.failed': 'The sessions cannot be read now.',
+  'sessions.unread': 'Could not be read.',
+  'sessions.notSaved': 'Not saved.',
   'sessions.chart': 'Course of the chosen values over time',
   'metric.similarity': 'Similarity to the planned path',
   'metric.similarityHelp': '1 = same course of turning as planned',

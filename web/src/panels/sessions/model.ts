@@ -105,3 +105,19 @@ export function pathOf(samples: Samples): { x: number[]; y: number[] } {
   }
   return { x, y };
 }
+
+/** The newest sessions, asked for again, put before the older ones that are on the screen already: whoever has scrolled far down stays
+ * there. `next` goes on from the last row. Sessions come newest first, by their numbers. */
+export function refreshed(shown: SessionPage | null, newest: SessionPage): SessionPage {
+  const last = newest.items.at(-1)?.id;
+  // Without an overlap there may be sessions in between that nobody has asked for.
+  if (shown === null || newest.next === null || last === undefined || !shown.items.some((item) => item.id >= last)) return newest;
+  const older = shown.items.filter((item) => item.id < last);
+  return older.length === 0 ? newest : { items: [...newest.items, ...older], next: shown.next };
+}
+
+/** One page more at the end; a row that is there already does not come twice. */
+export function continued(shown: SessionPage | null, more: SessionPage): SessionPage {
+  const known = new Set((shown?.items ?? []).map((item) => item.id));
+  return { items: [...(shown?.items ?? []), ...more.items.filter((item) => !known.has(item.id))], next: more.next };
+}

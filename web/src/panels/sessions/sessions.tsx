@@ -3,16 +3,17 @@ import type { ComponentType } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { signals, type SignalName } from '../../contract/signals.gen';
 import { notify } from '../../link/console';
-import { rest, type Problem } from '../../link/rest';
+import { rest, type Answer, type Problem } from '../../link/rest';
 import type { Exercise } from '../../contract/messages.gen';
 import { useStore } from '../../link/store';
+import { serverText } from '../../text/server';
 import { useSettings } from '../../text/settings';
 import { date, degrees, duration, fixed, refusalText, t, words } from '../../text/text';
 import { fit, patternPoints, type Point } from '../../ui/geometry';
 import { drawFloor } from '../../ui/floor_view';
 import { eventText } from '../health/health';
 import type { Panel } from '../panel';
-import { curveChoices, pathOf, story, type Metrics, type Samples, type Session, type SessionEvents, type SessionPage } from './model';
+import { continued, curveChoices, pathOf, refreshed, story, type Metrics, type Samples, type Session, type SessionEvents, type SessionPage } from './model';
 
 /** A deleted session can be taken back this long; only then is the server asked. */
 const undoDelete_ms = 6000;
@@ -22,7 +23,41 @@ const curvesMost = 4;
 const pageSize = 50;
 const eventsShown = 200;
 
-const problemText = (problem: Problem) => (problem.refusals.length > 0 ? problem.refusals.map(refusalText).join(' ') : problem.detail || t('sessions.failed'));
+/** As long as the server takes one. */
+const subjectMost = 64;
+const noteMost = 500;
+/** Columns that a session does not have are refused with this; anything else is a failure. */
+const unprocessable = 422;
+
+const problemText = (problem: Problem) =>
+  problem.refusals.length > 0 ? problem.refusals.map(refusalText).join(' ') : (serverText(problem.detail, problem.title) ?? t('sessions.failed'));
+
+/** What a section of the screen asked the server for. */
+interface Asked<T> {
+  /** The last answer; it stays while the same is asked again. */
+  value: T | null;
+  problem: string | null;
+  retry: () => void;
+}
+
+/** Asks when the component appears and whenever `what` changes; an answer that another question has overtaken is dropped. */
+function useAsked<T>(question: () => Promise<Answer<T>>, what: readonly unknown[]): Asked<T> {
+  const [value, setValue] = useState<T | null>(null);
+  const [problem, setProblem] = useState<string | null>(null);
+  const [tries, setTries] = useState(0);
+  useEffect(() => {
+    let wanted = true;
+    void question().then((answer) => {
+      if (!wanted) return;
+      if (answer.ok) setValue(answer.value);
+      setProblem(answer.ok ? null : problemText(answer.problem));
+    });
+    return () => {
+      wanted = false;
+    };
+  }, [...what, tries]);
+  return { value, problem, retry: () => setTries((n) => n + 1) };
+}
 
 function exerciseName(exercise: Exercise | null): string {
   return exercise === null ? t('exercise.free') : t(`exercise.${exercise.shape}`);
@@ -30,56 +65,92 @@ function exerciseName(exercise: Exercise | null): string {
 
 function SessionsView() {
   useSettings();
-  const [items, setItems] = useState<Session[] | null>(null);
-  const [next, setNext] = useState<string | null>(null);
+  const [page, setPage] = useState<SessionPage | null>(null);
   const [search, setSearch] = useState('');
   const [chosen, setChosen] = useState<number | null>(null);
   const [error, setError] = useState<string | null>(null);
-  const [leaving, setLeaving] = useState<{ id: number; timer: number } | null>(null);
+  const [more, setMore] = useState(false); // older ones are being asked for
+  const [leaving, setLeaving] = useState<number | null>(null); // Undo can still keep it
+  const [gone, setGone] = useState<readonly number[]>([]); // the server is being asked to delete these
   const recording = useStore((s) => s.recording.state + String(s.recording.session));
+  const asked = useRef(0); // number of the newest question: older answers are of no use
+  const found = useRef(''); // the search that the list on the screen answers
+  const wished = useRef('');
+  wished.current = search.trim();
 
   const load = async (cursor: string | null) => {
+    const mine = ++asked.current;
+    const sought = wished.current;
     const query = new URLSearchParams({ limit: String(pageSize) });
     if (cursor !== null) query.set('cursor', cursor);
-    if (search.trim() !== '') query.set('q', search.trim());
+    if (sought !== '') query.set('q', sought);
+    setMore(cursor !== null);
     const answer = await rest<SessionPage>('GET', `/sessions?${query.toString()}`);
+    if (mine !== asked.current) return;
+    setMore(false);
     if (!answer.ok) {
       setError(problemText(answer.problem));
       return;
     }
     setError(null);
-    setItems((before) => (cursor === null ? answer.value.items : [...(before ?? []), ...answer.value.items]));
-    setNext(answer.value.next ?? null);
+    const came = { items: answer.value.items, next: answer.value.next ?? null };
+    const same = found.current === sought;
+    found.current = sought;
+    setPage((before) => (cursor !== null ? continued(before, came) : same ? refreshed(before, came) : came));
   };
   useEffect(() => {
     const timer = window.setTimeout(() => void load(null), search === '' ? 0 : 250);
     return () => window.clearTimeout(timer);
   }, [search, recording]);
 
-  // Leaving the page means that the deletion stands: the undo was there to be tapped.
+  // Six seconds of Undo, then the server is asked. Another Delete, or leaving the screen or the page, means that the deletion stands: the
+  // undo was there to be tapped.
   const pending = useRef<{ id: number; timer: number } | null>(null);
-  pending.current = leaving;
-  useEffect(() => () => void (pending.current !== null && (window.clearTimeout(pending.current.timer), rest('DELETE', `/sessions/${pending.current.id}`))), []);
-
-  const remove = (id: number) => {
-    if (leaving !== null) return;
-    setChosen(null);
-    const timer = window.setTimeout(() => {
+  const settle = () => {
+    if (pending.current === null) return;
+    const { id, timer } = pending.current;
+    window.clearTimeout(timer);
+    pending.current = null;
+    setLeaving(null);
+    setGone((before) => [...before, id]);
+    void rest('DELETE', `/sessions/${id}`).then(async (answer) => {
+      if (answer.ok) notify('info', t('sessions.deleted', { n: id }), true);
+      else notify('error', problemText(answer.problem), true);
+      await load(null);
+      setGone((before) => before.filter((item) => item !== id));
+    });
+  };
+  useEffect(() => {
+    // A page that goes away waits for no answer; the browser sends such a request all the same.
+    const close = () => {
+      if (pending.current === null) return;
+      window.clearTimeout(pending.current.timer);
+      const { id } = pending.current;
+      void fetch(`/api/v1/sessions/${id}`, { method: 'DELETE', keepalive: true, credentials: 'same-origin', headers: { 'X-Hoist': '1', 'Content-Type': 'application/json' }, body: '{}' }).catch(() => {});
+      setGone((before) => [...before, id]);
       setLeaving(null);
-      void rest('DELETE', `/sessions/${id}`).then((answer) => {
-        if (answer.ok) notify('info', t('sessions.deleted', { n: id }), true);
-        else setError(problemText(answer.problem));
-        void load(null);
-      });
-    }, undoDelete_ms);
-    setLeaving({ id, timer });
+      pending.current = null;
+    };
+    window.addEventListener('pagehide', close);
+    return () => {
+      window.removeEventListener('pagehide', close);
+      settle();
+    };
+  }, []);
+  const remove = (id: number) => {
+    settle();
+    setChosen(null);
+    pending.current = { id, timer: window.setTimeout(settle, undoDelete_ms) };
+    setLeaving(id);
   };
   const keep = () => {
-    if (leaving !== null) window.clearTimeout(leaving.timer);
+    if (pending.current !== null) window.clearTimeout(pending.current.timer);
+    pending.current = null;
     setLeaving(null);
   };
 
-  const shown = (items ?? []).filter((item) => item.id !== leaving?.id);
+  const next = page?.next ?? null;
+  const shown = (page?.items ?? []).filter((item) => item.id !== leaving && !gone.includes(item.id));
   return (
     <div class={chosen === null ? 'sessions' : 'sessions one'}>
       <section class="card session-list">
@@ -93,7 +164,7 @@ function SessionsView() {
         />
         {leaving !== null ? (
           <div class="undo" role="status">
-            <span>{t('sessions.deleting', { n: leaving.id })}</span>
+            <span>{t('sessions.deleting', { n: leaving })}</span>
             <button type="button" class="quiet" onClick={keep}>
               {t('common.undo')}
             </button>
@@ -107,8 +178,8 @@ function SessionsView() {
             </button>
           </p>
         ) : null}
-        {items === null && error === null ? <p class="hint">{t('common.loading')}</p> : null}
-        {items !== null && shown.length === 0 ? <p class="hint">{t(search === '' ? 'sessions.empty' : 'sessions.none')}</p> : null}
+        {page === null && error === null ? <p class="hint">{t('common.loading')}</p> : null}
+        {page !== null && shown.length === 0 ? <p class="hint">{t(found.current === '' ? 'sessions.empty' : 'sessions.none')}</p> : null}
         <ul>
           {shown.map((item) => (
             <li key={item.id}>
@@ -125,7 +196,7 @@ function SessionsView() {
           ))}
         </ul>
         {next !== null ? (
-          <button type="button" class="plain" onClick={() => void load(next)}>
+          <button type="button" class="plain" disabled={more} onClick={() => void load(next)}>
             {t('sessions.next')}
           </button>
         ) : null}
@@ -144,50 +215,53 @@ function SessionsView() {
 type ChartType = ComponentType<{ samples: Samples; names: readonly SignalName[] }>;
 
 function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => void; onDelete: () => void; onChange: () => void }) {
-  const [session, setSession] = useState<Session | null>(null);
-  const [metrics, setMetrics] = useState<Metrics | null>(null);
-  const [path, setPath] = useState<Samples | null>(null);
-  const [samples, setSamples] = useState<Samples | null>(null);
-  const [events, setEvents] = useState<SessionEvents | null>(null);
   const [error, setError] = useState<string | null>(null);
   const [names, setNames] = useState<SignalName[]>(['speed_m_s', 'speed_command_m_s']);
   const [ChartView, setChartView] = useState<ChartType | null>(null);
-
-  useEffect(() => {
-    void rest<Session>('GET', `/sessions/${id}`).then((answer) => (answer.ok ? setSession(answer.value) : setError(problemText(answer.problem))));
-    void rest<Metrics>('GET', `/sessions/${id}/metrics`).then((answer) => answer.ok && setMetrics(answer.value));
+  // Opened right after its end, a session is still being closed: all of it is asked for again as soon as the recording is over.
+  const recorded = useStore((s) => s.recording.state === 'recording' && s.recording.session === id);
+  const asked = useAsked(() => rest<Session>('GET', `/sessions/${id}`), [id, recorded]);
+  const [changed, setChanged] = useState<Session | null>(null); // as the server answered to the last change
+  const session = changed ?? asked.value;
+  useEffect(() => setChanged(null), [asked.value]);
+  const metrics = useAsked(() => rest<Metrics>('GET', `/sessions/${id}/metrics`), [id, recorded]);
+  const path = useAsked(async () => {
+    const from = (columns: string) => rest<Samples>('GET', `/sessions/${id}/samples?columns=${columns}&points=${pathRuns}`);
+    const fused = await from('fused_x_m,fused_y_m');
     // Sessions from before the slip-repaired track have the encoders' own only.
-    const pathFrom = (columns: string) => rest<Samples>('GET', `/sessions/${id}/samples?columns=${columns}&points=${pathRuns}`);
-    void pathFrom('fused_x_m,fused_y_m').then(async (fused) => {
-      const answer = fused.ok ? fused : await pathFrom('x_m,y_m');
-      if (answer.ok) setPath(answer.value);
-    });
-    void rest<SessionEvents>('GET', `/sessions/${id}/events`).then((answer) => answer.ok && setEvents(answer.value));
-    void import('./chart').then((module) => setChartView(() => module.Chart));
-  }, [id]);
-  useEffect(() => {
-    if (names.length === 0) {
-      setSamples(null);
-      return;
-    }
-    let wanted = true; // an answer that is overtaken by another choice of curves is of no use
-    void rest<Samples>('GET', `/sessions/${id}/samples?columns=${names.join(',')}&points=${curveRuns}`).then((answer) => wanted && answer.ok && setSamples(answer.value));
-    return () => {
-      wanted = false;
-    };
-  }, [id, names]);
+    return fused.ok || fused.problem.status !== unprocessable ? fused : from('x_m,y_m');
+  }, [id, recorded]);
+  const events = useAsked(() => rest<SessionEvents>('GET', `/sessions/${id}/events`), [id, recorded]);
+  const samples = useAsked(
+    () =>
+      names.length === 0
+        ? Promise.resolve<Answer<Samples | null>>({ ok: true, value: null })
+        : rest<Samples | null>('GET', `/sessions/${id}/samples?columns=${names.join(',')}&points=${curveRuns}`),
+    [id, recorded, names],
+  );
+  useEffect(() => void import('./chart').then((module) => setChartView(() => module.Chart)), []);
 
-  const happened = events !== null && session !== null ? story(events, session.started_utc_ms) : [];
+  const all: readonly Asked<unknown>[] = [asked, metrics, path, events, samples];
+  const unread = all.find((one) => one.problem !== null)?.problem ?? null;
+  const retry = () => all.filter((one) => one.problem !== null).forEach((one) => one.retry());
+  /** What stands where nothing can be shown yet, or not at all: never the words for "nothing happened". */
+  const instead = (one: Asked<unknown>) => t(one.problem === null ? 'common.loading' : 'sessions.unread');
+
+  const happened = events.value !== null && session !== null ? story(events.value, session.started_utc_ms) : [];
   const toggle = (name: SignalName) =>
     setNames((before) => (before.includes(name) ? before.filter((item) => item !== name) : [...before, name].slice(-curvesMost)));
-  const save = async (change: Partial<Pick<Session, 'note' | 'subject'>>) => {
+  const here = useRef(true);
+  useEffect(() => () => void (here.current = false), []);
+  const save = async (change: Partial<Pick<Session, 'note' | 'subject'>>): Promise<boolean> => {
     const answer = await rest<Session>('PATCH', `/sessions/${id}`, change);
     if (answer.ok) {
-      setSession(answer.value);
+      setChanged(answer.value);
       setError(null);
       notify('info', t('sessions.saved'), true);
       onChange();
-    } else setError(problemText(answer.problem));
+    } else if (here.current) setError(problemText(answer.problem));
+    else notify('error', `${t('sessions.notSaved')} ${problemText(answer.problem)}`, true);
+    return answer.ok;
   };
 
   return (
@@ -210,25 +284,33 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
         </div>
         {error !== null ? (
           <p class="tune-error" role="alert">
-            {error}
+            {t('sessions.notSaved')} {error}
           </p>
         ) : null}
-        <Figures metrics={metrics} />
+        {unread !== null ? (
+          <p class="tune-error" role="alert">
+            {unread}{' '}
+            <button type="button" class="quiet" onClick={retry}>
+              {t('common.retry')}
+            </button>
+          </p>
+        ) : null}
+        <Figures metrics={metrics.value} />
         {session !== null ? (
           <div class="session-texts">
-            <TextField label={t('sessions.subject')} hint={t('sessions.subjectHint')} value={session.subject ?? ''} onSave={(subject) => void save({ subject: subject === '' ? null : subject })} />
-            <TextField label={t('sessions.note')} value={session.note} onSave={(note) => void save({ note })} />
+            <TextField label={t('sessions.subject')} hint={t('sessions.subjectHint')} value={session.subject ?? ''} most={subjectMost} onSave={(subject) => save({ subject: subject === '' ? null : subject })} />
+            <TextField label={t('sessions.note')} value={session.note} most={noteMost} onSave={(note) => save({ note })} />
           </div>
         ) : null}
       </section>
       <div class="session-pictures">
         <section class="card">
           <h2>{t('sessions.path')}</h2>
-          <PathPicture samples={path} exercise={session?.exercise ?? null} />
+          {path.value === null ? <p class="floor small hint">{instead(path)}</p> : <PathPicture samples={path.value} exercise={session?.exercise ?? null} />}
         </section>
         <section class="card">
           <h2>{t('sessions.curves')}</h2>
-          {ChartView !== null && samples !== null ? <ChartView samples={samples} names={names} /> : <div class="chart" />}
+          {ChartView !== null && samples.value !== null && samples.problem === null ? <ChartView samples={samples.value} names={names} /> : <p class="chart hint">{names.length === 0 ? '' : instead(samples)}</p>}
           <div class="columns" role="group" aria-label={t('sessions.columns')}>
             {curveChoices.map((name) => (
               <button key={name} type="button" class="pill" aria-pressed={names.includes(name)} onClick={() => toggle(name)}>
@@ -240,7 +322,7 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
       </div>
       <section class="card">
         <h2>{t('sessions.events')}</h2>
-        {happened.length === 0 ? <p class="hint">{t('sessions.eventsNone')}</p> : null}
+        {events.value === null || session === null ? <p class="hint">{instead(events.value === null ? events : asked)}</p> : happened.length === 0 ? <p class="hint">{t('sessions.eventsNone')}</p> : null}
         <ul class="events">
           {happened
             .slice(0, eventsShown)
@@ -256,9 +338,21 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
   );
 }
 
-function TextField({ label, hint, value, onSave }: { label: string; hint?: string; value: string; onSave: (text: string) => void }) {
-  const [draft, setDraft] = useState(value);
-  const changed = draft !== value;
+/** A text that is kept when it is left: nobody with a patient at hand remembers a button. The button is there to be seen. */
+function TextField({ label, hint, value, most, onSave }: { label: string; hint?: string; value: string; most: number; onSave: (text: string) => Promise<boolean> }) {
+  const [draft, setDraft] = useState<string | null>(null); // what was typed and is not known to be kept
+  const sent = useRef<string | null>(null); // a tap on Save leaves the field, too: one request is enough
+  const changed = draft !== null && draft !== value;
+  const save = async () => {
+    if (!changed || draft === sent.current) return;
+    sent.current = draft;
+    const kept = await onSave(draft);
+    sent.current = null;
+    if (kept) setDraft((now) => (now === draft ? null : now));
+  };
+  const latest = useRef(save);
+  latest.current = save;
+  useEffect(() => () => void latest.current(), []);
   return (
     <label class="text-field">
       <span>
@@ -266,8 +360,15 @@ function TextField({ label, hint, value, onSave }: { label: string; hint?: strin
         {hint ? <small> · {hint}</small> : null}
       </span>
       <span class="text-field-row">
-        <input type="text" value={draft} maxLength={500} onInput={(event) => setDraft(event.currentTarget.value)} onKeyDown={(event) => event.key === 'Enter' && changed && onSave(draft)} />
-        <button type="button" class="plain" disabled={!changed} onClick={() => onSave(draft)}>
+        <input
+          type="text"
+          value={draft ?? value}
+          maxLength={most}
+          onInput={(event) => setDraft(event.currentTarget.value)}
+          onBlur={() => void save()}
+          onKeyDown={(event) => event.key === 'Enter' && void save()}
+        />
+        <button type="button" class="plain" disabled={!changed} onClick={() => void save()}>
           {t('common.save')}
         </button>
       </span>
@@ -302,7 +403,7 @@ function Figures({ metrics }: { metrics: Metrics | null }) {
         <Figure label={t('metric.offHeading')} value={degrees(m?.rms_heading_rad, 0)} />
       </div>
       {m ? <p class="hint">{t(m.track === 'fused' ? 'metric.trackFused' : 'metric.trackEncoders')}</p> : null}
-      {m?.reason_if_none ? <p class="hint">{t('metric.none')}: {m.reason_if_none}</p> : null}
+      {m?.reason_if_none ? <p class="hint">{t('metric.none')}{((why) => (why === null ? '.' : `: ${why}`))(serverText(m.reason_if_none))}</p> : null}
     </>
   );
 }

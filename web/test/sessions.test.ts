@@ -1,0 +1,36 @@
+import { describe, expect, it } from 'vitest';
+import { continued, refreshed, type Session, type SessionPage } from '../src/panels/sessions/model';
+
+const session = (id: number): Session => ({ id, subject: null, started_utc_ms: id, duration_s: 1, simulated: true, recording: false, exercise: null, note: '', samples: 1, gaps: 0 });
+const page = (ids: number[], next: number | null): SessionPage => ({ items: ids.map(session), next: next === null ? null : String(next) });
+const ids = (one: SessionPage) => one.items.map((item) => item.id);
+
+describe('the list of sessions', () => {
+  it('grows by older ones, none of them twice', () => {
+    const all = continued(page([9, 8], 8), page([8, 7], 7));
+    expect(ids(all)).toEqual([9, 8, 7]);
+    expect(all.next).toBe('7');
+  });
+
+  it('stays as long as it is when a new session comes', () => {
+    const all = refreshed(page([9, 8, 7, 6], 6), page([10, 9], 9));
+    expect(ids(all)).toEqual([10, 9, 8, 7, 6]);
+    expect(all.next).toBe('6');
+  });
+
+  it('forgets what has been deleted, and shows what has changed', () => {
+    const newest = page([9, 7], 7);
+    newest.items[0]!.note = 'new';
+    const all = refreshed(page([9, 8, 7, 6], null), newest);
+    expect(ids(all)).toEqual([9, 7, 6]);
+    expect(all.items[0]!.note).toBe('new');
+    expect(all.next).toBeNull();
+    expect(ids(refreshed(page([9, 8], 8), page([], null)))).toEqual([]);
+    expect(ids(refreshed(page([9, 8, 7, 6], 6), page([9, 8], null)))).toEqual([9, 8]);
+  });
+
+  it('begins anew where sessions may be missing in between', () => {
+    expect(refreshed(page([5, 4], 4), page([20, 19], 19))).toEqual(page([20, 19], 19));
+    expect(refreshed(null, page([2, 1], null))).toEqual(page([2, 1], null));
+  });
+});
