@@ -3,6 +3,7 @@
 Nothing here measures time: a wait ends when the thing has happened, and only fails when it has not for very long, because a guest is slow
 and the machine around it may be busy.
 """
+import http.client
 import json
 import os
 import re
@@ -53,9 +54,23 @@ def until(what, ask, within_s=30.0, each_s=0.1):
         time.sleep(each_s)
 
 
+def utc_offset_s():
+    """What must be added to time.monotonic() to get the time of day. Both clocks cannot be read at once: the best of some tries, because this
+    program may be held up between the two."""
+    best = None
+    for _ in range(20):
+        before_s, wall_s, after_s = time.monotonic(), time.time(), time.monotonic()
+        if best is None or after_s - before_s < best[0]:
+            best = (after_s - before_s, wall_s - (before_s + after_s) / 2)
+    return best[1]
+
+
 def run(*command, **options):
     """Runs a command to its end; gives its output, fails when it fails."""
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False, **options)
+    try:
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False, **options)
+    except subprocess.TimeoutExpired as error:
+        raise Failed(str(error)) from None
     check(done.returncode == 0, f"{' '.join(command)} ended with {done.returncode}: {done.stdout[-2000:]}")
     return done.stdout
 
@@ -75,10 +90,16 @@ class Program:
             file.seek(self.begin)
             return file.read()
 
-    def says(self, text, within_s=30.0):
+    def said(self):
+        """How much it has said so far. What it says because of something that a test does comes behind this."""
+        return len(self.output())
+
+    def says(self, text, within_s=30.0, behind=0):
         def ask():
-            check(self.process.poll() is None or text in self.output(), f"{self.name} has ended ({self.process.returncode}): {self.output()[-1500:]}")
-            return text in self.output()
+            ended = self.process.poll() is not None
+            found = text in self.output()[behind:]
+            check(found or not ended, f"{self.name} has ended ({self.process.returncode}): {self.output()[-1500:]}")
+            return found
 
         until(f"{self.name} says \"{text}\"", ask, within_s)
 
@@ -106,6 +127,9 @@ class Hoist:
         self.scenario = scenario
         self.sim_options, self.core_options = list(sim_options), list(core_options)
         self.real_time = False
+        self.recording = None  # where the core writes down what passes on the bus
+        self.recording_begin = 0  # of the core that runs now
+        self.utc_offset_s = 0.0  # of the recording's times
         self.sim = self.core = self.server = None
         self.epoch = None
 
@@ -122,18 +146,28 @@ class Hoist:
 
     def start_core(self):
         bus = self.core_bus or f"slcan:{self.path('can')}"
-        # A guest's clock ticks at 100 Hz and its processor is shared: late steps are the guest's, not the core's.
-        self.core = self.program("hoist-control", "--bus", bus, "--socket", self.path("core.sock"), "--set", "loop_late_s_max=0.2",
-                                 *([] if self.real_time else ["--no-realtime"]), *self.core_options)
-        self.core.says("100 Hz")
+        capture = ["--capture", self.recording] if self.recording else []
+        # The core compares the two clocks once, at its start. Whoever sets the time of day in that moment would shift the whole recording.
+        for _ in range(3):
+            if self.recording and os.path.exists(self.recording):
+                self.recording_begin = os.path.getsize(self.recording)
+            before_s = utc_offset_s()
+            # A guest's clock ticks at 100 Hz and its processor is shared: late steps are the guest's, not the core's.
+            self.core = self.program("hoist-control", "--bus", bus, "--socket", self.path("core.sock"), "--set", "loop_late_s_max=0.2",
+                                     *([] if self.real_time else ["--no-realtime"]), *capture, *self.core_options)
+            self.core.says("100 Hz")
+            self.utc_offset_s = utc_offset_s()
+            if not self.recording or abs(self.utc_offset_s - before_s) < 0.02:
+                return
+            self.core.end()
+        raise Failed("somebody sets this machine's clock all the time")
 
     def start_server(self):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
-        self.server = self.program("hoist-server", "--socket", self.path("core.sock"), "--port", str(self.port), "--db", self.path("hoist.db"),
+        # The server takes a free port and says which: one that is looked up before may be somebody else's by then.
+        self.server = self.program("hoist-server", "--socket", self.path("core.sock"), "--port", "0", "--db", self.path("hoist.db"),
                                    "--token-file", self.path("token"))
         self.server.says("Open http")
+        self.port = int(until("the server names its port", lambda: re.search(r"Open http://[^ ]*?:(\d+)[/ \n]", self.server.output())).group(1))
         with open(self.path("token")) as file:
             self.token = file.read().strip()
 
@@ -144,9 +178,16 @@ class Hoist:
         self.recover()
 
     def stop(self):
+        """Ends all three, whatever one of them does."""
+        problem = None
         for program in (self.server, self.core, self.sim):
-            if program is not None:
-                program.end()
+            try:
+                if program is not None:
+                    program.end()
+            except Failed as error:
+                problem = error
+        if problem is not None:
+            raise problem
 
     def logs(self):
         return "\n".join(f"--- {p.name}\n{p.output()[-3000:]}" for p in (self.sim, self.core, self.server) if p is not None)
@@ -160,10 +201,13 @@ class Hoist:
         if self.epoch is not None:
             request.add_header("X-Hoist-Lease", str(self.epoch))
         try:
-            with urllib.request.urlopen(request, timeout=20) as answer:
-                return answer.status, json.loads(answer.read() or b"{}")
-        except urllib.error.HTTPError as error:
-            return error.code, json.loads(error.read() or b"{}")
+            try:
+                with urllib.request.urlopen(request, timeout=20) as answer:
+                    return answer.status, json.loads(answer.read() or b"{}")
+            except urllib.error.HTTPError as error:
+                return error.code, json.loads(error.read() or b"{}")
+        except (OSError, http.client.HTTPException) as error:
+            raise Failed(f"{method} {path}: {error!r}") from None
 
     def status(self):
         return self.call("GET", "/status")[1]["core"]
@@ -242,15 +286,18 @@ class Hoist:
 
     # The simulator's truth and faults.
     def ask_sim(self, **request):
-        with socket.socket(socket.AF_UNIX) as line:
-            line.settimeout(20)
-            line.connect(self.path("sim.sock"))
-            line.sendall(json.dumps(request).encode() + b"\n")
-            answer = b""
-            while not answer.endswith(b"\n"):
-                piece = line.recv(65536)
-                check(piece, "the simulator closed its socket")
-                answer += piece
+        try:
+            with socket.socket(socket.AF_UNIX) as line:
+                line.settimeout(20)
+                line.connect(self.path("sim.sock"))
+                line.sendall(json.dumps(request).encode() + b"\n")
+                answer = b""
+                while not answer.endswith(b"\n"):
+                    piece = line.recv(65536)
+                    check(piece, "the simulator closed its socket")
+                    answer += piece
+        except OSError as error:
+            raise Failed(f"the simulator, asked for {request}: {error!r}") from None
         return json.loads(answer)
 
     def truth(self):
@@ -264,17 +311,35 @@ class Hoist:
 def run_hoist(name, hoist, cases):
     """Starts the programs, runs the cases on them and ends them; their last words are printed when something failed. Gives
     the exit code."""
+    code = 1
     try:
-        hoist.start()
+        try:
+            once(hoist.start)
+        except Failed as error:
+            print(f"the programs did not start, once more: {error}\n{hoist.logs()}", flush=True)
+            hoist.stop()
+            once(hoist.start)
         code = run_suite(name, cases)
         if code != 0:
             print(hoist.logs())
     except Failed as error:
         print(f"the programs did not start: {error}\n{hoist.logs()}")
-        code = 1
     finally:
-        hoist.stop()
+        try:
+            hoist.stop()
+        except Failed as error:
+            print(error)
+            code = 1
     return code
+
+
+def once(case):
+    """Runs a case. A connection that broke or took too long is something wrong like any other, and as often the machine's doing."""
+    try:
+        case()
+    except (OSError, http.client.HTTPException, subprocess.TimeoutExpired) as error:
+        traceback.print_exc()
+        raise Failed(repr(error)) from error
 
 
 def run_suite(name, cases):
@@ -293,11 +358,11 @@ def run_suite(name, cases):
         result = "completed"
         try:
             try:
-                case()
+                once(case)
             except Failed as error:
                 print(f"[AGAIN ] {name}.{case.__name__}: {error}", flush=True)
                 try:
-                    case()
+                    once(case)
                 except Skipped as reason:
                     raise Failed(f"{error}; then: {reason}") from None
             print(f"[   OK ] {name}.{case.__name__}", flush=True)
