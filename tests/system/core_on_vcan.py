@@ -40,8 +40,7 @@ def again():
 def stops_with(*faults):
     """Whatever else: the machine stands, and one of these is named."""
     until("the core stops", lambda: hoist.mode() not in ("user", "standby"), 60.0)
-    named = hoist.status()["faults"]
-    check(set(named) & set(faults), f"stopped with {named}, none of {faults}")
+    until(f"the core names one of {faults}", lambda: set(hoist.status()["faults"]) & set(faults))
     hoist.wait_stopped()
 
 
@@ -105,8 +104,9 @@ def the_engineers_tool_reads_beside_the_computer_and_does_not_disturb_it():
 def a_link_that_goes_down_stops_the_hoist_and_it_comes_back():
     again()
     hoist.walk()
+    said = hoist.core.said()
     run("ip", "link", "set", NAME, "down")
-    hoist.core.says("the interface is down")
+    hoist.core.says("the interface is down", behind=said)
     stops_with("bus_down")
     run("ip", "link", "set", NAME, "up")
     again()
@@ -116,9 +116,10 @@ def a_link_that_goes_down_stops_the_hoist_and_it_comes_back():
 def an_interface_that_is_removed_and_made_anew():
     again()
     hoist.walk()
+    said = hoist.core.said()
     run("ip", "link", "del", NAME)
     stops_with("bus_down")
-    hoist.core.says("there is no such interface")
+    hoist.core.says("there is no such interface", behind=said)
     make_interface()
     again()
     hoist.walk(0.2)
@@ -127,9 +128,10 @@ def an_interface_that_is_removed_and_made_anew():
 def bus_off_stops_the_hoist_until_the_controller_is_restarted():
     again()
     hoist.walk()
+    said = hoist.core.said()
     inject(ERROR_BUS_OFF)
     stops_with("bus_down")
-    hoist.core.says("bus-off")
+    hoist.core.says("bus-off", behind=said)
     time.sleep(1.0)  # and it stays so: data that still arrive are no proof that we may speak
     check("bus_down" in hoist.status()["faults"], "bus-off went away by itself")
     hoist.take_lease()

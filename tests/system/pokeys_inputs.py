@@ -33,7 +33,7 @@ def a_bumper_stops_the_hoist():
     hoist.ask_sim(op="bumper", which="front", pressed=True)
     try:
         until("the core stops", lambda: hoist.mode() == "protective_stop", 10.0)
-        check("bumper" in " ".join(hoist.status()["faults"]), f"{hoist.status()['faults']}")
+        until("the core names the bumper", lambda: "bumper" in " ".join(hoist.status()["faults"]), 10.0)
         hoist.wait_stopped()
     finally:
         hoist.ask_sim(op="bumper", which="front", pressed=False)
@@ -43,12 +43,13 @@ def a_bumper_stops_the_hoist():
 def a_device_that_falls_silent_stops_the_hoist_and_comes_back():
     again()
     hoist.walk()
+    said = hoist.core.said()
     hoist.ask_sim(op="pokeys", silent=True)
     try:
         until("the core stops", lambda: hoist.mode() not in ("user", "standby"), 10.0)
         hoist.wait_stopped()
         until("the input node is named as lost", lambda: "io_lost" in hoist.status()["faults"], 10.0)
-        hoist.core.says("the device does not answer")
+        hoist.core.says("the device does not answer", behind=said)
     finally:
         hoist.ask_sim(op="pokeys", silent=False)
     again()

@@ -39,10 +39,11 @@ def slcand_drives_the_kernel_behind_our_gateway():
         refused = hoist.status()["bus"]["refused"]
         check(refused == 0, f"{refused} frames refused behind the kernel's driver")
         # The adapter is pulled out: slcand ends and takes the interface with it.
+        said = hoist.core.said()
         slcand.end()
-        hoist.core.says("bus: ")
+        hoist.core.says("bus: ", behind=said)
         until("the core stops", lambda: hoist.mode() not in ("user", "standby"), 60.0)
-        check("bus_down" in hoist.status()["faults"], f"{hoist.status()['faults']}")
+        until("the core knows why", lambda: "bus_down" in hoist.status()["faults"])
         hoist.wait_stopped()
         # And put back.
         slcand = Program(hoist.folder, "slcand", "slcand", "-o", "-c", "-s5", "-S", "1000000", "-F", terminal, "slcan0")
