@@ -47,7 +47,8 @@ class Sim:
     def __init__(self):
         self.folder = tempfile.TemporaryDirectory()
         self.pty = os.path.join(self.folder.name, "gateway")
-        self.output = open(os.path.join(self.folder.name, "sim.log"), "wb")
+        self.log = os.path.join(self.folder.name, "sim.log")
+        self.output = open(self.log, "wb")
         self.process = subprocess.Popen([SIM, "--pty-link", self.pty], stdin=subprocess.DEVNULL, stdout=self.output, stderr=subprocess.STDOUT)
 
     def __enter__(self):
@@ -60,8 +61,18 @@ class Sim:
         self.output.close()
         self.folder.cleanup()
 
+    def closed(self):
+        """Whoever had opened the line has closed it, and the simulator knows: what the next one writes at once is not cleared away with what
+        the last one left."""
+        def ask():
+            with open(self.log, encoding="utf-8", errors="replace") as file:
+                said = file.read()
+            return said.rfind("the line is closed") >= said.rfind("a computer has opened the line")
+        until("the line is closed", ask)
+
     def bus(self, *words, code=0):
         """Runs `hoist bus`; gives what it printed."""
+        self.closed()
         done = subprocess.run([HOIST, "bus", "--bus", f"slcan:{self.pty}", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                               timeout=60, check=False)
         check(done.returncode == code, f"hoist bus {' '.join(words)} ended with {done.returncode}: {done.stdout}{done.stderr}")
@@ -126,14 +137,19 @@ def case_python_can_opens_and_closes_again(sim):
         _, bus = python_can(sim)
         with bus:
             received(bus, lambda message: message.arbitration_id > 0x700)
+        sim.closed()
 
 
 def case_hoist_bus_scan(sim):
-    nodes = {entry["node"]: entry for entry in sim.json("scan")}
-    check(set(nodes) == {"drive_left", "drive_right", "io", "tilt_left", "tilt_right", "tilt_base"}, f"nodes: {sorted(nodes)}")
-    for name, entry in nodes.items():
-        check(entry["answers"] and entry["state"] == "pre-operational", f"{name}: {entry}")
-        check(entry["hardware"] == "simulated", f"{name}: {entry}")
+    def scan():
+        nodes = {entry["node"]: entry for entry in sim.json("scan")}
+        check(set(nodes) == {"drive_left", "drive_right", "io", "tilt_left", "tilt_right", "tilt_base"}, f"nodes: {sorted(nodes)}")
+        for name, entry in nodes.items():
+            check(entry["answers"] and entry["state"] in ("pre-operational", "silent"), f"{name}: {entry}")
+            check(entry["hardware"] == "simulated", f"{name}: {entry}")
+        return all(entry["state"] == "pre-operational" for entry in nodes.values())
+    # It listens for a quarter of a second, in which a simulator that is held up says nothing.
+    until("every node is heard within one scan", scan)
 
 
 def case_hoist_bus_read_and_write(sim):
@@ -194,21 +210,24 @@ class AdapterWithComputer:
         tty.setraw(self.theirs)
         self.path = os.ttyname(self.theirs)
         self.heard = b""
+        self.longest_gap_s = 0.0  # between two beats
         self.going = True
         self.thread = threading.Thread(target=self.run)
         self.thread.start()
 
     def run(self):
-        opened = False
+        opened, last_s = False, time.monotonic()
         while self.going:
             if select.select([self.ours], [], [], 0.05)[0]:
                 lines = os.read(self.ours, 4096)
                 self.heard += lines
                 for line in lines.split(b"\r")[:-1]:
-                    opened = opened or line == b"O"
+                    opened = line == b"O" or (opened and line != b"C")
                     os.write(self.ours, b"z\r" if line[:1] == b"t" else b"\r")
             if opened:
                 os.write(self.ours, b"t77F105\r")
+                self.longest_gap_s = max(self.longest_gap_s, time.monotonic() - last_s)
+            last_s = time.monotonic()
 
     def __enter__(self):
         return self
@@ -221,17 +240,28 @@ class AdapterWithComputer:
 
 
 def case_hoist_bus_does_not_write_beside_the_control_computer(_):
-    with AdapterWithComputer() as adapter:
-        def bus(*words):
-            return subprocess.run([HOIST, "bus", "--bus", f"slcan:{adapter.path}", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                  text=True, timeout=60, check=False)
-        for words in (("write", "drive_left", "velocity_gain", "0.2"), ("save", "drive_left"), ("load-defaults", "io")):
-            done = bus(*words)
-            check(done.returncode == 1 and "control computer is at work" in done.stderr, f"{words}: {done.returncode} {done.stderr}")
-        check(b"t60" not in adapter.heard, f"something was asked: {adapter.heard}")
-        done = bus("write", "drive_left", "velocity_gain", "0.2", "--force")
-        check(done.returncode == 1 and "does not answer" in done.stderr, f"forced: {done.returncode} {done.stderr}")
-        check(adapter.heard.count(b"t60182300220") == 3, f"asked three times: {adapter.heard}")
+    for last_try in (False, False, True):
+        with AdapterWithComputer() as adapter:
+            try:
+                does_not_write_beside(adapter)
+                return
+            except AssertionError:
+                # The tool listens for a quarter of a second; an adapter that was held up so long was no control computer.
+                if last_try or adapter.longest_gap_s < 0.15:
+                    raise
+
+
+def does_not_write_beside(adapter):
+    def bus(*words):
+        return subprocess.run([HOIST, "bus", "--bus", f"slcan:{adapter.path}", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              text=True, timeout=60, check=False)
+    for words in (("write", "drive_left", "velocity_gain", "0.2"), ("save", "drive_left"), ("load-defaults", "io")):
+        done = bus(*words)
+        check(done.returncode == 1 and "control computer is at work" in done.stderr, f"{words}: {done.returncode} {done.stderr}")
+    check(b"t60" not in adapter.heard, f"something was asked: {adapter.heard}")
+    done = bus("write", "drive_left", "velocity_gain", "0.2", "--force")
+    check(done.returncode == 1 and "does not answer" in done.stderr, f"forced: {done.returncode} {done.stderr}")
+    check(adapter.heard.count(b"t60182300220") == 3, f"asked three times: {adapter.heard}")
 
 
 def case_hoist_bus_without_a_bus(sim):
