@@ -43,15 +43,19 @@ done
 for program in "${programs[@]}"; do
   if grep -qa '__asan_init\|__tsan_init' "$program"; then skip "sanitized programs do not start in user-mode Linux"; fi
 done
-# Only what this machine forbids or lacks is skipped. A guest that does not start for any other reason, or not in time, is a failure.
-said=$("$here/vcan_vm.sh" -t 60 true 2>&1)
-code=$?
-if [ $code -ne 0 ]; then
+# Only what this machine forbids or lacks is skipped. A guest that does not start for any other reason, or twice not in time, is a failure.
+for _ in once again; do
+  said=$("$here/vcan_vm.sh" -t 60 true 2>&1)
+  code=$?
+  [ "$code" -eq 124 ] || break
+done
+if [ "$code" -ne 0 ]; then
   cannot="cannot run on this machine"
-  [[ $code -ne 125 || $said != *"$cannot"* ]] || skip "${said##*vcan_vm: }"
+  [[ "$code" -ne 125 || $said != *"$cannot"* ]] || skip "${said##*vcan_vm: }"
   echo "failed: the guest does not start ($code): $said"
   exit 1
 fi
+# ctest's own limit for a suite in the guest (CMakeLists.txt) has room for both starts and both runs.
 arguments=(-t 580)
 [ -z "$reports" ] || arguments+=(-w "$reports")
 # The guest has one slow processor and the machine may be held up: what is broken fails twice. (The suites in Python repeat their cases
