@@ -471,6 +471,41 @@ const cases = {
     await toStandby();
   },
 
+  async 'a double tap on End does not start again'() {
+    await toStandby();
+    await startWalk();
+    const box = await button('End').boundingBox();
+    await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+    await until('the button means Start', async () => (await button('Start walking').isEnabled().catch(() => false)));
+    await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+    await sleep(1200);
+    assert((await modeName()) === 'Standby', `the second tap led to ${await modeName()}`);
+    assert((await page.locator('.refusal').count()) === 0, 'the second tap asked for a start');
+    await startWalk();
+    await toStandby();
+  },
+
+  async 'signed out with the page open: STOP stays, and the page says what to do'() {
+    await toStandby();
+    // A page of its own: its browser writes of the 401 by itself.
+    const other = await context.newPage();
+    await other.goto(`${stack.origin}/`);
+    await until('live data', async () => (await other.locator('.mode strong').textContent()) === 'Standby', 15_000);
+    await other.route('**/api/v1/status', (route) => route.fulfill({ status: 401, json: { status: 401 } }));
+    await stack.programs['hoist-server'].kill('SIGKILL');
+    await until('the strip says so', () => other.getByText('Signed out').isVisible(), 8000);
+    assert(await other.getByText('Stop at the hoist itself.').isVisible(), 'it does not say what to do');
+    assert(await other.getByRole('button', { name: 'STOP' }).isVisible(), 'no STOP');
+    await until('it does not claim to know what the hoist does', async () => (await other.locator('.mode strong').textContent()) === 'Unknown', 3000);
+    await stack.startServer();
+    await until('it is signed in again', async () => !(await other.getByText('Signed out').isVisible()), 10_000);
+    await other.getByRole('button', { name: 'STOP' }).click();
+    await until('STOP works', async () => (await other.locator('.mode strong').textContent()) === 'Stopped');
+    await other.close();
+    await until('the first page is back', async () => (await modeName()) === 'Stopped', 10_000);
+    await toStandby();
+  },
+
   async 'the page had nothing to complain about'() {
     assert(complaints.length === 0, complaints.slice(0, 5).join('\n'));
   },
