@@ -7,8 +7,9 @@ import { join } from 'node:path';
 
 export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-/** Asks again and again until `check` gives something; says what was awaited when it never does. */
-export async function until(what, check, within_ms = 5000, each_ms = 40) {
+/** Asks again and again until `check` gives something; says what was awaited when it never does. The limit is long: it costs nothing where the
+ * thing happens, and a busy computer takes its time. Where the time itself is judged, the caller says how much. */
+export async function until(what, check, within_ms = 15_000, each_ms = 40) {
   const end = performance.now() + within_ms;
   for (;;) {
     const value = await check();
@@ -34,6 +35,7 @@ const freePort = () =>
 
 /** One late step is noise; a walk survives it. */
 const lateIsBusy = 5;
+const startsWithin_ms = 30_000;
 const lastLines = 25;
 class Program {
   constructor(name, file, args) {
@@ -69,19 +71,30 @@ export class Stack {
     this.programs[name] = new Program(name, join(this.bin, name), args);
     return this.programs[name];
   }
+  /** Waits as long as a program can take to start, unless it has ended. */
+  ready(program, what, check) {
+    return until(
+      `${program.name} ${what}`,
+      () => {
+        assert(!program.ended, `${program.name} ended instead of starting`);
+        return check();
+      },
+      startsWithin_ms,
+    );
+  }
   async startSim() {
-    this.run('hoist-sim', ['--scenario', this.scenario, '--pty-link', this.path('can'), '--control', this.path('sim.sock')]);
-    await until('hoist-sim makes its bus', () => existsSync(this.path('can')) && existsSync(this.path('sim.sock')));
+    const sim = this.run('hoist-sim', ['--scenario', this.scenario, '--pty-link', this.path('can'), '--control', this.path('sim.sock')]);
+    await this.ready(sim, 'makes its bus', () => existsSync(this.path('can')) && existsSync(this.path('sim.sock')));
   }
   async startControl() {
-    this.run('hoist-control', ['--bus', `slcan:${this.path('can')}`, '--socket', this.path('core.sock'), '--params', this.path('data', 'parameters.json'), '--set', 'loop_late_s_max=0.2']);
-    await until('hoist-control makes its socket', () => existsSync(this.path('core.sock')));
+    const control = this.run('hoist-control', ['--bus', `slcan:${this.path('can')}`, '--socket', this.path('core.sock'), '--params', this.path('data', 'parameters.json'), '--set', 'loop_late_s_max=0.2']);
+    await this.ready(control, 'makes its socket', () => existsSync(this.path('core.sock')));
   }
   async startServer() {
     this.port ??= await freePort();
     const server = this.run('hoist-server', ['--socket', this.path('core.sock'), '--port', String(this.port), '--web', this.web, '--db', this.path('data', 'hoist.db'),
       '--scenario', this.scenario, '--token-file', this.path('token')]);
-    this.link = await until('hoist-server prints its link', () => /Open (http:\S+)/.exec(server.output)?.[1], 10_000);
+    this.link = await this.ready(server, 'prints its link', () => /Open (http:\S+)/.exec(server.output)?.[1]);
     this.origin = new URL(this.link).origin;
   }
   async start() {
