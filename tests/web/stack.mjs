@@ -126,9 +126,7 @@ export class Stack {
   async starved(lateBefore) {
     if ((await this.lateCount()) - lateBefore >= lateIsBusy) return true;
     try {
-      const headers = { authorization: `Bearer ${readFileSync(this.path('token'), 'utf8').trim()}` };
-      const { core } = await (await fetch(`${this.origin}/api/v1/status`, { headers })).json();
-      return core.faults.some((fault) => /_lost$|^bus_down$|^loop_overrun$|^tilt_frozen$/.test(fault) && !/^(server|remote)/.test(fault));
+      return (await this.coreStatus()).faults.some((fault) => /_lost$|^bus_down$|^loop_overrun$|^tilt_frozen$/.test(fault) && !/^(server|remote)/.test(fault));
     } catch {
       return false;
     }
@@ -165,6 +163,11 @@ export class Stack {
     });
     const text = await response.text();
     return { status: response.status, text, json: () => JSON.parse(text) };
+  }
+
+  /** What the server knows of the control core. */
+  async coreStatus() {
+    return (await this.rest('GET', '/status')).json().core;
   }
 
   async stop() {
