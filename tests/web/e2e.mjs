@@ -40,6 +40,7 @@ const browserLate_ms = 150;
 const loading_ms = 2000;
 /** A late browser lets go, as it must; whoever drives takes hold anew, so often. */
 const gripsMax = 4;
+const goesWithin_ms = 2000;
 
 let stack;
 let browser;
@@ -227,6 +228,7 @@ async function endedBySilence() {
 async function holdUntil(what, hand, check) {
   let grips = 0;
   let turns = lateTurns_ms.length;
+  let taken_ms = performance.now();
   let reason = 'nobody holds it yet';
   await until(
     what,
@@ -241,8 +243,14 @@ async function holdUntil(what, hand, check) {
         await hand.begin();
         return false;
       }
-      if ((await page.locator(`${hand.of}.held`).count()) > 0) return check();
-      if ((await page.locator(`${hand.of}.active`).count()) === 0) {
+      const held = (await page.locator(`${hand.of}.held`).count()) > 0;
+      if (held) {
+        if (await check()) return true;
+        // The core may have missed the stick in its middle, and waits for it.
+        const waits = lateTurns_ms.length > turns && performance.now() - taken_ms > goesWithin_ms && (await still());
+        if (!waits) return false;
+      }
+      if (!held && (await page.locator(`${hand.of}.active`).count()) === 0) {
         reason = 'the page was locked';
         return false;
       }
@@ -252,6 +260,7 @@ async function holdUntil(what, hand, check) {
       if (grips > 0) console.log(`  ${what}: takes hold anew, because ${reason}`);
       grips += 1;
       turns = lateTurns_ms.length;
+      taken_ms = performance.now();
       reason = null;
       await hand.take();
       return false;
