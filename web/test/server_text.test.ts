@@ -56,7 +56,7 @@ describe('reasons of a refusal', () => {
   it('are in the language of the reader', () => {
     settings.set({ language: 'de' });
     expect(reasons({ ...reply, detail: 'The control core is not connected.' })).toEqual(['Der Steuerrechner antwortet nicht.']);
-    expect(reasons({ ...reply, errors: [{ field: 'figure', message: 'its size is outside the range of this step' }] })[0]).toMatch(/^Diese Zahl/);
+    expect(reasons({ ...reply, detail: 'The measurement cannot be used.', errors: [{ field: 'figure', message: 'must be a number' }] })[0]).toMatch(/^Diese Messung/);
     for (const detail of ['A new sentence.', '']) expect(reasons({ ...reply, detail })[0]).toMatch(/abgelehnt/);
   });
 });

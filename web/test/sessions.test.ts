@@ -1,4 +1,6 @@
 import { describe, expect, it } from 'vitest';
+import { signals } from '../src/contract/signals.gen';
+import { curves } from '../src/panels/sessions/curves';
 import { continued, refreshed, type Session, type SessionPage } from '../src/panels/sessions/model';
 
 const session = (id: number): Session => ({ id, subject: null, started_utc_ms: id, duration_s: 1, simulated: true, recording: false, exercise: null, note: '', samples: 1, gaps: 0 });
@@ -32,5 +34,11 @@ describe('the list of sessions', () => {
   it('begins anew where sessions may be missing in between', () => {
     expect(refreshed(page([5, 4], 4), page([20, 19], 19))).toEqual(page([20, 19], 19));
     expect(refreshed(null, page([2, 1], null))).toEqual(page([2, 1], null));
+  });
+});
+
+describe('the curves of a session', () => {
+  it('are called as in the contract', () => {
+    for (const { name, unit, title } of curves) expect(signals.find((row) => row.name === name)).toMatchObject({ unit, title });
   });
 });

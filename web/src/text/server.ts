@@ -1,5 +1,5 @@
-// Sentences that the server writes in English, in the language of the person who reads them. The server names its refusals; those are
-// texts of the contract. What is left are the sentences below, known by their words, because a problem carries nothing else that is stable.
+// Sentences that the server writes in English, in the language of the person who reads them. Where the server names its refusals, those
+// are told, by texts of the contract. What is left are the sentences below, known by their words, because a problem carries nothing else that is stable.
 import type { Words } from '../contract/params.gen';
 import { settings } from './settings';
 
@@ -9,13 +9,8 @@ const noSession: Words = { en: 'This session is no longer there.', de: 'Diese Si
 const diskFull: Words = { en: 'The storage is full.', de: 'Der Speicher ist voll.' };
 const storage: Words = { en: 'The storage does not answer. Call service if it stays so.', de: 'Der Speicher antwortet nicht. Bleibt es so, Service rufen.' };
 const role: Words = { en: 'Your role may not do this.', de: 'Ihre Rolle darf das nicht.' };
-const engineer: Words = { en: 'Only an engineer may change this.', de: 'Das darf nur ein Ingenieur ändern.' };
-const range: Words = { en: 'A value is outside its range; nothing was changed.', de: 'Ein Wert liegt außerhalb seines Bereichs; nichts wurde geändert.' };
-const notANumber: Words = { en: 'That is not a number.', de: 'Das ist keine Zahl.' };
 const recorded: Words = { en: 'This session is still being recorded.', de: 'Diese Sitzung wird noch aufgezeichnet.' };
 const notRecorded: Words = { en: 'Nothing is being recorded.', de: 'Es läuft keine Aufnahme.' };
-const measurement: Words = { en: 'This measurement cannot be used.', de: 'Diese Messung ist nicht brauchbar.' };
-const outdated: Words = { en: 'This page and the software of the hoist do not match. Load the page again.', de: 'Diese Seite passt nicht zur Software der Hilfe. Seite neu laden.' };
 
 /** By the server's words; a # stands for any number. */
 export const serverSentences: Readonly<Record<string, Words>> = {
@@ -26,24 +21,12 @@ export const serverSentences: Readonly<Record<string, Words>> = {
   // Who may do what.
   'Your role may not do this.': role,
   'Your role may not do this': role,
-  'Your role may not change this.': engineer,
-  'only an engineer may change this': engineer,
   'Not logged in': { en: 'This device is not signed in.', de: 'Dieses Gerät ist nicht angemeldet.' },
-  // Values.
-  'A value is outside its range; nothing was changed.': range,
-  'is outside its range': range,
+  // What was sent.
   'A value cannot be used': { en: 'This value cannot be used.', de: 'Dieser Wert ist nicht brauchbar.' },
-  'must be a number': notANumber,
-  'cannot be tried: it may not go back while the hoist moves': { en: 'This cannot be tried out while the hoist moves.', de: 'Das lässt sich nicht auf Probe ändern, während die Hilfe fährt.' },
   'The exercise cannot be used.': { en: 'The hoist cannot walk this exercise.', de: 'Diese Übung kann die Hilfe nicht fahren.' },
-  'The measurement cannot be used.': measurement,
-  'its size is outside the range of this step': { en: 'This figure is too small or too large for this step.', de: 'Diese Zahl ist für diesen Schritt zu klein oder zu groß.' },
-  'The version cannot be used; nothing was kept.': { en: 'The settings could not be kept. Try again.', de: 'Die Einstellungen ließen sich nicht behalten. Noch einmal versuchen.' },
-  'The message cannot be used.': outdated,
-  'There is no such parameter.': outdated,
-  'There is no such preset.': outdated,
-  'There is no such calibration step.': outdated,
-  'There is no such mode to ask for.': outdated,
+  'The measurement cannot be used.': { en: 'This measurement cannot be used.', de: 'Diese Messung ist nicht brauchbar.' },
+  'The message cannot be used.': { en: 'This page and the software of the hoist do not match. Load the page again.', de: 'Diese Seite passt nicht zur Software der Hilfe. Seite neu laden.' },
   // Sessions, their texts and their recording.
   'There is no such session': noSession,
   'there is no session #': noSession,

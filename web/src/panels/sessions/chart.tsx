@@ -2,9 +2,10 @@
 import { useEffect, useRef } from 'preact/hooks';
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
-import { signals, type SignalName } from '../../contract/signals.gen';
+import type { SignalName } from '../../contract/signals.gen';
 import { useSettings } from '../../text/settings';
 import { plain, shownAs, t, words } from '../../text/text';
+import { curves } from './curves';
 import { zigzag, type Samples } from './model';
 
 /** Distinguishable without colour too: the dash differs. */
@@ -12,7 +13,7 @@ const dashes: readonly number[][] = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
 const height_px = 260;
 
 export function Chart({ samples, names }: { samples: Samples; names: readonly SignalName[] }) {
-  const { language } = useSettings();
+  const { language, theme } = useSettings();
   const box = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const element = box.current;
@@ -23,7 +24,7 @@ export function Chart({ samples, names }: { samples: Samples; names: readonly Si
       const style = getComputedStyle(element);
       const colour = (name: string) => style.getPropertyValue(name).trim();
       const strokes = ['--accent', '--ink', '--ink-soft', '--series'].map(colour);
-      const rows = names.map((name) => signals.find((signal) => signal.name === name)!);
+      const rows = names.map((name) => curves.find((curve) => curve.name === name)!);
       const shows = rows.map((row) => shownAs(row.name, row.unit));
       const [time, ...values] = zigzag(samples, names);
       const scaled = values.map((column, i) => column.map((value) => (value === null ? null : value * shows[i]!.factor)));
@@ -62,7 +63,7 @@ export function Chart({ samples, names }: { samples: Samples; names: readonly Si
       dark.removeEventListener('change', draw);
       plot?.destroy();
     };
-  }, [samples, names, language]);
+  }, [samples, names, language, theme]); // the colours are read when it is drawn
   return <div ref={box} class="chart" role="img" aria-label={t('sessions.chart')} />;
 }
 

@@ -62,12 +62,6 @@ export function story(events: SessionEvents, started_utc_ms: number): SessionEve
   return [...events.items.filter((event) => event.kind !== 'command_done'), ...marks].sort((a, b) => a.time_s - b.time_s);
 }
 
-/** Columns that a chart offers first. */
-export const curveChoices: readonly SignalName[] = [
-  'speed_m_s', 'speed_command_m_s', 'lean_norm', 'turn_norm', 'yaw_rate_rad_s', 'dx_m', 'dy_m', 'left_alpha_rad', 'right_alpha_rad',
-  'left_current_a', 'right_current_a', 'battery_a_v', 'battery_b_v',
-];
-
 /** One curve through smallest and largest values of each run: [time, column, …] for the chart, each run giving two points. */
 export function zigzag(samples: Samples, names: readonly SignalName[]): [number[], ...(number | null)[][]] {
   const time: number[] = [];

@@ -1,7 +1,7 @@
 // Recorded sessions: the list, and one session with its figures, path, course, note and export.
 import type { ComponentType } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { signals, type SignalName } from '../../contract/signals.gen';
+import type { SignalName } from '../../contract/signals.gen';
 import { notify } from '../../link/console';
 import { rest, type Answer, type Problem } from '../../link/rest';
 import type { Exercise } from '../../contract/messages.gen';
@@ -13,7 +13,8 @@ import { fit, patternPoints, type Point } from '../../ui/geometry';
 import { drawFloor } from '../../ui/floor_view';
 import { eventText } from '../health/health';
 import type { Panel } from '../panel';
-import { continued, curveChoices, pathOf, refreshed, story, type Metrics, type Samples, type Session, type SessionEvents, type SessionPage } from './model';
+import { curves } from './curves';
+import { continued, pathOf, refreshed, story, type Metrics, type Samples, type Session, type SessionEvents, type SessionPage } from './model';
 
 /** A deleted session can be taken back this long; only then is the server asked. */
 const undoDelete_ms = 6000;
@@ -312,9 +313,9 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
           <h2>{t('sessions.curves')}</h2>
           {ChartView !== null && samples.value !== null && samples.problem === null ? <ChartView samples={samples.value} names={names} /> : <p class="chart hint">{names.length === 0 ? '' : instead(samples)}</p>}
           <div class="columns" role="group" aria-label={t('sessions.columns')}>
-            {curveChoices.map((name) => (
+            {curves.map(({ name, title }) => (
               <button key={name} type="button" class="pill" aria-pressed={names.includes(name)} onClick={() => toggle(name)}>
-                {words(signals.find((signal) => signal.name === name)!.title)}
+                {words(title)}
               </button>
             ))}
           </div>
