@@ -1,5 +1,5 @@
 // The line under the status bar: the most important alarm with what to do, or in calm times one sentence. Its height never changes.
-import { useLayoutEffect, useRef, useState } from 'preact/hooks';
+import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { faults, type FaultInfo, type FaultName } from '../contract/faults.gen';
 import { acknowledge, notify } from '../link/console';
 import { stopped, useStore } from '../link/store';
@@ -91,6 +91,11 @@ export function Strip() {
     window.addEventListener('resize', measure);
     return () => window.removeEventListener('resize', measure);
   }, [first.text, first.action, cut, more.length, mode]);
+  // The next alarm begins with its line alone.
+  const calmNow = alarms.length === 0;
+  useEffect(() => {
+    if (calmNow) setAll(false);
+  }, [calmNow]);
   const openable = more.length > 0 || (alarms.length > 0 && (cut || all));
 
   const release = async () => {
