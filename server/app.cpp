@@ -141,6 +141,10 @@ bool App::start(std::string& error) {
   p.core.set_listener(&p.hub);
   std::error_code ignored;
   if (p.settings.db_path.has_parent_path()) std::filesystem::create_directories(p.settings.db_path.parent_path(), ignored);
+  if (const db::Status claimed = p.recorder.claim(); !claimed && claimed.error().kind == db::ErrorKind::busy) {
+    error = claimed.error().message;
+    return false;
+  }
   p.listener = std::make_unique<Listener>(p.io, *p.services);
   const std::uint16_t port = p.listener->open(p.settings.bind, p.settings.port, error);
   if (port == 0) return false;

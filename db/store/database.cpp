@@ -58,11 +58,15 @@ Result<std::filesystem::path> set_aside(const std::filesystem::path& file, std::
 int schema_version() { return static_cast<int>(schema_list().size()); }
 
 Database::Database(Database&& other) noexcept
-    : handle_(std::exchange(other.handle_, nullptr)), file_(std::move(other.file_)), report_(std::move(other.report_)) {}
+    : handle_(std::exchange(other.handle_, nullptr)),
+      file_(std::move(other.file_)),
+      report_(std::move(other.report_)),
+      lock_(std::move(other.lock_)) {}
 Database& Database::operator=(Database&& other) noexcept {
   std::swap(handle_, other.handle_);
   std::swap(file_, other.file_);
   std::swap(report_, other.report_);
+  std::swap(lock_, other.lock_);
   return *this;
 }
 Database::~Database() { sqlite3_close_v2(handle_); }
@@ -104,6 +108,13 @@ Result<Database> Database::attach(const std::filesystem::path& file, const OpenO
 
 Result<Database> Database::open(const std::filesystem::path& file, const OpenOptions& options) {
   OpenReport report;
+  // Before anything is looked at: a file that another program writes is neither checked nor set aside.
+  std::shared_ptr<WriteLock> lock = options.lock;
+  if (lock == nullptr && options.vfs == nullptr) {
+    auto taken = WriteLock::take(file);
+    if (!taken) return taken.error();
+    lock = std::move(*taken);
+  }
   // Twice at most: a damaged file is set aside once, its empty successor is sound.
   for (int round = 0;; ++round) {
     std::error_code ignored;
@@ -134,6 +145,7 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
         report.migrated_from = found;
         report.schema_version = schema_version();
         connected->report_ = report;
+        connected->lock_ = lock;
         return std::move(connected);
       });
       if (opened || opened.error().kind != ErrorKind::corrupt || round > 0) return opened;

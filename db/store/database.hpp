@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "db/store/result.hpp"
+#include "db/store/write_lock.hpp"
 
 struct sqlite3;
 
@@ -22,6 +23,8 @@ struct OpenOptions {
   /// For tests: the name of a registered SQLite VFS, and a limit of the file's pages (0 = none) that stands for a full disk.
   const char* vfs = nullptr;
   std::int64_t max_pages = 0;
+  /// For `open`: the file's lock when it is held already; `open` takes it otherwise (not with a VFS, whose files may not be the system's).
+  std::shared_ptr<WriteLock> lock = {};
 };
 
 /// What opening found and did; each is worth a line in the log and on the Health page.
@@ -35,9 +38,9 @@ struct OpenReport {
 
 class Database {
  public:
-  /// Opens or creates the file, checks it (`quick_check`), brings its schema up to date. A corrupt file (with its -wal and -shm) is renamed
+  /// Opens or creates the file for writing and keeps its lock (write_lock.hpp) as long as the connection lives; checks it (`quick_check`), brings its schema up to date. A corrupt file (with its -wal and -shm) is renamed
   /// to NAME.corrupt-YYYYMMDDTHHMMSSZ and an empty one takes its place: `report().set_aside` says so. Call once per start, before any reader.
-  /// Errors: newer_schema, io, disk_full, busy.
+  /// Errors: newer_schema, io, disk_full, busy (also: another program writes the file).
   static Result<Database> open(const std::filesystem::path& file, const OpenOptions& options = {});
   /// Opens an existing file that `open` has prepared: for reading, and for SessionEditor. No check, no migration.
   static Result<Database> attach(const std::filesystem::path& file, const OpenOptions& options = {});
@@ -59,6 +62,7 @@ class Database {
   sqlite3* handle_ = nullptr;
   std::filesystem::path file_;
   OpenReport report_;
+  std::shared_ptr<WriteLock> lock_;
 };
 
 /// The schema version this program writes: the number of the newest file in db/schema.

@@ -57,8 +57,18 @@ class Recorder::Work final : public Records {
     error_.clear();
   }
 
+  db::Status claim() {
+    auto taken = db::WriteLock::take(owner_.options_.file);
+    if (!taken) return taken.error();
+    lock_ = std::move(*taken);
+    return {};
+  }
+
   bool open_writer() {
-    auto writing = db::Database::open(owner_.options_.file, {.utc_now_ns = owner_.options_.utc_ns(), .vfs = owner_.options_.vfs});
+    // One that opened without a writer still holds the lock.
+    writing_.reset();
+    auto writing =
+        db::Database::open(owner_.options_.file, {.utc_now_ns = owner_.options_.utc_ns(), .vfs = owner_.options_.vfs, .lock = lock_});
     if (!writing) {
       fail(writing.error());
       return false;
@@ -371,6 +381,7 @@ class Recorder::Work final : public Records {
   std::vector<BusRecord> bus_buffer_;
   std::deque<Event> kept_events_;
   std::deque<BusRecord> kept_frames_;
+  std::shared_ptr<db::WriteLock> lock_;
   std::optional<db::Database> writing_;
   std::optional<db::Database> reading_;
   std::optional<db::SessionWriter> writer_;
@@ -414,6 +425,7 @@ void Recorder::stop() {
   thread_.join();
 }
 
+db::Status Recorder::claim() { return work_->claim(); }
 void Recorder::open_here() { work_->open(); }
 void Recorder::pass_here() { work_->pass(); }
 void Recorder::finish_here() { work_->finish(); }

@@ -66,6 +66,9 @@ class Recorder {
   // The link's readers are made here; the link itself is not used afterwards.
   Recorder(const publish::ServerLink& link, Options options);
   ~Recorder();
+  // Takes the database's lock, and keeps it as long as the recorder lives. The error `busy`: another server records into this file, and two
+  // would close each other's sessions. Any other error is left for the thread, which tells it and tries again.
+  [[nodiscard]] db::Status claim();
   void start();
   // Commits, closes the open session and joins.
   void stop();

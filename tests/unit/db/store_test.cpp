@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <random>
 
 #include "db/store/schema_list.hpp"
@@ -144,6 +146,25 @@ TEST(Open, damaged_and_cut_files_never_crash_and_never_stay_in_the_way) {
     }
   }
   EXPECT_GT(set_aside, 20);
+}
+
+TEST(Open, one_program_writes_a_file) {
+  TempDir dir;
+  std::optional<Database> first(open_at(dir / "hoist.db"));
+  {
+    SessionWriter writer = writer_of(*first);
+    ASSERT_TRUE(writer.begin(start_of_walk()).ok());
+    const Result<Database> second = Database::open(dir / "hoist.db");
+    ASSERT_FALSE(second.ok());
+    EXPECT_EQ(second.error().kind, ErrorKind::busy);
+    EXPECT_NE(second.error().message.find("process " + std::to_string(::getpid())), std::string::npos) << second.error().message;
+    Result<Database> reader = Database::attach(dir / "hoist.db");
+    ASSERT_TRUE(reader.ok());
+    EXPECT_TRUE(SessionReader(*reader).get(1)->recording);
+    EXPECT_TRUE(Database::open(dir / "other.db").ok());
+  }
+  first.reset();
+  EXPECT_TRUE(Database::open(dir / "hoist.db").ok()) << "the lock goes with the connection";
 }
 
 TEST(Open, readers_need_a_prepared_file) {

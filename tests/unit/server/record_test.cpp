@@ -1,6 +1,7 @@
 // The recording as people get it: what the core published is what the export says, whatever happened in between.
 #include <sstream>
 
+#include "db/store/database.hpp"
 #include "tests/unit/server/fixture.hpp"
 
 namespace hoist::test {
@@ -151,6 +152,29 @@ TEST_F(Record, ByHandOnStandby) {
   EXPECT_EQ(session["subject"], "P-1");
   EXPECT_EQ(session["recording"], false);
   EXPECT_EQ(get("/api/v1/sessions").json()["total"], 1);
+}
+
+TEST_F(Record, ASecondServerDoesNotRecordIntoTheSameFile) {
+  mode(Mode::user);
+  ASSERT_TRUE(wait_state("recording"));
+  server::Settings settings;
+  settings.socket_path = (folder_ / "other.sock").string();
+  settings.port = 0;
+  settings.web_dir = folder_ / "web";
+  settings.db_path = folder_ / "web" / ".." / "hoist.db";  // another name of the same file
+  settings.token_file = folder_ / "other-token";
+  std::string error;
+  {
+    server::App second(settings);
+    EXPECT_FALSE(second.start(error));
+  }
+  EXPECT_NE(error.find("another hoist-server (process " + std::to_string(::getpid()) + ") records into"), std::string::npos) << error;
+  EXPECT_NE(error.find("--db"), std::string::npos) << error;
+  core_->skip(10);
+  EXPECT_EQ(recording()["state"], "recording");
+  EXPECT_EQ(get("/api/v1/sessions/1").json()["recording"], true) << "the first one's session goes on";
+  // Whoever only reads is not kept out.
+  EXPECT_TRUE(db::Database::attach(folder_ / "hoist.db").ok());
 }
 
 TEST_F(Record, AServerThatRestartsKeepsWhatWasSaid) {
