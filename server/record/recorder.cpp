@@ -8,6 +8,7 @@
 
 #include "control/contract/faults.hpp"
 #include "db/store/database.hpp"
+#include "db/store/session_checks.hpp"
 #include "db/store/session_writer.hpp"
 
 namespace hoist::server {
@@ -121,6 +122,9 @@ class Recorder::Work final : public Records {
   db::Status begin_manual(std::optional<std::string> subject, std::string note) override {
     if (!writer_) return db::Error{db::ErrorKind::io, error_, ""};
     if (session_open() && manual_) return db::Error{db::ErrorKind::wrong_state, "A recording is already running.", ""};
+    // Before anything ends for it: a mistyped code is its writer's matter, not the recording's.
+    if (db::Status checked = db::check_subject(subject); !checked) return checked;
+    if (db::Status checked = db::check_note(note); !checked) return checked;
     if (!last_) return db::Error{db::ErrorKind::wrong_state, "The control core is not connected: there is nothing to record.", ""};
     if (session_open()) end(db::CloseReason::finished);
     if (session_open()) return db::Error{db::ErrorKind::io, error_, ""};

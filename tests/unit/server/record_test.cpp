@@ -154,6 +154,22 @@ TEST_F(Record, ByHandOnStandby) {
   EXPECT_EQ(get("/api/v1/sessions").json()["total"], 1);
 }
 
+TEST_F(Record, AMistypedCodeIsRefusedAndNoFailureOfTheRecording) {
+  const auto start = [this](const std::string& subject, const std::string& note) {
+    return call("POST", "/api/v1/recording", {{"action", "start"}, {"subject", subject}, {"note", note}}).status;
+  };
+  EXPECT_EQ(start("", ""), 422);
+  EXPECT_EQ(start("P-1\nP-2", ""), 422);
+  EXPECT_EQ(start("P-1", std::string(5000, 'x')), 422);
+  EXPECT_EQ(recording()["state"], "idle") << recording();
+  EXPECT_EQ(recording()["detail"], "");
+  mode(Mode::user);
+  ASSERT_TRUE(wait_state("recording"));
+  EXPECT_EQ(start("", ""), 422);
+  EXPECT_EQ(recording()["state"], "recording");
+  EXPECT_EQ(recording()["session"], 1) << "what is being recorded does not end for it";
+}
+
 TEST_F(Record, ASecondServerDoesNotRecordIntoTheSameFile) {
   mode(Mode::user);
   ASSERT_TRUE(wait_state("recording"));
