@@ -188,7 +188,8 @@ struct SessionWriter::State {
   std::uint64_t durable_samples = 0;
   std::optional<std::uint64_t> durable_tick;
   std::optional<std::uint64_t> last_tick, last_time_ns;
-  std::vector<BusRecord> bus_tail;  // frames since the newest complete bus chunk
+  std::optional<std::uint32_t> last_missed;  // steps the core had left out by last_tick; absent when that is not known
+  std::vector<BusRecord> bus_tail;           // frames since the newest complete bus chunk
   std::size_t bus_durable = 0;
   std::uint64_t bus_first = 0;
   std::vector<Event> events;
@@ -212,6 +213,7 @@ struct SessionWriter::State {
     durable_tick.reset();
     last_tick.reset();
     last_time_ns.reset();
+    last_missed.reset();
     bus_tail.clear();
     bus_durable = 0;
     bus_first = 0;
@@ -541,6 +543,12 @@ std::uint64_t SessionWriter::refused_samples() const { return state_->refused_sa
 std::uint64_t SessionWriter::failed_commits() const { return state_->failed_commits; }
 Durable SessionWriter::durable() const { return {state_->session, state_->durable_samples, state_->durable_tick}; }
 
+std::string missing_reason(std::uint64_t missing, std::uint64_t left_out, std::string_view otherwise) {
+  constexpr std::string_view kLeftOut = "step_left_out";
+  if (left_out >= missing) return std::string(kLeftOut);
+  return left_out == 0 ? std::string(otherwise) : std::string(otherwise) + '+' + std::string(kLeftOut);
+}
+
 namespace {
 Error no_session() { return {ErrorKind::wrong_state, "no session is being recorded", {}}; }
 }  // namespace
@@ -608,8 +616,12 @@ Status SessionWriter::append_ticks(std::span<const TickRecord> records) {
       return Error{ErrorKind::bad_value, "tick " + std::to_string(record.tick) + " does not follow tick " + std::to_string(*s.last_tick),
                    "tick"};
     const Fit fit = to_integers(record, row);
-    if (s.last_tick && record.tick > *s.last_tick + 1) s.note_gap("ticks", *s.last_tick + 1, record.tick - 1, "not_received");
+    if (s.last_tick && record.tick > *s.last_tick + 1) {
+      const std::uint32_t left_out = s.last_missed ? record.missed_ticks - *s.last_missed : 0;
+      s.note_gap("ticks", *s.last_tick + 1, record.tick - 1, missing_reason(record.tick - 1 - *s.last_tick, left_out));
+    }
     s.last_tick = record.tick;
+    s.last_missed = record.missed_ticks;
     const bool time_rises = !s.last_time_ns || record.time_ns > *s.last_time_ns;
     if (fit != Fit::ok || !time_rises || s.waiting() >= kMaxPendingSamples) {
       ++s.refused_samples;
@@ -664,7 +676,10 @@ Status SessionWriter::append_gap(std::string_view stream, std::uint64_t from_tic
     return Error{ErrorKind::bad_value, "to_tick must be from_tick or later", "to_tick"};
   if (reason.empty() || reason.size() > kMaxMarker_bytes) return Error{ErrorKind::bad_value, "reason must have 1 to 500 bytes", "reason"};
   s.note_gap(stream, from_tick, to_tick, reason);
-  if (stream == "ticks" && (!s.last_tick || to_tick > *s.last_tick)) s.last_tick = to_tick;
+  if (stream == "ticks" && (!s.last_tick || to_tick > *s.last_tick)) {
+    s.last_tick = to_tick;
+    s.last_missed.reset();
+  }
   return {};
 }
 

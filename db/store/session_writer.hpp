@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -32,6 +33,10 @@ struct Durable {
   std::optional<std::uint64_t> last_tick;  ///< newest durable tick
 };
 
+/// Why `missing` steps are not there, of which the core says that it never made `left_out`: "step_left_out" for all of them, `otherwise` for
+/// none, "not_received+step_left_out" (with `otherwise` in the first place) when nobody can tell which.
+std::string missing_reason(std::uint64_t missing, std::uint64_t left_out, std::string_view otherwise = "not_received");
+
 class SessionWriter {
  public:
   /// `database` must outlive the writer and be used by this thread only. Sessions that an earlier run left open are closed with the reason
@@ -47,9 +52,9 @@ class SessionWriter {
   [[nodiscard]] bool recording() const;
   [[nodiscard]] SessionId session() const;  ///< 0 when none
 
-  /// Samples in rising order of tick and time. A jump of the tick number is recorded as a gap "not_received"; a record with a NaN, an infinity
-  /// or a value beyond the stored integers is left out and recorded as gap "not_finite" or "out_of_range"; both are counted, neither is an
-  /// error. A tick that does not rise is bad_value and nothing after it is taken.
+  /// Samples in rising order of tick and time. A jump of the tick number is recorded as a gap: "step_left_out" as far as `missed_ticks` rose with
+  /// it, else "not_received". A record with a NaN, an infinity or a value beyond the stored integers is left out and recorded as gap
+  /// "not_finite" or "out_of_range"; both are counted, neither is an error. A tick that does not rise is bad_value and nothing after it is taken.
   Status append_ticks(std::span<const contract::TickRecord> records);
   Status append_events(std::span<const contract::Event> events);
   Status append_bus(std::span<const contract::BusRecord> frames);

@@ -279,6 +279,33 @@ TEST(Writer, missing_and_impossible_samples_become_gaps) {
   EXPECT_EQ(after_gap, (std::vector<std::uint64_t>{34, 45, 55}));
 }
 
+TEST(Writer, a_step_that_the_core_never_made_is_not_called_lost) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  SessionWriter writer = writer_of(database);
+  const Result<SessionId> id = writer.begin(start_of_walk());
+  Walk walk(14);
+  std::vector<TickRecord> records = walk.records(100, 60);
+  for (TickRecord& record : records) record.missed_ticks = 3;
+  for (std::size_t i = 15; i < 60; ++i) records[i].missed_ticks = 8;   // all of 110 to 114
+  for (std::size_t i = 45; i < 60; ++i) records[i].missed_ticks = 10;  // two of 140 to 144
+  for (const auto& [from, to] : {std::pair<std::size_t, std::size_t>{0, 10}, {15, 25}, {30, 40}, {45, 60}})
+    ASSERT_TRUE(writer.append_ticks(std::span(records).subspan(from, to - from)).ok());
+  ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
+  const Result<std::vector<Gap>> gaps = SessionReader(database).gaps(*id);
+  ASSERT_TRUE(gaps.ok());
+  ASSERT_EQ(gaps->size(), 3U);
+  const auto gap = [&](std::size_t i) { return (*gaps)[i]; };
+  EXPECT_EQ(gap(0).reason, "step_left_out");
+  EXPECT_EQ(gap(0).from_tick, 110U);
+  EXPECT_EQ(gap(0).to_tick, 114U);
+  EXPECT_EQ(gap(1).reason, "not_received");
+  EXPECT_EQ(gap(1).from_tick, 125U);
+  EXPECT_EQ(gap(2).reason, "not_received+step_left_out") << "which of them, nobody can tell";
+  EXPECT_EQ(gap(2).from_tick, 140U);
+  EXPECT_EQ(gap(2).to_tick, 144U);
+}
+
 TEST(Writer, events_markers_parameters_and_frames_come_back) {
   TempDir dir;
   Database database = open_at(dir / "hoist.db");

@@ -125,6 +125,14 @@ TEST_F(Record, ASkippedStepIsAnExplicitGap) {
   ASSERT_TRUE(until([&] { return get("/api/v1/sessions/1").json()["gaps"] == 1; }));
   const json gap = get("/api/v1/sessions/1/events").json()["gaps"][0];
   EXPECT_EQ(gap["to_tick"].get<int>() - gap["from_tick"].get<int>(), 6);
+  EXPECT_EQ(gap["reason"], "not_received");
+  core_->set([](contract::TickRecord& r) {
+    r.tick += 4;
+    r.missed_ticks += 4;
+  });
+  core_->skip(100);
+  ASSERT_TRUE(until([&] { return get("/api/v1/sessions/1").json()["gaps"] == 2; }));
+  EXPECT_EQ(get("/api/v1/sessions/1/events").json()["gaps"][1]["reason"], "step_left_out") << "the core never made them";
 }
 
 TEST_F(Record, ByHandOnStandby) {
