@@ -111,6 +111,10 @@ struct SessionExport::State {
     return anchor->utc_ns + (time_ns - anchor->time_ns);
   }
 
+  [[nodiscard]] bool gap_before(std::uint64_t tick) const {
+    return written_tick ? tick != *written_tick + 1 : gap_ends_before(handle, info.id, tick);
+  }
+
   void prepare() {
     anchors.push_back({static_cast<std::int64_t>(info.start_time_ns), info.started_utc_ns});
     Statement jump(handle, "SELECT time_ns, utc_ns FROM utc_anchors WHERE session_id = ?1 AND time_ns > ?2 ORDER BY time_ns");
@@ -177,7 +181,7 @@ struct SessionExport::State {
       *at++ = ',';
       at = print_fixed(at, microseconds_since(static_cast<std::int64_t>(info.start_time_ns), times[row]), kSeconds_decimals);
       *at++ = ',';
-      *at++ = written_tick && tick != *written_tick + 1 ? '1' : '0';
+      *at++ = gap_before(tick) ? '1' : '0';
       for (std::size_t c = 0; c < chosen.size(); ++c) {
         // Half of the columns rarely change: their text is copied, not printed anew.
         Cell& cell = cells[c];
@@ -293,7 +297,7 @@ struct SessionExport::State {
       if (json_column == 0)
         at = print_fixed(at, microseconds_since(static_cast<std::int64_t>(info.start_time_ns), numbers[row]), kSeconds_decimals);
       else if (json_column == 1)
-        *at++ = written_tick && tick != *written_tick + 1 ? '1' : '0';
+        *at++ = gap_before(tick) ? '1' : '0';
       else
         at = print_fixed(at, numbers[row], layout[first_which].decimals);
       written_tick = tick;

@@ -114,6 +114,12 @@ std::optional<std::size_t> find_column(std::span<const ColumnInfo> layout, std::
   return std::nullopt;
 }
 
+bool gap_ends_before(sqlite3* handle, SessionId session, std::uint64_t tick) {
+  if (tick == 0) return false;
+  Statement row(handle, "SELECT 1 FROM gaps WHERE session_id = ?1 AND stream = 'ticks' AND to_tick = ?2");
+  return row.integer(1, session).unsigned_integer(2, tick - 1).step();
+}
+
 double decimal_scale(int decimals) {
   static constexpr std::array kScale{1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
   return kScale[static_cast<std::size_t>(decimals) % kScale.size()];

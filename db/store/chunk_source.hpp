@@ -56,6 +56,8 @@ class ChunkSource {
 std::vector<ColumnInfo> layout_of(sqlite3* handle, SessionId session);
 /// Position of a column, or absent.
 std::optional<std::size_t> find_column(std::span<const ColumnInfo> layout, std::string_view name);
+/// Whether the samples just before this tick are noted as missing: of the session's first sample only the gap's row can tell.
+bool gap_ends_before(sqlite3* handle, SessionId session, std::uint64_t tick);
 /// 10^decimals; a stored integer divided by it is the value, correctly rounded, as if the printed decimal had been read.
 double decimal_scale(int decimals);
 

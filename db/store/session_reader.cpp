@@ -1,9 +1,11 @@
 #include "db/store/session_reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
+#include "control/contract/faults.hpp"
 #include "db/codec/bus_chunk.hpp"
 #include "db/store/chunk_source.hpp"
 #include "db/store/sqlite.hpp"
@@ -227,7 +229,8 @@ Result<Columns> SessionReader::read_columns(SessionId session, std::span<const s
         const auto tick = static_cast<std::uint64_t>(ticks[i]);
         out.tick.push_back(tick);
         out.time_s.push_back(seconds_since(selection.start_time_ns, times[i]));
-        out.gap_before.push_back(next_tick && tick != *next_tick ? 1 : 0);
+        const bool gap = next_tick ? tick != *next_tick : gap_ends_before(handle, session, tick);
+        out.gap_before.push_back(gap ? 1 : 0);
         next_tick = tick + 1;
       }
       for (std::size_t c = 0; c < selection.info.size(); ++c) {
@@ -346,6 +349,44 @@ Result<std::vector<Marker>> SessionReader::markers(SessionId session) const {
     row.integer(1, session);
     while (row.step()) out.push_back({row.unsigned_at(0), row.integer_at(1), row.text_at(2)});
     return out;
+  });
+}
+
+Result<std::optional<BrokenOff>> SessionReader::broken_off(std::uint64_t core_start_time_ns) const {
+  return guarded([&]() -> Result<std::optional<BrokenOff>> {
+    sqlite3* handle = database_->handle();
+    Transaction transaction(handle, Transaction::Kind::read);
+    Statement row(handle,
+                  "SELECT id, subject, exercise, start_time_ns, close_reason, (SELECT max(last_tick) FROM chunks WHERE session_id = "
+                  "sessions.id), (SELECT max(tick) FROM events WHERE session_id = sessions.id), (SELECT max(last_time_ns) FROM bus_chunks "
+                  "WHERE session_id = sessions.id) FROM sessions WHERE core_start_time_ns = ?1 ORDER BY id DESC LIMIT 1");
+    if (!row.unsigned_integer(1, core_start_time_ns).step()) return std::optional<BrokenOff>{};
+    const std::string reason = row.text_at(4);
+    if (reason != close_reason_name(CloseReason::interrupted) && reason != close_reason_name(CloseReason::server_stopped))
+      return std::optional<BrokenOff>{};
+    BrokenOff out;
+    out.session = row.integer_at(0);
+    out.subject = row.optional_text_at(1);
+    out.exercise_json = row.optional_text_at(2);
+    const std::uint64_t start_time_ns = row.unsigned_at(3);
+    out.last_time_ns = start_time_ns > 0 ? start_time_ns - 1 : 0;
+    if (!row.is_null(6)) out.last_event_tick = row.unsigned_at(6);
+    if (!row.is_null(7)) out.last_frame_time_ns = row.unsigned_at(7);
+    if (row.is_null(5)) return std::optional(std::move(out));
+    const std::vector<ColumnInfo> layout = layout_of(handle, out.session);
+    const auto tick = find_column(layout, "tick"), time = find_column(layout, "time_ns"), mode = find_column(layout, "mode"),
+               missed = find_column(layout, "missed_ticks");
+    ChunkSource source(handle, out.session, layout.size());
+    const auto chunk = source.at_or_after(row.unsigned_at(5));
+    if (!tick || !time || !mode || !missed || !chunk) return std::optional<BrokenOff>{};
+    std::vector<std::vector<std::int64_t>> values;
+    source.load(*chunk, std::array{*tick, *time, *mode, *missed}, values);
+    const auto last_mode = static_cast<std::size_t>(values[2].back());
+    if (last_mode >= contract::kModes.size() || !contract::kModes[last_mode].moving) return std::optional<BrokenOff>{};
+    out.last_tick = static_cast<std::uint64_t>(values[0].back());
+    out.last_time_ns = static_cast<std::uint64_t>(values[1].back());
+    out.missed_ticks = static_cast<std::uint32_t>(values[3].back());
+    return std::optional(std::move(out));
   });
 }
 

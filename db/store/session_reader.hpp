@@ -45,6 +45,9 @@ class SessionReader {
   Result<std::vector<StoredEvent>> events(SessionId session) const;
   Result<std::vector<Gap>> gaps(SessionId session) const;
   Result<std::vector<Marker>> markers(SessionId session) const;
+  /// The newest session of this life of the core, when it ended with its recorder ("interrupted", "server_stopped") and its last sample was
+  /// moving.
+  Result<std::optional<BrokenOff>> broken_off(std::uint64_t core_start_time_ns) const;
   /// Parameters in force when the session began: name and value.
   Result<std::vector<std::pair<std::string, double>>> parameters(SessionId session) const;
   /// Raw frames in the order they were recorded, from number `first` (0 = the session's first), at most `limit`; empty at the end.

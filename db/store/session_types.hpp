@@ -63,6 +63,16 @@ struct SessionInfo {
   std::uint64_t stored_bytes = 0;  ///< chunk blobs of samples and bus frames
 };
 
+/// A session whose recorder went away while the hoist was moving: where the next one goes on.
+struct BrokenOff {
+  SessionId session = 0;
+  std::optional<std::string> subject, exercise_json;
+  std::uint64_t last_time_ns = 0;          ///< of the newest sample; without one: just before the session's start
+  std::optional<std::uint64_t> last_tick;  ///< absent when no sample was stored
+  std::uint32_t missed_ticks = 0;          ///< what that sample says: steps the core had left out by then
+  std::optional<std::uint64_t> last_event_tick, last_frame_time_ns;
+};
+
 struct ColumnInfo {
   std::string name;
   std::string unit;

@@ -1,5 +1,6 @@
 #include "server/record/recorder.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
@@ -28,6 +29,8 @@ constexpr std::int64_t kJump_ns = 50'000'000;
 // Of what came just before a recording began: what belongs to its first step may have been read before the step itself.
 constexpr std::size_t kKeptEvents = 64, kKeptFrames = 512;
 constexpr std::uint64_t kTick_ns = 10'000'000;
+// A session that goes on from another waits this long for the parameters in force, which come with the network's next look at the core.
+constexpr std::uint64_t kParametersWait_ns = 500'000'000;
 constexpr std::size_t kReadTicks = 256, kReadEvents = 256, kReadFrames = 2048;
 // One pass reads at most this often, so that jobs get their turn.
 constexpr int kReadsPerPass = 16;
@@ -43,6 +46,8 @@ class Recorder::Work final : public Records {
         ticks_(link),
         events_(link),
         bus_(link),
+        core_(link.shared_state()),
+        old_(std::in_place, link),
         tick_buffer_(kReadTicks),
         event_buffer_(kReadEvents),
         bus_buffer_(kReadFrames) {}
@@ -96,7 +101,7 @@ class Recorder::Work final : public Records {
         open();
       }
     }
-    for (int i = 0; i < kReadsPerPass; ++i) {
+    for (int i = 0; i < kReadsPerPass && join(); ++i) {
       const std::size_t ticks = read_ticks();
       const std::size_t events = read_events();
       const std::size_t frames = read_bus();
@@ -161,6 +166,67 @@ class Recorder::Work final : public Records {
     if (!status) fail(status.error());
   }
 
+  // Whether reading has begun. The first core that is found may have been walking before this server came: when a session of its present life
+  // broke off with another server, reading begins with the oldest that the core still holds (20 s) instead of with now.
+  bool join() {
+    if (joined_) return true;
+    if (core_->get() == nullptr) return false;
+    if (attached_ns_ == 0) attached_ns_ = now_ns_;
+    (void)old_->ticks.read(std::span<TickRecord>{});
+    const std::uint64_t life = old_->ticks.life();
+    if (reading_) {
+      auto broken_off = db::SessionReader(*reading_).broken_off(life);
+      if (!broken_off) {
+        log("recording: where the last one broke off cannot be read: " + broken_off.error().message);
+      } else if (*broken_off) {
+        if (now_ns_ - attached_ns_ < kParametersWait_ns) {
+          const std::lock_guard lock(owner_.mutex_);
+          if (owner_.parameters_.version == 0) return false;
+        }
+        ticks_ = old_->ticks;
+        events_ = old_->events;
+        bus_ = old_->bus;
+        known_.emplace(Known{.life = life, .until = **broken_off});
+        going_on_ = true;
+      }
+    }
+    joined_ = true;
+    old_.reset();
+    return true;
+  }
+
+  // What the broken-off session has; it is not recorded twice.
+  [[nodiscard]] bool known(const TickRecord& record) const {
+    return known_ && ticks_.life() == known_->life && record.time_ns <= known_->until.last_time_ns;
+  }
+  [[nodiscard]] bool known(const Event& event) const {
+    if (!known_ || events_.life() != known_->life) return false;
+    const auto newest = known_->until.last_event_tick ? known_->until.last_event_tick : known_->until.last_tick;
+    return newest && event.tick <= *newest;
+  }
+  [[nodiscard]] bool known(const BusRecord& frame) const {
+    return known_ && bus_.life() == known_->life && frame.time_ns <= known_->until.last_frame_time_ns.value_or(known_->until.last_time_ns);
+  }
+  // Of a stream's first values: they should begin with some that are known. Otherwise those before them are overwritten.
+  template <typename T>
+  void note_overwritten(const char* stream, const T& first, bool kept, std::uint64_t first_tick) {
+    if (!kept || known(first) || life_ != known_->life || !known_->until.last_tick) return;
+    const std::uint64_t from = *known_->until.last_tick;
+    check(writer_->append_gap(stream, from, std::max(from, first_tick), "server_absent"));
+  }
+
+  // The gap between the broken-off session and this one, which goes on from it with `first`.
+  void note_absence(const TickRecord& first) {
+    const db::BrokenOff& until = known_->until;
+    going_on_ = false;
+    if (!until.last_tick) return;
+    if (const std::uint64_t from = *until.last_tick + 1; from < known_->heard_tick)
+      check(writer_->append_gap("ticks", from, known_->heard_tick - 1,
+                                db::missing_reason(known_->heard_tick - from, known_->heard_missed - until.missed_ticks, "server_absent")));
+    // Heard, but the session could not be begun.
+    if (known_->heard_tick < first.tick) check(writer_->append_gap("ticks", known_->heard_tick, first.tick - 1, "storage"));
+  }
+
   // UTC now minus steady now.
   [[nodiscard]] std::int64_t offset_ns() const { return owner_.options_.utc_ns() - static_cast<std::int64_t>(owner_.options_.steady_ns()); }
 
@@ -180,6 +246,10 @@ class Recorder::Work final : public Records {
     {
       const std::lock_guard lock(owner_.mutex_);
       if (!manual) start.exercise_json = owner_.exercise_;
+      if (!manual && going_on_) {
+        start.exercise_json = known_->until.exercise_json;
+        start.subject = known_->until.subject;
+      }
       parameters = owner_.parameters_;
     }
     if (parameters.version != 0) start.parameter_values = parameters.values;
@@ -205,6 +275,7 @@ class Recorder::Work final : public Records {
       if (frame.time_ns + kTick_ns >= first.time_ns) frames.push_back(frame);
     kept_events_.clear();
     kept_frames_.clear();
+    if (going_on_) note_absence(first);
     if (!events.empty()) check(writer_->append_events(events));
     if (!frames.empty()) check(writer_->append_bus(frames));
     return {};
@@ -249,7 +320,9 @@ class Recorder::Work final : public Records {
   }
 
   std::size_t read_ticks() {
-    const auto got = ticks_.read(tick_buffer_);
+    auto got = ticks_.read(tick_buffer_);
+    // All of these at once: the session has to be open before the events and frames that follow them are read.
+    while (got.count > 0 && known(tick_buffer_[got.count - 1])) got = ticks_.read(tick_buffer_);
     if (got.count == 0) return 0;
     if (session_open() && ticks_.life() != life_) {
       // The old core is gone; what it said is stored. What follows is another session, and the time between belongs to neither.
@@ -260,6 +333,11 @@ class Recorder::Work final : public Records {
       check(writer_->append_gap("ticks", last_tick_ + 1, tick_buffer_[0].tick - 1, "recorder_late"));
     for (std::size_t i = 0; i < got.count; ++i) {
       const TickRecord& record = tick_buffer_[i];
+      if (known(record)) {
+        from = i + 1;
+        continue;
+      }
+      if (going_on_) go_on_with(record);
       const bool was_moving = last_ && ticks_.life() == last_life_ && moving(*last_);
       const bool starts = moving(record) && !was_moving;
       if (starts && session_open() && !manual_) {
@@ -285,6 +363,16 @@ class Recorder::Work final : public Records {
     }
     append(from, got.count);
     return got.count;
+  }
+
+  // The walk that broke off either goes on with the first record after it, or it is over.
+  void go_on_with(const TickRecord& record) {
+    if (!moving(record) || ticks_.life() != known_->life) {
+      going_on_ = false;
+    } else if (known_->heard_tick == 0) {
+      known_->heard_tick = record.tick;
+      known_->heard_missed = record.missed_ticks;
+    }
   }
 
   void append(std::size_t from, std::size_t to) {
@@ -334,13 +422,16 @@ class Recorder::Work final : public Records {
     if (session_open() && events_.life() == life_) {
       if (got.lost > 0)
         check(writer_->append_gap("events", last_tick_, got.count > 0 ? event_buffer_[0].tick : last_tick_, "recorder_late"));
+      if (got.count > 0 && !events_seen_)
+        note_overwritten("events", event_buffer_[0], known_ && known_->until.last_event_tick, event_buffer_[0].tick);
       // A record of an earlier step than the session's first is not part of it.
-      while (from < got.count && event_buffer_[from].tick < first_tick_) ++from;
+      while (from < got.count && (event_buffer_[from].tick < first_tick_ || known(event_buffer_[from]))) ++from;
       if (from < got.count) check(writer_->append_events(std::span(event_buffer_).subspan(from, got.count - from)));
     } else {
       for (std::size_t i = 0; i < got.count; ++i) kept_events_.push_back(event_buffer_[i]);
       while (kept_events_.size() > kKeptEvents) kept_events_.pop_front();
     }
+    events_seen_ = events_seen_ || got.count > 0;
     return got.count;
   }
 
@@ -348,12 +439,22 @@ class Recorder::Work final : public Records {
     const auto got = bus_.read(bus_buffer_);
     if (session_open() && bus_.life() == life_) {
       if (got.lost > 0) check(writer_->append_gap("bus", last_tick_, last_tick_, "recorder_late"));
-      if (got.count > 0) check(writer_->append_bus(std::span(bus_buffer_).first(got.count)));
+      if (got.count > 0 && !frames_seen_)
+        note_overwritten("bus", bus_buffer_[0], known_ && known_->until.last_frame_time_ns, tick_at(bus_buffer_[0].time_ns));
+      std::size_t from = 0;
+      while (from < got.count && known(bus_buffer_[from])) ++from;
+      if (from < got.count) check(writer_->append_bus(std::span(bus_buffer_).subspan(from, got.count - from)));
     } else {
       for (std::size_t i = 0; i < got.count; ++i) kept_frames_.push_back(bus_buffer_[i]);
       while (kept_frames_.size() > kKeptFrames) kept_frames_.pop_front();
     }
+    frames_seen_ = frames_seen_ || got.count > 0;
     return got.count;
+  }
+  // The step of a moment before the newest step read.
+  [[nodiscard]] std::uint64_t tick_at(std::uint64_t time_ns) const {
+    const std::uint64_t ago = time_ns < last_time_ns_ ? (last_time_ns_ - time_ns) / kTick_ns : 0;
+    return last_tick_ > ago ? last_tick_ - ago : 0;
   }
 
   void tell() {
@@ -380,6 +481,27 @@ class Recorder::Work final : public Records {
   publish::TickReader ticks_;
   publish::EventReader events_;
   publish::BusReader bus_;
+  // Until the first core is found; see join().
+  std::shared_ptr<publish::SharedState> core_;
+  struct OldReaders {
+    explicit OldReaders(const publish::ServerLink& link)
+        : ticks(link, publish::ReadFrom::oldest), events(link, publish::ReadFrom::oldest), bus(link, publish::ReadFrom::oldest) {}
+    publish::TickReader ticks;
+    publish::EventReader events;
+    publish::BusReader bus;
+  };
+  std::optional<OldReaders> old_;
+  bool joined_ = false;
+  std::uint64_t attached_ns_ = 0;
+  struct Known {
+    std::uint64_t life = 0;
+    db::BrokenOff until;
+    std::uint64_t heard_tick = 0;  // the first step after it that came; 0 = none yet
+    std::uint32_t heard_missed = 0;
+  };
+  std::optional<Known> known_;
+  bool going_on_ = false;  // the next session is that one's continuation
+  bool events_seen_ = false, frames_seen_ = false;
   std::vector<TickRecord> tick_buffer_;
   std::vector<Event> event_buffer_;
   std::vector<BusRecord> bus_buffer_;

@@ -1,7 +1,12 @@
 // The recording as people get it: what the core published is what the export says, whatever happened in between.
 #include <sstream>
 
+#include "control/publish/core_link.hpp"
+#include "control/publish/server_link.hpp"
+#include "db/export/session_export.hpp"
 #include "db/store/database.hpp"
+#include "db/store/session_reader.hpp"
+#include "server/record/recorder.hpp"
 #include "tests/unit/server/fixture.hpp"
 
 namespace hoist::test {
@@ -225,6 +230,220 @@ TEST_F(Record, WithoutADatabaseTherapyGoesOn) {
   EXPECT_TRUE(wait_state("failed"));
   EXPECT_FALSE(recording()["detail"].get<std::string>().empty());
   EXPECT_EQ(call("POST", "/api/v1/neutral", json::object()).status, 200);
+}
+
+// The recorder alone, on virtual time and a core in the same process: a server that dies is a recorder that is dropped.
+class TakeOver : public ::testing::Test {
+ protected:
+  static constexpr std::uint64_t kLife_ns = 5'000'000'000;
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("hoist-take-over-" + std::to_string(::getpid()));
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    std::string error;
+    core_ = publish::CoreLink::create("", kLife_ns, static_cast<std::uint64_t>(kUtc_ns), error);
+    ASSERT_NE(core_, nullptr) << error;
+    record_.time_ns = kLife_ns;
+    record_.simulated = 1;
+    publish(10, Mode::standby);
+  }
+  void TearDown() override {
+    die();
+    std::filesystem::remove_all(folder_);
+  }
+  // Steps of the core, each with one frame on the bus; the server looks after every second one.
+  void publish(std::size_t count, Mode mode) {
+    for (std::size_t i = 0; i < count; ++i) {
+      ++record_.tick;
+      record_.time_ns += 10'000'000;
+      const bool changed = record_.mode != static_cast<std::uint8_t>(mode);
+      record_.mode = static_cast<std::uint8_t>(mode);
+      core_->publish_tick(record_);
+      if (changed) event(contract::EventKind::mode_changed);
+      contract::BusRecord frame;
+      frame.time_ns = record_.time_ns;
+      frame.id = 0x181;
+      frame.dlc = 8;
+      frame.data = record_.tick;
+      core_->publish_bus(frame);
+      if (recorder_ && record_.tick % 2 == 0) recorder_->pass_here();
+    }
+  }
+  void event(contract::EventKind kind) {
+    contract::Event event;
+    event.kind = kind;
+    event.tick = record_.tick;
+    event.time_ns = record_.time_ns;
+    core_->publish_event(event);
+  }
+  void live() {
+    link_ = std::make_unique<publish::ServerLink>("");
+    server::Recorder::Options options;
+    options.file = folder_ / "hoist.db";
+    options.version = "test";
+    options.utc_ns = [this] { return kUtc_ns + static_cast<std::int64_t>(record_.time_ns - kLife_ns); };
+    options.steady_ns = [this] { return record_.time_ns; };
+    options.log = [](const std::string&) {};
+    recorder_ = std::make_unique<server::Recorder>(*link_, std::move(options));
+    recorder_->open_here();
+    std::string error;
+    ASSERT_TRUE(link_->attach_directly(*core_, error)) << error;
+    contract::ParamsInForce parameters;
+    parameters.version = 1;
+    recorder_->set_parameters(parameters);
+    recorder_->pass_here();
+  }
+  void die() {
+    recorder_.reset();
+    link_.reset();
+  }
+  // A walk of an exercise whose server dies in the middle of it. The newest step that is stored.
+  void walk_and_die() {
+    live();
+    recorder_->set_exercise(kSquare);
+    publish(300, Mode::user);
+    ASSERT_EQ(recorder_->status().state, server::RecordingState::recording);
+    die();
+    publish(121, Mode::user);
+  }
+  struct Session {
+    db::SessionInfo info;
+    std::vector<std::uint64_t> ticks, frames;
+    std::vector<std::uint8_t> gap_before;
+    std::vector<db::Gap> gaps;
+    std::size_t events = 0;
+    std::string csv, json;
+  };
+  Session session(db::SessionId id) {
+    Session out;
+    auto database = db::Database::attach(folder_ / "hoist.db");
+    if (!database) {
+      ADD_FAILURE() << database.error().message;
+      return out;
+    }
+    const db::SessionReader reader(*database);
+    const auto info = reader.get(id);
+    if (!info) {
+      ADD_FAILURE() << info.error().message;
+      return out;
+    }
+    out.info = *info;
+    const auto columns = reader.read_columns(id, std::vector<std::string>{"mode"});
+    out.ticks = columns->tick;
+    out.gap_before = columns->gap_before;
+    out.gaps = *reader.gaps(id);
+    out.events = reader.events(id)->size();
+    const auto frames = reader.bus_frames(id, 0, 100000);
+    for (const contract::BusRecord& frame : *frames) out.frames.push_back(frame.data);
+    for (const auto format : {db::ExportFormat::csv, db::ExportFormat::json}) {
+      auto exported = db::SessionExport::open(*database, id, {.format = format, .columns = {"tick"}, .comments = false});
+      std::string piece;
+      while (*exported->next_chunk(piece)) (format == db::ExportFormat::csv ? out.csv : out.json) += piece;
+    }
+    return out;
+  }
+  std::uint64_t sessions() { return db::SessionReader(*db::Database::attach(folder_ / "hoist.db")).list()->total; }
+
+  static constexpr std::int64_t kUtc_ns = 1'790'000'000'000'000'000;
+  static constexpr const char* kSquare = R"({"shape": "square", "side_m": 3.2})";
+  std::filesystem::path folder_;
+  std::unique_ptr<publish::CoreLink> core_;
+  std::unique_ptr<publish::ServerLink> link_;
+  std::unique_ptr<server::Recorder> recorder_;
+  contract::TickRecord record_{};
+};
+
+// H21
+TEST_F(TakeOver, AServerThatComesBackSoonRecordsWhatTheDeadOneMissed) {
+  walk_and_die();
+  live();
+  publish(50, Mode::user);
+  publish(400, Mode::standby);
+  ASSERT_EQ(sessions(), 2U);
+  const Session first = session(1), second = session(2);
+  EXPECT_EQ(first.info.close_reason, "interrupted");
+  EXPECT_EQ(second.info.close_reason, "finished");
+  ASSERT_FALSE(first.ticks.empty());
+  ASSERT_FALSE(second.ticks.empty());
+  EXPECT_EQ(second.ticks.front(), first.ticks.back() + 1) << "from where the dead server broke off";
+  EXPECT_EQ(second.info.gap_count, 0U);
+  EXPECT_EQ(second.info.exercise_json, kSquare);
+  EXPECT_EQ(second.info.started_utc_ns, kUtc_ns + static_cast<std::int64_t>(first.ticks.back() + 1) * 10'000'000) << "when it was walked";
+  EXPECT_EQ(first.events, 1U);
+  EXPECT_EQ(second.events, 1U) << "its end; the begin belongs to the first";
+  ASSERT_FALSE(second.frames.empty());
+  EXPECT_EQ(second.frames.front(), first.frames.back() + 1) << "no frame twice, none missing";
+}
+
+// H21
+TEST_F(TakeOver, WhatTheCoreNoLongerHoldsIsAGapAtTheBegin) {
+  walk_and_die();
+  publish(3000, Mode::user);
+  const std::uint64_t held = record_.tick - contract::kTickSlots;
+  live();
+  publish(50, Mode::user);
+  publish(400, Mode::standby);
+  ASSERT_EQ(sessions(), 2U);
+  const Session first = session(1), second = session(2);
+  ASSERT_FALSE(second.ticks.empty());
+  EXPECT_EQ(second.ticks.front(), held + 1);
+  ASSERT_EQ(second.gaps.size(), 1U) << "frames and events are all there";
+  EXPECT_EQ(second.gaps[0].stream, "ticks");
+  EXPECT_EQ(second.gaps[0].from_tick, first.ticks.back() + 1);
+  EXPECT_EQ(second.gaps[0].to_tick, held);
+  EXPECT_EQ(second.gaps[0].reason, "server_absent");
+  EXPECT_EQ(second.gap_before[0], 1);
+  EXPECT_EQ(second.gap_before[1], 0);
+  EXPECT_EQ(second.info.exercise_json, kSquare);
+  EXPECT_NE(second.json.find("server_absent"), std::string::npos);
+  EXPECT_NE(second.json.find("\"gap_before\":[1,0"), std::string::npos) << second.json.substr(0, 2000);
+  const std::string row = second.csv.substr(second.csv.find('\n') + 1);
+  EXPECT_NE(row.substr(0, row.find('\n')).find(",1," + std::to_string(held + 1)), std::string::npos) << row.substr(0, 100);
+}
+
+TEST_F(TakeOver, StepsTheCoreLeftOutMeanwhileAreCalledSo) {
+  live();
+  publish(300, Mode::user);
+  die();
+  record_.tick += 7;
+  record_.missed_ticks += 7;
+  publish(20, Mode::user);
+  live();
+  publish(60, Mode::user);
+  die();
+  const Session second = session(2);
+  // The newest of the first session were not stored: the core holds them, only its own steps are missing.
+  ASSERT_EQ(second.gaps.size(), 1U);
+  EXPECT_EQ(second.gaps[0].reason, "step_left_out");
+  EXPECT_EQ(second.gaps[0].to_tick - second.gaps[0].from_tick, 6U);
+}
+
+// H21
+TEST_F(TakeOver, AWalkThatEndedWhileNobodyRecordedIsRecordedToItsEnd) {
+  walk_and_die();
+  publish(500, Mode::standby);
+  live();
+  EXPECT_EQ(recorder_->status().state, server::RecordingState::idle);
+  ASSERT_EQ(sessions(), 2U);
+  const Session first = session(1), second = session(2);
+  EXPECT_EQ(second.ticks.front(), first.ticks.back() + 1);
+  EXPECT_EQ(second.info.close_reason, "finished");
+  EXPECT_EQ(second.info.exercise_json, kSquare);
+}
+
+TEST_F(TakeOver, WhatIsRecordedAlreadyIsNotRecordedAgain) {
+  live();
+  publish(300, Mode::user);
+  publish(400, Mode::standby);
+  EXPECT_EQ(sessions(), 1U);
+  EXPECT_EQ(session(1).info.close_reason, "finished");
+  die();
+  live();
+  publish(50, Mode::standby);
+  EXPECT_EQ(sessions(), 1U) << "the core still holds that walk";
+  publish(50, Mode::user);
+  EXPECT_EQ(session(2).ticks.front(), 761U);
+  EXPECT_FALSE(session(2).info.exercise_json.has_value());
 }
 
 }  // namespace
