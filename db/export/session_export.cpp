@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "db/export/exercise_names.hpp"
 #include "db/export/fixed_point.hpp"
 #include "db/store/chunk_source.hpp"
 #include "db/store/session_reader.hpp"
@@ -15,6 +16,8 @@ namespace {
 
 constexpr std::size_t kRowsPerPiece = 256, kNumbersPerPiece = 8192;
 constexpr int kSeconds_decimals = 6;
+// Text of a foreign file may be broken UTF-8: replaced, not thrown.
+constexpr auto kBrokenText = nlohmann::json::error_handler_t::replace;
 
 struct Anchor {
   std::int64_t time_ns, utc_ns;
@@ -135,7 +138,8 @@ struct SessionExport::State {
       out += "# started " + std::string(text.data(), utc.print(text.data(), info.started_utc_ns)) + '\n';
       if (info.subject) out += "# subject " + one_line(*info.subject) + '\n';
       if (info.simulated) out += "# simulated\n";
-      if (info.exercise_json) out += "# exercise " + one_line(*info.exercise_json) + '\n';
+      if (info.exercise_json)
+        out += "# exercise " + one_line(exercise_as_told(info.exercise_json).dump(-1, ' ', false, kBrokenText)) + '\n';
       if (!info.note.empty()) out += "# note " + one_line(info.note) + '\n';
       out += "# software " + one_line(info.software_version) + '\n';
     }
@@ -249,20 +253,17 @@ struct SessionExport::State {
                  {"software_version", info.software_version},
                  {"note", info.note},
                  {"subject", nullptr},
-                 {"exercise", nullptr},
+                 {"exercise", exercise_as_told(info.exercise_json)},
                  {"ended_utc_ns", nullptr},
                  {"close_reason", nullptr}};
     std::array<char, kMaxNumber_chars> text;
     session["started_utc"] = std::string(text.data(), utc.print(text.data(), info.started_utc_ns));
     if (info.subject) session["subject"] = *info.subject;
-    if (info.exercise_json) session["exercise"] = json::parse(*info.exercise_json, nullptr, false);
-    if (session["exercise"].is_discarded()) session["exercise"] = nullptr;
     if (info.ended_utc_ns) session["ended_utc_ns"] = *info.ended_utc_ns;
     if (!info.recording) session["close_reason"] = info.close_reason;
     json columns = json::array({{{"name", "time_s"}, {"unit", "s"}, {"lsb", 1e-6}}, {{"name", "gap_before"}, {"unit", ""}, {"lsb", 1}}});
     for (const std::size_t c : chosen) columns.push_back({{"name", layout[c].name}, {"unit", layout[c].unit}, {"lsb", layout[c].lsb}});
-    // Text of a foreign file may be broken UTF-8: replaced, not thrown.
-    const auto dump = [](const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); };
+    const auto dump = [](const json& value) { return value.dump(-1, ' ', false, kBrokenText); };
     out = "{\"session\":" + dump(session) + ",\n\"columns\":" + dump(columns) + ",\n\"rows\":" + std::to_string(sample_count) +
           ",\n\"data\":{";
   }
@@ -275,7 +276,7 @@ struct SessionExport::State {
     if (first_number && next_tick == 0 && !chunk) {
       const std::string name = json_column == 0 ? "time_s" : json_column == 1 ? "gap_before" : layout[first_which].name;
       out += json_column == 0 ? "\n" : ",\n";
-      out += nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + ":[";
+      out += nlohmann::json(name).dump(-1, ' ', false, kBrokenText) + ":[";
     }
     if (!chunk && !next_samples(which)) {
       out += ']';
@@ -341,7 +342,7 @@ struct SessionExport::State {
     check(parameters);
     json parameter_rows = json::object();
     for (const auto& [name, value] : *parameters) parameter_rows[name] = finite(value);
-    const auto dump = [](const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); };
+    const auto dump = [](const json& value) { return value.dump(-1, ' ', false, kBrokenText); };
     out = "},\n\"gaps\":" + dump(gap_rows) + ",\n\"events\":" + dump(event_rows) + ",\n\"markers\":" + dump(marker_rows) +
           ",\n\"parameters\":" + dump(parameter_rows) + "}\n";
   }

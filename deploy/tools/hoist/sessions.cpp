@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "db/export/exercise_names.hpp"
 #include "db/store/session_reader.hpp"
 #include "deploy/tools/hoist/command.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
@@ -33,10 +34,9 @@ int run_sessions(std::span<const std::string_view> arguments) {
                           {"simulated", session.simulated},
                           {"recording", session.recording},
                           {"close_reason", session.close_reason},
-                          {"exercise", nullptr},
+                          {"exercise", db::exercise_as_told(session.exercise_json)},
                           {"note", session.note}};
       if (session.subject) line["subject"] = *session.subject;
-      if (session.exercise_json) line["exercise"] = nlohmann::json::parse(*session.exercise_json, nullptr, false);
       std::printf("%s\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     }
     query.before = page->next;

@@ -360,21 +360,27 @@ TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {
       in["dpsi"].push_back(std::stod(row[7]));
     }
     ASSERT_GT(in["x"].size(), 2000U);
-    EXPECT_EQ(metrics["moving_samples"], in["x"].size());
+    EXPECT_NEAR(metrics["duration_s"].get<double>(), 0.01 * static_cast<double>(in["x"].size()), 1e-9) << "in motion";
     std::ofstream(f.dir / "in.jsonl") << in.dump() << "\n";
     const json laws = json::parse(run(tool + " laws evaluate < " + (f.dir / "in.jsonl").string()));
     EXPECT_EQ(metrics["C"].get<double>(), laws["C"].get<double>());
-    EXPECT_EQ(metrics["J"].get<double>(), laws["J"].get<double>());
-    EXPECT_EQ(metrics["L"].get<double>(), laws["L"].get<double>());
+    EXPECT_EQ(metrics["J_N"].get<double>(), laws["J"].get<double>());
+    EXPECT_EQ(metrics["reference_length_m"].get<double>(), laws["L"].get<double>());
     // Only the eight turns all the time; the square's reference turns in its corners alone.
     if (one.shape["shape"] == "eight") {
       EXPECT_GT(metrics["C"].get<double>(), 0.8) << "the wobble is small";
     }
-    EXPECT_GT(metrics["J"].get<double>(), 0.0);
+    EXPECT_GT(metrics["J_N"].get<double>(), 0.0);
     EXPECT_NEAR(metrics["mean_speed_m_s"].get<double>(), 0.4, 1e-9);
     const json listed = json::parse(run(tool + " sessions " + db));
     EXPECT_EQ(listed["id"], f.id);
     EXPECT_EQ(listed["exercise"]["shape"], one.shape["shape"]);
+    // One name for one thing, wherever it is told: REST's.
+    EXPECT_EQ(listed["exercise"], metrics["exercise"]);
+    EXPECT_EQ(listed["exercise"],
+              json::parse(run(tool + " export " + db + " " + id + " --format json --columns mode"))["session"]["exercise"]);
+    EXPECT_EQ(listed["exercise"].contains("c_m"), one.shape["shape"] == "eight");
+    EXPECT_EQ(metrics["reason_if_none"], nullptr);
   }
 }
 

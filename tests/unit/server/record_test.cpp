@@ -6,6 +6,7 @@
 #include "db/export/session_export.hpp"
 #include "db/store/database.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/summary/session_json.hpp"
 #include "server/record/recorder.hpp"
 #include "tests/unit/server/fixture.hpp"
 
@@ -94,7 +95,15 @@ TEST_F(Record, AWalkIsRecordedAndExportedAsPublished) {
   for (const char* bad : {"", "?columns=", "?columns=nothing", "?columns=x_m&points=0", "?columns=x_m&points=1e9", "?columns=x_m&from_s=x",
                           "?columns=x_m&from_s=nan"})
     EXPECT_EQ(get(std::string("/api/v1/sessions/1/samples") + bad).status, 422) << bad;
-  EXPECT_EQ(get("/api/v1/sessions/1/metrics").status, 200);
+  const json metrics = get("/api/v1/sessions/1/metrics").json();
+  // The command line's names are these.
+  auto database = db::Database::attach(folder_ / "hoist.db");
+  ASSERT_TRUE(database.ok());
+  const json told = db::metrics_json(*db::session_metrics(*database, 1), db::SessionReader(*database).get(1)->exercise_json);
+  for (const auto& [name, value] : told.items()) {
+    if (name == "session") continue;
+    EXPECT_EQ(metrics.value(name, json("absent")), value) << name;
+  }
   EXPECT_EQ(call("PATCH", "/api/v1/sessions/1", {{"note", "went well"}, {"subject", "P-17"}}).json()["note"], "went well");
   EXPECT_EQ(call("PATCH", "/api/v1/sessions/1", {{"note", 5}}).status, 422);
   EXPECT_EQ(call("PATCH", "/api/v1/sessions/1", {{"id", 5}}).status, 422);
