@@ -103,8 +103,12 @@ bool CoreDesk::stop(std::uint32_t client, Done done) {
 bool CoreDesk::drive(const contract::DriveCommand& command) {
   if (!connected_) return false;
   link_.drive(command);
+  hand_holds_ = command.held == 1;
+  hand_ns_ = now_ns_;
   return true;
 }
+
+bool CoreDesk::hand_holds(std::uint64_t within_ns) const { return hand_holds_ && now_ns_ - hand_ns_ <= within_ns; }
 
 void CoreDesk::flush_outbox() {
   while (!outbox_.empty()) {

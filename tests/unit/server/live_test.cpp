@@ -165,7 +165,15 @@ TEST_F(LiveTest, ARefusedStartMovesNoPose) {
   refused("not_neutral");
   core_->set([](contract::TickRecord& r) { r.blocked_bits = 0; });
   ASSERT_TRUE(until([&] { return get("/api/v1/mode").json()["blocked"].empty(); }));
-  EXPECT_EQ(driver.ask(start)["ok"], true);
+  // The button is still held from something else.
+  const json path{{"shape", "circle"}, {"radius_m", 1.0}, {"speed_m_s", 0.2}};
+  const json guided{{"type", "mode"}, {"mode", "guided"}, {"path", path}};
+  driver.send({{"type", "drive"}, {"sequence", 1}, {"echo", 5}, {"speed", 0.0}, {"yaw", 0.0}, {"held", true}});
+  const json held = driver.ask(guided);
+  EXPECT_EQ(held["refusals"], json::array({"release_first"})) << held;
+  for (const auto& command : core_->commands()) EXPECT_NE(command.kind, contract::CommandKind::set_pose);
+  driver.send({{"type", "drive"}, {"sequence", 2}, {"echo", 5}, {"speed", 0.0}, {"yaw", 0.0}, {"held", false}});
+  EXPECT_EQ(driver.ask(guided)["ok"], true);
 }
 
 TEST_F(LiveTest, FieldsOfAWrongTypeAreNamed) {
