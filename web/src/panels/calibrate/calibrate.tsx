@@ -9,6 +9,7 @@ import { useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { date, fixed, noValue, readNumber, shownAs, t, words } from '../../text/text';
 import { Refusal, useRequest } from '../../ui/refusal';
+import { radioKeys } from '../../ui/radio_keys';
 import type { Panel } from '../panel';
 import { entry, nowKey, phaseNames, resultOf, stepNames, stepsFor, watched, type Change, type Now, type Step, type StepName, type Table } from './model';
 import { StepPicture } from './picture';
@@ -85,7 +86,7 @@ function Entry({ step, second, busy, onMeasure }: { step: StepName; second: bool
         if (ready && !busy) void send();
       }}
     >
-      <div class="choice" role="radiogroup" aria-label={t('calibrate.direction')}>
+      <div class="choice" role="radiogroup" aria-label={t('calibrate.direction')} onKeyDown={radioKeys}>
         {[false, true].map((way) => (
           <button key={String(way)} type="button" role="radio" aria-checked={back === way} onClick={() => setBack(way)}>
             {t(turns ? (way ? 'calibrate.right' : 'calibrate.left') : way ? 'calibrate.backward' : 'calibrate.forward')}

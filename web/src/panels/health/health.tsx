@@ -184,7 +184,8 @@ function HealthView() {
   }, [open]);
   const n = (value: number | undefined, decimals: number, unit: string) => `${fixed(value, decimals)} ${unit}`;
   return (
-    <div class="health">
+    // Nothing in here can be tapped, so this is what a keyboard scrolls by.
+    <div class="health" role="region" aria-label={t('nav.health')} tabIndex={0}>
       <section class="card wide">
         <h2>{t('health.parts')}</h2>
         <ul class="parts">{partNames.map((name) => (r === null ? <UnknownPart key={name} name={name} /> : <Part key={name} view={nodeView(r, name)} />))}</ul>

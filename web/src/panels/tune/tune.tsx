@@ -7,6 +7,7 @@ import { moving, store, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { plain, readNumber, shownAs, t, words } from '../../text/text';
 import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
+import { radioKeys } from '../../ui/radio_keys';
 import type { Panel } from '../panel';
 import { groups, niceStep, type Group } from './groups';
 
@@ -217,10 +218,11 @@ function TuneView() {
   return (
     <div class="tune">
       <div class="walk-controls">
-        <div class="choice" role="radiogroup" aria-label={t('tune.preset')}>
+        <div class="choice presets" role="radiogroup" aria-label={t('tune.preset')} onKeyDown={radioKeys}>
           {presets.map((preset) => (
-            <button key={preset.name} type="button" role="radio" aria-checked={inForce(preset)} title={words(preset.doc)} disabled={!connected || !standby} onClick={() => void choose(preset)}>
+            <button key={preset.name} type="button" role="radio" aria-checked={inForce(preset)} disabled={!connected || !standby} onClick={() => void choose(preset)}>
               {words(preset.title)}
+              <small>{words(preset.doc)}</small>
             </button>
           ))}
         </div>
