@@ -368,8 +368,8 @@ Result<std::optional<BrokenOff>> SessionReader::broken_off(std::uint64_t core_st
     out.session = row.integer_at(0);
     out.subject = row.optional_text_at(1);
     out.exercise_json = row.optional_text_at(2);
-    const std::uint64_t start_time_ns = row.unsigned_at(3);
-    out.last_time_ns = start_time_ns > 0 ? start_time_ns - 1 : 0;
+    out.start_time_ns = row.unsigned_at(3);
+    out.last_time_ns = out.start_time_ns > 0 ? out.start_time_ns - 1 : 0;
     if (!row.is_null(6)) out.last_event_tick = row.unsigned_at(6);
     if (!row.is_null(7)) out.last_frame_time_ns = row.unsigned_at(7);
     if (row.is_null(5)) return std::optional(std::move(out));

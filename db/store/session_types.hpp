@@ -67,6 +67,7 @@ struct SessionInfo {
 struct BrokenOff {
   SessionId session = 0;
   std::optional<std::string> subject, exercise_json;
+  std::uint64_t start_time_ns = 0;
   std::uint64_t last_time_ns = 0;          ///< of the newest sample; without one: just before the session's start
   std::optional<std::uint64_t> last_tick;  ///< absent when no sample was stored
   std::uint32_t missed_ticks = 0;          ///< what that sample says: steps the core had left out by then

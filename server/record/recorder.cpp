@@ -201,11 +201,13 @@ class Recorder::Work final : public Records {
   }
   [[nodiscard]] bool known(const Event& event) const {
     if (!known_ || events_.life() != known_->life) return false;
-    const auto newest = known_->until.last_event_tick ? known_->until.last_event_tick : known_->until.last_tick;
-    return newest && event.tick <= *newest;
+    const db::BrokenOff& until = known_->until;
+    return until.last_event_tick ? event.tick <= *until.last_event_tick : event.time_ns < until.start_time_ns;
   }
   [[nodiscard]] bool known(const BusRecord& frame) const {
-    return known_ && bus_.life() == known_->life && frame.time_ns <= known_->until.last_frame_time_ns.value_or(known_->until.last_time_ns);
+    if (!known_ || bus_.life() != known_->life) return false;
+    const db::BrokenOff& until = known_->until;
+    return until.last_frame_time_ns ? frame.time_ns <= *until.last_frame_time_ns : frame.time_ns < until.start_time_ns;
   }
   // Of a stream's first values: they should begin with some that are known. Otherwise those before them are overwritten.
   template <typename T>
@@ -219,6 +221,7 @@ class Recorder::Work final : public Records {
   void note_absence(const TickRecord& first) {
     const db::BrokenOff& until = known_->until;
     going_on_ = false;
+    first_tick_ = 0;  // events that nobody has stored are part of it also when their steps are the other session's, or lost
     if (!until.last_tick) return;
     if (const std::uint64_t from = *until.last_tick + 1; from < known_->heard_tick)
       check(writer_->append_gap("ticks", from, known_->heard_tick - 1,

@@ -1,4 +1,7 @@
 // The recording as people get it: what the core published is what the export says, whatever happened in between.
+#include <algorithm>
+#include <functional>
+#include <random>
 #include <sstream>
 
 #include "control/publish/core_link.hpp"
@@ -321,6 +324,7 @@ class TakeOver : public ::testing::Test {
     std::vector<std::uint8_t> gap_before;
     std::vector<db::Gap> gaps;
     std::size_t events = 0;
+    std::vector<std::uint64_t> alarms;
     std::string csv, json;
   };
   Session session(db::SessionId id) {
@@ -341,7 +345,10 @@ class TakeOver : public ::testing::Test {
     out.ticks = columns->tick;
     out.gap_before = columns->gap_before;
     out.gaps = *reader.gaps(id);
-    out.events = reader.events(id)->size();
+    const auto events = reader.events(id);
+    out.events = events->size();
+    for (const db::StoredEvent& event : *events)
+      if (event.kind_name == contract::event_name(contract::EventKind::fault_raised)) out.alarms.push_back(event.tick);
     const auto frames = reader.bus_frames(id, 0, 100000);
     for (const contract::BusRecord& frame : *frames) out.frames.push_back(frame.data);
     for (const auto format : {db::ExportFormat::csv, db::ExportFormat::json}) {
@@ -438,6 +445,60 @@ TEST_F(TakeOver, AWalkThatEndedWhileNobodyRecordedIsRecordedToItsEnd) {
   EXPECT_EQ(second.ticks.front(), first.ticks.back() + 1);
   EXPECT_EQ(second.info.close_reason, "finished");
   EXPECT_EQ(second.info.exercise_json, kSquare);
+}
+
+// H21
+TEST_F(TakeOver, HoweverOftenItDiesEveryStepIsInOneSessionOrInAGap) {
+  std::mt19937 random(21);
+  constexpr int kDeaths = 25;
+  std::vector<std::uint64_t> made, alarms;
+  const auto walk = [&](std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (random() % 200 == 0) {
+        record_.tick += 3;
+        record_.missed_ticks += 3;
+      }
+      publish(1, Mode::user);
+      made.push_back(record_.tick);
+      if (random() % 20 != 0) continue;
+      event(contract::EventKind::fault_raised);
+      alarms.push_back(record_.tick);
+    }
+  };
+  for (int death = 0; death < kDeaths; ++death) {
+    live();
+    walk(1 + random() % 400);
+    die();
+    walk(random() % (death % 5 == 4 ? 4000 : 300));
+  }
+  live();
+  walk(100);
+  publish(400, Mode::standby);
+  std::vector<std::uint64_t> ticks, frames, noted, told;
+  const std::uint64_t count = sessions();
+  EXPECT_GT(count, 10U);
+  for (std::uint64_t id = 1; id <= count; ++id) {
+    const Session one = session(static_cast<db::SessionId>(id));
+    ticks.insert(ticks.end(), one.ticks.begin(), one.ticks.end());
+    frames.insert(frames.end(), one.frames.begin(), one.frames.end());
+    told.insert(told.end(), one.alarms.begin(), one.alarms.end());
+    for (const db::Gap& gap : one.gaps) {
+      EXPECT_TRUE(gap.reason == "step_left_out" || gap.reason.starts_with("server_absent")) << gap.reason;
+      if (gap.stream == "ticks")
+        for (std::uint64_t tick = gap.from_tick; tick <= gap.to_tick; ++tick) noted.push_back(tick);
+    }
+  }
+  EXPECT_EQ(std::ranges::adjacent_find(ticks, std::greater_equal<>{}), ticks.end()) << "time rises from session to session, nothing twice";
+  EXPECT_EQ(std::ranges::adjacent_find(frames, std::greater_equal<>{}), frames.end());
+  EXPECT_EQ(std::ranges::adjacent_find(noted, std::greater_equal<>{}), noted.end());
+  EXPECT_EQ(std::ranges::find_first_of(ticks, noted), ticks.end()) << "what is there is not called missing";
+  EXPECT_EQ(told, alarms) << "each once, also those of lost steps";
+  ticks.insert(ticks.end(), noted.begin(), noted.end());
+  std::ranges::sort(ticks);
+  for (const std::uint64_t tick : made) {
+    ASSERT_TRUE(std::ranges::binary_search(ticks, tick)) << "step " << tick << " is nowhere";
+    ASSERT_TRUE(std::ranges::binary_search(frames, tick)) << "its frame, which the core still held, is not";
+  }
 }
 
 TEST_F(TakeOver, WhatIsRecordedAlreadyIsNotRecordedAgain) {
