@@ -33,6 +33,7 @@ struct Services {
   std::string base_url = {};                        // http://127.0.0.1:8080
   std::int64_t started_utc_ns = 0;
   std::uint64_t started_ns = 0;
+  std::uint64_t ends_asked = 0;  // requests to end motion so far: a start that was asked for before one of them is over
 };
 
 }  // namespace hoist::server

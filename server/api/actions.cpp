@@ -245,6 +245,7 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   request.a = static_cast<std::uint32_t>(*mode);
   if (*mode == contract::Mode::standby) {
     // Before anything else is looked at: ending motion is never refused for the form of what does not matter to it.
+    ++services.ends_asked;
     ask(services, request, std::move(done));
     return;
   }
@@ -300,21 +301,31 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   set_pose.v0 = pose.x_m;
   set_pose.v1 = pose.y_m;
   set_pose.v2 = pose.psi_rad;
-  services.core.ask(set_pose,
-                    [&services, request, stored = stored_exercise(*exercise), done = std::move(done)](const CoreAnswer& answer) mutable {
-                      if (!answer.done()) {
-                        Outcome outcome = outcome_of(answer);
-                        // Whoever wants to start is told everything that is in the way, not only what stopped the first step.
-                        if (answer.kind == CoreAnswer::Kind::refused && services.core.newest()) {
-                          outcome.kind = Outcome::Kind::refused;
-                          outcome.refusals = refusal_names(answer.bits | blocked_bits(services));
-                        }
-                        done(outcome);
-                        return;
-                      }
-                      services.recorder.set_exercise(std::move(stored));
-                      ask(services, request, std::move(done));
-                    });
+  services.core.ask(set_pose, [&services, request, stored = stored_exercise(*exercise), ends_asked = services.ends_asked,
+                               done = std::move(done)](const CoreAnswer& answer) mutable {
+    if (!answer.done()) {
+      Outcome outcome = outcome_of(answer);
+      // Whoever wants to start is told everything that is in the way, not only what stopped the first step.
+      if (answer.kind == CoreAnswer::Kind::refused && services.core.newest()) {
+        outcome.kind = Outcome::Kind::refused;
+        outcome.refusals = refusal_names(answer.bits | blocked_bits(services));
+      }
+      done(outcome);
+      return;
+    }
+    // A request to end that came after the start must not be overtaken by it while the pose was being set.
+    if (services.ends_asked != ends_asked) {
+      services.counters.add(Count::commands_refused);
+      Outcome outcome;
+      outcome.kind = Outcome::Kind::refused;
+      outcome.detail = "It was ended before it began.";
+      outcome.refusals = refusal_names(contract::refusal_bit(contract::Refusal::out_of_order));
+      done(outcome);
+      return;
+    }
+    services.recorder.set_exercise(std::move(stored));
+    ask(services, request, std::move(done));
+  });
 }
 
 void act_pose(Services& services, const Asker& asker, const json& pose, OutcomeDone done) {

@@ -173,6 +173,8 @@ Live::Live(std::uint16_t port, const Headers& headers, const std::string& protoc
     for (const auto& [name, value] : headers) request.set(name, value);
   }));
   if (run(p.io, [&](auto done) { beast::get_lowest_layer(p.stream).async_connect(endpoint(port), done); })) return;
+  // As browsers do: a message does not wait for the answer to the one before.
+  beast::get_lowest_layer(p.stream).socket().set_option(asio::ip::tcp::no_delay(true));
   const std::string host = "127.0.0.1:" + std::to_string(port);
   const beast::error_code error = run(p.io, [&](auto done) { p.stream.async_handshake(p.response, host, "/ws", done); });
   p.status = p.response.result_int();

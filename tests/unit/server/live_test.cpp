@@ -176,6 +176,25 @@ TEST_F(LiveTest, ARefusedStartMovesNoPose) {
   EXPECT_EQ(driver.ask(guided)["ok"], true);
 }
 
+// The pose is set first and answered in a later step: who ends meanwhile must not see the hoist begin afterwards.
+TEST_F(LiveTest, AStartThatWasEndedBeforeItBeganDoesNotBegin) {
+  Live driver(port_, bearer_);
+  ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
+  driver.send({{"type", "mode"}, {"request", 900}, {"mode", "remote"}, {"exercise", {{"shape", "free"}}}});
+  EXPECT_EQ(driver.ask({{"type", "mode"}, {"mode", "standby"}})["ok"], true);
+  const json start = driver.wait("reply", 900);
+  // On a machine that was held up it may have begun before the other one came.
+  if (start["ok"] != true) {
+    EXPECT_EQ(start["refusals"], json::array({"out_of_order"})) << start;
+  }
+  std::uint32_t last = 0;
+  for (const auto& command : core_->commands())
+    if (command.kind == contract::CommandKind::request_mode) last = command.a;
+  EXPECT_EQ(last, static_cast<std::uint32_t>(Mode::standby)) << "the start overtook the end";
+  EXPECT_EQ(core_->mode(), Mode::standby);
+  EXPECT_EQ(driver.ask({{"type", "mode"}, {"mode", "remote"}, {"exercise", {{"shape", "free"}}}})["ok"], true) << "the next one does";
+}
+
 TEST_F(LiveTest, FieldsOfAWrongTypeAreNamed) {
   Live live(port_, bearer_);
   const auto refused = [&](json message, const char* field) {
