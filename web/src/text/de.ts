@@ -184,7 +184,7 @@ export const de: Record<TextKey, string> = {
   'tune.trial.keep': 'Behalten',
   'tune.trial.undo': 'Jetzt zurück',
   'trial.reverted': 'Die Einstellungen auf Probe sind zurückgegangen. Die Hilfe verhält sich wie vorher.',
-  'tune.changedCount': '{n} weichen von den Vorgaben ab',
+  'tune.changedCount': 'Anders als die Vorgabe: {n}',
   'tune.allDefault': 'Alles steht auf der Vorgabe',
   'tune.number': 'Das ist keine Zahl.',
   'tune.slider': '{name}, Schieber',

@@ -183,7 +183,7 @@ export const en = {
   'tune.trial.keep': 'Keep',
   'tune.trial.undo': 'Undo now',
   'trial.reverted': 'The settings on trial went back. The hoist behaves as before.',
-  'tune.changedCount': '{n} differ from the defaults',
+  'tune.changedCount': 'Not at their default: {n}',
   'tune.allDefault': 'Everything at its default',
   'tune.number': 'This is not a number.',
   'tune.slider': '{name}, slider',
