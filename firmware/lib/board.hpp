@@ -28,6 +28,8 @@ struct ImuSample {
   float alpha_rate_rad_s = 0;  // > 0 while leaning further forward
   float beta_rate_rad_s = 0;   // > 0 while leaning further right
   float yaw_rate_rad_s = 0;    // > 0 while turning left
+
+  friend constexpr bool operator==(const ImuSample&, const ImuSample&) = default;
 };
 
 // What a CAN controller says about itself. The states are those of ISO 11898: warning from 96 errors on, passive from 128 on, bus_off

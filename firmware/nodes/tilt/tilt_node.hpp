@@ -33,6 +33,7 @@ inline constexpr float kRateMax_rad_s = 4.3F;          // just inside +-250 deg/
 inline constexpr float kStillRate_rad_s = 0.03F;        // from the first sample of the window
 inline constexpr float kStillAcceleration_m_s2 = 0.5F;  // likewise, each axis
 inline constexpr float kStillTurn_rad = 0.01F;          // gravity in the last quarter against the first: a slow steady turn
+inline constexpr std::uint32_t kTiltRepeatsMax = 10;    // of a sample, in a row: a stuck sensor; noise makes that impossible (H6)
 inline constexpr float kBiasMax_rad_s = 0.4F;           // a gyro that shows more at rest (23 deg/s) is broken or is being turned
 // A gyroscope that has lost its zero (H8): no sample is valid while one of these is passed.
 inline constexpr float kBiasChange_rad_s = 0.0524F;         // H8: 3 deg/s from what it was at rest
@@ -88,7 +89,8 @@ class TiltNode {
   };
   struct Window {
     std::uint32_t samples = 0;
-    ImuSample first{};
+    ImuSample first{}, last{};
+    std::uint32_t repeats = 0;
     std::array<float, 3> rate_sum_rad_s{};  // of the difference from the first: keeps the float sums exact
   };
 
@@ -244,7 +246,8 @@ class TiltNode {
     publish_status(0);
   }
 
-  // The still two seconds. Any motion begins them anew.
+  // The still two seconds. Any motion begins them anew; so does a sensor that repeats one sample, of whatever motion that was: it looks
+  // stiller than anything still, and its turn rate would be taken for the zero.
   void settle(const ImuSample& s, const law::AccAngles<float>& gravity) {
     const ImuSample& f = window_.samples == 0 ? s : window_.first;
     const float norm2 = s.ax_m_s2 * s.ax_m_s2 + s.ay_m_s2 * s.ay_m_s2 + s.az_m_s2 * s.az_m_s2;
@@ -270,9 +273,15 @@ class TiltNode {
       if (window_.samples < kTiltQuarterSamples) axes_[i].first_angle_rad += angles_rad[i];
       if (window_.samples >= kTiltStillSamples - kTiltQuarterSamples) axes_[i].last_angle_rad += angles_rad[i];
     }
+    window_.repeats = s == window_.last ? window_.repeats + 1 : 0;
+    window_.last = s;
     window_.rate_sum_rad_s[0] += s.alpha_rate_rad_s - window_.first.alpha_rate_rad_s;
     window_.rate_sum_rad_s[1] += s.beta_rate_rad_s - window_.first.beta_rate_rad_s;
     window_.rate_sum_rad_s[2] += s.yaw_rate_rad_s - window_.first.yaw_rate_rad_s;
+    if (window_.repeats == kTiltRepeatsMax) {
+      window_ = {};
+      return;
+    }
     if (++window_.samples < kTiltStillSamples) return;
 
     constexpr float kQuarter = static_cast<float>(kTiltQuarterSamples);
