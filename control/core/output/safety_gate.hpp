@@ -199,8 +199,8 @@ class SafetyGate {
   }
 
   /// One wheel runs, the other does not. While a mode begins it stands. If the other has dropped out it may go on as before until that is
-  /// noticed, and then only comes to rest. In a stop it may end its share of a turn: the inner wheel runs backward faster when the speed
-  /// falls faster than the turn, the outer one when the turn is ended first.
+  /// noticed (but not faster while a bumper is pressed), and then only comes to rest. In a stop it may end its share of a turn: the inner
+  /// wheel runs backward faster when the speed falls faster than the turn, the outer one when the turn is ended first.
   [[nodiscard]] bool may_go_alone(double wheel_m_s, const Wheel& sent, const GateView& view, const contract::Params& params,
                                   double dt_s) const noexcept {
     const bool stop = view.mode == contract::Mode::protective_stop;
@@ -213,7 +213,7 @@ class SafetyGate {
     double gain_m_s = 0.0;
     if (stop) {
       gain_m_s = std::fmax(step_m_s - 2.0 * turn_step_m_s, turn_step_m_s);
-    } else if (!blind(view) && alone_ticks_ < kAloneTicks) {
+    } else if (!blind(view) && view.bumpers == 0 && alone_ticks_ < kAloneTicks) {
       gain_m_s = params.acceleration_m_s2_max * dt_s + turn_step_m_s;
     }
     return std::fabs(wheel_m_s) <= std::fabs(sent.m_s) + gain_m_s + kRounding_m_s;

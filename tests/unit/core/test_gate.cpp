@@ -241,6 +241,11 @@ TEST_F(Gate, H2_H3AWheelLeftAloneComesToRest) {
     EXPECT_FALSE(alone(0.201)) << "blind";
     EXPECT_TRUE(alone(0.2));
     view.tilts_lost = false;
+    bring_to(0.2);
+    view.bumpers = 1;
+    EXPECT_FALSE(alone(0.201)) << "towards or away: one wheel swings the hoist round";
+    EXPECT_TRUE(alone(0.2));
+    view.bumpers = 0;
     // Both run again: the count begins anew.
     bring_to(0.0);
     for (int i = 0; i < 8; ++i) ASSERT_TRUE(alone(0));
