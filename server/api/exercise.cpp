@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "control/contract/reference_path.hpp"
-#include "server/http/json_text.hpp"
 
 namespace hoist::server {
 
@@ -248,18 +247,6 @@ std::optional<std::string> stored_exercise(const Exercise& e) {
     out.erase("c_m");
   }
   return out.dump();
-}
-
-json exercise_of_store(const std::optional<std::string>& text) {
-  if (!text) return nullptr;
-  JsonError ignored;
-  auto value = parse_json(*text, ignored);
-  if (!value || !value->is_object()) return nullptr;
-  if (const auto centre = value->find("centre_m"); centre != value->end()) {
-    (*value)["c_m"] = *centre;
-    value->erase("centre_m");
-  }
-  return *value;
 }
 
 StartPose start_pose(const Exercise& e) {

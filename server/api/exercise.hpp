@@ -40,10 +40,8 @@ inline constexpr double kExerciseMin_m = 0.2, kExerciseMax_m = 100.0;
 // The figure on the floor; not valid() for free walking.
 [[nodiscard]] contract::ReferencePath figure_of(const Exercise& exercise);
 [[nodiscard]] nlohmann::json exercise_json(const Exercise& exercise);
-// As the database stores it; nothing for free walking.
+// As the database stores it, and db::exercise_as_told() tells it; nothing for free walking.
 [[nodiscard]] std::optional<std::string> stored_exercise(const Exercise& exercise);
-// The database's text as browsers read it; null for nothing or a text that cannot be read.
-[[nodiscard]] nlohmann::json exercise_of_store(const std::optional<std::string>& text);
 [[nodiscard]] StartPose start_pose(const Exercise& exercise);
 // What a simulator scenario plays: "figure-eight", "square", "straight" …; free for anything else.
 [[nodiscard]] Exercise exercise_of_scenario(std::string_view scenario);

@@ -5,10 +5,12 @@
 
 #include "control/contract/faults.hpp"
 #include "control/contract/reference_path.hpp"
+#include "db/export/exercise_names.hpp"
 #include "db/export/session_export.hpp"
 #include "db/metrics/run_summary.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/summary/moving_part.hpp"
+#include "db/summary/session_json.hpp"
 #include "db/summary/session_metrics.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/exercise.hpp"
@@ -34,7 +36,7 @@ json session_json(const db::SessionInfo& s) {
            {"simulated", s.simulated},
            {"subject", nullptr},
            {"note", s.note},
-           {"exercise", exercise_of_store(s.exercise_json)},
+           {"exercise", db::exercise_as_told(s.exercise_json)},
            {"software_version", s.software_version},
            {"stored_bytes", s.stored_bytes}};
   if (s.ended_utc_ns) out["ended_utc_ms"] = *s.ended_utc_ns / 1'000'000;
@@ -251,26 +253,15 @@ void get_metrics(const CallPtr& call) {
     if (!part) return store_error(part.error(), path);
     const auto metrics = db::session_metrics(database, id, *part);
     if (!metrics) return store_error(metrics.error(), path);
-    const auto or_null = [](const std::optional<double>& v) { return v && std::isfinite(*v) ? json(*v) : json(nullptr); };
-    const json exercise = exercise_of_store(session->exercise_json);
+    json told = db::metrics_json(*metrics, session->exercise_json);
     std::vector<FieldError> ignored;
     std::optional<db::RunDeviation> off;
-    if (const auto walked = read_exercise(exercise, ignored); walked && walked->shape != Exercise::Shape::free)
+    if (const auto walked = read_exercise(told["exercise"], ignored); walked && walked->shape != Exercise::Shape::free)
       off = deviation(*part, *walked);
-    return json_response({{"C", or_null(metrics->correlation)},
-                          {"J_N", or_null(metrics->normalised_ise)},
-                          {"reference_length_m", or_null(metrics->path_length_m)},
-                          {"duration_s", metrics->moving_s},
-                          {"distance_m", metrics->distance_m},
-                          {"mean_speed_m_s", metrics->mean_speed_m_s},
-                          {"max_speed_m_s", metrics->max_speed_m_s},
-                          {"rms_position_m", off ? or_null(off->position_rms_m) : json(nullptr)},
-                          {"rms_heading_rad", off ? or_null(off->heading_rms_rad) : json(nullptr)},
-                          {"track", metrics->track},
-                          {"exercise", exercise},
-                          {"reason_if_none", !metrics->why_absent.empty() ? json(metrics->why_absent)
-                                             : exercise.is_null()         ? json("No exercise was chosen.")
-                                                                          : json(nullptr)}});
+    const auto or_null = [](const std::optional<double>& v) { return v && std::isfinite(*v) ? json(*v) : json(nullptr); };
+    told["rms_position_m"] = off ? or_null(off->position_rms_m) : json(nullptr);
+    told["rms_heading_rad"] = off ? or_null(off->heading_rms_rad) : json(nullptr);
+    return json_response(told);
   });
 }
 

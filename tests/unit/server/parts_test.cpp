@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "db/export/exercise_names.hpp"
 #include "server/api/exercise.hpp"
 #include "server/contract/openapi.hpp"
 #include "server/contract/routes.hpp"
@@ -191,7 +192,7 @@ TEST(Exercise, ReadsTheFourShapes) {
   const auto eight = read_exercise(json::parse(R"({"shape": "eight", "c_m": 1.0, "radius_m": 0.8})"), errors);
   ASSERT_TRUE(eight);
   EXPECT_NEAR(start_pose(*eight).psi_rad, 0.9272952180016122, 1e-12);  // asin 0.8
-  EXPECT_EQ(exercise_of_store(stored_exercise(*eight)), exercise_json(*eight));
+  EXPECT_EQ(db::exercise_as_told(stored_exercise(*eight)), exercise_json(*eight));
   const auto square = read_exercise(json::parse(R"({"shape": "square", "side_m": 3.2})"), errors);
   ASSERT_TRUE(square);
   EXPECT_DOUBLE_EQ(start_pose(*square).x_m, -1.6);
