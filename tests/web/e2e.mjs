@@ -344,9 +344,14 @@ const cases = {
     await until('the similarity', async () => (await page.locator('.figures').textContent()).includes(walked.figures.C.toFixed(2)));
     await until('the path', async () => (await pathPixels()) > 500);
     await until('the course', () => page.locator('.uplot canvas').isVisible());
+    const noteIs = (note) => async () => (await stack.rest('GET', `/sessions/${walked.id}`)).json().note === note;
+    await page.getByLabel('Note').fill('half a th');
+    await page.reload();
+    await until('what was typed when the page went away', noteIs('half a th'));
+    await page.locator('.session-item').first().click();
     await page.getByLabel('Note').fill('calm, "=1+1" walk');
     await page.getByRole('button', { name: 'Save' }).last().click();
-    await until('the note is kept', async () => (await stack.rest('GET', `/sessions/${walked.id}`)).json().note === 'calm, "=1+1" walk');
+    await until('the note is kept', noteIs('calm, "=1+1" walk'));
     if (shots) await page.screenshot({ path: join(shots, 'session.png') });
   },
 

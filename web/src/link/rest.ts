@@ -25,6 +25,7 @@ export async function rest<T>(method: 'GET' | 'POST' | 'PATCH' | 'PUT' | 'DELETE
       credentials: 'same-origin',
       cache: 'no-store',
       signal: AbortSignal.timeout(within_ms),
+      keepalive: method !== 'GET', // what was asked for is asked also when the page goes away
       ...(method === 'GET' ? {} : { body: JSON.stringify(body ?? {}) }),
     });
     const text = await response.text();

@@ -122,19 +122,9 @@ function SessionsView() {
     });
   };
   useEffect(() => {
-    // A page that goes away waits for no answer; the browser sends such a request all the same.
-    const close = () => {
-      if (pending.current === null) return;
-      window.clearTimeout(pending.current.timer);
-      const { id } = pending.current;
-      void fetch(`/api/v1/sessions/${id}`, { method: 'DELETE', keepalive: true, credentials: 'same-origin', headers: { 'X-Hoist': '1', 'Content-Type': 'application/json' }, body: '{}' }).catch(() => {});
-      setGone((before) => [...before, id]);
-      setLeaving(null);
-      pending.current = null;
-    };
-    window.addEventListener('pagehide', close);
+    window.addEventListener('pagehide', settle);
     return () => {
-      window.removeEventListener('pagehide', close);
+      window.removeEventListener('pagehide', settle);
       settle();
     };
   }, []);
@@ -353,7 +343,14 @@ function TextField({ label, hint, value, most, onSave }: { label: string; hint?:
   };
   const latest = useRef(save);
   latest.current = save;
-  useEffect(() => () => void latest.current(), []);
+  useEffect(() => {
+    const leave = () => void latest.current();
+    window.addEventListener('pagehide', leave);
+    return () => {
+      window.removeEventListener('pagehide', leave);
+      leave();
+    };
+  }, []);
   return (
     <label class="text-field">
       <span>
