@@ -113,7 +113,7 @@ void SlcanPort::begin_setup(std::uint64_t now_ns) noexcept {
   deadline_ns_ = now_ns + kSetupNs;
   setup_answers_ = 0;
   unanswered_ = 0;
-  silences_ = 0;
+  silences_ = refusals_ = 0;
   // An adapter that is opened anew has left bus-off behind; if not, it will say so again.
   counters_.state = BusState::active;
   problem_ = "the adapter does not answer";
@@ -148,7 +148,12 @@ void SlcanPort::on_answer(bool accepted, std::uint64_t now_ns) noexcept {
     return;
   }
   if (unanswered_ > 0) --unanswered_;
-  if (!accepted) ++counters_.send_refused;
+  if (accepted) {
+    refusals_ = 0;
+  } else {
+    ++refusals_;
+    ++counters_.send_refused;
+  }
 }
 
 void SlcanPort::become_up() noexcept {
@@ -206,6 +211,7 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
       switch (line.kind) {
         case SlcanKind::frame:
           if (state_ == State::setting_up) become_up();
+          refusals_ = 0;
           if (count < out.size()) {
             out[count++] = line.frame;
             ++counters_.received;
@@ -247,6 +253,9 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
     unanswered_ = 0;
     if (++silences_ >= kSilencesBeforeSetup) begin_setup(now_ns);
   }
+  // Refused line by line, and nothing is heard: one flipped character was a `C`, and the adapter has closed the bus. At bus-off it refuses, too,
+  // but comes back by itself.
+  if (state_ == State::up && refusals_ >= kRefusalsBeforeSetup && counters_.state != BusState::off) begin_setup(now_ns);
   if (state_ == State::up && counters_.state == BusState::off && now_ns - off_since_ns_ >= kBusOffNs) begin_setup(now_ns);
   return count;
 }

@@ -38,6 +38,7 @@ class SlcanPort final : public CanPort {
   static constexpr std::uint64_t kSetupNs = 500'000'000;     // C, S5, E1, O must be answered within this
   static constexpr std::uint32_t kWindow = 16;               // unanswered lines: two steps of the fullest traffic
   static constexpr std::uint32_t kSilencesBeforeSetup = 4;   // then the adapter is set up again
+  static constexpr std::uint32_t kRefusalsBeforeSetup = 50;  // likewise: a tenth of a second of traffic, refused line by line
   static constexpr std::uint64_t kBusOffNs = 2'000'000'000;  // then the adapter is asked anew: the line that said "active" may be lost
   static constexpr int kReadsPerStep = 4;                    // bounds the work of one step even on a babbling line
 
@@ -65,6 +66,7 @@ class SlcanPort final : public CanPort {
   std::uint32_t unanswered_ = 0;
   std::uint64_t last_answer_ns_ = 0;
   std::uint32_t silences_ = 0;
+  std::uint32_t refusals_ = 0;      // in a row, with no frame in between
   std::uint64_t off_since_ns_ = 0;  // when the controller was said to be off the bus
   contract::SlcanDecoder decoder_;
   PortCounters counters_;

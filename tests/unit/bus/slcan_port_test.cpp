@@ -199,6 +199,29 @@ TEST_F(SlcanPortTest, SilenceAfterFramesIsAFaultAndAtLastSetsUpAgain) {
   EXPECT_NE(adapter.heard().find("\rC\rS5\rE1\rO\r"), std::string::npos);
 }
 
+// Found in a random session: noise on the line made a `C` of a frame, the adapter closed the bus, and from then on the hoist was deaf.
+TEST_F(SlcanPortTest, H14_AnAdapterThatRefusesEveryLineAndHearsNothingIsSetUpAgain) {
+  bring_up();
+  const std::array out{frame(0x201, 1)};
+  const auto refuse = [&](std::uint32_t times) {
+    for (std::uint32_t i = 0; i < times; ++i) {
+      EXPECT_TRUE(port->up());
+      port->send(out, now_ns);
+      adapter.say("\a");
+      receive();
+    }
+  };
+  refuse(SlcanPort::kRefusalsBeforeSetup - 1);
+  adapter.say("t2012015A\r");  // it hears: it is only full
+  EXPECT_EQ(receive(), 1U);
+  refuse(SlcanPort::kRefusalsBeforeSetup - 1);
+  adapter.say("z\r");
+  receive();
+  refuse(SlcanPort::kRefusalsBeforeSetup);
+  EXPECT_FALSE(port->up());
+  EXPECT_NE(adapter.heard().find("\rC\rS5\rE1\rO\r"), std::string::npos);
+}
+
 TEST_F(SlcanPortTest, ComesBackAfterTheAdapterWasPulledOut) {
   const std::string link = ::testing::TempDir() + "hoist-slcan-" + std::to_string(::getpid());
   ::unlink(link.c_str());
