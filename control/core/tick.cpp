@@ -161,16 +161,35 @@ GateView gate_view(const CoreState& state) noexcept {
           sensed.io.bumpers()};
 }
 
+/// Both drives were out of the stop, and one joins: they have braked by themselves meanwhile, or rolled out. The ramp goes on from what the
+/// wheels do; from where it had come to by itself it would set a hoist in motion that stands. Of a drive that is silent nothing is known: it
+/// is taken to turn like the other one.
+void rejoin(CoreState& state) noexcept {
+  const Estimate& sensed = state.sensed;
+  const bool left_lost = sensed.left_drive.fresh().lost(), right_lost = sensed.right_drive.fresh().lost();
+  const double left_m_s = left_lost ? sensed.odometry.wheel_right_m_s : sensed.odometry.wheel_left_m_s;
+  const double right_m_s = right_lost ? sensed.odometry.wheel_left_m_s : sensed.odometry.wheel_right_m_s;
+  const auto less = [](double ramp, double measured) {
+    if (!(ramp * measured > 0)) return 0.0;
+    return std::fabs(measured) < std::fabs(ramp) ? measured : ramp;
+  };
+  state.limiter.start_from(state.params, less(state.limiter.speed_m_s(), (left_m_s + right_m_s) / 2.0),
+                           less(state.limiter.yaw_rate_rad_s(), (right_m_s - left_m_s) / state.params.track_width_m));
+}
+
 void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& out) noexcept {
   if (state.mode == contract::Mode::protective_stop && state.motion.hold.step(state.limiter, state.sensed))
     raise_fault(state, Fault::overspeed);  // H1, H2: the wheels do something else than they were told
   const bool cut = state.motion.hold.cut();
   const bool drives = mode_row_of(state.mode).drives;
+  const std::uint16_t left_control = state.left_control.step(state.sensed.left_drive, drives, cut);
+  const std::uint16_t right_control = state.right_control.step(state.sensed.right_drive, drives, cut);
+  const bool joins = state.left_control.begins() || state.right_control.begins();
+  if (state.mode == contract::Mode::protective_stop && joins && !state.left_control.goes_on() && !state.right_control.goes_on())
+    rejoin(state);
   const WheelCommand wheels = mix_wheels(state.limiter.speed_m_s(), state.limiter.yaw_rate_rad_s(), state.derived);
-  static_cast<void>(
-      out.frames.push_back(drive_frame(Node::drive_left, state.left_control.step(state.sensed.left_drive, drives, cut), wheels.left_raw)));
-  static_cast<void>(out.frames.push_back(
-      drive_frame(Node::drive_right, state.right_control.step(state.sensed.right_drive, drives, cut), wheels.right_raw)));
+  static_cast<void>(out.frames.push_back(drive_frame(Node::drive_left, left_control, wheels.left_raw)));
+  static_cast<void>(out.frames.push_back(drive_frame(Node::drive_right, right_control, wheels.right_raw)));
   Service& service = state.motion.service;
   state.master.step(inputs.tick, state.sensed, state.live, service.on, out.frames);
   if (service.on && service.waiting) static_cast<void>(out.frames.push_back(service.frame));

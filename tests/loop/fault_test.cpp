@@ -456,6 +456,32 @@ TEST(Faults, H22_ALateStepStops) {
   expect_protective_stop(walk, stop, Fault::loop_overrun, 0.040, 1.0);
 }
 
+// The computer holds the core for longer than the drives wait, and they brake by themselves. The stop that the core then begins must not give
+// the hoist back the speed that it remembers. Found in a random session.
+TEST(Faults, H22_H5_AStopAfterALongHoldSetsNothingInMotion) {
+  for (int held_ticks = 4; held_ticks <= 120; held_ticks += 4) {
+    Walk walk("straight", 0.60);
+    ASSERT_TRUE(walk.set_off());
+    const sim::Plant& plant = walk.loop.world().plant();
+    const auto fastest_m_s = [&plant] {
+      return std::max(std::fabs(plant.wheel_speed_m_s(sim::Side::left)), std::fabs(plant.wheel_speed_m_s(sim::Side::right)));
+    };
+    walk.loop.kill_core();
+    walk.loop.run(0.01 * held_ticks);
+    walk.loop.resume_core();
+    walk.loop.be_late(0.01 * held_ticks);
+    double slowest_m_s = fastest_m_s();
+    for (int i = 0; i < 200; ++i) {
+      walk.loop.step();
+      slowest_m_s = std::min(slowest_m_s, fastest_m_s());
+      ASSERT_LT(fastest_m_s(), slowest_m_s + 0.03) << "held for " << held_ticks << "0 ms, " << i << "0 ms later";
+    }
+    EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);
+    EXPECT_TRUE(walk.loop.ever_raised(Fault::loop_overrun));
+    EXPECT_LT(slowest_m_s, 0.02);
+  }
+}
+
 // Hazard table 2.3, with the shipped nodes: the button opens chain and relay, the brakes stop the wheels, and only releasing it and an
 // acknowledgement lead back, by way of INIT.
 TEST(Faults, TheEmergencyStopTakesThePowerAndTheCoreFollows) {

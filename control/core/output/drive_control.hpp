@@ -16,8 +16,28 @@ class DriveControl {
  public:
   /// `cut`: no voltage at all, whatever the drive does, because its own ramp is not trusted either.
   [[nodiscard]] std::uint16_t step(const DriveSensor& drive, bool wanted, bool cut) noexcept {
-    namespace cia402 = contract::canopen::drive;
     watch(drive, wanted && !cut);
+    ran_ = runs_;
+    const std::uint16_t control = lead(drive, wanted, cut);
+    runs_ = control == contract::canopen::drive::kEnable;
+    return control;
+  }
+  /// Told to run in this step, and not in the one before: what it is told now is where its wheel begins. Or in both.
+  [[nodiscard]] bool begins() const noexcept { return runs_ && !ran_; }
+  [[nodiscard]] bool goes_on() const noexcept { return runs_ && ran_; }
+
+  /// Asks for a fault reset; called on acknowledgement only.
+  void reset_fault() noexcept { reset_ticks_ = kResetTicksMax; }
+  [[nodiscard]] bool resetting() const noexcept { return reset_ticks_ > 0; }
+
+  /// Wanted and not enabled for too long, or dropped out by itself.
+  [[nodiscard]] bool refuses_to_run(std::uint8_t start_ticks_max, std::uint8_t dropped_ticks_max) const noexcept {
+    return missing_ticks_ >= start_ticks_max || (was_enabled_ && missing_ticks_ >= dropped_ticks_max);
+  }
+
+ private:
+  [[nodiscard]] std::uint16_t lead(const DriveSensor& drive, bool wanted, bool cut) noexcept {
+    namespace cia402 = contract::canopen::drive;
     const cia402::State state = drive.state();
     if (reset_ticks_ > 0) {
       --reset_ticks_;
@@ -45,16 +65,6 @@ class DriveControl {
     return cia402::kDisableVoltage;
   }
 
-  /// Asks for a fault reset; called on acknowledgement only.
-  void reset_fault() noexcept { reset_ticks_ = kResetTicksMax; }
-  [[nodiscard]] bool resetting() const noexcept { return reset_ticks_ > 0; }
-
-  /// Wanted and not enabled for too long, or dropped out by itself.
-  [[nodiscard]] bool refuses_to_run(std::uint8_t start_ticks_max, std::uint8_t dropped_ticks_max) const noexcept {
-    return missing_ticks_ >= start_ticks_max || (was_enabled_ && missing_ticks_ >= dropped_ticks_max);
-  }
-
- private:
   void watch(const DriveSensor& drive, bool wanted) noexcept {
     if (!wanted || drive.fresh().lost()) {
       // A silent drive is another fault's matter; when it comes back it starts from the beginning.
@@ -69,7 +79,7 @@ class DriveControl {
   }
 
   std::uint8_t missing_ticks_ = 0, reset_ticks_ = 0;
-  bool was_enabled_ = false;
+  bool was_enabled_ = false, runs_ = false, ran_ = false;
 };
 
 }  // namespace hoist::core
