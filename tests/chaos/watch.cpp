@@ -20,7 +20,9 @@ using contract::Node;
 using contract::TickRecord;
 using HoistFault = contract::Fault;
 
-constexpr double kRest_m_s = 0.08;  // a wheel this slow has stopped: a patient who still walks shakes the brakes of a hoist that holds
+constexpr double kRest_m_s = 0.08;   // a wheel this slow has stopped: a patient who still walks shakes the brakes of a hoist that holds
+constexpr double kStill_m_s = 0.02;  // and stands, when this slow for as long as this
+constexpr int kRestedTicks = 10;
 constexpr double kEps = 1e-6;
 // Between braking and standstill beside v/a: the drives' lag, and 50 ms of I1.
 constexpr double kRollOut_s = 0.35;
@@ -238,6 +240,15 @@ void Watch::watch_record() {
   // A post that the hoist was stopped at pushes back, now and then for as long as it stands there.
   if (!moves(mode) && now_s - moving_end_s_ > 1.3 && fastest_wheel() > kRest_m_s && !odd())
     broken("I1: a wheel turns 1.3 s after motion ended", fastest_wheel());
+  // A stop that has come to rest sets nothing in motion again: not with what it had still to brake when the drives did it by themselves.
+  const double fastest_m_s = fastest_wheel();
+  if (mode != Mode::protective_stop)
+    rested_ticks_ = 0;
+  else if (fastest_m_s <= kStill_m_s)
+    ++rested_ticks_;
+  else if (rested_ticks_ < kRestedTicks)
+    rested_ticks_ = 0;
+  if (rested_ticks_ >= kRestedTicks && fastest_m_s > kRest_m_s && !odd()) broken("I1: a stop sets a standing wheel in motion", fastest_m_s);
   if (moves(mode)) report_.walked_s += 0.01;
   watch_events();
   watch_deadlines(record);
@@ -280,40 +291,44 @@ void Watch::watch_driver(const TickRecord& record) {
 void Watch::watch_parameters(Mode mode) {
   const core::CoreState& core = loop_.core();
   const auto events = std::span(loop_.events()).subspan(events_seen_);
+  std::vector<contract::Command> given;  // rows of every set that was committed in this step, in their order
+  std::size_t rows = 0;
   for (const contract::Command& c : commands_) {
     // What was refused is no part of a set: an old number, somebody else's row, a value that cannot be.
-    const bool taken = c.kind == CommandKind::stage_parameter && std::any_of(events.begin(), events.end(), [&c](const contract::Event& e) {
-                         return e.kind == EventKind::command_done && e.request_id == c.request_id && e.client == c.client;
-                       });
+    const bool taken = std::any_of(events.begin(), events.end(), [&c](const contract::Event& e) {
+      return e.kind == EventKind::command_done && e.request_id == c.request_id && e.client == c.client;
+    });
     if (!taken) continue;
-    if (c.b == 0) staged_.clear();
-    staged_.push_back(c);
+    if (c.kind == CommandKind::stage_parameter) {
+      if (c.b == 0) staged_.clear();
+      staged_.push_back(c);
+    } else if (c.kind == CommandKind::commit_parameters) {
+      given.insert(given.end(), staged_.begin(), staged_.end());
+      rows += c.a;
+    }
   }
   const bool changed = std::memcmp(&core.params, &params_, sizeof params_) != 0;
   if (changed != (core.parameter_version != parameter_version_) && parameter_version_ != 0 && changed)
     broken("I10: parameters changed without a new version");
   if (changed) {
-    std::size_t accounted = 0, count = 0;
+    std::size_t count = 0;
     for (const contract::Event& e : events) count += e.kind == EventKind::parameter_changed ? 1U : 0U;
+    if (given.empty()) broken("I10: parameters changed without a commit");
+    bool whole = count == rows && given.size() == rows;
     for (std::size_t i = 0; i < contract::kParamCount; ++i) {
       const double before = contract::get_param(params_, i), now = contract::get_param(core.params, i);
       if (contract::check_param(i, now) != contract::ParamCheck::ok)
         broken("I10: a value in force is not allowed: ", now, contract::kParams[i].name);
-      const bool given = std::any_of(staged_.begin(), staged_.end(),
-                                     [&](const contract::Command& c) { return c.a == contract::kParams[i].id && c.v0 == now; });
-      accounted += given ? 1U : 0U;
+      const auto last =
+          std::find_if(given.rbegin(), given.rend(), [&](const contract::Command& c) { return c.a == contract::kParams[i].id; });
+      whole = whole && (last == given.rend() || last->v0 == now);
       if (now == before) continue;
-      if (!given) broken("I10: a value is in force that nobody gave: ", now, contract::kParams[i].name);
+      if (last == given.rend() || last->v0 != now) broken("I10: a value is in force that nobody gave: ", now, contract::kParams[i].name);
       if (moves(mode) && moves(last_mode_) && contract::kParams[i].edit != contract::EditRule::live)
         broken("I10: changed while moving: ", now, contract::kParams[i].name);
     }
     if (contract::check_param_set(core.params) != nullptr) broken("I10: the values in force contradict each other");
-    const auto commit = std::find_if(commands_.begin(), commands_.end(),
-                                     [](const contract::Command& c) { return c.kind == CommandKind::commit_parameters; });
-    if (commit == commands_.end())
-      broken("I10: parameters changed without a commit");
-    else if (accounted < commit->a || count != commit->a)
-      broken("I10: a set is in force in part", static_cast<double>(count));
+    if (!whole) broken("I10: a set is in force in part", static_cast<double>(count));
     params_ = core.params;
   }
   parameter_version_ = core.parameter_version;

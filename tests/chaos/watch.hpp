@@ -82,6 +82,7 @@ class Watch {
   std::vector<contract::Command> commands_;  // of this step
   contract::Params params_;                  // in force after the step before
   std::uint64_t parameter_version_{};
+  int rested_ticks_ = 0;                   // of a protective stop at rest
   std::vector<contract::Command> staged_;  // rows of the set that is being gathered, by any client
   double asked_stop_s_{-100.0}, acknowledged_s_{-100.0}, driven_s_{-100.0};
   double moving_end_s_{}, core_silent_s_{}, wheels_at_silence_m_s_{};

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <string_view>
+
+#include "control/bus/slcan.hpp"
 
 namespace hoist::tests {
 namespace {
@@ -25,6 +28,7 @@ double core_seconds() {
 
 /// 1 Mbaud, ten bits a character.
 constexpr std::size_t kSerialPerMillisecond = 100;
+constexpr std::string_view kGatewaySetup = "\rC\rS5\rO\r";
 
 sim::WorldOptions attached(const ClosedLoopOptions& options) {
   sim::WorldOptions world = options.world;
@@ -42,7 +46,7 @@ ClosedLoop::ClosedLoop(const ClosedLoopOptions& options)
       outputs_(std::make_unique<core::TickOutputs>()) {
   commands_.reserve(64);
   events_.reserve(4096);
-  if (through_gateway_) to_gateway_ = "\rC\rS5\rO\r";
+  if (through_gateway_) to_gateway_ = kGatewaySetup;
 }
 
 void ClosedLoop::restart_core() {
@@ -105,7 +109,16 @@ void ClosedLoop::move_serial_line() {
     for (char& c : std::span(piece).first(got)) noise_(c);
   decoder_.feed(std::span<const char>(piece).first(got), [this](const contract::SlcanLine& line) {
     if (line.kind == contract::SlcanKind::frame && frames_count_ < kFramesMax) frames_[frames_count_++] = line.frame;
+    if (line.kind == contract::SlcanKind::bel) {
+      ++gateway_refusals_;
+    } else if (line.kind == contract::SlcanKind::frame || line.kind == contract::SlcanKind::ack) {
+      gateway_refusals_ = 0;
+    }
   });
+  // As the port of the product does: noise may have closed the bus.
+  if (gateway_refusals_ < bus::SlcanPort::kRefusalsBeforeSetup) return;
+  gateway_refusals_ = 0;
+  to_gateway_ += kGatewaySetup;
 }
 
 void ClosedLoop::drive_with_stick(core::TickInputs& inputs) {

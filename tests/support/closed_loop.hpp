@@ -127,7 +127,8 @@ class ClosedLoop {
   bool through_gateway_;
   std::string to_gateway_;  // characters waiting for the serial line
   contract::SlcanDecoder decoder_;
-  std::size_t frames_count_{};  // received through the gateway since the last step
+  std::uint32_t gateway_refusals_ = 0;  // lines refused in a row, with no frame in between
+  std::size_t frames_count_{};          // received through the gateway since the last step
   std::unique_ptr<core::CoreState> core_;
   std::unique_ptr<core::TickOutputs> outputs_;
   std::array<contract::CanFrame, kFramesMax> frames_{};
