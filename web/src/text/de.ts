@@ -102,6 +102,7 @@ export const de: Record<TextKey, string> = {
   'walk.end': 'Beenden',
   'walk.starting': 'Startet …',
   'walk.neutral': 'Neutral setzen',
+  'walk.neutralShort': 'aufrecht und still',
   'walk.neutralHint': 'Der Patient steht aufrecht und still; diese Haltung wird die Mitte.',
   'walk.neutralDone': 'Neutrale Haltung gesetzt',
   'walk.speed': 'Tempo',

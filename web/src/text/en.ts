@@ -101,6 +101,7 @@ export const en = {
   'walk.end': 'End',
   'walk.starting': 'Starting …',
   'walk.neutral': 'Set neutral',
+  'walk.neutralShort': 'upright and still',
   'walk.neutralHint': 'The patient stands upright and still; this posture becomes the middle.',
   'walk.neutralDone': 'Neutral posture set',
   'walk.speed': 'Speed',
