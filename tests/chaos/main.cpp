@@ -24,8 +24,8 @@ constexpr std::uint64_t kPiece = 50;
 // Of more broken ones the seed is enough.
 constexpr std::uint64_t kShrunkMost = 5;
 
-int usage() {
-  std::puts(
+void usage(std::FILE* to) {
+  std::fputs(
       "hoist-chaos: random sessions in virtual time; what must always hold is checked in every step.\n"
       "  --sessions N    how many (default 200)\n"
       "  --seed S        seed of the first (default 1); the next have S + 1, S + 2, ...\n"
@@ -39,7 +39,13 @@ int usage() {
       "  --hashes        print the hash of each second: equal on every machine, compiler and run\n"
       "  --state FILE    a run that was ended goes on where this file says; it is written again and again\n"
       "  --quiet         no line of progress\n"
-      "  --jobs N        sessions at a time (default: processors)");
+      "  --jobs N        sessions at a time, from 1 (default: processors)\n",
+      to);
+}
+
+int refuse(const std::string& what) {
+  std::fprintf(stderr, "hoist-chaos: %s\n", what.c_str());
+  usage(stderr);
   return 2;
 }
 
@@ -101,12 +107,16 @@ void save(const std::string& file, const std::string& name, const Totals& t) {
 
 int main(int argc, char** argv) {
   SessionOptions options;
-  double sessions = 200, seed = 1, jobs = std::thread::hardware_concurrency();
+  double sessions = 200, seed = 1, jobs = std::max(1U, std::thread::hardware_concurrency());
   bool unmoved = false, hashes = false, quiet = false;
   std::string state;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     const char* next = i + 1 < argc ? argv[i + 1] : nullptr;
+    if (word == "--help" || word == "-h") {
+      usage(stdout);
+      return 0;
+    }
     if (word == "--no-faults") {
       options.faults_max = 0;
     } else if (word == "--story") {
@@ -121,7 +131,7 @@ int main(int argc, char** argv) {
       state = argv[++i];
     } else if (word == "--faults" && next != nullptr) {
       options.faults = hoist::chaos::read_faults(argv[++i]);
-      if (!options.faults) return usage();
+      if (!options.faults) return refuse("--faults: kind:node:start:end:size, with commas in between, not " + std::string(argv[i]));
       options.tell = true;
       sessions = 1;
     } else if (word == "--sessions" || word == "--seed" || word == "--jobs" || word == "--length" || word == "--loss" ||
@@ -132,13 +142,17 @@ int main(int argc, char** argv) {
                       : word == "--length" ? options.length_s
                       : word == "--loss"   ? options.frame_loss
                                            : options.link_jitter_s;
-      if (!number(next, value)) return usage();
+      if (!number(next, value)) return refuse(word + " needs a number that is not negative");
       ++i;
     } else {
-      return usage();
+      return refuse("there is no option " + word + ", or it lacks its value");
     }
   }
-  if (sessions < 1 || options.length_s < 15 || options.frame_loss > 0.2 || options.link_jitter_s > 1.0) return usage();
+  if (sessions < 1) return refuse("--sessions: at least 1");
+  if (jobs < 1) return refuse("--jobs: at least 1");
+  if (options.length_s < 15) return refuse("--length: at least 15 s");
+  if (options.frame_loss > 0.2) return refuse("--loss: 0 to 0.2");
+  if (options.link_jitter_s > 1.0) return refuse("--jitter: 0 to 1 s");
   options.only_walk = options.outside_only = unmoved;
 
   const auto count = static_cast<std::uint64_t>(sessions), first = static_cast<std::uint64_t>(seed);

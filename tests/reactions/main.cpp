@@ -5,6 +5,10 @@
 #include "tests/reactions/reactions.hpp"
 
 int main(int count, char** arguments) {
+  if (count > 2 || (count == 2 && arguments[1][0] == '-')) {
+    std::fputs("usage: hoist-reactions [FILE]\n  measures every reaction, prints the page and writes it to FILE\n", stderr);
+    return 2;
+  }
   const auto rows = hoist::reactions::measure(hoist::reactions::kPageTries);
   const std::string text = hoist::reactions::page(rows);
   std::fputs(text.c_str(), stdout);
