@@ -87,8 +87,23 @@ class Session {
       // The published tilt filter takes long to unlearn the bias of a sensor that lied, or of a gyroscope whose zero came back.
       const bool unlearns = board_.ever(Kind::sensor_stuck) || board_.ever(Kind::sensor_offset) || board_.ever(Kind::sensor_garbage) ||
                             board_.ever(Kind::sensor_slow) || board_.ever(Kind::gyro_jump);
-      const double end_s = loop_.time_s() + kMending_s + (unlearns ? kUnlearning_s : 0.0);
-      while (loop_.time_s() < end_s && loop_.mode() != Mode::standby) step();
+      double end_s = loop_.time_s() + kMending_s + (unlearns ? kUnlearning_s : 0.0);
+      bool switched_off = false;
+      while (loop_.mode() != Mode::standby) {
+        if (loop_.time_s() >= end_s) {
+          // A gyroscope whose zero jumped while it was being measured, and jumped back, doubts itself until the hoist is switched off and on,
+          // which is what its alarm says.
+          const bool doubts = (loop_.core().conditions & contract::fault_bit(contract::Fault::tilt_sensor_fault)) != 0;
+          if (switched_off || !doubts || !board_.ever(Kind::gyro_jump)) break;
+          switched_off = true;
+          for (const contract::Node node : {contract::Node::tilt_left, contract::Node::tilt_right, contract::Node::tilt_base}) {
+            loop_.world().unplug(node, true);
+            loop_.world().unplug(node, false);
+          }
+          end_s = loop_.time_s() + kMending_s;
+        }
+        step();
+      }
       if (loop_.mode() != Mode::standby && !hopeless()) {
         const core::CoreState& core = loop_.core();
         std::ostringstream why;

@@ -141,6 +141,35 @@ TEST(Falls, H15WhatTheHoistsOwnBrakingExplainsIsNoFall) {
   }
 }
 
+// Found in a random session: the therapist halved the speed of a walk, and the swing of the body ended just after the time that explains it.
+TEST(Falls, H15ASwingThatTheBrakeBeganMayEndAfterIt) {
+  for (const int out_ticks : {30, 75}) {
+    SCOPED_TRACE(out_ticks);
+    contract::Params params;
+    params.remote_speed_m_s_max = 0.6;
+    ScriptedHoist hoist(params);
+    ASSERT_TRUE(hoist.start(Mode::remote));
+    hoist.drive_for(300, 1.0);
+    for (int i = 0; i < 140; ++i) {  // the ramp takes 1.2 s and somewhat more, and 0.3 s count as the swing
+      hoist.lean(std::min(12.5, 0.1 * i));
+      hoist.drive_for(1, 0.0);
+    }
+    ASSERT_FALSE(hoist.has_fault(Fault::fall_detected));
+    for (int i = 0; i < out_ticks; ++i) {
+      hoist.lean(13.3);
+      hoist.drive_for(1, 0.0);
+    }
+    EXPECT_EQ(hoist.has_fault(Fault::fall_detected), out_ticks > 60);
+    if (out_ticks > 60) continue;
+    // Back, and out again: that is no swing of the brake's any more.
+    for (int i = 0; i < 30; ++i) {
+      hoist.lean(i < 15 ? 12.5 : 13.3);
+      hoist.drive_for(1, 0.0);
+    }
+    EXPECT_TRUE(hoist.has_fault(Fault::fall_detected));
+  }
+}
+
 TEST(Falls, H16HangingBeyondTheRestingLeanStops) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));

@@ -5,8 +5,8 @@
 //
 // A hoist that brakes or speeds up swings the body on its springs: m a / k, 7 degrees for 75 kg at 0.5 m/s2, 11 at 0.8. That is no fall, and
 // braking harder would only throw the body farther. So while the hoist itself changes its speed by kOwn_m_s2 or more, and for 0.3 s after,
-// a quick lean in the direction in which that throws the body is left to the resting rule; and where it brakes, the resting lean may last
-// kThrown_s longer, which is how long the swing of a heavy body stays out there.
+// a quick lean in the direction in which that throws the body is left to the resting rule; and where it brakes, a resting lean that began
+// then may last kThrown_s longer, which is how long the swing of a heavy body stays out there.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -30,6 +30,7 @@ class FallDetected {
     const auto beyond = [square](double limit_rad) { return !(square <= limit_rad * limit_rad); };
     const double tilt_rad = threshold<kFault, "tilt">(view.params.fall_tilt_rad);
     resting_s_ = beyond(threshold<kFault, "static_tilt">(view.params.fall_static_tilt_rad)) ? resting_s_ + view.dt_s : 0;
+    if (resting_s_ == 0) thrown_out_ = false;
     note_own_acceleration(view);
     if (view.mode == contract::Mode::protective_stop) {
       // Nothing new can trip here, and what tripped lasts until the patient stands again.
@@ -39,7 +40,8 @@ class FallDetected {
     const bool thrown_there = thrown(alpha_rad, beta_rad);
     // Thrown along the way it goes, or went until it stood: it brakes.
     const bool brakes = command_m_s_ == 0 || forward_ == (command_m_s_ > 0);
-    const double longer_s = thrown_there && brakes ? hold<kFault, "thrown_time">(kThrown_s) : 0;
+    if (thrown_there && brakes && resting_s_ > 0) thrown_out_ = true;
+    const double longer_s = thrown_out_ ? hold<kFault, "thrown_time">(kThrown_s) : 0;
     if (resting_s_ > hold<kFault, "static_time">(view.params.fall_static_s) + longer_s - view.dt_s / 2) return true;
     if (!beyond(tilt_rad) || thrown_there) return false;
     const double alpha_rate =
@@ -75,7 +77,7 @@ class FallDetected {
 
   double resting_s_ = 0, command_m_s_ = 0;
   std::uint8_t swing_ticks_ = 0;
-  bool forward_ = false;
+  bool forward_ = false, thrown_out_ = false;  // thrown_out_: the resting lean is still the one that the brake began
 };
 
 }  // namespace hoist::core
