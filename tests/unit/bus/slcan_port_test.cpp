@@ -200,7 +200,7 @@ TEST_F(SlcanPortTest, SilenceAfterFramesIsAFaultAndAtLastSetsUpAgain) {
 }
 
 // Found in a random session: noise on the line made a `C` of a frame, the adapter closed the bus, and from then on the hoist was deaf.
-TEST_F(SlcanPortTest, H14_AnAdapterThatRefusesEveryLineAndHearsNothingIsSetUpAgain) {
+TEST_F(SlcanPortTest, AnAdapterThatRefusesEveryLineAndHearsNothingIsSetUpAgain) {
   bring_up();
   const std::array out{frame(0x201, 1)};
   const auto refuse = [&](std::uint32_t times) {
