@@ -68,8 +68,7 @@ function WalkView() {
         </div>
         <button type="button" class="plain two-lines" disabled={request.busy || aside.busy || led || link !== 'open'} title={t('walk.neutralHint')}
           onClick={() => void neutral()}>
-          {t('walk.neutral')}
-          <small>{t('walk.neutralShort')}</small>
+          {t('walk.neutral')} <small>{t('walk.neutralShort')}</small>
         </button>
         <StartEnd request={request} startLabel={t('walk.start')} endLabel={t('walk.end')} wait={aside.busy} start={() => requestMode('user', exercise)} />
       </div>
