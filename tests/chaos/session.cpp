@@ -338,7 +338,7 @@ class Session {
     const bool cuts = f.kind == Kind::server_hang || f.kind == Kind::server_crash || f.kind == Kind::link_loss ||
                       f.kind == Kind::link_stall || f.kind == Kind::tab_freeze;
     if (on && cuts && contract::led_by_hand(loop_.mode())) {
-      watch_.stick_falls_silent();
+      watch_.stop_is_wanted();
       if (f.end_s - f.start_s > 0.5) watch_.must_stop("the driver's commands stopped", 0.30, 0.8);
     }
   }
@@ -591,7 +591,7 @@ class Session {
     if (!mending_ && now_s < next_s_) return false;
     loop_.let_go();
     ask_mode(Mode::standby);
-    watch_.stick_falls_silent();
+    watch_.stop_is_wanted();
     wait(now_s, 1.0, 4.0);
     return true;
   }
@@ -603,7 +603,7 @@ class Session {
       loop_.let_go();
     } else if (therapist_dice_.chance(0.05)) {
       loop_.fall_silent();
-      watch_.stick_falls_silent();
+      watch_.stop_is_wanted();
     } else {
       loop_.hold_stick(0.0, 0.0);
     }
@@ -617,12 +617,13 @@ class Session {
     }
     if (therapist_dice_.chance(0.2) || without_lease()) {
       watch_.tell("STOP");
-      watch_.therapist_stops();
+      watch_.stop_is_wanted();
+      watch_.must_stop("STOP", 0.01, 0.5);
       wait(now_s, 1.0, 4.0);
       return ask(CommandKind::stop);
     }
     ask_mode(Mode::standby);
-    watch_.therapist_stops();
+    watch_.stop_is_wanted();
     wait(now_s, 1.0, 4.0);
   }
   void while_driving(double now_s) {
@@ -632,7 +633,7 @@ class Session {
       loop_.let_go();
     } else if (therapist_dice_.chance(0.1)) {
       loop_.fall_silent();
-      watch_.stick_falls_silent();  // while pushed: that the hoist stops is no false stop
+      watch_.stop_is_wanted();  // while pushed: that the hoist stops is no false stop
       stick_s_ = now_s + therapist_dice_.between(0.05, 1.5);
     } else {
       // A hand that thinks of the patient: no jumps from full ahead to full astern, which the fall guard rightly stops.

@@ -178,9 +178,17 @@ void Watch::fault_begins(const Planned& row) {
 void Watch::before_step(const core::TickInputs& inputs) {
   commands_.assign(inputs.commands.begin(), inputs.commands.end());
   last_tick_ = inputs.tick;
-  for (const contract::Command& c : commands_)
-    if (c.kind == CommandKind::acknowledge && lease_holder_ != 0 && c.client == lease_holder_ && c.lease_epoch == lease_epoch_)
-      acknowledged_s_ = loop_.time_s();
+  // Who leads when its turn comes: a sign-out or another server, earlier in the same step, leaves nobody whose word would count.
+  std::uint32_t holder = inputs.server_life == server_life_ ? lease_holder_ : 0;
+  server_life_ = inputs.server_life;
+  for (const contract::Command& c : commands_) {
+    if (holder == 0) break;
+    const bool by_holder = c.client == holder && c.lease_epoch == lease_epoch_;
+    if (c.kind == CommandKind::acknowledge && by_holder) acknowledged_s_ = loop_.time_s();
+    if (c.kind == CommandKind::request_mode && c.a == static_cast<std::uint32_t>(Mode::standby) && by_holder)
+      must_stop("the end of motion", 0.01, 0.5);
+    if (c.kind == CommandKind::release_lease && (c.client == 0 || c.client == holder)) holder = 0;
+  }
   if (!inputs.drive_fresh) return;
   // What may act: from the holder, under its number, newer than the last, held, and about a picture of the hoist not older than 250 ms.
   const contract::DriveCommand& d = inputs.drive;

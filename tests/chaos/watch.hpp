@@ -41,8 +41,8 @@ class Watch {
   void before_step(const core::TickInputs& inputs);
   void after_step(bool core_ran);
   void fault_begins(const Planned& row);
-  void therapist_stops() { asked_stop_s_ = loop_.time_s(), must_stop("STOP or the end of motion", 0.01, 0.5); }
-  void stick_falls_silent() { asked_stop_s_ = loop_.time_s(); }
+  /// Whatever ends motion in the next seconds was wanted.
+  void stop_is_wanted() { asked_stop_s_ = loop_.time_s(); }
   void core_restarted();
   void must_stop(const char* cause, double budget_s, double braking_m_s2);
   void tell(const std::string& what);
@@ -88,6 +88,7 @@ class Watch {
   double moving_end_s_{}, core_silent_s_{}, wheels_at_silence_m_s_{};
   double last_speed_m_s_{};
   std::uint64_t drive_sequence_{};
+  std::uint64_t server_life_{};
   std::uint32_t drive_epoch_{}, lease_epoch_{}, lease_holder_{};
   contract::Mode last_mode_{contract::Mode::init};
   std::size_t events_seen_{};
