@@ -136,7 +136,10 @@ std::string_view schemas_text() {
   "software_version": {"type": "string"}, "stored_bytes": {"type": "integer"}}, "additionalProperties": false},
 "SessionList": {"type": "object", "required": ["items", "next", "total"], "properties": {"items": {"type": "array", "items": {"$ref": "#/components/schemas/Session"}},
   "next": {"type": ["string", "null"]}, "total": {"type": "integer"}}, "additionalProperties": false},
-"SessionPatch": {"type": "object", "properties": {"note": {"type": "string"}, "subject": {"type": ["string", "null"]}, "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"}},
+"NoteText": {"type": "string", "maxLength": 4000, "description": "Plain text, tabs and line ends allowed: at most 4000 bytes of UTF-8."},
+"SubjectCode": {"type": "string", "minLength": 1, "maxLength": 64, "description": "One line of plain text: at most 64 bytes of UTF-8. A code, never a name."},
+"SessionPatch": {"type": "object", "properties": {"note": {"$ref": "#/components/schemas/NoteText"},
+  "subject": {"anyOf": [{"$ref": "#/components/schemas/SubjectCode"}, {"type": "null"}]}, "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"}},
   "additionalProperties": false},
 "Samples": {"type": "object", "required": ["from_s", "to_s", "gap_before", "columns"], "properties": {"from_s": {"type": "array", "items": {"type": "number"}},
   "to_s": {"type": "array", "items": {"type": "number"}}, "gap_before": {"type": "array", "items": {"type": "integer"}}, "columns": {"type": "array", "items": {"type": "object",
@@ -168,7 +171,8 @@ std::string_view schemas_text() {
 "Recording": {"type": "object", "required": ["state", "session", "started_utc_ms", "samples", "durable_tick", "detail"], "properties": {"state": {"enum": ["idle", "recording", "failed"]},
   "session": {"type": ["integer", "null"]}, "started_utc_ms": {"type": ["integer", "null"]}, "samples": {"type": "integer"}, "durable_tick": {"type": ["integer", "null"]},
   "detail": {"type": "string"}}, "additionalProperties": false},
-"RecordingRequest": {"type": "object", "required": ["action"], "properties": {"action": {"enum": ["start", "stop"]}, "subject": {"type": "string"}, "note": {"type": "string"}}, "additionalProperties": false}
+"RecordingRequest": {"type": "object", "required": ["action"], "properties": {"action": {"enum": ["start", "stop"]},
+  "subject": {"$ref": "#/components/schemas/SubjectCode"}, "note": {"$ref": "#/components/schemas/NoteText"}}, "additionalProperties": false}
 })json";
 }
 
