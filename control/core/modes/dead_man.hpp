@@ -26,6 +26,8 @@ struct Hand {
     motion.leaving = true;
     if (motion.braking < Braking::remote) motion.braking = Braking::remote;
   }
+  // Whatever else ends the mode, a hand that lets go stops as hard as it always does: no second reason makes a stop gentler.
+  if (motion.leaving && !state.remote.held() && motion.braking < Braking::remote) motion.braking = Braking::remote;
   if (motion.leaving) return {true, false, 0};
   if (!state.remote.held() || state.remote.awaits_neutral()) return {};
   const double fresh_norm =

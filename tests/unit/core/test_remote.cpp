@@ -219,6 +219,36 @@ TEST(Remote, LettingGoAndSilenceKeepRemote) {
   EXPECT_FALSE(hoist.has_fault(Fault::remote_command_lost));
 }
 
+// A stop in force never gets gentler: not by the request for standby, in whatever order the two arrive, nor by an alarm that asks for less.
+TEST(Remote, H17TheEndOfDrivingMakesNoStopGentler) {
+  const auto let_go = [](ScriptedHoist& h) { h.hold(0, 0, false); };
+  const auto end = [](ScriptedHoist& h) { h.send(CommandKind::request_mode, 7, static_cast<std::uint32_t>(Mode::standby)); };
+  const auto alarm = [](ScriptedHoist& h) { h.drive_left.supply_v = h.drive_right.supply_v = h.io.battery_a_v = h.io.battery_b_v = 1.0; };
+  const std::function<void(ScriptedHoist&)> seconds[] = {end, alarm, [](ScriptedHoist&) {}};
+  for (const bool end_first : {false, true}) {
+    for (const auto& second : seconds) {
+      ScriptedHoist hoist;
+      ASSERT_TRUE(hoist.start(Mode::remote));
+      hoist.drive_for(300, 1.0);
+      double before_m_s = hoist.command_m_s();
+      ASSERT_GT(before_m_s, 0.25);
+      if (end_first) {
+        end(hoist);
+        hoist.step(3);
+      }
+      let_go(hoist);
+      hoist.step(1);
+      before_m_s = hoist.command_m_s();
+      second(hoist);
+      for (int i = 0; i < 10; ++i) {
+        hoist.step();
+        EXPECT_NEAR((before_m_s - hoist.command_m_s()) / kTick_s, 0.8, 0.02) << end_first << i;
+        before_m_s = hoist.command_m_s();
+      }
+    }
+  }
+}
+
 TEST(Remote, H21ServerLostFreesTheLeaseAndStopsDriving) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::remote));
