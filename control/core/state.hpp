@@ -55,7 +55,9 @@ struct Motion {
 struct PendingAcknowledge {
   std::uint32_t request_id = 0, client = 0;
   std::uint8_t ticks_left = 0;
-  std::uint8_t bumpers = 0;  // that touched when it was pressed, and have touched ever since
+  std::uint8_t bumpers = 0;       // that touched when it was pressed, and have touched ever since
+  std::uint32_t lease_epoch = 0;  // of whoever pressed
+  bool overtaken = false;         // something else has stopped the hoist since, which nobody has acknowledged
 };
 
 struct CoreState {

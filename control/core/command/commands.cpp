@@ -231,7 +231,7 @@ Verdict ask_acknowledge(CoreState& state, const Command& command) noexcept {
   bool wait = false;
   if (command.b > static_cast<std::uint32_t>(contract::Role::engineer)) return refused(Refusal::not_allowed);
   const std::uint32_t bits = acknowledge(state, static_cast<contract::Role>(command.b), wait);
-  if (wait) state.pending = {command.request_id, command.client, kResetTicksMax, state.sensed.io.bumpers()};
+  if (wait) state.pending = {command.request_id, command.client, kResetTicksMax, state.sensed.io.bumpers(), state.lease.epoch, false};
   return {bits, 0, wait};
 }
 

@@ -41,7 +41,7 @@ class HoldWatch {
     if (!sensed.drives_lost() &&
         (faster(sensed.odometry.wheel_left_m_s, kWheel_m_s) || faster(sensed.odometry.wheel_right_m_s, kWheel_m_s)))
       return true;
-    return !sensed.base.fresh().lost() && faster(sensed.base.yaw_rate_rad_s(), kTurn_rad_s);
+    return !sensed.base.rates_fresh().lost() && faster(sensed.base.yaw_rate_rad_s(), kTurn_rad_s);
   }
 
   std::uint8_t hold_ticks_ = 0, moving_ticks_ = 0;

@@ -89,6 +89,8 @@ void change_mode(CoreState& state, Mode to) noexcept {
 }
 
 void stop_protectively(CoreState& state, std::uint32_t causes) noexcept {
+  // Bumpers are remembered one by one.
+  if ((causes & ~kBumper) != 0) state.pending.overtaken = true;
   if (find_transition(state.mode, Mode::protective_stop, Asker::fault) != nullptr) {
     const bool counts = state.mode != Mode::init;
     change_mode(state, Mode::protective_stop);
@@ -213,7 +215,8 @@ std::uint32_t start_refusals(const CoreState& state) noexcept {
   add(state.mode != Mode::standby, Refusal::not_standby);
   add(state.mode == Mode::fault || (state.latched & kBreakdown) != 0, Refusal::fault_mode);
   add(state.mode == Mode::emergency_stop || (state.conditions & kPowerOff) != 0, Refusal::emergency_stop_open);
-  add(!state.master.all_running() || sensed.tilts_stale() || sensed.drives_lost() || sensed.io.fresh().lost(), Refusal::nodes_missing);
+  add(!state.master.all_running() || sensed.tilts_stale() || sensed.drives_lost() || sensed.io.fresh().lost() || !sensed.io.battery_known(),
+      Refusal::nodes_missing);
   add(state.master.any_other_version(), Refusal::node_version);
   add((state.latched & ~kWarnings) != 0, Refusal::fault_active);
   add(!state.intent.neutral(), Refusal::not_neutral);
@@ -378,9 +381,12 @@ void serve_pending(CoreState& state) noexcept {
   --pending.ticks_left;
   pending.bumpers &= state.sensed.io.bumpers();
   const bool cleared = (state.conditions & kProtective & ~kBumper) == 0;
-  if (!cleared && pending.ticks_left > 0 && state.mode == Mode::protective_stop) return;
+  std::uint32_t bits = pending.overtaken ? refusal_bit(Refusal::cause_not_cleared) : 0U;
+  if (state.lease.epoch != pending.lease_epoch) bits |= refusal_bit(Refusal::no_lease);
+  if (bits == 0 && !cleared && pending.ticks_left > 0 && state.mode == Mode::protective_stop) return;
+  if (!cleared) bits |= refusal_bit(Refusal::cause_not_cleared);
   bool wait = false;
-  std::uint32_t bits = cleared ? acknowledge(state, contract::Role::therapist, wait) : refusal_bit(Refusal::cause_not_cleared);
+  if (bits == 0) bits = acknowledge(state, contract::Role::therapist, wait);
   // What touched only after the press is a touch that nobody has acknowledged.
   if (bits == 0) state.bumpers_acknowledged = pending.bumpers;
   pending.ticks_left = 0;

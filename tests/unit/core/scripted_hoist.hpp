@@ -42,6 +42,7 @@ struct FakeTilt : FakeNode {
   std::uint8_t status = 3;      // valid, converged
   std::uint8_t counter = 0;
   bool frozen = false;
+  bool rates_silent = false;  // of the chassis: sends its angles, but no rates
   bool dither = true;
 };
 
@@ -292,7 +293,7 @@ class ScriptedHoist {
     tilt(Node::tilt_left, tilt_left);
     tilt(Node::tilt_right, tilt_right);
     tilt(Node::tilt_base, tilt_base);
-    if (runs(tilt_base)) {
+    if (runs(tilt_base) && !tilt_base.rates_silent) {
       contract::CanFrame f{contract::pdo_cob_id(Pdo::tilt_tx2, Node::tilt_base), 6, 0, {}};
       constexpr contract::PdoSlot kYaw = contract::pdo_slot(Pdo::tilt_tx2, 0x2110, 1);
       // The floor grips: the chassis turns as the wheels say.

@@ -429,6 +429,60 @@ TEST(Modes, ABumperPressedWhileTheDriveIsAwaitedIsNotAcknowledged) {
   }
 }
 
+// The press was for what had stopped the hoist then: STOP, or whatever came while the drive was awaited, has one of its own to come. So has
+// a press whose lease has gone.
+TEST(Modes, WhatStopsWhileTheDriveIsAwaitedIsNotAcknowledged) {
+  struct Case {
+    const char* name;
+    std::function<void(ScriptedHoist&)> meanwhile;
+    Refusal refusal;
+    Fault stays;
+  };
+  const Case cases[] = {
+      {"STOP by somebody else", [](ScriptedHoist& h) { h.ask(CommandKind::stop, 9); }, Refusal::cause_not_cleared, Fault::stop_pressed},
+      {"STOP for the second time", [](ScriptedHoist& h) { h.ask(CommandKind::stop, 9); }, Refusal::cause_not_cleared, Fault::stop_pressed},
+      {"a sensor gone for a moment",
+       [](ScriptedHoist& h) {
+         h.tilt_left.silent = true;
+         h.step(8);
+         h.tilt_left.silent = false;
+         h.step(2);
+       },
+       Refusal::cause_not_cleared, Fault::tilt_left_lost},
+      {"the lease let go", [](ScriptedHoist& h) { h.ask(CommandKind::release_lease); }, Refusal::no_lease, Fault::drive_left_fault},
+      {"the lease let go and taken again",
+       [](ScriptedHoist& h) {
+         h.ask(CommandKind::release_lease);
+         h.ask(CommandKind::take_lease);
+       },
+       Refusal::no_lease, Fault::drive_left_fault},
+  };
+  for (const Case& c : cases) {
+    ScriptedHoist hoist = in_mode(Mode::user);
+    hoist.drive_left.fault = true;
+    hoist.drive_left.ignores_reset = true;
+    ASSERT_TRUE(hoist.reach(Mode::protective_stop, 5)) << c.name;
+    if (c.name == cases[1].name) hoist.ask(CommandKind::stop, 9);
+    hoist.step(150);
+    const std::uint32_t id = hoist.send(CommandKind::acknowledge);
+    hoist.step(5);
+    ASSERT_GT(hoist.state.pending.ticks_left, 0) << c.name;
+    c.meanwhile(hoist);
+    hoist.drive_left.fault = false;
+    for (int i = 0; i < 60 && hoist.answer(id) == ~0U; ++i) hoist.step();
+    EXPECT_NE(hoist.answer(id) & refusal_bit(c.refusal), 0U) << c.name;
+    EXPECT_EQ(hoist.state.mode, Mode::protective_stop) << c.name;
+    EXPECT_TRUE(hoist.has_fault(c.stays)) << c.name;
+    // Nothing is stuck: who has seen it releases it.
+    hoist.step(150);
+    if (hoist.state.lease.holder == 0) hoist.ask(CommandKind::take_lease);
+    const std::uint32_t again = hoist.send(CommandKind::acknowledge);
+    hoist.step(60);
+    EXPECT_EQ(hoist.answer(again), 0U) << c.name;
+    EXPECT_EQ(hoist.state.mode, Mode::standby) << c.name;
+  }
+}
+
 TEST(Modes, AcknowledgingADriveThatStaysInFaultIsRefused) {
   ScriptedHoist hoist = in_mode(Mode::user);
   hoist.drive_left.fault = true;
@@ -439,6 +493,35 @@ TEST(Modes, AcknowledgingADriveThatStaysInFaultIsRefused) {
   hoist.step(60);
   EXPECT_EQ(hoist.answer(id), refusal_bit(Refusal::cause_not_cleared));
   EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+}
+
+// H2: the last resort goes by what is measured now. A turn that the chassis no longer reports is none that is still under way.
+TEST(Modes, H2AHeldRateLetsNoStandingHoistGo) {
+  for (const bool silent : {true, false}) {
+    ScriptedHoist hoist = in_mode(Mode::user);
+    hoist.tilt_base.yaw_rate_deg_s = 15;
+    hoist.step(3);
+    hoist.tilt_base.rates_silent = silent;
+    ASSERT_EQ(hoist.ask(CommandKind::stop), 0U);
+    hoist.step(400);
+    EXPECT_EQ(hoist.state.motion.hold.cut(), !silent);
+    EXPECT_EQ(hoist.has_fault(Fault::overspeed), !silent);
+  }
+}
+
+// H12: a battery that nobody has told of is none to start on, whichever way standby was reached.
+TEST(Modes, H12NothingStartsWithoutWordOfTheBattery) {
+  ScriptedHoist hoist;
+  hoist.io.battery_silent = true;
+  hoist.step(150);
+  ASSERT_EQ(hoist.state.mode, Mode::init);
+  ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
+  ASSERT_EQ(hoist.ask(CommandKind::stop), 0U);
+  hoist.step(150);
+  hoist.ask(CommandKind::acknowledge);
+  hoist.step(150);
+  EXPECT_NE(hoist.ask_mode(Mode::user) & refusal_bit(Refusal::nodes_missing), 0U);
+  EXPECT_FALSE(hoist.state.motion.powered);
 }
 
 TEST(Modes, StoppingAHoistThatIsPushedByHandRampsFromItsSpeed) {
