@@ -9,9 +9,7 @@
 
 namespace hoist::core {
 
-/// Motor turns per wheel turn. params.def gives the encoder as 60000 counts per wheel turn = 2000 at the motor through gear 30; the
-/// drive's objects 60FFh and 606Ch speak at the motor.
-inline constexpr double kGearRatio_norm = 30.0;
+using contract::kGearRatio_norm;
 
 /// The fastest a wheel of this machine can turn, far above its motor at full voltage (40 V / 0.115 V s/rad / 30 * 0.1 m = 1.2 m/s): a
 /// position that moves faster than this has jumped (a drive that restarted, a broken frame).
@@ -30,6 +28,11 @@ struct Derived {
   double base_yaw_bias_rad_s = 0;
 
   bool operator==(const Derived&) const = default;
+  /// The same sensors' words give the same lean and turn.
+  [[nodiscard]] bool reads_posture_as(const Derived& other) const {
+    return geometry == other.geometry && range == other.range && neutral == other.neutral && left_zero == other.left_zero &&
+           right_zero == other.right_zero && base_zero == other.base_zero;
+  }
 };
 
 [[nodiscard]] inline Derived derive(const contract::Params& p) noexcept {

@@ -227,7 +227,8 @@ void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& 
   out.events.clear();
   // Also the few bytes behind the last value: equal steps are equal byte for byte, in memory and in a replay.
   std::memset(static_cast<void*>(&out.record), 0, sizeof out.record);
-  if (state.started && inputs.tick > state.tick + 1) state.missed_ticks += static_cast<std::uint32_t>(inputs.tick - state.tick - 1);
+  const std::uint64_t missed = state.started && inputs.tick > state.tick + 1 ? inputs.tick - state.tick - 1 : 0;
+  state.missed_ticks += static_cast<std::uint32_t>(missed);
   state.tick = inputs.tick;
   state.time_ns = inputs.time_ns;
   if (!state.started) {
@@ -244,6 +245,10 @@ void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& 
   state.sensed.fused.update(state.sensed.odometry, state.sensed.left_drive, state.sensed.right_drive, state.sensed.base, state.derived,
                             dt_s);
   state.intent.update(state.sensed, state.derived, state.params.neutral_start_tolerance_norm, state.params.cadence_cancel_norm, dt_s);
+  // H22, I6: after a loop that was held, what it remembers is old, and so is a start that was asked for meanwhile.
+  if (!(static_cast<double>(inputs.wake_lateness_s) <= state.params.loop_late_s_max) ||
+      static_cast<double>(missed) * dt_s > state.params.loop_late_s_max)
+    state.intent.restart();
   watch(state, inputs, dt_s);
   take_commands(state, inputs);
   const Wish wish = decide(state, dt_s);

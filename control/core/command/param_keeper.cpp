@@ -49,6 +49,12 @@ void seal(CoreState& state) noexcept {
   state.seal.crc = params_crc(state.params);
 }
 
+void derive_again(CoreState& state) noexcept {
+  const Derived next = derive(state.params);
+  if (!next.reads_posture_as(state.derived)) state.intent.restart();
+  state.derived = next;
+}
+
 [[nodiscard]] double slewed(double from, double to, std::size_t index, double dt_s) noexcept {
   const contract::ParamInfo& info = contract::kParams[index];
   const double size = std::fmax(std::fabs(from), kSlewFloor * (info.max - info.min));
@@ -81,7 +87,7 @@ void write_rows(CoreState& state, const Staging& set, const Asked& asked) noexce
     contract::set_param_unchecked(state.params, row.index, row.value);
     if (!is_gain(row.index)) contract::set_param_unchecked(state.live, row.index, row.value);
   }
-  state.derived = derive(state.params);
+  derive_again(state);
   seal(state);
   state.slewing = true;
   ++state.parameter_version;
@@ -175,7 +181,7 @@ void install_params(CoreState& state, const Params& params) noexcept {
   state.params = params;
   state.live = params;
   state.sent_to_nodes = params;
-  state.derived = derive(params);
+  derive_again(state);
   state.slewing = false;
   seal(state);
 }

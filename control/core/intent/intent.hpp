@@ -42,6 +42,9 @@ class PatientIntent {
     }
   }
 
+  /// What was seen so far says nothing about now: lean and turn have come to mean something else, or nobody looked for a while.
+  void restart() noexcept { held_ = neutral_ticks_ = 0; }
+
   [[nodiscard]] const Pelvis<double>& pelvis() const noexcept { return pelvis_; }
   /// What was taken out as gait in this step; zeros while that is off.
   [[nodiscard]] const law::GaitPart<double>& gait() const noexcept { return gait_; }

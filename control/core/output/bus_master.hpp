@@ -51,7 +51,7 @@ class BusMaster {
     if (contract::read_le(&frame.data[1], 2) != sdo_index_ || frame.data[3] != sdo_sub_) return false;
     Link& link = links_[static_cast<std::size_t>(node)];
     if (frame.data[0] == canopen::kSdoAbort) {
-      // The node understood and will not: asking again at once would not help. It rests, then everything begins anew with it.
+      // The node understood and will not: asking again at once would not help.
       busy_ = false;
       give_up(link);
       return true;
@@ -90,6 +90,8 @@ class BusMaster {
       if (contract::get_param(before, row) == contract::get_param(now, row)) continue;
       for (std::size_t n = 0; n < links_.size(); ++n)
         if (contract::kNodes[n].kind == contract::kParamObjects[i].kind) links_[n].unwritten |= 1U << i;
+      // Also for a start that is asked for in this step.
+      all_running_ = false;
       // A value on its way is the old one: its answer must not count for the new one.
       if (busy_ && sdo_param_ == i) busy_ = false;
     }
@@ -198,8 +200,10 @@ class BusMaster {
     link.rest_ticks = 0;
     link.product_known = false;
   }
-  void give_up(Link& link) noexcept {
-    link.phase = Phase::absent;
+  // It rests. Then everything begins anew with it; but a node that does its work and only did not take a value is asked that once more.
+  // Met anew it would be given all its values again, also those that no node may be given while the hoist moves.
+  static void give_up(Link& link) noexcept {
+    if (link.phase != Phase::running) link.phase = Phase::absent;
     link.rest_ticks = kNodeRest;
   }
 
@@ -256,7 +260,7 @@ class BusMaster {
       turn_ = turn_ + 1 < links_.size() ? turn_ + 1 : 0;
       const Link& link = links_[turn_];
       const bool identify = link.phase == Phase::identify;
-      const bool write = (link.phase == Phase::configure || link.phase == Phase::running) && link.unwritten != 0;
+      const bool write = (link.phase == Phase::configure || link.phase == Phase::running) && link.unwritten != 0 && link.rest_ticks == 0;
       if (!identify && !write) continue;
       sdo_node_ = static_cast<contract::Node>(turn_);
       sdo_param_ = identify ? kIdentity : static_cast<std::size_t>(std::countr_zero(link.unwritten));

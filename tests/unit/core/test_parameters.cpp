@@ -483,6 +483,58 @@ TEST(TrialOfSettings, H27DamageInWhatIsToComeBackIsFoundBeforeItIsInForce) {
   }
 }
 
+// What no single order of two values says: the drives' own ramp against the hardest stop, at the wheel.
+TEST(Parameters, H27ADriveRampBelowTheHardestStopIsRefused) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  const auto inconsistent = refusal_bit(Refusal::inconsistent_set);
+  EXPECT_EQ(set(hoist, {{ParamName::drive_acceleration_rad_s2, 400}}), inconsistent) << "1.33 m/s2 at the wheel, bumper stop 1.5";
+  EXPECT_EQ(set(hoist, {{ParamName::drive_acceleration_rad_s2, 410}}), 0U) << "a tenth less passes";
+  EXPECT_EQ(set(hoist, {{ParamName::wheel_radius_m, 0.09}}), inconsistent) << "a smaller wheel is slower, too";
+  EXPECT_EQ(set(hoist, {{ParamName::wheel_left_scale_norm, 0.95}}), inconsistent);
+  EXPECT_EQ(set(hoist, {{ParamName::wheel_right_scale_norm, 0.95}}), inconsistent);
+  EXPECT_EQ(set(hoist, {{ParamName::wheel_radius_m, 0.09}, {ParamName::drive_acceleration_rad_s2, 450}}), 0U);
+  EXPECT_EQ(set(hoist, {{ParamName::bumper_deceleration_m_s2, 1.0}, {ParamName::drive_acceleration_rad_s2, 310}}), 0U);
+}
+
+// A node that does its work and only does not take a value: walking goes on, and it is asked again until it has it. Only then does anything
+// start anew.
+TEST(Parameters, ANodeThatTakesNoValueStopsNobody) {
+  for (const bool aborts : {false, true}) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.start(Mode::user));
+    hoist.lean_gently(4, 100);
+    hoist.drive_left.sdo_aborts = aborts;
+    hoist.drive_left.sdo_deaf = !aborts;
+    ASSERT_EQ(set(hoist, {{ParamName::drive_velocity_gain_v_s_rad, 0.125}}), 0U);
+    hoist.step(400);
+    EXPECT_EQ(hoist.state.mode, Mode::user) << aborts;
+    EXPECT_EQ(hoist.state.latched, 0U) << aborts;
+    EXPECT_FALSE(hoist.state.master.all_running()) << aborts;
+    hoist.drive_left.sdo_aborts = hoist.drive_left.sdo_deaf = false;
+    hoist.drive_left.written.clear();
+    hoist.step(150);
+    ASSERT_EQ(hoist.drive_left.written.size(), 1U) << aborts;
+    EXPECT_FLOAT_EQ(hoist.drive_left.written[0].second, 0.125F);
+    EXPECT_TRUE(hoist.state.master.all_running()) << aborts;
+    EXPECT_EQ(hoist.state.mode, Mode::user) << aborts;
+  }
+}
+
+// A start that is asked for in the step of a change waits until the nodes have it.
+TEST(Parameters, NothingStartsBeforeTheNodesHaveTheirValues) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  hoist.send(CommandKind::stage_parameter, 7, id_of(ParamName::drive_current_limit_a), 0, 5.0);
+  const std::uint32_t commit = hoist.send(CommandKind::commit_parameters, 7, 1, kEngineer);
+  const std::uint32_t start = hoist.send(CommandKind::request_mode, 7, static_cast<std::uint32_t>(Mode::user));
+  hoist.step(100);
+  EXPECT_EQ(hoist.answer(commit), 0U);
+  EXPECT_EQ(hoist.answer(start), refusal_bit(Refusal::nodes_missing));
+  EXPECT_EQ(hoist.state.latched, 0U);
+  EXPECT_EQ(hoist.ask_mode(Mode::user), 0U);
+}
+
 // A trial that ends must leave a set that fits together, whatever was set to stay meanwhile.
 TEST(Parameters, H27WhatGoesBackFitsWhatWasSetMeanwhile) {
   ScriptedHoist hoist;
@@ -576,6 +628,55 @@ TEST(Neutral, IsTheMeanOfTheLastSecond) {
   hoist.step(2);
   EXPECT_NEAR(hoist.out.record.lean_norm, 0, 0.01);
   EXPECT_NEAR(hoist.out.record.turn_norm, 0, 0.01);
+}
+
+// I7: what was seen under the values before says nothing about the new ones, neither for a start nor for a neutral posture.
+TEST(Neutral, CountsAnewWhenTheValuesChangeThatItIsReadBy) {
+  const Row rows[] = {
+      {ParamName::neutral_lean_m, 0.05},      {ParamName::neutral_turn_rad, 0.1},     {ParamName::left_alpha_zero_rad, 0.04},
+      {ParamName::strut_length_m, 0.6},       {ParamName::lean_range_rad, 0.12},      {ParamName::strut_spacing_m, 0.3},
+      {ParamName::right_beta_zero_rad, 0.02}, {ParamName::base_alpha_zero_rad, 0.03}, {ParamName::turn_range_rad, 0.12}};
+  for (const Row& row : rows) {
+    const auto index = contract::param_index(row.name);
+    for (const bool start : {false, true}) {
+      ScriptedHoist hoist;
+      ASSERT_TRUE(hoist.ready());
+      hoist.send(CommandKind::stage_parameter, 7, id_of(row.name), 0, row.value);
+      const std::uint32_t commit = hoist.send(CommandKind::commit_parameters, 7, 1, kEngineer);
+      const std::uint32_t id =
+          start ? hoist.send(CommandKind::request_mode, 7, static_cast<std::uint32_t>(Mode::user)) : hoist.send(CommandKind::set_neutral);
+      hoist.step();
+      ASSERT_EQ(hoist.answer(commit), 0U) << contract::kParams[index].name;
+      EXPECT_NE(hoist.answer(id), 0U) << contract::kParams[index].name;
+      EXPECT_TRUE(!start || (hoist.answer(id) & refusal_bit(Refusal::not_neutral)) != 0) << contract::kParams[index].name;
+      hoist.step(98);
+      EXPECT_NE(hoist.ask(CommandKind::set_neutral), 0U) << contract::kParams[index].name << ": not a whole second yet";
+    }
+  }
+  ScriptedHoist other;
+  ASSERT_TRUE(other.ready());
+  ASSERT_EQ(set(other, {{ParamName::lean_gain_filtered_units, 15}}), 0U);
+  EXPECT_EQ(other.ask_mode(Mode::user), 0U) << "a gain changes nothing of what upright is";
+}
+
+// H22, I6: a start that waited while the loop was held is as old as what the loop remembers of the patient.
+TEST(Neutral, H22CountsAnewAfterALoopThatWasHeld) {
+  for (const bool skipped : {false, true}) {
+    for (const bool badly : {false, true}) {
+      ScriptedHoist hoist;
+      ASSERT_TRUE(hoist.ready());
+      const std::uint32_t id = hoist.send(CommandKind::request_mode, 7, static_cast<std::uint32_t>(Mode::user));
+      if (skipped)
+        hoist.tick_number += badly ? 5 : 2;
+      else
+        hoist.lateness_s = badly ? 0.04F : 0.02F;
+      hoist.step();
+      EXPECT_EQ(hoist.answer(id), badly ? refusal_bit(Refusal::not_neutral) : 0U) << skipped;
+      if (!badly) continue;
+      hoist.step(100);
+      EXPECT_EQ(hoist.ask_mode(Mode::user), 0U);
+    }
+  }
 }
 
 TEST(Neutral, TooFarAwayOrNotStandingIsRefused) {
