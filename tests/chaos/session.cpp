@@ -91,10 +91,11 @@ class Session {
       bool switched_off = false;
       while (loop_.mode() != Mode::standby) {
         if (loop_.time_s() >= end_s) {
-          // A gyroscope whose zero jumped while it was being measured, and jumped back, doubts itself until the hoist is switched off and on,
-          // which is what its alarm says.
+          // A gyroscope whose zero was off while it was being measured, and came back, doubts itself until the hoist is switched off and
+          // on, which is what its alarm says.
           const bool doubts = (loop_.core().conditions & contract::fault_bit(contract::Fault::tilt_sensor_fault)) != 0;
-          if (switched_off || !doubts || !board_.ever(Kind::gyro_jump)) break;
+          const bool was_off = board_.ever(Kind::gyro_jump) || board_.ever(Kind::sensor_offset);
+          if (switched_off || !doubts || !was_off) break;
           switched_off = true;
           for (const contract::Node node : {contract::Node::tilt_left, contract::Node::tilt_right, contract::Node::tilt_base}) {
             loop_.world().unplug(node, true);
