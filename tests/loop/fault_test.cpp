@@ -440,6 +440,35 @@ TEST(Faults, H9_AGentleRampSlowsAndASteepOneStopsAndHolds) {
   }
 }
 
+// A drive that was let go brakes and rests for a moment before its bridge is off; whatever wants it just then finds it on its way out.
+TEST(Faults, H2_H15_DrivesThatWereJustLetGoAreHeldAgain) {
+  for (const bool stop : {true, false}) {
+    for (int gap_ticks = 0; gap_ticks < 8; ++gap_ticks) {
+      SCOPED_TRACE(testing::Message() << (stop ? "STOP " : "REMOTE ") << gap_ticks << " ticks after STANDBY");
+      ClosedLoop loop(ClosedLoopOptions{});
+      ASSERT_TRUE(loop.start(Mode::remote));
+      loop.run(1.0);
+      loop.ask(contract::CommandKind::request_mode, static_cast<unsigned>(Mode::standby));
+      ASSERT_TRUE(loop.run_until([&] { return loop.mode() == Mode::standby; }, 5.0));
+      for (int i = 0; i < gap_ticks; ++i) loop.step();
+      if (stop)
+        loop.ask_as(9, contract::CommandKind::stop);
+      else
+        loop.ask(contract::CommandKind::request_mode, static_cast<unsigned>(Mode::remote));
+      loop.run(0.6);
+      EXPECT_EQ(loop.mode(), stop ? Mode::protective_stop : Mode::remote);
+      int not_held = 0;
+      for (int i = 0; i < 200; ++i) {
+        loop.step();
+        if (!loop.core().sensed.left_drive.enabled() || !loop.core().sensed.right_drive.enabled()) ++not_held;
+      }
+      EXPECT_EQ(not_held, 0);
+      EXPECT_FALSE(loop.ever_raised(Fault::drive_left_fault));
+      EXPECT_FALSE(loop.ever_raised(Fault::drive_right_fault));
+    }
+  }
+}
+
 TEST(Faults, StopIsObeyedAtOnceByAnyMode) {
   Walk walk("straight", 0.60);
   ASSERT_TRUE(walk.set_off());

@@ -252,7 +252,11 @@ class DriveNode {
       if (state_ == State::operation_enabled) begin_stop(State::operation_enabled, State::switched_on);
       return;
     }
-    if (state_ == State::switched_on && (risen & kEnableBit) != 0) enable();  // transition 4
+    if ((risen & kEnableBit) == 0) return;
+    if (state_ == State::switched_on)
+      enable();  // transition 4
+    else if (state_ == State::operation_enabled)
+      leaving_ = false;  // asked for again on the way to standstill: it goes on from where the ramp is
   }
 
   void enable() {

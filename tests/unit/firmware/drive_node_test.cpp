@@ -42,6 +42,71 @@ TEST_F(DriveTest, ReachesOperationInOrderAndTheBridgeIsOffUntilThen) {
   EXPECT_EQ(node_.state(), State::switch_on_disabled);
 }
 
+TEST_F(DriveTest, H15_EnabledAgainOnTheWayToStandstillItGoesOnWithoutAJump) {
+  for (const int leave : {kShutdown, kSwitchOn}) {
+    SCOPED_TRACE(leave);
+    start_anew(loaded_motor());
+    drive_at(100);
+    run(150, leave, 100);
+    EXPECT_EQ(node_.state(), State::operation_enabled);
+    float before = node_.reference_rad_s();
+    EXPECT_NEAR(before, 55, 4);  // 300 rad/s2
+    peak_current_a_ = 0;
+    for (int i = 0; i < 1000; ++i) {
+      run(1, kEnable, 100);
+      ASSERT_EQ(node_.state(), State::operation_enabled);
+      ASSERT_TRUE(board_.bridge_on);
+      ASSERT_LE(std::fabs(node_.reference_rad_s() - before), 0.451F);  // 450 rad/s2 are the most
+      before = node_.reference_rad_s();
+    }
+    EXPECT_NEAR(motor_.speed_rad_s(), 100, 1);
+    EXPECT_TRUE(emergencies().empty());
+  }
+}
+
+TEST_F(DriveTest, H15_EnabledAgainAtRestItHoldsAndTheNextLeavingTakesItsWholeTime) {
+  for (const int leave : {kShutdown, kSwitchOn}) {
+    SCOPED_TRACE(leave);
+    start_anew(loaded_motor());
+    enable();
+    run(100, kEnable, 0);
+    while (now_ms_ % 10 != 0) run(1, kEnable, 0);
+    run(10, leave, 0);  // half of the rest that it needs
+    load_n_m_ = -0.3;
+    for (int i = 0; i < 1000; ++i) {
+      run(1, kEnable, 0);
+      ASSERT_EQ(node_.state(), State::operation_enabled);
+      ASSERT_TRUE(board_.bridge_on);
+    }
+    EXPECT_NEAR(motor_.speed_rad_s(), 0, 1);
+    load_n_m_ = 0;
+    run(1000, kEnable, 0);
+    run(19, leave, 0);
+    EXPECT_TRUE(board_.bridge_on);
+    run(10, leave, 0);
+    EXPECT_FALSE(board_.bridge_on);
+    EXPECT_EQ(node_.state(), leave == kShutdown ? State::ready : State::switched_on);
+  }
+}
+
+TEST_F(DriveTest, OnlyAnEnableBitThatRisesTakesALeavingBack) {
+  enable();
+  run(20, kEnable, 100);
+  run(10, kEnable & ~0x01, 100);  // shutdown with the enable bit left set
+  run(500, kEnable, 100);
+  EXPECT_EQ(node_.state(), State::switched_on);
+  EXPECT_FALSE(board_.bridge_on);
+  enable();
+  run(100, kEnable, 100);
+  run(10, kQuickStop, 100);  // and a quick stop is never taken back
+  run(10, kShutdown, 100);
+  run(10, kEnable, 100);
+  EXPECT_EQ(node_.state(), State::quick_stop_active);
+  run(1000, kEnable, 100);
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+  EXPECT_FALSE(board_.bridge_on);
+}
+
 TEST_F(DriveTest, ShutdownToEnableInOneStepAsTheStandardAllows) {
   run(10, kShutdown, 0);
   run(10, kEnable, 0);
