@@ -137,7 +137,9 @@ class DriveNode {
   void on_nmt(NmtState, NmtState to) {
     lose_command();
     // A reset of the communication forgets the list of errors; a latched fault is still one.
-    if (to == NmtState::boot_up && fault_code_ != 0) stack_.set_error(fault_code_, fault_bit_, true);
+    if (to != NmtState::boot_up) return;
+    if (fault_code_ != 0) stack_.set_error(fault_code_, fault_bit_, true);
+    if (second_code_ != 0) stack_.set_error(second_code_, second_bit_, true);
   }
   // A real start: nothing is known of the time before, except what ended it.
   void start() {
@@ -158,7 +160,7 @@ class DriveNode {
     duty_norm_ = 0;
     limited_ = false;
     word_ = kNoEdges;
-    fault_code_ = 0;
+    fault_code_ = second_code_ = 0;
     counts_ = board_.encoder_counts();
     estimate_.restart(counts_);
     restart_watches();
@@ -218,11 +220,12 @@ class DriveNode {
     const std::uint16_t risen = static_cast<std::uint16_t>(word & ~word_);
     word_ = word;
     if (state_ == State::fault) {
-      if ((risen & kResetBit) != 0 && fault_cause_gone()) clear_fault();
+      if ((risen & kResetBit) != 0 && cause_gone(fault_code_) && cause_gone(second_code_)) clear_fault();
       return;
     }
-    if ((risen & kResetBit) != 0) forget_first_fault();  // of a fault that a reset of the node had ended
+    if ((risen & kResetBit) != 0 && fault_code_ == 0) forget_first_fault();  // of a fault that a reset of the node had ended
     if (state_ == State::fault_reaction || state_ == State::switch_on_disabled || state_ == State::not_ready) {
+      // A fault reaction ends by itself: disable voltage, which is what the computer sends meanwhile, would cut its ramp.
       const bool shutdown = (word & (kNoQuickStopBit | kVoltageBit | kSwitchOnBit)) == (kNoQuickStopBit | kVoltageBit);
       if (state_ == State::switch_on_disabled && shutdown) state_ = State::ready;  // transition 2
       return;
@@ -289,11 +292,14 @@ class DriveNode {
     state_ = then;
   }
 
-  // ---- faults: the first one stays until it is reset
+  // ---- faults: the first one stays until it is reset; one during its ramp that must switch off does so
 
   enum class Reaction : std::uint8_t { ramp, off };
   void fault(std::uint16_t code, std::uint8_t register_bit, Reaction reaction) {
-    if (fault_code_ != 0) return;
+    if (fault_code_ != 0) {
+      if (reaction == Reaction::off && powered()) end_fault_ramp(code, register_bit);
+      return;
+    }
     fault_code_ = code;
     fault_bit_ = register_bit;
     if (first_fault_.code == 0) {
@@ -314,8 +320,15 @@ class DriveNode {
     else
       begin_stop(State::fault_reaction, State::fault);
   }
-  [[nodiscard]] bool fault_cause_gone() const {
-    switch (fault_code_) {
+  // What is told is still the first fault; the second has its own EMCY, because the reset waits for the end of both.
+  void end_fault_ramp(std::uint16_t code, std::uint8_t register_bit) {
+    second_code_ = code;
+    second_bit_ = register_bit;
+    stack_.set_error(code, register_bit, true);
+    switch_off(State::fault);
+  }
+  [[nodiscard]] bool cause_gone(std::uint16_t code) const {
+    switch (code) {
       case emcy::kUnderVoltage:
         return supply_v_ >= kSupplyBack_v;
       case emcy::kOverSpeed:
@@ -335,12 +348,13 @@ class DriveNode {
       case emcy::kParametersLost:
         return stack_.parameters_ok();
       default:
-        return true;  // an encoder shows whether it works only when the motor runs
+        return true;  // none; or an encoder, which shows whether it works only when the motor runs
     }
   }
   void clear_fault() {
     stack_.set_error(fault_code_, fault_bit_, false);
-    fault_code_ = 0;
+    stack_.set_error(second_code_, second_bit_, false);
+    fault_code_ = second_code_ = 0;
     stack_.values().template set<0x603F>(0);
     forget_first_fault();
     after_watchdog_ = false;
@@ -719,8 +733,8 @@ class DriveNode {
   float measured_rad_s_ = 0, current_limit_a_ = 0, board_temperature_c_ = kBoardUnknown_c, thermal_share_ = 1;
   bool readings_usable_ = false, limited_ = false;
 
-  std::uint16_t fault_code_ = 0;
-  std::uint8_t fault_bit_ = 0;
+  std::uint16_t fault_code_ = 0, second_code_ = 0;  // the second ended the first one's ramp
+  std::uint8_t fault_bit_ = 0, second_bit_ = 0;
   std::uint32_t under_voltage_ms_ = 0, over_current_ms_ = 0, over_speed_ms_ = 0, stall_ms_ = 0, reversed_looks_ = 0, unexplained_looks_ = 0;
   std::uint32_t over_voltage_ms_ = 0, driver_ms_ = 0, illegal_age_ms_ = 0;
   std::uint32_t illegal_at_start_ = 0, illegal_seen_ = 0;

@@ -1,6 +1,7 @@
 // What a drive does before anything breaks, and what it remembers afterwards: self-test, folding back, latched faults, first-fault snapshot.
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 #include "tests/unit/firmware/drive_fixture.hpp"
@@ -376,6 +377,121 @@ TEST_F(DriveProtection, ABoardWithoutAThermometerIsNotCold) {
   EXPECT_EQ((values().get<0x2210>()), -2731);
   enable();
   EXPECT_EQ(node_.current_limit_a(), 6.0F);
+}
+
+// What breaks while the ramp of an over-speed fault is on its way, and how soon it must end the ramp.
+struct Second {
+  const char* what;
+  int code;
+  int within_ms;
+  bool stands;  // seen also with the bridge off
+};
+constexpr Second kSeconds[] = {
+    {"bridge driver", 0x5400, 2, true},           {"current beyond every limit", 0x2310, 2, true},
+    {"supply too low", 0x3220, 10, true},         {"supply too high", 0x3210, 5, true},
+    {"no number for a current", 0x5000, 1, true}, {"illegal encoder steps", 0x7305, 1, false},
+    {"encoder stands still", 0x7305, 75, false},
+};
+
+class SecondFault : public DriveProtection {
+ protected:
+  void break_now(const Second& second) {
+    readings_by_hand_ = second.code == 0x2310 || second.code == 0x5000;
+    if (second.code == 0x5400) board_.driver_good = false;
+    if (second.code == 0x2310) board_.current_a = 25;
+    if (second.code == 0x3220) board_.supply_voltage_v = 18;
+    if (second.code == 0x3210) board_.supply_voltage_v = 33;
+    if (second.code == 0x5000) board_.current_a = std::numeric_limits<float>::quiet_NaN();
+    if (second.code == 0x7305 && second.within_ms == 1) board_.illegal_steps += 3;
+    if (second.code == 0x7305 && second.within_ms != 1) encoder_dead_ = true;
+  }
+  void repair() {
+    readings_by_hand_ = encoder_dead_ = false;
+    board_.driver_good = true;
+    board_.supply_voltage_v = 24;
+    board_.current_a = 0;
+  }
+  // Over-speed found, its ramp begun, the ramp's first EMCY sent.
+  void begin_ramp() {
+    repair();
+    start_anew(loaded_motor());
+    drive_at(190);
+    load_n_m_ = -1.2;
+    ASSERT_GE(until(
+                  1000, [&] { return node_.state() == State::fault_reaction; }, [&] { run(1, kEnable, 190); }),
+              0);
+    load_n_m_ = 0;
+    run(100, kOff, 0);
+    ASSERT_EQ(node_.state(), State::fault_reaction);
+    ASSERT_TRUE(board_.bridge_on);
+  }
+};
+
+TEST_F(SecondFault, H2_H11_OneThatMustSwitchOffDoesSoDuringTheRampOfAnother) {
+  for (const Second& second : kSeconds) {
+    SCOPED_TRACE(second.what);
+    ASSERT_NO_FATAL_FAILURE(begin_ramp());
+    const auto found_ms = values().get<0x2240, 2>();
+    break_now(second);
+    const int off = until(
+        second.within_ms, [&] { return !board_.bridge_on; }, [&] { run(1, kOff, 0); });
+    EXPECT_GE(off, 0);
+    EXPECT_EQ(node_.state(), State::fault);
+    run(10, kOff, 0);
+    EXPECT_EQ(error_code(), 0x8400);  // what is told is the first
+    EXPECT_EQ((values().get<0x2240, 1>()), 0x8400);
+    EXPECT_EQ((values().get<0x2240, 2>()), found_ms);
+    EXPECT_EQ(emergencies(), (std::vector{0x8400, second.code}));
+  }
+}
+
+TEST_F(SecondFault, H2_H11_TheResetWaitsForTheEndOfBothCauses) {
+  for (const Second& second : kSeconds) {
+    SCOPED_TRACE(second.what);
+    ASSERT_NO_FATAL_FAILURE(begin_ramp());
+    break_now(second);
+    run(200, kOff, 0);
+    ASSERT_EQ(node_.state(), State::fault);
+    node_.on_frame(canopen::nmt(canopen::NmtCommand::reset_communication, 1));
+    make_operational(node_, board_);
+    EXPECT_NE((values().get<0x1001>()), 0);  // still an error, and said so
+    if (second.stands) {
+      reset_fault();
+      EXPECT_EQ(node_.state(), State::fault);
+      EXPECT_EQ(error_code(), 0x8400);
+    }
+    repair();
+    run(100, kOff, 0);  // an encoder that comes back jumps
+    reset_fault();
+    EXPECT_EQ(node_.state(), State::switch_on_disabled);
+    EXPECT_EQ(error_code(), 0);
+    EXPECT_EQ((values().get<0x1001>()), 0);
+    enable();
+    run(500, kEnable, 50);
+    EXPECT_EQ(node_.state(), State::operation_enabled);
+  }
+}
+
+TEST_F(SecondFault, AResetDuringTheRampNeitherEndsNorForgetsTheFirst) {
+  ASSERT_NO_FATAL_FAILURE(begin_ramp());
+  const auto found_ms = values().get<0x2240, 2>();
+  reset_fault();
+  EXPECT_EQ(node_.state(), State::fault_reaction);
+  EXPECT_EQ((values().get<0x2240, 1>()), 0x8400);
+  EXPECT_EQ((values().get<0x2240, 2>()), found_ms);
+}
+
+TEST_F(SecondFault, OneThatOnlyRampsChangesNothing) {
+  ASSERT_NO_FATAL_FAILURE(begin_ramp());
+  EXPECT_EQ(ask(node_, board_, canopen::sdo(0x601, canopen::sdo_download_command(4), 0x2230, 2, bits_of(80.0F))).data[0], 0x60);
+  run(50, kOff, 0);
+  EXPECT_EQ(node_.state(), State::fault_reaction);
+  EXPECT_TRUE(board_.bridge_on);
+  run(1500, kOff, 0);
+  EXPECT_EQ(node_.state(), State::fault);
+  EXPECT_LT(std::fabs(motor_.speed_rad_s()), 3.0);
+  EXPECT_EQ(error_code(), 0x8400);
+  EXPECT_TRUE(emergencies().empty());  // since the winding's limit was asked for
 }
 
 TEST_F(DriveProtection, WhateverBreaksTheBridgeIsOffInEveryFaultAndTheFirstOneStays) {
