@@ -54,6 +54,12 @@ constexpr Stillness stillness(CalibrationStep step) noexcept {
   }
 }
 
+// Whether a step takes the chassis' turn rate for something: for a sign that the hoist rests, for the result, or for the way turned. The
+// rates are a message of their own; while it is silent the last rate stands, and what stands looks like perfect rest.
+constexpr bool uses_turn_rate(CalibrationStep step) noexcept {
+  return step == CalibrationStep::encoders || stillness(step).yaw_rad_s < kAnything;
+}
+
 // Of the wheel sensors' step: enough to tell a sign from a nudge.
 constexpr double kPushLeast_m = 0.3, kTurnLeast_m = 0.2;
 // A patient whose harness moved further than this within the second was not standing at ease (commands.cpp).
@@ -409,7 +415,9 @@ std::uint32_t calibration_refusals(const CoreState& state, const CalibrationStep
   const Estimate& sensed = state.sensed;
   std::uint32_t bits = 0;
   if (state.mode != contract::Mode::standby && state.mode != contract::Mode::calibrate) bits |= refusal_bit(Refusal::not_standby);
-  if (sensed.tilts_stale() || sensed.drives_lost() || sensed.io.fresh().lost()) bits |= refusal_bit(Refusal::nodes_missing);
+  const bool rates_missing = uses_turn_rate(info.step) && sensed.base.rates_fresh().stale();
+  if (sensed.tilts_stale() || rates_missing || sensed.drives_lost() || sensed.io.fresh().lost())
+    bits |= refusal_bit(Refusal::nodes_missing);
   // Where the rest of the hoist is measured, it begins at rest; the sensors must have found their angles.
   if (!at_rest(state)) bits |= refusal_bit(Refusal::moving);
   const bool angles = info.step == CalibrationStep::zero || info.step == CalibrationStep::neutral || info.step == CalibrationStep::gyro ||
@@ -457,7 +465,8 @@ bool advance_calibration(CoreState& state, double dt_s) noexcept {
   c.left_counts += sensed.left_drive.moved_counts();
   c.right_counts += sensed.right_drive.moved_counts();
   c.turned_rad += sensed.base.yaw_rate_rad_s() * dt_s;
-  if (sensed.tilts_lost() || sensed.drives_lost()) {
+  const bool rates_lost = uses_turn_rate(c.step) && sensed.base.rates_fresh().lost();
+  if (sensed.tilts_lost() || rates_lost || sensed.drives_lost()) {
     c.reason = CalibrationReason::sensor_lost;
     return false;
   }
