@@ -52,16 +52,20 @@ inline constexpr std::array kCalibrationSteps{
     CalibrationStepInfo{CalibrationStep::gyro, "gyro", Role::therapist, ParamName::calibrated_gyro_s, "", 0, 0, 0, "Turn sensors at rest",
                         "Let the hoist stand without touching it for five seconds.", "Drehsensoren in Ruhe",
                         "Das Gerät fünf Sekunden lang unberührt stehen lassen."},
-    CalibrationStepInfo{
-        CalibrationStep::strut_length, "strut_length", Role::engineer, ParamName::calibrated_strut_length_s, "m", 0.03, 0.30, 2,
-        "Strut length", "Empty harness. Hold the bar a measured way forward of the middle, enter it, press Measure; then backward (minus).",
-        "Strebenlänge",
-        "Leerer Gurt. Den Bügel um einen gemessenen Weg nach vorn halten, eingeben, Messen drücken; dann nach hinten (minus)."},
-    CalibrationStepInfo{
-        CalibrationStep::strut_spacing, "strut_spacing", Role::engineer, ParamName::calibrated_strut_spacing_s, "rad", 0.05, 0.52, 2,
-        "Strut spacing", "Empty harness. Hold the bar turned left by a measured angle, enter it, press Measure; then to the right (minus).",
-        "Strebenabstand",
-        "Leerer Gurt. Den Bügel um einen gemessenen Winkel nach links drehen, eingeben, Messen drücken; dann nach rechts (minus)."},
+    CalibrationStepInfo{CalibrationStep::strut_length, "strut_length", Role::engineer, ParamName::calibrated_strut_length_s, "m", 0.03,
+                        0.30, 3, "Strut length",
+                        "Empty harness. Hold the bar a measured way forward of the middle, enter it, press Measure; then about twice as "
+                        "far; then as far backward (minus).",
+                        "Strebenlänge",
+                        "Leerer Gurt. Den Bügel um einen gemessenen Weg nach vorn halten, eingeben, Messen drücken; dann etwa doppelt so "
+                        "weit; dann ebenso weit nach hinten (minus)."},
+    CalibrationStepInfo{CalibrationStep::strut_spacing, "strut_spacing", Role::engineer, ParamName::calibrated_strut_spacing_s, "rad", 0.05,
+                        0.52, 3, "Strut spacing",
+                        "Empty harness. Hold the bar turned left by a measured angle, enter it, press Measure; then about twice as far; "
+                        "then as far to the right (minus).",
+                        "Strebenabstand",
+                        "Leerer Gurt. Den Bügel um einen gemessenen Winkel nach links drehen, eingeben, Messen drücken; dann etwa doppelt "
+                        "so weit; dann ebenso weit nach rechts (minus)."},
     CalibrationStepInfo{
         CalibrationStep::wheel_radius, "wheel_radius", Role::engineer, ParamName::calibrated_wheel_radius_s, "m", 1.0, 20.0, 2,
         "Wheel radius",

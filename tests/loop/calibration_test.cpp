@@ -135,7 +135,7 @@ void calibrate_all(std::uint64_t seed, Worst& worst) {
   ASSERT_TRUE(shop.use()) << who << shop.told();
 
   ASSERT_TRUE(shop.begin(CalibrationStep::strut_length)) << who;
-  for (const double way_m : {0.13, -0.13}) {
+  for (const double way_m : {0.065, 0.13, -0.13}) {
     shop.bar(way_m, 0);
     ASSERT_TRUE(shop.measure(way_m)) << who << shop.told();
   }
@@ -143,7 +143,7 @@ void calibrate_all(std::uint64_t seed, Worst& worst) {
   expect_length(shop.params().strut_length_m, truth.strut_length_m, worst, who);
 
   ASSERT_TRUE(shop.begin(CalibrationStep::strut_spacing)) << who;
-  for (const double turn_rad : {0.26, -0.26}) {
+  for (const double turn_rad : {0.13, 0.26, -0.26}) {
     shop.bar(0, turn_rad);
     ASSERT_TRUE(shop.measure(turn_rad)) << who << shop.told();
   }

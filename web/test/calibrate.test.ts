@@ -18,12 +18,14 @@ describe('the Calibrate screen', () => {
   it('says at every moment of every step what to do, in words that exist', () => {
     for (const name of stepNames.slice(1))
       for (const phase of ['resting', 'measuring', 'operator', 'result'] as const)
-        for (const done_percent of [0, 50, 90]) {
+        for (const done_percent of [0, 33, 50, 66, 90]) {
           const key = nowKey(now({ step: name, phase, done_percent }));
           if (phase !== 'operator' || !['zero', 'neutral', 'gyro'].includes(name)) expect(key === null ? '' : en[key], `${name} ${phase}`).not.toBe('');
         }
     expect(nowKey(now({ step: 'bumpers', value: 2 }))).toBe('calibrate.press.left');
-    expect(nowKey(now({ step: 'strut_length', done_percent: 50 }))).toBe('calibrate.now.barBack');
+    const bar = (name: Now['step']) => [0, 33, 66].map((done_percent) => nowKey(now({ step: name, done_percent })));
+    expect(bar('strut_length')).toEqual(['calibrate.now.barForward', 'calibrate.now.barFurther', 'calibrate.now.barBack']);
+    expect(bar('strut_spacing')).toEqual(['calibrate.now.barLeft', 'calibrate.now.barLeftFurther', 'calibrate.now.barRight']);
     expect(nowKey(now({ phase: 'refused' }))).toBeNull();
   });
 

@@ -60,6 +60,10 @@ constexpr bool uses_turn_rate(CalibrationStep step) noexcept {
   return step == CalibrationStep::encoders || stillness(step).yaw_rad_s < kAnything;
 }
 
+// Two places are always on a line: only a third one shows that a figure was read wrongly.
+static_assert(contract::find_calibration_step("strut_length")->samples >= 3 &&
+              contract::find_calibration_step("strut_spacing")->samples >= 3);
+
 // Of the wheel sensors' step: enough to tell a sign from a nudge.
 constexpr double kPushLeast_m = 0.3, kTurnLeast_m = 0.2;
 // A patient whose harness moved further than this within the second was not standing at ease (commands.cpp).

@@ -29,6 +29,17 @@ class MeasuredPairs {
     return forward && backward;
   }
 
+  /// Between the two measured figures that are furthest from each other.
+  [[nodiscard]] double measured_span() const noexcept {
+    if (pairs_.empty()) return 0;
+    double least = (*pairs_.begin()).measured, most = least;
+    for (const Pair& pair : pairs_) {
+      least = pair.measured < least ? pair.measured : least;
+      most = pair.measured > most ? pair.measured : most;
+    }
+    return most - least;
+  }
+
   struct Line {
     double slope = 0, offset = 0;
     double largest_error = 0;  // of a measured figure against the line

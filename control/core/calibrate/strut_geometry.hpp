@@ -7,7 +7,7 @@
 
 namespace hoist::core {
 
-/// Between the furthest places: less, and a millimetre of the tape is a per cent of the result.
+/// Between the furthest places, of a turned bar one end ahead of the other: less, and a millimetre of the tape is a per cent of the result.
 inline constexpr double kBarWayLeast_m = 0.10;
 /// How far a place may lie beside the line through all of them: a tape read by the millimetre, a bar held by hand.
 inline constexpr double kBarErrorLargest_m = 0.008;
@@ -18,7 +18,7 @@ inline constexpr double kBarErrorLargest_norm = 0.012;
 [[nodiscard]] inline Outcome strut_length(const MeasuredPairs& pairs, double design_m) noexcept {
   using contract::CalibrationReason;
   const MeasuredPairs::Line line = pairs.with_offset();
-  if (!line.found) return no_outcome(CalibrationReason::too_little);
+  if (!line.found || !(pairs.measured_span() >= kBarWayLeast_m)) return no_outcome(CalibrationReason::too_little);
   if (!near_design(line.slope, design_m)) return no_outcome(CalibrationReason::implausible);
   if (line.largest_error > kBarErrorLargest_m || std::fabs(line.offset) > 0.05) return no_outcome(CalibrationReason::disagree);
   return {line.slope};
@@ -29,7 +29,9 @@ inline constexpr double kBarErrorLargest_norm = 0.012;
 [[nodiscard]] inline Outcome strut_spacing(const MeasuredPairs& pairs, double strut_length_m, double design_m) noexcept {
   using contract::CalibrationReason;
   const MeasuredPairs::Line line = pairs.with_offset();
-  if (!line.found || !(std::fabs(line.slope) > 1e-6)) return no_outcome(CalibrationReason::too_little);
+  // The way of the bar's ends as the design has it: the spacing that is looked for must not decide whether it was looked for well enough.
+  if (!line.found || !(std::fabs(line.slope) > 1e-6) || !(design_m * pairs.measured_span() >= kBarWayLeast_m))
+    return no_outcome(CalibrationReason::too_little);
   const double spacing_m = strut_length_m / line.slope;
   if (!near_design(spacing_m, design_m)) return no_outcome(CalibrationReason::implausible);
   if (line.largest_error > kBarErrorLargest_norm || std::fabs(line.offset) > 0.08) return no_outcome(CalibrationReason::disagree);

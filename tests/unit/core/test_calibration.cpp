@@ -1,6 +1,7 @@
 // CALIBRATE through its commands: who may, what is refused, how it ends, what becomes parameters.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -233,6 +234,31 @@ TEST(Calibrate, WhereTheTurnRateDoesNotCountItsSilenceEndsNothing) {
     hoist.step(20);
     EXPECT_EQ(hoist.state.mode, Mode::calibrate) << static_cast<int>(step);
   }
+}
+
+// Two places are always on a line; the third one shows that at the first the bar was three centimetres short of what was entered.
+TEST(Calibrate, AStrutIsNotMeasuredByTwoPlaces) {
+  struct Place {
+    double true_m, entered_m;
+  };
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  ASSERT_EQ(begin(hoist, CalibrationStep::strut_length), 0U);
+  const auto measure = [&](Place place) {
+    hoist.tilt_left.alpha_deg = hoist.tilt_right.alpha_deg = std::atan(place.true_m / hoist.state.params.strut_length_m) / kDeg;
+    hoist.step(30);
+    ASSERT_EQ(hoist.ask(CommandKind::measure_calibration, 7, 0, 0, place.entered_m), 0U);
+    hoist.step(110);
+  };
+  measure({0.09, 0.12});
+  measure({-0.12, -0.12});
+  EXPECT_EQ(hoist.count(EventKind::calibration_sample), 2);
+  EXPECT_EQ(calibration(hoist).phase, CalibrationPhase::operator_);
+  EXPECT_TRUE(calibration(hoist).result.rows.empty());
+  measure({0.06, 0.06});
+  EXPECT_EQ(hoist.count(EventKind::calibration_sample), 3);
+  EXPECT_EQ(calibration(hoist).phase, CalibrationPhase::refused);
+  EXPECT_EQ(calibration(hoist).reason, CalibrationReason::disagree);
 }
 
 // Hazard table 2.3: patients walk only on a hoist whose struts have been zeroed. A simulated one says that it is simulated.

@@ -56,11 +56,13 @@ export function nowKey(now: Now): TextKey | null {
   if (now.step === 'bumpers') return bumperKeys[Math.min(3, Math.max(0, Math.round(now.value)))]!;
   if (now.step === 'encoders') return now.done_percent < 50 ? 'calibrate.now.pushForward' : 'calibrate.now.turnLeft';
   const second = now.done_percent >= 50;
+  // A bar is held at three places: two forward, the last one backward.
+  const further = now.done_percent > 0;
   switch (now.step) {
     case 'strut_length':
-      return second ? 'calibrate.now.barBack' : 'calibrate.now.barForward';
+      return second ? 'calibrate.now.barBack' : further ? 'calibrate.now.barFurther' : 'calibrate.now.barForward';
     case 'strut_spacing':
-      return second ? 'calibrate.now.barRight' : 'calibrate.now.barLeft';
+      return second ? 'calibrate.now.barRight' : further ? 'calibrate.now.barLeftFurther' : 'calibrate.now.barLeft';
     case 'wheel_radius':
       return second ? 'calibrate.now.pushBack' : 'calibrate.now.pushAhead';
     case 'track':
