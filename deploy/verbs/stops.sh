@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # cuts link and computer at random, and measures the way that is rolled against the stopping distance that was shown
 #
-# options: --cuts N      how many of each of the five kinds (default 2000: ten thousand in all)
+# options: --cuts N      how many of each of the six kinds (default 2000: twelve thousand in all)
 #          --slips N     walks over slippery floor, for the track of encoders and gyroscope (default 100)
 #          --no-setup    leave the machine as it is
 cuts=2000

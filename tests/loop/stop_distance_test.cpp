@@ -21,7 +21,7 @@ int cuts() {
   return n > 0 ? n : seeds_for(120, 40);
 }
 
-enum class Cut { link_driving, stop_walking, computer_driving, computer_walking, link_guided };
+enum class Cut { link_driving, stop_walking, computer_driving, computer_walking, link_guided, end_driving };
 
 struct Sum {
   int cuts = 0, passed = 0;
@@ -32,7 +32,7 @@ struct Sum {
 // One cut at a random moment: what was promised and what was rolled. False when the hoist did not come to move.
 bool one_cut(Cut cut, std::uint64_t seed, double& promised_m, double& rolled_m) {
   sim::Random random(seed);
-  const bool driving = cut == Cut::link_driving || cut == Cut::computer_driving || cut == Cut::link_guided;
+  const bool driving = cut == Cut::link_driving || cut == Cut::computer_driving || cut == Cut::link_guided || cut == Cut::end_driving;
   ClosedLoopOptions options;
   options.world.seed = seed;
   options.world.patient = sim::PatientParams::random(seed);
@@ -62,6 +62,11 @@ bool one_cut(Cut cut, std::uint64_t seed, double& promised_m, double& rolled_m) 
   } else {
     loop.run(random.uniform(2.0, 14.0));
   }
+  if (cut == Cut::end_driving) {
+    // The promise of a hoist that was just let go; then its mode is ended, at once or while it slows.
+    loop.let_go();
+    loop.run(0.02);
+  }
   const contract::TickRecord& record = loop.record();
   if (std::fabs(record.speed_m_s) < 0.03F) return false;
   const auto speed_m_s = static_cast<double>(record.speed_m_s), command_m_s = static_cast<double>(record.speed_command_m_s);
@@ -80,12 +85,16 @@ bool one_cut(Cut cut, std::uint64_t seed, double& promised_m, double& rolled_m) 
     case Cut::computer_walking:
       loop.kill_core();
       break;
+    case Cut::end_driving:
+      break;
   }
+  const int end_at = cut == Cut::end_driving ? static_cast<int>(random.next() % 20) : -1;
   // The way of the axle's middle, until it stays.
   rolled_m = 0;
   double still_s = 0;
   sim::PlatformMotion before = loop.world().plant().platform();
   for (int i = 0; i < 400 && still_s < 0.3; ++i) {
+    if (i == end_at) loop.ask(contract::CommandKind::request_mode, static_cast<std::uint32_t>(Mode::standby));
     loop.step();
     const sim::PlatformMotion now = loop.world().plant().platform();
     rolled_m += std::hypot(now.x_m - before.x_m, now.y_m - before.y_m);
@@ -98,7 +107,7 @@ bool one_cut(Cut cut, std::uint64_t seed, double& promised_m, double& rolled_m) 
   return true;
 }
 
-void judge(Cut cut, const char* name, int wanted) {
+void judge(Cut cut, const char* name, int wanted, double excess_most = 0.20) {
   Sum sum;
   std::uint64_t seed = static_cast<std::uint64_t>(cut) * 1'000'000;
   const int most = wanted * 3;
@@ -122,11 +131,13 @@ void judge(Cut cut, const char* name, int wanted) {
       name, sum.cuts, sum.promised_m / sum.cuts, sum.rolled_m / sum.cuts, 100.0 * (sum.promised_m / sum.rolled_m - 1.0),
       100.0 * sum.excess_norm / sum.cuts, -1000.0 * sum.worst_m, static_cast<unsigned long long>(sum.worst_seed), sum.passed);
   EXPECT_EQ(sum.passed, 0) << "seed " << sum.worst_seed << " rolled " << sum.worst_m << " m farther than promised";
-  EXPECT_LT(sum.excess_norm / sum.cuts, 0.20);
+  EXPECT_LT(sum.excess_norm / sum.cuts, excess_most);
 }
 
 TEST(StopDistance, H17TheLinkDiesWhileSomebodyDrives) { judge(Cut::link_driving, "link, driving", cuts()); }
 TEST(StopDistance, H17TheLinkDiesInAnExercise) { judge(Cut::link_guided, "link, guided", cuts()); }
+// Of the few centimetres that a hoist still rolls that has been let go, the margin is a larger share.
+TEST(StopDistance, H17DrivingIsLetGoAndEnded) { judge(Cut::end_driving, "let go and ended", cuts(), 0.60); }
 TEST(StopDistance, H17StopWhileThePatientWalks) { judge(Cut::stop_walking, "stop, walking", cuts()); }
 TEST(StopDistance, H21TheComputerDiesWhileSomebodyDrives) { judge(Cut::computer_driving, "computer, driving", cuts()); }
 TEST(StopDistance, H21TheComputerDiesWhileThePatientWalks) { judge(Cut::computer_walking, "computer, walking", cuts()); }
