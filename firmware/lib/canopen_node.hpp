@@ -224,7 +224,8 @@ class CanopenNode {
                 find_row<kKind>(0x1003, kErrorHistory + 1) == kNoObject);
   static constexpr std::uint32_t kNoRemoteBit = 0x40000000U;  // of a COB-ID: no remote requests, which nothing here answers anyway
   using Store = ParameterStore<std::remove_cvref_t<decltype(std::declval<Board&>().flash())>>;
-  static_assert(store_bytes(kStoredRows<kKind>.size()) <= std::remove_cvref_t<decltype(std::declval<Board&>().flash())>::kPageBytes);
+  static constexpr std::uint16_t kPlaceRecord = 0x0001;  // first record of a copy: the node id that saved it; no object has this index
+  static_assert(store_bytes(kStoredRows<kKind>.size() + 1) <= std::remove_cvref_t<decltype(std::declval<Board&>().flash())>::kPageBytes);
 
   // One EMCY, and its line in 1003h when it is an error rather than the end of one.
   void report(std::uint16_t code) {
@@ -249,17 +250,20 @@ class CanopenNode {
     values_.restore(first, last);
     identify();
     parameters_ok_ = true;
+    bool ours = true;
     const StoreState state = store().load([&](const StoredValue& value) {
-      if (value.index < first || value.index > last) return;
+      if (value.index == kPlaceRecord) ours = value.raw == node_id_;
+      if (!ours || value.index == kPlaceRecord) return;
       const std::size_t at = find_row<kKind>(value.index, value.sub);
       if (at == kNoObject || !kRows[at].stored) return;  // of an older or newer program
       const bool fits = contract::object_bytes(kRows[at].type) == value.bytes && in_range(kRows[at], value.raw);
-      if (fits)
+      if (!fits)
+        parameters_ok_ = false;  // this one has its default; said again at every reset, whichever range that restores
+      else if (value.index >= first && value.index <= last)
         values_.set_raw(at, value.raw);
-      else
-        parameters_ok_ = false;  // this one has its default
     });
-    if (state == StoreState::lost) parameters_ok_ = false;
+    // Saved at another place on the hoist: identifiers and mounting are that place's.
+    if (state == StoreState::lost || !ours) parameters_ok_ = false;
   }
 
   // The objects whose value depends on the very node rather than on the table.
@@ -583,8 +587,9 @@ class CanopenNode {
   }
   // 1010h: all parameters as they are now. 1011h: a copy without parameters, which makes the next start one with defaults.
   [[nodiscard]] SdoAbort keep_parameters(bool now) {
-    const bool kept = store().save(now ? kStoredRows<kKind>.size() : 0, [&](std::size_t i) {
-      const std::size_t at = kStoredRows<kKind>[i];
+    const bool kept = store().save(now ? kStoredRows<kKind>.size() + 1 : 0, [&](std::size_t i) {
+      if (i == 0) return StoredValue{kPlaceRecord, 0, 1, node_id_};
+      const std::size_t at = kStoredRows<kKind>[i - 1];
       const ObjectRow& row = kRows[at];
       return StoredValue{row.index, row.sub, static_cast<std::uint8_t>(contract::object_bytes(row.type)), values_.raw(at)};
     });

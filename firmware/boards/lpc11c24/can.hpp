@@ -131,6 +131,18 @@ class Can {
     return waiting_count_ == 0 && (c_can::TransmitRequest1::read() & ((1U << kTransmitClasses) - 1U)) == 0;
   }
 
+  // Takes back what has not left: it is too old by now.
+  void drop_unsent() {
+    waiting_count_ = 0;
+    for (std::uint32_t object = 1; object <= kTransmitClasses; ++object) {
+      c_can::Loop::Command::write(c_can::kWrite | c_can::kArbitration | c_can::kControl);
+      c_can::Loop::Id1::write(0);
+      c_can::Loop::Id2::write(0);
+      c_can::Loop::Message::write(0);
+      (void)c_can::Loop::move(object);
+    }
+  }
+
   [[nodiscard]] CanHealth health() const {
     const std::uint32_t status = c_can::Status::read();
     const std::uint32_t errors = c_can::Errors::read();

@@ -46,6 +46,7 @@ class Board {
   [[nodiscard]] bool all_sent() const { return can_.all_sent(); }
   [[nodiscard]] bool simulated() const { return false; }
   [[nodiscard]] CanHealth can_health() const { return can_.health(); }
+  void drop_unsent() { can_.drop_unsent(); }
   void can_restart() { can_.restart(); }
   ParameterFlash& flash() { return flash_; }
   [[nodiscard]] ResetCause reset_cause() const { return reset_cause_; }

@@ -119,6 +119,12 @@ class Can {
   [[nodiscard]] bool has_frame() const { return !received_.empty(); }
   [[nodiscard]] bool all_sent() const { return waiting_count_ == 0 && ((bxcan::Transmit::read() >> 26) & 7U) == 7U; }
 
+  // Takes back what has not left: it is too old by now.
+  void drop_unsent() {
+    waiting_count_ = 0;
+    bxcan::Transmit::write(bxcan::kAbortAll);
+  }
+
   [[nodiscard]] CanHealth health() const {
     const std::uint32_t errors = bxcan::Errors::read();
     CanHealth health;

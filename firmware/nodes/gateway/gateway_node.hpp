@@ -281,6 +281,18 @@ class GatewayNode {
       }
     }
     tx_count_ = kept;
+    // Controllers have a queue of their own: one that gets nothing out (nobody acknowledges: passive, never bus-off) keeps what is in it.
+    if constexpr (requires { board_.drop_unsent(); }) {
+      if (board_.all_sent()) {
+        unsent_ms_ = 0;
+      } else if (++unsent_ms_ >= kGatewayStale_ms) {
+        unsent_ms_ = 0;
+        board_.drop_unsent();
+        ++counters_.stale;
+        flags_ |= kTxFull;
+        lose_to_bus();
+      }
+    }
   }
 
   // A change is told once; when it changes to and fro, the newest state as often as the distance allows.
@@ -358,7 +370,7 @@ class GatewayNode {
   Board& board_;
   bool open_ = false, listen_only_ = false, stamps_ = false, news_ = false, bus_off_ = false;
   CanHealth::State told_state_ = CanHealth::State::active;
-  std::uint32_t bus_off_ms_ = 0, state_age_ms_ = 0, error_age_ms_ = 0;
+  std::uint32_t unsent_ms_ = 0, bus_off_ms_ = 0, state_age_ms_ = 0, error_age_ms_ = 0;
   std::uint32_t lost_seen_ = 0, uart_lost_seen_ = 0;
   std::uint8_t lost_in_ = 0, lost_out_ = 0;  // since the last error line
   bool auto_send_ = true;

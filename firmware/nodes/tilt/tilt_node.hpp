@@ -120,6 +120,7 @@ class TiltNode {
     axes_ = {};
     window_ = {};
     started_ = converged_ = false;
+    start_age_ms_ = 0;  // and so does the time that the first reading may take
     return SdoAbort::none;
   }
 
@@ -328,9 +329,11 @@ class TiltNode {
     if (raw_axis_ == 0) values.template set<0x2111, 1>(to_integer<std::int16_t>(kMilliG * s.ax_m_s2));
     if (raw_axis_ == 1) values.template set<0x2111, 2>(to_integer<std::int16_t>(kMilliG * s.ay_m_s2));
     if (raw_axis_ == 2) values.template set<0x2111, 3>(to_integer<std::int16_t>(kMilliG * s.az_m_s2));
-    // A failed sensor stays invalid until it is switched off and on, also when it seems to work again.
-    publish_status(static_cast<std::uint8_t>((failed_ || doubtful_ ? 0U : kValid) | (acceleration ? kAccelerationRange : 0U) |
-                                             (saturated ? kGyroSaturated : 0U)));
+    // A failed sensor stays invalid until it is switched off and on, also when it seems to work again. One whose parameters are lost does
+    // not know how it is mounted: its angles may have the wrong sign, and the computer reads no emergency messages.
+    const bool valid = !failed_ && !doubtful_ && stack_.parameters_ok();
+    publish_status(
+        static_cast<std::uint8_t>((valid ? kValid : 0U) | (acceleration ? kAccelerationRange : 0U) | (saturated ? kGyroSaturated : 0U)));
     values.template set<0x2121>(static_cast<std::uint8_t>(values.template get<0x2121>() + 1U));
   }
 

@@ -331,6 +331,58 @@ TEST_F(StoredDrive, ValuesThatTodaysProgramDoesNotAllowAreDefaults) {
   EXPECT_FALSE(node_.stack().parameters_ok());
 }
 
+// A reset of the communication restores only its own objects; what it leaves as it is may still be what is lost.
+TEST_F(StoredDrive, AResetOfTheCommunicationHidesNoLostParameters) {
+  const Values stored = {{0x6085, 0, 4, 9999}, {0x1017, 0, 2, 70}};
+  ASSERT_TRUE(ParameterStore(board_.flash(), static_cast<std::uint8_t>(contract::NodeKind::drive)).save(stored.size(), [&](std::size_t i) {
+    return stored[i];
+  }));
+  restart();
+  ASSERT_FALSE(node_.stack().parameters_ok());
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::reset_communication, 1));
+  tick(node_, 2);
+  EXPECT_EQ(read(0x1017, 0), 70U);
+  EXPECT_FALSE(node_.stack().parameters_ok());
+}
+
+// Identifiers and mounting that were saved at one place are not those of another. A drive would follow the other one's commands.
+TEST_F(StoredDrive, ABoardSavedAtAnotherPlaceDoesNotWorkAsThatOne) {
+  ASSERT_EQ(write(0x6085, 0, 4, 250), 0U);
+  ASSERT_EQ(write(0x1010, 1, 4, kSaveWord), 0U);
+  board_.sent.clear();
+  DriveNode<TestBoard> right{board_, contract::Node::drive_right};
+  make_operational(right, board_);
+  tick(right, 40);
+  EXPECT_FALSE(right.stack().parameters_ok());
+  EXPECT_EQ(right.state(), contract::canopen::drive::State::fault);
+  for (const int low : {0x06, 0x07, 0x0F}) {
+    right.on_frame(frame_of(0x201, {low, 0, 0, 0, 0, 0}));
+    tick(right, 5);
+  }
+  EXPECT_NE(right.state(), contract::canopen::drive::State::operation_enabled);
+  EXPECT_FALSE(board_.bridge_on);
+  EXPECT_TRUE(board_.with_id(0x181).empty());
+  EXPECT_FALSE(board_.with_id(0x182).empty());
+  // Whoever looks at it and saves it there has said that it belongs there.
+  right.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 2));
+  tick(right, 2);
+  EXPECT_EQ(ask(right, board_, canopen::sdo(0x602, canopen::sdo_download_command(4), 0x1010, 1, kSaveWord)).data[0], 0x60);
+  DriveNode<TestBoard> again{board_, contract::Node::drive_right};
+  tick(again, 2);
+  EXPECT_TRUE(again.stack().parameters_ok());
+}
+
+// A copy of a program that did not save the place.
+TEST_F(StoredDrive, ACopyWithoutAPlaceIsBelieved) {
+  const Values stored = {{0x6085, 0, 4, 250}};
+  ASSERT_TRUE(ParameterStore(board_.flash(), static_cast<std::uint8_t>(contract::NodeKind::drive)).save(stored.size(), [&](std::size_t i) {
+    return stored[i];
+  }));
+  restart();
+  EXPECT_EQ(read(0x6085, 0), 250U);
+  EXPECT_TRUE(node_.stack().parameters_ok());
+}
+
 TEST_F(StoredDrive, APdosIdIsKeptAndComesBackWithACommunicationReset) {
   EXPECT_EQ(write(0x1801, 1, 4, 0x301 - 0x80), 0U);
   EXPECT_EQ(write(0x1801, 1, 4, 0x3A1 - 0x20), 0U);  // 381h

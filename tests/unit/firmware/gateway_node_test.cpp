@@ -154,6 +154,37 @@ TEST_F(GatewayTest, H5_AFrameThatTheBusDidNotTakeInTimeIsNeverSent) {
   EXPECT_EQ(say("F\r"), "F02\r");
 }
 
+// What the controller has taken waits in its own queue, as on both boards. Where nobody acknowledges it is never bus-off and keeps it.
+struct QueueBoard : TestBoard {
+  std::vector<CanFrame> queue;
+  bool send(const CanFrame& frame) {
+    if (queue.size() == 16) return false;
+    queue.push_back(frame);
+    return true;
+  }
+  bool all_sent() const { return queue.empty(); }
+  void drop_unsent() { queue.clear(); }
+};
+TEST(GatewayQueue, H5_NeitherDoesWhatTheControllerHasTakenWaitLonger) {
+  QueueBoard board;
+  GatewayNode<QueueBoard> node(board);
+  board.from_host = "S5\rO\r";
+  node.tick_1ms();
+  board.from_host = "t20160F00A0860100\r";
+  for (int i = 0; i < 45; ++i) node.tick_1ms();
+  EXPECT_EQ(board.queue.size(), 1U);
+  for (int i = 0; i < 10; ++i) node.tick_1ms();
+  EXPECT_TRUE(board.queue.empty());
+  EXPECT_EQ(node.counters().stale, 1U);
+  // A controller that gets them out keeps each one.
+  for (int i = 0; i < 100; ++i) {
+    board.from_host = "t0800\r";
+    node.tick_1ms();
+    if (i % 10 == 9) board.queue.clear();
+  }
+  EXPECT_EQ(node.counters().stale, 1U);
+}
+
 TEST_F(GatewayTest, H5_BusOffDropsWhatWaitedRefusesMoreAndComesBackByItself) {
   open();
   board_.room = false;

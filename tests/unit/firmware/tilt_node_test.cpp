@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -399,6 +400,31 @@ TEST_F(TiltTest, TheMountingCannotChangeUnderWay) {
   node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 0));
   cycles(1);
   EXPECT_EQ(status() & kConverged, 0);  // the bias was of other axes
+}
+
+// Also long after the node was switched on: the still start begins anew, with all its time.
+TEST_F(TiltTest, TheMountingCanBeSetAtAnyTime) {
+  cycles(700);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
+  ASSERT_EQ(ask(node_, board_, canopen::sdo(0x613, canopen::sdo_download_command(1), 0x2104, 0, 45)).data[0], 0x60);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 0));
+  cycles(250);
+  EXPECT_EQ(status(), kValid | kConverged);
+}
+
+// H7: with its parameters the node has lost how it is mounted; its angles may have the wrong sign, and nothing else would show it.
+TEST_F(TiltTest, H7_WithoutItsParametersNoAngleIsValid) {
+  for (auto& page : board_.pages.pages) std::fill(page.begin(), page.end(), std::byte{0x5A});
+  node_.power_on();
+  make_operational(node_, board_);
+  cycles(300);
+  EXPECT_FALSE(node_.stack().parameters_ok());
+  EXPECT_EQ(status() & kValid, 0);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
+  ASSERT_EQ(ask(node_, board_, canopen::sdo(0x613, canopen::sdo_download_command(4), 0x1010, 1, 0x65766173)).data[0], 0x60);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 0));
+  cycles(300);
+  EXPECT_EQ(status(), kValid | kConverged);
 }
 
 TEST_F(TiltTest, RawAccelerationsAreReadInThousandthsOfG) {
