@@ -116,12 +116,15 @@ inline constexpr std::array kParamOrders{
 /// drive's objects 60FFh and 606Ch speak at the motor.
 inline constexpr double kGearRatio_norm = 30.0;
 /// H27: the drives follow what they are told on a ramp of their own. A slower one than the hardest stop would make every stop longer than it
-/// was promised, and no alarm would tell. A tenth less passes: the radius of a real wheel is measured, and the two are equal by default.
-inline constexpr double kRampLeast_norm = 0.9;
+/// was promised, and no alarm would tell. Of the bumper's stop a tenth less passes: the radius of a real wheel is measured, and the two are
+/// equal by default. The stop whose distance is shown needs room above it, or the ramp itself becomes the stop (measured: never passed from
+/// 1.17 on).
+inline constexpr double kRampOfBumper_norm = 0.9, kRampOfProtective_norm = 1.2;
 inline bool ramp_fits_stops(const Params& p) {
   const double scale_norm = p.wheel_left_scale_norm < p.wheel_right_scale_norm ? p.wheel_left_scale_norm : p.wheel_right_scale_norm;
   const double ramp_m_s2 = p.drive_acceleration_rad_s2 * p.wheel_radius_m * scale_norm / kGearRatio_norm;
-  return ramp_m_s2 >= kRampLeast_norm * p.bumper_deceleration_m_s2;
+  return ramp_m_s2 >= kRampOfBumper_norm * p.bumper_deceleration_m_s2 &&
+         ramp_m_s2 >= kRampOfProtective_norm * p.protective_deceleration_m_s2;
 }
 // nullptr = consistent; otherwise the sentence for people. Written so that what is not a number is not consistent.
 inline const char* check_param_set(const Params& p) {
@@ -129,7 +132,8 @@ inline const char* check_param_set(const Params& p) {
     const double smaller = get_param(p, param_index(order.smaller)), larger = get_param(p, param_index(order.larger));
     if (!(order.may_be_equal ? smaller <= larger : smaller < larger)) return order.sentence;
   }
-  if (!ramp_fits_stops(p)) return "drive_acceleration_rad_s2 at the wheel must not be below bumper_deceleration_m_s2";
+  if (!ramp_fits_stops(p))
+    return "drive_acceleration_rad_s2 is too slow at the wheel for bumper_deceleration_m_s2 or protective_deceleration_m_s2";
   return nullptr;
 }
 

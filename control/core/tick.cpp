@@ -117,7 +117,10 @@ void take_commands(CoreState& state, const TickInputs& inputs) noexcept {
 Wish decide(CoreState& state, double dt_s) noexcept {
   Motion& motion = state.motion;
   ++motion.ticks;
-  if (state.sensed.left_drive.enabled() && state.sensed.right_drive.enabled() && mode_row_of(state.mode).drives) motion.powered = true;
+  // What a drive says that was just let go may be older than its going: only what it says while it is told to run counts.
+  if (state.sensed.left_drive.enabled() && state.sensed.right_drive.enabled() && state.left_control.goes_on() &&
+      state.right_control.goes_on() && mode_row_of(state.mode).drives)
+    motion.powered = true;
   Wish wish = mode_row_of(state.mode).step(state, dt_s);
   if (wish.done) finish_mode(state);
   if (state.sensed.io.bumpers() != 0 && wish.braking == Braking::none) {

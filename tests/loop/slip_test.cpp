@@ -108,22 +108,25 @@ TEST(Slip, H10ALongSlipStopsGentlyAndAShortOneDoesNot) {
   }
 }
 
-TEST(Slip, H10WithoutTheChassisRatesTheEncodersLead) {
+// The message with the rates is lost for good, the one with the angles is not: nothing would tell of slip or of a dead encoder any more.
+TEST(Slip, H10WithoutTheChassisRatesTheHoistStopsAndDoesNotStart) {
   ClosedLoopOptions options;
   options.world.scenario = sim::find_scenario("figure-eight");
   ClosedLoop loop(options);
-  // The message with the rates is lost for good; the one with the angles is not.
+  ASSERT_TRUE(loop.start(Mode::user));
+  loop.run(10.0);
   const std::uint32_t rates = contract::pdo_cob_id(contract::Pdo::tilt_tx2, contract::Node::tilt_base);
   loop.world().set_frame_fault([rates](std::size_t, const contract::CanFrame& frame, std::uint64_t) {
     bus::BusFault fault;
     if (frame.id == rates) fault.kind = bus::BusFault::Kind::drop;
     return fault;
   });
-  ASSERT_TRUE(loop.start(Mode::user));
-  loop.run(20.0);
-  EXPECT_EQ(loop.record().slip_state, 2);
-  EXPECT_EQ(loop.mode(), Mode::user);
-  EXPECT_NEAR(static_cast<double>(loop.record().fused_psi_rad), static_cast<double>(loop.record().psi_rad), 1e-4);
+  loop.run(0.07);
+  EXPECT_EQ(loop.mode(), Mode::protective_stop);
+  EXPECT_TRUE(loop.ever_raised(Fault::tilt_base_lost));
+  EXPECT_EQ(loop.record().slip_state, 2) << "what is left of the track is the encoders'";
+  loop.run(10.0);
+  EXPECT_FALSE(loop.start(Mode::user));
 }
 
 }  // namespace

@@ -54,12 +54,6 @@ constexpr Stillness stillness(CalibrationStep step) noexcept {
   }
 }
 
-// Whether a step takes the chassis' turn rate for something: for a sign that the hoist rests, for the result, or for the way turned. The
-// rates are a message of their own; while it is silent the last rate stands, and what stands looks like perfect rest.
-constexpr bool uses_turn_rate(CalibrationStep step) noexcept {
-  return step == CalibrationStep::encoders || stillness(step).yaw_rad_s < kAnything;
-}
-
 // Two places are always on a line: only a third one shows that a figure was read wrongly.
 static_assert(contract::find_calibration_step("strut_length")->samples >= 3 &&
               contract::find_calibration_step("strut_spacing")->samples >= 3);
@@ -419,8 +413,7 @@ std::uint32_t calibration_refusals(const CoreState& state, const CalibrationStep
   const Estimate& sensed = state.sensed;
   std::uint32_t bits = 0;
   if (state.mode != contract::Mode::standby && state.mode != contract::Mode::calibrate) bits |= refusal_bit(Refusal::not_standby);
-  const bool rates_missing = uses_turn_rate(info.step) && sensed.base.rates_fresh().stale();
-  if (sensed.tilts_stale() || rates_missing || sensed.drives_lost() || sensed.io.fresh().lost())
+  if (sensed.tilts_stale() || sensed.base.rates_fresh().stale() || sensed.drives_lost() || sensed.io.fresh().lost())
     bits |= refusal_bit(Refusal::nodes_missing);
   // Where the rest of the hoist is measured, it begins at rest; the sensors must have found their angles.
   if (!at_rest(state)) bits |= refusal_bit(Refusal::moving);
@@ -469,8 +462,7 @@ bool advance_calibration(CoreState& state, double dt_s) noexcept {
   c.left_counts += sensed.left_drive.moved_counts();
   c.right_counts += sensed.right_drive.moved_counts();
   c.turned_rad += sensed.base.yaw_rate_rad_s() * dt_s;
-  const bool rates_lost = uses_turn_rate(c.step) && sensed.base.rates_fresh().lost();
-  if (sensed.tilts_lost() || rates_lost || sensed.drives_lost()) {
+  if (sensed.tilts_lost() || sensed.base.rates_fresh().lost() || sensed.drives_lost()) {
     c.reason = CalibrationReason::sensor_lost;
     return false;
   }

@@ -29,8 +29,9 @@ struct InitMode {
     };
     // A bus that has only just come up may still go again; outside INIT that would be a fault.
     const bool ready = state.bus_settle_ticks == 0 && state.master.all_running() && sound(sensed.left_strut) && sound(sensed.right_strut) &&
-                       sound(sensed.base) && !sensed.drives_lost() && !sensed.io.fresh().lost() && sensed.io.battery_known() &&
-                       !motors_unpowered(sensed) && !state.left_control.resetting() && !state.right_control.resetting();
+                       sound(sensed.base) && !sensed.base.rates_fresh().stale() && !sensed.drives_lost() && !sensed.io.fresh().lost() &&
+                       sensed.io.battery_known() && !motors_unpowered(sensed) && !state.left_control.resetting() &&
+                       !state.right_control.resetting();
     state.clear_ticks =
         !ready ? std::uint8_t{0} : static_cast<std::uint8_t>(state.clear_ticks < kClearTicks ? state.clear_ticks + 1 : kClearTicks);
     return {0, 0, Braking::none, state.clear_ticks == kClearTicks};

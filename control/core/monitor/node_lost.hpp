@@ -1,5 +1,6 @@
-// H3, H4, H14: a node's periodic data have stopped for 50 ms (kLostTicks); of the input node also the batteries' for kBatteryTicks (H12: a
-// held voltage must not pass for a charged battery). R2 within 60 ms.
+// H3, H4, H14: a node's periodic data have stopped for 50 ms (kLostTicks), of the chassis also its rates alone (slip, a lost zero and the
+// watch over a stop go by them: H2, H8, H10); of the input node also the batteries' for kBatteryTicks (H12: a held voltage must not pass for
+// a charged battery). R2 within 60 ms.
 #pragma once
 #include "control/core/monitor/monitor.hpp"
 #include "control/core/monitor/mutation.hpp"
@@ -16,9 +17,11 @@ struct NodeLost {
   bool check(const MonitorView& view) noexcept {
     bool batteries_lost = false;
     if constexpr (kNode == contract::Node::io) batteries_lost = view.sensed.io.battery_silent(hold<kFault, "batteries">(kBatteryTicks));
+    auto age_ticks = view.sensed.heard(kNode).age_ticks();
+    if constexpr (kNode == contract::Node::tilt_base)
+      if (view.sensed.base.rates_fresh().age_ticks() > age_ticks) age_ticks = view.sensed.base.rates_fresh().age_ticks();
     // While the whole bus is down there is one cause to mend and one alarm to read, not six more.
-    return view.mode != contract::Mode::init && view.bus_settled &&
-           (batteries_lost || view.sensed.heard(kNode).age_ticks() >= hold<kFault, "silence">(kLostTicks));
+    return view.mode != contract::Mode::init && view.bus_settled && (batteries_lost || age_ticks >= hold<kFault, "silence">(kLostTicks));
   }
 };
 

@@ -60,7 +60,12 @@ class TiltSensorFault {
     }
     const bool useless = !tilt.has(tilt_status::kValid) || tilt.has(tilt_status::kGyroSaturated);
     const std::uint8_t bad_ticks = hold<kFault, "invalid">(kBadTicks);
-    ticks = !useless ? std::uint8_t{0} : static_cast<std::uint8_t>(ticks < bad_ticks ? ticks + 1 : bad_ticks);
+    // Only a sample that is valid and new ends it: invalid ones and old ones by turns tell as little as either.
+    if (useless) {
+      ticks = static_cast<std::uint8_t>(ticks < bad_ticks ? ticks + 1 : bad_ticks);
+    } else if (tilt.fresh().now()) {
+      ticks = 0;
+    }
     return tilt.has(tilt_status::kSelfTestFailed) || ticks == bad_ticks;
   }
 

@@ -215,7 +215,8 @@ std::uint32_t start_refusals(const CoreState& state) noexcept {
   add(state.mode != Mode::standby, Refusal::not_standby);
   add(state.mode == Mode::fault || (state.latched & kBreakdown) != 0, Refusal::fault_mode);
   add(state.mode == Mode::emergency_stop || (state.conditions & kPowerOff) != 0, Refusal::emergency_stop_open);
-  add(!state.master.all_running() || sensed.tilts_stale() || sensed.drives_lost() || sensed.io.fresh().lost() || !sensed.io.battery_known(),
+  add(!state.master.all_running() || sensed.tilts_stale() || sensed.base.rates_fresh().stale() || sensed.drives_lost() ||
+          sensed.io.fresh().lost() || !sensed.io.battery_known(),
       Refusal::nodes_missing);
   add(state.master.any_other_version(), Refusal::node_version);
   add((state.latched & ~kWarnings) != 0, Refusal::fault_active);
@@ -252,6 +253,8 @@ std::uint32_t start_refusals(const CoreState& state, Mode to) noexcept {
 void judge_faults(CoreState& state, std::uint32_t conditions) noexcept {
   // Out of service or without power there is nothing left to stop, and INIT will look at everything anew: only what led here is an alarm.
   if (state.mode == Mode::fault || state.mode == Mode::emergency_stop) conditions &= ~kProtective;
+  // Also a cause that is latched already and comes again.
+  if ((conditions & ~state.conditions & kProtective & ~kBumper) != 0) state.pending.overtaken = true;
   state.conditions = conditions;
   const std::uint32_t before = state.latched;
   // Protective faults stay until acknowledged. In INIT nothing has run yet that an acknowledgement could be about, but for what puts the

@@ -449,6 +449,14 @@ TEST(Modes, WhatStopsWhileTheDriveIsAwaitedIsNotAcknowledged) {
          h.step(2);
        },
        Refusal::cause_not_cleared, Fault::tilt_left_lost},
+      {"the same cause once more",
+       [](ScriptedHoist& h) {
+         h.tilt_right.silent = true;
+         h.step(8);
+         h.tilt_right.silent = false;
+         h.step(2);
+       },
+       Refusal::cause_not_cleared, Fault::tilt_right_lost},
       {"the lease let go", [](ScriptedHoist& h) { h.ask(CommandKind::release_lease); }, Refusal::no_lease, Fault::drive_left_fault},
       {"the lease let go and taken again",
        [](ScriptedHoist& h) {
@@ -463,6 +471,7 @@ TEST(Modes, WhatStopsWhileTheDriveIsAwaitedIsNotAcknowledged) {
     hoist.drive_left.ignores_reset = true;
     ASSERT_TRUE(hoist.reach(Mode::protective_stop, 5)) << c.name;
     if (c.name == cases[1].name) hoist.ask(CommandKind::stop, 9);
+    if (c.name == cases[3].name) c.meanwhile(hoist);
     hoist.step(150);
     const std::uint32_t id = hoist.send(CommandKind::acknowledge);
     hoist.step(5);
@@ -507,6 +516,40 @@ TEST(Modes, H2AHeldRateLetsNoStandingHoistGo) {
     EXPECT_EQ(hoist.state.motion.hold.cut(), !silent);
     EXPECT_EQ(hoist.has_fault(Fault::overspeed), !silent);
   }
+}
+
+// H2, H10: without its rates the chassis counts as lost, from the start and under way; slip and a dead encoder show in nothing else.
+TEST(Modes, H2_H10_AChassisWithoutItsRatesIsLost) {
+  ScriptedHoist walking = in_mode(Mode::user);
+  walking.lean_gently(4, 100);
+  walking.tilt_base.rates_silent = true;
+  walking.step(4);
+  EXPECT_EQ(walking.state.mode, Mode::user);
+  walking.step(2);
+  EXPECT_EQ(walking.state.mode, Mode::protective_stop);
+  EXPECT_EQ(walking.state.latched, contract::fault_bit(Fault::tilt_base_lost));
+  ScriptedHoist hoist;
+  hoist.tilt_base.rates_silent = true;
+  hoist.step(300);
+  EXPECT_EQ(hoist.state.mode, Mode::init);
+  hoist.tilt_base.rates_silent = false;
+  ASSERT_TRUE(hoist.ready());
+  hoist.tilt_base.rates_silent = true;
+  hoist.step(3);
+  EXPECT_EQ(hoist.ask_mode(Mode::user), refusal_bit(Refusal::nodes_missing));
+}
+
+// H4, H8: a sensor without one good sample is none, in whatever order its bad ones come.
+TEST(Modes, H8_InvalidAndRepeatedSamplesByTurnsAreNoSensor) {
+  ScriptedHoist hoist = in_mode(Mode::user);
+  int steps = 0;
+  for (; hoist.state.mode == Mode::user && steps < 100; ++steps) {
+    hoist.tilt_left.frozen = true;
+    hoist.tilt_left.status = steps % 2 == 0 ? 2 : 3;
+    hoist.step();
+  }
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+  EXPECT_LE(steps, 12);
 }
 
 // H12: a battery that nobody has told of is none to start on, whichever way standby was reached.

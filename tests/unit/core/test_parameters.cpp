@@ -494,7 +494,10 @@ TEST(Parameters, H27ADriveRampBelowTheHardestStopIsRefused) {
   EXPECT_EQ(set(hoist, {{ParamName::wheel_left_scale_norm, 0.95}}), inconsistent);
   EXPECT_EQ(set(hoist, {{ParamName::wheel_right_scale_norm, 0.95}}), inconsistent);
   EXPECT_EQ(set(hoist, {{ParamName::wheel_radius_m, 0.09}, {ParamName::drive_acceleration_rad_s2, 450}}), 0U);
-  EXPECT_EQ(set(hoist, {{ParamName::bumper_deceleration_m_s2, 1.0}, {ParamName::drive_acceleration_rad_s2, 310}}), 0U);
+  EXPECT_EQ(set(hoist, {{ParamName::bumper_deceleration_m_s2, 1.0}, {ParamName::drive_acceleration_rad_s2, 410}}), 0U);
+  EXPECT_EQ(set(hoist, {{ParamName::drive_acceleration_rad_s2, 390}}), inconsistent) << "1.17 m/s2, protective stop 1.0 and room above it";
+  EXPECT_EQ(set(hoist, {{ParamName::protective_deceleration_m_s2, 0.8}, {ParamName::drive_acceleration_rad_s2, 325}}), 0U);
+  EXPECT_NE(set(hoist, {{ParamName::protective_deceleration_m_s2, 0.79}}), 0U) << "gentler than letting go";
 }
 
 // A node that does its work and only does not take a value: walking goes on, and it is asked again until it has it. Only then does anything

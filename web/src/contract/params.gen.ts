@@ -311,13 +311,13 @@ export const params: readonly ParamInfo[] = [
     effect: { en: 'Share of the top speed that this patient may reach.', de: 'Anteil des Höchsttempos, den dieser Patient erreichen darf.' },
   },
   {
-    id: 46, name: 'protective_deceleration_m_s2', unit: 'm/s²', min: 0.3, default: 1, max: 1,
-    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety 2.1: Krasna 2021, no stepping at 1.0',
+    id: 46, name: 'protective_deceleration_m_s2', unit: 'm/s²', min: 0.8, default: 1, max: 1,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety 2.1: Krasna 2021, no stepping at 1.0; never gentler than letting go',
     title: { en: 'Protective braking', de: 'Schutzbremsung' },
     effect: { en: 'Braking of an automatic stop.', de: 'Bremsung eines automatischen Halts.' },
   },
   {
-    id: 47, name: 'bumper_deceleration_m_s2', unit: 'm/s²', min: 0.5, default: 1.5, max: 1.5,
+    id: 47, name: 'bumper_deceleration_m_s2', unit: 'm/s²', min: 0.8, default: 1.5, max: 1.5,
     edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety 2.1',
     title: { en: 'Bumper braking', de: 'Bremsung am Stoßfänger' },
     effect: { en: 'Braking when a bumper is touched.', de: 'Bremsung bei Berührung eines Stoßfängers.' },
