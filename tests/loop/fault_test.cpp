@@ -469,6 +469,33 @@ TEST(Faults, H2_H15_DrivesThatWereJustLetGoAreHeldAgain) {
   }
 }
 
+// Whoever drives on at once finds drives that were just let go: nothing may run ahead of a wheel that is not powered yet.
+TEST(Faults, DrivingOnRightAfterAnEndStopsNobody) {
+  ClosedLoopOptions options;
+  options.world.scenario = sim::find_scenario("stand");
+  for (int gap_ticks = 0; gap_ticks < 8; ++gap_ticks) {
+    for (int push_ticks = 0; push_ticks < 12; ++push_ticks) {
+      ClosedLoop loop(options);
+      ASSERT_TRUE(loop.start(Mode::remote));
+      loop.hold_stick(0, 0);
+      loop.run(0.2);
+      loop.hold_stick(0, 1.0);
+      loop.run(1.0);
+      loop.hold_stick(0, 0);
+      loop.run(1.5);
+      loop.ask(contract::CommandKind::request_mode, static_cast<unsigned>(Mode::standby));
+      ASSERT_TRUE(loop.run_until([&] { return loop.mode() == Mode::standby; }, 5.0));
+      for (int i = 0; i < gap_ticks; ++i) loop.step();
+      loop.ask(contract::CommandKind::request_mode, static_cast<unsigned>(Mode::remote));
+      for (int i = 0; i < push_ticks; ++i) loop.step();
+      loop.hold_stick(0, 1.0);
+      loop.run(0.6);
+      EXPECT_EQ(loop.mode(), Mode::remote) << gap_ticks << " " << push_ticks << " stopped by "
+                                           << static_cast<int>(loop.record().stop_cause);
+    }
+  }
+}
+
 TEST(Faults, StopIsObeyedAtOnceByAnyMode) {
   Walk walk("straight", 0.60);
   ASSERT_TRUE(walk.set_off());
