@@ -30,13 +30,14 @@ struct Sum {
 };
 
 // One cut at a random moment: what was promised and what was rolled. False when the hoist did not come to move.
-bool one_cut(Cut cut, std::uint64_t seed, double& promised_m, double& rolled_m) {
+bool one_cut(Cut cut, std::uint64_t seed, const contract::Params& params, double& promised_m, double& rolled_m) {
   sim::Random random(seed);
   const bool driving = cut == Cut::link_driving || cut == Cut::computer_driving || cut == Cut::link_guided || cut == Cut::end_driving;
   ClosedLoopOptions options;
   options.world.seed = seed;
   options.world.patient = sim::PatientParams::random(seed);
   options.world.scenario = sim::find_scenario(driving ? "stand" : (random.next() % 2 == 0 ? "figure-eight" : "straight"));
+  options.params = params;
   options.params.remote_speed_m_s_max = random.uniform(0.10, 0.60);
   ClosedLoop loop(options);
   if (cut == Cut::link_guided) {
@@ -107,13 +108,13 @@ bool one_cut(Cut cut, std::uint64_t seed, double& promised_m, double& rolled_m) 
   return true;
 }
 
-void judge(Cut cut, const char* name, int wanted, double excess_most = 0.20) {
+void judge(Cut cut, const char* name, int wanted, double excess_most = 0.20, const contract::Params& params = {}) {
   Sum sum;
   std::uint64_t seed = static_cast<std::uint64_t>(cut) * 1'000'000;
   const int most = wanted * 3;
   for (int tried = 0; tried < most && sum.cuts < wanted; ++tried) {
     double promised_m = 0, rolled_m = 0;
-    if (!one_cut(cut, ++seed, promised_m, rolled_m)) continue;
+    if (!one_cut(cut, ++seed, params, promised_m, rolled_m)) continue;
     ++sum.cuts;
     sum.promised_m += promised_m;
     sum.rolled_m += rolled_m;
@@ -139,6 +140,20 @@ TEST(StopDistance, H17TheLinkDiesInAnExercise) { judge(Cut::link_guided, "link, 
 // Of the few centimetres that a hoist still rolls that has been let go, the margin is a larger share.
 TEST(StopDistance, H17DrivingIsLetGoAndEnded) { judge(Cut::end_driving, "let go and ended", cuts(), 0.60); }
 TEST(StopDistance, H17StopWhileThePatientWalks) { judge(Cut::stop_walking, "stop, walking", cuts()); }
+// Gains are an engineer's, while the hoist moves, too: the promise holds in every corner of their ranges.
+TEST(StopDistance, H27HoldsWithWhateverGainsTheDrivesMayHave) {
+  using contract::ParamName;
+  const auto& gain = contract::kParams[contract::param_index(ParamName::drive_velocity_gain_v_s_rad)];
+  const auto& integral = contract::kParams[contract::param_index(ParamName::drive_velocity_integral_v_rad)];
+  for (const double gain_v_s_rad : {gain.min, gain.max})
+    for (const double integral_v_rad : {integral.min, integral.max})
+      for (const Cut cut : {Cut::link_driving, Cut::stop_walking, Cut::computer_driving, Cut::computer_walking, Cut::link_guided}) {
+        contract::Params params;
+        params.drive_velocity_gain_v_s_rad = gain_v_s_rad;
+        params.drive_velocity_integral_v_rad = integral_v_rad;
+        judge(cut, "corner", cuts() / 4, 0.80, params);
+      }
+}
 TEST(StopDistance, H21TheComputerDiesWhileSomebodyDrives) { judge(Cut::computer_driving, "computer, driving", cuts()); }
 TEST(StopDistance, H21TheComputerDiesWhileThePatientWalks) { judge(Cut::computer_walking, "computer, walking", cuts()); }
 

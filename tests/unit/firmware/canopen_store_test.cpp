@@ -361,6 +361,8 @@ TEST_F(StoredDrive, ABoardSavedAtAnotherPlaceDoesNotWorkAsThatOne) {
   }
   EXPECT_NE(right.state(), contract::canopen::drive::State::operation_enabled);
   EXPECT_FALSE(board_.bridge_on);
+  right.on_frame(canopen::sync());
+  tick(right, 2);
   EXPECT_TRUE(board_.with_id(0x181).empty());
   EXPECT_FALSE(board_.with_id(0x182).empty());
   // Whoever looks at it and saves it there has said that it belongs there.

@@ -533,14 +533,14 @@ export const params: readonly ParamInfo[] = [
     effect: { en: 'Share of the swaying of each stride that is taken out of lean and turn. 0: as published.', de: 'Anteil des Pendelns bei jedem Schritt, der aus Neigung und Drehung herausgenommen wird. 0: wie veröffentlicht.' },
   },
   {
-    id: 80, name: 'drive_velocity_gain_v_s_rad', unit: 'V s/rad', min: 0, default: 0.12, max: 5,
-    edit: 'live', scope: 'drive', role: 'engineer', source: 'tuned on the motor model, P1-P9',
+    id: 80, name: 'drive_velocity_gain_v_s_rad', unit: 'V s/rad', min: 0.1, default: 0.12, max: 0.25,
+    edit: 'live', scope: 'drive', role: 'engineer', source: 'tuned on the motor model, P1-P9; in this range the stopping distance holds',
     title: { en: 'Drive: gain', de: 'Antrieb: Verstärkung' },
     effect: { en: 'Stiffness of the speed control of the motors.', de: 'Steifigkeit der Drehzahlregelung der Motoren.' },
   },
   {
-    id: 81, name: 'drive_velocity_integral_v_rad', unit: 'V/rad', min: 0, default: 2.4, max: 100,
-    edit: 'live', scope: 'drive', role: 'engineer', source: 'tuned on the motor model, P1-P9',
+    id: 81, name: 'drive_velocity_integral_v_rad', unit: 'V/rad', min: 2.3, default: 2.4, max: 20,
+    edit: 'live', scope: 'drive', role: 'engineer', source: 'tuned on the motor model, P1-P9; in this range the stopping distance holds',
     title: { en: 'Drive: integral gain', de: 'Antrieb: Integralverstärkung' },
     effect: { en: 'How quickly the motors remove a lasting speed error.', de: 'Wie schnell die Motoren eine bleibende Abweichung ausregeln.' },
   },
