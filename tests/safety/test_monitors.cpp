@@ -300,7 +300,7 @@ TEST(Monitors, H7ATurnWidensTheSideLeanRuleByWhatItExplainsAndNoMore) {
     if (beta_deg < 3.5) {
       EXPECT_EQ(hoist.state.mode, Mode::user);
       hoist.tilt_base.yaw_rate_deg_s = 0;  // the turn has ended: so has, soon, what it explains
-      EXPECT_TRUE(hoist.reach(Mode::protective_stop, 30));
+      EXPECT_TRUE(hoist.reach(Mode::protective_stop, 45));
     } else {
       EXPECT_LE(ticks, 20);
     }

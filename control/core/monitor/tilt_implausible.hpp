@@ -31,7 +31,7 @@ class TiltImplausible {
     const double yaw_rate_rad_s = sensed.base.rates_fresh().lost() ? 0.0 : sensed.base.yaw_rate_rad_s();
     const double leak_rad = threshold<kFault, "leak">(kLeak_s) *
                             std::fabs(yaw_rate_rad_s * (sensed.left_strut.sent_alpha_rad() - sensed.right_strut.sent_alpha_rad()));
-    leak_rad_ -= leak_rad_ * view.dt_s / kLeak_s;
+    leak_rad_ -= leak_rad_ * view.dt_s / kLeakFade_s;
     if (leak_rad > leak_rad_) leak_rad_ = leak_rad;
     const bool apart =
         beyond(struts.beta_left_rad - struts.beta_right_rad, threshold<kFault, "apart">(view.params.strut_apart_rad_max) + leak_rad_);
@@ -49,8 +49,9 @@ class TiltImplausible {
   static constexpr std::uint8_t kApartTicks = 10;
   // A sensor that leans forward by alpha, mounting included, and turns with its strut about the upright feels part of the turn as a roll: yaw rate x alpha,
   // which its filter, slow to trust gravity, holds for about this long (measured 0.79 degrees for each degree per second). Left and right
-  // differ by what they lean differently, and in a tight turn that is what the patient does. It fades as slowly as it came.
-  static constexpr double kLeak_s = 0.8;
+  // differ by what they lean differently, and in a tight turn that is what the patient does. It fades more slowly than it came: what the
+  // filter took for a bias in a long turn has to be unlearnt (random session 10004908, a turn on the spot that ended slowly).
+  static constexpr double kLeak_s = 0.8, kLeakFade_s = 1.6;
 
   [[nodiscard]] static bool beyond(double angle, double limit) noexcept { return !(std::fabs(angle) <= limit); }
   [[nodiscard]] static bool too_fast(const TiltSensor& tilt, double limit_rad_s) noexcept {
