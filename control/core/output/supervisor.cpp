@@ -89,8 +89,6 @@ void change_mode(CoreState& state, Mode to) noexcept {
 }
 
 void stop_protectively(CoreState& state, std::uint32_t causes) noexcept {
-  // Bumpers are remembered one by one.
-  if ((causes & ~kBumper) != 0) state.pending.overtaken = true;
   if (find_transition(state.mode, Mode::protective_stop, Asker::fault) != nullptr) {
     const bool counts = state.mode != Mode::init;
     change_mode(state, Mode::protective_stop);
@@ -253,7 +251,7 @@ std::uint32_t start_refusals(const CoreState& state, Mode to) noexcept {
 void judge_faults(CoreState& state, std::uint32_t conditions) noexcept {
   // Out of service or without power there is nothing left to stop, and INIT will look at everything anew: only what led here is an alarm.
   if (state.mode == Mode::fault || state.mode == Mode::emergency_stop) conditions &= ~kProtective;
-  // Also a cause that is latched already and comes again.
+  // Also a cause that is latched already and comes again; bumpers are remembered one by one.
   if ((conditions & ~state.conditions & kProtective & ~kBumper) != 0) state.pending.overtaken = true;
   state.conditions = conditions;
   const std::uint32_t before = state.latched;
@@ -272,6 +270,7 @@ void judge_faults(CoreState& state, std::uint32_t conditions) noexcept {
 
 void raise_fault(CoreState& state, Fault fault) noexcept {
   if (!watches(fault)) return;
+  state.pending.overtaken = true;
   latch(state, fault);
   // In INIT, and where everything stands, there is nothing to brake: what is to go out of service does so within this step.
   if ((fault_bit(fault) & kBreakdown) != 0 && (state.mode == Mode::init || (!is_moving(state.mode) && at_rest(state)))) return;

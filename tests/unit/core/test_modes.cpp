@@ -429,6 +429,13 @@ TEST(Modes, ABumperPressedWhileTheDriveIsAwaitedIsNotAcknowledged) {
   }
 }
 
+void gone_for_a_moment(ScriptedHoist& hoist, FakeNode& node) {
+  node.silent = true;
+  hoist.step(8);
+  node.silent = false;
+  hoist.step(2);
+}
+
 // The press was for what had stopped the hoist then: STOP, or whatever came while the drive was awaited, has one of its own to come. So has
 // a press whose lease has gone.
 TEST(Modes, WhatStopsWhileTheDriveIsAwaitedIsNotAcknowledged) {
@@ -441,22 +448,10 @@ TEST(Modes, WhatStopsWhileTheDriveIsAwaitedIsNotAcknowledged) {
   const Case cases[] = {
       {"STOP by somebody else", [](ScriptedHoist& h) { h.ask(CommandKind::stop, 9); }, Refusal::cause_not_cleared, Fault::stop_pressed},
       {"STOP for the second time", [](ScriptedHoist& h) { h.ask(CommandKind::stop, 9); }, Refusal::cause_not_cleared, Fault::stop_pressed},
-      {"a sensor gone for a moment",
-       [](ScriptedHoist& h) {
-         h.tilt_left.silent = true;
-         h.step(8);
-         h.tilt_left.silent = false;
-         h.step(2);
-       },
-       Refusal::cause_not_cleared, Fault::tilt_left_lost},
-      {"the same cause once more",
-       [](ScriptedHoist& h) {
-         h.tilt_right.silent = true;
-         h.step(8);
-         h.tilt_right.silent = false;
-         h.step(2);
-       },
-       Refusal::cause_not_cleared, Fault::tilt_right_lost},
+      {"a sensor gone for a moment", [](ScriptedHoist& h) { gone_for_a_moment(h, h.tilt_left); }, Refusal::cause_not_cleared,
+       Fault::tilt_left_lost},
+      {"the same cause once more", [](ScriptedHoist& h) { gone_for_a_moment(h, h.tilt_right); }, Refusal::cause_not_cleared,
+       Fault::tilt_right_lost},
       {"the lease let go", [](ScriptedHoist& h) { h.ask(CommandKind::release_lease); }, Refusal::no_lease, Fault::drive_left_fault},
       {"the lease let go and taken again",
        [](ScriptedHoist& h) {

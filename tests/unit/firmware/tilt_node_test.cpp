@@ -46,6 +46,11 @@ class TiltTest : public ::testing::Test {
       alpha_rad_ += 0.01F * alpha_rate_;
     }
   }
+  void write_out_of_operation(std::size_t bytes, std::uint16_t index, std::uint8_t sub, std::uint32_t value) {
+    node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
+    EXPECT_EQ(ask(node_, board_, canopen::sdo(0x613, canopen::sdo_download_command(bytes), index, sub, value)).data[0], 0x60);
+    node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 0));
+  }
   std::uint8_t status() const { return node_.stack().values().get<0x2120>(); }
   float alpha_deg() const { return 0.001F * node_.stack().values().get<0x6010>(); }
   float beta_deg() const { return 0.001F * node_.stack().values().get<0x6020>(); }
@@ -395,9 +400,7 @@ TEST_F(TiltTest, TheMountingCannotChangeUnderWay) {
   EXPECT_EQ(answer.data[0], 0x80);
   EXPECT_EQ(contract::read_le(&answer.data[4], 4), static_cast<std::uint32_t>(SdoAbort::device_state));
   EXPECT_EQ(status(), kValid | kConverged);
-  node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
-  EXPECT_EQ(ask(node_, board_, canopen::sdo(0x613, canopen::sdo_download_command(1), 0x2104, 0, 45)).data[0], 0x60);
-  node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 0));
+  write_out_of_operation(1, 0x2104, 0, 45);
   cycles(1);
   EXPECT_EQ(status() & kConverged, 0);  // the bias was of other axes
 }
@@ -405,9 +408,7 @@ TEST_F(TiltTest, TheMountingCannotChangeUnderWay) {
 // Also long after the node was switched on: the still start begins anew, with all its time.
 TEST_F(TiltTest, TheMountingCanBeSetAtAnyTime) {
   cycles(700);
-  node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
-  ASSERT_EQ(ask(node_, board_, canopen::sdo(0x613, canopen::sdo_download_command(1), 0x2104, 0, 45)).data[0], 0x60);
-  node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 0));
+  write_out_of_operation(1, 0x2104, 0, 45);
   cycles(250);
   EXPECT_EQ(status(), kValid | kConverged);
 }
@@ -420,9 +421,7 @@ TEST_F(TiltTest, H7_WithoutItsParametersNoAngleIsValid) {
   cycles(300);
   EXPECT_FALSE(node_.stack().parameters_ok());
   EXPECT_EQ(status() & kValid, 0);
-  node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
-  ASSERT_EQ(ask(node_, board_, canopen::sdo(0x613, canopen::sdo_download_command(4), 0x1010, 1, 0x65766173)).data[0], 0x60);
-  node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 0));
+  write_out_of_operation(4, 0x1010, 1, 0x65766173);
   cycles(300);
   EXPECT_EQ(status(), kValid | kConverged);
 }
