@@ -22,6 +22,7 @@ namespace {
 // A batch is sent at the latest this many samples after it began, whatever was lost in between.
 constexpr std::size_t kBatchLimit = 64;
 constexpr std::uint64_t kProgressEvery_ns = 250'000'000;
+constexpr std::string_view kEnds = "the server ends";
 
 void put(std::string& out, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFF));
@@ -159,6 +160,11 @@ Hub::Hub() { batch_.reserve(kBatchLimit); }
 Hub::~Hub() = default;
 
 void Hub::add(std::shared_ptr<Client> client) {
+  // Its handshake was under way when the server began to end.
+  if (ending_) {
+    client->close(CloseCode::going_away, kEnds);
+    return;
+  }
   const Services& s = *services_;
   json welcome{{"type", "welcome"},
                {"client", client->number()},
@@ -291,8 +297,9 @@ void Hub::poll(std::uint64_t now_ns) {
 }
 
 void Hub::close_all() {
+  ending_ = true;
   const auto all = clients_;
-  for (const auto& client : all) client->close(CloseCode::going_away, "the server ends");
+  for (const auto& client : all) client->close(CloseCode::going_away, kEnds);
 }
 
 }  // namespace hoist::server

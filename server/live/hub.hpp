@@ -61,6 +61,7 @@ class Hub final : public CoreListener {
 
   Services* services_ = nullptr;
   std::vector<std::shared_ptr<Client>> clients_;
+  bool ending_ = false;
   std::vector<contract::TickRecord> batch_;
   RecordingStatus told_;
   std::uint64_t told_update_ = 0, told_update_ns_ = 0;  // changes of the firmware desk, and when they were told
