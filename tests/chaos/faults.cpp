@@ -92,7 +92,8 @@ std::optional<std::vector<Fault>> read_faults(std::string_view text) {
     const std::string_view name = cut(row, ':'), node = cut(row, ':'), start = cut(row, ':'), end = cut(row, ':');
     Fault fault;
     const auto kind = std::find_if(kKinds.begin(), kKinds.end(), [name](const KindInfo& k) { return k.name == name; });
-    if (kind == kKinds.end() || !read_number(start, fault.start_s) || !read_number(end, fault.end_s) || !read_number(row, fault.size))
+    if (kind == kKinds.end() || !read_number(start, fault.start_s) || !read_number(end, fault.end_s) || !read_number(row, fault.size) ||
+        fault.size < 0 || fault.size > 1)
       return std::nullopt;
     fault.kind = kind->kind;
     const auto named = std::find(kNodeNames.begin(), kNodeNames.end(), node);

@@ -234,7 +234,7 @@ class Session {
                                                                    : sim::World::EncoderFault::reversed);
         break;
       case Kind::bumper:
-        world.plant().force_bumper(static_cast<int>(f.size * 4.0), on);
+        world.plant().force_bumper(std::min(static_cast<int>(f.size * 4.0), 3), on);
         break;
       case Kind::trip:
         if (on) world.patient().trip();

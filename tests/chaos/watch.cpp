@@ -141,7 +141,9 @@ void Watch::fault_begins(const Planned& row) {
   if (!board_.alone(row, now_s, 6.0) || !loop_.core_runs()) return;
   // Out of service nothing is latched but what led there: INIT looks at everything anew.
   if (loop_.mode() == Mode::init || loop_.mode() == Mode::fault || loop_.mode() == Mode::emergency_stop) return;
-  const auto raise = [&](std::uint32_t bits, const char* what, double budget_s) { must_raise_.push_back({bits, what, now_s + budget_s}); };
+  const auto raise = [&](std::uint32_t bits, const char* what, double budget_s) {
+    must_raise_.push_back({bits, what, now_s + budget_s, f.end_s});
+  };
   switch (f.kind) {
     case Kind::unplug:
     case Kind::bus_off:
@@ -205,6 +207,12 @@ void Watch::before_step(const core::TickInputs& inputs) {
 
 void Watch::after_step(bool core_ran) {
   watch_truth(core_ran);
+  // A core that is held misses nobody, nor what is over when it goes on; that it was held it must say itself (H22).
+  if (!core_ran)
+    std::erase_if(must_raise_, [](MustRaise& must) {
+      must.by_s += core::kTick_s;
+      return must.by_s > must.over_s;
+    });
   if (core_ran) watch_record();
   commands_.clear();
 }

@@ -59,7 +59,7 @@ class Watch {
   struct MustRaise {
     std::uint32_t any_of;
     const char* what;
-    double by_s;
+    double by_s, over_s;
   };
 
   void watch_truth(bool core_ran);
