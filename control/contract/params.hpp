@@ -115,14 +115,16 @@ inline constexpr std::array kParamOrders{
 /// Motor turns per wheel turn. params.def gives the encoder as 60000 counts per wheel turn = 2000 at the motor through gear 30; the
 /// drive's objects 60FFh and 606Ch speak at the motor.
 inline constexpr double kGearRatio_norm = 30.0;
+inline double smaller_wheel_scale_norm(const Params& p) {
+  return p.wheel_left_scale_norm < p.wheel_right_scale_norm ? p.wheel_left_scale_norm : p.wheel_right_scale_norm;
+}
 /// H27: the drives follow what they are told on a ramp of their own. A slower one than the hardest stop would make every stop longer than it
 /// was promised, and no alarm would tell. Of the bumper's stop a tenth less passes: the radius of a real wheel is measured, and the two are
 /// equal by default. The stop whose distance is shown needs room above it, or the ramp itself becomes the stop (measured: never passed from
 /// 1.17 on).
 inline constexpr double kRampOfBumper_norm = 0.9, kRampOfProtective_norm = 1.2;
 inline bool ramp_fits_stops(const Params& p) {
-  const double scale_norm = p.wheel_left_scale_norm < p.wheel_right_scale_norm ? p.wheel_left_scale_norm : p.wheel_right_scale_norm;
-  const double ramp_m_s2 = p.drive_acceleration_rad_s2 * p.wheel_radius_m * scale_norm / kGearRatio_norm;
+  const double ramp_m_s2 = p.drive_acceleration_rad_s2 * p.wheel_radius_m * smaller_wheel_scale_norm(p) / kGearRatio_norm;
   return ramp_m_s2 >= kRampOfBumper_norm * p.bumper_deceleration_m_s2 &&
          ramp_m_s2 >= kRampOfProtective_norm * p.protective_deceleration_m_s2;
 }

@@ -7,6 +7,7 @@
 #include "control/contract/guided_path.hpp"
 #include "control/core/law/odometry.hpp"
 #include "control/core/law/path_follower.hpp"
+#include "control/core/output/wheel_room.hpp"
 
 namespace hoist::core {
 
@@ -68,11 +69,12 @@ class GuidedRun {
     return (figure_.pose(end_m).psi_rad - figure_.pose(begin_m).psi_rad) / (end_m - begin_m);
   }
 
-  /// The fastest speed now so that no curve ahead needs more than this turn rate, slowing with this deceleration.
-  [[nodiscard]] double curve_speed(double yaw_rate_rad_s, double deceleration_m_s2) const noexcept {
-    const auto within = [yaw_rate_rad_s](double kappa_per_m) {
-      const double kappa = std::fabs(kappa_per_m);
-      return kappa > 0 ? yaw_rate_rad_s / kappa : HUGE_VAL;
+  /// The fastest speed now so that no curve ahead needs more than this turn rate or more than the outer wheel has, slowing with this
+  /// deceleration.
+  [[nodiscard]] double curve_speed(double yaw_rate_rad_s, const WheelRoom& room, double deceleration_m_s2) const noexcept {
+    const auto within = [yaw_rate_rad_s, &room](double kappa_per_m) {
+      const double kappa = std::fabs(kappa_per_m), outer_m_s = room.curve_speed_m_s(kappa);
+      return kappa * outer_m_s > yaw_rate_rad_s ? yaw_rate_rad_s / kappa : outer_m_s;
     };
     const contract::ReferencePath::Ahead ahead = figure_.ahead(s_m_);
     const double here = within(ahead.kappa_per_m);

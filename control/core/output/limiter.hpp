@@ -1,9 +1,11 @@
-// Bounds on speed, acceleration, jerk, turn rate and turn acceleration, and the ramps of the stops. Whatever asks, nothing faster leaves.
+// Bounds on speed, acceleration, jerk, turn rate, turn acceleration and the outer wheel, and the ramps of the stops. Whatever asks, nothing
+// faster leaves.
 #pragma once
 #include <cmath>
 #include <cstdint>
 
 #include "control/contract/params.hpp"
+#include "control/core/output/wheel_room.hpp"
 
 namespace hoist::core {
 
@@ -49,10 +51,14 @@ class Limiter {
       stopping_ = false;
       acceleration_m_s2_ = 0;
     }
-    const double speed_max_m_s = params.speed_m_s_max * params.speed_cap_norm;
-    follow_speed(params, clamp(finite(speed_wish_m_s), speed_max_m_s), dt_s);
+    // A turn has its way, and the hoist slows down for it; meanwhile it turns as fast as its speed leaves room for.
+    const WheelRoom room{params};
     const double yaw_target_rad_s = clamp(finite(yaw_wish_rad_s), params.yaw_rate_rad_s_max);
-    yaw_rate_rad_s_ = toward(yaw_rate_rad_s_, yaw_target_rad_s, params.yaw_acceleration_rad_s2_max * dt_s);
+    const double speed_max_m_s = std::fmin(params.speed_m_s_max * params.speed_cap_norm,
+                                           room.speed_m_s(std::fmax(std::fabs(yaw_target_rad_s), std::fabs(yaw_rate_rad_s_))));
+    follow_speed(params, clamp(finite(speed_wish_m_s), speed_max_m_s), dt_s);
+    yaw_rate_rad_s_ =
+        toward(yaw_rate_rad_s_, clamp(yaw_target_rad_s, room.yaw_rate_rad_s(speed_m_s_)), params.yaw_acceleration_rad_s2_max * dt_s);
   }
 
   /// Standing: nothing is commanded.

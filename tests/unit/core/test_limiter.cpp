@@ -23,6 +23,10 @@ TEST(Limiter, NeverExceedsAnyBoundUnderRandomWishes) {
     p.jerk_m_s3_max = 0.5 + 19.5 * unit(random);
     p.yaw_rate_rad_s_max = 0.05 + 0.8 * unit(random);
     p.yaw_acceleration_rad_s2_max = 0.1 + 1.9 * unit(random);
+    p.track_width_m = 0.3 + 0.9 * unit(random);
+    p.wheel_radius_m = 0.03 + 0.1 * unit(random);
+    p.wheel_left_scale_norm = 0.9 + 0.2 * unit(random);
+    const double outer_m_s_max = kMotorTop_rad_s / derive(p).left_motor_per_m * std::fmin(1.0, 1.0 / p.wheel_left_scale_norm);
     Limiter limiter;
     double speed = 0, wish_yaw = 0;
     for (int i = 0; i < 3000; ++i) {
@@ -37,6 +41,9 @@ TEST(Limiter, NeverExceedsAnyBoundUnderRandomWishes) {
       ASSERT_LE(std::abs(limiter.acceleration_m_s2() - a) / kTick_s, p.jerk_m_s3_max + 1e-6);
       ASSERT_LE(std::abs(limiter.yaw_rate_rad_s()), p.yaw_rate_rad_s_max + kRounding);
       ASSERT_LE(std::abs(limiter.yaw_rate_rad_s() - w) / kTick_s, p.yaw_acceleration_rad_s2_max + 1e-6);
+      const double outer_m_s = std::abs(limiter.speed_m_s()) + std::abs(limiter.yaw_rate_rad_s()) * p.track_width_m / 2;
+      // A turn that a rising speed takes the room from ends on its own ramp.
+      ASSERT_LE(outer_m_s, outer_m_s_max + 0.01) << run << " " << i;
     }
   }
 }
@@ -55,6 +62,29 @@ TEST(Limiter, ReachesItsTargetWithoutOvershoot) {
     EXPECT_LE(largest, std::abs(target) + kRounding);
     EXPECT_EQ(limiter.speed_m_s(), target) << "exactly";
     EXPECT_LE(reached * kTick_s, std::abs(target) / 0.5 + 0.5 / 3.0 + 0.1) << "and not lazily";
+  }
+}
+
+// H1: the fastest walk and the fastest turn together would ask 0.96 m/s of the outer wheel.
+TEST(Limiter, H1_ATurnHasItsWayAndTheHoistSlowsDownForIt) {
+  const contract::Params p;
+  for (const double sign : {1.0, -1.0}) {
+    Limiter limiter;
+    const auto lead = [&](double speed_m_s, double yaw_rate_rad_s) {
+      for (int i = 0; i < 400; ++i) limiter.step(p, Braking::none, sign * speed_m_s, yaw_rate_rad_s, kTick_s);
+    };
+    lead(0.65, 0.0);
+    EXPECT_NEAR(limiter.speed_m_s(), sign * 0.65, 1e-9);
+    lead(0.65, 5.0);
+    EXPECT_NEAR(limiter.yaw_rate_rad_s(), p.yaw_rate_rad_s_max, 1e-9);
+    EXPECT_NEAR(limiter.speed_m_s(), sign * (0.65 - p.yaw_rate_rad_s_max * 0.35), 1e-9);
+    lead(0.65, -0.3);
+    EXPECT_NEAR(limiter.yaw_rate_rad_s(), -0.3, 1e-9);
+    EXPECT_NEAR(limiter.speed_m_s(), sign * (0.65 - 0.3 * 0.35), 1e-9);
+    lead(0.3, 0.5);
+    EXPECT_NEAR(limiter.speed_m_s(), sign * 0.3, 1e-9) << "slow enough for it as it is";
+    lead(0.65, 0.0);
+    EXPECT_NEAR(limiter.speed_m_s(), sign * 0.65, 1e-9);
   }
 }
 
