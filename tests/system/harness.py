@@ -7,6 +7,7 @@ import http.client
 import json
 import os
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -189,6 +190,10 @@ class Hoist:
         if problem is not None:
             raise problem
 
+    def forget(self):
+        """Nothing that they wrote is needed any more."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
     def logs(self):
         return "\n".join(f"--- {p.name}\n{p.output()[-3000:]}" for p in (self.sim, self.core, self.server) if p is not None)
 
@@ -330,6 +335,10 @@ def run_hoist(name, hoist, cases):
         except Failed as error:
             print(error)
             code = 1
+    if code == 0:
+        hoist.forget()
+    else:
+        print(f"what the programs wrote stays in {hoist.folder}")
     return code
 
 

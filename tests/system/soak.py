@@ -133,6 +133,7 @@ def main():
             return 1
         finally:
             soak.hoist.stop()
+        soak.hoist.forget()
     return 0
 
 
