@@ -183,14 +183,17 @@ void Watch::before_step(const core::TickInputs& inputs) {
   last_tick_ = inputs.tick;
   // Who leads when its turn comes: a sign-out or another server, earlier in the same step, leaves nobody whose word would count.
   std::uint32_t holder = inputs.server_life == server_life_ ? lease_holder_ : 0;
+  if (inputs.server_life != server_life_) next_sequence_ = 0;
   server_life_ = inputs.server_life;
   for (const contract::Command& c : commands_) {
-    if (holder == 0) break;
+    const bool repeated = c.sequence < next_sequence_;
+    if (!repeated) next_sequence_ = c.sequence + 1;
+    if (holder == 0) continue;
     const bool by_holder = c.client == holder && c.lease_epoch == lease_epoch_;
     if (c.kind == CommandKind::acknowledge && by_holder) acknowledged_s_ = loop_.time_s();
     if (c.kind == CommandKind::request_mode && c.a == static_cast<std::uint32_t>(Mode::standby) && by_holder)
       must_stop("the end of motion", 0.01, 0.5);
-    if (c.kind == CommandKind::release_lease && (c.client == 0 || c.client == holder)) holder = 0;
+    if (c.kind == CommandKind::release_lease && !repeated && (c.client == 0 || c.client == holder)) holder = 0;
   }
   if (!inputs.drive_fresh) return;
   // What may act: from the holder, under its number, newer than the last, held, and about a picture of the hoist not older than 250 ms.
@@ -221,6 +224,7 @@ void Watch::watch_truth(bool core_ran) {
   const double now_s = loop_.time_s();
   const sim::Plant& plant = loop_.world().plant();
   if (loop_.world().patient().state() >= sim::PatientState::tripping) fell_s_ = now_s;
+  if (board_.now(Kind::pelvis_turned)) twisted_s_ = now_s;
   if (!odd()) {
     // What the wheels do: a body that is thrown against the stop of the struts may drag the chassis over wheels that stand.
     const double left_m_s = plant.wheel_speed_m_s(sim::Side::left), right_m_s = plant.wheel_speed_m_s(sim::Side::right);
@@ -257,8 +261,9 @@ void Watch::watch_record() {
   watch_parameters(mode);
   // I1: at rest soon after motion has ended, whatever ended it.
   if (moves(mode)) moving_end_s_ = now_s;
-  // A post that the hoist was stopped at pushes back, now and then for as long as it stands there.
-  if (!moves(mode) && now_s - moving_end_s_ > 1.3 && fastest_wheel() > kRest_m_s && !odd())
+  // A post that the hoist was stopped at pushes back, now and then for as long as it stands there. A body that is twisted by force, beyond
+  // what the struts allow, drags wheels whose brakes hold.
+  if (!moves(mode) && now_s - moving_end_s_ > 1.3 && now_s - twisted_s_ > kShove_s && fastest_wheel() > kRest_m_s && !odd())
     broken("I1: a wheel turns 1.3 s after motion ended", fastest_wheel());
   // A stop that has come to rest sets nothing in motion again: not with what it had still to brake when the drives did it by themselves.
   const double fastest_m_s = fastest_wheel();

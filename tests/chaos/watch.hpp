@@ -89,7 +89,9 @@ class Watch {
   double last_speed_m_s_{};
   std::uint64_t drive_sequence_{};
   std::uint64_t server_life_{};
-  double fell_s_{-100.0};  // when the patient was last down
+  std::uint64_t next_sequence_{};  // of the commands that came in order
+  double twisted_s_{-100.0};       // when the pelvis was last turned by force
+  double fell_s_{-100.0};          // when the patient was last down
   std::uint32_t drive_epoch_{}, lease_epoch_{}, lease_holder_{};
   contract::Mode last_mode_{contract::Mode::init};
   std::size_t events_seen_{};
