@@ -27,6 +27,8 @@ struct GuidedPath {
 
 /// Curves are driven so slowly that they need no more than this share of the turning limit; the rest corrects.
 inline constexpr double kGuidedYawShare_norm = 0.8;
+/// And no more than this share of the outer wheel, which leaves a straight its top speed.
+inline constexpr double kGuidedWheelShare_norm = 0.93;
 /// Slower than this a patient does not walk but stands.
 inline constexpr double kGuidedSpeedLeast_m_s = 0.05;
 inline constexpr std::uint32_t kGuidedLapsMost = 50;

@@ -122,7 +122,7 @@ TEST(Driving, H1_FullSpeedAndFullTurnTogetherTripNothing) {
     EXPECT_NEAR(speed_m_s(loop), 0.60, 0.03);
     loop.hold_stick(i < 4 ? 1.0 : -1.0, i % 2 == 0 ? 1.0 : -1.0);
     loop.run(4.0);
-    EXPECT_NEAR(std::fabs(loop.world().plant().platform().yaw_rate_rad_s), options.params.yaw_rate_rad_s_max, 0.05);
+    EXPECT_NEAR(std::fabs(loop.world().plant().platform().yaw_rate_rad_s), options.params.yaw_rate_rad_s_max, 0.1);
     EXPECT_GT(std::fabs(speed_m_s(loop)), 0.25) << "a curve, no turn on the spot";
     ASSERT_EQ(loop.mode(), Mode::remote);
   }

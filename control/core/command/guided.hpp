@@ -69,17 +69,17 @@ class GuidedRun {
     return (figure_.pose(end_m).psi_rad - figure_.pose(begin_m).psi_rad) / (end_m - begin_m);
   }
 
-  /// The fastest speed now so that no curve ahead needs more than this turn rate or more than the outer wheel has, slowing with this
-  /// deceleration.
-  [[nodiscard]] double curve_speed(double yaw_rate_rad_s, const WheelRoom& room, double deceleration_m_s2) const noexcept {
+  /// The fastest speed now so that no curve ahead needs more than this turn rate or more of the outer wheel than its share, slowing with
+  /// this deceleration over a way that is `late_m` shorter.
+  [[nodiscard]] double curve_speed(double yaw_rate_rad_s, const WheelRoom& room, double deceleration_m_s2, double late_m) const noexcept {
     const auto within = [yaw_rate_rad_s, &room](double kappa_per_m) {
-      const double kappa = std::fabs(kappa_per_m), outer_m_s = room.curve_speed_m_s(kappa);
+      const double kappa = std::fabs(kappa_per_m), outer_m_s = contract::kGuidedWheelShare_norm * room.curve_speed_m_s(kappa);
       return kappa * outer_m_s > yaw_rate_rad_s ? yaw_rate_rad_s / kappa : outer_m_s;
     };
     const contract::ReferencePath::Ahead ahead = figure_.ahead(s_m_);
     const double here = within(ahead.kappa_per_m);
     // One joint ahead is enough: each piece of every figure is longer than the way to slow down before the next but one.
-    const double there = law::approach_speed(ahead.left_m, within(ahead.next_kappa_per_m), deceleration_m_s2);
+    const double there = law::approach_speed(std::fmax(ahead.left_m - late_m, 0.0), within(ahead.next_kappa_per_m), deceleration_m_s2);
     return here < there ? here : there;
   }
 

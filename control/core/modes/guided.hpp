@@ -79,7 +79,8 @@ struct GuidedMode {
     const double curve = law::path_curvature<double>({}, {run.cross_m(), run.heading_error_rad(), kappa});
     const double slow_m_s2 = least(kApproach_m_s2, kApproachShare_norm * p.acceleration_m_s2_max);
     double speed_m_s = least(run.wish().speed_m_s, limits.speed_m_s);
-    speed_m_s = least(speed_m_s, run.curve_speed(contract::kGuidedYawShare_norm * limits.yaw_rate_rad_s, WheelRoom{p}, slow_m_s2));
+    speed_m_s = least(speed_m_s, run.curve_speed(contract::kGuidedYawShare_norm * limits.yaw_rate_rad_s, WheelRoom{p}, slow_m_s2,
+                                                 now_m_s * (kLag_s + slow_m_s2 / (2.0 * p.jerk_m_s3_max))));
     // Whatever the correction asks for is driven as a curve of that radius, only slower.
     if (curve != 0) speed_m_s = least(speed_m_s, limits.yaw_rate_rad_s / std::fabs(curve));
     const double approach = law::approach_speed(run.leg_left_m() - now_m_s * kLag_s, 0.0, slow_m_s2);

@@ -17,6 +17,10 @@ inline constexpr double kSoftDeceleration_m_s2 = 0.5;
 /// Driving stops a little harder than walking: the therapist has let go or the link is gone (H17: R1 at 0.8).
 inline constexpr double kRemoteDeceleration_m_s2 = 0.8;
 
+/// Speed that changes for a turn and not for a wish changes more gently than what explains a quick lean of the patient (fall.hpp,
+/// kOwn_m_s2): a fall in a turn is found as quickly as one in a straight walk (H15).
+inline constexpr double kGivesWay_m_s2 = 0.3;
+
 // Stronger in name is stronger in fact, whatever an engineer sets.
 static_assert(contract::kParams[contract::param_index(contract::ParamName::protective_deceleration_m_s2)].min >= kRemoteDeceleration_m_s2 &&
               contract::kParams[contract::param_index(contract::ParamName::bumper_deceleration_m_s2)].min >= kRemoteDeceleration_m_s2);
@@ -49,16 +53,22 @@ class Limiter {
       // Ending a stop early lets go of the brake at once. Rolling the old deceleration off jerk by jerk would carry the speed through
       // zero into the other direction.
       stopping_ = false;
+      gives_way_ = false;
       acceleration_m_s2_ = 0;
     }
-    // A turn has its way, and the hoist slows down for it; meanwhile it turns as fast as its speed leaves room for.
+    // A turn has its way, and the hoist slows down for it. Meanwhile each takes what the other leaves.
     const WheelRoom room{params};
-    const double yaw_target_rad_s = clamp(finite(yaw_wish_rad_s), params.yaw_rate_rad_s_max);
-    const double speed_max_m_s = std::fmin(params.speed_m_s_max * params.speed_cap_norm,
-                                           room.speed_m_s(std::fmax(std::fabs(yaw_target_rad_s), std::fabs(yaw_rate_rad_s_))));
-    follow_speed(params, clamp(finite(speed_wish_m_s), speed_max_m_s), dt_s);
-    yaw_rate_rad_s_ =
-        toward(yaw_rate_rad_s_, clamp(yaw_target_rad_s, room.yaw_rate_rad_s(speed_m_s_)), params.yaw_acceleration_rad_s2_max * dt_s);
+    const double wish_m_s = clamp(finite(speed_wish_m_s), params.speed_m_s_max * params.speed_cap_norm);
+    const double yaw_wish_in_rad_s = clamp(finite(yaw_wish_rad_s), params.yaw_rate_rad_s_max);
+    const double speed_room_m_s = std::fmin(room.speed_share_m_s(wish_m_s, yaw_wish_in_rad_s), room.speed_left_m_s(yaw_rate_rad_s_));
+    const double yaw_room_rad_s = room.yaw_share_rad_s(wish_m_s, yaw_wish_in_rad_s);
+    const double target_m_s = clamp(wish_m_s, speed_room_m_s);
+    const bool slower = wish_m_s * speed_m_s_ < speed_m_s_ * speed_m_s_;
+    gives_way_ = !slower && (target_m_s != wish_m_s || (gives_way_ && speed_m_s_ != wish_m_s));
+    follow_speed(params, target_m_s, gives_way_ ? std::fmin(kGivesWay_m_s2, params.acceleration_m_s2_max) : params.acceleration_m_s2_max,
+                 dt_s);
+    const double yaw_target_rad_s = clamp(yaw_wish_in_rad_s, std::fmin(yaw_room_rad_s, room.yaw_left_rad_s(speed_m_s_)));
+    yaw_rate_rad_s_ = toward(yaw_rate_rad_s_, yaw_target_rad_s, params.yaw_acceleration_rad_s2_max * dt_s);
   }
 
   /// Standing: nothing is commanded.
@@ -108,11 +118,11 @@ class Limiter {
     return (ratio / (m + 1.0) + m / 2.0) * jerk_step_m_s2;
   }
 
-  void follow_speed(const contract::Params& params, double target_m_s, double dt_s) noexcept {
+  void follow_speed(const contract::Params& params, double target_m_s, double acceleration_m_s2_max, double dt_s) noexcept {
     const double gap_m_s = target_m_s - speed_m_s_;
     const double jerk_step_m_s2 = params.jerk_m_s3_max * dt_s;
     double wanted_m_s2 = reachable_m_s2(std::fabs(gap_m_s), jerk_step_m_s2, dt_s);
-    if (wanted_m_s2 > params.acceleration_m_s2_max) wanted_m_s2 = params.acceleration_m_s2_max;
+    if (wanted_m_s2 > acceleration_m_s2_max) wanted_m_s2 = acceleration_m_s2_max;
     if (gap_m_s < 0) wanted_m_s2 = -wanted_m_s2;
     acceleration_m_s2_ = toward(acceleration_m_s2_, wanted_m_s2, jerk_step_m_s2);
     const double next_m_s = speed_m_s_ + acceleration_m_s2_ * dt_s;
@@ -123,6 +133,7 @@ class Limiter {
 
   double speed_m_s_ = 0, acceleration_m_s2_ = 0, yaw_rate_rad_s_ = 0;
   bool stopping_ = false;
+  bool gives_way_ = false;  // speed makes room for a turn, or comes back after one
 };
 
 }  // namespace hoist::core

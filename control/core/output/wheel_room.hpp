@@ -6,9 +6,10 @@
 
 namespace hoist::core {
 
-/// No motor is asked for more: the top speed of 0.65 m/s through the gear and a wheel of 0.10 m (H1). A full battery turns it hardly faster
-/// (24 V / 0.115 V s/rad = 209 rad/s without load), and at 225 rad/s its drive stops it (firmware/nodes/drive, kOverSpeed_rad_s).
-inline constexpr double kMotorTop_rad_s = 195.0;
+/// What speed and turn together may ask of a motor: 0.70 m/s through the gear and a wheel of 0.10 m, so that a hoist at its top speed of
+/// 0.65 m/s can still steer. A full battery turns it hardly faster (24 V / 0.115 V s/rad = 209 rad/s without load), and at 225 rad/s its
+/// drive stops it (H1; firmware/nodes/drive, kOverSpeed_rad_s).
+inline constexpr double kMotorTop_rad_s = 210.0;
 
 class WheelRoom {
  public:
@@ -16,17 +17,27 @@ class WheelRoom {
       : wheel_m_s_max_{kMotorTop_rad_s / contract::kGearRatio_norm * p.wheel_radius_m * contract::smaller_wheel_scale_norm(p)},
         half_track_m_{p.track_width_m / 2.0} {}
 
-  /// The fastest that the hoist may go while it turns at this rate, and the fastest that it may turn at this speed. Never negative.
-  [[nodiscard]] double speed_m_s(double yaw_rate_rad_s) const noexcept { return left(std::fabs(yaw_rate_rad_s) * half_track_m_); }
-  [[nodiscard]] double yaw_rate_rad_s(double speed_m_s) const noexcept { return left(std::fabs(speed_m_s)) / half_track_m_; }
+  /// How far these two wishes can be met together. The turn has its way, up to half of what the wheels have: all of it would end a walk in
+  /// a turn on the spot, on small wheels far apart.
+  [[nodiscard]] double speed_share_m_s(double speed_m_s, double yaw_rate_rad_s) const noexcept {
+    return std::fmin(std::fabs(speed_m_s), std::fmax(speed_left_m_s(yaw_rate_rad_s), wheel_m_s_max_ / 2.0));
+  }
+  [[nodiscard]] double yaw_share_rad_s(double speed_m_s, double yaw_rate_rad_s) const noexcept {
+    return std::fmin(std::fabs(yaw_rate_rad_s), yaw_left_rad_s(speed_share_m_s(speed_m_s, yaw_rate_rad_s)));
+  }
+  /// What a hoist that turns so leaves for its speed, and one that goes so for its turn. Never negative.
+  [[nodiscard]] double speed_left_m_s(double yaw_rate_rad_s) const noexcept {
+    return std::fmax(wheel_m_s_max_ - std::fabs(yaw_rate_rad_s) * half_track_m_, 0.0);
+  }
+  [[nodiscard]] double yaw_left_rad_s(double speed_m_s) const noexcept {
+    return std::fmax(wheel_m_s_max_ - std::fabs(speed_m_s), 0.0) / half_track_m_;
+  }
   /// The fastest on a curve of this curvature, 1/m.
   [[nodiscard]] double curve_speed_m_s(double kappa_per_m) const noexcept {
     return wheel_m_s_max_ / (1.0 + std::fabs(kappa_per_m) * half_track_m_);
   }
 
  private:
-  [[nodiscard]] double left(double taken_m_s) const noexcept { return taken_m_s < wheel_m_s_max_ ? wheel_m_s_max_ - taken_m_s : 0.0; }
-
   double wheel_m_s_max_, half_track_m_;
 };
 

@@ -43,7 +43,7 @@ TEST(Limiter, NeverExceedsAnyBoundUnderRandomWishes) {
       ASSERT_LE(std::abs(limiter.yaw_rate_rad_s() - w) / kTick_s, p.yaw_acceleration_rad_s2_max + 1e-6);
       const double outer_m_s = std::abs(limiter.speed_m_s()) + std::abs(limiter.yaw_rate_rad_s()) * p.track_width_m / 2;
       // A turn that a rising speed takes the room from ends on its own ramp.
-      ASSERT_LE(outer_m_s, outer_m_s_max + 0.01) << run << " " << i;
+      ASSERT_LE(outer_m_s, 1.02 * outer_m_s_max) << run << " " << i;
     }
   }
 }
@@ -73,19 +73,61 @@ TEST(Limiter, H1_ATurnHasItsWayAndTheHoistSlowsDownForIt) {
     const auto lead = [&](double speed_m_s, double yaw_rate_rad_s) {
       for (int i = 0; i < 400; ++i) limiter.step(p, Braking::none, sign * speed_m_s, yaw_rate_rad_s, kTick_s);
     };
-    lead(0.65, 0.0);
+    lead(0.65, 0.1);
     EXPECT_NEAR(limiter.speed_m_s(), sign * 0.65, 1e-9);
+    EXPECT_NEAR(limiter.yaw_rate_rad_s(), 0.1, 1e-9) << "it steers at its top speed";
     lead(0.65, 5.0);
     EXPECT_NEAR(limiter.yaw_rate_rad_s(), p.yaw_rate_rad_s_max, 1e-9);
-    EXPECT_NEAR(limiter.speed_m_s(), sign * (0.65 - p.yaw_rate_rad_s_max * 0.35), 1e-9);
+    EXPECT_NEAR(limiter.speed_m_s(), sign * (0.70 - p.yaw_rate_rad_s_max * 0.35), 1e-9);
     lead(0.65, -0.3);
     EXPECT_NEAR(limiter.yaw_rate_rad_s(), -0.3, 1e-9);
-    EXPECT_NEAR(limiter.speed_m_s(), sign * (0.65 - 0.3 * 0.35), 1e-9);
+    EXPECT_NEAR(limiter.speed_m_s(), sign * (0.70 - 0.3 * 0.35), 1e-9);
     lead(0.3, 0.5);
     EXPECT_NEAR(limiter.speed_m_s(), sign * 0.3, 1e-9) << "slow enough for it as it is";
     lead(0.65, 0.0);
     EXPECT_NEAR(limiter.speed_m_s(), sign * 0.65, 1e-9);
   }
+}
+
+// H15: a lean that the hoist's own slowing explains is judged later. What a turn takes from the speed and gives back explains none; what is
+// wished is done as quickly as ever, also in a turn.
+TEST(Limiter, H15_ATurnChangesTheSpeedMoreGentlyThanAWish) {
+  const contract::Params p;
+  Limiter limiter;
+  double hardest_m_s2 = 0;
+  const auto lead = [&](double speed_m_s, double yaw_rate_rad_s, int ticks) {
+    hardest_m_s2 = 0;
+    for (int i = 0; i < ticks; ++i) {
+      limiter.step(p, Braking::none, speed_m_s, yaw_rate_rad_s, kTick_s);
+      hardest_m_s2 = std::max(hardest_m_s2, std::abs(limiter.acceleration_m_s2()));
+    }
+  };
+  lead(0.65, 0.0, 400);
+  EXPECT_NEAR(hardest_m_s2, 0.5, 1e-9);
+  for (int i = 0; i < 10; ++i) {
+    lead(0.65, i % 2 == 0 ? 0.8 : 0.0, 70 + 30 * (i % 3));
+    EXPECT_GT(hardest_m_s2, 0.2) << i;
+    EXPECT_LE(hardest_m_s2, 0.3 + 1e-9) << i;
+  }
+  lead(0.65, 0.8, 300);
+  lead(0.1, 0.8, 30);
+  EXPECT_NEAR(hardest_m_s2, 0.5, 1e-9) << "to slow down";
+  lead(0.65, 0.8, 300);
+  lead(-0.3, 0.8, 30);
+  EXPECT_NEAR(hardest_m_s2, 0.5, 1e-9) << "to go back";
+}
+
+// Small wheels far apart could give all they have to a turn: the walk would end in one on the spot.
+TEST(Limiter, ATurnTakesHalfOfWhatTheWheelsHaveAtMost) {
+  contract::Params p;
+  p.track_width_m = 1.2;
+  p.wheel_radius_m = 0.05;
+  Limiter limiter;
+  for (int i = 0; i < 1000; ++i) limiter.step(p, Braking::none, 0.6, p.yaw_rate_rad_s_max, kTick_s);
+  EXPECT_NEAR(limiter.speed_m_s(), 0.175, 1e-9);
+  EXPECT_NEAR(limiter.yaw_rate_rad_s(), 0.175 / 0.6, 1e-9);
+  for (int i = 0; i < 1000; ++i) limiter.step(p, Braking::none, 0, p.yaw_rate_rad_s_max, kTick_s);
+  EXPECT_NEAR(limiter.yaw_rate_rad_s(), 0.35 / 0.6, 1e-9) << "standing it may have all";
 }
 
 TEST(Limiter, TheCapOfThePatientHolds) {
