@@ -360,6 +360,7 @@ void Watch::watch_parameters(Mode mode) {
 }
 
 void Watch::watch_events() {
+  raised_now_ = 0;
   const auto& events = loop_.events();
   for (; events_seen_ < events.size(); ++events_seen_) {
     const contract::Event& e = events[events_seen_];
@@ -370,6 +371,7 @@ void Watch::watch_events() {
       tell("fault " + std::string(name));
       if ((raised_ & bit) != 0) broken("I11: a fault is raised twice: ", 0.0, name);
       raised_ |= bit;
+      raised_now_ |= bit;
     } else if (e.kind == EventKind::fault_cleared) {
       if ((raised_ & bit) == 0) broken("I11: a fault is cleared that was not raised: ", 0.0, name);
       raised_ &= ~bit;
@@ -418,7 +420,9 @@ void Watch::watch_deadlines(const TickRecord& record) {
   const double now_s = loop_.time_s();
   for (std::size_t i = 0; i < must_raise_.size();) {
     const MustRaise& must = must_raise_[i];
-    const bool raised = (record.fault_bits & must.any_of) != 0 || loop_.mode() == Mode::init;
+    // One that is acknowledged in the step in which it is found was in force, too.
+    const std::uint32_t found = record.fault_bits | (now_s - acknowledged_s_ < 1.5 * core::kTick_s ? raised_now_ : 0U);
+    const bool raised = (found & must.any_of) != 0 || loop_.mode() == Mode::init;
     if (!raised && now_s > must.by_s) broken(must.what, now_s - must.by_s);
     if (raised || now_s > must.by_s)
       must_raise_.erase(must_raise_.begin() + static_cast<std::ptrdiff_t>(i));

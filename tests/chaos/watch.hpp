@@ -96,6 +96,7 @@ class Watch {
   contract::Mode last_mode_{contract::Mode::init};
   std::size_t events_seen_{};
   std::uint32_t raised_{};
+  std::uint32_t raised_now_{};  // in this step
   std::uint64_t last_tick_{};
   bool ran_{false}, followed_{false};
 };
