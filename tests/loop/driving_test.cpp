@@ -106,13 +106,13 @@ TEST(Driving, TurningOnTheSpotFastTripsNothing) {
   EXPECT_EQ(loop.record().stop_cause, 0U);
 }
 
-// At the fastest settings and just above the warning for the battery: the outer wheel would be asked for 0.9 m/s, which no motor of this machine reaches.
+// At the fastest settings, with a battery just not empty: the outer wheel would be asked for 0.9 m/s, which no motor of this machine reaches.
 TEST(Driving, H1_FullSpeedAndFullTurnTogetherTripNothing) {
   ClosedLoopOptions options = standing();
   options.params.remote_speed_m_s_max = 0.60;
   options.params.remote_yaw_rate_rad_s_max = options.params.yaw_rate_rad_s_max;
   ClosedLoop loop(options);
-  loop.world().plant().force_battery(options.params.battery_low_v + 0.1);
+  loop.world().plant().force_battery(options.params.battery_empty_v + 0.1);
   ASSERT_TRUE(loop.start(Mode::remote));
   loop.hold_stick(0.0, 0.0);
   loop.run(0.1);
@@ -122,7 +122,7 @@ TEST(Driving, H1_FullSpeedAndFullTurnTogetherTripNothing) {
     EXPECT_NEAR(speed_m_s(loop), 0.60, 0.03);
     loop.hold_stick(i < 4 ? 1.0 : -1.0, i % 2 == 0 ? 1.0 : -1.0);
     loop.run(4.0);
-    EXPECT_NEAR(std::fabs(loop.world().plant().platform().yaw_rate_rad_s), options.params.yaw_rate_rad_s_max, 0.1);
+    EXPECT_GT(std::fabs(loop.world().plant().platform().yaw_rate_rad_s), 0.75) << "nearly all of it";
     EXPECT_GT(std::fabs(speed_m_s(loop)), 0.25) << "a curve, no turn on the spot";
     ASSERT_EQ(loop.mode(), Mode::remote);
   }

@@ -154,6 +154,23 @@ TEST(StopDistance, H27HoldsWithWhateverGainsTheDrivesMayHave) {
         judge(cut, "corner", cuts() / 4, 0.80, params);
       }
 }
+// A cap for the patient, the fastest turn, and what an engineer may set between command and motion.
+TEST(StopDistance, H17HoldsForEveryCapAndWhateverShapesTheRamps) {
+  for (const double cap_norm : {0.3, 0.6, 0.8, 1.0})
+    for (const double slow_age_s : {0.05, 0.15})
+      for (const double jerk_m_s3 : {0.5, 3.0, 10.0})
+        for (const Cut cut : {Cut::link_driving, Cut::link_guided}) {
+          // An exercise that is faster than the cap is refused.
+          if (cut == Cut::link_guided && cap_norm < 1.0) continue;
+          contract::Params params;
+          params.speed_cap_norm = cap_norm;
+          params.remote_slow_age_s = slow_age_s;
+          params.jerk_m_s3_max = jerk_m_s3;
+          params.remote_yaw_rate_rad_s_max = params.yaw_rate_rad_s_max;
+          std::printf("cap %g, slow from %g s, jerk %g m/s3, ", cap_norm, slow_age_s, jerk_m_s3);
+          judge(cut, cut == Cut::link_driving ? "driving" : "guided", cuts() / 4, 0.30, params);
+        }
+}
 TEST(StopDistance, H21TheComputerDiesWhileSomebodyDrives) { judge(Cut::computer_driving, "computer, driving", cuts()); }
 TEST(StopDistance, H21TheComputerDiesWhileThePatientWalks) { judge(Cut::computer_walking, "computer, walking", cuts()); }
 

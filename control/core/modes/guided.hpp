@@ -79,11 +79,13 @@ struct GuidedMode {
     const double curve = law::path_curvature<double>({}, {run.cross_m(), run.heading_error_rad(), kappa});
     const double slow_m_s2 = least(kApproach_m_s2, kApproachShare_norm * p.acceleration_m_s2_max);
     double speed_m_s = least(run.wish().speed_m_s, limits.speed_m_s);
-    speed_m_s = least(speed_m_s, run.curve_speed(contract::kGuidedYawShare_norm * limits.yaw_rate_rad_s, WheelRoom{p}, slow_m_s2,
-                                                 now_m_s * (kLag_s + slow_m_s2 / (2.0 * p.jerk_m_s3_max))));
-    // Whatever the correction asks for is driven as a curve of that radius, only slower.
+    // Slowing begins late by the lag, and by the time in which the jerk turns the present acceleration round.
+    const double turns_m_s2 = std::fmax(state.limiter.acceleration_m_s2(), 0.0) + slow_m_s2;
+    const double late_m = now_m_s * (kLag_s + turns_m_s2 * turns_m_s2 / (2.0 * p.jerk_m_s3_max * slow_m_s2));
+    speed_m_s = least(speed_m_s, run.curve_speed(contract::kGuidedYawShare_norm * limits.yaw_rate_rad_s, WheelRoom{p}, slow_m_s2, late_m));
+    // Whatever the correction asks for is driven as a curve of that radius, only slower; the limiter sees to the outer wheel.
     if (curve != 0) speed_m_s = least(speed_m_s, limits.yaw_rate_rad_s / std::fabs(curve));
-    const double approach = law::approach_speed(run.leg_left_m() - now_m_s * kLag_s, 0.0, slow_m_s2);
+    const double approach = law::approach_speed(run.leg_left_m() - late_m, 0.0, slow_m_s2);
     speed_m_s = least(speed_m_s, approach > kCreep_m_s ? approach : kCreep_m_s);
     return {speed_m_s * hand.fresh_norm, curve * now_m_s, Braking::none, false};
   }

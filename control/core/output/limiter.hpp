@@ -63,10 +63,8 @@ class Limiter {
     const double speed_room_m_s = std::fmin(room.speed_share_m_s(wish_m_s, yaw_wish_in_rad_s), room.speed_left_m_s(yaw_rate_rad_s_));
     const double yaw_room_rad_s = room.yaw_share_rad_s(wish_m_s, yaw_wish_in_rad_s);
     const double target_m_s = clamp(wish_m_s, speed_room_m_s);
-    const bool slower = wish_m_s * speed_m_s_ < speed_m_s_ * speed_m_s_;
-    gives_way_ = !slower && (target_m_s != wish_m_s || (gives_way_ && speed_m_s_ != wish_m_s));
-    follow_speed(params, target_m_s, gives_way_ ? std::fmin(kGivesWay_m_s2, params.acceleration_m_s2_max) : params.acceleration_m_s2_max,
-                 dt_s);
+    follow_speed(params, target_m_s, acceleration_max(params, wish_m_s, target_m_s, dt_s), dt_s);
+    if (speed_m_s_ == wish_m_s) gives_way_ = false;
     const double yaw_target_rad_s = clamp(yaw_wish_in_rad_s, std::fmin(yaw_room_rad_s, room.yaw_left_rad_s(speed_m_s_)));
     yaw_rate_rad_s_ = toward(yaw_rate_rad_s_, yaw_target_rad_s, params.yaw_acceleration_rad_s2_max * dt_s);
   }
@@ -118,6 +116,16 @@ class Limiter {
     return (ratio / (m + 1.0) + m / 2.0) * jerk_step_m_s2;
   }
 
+  /// What is wished is done at the bound. What the turn takes beyond that, and what comes back after it, is done gently.
+  [[nodiscard]] double acceleration_max(const contract::Params& params, double wish_m_s, double target_m_s, double dt_s) noexcept {
+    const bool slower = wish_m_s * speed_m_s_ < speed_m_s_ * speed_m_s_, room_ends = target_m_s != wish_m_s;
+    if (room_ends && std::fabs(speed_m_s_) >= std::fabs(target_m_s) - kSame_m_s) gives_way_ = true;
+    if (slower && !room_ends) gives_way_ = false;
+    if (!gives_way_) return params.acceleration_m_s2_max;
+    const double wished_m_s2 = slower ? reachable_m_s2(std::fabs(wish_m_s - speed_m_s_), params.jerk_m_s3_max * dt_s, dt_s) : 0.0;
+    return std::fmin(std::fmax(wished_m_s2, kGivesWay_m_s2), params.acceleration_m_s2_max);
+  }
+
   void follow_speed(const contract::Params& params, double target_m_s, double acceleration_m_s2_max, double dt_s) noexcept {
     const double gap_m_s = target_m_s - speed_m_s_;
     const double jerk_step_m_s2 = params.jerk_m_s3_max * dt_s;
@@ -126,10 +134,11 @@ class Limiter {
     if (gap_m_s < 0) wanted_m_s2 = -wanted_m_s2;
     acceleration_m_s2_ = toward(acceleration_m_s2_, wanted_m_s2, jerk_step_m_s2);
     const double next_m_s = speed_m_s_ + acceleration_m_s2_ * dt_s;
-    // Rounding must not leave a billionth of a metre per second for ever.
-    constexpr double kSame_m_s = 1e-9;
     speed_m_s_ = std::fabs(target_m_s - next_m_s) < kSame_m_s ? target_m_s : next_m_s;
   }
+
+  // Rounding must not leave a billionth of a metre per second for ever.
+  static constexpr double kSame_m_s = 1e-9;
 
   double speed_m_s_ = 0, acceleration_m_s2_ = 0, yaw_rate_rad_s_ = 0;
   bool stopping_ = false;

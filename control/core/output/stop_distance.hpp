@@ -41,20 +41,18 @@ inline constexpr double kQuickStop_rad_s2 = contract::find_object(contract::Node
 [[nodiscard]] inline double ramp_m(double speed_m_s, double rate_m_s2) noexcept { return speed_m_s * speed_m_s / (2.0 * rate_m_s2); }
 
 /// The limiter while the last command ages: Limiter::follow_speed in longer steps. A little gentler than that when it slows, so that the way
-/// never comes out too short: the turn that is wished with it keeps it from going faster, but nothing counts on being slowed by a turn, and
-/// of what is wished the other way no more counts than the turn leaves.
-[[nodiscard]] inline double last_command_m(const CoreState& state, double wish_m_s, double yaw_wish_rad_s) noexcept {
+/// never comes out too short.
+[[nodiscard]] inline double last_command_m(const CoreState& state, double wish_m_s) noexcept {
   const contract::Params& p = state.params;
-  const WheelRoom room{p};
-  const double turn_rad_s = std::fmax(std::fabs(yaw_wish_rad_s), std::fabs(state.limiter.yaw_rate_rad_s()));
+  const double most_m_s = p.speed_m_s_max * p.speed_cap_norm;
   double speed = state.limiter.speed_m_s(), acceleration = state.limiter.acceleration_m_s2(), way_m = 0;
   double age_s = state.remote.age_s(state.time_ns);
   for (int i = 0; i < kPiecesMax && age_s < p.remote_stop_age_s; ++i) {
     const double piece_s = std::fmin(kPiece_s, p.remote_stop_age_s - age_s);
+    const double middle_s = age_s + piece_s / 2.0;
     age_s += piece_s;
-    const double share = age_s <= p.remote_slow_age_s ? 1.0 : (p.remote_stop_age_s - age_s) / (p.remote_stop_age_s - p.remote_slow_age_s);
-    const double room_m_s = wish_m_s * speed < 0 ? room.speed_left_m_s(turn_rad_s) : room.speed_share_m_s(HUGE_VAL, yaw_wish_rad_s * share);
-    const double most_m_s = std::fmax(std::fabs(speed), room_m_s);
+    const double share =
+        middle_s <= p.remote_slow_age_s ? 1.0 : (p.remote_stop_age_s - middle_s) / (p.remote_stop_age_s - p.remote_slow_age_s);
     const double gap = std::fmin(std::fmax(wish_m_s * share, -most_m_s), most_m_s) - speed;
     // The acceleration from which the gap is met while it falls by the jerk.
     const double meets = std::sqrt(2.0 * p.jerk_m_s3_max * std::fabs(gap));
@@ -94,12 +92,12 @@ inline constexpr double kQuickStop_rad_s2 = contract::find_object(contract::Node
     way_m = ramp_m(command_m_s, kRemoteDeceleration_m_s2);
   } else {
     // The wish of a command that already ages is scaled down; the command itself is not. An exercise may be about to go faster again,
-    // behind a bend: it counts with the speed that was chosen for it.
-    const bool guided = state.mode == contract::Mode::guided;
-    const double full_m_s = guided ? state.guided.wish().speed_m_s : state.remote.speed_norm() * state.params.remote_speed_m_s_max;
-    const double full_rad_s = guided ? 0.0 : state.remote.yaw_norm() * state.params.remote_yaw_rate_rad_s_max;
-    const double most_m_s = state.params.speed_m_s_max * state.params.speed_cap_norm;
-    way_m = last_command_m(state, std::fmin(std::fmax(full_m_s, -most_m_s), most_m_s), full_rad_s);
+    // behind a bend: it counts with the speed that was chosen for it, within the cap before it is scaled. The stick's wish meets its cap after.
+    const contract::Params& p = state.params;
+    const double full_m_s = state.mode == contract::Mode::guided
+                                ? std::fmin(state.guided.wish().speed_m_s, p.speed_m_s_max * p.speed_cap_norm)
+                                : state.remote.speed_norm() * p.remote_speed_m_s_max;
+    way_m = last_command_m(state, full_m_s);
   }
   out.link_m = way_m + kStep_s * command_m_s + (led ? kLagLed_s : kLagDriven_s) * rolling_m_s;
   // Braked by each drive: in a bend the outer wheel takes longer, and the middle goes on with it.

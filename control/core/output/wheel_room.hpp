@@ -7,8 +7,9 @@
 namespace hoist::core {
 
 /// What speed and turn together may ask of a motor: 0.70 m/s through the gear and a wheel of 0.10 m, so that a hoist at its top speed of
-/// 0.65 m/s can still steer. A full battery turns it hardly faster (24 V / 0.115 V s/rad = 209 rad/s without load), and at 225 rad/s its
-/// drive stops it (H1; firmware/nodes/drive, kOverSpeed_rad_s).
+/// 0.65 m/s can still steer. Without load an empty battery turns it at 198 rad/s and a full one at 223 (22.8 and 25.6 V / 0.115 V s/rad); a
+/// wheel that stays behind by so little trips nothing (following_error_m_s_max), and at 225 rad/s its drive stops it (H1; firmware/nodes/drive,
+/// kOverSpeed_rad_s).
 inline constexpr double kMotorTop_rad_s = 210.0;
 
 class WheelRoom {

@@ -293,8 +293,8 @@ export const params: readonly ParamInfo[] = [
     effect: { en: 'How quickly speed may change in normal walking.', de: 'Wie schnell sich das Tempo beim Gehen ändern darf.' },
   },
   {
-    id: 43, name: 'jerk_m_s3_max', unit: 'm/s³', min: 0.5, default: 3, max: 20,
-    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety 2.1: normal motion only',
+    id: 43, name: 'jerk_m_s3_max', unit: 'm/s³', min: 0.5, default: 3, max: 10,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'research safety 2.1: normal motion only; the stopping distance shown was measured up to 10',
     title: { en: 'Jerk', de: 'Ruck' },
     effect: { en: 'How suddenly acceleration may change.', de: 'Wie plötzlich sich die Beschleunigung ändern darf.' },
   },
