@@ -13,6 +13,11 @@ constexpr double kWaitsBeforeSettingOff_s = 1.0;
 constexpr double kMovedByItself_m = 0.02;
 constexpr double kIgnoredLean_m = 0.05;
 constexpr double kIgnoredTime_s = 2.5;
+/// Somebody else leads (assumed): this much faster than wished and not slowing under a lean back, speeding up beyond the wish, or hardly turning
+/// under a turned pelvis. Speeding up is felt at once and counts more.
+constexpr double kTooFast_m_s = 0.10, kNotSlowing_m_s2 = -0.03, kLeanBack_m = 0.03;
+constexpr double kFaster_m_s = 0.05, kFaster_m_s2 = 0.2, kFasterCounts_norm = 3.0;
+constexpr double kTurned_rad = 0.1, kHardlyTurns_norm = 0.1;
 constexpr double kStill_m_s = 0.02;
 /// Someone helps the patient upright once the hoist has stood this long.
 constexpr double kHelpedAfter_s = 3.0;
@@ -102,6 +107,15 @@ void Patient::fall(PatientState how) {
   foot_ahead_m_ = 0.05;  // the trailing foot is already a little behind when it catches
 }
 
+// How much, 0 for not at all, the hoist does something else than it is led to.
+double Patient::opposed_by(const PlatformMotion& now) const {
+  if (now.speed_m_s > pace_m_s_ + kFaster_m_s && now.acceleration_m_s2 > kFaster_m_s2) return kFasterCounts_norm;
+  if (now.speed_m_s > pace_m_s_ + kTooFast_m_s && now.acceleration_m_s2 > kNotSlowing_m_s2 && x_m_ < -kLeanBack_m) return 1.0;
+  const double turn_rad = std::fabs(yaw_goal_rad_);
+  const double hardly_rad_s = kHardlyTurns_norm * params_.turn_habit_per_s * turn_rad;
+  return turn_rad > kTurned_rad && now.speed_m_s > kStill_m_s && std::fabs(now.yaw_rate_rad_s) < hardly_rad_s ? 1.0 : 0.0;
+}
+
 // Which of the states, from what the patient feels.
 void Patient::decide(const PatientSenses& senses) {
   state_s_ += kThought_s;
@@ -137,12 +151,14 @@ void Patient::decide(const PatientSenses& senses) {
         state_ = PatientState::leading;
         pace_m_s_ = params_.wish_m_s;
         state_s_ = 0.0;
-        ignored_s_ = 0.0;
+        ignored_s_ = opposed_s_ = 0.0;
       }
       break;
-    case PatientState::leading:
+    case PatientState::leading: {
       ignored_s_ = x_m_ > kIgnoredLean_m && now.speed_m_s < kStill_m_s ? ignored_s_ + kThought_s : 0.0;
-      if (ignored_s_ > kIgnoredTime_s) {
+      const double opposed = opposed_by(now);
+      opposed_s_ = opposed > 0.0 ? opposed_s_ + opposed * kThought_s : 0.0;
+      if (ignored_s_ > kIgnoredTime_s || opposed_s_ > params_.yields_after_s) {
         distrusts_ = true;
         state_ = PatientState::following;
         state_s_ = 0.0;
@@ -150,6 +166,7 @@ void Patient::decide(const PatientSenses& senses) {
         fall(PatientState::tripping);
       }
       break;
+    }
     default:
       break;
   }

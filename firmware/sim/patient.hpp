@@ -3,7 +3,8 @@
 // assumptions about people, not measurements of these patients.
 //
 // Nobody tells the patient who leads. When the drives release their brakes the patient stands a second; if the hoist then moves off by
-// itself, or does not follow a lean, the patient lets it lead until the drives are switched off again.
+// itself, does not follow a lean, or goes on doing something else than it is led to, the patient lets it lead until the drives are switched
+// off again.
 #pragma once
 
 #include <array>
@@ -35,6 +36,10 @@ struct PatientParams {
   double sway_yaw_rad{5.0 * kDegree_rad};
   double stride_hz{0.42};  ///< stride frequency = this + slope x speed
   double stride_hz_per_m_s{0.5};
+  /// How long this patient leads on against a hoist that another leads (assumed). A stubborn one never yields: harder on the machine, so the
+  /// random sessions are walked by those.
+  double yields_after_s{1.0};
+  static constexpr double kStubborn_s = 1e9;
 
   /// Somebody else: every figure drawn evenly from its usual range; the same seed gives the same person.
   [[nodiscard]] static PatientParams random(std::uint64_t seed);
@@ -95,6 +100,7 @@ class Patient {
   void decide(const PatientSenses& senses);
   void steer(const PlatformMotion& seen);
   void fall(PatientState how);
+  [[nodiscard]] double opposed_by(const PlatformMotion& now) const;
   [[nodiscard]] double fall_push_n(const PlatformMotion& platform);
   [[nodiscard]] bool fallen() const { return state_ >= PatientState::tripping; }
 
@@ -129,6 +135,7 @@ class Patient {
   bool arrived_{false};
   double state_s_{};    // since the state began
   double ignored_s_{};  // how long a lean has been without effect
+  double opposed_s_{};  // how long the hoist has done something else than it was led to
   double still_s_{};    // how long the platform has stood
   double begin_x_m_{};
   double begin_y_m_{};

@@ -129,6 +129,7 @@ class Session {
     o.world.seed = dice.next();
     o.world.patient = sim::PatientParams::random(dice.next());
     o.world.patient.wish_m_s = dice.between(0.2, 0.6);
+    o.world.patient.yields_after_s = sim::PatientParams::kStubborn_s;
     o.world.scenario = &sim::kScenarios[static_cast<std::size_t>(dice.below(4))];
     if (options_.only_walk) o.world.scenario = &sim::kScenarios[static_cast<std::size_t>(dice.below(2))];
     o.world.worst_stuffing = dice.chance(0.5);

@@ -37,6 +37,28 @@ TEST(Driving, TheStickMovesTheHoistAndThePatientFollows) {
   EXPECT_NEAR(loop.world().plant().platform().yaw_rate_rad_s, 0.0, 0.01);
 }
 
+// A patient whom nobody told sets off after a second, and then somebody else leads.
+TEST(Driving, WhoeverWaitsBeforePushingTheStickDrivesAPatientWhoHasSetOff) {
+  for (const double fast_m_s : {0.3, 0.45, 0.6}) {
+    for (const double wait_s : {0.6, 1.5, 2.5, 4.0}) {
+      ClosedLoopOptions options = standing();
+      options.params.remote_speed_m_s_max = fast_m_s;
+      ClosedLoop loop(options);
+      ASSERT_TRUE(loop.start(Mode::remote));
+      loop.hold_stick(0.0, 0.0);
+      loop.run(wait_s);
+      for (int i = 1; i <= 6; ++i) {
+        loop.hold_stick(i / 6.0, 0.0);
+        loop.run(0.02);
+      }
+      loop.run(20.0);
+      EXPECT_EQ(loop.mode(), Mode::remote) << fast_m_s << " m/s after " << wait_s << " s";
+      EXPECT_NEAR(speed_m_s(loop), fast_m_s, 0.03) << wait_s;
+      EXPECT_EQ(loop.world().patient().state(), sim::PatientState::following) << fast_m_s << " m/s after " << wait_s << " s";
+    }
+  }
+}
+
 TEST(Driving, H17_SilenceStopsWithinItsDistance) {
   ClosedLoop loop(standing());
   ASSERT_TRUE(loop.start(Mode::remote));

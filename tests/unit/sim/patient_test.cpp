@@ -107,6 +107,43 @@ TEST(Patient, GivesUpLeadingAHoistThatDoesNotFollow) {
   EXPECT_EQ(stage.patient.state(), PatientState::leading);
 }
 
+// A therapist at the stick, and nobody told the patient.
+TEST(Patient, YieldsToAHoistThatAnotherLeads) {
+  const auto set_off = [](double yields_after_s) {
+    PatientParams params;
+    params.yields_after_s = yields_after_s;
+    Stage stage("straight", params);
+    stage.released = stage.follows = true;
+    stage.run(8.0);
+    EXPECT_EQ(stage.patient.state(), PatientState::leading);
+    stage.follows = false;
+    stage.platform.acceleration_m_s2 = 0.0;
+    return stage;
+  };
+  for (const double after_s : {0.6, 1.0, PatientParams::kStubborn_s}) {
+    const auto expected = after_s < 10.0 ? PatientState::following : PatientState::leading;
+    // Faster than wished, steadily, under a lean back.
+    Stage fast = set_off(after_s);
+    fast.platform.speed_m_s = 0.55;
+    fast.run(0.5);
+    EXPECT_EQ(fast.patient.state(), PatientState::leading) << after_s;
+    fast.run(2.5);
+    EXPECT_EQ(fast.patient.state(), expected) << after_s;
+    // Straight on under a pelvis that is turned to get back to the line.
+    Stage astray = set_off(after_s);
+    astray.platform.psi_rad = 0.6;
+    astray.run(0.5);
+    EXPECT_EQ(astray.patient.state(), PatientState::leading) << after_s;
+    astray.run(2.0);
+    EXPECT_EQ(astray.patient.state(), expected) << after_s;
+  }
+  // Who yields is upright again soon.
+  Stage stage = set_off(1.0);
+  stage.platform.speed_m_s = 0.55;
+  stage.run(6.0);
+  EXPECT_LT(std::fabs(stage.patient.harness().dx_m), 0.03);
+}
+
 TEST(Patient, TheScenarioOfStandingNeverSetsOff) {
   Stage stage("stand");
   stage.released = stage.follows = true;
