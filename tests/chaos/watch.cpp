@@ -88,7 +88,7 @@ void Watch::core_restarted() {
   events_seen_ = loop_.events().size();
   params_ = loop_.core().params;
   parameter_version_ = loop_.core().parameter_version;
-  drive_sequence_ = drive_epoch_ = lease_epoch_ = lease_holder_ = 0;
+  next_sequence_ = drive_sequence_ = drive_epoch_ = lease_epoch_ = lease_holder_ = 0;
   staged_.clear();
   must_raise_.clear();
   ran_ = false;
@@ -190,7 +190,7 @@ void Watch::before_step(const core::TickInputs& inputs) {
     if (!repeated) next_sequence_ = c.sequence + 1;
     if (holder == 0) continue;
     const bool by_holder = c.client == holder && c.lease_epoch == lease_epoch_;
-    if (c.kind == CommandKind::acknowledge && by_holder) acknowledged_s_ = loop_.time_s();
+    if (c.kind == CommandKind::acknowledge && by_holder && !repeated) acknowledged_s_ = loop_.time_s();
     if (c.kind == CommandKind::request_mode && c.a == static_cast<std::uint32_t>(Mode::standby) && by_holder)
       must_stop("the end of motion", 0.01, 0.5);
     if (c.kind == CommandKind::release_lease && !repeated && (c.client == 0 || c.client == holder)) holder = 0;

@@ -7,6 +7,7 @@
 // A sensor that is missing, of another kind, failed its self-test or stopped giving readings makes the node invalid until it is switched
 // off and on. How the sensor sits on its strut is an object (2104h); everything behind it is in the frame of the hoist.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -39,6 +40,7 @@ inline constexpr float kBiasMax_rad_s = 0.4F;           // a gyro that shows mor
 inline constexpr float kBiasChange_rad_s = 0.0524F;         // H8: 3 deg/s from what it was at rest
 inline constexpr float kDisagreement_rad = 0.105F;          // H8: 6 deg between gyroscope and gravity ...
 inline constexpr float kDisagreementRate_per_s = 1 / 0.5F;  // ... low-passed with 0.5 s
+inline constexpr float kTurnMax_rad_s = 1.1F;               // no hoist turns faster (50 deg/s and a margin); more explains nothing
 
 template <TiltBoard Board>
 class TiltNode {
@@ -82,6 +84,7 @@ class TiltNode {
 
   struct Axis {
     law::TiltState<float> state{};
+    law::TiltState<float> turn{};                   // what the hoist's turn alone has put into it
     float first_angle_rad = 0, last_angle_rad = 0;  // sums over the first and last quarter of the window
     float angle_sum_rad = 0;
     float rest_bias_rad_s = 0;   // as measured in the still start
@@ -208,7 +211,8 @@ class TiltNode {
   }
 
   // H8: a gyroscope that has lost its zero disagrees with gravity, and is believed less and less. What the hoist itself does to a sensor
-  // stays below: braking with 1.5 m/s2 looks like 8.7 degrees of lean, but for less than half a second (DECISIONS.md, 23).
+  // stays below: braking with 1.5 m/s2 looks like 8.7 degrees of lean, but for less than half a second (DECISIONS.md, 23). What a turn has
+  // taught the filter is known and taken off (28); an angle that it has made wrong by so much is not valid all the same.
   void doubt(const law::AccAngles<float>& gravity, float dt_s) {
     bool zero_lost = false;
     const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
@@ -216,7 +220,7 @@ class TiltNode {
       Axis& axis = axes_[i];
       axis.disagreement_rad += (angles_rad[i] - axis.state.angle_rad - axis.disagreement_rad) * kDisagreementRate_per_s * dt_s;
       zero_lost = zero_lost || above(axis.disagreement_rad, kDisagreement_rad) ||
-                  above(axis.state.bias_rad_s - axis.rest_bias_rad_s, kBiasChange_rad_s);
+                  above(axis.state.bias_rad_s - axis.turn.bias_rad_s - axis.rest_bias_rad_s, kBiasChange_rad_s);
     }
     doubtful_ = converged_ && zero_lost;
     tell_error();
@@ -227,11 +231,19 @@ class TiltNode {
     const law::TiltGain<float> gain{values.template get<0x2102, 1>(), values.template get<0x2102, 2>()};
     const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
     const float rates_rad_s[2] = {s.alpha_rate_rad_s, s.beta_rate_rad_s};
+    // A sensor that leans feels part of the hoist's turn as pitch and roll. The filter is linear: fed with that part alone, and with a
+    // gravity that knows nothing of it, a second one holds what the first has of it.
+    const float yaw_rad_s = std::clamp(s.yaw_rate_rad_s - yaw_bias_rad_s_, -kTurnMax_rad_s, kTurnMax_rad_s);
+    const float felt_rad_s[2] = {yaw_rad_s * (axes_[1].state.angle_rad - axes_[1].turn.angle_rad),
+                                 -yaw_rad_s * (axes_[0].state.angle_rad - axes_[0].turn.angle_rad)};
     for (std::size_t i = 0; i < 2; ++i) {
+      Axis& axis = axes_[i];
       if (!started_ || gap_ms_ > kTiltGap_ms) {
-        axes_[i].state = law::tilt_start(angles_rad[i], axes_[i].state.bias_rad_s, rates_rad_s[i]);
-        axes_[i].disagreement_rad = 0;
-      } else if (!law::tilt_step(gain, axes_[i].state, rates_rad_s[i], angles_rad[i], dt_s)) {
+        axis.state = law::tilt_start(angles_rad[i], axis.state.bias_rad_s, rates_rad_s[i]);
+        axis.turn = law::tilt_start(0.0F, axis.turn.bias_rad_s, felt_rad_s[i]);
+        axis.disagreement_rad = 0;
+      } else if (!law::tilt_step(gain, axis.state, rates_rad_s[i], angles_rad[i], dt_s) ||
+                 !law::tilt_step(gain, axis.turn, felt_rad_s[i], 0.0F, dt_s)) {
         return false;
       }
     }
@@ -298,6 +310,7 @@ class TiltNode {
     for (std::size_t i = 0; i < 2; ++i) {
       axes_[i].rest_bias_rad_s = first_rad_s[i] + window_.rate_sum_rad_s[i] / kCount;
       axes_[i].disagreement_rad = 0;
+      axes_[i].turn = {};
       axes_[i].state = law::tilt_start(axes_[i].angle_sum_rad / kCount, axes_[i].rest_bias_rad_s, rates_rad_s[i]);
     }
     yaw_bias_rad_s_ = window_.first.yaw_rate_rad_s + window_.rate_sum_rad_s[2] / kCount;
