@@ -9,9 +9,11 @@ namespace hoist::contract {
 
 enum class CommandKind : std::uint32_t {
   none = 0,
-  stop = 1,             // anyone; protective stop, never refused
-  request_mode = 2,     // a = Mode: standby, or one that standby leads to; lease holder only
-  acknowledge = 3,      // leave PROTECTIVE_STOP, FAULT or EMERGENCY_STOP once the cause is gone; role in b; lease holder only
+  stop = 1,          // anyone; protective stop, never refused
+  request_mode = 2,  // a = Mode: standby, or one that standby leads to; lease holder only
+  // leave PROTECTIVE_STOP, FAULT or EMERGENCY_STOP once the cause is gone; role in b, a = bits of the faults that were seen when the hand
+  // went down, 0 = not told; lease holder only
+  acknowledge = 3,
   take_lease = 4,       // client asks to be the driver; granted when free, or when standing still and `a` = 1 (take over)
   release_lease = 5,    // by its holder, or by the server for a client that is gone
   stage_parameter = 6,  // a = parameter id, v0 = value, b = position in the set, counted from 0

@@ -48,6 +48,13 @@ constexpr const FaultInfo& fault_info(Fault fault) {
   return kFaults.front();  // never: every enumerator is a row
 }
 
+/// The row of that name, nullptr when there is none.
+constexpr const FaultInfo* find_fault(std::string_view name) {
+  for (const FaultInfo& info : kFaults)
+    if (info.name == name) return &info;
+  return nullptr;
+}
+
 /// What answers a fault, in the words of the hazard table: R1 soft stop, R2 protective stop, R3 the drive by itself, R4 power off.
 enum class MonitorReaction : std::uint8_t { warn, R1, R2, R3, R4 };
 /// How a fault is found, and how soon braking has to begin.

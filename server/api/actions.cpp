@@ -132,8 +132,19 @@ void act_stop(Services& services, std::uint32_t client, OutcomeDone done) {
   services.core.stop(client, std::move(answered));
 }
 
-void act_acknowledge(Services& services, const Asker& asker, OutcomeDone done) {
+void act_acknowledge(Services& services, const Asker& asker, const json& seen, OutcomeDone done) {
   Command command = command_of(CommandKind::acknowledge, asker);
+  bool usable = seen.is_null() || (seen.is_array() && !seen.empty());
+  if (seen.is_array())
+    for (const json& name : seen) {
+      const contract::FaultInfo* fault = name.is_string() ? contract::find_fault(name.get_ref<const std::string&>()) : nullptr;
+      usable = usable && fault != nullptr;
+      if (fault != nullptr) command.a |= 1U << fault->bit;
+    }
+  if (!usable) {
+    done(invalid({{"seen", "must name at least one fault, and only faults of the table"}}, "There is no such fault to acknowledge."));
+    return;
+  }
   command.b = static_cast<std::uint32_t>(asker.role);
   ask(services, command, std::move(done));
 }

@@ -41,7 +41,8 @@ struct ModeWish {
 };
 void act_mode(Services& services, const Asker& asker, const ModeWish& wish, OutcomeDone done);
 void act_stop(Services& services, std::uint32_t client, OutcomeDone done);
-void act_acknowledge(Services& services, const Asker& asker, OutcomeDone done);
+/// `seen`: names of the faults that were shown when the hand went down, or null; when another has come since, the core refuses.
+void act_acknowledge(Services& services, const Asker& asker, const nlohmann::json& seen, OutcomeDone done);
 // Begins a step of the calibration table, by its name.
 void act_calibrate(Services& services, const Asker& asker, const nlohmann::json& step, OutcomeDone done);
 // What the operator measured: {figure} or, for a driven square, {figure, x_m, y_m, turning}.

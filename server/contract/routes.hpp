@@ -26,7 +26,8 @@ struct Route {
   std::string_view summary;
 };
 constexpr bool body_may_be_empty(const Route& route) {
-  return route.request == "Empty" || route.request == "LeaseRequest" || route.request == "KeepRequest";
+  return route.request == "Empty" || route.request == "LeaseRequest" || route.request == "KeepRequest" ||
+         route.request == "AcknowledgeRequest";
 }
 // STOP is never refused, so nobody looks at what may come with it.
 constexpr bool takes_body(const Route& route) { return !route.request.empty() && route.operation != "stop"; }

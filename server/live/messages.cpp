@@ -67,7 +67,7 @@ void mode(Client& client, const json& message) {
 }
 void stop(Client& client, const json&) { act_stop(client.hub().services(), client.number(), nullptr); }
 void acknowledge(Client& client, const json& message) {
-  act_acknowledge(client.hub().services(), asker_of(client), reply_to(client, message));
+  act_acknowledge(client.hub().services(), asker_of(client), field(message, "seen"), reply_to(client, message));
 }
 
 void drive(Client& client, const json& message) {

@@ -371,7 +371,7 @@ TEST(Transitions, EveryEntryBeginsFromZero) {
         break;
       case Asker::acknowledgement: {
         bool wait = false;
-        ASSERT_EQ(acknowledge(state, contract::Role::engineer, wait), 0U);
+        ASSERT_EQ(acknowledge(state, contract::Role::engineer, 0, wait), 0U);
         break;
       }
     }

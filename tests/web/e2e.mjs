@@ -564,6 +564,18 @@ const cases = {
     await release.click();
     await sleep(500);
     assert((await modeName()) === 'Stopped', 'a short tap released the stop');
+    // Something else happens under the hand that holds: it is told, and released only by a hand that has seen it.
+    const box = await release.boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await sleep(700);
+    await stack.ask({ op: 'bumper', which: 'front', pressed: true });
+    await sleep(300);
+    await stack.ask({ op: 'bumper', which: 'front', pressed: false });
+    await sleep(1400);
+    await page.mouse.up();
+    await until('the page says why not', () => page.getByText('Something else has stopped the hoist meanwhile').first().isVisible());
+    assert((await modeName()) === 'Stopped', 'released with a cause that came under the hand');
     await toStandby();
   },
 

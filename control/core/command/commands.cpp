@@ -230,7 +230,7 @@ Verdict ask_acknowledge(CoreState& state, const Command& command) noexcept {
   if (state.pending.ticks_left > 0) return refused(Refusal::out_of_order);
   bool wait = false;
   if (command.b > static_cast<std::uint32_t>(contract::Role::engineer)) return refused(Refusal::not_allowed);
-  const std::uint32_t bits = acknowledge(state, static_cast<contract::Role>(command.b), wait);
+  const std::uint32_t bits = acknowledge(state, static_cast<contract::Role>(command.b), command.a, wait);
   if (wait) state.pending = {command.request_id, command.client, kResetTicksMax, state.sensed.io.bumpers(), state.lease.epoch, false};
   return {bits, 0, wait};
 }

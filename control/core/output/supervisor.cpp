@@ -341,7 +341,7 @@ void finish_mode(CoreState& state) noexcept {
   if (find_transition(state.mode, Mode::standby, Asker::core) != nullptr) change_mode(state, Mode::standby);
 }
 
-std::uint32_t acknowledge(CoreState& state, contract::Role role, bool& wait) noexcept {
+std::uint32_t acknowledge(CoreState& state, contract::Role role, std::uint32_t seen, bool& wait) noexcept {
   wait = false;
   const Transition* row = nullptr;
   for (const Transition& each : kTransitions)
@@ -350,6 +350,7 @@ std::uint32_t acknowledge(CoreState& state, contract::Role role, bool& wait) noe
   std::uint32_t bits = guard_refusals(state, row->guard);
   if (row->guard == Guard::checked && role != contract::Role::engineer && !therapist_mends(state))
     bits |= refusal_bit(Refusal::not_allowed);
+  if (seen != 0 && (state.latched & kLatching & ~seen) != 0) bits |= refusal_bit(Refusal::cause_not_seen);
   if (bits != 0) return bits;
   // A drive leaves its fault only when told to, and telling it is what the press means.
   const bool reset_left = drive_in_fault(state.sensed.left_drive) || (state.conditions & fault_bit(Fault::drive_left_fault)) != 0;
@@ -388,7 +389,7 @@ void serve_pending(CoreState& state) noexcept {
   if (bits == 0 && !cleared && pending.ticks_left > 0 && state.mode == Mode::protective_stop) return;
   if (!cleared) bits |= refusal_bit(Refusal::cause_not_cleared);
   bool wait = false;
-  if (bits == 0) bits = acknowledge(state, contract::Role::therapist, wait);
+  if (bits == 0) bits = acknowledge(state, contract::Role::therapist, 0, wait);
   // What touched only after the press is a touch that nobody has acknowledged.
   if (bits == 0) state.bumpers_acknowledged = pending.bumpers;
   pending.ticks_left = 0;

@@ -203,8 +203,8 @@ void finish_mode(CoreState& state) noexcept;
 void serve_breakdown(CoreState& state) noexcept;
 
 /// Leaves PROTECTIVE_STOP, FAULT or EMERGENCY_STOP. Refusal bits; 0 = done, or under way with state.pending filled by the caller when `wait`
-/// comes back true.
-[[nodiscard]] std::uint32_t acknowledge(CoreState& state, contract::Role role, bool& wait) noexcept;
+/// comes back true. `seen` = faults that the press is about, 0 = all there are: one that came after them is no part of it.
+[[nodiscard]] std::uint32_t acknowledge(CoreState& state, contract::Role role, std::uint32_t seen, bool& wait) noexcept;
 /// Once per step: an acknowledgement that waits for a drive ends here, one way or the other.
 void serve_pending(CoreState& state) noexcept;
 

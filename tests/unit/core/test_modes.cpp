@@ -401,6 +401,35 @@ TEST(Modes, AcknowledgingADriveFaultResetsTheDrive) {
   EXPECT_EQ(hoist.state.latched, 0U);
 }
 
+// A press is about the causes that were shown when the hand went down, and takes nothing along that nobody has read.
+TEST(Modes, ACauseThatWasNotSeenIsNotReleased) {
+  ScriptedHoist hoist = in_mode(Mode::user);
+  hoist.io.bumpers = 1;
+  ASSERT_TRUE(hoist.reach(Mode::protective_stop, 5));
+  hoist.step(150);
+  hoist.io.bumpers = 0;
+  hoist.step(5);
+  const std::uint32_t seen = fault_bit(Fault::bumper_pressed);
+  ASSERT_EQ(hoist.state.latched, seen);
+  EXPECT_EQ(hoist.ask(CommandKind::stop, 99), 0U);
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge, 7, seen), refusal_bit(Refusal::cause_not_seen));
+  hoist.step(20);
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+  EXPECT_EQ(hoist.state.latched, seen | fault_bit(Fault::stop_pressed)) << "both are still told";
+  // With every other reason at once.
+  hoist.io.bumpers = 1;
+  hoist.tilt_left.silent = true;
+  hoist.step(20);
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge, 7, seen), refusal_bit(Refusal::cause_not_seen) | refusal_bit(Refusal::cause_not_cleared));
+  hoist.io.bumpers = 0;
+  hoist.tilt_left.silent = false;
+  hoist.step(150);
+  // Looked at again; a cause too many does no harm.
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge, 7, ~0U), 0U);
+  EXPECT_TRUE(hoist.reach(Mode::standby, 5));
+  EXPECT_EQ(hoist.state.latched, 0U);
+}
+
 // H13: the press was for what touched then, not for what touches when the drive is ready.
 TEST(Modes, ABumperPressedWhileTheDriveIsAwaitedIsNotAcknowledged) {
   for (const bool let_go : {false, true}) {

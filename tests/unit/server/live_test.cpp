@@ -1,6 +1,7 @@
 // The WebSocket: handshake, telemetry, lease, driving, STOP, limits, slow readers.
 #include <set>
 
+#include "control/contract/faults.hpp"
 #include "server/live/client.hpp"
 #include "server/live/views.hpp"
 #include "tests/unit/server/fixture.hpp"
@@ -238,7 +239,12 @@ TEST_F(LiveTest, StopFromSomeoneWhoDoesNotDrive) {
   other.send({{"type", "stop"}});
   EXPECT_TRUE(until([&] { return get("/api/v1/status").json()["core"]["mode"] == "protective_stop"; }));
   EXPECT_EQ(other.ask({{"type", "acknowledge"}})["ok"], false);
-  EXPECT_EQ(driver.ask({{"type", "acknowledge"}})["ok"], true);
+  const json refused = driver.ask({{"type", "acknowledge"}, {"seen", {"nothing_we_know"}}});
+  EXPECT_EQ(refused["ok"], false);
+  EXPECT_EQ(refused["errors"][0]["field"], "seen");
+  EXPECT_EQ(core_->mode(), Mode::protective_stop);
+  EXPECT_EQ(driver.ask({{"type", "acknowledge"}, {"seen", {"stop_pressed"}}})["ok"], true);
+  EXPECT_EQ(core_->commands().back().a, contract::fault_bit(contract::Fault::stop_pressed));
 }
 
 TEST_F(LiveTest, StopIsHeardEvenBeyondTheMessageLimit) {

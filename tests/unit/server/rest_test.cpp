@@ -3,6 +3,7 @@
 
 #include "control/contract/calibration.hpp"
 #include "control/contract/can_dictionary.hpp"
+#include "control/contract/faults.hpp"
 #include "control/contract/guided_path.hpp"
 #include "control/contract/params.hpp"
 #include "server/contract/routes.hpp"
@@ -396,6 +397,27 @@ TEST_F(Rest, StopIsForEveryone) {
   EXPECT_EQ(call("POST", "/api/v1/acknowledge", json::object()).status, 409) << "only the driver releases";
   ASSERT_EQ(call("POST", "/api/v1/lease", json::object()).status, 200);
   EXPECT_EQ(call("POST", "/api/v1/acknowledge", json::object()).status, 200);
+}
+
+TEST_F(Rest, AnAcknowledgementNamesWhatWasSeen) {
+  ASSERT_EQ(call("POST", "/api/v1/lease", json::object()).status, 200);
+  const auto acknowledged = [this] {
+    std::vector<std::uint32_t> seen;
+    for (const auto& command : core_->commands())
+      if (command.kind == contract::CommandKind::acknowledge) seen.push_back(command.a);
+    return seen;
+  };
+  for (const json& wrong :
+       {json("bumper_pressed"), json::array(), json{"bumper_pressed", "no_such_fault"}, json{"bumper_pressed", 3}, json(7)}) {
+    const auto reply = call("POST", "/api/v1/acknowledge", {{"seen", wrong}});
+    EXPECT_EQ(reply.status, 422U) << wrong;
+    EXPECT_EQ(reply.json()["errors"][0]["field"], "seen") << wrong;
+  }
+  EXPECT_TRUE(acknowledged().empty());
+  EXPECT_EQ(call("POST", "/api/v1/acknowledge", {{"seen", {"bumper_pressed", "stop_pressed"}}}).status, 200U);
+  EXPECT_EQ(call("POST", "/api/v1/acknowledge", json::object()).status, 200U);
+  const std::uint32_t both = contract::fault_bit(contract::Fault::bumper_pressed) | contract::fault_bit(contract::Fault::stop_pressed);
+  EXPECT_EQ(acknowledged(), (std::vector<std::uint32_t>{both, 0}));
 }
 
 TEST_F(Rest, StopLooksAtNoBody_H30) {

@@ -66,7 +66,8 @@ export type RefusalName =
   | 'no_exercise'
   | 'exercise_limits'
   | 'release_first'
-  | 'not_calibrated';
+  | 'not_calibrated'
+  | 'cause_not_seen';
 
 export type ModeName =
   | 'init'
@@ -288,6 +289,7 @@ export const refusals: readonly RefusalInfo[] = [
   { bit: 24, name: 'exercise_limits', text: { en: 'The exercise does not fit: see size, speed and number of laps.', de: 'Die Übung passt nicht: Größe, Tempo und Zahl der Runden prüfen.' } },
   { bit: 25, name: 'release_first', text: { en: 'Let go of the button first, then press it anew.', de: 'Zuerst den Knopf loslassen, dann neu drücken.' } },
   { bit: 26, name: 'not_calibrated', text: { en: 'The struts have never been zeroed on this hoist: do that under Calibrate first.', de: 'Die Streben wurden an diesem Gerät noch nie genullt: zuerst unter Kalibrieren erledigen.' } },
+  { bit: 27, name: 'cause_not_seen', text: { en: 'Something else has stopped the hoist meanwhile: see the alarm, then release again.', de: 'Inzwischen hat noch etwas die Hilfe angehalten: Alarm ansehen, dann neu freigeben.' } },
 ];
 
 export interface ModeInfo {

@@ -59,6 +59,8 @@ export interface AcknowledgeRequest {
   type: 'acknowledge';
   /** Comes back in the reply. */
   request: number;
+  /** Faults that were shown when the hand went down; refused when another has come since. */
+  seen?: readonly string[];
 }
 
 /** Driving command, 25 per second while held. Not answered; refusals are counted and told at most once per second. */
@@ -393,4 +395,4 @@ export const nodes: readonly NodeInfo[] = [
 ];
 
 /** Two programs with different hashes do not understand each other. */
-export const layoutHash = '65623033c8daf437';
+export const layoutHash = '5f8de2fb8831aa34';

@@ -270,7 +270,8 @@ export async function requestGuided(path: GuidedPath): Promise<Reply> {
   if (reply.ok) store.set({ guided: path });
   return reply;
 }
-export const acknowledge = (): Promise<Reply> => withLease({ type: 'acknowledge' });
+/** Leaves a stop. What was seen: names of the faults that were shown when the hand went down; the hoist refuses when another has come since. */
+export const acknowledge = (seen: readonly string[]): Promise<Reply> => withLease({ type: 'acknowledge', ...(seen.length > 0 ? { seen } : {}) });
 export const setNeutral = (): Promise<Reply> => withLease({ type: 'neutral' });
 export const calibrate = (step: string): Promise<Reply> => withLease({ type: 'calibrate', step });
 export const calibrateMeasure = (measured: object): Promise<Reply> => withLease({ type: 'calibrate_measure', ...measured });

@@ -6,10 +6,12 @@ export interface HoldButtonProps {
   hint: string;
   hold_ms: number;
   disabled?: boolean;
+  /** The hand goes down. */
+  onBegin?: () => void;
   onDone: () => void;
 }
 
-export function HoldButton({ label, hint, hold_ms, disabled, onDone }: HoldButtonProps) {
+export function HoldButton({ label, hint, hold_ms, disabled, onBegin, onDone }: HoldButtonProps) {
   const [held, setHeld] = useState(false);
   const timer = useRef<number | null>(null);
   const end = () => {
@@ -20,6 +22,7 @@ export function HoldButton({ label, hint, hold_ms, disabled, onDone }: HoldButto
   const begin = () => {
     if (disabled || timer.current !== null) return;
     setHeld(true);
+    onBegin?.();
     timer.current = window.setTimeout(() => {
       end();
       onDone();

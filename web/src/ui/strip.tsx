@@ -45,6 +45,8 @@ export function Strip() {
   const babblingId = useStore((s) => s.babblingId);
   const [all, setAll] = useState(false);
   const [busy, setBusy] = useState(false);
+  // What was shown when the hand went down: something that comes while it rests there is not released with it.
+  const seen = useRef<readonly FaultName[]>([]);
 
   const alarms: Alarm[] = [];
   const add = (id: string, priority: Priority, text: string, action = '') => alarms.push({ id, priority, text, action });
@@ -100,7 +102,7 @@ export function Strip() {
 
   const release = async () => {
     setBusy(true);
-    const reply = await acknowledge();
+    const reply = await acknowledge(seen.current);
     setBusy(false);
     if (reply.ok) notify('info', t('stop.released'), true);
     else if (reply.refusals[0] !== 'kept') notify('warning', reasons(reply).join(' '), true);
@@ -130,7 +132,16 @@ export function Strip() {
         </button>
       ) : null}
       {stopped(mode) && link === 'open' ? (
-        <HoldButton label={t('stop.release')} hint={t('stop.releaseHint')} hold_ms={releaseHold_ms} disabled={busy} onDone={() => void release()} />
+        <HoldButton
+          label={t('stop.release')}
+          hint={t('stop.releaseHint')}
+          hold_ms={releaseHold_ms}
+          disabled={busy}
+          onBegin={() => {
+            seen.current = activeFaults(bits).map((fault) => fault.name);
+          }}
+          onDone={() => void release()}
+        />
       ) : null}
       {all && openable ? (
         <ul class="strip-more card">
