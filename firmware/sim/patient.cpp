@@ -14,7 +14,7 @@ constexpr double kMovedByItself_m = 0.02;
 constexpr double kIgnoredLean_m = 0.05;
 constexpr double kIgnoredTime_s = 2.5;
 /// Somebody else leads (assumed): this much faster than wished and not slowing under a lean back, speeding up beyond the wish, or hardly turning
-/// under a turned pelvis. Speeding up is felt at once and counts more.
+/// with a turned pelvis, or against it. Speeding up is felt at once and counts more.
 constexpr double kTooFast_m_s = 0.10, kNotSlowing_m_s2 = -0.03, kLeanBack_m = 0.03;
 constexpr double kFaster_m_s = 0.05, kFaster_m_s2 = 0.2, kFasterCounts_norm = 3.0;
 constexpr double kTurned_rad = 0.1, kHardlyTurns_norm = 0.1;
@@ -113,7 +113,8 @@ double Patient::opposed_by(const PlatformMotion& now) const {
   if (now.speed_m_s > pace_m_s_ + kTooFast_m_s && now.acceleration_m_s2 > kNotSlowing_m_s2 && x_m_ < -kLeanBack_m) return 1.0;
   const double turn_rad = std::fabs(yaw_goal_rad_);
   const double hardly_rad_s = kHardlyTurns_norm * params_.turn_habit_per_s * turn_rad;
-  return turn_rad > kTurned_rad && now.speed_m_s > kStill_m_s && std::fabs(now.yaw_rate_rad_s) < hardly_rad_s ? 1.0 : 0.0;
+  const double turns_so_rad_s = std::copysign(1.0, yaw_goal_rad_) * now.yaw_rate_rad_s;  // with the pelvis, or against it
+  return turn_rad > kTurned_rad && now.speed_m_s > kStill_m_s && turns_so_rad_s < hardly_rad_s ? 1.0 : 0.0;
 }
 
 // Which of the states, from what the patient feels.

@@ -59,6 +59,24 @@ TEST(Driving, WhoeverWaitsBeforePushingTheStickDrivesAPatientWhoHasSetOff) {
   }
 }
 
+// The same once the patient is content with the way straight on, and the therapist turns off it.
+TEST(Driving, ATurnAwayFromThePatientsLineIsFollowed) {
+  for (const double yaw_norm : {-1.0, -0.6, 0.6, 1.0}) {
+    ClosedLoopOptions options = standing();
+    options.world.scenario = sim::find_scenario("straight");
+    ClosedLoop loop(options);
+    ASSERT_TRUE(loop.start(Mode::remote));
+    loop.hold_stick(0.0, 0.0);
+    loop.run(2.5);
+    loop.hold_stick(0.6, 0.0);
+    loop.run(6.0);
+    loop.hold_stick(0.6, yaw_norm);
+    loop.run(6.0);
+    EXPECT_EQ(loop.mode(), Mode::remote) << yaw_norm;
+    EXPECT_EQ(loop.world().patient().state(), sim::PatientState::following) << yaw_norm;
+  }
+}
+
 TEST(Driving, H17_SilenceStopsWithinItsDistance) {
   ClosedLoop loop(standing());
   ASSERT_TRUE(loop.start(Mode::remote));
