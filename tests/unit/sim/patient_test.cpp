@@ -121,21 +121,20 @@ TEST(Patient, YieldsToAHoistThatAnotherLeads) {
     return stage;
   };
   for (const double after_s : {0.6, 1.0, PatientParams::kStubborn_s}) {
-    const auto expected = after_s < 10.0 ? PatientState::following : PatientState::leading;
+    const auto expect_yielding = [after_s](Stage& stage) {
+      stage.run(0.5);
+      EXPECT_EQ(stage.patient.state(), PatientState::leading) << after_s;
+      stage.run(2.5);
+      EXPECT_EQ(stage.patient.state(), after_s < 10.0 ? PatientState::following : PatientState::leading) << after_s;
+    };
     // Faster than wished, steadily, under a lean back.
     Stage fast = set_off(after_s);
     fast.platform.speed_m_s = 0.55;
-    fast.run(0.5);
-    EXPECT_EQ(fast.patient.state(), PatientState::leading) << after_s;
-    fast.run(2.5);
-    EXPECT_EQ(fast.patient.state(), expected) << after_s;
+    expect_yielding(fast);
     // Straight on under a pelvis that is turned to get back to the line.
     Stage astray = set_off(after_s);
     astray.platform.psi_rad = 0.6;
-    astray.run(0.5);
-    EXPECT_EQ(astray.patient.state(), PatientState::leading) << after_s;
-    astray.run(2.0);
-    EXPECT_EQ(astray.patient.state(), expected) << after_s;
+    expect_yielding(astray);
   }
   // Who yields is upright again soon.
   Stage stage = set_off(1.0);
