@@ -56,7 +56,7 @@ struct DriveCommand {
   std::uint32_t lease_epoch = 0;
   std::uint32_t client = 0;
   std::uint64_t sequence = 0;      // rises with every command of one lease
-  std::uint64_t echo_time_ns = 0;  // time_ns of the newest telemetry record the client had seen: its age is judged by the core's clock
+  std::uint64_t echo_time_ns = 0;  // time_ns of the newest telemetry record the client had seen: the command's age counts from it
   double speed_norm = 0;
   double yaw_norm = 0;
   std::uint64_t held = 0;  // 1 while the dead-man is held; anything else counts as let go

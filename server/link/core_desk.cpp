@@ -104,11 +104,14 @@ bool CoreDesk::drive(const contract::DriveCommand& command) {
   if (!connected_) return false;
   link_.drive(command);
   hand_holds_ = command.held == 1;
-  hand_ns_ = now_ns_;
+  hand_ns_ = command.echo_time_ns;
   return true;
 }
 
-bool CoreDesk::hand_holds(std::uint64_t within_ns) const { return hand_holds_ && now_ns_ - hand_ns_ <= within_ns; }
+bool CoreDesk::hand_holds(std::uint64_t within_ns) const {
+  // On the core's clock, as the core judges it. An echo from the future is refused there, and so counts as no hand here.
+  return hand_holds_ && newest_ && newest_->time_ns >= hand_ns_ && newest_->time_ns - hand_ns_ <= within_ns;
+}
 
 void CoreDesk::flush_outbox() {
   while (!outbox_.empty()) {

@@ -70,7 +70,7 @@ class CoreDesk {
   bool stop(std::uint32_t client, Done done);
   // The newest driving command. Not queued: only the latest counts. False when no core is connected.
   bool drive(const contract::DriveCommand& command);
-  // Whether the newest driving command holds the dead-man and is no older than this.
+  // Whether the newest driving command holds the dead-man and its hand is no older than this (RemoteDrive::age_s).
   [[nodiscard]] bool hand_holds(std::uint64_t within_ns) const;
 
   [[nodiscard]] bool connected() const { return connected_; }
@@ -117,7 +117,7 @@ class CoreDesk {
   std::uint64_t now_ns_ = 0;
   std::uint64_t life_ = 0;
   std::uint64_t heard_ns_ = 0;
-  std::uint64_t hand_ns_ = 0;  // of the newest driving command
+  std::uint64_t hand_ns_ = 0;  // telemetry stamp that the newest driving command echoed
   bool hand_holds_ = false;
   bool connected_ = false;
   std::optional<contract::TickRecord> newest_;

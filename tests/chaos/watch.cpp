@@ -205,7 +205,8 @@ void Watch::before_step(const core::TickInputs& inputs) {
   if (d.held == 1 && !fresh) return;
   drive_epoch_ = lease_epoch_;
   drive_sequence_ = d.sequence;
-  if (d.held == 1) driven_s_ = loop_.time_s();
+  // The hand was on it when its client had seen that picture, and not for certain any later.
+  if (d.held == 1) driven_s_ = loop_.time_s() - static_cast<double>(inputs.time_ns - d.echo_time_ns) * 1e-9;
 }
 
 void Watch::after_step(bool core_ran) {

@@ -3,11 +3,10 @@
  * here is "held" there. The rules are those of control/core/command/{lease,remote_drive}.hpp; with one of them taken away by -D the search
  * must find a way to hurt somebody (tests/model/CMakeLists.txt does that for each).
  *
- * Time is counted in units of 250 ms, the two limits of the design: a command is taken while the telemetry that it echoes is at most FRESH
- * units old, and the core stops when it has taken none for SILENT units. So a hand that is off the stick (let go, tab closed, link cut,
- * tablet on the floor) has stopped the hoist after FRESH + SILENT units, whatever the channel does. */
-#define FRESH 1
-#define SILENT 1
+ * Time is counted in units of 250 ms, the one limit of the design: a command's age counts from the telemetry that it echoes, and it acts while
+ * that is at most AGE units old. So a hand that is off the stick (let go, tab closed, link cut, tablet on the floor) has stopped the hoist
+ * after AGE units, whatever the channel does. */
+#define AGE 1
 #define END 5
 #define SLOTS 2
 
@@ -24,7 +23,7 @@ byte since_push = END + 1; /* truth for the assertions: units since the hand pus
 
 /* the core */
 bool ours = false; /* the client holds the lease; else the rival or nobody */
-byte epoch = 0; byte taken_number = 0; byte taken_at = 0; bit stick = OFF; bool awaits_neutral = false;
+byte epoch = 0; byte taken_number = 0; byte hand_at = 0; bit stick = OFF; bool awaits_neutral = false;
 
 /* truth for the assertions */
 bool gap = false;         /* commands stopped coming while pushed, and no middle position has been taken since */
@@ -36,7 +35,7 @@ inline judge()
 {
   if
   :: moving ->
-     assert(since_push <= FRESH + SILENT);
+     assert(since_push <= AGE);
      assert(!gap)
   :: else
   fi
@@ -56,14 +55,19 @@ inline take(m)
 #ifdef NO_ECHO
       || true
 #endif
-      || now - m.echo <= FRESH)) ->
+      || now - m.echo <= AGE)) ->
      if
      :: m.stick == PUSHED -> assert(m.epoch == epoch); assert(m.number > let_go_number)
      :: else
      fi;
-     taken_number = m.number; taken_at = now; stick = m.stick;
+     taken_number = m.number; stick = m.stick;
+#ifdef NO_DELAY
+     hand_at = now; /* counted from acceptance: the delay of the channel is left out */
+#else
+     hand_at = (m.echo > hand_at -> m.echo : hand_at);
+#endif
      if
-     :: m.stick != PUSHED && now - m.echo <= FRESH -> awaits_neutral = false; gap = false
+     :: m.stick != PUSHED && now - m.echo <= AGE -> awaits_neutral = false; gap = false
      :: else
      fi;
      if
@@ -78,7 +82,7 @@ inline take(m)
 /* A new holder, only while nothing moves: everything of the former one is void. */
 inline grant(to_us)
 {
-  epoch++; ours = to_us; taken_number = 0; taken_at = now; stick = OFF; awaits_neutral = true; gap = false; let_go_number = 0;
+  epoch++; ours = to_us; taken_number = 0; hand_at = now; stick = OFF; awaits_neutral = true; gap = false; let_go_number = 0;
   if
   :: to_us -> believed = epoch; number = 1
   :: else
@@ -100,7 +104,7 @@ init {
        fi;
 #ifndef NO_SILENCE
        if
-       :: stick != OFF && now - taken_at > SILENT ->
+       :: stick != OFF && now - hand_at > AGE ->
           if
           :: stick == PUSHED -> gap = true
           :: else

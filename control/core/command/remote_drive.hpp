@@ -1,5 +1,6 @@
 // The driving command of the lease holder: what is accepted, and how old it is (hazards H17 to H20).
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -16,19 +17,20 @@ inline constexpr double kNoCommand_s = 9.999;
 class RemoteDrive {
  public:
   /// False when the command is refused; nothing is changed then. Refused is what does not come from the lease holder, does not rise in
-  /// sequence, is not a number or beyond 1, or echoes a telemetry stamp from the future or older than max_echo_age_s. Letting go is
+  /// sequence, is not a number or beyond 1, or echoes a telemetry stamp from the future or older than max_age_s. Letting go is
   /// taken from the holder whatever else is wrong with it: it can only stop.
-  [[nodiscard]] bool take(const contract::DriveCommand& command, const Lease& lease, std::uint64_t now_ns, double max_echo_age_s) noexcept {
+  [[nodiscard]] bool take(const contract::DriveCommand& command, const Lease& lease, std::uint64_t now_ns, double max_age_s) noexcept {
     if (!lease.held_by(command.client, command.lease_epoch) || command.sequence <= sequence_) return false;
     const bool held = command.held == 1;
-    const bool fresh = command.echo_time_ns <= now_ns && seconds(now_ns - command.echo_time_ns) <= max_echo_age_s;
+    const bool fresh = command.echo_time_ns <= now_ns && seconds(now_ns - command.echo_time_ns) <= max_age_s;
     if (held) {
       // Written so that a NaN fails.
       const bool in_range = std::fabs(command.speed_norm) <= 1.0 && std::fabs(command.yaw_norm) <= 1.0;
       if (!fresh || !in_range) return false;
     }
     sequence_ = command.sequence;
-    accepted_ns_ = now_ns;
+    // A later command proves the hand no earlier than the one before did, whatever it echoes.
+    hand_ns_ = std::max(hand_ns_, std::min(command.echo_time_ns, now_ns));
     known_ = true;
     held_ = held;
     speed_norm_ = held ? command.speed_norm : 0.0;
@@ -59,9 +61,11 @@ class RemoteDrive {
   [[nodiscard]] bool awaits_neutral() const noexcept { return awaits_neutral_; }
   [[nodiscard]] double speed_norm() const noexcept { return speed_norm_; }
   [[nodiscard]] double yaw_norm() const noexcept { return yaw_norm_; }
+  /// The one age of a command: from the telemetry that its client had seen when it sent it, so never less than the time since the hand was
+  /// last felt. Delay on the network, waiting in the server and silence afterwards are all in it.
   [[nodiscard]] double age_s(std::uint64_t now_ns) const noexcept {
-    if (!known_ || now_ns < accepted_ns_) return kNoCommand_s;
-    const double age = seconds(now_ns - accepted_ns_);
+    if (!known_ || now_ns < hand_ns_) return kNoCommand_s;
+    const double age = seconds(now_ns - hand_ns_);
     return age < kNoCommand_s ? age : kNoCommand_s;
   }
 
@@ -73,7 +77,8 @@ class RemoteDrive {
     yaw_norm_ = 0;
   }
 
-  std::uint64_t sequence_ = 0, accepted_ns_ = 0;
+  std::uint64_t sequence_ = 0;
+  std::uint64_t hand_ns_ = 0;  // the newest telemetry stamp that a command has echoed
   double speed_norm_ = 0, yaw_norm_ = 0;
   bool known_ = false, held_ = false, awaits_neutral_ = false;
 };

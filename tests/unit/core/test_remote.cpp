@@ -124,7 +124,8 @@ TEST(Remote, H17AgeSlowsThenStopsAndEndsRemote) {
   const double cruise = hoist.command_m_s();
   ASSERT_NEAR(cruise, 0.30, 1e-3);
   hoist.worst_deceleration_m_s2 = 0;
-  for (int i = 1; i <= 15; ++i) {
+  // The command has seen the record of the step before it: it is one step old when it is taken.
+  for (int i = 2; i <= 15; ++i) {
     hoist.step();
     EXPECT_NEAR(hoist.command_m_s(), cruise, 1e-4) << "up to 150 ms nothing changes: " << i;
   }
@@ -137,6 +138,53 @@ TEST(Remote, H17AgeSlowsThenStopsAndEndsRemote) {
   EXPECT_TRUE(hoist.reach(Mode::standby, 100));
   EXPECT_LE(hoist.worst_deceleration_m_s2, kRemoteDeceleration_m_s2 + 1e-9);
   EXPECT_EQ(hoist.command_m_s(), 0);
+}
+
+// Whatever the network holds back, and however often commands come: from the telemetry that the hand last answered to the braking are never
+// more than 250 ms and a step.
+TEST(Remote, H17TheDelayOfTheNetworkIsPartOfTheAge) {
+  constexpr int kStop_ticks = 25;
+  for (int delay_ticks = 0; delay_ticks <= 30; ++delay_ticks) {
+    for (const int period_ticks : {1, 4, 7}) {
+      SCOPED_TRACE(std::to_string(delay_ticks) + " steps late, each " + std::to_string(period_ticks));
+      ScriptedHoist hoist;
+      ASSERT_TRUE(hoist.start(Mode::remote));
+      std::vector<std::pair<int, contract::DriveCommand>> air;
+      int felt = -1000, now = 0;
+      const auto link = [&](bool hand) {
+        if (hand && now % period_ticks == 0) {
+          hoist.hold(1.0);
+          hoist.drive_fresh = false;
+          air.emplace_back(now + delay_ticks, hoist.drive_command);
+          felt = now;
+        }
+        for (const auto& [due, command] : air)
+          if (due == now) hoist.drive_command = command, hoist.drive_fresh = true;
+        hoist.step();
+        ++now;
+      };
+      while (now < 400) link(true);
+      const bool drove = hoist.command_m_s() > 0.05;
+      // Too late for the limit is too late to drive; up to 140 ms of delay nothing is refused, nor ended.
+      ASSERT_FALSE(drove && delay_ticks > kStop_ticks);
+      ASSERT_TRUE(hoist.state.mode == Mode::remote || delay_ticks > 14 || period_ticks > 4);
+      while (now <= felt + kStop_ticks) link(false);
+      EXPECT_TRUE(hoist.state.motion.leaving || hoist.command_m_s() == 0) << "age " << hoist.out.record.remote_age_s;
+    }
+  }
+}
+
+TEST(Remote, H17ALaterCommandWithAnOlderEchoMakesTheHandNoOlder) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::remote));
+  hoist.drive_for(20, 0.5);
+  hoist.hold(0.5);
+  hoist.step();
+  const auto age_s = hoist.out.record.remote_age_s;
+  hoist.hold(0.5);
+  hoist.drive_command.echo_time_ns -= 200'000'000;
+  hoist.step();
+  EXPECT_FLOAT_EQ(hoist.out.record.remote_age_s, age_s + 0.01F);
 }
 
 TEST(Remote, H18AStallFollowedByABurstOfOldCommandsDoesNotMoveTheHoist) {

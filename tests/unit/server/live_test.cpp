@@ -169,11 +169,14 @@ TEST_F(LiveTest, ARefusedStartMovesNoPose) {
   // The button is still held from something else.
   const json path{{"shape", "circle"}, {"radius_m", 1.0}, {"speed_m_s", 0.2}};
   const json guided{{"type", "mode"}, {"mode", "guided"}, {"path", path}};
-  driver.send({{"type", "drive"}, {"sequence", 1}, {"echo", 5}, {"speed", 0.0}, {"yaw", 0.0}, {"held", true}});
+  std::uint64_t seen_ns = 0;
+  core_->set([&](const contract::TickRecord& r) { seen_ns = r.time_ns; });
+  driver.send({{"type", "drive"}, {"sequence", 1}, {"echo", seen_ns}, {"speed", 0.0}, {"yaw", 0.0}, {"held", true}});
   const json held = driver.ask(guided);
   EXPECT_EQ(held["refusals"], json::array({"release_first"})) << held;
   for (const auto& command : core_->commands()) EXPECT_NE(command.kind, contract::CommandKind::set_pose);
-  driver.send({{"type", "drive"}, {"sequence", 2}, {"echo", 5}, {"speed", 0.0}, {"yaw", 0.0}, {"held", false}});
+  // A hand from long ago holds nothing.
+  driver.send({{"type", "drive"}, {"sequence", 2}, {"echo", 5}, {"speed", 0.0}, {"yaw", 0.0}, {"held", true}});
   EXPECT_EQ(driver.ask(guided)["ok"], true);
 }
 
