@@ -3,7 +3,10 @@
 #include <bit>
 #include <optional>
 #include <string_view>
+#include <utility>
 
+#include "control/bus/object_words.hpp"
+#include "control/bus/sdo_client.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/emergencies.hpp"
 
@@ -15,34 +18,6 @@ namespace canopen = contract::canopen;
 
 namespace {
 
-std::string_view nmt_state(std::uint8_t state) {
-  switch (static_cast<canopen::NmtState>(state)) {
-    case canopen::NmtState::boot_up:
-      return "boot-up";
-    case canopen::NmtState::stopped:
-      return "stopped";
-    case canopen::NmtState::operational:
-      return "operational";
-    case canopen::NmtState::pre_operational:
-      return "pre-operational";
-  }
-  return "unknown";
-}
-std::string_view nmt_command(std::uint8_t command) {
-  switch (static_cast<canopen::NmtCommand>(command)) {
-    case canopen::NmtCommand::start:
-      return "start";
-    case canopen::NmtCommand::stop:
-      return "stop";
-    case canopen::NmtCommand::pre_operational:
-      return "pre-operational";
-    case canopen::NmtCommand::reset_node:
-      return "reset node";
-    case canopen::NmtCommand::reset_communication:
-      return "reset communication";
-  }
-  return "unknown";
-}
 std::string node_name(std::uint8_t id) {
   const auto node = contract::find_node(id);
   return node ? std::string(contract::kNodes[static_cast<std::size_t>(*node)].name) : std::string();
@@ -78,8 +53,12 @@ void decode_pdo(const CanFrame& frame, const contract::PdoInfo& pdo, std::string
   for (const contract::PdoEntry& entry : contract::kPdoEntries) {
     if (entry.pdo != pdo.pdo) continue;
     const contract::ObjectInfo& object = contract::kObjects[contract::object_row(pdo.kind, entry.index, entry.sub)];
-    out.fields.push_back({std::string(object.name), object_value(&frame.data[at], object), std::string(object.unit), {}, false});
-    at += contract::object_bytes(object.type);
+    const std::size_t bytes = contract::object_bytes(object.type);
+    std::string words = object_words(pdo.kind, object.index, object.sub, contract::read_le(&frame.data[at], bytes));
+    const bool bit_field = bytes == 2 && !words.empty();  // statusword, controlword, error code
+    out.fields.push_back(
+        {std::string(object.name), object_value(&frame.data[at], object), std::string(object.unit), std::move(words), bit_field});
+    at += bytes;
   }
 }
 
@@ -97,7 +76,14 @@ void decode_sdo(const CanFrame& frame, std::size_t node, bool reply, DecodedFram
   out.fields.push_back({"command", static_cast<double>(frame.data[0]), {}, abort ? "abort" : "", true});
   out.fields.push_back({"index", static_cast<double>(index), {}, object != nullptr ? std::string(object->name) : std::string(), true});
   out.fields.push_back({"sub", static_cast<double>(sub), {}, {}, true});
-  out.fields.push_back({"value", static_cast<double>(contract::read_le(&frame.data[4], 4)), {}, {}, true});
+  const std::uint32_t value = contract::read_le(&frame.data[4], 4);
+  const bool carries_value = object != nullptr && command == (reply ? 2 : 1);  // upload answered, download asked for
+  std::string words;
+  if (abort)
+    words = sdo_abort_text(value);
+  else if (carries_value)
+    words = object_words(info.kind, object->index, object->sub, value);
+  out.fields.push_back({"value", static_cast<double>(value), {}, std::move(words), true});
 }
 
 }  // namespace
@@ -112,7 +98,7 @@ DecodedFrame decode_frame(const CanFrame& frame) {
   if (frame.id == canopen::kNmt) {
     out.name = "nmt";
     if (!has_bytes(frame, 2, out)) return out;
-    out.fields.push_back({"command", static_cast<double>(frame.data[0]), {}, std::string(nmt_command(frame.data[0])), false});
+    out.fields.push_back({"command", static_cast<double>(frame.data[0]), {}, std::string(nmt_command_words(frame.data[0])), false});
     out.fields.push_back({"node", static_cast<double>(frame.data[1]), {}, frame.data[1] == 0 ? "all" : node_name(frame.data[1]), false});
     return out;
   }
@@ -129,7 +115,7 @@ DecodedFrame decode_frame(const CanFrame& frame) {
   if (base == canopen::kHeartbeatBase) {
     out.name = std::string(info.name) + "_heartbeat";
     if (has_bytes(frame, 1, out))
-      out.fields.push_back({"state", static_cast<double>(frame.data[0]), {}, std::string(nmt_state(frame.data[0])), false});
+      out.fields.push_back({"state", static_cast<double>(frame.data[0]), {}, std::string(nmt_state_words(frame.data[0])), false});
     return out;
   }
   if (info.kind == NodeKind::host) return out;
@@ -140,7 +126,8 @@ DecodedFrame decode_frame(const CanFrame& frame) {
     for (std::size_t i = 5; i > 0; --i) details = (details << 8) | frame.data[2 + i];
     const auto code = static_cast<std::uint16_t>(contract::read_le(&frame.data[0], 2));
     out.fields.push_back({"code", static_cast<double>(code), {}, std::string(contract::emergency_info(code).text_en), true});
-    out.fields.push_back({"error_register", static_cast<double>(frame.data[2]), {}, {}, true});
+    out.fields.push_back(
+        {"error_register", static_cast<double>(frame.data[2]), {}, object_words(info.kind, 0x1001, 0, frame.data[2]), true});
     out.fields.push_back({"details", static_cast<double>(details), {}, {}, true});
     return out;
   }

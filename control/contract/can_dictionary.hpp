@@ -195,7 +195,8 @@ constexpr std::uint16_t pdo_communication_index(const PdoInfo& pdo) {
 constexpr std::uint16_t pdo_mapping_index(const PdoInfo& pdo) {
   return static_cast<std::uint16_t>((pdo.direction == PdoDirection::rx ? 0x1600 : 0x1A00) + pdo.number - 1);
 }
-inline constexpr std::uint32_t kPdoOffBit = 0x80000000U;  // of a PDO's COB-ID: it does not exist
+inline constexpr std::uint32_t kPdoOffBit = 0x80000000U;       // of a PDO's COB-ID: it does not exist
+inline constexpr std::uint32_t kPdoNoRemoteBit = 0x40000000U;  // of a TPDO's COB-ID: not to be asked for by remote frames
 
 namespace detail {
 struct PdoTexts {
@@ -241,7 +242,9 @@ consteval auto all_objects() {
     const ObjectOwner owner = static_cast<ObjectOwner>(p.kind);
     const std::uint16_t index = pdo_communication_index(p);
     const bool timed = p.type > 240;
-    all[at++] = {owner,        index, 1, texts.id_name, ObjectType::u32, Access::rw, static_cast<double>(p.cob_base), 0x180,
+    // No node answers remote frames; CiA 301 wants that said in bit 30 of what it sends. In an RPDO's COB-ID the bit means nothing.
+    const std::uint32_t cob_id = p.cob_base | (p.direction == PdoDirection::tx ? kPdoNoRemoteBit : 0U);
+    all[at++] = {owner,        index, 1, texts.id_name, ObjectType::u32, Access::rw, static_cast<double>(cob_id), 0x180,
                  4294967295.0, "",    1, texts.id_title};
     all[at++] = {owner, index, 2, texts.type_name, ObjectType::u8, Access::rw, static_cast<double>(p.type), 0,
                  255,   "",    1, texts.type_title};
@@ -289,6 +292,13 @@ constexpr std::size_t object_row(NodeKind kind, std::uint16_t index, std::uint8_
     if (kObjects[i].index == index && kObjects[i].sub == sub && object_applies(kObjects[i], kind)) return i;
   return kObjects.size();
 }
+// Device type 1000h of a kind: CiA 410 with two axes; CiA 402, servo; CiA 401 with digital inputs, digital outputs, analogue inputs.
+constexpr std::uint32_t device_type(NodeKind kind) {
+  return kind == NodeKind::tilt ? 0x0002019AU : kind == NodeKind::drive ? 0x00020192U : 0x00070191U;
+}
+// Product code 1018h:2 of a kind, without the bits of simulator and loader: 1 tilt, 2 drive, 3 input board.
+constexpr std::uint32_t product_code(NodeKind kind) { return static_cast<std::uint32_t>(kind) + 1; }
+
 // Whether the default of an object is meant "plus node id" (COB-IDs of the predefined connection set).
 constexpr bool is_node_relative(std::uint16_t index, std::uint8_t sub) {
   return index == 0x1014 || (index == 0x1200 && (sub == 1 || sub == 2)) ||
@@ -296,6 +306,9 @@ constexpr bool is_node_relative(std::uint16_t index, std::uint8_t sub) {
 }
 // The default of an object in one very node.
 constexpr double object_default(const ObjectInfo& object, Node node) {
+  const NodeKind kind = kNodes[static_cast<std::size_t>(node)].kind;
+  if (object.index == 0x1000) return device_type(kind);
+  if (object.index == 0x1018 && object.sub == 2) return product_code(kind);
   if (!is_node_relative(object.index, object.sub)) return object.default_value;
   double value = object.default_value + node_id(node);
   for (const PdoOff& off : kPdosOff)
@@ -366,6 +379,23 @@ constexpr std::uint32_t read_le(const std::uint8_t* at, std::size_t bytes) {
 constexpr void write_le(std::uint8_t* at, std::size_t bytes, std::uint32_t value) {
   for (std::size_t i = 0; i < bytes; ++i) at[i] = static_cast<std::uint8_t>(value >> (8 * i));
 }
+// The word that travels for a parameter's value, and back: rounded where its object is an integer.
+constexpr std::uint32_t param_word(const ParamObject& object, double value) {
+  if (kObjects[object_row(object.kind, object.index, object.sub)].type == ObjectType::f32)
+    return std::bit_cast<std::uint32_t>(static_cast<float>(value));
+  return static_cast<std::uint32_t>(static_cast<std::int64_t>(value < 0 ? value - 0.5 : value + 0.5));
+}
+constexpr double param_value(const ParamObject& object, std::uint32_t word) {
+  switch (kObjects[object_row(object.kind, object.index, object.sub)].type) {
+    case ObjectType::f32:
+      return static_cast<double>(std::bit_cast<float>(word));
+    case ObjectType::i32:
+      return static_cast<std::int32_t>(word);
+    default:
+      return word;
+  }
+}
+
 // The raw integer of a slot, sign extended.
 constexpr std::int64_t read_slot(const CanFrame& frame, PdoSlot slot) {
   const std::uint32_t raw = read_le(frame.data.data() + slot.offset, object_bytes(slot.type));
@@ -491,8 +521,8 @@ static_assert(all_rows(kPdos, [](const PdoInfo& p) { return pdo_bytes(p.pdo) <= 
 static_assert(all_rows(kParamObjects,
                        [](const ParamObject& o) {
                          const std::size_t row = object_row(o.kind, o.index, o.sub);
-                         return row < kObjects.size() && kObjects[row].type == ObjectType::f32 && kObjects[row].access == Access::rw;
+                         return row < kObjects.size() && object_bytes(kObjects[row].type) == 4 && kObjects[row].access == Access::rw;
                        }),
-              "params.def: a parameter's object does not exist or is not a writable 32-bit float");
+              "params.def: a parameter's object does not exist or is not a writable value of 32 bits");
 
 }  // namespace hoist::contract

@@ -99,7 +99,6 @@ inline constexpr std::uint32_t kEdgeTimeUnknown_us = 0xFFFFFFFF;
 //   edge_time_us()           microseconds between the last two edges, kEdgeTimeUnknown_us when unknown or after a change of direction
 //   illegal_encoder_steps()  how often both lines changed at once, since power-on; wraps
 //   driver_ok()              false while the bridge's driver reports a fault (nFAULT low)
-// A board that measures its own temperature has `float board_temperature_c()` besides; a node uses it when it is there.
 template <class B>
 concept DriveBoard = StoringBoard<B> && requires(B board, bool enabled, float duty_norm) {
   { board.encoder_counts() } -> std::same_as<std::int32_t>;
@@ -109,10 +108,6 @@ concept DriveBoard = StoringBoard<B> && requires(B board, bool enabled, float du
   { board.supply_v() } -> std::same_as<float>;
   { board.driver_ok() } -> std::same_as<bool>;
   { board.set_bridge(enabled, duty_norm) } -> std::same_as<void>;
-};
-template <class B>
-concept MeasuresTemperature = requires(B board) {
-  { board.board_temperature_c() } -> std::same_as<float>;
 };
 
 // Bits of bumpers(): 0 front, 1 rear, 2 left, 3 right, set = pressed. battery_v(0) and (1) are the two 12 V batteries. set_outputs()

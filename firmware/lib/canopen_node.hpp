@@ -34,7 +34,8 @@ using contract::canopen::NmtState;
 namespace emcy {
 inline constexpr std::uint16_t kNone = 0x0000, kOverCurrent = 0x2310, kUnderVoltage = 0x3220, kHardware = 0x5000, kParametersLost = 0x6310,
                                kEncoder = 0x7305, kCanOverrun = 0x8110, kCanPassive = 0x8120, kHeartbeat = 0x8130,
-                               kBusOffRecovered = 0x8140, kPdoLength = 0x8210, kRpdoDeadline = 0x8250, kOverSpeed = 0x8400;
+                               kBusOffRecovered = 0x8140, kPdoTooShort = 0x8210, kPdoTooLong = 0x8220, kRpdoDeadline = 0x8250,
+                               kOverSpeed = 0x8400;
 }
 // Bits of the error register 1001h. Bit 0 is set while any error is.
 namespace error_bit {
@@ -46,20 +47,8 @@ inline constexpr std::size_t kEmcyQueueMax = 8;  // EMCY waiting for the inhibit
 inline constexpr std::size_t kErrorHistory = 4;  // errors that 1003h remembers
 inline constexpr std::uint32_t kConsumerMin_ms = 100, kConsumerMax_ms = 500;  // allowed consumer heartbeat times
 inline constexpr std::uint32_t kOverrunHold_ms = 1000;                        // lost frames are an error until none was lost for so long
-inline constexpr std::uint32_t kBusOffWait_ms = 200;  // before a controller that is bus off is asked to return, and before each next time
-// Product codes 1018h:2, without the simulator bit: 1 tilt, 2 drive, 3 input board.
-constexpr std::uint32_t product_code(contract::NodeKind kind) { return static_cast<std::uint32_t>(kind) + 1; }
-// Device types 1000h: CiA 410 with two axes, CiA 402 servo, CiA 401 with digital and analogue inputs.
-constexpr std::uint32_t device_type(contract::NodeKind kind) {
-  switch (kind) {
-    case contract::NodeKind::tilt:
-      return 0x0002019A;
-    case contract::NodeKind::drive:
-      return 0x00020192;
-    default:
-      return 0x00050191;
-  }
-}
+inline constexpr std::uint32_t kBusOffWait_ms = 200;   // before a controller that is bus off is asked to return, and before each next time
+inline constexpr std::uint32_t kHeartbeatMin_ms = 10;  // faster ones would take the bus; 0 is off (CiA 301)
 
 // Where the RPDO of a kind is in its kPdoRows. Outside of the node, because a class is not complete inside its own constants (clang).
 template <contract::NodeKind kKind>
@@ -91,6 +80,7 @@ struct NodeCounters {
 };
 
 // A board that knows the name of its hardware has `static constexpr std::string_view kHardwareName`; others are called by what they are.
+// One that knows a number of its own has `std::uint32_t serial_number() const`.
 template <StoringBoard Board, contract::NodeKind kKind>
 class CanopenNode {
  public:
@@ -127,7 +117,7 @@ class CanopenNode {
     if constexpr (kHasHeartbeatConsumer)
       if (frame.id == contract::canopen::kHeartbeatBase + watched_node()) return on_heartbeat(frame, app);
     if constexpr (kHasRpdo)
-      if (frame.id == (values_.raw(kPdos[kRpdoAt].communication) & ~kNoRemoteBit)) return on_rpdo(frame, app);
+      if (frame.id == (values_.raw(kPdos[kRpdoAt].communication) & ~contract::kPdoNoRemoteBit)) return on_rpdo(frame, app);
   }
 
   template <class App>
@@ -139,8 +129,7 @@ class CanopenNode {
       change_state(NmtState::pre_operational, app);
       return;
     }
-    if (++heartbeat_age_ms_ >= values_.template get<0x1017>() && board_.send(contract::canopen::heartbeat(node_id_, state_)))
-      heartbeat_age_ms_ = 0;
+    send_heartbeat();
     if constexpr (requires { board_.restart(true); })
       if (restart_in_ms_ != 0 && --restart_in_ms_ == 0) return board_.restart(true);
     Dictionary<App> dictionary{*this, app};
@@ -222,7 +211,6 @@ class CanopenNode {
   static constexpr std::size_t kHistoryAt = find_row<kKind>(0x1003, 1);
   static_assert(find_row<kKind>(0x1003, kErrorHistory) == kHistoryAt + kErrorHistory - 1 &&
                 find_row<kKind>(0x1003, kErrorHistory + 1) == kNoObject);
-  static constexpr std::uint32_t kNoRemoteBit = 0x40000000U;  // of a COB-ID: no remote requests, which nothing here answers anyway
   using Store = ParameterStore<std::remove_cvref_t<decltype(std::declval<Board&>().flash())>>;
   static constexpr std::uint16_t kPlaceRecord = 0x0001;  // first record of a copy: the node id that saved it; no object has this index
   static_assert(store_bytes(kStoredRows<kKind>.size() + 1) <= std::remove_cvref_t<decltype(std::declval<Board&>().flash())>::kPageBytes);
@@ -259,8 +247,8 @@ class CanopenNode {
       const bool fits = contract::object_bytes(kRows[at].type) == value.bytes && in_range(kRows[at], value.raw);
       if (!fits)
         parameters_ok_ = false;  // this one has its default; said again at every reset, whichever range that restores
-      else if (value.index >= first && value.index <= last)
-        values_.set_raw(at, value.raw);
+      else if (value.index >= first && value.index <= last && !(value.index == 0x1017 && value.raw == 0))
+        values_.set_raw(at, value.raw);  // a heartbeat that is off lasts until the next start: a silent node cannot be found
     });
     // Saved at another place on the hoist: identifiers and mounting are that place's.
     if (state == StoreState::lost || !ours) parameters_ok_ = false;
@@ -273,8 +261,9 @@ class CanopenNode {
     for (const PdoRow& row : kPdos)
       if (!contract::pdo_on_by_default(row.pdo, node_))
         values_.set_raw(row.communication, values_.raw(row.communication) | contract::kPdoOffBit);
-    values_.template set<0x1000>(device_type(kKind));
-    values_.template set<0x1018, 2>(product_code(kKind) | (board_.simulated() ? contract::canopen::kSimulatedProduct : 0U));
+    values_.template set<0x1000>(contract::device_type(kKind));
+    values_.template set<0x1018, 2>(contract::product_code(kKind) | (board_.simulated() ? contract::canopen::kSimulatedProduct : 0U));
+    if constexpr (requires { board_.serial_number(); }) values_.template set<0x1018, 4>(board_.serial_number());
     if constexpr (LoadableBoard<Board>) {
       values_.template set<contract::kProgramId, 1>(board_.program().crc);
       values_.template set<contract::kProgramVersion, 1>(board_.program().version);
@@ -365,7 +354,7 @@ class CanopenNode {
     const PdoRow& row = kPdos[which];
     const std::uint32_t id = values_.raw(row.communication);
     if ((id & contract::kPdoOffBit) != 0) return true;
-    CanFrame frame{id & ~kNoRemoteBit, row.bytes, 0, {}};
+    CanFrame frame{id & ~contract::kPdoNoRemoteBit, row.bytes, 0, {}};
     std::size_t at = 0;
     for (std::size_t i = 0; i < row.entries; ++i) {
       const std::size_t bytes = contract::object_bytes(kRows[row.row[i]].type);
@@ -396,6 +385,13 @@ class CanopenNode {
       pdo_age_ms_[i] = 0;
       pdo_requested_[i] = false;
     }
+  }
+
+  void send_heartbeat() {
+    const std::uint16_t period_ms = values_.template get<0x1017>();
+    if (heartbeat_age_ms_ < 0xFFFF) ++heartbeat_age_ms_;
+    if (period_ms != 0 && heartbeat_age_ms_ >= period_ms && board_.send(contract::canopen::heartbeat(node_id_, state_)))
+      heartbeat_age_ms_ = 0;
   }
 
   void send_emergencies() {
@@ -494,8 +490,9 @@ class CanopenNode {
     if (!operational()) return;
     const PdoRow& row = kPdos[kRpdoAt];
     if (frame.dlc != row.bytes) {
+      // CiA 301 lets a node use the first bytes of one that is too long. Here it comes from a sender with another idea of the command.
       ++counters_.wrong_length;
-      set_error(emcy::kPdoLength, error_bit::kCommunication, true);
+      set_error(frame.dlc < row.bytes ? emcy::kPdoTooShort : emcy::kPdoTooLong, error_bit::kCommunication, true);
       return;
     }
     // All or nothing, and a refused one does not count as a sign of life.
@@ -513,7 +510,8 @@ class CanopenNode {
     for (std::size_t i = 0; i < row.entries; ++i) values_.set_raw(row.row[i], raw[i]);
     rpdo_armed_ = true;
     rpdo_age_ms_ = 0;
-    set_error(emcy::kPdoLength, error_bit::kCommunication, false);
+    set_error(emcy::kPdoTooShort, error_bit::kCommunication, false);
+    set_error(emcy::kPdoTooLong, error_bit::kCommunication, false);
     set_error(emcy::kRpdoDeadline, error_bit::kCommunication, false);
     app.on_rpdo();
   }
@@ -551,6 +549,7 @@ class CanopenNode {
       // Erasing flash stops everything else: never while the node works, and never while a motor is under the servo.
       return state_ == NmtState::pre_operational && !bridge_on() ? SdoAbort::none : SdoAbort::device_state;
     }
+    if (index == 0x1017) return raw == 0 || raw >= kHeartbeatMin_ms ? SdoAbort::none : SdoAbort::range;
     if (index == 0x1016) {  // a node that does not watch its computer, or watches somebody else, is refused
       const std::uint32_t time_ms = raw & 0xFFFFU;
       const bool fits = (raw >> 16) == contract::node_id(contract::Node::core) && time_ms >= kConsumerMin_ms && time_ms <= kConsumerMax_ms;
@@ -562,8 +561,9 @@ class CanopenNode {
       if (sub == 1) {
         // 181h to 57Fh is where PDOs live. There, the ids that nodes send and those that they receive take turns in blocks of 80h; keeping
         // to them, no command can ever be taken for a measurement or the other way round (CiA 301, predefined connection set).
-        const std::uint32_t id = raw & ~(contract::kPdoOffBit | kNoRemoteBit);
-        const bool fits = id > 0x180 && id < 0x580 && (id & 0x7FU) != 0 && ((id >> 7) % 2 == 1) == tx;
+        const std::uint32_t id = raw & ~(contract::kPdoOffBit | contract::kPdoNoRemoteBit);
+        const bool remote = tx && (raw & contract::kPdoNoRemoteBit) == 0;  // asks for answers to remote frames, which no node gives
+        const bool fits = id > 0x180 && id < 0x580 && (id & 0x7FU) != 0 && ((id >> 7) % 2 == 1) == tx && !remote;
         if (!fits) return SdoAbort::range;
         // What a node sends may be switched on and off at any time: the rates are a switch for one session.
         if (tx && ((raw ^ values_.raw(row.communication)) & ~contract::kPdoOffBit) == 0) return SdoAbort::none;

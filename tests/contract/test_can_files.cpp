@@ -279,7 +279,13 @@ TEST(Eds, NodeNumbersAreWrittenOut) {
       if (file.path != "firmware/nodes/eds/" + std::string(node.name) + ".gen.eds") continue;
       EXPECT_EQ(std::stoul(eds.sections.at("1014").at("DefaultValue"), nullptr, 0), canopen::kEmcyBase + node.id);
       EXPECT_EQ(std::stoul(eds.sections.at("1200sub1").at("DefaultValue"), nullptr, 0), canopen::kSdoRequestBase + node.id);
-      EXPECT_EQ(std::stoul(eds.sections.at("1800sub1").at("DefaultValue"), nullptr, 0), 0x180U + node.id);
+      EXPECT_EQ(std::stoul(eds.sections.at("1800sub1").at("DefaultValue"), nullptr, 0), 0x40000180U + node.id);
+      // A tool finds the file for a device by these numbers; the device says the same (test_eds_served).
+      const Section& device = eds.sections.at("DeviceInfo");
+      for (const auto& [key, section] :
+           {std::pair{"VendorNumber", "1018sub1"}, {"ProductNumber", "1018sub2"}, {"RevisionNumber", "1018sub3"}})
+        EXPECT_EQ(std::stoul(device.at(key), nullptr, 0), std::stoul(eds.sections.at(section).at("DefaultValue"), nullptr, 0)) << key;
+      EXPECT_EQ(std::stoul(device.at("ProductNumber"), nullptr, 0), static_cast<unsigned>(node.kind) + 1);
     }
   }
 }

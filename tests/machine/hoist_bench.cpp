@@ -90,6 +90,8 @@ void HoistBench::wire_up(Box box, const Image& image) {
       chip->drive_pin(board::kEncoderA.port, board::kEncoderA.bit, (encoder_pins_[side] & 1U) != 0);
       chip->drive_pin(board::kEncoderB.port, board::kEncoderB.bit, (encoder_pins_[side] & 2U) != 0);
       chip->drive_pin(board::kBridgeFault.port, board::kBridgeFault.bit, true);
+      chip->set_interlock({board::kBridgePhase.port, board::kBridgePhase.bit, board::kBridgeEnable.port, board::kBridgeEnable.bit,
+                           board::kBridgeAwake.port, board::kBridgeAwake.bit});
       chip->set_analog([this, side](unsigned channel, Time) {
         if (channel == board::kMotorCurrentChannel)
           return static_cast<double>(board::kCurrentZero_v) + static_cast<double>(board::kCurrentGain_v_a) * motor_a_[side];

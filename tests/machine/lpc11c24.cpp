@@ -106,7 +106,7 @@ void MatchTimer::reset() {
   match_.fill(0);
   counter_ = 0;
   settled_ = 0;
-  flags_ = 0;
+  flags_ = held_high_ = 0;
 }
 
 std::uint64_t MatchTimer::top() const {
@@ -132,6 +132,7 @@ void MatchTimer::settle(Time now) {
     const std::uint64_t away = match_[i] > here ? match_[i] - here : match_[i] + turn - here;
     if (counts >= away) flags_ |= 1U << i;
   }
+  if (counter_ + counts >= turn) held_high_ = 0;
   if (counter_ >= turn) {
     // Set beyond its top: it runs to the end of its range first.
     const std::uint64_t to_end = range() - counter_;
@@ -217,6 +218,7 @@ void MatchTimer::write(std::uint32_t offset, std::uint32_t value, Time now, std:
     case 0x20:
     case 0x24:
       if (!wide_ && value > 0xFFFF) complain_(std::string(name_) + ": match beyond 16 bit");
+      if (const unsigned match = (offset - 0x18) / 4; (pwmc_ & (1U << match)) != 0 && output(match, now)) held_high_ |= 1U << match;
       match_[(offset - 0x18) / 4] = wide_ ? value : value & 0xFFFFU;
       return;
     case 0x28:
@@ -261,6 +263,11 @@ double MatchTimer::high_share(unsigned match) const {
   // Low from the start of the cycle until the match, high from there to its end; a match beyond the end never comes.
   const auto turn = static_cast<double>(top());
   return match_[match] >= top() ? 0.0 : (turn - match_[match]) / turn;
+}
+bool MatchTimer::output(unsigned match, Time now) {
+  settle(now);
+  if ((pwmc_ & (1U << match)) == 0) return ((emr_ >> match) & 1U) != 0;
+  return running() && ((held_high_ & (1U << match)) != 0 || counter_ >= match_[match]);
 }
 Time MatchTimer::next_edge(unsigned match, bool falling, Time now) {
   settle(now);
@@ -1061,11 +1068,23 @@ std::uint32_t Lpc11c24::read_gpio(unsigned number, std::uint32_t offset) {
   }
 }
 
+bool Lpc11c24::match_output(unsigned port, unsigned bit) {
+  for (const MatchPin& match : kMatchPins)
+    if (match.pin.port == port && match.pin.bit == bit && match.pin.function == function_of(port, bit))
+      return timers_[match.timer].output(match.match, now_);
+  return pin_driven_by_chip(port, bit) && pin(port, bit);
+}
+
 void Lpc11c24::write_gpio(unsigned number, std::uint32_t offset, std::uint32_t value) {
   Port& port = ports_[number];
   if (offset < 0x4000) {
     const std::uint32_t mask = (offset >> 2) & 0xFFFU;
+    const std::uint32_t before = port.out;
     port.out = (port.out & ~mask) | (value & mask);
+    if (interlock_ && number == interlock_->port && ((before ^ port.out) & (1U << interlock_->bit)) != 0) {
+      if (pin(interlock_->enable_port, interlock_->enable_bit) && match_output(interlock_->while_port, interlock_->while_bit))
+        violation("direction of the bridge changed while its PWM output is high");
+    }
     update_pins();
     return;
   }
@@ -1409,7 +1428,9 @@ std::uint32_t Lpc11c24::iap(std::uint32_t table, std::uint32_t result) {
       violation("IAP: ROM loader asked for: not modelled");
       return kDone;
     case 58:
-      for (unsigned i = 0; i < 4; ++i) (void)core_->poke(result + 4 + 4 * i, 4, 0x48000000U + i);
+      // No two chips have the same one: here it follows from the name.
+      for (unsigned i = 0; i < 4; ++i)
+        (void)core_->poke(result + 4 + 4 * i, 4, 0x48000000U + i + static_cast<std::uint32_t>(std::hash<std::string>{}(name_)));
       return kDone;
     default:
       return kInvalidCommand;

@@ -40,6 +40,9 @@ class MatchTimer {
   /// Share of the time a match output is high when it is used as PWM; level of the output otherwise.
   [[nodiscard]] double high_share(unsigned match) const;
   [[nodiscard]] double pwm_hz(std::uint32_t clock_hz) const;
+  /// Level of a match output at this very instant. UM10398, rules for single edge controlled PWM outputs: a match value written while the
+  /// output is high lets it go low only when the next cycle begins.
+  [[nodiscard]] bool output(unsigned match, Time now);
   /// When the match output rises or falls next after `now`; never if it does not.
   [[nodiscard]] Time next_edge(unsigned match, bool falling, Time now);
 
@@ -59,6 +62,7 @@ class MatchTimer {
   Time settled_{};
   Time step_{1};  // one count
   std::uint32_t flags_{};
+  std::uint32_t held_high_{};  // PWM outputs that stay high until the cycle ends, whatever their match value is now
 };
 
 class Lpc11c24 : private PeripheralBus {
@@ -119,6 +123,13 @@ class Lpc11c24 : private PeripheralBus {
   [[nodiscard]] const std::map<std::string, std::uint64_t>& violations() const { return violations_; }
   /// Adds one: for what hangs on the chip.
   void complain(const std::string& what) { violation(what); }
+  /// Wiring in which one output must not change while another one is high and a third enables both: direction and PWM of an H-bridge.
+  struct Interlock {
+    unsigned port, bit;              // what must hold still ...
+    unsigned while_port, while_bit;  // ... while this match output is high ...
+    unsigned enable_port, enable_bit;
+  };
+  void set_interlock(const Interlock& interlock) { interlock_ = interlock; }
   void forget_violations() { violations_.clear(); }
   [[nodiscard]] std::uint64_t resets(ResetCause cause) const { return resets_[static_cast<std::size_t>(cause)]; }
   [[nodiscard]] std::uint32_t clock_hz() const { return clock_hz_; }
@@ -184,7 +195,10 @@ class Lpc11c24 : private PeripheralBus {
   void stall(double seconds);
   void catch_up();
 
+  [[nodiscard]] bool match_output(unsigned port, unsigned bit);
+
   std::string name_;
+  std::optional<Interlock> interlock_;
   std::vector<std::uint8_t> flash_, ram_;
   std::unique_ptr<CortexM0> core_;
   Complain complain_;

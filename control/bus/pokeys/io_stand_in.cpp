@@ -71,10 +71,8 @@ void IoStandIn::answer_sdo(const CanFrame& request) {
   if (object == nullptr) return abort(canopen::SdoAbort::no_object);
   if (request.data[0] != canopen::kSdoUploadRequest) return abort(canopen::SdoAbort::read_only);
   const std::size_t bytes = contract::object_bytes(object->type);
-  auto value = static_cast<std::uint32_t>(std::llround(object->default_value));
-  // Device type: CiA 401 with inputs. Product: the node kind's own number, one more than its place.
-  if (index == 0x1000) value = 0x00010191;
-  if (index == 0x1018 && sub == 2) value = static_cast<std::uint32_t>(contract::NodeKind::io) + 1;
+  auto value = static_cast<std::uint32_t>(std::llround(contract::object_default(*object, kNode)));
+  if (index == 0x1000) value = 0x00050191;  // CiA 401 without outputs: digital and analogue inputs
   replies_[reply_count_++] = canopen::sdo(reply_id, canopen::sdo_upload_reply_command(bytes), index, sub, value);
 }
 

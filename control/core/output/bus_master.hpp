@@ -288,8 +288,8 @@ class BusMaster {
     const contract::ParamObject& object = contract::kParamObjects[sdo_param_];
     sdo_index_ = object.index;
     sdo_sub_ = object.sub;
-    const auto value = static_cast<float>(contract::get_param(params, contract::param_index(object.param)));
-    send(out, canopen::sdo(id, canopen::sdo_download_command(4), sdo_index_, sdo_sub_, std::bit_cast<std::uint32_t>(value)));
+    const std::uint32_t word = contract::param_word(object, contract::get_param(params, contract::param_index(object.param)));
+    send(out, canopen::sdo(id, canopen::sdo_download_command(4), sdo_index_, sdo_sub_, word));
   }
 
   std::array<Link, contract::kRemoteNodeCount> links_{};

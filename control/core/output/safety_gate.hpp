@@ -264,7 +264,7 @@ class SafetyGate {
       if (object.kind != kind || object.index != index || object.sub != frame.data[3]) continue;
       if (frame.data[0] != canopen::sdo_download_command(4)) return false;
       const contract::ParamInfo& info = contract::kParams[contract::param_index(object.param)];
-      const auto value = static_cast<double>(std::bit_cast<float>(contract::read_le(&frame.data[4], 4)));
+      const double value = contract::param_value(object, contract::read_le(&frame.data[4], 4));
       if (contract::check_param(contract::param_index(object.param), value) != contract::ParamCheck::ok && !near_edge(value, info))
         return false;
       return info.edit == contract::EditRule::live || !contract::kModes[static_cast<std::size_t>(view.mode)].moving;

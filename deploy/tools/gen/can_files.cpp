@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "control/contract/can_dictionary.hpp"
+#include "control/contract/firmware_image.hpp"
 #include "deploy/tools/gen/generate.hpp"
 
 namespace hoist::gen {
@@ -202,8 +203,11 @@ EdsObjects eds_objects(const NodeInfo& node) {
       entry.low.clear();
       entry.high.clear();
     }
-    // What identifies a device is the build's own business; a wrong default would be worse than none.
-    if (object.index == 0x1000 || object.index == 0x1018) entry.default_value.clear();
+    if (object.index == 0x1000 || object.index == 0x1018)
+      entry.default_value = hex_text(static_cast<unsigned>(object_default(object, *find_node(node.id))), 8);
+    // What one very board or its program says: no default that were true for all of them.
+    if ((object.index == 0x1018 && object.sub == 4) || object.index == kProgramId || object.index == kProgramVersion)
+      entry.default_value.clear();
     objects[{object.index, object.sub}] = entry;
   }
   return objects;
@@ -252,8 +256,9 @@ std::string eds_text(const NodeInfo& node) {
       "\nCreationTime=12:00AM\nCreationDate=11-21-2026\nCreatedBy=hoist-gen\nModificationTime=12:00AM\nModificationDate=11-21-"
       "2026\nModifiedBy=hoist-gen\n\n"
       "[DeviceInfo]\nVendorName=Hoist\nVendorNumber=0\nProductName=" +
-      std::string(node.title) +
-      "\nProductNumber=0\nRevisionNumber=0x00010000\n"
+      std::string(node.title) + "\nProductNumber=" + hex_text(product_code(node.kind), 8) +
+      "\nRevisionNumber=" + hex_text(static_cast<unsigned>(find_object(node.kind, 0x1018, 3)->default_value), 8) +
+      "\n"
       "BaudRate_10=0\nBaudRate_20=0\nBaudRate_50=0\nBaudRate_125=0\nBaudRate_250=1\nBaudRate_500=0\nBaudRate_800=0\nBaudRate_1000=0\n"
       "SimpleBootUpMaster=0\nSimpleBootUpSlave=1\nGranularity=0\nDynamicChannelsSupported=0\nGroupMessaging=0\nNrOfRXPDO=" +
       count(PdoDirection::rx) + "\nNrOfTXPDO=" + count(PdoDirection::tx) +

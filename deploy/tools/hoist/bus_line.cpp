@@ -23,7 +23,7 @@ std::string BusLine::open(const std::string& address) {
   std::string error;
   port_ = bus::open_port(address, error);
   if (!port_) return error;
-  const std::uint64_t begin_ns = steady_ns();
+  const std::uint64_t begin_ns = opened_ns_ = steady_ns();
   while (!port_->up()) {
     step({});
     if (steady_ns() - begin_ns > kPatience_ns) return address + " is not there, or nothing answers: " + port_->problem();
@@ -47,9 +47,13 @@ void BusLine::step(const std::function<void(const contract::CanFrame&)>& on_fram
 }
 
 void BusLine::listen(double seconds, const std::function<void(const contract::CanFrame&)>& on_frame) {
-  const std::uint64_t end_ns = steady_ns() + static_cast<std::uint64_t>(seconds * 1e9);
-  while (steady_ns() < end_ns) step(on_frame);
+  const double end_s = time_s() + seconds;
+  while (time_s() < end_s) step(on_frame);
 }
+double BusLine::time_s() const { return static_cast<double>(steady_ns() - opened_ns_) * 1e-9; }
+std::string BusLine::missing() const { return port_->up() ? std::string() : port_->problem(); }
+
+bool BusLine::send(const contract::CanFrame& frame) { return port_->send(std::span(&frame, 1), steady_ns()) == 1; }
 
 bool BusLine::run() {
   gone_ = false;

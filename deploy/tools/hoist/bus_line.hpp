@@ -19,6 +19,12 @@ class BusLine {
   [[nodiscard]] std::string open(const std::string& address);
   /// Passes on what comes during this time.
   void listen(double seconds, const std::function<void(const contract::CanFrame&)>& on_frame);
+  /// Since the bus was opened.
+  [[nodiscard]] double time_s() const;
+  /// Why no frame can pass now; empty while the bus is there.
+  [[nodiscard]] std::string missing() const;
+  /// One frame of our own; false when the bus did not take it.
+  [[nodiscard]] bool send(const contract::CanFrame& frame);
   /// The result of one transfer; read it in client(). `what` is for the sentence in problem().
   [[nodiscard]] bool upload(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub);
   [[nodiscard]] bool download(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> content);
@@ -34,6 +40,7 @@ class BusLine {
   bus::SdoClient client_;
   std::array<contract::CanFrame, 256> frames_{};
   bool gone_ = false;
+  std::uint64_t opened_ns_ = 0;
 };
 
 }  // namespace hoist::tool

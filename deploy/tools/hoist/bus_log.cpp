@@ -1,5 +1,4 @@
 // hoist bus log: a recording of the bus in words and units.
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <map>
@@ -10,6 +9,7 @@
 #include "control/bus/candump_log.hpp"
 #include "control/bus/decode.hpp"
 #include "deploy/tools/hoist/command.hpp"
+#include "deploy/tools/hoist/frame_text.hpp"
 
 namespace hoist::tool {
 
@@ -23,38 +23,6 @@ constexpr char kHelp[] =
     "  --count      how often each frame came, instead of the frames\n";
 
 double seconds(std::uint64_t time_us) { return static_cast<double>(time_us) * 1e-6; }
-
-void print_text(const bus::LogEntry& entry, const bus::DecodedFrame& frame, std::uint64_t begin_us) {
-  const char* direction = entry.direction == bus::Direction::sent ? "sent" : entry.direction == bus::Direction::received ? "    " : "";
-  std::printf("%12.6f %s %03X %-24s", seconds(entry.time_us) - seconds(begin_us), direction, entry.frame.id,
-              frame.name.empty() ? "unknown" : frame.name.c_str());
-  if (frame.name.empty())
-    for (std::size_t i = 0; i < entry.frame.dlc; ++i) std::printf(" %02X", entry.frame.data[i]);
-  for (const bus::DecodedField& field : frame.fields) {
-    if (field.hex)
-      std::printf(" %s=%llXh", field.name.c_str(), static_cast<unsigned long long>(field.value));
-    else
-      std::printf(" %s=%.10g", field.name.c_str(), field.value);
-    if (!field.unit.empty()) std::printf(" %s", field.unit.c_str());
-    if (!field.meaning.empty()) std::printf(" (%s)", field.meaning.c_str());
-  }
-  if (!frame.problem.empty()) std::printf(" REFUSED: %s", frame.problem.c_str());
-  std::putchar('\n');
-}
-
-void print_json(const bus::LogEntry& entry, const bus::DecodedFrame& frame) {
-  nlohmann::ordered_json line{{"time_s", seconds(entry.time_us)}, {"id", entry.frame.id}, {"name", nullptr}};
-  if (!frame.name.empty()) line["name"] = frame.name;
-  if (entry.direction != bus::Direction::unknown) line["sent"] = entry.direction == bus::Direction::sent;
-  nlohmann::ordered_json fields = nlohmann::ordered_json::object();
-  for (const bus::DecodedField& field : frame.fields) {
-    // What is no number (a damaged float) has no JSON.
-    fields[field.name] = std::isfinite(field.value) ? nlohmann::ordered_json(field.value) : nlohmann::ordered_json(nullptr);
-  }
-  line["fields"] = fields;
-  if (!frame.problem.empty()) line["problem"] = frame.problem;
-  std::printf("%s\n", line.dump().c_str());
-}
 
 }  // namespace
 
@@ -96,9 +64,9 @@ int run_bus_log(std::span<const std::string_view> arguments) {
     if (count)
       ++counts[frame.name.empty() ? "unknown" : frame.name];
     else if (json)
-      print_json(entry, frame);
+      print_frame_json(seconds(entry.time_us), entry, frame);
     else
-      print_text(entry, frame, entries.front().time_us);
+      print_frame_text(seconds(entry.time_us) - seconds(entries.front().time_us), entry, frame);
   }
   const double span_s = seconds(entries.back().time_us) - seconds(entries.front().time_us);
   for (const auto& [name, times] : counts) {

@@ -1,5 +1,6 @@
 // hoist bus scan, read, write, dump, restore, save, load-defaults, emcy: nodes asked over SDO, with names, units and ranges of the table.
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -9,8 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "control/bus/object_words.hpp"
 #include "control/contract/firmware_image.hpp"
 #include "deploy/tools/hoist/bus_line.hpp"
+#include "deploy/tools/hoist/bus_request.hpp"
 #include "deploy/tools/hoist/command.hpp"
 #include "deploy/tools/hoist/node_objects.hpp"
 
@@ -25,88 +28,7 @@ using contract::ObjectInfo;
 using nlohmann::ordered_json;
 namespace canopen = contract::canopen;
 
-// Longer than two heartbeats: who is alive has been heard, and the control computer has shown itself.
-constexpr double kListen_s = 0.25;
 constexpr std::size_t kDumpBytesMax = 1U << 20U;
-
-struct Request {
-  std::string bus;
-  std::vector<std::string_view> words;
-  bool json = false, force = false, clear = false;
-};
-
-int usage(const char* command, const char* arguments, std::FILE* out, const char* more = "") {
-  std::fprintf(out,
-               "usage: hoist bus %s --bus ADDRESS %s [--json]\n\n"
-               "ADDRESS is socketcan:can0 or slcan:/dev/ttyUSB0. NODE is a name or number, OBJECT a name or INDEX:SUB of\n"
-               "control/contract/can_dictionary.gen.md.\n%s",
-               command, arguments, more);
-  return out == stdout ? kDone : kBadUsage;
-}
-
-int refused(const char* command, const std::string& why) {
-  std::fprintf(stderr, "hoist bus %s: %s\n", command, why.c_str());
-  return kRefused;
-}
-
-// Nothing when the words were not understood.
-std::optional<Request> parse(std::span<const std::string_view> arguments, std::size_t words) {
-  Request request;
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    const std::string_view argument = arguments[i];
-    if (argument == "--bus" && i + 1 < arguments.size())
-      request.bus = arguments[++i];
-    else if (argument == "--json")
-      request.json = true;
-    else if (argument == "--force")
-      request.force = true;
-    else if (argument == "--clear")
-      request.clear = true;
-    else if (argument.starts_with("--"))
-      return std::nullopt;
-    else
-      request.words.push_back(argument);
-  }
-  if (request.bus.empty() || request.words.size() != words) return std::nullopt;
-  return request;
-}
-bool wants_help(std::span<const std::string_view> arguments) { return arguments.size() == 1 && arguments[0] == "--help"; }
-
-const NodeInfo& info_of(Node node) { return contract::kNodes[static_cast<std::size_t>(node)]; }
-
-const char* state_text(int state) {
-  switch (state) {
-    case 0:
-      return "boot-up";
-    case 4:
-      return "stopped";
-    case 5:
-      return "operational";
-    case 127:
-      return "pre-operational";
-    default:
-      return "silent";
-  }
-}
-
-// What heartbeats say of everybody.
-std::map<std::uint32_t, int> listen_for_states(BusLine& line) {
-  std::map<std::uint32_t, int> states;
-  line.listen(kListen_s, [&](const CanFrame& frame) {
-    if (frame.flags == 0 && frame.dlc == 1 && frame.id > canopen::kHeartbeatBase && frame.id <= canopen::kHeartbeatBase + 127)
-      states[frame.id - canopen::kHeartbeatBase] = frame.data[0];
-  });
-  return states;
-}
-
-// A writer beside the control computer would change what it has checked and set: refused unless told otherwise.
-std::string why_not_write(BusLine& line, bool force) {
-  if (force) return {};
-  const auto states = listen_for_states(line);
-  return states.count(contract::node_id(Node::core)) == 0
-             ? std::string()
-             : "the control computer is at work on this bus; stop hoist-control first, or add --force";
-}
 
 std::array<std::uint8_t, 4> bytes_of(std::uint32_t raw) {
   std::array<std::uint8_t, 4> bytes{};
@@ -129,36 +51,51 @@ std::string read_text(BusLine& line, std::uint8_t node_id, std::uint16_t index) 
   return text;
 }
 
-ordered_json object_json(const ObjectInfo& object, std::uint32_t raw) {
+std::string words_of(Node node, const ObjectInfo& object, std::uint32_t raw) {
+  return bus::object_words(info_of(node).kind, object.index, object.sub, raw);
+}
+// "1591 (0x637): operation enabled, supply".
+std::string value_and_words(Node node, const ObjectInfo& object, std::uint32_t raw) {
+  const std::string words = words_of(node, object, raw);
+  return value_text(object, raw) + (words.empty() ? "" : ": " + words);
+}
+ordered_json object_json(Node node, const ObjectInfo& object, std::uint32_t raw) {
   const double value = physical_value(object, raw);
-  return {{"index", object.index},
-          {"sub", object.sub},
-          {"name", object.name},
-          {"raw", raw},
-          {"value", std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr)},
-          {"unit", object.unit}};
+  ordered_json entry{{"index", object.index},
+                     {"sub", object.sub},
+                     {"name", object.name},
+                     {"raw", raw},
+                     {"value", std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr)},
+                     {"unit", object.unit}};
+  if (const std::string words = words_of(node, object, raw); !words.empty()) entry["words"] = words;
+  return entry;
 }
 
-// Opens the bus and understands the node; an exit code when that is the end of it.
-std::optional<int> begin(const char* command, const Request& request, BusLine& line, std::optional<Node>& node) {
-  std::string error;
-  if (!request.words.empty()) {
-    node = parse_node(request.words[0], error);
-    if (!node) return refused(command, error);
+// A text of the table by its name or index, as an object may be written: "device_name", "1008", "0x1008:0", "1008h".
+const contract::TextInfo* parse_text(std::string_view word) {
+  std::string_view index = word.substr(0, word.find(':'));
+  if (index.size() != word.size() && word.substr(index.size()) != ":0") return nullptr;
+  if (index.starts_with("0x")) index.remove_prefix(2);
+  if (index.ends_with('h')) index.remove_suffix(1);
+  for (const contract::TextInfo& text : contract::kTexts) {
+    char known[8];
+    std::snprintf(known, sizeof known, "%04X", text.index);
+    char same[8] = {};
+    for (std::size_t i = 0; i < index.size() && i < 4; ++i) same[i] = static_cast<char>(std::toupper(static_cast<unsigned char>(index[i])));
+    if (text.name == word || (index.size() == 4 && std::string_view(known) == same)) return &text;
   }
-  if (error = line.open(request.bus); !error.empty()) return refused(command, error);
-  return std::nullopt;
+  return nullptr;
 }
 
 }  // namespace
 
 int run_bus_scan(std::span<const std::string_view> arguments) {
-  if (wants_help(arguments)) return usage("scan", "", stdout);
-  const auto request = parse(arguments, 0);
-  if (!request) return usage("scan", "", stderr);
+  if (wants_help(arguments)) return bus_usage("scan", "", stdout);
+  const auto request = parse_bus_request(arguments, 0);
+  if (!request) return bus_usage("scan", "", stderr);
   BusLine line;
   std::optional<Node> none;
-  if (const auto end = begin("scan", *request, line, none)) return *end;
+  if (const auto end = begin_bus("scan", *request, line, none)) return *end;
   auto states = listen_for_states(line);
   for (std::size_t i = 0; i < contract::kRemoteNodeCount; ++i) states.try_emplace(contract::kNodes[i].id, -1);
   ordered_json list = ordered_json::array();
@@ -184,13 +121,13 @@ int run_bus_scan(std::span<const std::string_view> arguments) {
     if (request->json)
       list.push_back({{"id", id},
                       {"node", name},
-                      {"state", state_text(state)},
+                      {"state", node_state_text(state)},
                       {"answers", answers},
                       {"device", device},
                       {"hardware", hardware},
                       {"software", software}});
     else
-      std::printf(" %02Xh  %-12s %-16s %-22s %-12s %-10s\n", id, name.c_str(), state_text(state),
+      std::printf(" %02Xh  %-12s %-16s %-22s %-12s %-10s\n", id, name.c_str(), node_state_text(state),
                   answers || is_host ? device.c_str() : "does not answer", hardware.c_str(), software.c_str());
   }
   if (request->json) std::printf("%s\n", list.dump(2).c_str());
@@ -198,38 +135,35 @@ int run_bus_scan(std::span<const std::string_view> arguments) {
 }
 
 int run_bus_read(std::span<const std::string_view> arguments) {
-  if (wants_help(arguments)) return usage("read", "NODE OBJECT", stdout);
-  const auto request = parse(arguments, 2);
-  if (!request) return usage("read", "NODE OBJECT", stderr);
+  if (wants_help(arguments)) return bus_usage("read", "NODE OBJECT", stdout);
+  const auto request = parse_bus_request(arguments, 2);
+  if (!request) return bus_usage("read", "NODE OBJECT", stderr);
   BusLine line;
   std::optional<Node> node;
   std::string error;
   // The object is checked before the bus is touched.
   node = parse_node(request->words[0], error);
-  if (!node) return refused("read", error);
-  for (const contract::TextInfo& text : contract::kTexts) {
-    char index[8];
-    std::snprintf(index, sizeof index, "%04X", text.index);
-    if (text.name != request->words[1] && request->words[1] != index) continue;
-    if (const auto end = begin("read", *request, line, node)) return *end;
-    const std::string words = read_text(line, info_of(*node).id, text.index);
-    if (words.empty()) return refused("read", line.problem());
+  if (!node) return bus_refused("read", error);
+  if (const contract::TextInfo* text = parse_text(request->words[1]); text != nullptr) {
+    if (const auto end = begin_bus("read", *request, line, node)) return *end;
+    const std::string words = read_text(line, info_of(*node).id, text->index);
+    if (words.empty()) return bus_refused("read", line.problem());
     if (request->json)
-      std::printf("%s\n", ordered_json{{"index", text.index}, {"sub", 0}, {"name", text.name}, {"text", words}}.dump().c_str());
+      std::printf("%s\n", ordered_json{{"index", text->index}, {"sub", 0}, {"name", text->name}, {"text", words}}.dump().c_str());
     else
-      std::printf("%sh:0 %s = %s\n", index, std::string(text.name).c_str(), words.c_str());
+      std::printf("%04Xh:0 %s = %s\n", text->index, std::string(text->name).c_str(), words.c_str());
     return kDone;
   }
   const ObjectInfo* object = parse_object(*node, request->words[1], error);
-  if (object == nullptr) return refused("read", error);
-  if (const auto end = begin("read", *request, line, node)) return *end;
+  if (object == nullptr) return bus_refused("read", error);
+  if (const auto end = begin_bus("read", *request, line, node)) return *end;
   const auto raw = read_object(line, *node, *object);
-  if (!raw) return refused("read", object_text(*object) + ": " + line.problem());
+  if (!raw) return bus_refused("read", object_text(*object) + ": " + line.problem());
   if (request->json)
-    std::printf("%s\n", object_json(*object, *raw).dump().c_str());
+    std::printf("%s\n", object_json(*node, *object, *raw).dump().c_str());
   else
-    std::printf("%s = %s   (%s; %s)\n", object_text(*object).c_str(), value_text(*object, *raw).c_str(), std::string(object->title).c_str(),
-                object->access == contract::Access::rw ? range_text(*object).c_str() : "read only");
+    std::printf("%s = %s   (%s; %s)\n", object_text(*object).c_str(), value_and_words(*node, *object, *raw).c_str(),
+                std::string(object->title).c_str(), object->access == contract::Access::rw ? range_text(*object).c_str() : "read only");
   return kDone;
 }
 
@@ -237,39 +171,50 @@ int run_bus_write(std::span<const std::string_view> arguments) {
   constexpr char kArguments[] = "NODE OBJECT VALUE [--force]";
   constexpr char kMore[] =
       "VALUE is in the unit of the table, or hexadecimal (0x...) as it travels. It lasts until the node is switched off; see save.\n";
-  if (wants_help(arguments)) return usage("write", kArguments, stdout, kMore);
-  const auto request = parse(arguments, 3);
-  if (!request) return usage("write", kArguments, stderr, kMore);
+  if (wants_help(arguments)) return bus_usage("write", kArguments, stdout, kMore);
+  const auto request = parse_bus_request(arguments, 3);
+  if (!request) return bus_usage("write", kArguments, stderr, kMore);
   BusLine line;
   std::optional<Node> node;
   std::string error;
   node = parse_node(request->words[0], error);
-  if (!node) return refused("write", error);
+  if (!node) return bus_refused("write", error);
   const ObjectInfo* object = parse_object(*node, request->words[1], error);
-  if (object == nullptr) return refused("write", error);
+  if (object == nullptr) return bus_refused("write", error);
   const auto raw = parse_value(*object, request->words[2], error);
-  if (!raw) return refused("write", error);
-  if (const auto end = begin("write", *request, line, node)) return *end;
-  if (error = why_not_write(line, request->force); !error.empty()) return refused("write", error);
-  if (!write_object(line, *node, *object, *raw)) return refused("write", object_text(*object) + ": " + line.problem());
+  if (!raw) return bus_refused("write", error);
+  if (const auto end = begin_bus("write", *request, line, node)) return *end;
+  if (error = why_not_write(line, request->force); !error.empty()) return bus_refused("write", error);
+  if (!write_object(line, *node, *object, *raw)) return bus_refused("write", object_text(*object) + ": " + line.problem());
   const auto now = read_object(line, *node, *object);
-  if (!now) return refused("write", object_text(*object) + " was written but cannot be read back: " + line.problem());
+  if (!now) return bus_refused("write", object_text(*object) + " was written but cannot be read back: " + line.problem());
   if (request->json)
-    std::printf("%s\n", object_json(*object, *now).dump().c_str());
+    std::printf("%s\n", object_json(*node, *object, *now).dump().c_str());
   else
-    std::printf("%s = %s\n", object_text(*object).c_str(), value_text(*object, *now).c_str());
+    std::printf("%s = %s\n", object_text(*object).c_str(), value_and_words(*node, *object, *now).c_str());
   return kDone;
 }
 
 int run_bus_dump(std::span<const std::string_view> arguments) {
   constexpr char kMore[] = "With --json the output is what restore reads.\n";
-  if (wants_help(arguments)) return usage("dump", "NODE", stdout, kMore);
-  const auto request = parse(arguments, 1);
-  if (!request) return usage("dump", "NODE", stderr, kMore);
+  if (wants_help(arguments)) return bus_usage("dump", "NODE", stdout, kMore);
+  const auto request = parse_bus_request(arguments, 1);
+  if (!request) return bus_usage("dump", "NODE", stderr, kMore);
   BusLine line;
   std::optional<Node> node;
-  if (const auto end = begin("dump", *request, line, node)) return *end;
-  ordered_json file{{"node", info_of(*node).name}, {"kind", static_cast<int>(info_of(*node).kind)}, {"objects", ordered_json::array()}};
+  if (const auto end = begin_bus("dump", *request, line, node)) return *end;
+  ordered_json file{{"node", info_of(*node).name},
+                    {"kind", static_cast<int>(info_of(*node).kind)},
+                    {"texts", ordered_json::object()},
+                    {"objects", ordered_json::array()}};
+  for (const contract::TextInfo& text : contract::kTexts) {
+    const std::string words = read_text(line, info_of(*node).id, text.index);
+    if (words.empty()) return bus_refused("dump", std::string(text.name) + ": " + line.problem());
+    if (request->json)
+      file["texts"][std::string(text.name)] = words;
+    else
+      std::printf("%04Xh:0 %-28s %-28s %s\n", text.index, std::string(text.name).c_str(), words.c_str(), std::string(text.title).c_str());
+  }
   for (const ObjectInfo& object : contract::kObjects) {
     if (!contract::object_applies(object, info_of(*node).kind)) continue;
     const auto raw = read_object(line, *node, object);
@@ -278,14 +223,15 @@ int run_bus_dump(std::span<const std::string_view> arguments) {
       if (line.client().outcome() == bus::SdoClient::Outcome::aborted &&
           line.client().abort_code() == static_cast<std::uint32_t>(canopen::SdoAbort::no_data))
         continue;
-      return refused("dump", object_text(object) + ": " + line.problem());
+      return bus_refused("dump", object_text(object) + ": " + line.problem());
     }
     if (request->json) {
-      ordered_json entry = object_json(object, *raw);
+      ordered_json entry = object_json(*node, object, *raw);
       entry["parameter"] = is_parameter(object);
       file["objects"].push_back(std::move(entry));
     } else {
-      std::printf("%-36s %-28s %s\n", object_text(object).c_str(), value_text(object, *raw).c_str(), std::string(object.title).c_str());
+      std::printf("%-36s %-28s %s\n", object_text(object).c_str(), value_and_words(*node, object, *raw).c_str(),
+                  std::string(object.title).c_str());
     }
   }
   if (request->json) std::printf("%s\n", file.dump(1).c_str());
@@ -297,52 +243,53 @@ int run_bus_restore(std::span<const std::string_view> arguments) {
   constexpr char kMore[] =
       "Writes the parameters of a dump (--json) into a node of the same kind; all of them are checked before the first is written.\n"
       "They last until the node is switched off; see save.\n";
-  if (wants_help(arguments)) return usage("restore", kArguments, stdout, kMore);
-  const auto request = parse(arguments, 2);
-  if (!request) return usage("restore", kArguments, stderr, kMore);
+  if (wants_help(arguments)) return bus_usage("restore", kArguments, stdout, kMore);
+  const auto request = parse_bus_request(arguments, 2);
+  if (!request) return bus_usage("restore", kArguments, stderr, kMore);
   std::string error;
   const auto target = parse_node(request->words[0], error);
-  if (!target) return refused("restore", error);
+  if (!target) return bus_refused("restore", error);
   const NodeInfo& info = info_of(*target);
   std::ifstream in(std::string(request->words[1]), std::ios::binary);
-  if (!in) return refused("restore", std::string(request->words[1]) + " cannot be read");
+  if (!in) return bus_refused("restore", std::string(request->words[1]) + " cannot be read");
   std::string content(kDumpBytesMax + 1, '\0');
   in.read(content.data(), static_cast<std::streamsize>(content.size()));
   content.resize(static_cast<std::size_t>(in.gcount()));
-  if (content.size() > kDumpBytesMax) return refused("restore", "the file is longer than 1 MiB");
+  if (content.size() > kDumpBytesMax) return bus_refused("restore", "the file is longer than 1 MiB");
   const auto file = nlohmann::json::parse(content, nullptr, false);
   if (!file.is_object() || !file.contains("kind") || !file["kind"].is_number_integer() || !file.contains("objects") ||
       !file["objects"].is_array())
-    return refused("restore", "the file is no dump");
-  if (file["kind"].get<int>() != static_cast<int>(info.kind)) return refused("restore", "the dump is of another kind of node");
+    return bus_refused("restore", "the file is no dump");
+  if (file["kind"].get<int>() != static_cast<int>(info.kind)) return bus_refused("restore", "the dump is of another kind of node");
   std::vector<std::pair<const ObjectInfo*, std::uint32_t>> values;
   for (const auto& entry : file["objects"]) {
     if (!entry.is_object() || !entry.contains("index") || !entry.contains("sub") || !entry.contains("raw") ||
         !entry["index"].is_number_unsigned() || !entry["sub"].is_number_unsigned() || !entry["raw"].is_number_unsigned())
-      return refused("restore", "an entry of the dump has no index, sub or raw");
+      return bus_refused("restore", "an entry of the dump has no index, sub or raw");
     const auto index = entry["index"].get<std::uint64_t>(), sub = entry["sub"].get<std::uint64_t>(),
                raw = entry["raw"].get<std::uint64_t>();
-    if (index > 0xFFFF || sub > 0xFF || raw > 0xFFFFFFFFU) return refused("restore", "an entry of the dump is out of range");
+    if (index > 0xFFFF || sub > 0xFF || raw > 0xFFFFFFFFU) return bus_refused("restore", "an entry of the dump is out of range");
     const ObjectInfo* object = contract::find_object(info.kind, static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(sub));
     // COB-IDs hold the number of the node that was dumped, and belong to it.
     if (object == nullptr || !is_parameter(*object) || contract::is_node_relative(object->index, object->sub)) continue;
     char hexadecimal[16];
     std::snprintf(hexadecimal, sizeof hexadecimal, "0x%X", static_cast<unsigned>(raw));
     const auto checked = parse_value(*object, hexadecimal, error);
-    if (!checked) return refused("restore", error);
+    if (!checked) return bus_refused("restore", error);
     values.emplace_back(object, *checked);
   }
   BusLine line;
   std::optional<Node> node;
-  if (const auto end = begin("restore", *request, line, node)) return *end;
-  if (error = why_not_write(line, request->force); !error.empty()) return refused("restore", error);
+  if (const auto end = begin_bus("restore", *request, line, node)) return *end;
+  if (error = why_not_write(line, request->force); !error.empty()) return bus_refused("restore", error);
   std::size_t written = 0;
   for (const auto& [object, raw] : values) {
     const auto now = read_object(line, *node, *object);
-    if (!now) return refused("restore", object_text(*object) + ": " + line.problem());
+    if (!now) return bus_refused("restore", object_text(*object) + ": " + line.problem());
     if (*now == raw) continue;
     if (!write_object(line, *node, *object, raw))
-      return refused("restore", object_text(*object) + ": " + line.problem() + "; " + std::to_string(written) + " were written before it");
+      return bus_refused("restore",
+                         object_text(*object) + ": " + line.problem() + "; " + std::to_string(written) + " were written before it");
     ++written;
     if (!request->json)
       std::printf("%s: %s -> %s\n", object_text(*object).c_str(), value_text(*object, *now).c_str(), value_text(*object, raw).c_str());
@@ -357,15 +304,16 @@ int run_bus_restore(std::span<const std::string_view> arguments) {
 namespace {
 
 int keep(const char* command, std::span<const std::string_view> arguments, std::uint16_t index, std::uint32_t word, const char* done) {
-  if (wants_help(arguments)) return usage(command, "NODE [--force]", stdout, "The node must be pre-operational, a drive also at rest.\n");
-  const auto request = parse(arguments, 1);
-  if (!request) return usage(command, "NODE [--force]", stderr, "The node must be pre-operational, a drive also at rest.\n");
+  if (wants_help(arguments))
+    return bus_usage(command, "NODE [--force]", stdout, "The node must be pre-operational, a drive also at rest.\n");
+  const auto request = parse_bus_request(arguments, 1);
+  if (!request) return bus_usage(command, "NODE [--force]", stderr, "The node must be pre-operational, a drive also at rest.\n");
   BusLine line;
   std::optional<Node> node;
-  if (const auto end = begin(command, *request, line, node)) return *end;
-  if (const std::string why = why_not_write(line, request->force); !why.empty()) return refused(command, why);
+  if (const auto end = begin_bus(command, *request, line, node)) return *end;
+  if (const std::string why = why_not_write(line, request->force); !why.empty()) return bus_refused(command, why);
   const auto bytes = bytes_of(word);
-  if (!line.download(info_of(*node).id, index, 1, bytes)) return refused(command, line.problem());
+  if (!line.download(info_of(*node).id, index, 1, bytes)) return bus_refused(command, line.problem());
   if (request->json)
     std::printf("%s\n", ordered_json{{"node", info_of(*node).name}, {"done", command}}.dump().c_str());
   else
@@ -383,31 +331,34 @@ int run_bus_load_defaults(std::span<const std::string_view> arguments) {
 }
 
 int run_bus_emcy(std::span<const std::string_view> arguments) {
-  if (wants_help(arguments)) return usage("emcy", "NODE [--clear]", stdout, "The errors that a node remembers, newest first.\n");
-  const auto request = parse(arguments, 1);
-  if (!request) return usage("emcy", "NODE [--clear]", stderr, "The errors that a node remembers, newest first.\n");
+  if (wants_help(arguments)) return bus_usage("emcy", "NODE [--clear]", stdout, "The errors that a node remembers, newest first.\n");
+  const auto request = parse_bus_request(arguments, 1);
+  if (!request) return bus_usage("emcy", "NODE [--clear]", stderr, "The errors that a node remembers, newest first.\n");
   BusLine line;
   std::optional<Node> node;
-  if (const auto end = begin("emcy", *request, line, node)) return *end;
+  if (const auto end = begin_bus("emcy", *request, line, node)) return *end;
   const std::uint8_t id = info_of(*node).id;
-  if (!line.upload(id, 0x1001, 0)) return refused("emcy", line.problem());
+  if (!line.upload(id, 0x1001, 0)) return bus_refused("emcy", line.problem());
   const std::uint32_t now = line.client().value();
-  if (!line.upload(id, 0x1003, 0)) return refused("emcy", line.problem());
+  if (!line.upload(id, 0x1003, 0)) return bus_refused("emcy", line.problem());
   const std::uint32_t count = line.client().value();
   ordered_json list = ordered_json::array();
-  if (!request->json) std::printf("error register %02Xh, %u remembered\n", now, count);
+  const auto register_words = [](std::uint32_t bits) { return bus::object_words(contract::NodeKind::host, 0x1001, 0, bits); };
+  if (!request->json) std::printf("error register %02Xh (%s), %u remembered\n", now, register_words(now).c_str(), count);
   for (std::uint32_t sub = 1; sub <= count; ++sub) {
     if (!line.upload(id, 0x1003, static_cast<std::uint8_t>(sub))) break;  // cleared in between
     const std::uint32_t entry = line.client().value();
+    const std::string words = bus::object_words(info_of(*node).kind, 0x1003, 1, entry);
     if (request->json)
-      list.push_back({{"code", entry & 0xFFFFU}, {"error_register", (entry >> 16) & 0xFFU}});
+      list.push_back({{"code", entry & 0xFFFFU}, {"words", words}, {"error_register", (entry >> 16) & 0xFFU}});
     else
-      std::printf("%2u  %04Xh  (error register then %02Xh)\n", sub, entry & 0xFFFFU, (entry >> 16) & 0xFFU);
+      std::printf("%2u  %04Xh  %s  (error register then: %s)\n", sub, entry & 0xFFFFU, words.c_str(),
+                  register_words((entry >> 16) & 0xFFU).c_str());
   }
   if (request->json) std::printf("%s\n", ordered_json{{"error_register", now}, {"errors", list}}.dump(1).c_str());
   if (!request->clear) return kDone;
   constexpr std::array<std::uint8_t, 1> kZero = {0};
-  return line.download(id, 0x1003, 0, kZero) ? kDone : refused("emcy", line.problem());
+  return line.download(id, 0x1003, 0, kZero) ? kDone : bus_refused("emcy", line.problem());
 }
 
 }  // namespace hoist::tool

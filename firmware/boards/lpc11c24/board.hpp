@@ -5,6 +5,7 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/firmware_image.hpp"
@@ -33,6 +34,8 @@ inline Straps read_straps() {
 
 class Board {
  public:
+  static constexpr std::string_view kHardwareName = "LPC11C24";  // 1009h
+
   // Clock, tick, lamp, supply watch. False when there is no exact clock: the node cannot be on the bus then.
   [[nodiscard]] bool start_core() {
     syscon::AhbClocks::set(syscon::kGpio | syscon::kIocon);
@@ -52,6 +55,7 @@ class Board {
   bool send(const contract::CanFrame& frame) { return can_.send(frame); }
   [[nodiscard]] bool all_sent() const { return can_.all_sent(); }
   [[nodiscard]] bool simulated() const { return false; }
+  [[nodiscard]] std::uint32_t serial_number() const { return iap::serial_number(); }
   [[nodiscard]] CanHealth can_health() const { return can_.health(); }
   void drop_unsent() { can_.drop_unsent(); }
   void can_restart() { can_.restart(); }

@@ -15,6 +15,7 @@ namespace hoist::firmware::lpc11c24 {
 
 namespace pwm {
 using Control = Register<0x4000C004>;
+using Counter = Register<0x4000C008>;
 using Prescale = Register<0x4000C00C>;
 using MatchControl = Register<0x4000C014>;
 using Match0 = Register<0x4000C018>;
@@ -23,6 +24,7 @@ using Match3 = Register<0x4000C024>;
 using Mode = Register<0x4000C074>;
 inline constexpr std::uint32_t kPeriod = kClock_hz / 20'000;
 inline constexpr std::uint32_t kShortestOn = kPeriod / 10;  // 5 us: twice a conversion
+inline constexpr std::uint32_t kPeriod_loops = 1000;        // of at least 5 clocks: more than two periods
 }  // namespace pwm
 
 class Converter {
@@ -109,8 +111,7 @@ class Bridge {
     const bool forward = duty_norm >= 0;
     const float size = forward ? duty_norm : -duty_norm;
     const std::uint32_t on = size >= 1.0F ? pwm::kPeriod : static_cast<std::uint32_t>(size * static_cast<float>(pwm::kPeriod));
-    // Never the old size with the new direction.
-    if (forward != forward_) set_on_time(0);
+    if (forward != forward_) end_on_part();
     forward_ = forward;
     write_pin<kBridgePhase>(forward);
     set_on_time(on);
@@ -122,6 +123,20 @@ class Bridge {
   [[nodiscard]] bool awake() const { return awake_; }
 
  private:
+  // Before the direction changes: the old size must not be applied in the new one. A match value counts at once, but an output that is
+  // already high stays high until the period ends (UM10398, rules for single edge controlled PWM outputs). That end is waited for: never
+  // longer than the old ON part, 50 us at full duty and next to nothing where a servo passes through zero.
+  static void end_on_part() {
+    const std::uint32_t rise = pwm::Match0::read();
+    pwm::Match0::write(pwm::kPeriod);
+    std::uint32_t before = pwm::Counter::read();
+    if (before < rise) return;  // low, and it rises no more
+    for (std::uint32_t i = 0; i < pwm::kPeriod_loops; ++i) {
+      const std::uint32_t now = pwm::Counter::read();
+      if (now < before) return;
+      before = now;
+    }
+  }
   static void set_on_time(std::uint32_t on) {
     const std::uint32_t off = pwm::kPeriod - on;
     pwm::Match0::write(off);  // kPeriod is never reached: all low. 0: all high

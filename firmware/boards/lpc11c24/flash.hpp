@@ -9,19 +9,31 @@
 #include "firmware/boards/lpc11c24/clock.hpp"
 #include "firmware/boards/lpc11c24/memory.hpp"
 #include "firmware/boards/lpc11c24/parameter_pages.hpp"
+#include "firmware/lib/serial_number.hpp"
 
 namespace hoist::firmware::lpc11c24 {
 
 namespace iap {
-enum class Command : std::uint32_t { prepare = 50, copy = 51, erase = 52, compare = 56 };
+enum class Command : std::uint32_t { prepare = 50, copy = 51, erase = 52, compare = 56, read_unique_id = 58 };
 inline constexpr std::uint32_t kEntry = 0x1FFF1FF1;
 
+using Result = std::array<std::uint32_t, 5>;  // status, then what was asked for
+inline Result ask(Command command, std::uint32_t a = 0, std::uint32_t b = 0, std::uint32_t c = 0, std::uint32_t d = 0) {
+  std::array<std::uint32_t, 5> in{static_cast<std::uint32_t>(command), a, b, c, d};
+  Result out{0xFFFFFFFF};  // not a status: a routine that did nothing has not succeeded
+  reinterpret_cast<void (*)(std::uint32_t*, std::uint32_t*)>(kEntry)(in.data(), out.data());
+  return out;
+}
 // True when the routine says CMD_SUCCESS.
 inline bool call(Command command, std::uint32_t a, std::uint32_t b, std::uint32_t c = 0, std::uint32_t d = 0) {
-  std::array<std::uint32_t, 5> in{static_cast<std::uint32_t>(command), a, b, c, d};
-  std::array<std::uint32_t, 5> out{0xFFFFFFFF};  // not a status: a routine that did nothing has not succeeded
-  reinterpret_cast<void (*)(std::uint32_t*, std::uint32_t*)>(kEntry)(in.data(), out.data());
-  return out[0] == 0;
+  return ask(command, a, b, c, d)[0] == 0;
+}
+
+// 1018h:4. 0 when the routine refuses.
+inline std::uint32_t serial_number() {
+  const cortex_m0::InterruptsOff off;
+  const Result id = ask(Command::read_unique_id);
+  return id[0] == 0 ? serial_of(std::span(id).subspan<1>()) : 0;
 }
 
 // Both work on one sector. The watchdog, when it runs, must have been given time by the caller.

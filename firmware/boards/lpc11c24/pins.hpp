@@ -38,8 +38,8 @@ inline constexpr Pin kSpiSelect{0, 2};                 // a GPIO, low = selected
 
 inline constexpr Pin kBridgeEnable{0, 8};  // EN, function 2: CT16B0_MAT0, 20 kHz. High = the bridge drives, low = both low sides on
 inline constexpr Pin kBridgePhase{0, 9};   // PH, a GPIO: high = forward
-inline constexpr Pin kBridgeAwake{2, 8};   // nSLEEP, a GPIO: low = all transistors off, the motor coasts. 10 kOhm to ground outside
-inline constexpr Pin kBridgeFault{2, 11};  // nFAULT, open drain, low = fault; pulled up
+inline constexpr Pin kBridgeAwake{2, 8};   // nSLEEP, a GPIO: low = all transistors off, the motor coasts. 4.7 kOhm to ground outside
+inline constexpr Pin kBridgeFault{2, 11};  // nFAULT, open drain, low = fault; 4.7 kOhm to 3.3 V outside
 inline constexpr Pin kEncoderA{2, 6}, kEncoderB{2, 7};  // 500 lines, push-pull 3.3 V. Forward: A leads B
 inline constexpr Pin kMotorCurrent{0, 11};              // function 2: AD0
 inline constexpr Pin kBusVoltage{1, 0};                 // function 2: AD1
@@ -62,7 +62,7 @@ inline constexpr float kBus_v_per_count = kBusDivider * kAdcReference_v / kAdcCo
 inline constexpr Pin kBumperFront{2, 0}, kBumperRear{2, 1}, kBumperLeft{2, 2}, kBumperRight{2, 3};
 // Bit 0 of the object: a contact of the emergency stop chain, to ground, open when it is pressed. Bits 1 to 3: closed to ground = 1.
 inline constexpr Pin kSwitch0{2, 6}, kSwitch1{2, 7}, kSwitch2{2, 8}, kSwitch3{2, 11};
-// Outputs 0 to 7 of the object, high = on; low from reset on by 10 kOhm to ground outside.
+// Outputs 0 to 7 of the object, high = on; low from reset on by 4.7 kOhm to ground outside.
 inline constexpr Pin kOutput0{1, 4}, kOutput1{1, 5}, kOutput2{1, 6}, kOutput3{1, 7}, kOutput4{1, 8}, kOutput5{1, 10}, kOutput6{1, 11},
     kOutput7{1, 2};
 // Two 12 V batteries in series: A is the lower one, measured directly; the second channel measures both together.

@@ -1,6 +1,8 @@
 // What every STM32F072 board has; as lpc11c24/board.hpp, which explains it.
 #pragma once
+#include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/firmware_image.hpp"
@@ -12,6 +14,7 @@
 #include "firmware/boot/mailbox.hpp"
 #include "firmware/lib/board.hpp"
 #include "firmware/lib/program_control.hpp"
+#include "firmware/lib/serial_number.hpp"
 
 namespace hoist::firmware::stm32f072 {
 
@@ -27,8 +30,18 @@ inline Straps read_straps() {
   return {!read_pin<kStrap0>(), !read_pin<kStrap1>()};
 }
 
+// The unique device id: 96 bits that the factory wrote (RM0091, 33.1).
+inline std::uint32_t chip_serial_number() {
+  constexpr std::uint32_t kUniqueId = 0x1FFFF7AC;
+  const std::array<std::uint32_t, 3> id{cortex_m0::read_word(kUniqueId), cortex_m0::read_word(kUniqueId + 4),
+                                        cortex_m0::read_word(kUniqueId + 8)};
+  return serial_of(id);
+}
+
 class Board {
  public:
+  static constexpr std::string_view kHardwareName = "STM32F072";  // 1009h
+
   [[nodiscard]] bool start_core() {
     rcc::AhbClocks::set(rcc::kPorts);
     reset_cause_ = take_reset_cause();
@@ -45,6 +58,7 @@ class Board {
   bool send(const contract::CanFrame& frame) { return can_.send(frame); }
   [[nodiscard]] bool all_sent() const { return can_.all_sent(); }
   [[nodiscard]] bool simulated() const { return false; }
+  [[nodiscard]] std::uint32_t serial_number() const { return chip_serial_number(); }
   [[nodiscard]] CanHealth can_health() const { return can_.health(); }
   void drop_unsent() { can_.drop_unsent(); }
   void can_restart() { can_.restart(); }

@@ -29,6 +29,7 @@ using MemoryMap = Register<0x40010000>;  // SYSCFG_CFGR1: 3 in the lowest bits s
 inline constexpr std::uint32_t gpio_base(char port) { return 0x48000000U + (static_cast<std::uint32_t>(port - 'A') << 10); }
 enum class PinMode : std::uint8_t { input = 0, output = 1, alternate = 2, analog = 3 };
 enum class PinPull : std::uint8_t { none = 0, up = 1, down = 2 };
+enum class PinSpeed : std::uint8_t { to_2_mhz = 0, to_10_mhz = 1, to_50_mhz = 3 };  // data sheet, I/O AC characteristics; reset: the lowest
 
 template <Pin kPin>
 inline void set_pin(PinMode mode, PinPull pull = PinPull::none, std::uint32_t alternate = 0, bool open_drain = false) {
@@ -40,6 +41,12 @@ inline void set_pin(PinMode mode, PinPull pull = PinPull::none, std::uint32_t al
   field(kBase + 0x0C, 3, kShift, static_cast<std::uint32_t>(pull));
   field(kBase + (kPin.bit < 8 ? 0x20U : 0x24U), 15, 4U * (kPin.bit & 7U), alternate);
   field(kBase, 3, kShift, static_cast<std::uint32_t>(mode));
+}
+template <Pin kPin>
+inline void set_pin_speed(PinSpeed speed) {
+  constexpr std::uint32_t kShift = 2U * kPin.bit;
+  using Speeds = Register<gpio_base(kPin.port) + 0x08>;
+  Speeds::write((Speeds::read() & ~(3U << kShift)) | (static_cast<std::uint32_t>(speed) << kShift));
 }
 template <Pin kPin>
 inline bool read_pin() {

@@ -106,6 +106,9 @@ class SpiBus {
   static void start() {
     write_pin<kSpiSelect>(true);
     set_pin<kSpiSelect>(PinMode::output);
+    // Clock and data change at 3 MHz; out of reset a pin is good for 2.
+    set_pin_speed<kSpiSck>(PinSpeed::to_10_mhz);
+    set_pin_speed<kSpiMosi>(PinSpeed::to_10_mhz);
     set_pin<kSpiSck>(PinMode::alternate, PinPull::none, 0);
     set_pin<kSpiMiso>(PinMode::alternate, PinPull::up, 0);
     set_pin<kSpiMosi>(PinMode::alternate, PinPull::none, 0);

@@ -10,8 +10,8 @@
 // A start begins in "not ready" with the self-test: current sensor at rest, readings, bridge driver, encoder lines, stored parameters, and
 // what restarted the processor. The bridge stays off until it has passed.
 //
-// The current limit in force is the one of 2200h:5, folded back for what could break first: a hot winding or board, a sagging supply while
-// motoring, a rising one while braking. Folding comes first, faults only where it does not help.
+// The current limit in force is the one of 2200h:5, folded back for what could break first: a hot winding, a sagging supply while motoring, a
+// rising one while braking. Folding comes first, faults only where it does not help.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -64,12 +64,10 @@ inline constexpr float kSagBegin_v = 21.0F, kSagEnd_v = 19.5F;  // while motorin
 inline constexpr float kSagShare = 0.25F;                       // of the current limit, left at kSagEnd_v
 inline constexpr std::uint32_t kIllegalSteps = 3;               // in one window: a broken line; single ones are noise and only counted
 inline constexpr std::uint32_t kIllegalWindow_ms = 100;         // hazard H2
-inline constexpr float kBoardTripAbove_k = 5;                   // above 2230h:9
-inline constexpr float kBoardUnknown_c = -273.1F;
 
 // Faults of a drive beside those that every node has (CiA 402).
 namespace drive_emcy {
-inline constexpr std::uint16_t kOverVoltage = 0x3210, kBoardHot = 0x4210, kWindingHot = 0x4310, kBridge = 0x5400, kWatchdog = 0x6010;
+inline constexpr std::uint16_t kOverVoltage = 0x3210, kWindingHot = 0x4310, kBridge = 0x5400, kWatchdog = 0x6010;
 }
 inline constexpr std::uint8_t kTemperatureErrorBit = 0x08;  // of 1001h
 
@@ -194,6 +192,9 @@ class DriveNode {
   [[nodiscard]] bool powered() const {
     return state_ == State::operation_enabled || state_ == State::quick_stop_active || state_ == State::fault_reaction;
   }
+
+  // On the way to standstill or held there, whatever the target says.
+  [[nodiscard]] bool halted() const { return leaving_ || state_ == State::quick_stop_active || (word_ & kHaltBit) != 0; }
 
   // The computer is gone or no longer in charge: what is commanded ends, and the next word starts from nothing.
   void lose_command() {
@@ -341,8 +342,6 @@ class DriveNode {
         return supply_v_ < stack_.values().template get<0x2231, 1>() - kOverVoltageFold_v;
       case drive_emcy::kWindingHot:
         return winding_.current_share(winding_config()) > Winding::kFoldShare;
-      case drive_emcy::kBoardHot:
-        return !board_too_hot();
       case drive_emcy::kBridge:
         return board_.driver_ok();
       case emcy::kParametersLost:
@@ -515,22 +514,11 @@ class DriveNode {
     config.resistance_ohm = values.template get<0x2230, 6>();
     return config;
   }
-  [[nodiscard]] bool board_too_hot() const { return board_temperature_c_ > stack_.values().template get<0x2230, 9>() + kBoardTripAbove_k; }
   // Nothing thermal changes within 10 ms.
   void look_after_heat() {
-    const float board_limit_c = stack_.values().template get<0x2230, 9>();
-    if constexpr (MeasuresTemperature<Board>) {
-      const float board_c = board_.board_temperature_c();
-      // A sensor that gives no number is taken for hot: the board is then allowed its least current, not its most.
-      board_temperature_c_ = law::finite(board_c) ? board_c : board_limit_c;
-    }
     const WindingConfig config = winding_config();
-    const float winding = winding_.current_share(config);
-    const float board = Winding::fold_share(board_temperature_c_, board_limit_c);
-    thermal_share_ = winding < board ? winding : board;
-    if (!powered()) return;
-    if (winding_.too_hot(config)) fault(drive_emcy::kWindingHot, kTemperatureErrorBit, Reaction::ramp);
-    if (board_too_hot()) fault(drive_emcy::kBoardHot, kTemperatureErrorBit, Reaction::ramp);
+    thermal_share_ = winding_.current_share(config);
+    if (powered() && winding_.too_hot(config)) fault(drive_emcy::kWindingHot, kTemperatureErrorBit, Reaction::ramp);
   }
   [[nodiscard]] float limit_in_force_a() {
     const auto& values = stack_.values();
@@ -578,7 +566,7 @@ class DriveNode {
     }
     config.speed_low_pass_share = filter_share_;
     config.current_limit_a = current_limit_a_ = limit_in_force_a();
-    config.acceleration_max_rad_s2 = values.template get<0x2200, 6>();
+    config.acceleration_max_rad_s2 = static_cast<float>(values.template get<0x6083>());
     law::ServoInput<float> input;
     input.position_counts = counts_;
     input.command_age_s = 0;  // the RPDO deadline is judged above, with its own reaction
@@ -598,12 +586,11 @@ class DriveNode {
       return;
     }
     if (leaving_) config.acceleration_max_rad_s2 = static_cast<float>(values.template get<0x6085>());
-    const bool halted = leaving_ || (word_ & kHaltBit) != 0;
     if (values.template get<0x60FF>() != target_mrad_s_) {
       target_mrad_s_ = values.template get<0x60FF>();
       target_rad_s_ = 0.001F * static_cast<float>(target_mrad_s_);
     }
-    input.target_rad_s = halted ? 0.0F : target_rad_s_;
+    input.target_rad_s = halted() ? 0.0F : target_rad_s_;
     input.current_a = current_a_;
     input.supply_v = supply_v_;
     const float applied_before_v = servo_.applied_v;
@@ -658,7 +645,8 @@ class DriveNode {
     if (supply_v_ >= kUnderVoltage_v) status = static_cast<std::uint16_t>(status | 0x10U);
     if (limit_folded_) status = static_cast<std::uint16_t>(status | 0x80U);  // warning: less current than asked for
     if (stack_.operational()) status = static_cast<std::uint16_t>(status | 0x200U);
-    if (state_ == State::operation_enabled && on_target_) status = static_cast<std::uint16_t>(status | 0x400U);
+    if ((state_ == State::operation_enabled || state_ == State::quick_stop_active) && on_target_)
+      status = static_cast<std::uint16_t>(status | 0x400U);
     if (limited_) status = static_cast<std::uint16_t>(status | 0x800U);
     if (at_rest_) status = static_cast<std::uint16_t>(status | 0x1000U);
     stack_.values().template set<0x6041>(status);
@@ -672,8 +660,10 @@ class DriveNode {
   void publish_numbers() {
     auto& values = stack_.values();
     const float target_rad_s = 0.001F * static_cast<float>(values.template get<0x60FF>());
-    on_target_ = std::fabs(speed_rad_s_ - target_rad_s) < kTargetReached_rad_s;
     at_rest_ = std::fabs(speed_rad_s_) < kStandstill_rad_s;
+    // CiA 402: during halt and quick stop the target is standstill.
+    on_target_ = halted() ? at_rest_ : std::fabs(speed_rad_s_ - target_rad_s) < kTargetReached_rad_s;
+    values.template set<0x606B>(to_integer<std::int32_t>(1000.0F * servo_.reference_rad_s.value));
     values.template set<0x606C>(to_integer<std::int32_t>(1000.0F * speed_rad_s_));
     const float rated_a = 0.001F * static_cast<float>(values.template get<0x6075>());
     values.template set<0x6078>(to_integer<std::int16_t>(1000.0F * current_a_ / rated_a));
@@ -685,8 +675,6 @@ class DriveNode {
   void publish_slowly() {
     auto& values = stack_.values();
     switch (slow_ms_) {
-      case 1:
-        return values.template set<0x2210>(to_integer<std::int16_t>(10.0F * board_temperature_c_));
       case 3:
         return values.template set<0x2230, 1>(to_integer<std::int16_t>(10.0F * winding_.temperature_c()));
       case 4:
@@ -730,7 +718,7 @@ class DriveNode {
   float offset_sum_a_ = 0, offset_low_a_ = 0, offset_high_a_ = 0, current_offset_a_ = 0;
   std::int32_t counts_ = 0;
   float current_a_ = 0, supply_v_ = 0, speed_rad_s_ = 0, duty_norm_ = 0;
-  float measured_rad_s_ = 0, current_limit_a_ = 0, board_temperature_c_ = kBoardUnknown_c, thermal_share_ = 1;
+  float measured_rad_s_ = 0, current_limit_a_ = 0, thermal_share_ = 1;
   bool readings_usable_ = false, limited_ = false;
 
   std::uint16_t fault_code_ = 0, second_code_ = 0;  // the second ended the first one's ramp

@@ -66,6 +66,7 @@ class TiltNode {
     if (gap_ms_ < kAgeMax) ++gap_ms_;
     watch_sensor();
     if (sync_age_ms_ > kTiltSyncLost_ms && sample_age_ms_ >= kTiltSample_ms) sample();
+    if (after_.in_ms > 0 && --after_.in_ms == 0) after_sample();
     stack_.tick_1ms(*this);
   }
 
@@ -97,6 +98,18 @@ class TiltNode {
     std::array<float, 3> rate_sum_rad_s{};  // of the difference from the first: keeps the float sums exact
   };
 
+  // What a sample leaves to be done before the next one, and when: reading the chip and filtering fill most of a millisecond. Not in the
+  // very next tick, which may come right behind the SYNC.
+  static constexpr std::uint8_t kAfterSample_ms = 2;
+  static_assert(kAfterSample_ms < kTiltSampleMin_ms);
+  struct After {
+    ImuSample sample{};
+    law::AccAngles<float> gravity{};
+    float dt_s = 0;
+    bool begun = false;  // the filters have begun anew with this sample
+    std::uint8_t in_ms = 0;
+  };
+
   void on_sync() {}
   void on_rpdo() {}
   void on_rpdo_deadline() {}
@@ -105,6 +118,7 @@ class TiltNode {
   void on_power_on() {
     axes_ = {};
     window_ = {};
+    after_ = {};
     yaw_bias_rad_s_ = 0;
     started_ = converged_ = failed_ = missing_ = doubtful_ = false;
     failures_ = 0;
@@ -122,6 +136,7 @@ class TiltNode {
     // Every angle was of another direction: all begins anew.
     axes_ = {};
     window_ = {};
+    after_ = {};
     started_ = converged_ = false;
     start_age_ms_ = 0;  // and so does the time that the first reading may take
     return SdoAbort::none;
@@ -202,12 +217,19 @@ class TiltNode {
     const bool late = sample_age_ms_ < kTiltSample_ms - 2 || sample_age_ms_ > kTiltSample_ms + 2;
     const float dt_s = 0.001F * static_cast<float>(!late && gap_ms_ == sample_age_ms_ ? kTiltSample_ms : gap_ms_);
     sample_age_ms_ = 0;
-    if (!fresh || !gravity.valid || !filter(s, gravity, dt_s)) return fail();
+    const bool begins = !started_ || gap_ms_ > kTiltGap_ms;
+    if (!fresh || !gravity.valid || !filter(s, gravity, begins, dt_s)) return fail();
     gap_ms_ = 0;
     failures_ = 0;
-    doubt(gravity, dt_s);
-    if (!converged_) settle(s, gravity);
+    after_ = {s, gravity, dt_s, begins, kAfterSample_ms};
     publish(s);
+  }
+
+  // What it finds shows in the next sample, 10 ms later: all of it is slower than that.
+  void after_sample() {
+    follow_turn(after_.sample.yaw_rate_rad_s, after_.begun, after_.dt_s);
+    doubt(after_.gravity, after_.dt_s);
+    if (!converged_) settle(after_.sample, after_.gravity);
   }
 
   // H8: a gyroscope that has lost its zero disagrees with gravity, and is believed less and less. What the hoist itself does to a sensor
@@ -226,29 +248,37 @@ class TiltNode {
     tell_error();
   }
 
-  bool filter(const ImuSample& s, const law::AccAngles<float>& gravity, float dt_s) {
-    auto& values = stack_.values();
-    const law::TiltGain<float> gain{values.template get<0x2102, 1>(), values.template get<0x2102, 2>()};
+  [[nodiscard]] law::TiltGain<float> gain() const {
+    return {stack_.values().template get<0x2102, 1>(), stack_.values().template get<0x2102, 2>()};
+  }
+
+  bool filter(const ImuSample& s, const law::AccAngles<float>& gravity, bool begins, float dt_s) {
     const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
     const float rates_rad_s[2] = {s.alpha_rate_rad_s, s.beta_rate_rad_s};
-    // A sensor that leans feels part of the hoist's turn as pitch and roll. The filter is linear: fed with that part alone, and with a
-    // gravity that knows nothing of it, a second one holds what the first has of it.
-    const float yaw_rad_s = std::clamp(s.yaw_rate_rad_s - yaw_bias_rad_s_, -kTurnMax_rad_s, kTurnMax_rad_s);
-    const float felt_rad_s[2] = {yaw_rad_s * (axes_[1].state.angle_rad - axes_[1].turn.angle_rad),
-                                 -yaw_rad_s * (axes_[0].state.angle_rad - axes_[0].turn.angle_rad)};
     for (std::size_t i = 0; i < 2; ++i) {
       Axis& axis = axes_[i];
-      if (!started_ || gap_ms_ > kTiltGap_ms) {
+      if (begins) {
         axis.state = law::tilt_start(angles_rad[i], axis.state.bias_rad_s, rates_rad_s[i]);
-        axis.turn = law::tilt_start(0.0F, axis.turn.bias_rad_s, felt_rad_s[i]);
         axis.disagreement_rad = 0;
-      } else if (!law::tilt_step(gain, axis.state, rates_rad_s[i], angles_rad[i], dt_s) ||
-                 !law::tilt_step(gain, axis.turn, felt_rad_s[i], 0.0F, dt_s)) {
+      } else if (!law::tilt_step(gain(), axis.state, rates_rad_s[i], angles_rad[i], dt_s)) {
         return false;
       }
     }
     started_ = true;
     return true;
+  }
+
+  // A sensor that leans feels part of the hoist's turn as pitch and roll. The filter is linear: fed with that part alone, and with a
+  // gravity that knows nothing of it, a second one holds what the first has of it.
+  void follow_turn(float yaw_rate_rad_s, bool begins, float dt_s) {
+    const float yaw_rad_s = std::clamp(yaw_rate_rad_s - yaw_bias_rad_s_, -kTurnMax_rad_s, kTurnMax_rad_s);
+    const float felt_rad_s[2] = {yaw_rad_s * (axes_[1].state.angle_rad - axes_[1].turn.angle_rad),
+                                 -yaw_rad_s * (axes_[0].state.angle_rad - axes_[0].turn.angle_rad)};
+    for (std::size_t i = 0; i < 2; ++i) {
+      law::TiltState<float>& turn = axes_[i].turn;
+      // One that cannot go on begins anew: it explains nothing then, and the bias is judged as it is.
+      if (begins || !law::tilt_step(gain(), turn, felt_rad_s[i], 0.0F, dt_s)) turn = law::tilt_start(0.0F, turn.bias_rad_s, felt_rad_s[i]);
+    }
   }
 
   // An unusable sample: the counter stands still, which the computer takes for a missing sensor, and the valid bit goes.
@@ -354,6 +384,7 @@ class TiltNode {
   Stack stack_;
   std::array<Axis, 2> axes_{};  // alpha, beta
   Window window_{};
+  After after_{};
   float yaw_bias_rad_s_ = 0;
   Mounting mounting_{};
   std::uint8_t raw_axis_ = 2;

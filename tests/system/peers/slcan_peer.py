@@ -179,7 +179,7 @@ def case_hoist_bus_dump_restore_save(sim):
     check(sim.json("restore", "drive_right", path)["written"] == 1, "one parameter differs")
     check(sim.json("restore", "drive_right", path)["written"] == 0, "and then none")
     check(sim.json("read", "drive_right", "6085")["raw"] == 250, "restored")
-    check(sim.json("read", "drive_right", "1800:1")["raw"] == 0x182, "the identifiers stay the node's own")
+    check(sim.json("read", "drive_right", "1800:1")["raw"] == 0x40000182, "the identifiers stay the node's own")
     check("another kind" in sim.bus("restore", "tilt_left", path, code=1), "a dump of another kind")
     for entry in dump["objects"]:
         if entry["name"] == "current_limit":

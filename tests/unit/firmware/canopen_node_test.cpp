@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "firmware/lib/convert.hpp"
+#include "firmware/lib/serial_number.hpp"
 #include "firmware/nodes/drive/drive_node.hpp"
 #include "firmware/nodes/io/io_node.hpp"
 #include "firmware/nodes/tilt/tilt_node.hpp"
@@ -96,7 +97,7 @@ TEST_F(DriveSdo, AbortsWithTheReason) {
 }
 
 TEST_F(DriveSdo, ArraysTellHowManyTheyAre) {
-  EXPECT_EQ(ask_left({0x40, 0x00, 0x22, 0, 0, 0, 0, 0}), frame_of(kAnswerLeft, {0x4F, 0x00, 0x22, 0, 6, 0, 0, 0}));
+  EXPECT_EQ(ask_left({0x40, 0x00, 0x22, 0, 0, 0, 0, 0}), frame_of(kAnswerLeft, {0x4F, 0x00, 0x22, 0, 5, 0, 0, 0}));
   EXPECT_EQ(ask_left({0x40, 0x18, 0x10, 0, 0, 0, 0, 0}), frame_of(kAnswerLeft, {0x4F, 0x18, 0x10, 0, 4, 0, 0, 0}));
   EXPECT_EQ(ask_left({0x2F, 0x00, 0x22, 0, 1, 0, 0, 0}), aborted(kAnswerLeft, 0x2200, 0, 0x06010002));
 }
@@ -180,6 +181,49 @@ TEST(CanopenIdentity, SaysWhoItIsAndThatItIsSimulated) {
   IoNode<TestBoard> io(real, contract::Node::io);
   tick(io, 1);
   EXPECT_EQ(ask(io, real, canopen::sdo(0x608, 0x40, 0x1018, 2, 0)), frame_of(0x588, {0x43, 0x18, 0x10, 2, 3, 0, 0, 0}));
+  // CiA 401: digital inputs, digital outputs and analogue inputs.
+  EXPECT_EQ(ask(io, real, canopen::sdo(0x608, 0x40, 0x1000, 0, 0)), frame_of(0x588, {0x43, 0x00, 0x10, 0, 0x91, 0x01, 0x07, 0}));
+  EXPECT_EQ(ask(io, real, canopen::sdo(0x608, 0x40, 0x1018, 4, 0)), frame_of(0x588, {0x43, 0x18, 0x10, 4, 0, 0, 0, 0})) << "unknown";
+}
+
+struct NumberedBoard : TestBoard {
+  static constexpr std::string_view kHardwareName = "LPC11C24";
+  std::uint32_t serial_number() const { return 0x12345678; }
+};
+TEST(CanopenIdentity, ABoardWithANumberOfItsOwnTellsIt) {
+  NumberedBoard board;
+  IoNode<NumberedBoard> io(board, contract::Node::io);
+  tick(io, 1);
+  const CanFrame number = canopen::sdo(0x608, 0x40, 0x1018, 4, 0), told = frame_of(0x588, {0x43, 0x18, 0x10, 4, 0x78, 0x56, 0x34, 0x12});
+  EXPECT_EQ(ask(io, board, number), told);
+  io.on_frame(canopen::nmt(canopen::NmtCommand::reset_communication, 0));
+  tick(io, 2);
+  EXPECT_EQ(ask(io, board, number), told) << "after a reset of the communication, too";
+  EXPECT_EQ(ask(io, board, canopen::sdo(0x608, 0x40, 0x1009, 0, 0)).data[4], 8U) << "eight letters";
+}
+
+// CRC-32 of the bytes 1 to 16, as python3 -c "import zlib; print(hex(zlib.crc32(bytes(range(1, 17)))))" gives it.
+TEST(SerialNumber, IsTheChecksumOfTheChipsId) {
+  constexpr std::array<std::uint32_t, 4> kId{0x04030201, 0x08070605, 0x0C0B0A09, 0x100F0E0D};
+  EXPECT_EQ(serial_of(kId), 0x094C80F1U);
+}
+
+TEST(CanopenHeartbeat, ZeroSwitchesItOffAndAFloodIsRefused) {
+  TestBoard board;
+  IoNode<TestBoard> node(board, contract::Node::io);
+  tick(node, 1);
+  const auto write = [&](std::uint32_t ms) {
+    return ask(node, board, canopen::sdo(0x608, canopen::sdo_download_command(2), 0x1017, 0, ms));
+  };
+  EXPECT_EQ(write(0).data[0], 0x60);
+  board.sent.clear();
+  tick(node, 70000);  // longer than a counter of 16 bit
+  EXPECT_TRUE(board.with_id(0x708).empty());
+  for (const std::uint32_t flood : {1U, 9U, 1001U}) EXPECT_EQ(contract::read_le(&write(flood).data[4], 4), 0x06090030U) << flood;
+  EXPECT_EQ(write(10).data[0], 0x60);
+  board.sent.clear();
+  tick(node, 100);
+  EXPECT_EQ(board.with_id(0x708).size(), 10U);
 }
 
 TEST(CanopenNmt, BootsUpThenBeatsAndFollowsCommands) {
@@ -405,7 +449,8 @@ class PdoRecords : public ::testing::Test {
 
 TEST_F(PdoRecords, DescribeWhatIsSent) {
   EXPECT_EQ(read(0x1800, 0), 5U);
-  EXPECT_EQ(read(0x1800, 1), 0x188U);
+  EXPECT_EQ(read(0x1800, 1), 0x40000188U);
+  EXPECT_EQ(read(0x1400, 1), 0x208U);
   EXPECT_EQ(read(0x1800, 2), 255U);
   EXPECT_EQ(read(0x1800, 3), 100U);
   EXPECT_EQ(read(0x1800, 5), 10U);
@@ -418,7 +463,7 @@ TEST_F(PdoRecords, DescribeWhatIsSent) {
 }
 
 TEST_F(PdoRecords, IdsAndTimesTakeEffectAtOnceAndOnlyBeforeTheStart) {
-  EXPECT_EQ(write(0x1800, 1, 4, 0x1A5), 0U);
+  EXPECT_EQ(write(0x1800, 1, 4, 0x400001A5), 0U);
   EXPECT_EQ(write(0x1800, 5, 2, 50), 0U);
   EXPECT_EQ(write(0x1801, 2, 1, 3), 0U);  // with every third SYNC
   make_operational(node_, board_);
@@ -428,12 +473,12 @@ TEST_F(PdoRecords, IdsAndTimesTakeEffectAtOnceAndOnlyBeforeTheStart) {
   EXPECT_TRUE(board_.with_id(0x288).empty());
   for (int i = 0; i < 6; ++i) node_.on_frame(canopen::sync());
   EXPECT_EQ(board_.with_id(0x288).size(), 2U);
-  EXPECT_EQ(write(0x1800, 1, 4, 0x188), 0x08000022U);
+  EXPECT_EQ(write(0x1800, 1, 4, 0x40000188), 0x08000022U);
   EXPECT_EQ(write(0x1800, 2, 1, 1), 0x08000022U);
   EXPECT_EQ(write(0x1800, 5, 2, 20), 0x08000022U);
-  EXPECT_EQ(read(0x1800, 1), 0x1A5U);
+  EXPECT_EQ(read(0x1800, 1), 0x400001A5U);
   // Only on and off is a switch that works under way.
-  EXPECT_EQ(write(0x1800, 1, 4, 0x800001A5), 0U);
+  EXPECT_EQ(write(0x1800, 1, 4, 0xC00001A5), 0U);
   board_.sent.clear();
   tick(node_, 200);
   EXPECT_TRUE(board_.with_id(0x1A5).empty());
@@ -466,9 +511,12 @@ TEST_F(PdoRecords, AnEventTimerOfZeroSendsOnChangeOnly) {
 TEST_F(PdoRecords, IdsThatAreNoPdosOfThatDirectionAreRefused) {
   for (const std::uint32_t bad :
        {0x000U, 0x080U, 0x180U, 0x200U, 0x208U, 0x481U + 0x80U, 0x580U, 0x588U, 0x608U, 0x708U, 0x7FFU, 0x20000188U, 0x188U + 0x800U})
-    EXPECT_EQ(write(0x1800, 1, 4, bad), 0x06090030U) << std::hex << bad;
-  EXPECT_EQ(write(0x1800, 1, 4, 0x4FF), 0U);
-  EXPECT_EQ(write(0x1800, 1, 4, 0x40000188), 0U);  // no remote requests: there are none anyway
+    for (const std::uint32_t no_remote : {0U, 0x40000000U}) EXPECT_EQ(write(0x1800, 1, 4, bad | no_remote), 0x06090030U) << std::hex << bad;
+  EXPECT_EQ(write(0x1800, 1, 4, 0x400004FF), 0U);
+  // Bit 30 clear asks for answers to remote frames, which no node gives (CiA 301); for what is received the bit means nothing.
+  for (const std::uint32_t remote : {0x4FFU, 0x188U, 0x80000188U})
+    EXPECT_EQ(write(0x1800, 1, 4, remote), 0x06090030U) << std::hex << remote;
+  for (const std::uint32_t id : {0x208U, 0x40000208U}) EXPECT_EQ(write(0x1400, 1, 4, id), 0U) << std::hex << id;
   for (const std::uint32_t bad : {241U, 252U, 253U}) EXPECT_EQ(write(0x1800, 2, 1, bad), 0x06090030U) << bad;
 }
 

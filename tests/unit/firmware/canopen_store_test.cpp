@@ -258,6 +258,20 @@ TEST_F(StoredDrive, SavesParametersAndNotCommands) {
   EXPECT_TRUE(board_.with_id(0x081).empty());
 }
 
+// A silent node could not be found by its master any more.
+TEST_F(StoredDrive, AHeartbeatThatIsOffLastsUntilTheNextStart) {
+  EXPECT_EQ(write(0x1017, 0, 2, 0), 0U);
+  EXPECT_EQ(write(0x1010, 1, 4, kSaveWord), 0U);
+  EXPECT_EQ(read(0x1017, 0), 0U);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::reset_communication, 1));
+  tick(node_, 2);
+  EXPECT_EQ(read(0x1017, 0), 100U);
+  EXPECT_EQ(write(0x1017, 0, 2, 0), 0U);
+  restart();
+  EXPECT_EQ(read(0x1017, 0), 100U);
+  EXPECT_TRUE(node_.stack().parameters_ok());
+}
+
 TEST_F(StoredDrive, DefaultsComeBackWithTheNextStart) {
   EXPECT_EQ(write(0x6085, 0, 4, 250), 0U);
   EXPECT_EQ(write(0x1010, 1, 4, kSaveWord), 0U);
@@ -386,13 +400,13 @@ TEST_F(StoredDrive, ACopyWithoutAPlaceIsBelieved) {
 }
 
 TEST_F(StoredDrive, APdosIdIsKeptAndComesBackWithACommunicationReset) {
-  EXPECT_EQ(write(0x1801, 1, 4, 0x301 - 0x80), 0U);
-  EXPECT_EQ(write(0x1801, 1, 4, 0x3A1 - 0x20), 0U);  // 381h
+  EXPECT_EQ(write(0x1801, 1, 4, 0x40000281), 0U);
+  EXPECT_EQ(write(0x1801, 1, 4, 0x40000381), 0U);
   EXPECT_EQ(write(0x1010, 1, 4, kSaveWord), 0U);
-  EXPECT_EQ(write(0x1801, 1, 4, 0x282), 0U);
+  EXPECT_EQ(write(0x1801, 1, 4, 0x40000282), 0U);
   node_.on_frame(canopen::nmt(canopen::NmtCommand::reset_communication, 1));
   tick(node_, 2);
-  EXPECT_EQ(read(0x1801, 1), 0x381U);
+  EXPECT_EQ(read(0x1801, 1), 0x40000381U);
 }
 
 TEST(Stored, EveryKindsParametersFitAndComeBack) {
@@ -403,7 +417,7 @@ TEST(Stored, EveryKindsParametersFitAndComeBack) {
   const auto write = [&](std::uint16_t index, std::uint8_t sub, std::uint32_t value) {
     return ask(node, board, canopen::sdo(0x611, canopen::sdo_download_command(4), index, sub, value)).data[0];
   };
-  EXPECT_EQ(write(0x1801, 1, 0x291), 0x60);
+  EXPECT_EQ(write(0x1801, 1, 0x40000291), 0x60);
   EXPECT_EQ(write(0x1010, 1, kSaveWord), 0x60);
   node.power_on();
   make_operational(node, board);

@@ -233,6 +233,7 @@ TEST_F(DriveTest, QuickStopOptionSixStaysAndHolds) {
   run(1500, kQuickStop, 100);
   EXPECT_EQ(node_.state(), State::quick_stop_active);
   EXPECT_TRUE(board_.bridge_on);
+  EXPECT_NE(status() & 0x400, 0) << "stopped, which was the target";
   run(500, kEnable, 100);  // does not run on
   EXPECT_EQ(node_.state(), State::quick_stop_active);
   EXPECT_NEAR(motor_.speed_rad_s(), 0, 2.0);
@@ -261,16 +262,38 @@ TEST_F(DriveTest, RefusedCommandsAreNoSignOfLife) {
 }
 
 TEST_F(DriveTest, WrongLengthCommandsAreRefusedAndReported) {
-  drive_at(100);
-  CanFrame longer = rpdo(kEnable, 100);
-  longer.dlc = 8;
-  for (int i = 0; i < 60; ++i) {
-    if (i % 10 == 0) node_.on_frame(longer);
-    one_ms();
+  for (const auto& [bytes, code] : {std::pair{8, 0x8220}, std::pair{5, 0x8210}}) {
+    start_anew(loaded_motor());
+    drive_at(100);
+    CanFrame other = rpdo(kEnable, 100);
+    other.dlc = static_cast<std::uint8_t>(bytes);
+    for (int i = 0; i < 60; ++i) {
+      if (i % 10 == 0) node_.on_frame(other);
+      one_ms();
+    }
+    EXPECT_EQ(node_.state(), State::quick_stop_active) << bytes;
+    EXPECT_EQ(node_.stack().counters().wrong_length, 6U) << bytes;
+    EXPECT_EQ(emergencies().at(0), code) << bytes;
+    // One of the right length ends the error.
+    run(300, kOff, 0);
+    EXPECT_EQ(node_.stack().values().get<0x1001>(), 0) << bytes;
   }
-  EXPECT_EQ(node_.state(), State::quick_stop_active);
-  EXPECT_EQ(node_.stack().counters().wrong_length, 6U);
-  EXPECT_EQ(emergencies().at(0), 0x8210);
+}
+
+// CiA 402, bit 10: with halt set, and in a quick stop that stays, the target that is reached is standstill.
+TEST_F(DriveTest, HaltReportsTargetReachedAtStandstillAndNotBefore) {
+  drive_at(100);
+  EXPECT_NE(status() & 0x400, 0);
+  run(100, kHalt, 100);
+  EXPECT_GT(motor_.speed_rad_s(), 20.0);
+  EXPECT_EQ(status() & 0x400, 0) << "still turning";
+  run(1500, kHalt, 100);
+  EXPECT_NEAR(motor_.speed_rad_s(), 0, 2.0);
+  EXPECT_EQ(node_.state(), State::operation_enabled);
+  EXPECT_NE(status() & 0x400, 0);
+  EXPECT_EQ(node_.stack().values().get<0x606B>(), 0);
+  run(40, kEnable, 100);
+  EXPECT_EQ(status() & 0x400, 0) << "on the way to its target again";
 }
 
 TEST_F(DriveTest, UnderVoltageLatchesUntilAnEdgeAfterItsEnd) {
@@ -519,11 +542,13 @@ TEST_F(DriveTest, ACurrentBeyondEveryLimitTripsInTwoMilliseconds) {
 
 TEST_F(DriveTest, ParametersWrittenOverTheBusAct) {
   EXPECT_EQ(ask(node_, board_, canopen::sdo(0x601, canopen::sdo_download_command(4), 0x2200, 5, bits_of(2.0F))).data[0], 0x60);
-  EXPECT_EQ(ask(node_, board_, canopen::sdo(0x601, canopen::sdo_download_command(4), 0x2200, 6, bits_of(100.0F))).data[0], 0x60);
+  EXPECT_EQ(ask(node_, board_, canopen::sdo(0x601, canopen::sdo_download_command(4), 0x6083, 0, 100)).data[0], 0x60);
   enable();
   const int reached = until(
       2000, [&] { return node_.reference_rad_s() >= 90; }, [&] { run(1, kEnable, 90); });
   EXPECT_NEAR(reached, 900, 20);
+  run(30, kEnable, 90);  // told every 20 ms at least
+  EXPECT_EQ(node_.stack().values().get<0x606B>(), 90000);
   load_n_m_ = 0.5;  // needs 4.3 A
   peak_current_a_ = 0;
   run(100, kEnable, 90);

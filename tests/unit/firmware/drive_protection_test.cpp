@@ -283,7 +283,7 @@ TEST_F(DriveProtection, H11_AHotWindingGetsLessCurrentAndTheDriveGoesOn) {
     return ask(node_, board_, canopen::sdo(0x601, canopen::sdo_download_command(4), index, sub, bits_of(value))).data[0];
   };
   EXPECT_EQ(write(0x2200, 5, 12.0F), 0x60);
-  EXPECT_EQ(write(0x2200, 6, 2000.0F), 0x60);
+  EXPECT_EQ(ask(node_, board_, canopen::sdo(0x601, canopen::sdo_download_command(4), 0x6083, 0, 2000)).data[0], 0x60);
   EXPECT_EQ(write(0x2230, 5, 10.0F), 0x60);
   enable();
   // To and fro, as hard as it can, for as long as nobody ever will.
@@ -330,53 +330,6 @@ TEST_F(DriveProtection, AResetOverTheBusChangesNothingAboutTheWindingsHeat) {
   begin();
   tick(node_, 10);
   EXPECT_NEAR((values().get<0x2230, 1>()), 900, 10);
-}
-
-// A board that measures its own temperature.
-struct WarmBoard : TestBoard {
-  float board_c = 45;
-  float board_temperature_c() const { return board_c; }
-};
-
-TEST(DriveBoardTemperature, H11_FoldsBackThenRampsDown) {
-  WarmBoard board;
-  DriveNode<WarmBoard> node(board, contract::Node::drive_left);
-  make_operational(node, board);
-  const auto run = [&](int ms, int word) {
-    for (int i = 0; i < ms; ++i) {
-      if (i % 10 == 0) {
-        CanFrame frame{0x201, 6, 0, {}};
-        contract::write_le(&frame.data[0], 2, static_cast<std::uint32_t>(word));
-        node.on_frame(frame);
-      }
-      node.tick_1ms();
-    }
-  };
-  run(30, kOff);
-  run(10, kShutdown);
-  run(10, kSwitchOn);
-  run(20, kEnable);
-  ASSERT_EQ(node.state(), DriveState::operation_enabled);
-  EXPECT_EQ((node.stack().values().get<0x2210>()), 450);
-  EXPECT_EQ(node.current_limit_a(), 6.0F);
-  board.board_c = 77.5F;
-  run(20, kEnable);
-  EXPECT_NEAR(node.current_limit_a(), 6 * 0.65, 0.01);
-  board.board_c = std::numeric_limits<float>::quiet_NaN();
-  run(20, kEnable);
-  EXPECT_NEAR(node.current_limit_a(), 6 * 0.3, 0.01);
-  EXPECT_EQ(node.state(), DriveState::operation_enabled);
-  board.board_c = 91;
-  run(100, kEnable);
-  EXPECT_EQ(node.state(), DriveState::fault);
-  EXPECT_EQ((node.stack().values().get<0x603F>()), 0x4210);
-}
-
-TEST_F(DriveProtection, ABoardWithoutAThermometerIsNotCold) {
-  tick(node_, 20);
-  EXPECT_EQ((values().get<0x2210>()), -2731);
-  enable();
-  EXPECT_EQ(node_.current_limit_a(), 6.0F);
 }
 
 // What breaks while the ramp of an over-speed fault is on its way, and how soon it must end the ramp.

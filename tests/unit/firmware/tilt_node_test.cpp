@@ -182,12 +182,12 @@ TEST_F(TiltTest, OnlyTheBaseSendsRatesUntilAskedTo) {
   const auto write = [&](std::uint32_t value) {
     return ask(strut, board, canopen::sdo(0x611, canopen::sdo_download_command(4), 0x1801, 1, value)).data[0];
   };
-  EXPECT_EQ(write(0x291), 0x60);
+  EXPECT_EQ(write(0x40000291), 0x60);
   EXPECT_EQ(rates(), 1U);
-  EXPECT_EQ(write(0x80000291), 0x60);
+  EXPECT_EQ(write(0xC0000291), 0x60);
   EXPECT_EQ(rates(), 0U);
-  EXPECT_EQ(write(0x292), 0x80);  // another node's id
-  EXPECT_EQ(write(0x291), 0x60);
+  EXPECT_EQ(write(0x40000292), 0x80);  // another node's id
+  EXPECT_EQ(write(0x40000291), 0x60);
   strut.on_frame(canopen::nmt(canopen::NmtCommand::reset_communication, 0));
   make_operational(strut, board);
   EXPECT_EQ(rates(), 0U);  // a switch for one session
