@@ -18,13 +18,14 @@ build_tree build -DCMAKE_BUILD_TYPE=RelWithDebInfo -- firmware || die "the image
 # Sizes of the images
 
 Bytes, as $(arm-none-eabi-g++ -dumpfullversion) of arm-none-eabi-g++ makes them. Flash without the loader in front of it; RAM with vectors,
-mailbox and the reserved stack.
+mailbox and the reserved stack. The stack that an image needs is the sum of its deepest calls and of all interrupts, from its machine code
+(`firmware/cmake/stack_depth.awk`); the build stops when less is reserved.
 
-| image | flash | of | RAM | of | of it stack |
-|---|---|---|---|---|---|
+| image | flash | of | RAM | of | of it stack | needed |
+|---|---|---|---|---|---|---|
 TEXT
-  sort build/firmware/*.size | while read -r name flash flash_most ram ram_most stack; do
-    printf '| %s | %s | %s | %s | %s | %s |\n' "$name" "$flash" "$flash_most" "$ram" "$ram_most" "$stack"
+  sort build/firmware/*.size | while read -r name flash flash_most ram ram_most stack needed; do
+    printf '| %s | %s | %s | %s | %s | %s | %s |\n' "$name" "$flash" "$flash_most" "$ram" "$ram_most" "$stack" "$needed"
   done
 } >firmware/SIZES.gen.md
 sed -n '/^|/p' firmware/SIZES.gen.md

@@ -1,5 +1,5 @@
-# Looks at one finished image: flash and RAM beside their limits, and symbols that have no place in a node. Stops the build on any of them.
-# IMAGE NAME NM SIZE STACK_BYTES FLASH_MAX RAM_MAX OUT
+# Looks at one finished image: flash, RAM and the deepest stack beside their limits, and symbols that have no place in a node. Stops the build on any of them.
+# IMAGE NAME NM SIZE OBJDUMP AWK STACK_BYTES FLASH_MAX RAM_MAX OUT
 execute_process(COMMAND ${SIZE} -A ${IMAGE} OUTPUT_VARIABLE sections COMMAND_ERROR_IS_FATAL ANY)
 set(flash 0)
 set(ram ${STACK_BYTES})
@@ -41,8 +41,26 @@ foreach(pattern IN LISTS forbidden)
     list(APPEND problems "links ${symbol}")
   endforeach()
 endforeach()
-file(WRITE ${OUT} "${NAME} ${flash} ${FLASH_MAX} ${ram} ${RAM_MAX} ${STACK_BYTES}\n")
-message(STATUS "${NAME}: flash ${flash} of ${FLASH_MAX}, RAM ${ram} of ${RAM_MAX} (stack ${STACK_BYTES})")
+# The deepest stack, by the frames and calls of the machine code.
+set(code ${OUT}.code)
+execute_process(COMMAND ${OBJDUMP} -s -j .text ${IMAGE} OUTPUT_FILE ${code} COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${OBJDUMP} -d --no-show-raw-insn ${IMAGE} OUTPUT_VARIABLE instructions COMMAND_ERROR_IS_FATAL ANY)
+file(APPEND ${code} "${instructions}")
+execute_process(
+  COMMAND ${AWK} -f ${CMAKE_CURRENT_LIST_DIR}/stack_depth.awk ${code} OUTPUT_VARIABLE depth OUTPUT_STRIP_TRAILING_WHITESPACE
+  RESULT_VARIABLE unbounded)
+file(REMOVE ${code})
+set(stack_need 0)
+if(unbounded)
+  list(APPEND problems "the stack has no bound: ${depth}")
+else()
+  string(REGEX MATCH "^[0-9]+" stack_need "${depth}")
+  if(stack_need GREATER STACK_BYTES)
+    list(APPEND problems "${STACK_BYTES} bytes of stack, and this path takes ${depth}")
+  endif()
+endif()
+file(WRITE ${OUT} "${NAME} ${flash} ${FLASH_MAX} ${ram} ${RAM_MAX} ${STACK_BYTES} ${stack_need}\n")
+message(STATUS "${NAME}: flash ${flash} of ${FLASH_MAX}, RAM ${ram} of ${RAM_MAX} (stack ${stack_need} of ${STACK_BYTES})")
 if(problems)
   # A finished file would be taken for a good one.
   file(REMOVE ${IMAGE})

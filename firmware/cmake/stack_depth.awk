@@ -53,6 +53,7 @@ function add_literal_edge(register) {
   sub(/>:$/, "", fn)
   name_at[hex_value(substr($1, match($1, /[1-9a-f]/)))] = fn
   delete literal
+  delete positive
   next
 }
 /^ +[0-9a-f]+:\t/ {
@@ -67,7 +68,7 @@ function add_literal_edge(register) {
   if (operation == "add" && operands ~ /^sp, r/) {
     register = substr(operands, 5)
     if (register in literal) big_frames[fn] = big_frames[fn] " " literal[register]
-    else problem("frame of " fn " is not constant")
+    else if (!(register in positive)) problem("frame of " fn " is not constant")
     next
   }
   if (operation ~ /^mov/ && operands ~ /^sp, r[0-6]$/) { problem(fn " sets the stack pointer"); next }
@@ -82,6 +83,9 @@ function add_literal_edge(register) {
   register = operands
   sub(/[^a-z0-9].*$/, "", register)
   delete literal[register]
+  # A number made of movs and lsls is positive: what gives a frame back.
+  if (operation == "movs" && operands ~ /, #/) positive[register] = 1
+  else if (operation != "lsls") delete positive[register]
   if (operation == "ldr" && part[4] operands ~ /@ \([0-9a-f]+ /) {
     address = part[4] operands
     sub(/^.*@ \(/, "", address)

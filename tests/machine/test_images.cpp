@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 
 #include "db/metrics/evaluate.hpp"
@@ -89,6 +90,7 @@ TEST(Images, EachBootsAnswersAndTouchesNothingItMayNot) {
   NEEDS_IMAGES(images);
   Alone alone(images);
   alone.run(1500);
+  std::set<std::uint32_t> serials;
   for (const Box box : kNodes) {
     const std::uint32_t id = id_of(box);
     const std::string name = alone.bench.chip(box).name();
@@ -101,6 +103,10 @@ TEST(Images, EachBootsAnswersAndTouchesNothingItMayNot) {
     const auto product = alone.sdo_read(id, 0x1018, 2);
     EXPECT_TRUE(product.good) << name;
     EXPECT_EQ(product.value & 0x80000000U, 0U) << name;
+    // 1018h:4 out of the chip's own id, another one on each board; 1009h, eight letters: LPC11C24.
+    const auto serial = alone.sdo_read(id, 0x1018, 4);
+    EXPECT_TRUE(serial.good && serial.value != 0 && serials.insert(serial.value).second) << name << ": " << serial.value;
+    EXPECT_EQ(alone.sdo_read(id, 0x1009, 0).value, 8U) << name;
     // An object that does not exist is refused with its code.
     const auto nothing = alone.sdo_read(id, 0x5FFF, 0);
     EXPECT_FALSE(nothing.good) << name;

@@ -127,7 +127,7 @@ int run_bus_scan(std::span<const std::string_view> arguments) {
                       {"hardware", hardware},
                       {"software", software}});
     else
-      std::printf(" %02Xh  %-12s %-16s %-22s %-12s %-10s\n", id, name.c_str(), node_state_text(state),
+      std::printf(" %02Xh  %-12s %-16s %-22s %-12s %-10s\n", id, name.c_str(), node_state_text(state).c_str(),
                   answers || is_host ? device.c_str() : "does not answer", hardware.c_str(), software.c_str());
   }
   if (request->json) std::printf("%s\n", list.dump(2).c_str());

@@ -169,6 +169,43 @@ def case_hoist_bus_read_and_write(sim):
     check("no node" in sim.bus("read", "drive_middle", "1000", code=1), "an unknown node")
 
 
+def case_hoist_bus_tells_states_in_words(sim):
+    words = sim.json("read", "drive_left", "status_word")["words"]
+    check(words.startswith("switch-on disabled, supply"), words)
+    check(sim.json("read", "drive_left", "603F")["words"] == "none", "no error")
+    check("switch-on disabled" in sim.bus("read", "drive_left", "6041"), "for people, too")
+    for name in ("device_name", "1008", "1008h", "0x1008:0"):
+        check(sim.json("read", "drive_left", name)["text"] == "Hoist drive", name)
+    check(sim.json("dump", "tilt_left")["texts"]["device_name"] == "Hoist tilt sensor", "a dump has the names")
+    said = sim.bus("--help")
+    for command in ("scan", "monitor", "read", "write", "dump", "restore", "save", "load-defaults", "emcy", "nmt", "reset-fault", "load", "log"):
+        check(f"\n  {command} " in said, f"{command}: {said}")
+
+
+def case_hoist_bus_monitor(sim):
+    lines = [json.loads(line) for line in sim.bus("monitor", "--seconds", "2", "--json").splitlines()]
+    beats = [line for line in lines if line["name"] == "io_heartbeat"]
+    check(len(beats) >= 2 and all(line["words"]["state"] == "pre-operational" for line in beats), f"{beats}")
+    check(all(0 <= line["time_s"] < 5 for line in lines), "time since the bus was opened")
+    lines = sim.bus("monitor", "--seconds", "2", "--changes", "--only", "tilt_left").splitlines()
+    check(len(lines) == 1 and "711 tilt_left_heartbeat" in lines[0] and "(pre-operational)" in lines[0], f"{lines}")
+    check("usage" in sim.bus("monitor", "--seconds", "never", code=2), "no number")
+
+
+def case_hoist_bus_nmt_and_reset_fault(sim):
+    def states(*words):
+        return {entry["node"]: entry["state"] for entry in sim.json("nmt", *words)}
+    until("one is started", lambda: states("drive_left", "start") == {name: "operational" if name == "drive_left" else "pre-operational" for name in
+          ("drive_left", "drive_right", "io", "tilt_left", "tilt_right", "tilt_base")})
+    until("all are stopped", lambda: set(states("all", "stop").values()) == {"stopped"})
+    until("all are reset", lambda: set(states("all", "reset").values()) == {"pre-operational"})
+    check("usage" in sim.bus("nmt", "drive_left", "fly", code=2), "no such command")
+    check("no node" in sim.bus("nmt", "drive_middle", "start", code=1), "no such node")
+    told = sim.json("reset-fault", "drive_left")
+    check(not told["fault"] and told["code"] == 0 and "switch-on disabled" in told["status"], f"{told}")
+    check("is no drive" in sim.bus("reset-fault", "io", code=1), "not a drive")
+
+
 def case_hoist_bus_dump_restore_save(sim):
     sim.bus("write", "drive_left", "quick_stop_rad_s2", "250")
     dump = sim.json("dump", "drive_left")
@@ -258,7 +295,11 @@ def does_not_write_beside(adapter):
     for words in (("write", "drive_left", "velocity_gain", "0.2"), ("save", "drive_left"), ("load-defaults", "io")):
         done = bus(*words)
         check(done.returncode == 1 and "control computer is at work" in done.stderr, f"{words}: {done.returncode} {done.stderr}")
-    check(b"t60" not in adapter.heard, f"something was asked: {adapter.heard}")
+    # What moves a state is refused whatever is said.
+    for words in (("nmt", "all", "stop"), ("nmt", "drive_left", "reset", "--force"), ("reset-fault", "drive_left", "--force")):
+        done = bus(*words)
+        check(done.returncode == 1 and "control computer is at work" in done.stderr, f"{words}: {done.returncode} {done.stderr}")
+    check(b"t60" not in adapter.heard and b"t000" not in adapter.heard and b"t201" not in adapter.heard, f"something was asked: {adapter.heard}")
     done = bus("write", "drive_left", "velocity_gain", "0.2", "--force")
     check(done.returncode == 1 and "does not answer" in done.stderr, f"forced: {done.returncode} {done.stderr}")
     check(adapter.heard.count(b"t60182300220") == 3, f"asked three times: {adapter.heard}")

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "control/contract/can_dictionary.hpp"
 #include "control/contract/firmware_image.hpp"
 #include "firmware/boards/cortex_m0/ring.hpp"
 #include "firmware/boards/lpc11c24/memory.hpp"
@@ -64,11 +65,18 @@ TEST(Lpc11c24Pins, NoPinHasTwoJobsOnOneBoard) {
   }
 }
 
+// Every limit that 2231h:1 allows must be one that a reading can pass: with 2 % of the divider and 2 % of the reference.
+void expect_over_voltage_measurable(float full_scale_v) {
+  const contract::ObjectInfo* limit = contract::find_object(contract::NodeKind::drive, 0x2231, 1);
+  ASSERT_NE(limit, nullptr);
+  EXPECT_GT(static_cast<double>(full_scale_v), 1.04 * limit->max);
+}
+
 TEST(Lpc11c24Pins, MeasuringRangesHoldWhatTheNodesJudge) {
   using namespace lpc11c24;
   EXPECT_GT(kCurrent_a_per_count * kAdcCounts / 2, 20.0F);  // over-current is at 18 A, both ways
   EXPECT_LT(kCurrent_a_per_count, 0.1F);
-  EXPECT_GT(kBus_v_per_count * kAdcCounts, 32.0F);  // braking into full batteries
+  expect_over_voltage_measurable(kBus_v_per_count * kAdcCounts);
   EXPECT_GT(kBatteryADivider * kAdcReference_v, 15.0F);
   EXPECT_GT(kBatteryBothDivider * kAdcReference_v, 30.0F);
 }
@@ -85,6 +93,12 @@ TEST(Stm32f072Memory, TheLoaderAndTheApplicationMeanTheSamePlaces) {
   EXPECT_EQ(kParametersStart + 2 * kPageBytes, kFlashStart + kFlashBytes);
   EXPECT_EQ(kMailboxBytes, sizeof(Mailbox));
   EXPECT_EQ(kMailboxStart % 8, 0U);  // the stack begins there
+}
+
+TEST(Stm32f072Pins, MeasuringRangesHoldWhatTheNodesJudge) {
+  using namespace stm32f072;
+  EXPECT_GT(kCurrent_a_per_count * kAdcCounts / 2, 20.0F);  // over-current is at 18 A, both ways
+  expect_over_voltage_measurable(kBus_v_per_count * kAdcCounts);
 }
 
 TEST(Stm32f072Pins, NoPinHasTwoJobsOnOneBoard) {

@@ -311,10 +311,50 @@ TEST(Decode, SpeaksOfServicesInWords) {
   EXPECT_EQ(emergency.name, "drive_right_emergency");
   EXPECT_EQ(emergency.fields[0].meaning, "The motor draws too much current");
   EXPECT_DOUBLE_EQ(emergency.fields[2].value, 1099511627775.0);
+  EXPECT_EQ(emergency.fields[1].meaning, "current");
   const DecodedFrame segment = decode_frame({0x581, 8, 0, {0x00, 0x64, 0x60, 0x00, 1, 2, 3, 4}});
   EXPECT_EQ(segment.fields[1].meaning, "") << "data of a segment that look like an index";
   EXPECT_EQ(decode_frame({0x300, 0, 0, {}}).name, "") << "nobody sends that";
   EXPECT_EQ(decode_frame({0x181, 8, CanFrame::kExtended, {}}).name, "") << "a long id is another id";
+}
+
+// CiA 402, statusword and controlword as the standard's tables have them.
+TEST(Decode, StateAndStatusWordsInWords) {
+  const auto words = [](std::uint32_t id, std::initializer_list<int> bytes, std::size_t field) {
+    contract::CanFrame frame{id, static_cast<std::uint8_t>(bytes.size()), 0, {}};
+    std::transform(bytes.begin(), bytes.end(), frame.data.begin(), [](int b) { return static_cast<std::uint8_t>(b); });
+    const DecodedFrame decoded = decode_frame(frame);
+    return field < decoded.fields.size() ? decoded.fields[field].meaning : decoded.problem;
+  };
+  const auto status = [&](int word) { return words(0x181, {word & 0xFF, word >> 8, 0, 0, 0, 0, 0, 0}, 0); };
+  EXPECT_EQ(status(0x0000), "not ready");
+  EXPECT_EQ(status(0x1250), "switch-on disabled, supply, remote, at rest");
+  EXPECT_EQ(status(0x0231), "ready to switch on, supply, remote");
+  EXPECT_EQ(status(0x0233), "switched on, supply, remote");
+  EXPECT_EQ(status(0x06B7), "operation enabled, supply, warning: current limit reduced, remote, target reached");
+  EXPECT_EQ(status(0x0A17), "quick stop active, supply, remote, current limited");
+  EXPECT_EQ(status(0x021F), "fault reaction, supply, remote");
+  EXPECT_EQ(status(0x0208), "fault, remote");
+  const auto control = [&](int word) { return words(0x202, {word & 0xFF, word >> 8, 0, 0, 0, 0}, 0); };
+  EXPECT_EQ(control(0x00), "disable voltage");
+  EXPECT_EQ(control(0x02), "quick stop");
+  EXPECT_EQ(control(0x06), "shutdown");
+  EXPECT_EQ(control(0x07), "switch on");
+  EXPECT_EQ(control(0x0F), "enable operation");
+  EXPECT_EQ(control(0x80), "fault reset");
+  EXPECT_EQ(control(0x10F), "enable operation, halt");
+  EXPECT_EQ(words(0x281, {0, 0, 0, 0, 0x20, 0x32, 0, 0}, 1), "The supply voltage is too low");
+  EXPECT_EQ(words(0x281, {0, 0, 0, 0, 0, 0, 0, 0}, 1), "none");
+  EXPECT_EQ(words(0x191, {0, 0, 0, 0, 0x03, 1}, 2), "valid, converged");
+  EXPECT_EQ(words(0x191, {0, 0, 0, 0, 0x30, 1}, 2), "not valid, self-test failed, sensor missing");
+  EXPECT_EQ(words(0x188, {0x05, 0x01}, 0), "front, left");
+  EXPECT_EQ(words(0x188, {0x05, 0x01}, 1), "emergency stop open");
+  EXPECT_EQ(words(0x188, {0x00, 0x00}, 0), "none pressed");
+  // The same words where an object is asked for, and the reason of an abort.
+  EXPECT_EQ(words(0x581, {0x4B, 0x41, 0x60, 0, 0x08, 0x02, 0, 0}, 3), "fault, remote");
+  EXPECT_EQ(words(0x581, {0x4F, 0x51, 0x22, 0, 0x42, 0, 0, 0}, 3), "current sensor, watchdog");
+  EXPECT_EQ(words(0x588, {0x4F, 0x01, 0x10, 0, 0x11, 0, 0, 0}, 3), "error, communication");
+  EXPECT_NE(words(0x581, {0x80, 0x17, 0x10, 0, 0x30, 0, 0x09, 0x06}, 3), "");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <limits>
 #include <random>
 
+#include "deploy/tools/hoist/drive_fault.hpp"
 #include "tests/unit/firmware/drive_fixture.hpp"
 
 namespace hoist::firmware {
@@ -330,6 +331,36 @@ TEST_F(DriveProtection, AResetOverTheBusChangesNothingAboutTheWindingsHeat) {
   begin();
   tick(node_, 10);
   EXPECT_NEAR((values().get<0x2230, 1>()), 900, 10);
+}
+
+// What `hoist bus reset-fault` sends, one frame each 10 ms and without a computer's heartbeat, to a drive that has just shown a fault.
+TEST_F(DriveProtection, TheToolsResetEndsAFaultAndNothingElse) {
+  heartbeats_ = false;
+  enable();
+  board_.supply_voltage_v = 18;
+  run(30, kEnable, 0);
+  ASSERT_EQ(node_.state(), State::fault);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 1));
+  const auto reset = [&] {
+    board_.sent.clear();
+    for (const CanFrame& frame : tool::fault_reset_frames(1, 0x201)) {
+      node_.on_frame(frame);
+      for (int i = 0; i < 10; ++i) {
+        one_ms();
+        EXPECT_FALSE(board_.bridge_on);
+      }
+    }
+    tick(node_, 100);
+    EXPECT_EQ(node_.stack().state(), NmtState::pre_operational);
+  };
+  reset();
+  EXPECT_EQ(node_.state(), State::fault) << "the supply is still low";
+  board_.supply_voltage_v = 24;
+  tick(node_, 5);
+  reset();
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+  EXPECT_EQ(error_code(), 0);
+  EXPECT_EQ(emergencies(), std::vector{0x0000}) << "the end of the fault, and no missed deadline";
 }
 
 // What breaks while the ramp of an over-speed fault is on its way, and how soon it must end the ramp.
