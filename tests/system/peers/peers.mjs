@@ -243,16 +243,16 @@ const cases = {
     await withNode('io', 8, async ({ node, master, seen }) => {
       master.start();
       await until('pre-operational', () => seen.states.length > 0);
-      equal(await upload(master, 8, 0x1800, 1, DataType.UNSIGNED32), 0x188, '1800h:1');
+      equal(await upload(master, 8, 0x1800, 1, DataType.UNSIGNED32), 0x40000188, '1800h:1');
       equal(await upload(master, 8, 0x1a00, 1, DataType.UNSIGNED32), 0x60000108, '1A00h:1');
-      await download(master, 8, 0x1800, 1, DataType.UNSIGNED32, 0x1aa);
+      await download(master, 8, 0x1800, 1, DataType.UNSIGNED32, 0x400001aa);
       await download(master, 8, 0x1800, 5, DataType.UNSIGNED16, 0);
       master.nmt.startNode(8);
       await until('operational', () => seen.states.some(([, state]) => state === NmtState.OPERATIONAL));
       node.write({ set: 'bumpers', value: 5 });
       await until('the PDO with the new id', () => node.withId(0x1aa).some(({ data }) => data[0] === 5));
       equal(node.withId(0x188).length, 0, 'PDOs with the old id');
-      equal(await abortOf(download(master, 8, 0x1800, 1, DataType.UNSIGNED32, 0x188)), 0x08000022, 'setting it under way');
+      equal(await abortOf(download(master, 8, 0x1800, 1, DataType.UNSIGNED32, 0x40000188)), 0x08000022, 'setting it under way');
     });
   },
 

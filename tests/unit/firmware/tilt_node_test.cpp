@@ -67,7 +67,7 @@ class TiltTest : public ::testing::Test {
 
 TEST_F(TiltTest, ConvergesAfterTwoStillSecondsAndNotBefore) {
   at_angle(5 * kDegree, -3 * kDegree);
-  cycles(199);
+  cycles(200);  // what the 200th still sample ends shows in the next one
   EXPECT_EQ(status(), kValid);
   cycles(1);
   EXPECT_EQ(status(), kValid | kConverged);
@@ -89,7 +89,7 @@ TEST_F(TiltTest, AnyMotionBeginsTheStillTimeAnew) {
   alpha_rate_ = 0;
   cycles(195);
   EXPECT_EQ(status(), kValid);  // 350 cycles, but never 200 still ones in a row
-  cycles(6);
+  cycles(7);
   EXPECT_EQ(status(), kValid | kConverged);
   EXPECT_NEAR((node_.stack().values().get<0x2101, 1>()), 0.02, 0.001);
 }
@@ -113,7 +113,7 @@ TEST_F(TiltTest, AMissingSampleBeginsTheStillTimeAnew) {
   board_.imu_fresh = false;
   cycles(1);
   board_.imu_fresh = true;
-  cycles(199);
+  cycles(200);
   EXPECT_EQ(status(), kValid);
   cycles(1);
   EXPECT_EQ(status(), kValid | kConverged);
@@ -129,7 +129,7 @@ TEST_F(TiltTest, ASensorThatRepeatsItselfIsNotStill) {
   }
   EXPECT_EQ(status(), kValid);
   alpha_bias_ = 0.02F;
-  cycles(200);
+  cycles(201);
   EXPECT_EQ(status(), kValid | kConverged);
   EXPECT_NEAR((node_.stack().values().get<0x2101, 1>()), 0.02, 0.001);
 }
