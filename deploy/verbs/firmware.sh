@@ -1,9 +1,9 @@
 # shellcheck shell=bash
 # cross-compiles the Cortex-M0 images and checks their size
 #
-# Images land in build/firmware/ as hoist-NODE-CHIP.elf and .bin. The build stops when one is too large or links what a node must not
-# have (heap, printf, exceptions, 64-bit division, doubles); firmware/SIZES.gen.md is written anew, and firmware/MACHINE.gen.md with what
-# the LPC11C24 images cost on the model of their chip (tests/machine).
+# Images land in build/firmware/ as hoist-NODE-CHIP.elf and .bin. The build stops when one is too large, may need more stack than
+# it has, or links what a node must not have (heap, printf, exceptions, 64-bit division, doubles); firmware/SIZES.gen.md is written anew,
+# and firmware/MACHINE.gen.md with what the LPC11C24 images cost on the model of their chip (tests/machine).
 # options: --no-setup   leave the machine as it is
 common_options firmware "$@"
 setup build firmware

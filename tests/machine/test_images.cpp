@@ -280,7 +280,8 @@ TEST(Walking, ALapOfTheEightByMachineCode) {
     EXPECT_EQ(chip.core().hard_faults(), 0U) << chip.name();
     // No millisecond was longer than one with a flash that keeps up, and with the slowest flash half of the processor is still free on average.
     const CortexM0::Work& work = chip.core().work();
-    EXPECT_LT(work.worst_without_waits, kMillisecond) << chip.name();
+    // A tenth of a millisecond is left even if every fetch from flash waits.
+    EXPECT_LT(work.worst_cycles, kMillisecond * 9 / 10) << chip.name();
     EXPECT_LT(work.total_cycles, work.ticks * kMillisecond * 3 / 4) << chip.name();
     EXPECT_GT(chip.core().lowest_sp(), stack_low(images, box) + kStackSpare) << chip.name();
   }

@@ -19,14 +19,17 @@ namespace hoist::core::test {
 
 inline constexpr double kDeg = std::numbers::pi / 180.0;
 
+// 1018h:3 of the table: what a node's program of today says.
+inline constexpr auto kRevision = static_cast<std::uint32_t>(contract::find_object(contract::NodeKind::tilt, 0x1018, 3)->default_value);
+
 struct FakeNode {
   bool silent = false;  // unplugged
   contract::canopen::NmtState nmt = contract::canopen::NmtState::pre_operational;
   bool booted = false;
   std::vector<std::pair<std::uint32_t, float>> written;  // index << 8 | sub, value
   std::uint32_t sdo_requests = 0;
-  std::uint32_t revision = 0x00010000;  // of its program
-  std::uint32_t garble = 0;             // bits that the line turns over in its next answer about 1018h:garbled_sub
+  std::uint32_t revision = kRevision;  // of its program
+  std::uint32_t garble = 0;            // bits that the line turns over in its next answer about 1018h:garbled_sub
   std::uint8_t garbled_sub = 2;
   bool sdo_deaf = false;
   bool sdo_aborts = false;

@@ -236,7 +236,7 @@ TEST(Modes, EveryGuardOfAStartRefusesAndNamesItself) {
        }},
       {"a node that follows other rules", Refusal::node_version,
        [](ScriptedHoist& h) {
-         h.tilt_left.revision = 0x00020000;
+         h.tilt_left.revision = kRevision + 0x00010000;
          h.state.master.meet_all_again();
          h.step(60);
        }},
@@ -287,7 +287,7 @@ TEST(Modes, OneGarbledAnswerKeepsNoNodeFromWork) {
 
 TEST(Modes, ANewerProgramOfTheSameRulesIsWelcome) {
   ScriptedHoist hoist = in_mode(Mode::standby);
-  hoist.tilt_left.revision = 0x00010003;
+  hoist.tilt_left.revision = kRevision + 3;
   hoist.state.master.meet_all_again();
   hoist.step(60);
   EXPECT_EQ(hoist.ask_mode(Mode::user), 0U);
