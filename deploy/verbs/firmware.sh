@@ -19,7 +19,7 @@ build_tree build -DCMAKE_BUILD_TYPE=RelWithDebInfo -- firmware || die "the image
 
 Bytes, as $(arm-none-eabi-g++ -dumpfullversion) of arm-none-eabi-g++ makes them. Flash without the loader in front of it; RAM with vectors,
 mailbox and the reserved stack. The stack that an image needs is the sum of its deepest calls and of all interrupts, from its machine code
-(`firmware/cmake/stack_depth.awk`); the build stops when less is reserved.
+(\`firmware/cmake/stack_depth.awk\`); the build stops when less is reserved.
 
 | image | flash | of | RAM | of | of it stack | needed |
 |---|---|---|---|---|---|---|
