@@ -1082,7 +1082,9 @@ void Lpc11c24::write_gpio(unsigned number, std::uint32_t offset, std::uint32_t v
     const std::uint32_t before = port.out;
     port.out = (port.out & ~mask) | (value & mask);
     if (interlock_ && number == interlock_->port && ((before ^ port.out) & (1U << interlock_->bit)) != 0) {
-      if (pin(interlock_->enable_port, interlock_->enable_bit) && match_output(interlock_->while_port, interlock_->while_bit))
+      const bool enabled = pin(interlock_->enable_port, interlock_->enable_bit);
+      interlock_changes_ += enabled ? 1 : 0;
+      if (enabled && match_output(interlock_->while_port, interlock_->while_bit))
         violation("direction of the bridge changed while its PWM output is high");
     }
     update_pins();

@@ -130,6 +130,8 @@ class Lpc11c24 : private PeripheralBus {
     unsigned enable_port, enable_bit;
   };
   void set_interlock(const Interlock& interlock) { interlock_ = interlock; }
+  /// How often that output changed while the third one was high.
+  [[nodiscard]] std::uint64_t interlock_changes() const { return interlock_changes_; }
   void forget_violations() { violations_.clear(); }
   [[nodiscard]] std::uint64_t resets(ResetCause cause) const { return resets_[static_cast<std::size_t>(cause)]; }
   [[nodiscard]] std::uint32_t clock_hz() const { return clock_hz_; }
@@ -199,6 +201,7 @@ class Lpc11c24 : private PeripheralBus {
 
   std::string name_;
   std::optional<Interlock> interlock_;
+  std::uint64_t interlock_changes_ = 0;
   std::vector<std::uint8_t> flash_, ram_;
   std::unique_ptr<CortexM0> core_;
   Complain complain_;
