@@ -41,7 +41,7 @@ struct App::Parts {
         core(settings.socket_path, counters),
         firmware(core),
         recorder(core.link(), {.file = settings.db_path, .version = std::string{kVersion}, .utc_ns = &utc_ns, .steady_ns = &steady_ns}),
-
+        records(recorder, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
         timer(io),
         goodbye(io) {}
 
@@ -94,6 +94,7 @@ struct App::Parts {
   CoreDesk core;
   FirmwareDesk firmware;
   Recorder recorder;
+  RecorderDesk records;
   Hub hub;
   std::unique_ptr<Auth> auth;
   std::unique_ptr<Services> services;
@@ -108,11 +109,13 @@ struct App::Parts {
 App::App(Settings settings) : parts_(std::make_unique<Parts>(std::move(settings))) {}
 
 App::~App() {
-  // Jobs hold calls, and calls hold connections: the recorder ends first, then nothing is left that could post.
+  // The recorder's thread ends first: then nothing posts any more. Whatever waits is answered and every connection goes while all that
+  // it uses is still there.
   Parts& p = *parts_;
   p.recorder.stop();
   p.core.set_listener(nullptr);
   p.core.close();
+  if (p.listener) p.listener->drop();
   p.io.restart();
   p.io.poll();
 }
@@ -131,9 +134,9 @@ bool App::start(std::string& error) {
                                 .firmware = p.firmware,
                                 .hub = p.hub,
                                 .recorder = p.recorder,
+                                .records = p.records,
                                 .now_ns = &steady_ns,
                                 .utc_ns = &utc_ns,
-                                .post = [&io = p.io](std::function<void()> work) { asio::post(io, std::move(work)); },
                                 .next_client = [&p] { return ++p.last_client; },
                                 .started_utc_ns = utc_ns(),
                                 .started_ns = steady_ns()});

@@ -1,4 +1,4 @@
-// What every handler may use. Owned by App; all of it is touched by the network thread only (the recorder guards itself).
+// What every handler may use. Owned by App; all of it is touched by the network thread only.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -10,6 +10,7 @@
 #include "server/link/core_desk.hpp"
 #include "server/link/firmware_desk.hpp"
 #include "server/record/recorder.hpp"
+#include "server/record/recorder_desk.hpp"
 #include "server/settings.hpp"
 
 namespace hoist::server {
@@ -25,10 +26,10 @@ struct Services {
   CoreDesk& core;
   FirmwareDesk& firmware;
   Hub& hub;
-  Recorder& recorder;
+  Recorder& recorder;     // its state
+  RecorderDesk& records;  // work for its thread
   std::function<std::uint64_t()> now_ns;            // steady
   std::function<std::int64_t()> utc_ns;             // wall
-  std::function<void(std::function<void()>)> post;  // runs something on the network thread; the only member that any thread may call
   std::function<std::uint32_t()> next_client;       // numbers for connections and REST sessions, never used twice
   std::string base_url = {};                        // http://127.0.0.1:8080
   std::int64_t started_utc_ns = 0;

@@ -86,7 +86,7 @@ function countBrowser(file) {
 }
 
 for (const folder of process.argv.slice(2)) {
-  const prefix = basename(folder) === 'sanitize' ? 'sanitized ' : '';
+  const prefix = { sanitize: 'sanitized ', thread: 'threads ' }[basename(folder)] ?? '';
   countCtest(folder, prefix);
   const read = (name, count) => existsSync(join(folder, name)) && count(join(folder, name));
   read('vitest.json', countVitest);

@@ -19,17 +19,38 @@ new_results() {
 # record_step RESULTS passed|failed|skipped NAME [REASON]
 record_step() { printf '%s\t%s\t%s\n' "$2" "$3" "${4:-}" >>"$1/steps.tsv"; }
 
-# run_ctest BUILD_FOLDER RESULTS FILTER: a failing program's whole output is shown; its failure is counted by the tally.
+# run_ctest BUILD_FOLDER RESULTS FILTER [COMMAND...]: COMMAND starts ctest. A failing program's whole output is shown; its failure is counted by the tally.
 run_ctest() {
   local folder=$1 results=$2 filter=$3 size
+  shift 3
   say "running the C++ tests of $folder/"
   # ctest cuts long outputs of failing programs by default; we want all of it (10 MB is more than any prints).
   size=10000000
   ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1} \
     UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1} \
     GTEST_BRIEF=${GTEST_BRIEF:-1} GTEST_OUTPUT="xml:$results/gtest/" \
-    ctest --test-dir "$folder" -j "$(build_jobs)" --timeout "$ctest_timeout_s" --output-on-failure \
+    "$@" ctest --test-dir "$folder" -j "$(build_jobs)" --timeout "$ctest_timeout_s" --output-on-failure \
     --test-output-size-failed "$size" -R "$filter" --output-junit "$results/ctest.xml" </dev/null || return 0
+}
+
+# The programs in which two threads share something: the server with its recorder, and the shared memory between core and server.
+thread_targets=(test_server test_publish)
+
+# run_thread_tests RESULTS: builds and runs them under ThreadSanitizer. A race makes the program end badly, which the tally counts.
+run_thread_tests() {
+  local results=$1 filter fixed=()
+  if ! command -v clang++ >/dev/null; then
+    record_step "$results" skipped "ThreadSanitizer" "no clang++ on this machine"
+    return 0
+  fi
+  if ! build_threads "${thread_targets[@]}"; then
+    record_step "$results" failed "build with ThreadSanitizer" "see above"
+    return 0
+  fi
+  # clang 14's runtime ends at once where the kernel randomises addresses by more bits than it knows.
+  if setarch -R true 2>/dev/null; then fixed=(setarch -R); fi
+  filter=$(IFS='|' && echo "${thread_targets[*]}")
+  run_ctest build/thread "$results" "^($filter)\$" "${fixed[@]}"
 }
 
 run_web_tests() {

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# format, lint, layer rules, generated files, sanitized build, all tests: what CI runs
+# format, lint, layer rules, generated files, sanitized builds, all tests: what CI runs
 #
 # Static checks count as one case each in the closing line `N passed, N failed, N skipped`.
 # options: --no-setup   leave the machine as it is
@@ -12,6 +12,7 @@ common_options check "$@"
 setup build test firmware check
 static=$(new_results static)
 sanitized=$(new_results sanitize)
+threads=$(new_results thread)
 normal=$(new_results tests)
 
 # step NAME COMMAND...: one static check; its output is shown when it fails.
@@ -61,4 +62,5 @@ if build_sanitized; then
 else
   record_step "$static" failed "sanitized build" "see above"
 fi
-tally "$static" "$normal" "$sanitized"
+run_thread_tests "$threads"
+tally "$static" "$normal" "$sanitized" "$threads"

@@ -1,6 +1,5 @@
 #include "server/api/call.hpp"
 
-#include <exception>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -25,20 +24,10 @@ void Call::respond(Response response) {
   std::exchange(answer_, nullptr)(std::move(response));
 }
 
+Problem recorder_busy() { return {.status = 503, .name = "busy", .title = "The recorder is busy", .detail = "Try again in a moment."}; }
+
 void in_background(const CallPtr& call, std::function<Response(Records&)> work) {
-  Services& services = call->services;
-  auto job = [held = call, work = std::move(work), post = services.post, path = call->request.path](Records& records) mutable {
-    Response response;
-    try {
-      response = work(records);
-    } catch (const std::exception&) {
-      response = problem_response(kUnfinished, path);
-    }
-    // The call belongs to the network thread and must also end there.
-    post([held = std::move(held), answer = std::move(response)]() mutable { held->respond(std::move(answer)); });
-  };
-  if (!services.recorder.run(std::move(job)))
-    call->fail({.status = 503, .name = "busy", .title = "The recorder is busy", .detail = "Try again in a moment."});
+  ask_recorder<Response>(call, std::move(work), [call](Response response) { call->respond(std::move(response)); });
 }
 
 }  // namespace hoist::server

@@ -35,7 +35,15 @@ class Call {
 };
 using CallPtr = std::shared_ptr<Call>;
 
-// Runs `work` on the recorder's thread and answers with what it returns. `work` must not touch the call.
+[[nodiscard]] Problem recorder_busy();
+
+// Runs `work` on the recorder's thread and gives what it returns to `then`, which answers the call. `work` must hold plain values only, not
+// the call (recorder_desk.hpp).
+template <typename Result>
+void ask_recorder(const CallPtr& call, std::function<Result(Records&)> work, std::function<void(Result)> then) {
+  if (!call->services.records.ask<Result>(std::move(work), std::move(then))) call->fail(recorder_busy());
+}
+// The same for work that makes the whole answer.
 void in_background(const CallPtr& call, std::function<Response(Records&)> work);
 
 }  // namespace hoist::server

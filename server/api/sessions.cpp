@@ -265,34 +265,44 @@ void get_metrics(const CallPtr& call) {
   });
 }
 
+namespace {
+// One piece per job, so that recording and other jobs go on between the pieces.
+PieceSource pieces_of(RecorderDesk& records, RecorderDesk::ExportHandle held) {
+  return [&records, held = std::move(held)](std::function<void(PieceState, std::string)> done) {
+    using Piece = std::pair<PieceState, std::string>;
+    const auto next = [id = *held](Records& on_thread) -> Piece {
+      std::string text;
+      const auto more = on_thread.export_piece(id, text);
+      return {!more ? PieceState::failed : *more ? PieceState::more : PieceState::last, std::move(text)};
+    };
+    if (!records.ask<Piece>(next, [done](Piece piece) { done(piece.first, std::move(piece.second)); })) done(PieceState::failed, "");
+  };
+}
+}  // namespace
+
 void export_session(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
   const std::string format = query(*call, "format").value_or("csv");
   const auto wanted = db::find_export_format(format);
   if (!wanted) return call->fail(bad_query("format", "must be csv, events or json", {}, {}));
-  Recorder& recorder = call->services.recorder;
-  auto post = call->services.post;
-  in_background(call, [id = *id, wanted = *wanted, path = call->request.path, &recorder, post](Records& records) -> Response {
-    db::Database* database = records.database();
-    if (database == nullptr) return no_database(records.why(), path);
-    auto opened = db::SessionExport::open(*database, id, {.format = wanted, .columns = {}, .comments = true});
-    if (!opened) return store_error(opened.error(), path);
+  struct Opened {
     Response response;
-    response.content_type = opened->content_type();
-    response.set("Content-Disposition", "attachment; filename=\"" + opened->file_name() + "\"");
-    // The export lives on the recorder's thread, one piece per job, so that recording and other jobs go on between the pieces.
-    auto held = std::make_shared<db::SessionExport>(std::move(*opened));
-    response.next_piece = [held, &recorder, post](std::function<void(PieceState, std::string)> done) {
-      const bool taken = recorder.run([held, post, done](Records&) {
-        std::string piece;
-        const auto more = held->next_chunk(piece);
-        const PieceState state = !more ? PieceState::failed : *more ? PieceState::more : PieceState::last;
-        post([done, state, text = std::move(piece)]() mutable { done(state, std::move(text)); });
-      });
-      if (!taken) done(PieceState::failed, "");
-    };
-    return response;
+    ExportId id = 0;  // 0 = none: `response` says why
+  };
+  const auto open = [id = *id, wanted = *wanted, path = call->request.path](Records& records) -> Opened {
+    if (records.database() == nullptr) return {no_database(records.why(), path)};
+    const auto opened = records.open_export(id, {.format = wanted, .columns = {}, .comments = true});
+    if (!opened) return {store_error(opened.error(), path)};
+    Opened out{.response = {}, .id = opened->id};
+    out.response.content_type = opened->content_type;
+    out.response.set("Content-Disposition", "attachment; filename=\"" + opened->file_name + "\"");
+    return out;
+  };
+  ask_recorder<Opened>(call, open, [call](Opened opened) {
+    RecorderDesk& records = call->services.records;
+    if (opened.id != 0) opened.response.next_piece = pieces_of(records, records.hold(opened.id));
+    call->respond(std::move(opened.response));
   });
 }
 

@@ -128,6 +128,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (!busy_) drop();
   }
 
+  void drop() {
+    beast::error_code ignored;
+    deadline_.cancel();
+    socket_.close(ignored);
+  }
+
  private:
   using Parser = http::request_parser<http::string_body>;
 
@@ -145,12 +151,6 @@ class Connection : public std::enable_shared_from_this<Connection> {
       else
         self->drop();
     });
-  }
-
-  void drop() {
-    beast::error_code ignored;
-    deadline_.cancel();
-    socket_.close(ignored);
   }
 
   // The first request's header must arrive within five seconds of connecting; later ones within five seconds of their first byte.
@@ -542,6 +542,12 @@ void Listener::close() {
   shared_->pause.cancel();
   for (const auto& weak : shared_->connections)
     if (const auto connection = weak.lock()) connection->end();
+}
+
+void Listener::drop() {
+  close();
+  for (const auto& weak : shared_->connections)
+    if (const auto connection = weak.lock()) connection->drop();
 }
 
 std::size_t Listener::connections() const { return shared_->open; }

@@ -37,6 +37,8 @@ class Listener {
   std::uint16_t open(const std::string& address, std::uint16_t port, std::string& error);
   // No new connections; idle ones end, answers under way get a moment.
   void close();
+  // Closes what is still open; the connections go with the next turn of the network thread.
+  void drop();
   [[nodiscard]] std::size_t connections() const;
 
   struct Shared;

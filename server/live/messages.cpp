@@ -157,8 +157,7 @@ void marker(Client& client, const json& message) {
     refuse_fields(client, message, {{"text", "must be text of at most 500 bytes", {}, {}, 500.0}});
     return;
   }
-  auto answer = [done = reply_to(client, message), post = services.post](Outcome outcome) { post([done, outcome] { done(outcome); }); };
-  const bool taken = services.recorder.run([answer, words = text.get<std::string>()](Records& records) {
+  const auto work = [words = text.get<std::string>()](Records& records) {
     const RecordingStatus status = records.status();
     Outcome outcome;
     if (!status.session) {
@@ -168,14 +167,14 @@ void marker(Client& client, const json& message) {
       outcome.kind = Outcome::Kind::unreachable;
       outcome.detail = stored.error().message;
     }
-    answer(outcome);
-  });
-  if (!taken) {
-    Outcome outcome;
-    outcome.kind = Outcome::Kind::unreachable;
-    outcome.detail = "The recorder is busy.";
-    reply_to(client, message)(outcome);
-  }
+    return outcome;
+  };
+  const OutcomeDone done = reply_to(client, message);
+  if (services.records.ask<Outcome>(work, done)) return;
+  Outcome busy;
+  busy.kind = Outcome::Kind::unreachable;
+  busy.detail = "The recorder is busy.";
+  done(busy);
 }
 
 void stream(Client& client, const json& message) {

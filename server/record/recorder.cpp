@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -115,6 +116,15 @@ class Recorder::Work final : public Records {
     pass();
     if (session_open()) end(db::CloseReason::server_stopped);
     tell();
+    // Here and not in the destructor, which runs on another thread.
+    exports_.clear();
+    writer_.reset();
+    reading_.reset();
+    writing_.reset();
+  }
+
+  void close_exports(const std::vector<ExportId>& ids) {
+    for (const ExportId id : ids) exports_.erase(id);
   }
 
   // ---- Records
@@ -147,6 +157,19 @@ class Recorder::Work final : public Records {
     if (!stored) return stored;
     const auto durable = writer_->commit();
     return durable ? db::Status{} : db::Status{durable.error()};
+  }
+  db::Result<OpenedExport> open_export(db::SessionId session, const db::ExportOptions& options) override {
+    if (!reading_) return db::Error{db::ErrorKind::io, error_, ""};
+    auto opened = db::SessionExport::open(*reading_, session, options);
+    if (!opened) return opened.error();
+    const ExportId id = ++last_export_;
+    const auto& [at, fresh] = exports_.emplace(id, std::move(*opened));
+    return OpenedExport{.id = id, .content_type = at->second.content_type(), .file_name = at->second.file_name()};
+  }
+  db::Result<bool> export_piece(ExportId id, std::string& out) override {
+    const auto at = exports_.find(id);
+    if (at == exports_.end()) return db::Error{db::ErrorKind::wrong_state, "This export is closed.", ""};
+    return at->second.next_chunk(out);
   }
 
  private:
@@ -514,6 +537,8 @@ class Recorder::Work final : public Records {
   std::optional<db::Database> writing_;
   std::optional<db::Database> reading_;
   std::optional<db::SessionWriter> writer_;
+  std::map<ExportId, db::SessionExport> exports_;  // after reading_, whose statements they hold
+  ExportId last_export_ = 0;
   std::string error_;
   std::optional<TickRecord> last_;
   std::uint64_t last_life_ = 0;
@@ -584,10 +609,16 @@ bool Recorder::run(Job job) {
   return true;
 }
 
+void Recorder::close_export(ExportId id) {
+  const std::lock_guard lock(mutex_);
+  closed_exports_.push_back(id);
+}
+
 void Recorder::main() {
   work_->open();
   while (true) {
     Job job;
+    std::vector<ExportId> closed;
     bool ending = false;
     {
       std::unique_lock lock(mutex_);
@@ -596,9 +627,11 @@ void Recorder::main() {
         job = std::move(jobs_.front());
         jobs_.pop_front();
       }
+      closed.swap(closed_exports_);
       ending = ending_ && !job;
     }
     if (ending) break;
+    work_->close_exports(closed);
     work_->pass();
     if (job) job(*work_);
   }

@@ -11,9 +11,11 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "control/contract/shared_memory.hpp"
 #include "control/publish/server_link.hpp"
+#include "db/export/session_export.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/session_types.hpp"
 
@@ -39,6 +41,13 @@ struct RecordingStatus {
   bool operator==(const RecordingStatus&) const = default;
 };
 
+// An export under way, by number: the object itself stays on the recorder's thread.
+using ExportId = std::uint64_t;
+struct OpenedExport {
+  ExportId id = 0;
+  std::string content_type, file_name;
+};
+
 // What a job may use, on the recorder's thread only. `database` is null while it cannot be opened; `why` says why.
 class Records {
  public:
@@ -49,6 +58,10 @@ class Records {
   virtual db::Status end_manual() = 0;
   virtual db::Status marker(db::SessionId session, std::string_view text) = 0;
   virtual RecordingStatus status() = 0;
+  // Needs a database. The export stays open until Recorder::close_export or the recorder's end.
+  virtual db::Result<OpenedExport> open_export(db::SessionId session, const db::ExportOptions& options) = 0;
+  // Replaces `out` by the next piece. False at the end.
+  virtual db::Result<bool> export_piece(ExportId id, std::string& out) = 0;
 };
 
 class Recorder {
@@ -82,8 +95,11 @@ class Recorder {
   // What the next motion walks, as stored in the database; nothing = free.
   void set_exercise(std::optional<std::string> exercise_json);
   [[nodiscard]] RecordingStatus status() const;
-  // False when too many wait; then the job is not run.
+  // False when too many wait; then the job is not run. A job and all that it holds is destroyed on the recorder's thread: nothing that
+  // belongs to another thread may be in it (recorder_desk.hpp).
   [[nodiscard]] bool run(Job job);
+  // Never refused, however many jobs wait.
+  void close_export(ExportId id);
 
  private:
   class Work;
@@ -94,6 +110,7 @@ class Recorder {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Job> jobs_;
+  std::vector<ExportId> closed_exports_;
   bool ending_ = false;
   RecordingStatus status_;
   contract::ParamsInForce parameters_{};

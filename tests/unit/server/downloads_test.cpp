@@ -1,0 +1,139 @@
+// Downloads that clients break off, beside others who list sessions and a walk that is being recorded. ThreadSanitizer watches the same test
+// for objects that one thread destroys while another uses them (deploy/dev check).
+#include <arpa/inet.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <thread>
+
+#include "tests/support/seeds.hpp"
+#include "tests/unit/server/fixture.hpp"
+
+namespace hoist::test {
+namespace {
+
+using contract::Mode;
+
+constexpr int kDownloaders = 4;
+// Sanitized programs are ten times slower and see a wrong thread at the first occasion.
+constexpr int kBrokenOff = tests::seeds_for(10'000, 800);
+
+// A connection that ends with a reset, so that the server's next write fails and no port stays in TIME_WAIT.
+class Downloader {
+ public:
+  Downloader(std::uint16_t port, const std::string& request) : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(port);
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const linger at_once{.l_onoff = 1, .l_linger = 0};
+    ::setsockopt(fd_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+    asked_ = ::connect(fd_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0 &&
+             ::send(fd_, request.data(), request.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(request.size());
+  }
+  ~Downloader() { ::close(fd_); }
+  Downloader(const Downloader&) = delete;
+  Downloader& operator=(const Downloader&) = delete;
+
+  [[nodiscard]] bool asked() const { return asked_; }
+  // What is there of the next piece; empty when nothing comes.
+  std::string take() {
+    pollfd ready{.fd = fd_, .events = POLLIN, .revents = 0};
+    std::array<char, 4096> bytes;
+    if (::poll(&ready, 1, 10'000) != 1) return {};
+    const ssize_t count = ::recv(fd_, bytes.data(), bytes.size(), 0);
+    return {bytes.data(), count > 0 ? static_cast<std::size_t>(count) : 0};
+  }
+
+ private:
+  int fd_;
+  bool asked_ = false;
+};
+
+class Downloads : public ServerTest {
+ protected:
+  void set_mode(Mode mode) {
+    core_->set([mode](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(mode); });
+  }
+  bool wait_state(const char* state) {
+    return until([&] { return get("/api/v1/recording").json()["state"] == state; });
+  }
+  // One recorded session of half a minute: several pieces of CSV.
+  void record_a_session() {
+    set_mode(Mode::user);
+    ASSERT_TRUE(wait_state("recording"));
+    core_->skip(3000);
+    set_mode(Mode::standby);
+    core_->skip(400);
+    ASSERT_TRUE(wait_state("idle"));
+  }
+  [[nodiscard]] std::string export_request(const char* format) const {
+    return "GET /api/v1/sessions/1/export?format=" + std::string(format) + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
+           "\r\nAuthorization: " + bearer_.front().second + "\r\n\r\n";
+  }
+  // Breaks off right after the request, within the head, or within the body, in turn; the number of downloads that were answered.
+  int break_off(int count) const {
+    const std::array requests{export_request("csv"), export_request("json"), export_request("events")};
+    int answered = 0;
+    for (int i = 0; i < count; ++i) {
+      Downloader one(port_, requests[static_cast<std::size_t>(i) % requests.size()]);
+      if (!one.asked()) continue;
+      const int reads = (i / 3) % 3;
+      if (reads == 0) ++answered;
+      for (int k = 0; k < reads; ++k)
+        if (const std::string bytes = one.take(); k == 0 && bytes.starts_with("HTTP/1.1 200")) ++answered;
+    }
+    return answered;
+  }
+};
+
+TEST_F(Downloads, TenThousandBrokenOffBesideListsAndAWalk_H30) {
+  record_a_session();
+  set_mode(Mode::user);
+  ASSERT_TRUE(wait_state("recording"));
+  std::atomic<bool> over{false};
+  std::atomic<int> answered{0}, listed{0}, refused{0};
+  std::vector<std::thread> clients;
+  for (int i = 0; i < kDownloaders; ++i) clients.emplace_back([&] { answered += break_off(kBrokenOff / kDownloaders); });
+  std::vector<std::thread> listers;
+  for (int i = 0; i < 2; ++i)
+    listers.emplace_back([&] {
+      while (!over) ++(http(port_, "GET", "/api/v1/sessions", bearer_).status == 200 ? listed : refused);
+    });
+  for (std::thread& client : clients) client.join();
+  over = true;
+  for (std::thread& lister : listers) lister.join();
+
+  EXPECT_EQ(answered, kBrokenOff);
+  EXPECT_GT(listed, 0);
+  EXPECT_EQ(refused, 0);
+  EXPECT_TRUE(until([&] { return get("/api/v1/status").json()["counters"]["http_requests"].get<int>() > kBrokenOff; }));
+  const json now = get("/api/v1/recording").json();
+  EXPECT_EQ(now["state"], "recording") << now;
+  set_mode(Mode::standby);
+  core_->skip(400);
+  ASSERT_TRUE(wait_state("idle"));
+  const json walk = get("/api/v1/sessions/2").json();
+  EXPECT_EQ(walk["close_reason"], "finished") << walk;
+  EXPECT_EQ(walk["gaps"], 0) << walk;
+  EXPECT_EQ(get("/api/v1/sessions/1/export?format=csv").status, 200) << "whole downloads still work";
+}
+
+// Connections go before what they use: the recorder, whose exports they hold, and the network itself.
+TEST_F(Downloads, TheServerEndsInTheMiddleOfDownloads) {
+  record_a_session();
+  for (int round = 0; round < 20; ++round) {
+    std::vector<std::unique_ptr<Downloader>> under_way;
+    for (int i = 0; i < 8; ++i) under_way.push_back(std::make_unique<Downloader>(port_, export_request("csv")));
+    EXPECT_TRUE(under_way.front()->take().starts_with("HTTP/1.1 200"));
+    stop_server();
+    start_server();
+  }
+  EXPECT_EQ(get("/api/v1/sessions/1/export?format=csv").status, 200);
+}
+
+}  // namespace
+}  // namespace hoist::test
