@@ -5,6 +5,7 @@ import re
 import signal
 import sqlite3
 import sys
+import threading
 import time
 import traceback
 
@@ -31,6 +32,19 @@ def attack(leaves):
         return function
 
     return register
+
+
+def beside(count, function):
+    """Starts threads that call function(number) beside the attack. They yield to the programs: an attacker has a computer of his own."""
+
+    def yielding(number):
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 10)
+        function(number)
+
+    threads = [threading.Thread(target=yielding, args=(number,)) for number in range(count)]
+    for thread in threads:
+        thread.start()
+    return threads
 
 
 class Busy(Failed):

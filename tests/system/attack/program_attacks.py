@@ -8,7 +8,7 @@ import threading
 import time
 
 from driving_attacks import drive
-from ground import attack, check, check_safe, until
+from ground import attack, beside, check, check_safe, until
 from wire import Line, request
 
 SEED = 20261124
@@ -155,9 +155,7 @@ def everything_at_once(ground):
             except OSError:
                 time.sleep(0.01)
 
-    threads = [threading.Thread(target=worker, args=(i,)) for i in range(8)]
-    for thread in threads:
-        thread.start()
+    threads = beside(8, worker)
     time.sleep(5.0)
     over.set()
     for thread in threads:
