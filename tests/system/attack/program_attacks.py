@@ -153,7 +153,8 @@ def everything_at_once(ground):
                 line.read_some(chance.random() * 0.02)
                 line.reset()
             except OSError:
-                time.sleep(0.01)
+                pass
+            time.sleep(0.02)  # this computer must also be the machine
 
     threads = beside(8, worker)
     time.sleep(5.0)
