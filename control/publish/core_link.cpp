@@ -25,39 +25,65 @@ std::unique_ptr<CoreLink> CoreLink::create(const std::string& socket_path, std::
   write_header(link->state().header, contract::kStateMagic, sizeof(StateSegment), start_time_ns, start_utc_ns);
   if (socket_path.empty()) return link;
 
+  link->socket_path_ = socket_path;
+  if (!link->listen(error)) return nullptr;
+  return link;
+}
+
+bool CoreLink::listen(std::string& error) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  if (socket_path.size() >= sizeof address.sun_path) {
-    error = "the socket path is longer than " + std::to_string(sizeof address.sun_path - 1) + " characters: " + socket_path;
-    return nullptr;
+  if (socket_path_.size() >= sizeof address.sun_path) {
+    error = "the socket path is longer than " + std::to_string(sizeof address.sun_path - 1) + " characters: " + socket_path_;
+    return false;
   }
-  std::memcpy(address.sun_path, socket_path.data(), socket_path.size());
-  Descriptor listener(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  std::memcpy(address.sun_path, socket_path_.data(), socket_path_.size());
+  const auto* name = reinterpret_cast<const sockaddr*>(&address);
   struct stat there {};
-  if (::lstat(socket_path.c_str(), &there) == 0 && !S_ISSOCK(there.st_mode)) {
-    error = socket_path + " exists and is no socket: it stays, choose another path";
-    return nullptr;
+  if (::lstat(socket_path_.c_str(), &there) == 0 && !S_ISSOCK(there.st_mode)) {
+    error = socket_path_ + " exists and is no socket: it stays, choose another path";
+    return false;
   }
   // A left-over socket of a core that died is taken over; one where a core still listens is not, also when it stands still and its queue is full.
   Descriptor probe(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (probe && (::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 || errno == EAGAIN)) {
-    error = "another hoist-control already listens on " + socket_path;
-    return nullptr;
+  if (probe && (::connect(probe.get(), name, sizeof address) == 0 || errno == EAGAIN)) {
+    error = "another hoist-control already listens on " + socket_path_;
+    return false;
   }
-  ::unlink(socket_path.c_str());
-  if (!listener || ::bind(listener.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      ::chmod(socket_path.c_str(), 0660) != 0 || ::listen(listener.get(), 2) != 0) {
-    error = "cannot listen on " + socket_path + ": " + std::strerror(errno);
-    return nullptr;
+  ::unlink(socket_path_.c_str());
+  Descriptor listener(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  // Only programs of this user attach (serve).
+  if (!listener || ::bind(listener.get(), name, sizeof address) != 0 || ::chmod(socket_path_.c_str(), 0600) != 0 ||
+      ::lstat(socket_path_.c_str(), &there) != 0 || ::listen(listener.get(), 2) != 0) {
+    error = "cannot listen on " + socket_path_ + ": " + std::strerror(errno);
+    return false;
   }
-  link->listener_ = std::move(listener);
-  link->socket_path_ = socket_path;
-  return link;
+  socket_device_ = there.st_dev;
+  socket_inode_ = there.st_ino;
+  listener_ = std::move(listener);
+  return true;
+}
+
+bool CoreLink::owns_path() const {
+  struct stat there {};
+  return ::lstat(socket_path_.c_str(), &there) == 0 && there.st_dev == socket_device_ && there.st_ino == socket_inode_;
+}
+
+std::string CoreLink::mend_socket() {
+  if (socket_path_.empty() || owns_path()) return {};
+  std::string problem;
+  if (listen(problem)) {
+    socket_problem_.clear();
+    return socket_path_ + " was deleted and is there again";
+  }
+  if (problem == socket_problem_) return {};
+  socket_problem_ = problem;
+  return "no server can attach: " + problem;
 }
 
 CoreLink::~CoreLink() {
   detach();
-  if (!socket_path_.empty()) ::unlink(socket_path_.c_str());
+  if (!socket_path_.empty() && owns_path()) ::unlink(socket_path_.c_str());
 }
 
 void CoreLink::publish_tick(const contract::TickRecord& record) noexcept { ring_write(state().ticks, record); }
@@ -128,6 +154,7 @@ void CoreLink::detach() {
 }
 
 std::string CoreLink::serve(int timeout_ms) {
+  if (std::string news = mend_socket(); !news.empty()) return news;
   pollfd wait[2] = {{listener_.get(), POLLIN, 0}, {peer_.get(), POLLIN, 0}};
   if (::poll(wait, peer_ ? 2 : 1, timeout_ms) <= 0) return {};
   if (peer_ && wait[1].revents != 0) {

@@ -42,7 +42,8 @@ class CoreLink {
   bool read_drive(contract::DriveCommand& command) noexcept;
 
   // ---- helper thread
-  // Waits up to timeout_ms for something to do; returns a line for the log when something happened, else an empty string.
+  // Waits up to timeout_ms for something to do; returns a line for the log when something happened, else an empty string. A socket that was
+  // deleted from its folder is made anew: no server could find this core any more.
   std::string serve(int timeout_ms);
   // Maps a command segment directly, for programs that hold both ends (tests, benchmarks).
   bool attach(int command_fd, std::string& error);
@@ -53,12 +54,17 @@ class CoreLink {
 
  private:
   CoreLink() = default;
+  bool listen(std::string& error);
+  [[nodiscard]] bool owns_path() const;
+  std::string mend_socket();
   [[nodiscard]] contract::StateSegment& state() const { return *state_.mapping->as<contract::StateSegment>(); }
 
   OwnedSegment state_;
   std::string socket_path_;
   Descriptor listener_, peer_;
-  std::shared_ptr<Mapping> command_;  // helper thread's hold on the attached segment
+  std::uint64_t socket_device_ = 0, socket_inode_ = 0;  // of the socket that this core made at socket_path_
+  std::string socket_problem_;                          // as told last
+  std::shared_ptr<Mapping> command_;                    // helper thread's hold on the attached segment
 
   // The swap: the helper publishes a pointer and waits until the control thread is not inside begin()..end() before it unmaps.
   std::atomic<const contract::CommandSegment*> offered_{nullptr};

@@ -85,13 +85,15 @@ bool ServerLink::ask() {
   const Hello hello{contract::kCommandMagic, contract::layout_hash(), 0, {}};
   if (!send_hello(socket.get(), hello, offered_.descriptor.get(), error_)) return false;
   asked_ = std::move(socket);
+  asked_ns_ = steady_now_ns();
   return true;
 }
 
 bool ServerLink::take_answer() {
   pollfd wait{asked_.get(), POLLIN, 0};
   if (::poll(&wait, 1, 0) != 1) {
-    error_ = kSilent;
+    // The sentence before stays while the answer may still come, so that a refusal that repeats is one.
+    if (steady_now_ns() - asked_ns_ >= kTryEachNs) error_ = kSilent;
     return false;
   }
   Descriptor socket = std::move(asked_);

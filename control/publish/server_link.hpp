@@ -43,6 +43,7 @@ class ServerLink {
   [[nodiscard]] std::uint64_t life() const { return life_; }
   [[nodiscard]] std::uint64_t start_time_ns() const { return life_; }
   [[nodiscard]] std::int64_t start_utc_ns() const { return start_utc_ns_; }
+  // Why no core is attached, in a sentence; empty while one is, and before the first attempt has ended.
   [[nodiscard]] const std::string& last_error() const { return error_; }
 
   void beat() noexcept;
@@ -69,6 +70,7 @@ class ServerLink {
   std::shared_ptr<SharedState> shared_ = std::make_shared<SharedState>();
   Descriptor peer_;
   OwnedSegment command_;
+  std::uint64_t asked_ns_ = 0;
   Descriptor asked_;      // a connection whose answer has not come yet,
   OwnedSegment offered_;  // and what it was offered
   std::shared_ptr<Mapping> state_;

@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <thread>
@@ -139,6 +140,37 @@ TEST(Link, ASecondServerIsRefusedWithAReason) {
   EXPECT_TRUE(first.poll_connect());
 }
 
+// The core lives on and is found again by a server that comes later.
+TEST(Link, ASocketThatWasDeletedIsMadeAnew) {
+  const std::string path = temporary_socket();
+  ServedCore core(path);
+  {
+    ServerLink first(path);
+    ASSERT_TRUE(attach(first));
+    std::filesystem::remove(path);
+    EXPECT_TRUE(first.poll_connect()) << "who is attached stays so";
+  }
+  ServerLink second(path);
+  EXPECT_TRUE(attach(second)) << second.last_error();
+  EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms(0600));
+}
+
+TEST(Link, ASocketOfAnotherCoreIsLeftAloneAndNamed) {
+  const std::string path = temporary_socket();
+  std::string error;
+  auto first = CoreLink::create(path, 1000, 5, error);
+  ASSERT_NE(first, nullptr) << error;
+  std::filesystem::remove(path);
+  auto second = CoreLink::create(path, 1001, 5, error);
+  ASSERT_NE(second, nullptr) << error;
+  EXPECT_NE(first->serve(0).find("another hoist-control already listens on " + path), std::string::npos);
+  EXPECT_EQ(first->serve(0), "") << "said once";
+  first.reset();
+  EXPECT_TRUE(std::filesystem::exists(path)) << "it is the other one's";
+  second.reset();
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
 TEST(Link, AFileThatIsNoSocketStays) {
   const std::string path = temporary_socket();
   std::ofstream(path) << "precious";
@@ -161,7 +193,7 @@ TEST(Link, ACoreThatStandsStillHoldsNobodyUp) {
   std::vector<std::unique_ptr<ServerLink>> servers;
   for (int i = 0; i < 8; ++i) {
     servers.push_back(std::make_unique<ServerLink>(path));
-    for (int k = 0; k < 100; ++k) EXPECT_FALSE(servers.back()->poll_connect());
+    for (int k = 0; k < 100 || servers.back()->last_error().empty(); ++k) ASSERT_FALSE(servers.back()->poll_connect());
     EXPECT_EQ(servers.back()->last_error(), "the core does not answer");
   }
   ::alarm(0);
