@@ -5,6 +5,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <filesystem>
+#include <iostream>
 #include <utility>
 
 #include "server/api/actions.hpp"
@@ -30,6 +31,17 @@ std::uint64_t steady_ns() {
   return static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
 }
+// Also of a database that an earlier version or a copy left readable for others: SQLite gives the two files beside it the same mode.
+void make_private(const std::filesystem::path& database) {
+  using std::filesystem::perms;
+  std::error_code ignored;
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    const std::filesystem::path file = database.string() + suffix;
+    if (std::filesystem::is_regular_file(file, ignored))
+      std::filesystem::permissions(file, perms::owner_read | perms::owner_write, ignored);
+  }
+}
+
 std::int64_t utc_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
@@ -66,6 +78,10 @@ struct App::Parts {
   void poll() {
     const std::uint64_t now = steady_ns();
     core.poll(now);
+    if (const std::string_view problem = core.problem(); problem != told_problem) {
+      told_problem = problem;
+      std::cerr << "hoist-server: " << (problem.empty() ? "the control core is connected" : problem) << std::endl;
+    }
     firmware.poll(now);
     hub.poll(now);
     // A lease taken over REST has no connection that could end: it is given back when its session falls silent.
@@ -103,6 +119,7 @@ struct App::Parts {
   asio::steady_timer goodbye;
   std::uint64_t next_ns = 0;
   std::uint32_t last_client = 0;
+  std::string told_problem;  // why the core is not connected, as told last
   bool ending = false;
 };
 
@@ -144,6 +161,7 @@ bool App::start(std::string& error) {
   p.core.set_listener(&p.hub);
   std::error_code ignored;
   if (p.settings.db_path.has_parent_path()) std::filesystem::create_directories(p.settings.db_path.parent_path(), ignored);
+  make_private(p.settings.db_path);
   if (const db::Status claimed = p.recorder.claim(); !claimed && claimed.error().kind == db::ErrorKind::busy) {
     error = claimed.error().message;
     return false;

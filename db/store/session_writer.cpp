@@ -693,6 +693,13 @@ Status SessionWriter::append_marker(std::uint64_t tick, std::int64_t utc_ns, std
   return {};
 }
 
+Status SessionWriter::store_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text) {
+  if (Status taken = append_marker(tick, utc_ns, text); !taken) return taken;
+  Status written = state_->write_all();
+  if (!written) state_->markers.pop_back();
+  return written;
+}
+
 Status SessionWriter::append_utc_anchor(std::uint64_t time_ns, std::int64_t utc_ns) {
   State& s = *state_;
   if (s.session == 0) return no_session();

@@ -8,7 +8,7 @@ namespace hoist::server {
 namespace {
 const Problem kUnfinished{
     .status = 500, .name = "internal", .title = "Something went wrong in the server", .detail = "Try again; if it stays, call service."};
-}
+}  // namespace
 
 Call::~Call() {
   if (answer_) {
@@ -27,7 +27,12 @@ void Call::respond(Response response) {
 Problem recorder_busy() { return {.status = 503, .name = "busy", .title = "The recorder is busy", .detail = "Try again in a moment."}; }
 
 void in_background(const CallPtr& call, std::function<Response(Records&)> work) {
-  ask_recorder<Response>(call, std::move(work), [call](Response response) { call->respond(std::move(response)); });
+  ask_recorder<Response>(
+      call,
+      [work = std::move(work), path = call->request.path](Records& records) {
+        return records.late() ? problem_response(recorder_busy(), path) : work(records);
+      },
+      [call](Response response) { call->respond(std::move(response)); });
 }
 
 }  // namespace hoist::server

@@ -23,8 +23,15 @@ std::string iso_utc(std::int64_t utc_ns) {
 
 void get_status(const CallPtr& call) {
   const Services& s = call->services;
-  json core{{"connected", s.core.connected()}, {"mode", nullptr}, {"faults", json::array()}, {"blocked", json::array()},
-            {"standing_still", nullptr},       {"tick", nullptr}, {"bus", nullptr}};
+  const std::string_view problem = s.core.problem();
+  json core{{"connected", s.core.connected()},
+            {"problem", problem.empty() ? json(nullptr) : json(problem)},
+            {"mode", nullptr},
+            {"faults", json::array()},
+            {"blocked", json::array()},
+            {"standing_still", nullptr},
+            {"tick", nullptr},
+            {"bus", nullptr}};
   bool simulated = s.settings.scenario.has_value();
   if (const auto& newest = s.core.newest(); newest && s.core.connected()) {
     simulated = newest->simulated != 0;

@@ -22,8 +22,8 @@ std::string_view schemas_text() {
 "Done": {"type": "object", "required": ["ok"], "properties": {"ok": {"const": true}}, "additionalProperties": false},
 "Status": {"type": "object", "required": ["version", "started", "simulated", "scenario", "core", "recording", "lease", "clients", "counters", "server"], "properties": {
   "version": {"type": "string"}, "started": {"type": "string"}, "simulated": {"type": "boolean"}, "scenario": {"type": ["string", "null"]},
-  "core": {"type": "object", "required": ["connected", "mode", "faults", "blocked", "standing_still", "tick", "bus"], "properties": {"connected": {"type": "boolean"},
-    "mode": {"type": ["string", "null"]}, "faults": {"type": "array", "items": {"type": "string"}}, "blocked": {"type": "array", "items": {"type": "string"}},
+  "core": {"type": "object", "required": ["connected", "problem", "mode", "faults", "blocked", "standing_still", "tick", "bus"], "properties": {"connected": {"type": "boolean"},
+    "problem": {"type": ["string", "null"]}, "mode": {"type": ["string", "null"]}, "faults": {"type": "array", "items": {"type": "string"}}, "blocked": {"type": "array", "items": {"type": "string"}},
     "standing_still": {"type": ["boolean", "null"]}, "tick": {"type": ["integer", "null"]},
     "bus": {"type": ["object", "null"], "required": ["frames", "refused"], "properties": {"frames": {"type": "integer"}, "refused": {"type": "integer"}}}}, "additionalProperties": false},
   "recording": {"$ref": "#/components/schemas/Recording"},

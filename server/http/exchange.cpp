@@ -1,5 +1,8 @@
 #include "server/http/exchange.hpp"
 
+#include <algorithm>
+#include <array>
+
 namespace hoist::server {
 
 std::string_view method_name(Method method) {
@@ -34,6 +37,10 @@ std::string_view Request::header(std::string_view name) const {
 }
 
 namespace {
+bool equal_ignoring_case(std::string_view text, std::string_view lower_case) {
+  return std::ranges::equal(text, lower_case, [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+}
+
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
@@ -84,9 +91,30 @@ bool parse_target(std::string_view target, Request& request) {
     auto value =
         equals == std::string_view::npos ? std::optional<std::string>{std::string{}} : percent_decode(field.substr(equals + 1), true);
     if (!name || !value) return false;
-    request.query[std::move(*name)] = std::move(*value);
+    if (!request.query.try_emplace(std::move(*name), std::move(*value)).second) return false;
   }
   return true;
+}
+
+std::string_view header_fault(const HeaderFields& fields, bool version_10) {
+  // Of these a second one would be believed by one reader and not by another.
+  static constexpr auto kOnce = std::to_array<std::string_view>({"authorization", "content-encoding", "content-length", "content-type",
+                                                                 "cookie", "expect", "host", "origin", "sec-websocket-key",
+                                                                 "sec-websocket-version", "transfer-encoding", "x-hoist", "x-hoist-lease"});
+  std::uint32_t seen = 0;
+  static_assert(kOnce.size() <= 32);
+  for (const auto& [name, value] : fields) {
+    const auto once = std::ranges::find(kOnce, name);
+    if (once == kOnce.end()) continue;
+    const std::uint32_t bit = 1U << static_cast<unsigned>(once - kOnce.begin());
+    if ((seen & bit) != 0) return "A header field that may come once comes twice.";
+    seen |= bit;
+    if (name == "content-length" && (value.empty() || value.find_first_not_of("0123456789") != std::string::npos))
+      return "Content-Length must be one plain number.";
+    if (name == "transfer-encoding" && (version_10 || !equal_ignoring_case(value, "chunked")))
+      return "Transfer-Encoding can only be chunked, once, in HTTP/1.1.";
+  }
+  return {};
 }
 
 namespace {

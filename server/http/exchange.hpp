@@ -19,7 +19,7 @@ enum class Method : std::uint8_t { get, head, post, put, patch, del, other };
 struct Request {
   Method method = Method::other;
   std::string path;                            // percent-decoded, without the query
-  std::map<std::string, std::string> query;    // percent-decoded; the last of equal names counts
+  std::map<std::string, std::string> query;    // percent-decoded
   std::map<std::string, std::string> headers;  // names in lower case; equal names joined with ", "
   std::string body;
   std::string address;  // of the peer
@@ -29,8 +29,13 @@ struct Request {
   [[nodiscard]] std::string_view header(std::string_view name) const;
 };
 
-// Splits a request target into path and query and decodes both. False: not an absolute path, a broken %-escape, a NUL, or more than
-// kQueryFieldLimit fields.
+// What makes a request ambiguous, in a sentence, or nothing: a field that may come once comes twice, a length that is no plain number, a
+// transfer coding other than one "chunked" (what is unknown would end the body elsewhere than its sender means). Names in lower case.
+using HeaderFields = std::vector<std::pair<std::string, std::string>>;
+[[nodiscard]] std::string_view header_fault(const HeaderFields& fields, bool version_10);
+
+// Splits a request target into path and query and decodes both. False: not an absolute path, a broken %-escape, a NUL, a query field that is
+// named twice, or more than kQueryFieldLimit of them.
 inline constexpr std::size_t kQueryFieldLimit = 32;
 [[nodiscard]] bool parse_target(std::string_view target, Request& request);
 [[nodiscard]] std::optional<std::string> percent_decode(std::string_view text, bool plus_is_space);

@@ -11,6 +11,11 @@ std::optional<nlohmann::json> parse_json(std::string_view text, JsonError& error
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
+    // The parser takes a zero byte for the end of the text and would not look at what follows.
+    if (c == '\0') {
+      error = {i + 1, "not valid JSON"};
+      return std::nullopt;
+    }
     if (in_string) {
       if (c == '\\')
         ++i;

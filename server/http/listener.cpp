@@ -29,6 +29,9 @@ using tcp = asio::ip::tcp;
 
 class Connection;
 
+// What a connection may ask for.
+enum class Seat : std::uint8_t { ordinary, signed_in, stop };
+
 struct Listener::Shared {
   Shared(asio::io_context& io_in, Services& services_in) : io(io_in), services(services_in), acceptor(io_in), pause(io_in) {}
   asio::io_context& io;
@@ -36,8 +39,9 @@ struct Listener::Shared {
   tcp::acceptor acceptor;
   asio::steady_timer pause;
   bool closing = false;
-  // Every socket that came through the door and is still open, WebSockets included.
+  // Open HTTP connections, and WebSockets (those in their handshake included).
   std::size_t open = 0;
+  std::size_t live = 0;
   std::map<std::string, std::size_t> per_address;
   std::list<std::weak_ptr<Connection>> connections;
 };
@@ -52,6 +56,11 @@ std::shared_ptr<void> take_seat(const std::shared_ptr<Listener::Shared>& shared,
     const auto at = shared->per_address.find(address);
     if (at != shared->per_address.end() && --at->second == 0) shared->per_address.erase(at);
   });
+}
+
+std::shared_ptr<void> take_live_seat(const std::shared_ptr<Listener::Shared>& shared) {
+  ++shared->live;
+  return std::shared_ptr<void>(nullptr, [shared](void*) { --shared->live; });
 }
 
 const Problem kNoSeat{.status = 503,
@@ -104,9 +113,10 @@ std::string head_of(const Response& response, bool keep, bool chunked, std::opti
 
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(std::shared_ptr<Listener::Shared> shared, tcp::socket socket, std::string address, std::shared_ptr<void> seat, bool reserved)
-      : reserved_(reserved),
-        unjudged_(reserved),
+  Connection(std::shared_ptr<Listener::Shared> shared, tcp::socket socket, std::string address, std::shared_ptr<void> seat, Seat kind)
+      : kind_(kind),
+        reserved_(kind != Seat::ordinary),
+        unjudged_(reserved_),
         shared_(std::move(shared)),
         socket_(std::move(socket)),
         deadline_(shared_->io),
@@ -115,8 +125,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void start() { read_header(reserved_ ? kReservedHeaderTime_s : kHeaderTime_s); }
 
-  // On a reserved seat and nobody knows yet for whom: the first to go when such a seat is needed.
-  [[nodiscard]] bool unjudged() const { return unjudged_ && socket_.is_open(); }
+  // On a reserved seat, without having shown that it may sit there: the first to go when such a seat is needed.
+  [[nodiscard]] bool unjudged(Seat kind) const { return kind_ == kind && unjudged_ && socket_.is_open(); }
   void leave() {
     drop();
     seat_.reset();
@@ -198,12 +208,21 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return;
     }
     busy_ = true;
+    if (const std::string_view fault = read_head(); !fault.empty()) {
+      refuse_as_malformed(std::string{fault});
+      return;
+    }
     if (reserved_ && !may_enter()) {
       shared_->services.counters.add(Count::connections_refused_address_limit);
       send_refusal(kNoSeat);
       return;
     }
     unjudged_ = false;
+    // STOP looks at no body, so a slow one does not hold its seat.
+    if (kind_ == Seat::stop) {
+      handle();
+      return;
+    }
     if (!beast::iequals(parser_->get()[http::field::content_type], "application/octet-stream")) {
       body_limit_ = kBodyLimit_bytes;
       parser_->body_limit(kBodyLimit_bytes);
@@ -257,7 +276,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
       drop();
       return;
     }
-    Problem problem{.status = 400, .name = "bad-request", .title = "The request cannot be read", .detail = error.message()};
+    Problem problem;
     if (error == http::error::header_limit) {
       counters.add(Count::http_refused_header_too_large);
       problem = {.status = 431,
@@ -271,68 +290,84 @@ class Connection : public std::enable_shared_from_this<Connection> {
                  .title = "The body is too large",
                  .detail = "At most " + std::to_string(body_limit_) + " bytes."};
     } else {
-      counters.add(Count::http_refused_malformed);
+      refuse_as_malformed(error.message());
+      return;
     }
     send_refusal(problem);
+  }
+
+  void refuse_as_malformed(std::string detail) {
+    shared_->services.counters.add(Count::http_refused_malformed);
+    send_refusal({.status = 400, .name = "bad-request", .title = "The request cannot be read", .detail = std::move(detail)});
   }
 
   // Answers a request that nobody handles, then closes.
   void send_refusal(const Problem& problem) {
     shared_->services.counters.add(Count::http_requests);
-    shared_->services.counters.add(Count::http_refused);
-    keep_ = false;
     head_only_ = false;
     busy_ = true;
+    close_with(problem);
+  }
+
+  void close_with(const Problem& problem) {
+    shared_->services.counters.add(Count::http_refused);
+    keep_ = false;
     Response response = problem_response(problem, "");
     if (problem.status == 503) response.set("Retry-After", "2");
     send(std::move(response));
   }
 
-  // Whether a reserved seat is for this request: of somebody who is signed in, or with a fresh link, or to say STOP.
+  // Whether a reserved seat is for this request: of a client that is signed in, or with a fresh link; the last ones only for STOP.
   bool may_enter() {
-    Request request;
-    if (!read_request(request)) return false;
+    if (!readable_) return false;
     Services& services = shared_->services;
     const auto utc_s = static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000);
-    const auto token = request.query.find("token");
-    const bool link = request.path == "/" && token != request.query.end() && same_secret(token->second, services.auth.link_token());
-    return link || services.auth.find_for_stop(request, utc_s) != nullptr;
+    if (kind_ == Seat::stop && (request_.method != Method::post || request_.path != "/api/v1/stop")) return false;
+    const auto token = request_.query.find("token");
+    const bool link = request_.path == "/" && token != request_.query.end() && same_secret(token->second, services.auth.link_token());
+    return link || services.auth.find_for_stop(request_, utc_s) != nullptr;
   }
 
-  // Header and target of what the parser has read. False when the target cannot be read.
-  bool read_request(Request& request) {
+  // Takes over the header before the body comes, since Beast adds the fields of a trailer to it, which must not sign anybody in. What is wrong
+  // with it, or nothing.
+  std::string_view read_head() {
     const auto& message = parser_->get();
-    request.address = address_;
-    request.method = parse_method({message.method_string().data(), message.method_string().size()});
-    for (const auto& field : message) {
-      std::string name = lower({field.name_string().data(), field.name_string().size()});
-      const std::string_view value{field.value().data(), field.value().size()};
-      auto [at, fresh] = request.headers.try_emplace(std::move(name), value);
+    std::vector<std::pair<std::string, std::string>> fields;
+    for (const auto& field : message)
+      fields.emplace_back(lower({field.name_string().data(), field.name_string().size()}),
+                          std::string{field.value().data(), field.value().size()});
+    version_10_ = message.version() < 11;
+    // A reserved seat is for one request, so that there is always one soon.
+    keep_ = message.keep_alive() && !reserved_;
+    request_ = Request{};
+    request_.address = address_;
+    request_.method = parse_method({message.method_string().data(), message.method_string().size()});
+    request_.wants_upgrade = beast::websocket::is_upgrade(message) && parser_->is_done();
+    head_only_ = request_.method == Method::head;
+    readable_ = parse_target({message.target().data(), message.target().size()}, request_);
+    const std::string_view fault = header_fault(fields, version_10_);
+    for (auto& [name, value] : fields) {
+      auto [at, fresh] = request_.headers.try_emplace(std::move(name), value);
       if (!fresh) at->second.append(", ").append(value);
     }
-    request.wants_upgrade = beast::websocket::is_upgrade(message);
-    return parse_target({message.target().data(), message.target().size()}, request);
+    return fault;
   }
 
   void handle() {
-    const auto& message = parser_->get();
-    // A reserved seat is for one request, so that there is always one soon.
-    keep_ = message.keep_alive() && !ending_ && !reserved_;
-    version_10_ = message.version() < 11;
-    Request request;
-    const bool readable = read_request(request);
-    head_only_ = request.method == Method::head;
-    if (!readable) {
+    if (ending_) keep_ = false;
+    if (!readable_) {
       shared_->services.counters.add(Count::http_refused_malformed);
-      send(problem_response(
-          {.status = 400, .name = "bad-target", .title = "The address cannot be read", .detail = "It must be a path with valid %-escapes."},
-          ""));
+      send(problem_response({.status = 400,
+                             .name = "bad-target",
+                             .title = "The address cannot be read",
+                             .detail = "It must be a path with valid %-escapes, and name no query field twice."},
+                            ""));
       return;
     }
-    request.body = parser_->get().body();
+    request_.body = std::move(parser_->get().body());
     // The core's answer is bounded at half a second and the recorder's by its queue; the time limit is for the client's side.
     limit_time(kIdleTime_s);
-    dispatch(shared_->services, std::move(request), [self = shared_from_this()](Response response) { self->send(std::move(response)); });
+    dispatch(shared_->services, std::move(request_), [self = shared_from_this()](Response response) { self->send(std::move(response)); });
   }
 
   void send(Response response) {
@@ -426,15 +461,22 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void upgrade(Response response) {
+    if (shared_->live >= kLiveLimit) {
+      shared_->services.counters.add(Count::connections_refused_total_limit);
+      close_with(kNoSeat);
+      return;
+    }
     deadline_.cancel();
     // Bytes that came after the request belong to the WebSocket; no client of ours sends any before our answer.
     if (buffer_.size() > 0) {
       drop();
       return;
     }
-    adopt_socket(shared_->services.hub, std::move(socket_), parser_->release(), std::move(response.upgrade), std::move(seat_));
+    adopt_socket(shared_->services.hub, std::move(socket_), parser_->release(), std::move(response.upgrade), take_live_seat(shared_));
+    seat_.reset();
   }
 
+  Seat kind_;
   bool reserved_;
   bool unjudged_;
   bool reading_ = false;
@@ -447,6 +489,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::size_t body_limit_ = kImageLimit_bytes;  // of the request that is being read
   beast::flat_buffer buffer_{kHeaderLimit_bytes + kBodyLimit_bytes};
   std::optional<Parser> parser_;
+  Request request_;        // what its header says; the body follows
+  bool readable_ = false;  // its target
   std::string outgoing_;
   std::string scrap_;
   PieceSource pieces_;
@@ -457,6 +501,31 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool busy_ = false;
   bool ending_ = false;
 };
+
+namespace {
+// The earliest connection of this kind that has said nothing yet leaves, so that silence keeps no client out.
+bool make_room(Listener::Shared& shared, Seat kind) {
+  for (const auto& weak : shared.connections) {
+    const auto held = weak.lock();
+    if (!held || !held->unjudged(kind)) continue;
+    shared.services.counters.add(Count::connections_refused_total_limit);
+    held->leave();
+    return true;
+  }
+  return false;
+}
+
+// The seat of a new connection; nothing when all are taken.
+std::optional<Seat> find_seat(Listener::Shared& shared, const std::string& address) {
+  shared.connections.remove_if([](const auto& weak) { return weak.expired(); });
+  const auto at = shared.per_address.find(address);
+  const bool greedy = at != shared.per_address.end() && at->second >= kAddressLimit;
+  if (!greedy && shared.open < kConnectionLimit - kReservedSeats) return Seat::ordinary;
+  if (shared.open < kConnectionLimit - kStopSeats || make_room(shared, Seat::signed_in)) return Seat::signed_in;
+  if (shared.open < kConnectionLimit || make_room(shared, Seat::stop)) return Seat::stop;
+  return std::nullopt;
+}
+}  // namespace
 
 Listener::Listener(asio::io_context& io, Services& services) : shared_(std::make_shared<Shared>(io, services)) {}
 Listener::~Listener() { close(); }
@@ -496,22 +565,8 @@ void Listener::accept() {
     Counters& counters = shared->services.counters;
     beast::error_code ignored;
     const std::string address = socket.remote_endpoint(ignored).address().to_string();
-    const auto at = shared->per_address.find(address);
-    const bool greedy = at != shared->per_address.end() && at->second >= kAddressLimit;
-    const bool reserved = greedy || shared->open >= kConnectionLimit - kReservedSeats;
-    shared->connections.remove_if([](const auto& weak) { return weak.expired(); });
-    // All reserved seats taken: who has said nothing yet makes room, the earliest first, so that silence never keeps anybody out.
-    if (shared->open >= kConnectionLimit) {
-      const auto silent = std::ranges::find_if(shared->connections, [](const auto& weak) {
-        const auto held = weak.lock();
-        return held && held->unjudged();
-      });
-      if (silent != shared->connections.end()) {
-        counters.add(Count::connections_refused_total_limit);
-        silent->lock()->leave();
-      }
-    }
-    if (shared->open >= kConnectionLimit) {
+    const std::optional<Seat> kind = find_seat(*shared, address);
+    if (!kind) {
       counters.add(Count::connections_refused_total_limit);
       Response response = problem_response(kNoSeat, "");
       response.set("Retry-After", "2");
@@ -526,7 +581,7 @@ void Listener::accept() {
       counters.add(Count::connections_accepted);
       socket.set_option(tcp::no_delay(true), ignored);
       auto seat = take_seat(shared, address);
-      auto connection = std::make_shared<Connection>(shared, std::move(socket), address, std::move(seat), reserved);
+      auto connection = std::make_shared<Connection>(shared, std::move(socket), address, std::move(seat), *kind);
       shared->connections.push_back(connection);
       connection->start();
     }

@@ -13,11 +13,14 @@ class io_context;
 
 namespace hoist::server {
 
-// Limits of research safety H31: one slow or hungry address must not keep others out.
+// Limits of research safety H31: one slow or hungry address must not keep others out. Seats of HTTP connections:
 inline constexpr std::size_t kConnectionLimit = 64;
 inline constexpr std::size_t kAddressLimit = 16;
-// Of all connections; for one request each of those who are signed in, whoever else sits at the door. STOP comes in here, too.
+// The last of all seats are for one request each of a client that is signed in, and the very last of these for STOP only.
 inline constexpr std::size_t kReservedSeats = 16;
+inline constexpr std::size_t kStopSeats = 4;
+// WebSockets have seats of their own: an upgrade gives the HTTP seat back, so that no number of them keeps a request out.
+inline constexpr std::size_t kLiveLimit = 64;
 inline constexpr std::size_t kHeaderLimit_bytes = 8 * 1024;
 inline constexpr std::size_t kBodyLimit_bytes = 64 * 1024;
 // Of a program for a node, which comes as application/octet-stream.

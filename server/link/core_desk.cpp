@@ -108,6 +108,11 @@ bool CoreDesk::drive(const contract::DriveCommand& command) {
   return true;
 }
 
+std::string_view CoreDesk::problem() const {
+  if (connected_) return {};
+  return link_.attached() ? "the control core is attached, but publishes nothing" : std::string_view{link_.last_error()};
+}
+
 bool CoreDesk::hand_holds(std::uint64_t within_ns) const {
   // On the core's clock, as the core judges it. An echo from the future is refused there, and so counts as no hand here.
   return hand_holds_ && newest_ && newest_->time_ns >= hand_ns_ && newest_->time_ns - hand_ns_ <= within_ns;

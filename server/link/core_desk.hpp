@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "control/contract/commands.hpp"
@@ -74,6 +75,8 @@ class CoreDesk {
   [[nodiscard]] bool hand_holds(std::uint64_t within_ns) const;
 
   [[nodiscard]] bool connected() const { return connected_; }
+  // Why the core is not connected, in a sentence; empty while it is.
+  [[nodiscard]] std::string_view problem() const;
   [[nodiscard]] const std::optional<contract::TickRecord>& newest() const { return newest_; }
   [[nodiscard]] const contract::ParamsInForce& parameters() const { return parameters_; }
   [[nodiscard]] bool has_parameters() const { return parameters_.version != 0; }

@@ -95,7 +95,7 @@ void Client::on_message(std::string text) {
   const bool is_stop = message && message->is_object() && message->value("type", json()) == "stop";
   // STOP is heard before anything else is judged.
   if (is_stop) {
-    handle_message(*this, *message);
+    handle_message(*this, *message, std::nullopt);
     return;
   }
   if (allowance_ == 0) {
@@ -111,7 +111,7 @@ void Client::on_message(std::string text) {
     close(CloseCode::policy, "not a JSON object");
     return;
   }
-  handle_message(*this, *message);
+  handle_message(*this, *message, repeated_name(text));
 }
 
 void Client::send(const json& message) { send(make_frame(Opcode::text, dump_json(message))); }

@@ -78,6 +78,6 @@ class Client : public std::enable_shared_from_this<Client> {
 };
 
 // Handles one parsed message of a client (server/live/messages.cpp).
-void handle_message(Client& client, const nlohmann::json& message);
+void handle_message(Client& client, const nlohmann::json& message, const std::optional<std::string>& repeated);
 
 }  // namespace hoist::server

@@ -16,6 +16,7 @@ using nlohmann::json;
 
 namespace {
 constexpr std::uint64_t kNoticeEvery_ns = 1'000'000'000;
+constexpr const char* kRecorderBusy = "The recorder is busy.";
 
 Asker asker_of(const Client& client) { return {client.number(), client.hub().services().core.lease_epoch(), client.session()->role}; }
 
@@ -160,7 +161,10 @@ void marker(Client& client, const json& message) {
   const auto work = [words = text.get<std::string>()](Records& records) {
     const RecordingStatus status = records.status();
     Outcome outcome;
-    if (!status.session) {
+    if (records.late()) {
+      outcome.kind = Outcome::Kind::unreachable;
+      outcome.detail = kRecorderBusy;
+    } else if (!status.session) {
       outcome.kind = Outcome::Kind::refused;
       outcome.detail = "Nothing is being recorded.";
     } else if (const db::Status stored = records.marker(*status.session, words); !stored) {
@@ -173,7 +177,7 @@ void marker(Client& client, const json& message) {
   if (services.records.ask<Outcome>(work, done)) return;
   Outcome busy;
   busy.kind = Outcome::Kind::unreachable;
-  busy.detail = "The recorder is busy.";
+  busy.detail = kRecorderBusy;
   done(busy);
 }
 
@@ -244,9 +248,14 @@ std::vector<FieldError> wrong_fields(std::string_view type, const json& message)
   }
   return errors;
 }
+
+// What stops or ends motion is never refused for its form.
+bool ends_motion(const Row& row, const json& message) {
+  return row.handler == &on::stop || (row.handler == &on::mode && field(message, "mode") == "standby");
+}
 }  // namespace
 
-void handle_message(Client& client, const json& message) {
+void handle_message(Client& client, const json& message, const std::optional<std::string>& repeated) {
   Counters& counters = client.hub().services().counters;
   const json& type = field(message, "type");
   const std::string name = type.is_string() ? type.get<std::string>() : std::string{};
@@ -262,6 +271,18 @@ void handle_message(Client& client, const json& message) {
       outcome.kind = Outcome::Kind::refused;
       outcome.detail = "Your role may not do this.";
       if (row.answered) reply_to(client, message)(outcome);
+      return;
+    }
+    // A field that is given twice says two things. For a hand on the joystick that means letting go.
+    if (repeated && row.handler == &on::drive) {
+      json let_go = message;
+      let_go["held"] = false;
+      let_go["speed"] = nullptr;
+      on::drive(client, let_go);
+      return;
+    }
+    if (repeated && !ends_motion(row, message)) {
+      refuse_fields(client, message, {{*repeated, "is given twice"}});
       return;
     }
     // Driving judges itself, field by field: letting go counts whatever else is wrong.

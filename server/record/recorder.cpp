@@ -130,6 +130,11 @@ class Recorder::Work final : public Records {
   // ---- Records
   db::Database* database() override { return reading_ ? &*reading_ : nullptr; }
   std::string why() override { return error_; }
+  bool late() const override { return late_; }
+  void run(const Waiting& waiting) {
+    late_ = owner_.options_.steady_ns() - waiting.since_ns > kJobWait_ns;
+    waiting.job(*this);
+  }
   RecordingStatus status() override {
     tell();
     return owner_.status();
@@ -141,8 +146,9 @@ class Recorder::Work final : public Records {
     if (db::Status checked = db::check_subject(subject); !checked) return checked;
     if (db::Status checked = db::check_note(note); !checked) return checked;
     if (!last_) return db::Error{db::ErrorKind::wrong_state, "The control core is not connected: there is nothing to record.", ""};
-    if (session_open()) end(db::CloseReason::finished);
-    if (session_open()) return db::Error{db::ErrorKind::io, error_, ""};
+    // Not end(): what is refused here must not end the session at a later commit.
+    if (session_open())
+      if (db::Status ended = try_end(db::CloseReason::finished); !ended) return ended;
     return begin(*last_, std::move(subject), std::move(note), true);
   }
   db::Status end_manual() override {
@@ -153,10 +159,7 @@ class Recorder::Work final : public Records {
   db::Status marker(db::SessionId session, std::string_view text) override {
     if (!session_open() || writer_->session() != session)
       return db::Error{db::ErrorKind::wrong_state, "This session is not being recorded.", ""};
-    db::Status stored = writer_->append_marker(last_tick_, owner_.options_.utc_ns(), text);
-    if (!stored) return stored;
-    const auto durable = writer_->commit();
-    return durable ? db::Status{} : db::Status{durable.error()};
+    return writer_->store_marker(last_tick_, owner_.options_.utc_ns(), text);
   }
   db::Result<OpenedExport> open_export(db::SessionId session, const db::ExportOptions& options) override {
     if (!reading_) return db::Error{db::ErrorKind::io, error_, ""};
@@ -446,8 +449,10 @@ class Recorder::Work final : public Records {
     const auto got = events_.read(event_buffer_);
     std::size_t from = 0;
     if (session_open() && events_.life() == life_) {
-      if (got.lost > 0)
-        check(writer_->append_gap("events", last_tick_, got.count > 0 ? event_buffer_[0].tick : last_tick_, "recorder_late"));
+      if (got.lost > 0) {
+        const std::uint64_t to = got.count > 0 ? event_buffer_[0].tick : last_tick_;
+        check(writer_->append_gap("events", std::min(std::max(event_tick_, first_tick_), to), to, "recorder_late"));
+      }
       if (got.count > 0 && !events_seen_)
         note_overwritten("events", event_buffer_[0], known_ && known_->until.last_event_tick, event_buffer_[0].tick);
       // A record of an earlier step than the session's first is not part of it.
@@ -458,13 +463,18 @@ class Recorder::Work final : public Records {
       while (kept_events_.size() > kKeptEvents) kept_events_.pop_front();
     }
     events_seen_ = events_seen_ || got.count > 0;
+    if (got.count > 0) event_tick_ = event_buffer_[got.count - 1].tick;
     return got.count;
   }
 
   std::size_t read_bus() {
     const auto got = bus_.read(bus_buffer_);
     if (session_open() && bus_.life() == life_) {
-      if (got.lost > 0) check(writer_->append_gap("bus", last_tick_, last_tick_, "recorder_late"));
+      // Steps are read before frames: the newest step may be long after the frames that are missing.
+      if (got.lost > 0) {
+        const std::uint64_t to = got.count > 0 ? tick_at(bus_buffer_[0].time_ns) : last_tick_;
+        check(writer_->append_gap("bus", std::min(std::max(tick_at(frame_time_ns_), first_tick_), to), to, "recorder_late"));
+      }
       if (got.count > 0 && !frames_seen_)
         note_overwritten("bus", bus_buffer_[0], known_ && known_->until.last_frame_time_ns, tick_at(bus_buffer_[0].time_ns));
       std::size_t from = 0;
@@ -475,11 +485,13 @@ class Recorder::Work final : public Records {
       while (kept_frames_.size() > kKeptFrames) kept_frames_.pop_front();
     }
     frames_seen_ = frames_seen_ || got.count > 0;
+    if (got.count > 0) frame_time_ns_ = bus_buffer_[got.count - 1].time_ns;
     return got.count;
   }
-  // The step of a moment before the newest step read.
+  // The step of a moment, counted from the newest step read: steps follow the clock also where some were left out.
   [[nodiscard]] std::uint64_t tick_at(std::uint64_t time_ns) const {
-    const std::uint64_t ago = time_ns < last_time_ns_ ? (last_time_ns_ - time_ns) / kTick_ns : 0;
+    if (time_ns >= last_time_ns_) return last_tick_ + (time_ns - last_time_ns_) / kTick_ns;
+    const std::uint64_t ago = (last_time_ns_ - time_ns) / kTick_ns;
     return last_tick_ > ago ? last_tick_ - ago : 0;
   }
 
@@ -528,6 +540,7 @@ class Recorder::Work final : public Records {
   std::optional<Known> known_;
   bool going_on_ = false;  // the next session is that one's continuation
   bool events_seen_ = false, frames_seen_ = false;
+  std::uint64_t event_tick_ = 0, frame_time_ns_ = 0;  // of the newest one read
   std::vector<TickRecord> tick_buffer_;
   std::vector<Event> event_buffer_;
   std::vector<BusRecord> bus_buffer_;
@@ -559,6 +572,7 @@ class Recorder::Work final : public Records {
   std::uint64_t tried_ns_ = 0;
   std::uint64_t begin_tried_ns_ = 0;
   std::uint64_t now_ns_ = 0;
+  bool late_ = false;
 };
 
 Recorder::Recorder(const publish::ServerLink& link, Options options)
@@ -581,7 +595,13 @@ void Recorder::stop() {
 
 db::Status Recorder::claim() { return work_->claim(); }
 void Recorder::open_here() { work_->open(); }
-void Recorder::pass_here() { work_->pass(); }
+void Recorder::pass_here() {
+  work_->pass();
+  std::unique_lock lock(mutex_);
+  const Waiting next = take_job();
+  lock.unlock();
+  if (next.job) work_->run(next);
+}
 void Recorder::finish_here() { work_->finish(); }
 
 void Recorder::set_parameters(const contract::ParamsInForce& parameters) {
@@ -603,7 +623,7 @@ bool Recorder::run(Job job) {
   {
     const std::lock_guard lock(mutex_);
     if (ending_ || jobs_.size() >= kJobLimit) return false;
-    jobs_.push_back(std::move(job));
+    jobs_.push_back({std::move(job), options_.steady_ns()});
   }
   wake_.notify_one();
   return true;
@@ -614,26 +634,30 @@ void Recorder::close_export(ExportId id) {
   closed_exports_.push_back(id);
 }
 
+Recorder::Waiting Recorder::take_job() {
+  if (jobs_.empty()) return {};
+  Waiting next = std::move(jobs_.front());
+  jobs_.pop_front();
+  return next;
+}
+
 void Recorder::main() {
   work_->open();
   while (true) {
-    Job job;
+    Waiting next;
     std::vector<ExportId> closed;
     bool ending = false;
     {
       std::unique_lock lock(mutex_);
       wake_.wait_for(lock, kPass, [this] { return ending_ || !jobs_.empty(); });
-      if (!jobs_.empty()) {
-        job = std::move(jobs_.front());
-        jobs_.pop_front();
-      }
+      next = take_job();
       closed.swap(closed_exports_);
-      ending = ending_ && !job;
+      ending = ending_ && !next.job;
     }
     if (ending) break;
     work_->close_exports(closed);
     work_->pass();
-    if (job) job(*work_);
+    if (next.job) work_->run(next);
   }
   work_->finish();
 }

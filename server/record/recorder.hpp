@@ -23,6 +23,8 @@ namespace hoist::server {
 
 // Jobs that wait for the recorder's thread; more are refused.
 inline constexpr std::size_t kJobLimit = 64;
+// A job that has waited longer than this is not done any more: its client has stopped waiting or was told no.
+inline constexpr std::uint64_t kJobWait_ns = 10'000'000'000;
 // After motion the recording goes on for this long, so that the roll-out is in it.
 inline constexpr double kAfterStandby_s = 3.0;
 inline constexpr double kAfterStop_s = 10.0;
@@ -54,8 +56,11 @@ class Records {
   virtual ~Records() = default;
   virtual db::Database* database() = 0;
   virtual std::string why() = 0;
+  // This job has waited for too long: it must change nothing and answer that.
+  [[nodiscard]] virtual bool late() const = 0;
   virtual db::Status begin_manual(std::optional<std::string> subject, std::string note) = 0;
   virtual db::Status end_manual() = 0;
+  // Stored when it returns without an error, and never otherwise.
   virtual db::Status marker(db::SessionId session, std::string_view text) = 0;
   virtual RecordingStatus status() = 0;
   // Needs a database. The export stays open until Recorder::close_export or the recorder's end.
@@ -85,7 +90,8 @@ class Recorder {
   void start();
   // Commits, closes the open session and joins.
   void stop();
-  // For a caller with its own clock, instead of start() and stop(): what the thread would do at its start, every 20 ms, and at its end.
+  // For a caller with its own clock, instead of start() and stop(): what the thread would do at its start, every 20 ms (one job included),
+  // and at its end.
   void open_here();
   void pass_here();
   void finish_here();
@@ -104,12 +110,18 @@ class Recorder {
  private:
   class Work;
   void main();
+  struct Waiting {
+    Job job;
+    std::uint64_t since_ns = 0;
+  };
+  // The oldest job, empty when there is none; under the lock.
+  Waiting take_job();
 
   Options options_;
   std::unique_ptr<Work> work_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Job> jobs_;
+  std::deque<Waiting> jobs_;
   std::vector<ExportId> closed_exports_;
   bool ending_ = false;
   RecordingStatus status_;

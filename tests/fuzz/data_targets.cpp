@@ -1,7 +1,8 @@
-// Stored and sent data: chunks of the database, the parameter file, frames of a browser, questions to the simulator.
+// Stored and sent data: chunks of the database, the parameter file, frames and requests of a browser, questions to the simulator.
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -10,6 +11,8 @@
 #include "db/codec/bus_chunk.hpp"
 #include "db/codec/column_chunk.hpp"
 #include "firmware/sim/requests.hpp"
+#include "server/http/exchange.hpp"
+#include "server/http/json_text.hpp"
 #include "server/live/frame.hpp"
 #include "tests/fuzz/targets.hpp"
 
@@ -136,6 +139,39 @@ std::vector<Input> seeds_websocket_frames() {
   return {input_of(masked(server::Opcode::text, R"({"type":"ping"})") + masked(server::Opcode::ping, "x") +
                    masked(server::Opcode::close, "\x03\xe8")),
           input_of("\x01\x81\x11\x22\x33\x44z" + masked(server::Opcode::continuation, "rest"))};
+}
+
+// The same bytes as target, as body, and as header fields, one "name:value" per line.
+void fuzz_request_text(Bytes input) {
+  const std::string text(reinterpret_cast<const char*>(input.data()), input.size());
+  server::Request request;
+  if (server::parse_target(text, request)) {
+    must(request.path.starts_with('/') && request.path.find('\0') == std::string::npos, "a path is absolute and has no zero byte");
+    must(request.query.size() <= server::kQueryFieldLimit, "a query keeps its limit");
+  }
+  server::JsonError error;
+  if (server::parse_json(text, error)) {
+    must(text.find('\0') == std::string::npos, "a zero byte is no JSON");
+    (void)server::repeated_name(text);
+    must(!server::parse_json(text + "x", error) && !server::parse_json(text + '\0', error), "nothing follows a value");
+  }
+  server::HeaderFields fields;
+  for (std::size_t at = 0; at < text.size() && fields.size() < 100;) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string line = text.substr(at, end - at);
+    const std::size_t colon = std::min(line.find(':'), line.size());
+    fields.emplace_back(line.substr(0, colon), colon < line.size() ? line.substr(colon + 1) : "");
+    at = end + 1;
+  }
+  must(server::header_fault(fields, false).empty() || !server::header_fault(fields, true).empty(),
+       "what HTTP/1.1 refuses, HTTP/1.0 does, too");
+  fields.insert(fields.end(), {{"host", "a"}, {"host", "a"}});
+  must(!server::header_fault(fields, false).empty(), "two hosts are never accepted");
+}
+std::vector<Input> seeds_request_text() {
+  return {input_of("/api/v1/sessions/1/export?format=csv&limit=%31"),
+          input_of(R"({"type": "drive", "held": true, "values": {"a": [1, -2e3]}})"),
+          input_of("host:127.0.0.1\ncontent-length:12\ntransfer-encoding:chunked\ncookie:a=b")};
 }
 
 void fuzz_simulator_request(Bytes input) {

@@ -56,9 +56,9 @@ TEST_F(Limits, ConnectionsPerAddress_H31) {
   EXPECT_EQ(answer.header("content-type"), "application/problem+json");
   EXPECT_EQ(answer.json()["type"], "/problems/too-many-connections");
   EXPECT_EQ(answer.header("retry-after"), "2");
-  EXPECT_EQ(get("/api/v1/status").status, 200) << "whoever is signed in still comes in";
-  EXPECT_EQ(Live(port_, bearer_).status(), 101U);
-  EXPECT_EQ(http(port_, "GET", link_.substr(link_.find("/?"))).status, 303) << "and whoever signs in";
+  EXPECT_EQ(get("/api/v1/status").status, 200) << "a client that is signed in still comes in";
+  EXPECT_EQ(Live(port_, bearer_).status(), 101U) << "a WebSocket has a seat of its own";
+  EXPECT_EQ(http(port_, "GET", link_.substr(link_.find("/?"))).status, 303) << "and one that signs in";
   held.clear();
   EXPECT_TRUE(until([&] { return http(port_, "GET", "/").status == 200; })) << "places are given back";
   EXPECT_GE(get("/api/v1/status").json()["counters"]["connections_refused_address_limit"].get<int>(), 1);
@@ -73,15 +73,130 @@ TEST_F(Limits, SilentConnectionsKeepNobodyOut_H31) {
   EXPECT_EQ(get("/api/v1/status").status, 200);
 }
 
-TEST_F(Limits, WhenEverySeatIsInUseTheDoorSaysSo_H31) {
-  // Signed in and in use: nothing of it may be taken away.
+TEST_F(Limits, WebSocketsKeepNoRequestOut_H31) {
   std::vector<std::unique_ptr<Live>> all;
   for (std::size_t i = 0; i < server::kConnectionLimit; ++i) {
     all.push_back(std::make_unique<Live>(port_, bearer_));
     ASSERT_EQ(all.back()->status(), 101U) << i;
   }
-  const std::string answer = raw("GET / HTTP/1.1\r\n" + host() + "\r\n");
-  EXPECT_TRUE(answer.empty() || (answer.starts_with("HTTP/1.1 503") && answer.find("too-many-connections") != std::string::npos)) << answer;
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+  EXPECT_EQ(call("POST", "/api/v1/stop").status, 200);
+  EXPECT_EQ(core_->mode(), Mode::protective_stop);
+  EXPECT_EQ(http(port_, "GET", "/").status, 200);
+  EXPECT_EQ(Live(port_, bearer_).status(), 503U) << "their own seats are taken";
+  all.clear();
+  EXPECT_TRUE(until([&] { return Live(port_, bearer_).status() == 101U; })) << "places are given back";
+}
+
+// Signed in and busy, so that nothing of it may be taken away: a body that does not come.
+TEST_F(Limits, WhenEverySeatIsInUseTheDoorSaysSo_AndStopComesIn_H31) {
+  const std::string begun = "PATCH /api/v1/parameters HTTP/1.1\r\n" + host() + "Authorization: " + bearer_[0].second +
+                            "\r\nContent-Type: application/json\r\nContent-Length: 10\r\nExpect: 100-continue\r\n\r\n";
+  std::vector<std::unique_ptr<Raw>> busy;
+  const auto waits = [&] {
+    busy.push_back(std::make_unique<Raw>(port_));
+    return busy.back()->send(begun) && busy.back()->read(12) == "HTTP/1.1 100";
+  };
+  while (busy.size() < server::kConnectionLimit && waits()) {
+  }
+  EXPECT_GE(busy.size(), server::kConnectionLimit - server::kReservedSeats);
+  EXPECT_LE(busy.size(), server::kConnectionLimit) << "the last ones are for STOP";
+  busy.pop_back();
+  const Answer full = http(port_, "GET", "/api/v1/status", bearer_);
+  EXPECT_EQ(full.status, 503);
+  EXPECT_EQ(full.json()["type"], "/problems/too-many-connections");
+  std::vector<std::unique_ptr<Raw>> silent;
+  for (std::size_t i = 0; i < server::kConnectionLimit; ++i) silent.push_back(std::make_unique<Raw>(port_));
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+  EXPECT_EQ(raw("POST /api/v1/stop HTTP/1.1\r\n" + host() + "Content-Length: 2\r\n\r\n{}").substr(0, 12), "HTTP/1.1 503") << "a stranger's";
+  EXPECT_EQ(raw("POST /api/v1/stop HTTP/1.1\r\n" + host() + "Authorization: " + bearer_[0].second + "\r\nContent-Length: 9\r\n\r\n")
+                .substr(0, 12),
+            "HTTP/1.1 200")
+      << "its body is not waited for";
+  EXPECT_EQ(core_->mode(), Mode::protective_stop);
+  busy.clear();
+  EXPECT_TRUE(until([&] { return http(port_, "GET", "/api/v1/status", bearer_).status == 200; }));
+}
+
+// What two readers of one request could take for two different requests (RFC 9112, section 11.2) is no request.
+TEST_F(Limits, AmbiguousRequestsAreRefusedAndClosed_H30) {
+  const std::string token = "Authorization: " + bearer_[0].second + "\r\n";
+  const std::string json_type = "Content-Type: application/json\r\n";
+  const std::string post = "POST /api/v1/lease HTTP/1.1\r\n" + host();
+  const std::string chunks = "2\r\n{}\r\n0\r\n\r\n";
+  const std::string next = "GET /api/v1/status HTTP/1.1\r\n" + host() + token + "\r\n";
+  for (const std::string& bad :
+       {post + token + json_type + "Transfer-Encoding: gzip\r\n\r\n",
+        post + token + json_type + "Transfer-Encoding: gzip, chunked\r\n\r\n" + chunks,
+        post + token + json_type + "Transfer-Encoding: chunked, chunked\r\n\r\n" + chunks,
+        post + token + json_type + "Transfer-Encoding: chunked, gzip\r\n\r\n" + chunks,
+        post + token + json_type + "Transfer-Encoding: gzip\r\nTransfer-Encoding: chunked\r\n\r\n" + chunks,
+        post + token + json_type + "Transfer-Encoding: identity\r\n\r\n",
+        post + token + json_type + "Transfer-Encoding: \r\n\r\n",
+        post + token + json_type + "Transfer-Encoding: chunked\r\nContent-Length: 2\r\n\r\n" + chunks,
+        post + token + json_type + "Content-Length: 2\r\nTransfer-Encoding: chunked\r\n\r\n" + chunks,
+        post + token + json_type + "Transfer-Encoding: gzip\r\nContent-Length: 2\r\n\r\n{}",
+        post + token + json_type + "Content-Length: 2\r\nContent-Length: 2\r\n\r\n{}",
+        post + token + json_type + "Content-Length: 2, 2\r\n\r\n{}",
+        "POST /api/v1/lease HTTP/1.0\r\n" + host() + token + json_type + "Transfer-Encoding: chunked\r\n\r\n" + chunks,
+        post + token + token + json_type + "Content-Length: 2\r\n\r\n{}",
+        post + host() + token + json_type + "Content-Length: 2\r\n\r\n{}",
+        post + token + json_type + json_type + "Content-Length: 2\r\n\r\n{}",
+        post + token + "Cookie: a=b\r\nCookie: c=d\r\n" + json_type + "Content-Length: 2\r\n\r\n{}",
+        post + token + "Origin: " + origin() + "\r\nOrigin: " + origin() + "\r\n" + json_type + "Content-Length: 2\r\n\r\n{}",
+        post + token + "X-A: 1\n" + json_type + "Content-Length: 2\r\n\r\n{}",
+        post + token + "X-A: 1" + std::string(1, '\0') + "\r\n" + json_type + "Content-Length: 2\r\n\r\n{}",
+        post + token + "X-A : 1\r\n" + json_type + "Content-Length: 2\r\n\r\n{}",
+        "GET http://127.0.0.1:" + std::to_string(port_) + "/api/v1/status HTTP/1.1\r\n" + host() + token + "Connection: close\r\n\r\n",
+        "GET /api/v1/sessions?limit=1&limit=2 HTTP/1.1\r\n" + host() + token + "Connection: close\r\n\r\n"}) {
+    const std::string answer = raw(bad + next);
+    EXPECT_TRUE(answer.starts_with("HTTP/1.1 400")) << bad << " -> " << answer.substr(0, 200);
+    EXPECT_EQ(answer.find("HTTP/1.1 2"), std::string::npos) << "what follows is not read as a request: " << bad;
+  }
+  EXPECT_EQ(raw(post + token + json_type + "Connection: close\r\nTransfer-Encoding: Chunked\r\n\r\n" + chunks).substr(0, 12),
+            "HTTP/1.1 200");
+}
+
+TEST_F(Limits, ATrailerIsNoHeader_H28) {
+  const std::string token = "Authorization: " + bearer_[0].second + "\r\n";
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+  const std::string answer =
+      raw("POST /api/v1/stop HTTP/1.1\r\n" + host() + "Transfer-Encoding: chunked\r\nConnection: close\r\n\r\n" + "0\r\n" + token + "\r\n");
+  EXPECT_EQ(answer.substr(0, 12), "HTTP/1.1 401") << "it signs nobody in";
+  EXPECT_EQ(core_->mode(), Mode::user);
+  for (const std::string& more :
+       {host(), token, std::string("Content-Type: text/plain\r\n"), std::string("Origin: http://evil.example\r\n")}) {
+    EXPECT_EQ(
+        raw("POST /api/v1/lease HTTP/1.1\r\n" + host() + token +
+            "Content-Type: application/json\r\nTransfer-Encoding: chunked\r\nConnection: close\r\n\r\n2\r\n{}\r\n0\r\n" + more + "\r\n")
+            .substr(0, 12),
+        "HTTP/1.1 200")
+        << "nor does it change anything else: " << more;
+  }
+  EXPECT_EQ(raw("GET /ws HTTP/1.1\r\n" + host() + token +
+                "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: hoist.v1\r\n"
+                "Transfer-Encoding: chunked\r\n\r\n0\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n")
+                .substr(0, 12),
+            "HTTP/1.1 426")
+      << "an upgrade has no body";
+}
+
+// A folded line goes on with the field above it, as RFC 9112 lets a server read it; it is no field of its own.
+TEST_F(Limits, AFoldedLineIsNoFieldOfItsOwn_H30) {
+  EXPECT_EQ(
+      raw("GET /api/v1/status HTTP/1.1\r\n" + host() + "X-A: 1\r\n Authorization: " + bearer_[0].second + "\r\nConnection: close\r\n\r\n")
+          .substr(0, 12),
+      "HTTP/1.1 401");
+}
+
+TEST_F(Limits, JsonFollowedByOtherBytesIsRefused_H30) {
+  for (const std::string& tail :
+       {std::string(1, '\0'), std::string(1, '\0') + "{\"take_over\": true}", std::string("x"), std::string("{}"), std::string("\x1a")}) {
+    const Answer answer = http(port_, "POST", "/api/v1/lease", {bearer_[0], {"Content-Type", "application/json"}}, "{}" + tail);
+    EXPECT_EQ(answer.status, 400) << testing::PrintToString(tail);
+    EXPECT_EQ(answer.json()["type"], "/problems/bad-json");
+  }
+  EXPECT_EQ(http(port_, "POST", "/api/v1/lease", {bearer_[0], {"Content-Type", "application/json"}}, "{} \r\n").status, 200);
 }
 
 TEST_F(Limits, PipelinedRequestsAreAnsweredInOrder) {

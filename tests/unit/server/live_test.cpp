@@ -330,6 +330,29 @@ TEST_F(LiveTest, MessagesThatCannotBeUsed_H30) {
   EXPECT_GE(counters()["ws_refused"].get<int>(), 9);
 }
 
+TEST_F(LiveTest, AFieldThatIsGivenTwiceIsRefused_H30) {
+  Live live(port_, bearer_);
+  live.send_text(R"({"type": "lease_take", "request": 1, "take_over": true, "take_over": false})");
+  EXPECT_EQ(live.wait("reply")["errors"][0]["field"], "take_over");
+  ASSERT_EQ(live.ask({{"type", "lease_take"}})["ok"], true);
+  ASSERT_EQ(live.ask({{"type", "mode"}, {"mode", "remote"}})["ok"], true);
+  live.send_text(R"({"type": "drive", "sequence": 1, "echo": 5, "speed": 0.5, "yaw": 0, "held": true})");
+  ASSERT_TRUE(until([&] { return get("/api/v1/status").status == 200 && core_->drive().held == 1; }));
+  live.send_text(R"({"type": "drive", "sequence": 2, "echo": 5, "speed": 0.5, "yaw": 0, "held": false, "held": true})");
+  EXPECT_TRUE(until([&] { return get("/api/v1/status").status == 200 && core_->drive().held == 0; })) << "one of them let go";
+  live.send_text(R"({"type": "mode", "request": 2, "mode": "standby", "exercise": null, "exercise": null})");
+  EXPECT_EQ(live.wait("reply", 2)["ok"], true) << "ending motion is not held up";
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+  live.send_text(R"({"type": "stop", "type": "stop"})");
+  EXPECT_TRUE(until([&] { return core_->mode() == Mode::protective_stop; }));
+}
+
+TEST_F(LiveTest, AMessageFollowedByOtherBytesIsNone_H30) {
+  Live live(port_, bearer_);
+  live.send_text(std::string("{\"type\": \"ping\", \"t\": 1}\0{}", 27));
+  EXPECT_EQ(live.wait_close(), 1008U);
+}
+
 TEST_F(LiveTest, TooManyMessagesEndTheConnection_H31) {
   Live live(port_, bearer_);
   // More than a second's worth in one go; a slow machine refills meanwhile, hence the margin.

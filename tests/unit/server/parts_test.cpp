@@ -148,6 +148,18 @@ TEST(Auth, ATokenFileThatIsNoneStaysAsItIs) {
   std::filesystem::remove(file.string() + ".sessions");
 }
 
+TEST(Header, WhatMayComeOnceComesOnce) {
+  EXPECT_EQ(header_fault({{"host", "a"}, {"accept", "a"}, {"accept", "b"}, {"content-length", "12"}}, false), "");
+  EXPECT_EQ(header_fault({{"transfer-encoding", "Chunked"}}, false), "");
+  EXPECT_NE(header_fault({{"transfer-encoding", "chunked"}}, true), "") << "HTTP/1.0 does not know it";
+  for (const char* name : {"authorization", "content-encoding", "content-type", "cookie", "expect", "host", "origin", "sec-websocket-key",
+                           "sec-websocket-version", "x-hoist", "x-hoist-lease"})
+    EXPECT_NE(header_fault({{name, "1"}, {"accept", "a"}, {name, "1"}}, false), "") << name;
+  for (const char* bad : {"", "+1", "-1", "1, 1", "0x1", "1 1"}) EXPECT_NE(header_fault({{"content-length", bad}}, false), "") << bad;
+  for (const char* bad : {"", "gzip", "gzip, chunked", "chunked, chunked", "chunked;q=1", "identity"})
+    EXPECT_NE(header_fault({{"transfer-encoding", bad}}, false), "") << bad;
+}
+
 TEST(Header, EntityTagsAndCodings) {
   for (const char* yes : {"\"1\"", "W/\"1\"", "\"0\", \"1\"", "\"0\",W/\"1\"", "*"}) EXPECT_TRUE(names_etag(yes, "\"1\"")) << yes;
   for (const char* no : {"", "\"2\"", "1", "\"11\"", "W/\"2\", \"3\""}) EXPECT_FALSE(names_etag(no, "\"1\"")) << no;
@@ -163,7 +175,9 @@ TEST(Target, DecodesAndRefuses) {
   EXPECT_EQ(r.query["x"], "1,2");
   EXPECT_EQ(r.query["y"], "a b");
   EXPECT_TRUE(r.query.contains("z"));
-  for (const char* bad : {"", "a", "http://x/", "/%", "/%4", "/%zz", "/%00", "*"}) EXPECT_FALSE(parse_target(bad, r)) << bad;
+  for (const char* bad : {"", "a", "http://x/", "/%", "/%4", "/%zz", "/%00", "*", "/?a=1&a=1", "/?a&%61=2"})
+    EXPECT_FALSE(parse_target(bad, r)) << bad;
+  EXPECT_TRUE(parse_target("/?a=1&A=2&", r));
   std::string many = "/?";
   for (int i = 0; i < 40; ++i) many += "a" + std::to_string(i) + "=1&";
   EXPECT_FALSE(parse_target(many, r));
@@ -185,6 +199,15 @@ TEST(Json, RefusesWhatIsNoJson) {
     EXPECT_FALSE(parse_json(bad, error)) << bad;
     EXPECT_FALSE(error.message.empty());
   }
+}
+
+TEST(Json, NothingFollowsIt) {
+  JsonError error;
+  for (const std::string& tail : {std::string(1, '\0'), std::string("\0{}", 3), std::string("}"), std::string("\xff"), std::string("//")}) {
+    EXPECT_FALSE(parse_json("{\"a\": 1}" + tail, error)) << testing::PrintToString(tail);
+  }
+  EXPECT_FALSE(parse_json(std::string("{\"a\": \"\0\"}", 10), error));
+  EXPECT_TRUE(parse_json("{\"a\": \"\\u0000\"} \t\r\n", error));
 }
 
 TEST(Exercise, ReadsTheFourShapes) {

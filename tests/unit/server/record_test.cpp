@@ -11,6 +11,7 @@
 #include "db/store/session_reader.hpp"
 #include "db/summary/session_json.hpp"
 #include "server/record/recorder.hpp"
+#include "tests/support/crash_disk.hpp"
 #include "tests/unit/server/fixture.hpp"
 
 namespace hoist::test {
@@ -244,6 +245,27 @@ TEST_F(Record, WithoutADatabaseTherapyGoesOn) {
   EXPECT_EQ(call("POST", "/api/v1/neutral", json::object()).status, 200);
 }
 
+// H28
+TEST_F(Record, WhatIsStoredIsForThisUserOnly) {
+  stop_server();
+  std::filesystem::permissions(folder_ / "hoist.db", std::filesystem::perms(0644));
+  start_server();
+  wait_for_core();
+  mode(Mode::user);
+  ASSERT_TRUE(wait_state("recording"));
+  for (const char* name : {"hoist.db", "hoist.db-wal", "hoist.db-shm", "token", "token.sessions", "core.sock"})
+    EXPECT_EQ(std::filesystem::status(folder_ / name).permissions(), std::filesystem::perms(0600)) << name;
+}
+
+TEST_F(Record, WhyNoCoreIsConnectedIsSaid) {
+  EXPECT_EQ(get("/api/v1/status").json()["core"]["problem"], nullptr);
+  core_.reset();
+  ASSERT_TRUE(until([&] {
+    const json problem = get("/api/v1/status").json()["core"]["problem"];
+    return problem.is_string() && problem.get<std::string>().find("no core listens on " + (folder_ / "core.sock").string()) == 0;
+  }));
+}
+
 // The recorder alone, on virtual time and a core in the same process: a server that dies is a recorder that is dropped.
 class TakeOver : public ::testing::Test {
  protected:
@@ -296,6 +318,7 @@ class TakeOver : public ::testing::Test {
     options.utc_ns = [this] { return kUtc_ns + static_cast<std::int64_t>(record_.time_ns - kLife_ns); };
     options.steady_ns = [this] { return record_.time_ns; };
     options.log = [](const std::string&) {};
+    options.vfs = vfs_;
     recorder_ = std::make_unique<server::Recorder>(*link_, std::move(options));
     recorder_->open_here();
     std::string error;
@@ -329,7 +352,7 @@ class TakeOver : public ::testing::Test {
   };
   Session session(db::SessionId id) {
     Session out;
-    auto database = db::Database::attach(folder_ / "hoist.db");
+    auto database = db::Database::attach(folder_ / "hoist.db", {.vfs = vfs_});
     if (!database) {
       ADD_FAILURE() << database.error().message;
       return out;
@@ -362,6 +385,15 @@ class TakeOver : public ::testing::Test {
 
   static constexpr std::int64_t kUtc_ns = 1'790'000'000'000'000'000;
   static constexpr const char* kSquare = R"({"shape": "square", "side_m": 3.2})";
+  // A job of the recorder's thread, done at its next pass.
+  db::Status job(const std::function<db::Status(server::Records&)>& work) {
+    db::Status status;
+    EXPECT_TRUE(recorder_->run([&](server::Records& records) { status = work(records); }));
+    recorder_->pass_here();
+    return status;
+  }
+
+  const char* vfs_ = nullptr;
   std::filesystem::path folder_;
   std::unique_ptr<publish::CoreLink> core_;
   std::unique_ptr<publish::ServerLink> link_;
@@ -514,6 +546,110 @@ TEST_F(TakeOver, WhatIsRecordedAlreadyIsNotRecordedAgain) {
   publish(50, Mode::user);
   EXPECT_EQ(session(2).ticks.front(), 761U);
   EXPECT_FALSE(session(2).info.exercise_json.has_value());
+}
+
+// A server that was halted for so long that the ring of frames went round: the gap is where they are missing, not where it woke up.
+TEST_F(TakeOver, AGapOfTheBusStandsWhereItIs) {
+  live();
+  publish(300, Mode::user);
+  const std::uint64_t before = record_.tick;
+  auto halted = std::move(recorder_);
+  constexpr std::size_t kTicks = 1700, kPerTick = 15, kKept = contract::kBusSlots / kPerTick;
+  for (std::size_t i = 0; i < kTicks; ++i) {
+    publish(1, Mode::user);
+    for (std::size_t k = 1; k < kPerTick; ++k) {
+      contract::BusRecord frame;
+      frame.time_ns = record_.time_ns;
+      frame.data = record_.tick;
+      core_->publish_bus(frame);
+    }
+  }
+  event(contract::EventKind::fault_raised);
+  recorder_ = std::move(halted);
+  publish(100, Mode::user);
+  publish(400, Mode::standby);
+  const Session one = session(1);
+  ASSERT_EQ(one.gaps.size(), 1U) << "no step is missing";
+  EXPECT_EQ(one.gaps[0].stream, "bus");
+  EXPECT_EQ(one.gaps[0].reason, "recorder_late");
+  EXPECT_EQ(one.gaps[0].from_tick, before);
+  EXPECT_NEAR(static_cast<double>(one.gaps[0].to_tick), static_cast<double>(before + kTicks - kKept), 2.0);
+}
+
+TEST_F(TakeOver, AGapOfTheEventsStandsWhereItIs) {
+  live();
+  publish(300, Mode::user);
+  const std::uint64_t before = record_.tick;
+  auto halted = std::move(recorder_);
+  for (std::size_t i = 0; i < 2 * contract::kEventSlots; ++i) {
+    if (i % 10 == 0) publish(1, Mode::user);
+    event(contract::EventKind::fault_raised);
+  }
+  const std::uint64_t first_held = record_.tick - contract::kEventSlots / 10;
+  publish(200, Mode::user);
+  recorder_ = std::move(halted);
+  publish(100, Mode::user);
+  publish(400, Mode::standby);
+  const Session one = session(1);
+  ASSERT_EQ(one.gaps.size(), 1U);
+  EXPECT_EQ(one.gaps[0].stream, "events");
+  EXPECT_LE(one.gaps[0].from_tick, before);
+  EXPECT_NEAR(static_cast<double>(one.gaps[0].to_tick), static_cast<double>(first_held), 2.0);
+}
+
+// A disk that refuses for a while, in memory.
+class RefusingDisk : public TakeOver {
+ protected:
+  RefusingDisk() { vfs_ = tests::CrashDisk::vfs_name(); }
+  tests::CrashDisk disk_{1};
+};
+
+TEST_F(RefusingDisk, AMarkerThatWasRefusedIsNotStoredLater) {
+  live();
+  publish(300, Mode::user);
+  const db::SessionId id = recorder_->status().session.value_or(0);
+  const auto mark = [&](const char* text) { return job([&](server::Records& records) { return records.marker(id, text); }); };
+  EXPECT_TRUE(mark("before"));
+  disk_.fail(1.0);
+  EXPECT_FALSE(mark("refused"));
+  publish(100, Mode::user);
+  disk_.fail(0);
+  publish(100, Mode::user);
+  EXPECT_TRUE(mark("after"));
+  publish(400, Mode::standby);
+  auto database = db::Database::attach(folder_ / "hoist.db", {.vfs = vfs_});
+  ASSERT_TRUE(database.ok());
+  std::vector<std::string> texts;
+  const auto markers = db::SessionReader(*database).markers(id);
+  for (const db::Marker& marker : *markers) texts.push_back(marker.text);
+  EXPECT_EQ(texts, (std::vector<std::string>{"before", "after"}));
+}
+
+TEST_F(RefusingDisk, ARecordingByHandThatWasRefusedEndsNoSession) {
+  live();
+  publish(300, Mode::user);
+  publish(50, Mode::standby);
+  disk_.fail(1.0);
+  EXPECT_FALSE(job([](server::Records& records) { return records.begin_manual(std::nullopt, ""); }));
+  disk_.fail(0);
+  publish(100, Mode::standby);
+  EXPECT_EQ(recorder_->status().state, server::RecordingState::recording) << "its roll-out is still being recorded";
+  EXPECT_EQ(recorder_->status().session, 1);
+  publish(400, Mode::standby);
+  EXPECT_EQ(recorder_->status().state, server::RecordingState::idle);
+}
+
+TEST_F(TakeOver, AJobThatWaitedTooLongIsToldSo) {
+  live();
+  const auto late_after = [this](std::uint64_t wait_ns) {
+    bool late = false;
+    EXPECT_TRUE(recorder_->run([&late](server::Records& records) { late = records.late(); }));
+    record_.time_ns += wait_ns;
+    recorder_->pass_here();
+    return late;
+  };
+  EXPECT_FALSE(late_after(server::kJobWait_ns));
+  EXPECT_TRUE(late_after(server::kJobWait_ns + 1));
 }
 
 }  // namespace
