@@ -79,7 +79,19 @@ install_npm_packages() {
     tail -n 30 build/npm.log >&2
     die "npm ci failed in $folder (its last lines are above)"
   }
+  check_npm_node "$folder"
   echo "$sum" >"$folder/node_modules/.hoist-lock"
+}
+
+# The npm package `node` fetches its program by a script of its own, which no lock file covers. Nothing runs that program before it was held
+# against deploy/lib/node.sha256.
+check_npm_node() {
+  local program=$1/node_modules/node/bin/node wanted
+  [ -e "$program" ] || return 0
+  wanted=$(awk -v machine="$(uname -m)" '$1 == machine {print $2}' deploy/lib/node.sha256)
+  if [ "$(sha256sum <"$program")" = "$wanted  -" ]; then return 0; fi
+  rm -f "$program"
+  die "$program was not the one that deploy/lib/node.sha256 names for $(uname -m); it was removed and not run"
 }
 
 # setup GROUP...: makes this machine able to do what the groups of deploy/packages are for.
@@ -110,6 +122,7 @@ use_newest_node() {
   local major
   major=$(node_major node)
   if [ "${major:-0}" -ge "$node_major_least" ]; then return 0; fi
+  check_npm_node web
   if [ -x web/node_modules/node/bin/node ]; then
     PATH=$PWD/web/node_modules/node/bin:$PATH
     export PATH
