@@ -1,6 +1,7 @@
 // hoist-server: reads the command line, prints the link, serves until it is told to end.
 #include <pthread.h>
 #include <signal.h>
+#include <sys/stat.h>
 
 #include <iostream>
 #include <string>
@@ -12,6 +13,7 @@
 
 int main(int argc, char** argv) {
   using namespace hoist::server;
+  ::umask(077);  // what this program writes is about patients or decides how hard they may be pushed: for its own user only
   Settings settings;
   std::string error;
   if (!parse_settings(std::vector<std::string>(argv + 1, argv + argc), settings, error)) {

@@ -12,7 +12,7 @@ namespace hoist::bus {
 
 std::unique_ptr<Capture> Capture::open(const std::string& path, const std::string& interface, std::int64_t utc_offset_ns,
                                        std::string& error) {
-  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0640);
+  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
   if (fd < 0) {
     error = path + ": " + std::strerror(errno);
     return nullptr;

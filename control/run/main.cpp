@@ -4,6 +4,7 @@
 // bus are its only system calls. The watchdog thread tells the service manager that steps go on and counts page faults. The main thread
 // accepts the server, stores changed parameters and waits for signals.
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -197,6 +198,7 @@ std::string describe(const run::Granted& granted, const std::string& lock_proble
 }  // namespace
 
 int main(int argc, char** argv) {
+  ::umask(077);  // what this program writes is about patients or decides how hard they may be pushed: for its own user only
   Options options;
   bool help = false;
   if (const std::string problem = parse(argc, argv, options, help); !problem.empty()) {

@@ -87,7 +87,7 @@ std::string save_parameter_file(const std::string& path, const contract::Params&
   const std::string text = document.dump(1) + "\n";
   const std::string fresh = path + ".new";
   const auto fail = [&](const char* what) { return std::string(what) + " " + fresh + ": " + std::strerror(errno); };
-  const int fd = ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
+  const int fd = ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   if (fd < 0) return fail("cannot create");
   const bool written = ::write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(fd) == 0;
   if (::close(fd) != 0 || !written) return fail("cannot write");

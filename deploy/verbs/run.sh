@@ -32,6 +32,8 @@ for program in hoist-sim hoist-control hoist-server; do
   [ -x "build/bin/$program" ] || not_here_yet run "build/bin/$program is not in this tree"
 done
 
+# Sockets, token, parameters and recordings are for this user only.
+umask 077
 : "${state:=${XDG_RUNTIME_DIR:-/tmp}/hoist-$UID-$port}"
 mkdir -p "$state" "$data"
 chmod 700 "$state"

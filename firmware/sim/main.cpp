@@ -2,6 +2,7 @@
 // gateway, or with its nodes directly on a CAN interface of the kernel, so that hoist-control drives it unchanged.
 #include <sched.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <time.h>
 
 #include <algorithm>
@@ -348,6 +349,7 @@ int run_real_time(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  ::umask(077);  // as all programs that write: its sockets are for its own user only
   struct sigaction action {};
   action.sa_handler = on_signal;
   ::sigaction(SIGTERM, &action, nullptr);

@@ -1,4 +1,6 @@
 // hoist: the engineer's tool. What it can do is in command_list.cpp.
+#include <sys/stat.h>
+
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -20,6 +22,7 @@ void print_help(std::FILE* out) {
 }  // namespace
 
 int main(int count, char** values) {
+  ::umask(077);  // what this program writes is about patients or decides how hard they may be pushed: for its own user only
   const std::vector<std::string_view> arguments(values + (count > 0 ? 1 : 0), values + count);
   if (arguments.empty()) {
     print_help(stderr);
