@@ -9,7 +9,7 @@ elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 # Host and Cortex-M0 must agree bit for bit on the laws, so no fused multiply-add behind our back.
 add_compile_options(-ffp-contract=off)
-# Sanitizers look at the code as it is written: no fortify, full frames.
+# Sanitizers look at the code as it is written: full frames.
 if(HOIST_SANITIZE)
   # Light optimisation: at -O2 one Beast source takes three minutes to instrument, and the checks are the same.
   add_compile_options(-fsanitize=${HOIST_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -O1 -g1)
@@ -19,7 +19,4 @@ if(HOIST_SANITIZE)
   if(HOIST_SANITIZE MATCHES thread AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     add_compile_options(-Wno-tsan)
   endif()
-else()
-  add_compile_options($<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE> $<$<NOT:$<CONFIG:Debug>>:-D_FORTIFY_SOURCE=2>)
 endif()
-add_compile_options(-fstack-protector-strong)
