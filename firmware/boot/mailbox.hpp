@@ -1,14 +1,17 @@
-// Four words of RAM that outlive a reset, at the same place for the loader and the application: whether the next start is to stay in the
-// loader, and how often in a row the application was ended by its watchdog or a fault. After power-on they hold anything, so each word
-// has its complement beside it, and what does not fit counts as "nothing asked, no failure".
+// Four words that outlive a reset, at the same place for the loader and the application: whether the next start is to stay in the
+// loader, and how often in a row the application was ended by its watchdog or a fault.
+//
+// The place is one that the chip keeps over every reset and that no program of the factory writes (memory.hpp of the chip). After power-on
+// the words hold anything, so each has its complement beside it, and what does not fit counts as "nothing asked, no failure".
 #pragma once
 #include <cstdint>
 
 namespace hoist::firmware {
 
+// Volatile: on the LPC11C24 they are registers, and a reset may follow each write.
 struct Mailbox {
-  std::uint32_t request = 0, request_check = 0;
-  std::uint32_t failures = 0, failures_check = 0;
+  volatile std::uint32_t request = 0, request_check = 0;
+  volatile std::uint32_t failures = 0, failures_check = 0;
 };
 static_assert(sizeof(Mailbox) == 16);
 
@@ -19,24 +22,27 @@ inline constexpr std::uint32_t kFailedStartsMax = 3;
 // An application that has run for so long has started well; it then calls forget_failures().
 inline constexpr std::uint32_t kStartedWell_ms = 10000;
 
-constexpr void leave_request(Mailbox& mailbox, std::uint32_t request) {
+inline void leave_request(Mailbox& mailbox, std::uint32_t request) {
   mailbox.request = request;
   mailbox.request_check = ~request;
 }
-constexpr bool request_is(const Mailbox& mailbox, std::uint32_t request) {
+inline bool request_is(const Mailbox& mailbox, std::uint32_t request) {
   return mailbox.request == request && mailbox.request_check == ~request;
 }
-constexpr void ask_for_loader(Mailbox& mailbox) { leave_request(mailbox, kEnterLoader); }
-constexpr void forget_request(Mailbox& mailbox) { leave_request(mailbox, 0); }
-constexpr bool loader_asked(const Mailbox& mailbox) { return request_is(mailbox, kEnterLoader); }
+inline void ask_for_loader(Mailbox& mailbox) { leave_request(mailbox, kEnterLoader); }
+inline void forget_request(Mailbox& mailbox) { leave_request(mailbox, 0); }
+inline bool loader_asked(const Mailbox& mailbox) { return request_is(mailbox, kEnterLoader); }
 // The application ended without saying so: a fault that reset the chip.
-constexpr bool application_fell(const Mailbox& mailbox) { return request_is(mailbox, kApplicationRuns); }
+inline bool application_fell(const Mailbox& mailbox) { return request_is(mailbox, kApplicationRuns); }
 
-constexpr std::uint32_t failures(const Mailbox& mailbox) { return mailbox.failures_check == ~mailbox.failures ? mailbox.failures : 0; }
-constexpr void set_failures(Mailbox& mailbox, std::uint32_t count) {
+inline std::uint32_t failures(const Mailbox& mailbox) {
+  const std::uint32_t count = mailbox.failures;
+  return mailbox.failures_check == ~count ? count : 0;
+}
+inline void set_failures(Mailbox& mailbox, std::uint32_t count) {
   mailbox.failures = count;
   mailbox.failures_check = ~count;
 }
-constexpr void forget_failures(Mailbox& mailbox) { set_failures(mailbox, 0); }
+inline void forget_failures(Mailbox& mailbox) { set_failures(mailbox, 0); }
 
 }  // namespace hoist::firmware

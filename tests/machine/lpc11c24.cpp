@@ -18,6 +18,9 @@ constexpr std::uint32_t kFlashcfgReserved = 0x00010100;       // whatever they a
 constexpr std::uint32_t kDeviceId = 0x1430102B;               // LPC11C24
 constexpr double kEraseTime_s = 0.100, kWriteTime_s = 0.001;  // data sheet: 100 ms an erase, 1 ms for 256 bytes
 constexpr std::size_t kPageBytes = 256;
+// RAM of the boot ROM (UM10398, "RAM used by ISP command handler"): contents may be lost upon reset. Its stack is 256 bytes, down from 32
+// below the top; flash routines use those 32. Measured on relatives: an LPC1754 rewrites top - 38h to top - 20h, an LPC804 its top 44 bytes.
+constexpr std::size_t kRomVariables = 0x17C, kRomVariablesEnd = 0x25C, kRomStackAndTop = 256 + 32;
 
 // Blocks at 0x40000000 + n * 0x4000.
 enum Block : unsigned {
@@ -319,14 +322,24 @@ void Lpc11c24::reset(ResetCause cause) {
   if (cause == ResetCause::power_on) {
     reset_status_ = 1;
     std::fill(ram_.begin(), ram_.end(), std::uint8_t{0xA5});
+    general_.fill(0);  // only a cold boot clears them
   }
   do_reset(cause);
+}
+
+void Lpc11c24::spoil_rom_memory() {
+  const auto spoil = [this](std::size_t from, std::size_t end) {
+    for (std::size_t i = from; i < end; ++i) ram_[i] = static_cast<std::uint8_t>((ram_[i] ^ 0x5AU) + i);
+  };
+  spoil(kRomVariables, kRomVariablesEnd);
+  spoil(kRamBytes - kRomStackAndTop, kRamBytes);
 }
 
 void Lpc11c24::do_reset(ResetCause cause) {
   ++resets_[static_cast<std::size_t>(cause)];
   constexpr std::array<std::uint32_t, 5> kStatus{1, 2, 4, 8, 16};
   reset_status_ |= kStatus[static_cast<std::size_t>(cause)];
+  spoil_rom_memory();
   remap_ = 2;  // the ROM leaves it like this when it starts a program in flash
   presetctrl_ = pll_ = osc_ = wdtosc_ = pll_source_ = pll_source_wanted_ = pll_update_ = main_source_ = main_source_wanted_ = main_update_ =
       0;
@@ -569,7 +582,7 @@ bool Lpc11c24::read(std::uint32_t address, unsigned size, std::uint32_t& value) 
       value = read_adc(offset);
       break;
     case kPmu:
-      value = 0;
+      value = read_pmu(offset);
       return true;
     case kFlashctrl:
       if (offset != 0x10) violation("FLASHCTRL: read of register " + hex(offset) + ": not modelled");
@@ -635,7 +648,7 @@ bool Lpc11c24::write(std::uint32_t address, unsigned size, std::uint32_t value) 
       write_adc(offset, value);
       break;
     case kPmu:
-      if (offset == 0 && (value & 2U) != 0) violation("deep power-down asked for");
+      write_pmu(offset, value);
       break;
     case kFlashctrl:
       if (offset != 0x10) {
@@ -666,6 +679,22 @@ bool Lpc11c24::write(std::uint32_t address, unsigned size, std::uint32_t value) 
   }
   update_lines();
   return true;
+}
+
+// ---------------------------------------------------------------- power management
+
+std::uint32_t Lpc11c24::read_pmu(std::uint32_t offset) {
+  if (offset >= 0x04 && offset <= 0x10) return general_[(offset - 0x04) / 4];
+  if (offset != 0) violation("PMU: read of register " + hex(offset) + ", which does not exist or is not modelled");
+  return 0;
+}
+void Lpc11c24::write_pmu(std::uint32_t offset, std::uint32_t value) {
+  if (offset >= 0x04 && offset <= 0x10)
+    general_[(offset - 0x04) / 4] = value;
+  else if (offset != 0)
+    violation("PMU: write to register " + hex(offset) + ", which does not exist or is not modelled");
+  else if ((value & 2U) != 0)
+    violation("deep power-down asked for");
 }
 
 // ---------------------------------------------------------------- system control

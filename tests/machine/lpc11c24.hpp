@@ -161,6 +161,9 @@ class Lpc11c24 : private PeripheralBus {
   void violation(const std::string& what) override;
 
   [[nodiscard]] bool reachable(unsigned block);
+  void spoil_rom_memory();
+  std::uint32_t read_pmu(std::uint32_t offset);
+  void write_pmu(std::uint32_t offset, std::uint32_t value);
   std::uint32_t read_syscon(std::uint32_t offset);
   void write_syscon(std::uint32_t offset, std::uint32_t value);
   std::uint32_t read_gpio(unsigned port, std::uint32_t offset);
@@ -225,6 +228,7 @@ class Lpc11c24 : private PeripheralBus {
   std::array<std::uint64_t, 5> resets_{};
   std::optional<ResetCause> reset_wanted_;
   std::uint32_t start_vectors_{};
+  std::array<std::uint32_t, 4> general_{};  // GPREG0 to 3 of the PMU: outlive every reset but a cold boot
 
   // SYSCON
   std::uint32_t remap_{2}, presetctrl_{}, pll_{}, osc_{}, wdtosc_{}, ircctrl_{0x80}, reset_status_{}, pll_source_{}, pll_source_wanted_{},
