@@ -3,7 +3,7 @@
 //
 // Response times: the exact test of Davis, Burns, Bril, Lukkien, "Controller Area Network (CAN) schedulability analysis: refuted, revisited
 // and revised", Real-Time Systems 35 (2007): busy period, all instances in it, release jitter included. They hold if every sender sends
-// by priority.
+// by priority, as the LPC11C24 does with a message object for each identifier; mailbox_wait_bits() is what the STM32F072 adds.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -164,6 +164,27 @@ constexpr std::optional<std::uint64_t> response_bits(const BusPlan& plan, std::s
     worst = std::max(worst, frame.jitter + wait + own - q * frame.period);
   }
   return worst;
+}
+
+// What a sender with the three mailboxes of the STM32F072 adds to a response time (firmware/boards/stm32f072/transmit_order.hpp):
+//   SYNC and EMCY    nothing, a mailbox is theirs
+//   process data     two mailboxes hold a lower process datum of the sender and SDO or its heartbeat: until the datum is out
+//   SDO, heartbeat   they share a mailbox: until a heartbeat, which is the lower, is out
+// and, when its own turn comes, one frame of the sender that was in its mailbox first. Nothing when there is no bound.
+constexpr std::optional<std::uint64_t> mailbox_wait_bits(const BusPlan& plan, std::size_t which, const BusConditions& conditions) {
+  const BusFrame& frame = plan.frames[which];
+  if (frame.kind == FrameKind::sync || frame.kind == FrameKind::emergency) return 0;
+  std::uint64_t wait = 0;
+  for (std::size_t k = which + 1; k < plan.size; ++k) {
+    const BusFrame& lower = plan.frames[k];
+    const bool same_sender = lower.sender == frame.sender || frame.kind == FrameKind::service;
+    const FrameKind holds = frame.kind == FrameKind::process ? FrameKind::process : FrameKind::heartbeat;
+    if (!same_sender || lower.kind != holds) continue;
+    const auto response = response_bits(plan, k, conditions);
+    if (!response) return std::nullopt;
+    wait = std::max(wait, *response);
+  }
+  return wait + worst_frame_bits(8);
 }
 
 constexpr double bits_ms(std::uint64_t bits) { return static_cast<double>(bits) / static_cast<double>(kBitsPerMs); }

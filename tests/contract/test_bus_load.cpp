@@ -116,6 +116,21 @@ TEST(BusLoad, AllThreeSensorsMaySendTheirRates) {
   }
 }
 
+// Mailboxes instead of an object for each identifier make frames later, but none so late that its absence is acted upon.
+TEST(BusLoad, ThreeMailboxesKeepTheDeadlines) {
+  constexpr BusConditions kWorst{true, true, true};
+  const BusPlan plan = bus_plan();
+  for (std::size_t i = 0; i < plan.size; ++i) {
+    const auto bits = response_bits(plan, i, kWorst), wait = mailbox_wait_bits(plan, i, kWorst);
+    ASSERT_TRUE(bits && wait) << plan.frames[i].what;
+    EXPECT_LE(*bits + *wait, plan.frames[i].deadline) << std::hex << plan.frames[i].id;
+  }
+  // 181h waits for 281h, and for one frame that got to its mailbox first; 293h has no lower process datum beside it.
+  EXPECT_EQ(mailbox_wait_bits(plan, at(plan, 0x181), kWorst), *response_bits(plan, at(plan, 0x281), kWorst) + worst_frame_bits(8));
+  EXPECT_EQ(mailbox_wait_bits(plan, at(plan, 0x293), kWorst), worst_frame_bits(8));
+  EXPECT_EQ(mailbox_wait_bits(plan, at(plan, 0x080), kWorst), 0U);
+}
+
 // A frame that is longer or comes more often must make others later: the test of the limits could not fail otherwise.
 TEST(BusLoad, TooMuchIsFound) {
   BusPlan plan = bus_plan();

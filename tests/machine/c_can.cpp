@@ -387,6 +387,7 @@ void CCan::heard(const CanFrame& frame, CanError error) {
     object.arb1 = id & 0xFFFFU;
     object.arb2 = (object.arb2 & (kValid | kTransmit)) | (extended ? kExtended : 0U) | ((id >> 16) & 0x1FFFU);
     object.control = (object.control & ~0xFU) | frame.dlc | kNewData;
+    if (!remote) object.control &= ~kRequest;  // the data have come: no remote frame has to ask for them
     if (!remote)
       for (unsigned b = 0; b < 8; ++b) {
         std::uint16_t& half = object.data[b / 2];

@@ -1,8 +1,7 @@
 // The C_CAN controller of the LPC11C24 at 250 kbit/s (UM10398, chapter 16).
 //
-// Message objects 1 to 4 send, one for each class of identifiers, because the controller sends by object number and not by identifier: a
-// heartbeat that waits for a busy bus must not hold up a SYNC. Within a class a frame once handed over stays until it is out. Objects 5
-// to 16 receive, as one chain that takes every frame.
+// Message objects 1 to 10 send, one for each class of identifiers (transmit_order.hpp). Objects 17 to 31 receive, as one chain that takes
+// every frame; object 32 sends remote frames.
 // Interface registers IF1 belong to the main loop, IF2 to the interrupt: neither needs a lock.
 #pragma once
 #include <array>
@@ -13,6 +12,7 @@
 #include "firmware/boards/cortex_m0/can_filter.hpp"
 #include "firmware/boards/cortex_m0/ring.hpp"
 #include "firmware/boards/lpc11c24/registers.hpp"
+#include "firmware/boards/lpc11c24/transmit_order.hpp"
 #include "firmware/lib/board.hpp"
 
 namespace hoist::firmware::lpc11c24 {
@@ -25,8 +25,11 @@ using Errors = Register<kBase + 0x08>;
 using BitTiming = Register<kBase + 0x0C>;
 using Interrupt = Register<kBase + 0x10>;
 using PrescalerExtension = Register<kBase + 0x18>;
+// Objects 1 to 16 and 17 to 32.
 using TransmitRequest1 = Register<kBase + 0x100>;
+using TransmitRequest2 = Register<kBase + 0x104>;
 using NewData1 = Register<kBase + 0x120>;
+using NewData2 = Register<kBase + 0x124>;
 using ClockDivider = Register<kBase + 0x180>;
 
 inline constexpr std::uint32_t kInit = 1U << 0, kInterrupts = 1U << 1, kChangeTiming = 1U << 6;
@@ -70,8 +73,6 @@ inline constexpr std::uint32_t kMaskReserved = 1U << 13;  // of Mask2: reads and
 // 48 MHz / 12 = 4 MHz, 16 quanta: 1 + 13 before the sample point (87.5 %), 2 after it, jump width 1.
 inline constexpr std::uint32_t kBitTiming_250k = 0x1C0B;
 inline constexpr std::uint32_t kCanObjects = 32;
-inline constexpr std::uint32_t kTransmitClasses = 4;
-inline constexpr std::uint32_t kReceiveFirst = kTransmitClasses + 1, kReceiveLast = 16;
 inline constexpr std::size_t kCanTransmitMax = 16;  // frames waiting for their object; more are refused
 inline constexpr std::size_t kCanReceiveMax = 16;   // frames waiting for the main loop: 3 ms of a full bus
 inline constexpr std::uint32_t kReceivesPerInterrupt = 32;
@@ -108,10 +109,10 @@ class Can {
     const std::uint32_t control = c_can::Control::read();
     if ((control & c_can::kInterrupts) == 0) return false;
     if (waiting_count_ == 0 || (control & c_can::kInit) != 0) return true;
-    std::uint32_t busy = c_can::TransmitRequest1::read() & ((1U << kTransmitClasses) - 1U);
+    std::uint32_t busy = transmitting();
     std::size_t kept = 0;
     for (std::size_t i = 0; i < waiting_count_; ++i) {
-      const std::uint32_t object = object_of(waiting_[i]);
+      const std::uint32_t object = transmit_object(waiting_[i]);
       const std::uint32_t bit = 1U << (object - 1);
       if ((busy & bit) != 0) {
         waiting_[kept++] = waiting_[i];
@@ -127,14 +128,13 @@ class Can {
   bool receive(CanFrame& frame) { return received_.take(frame); }
   [[nodiscard]] bool has_frame() const { return !received_.empty(); }
   // Nothing waits and nothing is under way: a node that restarts itself waits for this, so that its answer still leaves.
-  [[nodiscard]] bool all_sent() const {
-    return waiting_count_ == 0 && (c_can::TransmitRequest1::read() & ((1U << kTransmitClasses) - 1U)) == 0;
-  }
+  [[nodiscard]] bool all_sent() const { return waiting_count_ == 0 && transmitting() == 0; }
 
   // Takes back what has not left: it is too old by now.
   void drop_unsent() {
     waiting_count_ = 0;
-    for (std::uint32_t object = 1; object <= kTransmitClasses; ++object) {
+    for (std::uint32_t object = 1; object <= kCanObjects; ++object) {
+      if (object >= kReceiveFirst && object <= kReceiveLast) continue;
       c_can::Loop::Command::write(c_can::kWrite | c_can::kArbitration | c_can::kControl);
       c_can::Loop::Id1::write(0);
       c_can::Loop::Id2::write(0);
@@ -175,7 +175,7 @@ class Can {
     for (std::uint32_t i = 0; i < kReceivesPerInterrupt; ++i) {
       const std::uint32_t cause = c_can::Interrupt::read();
       if (cause == 0) return;
-      if (cause >= 1 && cause <= kTransmitClasses) {
+      if (cause < kReceiveFirst || cause == kRemoteObject) {
         c_can::Isr::Command::write(c_can::kClearPending);
         (void)c_can::Isr::move(cause);
         continue;  // sending goes on in service(): this interrupt only wakes the main loop
@@ -185,17 +185,13 @@ class Can {
         continue;
       }
       for (std::uint32_t object = kReceiveFirst; object <= kReceiveLast; ++object)
-        if ((c_can::NewData1::read() & (1U << (object - 1))) != 0) take(object);
+        if ((c_can::NewData2::read() & (1U << (object - 17))) != 0) take(object);
     }
   }
 
  private:
-  static std::uint32_t object_of(const CanFrame& frame) {
-    const std::uint32_t id = (frame.flags & CanFrame::kExtended) != 0 ? frame.id >> 18 : frame.id;
-    if (id < 0x180) return 1;   // NMT, SYNC, EMCY
-    if (id < 0x580) return 2;   // process data
-    return id < 0x700 ? 3 : 4;  // SDO; heartbeat
-  }
+  // Objects that wait for the bus, bit 0 for object 1.
+  static std::uint32_t transmitting() { return c_can::TransmitRequest1::read() | (c_can::TransmitRequest2::read() << 16); }
 
   [[nodiscard]] static bool configure() {
     c_can::Control::write(c_can::kInit | c_can::kChangeTiming);

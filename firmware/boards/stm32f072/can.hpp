@@ -1,15 +1,17 @@
 // The bxCAN controller of the STM32F072 at 250 kbit/s (RM0091, chapter 29).
 //
-// Three mailboxes send by identifier (TXFP = 0); two frames of the same identifier are never in them together, because then the number of
-// the mailbox would decide. Filter bank 0 lets everything into FIFO 0; what nobody wants is dropped in the interrupt.
+// Three mailboxes send by identifier (TXFP = 0), shared out as transmit_order.hpp says; two frames of the same identifier are never in them
+// together, because then the number of the mailbox would decide. Filter bank 0 lets everything into FIFO 0; what nobody wants is dropped in the interrupt.
 #pragma once
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "firmware/boards/cortex_m0/can_filter.hpp"
 #include "firmware/boards/cortex_m0/ring.hpp"
 #include "firmware/boards/stm32f072/registers.hpp"
+#include "firmware/boards/stm32f072/transmit_order.hpp"
 #include "firmware/lib/board.hpp"
 
 namespace hoist::firmware::stm32f072 {
@@ -91,24 +93,27 @@ class Can {
     if (bxcan::BitTiming::read() != kBitTiming_250k) return false;
     if (restarting_ && (bxcan::Errors::read() & kBusOff) == 0) restarting_ = false;
     if (waiting_count_ == 0 || (bxcan::Status::read() & 1U) != 0) return true;
+    // Read once: a mailbox that empties meanwhile must not go to the second of two equal frames.
+    std::uint32_t empty = bxcan::Transmit::read() >> 26;  // TME
     std::size_t kept = 0;
     for (std::size_t i = 0; i < waiting_count_; ++i) {
       const std::uint32_t order = cortex_m0::arbitration_order(waiting_[i]);
-      std::uint32_t free = bxcan::kMailboxes;
+      std::uint32_t free = bxcan::kMailboxes, taken = 0;
+      std::array<std::uint32_t, bxcan::kMailboxes> orders{};
       bool same = false;
-      const std::uint32_t empty = bxcan::Transmit::read() >> 26;  // TME
       for (std::uint32_t box = 0; box < bxcan::kMailboxes; ++box) {
         if (((empty >> box) & 1U) != 0)
           free = box;
-        else if (order_[box] == order)
-          same = true;
+        else
+          same |= (orders[taken++] = order_[box]) == order;
       }
       // What comes behind a frame that has to wait for its own kind is of a higher identifier or equal: order is kept.
-      if (same || free == bxcan::kMailboxes) {
+      if (same || free == bxcan::kMailboxes || !may_take_mailbox(order, std::span(orders).first(taken))) {
         waiting_[kept++] = waiting_[i];
         continue;
       }
       order_[free] = order;
+      empty &= ~(1U << free);
       hand_over(free, waiting_[i]);
     }
     waiting_count_ = kept;

@@ -1,6 +1,7 @@
 // What can be said about the boards without a board: places in memory that two programs must agree on, pins that may be used once.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <set>
@@ -8,14 +9,18 @@
 #include <utility>
 #include <vector>
 
+#include "control/contract/bus_load.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/firmware_image.hpp"
+#include "firmware/boards/cortex_m0/can_filter.hpp"
 #include "firmware/boards/cortex_m0/ring.hpp"
 #include "firmware/boards/lpc11c24/memory.hpp"
 #include "firmware/boards/lpc11c24/parameter_pages.hpp"
 #include "firmware/boards/lpc11c24/pins.hpp"
+#include "firmware/boards/lpc11c24/transmit_order.hpp"
 #include "firmware/boards/stm32f072/memory.hpp"
 #include "firmware/boards/stm32f072/pins.hpp"
+#include "firmware/boards/stm32f072/transmit_order.hpp"
 #include "firmware/boot/mailbox.hpp"
 #include "firmware/lib/parameter_store.hpp"
 
@@ -38,9 +43,52 @@ TEST(Lpc11c24Memory, NothingOverlaps) {
   EXPECT_EQ(kParametersStart + kSectorBytes, 0x8000U);  // 32 KB of flash
   EXPECT_EQ(kParametersStart % kSectorBytes, 0U);       // an erase must not reach into the program
   EXPECT_EQ(kMailboxBytes, sizeof(Mailbox));
-  EXPECT_EQ(kMailboxStart + kMailboxBytes + 32, kRamStart + kRamBytes);  // the factory's flash routines use the last 32 bytes
-  EXPECT_LE(kStackTop, kMailboxStart);
+  EXPECT_EQ(kStackTop + 32, kRamStart + kRamBytes);  // the factory's flash routines use the last 32 bytes
+  // The boot ROM runs after each reset, and nothing in RAM is safe from it.
+  EXPECT_TRUE(kMailboxStart + kMailboxBytes <= kRamStart || kMailboxStart >= kRamStart + kRamBytes);
   EXPECT_EQ(kStackTop % 8, 0U);  // ARM procedure call standard
+}
+
+// The response times of the bus are computed for senders that send by priority: no two frames of one sender share a message object, and the
+// objects rise with the identifiers.
+TEST(Lpc11c24Can, NoFrameOfASenderWaitsBehindOneOfLowerPriority) {
+  const contract::BusPlan plan = contract::bus_plan(contract::SwitchedPdos::all);
+  for (std::size_t n = 0; n < contract::kNodes.size(); ++n) {
+    std::uint32_t before = 0;
+    for (const contract::BusFrame& frame : plan) {
+      // The plan counts all SDO together; each node answers.
+      if (frame.sender != static_cast<contract::Node>(n) && frame.kind != contract::FrameKind::service) continue;
+      const std::uint32_t object = lpc11c24::transmit_object({frame.id, frame.bytes, 0, {}});
+      EXPECT_GT(object, before) << std::hex << frame.id;
+      EXPECT_LT(object, lpc11c24::kReceiveFirst);
+      before = object;
+    }
+  }
+}
+TEST(Lpc11c24Can, ARemoteFrameIsSentFromBehindTheReceivingChain) {
+  for (const std::uint32_t id : {0x000U, 0x181U, 0x711U, 0x7FFU})
+    EXPECT_GT(lpc11c24::transmit_object({id, 0, contract::CanFrame::kRemote, {}}), lpc11c24::kReceiveLast);
+  EXPECT_EQ(lpc11c24::transmit_object({0x711U << 18, 0, contract::CanFrame::kExtended, {}}), lpc11c24::transmit_object({0x711, 0, 0, {}}));
+}
+
+// Whatever lower frames of its own board wait in the mailboxes: SYNC and EMCY find one at once, process data when one lower datum is out.
+TEST(Stm32f072Can, LowerFramesNeverFillAllMailboxes) {
+  const auto order = [](std::uint32_t id) { return cortex_m0::arbitration_order({id, 0, 0, {}}); };
+  const std::array<std::uint32_t, 7> ids{0x080, 0x081, 0x181, 0x281, 0x282, 0x581, 0x701};
+  std::vector<std::uint32_t> waiting;
+  // All of them come, the lowest first, again and again: as a busy bus would leave them.
+  for (int round = 0; round < 3; ++round)
+    for (auto id = ids.rbegin(); id != ids.rend(); ++id)
+      if (waiting.size() < 3 && std::find(waiting.begin(), waiting.end(), order(*id)) == waiting.end() &&
+          stm32f072::may_take_mailbox(order(*id), waiting))
+        waiting.push_back(order(*id));
+  EXPECT_EQ(waiting, (std::vector<std::uint32_t>{order(0x701), order(0x282), order(0x081)}));
+  const std::array service{order(0x701)};
+  const std::array two{order(0x282), order(0x581)};
+  EXPECT_FALSE(stm32f072::may_take_mailbox(order(0x581), service));
+  EXPECT_TRUE(stm32f072::may_take_mailbox(order(0x181), service));
+  EXPECT_FALSE(stm32f072::may_take_mailbox(order(0x181), two));
+  EXPECT_TRUE(stm32f072::may_take_mailbox(order(0x080), two));
 }
 
 TEST(Lpc11c24Pins, NoPinHasTwoJobsOnOneBoard) {

@@ -1,0 +1,153 @@
+// The C_CAN driver of the LPC11C24 images on a busy bus: in which order frames leave, and what a sent remote frame leaves behind.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/machine/hoist_bench.hpp"
+
+namespace hoist::machine {
+namespace {
+
+using contract::CanFrame;
+
+// Sends without a pause under one identifier: nothing of a lower priority gets onto the bus.
+class Jammer : public CanStation {
+ public:
+  void set(std::optional<std::uint32_t> id) { id_ = id; }
+  [[nodiscard]] bool on_bus() const override { return true; }
+  [[nodiscard]] bool offer(CanFrame& frame) override {
+    frame = {id_.value_or(0), 8, 0, {}};
+    return id_.has_value();
+  }
+  void began() override {}
+  void sent(CanError) override {}
+  void heard(const CanFrame&, CanError) override {}
+  void idle(std::uint64_t) override {}
+
+ private:
+  std::optional<std::uint32_t> id_;
+};
+
+class CanDriver : public testing::Test {
+ protected:
+  void SetUp() override {
+    found = load_images();
+    if (!found.images) GTEST_SKIP() << found.reason;
+  }
+  void begin(bool through_gateway) {
+    BenchOptions options;
+    options.scenario = sim::find_scenario("stand");
+    options.through_gateway = through_gateway;
+    bench = std::make_unique<HoistBench>(*found.images, options);
+    (void)bench->wire().connect(jammer);
+    bench->wire().on_frame([this](const CanFrame& frame, Time) {
+      wire.push_back(frame);
+      if (see) see(frame);
+    });
+    run(600);
+  }
+  void run(int milliseconds) {
+    for (int ms = 0; ms < milliseconds; ++ms) bench->advance_1ms();
+  }
+  // What the computer has got since it was asked last.
+  std::vector<CanFrame> received() {
+    std::vector<CanFrame> all;
+    std::array<CanFrame, 64> frames{};
+    while (const std::size_t got = bench->host_receive(frames))
+      all.insert(all.end(), frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(got));
+    return all;
+  }
+  static std::ptrdiff_t count(const std::vector<CanFrame>& frames, std::uint32_t id) {
+    return std::count_if(frames.begin(), frames.end(), [id](const CanFrame& frame) { return frame.id == id; });
+  }
+
+  ImagesOrReason found;
+  Jammer jammer;
+  std::vector<CanFrame> wire;
+  std::function<void(const CanFrame&)> see;
+  std::unique_ptr<HoistBench> bench;
+};
+
+// A remote frame is sent from a receive object. That object must not take the data frames that answer it, nor later ones.
+TEST_F(CanDriver, ASentRemoteFrameTakesNoFrameFromTheComputer) {
+  begin(true);
+  constexpr std::uint32_t kHeartbeat = 0x711;
+  for (const std::uint32_t id : {kHeartbeat, 0x181U, 0x591U, 0x081U}) bench->host_send({id, 1, CanFrame::kRemote, {}});
+  run(50);
+  EXPECT_EQ(std::count_if(wire.begin(), wire.end(), [](const CanFrame& frame) { return (frame.flags & CanFrame::kRemote) != 0; }), 4);
+  (void)received();
+  wire.clear();
+  run(1000);
+  EXPECT_GE(count(wire, kHeartbeat), 9);
+  run(5);
+  EXPECT_GE(count(received(), kHeartbeat), 9);
+  // And the object can be used again.
+  wire.clear();
+  bench->host_send({kHeartbeat, 1, CanFrame::kRemote, {}});
+  run(20);
+  EXPECT_EQ(std::count_if(wire.begin(), wire.end(), [](const CanFrame& frame) { return (frame.flags & CanFrame::kRemote) != 0; }), 1);
+  EXPECT_EQ(bench->violations(), "");
+}
+
+// What the computer sends in any order while the bus is busy leaves the gateway in the order of the identifiers.
+TEST_F(CanDriver, TheGatewaySendsByIdentifier) {
+  begin(true);
+  jammer.set(1);
+  run(5);
+  const std::vector<std::uint32_t> falling{0x77F, 0x601, 0x208, 0x202, 0x201, 0x080};
+  for (const std::uint32_t id : falling) {
+    bench->host_send({id, 0, 0, {}});
+    run(3);
+  }
+  wire.clear();
+  jammer.set(std::nullopt);
+  run(20);
+  std::vector<std::uint32_t> sent;
+  for (const CanFrame& frame : wire)
+    if (std::find(falling.begin(), falling.end(), frame.id) != falling.end()) sent.push_back(frame.id);
+  EXPECT_EQ(sent, std::vector<std::uint32_t>(falling.rbegin(), falling.rend()));
+  EXPECT_EQ(bench->violations(), "");
+}
+
+// The second process data of a node that waits in the controller does not hold up the first: 181h before 281h, 193h before 293h.
+TEST_F(CanDriver, ANodesSecondProcessDataLetsItsFirstPass) {
+  begin(false);
+  bench->host_send(contract::canopen::nmt(contract::canopen::NmtCommand::start, 0));
+  run(20);
+  constexpr std::uint32_t kBelowSync = 0x100;  // passes SYNC, stops every process datum
+  struct Pair {
+    std::uint32_t first, second;
+  };
+  for (const Pair pair : {Pair{0x181, 0x281}, Pair{0x193, 0x293}}) {
+    int both_waited = 0;
+    for (int cycle = 0; cycle < 10; ++cycle) {
+      see = [&](const CanFrame& frame) {
+        if (frame.id == pair.first) jammer.set(kBelowSync);  // the second one is the controller's next
+      };
+      bench->host_send(contract::canopen::sync());
+      run(10);
+      see = nullptr;
+      wire.clear();
+      bench->host_send(contract::canopen::sync());
+      run(4);
+      jammer.set(std::nullopt);
+      run(6);
+      std::vector<std::uint32_t> sent;
+      for (const CanFrame& frame : wire)
+        if (frame.id == pair.first || frame.id == pair.second) sent.push_back(frame.id);
+      ASSERT_FALSE(sent.empty()) << cycle;
+      EXPECT_EQ(sent.front(), pair.first) << cycle;
+      both_waited += sent.size() > 1 ? 1 : 0;
+    }
+    EXPECT_GE(both_waited, 2) << pair.first;
+  }
+  EXPECT_EQ(bench->violations(), "");
+}
+
+}  // namespace
+}  // namespace hoist::machine
