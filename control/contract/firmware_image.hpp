@@ -8,8 +8,8 @@
 //          C8h   CRC-32 of the whole image without these four bytes
 //          CCh   version, major << 16 | minor << 8 | patch
 //          D0h   kind of node, D1h chip, D2h two bytes that are 0
-//   All words little endian. An application is linked with the magic and zeros there (firmware/boot/image_header.hpp); `hoist firmware
-//   pack` fills the rest in.
+//   All words little endian. Magic, version, kind and chip are compiled in (firmware/boot/image_header.hpp); `hoist firmware pack` fills
+//   in length and CRC.
 #pragma once
 #include <array>
 #include <cstddef>

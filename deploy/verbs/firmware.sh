@@ -1,14 +1,14 @@
 # shellcheck shell=bash
 # cross-compiles the Cortex-M0 images and checks their size
 #
-# Images land in build/firmware/ as hoist-NODE-CHIP.elf and .bin. The build stops when one is too large, may need more stack than
-# it has, or links what a node must not have (heap, printf, exceptions, 64-bit division, doubles); firmware/SIZES.gen.md is written anew,
-# and firmware/MACHINE.gen.md with what the LPC11C24 images cost on the model of their chip (tests/machine).
+# Images land in build/firmware/ as hoist-NODE-CHIP.elf and .bin, and as .hoistfw for the update over the bus. The build stops when one
+# is too large, may need more stack than it has, or links what a node must not have (heap, printf, exceptions, 64-bit division, doubles);
+# firmware/SIZES.gen.md is written anew, and firmware/MACHINE.gen.md with what the images cost on the models of their chips (tests/machine).
 # options: --no-setup   leave the machine as it is
 common_options firmware "$@"
 setup build firmware
 say "building (build/firmware/)"
-build_tree build -DCMAKE_BUILD_TYPE=RelWithDebInfo -- firmware || die "the images did not build: see above"
+build_tree build -DCMAKE_BUILD_TYPE=RelWithDebInfo -- firmware_files || die "the images did not build: see above"
 [ -n "$(find build/firmware -maxdepth 1 -name '*.size' -print -quit 2>/dev/null)" ] ||
   die "no image was made: is arm-none-eabi-g++ installed? (deploy/packages, group firmware)"
 {

@@ -1,15 +1,23 @@
-// What an application leaves in its flash for its header: the magic, and zeros that `hoist firmware pack` fills in. A board places
-//   [[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeaderPlace = kEmptyImageHeader;
-// with a linker script that puts .image_header at C0h behind the start of the application.
+// What an application says of itself in its header: for which kind of node and which chip it was compiled, and its version. The linker script
+// puts .image_header at C0h behind the start of the application; `hoist firmware pack` adds length and CRC and takes the rest as it is.
+//
+// The source that makes a program the node it is places
+//   [[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeader = image_header(kind, chip);
+// so that no program can carry another one's name.
 #pragma once
 #include <array>
 #include <cstdint>
 
 #include "control/contract/firmware_image.hpp"
+#include "firmware/lib/version.hpp"
 
 namespace hoist::firmware {
 
 using ImageHeaderWords = std::array<std::uint32_t, contract::kImageHeaderBytes / 4>;
-inline constexpr ImageHeaderWords kEmptyImageHeader{contract::kImageMagic, 0, 0, 0, 0};
+
+consteval ImageHeaderWords image_header(contract::ImageKind kind, contract::ImageChip chip) {
+  return {contract::kImageMagic, 0, 0, *contract::parse_version(kSoftwareVersion),
+          static_cast<std::uint32_t>(kind) | (static_cast<std::uint32_t>(chip) << 8)};
+}
 
 }  // namespace hoist::firmware

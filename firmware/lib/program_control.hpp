@@ -7,7 +7,7 @@
 
 namespace hoist::firmware {
 
-// The program that runs, as its header in flash says; both 0 when it was never packed.
+// The program that runs, as its header in flash says; the CRC is 0 when it was never packed.
 struct ProgramInfo {
   std::uint32_t version = 0;  // major << 16 | minor << 8 | patch
   std::uint32_t crc = 0;

@@ -8,6 +8,7 @@
 #include "control/bus/firmware_update.hpp"
 #include "control/contract/firmware_image.hpp"
 #include "firmware/boards/lpc11c24/memory.hpp"
+#include "firmware/boot/mailbox.hpp"
 #include "tests/machine/hoist_bench.hpp"
 
 namespace hoist::machine {
@@ -22,8 +23,8 @@ void put(std::vector<std::uint8_t>& bytes, std::size_t at, std::uint32_t word) {
   for (unsigned i = 0; i < 4; ++i) bytes[at + i] = static_cast<std::uint8_t>(word >> (8 * i));
 }
 
-// The application as a packed file: what `hoist firmware pack` makes of the linked program.
-std::vector<std::uint8_t> packed(const Image& application, contract::ImageKind kind, std::uint32_t version) {
+// The application as a packed file: what `hoist firmware pack` makes of the linked program, with another version.
+std::vector<std::uint8_t> packed(const Image& application, std::uint32_t version) {
   std::size_t end = application.flash.size();
   while (end > board::kApplicationStart && application.flash[end - 1] == 0xFF) --end;
   end = (end + 3) & ~std::size_t{3};
@@ -31,8 +32,6 @@ std::vector<std::uint8_t> packed(const Image& application, contract::ImageKind k
                                   application.flash.begin() + static_cast<std::ptrdiff_t>(end));
   put(bytes, contract::kImageHeaderAt + 4, static_cast<std::uint32_t>(bytes.size()));
   put(bytes, contract::kImageHeaderAt + 12, version);
-  bytes[contract::kImageHeaderAt + 16] = static_cast<std::uint8_t>(kind);
-  bytes[contract::kImageHeaderAt + 17] = static_cast<std::uint8_t>(contract::ImageChip::lpc11c24);
   put(bytes, contract::kImageCrcAt, contract::image_crc(bytes));
   return bytes;
 }
@@ -58,8 +57,8 @@ class Loader : public testing::Test {
     if (!loader) GTEST_SKIP() << "no image hoist-boot-io-lpc11c24.elf";
     parts.images = std::move(*found.images);
     parts.io_loader = std::move(*loader);
-    parts.old_program = packed(parts.images.io, contract::ImageKind::io, kOld);
-    parts.new_program = packed(parts.images.io, contract::ImageKind::io, kNew);
+    parts.old_program = packed(parts.images.io, kOld);
+    parts.new_program = packed(parts.images.io, kNew);
     ASSERT_EQ(contract::check_image_file(parts.old_program), contract::ImageError::none);
   }
   [[nodiscard]] BenchOptions options(std::vector<std::uint8_t> flash) const {
@@ -104,6 +103,16 @@ TEST_F(Loader, StartsAWholeProgram) {
   EXPECT_EQ(bench.violations(), "");
 }
 
+// A drive's program on the input board: kind and chip are the program's own words, and the loader looks at them.
+TEST_F(Loader, DoesNotStartAProgramOfAnotherNode) {
+  HoistBench bench(parts.images, options(parts.flash_with(packed(parts.images.drive, kOld))));
+  run(bench, 600);
+  const bus::NodeProgram program = ask(bench);
+  EXPECT_TRUE(program.in_loader);
+  EXPECT_EQ(program.flash_status, static_cast<std::uint32_t>(contract::FlashStatus::unknown_format));
+  EXPECT_EQ(bench.violations(), "");
+}
+
 TEST_F(Loader, KeepsADamagedProgramAndSaysSo) {
   std::vector<std::uint8_t> damaged = parts.old_program;
   damaged[damaged.size() / 2] ^= 0x10;
@@ -129,6 +138,28 @@ TEST_F(Loader, TakesANewProgramOverTheBus) {
   EXPECT_EQ(program.version, kNew);
   EXPECT_GT(bench.chip(Box::io).flash_operations(), 10U);
   EXPECT_EQ(bench.violations(), "");
+}
+
+// A program that faults at once ends by a software reset each time. After the third the loader keeps the node, and an update still comes in.
+TEST_F(Loader, KeepsAProgramThatDoesNotStayAliveAfterThreeStarts) {
+  std::vector<std::uint8_t> faulting = parts.old_program;
+  const std::size_t entry = (contract::image_word(faulting, 4) & ~1U) - board::kApplicationStart;
+  faulting[entry] = 0x00;  // UDF #0: HardFault, whose vector is still the loader's
+  faulting[entry + 1] = 0xDE;
+  put(faulting, contract::kImageCrcAt, contract::image_crc(faulting));
+  HoistBench bench(parts.images, options(parts.flash_with(faulting)));
+  run(bench, 600);
+  const bus::NodeProgram program = ask(bench);
+  EXPECT_TRUE(program.in_loader);
+  EXPECT_EQ(program.flash_status, static_cast<std::uint32_t>(contract::FlashStatus::failed_starts));
+  EXPECT_EQ(bench.chip(Box::io).resets(ResetCause::software), firmware::kFailedStartsMax);
+  bus::FirmwareUpdate update(parts.new_program, contract::Node::io, {});
+  talk(
+      bench, update, [&update] { return update.over(); }, 40'000);
+  EXPECT_EQ(update.phase(), bus::FirmwareUpdate::Phase::done) << bus::failure_text(update.failure());
+  EXPECT_EQ(ask(bench).version, kNew);
+  const std::string violations = bench.violations();
+  EXPECT_TRUE(violations.starts_with("io: HardFault: undefined instruction") && violations.ends_with("(3)\n")) << violations;
 }
 
 // The power goes in the middle of erasing or writing. Whatever is then in the flash, the node comes up in its loader, and the update goes

@@ -17,18 +17,17 @@ namespace hoist::tool {
 namespace {
 
 constexpr const char* kHelp =
-    "usage: hoist firmware pack IN.bin --kind KIND --chip CHIP --version A.B.C OUT.hoistfw\n"
+    "usage: hoist firmware pack IN.bin OUT.hoistfw [--simulated]\n"
     "       hoist firmware show FILE.hoistfw [--json]\n"
     "       hoist firmware list --bus ADDRESS [--json]\n"
     "       hoist firmware update --bus ADDRESS --node NODE FILE.hoistfw [--force]\n\n"
-    "pack    fills in the header of a linked program: length, CRC, version, for which node and chip\n"
+    "pack    adds length and CRC to a linked program; kind of node, chip and version are compiled into it\n"
+    "        (--simulated: for the simulated node of its kind, which no chip takes)\n"
     "show    what a packed program is, or why it is none\n"
     "list    the programs of all nodes\n"
     "update  brings a program into a node: refused while a control computer or a drive is at work, wrong or older programs are refused\n"
     "        before anything is erased (--force: also an older one). When it breaks off, the node waits in its loader: run the same "
     "again\n\n"
-    "KIND     tilt, drive, io, gateway\n"
-    "CHIP     lpc11c24, stm32f072, simulated\n"
     "NODE     drive_left, drive_right, io, tilt_left, tilt_right, tilt_base\n"
     "ADDRESS  slcan:/dev/ttyUSB0 or socketcan:can0\n";
 
@@ -44,8 +43,8 @@ int refuse(const std::string& sentence) {
 // The words behind the verb: places in order, and options that each verb allows.
 struct Words {
   std::vector<std::string> places;
-  std::optional<std::string> kind, chip, version, bus, node;
-  bool json = false, force = false;
+  std::optional<std::string> bus, node;
+  bool json = false, force = false, simulated = false;
 };
 // Empty when they were understood.
 std::string read_words(std::span<const std::string_view> arguments, std::string_view allowed, Words& words) {
@@ -65,31 +64,27 @@ std::string read_words(std::span<const std::string_view> arguments, std::string_
       words.force = true;
       continue;
     }
+    if (argument == "--simulated") {
+      words.simulated = true;
+      continue;
+    }
     if (i + 1 == arguments.size()) return std::string(argument) + " needs a value";
-    std::optional<std::string>& value = argument == "--kind"      ? words.kind
-                                        : argument == "--chip"    ? words.chip
-                                        : argument == "--version" ? words.version
-                                        : argument == "--bus"     ? words.bus
-                                                                  : words.node;
-    value = std::string(arguments[++i]);
+    (argument == "--bus" ? words.bus : words.node) = std::string(arguments[++i]);
   }
   return {};
 }
 
 int pack(const Words& words) {
   if (words.places.size() != 2) return bad_usage("pack needs the linked program and the file to write");
-  const contract::ImageKindInfo* kind = contract::find_image_kind(words.kind.value_or(""));
-  if (kind == nullptr) return bad_usage("--kind: tilt, drive, io or gateway");
-  const contract::ImageChipInfo* chip = contract::find_image_chip(std::string_view(words.chip.value_or("")));
-  if (chip == nullptr) return bad_usage("--chip: lpc11c24, stm32f072 or simulated");
-  const auto version = contract::parse_version(words.version.value_or(""));
-  if (!version) return bad_usage("--version: three numbers as in 1.2.3, up to 65535.255.255");
   std::vector<std::uint8_t> image;
   if (const Refusal why = read_file(words.places[0], image); !why.empty()) return refuse(why);
-  if (const Refusal why = pack_image(image, kind->kind, *chip, *version); !why.empty()) return refuse(words.places[0] + ": " + why);
+  if (const Refusal why = pack_image(image, words.simulated); !why.empty()) return refuse(words.places[0] + ": " + why);
   if (const Refusal why = write_file(words.places[1], image); !why.empty()) return refuse(why);
-  std::printf("%s: %s for %s, version %s, %zu of %u bytes\n", words.places[1].c_str(), std::string(kind->name).c_str(),
-              std::string(chip->name).c_str(), version_text(*version).c_str(), image.size(), static_cast<unsigned>(chip->application_max));
+  const contract::ImageHeader header = contract::read_image_header(image);
+  const contract::ImageChipInfo& chip = *contract::find_image_chip(header.chip);
+  std::printf("%s: %s for %s, version %s, %zu of %u bytes\n", words.places[1].c_str(),
+              std::string(contract::find_image_kind(header.kind)->name).c_str(), std::string(chip.name).c_str(),
+              version_text(header.version).c_str(), image.size(), static_cast<unsigned>(chip.application_max));
   return kDone;
 }
 
@@ -138,7 +133,7 @@ struct Verb {
   std::string_view options;  // each followed by a space
   int (*run)(const Words&);
 };
-constexpr Verb kVerbs[] = {{"pack", "--kind --chip --version ", &pack},
+constexpr Verb kVerbs[] = {{"pack", "--simulated ", &pack},
                            {"show", "--json ", &show},
                            {"list", "--bus --json ", &list},
                            {"update", "--bus --node --force ", &update}};

@@ -3,11 +3,15 @@
 #pragma once
 #include "firmware/boards/cortex_m0/late.hpp"
 #include "firmware/boards/cortex_m0/run.hpp"
+#include "firmware/boot/image_header.hpp"
 #include "firmware/nodes/gateway/gateway_node.hpp"
 
 namespace hoist::firmware::gateway_image {
 using namespace chip;
 namespace {
+
+[[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeader =
+    image_header(contract::ImageKind::gateway, kImageChip);
 
 class GatewayBoard : public Board {
  public:

@@ -5,6 +5,7 @@
 
 #include "firmware/boards/cortex_m0/late.hpp"
 #include "firmware/boards/cortex_m0/run.hpp"
+#include "firmware/boot/image_header.hpp"
 #include "firmware/lib/imu/icm42688p.hpp"
 #include "firmware/lib/imu/lsm6dso.hpp"
 #include "firmware/lib/imu/mpu6050.hpp"
@@ -13,6 +14,9 @@
 namespace hoist::firmware::tilt_image {
 using namespace chip;
 namespace {
+
+[[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeader =
+    image_header(contract::ImageKind::tilt, kImageChip);
 
 inline constexpr std::uint32_t kAskAgain_ms = 100;
 

@@ -4,10 +4,14 @@
 #include "firmware/boards/lpc11c24/board.hpp"
 #include "firmware/boards/lpc11c24/bridge.hpp"
 #include "firmware/boards/lpc11c24/encoder.hpp"
+#include "firmware/boot/image_header.hpp"
 #include "firmware/nodes/drive/drive_node.hpp"
 
 namespace hoist::firmware::lpc11c24 {
 namespace {
+
+[[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeader =
+    image_header(contract::ImageKind::drive, kImageChip);
 
 class DriveBoard : public Board {
  public:

@@ -3,10 +3,14 @@
 #include "firmware/boards/cortex_m0/run.hpp"
 #include "firmware/boards/lpc11c24/board.hpp"
 #include "firmware/boards/lpc11c24/bridge.hpp"
+#include "firmware/boot/image_header.hpp"
 #include "firmware/nodes/io/io_node.hpp"
 
 namespace hoist::firmware::lpc11c24 {
 namespace {
+
+[[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeader =
+    image_header(contract::ImageKind::io, kImageChip);
 
 // Pin by pin, lowest bit first.
 template <Pin... kPins>

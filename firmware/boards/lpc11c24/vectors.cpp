@@ -6,7 +6,6 @@
 #include "firmware/boards/cortex_m0/startup.hpp"
 #include "firmware/boards/lpc11c24/memory.hpp"
 #include "firmware/boards/lpc11c24/registers.hpp"
-#include "firmware/boot/image_header.hpp"
 
 extern "C" {
 // Made by the linker script so that the first eight words add up to zero: without it the ROM does not start what lies at address 0.
@@ -50,7 +49,6 @@ consteval Vectors make_vectors() {
 }
 
 [[gnu::section(".vectors"), gnu::used]] constinit const Vectors kVectorTable = make_vectors();
-[[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeaderPlace = kEmptyImageHeader;
 
 }  // namespace
 

@@ -3,10 +3,14 @@
 #include "firmware/boards/cortex_m0/run.hpp"
 #include "firmware/boards/stm32f072/board.hpp"
 #include "firmware/boards/stm32f072/bridge.hpp"
+#include "firmware/boot/image_header.hpp"
 #include "firmware/nodes/drive/drive_node.hpp"
 
 namespace hoist::firmware::stm32f072 {
 namespace {
+
+[[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeader =
+    image_header(contract::ImageKind::drive, kImageChip);
 
 class DriveBoard : public Board {
  public:

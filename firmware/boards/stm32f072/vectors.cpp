@@ -6,7 +6,6 @@
 #include "firmware/boards/cortex_m0/startup.hpp"
 #include "firmware/boards/stm32f072/memory.hpp"
 #include "firmware/boards/stm32f072/registers.hpp"
-#include "firmware/boot/image_header.hpp"
 
 extern "C" {
 // Made by the linker script; this chip does not ask for it, a tool may look.
@@ -48,7 +47,6 @@ consteval Vectors make_vectors() {
 }
 
 [[gnu::section(".vectors"), gnu::used]] constinit const Vectors kVectorTable = make_vectors();
-[[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeaderPlace = kEmptyImageHeader;
 
 }  // namespace
 

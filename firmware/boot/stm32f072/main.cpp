@@ -15,7 +15,7 @@ namespace {
 
 using contract::ImageKind;
 constexpr ImageKind kKind = ImageKind::HOIST_LOADER_KIND;
-constexpr contract::ImageChipInfo kChip = *contract::find_image_chip(static_cast<std::uint8_t>(contract::ImageChip::stm32f072));
+constexpr contract::ImageChipInfo kChip = *contract::find_image_chip(static_cast<std::uint8_t>(kImageChip));
 static_assert(kChip.application_at == kApplicationStart && kChip.application_max == kApplicationBytes);
 static_assert(kChip.ram_at == kRamStart && kChip.ram_bytes == kRamBytes);
 

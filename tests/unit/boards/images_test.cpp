@@ -16,6 +16,7 @@
 
 #include "control/contract/firmware_image.hpp"
 #include "firmware/boards/lpc11c24/memory.hpp"
+#include "firmware/lib/version.hpp"
 
 namespace hoist::firmware {
 namespace {
@@ -23,6 +24,11 @@ namespace {
 std::filesystem::path directory() {
   const char* given = std::getenv("HOIST_FIRMWARE_DIR");
   return given != nullptr ? std::filesystem::path(given) : std::filesystem::path(HOIST_BINARY_DIR) / "firmware";
+}
+
+std::vector<std::uint8_t> read_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 struct Image {
@@ -38,8 +44,7 @@ std::vector<Image> images() {
     if (entry.path().extension() != ".bin") continue;
     Image image;
     image.name = entry.path().stem().string();
-    std::ifstream file(entry.path(), std::ios::binary);
-    image.bytes.assign(std::istreambuf_iterator<char>(file), {});
+    image.bytes = read_file(entry.path());
     image.chip = contract::find_image_chip(image.name.substr(image.name.rfind('-') + 1));
     image.loader = image.name.starts_with("hoist-boot-");
     found.push_back(std::move(image));
@@ -74,7 +79,7 @@ TEST(Images, BeginWithVectorsThatTheirChipAccepts) {
     EXPECT_EQ(sum, 0U);
     EXPECT_EQ(word(0) % 8, 0U);
     EXPECT_GT(word(0), image.chip->ram_at);
-    EXPECT_LE(word(0), image.chip->ram_at + image.chip->ram_bytes - 16);  // below the mailbox
+    EXPECT_LE(word(0), image.chip->ram_at + image.chip->ram_bytes - 16);  // below the mailbox or the flash routines
     const std::uint32_t flash_at = image.loader ? image.chip->application_at & 0xFF000000U : image.chip->application_at;
     // A loader polls: it has the handlers for reset and the two faults only.
     for (std::size_t at = 4; at < (image.loader ? 16U : 0xC0U); at += 4) {
@@ -90,7 +95,28 @@ TEST(Images, BeginWithVectorsThatTheirChipAccepts) {
       EXPECT_LE(image.bytes.size(), image.chip->application_max);
       EXPECT_EQ(word(contract::kImageHeaderAt), contract::kImageMagic);
       EXPECT_EQ(word(contract::kImageHeaderAt + 4), 0U) << "filled in by packing only";
+      EXPECT_EQ(word(contract::kImageCrcAt), 0U) << "filled in by packing only";
     }
+  }
+}
+
+// Kind of node, chip and version are the program's own words, and the file for the update over the bus says the same.
+TEST(Images, SayForWhichNodeAndChipTheyAre) {
+  const auto all = images();
+  SKIP_WITHOUT_IMAGES(all);
+  for (const Image& image : all) {
+    if (image.loader) continue;
+    SCOPED_TRACE(image.name);
+    const contract::ImageHeader header = contract::read_image_header(image.bytes);
+    const contract::ImageKindInfo* kind = contract::find_image_kind(header.kind);
+    ASSERT_NE(kind, nullptr);
+    EXPECT_EQ("hoist-" + std::string(kind->name) + "-" + std::string(image.chip->name), image.name);
+    EXPECT_EQ(header.chip, static_cast<std::uint8_t>(image.chip->chip));
+    EXPECT_EQ(header.version, contract::parse_version(kSoftwareVersion));
+    const auto packed = read_file(directory() / (image.name + ".hoistfw"));
+    ASSERT_EQ(contract::check_image_file(packed), contract::ImageError::none);
+    EXPECT_EQ(contract::check_image(packed, kind->kind, *image.chip), contract::ImageError::none);
+    EXPECT_EQ(contract::read_image_header(packed).version, header.version);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdio>
@@ -57,6 +58,8 @@ class FirmwareCommand : public testing::Test {
     std::ifstream in(file(name), std::ios::binary);
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   }
+  // The words that only packing fills in.
+  static void as_linked(std::vector<std::uint8_t>& image) { std::fill_n(image.begin() + contract::kImageHeaderAt + 4, 8, std::uint8_t{0}); }
   // Starts hoist-sim and waits for its first line, which it prints when its terminal is there.
   void start_simulator() {
     std::array<int, 2> out{};
@@ -88,13 +91,14 @@ class FirmwareCommand : public testing::Test {
 };
 
 TEST_F(FirmwareCommand, PacksAndShowsAProgram) {
-  auto linked = make_image(5001, 0, 3, ImageKind::tilt, ImageChip::lpc11c24);
+  auto linked = make_image(5001, contract::image_version(1, 2, 3), 3, ImageKind::drive, ImageChip::lpc11c24);
   contract::write_le(&linked[0], 4, 0x10001FD0);
   contract::write_le(&linked[4], 4, 0x10D5);
-  for (std::size_t i = contract::kImageHeaderAt + 4; i < contract::kImageMin; ++i) linked[i] = 0;  // as the linker leaves it
+  as_linked(linked);
   write("in.bin", linked);
-  const Result packed = hoist("pack " + file("in.bin") + " --kind drive --chip lpc11c24 --version 1.2.3 " + file("out"));
+  const Result packed = hoist("pack " + file("in.bin") + " " + file("out"));
   EXPECT_EQ(packed.code, 0) << packed.text;
+  EXPECT_NE(packed.text.find("drive for lpc11c24, version 1.2.3"), std::string::npos) << packed.text;
   const auto image = read("out");
   EXPECT_EQ(image.size(), 5004U);  // whole words
   EXPECT_EQ(contract::check_image_file(image), ImageError::none);
@@ -103,9 +107,35 @@ TEST_F(FirmwareCommand, PacksAndShowsAProgram) {
   const Result shown = hoist("show " + file("out") + " --json");
   EXPECT_EQ(shown.code, 0);
   EXPECT_NE(shown.text.find(R"("kind":"drive","chip":"lpc11c24","version":"1.2.3","length":5004)"), std::string::npos) << shown.text;
-  // Packed once more it is another version of the same.
-  EXPECT_EQ(hoist("pack " + file("out") + " --kind drive --chip lpc11c24 --version 1.2.4 " + file("again")).code, 0);
-  EXPECT_EQ(contract::read_image_header(read("again")).version, contract::image_version(1, 2, 4));
+  // For a simulated node it is the same program; no chip takes it.
+  EXPECT_EQ(hoist("pack " + file("in.bin") + " --simulated " + file("again")).code, 0);
+  EXPECT_EQ(contract::check_image(read("again"), ImageKind::drive, simulated_chip()), ImageError::none);
+  EXPECT_EQ(contract::check_image(read("again"), ImageKind::drive, *contract::find_image_chip("lpc11c24")), ImageError::chip);
+}
+
+// The header's own words decide what a program is: an input board's outputs are a drive's EN, PH and nSLEEP.
+TEST_F(FirmwareCommand, PacksNoProgramUnderTheNameOfAnotherNodeOrChip) {
+  const auto pack = [&](std::uint8_t kind, std::uint8_t chip, const std::string& options) {
+    auto linked = make_image(5000, contract::image_version(1, 0, 0), 3, ImageKind::io, ImageChip::simulated);
+    linked[contract::kImageHeaderAt + 16] = kind;
+    linked[contract::kImageHeaderAt + 17] = chip;
+    as_linked(linked);
+    write("in.bin", linked);
+    const Result result = hoist("pack " + file("in.bin") + options + " " + file("out"));
+    EXPECT_EQ(result.code == 0, std::filesystem::exists(file("out"))) << result.text;
+    return result;
+  };
+  constexpr auto kIo = static_cast<std::uint8_t>(ImageKind::io);
+  constexpr auto kSimulated = static_cast<std::uint8_t>(ImageChip::simulated);
+  EXPECT_EQ(pack(kIo, kSimulated, " --kind drive").code, 2);
+  EXPECT_EQ(pack(kIo, kSimulated, " --chip lpc11c24").code, 2);
+  EXPECT_EQ(pack(kIo, kSimulated, " --version 9.9.9").code, 2);
+  EXPECT_EQ(pack(4, kSimulated, "").code, 1);
+  const Result unnamed = pack(0, 0, "");  // a header with zeros, as programs had that said nothing
+  EXPECT_EQ(unnamed.code, 1);
+  EXPECT_NE(unnamed.text.find("does not say for which kind"), std::string::npos) << unnamed.text;
+  EXPECT_EQ(pack(0, 0, " --simulated").code, 1);
+  EXPECT_EQ(pack(kIo, kSimulated, "").code, 0);
 }
 
 TEST_F(FirmwareCommand, RefusesWithTheReasonAndWritesNothing) {
@@ -119,15 +149,12 @@ TEST_F(FirmwareCommand, RefusesWithTheReasonAndWritesNothing) {
     EXPECT_NE(result.text.find(because), std::string::npos) << arguments << '\n' << result.text;
     EXPECT_FALSE(std::filesystem::exists(file("out")));
   };
-  const std::string good = " --kind drive --chip lpc11c24 --version 1.2.3 " + file("out");
+  const std::string good = " " + file("out");
   refused("pack " + file("junk") + good, 1, "C0h");
   refused("pack " + file("empty") + good, 1, "C0h");
   refused("pack " + file("short") + good, 1, "too short");
   refused("pack " + file("long") + good, 1, "longer than");
   refused("pack " + file("absent") + good, 1, "cannot read");
-  refused("pack " + file("junk") + " --kind wheel --chip lpc11c24 --version 1.2.3 " + file("out"), 2, "--kind");
-  refused("pack " + file("junk") + " --kind drive --chip z80 --version 1.2.3 " + file("out"), 2, "--chip");
-  refused("pack " + file("junk") + " --kind drive --chip lpc11c24 --version 1.2 " + file("out"), 2, "--version");
   refused("pack " + file("junk") + " --force" + good, 2, "--force");
   refused("show " + file("junk"), 1, "magic");
   refused("update --bus slcan:" + file("nothing") + " --node tilt_left " + file("junk"), 1, "magic");

@@ -1,6 +1,5 @@
 #include "deploy/tools/hoist/firmware/image_file.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -44,22 +43,15 @@ Refusal write_file(const std::string& path, std::span<const std::uint8_t> conten
   return error ? "cannot write " + path + ": " + error.message() : Refusal{};
 }
 
-Refusal pack_image(std::vector<std::uint8_t>& image, contract::ImageKind kind, const contract::ImageChipInfo& chip, std::uint32_t version) {
+Refusal pack_image(std::vector<std::uint8_t>& image, bool simulated) {
   if (image.size() < contract::kImageMin) return Refusal(contract::image_error_text(contract::ImageError::too_short));
-  const auto place = std::span(image).subspan(contract::kImageHeaderAt, contract::kImageHeaderBytes);
-  const bool marked = contract::image_word(image, contract::kImageHeaderAt) == contract::kImageMagic;
-  const auto all = [&](std::uint8_t value) {
-    return std::all_of(place.begin(), place.end(), [value](std::uint8_t b) { return b == value; });
-  };
-  if (!marked && !(chip.chip == contract::ImageChip::simulated && (all(0) || all(0xFF))))
-    return "at C0h is no place for a header: the program was not linked for a loader";
+  const contract::ImageHeader header = contract::read_image_header(image);
+  if (header.magic != contract::kImageMagic) return "at C0h is no header: the program was not linked for a loader";
+  if (contract::find_image_kind(header.kind) == nullptr || contract::find_image_chip(header.chip) == nullptr)
+    return "the header at C0h does not say for which kind of node and which chip the program was compiled";
+  if (simulated) image[contract::kImageHeaderAt + 17] = static_cast<std::uint8_t>(contract::ImageChip::simulated);
   while (image.size() % 4 != 0) image.push_back(0xFF);
-  contract::write_le(&image[contract::kImageHeaderAt], 4, contract::kImageMagic);
   contract::write_le(&image[contract::kImageHeaderAt + 4], 4, static_cast<std::uint32_t>(image.size()));
-  contract::write_le(&image[contract::kImageHeaderAt + 12], 4, version);
-  image[contract::kImageHeaderAt + 16] = static_cast<std::uint8_t>(kind);
-  image[contract::kImageHeaderAt + 17] = static_cast<std::uint8_t>(chip.chip);
-  contract::write_le(&image[contract::kImageHeaderAt + 18], 2, 0);
   contract::write_le(&image[contract::kImageCrcAt], 4, contract::image_crc(image));
   return Refusal(contract::image_error_text(contract::check_image_file(image)));
 }

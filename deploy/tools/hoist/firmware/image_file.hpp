@@ -18,10 +18,9 @@ using Refusal = std::string;
 /// Writes beside it first, so that a full disk leaves no half file under that name.
 [[nodiscard]] Refusal write_file(const std::string& path, std::span<const std::uint8_t> content);
 
-/// Fills in the header behind the vectors of a linked program, and pads it to whole words. A program for silicon must have been linked
-/// with the magic in its place; for a simulated chip an empty place will do.
-[[nodiscard]] Refusal pack_image(std::vector<std::uint8_t>& image, contract::ImageKind kind, const contract::ImageChipInfo& chip,
-                                 std::uint32_t version);
+/// Fills in length and CRC of a linked program, and pads it to whole words. Kind of node, chip and version are the program's own;
+/// `simulated` makes it one for the simulated node of its kind, which no chip takes.
+[[nodiscard]] Refusal pack_image(std::vector<std::uint8_t>& image, bool simulated);
 
 [[nodiscard]] std::string version_text(std::uint32_t version);
 
