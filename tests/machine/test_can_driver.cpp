@@ -73,6 +73,52 @@ class CanDriver : public testing::Test {
   std::unique_ptr<HoistBench> bench;
 };
 
+// The controller itself, without a program: a remote frame's object before and behind a receiving one.
+class RemoteObject : public testing::Test {
+ protected:
+  RemoteObject() {
+    (void)wire.connect(host);
+    (void)wire.connect(can);
+    write(0x00, 0x41);  // INIT, CCE
+    write(0x180, 0);
+    write(0x0C, 0x1C0B);
+  }
+  void write(std::uint32_t offset, std::uint32_t value) { can.write(offset, value, cycles += 100, 48'000'000); }
+  void run(Time span) {
+    for (const Time end = now + span; now < end; now += 100 * kMicrosecond) wire.advance(now);
+  }
+  void set_up(std::uint32_t object, std::uint32_t id2, std::uint32_t mask2, std::uint32_t control) {
+    write(0x24, 0xF0);  // write mask, arbitration, control
+    write(0x28, 0);
+    write(0x2C, mask2);
+    write(0x30, 0);
+    write(0x34, id2);
+    write(0x38, control);
+    write(0x20, object);
+  }
+  // Which objects hold new data after a remote frame 711h has left object `remote` and its answer has come.
+  std::uint32_t takers(std::uint32_t remote, std::uint32_t receiving) {
+    constexpr std::uint32_t kValid = 0x8000, kRequest = 0x100, kEndOfBuffer = 0x80, kUseMask = 0x1000;
+    set_up(receiving, kValid, 0x2000, kUseMask | kEndOfBuffer);  // takes everything
+    set_up(remote, kValid | (0x711U << 2), 0xFFFF, kRequest | kEndOfBuffer | 1);
+    write(0x00, 0);
+    run(5 * kMillisecond);
+    EXPECT_EQ(host.received.size(), 1U);
+    EXPECT_EQ(host.received.front().flags, CanFrame::kRemote);
+    host.send({0x711, 1, 0, {5}});
+    run(5 * kMillisecond);
+    return can.read(0x120, cycles += 100);
+  }
+
+  CanWire wire;
+  HostStation host;
+  CCan can{[](const std::string& what) { ADD_FAILURE() << what; }};
+  std::uint64_t cycles = 0;
+  Time now = 0;
+};
+TEST_F(RemoteObject, BeforeTheReceivingOneTakesItsAnswer) { EXPECT_EQ(takers(1, 2), 1U << 0); }
+TEST_F(RemoteObject, BehindTheReceivingOneTakesNothing) { EXPECT_EQ(takers(3, 2), 1U << 1); }
+
 // A remote frame is sent from a receive object. That object must not take the data frames that answer it, nor later ones.
 TEST_F(CanDriver, ASentRemoteFrameTakesNoFrameFromTheComputer) {
   begin(true);
