@@ -184,12 +184,21 @@ class Can {
         (void)c_can::Status::read();
         continue;
       }
-      for (std::uint32_t object = kReceiveFirst; object <= kReceiveLast; ++object)
-        if ((c_can::NewData2::read() & (1U << (object - 17))) != 0) take(object);
+      // The register is read anew for each frame: one that comes meanwhile lies behind those that are still there.
+      for (std::uint32_t object = kReceiveFirst; object <= kReceiveLast; ++object) {
+        std::uint32_t news = (c_can::NewData2::read() & kChainNews) >> (object - kReceiveFirst);
+        if (news == 0) break;
+        for (; (news & 1U) == 0; news >>= 1) ++object;
+        take(object);
+      }
     }
   }
 
  private:
+  // The chain's bits of NewData2.
+  static constexpr std::uint32_t kChainNews = (1U << (kReceiveLast - kReceiveFirst + 1)) - 1U;
+  static_assert(kReceiveFirst == 17);
+
   // Objects that wait for the bus, bit 0 for object 1.
   static std::uint32_t transmitting() { return c_can::TransmitRequest1::read() | (c_can::TransmitRequest2::read() << 16); }
 

@@ -32,8 +32,8 @@ static_assert(kTransmitClasses < kReceiveFirst);
 constexpr std::uint32_t transmit_object(const contract::CanFrame& frame) {
   if ((frame.flags & contract::CanFrame::kRemote) != 0) return kRemoteObject;
   const std::uint32_t id = (frame.flags & contract::CanFrame::kExtended) != 0 ? frame.id >> 18 : frame.id;
-  std::uint32_t object = kTransmitClasses;
-  while (id < kFirstIdOfObject[object - 1]) --object;
+  std::uint32_t object = 1;
+  while (object < kTransmitClasses && id >= kFirstIdOfObject[object]) ++object;
   return object;
 }
 
