@@ -2,13 +2,13 @@
 #include <elf.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -17,7 +17,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 namespace hoist::test {
@@ -193,11 +192,12 @@ class Running {
   int input_ = -1;
 };
 
+// Asks again until it is true, or for 30 s: another process says nothing when it is ready.
 template <typename Question>
 bool until(Question question) {
   for (int i = 0; i < 3000; ++i) {
     if (question()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ::poll(nullptr, 0, 10);
   }
   return false;
 }
