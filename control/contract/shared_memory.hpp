@@ -43,6 +43,14 @@ struct ParamsInForce {
   std::array<double, kParamCount> kept{};  // the same, without what is only on trial: what the next start begins with
 };
 
+// How far the core's storing thread has come with ParamsInForce; the numbers are the sequences of that slot (SeqSlot).
+enum class StoreProblem : std::uint64_t { none = 0, no_file = 1, disk_full = 2, failed = 3 };
+struct StoreReport {
+  std::uint64_t stored = 0;                   // the next start begins with the `kept` of this one: file and folder are synced
+  std::uint64_t tried = 0;                    // newest attempt, whatever its end
+  StoreProblem problem = StoreProblem::none;  // of the newest attempt
+};
+
 constexpr std::uint64_t kStateMagic = 0x3145544154534948ULL;    // "HISTATE1", little endian
 constexpr std::uint64_t kCommandMagic = 0x31444E414D4D4348ULL;  // "HCMMAND1"
 // 20.48 s of ticks: a recorder that hangs for less loses nothing.
@@ -62,8 +70,9 @@ struct SegmentHeader {
 struct StateSegment {
   SegmentHeader header;
   SeqSlot<ParamsInForce> params;
-  alignas(64) SeqSlot<LoopReport> loop;   // once a second
-  SeqRing<TickRecord, kTickSlots> ticks;  // the newest slot is also the snapshot: one copy per tick
+  alignas(64) SeqSlot<LoopReport> loop;    // once a second
+  alignas(64) SeqSlot<StoreReport> store;  // written by the storing thread
+  SeqRing<TickRecord, kTickSlots> ticks;   // the newest slot is also the snapshot: one copy per tick
   SeqRing<Event, kEventSlots> events;
   SeqRing<BusRecord, kBusSlots> bus;
 };

@@ -132,7 +132,8 @@ bool CoreLink::read_drive(contract::DriveCommand& command) noexcept {
   return true;
 }
 
-bool CoreLink::params(contract::ParamsInForce& params) const { return seq_read_retry(state().params, params) != 0; }
+std::uint64_t CoreLink::params(contract::ParamsInForce& params) const { return seq_read_retry(state().params, params); }
+void CoreLink::publish_store(const contract::StoreReport& report) noexcept { seq_write(state().store, store_number_++, report); }
 
 bool CoreLink::attach(int command_fd, std::string& error) {
   std::shared_ptr<Mapping> mapping = map_segment(command_fd, sizeof(CommandSegment), error);

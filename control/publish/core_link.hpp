@@ -1,7 +1,8 @@
 // The core's end: the state segment it writes, the command segment it reads, and the socket where a server attaches.
 //
-// Two threads use it. The control thread calls the functions of the first group: no system call, no lock, no allocation.
-// A helper thread calls serve(): it accepts one server at a time, checks its segment and swaps it in.
+// Three threads use it. The control thread calls the functions of the first group: no system call, no lock, no allocation.
+// A helper thread calls serve(): it accepts one server at a time, checks its segment and swaps it in. The storing thread says how far the
+// parameters are on the disk, which neither of the others waits for.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -49,8 +50,11 @@ class CoreLink {
   bool attach(int command_fd, std::string& error);
   void detach();
   [[nodiscard]] int state_descriptor() const { return state_.descriptor.get(); }
-  // What is in force, read back from the segment.
-  bool params(contract::ParamsInForce& params) const;
+
+  // ---- storing thread
+  // What is in force, read back from the segment; its sequence, 0 when there is none yet.
+  std::uint64_t params(contract::ParamsInForce& params) const;
+  void publish_store(const contract::StoreReport& report) noexcept;
 
  private:
   CoreLink() = default;
@@ -77,6 +81,7 @@ class CoreLink {
   std::uint64_t drive_sequence_ = 0;
   std::uint64_t params_number_ = 0;
   std::uint64_t loop_number_ = 0;
+  std::uint64_t store_number_ = 0;  // storing thread only
 };
 
 }  // namespace hoist::publish

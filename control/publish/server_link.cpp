@@ -142,8 +142,12 @@ void ServerLink::drive(const contract::DriveCommand& command) noexcept {
   if (command_.mapping) seq_write(command_.mapping->as<CommandSegment>()->drive, driven_++, command);
 }
 
-bool ServerLink::params(contract::ParamsInForce& params) const {
-  return state_ && seq_read_retry(state_->as<const StateSegment>()->params, params) != 0;
+std::uint64_t ServerLink::params(contract::ParamsInForce& params) const {
+  return state_ ? seq_read_retry(state_->as<const StateSegment>()->params, params) : 0;
+}
+
+bool ServerLink::store(contract::StoreReport& report) const {
+  return state_ && seq_read_retry(state_->as<const StateSegment>()->store, report) != 0;
 }
 
 bool ServerLink::newest(contract::TickRecord& record) const {

@@ -50,7 +50,10 @@ class ServerLink {
   // Gives the command its sequence and stores it. Returns the sequence, or 0 when no core is attached or it has not read the last ones.
   std::uint64_t send(contract::Command& command) noexcept;
   void drive(const contract::DriveCommand& command) noexcept;
-  bool params(contract::ParamsInForce& params) const;
+  // Its sequence, 0 when there is none yet.
+  std::uint64_t params(contract::ParamsInForce& params) const;
+  // How far the core has come with storing them; false before its first look.
+  bool store(contract::StoreReport& report) const;
   bool newest(contract::TickRecord& record) const;
   // How punctual the core's loop is; false before its first second.
   bool loop(contract::LoopReport& report) const;

@@ -1,8 +1,8 @@
 // hoist-control: the 100 Hz core on a real bus.
 //
 // Its threads are the rows of threads.def. The control thread sleeps until an absolute time, runs one step, sleeps again: one sleep and the
-// bus are its only system calls. The watchdog thread tells the service manager that steps go on and counts page faults. The main thread
-// accepts the server, stores changed parameters and waits for signals.
+// bus are its only system calls. The watchdog thread tells the service manager that steps go on and counts page faults. The storing thread
+// writes changed parameters. The main thread accepts the server and waits for signals.
 #include <sys/prctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -186,6 +186,25 @@ void watchdog_thread(run::ControlLoop& loop, LoopThread& shared, run::Notifier& 
   notifier.tell("STOPPING=1");
 }
 
+// Stores changed parameters and tells the server through the segment how far that is. A change waits at most one look for its turn; the last
+// look comes after the last step.
+void store_thread(publish::CoreLink& link, LoopThread& shared, run::ParameterStore store, bool real_time) {
+  static_cast<void>(run::take_row(run::ThreadId::store, real_time, run::kNoCpu));
+  constexpr timespec kLook{0, 20'000'000};
+  std::string told;
+  for (bool last = false;; ::clock_nanosleep(CLOCK_MONOTONIC, 0, &kLook, nullptr)) {
+    last = shared.ended.load();
+    contract::ParamsInForce in_force;
+    if (const std::uint64_t sequence = link.params(in_force); sequence != 0)
+      link.publish_store(store.look(in_force, sequence, now_ns(CLOCK_MONOTONIC)));
+    if (store.problem() != told) {
+      told = store.problem();
+      std::cerr << "hoist-control: " << (told.empty() ? "parameters are stored again" : "parameters not stored: " + told) << std::endl;
+    }
+    if (last) return;
+  }
+}
+
 // One line for people: what the steps got of what they asked for.
 std::string describe(const run::Granted& granted, const std::string& lock_problem) {
   std::string text = granted.priority > 0 ? "real-time priority " + std::to_string(granted.priority) + " (SCHED_FIFO)" : granted.problem;
@@ -291,11 +310,11 @@ int main(int argc, char** argv) {
   std::thread thread(control_thread, std::ref(loop), std::ref(shared), std::cref(options), *cpu, lock_problem.empty());
   while (!shared.ready.load()) std::this_thread::yield();
   std::thread watchdog(watchdog_thread, std::ref(loop), std::ref(shared), std::ref(notifier), options.real_time);
+  // A value given by --set holds for this run only: the file changes with the first changed parameter.
+  std::thread store(store_thread, std::ref(*link), std::ref(shared), run::ParameterStore(options.params, params, stored),
+                    options.real_time);
   if (options.real_time) std::cout << "hoist-control: " << describe(shared.granted, lock_problem) << std::endl;
 
-  // A value given by --set holds for this run only: the file changes when somebody changes a parameter.
-  contract::ParamsInForce before{};
-  link->params(before);
   std::string_view bus_problem = port->problem();
   if (!bus_problem.empty()) std::cout << "hoist-control: bus: " << bus_problem << std::endl;
   bool capture_failed = false;
@@ -316,16 +335,10 @@ int main(int argc, char** argv) {
                 << std::endl;
     }
     if (const std::string news = link->serve(100); !news.empty()) std::cout << "hoist-control: " << news << std::endl;
-    contract::ParamsInForce in_force;
-    if (options.params.empty() || !link->params(in_force)) continue;
-    const std::optional<contract::Params> to_store = run::params_to_store(in_force, before, params, stored);
-    if (!to_store) continue;
-    if (const std::string problem = run::save_parameter_file(options.params, *to_store); !problem.empty())
-      std::cerr << "hoist-control: parameters not stored: " << problem << std::endl;
-    before = in_force;
   }
   thread.join();
   watchdog.join();
+  store.join();
   if (capture != nullptr && capture->dropped() > 0)
     std::cerr << "hoist-control: " << capture->dropped() << " frames are missing in " << options.capture << std::endl;
   std::cout << "hoist-control: stopped" << std::endl;

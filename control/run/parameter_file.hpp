@@ -1,5 +1,7 @@
 // The stored parameters: one JSON file with names, SI values and a checksum. Written whole and atomically, read with suspicion.
 #pragma once
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,11 +19,37 @@ struct LoadedParams {
 };
 // A missing file is a first start: defaults, usable.
 LoadedParams load_parameter_file(const std::string& path);
-// What the file is to hold now; nothing when it stays as it is: nothing was changed since `before`, or what is in force are the defaults after
-// damage, and the file is the last place that still knows better. Of `started_with` what differs from `stored` holds for this run only.
-std::optional<contract::Params> params_to_store(const contract::ParamsInForce& in_force, const contract::ParamsInForce& before,
-                                                const contract::Params& started_with, const contract::Params& stored);
-// Empty on success, otherwise the reason. The old file stays whole until the new one is on the disk.
-std::string save_parameter_file(const std::string& path, const contract::Params& params);
+struct Saved {
+  std::string problem;  // empty: file and folder are synced
+  int error = 0;        // errno
+};
+// The old file stays whole until the new one is on the disk.
+Saved save_parameter_file(const std::string& path, const contract::Params& params);
+
+// Brings what is in force to the disk. One thread uses it, which may wait for the disk.
+class ParameterStore {
+ public:
+  static constexpr std::uint64_t kRetry_ns = 1'000'000'000;  // after a refusal by the disk
+
+  // `path` empty: nothing is stored, and the report says so. Of `started_with` what differs from `stored` holds for this run only (--set).
+  ParameterStore(std::string path, const contract::Params& started_with, const contract::Params& stored);
+  // Stores what is in force with this sequence when the file does not hold it yet. Never stored are the defaults that stand in for damaged
+  // values: then the file is the last place that still knows better.
+  const contract::StoreReport& look(const contract::ParamsInForce& in_force, std::uint64_t sequence, std::uint64_t now_ns);
+  // Why the newest attempt failed; empty when it did not.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+
+ private:
+  using Values = std::array<double, contract::kParamCount>;
+  [[nodiscard]] contract::Params file_content(const Values& kept) const;
+  void store(const Values& kept, std::uint64_t sequence);
+
+  std::string path_;
+  contract::Params started_with_, stored_;
+  std::optional<Values> synced_;  // the `kept` that the file holds; none after a failed attempt, whose file may be the old or the new one
+  contract::StoreReport report_;
+  std::uint64_t retry_ns_ = 0;
+  std::string problem_;
+};
 
 }  // namespace hoist::run

@@ -106,7 +106,7 @@ std::vector<Input> seeds_parameter_file() {
   char name[] = "/tmp/hoist-fuzz-XXXXXX";
   const int file = ::mkstemp(name);
   must(file >= 0, "a temporary file can be made");
-  must(run::save_parameter_file(name, contract::Params{}).empty(), "the defaults can be saved");
+  must(run::save_parameter_file(name, contract::Params{}).problem.empty(), "the defaults can be saved");
   Input saved(16384);
   std::FILE* stream = std::fopen(name, "rb");
   saved.resize(stream == nullptr ? 0 : std::fread(saved.data(), 1, saved.size(), stream));

@@ -1,12 +1,45 @@
 #include "control/run/parameter_file.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+// What this program asks of the disk, and what the disk answers.
+struct Disk {
+  std::vector<std::string> done;
+  int error = 0;         // of each sync of a file
+  int folder_error = 0;  // of each sync of a folder
+};
+Disk disk;
+}  // namespace
+
+// In the place of the C library's, for the whole test program.
+extern "C" int fsync(int fd) {
+  struct stat status {};
+  const bool folder = ::fstat(fd, &status) == 0 && S_ISDIR(status.st_mode);
+  if (const int error = folder ? disk.folder_error : disk.error; error != 0) {
+    errno = error;
+    return -1;
+  }
+  disk.done.emplace_back(folder ? "sync folder" : "sync file");
+  return static_cast<int>(::syscall(SYS_fsync, fd));
+}
+extern "C" int rename(const char* from, const char* to) noexcept {
+  disk.done.emplace_back("rename");
+  return static_cast<int>(::syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
+}
 
 namespace hoist::run {
 namespace {
@@ -34,7 +67,7 @@ TEST_F(ParameterFile, ComesBackToTheLastBit) {
   contract::Params params;
   params.lean_gain_filtered_units = 1.0 / 3.0;
   params.neutral_lean_m = -0.012345678901234567;
-  ASSERT_EQ(save_parameter_file(path, params), "");
+  ASSERT_EQ(save_parameter_file(path, params).problem, "");
   const LoadedParams loaded = load_parameter_file(path);
   ASSERT_TRUE(loaded.usable) << loaded.problem;
   EXPECT_TRUE(loaded.remarks.empty());
@@ -43,7 +76,7 @@ TEST_F(ParameterFile, ComesBackToTheLastBit) {
 }
 
 TEST_F(ParameterFile, AnEditedOrCutFileIsNotUsed) {
-  ASSERT_EQ(save_parameter_file(path, contract::Params{}), "");
+  ASSERT_EQ(save_parameter_file(path, contract::Params{}).problem, "");
   const std::string good = text();
   std::string edited = good;
   edited.replace(edited.find("0.8"), 3, "0.9");
@@ -59,7 +92,7 @@ TEST_F(ParameterFile, AnEditedOrCutFileIsNotUsed) {
 TEST_F(ParameterFile, AValueOutsideItsRangeStaysAtItsDefaultAndIsNamed) {
   contract::Params params;
   params.track_width_m = 99;  // as an older version with a wider range may have stored it
-  ASSERT_EQ(save_parameter_file(path, params), "");
+  ASSERT_EQ(save_parameter_file(path, params).problem, "");
   const LoadedParams loaded = load_parameter_file(path);
   ASSERT_TRUE(loaded.usable);
   EXPECT_EQ(loaded.params.track_width_m, contract::Params{}.track_width_m);
@@ -71,39 +104,125 @@ TEST_F(ParameterFile, AContradictorySetIsNotUsed) {
   contract::Params params;
   params.fall_tilt_rad = 0.21;
   params.fall_static_tilt_rad = 0.16;
-  ASSERT_EQ(save_parameter_file(path, params), "");
+  ASSERT_EQ(save_parameter_file(path, params).problem, "");
   const LoadedParams loaded = load_parameter_file(path);
   EXPECT_FALSE(loaded.usable);
   EXPECT_NE(loaded.problem.find("fall_tilt_rad"), std::string::npos);
 }
 
 TEST_F(ParameterFile, AFailedSaveSaysWhyAndLeavesTheOldFile) {
-  EXPECT_NE(save_parameter_file("/nowhere/parameters.json", contract::Params{}).find("/nowhere"), std::string::npos);
+  EXPECT_NE(save_parameter_file("/nowhere/parameters.json", contract::Params{}).problem.find("/nowhere"), std::string::npos);
 }
 
-// What the loop writes: never the defaults that stand in for damaged settings, and of --set only what somebody changed since.
-TEST_F(ParameterFile, KeepsWhatItHasWhenDefaultsStandInForDamagedSettings) {
+// What the storing thread does: the disk is a folder that is there or not.
+class Store : public ParameterFile {
+ protected:
+  void SetUp() override {
+    folder = ::testing::TempDir() + "hoist-store-" + std::to_string(::getpid());
+    path = folder + "/parameters.json";
+    std::filesystem::create_directories(folder);
+    disk = {};
+  }
+  void TearDown() override {
+    disk = {};
+    std::filesystem::remove_all(folder);
+  }
+  static contract::ParamsInForce in_force(const contract::Params& params) {
+    contract::ParamsInForce now;
+    for (std::size_t i = 0; i < contract::kParamCount; ++i) now.values[i] = now.kept[i] = contract::get_param(params, i);
+    return now;
+  }
+  static contract::ParamsInForce cap(double speed_cap_norm) {
+    contract::Params params;
+    params.speed_cap_norm = speed_cap_norm;
+    return in_force(params);
+  }
+  double stored_cap() const {
+    const LoadedParams loaded = load_parameter_file(path);
+    EXPECT_TRUE(loaded.usable) << loaded.problem;
+    return loaded.params.speed_cap_norm;
+  }
+  std::string folder;
+};
+
+TEST_F(Store, NothingIsToldStoredBeforeFileAndFolderAreSynced) {
+  ParameterStore store(path, {}, {});
+  EXPECT_EQ(store.look(in_force({}), 2, 0).stored, 2U) << "nothing has changed";
+  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_EQ(store.look(cap(0.5), 4, 0).stored, 4U);
+  EXPECT_EQ(stored_cap(), 0.5);
+  EXPECT_EQ(disk.done, (std::vector<std::string>{"sync file", "rename", "sync folder"}));
+}
+
+TEST_F(Store, AFullDiskIsToldAndTriedAgain) {
+  ParameterStore store(path, {}, {});
+  ASSERT_EQ(store.look(cap(0.5), 4, 0).stored, 4U);
+  disk.error = ENOSPC;
+  const contract::StoreReport full = store.look(cap(0.6), 6, 0);
+  EXPECT_EQ(full.stored, 4U);
+  EXPECT_EQ(full.tried, 6U);
+  EXPECT_EQ(full.problem, contract::StoreProblem::disk_full);
+  EXPECT_NE(store.problem(), "");
+  EXPECT_EQ(stored_cap(), 0.5) << "the old file is whole";
+  disk.error = 0;
+  EXPECT_EQ(store.look(cap(0.6), 6, ParameterStore::kRetry_ns - 1).stored, 4U) << "not at each look";
+  const contract::StoreReport well = store.look(cap(0.6), 6, ParameterStore::kRetry_ns);
+  EXPECT_EQ(well.stored, 6U);
+  EXPECT_EQ(well.problem, contract::StoreProblem::none);
+  EXPECT_EQ(store.problem(), "");
+  EXPECT_EQ(stored_cap(), 0.6);
+}
+
+TEST_F(Store, AFolderThatCouldNotBeSyncedLeavesTheFileInDoubt) {
+  ParameterStore store(path, {}, {});
+  ASSERT_EQ(store.look(cap(0.5), 4, 0).stored, 4U);
+  disk.folder_error = EIO;
+  EXPECT_EQ(store.look(cap(0.6), 6, 0).problem, contract::StoreProblem::failed);
+  disk.folder_error = 0;
+  // Back to what was stored before: the file may hold the value in between.
+  EXPECT_EQ(store.look(cap(0.5), 8, 0).stored, 8U);
+  EXPECT_EQ(stored_cap(), 0.5);
+}
+
+TEST_F(Store, AMissingFolderIsToldAndAnewOneIsUsed) {
+  std::filesystem::remove_all(folder);
+  ParameterStore store(path, {}, {});
+  EXPECT_EQ(store.look(cap(0.5), 4, 0).problem, contract::StoreProblem::failed);
+  std::filesystem::create_directories(folder);
+  EXPECT_EQ(store.look(cap(0.5), 4, ParameterStore::kRetry_ns).stored, 4U);
+  EXPECT_EQ(stored_cap(), 0.5);
+}
+
+TEST_F(Store, WithoutAFileAChangeIsNeverCalledStored) {
+  ParameterStore store("", {}, {});
+  EXPECT_EQ(store.look(in_force({}), 2, 0).problem, contract::StoreProblem::none);
+  const contract::StoreReport report = store.look(cap(0.5), 4, 0);
+  EXPECT_EQ(report.stored, 2U);
+  EXPECT_EQ(report.problem, contract::StoreProblem::no_file);
+}
+
+// Never the defaults that stand in for damaged settings, of --set only what was changed since, and nothing that is only on trial.
+TEST_F(Store, KeepsWhatItHasWhenDefaultsStandInForDamagedSettings) {
   contract::Params stored;
   stored.lean_gain_direct_units = 3;
   contract::Params started = stored;
   started.turn_gain_direct_units = 5;  // --set
-  const auto in_force = [](const contract::Params& params) {
-    contract::ParamsInForce now;
-    for (std::size_t i = 0; i < contract::kParamCount; ++i) now.values[i] = now.kept[i] = contract::get_param(params, i);
-    return now;
-  };
-  const contract::ParamsInForce before = in_force(started);
-  EXPECT_FALSE(params_to_store(before, before, started, stored)) << "nothing has changed";
+  ParameterStore store(path, started, stored);
+  EXPECT_EQ(store.look(in_force(started), 2, 0).stored, 2U);
   contract::ParamsInForce damaged = in_force(contract::Params{});
   damaged.defaults_after_damage = 1;
-  EXPECT_FALSE(params_to_store(damaged, before, started, stored)) << "the file is the last place that knows better";
+  EXPECT_EQ(store.look(damaged, 4, 0).stored, 4U) << "the file is the last place that knows better";
+  contract::ParamsInForce tried = in_force(started);
+  tried.values[contract::param_index(contract::ParamName::speed_cap_norm)] = 0.4;
+  EXPECT_EQ(store.look(tried, 6, 0).stored, 6U) << "the next start begins without it, as it shall";
+  EXPECT_FALSE(std::filesystem::exists(path));
   contract::Params changed = started;
   changed.speed_cap_norm = 0.5;
-  const auto to_store = params_to_store(in_force(changed), before, started, stored);
-  ASSERT_TRUE(to_store);
-  EXPECT_EQ(to_store->speed_cap_norm, 0.5);
-  EXPECT_EQ(to_store->lean_gain_direct_units, 3);
-  EXPECT_EQ(to_store->turn_gain_direct_units, stored.turn_gain_direct_units) << "for this run only";
+  EXPECT_EQ(store.look(in_force(changed), 8, 0).stored, 8U);
+  const LoadedParams loaded = load_parameter_file(path);
+  EXPECT_EQ(loaded.params.speed_cap_norm, 0.5);
+  EXPECT_EQ(loaded.params.lean_gain_direct_units, 3);
+  EXPECT_EQ(loaded.params.turn_gain_direct_units, stored.turn_gain_direct_units) << "for this run only";
 }
 
 }  // namespace
