@@ -2,23 +2,27 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <array>
 #include <ctime>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "db/store/identity.hpp"
 #include "db/store/schema_list.hpp"
 #include "db/store/sqlite.hpp"
 
 namespace hoist::db {
 namespace {
 
-int user_version(sqlite3* handle) {
-  Statement statement(handle, "PRAGMA user_version");
-  return statement.step() ? static_cast<int>(statement.integer_at(0)) : 0;
+std::int64_t number_of(sqlite3* handle, const char* sql) {
+  Statement statement(handle, sql);
+  return statement.step() ? statement.integer_at(0) : 0;
 }
+int user_version(sqlite3* handle) { return static_cast<int>(number_of(handle, "PRAGMA user_version")); }
 
 // Empty when all is well.
 std::string quick_check(sqlite3* handle) {
@@ -37,20 +41,58 @@ std::string compact_utc(std::int64_t utc_ns) {
   return {text.data(), n};
 }
 
-// Renames NAME, NAME-wal and NAME-shm; the log belongs to its file and may help whoever repairs it.
+constexpr std::string_view kAsideInfix = ".corrupt-";
+constexpr std::array<std::string_view, 3> kCompanions{"-wal", "-shm", ".seal"};
+
+// Renames NAME, NAME-wal, NAME-shm and NAME.seal; the log belongs to its file and may help whoever repairs it.
 Result<std::filesystem::path> set_aside(const std::filesystem::path& file, std::int64_t utc_now_ns) {
   constexpr int kNameTries = 100;
   std::error_code error;
-  const std::string base = file.string() + ".corrupt-" + compact_utc(utc_now_ns);
+  const std::string base = file.string() + std::string(kAsideInfix) + compact_utc(utc_now_ns);
   std::string target = base;
   for (int i = 1; std::filesystem::exists(target, error) && i < kNameTries; ++i) target = base + "-" + std::to_string(i);
-  for (const char* suffix : {"", "-wal", "-shm"}) {
-    const std::string from = file.string() + suffix;
-    if (!std::filesystem::exists(from, error)) continue;
-    std::filesystem::rename(from, target + suffix, error);
-    if (error) return Error{ErrorKind::io, "the damaged database " + from + " could not be set aside: " + error.message(), {}};
-  }
+  const auto move = [&](std::string_view suffix) {
+    const std::string from = file.string() + std::string(suffix);
+    if (!std::filesystem::exists(from, error)) return std::string();
+    std::filesystem::rename(from, target + std::string(suffix), error);
+    return error ? "the damaged database " + from + " could not be set aside: " + error.message() : std::string();
+  };
+  std::string problem = move("");
+  for (const std::string_view suffix : kCompanions)
+    if (problem.empty()) problem = move(suffix);
+  if (!problem.empty()) return Error{ErrorKind::io, problem, {}};
   return std::filesystem::path(target);
+}
+
+// The newest by its date, which is in its name. What belongs to a file counts without it: the file itself may have been gone.
+std::filesystem::path newest_aside(const std::filesystem::path& file) {
+  const std::string prefix = file.filename().string() + std::string(kAsideInfix);
+  std::filesystem::path newest;
+  std::error_code error;
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (std::string name = entry->path().filename().string(); name.starts_with(prefix)) {
+      for (const std::string_view suffix : kCompanions)
+        if (name.ends_with(suffix)) name.resize(name.size() - suffix.size());
+      newest = std::max(newest, folder / name);
+    }
+  return newest;
+}
+
+Error foreign_file(const std::filesystem::path& file, const std::string& why) {
+  return {ErrorKind::foreign, file.string() + " " + why + " and stays as it is: choose another file", {}};
+}
+
+// What was acknowledged by its seal and is not in the file. A seal of another file says nothing; an empty file has lost all.
+std::optional<LostCommits> lost_commits(sqlite3* handle, const std::filesystem::path& file, bool was_empty) {
+  const std::optional<Seal::Content> sealed = Seal::read(file);
+  if (!sealed) return std::nullopt;
+  Statement row(handle, "SELECT file_id, commits FROM seal");
+  if (!row.step()) throw SqlFailure{Error{ErrorKind::corrupt, "the database has no seal", {}}};
+  if (!was_empty && row.text_at(0) != sealed->file_id) return std::nullopt;
+  const std::uint64_t held = was_empty ? 0 : row.unsigned_at(1);
+  if (held >= sealed->commits) return std::nullopt;
+  return LostCommits{sealed->commits - held, sealed->session, sealed->last_tick};
 }
 
 }  // namespace
@@ -61,12 +103,14 @@ Database::Database(Database&& other) noexcept
     : handle_(std::exchange(other.handle_, nullptr)),
       file_(std::move(other.file_)),
       report_(std::move(other.report_)),
-      lock_(std::move(other.lock_)) {}
+      lock_(std::move(other.lock_)),
+      seal_(std::move(other.seal_)) {}
 Database& Database::operator=(Database&& other) noexcept {
   std::swap(handle_, other.handle_);
   std::swap(file_, other.file_);
   std::swap(report_, other.report_);
   std::swap(lock_, other.lock_);
+  std::swap(seal_, other.seal_);
   return *this;
 }
 Database::~Database() { sqlite3_close_v2(handle_); }
@@ -92,6 +136,8 @@ Result<Database> Database::connect(const std::filesystem::path& file, const Open
 }
 
 Result<Database> Database::attach(const std::filesystem::path& file, const OpenOptions& options) {
+  if (options.vfs == nullptr)
+    if (const Identified found = identify(file); found.identity == Identity::foreign) return foreign_file(file, found.why);
   Result<Database> database = connect(file, options, false);
   if (!database) return database;
   return guarded([&]() -> Result<Database> {
@@ -119,8 +165,11 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
   for (int round = 0;; ++round) {
     std::error_code ignored;
     report.created = report.created || !std::filesystem::exists(file, ignored);
-    std::string damage;
-    Result<Database> connected = connect(file, options, true);
+    // Before SQLite sees it: opening a database may already write to it, and an empty one has its log deleted.
+    const Identified found = options.vfs == nullptr ? identify(file) : Identified{};
+    if (found.identity == Identity::foreign) return foreign_file(file, found.why);
+    std::string damage = found.why;
+    Result<Database> connected = damage.empty() ? connect(file, options, true) : Error{ErrorKind::corrupt, damage, {}};
     if (!connected) {
       if (connected.error().kind != ErrorKind::corrupt || round > 0) return connected;
       damage = connected.error().message;
@@ -129,21 +178,29 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
         sqlite3* handle = connected->handle_;
         damage = quick_check(handle);
         if (!damage.empty()) return Error{ErrorKind::corrupt, damage, {}};
-        const int found = user_version(handle);
-        if (found > schema_version())
+        const int version = user_version(handle);
+        if (version > schema_version())
           return Error{ErrorKind::newer_schema,
-                       "the database " + file.string() + " was written by a newer Hoist (schema " + std::to_string(found) +
+                       "the database " + file.string() + " was written by a newer Hoist (schema " + std::to_string(version) +
                            ", this one knows " + std::to_string(schema_version()) + "): install that version, or choose another file",
                        {}};
+        // Before the log begins: what a file is must stand in the file itself.
+        if (number_of(handle, "PRAGMA application_id") != kApplicationId)
+          execute(handle, ("PRAGMA application_id = " + std::to_string(kApplicationId)).c_str());
         execute(handle, "PRAGMA journal_mode = WAL");
-        for (int next = found; next < schema_version(); ++next) {
+        for (int next = version; next < schema_version(); ++next) {
           Transaction transaction(handle, Transaction::Kind::write);
           execute(handle, std::string(schema_list()[static_cast<std::size_t>(next)]).c_str());
           execute(handle, ("PRAGMA user_version = " + std::to_string(next + 1)).c_str());
           transaction.commit();
         }
-        report.migrated_from = found;
+        report.migrated_from = version;
         report.schema_version = schema_version();
+        if (options.vfs == nullptr) {
+          report.kept_aside = newest_aside(file);
+          report.lost = lost_commits(handle, file, version == 0);
+          connected->seal_ = std::make_shared<Seal>(file);
+        }
         connected->report_ = report;
         connected->lock_ = lock;
         return std::move(connected);

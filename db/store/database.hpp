@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "db/store/result.hpp"
+#include "db/store/seal.hpp"
 #include "db/store/write_lock.hpp"
 
 struct sqlite3;
@@ -27,20 +29,30 @@ struct OpenOptions {
   std::shared_ptr<WriteLock> lock = {};
 };
 
-/// What opening found and did; each is worth a line in the log and on the Health page.
+/// Commits that were acknowledged and are not in the file: its log was cut, or an earlier state of it was put back.
+struct LostCommits {
+  std::uint64_t commits = 0;
+  std::int64_t session = 0;     ///< the newest that was recorded then
+  std::uint64_t last_tick = 0;  ///< of that session; 0 = none
+};
+
+/// What opening found and did; each is worth a line in the log, and what is set aside or lost a standing notice.
 struct OpenReport {
   bool created = false;
-  int migrated_from = 0;            ///< schema version found (0 = empty file)
-  int schema_version = 0;           ///< schema version now
-  std::filesystem::path set_aside;  ///< where a corrupt file was moved to; empty when there was none
-  std::string set_aside_reason;     ///< what the check said
+  int migrated_from = 0;             ///< schema version found (0 = empty file)
+  int schema_version = 0;            ///< schema version now
+  std::filesystem::path set_aside;   ///< where a corrupt file was moved to; empty when there was none
+  std::string set_aside_reason;      ///< what the check said
+  std::filesystem::path kept_aside;  ///< the newest file that is still there from now or an earlier start; empty when there is none
+  std::optional<LostCommits> lost;
 };
 
 class Database {
  public:
-  /// Opens or creates the file for writing and keeps its lock (write_lock.hpp) as long as the connection lives; checks it (`quick_check`), brings its schema up to date. A corrupt file (with its -wal and -shm) is renamed
-  /// to NAME.corrupt-YYYYMMDDTHHMMSSZ and an empty one takes its place: `report().set_aside` says so. Call once per start, before any reader.
-  /// Errors: newer_schema, io, disk_full, busy (also: another program writes the file).
+  /// Opens or creates the file for writing and keeps its lock (write_lock.hpp) as long as the connection lives; checks it (`quick_check`), brings
+  /// its schema up to date. A corrupt file of ours (with its -wal, -shm and seal) is renamed to NAME.corrupt-YYYYMMDDTHHMMSSZ and an empty one
+  /// takes its place: `report().set_aside` says so. Call once per start, before any reader.
+  /// Errors: newer_schema, foreign, io, disk_full, busy (also: another program writes the file).
   static Result<Database> open(const std::filesystem::path& file, const OpenOptions& options = {});
   /// Opens an existing file that `open` has prepared: for reading, and for SessionEditor. No check, no migration.
   static Result<Database> attach(const std::filesystem::path& file, const OpenOptions& options = {});
@@ -54,6 +66,8 @@ class Database {
   [[nodiscard]] const OpenReport& report() const { return report_; }
   [[nodiscard]] sqlite3* handle() const { return handle_; }
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  /// Null for a connection that does not record.
+  [[nodiscard]] const std::shared_ptr<Seal>& seal() const { return seal_; }
 
  private:
   Database() = default;
@@ -63,6 +77,7 @@ class Database {
   std::filesystem::path file_;
   OpenReport report_;
   std::shared_ptr<WriteLock> lock_;
+  std::shared_ptr<Seal> seal_;
 };
 
 /// The schema version this program writes: the number of the newest file in db/schema.

@@ -17,6 +17,7 @@ enum class ErrorKind : std::uint8_t {
   io,            // the disk reported an error
   corrupt,       // a stored blob does not match its checksum or shape; the message names session and chunk
   newer_schema,  // the file was written by a newer Hoist
+  foreign,       // the file belongs to another program, and stays as it is
   internal,      // SQLite refused a statement of ours
 };
 constexpr const char* error_kind_name(ErrorKind kind) {
@@ -37,6 +38,8 @@ constexpr const char* error_kind_name(ErrorKind kind) {
       return "corrupt";
     case ErrorKind::newer_schema:
       return "newer_schema";
+    case ErrorKind::foreign:
+      return "foreign";
     case ErrorKind::internal:
       break;
   }

@@ -168,10 +168,14 @@ struct SessionWriter::State {
         put_gap(handle, "INSERT INTO gaps (session_id, number, stream, from_tick, to_tick, reason) VALUES (?1, ?2, ?3, ?4, ?5, ?6)"),
         put_marker(handle, "INSERT INTO markers (session_id, number, tick, utc_ns, text) VALUES (?1, ?2, ?3, ?4, ?5)"),
         put_anchor(handle, "INSERT OR REPLACE INTO utc_anchors (session_id, time_ns, utc_ns) VALUES (?1, ?2, ?3)"),
+        count_commit(handle, "UPDATE seal SET commits = commits + 1 RETURNING file_id, commits"),
+        seal(database.seal()),
         tail(kSignalCount) {}
 
   sqlite3* handle;
-  Statement put_chunk, put_bus, put_event, put_gap, put_marker, put_anchor;
+  Statement put_chunk, put_bus, put_event, put_gap, put_marker, put_anchor, count_commit;
+  std::shared_ptr<Seal> seal;  // null on a disk that has none
+  Seal::Content sealed;        // as of the commit that is counted
   ChunkEncoder encoder;
   EncodedChunk encoded;
   Bytes bus_blob;
@@ -199,6 +203,7 @@ struct SessionWriter::State {
   std::uint64_t event_number = 0, gap_number = 0, marker_number = 0;
 
   [[nodiscard]] std::size_t tail_samples() const { return tail[kTickColumn].size(); }
+  [[nodiscard]] std::uint64_t newest_in_tail() const { return static_cast<std::uint64_t>(tail[kTickColumn].back()); }
   [[nodiscard]] std::size_t waiting() const { return tail_samples() - tail_durable; }
   [[nodiscard]] bool anything_waiting() const {
     return waiting() > 0 || bus_tail.size() > bus_durable || !events.empty() || !gaps.empty() || !markers.empty() || !anchors.empty();
@@ -334,6 +339,16 @@ struct SessionWriter::State {
       put_anchor.integer(1, session).unsigned_integer(2, anchor.time_ns).integer(3, anchor.utc_ns).run();
   }
 
+  // Commits what is recorded, and says so beside the file once it is durable.
+  void commit_sealed(Transaction& transaction, SessionId of, std::optional<std::uint64_t> newest_tick) {
+    count_commit.reset();
+    if (!count_commit.step()) throw SqlFailure{Error{ErrorKind::corrupt, "the database has no seal", {}}};
+    sealed = {count_commit.text_at(0), count_commit.unsigned_at(1), of, newest_tick.value_or(0)};
+    count_commit.run();
+    transaction.commit();
+    if (seal) seal->write(sealed);
+  }
+
   // Everything that waits, in one transaction. Buffers change only after COMMIT came back.
   Status write_all() {
     if (!anything_waiting()) return {};
@@ -342,7 +357,7 @@ struct SessionWriter::State {
       write_tail();
       write_bus_tail();
       write_rows();
-      transaction.commit();
+      commit_sealed(transaction, session, tail_samples() > 0 ? std::optional(newest_in_tail()) : durable_tick);
       return {};
     });
     if (!written) {
@@ -353,7 +368,7 @@ struct SessionWriter::State {
     }
     if (const std::size_t total = tail_samples(); total > 0) {
       durable_samples += total - tail_durable;
-      durable_tick = static_cast<std::uint64_t>(tail[kTickColumn].back());
+      durable_tick = newest_in_tail();
       const std::size_t complete = total / kLiveChunkSamples * kLiveChunkSamples;
       if (complete > 0)
         for (auto& column : tail) column.erase(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(complete));
@@ -375,17 +390,38 @@ struct SessionWriter::State {
   }
 
   void reset_statements() {
-    for (Statement* statement : {&put_chunk, &put_bus, &put_event, &put_gap, &put_marker, &put_anchor}) statement->reset();
+    for (Statement* statement : {&put_chunk, &put_bus, &put_event, &put_gap, &put_marker, &put_anchor, &count_commit}) statement->reset();
   }
 
   // Closes a session in the database: totals, end, reason.
   void close_rows(SessionId id, std::int64_t ended_utc_ns, CloseReason reason) {
+    Transaction transaction(handle, Transaction::Kind::write);
     Statement statement(handle,
                         "UPDATE sessions SET ended_utc_ns = ?2, close_reason = ?3, "
                         "sample_count = (SELECT coalesce(sum(samples), 0) FROM chunks WHERE session_id = ?1), "
                         "first_time_ns = (SELECT min(first_time_ns) FROM chunks WHERE session_id = ?1), "
                         "last_time_ns = (SELECT max(last_time_ns) FROM chunks WHERE session_id = ?1) WHERE id = ?1");
     statement.integer(1, id).integer(2, ended_utc_ns).text(3, std::string_view(close_reason_name(reason))).run();
+    commit_sealed(transaction, id, durable_tick);
+  }
+
+  // What the seal knows and the file does not: the rest of its session is a gap, its number stays taken. Done once: then the file counts as many.
+  void note_loss(const LostCommits& lost) {
+    Transaction transaction(handle, Transaction::Kind::write);
+    Statement gap(
+        handle,
+        "INSERT INTO gaps (session_id, number, stream, from_tick, to_tick, reason) "
+        "SELECT ?1, (SELECT coalesce(max(number) + 1, 0) FROM gaps WHERE session_id = ?1), 'ticks', newest + 1, ?2, 'storage_lost' "
+        "FROM (SELECT max(last_tick) AS newest FROM chunks WHERE session_id = ?1) WHERE newest < ?2");
+    gap.integer(1, lost.session).unsigned_integer(2, lost.last_tick).run();
+    execute(handle,
+            "INSERT INTO sqlite_sequence (name, seq) SELECT 'sessions', 0 WHERE NOT EXISTS "
+            "(SELECT 1 FROM sqlite_sequence WHERE name = 'sessions')");
+    Statement taken(handle, "UPDATE sqlite_sequence SET seq = max(seq, ?1) WHERE name = 'sessions'");
+    taken.integer(1, lost.session).run();
+    Statement count(handle, "UPDATE seal SET commits = commits + ?1");
+    count.unsigned_integer(1, lost.commits).run();
+    commit_sealed(transaction, lost.session, lost.last_tick);
   }
 
   // Small live chunks become large ones with a frame per column. Each step is one transaction: a crash in between leaves a session that reads
@@ -531,6 +567,7 @@ Result<SessionWriter> SessionWriter::create(Database& database) {
   return guarded([&]() -> Result<SessionWriter> {
     auto state = std::make_unique<State>(database);
     state->clear_session();
+    if (database.report().lost) state->note_loss(*database.report().lost);
     state->close_interrupted();
     return SessionWriter(std::move(state));
   });
@@ -598,7 +635,7 @@ Result<SessionId> SessionWriter::begin(const SessionStart& start) {
     Statement parameter(s.handle, "INSERT INTO parameters (session_id, position, name, value) VALUES (?1, ?2, ?3, ?4)");
     for (std::size_t p = 0; p < start.parameter_values.size(); ++p)
       parameter.integer(1, id).unsigned_integer(2, p).text(3, contract::kParams[p].name).real(4, start.parameter_values[p]).run();
-    transaction.commit();
+    s.commit_sealed(transaction, id, std::nullopt);
     s.session = id;
     s.started_utc_ns = start.started_utc_ns;
     s.start_time_ns = start.start_time_ns;

@@ -84,17 +84,171 @@ TEST(Open, a_newer_schema_is_refused_and_left_alone) {
   EXPECT_TRUE(std::filesystem::exists(dir / "hoist.db"));
 }
 
-TEST(Open, a_file_that_is_no_database_is_set_aside_with_its_date) {
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+// What a program leaves behind that is killed now.
+void copy_as_killed(const std::filesystem::path& from, const std::filesystem::path& to) {
+  for (const char* suffix : {"", "-wal", ".seal"})
+    if (std::filesystem::exists(from.string() + suffix)) std::filesystem::copy_file(from.string() + suffix, to.string() + suffix);
+}
+
+TEST(Open, a_damaged_file_is_set_aside_with_its_date_and_stays_known) {
   TempDir dir;
-  std::ofstream(dir / "hoist.db") << std::string(5000, 'x');
+  { Database database = open_at(dir / "hoist.db"); }
+  {
+    std::fstream stream(dir / "hoist.db", std::ios::in | std::ios::out | std::ios::binary);
+    stream.seekp(100);
+    stream << std::string(5000, 'x');
+  }
   OpenOptions options;
   options.utc_now_ns = kStartUtc_ns;
-  Database database = open_at(dir / "hoist.db", options);
-  EXPECT_EQ(database.report().set_aside.filename(), "hoist.db.corrupt-20260921T141320Z");
-  EXPECT_FALSE(database.report().set_aside_reason.empty());
-  EXPECT_TRUE(std::filesystem::exists(database.report().set_aside));
-  EXPECT_TRUE(database.report().created);
-  EXPECT_TRUE(SessionReader(database).list().ok());
+  {
+    Database database = open_at(dir / "hoist.db", options);
+    EXPECT_EQ(database.report().set_aside.filename(), "hoist.db.corrupt-20260921T141320Z");
+    EXPECT_FALSE(database.report().set_aside_reason.empty());
+    EXPECT_TRUE(std::filesystem::exists(database.report().set_aside));
+    EXPECT_TRUE(database.report().created);
+    EXPECT_FALSE(database.report().lost) << "what is set aside is not lost";
+    EXPECT_TRUE(SessionReader(database).list().ok());
+  }
+  EXPECT_EQ(open_at(dir / "hoist.db").report().kept_aside, dir / "hoist.db.corrupt-20260921T141320Z") << "also at a later start";
+  std::filesystem::remove(dir / "hoist.db.corrupt-20260921T141320Z");
+  std::filesystem::remove(dir / "hoist.db.corrupt-20260921T141320Z.seal");
+  EXPECT_TRUE(open_at(dir / "hoist.db").report().kept_aside.empty());
+}
+
+TEST(Open, a_file_of_another_program_is_refused_and_stays_as_it_is) {
+  TempDir dir;
+  std::ofstream(dir / "letter.txt") << "Dear colleague,\n" << std::string(5000, 'x');
+  std::ofstream(dir / "short.txt") << "Dear";
+  const auto make = [&dir](const char* name, const char* sql) {
+    sqlite3* handle = nullptr;
+    ASSERT_EQ(sqlite3_open((dir / name).c_str(), &handle), SQLITE_OK);
+    execute(handle, sql);
+    sqlite3_close(handle);
+  };
+  make("photos.db", "CREATE TABLE photos (name TEXT); INSERT INTO photos VALUES ('a')");
+  make("named.db", "PRAGMA application_id = 7; CREATE TABLE sessions (id INTEGER)");
+  make("log.db", "PRAGMA journal_mode = WAL; CREATE TABLE sessions (id INTEGER)");
+  for (const char* name : {"letter.txt", "short.txt", "photos.db", "named.db", "log.db"}) {
+    const std::string before = bytes_of(dir / name);
+    for (const bool write : {true, false}) {
+      const Result<Database> refused = write ? Database::open(dir / name) : Database::attach(dir / name);
+      ASSERT_FALSE(refused.ok()) << name;
+      EXPECT_EQ(refused.error().kind, ErrorKind::foreign) << refused.error().message;
+      EXPECT_NE(refused.error().message.find("stays as it is"), std::string::npos) << refused.error().message;
+    }
+    EXPECT_EQ(bytes_of(dir / name), before) << name;
+  }
+}
+
+TEST(Open, an_older_recording_without_an_application_id_is_known_by_its_tables) {
+  TempDir dir;
+  std::vector<TickRecord> records;
+  SessionId id = 0;
+  {
+    Database database = open_at(dir / "hoist.db");
+    id = record_session(database, 300, 1, &records);
+    execute(database.handle(), "PRAGMA application_id = 0; DROP TABLE seal; PRAGMA user_version = 1");
+  }
+  std::filesystem::remove(dir / "hoist.db.seal");
+  Database database = open_at(dir / "hoist.db");
+  EXPECT_EQ(database.report().migrated_from, 1);
+  EXPECT_TRUE(database.report().set_aside.empty());
+  EXPECT_FALSE(database.report().lost);
+  expect_recorded(database, id, records);
+  EXPECT_NE(number_of(database, "PRAGMA application_id"), 0);
+}
+
+TEST(Open, an_empty_file_beside_a_full_log_is_set_aside_with_it) {
+  TempDir dir;
+  Database database = open_at(dir / "live.db");
+  SessionWriter writer = writer_of(database);
+  ASSERT_TRUE(writer.begin(start_of_walk()).ok());
+  for (const bool gone : {false, true}) {
+    const auto file = dir / (gone ? "gone.db" : "empty.db");
+    copy_as_killed(dir / "live.db", file);
+    if (gone)
+      std::filesystem::remove(file);
+    else
+      std::filesystem::resize_file(file, 0);
+    OpenOptions options;
+    options.utc_now_ns = kStartUtc_ns;
+    Database opened = open_at(file, options);
+    const std::filesystem::path aside = opened.report().set_aside;
+    EXPECT_NE(opened.report().set_aside_reason.find("its log is not"), std::string::npos) << opened.report().set_aside_reason;
+    EXPECT_GT(std::filesystem::file_size(aside.string() + "-wal"), 4096U) << "whoever repairs it has the log";
+    EXPECT_EQ(opened.report().kept_aside, aside);
+  }
+}
+
+// H25
+TEST(Open, a_log_whose_end_is_missing_is_noticed_and_the_session_says_what_it_lost) {
+  TempDir dir;
+  Database live = open_at(dir / "live.db");
+  SessionWriter writer = writer_of(live);
+  Walk walk(3);
+  ASSERT_TRUE(writer.begin(start_of_walk()).ok());
+  for (std::uint64_t tick = 1; tick < 2000; tick += 50) {
+    ASSERT_TRUE(writer.append_ticks(walk.records(tick, 50)).ok());
+    ASSERT_TRUE(writer.commit().ok());
+  }
+  const std::uint64_t newest = *writer.durable().last_tick;
+  copy_as_killed(dir / "live.db", dir / "killed.db");
+  EXPECT_FALSE(open_at(dir / "killed.db").report().lost) << "kill -9 loses nothing";
+
+  constexpr std::uintmax_t kHeader_bytes = 32, kFrame_bytes = 24 + 4096;
+  copy_as_killed(dir / "live.db", dir / "cut.db");
+  const auto log = dir / "cut.db-wal";
+  const std::uintmax_t frames = (std::filesystem::file_size(log) - kHeader_bytes) / kFrame_bytes;
+  ASSERT_GT(frames, 80U);
+  std::filesystem::resize_file(log, kHeader_bytes + frames * 9 / 10 * kFrame_bytes);
+  {
+    Database cut = open_at(dir / "cut.db");
+    ASSERT_TRUE(cut.report().lost.has_value());
+    EXPECT_EQ(cut.report().lost->session, 1);
+    EXPECT_EQ(cut.report().lost->last_tick, newest);
+    EXPECT_GT(cut.report().lost->commits, 0U);
+    SessionWriter next = writer_of(cut);
+    const SessionReader reader(cut);
+    const Columns held = *reader.read_columns(1, {});
+    ASSERT_FALSE(held.tick.empty());
+    const std::vector<Gap> gaps = *reader.gaps(1);
+    ASSERT_EQ(gaps.size(), 1U);
+    EXPECT_EQ(gaps[0].from_tick, held.tick.back() + 1);
+    EXPECT_EQ(gaps[0].to_tick, newest);
+    EXPECT_EQ(gaps[0].reason, "storage_lost");
+  }
+  Database again = open_at(dir / "cut.db");
+  EXPECT_FALSE(again.report().lost) << "told once";
+  EXPECT_EQ(SessionReader(again).gaps(1)->size(), 1U);
+}
+
+TEST(Open, a_number_that_was_lost_with_its_session_is_not_given_again) {
+  TempDir dir;
+  Database live = open_at(dir / "live.db");
+  for (int session = 0; session < 3; ++session) record_session(live, 100, 4);
+  copy_as_killed(dir / "live.db", dir / "cut.db");
+  for (const char* suffix : {"", "-wal"}) std::filesystem::remove((dir / "cut.db").string() + suffix);
+  Database cut = open_at(dir / "cut.db");
+  ASSERT_TRUE(cut.report().lost.has_value()) << "a file that is gone has lost all";
+  EXPECT_EQ(record_session(cut, 100, 4), 4);
+}
+
+TEST(Open, a_seal_of_another_file_or_a_damaged_one_says_nothing) {
+  TempDir dir;
+  for (const char* name : {"a.db", "b.db"}) {
+    Database database = open_at(dir / name);
+    record_session(database, std::string_view(name) == "a.db" ? 900 : 100, 5);
+  }
+  std::filesystem::copy_file(dir / "a.db.seal", dir / "b.db.seal", std::filesystem::copy_options::overwrite_existing);
+  EXPECT_FALSE(open_at(dir / "b.db").report().lost);
+  std::string torn = bytes_of(dir / "a.db.seal");
+  torn[std::string("hoist-seal ").size() + 18] = '9';
+  std::ofstream(dir / "a.db.seal") << torn;
+  EXPECT_FALSE(open_at(dir / "a.db").report().lost);
 }
 
 // H25
@@ -109,7 +263,7 @@ TEST(Open, damaged_and_cut_files_never_crash_and_never_stay_in_the_way) {
   int set_aside = 0;
   for (int round = 0; round < 60; ++round) {
     const auto file = dir / "hoist.db";
-    for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(file.string() + suffix);
+    for (const char* suffix : {"", "-wal", "-shm", ".seal"}) std::filesystem::remove(file.string() + suffix);
     std::filesystem::copy_file(dir / "good.db", file);
     if (round % 3 == 0) {
       std::filesystem::resize_file(file, random() % size);
@@ -124,8 +278,8 @@ TEST(Open, damaged_and_cut_files_never_crash_and_never_stay_in_the_way) {
     options.utc_now_ns = kStartUtc_ns;
     const Result<Database> opened = Database::open(file, options);
     if (!opened) {
-      // A version number damaged upwards looks like a newer program's; anything else must have opened.
-      EXPECT_EQ(opened.error().kind, ErrorKind::newer_schema) << opened.error().message;
+      // A version number damaged upwards looks like a newer program's, a damaged name like another program's; anything else must have opened.
+      EXPECT_TRUE(opened.error().kind == ErrorKind::newer_schema || opened.error().kind == ErrorKind::foreign) << opened.error().message;
       continue;
     }
     Database database = std::move(const_cast<Database&>(*opened));

@@ -1,0 +1,24 @@
+// Whose file it is, found out without changing it.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace hoist::db {
+
+/// SQLite's application_id of our files: "Hois" in ASCII.
+inline constexpr std::int64_t kApplicationId = 0x486F6973;
+
+enum class Identity : std::uint8_t {
+  fresh,    // absent or without content: may be begun
+  ours,     // as far as its first bytes tell
+  damaged,  // ours once, or nothing that anybody could miss: zeros, cut in its header, or empty beside a full log
+  foreign,  // of another program: it stays as it is
+};
+struct Identified {
+  Identity identity = Identity::ours;
+  std::string why;  // of damaged and foreign
+};
+[[nodiscard]] Identified identify(const std::filesystem::path& file);
+
+}  // namespace hoist::db
