@@ -14,6 +14,8 @@ inline constexpr double kSample_s = 0.01;
 struct MovingPart {
   /// Where the hoist was: the track held against the gyroscope where the session has one (slip repaired), else the encoders' own.
   bool fused = false;
+  /// Steps that were walked, or may have been, and are not recorded: those of gaps beside a moving sample.
+  std::uint64_t missing_samples = 0;
   std::vector<double> x_m, y_m, psi_rad, dpsi_rad, speed_m_s;
 };
 Result<MovingPart> moving_part(Database& database, SessionId session);

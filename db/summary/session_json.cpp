@@ -14,6 +14,7 @@ nlohmann::json metrics_json(const SessionMetrics& metrics, const std::optional<s
           {"J_N", or_null(metrics.normalised_ise)},
           {"reference_length_m", or_null(metrics.path_length_m)},
           {"duration_s", metrics.moving_s},
+          {"missing_s", metrics.missing_s},
           {"distance_m", metrics.distance_m},
           {"mean_speed_m_s", metrics.mean_speed_m_s},
           {"max_speed_m_s", metrics.max_speed_m_s},

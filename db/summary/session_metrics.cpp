@@ -26,6 +26,32 @@ contract::ReferencePath path_of(const nlohmann::json& exercise) {
   return exercise.value("clockwise", false) ? path.mirrored() : path;
 }
 
+// Adds up the steps missing in gaps that touch motion, while the samples go by.
+class MissingSteps {
+ public:
+  explicit MissingSteps(std::vector<Gap> gaps) : gaps_(std::move(gaps)) {
+    std::erase_if(gaps_, [](const Gap& gap) { return gap.stream != "ticks"; });
+    std::ranges::sort(gaps_, {}, &Gap::from_tick);
+  }
+  void sample(std::uint64_t tick, bool moving) {
+    for (; next_ < gaps_.size() && gaps_[next_].from_tick < tick; ++next_) add(moving || moving_);
+    moving_ = moving;
+  }
+  std::uint64_t all() {
+    for (; next_ < gaps_.size(); ++next_) add(moving_);
+    return missing_;
+  }
+
+ private:
+  void add(bool counts) {
+    if (counts) missing_ += gaps_[next_].to_tick - gaps_[next_].from_tick + 1;
+  }
+  std::vector<Gap> gaps_;
+  std::size_t next_ = 0;
+  bool moving_ = false;
+  std::uint64_t missing_ = 0;
+};
+
 }  // namespace
 
 Result<MovingPart> moving_part(Database& database, SessionId session) {
@@ -43,13 +69,18 @@ Result<MovingPart> moving_part(Database& database, SessionId session) {
   Result<Overview> whole = reader.overview(session, {}, 1);
   if (!whole) return whole.error();
   if (whole->from_s.empty()) return part;
+  Result<std::vector<Gap>> gaps = reader.gaps(session);
+  if (!gaps) return gaps.error();
+  MissingSteps missing(std::move(*gaps));
   const double end_s = whole->to_s.back();
   for (double from_s = whole->from_s.front(); from_s <= end_s; from_s += kPiece_s) {
     const Result<Columns> columns = reader.read_columns(session, names, {from_s, from_s + kPiece_s});
     if (!columns) return columns.error();
     for (std::size_t i = 0; i < columns->tick.size(); ++i) {
       const auto mode = static_cast<std::size_t>(columns->values[0][i]);
-      if (mode >= contract::kModes.size() || !contract::kModes[mode].moving) continue;
+      const bool moving = mode < contract::kModes.size() && contract::kModes[mode].moving;
+      missing.sample(columns->tick[i], moving);
+      if (!moving) continue;
       part.x_m.push_back(columns->values[1][i]);
       part.y_m.push_back(columns->values[2][i]);
       part.psi_rad.push_back(columns->values[3][i]);
@@ -57,6 +88,7 @@ Result<MovingPart> moving_part(Database& database, SessionId session) {
       part.speed_m_s.push_back(columns->values[5][i]);
     }
   }
+  part.missing_samples = missing.all();
   return part;
 }
 
@@ -75,6 +107,7 @@ Result<SessionMetrics> session_metrics(Database& database, SessionId session, co
   out.track = part.fused ? "fused" : "encoders";
   out.moving_samples = part.x_m.size();
   out.moving_s = static_cast<double>(out.moving_samples) * kSample_s;
+  out.missing_s = static_cast<double>(part.missing_samples) * kSample_s;
   for (const double speed : part.speed_m_s) {
     out.distance_m += std::fabs(speed) * kSample_s;
     out.max_speed_m_s = std::max(out.max_speed_m_s, std::fabs(speed));
@@ -87,6 +120,10 @@ Result<SessionMetrics> session_metrics(Database& database, SessionId session, co
   out.shape = exercise["shape"].get<std::string>();
   if (part.x_m.empty()) {
     out.why_absent = "Nobody walked in this session.";
+    return out;
+  }
+  if (out.missing_s > kMissingMost_s) {
+    out.why_absent = "Part of this walk is not recorded.";
     return out;
   }
   const RunColumns run{kSample_s, part.x_m, part.y_m, part.psi_rad, part.dpsi_rad};

@@ -11,10 +11,15 @@
 
 namespace hoist::db {
 
+/// With more motion missing a walk is not compared with its exercise. At 0.65 m/s it is a third of a metre, which the projection onto the
+/// figure bridges (kProjectionWindow_m); a lost begin of that length leaves the start of the figure within its reach, too.
+inline constexpr double kMissingMost_s = 0.5;
+
 struct SessionMetrics {
   SessionId session = 0;
   std::uint64_t moving_samples = 0;  ///< samples in a mode in which the wheels may turn: only these count
   double moving_s = 0;
+  double missing_s = 0;  ///< motion that is not recorded: all figures are of the rest
   double distance_m = 0;
   double mean_speed_m_s = 0;
   double max_speed_m_s = 0;

@@ -32,6 +32,7 @@ Outcome outcome_of(const CoreAnswer& answer) {
   Outcome outcome;
   switch (answer.kind) {
     case CoreAnswer::Kind::done:
+      outcome.stored = answer.stored;
       return outcome;
     case CoreAnswer::Kind::refused: {
       outcome.kind = Outcome::Kind::refused;

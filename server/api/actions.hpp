@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct Outcome {
   std::vector<std::string> refusals;  // names of the refusal table
   std::vector<FieldError> errors;
   std::string detail;
-  std::uint32_t epoch = 0;  // of a lease just taken
+  std::uint32_t epoch = 0;     // of a lease just taken
+  std::optional<bool> stored;  // of a change of settings: false = in force, and lost at the next start unless the disk takes it later
   [[nodiscard]] bool done() const { return kind == Kind::done; }
 };
 using OutcomeDone = std::function<void(const Outcome&)>;

@@ -54,10 +54,13 @@ Response no_database(const std::string& why, std::string_view path) {
 
 OutcomeDone answer_done(const CallPtr& call) {
   return [call](const Outcome& outcome) {
-    if (outcome.done())
-      call->respond(nlohmann::json{{"ok", true}});
-    else
+    if (!outcome.done()) {
       call->fail(problem_of(outcome));
+      return;
+    }
+    nlohmann::json answer{{"ok", true}};
+    if (outcome.stored) answer["stored"] = *outcome.stored;
+    call->respond(std::move(answer));
   };
 }
 

@@ -71,7 +71,9 @@ void change(const CallPtr& call, const json& values, const json& revert_after_s)
     json changed = json::object();
     for (const auto& [name, value] : values.items())
       if (const auto index = contract::find_param(name)) changed[name] = call->services.core.parameters().values[*index];
-    Response response = json_response({{"version", call->services.core.parameters().version}, {"values", std::move(changed)}});
+    Response response = json_response({{"version", call->services.core.parameters().version},
+                                       {"values", std::move(changed)},
+                                       {"stored", outcome.stored.value_or(false)}});
     response.set("ETag", etag(call->services));
     call->respond(std::move(response));
   });
@@ -162,7 +164,8 @@ void apply_preset(const CallPtr& call) {
       if (v.preset == name)
         values[std::string{contract::kParams[contract::param_index(v.param)].name}] =
             call->services.core.parameters().values[contract::param_index(v.param)];
-    call->respond(json{{"version", call->services.core.parameters().version}, {"values", std::move(values)}});
+    call->respond(json{
+        {"version", call->services.core.parameters().version}, {"values", std::move(values)}, {"stored", outcome.stored.value_or(false)}});
   });
 }
 

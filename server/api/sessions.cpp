@@ -256,7 +256,8 @@ void get_metrics(const CallPtr& call) {
     json told = db::metrics_json(*metrics, session->exercise_json);
     std::vector<FieldError> ignored;
     std::optional<db::RunDeviation> off;
-    if (const auto walked = read_exercise(told["exercise"], ignored); walked && walked->shape != Exercise::Shape::free)
+    if (const auto walked = read_exercise(told["exercise"], ignored);
+        walked && walked->shape != Exercise::Shape::free && metrics->missing_s <= db::kMissingMost_s)
       off = deviation(*part, *walked);
     const auto or_null = [](const std::optional<double>& v) { return v && std::isfinite(*v) ? json(*v) : json(nullptr); };
     told["rms_position_m"] = off ? or_null(off->position_rms_m) : json(nullptr);

@@ -5,6 +5,7 @@
 #include "server/api/actions.hpp"
 #include "server/api/handlers.hpp"
 #include "server/live/hub.hpp"
+#include "server/live/notices.hpp"
 #include "server/live/views.hpp"
 
 namespace hoist::server::api {
@@ -51,6 +52,7 @@ void get_status(const CallPtr& call) {
            {"scenario", s.settings.scenario ? json(*s.settings.scenario) : json(nullptr)},
            {"core", std::move(core)},
            {"recording", recording_json(s.recorder.status())},
+           {"notices", notices_json(standing_notices(s))},
            {"lease", {{"holder", s.core.lease_holder()}, {"epoch", s.core.lease_epoch()}}},
            {"clients", s.hub.clients()},
            {"counters", std::move(counters)},

@@ -15,6 +15,12 @@ namespace {
 // One poll copies at most this many ticks; what is left comes with the next one.
 constexpr std::size_t kTicksPerPoll = 128;
 constexpr std::size_t kEventsPerPoll = 128;
+
+// What the next start is to begin with.
+constexpr bool changes_settings(CommandKind kind) {
+  return kind == CommandKind::commit_parameters || kind == CommandKind::confirm_parameters || kind == CommandKind::set_neutral ||
+         kind == CommandKind::use_calibration;
+}
 }  // namespace
 
 CoreDesk::CoreDesk(std::string socket_path, Counters& counters)
@@ -47,7 +53,7 @@ void CoreDesk::ask(Command command, Done done) {
   }
   command.request_id = next_request();
   const std::uint64_t limit_ns = command.kind == CommandKind::acknowledge ? kAcknowledgeLimit_ns : kAnswerLimit_ns;
-  pending_[command.request_id] = {command.request_id, now_ns_ + limit_ns, std::move(done), std::nullopt};
+  pending_[command.request_id] = {command.request_id, now_ns_ + limit_ns, std::move(done), changes_settings(command.kind), std::nullopt};
   outbox_.push_back(command);
   flush_outbox();
 }
@@ -80,7 +86,7 @@ void CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>
     outbox_.push_back(stage);
   }
   commit.seal = seal.value(version);
-  pending_[commit.request_id] = {commit.request_id, now_ns_ + kAnswerLimit_ns, std::move(done), std::nullopt};
+  pending_[commit.request_id] = {commit.request_id, now_ns_ + kAnswerLimit_ns, std::move(done), true, std::nullopt};
   outbox_.push_back(commit);
   flush_outbox();
 }
@@ -95,7 +101,7 @@ bool CoreDesk::stop(std::uint32_t client, Done done) {
   command.kind = CommandKind::stop;
   command.client = client;
   command.request_id = next_request();
-  if (done) pending_[command.request_id] = {command.request_id, now_ns_ + kAnswerLimit_ns, std::move(done), std::nullopt};
+  if (done) pending_[command.request_id] = {command.request_id, now_ns_ + kAnswerLimit_ns, std::move(done), false, std::nullopt};
   if (!send(command)) outbox_.push_front(command);
   return true;
 }
@@ -127,10 +133,12 @@ void CoreDesk::flush_outbox() {
 
 void CoreDesk::answer_all(CoreAnswer::Kind kind) {
   auto waiting = std::exchange(pending_, {});
+  auto storing = std::exchange(storing_, {});
   staged_.clear();
   outbox_.clear();
   for (auto& [id, pending] : waiting)
     if (pending.done) pending.done({.kind = kind});
+  for (Storing& one : storing) one.done({.kind = kind});
 }
 
 void CoreDesk::set_connected(bool connected) {
@@ -155,6 +163,8 @@ void CoreDesk::poll(std::uint64_t now_ns) {
     answer_all(CoreAnswer::Kind::no_core);
     newest_.reset();
     parameters_ = {};
+    parameters_sequence_ = 0;
+    store_ = {};
     heard_ns_ = now_ns;
     set_connected(false);
   }
@@ -176,8 +186,8 @@ void CoreDesk::poll(std::uint64_t now_ns) {
   }
   if (listener_ != nullptr)
     for (const Event& event : events) listener_->on_event(event);
-  for (Answered& a : answered)
-    if (a.done) a.done(a.answer);
+  for (Answered& a : answered) answer(a);
+  answer_stored();
   // Past its time: the answer may still come, but nobody waits for it any more.
   std::vector<Done> late;
   for (auto it = pending_.begin(); it != pending_.end();) {
@@ -207,11 +217,47 @@ void CoreDesk::read_ticks(std::uint64_t now_ns) {
   set_lease(newest_->lease_epoch, newest_->lease_holder);
 }
 
+// The core publishes parameters before the answer to what changed them, and the answers of this poll are read already: whoever is answered now
+// finds here what is in force.
 void CoreDesk::read_parameters() {
   contract::ParamsInForce now{};
-  if (!link_.params(now) || now.version == 0 || (now.version == parameters_.version && now.values == parameters_.values)) return;
+  const std::uint64_t sequence = link_.params(now);
+  if (sequence != 0 && sequence != parameters_sequence_) {
+    parameters_sequence_ = sequence;
+    parameters_ns_ = now_ns_;
+  }
+  if (contract::StoreReport report; link_.store(report)) store_ = report;
+  if (sequence == 0 || now.version == 0 || (now.version == parameters_.version && now.values == parameters_.values)) return;
   parameters_ = now;
   if (listener_ != nullptr) listener_->on_parameters(parameters_);
+}
+
+void CoreDesk::answer(Answered& answered) {
+  if (!answered.done) return;
+  if (answered.changes_settings && answered.answer.done())
+    storing_.push_back({std::move(answered.done), answered.answer, parameters_sequence_, now_ns_ + kStoreLimit_ns});
+  else
+    answered.done(answered.answer);
+}
+
+void CoreDesk::answer_stored() {
+  std::vector<Storing> ready;
+  std::erase_if(storing_, [&](Storing& one) {
+    const bool stored = store_.stored >= one.sequence;
+    const bool refused = store_.tried >= one.sequence && store_.problem != contract::StoreProblem::none;
+    if (!stored && !refused && now_ns_ < one.deadline_ns) return false;
+    one.answer.stored = stored;
+    ready.push_back(std::move(one));
+    return true;
+  });
+  for (Storing& one : ready) one.done(one.answer);
+}
+
+std::optional<contract::StoreProblem> CoreDesk::store_problem() const {
+  if (!connected_ || store_.stored >= parameters_sequence_) return std::nullopt;
+  if (store_.problem != contract::StoreProblem::none) return store_.problem;
+  if (now_ns_ - parameters_ns_ < kStoreLimit_ns) return std::nullopt;
+  return contract::StoreProblem::failed;
 }
 
 void CoreDesk::read_events(std::vector<Event>& events, std::vector<Answered>& answered) {
@@ -238,7 +284,8 @@ void CoreDesk::read_events(std::vector<Event>& events, std::vector<Answered>& an
                          .code = reason.code,
                          .bits = reason.bits != 0 || !refused ? reason.bits : 1U << (reason.code & 31U),
                          .item = reason.item,
-                         .value = reason.value}});
+                         .value = reason.value},
+                        found->second.changes_settings});
     std::erase_if(staged_, [id = found->first](const auto& row) { return row.second == id; });
     pending_.erase(found);
   }

@@ -25,6 +25,8 @@ inline constexpr std::uint64_t kAnswerLimit_ns = 500'000'000;
 inline constexpr std::uint64_t kAcknowledgeLimit_ns = 1'000'000'000;
 // Commands that wait for room in the ring; more are refused at once.
 inline constexpr std::size_t kOutboxLimit = 256;
+// How long the answer to a change of settings waits for the disk. With kAnswerLimit_ns it stays below the 2 s for which the console waits.
+inline constexpr std::uint64_t kStoreLimit_ns = 1'000'000'000;
 // The core has said nothing for this long: it counts as not connected, whatever the socket says.
 inline constexpr std::uint64_t kCoreSilence_ns = 500'000'000;
 
@@ -35,6 +37,7 @@ struct CoreAnswer {
   std::uint32_t bits = 0;  // all refusals
   std::uint32_t item = 0;  // the parameter in question
   double value = 0;
+  std::optional<bool> stored = {};  // of a change of settings: false = in force, and not on the disk
   [[nodiscard]] bool done() const { return kind == Kind::done; }
 };
 
@@ -62,7 +65,8 @@ class CoreDesk {
   // Answers everything that is pending: at the end of the program.
   void close() { answer_all(CoreAnswer::Kind::no_core); }
 
-  // Asks one thing. `done` is called exactly once, from a later poll or, when the core is away, before this returns.
+  // Asks one thing. `done` is called exactly once, from a later poll or, when the core is away, before this returns. What changes settings is
+  // answered when they are on the disk, or when they cannot be brought there.
   void ask(contract::Command command, Done done);
   // Stages each value and commits them: all or nothing, one answer. Sealed for this version of the parameters, 0 = whichever is in force.
   void ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, std::uint32_t version, contract::Command commit,
@@ -79,6 +83,8 @@ class CoreDesk {
   [[nodiscard]] std::string_view problem() const;
   [[nodiscard]] const std::optional<contract::TickRecord>& newest() const { return newest_; }
   [[nodiscard]] const contract::ParamsInForce& parameters() const { return parameters_; }
+  // Why what is in force is not on the disk; nothing while it is, and while it may still be on its way.
+  [[nodiscard]] std::optional<contract::StoreProblem> store_problem() const;
   [[nodiscard]] bool has_parameters() const { return parameters_.version != 0; }
   [[nodiscard]] std::uint32_t lease_epoch() const { return lease_epoch_; }
   [[nodiscard]] std::uint32_t lease_holder() const { return lease_holder_; }
@@ -89,11 +95,20 @@ class CoreDesk {
     std::uint32_t request_id = 0;
     std::uint64_t deadline_ns = 0;
     Done done;
+    bool changes_settings = false;
     std::optional<contract::Event> staging_refusal;  // the staged row that was refused, kept until the set's own answer
   };
   struct Answered {
     Done done;
     CoreAnswer answer;
+    bool changes_settings = false;
+  };
+  // In force with these parameters, and not known to be on the disk.
+  struct Storing {
+    Done done;
+    CoreAnswer answer;
+    std::uint64_t sequence = 0;
+    std::uint64_t deadline_ns = 0;
   };
 
   std::uint32_t next_request();
@@ -102,6 +117,8 @@ class CoreDesk {
   void read_ticks(std::uint64_t now_ns);
   void read_events(std::vector<contract::Event>& events, std::vector<Answered>& answered);
   void read_parameters();
+  void answer(Answered& answered);
+  void answer_stored();
   void set_connected(bool connected);
   void set_lease(std::uint32_t epoch, std::uint32_t holder);
   void answer_all(CoreAnswer::Kind kind);
@@ -125,6 +142,10 @@ class CoreDesk {
   bool connected_ = false;
   std::optional<contract::TickRecord> newest_;
   contract::ParamsInForce parameters_{};
+  std::uint64_t parameters_sequence_ = 0;
+  std::uint64_t parameters_ns_ = 0;  // when this sequence was first seen
+  contract::StoreReport store_{};
+  std::vector<Storing> storing_;
   std::uint32_t lease_epoch_ = 0;
   std::uint32_t lease_holder_ = 0;
 };

@@ -12,6 +12,7 @@
 #include "server/api/exercise.hpp"
 #include "server/http/json_text.hpp"
 #include "server/live/client.hpp"
+#include "server/live/notices.hpp"
 #include "server/live/views.hpp"
 
 namespace hoist::server {
@@ -186,6 +187,7 @@ void Hub::add(std::shared_ptr<Client> client) {
   json recording = recording_json(s.recorder.status());
   recording["type"] = "recording";
   client->send(recording);
+  client->send(json{{"type", "notices"}, {"items", notices_json(standing_notices(s))}});
   clients_.push_back(std::move(client));
 }
 
@@ -285,6 +287,10 @@ void Hub::poll(std::uint64_t now_ns) {
     json message = recording_json(told_);
     message["type"] = "recording";
     broadcast(text_frame(message));
+  }
+  if (std::vector<StandingNotice> notices = standing_notices(*services_); notices != told_notices_) {
+    told_notices_ = std::move(notices);
+    broadcast(text_frame({{"type", "notices"}, {"items", notices_json(told_notices_)}}));
   }
   const FirmwareDesk& firmware = services_->firmware;
   if (firmware.changes() != told_update_ && (!firmware.busy() || now_ns - told_update_ns_ >= kProgressEvery_ns)) {

@@ -64,6 +64,7 @@ class Hub final : public CoreListener {
   bool ending_ = false;
   std::vector<contract::TickRecord> batch_;
   RecordingStatus told_;
+  std::vector<StandingNotice> told_notices_;
   std::uint64_t told_update_ = 0, told_update_ns_ = 0;  // changes of the firmware desk, and when they were told
   std::deque<contract::Event> emergencies_;
   std::vector<contract::Event> proposed_;

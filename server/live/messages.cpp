@@ -24,6 +24,7 @@ json reply_json(const json& request, const Outcome& outcome) {
   json reply{{"type", "reply"}, {"request", request.is_number_integer() ? request : json(0)}, {"ok", outcome.done()}};
   if (outcome.done()) {
     if (outcome.epoch != 0) reply["epoch"] = outcome.epoch;
+    if (outcome.stored) reply["stored"] = *outcome.stored;
     return reply;
   }
   reply["refusals"] = outcome.refusals;

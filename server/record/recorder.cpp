@@ -36,7 +36,8 @@ constexpr std::size_t kReadTicks = 256, kReadEvents = 256, kReadFrames = 2048;
 // One pass reads at most this often, so that jobs get their turn.
 constexpr int kReadsPerPass = 16;
 
-bool moving(const TickRecord& record) { return record.mode < contract::kModes.size() && contract::kModes[record.mode].moving; }
+bool moving_mode(std::uint32_t mode) { return mode < contract::kModes.size() && contract::kModes[mode].moving; }
+bool moving(const TickRecord& record) { return moving_mode(record.mode); }
 }  // namespace
 
 // Everything that only the recorder's thread touches.
@@ -62,6 +63,7 @@ class Recorder::Work final : public Records {
       reading_.emplace(std::move(*reading));
     }
     error_.clear();
+    foreign_.clear();
   }
 
   db::Status claim() {
@@ -85,6 +87,10 @@ class Recorder::Work final : public Records {
     if (!report.set_aside.empty())
       log("The database was damaged (" + report.set_aside_reason + "); it was set aside as " + report.set_aside.string() +
           " and a new one was begun.");
+    if (report.lost) log("Recordings are missing in the database: " + lost_text(*report.lost));
+    notices_.clear();
+    if (!report.kept_aside.empty()) notices_.push_back({NoticeName::recordings_set_aside, report.kept_aside.string()});
+    if (report.lost) notices_.push_back({NoticeName::recordings_lost, lost_text(*report.lost)});
     auto writer = db::SessionWriter::create(*writing_);
     if (!writer) {
       fail(writer.error());
@@ -184,7 +190,11 @@ class Recorder::Work final : public Records {
     else
       std::fprintf(stderr, "%s\n", line.c_str());
   }
+  static std::string lost_text(const db::LostCommits& lost) {
+    return std::to_string(lost.commits) + " commits that were acknowledged, the last of session " + std::to_string(lost.session);
+  }
   void fail(const db::Error& error) {
+    if (error.kind == db::ErrorKind::foreign) foreign_ = error.message;
     if (error.message != error_) log("recording: " + error.message);
     error_ = error.message.empty() ? db::error_kind_name(error.kind) : error.message;
   }
@@ -209,13 +219,12 @@ class Recorder::Work final : public Records {
           const std::lock_guard lock(owner_.mutex_);
           if (owner_.parameters_.version == 0) return false;
         }
-        ticks_ = old_->ticks;
-        events_ = old_->events;
-        bus_ = old_->bus;
+        adopt_old();
         known_.emplace(Known{.life = life, .until = **broken_off});
         going_on_ = true;
       }
     }
+    if (!going_on_) take_over_walk();
     joined_ = true;
     old_.reset();
     return true;
@@ -256,6 +265,49 @@ class Recorder::Work final : public Records {
     if (known_->heard_tick < first.tick) check(writer_->append_gap("ticks", known_->heard_tick, first.tick - 1, "storage"));
   }
 
+  // The walk began before this session could.
+  void note_lost_begin(const TickRecord& first, bool events_dropped) {
+    check(writer_->append_gap("ticks", walk_from_, first.tick - 1, begin_lost_));
+    check(writer_->append_gap("bus", walk_from_, first.tick - 1, begin_lost_));
+    if (events_dropped) check(writer_->append_gap("events", walk_from_, first.tick - 1, begin_lost_));
+  }
+
+  // A core that walks already when this server finds it: the walk is recorded from its beginning, as far as the core still holds it.
+  void take_over_walk() {
+    publish::TickReader ticks = old_->ticks;
+    TickRecord first{};  // of the motion that lasts
+    bool walks = false;
+    for (auto got = ticks.read(tick_buffer_); got.count > 0; got = ticks.read(tick_buffer_))
+      for (const TickRecord& record : std::span(tick_buffer_).first(got.count)) {
+        if (moving(record) && !walks) first = record;
+        walks = moving(record);
+      }
+    if (!walks) return;
+    walk_began_ = began_by(first.tick);
+    adopt_old();
+    db::BrokenOff until;
+    until.start_time_ns = first.time_ns;
+    until.last_time_ns = first.time_ns - 1;
+    until.last_event_tick = first.tick - 1;
+    until.last_frame_time_ns = first.time_ns - kTick_ns;
+    known_.emplace(Known{.life = ticks.life(), .until = until});
+  }
+  // The step in which the motion began that a step is part of: the core holds its events for longer than its steps.
+  std::uint64_t began_by(std::uint64_t tick) {
+    std::uint64_t began = tick;
+    publish::EventReader events = old_->events;
+    for (auto got = events.read(event_buffer_); got.count > 0; got = events.read(event_buffer_))
+      for (const Event& event : std::span(event_buffer_).first(got.count))
+        if (event.kind == contract::EventKind::mode_changed && event.tick <= tick && moving_mode(event.code) && !moving_mode(event.item))
+          began = event.tick;
+    return began;
+  }
+  void adopt_old() {
+    ticks_ = old_->ticks;
+    events_ = old_->events;
+    bus_ = old_->bus;
+  }
+
   // UTC now minus steady now.
   [[nodiscard]] std::int64_t offset_ns() const { return owner_.options_.utc_ns() - static_cast<std::int64_t>(owner_.options_.steady_ns()); }
 
@@ -292,19 +344,24 @@ class Recorder::Work final : public Records {
     life_ = ticks_.life();
     samples_ = 0;
     started_utc_ms_ = start.started_utc_ns / 1'000'000;
-    first_tick_ = first.tick;
     last_tick_ = first.tick;
     fresh_ = true;
     committed_ns_ = now_ns_;
     std::vector<Event> events;
+    // Also those of a beginning that could not be stored, as far as they are kept.
+    first_tick_ = manual ? first.tick : std::min(walk_from_, first.tick);
     for (const Event& event : kept_events_)
-      if (event.tick >= first.tick) events.push_back(event);
+      if (event.tick >= first_tick_) events.push_back(event);
     std::vector<BusRecord> frames;
     for (const BusRecord& frame : kept_frames_)
       if (frame.time_ns + kTick_ns >= first.time_ns) frames.push_back(frame);
+    const bool events_dropped = kept_events_.size() == kKeptEvents && kept_events_.front().tick > walk_from_;
     kept_events_.clear();
     kept_frames_.clear();
-    if (going_on_) note_absence(first);
+    if (going_on_)
+      note_absence(first);
+    else if (!manual && walk_from_ < first.tick)
+      note_lost_begin(first, events_dropped);
     if (!events.empty()) check(writer_->append_events(events));
     if (!frames.empty()) check(writer_->append_bus(frames));
     return {};
@@ -369,6 +426,10 @@ class Recorder::Work final : public Records {
       if (going_on_) go_on_with(record);
       const bool was_moving = last_ && ticks_.life() == last_life_ && moving(*last_);
       const bool starts = moving(record) && !was_moving;
+      if (starts) {
+        walk_from_ = std::exchange(walk_began_, std::nullopt).value_or(record.tick);
+        begin_lost_ = walk_from_ < record.tick ? "server_absent" : "storage";
+      }
       if (starts && session_open() && !manual_) {
         append(from, i);
         from = i;
@@ -498,6 +559,8 @@ class Recorder::Work final : public Records {
   void tell() {
     RecordingStatus status;
     status.detail = error_;
+    status.notices = notices_;
+    if (!foreign_.empty()) status.notices.push_back({NoticeName::recordings_foreign, foreign_});
     if (session_open()) {
       status.state = error_.empty() ? RecordingState::recording : RecordingState::failed;
       status.session = writer_->session();
@@ -510,7 +573,7 @@ class Recorder::Work final : public Records {
     const std::lock_guard lock(owner_.mutex_);
     // Samples count up with every pass; what is told changes with every commit, so that nobody is told fifty times a second.
     if (status.session == owner_.status_.session && status.state == owner_.status_.state && status.detail == owner_.status_.detail &&
-        status.durable_tick == owner_.status_.durable_tick)
+        status.durable_tick == owner_.status_.durable_tick && status.notices == owner_.status_.notices)
       return;
     owner_.status_ = std::move(status);
   }
@@ -553,6 +616,8 @@ class Recorder::Work final : public Records {
   std::map<ExportId, db::SessionExport> exports_;  // after reading_, whose statements they hold
   ExportId last_export_ = 0;
   std::string error_;
+  std::string foreign_;  // why the file cannot be ours; empty when it is
+  std::vector<StandingNotice> notices_;
   std::optional<TickRecord> last_;
   std::uint64_t last_life_ = 0;
   std::optional<db::CloseReason> end_again_;
@@ -563,6 +628,9 @@ class Recorder::Work final : public Records {
   std::int64_t started_utc_ms_ = 0;
   std::int64_t offset_ns_ = 0;
   std::uint64_t anchored_ns_ = 0;
+  std::uint64_t walk_from_ = 0;              // step with which the newest motion began
+  std::optional<std::uint64_t> walk_began_;  // of a walk that was found under way
+  const char* begin_lost_ = "storage";       // why no session began with that step
   std::uint64_t first_tick_ = 0;
   std::uint64_t last_tick_ = 0;
   std::uint64_t last_time_ns_ = 0;

@@ -18,6 +18,7 @@
 #include "db/export/session_export.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/session_types.hpp"
+#include "server/contract/notices.hpp"
 
 namespace hoist::server {
 
@@ -33,6 +34,11 @@ enum class RecordingState : std::uint8_t { idle, recording, failed };
 [[nodiscard]] constexpr const char* recording_state_name(RecordingState state) {
   return state == RecordingState::idle ? "idle" : state == RecordingState::recording ? "recording" : "failed";
 }
+struct StandingNotice {
+  NoticeName name{};
+  std::string detail;  // for whoever repairs it, English
+  bool operator==(const StandingNotice&) const = default;
+};
 struct RecordingStatus {
   RecordingState state = RecordingState::idle;
   std::optional<db::SessionId> session;
@@ -40,6 +46,7 @@ struct RecordingStatus {
   std::uint64_t samples = 0;
   std::optional<std::uint64_t> durable_tick;
   std::string detail;  // why it failed, in a sentence
+  std::vector<StandingNotice> notices;
   bool operator==(const RecordingStatus&) const = default;
 };
 

@@ -76,7 +76,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
   const values = Object.fromEntries(paramRows.map((row) => [row.name, row.default]));
   const hoist = {
     tick: 0, mode: 'standby', x: 0, y: 0, psi: 0, v: 0, w: 0, distance: 0, lean: 0, turn: 0, faults: 0, exercise, version: 1, drive: { speed: 0, yaw: 0, held: false, tick: -1000 },
-    drives: [], trouble: {}, calibration: null, trial: null, session: null, sessionTick: 0, commands: [],
+    drives: [], trouble: {}, calibration: null, trial: null, standing: [], session: null, sessionTick: 0, commands: [],
   };
   const lease = { epoch: 0, holder: 0 };
   const clients = new Map();
@@ -377,7 +377,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     if (rest === undefined && request.method === 'PATCH') return send(200, Object.assign(session, JSON.parse(body)));
     if (rest === undefined) return send(200, session);
     if (rest === 'metrics')
-      return send(200, { C: 0.82, J_N: 6.1, reference_length_m: 11.4, duration_s: session.duration_s, distance_m: 25.8, mean_speed_m_s: 0.39, rms_position_m: 0.11, rms_heading_rad: 0.14, track: 'fused', exercise: session.exercise, reason_if_none: null });
+      return send(200, { C: 0.82, J_N: 6.1, reference_length_m: 11.4, duration_s: session.duration_s, missing_s: session.id === 2 ? 0.3 : 0, distance_m: 25.8, mean_speed_m_s: 0.39, rms_position_m: 0.11, rms_heading_rad: 0.14, track: 'fused', exercise: session.exercise, reason_if_none: null });
     if (rest === 'events')
       return send(200, { items: [{ time_s: 0, kind: 'mode_changed', name: 'user' }, { time_s: 12.3, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 50, value: 60 }, { time_s: 96, kind: 'fault_raised', name: 'stop_pressed' }], markers: [{ utc_ms: session.started_utc_ms + 31_000, text: 'Stumble' }], gaps: [] });
     if (rest === 'samples') {
@@ -419,6 +419,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       send({ type: 'core', connected: true });
       send({ type: 'parameters', version: hoist.version, values });
       send({ type: 'lease', epoch: lease.epoch, holder: lease.holder, mine: false });
+      send({ type: 'notices', items: hoist.standing });
       tellRecording();
       ws.on('message', (data, binary) => !binary && take(JSON.parse(data.toString()), id, ws));
       ws.on('close', () => {
@@ -458,6 +459,10 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
         },
         fault: (name) => (hoist.faults |= 1 << faultBit[name]),
         trouble: (change) => (hoist.trouble = change),
+        standing: (items) => {
+          hoist.standing = items;
+          tell({ type: 'notices', items });
+        },
         event,
         dropAll: () => {
           for (const client of clients.values()) client.socket.terminate();

@@ -99,6 +99,15 @@ export type Exercise =
 /** What the hoist drives by itself while the button is held. */
 export type GuidedPath = Exclude<Exercise, { shape: 'free' }> & { speed_m_s: number; laps?: number };
 
+/** A condition that lasts, with what to do; the same rows as in GET /api/v1/status. */
+export interface StandingNotice {
+  name: string;
+  priority: 'low' | 'medium';
+  text: { en: string; de: string };
+  action: { en: string; de: string };
+  detail: string;
+}
+
 /** Which field was refused and what is allowed. */
 export interface FieldError {
   field: string;

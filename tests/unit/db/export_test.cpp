@@ -384,6 +384,37 @@ TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {
   }
 }
 
+TEST(Metrics, a_walk_with_a_part_missing_is_not_compared_and_says_how_much) {
+  const contract::ReferencePath eight = contract::ReferencePath::eight(1.0, 0.8);
+  const std::vector<TickRecord> walk = follow(eight, 12.0);
+  std::size_t first = 0;
+  while (!contract::kModes[walk[first].mode].moving) ++first;
+  struct Case {
+    const char* what;
+    std::size_t from, count;
+    double missing_s;
+    bool compared;
+  };
+  for (const Case& one : {Case{"whole", 0, 0, 0, true}, Case{"a little of the middle", first + 1000, 50, 0.5, true},
+                          Case{"more of the middle", first + 1000, 51, 0.51, false}, Case{"before the motion", 1, 10, 0, true}}) {
+    ASSERT_GT(first, 12U);
+    std::vector<TickRecord> records = walk;
+    const auto from = records.begin() + static_cast<std::ptrdiff_t>(one.from);
+    records.erase(from, from + static_cast<std::ptrdiff_t>(one.count));
+    Fixture f;
+    SessionStart start = start_of_walk();
+    start.exercise_json = R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})";
+    f.record(start, records);
+    f.end();
+    const Result<SessionMetrics> metrics = session_metrics(f.database, f.id);
+    ASSERT_TRUE(metrics.ok());
+    EXPECT_NEAR(metrics->missing_s, one.missing_s, 1e-9) << one.what;
+    EXPECT_EQ(metrics->normalised_ise.has_value(), one.compared) << one.what;
+    EXPECT_EQ(metrics->correlation.has_value(), one.compared) << one.what;
+    EXPECT_EQ(metrics->why_absent, one.compared ? "" : "Part of this walk is not recorded.") << one.what;
+  }
+}
+
 TEST(Metrics, without_walking_or_exercise_there_are_no_figures_but_a_reason) {
   Fixture f;
   std::vector<TickRecord> still(100);

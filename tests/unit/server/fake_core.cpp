@@ -77,6 +77,7 @@ void FakeCore::step() {
   for (const BusRecord& frame : frames_) link_->publish_bus(frame);
   frames_.clear();
   for (std::size_t i = 0; i <= skip_; ++i) publish_tick();
+  store();
   skip_ = 0;
   skipped_.notify_all();
   for (Event& event : events_) {
@@ -85,6 +86,14 @@ void FakeCore::step() {
     link_->publish_event(event);
   }
   events_.clear();
+}
+
+void FakeCore::store() {
+  contract::ParamsInForce in_force;
+  const std::uint64_t sequence = link_->params(in_force);
+  if (!store_held_) store_ = {.stored = sequence, .tried = sequence};
+  if (store_.problem != StoreProblem::none) store_.tried = sequence;
+  link_->publish_store(store_);
 }
 
 void FakeCore::publish_tick() {
@@ -188,6 +197,7 @@ void FakeCore::take(const Command& c) {
       record_.psi_rad = static_cast<float>(c.v2);
       return answer(c, 0);
     case CommandKind::set_neutral:
+      link_->publish_params(params_);
       return answer(c, 0);
     case CommandKind::confirm_parameters:
     case CommandKind::revert_parameters:
@@ -195,6 +205,7 @@ void FakeCore::take(const Command& c) {
       if (c.kind == CommandKind::confirm_parameters && c.a != 0 && c.a != record_.parameter_version)
         return answer(c, refusal_bit(Refusal::set_outdated));
       trial_s_ = 0;
+      link_->publish_params(params_);
       return answer(c, 0);
     case CommandKind::begin_service:
       if (c.b != static_cast<std::uint32_t>(Role::engineer)) return answer(c, refusal_bit(Refusal::not_allowed));
@@ -228,6 +239,7 @@ void FakeCore::take(const Command& c) {
       if (mode != Mode::calibrate) return answer(c, refusal_bit(Refusal::out_of_order));
       record_.mode = static_cast<std::uint8_t>(Mode::standby);
       record_.calibration_step = record_.calibration_phase = 0;
+      if (c.kind == CommandKind::use_calibration) link_->publish_params(params_);
       return answer(c, 0);
     case CommandKind::none:
       break;
@@ -242,6 +254,11 @@ void FakeCore::set(const std::function<void(TickRecord&)>& change) {
 void FakeCore::mute(bool on) {
   const std::lock_guard lock(mutex_);
   muted_ = on;
+}
+void FakeCore::hold_store(bool on, StoreProblem problem) {
+  const std::lock_guard lock(mutex_);
+  store_held_ = on;
+  store_.problem = problem;
 }
 void FakeCore::publish_event(Event event) {
   const std::lock_guard lock(mutex_);

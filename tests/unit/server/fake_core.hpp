@@ -28,6 +28,8 @@ class FakeCore {
   void publish_event(contract::Event event);
   void publish_bus(contract::BusRecord record);
   void publish_loop(const contract::LoopReport& report);
+  // While held, changed parameters are in force and not stored; with a problem the disk has refused them.
+  void hold_store(bool on, contract::StoreProblem problem = contract::StoreProblem::none);
   // The bus behind it: each step gives the frames of service that were accepted and takes what nodes say.
   using Bus = std::function<std::vector<contract::CanFrame>(const std::vector<contract::CanFrame>&)>;
   void set_bus(Bus bus);
@@ -45,6 +47,7 @@ class FakeCore {
   void take(const contract::Command& command);
   void answer(const contract::Command& command, std::uint32_t refusal_bits, std::uint32_t item = 0);
   void publish_tick();
+  void store();
 
   std::unique_ptr<publish::CoreLink> link_;
   std::mutex mutex_;
@@ -61,6 +64,8 @@ class FakeCore {
   std::size_t skip_ = 0;
   std::condition_variable skipped_;
   bool muted_ = false;
+  bool store_held_ = false;
+  contract::StoreReport store_{};
   bool service_ = false;
   Bus bus_;
   std::vector<contract::CanFrame> service_frames_;

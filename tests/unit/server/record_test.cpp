@@ -10,6 +10,7 @@
 #include "db/store/database.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/summary/session_json.hpp"
+#include "db/summary/session_metrics.hpp"
 #include "server/record/recorder.hpp"
 #include "tests/support/crash_disk.hpp"
 #include "tests/unit/server/fixture.hpp"
@@ -266,6 +267,43 @@ TEST_F(Record, WhyNoCoreIsConnectedIsSaid) {
   }));
 }
 
+TEST_F(Record, AFileOfAnotherProgramStaysAsItIsAndTherapyGoesOn) {
+  stop_server();
+  for (const char* suffix : {"", "-wal", "-shm", ".seal"}) std::filesystem::remove((folder_ / "hoist.db").string() + suffix);
+  const std::string letter = "Dear colleague,\n" + std::string(5000, 'x');
+  std::ofstream(folder_ / "hoist.db") << letter;
+  start_server();
+  wait_for_core();
+  ASSERT_TRUE(wait_state("failed"));
+  const json notices = get("/api/v1/status").json()["notices"];
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_EQ(notices[0]["name"], "recordings_foreign");
+  EXPECT_NE(notices[0]["detail"].get<std::string>().find("hoist.db is no database and stays as it is"), std::string::npos) << notices;
+  EXPECT_EQ(get("/api/v1/sessions").status, 503);
+  EXPECT_EQ(call("POST", "/api/v1/neutral", json::object()).status, 200);
+  std::ifstream stream(folder_ / "hoist.db", std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(stream), {}), letter);
+  // Its place is free again.
+  std::filesystem::remove(folder_ / "hoist.db");
+  ASSERT_TRUE(wait_state("idle"));
+  EXPECT_TRUE(get("/api/v1/status").json()["notices"].empty());
+}
+
+TEST_F(Record, ADamagedDatabaseIsToldUntilItsFileIsTakenAway) {
+  stop_server();
+  std::filesystem::resize_file(folder_ / "hoist.db", 5000);
+  for (int start = 0; start < 2; ++start) {
+    start_server();
+    wait_for_core();
+    ASSERT_TRUE(until([&] { return !get("/api/v1/status").json()["notices"].empty(); })) << "start " << start;
+    const json notice = get("/api/v1/status").json()["notices"][0];
+    EXPECT_EQ(notice["name"], "recordings_set_aside");
+    EXPECT_NE(notice["detail"].get<std::string>().find("hoist.db.corrupt-"), std::string::npos);
+    EXPECT_EQ(recording()["state"], "idle") << "a new one takes its place";
+    stop_server();
+  }
+}
+
 // The recorder alone, on virtual time and a core in the same process: a server that dies is a recorder that is dropped.
 class TakeOver : public ::testing::Test {
  protected:
@@ -290,10 +328,10 @@ class TakeOver : public ::testing::Test {
     for (std::size_t i = 0; i < count; ++i) {
       ++record_.tick;
       record_.time_ns += 10'000'000;
-      const bool changed = record_.mode != static_cast<std::uint8_t>(mode);
+      const std::uint8_t before = record_.mode;
       record_.mode = static_cast<std::uint8_t>(mode);
       core_->publish_tick(record_);
-      if (changed) event(contract::EventKind::mode_changed);
+      if (before != record_.mode) event(contract::EventKind::mode_changed, record_.mode, before);
       contract::BusRecord frame;
       frame.time_ns = record_.time_ns;
       frame.id = 0x181;
@@ -303,9 +341,11 @@ class TakeOver : public ::testing::Test {
       if (recorder_ && record_.tick % 2 == 0) recorder_->pass_here();
     }
   }
-  void event(contract::EventKind kind) {
+  void event(contract::EventKind kind, std::uint32_t code = 0, std::uint32_t item = 0) {
     contract::Event event;
     event.kind = kind;
+    event.code = code;
+    event.item = item;
     event.tick = record_.tick;
     event.time_ns = record_.time_ns;
     core_->publish_event(event);
@@ -381,7 +421,7 @@ class TakeOver : public ::testing::Test {
     }
     return out;
   }
-  std::uint64_t sessions() { return db::SessionReader(*db::Database::attach(folder_ / "hoist.db")).list()->total; }
+  std::uint64_t sessions() { return db::SessionReader(*db::Database::attach(folder_ / "hoist.db", {.vfs = vfs_})).list()->total; }
 
   static constexpr std::int64_t kUtc_ns = 1'790'000'000'000'000'000;
   static constexpr const char* kSquare = R"({"shape": "square", "side_m": 3.2})";
@@ -393,8 +433,8 @@ class TakeOver : public ::testing::Test {
     return status;
   }
 
-  const char* vfs_ = nullptr;
   std::filesystem::path folder_;
+  const char* vfs_ = nullptr;
   std::unique_ptr<publish::CoreLink> core_;
   std::unique_ptr<publish::ServerLink> link_;
   std::unique_ptr<server::Recorder> recorder_;
@@ -530,6 +570,65 @@ TEST_F(TakeOver, HoweverOftenItDiesEveryStepIsInOneSessionOrInAGap) {
   for (const std::uint64_t tick : made) {
     ASSERT_TRUE(std::ranges::binary_search(ticks, tick)) << "step " << tick << " is nowhere";
     ASSERT_TRUE(std::ranges::binary_search(frames, tick)) << "its frame, which the core still held, is not";
+  }
+}
+
+// H24
+TEST_F(TakeOver, AWalkThatBeginsOnADiskThatRefusesSaysWhatIsMissing) {
+  tests::CrashDisk disk(8);
+  vfs_ = tests::CrashDisk::vfs_name();
+  live();
+  recorder_->set_exercise(kSquare);
+  disk.fail(1);
+  const std::uint64_t from = record_.tick + 1;
+  publish(880, Mode::user);
+  EXPECT_EQ(recorder_->status().state, server::RecordingState::failed);
+  disk.fail(0);
+  publish(300, Mode::user);
+  publish(400, Mode::standby);
+  ASSERT_EQ(sessions(), 1U);
+  const Session one = session(1);
+  ASSERT_FALSE(one.ticks.empty());
+  ASSERT_GT(one.ticks.front(), from + 800);
+  ASSERT_EQ(one.gaps.size(), 2U);
+  for (const db::Gap& gap : one.gaps) {
+    EXPECT_EQ(gap.stream, &gap == &one.gaps[0] ? "ticks" : "bus");
+    EXPECT_EQ(gap.from_tick, from);
+    EXPECT_EQ(gap.to_tick, one.ticks.front() - 1);
+    EXPECT_EQ(gap.reason, "storage");
+  }
+  EXPECT_EQ(one.events, 2U) << "its beginning, which was kept, and its end";
+  auto database = db::Database::attach(folder_ / "hoist.db", {.vfs = vfs_});
+  const auto metrics = db::session_metrics(*database, 1);
+  ASSERT_TRUE(metrics.ok());
+  EXPECT_NEAR(metrics->missing_s, static_cast<double>(one.ticks.front() - from) * 0.01, 1e-9);
+  EXPECT_FALSE(metrics->normalised_ise.has_value());
+  EXPECT_EQ(metrics->why_absent, "Part of this walk is not recorded.");
+  database = db::Error{};
+  die();
+}
+
+// H21
+TEST_F(TakeOver, AServerThatFindsTheHoistWalkingRecordsFromTheBeginOfTheWalk) {
+  for (const std::size_t before : {std::size_t{500}, std::size_t{3000}}) {
+    const std::uint64_t from = record_.tick + 1;
+    publish(before, Mode::user);
+    const std::uint64_t held = std::max(from, record_.tick + 1 - std::min<std::uint64_t>(record_.tick, contract::kTickSlots));
+    live();
+    publish(50, Mode::user);
+    publish(400, Mode::standby);
+    const Session one = session(static_cast<db::SessionId>(sessions()));
+    ASSERT_FALSE(one.ticks.empty());
+    EXPECT_EQ(one.ticks.front(), held);
+    EXPECT_EQ(one.events, held == from ? 2U : 1U);
+    EXPECT_EQ(one.frames.front(), held) << "with the frames of its first step";
+    EXPECT_EQ(one.gaps.empty(), held == from) << "what the core no longer holds is missing, and said to be";
+    for (const db::Gap& gap : one.gaps) {
+      EXPECT_EQ(gap.from_tick, from);
+      EXPECT_EQ(gap.to_tick, held - 1);
+      EXPECT_EQ(gap.reason, "server_absent");
+    }
+    die();
   }
 }
 

@@ -1,5 +1,7 @@
 // Routes, sessions, refusals, parameters and motion over REST. Every answer is checked against OpenAPI by the fixture.
+#include <atomic>
 #include <ctime>
+#include <thread>
 
 #include "control/contract/calibration.hpp"
 #include "control/contract/can_dictionary.hpp"
@@ -280,6 +282,64 @@ TEST_F(Rest, RefusedParametersNameFieldAndRangeAndChangeNothing) {
   EXPECT_EQ(moving.status, 409) << moving.body;
   EXPECT_EQ(moving.json()["refusals"][0], "only_when_stopped");
   EXPECT_EQ(moving.json()["errors"][0]["field"], "lean_range_rad");
+}
+
+// A change is acknowledged when it is on the disk, not when it is in force.
+TEST_F(Rest, AChangeOfSettingsIsAnsweredWhenItIsStored) {
+  core_->hold_store(true);
+  std::atomic<bool> released{false};
+  std::atomic<bool> early{false};
+  Answer answer;
+  std::thread asking([&] {
+    Headers headers = bearer_;
+    headers.emplace_back("Content-Type", "application/json");
+    answer = http(port_, "PUT", "/api/v1/parameters/speed_cap_norm", headers, R"({"value": 0.5})");
+    early = !released;
+  });
+  EXPECT_TRUE(until([&] { return get("/api/v1/parameters/speed_cap_norm").json()["value"] == 0.5; })) << "in force at once";
+  released = true;
+  core_->hold_store(false);
+  asking.join();
+  EXPECT_FALSE(early);
+  EXPECT_EQ(answer.status, 200);
+  check_described("PUT", "/api/v1/parameters/speed_cap_norm", answer);
+  EXPECT_EQ(answer.json()["stored"], true);
+  EXPECT_TRUE(get("/api/v1/status").json()["notices"].empty());
+}
+
+TEST_F(Rest, WhatTheDiskRefusesIsInForceAndSaidToBeNotStored) {
+  const auto stored = [this](const std::string& method, const std::string& target, const json& body) {
+    const Answer answer = call(method, target, body);
+    EXPECT_EQ(answer.status, 200) << target << ": " << answer.body;
+    return answer.json()["stored"];
+  };
+  ASSERT_EQ(call("POST", "/api/v1/lease", json::object()).status, 200);
+  core_->hold_store(true, contract::StoreProblem::disk_full);
+  EXPECT_EQ(stored("PUT", "/api/v1/parameters/speed_cap_norm", {{"value", 0.5}}), false);
+  EXPECT_EQ(get("/api/v1/parameters/speed_cap_norm").json()["value"], 0.5);
+  const json notices = get("/api/v1/status").json()["notices"];
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_EQ(notices[0]["name"], "settings_not_stored");
+  EXPECT_EQ(notices[0]["detail"], "The disk of the settings is full.");
+  // Whatever else the next start begins with.
+  EXPECT_EQ(stored("PATCH", "/api/v1/parameters", {{"speed_cap_norm", 0.6}}), false);
+  EXPECT_EQ(stored("PATCH", "/api/v1/parameters", {{"speed_cap_norm", 0.7}, {"revert_after_s", 60}}), false);
+  EXPECT_EQ(stored("POST", "/api/v1/parameters/confirm", json::object()), false);
+  EXPECT_EQ(stored("POST", "/api/v1/presets/paper/apply", json::object()), false);
+  EXPECT_EQ(stored("POST", "/api/v1/neutral", json::object()), false);
+  ASSERT_EQ(call("POST", "/api/v1/calibration", {{"step", "wheel_radius"}}).status, 200);
+  EXPECT_EQ(stored("POST", "/api/v1/calibration/use", json::object()), false);
+  core_->hold_store(false);
+  EXPECT_TRUE(until([&] { return get("/api/v1/status").json()["notices"].empty(); })) << "the notice ends with its cause";
+  EXPECT_EQ(stored("PUT", "/api/v1/parameters/speed_cap_norm", {{"value", 0.8}}), true);
+}
+
+TEST_F(Rest, ADiskThatDoesNotAnswerIsToldAfterASecond) {
+  core_->hold_store(true);
+  const Answer answer = call("PUT", "/api/v1/parameters/speed_cap_norm", {{"value", 0.5}});
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.json()["stored"], false);
+  EXPECT_EQ(get("/api/v1/status").json()["notices"][0]["name"], "settings_not_stored");
 }
 
 TEST_F(Rest, Presets) {

@@ -1,6 +1,6 @@
 // Ties the connection to the store and offers what screens may ask for. The only writer of the store.
 import { faults, modes, type FaultName } from '../contract/faults.gen';
-import { layoutHash, type Exercise, type GuidedPath } from '../contract/messages.gen';
+import { layoutHash, type Exercise, type GuidedPath, type StandingNotice } from '../contract/messages.gen';
 import type { ParamName } from '../contract/params.gen';
 import type { TickRecord } from '../contract/signals.gen';
 import { readFrame } from './frame';
@@ -121,6 +121,9 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
       });
       break;
     }
+    case 'notices':
+      store.set({ standing: Array.isArray(message.items) ? (message.items as StandingNotice[]) : [] });
+      break;
     case 'core':
       store.set({ coreConnected: message.connected === true });
       break;
@@ -257,7 +260,10 @@ async function ensureLease(): Promise<Reply> {
 async function withLease(message: { type: string; [more: string]: unknown }, unanswered?: typeof message): Promise<Reply> {
   if (store.value.link !== 'open') return replyLost;
   const lease = await ensureLease();
-  return lease.ok ? link.request(message, unanswered) : lease;
+  if (!lease.ok) return lease;
+  const reply = await link.request(message, unanswered);
+  if (reply.ok && reply.stored === false) notify('warning', 'settings.notStored');
+  return reply;
 }
 
 const end = { type: 'mode', mode: 'standby' };

@@ -1,7 +1,7 @@
 // What the console knows at this moment. Screens read it through useStore; only link/console.ts writes it.
 import { useEffect, useReducer, useRef } from 'preact/hooks';
 import { modes, type ModeName } from '../contract/faults.gen';
-import type { Exercise } from '../contract/messages.gen';
+import type { Exercise, StandingNotice } from '../contract/messages.gen';
 import type { LinkState } from './socket';
 
 export interface Recording {
@@ -73,6 +73,8 @@ export interface State {
   log: LogLine[];
   emergencies: Emergency[];
   notices: Notice[];
+  /** What stays wrong until it is mended; shown in the strip. */
+  standing: readonly StandingNotice[];
 }
 
 /** Stopped until somebody acknowledges: the modes that the big release button is for. */
@@ -125,6 +127,7 @@ export const initial: State = {
   log: [],
   emergencies: [],
   notices: [],
+  standing: [],
 };
 
 export class Store<T extends object> {

@@ -43,6 +43,7 @@ export const serverSentences: Readonly<Record<string, Words>> = {
   // Why a session has no comparison with a plan.
   'No exercise was chosen.': { en: 'No exercise was chosen.', de: 'Es war keine Übung gewählt.' },
   'Nobody walked in this session.': { en: 'Nobody walked in this session.', de: 'In dieser Sitzung ging niemand.' },
+  'Part of this walk is not recorded.': { en: 'Part of this walk is not recorded.', de: 'Ein Teil dieses Wegs ist nicht aufgezeichnet.' },
   'The recorded path cannot be compared with this exercise.': { en: 'The recorded path cannot be compared with this exercise.', de: 'Der aufgezeichnete Weg lässt sich mit dieser Übung nicht vergleichen.' },
   'The walk was too short, or nothing turned in it.': { en: 'The walk was too short, or had no turn in it.', de: 'Der Weg war zu kurz oder hatte keine Drehung.' },
 };

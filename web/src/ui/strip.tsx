@@ -1,6 +1,7 @@
 // The line under the status bar: the most important alarm with what to do, or in calm times one sentence. Its height never changes.
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { faults, type FaultInfo, type FaultName } from '../contract/faults.gen';
+import type { StandingNotice } from '../contract/messages.gen';
 import { acknowledge, notify } from '../link/console';
 import { stopped, useStore } from '../link/store';
 import { useSettings } from '../text/settings';
@@ -10,7 +11,7 @@ import { HoldButton } from './hold_button';
 import { reasons } from './refusal';
 
 type Priority = FaultInfo['priority'] | 'calm';
-interface Alarm {
+export interface Alarm {
   id: string;
   priority: Priority;
   text: string;
@@ -23,6 +24,13 @@ export const releaseHold_ms = 2000;
 /** The active faults, most important first. */
 export function activeFaults(bits: number): FaultInfo[] {
   return faults.filter((fault) => (bits >>> fault.bit) & 1).sort((a, b) => rank[a.priority] - rank[b.priority] || a.bit - b.bit);
+}
+
+/** What is wrong with the storage. A file of another program is the reason why nothing is recorded: told once. */
+export function storageAlarms(standing: readonly StandingNotice[], recordingFailed: boolean): Alarm[] {
+  const alarms = standing.map((notice) => ({ id: notice.name, priority: notice.priority, text: words(notice.text), action: words(notice.action) }));
+  if (!recordingFailed || standing.some((notice) => notice.name === 'recordings_foreign')) return alarms;
+  return [...alarms, { id: 'recording', priority: 'medium', text: t('strip.recordingFailed'), action: t('strip.recordingFailedAction') }];
 }
 
 export function Strip() {
@@ -41,6 +49,7 @@ export function Strip() {
   const failed = useStore((s) => s.stopFailed);
   const sending = useStore((s) => s.stopSent);
   const recording = useStore((s) => s.recording.state);
+  const standing = useStore((s) => s.standing);
   const duplicateId = useStore((s) => s.duplicateId);
   const babblingId = useStore((s) => s.babblingId);
   const [all, setAll] = useState(false);
@@ -63,7 +72,7 @@ export function Strip() {
       const name = device[fault.name];
       add(fault.name, fault.priority, name ? `${words(fault.text)}: ${name}` : words(fault.text), words(fault.action));
     }
-  if (recording === 'failed') add('recording', 'medium', t('strip.recordingFailed'), t('strip.recordingFailedAction'));
+  alarms.push(...storageAlarms(standing, recording === 'failed'));
   alarms.sort((a, b) => rank[a.priority] - rank[b.priority]);
 
   const calm = sending

@@ -23,6 +23,8 @@ export interface Metrics {
   J_N: number | null;
   reference_length_m: number | null;
   duration_s: number | null;
+  /** Motion that is not recorded: all figures are of the rest. */
+  missing_s: number;
   distance_m: number | null;
   mean_speed_m_s: number | null;
   rms_position_m: number | null;

@@ -400,6 +400,7 @@ function Figures({ metrics }: { metrics: Metrics | null }) {
         <Figure label={t('metric.offPath')} value={`${fixed(m?.rms_position_m == null ? null : m.rms_position_m * 100, 0)} cm`} />
         <Figure label={t('metric.offHeading')} value={degrees(m?.rms_heading_rad, 0)} />
       </div>
+      {m && m.missing_s > 0 ? <p class="hint">{t('metric.missing', { s: fixed(m.missing_s, m.missing_s < 10 ? 1 : 0) })}</p> : null}
       {m ? <p class="hint">{t(m.track === 'fused' ? 'metric.trackFused' : 'metric.trackEncoders')}</p> : null}
       {m?.reason_if_none ? <p class="hint">{t('metric.none')}{((why) => (why === null ? '.' : `: ${why}`))(serverText(m.reason_if_none))}</p> : null}
     </>
