@@ -217,6 +217,35 @@ TEST(Images, StoredParametersSurviveACutAtAnyFlashOperation) {
   }
 }
 
+// A wheel thrown to and fro: the old duty is never applied in the new direction (the model looks at each change of PH).
+TEST(Images, TheBridgeTurnsOnlyWhileItsOutputIsLow) {
+  NEEDS_IMAGES(images);
+  Alone alone(images);
+  alone.run(400);
+  const auto id = static_cast<std::uint8_t>(id_of(Box::drive_left));
+  alone.bench.host_send(contract::canopen::nmt(contract::canopen::NmtCommand::start, 0));
+  alone.run(30);
+  std::uint8_t feed = 0;  // of the motors' relay
+  // 2200h:1, velocity gain, 5 V s/rad: the largest that is allowed, so that the duty is large where it reverses.
+  EXPECT_TRUE(alone.sdo(id, {0x23, 0x00, 0x22, 1, 0x00, 0x00, 0xA0, 0x40}).good);
+  const auto command = [&](std::uint16_t word, double speed_rad_s) {
+    CanFrame frame{0x200U + id, 6, 0, {}};
+    contract::write_le(&frame.data[0], 2, word);
+    contract::write_le(&frame.data[2], 4, static_cast<std::uint32_t>(static_cast<std::int32_t>(1000 * speed_rad_s)));
+    alone.bench.host_send(frame);
+    CanFrame outputs{0x200U + id_of(Box::io), 1, 0, {}};
+    outputs.data[0] = static_cast<std::uint8_t>((feed++ / 5U) & contract::canopen::kRelayFeed);
+    alone.bench.host_send(outputs);
+    alone.run(10);
+  };
+  for (int i = 0; i < 60; ++i) command(0, 0);  // until the relay has closed
+  for (const std::uint16_t word : {0x06, 0x06, 0x07, 0x07, 0x0F}) command(word, 0);
+  // The ramp swings between 67 rad/s forward and backward.
+  for (int i = 0; i < 300; ++i) command(0x0F, (i + 15) / 30 % 2 == 0 ? 150.0 : -150.0);
+  EXPECT_GT(alone.bench.chip(Box::drive_left).interlock_changes(), 9U);
+  EXPECT_EQ(alone.bench.violations(), "");
+}
+
 // A supply that sags below what the chip can work with resets it, instead of letting it run on.
 TEST(Faults, ABrownOutResetsTheChip) {
   NEEDS_IMAGES(images);
