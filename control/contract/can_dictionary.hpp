@@ -455,6 +455,8 @@ constexpr CanFrame nmt(NmtCommand command, std::uint8_t node) {
 }
 /// Bit of the input node's outputs (6200h:1) that feeds the relay in the motors' supply by changing (control/core/output/relay_feed.hpp).
 inline constexpr std::uint8_t kRelayFeed = 0x01;
+/// Bit of the same outputs that opens that relay at once, by its level.
+inline constexpr std::uint8_t kRelayRelease = 0x02;
 
 constexpr CanFrame sync() { return CanFrame{kSync, 0, 0, {}}; }
 constexpr CanFrame heartbeat(std::uint8_t node, NmtState state) {

@@ -25,6 +25,7 @@
 #include "control/core/output/limiter.hpp"
 #include "control/core/output/relay_feed.hpp"
 #include "control/core/output/repeat_watch.hpp"
+#include "control/core/output/runaway_watch.hpp"
 #include "control/core/output/safety_gate.hpp"
 #include "control/core/output/wheel_mixing.hpp"
 
@@ -116,6 +117,7 @@ struct CoreState {
   SafetyGate gate;
   BusMaster master;
   RelayFeed relay;
+  RunawayWatch runaway;
   double left_command_m_s = 0, right_command_m_s = 0;  // as sent
 
   EventQueue events;

@@ -91,11 +91,19 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
                          state.server.alive(),
                          state.server.seen(),
                          state.remote_lost_ticks > 0,
+                         state.relay.is_cut(),
                          state.bumpers_acknowledged,
                          inputs.wake_lateness_s,
                          state.ticks_run,
                          dt_s};
   judge_faults(state, check_all(state.monitors, view));
+  // H1: the wheels go on in spite of a stop. The motors lose their supply, and the hoist is out of service until an engineer has looked.
+  const bool runs_away = state.runaway.step(state.mode, is_moving(state.mode), state.sensed, state.left_command_m_s, state.right_command_m_s,
+                                            state.params.track_width_m, dt_s);
+  if (!runs_away || state.relay.is_cut() || !watches(Fault::overspeed)) return;
+  state.relay.cut();
+  raise_fault(state, Fault::overspeed);
+  raise_fault(state, Fault::control_fault);
 }
 
 void take_commands(CoreState& state, const TickInputs& inputs) noexcept {
@@ -183,7 +191,7 @@ void rejoin(CoreState& state) noexcept {
 void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& out) noexcept {
   if (state.mode == contract::Mode::protective_stop && state.motion.hold.step(state.limiter, state.sensed))
     raise_fault(state, Fault::overspeed);  // H1, H2: the wheels do something else than they were told
-  const bool cut = state.motion.hold.cut();
+  const bool cut = state.motion.hold.cut() || state.relay.is_cut();
   const bool drives = mode_row_of(state.mode).drives;
   const std::uint16_t left_control = state.left_control.step(state.sensed.left_drive, drives, cut);
   const std::uint16_t right_control = state.right_control.step(state.sensed.right_drive, drives, cut);
@@ -197,7 +205,8 @@ void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOu
   state.master.step(inputs.tick, state.sensed, state.live, service.on, out.frames);
   if (service.on && service.waiting) static_cast<void>(out.frames.push_back(service.frame));
   service.waiting = false;
-  state.relay.step(out.frames);
+  // H1: no supply before the drives can be watched.
+  if (state.mode != contract::Mode::init || !state.sensed.drives_lost()) state.relay.step(out.frames);
   static_cast<void>(out.frames.push_back(contract::canopen::sync()));
 
   const GateView view = gate_view(state);

@@ -1,5 +1,6 @@
-// The relay in the motors' supply (hazard H23): closed while its input keeps changing, open about a second after the last change. The input
-// is an output of the input node, which the control computer changes every 50 ms; the real circuit is described in firmware/HARDWARE.md.
+// The relay in the motors' supply (hazards H1, H23): closed while its input keeps changing, open about a second after the last change, or at
+// once when its second input is on. Both are outputs of the input node, which the control computer works; the real circuit is described in
+// firmware/HARDWARE.md.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +13,20 @@ class MotorRelay {
   static constexpr std::uint32_t kHold_ms = 1000;
   /// So many changes, each within the time, charge the circuit from empty.
   static constexpr std::uint32_t kChangesToClose = 4;
+  /// Released, the circuit is empty at once, and the contact falls off within this.
+  static constexpr std::uint32_t kDropOut_ms = 20;
 
-  /// One millisecond with the input at this level. Whether the relay is closed.
+  /// One millisecond with the input at this level, and told or not told to let go. Whether the relay is closed.
   ///
   /// Before the first change it is taken as bridged: a hoist on the bench, and the tests of single nodes, have no computer to feed it.
-  bool step_1ms(bool level) {
-    if (level != level_) {
+  bool step_1ms(bool level, bool release = false) {
+    release_ms_ = !release ? 0 : release_ms_ < kDropOut_ms ? release_ms_ + 1 : kDropOut_ms;
+    if (release) {
+      level_ = level;
+      changes_ = 0;
+      age_ms_ = kHold_ms;
+      if (release_ms_ == kDropOut_ms) closed_ = false;
+    } else if (level != level_) {
       level_ = level;
       age_ms_ = 0;
       if (changes_ < kChangesToClose) ++changes_;
@@ -31,7 +40,7 @@ class MotorRelay {
   [[nodiscard]] bool closed() const { return closed_; }
 
  private:
-  std::uint32_t age_ms_{}, changes_{};
+  std::uint32_t age_ms_{}, changes_{}, release_ms_{};
   bool level_{false}, closed_{true};
 };
 

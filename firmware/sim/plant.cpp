@@ -67,6 +67,11 @@ void Plant::set_bridge(Side side, bool enabled, double duty_norm) {
   bridge.duty_norm = enabled && std::isfinite(duty_norm) ? clamp_abs(duty_norm, 1.0) : 0.0;
 }
 
+void Plant::short_bridge(Side side, std::optional<double> duty_norm) {
+  if (duty_norm && !std::isfinite(*duty_norm)) duty_norm.reset();
+  shorted_[index(side)] = duty_norm ? std::optional<double>(clamp_abs(*duty_norm, 1.0)) : std::nullopt;
+}
+
 double Plant::strut_forward_m(Side side) const {
   const double half_m = params_.strut_spacing_m / 2.0 * std::sin(harness_.yaw_rad);
   return harness_.dx_m + (side == Side::left ? -half_m : half_m);
@@ -256,12 +261,13 @@ void Plant::step(const HarnessMotion& harness, double dt_s) {
     std::array<double, 2> drive_n_m{};
     double supply_a = params_.electronics_a;
     for (std::size_t i = 0; i < 2; ++i) {
-      const bool enabled = bridges_[i].enabled && powered();
+      const bool driven = (bridges_[i].enabled || shorted_[i]) && powered();
+      const double duty_norm = shorted_[i].value_or(bridges_[i].duty_norm);
       const double shaft_rad_s = wheel_rad_s_[i] * gear(i);
-      const double terminal_v = enabled ? bridges_[i].duty_norm * battery_.both_v() : params_.motor.constant_v_s_rad * shaft_rad_s;
+      const double terminal_v = driven ? duty_norm * battery_.both_v() : params_.motor.constant_v_s_rad * shaft_rad_s;
       const double torque_n_m = motors_[i].step_imposed(terminal_v, shaft_rad_s, h_s);
       drive_n_m[i] = gear(i) * (torque_n_m - params_.motor.viscous_n_m_s * shaft_rad_s);
-      if (enabled) supply_a += bridges_[i].duty_norm * motors_[i].current_a();
+      if (driven) supply_a += duty_norm * motors_[i].current_a();
     }
     battery_.step(supply_a, h_s);
 
@@ -272,7 +278,7 @@ void Plant::step(const HarnessMotion& harness, double dt_s) {
     feel_obstacles(forward_n);
     const double speed_before_m_s = platform_.speed_m_s;
     const double turn_before_rad_s = platform_.yaw_rate_rad_s;
-    if (bridge_enabled(Side::left) || bridge_enabled(Side::right)) push_left_s_ = 0.0;
+    if (bridge_enabled(Side::left) || bridge_enabled(Side::right) || runs_by_itself()) push_left_s_ = 0.0;
     if (pushed()) {
       step_pushed(h_s);
     } else if (sliding_) {

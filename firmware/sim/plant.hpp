@@ -120,6 +120,10 @@ class Plant {
   void set_shove(double forward_n, double turn_n_m) { shove_n_ = forward_n, shove_n_m_ = turn_n_m; }
   /// Something has got between wheel and frame: the wheel turns no more than the motor can tear it.
   void block_wheel(Side side, bool blocked) { blocked_[index(side)] = blocked; }
+  /// Two transistors of a bridge are shorted: its motor hangs at this share of the supply, whatever the board commands, enables or puts to
+  /// sleep. The board still works the brake as it means to. Only taking the supply away helps. Nothing: the bridge is whole. Duty that is
+  /// not finite counts as whole; beyond +-1 it is held there.
+  void short_bridge(Side side, std::optional<double> duty_norm);
   void cut_power(bool cut) { power_cut_ = cut; }
   /// The second contact in the motors' supply, which the computer keeps closed.
   void open_relay(bool open) { relay_open_ = open; }
@@ -160,6 +164,7 @@ class Plant {
 
   static constexpr std::size_t index(Side side) { return static_cast<std::size_t>(side); }
   [[nodiscard]] bool powered() const { return !power_cut_ && !relay_open_ && !emergency_stop_; }
+  [[nodiscard]] bool runs_by_itself() const { return powered() && (shorted_[0] || shorted_[1]); }
   [[nodiscard]] double strut_forward_m(Side side) const;
   [[nodiscard]] double strut_forward_rate_m_s(Side side) const;
   [[nodiscard]] Vector sensor_velocity(Place place) const;
@@ -184,6 +189,7 @@ class Plant {
   std::array<double, 2> friction_impulse_{};  // of the step before, where the next solution starts
   std::array<double, 2> grip_norm_{};
   std::array<bool, 2> blocked_{};
+  std::array<std::optional<double>, 2> shorted_{};  // duty that the motor gets whatever its board does
   double stop_m_;               // how far the harness may go before the stops
   double rotor_inertia_kg_m2_;  // rotor and wheel, seen at the wheel
   double inverse_own_;          // inverse of the two-wheel mass matrix: on the diagonal

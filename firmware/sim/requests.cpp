@@ -210,6 +210,22 @@ Answer op_power(World& world, const ProgramState&, const json& request) {
   return kDone;
 }
 
+Answer op_short(World& world, const ProgramState&, const json& request) {
+  const auto which = text(request, "which");
+  const bool left = which == "left" || which == "both";
+  const bool right = which == "right" || which == "both";
+  if (!left && !right) return Refused{"which: left, right or both"};
+  const auto it = request.find("duty_norm");
+  std::optional<double> duty_norm;
+  if (it == request.end() || !it->is_null()) {
+    duty_norm = number(request, "duty_norm", -1.0, 1.0);
+    if (!duty_norm) return Refused{"duty_norm: -1 to 1, or null for a bridge that is whole again"};
+  }
+  if (left) world.plant().short_bridge(Side::left, duty_norm);
+  if (right) world.plant().short_bridge(Side::right, duty_norm);
+  return kDone;
+}
+
 Answer op_emergency_stop(World& world, const ProgramState&, const json& request) {
   const auto pressed = flag(request, "pressed");
   if (!pressed) return Refused{"pressed: true or false"};
@@ -324,6 +340,8 @@ constexpr std::array kOperations{
               op_slip},
     Operation{"battery", "volts of both together, null for what physics gives", op_battery},
     Operation{"power", "on: false opens the motors' relay without a word from the emergency stop", op_power},
+    Operation{"short", "which (left, right, both), duty_norm: transistors are shorted, the motor runs whatever its board does; null: whole",
+              op_short},
     Operation{"emergency_stop", "pressed: the button on the hoist; opens chain and relay", op_emergency_stop},
     Operation{"floor", "slope_rad, downhill_rad: the floor is a ramp that falls in that heading", op_floor},
     Operation{"pokeys", "silent: the PoKeys on the network answers nobody", op_pokeys},

@@ -68,7 +68,10 @@ class Machine {
   float supply_v() { return static_cast<float>(plant_.supply_v()); }
   void set_outputs(std::uint8_t outputs) { outputs_ = outputs; }
   // The relay's circuit looks at the output node's line, wherever that line comes from.
-  void step_relay_1ms() { plant_.open_relay(!relay_.step_1ms((outputs_ & contract::canopen::kRelayFeed) != 0)); }
+  void step_relay_1ms() {
+    namespace canopen = contract::canopen;
+    plant_.open_relay(!relay_.step_1ms((outputs_ & canopen::kRelayFeed) != 0, (outputs_ & canopen::kRelayRelease) != 0));
+  }
   [[nodiscard]] const MotorRelay& relay() const { return relay_; }
   void set_bridge(Node node, bool enabled, float duty_norm) { plant_.set_bridge(side_of(node), enabled, static_cast<double>(duty_norm)); }
   std::uint8_t bumpers() { return plant_.bumpers(); }

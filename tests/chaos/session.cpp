@@ -264,6 +264,9 @@ class Session {
       case Kind::wheel_blocked:
         world.plant().block_wheel(side, on);
         break;
+      case Kind::bridge_shorted:
+        world.plant().short_bridge(side, on ? std::optional<double>(2.0 * f.size - 1.0) : std::nullopt);
+        break;
       case Kind::power_cut:
         world.plant().cut_power(on);
         break;

@@ -105,7 +105,7 @@ double Watch::fastest_wheel() const {
 // and keeps its outputs (a real one has a watchdog; tests/machine).
 bool Watch::odd() const {
   return board_.ever(Kind::encoder_lost) || board_.ever(Kind::encoder_reversed) || fallen() || board_.ever(Kind::slip) ||
-         board_.ever(Kind::wheel_blocked) || board_.ever(Kind::obstacle) || board_.ever(Kind::slope) ||
+         board_.now(Kind::bridge_shorted) || board_.ever(Kind::wheel_blocked) || board_.ever(Kind::obstacle) || board_.ever(Kind::slope) ||
          board_.ever(Kind::freeze, contract::NodeKind::drive);
 }
 

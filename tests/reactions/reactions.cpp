@@ -95,6 +95,26 @@ const std::vector<Row>& table() {
       // What blocks a wheel is a wheel beside its command: the servo's following error, or the drive's own word for it if that is sooner.
       {"H1", "a wheel is blocked", "protective stop", bit(Fault::overspeed) | bit(Fault::drive_left_fault), budget(Fault::overspeed),
        Mode::user, "straight", Begin::command, [](ClosedLoop& l) { l.world().plant().block_wheel(sim::Side::left, true); }, nullptr},
+      // The first answer, which a shorted bridge does not obey, and the last, which it does: the way counts until the relay has ended it.
+      {"H1", "a bridge is shorted at full duty", "the drive, then protective stop, then no power",
+       bit(Fault::overspeed) | bit(Fault::drive_left_fault), budget(Fault::overspeed), Mode::user, "straight", Begin::command,
+       [](ClosedLoop& l) { l.world().plant().short_bridge(sim::Side::left, 1.0); }, nullptr},
+      {"H1", "both bridges are shorted at full duty", "the drives, then protective stop, then no power",
+       bit(Fault::overspeed) | bit(Fault::drive_left_fault) | bit(Fault::drive_right_fault), budget(Fault::overspeed), Mode::remote,
+       "straight", Begin::command,
+       [](ClosedLoop& l) {
+         l.world().plant().short_bridge(sim::Side::left, 1.0);
+         l.world().plant().short_bridge(sim::Side::right, 1.0);
+       },
+       nullptr},
+      {"H1", "both bridges are shorted while the hoist stands by", "the drives, then protective stop, then no power",
+       bit(Fault::overspeed) | bit(Fault::drive_left_fault) | bit(Fault::drive_right_fault), budget(Fault::overspeed), Mode::standby,
+       "straight", Begin::command,
+       [](ClosedLoop& l) {
+         l.world().plant().short_bridge(sim::Side::left, 1.0);
+         l.world().plant().short_bridge(sim::Side::right, 1.0);
+       },
+       nullptr},
       {"H2", "an encoder is lost", "the drive, then protective stop", bit(Fault::drive_left_fault), budget(Fault::drive_left_fault),
        Mode::user, "straight", Begin::command, [](ClosedLoop& l) { l.world().break_encoder(Node::drive_left, Encoder::lost); }, nullptr},
       {"H2", "an encoder is reversed", "the drive, then protective stop", bit(Fault::drive_right_fault), budget(Fault::drive_right_fault),
@@ -175,9 +195,17 @@ const std::vector<Row>& table() {
 // Out of power nothing is commanded any more.
 bool brakes(ClosedLoop& loop) { return loop.core().motion.braking != core::Braking::none || loop.mode() == Mode::emergency_stop; }
 
+// The hoist, and each of its wheels: one that is spun about the other is at rest nowhere.
+bool stands(ClosedLoop& loop) {
+  const sim::Plant& plant = loop.world().plant();
+  return std::fabs(plant.platform().speed_m_s) < 0.01 && std::fabs(plant.wheel_speed_m_s(sim::Side::left)) < 0.02 &&
+         std::fabs(plant.wheel_speed_m_s(sim::Side::right)) < 0.02;
+}
+
 double speed_m_s(ClosedLoop& loop) { return loop.world().plant().platform().speed_m_s; }
 
 bool set_off(ClosedLoop& loop, const Row& row, double wish_m_s) {
+  if (row.mode == Mode::standby) return loop.run_until([&] { return loop.mode() == Mode::standby; }, 10.0);
   if (!loop.start(row.mode)) return false;
   if (row.mode == Mode::remote) {
     loop.hold_stick(1.0, 0.0);
@@ -232,7 +260,7 @@ void once(const Row& row, int number, Reaction& result) {
     }
     if (fault_ms < 0) return;
     if (row.begin == Begin::motor && begin_ms < 0 && current_now_a < current_a - 0.6) begin_ms = now_ms;
-    if (stopped_ms < 0 && std::fabs(world.plant().platform().speed_m_s) < 0.01) {
+    if (stopped_ms < 0 && begin_ms >= 0 && stands(loop)) {
       stopped_ms = now_ms;
       stopped_m = world.plant().platform().x_m;
     }

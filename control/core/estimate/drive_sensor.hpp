@@ -54,6 +54,11 @@ class DriveSensor {
   [[nodiscard]] const Freshness& fresh() const noexcept { return fresh_; }
   [[nodiscard]] contract::canopen::drive::State state() const noexcept { return contract::canopen::drive::state(status_word_); }
   [[nodiscard]] bool enabled() const noexcept { return !fresh_.lost() && state() == contract::canopen::drive::State::operation_enabled; }
+  /// Its bridge works: it follows commands, or stops by itself on a ramp.
+  [[nodiscard]] bool works() const noexcept {
+    using State = contract::canopen::drive::State;
+    return enabled() || state() == State::quick_stop_active || state() == State::fault_reaction;
+  }
   [[nodiscard]] std::uint16_t status_word() const noexcept { return status_word_; }
   [[nodiscard]] std::uint16_t error_code() const noexcept { return error_code_; }
   [[nodiscard]] std::int32_t counts() const noexcept { return counts_; }

@@ -26,9 +26,10 @@ class EmergencyStopOpen {
     const Estimate& sensed = view.sensed;
     // A silent input node says nothing about the chain: what it said last holds, and its silence has an alarm of its own.
     if (!sensed.io.fresh().lost()) open_ = sensed.io.emergency_stop_open();
-    // In INIT the relay may not have been closed yet; and an input node that has come back feeds the relay again within this time.
+    // In INIT the relay may not have been closed yet, and what the core has opened itself has an alarm of its own. An input node that has
+    // come back feeds the relay again within this time.
     const auto limit = hold<kFault, "unpowered">(kUnpoweredTicks);
-    unpowered_ticks_ = !motors_unpowered(sensed) || view.mode == contract::Mode::init
+    unpowered_ticks_ = !motors_unpowered(sensed) || view.mode == contract::Mode::init || view.relay_cut
                            ? std::uint8_t{0}
                            : static_cast<std::uint8_t>(unpowered_ticks_ < limit ? unpowered_ticks_ + 1 : limit);
     return open_ || unpowered_ticks_ >= limit;

@@ -1,11 +1,16 @@
 // H1: the wheels do something else than they were told.
 //
-// The hoist is faster than speed_m_s_max + overspeed_margin_m_s for 50 ms, or a wheel is following_error_m_s_max beside its command for
-// following_error_s. R2 within 150 ms. The drives have their own absolute limit (R3, 20 ms, firmware/nodes/drive).
+// While the drives follow: the hoist is faster than speed_m_s_max + overspeed_margin_m_s for 50 ms, or a wheel is following_error_m_s_max
+// beside its command for following_error_s. R2 within 150 ms. The drives have their own absolute limit (R3, 20 ms, firmware/nodes/drive).
+// In every mode: a wheel is turned by the motor of a drive whose bridge is off, for 50 ms (monitor/driven_wheel.hpp). A hoist whose drives
+// are off may be pushed by hand.
+//
+// What a stop does not stop is taken off the supply (output/runaway_watch.hpp).
 #pragma once
 #include <cmath>
 #include <cstdint>
 
+#include "control/core/monitor/driven_wheel.hpp"
 #include "control/core/monitor/monitor.hpp"
 #include "control/core/monitor/mutation.hpp"
 
@@ -18,8 +23,12 @@ class Overspeed {
   bool check(const MonitorView& view) noexcept {
     const Odometry& odometry = view.sensed.odometry;
     const bool known = !view.sensed.drives_lost();
+    const bool driven = driven_while_off(view.sensed.left_drive, odometry.wheel_left_m_s) ||
+                        driven_while_off(view.sensed.right_drive, odometry.wheel_right_m_s);
+    const std::uint8_t driven_ticks = hold<kFault, "driven_while_off">(kFastTicks);
+    driven_ticks_ = count(driven, driven_ticks_, driven_ticks);
+    if (driven_ticks_ == driven_ticks) return true;
     if (!view.powered || !known) {
-      // A hoist whose drives are off may be pushed by hand.
       left_.value = odometry.wheel_left_m_s;
       right_.value = odometry.wheel_right_m_s;
       fast_ticks_ = 0;
@@ -50,6 +59,9 @@ class Overspeed {
   // every bumper stop would differ by a x lag = 0.15 m/s.
   static constexpr double kFollow_s = 0.1;
 
+  [[nodiscard]] static bool driven_while_off(const DriveSensor& drive, double wheel_m_s) noexcept {
+    return !drive.works() && motor_drives(drive, wheel_m_s, 0);
+  }
   static void follow(double& value, double command, double dt_s) noexcept { value += (command - value) * (dt_s / kFollow_s); }
   [[nodiscard]] static std::uint8_t count(bool holds, std::uint8_t ticks, std::uint8_t limit) noexcept {
     return !holds ? std::uint8_t{0} : static_cast<std::uint8_t>(ticks < limit ? ticks + 1 : limit);
@@ -57,7 +69,7 @@ class Overspeed {
 
   Reference left_, right_;
   double apart_s_ = 0;
-  std::uint8_t fast_ticks_ = 0;
+  std::uint8_t fast_ticks_ = 0, driven_ticks_ = 0;
 };
 
 }  // namespace hoist::core

@@ -251,6 +251,8 @@ std::uint32_t start_refusals(const CoreState& state, Mode to) noexcept {
 void judge_faults(CoreState& state, std::uint32_t conditions) noexcept {
   // Out of service or without power there is nothing left to stop, and INIT will look at everything anew: only what led here is an alarm.
   if (state.mode == Mode::fault || state.mode == Mode::emergency_stop) conditions &= ~kProtective;
+  // Drives whose supply the core has taken away (H1) report it as their fault.
+  if (state.relay.is_cut()) conditions &= ~kDriveFaults;
   // Also a cause that is latched already and comes again; bumpers are remembered one by one.
   if ((conditions & ~state.conditions & kProtective & ~kBumper) != 0) state.pending.overtaken = true;
   state.conditions = conditions;
@@ -362,6 +364,7 @@ std::uint32_t acknowledge(CoreState& state, contract::Role role, std::uint32_t s
     // hoist out of service stays, with its causes and counts, and INIT leads back to FAULT within this step.
     const bool checked = row->guard == Guard::checked;
     if (checked) state.repeats.forget();
+    if (checked) state.relay.restore();
     const bool broken = !checked && (state.latched & kBreakdown) != 0;
     state.master.meet_all_again();
     change_mode(state, Mode::init);

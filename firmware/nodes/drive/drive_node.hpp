@@ -57,6 +57,10 @@ inline constexpr std::uint32_t kSelfTest_ms = 20;  // the first 4 let the readin
 inline constexpr std::uint32_t kSelfTestSettle_ms = 4;
 inline constexpr float kCurrentOffsetMax_a = 0.6F;   // a tenth of the rated current; a healthy amplifier shows a tenth of that
 inline constexpr float kCurrentNoiseMax_a = 1.0F;    // from lowest to highest, with the bridge off
+// A current that flows although the bridge is off: shorted transistors (hazard H1). The offset is taken off by then, and the noise that the
+// self-test lets pass stays below; the winding's own current has died away after 5 ms.
+inline constexpr float kStrayCurrent_a = 1.0F;
+inline constexpr std::uint32_t kStrayCurrent_ms = 20;
 inline constexpr std::uint32_t kDriverFault_ms = 2;  // nFAULT low for so long; a shorter one is noise on the line
 inline constexpr std::uint32_t kOverVoltage_ms = 5;
 inline constexpr float kOverVoltageFold_v = 2.0F;               // so far below 2231h:1 braking begins to give way
@@ -343,7 +347,7 @@ class DriveNode {
       case drive_emcy::kWindingHot:
         return winding_.current_share(winding_config()) > Winding::kFoldShare;
       case drive_emcy::kBridge:
-        return board_.driver_ok();
+        return board_.driver_ok() && !stray_current();
       case emcy::kParametersLost:
         return stack_.parameters_ok();
       default:
@@ -430,7 +434,7 @@ class DriveNode {
 
   void restart_watches() {
     under_voltage_ms_ = over_current_ms_ = over_speed_ms_ = stall_ms_ = reversed_looks_ = unexplained_looks_ = 0;
-    over_voltage_ms_ = driver_ms_ = illegal_age_ms_ = 0;
+    over_voltage_ms_ = driver_ms_ = illegal_age_ms_ = stray_current_ms_ = 0;
     illegal_seen_ = board_.illegal_encoder_steps();
     stall_counts_ = counts_;
   }
@@ -444,6 +448,14 @@ class DriveNode {
     if (age_ms < limit_ms) ++age_ms;
     return age_ms >= limit_ms;
   }
+
+  // A motor that draws current while its bridge sleeps is driven by a bridge that no longer obeys. The fault keeps EN and nSLEEP low, tells
+  // the computer, and cannot be reset while the current flows; only the relay in the supply ends it.
+  void watch_sleeping_bridge() {
+    const bool stray = state_ != State::not_ready && stray_current();
+    if (lasts(stray, stray_current_ms_, kStrayCurrent_ms)) fault(drive_emcy::kBridge, error_bit::kProfile, Reaction::off);
+  }
+  [[nodiscard]] bool stray_current() const { return !powered() && std::fabs(current_a_) > kStrayCurrent_a; }
 
   // `applied_v` is the voltage of the tick before: the one that made the current just read.
   void watch(float reference_rad_s, float current_limit_a, float applied_v) {
@@ -574,6 +586,7 @@ class DriveNode {
     input.speed_rad_s = measured_rad_s_;
 
     if (!powered()) {
+      watch_sleeping_bridge();
       // The speed is measured all the time; the loop stays at rest, whatever the supply does.
       const law::ServoOutput<float> output = law::servo_step(config, servo_, input, kServoTick_s);
       speed_rad_s_ = output.speed_rad_s;
@@ -724,7 +737,7 @@ class DriveNode {
   std::uint16_t fault_code_ = 0, second_code_ = 0;  // the second ended the first one's ramp
   std::uint8_t fault_bit_ = 0, second_bit_ = 0;
   std::uint32_t under_voltage_ms_ = 0, over_current_ms_ = 0, over_speed_ms_ = 0, stall_ms_ = 0, reversed_looks_ = 0, unexplained_looks_ = 0;
-  std::uint32_t over_voltage_ms_ = 0, driver_ms_ = 0, illegal_age_ms_ = 0;
+  std::uint32_t over_voltage_ms_ = 0, driver_ms_ = 0, illegal_age_ms_ = 0, stray_current_ms_ = 0;
   std::uint32_t illegal_at_start_ = 0, illegal_seen_ = 0;
   std::int32_t stall_counts_ = 0;
 };

@@ -58,6 +58,7 @@ struct FakeDrive : FakeNode {
   double forced_m_s = NAN;  // when set, the wheel does this whatever it is told
   double counts = 0;
   double supply_v = 25.6;
+  double current_a = 0.6;
   double target_m_s = 0;
   std::uint16_t last_control = 0;
 };
@@ -315,7 +316,7 @@ class ScriptedHoist {
       contract::CanFrame f{contract::pdo_cob_id(Pdo::drive_tx1, node), 8, 0, {}};
       contract::write_slot(f, contract::pdo_slot(Pdo::drive_tx1, 0x6041), d.status);
       contract::write_slot(f, contract::pdo_slot(Pdo::drive_tx1, 0x6064), static_cast<std::int32_t>(static_cast<std::int64_t>(d.counts)));
-      contract::write_slot(f, contract::pdo_slot(Pdo::drive_tx1, 0x6078), 100);
+      contract::write_slot(f, contract::pdo_slot(Pdo::drive_tx1, 0x6078), std::lround(d.current_a / 6.0 * 1000.0));
       frames.push_back(f);
       if (tick_number % 5 == 0) {
         contract::CanFrame g{contract::pdo_cob_id(Pdo::drive_tx2, node), 8, 0, {}};

@@ -335,6 +335,32 @@ TEST_F(DriveTest, AResetBitHeldSinceTheLossOfTheComputerIsNoEdge) {
   EXPECT_EQ(node_.state(), State::switch_on_disabled);
 }
 
+TEST_F(DriveTest, H1_ACurrentInABridgeThatIsOffIsAFaultThatNoResetTakesBack) {
+  readings_by_hand_ = true;
+  run(50, kShutdown, 0);
+  for (const float noise_a : {0.9F, -0.9F}) {
+    board_.current_a = noise_a;
+    run(500, kShutdown, 0);
+    EXPECT_EQ(node_.state(), State::ready);
+  }
+  board_.current_a = -1.2F;
+  run(15, kShutdown, 0);
+  EXPECT_EQ(node_.state(), State::ready) << "a winding may still empty itself";
+  board_.current_a = 0;
+  run(5, kShutdown, 0);
+  board_.current_a = -1.2F;
+  run(21, kShutdown, 0);
+  EXPECT_EQ(node_.state(), State::fault);
+  EXPECT_EQ((node_.stack().values().get<0x603F>()), 0x5400);
+  EXPECT_FALSE(board_.bridge_on);
+  run(50, kReset, 0);
+  EXPECT_EQ(node_.state(), State::fault) << "it still flows";
+  board_.current_a = 0;
+  run(10, kOff, 0);
+  run(10, kReset, 0);
+  EXPECT_EQ(node_.state(), State::switch_on_disabled);
+}
+
 TEST_F(DriveTest, DoesNotSwitchOnWithoutSupply) {
   board_.supply_voltage_v = 0;  // the emergency cut-off relay
   run(10, kShutdown, 0);

@@ -276,6 +276,50 @@ TEST(MotorRelay, H23IsHeldByChangesAndByNothingElse) {
   }
 }
 
+TEST(MotorRelay, H1IsReleasedAtOnceAndClosesOnlyByNewChanges) {
+  MotorRelay relay;
+  bool level = false;
+  const auto feed = [&](int ms, bool release) {
+    for (int i = 0; i < ms; ++i) {
+      if (i % 50 == 0) level = !level;
+      static_cast<void>(relay.step_1ms(level, release));
+    }
+  };
+  feed(1000, false);
+  ASSERT_TRUE(relay.closed());
+  feed(19, true);
+  EXPECT_TRUE(relay.closed());
+  feed(2, true);
+  EXPECT_FALSE(relay.closed());
+  feed(1000, true);
+  EXPECT_FALSE(relay.closed()) << "changes do not hold what is released";
+  for (int ms = 0; ms < 2000; ++ms) ASSERT_FALSE(relay.step_1ms(level, false));
+  feed(120, false);
+  EXPECT_FALSE(relay.closed());
+  feed(100, false);
+  EXPECT_TRUE(relay.closed());
+}
+
+TEST(World, H1AShortedBridgeObeysTheRelayAlone) {
+  World world(in_process());
+  ScriptedHost host(world);
+  host.run(3.0);
+  sim::Plant& plant = world.plant();
+  plant.short_bridge(Side::left, 1.0);
+  host.run(1.0);
+  EXPECT_FALSE(world.drives_enabled());
+  EXPECT_EQ(left_state(host), State::fault) << "its drive sees the current";
+  EXPECT_NEAR(plant.wheel_speed_m_s(Side::left), 0.64, 0.05) << "against its closed brake";
+  EXPECT_GT(plant.motor_current_a(Side::left), 2.0);
+  plant.cut_power(true);
+  host.run(1.0);
+  EXPECT_NEAR(plant.wheel_speed_m_s(Side::left), 0.0, 1e-6);
+  plant.cut_power(false);
+  plant.short_bridge(Side::left, std::nullopt);
+  host.run(1.0);
+  EXPECT_NEAR(plant.wheel_speed_m_s(Side::left), 0.0, 1e-6);
+}
+
 TEST(World, ACutPowerLineLeavesTheNodesTalking) {
   World world(in_process());
   ScriptedHost host(world);

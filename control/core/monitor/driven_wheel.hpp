@@ -1,0 +1,29 @@
+// A wheel that turns because its motor pushes it, told from one that is pushed, dragged or rolls downhill.
+//
+// A hand, a patient or a slope turns the motor as a generator: while its bridge is off no current flows at all, and while its servo holds or
+// brakes the current opposes the motion. Only a motor that is fed draws current along its motion. So the sign of the current decides,
+// not the speed: a hoist that is pushed at walking pace is as fast as a runaway motor (0.64 m/s at full duty).
+#pragma once
+#include <cmath>
+
+#include "control/core/estimate/drive_sensor.hpp"
+#include "control/core/monitor/mutation.hpp"
+
+namespace hoist::core {
+
+/// Slower than this a wheel stands for the purpose of a runaway: what a motor reaches against the closed brake at a fifth of full duty.
+inline constexpr double kDriven_m_s = 0.05;
+/// The least current of a motor that turns a wheel against its closed brake is 2.6 A (8.9 N m through gear 30 at 0.115 N m/A); the drive's
+/// current sensor may be off by 0.6 A before its self-test fails (firmware/nodes/drive).
+inline constexpr double kDriven_a = 1.0;
+
+/// The wheel is faster than its command, and its motor pushes it that way. A silent drive is no evidence: its silence is a fault of its own.
+[[nodiscard]] inline bool motor_drives(const DriveSensor& drive, double wheel_m_s, double command_m_s) noexcept {
+  constexpr contract::Fault kFault = contract::Fault::overspeed;
+  if (drive.fresh().lost()) return false;
+  const double along_a = wheel_m_s > 0 ? drive.current_a() : -drive.current_a();
+  return std::fabs(wheel_m_s) > std::fabs(command_m_s) + threshold<kFault, "driven_speed">(kDriven_m_s) &&
+         along_a > threshold<kFault, "driven_current">(kDriven_a);
+}
+
+}  // namespace hoist::core

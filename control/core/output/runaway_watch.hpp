@@ -1,0 +1,98 @@
+// H1: the second way off. A stop that does not stop has lost more than its servo: then the motors' supply is taken away, by the relay.
+//
+// Watched in every mode that is not meant to move (what moves differently than commanded in the others is stopped first, by
+// monitor/overspeed.hpp). Any of three things for kStop_s:
+//   driven     a motor turns its wheel although nothing asks for it (monitor/driven_wheel.hpp)
+//   unslowed   in a PROTECTIVE_STOP that has not stood yet, a wheel goes on beside its ramp and does not slow down
+//   spinning   the same, of the whole hoist by its gyroscope, while a drive is silent
+// The last two need no current sensor. They end with the first standstill, because from then on hands may push a hoist whose drives have
+// failed; and a shorted bridge whose current nobody sees, on a hoist that stood, is not told from such a push.
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+#include "control/core/estimate/estimate.hpp"
+#include "control/core/monitor/driven_wheel.hpp"
+
+namespace hoist::core {
+
+class RunawayWatch {
+ public:
+  /// Once in every step, with what the wheels were last told. True while the stop does not stop.
+  [[nodiscard]] bool step(contract::Mode mode, bool moving, const Estimate& sensed, double left_m_s, double right_m_s, double track_m,
+                          double dt_s) noexcept {
+    follow(left_m_s_, left_m_s, dt_s);
+    follow(right_m_s_, right_m_s, dt_s);
+    if (mode != contract::Mode::protective_stop) stood_ticks_ = 0;
+    if (moving) {
+      driven_s_ = 0;
+      left_ = right_ = turn_ = {};
+      return false;
+    }
+    const Odometry& wheels = sensed.odometry;
+    const bool driven = motor_drives(sensed.left_drive, wheels.wheel_left_m_s, left_m_s_) ||
+                        motor_drives(sensed.right_drive, wheels.wheel_right_m_s, right_m_s_);
+    driven_s_ = driven ? driven_s_ + dt_s : 0;
+    bool goes_on = false;
+    if (mode == contract::Mode::protective_stop && !stood(sensed)) {
+      const bool left_known = !sensed.left_drive.fresh().lost(), right_known = !sensed.right_drive.fresh().lost();
+      const double wheel_m_s = threshold<kFault, "unslowed_speed">(kBeside_m_s);
+      left_.step(left_known, wheels.wheel_left_m_s, left_m_s_, wheel_m_s, kSlowing_m_s, dt_s);
+      right_.step(right_known, wheels.wheel_right_m_s, right_m_s_, wheel_m_s, kSlowing_m_s, dt_s);
+      const bool blind = (!left_known || !right_known) && !sensed.base.rates_fresh().lost();
+      turn_.step(blind, sensed.base.yaw_rate_rad_s(), (right_m_s_ - left_m_s_) / track_m,
+                 threshold<kFault, "spinning_rate">(kBeside_rad_s), kSlowing_rad_s, dt_s);
+      const double stop_s = hold<kFault, "unslowed_time">(kStop_s) - dt_s / 2;
+      goes_on = left_.s > stop_s || right_.s > stop_s || turn_.s > stop_s;
+    } else {
+      left_ = right_ = turn_ = {};
+    }
+    return goes_on || driven_s_ > hold<kFault, "driven_time">(kStop_s) - dt_s / 2;
+  }
+
+ private:
+  static constexpr contract::Fault kFault = contract::Fault::overspeed;
+
+  // Design, section 6: a stop that does not stop within 0.3 s.
+  static constexpr double kStop_s = 0.3;
+  // A drive follows its command with about this lag (monitor/overspeed.hpp).
+  static constexpr double kFollow_s = 0.1;
+  // As the following error that stops (following_error_m_s_max), and about the same of the hoist's turn with one wheel alone.
+  static constexpr double kBeside_m_s = 0.15, kBeside_rad_s = 0.25;
+  // The closed brake alone slows a wheel by about 1.2 m/s2; a fifth of that is no brake. Over kStop_s.
+  static constexpr double kSlowing_m_s = 0.2 * 1.2 * kStop_s, kSlowing_rad_s = kSlowing_m_s / 0.35;
+  // As in hold_watch.hpp: wheels and gyroscope of a hoist that stands.
+  static constexpr double kStands_m_s = 0.05, kStands_rad_s = 0.07;
+  static constexpr std::uint8_t kStoodTicks = 10;
+
+  // How long something has been faster than it was told without slowing down.
+  struct Unslowed {
+    double s = 0, from = 0;
+
+    void step(bool known, double now, double command, double beside, double slowing, double dt_s) noexcept {
+      const double fast = std::fabs(now);
+      const bool obeys = !known || fast <= std::fabs(command) + beside || fast < from - slowing;
+      if (obeys || fast > from) from = fast;
+      s = obeys ? 0 : s + dt_s;
+    }
+  };
+
+  static void follow(double& value, double command, double dt_s) noexcept { value += (command - value) * (dt_s / kFollow_s); }
+
+  /// Whether this stop has come to rest once. What is not known does not stand.
+  [[nodiscard]] bool stood(const Estimate& sensed) noexcept {
+    if (stood_ticks_ == kStoodTicks) return true;
+    const bool stands = (sensed.left_drive.fresh().lost() || std::fabs(sensed.odometry.wheel_left_m_s) < kStands_m_s) &&
+                        (sensed.right_drive.fresh().lost() || std::fabs(sensed.odometry.wheel_right_m_s) < kStands_m_s) &&
+                        (sensed.base.rates_fresh().lost() || std::fabs(sensed.base.yaw_rate_rad_s()) < kStands_rad_s);
+    stood_ticks_ = stands ? static_cast<std::uint8_t>(stood_ticks_ + 1) : std::uint8_t{0};
+    return stood_ticks_ == kStoodTicks;
+  }
+
+  double left_m_s_ = 0, right_m_s_ = 0;  // what the wheels should do by now
+  double driven_s_ = 0;
+  Unslowed left_, right_, turn_;
+  std::uint8_t stood_ticks_ = 0;
+};
+
+}  // namespace hoist::core

@@ -1,0 +1,228 @@
+// H1: a motor that turns although nothing asks for it. First a protective stop, then, when that does not stop it, no supply.
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "control/core/modes/mode_list.hpp"
+#include "control/core/output/supervisor.hpp"
+#include "tests/unit/core/scripted_hoist.hpp"
+
+namespace hoist::core::test {
+namespace {
+
+using contract::CommandKind;
+using contract::Fault;
+using contract::Mode;
+using contract::Refusal;
+using contract::refusal_bit;
+namespace canopen = contract::canopen;
+
+constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
+
+// What the last step told the relay, if it told it anything.
+std::optional<std::uint8_t> told_relay(const ScriptedHoist& hoist) {
+  for (const contract::CanFrame& frame : hoist.sent)
+    if (frame.id == contract::pdo_cob_id(contract::Pdo::io_rx1, contract::Node::io)) return frame.data[0];
+  return std::nullopt;
+}
+// Steps until the relay is told to open; -1 when it is not within `limit` steps.
+int ticks_until_released(ScriptedHoist& hoist, int limit) {
+  for (int i = 1; i <= limit; ++i) {
+    hoist.step();
+    if ((told_relay(hoist).value_or(0) & canopen::kRelayRelease) != 0) return i;
+  }
+  return -1;
+}
+bool fed(ScriptedHoist& hoist) {
+  std::uint8_t levels = 0;
+  for (int i = 0; i < 20; ++i) {
+    hoist.step();
+    if (const auto told = told_relay(hoist)) levels |= static_cast<std::uint8_t>((*told & canopen::kRelayRelease) != 0 ? 0x80 : 1U << *told);
+  }
+  return levels == 3;  // it was on and off, and never let go
+}
+
+void run_away(FakeDrive& drive, double wheel_m_s, double current_a) {
+  drive.forced_m_s = wheel_m_s;
+  drive.current_a = current_a;
+}
+
+TEST(Runaway, H1AMotorOfASleepingDriveIsStoppedThenLosesItsSupply) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  ASSERT_EQ(hoist.state.mode, Mode::standby);
+  run_away(hoist.drive_right, -0.08, -1.5);
+  int ticks = 0;
+  while (hoist.state.mode == Mode::standby && ticks < 50) hoist.step(), ++ticks;
+  EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+  EXPECT_LE(ticks, 7);
+  EXPECT_TRUE(hoist.has_fault(Fault::overspeed));
+  EXPECT_FALSE(hoist.state.relay.is_cut()) << "a stop comes first";
+  const int released = ticks_until_released(hoist, 100);
+  EXPECT_GT(ticks + released, 25);
+  EXPECT_LE(ticks + released, 32) << "0.3 s";
+  EXPECT_TRUE(hoist.has_fault(Fault::control_fault));
+  EXPECT_EQ(hoist.drive_left.last_control, canopen::drive::kDisableVoltage);
+  std::uint8_t last = 0xFF;
+  for (int i = 0; i < 200; ++i) {
+    hoist.step();
+    const auto told = told_relay(hoist);
+    if (!told) continue;
+    EXPECT_NE(*told & canopen::kRelayRelease, 0);
+    EXPECT_TRUE(last == 0xFF || last == *told) << "not fed";
+    last = *told;
+  }
+}
+
+TEST(Runaway, H1OnlyAnEngineerGivesTheSupplyBack) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  run_away(hoist.drive_left, 0.3, 2.6);
+  ASSERT_GT(ticks_until_released(hoist, 100), 0);
+  // The relay opens: no supply, no current, and the drives call that their fault.
+  run_away(hoist.drive_left, NAN, 0);
+  hoist.drive_left.supply_v = hoist.drive_right.supply_v = 0;
+  hoist.drive_left.fault = hoist.drive_right.fault = true;
+  ASSERT_TRUE(hoist.reach(Mode::fault, 200)) << "as soon as it has stood for a second";
+  hoist.step(150);
+  EXPECT_EQ(hoist.state.mode, Mode::fault) << "what the core has opened itself is no emergency stop";
+  EXPECT_FALSE(hoist.has_fault(Fault::emergency_stop));
+  EXPECT_FALSE(hoist.has_fault(Fault::drive_right_fault)) << "a drive without supply is a consequence";
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge, 7, 0, kTherapist), refusal_bit(Refusal::not_allowed));
+  // Nor does the emergency stop lead around the engineer.
+  hoist.io.switches = 1;
+  ASSERT_TRUE(hoist.reach(Mode::emergency_stop, 10));
+  hoist.io.switches = 0;
+  hoist.step(10);
+  ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge, 7, 0, kTherapist), 0U);
+  ASSERT_TRUE(hoist.reach(Mode::fault, 10));
+  EXPECT_TRUE(hoist.state.relay.is_cut());
+  hoist.step(150);
+  EXPECT_EQ(hoist.ask(CommandKind::acknowledge, 7, 0, kEngineer), 0U);
+  EXPECT_TRUE(fed(hoist));
+  hoist.drive_left.supply_v = hoist.drive_right.supply_v = 25;
+  hoist.drive_left.fault = hoist.drive_right.fault = false;
+  EXPECT_TRUE(hoist.reach(Mode::standby));
+  EXPECT_EQ(hoist.state.latched, 0U);
+}
+
+TEST(Runaway, H1TheMotorsGetNoSupplyBeforeTheirDrivesAreHeard) {
+  ScriptedHoist hoist;
+  hoist.drive_left.silent = true;
+  for (int i = 0; i < 300; ++i) {
+    hoist.step();
+    ASSERT_FALSE(told_relay(hoist).has_value());
+  }
+  EXPECT_EQ(hoist.state.mode, Mode::init);
+  hoist.drive_left.silent = false;
+  ASSERT_TRUE(hoist.reach(Mode::standby));
+  EXPECT_TRUE(fed(hoist));
+}
+
+// What is out of service, without power or still starting has no protective stop before it.
+TEST(Runaway, H1IsWatchedInEveryModeThatIsNotMeantToMove) {
+  for (const Mode mode : {Mode::init, Mode::standby, Mode::calibrate, Mode::protective_stop, Mode::fault, Mode::emergency_stop}) {
+    SCOPED_TRACE(static_cast<int>(mode));
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    hoist.state.mode = mode;
+    if (mode == Mode::init) hoist.tilt_left.silent = true;  // and it stays there
+    if (mode == Mode::emergency_stop) hoist.io.switches = 1;
+    run_away(hoist.drive_left, 0.6, 2.6);
+    const int released = ticks_until_released(hoist, 100);
+    EXPECT_GT(released, 0);
+    EXPECT_LE(released, 40);
+    EXPECT_TRUE(hoist.has_fault(Fault::control_fault));
+    hoist.step(300);
+    EXPECT_TRUE(hoist.state.relay.is_cut()) << "for good";
+  }
+}
+
+TEST(Runaway, H1WhatHandsAndSlopesDoIsNoRunaway) {
+  struct Push {
+    const char* name;
+    double wheel_m_s, current_a;
+  };
+  for (const Push& push : {Push{"pushed quickly, with a current sensor that is off", 1.2, 0.9}, Push{"pushed back", -1.2, -0.9},
+                           Push{"braking", 0.6, -12}, Push{"a standing motor", 0.04, 12}}) {
+    for (const Mode mode : {Mode::standby, Mode::calibrate}) {
+      SCOPED_TRACE(push.name);
+      ScriptedHoist hoist;
+      ASSERT_TRUE(hoist.ready());
+      hoist.state.mode = mode;
+      hoist.server_up = true;
+      run_away(hoist.drive_left, push.wheel_m_s, push.current_a);
+      run_away(hoist.drive_right, push.wheel_m_s, push.current_a);
+      hoist.step(300);
+      EXPECT_NE(hoist.state.mode, Mode::protective_stop);
+      EXPECT_FALSE(hoist.has_fault(Fault::overspeed));
+      EXPECT_FALSE(hoist.state.relay.is_cut());
+    }
+  }
+  // A motor that ends its turn a moment after its drive says that it is off.
+  ScriptedHoist late;
+  ASSERT_TRUE(late.ready());
+  run_away(late.drive_left, 0.3, 3);
+  late.step(4);
+  run_away(late.drive_left, NAN, 0);
+  late.step(100);
+  EXPECT_EQ(late.state.mode, Mode::standby);
+}
+
+// A stop from 0.25 m/s under which one wheel goes on; no current tells why.
+ScriptedHoist stopping(double left_m_s) {
+  ScriptedHoist hoist;
+  EXPECT_TRUE(hoist.start(Mode::remote));
+  hoist.drive_for(200, 0.9);
+  hoist.drive_left.fault = true;
+  hoist.drive_left.ignores_reset = true;
+  run_away(hoist.drive_left, left_m_s, 0);
+  EXPECT_TRUE(hoist.reach(Mode::protective_stop, 30));
+  return hoist;
+}
+
+TEST(Runaway, H1AStopThatDoesNotSlowAWheelNeedsNoCurrentToBeSeen) {
+  ScriptedHoist fast = stopping(0.5);
+  const int at_once = ticks_until_released(fast, 100);
+  EXPECT_GT(at_once, 0);
+  EXPECT_LE(at_once, 32) << "beside its ramp from the beginning";
+  ScriptedHoist slow = stopping(0.2);
+  const int later = ticks_until_released(slow, 150);
+  EXPECT_GT(later, 0);
+  EXPECT_LE(later, 65) << "0.15 m/s beside a ramp that ends after 0.25 s";
+  // Slower than its ramp, but it does brake: a brake alone, down a slope, with a patient on it.
+  ScriptedHoist brakes = stopping(0.5);
+  for (int i = 0; i < 120; ++i) {
+    brakes.drive_left.forced_m_s = std::max(0.0, 0.5 - 0.4 * i * kTick_s);
+    brakes.step();
+    ASSERT_FALSE(brakes.state.relay.is_cut()) << i;
+  }
+  EXPECT_NE(ticks_until_released(fast, 100), -1);
+}
+
+TEST(Runaway, H1AHoistThatHasStoodMayBePushedInAStop) {
+  ScriptedHoist hoist = stopping(0.1);
+  hoist.drive_left.forced_m_s = 0;
+  hoist.step(200);
+  hoist.drive_left.forced_m_s = 0.5;  // its brake was released by hand, to free the patient
+  EXPECT_EQ(ticks_until_released(hoist, 100), -1);
+}
+
+TEST(Runaway, H1ASilentDriveThatRunsOnIsSeenByTheGyroscope) {
+  for (const double spin_deg_s : {10.0, 20.0, -20.0}) {
+    SCOPED_TRACE(spin_deg_s);
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.start(Mode::remote));
+    hoist.drive_for(200, 0.9);
+    hoist.drive_left.silent = true;
+    hoist.tilt_base.yaw_rate_deg_s = spin_deg_s;
+    ASSERT_TRUE(hoist.reach(Mode::protective_stop, 30));
+    const int released = ticks_until_released(hoist, 100);
+    EXPECT_EQ(released > 0, std::abs(spin_deg_s) > 15);
+    EXPECT_LE(released, 60);
+  }
+}
+
+}  // namespace
+}  // namespace hoist::core::test
