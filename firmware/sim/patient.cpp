@@ -30,8 +30,6 @@ constexpr double kFallPush_m_s2 = 2.5;
 /// Legs give way within this time; then the weight pulls forward.
 constexpr double kCollapse_s = 0.4;
 constexpr double kCollapsePush_m_s2 = 2.0;
-/// 0.163 m = 11.5 degrees on a strut of 0.8 m: past 10, short of the stop.
-constexpr double kHang_m = 0.163;
 /// Sideways the legs keep the body between the struts: 1 Hz, well damped.
 constexpr double kCentre_rad_s = 6.28;
 /// Where a lean becomes uncomfortable (7.5 degrees), and how hard the patient then resists going farther.
@@ -258,7 +256,7 @@ double Patient::fall_push_n(const PlatformMotion& platform) {
       return params_.mass_kg * kCollapsePush_m_s2 * std::min(1.0, state_s_ / kCollapse_s);
     case PatientState::hanging: {
       // Weight in the harness; what movement is left is damped by dragging feet.
-      const double wanted_m_s2 = 9.0 * (kHang_m - x_m_) - 6.0 * x_rate_m_s_;
+      const double wanted_m_s2 = 9.0 * (hang_m_ - x_m_) - 6.0 * x_rate_m_s_;
       return params_.mass_kg * (wanted_m_s2 + platform.acceleration_m_s2);
     }
     default:

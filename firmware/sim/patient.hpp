@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string_view>
 
@@ -77,8 +78,13 @@ class Patient {
 
   void trip() { fall(PatientState::tripping); }
   void collapse() { fall(PatientState::collapsing); }
-  /// Hangs in the harness past 10 degrees, feet dragging, without a gait.
-  void hang() { fall(PatientState::hanging); }
+  /// 0.163 m = 11.5 degrees on a strut of 0.8 m: past 10, short of the stop.
+  static constexpr double kHang_m = 0.163;
+  /// Hangs in the harness, this far forward of the middle, feet dragging, without a gait.
+  void hang(double forward_m = kHang_m) {
+    if (std::isfinite(forward_m) && !fallen()) hang_m_ = forward_m;
+    fall(PatientState::hanging);
+  }
   void set_wish(double wish_m_s) { params_.wish_m_s = wish_m_s; }
   /// Lets a test hold the pelvis turned (rad, left positive) while standing or walking instead of looking at the line.
   void hold_turn(double yaw_rad) { held_turn_rad_ = yaw_rad, holds_turn_ = true; }
@@ -140,6 +146,7 @@ class Patient {
   double begin_x_m_{};
   double begin_y_m_{};
   bool distrusts_{false};  // the hoist leads until the drives are off
+  double hang_m_{kHang_m};
   double foot_ahead_m_{};  // of a stumbling patient: pelvis ahead of the foot that stays behind
   double held_turn_rad_{};
   bool holds_turn_{false};

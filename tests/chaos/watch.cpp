@@ -26,6 +26,8 @@ constexpr int kRestedTicks = 10;
 constexpr double kEps = 1e-6;
 // Between braking and standstill beside v/a: the drives' lag, and 50 ms of I1.
 constexpr double kRollOut_s = 0.35;
+// What the filter may show beyond the guard's 10 degrees (2 less, tests/reactions), and a stop from the fastest drive after the guard's time.
+constexpr double kFarOut_m = 0.8 * 0.1405, kHangAndStop_s = 5.0;
 constexpr double kShove_s = 1.0;  // how long a falling body's last push rolls a hoist on that stands with its brakes on
 
 bool moves(Mode mode) { return contract::kModes[static_cast<std::size_t>(mode)].moving != 0; }
@@ -226,6 +228,8 @@ void Watch::watch_truth(bool core_ran) {
   const sim::Plant& plant = loop_.world().plant();
   if (loop_.world().patient().state() >= sim::PatientState::tripping) fell_s_ = now_s;
   if (board_.now(Kind::pelvis_turned)) twisted_s_ = now_s;
+  const sim::HarnessMotion& harness = loop_.world().patient().harness();
+  if (std::hypot(harness.dx_m, harness.dy_m) > kFarOut_m) leaned_s_ = now_s;
   if (!odd()) {
     // What the wheels do: a body that is thrown against the stop of the struts may drag the chassis over wheels that stand.
     const double left_m_s = plant.wheel_speed_m_s(sim::Side::left), right_m_s = plant.wheel_speed_m_s(sim::Side::right);
@@ -407,7 +411,9 @@ void Watch::watch_mode_change(Mode from, Mode to) {
   const bool excused = from == Mode::user ? board_.any_inside_yet() : board_.any_yet();
   if (ended && !excused && now_s - asked_stop_s_ > 4.0) {
     // A patient who is driven about may rightly trip the fall guard; one who walks as he likes must never.
-    if (contract::led_by_hand(from) && (has(record, HoistFault::fall_detected) || has(record, HoistFault::patient_hanging))) return;
+    // The same for a lean past the hanging guard's; who leans less than that and walks must not be taken for one who hangs.
+    const bool leant = has(record, HoistFault::patient_hanging) && now_s - leaned_s_ < kHangAndStop_s;
+    if (contract::led_by_hand(from) && (has(record, HoistFault::fall_detected) || leant)) return;
     // An exercise ends by itself, too.
     if (from == Mode::guided && record.guided_end == static_cast<std::uint8_t>(contract::GuidedEnd::finished)) return;
     ++report_.false_stops;

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <string>
 
 #include "tests/support/closed_loop.hpp"
 
@@ -146,6 +148,50 @@ TEST(Faults, H16_AHangingPatientIsNotDrawnAlong) {
         },
         4.0));
     EXPECT_LE(hardest_m_s2, 0.55);
+  }
+}
+
+// A patient who faints while somebody else leads hangs below the guard's lean, where only the missing steps tell.
+TEST(Faults, H16_AFaintedPatientIsNotDraggedWhoeverLeads) {
+  for (const Mode mode : {Mode::remote, Mode::guided}) {
+    for (const double lean_deg : {7.0, 8.5, -5.0}) {
+      SCOPED_TRACE(std::string(contract::kModes[static_cast<std::size_t>(mode)].name) + std::to_string(lean_deg));
+      Walk walk;
+      contract::GuidedPath path;
+      path.size_m = 8.0;
+      path.speed_m_s = 0.3;
+      ASSERT_TRUE(mode == Mode::guided ? walk.loop.start_guided(path) : walk.loop.start(mode));
+      walk.loop.hold_stick(mode == Mode::guided ? 0.0 : 1.0, 0.0);
+      ASSERT_TRUE(walk.loop.run_until([&] { return walk.speed_m_s() > 0.25; }, 5.0));
+      const double begin_m = walk.loop.world().plant().platform().x_m;
+      walk.loop.world().patient().hang(0.8 * std::tan(lean_deg * sim::kDegree_rad));
+      ASSERT_TRUE(walk.loop.run_until([&] { return walk.loop.mode() == Mode::standby; }, 8.0));
+      EXPECT_TRUE(walk.loop.ever_raised(Fault::patient_hanging) || walk.loop.ever_raised(Fault::fall_detected));
+      EXPECT_LT(walk.loop.world().plant().platform().x_m - begin_m, 1.6);
+    }
+  }
+}
+
+// Who walks along is led at any speed, whatever the body: starts, turns and stops. And so is a hoist without a patient.
+TEST(Faults, H16_WhoWalksAlongAndAnEmptyHarnessAreNotTakenForHanging) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    for (const bool empty : {false, true}) {
+      SCOPED_TRACE(std::to_string(seed) + (empty ? ", empty" : ""));
+      ClosedLoopOptions options;
+      options.world.seed = seed;
+      options.world.patient = sim::PatientParams::random(seed);
+      options.world.patient.yields_after_s = 1.0;
+      ClosedLoop loop(options);
+      if (empty) loop.world().hold_bar(0.0, 0.0, 0.0);
+      ASSERT_TRUE(loop.start(Mode::remote));
+      for (const auto& [speed, turn, time_s] : {std::array{0.35, 0.0, 8.0}, {0.6, 0.3, 8.0}, {1.0, 0.0, 6.0}, {0.0, 0.0, 3.0},
+                                               {1.0, -0.5, 8.0}, {-0.5, 0.0, 6.0}, {0.0, 0.8, 6.0}, {0.4, 0.4, 20.0}}) {
+        loop.hold_stick(speed, turn);
+        loop.run(time_s);
+        ASSERT_EQ(loop.mode(), Mode::remote) << speed << ", " << turn;
+      }
+      EXPECT_FALSE(loop.ever_raised(Fault::patient_hanging));
+    }
   }
 }
 

@@ -687,10 +687,36 @@ TEST(Monitors, H16SmallSwayIsNoStepAndSlowRollingNoDrawing) {
   EXPECT_FALSE(crawl.has_fault(Fault::patient_hanging));
 }
 
+// Steps until REMOTE is being left, with the stick held; -1 when it is not within `limit` steps.
+int driven_until_leaving(ScriptedHoist& hoist, int limit) {
+  for (int i = 0; i < limit; i += 4) {
+    hoist.drive_for(4, 0.9);
+    if (hoist.state.motion.leaving) return i;
+  }
+  return -1;
+}
+
+TEST(Monitors, H16WhoIsDrivenAndNeitherWalksNorStandsUprightIsDragged) {
+  for (const double lean_deg : {4.0, -4.0, 7.5}) {
+    SCOPED_TRACE(lean_deg);
+    ScriptedHoist hoist;
+    set_going(hoist, Mode::remote);
+    hoist.lean(lean_deg);
+    hoist.drive_for(1000, 0.9);
+    ASSERT_EQ(hoist.state.mode, Mode::remote) << "who sways walks";
+    hoist.sway_deg = 0;
+    const int ticks = driven_until_leaving(hoist, 400);
+    EXPECT_GT(ticks, 150);
+    EXPECT_LE(ticks, 260);
+    EXPECT_TRUE(hoist.has_fault(Fault::patient_hanging));
+  }
+}
+
 TEST(Monitors, H16AnEmptyHoistThatIsDrivenDoesNotHang) {
   ScriptedHoist hoist;
   set_going(hoist, Mode::remote);
   hoist.sway_deg = 0;
+  hoist.lean(2.8);  // its springs, its zeros and the sensors' error together
   hoist.drive_for(2000, 0.9);
   EXPECT_EQ(hoist.state.mode, Mode::remote);
   EXPECT_FALSE(hoist.has_fault(Fault::patient_hanging));

@@ -1,10 +1,10 @@
 // H16: the patient hangs in the harness and is drawn along. A hanging patient leans, so the hoist goes on, so the patient hangs: only this
 // device has that circle.
 //
-// Two rules, because there are two ways to hang. Leaning: past hang_tilt_rad for hang_tilt_s, in every motion. Drawn along: the patient
-// leads, the hoist rolls faster than hang_speed_m_s, and the harness has not swung sideways by hang_sway_m for hang_still_s; whoever walks
-// sways twice in every stride. Not when somebody else leads: then an empty hoist may drive too. R1 and a high alarm, 2 to 2.6 s after it
-// begins.
+// Two rules, because there are two ways to hang. Leaning: past hang_tilt_rad for hang_tilt_s, in every motion. Drawn along: the hoist rolls
+// faster than hang_speed_m_s, and the harness has not swung sideways by hang_sway_m for hang_still_s; a walking patient sways twice in
+// every stride. In REMOTE and GUIDED the hoist may be empty, and an empty harness does not sway either: there it counts only while the
+// harness leans as none does without a load. R1 and a high alarm, 2 to 2.6 s after it begins.
 #pragma once
 #include <cmath>
 
@@ -32,8 +32,9 @@ class PatientHanging {
 
     const bool stepped = known && swings(p.strut_length_m * beta_rad, threshold<kFault, "sway", Laxer::lower>(p.hang_sway_m));
     const bool rolling = !(std::fabs(view.sensed.odometry.speed_m_s) <= threshold<kFault, "speed">(p.hang_speed_m_s));
-    const bool led = view.mode == contract::Mode::user && known && rolling;
-    drawn_s_ = led && !stepped ? drawn_s_ + view.dt_s : 0;
+    const bool loaded = view.mode == contract::Mode::user || beyond(threshold<kFault, "load">(kLoaded_rad));
+    const bool drawn = view.moving && known && rolling && loaded && !stepped;
+    drawn_s_ = drawn ? drawn_s_ + view.dt_s : 0;
 
     // The alarm stays until the patient has been upright on a standing hoist for a while: long enough to be read.
     upright_s_ = view.moving || !known || beyond(tilt_rad * kUprightShare) ? 0 : upright_s_ + view.dt_s;
@@ -44,6 +45,9 @@ class PatientHanging {
 
  private:
   static constexpr double kUprightShare = 0.5;
+  // 3 degrees. Springs of 300 N/m hold an empty bar of 3 kg (assumed) within 0.4 degrees at 0.5 m/s2, and the zeros are calibrated; feet
+  // that drag with 13 N lean it farther.
+  static constexpr double kLoaded_rad = 0.0524;
   static constexpr double kShown_s = 5.0;
 
   /// True in the step in which the harness has swung back by `least_m` from where it was farthest out: once in each half of a stride. A
