@@ -97,9 +97,12 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
                          state.ticks_run,
                          dt_s};
   judge_faults(state, check_all(state.monitors, view));
-  // H1: the wheels go on in spite of a stop. The motors lose their supply, and the hoist is out of service until an engineer has looked.
-  const bool runs_away = state.runaway.step(state.mode, is_moving(state.mode), state.sensed, state.left_command_m_s, state.right_command_m_s,
-                                            state.params.track_width_m, dt_s);
+}
+
+/// H1: the wheels go on in spite of a stop. The motors lose their supply, and the hoist is out of service until an engineer has looked.
+void watch_runaway(CoreState& state, double dt_s) noexcept {
+  const bool runs_away = state.runaway.step(state.mode, is_moving(state.mode), state.sensed, state.left_command_m_s,
+                                            state.right_command_m_s, state.params.track_width_m, dt_s);
   if (!runs_away || state.relay.is_cut() || !watches(Fault::overspeed)) return;
   state.relay.cut();
   raise_fault(state, Fault::overspeed);
@@ -262,6 +265,7 @@ void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& 
       static_cast<double>(missed) * dt_s > state.params.loop_late_s_max)
     state.intent.restart();
   watch(state, inputs, dt_s);
+  watch_runaway(state, dt_s);
   take_commands(state, inputs);
   const Wish wish = decide(state, dt_s);
   send_frames(state, inputs, dt_s, out);

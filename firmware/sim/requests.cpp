@@ -142,7 +142,10 @@ Answer op_fall(World& world, void (Patient::*how)()) {
 }
 Answer op_trip(World& world, const ProgramState&, const json&) { return op_fall(world, &Patient::trip); }
 Answer op_collapse(World& world, const ProgramState&, const json&) { return op_fall(world, &Patient::collapse); }
-Answer op_hang(World& world, const ProgramState&, const json&) { return op_fall(world, &Patient::hang); }
+Answer op_hang(World& world, const ProgramState&, const json&) {
+  world.patient().hang();
+  return kDone;
+}
 
 Answer op_plug(World& world, const json& request, bool pulled) {
   const auto which = node(request);

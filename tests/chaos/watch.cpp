@@ -28,7 +28,7 @@ constexpr double kEps = 1e-6;
 constexpr double kRollOut_s = 0.35;
 // What the filter may show beyond the guard's 10 degrees (2 less, tests/reactions), and a stop from the fastest drive after the guard's time.
 constexpr double kFarOut_m = 0.8 * 0.1405, kHangAndStop_s = 5.0;
-constexpr double kShove_s = 1.0;  // how long a falling body's last push rolls a hoist on that stands with its brakes on
+constexpr double kShove_s = 1.0;  // how long a falling body, or a bridge that was shorted, rolls a hoist on that stands with its brakes on
 
 bool moves(Mode mode) { return contract::kModes[static_cast<std::size_t>(mode)].moving != 0; }
 
@@ -103,12 +103,12 @@ double Watch::fastest_wheel() const {
   return std::max(std::fabs(plant.wheel_speed_m_s(sim::Side::left)), std::fabs(plant.wheel_speed_m_s(sim::Side::right)));
 }
 
-// Where the hoist cannot answer for what its wheels do: it does not know it, somebody falls against it, or its simulated processor stands still
-// and keeps its outputs (a real one has a watchdog; tests/machine).
+// Where the hoist cannot answer for what its wheels do: it does not know it, somebody falls against it, a bridge is shorted (tests/loop counts
+// that way), or its simulated processor stands still and keeps its outputs (a real one has a watchdog; tests/machine).
 bool Watch::odd() const {
   return board_.ever(Kind::encoder_lost) || board_.ever(Kind::encoder_reversed) || fallen() || board_.ever(Kind::slip) ||
-         board_.now(Kind::bridge_shorted) || board_.ever(Kind::wheel_blocked) || board_.ever(Kind::obstacle) || board_.ever(Kind::slope) ||
-         board_.ever(Kind::freeze, contract::NodeKind::drive);
+         loop_.time_s() - shorted_s_ < kShove_s || board_.ever(Kind::wheel_blocked) || board_.ever(Kind::obstacle) ||
+         board_.ever(Kind::slope) || board_.ever(Kind::freeze, contract::NodeKind::drive);
 }
 
 void Watch::tell(const std::string& what) {
@@ -228,6 +228,7 @@ void Watch::watch_truth(bool core_ran) {
   const sim::Plant& plant = loop_.world().plant();
   if (loop_.world().patient().state() >= sim::PatientState::tripping) fell_s_ = now_s;
   if (board_.now(Kind::pelvis_turned)) twisted_s_ = now_s;
+  if (board_.now(Kind::bridge_shorted)) shorted_s_ = now_s;
   const sim::HarnessMotion& harness = loop_.world().patient().harness();
   if (std::hypot(harness.dx_m, harness.dy_m) > kFarOut_m) leaned_s_ = now_s;
   if (!odd()) {

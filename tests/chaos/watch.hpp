@@ -91,6 +91,7 @@ class Watch {
   std::uint64_t server_life_{};
   std::uint64_t next_sequence_{};  // of the commands that came in order
   double twisted_s_{-100.0};       // when the pelvis was last turned by force
+  double shorted_s_{-100.0};       // when a bridge was last shorted
   double leaned_s_{-100.0};        // when the harness last leaned far
   double fell_s_{-100.0};          // when the patient was last down
   std::uint32_t drive_epoch_{}, lease_epoch_{}, lease_holder_{};

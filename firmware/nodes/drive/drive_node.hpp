@@ -55,8 +55,8 @@ inline constexpr std::uint32_t kWatchMin_ms = 100, kWatchMax_ms = 500;  // allow
 
 inline constexpr std::uint32_t kSelfTest_ms = 20;  // the first 4 let the readings settle, the rest are averaged
 inline constexpr std::uint32_t kSelfTestSettle_ms = 4;
-inline constexpr float kCurrentOffsetMax_a = 0.6F;   // a tenth of the rated current; a healthy amplifier shows a tenth of that
-inline constexpr float kCurrentNoiseMax_a = 1.0F;    // from lowest to highest, with the bridge off
+inline constexpr float kCurrentOffsetMax_a = 0.6F;  // a tenth of the rated current; a healthy amplifier shows a tenth of that
+inline constexpr float kCurrentNoiseMax_a = 1.0F;   // from lowest to highest, with the bridge off
 // A current that flows although the bridge is off: shorted transistors (hazard H1). The offset is taken off by then, and the noise that the
 // self-test lets pass stays below; the winding's own current has died away after 5 ms.
 inline constexpr float kStrayCurrent_a = 1.0F;
@@ -455,7 +455,12 @@ class DriveNode {
     const bool stray = state_ != State::not_ready && stray_current();
     if (lasts(stray, stray_current_ms_, kStrayCurrent_ms)) fault(drive_emcy::kBridge, error_bit::kProfile, Reaction::off);
   }
-  [[nodiscard]] bool stray_current() const { return !powered() && std::fabs(current_a_) > kStrayCurrent_a; }
+  // A current against the motion is none of those: a wheel pushed faster than about 0.7 m/s generates more than the supply and feeds it through
+  // the bridge's diodes.
+  [[nodiscard]] bool stray_current() const {
+    const bool feeds_back = std::fabs(speed_rad_s_) > kStandstill_rad_s && (current_a_ > 0) != (speed_rad_s_ > 0);
+    return !powered() && std::fabs(current_a_) > kStrayCurrent_a && !feeds_back;
+  }
 
   // `applied_v` is the voltage of the tick before: the one that made the current just read.
   void watch(float reference_rad_s, float current_limit_a, float applied_v) {
