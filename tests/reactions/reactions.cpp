@@ -308,7 +308,7 @@ std::string page(const std::vector<Reaction>& rows) {
           "the\n"
           "shipped nodes' sources, the bus, the machine and a walking patient at 0.30 to 0.45 m/s (a therapist driving at the driving "
           "speed limit\n"
-          "for H17 and H21; in H21 the commands go on arriving). Each fault is tried "
+          "for H17, H21 and where both bridges are shorted; in H21 the commands go on arriving). Each fault is tried "
        << kPageTries
        << " times, at every millisecond of the control step and in\n"
           "different moments of the stride; the worst counts, and a stop only when the hoist says that it stopped for this. "
