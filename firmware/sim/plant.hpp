@@ -189,7 +189,6 @@ class Plant {
   std::array<double, 2> friction_impulse_{};  // of the step before, where the next solution starts
   std::array<double, 2> grip_norm_{};
   std::array<bool, 2> blocked_{};
-  std::array<std::optional<double>, 2> shorted_{};  // duty that the motor gets whatever its board does
   double stop_m_;               // how far the harness may go before the stops
   double rotor_inertia_kg_m2_;  // rotor and wheel, seen at the wheel
   double inverse_own_;          // inverse of the two-wheel mass matrix: on the diagonal
@@ -208,6 +207,8 @@ class Plant {
   double roll_rad_{};
   double pitch_rate_rad_s_{};
   double roll_rate_rad_s_{};
+  // Duty that a motor gets whatever its board does.
+  std::array<std::optional<double>, 2> shorted_{};
   Battery battery_;
   std::array<Imu, kPlaceCount> imus_;
   std::array<SensorMemory, kPlaceCount> sensors_{};

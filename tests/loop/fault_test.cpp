@@ -184,8 +184,14 @@ TEST(Faults, H16_WhoWalksAlongAndAnEmptyHarnessAreNotTakenForHanging) {
       ClosedLoop loop(options);
       if (empty) loop.world().hold_bar(0.0, 0.0, 0.0);
       ASSERT_TRUE(loop.start(Mode::remote));
-      for (const auto& [speed, turn, time_s] : {std::array{0.35, 0.0, 8.0}, {0.6, 0.3, 8.0}, {1.0, 0.0, 6.0}, {0.0, 0.0, 3.0},
-                                               {1.0, -0.5, 8.0}, {-0.5, 0.0, 6.0}, {0.0, 0.8, 6.0}, {0.4, 0.4, 20.0}}) {
+      for (const auto& [speed, turn, time_s] : {std::array{0.35, 0.0, 8.0},
+                                                {0.6, 0.3, 8.0},
+                                                {1.0, 0.0, 6.0},
+                                                {0.0, 0.0, 3.0},
+                                                {1.0, -0.5, 8.0},
+                                                {-0.5, 0.0, 6.0},
+                                                {0.0, 0.8, 6.0},
+                                                {0.4, 0.4, 20.0}}) {
         loop.hold_stick(speed, turn);
         loop.run(time_s);
         ASSERT_EQ(loop.mode(), Mode::remote) << speed << ", " << turn;

@@ -22,7 +22,7 @@ struct Short {
   double left_duty, right_duty;  // 0: whole
 };
 constexpr std::array kShorts{Short{"left, full", 1.0, 0}, Short{"right, full backward", 0, -1.0}, Short{"both, full", 1.0, 1.0},
-                             Short{"left, half", 0.5, 0}, Short{"both, half", 0.5, 0.5}, Short{"against each other", -1.0, 1.0}};
+                             Short{"left, half", 0.5, 0}, Short{"both, half", 0.5, 0.5},          Short{"against each other", -1.0, 1.0}};
 
 // Long enough that an exercise has begun and not ended.
 contract::GuidedPath straight() {

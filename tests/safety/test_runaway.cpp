@@ -37,7 +37,8 @@ bool fed(ScriptedHoist& hoist) {
   std::uint8_t levels = 0;
   for (int i = 0; i < 20; ++i) {
     hoist.step();
-    if (const auto told = told_relay(hoist)) levels |= static_cast<std::uint8_t>((*told & canopen::kRelayRelease) != 0 ? 0x80 : 1U << *told);
+    if (const auto told = told_relay(hoist))
+      levels |= static_cast<std::uint8_t>((*told & canopen::kRelayRelease) != 0 ? 0x80 : 1U << *told);
   }
   return levels == 3;  // it was on and off, and never let go
 }

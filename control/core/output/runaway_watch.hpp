@@ -40,8 +40,8 @@ class RunawayWatch {
       left_.step(left_known, wheels.wheel_left_m_s, left_m_s_, wheel_m_s, kSlowing_m_s, dt_s);
       right_.step(right_known, wheels.wheel_right_m_s, right_m_s_, wheel_m_s, kSlowing_m_s, dt_s);
       const bool blind = (!left_known || !right_known) && !sensed.base.rates_fresh().lost();
-      turn_.step(blind, sensed.base.yaw_rate_rad_s(), (right_m_s_ - left_m_s_) / track_m,
-                 threshold<kFault, "spinning_rate">(kBeside_rad_s), kSlowing_rad_s, dt_s);
+      turn_.step(blind, sensed.base.yaw_rate_rad_s(), (right_m_s_ - left_m_s_) / track_m, threshold<kFault, "spinning_rate">(kBeside_rad_s),
+                 kSlowing_rad_s, dt_s);
       const double stop_s = hold<kFault, "unslowed_time">(kStop_s) - dt_s / 2;
       goes_on = left_.s > stop_s || right_.s > stop_s || turn_.s > stop_s;
     } else {

@@ -42,7 +42,8 @@ class SafetyGate {
     if (frame.id == canopen::kNmt) return judge_nmt(frame);
     // Of the input node's outputs only the two of the motors' relay are the core's to switch.
     if (frame.id == contract::pdo_cob_id(contract::Pdo::io_rx1, contract::Node::io))
-      return frame.dlc == contract::pdo_bytes(contract::Pdo::io_rx1) && (frame.data[0] & ~(canopen::kRelayFeed | canopen::kRelayRelease)) == 0;
+      return frame.dlc == contract::pdo_bytes(contract::Pdo::io_rx1) &&
+             (frame.data[0] & ~(canopen::kRelayFeed | canopen::kRelayRelease)) == 0;
     if (frame.id > canopen::kSdoRequestBase && frame.id < canopen::kHeartbeatBase) return judge_sdo(frame, view);
     return false;
   }
