@@ -37,6 +37,9 @@ inline constexpr float kStallCurrentShare = 0.7F;     // hazard H2
 inline constexpr std::int32_t kStallCounts = 2;       // the encoder shows no more movement than this ...
 inline constexpr std::uint32_t kStall_ms = 100;       // ... for so long
 inline constexpr float kStallReference_rad_s = 1.0F;  // holding still against a load is no stall
+// While a wheel stands, voltage and current keep their ratio, whatever the winding's temperature. A motor that turns behind an encoder that
+// counts nothing generates more with every turn: 0.4 V in kStall_ms is an acceleration of 0.12 m/s2, far below what the limit gives.
+inline constexpr float kStallRise_v = 0.4F;
 inline constexpr float kReversedSpeed_rad_s = 20.0F;  // hazard H2: speed against the voltage that the motor generates
 inline constexpr float kReversedVoltage_v = 2.5F;     // more than 30 % error of the resistance makes at 6 A
 inline constexpr std::uint32_t kReversed_ms = 50;
@@ -71,7 +74,7 @@ inline constexpr std::uint32_t kIllegalWindow_ms = 100;         // hazard H2
 
 // Faults of a drive beside those that every node has (CiA 402).
 namespace drive_emcy {
-inline constexpr std::uint16_t kOverVoltage = 0x3210, kWindingHot = 0x4310, kBridge = 0x5400, kWatchdog = 0x6010;
+inline constexpr std::uint16_t kOverVoltage = 0x3210, kWindingHot = 0x4310, kBridge = 0x5400, kWatchdog = 0x6010, kBlocked = 0x7121;
 }
 inline constexpr std::uint8_t kTemperatureErrorBit = 0x08;  // of 1001h
 
@@ -483,8 +486,19 @@ class DriveNode {
     const bool stalled =
         !moving && std::fabs(current_a_) > kStallCurrentShare * current_limit_a && std::fabs(reference_rad_s) > kStallReference_rad_s;
     if (!stalled) stall_counts_ = counts_;
-    if (lasts(stalled, stall_ms_, kStall_ms)) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
+    if (stalled && stall_ms_ == 0) {
+      stall_begin_v_ = applied_v;
+      stall_begin_a_ = current_a_;
+    }
+    if (lasts(stalled, stall_ms_, kStall_ms))
+      fault(wheel_stands(applied_v) ? drive_emcy::kBlocked : emcy::kEncoder, error_bit::kProfile, Reaction::off);
     if (motor_watch_ms_ == kMotorWatchAt_ms) watch_motor(applied_v);
+  }
+
+  // At the end of a stall: blocked from outside, or turning unseen.
+  [[nodiscard]] bool wheel_stands(float applied_v) const {
+    const float rise_va = std::fabs(applied_v * stall_begin_a_ - current_a_ * stall_begin_v_);
+    return rise_va <= kStallRise_v * std::fabs(stall_begin_a_);
   }
 
   // Whether speed, voltage and current belong to one motor; every few milliseconds, because it is a dozen operations in soft float.
@@ -745,6 +759,7 @@ class DriveNode {
   std::uint32_t over_voltage_ms_ = 0, driver_ms_ = 0, illegal_age_ms_ = 0, stray_current_ms_ = 0;
   std::uint32_t illegal_at_start_ = 0, illegal_seen_ = 0;
   std::int32_t stall_counts_ = 0;
+  float stall_begin_v_ = 0, stall_begin_a_ = 0;
 };
 
 }  // namespace hoist::firmware

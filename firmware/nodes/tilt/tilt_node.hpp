@@ -1,5 +1,5 @@
-// The tilt sensor: two static Kalman filters (alpha, beta) at 100 Hz, the gyro's bias measured while the hoist stands still after
-// power-on, CiA 410 on the bus.
+// The tilt sensor: two static Kalman filters (alpha, beta) at 100 Hz, the gyro's bias measured after power-on while the hoist stands: in two
+// still seconds, or in eight under a person who stands and sways. CiA 410 on the bus.
 //
 // It samples when a SYNC arrives, so that the three sensors look at the same instant: the chassis' acceleration shows in every sensor and
 // cancels only in differences of equal, simultaneous filters (research D4). Without SYNC it samples on its own clock.
@@ -34,6 +34,14 @@ inline constexpr float kRateMax_rad_s = 4.3F;          // just inside +-250 deg/
 inline constexpr float kStillRate_rad_s = 0.03F;        // from the first sample of the window
 inline constexpr float kStillAcceleration_m_s2 = 0.5F;  // likewise, each axis
 inline constexpr float kStillTurn_rad = 0.01F;          // gravity in the last quarter against the first: a slow steady turn
+// Standing. A person who stands sways by 10 mm at the harness, at up to 1 Hz: 0.08 rad/s of a strut of 0.8 m, either way, and 0.4 m/s2.
+// Turning rates then come and go; what gravity says of the angle at the window's ends tells them from a bias. Of three blocks, the middle
+// one shows whether it was the same bias all along; 1 Hz of that sway moves the two results apart by 0.0085 rad/s at most.
+inline constexpr std::uint32_t kTiltSwaySamples = 800;  // 8 s
+inline constexpr std::uint32_t kTiltSwayBlock = 200;    // three of them: at the beginning, in the middle, at the end
+inline constexpr float kSwayBlocksApart_s = 3.0F;       // from the middle of one block to that of the next
+inline constexpr float kSwayRate_rad_s = 0.2F;          // from the first sample of the window
+inline constexpr float kSwayAgree_rad_s = 0.01F;        // a fifth of kBiasChange_rad_s
 inline constexpr std::uint32_t kTiltRepeatsMax = 10;    // of a sample, in a row: a stuck sensor; noise makes that impossible (H6)
 inline constexpr float kBiasMax_rad_s = 0.4F;           // a gyro that shows more at rest (23 deg/s) is broken or is being turned
 // A gyroscope that has lost its zero (H8): no sample is valid while one of these is passed.
@@ -88,14 +96,22 @@ class TiltNode {
     law::TiltState<float> turn{};                   // what the hoist's turn alone has put into it
     float first_angle_rad = 0, last_angle_rad = 0;  // sums over the first and last quarter of the window
     float angle_sum_rad = 0;
-    float rest_bias_rad_s = 0;   // as measured in the still start
-    float disagreement_rad = 0;  // of gravity from the filter, low-passed
+    std::array<float, 3> block_angle_rad{}, block_turned{};  // sums over the blocks of the long window; turned: as Sway::turned
+    float rest_bias_rad_s = 0;                               // as measured in the still start
+    float disagreement_rad = 0;                              // of gravity from the filter, low-passed
   };
   struct Window {
     std::uint32_t samples = 0;
     ImuSample first{}, last{};
     std::uint32_t repeats = 0;
-    std::array<float, 3> rate_sum_rad_s{};  // of the difference from the first: keeps the float sums exact
+    std::array<float, 3> turned{};  // Sway::turned before its first sample
+  };
+  // The long window. It begins anew only where the short one does, too.
+  struct Sway {
+    std::uint32_t samples = 0;
+    std::array<float, 3> first_rad_s{};
+    std::array<float, 3> turned{};  // alpha, beta, yaw: sum of the rates since its beginning; below 320, so exact to 1e-7 rad/s
+    float half_yaw = 0;             // turned[2] in the middle
   };
 
   // What a sample leaves to be done before the next one, and when: reading the chip and filtering fill most of a millisecond. Not in the
@@ -106,7 +122,8 @@ class TiltNode {
     ImuSample sample{};
     law::AccAngles<float> gravity{};
     float dt_s = 0;
-    bool begun = false;  // the filters have begun anew with this sample
+    bool begun = false;    // the filters have begun anew with this sample
+    bool in_time = false;  // this sample came when it was due
     std::uint8_t in_ms = 0;
   };
 
@@ -117,7 +134,7 @@ class TiltNode {
   void on_nmt(NmtState, NmtState) {}
   void on_power_on() {
     axes_ = {};
-    window_ = {};
+    settle_anew();
     after_ = {};
     yaw_bias_rad_s_ = 0;
     started_ = converged_ = failed_ = missing_ = doubtful_ = false;
@@ -135,7 +152,7 @@ class TiltNode {
     if (!set_mounting(static_cast<std::uint8_t>(raw))) return SdoAbort::range;
     // Every angle was of another direction: all begins anew.
     axes_ = {};
-    window_ = {};
+    settle_anew();
     after_ = {};
     started_ = converged_ = false;
     start_age_ms_ = 0;  // and so does the time that the first reading may take
@@ -221,7 +238,7 @@ class TiltNode {
     if (!fresh || !gravity.valid || !filter(s, gravity, begins, dt_s)) return fail();
     gap_ms_ = 0;
     failures_ = 0;
-    after_ = {s, gravity, dt_s, begins, kAfterSample_ms};
+    after_ = {s, gravity, dt_s, begins, !late, kAfterSample_ms};
     publish(s);
   }
 
@@ -229,7 +246,7 @@ class TiltNode {
   void after_sample() {
     follow_turn(after_.sample.yaw_rate_rad_s, after_.begun, after_.dt_s);
     doubt(after_.gravity, after_.dt_s);
-    if (!converged_) settle(after_.sample, after_.gravity);
+    if (!converged_) settle(after_.sample, after_.gravity, after_.in_time);
   }
 
   // H8: a gyroscope that has lost its zero disagrees with gravity, and is believed less and less. What the hoist itself does to a sensor
@@ -285,65 +302,115 @@ class TiltNode {
   void fail() {
     // Before the first reading the sensor is still starting; watch_sensor() ends that.
     if (started_ && failures_ < kTiltReadFailuresMax && ++failures_ == kTiltReadFailuresMax) give_up(false);
-    if (!converged_) window_ = {};
+    if (!converged_) settle_anew();
     publish_status(0);
   }
 
-  // The still two seconds. Any motion begins them anew; so does a sensor that repeats one sample, of whatever motion that was: it looks
-  // stiller than anything still, and its turn rate would be taken for the zero.
-  void settle(const ImuSample& s, const law::AccAngles<float>& gravity) {
-    const ImuSample& f = window_.samples == 0 ? s : window_.first;
+  void settle_anew() {
+    window_ = {};
+    sway_ = {};
+  }
+
+  // Bias and angles are known once one of the two windows is full.
+  void settle(const ImuSample& s, const law::AccAngles<float>& gravity, bool in_time) {
+    if (!in_time || !stands(s)) return settle_anew();
+    window_.repeats = s == window_.last ? window_.repeats + 1 : 0;
+    window_.last = s;
+    // A sensor that repeats one sample, of whatever motion that was, looks stiller than anything still, and its turn rate would be taken
+    // for the zero.
+    if (window_.repeats == kTiltRepeatsMax) return settle_anew();
+    const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
+    if (settle_still(s, angles_rad)) return;
+    settle_swaying(s, angles_rad);
+  }
+
+  // Nothing but a person's sway moves the sensor.
+  [[nodiscard]] bool stands(const ImuSample& s) {
+    const float rates_rad_s[3] = {s.alpha_rate_rad_s, s.beta_rate_rad_s, s.yaw_rate_rad_s};
     const float norm2 = s.ax_m_s2 * s.ax_m_s2 + s.ay_m_s2 * s.ay_m_s2 + s.az_m_s2 * s.az_m_s2;
     const float g2 = kGravity_m_s2 * kGravity_m_s2;
-    const bool moved = above(s.alpha_rate_rad_s, kBiasMax_rad_s) || above(s.beta_rate_rad_s, kBiasMax_rad_s) ||
-                       above(s.yaw_rate_rad_s, kBiasMax_rad_s) || above(s.alpha_rate_rad_s - f.alpha_rate_rad_s, kStillRate_rad_s) ||
+    if (norm2 < 0.81F * g2 || norm2 > 1.21F * g2) return false;  // more than 10 % from g is no standing
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (sway_.samples == 0) sway_.first_rad_s[i] = rates_rad_s[i];
+      if (above(rates_rad_s[i], kBiasMax_rad_s) || above(rates_rad_s[i] - sway_.first_rad_s[i], kSwayRate_rad_s)) return false;
+    }
+    return true;
+  }
+
+  // The still two seconds; any motion begins them anew. True when they are full.
+  bool settle_still(const ImuSample& s, const float (&angles_rad)[2]) {
+    const ImuSample& f = window_.samples == 0 ? s : window_.first;
+    const bool moved = above(s.alpha_rate_rad_s - f.alpha_rate_rad_s, kStillRate_rad_s) ||
                        above(s.beta_rate_rad_s - f.beta_rate_rad_s, kStillRate_rad_s) ||
                        above(s.yaw_rate_rad_s - f.yaw_rate_rad_s, kStillRate_rad_s) ||
                        above(s.ax_m_s2 - f.ax_m_s2, kStillAcceleration_m_s2) || above(s.ay_m_s2 - f.ay_m_s2, kStillAcceleration_m_s2) ||
-                       above(s.az_m_s2 - f.az_m_s2, kStillAcceleration_m_s2) || norm2 < 0.81F * g2 ||
-                       norm2 > 1.21F * g2;  // more than 10 % from g is no standstill
+                       above(s.az_m_s2 - f.az_m_s2, kStillAcceleration_m_s2);
     if (moved) {
-      window_ = {};
-      return;
+      window_.samples = 0;
+      return false;
     }
     if (window_.samples == 0) {
       window_.first = s;
+      window_.turned = sway_.turned;
       for (Axis& axis : axes_) axis.first_angle_rad = axis.last_angle_rad = axis.angle_sum_rad = 0;
     }
-    const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
     for (std::size_t i = 0; i < 2; ++i) {
       axes_[i].angle_sum_rad += angles_rad[i];
       if (window_.samples < kTiltQuarterSamples) axes_[i].first_angle_rad += angles_rad[i];
       if (window_.samples >= kTiltStillSamples - kTiltQuarterSamples) axes_[i].last_angle_rad += angles_rad[i];
     }
-    window_.repeats = s == window_.last ? window_.repeats + 1 : 0;
-    window_.last = s;
-    window_.rate_sum_rad_s[0] += s.alpha_rate_rad_s - window_.first.alpha_rate_rad_s;
-    window_.rate_sum_rad_s[1] += s.beta_rate_rad_s - window_.first.beta_rate_rad_s;
-    window_.rate_sum_rad_s[2] += s.yaw_rate_rad_s - window_.first.yaw_rate_rad_s;
-    if (window_.repeats == kTiltRepeatsMax) {
-      window_ = {};
-      return;
-    }
-    if (++window_.samples < kTiltStillSamples) return;
+    if (++window_.samples < kTiltStillSamples) return false;
+    window_.samples = 0;
+    constexpr float kQuarter = static_cast<float>(kTiltQuarterSamples), kCount = static_cast<float>(kTiltStillSamples);
+    for (const Axis& axis : axes_)
+      if (above((axis.last_angle_rad - axis.first_angle_rad) / kQuarter, kStillTurn_rad)) return false;
+    // This sample is not yet in the sums.
+    const float rates_rad_s[3] = {s.alpha_rate_rad_s, s.beta_rate_rad_s, s.yaw_rate_rad_s};
+    float bias_rad_s[3];
+    for (std::size_t i = 0; i < 3; ++i) bias_rad_s[i] = (sway_.turned[i] + rates_rad_s[i] - window_.turned[i]) / kCount;
+    const float means_rad[2] = {axes_[0].angle_sum_rad / kCount, axes_[1].angle_sum_rad / kCount};
+    converge(s, bias_rad_s, means_rad);
+    return true;
+  }
 
-    constexpr float kQuarter = static_cast<float>(kTiltQuarterSamples);
-    for (const Axis& axis : axes_) {
-      if (above((axis.last_angle_rad - axis.first_angle_rad) / kQuarter, kStillTurn_rad)) {
-        window_ = {};
-        return;
-      }
+  // Eight seconds of standing: the turn that the rates add up to, less the turn that gravity saw, is the bias.
+  void settle_swaying(const ImuSample& s, const float (&angles_rad)[2]) {
+    const float rates_rad_s[3] = {s.alpha_rate_rad_s, s.beta_rate_rad_s, s.yaw_rate_rad_s};
+    for (std::size_t i = 0; i < 3; ++i) sway_.turned[i] += rates_rad_s[i];
+    constexpr std::uint32_t kApart = (kTiltSwaySamples - kTiltSwayBlock) / 2;
+    const std::uint32_t block = sway_.samples / kApart;
+    for (std::size_t i = 0; i < 2 && sway_.samples - block * kApart < kTiltSwayBlock; ++i) {
+      const bool begins = sway_.samples == block * kApart;
+      axes_[i].block_angle_rad[block] = (begins ? 0.0F : axes_[i].block_angle_rad[block]) + angles_rad[i];
+      axes_[i].block_turned[block] = (begins ? 0.0F : axes_[i].block_turned[block]) + sway_.turned[i];
     }
-    constexpr float kCount = static_cast<float>(kTiltStillSamples);
-    const float rates_rad_s[2] = {s.alpha_rate_rad_s, s.beta_rate_rad_s};
-    const float first_rad_s[2] = {window_.first.alpha_rate_rad_s, window_.first.beta_rate_rad_s};
+    if (++sway_.samples == kTiltSwaySamples / 2) sway_.half_yaw = sway_.turned[2];
+    if (sway_.samples < kTiltSwaySamples) return;
+
+    constexpr float kBlock = static_cast<float>(kTiltSwayBlock), kCount = static_cast<float>(kTiltSwaySamples), kSample_s = 0.01F;
+    float bias_rad_s[3] = {0, 0, sway_.turned[2] / kCount}, now_rad[2];
+    bool agree = !above((sway_.turned[2] - 2.0F * sway_.half_yaw) * 2.0F / kCount, kSwayAgree_rad_s);
     for (std::size_t i = 0; i < 2; ++i) {
-      axes_[i].rest_bias_rad_s = first_rad_s[i] + window_.rate_sum_rad_s[i] / kCount;
+      float drift_rad[3];  // gravity's angle less the rates' turn: falls by the bias
+      for (std::size_t k = 0; k < 3; ++k) drift_rad[k] = (axes_[i].block_angle_rad[k] - kSample_s * axes_[i].block_turned[k]) / kBlock;
+      agree = agree && !above(drift_rad[0] - 2.0F * drift_rad[1] + drift_rad[2], kSwayAgree_rad_s * kSwayBlocksApart_s);
+      bias_rad_s[i] = (drift_rad[0] - drift_rad[2]) / (2.0F * kSwayBlocksApart_s);
+      constexpr float kSinceBlock_s = kSample_s * kBlock / 2.0F;
+      now_rad[i] = drift_rad[2] - bias_rad_s[i] * kSinceBlock_s + kSample_s * sway_.turned[i];
+    }
+    if (!agree) return settle_anew();
+    converge(s, bias_rad_s, now_rad);
+  }
+
+  void converge(const ImuSample& s, const float (&bias_rad_s)[3], const float (&angles_rad)[2]) {
+    const float rates_rad_s[2] = {s.alpha_rate_rad_s, s.beta_rate_rad_s};
+    for (std::size_t i = 0; i < 2; ++i) {
+      axes_[i].rest_bias_rad_s = bias_rad_s[i];
       axes_[i].disagreement_rad = 0;
       axes_[i].turn = {};
-      axes_[i].state = law::tilt_start(axes_[i].angle_sum_rad / kCount, axes_[i].rest_bias_rad_s, rates_rad_s[i]);
+      axes_[i].state = law::tilt_start(angles_rad[i], bias_rad_s[i], rates_rad_s[i]);
     }
-    yaw_bias_rad_s_ = window_.first.yaw_rate_rad_s + window_.rate_sum_rad_s[2] / kCount;
+    yaw_bias_rad_s_ = bias_rad_s[2];
     converged_ = true;
   }
 
@@ -384,6 +451,7 @@ class TiltNode {
   Stack stack_;
   std::array<Axis, 2> axes_{};  // alpha, beta
   Window window_{};
+  Sway sway_{};
   After after_{};
   float yaw_bias_rad_s_ = 0;
   Mounting mounting_{};

@@ -478,6 +478,7 @@ TEST_F(DriveTest, H2_ABlockedWheelIsLeftToTheStallRuleWhateverTheWinding) {
           1000, [&] { return node_.state() == State::fault; }, [&] { run(1, kEnable, 100); });
       EXPECT_GE(found, 100);  // the other rule would need half of that
       EXPECT_LE(found, 200);
+      EXPECT_EQ(error_code(), 0x7121) << "the floor's doing, not the encoder's";
     }
   }
 }
@@ -501,6 +502,7 @@ TEST_F(DriveTest, ABlockedWheelIsFoundAndDoesNotBurn) {
       1000, [&] { return node_.state() == State::fault; }, [&] { run(1, kEnable, 100); });
   EXPECT_GT(found, 100);
   EXPECT_LE(found, 250);
+  EXPECT_EQ(error_code(), 0x7121);
   EXPECT_LT(peak_current_a_, 9.0);
 }
 

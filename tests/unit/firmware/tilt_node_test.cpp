@@ -94,10 +94,64 @@ TEST_F(TiltTest, AnyMotionBeginsTheStillTimeAnew) {
   EXPECT_NEAR((node_.stack().values().get<0x2101, 1>()), 0.02, 0.001);
 }
 
-TEST_F(TiltTest, ASlowSteadyTurnIsNoStandstill) {
+TEST_F(TiltTest, ASlowSteadyTurnIsNoStandstillAndNoBias) {
   alpha_rate_ = 0.6F * kDegree;  // below every rate threshold, but 0.9 deg from the first quarter to the last
-  cycles(1000);
+  cycles(799);
   EXPECT_EQ(status() & kConverged, 0);
+  cycles(1);  // the long window sees the turn in gravity and takes it off
+  EXPECT_EQ(status(), kValid | kConverged);
+  EXPECT_NEAR((node_.stack().values().get<0x2101, 1>()), 0.02, 0.1 * kDegree);
+  EXPECT_NEAR(alpha_deg(), 8.0 * 0.6, 0.1);
+}
+
+// A node that restarts in the middle of a training: the patient stands and sways by 10 mm at the harness, 0.8 m above the joint.
+TEST_F(TiltTest, H8_ConvergesUnderAStandingPersonsSwayWithTheTrueBias) {
+  for (const float sway_hz : {0.15F, 0.3F, 0.5F, 1.0F}) {
+    for (const float phase_rad : {0.0F, 1.6F, 3.0F, 4.5F}) {
+      SCOPED_TRACE(testing::Message() << sway_hz << " Hz, phase " << phase_rad);
+      node_.power_on();
+      make_operational(node_, board_);
+      const float omega_rad_s = 6.2831853F * sway_hz, lean_rad = 0.010F / 0.8F;
+      int taken = 0;
+      for (; taken < 3000 && (status() & kConverged) == 0; ++taken) {
+        const float at_rad = omega_rad_s * 0.01F * static_cast<float>(taken) + phase_rad;
+        at_angle(3 * kDegree + lean_rad * std::sin(at_rad), lean_rad * std::cos(at_rad));
+        alpha_rate_ = lean_rad * omega_rad_s * std::cos(at_rad);
+        beta_rate_ = -lean_rad * omega_rad_s * std::sin(at_rad);
+        forward_m_s2_ = -0.010F * omega_rad_s * omega_rad_s * std::sin(at_rad);
+        turn_rad_s_ = 0.01F * std::sin(at_rad);
+        (void)cycle();
+      }
+      EXPECT_LE(taken, 1000) << "within ten seconds";
+      EXPECT_NEAR((node_.stack().values().get<0x2101, 1>()), 0.02, 0.35 * kDegree) << "a tenth of what H8 calls lost";
+      EXPECT_NEAR((node_.stack().values().get<0x2101, 2>()), -0.015, 0.35 * kDegree);
+      EXPECT_NEAR(alpha_deg(), alpha_rad_ / kDegree, 0.5);
+      EXPECT_NEAR(beta_deg(), beta_rad_ / kDegree, 0.5);
+      EXPECT_EQ(status(), kValid | kConverged);
+    }
+  }
+}
+
+// A zero that moves while it is measured, and a patient who walks, give no bias at all.
+TEST_F(TiltTest, H8_AMovingZeroAndAWalkingPatientNeverConverge) {
+  for (int i = 0; i < 3000; ++i) {
+    alpha_bias_ = 0.02F + 0.01F * std::sin(0.01F * static_cast<float>(i) * 0.8F) + 0.00005F * static_cast<float>(i % 800);
+    beta_rate_ = 0.04F * std::cos(0.02F * static_cast<float>(i));  // no still two seconds
+    beta_rad_ += 0.01F * beta_rate_;
+    (void)cycle();
+    ASSERT_EQ(status() & kConverged, 0) << i;
+  }
+  alpha_bias_ = 0.02F;
+  node_.power_on();
+  make_operational(node_, board_);
+  alpha_rad_ = beta_rad_ = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const float at_rad = 6.2831853F * 0.9F * 0.01F * static_cast<float>(i);
+    alpha_rad_ = 0.03F * std::sin(at_rad);  // 24 mm at the harness, stride after stride
+    alpha_rate_ = 0.03F * 6.2831853F * 0.9F * std::cos(at_rad);
+    (void)cycle();
+    ASSERT_EQ(status() & kConverged, 0) << i;
+  }
 }
 
 TEST_F(TiltTest, APushDuringTheStillTimeIsNoStandstill) {
