@@ -16,6 +16,9 @@ enum class Reaction : std::uint8_t { warn, soft_stop, protective_stop, out_of_se
 #define HOIST_MONITOR(...)
 #define HOIST_REFUSAL(...)
 #define HOIST_MODE(...)
+#define HOIST_DETAIL(...)
+#define HOIST_EXPLAINS(...)
+#define HOIST_ENDANGERS(...)
 
 enum class Fault : std::uint8_t {
 #undef HOIST_FAULT
@@ -53,6 +56,90 @@ constexpr const FaultInfo* find_fault(std::string_view name) {
   for (const FaultInfo& info : kFaults)
     if (info.name == name) return &info;
   return nullptr;
+}
+
+/// Whose matter a fault is: of the machine itself, or of floor, load or patient.
+enum class Origin : std::uint8_t { machine, outside };
+struct DetailInfo {
+  Fault fault;
+  std::uint16_t code;
+  std::string_view name;
+  Origin origin;
+  std::string_view text_en, action_en, text_de, action_de;
+};
+inline constexpr std::array kDetails{
+#undef HOIST_DETAIL
+#define HOIST_DETAIL(fault, code, name, origin, text_en, action_en, text_de, action_de) \
+  DetailInfo{Fault::fault, code, #name, Origin::origin, text_en, action_en, text_de, action_de},
+#include "control/contract/faults.def"
+#undef HOIST_DETAIL
+#define HOIST_DETAIL(...)
+};
+/// The row for this fault with this code, nullptr when its own words say it.
+constexpr const DetailInfo* find_detail(Fault fault, std::uint16_t code) {
+  for (const DetailInfo& detail : kDetails)
+    if (detail.fault == fault && detail.code == code) return &detail;
+  return nullptr;
+}
+/// Faults that have details: each has a live value <name>_code.
+constexpr std::uint32_t faults_with_details() {
+  std::uint32_t bits = 0;
+  for (const DetailInfo& detail : kDetails) bits |= fault_bit(detail.fault);
+  return bits;
+}
+
+struct Explanation {
+  Fault cause, effect;
+};
+inline constexpr std::array kExplanations{
+#undef HOIST_EXPLAINS
+#define HOIST_EXPLAINS(cause, effect) Explanation{Fault::cause, Fault::effect},
+#include "control/contract/faults.def"
+#undef HOIST_EXPLAINS
+#define HOIST_EXPLAINS(...)
+};
+constexpr bool explains(Fault cause, Fault effect) {
+  for (const Explanation& row : kExplanations)
+    if (row.cause == cause && row.effect == effect) return true;
+  return false;
+}
+/// Of these faults those that another one of them explains.
+constexpr std::uint32_t consequences(std::uint32_t faults) {
+  std::uint32_t bits = 0;
+  for (const Explanation& row : kExplanations)
+    if ((faults & fault_bit(row.cause)) != 0) bits |= faults & fault_bit(row.effect);
+  return bits;
+}
+
+/// Faults that endanger the patient, the first one first.
+inline constexpr std::array kEndangers{
+#undef HOIST_ENDANGERS
+#define HOIST_ENDANGERS(fault) Fault::fault,
+#include "control/contract/faults.def"
+#undef HOIST_ENDANGERS
+#define HOIST_ENDANGERS(...)
+};
+
+/// Of these faults (at least one), found in one step, the one that the others follow from: by priority and bit, never a consequence.
+constexpr Fault first_cause(std::uint32_t faults) {
+  // Faults that explain each other in a ring do not exist (below), so one always remains.
+  const std::uint32_t roots = faults & ~consequences(faults);
+  const FaultInfo* best = nullptr;
+  for (const FaultInfo& info : kFaults)
+    if ((roots >> info.bit & 1U) != 0 &&
+        (best == nullptr || info.priority > best->priority || (info.priority == best->priority && info.bit < best->bit)))
+      best = &info;
+  return best == nullptr ? static_cast<Fault>(0) : static_cast<Fault>(best->bit);
+}
+
+/// The fault to tell first of these (at least one): what endangers the patient, then `first` (the fault that came first, plus one; 0 = not
+/// known), then first_cause.
+constexpr Fault headline(std::uint32_t faults, std::uint8_t first = 0) {
+  for (const Fault fault : kEndangers)
+    if ((faults & fault_bit(fault)) != 0) return fault;
+  const std::uint32_t roots = faults & ~consequences(faults);
+  if (first != 0 && (roots >> (first - 1U) & 1U) != 0) return static_cast<Fault>(first - 1U);
+  return first_cause(faults);
 }
 
 /// What answers a fault, in the words of the hazard table: R1 soft stop, R2 protective stop, R3 the drive by itself, R4 power off.
@@ -122,6 +209,9 @@ inline constexpr std::array kModes{
 #undef HOIST_FAULT
 #undef HOIST_MONITOR
 #undef HOIST_REFUSAL
+#undef HOIST_DETAIL
+#undef HOIST_EXPLAINS
+#undef HOIST_ENDANGERS
 
 static_assert(kFaults.size() <= 32 && kRefusals.size() <= 32, "fault_bits and blocked_bits hold 32 rows");
 static_assert(unique_by(kFaults, [](const FaultInfo& f) { return f.bit; }) &&
@@ -151,6 +241,25 @@ static_assert(all_rows(kFaults,
                          return agree;
                        }),
               "faults.def: HOIST_FAULT and HOIST_MONITOR of a fault do not agree");
+static_assert(unique_by(kDetails, [](const DetailInfo& d) { return d.name; }) &&
+                  all_rows(kDetails,
+                           [](const DetailInfo& d) {
+                             return d.code != 0 && find_detail(d.fault, d.code)->name == d.name && !d.text_en.empty() &&
+                                    !d.action_en.empty() && !d.text_de.empty() && !d.action_de.empty();
+                           }),
+              "faults.def: a HOIST_DETAIL row lacks words or is there twice");
+// A ring of faults that explain each other would hide all of them.
+consteval bool explanations_end() {
+  for (const Explanation& row : kExplanations) {
+    std::uint32_t reached = fault_bit(row.effect);
+    for (std::size_t round = 0; round < kFaults.size(); ++round)
+      for (const Explanation& next : kExplanations)
+        if ((reached & fault_bit(next.cause)) != 0) reached |= fault_bit(next.effect);
+    if ((reached & fault_bit(row.cause)) != 0) return false;
+  }
+  return true;
+}
+static_assert(explanations_end(), "faults.def: HOIST_EXPLAINS rows lead back to their own cause");
 static_assert(unique_by(kRefusals, [](const RefusalInfo& r) { return r.bit; }) &&
                   unique_by(kRefusals, [](const RefusalInfo& r) { return r.name; }),
               "faults.def: a refusal is used twice");

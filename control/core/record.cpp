@@ -138,6 +138,11 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.right_status_word = sensed.right_drive.status_word();
   record.mode = static_cast<std::uint8_t>(state.mode);
   record.stop_cause = state.stop_cause;
+  const auto code = [&state](contract::Fault fault) { return state.fault_codes[static_cast<std::size_t>(fault)]; };
+  record.drive_left_fault_code = code(contract::Fault::drive_left_fault);
+  record.drive_right_fault_code = code(contract::Fault::drive_right_fault);
+  record.tilt_implausible_code = code(contract::Fault::tilt_implausible);
+  record.overspeed_code = code(contract::Fault::overspeed);
   record.bumpers = sensed.io.bumpers();
   record.bumpers_acknowledged = state.bumpers_acknowledged;
   record.settings_trial_s = f32(state.trial.left_s);

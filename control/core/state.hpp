@@ -1,5 +1,6 @@
 // Everything the core remembers from one step to the next. Plain bytes: copying it copies the whole controller.
 #pragma once
+#include <array>
 #include <cstdint>
 
 #include "control/contract/faults.hpp"
@@ -42,14 +43,16 @@ struct Service {
 /// What belongs to the mode in charge; begins anew with every change of mode, so that no mode remembers another.
 struct Motion {
   Braking braking = Braking::none;
-  bool leaving = false;      // braking to a stop, then STANDBY
-  bool powered = false;      // both drives have been enabled since the mode began
-  bool remote_lost = false;  // REMOTE: commands stopped while the dead-man was held
-  std::uint32_t epoch = 0;   // lease with which the mode began
-  std::uint64_t ticks = 0;   // steps since the mode began
-  HoldWatch hold;            // PROTECTIVE_STOP: whether it does hold
-  Service service;           // INIT only
-  Calibration calibration;   // CALIBRATE only
+  bool leaving = false;           // braking to a stop, then STANDBY
+  bool powered = false;           // both drives have been enabled since the mode began
+  bool remote_lost = false;       // REMOTE: commands stopped while the dead-man was held
+  std::uint32_t causes = 0;       // PROTECTIVE_STOP: faults of the step in which it began
+  std::uint8_t silent_ticks = 0;  // PROTECTIVE_STOP: how long a node has been silent without a break, up to kGoneTicks
+  std::uint32_t epoch = 0;        // lease with which the mode began
+  std::uint64_t ticks = 0;        // steps since the mode began
+  HoldWatch hold;                 // PROTECTIVE_STOP: whether it does hold
+  Service service;                // INIT only
+  Calibration calibration;        // CALIBRATE only
 };
 
 /// An acknowledgement that waits for a drive to leave its fault.
@@ -103,10 +106,12 @@ struct CoreState {
   GuidedRun guided;
 
   MonitorList monitors;
-  std::uint32_t conditions = 0;  // what holds now
-  std::uint32_t latched = 0;     // what is in force: protective faults stay until acknowledged
-  std::uint8_t stop_cause = 0;   // fault of the latest stop plus one
+  std::uint32_t conditions = 0;                 // what holds now
+  std::uint32_t latched = 0;                    // what is in force: protective faults stay until acknowledged
+  std::uint8_t stop_cause = 0;                  // fault that came first of the latest stop, plus one
+  std::array<std::uint16_t, 32> fault_codes{};  // by bit: what a fault in force is about (HOIST_DETAIL)
   RepeatWatch repeats;
+  bool stops_changed = false;             // what `repeats` counts, or whether the hoist is out of service for it
   std::uint8_t bumpers_acknowledged = 0;  // pressed still, and acknowledged so
   std::uint8_t bus_settle_ticks = 0;
   std::uint8_t remote_lost_ticks = 0;  // how long the lost driver is still shown

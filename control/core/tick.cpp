@@ -273,6 +273,8 @@ void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& 
   state.events.drain(out.events);
   out.params_changed = state.params_changed;
   state.params_changed = false;
+  out.stops_changed = state.stops_changed;
+  state.stops_changed = false;
 }
 
 bool load_params(CoreState& state, const contract::Params& params) noexcept {

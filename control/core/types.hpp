@@ -93,6 +93,7 @@ struct TickOutputs {
   FixedVector<contract::Event, kEventsPerTickMax> events;
   contract::TickRecord record;
   bool params_changed = false;  // the parameters in force differ from those before this step: store and publish them
+  bool stops_changed = false;   // what is known of earlier stops differs from what it was before this step: store it (stop_history)
 };
 
 }  // namespace hoist::core

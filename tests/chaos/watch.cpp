@@ -399,8 +399,8 @@ void Watch::watch_mode_change(Mode from, Mode to) {
                                    [&](const core::Transition& t) { return t.from == from && t.to == to; });
   if (!allowed) broken("I5: a change of mode that no table allows");
   // An acknowledgement may wait half a second for a drive to leave its fault.
-  const bool released = (from == Mode::protective_stop && to == Mode::standby) || (from == Mode::fault && to != Mode::emergency_stop) ||
-                        from == Mode::emergency_stop;
+  const bool released = (from == Mode::protective_stop && (to == Mode::standby || to == Mode::init)) ||
+                        (from == Mode::fault && to != Mode::emergency_stop) || from == Mode::emergency_stop;
   if (released && now_s - acknowledged_s_ > 0.6) broken("I5: a stop ended without acknowledgement");
   if (moves(to)) {
     ++report_.starts;

@@ -220,6 +220,30 @@ INSTANTIATE_TEST_SUITE_P(Nodes, LostNode,
                                          std::pair{Node::drive_right, Fault::drive_right_lost}),
                          [](const auto& row) { return std::string(contract::kNodes[static_cast<std::size_t>(row.param.first)].name); });
 
+// A door sill in the way, again and again: each time a stop that says so, and never out of service.
+TEST(Faults, H22_ABlockedWheelNeverPutsTheHoistOutOfService) {
+  Walk walk("straight", 0.30);
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_TRUE(walk.loop.start(Mode::user)) << i;
+    ASSERT_TRUE(walk.loop.run_until([&] { return walk.speed_m_s() > 0.1; }, 20.0)) << i;
+    walk.loop.world().plant().block_wheel(sim::Side::left, true);
+    ASSERT_TRUE(walk.loop.run_until([&] { return walk.loop.mode() == Mode::protective_stop; }, 5.0)) << i;
+    walk.loop.run(0.2);
+    EXPECT_TRUE(walk.loop.record().drive_left_fault_code == 0x7121 || walk.loop.record().overspeed_code == 1) << i;
+    walk.loop.world().plant().block_wheel(sim::Side::left, false);
+    ASSERT_TRUE(walk.loop.run_until(
+        [&] {
+          walk.loop.ask(contract::CommandKind::acknowledge);
+          walk.loop.run(0.6);
+          return walk.loop.mode() != Mode::protective_stop;
+        },
+        20.0))
+        << i;
+    EXPECT_EQ(walk.loop.mode(), Mode::standby) << i;
+  }
+  EXPECT_FALSE(walk.loop.ever_raised(Fault::control_fault));
+}
+
 TEST(Faults, H3_ADeadDriveDoesNotSpinTheHoist) {
   Walk walk;
   ASSERT_TRUE(walk.set_off());

@@ -40,6 +40,12 @@ const std::vector<Trip>& trips() {
       {"batteries not told any more", Fault::io_lost, "H14", Mode::user, 262, [](ScriptedHoist& h) { h.io.battery_silent = true; },
        nothing},
       {"bus cut", Fault::bus_down, "H5", Mode::user, 1, [](ScriptedHoist& h) { h.bus_up = false; }, nothing},
+      {"cable cut behind the interface", Fault::bus_down, "H5", Mode::user, 6,
+       [](ScriptedHoist& h) {
+         h.drive_left.silent = h.drive_right.silent = h.io.silent = true;
+         h.tilt_left.silent = h.tilt_right.silent = h.tilt_base.silent = true;
+       },
+       nothing},
       {"left drive in fault", Fault::drive_left_fault, "H2", Mode::user, 3, [](ScriptedHoist& h) { h.drive_left.fault = true; }, nothing},
       {"right drive in fault", Fault::drive_right_fault, "H2", Mode::remote, 3, [](ScriptedHoist& h) { h.drive_right.fault = true; },
        nothing},

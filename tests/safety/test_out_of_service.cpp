@@ -31,7 +31,7 @@ void stop_once(ScriptedHoist& hoist, Break&& break_it, Mend&& mend_it) {
 }
 void unplug(ScriptedHoist& hoist) { hoist.tilt_left.silent = true; }
 void plug(ScriptedHoist& hoist) { hoist.tilt_left.silent = false; }
-void lie(ScriptedHoist& hoist) { hoist.tilt_left.alpha_deg = 25; }
+void lie(ScriptedHoist& hoist) { hoist.tilt_left.alpha_deg = hoist.tilt_left.alpha_now_deg = 25; }
 void tell_the_truth(ScriptedHoist& hoist) { hoist.tilt_left.alpha_deg = hoist.tilt_left.alpha_now_deg = 0; }
 
 // The walking hoist of these tests: integrators full, wheels turning.
@@ -230,7 +230,7 @@ TEST(OutOfService, H22TheThirdStopForTheSameFaultIsTheLast) {
   hoist.time_ns += 400'000'000'000;  // still within ten minutes
   hoist.step(100);
   lie(hoist);
-  hoist.step(40);
+  hoist.step(100);
   EXPECT_TRUE(hoist.has_fault(Fault::tilt_implausible));
   EXPECT_TRUE(hoist.has_fault(Fault::control_fault));
   EXPECT_TRUE(hoist.reach(Mode::fault, 150)) << "once it has stood for a second";
@@ -347,6 +347,10 @@ TEST(Transitions, EveryEntryBeginsFromZero) {
     state.still_ticks = kStillTicks;
     state.clear_ticks = 10;
     if (row.guard == Guard::ready_with_a_path) state.guided.load({});
+    if (row.guard == Guard::only_silence) {
+      state.conditions = state.latched = contract::fault_bit(Fault::drive_left_lost);
+      state.motion.silent_ticks = kGoneTicks;
+    }
     switch (row.asker) {
       case Asker::core:
         finish_mode(state);

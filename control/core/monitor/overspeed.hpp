@@ -27,12 +27,16 @@ class Overspeed {
                         driven_while_off(view.sensed.right_drive, odometry.wheel_right_m_s);
     const std::uint8_t driven_ticks = hold<kFault, "driven_while_off">(kFastTicks);
     driven_ticks_ = count(driven, driven_ticks_, driven_ticks);
-    if (driven_ticks_ == driven_ticks) return true;
+    if (driven_ticks_ == driven_ticks) {
+      code_ = 0;
+      return true;
+    }
     if (!view.powered || !known) {
       left_.value = odometry.wheel_left_m_s;
       right_.value = odometry.wheel_right_m_s;
       fast_ticks_ = 0;
       apart_s_ = 0;
+      code_ = 0;
       return false;
     }
     follow(left_.value, view.left_command_m_s, view.dt_s);
@@ -41,13 +45,22 @@ class Overspeed {
         !(std::fabs(odometry.speed_m_s) <= view.params.speed_m_s_max + threshold<kFault, "margin">(view.params.overspeed_margin_m_s));
     const double apart_m_s = threshold<kFault, "following_error">(view.params.following_error_m_s_max);
     // Per wheel, because a single wheel that runs away moves the middle by only half.
-    const bool apart =
-        !(std::fabs(odometry.wheel_left_m_s - left_.value) <= apart_m_s && std::fabs(odometry.wheel_right_m_s - right_.value) <= apart_m_s);
+    const bool left_apart = !(std::fabs(odometry.wheel_left_m_s - left_.value) <= apart_m_s);
+    const bool right_apart = !(std::fabs(odometry.wheel_right_m_s - right_.value) <= apart_m_s);
+    const bool apart = left_apart || right_apart;
+    const double push_a = kPushShare * view.params.drive_current_limit_a;
+    const bool held_back = apart && !fast &&
+                           (!left_apart || held(odometry.wheel_left_m_s, left_.value, view.sensed.left_drive.current_a(), push_a)) &&
+                           (!right_apart || held(odometry.wheel_right_m_s, right_.value, view.sensed.right_drive.current_a(), push_a));
+    code_ = held_back ? kHeldBack : std::uint16_t{0};
     const std::uint8_t fast_ticks = hold<kFault, "time_above">(kFastTicks);
     fast_ticks_ = count(fast, fast_ticks_, fast_ticks);
     apart_s_ = apart ? apart_s_ + view.dt_s : 0;
     return fast_ticks_ == fast_ticks || apart_s_ > hold<kFault, "following_time">(view.params.following_error_s) - view.dt_s / 2;
   }
+
+  /// What it is, by HOIST_DETAIL.
+  [[nodiscard]] std::uint16_t code() const noexcept { return code_; }
 
  private:
   struct Reference {
@@ -58,6 +71,15 @@ class Overspeed {
   // A drive follows its command with about this lag (0.08 s in the closed-loop model, plus one step each way on the bus); without it
   // every bumper stop would differ by a x lag = 0.15 m/s.
   static constexpr double kFollow_s = 0.1;
+  static constexpr std::uint16_t kHeldBack = 1;
+  // Half of the current limit is far above what rolling takes: the motor pushes against something. A bridge or motor that gives no torque
+  // draws less, and that is the machine's own fault.
+  static constexpr double kPushShare = 0.5;
+
+  /// Slower than it should be, in the same direction or standing, while the motor pushes.
+  [[nodiscard]] static bool held(double wheel_m_s, double reference_m_s, double current_a, double push_a) noexcept {
+    return std::fabs(wheel_m_s) < std::fabs(reference_m_s) && wheel_m_s * reference_m_s >= 0 && std::fabs(current_a) >= push_a;
+  }
 
   [[nodiscard]] static bool driven_while_off(const DriveSensor& drive, double wheel_m_s) noexcept {
     return !drive.works() && motor_drives(drive, wheel_m_s, 0);
@@ -69,6 +91,7 @@ class Overspeed {
 
   Reference left_, right_;
   double apart_s_ = 0;
+  std::uint16_t code_ = 0;
   std::uint8_t fast_ticks_ = 0, driven_ticks_ = 0;
 };
 

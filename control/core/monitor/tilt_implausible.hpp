@@ -37,16 +37,20 @@ class TiltImplausible {
         beyond(struts.beta_left_rad - struts.beta_right_rad, threshold<kFault, "apart">(view.params.strut_apart_rad_max) + leak_rad_);
     const std::uint8_t apart_ticks = hold<kFault, "apart_time">(kApartTicks);
     apart_ticks_ = !apart ? std::uint8_t{0} : static_cast<std::uint8_t>(apart_ticks_ < apart_ticks ? apart_ticks_ + 1 : apart_ticks);
+    code_ = twisted && !steep && !fast && apart_ticks_ != apart_ticks ? kTwisted : std::uint16_t{0};
     if (view.mode == contract::Mode::init) return false;
     // A fallen patient hits the mechanical stop, and the blow shows in every accelerometer. That is the fall, which has its own alarm; a
     // sensor that is really wrong still is so after the acknowledgement.
     if (view.has(contract::Fault::fall_detected) && !view.has(kFault)) return false;
     return steep || fast || twisted || apart_ticks_ == apart_ticks;
   }
+  /// What it is, by HOIST_DETAIL: a twist alone is within what both struts can do, and a patient turns that far.
+  [[nodiscard]] std::uint16_t code() const noexcept { return code_; }
 
  private:
   // The top bar is rigid: both struts lean sideways alike. For 100 ms, because the three sensors do not sample together.
   static constexpr std::uint8_t kApartTicks = 10;
+  static constexpr std::uint16_t kTwisted = 1;
   // A sensor that leans forward by alpha, mounting included, and turns with its strut about the upright feels part of the turn as a roll: yaw rate x alpha,
   // which its filter, slow to trust gravity, holds for about this long (measured 0.79 degrees for each degree per second). Left and right
   // differ by what they lean differently, and in a tight turn that is what the patient does. It fades more slowly than it came: what the
@@ -59,6 +63,7 @@ class TiltImplausible {
   }
 
   double leak_rad_ = 0;  // the most that the turn of the last moments explains
+  std::uint16_t code_ = 0;
   std::uint8_t apart_ticks_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// H22 and hazard table 2.3: the same fault of the machine that stops the hoist again and again is no chance any more.
+// H22 and hazard table 2.3: the same fault of the machine that stops the hoist again and again is no coincidence.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -10,36 +10,63 @@
 
 namespace hoist::core {
 
+/// What is known of earlier stops when the core starts, and what it hands out to be stored: plain bytes in whole words.
+struct StopHistory {
+  struct Stop {
+    std::int64_t time_ns = 0;  // on the core's clock; negative for one before that clock began
+    std::uint64_t fault = 0;
+  };
+  // Each of the faults that count may be one short of its limit (at most 5), and so many different ones have never been seen together.
+  std::array<Stop, 32> stops{};
+  std::uint64_t count = 0;           // of `stops`, the oldest first
+  std::uint64_t out_of_service = 0;  // faults of the stop that led to FAULT, control_fault among them; 0 = not out of service for it
+};
+
 class RepeatWatch {
  public:
   /// A stop for this fault. True when it was one too many: `fault_stops_max` of them within `fault_stops_window_s`.
   [[nodiscard]] bool note(std::uint8_t fault, std::uint64_t time_ns, const contract::Params& params) noexcept {
     constexpr contract::Fault kFault = contract::Fault::control_fault;
-    stops_[next_] = {time_ns, fault, true};
-    next_ = (next_ + 1) % stops_.size();
+    const auto now_ns = static_cast<std::int64_t>(time_ns);
+    if (history_.count == history_.stops.size()) drop_oldest();
+    history_.stops[history_.count++] = {now_ns, fault};
     const double window_s = threshold<kFault, "window", Laxer::lower>(params.fault_stops_window_s);
     std::uint32_t count = 0;
-    for (const Stop& stop : stops_)
-      if (stop.counts && stop.fault == fault && static_cast<double>(time_ns - stop.time_ns) * 1e-9 <= window_s) ++count;
+    for (std::size_t i = 0; i < history_.count; ++i) {
+      const StopHistory::Stop& stop = history_.stops[i];
+      if (stop.fault == fault && static_cast<double>(now_ns - stop.time_ns) * 1e-9 <= window_s) ++count;
+    }
     return count >= threshold<kFault, "stops">(params.fault_stops_max);
   }
 
-  /// What stopped the hoist within the last second was a consequence of what is known now, and does not count.
-  void forget_recent(std::uint64_t time_ns) noexcept {
-    constexpr std::uint64_t kRecent_ns = 1'000'000'000;
-    for (Stop& stop : stops_) stop.counts = stop.counts && time_ns - stop.time_ns > kRecent_ns;
+  /// Drops what no longer counts. True when that was anything: then it is to be stored anew, because a restart of the computer makes
+  /// every stored stop count as one of that moment.
+  [[nodiscard]] bool expire(std::uint64_t time_ns, const contract::Params& params) noexcept {
+    constexpr contract::Fault kFault = contract::Fault::control_fault;
+    const double window_s = threshold<kFault, "window", Laxer::lower>(params.fault_stops_window_s);
+    if (history_.count == 0 || static_cast<double>(static_cast<std::int64_t>(time_ns) - history_.stops[0].time_ns) * 1e-9 <= window_s)
+      return false;
+    drop_oldest();
+    return true;
   }
+
   void forget() noexcept { *this = RepeatWatch{}; }
 
+  /// Its stops; whether the hoist is out of service is the supervisor's to add.
+  [[nodiscard]] const StopHistory& history() const noexcept { return history_; }
+  void restore(const StopHistory& history) noexcept {
+    history_ = history;
+    history_.out_of_service = 0;
+    if (history_.count > history_.stops.size()) history_.count = history_.stops.size();
+  }
+
  private:
-  struct Stop {
-    std::uint64_t time_ns = 0;
-    std::uint8_t fault = 0;
-    bool counts = false;
-  };
-  // Each of the faults that count may be one short of its limit (at most 5), and so many different ones have never been seen together.
-  std::array<Stop, 32> stops_{};
-  std::size_t next_ = 0;
+  void drop_oldest() noexcept {
+    for (std::size_t i = 1; i < history_.stops.size(); ++i) history_.stops[i - 1] = history_.stops[i];
+    --history_.count;
+  }
+
+  StopHistory history_;
 };
 
 }  // namespace hoist::core

@@ -37,14 +37,59 @@ void tell_faults(CoreState& state, std::uint32_t bits, EventKind kind) noexcept 
       event.item = state.health.duplicate_id();
     if (kind == EventKind::fault_raised && event.code == static_cast<std::uint32_t>(Fault::node_babbling))
       event.item = state.health.babbling_id();
+    if (kind == EventKind::fault_raised && (contract::faults_with_details() >> event.code & 1U) != 0)
+      event.item = state.fault_codes[event.code];
     emit(state, event);
   }
+}
+
+bool drive_in_fault(const DriveSensor& drive) noexcept {
+  using State = contract::canopen::drive::State;
+  return !drive.fresh().lost() && (drive.state() == State::fault || drive.state() == State::fault_reaction);
+}
+
+/// What a fault that holds now is about (HOIST_DETAIL); 0 = it has nothing to say.
+std::uint16_t code_now(const CoreState& state, Fault fault) noexcept {
+  const bool left = fault == Fault::drive_left_fault;
+  if (left || fault == Fault::drive_right_fault) {
+    const DriveSensor& drive = left ? state.sensed.left_drive : state.sensed.right_drive;
+    if (!drive_in_fault(drive)) return 0;
+    // The emergency message comes at once, 603Fh up to 50 ms later. The register tells whether that error is still there.
+    const NodeHealth& node = state.health.node(left ? contract::Node::drive_left : contract::Node::drive_right);
+    return node.error_register != 0 ? node.emcy_code : drive.error_code();
+  }
+  if (fault == Fault::tilt_implausible) return std::get<TiltImplausible>(state.monitors).code();
+  if (fault == Fault::overspeed) return std::get<Overspeed>(state.monitors).code();
+  return 0;
+}
+
+/// Codes belong to the beginning of a fault: what a drive says while it is reset, or a strut that swings back, is not its cause.
+void keep_codes(CoreState& state, std::uint32_t raised) noexcept {
+  for (std::uint32_t bits = contract::faults_with_details(); bits != 0; bits &= bits - 1) {
+    const auto bit = static_cast<std::size_t>(std::countr_zero(bits));
+    const bool held = (state.latched >> bit & 1U) != 0, begins = (raised >> bit & 1U) != 0;
+    if (!held) state.fault_codes[bit] = 0;
+    // A drive's code may be later than its fault.
+    if (held && (begins || (state.fault_codes[bit] == 0 && state.motion.ticks <= kJudgeTicks &&
+                            (fault_bit(static_cast<Fault>(bit)) & kDriveFaults) != 0)))
+      state.fault_codes[bit] = code_now(state, static_cast<Fault>(bit));
+  }
+}
+
+/// Faults in force that floor, load or patient have brought about.
+std::uint32_t from_outside(const CoreState& state) noexcept {
+  std::uint32_t bits = 0;
+  for (const contract::DetailInfo& detail : contract::kDetails)
+    if (detail.origin == contract::Origin::outside && state.fault_codes[static_cast<std::size_t>(detail.fault)] == detail.code)
+      bits |= fault_bit(detail.fault);
+  return bits;
 }
 
 void latch(CoreState& state, Fault fault) noexcept {
   const std::uint32_t bit = fault_bit(fault);
   if ((state.latched & bit) != 0) return;
   state.latched |= bit;
+  keep_codes(state, bit);
   tell_faults(state, bit, EventKind::fault_raised);
 }
 
@@ -52,6 +97,7 @@ void latch(CoreState& state, Fault fault) noexcept {
 void clear_latched(CoreState& state, std::uint32_t bits) noexcept {
   tell_faults(state, state.latched & bits, EventKind::fault_cleared);
   state.latched &= ~bits;
+  keep_codes(state, 0);
 }
 
 /// The exercise is over, whatever ended it.
@@ -93,19 +139,33 @@ void stop_protectively(CoreState& state, std::uint32_t causes) noexcept {
     const bool counts = state.mode != Mode::init;
     change_mode(state, Mode::protective_stop);
     state.motion.braking = Braking::protective;
-    state.stop_cause = static_cast<std::uint8_t>(std::countr_zero(causes) + 1);
-    for (std::uint32_t bits = counts ? causes & kCountedStops : 0U; bits != 0; bits &= bits - 1) {
-      if (!state.repeats.note(static_cast<std::uint8_t>(std::countr_zero(bits)), state.time_ns, state.params)) continue;
-      if (watches(Fault::control_fault)) latch(state, Fault::control_fault);
-    }
+    state.motion.causes = counts ? causes : 0U;
+    state.stop_cause = static_cast<std::uint8_t>(static_cast<unsigned>(contract::first_cause(causes)) + 1U);
   }
   if ((causes & fault_bit(Fault::bumper_pressed)) != 0) state.motion.braking = Braking::bumper;
+}
+
+/// The first second of a protective stop: a cause that is found after its consequence takes its place. At the end, what was the machine's
+/// own fault counts; a stop that became an emergency stop meanwhile was that one's consequence and does not.
+void judge_stop(CoreState& state) noexcept {
+  if (state.mode != Mode::protective_stop || state.motion.ticks > kJudgeTicks) return;
+  for (const contract::Explanation& row : contract::kExplanations) {
+    if (state.stop_cause != static_cast<std::uint8_t>(row.effect) + 1U || (state.latched & fault_bit(row.cause)) == 0) continue;
+    state.stop_cause = static_cast<std::uint8_t>(static_cast<unsigned>(row.cause) + 1U);
+    if (state.motion.causes != 0) state.motion.causes |= fault_bit(row.cause);
+  }
+  if (state.motion.ticks != kJudgeTicks) return;
+  const std::uint32_t own = state.motion.causes & kCountedStops & ~contract::consequences(state.latched) & ~from_outside(state);
+  for (std::uint32_t bits = own; bits != 0; bits &= bits - 1) {
+    state.stops_changed = true;
+    if (!state.repeats.note(static_cast<std::uint8_t>(std::countr_zero(bits)), state.time_ns, state.params)) continue;
+    if (watches(Fault::control_fault)) latch(state, Fault::control_fault);
+  }
 }
 
 /// The power is gone. What the controller remembers of motion goes with it, and whoever drove does so no longer.
 void stop_without_power(CoreState& state) noexcept {
   if (find_transition(state.mode, Mode::emergency_stop, Asker::hardware) == nullptr) return;
-  state.repeats.forget_recent(state.time_ns);
   change_mode(state, Mode::emergency_stop);
   state.stop_cause = static_cast<std::uint8_t>(Fault::emergency_stop) + 1;
   state.pending = {};
@@ -119,15 +179,10 @@ void stop_softly(CoreState& state, Asker asker) noexcept {
   if (state.motion.braking < Braking::soft) state.motion.braking = Braking::soft;
 }
 
-bool drive_in_fault(const DriveSensor& drive) noexcept {
-  using State = contract::canopen::drive::State;
-  return !drive.fresh().lost() && (drive.state() == State::fault || drive.state() == State::fault_reaction);
-}
-
 /// FAULT was entered for nothing but what plugs and cables explain.
 bool therapist_mends(const CoreState& state) noexcept {
   const std::uint32_t causes = state.latched & (kProtective & ~kNotOfTheMachine);
-  return (state.latched & kBreakdown) == fault_bit(Fault::control_fault) && causes != 0 && (causes & ~kTherapistMends) == 0;
+  return (state.latched & kBreakdown) == fault_bit(Fault::control_fault) && causes != 0 && (causes & ~kSilence) == 0;
 }
 
 /// What there is to say about a mode that nothing can be started from.
@@ -173,6 +228,12 @@ std::uint32_t guard_refusals(const CoreState& state, Guard guard) noexcept {
       // A drive's own fault goes with the acknowledgement; so does a bumper that touches, which only driving can clear (H13). A hoist on its
       // way out of service does not come back by this one.
       if ((state.conditions & kProtective & ~kDriveFaults & ~kBumper) != 0) bits |= refusal_bit(Refusal::cause_not_cleared);
+      if ((state.latched & kBreakdown) != 0) bits |= refusal_bit(Refusal::fault_mode);
+      if (state.still_ticks < kStillTicks) bits |= refusal_bit(Refusal::moving);
+      return bits;
+    case Guard::only_silence:
+      if ((state.conditions & kProtective & ~kSilence & ~kDriveFaults & ~kBumper) != 0 || state.motion.silent_ticks < kGoneTicks)
+        bits |= refusal_bit(Refusal::cause_not_cleared);
       if ((state.latched & kBreakdown) != 0) bits |= refusal_bit(Refusal::fault_mode);
       if (state.still_ticks < kStillTicks) bits |= refusal_bit(Refusal::moving);
       return bits;
@@ -261,13 +322,18 @@ void judge_faults(CoreState& state, std::uint32_t conditions) noexcept {
   // hoist out of service.
   const std::uint32_t kept = before & (state.mode == Mode::init ? kBreakdown : kLatching);
   state.latched = conditions | kept;
-  if (state.latched == before) return;
   const std::uint32_t raised = state.latched & ~before;
+  keep_codes(state, raised);
   tell_faults(state, before & ~state.latched, EventKind::fault_cleared);
   tell_faults(state, raised, EventKind::fault_raised);
   if ((raised & kPowerOff) != 0) stop_without_power(state);
   if ((raised & kProtective) != 0 && state.mode != Mode::init) stop_protectively(state, raised & kProtective);
   if ((raised & kSoft) != 0) stop_softly(state, Asker::core);
+  judge_stop(state);
+  if (state.repeats.expire(state.time_ns, state.params)) state.stops_changed = true;
+  const bool silent = state.mode == Mode::protective_stop && (conditions & kSilence) != 0;
+  std::uint8_t& silent_ticks = state.motion.silent_ticks;
+  silent_ticks = !silent ? std::uint8_t{0} : static_cast<std::uint8_t>(silent_ticks < kGoneTicks ? silent_ticks + 1 : kGoneTicks);
 }
 
 void raise_fault(CoreState& state, Fault fault) noexcept {
@@ -284,8 +350,31 @@ void serve_breakdown(CoreState& state) noexcept {
   const Transition* row = find_transition(state.mode, Mode::fault, Asker::breakdown);
   if (row == nullptr || guard_refusals(state, row->guard) != 0) return;
   change_mode(state, Mode::fault);
-  state.stop_cause = static_cast<std::uint8_t>(std::countr_zero(state.latched & kBreakdown) + 1);
+  // control_fault tells only that there were too many stops: what they were for stays the cause.
+  const bool known = state.stop_cause != 0 && (state.latched >> (state.stop_cause - 1U) & 1U) != 0;
+  if (!known || (state.latched & kBreakdown) != fault_bit(Fault::control_fault))
+    state.stop_cause = static_cast<std::uint8_t>(std::countr_zero(state.latched & kBreakdown) + 1);
+  state.stops_changed = true;
   state.pending = {};
+}
+
+void restore_stops(CoreState& state, const StopHistory& history) noexcept {
+  if (state.started) return;
+  state.repeats.restore(history);
+  if ((history.out_of_service & fault_bit(Fault::control_fault)) == 0) return;
+  const std::uint32_t known = fault_bit(Fault::control_fault) | (kProtective & ~kNotOfTheMachine);
+  state.latched = static_cast<std::uint32_t>(history.out_of_service) & known;
+  tell_faults(state, state.latched, EventKind::fault_raised);
+  change_mode(state, Mode::fault);
+  state.stop_cause = static_cast<std::uint8_t>(static_cast<unsigned>(Fault::control_fault) + 1U);
+}
+
+StopHistory stop_history(const CoreState& state) noexcept {
+  StopHistory history = state.repeats.history();
+  const std::uint32_t bit = fault_bit(Fault::control_fault);
+  // On its way to FAULT or there, also through the emergency stop.
+  if ((state.latched & bit) != 0) history.out_of_service = state.latched & (bit | (kProtective & ~kNotOfTheMachine));
+  return history;
 }
 
 std::uint32_t request_mode(CoreState& state, Mode to) noexcept {
@@ -346,10 +435,17 @@ void finish_mode(CoreState& state) noexcept {
 std::uint32_t acknowledge(CoreState& state, contract::Role role, std::uint32_t seen, bool& wait) noexcept {
   wait = false;
   const Transition* row = nullptr;
-  for (const Transition& each : kTransitions)
-    if (each.from == state.mode && each.asker == Asker::acknowledgement) row = &each;
+  std::uint32_t bits = 0;
+  // The first way that is open; when none is, the reasons of the first one.
+  for (const Transition& each : kTransitions) {
+    if (each.from != state.mode || each.asker != Asker::acknowledgement) continue;
+    const std::uint32_t against = guard_refusals(state, each.guard);
+    if (row != nullptr && against != 0) continue;
+    row = &each;
+    bits = against;
+    if (against == 0) break;
+  }
   if (row == nullptr) return refusal_bit(Refusal::unknown_item);
-  std::uint32_t bits = guard_refusals(state, row->guard);
   if (row->guard == Guard::checked && role != contract::Role::engineer && !therapist_mends(state))
     bits |= refusal_bit(Refusal::not_allowed);
   if (seen != 0 && (state.latched & kLatching & ~seen) != 0) bits |= refusal_bit(Refusal::cause_not_seen);
@@ -363,8 +459,11 @@ std::uint32_t acknowledge(CoreState& state, contract::Role role, std::uint32_t s
     // Everything is looked at anew, each node met as if the hoist had just been switched on. But the button asks for no role: what put the
     // hoist out of service stays, with its causes and counts, and INIT leads back to FAULT within this step.
     const bool checked = row->guard == Guard::checked;
-    if (checked) state.repeats.forget();
-    if (checked) state.relay.restore();
+    if (checked) {
+      state.repeats.forget();
+      state.stops_changed = true;
+      state.relay.restore();
+    }
     const bool broken = !checked && (state.latched & kBreakdown) != 0;
     state.master.meet_all_again();
     change_mode(state, Mode::init);

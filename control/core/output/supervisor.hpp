@@ -32,6 +32,7 @@ enum class Guard : std::uint8_t {
   ready_off_a_bumper,  // the same, but a bumper that was acknowledged while it touches: driving away from it is what is asked for
   ready_with_a_path,   // as ready, and there is a path that was checked
   cause_gone,          // the causes of the stop are gone, and the hoist has stood for a second
+  only_silence,        // nothing but nodes that have long been silent is left of the causes, and the hoist has stood for a second
   checked,             // an engineer, or a therapist for what a therapist can mend; the hoist has stood for a second
   chain_closed,        // the emergency stop is released
 };
@@ -67,6 +68,8 @@ inline constexpr std::array kTransitions{
     Transition{contract::Mode::guided, contract::Mode::protective_stop, Asker::fault, Guard::none},
     Transition{contract::Mode::calibrate, contract::Mode::protective_stop, Asker::fault, Guard::none},
     Transition{contract::Mode::protective_stop, contract::Mode::standby, Asker::acknowledgement, Guard::cause_gone},
+    // A node that does not come back must not hold the hoist for ever: INIT has the drives off, waits for the node and allows service.
+    Transition{contract::Mode::protective_stop, contract::Mode::init, Asker::acknowledgement, Guard::only_silence},
     // FAULT. From where wheels may turn the way leads through PROTECTIVE_STOP: a patient is brought to a stand before the drives go off.
     Transition{contract::Mode::init, contract::Mode::fault, Asker::breakdown, Guard::none},
     Transition{contract::Mode::standby, contract::Mode::fault, Asker::breakdown, Guard::at_rest},
@@ -151,6 +154,11 @@ static_assert(detail::table_is_sound(), "kTransitions breaks a rule of the hazar
 
 /// How long the hoist must have stood before an acknowledgement counts: one second.
 inline constexpr std::uint8_t kStillTicks = 100;
+/// A protective stop is judged this long after it began, before any acknowledgement can count: by then what explains its first fault is
+/// known (HOIST_EXPLAINS), and so is the emergency code of a drive.
+inline constexpr std::uint64_t kJudgeTicks = kStillTicks - 1;
+/// A node that is silent for longer than any node takes to restart: 2.5 s.
+inline constexpr std::uint8_t kGoneTicks = 250;
 /// A fault of the soft_stop kind that came from a lost driver is shown this long after the hoist has stopped.
 inline constexpr std::uint8_t kRemoteLostShownTicks = 100;
 
@@ -168,8 +176,8 @@ inline constexpr std::uint32_t kNotOfTheMachine =
     contract::fault_bit(contract::Fault::fall_detected) | contract::fault_bit(contract::Fault::base_tilted);
 /// Stops of which too many put the hoist out of service.
 inline constexpr std::uint32_t kCountedStops = faults_with(contract::Reaction::protective_stop) & ~kNotOfTheMachine;
-/// What a therapist can mend: a plug, a cable. Repeated, these may be acknowledged without an engineer.
-inline constexpr std::uint32_t kTherapistMends =
+/// Silence: a plug, a cable. A therapist can mend it; repeated, these may be acknowledged without an engineer.
+inline constexpr std::uint32_t kSilence =
     contract::fault_bit(contract::Fault::tilt_left_lost) | contract::fault_bit(contract::Fault::tilt_right_lost) |
     contract::fault_bit(contract::Fault::tilt_base_lost) | contract::fault_bit(contract::Fault::drive_left_lost) |
     contract::fault_bit(contract::Fault::drive_right_lost) | contract::fault_bit(contract::Fault::io_lost) |
@@ -187,6 +195,11 @@ inline constexpr std::uint32_t kTherapistMends =
 void judge_faults(CoreState& state, std::uint32_t conditions) noexcept;
 /// A fault that no monitor watches happened just now (STOP, the gate).
 void raise_fault(CoreState& state, contract::Fault fault) noexcept;
+
+/// Before the first step: what earlier runs of the core have stored. A hoist that was out of service stays so.
+void restore_stops(CoreState& state, const StopHistory& history) noexcept;
+/// What is to be stored after a step that set `stops_changed`.
+[[nodiscard]] StopHistory stop_history(const CoreState& state) noexcept;
 
 /// The lease holder asks for a mode; `to` is a mode of the table. Refusal bits, 0 = done or under way.
 [[nodiscard]] std::uint32_t request_mode(CoreState& state, contract::Mode to) noexcept;

@@ -92,6 +92,21 @@ GeneratedFile faults_page() {
                 std::string(kReactions[static_cast<std::size_t>(f.reaction)]), std::string(f.hazard), std::string(f.text_en),
                 std::string(f.action_en)});
   }
+  out +=
+      "\n## Details\n\nWhat a fault is about, by its live value `<fault>_code`. *Outside*: floor, load or patient; such a stop does not "
+      "count "
+      "towards FAULT.\n\n" +
+      table_head({"fault", "code", "name", "origin", "what the therapist reads", "what to do"});
+  for (const auto& d : kDetails) {
+    out += row({code(fault_info(d.fault).name), hex_text(d.code, 4), code(d.name), d.origin == Origin::outside ? "outside" : "machine",
+                std::string(d.text_en), std::string(d.action_en)});
+  }
+  out += "\n## Causes and consequences\n\nWhile the cause is in force, its consequences are shown under it and do not count.\n\n" +
+         table_head({"cause", "consequence"});
+  for (const auto& e : kExplanations) out += row({code(fault_info(e.cause).name), code(fault_info(e.effect).name)});
+  out += "\n## The patient first\n\nShown above every other alarm, in this order:";
+  for (const Fault fault : kEndangers) out += " " + code(fault_info(fault).name);
+  out += ".\n";
   constexpr std::array<std::string_view, 5> kMonitorReactions = {"warning", "R1", "R2", "R3", "R4"};
   out +=
       "\n## Monitors\n\nHow each fault is found. R1 soft stop to standby, R2 protective stop until acknowledged, R3 the drive stops by "

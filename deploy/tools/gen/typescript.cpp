@@ -243,6 +243,43 @@ export const faults: readonly FaultInfo[] = [
   }
   out += R"(];
 
+/** What a fault is about, where its code says more than its own row. */
+export interface FaultDetail {
+  fault: FaultName;
+  code: number;
+  name: string;
+  text: Words;
+  action: Words;
+}
+
+export const faultDetails: readonly FaultDetail[] = [
+)";
+  for (const auto& d : kDetails) {
+    out += "  {\n    fault: " + quoted(fault_info(d.fault).name) + ", code: " + hex_text(d.code, 4) + ", name: " + quoted(d.name) +
+           ",\n    text: " + words(d.text_en, d.text_de) + ",\n    action: " + words(d.action_en, d.action_de) + ",\n  },\n";
+  }
+  out += R"(];
+
+/** Faults that have a code: the live value <name>_code. */
+export const codedFaults = [)";
+  for (const auto& f : kFaults)
+    if ((faults_with_details() >> f.bit & 1U) != 0) out += quoted(f.name) + ", ";
+  out.resize(out.size() - 2);
+  out += R"(] as const;
+
+/** The effect is a consequence of the cause: shown under it. */
+export const explanations: readonly { cause: FaultName; effect: FaultName }[] = [
+)";
+  for (const auto& e : kExplanations)
+    out += "  { cause: " + quoted(fault_info(e.cause).name) + ", effect: " + quoted(fault_info(e.effect).name) + " },\n";
+  out += R"(];
+
+/** The patient needs help before the machine does: shown above every other alarm, in this order. */
+export const endangers: readonly FaultName[] = [)";
+  for (const Fault fault : kEndangers) out += quoted(fault_info(fault).name) + ", ";
+  out.resize(out.size() - 2);
+  out += R"(];
+
 export interface RefusalInfo {
   /** Place in blocked_bits. */
   bit: number;
