@@ -2,10 +2,15 @@
 
 #include <cstring>
 
+#include "control/core/output/supervisor.hpp"
+#include "control/publish/seq_cell.hpp"
+
 namespace hoist::run {
 
-ControlLoop::ControlLoop(bus::CanPort& port, publish::CoreLink& link, const contract::Params& initial) : port_(port), link_(link) {
+ControlLoop::ControlLoop(bus::CanPort& port, publish::CoreLink& link, const contract::Params& initial, const core::StopHistory& earlier)
+    : port_(port), link_(link) {
   [[maybe_unused]] const bool accepted = core::load_params(state_, initial);
+  core::restore_stops(state_, earlier);
   publish_params();
 }
 
@@ -61,8 +66,18 @@ void ControlLoop::step(const Step& step) noexcept {
   publish_frames(inputs.frames, step.time_ns, false);
   publish_frames({outputs_.frames.data(), outputs_.frames.size()}, step.time_ns, true);
   if (outputs_.params_changed) publish_params();
+  if (outputs_.stops_changed) publish::seq_write(stops_, stops_written_++, core::stop_history(state_));
   for (const contract::Event& event : outputs_.events) link_.publish_event(event);
   link_.publish_tick(outputs_.record);
+}
+
+bool ControlLoop::read_stops(core::StopHistory& history, std::uint64_t& seen) const noexcept {
+  core::StopHistory newest;
+  const std::uint64_t sequence = publish::seq_read_retry(stops_, newest);
+  if (sequence == 0 || sequence == seen) return false;
+  history = newest;
+  seen = sequence;
+  return true;
 }
 
 void ControlLoop::set_granted(std::uint8_t priority, std::uint8_t cpu, bool memory_locked) noexcept {

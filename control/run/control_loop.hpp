@@ -15,8 +15,8 @@ namespace hoist::run {
 
 class ControlLoop {
  public:
-  // `initial` was checked by the caller (load_params refuses otherwise and the defaults stay).
-  ControlLoop(bus::CanPort& port, publish::CoreLink& link, const contract::Params& initial);
+  // `initial` was checked by the caller (load_params refuses otherwise and the defaults stay). `earlier`: stops of earlier runs (H22).
+  ControlLoop(bus::CanPort& port, publish::CoreLink& link, const contract::Params& initial, const core::StopHistory& earlier = {});
 
   struct Step {
     std::uint64_t tick = 0;
@@ -35,6 +35,9 @@ class ControlLoop {
   /// Counted by the thread itself, before a step.
   void note_allocations(std::uint32_t since_first_step) noexcept { loop_.allocations = since_first_step; }
 
+  /// What is to be stored of the stops, for another thread. False while nothing of it has changed since `seen`, the number it handed out last.
+  [[nodiscard]] bool read_stops(core::StopHistory& history, std::uint64_t& seen) const noexcept;
+
   [[nodiscard]] bool standing_still() const noexcept { return outputs_.record.standing_still != 0; }
   [[nodiscard]] const contract::TickRecord& record() const noexcept { return outputs_.record; }
 
@@ -47,6 +50,8 @@ class ControlLoop {
   publish::CoreLink& link_;
   core::CoreState state_;
   core::TickOutputs outputs_;
+  contract::SeqSlot<core::StopHistory> stops_{};
+  std::uint64_t stops_written_ = 0;
   Lateness lateness_;
   core::LoopHealth loop_;
   std::atomic<std::uint32_t> page_faults_{0};

@@ -30,6 +30,7 @@
 #include "control/run/pacer.hpp"
 #include "control/run/parameter_file.hpp"
 #include "control/run/real_time.hpp"
+#include "control/run/stop_file.hpp"
 #include "control/run/watchdog.hpp"
 
 namespace {
@@ -65,7 +66,8 @@ void print_help() {
          "                     pokeys:udp:HOST; pins in control/bus/README.md\n"
          "  --capture FILE     appends every frame to FILE, in candump's log format\n"
          "  --socket PATH      where hoist-server attaches (default /run/hoist/core.sock)\n"
-         "  --params FILE      stored parameters; created at the first change (default: nothing is stored)\n"
+         "  --params FILE      stored parameters; created at the first change (default: nothing is stored). FILE.stops beside it keeps\n"
+         "                     how often the machine's own faults have stopped the hoist\n"
          "  --set NAME=VALUE   starts with this value (SI units) instead of the stored one; may be repeated\n"
          "  --cpu WHICH        core for the control thread: auto (one that the kernel keeps free, else the last; default), none or a "
          "number\n"
@@ -122,6 +124,37 @@ std::string apply_set(contract::Params& params, const std::string& assignment) {
   contract::set_param_unchecked(params, *index, value);
   return {};
 }
+
+// The stops of earlier runs; says so when they cannot be believed.
+core::StopHistory earlier_stops(const std::string& path, const std::string& boot_id) {
+  const run::LoadedStops loaded = run::load_stop_file(path, boot_id, now_ns(CLOCK_MONOTONIC));
+  if (!loaded.problem.empty())
+    std::cerr << "hoist-control: " << loaded.problem
+              << "\n  How often the hoist has stopped is not known, so it starts out of service until an engineer releases it.\n";
+  return loaded.history;
+}
+
+// Stores what has changed of the stops since the last call; what could not be stored is tried again with the next one.
+class StopKeeper {
+ public:
+  StopKeeper(std::string path, std::string boot_id) : path_(std::move(path)), boot_id_(std::move(boot_id)) {}
+
+  void serve(const run::ControlLoop& loop) {
+    if (path_.empty()) return;
+    waiting_ = loop.read_stops(history_, seen_) || waiting_;
+    if (!waiting_) return;
+    const std::string problem = run::save_stop_file(path_, boot_id_, history_);
+    waiting_ = !problem.empty();
+    if (waiting_ && problem != told_) std::cerr << "hoist-control: stops not stored: " << problem << std::endl;
+    told_ = problem;
+  }
+
+ private:
+  std::string path_, boot_id_, told_;
+  core::StopHistory history_;
+  std::uint64_t seen_ = 0;
+  bool waiting_ = false;
+};
 
 // What the control thread shares with the others.
 struct LoopThread {
@@ -303,7 +336,9 @@ int main(int argc, char** argv) {
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
 
-  run::ControlLoop loop(*port, *link, params);
+  const std::string stops_path = options.params.empty() ? std::string() : options.params + ".stops", boot_id = run::boot_id();
+  run::ControlLoop loop(*port, *link, params, stops_path.empty() ? core::StopHistory{} : earlier_stops(stops_path, boot_id));
+  StopKeeper stops(stops_path, boot_id);
   std::cout << "hoist-control: 100 Hz on " << options.bus << ", server socket " << options.socket << std::endl;
   const std::string lock_problem = options.real_time ? run::lock_memory() : std::string("--no-realtime");
   LoopThread shared;
@@ -335,10 +370,12 @@ int main(int argc, char** argv) {
                 << std::endl;
     }
     if (const std::string news = link->serve(100); !news.empty()) std::cout << "hoist-control: " << news << std::endl;
+    stops.serve(loop);
   }
   thread.join();
   watchdog.join();
   store.join();
+  stops.serve(loop);
   if (capture != nullptr && capture->dropped() > 0)
     std::cerr << "hoist-control: " << capture->dropped() << " frames are missing in " << options.capture << std::endl;
   std::cout << "hoist-control: stopped" << std::endl;
