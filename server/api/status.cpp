@@ -3,6 +3,7 @@
 
 #include "control/contract/faults.hpp"
 #include "server/api/actions.hpp"
+#include "server/api/alarms.hpp"
 #include "server/api/handlers.hpp"
 #include "server/live/hub.hpp"
 #include "server/live/notices.hpp"
@@ -29,6 +30,7 @@ void get_status(const CallPtr& call) {
             {"problem", problem.empty() ? json(nullptr) : json(problem)},
             {"mode", nullptr},
             {"faults", json::array()},
+            {"alarms", json::array()},
             {"blocked", json::array()},
             {"standing_still", nullptr},
             {"tick", nullptr},
@@ -38,6 +40,7 @@ void get_status(const CallPtr& call) {
     simulated = newest->simulated != 0;
     core["mode"] = newest->mode < contract::kModes.size() ? json(contract::kModes[newest->mode].name) : json(nullptr);
     core["faults"] = fault_names(newest->fault_bits);
+    core["alarms"] = alarms_json(*newest);
     core["blocked"] = refusal_names(newest->blocked_bits);
     core["standing_still"] = newest->standing_still != 0;
     core["tick"] = newest->tick;

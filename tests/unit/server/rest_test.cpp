@@ -530,6 +530,35 @@ TEST_F(Rest, TheCauseOfAStopIsToldDuringTheStopOnly) {
   EXPECT_EQ(cause(Mode::fault).size(), 1U);
 }
 
+TEST_F(Rest, AlarmsAreToldInTheOrderInWhichTheyMatter) {
+  using contract::Fault;
+  const auto alarms = [&](std::initializer_list<Fault> faults, Fault first) {
+    std::uint32_t bits = 0;
+    for (const Fault fault : faults) bits |= contract::fault_bit(fault);
+    core_->set([bits, first](contract::TickRecord& r) {
+      r.fault_bits = bits;
+      r.stop_cause = static_cast<std::uint8_t>(static_cast<unsigned>(first) + 1U);
+      r.drive_left_fault_code = 0x7121;
+    });
+    json told;
+    EXPECT_TRUE(until([&] {
+      told = get("/api/v1/status").json()["core"]["alarms"];
+      return told.size() == faults.size();
+    }));
+    return told;
+  };
+  const json cut = alarms({Fault::tilt_left_lost, Fault::io_lost, Fault::bus_down}, Fault::tilt_left_lost);
+  EXPECT_EQ(cut[0]["name"], "bus_down");
+  EXPECT_TRUE(cut[0]["consequence_of"].is_null());
+  EXPECT_EQ(cut[1]["consequence_of"], "bus_down");
+  EXPECT_EQ(cut[2]["consequence_of"], "bus_down");
+  const json fall = alarms({Fault::tilt_left_lost, Fault::fall_detected}, Fault::tilt_left_lost);
+  EXPECT_EQ(fall[0]["name"], "fall_detected");
+  const json blocked = alarms({Fault::drive_left_fault}, Fault::drive_left_fault);
+  EXPECT_EQ(blocked[0]["code"], 0x7121);
+  EXPECT_EQ(blocked[0]["text"]["en"], "The left wheel was blocked");
+}
+
 TEST_F(Rest, FieldsThatNobodyKnowsAreNamed) {
   const auto refused = [&](const char* method, const char* path, const json& body, const char* field, const Headers& more = {}) {
     const Answer answer = call(method, path, body, more);
