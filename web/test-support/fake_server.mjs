@@ -202,7 +202,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       allocations: 0, loop_priority: 49, loop_cpu: 3, memory_locked: 1, bus_frames: hoist.tick * 7, fault_bits: hoist.faults, blocked_bits: hoist.faults ? 4 : 0, lease_epoch: lease.epoch, lease_holder: lease.holder,
       guided_phase: hoist.mode === 'guided' ? 2 : 0, guided_progress_norm: hoist.guided ? Math.min(1, hoist.distance / hoist.guided.total_m) : 0,
       guided_remaining_m: hoist.guided ? Math.max(0, hoist.guided.total_m - hoist.distance) : 0, guided_cross_track_m: hoist.mode === 'guided' ? 0.012 * Math.sin(hoist.tick / 70) : 0,
-      parameter_version: hoist.version, settings_trial_s: hoist.trial === null ? 0 : (hoist.trial.until - hoist.tick) * dt_s, ...calibration(), ...health(hoist.tick), mode: modeValue[hoist.mode], stop_cause: 0, simulated: 1, server_alive: 1, standing_still: Math.abs(hoist.v) < 0.02 ? 1 : 0,
+      parameter_version: hoist.version, settings_trial_s: hoist.trial === null ? 0 : (hoist.trial.until - hoist.tick) * dt_s, ...calibration(), stop_cause: 0, ...health(hoist.tick), mode: modeValue[hoist.mode], simulated: 1, server_alive: 1, standing_still: Math.abs(hoist.v) < 0.02 ? 1 : 0,
     };
   };
 

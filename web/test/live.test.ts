@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest';
 import { signals, type TickRecord } from '../src/contract/signals.gen';
 import { modes } from '../src/contract/faults.gen';
 import { Live } from '../src/link/live';
-import { activeFaults } from '../src/ui/strip';
+import { activeFaults } from '../src/ui/alarms';
 import { wishArrow } from '../src/ui/hoist_picture';
 import { fit, patternPoints } from '../src/ui/geometry';
 import { zigzag, pathOf, type Samples } from '../src/panels/sessions/model';

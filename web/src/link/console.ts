@@ -1,5 +1,5 @@
 // Ties the connection to the store and offers what screens may ask for. The only writer of the store.
-import { faults, modes, type FaultName } from '../contract/faults.gen';
+import { codedFaults, faults, modes, type FaultName } from '../contract/faults.gen';
 import { layoutHash, type Exercise, type GuidedPath, type StandingNotice } from '../contract/messages.gen';
 import type { ParamName } from '../contract/params.gen';
 import type { TickRecord } from '../contract/signals.gen';
@@ -61,6 +61,12 @@ const duplicateBit = bitOf('node_duplicate');
 const babblingBit = bitOf('node_babbling');
 const nobody = 0xffff;
 
+const parts = ['drive_left', 'drive_right', 'io', 'tilt_left', 'tilt_right', 'tilt_base'] as const;
+function silentNodes(record: TickRecord): string {
+  const silent = parts.filter((name) => record[`${name}_age_ticks`] === 255);
+  return silent.length === parts.length ? '' : silent.join(' ');
+}
+
 /** Where a STOP has nothing left to do. */
 const stoppedModes = new Set(modes.filter((mode) => stopped(mode.name)).map((mode) => mode.value));
 
@@ -68,6 +74,9 @@ function slowPart(record: TickRecord) {
   return {
     mode: modes[record.mode]?.name ?? 'init',
     faultBits: record.fault_bits,
+    stopCause: record.stop_cause,
+    faultCodes: JSON.stringify(Object.fromEntries(codedFaults.map((name) => [name, record[`${name}_code`]]))),
+    silentNodes: silentNodes(record),
     blockedBits: record.blocked_bits,
     standingStill: record.standing_still === 1,
     bumpers: record.bumpers,

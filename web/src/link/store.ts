@@ -60,6 +60,12 @@ export interface State {
   // The slow part of the newest record: kept here so that screens draw anew only when it changes.
   mode: ModeName;
   faultBits: number;
+  /** Fault that came first of the latest stop, plus one; 0 = none. */
+  stopCause: number;
+  /** What the faults are about (FaultCodes), as JSON so that equal ones are equal. */
+  faultCodes: string;
+  /** Names of the nodes that have not been heard for 2.5 s or never, with a blank between; empty while all or none of them are. */
+  silentNodes: string;
   blockedBits: number;
   standingStill: boolean;
   bumpers: number;
@@ -116,6 +122,9 @@ export const initial: State = {
   recording: { state: 'idle', session: null, started_utc_ms: null, samples: 0, detail: '' },
   mode: 'init',
   faultBits: 0,
+  stopCause: 0,
+  faultCodes: '{}',
+  silentNodes: '',
   blockedBits: 0,
   standingStill: true,
   bumpers: 0,

@@ -55,6 +55,7 @@ export const en = {
   'strip.drivingOther': 'Someone else drives the hoist.',
   'strip.offBumper': 'A bumper touches: only straight away from it, slowly.',
   'strip.starting': 'The hoist is starting …',
+  'strip.waiting': 'The hoist waits for: {parts}. Check plug and power.',
   'strip.calibrating': 'The hoist is being calibrated; its drives are off.',
   'strip.connecting': 'Connecting to the hoist …',
   'strip.notReady': 'Not ready yet',

@@ -1,11 +1,12 @@
 // The line under the status bar: the most important alarm with what to do, or in calm times one sentence. Its height never changes.
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
-import { faults, type FaultInfo, type FaultName } from '../contract/faults.gen';
+import type { FaultInfo, FaultName } from '../contract/faults.gen';
 import type { StandingNotice } from '../contract/messages.gen';
 import { acknowledge, notify } from '../link/console';
 import { stopped, useStore } from '../link/store';
 import { useSettings } from '../text/settings';
-import { fixed, t, words } from '../text/text';
+import { fixed, t, textOf, words } from '../text/text';
+import { activeFaults, toldFaults, type FaultCodes } from './alarms';
 import { deviceOfCan, deviceOfNode } from './device';
 import { HoldButton } from './hold_button';
 import { reasons } from './refusal';
@@ -16,15 +17,12 @@ export interface Alarm {
   priority: Priority;
   text: string;
   action: string;
+  /** Shown under the alarm before it, which explains it. */
+  follows?: boolean;
 }
 const rank: Record<Priority, number> = { high: 0, medium: 1, low: 2, calm: 3 };
 const marks: Record<Priority, string> = { high: '!!!', medium: '!!', low: '!', calm: '' };
 export const releaseHold_ms = 2000;
-
-/** The active faults, most important first. */
-export function activeFaults(bits: number): FaultInfo[] {
-  return faults.filter((fault) => (bits >>> fault.bit) & 1).sort((a, b) => rank[a.priority] - rank[b.priority] || a.bit - b.bit);
-}
 
 /** What is wrong with the storage. A file of another program is the reason why nothing is recorded: told once. */
 export function storageAlarms(standing: readonly StandingNotice[], recordingFailed: boolean): Alarm[] {
@@ -43,6 +41,9 @@ export function Strip() {
   const core = useStore((s) => s.coreConnected);
   const mode = useStore((s) => s.mode);
   const bits = useStore((s) => s.faultBits);
+  const stopCause = useStore((s) => s.stopCause);
+  const codes = useStore((s) => s.faultCodes);
+  const silent = useStore((s) => s.silentNodes);
   const mine = useStore((s) => s.lease.mine);
   const bumpers = useStore((s) => s.bumpers);
   const layout = useStore((s) => s.layoutDiffers);
@@ -58,7 +59,7 @@ export function Strip() {
   const seen = useRef<readonly FaultName[]>([]);
 
   const alarms: Alarm[] = [];
-  const add = (id: string, priority: Priority, text: string, action = '') => alarms.push({ id, priority, text, action });
+  const add = (id: string, priority: Priority, text: string, action = '', follows = false) => alarms.push({ id, priority, text, action, follows });
   if (failed) add('stop', 'high', t('stop.failed'));
   if (layout) add('layout', 'high', t('strip.layout'), t('strip.layoutAction'));
   if (!signedIn) add('signedOut', 'high', t('strip.signedOut'), t('strip.signedOutAction'));
@@ -68,12 +69,16 @@ export function Strip() {
   else if (link === 'open' && data === 'gone') add('data', 'high', t('strip.noData', { s: fixed(age_s, 0) }), t('strip.lostAction'));
   const device: Partial<Record<FaultName, string | null>> = { node_duplicate: deviceOfNode(duplicateId), node_babbling: deviceOfCan(babblingId) };
   if (data !== 'gone' && data !== 'none')
-    for (const fault of activeFaults(bits)) {
+    for (const { fault, text, action, consequenceOf } of toldFaults(bits, stopCause, JSON.parse(codes) as FaultCodes)) {
       const name = device[fault.name];
-      add(fault.name, fault.priority, name ? `${words(fault.text)}: ${name}` : words(fault.text), words(fault.action));
+      add(fault.name, fault.priority, name ? `${words(text)}: ${name}` : words(text), words(action), consequenceOf !== null);
     }
-  alarms.push(...storageAlarms(standing, recording === 'failed'));
-  alarms.sort((a, b) => rank[a.priority] - rank[b.priority]);
+  for (const alarm of storageAlarms(standing, recording === 'failed')) {
+    const lower = alarms.findIndex((other) => !other.follows && rank[other.priority] > rank[alarm.priority]);
+    alarms.splice(lower < 0 ? alarms.length : lower, 0, alarm);
+  }
+  // What is told first is not always the highest: the colour is.
+  const worst = alarms.reduce<Priority>((most, alarm) => (rank[alarm.priority] < rank[most] ? alarm.priority : most), 'calm');
 
   const calm = sending
     ? t('stop.sending')
@@ -86,12 +91,16 @@ export function Strip() {
           : mode === 'guided'
             ? t(mine ? 'strip.guiding' : 'strip.drivingOther')
             : mode === 'init'
-              ? t('strip.starting')
+              ? silent === ''
+                ? t('strip.starting')
+                : t('strip.waiting', { parts: silent.split(' ').map((part) => textOf(`health.part.${part}`)).join(', ') })
               : mode === 'calibrate'
                 ? t('strip.calibrating')
                 : t('strip.ready');
   const first: Alarm = alarms[0] ?? { id: 'calm', priority: 'calm', text: calm, action: '' };
   const more = alarms.slice(1);
+  // Consequences are there to be read, but they are not more to do.
+  const others = more.filter((alarm) => !alarm.follows).length;
 
   // What to do must be readable to its end, also where the line is too short for it.
   const line = useRef<HTMLSpanElement>(null);
@@ -118,8 +127,8 @@ export function Strip() {
   };
 
   return (
-    <div class={`strip ${first.priority}`}>
-      <div class="strip-text" role={first.priority === 'high' ? 'alert' : 'status'} aria-live={first.priority === 'high' ? 'assertive' : 'polite'}>
+    <div class={`strip ${worst}`}>
+      <div class="strip-text" role={worst === 'high' ? 'alert' : 'status'} aria-live={worst === 'high' ? 'assertive' : 'polite'}>
         {first.priority === 'calm' ? null : (
           <span class="strip-mark" role="img" aria-label={t(`priority.${first.priority}`)}>
             {marks[first.priority]}
@@ -134,10 +143,10 @@ export function Strip() {
           type="button"
           class="quiet"
           aria-expanded={all}
-          aria-label={more.length > 0 ? t('strip.others', { n: more.length }) : t('strip.whole')}
+          aria-label={others > 0 ? t('strip.others', { n: others }) : t('strip.whole')}
           onClick={() => setAll(!all)}
         >
-          {more.length > 0 ? `+${more.length}` : '…'}
+          {others > 0 ? `+${others}` : '…'}
         </button>
       ) : null}
       {stopped(mode) && link === 'open' ? (
@@ -155,11 +164,11 @@ export function Strip() {
       {all && openable ? (
         <ul class="strip-more card">
           {alarms.map((alarm) => (
-            <li key={alarm.id}>
+            <li key={alarm.id} class={alarm.follows ? 'follows' : undefined}>
               <strong>
-                {marks[alarm.priority]} {alarm.text}
+                {alarm.follows ? '' : marks[alarm.priority]} {alarm.text}
               </strong>{' '}
-              {alarm.action}
+              {alarm.follows ? '' : alarm.action}
             </li>
           ))}
         </ul>
