@@ -3,7 +3,7 @@
 //   node tests/web/e2e.mjs [--bin build/bin] [--web web/dist] [--json FILE] [--only TEXT] [--shots DIR]
 //
 // What the hoist really does is asked of the simulator, never of the page. Ends with `N passed, N failed, N skipped`.
-import { existsSync, mkdirSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -685,7 +685,11 @@ async function recover() {
   await page?.mouse.up().catch(() => {});
   await page?.close().catch(() => {});
   // A bus that starves again and again puts the hoist out of service; without a new start the cases that follow could only be skipped.
-  if ((await stack.coreStatus().catch(() => null))?.mode === 'fault') await stack.programs['hoist-control'].kill('SIGTERM');
+  // Out of service outlasts a restart (H22), so the stored stops go, too.
+  if ((await stack.coreStatus().catch(() => null))?.mode === 'fault') {
+    await stack.programs['hoist-control'].kill('SIGTERM');
+    rmSync(stack.path('data', 'parameters.json.stops'), { force: true });
+  }
   const start = { 'hoist-sim': () => stack.startSim(), 'hoist-control': () => stack.startControl(), 'hoist-server': () => stack.startServer() };
   for (const program of programs) if (stack.programs[program]?.ended) await start[program]().catch(() => {});
   await openConsole().catch(() => {});
