@@ -38,8 +38,10 @@ inline constexpr std::int32_t kStallCounts = 2;       // the encoder shows no mo
 inline constexpr std::uint32_t kStall_ms = 100;       // ... for so long
 inline constexpr float kStallReference_rad_s = 1.0F;  // holding still against a load is no stall
 // While a wheel stands, voltage and current keep their ratio, whatever the winding's temperature. A motor that turns behind an encoder that
-// counts nothing generates more with every turn: 0.4 V in kStall_ms is an acceleration of 0.12 m/s2, far below what the limit gives.
+// counts nothing generates more with every turn: 0.4 V in the rest of kStall_ms is an acceleration of 0.15 m/s2, far below what the limit
+// gives. The blow of a wheel that is stopped under way has ended by then: the winding's time constant is near 1 ms, the limiter's 5.
 inline constexpr float kStallRise_v = 0.4F;
+inline constexpr std::uint32_t kStallSettle_ms = 20;
 inline constexpr float kReversedSpeed_rad_s = 20.0F;  // hazard H2: speed against the voltage that the motor generates
 inline constexpr float kReversedVoltage_v = 2.5F;     // more than 30 % error of the resistance makes at 6 A
 inline constexpr std::uint32_t kReversed_ms = 50;
@@ -486,7 +488,7 @@ class DriveNode {
     const bool stalled =
         !moving && std::fabs(current_a_) > kStallCurrentShare * current_limit_a && std::fabs(reference_rad_s) > kStallReference_rad_s;
     if (!stalled) stall_counts_ = counts_;
-    if (stalled && stall_ms_ == 0) {
+    if (stalled && stall_ms_ == kStallSettle_ms) {
       stall_begin_v_ = applied_v;
       stall_begin_a_ = current_a_;
     }
@@ -759,7 +761,7 @@ class DriveNode {
   std::uint32_t over_voltage_ms_ = 0, driver_ms_ = 0, illegal_age_ms_ = 0, stray_current_ms_ = 0;
   std::uint32_t illegal_at_start_ = 0, illegal_seen_ = 0;
   std::int32_t stall_counts_ = 0;
-  float stall_begin_v_ = 0, stall_begin_a_ = 0;
+  float stall_begin_v_ = 0, stall_begin_a_ = 0;  // after kStallSettle_ms of a stall
 };
 
 }  // namespace hoist::firmware
