@@ -244,7 +244,7 @@ export const faults: readonly FaultInfo[] = [
   },
   {
     bit: 31, name: 'control_fault', priority: 'high', reaction: 'out_of_service',
-    text: { en: 'A fault of its own has put the hoist out of service', de: 'Eine eigene Störung hat das Gerät außer Betrieb gesetzt' },
+    text: { en: 'The same fault has stopped the hoist again and again', de: 'Dieselbe Störung hat die Hilfe immer wieder angehalten' },
     action: { en: 'Free the patient and call service; the other alarm names the fault.', de: 'Patienten befreien und Service rufen; der andere Alarm nennt die Störung.' },
   },
   {

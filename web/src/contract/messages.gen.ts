@@ -11,15 +11,6 @@ export type Exercise =
 /** What the hoist drives by itself while the button is held. */
 export type GuidedPath = Exclude<Exercise, { shape: 'free' }> & { speed_m_s: number; laps?: number };
 
-/** A condition that lasts, with what to do; the same rows as in GET /api/v1/status. */
-export interface StandingNotice {
-  name: string;
-  priority: 'low' | 'medium';
-  text: { en: string; de: string };
-  action: { en: string; de: string };
-  detail: string;
-}
-
 /** Which field was refused and what is allowed. */
 export interface FieldError {
   field: string;
@@ -251,8 +242,6 @@ export interface ReplyMessage {
   detail?: string;
   /** Number of the lease just taken. */
   epoch?: number;
-  /** Of a change of settings. False: in force, and not on the disk; see notices. */
-  stored?: boolean;
 }
 
 /** Something the core did. */
@@ -325,12 +314,6 @@ export interface NoticeMessage {
   refusals?: string[];
 }
 
-/** What stays wrong until it is mended: on connecting and after each change. */
-export interface NoticesMessage {
-  type: 'notices';
-  items: readonly StandingNotice[];
-}
-
 /** How far an update of a node's program has come: at most four times a second, and at its end. */
 export interface FirmwareProgressMessage {
   type: 'firmware_progress';
@@ -358,7 +341,6 @@ export type ServerMessage =
   | CoreMessage
   | PongMessage
   | NoticeMessage
-  | NoticesMessage
   | FirmwareProgressMessage;
 
 /** What the core reports. */
@@ -413,4 +395,4 @@ export const nodes: readonly NodeInfo[] = [
 ];
 
 /** Two programs with different hashes do not understand each other. */
-export const layoutHash = '82c00bc9d94bd674';
+export const layoutHash = '5f8de2fb8831aa34';
