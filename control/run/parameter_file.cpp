@@ -1,73 +1,18 @@
 #include "control/run/parameter_file.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 namespace hoist::run {
-namespace {
 using nlohmann::json;
-
-// Over names and values, so that a hand-edited or half-written file is noticed. Not a defence against malice.
-std::string checksum(const json& values) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(contract::hash_bytes(contract::kHashStart, values.dump())));
-  return text;
-}
-
-// 0, or the error.
-int sync_folder_of(const std::string& path) {
-  const std::size_t slash = path.rfind('/');
-  const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
-  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return errno;
-  const int error = ::fsync(fd) == 0 ? 0 : errno;
-  ::close(fd);
-  return error;
-}
-
-int write_synced(int fd, const std::string& text) {
-  const ssize_t written = ::write(fd, text.data(), text.size());
-  if (written < 0) return errno;
-  // A disk that fills up takes a part and reports no error.
-  if (written != static_cast<ssize_t>(text.size())) return ENOSPC;
-  return ::fsync(fd) == 0 ? 0 : errno;
-}
-
-constexpr off_t kFileBytesMax = 1 << 20;  // our own file has about 2 kB; anything near this is not ours
-}  // namespace
 
 LoadedParams load_parameter_file(const std::string& path) {
   LoadedParams loaded;
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) {
-    loaded.usable = errno == ENOENT;
-    if (!loaded.usable) loaded.problem = "cannot read " + path + ": " + std::strerror(errno);
-    return loaded;
-  }
-  if (status.st_size > kFileBytesMax) {
-    loaded.problem = path + " is too large to be a parameter file";
-    return loaded;
-  }
-  std::ifstream file(path);
-  const json document = json::parse(file, nullptr, false);
-  if (!document.is_object() || !document.contains("values") || !document["values"].is_object() || !document.contains("checksum")) {
-    loaded.problem = path + " is not a parameter file";
-    return loaded;
-  }
-  const json& values = document["values"];
-  if (document["checksum"] != checksum(values)) {
-    loaded.problem = path + " was damaged or edited by hand (checksum)";
-    return loaded;
-  }
-  for (const auto& [name, value] : values.items()) {
+  const StoredValues stored = load_values(path, "parameter file");
+  loaded.problem = stored.problem;
+  loaded.usable = stored.missing;
+  if (stored.missing || !stored.problem.empty()) return loaded;
+  for (const auto& [name, value] : stored.values.items()) {
     const auto index = contract::find_param(name);
     if (!index) {
       loaded.remarks.push_back("stored parameter " + name + " is unknown to this version and was left out");
@@ -92,24 +37,7 @@ LoadedParams load_parameter_file(const std::string& path) {
 Saved save_parameter_file(const std::string& path, const contract::Params& params) {
   json values = json::object();
   for (std::size_t i = 0; i < contract::kParamCount; ++i) values[std::string(contract::kParams[i].name)] = contract::get_param(params, i);
-  const json document = {{"product", "hoist"}, {"checksum", checksum(values)}, {"values", values}};
-  const std::string text = document.dump(1) + "\n";
-  const std::string fresh = path + ".new";
-  const auto failed = [&fresh](const char* what, int error) {
-    return Saved{std::string(what) + " " + fresh + ": " + std::strerror(error), error};
-  };
-  const int fd = ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  if (fd < 0) return failed("cannot create", errno);
-  const int error = write_synced(fd, text);
-  ::close(fd);
-  if (error != 0) {
-    ::unlink(fresh.c_str());  // what there is of it only takes room
-    return failed("cannot write", error);
-  }
-  if (::rename(fresh.c_str(), path.c_str()) != 0) return failed("cannot put in place", errno);
-  // The new name is on the disk only with its folder.
-  if (const int unsynced = sync_folder_of(path); unsynced != 0) return failed("cannot sync the folder of", unsynced);
-  return {};
+  return save_values(path, values);
 }
 
 ParameterStore::ParameterStore(std::string path, const contract::Params& started_with, const contract::Params& stored)

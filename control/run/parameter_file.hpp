@@ -8,6 +8,7 @@
 
 #include "control/contract/params.hpp"
 #include "control/contract/shared_memory.hpp"
+#include "control/run/stored_values.hpp"
 
 namespace hoist::run {
 
@@ -19,11 +20,6 @@ struct LoadedParams {
 };
 // A missing file is a first start: defaults, usable.
 LoadedParams load_parameter_file(const std::string& path);
-struct Saved {
-  std::string problem;  // empty: file and folder are synced
-  int error = 0;        // errno
-};
-// The old file stays whole until the new one is on the disk.
 Saved save_parameter_file(const std::string& path, const contract::Params& params);
 
 // Brings what is in force to the disk. One thread uses it, which may wait for the disk.

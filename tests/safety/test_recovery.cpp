@@ -311,6 +311,18 @@ TEST(Restart, H22OutOfServiceStaysSoUntilItIsAcknowledged) {
   EXPECT_EQ(stop_history(hoist.state).count, 0U);
 }
 
+TEST(Restart, H1ANewStartGivesARunawayHoistNoSupply) {
+  ScriptedHoist hoist;
+  StopHistory known;
+  known.out_of_service = fault_bit(Fault::control_fault) | fault_bit(Fault::overspeed);
+  restore_stops(hoist.state, known);
+  hoist.step(300);
+  EXPECT_TRUE(hoist.state.relay.is_cut());
+  ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
+  EXPECT_EQ(acknowledge_as(hoist, kEngineer), 0U);
+  EXPECT_FALSE(hoist.state.relay.is_cut());
+}
+
 TEST(Restart, WhatIsNoHistoryChangesNothing) {
   ScriptedHoist hoist;
   StopHistory wild;

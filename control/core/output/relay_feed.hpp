@@ -2,8 +2,8 @@
 //
 // The relay's own circuit takes the changes, not the level, so a core that hangs with the output on holds nothing. It opens about one second
 // after the last change: later than the drives need to brake by themselves (0.045 s deadline, then 0.65 m/s at 1.0 m/s2), because a motor
-// without supply does not brake evenly, and soon enough for a drive that did not. A runaway motor (output/runaway_watch.hpp) is not given that second: the feed ends, and a second
-// output empties the circuit at once. The contract with the circuit: firmware/HARDWARE.md.
+// without supply does not brake evenly, and soon enough for a drive that did not. A runaway motor (output/runaway_watch.hpp) is not given
+// that second: the feed ends, and a second output empties the circuit at once. The contract with the circuit: firmware/HARDWARE.md.
 #pragma once
 #include <cstdint>
 

@@ -366,6 +366,8 @@ void restore_stops(CoreState& state, const StopHistory& history) noexcept {
   state.latched = static_cast<std::uint32_t>(history.out_of_service) & known;
   tell_faults(state, state.latched, EventKind::fault_raised);
   change_mode(state, Mode::fault);
+  // H1: it may have run away, and a new start must not give it the supply back.
+  if ((state.latched & fault_bit(Fault::overspeed)) != 0) state.relay.cut();
   state.stop_cause = static_cast<std::uint8_t>(static_cast<unsigned>(Fault::control_fault) + 1U);
 }
 

@@ -1,0 +1,23 @@
+// Files that must survive a power cut: one JSON object of values with a checksum, written whole and durably, read with suspicion.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace hoist::run {
+
+struct Saved {
+  std::string problem;  // empty: file and folder are synced
+  int error = 0;        // errno
+};
+/// The old file stays whole until the new one is on the disk.
+Saved save_values(const std::string& path, const nlohmann::json& values);
+
+struct StoredValues {
+  nlohmann::json values;
+  bool missing = false;
+  std::string problem;  // the file is there and must not be used
+};
+/// `kind` names the file in the problem, such as "parameter file".
+StoredValues load_values(const std::string& path, const std::string& kind);
+
+}  // namespace hoist::run
