@@ -26,7 +26,7 @@ if [[ ! $port =~ ^[0-9]{1,5}$ ]] || [ "$port" -lt 1 ] || [ "$port" -gt 65535 ]; 
 [[ $scenario =~ ^[A-Za-z0-9_-]+$ ]] || die "--scenario is a name of letters, digits, - and _, not '$scenario'"
 
 setup build
-build_normal
+build_normal hoist-sim hoist-control hoist-server
 build_web
 for program in hoist-sim hoist-control hoist-server; do
   [ -x "build/bin/$program" ] || not_here_yet run "build/bin/$program is not in this tree"
