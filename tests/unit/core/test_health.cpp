@@ -322,9 +322,9 @@ TEST(Health, AFloodOfEmergenciesIsNotAFloodOfEvents) {
 }
 
 TEST(Health, TheWordsOfEveryCodeThatOurNodesSend) {
-  for (const std::uint16_t code :
-       {firmware::emcy::kOverCurrent, firmware::emcy::kUnderVoltage, firmware::emcy::kHardware, firmware::emcy::kEncoder,
-        firmware::emcy::kHeartbeat, firmware::emcy::kPdoLength, firmware::emcy::kRpdoDeadline, firmware::emcy::kOverSpeed}) {
+  for (const std::uint16_t code : {firmware::emcy::kOverCurrent, firmware::emcy::kUnderVoltage, firmware::emcy::kHardware,
+                                   firmware::emcy::kEncoder, firmware::emcy::kHeartbeat, firmware::emcy::kPdoTooShort,
+                                   firmware::emcy::kPdoTooLong, firmware::emcy::kRpdoDeadline, firmware::emcy::kOverSpeed}) {
     const contract::EmergencyInfo& info = contract::emergency_info(code);
     EXPECT_NE(info.mask, 0) << code;
     EXPECT_NE(info.text_en, info.text_de);

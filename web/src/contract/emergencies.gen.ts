@@ -49,11 +49,6 @@ export const emergencies: readonly EmergencyInfo[] = [
     detail: { en: 'Mains, inside or output voltage.', de: 'Eingangs-, Innen- oder Ausgangsspannung.' },
   },
   {
-    code: 0x4210, mask: 0xFFFF, name: 'over_temperature_device',
-    text: { en: 'The drive is too hot', de: 'Der Antrieb ist zu heiß' },
-    detail: { en: 'Let it cool; check that air reaches it.', de: 'Abkühlen lassen; Luftzufuhr prüfen.' },
-  },
-  {
     code: 0x4310, mask: 0xFFFF, name: 'over_temperature_motor',
     text: { en: 'The motor is too hot', de: 'Der Motor ist zu heiß' },
     detail: { en: 'I2t model or sensor: overload over minutes. Let it cool.', de: 'I²t-Modell oder Fühler: Überlast über Minuten. Abkühlen lassen.' },
@@ -87,6 +82,11 @@ export const emergencies: readonly EmergencyInfo[] = [
     code: 0x6000, mask: 0xF000, name: 'software',
     text: { en: 'Its program reports a fault', de: 'Das Programm meldet eine Störung' },
     detail: { en: 'Software or data set of the device.', de: 'Software oder Datensatz des Geräts.' },
+  },
+  {
+    code: 0x7121, mask: 0xFFFF, name: 'motor_blocked',
+    text: { en: 'The wheel was blocked', de: 'Das Rad war blockiert' },
+    detail: { en: 'Full current, no movement, and no voltage from the motor: a sill, a cable or a foot; if none, brake or gear.', de: 'Voller Strom, keine Bewegung und keine Spannung vom Motor: Schwelle, Kabel oder Fuß; sonst Bremse oder Getriebe.' },
   },
   {
     code: 0x7305, mask: 0xFFFF, name: 'encoder',
@@ -125,8 +125,13 @@ export const emergencies: readonly EmergencyInfo[] = [
   },
   {
     code: 0x8210, mask: 0xFFFF, name: 'pdo_length',
-    text: { en: 'It received a message of the wrong length', de: 'Es erhielt eine Nachricht falscher Länge' },
-    detail: { en: 'PDO length: another program on the bus, or software versions that do not fit.', de: 'PDO-Länge: ein fremdes Programm am Bus oder unpassende Softwarestände.' },
+    text: { en: 'It received a message that was too short', de: 'Es erhielt eine zu kurze Nachricht' },
+    detail: { en: 'PDO too short: another program on the bus, or software versions that do not fit.', de: 'PDO zu kurz: ein fremdes Programm am Bus oder unpassende Softwarestände.' },
+  },
+  {
+    code: 0x8220, mask: 0xFFFF, name: 'pdo_length_exceeded',
+    text: { en: 'It received a message that was too long', de: 'Es erhielt eine zu lange Nachricht' },
+    detail: { en: 'PDO length exceeded: another program on the bus, or software versions that do not fit.', de: 'PDO-Länge überschritten: ein fremdes Programm am Bus oder unpassende Softwarestände.' },
   },
   {
     code: 0x8250, mask: 0xFFFF, name: 'rpdo_timeout',

@@ -174,7 +174,7 @@ export const faults: readonly FaultInfo[] = [
   },
   {
     bit: 16, name: 'overspeed', priority: 'high', reaction: 'protective_stop',
-    text: { en: 'The hoist moves differently than commanded', de: 'Die Hilfe bewegt sich anders als befohlen' },
+    text: { en: 'The hoist moves differently than commanded', de: 'Das Gerät bewegt sich anders als befohlen' },
     action: { en: 'Release the stop; call service if it comes back.', de: 'Halt freigeben; kommt es wieder, Service rufen.' },
   },
   {
@@ -200,7 +200,7 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 21, name: 'bus_down', priority: 'high', reaction: 'protective_stop',
     text: { en: 'The connection to sensors and drives is broken', de: 'Die Verbindung zu Sensoren und Antrieben ist unterbrochen' },
-    action: { en: 'Check the bus cable; it reconnects by itself, then release the stop.', de: 'Buskabel prüfen; sie verbindet sich selbst wieder, dann Halt freigeben.' },
+    action: { en: 'Check the bus cable, then release the stop.', de: 'Buskabel prüfen, dann Halt freigeben.' },
   },
   {
     bit: 22, name: 'node_duplicate', priority: 'high', reaction: 'protective_stop',
@@ -214,8 +214,8 @@ export const faults: readonly FaultInfo[] = [
   },
   {
     bit: 25, name: 'base_tilted', priority: 'high', reaction: 'protective_stop',
-    text: { en: 'The hoist stands too steeply', de: 'Die Hilfe steht zu schräg' },
-    action: { en: 'Hold the patient, bring the hoist onto level floor, then release the stop.', de: 'Patienten sichern, die Hilfe auf ebenen Boden bringen, dann Halt freigeben.' },
+    text: { en: 'The hoist stands too steeply', de: 'Das Gerät steht zu schräg' },
+    action: { en: 'Hold the patient, bring the hoist onto level floor, then release the stop.', de: 'Patienten sichern, das Gerät auf ebenen Boden bringen, dann Halt freigeben.' },
   },
   {
     bit: 26, name: 'base_tilt_high', priority: 'medium', reaction: 'warn',
@@ -244,8 +244,8 @@ export const faults: readonly FaultInfo[] = [
   },
   {
     bit: 31, name: 'control_fault', priority: 'high', reaction: 'out_of_service',
-    text: { en: 'The same fault has stopped the hoist again and again', de: 'Dieselbe Störung hat die Hilfe immer wieder angehalten' },
-    action: { en: 'Free the patient and call service; the other alarm names the fault.', de: 'Patienten befreien und Service rufen; der andere Alarm nennt die Störung.' },
+    text: { en: 'The hoist has put itself out of service', de: 'Das Gerät hat sich außer Betrieb gesetzt' },
+    action: { en: 'Free the patient and call service.', de: 'Patienten befreien und Service rufen.' },
   },
   {
     bit: 27, name: 'wheel_slip', priority: 'medium', reaction: 'soft_stop',
@@ -253,6 +253,85 @@ export const faults: readonly FaultInfo[] = [
     action: { en: 'Check floor and wheels, then start again; the track is kept by the gyroscope.', de: 'Boden und Räder prüfen, dann neu starten; der Kreisel führt die Spur weiter.' },
   },
 ];
+
+/** What a fault is about, where its code says more than its own row. */
+export interface FaultDetail {
+  fault: FaultName;
+  code: number;
+  name: string;
+  text: Words;
+  action: Words;
+}
+
+export const faultDetails: readonly FaultDetail[] = [
+  {
+    fault: 'drive_left_fault', code: 0x7121, name: 'left_wheel_blocked',
+    text: { en: 'The left wheel was blocked', de: 'Das linke Rad war blockiert' },
+    action: { en: 'Move what blocks it (sill, cable, foot), then release the stop.', de: 'Hindernis entfernen (Schwelle, Kabel, Fuß), dann Halt freigeben.' },
+  },
+  {
+    fault: 'drive_right_fault', code: 0x7121, name: 'right_wheel_blocked',
+    text: { en: 'The right wheel was blocked', de: 'Das rechte Rad war blockiert' },
+    action: { en: 'Move what blocks it (sill, cable, foot), then release the stop.', de: 'Hindernis entfernen (Schwelle, Kabel, Fuß), dann Halt freigeben.' },
+  },
+  {
+    fault: 'drive_left_fault', code: 0x4310, name: 'left_motor_hot',
+    text: { en: 'The left motor is too hot', de: 'Der linke Motor ist zu heiß' },
+    action: { en: 'Let it cool for ten minutes, then release the stop.', de: 'Zehn Minuten abkühlen lassen, dann Halt freigeben.' },
+  },
+  {
+    fault: 'drive_right_fault', code: 0x4310, name: 'right_motor_hot',
+    text: { en: 'The right motor is too hot', de: 'Der rechte Motor ist zu heiß' },
+    action: { en: 'Let it cool for ten minutes, then release the stop.', de: 'Zehn Minuten abkühlen lassen, dann Halt freigeben.' },
+  },
+  {
+    fault: 'tilt_implausible', code: 0x0001, name: 'pelvis_twisted',
+    text: { en: 'The pelvis is turned too far', de: 'Das Becken ist zu weit verdreht' },
+    action: { en: 'Turn the patient straight, then release the stop.', de: 'Patienten gerade stellen, dann Halt freigeben.' },
+  },
+  {
+    fault: 'overspeed', code: 0x0001, name: 'wheel_held_back',
+    text: { en: 'Something holds a wheel back', de: 'Etwas hält ein Rad zurück' },
+    action: { en: 'Move what blocks it (sill, cable, foot), then release the stop.', de: 'Hindernis entfernen (Schwelle, Kabel, Fuß), dann Halt freigeben.' },
+  },
+];
+
+/** Faults that have a code: the live value <name>_code. */
+export const codedFaults = ['drive_left_fault', 'drive_right_fault', 'tilt_implausible', 'overspeed'] as const;
+
+/** The effect is a consequence of the cause: shown under it. */
+export const explanations: readonly { cause: FaultName; effect: FaultName }[] = [
+  { cause: 'bus_down', effect: 'tilt_left_lost' },
+  { cause: 'bus_down', effect: 'tilt_right_lost' },
+  { cause: 'bus_down', effect: 'tilt_base_lost' },
+  { cause: 'bus_down', effect: 'drive_left_lost' },
+  { cause: 'bus_down', effect: 'drive_right_lost' },
+  { cause: 'bus_down', effect: 'io_lost' },
+  { cause: 'node_babbling', effect: 'tilt_left_lost' },
+  { cause: 'node_babbling', effect: 'tilt_right_lost' },
+  { cause: 'node_babbling', effect: 'tilt_base_lost' },
+  { cause: 'node_babbling', effect: 'drive_left_lost' },
+  { cause: 'node_babbling', effect: 'drive_right_lost' },
+  { cause: 'node_babbling', effect: 'io_lost' },
+  { cause: 'node_babbling', effect: 'bus_down' },
+  { cause: 'node_duplicate', effect: 'tilt_implausible' },
+  { cause: 'node_duplicate', effect: 'tilt_frozen' },
+  { cause: 'emergency_stop', effect: 'drive_left_fault' },
+  { cause: 'emergency_stop', effect: 'drive_right_fault' },
+  { cause: 'emergency_stop', effect: 'overspeed' },
+  { cause: 'loop_overrun', effect: 'drive_left_fault' },
+  { cause: 'loop_overrun', effect: 'drive_right_fault' },
+  { cause: 'drive_left_fault', effect: 'overspeed' },
+  { cause: 'drive_right_fault', effect: 'overspeed' },
+  { cause: 'drive_left_lost', effect: 'overspeed' },
+  { cause: 'drive_right_lost', effect: 'overspeed' },
+  { cause: 'base_tilted', effect: 'base_tilt_high' },
+  { cause: 'battery_empty', effect: 'battery_low' },
+  { cause: 'server_lost', effect: 'remote_command_lost' },
+];
+
+/** The patient needs help before the machine does: shown above every other alarm, in this order. */
+export const endangers: readonly FaultName[] = ['fall_detected', 'patient_hanging', 'base_tilted', 'control_fault', 'emergency_stop'];
 
 export interface RefusalInfo {
   /** Place in blocked_bits. */
@@ -268,7 +347,7 @@ export const refusals: readonly RefusalInfo[] = [
   { bit: 3, name: 'not_neutral', text: { en: 'The patient is not upright and straight: stand upright or set neutral.', de: 'Der Patient steht nicht aufrecht und gerade: aufrichten oder neutral setzen.' } },
   { bit: 4, name: 'moving', text: { en: 'The hoist is still moving.', de: 'Die Hilfe bewegt sich noch.' } },
   { bit: 5, name: 'battery_empty_start', text: { en: 'The batteries are empty.', de: 'Die Batterien sind leer.' } },
-  { bit: 6, name: 'sensors_settling', text: { en: 'The sensors are still settling: hold still for two seconds.', de: 'Die Sensoren stellen sich noch ein: zwei Sekunden still halten.' } },
+  { bit: 6, name: 'sensors_settling', text: { en: 'The sensors are still settling: stand quietly, ten seconds at most.', de: 'Die Sensoren stellen sich noch ein: ruhig stehen, höchstens zehn Sekunden.' } },
   { bit: 7, name: 'no_lease', text: { en: 'Someone else is in control, or nobody is: take control first.', de: 'Jemand anderes steuert oder niemand: zuerst die Steuerung übernehmen.' } },
   { bit: 8, name: 'stick_not_neutral', text: { en: 'Let the joystick go to the middle first.', de: 'Joystick zuerst in die Mitte loslassen.' } },
   { bit: 9, name: 'out_of_range', text: { en: 'The value is outside its range.', de: 'Der Wert liegt außerhalb seines Bereichs.' } },

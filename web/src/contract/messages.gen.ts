@@ -11,6 +11,15 @@ export type Exercise =
 /** What the hoist drives by itself while the button is held. */
 export type GuidedPath = Exclude<Exercise, { shape: 'free' }> & { speed_m_s: number; laps?: number };
 
+/** A condition that lasts, with what to do; the same rows as in GET /api/v1/status. */
+export interface StandingNotice {
+  name: string;
+  priority: 'low' | 'medium';
+  text: { en: string; de: string };
+  action: { en: string; de: string };
+  detail: string;
+}
+
 /** Which field was refused and what is allowed. */
 export interface FieldError {
   field: string;
@@ -242,6 +251,8 @@ export interface ReplyMessage {
   detail?: string;
   /** Number of the lease just taken. */
   epoch?: number;
+  /** Of a change of settings. False: in force, and not on the disk; see notices. */
+  stored?: boolean;
 }
 
 /** Something the core did. */
@@ -314,6 +325,12 @@ export interface NoticeMessage {
   refusals?: string[];
 }
 
+/** What stays wrong until it is mended: on connecting and after each change. */
+export interface NoticesMessage {
+  type: 'notices';
+  items: readonly StandingNotice[];
+}
+
 /** How far an update of a node's program has come: at most four times a second, and at its end. */
 export interface FirmwareProgressMessage {
   type: 'firmware_progress';
@@ -341,6 +358,7 @@ export type ServerMessage =
   | CoreMessage
   | PongMessage
   | NoticeMessage
+  | NoticesMessage
   | FirmwareProgressMessage;
 
 /** What the core reports. */
@@ -395,4 +413,4 @@ export const nodes: readonly NodeInfo[] = [
 ];
 
 /** Two programs with different hashes do not understand each other. */
-export const layoutHash = '5f8de2fb8831aa34';
+export const layoutHash = '5f15b7e16cf22696';

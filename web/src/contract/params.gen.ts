@@ -338,13 +338,13 @@ export const params: readonly ParamInfo[] = [
     id: 52, name: 'remote_slow_age_s', unit: 's', min: 0.05, default: 0.15, max: 0.2,
     edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, hazard H17',
     title: { en: 'Slow down after', de: 'Verlangsamen ab' },
-    effect: { en: 'Age of the last driving command from which speed falls.', de: 'Alter des letzten Fahrbefehls, ab dem das Tempo sinkt.' },
+    effect: { en: 'Age of the last driving command, network delay included, from which speed falls.', de: 'Alter des letzten Fahrbefehls samt Funkverzögerung, ab dem das Tempo sinkt.' },
   },
   {
     id: 53, name: 'remote_stop_age_s', unit: 's', min: 0.1, default: 0.25, max: 0.25,
     edit: 'stopped', scope: 'core', role: 'engineer', source: 'design section 6, hazard H17',
     title: { en: 'Stop after', de: 'Halten ab' },
-    effect: { en: 'Age of the last driving command at which the hoist stops.', de: 'Alter des letzten Fahrbefehls, ab dem die Hilfe hält.' },
+    effect: { en: 'Age of the last driving command, network delay included, at which the hoist stops.', de: 'Alter des letzten Fahrbefehls samt Funkverzögerung, ab dem das Gerät hält.' },
   },
   {
     id: 170, name: 'guided_length_m_max', unit: 'm', min: 1, default: 200, max: 1000,
