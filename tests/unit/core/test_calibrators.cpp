@@ -131,7 +131,7 @@ SquareError drive_square(double side_m, bool left, double assumed_track_m, doubl
     const double l = left_m * left_norm / kPieces, r = right_m * right_norm / kPieces;
     for (int i = 0; i < kPieces; ++i) {
       const double turn = (r - l) / true_track_m;
-      at += std::polar((l + r) / 2, heading + turn / 2);
+      at += (l + r) / 2 * std::polar(1.0, heading + turn / 2);
       heading += turn;
     }
   };
