@@ -32,9 +32,11 @@ concept RegisterBus = requires(B bus, std::uint8_t reg, std::uint8_t value, std:
 inline constexpr float kStandardGravity_m_s2 = 9.80665F;
 inline constexpr float kRadPerDegree = 0.017453292F;
 
-inline constexpr std::uint16_t kImuPowerUp_ms = 50;      // longest power-up of the three: MPU-6050, 30 ms, and a margin
-inline constexpr std::uint16_t kImuRetry_ms = 1000;      // between two looks at a missing or foreign part
-inline constexpr std::uint16_t kImuCheck_ms = 100;       // between two registers read back
+inline constexpr std::uint16_t kImuPowerUp_ms = 50;  // longest power-up of the three: MPU-6050, 30 ms, and a margin
+inline constexpr std::uint16_t kImuRetry_ms = 1000;  // between two looks at a missing or foreign part
+inline constexpr std::uint16_t kImuCheck_ms = 100;   // between two registers read back
+// A check waits for the middle between two samples, which come every 10 ms: a sample over I2C leaves no time for it in the same millisecond.
+inline constexpr std::uint16_t kImuSample_ms = 10, kImuCheckBehindSample_ms = 4;
 inline constexpr std::uint8_t kSelfTestTries = 5;        // each takes under a second
 inline constexpr std::uint16_t kSelfTestSample_ms = 60;  // longest wait for one sample; the slowest rate in use is 52 Hz
 inline constexpr std::uint8_t kImuBusFailuresMax = 5;    // transfers in a row
@@ -185,6 +187,7 @@ class ImuEngine {
   /// since the last call, and while the chip is not in service.
   [[nodiscard]] bool read(ImuSample& sample) {
     if (phase_ != Phase::running) return false;
+    if (wait_ms_ < kImuSample_ms + kImuCheckBehindSample_ms) wait_ms_ = kImuCheckBehindSample_ms;
     RawImu raw{};
     if (!read_raw(raw, chip_->ready_mask)) return false;
     if (has_last_ && raw == last_) {

@@ -300,6 +300,31 @@ TEST_P(ImuTest, AChipThatLosesItsSettingsIsNotTrustedAnyMore) {
   EXPECT_EQ(readings(100), 0);
 }
 
+// Wherever in the hundred milliseconds between two checks the samples begin.
+TEST_P(ImuTest, ChecksOfRegistersKeepAwayFromSamples) {
+  ASSERT_GT(start(), 0);
+  for (int phase_ms = 0; phase_ms < 10; ++phase_ms) {
+    ASSERT_TRUE(driver_.running());
+    driver_.step();
+    ImuSample sample;
+    EXPECT_TRUE(driver_.read(sample));
+    int checks = 0;
+    for (int ms = 1; ms <= 2000; ++ms) {
+      const int before = chip_.transfers;
+      driver_.step();
+      if (chip_.transfers != before) {
+        ++checks;
+        EXPECT_EQ(ms % 10, 5) << phase_ms;
+      }
+      if (ms % 10 == 0) {
+        EXPECT_TRUE(driver_.read(sample));
+      }
+    }
+    EXPECT_NEAR(checks, 20, 1);
+    driver_.step();  // the next round's samples begin a millisecond later
+  }
+}
+
 TEST_P(ImuTest, ALostBusBeginsAnewWithTheSelfTest) {
   ASSERT_GT(start(), 0);
   chip_.silent = true;
