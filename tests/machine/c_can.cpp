@@ -24,7 +24,6 @@ constexpr std::uint32_t kNewData = 0x8000, kMessageLost = 0x4000, kPending = 0x2
 constexpr std::uint32_t kValid = 0x8000, kExtended = 0x4000, kTransmit = 0x2000;
 
 constexpr std::uint32_t kBusRate_hz = 250'000;
-constexpr std::uint64_t kIntegrationBits = 11, kRecoveryBits = 128 * 11;
 
 std::string hex(std::uint32_t value) {
   std::array<char, 12> text{};
@@ -321,14 +320,12 @@ void CCan::sent(CanError error) {
   if (number < 0 || (control_ & kInit) != 0) return;
   Object& object = objects_[static_cast<std::size_t>(number)];
   status_ = (status_ & ~kLec) | static_cast<std::uint32_t>(error);
+  count_sent(error);
   if (error != CanError::none) {
-    // An error-passive sender whom nobody acknowledges does not count further: a lone node does not leave the bus.
-    if (!(error == CanError::acknowledge && tec_ >= 128)) tec_ += 8;
     note_status(false);
     update_states();
     return;
   }
-  if (tec_ > 0) --tec_;
   status_ |= kTxOk;
   note_status(false);
   // Data written meanwhile go out as a frame of their own.
@@ -358,13 +355,12 @@ bool CCan::accepts(const Object& object, const CanFrame& frame) const {
 
 void CCan::heard(const CanFrame& frame, CanError error) {
   status_ = (status_ & ~kLec) | static_cast<std::uint32_t>(error);
+  count_heard(error);
   if (error != CanError::none) {
-    rec_ = std::min(rec_ + 1, 255U);
     note_status(false);
     update_states();
     return;
   }
-  rec_ = rec_ > 127 ? 127 : (rec_ > 0 ? rec_ - 1 : 0);
   status_ |= kRxOk;
   note_status(false);
   update_states();
@@ -400,12 +396,6 @@ void CCan::heard(const CanFrame& frame, CanError error) {
     look();
     return;
   }
-}
-
-void CCan::set_errors(unsigned transmit, unsigned receive) {
-  tec_ = transmit;
-  rec_ = receive;
-  update_states();
 }
 
 void CCan::update_states() {

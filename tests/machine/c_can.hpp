@@ -13,7 +13,7 @@
 
 namespace hoist::machine {
 
-class CCan : public CanStation {
+class CCan : public CanController {
  public:
   explicit CCan(Complain complain) : complain_(std::move(complain)) { reset(); }
 
@@ -30,15 +30,6 @@ class CCan : public CanStation {
   void sent(CanError error) override;
   void heard(const contract::CanFrame& frame, CanError error) override;
   void idle(std::uint64_t bits) override;
-
-  /// Grows whenever the wire has changed something that the chip may have to look at.
-  [[nodiscard]] std::uint64_t changes() const { return changes_; }
-  [[nodiscard]] unsigned transmit_errors() const { return tec_; }
-  [[nodiscard]] unsigned receive_errors() const { return rec_; }
-  [[nodiscard]] bool bus_off() const { return bus_off_; }
-  [[nodiscard]] std::uint64_t messages_lost() const { return lost_; }
-  /// As if it had been disturbed so often while sending: the next disturbance switches it off the bus.
-  void set_errors(unsigned transmit, unsigned receive);
 
  private:
   static constexpr unsigned kObjects = 32;
@@ -57,7 +48,7 @@ class CCan : public CanStation {
   void transfer(Interface& through, unsigned number);
   void look();
   [[nodiscard]] bool accepts(const Object& object, const contract::CanFrame& frame) const;
-  void update_states();
+  void update_states() override;
   void note_status(bool is_error_state);
 
   Complain complain_;
@@ -65,15 +56,9 @@ class CCan : public CanStation {
   std::array<Object, kObjects> objects_{};
   std::array<Interface, 2> interfaces_{};
   std::uint32_t wants_{}, pending_{};  // objects that ask to be sent, that ask for an interrupt; kept by look()
-  std::uint64_t changes_{};
   int sending_{-1};
-  unsigned tec_{}, rec_{};
-  bool bus_off_{};
   bool status_pending_{};
   bool rate_good_{};
-  std::uint64_t integrated_bits_{};  // recessive bits seen since INIT was cleared
-  std::uint64_t recovery_bits_{};    // still to be seen after bus-off
-  std::uint64_t lost_{};
 };
 
 }  // namespace hoist::machine

@@ -37,6 +37,47 @@ class CanStation {
   virtual void idle(std::uint64_t bits) = 0;
 };
 
+/// A controller's error counters (ISO 11898-1, fault confinement), which are the same in every chip.
+class CanController : public CanStation {
+ public:
+  /// Grows whenever the wire has changed something that the chip may have to look at.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
+  [[nodiscard]] unsigned transmit_errors() const { return tec_; }
+  [[nodiscard]] unsigned receive_errors() const { return rec_; }
+  [[nodiscard]] bool bus_off() const { return bus_off_; }
+  [[nodiscard]] std::uint64_t messages_lost() const { return lost_; }
+  /// As if it had been disturbed so often while sending: the next disturbance switches it off the bus.
+  void set_errors(unsigned transmit, unsigned receive) {
+    tec_ = transmit;
+    rec_ = receive;
+    update_states();
+  }
+
+ protected:
+  static constexpr std::uint64_t kIntegrationBits = 11, kRecoveryBits = 128 * 11;
+  /// The counters have changed.
+  virtual void update_states() = 0;
+  void count_sent(CanError error) {
+    if (error == CanError::none)
+      tec_ -= tec_ > 0 ? 1 : 0;
+    else if (error != CanError::acknowledge || tec_ < 128)
+      // An error-passive sender whose frames get no acknowledge does not count further: a lone node does not leave the bus.
+      tec_ += 8;
+  }
+  void count_heard(CanError error) {
+    if (error != CanError::none)
+      rec_ = rec_ < 255 ? rec_ + 1 : 255;
+    else
+      rec_ = rec_ > 127 ? 127 : (rec_ > 0 ? rec_ - 1 : 0);
+  }
+
+  std::uint64_t changes_{}, lost_{};
+  unsigned tec_{}, rec_{};
+  bool bus_off_{};
+  std::uint64_t integrated_bits_{};  // recessive bits seen since the controller began to take part
+  std::uint64_t recovery_bits_{};    // still to be seen after bus-off
+};
+
 class CanWire {
  public:
   static constexpr Time kBit = 192;  ///< 250 kbit/s

@@ -8,8 +8,6 @@
 namespace hoist::machine {
 namespace {
 
-constexpr std::uint32_t kRemapBytes = 512;
-constexpr std::uint32_t kRomBase = 0x1FFF0000, kRomEnd = 0x1FFF4000;
 constexpr std::uint32_t kExcReturnMask = 0xF0000000;
 constexpr int kThreadPriority = 256;  // below every configurable one
 
@@ -57,19 +55,12 @@ void CortexM0::reset() {
   r_[15] = pc & ~1U;
 }
 
-const std::uint8_t* CortexM0::memory(std::uint32_t address, unsigned size) const {
-  if (address < kRemapBytes && vectors_in_ram_) return address + size <= ram_.size() ? &ram_[address] : nullptr;
-  if (address < flash_.size() && address + size <= flash_.size()) return &flash_[address];
-  if (address >= kRamBase && address - kRamBase + size <= ram_.size()) return &ram_[address - kRamBase];
+std::uint8_t* CortexM0::memory(std::uint32_t address, unsigned size) const {
+  const auto within = [size](std::span<std::uint8_t> memory, std::uint32_t at) { return at < memory.size() && size <= memory.size() - at; };
+  if (within(at_zero_, address)) return &at_zero_[address];
+  if (within(flash_, address - map_.flash_base)) return &flash_[address - map_.flash_base];
+  if (within(ram_, address - map_.ram_base)) return &ram_[address - map_.ram_base];
   return nullptr;
-}
-std::uint8_t* CortexM0::memory(std::uint32_t address, unsigned size, bool for_write) {
-  if (for_write) {
-    if (address >= kRamBase && address - kRamBase + size <= ram_.size()) return &ram_[address - kRamBase];
-    if (address < kRemapBytes && vectors_in_ram_) return &ram_[address];
-    return nullptr;
-  }
-  return const_cast<std::uint8_t*>(static_cast<const CortexM0*>(this)->memory(address, size));
 }
 
 bool CortexM0::peek(std::uint32_t address, unsigned size, std::uint32_t& value) const {
@@ -80,7 +71,7 @@ bool CortexM0::peek(std::uint32_t address, unsigned size, std::uint32_t& value) 
   return true;
 }
 bool CortexM0::poke(std::uint32_t address, unsigned size, std::uint32_t value) {
-  std::uint8_t* at = memory(address, size, false);
+  std::uint8_t* at = memory(address, size);
   if (at == nullptr) return false;
   std::memcpy(at, &value, size);
   return true;
@@ -90,7 +81,7 @@ std::uint32_t CortexM0::load(std::uint32_t address, unsigned size) {
   if ((address & (size - 1)) != 0) throw Fault{"unaligned read", address};
   std::uint32_t value = 0;
   if (const std::uint8_t* at = memory(address, size); at != nullptr) {
-    if (address < kRamBase && !(vectors_in_ram_ && address < kRemapBytes)) waits_ += flash_waits_;
+    if (in_flash(at)) waits_ += flash_waits_;
     switch (size) {
       case 1:
         return *at;
@@ -112,7 +103,7 @@ std::uint32_t CortexM0::load(std::uint32_t address, unsigned size) {
 
 void CortexM0::store(std::uint32_t address, unsigned size, std::uint32_t value) {
   if ((address & (size - 1)) != 0) throw Fault{"unaligned write", address};
-  if (std::uint8_t* at = memory(address, size, true); at != nullptr) {
+  if (std::uint8_t* at = memory(address, size); at != nullptr && !in_flash(at)) {
     std::memcpy(at, &value, size);
     return;
   }
@@ -125,12 +116,12 @@ void CortexM0::store(std::uint32_t address, unsigned size, std::uint32_t value) 
 }
 
 std::uint16_t CortexM0::fetch(std::uint32_t address) {
-  const std::uint8_t* at = address >= kRemapBytes && address + 2 <= flash_.size() ? &flash_[address] : memory(address, 2);
+  const std::uint8_t* at = memory(address, 2);
   if (at == nullptr) throw Fault{"fetch from nothing", address};
   const std::uint32_t word = address >> 2;
   if (word != last_word_) {
     last_word_ = word;
-    if (address < kRamBase) {
+    if (in_flash(at)) {
       ++flash_words_;
       waits_ += flash_waits_;
     }
@@ -771,7 +762,7 @@ std::uint64_t CortexM0::run(std::uint64_t clocks) {
         }
         if (asleep_) return cycles_ - begin;
         const std::uint32_t pc = r_[15];
-        if (pc >= kRomBase && pc < kRomEnd) {
+        if (pc >= map_.rom_base && pc < map_.rom_end) {
           if (!bus_.call_rom(pc | 1U)) throw Fault{"call into the ROM at an address that is no routine", pc};
           next_pc_ = r_[15];
           branch_exchange(r_[14]);

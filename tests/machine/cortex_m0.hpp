@@ -33,16 +33,23 @@ class PeripheralBus {
   virtual void violation(const std::string& what) = 0;
 };
 
+/// Where a chip maker puts flash and RAM. The LPC11C24's places are the default.
+struct MemoryMap {
+  std::uint32_t flash_base{0x00000000};
+  std::uint32_t ram_base{0x10000000};
+  std::uint32_t rom_base{0x1FFF0000}, rom_end{0x1FFF4000};  ///< routines of the chip maker that a program may call; equal: none
+};
+
 class CortexM0 {
  public:
-  static constexpr std::uint32_t kFlashBase = 0x00000000;
-  static constexpr std::uint32_t kRamBase = 0x10000000;
+  static constexpr std::uint32_t kRamBase = MemoryMap{}.ram_base;
   static constexpr unsigned kIrqCount = 32;
   static constexpr unsigned kExceptionEntry_cycles = 16;
   static constexpr unsigned kExceptionExit_cycles = 12;
   static constexpr int kHardFault = 3, kSvCall = 11, kPendSv = 14, kSysTick = 15, kFirstIrq = 16;
 
-  CortexM0(std::span<std::uint8_t> flash, std::span<std::uint8_t> ram, PeripheralBus& bus) : flash_(flash), ram_(ram), bus_(bus) {}
+  CortexM0(std::span<std::uint8_t> flash, std::span<std::uint8_t> ram, PeripheralBus& bus, const MemoryMap& map = {})
+      : flash_(flash), ram_(ram), bus_(bus), map_(map) {}
 
   /// Registers as after a reset; stack pointer and first instruction from the vectors at address 0.
   void reset();
@@ -68,8 +75,12 @@ class CortexM0 {
   /// handler returns becomes pending again.
   void set_lines(std::uint32_t lines);
 
-  /// The first 512 bytes of the address space show RAM instead of flash (the chip's SYSMEMREMAP).
-  void map_vectors_to_ram(bool on) { vectors_in_ram_ = on; }
+  /// What the address space shows from address 0 on, instead of what lies there by itself (SYSMEMREMAP, MEM_MODE): a part of flash or RAM,
+  /// or nothing.
+  void show_at_zero(std::span<std::uint8_t> memory) {
+    at_zero_ = memory;
+    last_word_ = kNoWord;
+  }
   /// Extra clocks for each 32-bit word fetched from flash.
   void set_flash_waits(unsigned waits) { flash_waits_ = waits; }
 
@@ -124,8 +135,8 @@ class CortexM0 {
   void note_tick();
   void systick_is_zero();
   [[nodiscard]] std::uint64_t systick_left() const;
-  std::uint8_t* memory(std::uint32_t address, unsigned size, bool for_write);
-  [[nodiscard]] const std::uint8_t* memory(std::uint32_t address, unsigned size) const;
+  [[nodiscard]] std::uint8_t* memory(std::uint32_t address, unsigned size) const;
+  [[nodiscard]] bool in_flash(const std::uint8_t* at) const { return at >= flash_.data() && at < flash_.data() + flash_.size(); }
   std::uint32_t read_system(std::uint32_t address);
   void write_system(std::uint32_t address, std::uint32_t value);
 
@@ -158,6 +169,7 @@ class CortexM0 {
   std::span<std::uint8_t> flash_;
   std::span<std::uint8_t> ram_;
   PeripheralBus& bus_;
+  MemoryMap map_;
   std::array<std::uint32_t, 16> r_{};
   std::uint32_t next_pc_{};
   bool n_{}, z_{}, c_{}, v_{};
@@ -166,7 +178,7 @@ class CortexM0 {
   bool locked_up_{};
   bool attention_{};
   bool stop_{};
-  bool vectors_in_ram_{};
+  std::span<std::uint8_t> at_zero_;
   unsigned flash_waits_{};
   unsigned waits_{};  // wait states of the instruction under way
   std::uint32_t last_word_{kNoWord};

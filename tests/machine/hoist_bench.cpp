@@ -4,15 +4,13 @@
 #include <bit>
 #include <cmath>
 
-#include "firmware/boards/lpc11c24/memory.hpp"
-#include "firmware/boards/lpc11c24/pins.hpp"
+#include "tests/machine/lpc11c24.hpp"
+#include "tests/machine/stm32f072.hpp"
 
 namespace hoist::machine {
 namespace {
 
 using contract::CanFrame;
-namespace board = firmware::lpc11c24;
-
 constexpr Time kQuantum = 4 * kMicrosecond;  // one bit: how far chips and wire run apart
 constexpr int kPlantStepsPerMillisecond = 4;
 constexpr std::size_t kSerialWindow = 4;  // characters that a UART bridge has on the way at most
@@ -31,20 +29,35 @@ constexpr unsigned quadrature(std::int32_t count) {
 
 }  // namespace
 
-ImagesOrReason load_images() {
+const Image& Images::OfChip::of(Box box) const {
+  if (box == Box::gateway) return gateway;
+  if (box == Box::io) return io;
+  return box <= Box::drive_right ? drive : tilt;
+}
+
+std::optional<Image> load_image(const std::string& name, ImageChip chip) {
   const auto directory = firmware_directory();
-  if (!directory) return {std::nullopt, "no directory with images (deploy/dev firmware builds them)"};
+  if (!directory) return std::nullopt;
+  const bool stm = chip == ImageChip::stm32f072;
+  const std::string path = *directory + "/" + name + "-" + std::string(contract::find_image_chip(static_cast<std::uint8_t>(chip))->name);
+  return load_elf(path + ".elf", stm ? Stm32f072::kFlashSize : kFlashBytes, board_pins(chip).flash_base);
+}
+
+ImagesOrReason load_images() {
+  if (!firmware_directory()) return {std::nullopt, "no directory with images (deploy/dev firmware builds them)"};
   Images images;
-  struct Wanted {
-    const char* name;
-    Image* into;
-  };
-  for (const Wanted& wanted :
-       {Wanted{"tilt", &images.tilt}, Wanted{"drive", &images.drive}, Wanted{"io", &images.io}, Wanted{"gateway", &images.gateway}}) {
-    const std::string path = *directory + "/hoist-" + wanted.name + "-lpc11c24.elf";
-    auto image = load_elf(path, kFlashBytes);
-    if (!image) return {std::nullopt, "no image " + path};
-    *wanted.into = std::move(*image);
+  for (const ImageChip chip : {ImageChip::lpc11c24, ImageChip::stm32f072}) {
+    Images::OfChip& of = chip == ImageChip::stm32f072 ? images.stm32f072 : images.lpc11c24;
+    struct Wanted {
+      const char* name;
+      Image* into;
+    };
+    for (const Wanted& wanted : {Wanted{"hoist-tilt", &of.tilt}, Wanted{"hoist-drive", &of.drive}, Wanted{"hoist-io", &of.io},
+                                 Wanted{"hoist-gateway", &of.gateway}}) {
+      auto image = load_image(wanted.name, chip);
+      if (!image) return {std::nullopt, std::string("image missing: ") + wanted.name};
+      *wanted.into = std::move(*image);
+    }
   }
   return {std::move(images), {}};
 }
@@ -54,115 +67,120 @@ HoistBench::HoistBench(const Images& images, const BenchOptions& options)
   const contract::PathPose start = patient_.path().pose(0.0);
   plant_.place(start.x_m, start.y_m, start.psi_rad);
   supply_v_ = plant_.supply_v();
-  wire_up(Box::drive_left, images.drive);
-  wire_up(Box::drive_right, images.drive);
-  wire_up(Box::io, images.io);
-  wire_up(Box::tilt_left, images.tilt);
-  wire_up(Box::tilt_right, images.tilt);
-  wire_up(Box::tilt_base, images.tilt);
-  wire_up(Box::gateway, images.gateway);
+  for (std::size_t i = 0; i < kBoxCount; ++i) wire_up(static_cast<Box>(i), images.of(options.chips[i], static_cast<Box>(i)));
   if (options.through_gateway) {
-    chip(Box::gateway).uart().set_line_baud(board::kUart_baud);
+    chip(Box::gateway).serial_line().set_line_baud(pins(Box::gateway).uart_baud);
     to_gateway_ = "\rC\rS5\rO\r";
   } else {
     (void)wire_.connect(host_);
   }
-  chip(Box::io).drive_pin(board::kSwitch0.port, board::kSwitch0.bit, false);  // the emergency stop chain is closed
+  chip(Box::io).drive_pin(pins(Box::io).emergency_stop, false);  // the emergency stop chain is closed
   press_bumpers();
-  for (std::size_t i = 0; i < kBoxCount; ++i)
-    if (options.through_gateway || i != index(Box::gateway)) chips_[i]->reset(ResetCause::power_on);
+  for (std::size_t i = 0; i < kBoxCount; ++i) {
+    const bool powered = options.only ? i == index(*options.only) : options.through_gateway || i != index(Box::gateway);
+    if (powered) chips_[i]->reset(ResetCause::power_on);
+  }
 }
 
 // The board around the chip, as pins.hpp says it is wired.
 void HoistBench::wire_up(Box box, const Image& image) {
   auto& chip = chips_[index(box)];
+  const BoardPins& board = pins(box);
   const std::vector<std::uint8_t>& whole = options_.flash[index(box)];
-  chip = std::make_unique<Lpc11c24>(kNames[index(box)], whole.empty() ? image.flash : whole);
-  if (whole.empty() && image.lowest != 0) chip->start_at(image.lowest);
-  chip->drive_pin(0, 1, true);
-  const auto to_ground = [&chip](board::Pin pin) { chip->drive_pin(pin.port, pin.bit, false); };
+  const std::vector<std::uint8_t>& flash = whole.empty() ? image.flash : whole;
+  if (options_.chips[index(box)] == ImageChip::stm32f072)
+    chip = std::make_unique<Stm32f072>(kNames[index(box)], flash);
+  else
+    chip = std::make_unique<Lpc11c24>(kNames[index(box)], flash);
+  if (whole.empty() && image.lowest != board.flash_base) chip->start_at(image.lowest);
+  for (const PinPlace line : board.pulled_up) chip->drive_pin(line, true);
   switch (box) {
     case Box::drive_left:
-    case Box::drive_right: {
-      const std::size_t side = index(box) - index(Box::drive_left);
-      to_ground(side == 0 ? board::kStrap0 : board::kStrap1);
-      encoder_pins_[side] = quadrature(plant_.encoder_counts(side == 0 ? sim::Side::left : sim::Side::right));
-      chip->drive_pin(board::kEncoderA.port, board::kEncoderA.bit, (encoder_pins_[side] & 1U) != 0);
-      chip->drive_pin(board::kEncoderB.port, board::kEncoderB.bit, (encoder_pins_[side] & 2U) != 0);
-      chip->drive_pin(board::kBridgeFault.port, board::kBridgeFault.bit, true);
-      chip->set_interlock({board::kBridgePhase.port, board::kBridgePhase.bit, board::kBridgeEnable.port, board::kBridgeEnable.bit,
-                           board::kBridgeAwake.port, board::kBridgeAwake.bit});
-      chip->set_analog([this, side](unsigned channel, Time) {
-        if (channel == board::kMotorCurrentChannel)
-          return static_cast<double>(board::kCurrentZero_v) + static_cast<double>(board::kCurrentGain_v_a) * motor_a_[side];
-        return supply_v_ / static_cast<double>(board::kBusDivider);
-      });
+    case Box::drive_right:
+      wire_drive(box);
       break;
-    }
     case Box::tilt_left:
     case Box::tilt_right:
-    case Box::tilt_base: {
-      if (box != Box::tilt_right) to_ground(board::kStrap0);
-      if (box != Box::tilt_left) to_ground(board::kStrap1);
-      const sim::Place place = place_of(box);
-      // The chip's axes are the hoist's: x forward, y left, z up. Leaning forward turns about y, leaning right about x.
-      const MotionSource motion = [this, place](Time) {
-        const sim::ImuReading at = plant_.read_imu(place);
-        return ChipMotion{{at.ax_m_s2, at.ay_m_s2, at.az_m_s2}, {at.beta_rate_rad_s, at.alpha_rate_rad_s, at.yaw_rate_rad_s}};
-      };
-      Lpc11c24& owner = *chip;
-      const Complain complain = [&owner](const std::string& what) { owner.complain(what); };
-      auto& imu = imus_[index(box) - index(Box::tilt_left)];
-      switch (options_.imus[index(box) - index(Box::tilt_left)]) {
-        case ImuKind::mpu6050:
-          imu = std::make_unique<Mpu6050>(motion, complain);
-          chip->i2c().connect(imu.get());
-          break;
-        case ImuKind::lsm6dso:
-          imu = std::make_unique<Lsm6dso>(motion, complain);
-          chip->connect_spi0(imu.get(), board::kSpiSelect.port, board::kSpiSelect.bit);
-          break;
-        case ImuKind::icm42688p:
-          imu = std::make_unique<Icm42688p>(motion, complain);
-          chip->connect_spi0(imu.get(), board::kSpiSelect.port, board::kSpiSelect.bit);
-          break;
-      }
+    case Box::tilt_base:
+      wire_tilt(box);
       break;
-    }
     case Box::io:
-      chip->set_analog([this](unsigned channel, Time) {
-        if (channel == board::kBatteryAChannel) return battery_v_[0] / static_cast<double>(board::kBatteryADivider);
-        return (battery_v_[0] + battery_v_[1]) / static_cast<double>(board::kBatteryBothDivider);
+      chip->set_analog([this, &board](unsigned channel, Time) {
+        if (channel == board.battery_a_channel) return battery_v_[0] / board.battery_a_divider;
+        return (battery_v_[0] + battery_v_[1]) / board.battery_both_divider;
       });
       break;
     case Box::gateway:
-      chip->drive_pin(board::kUartCts.port, board::kUartCts.bit, false);
+      chip->drive_pin(board.uart_cts, false);
       break;
   }
   stations_[index(box)] = wire_.connect(chip->can());
+}
+
+void HoistBench::wire_drive(Box box) {
+  Chip& drive = chip(box);
+  const BoardPins& board = pins(box);
+  const std::size_t side = index(box) - index(Box::drive_left);
+  drive.drive_pin(side == 0 ? board.strap0 : board.strap1, false);
+  encoder_pins_[side] = quadrature(plant_.encoder_counts(side == 0 ? sim::Side::left : sim::Side::right));
+  for (const PinPlace line : board.encoder_a) drive.drive_pin(line, (encoder_pins_[side] & 1U) != 0);
+  for (const PinPlace line : board.encoder_b) drive.drive_pin(line, (encoder_pins_[side] & 2U) != 0);
+  drive.drive_pin(board.bridge_fault, true);
+  drive.set_interlock({board.bridge_phase, board.bridge_enable, board.bridge_awake});
+  drive.set_analog([this, side, &board](unsigned channel, Time) {
+    if (channel == board.motor_current_channel) return board.current_zero_v + board.current_gain_v_a * motor_a_[side];
+    return supply_v_ / board.bus_divider;
+  });
+}
+
+void HoistBench::wire_tilt(Box box) {
+  Chip& owner = chip(box);
+  const BoardPins& board = pins(box);
+  if (box != Box::tilt_right) owner.drive_pin(board.strap0, false);
+  if (box != Box::tilt_left) owner.drive_pin(board.strap1, false);
+  for (const PinPlace line : board.pulled_up_on_tilt) owner.drive_pin(line, true);
+  const sim::Place place = place_of(box);
+  // The chip's axes are the hoist's: x forward, y left, z up. Leaning forward turns about y, leaning right about x.
+  const MotionSource motion = [this, place](Time) {
+    const sim::ImuReading at = plant_.read_imu(place);
+    return ChipMotion{{at.ax_m_s2, at.ay_m_s2, at.az_m_s2}, {at.beta_rate_rad_s, at.alpha_rate_rad_s, at.yaw_rate_rad_s}};
+  };
+  const Complain complain = [&owner](const std::string& what) { owner.complain(what); };
+  auto& imu = imus_[index(box) - index(Box::tilt_left)];
+  switch (options_.imus[index(box) - index(Box::tilt_left)]) {
+    case ImuKind::mpu6050:
+      imu = std::make_unique<Mpu6050>(motion, complain);
+      owner.connect_i2c(imu.get());
+      return;
+    case ImuKind::lsm6dso:
+      imu = std::make_unique<Lsm6dso>(motion, complain);
+      break;
+    case ImuKind::icm42688p:
+      imu = std::make_unique<Icm42688p>(motion, complain);
+      break;
+  }
+  owner.connect_spi(imu.get(), board.spi_select);
 }
 
 void HoistBench::press_bumpers() {
   const std::uint8_t pressed = plant_.bumpers();
   if (pressed == bumpers_) return;
   bumpers_ = pressed;
-  constexpr std::array<board::Pin, 4> kPins{board::kBumperFront, board::kBumperRear, board::kBumperLeft, board::kBumperRight};
-  for (unsigned i = 0; i < kPins.size(); ++i) {
+  const std::array<PinPlace, 4>& contacts = pins(Box::io).bumpers;
+  for (unsigned i = 0; i < contacts.size(); ++i) {
     if ((pressed & (1U << i)) != 0)
-      chip(Box::io).float_pin(kPins[i].port, kPins[i].bit);  // the contact opens, the pull-up shows
+      chip(Box::io).float_pin(contacts[i]);  // the contact opens, the pull-up shows
     else
-      chip(Box::io).drive_pin(kPins[i].port, kPins[i].bit, false);
+      chip(Box::io).drive_pin(contacts[i], false);
   }
 }
 
 void HoistBench::read_bridge(Box box, sim::Side side) {
-  const Lpc11c24& drive = chip(box);
-  const bool awake = drive.pin_driven_by_chip(board::kBridgeAwake.port, board::kBridgeAwake.bit) &&
-                     drive.pin(board::kBridgeAwake.port, board::kBridgeAwake.bit);
-  const double share = drive.pin_driven_by_chip(board::kBridgeEnable.port, board::kBridgeEnable.bit)
-                           ? drive.pin_high_share(board::kBridgeEnable.port, board::kBridgeEnable.bit)
-                           : 0.0;
-  const bool forward = drive.pin(board::kBridgePhase.port, board::kBridgePhase.bit);
+  const Chip& drive = chip(box);
+  const BoardPins& board = pins(box);
+  const bool awake = drive.pin_driven_by_chip(board.bridge_awake) && drive.pin(board.bridge_awake);
+  const double share = drive.pin_driven_by_chip(board.bridge_enable) ? drive.pin_high_share(board.bridge_enable) : 0.0;
+  const bool forward = drive.pin(board.bridge_phase);
   plant_.set_bridge(side, awake, forward ? share : -share);
 }
 
@@ -178,8 +196,10 @@ void HoistBench::turn_encoder(Box box, sim::Side side, std::int32_t before, Time
     const unsigned lines = (wanted & ~broken_line_[index(box)]) | (shown & broken_line_[index(box)]);
     const Time at = from + span * static_cast<Time>(i) / static_cast<Time>(count + 1);
     const unsigned changed = lines ^ shown;
-    if ((changed & 1U) != 0) chip(box).schedule_pin(at, board::kEncoderA.port, board::kEncoderA.bit, (lines & 1U) != 0);
-    if ((changed & 2U) != 0) chip(box).schedule_pin(at, board::kEncoderB.port, board::kEncoderB.bit, (lines & 2U) != 0);
+    if ((changed & 1U) != 0)
+      for (const PinPlace line : pins(box).encoder_a) chip(box).schedule_pin(at, line, (lines & 1U) != 0);
+    if ((changed & 2U) != 0)
+      for (const PinPlace line : pins(box).encoder_b) chip(box).schedule_pin(at, line, (lines & 2U) != 0);
     shown = lines;
   }
 }
@@ -207,13 +227,13 @@ void HoistBench::advance_quarter() {
 
 // The computer's end of the serial line: sends while the gateway's RTS allows, takes everything.
 void HoistBench::move_serial_line() {
-  const Uart& state = chip(Box::gateway).uart_state();
+  const SerialLine& state = chip(Box::gateway).serial_state();
   if (!to_gateway_.empty() && state.line_waiting() < kSerialWindow && state.may_send()) {
-    chip(Box::gateway).uart().line_send(static_cast<std::uint8_t>(to_gateway_.front()), now_);
+    chip(Box::gateway).serial_line().line_send(static_cast<std::uint8_t>(to_gateway_.front()), now_);
     to_gateway_.erase(to_gateway_.begin());
   }
   if (state.received_by_line.empty()) return;
-  Uart& uart = chip(Box::gateway).uart();
+  SerialLine& uart = chip(Box::gateway).serial_line();
   while (!uart.received_by_line.empty()) {
     const char c = static_cast<char>(uart.received_by_line.front());
     uart.received_by_line.pop_front();

@@ -16,21 +16,34 @@
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
+#include "control/contract/firmware_image.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
 #include "control/contract/slcan_codec.hpp"
 #include "control/core/tick.hpp"
 #include "firmware/sim/patient.hpp"
 #include "firmware/sim/plant.hpp"
+#include "tests/machine/board_pins.hpp"
+#include "tests/machine/chip.hpp"
 #include "tests/machine/image.hpp"
 #include "tests/machine/imu_chips.hpp"
-#include "tests/machine/lpc11c24.hpp"
 
 namespace hoist::machine {
 
+/// Boxes in the order of contract::Node's nodes, then the gateway.
+enum class Box : std::uint8_t { drive_left, drive_right, io, tilt_left, tilt_right, tilt_base, gateway };
+inline constexpr std::size_t kBoxCount = 7;
+
+using contract::ImageChip;
+
 /// The images of one build of the firmware.
 struct Images {
-  Image tilt, drive, io, gateway;
+  struct OfChip {
+    Image tilt, drive, io, gateway;
+    [[nodiscard]] const Image& of(Box box) const;
+  };
+  OfChip lpc11c24, stm32f072;
+  [[nodiscard]] const Image& of(ImageChip chip, Box box) const { return (chip == ImageChip::stm32f072 ? stm32f072 : lpc11c24).of(box); }
 };
 /// Why there are none, or the images.
 struct ImagesOrReason {
@@ -38,6 +51,8 @@ struct ImagesOrReason {
   std::string reason;
 };
 [[nodiscard]] ImagesOrReason load_images();
+/// An image of the firmware by its name without chip and ending.
+[[nodiscard]] std::optional<Image> load_image(const std::string& name, ImageChip chip);
 
 enum class ImuKind : std::uint8_t { mpu6050, lsm6dso, icm42688p };
 
@@ -46,15 +61,16 @@ struct BenchOptions {
   sim::PlantParams plant{};
   sim::PatientParams patient{};
   const sim::Scenario* scenario{&sim::kScenarios.front()};
+  /// Which microcontroller each box has.
+  std::array<ImageChip, kBoxCount> chips{ImageChip::lpc11c24, ImageChip::lpc11c24, ImageChip::lpc11c24, ImageChip::lpc11c24,
+                                         ImageChip::lpc11c24, ImageChip::lpc11c24, ImageChip::lpc11c24};
+  /// The one box that has power, when the others do not matter to a test; empty: all.
+  std::optional<Box> only{};
   bool through_gateway{true};  ///< false: the computer is on the wire itself, and the gateway is not there
   /// The whole flash of a box instead of the bare application: its loader, and whatever lies behind it. It starts at address 0.
   std::array<std::vector<std::uint8_t>, 7> flash{};
   std::array<ImuKind, 3> imus{ImuKind::mpu6050, ImuKind::mpu6050, ImuKind::mpu6050};  ///< left, right, base
 };
-
-/// Boxes in the order of contract::Node's nodes, then the gateway.
-enum class Box : std::uint8_t { drive_left, drive_right, io, tilt_left, tilt_right, tilt_base, gateway };
-inline constexpr std::size_t kBoxCount = 7;
 
 class HoistBench {
  public:
@@ -70,7 +86,9 @@ class HoistBench {
   void host_send(const contract::CanFrame& frame);
   [[nodiscard]] std::size_t host_receive(std::span<contract::CanFrame> out);
 
-  [[nodiscard]] Lpc11c24& chip(Box box) { return *chips_[static_cast<std::size_t>(box)]; }
+  [[nodiscard]] Chip& chip(Box box) { return *chips_[static_cast<std::size_t>(box)]; }
+  /// How the board of this box is wired.
+  [[nodiscard]] const BoardPins& pins(Box box) const { return board_pins(options_.chips[static_cast<std::size_t>(box)]); }
   [[nodiscard]] ImuChip& imu(Box box) { return *imus_[static_cast<std::size_t>(box) - static_cast<std::size_t>(Box::tilt_left)]; }
   [[nodiscard]] std::size_t station(Box box) const { return stations_[static_cast<std::size_t>(box)]; }
   [[nodiscard]] CanWire& wire() { return wire_; }
@@ -88,6 +106,8 @@ class HoistBench {
  private:
   void advance_quarter();
   void wire_up(Box box, const Image& image);
+  void wire_drive(Box box);
+  void wire_tilt(Box box);
   void turn_encoder(Box box, sim::Side side, std::int32_t before, Time from, Time span);
   void read_bridge(Box box, sim::Side side);
   void press_bumpers();
@@ -98,7 +118,7 @@ class HoistBench {
   sim::Patient patient_;
   CanWire wire_;
   HostStation host_;
-  std::array<std::unique_ptr<Lpc11c24>, kBoxCount> chips_;
+  std::array<std::unique_ptr<Chip>, kBoxCount> chips_;
   std::array<std::unique_ptr<ImuChip>, 3> imus_;
   std::array<std::size_t, kBoxCount> stations_{};
   std::array<unsigned, kBoxCount> broken_line_{};

@@ -36,7 +36,7 @@ class Reader {
 
 }  // namespace
 
-std::optional<Image> load_elf(const std::string& path, std::size_t flash_bytes) {
+std::optional<Image> load_elf(const std::string& path, std::size_t flash_bytes, std::uint32_t flash_base) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return std::nullopt;
   const std::vector<std::uint8_t> bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -51,8 +51,9 @@ std::optional<Image> load_elf(const std::string& path, std::size_t flash_bytes) 
     if (elf.word(at) != kLoadable) continue;
     const std::uint32_t from = elf.word(at + 4), to = elf.word(at + 12), size = elf.word(at + 16);
     if (size == 0) continue;
-    if (to >= flash_bytes || size > flash_bytes - to || from > bytes.size() || size > bytes.size() - from) return std::nullopt;
-    std::copy_n(bytes.begin() + from, size, image.flash.begin() + to);
+    const std::uint32_t at_flash = to - flash_base;
+    if (at_flash >= flash_bytes || size > flash_bytes - at_flash || from > bytes.size() || size > bytes.size() - from) return std::nullopt;
+    std::copy_n(bytes.begin() + from, size, image.flash.begin() + at_flash);
     image.lowest = std::min(image.lowest, to);
   }
   if (image.lowest == 0xFFFFFFFF) return std::nullopt;

@@ -10,13 +10,13 @@
 namespace hoist::machine {
 
 struct Image {
-  std::vector<std::uint8_t> flash;  ///< from address 0; 0xFF where the file says nothing
+  std::vector<std::uint8_t> flash;  ///< from the flash's first address; 0xFF where the file says nothing
   std::uint32_t lowest{};           ///< lowest address in flash that the file fills: where its vectors are
   std::map<std::string, std::uint32_t> symbols;
 };
 
 /// Reads a 32-bit little-endian ARM ELF file; nothing if it is none or does not fit into `flash_bytes`.
-[[nodiscard]] std::optional<Image> load_elf(const std::string& path, std::size_t flash_bytes);
+[[nodiscard]] std::optional<Image> load_elf(const std::string& path, std::size_t flash_bytes, std::uint32_t flash_base = 0);
 
 /// The directory with the images, if there is one: $HOIST_FIRMWARE_DIR, or the one this test was built with.
 [[nodiscard]] std::optional<std::string> firmware_directory();

@@ -21,6 +21,7 @@ constexpr std::size_t kPageBytes = 256;
 // RAM of the boot ROM (UM10398, "RAM used by ISP command handler"): contents may be lost upon reset. Its stack is 256 bytes, down from 32
 // below the top; flash routines use those 32. Measured on relatives: an LPC1754 rewrites top - 38h to top - 20h, an LPC804 its top 44 bytes.
 constexpr std::size_t kRomVariables = 0x17C, kRomVariablesEnd = 0x25C, kRomStackAndTop = 256 + 32;
+constexpr std::size_t kRemapBytes = 512;  // UM10398, SYSMEMREMAP
 
 // Blocks at 0x40000000 + n * 0x4000.
 enum Block : unsigned {
@@ -294,11 +295,7 @@ double MatchTimer::pwm_hz(std::uint32_t clock_hz) const {
 // ---------------------------------------------------------------- chip
 
 Lpc11c24::Lpc11c24(std::string name, std::span<const std::uint8_t> flash)
-    : name_(std::move(name)),
-      flash_(kFlashBytes, 0xFF),
-      ram_(kRamBytes, 0xA5),
-      core_(std::make_unique<CortexM0>(flash_, ram_, static_cast<PeripheralBus&>(*this))),
-      complain_([this](const std::string& what) { violation(what); }),
+    : Chip(std::move(name), flash, kFlashBytes, kRamBytes, {}),
       can_(complain_),
       i2c_(complain_),
       ssp0_("SSP0", complain_),
@@ -307,24 +304,9 @@ Lpc11c24::Lpc11c24(std::string name, std::span<const std::uint8_t> flash)
       timers_{MatchTimer("CT16B0", false, complain_), MatchTimer("CT16B1", false, complain_), MatchTimer("CT32B0", true, complain_),
               MatchTimer("CT32B1", true, complain_)},
       page_written_(kFlashBytes / kPageBytes, false) {
-  std::copy_n(flash.begin(), std::min(flash.size(), flash_.size()), flash_.begin());
   // A page that holds something may not be written again before it is erased.
   for (std::size_t i = 0; i < flash_.size(); ++i)
     if (flash_[i] != 0xFF) page_written_[i / kPageBytes] = true;
-}
-
-void Lpc11c24::violation(const std::string& what) { ++violations_[what]; }
-
-void Lpc11c24::start_at(std::uint32_t vectors) { start_vectors_ = vectors; }
-
-void Lpc11c24::reset(ResetCause cause) {
-  powered_ = true;
-  if (cause == ResetCause::power_on) {
-    reset_status_ = 1;
-    std::fill(ram_.begin(), ram_.end(), std::uint8_t{0xA5});
-    general_.fill(0);  // only a cold boot clears them
-  }
-  do_reset(cause);
 }
 
 void Lpc11c24::spoil_rom_memory() {
@@ -335,8 +317,11 @@ void Lpc11c24::spoil_rom_memory() {
   spoil(kRamBytes - kRomStackAndTop, kRamBytes);
 }
 
-void Lpc11c24::do_reset(ResetCause cause) {
-  ++resets_[static_cast<std::size_t>(cause)];
+void Lpc11c24::reset_blocks(ResetCause cause) {
+  if (cause == ResetCause::power_on) {
+    reset_status_ = 0;
+    general_.fill(0);  // only a cold boot clears them
+  }
   constexpr std::array<std::uint32_t, 5> kStatus{1, 2, 4, 8, 16};
   reset_status_ |= kStatus[static_cast<std::size_t>(cause)];
   spoil_rom_memory();
@@ -353,12 +338,7 @@ void Lpc11c24::do_reset(ResetCause cause) {
   pll_locked_at_ = osc_ready_at_ = kNever;
   flashcfg_ = kFlashcfgReserved | 2U;
   iocon_.fill(0xD0);
-  for (Port& port : ports_) {
-    const std::uint32_t outside = port.outside, driven = port.driven;
-    port = {};
-    port.outside = outside;
-    port.driven = driven;
-  }
+  ports_ = {};
   adc_control_ = 0;
   adc_enable_ = 0x100;
   adc_data_.fill(0);
@@ -379,8 +359,7 @@ void Lpc11c24::do_reset(ResetCause cause) {
   ssp1_.reset();
   uart_.reset();
   for (MatchTimer& timer : timers_) timer.reset();
-  hung_ = false;
-  core_->map_vectors_to_ram(false);
+  core_->show_at_zero({});
   core_->set_flash_waits(2);
   update_clock();
   update_pins();
@@ -394,39 +373,17 @@ void Lpc11c24::do_reset(ResetCause cause) {
   if (sum != 0) violation("the ROM would not start this image: its first eight vectors do not add up to 0");
   std::memcpy(&word, &flash_[0x2FC], 4);
   if (word == 0x12345678 || word == 0x87654321 || word == 0x43218765 || word == 0x4E697370) violation("the word at 2FCh locks the chip");
-  core_->reset();
-  if (start_vectors_ != 0) {
-    std::memcpy(&word, &flash_[start_vectors_], 4);
-    core_->set_reg(13, word & ~3U);
-    std::memcpy(&word, &flash_[start_vectors_ + 4], 4);
-    core_->set_reg(15, word & ~1U);
-  }
-  next_ = 0;
-  touched_ = true;
 }
 
 // ---------------------------------------------------------------- time
 
-Time Lpc11c24::next_event() const {
+Time Lpc11c24::next_block_event() const {
   Time next = std::min({i2c_.next(), ssp0_.next(), ssp1_.next(), uart_.next(), adc_due_, wdt_deadline_});
   for (const MatchTimer& timer : timers_) next = std::min(next, timer.next());
-  if (edge_at_ < edges_.size()) next = std::min(next, edges_[edge_at_].at);
   return next;
 }
 
-void Lpc11c24::service(Time until) {
-  while (edge_at_ < edges_.size() && edges_[edge_at_].at <= until) {
-    const Edge& edge = edges_[edge_at_++];
-    Port& port = ports_[edge.port];
-    const std::uint32_t bit = 1U << edge.bit;
-    port.driven |= bit;
-    port.outside = edge.level ? port.outside | bit : port.outside & ~bit;
-    look_at_port(edge.port);
-  }
-  if (edge_at_ == edges_.size()) {
-    edges_.clear();
-    edge_at_ = 0;
-  }
+void Lpc11c24::advance_blocks(Time until) {
   i2c_.advance(until);
   ssp0_.advance(until);
   ssp1_.advance(until);
@@ -438,20 +395,19 @@ void Lpc11c24::service(Time until) {
     convert(adc_channel_, at);
     if (adc_by_edge_ && ((adc_control_ >> 24) & 7U) >= 4) await_edge();  // as long as START stands, each edge starts one
   }
-  if (wdt_deadline_ <= until) {
-    wdt_deadline_ = kNever;
-    wdt_mode_ |= 4U;
-    if ((wdt_mode_ & 2U) != 0)
-      reset_wanted_ = ResetCause::watchdog;
-    else
-      wdt_flag_ = true;
-  }
-  update_lines();
+  if (wdt_deadline_ <= until) expire_watchdog();
 }
 
-void Lpc11c24::update_lines() {
-  touched_ = false;
-  can_changes_ = can_.changes();
+void Lpc11c24::expire_watchdog() {
+  wdt_deadline_ = kNever;
+  wdt_mode_ |= 4U;
+  if ((wdt_mode_ & 2U) != 0)
+    reset_wanted_ = ResetCause::watchdog;
+  else
+    wdt_flag_ = true;
+}
+
+std::uint32_t Lpc11c24::lines() {
   if ((adc_control_ & 0x10000U) != 0) update_burst();
   std::uint32_t lines = 0;
   if (can_.line()) lines |= 1U << 13;
@@ -468,64 +424,12 @@ void Lpc11c24::update_lines() {
   if (wdt_flag_) lines |= 1U << 25;
   for (unsigned p = 0; p < kPorts; ++p)
     if ((ports_[p].ris & ports_[p].ie) != 0) lines |= 1U << (31 - p);
-  core_->set_lines(lines);
-  const Time next = next_event();
-  if (next < next_ || reset_wanted_ || !powered_) core_->stop();
-  next_ = next;
+  return lines;
 }
 
-// While the core runs, time follows its clocks.
-void Lpc11c24::catch_up() {
-  if (in_slice_) now_ = slice_from_ + (core_->cycles() - slice_cycles_) * unit_;
-}
-
-void Lpc11c24::run_until(Time end) {
-  if (!powered_) {
-    now_ = end;
-    return;
-  }
-  if (touched_ || can_.changes() != can_changes_) update_lines();  // something has come from outside
-  while (now_ < end) {
-    if (reset_wanted_) {
-      const ResetCause cause = *reset_wanted_;
-      reset_wanted_.reset();
-      do_reset(cause);
-    }
-    if (!powered_) break;
-    if (next_ <= now_) service(now_);
-    if (reset_wanted_) continue;
-    const Time until = std::min(end, std::max(next_, now_ + 1));
-    if (hung_) {
-      now_ = until;
-      continue;
-    }
-    slice_from_ = now_;
-    slice_cycles_ = core_->cycles();
-    in_slice_ = true;
-    (void)core_->run((until - now_ + unit_ - 1) / unit_);
-    catch_up();
-    in_slice_ = false;
-    if (now_ >= until || !(core_->asleep() || core_->locked_up())) continue;
-    // Asleep: on to whatever comes first.
-    Time wake = until;
-    const std::uint64_t tick = core_->cycles_to_systick();
-    if (tick != UINT64_MAX) wake = std::min(wake, now_ + tick * unit_);
-    const std::uint64_t cycles = wake > now_ ? (wake - now_ + unit_ - 1) / unit_ : 1;
-    core_->sleep(cycles);
-    now_ += cycles * unit_;
-  }
-  if (now_ < end) now_ = end;
-}
-
-void Lpc11c24::stall(double seconds) {
-  const auto cycles = static_cast<std::uint64_t>(seconds * clock_hz_);
-  core_->sleep(cycles);
-  catch_up();
-  if (wdt_deadline_ <= now_) {
-    wdt_deadline_ = kNever;
-    wdt_mode_ |= 4U;
-    if ((wdt_mode_ & 2U) != 0) reset_wanted_ = ResetCause::watchdog;
-  }
+void Lpc11c24::stall_in_rom(double seconds) {
+  stall(seconds);
+  if (wdt_deadline_ <= now_) expire_watchdog();
 }
 
 // ---------------------------------------------------------------- access
@@ -712,13 +616,8 @@ void Lpc11c24::update_clock() {
     violation("SYSAHBCLKDIV 0: the system clock stops");
     return;
   }
-  clock_hz_ = main_hz / ahb_divider_;
+  set_clock(main_hz / ahb_divider_);
   if (clock_hz_ > 50'000'000) violation("system clock of " + std::to_string(clock_hz_) + " Hz, 50 MHz is the most");
-  if (kSecond % clock_hz_ != 0) violation("system clock of " + std::to_string(clock_hz_) + " Hz does not divide 48 MHz: not modelled");
-  unit_ = std::max<Time>(1, kSecond / clock_hz_);
-  slice_from_ = now_;
-  slice_cycles_ = core_->cycles();
-  core_->stop();
   const std::uint32_t waits = flashcfg_ & 3U;
   const std::uint32_t needed = clock_hz_ > 40'000'000 ? 2 : (clock_hz_ > 20'000'000 ? 1 : 0);
   if (waits < needed || waits == 3)
@@ -801,7 +700,7 @@ void Lpc11c24::write_syscon(std::uint32_t offset, std::uint32_t value) {
       reserved(~3U);
       remap_ = value & 3U;
       if (remap_ == 0) violation("SYSMEMREMAP 0: the ROM's vectors: not modelled");
-      core_->map_vectors_to_ram(remap_ == 1);
+      core_->show_at_zero(remap_ == 1 ? std::span(ram_).first(kRemapBytes) : std::span<std::uint8_t>{});
       return;
     case 0x004:
       reserved(~0xFU);
@@ -960,24 +859,27 @@ bool Lpc11c24::is_gpio(unsigned port, unsigned bit) const {
   const bool one = (port == 0 && (bit == 0 || bit == 10 || bit == 11)) || (port == 1 && bit <= 3);
   return function_of(port, bit) == (one ? 1U : 0U);
 }
-bool Lpc11c24::pin_driven_by_chip(unsigned port, unsigned bit) const {
+bool Lpc11c24::pin_driven_by_chip(PinPlace at) const {
+  const auto [port, bit] = at;
   if (!powered_) return false;
   if (is_gpio(port, bit)) return (ports_[port].dir & (1U << bit)) != 0;
   for (const MatchPin& match : kMatchPins)
     if (match.pin.port == port && match.pin.bit == bit && match.pin.function == function_of(port, bit)) return true;
   return false;
 }
-double Lpc11c24::pin_high_share(unsigned port, unsigned bit) const {
+double Lpc11c24::pin_high_share(PinPlace at) const {
+  const auto [port, bit] = at;
   if (powered_ && !is_gpio(port, bit))
     for (const MatchPin& match : kMatchPins)
       if (match.pin.port == port && match.pin.bit == bit && match.pin.function == function_of(port, bit))
         return timers_[match.timer].high_share(match.match);
-  return pin(port, bit) ? 1.0 : 0.0;
+  return pin(at) ? 1.0 : 0.0;
 }
-bool Lpc11c24::pin(unsigned port, unsigned bit) const {
+bool Lpc11c24::pin(PinPlace at) const {
+  const auto [port, bit] = at;
   const std::uint32_t mask = 1U << bit;
   if (powered_ && is_gpio(port, bit) && (ports_[port].dir & mask) != 0) return (ports_[port].out & mask) != 0;
-  if ((ports_[port].driven & mask) != 0) return (ports_[port].outside & mask) != 0;
+  if ((outside_[port].driven & mask) != 0) return (outside_[port].level & mask) != 0;
   if (!powered_) return false;
   const std::uint8_t offset = kIoconOffset[port][bit];
   return offset != 0xFF && ((iocon_[offset / 4] >> 3) & 3U) == 2;
@@ -989,7 +891,7 @@ std::uint32_t Lpc11c24::inputs(unsigned port) const {
     if (offset == 0xFF || !is_gpio(port, bit)) continue;
     const bool analog_pin = (port == 0 && bit == 11) || (port == 1 && (bit <= 4 || bit >= 10));
     if (analog_pin && (iocon_[offset / 4] & 0x80U) == 0) continue;  // in analog mode the digital input is off
-    if (pin(port, bit)) value |= 1U << bit;
+    if (pin({port, bit})) value |= 1U << bit;
   }
   return value;
 }
@@ -1006,24 +908,9 @@ void Lpc11c24::look_at_port(unsigned number) {
   port.ris |= ((level & port.iev) | (~level & ~port.iev)) & port.is & 0xFFFU;
 }
 
-void Lpc11c24::drive_pin(unsigned port, unsigned bit, bool level) {
-  const std::uint32_t mask = 1U << bit;
-  ports_[port].driven |= mask;
-  ports_[port].outside = level ? ports_[port].outside | mask : ports_[port].outside & ~mask;
-  look_at_port(port);
-}
-void Lpc11c24::float_pin(unsigned port, unsigned bit) {
-  ports_[port].driven &= ~(1U << bit);
-  look_at_port(port);
-}
-void Lpc11c24::schedule_pin(Time at, unsigned port, unsigned bit, bool level) {
-  edges_.push_back({at, port, bit, level});
-  next_ = std::min(next_, at);
-}
-void Lpc11c24::connect_spi0(SpiDevice* device, unsigned select_port, unsigned select_bit) {
+void Lpc11c24::connect_spi(SpiDevice* device, PinPlace select) {
   spi0_ = device;
-  select_port_ = select_port;
-  select_bit_ = select_bit;
+  select_ = select;
   ssp0_.connect(device);
 }
 
@@ -1035,7 +922,7 @@ void Lpc11c24::update_pins() {
   ssp0_.set_pins(clock_out && function_of(0, 8) == 1 && function_of(0, 9) == 1);
   uart_.set_pins(function_of(1, 6) == 1, function_of(1, 7) == 1, function_of(1, 5) == 1, function_of(0, 7) == 1);
   if (spi0_ != nullptr) {
-    const bool low = pin_driven_by_chip(select_port_, select_bit_) && !pin(select_port_, select_bit_);
+    const bool low = pin_driven_by_chip(select_) && !pin(select_);
     if (low != selected_) {
       selected_ = low;
       spi0_->spi_select(low, now_);
@@ -1097,11 +984,11 @@ std::uint32_t Lpc11c24::read_gpio(unsigned number, std::uint32_t offset) {
   }
 }
 
-bool Lpc11c24::match_output(unsigned port, unsigned bit) {
+bool Lpc11c24::output(PinPlace at) {
   for (const MatchPin& match : kMatchPins)
-    if (match.pin.port == port && match.pin.bit == bit && match.pin.function == function_of(port, bit))
+    if (match.pin.port == at.port && match.pin.bit == at.bit && match.pin.function == function_of(at.port, at.bit))
       return timers_[match.timer].output(match.match, now_);
-  return pin_driven_by_chip(port, bit) && pin(port, bit);
+  return pin_driven_by_chip(at) && pin(at);
 }
 
 void Lpc11c24::write_gpio(unsigned number, std::uint32_t offset, std::uint32_t value) {
@@ -1110,12 +997,7 @@ void Lpc11c24::write_gpio(unsigned number, std::uint32_t offset, std::uint32_t v
     const std::uint32_t mask = (offset >> 2) & 0xFFFU;
     const std::uint32_t before = port.out;
     port.out = (port.out & ~mask) | (value & mask);
-    if (interlock_ && number == interlock_->port && ((before ^ port.out) & (1U << interlock_->bit)) != 0) {
-      const bool enabled = pin(interlock_->enable_port, interlock_->enable_bit);
-      interlock_changes_ += enabled ? 1 : 0;
-      if (enabled && match_output(interlock_->while_port, interlock_->while_bit))
-        violation("direction of the bridge changed while its PWM output is high");
-    }
+    outputs_written(number, before, port.out);
     update_pins();
     return;
   }
@@ -1123,7 +1005,7 @@ void Lpc11c24::write_gpio(unsigned number, std::uint32_t offset, std::uint32_t v
   switch (offset) {
     case 0x8000:
       for (unsigned bit = 0; bit < kPortBits; ++bit)
-        if ((value & (1U << bit)) != 0 && (port.driven & (1U << bit)) != 0 && is_gpio(number, bit))
+        if ((value & (1U << bit)) != 0 && (outside_[number].driven & (1U << bit)) != 0 && is_gpio(number, bit))
           violation("pin PIO" + std::to_string(number) + "_" + std::to_string(bit) + " made an output against something that drives it");
       port.dir = value & 0xFFFU;
       update_pins();
@@ -1385,13 +1267,6 @@ bool Lpc11c24::call_rom(std::uint32_t address) {
   return true;
 }
 
-bool Lpc11c24::cut_now() {
-  ++flash_operations_;
-  if (flash_cut_ == 0 || --flash_cut_ != 0) return false;
-  powered_ = false;
-  return true;
-}
-
 std::uint32_t Lpc11c24::iap(std::uint32_t table, std::uint32_t result) {
   constexpr std::uint32_t kDone = 0, kInvalidCommand = 1, kSourceAlign = 2, kDestinationAlign = 3, kCountWrong = 6, kInvalidSector = 7,
                           kNotBlank = 8, kNotPrepared = 9, kCompareError = 10;
@@ -1461,7 +1336,7 @@ std::uint32_t Lpc11c24::iap(std::uint32_t table, std::uint32_t result) {
     case 58:
       // No two chips have the same one: here it follows from the name.
       for (unsigned i = 0; i < 4; ++i)
-        (void)core_->poke(result + 4 + 4 * i, 4, 0x48000000U + i + static_cast<std::uint32_t>(std::hash<std::string>{}(name_)));
+        (void)core_->poke(result + 4 + 4 * i, 4, 0x48000000U + i + static_cast<std::uint32_t>(std::hash<std::string>{}(name())));
       return kDone;
     default:
       return kInvalidCommand;
@@ -1480,7 +1355,7 @@ std::uint32_t Lpc11c24::iap_erase(std::uint32_t first, std::uint32_t last) {
     flash_[i] = 0xFF;
     page_written_[i / kPageBytes] = cut;
   }
-  stall(kEraseTime_s);
+  stall_in_rom(kEraseTime_s);
   return 0;
 }
 
@@ -1502,7 +1377,7 @@ std::uint32_t Lpc11c24::iap_write(std::uint32_t to, std::uint32_t from, std::uin
     if (cut && i >= count / 2) break;
     flash_[to + i] = static_cast<std::uint8_t>(flash_[to + i] & byte);
   }
-  stall(kWriteTime_s * count / kPageBytes);
+  stall_in_rom(kWriteTime_s * count / kPageBytes);
   return 0;
 }
 

@@ -17,15 +17,13 @@
 #include <vector>
 
 #include "tests/machine/c_can.hpp"
-#include "tests/machine/cortex_m0.hpp"
+#include "tests/machine/chip.hpp"
 #include "tests/machine/serial_blocks.hpp"
 #include "tests/machine/time.hpp"
 
 namespace hoist::machine {
 
 inline constexpr std::size_t kFlashBytes = 0x8000, kRamBytes = 0x2000, kFlashSectorBytes = 0x1000;
-
-enum class ResetCause : std::uint8_t { power_on, pin, watchdog, brown_out, software };
 
 /// A 16 or 32 bit counter with four matches.
 class MatchTimer {
@@ -65,100 +63,45 @@ class MatchTimer {
   std::uint32_t held_high_{};  // PWM outputs that stay high until the cycle ends, whatever their match value is now
 };
 
-class Lpc11c24 : private PeripheralBus {
+class Lpc11c24 : public Chip {
  public:
   static constexpr unsigned kPorts = 4, kPortBits = 12;
 
   Lpc11c24(std::string name, std::span<const std::uint8_t> flash);
-  Lpc11c24(const Lpc11c24&) = delete;
-  Lpc11c24& operator=(const Lpc11c24&) = delete;
 
-  /// Power on, or another reset. Nothing runs while unpowered.
-  void reset(ResetCause cause);
-  void power_off() { powered_ = false; }
-  [[nodiscard]] bool powered() const { return powered_; }
-  /// Begins at these vectors, as the loader hands over, instead of at address 0: for applications without their loader in the flash.
-  void start_at(std::uint32_t vectors);
+  [[nodiscard]] bool pin(PinPlace at) const override;
+  [[nodiscard]] bool pin_driven_by_chip(PinPlace at) const override;
+  [[nodiscard]] double pin_high_share(PinPlace at) const override;
+  void connect_i2c(I2cDevice* device) override { i2c_.connect(device); }
+  /// On SSP0.
+  void connect_spi(SpiDevice* device, PinPlace select) override;
+  void set_supply(double volts) override;
 
-  /// Runs core and blocks up to `end`.
-  void run_until(Time end);
-  [[nodiscard]] Time now() const { return now_; }
-
-  // Pins from outside. A pin nobody drives follows its pull-up or pull-down.
-  void drive_pin(unsigned port, unsigned bit, bool level);
-  void float_pin(unsigned port, unsigned bit);
-  /// The level at a pin as a meter would see it: driven by the chip, driven from outside, or pulled.
-  [[nodiscard]] bool pin(unsigned port, unsigned bit) const;
-  [[nodiscard]] bool pin_driven_by_chip(unsigned port, unsigned bit) const;
-  /// Share of the time a pin is high: its level, or the duty of the PWM that is switched to it.
-  [[nodiscard]] double pin_high_share(unsigned port, unsigned bit) const;
-  /// Schedules an edge from outside; in order of time.
-  void schedule_pin(Time at, unsigned port, unsigned bit, bool level);
-  /// The voltage at a converter channel.
-  void set_analog(std::function<double(unsigned channel, Time now)> volts) { analog_ = std::move(volts); }
-  /// Select line of the chip on SSP0.
-  void connect_spi0(SpiDevice* device, unsigned select_port, unsigned select_bit);
-
-  /// The supply, for the brown-out detector.
-  void set_supply(double volts);
-  /// The current flash operation is cut by a power failure: after this many more (1 = the next one) the chip is off, the flash half done.
-  void cut_power_in_flash_operation(int which) { flash_cut_ = which; }
-  [[nodiscard]] std::uint64_t flash_operations() const { return flash_operations_; }
-
-  [[nodiscard]] CortexM0& core() { return *core_; }
-  [[nodiscard]] const CortexM0& core() const { return *core_; }
-  [[nodiscard]] CCan& can() { return can_; }
-  [[nodiscard]] I2c& i2c() { return i2c_; }
-  /// To be asked for anew each time it is used: the chip then looks what has come.
-  [[nodiscard]] Uart& uart() {
+  [[nodiscard]] CCan& can() override { return can_; }
+  [[nodiscard]] SerialLine& serial_line() override {
     touched_ = true;
     return uart_;
   }
-  [[nodiscard]] const Uart& uart_state() const { return uart_; }
-  [[nodiscard]] std::span<std::uint8_t> flash() { return flash_; }
-  [[nodiscard]] std::span<std::uint8_t> ram() { return ram_; }
-
-  [[nodiscard]] const std::string& name() const { return name_; }
-  /// Each thing that correct firmware never does, with how often.
-  [[nodiscard]] const std::map<std::string, std::uint64_t>& violations() const { return violations_; }
-  /// Adds one: for what hangs on the chip.
-  void complain(const std::string& what) { violation(what); }
-  /// Wiring in which one output must not change while another one is high and a third enables both: direction and PWM of an H-bridge.
-  struct Interlock {
-    unsigned port, bit;              // what must hold still ...
-    unsigned while_port, while_bit;  // ... while this match output is high ...
-    unsigned enable_port, enable_bit;
-  };
-  void set_interlock(const Interlock& interlock) { interlock_ = interlock; }
-  /// How often that output changed while the third one was high.
-  [[nodiscard]] std::uint64_t interlock_changes() const { return interlock_changes_; }
-  void forget_violations() { violations_.clear(); }
-  [[nodiscard]] std::uint64_t resets(ResetCause cause) const { return resets_[static_cast<std::size_t>(cause)]; }
-  [[nodiscard]] std::uint32_t clock_hz() const { return clock_hz_; }
-  /// The core stays where it is, its blocks go on: as if it hung with interrupts off.
-  void hang(bool hung) { hung_ = hung; }
+  [[nodiscard]] const SerialLine& serial_state() const override { return uart_; }
 
  private:
   struct Port {
     std::uint32_t out{}, dir{}, is{}, ibe{}, iev{}, ie{}, ris{};
-    std::uint32_t outside{}, driven{};
     std::uint32_t seen{};  // input levels at the last look
-  };
-  struct Edge {
-    Time at;
-    unsigned port, bit;
-    bool level;
   };
 
   // PeripheralBus
   bool read(std::uint32_t address, unsigned size, std::uint32_t& value) override;
   bool write(std::uint32_t address, unsigned size, std::uint32_t value) override;
   bool call_rom(std::uint32_t address) override;
-  void request_reset() override {
-    reset_wanted_ = ResetCause::software;
-    core_->stop();
-  }
-  void violation(const std::string& what) override;
+
+  // Chip
+  void reset_blocks(ResetCause cause) override;
+  [[nodiscard]] Time next_block_event() const override;
+  void advance_blocks(Time until) override;
+  [[nodiscard]] std::uint32_t lines() override;
+  void pins_changed(unsigned port) override { look_at_port(port); }
+  [[nodiscard]] bool output(PinPlace at) override;
 
   [[nodiscard]] bool reachable(unsigned block);
   void spoil_rom_memory();
@@ -178,9 +121,6 @@ class Lpc11c24 : private PeripheralBus {
   void update_clock();
   void update_pins();
   void look_at_port(unsigned port);
-  void update_lines();
-  void service(Time until);
-  [[nodiscard]] Time next_event() const;
   [[nodiscard]] std::uint32_t function_of(unsigned port, unsigned bit) const;
   [[nodiscard]] bool is_gpio(unsigned port, unsigned bit) const;
   [[nodiscard]] std::uint32_t inputs(unsigned port) const;
@@ -191,43 +131,18 @@ class Lpc11c24 : private PeripheralBus {
   [[nodiscard]] Time conversion_time() const;
   void feed_watchdog();
   [[nodiscard]] std::uint64_t watchdog_value() const;
-  void do_reset(ResetCause cause);
+  void expire_watchdog();
 
   std::uint32_t iap(std::uint32_t table, std::uint32_t result);
-  [[nodiscard]] bool cut_now();
   std::uint32_t iap_erase(std::uint32_t first, std::uint32_t last);
   std::uint32_t iap_write(std::uint32_t to, std::uint32_t from, std::uint32_t count);
-  void stall(double seconds);
-  void catch_up();
+  void stall_in_rom(double seconds);
 
-  [[nodiscard]] bool match_output(unsigned port, unsigned bit);
-
-  std::string name_;
-  std::optional<Interlock> interlock_;
-  std::uint64_t interlock_changes_ = 0;
-  std::vector<std::uint8_t> flash_, ram_;
-  std::unique_ptr<CortexM0> core_;
-  Complain complain_;
   CCan can_;
   I2c i2c_;
   Ssp ssp0_, ssp1_;
   Uart uart_;
   std::array<MatchTimer, 4> timers_;
-  bool powered_{};
-  bool hung_{};
-  Time now_{};
-  Time slice_from_{};  // where the core's run under way began, and its clocks then
-  std::uint64_t slice_cycles_{};
-  bool in_slice_{};
-  Time unit_{4};
-  std::uint32_t clock_hz_{12'000'000};
-  Time next_{};         // cached next event
-  bool touched_{true};  // from outside, since the lines were last looked at
-  std::uint64_t can_changes_{};
-  std::map<std::string, std::uint64_t> violations_;
-  std::array<std::uint64_t, 5> resets_{};
-  std::optional<ResetCause> reset_wanted_;
-  std::uint32_t start_vectors_{};
   std::array<std::uint32_t, 4> general_{};  // GPREG0 to 3 of the PMU: outlive every reset but a cold boot
 
   // SYSCON
@@ -239,14 +154,11 @@ class Lpc11c24 : private PeripheralBus {
   std::uint32_t flashcfg_{};
   std::array<std::uint32_t, 64> iocon_{};
   std::array<Port, kPorts> ports_{};
-  std::vector<Edge> edges_;
-  std::size_t edge_at_{};
   SpiDevice* spi0_{};
-  unsigned select_port_{}, select_bit_{};
+  PinPlace select_{};
   bool selected_{};
 
   // Converter
-  std::function<double(unsigned, Time)> analog_;
   std::uint32_t adc_control_{}, adc_enable_{0x100};
   std::array<std::uint32_t, 8> adc_data_{};
   std::uint32_t adc_global_{};
@@ -264,8 +176,6 @@ class Lpc11c24 : private PeripheralBus {
 
   // Flash routines
   std::uint32_t prepared_{};
-  int flash_cut_{};
-  std::uint64_t flash_operations_{};
   std::vector<bool> page_written_;
   double supply_v_{3.3};
 };

@@ -8,7 +8,6 @@
 namespace hoist::machine {
 namespace {
 
-constexpr double kBaudTolerance = 0.02;  // each end may be off by about this much before the last bit is read wrongly
 std::string hex(std::uint32_t value) {
   std::array<char, 12> text{};
   std::snprintf(text.data(), text.size(), "%X", value);
@@ -299,6 +298,11 @@ void Ssp::advance(Time now) {
 
 // ---------------------------------------------------------------- UART
 
+void SerialLine::line_send(std::uint8_t byte, Time now) {
+  const Time from = coming_.empty() ? now : std::max(now, coming_.back().at);
+  coming_.push_back({byte, from + character()});
+}
+
 void Uart::reset() {
   dll_ = 1;
   dlm_ = 0;
@@ -320,7 +324,6 @@ double Uart::baud(std::uint32_t clock_hz) const {
   const double clock = static_cast<double>(clock_hz) / divider_;
   return clock / (16.0 * latch * (1.0 + add / std::max(mul, 1.0)));
 }
-Time Uart::character() const { return static_cast<Time>(static_cast<double>(kSecond) * 10.0 / line_baud_); }
 std::size_t Uart::trigger() const {
   if ((fcr_ & 1U) == 0) return 1;
   constexpr std::array<std::size_t, 4> kLevels{1, 4, 8, 14};
@@ -457,11 +460,6 @@ void Uart::begin(Time now) {
   shifting_ = true;
   shift_done_ = now + character();
   if (out_.empty()) thre_pending_ = true;
-}
-
-void Uart::line_send(std::uint8_t byte, Time now) {
-  const Time from = coming_.empty() ? now : std::max(now, coming_.back().at);
-  coming_.push_back({byte, from + character()});
 }
 
 bool Uart::may_send() const {

@@ -90,7 +90,36 @@ class Ssp {
   Time due_{kNever};
 };
 
-class Uart {
+/// The wires of a serial line with a computer at their other end: `baud`, eight bits, no parity, one stop bit.
+class SerialLine {
+ public:
+  virtual ~SerialLine() = default;
+  void set_line_baud(std::uint32_t baud) { line_baud_ = baud; }
+  /// Puts a byte on the wire to the chip; it arrives one character later. The caller obeys may_send().
+  void line_send(std::uint8_t byte, Time now);
+  [[nodiscard]] std::size_t line_waiting() const { return coming_.size(); }
+  /// The chip's RTS is low: it has room.
+  [[nodiscard]] virtual bool may_send() const = 0;
+  void set_cts(bool go) { cts_ = go; }
+  std::deque<std::uint8_t> received_by_line;
+  [[nodiscard]] std::uint64_t overruns() const { return overruns_; }
+
+ protected:
+  static constexpr double kBaudTolerance = 0.02;  ///< each end may be off by about this much before the last bit is read wrongly
+  struct Coming {
+    std::uint8_t byte;
+    Time at;
+  };
+  [[nodiscard]] Time character() const { return static_cast<Time>(static_cast<double>(kSecond) * 10.0 / line_baud_); }
+  [[nodiscard]] Time next_coming() const { return coming_.empty() ? kNever : coming_.front().at; }
+
+  std::uint32_t line_baud_{1'000'000};
+  std::deque<Coming> coming_;
+  bool cts_{true};
+  std::uint64_t overruns_{};
+};
+
+class Uart : public SerialLine {
  public:
   explicit Uart(Complain complain) : complain_(std::move(complain)) { reset(); }
   void reset();
@@ -107,39 +136,22 @@ class Uart {
   [[nodiscard]] Time next() const;
   [[nodiscard]] bool line() const { return cause() != 1; }
 
-  // The other end of the wires: a computer of `baud`, eight bits, no parity, one stop bit.
-  void set_line_baud(std::uint32_t baud) { line_baud_ = baud; }
-  /// Puts a byte on the wire to the chip; it arrives one character later. The caller obeys may_send().
-  void line_send(std::uint8_t byte, Time now);
-  [[nodiscard]] std::size_t line_waiting() const { return coming_.size(); }
-  /// The chip's RTS is low: it has room.
-  [[nodiscard]] bool may_send() const;
-  void set_cts(bool go) { cts_ = go; }
-  std::deque<std::uint8_t> received_by_line;
-  [[nodiscard]] std::uint64_t overruns() const { return overruns_; }
+  [[nodiscard]] bool may_send() const override;
 
  private:
   static constexpr std::size_t kFifo = 16;
   [[nodiscard]] std::uint32_t cause() const;
   [[nodiscard]] double baud(std::uint32_t clock_hz) const;
-  [[nodiscard]] Time character() const;
   [[nodiscard]] std::size_t trigger() const;
   void begin(Time now);
 
   Complain complain_;
   bool rxd_{}, txd_{}, rts_pin_{}, cts_pin_{};
   std::uint32_t divider_{}, clock_hz_{12'000'000};
-  std::uint32_t line_baud_{1'000'000};
   std::uint32_t dll_{}, dlm_{}, fdr_{}, lcr_{}, mcr_{}, ier_{}, fcr_{}, scr_{}, ter_{};
   bool checked_{};
   std::deque<std::uint8_t> out_;
   std::deque<std::uint8_t> in_;
-  struct Coming {
-    std::uint8_t byte;
-    Time at;
-  };
-  std::deque<Coming> coming_;
-  bool cts_{true};
   bool shifting_{};
   std::uint8_t shift_{};
   Time shift_done_{kNever};
@@ -148,7 +160,6 @@ class Uart {
   bool thre_pending_{};
   bool overrun_{};
   bool framing_{};
-  std::uint64_t overruns_{};
 };
 
 }  // namespace hoist::machine

@@ -1,4 +1,4 @@
-// The C_CAN driver of the LPC11C24 images on a busy bus: in which order frames leave, and what a sent remote frame leaves behind.
+// The CAN drivers of the images on a busy bus: in which order frames leave, and what a sent remote frame leaves behind.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/machine/c_can.hpp"
 #include "tests/machine/hoist_bench.hpp"
 
 namespace hoist::machine {
@@ -33,7 +34,7 @@ class Jammer : public CanStation {
   std::optional<std::uint32_t> id_;
 };
 
-class CanDriver : public testing::Test {
+class CanDriver : public testing::TestWithParam<ImageChip> {
  protected:
   void SetUp() override {
     found = load_images();
@@ -43,6 +44,7 @@ class CanDriver : public testing::Test {
     BenchOptions options;
     options.scenario = sim::find_scenario("stand");
     options.through_gateway = through_gateway;
+    options.chips.fill(GetParam());
     bench = std::make_unique<HoistBench>(*found.images, options);
     (void)bench->wire().connect(jammer);
     bench->wire().on_frame([this](const CanFrame& frame, Time) {
@@ -73,7 +75,12 @@ class CanDriver : public testing::Test {
   std::unique_ptr<HoistBench> bench;
 };
 
-// The controller itself, without a program: a remote frame's object before and behind a receiving one.
+INSTANTIATE_TEST_SUITE_P(Chips, CanDriver, testing::Values(ImageChip::lpc11c24, ImageChip::stm32f072),
+                         [](const testing::TestParamInfo<ImageChip>& tested) {
+                           return std::string(contract::find_image_chip(static_cast<std::uint8_t>(tested.param))->name);
+                         });
+
+// The C_CAN itself, without a program: a remote frame's object before and behind a receiving one.
 class RemoteObject : public testing::Test {
  protected:
   RemoteObject() {
@@ -120,7 +127,7 @@ TEST_F(RemoteObject, BeforeTheReceivingOneTakesItsAnswer) { EXPECT_EQ(takers(1, 
 TEST_F(RemoteObject, BehindTheReceivingOneTakesNothing) { EXPECT_EQ(takers(3, 2), 1U << 1); }
 
 // A remote frame is sent from a receive object. That object must not take the data frames that answer it, nor later ones.
-TEST_F(CanDriver, ASentRemoteFrameTakesNoFrameFromTheComputer) {
+TEST_P(CanDriver, ASentRemoteFrameTakesNoFrameFromTheComputer) {
   begin(true);
   constexpr std::uint32_t kHeartbeat = 0x711;
   for (const std::uint32_t id : {kHeartbeat, 0x181U, 0x591U, 0x081U}) bench->host_send({id, 1, CanFrame::kRemote, {}});
@@ -140,8 +147,9 @@ TEST_F(CanDriver, ASentRemoteFrameTakesNoFrameFromTheComputer) {
   EXPECT_EQ(bench->violations(), "");
 }
 
-// What the computer sends in any order while the bus is busy leaves the gateway in the order of the identifiers.
-TEST_F(CanDriver, TheGatewaySendsByIdentifier) {
+// What the computer sends in any order while the bus is busy leaves the gateway in the order of the identifiers. On the STM32F072 one frame of
+// process data and one of SDO and heartbeats hold a mailbox that they got before the others came (stm32f072/transmit_order.hpp).
+TEST_P(CanDriver, TheGatewaySendsByIdentifier) {
   begin(true);
   jammer.set(1);
   run(5);
@@ -156,12 +164,14 @@ TEST_F(CanDriver, TheGatewaySendsByIdentifier) {
   std::vector<std::uint32_t> sent;
   for (const CanFrame& frame : wire)
     if (std::find(falling.begin(), falling.end(), frame.id) != falling.end()) sent.push_back(frame.id);
-  EXPECT_EQ(sent, std::vector<std::uint32_t>(falling.rbegin(), falling.rend()));
+  const std::vector<std::uint32_t> by_mailbox{0x080, 0x208, 0x201, 0x202, 0x77F, 0x601};
+  EXPECT_EQ(sent, GetParam() == ImageChip::stm32f072 ? by_mailbox : std::vector<std::uint32_t>(falling.rbegin(), falling.rend()));
   EXPECT_EQ(bench->violations(), "");
 }
 
-// The second process data of a node that waits in the controller does not hold up the first: 181h before 281h, 193h before 293h.
-TEST_F(CanDriver, ANodesSecondProcessDataLetsItsFirstPass) {
+// The second process data of a node that waits in the controller does not hold up the first: 181h before 281h, 193h before 293h. On the STM32F072
+// it may, once, when the node's heartbeat waits too: the two have every mailbox but that of SYNC and EMCY.
+TEST_P(CanDriver, ANodesSecondProcessDataLetsItsFirstPass) {
   begin(false);
   bench->host_send(contract::canopen::nmt(contract::canopen::NmtCommand::start, 0));
   run(20);
@@ -186,8 +196,10 @@ TEST_F(CanDriver, ANodesSecondProcessDataLetsItsFirstPass) {
       std::vector<std::uint32_t> sent;
       for (const CanFrame& frame : wire)
         if (frame.id == pair.first || frame.id == pair.second) sent.push_back(frame.id);
-      ASSERT_FALSE(sent.empty()) << cycle;
-      EXPECT_EQ(sent.front(), pair.first) << cycle;
+      const bool mailboxes_held = GetParam() == ImageChip::stm32f072 && count(wire, 0x700 + (pair.first & 0x7FU)) > 0;
+      const auto first = std::find(sent.begin(), sent.end(), pair.first);
+      ASSERT_NE(first, sent.end()) << cycle;
+      EXPECT_LE(first - sent.begin(), mailboxes_held ? 1 : 0) << cycle;
       both_waited += sent.size() > 1 ? 1 : 0;
     }
     EXPECT_GE(both_waited, 2) << pair.first;

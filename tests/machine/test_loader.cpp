@@ -7,7 +7,6 @@
 
 #include "control/bus/firmware_update.hpp"
 #include "control/contract/firmware_image.hpp"
-#include "firmware/boards/lpc11c24/memory.hpp"
 #include "firmware/boot/mailbox.hpp"
 #include "tests/machine/hoist_bench.hpp"
 
@@ -15,7 +14,6 @@ namespace hoist::machine {
 namespace {
 
 using contract::CanFrame;
-namespace board = firmware::lpc11c24;
 
 constexpr std::uint32_t kOld = contract::image_version(1, 0, 0), kNew = contract::image_version(1, 2, 3);
 
@@ -24,11 +22,12 @@ void put(std::vector<std::uint8_t>& bytes, std::size_t at, std::uint32_t word) {
 }
 
 // The application as a packed file: what `hoist firmware pack` makes of the linked program, with another version.
-std::vector<std::uint8_t> packed(const Image& application, std::uint32_t version) {
+std::vector<std::uint8_t> packed(const Image& application, ImageChip chip, std::uint32_t version) {
+  const std::size_t start = board_pins(chip).application_start - board_pins(chip).flash_base;
   std::size_t end = application.flash.size();
-  while (end > board::kApplicationStart && application.flash[end - 1] == 0xFF) --end;
+  while (end > start && application.flash[end - 1] == 0xFF) --end;
   end = (end + 3) & ~std::size_t{3};
-  std::vector<std::uint8_t> bytes(application.flash.begin() + board::kApplicationStart,
+  std::vector<std::uint8_t> bytes(application.flash.begin() + static_cast<std::ptrdiff_t>(start),
                                   application.flash.begin() + static_cast<std::ptrdiff_t>(end));
   put(bytes, contract::kImageHeaderAt + 4, static_cast<std::uint32_t>(bytes.size()));
   put(bytes, contract::kImageHeaderAt + 12, version);
@@ -39,31 +38,36 @@ std::vector<std::uint8_t> packed(const Image& application, std::uint32_t version
 struct Parts {
   Images images;
   Image io_loader;
+  std::size_t application_at{};  // within the flash
   std::vector<std::uint8_t> old_program, new_program;
   /// Loader with a program behind it.
   [[nodiscard]] std::vector<std::uint8_t> flash_with(const std::vector<std::uint8_t>& program) const {
     std::vector<std::uint8_t> flash = io_loader.flash;
-    std::copy(program.begin(), program.end(), flash.begin() + board::kApplicationStart);
+    std::copy(program.begin(), program.end(), flash.begin() + static_cast<std::ptrdiff_t>(application_at));
     return flash;
   }
 };
 
-class Loader : public testing::Test {
+class LoaderBench : public testing::Test {
  protected:
-  void SetUp() override {
+  void prepare(ImageChip which) {
+    chip = which;
     ImagesOrReason found = load_images();
     if (!found.images) GTEST_SKIP() << found.reason;
-    auto loader = load_elf(*firmware_directory() + "/hoist-boot-io-lpc11c24.elf", kFlashBytes);
-    if (!loader) GTEST_SKIP() << "no image hoist-boot-io-lpc11c24.elf";
+    auto loader = load_image("hoist-boot-io", chip);
+    if (!loader) GTEST_SKIP() << "no image of the loader";
     parts.images = std::move(*found.images);
     parts.io_loader = std::move(*loader);
-    parts.old_program = packed(parts.images.io, kOld);
-    parts.new_program = packed(parts.images.io, kNew);
+    parts.application_at = board_pins(chip).application_start - board_pins(chip).flash_base;
+    parts.old_program = packed(parts.images.of(chip, Box::io), chip, kOld);
+    parts.new_program = packed(parts.images.of(chip, Box::io), chip, kNew);
     ASSERT_EQ(contract::check_image_file(parts.old_program), contract::ImageError::none);
   }
   [[nodiscard]] BenchOptions options(std::vector<std::uint8_t> flash) const {
     BenchOptions out;
     out.through_gateway = false;
+    out.chips.fill(chip);
+    out.only = Box::io;
     out.scenario = sim::find_scenario("stand");
     out.flash[static_cast<std::size_t>(Box::io)] = std::move(flash);
     return out;
@@ -90,10 +94,20 @@ class Loader : public testing::Test {
   static void run(HoistBench& bench, int ms) {
     for (int i = 0; i < ms; ++i) bench.advance_1ms();
   }
+  ImageChip chip{};
   Parts parts;
 };
 
-TEST_F(Loader, StartsAWholeProgram) {
+constexpr auto kChips = {ImageChip::lpc11c24, ImageChip::stm32f072};
+class Loader : public LoaderBench, public testing::WithParamInterface<ImageChip> {
+ protected:
+  void SetUp() override { prepare(GetParam()); }
+};
+INSTANTIATE_TEST_SUITE_P(Chips, Loader, testing::ValuesIn(kChips), [](const testing::TestParamInfo<ImageChip>& tested) {
+  return std::string(contract::find_image_chip(static_cast<std::uint8_t>(tested.param))->name);
+});
+
+TEST_P(Loader, StartsAWholeProgram) {
   HoistBench bench(parts.images, options(parts.flash_with(parts.old_program)));
   run(bench, 600);
   const bus::NodeProgram program = ask(bench);
@@ -104,8 +118,8 @@ TEST_F(Loader, StartsAWholeProgram) {
 }
 
 // A drive's program on the input board: kind and chip are the program's own words, and the loader looks at them.
-TEST_F(Loader, DoesNotStartAProgramOfAnotherNode) {
-  HoistBench bench(parts.images, options(parts.flash_with(packed(parts.images.drive, kOld))));
+TEST_P(Loader, DoesNotStartAProgramOfAnotherNode) {
+  HoistBench bench(parts.images, options(parts.flash_with(packed(parts.images.of(chip, Box::drive_left), chip, kOld))));
   run(bench, 600);
   const bus::NodeProgram program = ask(bench);
   EXPECT_TRUE(program.in_loader);
@@ -113,7 +127,7 @@ TEST_F(Loader, DoesNotStartAProgramOfAnotherNode) {
   EXPECT_EQ(bench.violations(), "");
 }
 
-TEST_F(Loader, KeepsADamagedProgramAndSaysSo) {
+TEST_P(Loader, KeepsADamagedProgramAndSaysSo) {
   std::vector<std::uint8_t> damaged = parts.old_program;
   damaged[damaged.size() / 2] ^= 0x10;
   HoistBench bench(parts.images, options(parts.flash_with(damaged)));
@@ -125,7 +139,7 @@ TEST_F(Loader, KeepsADamagedProgramAndSaysSo) {
   EXPECT_EQ(bench.violations(), "");
 }
 
-TEST_F(Loader, TakesANewProgramOverTheBus) {
+TEST_P(Loader, TakesANewProgramOverTheBus) {
   HoistBench bench(parts.images, options(parts.flash_with(parts.old_program)));
   run(bench, 600);
   bus::FirmwareUpdate update(parts.new_program, contract::Node::io, {});
@@ -141,9 +155,9 @@ TEST_F(Loader, TakesANewProgramOverTheBus) {
 }
 
 // A program that faults at once ends by a software reset each time. After the third the loader keeps the node, and an update still comes in.
-TEST_F(Loader, KeepsAProgramThatDoesNotStayAliveAfterThreeStarts) {
+TEST_P(Loader, KeepsAProgramThatDoesNotStayAliveAfterThreeStarts) {
   std::vector<std::uint8_t> faulting = parts.old_program;
-  const std::size_t entry = (contract::image_word(faulting, 4) & ~1U) - board::kApplicationStart;
+  const std::size_t entry = (contract::image_word(faulting, 4) & ~1U) - board_pins(chip).application_start;
   faulting[entry] = 0x00;  // UDF #0: HardFault, whose vector is still the loader's
   faulting[entry + 1] = 0xDE;
   put(faulting, contract::kImageCrcAt, contract::image_crc(faulting));
@@ -164,18 +178,21 @@ TEST_F(Loader, KeepsAProgramThatDoesNotStayAliveAfterThreeStarts) {
 
 // The power goes in the middle of erasing or writing. Whatever is then in the flash, the node comes up in its loader, and the update goes
 // through when it is tried again.
-class LoaderCut : public Loader, public testing::WithParamInterface<int> {};
+class LoaderCut : public LoaderBench, public testing::WithParamInterface<std::tuple<ImageChip, int>> {
+ protected:
+  void SetUp() override { prepare(std::get<0>(GetParam())); }
+};
 TEST_P(LoaderCut, LeavesANodeThatStillTakesAProgram) {
   HoistBench bench(parts.images, options(parts.flash_with(parts.old_program)));
   run(bench, 600);
-  Lpc11c24& chip = bench.chip(Box::io);
-  chip.cut_power_in_flash_operation(GetParam());
+  Chip& cut = bench.chip(Box::io);
+  cut.cut_power_in_flash_operation(std::get<1>(GetParam()));
   bus::FirmwareUpdate broken(parts.new_program, contract::Node::io, {});
   talk(
-      bench, broken, [&chip] { return !chip.powered(); }, 40'000);
-  ASSERT_FALSE(chip.powered());
+      bench, broken, [&cut] { return !cut.powered(); }, 40'000);
+  ASSERT_FALSE(cut.powered());
   run(bench, 200);
-  chip.reset(ResetCause::power_on);
+  cut.reset(ResetCause::power_on);
   run(bench, 600);
   EXPECT_TRUE(ask(bench).in_loader);
   bus::FirmwareUpdate again(parts.new_program, contract::Node::io, {});
@@ -185,7 +202,7 @@ TEST_P(LoaderCut, LeavesANodeThatStillTakesAProgram) {
   EXPECT_EQ(ask(bench).version, kNew);
   EXPECT_EQ(bench.violations(), "");
 }
-INSTANTIATE_TEST_SUITE_P(Operations, LoaderCut, testing::Values(1, 2, 9, 30));
+INSTANTIATE_TEST_SUITE_P(Operations, LoaderCut, testing::Combine(testing::ValuesIn(kChips), testing::Values(1, 2, 9, 30)));
 
 }  // namespace
 }  // namespace hoist::machine

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tests/machine/lpc11c24.hpp"
+#include "tests/machine/probe.hpp"
 
 namespace hoist::machine {
 namespace {
@@ -13,56 +14,24 @@ constexpr std::uint32_t kSyscon = 0x40048000, kFlashcfg = 0x4003C010, kIocon = 0
                         kWwdt = 0x40004000, kI2c = 0x40000000, kUart = 0x40008000, kSsp0 = 0x40040000, kTimer = 0x4000C000,
                         kGpio2 = 0x50020000;
 
-// A chip whose core does only what the test says: one load or store from RAM at a time.
-class Probe {
+class LpcProbe : public Probe {
  public:
-  Probe() : chip_("probe", empty_flash()) {
-    chip_.reset(ResetCause::power_on);
-    chip_.forget_violations();
-    half(0, 0x6008);  // STR r0, [r1]
-    half(2, 0x6808);  // LDR r0, [r1]
-    half(4, 0xE7FE);  // B .
-  }
-  void write(std::uint32_t address, std::uint32_t value) {
-    chip_.core().set_reg(0, value);
-    run_at(0, address);
-  }
-  std::uint32_t read(std::uint32_t address) {
-    run_at(2, address);
-    return chip_.core().reg(0);
-  }
-  /// Idles (the core stays in its endless loop).
-  void wait(Time time) {
-    chip_.core().set_reg(15, CortexM0::kRamBase + 4);
-    chip_.run_until(chip_.now() + time);
-  }
-  void set_bits(std::uint32_t address, std::uint32_t bits) { write(address, read(address) | bits); }
+  LpcProbe() : Probe(std::make_unique<Lpc11c24>("probe", flash_with_vectors(kFlashBytes, CortexM0::kRamBase)), CortexM0::kRamBase) {}
   /// Calls the ROM's flash routines; their status.
   std::uint32_t iap(const std::vector<std::uint32_t>& command) {
     constexpr std::uint32_t kTable = CortexM0::kRamBase + 0x100, kResult = CortexM0::kRamBase + 0x140;
     for (std::size_t i = 0; i < command.size(); ++i)
-      EXPECT_TRUE(chip_.core().poke(kTable + 4 * static_cast<std::uint32_t>(i), 4, command[i]));
-    chip_.core().set_reg(0, kTable);
-    chip_.core().set_reg(1, kResult);
-    chip_.core().set_reg(13, CortexM0::kRamBase + 0x1000);
-    chip_.core().set_reg(14, (CortexM0::kRamBase + 4) | 1U);
-    chip_.core().set_reg(15, 0x1FFF1FF0);
-    chip_.run_until(chip_.now() + 4);
+      EXPECT_TRUE(chip().core().poke(kTable + 4 * static_cast<std::uint32_t>(i), 4, command[i]));
+    chip().core().set_reg(0, kTable);
+    chip().core().set_reg(1, kResult);
+    chip().core().set_reg(13, CortexM0::kRamBase + 0x1000);
+    chip().core().set_reg(14, (CortexM0::kRamBase + 4) | 1U);
+    chip().core().set_reg(15, 0x1FFF1FF0);
+    chip().run_until(chip().now() + 4);
     std::uint32_t status = 0xFFFFFFFF;
-    EXPECT_TRUE(chip_.core().peek(kResult, 4, status));
+    EXPECT_TRUE(chip().core().peek(kResult, 4, status));
     return status;
   }
-  [[nodiscard]] bool complained(const std::string& part) const {
-    for (const auto& [what, count] : chip_.violations())
-      if (what.find(part) != std::string::npos) return true;
-    return false;
-  }
-  [[nodiscard]] std::string all() const {
-    std::string out;
-    for (const auto& [what, count] : chip_.violations()) out += what + "\n";
-    return out;
-  }
-  Lpc11c24& chip() { return chip_; }
 
   // The ways the manual gives.
   void start_crystal_and_pll() {
@@ -82,57 +51,37 @@ class Probe {
     clock(17);
     write(kSyscon + 0x004, 8);
   }
-
- private:
-  static std::vector<std::uint8_t> empty_flash() {
-    std::vector<std::uint8_t> flash(kFlashBytes, 0xFF);
-    const auto put = [&flash](std::size_t at, std::uint32_t word) {
-      for (unsigned i = 0; i < 4; ++i) flash[at + i] = static_cast<std::uint8_t>(word >> (8 * i));
-    };
-    for (std::size_t i = 0; i < 8; ++i) put(4 * i, 0);
-    put(0, CortexM0::kRamBase + 0x1000);
-    put(4, CortexM0::kRamBase + 5);
-    put(28, ~(2 * CortexM0::kRamBase + 0x1005) + 1);
-    return flash;
-  }
-  void half(std::uint32_t at, std::uint16_t op) { EXPECT_TRUE(chip_.core().poke(CortexM0::kRamBase + at, 2, op)); }
-  void run_at(std::uint32_t at, std::uint32_t address) {
-    chip_.core().set_reg(1, address);
-    chip_.core().set_reg(15, CortexM0::kRamBase + at);
-    chip_.run_until(chip_.now() + 2);
-  }
-  Lpc11c24 chip_;
 };
 
 struct Case {
   const char* name;
-  void (*act)(Probe&);
+  void (*act)(LpcProbe&);
   const char* complaint;
 };
 class Complains : public testing::TestWithParam<Case> {};
 TEST_P(Complains, AboutWhatTheManualForbids) {
-  Probe probe;
+  LpcProbe probe;
   GetParam().act(probe);
   EXPECT_TRUE(probe.complained(GetParam().complaint)) << "found only:\n" << probe.all();
 }
 INSTANTIATE_TEST_SUITE_P(
     Cases, Complains,
-    testing::Values(Case{"timer_without_clock", [](Probe& p) { p.write(kTimer + 4, 1); }, "CT16B0 touched without its clock"},
-                    Case{"adc_without_clock", [](Probe& p) { (void)p.read(kAdc); }, "ADC touched without its clock"},
+    testing::Values(Case{"timer_without_clock", [](LpcProbe& p) { p.write(kTimer + 4, 1); }, "CT16B0 touched without its clock"},
+                    Case{"adc_without_clock", [](LpcProbe& p) { (void)p.read(kAdc); }, "ADC touched without its clock"},
                     Case{"can_in_reset",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.clock(17);
                            p.write(kCan, 1);
                          },
                          "C_CAN touched while held in reset"},
                     Case{"bit_timing_without_cce",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.can_ready();
                            p.write(kCan + 0x0C, 0x1C0B);
                          },
                          "BT written without INIT and CCE"},
                     Case{"wrong_bit_rate",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.can_ready();
                            p.write(kCan, 0x41);
                            p.write(kCan + 0x180, 0);
@@ -141,21 +90,21 @@ INSTANTIATE_TEST_SUITE_P(
                          },
                          "not 4 us"},  // right for 48 MHz; the clock is still 12 MHz
                     Case{"interface_busy",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.can_ready();
                            p.write(kCan + 0x20, 1);
                            p.write(kCan + 0x24, 0xF0);
                          },
                          "written while busy"},
                     Case{"object_33",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.can_ready();
                            p.write(kCan + 0x20, 33);
                          },
                          "message object 33"},
-                    Case{"pll_out_of_range", [](Probe& p) { p.write(kSyscon + 0x008, 0x03); }, "PLL: its oscillator at 96000000 Hz"},
+                    Case{"pll_out_of_range", [](LpcProbe& p) { p.write(kSyscon + 0x008, 0x03); }, "PLL: its oscillator at 96000000 Hz"},
                     Case{"pll_not_locked",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.write(kSyscon + 0x238, 0xED70);
                            p.write(kSyscon + 0x008, 0x23);
                            p.write(kSyscon + 0x070, 3);
@@ -164,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(
                          },
                          "before it has locked"},
                     Case{"crystal_not_started",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.write(kSyscon + 0x238, 0xEDD0);
                            p.write(kSyscon + 0x040, 1);
                            p.write(kSyscon + 0x044, 0);
@@ -172,36 +121,36 @@ INSTANTIATE_TEST_SUITE_P(
                          },
                          "before it is powered and has started"},
                     Case{"flash_too_fast",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.write(kFlashcfg, p.read(kFlashcfg) & ~3U);
                            p.start_crystal_and_pll();
                          },
                          "0 wait states at 48000000 Hz"},
-                    Case{"flashcfg_reserved", [](Probe& p) { p.write(kFlashcfg, 2); }, "FLASHCFG: reserved bits"},
-                    Case{"pdruncfg_reserved", [](Probe& p) { p.write(kSyscon + 0x238, 0x50); }, "PDRUNCFG: reserved bits"},
-                    Case{"syscon_nothing_there", [](Probe& p) { (void)p.read(kSyscon + 0x3A0); }, "SYSCON: read of register 3A0"},
+                    Case{"flashcfg_reserved", [](LpcProbe& p) { p.write(kFlashcfg, 2); }, "FLASHCFG: reserved bits"},
+                    Case{"pdruncfg_reserved", [](LpcProbe& p) { p.write(kSyscon + 0x238, 0x50); }, "PDRUNCFG: reserved bits"},
+                    Case{"syscon_nothing_there", [](LpcProbe& p) { (void)p.read(kSyscon + 0x3A0); }, "SYSCON: read of register 3A0"},
                     Case{"adc_powered_down",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.clock(13);
                            p.write(kAdc, 0x01000201);
                          },
                          "ADC: started while powered down"},
                     Case{"adc_two_channels",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.clock(13);
                            p.write(kSyscon + 0x238, 0xEDE0);
                            p.write(kAdc, 0x01000203);
                          },
                          "exactly one channel"},
                     Case{"adc_too_fast",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.clock(13);
                            p.write(kSyscon + 0x238, 0xEDE0);
                            p.write(kAdc, 0x01000001);
                          },
                          "4.5 MHz is the most"},
                     Case{"adc_pin_digital",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.clock(13);
                            p.write(kSyscon + 0x238, 0xEDE0);
                            p.write(kAdc, 0x01000201);
@@ -209,33 +158,33 @@ INSTANTIATE_TEST_SUITE_P(
                          },
                          "without its pin switched to it"},
                     Case{"wrong_feed",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.clock(15);
                            p.write(kWwdt + 8, 0x55);
                          },
                          "wrong feed sequence"},
                     Case{"feed_interrupted",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.clock(15);
                            p.write(kWwdt + 8, 0xAA);
                            (void)p.read(kWwdt + 0);
                          },
                          "between the two words of a feed"},
                     Case{"i2c_without_pins",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.clock(5);
                            p.write(kSyscon + 0x004, 2);
                            p.write(kI2c, 0x60);
                          },
                          "START without the pins"},
                     Case{"uart_without_divider",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.clock(12);
                            p.write(kUart + 0x0C, 0x83);
                          },
                          "clock divider at 0"},
                     Case{"uart_wrong_baud",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.clock(12);
                            p.write(kSyscon + 0x098, 1);
                            p.write(kUart + 0x0C, 3);
@@ -243,46 +192,47 @@ INSTANTIATE_TEST_SUITE_P(
                          },
                          "baud, the line has 1000000"},
                     Case{"ssp_empty",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.write(kSyscon + 0x004, 1);
                            (void)p.read(kSsp0 + 8);
                          },
                          "empty receive FIFO"},
                     Case{"ssp_odd_prescaler",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.write(kSyscon + 0x004, 1);
                            p.write(kSsp0 + 0x10, 3);
                          },
                          "prescaler must be even"},
-                    Case{"gpio_nothing_there", [](Probe& p) { p.write(kGpio2 + 0x8020, 0); }, "GPIO: write to register 8020"},
+                    Case{"gpio_nothing_there", [](LpcProbe& p) { p.write(kGpio2 + 0x8020, 0); }, "GPIO: write to register 8020"},
                     Case{"output_against_output",
-                         [](Probe& p) {
-                           p.chip().drive_pin(2, 5, true);
+                         [](LpcProbe& p) {
+                           p.chip().drive_pin({2, 5}, true);
                            p.write(kGpio2 + 0x8000, 1U << 5);
                          },
                          "made an output against something that drives it"},
                     Case{"debugger_locked_out",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.clock(16);
                            p.write(kIocon + 0x68, 0xD1);
                          },
                          "SWCLK switched away"},
-                    Case{"core_clock_off", [](Probe& p) { p.write(kSyscon + 0x080, 0); }, "clock of core, ROM, RAM or flash switched off"},
+                    Case{"core_clock_off", [](LpcProbe& p) { p.write(kSyscon + 0x080, 0); },
+                         "clock of core, ROM, RAM or flash switched off"},
                     Case{"erase_with_interrupts",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            p.write(0xE000E100, 1U << 13);
                            (void)p.iap({50, 7, 7});
                            (void)p.iap({52, 7, 7, 12'000});
                          },
                          "with interrupts on"},
                     Case{"iap_wrong_clock",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            (void)p.iap({50, 7, 7});
                            (void)p.iap({52, 7, 7, 48'000});
                          },
                          "told a clock of 48000 kHz, it is 12000"},
                     Case{"page_written_twice",
-                         [](Probe& p) {
+                         [](LpcProbe& p) {
                            for (int i = 0; i < 2; ++i) {
                              (void)p.iap({50, 7, 7});
                              (void)p.iap({51, 0x7000, CortexM0::kRamBase + 0x200, 256, 12'000});
@@ -292,7 +242,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const testing::TestParamInfo<Case>& tested) { return std::string(tested.param.name); });
 
 TEST(Allowed, TheManualsWaysPass) {
-  Probe probe;
+  LpcProbe probe;
   probe.start_crystal_and_pll();
   EXPECT_EQ(probe.chip().clock_hz(), 48'000'000U);
   probe.can_ready();
@@ -304,7 +254,7 @@ TEST(Allowed, TheManualsWaysPass) {
 }
 
 TEST(Allowed, FlashRoutinesKeepTheirOrder) {
-  Probe probe;
+  LpcProbe probe;
   EXPECT_EQ(probe.iap({52, 7, 7, 12'000}), 9U);  // not prepared
   EXPECT_EQ(probe.iap({50, 7, 7}), 0U);
   EXPECT_EQ(probe.iap({52, 7, 7, 12'000}), 0U);
@@ -322,7 +272,7 @@ TEST(Allowed, FlashRoutinesKeepTheirOrder) {
 }
 
 TEST(Allowed, TheWatchdogResetsWhenItIsNotFedAndOnlyThen) {
-  Probe probe;
+  LpcProbe probe;
   probe.clock(15);
   probe.write(kSyscon + 0x0D0, 0);
   probe.write(kSyscon + 0x0D4, 0);
