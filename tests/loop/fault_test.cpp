@@ -78,14 +78,14 @@ TEST(Faults, H15_AStumbleStopsTheHoist) {
   double lean_rad = 0.0;
   ASSERT_TRUE(walk.loop.run_until([&] { return walk.loop.world().patient().state() == sim::PatientState::tripping; }, 12.0));
   double before_m = 0.0, from_m_s = 0.0;
-  // From the moment the body passes the guard's ten degrees quickly, or thirteen, it may take 30 ms (and the sensor's 10).
+  // Counted from the guard's angle and rate of the body itself, as on the page of reactions.
   double past_s = -1.0, stopped_mode_s = -1.0, last_rad = 0.0;
   while (walk.loop.time_s() < 20.0) {
     walk.loop.step();
     lean_rad = std::atan(walk.loop.world().patient().harness().dx_m / 0.8);
     const double rate_rad_s = (lean_rad - last_rad) / core::kTick_s;
     last_rad = lean_rad;
-    if (past_s < 0.0 && lean_rad > 10.5 * sim::kDegree_rad && rate_rad_s > 27.0 * sim::kDegree_rad) past_s = walk.loop.time_s();
+    if (past_s < 0.0 && lean_rad > 10.0 * sim::kDegree_rad && rate_rad_s > 25.0 * sim::kDegree_rad) past_s = walk.loop.time_s();
     if (stopped_mode_s < 0.0) {
       before_m = walk.loop.world().plant().platform().x_m;
       from_m_s = walk.speed_m_s();
@@ -94,7 +94,7 @@ TEST(Faults, H15_AStumbleStopsTheHoist) {
   }
   ASSERT_GT(past_s, 0.0);
   ASSERT_GT(stopped_mode_s, 0.0);
-  EXPECT_LE(stopped_mode_s - past_s, 0.040);
+  EXPECT_LE(stopped_mode_s - past_s, contract::find_monitor(Fault::fall_detected)->budget_ms * 1e-3 + 1e-9);
   EXPECT_TRUE(walk.loop.ever_raised(Fault::fall_detected));
   // The body strikes the stop meanwhile and then hangs there with some 200 N: the wheels may slide for a moment.
   EXPECT_LT(walk.loop.world().plant().platform().x_m - before_m, from_m_s * from_m_s / 2.0 + 0.25);
