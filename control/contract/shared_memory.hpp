@@ -47,7 +47,7 @@ struct ParamsInForce {
 enum class StoreProblem : std::uint64_t { none = 0, no_file = 1, disk_full = 2, failed = 3 };
 struct StoreReport {
   std::uint64_t stored = 0;                   // the next start begins with the `kept` of this one: file and folder are synced
-  std::uint64_t tried = 0;                    // newest attempt, whatever its end
+  std::uint64_t tried = 0;                    // newest attempt, successful or not
   StoreProblem problem = StoreProblem::none;  // of the newest attempt
 };
 

@@ -10,7 +10,7 @@ namespace hoist::run {
 
 struct LoadedStops {
   core::StopHistory history;
-  std::string problem;  // the file cannot be believed: the hoist starts out of service, because nobody knows how often it has stopped
+  std::string problem;  // the file cannot be believed: the hoist starts out of service, because the number of earlier stops is not known
 };
 /// `boot_id`: of this start of the computer. Times of the same start hold as they are; of another one nothing is known but their order, and
 /// every stop counts as one of this moment. The wall clock is not asked: it may not be set yet. No file = no stops.

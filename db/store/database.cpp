@@ -44,7 +44,7 @@ std::string compact_utc(std::int64_t utc_ns) {
 constexpr std::string_view kAsideInfix = ".corrupt-";
 constexpr std::array<std::string_view, 3> kCompanions{"-wal", "-shm", ".seal"};
 
-// Renames NAME, NAME-wal, NAME-shm and NAME.seal; the log belongs to its file and may help whoever repairs it.
+// Renames NAME, NAME-wal, NAME-shm and NAME.seal; the log belongs to its file and may help to repair it.
 Result<std::filesystem::path> set_aside(const std::filesystem::path& file, std::int64_t utc_now_ns) {
   constexpr int kNameTries = 100;
   std::error_code error;

@@ -26,7 +26,7 @@ std::uintmax_t size_of(const std::filesystem::path& file) {
   return error ? 0 : size;
 }
 
-// A database without an application id: an older one of ours, an empty one, or somebody else's.
+// A database without an application id: an older one of ours, an empty one, or one of another program.
 Identified by_tables(const std::filesystem::path& file) {
   sqlite3* opened = nullptr;
   const int code = sqlite3_open_v2(file.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);

@@ -12,7 +12,7 @@ inline constexpr std::int64_t kApplicationId = 0x486F6973;
 enum class Identity : std::uint8_t {
   fresh,    // absent or without content: may be begun
   ours,     // as far as its first bytes tell
-  damaged,  // ours once, or nothing that anybody could miss: zeros, cut in its header, or empty beside a full log
+  damaged,  // ours once, or without content: zeros, cut in its header, or empty beside a full log
   foreign,  // of another program: it stays as it is
 };
 struct Identified {

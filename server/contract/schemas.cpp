@@ -37,7 +37,7 @@ std::string_view schemas_text() {
   "additionalProperties": false},
 "StandingNotice": {"type": "object", "required": ["name", "priority", "text", "action", "detail"], "description": "Stays as long as its condition holds", "properties": {
   "name": {"type": "string"}, "priority": {"enum": ["low", "medium"]}, "text": {"$ref": "#/components/schemas/Words"}, "action": {"$ref": "#/components/schemas/Words"},
-  "detail": {"type": "string", "description": "For whoever repairs it"}}, "additionalProperties": false},
+  "detail": {"type": "string", "description": "For the engineer"}}, "additionalProperties": false},
 "Alarm": {"type": "object", "required": ["name", "code", "text", "action", "consequence_of"], "properties": {"name": {"type": "string"},
   "code": {"type": "integer", "description": "What it is about: of a drive its emergency code; 0 = nothing more is known"},
   "text": {"$ref": "#/components/schemas/Words"}, "action": {"$ref": "#/components/schemas/Words"},

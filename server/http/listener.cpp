@@ -328,7 +328,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     return link || services.auth.find_for_stop(request_, utc_s) != nullptr;
   }
 
-  // Takes over the header before the body comes, since Beast adds the fields of a trailer to it, which must not sign anybody in. What is wrong
+  // Takes over the header before the body comes, since Beast adds the fields of a trailer to it, which must not sign a client in. What is wrong
   // with it, or nothing.
   std::string_view read_head() {
     const auto& message = parser_->get();

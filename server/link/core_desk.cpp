@@ -217,7 +217,7 @@ void CoreDesk::read_ticks(std::uint64_t now_ns) {
   set_lease(newest_->lease_epoch, newest_->lease_holder);
 }
 
-// The core publishes parameters before the answer to what changed them, and the answers of this poll are read already: whoever is answered now
+// The core publishes parameters before the answer to what changed them, and the answers of this poll are read already: a client that is answered now
 // finds here what is in force.
 void CoreDesk::read_parameters() {
   contract::ParamsInForce now{};

@@ -1,4 +1,4 @@
-// The standing notices that hold now (contract/notices.def), from whatever part of the server knows.
+// The standing notices that hold now (contract/notices.def), from every part of the server.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <vector>

@@ -36,7 +36,7 @@ enum class RecordingState : std::uint8_t { idle, recording, failed };
 }
 struct StandingNotice {
   NoticeName name{};
-  std::string detail;  // for whoever repairs it, English
+  std::string detail;  // for the engineer, English
   bool operator==(const StandingNotice&) const = default;
 };
 struct RecordingStatus {

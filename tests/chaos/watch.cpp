@@ -103,7 +103,7 @@ double Watch::fastest_wheel() const {
   return std::max(std::fabs(plant.wheel_speed_m_s(sim::Side::left)), std::fabs(plant.wheel_speed_m_s(sim::Side::right)));
 }
 
-// Where the hoist cannot answer for what its wheels do: it does not know it, somebody falls against it, a bridge is shorted (tests/loop counts
+// Where the hoist cannot answer for what its wheels do: it does not know it, a patient falls against it, a bridge is shorted (tests/loop counts
 // that way), or its simulated processor stands still and keeps its outputs (a real one has a watchdog; tests/machine).
 bool Watch::odd() const {
   return board_.ever(Kind::encoder_lost) || board_.ever(Kind::encoder_reversed) || fallen() || board_.ever(Kind::slip) ||

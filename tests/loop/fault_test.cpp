@@ -151,7 +151,7 @@ TEST(Faults, H16_AHangingPatientIsNotDrawnAlong) {
   }
 }
 
-// A patient who faints while somebody else leads hangs below the guard's lean, where only the missing steps tell.
+// A patient who faints while a therapist leads hangs below the guard's lean, where only the missing steps tell.
 TEST(Faults, H16_AFaintedPatientIsNotDraggedWhoeverLeads) {
   for (const Mode mode : {Mode::remote, Mode::guided}) {
     for (const double lean_deg : {7.0, 8.5, -5.0}) {
@@ -172,7 +172,7 @@ TEST(Faults, H16_AFaintedPatientIsNotDraggedWhoeverLeads) {
   }
 }
 
-// Who walks along is led at any speed, whatever the body: starts, turns and stops. And so is a hoist without a patient.
+// A patient of any build who walks along is led at any speed: starts, turns and stops. And so is a hoist without a patient.
 TEST(Faults, H16_WhoWalksAlongAndAnEmptyHarnessAreNotTakenForHanging) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     for (const bool empty : {false, true}) {

@@ -6,7 +6,7 @@
 //   unslowed   in a PROTECTIVE_STOP that has not stood yet, a wheel goes on beside its ramp and does not slow down
 //   spinning   the same, of the whole hoist by its gyroscope, while a drive is silent
 // The last two need no current sensor. They end with the first standstill, because from then on hands may push a hoist whose drives have
-// failed; and a shorted bridge whose current nobody sees, on a hoist that stood, is not told from such a push.
+// failed; and a shorted bridge whose current no sensor sees, on a hoist that stood, is not told from such a push.
 #pragma once
 #include <cmath>
 #include <cstdint>

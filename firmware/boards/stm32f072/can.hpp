@@ -1,7 +1,8 @@
 // The bxCAN controller of the STM32F072 at 250 kbit/s (RM0091, chapter 29).
 //
 // Three mailboxes send by identifier (TXFP = 0), shared out as transmit_order.hpp says; two frames of the same identifier are never in them
-// together, because then the number of the mailbox would decide. Filter bank 0 lets everything into FIFO 0; what nobody wants is dropped in the interrupt.
+// together, because then the number of the mailbox would decide. Filter bank 0 lets everything into FIFO 0; frames of no use are dropped in the
+// interrupt.
 #pragma once
 #include <array>
 #include <cstddef>
