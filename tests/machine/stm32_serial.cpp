@@ -307,6 +307,7 @@ void Stm32Spi::write(std::uint32_t offset, unsigned size, std::uint32_t value, T
 
 void Stm32Spi::begin(Time now) {
   if (shifting_ || out_.empty() || (control1_ & 0x40U) == 0) return;
+  if (pins_ && rate_hz() > edge_hz_) complain_("SPI: clock faster than its pins (OSPEEDR)");
   shifting_ = true;
   due_ = now + 8 * kSecond / rate_hz();
 }

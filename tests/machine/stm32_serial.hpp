@@ -51,7 +51,11 @@ class Stm32Spi {
   explicit Stm32Spi(Complain complain) : complain_(std::move(complain)) { reset(); }
   void reset();
   void connect(SpiDevice* device) { device_ = device; }
-  void set_pins(bool connected) { pins_ = connected; }
+  /// `edge_hz`: the fastest clock that the outputs can follow.
+  void set_pins(bool connected, std::uint32_t edge_hz) {
+    pins_ = connected;
+    edge_hz_ = edge_hz;
+  }
   [[nodiscard]] std::uint32_t read(std::uint32_t offset, unsigned size);
   void write(std::uint32_t offset, unsigned size, std::uint32_t value, Time now, std::uint32_t clock_hz);
   void advance(Time now);
@@ -71,7 +75,7 @@ class Stm32Spi {
   Complain complain_;
   SpiDevice* device_{};
   bool pins_{};
-  std::uint32_t control1_{}, control2_{0x700}, clock_hz_{8'000'000};
+  std::uint32_t control1_{}, control2_{0x700}, clock_hz_{8'000'000}, edge_hz_{};
   bool overrun_{};
   std::deque<std::uint8_t> out_, in_;
   bool shifting_{};

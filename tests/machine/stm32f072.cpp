@@ -568,7 +568,11 @@ void Stm32f072::connect_spi(SpiDevice* device, PinPlace select) {
 
 void Stm32f072::update_pins() {
   i2c_.set_pins(has_function({kPortB, 6}, 1) && has_function({kPortB, 7}, 1) && (ports_[kPortB].open_drain & 0xC0U) == 0xC0U);
-  spi_.set_pins(has_function({kPortA, 5}, 0) && has_function({kPortA, 6}, 0) && has_function({kPortA, 7}, 0));
+  // Data sheet, I/O AC characteristics: low, medium and high speed; bit 0 clear is low, whatever bit 1 says.
+  constexpr std::array<std::uint32_t, 4> kEdge_hz{2'000'000, 10'000'000, 2'000'000, 50'000'000};
+  const auto edge_hz = [&](unsigned bit) { return kEdge_hz[(ports_[kPortA].speed >> (2 * bit)) & 3U]; };
+  spi_.set_pins(has_function({kPortA, 5}, 0) && has_function({kPortA, 6}, 0) && has_function({kPortA, 7}, 0),
+                std::min(edge_hz(5), edge_hz(7)));
   can_.set_pins(has_function({kPortB, 8}, 4) && has_function({kPortB, 9}, 4));
   usart_.set_pins(has_function({kPortA, 10}, 1), has_function({kPortA, 9}, 1), has_function({kPortA, 12}, 1),
                   has_function({kPortA, 11}, 1));
