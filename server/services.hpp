@@ -26,12 +26,12 @@ struct Services {
   CoreDesk& core;
   FirmwareDesk& firmware;
   Hub& hub;
-  Recorder& recorder;     // its state
-  RecorderDesk& records;  // work for its thread
-  std::function<std::uint64_t()> now_ns;            // steady
-  std::function<std::int64_t()> utc_ns;             // wall
-  std::function<std::uint32_t()> next_client;       // numbers for connections and REST sessions, never used twice
-  std::string base_url = {};                        // http://127.0.0.1:8080
+  Recorder& recorder;                          // its state
+  RecorderDesk& records;                       // work for its thread
+  std::function<std::uint64_t()> now_ns;       // steady
+  std::function<std::int64_t()> utc_ns;        // wall
+  std::function<std::uint32_t()> next_client;  // numbers for connections and REST sessions, never used twice
+  std::string base_url = {};                   // http://127.0.0.1:8080
   std::int64_t started_utc_ns = 0;
   std::uint64_t started_ns = 0;
   std::uint64_t ends_asked = 0;  // requests to end motion so far: a start that was asked for before one of them is over

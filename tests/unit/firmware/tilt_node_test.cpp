@@ -96,7 +96,7 @@ TEST_F(TiltTest, AnyMotionBeginsTheStillTimeAnew) {
 
 TEST_F(TiltTest, ASlowSteadyTurnIsNoStandstillAndNoBias) {
   alpha_rate_ = 0.6F * kDegree;  // below every rate threshold, but 0.9 deg from the first quarter to the last
-  cycles(800);  // what the 800th sample ends shows in the next one
+  cycles(800);                   // what the 800th sample ends shows in the next one
   EXPECT_EQ(status() & kConverged, 0);
   cycles(1);  // the long window sees the turn in gravity and takes it off
   EXPECT_EQ(status(), kValid | kConverged);
