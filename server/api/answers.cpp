@@ -60,7 +60,7 @@ OutcomeDone answer_done(const CallPtr& call) {
     }
     nlohmann::json answer{{"ok", true}};
     if (outcome.stored) answer["stored"] = *outcome.stored;
-    call->respond(std::move(answer));
+    call->respond(answer);
   };
 }
 
