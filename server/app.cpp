@@ -1,13 +1,16 @@
 #include "server/app.hpp"
 
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <utility>
 
+#include "control/contract/program_version.hpp"
 #include "server/api/actions.hpp"
 #include "server/http/auth.hpp"
 #include "server/http/listener.hpp"
@@ -52,27 +55,36 @@ struct App::Parts {
       : settings(std::move(settings_in)),
         core(settings.socket_path, counters),
         firmware(core),
-        recorder(core.link(), {.file = settings.db_path, .version = std::string{kVersion}, .utc_ns = &utc_ns, .steady_ns = &steady_ns}),
+        recorder(
+            core.link(),
+            {.file = settings.db_path, .version = std::string{contract::program_version()}, .utc_ns = &utc_ns, .steady_ns = &steady_ns}),
         records(recorder, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
         timer(io),
         goodbye(io) {}
 
   void arm() {
-    // An absolute raster, so that no delay adds up; its phase follows the core's when there is one.
-    next_ns += kPoll_ns;
+    // An absolute raster, so that no delay adds up; its phase follows the core's when there is one. Each step while a client drives or waits
+    // for an answer, else once per batch of samples.
+    const std::uint64_t steps = core.urgent() || firmware.busy() ? 1 : hub.samples_missing();
+    next_ns += steps * kPoll_ns;
     const std::uint64_t now = steady_ns();
     if (core.newest()) {
       const std::uint64_t tick_ns = core.newest()->time_ns;
       if (tick_ns <= now && now - tick_ns < 2 * kPoll_ns)
-        next_ns = tick_ns + kPhase_ns + ((now - tick_ns + kPoll_ns - kPhase_ns) / kPoll_ns) * kPoll_ns;
+        next_ns = tick_ns + kPhase_ns + ((now - tick_ns + kPoll_ns - kPhase_ns) / kPoll_ns + steps - 1) * kPoll_ns;
     }
-    if (next_ns <= now || next_ns > now + 2 * kPoll_ns) next_ns = now + kPoll_ns;
+    if (next_ns <= now || next_ns > now + (steps + 1) * kPoll_ns) next_ns = now + kPoll_ns;
     timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(next_ns)));
     timer.async_wait([this](boost::system::error_code error) {
       if (error || ending) return;
       poll();
       arm();
     });
+  }
+
+  // Something was asked while the timer sleeps for a batch: the answer comes with the next step.
+  void wake() {
+    if (!ending && next_ns > steady_ns() + kPoll_ns) arm();
   }
 
   void poll() {
@@ -82,16 +94,33 @@ struct App::Parts {
       told_problem = problem;
       std::cerr << "hoist-server: " << (problem.empty() ? "the control core is connected" : problem) << std::endl;
     }
-    firmware.poll(now);
+    firmware.poll(core.clock_ns());
+    tell_recorder_of_nodes();
     hub.poll(now);
-    // A lease taken over REST has no connection that could end: it is given back when its session falls silent.
-    for (const SessionPtr& session : auth->sessions()) {
-      // Whoever watches an update does not have to ask all the time.
-      if (session->client != 0 && session->client == firmware.client()) session->used_ns = now;
-      if (session->client == 0 || core.lease_holder() != session->client || now - session->used_ns < kRestLease_ns) continue;
-      session->used_ns = now;
-      act_release_lease(*services, {session->client, core.lease_epoch(), session->role}, [](const Outcome&) {});
-    }
+    if (core.lease_holder() != 0) free_silent_lease(now);
+  }
+
+  // A lease taken over REST has no connection that could end: it is given back when its session falls silent.
+  void free_silent_lease(std::uint64_t now) {
+    auth->each_session([&](Session& session) {
+      if (session.client != core.lease_holder()) return;
+      // A client that watches its update need not ask all the time.
+      if (session.client == firmware.client()) session.used_ns = now;
+      if (now - session.used_ns < kRestLease_ns) return;
+      session.used_ns = now;
+      act_release_lease(*services, {session.client, core.lease_epoch(), session.role}, [](const Outcome&) {});
+    });
+  }
+
+  void tell_recorder_of_nodes() {
+    std::array<NodeSaid, contract::kRemoteNodeCount> said;
+    for (std::size_t n = 0; n < said.size(); ++n) said[n] = firmware.said(static_cast<contract::Node>(n));
+    if (said == told_nodes) return;
+    told_nodes = said;
+    std::vector<db::NodeProgram> nodes;
+    for (std::size_t n = 0; n < said.size(); ++n)
+      nodes.push_back({std::string{contract::kNodes[n].name}, said[n].product, said[n].revision, said[n].version, said[n].crc});
+    recorder.set_nodes(std::move(nodes));
   }
 
   void end() {
@@ -119,7 +148,8 @@ struct App::Parts {
   asio::steady_timer goodbye;
   std::uint64_t next_ns = 0;
   std::uint32_t last_client = 0;
-  std::string told_problem;  // why the core is not connected, as told last
+  std::optional<std::array<NodeSaid, contract::kRemoteNodeCount>> told_nodes;  // by the recorder's last list
+  std::string told_problem;                                                    // why the core is not connected, as told last
   bool ending = false;
 };
 
@@ -159,6 +189,7 @@ bool App::start(std::string& error) {
                                 .started_ns = steady_ns()});
   p.hub.set_services(*p.services);
   p.core.set_listener(&p.hub);
+  p.core.set_wake([&p] { p.wake(); });
   std::error_code ignored;
   if (p.settings.db_path.has_parent_path()) std::filesystem::create_directories(p.settings.db_path.parent_path(), ignored);
   make_private(p.settings.db_path);

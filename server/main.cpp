@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "control/contract/program_version.hpp"
 #include "server/app.hpp"
 #include "server/settings.hpp"
 
@@ -22,6 +23,10 @@ int main(int argc, char** argv) {
   }
   if (settings.help) {
     std::cout << usage();
+    return 0;
+  }
+  if (settings.version) {
+    std::cout << "hoist-server " << hoist::contract::program_version() << "\n";
     return 0;
   }
   // Signals are taken by one thread that waits for them, so that no handler runs in the middle of anything.

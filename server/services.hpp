@@ -17,8 +17,6 @@ namespace hoist::server {
 
 class Hub;
 
-inline constexpr std::string_view kVersion = "0.1.0";
-
 struct Services {
   const Settings& settings;
   Counters& counters;
@@ -34,6 +32,7 @@ struct Services {
   std::string base_url = {};                   // http://127.0.0.1:8080
   std::int64_t started_utc_ns = 0;
   std::uint64_t started_ns = 0;
+  bool start_anew = false;       // a recording was begun by hand, for another patient: the next exercise begins at its start mark
   std::uint64_t ends_asked = 0;  // requests to end motion so far: a start that was asked for before one of them is over
 };
 

@@ -15,6 +15,7 @@ std::string usage() {
          "  --host NAME        further name under which browsers may call; may be repeated\n"
          "  --scenario NAME    what the simulator plays: chooses the exercise offered first\n"
          "  --token-file FILE  where the token for scripts is written, readable only by this user\n"
+         "  --version          which source this program was built from\n"
          "  --help             this text\n";
 }
 
@@ -23,6 +24,10 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     const std::string& option = arguments[i];
     if (option == "--help" || option == "-h") {
       settings.help = true;
+      return true;
+    }
+    if (option == "--version") {
+      settings.version = true;
       return true;
     }
     const bool known = option == "--socket" || option == "--db" || option == "--web" || option == "--port" || option == "--bind" ||

@@ -17,7 +17,7 @@ struct Settings {
   std::optional<std::string> scenario;
   std::filesystem::path token_file;
   std::vector<std::string> hosts;
-  bool help = false;
+  bool help = false, version = false;
 };
 
 [[nodiscard]] std::string usage();

@@ -53,6 +53,10 @@ std::unique_ptr<CanPort> open_port(std::string_view address, std::string& error,
     if (kind == "slcan") return open_slcan(rest, error);
     if (kind == "socketcan") return open_socketcan(rest, use, error);
     if (kind == "replay") return open_replay(rest, error);
+    if (kind == "sim") {
+      error = "sim: is lock-step with hoist-sim, whose steps only hoist-control takes";
+      return nullptr;
+    }
   }
   error = "unknown bus \"" + std::string(address) +
           "\": use socketcan:INTERFACE (socketcan:can0), slcan:DEVICE (slcan:/dev/ttyUSB0) or replay:FILE";

@@ -42,44 +42,42 @@ const Baud* find_baud(std::uint32_t bits_s) {
   const auto found = std::find_if(kBauds.begin(), kBauds.end(), [bits_s](const Baud& row) { return row.bits_s == bits_s; });
   return found == kBauds.end() ? nullptr : &*found;
 }
-}  // namespace
 
-bool SlcanPort::valid_baud(std::uint32_t baud) noexcept { return find_baud(baud) != nullptr; }
-std::string SlcanPort::baud_list() {
-  std::string list;
-  for (const Baud& row : kBauds) list += (list.empty() ? "" : ", ") + std::to_string(row.bits_s);
-  return list;
-}
+// A serial line of this computer.
+class Tty final : public SerialDevice {
+ public:
+  Tty(std::string path, std::uint32_t baud) : path_(std::move(path)), baud_(baud) {}
+  ~Tty() override { Tty::close(); }
+  Tty(const Tty&) = delete;
+  Tty& operator=(const Tty&) = delete;
 
-SlcanPort::SlcanPort(std::string path, std::uint32_t baud) : path_(std::move(path)), baud_(baud) {}
-
-SlcanPort::~SlcanPort() {
-  if (fd_ < 0) return;
-  // Best effort: tell the adapter that nobody listens any more.
-  [[maybe_unused]] const ssize_t written = ::write(fd_, "C\r", 2);
-  ::close(fd_);
-}
-
-void SlcanPort::open_device(std::uint64_t now_ns) noexcept {
-  fd_ = ::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (fd_ < 0) {
-    deadline_ns_ = now_ns + kRetryNs;
-    problem_ = errno == EACCES ? "the device may not be opened by this user" : "the device is not there";
-    return;
+  const char* open() noexcept override {
+    fd_ = ::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (fd_ < 0) return errno == EACCES ? "the device may not be opened by this user" : "the device is not there";
+    // Two programs on one line would take each other's frames away, and neither would hear what the other one sends.
+    if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) return "another program has the device open";
+    if (!set_up_line()) return "the device is no serial line, or not at this rate";
+    ::tcflush(fd_, TCIOFLUSH);
+    return nullptr;
   }
-  // Two programs on one line would take each other's frames away, and neither would hear what the other one sends.
-  if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) return close_device(now_ns, "another program has the device open");
-  if (!set_up_line()) return close_device(now_ns, "the device is no serial line, or not at this rate");
-  ::tcflush(fd_, TCIOFLUSH);
-  decoder_.restart();
-  if (ever_open_) ++counters_.reopened;
-  ever_open_ = true;
-  begin_setup(now_ns);
-}
+  void close() noexcept override {
+    if (fd_ >= 0) ::close(fd_);
+    fd_ = -1;
+  }
+  ssize_t read(std::span<char> text) noexcept override { return ::read(fd_, text.data(), text.size()); }
+  ssize_t write(std::span<const char> text) noexcept override { return ::write(fd_, text.data(), text.size()); }
+
+ private:
+  [[nodiscard]] bool set_up_line() const noexcept;
+
+  std::string path_;
+  std::uint32_t baud_;
+  int fd_ = -1;
+};
 
 // Raw, eight bits, handshake by wire, the rate asked for. False when the line will not have it: tcsetattr() is content when any one
 // setting took, so the settings are read back.
-bool SlcanPort::set_up_line() noexcept {
+bool Tty::set_up_line() const noexcept {
   const Baud* baud = find_baud(baud_);
   termios wanted{}, got{};
   if (baud == nullptr || ::tcgetattr(fd_, &wanted) != 0) return false;
@@ -98,10 +96,36 @@ bool SlcanPort::set_up_line() noexcept {
   }
   return true;
 }
+}  // namespace
+
+bool SlcanPort::valid_baud(std::uint32_t baud) noexcept { return find_baud(baud) != nullptr; }
+std::string SlcanPort::baud_list() {
+  std::string list;
+  for (const Baud& row : kBauds) list += (list.empty() ? "" : ", ") + std::to_string(row.bits_s);
+  return list;
+}
+
+SlcanPort::SlcanPort(std::string path, std::uint32_t baud) : SlcanPort(std::make_shared<Tty>(std::move(path), baud)) {}
+SlcanPort::SlcanPort(std::shared_ptr<SerialDevice> device) : device_(std::move(device)) {}
+
+SlcanPort::~SlcanPort() {
+  if (state_ == State::closed) return;
+  // Best effort: tell the adapter that this program stops listening.
+  constexpr std::string_view kClose = "C\r";
+  static_cast<void>(device_->write(kClose));
+  device_->close();
+}
+
+void SlcanPort::open_device(std::uint64_t now_ns) noexcept {
+  if (const char* why = device_->open(); why != nullptr) return close_device(now_ns, why);
+  decoder_.restart();
+  if (ever_open_) ++counters_.reopened;
+  ever_open_ = true;
+  begin_setup(now_ns);
+}
 
 void SlcanPort::close_device(std::uint64_t now_ns, const char* why) noexcept {
-  if (fd_ >= 0) ::close(fd_);
-  fd_ = -1;
+  device_->close();
   state_ = State::closed;
   pending_size_ = 0;
   problem_ = why;
@@ -126,7 +150,7 @@ void SlcanPort::begin_setup(std::uint64_t now_ns) noexcept {
 // Writes what is pending; false when the device is gone.
 bool SlcanPort::flush() noexcept {
   if (pending_size_ == 0) return true;
-  const ssize_t written = ::write(fd_, pending_.data(), pending_size_);
+  const ssize_t written = device_->write(std::span<const char>(pending_).first(pending_size_));
   if (written < 0) return errno == EAGAIN || errno == EINTR;
   pending_size_ -= static_cast<std::size_t>(written);
   std::memmove(pending_.data(), pending_.data() + written, pending_size_);
@@ -195,13 +219,13 @@ void SlcanPort::on_errors(std::string_view text) noexcept {
 }
 
 std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) noexcept {
-  if (fd_ < 0) {
+  if (state_ == State::closed) {
     if (now_ns >= deadline_ns_) open_device(now_ns);
-    if (fd_ < 0) return 0;
+    if (state_ == State::closed) return 0;
   }
   std::size_t count = 0;
   for (int i = 0; i < kReadsPerStep; ++i) {
-    const ssize_t got = ::read(fd_, read_buffer_.data(), read_buffer_.size());
+    const ssize_t got = device_->read(read_buffer_);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) break;
     if (got <= 0) {  // the other end closed, or the adapter was pulled out
       close_device(now_ns, kGone);
@@ -276,7 +300,7 @@ std::size_t SlcanPort::send(std::span<const CanFrame> frames, std::uint64_t now_
   }
   counters_.sent += static_cast<std::uint32_t>(taken);
   counters_.send_refused += static_cast<std::uint32_t>(frames.size() - taken);
-  if (fd_ >= 0 && !flush()) close_device(now_ns, kGone);
+  if (state_ != State::closed && !flush()) close_device(now_ns, kGone);
   return taken;
 }
 

@@ -1,13 +1,15 @@
-// SLCAN over a tty or pty, spoken in user space: the UART gateway of the paper. Strict, because the kernel's own driver lets a truncated
-// line through with bytes of the line before it.
+// SLCAN, spoken in user space: the UART gateway of the paper, on a tty, a pty or in lock-step with the simulator. Strict, because the kernel's
+// own driver lets a truncated line through with bytes of the line before it.
 #pragma once
 #include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "control/bus/can_port.hpp"
+#include "control/bus/serial_device.hpp"
 #include "control/contract/slcan_codec.hpp"
 
 namespace hoist::bus {
@@ -17,6 +19,7 @@ class SlcanPort final : public CanPort {
   static constexpr std::uint32_t kDefaultBaud = 1'000'000;  // what a full bus needs (585 kbit/s) with room; 115200 is too slow
   // `baud` must be one of the rates that valid_baud() knows.
   explicit SlcanPort(std::string path, std::uint32_t baud = kDefaultBaud);
+  explicit SlcanPort(std::shared_ptr<SerialDevice> device);
   ~SlcanPort() override;
   SlcanPort(const SlcanPort&) = delete;
   SlcanPort& operator=(const SlcanPort&) = delete;
@@ -45,7 +48,6 @@ class SlcanPort final : public CanPort {
  private:
   enum class State : std::uint8_t { closed, setting_up, up };
   void open_device(std::uint64_t now_ns) noexcept;
-  [[nodiscard]] bool set_up_line() noexcept;
   void close_device(std::uint64_t now_ns, const char* why) noexcept;
   void begin_setup(std::uint64_t now_ns) noexcept;
   void on_answer(bool accepted, std::uint64_t now_ns) noexcept;
@@ -54,9 +56,7 @@ class SlcanPort final : public CanPort {
   void become_up() noexcept;
   bool flush() noexcept;
 
-  std::string path_;
-  std::uint32_t baud_;
-  int fd_ = -1;
+  std::shared_ptr<SerialDevice> device_;
   State state_ = State::closed;
   bool ever_open_ = false;
   std::uint64_t deadline_ns_ = 0;  // closed: next try; setting up: give up

@@ -37,59 +37,61 @@ struct CalibrationStepInfo {
   std::string_view unit;  // of what the operator enters; empty: nothing is entered
   double least, most;     // size of what is entered; the sign is the direction
   std::uint8_t samples;   // how many at least, in both directions
+  bool empty_harness;     // begins only after the operator has confirmed that nobody is strapped in
   std::string_view title_en, do_en, title_de, do_de;
 };
 
 inline constexpr std::array kCalibrationSteps{
     CalibrationStepInfo{
-        CalibrationStep::zero, "zero", Role::therapist, ParamName::calibrated_zero_s, "", 0, 0, 0, "Struts upright",
+        CalibrationStep::zero, "zero", Role::therapist, ParamName::calibrated_zero_s, "", 0, 0, 0, true, "Struts upright",
         "Take the patient out of the harness. Put the hoist on a level floor, let the struts stand upright by themselves, and let go.",
         "Streben aufrecht",
         "Patient aus dem Gurt nehmen. Gerät auf ebenen Boden stellen, die Streben von selbst aufrecht stehen lassen und loslassen."},
-    CalibrationStepInfo{CalibrationStep::neutral, "neutral", Role::therapist, ParamName::calibrated_neutral_s, "", 0, 0, 0,
+    CalibrationStepInfo{CalibrationStep::neutral, "neutral", Role::therapist, ParamName::calibrated_neutral_s, "", 0, 0, 0, false,
                         "Patient's neutral posture", "Strap the patient in. Let the patient stand at ease, upright and looking ahead.",
                         "Neutrale Haltung", "Patient angurten. Der Patient steht bequem, aufrecht und schaut geradeaus."},
-    CalibrationStepInfo{CalibrationStep::gyro, "gyro", Role::therapist, ParamName::calibrated_gyro_s, "", 0, 0, 0, "Turn sensors at rest",
-                        "Let the hoist stand without touching it for five seconds.", "Drehsensoren in Ruhe",
+    CalibrationStepInfo{CalibrationStep::gyro, "gyro", Role::therapist, ParamName::calibrated_gyro_s, "", 0, 0, 0, false,
+                        "Turn sensors at rest", "Let the hoist stand without touching it for five seconds.", "Drehsensoren in Ruhe",
                         "Das Gerät fünf Sekunden lang unberührt stehen lassen."},
     CalibrationStepInfo{CalibrationStep::strut_length, "strut_length", Role::engineer, ParamName::calibrated_strut_length_s, "m", 0.03,
-                        0.30, 3, "Strut length",
+                        0.30, 3, true, "Strut length",
                         "Empty harness. Hold the bar a measured way forward of the middle, enter it, press Measure; then about twice as "
                         "far; then as far backward (minus).",
                         "Strebenlänge",
                         "Leerer Gurt. Den Bügel um einen gemessenen Weg nach vorn halten, eingeben, Messen drücken; dann etwa doppelt so "
                         "weit; dann ebenso weit nach hinten (minus)."},
     CalibrationStepInfo{CalibrationStep::strut_spacing, "strut_spacing", Role::engineer, ParamName::calibrated_strut_spacing_s, "rad", 0.05,
-                        0.52, 3, "Strut spacing",
+                        0.52, 3, true, "Strut spacing",
                         "Empty harness. Hold the bar turned left by a measured angle, enter it, press Measure; then about twice as far; "
                         "then as far to the right (minus).",
                         "Strebenabstand",
                         "Leerer Gurt. Den Bügel um einen gemessenen Winkel nach links drehen, eingeben, Messen drücken; dann etwa doppelt "
                         "so weit; dann ebenso weit nach rechts (minus)."},
     CalibrationStepInfo{
-        CalibrationStep::wheel_radius, "wheel_radius", Role::engineer, ParamName::calibrated_wheel_radius_s, "m", 1.0, 20.0, 2,
+        CalibrationStep::wheel_radius, "wheel_radius", Role::engineer, ParamName::calibrated_wheel_radius_s, "m", 1.0, 20.0, 2, false,
         "Wheel radius",
         "Release the brakes by hand. Push the hoist straight ahead along a measured way, enter it, press Measure; then back (minus).",
         "Radradius",
         "Die Bremsen von Hand lösen. Das Gerät einen gemessenen Weg geradeaus schieben, eingeben, Messen drücken; dann zurück (minus)."},
-    CalibrationStepInfo{CalibrationStep::track, "track", Role::engineer, ParamName::calibrated_track_s, "rad", 3.1, 63.0, 2, "Track width",
+    CalibrationStepInfo{CalibrationStep::track, "track", Role::engineer, ParamName::calibrated_track_s, "rad", 3.1, 63.0, 2, false,
+                        "Track width",
                         "Release the brakes by hand. Turn the hoist on the spot by whole turns to the left, enter them, press Measure; "
                         "then to the right (minus).",
                         "Spurweite",
                         "Die Bremsen von Hand lösen. Das Gerät auf der Stelle um ganze Drehungen nach links drehen, eingeben, Messen "
                         "drücken; dann nach rechts (minus)."},
     CalibrationStepInfo{
-        CalibrationStep::square, "square", Role::engineer, ParamName::calibrated_square_s, "m", 1.0, 20.0, 2, "Driven squares",
-        "Drive the square once turning left and once turning right. Enter how far the hoist truly ended from where it says it did.",
+        CalibrationStep::square, "square", Role::engineer, ParamName::calibrated_square_s, "m", 1.0, 20.0, 2, false, "Driven squares",
+        "Drive the square once turning left and once turning right. Enter how far off the shown place the hoist truly ended.",
         "Gefahrene Quadrate",
         "Das Quadrat einmal linksherum und einmal rechtsherum fahren. Eingeben, wie weit das Gerät wirklich von der angezeigten Stelle "
         "entfernt endete."},
     CalibrationStepInfo{
-        CalibrationStep::encoders, "encoders", Role::engineer, ParamName::calibrated_encoders_s, "", 0, 0, 0, "Wheel sensors",
+        CalibrationStep::encoders, "encoders", Role::engineer, ParamName::calibrated_encoders_s, "", 0, 0, 0, false, "Wheel sensors",
         "Release the brakes by hand. Push the hoist forward by half a metre, then turn it left by a quarter.", "Radgeber",
         "Die Bremsen von Hand lösen. Das Gerät einen halben Meter vorwärts schieben, dann um eine Vierteldrehung nach links drehen."},
-    CalibrationStepInfo{CalibrationStep::bumpers, "bumpers", Role::therapist, ParamName::calibrated_bumpers_s, "", 0, 0, 0, "Bumpers",
-                        "Press the bumpers one after the other: front, rear, left, right.", "Stoßfänger",
+    CalibrationStepInfo{CalibrationStep::bumpers, "bumpers", Role::therapist, ParamName::calibrated_bumpers_s, "", 0, 0, 0, false,
+                        "Bumpers", "Press the bumpers one after the other: front, rear, left, right.", "Stoßfänger",
                         "Die Stoßfänger nacheinander drücken: vorn, hinten, links, rechts."},
 };
 
@@ -118,6 +120,7 @@ enum class CalibrationReason : std::uint8_t {
   both_backward = 21,
   bumper_dead = 22,
   turned_right = 23,
+  harness_sways = 24,
 };
 
 struct CalibrationReasonInfo {
@@ -138,13 +141,12 @@ inline constexpr std::array kCalibrationReasons{
                           "The sensors are still warming up: wait two minutes and measure again.",
                           "Die Sensoren stellen sich noch ein: zwei Minuten warten und neu messen."},
     CalibrationReasonInfo{CalibrationReason::implausible, "implausible",
-                          "This result cannot be. Check the figure you entered and its sign, and measure again.",
+                          "This result is not plausible. Check the figure entered and its sign, then measure again.",
                           "Dieses Ergebnis kann nicht stimmen. Eingegebene Zahl und Vorzeichen prüfen und neu messen."},
-    CalibrationReasonInfo{CalibrationReason::disagree, "disagree",
-                          "The measurements do not agree with each other. Measure again with more care.",
-                          "Die Messungen passen nicht zueinander. Sorgfältiger neu messen."},
-    CalibrationReasonInfo{CalibrationReason::too_little, "too_little", "It moved too little for a sound result. Move it further.",
-                          "Die Bewegung war für ein gutes Ergebnis zu klein. Weiter bewegen."},
+    CalibrationReasonInfo{CalibrationReason::disagree, "disagree", "The measurements do not agree. Measure again with care.",
+                          "Die Messungen passen nicht zueinander. Sorgfältig neu messen."},
+    CalibrationReasonInfo{CalibrationReason::too_little, "too_little", "The motion was too small. Move it further.",
+                          "Die Bewegung war zu klein. Weiter bewegen."},
     CalibrationReasonInfo{CalibrationReason::not_straight, "not_straight", "The hoist turned on the way. Push it straight, along a line.",
                           "Das Gerät hat sich unterwegs gedreht. Gerade schieben, an einer Linie entlang."},
     CalibrationReasonInfo{CalibrationReason::one_direction, "one_direction", "One direction is missing: measure both ways.",
@@ -156,7 +158,7 @@ inline constexpr std::array kCalibrationReasons{
                           "The right wheel counts backward: swap lines A and B of its encoder.",
                           "Das rechte Rad zählt rückwärts: Leitungen A und B seines Gebers tauschen."},
     CalibrationReasonInfo{CalibrationReason::encoders_swapped, "encoders_swapped",
-                          "The wheels are exchanged: the left drive sits on the right wheel. Swap their encoder plugs.",
+                          "The wheels are swapped: the left drive sits on the right wheel. Swap their encoder plugs.",
                           "Die Räder sind vertauscht: der linke Antrieb sitzt am rechten Rad. Geberstecker tauschen."},
     CalibrationReasonInfo{CalibrationReason::left_encoder_dead, "left_encoder_dead",
                           "The left wheel counts nothing: check the plug of its encoder.",
@@ -165,17 +167,17 @@ inline constexpr std::array kCalibrationReasons{
                           "The right wheel counts nothing: check the plug of its encoder.",
                           "Das rechte Rad zählt nicht: Stecker seines Gebers prüfen."},
     CalibrationReasonInfo{CalibrationReason::bumper_swapped, "bumper_swapped",
-                          "Another bumper answered than the one asked for: their plugs are swapped, or the wrong one was pressed.",
-                          "Ein anderer Stoßfänger als der verlangte hat geantwortet: Stecker vertauscht, oder der falsche wurde gedrückt."},
+                          "Another bumper answered: the plugs are swapped, or the wrong one was pressed.",
+                          "Ein anderer Stoßfänger hat geantwortet: Stecker vertauscht oder falscher gedrückt."},
     CalibrationReasonInfo{CalibrationReason::bumper_stuck, "bumper_stuck",
-                          "A bumper reports pressed although nobody touches it: free it, check its plug.",
+                          "A bumper reports pressed although it is not touched: free it, check its plug.",
                           "Ein Stoßfänger meldet gedrückt, obwohl ihn niemand berührt: lösen, Stecker prüfen."},
     CalibrationReasonInfo{CalibrationReason::sensor_lost, "sensor_lost", "A sensor or drive stopped answering: check its plug.",
                           "Ein Sensor oder Antrieb antwortet nicht mehr: Stecker prüfen."},
     CalibrationReasonInfo{CalibrationReason::timed_out, "timed_out", "Nothing happened for a minute. The old values stay.",
                           "Eine Minute lang geschah nichts. Die alten Werte bleiben."},
-    CalibrationReasonInfo{CalibrationReason::cancelled, "cancelled", "Ended by hand. The old values stay.",
-                          "Von Hand beendet. Die alten Werte bleiben."},
+    CalibrationReasonInfo{CalibrationReason::cancelled, "cancelled", "Cancelled. The old values stay.",
+                          "Abgebrochen. Die alten Werte bleiben."},
     CalibrationReasonInfo{CalibrationReason::posture_too_far, "posture_too_far",
                           "The patient stands too far from the middle: shift the harness and measure again.",
                           "Der Patient steht zu weit außerhalb der Mitte: Gurt verschieben und neu messen."},
@@ -186,6 +188,9 @@ inline constexpr std::array kCalibrationReasons{
                           "Ein Stoßfänger hat eine Minute lang nicht geantwortet: Stecker prüfen."},
     CalibrationReasonInfo{CalibrationReason::turned_right, "turned_right", "The hoist was turned to the right. Turn it to the left.",
                           "Das Gerät wurde nach rechts gedreht. Nach links drehen."},
+    CalibrationReasonInfo{CalibrationReason::harness_sways, "harness_sways",
+                          "The harness sways. Take the patient out, let the struts rest, measure again.",
+                          "Der Gurt bewegt sich. Patienten herausnehmen, Streben ruhen lassen, neu messen."},
 };
 
 static_assert(unique_by(kCalibrationSteps, [](const CalibrationStepInfo& s) { return s.step; }) &&

@@ -10,7 +10,7 @@ namespace hoist::contract {
 enum class CommandKind : std::uint32_t {
   none = 0,
   stop = 1,          // anyone; protective stop, never refused
-  request_mode = 2,  // a = Mode: standby, or one that standby leads to; lease holder only
+  request_mode = 2,  // a = Mode: one that standby leads to, lease holder only; standby: anyone while the hoist is led
   // leave PROTECTIVE_STOP, FAULT or EMERGENCY_STOP once the cause is gone; role in b, a = bits of the faults that were seen when the hand
   // went down, 0 = not told; lease holder only
   acknowledge = 3,
@@ -20,14 +20,17 @@ enum class CommandKind : std::uint32_t {
   // a = number of staged rows, role in b, seal = ParamSetSeal over them; v0 = 0, or the seconds after which the values before come back
   // unless confirmed; all or nothing
   commit_parameters = 7,
-  set_pose = 8,     // v0 = x_m, v1 = y_m, v2 = psi_rad; standing still only
+  // A start mark: v0 = x_m, v1 = y_m, v2 = psi_rad; standing still only. a = key of the exercise that begins there, 0 = none. With the key
+  // of the newest mark the exercise goes on and the pose stays, unless b = kStartAgain.
+  set_pose = 8,
   set_neutral = 9,  // take the mean of the last second as neutral; standing still only; stored as parameters
   // Service: nodes are in their loaders, the drives off, INIT stays until it ends. Engineer with the lease only.
   begin_service = 10,  // role in b; on standby or in INIT; again while it is on: it goes on for another two seconds
   service_frame = 11,  // a = CAN id, v0 = the eight data bytes as they are (std::bit_cast), v1 = how many of them; one a step
   end_service = 12,
   // Calibration (control/contract/calibration.hpp). The wheels never turn by themselves; lease holder with the step's role only.
-  begin_calibration = 20,    // a = CalibrationStep, role in b; on standby, or again while one is under way
+  // a = CalibrationStep, role in b, v0 = 1: the operator confirms that nobody is strapped in; on standby, or again while one is under way
+  begin_calibration = 20,
   measure_calibration = 21,  // v0, v1, v2 = what the operator measured, a = CalibrationPart; taken as soon as everything rests
   use_calibration = 22,      // v0 = seconds since 1970 UTC; the result becomes parameters, and CALIBRATE ends
   cancel_calibration = 23,   // the old values stay
@@ -36,6 +39,8 @@ enum class CommandKind : std::uint32_t {
   // Exercises (guided_path.hpp): a = shape, with bit 8 for clockwise, b = laps, v0 = size_m, v1 = radius_m, v2 = speed_m_s; lease holder only.
   begin_guided = 25,
 };
+
+inline constexpr std::uint32_t kStartAgain = 1;
 
 // One request of a client, in order. `request_id` comes back in the event that answers it.
 struct Command {
@@ -73,7 +78,7 @@ enum class EventKind : std::uint32_t {
   parameter_changed = 6,  // item = parameter id, value and before
   lease_changed = 7,      // client = holder (0 nobody), code = epoch
   node_changed = 8,       // item = Node, code = 1 answers, 0 lost
-  pose_set = 9,
+  pose_set = 9,           // code = number of the start mark
   neutral_set = 10,
   core_started = 11,
   parameters_on_trial = 30,   // code = version, value = seconds

@@ -25,6 +25,11 @@ struct GuidedPath {
   std::uint32_t laps = 1;
 };
 
+/// The same way over the floor; how fast it is driven may differ.
+[[nodiscard]] inline bool same_figure(const GuidedPath& a, const GuidedPath& b) {
+  return a.shape == b.shape && a.clockwise == b.clockwise && a.size_m == b.size_m && a.radius_m == b.radius_m && a.laps == b.laps;
+}
+
 /// Curves are driven so slowly that they need no more than this share of the turning limit; the rest corrects.
 inline constexpr double kGuidedYawShare_norm = 0.8;
 /// And no more than this share of the outer wheel, which leaves a straight its top speed.

@@ -12,6 +12,7 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/loop_report.hpp"
 #include "control/contract/params.hpp"
+#include "control/contract/program_version.hpp"
 #include "control/contract/signals.hpp"
 
 namespace hoist::contract {
@@ -56,16 +57,21 @@ constexpr std::uint64_t kCommandMagic = 0x31444E414D4D4348ULL;  // "HCMMAND1"
 // 20.48 s of ticks: a recorder that hangs for less loses nothing.
 constexpr std::size_t kTickSlots = 2048, kEventSlots = 1024, kBusSlots = 16384, kCommandSlots = 64;
 
+/// What the core's times count: this computer's steady clock, or in lock-step the simulator's time, which a busy computer slows down.
+enum class ClockKind : std::uint64_t { steady = 0, simulated = 1 };
+
 struct SegmentHeader {
   Word magic;
   Word layout_hash;
   Word bytes;
   Word writer_pid;
-  Word start_time_ns;   // the core's steady clock at its start; also tells two lives of the core apart
-  Word start_utc_ns;    // wall clock at that moment: the anchor for people's time
-  Word commands_taken;  // state segment only: how many commands of the attached server the core has read
-  Word reserved;
+  Word start_time_ns;           // the steady clock at the core's start; also tells two lives of the core apart
+  Word start_utc_ns;            // wall clock at that moment: the anchor for people's time
+  Word commands_taken;          // state segment only: how many commands of the attached server the core has read
+  Word clock;                   // state segment only: ClockKind
+  std::array<Word, 6> program;  // program_version() of the writer: text, ended by zeros
 };
+static_assert(sizeof(SegmentHeader::program) == kProgramVersion_chars);
 
 struct StateSegment {
   SegmentHeader header;

@@ -133,6 +133,7 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.blocked_bits = start_refusals(state);
   record.lease_epoch = state.lease.epoch;
   record.lease_holder = state.lease.holder;
+  record.start_mark = state.start.number;
   record.parameter_version = static_cast<std::uint32_t>(state.parameter_version);
   record.left_status_word = sensed.left_drive.status_word();
   record.right_status_word = sensed.right_drive.status_word();

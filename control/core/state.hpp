@@ -55,6 +55,13 @@ struct Motion {
   Calibration calibration;        // CALIBRATE only
 };
 
+/// Where the odometry's origin lies and what for. A start with the exercise of the mark goes on from where the hoist is; anything else sets
+/// a new mark.
+struct StartMark {
+  std::uint32_t number = 0;    // counts up with every pose that is set
+  std::uint32_t exercise = 0;  // key that the server gave the exercise, 0 = none: the next start sets a new mark
+};
+
 /// An acknowledgement that waits for a drive to leave its fault.
 struct PendingAcknowledge {
   std::uint32_t request_id = 0, client = 0;
@@ -85,6 +92,7 @@ struct CoreState {
   std::uint64_t parameter_version = 1;
   bool started = false;
   std::uint64_t tick = 0, time_ns = 0, ticks_run = 0;
+  std::uint32_t sync_ticks = 1;  // between the newest SYNC and the one before it
 
   Estimate sensed;
   BusHealth health;
@@ -104,6 +112,7 @@ struct CoreState {
   law::PfpState<double> lean;
   law::PfpTurnState<double> turn;
   GuidedRun guided;
+  StartMark start;
 
   MonitorList monitors;
   std::uint32_t conditions = 0;                 // what holds now

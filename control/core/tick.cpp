@@ -1,5 +1,6 @@
 #include "control/core/tick.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -25,6 +26,8 @@ namespace {
 
 /// After the bus came back, nodes get this long to be heard again before their silence is their own fault.
 constexpr std::uint8_t kBusSettleTicks = 50;
+/// Ten minutes: more says nothing more, and sums of it do not wrap.
+constexpr std::uint64_t kSyncTicksMost = 60'000;
 
 void tell_emergency(CoreState& state, const CanFrame& frame) noexcept {
   const auto node = contract::find_node(static_cast<std::uint8_t>(frame.id & 0x7F));
@@ -39,7 +42,7 @@ void tell_emergency(CoreState& state, const CanFrame& frame) noexcept {
 }
 
 void receive_frames(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
-  state.sensed.next_tick();
+  state.sensed.next_tick(state.sync_ticks);
   state.master.next_tick();
   state.health.next_tick(inputs.time_ns, inputs.bus_up);
   for (const CanFrame& frame : inputs.frames) {
@@ -256,6 +259,10 @@ void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& 
   // Before anything uses a parameter: a damaged one decides nothing.
   serve_params(state, dt_s);
   receive_frames(state, inputs, dt_s);
+  // The nodes answer this step's SYNC in the next one.
+  state.sync_ticks = static_cast<std::uint32_t>(std::min(missed + 1, kSyncTicksMost));
+  // A drive that started anew has not counted what its wheel did meanwhile: the pose is not the start mark's any more.
+  if (!state.sensed.left_drive.position_known() || !state.sensed.right_drive.position_known()) state.start.exercise = 0;
   state.sensed.odometry.update(state.sensed.left_drive, state.sensed.right_drive, state.derived, dt_s);
   state.sensed.fused.update(state.sensed.odometry, state.sensed.left_drive, state.sensed.right_drive, state.sensed.base, state.derived,
                             dt_s);

@@ -18,10 +18,11 @@ using contract::CommandSegment;
 using contract::StateSegment;
 
 std::unique_ptr<CoreLink> CoreLink::create(const std::string& socket_path, std::uint64_t start_time_ns, std::uint64_t start_utc_ns,
-                                           std::string& error) {
+                                           std::string& error, contract::ClockKind clock) {
   std::unique_ptr<CoreLink> link(new CoreLink);
   link->state_ = create_segment("hoist-state", sizeof(StateSegment), error);
   if (!link->state_.mapping) return nullptr;
+  link->state().header.clock.store(static_cast<std::uint64_t>(clock), std::memory_order_relaxed);
   write_header(link->state().header, contract::kStateMagic, sizeof(StateSegment), start_time_ns, start_utc_ns);
   if (socket_path.empty()) return link;
 

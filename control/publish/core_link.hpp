@@ -19,7 +19,7 @@ class CoreLink {
  public:
   // Creates the state segment; listens on `socket_path` when it is not empty. Null on failure, with the reason in `error`.
   static std::unique_ptr<CoreLink> create(const std::string& socket_path, std::uint64_t start_time_ns, std::uint64_t start_utc_ns,
-                                          std::string& error);
+                                          std::string& error, contract::ClockKind clock = contract::ClockKind::steady);
   ~CoreLink();
   CoreLink(const CoreLink&) = delete;
   CoreLink& operator=(const CoreLink&) = delete;
@@ -54,6 +54,8 @@ class CoreLink {
   // ---- storing thread
   // What is in force, read back from the segment; its sequence, 0 when there is none yet.
   std::uint64_t params(contract::ParamsInForce& params) const;
+  /// The sequence alone; odd while they are being written.
+  [[nodiscard]] std::uint64_t params_sequence() const noexcept { return state().params.sequence.load(std::memory_order_acquire); }
   void publish_store(const contract::StoreReport& report) noexcept;
 
  private:

@@ -7,13 +7,18 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
+
+#include "control/contract/program_version.hpp"
 
 namespace hoist::publish {
 namespace {
 std::string last_error(const char* what) { return std::string(what) + ": " + std::strerror(errno); }
 constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL;
+constexpr std::size_t kProgramWords = sizeof(contract::SegmentHeader::program) / sizeof(std::uint64_t);
 }  // namespace
 
 Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
@@ -77,7 +82,19 @@ void write_header(contract::SegmentHeader& header, std::uint64_t magic, std::siz
   header.writer_pid.store(static_cast<std::uint64_t>(::getpid()), std::memory_order_relaxed);
   header.start_time_ns.store(start_time_ns, std::memory_order_relaxed);
   header.start_utc_ns.store(start_utc_ns, std::memory_order_relaxed);
+  std::array<std::uint64_t, kProgramWords> program{};
+  const std::string_view version = contract::program_version();
+  std::memcpy(program.data(), version.data(), std::min(version.size(), sizeof program));
+  for (std::size_t i = 0; i < kProgramWords; ++i) header.program[i].store(program[i], std::memory_order_relaxed);
   header.magic.store(magic, std::memory_order_release);
+}
+std::string program_of(const contract::SegmentHeader& header) {
+  std::array<std::uint64_t, kProgramWords> words{};
+  for (std::size_t i = 0; i < kProgramWords; ++i) words[i] = header.program[i].load(std::memory_order_relaxed);
+  std::array<char, sizeof words> text{};
+  std::memcpy(text.data(), words.data(), text.size());
+  const std::string program(text.begin(), std::ranges::find(text, '\0'));
+  return std::ranges::all_of(program, [](char c) { return c > ' ' && c <= '~'; }) ? program : std::string();
 }
 
 std::string check_header(const contract::SegmentHeader& header, std::uint64_t magic, std::size_t bytes) {

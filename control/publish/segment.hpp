@@ -63,8 +63,14 @@ std::shared_ptr<Mapping> map_segment(int fd, std::size_t bytes, std::string& err
 // Fills the header; the magic goes last, so that a reader that sees it sees all.
 void write_header(contract::SegmentHeader& header, std::uint64_t magic, std::size_t bytes, std::uint64_t start_time_ns,
                   std::uint64_t start_utc_ns);
+// The writer's program_version(); empty when it is no plain text.
+std::string program_of(const contract::SegmentHeader& header);
 // Empty when the header is of this build, otherwise the reason for people.
 std::string check_header(const contract::SegmentHeader& header, std::uint64_t magic, std::size_t bytes);
+
+inline bool is_simulated_clock(const contract::SegmentHeader& header) {
+  return header.clock.load(std::memory_order_relaxed) == static_cast<std::uint64_t>(contract::ClockKind::simulated);
+}
 
 // The hand-over: one message each way with one descriptor attached.
 struct Hello {

@@ -41,11 +41,18 @@ template <typename T>
   const std::uint64_t before = slot.sequence.load(std::memory_order_acquire);
   if (before == 0 || (before & 1U) != 0) return 0;
   auto* to = reinterpret_cast<unsigned char*>(&value);
+#pragma GCC unroll 8
   for (std::size_t i = 0; i < slot.words.size(); ++i) {
     const std::uint64_t word = slot.words[i].load(std::memory_order_acquire);
     std::memcpy(to + 8 * i, &word, 8);
   }
   return slot.sequence.load(std::memory_order_relaxed) == before ? before : 0;
+}
+
+// The sequence of the newest whole value, 0 before the first: whether there is something new, without copying it.
+template <typename T>
+[[nodiscard]] std::uint64_t seq_newest(const contract::SeqSlot<T>& slot) noexcept {
+  return slot.sequence.load(std::memory_order_acquire) & ~std::uint64_t{1};
 }
 
 // As seq_read, with a bounded number of tries.

@@ -40,6 +40,8 @@ void ServerLink::adopt(std::shared_ptr<Mapping> state) {
   const auto& header = state->as<const StateSegment>()->header;
   life_ = header.start_time_ns.load(std::memory_order_relaxed);
   start_utc_ns_ = static_cast<std::int64_t>(header.start_utc_ns.load(std::memory_order_relaxed));
+  simulated_clock_ = is_simulated_clock(header);
+  program_ = program_of(header);
   state_ = std::move(state);
   shared_->set(state_);
   error_.clear();
@@ -145,6 +147,8 @@ void ServerLink::drive(const contract::DriveCommand& command) noexcept {
 std::uint64_t ServerLink::params(contract::ParamsInForce& params) const {
   return state_ ? seq_read_retry(state_->as<const StateSegment>()->params, params) : 0;
 }
+
+std::uint64_t ServerLink::params_sequence() const { return state_ ? seq_newest(state_->as<const StateSegment>()->params) : 0; }
 
 bool ServerLink::store(contract::StoreReport& report) const {
   return state_ && seq_read_retry(state_->as<const StateSegment>()->store, report) != 0;

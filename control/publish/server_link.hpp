@@ -43,6 +43,10 @@ class ServerLink {
   [[nodiscard]] std::uint64_t life() const { return life_; }
   [[nodiscard]] std::uint64_t start_time_ns() const { return life_; }
   [[nodiscard]] std::int64_t start_utc_ns() const { return start_utc_ns_; }
+  // The core's times are the simulator's (contract::ClockKind).
+  [[nodiscard]] bool simulated_clock() const { return simulated_clock_; }
+  // Which source the core was built from, of the attached one or the last; empty before the first.
+  [[nodiscard]] const std::string& program() const { return program_; }
   // Why no core is attached, in a sentence; empty while one is, and before the first attempt has ended.
   [[nodiscard]] const std::string& last_error() const { return error_; }
 
@@ -52,6 +56,8 @@ class ServerLink {
   void drive(const contract::DriveCommand& command) noexcept;
   // Its sequence, 0 when there is none yet.
   std::uint64_t params(contract::ParamsInForce& params) const;
+  // The same sequence without the values; params() need not be asked while it stays the same.
+  [[nodiscard]] std::uint64_t params_sequence() const;
   // How far the core has come with storing them; false before its first look.
   bool store(contract::StoreReport& report) const;
   bool newest(contract::TickRecord& record) const;
@@ -79,10 +85,11 @@ class ServerLink {
   std::shared_ptr<Mapping> state_;
   std::uint64_t life_ = 0;
   std::int64_t start_utc_ns_ = 0;
+  bool simulated_clock_ = false;
   std::uint64_t sent_ = 0;
   std::uint64_t driven_ = 0;
   std::uint64_t next_try_ns_ = 0;
-  std::string error_;
+  std::string error_, program_;
 };
 
 enum class ReadFrom : std::uint8_t { newest, oldest };
@@ -116,6 +123,8 @@ class StateReader {
   // Which life of the core the values of the last read() came from; 0 before any.
   [[nodiscard]] std::uint64_t life() const { return life_; }
   [[nodiscard]] std::int64_t start_utc_ns() const { return start_utc_ns_; }
+  [[nodiscard]] bool simulated_clock() const { return simulated_clock_; }
+  [[nodiscard]] const std::string& program() const { return program_; }  // of that core
 
  private:
   auto& ring() const { return mapping_->template as<const contract::StateSegment>()->*Ring; }
@@ -125,6 +134,8 @@ class StateReader {
     const auto& header = mapping_->template as<const contract::StateSegment>()->header;
     life_ = header.start_time_ns.load(std::memory_order_relaxed);
     start_utc_ns_ = static_cast<std::int64_t>(header.start_utc_ns.load(std::memory_order_relaxed));
+    simulated_clock_ = is_simulated_clock(header);
+    program_ = program_of(header);
     const std::uint64_t written = ring().written.load(std::memory_order_acquire);
     const std::uint64_t slots = ring().kSlots;
     cursor_ = from_ == ReadFrom::newest ? written : written > slots ? written - slots : 0;
@@ -136,6 +147,8 @@ class StateReader {
   std::uint64_t cursor_ = 0;
   std::uint64_t life_ = 0;
   std::int64_t start_utc_ns_ = 0;
+  bool simulated_clock_ = false;
+  std::string program_;
 };
 
 using TickReader = StateReader<contract::TickRecord, &contract::StateSegment::ticks>;

@@ -1,8 +1,8 @@
 // hoist-control: the 100 Hz core on a real bus.
 //
 // Its threads are the rows of threads.def. The control thread sleeps until an absolute time, runs one step, sleeps again: one sleep and the
-// bus are its only system calls. The watchdog thread tells the service manager that steps go on and counts page faults. The storing thread
-// writes changed parameters. The main thread accepts the server and waits for signals.
+// bus are its only system calls. The watchdog thread tells the service manager that steps go on. The storing thread writes changed parameters.
+// The main thread accepts the server, counts page faults and waits for signals.
 #include <sys/prctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -24,12 +24,15 @@
 #include "control/bus/can_port.hpp"
 #include "control/bus/capture.hpp"
 #include "control/bus/pokeys/input_port.hpp"
+#include "control/bus/slcan.hpp"
+#include "control/bus/step_line.hpp"
+#include "control/contract/program_version.hpp"
 #include "control/publish/core_link.hpp"
 #include "control/run/control_loop.hpp"
 #include "control/run/heap_watch.hpp"
-#include "control/run/pacer.hpp"
 #include "control/run/parameter_file.hpp"
 #include "control/run/real_time.hpp"
+#include "control/run/step_clock.hpp"
 #include "control/run/stop_file.hpp"
 #include "control/run/watchdog.hpp"
 
@@ -47,6 +50,10 @@ std::uint64_t now_ns(clockid_t clock) {
   return static_cast<std::uint64_t>(t.tv_sec) * 1'000'000'000U + static_cast<std::uint64_t>(t.tv_nsec);
 }
 
+// The only bus whose clock is not this computer's. A hoist on any other one cannot be given a foreign clock: there is no option for it.
+constexpr std::string_view kLockStep = "sim:";
+bool is_lock_step(std::string_view bus) { return bus.starts_with(kLockStep); }
+
 struct Options {
   std::string bus = "slcan:/dev/ttyUSB0";
   std::string socket = "/run/hoist/core.sock";
@@ -56,12 +63,14 @@ struct Options {
   std::vector<std::string> set;
   std::string cpu = "auto";
   bool real_time = true;
+  bool version = false;
 };
 
 void print_help() {
   std::cout
       << "hoist-control: the 100 Hz control core of Hoist\n\n"
-         "  --bus ADDRESS      socketcan:NAME, slcan:DEVICE[@BAUD] or replay:FILE (default slcan:/dev/ttyUSB0)\n"
+         "  --bus ADDRESS      socketcan:NAME, slcan:DEVICE[@BAUD], replay:FILE (default slcan:/dev/ttyUSB0), or sim:SOCKET: hoist-sim\n"
+         "                     --lock-step SOCKET, whose time is then this program's; for the simulator only\n"
          "  --inputs WHERE     bumpers, switches and batteries from: can (the input node, default), pokeys:usb, pokeys:/dev/hidraw0 or\n"
          "                     pokeys:udp:HOST; pins in control/bus/README.md\n"
          "  --capture FILE     appends every frame to FILE, in candump's log format\n"
@@ -72,8 +81,18 @@ void print_help() {
          "  --cpu WHICH        core for the control thread: auto (one that the kernel keeps free, else the last; default), none or a "
          "number\n"
          "  --no-realtime      does not ask for real-time priority and locked memory\n"
+         "  --version          which source this program was built from\n"
          "  --help             this page\n\n"
          "Ends with a controlled stop on SIGINT or SIGTERM.\n";
+}
+
+// Empty when these options go with lock-step. It asks for no priority: a busy computer slows its time and makes no step late.
+std::string take_lock_step(Options& options) {
+  if (!bus::StepLine::valid_path(options.bus.substr(kLockStep.size())))
+    return "--bus sim: needs the socket of hoist-sim --lock-step, 1 to 107 characters";
+  if (options.inputs != "can") return "--inputs " + options.inputs + ": a device of its own knows real time only; not with --bus sim:";
+  options.real_time = false;
+  return {};
 }
 
 // Empty when the arguments are fine, otherwise the sentence for people.
@@ -82,6 +101,10 @@ std::string parse(int argc, char** argv, Options& options, bool& help) {
     const std::string_view argument = argv[i];
     if (argument == "--help" || argument == "-h") {
       help = true;
+      return {};
+    }
+    if (argument == "--version") {
+      options.version = true;
       return {};
     }
     if (argument == "--no-realtime") {
@@ -102,7 +125,7 @@ std::string parse(int argc, char** argv, Options& options, bool& help) {
     else
       options.set.emplace_back(argv[i]);
   }
-  return {};
+  return is_lock_step(options.bus) ? take_lock_step(options) : std::string();
 }
 
 std::string apply_set(contract::Params& params, const std::string& assignment) {
@@ -156,6 +179,12 @@ class StopKeeper {
   bool waiting_ = false;
 };
 
+struct ThreadWishes {
+  bool real_time = true;
+  std::uint8_t cpu = run::kNoCpu;
+  bool memory_locked = false;
+};
+
 // What the control thread shares with the others.
 struct LoopThread {
   std::atomic<bool> ready{false};  // `granted` and `id` are filled
@@ -165,71 +194,77 @@ struct LoopThread {
   int id = 0;
 };
 
-void control_thread(run::ControlLoop& loop, LoopThread& shared, const Options& options, std::uint8_t cpu, bool memory_locked) {
+void control_thread(run::ControlLoop& loop, run::StepClock& clock, LoopThread& shared, const ThreadWishes& wishes) {
   ::prctl(PR_SET_TIMERSLACK, 1UL);  // without it an ordinary thread wakes 50 us late (measured)
   run::touch_stack();
-  shared.granted = run::take_row(run::ThreadId::control, options.real_time, cpu);
+  shared.granted = run::take_row(run::ThreadId::control, wishes.real_time, wishes.cpu);
   shared.id = ::gettid();
-  loop.set_granted(shared.granted.priority, shared.granted.cpu, memory_locked);
+  loop.set_granted(shared.granted.priority, shared.granted.cpu, wishes.memory_locked);
   shared.ready.store(true);
-  run::Pacer pacer(now_ns(CLOCK_MONOTONIC) + run::kPeriodNs);
   std::uint64_t stop_since_ns = 0;  // 0: not stopping
-  std::uint64_t duration_ns = 0;
   const std::uint64_t heap_at_start = run::heap_requests();
   for (;;) {
-    const std::uint64_t wake_ns = pacer.wake_ns();
-    const timespec until{static_cast<time_t>(wake_ns / 1'000'000'000U), static_cast<long>(wake_ns % 1'000'000'000U)};
-    while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
-    }
-    const std::uint64_t start_ns = now_ns(CLOCK_MONOTONIC);
     run::ControlLoop::Step step;
-    step.tick = pacer.tick();
-    step.time_ns = start_ns;
-    step.wake_lateness_ns = pacer.begin(start_ns);
-    step.previous_duration_ns = duration_ns;
+    clock.begin(step, stop_requested);
     step.stop = stop_since_ns == 0 && stop_requested.load(std::memory_order_relaxed);
-    if (step.stop) stop_since_ns = start_ns;
+    if (step.stop) stop_since_ns = step.time_ns;
     loop.note_allocations(static_cast<std::uint32_t>(run::heap_requests() - heap_at_start));
     loop.step(step);
-    const std::uint64_t end_ns = now_ns(CLOCK_MONOTONIC);
-    duration_ns = end_ns - start_ns;
-    if (stop_since_ns != 0 && (loop.standing_still() || start_ns - stop_since_ns > kStopWithinNs)) break;
-    pacer.end(end_ns);
+    clock.end();
     shared.steps.store(shared.steps.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    if (stop_since_ns != 0 && (loop.standing_still() || step.time_ns - stop_since_ns > kStopWithinNs)) break;
   }
   shared.ended.store(true);
 }
 
-// Feeds the service manager's watchdog as long as steps go on, and counts the control thread's page faults once a second: from its second
-// second on, because what a program touches for the first time it meets in its first steps.
-void watchdog_thread(run::ControlLoop& loop, LoopThread& shared, run::Notifier& notifier, bool real_time) {
+// Feeds the service manager's watchdog as long as steps go on.
+void watchdog_thread(LoopThread& shared, run::Notifier& notifier, bool real_time) {
   static_cast<void>(run::take_row(run::ThreadId::watchdog, real_time, run::kNoCpu));
-  std::optional<std::uint64_t> settled;
-  std::uint64_t next_count_ns = now_ns(CLOCK_MONOTONIC) + 1'000'000'000;
+  const timespec pause{0, static_cast<long>(notifier.period_ns())};
   while (!shared.ended.load()) {
-    const timespec pause{0, static_cast<long>(notifier.period_ns())};
     ::clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
     notifier.look(shared.steps.load(std::memory_order_relaxed));
-    if (now_ns(CLOCK_MONOTONIC) < next_count_ns) continue;
-    next_count_ns += 1'000'000'000;
-    const std::optional<std::uint64_t> faults = run::page_faults_of(shared.id);
-    if (!settled) settled = faults;
-    if (settled && faults) loop.note_page_faults(static_cast<std::uint32_t>(*faults - *settled));
   }
   notifier.tell("STOPPING=1");
 }
+
+// Counts the control thread's page faults once a second: from its second second on, because what a program touches for the first time it
+// meets in its first steps.
+class PageFaultCount {
+ public:
+  void serve(run::ControlLoop& loop, int thread) {
+    const std::uint64_t now = now_ns(CLOCK_MONOTONIC);
+    if (now < next_ns_) return;
+    next_ns_ = now + 1'000'000'000;
+    const std::optional<std::uint64_t> faults = run::page_faults_of(thread);
+    if (!faults) return;
+    if (!settled_) settled_count_ = *faults;
+    settled_ = true;
+    loop.note_page_faults(static_cast<std::uint32_t>(*faults - settled_count_));
+  }
+
+ private:
+  bool settled_ = false;
+  std::uint64_t settled_count_ = 0;
+  std::uint64_t next_ns_ = now_ns(CLOCK_MONOTONIC) + 1'000'000'000;
+};
 
 // Stores changed parameters and tells the server through the segment how far that is. A change waits at most one look for its turn; the last
 // look comes after the last step.
 void store_thread(publish::CoreLink& link, LoopThread& shared, run::ParameterStore store, bool real_time) {
   static_cast<void>(run::take_row(run::ThreadId::store, real_time, run::kNoCpu));
-  constexpr timespec kLook{0, 20'000'000};
+  constexpr timespec kLook{0, 50'000'000};
   std::string told;
+  std::uint64_t stored = 0;  // sequence that needs no further look
   for (bool last = false;; ::clock_nanosleep(CLOCK_MONOTONIC, 0, &kLook, nullptr)) {
     last = shared.ended.load();
+    if (!last && link.params_sequence() == stored) continue;
     contract::ParamsInForce in_force;
-    if (const std::uint64_t sequence = link.params(in_force); sequence != 0)
-      link.publish_store(store.look(in_force, sequence, now_ns(CLOCK_MONOTONIC)));
+    if (const std::uint64_t sequence = link.params(in_force); sequence != 0) {
+      const contract::StoreReport& report = store.look(in_force, sequence, now_ns(CLOCK_MONOTONIC));
+      link.publish_store(report);
+      stored = report.stored;
+    }
     if (store.problem() != told) {
       told = store.problem();
       std::cerr << "hoist-control: " << (told.empty() ? "parameters are stored again" : "parameters not stored: " + told) << std::endl;
@@ -259,6 +294,10 @@ int main(int argc, char** argv) {
   }
   if (help) {
     print_help();
+    return 0;
+  }
+  if (options.version) {
+    std::cout << "hoist-control " << contract::program_version() << "\n";
     return 0;
   }
 
@@ -294,7 +333,14 @@ int main(int argc, char** argv) {
   // Before any other thread is born, so that none inherits more than its row.
   run::Notifier notifier = run::Notifier::from_environment();
   static_cast<void>(run::take_row(run::ThreadId::main, options.real_time, run::kNoCpu));
-  std::unique_ptr<bus::CanPort> port = bus::open_port(options.bus, error, bus::PortUse::core);
+  std::shared_ptr<bus::StepLine> lock_step;
+  std::unique_ptr<bus::CanPort> port;
+  if (is_lock_step(options.bus)) {
+    lock_step = std::make_shared<bus::StepLine>(options.bus.substr(kLockStep.size()));
+    port = std::make_unique<bus::SlcanPort>(lock_step);
+  } else {
+    port = bus::open_port(options.bus, error, bus::PortUse::core);
+  }
   if (!port) {
     std::cerr << "hoist-control: " << error << "\n";
     return 2;
@@ -324,8 +370,9 @@ int main(int argc, char** argv) {
     capture = opened.get();
     port = std::make_unique<bus::CapturePort>(std::move(port), std::move(opened));
   }
-  std::unique_ptr<publish::CoreLink> link =
-      publish::CoreLink::create(options.socket, now_ns(CLOCK_MONOTONIC), now_ns(CLOCK_REALTIME), error);
+  const std::uint64_t start_ns = now_ns(CLOCK_MONOTONIC);
+  std::unique_ptr<publish::CoreLink> link = publish::CoreLink::create(
+      options.socket, start_ns, now_ns(CLOCK_REALTIME), error, lock_step ? contract::ClockKind::simulated : contract::ClockKind::steady);
   if (!link) {
     std::cerr << "hoist-control: " << error << "\n";
     return 1;
@@ -339,12 +386,21 @@ int main(int argc, char** argv) {
   const std::string stops_path = options.params.empty() ? std::string() : options.params + ".stops", boot_id = run::boot_id();
   run::ControlLoop loop(*port, *link, params, stops_path.empty() ? core::StopHistory{} : earlier_stops(stops_path, boot_id));
   StopKeeper stops(stops_path, boot_id);
-  std::cout << "hoist-control: 100 Hz on " << options.bus << ", server socket " << options.socket << std::endl;
-  const std::string lock_problem = options.real_time ? run::lock_memory() : std::string("--no-realtime");
+  std::cout << "hoist-control: 100 Hz on " << options.bus << (lock_step ? " in the simulator's time" : "") << ", server socket "
+            << options.socket << std::endl;
+  const std::string lock_problem = options.real_time ? run::lock_memory() : std::string("not asked for");
   LoopThread shared;
-  std::thread thread(control_thread, std::ref(loop), std::ref(shared), std::cref(options), *cpu, lock_problem.empty());
+  std::unique_ptr<run::StepClock> clock;
+  if (lock_step)
+    clock = std::make_unique<run::SimulatorClock>(*lock_step, start_ns);
+  else
+    clock = std::make_unique<run::SteadyClock>();
+  const ThreadWishes wishes{options.real_time, *cpu, lock_problem.empty()};
+  std::thread thread(control_thread, std::ref(loop), std::ref(*clock), std::ref(shared), std::cref(wishes));
   while (!shared.ready.load()) std::this_thread::yield();
-  std::thread watchdog(watchdog_thread, std::ref(loop), std::ref(shared), std::ref(notifier), options.real_time);
+  // Without a service manager the thread would only wake the processor.
+  std::thread watchdog;
+  if (notifier.listened_to()) watchdog = std::thread(watchdog_thread, std::ref(shared), std::ref(notifier), options.real_time);
   // A value given by --set holds for this run only: the file changes with the first changed parameter.
   std::thread store(store_thread, std::ref(*link), std::ref(shared), run::ParameterStore(options.params, params, stored),
                     options.real_time);
@@ -352,6 +408,7 @@ int main(int argc, char** argv) {
 
   std::string_view bus_problem = port->problem();
   if (!bus_problem.empty()) std::cout << "hoist-control: bus: " << bus_problem << std::endl;
+  PageFaultCount page_faults;
   bool capture_failed = false;
   std::optional<std::string_view> input_problem;  // nothing said yet: a device that answers at once is told of, too
   while (!shared.ended.load()) {
@@ -371,9 +428,10 @@ int main(int argc, char** argv) {
     }
     if (const std::string news = link->serve(100); !news.empty()) std::cout << "hoist-control: " << news << std::endl;
     stops.serve(loop);
+    page_faults.serve(loop, shared.id);
   }
   thread.join();
-  watchdog.join();
+  if (watchdog.joinable()) watchdog.join();
   store.join();
   stops.serve(loop);
   if (capture != nullptr && capture->dropped() > 0)

@@ -17,6 +17,8 @@ class Notifier {
   /// From the environment.
   [[nodiscard]] static Notifier from_environment();
 
+  /// Whether a service manager asked to be told.
+  [[nodiscard]] bool listened_to() const { return descriptor_ >= 0; }
   /// Sends one word; never waits. What cannot be sent is lost: the service manager then does what it must.
   void tell(std::string_view word) const noexcept;
   /// How often to look(): a quarter of the time that the service manager waits, at most 100 ms.

@@ -52,6 +52,8 @@ class ByteReader {
     return ok_ ? value : 0;
   }
   std::uint64_t varint() {
+    // Most numbers of a directory have one byte.
+    if (at_ < bytes_.size() && bytes_[at_] < 0x80U) return bytes_[at_++];
     std::uint64_t value = 0;
     for (int shift = 0; shift < 64; shift += 7) {
       const std::uint8_t byte = u8();
@@ -76,21 +78,30 @@ class ByteReader {
 };
 
 namespace detail {
-consteval std::array<std::uint32_t, 256> crc_table() {
-  std::array<std::uint32_t, 256> table{};
+// Table n: the checksum's part of a byte that has n more bytes of its word behind it ("slicing by eight").
+consteval std::array<std::array<std::uint32_t, 256>, 8> crc_tables() {
+  std::array<std::array<std::uint32_t, 256>, 8> tables{};
   for (std::uint32_t i = 0; i < 256; ++i) {
     std::uint32_t c = i;
     for (int bit = 0; bit < 8; ++bit) c = (c & 1U) != 0 ? (c >> 1) ^ 0xEDB88320U : c >> 1;
-    table[i] = c;
+    tables[0][i] = c;
   }
-  return table;
+  for (std::size_t n = 1; n < tables.size(); ++n)
+    for (std::size_t i = 0; i < 256; ++i) tables[n][i] = (tables[n - 1][i] >> 8) ^ tables[0][tables[n - 1][i] & 0xFFU];
+  return tables;
 }
-inline constexpr auto kCrcTable = crc_table();
+inline constexpr auto kCrcTables = crc_tables();
 }  // namespace detail
 /// CRC-32 as in IEEE 802.3: finds every single burst of up to 32 bits.
 constexpr std::uint32_t crc32(ByteView bytes) {
+  const auto& tables = detail::kCrcTables;
   std::uint32_t c = 0xFFFFFFFFU;
-  for (std::uint8_t b : bytes) c = detail::kCrcTable[(c ^ b) & 0xFFU] ^ (c >> 8);
+  for (; bytes.size() >= 8; bytes = bytes.subspan(8)) {
+    std::uint32_t next = 0;
+    for (std::size_t i = 0; i < 4; ++i) next ^= tables[7 - i][((c >> (8 * i)) ^ bytes[i]) & 0xFFU] ^ tables[3 - i][bytes[4 + i]];
+    c = next;
+  }
+  for (std::uint8_t b : bytes) c = tables[0][(c ^ b) & 0xFFU] ^ (c >> 8);
   return c ^ 0xFFFFFFFFU;
 }
 

@@ -127,7 +127,8 @@ CodecError parse_directory(ByteView blob, ChunkDirectory& directory) {
   directory.body_bytes = body_bytes;
   directory.columns.resize(columns);
   const std::size_t blocks = directory.block_count();
-  directory.blocks.reserve(columns * blocks);
+  directory.blocks.resize(columns * blocks);
+  MinMax* block = directory.blocks.data();
   std::size_t offset = 0;
   for (ChunkColumn& column : directory.columns) {
     column.planes = in.u8();
@@ -138,18 +139,19 @@ CodecError parse_directory(ByteView blob, ChunkDirectory& directory) {
       column.step = in.signed_varint();
       column.range = linear_range(column, 0, samples);
       for (std::size_t b = 0; b < blocks; ++b)
-        directory.blocks.push_back(linear_range(column, b * kBlockSamples, b * kBlockSamples + directory.block_samples(b)));
+        *block++ =
+            column.step == 0 ? column.range : linear_range(column, b * kBlockSamples, b * kBlockSamples + directory.block_samples(b));
       continue;
     }
     column.range.min = wrapping_sum(column.first, in.signed_varint());
     column.range.max = wrapping_sum(column.range.min, static_cast<std::int64_t>(in.varint()));
     column.bytes = directory.layout == ChunkLayout::frame_per_column ? in.varint() : column.planes * (samples - 1);
     if (blocks < 2) {
-      directory.blocks.push_back(column.range);
+      *block++ = column.range;
     } else {
       for (std::size_t b = 0; b < blocks; ++b) {
         const std::int64_t low = wrapping_sum(column.range.min, static_cast<std::int64_t>(in.varint()));
-        directory.blocks.push_back({low, wrapping_sum(low, static_cast<std::int64_t>(in.varint()))});
+        *block++ = {low, wrapping_sum(low, static_cast<std::int64_t>(in.varint()))};
       }
     }
     if (!in.ok()) return CodecError::directory_damaged;

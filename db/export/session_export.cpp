@@ -5,8 +5,11 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "control/contract/axes.hpp"
+#include "db/export/bus_log.hpp"
 #include "db/export/exercise_names.hpp"
 #include "db/export/fixed_point.hpp"
+#include "db/export/provenance.hpp"
 #include "db/store/chunk_source.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
@@ -29,13 +32,6 @@ std::int64_t microseconds_since(std::int64_t start_time_ns, std::int64_t time_ns
   return since_ns >= 0 ? (since_ns + 500) / 1000 : -((-since_ns + 500) / 1000);
 }
 
-std::string one_line(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
-  return out;
-}
-
 // Shortest text that reads back as the same double; JSON and CSV have no NaN: empty or null.
 std::string number_text(double value, std::string_view absent) {
   if (!std::isfinite(value)) return std::string(absent);
@@ -49,6 +45,7 @@ std::optional<ExportFormat> find_export_format(std::string_view name) {
   if (name == "csv") return ExportFormat::csv;
   if (name == "events") return ExportFormat::events_csv;
   if (name == "json") return ExportFormat::json;
+  if (name == "candump") return ExportFormat::candump;
   return std::nullopt;
 }
 
@@ -57,7 +54,8 @@ std::string csv_cell(std::string_view text) {
   // What OWASP lists as starting a formula, and what some programs skip before looking.
   if (!text.empty() && std::string_view("=+-@\t\r\n").find(text.front()) != std::string_view::npos) cell = "'";
   cell += text;
-  if (cell.find_first_of(",\"\r\n'") == std::string::npos) return cell;
+  // '#' outside quotes begins a comment for pandas.read_csv(comment="#"); inside quotes it is text.
+  if (cell.find_first_of(",\"\r\n'#") == std::string::npos) return cell;
   std::string quoted = "\"";
   for (const char c : cell) {
     if (c == '"') quoted += '"';
@@ -67,21 +65,35 @@ std::string csv_cell(std::string_view text) {
   return quoted;
 }
 
+std::vector<std::string> column_names(std::string_view text) {
+  std::vector<std::string> names;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    names.emplace_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return names;
+}
+
 struct SessionExport::State {
-  State(Database& database, SessionInfo session_info, std::vector<ColumnInfo> session_layout, ExportOptions export_options)
-      : handle(database.handle()),
+  State(Database& session_database, SessionInfo session_info, std::vector<ColumnInfo> session_layout, ExportOptions export_options)
+      : database(session_database),
+        handle(database.handle()),
         reader(database),
         info(std::move(session_info)),
         layout(std::move(session_layout)),
         options(std::move(export_options)),
         source(handle, info.id, layout.size()) {}
 
+  Database& database;
   sqlite3* handle;
   SessionReader reader;
   SessionInfo info;
   std::vector<ColumnInfo> layout;
   ExportOptions options;
   ChunkSource source;
+  std::vector<NodeProgram> nodes;
+  std::optional<BusLog> bus_log;  // of its format
   std::vector<Anchor> anchors;
   std::vector<std::size_t> chosen;  // columns to write
   std::size_t tick_column = 0, time_column = 0;
@@ -108,6 +120,27 @@ struct SessionExport::State {
   std::size_t json_column = 0;
   bool first_number = true;
 
+  // The columns to write, or which of the asked ones cannot be.
+  Status choose() {
+    const auto refuse = [](const std::string& why) { return Error{ErrorKind::bad_value, why, "columns"}; };
+    if (!options.columns.empty() && options.format != ExportFormat::csv && options.format != ExportFormat::json)
+      return refuse("columns can be chosen in csv and json only");
+    std::string unknown;
+    for (const std::string& name : options.columns) {
+      const auto found = find_column(layout, name);
+      if (!found)
+        unknown += (unknown.empty() ? "" : ", ") + (name.empty() ? "(empty)" : on_one_line(name));
+      else if (std::ranges::find(chosen, *found) != chosen.end())
+        return refuse("column " + name + " is named twice");
+      else
+        chosen.push_back(*found);
+    }
+    if (!unknown.empty()) return refuse("this session has no column " + unknown);
+    if (options.columns.empty())
+      for (std::size_t c = 0; c < layout.size(); ++c) chosen.push_back(c);
+    return {};
+  }
+
   [[nodiscard]] std::int64_t utc_of(std::int64_t time_ns) const {
     auto anchor = anchors.begin();
     for (auto next = anchors.begin(); next != anchors.end() && next->time_ns <= time_ns; ++next) anchor = next;
@@ -119,6 +152,10 @@ struct SessionExport::State {
   }
 
   void prepare() {
+    Result<std::vector<NodeProgram>> told = reader.node_programs(info.id);
+    if (!told) throw SqlFailure{told.error()};
+    nodes = std::move(*told);
+    if (options.format == ExportFormat::candump) bus_log.emplace(database, info);
     anchors.push_back({static_cast<std::int64_t>(info.start_time_ns), info.started_utc_ns});
     Statement jump(handle, "SELECT time_ns, utc_ns FROM utc_anchors WHERE session_id = ?1 AND time_ns > ?2 ORDER BY time_ns");
     jump.integer(1, info.id).unsigned_integer(2, info.start_time_ns);
@@ -132,29 +169,23 @@ struct SessionExport::State {
   }
 
   void csv_head(std::string& out) {
-    if (options.comments) {
-      out += "# hoist session " + std::to_string(info.id) + '\n';
-      std::array<char, kMaxNumber_chars> text;
-      out += "# started " + std::string(text.data(), utc.print(text.data(), info.started_utc_ns)) + '\n';
-      if (info.subject) out += "# subject " + one_line(*info.subject) + '\n';
-      if (info.simulated) out += "# simulated\n";
-      if (info.exercise_json)
-        out += "# exercise " + one_line(exercise_as_told(info.exercise_json).dump(-1, ' ', false, kBrokenText)) + '\n';
-      if (!info.note.empty()) out += "# note " + one_line(info.note) + '\n';
-      out += "# software " + one_line(info.software_version) + '\n';
-    }
+    if (options.comments) out += provenance_lines(info, nodes);
+  }
+
+  // What each column is, under its place in the row of names.
+  void column_line(std::string& out, std::string_view first, auto text_of) {
+    out += first;
+    for (const std::size_t c : chosen) out += ',' + csv_cell(text_of(layout[c]));
+    out += '\n';
   }
 
   void csv_names(std::string& out) {
     csv_head(out);
     if (options.comments) {
-      out += "# units: UTC,s,";
-      for (const std::size_t c : chosen) out += ',' + one_line(layout[c].unit);
-      out += '\n';
+      column_line(out, "# axes:,,", [](const ColumnInfo& column) { return contract::axis_of(column.name); });
+      column_line(out, "# units: UTC,s,", [](const ColumnInfo& column) { return std::string_view(column.unit); });
     }
-    out += "utc,time_s,gap_before";
-    for (const std::size_t c : chosen) out += ',' + csv_cell(layout[c].name);
-    out += "\n";
+    column_line(out, "utc,time_s,gap_before", [](const ColumnInfo& column) { return std::string_view(column.name); });
   }
 
   // Makes the next samples available in `values`; false at the end.
@@ -251,6 +282,9 @@ struct SessionExport::State {
                  {"start_time_ns", info.start_time_ns},
                  {"simulated", info.simulated},
                  {"software_version", info.software_version},
+                 {"core_version", nullptr},
+                 {"layout_hash", layout_text(info.layout_hash)},
+                 {"nodes", node_programs_json(nodes)},
                  {"note", info.note},
                  {"subject", nullptr},
                  {"exercise", exercise_as_told(info.exercise_json)},
@@ -259,13 +293,20 @@ struct SessionExport::State {
     std::array<char, kMaxNumber_chars> text;
     session["started_utc"] = std::string(text.data(), utc.print(text.data(), info.started_utc_ns));
     if (info.subject) session["subject"] = *info.subject;
+    if (info.core_version) session["core_version"] = *info.core_version;
     if (info.ended_utc_ns) session["ended_utc_ns"] = *info.ended_utc_ns;
     if (!info.recording) session["close_reason"] = info.close_reason;
-    json columns = json::array({{{"name", "time_s"}, {"unit", "s"}, {"lsb", 1e-6}}, {{"name", "gap_before"}, {"unit", ""}, {"lsb", 1}}});
-    for (const std::size_t c : chosen) columns.push_back({{"name", layout[c].name}, {"unit", layout[c].unit}, {"lsb", layout[c].lsb}});
+    json columns = json::array();
+    const auto column = [&columns](std::string_view name, std::string_view unit, double lsb) {
+      const std::string_view axis = contract::axis_of(name);
+      columns.push_back({{"name", name}, {"unit", unit}, {"lsb", lsb}, {"axis", axis.empty() ? json(nullptr) : json(axis)}});
+    };
+    column("time_s", "s", 1e-6);
+    column("gap_before", "", 1);
+    for (const std::size_t c : chosen) column(layout[c].name, layout[c].unit, layout[c].lsb);
     const auto dump = [](const json& value) { return value.dump(-1, ' ', false, kBrokenText); };
-    out = "{\"session\":" + dump(session) + ",\n\"columns\":" + dump(columns) + ",\n\"rows\":" + std::to_string(sample_count) +
-          ",\n\"data\":{";
+    out = "{\"session\":" + dump(session) + ",\n\"directions\":" + dump(contract::kAxesText) + ",\n\"columns\":" + dump(columns) +
+          ",\n\"rows\":" + std::to_string(sample_count) + ",\n\"data\":{";
   }
 
   // One column after the other, so that only one chunk's column is in memory: time_s, gap_before, then the chosen ones.
@@ -348,6 +389,10 @@ struct SessionExport::State {
   }
 
   bool next(std::string& out) {
+    if (bus_log && step != Step::over) {
+      if (bus_log->next(out)) return true;
+      step = Step::over;
+    }
     switch (step) {
       case Step::head:
         step = Step::body;
@@ -391,13 +436,7 @@ Result<SessionExport> SessionExport::open(Database& database, SessionId session,
     if (!tick || !time) return Error{ErrorKind::corrupt, "session " + std::to_string(session) + " has no tick and time columns", {}};
     state->tick_column = *tick;
     state->time_column = *time;
-    if (options.columns.empty())
-      for (std::size_t c = 0; c < state->layout.size(); ++c) state->chosen.push_back(c);
-    for (const std::string& name : options.columns) {
-      const auto found = find_column(state->layout, name);
-      if (!found) return Error{ErrorKind::bad_value, "this session has no column " + one_line(name), "columns"};
-      state->chosen.push_back(*found);
-    }
+    if (Status chosen = state->choose(); !chosen) return chosen.error();
     state->cells.resize(state->chosen.size());
     state->prepare();
     return SessionExport(std::move(state));
@@ -420,16 +459,25 @@ Result<bool> SessionExport::next_chunk(std::string& out) {
 }
 
 std::string SessionExport::content_type() const {
-  return state_->options.format == ExportFormat::json ? "application/json" : "text/csv; charset=utf-8";
+  switch (state_->options.format) {
+    case ExportFormat::json:
+      return "application/json";
+    case ExportFormat::candump:
+      return "text/plain; charset=utf-8";
+    default:
+      return "text/csv; charset=utf-8";
+  }
 }
 
 std::string SessionExport::file_name() const {
-  const std::string base = "hoist_session_" + std::to_string(state_->info.id);
+  const std::string base = "hoist_session_" + std::to_string(state_->info.id) + (state_->info.simulated ? "_simulated" : "");
   switch (state_->options.format) {
     case ExportFormat::json:
       return base + ".json";
     case ExportFormat::events_csv:
       return base + "_events.csv";
+    case ExportFormat::candump:
+      return base + "_can.log";
     case ExportFormat::csv:
       break;
   }

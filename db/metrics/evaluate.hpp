@@ -1,6 +1,7 @@
 // A recorded run judged against the figure it was walked on: projection (D27), then C of Table II and J_N of Table III.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -20,7 +21,15 @@ struct RunColumns {
   std::span<const double> y_m;
   std::span<const double> psi_rad;
   std::span<const double> dpsi_rad;  ///< equation (3) as printed
+  /// Step of each sample; empty = one after the other. Where steps are missing, rates are over the time that passed.
+  std::span<const std::uint64_t> tick{};
+  double start_m{};  ///< place on the figure of the first sample
 };
+
+/// The place on the figure where this pose belongs, within one lap: the nearest by J_N's own measure (1 m^2 = 1 rad^2). None when the pose is
+/// further than kPlaceMost from every place, or nearly as near to another one.
+inline constexpr double kPlaceMost = 0.5;
+[[nodiscard]] std::optional<double> place_on(const contract::ReferencePath& path, const contract::PathPose& pose);
 
 /// The reference sample of each odometry sample.
 struct ReferenceColumns {
@@ -28,7 +37,7 @@ struct ReferenceColumns {
   std::vector<double> x_m;
   std::vector<double> y_m;
   std::vector<double> psi_rad;
-  std::vector<double> omega_rad_s;  ///< Omega_r: backward difference of the unwrapped heading / dt, first 0
+  std::vector<double> omega_rad_s;  ///< Omega_r: backward difference of the unwrapped heading / time passed, first 0
 };
 
 struct Evaluation {
@@ -36,9 +45,9 @@ struct Evaluation {
   std::optional<NormalisedIse> ise;  ///< Table III; none when the reference covered no length
 };
 
-/// Projects each sample, arc length never decreasing from 0.
-[[nodiscard]] ReferenceColumns reference_of(const contract::ReferencePath& path, std::span<const double> x_m, std::span<const double> y_m,
-                                            double dt_s, double window_m = contract::kProjectionWindow_m);
+/// Projects each sample, arc length never decreasing from start_m. Over missing steps the window grows by the way between both samples.
+[[nodiscard]] ReferenceColumns reference_of(const contract::ReferencePath& path, const RunColumns& run,
+                                            double window_m = contract::kProjectionWindow_m);
 
 /// C, J and L at the rate the run was sampled. No value at all for columns of different length, none, a sample that is not finite,
 /// a dt or a path that is not usable.

@@ -1,4 +1,4 @@
-// The plain figures beside J_N, which alone punishes slow walking (D29).
+// The deviation beside J_N, which alone punishes slow walking (D29).
 #pragma once
 
 #include <optional>
@@ -7,12 +7,6 @@
 
 namespace hoist::db {
 
-struct RunSummary {
-  double duration_s{};
-  double distance_m{};      ///< length of the odometry track
-  double mean_speed_m_s{};  ///< distance / duration; 0 for a single sample
-};
-
 /// How far the track was from the reference, root mean square.
 struct RunDeviation {
   double position_rms_m{};
@@ -20,7 +14,6 @@ struct RunDeviation {
 };
 
 /// No value for an empty run, columns of different length, a dt that is not positive or a sample that is not finite.
-[[nodiscard]] std::optional<RunSummary> run_summary(const RunColumns& run);
 [[nodiscard]] std::optional<RunDeviation> run_deviation(const contract::ReferencePath& path, const RunColumns& run,
                                                         double window_m = contract::kProjectionWindow_m);
 

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "db/store/fold.hpp"
 #include "db/store/identity.hpp"
 #include "db/store/schema_list.hpp"
 #include "db/store/sqlite.hpp"
@@ -115,6 +116,22 @@ Database& Database::operator=(Database&& other) noexcept {
 }
 Database::~Database() { sqlite3_close_v2(handle_); }
 
+namespace {
+// code_has(code, part): whether a patient code contains this part, capital or small. For our own statements, never for a file's schema.
+void add_code_has(sqlite3* handle) {
+  const auto call = [](sqlite3_context* context, int, sqlite3_value** values) {
+    const auto text = [](sqlite3_value* value) {
+      const auto* bytes = reinterpret_cast<const char*>(sqlite3_value_text(value));
+      return folded({bytes == nullptr ? "" : bytes, static_cast<std::size_t>(sqlite3_value_bytes(value))});
+    };
+    sqlite3_result_int(context, text(values[0]).find(text(values[1])) != std::string::npos ? 1 : 0);
+  };
+  constexpr int kFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_DIRECTONLY;
+  const int code = sqlite3_create_function(handle, "code_has", 2, kFlags, nullptr, call, nullptr, nullptr);
+  if (code != SQLITE_OK) throw_sql(handle, code, "adding code_has()");
+}
+}  // namespace
+
 Result<Database> Database::connect(const std::filesystem::path& file, const OpenOptions& options, bool create) {
   return guarded([&]() -> Result<Database> {
     Database database;
@@ -130,6 +147,7 @@ Result<Database> Database::connect(const std::filesystem::path& file, const Open
     execute(database.handle_, "PRAGMA foreign_keys = ON");
     execute(database.handle_, "PRAGMA cell_size_check = ON");
     execute(database.handle_, "PRAGMA synchronous = FULL");
+    add_code_has(database.handle_);
     if (options.max_pages > 0) execute(database.handle_, ("PRAGMA max_page_count = " + std::to_string(options.max_pages)).c_str());
     return database;
   });

@@ -25,7 +25,7 @@ constexpr const char* kSessionColumns =
     "(SELECT count(*) FROM gaps WHERE session_id = sessions.id), "
     // The length of a blob stands in its row's head: no chunk is read for this.
     "(SELECT coalesce(sum(length(directory) + length(body)), 0) FROM chunks WHERE session_id = sessions.id) + "
-    "(SELECT coalesce(sum(length(body)), 0) FROM bus_chunks WHERE session_id = sessions.id) FROM sessions ";
+    "(SELECT coalesce(sum(length(body)), 0) FROM bus_chunks WHERE session_id = sessions.id), core_version FROM sessions ";
 
 SessionInfo info_of(const Statement& row) {
   SessionInfo info;
@@ -46,6 +46,7 @@ SessionInfo info_of(const Statement& row) {
   info.duration_s = static_cast<double>(row.integer_at(14) - row.integer_at(13)) * kNanoseconds;
   info.gap_count = row.unsigned_at(15);
   info.stored_bytes = row.unsigned_at(16);
+  info.core_version = row.optional_text_at(17);
   return info;
 }
 
@@ -162,12 +163,12 @@ Result<SessionPage> SessionReader::list(const SessionQuery& query) const {
     Transaction transaction(handle, Transaction::Kind::read);
     SessionPage page;
     {
-      Statement count(handle, query.subject ? "SELECT count(*) FROM sessions WHERE subject = ?1" : "SELECT count(*) FROM sessions");
+      Statement count(handle, std::string("SELECT count(*) FROM sessions ") + (query.subject ? "WHERE code_has(subject, ?1)" : ""));
       if (query.subject) count.text(1, query.subject);
       if (count.step()) page.total = count.unsigned_at(0);
     }
-    Statement rows(
-        handle, std::string(kSessionColumns) + "WHERE id < ?1 " + (query.subject ? "AND subject = ?3 " : "") + "ORDER BY id DESC LIMIT ?2");
+    Statement rows(handle, std::string(kSessionColumns) + "WHERE id < ?1 " + (query.subject ? "AND code_has(subject, ?3) " : "") +
+                               "ORDER BY id DESC LIMIT ?2");
     rows.integer(1, query.before.value_or(std::numeric_limits<std::int64_t>::max()));
     // One more than asked tells whether a next page exists.
     rows.unsigned_integer(2, query.limit + 1);
@@ -400,26 +401,49 @@ Result<std::vector<std::pair<std::string, double>>> SessionReader::parameters(Se
   });
 }
 
-Result<std::vector<contract::BusRecord>> SessionReader::bus_frames(SessionId session, std::uint64_t first, std::size_t limit) const {
-  return guarded([&]() -> Result<std::vector<contract::BusRecord>> {
-    std::vector<contract::BusRecord> out, chunk;
+Result<std::vector<NodeProgram>> SessionReader::node_programs(SessionId session) const {
+  return guarded([&]() -> Result<std::vector<NodeProgram>> {
+    std::vector<NodeProgram> out;
     Statement row(database_->handle(),
-                  "SELECT first_frame, body FROM bus_chunks WHERE session_id = ?1 AND first_frame + frames > ?2 ORDER BY first_frame");
-    row.integer(1, session).unsigned_integer(2, first);
-    while (out.size() < limit && row.step()) {
-      const std::uint64_t first_frame = row.unsigned_at(0);
-      chunk.clear();
-      if (const CodecError error = decode_bus(row.blob_at(1), chunk); error != CodecError::none)
-        return Error{ErrorKind::corrupt,
-                     "session " + std::to_string(session) + ", bus frames from number " + std::to_string(first_frame) + ": " +
-                         codec_error_text(error),
-                     {}};
-      const std::size_t skip = first > first_frame ? std::min<std::size_t>(first - first_frame, chunk.size()) : 0;
-      const std::size_t count = std::min(chunk.size() - skip, limit - out.size());
-      out.insert(out.end(), chunk.begin() + static_cast<std::ptrdiff_t>(skip), chunk.begin() + static_cast<std::ptrdiff_t>(skip + count));
-    }
+                  "SELECT name, product, revision, version, crc FROM node_programs WHERE session_id = ?1 ORDER BY position");
+    row.integer(1, session);
+    const auto number = [&row](int column) {
+      return row.is_null(column) ? std::nullopt : std::optional(static_cast<std::uint32_t>(row.unsigned_at(column)));
+    };
+    while (row.step()) out.push_back({row.text_at(0), number(1), number(2), number(3), number(4)});
     return out;
   });
+}
+
+Result<std::vector<contract::BusRecord>> SessionReader::bus_chunk(SessionId session, std::uint64_t first) const {
+  return guarded([&]() -> Result<std::vector<contract::BusRecord>> {
+    std::vector<contract::BusRecord> chunk;
+    Statement row(
+        database_->handle(),
+        "SELECT first_frame, body FROM bus_chunks WHERE session_id = ?1 AND first_frame + frames > ?2 ORDER BY first_frame LIMIT 1");
+    if (!row.integer(1, session).unsigned_integer(2, first).step()) return chunk;
+    const std::uint64_t first_frame = row.unsigned_at(0);
+    if (const CodecError error = decode_bus(row.blob_at(1), chunk); error != CodecError::none)
+      return Error{
+          ErrorKind::corrupt,
+          "session " + std::to_string(session) + ", bus frames from number " + std::to_string(first_frame) + ": " + codec_error_text(error),
+          {}};
+    const std::size_t skip = first > first_frame ? std::min<std::size_t>(first - first_frame, chunk.size()) : 0;
+    chunk.erase(chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(skip));
+    return chunk;
+  });
+}
+
+Result<std::vector<contract::BusRecord>> SessionReader::bus_frames(SessionId session, std::uint64_t first, std::size_t limit) const {
+  std::vector<contract::BusRecord> out;
+  while (out.size() < limit) {
+    const Result<std::vector<contract::BusRecord>> chunk = bus_chunk(session, first + out.size());
+    if (!chunk) return chunk.error();
+    if (chunk->empty()) break;
+    const std::size_t count = std::min(chunk->size(), limit - out.size());
+    out.insert(out.end(), chunk->begin(), chunk->begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  return out;
 }
 
 }  // namespace hoist::db

@@ -22,7 +22,7 @@ inline constexpr std::size_t kMaxReadSamples = 1000000;  ///< samples of one rea
 struct SessionQuery {
   std::size_t limit = 50;              ///< 1 to kMaxPage
   std::optional<SessionId> before;     ///< only sessions older than this one: the cursor of the page before
-  std::optional<std::string> subject;  ///< only this code
+  std::optional<std::string> subject;  ///< only codes that contain this, capital or small
 };
 struct SessionPage {
   std::vector<SessionInfo> sessions;  ///< newest first
@@ -50,6 +50,11 @@ class SessionReader {
   Result<std::optional<BrokenOff>> broken_off(std::uint64_t core_start_time_ns) const;
   /// Parameters in force when the session began: name and value.
   Result<std::vector<std::pair<std::string, double>>> parameters(SessionId session) const;
+  /// What the nodes had said of their programs when the session began; empty when that was not recorded.
+  Result<std::vector<NodeProgram>> node_programs(SessionId session) const;
+  /// Raw frames from number `first` (0 = the session's first) to the end of the stored chunk that holds it (at most kFoldedBusFrames); empty
+  /// at the end. For a caller that reads all of them: each chunk is unpacked once.
+  Result<std::vector<contract::BusRecord>> bus_chunk(SessionId session, std::uint64_t first) const;
   /// Raw frames in the order they were recorded, from number `first` (0 = the session's first), at most `limit`; empty at the end.
   Result<std::vector<contract::BusRecord>> bus_frames(SessionId session, std::uint64_t first, std::size_t limit) const;
 

@@ -14,6 +14,14 @@ using SessionId = std::int64_t;
 /// Longest texts accepted, in bytes of UTF-8.
 inline constexpr std::size_t kMaxSubject_bytes = 64, kMaxNote_bytes = 4000, kMaxMarker_bytes = 500, kMaxExercise_bytes = 1000;
 
+/// What a node has said of its program on the bus; absent = not read.
+struct NodeProgram {
+  std::string name;
+  std::optional<std::uint32_t> product, revision;  ///< 1018h:2 and :3
+  std::optional<std::uint32_t> version, crc;       ///< 2F00h:1 and 1F56h:1
+  bool operator==(const NodeProgram&) const = default;
+};
+
 /// Everything known when a recording begins. `parameter_values` are in the order of contract::kParams, or empty when unknown.
 struct SessionStart {
   std::optional<std::string> subject;    ///< pseudonymous code, never a name
@@ -22,7 +30,9 @@ struct SessionStart {
   std::uint64_t core_start_time_ns = 0;  ///< SegmentHeader::start_time_ns: which life of the core
   bool simulated = false;
   std::uint64_t layout_hash = 0;
-  std::string software_version;
+  std::string software_version;             ///< of the program that records
+  std::optional<std::string> core_version;  ///< of hoist-control
+  std::vector<NodeProgram> nodes;
   std::string note;
   std::optional<std::string> exercise_json;  ///< {"shape": "square", "side_m": 3.2} …, see check_exercise
   std::span<const double> parameter_values;
@@ -54,7 +64,8 @@ struct SessionInfo {
   std::optional<std::int64_t> ended_utc_ns;  ///< absent while recording
   std::string close_reason;                  ///< empty while recording
   std::uint64_t layout_hash = 0;
-  std::string software_version;
+  std::string software_version;             ///< of the program that recorded
+  std::optional<std::string> core_version;  ///< of hoist-control; absent in recordings that do not tell
   std::string note;
   std::optional<std::string> exercise_json;
   std::uint64_t sample_count = 0;

@@ -587,6 +587,24 @@ std::string missing_reason(std::uint64_t missing, std::uint64_t left_out, std::s
 }
 
 namespace {
+void write_nodes(sqlite3* handle, SessionId session, std::span<const NodeProgram> nodes) {
+  Statement row(handle,
+                "INSERT INTO node_programs (session_id, position, name, product, revision, version, crc) "
+                "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)");
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    row.integer(1, session).unsigned_integer(2, n).text(3, std::string_view(nodes[n].name));
+    int at = 4;
+    for (const auto& number : {nodes[n].product, nodes[n].revision, nodes[n].version, nodes[n].crc}) {
+      if (number)
+        row.unsigned_integer(at, *number);
+      else
+        row.null(at);
+      ++at;
+    }
+    row.run();
+  }
+}
+
 Error no_session() { return {ErrorKind::wrong_state, "no session is being recorded", {}}; }
 }  // namespace
 
@@ -607,8 +625,8 @@ Result<SessionId> SessionWriter::begin(const SessionStart& start) {
     Transaction transaction(s.handle, Transaction::Kind::write);
     Statement insert(s.handle,
                      "INSERT INTO sessions (subject, started_utc_ns, start_time_ns, core_start_time_ns, simulated, layout_hash, "
-                     "software_version, note, exercise) "
-                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9) RETURNING id");
+                     "software_version, note, exercise, core_version) "
+                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10) RETURNING id");
     insert.text(1, start.subject)
         .integer(2, start.started_utc_ns)
         .unsigned_integer(3, start.start_time_ns)
@@ -617,7 +635,8 @@ Result<SessionId> SessionWriter::begin(const SessionStart& start) {
         .unsigned_integer(6, start.layout_hash)
         .text(7, std::string_view(start.software_version))
         .text(8, std::string_view(start.note))
-        .text(9, start.exercise_json);
+        .text(9, start.exercise_json)
+        .text(10, start.core_version);
     if (!insert.step()) throw SqlFailure{Error{ErrorKind::internal, "the new session got no number", {}}};
     const SessionId id = insert.integer_at(0);
     insert.reset();
@@ -635,6 +654,7 @@ Result<SessionId> SessionWriter::begin(const SessionStart& start) {
     Statement parameter(s.handle, "INSERT INTO parameters (session_id, position, name, value) VALUES (?1, ?2, ?3, ?4)");
     for (std::size_t p = 0; p < start.parameter_values.size(); ++p)
       parameter.integer(1, id).unsigned_integer(2, p).text(3, contract::kParams[p].name).real(4, start.parameter_values[p]).run();
+    write_nodes(s.handle, id, start.nodes);
     s.commit_sealed(transaction, id, std::nullopt);
     s.session = id;
     s.started_utc_ns = start.started_utc_ns;

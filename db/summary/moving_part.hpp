@@ -16,6 +16,11 @@ struct MovingPart {
   bool fused = false;
   /// Steps that were walked, or may have been, and are not recorded: those of gaps beside a moving sample.
   std::uint64_t missing_samples = 0;
+  /// A new start mark, or another mode in charge, between two of the samples: they are not one walk.
+  bool several_walks = false;
+  bool from_mark = true;        ///< the first sample is at the start mark; false: the walk went on from an earlier recording
+  std::uint64_t in_motion = 0;  ///< samples in which a wheel turned (standing_still 0)
+  std::vector<std::uint64_t> tick;
   std::vector<double> x_m, y_m, psi_rad, dpsi_rad, speed_m_s;
 };
 Result<MovingPart> moving_part(Database& database, SessionId session);

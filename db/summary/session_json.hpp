@@ -9,7 +9,13 @@
 
 namespace hoist::db {
 
-/// {"session", "C", "J_N", "reference_length_m", "duration_s" (in motion), …, "exercise", "reason_if_none"}; null = not defined.
+/// {"session", "C", "J_N", "reference_length_m", "duration_s" (under way), "motion_s", …, "exercise", "reason_if_none"}; null = not defined.
 nlohmann::json metrics_json(const SessionMetrics& metrics, const std::optional<std::string>& exercise);
+
+/// The same with "rms_position_m" and "rms_heading_rad", of a stored session: what REST and `hoist metrics` answer.
+/// Errors: not_found, corrupt, io.
+Result<nlohmann::json> session_metrics_json(Database& database, SessionId session);
+/// A session as the list of sessions and one session's page tell it.
+nlohmann::json session_json(const SessionInfo& session);
 
 }  // namespace hoist::db

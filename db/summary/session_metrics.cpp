@@ -1,6 +1,7 @@
 #include "db/summary/session_metrics.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -52,7 +53,83 @@ class MissingSteps {
   std::uint64_t missing_ = 0;
 };
 
+/// From here on a walk that has not been recorded before lies between mark and sample.
+constexpr double kAtMark_m = 0.05;
+
+// Whether the samples that go by belong to one walk: one start mark, one mode in charge.
+class OneWalk {
+ public:
+  bool broken(std::size_t mode, double distance_m, double mark) {
+    const bool other = known_ && (mode != mode_ || mark != mark_ || distance_m < distance_m_);
+    known_ = true;
+    mode_ = mode;
+    distance_m_ = distance_m;
+    mark_ = mark;
+    return other;
+  }
+
+ private:
+  bool known_ = false;
+  std::size_t mode_ = 0;
+  double distance_m_ = 0, mark_ = 0;
+};
+
+// Where on the figure the walk began; nothing when that is not clear.
+std::optional<double> start_of(const contract::ReferencePath& path, const MovingPart& part) {
+  constexpr double kBegin_m = 0.25, kBegin_rad = 0.5;
+  const contract::PathPose first{part.x_m.front(), part.y_m.front(), part.psi_rad.front(), 0.0};
+  if (!part.from_mark) return place_on(path, first);
+  const contract::PathPose start = path.pose(0.0);
+  const bool there = std::hypot(first.x_m - start.x_m, first.y_m - start.y_m) <= kBegin_m &&
+                     std::fabs(wrap_angle_rad(first.psi_rad - start.psi_rad)) <= kBegin_rad;
+  return there ? std::optional{0.0} : std::nullopt;
+}
+
+// C, J_N and L, or why there are none.
+NoFigure compare(const contract::ReferencePath& path, const MovingPart& part, SessionMetrics& out) {
+  if (part.x_m.empty()) return NoFigure::no_motion;
+  if (part.several_walks) return NoFigure::several_walks;
+  if (out.missing_s > kMissingMost_s) return NoFigure::part_missing;
+  const std::optional<double> start_m = start_of(path, part);
+  if (!start_m) return NoFigure::start_unclear;
+  out.start_m = *start_m;
+  const std::optional<Evaluation> evaluation = evaluate(path, run_of(part, out.start_m));
+  if (!evaluation) return NoFigure::not_comparable;
+  out.correlation = evaluation->c;
+  if (evaluation->ise) {
+    out.normalised_ise = evaluation->ise->j;
+    out.path_length_m = evaluation->ise->length_m;
+  }
+  return out.correlation && out.normalised_ise ? NoFigure::none : NoFigure::too_short;
+}
+
 }  // namespace
+
+contract::ReferencePath path_of_exercise(const std::string& exercise_json) { return path_of(nlohmann::json::parse(exercise_json)); }
+
+RunColumns run_of(const MovingPart& part, double start_m) {
+  return {kSample_s, part.x_m, part.y_m, part.psi_rad, part.dpsi_rad, part.tick, start_m};
+}
+
+std::string_view no_figure_name(NoFigure why) {
+  constexpr std::array<std::string_view, 8> kNames{"none",          "no_exercise",   "no_motion",      "part_missing",
+                                                   "several_walks", "start_unclear", "not_comparable", "too_short"};
+  return kNames[static_cast<std::size_t>(why)];
+}
+
+std::string_view no_figure_sentence(NoFigure why) {
+  constexpr std::array<std::string_view, 8> kSentences{
+      "",
+      "No exercise was chosen.",
+      "Nobody walked in this session.",
+      "Part of this walk is not recorded.",
+      "This recording holds more than one walk: it was started anew, or somebody else led.",
+      "Where on the exercise's path this walk began is not clear.",
+      "The recorded path cannot be compared with this exercise.",
+      "The walk was too short, or nothing turned in it.",
+  };
+  return kSentences[static_cast<std::size_t>(why)];
+}
 
 Result<MovingPart> moving_part(Database& database, SessionId session) {
   // Read piece by piece, so that a long session is not refused; an hour is 10 pieces.
@@ -65,13 +142,18 @@ Result<MovingPart> moving_part(Database& database, SessionId session) {
   MovingPart part;
   part.fused = std::any_of(recorded->begin(), recorded->end(), [](const ColumnInfo& column) { return column.name == "fused_psi_rad"; });
   const std::string of = part.fused ? "fused_" : "";
-  const std::vector<std::string> names{"mode", of + "x_m", of + "y_m", of + "psi_rad", "dpsi_rad", "speed_m_s"};
+  std::vector<std::string> names{"mode", of + "x_m", of + "y_m", of + "psi_rad", "dpsi_rad", "speed_m_s", "standing_still", "distance_m"};
+  // Older recordings have no number of the start mark; a new mark shows in the distance, which begins at zero with it.
+  const bool numbered =
+      std::any_of(recorded->begin(), recorded->end(), [](const ColumnInfo& column) { return column.name == "start_mark"; });
+  if (numbered) names.emplace_back("start_mark");
   Result<Overview> whole = reader.overview(session, {}, 1);
   if (!whole) return whole.error();
   if (whole->from_s.empty()) return part;
   Result<std::vector<Gap>> gaps = reader.gaps(session);
   if (!gaps) return gaps.error();
   MissingSteps missing(std::move(*gaps));
+  OneWalk walk;
   const double end_s = whole->to_s.back();
   for (double from_s = whole->from_s.front(); from_s <= end_s; from_s += kPiece_s) {
     const Result<Columns> columns = reader.read_columns(session, names, {from_s, from_s + kPiece_s});
@@ -81,6 +163,11 @@ Result<MovingPart> moving_part(Database& database, SessionId session) {
       const bool moving = mode < contract::kModes.size() && contract::kModes[mode].moving;
       missing.sample(columns->tick[i], moving);
       if (!moving) continue;
+      const double distance_m = columns->values[7][i];
+      if (part.tick.empty()) part.from_mark = distance_m <= kAtMark_m;
+      part.several_walks = walk.broken(mode, distance_m, numbered ? columns->values[8][i] : 0.0) || part.several_walks;
+      part.in_motion += columns->values[6][i] == 0.0 ? 1 : 0;
+      part.tick.push_back(columns->tick[i]);
       part.x_m.push_back(columns->values[1][i]);
       part.y_m.push_back(columns->values[2][i]);
       part.psi_rad.push_back(columns->values[3][i]);
@@ -107,37 +194,19 @@ Result<SessionMetrics> session_metrics(Database& database, SessionId session, co
   out.track = part.fused ? "fused" : "encoders";
   out.moving_samples = part.x_m.size();
   out.moving_s = static_cast<double>(out.moving_samples) * kSample_s;
+  out.motion_s = static_cast<double>(part.in_motion) * kSample_s;
   out.missing_s = static_cast<double>(part.missing_samples) * kSample_s;
   for (const double speed : part.speed_m_s) {
     out.distance_m += std::fabs(speed) * kSample_s;
     out.max_speed_m_s = std::max(out.max_speed_m_s, std::fabs(speed));
   }
-  out.mean_speed_m_s = out.moving_s > 0 ? out.distance_m / out.moving_s : 0;
+  out.mean_speed_m_s = out.motion_s > 0 ? out.distance_m / out.motion_s : 0;
   if (!info->exercise_json) return out;
   if (Status checked = check_exercise(*info->exercise_json); !checked)
     return Error{ErrorKind::corrupt, "session " + std::to_string(session) + ": its exercise is not one: " + checked.error().message, {}};
   const nlohmann::json exercise = nlohmann::json::parse(*info->exercise_json, nullptr, false);
   out.shape = exercise["shape"].get<std::string>();
-  if (part.x_m.empty()) {
-    out.why_absent = "Nobody walked in this session.";
-    return out;
-  }
-  if (out.missing_s > kMissingMost_s) {
-    out.why_absent = "Part of this walk is not recorded.";
-    return out;
-  }
-  const RunColumns run{kSample_s, part.x_m, part.y_m, part.psi_rad, part.dpsi_rad};
-  const std::optional<Evaluation> evaluation = evaluate(path_of(exercise), run);
-  if (!evaluation) {
-    out.why_absent = "The recorded path cannot be compared with this exercise.";
-    return out;
-  }
-  out.correlation = evaluation->c;
-  if (evaluation->ise) {
-    out.normalised_ise = evaluation->ise->j;
-    out.path_length_m = evaluation->ise->length_m;
-  }
-  if (!out.correlation || !out.normalised_ise) out.why_absent = "The walk was too short, or nothing turned in it.";
+  out.why_absent = compare(path_of(exercise), part, out);
   return out;
 }
 

@@ -3,7 +3,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
+#include "control/contract/reference_path.hpp"
+#include "db/metrics/evaluate.hpp"
 #include "db/store/database.hpp"
 #include "db/store/result.hpp"
 #include "db/store/session_types.hpp"
@@ -11,17 +14,23 @@
 
 namespace hoist::db {
 
-/// With more motion missing a walk is not compared with its exercise. At 0.65 m/s it is a third of a metre, which the projection onto the
-/// figure bridges (kProjectionWindow_m); a lost begin of that length leaves the start of the figure within its reach, too.
+/// With more motion missing a walk is not compared with its exercise. A gap of this length anywhere in an eight of 12 m changes C by at most
+/// 0.02 and J_N by at most 5 % (measured and held by test_db, Metrics.AShortGap…).
 inline constexpr double kMissingMost_s = 0.5;
+
+/// Why a session has no C and J_N.
+enum class NoFigure : std::uint8_t { none, no_exercise, no_motion, part_missing, several_walks, start_unclear, not_comparable, too_short };
+[[nodiscard]] std::string_view no_figure_name(NoFigure why);      ///< as REST tells it
+[[nodiscard]] std::string_view no_figure_sentence(NoFigure why);  ///< empty for none
 
 struct SessionMetrics {
   SessionId session = 0;
   std::uint64_t moving_samples = 0;  ///< samples in a mode in which the wheels may turn: only these count
-  double moving_s = 0;
-  double missing_s = 0;  ///< motion that is not recorded: all figures are of the rest
+  double moving_s = 0;               ///< time in such a mode, standing included
+  double motion_s = 0;               ///< time in which a wheel turned at 0.02 m/s or more (standing_still)
+  double missing_s = 0;              ///< motion that is not recorded: all figures are of the rest
   double distance_m = 0;
-  double mean_speed_m_s = 0;
+  double mean_speed_m_s = 0;  ///< distance over motion_s: standing does not count
   double max_speed_m_s = 0;
   std::string track;  ///< which track was compared: "fused" (encoders and gyroscope, slip repaired) or "encoders" (older sessions)
   // With an exercise only.
@@ -29,9 +38,14 @@ struct SessionMetrics {
   std::optional<double> correlation;     ///< C; absent without an exercise or where it is not defined (nothing turned)
   std::optional<double> normalised_ise;  ///< J_N
   std::optional<double> path_length_m;   ///< L: progress along the pattern
-  std::string why_absent;                ///< a sentence when there is an exercise and still no figure
+  double start_m = 0;                    ///< place on the figure where the walk began
+  NoFigure why_absent = NoFigure::no_exercise;
 };
 
+/// The part as columns to evaluate.
+[[nodiscard]] RunColumns run_of(const MovingPart& part, double start_m);
+/// The line of an exercise that check_exercise has accepted.
+contract::ReferencePath path_of_exercise(const std::string& exercise_json);
 /// Errors: not_found, corrupt, io. A session without movement gives zeros and no C, J_N.
 Result<SessionMetrics> session_metrics(Database& database, SessionId session);
 /// The same of a part that is read already: decoding a long session is what takes the time.

@@ -67,10 +67,33 @@ build_tree() {
     }
     printf '%s' "${options[*]}" >"$stamp"
   fi
-  # A person sees how far it is; a log sees what went wrong only.
-  local quiet=(--quiet)
-  [ ! -t 2 ] || quiet=()
-  ninja -C "$folder" -j "$(build_jobs)" "${quiet[@]}" "${targets[@]}" >&2 || return 1
+  # On a terminal ninja shows how far it is; a log gets a line each 10 s.
+  if [ -t 2 ]; then
+    ninja -C "$folder" -j "$(build_jobs)" "${targets[@]}" >&2 || return 1
+  else
+    NINJA_STATUS='[%f/%t] ' ninja -C "$folder" -j "$(build_jobs)" "${targets[@]}" | build_progress >&2
+    [ "${PIPESTATUS[0]}" -eq 0 ] || return 1
+  fi
+}
+
+build_progress_every_s=10
+# Reads ninja's output: a line each 10 s says how far the build is; what is no step of the build passes.
+build_progress() {
+  awk -v every="$build_progress_every_s" '
+    BEGIN { begun = told = systime() }
+    match($0, /^\[[0-9]+\/[0-9]+\] /) {
+      split(substr($0, 2, RLENGTH - 3), count, "/")
+      now = systime()
+      if (now - told >= every && count[1] > 0) {
+        left_min = int((now - begun) * (count[2] - count[1]) / count[1] / 60) + 1
+        printf "hoist: building: %d of %d (%d %%), about %d min left\n", count[1], count[2], 100 * count[1] / count[2], left_min
+        fflush()
+        told = now
+      }
+      next
+    }
+    /^ninja: (Entering directory|no work to do)/ { next }
+    { print; fflush() }'
 }
 
 build_normal() {

@@ -21,15 +21,17 @@ record_step() { printf '%s\t%s\t%s\n' "$2" "$3" "${4:-}" >>"$1/steps.tsv"; }
 
 # run_ctest BUILD_FOLDER RESULTS FILTER [COMMAND...]: COMMAND starts ctest. A failing program's whole output is shown; its failure is counted by the tally.
 run_ctest() {
-  local folder=$1 results=$2 filter=$3 size
+  local folder=$1 results=$2 filter=$3 size jobs
   shift 3
   say "running the C++ tests of $folder/"
+  # One more than compile at once: the suites of real programs wait more than they compute.
+  jobs=$(($(build_jobs) + 1))
   # ctest cuts long outputs of failing programs by default; we want all of it (10 MB is more than any prints).
   size=10000000
   ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1} \
     UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1} \
     GTEST_BRIEF=${GTEST_BRIEF:-1} GTEST_OUTPUT="xml:$results/gtest/" \
-    "$@" ctest --test-dir "$folder" -j "$(build_jobs)" --timeout "$ctest_timeout_s" --output-on-failure \
+    "$@" ctest --test-dir "$folder" -j "$jobs" --timeout "$ctest_timeout_s" --output-on-failure \
     --test-output-size-failed "$size" -R "$filter" --output-junit "$results/ctest.xml" </dev/null || return 0
 }
 

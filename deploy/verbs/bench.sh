@@ -9,7 +9,7 @@ for option in "$@"; do
     *) arguments+=("$option") ;;
   esac
 done
-setup build
+setup build bench
 build_normal
 [ -x build/bin/hoist-bench ] || not_here_yet bench "build/bin/hoist-bench (tests/bench) is not in this tree"
 exec build/bin/hoist-bench "${arguments[@]}"

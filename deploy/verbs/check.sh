@@ -53,7 +53,7 @@ fi
 build_web
 
 # The tests of the normal build first: they find most, and soonest.
-run_ctest build "$normal" .
+HOIST_THOROUGH=yes run_ctest build "$normal" .
 run_web_tests "$normal" .
 run_browser_tests "$normal" .
 step "chaos: 2000 random sessions (deploy/dev chaos tells one again)" build/bin/hoist-chaos --sessions 2000

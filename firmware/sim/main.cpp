@@ -1,5 +1,5 @@
-// hoist-sim: the simulated hoist as a program. It runs the world in real time behind a pseudo terminal that speaks SLCAN like the real
-// gateway, or with its nodes directly on a CAN interface of the kernel, so that hoist-control drives it unchanged.
+// hoist-sim: the simulated hoist as a program. It runs the world in lock-step with hoist-control, or in real time behind a pseudo terminal that
+// speaks SLCAN like the real gateway, or with its nodes directly on a CAN interface of the kernel; hoist-control drives it unchanged.
 #include <sched.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
@@ -20,7 +20,9 @@
 #include <string_view>
 
 #include "control/bus/can_port.hpp"
+#include "control/contract/program_version.hpp"
 #include "firmware/sim/hidden_errors.hpp"
+#include "firmware/sim/lock_step.hpp"
 #include "firmware/sim/pokeys_device.hpp"
 #include "firmware/sim/request_socket.hpp"
 #include "firmware/sim/requests.hpp"
@@ -35,6 +37,10 @@ constexpr std::int64_t kStep_ns = 1'000'000;
 /// What may be caught up at once; beyond it the world's time simply did not pass, as for a machine that was asleep. Well below the drives'
 /// 45 ms deadline: the steps of a catch-up see no new command, and a busy computer must not look like a dead controller.
 constexpr std::int64_t kCatchUp_ns = 5 * kStep_ns;
+/// In lock-step a catch-up goes on step by step with the core, so it may be longer: it keeps up with the wall clock across short hold-ups.
+/// Bounded, because a hand at the screen goes by the wall clock and its commands may be 150 ms old.
+constexpr std::int64_t kLockStepCatchUp_ns = 50 * kStep_ns;
+constexpr int kAnswerLook_ms = 20;  // how often a wait for the core looks after requests and signals
 /// Below hoist-control's 49, so that the simulated machine never delays the controller; above everything ordinary, so that a busy
 /// computer does not silence the simulated sensors.
 constexpr int kRealTimePriority = 30;
@@ -53,6 +59,7 @@ struct Options {
   std::string link;
   std::string control;
   std::string bus;
+  std::string lock_step;         // socket; empty: real time
   std::uint16_t pokeys_port{0};  // 0: the input node is on the bus
   double virtual_s{0.0};
 };
@@ -63,6 +70,8 @@ void print_usage() {
       "interface.\n"
       "  --scenario NAME     what the patient does (default figure-eight; --list names them)\n"
       "  --list              the scenarios, one a line\n"
+      "  --lock-step PATH    step together with hoist-control --bus sim:PATH, no faster than real time: a busy computer slows the\n"
+      "                      simulated time and stops no walk\n"
       "  --pty-link PATH     put a symbolic link to the pseudo terminal there\n"
       "  --bus ADDRESS       the simulated nodes on a CAN interface, socketcan:NAME, instead of the pseudo terminal\n"
       "  --pokeys-udp PORT   bumpers and batteries from a PoKeys57E at 127.0.0.1:PORT instead of the input node on the bus\n"
@@ -72,7 +81,8 @@ void print_usage() {
       "  --patient-mass KG   30 to 150 (default 75)\n"
       "  --machine-seed N    another machine: its lengths, its sensors' mounting and its wheels stray from the design, for calibration\n"
       "  --patient-seed N    somebody else: all of the patient's figures drawn from their usual ranges\n"
-      "  --virtual SECONDS   run the world alone as fast as possible, say how fast, and end");
+      "  --virtual SECONDS   run the world alone as fast as possible, say how fast, and end\n"
+      "  --version           which source this program was built from");
 }
 
 std::optional<double> number(std::string_view text, double low, double high) {
@@ -102,15 +112,19 @@ Options read_options(int argc, char** argv) {
       print_usage();
       std::exit(0);
     }
+    if (name == "--version") {
+      std::printf("hoist-sim %s\n", std::string(hoist::contract::program_version()).c_str());
+      std::exit(0);
+    }
     if (name == "--list") {
       for (const Scenario& scenario : kScenarios)
         std::printf("%-14.*s %.*s\n", static_cast<int>(scenario.name.size()), scenario.name.data(), static_cast<int>(scenario.title.size()),
                     scenario.title.data());
       std::exit(0);
     }
-    constexpr std::array<std::string_view, 11> kNames{"--scenario",     "--pty-link",     "--pokeys-udp", "--bus",
-                                                      "--control",      "--seed",         "--speed",      "--patient-mass",
-                                                      "--patient-seed", "--machine-seed", "--virtual"};
+    constexpr std::array<std::string_view, 12> kNames{"--scenario", "--pty-link",     "--pokeys-udp",   "--bus",
+                                                      "--control",  "--seed",         "--speed",        "--patient-mass",
+                                                      "--virtual",  "--patient-seed", "--machine-seed", "--lock-step"};
     bool known = false;
     for (const std::string_view one : kNames) known = known || one == name;
     if (!known) refuse("unknown option '" + std::string(name) + "'; --help lists them");
@@ -130,6 +144,8 @@ Options read_options(int argc, char** argv) {
       options.pokeys_port = static_cast<std::uint16_t>(*port);
     } else if (name == "--control") {
       options.control = value;
+    } else if (name == "--lock-step") {
+      options.lock_step = value;
     } else if (name == "--seed") {
       const auto seed = whole(value);
       if (!seed) refuse("--seed: a whole number from 0");
@@ -157,6 +173,8 @@ Options read_options(int argc, char** argv) {
   if (wish_m_s) options.world.patient.wish_m_s = *wish_m_s;
   if (mass_kg) options.world.patient.mass_kg = *mass_kg;
   if (!options.bus.empty() && !options.link.empty()) refuse("--bus and --pty-link: one of them");
+  if (!options.lock_step.empty() && !(options.bus.empty() && options.link.empty() && options.pokeys_port == 0))
+    refuse("--lock-step: not with --bus, --pty-link or --pokeys-udp, whose other ends know real time only");
   options.world.host_in_process = !options.bus.empty();
   return options;
 }
@@ -185,12 +203,9 @@ void wait_until(std::int64_t when_ns) {
 // One calm line for each thing that happens, none for what merely goes on.
 class Reporter {
  public:
-  explicit Reporter(bool on_interface) : on_interface_(on_interface) {}
+  Reporter(const char* attached, const char* detached) : attached_text_(attached), detached_text_(detached) {}
   void tell(const World& world, const ProgramState& program) {
-    if (program.computer_attached != attached_)
-      say(world, on_interface_               ? (program.computer_attached ? "the interface is up" : "the interface is down")
-                 : program.computer_attached ? "a computer has opened the line"
-                                             : "the line is closed");
+    if (program.computer_attached != attached_) say(world, program.computer_attached ? attached_text_ : detached_text_);
     if (world.drives_enabled() != enabled_) say(world, world.drives_enabled() ? "drives enabled" : "drives disabled");
     if (world.patient().state() != patient_) say(world, "patient is " + std::string(patient_state_name(world.patient().state())));
     attached_ = program.computer_attached;
@@ -214,7 +229,7 @@ class Reporter {
     std::printf("hoist-sim %8.2f s: %s\n", world.time_s(), what.c_str());
     std::fflush(stdout);
   }
-  bool on_interface_;
+  std::string attached_text_, detached_text_;
   bool attached_{false};
   bool enabled_{false};
   PatientState patient_{PatientState::standing};
@@ -228,7 +243,8 @@ class Pump {
  public:
   /// Where a request cuts the line.
   [[nodiscard]] bool* cut() { return &cut_; }
-  void run(SerialLine& line, World& world, ProgramState& program) {
+  template <class Line>  // SerialLine, LockStep
+  void run(Line& line, World& world, ProgramState& program) {
     const SerialLine::Presence presence = line.presence();
     if (presence.changed) {
       world.uart_hang_up();
@@ -280,6 +296,56 @@ class Bridge {
   std::array<hoist::contract::CanFrame, 256> frames_{};
 };
 
+void introduce(const Options& options, const std::string& where) {
+  const Scenario& scenario = *options.world.scenario;
+  std::printf("hoist-sim: SIMULATION, no real hoist. Scenario %.*s: the patient (%.0f kg, %.2f m/s) %.*s. %s\n",
+              static_cast<int>(scenario.name.size()), scenario.name.data(), options.world.patient.mass_kg, options.world.patient.wish_m_s,
+              static_cast<int>(scenario.title.size()), scenario.title.data(), where.c_str());
+  std::fflush(stdout);
+}
+
+// The world advances by one period of the core, then stands still until the core has answered. Without a core it goes on by the wall clock, and
+// the drives stop by themselves.
+int run_lock_step(const Options& options) {
+  constexpr auto kPeriod_ns = static_cast<std::int64_t>(hoist::contract::kStepPeriod_ns);
+  World world(options.world);
+  LockStep line;
+  if (const std::string why = line.open(options.lock_step); !why.empty()) refuse("--lock-step: " + why);
+  RequestSocket requests;
+  if (!options.control.empty())
+    if (const std::string why = requests.open(options.control); !why.empty()) refuse(why);
+  introduce(options, "In lock-step with hoist-control at " + options.lock_step);
+
+  Pump pump;
+  ProgramState program;
+  program.line_cut = pump.cut();
+  Reporter reporter("hoist-control takes the steps", "no hoist-control; time goes by the wall clock");
+  const auto serve = [&] { requests.serve([&](std::string_view request) { return answer_request(world, program, request); }); };
+  std::int64_t due_ns = steady_ns() + kPeriod_ns;
+  while (g_end == 0) {
+    wait_until(due_ns);
+    const std::int64_t now_ns = steady_ns();
+    if (now_ns - due_ns > kLockStepCatchUp_ns) {
+      ++program.late;
+      reporter.let_go(world, now_ns, now_ns - due_ns);
+      due_ns = now_ns;
+    }
+    due_ns += kPeriod_ns;
+    for (std::int64_t i = 0; i < kPeriod_ns / kStep_ns; ++i) {
+      pump.run(line, world, program);
+      world.advance_1ms();
+    }
+    serve();
+    reporter.tell(world, program);
+    line.give();
+    LockStep::Answer answer = line.take(kAnswerLook_ms);
+    for (; answer == LockStep::Answer::waiting && g_end == 0; answer = line.take(kAnswerLook_ms)) serve();
+    if (answer == LockStep::Answer::lost) std::printf("hoist-sim %8.2f s: hoist-control %s\n", world.time_s(), line.why());
+  }
+  std::puts("hoist-sim: ended");
+  return 0;
+}
+
 int run_real_time(const Options& options) {
   World world(options.world);
   SerialLine line;
@@ -304,16 +370,11 @@ int run_real_time(const Options& options) {
   if (::sched_setscheduler(0, SCHED_FIFO, &priority) != 0)
     std::puts("hoist-sim: no real-time priority: on a busy computer simulated time will lag");
 
-  const Scenario& scenario = *options.world.scenario;
-  const std::string where = port ? "Nodes on " + options.bus : "SLCAN at " + (options.link.empty() ? line.path() : options.link);
-  std::printf("hoist-sim: SIMULATION, no real hoist. Scenario %.*s: the patient (%.0f kg, %.2f m/s) %.*s. %s\n",
-              static_cast<int>(scenario.name.size()), scenario.name.data(), options.world.patient.mass_kg, options.world.patient.wish_m_s,
-              static_cast<int>(scenario.title.size()), scenario.title.data(), where.c_str());
-  std::fflush(stdout);
+  introduce(options, port ? "Nodes on " + options.bus : "SLCAN at " + (options.link.empty() ? line.path() : options.link));
 
   ProgramState program;
   if (options.pokeys_port != 0) program.pokeys = &pokeys;
-  Reporter reporter(port != nullptr);
+  Reporter reporter(port ? "the interface is up" : "a computer has opened the line", port ? "the interface is down" : "the line is closed");
   Pump pump;
   if (!port) program.line_cut = pump.cut();
   Bridge bridge;
@@ -356,5 +417,6 @@ int main(int argc, char** argv) {
   ::sigaction(SIGINT, &action, nullptr);
   ::signal(SIGPIPE, SIG_IGN);
   const Options options = read_options(argc, argv);
-  return options.virtual_s > 0.0 ? run_virtual(options) : run_real_time(options);
+  if (options.virtual_s > 0.0) return run_virtual(options);
+  return options.lock_step.empty() ? run_real_time(options) : run_lock_step(options);
 }

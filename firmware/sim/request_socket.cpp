@@ -1,14 +1,12 @@
 #include "firmware/sim/request_socket.hpp"
 
 #include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 
 #include "firmware/sim/requests.hpp"
+#include "firmware/sim/unix_listener.hpp"
 
 namespace hoist::sim {
 
@@ -21,32 +19,7 @@ RequestSocket::~RequestSocket() {
 }
 
 std::string RequestSocket::open(const std::string& path) {
-  sockaddr_un address{};
-  if (path.empty() || path.size() >= sizeof(address.sun_path)) return "the socket's path must have 1 to 107 characters";
-  address.sun_family = AF_UNIX;
-  std::memcpy(address.sun_path, path.c_str(), path.size());
-  const auto* generic = reinterpret_cast<const sockaddr*>(&address);
-
-  struct stat present {};
-  if (::lstat(path.c_str(), &present) == 0) {
-    if (!S_ISSOCK(present.st_mode)) return path + " exists and is no socket; it stays";
-    const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    const bool alive = probe >= 0 && (::connect(probe, generic, sizeof(address)) == 0 || errno == EAGAIN);
-    if (probe >= 0) ::close(probe);
-    if (alive) return "another program answers at " + path;
-    ::unlink(path.c_str());
-  }
-  listener_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (listener_ < 0) return std::string("no socket: ") + std::strerror(errno);
-  const mode_t before = ::umask(0177);
-  const bool bound = ::bind(listener_, generic, sizeof(address)) == 0;
-  ::umask(before);
-  if (!bound || ::listen(listener_, static_cast<int>(kClientsMax)) != 0) {
-    const std::string why = path + ": " + std::strerror(errno);
-    ::close(listener_);
-    listener_ = -1;
-    return why;
-  }
+  if (std::string why = listen_at(path, SOCK_STREAM, static_cast<int>(kClientsMax), listener_); !why.empty()) return why;
   path_ = path;
   return {};
 }

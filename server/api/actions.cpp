@@ -12,6 +12,7 @@
 #include "control/contract/guided_path.hpp"
 #include "control/contract/param_set.hpp"
 #include "control/contract/params.hpp"
+#include "server/live/hub.hpp"
 
 namespace hoist::server {
 
@@ -154,17 +155,30 @@ void act_neutral(Services& services, const Asker& asker, OutcomeDone done) {
   ask(services, command_of(CommandKind::set_neutral, asker), std::move(done));
 }
 
-void act_calibrate(Services& services, const Asker& asker, const json& step, OutcomeDone done) {
-  const contract::CalibrationStepInfo* info =
-      step.is_string() ? contract::find_calibration_step(std::string_view{step.get_ref<const std::string&>()}) : nullptr;
+void act_calibrate(Services& services, const Asker& asker, const json& wish, OutcomeDone done) {
+  const auto step = wish.find("step");
+  const contract::CalibrationStepInfo* info = step != wish.end() && step->is_string()
+                                                  ? contract::find_calibration_step(std::string_view{step->get_ref<const std::string&>()})
+                                                  : nullptr;
   if (info == nullptr) {
     done(invalid({{"step", "must be a step of the calibration table"}}, "There is no such calibration step."));
+    return;
+  }
+  const auto empty = wish.find("harness_empty");
+  if (empty != wish.end() && !empty->is_boolean()) {
+    done(invalid({{"harness_empty", "must be true or false"}}, "There is no such confirmation."));
     return;
   }
   Command command = command_of(CommandKind::begin_calibration, asker);
   command.a = static_cast<std::uint32_t>(info->step);
   command.b = static_cast<std::uint32_t>(asker.role);
-  ask(services, command, std::move(done));
+  command.v0 = empty != wish.end() && empty->get<bool>() ? 1.0 : 0.0;
+  services.core.ask(command, [done = std::move(done)](const CoreAnswer& answer) {
+    Outcome outcome = outcome_of(answer);
+    if ((answer.bits & contract::refusal_bit(contract::Refusal::harness_unconfirmed)) != 0)
+      outcome.errors.push_back({"harness_empty", "must be true: nobody is strapped in"});
+    done(outcome);
+  });
 }
 
 void act_measure(Services& services, const Asker& asker, const json& measured, OutcomeDone done) {
@@ -226,6 +240,14 @@ contract::GuidedLimits guided_limits(const Services& services) {
   return contract::guided_limits(params);
 }
 
+// Tells one exercise from another: whose lead, which way, how many laps. Never 0.
+std::uint32_t exercise_key(contract::Mode mode, const Exercise& exercise, std::uint32_t laps) {
+  const std::uint64_t hash = contract::hash_number(contract::hash_bytes(contract::kHashStart, exercise_json(exercise).dump()),
+                                                   laps * contract::kModes.size() + static_cast<std::uint64_t>(mode));
+  const auto key = static_cast<std::uint32_t>(hash ^ (hash >> 32U));
+  return key == 0 ? 1 : key;
+}
+
 std::uint32_t blocked_bits(const Services& services) { return services.core.newest() ? services.core.newest()->blocked_bits : 0; }
 
 // What the newest step says against a start in this mode, so that a refused one changes nothing. Whether the asker holds the lease is judged
@@ -241,6 +263,15 @@ std::uint32_t start_refusals(const Services& services, contract::Mode mode) {
   if (mode == contract::Mode::guided && services.core.hand_holds(static_cast<std::uint64_t>(stop_age_s * 1e9)))
     bits |= contract::refusal_bit(contract::Refusal::release_first);
   return bits;
+}
+
+// Asks for a motion. What it begins with goes into the recording, and to every screen when it has begun.
+void begin_motion(Services& services, const Command& request, const Exercise& exercise, json told, OutcomeDone done) {
+  services.recorder.set_exercise(stored_exercise(exercise));
+  ask(services, request, [&services, told = std::move(told), done = std::move(done)](const Outcome& outcome) {
+    if (outcome.done()) services.hub.motion_begins(told);
+    done(outcome);
+  });
 }
 }  // namespace
 
@@ -268,11 +299,14 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   }
   std::vector<FieldError> errors;
   auto exercise = read_exercise(wish.exercise, errors);
+  std::uint32_t laps = 0;
+  if (!wish.start_again.is_null() && !wish.start_again.is_boolean()) errors.push_back({"start_again", "must be true or false"});
   if (*mode == contract::Mode::guided) {
     if (!wish.exercise.is_null()) errors.push_back({"exercise", "is the path itself; leave it out"});
     if (const auto path = read_guided(wish.path, guided_limits(services), errors)) {
       contract::put_guided(request, *path);
       exercise = exercise_of_guided(*path);
+      laps = path->laps;
     }
   } else if (!wish.path.is_null()) {
     errors.push_back({"path", "belongs to the mode guided only"});
@@ -306,15 +340,24 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
     done(outcome_of({.kind = CoreAnswer::Kind::refused, .code = static_cast<std::uint32_t>(std::countr_zero(bits)), .bits = bits}));
     return;
   }
-  // The pose first: the exercise's figure and the odometry must share their origin before the first step. Pose and exercise are set for a
-  // start that nothing is known to stand against; the core judges both once more and sets no pose outside standby.
+  if (*mode == contract::Mode::remote && wish.exercise.is_null()) {
+    // The hoist is only moved: the exercise stays where it lies on the floor.
+    begin_motion(services, request, *exercise, exercise_json(*exercise), std::move(done));
+    return;
+  }
+  // The pose first: the exercise's figure and the odometry must share their origin before the first step. The core keeps the pose when this
+  // exercise goes on. Pose and exercise are set for a start that nothing is known to stand against; the core judges both once more and sets
+  // no pose outside standby.
   const StartPose pose = start_pose(*exercise);
+  const bool guided = *mode == contract::Mode::guided;
   Command set_pose = command_of(CommandKind::set_pose, asker);
   set_pose.v0 = pose.x_m;
   set_pose.v1 = pose.y_m;
   set_pose.v2 = pose.psi_rad;
-  services.core.ask(set_pose, [&services, request, stored = stored_exercise(*exercise), ends_asked = services.ends_asked,
-                               done = std::move(done)](const CoreAnswer& answer) mutable {
+  set_pose.a = exercise_key(*mode, *exercise, laps);
+  set_pose.b = wish.start_again == true || services.start_anew ? contract::kStartAgain : 0;
+  services.core.ask(set_pose, [&services, request, exercise = *exercise, told = guided ? wish.path : exercise_json(*exercise),
+                               ends_asked = services.ends_asked, done = std::move(done)](const CoreAnswer& answer) mutable {
     if (!answer.done()) {
       Outcome outcome = outcome_of(answer);
       // Whoever wants to start is told everything that is in the way, not only what stopped the first step.
@@ -335,9 +378,25 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
       done(outcome);
       return;
     }
-    services.recorder.set_exercise(std::move(stored));
-    ask(services, request, std::move(done));
+    services.start_anew = false;
+    begin_motion(services, request, exercise, std::move(told), std::move(done));
   });
+}
+
+void act_choose(Services& services, const json& exercise, OutcomeDone done) {
+  std::vector<FieldError> errors;
+  const auto chosen = read_exercise(exercise, errors);
+  if (!chosen) {
+    done(invalid(std::move(errors), "The exercise cannot be used."));
+    return;
+  }
+  const auto& newest = services.core.newest();
+  if (newest && newest->mode < contract::kModes.size() && contract::kModes[newest->mode].moving) {
+    done(outcome_of({.kind = CoreAnswer::Kind::refused, .bits = contract::refusal_bit(contract::Refusal::not_standby)}));
+    return;
+  }
+  services.hub.choose(*chosen);
+  done({});
 }
 
 void act_pose(Services& services, const Asker& asker, const json& pose, OutcomeDone done) {
@@ -364,18 +423,25 @@ void act_pose(Services& services, const Asker& asker, const json& pose, OutcomeD
   ask(services, command, std::move(done));
 }
 
-void act_keep_trial(Services& services, const Asker& asker, const json& version, OutcomeDone done) {
+std::optional<std::uint32_t> read_version(const json& version, std::vector<FieldError>& errors) {
   constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
-  Command command = command_of(CommandKind::confirm_parameters, asker);
-  command.b = static_cast<std::uint32_t>(asker.role);
-  if (!version.is_null()) {
-    if (!version.is_number_unsigned() || version.get<std::uint64_t>() == 0 || version.get<std::uint64_t>() > kMost) {
-      done(invalid({{"version", "must be the version of the parameters that was looked at", {}, 1.0, static_cast<double>(kMost)}},
-                   "The version cannot be used; nothing was kept."));
-      return;
-    }
-    command.a = version.get<std::uint32_t>();
+  if (version.is_null()) return 0;
+  if (version.is_number_unsigned() && version.get<std::uint64_t>() > 0 && version.get<std::uint64_t>() <= kMost)
+    return version.get<std::uint32_t>();
+  errors.push_back({"version", "must be the version of the parameters that was looked at", {}, 1.0, static_cast<double>(kMost)});
+  return std::nullopt;
+}
+
+void act_keep_trial(Services& services, const Asker& asker, const json& version, OutcomeDone done) {
+  std::vector<FieldError> errors;
+  const auto looked_at = read_version(version, errors);
+  if (!looked_at) {
+    done(invalid(std::move(errors), "The version cannot be used; nothing was kept."));
+    return;
   }
+  Command command = command_of(CommandKind::confirm_parameters, asker);
+  command.a = *looked_at;
+  command.b = static_cast<std::uint32_t>(asker.role);
   ask(services, command, std::move(done));
 }
 
@@ -454,7 +520,7 @@ void act_update_firmware(Services& services, const Asker& asker, std::vector<std
                           [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); });
 }
 
-void act_preset(Services& services, const Asker& asker, const std::string& name, OutcomeDone done) {
+void act_preset(Services& services, const Asker& asker, const std::string& name, std::uint32_t version, OutcomeDone done) {
   std::vector<std::pair<std::uint32_t, double>> rows;
   for (const contract::PresetValue& v : contract::kPresetValues)
     if (v.preset == name) rows.emplace_back(contract::kParams[contract::param_index(v.param)].id, v.value);
@@ -465,7 +531,7 @@ void act_preset(Services& services, const Asker& asker, const std::string& name,
     done(outcome);
     return;
   }
-  set_values(services, asker, std::move(rows), 0, 0, std::move(done));
+  set_values(services, asker, std::move(rows), 0, version, std::move(done));
 }
 
 }  // namespace hoist::server

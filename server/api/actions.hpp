@@ -40,13 +40,16 @@ struct ModeWish {
   const nlohmann::json& mode;
   const nlohmann::json& exercise;
   const nlohmann::json& path;
+  const nlohmann::json& start_again;
 };
 void act_mode(Services& services, const Asker& asker, const ModeWish& wish, OutcomeDone done);
+// The exercise of the next walk, for all screens; refused while the hoist is led.
+void act_choose(Services& services, const nlohmann::json& exercise, OutcomeDone done);
 void act_stop(Services& services, std::uint32_t client, OutcomeDone done);
 /// `seen`: names of the faults that were shown when the hand went down, or null; when another has come since, the core refuses.
 void act_acknowledge(Services& services, const Asker& asker, const nlohmann::json& seen, OutcomeDone done);
-// Begins a step of the calibration table, by its name.
-void act_calibrate(Services& services, const Asker& asker, const nlohmann::json& step, OutcomeDone done);
+// Begins a step of the calibration table: {step, harness_empty}, the latter true where the table asks for it.
+void act_calibrate(Services& services, const Asker& asker, const nlohmann::json& wish, OutcomeDone done);
 // What the operator measured: {figure} or, for a driven square, {figure, x_m, y_m, turning}.
 void act_measure(Services& services, const Asker& asker, const nlohmann::json& measured, OutcomeDone done);
 // The result becomes parameters, with today's date.
@@ -59,6 +62,8 @@ void act_pose(Services& services, const Asker& asker, const nlohmann::json& pose
 // made for, 0 = whichever are in force; the core refuses it when they are others by then (H27).
 void act_set(Services& services, const Asker& asker, const nlohmann::json& values, const nlohmann::json& revert_after_s,
              std::uint32_t version, OutcomeDone done);
+// The version of the parameters that were looked at, 0 for null; nothing, with the reason, for what is no version.
+[[nodiscard]] std::optional<std::uint32_t> read_version(const nlohmann::json& version, std::vector<FieldError>& errors);
 // What is on trial stays; `version`: null, or the one that was looked at, so that nobody keeps what somebody else has changed meanwhile (H27).
 void act_keep_trial(Services& services, const Asker& asker, const nlohmann::json& version, OutcomeDone done);
 // What is on trial goes back at once, whatever it is.
@@ -66,7 +71,7 @@ void act_undo_trial(Services& services, const Asker& asker, OutcomeDone done);
 // Puts a checked program into a node; done when the core lets it begin.
 void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
                          OutcomeDone done);
-void act_preset(Services& services, const Asker& asker, const std::string& name, OutcomeDone done);
+void act_preset(Services& services, const Asker& asker, const std::string& name, std::uint32_t version, OutcomeDone done);
 
 [[nodiscard]] std::vector<std::string> refusal_names(std::uint32_t bits);
 [[nodiscard]] std::vector<std::string> fault_names(std::uint32_t bits);

@@ -8,7 +8,6 @@
 namespace hoist::server {
 
 using contract::Fault;
-using nlohmann::json;
 
 namespace {
 
@@ -27,33 +26,39 @@ std::uint16_t code_of(const contract::TickRecord& record, Fault fault) {
   }
 }
 
-json words(std::string en, std::string de) { return {{"en", std::move(en)}, {"de", std::move(de)}}; }
+void write_words(JsonWriter& out, std::string_view name, std::string_view en, std::string_view de) {
+  out.key(name).begin('{').key("en").table_text(en).key("de").table_text(de).end('}');
+}
 
-json alarm_json(const contract::TickRecord& record, Fault fault, const json& consequence_of) {
+void write_alarm(JsonWriter& out, const contract::TickRecord& record, Fault fault, std::string_view consequence_of) {
   const contract::FaultInfo& info = contract::fault_info(fault);
   const std::uint16_t code = code_of(record, fault);
-  std::string en{info.text_en}, de{info.text_de}, action_en{info.action_en}, action_de{info.action_de};
-  if (const contract::DetailInfo* detail = contract::find_detail(fault, code)) {
-    en = detail->text_en;
-    de = detail->text_de;
-    action_en = detail->action_en;
-    action_de = detail->action_de;
-  } else if (code != 0 && (fault == Fault::drive_left_fault || fault == Fault::drive_right_fault)) {
-    const contract::EmergencyInfo& emergency = contract::emergency_info(code);
-    en += ": " + std::string(emergency.text_en);
-    de += ": " + std::string(emergency.text_de);
+  const contract::DetailInfo* detail = contract::find_detail(fault, code);
+  out.begin('{').field("name", info.name).field("code", code);
+  if (detail != nullptr) {
+    write_words(out, "text", detail->text_en, detail->text_de);
+    write_words(out, "action", detail->action_en, detail->action_de);
+  } else {
+    std::string en{info.text_en}, de{info.text_de};
+    if (code != 0 && (fault == Fault::drive_left_fault || fault == Fault::drive_right_fault)) {
+      const contract::EmergencyInfo& emergency = contract::emergency_info(code);
+      en.append(": ").append(emergency.text_en);
+      de.append(": ").append(emergency.text_de);
+    }
+    write_words(out, "text", en, de);
+    write_words(out, "action", info.action_en, info.action_de);
   }
-  return {{"name", info.name},
-          {"code", code},
-          {"text", words(std::move(en), std::move(de))},
-          {"action", words(std::move(action_en), std::move(action_de))},
-          {"consequence_of", consequence_of}};
+  if (consequence_of.empty())
+    out.field("consequence_of", nullptr);
+  else
+    out.field("consequence_of", consequence_of);
+  out.end('}');
 }
 
 }  // namespace
 
-json alarms_json(const contract::TickRecord& record) {
-  json alarms = json::array();
+void write_alarms(JsonWriter& out, const contract::TickRecord& record) {
+  out.begin('[');
   std::uint32_t left = record.fault_bits;
   // A bit that no row has would never be taken.
   std::uint32_t known = 0;
@@ -61,15 +66,15 @@ json alarms_json(const contract::TickRecord& record) {
   left &= known;
   while (left != 0) {
     const Fault cause = contract::headline(left, record.stop_cause);
-    alarms.push_back(alarm_json(record, cause, nullptr));
+    write_alarm(out, record, cause, {});
     left &= ~contract::fault_bit(cause);
     for (const contract::Explanation& row : contract::kExplanations) {
       if (row.cause != cause || (left & contract::fault_bit(row.effect)) == 0) continue;
-      alarms.push_back(alarm_json(record, row.effect, contract::fault_info(cause).name));
+      write_alarm(out, record, row.effect, contract::fault_info(cause).name);
       left &= ~contract::fault_bit(row.effect);
     }
   }
-  return alarms;
+  out.end(']');
 }
 
 }  // namespace hoist::server

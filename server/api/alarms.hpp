@@ -1,12 +1,11 @@
 // What is wrong, in the order in which it is to be told.
 #pragma once
-#include <nlohmann/json.hpp>
-
 #include "control/contract/signals.hpp"
+#include "server/http/json_writer.hpp"
 
 namespace hoist::server {
 
 /// The faults in force: what endangers the patient first, then what stopped the hoist, each followed by its consequences.
-[[nodiscard]] nlohmann::json alarms_json(const contract::TickRecord& record);
+void write_alarms(JsonWriter& out, const contract::TickRecord& record);
 
 }  // namespace hoist::server

@@ -23,6 +23,7 @@ json step_json(const contract::CalibrationStepInfo& info, const contract::Params
   return {{"name", info.name},
           {"role", access_role(info.role)},
           {"entered", std::move(entered)},
+          {"empty_harness", info.empty_harness},
           {"title", words(info.title_en, info.title_de)},
           {"action", words(info.do_en, info.do_de)},
           {"done_utc_s", date_s > 0 ? json(date_s) : json(nullptr)}};
@@ -63,7 +64,7 @@ void get_calibration(const CallPtr& call) {
 }
 
 void begin_calibration(const CallPtr& call) {
-  if (const auto asker = driver(call)) act_calibrate(call->services, *asker, field(*call, "step"), answer_done(call));
+  if (const auto asker = driver(call)) act_calibrate(call->services, *asker, *call->body, answer_done(call));
 }
 void measure_calibration(const CallPtr& call) {
   if (const auto asker = driver(call)) act_measure(call->services, *asker, *call->body, answer_done(call));

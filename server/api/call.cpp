@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "server/http/compress.hpp"
+
 namespace hoist::server {
 
 namespace {
@@ -21,6 +23,7 @@ void Call::respond(Response response) {
   if (!answer_) return;
   // Whatever the API says is true now and for this person only.
   response.set("Cache-Control", "no-store");
+  compress_json(request, response);
   std::exchange(answer_, nullptr)(std::move(response));
 }
 

@@ -30,8 +30,10 @@ void get_mode(const CallPtr& call) {
 }
 
 void set_mode(const CallPtr& call) {
-  if (const auto asker = driver(call, true))
-    act_mode(call->services, *asker, {field(*call, "mode"), field(*call, "exercise"), field(*call, "path")}, answer_done(call));
+  const bool ends = field(*call, "mode") == "standby";
+  if (const auto asker = driver(call, !ends))
+    act_mode(call->services, *asker, {field(*call, "mode"), field(*call, "exercise"), field(*call, "path"), field(*call, "start_again")},
+             answer_done(call));
 }
 
 void stop(const CallPtr& call) { act_stop(call->services, asker_of(*call).client, answer_done(call)); }

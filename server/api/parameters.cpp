@@ -154,7 +154,7 @@ void list_presets(const CallPtr& call) {
 
 void apply_preset(const CallPtr& call) {
   const std::string name = call->path_values.at(0);
-  act_preset(call->services, asker_of(*call), name, [call, name](const Outcome& outcome) {
+  act_preset(call->services, asker_of(*call), name, 0, [call, name](const Outcome& outcome) {
     if (!outcome.done()) {
       call->fail(problem_of(outcome));
       return;

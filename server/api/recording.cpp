@@ -35,6 +35,7 @@ void control_recording(const CallPtr& call) {
                 .errors = {{name, "must be text"}}});
     return;
   }
+  if (*action == "start") call->services.start_anew = true;
   in_background(call,
                 [start = *action == "start", subject = text("subject"), note = text("note").value_or(""),
                  path = call->request.path](Records& records) -> Response {

@@ -4,17 +4,14 @@
 #include <nlohmann/json.hpp>
 
 #include "control/contract/faults.hpp"
-#include "control/contract/reference_path.hpp"
-#include "db/export/exercise_names.hpp"
+#include "db/export/provenance.hpp"
 #include "db/export/session_export.hpp"
-#include "db/metrics/run_summary.hpp"
 #include "db/store/session_reader.hpp"
-#include "db/summary/moving_part.hpp"
 #include "db/summary/session_json.hpp"
-#include "db/summary/session_metrics.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/exercise.hpp"
 #include "server/api/handlers.hpp"
+#include "server/http/json_writer.hpp"
 
 namespace hoist::server::api {
 
@@ -24,24 +21,16 @@ namespace {
 constexpr std::size_t kColumnLimit = 32;
 constexpr std::size_t kDefaultPoints = 1000;
 
-json session_json(const db::SessionInfo& s) {
-  json out{{"id", s.id},
-           {"started_utc_ms", s.started_utc_ns / 1'000'000},
-           {"ended_utc_ms", nullptr},
-           {"duration_s", s.duration_s},
-           {"samples", s.sample_count},
-           {"gaps", s.gap_count},
-           {"recording", s.recording},
-           {"close_reason", s.close_reason},
-           {"simulated", s.simulated},
-           {"subject", nullptr},
-           {"note", s.note},
-           {"exercise", db::exercise_as_told(s.exercise_json)},
-           {"software_version", s.software_version},
-           {"stored_bytes", s.stored_bytes}};
-  if (s.ended_utc_ns) out["ended_utc_ms"] = *s.ended_utc_ns / 1'000'000;
-  if (s.subject) out["subject"] = *s.subject;
-  return out;
+// What one session's page tells beyond the list.
+db::Result<json> whole_session(db::Database& database, db::SessionId id) {
+  const db::SessionReader reader(database);
+  const auto session = reader.get(id);
+  if (!session) return session.error();
+  const auto nodes = reader.node_programs(id);
+  if (!nodes) return nodes.error();
+  json told = db::session_json(*session);
+  told["nodes"] = db::node_programs_json(*nodes);
+  return told;
 }
 
 template <typename T>
@@ -100,7 +89,7 @@ void list_sessions(const CallPtr& call) {
     const auto page = db::SessionReader(database).list(wanted);
     if (!page) return store_error(page.error(), path);
     json items = json::array();
-    for (const db::SessionInfo& s : page->sessions) items.push_back(session_json(s));
+    for (const db::SessionInfo& s : page->sessions) items.push_back(db::session_json(s));
     return json_response(
         {{"items", std::move(items)}, {"next", page->next ? json(std::to_string(*page->next)) : json(nullptr)}, {"total", page->total}});
   });
@@ -110,8 +99,8 @@ void get_session(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
   with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
-    const auto session = db::SessionReader(database).get(id);
-    return session ? json_response(session_json(*session)) : store_error(session.error(), path);
+    const auto session = whole_session(database, id);
+    return session ? json_response(*session) : store_error(session.error(), path);
   });
 }
 
@@ -142,8 +131,8 @@ void change_session(const CallPtr& call) {
   }
   with_database(call, [id = *id, patch, path = call->request.path](db::Database& database) -> Response {
     if (const db::Status changed = db::SessionEditor(database).patch(id, patch); !changed) return store_error(changed.error(), path);
-    const auto session = db::SessionReader(database).get(id);
-    return session ? json_response(session_json(*session)) : store_error(session.error(), path);
+    const auto session = whole_session(database, id);
+    return session ? json_response(*session) : store_error(session.error(), path);
   });
 }
 
@@ -158,17 +147,41 @@ void delete_session(const CallPtr& call) {
   });
 }
 
+namespace {
+template <typename Value>
+void write_list(JsonWriter& out, std::string_view name, const std::vector<Value>& values) {
+  out.key(name).begin('[');
+  for (const Value& value : values) out.value(value);
+  out.end(']');
+}
+
+Response overview_response(const db::Overview& overview) {
+  constexpr std::size_t kNumber_bytes = 20;
+  JsonWriter out(overview.from_s.size() * (2 * overview.info.size() + 3) * kNumber_bytes);
+  out.begin('{');
+  write_list(out, "from_s", overview.from_s);
+  write_list(out, "to_s", overview.to_s);
+  write_list(out, "gap_before", overview.gap_before);
+  out.key("columns").begin('[');
+  for (std::size_t i = 0; i < overview.info.size(); ++i) {
+    out.begin('{').field("name", overview.info[i].name).field("unit", overview.info[i].unit);
+    write_list(out, "min", overview.min[i]);
+    write_list(out, "max", overview.max[i]);
+    out.end('}');
+  }
+  out.end(']').end('}');
+  Response response;
+  response.content_type = "application/json";
+  response.body = out.take();
+  return response;
+}
+}  // namespace
+
 void get_samples(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
-  std::vector<std::string> names;
-  std::string_view rest =
-      call->request.query.contains("columns") ? std::string_view{call->request.query.at("columns")} : std::string_view{};
-  while (!rest.empty()) {
-    const std::size_t comma = rest.find(',');
-    if (comma != 0) names.emplace_back(rest.substr(0, comma));
-    rest = comma == std::string_view::npos ? std::string_view{} : rest.substr(comma + 1);
-  }
+  std::vector<std::string> names = db::column_names(query(*call, "columns").value_or(""));
+  std::erase(names, "");
   if (names.empty() || names.size() > kColumnLimit)
     return call->fail(bad_query("columns", "must name 1 to 32 live values, separated by commas", 1, static_cast<double>(kColumnLimit)));
   std::size_t points = kDefaultPoints;
@@ -190,12 +203,7 @@ void get_samples(const CallPtr& call) {
   with_database(call, [id = *id, names, points, range, path = call->request.path](db::Database& database) -> Response {
     const auto overview = db::SessionReader(database).overview(id, names, points, range);
     if (!overview) return store_error(overview.error(), path);
-    json columns = json::array();
-    for (std::size_t i = 0; i < overview->info.size(); ++i)
-      columns.push_back(
-          {{"name", overview->info[i].name}, {"unit", overview->info[i].unit}, {"min", overview->min[i]}, {"max", overview->max[i]}});
-    return json_response(
-        {{"from_s", overview->from_s}, {"to_s", overview->to_s}, {"gap_before", overview->gap_before}, {"columns", std::move(columns)}});
+    return overview_response(*overview);
   });
 }
 
@@ -235,34 +243,12 @@ void get_events(const CallPtr& call) {
   });
 }
 
-namespace {
-// Root mean square distance and heading from the pattern, over the moving part.
-std::optional<db::RunDeviation> deviation(const db::MovingPart& part, const Exercise& e) {
-  return db::run_deviation(figure_of(e),
-                           {.dt_s = db::kSample_s, .x_m = part.x_m, .y_m = part.y_m, .psi_rad = part.psi_rad, .dpsi_rad = part.dpsi_rad});
-}
-}  // namespace
-
 void get_metrics(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
   with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
-    const auto session = db::SessionReader(database).get(id);
-    if (!session) return store_error(session.error(), path);
-    const auto part = db::moving_part(database, id);
-    if (!part) return store_error(part.error(), path);
-    const auto metrics = db::session_metrics(database, id, *part);
-    if (!metrics) return store_error(metrics.error(), path);
-    json told = db::metrics_json(*metrics, session->exercise_json);
-    std::vector<FieldError> ignored;
-    std::optional<db::RunDeviation> off;
-    if (const auto walked = read_exercise(told["exercise"], ignored);
-        walked && walked->shape != Exercise::Shape::free && metrics->missing_s <= db::kMissingMost_s)
-      off = deviation(*part, *walked);
-    const auto or_null = [](const std::optional<double>& v) { return v && std::isfinite(*v) ? json(*v) : json(nullptr); };
-    told["rms_position_m"] = off ? or_null(off->position_rms_m) : json(nullptr);
-    told["rms_heading_rad"] = off ? or_null(off->heading_rms_rad) : json(nullptr);
-    return json_response(told);
+    const auto told = db::session_metrics_json(database, id);
+    return told ? json_response(*told) : store_error(told.error(), path);
   });
 }
 
@@ -286,14 +272,21 @@ void export_session(const CallPtr& call) {
   if (!id) return;
   const std::string format = query(*call, "format").value_or("csv");
   const auto wanted = db::find_export_format(format);
-  if (!wanted) return call->fail(bad_query("format", "must be csv, events or json", {}, {}));
+  if (!wanted) return call->fail(bad_query("format", "must be csv, events, json or candump", {}, {}));
+  db::ExportOptions options;
+  options.format = *wanted;
+  if (const auto names = query(*call, "columns")) options.columns = db::column_names(*names);
+  if (const auto comments = query(*call, "comments")) {
+    if (*comments != "0" && *comments != "1") return call->fail(bad_query("comments", "must be 0 or 1", 0, 1));
+    options.comments = *comments == "1";
+  }
   struct Opened {
     Response response;
     ExportId id = 0;  // 0 = none: `response` says why
   };
-  const auto open = [id = *id, wanted = *wanted, path = call->request.path](Records& records) -> Opened {
+  const auto open = [id = *id, options, path = call->request.path](Records& records) -> Opened {
     if (records.database() == nullptr) return {no_database(records.why(), path)};
-    const auto opened = records.open_export(id, {.format = wanted, .columns = {}, .comments = true});
+    const auto opened = records.open_export(id, options);
     if (!opened) return {store_error(opened.error(), path)};
     Opened out{.response = {}, .id = opened->id};
     out.response.content_type = opened->content_type;

@@ -2,9 +2,11 @@
 #include <nlohmann/json.hpp>
 
 #include "control/contract/faults.hpp"
+#include "control/contract/program_version.hpp"
 #include "server/api/actions.hpp"
 #include "server/api/alarms.hpp"
 #include "server/api/handlers.hpp"
+#include "server/http/json_writer.hpp"
 #include "server/live/hub.hpp"
 #include "server/live/notices.hpp"
 #include "server/live/views.hpp"
@@ -14,6 +16,8 @@ namespace hoist::server::api {
 using nlohmann::json;
 
 namespace {
+constexpr std::size_t kExpected_bytes = 2048;
+
 std::string iso_utc(std::int64_t utc_ns) {
   const std::time_t seconds = utc_ns / 1'000'000'000;
   std::tm parts{};
@@ -23,43 +27,74 @@ std::string iso_utc(std::int64_t utc_ns) {
 }
 }  // namespace
 
+namespace {
+void write_names(JsonWriter& out, std::string_view name, const std::vector<std::string>& names) {
+  out.key(name).begin('[');
+  for (const std::string& one : names) out.value(one);
+  out.end(']');
+}
+
+void write_core(JsonWriter& out, const Services& s, const contract::TickRecord* newest) {
+  const std::string_view problem = s.core.problem();
+  const std::string& version = s.core.link().program();
+  out.key("core").begin('{').field("connected", s.core.connected());
+  if (version.empty())
+    out.field("version", nullptr);
+  else
+    out.field("version", version);
+  if (problem.empty())
+    out.field("problem", nullptr);
+  else
+    out.field("problem", problem);
+  if (newest == nullptr || newest->mode >= contract::kModes.size())
+    out.field("mode", nullptr);
+  else
+    out.field("mode", contract::kModes[newest->mode].name);
+  write_names(out, "faults", newest != nullptr ? fault_names(newest->fault_bits) : std::vector<std::string>{});
+  out.key("alarms");
+  if (newest != nullptr)
+    write_alarms(out, *newest);
+  else
+    out.begin('[').end(']');
+  write_names(out, "blocked", newest != nullptr ? refusal_names(newest->blocked_bits) : std::vector<std::string>{});
+  if (newest == nullptr) {
+    out.field("standing_still", nullptr).field("tick", nullptr).field("bus", nullptr);
+  } else {
+    out.field("standing_still", newest->standing_still != 0).field("tick", newest->tick).key("bus").begin('{');
+    out.field("frames", newest->bus_frames).field("refused", newest->bus_refused).end('}');
+  }
+  out.end('}');
+}
+
+void write_counters(JsonWriter& out, const Counters& counters) {
+  out.key("counters").begin('{');
+  for (std::size_t i = 0; i < kCounterNames.size(); ++i) out.field(kCounterNames[i], counters.get(i));
+  out.end('}');
+}
+}  // namespace
+
 void get_status(const CallPtr& call) {
   const Services& s = call->services;
-  const std::string_view problem = s.core.problem();
-  json core{{"connected", s.core.connected()},
-            {"problem", problem.empty() ? json(nullptr) : json(problem)},
-            {"mode", nullptr},
-            {"faults", json::array()},
-            {"alarms", json::array()},
-            {"blocked", json::array()},
-            {"standing_still", nullptr},
-            {"tick", nullptr},
-            {"bus", nullptr}};
-  bool simulated = s.settings.scenario.has_value();
-  if (const auto& newest = s.core.newest(); newest && s.core.connected()) {
-    simulated = newest->simulated != 0;
-    core["mode"] = newest->mode < contract::kModes.size() ? json(contract::kModes[newest->mode].name) : json(nullptr);
-    core["faults"] = fault_names(newest->fault_bits);
-    core["alarms"] = alarms_json(*newest);
-    core["blocked"] = refusal_names(newest->blocked_bits);
-    core["standing_still"] = newest->standing_still != 0;
-    core["tick"] = newest->tick;
-    core["bus"] = {{"frames", newest->bus_frames}, {"refused", newest->bus_refused}};
-  }
-  json counters = json::object();
-  for (std::size_t i = 0; i < kCounterNames.size(); ++i) counters[std::string{kCounterNames[i]}] = s.counters.get(i);
-  call->respond(
-      json{{"version", kVersion},
-           {"started", iso_utc(s.started_utc_ns)},
-           {"simulated", simulated},
-           {"scenario", s.settings.scenario ? json(*s.settings.scenario) : json(nullptr)},
-           {"core", std::move(core)},
-           {"recording", recording_json(s.recorder.status())},
-           {"notices", notices_json(standing_notices(s))},
-           {"lease", {{"holder", s.core.lease_holder()}, {"epoch", s.core.lease_epoch()}}},
-           {"clients", s.hub.clients()},
-           {"counters", std::move(counters)},
-           {"server", {{"uptime_s", static_cast<double>(s.now_ns() - s.started_ns) * 1e-9}, {"layout_hash", layout_hash_hex()}}}});
+  const auto& step = s.core.newest();
+  const contract::TickRecord* newest = step && s.core.connected() ? &*step : nullptr;
+  JsonWriter out(kExpected_bytes);
+  out.begin('{').field("version", contract::program_version()).field("started", iso_utc(s.started_utc_ns));
+  out.field("simulated", newest != nullptr ? newest->simulated != 0 : s.settings.scenario.has_value());
+  if (s.settings.scenario)
+    out.field("scenario", *s.settings.scenario);
+  else
+    out.field("scenario", nullptr);
+  write_core(out, s, newest);
+  out.field("recording", recording_json(s.recorder.status())).field("notices", notices_json(standing_notices(s)));
+  out.key("lease").begin('{').field("holder", s.core.lease_holder()).field("epoch", s.core.lease_epoch()).end('}');
+  out.field("clients", s.hub.clients());
+  write_counters(out, s.counters);
+  out.key("server").begin('{').field("uptime_s", static_cast<double>(s.now_ns() - s.started_ns) * 1e-9);
+  out.field("layout_hash", layout_hash_hex()).end('}').end('}');
+  Response response;
+  response.content_type = "application/json";
+  response.body = out.take();
+  call->respond(std::move(response));
 }
 
 }  // namespace hoist::server::api

@@ -87,7 +87,8 @@ json operation_of(const Route& route) {
                                 {"content", {{"application/json", {{"schema", reference(route.request)}}}}}};
   json success{{"description", route.success == 101 ? "The connection is a WebSocket from here" : "Done"}};
   if (route.operation == "export_session") {
-    success["content"] = {{"text/csv", {{"schema", {{"type", "string"}}}}}, {"application/json", {{"schema", {{"type", "object"}}}}}};
+    const json text{{"schema", {{"type", "string"}}}};
+    success["content"] = {{"text/csv", text}, {"text/plain", text}, {"application/json", {{"schema", {{"type", "object"}}}}}};
   } else if (route.response.find('/') != std::string_view::npos) {
     success["content"][std::string{route.response}] = {{"schema", {{"type", "string"}}}};
   } else if (!route.response.empty()) {

@@ -258,11 +258,4 @@ SessionPtr Auth::use_link(std::string_view token, std::uint64_t utc_s) {
   return session;
 }
 
-std::vector<SessionPtr> Auth::sessions() const {
-  std::vector<SessionPtr> all(sessions_.begin(), sessions_.end());
-  all.insert(all.end(), past_.begin(), past_.end());
-  all.push_back(bearer_);
-  return all;
-}
-
 }  // namespace hoist::server

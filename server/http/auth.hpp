@@ -63,8 +63,13 @@ class Auth {
   [[nodiscard]] SessionPtr use_link(std::string_view token, std::uint64_t utc_s);
   [[nodiscard]] const std::string& link_token() const { return link_; }
   [[nodiscard]] const std::string& bearer_token() const { return bearer_->secret; }
-  // All that may hold a lease, those that have ended included.
-  [[nodiscard]] std::vector<SessionPtr> sessions() const;
+  // Calls `use(session)` for all that may hold a lease, those that have ended included.
+  template <typename Use>
+  void each_session(Use use) const {
+    for (const auto* list : {&sessions_, &past_})
+      for (const SessionPtr& session : *list) use(*session);
+    use(*bearer_);
+  }
 
  private:
   explicit Auth(Options options) : options_(std::move(options)) {}

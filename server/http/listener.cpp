@@ -68,14 +68,23 @@ const Problem kNoSeat{.status = 503,
                       .title = "Too many connections are open",
                       .detail = "Close some, or wait a moment and try again."};
 
-std::string http_date() {
+// Made once a second; the network thread's only.
+const std::string& http_date() {
+  static std::time_t made = -1;
+  static std::string date;
   const std::time_t now = std::time(nullptr);
+  if (now == made) return date;
+  made = now;
   std::tm parts{};
   ::gmtime_r(&now, &parts);
   char text[64];
-  const std::size_t size = std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S GMT", &parts);
-  return {text, size};
+  date.assign(text, std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S GMT", &parts));
+  return date;
 }
+
+// A body up to this size is sent together with its head.
+constexpr std::size_t kCopied_bytes = 256 * 1024;
+constexpr std::size_t kFirstRead_bytes = 4096;
 
 std::string lower(std::string_view text) {
   std::string out(text);
@@ -85,7 +94,9 @@ std::string lower(std::string_view text) {
 }
 
 std::string head_of(const Response& response, bool keep, bool chunked, std::optional<std::size_t> length) {
-  std::string head = "HTTP/1.1 " + std::to_string(response.status) + " " + std::string{reason_phrase(response.status)} + "\r\n";
+  std::string head;
+  head.reserve(1024 + (length && *length < kCopied_bytes ? *length : 0));
+  head.append("HTTP/1.1 ").append(std::to_string(response.status)).append(" ").append(reason_phrase(response.status)).append("\r\n");
   const auto add = [&head](std::string_view name, std::string_view value) {
     head.append(name).append(": ");
     // A value never breaks out of its line, whatever it was made from.
@@ -96,13 +107,13 @@ std::string head_of(const Response& response, bool keep, bool chunked, std::opti
   add("Date", http_date());
   if (!response.content_type.empty()) add("Content-Type", response.content_type);
   for (const auto& [name, value] : response.headers) add(name, value);
-  add("X-Content-Type-Options", "nosniff");
-  add("Content-Security-Policy",
-      "default-src 'self'; connect-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; form-action 'self'; "
-      "frame-ancestors 'none'");
-  add("Referrer-Policy", "no-referrer");
-  add("Cross-Origin-Opener-Policy", "same-origin");
-  add("Cross-Origin-Resource-Policy", "same-origin");
+  head.append(
+      "X-Content-Type-Options: nosniff\r\n"
+      "Content-Security-Policy: default-src 'self'; connect-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; "
+      "form-action 'self'; frame-ancestors 'none'\r\n"
+      "Referrer-Policy: no-referrer\r\n"
+      "Cross-Origin-Opener-Policy: same-origin\r\n"
+      "Cross-Origin-Resource-Policy: same-origin\r\n");
   if (chunked) add("Transfer-Encoding", "chunked");
   if (length) add("Content-Length", std::to_string(*length));
   add("Connection", keep ? "keep-alive" : "close");
@@ -146,12 +157,25 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
  private:
   using Parser = http::request_parser<http::string_body>;
+  using Clock = asio::steady_timer::clock_type;
 
+  // The timer is set anew only for an earlier limit. One that comes before the limit of the time waits on: a request costs no timer.
   void limit_time(int seconds) {
     timed_out_ = false;
-    deadline_.expires_after(std::chrono::seconds(seconds));
+    limit_ = Clock::now() + std::chrono::seconds(seconds);
+    if (!timing_ || limit_ < deadline_.expiry()) wait_for_limit();
+  }
+
+  void wait_for_limit() {
+    timing_ = true;
+    deadline_.expires_at(limit_);
     deadline_.async_wait([self = shared_from_this()](beast::error_code error) {
-      if (error || self->deadline_.expiry() > asio::steady_timer::clock_type::now()) return;
+      if (error || self->deadline_.expiry() > Clock::now()) return;
+      self->timing_ = false;
+      if (self->limit_ > Clock::now()) {
+        if (self->limit_ != Clock::time_point::max()) self->wait_for_limit();
+        return;
+      }
       self->shared_->services.counters.add(Count::connections_timed_out);
       // A request that has begun is told why it is not answered; the reader ends with an error and says it.
       self->timed_out_ = self->reading_ && (self->buffer_.size() > 0 || self->parser_->got_some());
@@ -193,11 +217,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return;
     }
     limit_time(kIdleTime_s);
-    socket_.async_wait(tcp::socket::wait_read, [self = shared_from_this()](beast::error_code error) {
+    socket_.async_read_some(buffer_.prepare(kFirstRead_bytes), [self = shared_from_this()](beast::error_code error, std::size_t count) {
       if (error) {
         self->drop();
         return;
       }
+      self->buffer_.commit(count);
       self->read_header(kHeaderTime_s);
     });
   }
@@ -398,7 +423,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void write(void (*then)(Connection&)) {
-    asio::async_write(socket_, asio::buffer(outgoing_), [self = shared_from_this(), then](beast::error_code error, std::size_t) {
+    // What the kernel takes at once needs no event.
+    beast::error_code failed;
+    const std::size_t sent = socket_.write_some(asio::buffer(outgoing_), failed);
+    if (!failed && sent == outgoing_.size()) {
+      then(*this);
+      return;
+    }
+    asio::async_write(socket_, asio::buffer(outgoing_) + sent, [self = shared_from_this(), then](beast::error_code error, std::size_t) {
       if (error)
         self->drop();
       else
@@ -408,7 +440,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   // A long answer, piece by piece: the next one is asked for only when the last one has left, so memory stays small.
   void next_piece() {
-    deadline_.cancel();
+    limit_ = Clock::time_point::max();
     pieces_([self = shared_from_this()](PieceState state, std::string piece) {
       if (!self->socket_.is_open()) return;
       if (state == PieceState::failed) {
@@ -484,6 +516,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::shared_ptr<Listener::Shared> shared_;
   tcp::socket socket_;
   asio::steady_timer deadline_;
+  Clock::time_point limit_ = Clock::time_point::max();
+  bool timing_ = false;  // the timer runs
   std::string address_;
   std::shared_ptr<void> seat_;
   std::size_t body_limit_ = kImageLimit_bytes;  // of the request that is being read
@@ -580,6 +614,7 @@ void Listener::accept() {
     } else {
       counters.add(Count::connections_accepted);
       socket.set_option(tcp::no_delay(true), ignored);
+      socket.non_blocking(true, ignored);
       auto seat = take_seat(shared, address);
       auto connection = std::make_shared<Connection>(shared, std::move(socket), address, std::move(seat), *kind);
       shared->connections.push_back(connection);

@@ -29,31 +29,30 @@ constexpr std::array kHandlers{
 };
 static_assert(kHandlers.size() == kRoutes.size());
 
-std::vector<std::string_view> split(std::string_view path) {
-  std::vector<std::string_view> parts;
-  while (true) {
-    const std::size_t slash = path.find('/');
-    parts.push_back(path.substr(0, slash));
-    if (slash == std::string_view::npos) return parts;
-    path.remove_prefix(slash + 1);
-  }
+// Takes the first segment off the path; nothing after the last one.
+std::optional<std::string_view> next_segment(std::string_view& path, bool& more) {
+  if (!more) return std::nullopt;
+  const std::size_t slash = path.find('/');
+  const std::string_view segment = path.substr(0, slash);
+  more = slash != std::string_view::npos;
+  path.remove_prefix(more ? slash + 1 : path.size());
+  return segment;
 }
 
 // Whether `path` is an instance of the pattern; fills in what stood for the {…}.
 bool matches(std::string_view pattern, std::string_view path, std::vector<std::string>& values) {
-  const auto want = split(pattern);
-  const auto have = split(path);
-  if (want.size() != have.size()) return false;
   values.clear();
-  for (std::size_t i = 0; i < want.size(); ++i) {
-    if (want[i].starts_with('{')) {
-      if (have[i].empty()) return false;
-      values.emplace_back(have[i]);
-    } else if (want[i] != have[i]) {
+  for (bool more_wanted = true, more_given = true;;) {
+    const auto want = next_segment(pattern, more_wanted);
+    const auto have = next_segment(path, more_given);
+    if (!want || !have) return !want && !have;
+    if (want->starts_with('{')) {
+      if (have->empty()) return false;
+      values.emplace_back(*have);
+    } else if (*want != *have) {
       return false;
     }
   }
-  return true;
 }
 
 Problem problem(unsigned status, std::string name, std::string title, std::string detail) {

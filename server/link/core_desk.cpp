@@ -53,9 +53,10 @@ void CoreDesk::ask(Command command, Done done) {
   }
   command.request_id = next_request();
   const std::uint64_t limit_ns = command.kind == CommandKind::acknowledge ? kAcknowledgeLimit_ns : kAnswerLimit_ns;
-  pending_[command.request_id] = {command.request_id, now_ns_ + limit_ns, std::move(done), changes_settings(command.kind), std::nullopt};
+  pending_[command.request_id] = {command.request_id, clock_ns_ + limit_ns, std::move(done), changes_settings(command.kind), std::nullopt};
   outbox_.push_back(command);
   flush_outbox();
+  if (wake_) wake_();
 }
 
 void CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, std::uint32_t version, Command commit,
@@ -86,9 +87,10 @@ void CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>
     outbox_.push_back(stage);
   }
   commit.seal = seal.value(version);
-  pending_[commit.request_id] = {commit.request_id, now_ns_ + kAnswerLimit_ns, std::move(done), true, std::nullopt};
+  pending_[commit.request_id] = {commit.request_id, clock_ns_ + kAnswerLimit_ns, std::move(done), true, std::nullopt};
   outbox_.push_back(commit);
   flush_outbox();
+  if (wake_) wake_();
 }
 
 bool CoreDesk::stop(std::uint32_t client, Done done) {
@@ -101,8 +103,9 @@ bool CoreDesk::stop(std::uint32_t client, Done done) {
   command.kind = CommandKind::stop;
   command.client = client;
   command.request_id = next_request();
-  if (done) pending_[command.request_id] = {command.request_id, now_ns_ + kAnswerLimit_ns, std::move(done), false, std::nullopt};
+  if (done) pending_[command.request_id] = {command.request_id, clock_ns_ + kAnswerLimit_ns, std::move(done), false, std::nullopt};
   if (!send(command)) outbox_.push_front(command);
+  if (wake_) wake_();
   return true;
 }
 
@@ -175,9 +178,11 @@ void CoreDesk::poll(std::uint64_t now_ns) {
   read_events(events, answered);
   read_ticks(now_ns);
   read_parameters();
-  if (attached && newest_.has_value() && heard_ns_ + kCoreSilence_ns > now_ns) {
+  look_at_clock();
+  const std::uint64_t silence_ns = link_.simulated_clock() ? kLockStepSilence_ns : kCoreSilence_ns;
+  if (attached && newest_.has_value() && heard_ns_ + silence_ns > now_ns) {
     set_connected(true);
-  } else if (!attached || heard_ns_ + kCoreSilence_ns <= now_ns) {
+  } else if (!attached || heard_ns_ + silence_ns <= now_ns) {
     if (connected_) {
       set_connected(false);
       set_lease(lease_epoch_, 0);
@@ -191,7 +196,7 @@ void CoreDesk::poll(std::uint64_t now_ns) {
   // Past its time: the answer may still come, but nobody waits for it any more.
   std::vector<Done> late;
   for (auto it = pending_.begin(); it != pending_.end();) {
-    if (it->second.deadline_ns > now_ns) {
+    if (it->second.deadline_ns > clock_ns_) {
       ++it;
       continue;
     }
@@ -204,6 +209,15 @@ void CoreDesk::poll(std::uint64_t now_ns) {
   for (Done& done : late)
     if (done) done({.kind = CoreAnswer::Kind::unanswered});
   flush_outbox();
+}
+
+void CoreDesk::look_at_clock() {
+  const bool simulated = link_.simulated_clock() && newest_.has_value();
+  clock_ns_ = simulated ? newest_->time_ns : link_.simulated_clock() ? link_.life() : now_ns_;
+  if (simulated && link_.attached())
+    speed_.look(now_ns_, newest_->time_ns);
+  else
+    speed_.forget();
 }
 
 void CoreDesk::read_ticks(std::uint64_t now_ns) {
@@ -220,14 +234,15 @@ void CoreDesk::read_ticks(std::uint64_t now_ns) {
 // The core publishes parameters before the answer to what changed them, and the answers of this poll are read already: a client that is answered now
 // finds here what is in force.
 void CoreDesk::read_parameters() {
+  if (contract::StoreReport report; link_.store(report)) store_ = report;
+  if (link_.params_sequence() == parameters_sequence_) return;
   contract::ParamsInForce now{};
   const std::uint64_t sequence = link_.params(now);
-  if (sequence != 0 && sequence != parameters_sequence_) {
-    parameters_sequence_ = sequence;
-    parameters_ns_ = now_ns_;
-  }
-  if (contract::StoreReport report; link_.store(report)) store_ = report;
-  if (sequence == 0 || now.version == 0 || (now.version == parameters_.version && now.values == parameters_.values)) return;
+  ++parameter_copies_;
+  if (sequence == 0) return;
+  if (sequence != parameters_sequence_) parameters_ns_ = now_ns_;
+  parameters_sequence_ = sequence;
+  if (now.version == 0 || (now.version == parameters_.version && now.values == parameters_.values)) return;
   parameters_ = now;
   if (listener_ != nullptr) listener_->on_parameters(parameters_);
 }

@@ -14,8 +14,10 @@
 #include "control/contract/commands.hpp"
 #include "control/contract/shared_memory.hpp"
 #include "control/contract/signals.hpp"
+#include "control/contract/step_line.hpp"
 #include "control/publish/server_link.hpp"
 #include "server/counters.hpp"
+#include "server/link/clock_speed.hpp"
 
 namespace hoist::server {
 
@@ -29,6 +31,9 @@ inline constexpr std::size_t kOutboxLimit = 256;
 inline constexpr std::uint64_t kStoreLimit_ns = 1'000'000'000;
 // The core has said nothing for this long: it counts as not connected, whatever the socket says.
 inline constexpr std::uint64_t kCoreSilence_ns = 500'000'000;
+// In lock-step a busy computer may hold simulator or core up for as long as each waits for its partner (kStepSilence_ms); after twice that the
+// core itself is stuck.
+inline constexpr std::uint64_t kLockStepSilence_ns = 2'000'000ULL * contract::kStepSilence_ms;
 
 struct CoreAnswer {
   enum class Kind : std::uint8_t { done, refused, unanswered, no_core, busy };
@@ -58,6 +63,8 @@ class CoreDesk {
 
   CoreDesk(std::string socket_path, Counters& counters);
   void set_listener(CoreListener* listener) { listener_ = listener; }
+  // Called when something is asked, so that a timer that sleeps longer than a step is brought forward.
+  void set_wake(std::function<void()> wake) { wake_ = std::move(wake); }
 
   // Attaches if need be, beats the heart, reads ticks, events and parameters, answers and times out what is pending.
   void poll(std::uint64_t now_ns);
@@ -78,6 +85,12 @@ class CoreDesk {
   // Whether the newest driving command holds the dead-man and its hand is no older than this (RemoteDrive::age_s).
   [[nodiscard]] bool hand_holds(std::uint64_t within_ns) const;
 
+  // Whether the next step matters: a client holds the lease, or an answer is due. Else one look per batch of samples is enough.
+  [[nodiscard]] bool urgent() const {
+    return !connected_ || lease_holder_ != 0 || !pending_.empty() || !outbox_.empty() || !storing_.empty();
+  }
+  // How often all parameters were copied out of the shared memory: only when they are others (for tests).
+  [[nodiscard]] std::uint64_t parameter_copies() const { return parameter_copies_; }
   [[nodiscard]] bool connected() const { return connected_; }
   // Why the core is not connected, in a sentence; empty while it is.
   [[nodiscard]] std::string_view problem() const;
@@ -89,6 +102,10 @@ class CoreDesk {
   [[nodiscard]] std::uint32_t lease_epoch() const { return lease_epoch_; }
   [[nodiscard]] std::uint32_t lease_holder() const { return lease_holder_; }
   [[nodiscard]] const publish::ServerLink& link() const { return link_; }
+  // What limits for the core's work are counted on: the steady time told to poll(), or the core's own time when a simulator gives it.
+  [[nodiscard]] std::uint64_t clock_ns() const { return clock_ns_; }
+  // Percent of real time, while simulated time runs slow.
+  [[nodiscard]] std::optional<int> slow_time_percent() const { return speed_.slow_percent(); }
 
  private:
   struct Pending {
@@ -115,6 +132,7 @@ class CoreDesk {
   void flush_outbox();
   bool send(contract::Command& command);
   void read_ticks(std::uint64_t now_ns);
+  void look_at_clock();
   void read_events(std::vector<contract::Event>& events, std::vector<Answered>& answered);
   void read_parameters();
   void answer(Answered& answered);
@@ -126,6 +144,7 @@ class CoreDesk {
   publish::ServerLink link_;
   Counters& counters_;
   CoreListener* listener_ = nullptr;
+  std::function<void()> wake_;
   publish::TickReader ticks_;
   publish::EventReader events_;
   std::vector<contract::TickRecord> tick_buffer_;
@@ -134,7 +153,8 @@ class CoreDesk {
   std::map<std::uint32_t, Pending> pending_;
   std::map<std::uint32_t, std::uint32_t> staged_;  // request of a staged row -> request of its set
   std::uint32_t last_request_ = 0;
-  std::uint64_t now_ns_ = 0;
+  std::uint64_t now_ns_ = 0, clock_ns_ = 0;
+  ClockSpeed speed_;
   std::uint64_t life_ = 0;
   std::uint64_t heard_ns_ = 0;
   std::uint64_t hand_ns_ = 0;  // telemetry stamp that the newest driving command echoed
@@ -144,6 +164,7 @@ class CoreDesk {
   contract::ParamsInForce parameters_{};
   std::uint64_t parameters_sequence_ = 0;
   std::uint64_t parameters_ns_ = 0;  // when this sequence was first seen
+  std::uint64_t parameter_copies_ = 0;
   contract::StoreReport store_{};
   std::vector<Storing> storing_;
   std::uint32_t lease_epoch_ = 0;

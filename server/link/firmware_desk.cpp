@@ -21,7 +21,7 @@ constexpr const char* kInterrupted =
     "now, send the program again.";
 }  // namespace
 
-FirmwareDesk::FirmwareDesk(CoreDesk& core) : core_(core), bus_(core.link()), buffer_(kFramesPerPoll) {}
+FirmwareDesk::FirmwareDesk(CoreDesk& core) : core_(core), bus_(core.link(), publish::ReadFrom::oldest), buffer_(kFramesPerPoll) {}
 
 void FirmwareDesk::begin(std::vector<std::uint8_t> image, contract::Node node, bool force, const Command& asker, CoreDesk::Done done) {
   if (busy()) {
@@ -86,16 +86,18 @@ void FirmwareDesk::end(Result result, std::string text) {
 }
 
 void FirmwareDesk::note(const CanFrame& frame) {
+  const std::uint32_t service = frame.id & 0x780U;
+  if (service != contract::canopen::kHeartbeatBase && service != contract::canopen::kSdoReplyBase) return;
   const auto node = contract::find_node(static_cast<std::uint8_t>(frame.id & 0x7FU));
   if (!node || *node == contract::Node::core) return;
   NodeSaid& said = said_[static_cast<std::size_t>(*node)];
-  const std::uint32_t service = frame.id & 0x780U;
   if (service == contract::canopen::kHeartbeatBase && frame.dlc == 1 && frame.data[0] == 0) said = {};  // it has started anew
   if (service != contract::canopen::kSdoReplyBase || frame.dlc != 8 || frame.data[0] != contract::canopen::sdo_upload_reply_command(4))
     return;
   const std::uint32_t object = contract::read_le(&frame.data[1], 3);
   const std::uint32_t value = contract::read_le(&frame.data[4], 4);
   if (object == 0x021018) said.product = value;
+  if (object == 0x031018) said.revision = value;
   if (object == (contract::kProgramVersion | 0x010000U)) said.version = value;
   if (object == (contract::kProgramId | 0x010000U)) said.crc = value;
 }

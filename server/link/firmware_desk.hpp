@@ -27,7 +27,8 @@ struct FirmwareUpdateState {
 
 // What a node has last said of itself on the bus, to whoever asked.
 struct NodeSaid {
-  std::optional<std::uint32_t> product, version, crc;
+  std::optional<std::uint32_t> product, revision, version, crc;
+  bool operator==(const NodeSaid&) const = default;
 };
 
 class FirmwareDesk {
@@ -57,7 +58,7 @@ class FirmwareDesk {
   void tell();
 
   CoreDesk& core_;
-  publish::BusReader bus_;
+  publish::BusReader bus_;  // from the oldest frame on: what the nodes said to the core before this server came counts, too
   std::vector<contract::BusRecord> buffer_;
   std::array<NodeSaid, contract::kRemoteNodeCount> said_{};
   std::vector<std::uint8_t> image_;

@@ -32,7 +32,7 @@ void Client::start() {
   socket_.set_option(asio::socket_base::send_buffer_size(kSendBuffer_bytes), ignored);
   socket_.set_option(tcp::no_delay(true), ignored);
   socket_.non_blocking(true, ignored);
-  heard_ns_ = pinged_ns_ = allowance_ns_ = hub_.services().now_ns();
+  heard_ns_ = allowance_ns_ = hub_.services().now_ns();
   read();
 }
 
@@ -133,6 +133,14 @@ void Client::send(const SharedFrame& frame) {
 
 void Client::send_telemetry(const SharedFrame& frame) {
   if (gone_ || closing_) return;
+  if (!waiting_ && !sending_ && control_.empty() && telemetry_.empty()) {
+    // The usual case needs no queue.
+    sent_ = 0;
+    sending_ = frame;
+    hub_.services().counters.add(Count::telemetry_frames_sent);
+    flush();
+    return;
+  }
   telemetry_.push_back(frame);
   flush();
   while (telemetry_.size() > kTelemetryQueue) {
@@ -192,19 +200,16 @@ void Client::flush() {
   }
 }
 
-void Client::poll(std::uint64_t now_ns) {
+void Client::visit(std::uint64_t now_ns) {
   if (gone_ || closing_) return;
   if (now_ns - heard_ns_ > kSilence_ns) {
     hub_.services().counters.add(Count::ws_closed_silent);
     gone();
     return;
   }
-  if (now_ns - pinged_ns_ >= kPing_ns) {
-    pinged_ns_ = now_ns;
-    // One at a time: a client that takes nothing is found silent without filling its queue.
-    static const SharedFrame kPing = make_frame(Opcode::ping, "");
-    if (!waiting_) send(kPing);
-  }
+  // One at a time: a client that takes nothing is found silent without filling its queue.
+  static const SharedFrame kPing = make_frame(Opcode::ping, "");
+  if (!waiting_) send(kPing);
 }
 
 void Client::close(CloseCode code, std::string_view reason) {

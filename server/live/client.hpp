@@ -33,7 +33,7 @@ class Client : public std::enable_shared_from_this<Client> {
   void send(const SharedFrame& frame);  // control: never dropped, bounded
   void send(const nlohmann::json& message);
   void send_telemetry(const SharedFrame& frame);  // may be dropped for a newer one
-  void poll(std::uint64_t now_ns);
+  void visit(std::uint64_t now_ns);               // each kPing_ns
   void close(CloseCode code, std::string_view reason);
 
   [[nodiscard]] std::uint32_t number() const { return number_; }
@@ -72,7 +72,6 @@ class Client : public std::enable_shared_from_this<Client> {
   bool closing_ = false;
   bool gone_ = false;
   std::uint64_t heard_ns_ = 0;
-  std::uint64_t pinged_ns_ = 0;
   std::uint64_t allowance_ = kMessagesPerSecond;
   std::uint64_t allowance_ns_ = 0;
 };

@@ -8,6 +8,8 @@
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/guided_path.hpp"
+#include "control/contract/program_version.hpp"
+#include "db/export/provenance.hpp"
 #include "server/api/actions.hpp"
 #include "server/api/exercise.hpp"
 #include "server/http/json_text.hpp"
@@ -44,6 +46,17 @@ json lease_json(const CoreDesk& core, std::uint32_t client) {
           {"mine", client != 0 && core.lease_holder() == client}};
 }
 
+json core_json(const CoreDesk& core) {
+  const std::string_view problem = core.problem();
+  return {{"type", "core"}, {"connected", core.connected()}, {"problem", problem.empty() ? json(nullptr) : json(problem)}};
+}
+
+json walk_json(const Walk& walk) {
+  json message = walk.told();
+  message["type"] = "walk";
+  return message;
+}
+
 json parameters_message(const contract::ParamsInForce& parameters) {
   json values = json::object();
   for (std::size_t i = 0; i < contract::kParamCount; ++i) values[std::string{contract::kParams[i].name}] = parameters.values[i];
@@ -51,12 +64,7 @@ json parameters_message(const contract::ParamsInForce& parameters) {
 }
 }  // namespace
 
-std::string layout_hash_hex() {
-  static constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string out;
-  for (int shift = 60; shift >= 0; shift -= 4) out.push_back(kDigits[(contract::layout_hash() >> shift) & 15U]);
-  return out;
-}
+std::string layout_hash_hex() { return db::layout_text(contract::layout_hash()); }
 
 json recording_json(const RecordingStatus& status) {
   json out{{"state", recording_state_name(status.state)},
@@ -160,8 +168,20 @@ SharedFrame telemetry_frame(std::span<const contract::TickRecord> records) {
   return make_frame(Opcode::binary, payload);
 }
 
-Hub::Hub() { batch_.reserve(kBatchLimit); }
+namespace {
+// Until a client chooses: what the simulated patient walks, else the paper's figure.
+Exercise first_choice(const std::optional<std::string>& scenario) {
+  return exercise_of_scenario(scenario ? std::string_view{*scenario} : "figure-eight");
+}
+}  // namespace
+
+Hub::Hub() : walk_(first_choice(std::nullopt)) { batch_.reserve(kBatchLimit); }
 Hub::~Hub() = default;
+
+void Hub::set_services(Services& services) {
+  services_ = &services;
+  walk_.choose(first_choice(services.settings.scenario));
+}
 
 void Hub::add(std::shared_ptr<Client> client) {
   // Its handshake was under way when the server began to end.
@@ -173,18 +193,15 @@ void Hub::add(std::shared_ptr<Client> client) {
   json welcome{{"type", "welcome"},
                {"client", client->number()},
                {"role", access_role(client->session()->role)},
-               {"version", kVersion},
+               {"version", contract::program_version()},
                {"layout_hash", layout_hash_hex()},
                {"record_bytes", sizeof(contract::TickRecord)},
                {"simulated", s.core.newest() ? s.core.newest()->simulated != 0 : s.settings.scenario.has_value()},
-               {"scenario", nullptr},
-               {"exercise", nullptr}};
-  if (s.settings.scenario) {
-    welcome["scenario"] = *s.settings.scenario;
-    welcome["exercise"] = exercise_json(exercise_of_scenario(*s.settings.scenario));
-  }
+               {"scenario", nullptr}};
+  if (s.settings.scenario) welcome["scenario"] = *s.settings.scenario;
   client->send(welcome);
-  client->send(json{{"type", "core"}, {"connected", s.core.connected()}});
+  client->send(core_json(s.core));
+  client->send(walk_json(walk_));
   if (s.core.has_parameters()) client->send(parameters_message(s.core.parameters()));
   client->send(lease_json(s.core, client->number()));
   json recording = recording_json(s.recorder.status());
@@ -224,7 +241,25 @@ void Hub::set_every_tick(Client& client, bool on) {
   client.set_every_tick(on);
 }
 
+void Hub::tell_walk() {
+  if (!clients_.empty()) broadcast(text_frame(walk_json(walk_)));
+}
+
+void Hub::choose(const Exercise& exercise) {
+  walk_.choose(exercise);
+  tell_walk();
+}
+
+void Hub::motion_begins(json told) {
+  walk_.begin(std::move(told));
+  tell_walk();
+}
+
 void Hub::on_ticks(std::span<const contract::TickRecord> records, std::uint64_t) {
+  meet_core();
+  bool marked = false;
+  for (const contract::TickRecord& record : records) marked = walk_.take(record) || marked;
+  if (marked) tell_walk();
   if (clients_.empty()) {
     batch_.clear();
     return;
@@ -240,14 +275,20 @@ void Hub::on_ticks(std::span<const contract::TickRecord> records, std::uint64_t)
   }
 }
 
+// What another core proposed and walked is nothing of this one's. A core that was only silent for a while keeps its own.
+void Hub::meet_core() {
+  const std::uint64_t life = services_->core.link().life();
+  if (life == core_life_) return;
+  proposed_.clear();
+  core_life_ = life;
+  walk_.forget();
+  tell_walk();
+}
+
 void Hub::on_core(bool connected) {
   if (!connected) batch_.clear();
-  if (const std::uint64_t life = services_->core.link().life(); life != core_life_) {
-    // What another core proposed is no result of this one. A core that was only silent for a while keeps its own.
-    proposed_.clear();
-    core_life_ = life;
-  }
-  broadcast(text_frame({{"type", "core"}, {"connected", connected}}));
+  meet_core();
+  broadcast(text_frame(core_json(services_->core)));
 }
 
 void Hub::on_parameters(const contract::ParamsInForce& parameters) {
@@ -282,8 +323,36 @@ void Hub::on_event(const contract::Event& event) {
 }
 
 void Hub::poll(std::uint64_t now_ns) {
-  const auto all = clients_;
-  for (const auto& client : all) client->poll(now_ns);
+  if (now_ns - visited_ns_ >= kPing_ns) {
+    visited_ns_ = now_ns;
+    const auto all = clients_;
+    visits_ += all.size();
+    for (const auto& client : all) client->visit(now_ns);
+  }
+  if (const std::string_view problem = services_->core.problem(); problem != told_problem_) {
+    told_problem_ = problem;
+    broadcast(text_frame(core_json(services_->core)));
+  }
+  const std::uint64_t changes = services_->recorder.changes();
+  const auto store_problem = services_->core.store_problem();
+  const auto slow_percent = services_->core.slow_time_percent();
+  if (changes != recording_changes_ || store_problem != store_problem_ || slow_percent != slow_percent_) {
+    recording_changes_ = changes;
+    store_problem_ = store_problem;
+    slow_percent_ = slow_percent;
+    tell_recording();
+  }
+  const FirmwareDesk& firmware = services_->firmware;
+  if (firmware.changes() != told_update_ && (!firmware.busy() || now_ns - told_update_ns_ >= kProgressEvery_ns)) {
+    told_update_ = firmware.changes();
+    told_update_ns_ = now_ns;
+    json message = firmware_update_json(firmware);
+    message["type"] = "firmware_progress";
+    broadcast(text_frame(message));
+  }
+}
+
+void Hub::tell_recording() {
   RecordingStatus status = services_->recorder.status();
   if (status != told_) {
     told_ = std::move(status);
@@ -294,14 +363,6 @@ void Hub::poll(std::uint64_t now_ns) {
   if (std::vector<StandingNotice> notices = standing_notices(*services_); notices != told_notices_) {
     told_notices_ = std::move(notices);
     broadcast(text_frame({{"type", "notices"}, {"items", notices_json(told_notices_)}}));
-  }
-  const FirmwareDesk& firmware = services_->firmware;
-  if (firmware.changes() != told_update_ && (!firmware.busy() || now_ns - told_update_ns_ >= kProgressEvery_ns)) {
-    told_update_ = firmware.changes();
-    told_update_ns_ = now_ns;
-    json message = firmware_update_json(firmware);
-    message["type"] = "firmware_progress";
-    broadcast(text_frame(message));
   }
 }
 

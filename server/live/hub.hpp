@@ -9,6 +9,7 @@
 
 #include "server/link/core_desk.hpp"
 #include "server/live/frame.hpp"
+#include "server/live/walk.hpp"
 #include "server/record/recorder.hpp"
 #include "server/services.hpp"
 
@@ -31,7 +32,7 @@ class Hub final : public CoreListener {
  public:
   Hub();
   ~Hub() override;
-  void set_services(Services& services) { services_ = &services; }
+  void set_services(Services& services);
 
   void on_core(bool connected) override;
   void on_ticks(std::span<const contract::TickRecord> records, std::uint64_t lost) override;
@@ -39,8 +40,10 @@ class Hub final : public CoreListener {
   void on_lease(std::uint32_t epoch, std::uint32_t holder) override;
   void on_event(const contract::Event& event) override;
 
-  // Once per poll: pings, silent clients, the recording's state.
+  // Once per poll: what has changed is told; once a second each client is pinged, and a silent one is dropped.
   void poll(std::uint64_t now_ns);
+  // How many samples complete the batch.
+  [[nodiscard]] std::size_t samples_missing() const { return kBatchSamples - batch_.size(); }
   // Every client gets a close frame; the sockets end by themselves.
   void close_all();
 
@@ -48,6 +51,12 @@ class Hub final : public CoreListener {
   void remove(const Client* client);
   // Changes how often a client gets values, between two batches, so that it sees each step once.
   void set_every_tick(Client& client, bool on);
+  // What is walked, told to all.
+  [[nodiscard]] const Walk& walk() const { return walk_; }
+  void choose(const Exercise& exercise);
+  void motion_begins(nlohmann::json told);
+  // How often a client was looked at (for tests).
+  [[nodiscard]] std::uint64_t visits() const { return visits_; }
   [[nodiscard]] std::size_t clients() const { return clients_.size(); }
   // The latest emergency messages since the server started, oldest first.
   [[nodiscard]] const std::deque<contract::Event>& emergencies() const { return emergencies_; }
@@ -58,12 +67,22 @@ class Hub final : public CoreListener {
  private:
   void broadcast(const SharedFrame& frame);
   void send_batch();
+  void tell_walk();
+  void meet_core();
+  void tell_recording();
 
   Services* services_ = nullptr;
   std::vector<std::shared_ptr<Client>> clients_;
   bool ending_ = false;
   std::vector<contract::TickRecord> batch_;
+  Walk walk_;
+  std::uint64_t visits_ = 0;
+  std::uint64_t visited_ns_ = 0;         // when the clients were last looked at
+  std::uint64_t recording_changes_ = 0;  // of the recorder, as told last
+  std::optional<contract::StoreProblem> store_problem_;
+  std::optional<int> slow_percent_;
   RecordingStatus told_;
+  std::string told_problem_;  // why the core is not connected
   std::vector<StandingNotice> told_notices_;
   std::uint64_t told_update_ = 0, told_update_ns_ = 0;  // changes of the firmware desk, and when they were told
   std::deque<contract::Event> emergencies_;

@@ -64,7 +64,8 @@ void lease_release(Client& client, const json& message) {
   act_release_lease(client.hub().services(), asker_of(client), reply_to(client, message));
 }
 void mode(Client& client, const json& message) {
-  act_mode(client.hub().services(), asker_of(client), {field(message, "mode"), field(message, "exercise"), field(message, "path")},
+  act_mode(client.hub().services(), asker_of(client),
+           {field(message, "mode"), field(message, "exercise"), field(message, "path"), field(message, "start_again")},
            reply_to(client, message));
 }
 void stop(Client& client, const json&) { act_stop(client.hub().services(), client.number(), nullptr); }
@@ -122,9 +123,18 @@ void drive(Client& client, const json& message) {
   client.send(json{{"type", "notice"}, {"level", "warning"}, {"text_key", "drive_refused"}, {"refusals", {refused}}});
 }
 
+// The version that the message was made for, or nothing after a refusal.
+std::optional<std::uint32_t> version_of(Client& client, const json& message) {
+  std::vector<FieldError> errors;
+  const auto version = read_version(field(message, "version"), errors);
+  if (!version) refuse_fields(client, message, std::move(errors));
+  return version;
+}
+
 void set(Client& client, const json& message) {
-  act_set(client.hub().services(), asker_of(client), field(message, "values"), field(message, "revert_after_s"), 0,
-          reply_to(client, message));
+  if (const auto version = version_of(client, message))
+    act_set(client.hub().services(), asker_of(client), field(message, "values"), field(message, "revert_after_s"), *version,
+            reply_to(client, message));
 }
 void keep_settings(Client& client, const json& message) {
   act_keep_trial(client.hub().services(), asker_of(client), field(message, "version"), reply_to(client, message));
@@ -134,12 +144,16 @@ void undo_settings(Client& client, const json& message) {
 }
 void preset(Client& client, const json& message) {
   const json& name = field(message, "name");
-  act_preset(client.hub().services(), asker_of(client), name.is_string() ? name.get<std::string>() : std::string{},
-             reply_to(client, message));
+  if (const auto version = version_of(client, message))
+    act_preset(client.hub().services(), asker_of(client), name.is_string() ? name.get<std::string>() : std::string{}, *version,
+               reply_to(client, message));
+}
+void choose(Client& client, const json& message) {
+  act_choose(client.hub().services(), field(message, "exercise"), reply_to(client, message));
 }
 void neutral(Client& client, const json& message) { act_neutral(client.hub().services(), asker_of(client), reply_to(client, message)); }
 void calibrate(Client& client, const json& message) {
-  act_calibrate(client.hub().services(), asker_of(client), field(message, "step"), reply_to(client, message));
+  act_calibrate(client.hub().services(), asker_of(client), message, reply_to(client, message));
 }
 void calibrate_measure(Client& client, const json& message) {
   act_measure(client.hub().services(), asker_of(client), message, reply_to(client, message));

@@ -20,7 +20,7 @@ using contract::Event;
 using contract::TickRecord;
 
 namespace {
-constexpr auto kPass = std::chrono::milliseconds(20);
+constexpr auto kPass = std::chrono::milliseconds(50);
 // While the disk refuses, asked again this often.
 constexpr std::uint64_t kRetry_ns = 1'000'000'000;
 constexpr std::uint64_t kCommit_ns = 400'000'000;
@@ -308,8 +308,10 @@ class Recorder::Work final : public Records {
     bus_ = old_->bus;
   }
 
-  // UTC now minus steady now.
-  [[nodiscard]] std::int64_t offset_ns() const { return owner_.options_.utc_ns() - static_cast<std::int64_t>(owner_.options_.steady_ns()); }
+  // UTC now minus the core's time now, which in lock-step is the newest record's.
+  [[nodiscard]] std::int64_t offset_ns(std::uint64_t newest_ns) const {
+    return owner_.options_.utc_ns() - static_cast<std::int64_t>(ticks_.simulated_clock() ? newest_ns : owner_.options_.steady_ns());
+  }
 
   db::Status begin(const TickRecord& first, std::optional<std::string> subject, std::string note, bool manual) {
     db::SessionStart start;
@@ -317,7 +319,7 @@ class Recorder::Work final : public Records {
     start.note = std::move(note);
     start.start_time_ns = first.time_ns;
     start.core_start_time_ns = ticks_.life();
-    offset_ns_ = offset_ns();
+    offset_ns_ = offset_ns(first.time_ns);
     anchored_ns_ = now_ns_;
     start.started_utc_ns = static_cast<std::int64_t>(first.time_ns) + offset_ns_;
     start.simulated = first.simulated != 0;
@@ -332,7 +334,9 @@ class Recorder::Work final : public Records {
         start.subject = known_->until.subject;
       }
       parameters = owner_.parameters_;
+      start.nodes = owner_.nodes_;
     }
+    if (!ticks_.program().empty()) start.core_version = ticks_.program();
     if (parameters.version != 0) start.parameter_values = parameters.values;
     const auto begun = writer_->begin(start);
     if (!begun) {
@@ -397,7 +401,7 @@ class Recorder::Work final : public Records {
       error_.clear();
     if (now_ns_ - anchored_ns_ >= kAnchor_ns) {
       anchored_ns_ = now_ns_;
-      const std::int64_t now = offset_ns();
+      const std::int64_t now = offset_ns(last_time_ns_);
       if (now - offset_ns_ > kJump_ns || offset_ns_ - now > kJump_ns) {
         offset_ns_ = now;
         check(writer_->append_utc_anchor(last_time_ns_, static_cast<std::int64_t>(last_time_ns_) + now));
@@ -576,6 +580,7 @@ class Recorder::Work final : public Records {
         status.durable_tick == owner_.status_.durable_tick && status.notices == owner_.status_.notices)
       return;
     owner_.status_ = std::move(status);
+    owner_.changes_.fetch_add(1, std::memory_order_release);
   }
 
   Recorder& owner_;
@@ -675,6 +680,11 @@ void Recorder::finish_here() { work_->finish(); }
 void Recorder::set_parameters(const contract::ParamsInForce& parameters) {
   const std::lock_guard lock(mutex_);
   parameters_ = parameters;
+}
+
+void Recorder::set_nodes(std::vector<db::NodeProgram> nodes) {
+  const std::lock_guard lock(mutex_);
+  nodes_ = std::move(nodes);
 }
 
 void Recorder::set_exercise(std::optional<std::string> exercise_json) {

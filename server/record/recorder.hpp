@@ -37,6 +37,7 @@ enum class RecordingState : std::uint8_t { idle, recording, failed };
 struct StandingNotice {
   NoticeName name{};
   std::string detail;  // for the engineer, English
+  int percent = 0;     // fills {percent} in the text
   bool operator==(const StandingNotice&) const = default;
 };
 struct RecordingStatus {
@@ -83,7 +84,7 @@ class Recorder {
     std::filesystem::path file;
     std::string version;
     std::function<std::int64_t()> utc_ns;      // wall clock
-    std::function<std::uint64_t()> steady_ns;  // the clock that the core uses
+    std::function<std::uint64_t()> steady_ns;  // the clock that the core uses on a real bus
     // For tests: the SQLite VFS to use, and where lines for the log go instead of the error output.
     const char* vfs = nullptr;
     std::function<void(const std::string&)> log = {};
@@ -97,7 +98,7 @@ class Recorder {
   void start();
   // Commits, closes the open session and joins.
   void stop();
-  // For a caller with its own clock, instead of start() and stop(): what the thread would do at its start, every 20 ms (one job included),
+  // For a caller with its own clock, instead of start() and stop(): what the thread would do at its start, every 50 ms (one job included),
   // and at its end.
   void open_here();
   void pass_here();
@@ -105,9 +106,13 @@ class Recorder {
 
   // From the network thread.
   void set_parameters(const contract::ParamsInForce& parameters);
+  // What the nodes have said of their programs: of sessions that begin from now on.
+  void set_nodes(std::vector<db::NodeProgram> nodes);
   // What the next motion walks, as stored in the database; nothing = free.
   void set_exercise(std::optional<std::string> exercise_json);
   [[nodiscard]] RecordingStatus status() const;
+  // Counts up whenever status() is another.
+  [[nodiscard]] std::uint64_t changes() const { return changes_.load(std::memory_order_acquire); }
   // False when too many wait; then the job is not run. A job and all that it holds is destroyed on the recorder's thread: nothing that
   // belongs to another thread may be in it (recorder_desk.hpp).
   [[nodiscard]] bool run(Job job);
@@ -132,8 +137,10 @@ class Recorder {
   std::vector<ExportId> closed_exports_;
   bool ending_ = false;
   RecordingStatus status_;
+  std::atomic<std::uint64_t> changes_ = 0;
   contract::ParamsInForce parameters_{};
   std::optional<std::string> exercise_;
+  std::vector<db::NodeProgram> nodes_;
   std::thread thread_;
 };
 

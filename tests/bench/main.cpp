@@ -1,6 +1,4 @@
 // hoist-bench: every figure beside the floor measured in the same run.
-#include <unistd.h>
-
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -9,63 +7,46 @@
 #include "tests/bench/bench.hpp"
 
 namespace {
-using hoist::bench::Row;
+using namespace hoist::bench;
 
-void print(const Row& row) {
-  std::string verdict;
-  if (row.floor > 0) {
-    const double ratio = row.value / row.floor;
-    char text[160];
-    std::snprintf(text, sizeof text, "%.2f x %s (%.3g %s)", ratio, row.floor_what.c_str(), row.floor, row.unit.c_str());
-    verdict = text;
-    if (row.goal_ratio > 0) {
-      std::snprintf(text, sizeof text, "; goal <= %.2f: %s", row.goal_ratio, ratio <= row.goal_ratio ? "met" : "MISSED");
-      verdict += text;
-    }
-  } else if (row.goal_value > 0) {
-    char text[80];
-    const bool met = row.more_is_better ? row.value >= row.goal_value : row.value <= row.goal_value;
-    std::snprintf(text, sizeof text, "goal %s %.4g: %s", row.more_is_better ? ">=" : "<=", row.goal_value, met ? "met" : "MISSED");
-    verdict = text;
-  }
-  std::printf("%-62s %10.4g %-4s %s%s%s\n", row.what.c_str(), row.value, row.unit.c_str(), verdict.c_str(), row.note.empty() ? "" : "  [",
-              row.note.empty() ? "" : (row.note + "]").c_str());
-  std::fflush(stdout);
+std::vector<Section> sections_of(const std::string& bin) {
+  return {{"law", "the control law and the whole tick", measure_law_and_tick},
+          {"memory", "shared memory beside memcpy", measure_shared_memory},
+          {"simulator", "the closed loop in virtual time", measure_simulator},
+          {"loop", "hoist-control beside bare loops, 40 s", [bin](Report& r) { measure_loop(r, bin); }},
+          {"websocket", "hoist-server beside a bare sender, 1, 20 and 64 clients", [bin](Report& r) { measure_websocket(r, bin); }},
+          {"driving", "from the bus to the browser", [bin](Report& r) { measure_driving(r, bin); }},
+          {"recording", "a session beside SQLite rows and the sqlite3 shell", measure_recording},
+          {"rest", "hoist-server beside nginx", [bin](Report& r) { measure_rest(r, bin); }},
+          {"instructions", "counted by callgrind", [bin](Report& r) { measure_instructions(r, bin); }},
+          {"console", "size of web/dist", measure_console},
+          {"firmware", "cycles and sizes, from the generated pages", measure_firmware}};
+}
+void print_help(const std::vector<Section>& sections) {
+  std::printf(
+      "hoist-bench [--only SECTION]... [--store FILE] [--compare FILE]\n\n"
+      "  --only SECTION   runs this section; may be repeated (default: all)\n"
+      "  --store FILE     writes the ratios and exact counts; figures of sections that did not run stay\n"
+      "  --compare FILE   ends with status 1 when a figure is more than 10 %% worse than in FILE\n\n");
+  for (const Section& section : sections) std::printf("  %-12s %s\n", section.name.c_str(), section.what.c_str());
 }
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::string only = argc > 1 ? argv[1] : "";
-  if (only == "--help") {
-    std::printf("hoist-bench [law|memory|simulator|loop|websocket]: measures, prints one table; no argument: everything\n");
-    return 0;
-  }
-  const std::string bin = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
-  struct Section {
-    const char* name;
-    hoist::bench::Rows (*measure)(const std::string& bin);
-  };
-  const Section sections[] = {
-      {"law", [](const std::string&) { return hoist::bench::measure_law_and_tick(); }},
-      {"memory", [](const std::string&) { return hoist::bench::measure_shared_memory(); }},
-      {"simulator", [](const std::string&) { return hoist::bench::measure_simulator(); }},
-      {"loop", [](const std::string& b) { return hoist::bench::measure_loop(b, 15.0); }},
-      {"websocket", [](const std::string& b) { return hoist::bench::measure_websocket(b, 50, 8.0); }},
-  };
-  int failed = 0, run = 0;
-  for (const Section& section : sections) {
-    if (!only.empty() && only != section.name) continue;
-    ++run;
-    try {
-      for (const Row& row : section.measure(bin)) print(row);
-    } catch (const std::exception& problem) {
-      std::printf("%-62s not measured: %s\n", section.name, problem.what());
-      ++failed;
+  try {
+    if (argc == 3 && argv[1] == std::string(kReplayArgument)) {
+      replay_ticks(std::stoi(argv[2]));
+      return 0;
     }
-  }
-  if (run == 0) {
-    std::printf("hoist-bench: there is no section \"%s\"\n", only.c_str());
+    const std::vector<Section> sections = sections_of(std::filesystem::read_symlink("/proc/self/exe").parent_path().string());
+    const Options options = parse_options({argv + 1, argv + argc}, sections);
+    if (options.help) {
+      print_help(sections);
+      return 0;
+    }
+    return run(sections, options);
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "hoist-bench: %s\n", problem.what());
     return 2;
   }
-  return failed == 0 ? 0 : 1;
 }

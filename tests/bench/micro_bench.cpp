@@ -69,58 +69,67 @@ double bare_law_ns() {
 
 // The tick on what it was given during a simulated walk, replayed without the world around it. The tick is pure, so the replay takes the
 // very same branches.
-double tick_ns() {
+class WalkReplay {
+ public:
+  WalkReplay() {
+    options_.world.scenario = sim::find_scenario("figure-eight");
+    tests::ClosedLoop loop(options_);
+    loop.on_inputs([&](const core::TickInputs& inputs) {
+      given_.push_back({inputs, {inputs.frames.begin(), inputs.frames.end()}, {inputs.commands.begin(), inputs.commands.end()}});
+    });
+    if (!loop.start(contract::Mode::user)) throw std::runtime_error("the walk did not start");
+    loop.run(20.0);
+    for (Given& step : given_) {
+      step.inputs.frames = step.frames;
+      step.inputs.commands = step.commands;
+    }
+    state_ = std::make_unique<core::CoreState>(options_.params);
+  }
+  void run(int count) {
+    for (int i = 0; i < count; ++i) {
+      if (at_ == given_.size()) {
+        at_ = 0;
+        *state_ = core::CoreState(options_.params);
+      }
+      core::tick(*state_, given_[at_++].inputs, core::kTick_s, *outputs_);
+    }
+  }
+
+ private:
   struct Given {
     core::TickInputs inputs;
     std::vector<contract::CanFrame> frames;
     std::vector<contract::Command> commands;
   };
-  std::vector<Given> given;
-  tests::ClosedLoopOptions options;
-  options.world.scenario = sim::find_scenario("figure-eight");
-  tests::ClosedLoop loop(options);
-  loop.on_inputs([&](const core::TickInputs& inputs) {
-    given.push_back({inputs, {inputs.frames.begin(), inputs.frames.end()}, {inputs.commands.begin(), inputs.commands.end()}});
-  });
-  if (!loop.start(contract::Mode::user)) throw std::runtime_error("the walk did not start");
-  loop.run(20.0);
-  for (Given& step : given) {
-    step.inputs.frames = step.frames;
-    step.inputs.commands = step.commands;
-  }
-  auto outputs = std::make_unique<core::TickOutputs>();
-  auto state = std::make_unique<core::CoreState>(options.params);
-  std::size_t at = 0;
-  const double ns = nanoseconds_per_call([&](int count) {
-    for (int i = 0; i < count; ++i) {
-      if (at == given.size()) {
-        at = 0;
-        *state = core::CoreState(options.params);
-      }
-      core::tick(*state, given[at++].inputs, core::kTick_s, *outputs);
-    }
-  });
-  return ns;
-}
+  tests::ClosedLoopOptions options_;
+  std::vector<Given> given_;
+  std::unique_ptr<core::CoreState> state_;
+  std::unique_ptr<core::TickOutputs> outputs_ = std::make_unique<core::TickOutputs>();
+  std::size_t at_ = 0;
+};
 }  // namespace
 
-Rows measure_law_and_tick() {
+void replay_ticks(int count) { WalkReplay().run(count); }
+
+void measure_law_and_tick(Report& report) {
+  WalkReplay replay;
+  const double tick_ns = nanoseconds_per_call([&](int count) { replay.run(count); });
   const double law_ns = bare_law_ns();
-  const double tick_ns = bench::tick_ns();
-  return {
-      {"bare law (eqs 1-3, Algorithms 1 and 2, mixing, odometry)", law_ns, "ns", 0, "", 0, 0, false, ""},
-      {"whole tick, walking (estimate to safety gate)", tick_ns, "ns", law_ns, "bare law", 5.0, 0, false, "frames of a simulated walk"}};
+  report.add({"law.law", "control law (eqs 1-3, algorithms 1 and 2, odometry)", law_ns, "ns", 0, ""});
+  report.add({"law.tick", "whole tick, walking (estimate to safety gate)", tick_ns, "ns", law_ns, "bare law", {5.0}});
 }
 
-Rows measure_shared_memory() {
+void measure_shared_memory(Report& report) {
   auto ring = std::make_unique<contract::SeqRing<contract::TickRecord, contract::kTickSlots>>();
   auto plain = std::make_unique<std::array<std::array<unsigned char, sizeof(contract::TickRecord)>, contract::kTickSlots>>();
+  // The C library's routine: a direct call of known size becomes `rep movsq`, which is several times slower.
+  void* (*volatile const copy)(void*, const void*, std::size_t) = std::memcpy;
   contract::TickRecord record{};
   std::uint64_t number = 0;
   const double copy_ns = nanoseconds_per_call([&](int count) {
     for (int i = 0; i < count; ++i) {
       record.tick = number++;
-      std::memcpy((*plain)[number % contract::kTickSlots].data(), &record, sizeof record);
+      copy((*plain)[number % contract::kTickSlots].data(), &record, sizeof record);
       benchmark::ClobberMemory();
     }
   });
@@ -134,7 +143,7 @@ Rows measure_shared_memory() {
   contract::TickRecord out{};
   const double copy_out_ns = nanoseconds_per_call([&](int count) {
     for (int i = 0; i < count; ++i) {
-      std::memcpy(&out, (*plain)[7].data(), sizeof out);
+      copy(&out, (*plain)[7].data(), sizeof out);
       benchmark::DoNotOptimize(out);
       benchmark::ClobberMemory();
     }
@@ -147,14 +156,15 @@ Rows measure_shared_memory() {
     }
   });
   const std::string size = std::to_string(sizeof(contract::TickRecord)) + " B";
-  return {{"publish one record (" + size + ") into the ring", publish_ns, "ns", copy_ns, "memcpy", 1.6, 0, false, ""},
-          {"read the newest record (" + size + ")", read_ns, "ns", copy_out_ns, "memcpy", 1.6, 0, false, ""}};
+  report.add({"memory.publish", "publish one record (" + size + ") into the ring", publish_ns, "ns", copy_ns, "memcpy", {1.6}});
+  report.add({"memory.read", "read the newest record (" + size + ")", read_ns, "ns", copy_out_ns, "memcpy", {1.6}});
 }
 
-Rows measure_simulator() {
-  const double speed = tests::simulated_seconds_per_second(60.0);
-  return {{"simulator: whole closed loop, as a multiple of real time", speed, "x", 0, "", 0, 300, true,
-           "core, nodes, bus, plant and patient on one core"}};
+void measure_simulator(Report& report) {
+  Row row{"simulator.speed", "whole closed loop, as a multiple of real time", 0, "x", 0, "", {2000, Better::higher}};
+  row.value = tests::simulated_seconds_per_second(60.0);
+  row.note = "core, nodes, bus, plant and patient on one core";
+  report.add(row);
 }
 
 }  // namespace hoist::bench

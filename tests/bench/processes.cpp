@@ -1,14 +1,17 @@
 #include "tests/bench/processes.hpp"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 namespace hoist::bench {
@@ -36,6 +39,12 @@ Process::Process(const std::vector<std::string>& command, const std::string& out
   ::execv(arguments[0], arguments.data());
   ::_exit(127);
 }
+Process::Process(const std::function<void()>& work) : pid_(::fork()) {
+  if (pid_ < 0) throw std::runtime_error("cannot fork");
+  if (pid_ > 0) return;
+  work();
+  ::_exit(0);
+}
 Process::~Process() {
   if (pid_ <= 0) return;
   ::kill(pid_, SIGTERM);
@@ -56,6 +65,74 @@ std::uint64_t Process::cpu_ns() const {
   }
   return sum;
 }
+int Process::wait() {
+  int status = -1;
+  ::waitpid(pid_, &status, 0);
+  pid_ = -1;
+  return status;
+}
 bool Process::running() const { return pid_ > 0 && ::kill(pid_, 0) == 0 && ::waitpid(pid_, nullptr, WNOHANG) == 0; }
+
+std::uint16_t free_port() {
+  const int probe = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  ::bind(probe, reinterpret_cast<sockaddr*>(&address), size);
+  ::getsockname(probe, reinterpret_cast<sockaddr*>(&address), &size);
+  ::close(probe);
+  return ntohs(address.sin_port);
+}
+int connect_to(std::uint16_t port) {
+  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  for (int i = 0; i < 50; ++i, ::poll(nullptr, 0, 20))
+    if (::connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) return fd;
+  ::close(fd);
+  throw std::runtime_error("nothing listens on port " + std::to_string(port));
+}
+
+int open_websocket(std::uint16_t port, const std::string& token) {
+  const int fd = connect_to(port);
+  const std::string request = "GET /ws HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
+                              "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                              "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: hoist.v1\r\nAuthorization: Bearer " +
+                              token + "\r\n\r\n";
+  std::string answer;
+  char byte = 0;
+  (void)!::send(fd, request.data(), request.size(), MSG_NOSIGNAL);
+  while (answer.find("\r\n\r\n") == std::string::npos && ::recv(fd, &byte, 1, 0) == 1) answer += byte;
+  if (answer.find(" 101 ") != std::string::npos) return fd;
+  ::close(fd);
+  throw std::runtime_error("hoist-server refused a WebSocket: " + answer.substr(0, 60));
+}
+std::string read_text(const std::string& path) {
+  std::ifstream file(path);
+  std::stringstream all;
+  all << file.rdbuf();
+  std::string text = all.str();
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+  return text;
+}
+
+RunningHoist::RunningHoist(const std::string& bin, const std::string& scenario, bool with_server, const std::string& web)
+    : sim_({bin + "/hoist-sim", "--scenario", scenario, "--pty-link", folder_ / "can", "--control", folder_ / "sim.sock"}, folder_ / "log"),
+      control_({bin + "/hoist-control", "--bus", "slcan:" + (folder_ / "can"), "--socket", core_socket()}, folder_ / "log") {
+  if (!with_server) return;
+  port_ = free_port();
+  server_.emplace(std::vector<std::string>{bin + "/hoist-server", "--socket", core_socket(), "--port", std::to_string(port_), "--web",
+                                           web.empty() ? folder_ / "" : web, "--db", folder_ / "hoist.db", "--scenario", scenario,
+                                           "--token-file", folder_ / "token"},
+                  folder_ / "log");
+  for (int i = 0; i < 500 && token_.empty(); ++i) {
+    ::poll(nullptr, 0, 20);
+    token_ = read_text(folder_ / "token");
+  }
+  if (token_.empty()) throw std::runtime_error("hoist-server did not come up: " + log());
+}
 
 }  // namespace hoist::bench

@@ -3,6 +3,8 @@
 #include <sys/types.h>
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,8 @@ class TemporaryFolder {
 class Process {
  public:
   Process(const std::vector<std::string>& command, const std::string& output_path);
+  // A fork of this program that runs `work`; for floors. Only while this program has one thread.
+  explicit Process(const std::function<void()>& work);
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -32,9 +36,39 @@ class Process {
   // CPU time of all its threads so far, in nanoseconds, from the scheduler's own accounts.
   [[nodiscard]] std::uint64_t cpu_ns() const;
   [[nodiscard]] bool running() const;
+  // Waits for its end; the status as waitpid gives it.
+  int wait();
 
  private:
   pid_t pid_ = -1;
+};
+
+// An unused TCP port of this machine at the moment of the call.
+[[nodiscard]] std::uint16_t free_port();
+// A blocking connection to a local port, tried for a second. Throws when nothing listens.
+[[nodiscard]] int connect_to(std::uint16_t port);
+// A connection behind the WebSocket handshake. Throws with the server's answer when it refuses.
+[[nodiscard]] int open_websocket(std::uint16_t port, const std::string& token);
+// Without the line ends at its end; empty when the file is missing.
+[[nodiscard]] std::string read_text(const std::string& path);
+
+// Simulator and hoist-control, and hoist-server when `with_server`, in a folder of their own.
+class RunningHoist {
+ public:
+  RunningHoist(const std::string& bin, const std::string& scenario, bool with_server, const std::string& web = "");
+  [[nodiscard]] std::string core_socket() const { return folder_ / "core.sock"; }
+  [[nodiscard]] const Process& control() const { return control_; }
+  [[nodiscard]] const Process& server() const { return *server_; }
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] const std::string& token() const { return token_; }  // of the engineer
+  [[nodiscard]] std::string log() const { return read_text(folder_ / "log"); }
+
+ private:
+  TemporaryFolder folder_;
+  std::uint16_t port_ = 0;
+  std::string token_;
+  Process sim_, control_;
+  std::optional<Process> server_;
 };
 
 }  // namespace hoist::bench

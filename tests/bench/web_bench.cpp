@@ -1,16 +1,17 @@
-// CPU of hoist-server per delivered WebSocket message, with real telemetry of a running core.
+// CPU of hoist-server per delivered WebSocket message, with telemetry of a running core, beside a bare epoll sender in the same seconds.
 #include <arpa/inet.h>
 #include <fcntl.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
+#include <sys/timerfd.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -19,50 +20,43 @@
 
 namespace hoist::bench {
 namespace {
-std::uint16_t free_port() {
-  const int probe = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  ::bind(probe, reinterpret_cast<sockaddr*>(&address), size);
-  ::getsockname(probe, reinterpret_cast<sockaddr*>(&address), &size);
-  ::close(probe);
-  return ntohs(address.sin_port);
-}
-std::string read_file(const std::string& path) {
-  std::ifstream file(path);
-  std::stringstream all;
-  all << file.rdbuf();
-  std::string text = all.str();
-  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
-  return text;
-}
-// Opens one WebSocket; -1 when the server refuses. Leaves whatever followed the handshake in the socket's way: frames are counted by bytes.
-int open_websocket(std::uint16_t port, const std::string& token, std::string& answer) {
-  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+constexpr double kSettle_s = 1, kIdle_s = 5, kMeasured_s = 8;
+
+// The floor: sends `size` bytes to each client 20 times a second with one plain send() each, and nothing else. Never returns.
+void bare_sender(std::uint16_t port, std::size_t size) {
+  const std::string frame(size, 'x');
+  const int door = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0), one = 1;
+  ::setsockopt(door, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  if (::connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
-    ::close(fd);
-    return -1;
+  if (::bind(door, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0 || ::listen(door, 128) != 0) return;
+  const int timer = ::timerfd_create(CLOCK_MONOTONIC, 0), poller = ::epoll_create1(0);
+  const itimerspec every{{0, 50'000'000}, {0, 50'000'000}};
+  ::timerfd_settime(timer, 0, &every, nullptr);
+  for (const int fd : {door, timer}) {
+    epoll_event event{};
+    event.events = EPOLLIN;
+    event.data.fd = fd;
+    ::epoll_ctl(poller, EPOLL_CTL_ADD, fd, &event);
   }
-  const std::string request = "GET /ws HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
-                              "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-                              "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: hoist.v1\r\nAuthorization: Bearer " +
-                              token + "\r\n\r\n";
-  if (::send(fd, request.data(), request.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(request.size())) return -1;
-  answer.clear();
-  char byte;
-  while (answer.find("\r\n\r\n") == std::string::npos && ::recv(fd, &byte, 1, 0) == 1) answer += byte;
-  if (answer.find(" 101 ") == std::string::npos) {
-    ::close(fd);
-    return -1;
+  std::vector<int> clients;
+  for (epoll_event event{}; ::epoll_wait(poller, &event, 1, -1) == 1;) {
+    if (event.data.fd == door) {
+      const int client = ::accept4(door, nullptr, nullptr, SOCK_NONBLOCK);
+      ::setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+      clients.push_back(client);
+      continue;
+    }
+    std::uint64_t times = 0;
+    if (::read(timer, &times, sizeof times) != sizeof times) return;
+    std::erase_if(clients, [&](int fd) {
+      const bool gone = ::send(fd, frame.data(), frame.size(), MSG_NOSIGNAL) < 0 && errno != EAGAIN;
+      if (gone) ::close(fd);
+      return gone;
+    });
   }
-  ::fcntl(fd, F_SETFL, O_NONBLOCK);
-  return fd;
 }
 // Walks over the frames of one stream and counts them; a ping is answered, so that the server does not think us dead.
 class FrameCounter {
@@ -85,7 +79,10 @@ class FrameCounter {
         length = 0;
         for (std::size_t k = 2; k < need; ++k) length = (length << 8) | head_[k];
       }
-      if ((head_[0] & 0x0FU) == 2) ++binary;
+      if ((head_[0] & 0x0FU) == 2) {
+        ++binary;
+        binary_bytes += length + need;
+      }
       if ((head_[0] & 0x0FU) == 9) {
         const std::array<unsigned char, 6> pong{0x8A, 0x80, 0, 0, 0, 0};
         ::send(fd, pong.data(), pong.size(), MSG_NOSIGNAL);
@@ -94,77 +91,127 @@ class FrameCounter {
       have_ = 0;
     }
   }
-  std::uint64_t binary = 0;
+  std::uint64_t binary = 0, binary_bytes = 0;
 
  private:
   std::array<unsigned char, 10> head_{};
   std::size_t have_ = 0, skip_ = 0;
 };
+
+// The receiving end of one sender: all its clients.
+class Clients {
+ public:
+  explicit Clients(const std::function<int()>& open, std::size_t count) : counters_(count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      sockets_.push_back(open());
+      ::fcntl(sockets_.back(), F_SETFL, O_NONBLOCK);
+    }
+  }
+  ~Clients() {
+    for (const int fd : sockets_) ::close(fd);
+  }
+  Clients(const Clients&) = delete;
+  Clients& operator=(const Clients&) = delete;
+  void watch(int poller, std::uint64_t tag) const {
+    for (std::size_t i = 0; i < sockets_.size(); ++i) {
+      epoll_event event{};
+      event.events = EPOLLIN;
+      event.data.u64 = tag + i;
+      ::epoll_ctl(poller, EPOLL_CTL_ADD, sockets_[i], &event);
+    }
+  }
+  void read(std::size_t i) {
+    const ssize_t got = ::recv(sockets_[i], buffer_.data(), buffer_.size(), 0);
+    if (got == 0) throw std::runtime_error("a connection was closed while measuring");
+    if (got < 0) return;
+    bytes += static_cast<std::uint64_t>(got);
+    if (parsed) counters_[i].feed(sockets_[i], buffer_.data(), static_cast<std::size_t>(got));
+  }
+  [[nodiscard]] std::uint64_t messages() const {
+    std::uint64_t sum = 0;
+    for (const FrameCounter& counter : counters_) sum += counter.binary;
+    return sum;
+  }
+  [[nodiscard]] std::uint64_t message_bytes() const {
+    std::uint64_t sum = 0;
+    for (const FrameCounter& counter : counters_) sum += counter.binary_bytes;
+    return sum;
+  }
+  std::uint64_t bytes = 0;
+  bool parsed = true;  // false: only bytes are counted
+
+ private:
+  std::vector<int> sockets_;
+  std::vector<FrameCounter> counters_;
+  std::vector<unsigned char> buffer_ = std::vector<unsigned char>(65536);
+};
+
+constexpr std::uint64_t kFloorTag = 1000;
+void pump(int poller, Clients& served, Clients& floor, double seconds) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  std::array<epoll_event, 128> events;
+  while (Clock::now() < end) {
+    const int ready = ::epoll_wait(poller, events.data(), static_cast<int>(events.size()), 20);
+    for (int e = 0; e < ready; ++e) {
+      const std::uint64_t tag = events[static_cast<std::size_t>(e)].data.u64;
+      tag < kFloorTag ? served.read(tag) : floor.read(tag - kFloorTag);
+    }
+  }
+}
+
+// CPU per message of the server and of the bare sender, which serve as many clients in the same seconds.
+void measure_clients(Report& report, const RunningHoist& hoist, std::size_t count, double idle_us_per_s, std::size_t frame_bytes) {
+  report.progress(std::to_string(count) + " clients");
+  const std::uint16_t port = free_port();
+  const Process sender([&] { bare_sender(port, frame_bytes); });
+  Clients served([&] { return open_websocket(hoist.port(), hoist.token()); }, count), floor([&] { return connect_to(port); }, count);
+  floor.parsed = false;
+  const int poller = ::epoll_create1(EPOLL_CLOEXEC);
+  served.watch(poller, 0);
+  floor.watch(poller, kFloorTag);
+  pump(poller, served, floor, kSettle_s);
+  const std::uint64_t messages_before = served.messages(), bytes_before = floor.bytes;
+  const std::uint64_t server_before = hoist.server().cpu_ns(), sender_before = sender.cpu_ns();
+  pump(poller, served, floor, kMeasured_s);
+  const double server_us = static_cast<double>(hoist.server().cpu_ns() - server_before) * 1e-3;
+  const double sender_us = static_cast<double>(sender.cpu_ns() - sender_before) * 1e-3;
+  ::close(poller);
+  const double messages = static_cast<double>(served.messages() - messages_before);
+  const double sent = static_cast<double>(floor.bytes - bytes_before) / static_cast<double>(frame_bytes);
+  if (messages < 1 || sent < 1) throw std::runtime_error("no messages arrived");
+  const std::string n = std::to_string(count), clients = n + (count == 1 ? " client" : " clients");
+  Goal goal;
+  if (count > 1) goal.limit = 1.07;
+  report.add({"websocket.whole_" + n, "CPU per message, idle work included, " + clients, server_us / messages, "us", sender_us / sent,
+              "bare sender", goal, false, std::to_string(frame_bytes) + " B"});
+  report.add({"websocket.marginal_" + n, "CPU per message without idle work, " + clients,
+              (server_us - idle_us_per_s * kMeasured_s) / messages, "us", sender_us / sent, "bare sender"});
+}
+
+double idle_us_per_second(const RunningHoist& hoist) {
+  ::poll(nullptr, 0, 2000);
+  const std::uint64_t before = hoist.server().cpu_ns();
+  ::poll(nullptr, 0, static_cast<int>(kIdle_s * 1000));
+  return static_cast<double>(hoist.server().cpu_ns() - before) * 1e-3 / kIdle_s;
+}
+std::size_t mean_frame_bytes(const RunningHoist& hoist) {
+  Clients one([&] { return open_websocket(hoist.port(), hoist.token()); }, 1), none(nullptr, 0);
+  const int poller = ::epoll_create1(EPOLL_CLOEXEC);
+  one.watch(poller, 0);
+  pump(poller, one, none, 1.0);
+  ::close(poller);
+  if (one.messages() == 0) throw std::runtime_error("no telemetry arrived");
+  return one.message_bytes() / one.messages();
+}
 }  // namespace
 
-Rows measure_websocket(const std::string& bin, int clients, double seconds) {
-  const TemporaryFolder folder;
-  const std::uint16_t port = free_port();
-  const Process sim({bin + "/hoist-sim", "--scenario", "stand", "--pty-link", folder / "can", "--control", folder / "sim.sock"},
-                    folder / "log");
-  const Process control({bin + "/hoist-control", "--bus", "slcan:" + (folder / "can"), "--socket", folder / "core.sock"}, folder / "log");
-  const Process server({bin + "/hoist-server", "--socket", folder / "core.sock", "--port", std::to_string(port), "--web", folder / "",
-                        "--db", folder / "hoist.db", "--scenario", "stand", "--token-file", folder / "token"},
-                       folder / "log");
-  std::string token, answer;
-  std::vector<int> sockets;
-  for (int i = 0; i < 500 && sockets.empty(); ++i) {
-    ::poll(nullptr, 0, 20);
-    token = read_file(folder / "token");
-    if (token.empty()) continue;
-    const int fd = open_websocket(port, token, answer);
-    if (fd >= 0) sockets.push_back(fd);
-  }
-  if (sockets.empty()) throw std::runtime_error("hoist-server did not come up: " + answer + read_file(folder / "log"));
-  while (sockets.size() < static_cast<std::size_t>(clients)) {
-    const int fd = open_websocket(port, token, answer);
-    if (fd < 0) break;  // the server's own limit per address
-    sockets.push_back(fd);
-  }
-  const int poller = ::epoll_create1(EPOLL_CLOEXEC);
-  std::vector<FrameCounter> counters(sockets.size());
-  for (std::size_t i = 0; i < sockets.size(); ++i) {
-    epoll_event event{};
-    event.events = EPOLLIN;
-    event.data.u64 = i;
-    ::epoll_ctl(poller, EPOLL_CTL_ADD, sockets[i], &event);
-  }
-  using Clock = std::chrono::steady_clock;
-  const auto pump = [&](double for_seconds) {
-    const auto end = Clock::now() + std::chrono::duration<double>(for_seconds);
-    std::array<epoll_event, 64> events;
-    std::vector<unsigned char> buffer(65536);
-    while (Clock::now() < end) {
-      const int ready = ::epoll_wait(poller, events.data(), static_cast<int>(events.size()), 20);
-      for (int e = 0; e < ready; ++e) {
-        const std::size_t i = events[static_cast<std::size_t>(e)].data.u64;
-        const ssize_t got = ::recv(sockets[i], buffer.data(), buffer.size(), 0);
-        if (got > 0) counters[i].feed(sockets[i], buffer.data(), static_cast<std::size_t>(got));
-      }
-    }
-  };
-  const auto total = [&] {
-    std::uint64_t sum = 0;
-    for (const FrameCounter& counter : counters) sum += counter.binary;
-    return sum;
-  };
-  pump(2.0);
-  const std::uint64_t messages_before = total(), cpu_before = server.cpu_ns();
-  pump(seconds);
-  const double messages = static_cast<double>(total() - messages_before);
-  const double cpu_us = static_cast<double>(server.cpu_ns() - cpu_before) * 1e-3;
-  for (const int fd : sockets) ::close(fd);
-  ::close(poller);
-  if (messages < 1) throw std::runtime_error("no telemetry arrived");
-  return {{"server CPU per delivered WebSocket message", cpu_us / messages, "us", 0, "", 0, 0, false,
-           std::to_string(sockets.size()) + " clients, 20 messages/s each, recorder idle, whole process"},
-          {"WebSocket messages per second and client", messages / seconds / static_cast<double>(sockets.size()), "1/s", 20, "asked", 1.02,
-           0, false, ""}};
+void measure_websocket(Report& report, const std::string& bin) {
+  const RunningHoist hoist(bin, "stand", true);
+  const double idle_us = idle_us_per_second(hoist);
+  report.add({"websocket.idle", "hoist-server without clients, CPU per second", idle_us, "us", 0, ""});
+  const std::size_t frame_bytes = mean_frame_bytes(hoist);
+  for (const std::size_t count : {1, 20, 64}) measure_clients(report, hoist, count, idle_us, frame_bytes);
 }
 
 }  // namespace hoist::bench

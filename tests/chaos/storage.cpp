@@ -163,8 +163,10 @@ void Storage::check_session(db::Database& database, std::int64_t session, const 
     if (i > 0)
       for (std::uint64_t missing = columns->tick[i - 1] + 1; missing < tick; ++missing)
         if (!in_gap(missing)) return bad("tick " + std::to_string(missing) + " is missing and no gap says so");
-    if (tick >= published->second.size() || published->second[tick].tick != tick) return bad("a tick that never was");
-    const Kept& kept = published->second[tick];
+    // Rising, with holes where the core was held.
+    const auto found = std::ranges::lower_bound(published->second, tick, {}, &Kept::tick);
+    if (found == published->second.end() || found->tick != tick) return bad("a tick that never was");
+    const Kept& kept = *found;
     // As rounded by the stored column.
     const double x_lsb = columns->info[0].lsb, alpha_lsb = columns->info[1].lsb;
     if (std::fabs(columns->values[0][i] - static_cast<double>(kept.x_m)) > x_lsb ||

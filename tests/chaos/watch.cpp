@@ -190,11 +190,11 @@ void Watch::before_step(const core::TickInputs& inputs) {
   for (const contract::Command& c : commands_) {
     const bool repeated = c.sequence < next_sequence_;
     if (!repeated) next_sequence_ = c.sequence + 1;
+    // Anyone may end a motion.
+    if (c.kind == CommandKind::request_mode && c.a == static_cast<std::uint32_t>(Mode::standby)) must_stop("the end of motion", 0.01, 0.5);
     if (holder == 0) continue;
     const bool by_holder = c.client == holder && c.lease_epoch == lease_epoch_;
     if (c.kind == CommandKind::acknowledge && by_holder && !repeated) acknowledged_s_ = loop_.time_s();
-    if (c.kind == CommandKind::request_mode && c.a == static_cast<std::uint32_t>(Mode::standby) && by_holder)
-      must_stop("the end of motion", 0.01, 0.5);
     if (c.kind == CommandKind::release_lease && !repeated && (c.client == 0 || c.client == holder)) holder = 0;
   }
   if (!inputs.drive_fresh) return;

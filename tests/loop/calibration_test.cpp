@@ -40,7 +40,7 @@ class Workshop {
     return true;
   }
   bool begin(CalibrationStep step) {
-    loop.ask(CommandKind::begin_calibration, static_cast<std::uint32_t>(step), 0, 0, 0,
+    loop.ask(CommandKind::begin_calibration, static_cast<std::uint32_t>(step), 1.0, 0, 0,
              static_cast<std::uint32_t>(contract::Role::engineer));
     loop.run(0.02);
     return loop.mode() == Mode::calibrate && loop.record().calibration_step == static_cast<int>(step);
@@ -260,9 +260,25 @@ TEST(Calibration, TheOldValuesStayWhenTheBarMovesWhileItIsZeroed) {
     EXPECT_NE(shop.phase(), CalibrationPhase::result);
   }
   EXPECT_EQ(shop.phase(), CalibrationPhase::refused);
-  EXPECT_EQ(shop.reason(), CalibrationReason::not_still);
+  EXPECT_EQ(shop.reason(), CalibrationReason::harness_sways);
   EXPECT_EQ(shop.count(EventKind::parameter_changed), 0);
   EXPECT_EQ(shop.params().left_alpha_zero_rad, before.left_alpha_zero_rad);
+}
+
+// A person who stands quietly sways over several millimetres, mostly below 0.5 Hz (Prieto 1996, Winter 1998); here 3 mm from end to end
+// at 0.2 Hz, so that a window of two seconds would see less than half of it.
+TEST(Calibration, APatientWhoStandsQuietlyInTheHarnessIsNoZero) {
+  Workshop shop(9);
+  ASSERT_TRUE(shop.open());
+  ASSERT_TRUE(shop.begin(CalibrationStep::zero));
+  for (int i = 0; i < 900 && shop.phase() != CalibrationPhase::refused; ++i) {
+    shop.loop.world().hold_bar(0.0015 * std::sin(2 * sim::kPi * 0.2 * 0.02 * i), 0, 0);
+    shop.loop.run(0.02);
+    ASSERT_NE(shop.phase(), CalibrationPhase::result) << "after " << 0.02 * i << " s";
+  }
+  EXPECT_EQ(shop.phase(), CalibrationPhase::refused);
+  EXPECT_EQ(shop.reason(), CalibrationReason::harness_sways);
+  EXPECT_EQ(shop.count(EventKind::parameter_changed), 0);
 }
 
 TEST(Calibration, APatientWhoLeansInTheHarnessIsNoZero) {

@@ -180,6 +180,7 @@ void ClosedLoop::step() {
       record_hash_ ^= record_hash_ >> 29;
     }
   }
+  if (!core_runs_) ++ticks_;  // steps follow the clock: those of a held core are left out
   for (int i = 0; i < kWorldStepsPerTick; ++i) {
     world_.advance_1ms();
     if (through_gateway_) move_serial_line();

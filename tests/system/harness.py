@@ -128,6 +128,7 @@ class Hoist:
         self.scenario = scenario
         self.sim_options, self.core_options = list(sim_options), list(core_options)
         self.real_time = False
+        self.lock_step = False  # simulator and core on one clock
         self.recording = None  # where the core writes down what passes on the bus
         self.recording_begin = 0  # of the core that runs now
         self.utc_offset_s = 0.0  # of the recording's times
@@ -142,19 +143,24 @@ class Hoist:
 
     def start_sim(self):
         where = ["--bus", self.sim_bus] if self.sim_bus else ["--pty-link", self.path("can")]
+        if self.lock_step:
+            where = ["--lock-step", self.path("step.sock")]
         self.sim = self.program("hoist-sim", "--scenario", self.scenario, "--control", self.path("sim.sock"), *where, *self.sim_options)
         self.sim.says("SIMULATION")
 
     def start_core(self):
         bus = self.core_bus or f"slcan:{self.path('can')}"
+        # A guest's clock ticks at 100 Hz and its processor is shared: late steps are the guest's, not the core's.
+        bound = ["--set", "loop_late_s_max=0.2"]
+        if self.lock_step:
+            bus, bound = f"sim:{self.path('step.sock')}", []
         capture = ["--capture", self.recording] if self.recording else []
         # The core compares the two clocks once, at its start. Whoever sets the time of day in that moment would shift the whole recording.
         for _ in range(3):
             if self.recording and os.path.exists(self.recording):
                 self.recording_begin = os.path.getsize(self.recording)
             before_s = utc_offset_s()
-            # A guest's clock ticks at 100 Hz and its processor is shared: late steps are the guest's, not the core's.
-            self.core = self.program("hoist-control", "--bus", bus, "--socket", self.path("core.sock"), "--set", "loop_late_s_max=0.2",
+            self.core = self.program("hoist-control", "--bus", bus, "--socket", self.path("core.sock"), *bound,
                                      *([] if self.real_time else ["--no-realtime"]), *capture, *self.core_options)
             self.core.says("100 Hz")
             self.utc_offset_s = utc_offset_s()
@@ -365,6 +371,7 @@ def run_suite(name, cases):
         print(f"[ RUN  ] {name}.{case.__name__}", flush=True)
         body = ""
         result = "completed"
+        begin = time.monotonic()
         try:
             try:
                 once(case)
@@ -374,7 +381,7 @@ def run_suite(name, cases):
                     once(case)
                 except Skipped as reason:
                     raise Failed(f"{error}; then: {reason}") from None
-            print(f"[   OK ] {name}.{case.__name__}", flush=True)
+            print(f"[   OK ] {name}.{case.__name__} ({time.monotonic() - begin:.1f} s)", flush=True)
         except Skipped as reason:
             print(f"[ SKIP ] {name}.{case.__name__}: {reason}", flush=True)
             result, body = "skipped", f"<skipped message={quoteattr(f'{name}:1{chr(10)}{reason}')}/>".replace("\n", "&#x0A;")

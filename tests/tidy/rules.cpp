@@ -48,7 +48,8 @@ const std::vector<Layer>& layers() {
       {"firmware/sim/", {"firmware/", "control/contract/", "control/bus/"}, false},
       // The update of a node's program is frames in, frames out, without a bus; the tool and the server must not have two of them.
       {"server/", {"server/", "control/contract/", "control/publish/", "control/bus/firmware_update.hpp", "db/"}, false},
-      {"db/", {"db/", "control/contract/"}, false},
+      // The recorded frames are exported in the format that the captures have.
+      {"db/", {"db/", "control/contract/", "control/bus/candump_log.hpp"}, false},
       {"deploy/tools/",
        {"deploy/tools/", "control/core/", "control/contract/", "control/bus/", "control/publish/", "db/", "firmware/", "server/"},
        false},

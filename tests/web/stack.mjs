@@ -33,8 +33,6 @@ const freePort = () =>
     });
   });
 
-/** One late step is noise; a walk survives it. */
-const lateIsBusy = 5;
 const startsWithin_ms = 30_000;
 const lastLines = 25;
 class Program {
@@ -83,11 +81,14 @@ export class Stack {
     );
   }
   async startSim() {
-    const sim = this.run('hoist-sim', ['--scenario', this.scenario, '--pty-link', this.path('can'), '--control', this.path('sim.sock')]);
-    await this.ready(sim, 'makes its bus', () => existsSync(this.path('can')) && existsSync(this.path('sim.sock')));
+    // What a killed one left behind is not the new one's.
+    for (const left of ['step.sock', 'sim.sock']) rmSync(this.path(left), { force: true });
+    const sim = this.run('hoist-sim', ['--scenario', this.scenario, '--lock-step', this.path('step.sock'), '--control', this.path('sim.sock')]);
+    await this.ready(sim, 'makes its bus', () => existsSync(this.path('step.sock')) && existsSync(this.path('sim.sock')));
   }
   async startControl() {
-    const control = this.run('hoist-control', ['--bus', `slcan:${this.path('can')}`, '--socket', this.path('core.sock'), '--params', this.path('data', 'parameters.json'), '--set', 'loop_late_s_max=0.2']);
+    rmSync(this.path('core.sock'), { force: true });
+    const control = this.run('hoist-control', ['--bus', `sim:${this.path('step.sock')}`, '--socket', this.path('core.sock'), '--params', this.path('data', 'parameters.json')]);
     await this.ready(control, 'makes its socket', () => existsSync(this.path('core.sock')));
   }
   async startServer() {
@@ -108,28 +109,11 @@ export class Stack {
     return [...this.programs['hoist-server'].output.matchAll(/(http:\/\/\S+\?token=\S+)/g)].at(-1)[1];
   }
 
-  /** The browser, at low priority: drawing in software it takes all it can get, and the kernel's own workers, which carry the bytes of the
-   * simulated bus, are ordinary threads beside it. */
+  /** The browser, at low priority: drawing in software it takes all it can get, and the hoist's time would be slow. */
   politely(program) {
     const wrapper = this.path('browser');
     writeFileSync(wrapper, `#!/bin/sh\nexec nice -n 10 "${program}" "$@"\n`, { mode: 0o700 });
     return wrapper;
-  }
-
-  /** How often the simulator came more than 5 ms late and let time go. */
-  async lateCount() {
-    return (await this.truth().catch(() => ({ late: 0 }))).late;
-  }
-
-  /** Whether this computer was too busy: the core has stopped because the simulated bus fell silent, or the simulator has lost time again
-   * and again since `lateBefore`. The case that failed meanwhile proves nothing. */
-  async starved(lateBefore) {
-    if ((await this.lateCount()) - lateBefore >= lateIsBusy) return true;
-    try {
-      return (await this.coreStatus()).faults.some((fault) => /_lost$|^bus_down$|^loop_overrun$|^tilt_frozen$/.test(fault) && !/^(server|remote)/.test(fault));
-    } catch {
-      return false;
-    }
   }
 
   /** Asks the simulator, which knows the truth, over its own socket. */

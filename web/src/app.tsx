@@ -1,6 +1,7 @@
 // The frame around every screen: status bar, alarm strip, menu, STOP.
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { dialogs } from './link/console';
+import { dialogs, takenSeen } from './link/console';
+import { useReadiness } from './link/readiness';
 import { store, useStore } from './link/store';
 import { panels } from './panels/index';
 import { useSettings } from './text/settings';
@@ -17,7 +18,7 @@ const panelOfAddress = () => panels.find((panel) => `#/${panel.id}` === location
 export function App() {
   useSettings();
   const [panel, setPanel] = useState(panelOfAddress);
-  const stale = useStore((s) => s.data !== 'fresh') && panel.live;
+  const stale = useReadiness().old && panel.live;
   const signedIn = useStore((s) => s.signedIn);
   const ever = useStore((s) => s.everOpen);
   const { asking, answer } = useTakeOver();
@@ -61,11 +62,34 @@ export function App() {
           <h1 class="visually-hidden">{t(panel.title)}</h1>
           <View key={panel.id} />
         </main>
-        <TrialBar />
+        <div class="side-column">
+          <div class="side-bars">
+            <Taken />
+            <TrialBar />
+          </div>
+          <Notices />
+        </div>
       </div>
       <StopButton />
-      <Notices />
       {asking ? <TakeOver answer={answer} /> : null}
+    </div>
+  );
+}
+
+/** Told where control was lost, until it is seen or control is back. */
+function Taken() {
+  const taken = useStore((s) => s.leaseTaken);
+  if (!taken) return null;
+  return (
+    <div class="trial-bar taken" role="alert">
+      <p>
+        <strong>{t('lease.taken')}</strong> {t('lease.takenAction')}
+      </p>
+      <div class="trial-buttons">
+        <button type="button" class="plain" onClick={takenSeen}>
+          {t('common.close')}
+        </button>
+      </div>
     </div>
   );
 }
@@ -74,7 +98,7 @@ function Notices() {
   const notices = useStore((s) => s.notices);
   return (
     <div class="notices" role="status" aria-live="polite">
-      {notices.map((notice) => {
+      {[...notices].reverse().map((notice) => {
         const text = notice.plain ? notice.text : textOf(notice.text) ?? textOf(`refused.${notice.text}`) ?? textOf('refused.unknown');
         return (
           <div key={notice.id} class={`notice ${notice.level}`}>

@@ -53,7 +53,7 @@ export function encodeRecords(records) {
 /** Some of the hoist's steps of calibration, with their numbers in the live values. */
 const steps = [
   {
-    number: 1, name: 'zero', role: 'therapist', entered: null, date: 'calibrated_zero_s', title: { en: 'Struts upright', de: 'Streben aufrecht' },
+    number: 1, name: 'zero', role: 'therapist', entered: null, empty_harness: true, date: 'calibrated_zero_s', title: { en: 'Struts upright', de: 'Streben aufrecht' },
     action: { en: 'Take the patient out of the harness. Let the struts stand upright by themselves, and let go.', de: 'Patient aus dem Gurt nehmen. Die Streben von selbst aufrecht stehen lassen und loslassen.' },
     found: { left_alpha_zero_rad: 0.0061, right_alpha_zero_rad: -0.0042, base_beta_zero_rad: 0.0013 },
   },
@@ -76,7 +76,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
   const values = Object.fromEntries(paramRows.map((row) => [row.name, row.default]));
   const hoist = {
     tick: 0, mode: 'standby', x: 0, y: 0, psi: 0, v: 0, w: 0, distance: 0, lean: 0, turn: 0, faults: 0, exercise, version: 1, drive: { speed: 0, yaw: 0, held: false, tick: -1000 },
-    drives: [], trouble: {}, calibration: null, trial: null, standing: [], session: null, sessionTick: 0, commands: [],
+    drives: [], trouble: {}, calibration: null, trial: null, standing: [], chosen: exercise, begun: null, session: null, sessionTick: 0, commands: [],
   };
   const lease = { epoch: 0, holder: 0 };
   const clients = new Map();
@@ -107,6 +107,8 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     event('mode_changed', { name: mode });
     tellRecording();
   };
+  const tellWalk = (only) =>
+    tell({ type: 'walk', exercise: hoist.chosen, begun: hoist.begun, tick: hoist.tick, motion_s: 0, mark: { x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi }, step_m: 0.02, x_m: [hoist.x], y_m: [hoist.y] }, only);
   const stopNow = () => {
     hoist.faults |= 1 << faultBit.stop_pressed;
     setMode('protective_stop');
@@ -246,11 +248,11 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       return { ok: true };
     },
     mode(message, id) {
-      if (lease.holder !== id) return refuse('no_lease');
       if (message.mode === 'standby') {
         setMode('standby');
         return { ok: true };
       }
+      if (lease.holder !== id) return refuse('no_lease');
       if (hoist.mode !== 'standby') return refuse('not_standby', ...(hoist.faults ? ['fault_active'] : []));
       hoist.exercise = message.path ?? message.exercise ?? { shape: 'free' };
       if (message.mode === 'guided') {
@@ -260,6 +262,8 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       const square = hoist.exercise.shape === 'square' ? -hoist.exercise.side_m / 2 : 0;
       Object.assign(hoist, { x: square, y: square, psi: heading0(), distance: 0 });
       event('pose_set');
+      hoist.begun = hoist.exercise;
+      tellWalk();
       setMode(message.mode);
       return { ok: true };
     },
@@ -269,11 +273,15 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       setMode('standby');
       return { ok: true };
     },
+    choose(message) {
+      hoist.chosen = message.exercise;
+      tellWalk();
+      return { ok: true };
+    },
     neutral: () => ({ ok: true }),
     pose: () => ({ ok: true }),
     marker: (message) => (hoist.session === null ? refuse('not_standby') : (event('marker', { name: message.text }), { ok: true })),
-    set(message, id) {
-      if (lease.holder !== id) return refuse('no_lease');
+    set(message) {
       const before = Object.fromEntries(Object.keys(message.values).map((name) => [name, values[name]]));
       const answer = setValues(message.values);
       if (answer.ok && message.revert_after_s > 0)
@@ -296,6 +304,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       if (lease.holder !== id) return refuse('no_lease');
       if (step === undefined) return refuse('unknown_item');
       if (hoist.mode !== 'standby' && hoist.mode !== 'calibrate') return refuse('not_standby');
+      if (step.empty_harness && message.harness_empty !== true) return refuse('harness_unconfirmed');
       hoist.calibration = { step, begun: hoist.tick, measured: 0 };
       setMode('calibrate');
       return { ok: true };
@@ -317,7 +326,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       setMode('standby');
       return { ok: true };
     },
-    preset: (message, id) => (lease.holder === id ? setValues(presetValues[message.name] ?? { unknown: 0 }) : refuse('no_lease')),
+    preset: (message) => setValues(presetValues[message.name] ?? { unknown: 0 }),
   };
   const take = (message, id, socket) => {
     hoist.commands.push(message);
@@ -358,7 +367,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       return send(200, {
         valid: steps.every((step) => values[step.date] > 0),
         under_way: under === undefined ? null : { step: under.name, phase, result: phase !== 'result' ? [] : Object.entries(under.found).map(([name, value]) => ({ name, value, before: values[name] })) },
-        items: steps.map(({ name, role, entered, title, action, date }) => ({ name, role, entered, title, action, done_utc_s: values[date] > 0 ? values[date] : null })),
+        items: steps.map(({ name, role, entered, empty_harness = false, title, action, date }) => ({ name, role, entered, empty_harness, title, action, done_utc_s: values[date] > 0 ? values[date] : null })),
         reasons: [],
       });
     }
@@ -377,9 +386,9 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     if (rest === undefined && request.method === 'PATCH') return send(200, Object.assign(session, JSON.parse(body)));
     if (rest === undefined) return send(200, session);
     if (rest === 'metrics')
-      return send(200, { C: 0.82, J_N: 6.1, reference_length_m: 11.4, duration_s: session.duration_s, missing_s: session.id === 2 ? 0.3 : 0, distance_m: 25.8, mean_speed_m_s: 0.39, rms_position_m: 0.11, rms_heading_rad: 0.14, track: 'fused', exercise: session.exercise, reason_if_none: null });
+      return send(200, { C: 0.82, J_N: 6.1, reference_length_m: 11.4, duration_s: session.duration_s, motion_s: session.duration_s - 4, missing_s: session.id === 2 ? 0.3 : 0, distance_m: 25.8, mean_speed_m_s: 0.39, rms_position_m: 0.11, rms_heading_rad: 0.14, track: 'fused', exercise: session.exercise, reason_if_none: null });
     if (rest === 'events')
-      return send(200, { items: [{ time_s: 0, kind: 'mode_changed', name: 'user' }, { time_s: 12.3, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 50, value: 60 }, { time_s: 96, kind: 'fault_raised', name: 'stop_pressed' }], markers: [{ utc_ms: session.started_utc_ms + 31_000, text: 'Stumble' }], gaps: [] });
+      return send(200, { items: [{ time_s: 0, kind: 'mode_changed', name: 'user' }, { time_s: 12.3, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 50, value: 60 }, ...Array.from({ length: 20 }, (_, i) => ({ time_s: 40 + i, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 60 + i, value: 61 + i })), { time_s: 96, kind: 'fault_raised', name: 'stop_pressed' }], markers: [{ utc_ms: session.started_utc_ms + 31_000, text: 'Stumble' }], gaps: [] });
     if (rest === 'samples') {
       const names = (url.searchParams.get('columns') ?? '').split(',');
       const runs = Array.from({ length: 600 }, (_, i) => i * (1000 / 600));
@@ -415,8 +424,9 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       const id = nextClient++;
       clients.set(id, { socket: ws });
       const send = (message) => ws.send(JSON.stringify(message));
-      send({ type: 'welcome', client: id, role: 'engineer', version: 'fake', layout_hash: layoutHash, record_bytes: recordBytes, simulated: true, scenario: 'figure-eight', exercise });
-      send({ type: 'core', connected: true });
+      send({ type: 'welcome', client: id, role: 'engineer', version: 'fake', layout_hash: layoutHash, record_bytes: recordBytes, simulated: true, scenario: 'figure-eight' });
+      send({ type: 'core', connected: true, problem: null });
+      tellWalk(id);
       send({ type: 'parameters', version: hoist.version, values });
       send({ type: 'lease', epoch: lease.epoch, holder: lease.holder, mine: false });
       send({ type: 'notices', items: hoist.standing });

@@ -75,7 +75,7 @@ for (const [size, [width, height]] of Object.entries(sizes)) {
     await page.goto(`${fake.url}#/calibrate`);
     await page.waitForTimeout(600);
     await shot('calibrate-list');
-    await page.click('.calibrate-buttons .primary');
+    await page.click('.calibrate-buttons .hold', { delay: 2200 });
     await page.waitForTimeout(2000);
     await shot('calibrate-measuring');
     await page.waitForTimeout(2000);

@@ -4,7 +4,7 @@ import { en } from '../src/text/en';
 
 const now = (change: Partial<Now>): Now => ({ step: 'zero', phase: 'operator', done_percent: 0, reason: 0, value: 0, ...change });
 const step = (name: string, role: Step['role']): Step => ({
-  name, role, entered: null, title: { en: name, de: name }, action: { en: '', de: '' }, done_utc_s: null,
+  name, role, entered: null, empty_harness: false, title: { en: name, de: name }, action: { en: '', de: '' }, done_utc_s: null,
 });
 
 describe('the Calibrate screen', () => {

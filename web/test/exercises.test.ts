@@ -4,7 +4,7 @@ import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, sh
 import { modes } from '../src/contract/faults.gen';
 import { moving } from '../src/link/store';
 import { floorSpace, patternPoints } from '../src/ui/geometry';
-import { tooSlow } from '../src/ui/slow_link';
+import { tooSlow } from '../src/link/readiness';
 
 const yawLimit_rad_s = (30 * Math.PI) / 180;
 

@@ -71,7 +71,7 @@ describe('emergency codes', () => {
   });
 
   it('become a sentence of the log', () => {
-    expect(eventText('emergency', 'drive_left', null, null, 0x8250)).toBe('Left drive: Its commands stopped coming; it braked by itself');
+    expect(eventText('emergency', 'drive_left', null, null, 0x8250)).toBe('Left drive: No more commands: the drive braked by itself');
     settings.set({ language: 'de' });
     expect(eventText('emergency', 'drive_left', null, null, 0)).toBe('Linker Antrieb: Ein Fehler ist vorbei');
   });

@@ -1,32 +1,59 @@
 import { describe, expect, it } from 'vitest';
 import { signals, type TickRecord } from '../src/contract/signals.gen';
+import type { WalkMessage } from '../src/contract/messages.gen';
 import { modes } from '../src/contract/faults.gen';
 import { Live } from '../src/link/live';
 import { activeFaults } from '../src/ui/alarms';
 import { wishArrow } from '../src/ui/hoist_picture';
-import { fit, patternPoints } from '../src/ui/geometry';
+import { fit, onScreen, patternPoints } from '../src/ui/geometry';
 import { zigzag, pathOf, type Samples } from '../src/panels/sessions/model';
 
 const record = (change: Partial<TickRecord>): TickRecord => ({ ...(Object.fromEntries(signals.map((row) => [row.name, 0])) as TickRecord), ...change });
 const user = modes.find((mode) => mode.name === 'user')!.value;
 
+const walk = (change: Partial<WalkMessage>): WalkMessage => ({
+  type: 'walk', exercise: { shape: 'free' }, begun: null, tick: null, motion_s: null, mark: null, step_m: 0.02, x_m: [], y_m: [], ...change,
+});
+const mark = { x_m: 0, y_m: 0, psi_rad: 0 };
+
 describe('Live', () => {
-  it('keeps the path, one point each two centimetres, and begins anew on a jump', () => {
-    const live = new Live();
-    for (let i = 0; i < 100; i++) live.take([record({ tick: i, time_ns: i * 1e7, fused_x_m: i * 0.005 })], 0);
-    expect(live.path.x.length).toBeGreaterThan(20);
-    expect(live.path.x.length).toBeLessThan(30);
-    live.take([record({ tick: 100, fused_x_m: 5 })], 0);
-    expect([...live.path.x.latest()]).toEqual([5]);
+  it('shows the same walk on a screen that was there and on one that was loaded in the middle', () => {
+    const there = new Live();
+    const reloaded = new Live();
+    there.takeWalk(walk({ tick: 0, motion_s: 0, mark, x_m: [0], y_m: [0] }));
+    const steps = Array.from({ length: 9000 }, (_, i) => record({ tick: i + 1, time_ns: (i + 1) * 1e7, fused_x_m: 0.007 * (i + 1), fused_y_m: Math.sin(i / 300), mode: user }));
+    there.take(steps.slice(0, 5000), 0);
+    // What a server with the same rule tells; the frame that is still on its way counts once.
+    reloaded.takeWalk(walk({ tick: 5000, motion_s: there.motion_s, mark, step_m: there.path.step_m, x_m: there.path.x, y_m: there.path.y }));
+    reloaded.take(steps.slice(4997, 5000), 0);
+    for (const live of [there, reloaded]) live.take(steps.slice(5000), 0);
+    expect(reloaded.path.x).toEqual(there.path.x);
+    expect(reloaded.path.y).toEqual(there.path.y);
+    expect(there.path.x.length).toBeLessThan(2048);
+    expect(reloaded.motion_s).toBeCloseTo(there.motion_s, 6);
+    expect(there.motion_s).toBeCloseTo(89.99, 6);
   });
 
-  it('keeps the walked path over a gap in which it may have been walked', () => {
+  it('begins anew at the start mark that the server tells, not by itself', () => {
     const live = new Live();
-    live.take([record({ tick: 1, fused_x_m: 1 })], 0);
-    live.take([record({ tick: 201, fused_x_m: 2.2 })], 0);
-    expect([...live.path.x.latest()]).toEqual([1, 2.2]);
-    live.take([record({ tick: 301, fused_x_m: 9 })], 0);
-    expect([...live.path.x.latest()]).toEqual([9]);
+    live.takeWalk(walk({ tick: 0, motion_s: 0, mark, x_m: [0], y_m: [0] }));
+    live.take([record({ tick: 1, fused_x_m: 1 }), record({ tick: 2, fused_x_m: 5 })], 0);
+    expect(live.path.x).toEqual([0, 1, 5]);
+    live.takeWalk(walk({ tick: 2, motion_s: 0, mark, x_m: [-1.6], y_m: [0] }));
+    expect(live.path.x).toEqual([-1.6]);
+  });
+
+  it('keeps what it has when a server comes back that knows less, and nothing of another core', () => {
+    const live = new Live();
+    live.takeWalk(walk({ tick: 0, motion_s: 7, mark, x_m: [0], y_m: [0] }));
+    live.take([record({ tick: 900, fused_x_m: 1 })], 0);
+    live.takeWalk(walk({ tick: 950, x_m: [1], y_m: [0] }));
+    expect(live.path.x).toEqual([0, 1]);
+    expect(live.motion_s).toBe(7);
+    live.takeWalk(walk({ tick: 3, motion_s: 0, mark, x_m: [2], y_m: [0] }));
+    live.take([record({ tick: 4, fused_x_m: 2 })], 0);
+    expect(live.path.x).toEqual([2]);
+    expect(live.motion_s).toBe(0);
   });
 
   it('counts steps that did not arrive, and starts over with a new core', () => {
@@ -38,16 +65,13 @@ describe('Live', () => {
     expect(live.history.speed_m_s.length).toBe(1);
   });
 
-  it('times the present motion by the hoist clock and keeps the last one', () => {
+  it('counts time in motion only, and does not claim a time that nobody told', () => {
     const live = new Live();
-    live.take([record({ tick: 1, time_ns: 1e9 })], 0);
+    live.take([record({ tick: 1, time_ns: 1e9, mode: user }), record({ tick: 2, time_ns: 2e9, mode: user })], 0);
     expect(live.motion_s).toBeNaN();
-    live.take([record({ tick: 2, time_ns: 2e9, mode: user }), record({ tick: 3, time_ns: 5.5e9, mode: user })], 0);
+    live.takeWalk(walk({ tick: 2, motion_s: 0, mark, x_m: [0], y_m: [0] }));
+    live.take([record({ tick: 3, time_ns: 5.5e9, mode: user }), record({ tick: 4, time_ns: 9e9 }), record({ tick: 5, time_ns: 20e9, mode: user })], 0);
     expect(live.motion_s).toBeCloseTo(3.5, 9);
-    live.take([record({ tick: 4, time_ns: 9e9 })], 0);
-    expect(live.motion_s).toBeCloseTo(3.5, 9);
-    live.take([record({ tick: 5, time_ns: 20e9, mode: user })], 0);
-    expect(live.motion_s).toBe(0);
   });
 });
 
@@ -97,8 +121,15 @@ describe('the planned figures', () => {
     expect(square[2]).toEqual({ x: 1, y: 1 });
   });
 
+  it('show a hoist that drives forward from its start mark going up, and one that turns left going left, as the joystick does', () => {
+    const frame = fit([], 300, 300);
+    const start = onScreen({ x: 0, y: 0 }, frame, 300, 300);
+    expect(onScreen({ x: 1, y: 0 }, frame, 300, 300)).toEqual({ left: start.left, top: start.top - 100 });
+    expect(onScreen({ x: 0, y: 1 }, frame, 300, 300)).toEqual({ left: start.left - 100, top: start.top });
+  });
+
   it('fit the frame, whatever is not a number', () => {
-    const frame = fit([{ x: -2, y: 0 }, { x: 2, y: 1 }, { x: NaN, y: 3 }], 500, 400);
+    const frame = fit([{ x: -2, y: 0 }, { x: 2, y: 1 }, { x: NaN, y: 3 }], 400, 500);
     expect(frame.centre_x).toBe(0);
     expect(frame.pixels_per_m).toBe(100);
     expect(fit([], 300, 300)).toEqual({ centre_x: 0, centre_y: 0, pixels_per_m: 100 });

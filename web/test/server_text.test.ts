@@ -15,12 +15,15 @@ const texts = () =>
     .map((file) => readFileSync(file, 'utf8'))
     .join('\n');
 
+/** `the core refused:` and what follows it are two literals, joined where they are said. */
+const said = (all: string, key: string) => key.replace(/^the core refused: (?=[^*])/, '').split(/[#*]/, 1).every((start) => all.includes(`"${start}`) || all.includes(start));
+
 describe('sentences of the server', () => {
   it('are all said by it still, letter by letter', () => {
     expect(sources).toHaveLength(3);
     const all = texts();
     // Numbers are put in where a # stands: the words before the first one must be there.
-    for (const key of Object.keys(serverSentences)) expect(all.includes(`"${key.split('#')[0]!}`) || all.includes(key), key).toBe(true);
+    for (const key of Object.keys(serverSentences)) expect(said(all, key), key).toBe(true);
   });
 
   it('have words in both languages', () => {
@@ -35,6 +38,16 @@ describe('sentences of the server', () => {
     expect(serverText('there is no session 4711')).toBe('This session is no longer there.');
     settings.set({ language: 'de' });
     expect(serverText('session 12 is being recorded: end it first')).toBe('Diese Sitzung wird noch aufgezeichnet.');
+  });
+
+  it('tell each reason why the core is not connected', () => {
+    settings.set({ language: 'de' });
+    const link = ['server_link.cpp', 'segment.cpp'].map((file) => readFileSync(`../control/publish/${file}`, 'utf8')).join('\n');
+    const desk = /string_view CoreDesk::problem[^}]*/.exec(readFileSync('../server/link/core_desk.cpp', 'utf8'))![0];
+    const sentences = [...`${link}\n${desk}`.matchAll(/(?:error_? = |return |kSilent = |last_error\(|string\(|[?:] )(?:std::string\()?"([^"\n]{9,})"/g)].map(([, text]) => text!);
+    expect(sentences.length).toBeGreaterThan(12);
+    for (const sentence of sentences) expect(serverText(`${sentence}x`) ?? serverText(sentence), sentence).not.toBeNull();
+    for (const text of ['the core refused: another server is attached', 'the core refused: the server runs as another user']) expect(serverText(text), text).toMatch(/Konsolenserver/);
   });
 
   it('that are not known are shown to English readers only', () => {

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { signals } from '../src/contract/signals.gen';
-import { curves } from '../src/panels/sessions/curves';
+import { curves, strips } from '../src/panels/sessions/curves';
 import { continued, refreshed, type Session, type SessionPage } from '../src/panels/sessions/model';
 
 const session = (id: number): Session => ({ id, subject: null, started_utc_ms: id, duration_s: 1, simulated: true, recording: false, exercise: null, note: '', samples: 1, gaps: 0 });
@@ -40,5 +40,12 @@ describe('the list of sessions', () => {
 describe('the curves of a session', () => {
   it('are called as in the contract', () => {
     for (const { name, unit, title } of curves) expect(signals.find((row) => row.name === name)).toMatchObject({ unit, title });
+  });
+
+  it('share a strip only where they have one unit', () => {
+    const all = strips(curves.map((curve) => curve.name));
+    for (const strip of all) expect(new Set(strip.map((curve) => curve.unit)).size).toBe(1);
+    expect(new Set(all.map((strip) => strip[0]!.unit)).size).toBe(all.length);
+    expect(all.flat()).toHaveLength(curves.length);
   });
 });

@@ -14,11 +14,11 @@ describe('what the hoist does', () => {
 
 describe('the figure on the floor', () => {
   const square = { shape: 'square', side_m: 3, speed_m_s: 0.3 } as const;
-  it('is the one under way, and none when somebody else chose it', () => {
-    expect(figure({ ...initial, mode: 'user' })).toBe(initial.exercise);
-    expect(figure({ ...initial, mode: 'standby', guided: square })).toBe(initial.exercise);
-    expect(figure({ ...initial, mode: 'guided', guided: square })).toBe(square);
-    expect(figure({ ...initial, mode: 'guided' })).toEqual({ shape: 'free' });
-    expect(figure({ ...initial, mode: 'remote' })).toEqual({ shape: 'free' });
+  it('is what the motion began with on whatever screen, on standby the chosen one, and none when nobody knows', () => {
+    for (const mode of ['user', 'remote', 'guided'] as const) {
+      expect(figure({ ...initial, mode, begun: square })).toBe(square);
+      expect(figure({ ...initial, mode, begun: null })).toEqual({ shape: 'free' });
+    }
+    expect(figure({ ...initial, mode: 'standby', begun: square })).toBe(initial.exercise);
   });
 });

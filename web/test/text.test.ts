@@ -7,7 +7,7 @@ import { groups, niceStep } from '../src/panels/tune/groups';
 import { de } from '../src/text/de';
 import { en } from '../src/text/en';
 import { settings } from '../src/text/settings';
-import { date, degrees, duration, fixed, plain, readNumber, refusalText, shownAs, t, textOf } from '../src/text/text';
+import { date, degrees, duration, fixed, plain, readNumber, refusalText, shownAs, t, textOf, withUnit } from '../src/text/text';
 
 beforeEach(() => settings.set({ language: 'en' }));
 
@@ -86,6 +86,10 @@ describe('numbers', () => {
     expect(shownAs('fall_rate_rad_s', 'rad/s').unit).toBe('°/s');
     expect(10 / shownAs('lean_range_rad', 'rad').factor).toBeCloseTo(0.174532925, 8);
     for (const row of params) expect(shownAs(row.name, row.unit).unit).not.toMatch(/^rad/);
+  });
+
+  it('stand apart from their unit, except from degrees', () => {
+    expect(['°', '°/s', 'm', ''].map((unit) => withUnit('3', unit))).toEqual(['3°', '3 °/s', '3 m', '3']);
   });
 
   it('are read as people type them', () => {

@@ -35,7 +35,8 @@ struct Stillness {
   std::uint32_t ticks;
   double angle_rad, counts, yaw_rad_s;
 };
-constexpr Stillness kSensorsRest{200, 0.20 * kRadPerDeg, 20, 2.0 * kRadPerDeg};
+// An empty harness is stiller than a standing person, who sways by several millimetres in five seconds: 0.15 degrees are 2 mm at the bar.
+constexpr Stillness kEmptyHarness{500, 0.15 * kRadPerDeg, 20, 2.0 * kRadPerDeg};
 constexpr Stillness kGyroRest{500, 0.25 * kRadPerDeg, 20, 2.0 * kRadPerDeg};
 constexpr Stillness kBarRest{100, 0.40 * kRadPerDeg, 40, kAnything};
 constexpr Stillness kWheelsRest{50, kAnything, 20, kAnything};
@@ -43,7 +44,7 @@ constexpr Stillness kWheelsRest{50, kAnything, 20, kAnything};
 constexpr Stillness stillness(CalibrationStep step) noexcept {
   switch (step) {
     case CalibrationStep::zero:
-      return kSensorsRest;
+      return kEmptyHarness;
     case CalibrationStep::gyro:
       return kGyroRest;
     case CalibrationStep::strut_length:
@@ -403,7 +404,7 @@ void watch_rest(CoreState& state) noexcept {
       finish_zero(state);
     }
   } else if (c.restless_ticks >= kCalibrationRestTicks + stillness(c.step).ticks) {
-    refuse(state, CalibrationReason::not_still);
+    refuse(state, gyro ? CalibrationReason::not_still : CalibrationReason::harness_sways);
   }
 }
 

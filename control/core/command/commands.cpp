@@ -159,11 +159,16 @@ Verdict set_pose(CoreState& state, const Command& command) noexcept {
   if (!at_rest(state)) return refused(Refusal::moving);
   // A track is not cut in two while somebody walks it, and an exercise lies where it began, also while the hand is off the button.
   if (state.mode != Mode::standby && state.mode != Mode::calibrate) return refused(Refusal::not_standby);
+  // The exercise of this mark goes on: pose and way stay.
+  if (command.a != 0 && command.a == state.start.exercise && command.b != contract::kStartAgain) return {};
+  ++state.start.number;
+  state.start.exercise = command.a;
   state.sensed.odometry.pose = {command.v0, command.v1, command.v2};
   state.sensed.odometry.distance_m = 0;
   state.sensed.fused.set_pose(state.sensed.odometry.pose);
   Event event;
   event.kind = EventKind::pose_set;
+  event.code = state.start.number;
   event.request_id = command.request_id;
   event.client = command.client;
   emit(state, event);
@@ -194,9 +199,11 @@ Verdict release_lease(CoreState& state, const Command& command) noexcept {
 Verdict ask_mode(CoreState& state, const Command& command) noexcept {
   if (command.a >= contract::kModes.size()) return refused(Refusal::unknown_item);
   const auto to = static_cast<Mode>(command.a);
+  // Anyone may end a motion, gently, as anyone may stop it at once. Everything else is the lease holder's.
+  const bool ends = to == Mode::standby && is_moving(state.mode);
   const bool holds = state.lease.held_by(command.client, command.lease_epoch);
-  // All reasons at once: whoever is refused for the lease also learns what else is in the way.
-  if (!holds) {
+  // All reasons at once: a client without the lease also learns what else is in the way.
+  if (!holds && !ends) {
     const bool start = to == Mode::user || to == Mode::remote || to == Mode::guided;
     return {refusal_bit(Refusal::no_lease) | (start ? start_refusals(state) : 0U), 0, false};
   }
@@ -219,7 +226,11 @@ Verdict begin_guided(CoreState& state, const Command& command) noexcept {
   verdict.bits |=
       (elsewhere ? request_mode(state, Mode::guided) : start_refusals(state, Mode::guided)) & ~refusal_bit(Refusal::no_exercise);
   if (verdict.bits != 0) return verdict;
-  state.guided.load(path);
+  if (state.guided.continues(path, state.start.number)) {
+    state.guided.go_on(path);
+  } else {
+    state.guided.load(path);
+  }
   verdict.bits = request_mode(state, Mode::guided);
   if (verdict.bits != 0) state.guided.unload();
   return verdict;
@@ -275,6 +286,8 @@ Verdict ask_calibration(CoreState& state, const Command& command) noexcept {
   if (command.b > static_cast<std::uint32_t>(contract::Role::engineer) || command.b < static_cast<std::uint32_t>(info->role))
     bits |= refusal_bit(Refusal::not_allowed);
   if (!state.lease.held_by(command.client, command.lease_epoch)) bits |= refusal_bit(Refusal::no_lease);
+  // No sensor tells a motionless patient from an empty harness: the operator has to (DECISIONS 110).
+  if (info->empty_harness && command.v0 != 1.0) bits |= refusal_bit(Refusal::harness_unconfirmed);
   // All reasons at once; with one of them nothing begins.
   return {bits != 0 ? bits | calibration_refusals(state, *info) : enter_calibration(state, *info), 0, false};
 }
@@ -383,7 +396,7 @@ void take_command(CoreState& state, const Command& command) noexcept {
   // After a gap (the ring went round) the order goes on from the newest; an old number never brings the count back, so nothing that
   // was once sent can be played again.
   if (in_order || command.sequence > state.next_sequence) state.next_sequence = command.sequence + 1;
-  // Done in any order: STOP, and the driver's request for standby. Both can only stop, and a number must not keep anybody from it: after
+  // Done in any order: STOP, and a request for standby. Both can only stop, and a number must not keep anybody from it: after
   // the server was lost the first command sets the count, whatever it is, and a wrong one there would let the patient walk on.
   const bool only_stops = command.kind == CommandKind::stop ||
                           (command.kind == CommandKind::request_mode && command.a == static_cast<std::uint32_t>(Mode::standby));

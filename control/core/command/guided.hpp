@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "control/contract/guided_path.hpp"
 #include "control/core/law/odometry.hpp"
@@ -26,12 +27,28 @@ class GuidedRun {
     legs_ = corners_ ? 4 * wish.laps : 1;
     loaded_ = true;
   }
+  /// The same exercise on the same start mark, broken off before its end: it goes on where the hoist is, with the speed now wished.
+  [[nodiscard]] bool continues(const contract::GuidedPath& wish, std::uint32_t mark) const noexcept {
+    return mark_ == mark && phase != GuidedPhase::none && end_ != contract::GuidedEnd::finished && contract::same_figure(wish, wish_);
+  }
+  void go_on(const contract::GuidedPath& wish) noexcept {
+    wish_.speed_m_s = wish.speed_m_s;
+    end_ = contract::GuidedEnd::none;
+    loaded_ = goes_on_ = true;
+  }
   /// The wish was refused after all.
-  void unload() noexcept { loaded_ = false; }
+  void unload() noexcept { loaded_ = goes_on_ = false; }
   [[nodiscard]] bool loaded() const noexcept { return loaded_; }
 
-  /// The figure begins where the hoist stands and the way it looks.
-  void begin(const law::Pose<double>& pose) noexcept {
+  /// The figure begins where the hoist stands and the way it looks, unless it goes on: then it lies where it did.
+  void begin(const law::Pose<double>& pose, std::uint32_t mark) noexcept {
+    loaded_ = false;
+    if (std::exchange(goes_on_, false)) {
+      // Broken off in a corner, the turn is what comes next.
+      phase = corners_ && leg_left_m() <= kArrived_m ? GuidedPhase::turning : GuidedPhase::waiting;
+      return;
+    }
+    mark_ = mark;
     const contract::PathPose start = figure_.pose(0.0);
     const double turn_rad = start.psi_rad - pose.psi_rad;
     cos_ = std::cos(turn_rad);
@@ -40,7 +57,6 @@ class GuidedRun {
     x_m_ = start.x_m - cos_ * pose.x_m + sin_ * pose.y_m;
     y_m_ = start.y_m - sin_ * pose.x_m - cos_ * pose.y_m;
     phase = GuidedPhase::waiting;
-    loaded_ = false;
   }
 
   /// Finds the nearest place on the figure, never backward and never past the end of the leg, and how far off it the hoist is.
@@ -109,6 +125,9 @@ class GuidedRun {
   }
   [[nodiscard]] contract::GuidedEnd ended() const noexcept { return end_; }
 
+  /// This close before the end of a leg it is reached.
+  static constexpr double kArrived_m = 0.008;
+
   GuidedPhase phase = GuidedPhase::none;
 
  private:
@@ -128,7 +147,8 @@ class GuidedRun {
   contract::ReferencePath figure_ = contract::ReferencePath::straight();
   double leg_m_ = 0;
   std::uint32_t legs_ = 0, leg_ = 0;
-  bool corners_ = false, loaded_ = false;
+  bool corners_ = false, loaded_ = false, goes_on_ = false;
+  std::uint32_t mark_ = 0;                                       // start mark on which it began
   double cos_ = 1, sin_ = 0, turn_rad_ = 0, x_m_ = 0, y_m_ = 0;  // from the floor's frame into the figure's
   double s_m_ = 0, cross_m_ = 0, beyond_m_ = 0, heading_rad_ = 0, heading_error_rad_ = 0;
   contract::GuidedEnd end_ = contract::GuidedEnd::none;

@@ -1,5 +1,6 @@
 // What one drive reports: TPDO1 with statusword, position and current, TPDO2 with speed, error code and supply.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 
 #include "control/contract/can_dictionary.hpp"
@@ -10,12 +11,14 @@ namespace hoist::core {
 
 class DriveSensor {
  public:
-  void next_tick() noexcept {
+  /// `sync_ticks`: time between the SYNC that this step's frames answer and the one before it; more than 1 after steps that were left out.
+  void next_tick(std::uint32_t sync_ticks = 1) noexcept {
     fresh_.next_tick();
     supply_fresh_.next_tick();
     moved_counts_ = 0;
     moved_ticks_ = 0;
-    if (since_counts_ticks_ < kOldestTicks) ++since_counts_ticks_;
+    sync_ticks_ = sync_ticks;
+    since_counts_ticks_ = std::min(since_counts_ticks_ + sync_ticks, kLongestTicks);
   }
 
   /// False when the position jumped further than a wheel can turn: the frame's other values count, the jump does not.
@@ -29,7 +32,7 @@ class DriveSensor {
     const auto counts = static_cast<std::int32_t>(contract::read_slot(frame, kPosition));
     const std::int32_t moved = law::delta32(counts, counts_);
     // Two frames may arrive in one step when the loop woke late: they add up.
-    const int ticks = since_counts_ticks_ > 0 ? since_counts_ticks_ : 1;
+    const double ticks = since_counts_ticks_ > 0 ? since_counts_ticks_ : 1;
     const bool plausible = !known_ || (moved < counts_per_tick_max * ticks && moved > -counts_per_tick_max * ticks);
     if (known_ && plausible) {
       moved_counts_ += moved;
@@ -62,9 +65,12 @@ class DriveSensor {
   [[nodiscard]] std::uint16_t status_word() const noexcept { return status_word_; }
   [[nodiscard]] std::uint16_t error_code() const noexcept { return error_code_; }
   [[nodiscard]] std::int32_t counts() const noexcept { return counts_; }
-  /// How far the wheel turned since the last step that knew, and how many steps that took (0 = nothing new).
+  /// How far the wheel turned since its last report, and the time between both in ticks, left-out steps included (0 = nothing new).
   [[nodiscard]] std::int32_t moved_counts() const noexcept { return moved_counts_; }
-  [[nodiscard]] int moved_ticks() const noexcept { return moved_ticks_; }
+  [[nodiscard]] std::uint32_t moved_ticks() const noexcept { return moved_ticks_; }
+  [[nodiscard]] std::uint32_t sync_ticks() const noexcept { return sync_ticks_; }
+  /// A position has come since the drive started: from here on every movement is counted.
+  [[nodiscard]] bool position_known() const noexcept { return known_; }
   [[nodiscard]] double current_a() const noexcept { return current_a_; }
   [[nodiscard]] double supply_v() const noexcept { return supply_v_; }
   /// Told since the drive started, and not longer ago than ten of its reports.
@@ -74,14 +80,15 @@ class DriveSensor {
   // 6078h counts in thousandths of 6075h, whose default is the rated current of the motor.
   static constexpr double kAmpsPerStep = contract::find_object(contract::NodeKind::drive, 0x6075, 0)->default_value / 1000.0 / 1000.0;
 
+  // Ten minutes: the sum must not wrap.
+  static constexpr std::uint32_t kLongestTicks = 60'000;
   static constexpr std::uint8_t kSupplyTicksMax = 10 * contract::pdo_info(contract::Pdo::drive_tx2).period_ms / 10;
 
   double current_a_ = 0, supply_v_ = 0;
   std::int32_t counts_ = 0, moved_counts_ = 0;
-  int moved_ticks_ = 0;
+  std::uint32_t moved_ticks_ = 0, since_counts_ticks_ = 0, sync_ticks_ = 1;
   std::uint16_t status_word_ = 0, error_code_ = 0;
   Freshness fresh_, supply_fresh_;
-  std::uint8_t since_counts_ticks_ = 0;
   bool known_ = false;
 };
 

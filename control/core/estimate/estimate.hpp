@@ -23,12 +23,13 @@ struct Estimate {
   /// Encoders and gyroscope disagree about the turn (H10): the distance of this moment is not to be trusted.
   [[nodiscard]] bool slipping() const noexcept { return fused.slipping(); }
 
-  void next_tick() noexcept {
+  /// `ticks`: time since the SYNC before the one that this step's frames answer.
+  void next_tick(std::uint32_t ticks = 1) noexcept {
     left_strut.next_tick();
     right_strut.next_tick();
     base.next_tick();
-    left_drive.next_tick();
-    right_drive.next_tick();
+    left_drive.next_tick(ticks);
+    right_drive.next_tick(ticks);
     io.next_tick();
   }
 

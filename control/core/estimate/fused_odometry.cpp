@@ -46,6 +46,9 @@ constexpr std::uint16_t kQuietTicks = 20;
 constexpr std::uint16_t kStandingForEverTicks = 300;
 constexpr double kSmoothing_s = 0.05;
 constexpr double kRemembered_s = 0.3;
+/// Left-out steps that the gyroscope's newest sample stands for. The drives brake by themselves 40 ms after their last command, so that over
+/// a longer gap the rate is another one.
+constexpr std::uint32_t kGyroTicksMost = 4;
 
 }  // namespace
 
@@ -130,17 +133,21 @@ void FusedOdometry::update(const Odometry& wheels, const DriveSensor& left, cons
     if (gyro_used_) bias_rad_s_ -= derived.base_yaw_bias_rad_s - calibrated_rad_s_;
     calibrated_rad_s_ = derived.base_yaw_bias_rad_s;
     gyro_used_ = true;
-    use_gyro(base.yaw_rate_rad_s(), wheels.yaw_rate_rad_s, travel.turn_rad, dt_s);
+    const bool bridged = left.sync_ticks() <= kGyroTicksMost;
+    use_gyro({base.yaw_rate_rad_s(), wheels.yaw_rate_rad_s, travel.turn_rad, bridged ? left.sync_ticks() * dt_s : 0.0}, dt_s);
   }
   // Refused only for a track of zero, which params.def does not allow; the pose then simply stays.
   static_cast<void>(law::odometry_advance(law::OdometryMethod::kMidpoint, pose_,
                                           {travel.distance_m, travel.turn_rad + offset_rad_ + apart_rad_ - before_rad}));
 }
 
-void FusedOdometry::use_gyro(double gyro_rad_s, double wheel_rate_rad_s, double wheel_turn_rad, double dt_s) noexcept {
-  predict(gyro_rad_s * dt_s, wheel_turn_rad, dt_s);
+void FusedOdometry::use_gyro(const Turn& turn, double dt_s) noexcept {
+  const double gyro_rad_s = turn.gyro_rad_s, wheel_rate_rad_s = turn.wheel_rad_s;
+  // One sample of the gyroscope says nothing about a longer gap: there the encoders alone are believed.
+  if (turn.span_s > 0) predict(gyro_rad_s * turn.span_s, turn.wheel_turn_rad, turn.span_s);
   const double true_rad_s = gyro_rad_s - bias_rad_s_;
-  slip_rate_rad_s_ += (wheel_rate_rad_s - true_rad_s - slip_rate_rad_s_) * (dt_s / kSmoothing_s);
+  // The wheels' rate is a mean since the last report, the gyroscope's one of this moment: after left-out steps they differ without slip.
+  if (turn.span_s == dt_s) slip_rate_rad_s_ += (wheel_rate_rad_s - true_rad_s - slip_rate_rad_s_) * (dt_s / kSmoothing_s);
   // A gap that opened in this step is judged before the filter takes any of it for noise.
   watch_slip(wheel_rate_rad_s, dt_s);
   if (!slipping()) {

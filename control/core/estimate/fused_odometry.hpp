@@ -40,7 +40,11 @@ class FusedOdometry {
   [[nodiscard]] bool gyro_used() const noexcept { return gyro_used_; }
 
  private:
-  void use_gyro(double gyro_rad_s, double wheel_rate_rad_s, double wheel_turn_rad, double dt_s) noexcept;
+  struct Turn {
+    double gyro_rad_s, wheel_rad_s, wheel_turn_rad;
+    double span_s;  // between the newest two SYNCs; 0 = longer than the gyroscope's sample can stand for
+  };
+  void use_gyro(const Turn& turn, double dt_s) noexcept;
   void predict(double gyro_turn_rad, double wheel_turn_rad, double dt_s) noexcept;
   void correct(bool standing, bool turning) noexcept;
   void watch_slip(double wheel_rate_rad_s, double dt_s) noexcept;

@@ -14,7 +14,7 @@ struct GuidedMode {
 
   static void enter(CoreState& state) noexcept {
     state.remote.begin(state.time_ns, state.params.remote_stop_age_s);
-    state.guided.begin(state.sensed.pose());
+    state.guided.begin(state.sensed.pose(), state.start.number);
   }
 
   static Wish step(CoreState& state, double /*dt_s*/) noexcept {
@@ -51,7 +51,7 @@ struct GuidedMode {
   static constexpr double kLag_s = 0.08;
   /// A curve begins over this time at least.
   static constexpr double kCurveRamp_s = 0.4;
-  static constexpr double kCreep_m_s = 0.03, kArrived_m = 0.008;
+  static constexpr double kCreep_m_s = 0.03;
   static constexpr double kCreep_rad_s = 0.05, kTurned_rad = 0.008;
 
   static Wish leave(CoreState& state, contract::GuidedEnd reason) noexcept {
@@ -66,7 +66,7 @@ struct GuidedMode {
     const contract::Params& p = state.params;
     const contract::GuidedLimits limits = contract::guided_limits(p);
     GuidedRun& run = state.guided;
-    if (run.leg_left_m() <= kArrived_m) {
+    if (run.leg_left_m() <= GuidedRun::kArrived_m) {
       if (!run.has_corners()) return leave(state, contract::GuidedEnd::finished);
       if (at_rest(state)) run.phase = GuidedPhase::turning;
       return {};

@@ -103,6 +103,8 @@ void clear_latched(CoreState& state, std::uint32_t bits) noexcept {
 /// The exercise is over, whatever ended it.
 void tell_guided_end(CoreState& state) noexcept {
   state.guided.end(contract::GuidedEnd::stopped);
+  // Nothing is left to go on with.
+  if (state.guided.ended() == contract::GuidedEnd::finished) state.start.exercise = 0;
   Event event;
   event.kind = EventKind::guided_ended;
   event.code = static_cast<std::uint32_t>(state.guided.ended());

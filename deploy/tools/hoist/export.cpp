@@ -1,5 +1,4 @@
 // hoist export: a recorded session as a file that other programs read.
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -16,9 +15,10 @@ namespace {
 
 void print_help(std::FILE* out) {
   std::fputs(
-      "usage: hoist export DB SESSION [--format csv|json|events] [--columns NAME,NAME] [--no-comments] [--out FILE]\n\n"
+      "usage: hoist export DB SESSION [--format csv|json|events|candump] [--columns NAME,NAME] [--no-comments] [--out FILE]\n\n"
       "Writes a session to FILE, or to standard output. csv: '#' lines, a row of names, a row per sample; events: events and markers\n"
-      "as CSV; json: everything, column by column. Numbers are printed exactly as they were stored.\n",
+      "as CSV; json: everything, column by column; candump: the raw CAN frames as candump -L writes them. Numbers are printed exactly as "
+      "they were stored.\n",
       out);
 }
 
@@ -45,16 +45,12 @@ int run_export(std::span<const std::string_view> arguments) {
     if (argument == "--format") {
       const auto name = value();
       const auto format = name ? db::find_export_format(*name) : std::nullopt;
-      if (!format) return bad_usage("export", "--format is csv, json or events");
+      if (!format) return bad_usage("export", "--format is csv, json, events or candump");
       options.format = *format;
     } else if (argument == "--columns") {
       const auto names = value();
       if (!names) return bad_usage("export", "--columns needs names");
-      for (std::size_t begin = 0; begin <= names->size();) {
-        const std::size_t end = std::min(names->find(',', begin), names->size());
-        options.columns.emplace_back(names->substr(begin, end - begin));
-        begin = end + 1;
-      }
+      options.columns = db::column_names(*names);
     } else if (argument == "--no-comments") {
       options.comments = false;
     } else if (argument == "--out") {

@@ -7,12 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include "control/contract/program_version.hpp"
 #include "deploy/tools/hoist/command.hpp"
 
 namespace {
 
 void print_help(std::FILE* out) {
-  std::fputs("usage: hoist COMMAND [ARGUMENTS]\n\ncommands (each explains itself with --help):\n", out);
+  std::fputs("usage: hoist COMMAND [ARGUMENTS]\n       hoist --version\n\ncommands (each explains itself with --help):\n", out);
   for (const auto& command : hoist::tool::command_list()) {
     std::fprintf(out, "  %-10.*s %.*s\n", static_cast<int>(command.name.size()), command.name.data(),
                  static_cast<int>(command.summary.size()), command.summary.data());
@@ -30,6 +31,10 @@ int main(int count, char** values) {
   }
   if (arguments.front() == "--help" || arguments.front() == "-h" || arguments.front() == "help") {
     print_help(stdout);
+    return hoist::tool::kDone;
+  }
+  if (arguments.front() == "--version") {
+    std::printf("hoist %s\n", std::string(hoist::contract::program_version()).c_str());
     return hoist::tool::kDone;
   }
   for (const auto& command : hoist::tool::command_list()) {

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "db/export/exercise_names.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/summary/session_json.hpp"
 #include "deploy/tools/hoist/command.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
 
@@ -12,7 +12,8 @@ namespace hoist::tool {
 
 int run_sessions(std::span<const std::string_view> arguments) {
   if (arguments.size() == 1 && arguments[0] == "--help") {
-    std::fputs("usage: hoist sessions DB\n\nOne line of JSON per recorded session, newest first.\n", stdout);
+    std::fputs("usage: hoist sessions DB\n\nOne line of JSON per recorded session, newest first, with the names of GET /api/v1/sessions.\n",
+               stdout);
     return kDone;
   }
   if (arguments.size() != 1) return bad_usage("sessions", "name a database");
@@ -24,21 +25,8 @@ int run_sessions(std::span<const std::string_view> arguments) {
   do {
     const db::Result<db::SessionPage> page = reader.list(query);
     if (!page) return refuse("sessions", page.error());
-    for (const db::SessionInfo& session : page->sessions) {
-      nlohmann::json line{{"id", session.id},
-                          {"subject", nullptr},
-                          {"started_utc_ns", session.started_utc_ns},
-                          {"duration_s", session.duration_s},
-                          {"samples", session.sample_count},
-                          {"gaps", session.gap_count},
-                          {"simulated", session.simulated},
-                          {"recording", session.recording},
-                          {"close_reason", session.close_reason},
-                          {"exercise", db::exercise_as_told(session.exercise_json)},
-                          {"note", session.note}};
-      if (session.subject) line["subject"] = *session.subject;
-      std::printf("%s\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-    }
+    for (const db::SessionInfo& session : page->sessions)
+      std::printf("%s\n", db::session_json(session).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     query.before = page->next;
   } while (query.before);
   return kDone;

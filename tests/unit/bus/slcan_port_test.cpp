@@ -405,5 +405,12 @@ TEST(OpenPort, RefusesAnInterfaceNameThatCannotBe) {
   }
 }
 
+// Only hoist-control --bus sim: takes steps from a simulator; no real bus and no tool can get that clock.
+TEST(OpenPort, RefusesLockStep) {
+  std::string error;
+  EXPECT_EQ(open_port("sim:/tmp/step.sock", error), nullptr);
+  EXPECT_NE(error.find("hoist-control"), std::string::npos) << error;
+}
+
 }  // namespace
 }  // namespace hoist::bus

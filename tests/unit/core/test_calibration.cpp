@@ -24,7 +24,7 @@ using contract::Role;
 constexpr double kToday_s = 1'790'000'000.0;
 
 std::uint32_t begin(ScriptedHoist& hoist, CalibrationStep step, Role role = Role::engineer, std::uint32_t client = 7) {
-  return hoist.ask(CommandKind::begin_calibration, client, static_cast<std::uint32_t>(step), static_cast<std::uint32_t>(role));
+  return hoist.ask(CommandKind::begin_calibration, client, static_cast<std::uint32_t>(step), static_cast<std::uint32_t>(role), 1.0);
 }
 const Calibration& calibration(const ScriptedHoist& hoist) { return hoist.state.motion.calibration; }
 
@@ -36,10 +36,26 @@ TEST(Calibrate, OnlyTheDriverInTheStepsRoleBegins) {
   EXPECT_EQ(begin(hoist, CalibrationStep::zero, Role::therapist, 8), refusal_bit(Refusal::no_lease));
   EXPECT_EQ(hoist.ask(CommandKind::begin_calibration, 7, 0, 2), refusal_bit(Refusal::unknown_item));
   EXPECT_EQ(hoist.ask(CommandKind::begin_calibration, 7, 99, 2), refusal_bit(Refusal::unknown_item));
-  EXPECT_EQ(hoist.ask(CommandKind::begin_calibration, 7, 1, 77), refusal_bit(Refusal::not_allowed));
+  EXPECT_EQ(hoist.ask(CommandKind::begin_calibration, 7, 1, 77, 1.0), refusal_bit(Refusal::not_allowed));
   EXPECT_EQ(hoist.state.mode, Mode::standby);
   EXPECT_EQ(begin(hoist, CalibrationStep::zero, Role::therapist), 0U);
   EXPECT_EQ(hoist.state.mode, Mode::calibrate);
+}
+
+// No sensor tells a motionless patient from an empty harness; a zero taken with one in it would lean the hoist forward by itself.
+TEST(Calibrate, StepsForAnEmptyHarnessNeedItsConfirmation) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  for (const contract::CalibrationStepInfo& info : contract::kCalibrationSteps) {
+    const auto step = static_cast<std::uint32_t>(info.step);
+    const bool strut =
+        info.step == CalibrationStep::zero || info.step == CalibrationStep::strut_length || info.step == CalibrationStep::strut_spacing;
+    for (const double unconfirmed : {0.0, 0.5, -1.0, 2.0, std::numeric_limits<double>::quiet_NaN()})
+      EXPECT_EQ(hoist.ask(CommandKind::begin_calibration, 7, step, 2, unconfirmed), strut ? refusal_bit(Refusal::harness_unconfirmed) : 0U)
+          << info.name << ' ' << unconfirmed;
+    EXPECT_EQ(hoist.ask(CommandKind::begin_calibration, 7, step, 2, 1.0), 0U) << info.name;
+    ASSERT_EQ(hoist.ask(CommandKind::cancel_calibration), 0U);
+  }
 }
 
 TEST(Calibrate, AllReasonsAreToldAtOnce) {
@@ -62,7 +78,7 @@ TEST(Calibrate, TheZerosBecomeParametersAsOneSetWithTheirDate) {
   install_params(hoist.state, leaning);
   ASSERT_EQ(begin(hoist, CalibrationStep::zero, Role::therapist), 0U);
   EXPECT_NE(hoist.ask(CommandKind::use_calibration, 7, 0, 0, kToday_s), 0U) << "there is no result yet";
-  hoist.step(220);
+  hoist.step(520);
   ASSERT_EQ(calibration(hoist).phase, CalibrationPhase::result);
   EXPECT_EQ(hoist.state.params.left_alpha_zero_rad, 0.0) << "not before it is used";
   EXPECT_EQ(hoist.ask(CommandKind::use_calibration, 7, 0, 0, 0.0), refusal_bit(Refusal::out_of_range)) << "a date that means never";
@@ -89,7 +105,7 @@ TEST(Calibrate, CancellingLosingTheLeaseAndStopKeepTheOldValues) {
     ScriptedHoist hoist;
     ASSERT_TRUE(hoist.ready());
     ASSERT_EQ(begin(hoist, CalibrationStep::zero, Role::therapist), 0U);
-    hoist.step(230);
+    hoist.step(530);
     ASSERT_EQ(calibration(hoist).phase, CalibrationPhase::result);
     if (how == 0) {
       EXPECT_EQ(hoist.ask(CommandKind::cancel_calibration), 0U);

@@ -119,8 +119,8 @@ TEST(Hostile, StopWorksEvenOutOfOrderAndInAFlood) {
   EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
 }
 
-// After the server was lost the first command sets the count. An old one that comes then must not keep the driver from ending the motion.
-TEST(Hostile, TheDriversRequestForStandbyIsDoneInAnyOrder) {
+// After the server was lost the first command sets the count. An old one that comes then must not keep anyone from ending the motion.
+TEST(Hostile, ARequestForStandbyIsDoneInAnyOrder) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));
   hoist.state.next_sequence = 5000;  // as an old command would set it
@@ -128,14 +128,8 @@ TEST(Hostile, TheDriversRequestForStandbyIsDoneInAnyOrder) {
   c.sequence = 3;
   c.kind = CommandKind::request_mode;
   c.a = static_cast<std::uint32_t>(Mode::standby);
-  c.client = 8;
-  c.lease_epoch = hoist.state.lease.epoch;
-  c.request_id = 901;
-  hoist.commands.push_back(c);
-  hoist.step();
-  EXPECT_EQ(hoist.answer(901), refusal_bit(Refusal::no_lease)) << "only the driver's";
-  EXPECT_FALSE(hoist.state.motion.leaving);
   c.client = 7;
+  c.lease_epoch = hoist.state.lease.epoch;
   c.request_id = 902;
   hoist.commands.push_back(c);
   hoist.step();

@@ -52,6 +52,28 @@ TEST(Lease, CannotBeTakenOverWhileMoving) {
   EXPECT_EQ(hoist.state.lease.holder, 7U);
 }
 
+// A second screen can end what the first one leads, gently and at once; it can begin nothing.
+TEST(Lease, AnyoneMayEndAMotionAndOnlyTheHolderBeginsOne) {
+  for (const Mode mode : {Mode::user, Mode::remote}) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.start(mode));
+    if (mode == Mode::remote) hoist.drive_for(100, 0.8);
+    EXPECT_EQ(hoist.ask(CommandKind::request_mode, 8, static_cast<std::uint32_t>(Mode::standby)), 0U);
+    EXPECT_EQ(hoist.state.lease.holder, 7U) << "the lease stays where it is";
+    EXPECT_TRUE(hoist.reach(Mode::standby, 300));
+    EXPECT_LE(hoist.worst_deceleration_m_s2, 1.0) << "no harder than the driver's own end";
+    EXPECT_NE(hoist.ask(CommandKind::request_mode, 8, static_cast<std::uint32_t>(Mode::user)) & refusal_bit(Refusal::no_lease), 0U);
+  }
+  ScriptedHoist stopped;
+  ASSERT_TRUE(stopped.start(Mode::user));
+  stopped.ask(CommandKind::stop, 8);
+  ASSERT_TRUE(stopped.reach(Mode::protective_stop, 10));
+  stopped.step(300);
+  EXPECT_NE(stopped.ask(CommandKind::request_mode, 8, static_cast<std::uint32_t>(Mode::standby)) & refusal_bit(Refusal::no_lease), 0U)
+      << "a stop is left by the holder's acknowledgement";
+  EXPECT_EQ(stopped.state.mode, Mode::protective_stop);
+}
+
 // H20, H28: who had the lease once has nothing any more.
 TEST(Lease, OldEpochsCannotStartOrDrive) {
   ScriptedHoist hoist;

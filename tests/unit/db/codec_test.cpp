@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <random>
 
@@ -51,6 +52,22 @@ std::vector<std::size_t> all_of(const Table& table) {
   std::vector<std::size_t> which(table.size());
   for (std::size_t i = 0; i < which.size(); ++i) which[i] = i;
   return which;
+}
+
+// The check value of CRC-32/ISO-HDLC, and a plain bitwise reader for every length around a word.
+TEST(Crc, IsTheStandardOneForAnyLength) {
+  constexpr std::array<std::uint8_t, 9> kCheck{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
+  static_assert(crc32(kCheck) == 0xCBF43926U);
+  Bytes bytes;
+  for (std::size_t n = 0; n < 40; ++n) {
+    std::uint32_t expected = 0xFFFFFFFFU;
+    for (const std::uint8_t b : bytes) {
+      expected ^= b;
+      for (int bit = 0; bit < 8; ++bit) expected = (expected >> 1) ^ ((expected & 1U) != 0 ? 0xEDB88320U : 0U);
+    }
+    EXPECT_EQ(crc32(bytes), expected ^ 0xFFFFFFFFU) << n;
+    bytes.push_back(static_cast<std::uint8_t>(37 * n + 201));
+  }
 }
 
 TEST(Codec, every_integer_comes_back_in_both_layouts) {

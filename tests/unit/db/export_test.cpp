@@ -10,6 +10,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "control/bus/candump_log.hpp"
+#include "control/contract/can_dictionary.hpp"
 #include "control/contract/reference_path.hpp"
 #include "db/export/fixed_point.hpp"
 #include "db/export/session_export.hpp"
@@ -71,6 +73,8 @@ TEST(Csv, no_text_can_start_a_formula_or_leave_its_cell) {
   EXPECT_EQ(csv_cell("say \"ah\""), "\"say \"\"ah\"\"\"");
   EXPECT_EQ(csv_cell("two\nlines"), "\"two\nlines\"");
 }
+
+std::string run(const std::string& command);
 
 struct Fixture {
   TempDir dir;
@@ -142,9 +146,9 @@ TEST(Csv, every_value_reads_back_as_it_was_stored) {
   std::size_t largest = 0;
   const Csv csv = parse_csv(whole(f.database, f.id, {}, &largest));
   EXPECT_LT(largest, 200000U) << "a piece is small whatever the session's length";
-  EXPECT_EQ(csv.comments.front(), "# hoist session " + std::to_string(f.id));
-  EXPECT_NE(std::ranges::find(csv.comments, "# simulated"), csv.comments.end());
-  EXPECT_NE(std::ranges::find(csv.comments, "# note first second, with \"quotes\""), csv.comments.end());
+  EXPECT_EQ(csv.comments.front(), "# hoist session," + std::to_string(f.id));
+  EXPECT_NE(std::ranges::find(csv.comments, "# simulated,true"), csv.comments.end());
+  EXPECT_NE(std::ranges::find(csv.comments, "# note,\"first\\nsecond, with \"\"quotes\"\"\""), csv.comments.end());
   EXPECT_TRUE(csv.comments.back().starts_with("# units: UTC,s,,,ns,rad,"));
   ASSERT_EQ(csv.names.size(), contract::kSignalCount + 3);
   EXPECT_EQ(csv.names[0], "utc");
@@ -174,10 +178,13 @@ TEST(Csv, chosen_columns_come_in_the_asked_order_and_unknown_ones_are_refused) {
   EXPECT_TRUE(csv.comments.empty());
   EXPECT_EQ(csv.names, (std::vector<std::string>{"utc", "time_s", "gap_before", "y_m", "x_m"}));
   EXPECT_EQ(csv.rows.size(), 50U);
-  options.columns = {"x_m", "secret_m"};
+  options.columns = {"x_m", "secret_m", "other_m"};
   const Result<SessionExport> refused = SessionExport::open(f.database, f.id, options);
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().field, "columns");
+  EXPECT_EQ(refused.error().message, "this session has no column secret_m, other_m");
+  options.columns = {"x_m", "x_m"};
+  EXPECT_EQ(SessionExport::open(f.database, f.id, options).error().field, "columns");
   EXPECT_EQ(SessionExport::open(f.database, f.id + 1, {}).error().kind, ErrorKind::not_found);
 }
 
@@ -274,6 +281,145 @@ TEST(Json, holds_everything_column_by_column) {
   EXPECT_EQ(all["gaps"][0]["reason"], "not_received");
   EXPECT_EQ(all["gaps"][0]["to_tick"], 1039);
   EXPECT_EQ(all["markers"][0]["text"], "ok");
+}
+
+// A reader of its own for both rules: RFC 4180, and pandas' C parser, for which '#' outside quotes ends the line (pandas issue 27637).
+std::vector<std::vector<std::string>> read_rfc4180(const std::string& text, bool drop_comments) {
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> row;
+  std::string cell;
+  bool quoted = false, comment = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (comment && c != '\n') continue;
+    if (quoted) {
+      if (c != '"')
+        cell += c;
+      else if (i + 1 < text.size() && text[i + 1] == '"')
+        cell += text[++i];
+      else
+        quoted = false;
+    } else if (c == '"') {
+      EXPECT_TRUE(cell.empty()) << "a quote inside a cell that is not quoted: " << cell;
+      quoted = true;
+    } else if (drop_comments && c == '#') {
+      comment = true;
+    } else if (c == ',') {
+      row.push_back(std::move(cell));
+      cell.clear();
+    } else if (c == '\n') {
+      if (!(comment && row.empty() && cell.empty())) {
+        row.push_back(std::move(cell));
+        rows.push_back(std::move(row));
+      }
+      row.clear();
+      cell.clear();
+      comment = false;
+    } else {
+      cell += c;
+    }
+  }
+  EXPECT_FALSE(quoted);
+  return rows;
+}
+
+TEST(Csv, any_text_survives_readers_with_and_without_comments) {
+  Fixture f;
+  SessionStart start = start_of_walk();
+  const std::string text = "room #4, \"left\"\nnext #5";
+  start.note = text;
+  f.record(start, Walk(31).records(0, 20));
+  ASSERT_TRUE(f.writer.append_marker(3, kStartUtc_ns, text).ok());
+  f.end();
+  for (const bool comments : {true, false}) {
+    ExportOptions options;
+    options.format = ExportFormat::events_csv;
+    options.comments = comments;
+    const std::string csv = whole(f.database, f.id, options);
+    const auto dropped = read_rfc4180(csv, true);
+    ASSERT_EQ(dropped.size(), 2U) << csv;
+    EXPECT_EQ(dropped[0].back(), "text");
+    ASSERT_EQ(dropped[1].size(), dropped[0].size());
+    EXPECT_EQ(dropped[1].back(), text);
+    auto plain = read_rfc4180(csv, false);
+    std::erase_if(plain, [](const auto& row) { return row.front().starts_with("#"); });
+    EXPECT_EQ(plain, dropped);
+  }
+}
+
+TEST(Provenance, both_exports_say_who_recorded_what) {
+  Fixture f;
+  SessionStart start = start_of_walk();
+  start.software_version = "0.1.0+aaaabbbbcccc";
+  start.core_version = "0.1.0+ddddeeeeffff.modified";
+  start.nodes = {{"tilt_left", 0x80000001U, 0x00020000U, 0x00010203U, 0xDEADBEEFU}, {"io", {}, {}, {}, {}}};
+  f.record(start, Walk(32).records(0, 20));
+  f.end();
+  ExportOptions options;
+  options.columns = {"x_m", "psi_rad", "tick"};
+  const Csv csv = parse_csv(whole(f.database, f.id, options));
+  for (const char* line :
+       {"# recorded by,hoist-server 0.1.0+aaaabbbbcccc", "# controlled by,hoist-control 0.1.0+ddddeeeeffff.modified",
+        "# layout,fedcba9876543210", "# node program,io; product not read; revision not read; version not read; crc not read",
+        "# node program,tilt_left; product 80000001; revision 2.0; version 1.2.3; crc deadbeef",
+        "# axes:,,,x forward from the start mark,psi turns left,", "# units: UTC,s,,m,rad,"})
+    EXPECT_NE(std::ranges::find(csv.comments, line), csv.comments.end()) << line;
+  options.format = ExportFormat::json;
+  const json all = json::parse(whole(f.database, f.id, options));
+  EXPECT_EQ(all["session"]["software_version"], "0.1.0+aaaabbbbcccc");
+  EXPECT_EQ(all["session"]["core_version"], "0.1.0+ddddeeeeffff.modified");
+  EXPECT_EQ(all["session"]["layout_hash"], "fedcba9876543210");
+  EXPECT_EQ(all["session"]["nodes"][0]["version"], "1.2.3");
+  EXPECT_EQ(all["session"]["nodes"][0]["simulated"], true);
+  EXPECT_TRUE(all["session"]["nodes"][1]["revision"].is_null());
+  EXPECT_EQ(all["columns"][3]["axis"], "psi turns left");
+  EXPECT_TRUE(all["columns"][4]["axis"].is_null());
+}
+
+// The reader of the tree, and log2asc of can-utils where it is installed.
+TEST(BusLogExport, frames_come_back_as_recorded_with_their_gap) {
+  Fixture f;
+  f.record(start_of_walk(), Walk(33).records(0, 400));
+  std::vector<contract::BusRecord> frames;
+  for (std::uint32_t i = 0; i < 5000; ++i) {
+    contract::BusRecord frame;
+    frame.time_ns = kStart_ns + (i < 3000 ? i : i + 500) * 500'000ULL;  // 250 ms are missing after frame 2999
+    frame.id = 0x181 + i % 6;
+    frame.dlc = static_cast<std::uint8_t>(i % 9);
+    frame.sent = i % 5 == 0;
+    frame.data = frame.dlc == 0 ? 0 : (i * 0x0101'0101'0101ULL) & (~0ULL >> (64 - 8 * frame.dlc));
+    frames.push_back(frame);
+  }
+  ASSERT_TRUE(f.writer.append_bus(frames).ok());
+  ASSERT_TRUE(f.writer.append_gap("bus", 149, 175, "recorder_late").ok());
+  f.end();
+  ExportOptions options;
+  options.format = ExportFormat::candump;
+  std::size_t largest = 0;
+  const std::string text = whole(f.database, f.id, options, &largest);
+  EXPECT_LT(largest, 100000U) << "a piece is small whatever the session's length";
+  std::ofstream(f.dir / "can.log") << text;
+  std::vector<bus::LogEntry> entries;
+  ASSERT_EQ(bus::read_log((f.dir / "can.log").string(), entries), "");
+  ASSERT_EQ(entries.size(), frames.size() + 1);
+  EXPECT_EQ(entries[3000].frame.flags, contract::CanFrame::kError);
+  EXPECT_EQ(entries[3000].frame.id, 4U);
+  EXPECT_EQ(entries[3000].frame.data[1], 1);
+  entries.erase(entries.begin() + 3000);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    ASSERT_EQ(entries[i].frame.id, frames[i].id);
+    ASSERT_EQ(contract::read_le(entries[i].frame.data.data(), 4), frames[i].data & 0xFFFFFFFFU);
+    ASSERT_EQ(entries[i].direction, frames[i].sent != 0 ? bus::Direction::sent : bus::Direction::received);
+    ASSERT_EQ(entries[i].time_us,
+              static_cast<std::uint64_t>(kStartUtc_ns + static_cast<std::int64_t>(frames[i].time_ns - kStart_ns)) / 1000);
+    ASSERT_EQ(std::string_view(entries[i].interface.data()), "vcan0") << "marked as simulated";
+  }
+  if (std::system("command -v log2asc > /dev/null") != 0) GTEST_SKIP() << "can-utils is not installed";
+  const std::string asc = run("log2asc -I " + (f.dir / "can.log").string() + " vcan0");
+  EXPECT_EQ(std::ranges::count(asc, '\n'), static_cast<std::ptrdiff_t>(frames.size()) + 1 + 3) << "three lines of head";
+  EXPECT_NE(asc.find("ErrorFrame"), std::string::npos);
+  options.columns = {"x_m"};
+  EXPECT_EQ(SessionExport::open(f.database, f.id, options).error().field, "columns");
 }
 
 TEST(Json, an_empty_session_is_valid_json) {
@@ -384,6 +530,17 @@ TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {
   }
 }
 
+SessionMetrics figures_of(const std::vector<TickRecord>& records) {
+  Fixture f;
+  SessionStart start = start_of_walk();
+  start.exercise_json = R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})";
+  f.record(start, records);
+  f.end();
+  const Result<SessionMetrics> metrics = session_metrics(f.database, f.id);
+  EXPECT_TRUE(metrics.ok());
+  return metrics.ok() ? *metrics : SessionMetrics{};
+}
+
 TEST(Metrics, a_walk_with_a_part_missing_is_not_compared_and_says_how_much) {
   const contract::ReferencePath eight = contract::ReferencePath::eight(1.0, 0.8);
   const std::vector<TickRecord> walk = follow(eight, 12.0);
@@ -401,18 +558,85 @@ TEST(Metrics, a_walk_with_a_part_missing_is_not_compared_and_says_how_much) {
     std::vector<TickRecord> records = walk;
     const auto from = records.begin() + static_cast<std::ptrdiff_t>(one.from);
     records.erase(from, from + static_cast<std::ptrdiff_t>(one.count));
-    Fixture f;
-    SessionStart start = start_of_walk();
-    start.exercise_json = R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})";
-    f.record(start, records);
-    f.end();
-    const Result<SessionMetrics> metrics = session_metrics(f.database, f.id);
-    ASSERT_TRUE(metrics.ok());
-    EXPECT_NEAR(metrics->missing_s, one.missing_s, 1e-9) << one.what;
-    EXPECT_EQ(metrics->normalised_ise.has_value(), one.compared) << one.what;
-    EXPECT_EQ(metrics->correlation.has_value(), one.compared) << one.what;
-    EXPECT_EQ(metrics->why_absent, one.compared ? "" : "Part of this walk is not recorded.") << one.what;
+    const SessionMetrics metrics = figures_of(records);
+    EXPECT_NEAR(metrics.missing_s, one.missing_s, 1e-9) << one.what;
+    EXPECT_EQ(metrics.normalised_ise.has_value(), one.compared) << one.what;
+    EXPECT_EQ(metrics.correlation.has_value(), one.compared) << one.what;
+    EXPECT_EQ(metrics.why_absent, one.compared ? NoFigure::none : NoFigure::part_missing) << one.what;
   }
+}
+
+TEST(Metrics, AShortGapAnywhereHardlyChangesTheFigures) {
+  const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
+  const SessionMetrics whole = figures_of(walk);
+  ASSERT_TRUE(whole.correlation && whole.normalised_ise);
+  double most_c = 0, most_j = 0;
+  for (std::size_t from = 200; from + 250 < walk.size(); from += 100) {
+    std::vector<TickRecord> records = walk;
+    records.erase(records.begin() + static_cast<std::ptrdiff_t>(from), records.begin() + static_cast<std::ptrdiff_t>(from) + 50);
+    const SessionMetrics gapped = figures_of(records);
+    ASSERT_TRUE(gapped.correlation && gapped.normalised_ise) << from;
+    most_c = std::max(most_c, std::fabs(*gapped.correlation - *whole.correlation));
+    most_j = std::max(most_j, std::fabs(*gapped.normalised_ise / *whole.normalised_ise - 1));
+  }
+  RecordProperty("largest_change_of_C", std::to_string(most_c));
+  RecordProperty("largest_share_of_J", std::to_string(most_j));
+  EXPECT_LE(most_c, 0.02);
+  EXPECT_LE(most_j, 0.05);
+}
+
+TEST(Metrics, AWalkThatGoesOnIsComparedAndANewStartIsNot) {
+  const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
+  const SessionMetrics whole = figures_of(walk);
+  // Two seconds of standing in the middle, in which nothing leads: pose and way stay.
+  std::vector<TickRecord> paused;
+  for (const TickRecord& record : walk) {
+    paused.push_back(record);
+    for (int i = 0; paused.size() > 1500 && paused.size() < 1700 && i < 200; ++i) {
+      paused.push_back(record);
+      paused.back().mode = static_cast<std::uint8_t>(contract::Mode::protective_stop);
+    }
+  }
+  for (std::size_t i = 0; i < paused.size(); ++i) {
+    paused[i].tick = i;
+    paused[i].time_ns = kStart_ns + i * kTick_ns;
+  }
+  const SessionMetrics went_on = figures_of(paused);
+  ASSERT_TRUE(went_on.correlation && went_on.normalised_ise);
+  EXPECT_NEAR(*went_on.correlation, *whole.correlation, 0.01);
+  EXPECT_NEAR(*went_on.normalised_ise, *whole.normalised_ise, 0.01 * *whole.normalised_ise);
+  EXPECT_EQ(went_on.moving_s, whole.moving_s);
+  // The same with a new mark behind the pause, or with the therapist leading.
+  const std::vector<TickRecord> same = paused;
+  for (std::size_t i = 1700; i < paused.size(); ++i) paused[i].start_mark = 1;
+  EXPECT_EQ(figures_of(paused).why_absent, NoFigure::several_walks);
+  paused = same;
+  for (std::size_t i = 1900; i < paused.size() - 160; ++i) paused[i].mode = static_cast<std::uint8_t>(contract::Mode::remote);
+  EXPECT_EQ(figures_of(paused).why_absent, NoFigure::several_walks);
+  EXPECT_FALSE(figures_of(paused).normalised_ise.has_value());
+}
+
+TEST(Metrics, ARecordingThatBeginsMidwayKnowsItsPlace) {
+  const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
+  std::vector<TickRecord> rest(walk.begin() + 1000, walk.end());
+  for (TickRecord& record : rest) record.distance_m = 3.4F;
+  const SessionMetrics late = figures_of(rest);
+  ASSERT_TRUE(late.normalised_ise);
+  EXPECT_NEAR(late.start_m, 0.004 * 850, 0.1);
+  EXPECT_NEAR(*late.path_length_m, 12.0 - 3.4, 0.1);
+  // Not where the exercise begins, and not said to go on: the exercise was named afterwards.
+  for (TickRecord& record : rest) record.distance_m = 0;
+  EXPECT_EQ(figures_of(rest).why_absent, NoFigure::start_unclear);
+  for (TickRecord& record : rest) record.distance_m = 3.4F, record.fused_x_m += 3;
+  EXPECT_EQ(figures_of(rest).why_absent, NoFigure::start_unclear);
+}
+
+TEST(Metrics, StandingIsNoMotion) {
+  std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
+  for (std::size_t i = 500; i < 1500; ++i) walk[i].standing_still = 1, walk[i].speed_m_s = 0;
+  const SessionMetrics metrics = figures_of(walk);
+  EXPECT_NEAR(metrics.moving_s - metrics.motion_s, 10.0, 1e-9);
+  EXPECT_NEAR(metrics.mean_speed_m_s, 0.4, 1e-5);
 }
 
 TEST(Metrics, without_walking_or_exercise_there_are_no_figures_but_a_reason) {
@@ -439,7 +663,7 @@ TEST(Metrics, without_walking_or_exercise_there_are_no_figures_but_a_reason) {
   ASSERT_TRUE(asked.ok());
   EXPECT_EQ(asked->shape, "square");
   EXPECT_FALSE(asked->normalised_ise.has_value());
-  EXPECT_EQ(asked->why_absent, "Nobody walked in this session.");
+  EXPECT_EQ(asked->why_absent, NoFigure::no_motion);
   EXPECT_EQ(session_metrics(f.database, f.id + 1).error().kind, ErrorKind::not_found);
 }
 

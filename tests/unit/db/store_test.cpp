@@ -151,7 +151,9 @@ TEST(Open, an_older_recording_without_an_application_id_is_known_by_its_tables) 
   {
     Database database = open_at(dir / "hoist.db");
     id = record_session(database, 300, 1, &records);
-    execute(database.handle(), "PRAGMA application_id = 0; DROP TABLE seal; PRAGMA user_version = 1");
+    execute(database.handle(),
+            "PRAGMA application_id = 0; DROP TABLE seal; DROP TABLE node_programs; ALTER TABLE sessions DROP COLUMN core_version; "
+            "PRAGMA user_version = 1");
   }
   std::filesystem::remove(dir / "hoist.db.seal");
   Database database = open_at(dir / "hoist.db");
@@ -160,6 +162,23 @@ TEST(Open, an_older_recording_without_an_application_id_is_known_by_its_tables) 
   EXPECT_FALSE(database.report().lost);
   expect_recorded(database, id, records);
   EXPECT_NE(number_of(database, "PRAGMA application_id"), 0);
+}
+
+TEST(Open, a_recording_from_before_provenance_is_migrated_and_says_what_it_does_not_know) {
+  TempDir dir;
+  std::vector<TickRecord> records;
+  SessionId id = 0;
+  {
+    Database database = open_at(dir / "hoist.db");
+    id = record_session(database, 300, 1, &records);
+    execute(database.handle(), "DROP TABLE node_programs; ALTER TABLE sessions DROP COLUMN core_version; PRAGMA user_version = 2");
+  }
+  Database database = open_at(dir / "hoist.db");
+  EXPECT_EQ(database.report().migrated_from, 2);
+  expect_recorded(database, id, records);
+  const SessionReader reader(database);
+  EXPECT_FALSE(reader.get(id)->core_version.has_value());
+  EXPECT_TRUE(reader.node_programs(id)->empty());
 }
 
 TEST(Open, an_empty_file_beside_a_full_log_is_set_aside_with_it) {
@@ -699,6 +718,35 @@ TEST(Reader, pages_run_from_the_newest_to_the_oldest) {
   EXPECT_EQ(reader.list(query).error().field, "limit");
   query.limit = kMaxPage + 1;
   EXPECT_EQ(reader.list(query).error().field, "limit");
+}
+
+TEST(Reader, a_search_finds_part_of_a_code_in_capital_or_small_letters) {
+  TempDir dir;
+  Database database = open_at(dir / "hoist.db");
+  SessionWriter writer = writer_of(database);
+  for (const char* code : {"P-017", "p-0170", "MÜL-3", "ŽAK_1", "100%"}) {
+    SessionStart start = start_of_walk();
+    start.subject = code;
+    ASSERT_TRUE(writer.begin(start).ok());
+    ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
+  }
+  const SessionReader reader(database);
+  const auto found = [&](const char* wanted) {
+    SessionQuery query;
+    query.subject = wanted;
+    const Result<SessionPage> page = reader.list(query);
+    EXPECT_EQ(page->total, page->sessions.size()) << wanted;
+    return page->total;
+  };
+  EXPECT_EQ(found("017"), 2U);
+  EXPECT_EQ(found("P-017"), 2U);
+  EXPECT_EQ(found("p-0170"), 1U);
+  EXPECT_EQ(found("mül"), 1U);
+  EXPECT_EQ(found("MÜL"), 1U);
+  EXPECT_EQ(found("žak"), 1U);
+  EXPECT_EQ(found("%"), 1U) << "no wildcard";
+  EXPECT_EQ(found("_"), 1U) << "no wildcard";
+  EXPECT_EQ(found("P-018"), 0U);
 }
 
 TEST(Reader, unknown_sessions_columns_and_ranges_are_refused) {

@@ -5,11 +5,9 @@
 #include <limits>
 #include <numbers>
 #include <random>
-#include <set>
 
 #include "db/metrics/cross_correlation.hpp"
 #include "db/metrics/evaluate.hpp"
-#include "db/metrics/metric_list.hpp"
 #include "db/metrics/normalised_ise.hpp"
 #include "db/metrics/run_summary.hpp"
 #include "db/metrics/table_mean.hpp"
@@ -149,26 +147,6 @@ TEST(TableMean, LeavesOutWhoDidNotRun) {
   EXPECT_EQ(mean[1], 5.0);
   EXPECT_FALSE(mean[2].has_value()) << "a run nobody did has no mean, not zero";
   EXPECT_TRUE(table_mean(std::vector<std::vector<std::optional<double>>>{{1.0}, {1.0, 2.0}}).empty());
-}
-
-TEST(MetricList, ComputesEachFigureOnceAndOnlyWhereItMakesSense) {
-  const auto path = contract::ReferencePath::eight();
-  const auto track = beside_the_eight(0.01, 0.05);
-  std::set<std::string_view> ids;
-  for (const auto& metric : metric_list()) {
-    SCOPED_TRACE(std::string(metric.id));
-    EXPECT_TRUE(ids.insert(metric.id).second) << "twice";
-    EXPECT_FALSE(metric.meaning.empty());
-    const auto on_path = metric.compute({track.columns(), &path});
-    ASSERT_TRUE(on_path.has_value());
-    EXPECT_TRUE(std::isfinite(*on_path));
-    EXPECT_EQ(metric.compute({track.columns(), nullptr}).has_value(), !metric.needs_path);
-    EXPECT_FALSE(metric.compute({RunColumns{}, &path}).has_value()) << "an empty run has no figures";
-  }
-  const auto summary = run_summary(track.columns());
-  EXPECT_NEAR(summary->mean_speed_m_s, 0.3, 0.02);
-  EXPECT_NEAR(summary->duration_s, path.length_m() / 0.3, 0.02);
-  EXPECT_GE(ids.size(), 8U);
 }
 
 }  // namespace

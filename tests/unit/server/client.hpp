@@ -1,4 +1,5 @@
-// Test clients: HTTP answers and WebSocket messages through Beast, raw bytes through a plain socket.
+// Test clients over plain sockets: HTTP answers, WebSocket messages, raw bytes. They share no parser with the server and refuse what the RFCs do
+// not allow. Beast's client would do the same for 46 s and 1.2 GB of the compiler.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -39,10 +40,17 @@ class Raw {
   // Reads until `count` bytes, the end or the limit.
   std::string read(std::size_t count, int limit_ms = 2000);
   std::string read_to_end(int limit_ms = 8000);
+  // The server has closed.
   [[nodiscard]] bool closed() const { return closed_; }
+  // Closes without a word.
+  void close();
 
  private:
+  bool receive(std::chrono::steady_clock::time_point end);
+
   int fd_ = -1;
+  std::string received_;  // not yet read: from taken_ on
+  std::size_t taken_ = 0;
   bool closed_ = false;
 };
 

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "control/contract/calibration.hpp"
+
 namespace hoist::test {
 
 using namespace contract;
@@ -100,6 +102,7 @@ void FakeCore::publish_tick() {
   ++record_.tick;
   record_.time_ns += 10'000'000;
   record_.x_m += 0.001F;
+  record_.distance_m += 0.001F;
   record_.fused_x_m = record_.x_m;
   record_.fused_y_m = record_.y_m;
   record_.fused_psi_rad = record_.psi_rad;
@@ -147,7 +150,8 @@ void FakeCore::take(const Command& c) {
       ++record_.lease_epoch;
       return answer(c, 0);
     case CommandKind::request_mode:
-      if (!holds) return answer(c, refusal_bit(Refusal::no_lease));
+      if (!holds && !(c.a == static_cast<std::uint32_t>(Mode::standby) && kModes[record_.mode].moving))
+        return answer(c, refusal_bit(Refusal::no_lease));
       if (c.a != static_cast<std::uint32_t>(Mode::standby) && mode != Mode::standby) return answer(c, refusal_bit(Refusal::not_standby));
       record_.mode = static_cast<std::uint8_t>(c.a);
       return answer(c, 0);
@@ -192,9 +196,18 @@ void FakeCore::take(const Command& c) {
     }
     case CommandKind::set_pose:
       if (mode != Mode::standby) return answer(c, refusal_bit(Refusal::not_standby));
+      if (c.a != 0 && c.a == mark_exercise_ && c.b != kStartAgain) return answer(c, 0);
+      mark_exercise_ = c.a;
+      ++record_.start_mark;
       record_.x_m = static_cast<float>(c.v0);
       record_.y_m = static_cast<float>(c.v1);
       record_.psi_rad = static_cast<float>(c.v2);
+      record_.distance_m = 0;
+      {
+        Event event;
+        event.kind = EventKind::pose_set;
+        events_.push_back(event);
+      }
       return answer(c, 0);
     case CommandKind::set_neutral:
       link_->publish_params(params_);
@@ -228,6 +241,7 @@ void FakeCore::take(const Command& c) {
       return answer(c, 0);
     case CommandKind::begin_calibration:
       if (!holds) return answer(c, refusal_bit(Refusal::no_lease));
+      if (contract::find_calibration_step(c.a)->empty_harness && c.v0 != 1.0) return answer(c, refusal_bit(Refusal::harness_unconfirmed));
       record_.mode = static_cast<std::uint8_t>(Mode::calibrate);
       record_.calibration_step = static_cast<std::uint8_t>(c.a);
       record_.calibration_phase = 3;

@@ -54,6 +54,7 @@ class FakeCore {
   contract::TickRecord record_{};
   contract::ParamsInForce params_{};
   double trial_s_ = 0;
+  std::uint32_t mark_exercise_ = 0;
   std::vector<std::pair<std::size_t, double>> staged_;
   bool staging_broken_ = false;
   std::vector<contract::Command> commands_;

@@ -40,8 +40,8 @@ TEST_F(LiveTest, WelcomeSaysWhatRuns) {
   EXPECT_EQ(welcome["layout_hash"], server::layout_hash_hex());
   EXPECT_EQ(welcome["record_bytes"], sizeof(contract::TickRecord));
   EXPECT_EQ(welcome["simulated"], true);
-  EXPECT_EQ(welcome["exercise"], (json{{"shape", "eight"}, {"c_m", 1.0}, {"radius_m", 0.8}}));
   EXPECT_EQ(live.wait("core")["connected"], true);
+  EXPECT_EQ(live.wait("walk")["exercise"], (json{{"shape", "eight"}, {"c_m", 1.0}, {"radius_m", 0.8}}));
   EXPECT_EQ(live.wait("parameters")["values"].size(), contract::kParamCount);
   EXPECT_EQ(live.wait("lease")["mine"], false);
   EXPECT_EQ(live.wait("recording")["state"], "idle");
@@ -169,9 +169,10 @@ TEST_F(LiveTest, ARefusedStartMovesNoPose) {
   // The button is still held from something else.
   const json path{{"shape", "circle"}, {"radius_m", 1.0}, {"speed_m_s", 0.2}};
   const json guided{{"type", "mode"}, {"mode", "guided"}, {"path", path}};
-  std::uint64_t seen_ns = 0;
-  core_->set([&](const contract::TickRecord& r) { seen_ns = r.time_ns; });
-  driver.send({{"type", "drive"}, {"sequence", 1}, {"echo", seen_ns}, {"speed", 0.0}, {"yaw", 0.0}, {"held", true}});
+  // What the server has told: a stamp that it does not know yet would be one from the future.
+  const auto told = driver.records(1);
+  ASSERT_FALSE(told.empty());
+  driver.send({{"type", "drive"}, {"sequence", 1}, {"echo", told.back().time_ns}, {"speed", 0.0}, {"yaw", 0.0}, {"held", true}});
   const json held = driver.ask(guided);
   EXPECT_EQ(held["refusals"], json::array({"release_first"})) << held;
   for (const auto& command : core_->commands()) EXPECT_NE(command.kind, contract::CommandKind::set_pose);

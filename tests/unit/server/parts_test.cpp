@@ -15,6 +15,7 @@
 #include "server/http/auth.hpp"
 #include "server/http/exchange.hpp"
 #include "server/http/json_text.hpp"
+#include "server/link/clock_speed.hpp"
 #include "server/settings.hpp"
 
 namespace hoist::server {
@@ -243,6 +244,30 @@ TEST(Exercise, ComesFromTheScenario) {
   EXPECT_EQ(exercise_of_scenario("bumper").shape, Exercise::Shape::free);
 }
 
+TEST(ClockSpeed, TellsSimulatedTimeThatRunsSlow) {
+  ClockSpeed speed;
+  std::uint64_t steady_ns = 5'000'000'000, core_ns = 1'000'000'000;
+  const auto run = [&](double seconds, double ratio) {
+    for (int i = 0; i < static_cast<int>(seconds * 100); ++i) {
+      steady_ns += 10'000'000;
+      core_ns += static_cast<std::uint64_t>(10'000'000 * ratio);
+      speed.look(steady_ns, core_ns);
+    }
+  };
+  run(5, 0.97);
+  EXPECT_EQ(speed.slow_percent(), std::nullopt);
+  run(4.5, 0.6);
+  EXPECT_EQ(speed.slow_percent(), 60);
+  run(4.5, 0.92);
+  EXPECT_EQ(speed.slow_percent(), 90) << "no flicker at the bound";
+  run(4.5, 1.0);
+  EXPECT_EQ(speed.slow_percent(), std::nullopt);
+  run(4.5, 0.0);
+  EXPECT_EQ(speed.slow_percent(), 0) << "a simulator that stands still";
+  speed.forget();
+  EXPECT_EQ(speed.slow_percent(), std::nullopt);
+}
+
 TEST(OpenApi, NamesEveryRouteAndOnlyKnownSchemas) {
   const json document = openapi_document();
   EXPECT_EQ(document["openapi"], "3.1.0");
@@ -260,7 +285,7 @@ TEST(OpenApi, NamesEveryRouteAndOnlyKnownSchemas) {
     return json();
   };
   EXPECT_EQ(schema_of("/api/v1/sessions", "limit"), (json{{"type", "integer"}, {"minimum", 1}, {"maximum", 200}}));
-  EXPECT_EQ(schema_of("/api/v1/sessions/{id}/export", "format")["enum"], (json{"csv", "events", "json"}));
+  EXPECT_EQ(schema_of("/api/v1/sessions/{id}/export", "format")["enum"], (json{"csv", "events", "json", "candump"}));
   EXPECT_FALSE(document["paths"]["/api/v1/stop"]["post"].contains("requestBody")) << "nothing of it is looked at";
   // Every reference leads somewhere.
   const std::string text = document.dump();

@@ -4,6 +4,8 @@
 #include <random>
 #include <sstream>
 
+#include "control/contract/can_dictionary.hpp"
+#include "control/contract/program_version.hpp"
 #include "control/publish/core_link.hpp"
 #include "control/publish/server_link.hpp"
 #include "db/export/session_export.hpp"
@@ -104,15 +106,27 @@ TEST_F(Record, AWalkIsRecordedAndExportedAsPublished) {
   // The command line's names are these.
   auto database = db::Database::attach(folder_ / "hoist.db");
   ASSERT_TRUE(database.ok());
-  const json told = db::metrics_json(*db::session_metrics(*database, 1), db::SessionReader(*database).get(1)->exercise_json);
-  for (const auto& [name, value] : told.items()) {
-    if (name == "session") continue;
-    EXPECT_EQ(metrics.value(name, json("absent")), value) << name;
-  }
+  EXPECT_EQ(metrics, *db::session_metrics_json(*database, 1));
+  const json status = get("/api/v1/status").json();
+  EXPECT_EQ(status["version"], contract::program_version());
+  EXPECT_EQ(session["software_version"], status["version"]);
+  EXPECT_EQ(session["core_version"], status["core"]["version"]);
+  EXPECT_EQ(session["layout_hash"], status["server"]["layout_hash"]);
+  EXPECT_EQ(session["nodes"].size(), contract::kRemoteNodeCount);
+  EXPECT_TRUE(session["nodes"][0]["revision"].is_null()) << "nobody asked that node";
+  const Answer chosen = get("/api/v1/sessions/1/export?columns=y_m,x_m&comments=0");
+  EXPECT_EQ(chosen.body.substr(0, chosen.body.find('\n')), "utc,time_s,gap_before,y_m,x_m");
+  const Answer unknown = get("/api/v1/sessions/1/export?columns=x_m,nothing,other");
+  EXPECT_EQ(unknown.status, 422);
+  EXPECT_EQ(unknown.json()["errors"][0]["field"], "columns");
+  EXPECT_NE(unknown.body.find("nothing, other"), std::string::npos) << unknown.body;
+  EXPECT_EQ(get("/api/v1/sessions/1/export?comments=2").status, 422);
+  EXPECT_EQ(get("/api/v1/sessions/1/export?format=candump").header("content-type"), "text/plain; charset=utf-8");
   EXPECT_EQ(call("PATCH", "/api/v1/sessions/1", {{"note", "went well"}, {"subject", "P-17"}}).json()["note"], "went well");
   EXPECT_EQ(call("PATCH", "/api/v1/sessions/1", {{"note", 5}}).status, 422);
   EXPECT_EQ(call("PATCH", "/api/v1/sessions/1", {{"id", 5}}).status, 422);
   EXPECT_EQ(get("/api/v1/sessions?q=P-17").json()["items"].size(), 1U);
+  EXPECT_EQ(get("/api/v1/sessions?q=p-1").json()["items"].size(), 1U);
   EXPECT_EQ(get("/api/v1/sessions?q=P-18").json()["items"].size(), 0U);
   EXPECT_EQ(get("/api/v1/sessions?limit=0").status, 422);
   EXPECT_EQ(call("DELETE", "/api/v1/sessions/1").status, 204);
@@ -604,7 +618,7 @@ TEST_F(TakeOver, AWalkThatBeginsOnADiskThatRefusesSaysWhatIsMissing) {
   ASSERT_TRUE(metrics.ok());
   EXPECT_NEAR(metrics->missing_s, static_cast<double>(one.ticks.front() - from) * 0.01, 1e-9);
   EXPECT_FALSE(metrics->normalised_ise.has_value());
-  EXPECT_EQ(metrics->why_absent, "Part of this walk is not recorded.");
+  EXPECT_EQ(metrics->why_absent, db::NoFigure::part_missing);
 }
 
 // H21

@@ -399,6 +399,31 @@ TEST_F(Rest, StartNeedsTheLease) {
   EXPECT_EQ(core_->mode(), Mode::standby);
 }
 
+TEST_F(Rest, TheSameExerciseGoesOnUnlessItIsToStartAgain) {
+  const std::string epoch = std::to_string(call("POST", "/api/v1/lease", json::object()).json()["epoch"].get<int>());
+  const json eight{{"shape", "eight"}, {"c_m", 1.0}, {"radius_m", 0.8}};
+  const auto marks = [&](const json& start) {
+    EXPECT_EQ(call("POST", "/api/v1/mode", start, {{"X-Hoist-Lease", epoch}}).status, 200) << start;
+    EXPECT_EQ(call("POST", "/api/v1/mode", {{"mode", "standby"}}, {{"X-Hoist-Lease", epoch}}).status, 200);
+    EXPECT_TRUE(until([&] { return get("/api/v1/mode").json()["mode"] == "standby"; }));
+    std::uint32_t number = 0;
+    core_->set([&](const contract::TickRecord& r) { number = r.start_mark; });
+    return number;
+  };
+  EXPECT_EQ(marks({{"mode", "user"}, {"exercise", eight}}), 1U);
+  EXPECT_EQ(marks({{"mode", "user"}, {"exercise", eight}}), 1U);
+  EXPECT_EQ(marks({{"mode", "remote"}}), 1U) << "only moved";
+  EXPECT_EQ(marks({{"mode", "user"}, {"exercise", eight}, {"start_again", true}}), 2U);
+  ASSERT_EQ(call("POST", "/api/v1/recording", {{"action", "start"}, {"subject", "P-018"}}).status, 200);
+  EXPECT_EQ(marks({{"mode", "user"}, {"exercise", eight}}), 3U) << "another patient";
+  EXPECT_EQ(marks({{"mode", "user"}, {"exercise", eight}}), 3U);
+  EXPECT_EQ(marks({{"mode", "remote"}, {"exercise", eight}}), 4U) << "another lead";
+  const json wrong{{"mode", "user"}, {"exercise", eight}, {"start_again", "yes"}};
+  const Answer refused = call("POST", "/api/v1/mode", wrong, {{"X-Hoist-Lease", epoch}});
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_EQ(refused.json()["errors"][0]["field"], "start_again");
+}
+
 TEST_F(Rest, AnExerciseIsCheckedFieldByFieldAndReachesTheCoreWhole) {
   const std::string epoch = std::to_string(call("POST", "/api/v1/lease", json::object()).json()["epoch"].get<int>());
   const auto ask = [&](const json& path) {
@@ -651,6 +676,28 @@ TEST_F(Rest, ACalibrationStepIsLedFromBeginToUse) {
   ASSERT_EQ(call("POST", "/api/v1/calibration/use", json::object()).status, 200);
   EXPECT_GT(core_->commands().back().v0, 1.6e9) << "today";
   EXPECT_EQ(call("DELETE", "/api/v1/calibration").status, 409) << "it is over";
+}
+
+// The struts may be zeroed only without a patient; the confirmation is part of the request, so that scripts must give it, too.
+TEST_F(Rest, StrutsAreZeroedOnlyAfterAConfirmation) {
+  ASSERT_EQ(call("POST", "/api/v1/lease", json::object()).status, 200);
+  const json calibration = get("/api/v1/calibration").json();
+  for (const json& item : calibration["items"]) {
+    const bool needed = item["name"] == "zero" || item["name"] == "strut_length" || item["name"] == "strut_spacing";
+    EXPECT_EQ(item["empty_harness"], needed) << item["name"];
+  }
+  for (const json& refused : {json{{"step", "zero"}}, json{{"step", "zero"}, {"harness_empty", false}}}) {
+    const Answer answer = call("POST", "/api/v1/calibration", refused);
+    EXPECT_EQ(answer.status, 409);
+    EXPECT_EQ(answer.json()["refusals"][0], "harness_unconfirmed");
+    EXPECT_EQ(answer.json()["errors"][0]["field"], "harness_empty");
+  }
+  const std::size_t before = core_->commands().size();
+  const Answer odd = call("POST", "/api/v1/calibration", {{"step", "zero"}, {"harness_empty", "yes"}});
+  EXPECT_EQ(odd.status, 422);
+  EXPECT_EQ(odd.json()["errors"][0]["field"], "harness_empty");
+  EXPECT_EQ(core_->commands().size(), before);
+  EXPECT_EQ(call("POST", "/api/v1/calibration", {{"step", "zero"}, {"harness_empty", true}}).status, 200);
 }
 
 TEST_F(Rest, WhatADeadCoreProposedIsNoResultOfTheNext) {

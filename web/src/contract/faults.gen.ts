@@ -67,7 +67,8 @@ export type RefusalName =
   | 'exercise_limits'
   | 'release_first'
   | 'not_calibrated'
-  | 'cause_not_seen';
+  | 'cause_not_seen'
+  | 'harness_unconfirmed';
 
 export type ModeName =
   | 'init'
@@ -120,7 +121,7 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 5, name: 'io_lost', priority: 'high', reaction: 'protective_stop',
     text: { en: 'Bumpers and batteries do not answer', de: 'Stoßfänger und Batterien antworten nicht' },
-    action: { en: 'Check the input node, then release the stop.', de: 'Eingangsknoten prüfen, dann Halt freigeben.' },
+    action: { en: 'Check their plug, then release the stop.', de: 'Stecker prüfen, dann Halt freigeben.' },
   },
   {
     bit: 6, name: 'drive_left_fault', priority: 'high', reaction: 'protective_stop',
@@ -170,16 +171,16 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 15, name: 'server_lost', priority: 'medium', reaction: 'warn',
     text: { en: 'The console is not connected', de: 'Die Konsole ist nicht verbunden' },
-    action: { en: 'Patient-led walking goes on; STOP at the hoist itself.', de: 'Das geführte Gehen läuft weiter; am Gerät selbst anhalten.' },
+    action: { en: 'The patient can walk on; stop at the hoist itself.', de: 'Der Patient kann weitergehen; am Gerät selbst anhalten.' },
   },
   {
     bit: 16, name: 'overspeed', priority: 'high', reaction: 'protective_stop',
-    text: { en: 'The hoist moves differently than commanded', de: 'Das Gerät bewegt sich anders als befohlen' },
+    text: { en: 'The hoist moves differently than commanded', de: 'Das Gerät fährt anders als vorgegeben' },
     action: { en: 'Release the stop; call service if it comes back.', de: 'Halt freigeben; kommt es wieder, Service rufen.' },
   },
   {
     bit: 17, name: 'loop_overrun', priority: 'high', reaction: 'protective_stop',
-    text: { en: 'The controller was too late', de: 'Die Steuerung war zu spät' },
+    text: { en: 'The control computer was too late', de: 'Der Steuerrechner war zu langsam' },
     action: { en: 'Release the stop; call service if it comes back.', de: 'Halt freigeben; kommt es wieder, Service rufen.' },
   },
   {
@@ -190,7 +191,7 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 19, name: 'stop_pressed', priority: 'medium', reaction: 'protective_stop',
     text: { en: 'STOP was pressed', de: 'STOPP wurde gedrückt' },
-    action: { en: 'Release the stop to go on.', de: 'Zum Weitermachen den Halt freigeben.' },
+    action: { en: 'Release the stop to go on.', de: 'Zum Weitergehen den Halt freigeben.' },
   },
   {
     bit: 20, name: 'tilt_sensor_fault', priority: 'high', reaction: 'protective_stop',
@@ -204,22 +205,22 @@ export const faults: readonly FaultInfo[] = [
   },
   {
     bit: 22, name: 'node_duplicate', priority: 'high', reaction: 'protective_stop',
-    text: { en: 'Two devices on the bus answer under the same number', de: 'Zwei Geräte am Bus antworten unter derselben Nummer' },
-    action: { en: 'Unplug the device that was added last, then release the stop; call service.', de: 'Das zuletzt angesteckte Gerät abziehen, dann Halt freigeben; Service rufen.' },
+    text: { en: 'Two devices on the bus answer under the same number', de: 'Zwei Baugruppen am Bus haben dieselbe Nummer' },
+    action: { en: 'Unplug the device that was added last, then release the stop; call service.', de: 'Die zuletzt angesteckte Baugruppe abziehen, dann Halt freigeben; Service rufen.' },
   },
   {
     bit: 23, name: 'node_babbling', priority: 'high', reaction: 'protective_stop',
-    text: { en: 'A device floods the bus with messages', de: 'Ein Gerät überflutet den Bus mit Nachrichten' },
-    action: { en: 'Unplug the device named here, then release the stop; call service.', de: 'Das hier genannte Gerät abziehen, dann Halt freigeben; Service rufen.' },
+    text: { en: 'A device floods the bus with messages', de: 'Eine Baugruppe überflutet den Bus mit Nachrichten' },
+    action: { en: 'Unplug the device named here, then release the stop; call service.', de: 'Die hier genannte Baugruppe abziehen, dann Halt freigeben; Service rufen.' },
   },
   {
     bit: 25, name: 'base_tilted', priority: 'high', reaction: 'protective_stop',
-    text: { en: 'The hoist stands too steeply', de: 'Das Gerät steht zu schräg' },
+    text: { en: 'The hoist is tilted too far', de: 'Das Gerät steht zu schräg' },
     action: { en: 'Hold the patient, bring the hoist onto level floor, then release the stop.', de: 'Patienten sichern, das Gerät auf ebenen Boden bringen, dann Halt freigeben.' },
   },
   {
     bit: 26, name: 'base_tilt_high', priority: 'medium', reaction: 'warn',
-    text: { en: 'The floor slopes: the hoist goes slowly', de: 'Der Boden ist schräg: die Hilfe fährt langsam' },
+    text: { en: 'The floor slopes: the hoist goes slowly', de: 'Der Boden ist schräg: das Gerät fährt langsam' },
     action: { en: 'Stay close to the patient and go back to level floor.', de: 'Nah beim Patienten bleiben und zurück auf ebenen Boden gehen.' },
   },
   {
@@ -235,7 +236,7 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 24, name: 'emergency_stop', priority: 'high', reaction: 'power_off',
     text: { en: 'The emergency stop is pressed', de: 'Der Not-Halt ist gedrückt' },
-    action: { en: 'Help the patient, release the button, then take control and release the stop.', de: 'Patienten helfen, Taster lösen, dann Steuerung übernehmen und Halt freigeben.' },
+    action: { en: 'Help the patient, release the button, then take control and release the stop.', de: 'Dem Patienten helfen, Taster lösen, dann Steuerung übernehmen und Halt freigeben.' },
   },
   {
     bit: 30, name: 'parameters_corrupt', priority: 'high', reaction: 'out_of_service',
@@ -250,7 +251,7 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 27, name: 'wheel_slip', priority: 'medium', reaction: 'soft_stop',
     text: { en: 'The wheels slip', de: 'Die Räder rutschen' },
-    action: { en: 'Check floor and wheels, then start again; the track is kept by the gyroscope.', de: 'Boden und Räder prüfen, dann neu starten; der Kreisel führt die Spur weiter.' },
+    action: { en: 'Check floor and wheels, then start again.', de: 'Boden und Räder prüfen, dann neu starten.' },
   },
 ];
 
@@ -341,34 +342,35 @@ export interface RefusalInfo {
 }
 
 export const refusals: readonly RefusalInfo[] = [
-  { bit: 0, name: 'not_standby', text: { en: 'The hoist is not on standby.', de: 'Die Hilfe ist nicht in Bereitschaft.' } },
+  { bit: 0, name: 'not_standby', text: { en: 'The hoist is not on standby.', de: 'Das Gerät ist nicht in Bereitschaft.' } },
   { bit: 1, name: 'nodes_missing', text: { en: 'Not all sensors and drives have answered yet.', de: 'Noch nicht alle Sensoren und Antriebe haben geantwortet.' } },
-  { bit: 2, name: 'fault_active', text: { en: 'A fault is active.', de: 'Eine Störung ist aktiv.' } },
+  { bit: 2, name: 'fault_active', text: { en: 'An alarm is active: solve it first.', de: 'Ein Alarm ist aktiv: zuerst beheben.' } },
   { bit: 3, name: 'not_neutral', text: { en: 'The patient is not upright and straight: stand upright or set neutral.', de: 'Der Patient steht nicht aufrecht und gerade: aufrichten oder neutral setzen.' } },
-  { bit: 4, name: 'moving', text: { en: 'The hoist is still moving.', de: 'Die Hilfe bewegt sich noch.' } },
+  { bit: 4, name: 'moving', text: { en: 'The hoist is still moving.', de: 'Das Gerät bewegt sich noch.' } },
   { bit: 5, name: 'battery_empty_start', text: { en: 'The batteries are empty.', de: 'Die Batterien sind leer.' } },
   { bit: 6, name: 'sensors_settling', text: { en: 'The sensors are still settling: stand quietly, ten seconds at most.', de: 'Die Sensoren stellen sich noch ein: ruhig stehen, höchstens zehn Sekunden.' } },
-  { bit: 7, name: 'no_lease', text: { en: 'Someone else is in control, or nobody is: take control first.', de: 'Jemand anderes steuert oder niemand: zuerst die Steuerung übernehmen.' } },
-  { bit: 8, name: 'stick_not_neutral', text: { en: 'Let the joystick go to the middle first.', de: 'Joystick zuerst in die Mitte loslassen.' } },
+  { bit: 7, name: 'no_lease', text: { en: 'Take control first.', de: 'Zuerst die Steuerung übernehmen.' } },
+  { bit: 8, name: 'stick_not_neutral', text: { en: 'Let go of the joystick first.', de: 'Zuerst den Joystick loslassen.' } },
   { bit: 9, name: 'out_of_range', text: { en: 'The value is outside its range.', de: 'Der Wert liegt außerhalb seines Bereichs.' } },
   { bit: 10, name: 'not_finite', text: { en: 'The value is not a number.', de: 'Der Wert ist keine Zahl.' } },
-  { bit: 11, name: 'unknown_item', text: { en: 'There is no such item.', de: 'Das gibt es nicht.' } },
+  { bit: 11, name: 'unknown_item', text: { en: 'The hoist does not know this item.', de: 'Das kennt das Gerät nicht.' } },
   { bit: 12, name: 'only_when_stopped', text: { en: 'This can only be changed on standby.', de: 'Das lässt sich nur in Bereitschaft ändern.' } },
   { bit: 13, name: 'stale_command', text: { en: 'The command arrived too late.', de: 'Der Befehl kam zu spät.' } },
-  { bit: 14, name: 'inconsistent_set', text: { en: 'These values contradict each other or others in force: change them together.', de: 'Diese Werte widersprechen sich oder anderen, die gelten: gemeinsam ändern.' } },
-  { bit: 15, name: 'cause_not_cleared', text: { en: 'The cause of the stop is still there.', de: 'Der Grund des Halts besteht noch.' } },
+  { bit: 14, name: 'inconsistent_set', text: { en: 'These values do not fit together with the others: change them together.', de: 'Diese Werte passen nicht zu den übrigen: gemeinsam ändern.' } },
+  { bit: 15, name: 'cause_not_cleared', text: { en: 'The cause of the stop remains: see the alarm.', de: 'Der Grund für den Halt besteht noch: siehe Alarm.' } },
   { bit: 16, name: 'bumper_start', text: { en: 'A bumper touches something.', de: 'Ein Stoßfänger berührt etwas.' } },
-  { bit: 17, name: 'out_of_order', text: { en: 'This was asked at the wrong moment: see where it stands, then ask again.', de: 'Das kam im falschen Moment: ansehen, wie es steht, dann neu versuchen.' } },
+  { bit: 17, name: 'out_of_order', text: { en: 'Not possible at this moment. Check the screen, then try again.', de: 'Im Moment nicht möglich. Anzeige prüfen, dann noch einmal versuchen.' } },
   { bit: 18, name: 'not_allowed', text: { en: 'Your role may not change this.', de: 'Das darf Ihre Rolle nicht ändern.' } },
-  { bit: 19, name: 'fault_mode', text: { en: 'The hoist is out of service: see the alarm.', de: 'Die Hilfe ist außer Betrieb: siehe Alarm.' } },
+  { bit: 19, name: 'fault_mode', text: { en: 'The hoist is out of service: see the alarm.', de: 'Das Gerät ist außer Betrieb: siehe Alarm.' } },
   { bit: 20, name: 'emergency_stop_open', text: { en: 'The emergency stop is still pressed: release it first.', de: 'Der Not-Halt ist noch gedrückt: zuerst lösen.' } },
-  { bit: 21, name: 'set_outdated', text: { en: 'These values did not arrive whole, or others have changed meanwhile: look again, then send again.', de: 'Diese Werte kamen nicht vollständig an oder andere haben sich inzwischen geändert: ansehen und neu senden.' } },
-  { bit: 22, name: 'node_version', text: { en: 'A sensor or drive runs another program version than this control.', de: 'Ein Sensor oder Antrieb hat eine andere Programmversion als diese Steuerung.' } },
+  { bit: 21, name: 'set_outdated', text: { en: 'These settings are outdated or incomplete: check them, then try again.', de: 'Diese Einstellungen sind veraltet oder unvollständig: prüfen, dann noch einmal versuchen.' } },
+  { bit: 22, name: 'node_version', text: { en: 'A sensor or drive has a different software version: call service.', de: 'Ein Sensor oder Antrieb hat einen anderen Softwarestand: Service rufen.' } },
   { bit: 23, name: 'no_exercise', text: { en: 'Choose an exercise first.', de: 'Zuerst eine Übung wählen.' } },
-  { bit: 24, name: 'exercise_limits', text: { en: 'The exercise does not fit: see size, speed and number of laps.', de: 'Die Übung passt nicht: Größe, Tempo und Zahl der Runden prüfen.' } },
-  { bit: 25, name: 'release_first', text: { en: 'Let go of the button first, then press it anew.', de: 'Zuerst den Knopf loslassen, dann neu drücken.' } },
-  { bit: 26, name: 'not_calibrated', text: { en: 'The struts have never been zeroed on this hoist: do that under Calibrate first.', de: 'Die Streben wurden an diesem Gerät noch nie genullt: zuerst unter Kalibrieren erledigen.' } },
-  { bit: 27, name: 'cause_not_seen', text: { en: 'Something else has stopped the hoist meanwhile: see the alarm, then release again.', de: 'Inzwischen hat noch etwas die Hilfe angehalten: Alarm ansehen, dann neu freigeben.' } },
+  { bit: 24, name: 'exercise_limits', text: { en: 'The exercise does not fit: check size, speed and laps.', de: 'Die Übung passt nicht: Größe, Tempo und Runden prüfen.' } },
+  { bit: 25, name: 'release_first', text: { en: 'Let go of the button first, then press it again.', de: 'Zuerst den Knopf loslassen, dann neu drücken.' } },
+  { bit: 26, name: 'not_calibrated', text: { en: 'The struts have never been zeroed: do this under Calibrate first.', de: 'Die Streben wurden noch nie genullt: zuerst unter Kalibrieren nachholen.' } },
+  { bit: 27, name: 'cause_not_seen', text: { en: 'There is a new cause of the stop: see the alarm, then release again.', de: 'Es gibt einen neuen Grund für den Halt: Alarm ansehen, dann neu freigeben.' } },
+  { bit: 28, name: 'harness_unconfirmed', text: { en: 'Confirm first that nobody is strapped in.', de: 'Zuerst bestätigen, dass niemand im Gurt ist.' } },
 ];
 
 export interface ModeInfo {
@@ -385,7 +387,7 @@ export const modes: readonly ModeInfo[] = [
   { value: 2, name: 'user', moving: true, title: { en: 'Patient leads', de: 'Patient führt' } },
   { value: 3, name: 'remote', moving: true, title: { en: 'Therapist drives', de: 'Therapeut fährt' } },
   { value: 4, name: 'protective_stop', moving: false, title: { en: 'Stopped', de: 'Angehalten' } },
-  { value: 5, name: 'calibrate', moving: false, title: { en: 'Calibrating', de: 'Kalibriert' } },
+  { value: 5, name: 'calibrate', moving: false, title: { en: 'Calibrating', de: 'Kalibrierung läuft' } },
   { value: 6, name: 'guided', moving: true, title: { en: 'Exercise', de: 'Übung' } },
   { value: 7, name: 'fault', moving: false, title: { en: 'Out of service', de: 'Außer Betrieb' } },
   { value: 8, name: 'emergency_stop', moving: false, title: { en: 'Emergency stop', de: 'Not-Halt' } },

@@ -45,7 +45,7 @@ export interface LeaseReleaseRequest {
   request: number;
 }
 
-/** Start or end motion. The pose is set to the start of the exercise first. */
+/** Start motion, which needs control, or end it, which anyone may. An exercise that was broken off goes on; another one begins at its start. */
 export interface ModeRequest {
   type: 'mode';
   /** Comes back in the reply. */
@@ -56,6 +56,8 @@ export interface ModeRequest {
   exercise?: Exercise | null;
   /** For guided: what the hoist drives while the button is held; is the exercise, too. */
   path?: GuidedPath | null;
+  /** Sets a new start mark although the same exercise could go on. */
+  start_again?: boolean;
 }
 
 /** STOP. Never refused. */
@@ -94,6 +96,8 @@ export interface SetRequest {
   request: number;
   /** Names and new values. */
   values: Record<string, number>;
+  /** Of the parameters that were looked at; refused when others have changed them meanwhile. */
+  version?: number;
   /** Only on trial: the values before come back after so many seconds unless confirmed. */
   revert_after_s?: number;
 }
@@ -121,6 +125,17 @@ export interface PresetRequest {
   request: number;
   /** Name of the preset. */
   name: string;
+  /** As of set. */
+  version?: number;
+}
+
+/** Choose the exercise of the next walk, for all screens; not while the hoist is led. */
+export interface ChooseRequest {
+  type: 'choose';
+  /** Comes back in the reply. */
+  request: number;
+  /** What is walked next unless the start says otherwise. */
+  exercise: Exercise;
 }
 
 /** Take the way the patient stands now as upright. */
@@ -137,6 +152,8 @@ export interface CalibrateRequest {
   request: number;
   /** Name of the step, see GET /api/v1/calibration. */
   step: string;
+  /** True: the operator confirms that nobody is strapped in; steps with empty_harness need it. */
+  harness_empty?: boolean;
 }
 
 /** What the operator measured; taken as soon as everything rests. */
@@ -212,6 +229,7 @@ export type ClientMessage =
   | KeepSettingsRequest
   | UndoSettingsRequest
   | PresetRequest
+  | ChooseRequest
   | NeutralRequest
   | CalibrateRequest
   | CalibrateMeasureRequest
@@ -234,8 +252,6 @@ export interface WelcomeMessage {
   record_bytes: number;
   simulated: boolean;
   scenario: string | null;
-  /** Chosen when nothing else is. */
-  exercise: Exercise | null;
 }
 
 /** Answer to a message with `request`. */
@@ -307,6 +323,28 @@ export interface RecordingMessage {
 export interface CoreMessage {
   type: 'core';
   connected: boolean;
+  /** Why it is not connected, as in GET /api/v1/status. */
+  problem: string | null;
+}
+
+/** The exercise and the walk since the start mark: on connecting, and when anything but the newest step changes it. */
+export interface WalkMessage {
+  type: 'walk';
+  /** Chosen for the next walk. */
+  exercise: Exercise;
+  /** What the present or the latest motion began with; null: not known to this server. */
+  begun: Exercise | GuidedPath | null;
+  /** Newest step in what follows; null: none yet. */
+  tick: number | null;
+  /** Time in motion since the start mark; null: the mark is older than this server. */
+  motion_s: number | null;
+  /** Pose at the start mark; null: older than this server. */
+  mark: { x_m: number; y_m: number; psi_rad: number } | null;
+  /** A point of the path each so many metres. */
+  step_m: number;
+  /** The path walked so far, at most 2048 points. */
+  x_m: readonly number[];
+  y_m: readonly number[];
 }
 
 /** Answer to ping. */
@@ -356,6 +394,7 @@ export type ServerMessage =
   | LeaseMessage
   | RecordingMessage
   | CoreMessage
+  | WalkMessage
   | PongMessage
   | NoticeMessage
   | NoticesMessage
@@ -413,4 +452,4 @@ export const nodes: readonly NodeInfo[] = [
 ];
 
 /** Two programs with different hashes do not understand each other. */
-export const layoutHash = '5f15b7e16cf22696';
+export const layoutHash = '1a4f15300fd9b874';

@@ -1,6 +1,6 @@
 // Ties the connection to the store and offers what screens may ask for. The only writer of the store.
 import { codedFaults, faults, modes, type FaultName } from '../contract/faults.gen';
-import { layoutHash, type Exercise, type GuidedPath, type StandingNotice } from '../contract/messages.gen';
+import { layoutHash, type Exercise, type GuidedPath, type StandingNotice, type WalkMessage } from '../contract/messages.gen';
 import type { ParamName } from '../contract/params.gen';
 import type { TickRecord } from '../contract/signals.gen';
 import { readFrame } from './frame';
@@ -67,6 +67,10 @@ function silentNodes(record: TickRecord): string {
   return silent.length === parts.length ? '' : silent.join(' ');
 }
 
+/** Their values are on the screens of motion; silent this long they are old. */
+const sensors = ['drive_left', 'drive_right', 'tilt_left', 'tilt_right', 'tilt_base'] as const;
+const silentTicks = 50;
+
 /** Where a STOP has nothing left to do. */
 const stoppedModes = new Set(modes.filter((mode) => stopped(mode.name)).map((mode) => mode.value));
 
@@ -79,7 +83,9 @@ function slowPart(record: TickRecord) {
     silentNodes: silentNodes(record),
     blockedBits: record.blocked_bits,
     standingStill: record.standing_still === 1,
+    sensed: record.bus_up === 1 && sensors.every((name) => record[`${name}_age_ticks`] < silentTicks),
     bumpers: record.bumpers,
+    bumpersHeld: (record.bumpers & ~record.bumpers_acknowledged) === 0,
     trial_s: Math.ceil(record.settings_trial_s),
     // The alarm outlasts its cause until somebody acknowledges it; so does the name of the device.
     duplicateId: record.duplicate_id !== 0 ? record.duplicate_id : ((record.fault_bits >>> duplicateBit) & 1) === 1 ? store.value.duplicateId : null,
@@ -87,18 +93,13 @@ function slowPart(record: TickRecord) {
   } as const;
 }
 
-const shapes = ['eight', 'square', 'circle', 'straight', 'free'];
-function readExercise(value: unknown): Exercise | null {
-  if (typeof value !== 'object' || value === null) return null;
-  return shapes.includes((value as { shape?: string }).shape ?? '') ? (value as Exercise) : null;
-}
+/** This page led the hoist, also before a connection that was lost. */
+let led = false;
 
 function takeText(message: { type: string; [more: string]: unknown }): void {
   const now = store.value;
   switch (message.type) {
     case 'welcome': {
-      // Only the first welcome chooses: a connection that comes back must not take away what somebody has chosen since.
-      const exercise = now.client === null ? readExercise(message.exercise) : null;
       store.set({
         client: Number(message.client ?? 0),
         role: String(message.role ?? ''),
@@ -106,7 +107,6 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
         simulated: message.simulated === true,
         scenario: typeof message.scenario === 'string' ? message.scenario : null,
         layoutDiffers: message.layout_hash !== layoutHash,
-        ...(exercise === null ? {} : { exercise }),
       });
       break;
     }
@@ -115,7 +115,9 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
       break;
     case 'lease':
       store.set({ lease: { epoch: Number(message.epoch ?? 0), holder: Number(message.holder ?? 0), mine: message.mine === true } });
-      if (message.mine !== true) store.set({ guided: null });
+      if (message.mine === true || now.leaseTaken) store.set({ leaseTaken: message.mine !== true && Number(message.holder) !== 0 });
+      else if (led && Number(message.holder) !== 0) store.set({ leaseTaken: true });
+      led = message.mine === true;
       break;
     case 'recording': {
       const started = Number(message.started_utc_ms ?? 0);
@@ -133,8 +135,16 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
     case 'notices':
       store.set({ standing: Array.isArray(message.items) ? (message.items as StandingNotice[]) : [] });
       break;
+    case 'walk': {
+      const walk = message as unknown as WalkMessage;
+      live.takeWalk(walk);
+      // A server that came back in the middle of a walk does not know what it began with.
+      const begun = walk.begun ?? (walk.mark === null && live.record !== null ? now.begun : null);
+      store.set({ exercise: walk.exercise, begun });
+      break;
+    }
     case 'core':
-      store.set({ coreConnected: message.connected === true });
+      store.set({ coreConnected: message.connected === true, coreProblem: typeof message.problem === 'string' ? message.problem : null });
       break;
     case 'event': {
       const line: LogLine = {
@@ -146,7 +156,6 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
         code: typeof message.code === 'number' ? message.code : null,
       };
       if (line.kind === 'emergency') takeEmergencies([{ time_ns: line.time_ns, node: line.name, code: line.code ?? 0, errorRegister: Number(message.bits ?? 0) }]);
-      if (line.kind === 'pose_set') live.clearPath();
       // The other ways to end are told by the strip, or were asked for.
       if (line.kind === 'guided_ended' && line.name === 'finished') notify('info', 'guided.finished');
       if (line.kind === 'guided_ended' && line.name === 'off_path') notify('warning', 'guided.off_path');
@@ -248,7 +257,11 @@ export function drive(speed: number, yaw: number, held: boolean): boolean {
 }
 
 export const takeLease = (take_over: boolean): Promise<Reply> => link.request({ type: 'lease_take', take_over });
-export const releaseLease = (): Promise<Reply> => link.request({ type: 'lease_release' });
+export const releaseLease = (): Promise<Reply> => {
+  led = false;
+  return link.request({ type: 'lease_release' });
+};
+export const takenSeen = (): void => store.set({ leaseTaken: false });
 
 /** Asks whether to take control from someone else; set by the shell, which shows the question. */
 export const dialogs: { askTakeOver: () => Promise<boolean> } = { askTakeOver: () => Promise.resolve(false) };
@@ -275,33 +288,40 @@ async function withLease(message: { type: string; [more: string]: unknown }, una
   return reply;
 }
 
-const end = { type: 'mode', mode: 'standby' };
-/** A start without an answer is followed by its end: nobody expects the hoist to begin after the screen has said that it did not. */
-export const requestMode = (mode: 'user' | 'remote' | 'standby', exercise?: Exercise): Promise<Reply> =>
-  withLease({ type: 'mode', mode, ...(exercise === undefined ? {} : { exercise }) }, mode === 'standby' ? undefined : end);
-/** Begins an exercise that the hoist drives while the button is held. */
-export async function requestGuided(path: GuidedPath): Promise<Reply> {
-  const reply = await withLease({ type: 'mode', mode: 'guided', path }, end);
-  if (reply.ok) store.set({ guided: path });
+/** Settings need no control: their version guards them. */
+async function change(message: { type: string; [more: string]: unknown }): Promise<Reply> {
+  const version = store.value.parameterVersion;
+  const reply = await link.request({ ...message, ...(version > 0 ? { version } : {}) });
+  if (reply.ok && reply.stored === false) notify('warning', 'settings.notStored');
   return reply;
 }
+
+const end = { type: 'mode', mode: 'standby' };
+/** Anyone may end a motion. */
+export const endMotion = (): Promise<Reply> => link.request(end);
+/** The exercise of the next walk, on all screens. */
+export const chooseExercise = (exercise: Exercise): Promise<Reply> => link.request({ type: 'choose', exercise });
+/** A start without an answer is followed by its end: nobody expects the hoist to begin after the screen has said that it did not. */
+export const requestMode = (mode: 'user' | 'remote', exercise: Exercise, start_again = false): Promise<Reply> =>
+  withLease({ type: 'mode', mode, exercise, start_again }, end);
+/** Begins an exercise that the hoist drives while the button is held. */
+export const requestGuided = (path: GuidedPath, start_again: boolean): Promise<Reply> =>
+  withLease({ type: 'mode', mode: 'guided', path, start_again }, end);
 /** Leaves a stop. What was seen: names of the faults that were shown when the hand went down; the hoist refuses when another has come since. */
 export const acknowledge = (seen: readonly string[]): Promise<Reply> => withLease({ type: 'acknowledge', ...(seen.length > 0 ? { seen } : {}) });
-export const setNeutral = (): Promise<Reply> => withLease({ type: 'neutral' });
-export const calibrate = (step: string): Promise<Reply> => withLease({ type: 'calibrate', step });
+export const setNeutral = (): Promise<Reply> => link.request({ type: 'neutral' });
+export const calibrate = (step: string, harness_empty: boolean): Promise<Reply> =>
+  withLease(harness_empty ? { type: 'calibrate', step, harness_empty } : { type: 'calibrate', step });
 export const calibrateMeasure = (measured: object): Promise<Reply> => withLease({ type: 'calibrate_measure', ...measured });
 export const calibrateUse = (): Promise<Reply> => withLease({ type: 'calibrate_use' });
 export const calibrateCancel = (): Promise<Reply> => withLease({ type: 'calibrate_cancel' });
-export const setParameters = (values: Partial<Record<ParamName, number>>): Promise<Reply> => withLease({ type: 'set', values });
+export const setParameters = (values: Partial<Record<ParamName, number>>): Promise<Reply> => change({ type: 'set', values });
 /** Values that go back by themselves unless somebody keeps them: for what is tried while a patient walks. */
 export const tryParameters = (values: Partial<Record<ParamName, number>>, revert_after_s: number): Promise<Reply> =>
-  withLease({ type: 'set', values, revert_after_s });
+  change({ type: 'set', values, revert_after_s });
 /** Keeps what this page shows: when somebody has changed more meanwhile, the hoist refuses (H27). */
-export const keepSettings = (): Promise<Reply> => {
-  const version = store.value.parameterVersion;
-  return withLease({ type: 'keep_settings', ...(version > 0 ? { version } : {}) });
-};
-export const undoSettings = (): Promise<Reply> => withLease({ type: 'undo_settings' });
-export const applyPreset = (name: string): Promise<Reply> => withLease({ type: 'preset', name });
+export const keepSettings = (): Promise<Reply> => change({ type: 'keep_settings' });
+export const undoSettings = (): Promise<Reply> => link.request({ type: 'undo_settings' });
+export const applyPreset = (name: string): Promise<Reply> => change({ type: 'preset', name });
 export const marker = (text: string): Promise<Reply> => link.request({ type: 'marker', text });
 export const everyTick = (on: boolean): boolean => link.send({ type: 'stream', every_tick: on });

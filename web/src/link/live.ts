@@ -2,16 +2,12 @@
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { modes } from '../contract/faults.gen';
 import type { SignalName, TickRecord } from '../contract/signals.gen';
+import type { WalkMessage } from '../contract/messages.gen';
 import { Ring } from './ring';
+import { Trace } from './trace';
 
 /** 60 s at 100 Hz. */
 export const historySamples = 6000;
-/** A new point of the path each 2 cm: 8000 points are 160 m. */
-const pathStep_m = 0.02;
-const pathPoints = 8000;
-/** A jump this large in one step is a new start mark, not a walk; what was missed meanwhile may have been walked. */
-const jump_m = 0.3;
-const walked_m_per_tick = 0.01;
 
 export const historySignals = ['time_ns', 'lean_norm', 'turn_norm', 'speed_m_s', 'speed_command_m_s'] as const satisfies readonly SignalName[];
 
@@ -20,12 +16,14 @@ export class Live {
   received_ms = 0;
   lost = 0;
   readonly history: Record<(typeof historySignals)[number], Ring>;
-  readonly path = { x: new Ring(pathPoints), y: new Ring(pathPoints) };
+  /** Since the start mark, as the server tells it; here it only goes on. */
+  readonly path = new Trace();
   /** Rises whenever the path begins anew. */
   pathLife = 0;
-  /** Seconds since the present motion began, or how long the last one lasted; NaN before the first. */
+  /** Seconds in motion since the start mark; NaN: not told. */
   motion_s = NaN;
-  private motionBegan_ns: number | null = null;
+  /** Newest step that the server has counted into path and time. */
+  private countedTick = -1;
 
   constructor() {
     this.history = Object.fromEntries(historySignals.map((name) => [name, new Ring(historySamples)])) as Record<(typeof historySignals)[number], Ring>;
@@ -39,39 +37,38 @@ export class Live {
         else if (record.tick > before.tick + 1) this.lost += record.tick - before.tick - 1;
       }
       for (const name of historySignals) this.history[name].push(record[name]);
-      const step_m = Math.hypot(record.fused_x_m - this.path.x.last, record.fused_y_m - this.path.y.last);
-      const missed = before === null ? 0 : Math.max(0, record.tick - before.tick - 1);
-      if (step_m > jump_m + missed * walked_m_per_tick) this.clearPath();
-      if (this.path.x.length === 0 || step_m >= pathStep_m) {
-        this.path.x.push(record.fused_x_m);
-        this.path.y.push(record.fused_y_m);
+      if (record.tick > this.countedTick) {
+        this.path.add(record.fused_x_m, record.fused_y_m);
+        if (before !== null && led(before) && led(record)) this.motion_s += (record.time_ns - before.time_ns) / 1e9;
       }
-      this.clockMotion(record);
       this.record = record;
     }
     if (records.length > 0) this.received_ms = now_ms;
   }
 
-  private clockMotion(record: TickRecord): void {
-    if (modes[record.mode]?.moving === true) {
-      this.motionBegan_ns ??= record.time_ns;
-      this.motion_s = (record.time_ns - this.motionBegan_ns) / 1e9;
-    } else this.motionBegan_ns = null;
-  }
-
-  clearPath(): void {
-    this.path.x.clear();
-    this.path.y.clear();
+  /** What the server knows of the walk. One that came later than the start mark knows less than an open page, which goes on then. */
+  takeWalk(walk: WalkMessage): void {
+    if (this.record !== null && walk.tick !== null && walk.tick < this.record.tick) {
+      this.clear(); // of another core
+      this.record = null;
+    }
+    if (walk.mark === null && this.path.x.length > 0) return;
+    this.path.set(walk.x_m, walk.y_m, walk.step_m);
     this.pathLife++;
+    this.motion_s = walk.motion_s ?? NaN;
+    this.countedTick = walk.tick ?? -1;
   }
 
   private clear(): void {
     for (const name of historySignals) this.history[name].clear();
-    this.clearPath();
-    this.motionBegan_ns = null;
+    this.path.clear();
+    this.pathLife++;
     this.motion_s = NaN;
+    this.countedTick = -1;
   }
 }
+
+const led = (record: TickRecord): boolean => modes[record.mode]?.moving === true;
 
 export const live = new Live();
 

@@ -1,7 +1,7 @@
 // What the console knows at this moment. Screens read it through useStore; only link/console.ts writes it.
 import { useEffect, useReducer, useRef } from 'preact/hooks';
 import { modes, type ModeName } from '../contract/faults.gen';
-import type { Exercise, StandingNotice } from '../contract/messages.gen';
+import type { Exercise, GuidedPath, StandingNotice } from '../contract/messages.gen';
 import type { LinkState } from './socket';
 
 export interface Recording {
@@ -48,14 +48,19 @@ export interface State {
   version: string;
   simulated: boolean;
   scenario: string | null;
+  /** Chosen for the next walk, on all screens. */
   exercise: Exercise;
-  /** The figure that this page has set the hoist to drive. Null: none, or somebody else's. */
-  guided: Exercise | null;
+  /** What the present or the latest motion began with. Null: not known. */
+  begun: Exercise | GuidedPath | null;
   /** Null: not told yet. */
   coreConnected: boolean | null;
+  /** Why it is not connected, in the server's words. */
+  coreProblem: string | null;
   parameters: Record<string, number>;
   parameterVersion: number;
   lease: { epoch: number; holder: number; mine: boolean };
+  /** Another screen has taken control from this one, and the notice is not closed yet. */
+  leaseTaken: boolean;
   recording: Recording;
   // The slow part of the newest record: kept here so that screens draw anew only when it changes.
   mode: ModeName;
@@ -68,7 +73,11 @@ export interface State {
   silentNodes: string;
   blockedBits: number;
   standingStill: boolean;
+  /** Bus, drives and tilt sensors are heard: what is shown of them is of now. */
+  sensed: boolean;
   bumpers: number;
+  /** All that touch were acknowledged: the hoist may be driven away from them. */
+  bumpersHeld: boolean;
   /** Whole seconds until values on trial go back; 0 = none are. */
   trial_s: number;
   /** Node id that two devices share, and CAN id that floods the bus: kept while the alarm about it is shown. Null = not told. */
@@ -90,9 +99,8 @@ export const stopped = (mode: ModeName): boolean => mode === 'protective_stop' |
 export const moving = (mode: ModeName): boolean => modes.some((row) => row.name === mode && row.moving);
 
 /** The figure that is under way, as far as this page knows it; on standby the chosen one. */
-export function figure({ mode, exercise, guided }: Pick<State, 'mode' | 'exercise' | 'guided'>): Exercise {
-  if (mode === 'guided') return guided ?? free;
-  return mode === 'remote' ? free : exercise;
+export function figure({ mode, exercise, begun }: Pick<State, 'mode' | 'exercise' | 'begun'>): Exercise {
+  return moving(mode) ? (begun ?? free) : exercise;
 }
 const free: Exercise = { shape: 'free' };
 
@@ -114,11 +122,13 @@ export const initial: State = {
   simulated: false,
   scenario: null,
   exercise: { shape: 'eight', c_m: 1.0, radius_m: 0.8 },
-  guided: null,
+  begun: null,
   coreConnected: null,
+  coreProblem: null,
   parameters: {},
   parameterVersion: 0,
   lease: { epoch: 0, holder: 0, mine: false },
+  leaseTaken: false,
   recording: { state: 'idle', session: null, started_utc_ms: null, samples: 0, detail: '' },
   mode: 'init',
   faultBits: 0,
@@ -127,7 +137,9 @@ export const initial: State = {
   silentNodes: '',
   blockedBits: 0,
   standingStill: true,
+  sensed: true,
   bumpers: 0,
+  bumpersHeld: true,
   trial_s: 0,
   duplicateId: null,
   babblingId: null,

@@ -40,7 +40,9 @@ export function plain(value: number): string {
   return minus(new Intl.NumberFormat(locale(), { maximumSignificantDigits: 4, useGrouping: false }).format(value));
 }
 
-export const quantity = (value: number | null | undefined, decimals: number, unit: string): string => `${fixed(value, decimals)} ${unit}`;
+/** A number with its unit; degrees follow without a space. */
+export const withUnit = (number: string, unit: string): string => (unit === '°' || unit === '' ? `${number}${unit}` : `${number} ${unit}`);
+export const quantity = (value: number | null | undefined, decimals: number, unit: string): string => withUnit(fixed(value, decimals), unit);
 
 export const toDegrees = (rad: number): number => (rad * 180) / Math.PI;
 /** An angle for a screen: degrees with one decimal. */

@@ -1,9 +1,10 @@
-// The floor from above: planned figure dashed, walked path solid, the hoist at its place. x to the right, y up, like the paper's figures.
-import { useEffect, useRef } from 'preact/hooks';
+// The floor from above: planned figure dashed, walked path solid, the hoist at its place. x up, y to the left: at its start mark the hoist
+// looks up, as the joystick does (DECISIONS 40).
+import { useMemo, useRef } from 'preact/hooks';
 import { live, useFrame } from '../link/live';
 import type { Exercise } from '../contract/messages.gen';
 import { fixed, t } from '../text/text';
-import { fit, patternPoints, type Frame, type Point } from './geometry';
+import { fit, onScreen, patternPoints, type Frame, type Point } from './geometry';
 
 /** Reads the colours of the style sheet, so that light and dark are decided in one place. */
 function colours(element: Element) {
@@ -44,24 +45,25 @@ export function drawFloor(canvas: HTMLCanvasElement, drawing: FloorDrawing, fram
   const colour = colours(canvas);
   const width = canvas.clientWidth;
   const height = canvas.clientHeight;
-  const px = (x: number) => width / 2 + (x - frame.centre_x) * frame.pixels_per_m;
-  const py = (y: number) => height / 2 - (y - frame.centre_y) * frame.pixels_per_m;
+  const place = (x: number, y: number) => onScreen({ x, y }, frame, width, height);
   ctx.clearRect(0, 0, width, height);
 
   // A grid of one metre, or of five when the floor is large.
   const step = frame.pixels_per_m < 18 ? 5 : 1;
-  const half_x = width / 2 / frame.pixels_per_m;
-  const half_y = height / 2 / frame.pixels_per_m;
+  const half_x = height / 2 / frame.pixels_per_m;
+  const half_y = width / 2 / frame.pixels_per_m;
   ctx.strokeStyle = colour.faint;
   ctx.lineWidth = 1;
   ctx.beginPath();
   for (let x = Math.ceil((frame.centre_x - half_x) / step) * step; x <= frame.centre_x + half_x; x += step) {
-    ctx.moveTo(px(x), 0);
-    ctx.lineTo(px(x), height);
+    const { top } = place(x, 0);
+    ctx.moveTo(0, top);
+    ctx.lineTo(width, top);
   }
   for (let y = Math.ceil((frame.centre_y - half_y) / step) * step; y <= frame.centre_y + half_y; y += step) {
-    ctx.moveTo(0, py(y));
-    ctx.lineTo(width, py(y));
+    const { left } = place(0, y);
+    ctx.moveTo(left, 0);
+    ctx.lineTo(left, height);
   }
   ctx.stroke();
 
@@ -79,8 +81,9 @@ export function drawFloor(canvas: HTMLCanvasElement, drawing: FloorDrawing, fram
   const line = (x: ArrayLike<number>, y: ArrayLike<number>) => {
     ctx.beginPath();
     for (let i = 0; i < x.length; i++) {
-      if (i === 0) ctx.moveTo(px(x[i]!), py(y[i]!));
-      else ctx.lineTo(px(x[i]!), py(y[i]!));
+      const { left, top } = place(x[i]!, y[i]!);
+      if (i === 0) ctx.moveTo(left, top);
+      else ctx.lineTo(left, top);
     }
     ctx.stroke();
   };
@@ -100,8 +103,9 @@ export function drawFloor(canvas: HTMLCanvasElement, drawing: FloorDrawing, fram
 
   if (drawing.pose === null) return;
   ctx.save();
-  ctx.translate(px(drawing.pose.x_m), py(drawing.pose.y_m));
-  ctx.rotate(-drawing.pose.psi_rad);
+  const at = place(drawing.pose.x_m, drawing.pose.y_m);
+  ctx.translate(at.left, at.top);
+  ctx.rotate(-drawing.pose.psi_rad - Math.PI / 2);
   const m = frame.pixels_per_m;
   // The frame is open in front, where the patient walks out of it.
   ctx.strokeStyle = colour.ink;
@@ -132,10 +136,7 @@ function startOf(points: readonly Point[]): FloorDrawing['pose'] {
 /** With `planned` the hoist is drawn where the figure begins, and no walked path: this is what would be. */
 export function FloorView({ exercise, planned = false }: { exercise: Exercise; planned?: boolean }) {
   const canvas = useRef<HTMLCanvasElement>(null);
-  const pattern = useRef<Point[]>([]);
-  useEffect(() => {
-    pattern.current = patternPoints(exercise);
-  }, [exercise]);
+  const pattern = useMemo(() => patternPoints(exercise), [exercise]);
   const drawn = useRef({ what: '', at_ms: -Infinity });
   useFrame((now_ms) => {
     if (canvas.current === null) return;
@@ -145,15 +146,15 @@ export function FloorView({ exercise, planned = false }: { exercise: Exercise; p
     if (what === drawn.current.what && now_ms - drawn.current.at_ms < 1000) return;
     drawn.current = { what, at_ms: now_ms };
     const driven = r === null ? null : { x_m: r.fused_x_m, y_m: r.fused_y_m, psi_rad: r.fused_psi_rad };
-    const pose = planned ? startOf(pattern.current) : driven;
-    const x = planned ? [] : live.path.x.latest();
-    const y = planned ? [] : live.path.y.latest();
-    const bounds: Point[] = [...pattern.current];
+    const pose = planned ? startOf(pattern) : driven;
+    const x = planned ? [] : live.path.x;
+    const y = planned ? [] : live.path.y;
+    const bounds: Point[] = [...pattern];
     // Every tenth point is enough to find the bounds.
     for (let i = 0; i < x.length; i += 10) bounds.push({ x: x[i]!, y: y[i]! });
     if (pose !== null) bounds.push({ x: pose.x_m, y: pose.y_m });
     const frame = fit(bounds, canvas.current.clientWidth, canvas.current.clientHeight);
-    drawFloor(canvas.current, { pattern: pattern.current, x, y, pose }, frame);
+    drawFloor(canvas.current, { pattern, x, y, pose }, frame);
   });
   return <canvas ref={canvas} class="floor" role="img" aria-label={t('floor.label')} />;
 }

@@ -89,6 +89,12 @@ export interface Frame {
   pixels_per_m: number;
 }
 
+/** Where a point of the floor is drawn: x up, y to the left, so that forward on the joystick is up on the floor view at the start. */
+export const onScreen = ({ x, y }: Point, frame: Frame, width_px: number, height_px: number) => ({
+  left: width_px / 2 - (y - frame.centre_y) * frame.pixels_per_m,
+  top: height_px / 2 - (x - frame.centre_x) * frame.pixels_per_m,
+});
+
 /** A frame that holds all points with a margin; never closer than a floor of 3 m, so that standing still does not zoom in. */
 export function fit(points: Iterable<Point>, width_px: number, height_px: number, margin_m = 0.5, least_m = 3): Frame {
   let x0 = Infinity;
@@ -105,7 +111,7 @@ export function fit(points: Iterable<Point>, width_px: number, height_px: number
   if (x0 > x1) {
     x0 = x1 = y0 = y1 = 0;
   }
-  const wide = Math.max(least_m, x1 - x0 + 2 * margin_m);
-  const high = Math.max(least_m, y1 - y0 + 2 * margin_m);
+  const wide = Math.max(least_m, y1 - y0 + 2 * margin_m);
+  const high = Math.max(least_m, x1 - x0 + 2 * margin_m);
   return { centre_x: (x0 + x1) / 2, centre_y: (y0 + y1) / 2, pixels_per_m: Math.max(1, Math.min(width_px / wide, height_px / high)) };
 }

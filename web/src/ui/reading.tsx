@@ -9,7 +9,7 @@ export function Reading({ label, unit, read, rate_hz }: { label: string; unit?: 
       <span class="reading-label">{label}</span>
       <span class="reading-value">
         <span class="num">{text}</span>
-        {unit ? <span class="reading-unit"> {unit}</span> : null}
+        {unit ? <span class="reading-unit">{unit === '°' ? unit : ` ${unit}`}</span> : null}
       </span>
     </div>
   );

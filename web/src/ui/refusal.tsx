@@ -1,10 +1,10 @@
 // Why something was not done, and what to do: all reasons, in words.
-import { useState } from 'preact/hooks';
-import { refusals } from '../contract/faults.gen';
+import { useEffect, useState } from 'preact/hooks';
+import { stillStands, toldFor_ms, useReadiness, type Start } from '../link/readiness';
 import type { Reply } from '../link/socket';
 import { useStore } from '../link/store';
 import { serverText } from '../text/server';
-import { refusalText, t, words } from '../text/text';
+import { refusalText, t } from '../text/text';
 
 /** Whether there is something to say about it. An answer that only tells that all was so already is none. */
 export function refused(answer: Reply): boolean {
@@ -39,7 +39,18 @@ export function reasons(reply: Reply): string[] {
 }
 
 export function Refusal({ request: { reply, forget } }: { request: Request }) {
-  if (reply === null) return null;
+  const [age_ms, setAge] = useState(0);
+  useEffect(() => {
+    setAge(0);
+    const timer = window.setTimeout(() => setAge(toldFor_ms), toldFor_ms);
+    return () => window.clearTimeout(timer);
+  }, [reply]);
+  // It goes when its reasons have gone, and does not come back with them: what is in the way then stands beside the button.
+  const over = useStore((s) => reply !== null && reply.refusals.length > 0 && !reply.refusals.some((reason) => stillStands(reason, s, age_ms)));
+  useEffect(() => {
+    if (over) forget();
+  }, [over]);
+  if (reply === null || over) return null;
   return (
     <div class="refusal" role="alert">
       <div>
@@ -57,16 +68,13 @@ export function Refusal({ request: { reply, forget } }: { request: Request }) {
   );
 }
 
-/** The reasons that keep the hoist from starting now. Control and standby are no reasons here: Start takes care of the one, the strip shows the
- * other. Hidden while a refusal, which says the same, is open. */
-export function StartBlockers({ request }: { request: Request }) {
-  const ready = useStore((s) => s.mode === 'standby' && s.link === 'open');
-  const bits = useStore((s) => s.blockedBits);
-  const blockers = refusals.filter((row) => (bits >>> row.bit) & 1 && row.name !== 'no_lease' && row.name !== 'not_standby' && row.name !== 'stick_not_neutral');
-  if (!ready || request.reply !== null || blockers.length === 0) return null;
+/** What keeps this motion from starting now, beside its button. Hidden while a refusal, which says the same, is open. */
+export function StartBlockers({ request, of }: { request: Request; of: Start }) {
+  const ready = useReadiness();
+  if (ready.led || request.reply !== null || ready.start[of].length === 0) return null;
   return (
     <div class="blockers" role="status">
-      <strong>{t('strip.notReady')}:</strong> {blockers.map((row) => words(row.text)).join(' ')}
+      <strong>{t('strip.notReady')}:</strong> {ready.start[of].map(refusalText).join(' ')}
     </div>
   );
 }

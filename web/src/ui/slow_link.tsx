@@ -1,12 +1,10 @@
 // The connection as whoever holds the hoist should know it. From a certain slowness nothing is led by hand any more: what is let go arrives late.
-import { useStore, type State } from '../link/store';
+import { tooSlow } from '../link/readiness';
+import { useStore } from '../link/store';
 import { fixed, t } from '../text/text';
 
-/** From here on the connection is called slow, and leading by hand is locked. */
+/** From here on the connection is called slow. */
 const slow_s = 0.08;
-const tooSlow_s = 0.3;
-
-export const tooSlow = (s: Pick<State, 'rtt_s'>): boolean => s.rtt_s !== null && s.rtt_s > tooSlow_s;
 
 export const tooSlowText = (rtt_s: number | null): string => t('drive.tooSlow', { n: fixed((rtt_s ?? 0) * 1000, 0) });
 

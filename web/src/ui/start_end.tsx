@@ -1,44 +1,55 @@
-// The one button that starts a motion and ends it.
+// The one button that starts a motion and ends it; beside it the one that starts an exercise again.
 import { useRef } from 'preact/hooks';
-import { requestMode } from '../link/console';
+import { useReading } from '../link/live';
+import { endMotion } from '../link/console';
+import { useReadiness, type Start } from '../link/readiness';
 import type { Reply } from '../link/socket';
-import { moving, useStore } from '../link/store';
 import { t } from '../text/text';
 import { FirmStart } from './firm_click';
 import type { Request } from './refusal';
 
+/** Less than this from the start mark, going on and starting again are the same. */
+const underWay_m = 0.1;
+
 export interface StartEndProps {
   request: Request;
+  /** Which motion it starts. */
+  of: Start;
   startLabel: string;
   endLabel: string;
-  start: () => Promise<Reply>;
+  /** `again`: from the exercise's start mark, where the hoist stands now. Otherwise an exercise that was broken off goes on. */
+  start: (again: boolean) => Promise<Reply>;
   /** Something else that must be over before a start. Nothing keeps from ending. */
   wait?: boolean;
 }
 
-export function StartEnd({ request, startLabel, endLabel, start, wait = false }: StartEndProps) {
-  const led = useStore((s) => moving(s.mode));
-  const open = useStore((s) => s.link === 'open');
+export function StartEnd({ request, of, startLabel, endLabel, start, wait = false }: StartEndProps) {
+  const ready = useReadiness();
+  const { led } = ready;
   const firm = useRef(new FirmStart());
   firm.current.show(led, performance.now());
-  const click = () => {
-    if (led) void request.ask(() => requestMode('standby'));
-    else if (firm.current.counts(performance.now())) void request.ask(start);
+  const underWay = useReading((record) => record !== null && record.distance_m > underWay_m);
+  const cannotStart = request.busy || wait || ready.start[of].length > 0;
+  const click = (again: boolean) => {
+    if (led) void request.ask(endMotion);
+    else if (firm.current.counts(performance.now())) void request.ask(() => start(again));
+  };
+  const pressed = {
+    onPointerDown: () => firm.current.press(performance.now()),
+    onKeyDown: (event: KeyboardEvent) => {
+      // A held Enter clicks again and again.
+      if (event.repeat) event.preventDefault();
+      else firm.current.press(performance.now());
+    },
   };
   return (
-    <button
-      type="button"
-      class={led ? 'big' : 'big primary'}
-      disabled={!open || (!led && (request.busy || wait))}
-      onPointerDown={() => firm.current.press(performance.now())}
-      onKeyDown={(event) => {
-        // A held Enter clicks again and again.
-        if (event.repeat) event.preventDefault();
-        else firm.current.press(performance.now());
-      }}
-      onClick={click}
-    >
-      {led ? endLabel : request.busy ? t('walk.starting') : startLabel}
-    </button>
+    <>
+      {of !== 'remote' && <button type="button" class="plain two-lines" disabled={led || !underWay || cannotStart} title={t('walk.againHint')} onClick={() => click(true)} {...pressed}>
+        {t('walk.again')} <small>{t('walk.againShort')}</small>
+      </button>}
+      <button type="button" class={led ? 'big' : 'big primary'} disabled={led ? !ready.end : cannotStart} onClick={() => click(false)} {...pressed}>
+        {led ? endLabel : request.busy ? t('walk.starting') : startLabel}
+      </button>
+    </>
   );
 }

@@ -3,7 +3,8 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { modes } from '../contract/faults.gen';
 import { releaseLease } from '../link/console';
 import { useReading } from '../link/live';
-import { moving, unknown, useStore } from '../link/store';
+import { useReadiness } from '../link/readiness';
+import { useStore } from '../link/store';
 import { languages, settings, useSettings, type Theme } from '../text/settings';
 import { duration, fixed, noValue, t, words } from '../text/text';
 import { Icon } from './icons';
@@ -39,15 +40,12 @@ export function StatusBar() {
 
 function ModeChip() {
   const mode = useStore((s) => s.mode);
-  const old = useStore((s) => s.data !== 'fresh');
-  const still = useStore((s) => s.standingStill);
-  const lost = useStore(unknown);
-  const heard = useStore((s) => s.data !== 'none');
+  const { known, lost, old, motion } = useReadiness();
   const row = modes.find((item) => item.name === mode)!;
   return (
     <div class={`mode${lost ? '' : ` mode-${mode}`}${old ? ' old' : ''}`} role="status">
       <strong>{lost ? t('bar.unknown') : words(row.title)}</strong>
-      <span>{lost || !heard ? noValue : still ? t('bar.still') : t('bar.moving')}</span>
+      <span>{!known ? noValue : motion === null ? t('bar.old') : t(motion === 'still' ? 'bar.still' : 'bar.moving')}</span>
     </div>
   );
 }
@@ -65,11 +63,9 @@ function Item({ label, value, old, children }: { label: string; value: string; o
 }
 
 function Control() {
-  const mine = useStore((s) => s.lease.mine);
-  const holder = useStore((s) => s.lease.holder);
-  const led = useStore((s) => moving(s.mode));
-  const known = useStore((s) => s.link === 'open');
-  const value = !known ? '–' : mine ? t('bar.controlMine') : holder !== 0 ? t('bar.controlOther') : t('bar.controlNobody');
+  const { lead, led } = useReadiness();
+  const mine = lead === 'mine';
+  const value = lead === null ? noValue : t(({ mine: 'bar.controlMine', other: 'bar.controlOther', nobody: 'bar.controlNobody' } as const)[lead]);
   return (
     <div class="bar-item control">
       <span class="bar-label">{t('bar.control')}</span>
@@ -124,7 +120,7 @@ function RecordingMark() {
 }
 
 function Battery() {
-  const old = useStore((s) => s.data !== 'fresh');
+  const { old } = useReadiness();
   const empty_v = useStore((s) => s.parameters.battery_empty_v ?? 22);
   const low_v = useStore((s) => s.parameters.battery_low_v ?? 23);
   const volts = useReading((r) => (r === null ? NaN : Math.round((r.battery_a_v + r.battery_b_v) * 10) / 10), 1);

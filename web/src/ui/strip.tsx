@@ -3,12 +3,15 @@ import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import type { FaultInfo, FaultName } from '../contract/faults.gen';
 import type { StandingNotice } from '../contract/messages.gen';
 import { acknowledge, notify } from '../link/console';
-import { stopped, useStore } from '../link/store';
+import { useReadiness } from '../link/readiness';
+import { useStore } from '../link/store';
 import { useSettings } from '../text/settings';
-import { fixed, t, textOf, words } from '../text/text';
+import { fixed, refusalText, t, textOf, words } from '../text/text';
 import { activeFaults, toldFaults, type FaultCodes } from './alarms';
 import { deviceOfCan, deviceOfNode } from './device';
+import { Scroll } from './scroll';
 import { HoldButton } from './hold_button';
+import { serverText } from '../text/server';
 import { reasons } from './refusal';
 
 type Priority = FaultInfo['priority'] | 'calm';
@@ -44,8 +47,8 @@ export function Strip() {
   const stopCause = useStore((s) => s.stopCause);
   const codes = useStore((s) => s.faultCodes);
   const silent = useStore((s) => s.silentNodes);
-  const mine = useStore((s) => s.lease.mine);
-  const bumpers = useStore((s) => s.bumpers);
+  const ready = useReadiness();
+  const problem = useStore((s) => s.coreProblem);
   const layout = useStore((s) => s.layoutDiffers);
   const failed = useStore((s) => s.stopFailed);
   const sending = useStore((s) => s.stopSent);
@@ -65,7 +68,7 @@ export function Strip() {
   if (!signedIn) add('signedOut', 'high', t('strip.signedOut'), t('strip.signedOutAction'));
   else if (ever && link !== 'open' && data !== 'fresh')
     add('link', 'high', data === 'none' ? t('strip.lost') : `${t('strip.lost')} · ${t('strip.noData', { s: fixed(age_s, 0) })}`, t('strip.lostAction'));
-  else if (link === 'open' && core === false) add('core', 'high', t('strip.core'), t('strip.coreAction'));
+  else if (link === 'open' && core === false) add('core', 'high', t('strip.core'), [problem === null ? null : serverText(problem), t('strip.coreAction')].filter((text) => text !== null).join(' '));
   else if (link === 'open' && data === 'gone') add('data', 'high', t('strip.noData', { s: fixed(age_s, 0) }), t('strip.lostAction'));
   const device: Partial<Record<FaultName, string | null>> = { node_duplicate: deviceOfNode(duplicateId), node_babbling: deviceOfCan(babblingId) };
   if (data !== 'gone' && data !== 'none')
@@ -82,22 +85,9 @@ export function Strip() {
 
   const calm = sending
     ? t('stop.sending')
-    : link !== 'open' || data === 'none'
-      ? t('strip.connecting')
-      : mode === 'user'
-        ? t('strip.walking')
-        : mode === 'remote'
-          ? t(bumpers !== 0 ? 'strip.offBumper' : mine ? 'strip.driving' : 'strip.drivingOther')
-          : mode === 'guided'
-            ? t(mine ? 'strip.guiding' : 'strip.drivingOther')
-            : mode === 'init'
-              ? silent === ''
-                ? t('strip.starting')
-                : t('strip.waiting', { parts: silent.split(' ').map((part) => textOf(`health.part.${part}`)).join(', ') })
-              : mode === 'calibrate'
-                ? t('strip.calibrating')
-                : t('strip.ready');
-  const first: Alarm = alarms[0] ?? { id: 'calm', priority: 'calm', text: calm, action: '' };
+    : t(ready.calm, { parts: silent.split(' ').map((part) => textOf(`health.part.${part}`)).join(', ') });
+  const why = !sending && ready.calm === 'strip.notReady' ? refusalText(ready.start.user[0]!) : '';
+  const first: Alarm = alarms[0] ?? { id: 'calm', priority: 'calm', text: calm, action: why };
   const more = alarms.slice(1);
   // Consequences are there to be read, but they are not more to do.
   const others = more.filter((alarm) => !alarm.follows).length;
@@ -149,7 +139,7 @@ export function Strip() {
           {others > 0 ? `+${others}` : '…'}
         </button>
       ) : null}
-      {stopped(mode) && link === 'open' ? (
+      {ready.stopped && ready.reachable ? (
         <HoldButton
           label={t('stop.release')}
           hint={t('stop.releaseHint')}
@@ -162,16 +152,18 @@ export function Strip() {
         />
       ) : null}
       {all && openable ? (
-        <ul class="strip-more card">
-          {alarms.map((alarm) => (
-            <li key={alarm.id} class={alarm.follows ? 'follows' : undefined}>
-              <strong>
-                {alarm.follows ? '' : marks[alarm.priority]} {alarm.text}
-              </strong>{' '}
-              {alarm.follows ? '' : alarm.action}
-            </li>
-          ))}
-        </ul>
+        <Scroll class="strip-more card" label={t('priority.medium')}>
+          <ul>
+            {alarms.map((alarm) => (
+              <li key={alarm.id} class={alarm.follows ? 'follows' : undefined}>
+                <strong>
+                  {alarm.follows ? '' : marks[alarm.priority]} {alarm.text}
+                </strong>{' '}
+                {alarm.follows ? '' : alarm.action}
+              </li>
+            ))}
+          </ul>
+        </Scroll>
       ) : null}
     </div>
   );

@@ -5,14 +5,31 @@ import { calibrate, calibrateCancel, calibrateMeasure, calibrateUse, notify } fr
 import { useReading } from '../../link/live';
 import { rest } from '../../link/rest';
 import type { Reply } from '../../link/socket';
+import { useReadiness } from '../../link/readiness';
 import { useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
-import { date, fixed, noValue, readNumber, shownAs, t, words } from '../../text/text';
+import { date, fixed, noValue, readNumber, shownAs, t, words, withUnit } from '../../text/text';
+import { HoldButton } from '../../ui/hold_button';
 import { Refusal, useRequest } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
 import type { Panel } from '../panel';
 import { entry, nowKey, phaseNames, resultOf, stepNames, stepsFor, watched, type Change, type Now, type Step, type StepName, type Table } from './model';
 import { StepPicture } from './picture';
+
+const confirmHold_ms = 2000;
+
+/** Begins a step; where the harness must be empty, only after a hold that says so. */
+function Begin({ item, label, disabled, begin }: { item: Step; label: string; disabled: boolean; begin: (harness_empty: boolean) => void }) {
+  if (item.empty_harness)
+    return (
+      <HoldButton label={t('calibrate.emptyHold')} hint={t('calibrate.emptyHint')} hold_ms={confirmHold_ms} disabled={disabled} onDone={() => begin(true)} />
+    );
+  return (
+    <button type="button" class="primary big" disabled={disabled} onClick={() => begin(false)}>
+      {label}
+    </button>
+  );
+}
 
 /** What was asked for shows on the live values this much later at most; until then the buttons would ask for it once more. */
 const settle_ms = 500;
@@ -40,11 +57,11 @@ function Changes({ list }: { list: readonly Change[] }) {
             <tr key={change.name}>
               <th scope="row">{words(row.title)}</th>
               <td>
-                {fixed(change.before * show.factor, decimals)} {show.unit}
+                {withUnit(fixed(change.before * show.factor, decimals), show.unit)}
               </td>
               <td>
                 <strong>
-                  {fixed(change.value * show.factor, decimals)} {show.unit}
+                  {withUnit(fixed(change.value * show.factor, decimals), show.unit)}
                 </strong>
               </td>
             </tr>
@@ -126,11 +143,13 @@ function Entry({ step, second, busy, onMeasure }: { step: StepName; second: bool
 }
 
 function Guide({ item, now, table, simulated, connected }: { item: Step; now: Now | null; table: Table; simulated: boolean; connected: boolean }) {
-  const standby = useStore((s) => s.mode === 'standby');
-  const silent = useStore((s) => s.data === 'gone');
+  const { standby, known, lead } = useReadiness();
+  const silent = !known;
   const request = useRequest();
   const [settling, setSettling] = useState(false);
-  const busy = request.busy || settling || !connected;
+  // A step belongs to the screen that leads it; taking over would end it.
+  const theirs = now !== null && lead !== 'mine';
+  const busy = request.busy || settling || !connected || theirs;
   const ask = async (what: () => Promise<Reply>): Promise<boolean> => {
     const done = await request.ask(what);
     if (done) {
@@ -166,6 +185,7 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
   const use = async () => {
     if (await ask(calibrateUse)) notify('info', t('calibrate.used', { name: words(item.title) }), true);
   };
+  const begin = (harness_empty: boolean) => void ask(() => calibrate(step, harness_empty));
   const key = running ? nowKey(now) : null;
   const reason = running && now.reason > 0 ? table.reasons[now.reason - 1] : undefined;
   const shown = running ? watched(now) : null;
@@ -216,9 +236,7 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
       ) : null}
       <div class="calibrate-buttons">
         {!running ? (
-          <button type="button" class="primary big" disabled={busy || (!standby && now === null)} onClick={() => void ask(() => calibrate(step))}>
-            {t('calibrate.start')}
-          </button>
+          <Begin item={item} label={t('calibrate.start')} disabled={busy || (!standby && now === null)} begin={begin} />
         ) : null}
         {phase === 'result' ? (
           <button type="button" class="primary big" disabled={busy || changes === null} onClick={() => void use()}>
@@ -226,9 +244,7 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
           </button>
         ) : null}
         {phase === 'refused' ? (
-          <button type="button" class="primary big" disabled={busy} onClick={() => void ask(() => calibrate(step))}>
-            {t('calibrate.repeat')}
-          </button>
+          <Begin item={item} label={t('calibrate.repeat')} disabled={busy} begin={begin} />
         ) : null}
         {running ? (
           <button type="button" class="plain big" disabled={busy} onClick={() => void ask(calibrateCancel)}>
@@ -236,6 +252,7 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
           </button>
         ) : null}
       </div>
+      {theirs && connected ? <p class="hint">{t('calibrate.other')}</p> : null}
       <Refusal request={request} />
       {simulated && step === 'zero' && !running ? <p class="hint">{t('calibrate.simulated')}</p> : null}
     </section>
@@ -256,7 +273,7 @@ function Failed({ onRetry }: { onRetry: () => void }) {
 function CalibrateView() {
   useSettings();
   const role = useStore((s) => s.role);
-  const connected = useStore((s) => s.link === 'open');
+  const { reachable: connected } = useReadiness();
   const version = useStore((s) => s.parameterVersion);
   const simulated = useStore((s) => s.simulated);
   const [table, setTable] = useState<Table | null>(null);

@@ -7,6 +7,8 @@ export interface Step {
   name: string;
   role: 'viewer' | 'therapist' | 'engineer';
   entered: { unit: 'm' | 'rad'; least: number; most: number } | null;
+  /** Begins only when the operator confirms that nobody is strapped in. */
+  empty_harness: boolean;
   title: Words;
   action: Words;
   done_utc_s: number | null;

@@ -2,6 +2,7 @@
 import { useEffect, useRef } from 'preact/hooks';
 import { notify, requestMode, setParameters } from '../../link/console';
 import type { Exercise } from '../../contract/messages.gen';
+import { useReadiness } from '../../link/readiness';
 import { figure, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { fixed, t, toDegrees } from '../../text/text';
@@ -9,8 +10,8 @@ import { FloorView } from '../../ui/floor_view';
 import { useHand } from '../../ui/hand';
 import { driveKeys, type Wish } from '../../ui/hold_to_run';
 import { Reading } from '../../ui/reading';
-import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
-import { SlowLink, tooSlow } from '../../ui/slow_link';
+import { Refusal, StartBlockers, reasons, refused, useRequest } from '../../ui/refusal';
+import { SlowLink } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
 import type { Panel } from '../panel';
 
@@ -66,15 +67,12 @@ function Joystick({ active, locked }: { active: boolean; locked: string }) {
 function DriveView() {
   useSettings();
   const mode = useStore((s) => s.mode);
-  const link = useStore((s) => s.link);
-  const mine = useStore((s) => s.lease.mine);
-  const data = useStore((s) => s.data);
-  const slow = useStore(tooSlow);
+  const ready = useReadiness();
   const limit_m_s = useStore((s) => s.parameters.remote_speed_m_s_max ?? 0);
   const drawn = useStore(figure);
   const request = useRequest();
   const driving = mode === 'remote';
-  const active = driving && mine && link === 'open' && data !== 'gone' && !slow;
+  const active = driving && ready.hand;
 
   useEffect(() => {
     if (driving) request.forget();
@@ -95,19 +93,20 @@ function DriveView() {
               type="button"
               role="radio"
               aria-checked={Math.abs(limit_m_s - limit.speed_m_s) < 0.005}
-              disabled={link !== 'open'}
+              disabled={!ready.reachable}
               onClick={() => void choose(limit.speed_m_s)}
             >
               {t(limit.key)} <small>{fixed(limit.speed_m_s, 2)} m/s</small>
             </button>
           ))}
         </div>
-        <StartEnd request={request} startLabel={t('drive.take')} endLabel={t(driving ? 'drive.end' : 'walk.end')} start={() => requestMode('remote', free)} />
+        <StartEnd request={request} of="remote" startLabel={t('drive.take')} endLabel={t(driving ? 'drive.end' : 'walk.end')} start={() => requestMode('remote', free)} />
       </div>
       <Refusal request={request} />
+      <StartBlockers request={request} of="remote" />
       <div class="drive-body">
         <section class="card stick-card">
-          <Joystick active={active} locked={!driving ? t('drive.locked') : mine ? '' : t('guided.other')} />
+          <Joystick active={active} locked={!driving ? t('drive.locked') : ready.lead === 'mine' ? '' : t('guided.other')} />
           <SlowLink calm={t('drive.keys')} />
         </section>
         <section class="card floor-card drive-floor">

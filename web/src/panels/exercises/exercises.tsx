@@ -2,16 +2,17 @@
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { requestGuided } from '../../link/console';
 import { live, useFrame } from '../../link/live';
-import { moving, useStore } from '../../link/store';
+import { tooSlow, useReadiness } from '../../link/readiness';
+import { figure, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { degrees, duration, fixed, t } from '../../text/text';
 import type { TextKey } from '../../text/en';
 import { FloorView } from '../../ui/floor_view';
-import { fit, floorSpace, patternPoints } from '../../ui/geometry';
+import { fit, floorSpace, onScreen, patternPoints } from '../../ui/geometry';
 import { HoldToGo } from '../../ui/hold_to_go';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
-import { SlowLink, tooSlow, tooSlowText } from '../../ui/slow_link';
+import { SlowLink, tooSlowText } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
 import type { Panel } from '../panel';
 import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, withinCap, type Plan, type Shape, type Stepped } from './plan';
@@ -24,7 +25,7 @@ function ShapePicture({ shape }: { shape: Shape }) {
   const size = 40;
   const points = patternPoints(exerciseOf({ ...firstPlan, shape, length_m: 2.6, side_m: 2.2, radius_m: 1.2, eight_m: 0.75 }));
   const frame = fit(points, size, size, 0.2, 1);
-  const line = points.map((p) => `${(size / 2 + (p.x - frame.centre_x) * frame.pixels_per_m).toFixed(1)},${(size / 2 - (p.y - frame.centre_y) * frame.pixels_per_m).toFixed(1)}`);
+  const line = points.map((p) => onScreen(p, frame, size, size)).map(({ left, top }) => `${left.toFixed(1)},${top.toFixed(1)}`);
   return (
     <svg class="shape-picture" viewBox={`0 0 ${size} ${size}`} aria-hidden="true">
       <polyline points={line.join(' ')} />
@@ -109,19 +110,18 @@ function Progress() {
 function ExercisesView() {
   useSettings();
   const mode = useStore((s) => s.mode);
-  const link = useStore((s) => s.link);
-  const mine = useStore((s) => s.lease.mine);
-  const data = useStore((s) => s.data);
+  const ready = useReadiness();
+  const begun = useStore(figure);
   const parameters = useStore((s) => s.parameters);
   const [plan, setPlan] = useState(kept);
   const request = useRequest();
   const guided = mode === 'guided';
-  const driven = moving(mode);
+  const driven = ready.led;
   const rtt_s = useStore((s) => s.rtt_s);
   const slow = tooSlow({ rtt_s });
   // The path that was driven stays until something is chosen anew.
   const [justDone, setJustDone] = useState(false);
-  const active = guided && mine && link === 'open' && data !== 'gone' && !slow;
+  const active = guided && ready.hand;
   const speedMost_m_s = (parameters.speed_m_s_max ?? 0.6) * (parameters.speed_cap_norm ?? 1);
   const yawLimit_rad_s = Math.min(parameters.remote_yaw_rate_rad_s_max ?? 0.5, parameters.yaw_rate_rad_s_max ?? 0.5);
 
@@ -155,10 +155,10 @@ function ExercisesView() {
             </button>
           ))}
         </div>
-        <StartEnd request={request} startLabel={t('guided.start')} endLabel={t(guided ? 'guided.end' : 'walk.end')} start={() => requestGuided(pathOf(allowed))} />
+        <StartEnd request={request} of="guided" startLabel={t('guided.start')} endLabel={t(guided ? 'guided.end' : 'walk.end')} start={(again) => requestGuided(pathOf(allowed), again)} />
       </div>
       <Refusal request={request} />
-      <StartBlockers request={request} />
+      <StartBlockers request={request} of="guided" />
       <div class="drive-body">
         <section class="card guided-card">
           {guided ? (
@@ -182,7 +182,7 @@ function ExercisesView() {
           <SlowLink calm={t('guided.hint')} />
         </section>
         <section class="card floor-card">
-          <FloorView exercise={exercise.current.figure} planned={!driven && !justDone} />
+          <FloorView exercise={driven ? begun : exercise.current.figure} planned={!driven && !justDone} />
         </section>
       </div>
     </div>

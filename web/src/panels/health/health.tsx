@@ -5,12 +5,14 @@ import type { TickRecord } from '../../contract/signals.gen';
 import { useEffect } from 'preact/hooks';
 import { fetchEmergencies } from '../../link/console';
 import { live, useReading } from '../../link/live';
+import { useReadiness } from '../../link/readiness';
 import { useStore, type Emergency, type LogLine } from '../../link/store';
 import type { TextKey } from '../../text/en';
 import { serverText } from '../../text/server';
 import { useSettings } from '../../text/settings';
-import { duration, fixed, plain, refusalText, shownAs, t, textOf, words } from '../../text/text';
+import { duration, fixed, plain, refusalText, shownAs, t, textOf, words, withUnit } from '../../text/text';
 import { emergencyInfo, hex } from '../../ui/device';
+import { Scroll } from '../../ui/scroll';
 import type { Panel } from '../panel';
 import { Line } from './line';
 import { Loop } from './loop';
@@ -107,22 +109,24 @@ function Emergencies({ list }: { list: readonly Emergency[] }) {
   const shown = list.slice(-12).reverse();
   if (shown.length === 0) return <p class="hint">{t('health.emergenciesNone')}</p>;
   return (
-    <ul class="events">
-      {shown.map((item) => {
-        const info = emergencyInfo(item.code);
-        return (
-          <li key={`${item.time_ns} ${item.node} ${item.code}`}>
-            <span class="num">−{duration((now_ns - item.time_ns) / 1e9)}</span> {textOf(`health.part.${item.node}`) ?? t('device.unknown')}: {words(info.text)}.
-            {item.code === 0 ? null : (
-              <span class="hint">
-                {' '}
-                {words(info.detail)} ({hex(item.code)})
-              </span>
-            )}
-          </li>
-        );
-      })}
-    </ul>
+    <Scroll class="events" label={t('health.emergencies')}>
+      <ul>
+        {shown.map((item) => {
+          const info = emergencyInfo(item.code);
+          return (
+            <li key={`${item.time_ns} ${item.node} ${item.code}`}>
+              <span class="num">−{duration((now_ns - item.time_ns) / 1e9)}</span> {textOf(`health.part.${item.node}`) ?? t('device.unknown')}: {words(info.text)}.
+              {item.code === 0 ? null : (
+                <span class="hint">
+                  {' '}
+                  {words(info.detail)} ({hex(item.code)})
+                </span>
+              )}
+            </li>
+          );
+        })}
+      </ul>
+    </Scroll>
   );
 }
 
@@ -134,12 +138,12 @@ export function eventText(kind: string, name: string, value: number | null, befo
   const param = params.find((row) => row.name === name);
   if (kind === 'calibration_result' && param) {
     const show = shownAs(param.name, param.unit);
-    return `${title}: ${words(param.title)} ${plain((value ?? NaN) * show.factor)} ${show.unit}`;
+    return `${title}: ${words(param.title)} ${withUnit(plain((value ?? NaN) * show.factor), show.unit)}`;
   }
   if (kind === 'parameter_changed' && param) {
     const show = shownAs(param.name, param.unit);
     const number = (si: number | null) => (si === null ? '–' : plain(si * show.factor));
-    return `${title}: ${words(param.title)} ${number(before)} → ${number(value)} ${show.unit}`;
+    return `${title}: ${words(param.title)} ${number(before)} → ${withUnit(number(value), show.unit)}`;
   }
   if (kind === 'command_refused' && name !== '') return `${title}: ${refusalText(name)}`;
   if (fault) return `${title}: ${words(fault.text)}`;
@@ -156,13 +160,15 @@ function Events({ log }: { log: readonly LogLine[] }) {
   const shown = log.filter((line) => line.kind !== 'command_done').slice(-12).reverse();
   if (shown.length === 0) return <p class="hint">{t('health.logNone')}</p>;
   return (
-    <ul class="events">
-      {shown.map((line, index) => (
-        <li key={`${line.time_ns}-${index}`}>
-          <span class="num">−{duration((now_ns - line.time_ns) / 1e9)}</span> {eventText(line.kind, line.name, line.value, line.before, line.code)}
-        </li>
-      ))}
-    </ul>
+    <Scroll class="events" label={t('health.log')}>
+      <ul>
+        {shown.map((line, index) => (
+          <li key={`${line.time_ns}-${index}`}>
+            <span class="num">−{duration((now_ns - line.time_ns) / 1e9)}</span> {eventText(line.kind, line.name, line.value, line.before, line.code)}
+          </li>
+        ))}
+      </ul>
+    </Scroll>
   );
 }
 
@@ -170,7 +176,8 @@ function HealthView() {
   useSettings();
   const newest = useReading((record: TickRecord | null) => record, 2);
   // Old figures are not shown here at all: "works" and "free" are said of now, or not at all.
-  const silent = useStore((s) => s.data === 'gone');
+  const { known, reachable: open } = useReadiness();
+  const silent = !known;
   const r = silent ? null : newest;
   const rtt_s = useStore((s) => s.rtt_s);
   const role = useStore((s) => s.role);
@@ -178,7 +185,6 @@ function HealthView() {
   const log = useStore((s) => s.log);
   const recording = useStore((s) => s.recording);
   const emergencies = useStore((s) => s.emergencies);
-  const open = useStore((s) => s.link === 'open');
   useEffect(() => {
     if (open) void fetchEmergencies();
   }, [open]);

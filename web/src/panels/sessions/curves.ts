@@ -23,3 +23,11 @@ export const curves: readonly Curve[] = [
   { name: 'battery_a_v', unit: 'V', title: { en: 'Battery A', de: 'Batterie A' } },
   { name: 'battery_b_v', unit: 'V', title: { en: 'Battery B', de: 'Batterie B' } },
 ];
+
+/** The chosen curves by their unit, in the order of choice: each strip of the chart has one axis, and an axis has one unit. */
+export function strips(names: readonly SignalName[]): Curve[][] {
+  const byUnit = new Map<string, Curve[]>();
+  for (const curve of names.map((name) => curves.find((one) => one.name === name)!))
+    byUnit.set(curve.unit, [...(byUnit.get(curve.unit) ?? []), curve]);
+  return [...byUnit.values()];
+}

@@ -22,7 +22,10 @@ export interface Metrics {
   C: number | null;
   J_N: number | null;
   reference_length_m: number | null;
+  /** Under way, standing included. */
   duration_s: number | null;
+  /** Of that, with a wheel turning. */
+  motion_s: number | null;
   /** Motion that is not recorded: all figures are of the rest. */
   missing_s: number;
   distance_m: number | null;

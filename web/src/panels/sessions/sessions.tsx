@@ -11,6 +11,7 @@ import { useSettings } from '../../text/settings';
 import { date, degrees, duration, fixed, refusalText, t, words } from '../../text/text';
 import { fit, patternPoints, type Point } from '../../ui/geometry';
 import { drawFloor } from '../../ui/floor_view';
+import { Scroll } from '../../ui/scroll';
 import { eventText } from '../health/health';
 import type { Panel } from '../panel';
 import { curves } from './curves';
@@ -314,16 +315,18 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
       <section class="card">
         <h2>{t('sessions.events')}</h2>
         {events.value === null || session === null ? <p class="hint">{instead(events.value === null ? events : asked)}</p> : happened.length === 0 ? <p class="hint">{t('sessions.eventsNone')}</p> : null}
-        <ul class="events">
-          {happened
-            .slice(0, eventsShown)
-            .map((event, index) => (
-              <li key={index}>
-                <span class="num">{duration(event.time_s)}</span>{' '}
-                {eventText(event.kind, event.name, event.value, event.before, event.code)}
-              </li>
-            ))}
-        </ul>
+        <Scroll class="events" label={t('sessions.events')}>
+          <ul>
+            {happened
+              .slice(0, eventsShown)
+              .map((event, index) => (
+                <li key={index}>
+                  <span class="num">{duration(event.time_s)}</span>{' '}
+                  {eventText(event.kind, event.name, event.value, event.before, event.code)}
+                </li>
+              ))}
+          </ul>
+        </Scroll>
       </section>
     </div>
   );
@@ -392,9 +395,10 @@ function Figures({ metrics }: { metrics: Metrics | null }) {
   return (
     <>
       <div class="readings figures">
-        <Figure label={t('metric.similarity')} symbol="C" value={fixed(m?.C, 2)} help={t('metric.similarityHelp')} />
+        <Figure label={t('metric.turning')} symbol="C" value={fixed(m?.C, 2)} help={t('metric.turningHelp')} />
         <Figure label={t('metric.accuracy')} symbol="J" value={fixed(m?.J_N, 1)} help={t('metric.accuracyHelp')} />
-        <Figure label={t('metric.duration')} value={duration(m?.duration_s)} />
+        <Figure label={t('metric.duration')} value={duration(m?.motion_s)} />
+        <Figure label={t('metric.underWay')} value={duration(m?.duration_s)} />
         <Figure label={t('metric.distance')} value={`${fixed(m?.distance_m, 1)} m`} />
         <Figure label={t('metric.speed')} value={`${fixed(m?.mean_speed_m_s, 2)} m/s`} />
         <Figure label={t('metric.offPath')} value={`${fixed(m?.rms_position_m == null ? null : m.rms_position_m * 100, 0)} cm`} />

@@ -3,9 +3,10 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { presets, type ParamInfo } from '../../contract/params.gen';
 import { applyPreset, notify, setParameters, tryParameters } from '../../link/console';
 import type { Reply } from '../../link/socket';
+import { useReadiness } from '../../link/readiness';
 import { moving, store, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
-import { plain, readNumber, shownAs, t, words } from '../../text/text';
+import { plain, readNumber, shownAs, t, words, withUnit } from '../../text/text';
 import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
 import type { Panel } from '../panel';
@@ -134,10 +135,10 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
           disabled={locked}
           onInput={(event) => draw(Number(event.currentTarget.value))}
         />
-        <span class="tune-default" ref={(element) => element?.style.setProperty('--share', String(defaultShare))} title={t('tune.default', { value: `${plain(toShown(row.default))} ${show.unit}` })} />
+        <span class="tune-default" ref={(element) => element?.style.setProperty('--share', String(defaultShare))} title={t('tune.default', { value: withUnit(plain(toShown(row.default)), show.unit) })} />
         <span class="tune-range num">
           <span>{plain(min)}</span>
-          <span>{t('tune.default', { value: `${plain(toShown(row.default))} ${show.unit}` })}</span>
+          <span>{t('tune.default', { value: withUnit(plain(toShown(row.default)), show.unit) })}</span>
           <span>{plain(max)}</span>
         </span>
       </div>
@@ -202,12 +203,10 @@ function GroupView({ group, role, standby, connected }: { group: Group; role: st
 
 function TuneView() {
   useSettings();
-  const link = useStore((s) => s.link);
+  const { reachable: connected, standby } = useReadiness();
   const role = useStore((s) => s.role);
-  const standby = useStore((s) => s.mode === 'standby');
   const values = useStore((s) => s.parameters);
   const request = useRequest();
-  const connected = link === 'open';
   const list = groups();
   const differing = list.flatMap((group) => group.rows).filter((row) => values[row.name] !== undefined && !same(values[row.name]!, row.default)).length;
   const inForce = (preset: (typeof presets)[number]) =>
@@ -230,6 +229,7 @@ function TuneView() {
           {differing > 0 ? t('tune.changedCount', { n: differing }) : t('tune.allDefault')}
           <br />
           {t('tune.live')}
+          {standby ? null : ` ${t('tune.preset')}: ${t('tune.stopped')}`}
         </p>
       </div>
       <Refusal request={request} />

@@ -1,9 +1,10 @@
 // The patient leads: choose the exercise, start, watch, mark, end.
 import { useEffect } from 'preact/hooks';
-import { marker, notify, requestMode, setNeutral } from '../../link/console';
+import { chooseExercise, marker, notify, requestMode, setNeutral } from '../../link/console';
 import { live, useReading } from '../../link/live';
 import type { Exercise } from '../../contract/messages.gen';
-import { figure, moving, store, useStore } from '../../link/store';
+import { useReadiness } from '../../link/readiness';
+import { figure, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { degrees, duration, fixed, t } from '../../text/text';
 import type { TextKey } from '../../text/en';
@@ -25,14 +26,12 @@ const markers: readonly TextKey[] = ['marker.help', 'marker.stumble', 'marker.re
 
 function WalkView() {
   useSettings();
-  const mode = useStore((s) => s.mode);
-  const link = useStore((s) => s.link);
+  const { led, reachable, standby } = useReadiness();
   const exercise = useStore((s) => s.exercise);
   const drawn = useStore(figure);
   const request = useRequest();
   // Marks and the neutral posture wait for their answers apart: a slow one keeps nobody from ending.
   const aside = useRequest();
-  const led = moving(mode);
   useEffect(() => {
     if (!led) return;
     request.forget();
@@ -58,23 +57,23 @@ function WalkView() {
                 type="button"
                 role="radio"
                 aria-checked={chosen}
-                disabled={led}
-                onClick={() => store.set({ exercise: choice })}
+                disabled={led || !reachable}
+                onClick={() => void aside.ask(() => chooseExercise(choice))}
               >
                 {t(`exercise.${choice.shape}`)}
               </button>
             );
           })}
         </div>
-        <button type="button" class="plain two-lines" disabled={request.busy || aside.busy || led || link !== 'open'} title={t('walk.neutralHint')}
+        <button type="button" class="plain two-lines" disabled={request.busy || aside.busy || !standby} title={t('walk.neutralHint')}
           onClick={() => void neutral()}>
           {t('walk.neutral')} <small>{t('walk.neutralShort')}</small>
         </button>
-        <StartEnd request={request} startLabel={t('walk.start')} endLabel={t('walk.end')} wait={aside.busy} start={() => requestMode('user', exercise)} />
+        <StartEnd request={request} of="user" startLabel={t('walk.start')} endLabel={t('walk.end')} wait={aside.busy} start={(again) => requestMode('user', exercise, again)} />
       </div>
       <Refusal request={request} />
       <Refusal request={aside} />
-      <StartBlockers request={request} />
+      <StartBlockers request={request} of="user" />
       <div class="walk-body">
         <section class="card floor-card">
           <FloorView exercise={drawn} />
@@ -91,7 +90,7 @@ function WalkView() {
           </div>
           <div class="markers" role="group" aria-label={t('walk.markers')}>
             {markers.map((key) => (
-              <button key={key} type="button" class="plain" disabled={link !== 'open' || !led} onClick={() => void mark(key)}>
+              <button key={key} type="button" class="plain" disabled={!reachable || !led} onClick={() => void mark(key)}>
                 {t(key)}
               </button>
             ))}

@@ -1,0 +1,94 @@
+#include "db/export/provenance.hpp"
+
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+
+#include "control/contract/axes.hpp"
+#include "control/contract/can_dictionary.hpp"
+#include "db/export/exercise_names.hpp"
+#include "db/export/fixed_point.hpp"
+#include "db/export/session_export.hpp"
+
+namespace hoist::db {
+namespace {
+
+using nlohmann::json;
+
+std::string hex8(std::uint32_t value) {
+  std::array<char, 9> text{};
+  std::snprintf(text.data(), text.size(), "%08x", static_cast<unsigned>(value));
+  return text.data();
+}
+std::string revision_text(std::uint32_t value) { return std::to_string(value >> 16) + '.' + std::to_string(value & 0xFFFFU); }
+std::string version_text(std::uint32_t value) {
+  return std::to_string(value >> 16) + '.' + std::to_string((value >> 8) & 0xFFU) + '.' + std::to_string(value & 0xFFU);
+}
+// A node whose program knows nothing of its version answers 0.
+std::optional<std::uint32_t> told(const std::optional<std::uint32_t>& value) { return value.value_or(0) == 0 ? std::nullopt : value; }
+
+}  // namespace
+
+std::string on_one_line(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\n')
+      out += "\\n";
+    else if (c == '\r')
+      out += "\\r";
+    else if (c == '\\')
+      out += "\\\\";
+    else
+      out += (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7F ? ' ' : c;
+  }
+  return out;
+}
+
+std::string layout_text(std::uint64_t layout_hash) {
+  return hex8(static_cast<std::uint32_t>(layout_hash >> 32)) + hex8(static_cast<std::uint32_t>(layout_hash));
+}
+
+json node_programs_json(std::span<const NodeProgram> nodes) {
+  const auto or_null = [](const std::optional<std::uint32_t>& value, auto text) { return value ? json(text(*value)) : json(nullptr); };
+  json rows = json::array();
+  for (const NodeProgram& node : nodes)
+    rows.push_back({{"name", node.name},
+                    {"product", or_null(node.product, hex8)},
+                    {"revision", or_null(node.revision, revision_text)},
+                    {"version", or_null(told(node.version), version_text)},
+                    {"crc", or_null(told(node.crc), hex8)},
+                    {"simulated", node.product ? json((*node.product & contract::canopen::kSimulatedProduct) != 0) : json(nullptr)}});
+  return rows;
+}
+
+std::string provenance_lines(const SessionInfo& info, std::span<const NodeProgram> nodes) {
+  std::string out;
+  const auto line = [&out](std::string_view key, std::string_view value) {
+    out += "# ";
+    out += key;
+    out += ',' + csv_cell(on_one_line(value)) + '\n';
+  };
+  std::array<char, kMaxNumber_chars> utc;
+  line("hoist session", std::to_string(info.id));
+  line("started", {utc.data(), UtcPrinter().print(utc.data(), info.started_utc_ns)});
+  line("simulated", info.simulated ? "true" : "false");
+  if (info.subject) line("subject", *info.subject);
+  if (info.exercise_json) line("exercise", exercise_as_told(info.exercise_json).dump(-1, ' ', false, json::error_handler_t::replace));
+  if (!info.note.empty()) line("note", info.note);
+  line("recorded by", "hoist-server " + info.software_version);
+  line("controlled by", info.core_version ? "hoist-control " + *info.core_version : "not recorded");
+  line("layout", layout_text(info.layout_hash));
+  if (nodes.empty()) line("node programs", "not recorded");
+  for (const json& node : node_programs_json(nodes)) {
+    std::string text = node["name"].get<std::string>();
+    for (const char* field : {"product", "revision", "version", "crc"})
+      text += std::string("; ") + field + ' ' + (node[field].is_null() ? "not read" : node[field].get<std::string>());
+    line("node program", text);
+  }
+  line("directions", contract::kAxesText);
+  return out;
+}
+
+}  // namespace hoist::db

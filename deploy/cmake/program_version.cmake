@@ -1,0 +1,11 @@
+# hoist_program_version: which source the programs are built from (control/contract/program_version.hpp). The history is asked at each
+# build; the one generated file changes only when the answer does, so that a commit compiles this file and links, nothing else.
+find_package(Git QUIET)
+set(program_version_source ${CMAKE_BINARY_DIR}/generated/program_version.cpp)
+add_custom_target(program_version_source
+  COMMAND ${CMAKE_COMMAND} -DTREE=${CMAKE_SOURCE_DIR} -DVERSION=${PROJECT_VERSION} -DGIT=${GIT_EXECUTABLE} -DOUT=${program_version_source}
+          -P ${CMAKE_CURRENT_LIST_DIR}/write_program_version.cmake
+  BYPRODUCTS ${program_version_source}
+  COMMENT "" VERBATIM)
+add_library(hoist_program_version STATIC ${program_version_source})
+add_dependencies(hoist_program_version program_version_source)

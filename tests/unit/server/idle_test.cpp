@@ -1,0 +1,178 @@
+// What the server does while nothing happens, counted in virtual time; and how answers are printed and compressed.
+#include <gtest/gtest.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "server/http/compress.hpp"
+#include "server/http/json_writer.hpp"
+#include "server/live/client.hpp"
+#include "tests/unit/server/fake_core.hpp"
+
+namespace hoist::server {
+namespace {
+
+using nlohmann::json;
+constexpr std::uint64_t kTick_ns = 10'000'000;
+
+// Core desk and hub without network and timer.
+class Idle : public ::testing::Test {
+ protected:
+  Idle()
+      : folder_(std::filesystem::temp_directory_path() / ("hoist-idle-" + std::to_string(::getpid()))),
+        fake_((std::filesystem::create_directories(folder_), folder_ / "core.sock").string()),
+        core_((folder_ / "core.sock").string(), counters_),
+        firmware_(core_),
+        recorder_(core_.link(), {.file = folder_ / "none.db", .version = "", .utc_ns = [] { return std::int64_t{0}; }, .steady_ns = {}}),
+        records_(recorder_, [](std::function<void()>) {}) {
+    std::string error;
+    auth_ = Auth::create({.token_file = "", .hosts = {}}, 1000, error);
+    services_.reset(new Services{.settings = settings_,
+                                 .counters = counters_,
+                                 .auth = *auth_,
+                                 .core = core_,
+                                 .firmware = firmware_,
+                                 .hub = hub_,
+                                 .recorder = recorder_,
+                                 .records = records_,
+                                 .now_ns = [this] { return now_ns_; },
+                                 .utc_ns = [] { return std::int64_t{0}; },
+                                 .next_client = [] { return 1U; }});
+    hub_.set_services(*services_);
+    core_.set_listener(&hub_);
+    // The core accepts in its own time.
+    for (int i = 0; i < 500 && !core_.connected(); ++i) {
+      fake_.skip(1);
+      poll(1);
+    }
+  }
+  ~Idle() override {
+    core_.set_listener(nullptr);
+    std::filesystem::remove_all(folder_);
+  }
+  void poll(int times) {
+    for (int i = 0; i < times; ++i) {
+      now_ns_ += kTick_ns;
+      core_.poll(now_ns_);
+      hub_.poll(now_ns_);
+    }
+  }
+
+  boost::asio::io_context io_;  // outlives the hub, which keeps clients
+  std::filesystem::path folder_;
+  test::FakeCore fake_;
+  Settings settings_;
+  Counters counters_;
+  CoreDesk core_;
+  FirmwareDesk firmware_;
+  Recorder recorder_;
+  RecorderDesk records_;
+  Hub hub_;
+  std::unique_ptr<Auth> auth_;
+  std::unique_ptr<Services> services_;
+  std::uint64_t now_ns_ = 1'000'000'000'000;
+};
+
+TEST_F(Idle, ParametersAreCopiedOnceForEachChange) {
+  ASSERT_TRUE(core_.connected());
+  ASSERT_TRUE(core_.has_parameters());
+  const std::uint64_t before = core_.parameter_copies();
+  EXPECT_LE(before, 2U);
+  poll(40);
+  EXPECT_EQ(core_.parameter_copies(), before);
+}
+
+TEST_F(Idle, AClientIsVisitedOnceASecond) {
+  std::vector<std::shared_ptr<Client>> clients;
+  const auto session = std::make_shared<Session>();
+  for (std::uint32_t i = 0; i < 64; ++i) {
+    clients.push_back(std::make_shared<Client>(hub_, boost::asio::ip::tcp::socket(io_), session, i + 1, nullptr));
+    clients.back()->start();  // its clock; the network is never run
+    hub_.add(clients.back());
+  }
+  const std::uint64_t before = hub_.visits();
+  poll(300);
+  EXPECT_GE(hub_.visits() - before, 2U * 64U);
+  EXPECT_LE(hub_.visits() - before, 4U * 64U);
+}
+
+TEST_F(Idle, TheNextStepMattersOnlyWhileAnAnswerIsDueOrTheLeaseIsHeld) {
+  ASSERT_TRUE(core_.connected());
+  EXPECT_FALSE(core_.urgent());
+  bool woken = false;
+  core_.set_wake([&] { woken = true; });
+  fake_.mute(true);
+  contract::Command command;
+  command.kind = contract::CommandKind::take_lease;
+  core_.ask(command, [](const CoreAnswer&) {});
+  EXPECT_TRUE(woken);
+  EXPECT_TRUE(core_.urgent());
+}
+
+TEST(JsonWriter, PrintsWhatAReaderReads) {
+  JsonWriter out(64);
+  const std::string odd = "a\"b\\c\n\x01 \xC3\xBC \xFF";
+  out.begin('{').field("text", "plain").field("odd", std::string_view{odd}).field("yes", true).field("none", nullptr);
+  out.field("quote", "say \"go\"").key("table").table_text("\"Gerät\"");
+  out.field("whole", std::uint64_t{18446744073709551615U}).field("tenth", 0.1).field("nan", std::nan(""));
+  out.field("infinite", -std::numeric_limits<double>::infinity()).field("tree", json{{"k", {1, 2}}}).key("list").begin('[');
+  for (int i = 0; i < 3; ++i) out.value(i - 1);
+  out.begin('{').end('}').end(']').key("empty").begin('[').end(']').end('}');
+  const json read = json::parse(out.take());
+  const json expected = json::parse(
+      R"({"text": "plain", "odd": "a\"b\\c\n\u0001 ü \uFFFD", "yes": true, "none": null, "quote": "say \"go\"", "table": "\"Gerät\"", "whole": 18446744073709551615,
+          "tenth": 0.1, "nan": null, "infinite": null, "tree": {"k": [1, 2]}, "list": [-1, 0, 1, {}], "empty": []})");
+  EXPECT_EQ(read, expected);
+}
+
+std::string unzipped(const std::string& text) {
+  z_stream stream{};
+  EXPECT_EQ(::inflateInit2(&stream, 15 + 16), Z_OK);
+  std::string out(1 << 20, '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  EXPECT_EQ(::inflate(&stream, Z_FINISH), Z_STREAM_END);
+  out.resize(stream.total_out);
+  ::inflateEnd(&stream);
+  return out;
+}
+
+Response answered(unsigned status, const std::string& body, const char* accept) {
+  Request request;
+  if (accept != nullptr) request.headers["accept-encoding"] = accept;
+  Response response;
+  response.status = status;
+  response.content_type = status == 200 ? "application/json" : "application/problem+json";
+  response.body = body;
+  compress_json(request, response);
+  return response;
+}
+
+TEST(Compress, OnlyWhereItIsAcceptedAndWorthIt) {
+  const std::string body = "[" + std::string(5000, '1') + "]";
+  const auto coded = [](const Response& r) {
+    return std::ranges::find(r.headers, std::pair<std::string, std::string>{"Content-Encoding", "gzip"}) != r.headers.end();
+  };
+  const Response small = answered(200, body, "br, gzip;q=0.5");
+  EXPECT_TRUE(coded(small));
+  EXPECT_LT(small.body.size(), 100U);
+  EXPECT_EQ(unzipped(small.body), body);
+  for (const char* no : {"", "br", "gzip;q=0", "identity", "*;q=0"}) {
+    const Response whole = answered(200, body, no);
+    EXPECT_FALSE(coded(whole)) << no;
+    EXPECT_EQ(whole.body, body);
+    EXPECT_EQ(whole.headers.at(0), (std::pair<std::string, std::string>{"Vary", "Accept-Encoding"}));
+  }
+  EXPECT_FALSE(coded(answered(200, "[1]", "gzip"))) << "too short";
+  EXPECT_FALSE(coded(answered(422, body, "gzip"))) << "a problem repeats what the request says";
+}
+
+}  // namespace
+}  // namespace hoist::server

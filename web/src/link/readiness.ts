@@ -1,0 +1,123 @@
+// What can be done now and how current the values are: derived here once, from everything that is known. Screens derive nothing themselves.
+import { refusals, type RefusalName } from '../contract/faults.gen';
+import type { TextKey } from '../text/en';
+import { moving, stopped, unknown, useStore, type State } from './store';
+
+export type Start = 'user' | 'remote' | 'guided';
+export interface Readiness {
+  /** The server answers. */
+  reachable: boolean;
+  /** The mode is known. Lost: it was expected and is not; at the very first it is neither. */
+  known: boolean;
+  lost: boolean;
+  /** Values of sensors and drives are not of this moment. */
+  old: boolean;
+  motion: 'still' | 'moving' | null;
+  lead: 'mine' | 'other' | 'nobody' | null;
+  /** A motion is under way, as far as was heard last: a lost connection makes no Start of an End. */
+  led: boolean;
+  stopped: boolean;
+  /** What keeps each motion from starting, as names of refusals; empty: it may start. */
+  start: Readonly<Record<Start, readonly string[]>>;
+  /** The dead-man acts. */
+  hand: boolean;
+  end: boolean;
+  /** What needs standby may be done. */
+  standby: boolean;
+  /** The sentence for calm times. */
+  calm: TextKey;
+}
+
+type Known = Pick<
+  State,
+  | 'link' | 'everOpen' | 'data' | 'coreConnected' | 'role' | 'mode' | 'blockedBits' | 'standingStill' | 'sensed' | 'bumpers' | 'bumpersHeld' | 'lease' | 'rtt_s' | 'silentNodes'
+>;
+
+const tooSlow_s = 0.3;
+/** From here on nothing is led by hand any more: what is let go arrives late. */
+export const tooSlow = (s: Pick<State, 'rtt_s'>): boolean => s.rtt_s !== null && s.rtt_s > tooSlow_s;
+
+const bitOf = (name: string): number => refusals.find((row) => row.name === name)?.bit ?? -1;
+/** Start takes control itself; the mode is judged by itself. */
+const notOfStart: readonly RefusalName[] = ['no_lease', 'not_standby'];
+
+function startReasons(s: Known, to: Start): readonly string[] {
+  if (s.link !== 'open') return ['link_lost'];
+  if (unknown(s) || s.data === 'none') return ['core_gone'];
+  if (s.role === 'viewer') return ['not_allowed'];
+  if (stopped(s.mode)) return ['release_stop'];
+  if (s.mode === 'init') return ['nodes_missing'];
+  if (s.mode === 'calibrate') return ['calibrating'];
+  if (s.mode !== 'standby') return ['not_standby'];
+  const leaves = to === 'remote' && s.bumpersHeld;
+  return refusals
+    .filter((row) => ((s.blockedBits >>> row.bit) & 1) === 1 && !notOfStart.includes(row.name) && !(leaves && row.name === 'bumper_start'))
+    .map((row) => row.name);
+}
+
+function calmOf(s: Known, start: readonly string[]): TextKey {
+  if (s.link !== 'open' || s.data === 'none' || unknown(s)) return 'strip.connecting';
+  if (stopped(s.mode)) return 'strip.stopped';
+  switch (s.mode) {
+    case 'user':
+      return 'strip.walking';
+    case 'remote':
+      return s.bumpers !== 0 ? 'strip.offBumper' : s.lease.mine ? 'strip.driving' : 'strip.drivingOther';
+    case 'guided':
+      return s.lease.mine ? 'strip.guiding' : 'strip.drivingOther';
+    case 'init':
+      return s.silentNodes === '' ? 'strip.starting' : 'strip.waiting';
+    case 'calibrate':
+      return 'strip.calibrating';
+    default:
+      return start.length > 0 ? 'strip.notReady' : 'strip.ready';
+  }
+}
+
+export function readinessOf(s: Known): Readiness {
+  const reachable = s.link === 'open';
+  const known = !unknown(s) && s.data !== 'none';
+  const old = s.data !== 'fresh' || !s.sensed || !reachable;
+  const start = { user: startReasons(s, 'user'), remote: startReasons(s, 'remote'), guided: startReasons(s, 'guided') };
+  const byHand = s.mode === 'remote' || s.mode === 'guided';
+  return {
+    reachable,
+    known,
+    lost: unknown(s),
+    old,
+    motion: !known || !s.sensed ? null : s.standingStill ? 'still' : 'moving',
+    lead: !reachable ? null : s.lease.mine ? 'mine' : s.lease.holder !== 0 ? 'other' : 'nobody',
+    led: moving(s.mode),
+    stopped: known && stopped(s.mode),
+    start,
+    hand: byHand && s.lease.mine && reachable && known && !tooSlow(s),
+    end: reachable && known && s.role !== 'viewer',
+    standby: reachable && known && s.mode === 'standby',
+    calm: calmOf(s, start.user),
+  };
+}
+
+let before: { text: string; value: Readiness } | null = null;
+/** The same object as long as nothing in it changes, so that a screen draws anew only then. */
+function kept(s: State): Readiness {
+  const value = readinessOf(s);
+  const text = JSON.stringify(value);
+  if (before?.text !== text) before = { text, value };
+  return before.value;
+}
+export const useReadiness = (): Readiness => useStore(kept);
+
+/** Whether a reason for a refusal still stands. Reasons that no state shows are told for `toldFor_ms`. */
+export const toldFor_ms = 10_000;
+const shown: readonly string[] = [
+  'nodes_missing', 'fault_active', 'not_neutral', 'moving', 'battery_empty_start', 'sensors_settling', 'stick_not_neutral', 'bumper_start', 'fault_mode', 'emergency_stop_open',
+  'node_version', 'not_calibrated',
+];
+const passing: readonly string[] = ['no_answer', 'stale_command', 'out_of_order', 'set_outdated', 'release_first', 'cause_not_cleared', 'cause_not_seen'];
+export function stillStands(reason: string, s: Known, age_ms: number): boolean {
+  if (reason === 'link_lost') return s.link !== 'open';
+  if (reason === 'no_lease') return !s.lease.mine && s.lease.holder !== 0;
+  if (reason === 'not_standby' || reason === 'only_when_stopped') return s.mode !== 'standby';
+  if (shown.includes(reason)) return ((s.blockedBits >>> bitOf(reason)) & 1) === 1;
+  return !passing.includes(reason) || age_ms < toldFor_ms;
+}

@@ -1,0 +1,10 @@
+// A list that scrolls by itself: reachable and scrollable by keyboard, named for screen readers.
+import type { ComponentChildren } from 'preact';
+
+export function Scroll({ label, class: kind, children }: { label: string; class: string; children: ComponentChildren }) {
+  return (
+    <div class={kind} role="region" aria-label={label} tabIndex={0}>
+      {children}
+    </div>
+  );
+}

@@ -1,0 +1,119 @@
+// Every screen in a browser, against the stand-in server: what a person with a keyboard, a screen reader or a small screen meets.
+import { mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import axe from 'axe-core';
+import { chromium, type Browser, type Page } from 'playwright-core';
+import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { build } from 'vite';
+import { de } from '../src/text/de';
+// @ts-expect-error: plain JavaScript
+import { startFakeServer } from '../test-support/fake_server.mjs';
+
+const sizes = [[1280, 800], [1024, 768], [390, 844], [640, 360]] as const;
+const looks = [['light', 'en'], ['dark', 'de']] as const;
+const screens = ['walk', 'drive', 'exercises', 'tune', 'sessions', 'calibrate', 'health'] as const;
+const minutes_ms = 120_000;
+
+let folder: string;
+let browser: Browser;
+let fake: Awaited<ReturnType<typeof startFakeServer>>;
+
+beforeAll(async () => {
+  folder = mkdtempSync(`${tmpdir()}/hoist-screens-`);
+  await build({ logLevel: 'silent', build: { outDir: folder, emptyOutDir: true } });
+  fake = await startFakeServer({ dist: folder });
+  browser = await chromium.launch({ executablePath: process.env.CHROME_PATH ?? '/usr/bin/chromium', args: ['--no-sandbox', '--disable-gpu', '--no-first-run'] });
+}, minutes_ms);
+afterAll(async () => {
+  await browser?.close();
+  await fake?.close();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+type Look = (typeof looks)[number];
+async function open([width, height]: readonly [number, number], look: Look, screen: string): Promise<Page> {
+  const page = await browser.newPage({ viewport: { width, height }, colorScheme: look[0], locale: look[1] });
+  await page.goto(`${fake.url}#/${screen}`);
+  await page.locator('.mode-standby').waitFor();
+  return page;
+}
+
+/** Enough of everything that each list is longer than its room. */
+async function fill(page: Page, screen: string): Promise<void> {
+  for (let i = 0; i < 16; i++) {
+    fake.event('mode_changed', { name: 'standby' });
+    fake.event('emergency', { name: 'drive_left', code: 0x8250, item: 0, bits: 0x11 });
+  }
+  await page.goto(`${fake.url}#/${screen}`);
+  if (screen === 'sessions') {
+    await page.locator('.session-item').first().click();
+    await page.locator('.u-wrap').first().waitFor();
+  }
+  if (screen === 'sessions' || screen === 'health') {
+    await page.locator('.events li').nth(11).waitFor();
+    const scrolling = await page.locator('.events').evaluateAll((lists) => lists.some((list) => list.scrollHeight > list.clientHeight));
+    expect(scrolling, screen).toBe(true);
+  }
+}
+
+const rules = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'];
+const shots = [[[1280, 800], looks[0]], [[390, 844], looks[1]]] as [[number, number], Look][];
+
+describe('accessibility', () => {
+  it.each(shots)('%j %j: axe finds nothing on any screen', { timeout: minutes_ms }, async (size, look) => {
+    const page = await open(size, look, 'walk');
+    await page.evaluate(axe.source); // not a script element: the page's content security policy forbids those
+    for (const screen of screens) {
+      await fill(page, screen);
+      const found = await page.evaluate(async (runOnly) => {
+        const { violations } = await (window as unknown as { axe: typeof axe }).axe.run({ runOnly });
+        return violations.flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.html.slice(0, 160)}`));
+      }, rules);
+      expect(found, screen).toEqual([]);
+    }
+    await page.close();
+  });
+});
+
+describe('the session chart', () => {
+  it('draws one strip for each unit, with the unit at its axis', { timeout: minutes_ms }, async () => {
+    const page = await open([1280, 800], looks[0], 'sessions');
+    await fill(page, 'sessions');
+    expect(await page.locator('.u-wrap').count()).toBe(1);
+    await page.locator('.columns .pill', { hasText: 'Turn rate' }).click();
+    // uPlot fills the legend of a strip after the strip is in the page.
+    const strips = () => page.locator('.chart .uplot').evaluateAll((all) => all.map((one) => [...one.querySelectorAll('.u-series th')].slice(1).map((label) => label.textContent)));
+    await expect.poll(strips, { timeout: 10_000 }).toEqual([['Speed', 'Commanded speed'], ['Turn rate']]);
+    await page.close();
+  });
+});
+
+describe.each(sizes)('short messages at %i × %i', (...size) => {
+  it('cover nothing and move nothing', { timeout: minutes_ms }, async () => {
+    const page = await open(size, looks[1], 'walk');
+    const places = () =>
+      page.evaluate(() =>
+        [...document.querySelectorAll('.bar, .strip, .main, .main button, .reading, .floor, .nav a, .stop')].map((element) => {
+          const { left, top, right, bottom } = element.getBoundingClientRect();
+          return { what: element.className.toString() || element.textContent, left, top, right, bottom };
+        }),
+      );
+    const before = await places();
+    fake.event('guided_ended', { name: 'finished' });
+    fake.event('parameters_reverted');
+    fake.event('guided_ended', { name: 'off_path' });
+    await page.locator('.notice', { hasText: de['guided.off_path'] }).waitFor();
+    expect(await places()).toEqual(before);
+    const covered = await page.evaluate(() => {
+      const main = document.querySelector('.main')!.getBoundingClientRect();
+      const shown = document.querySelector('.notices')!.getBoundingClientRect();
+      const first = document.querySelector('.notice')!.getBoundingClientRect();
+      const over = (a: DOMRect, b: DOMRect) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+      const whole = first.bottom <= shown.bottom + 1 && first.top >= shown.top - 1 && first.right <= shown.right + 1;
+      const kept = ['.bar', '.strip', '.nav a', '.stop'].filter((name) => [...document.querySelectorAll(name)].some((element) => over(shown, element.getBoundingClientRect())));
+      return { whole, main: over(shown, main), kept };
+    });
+    expect(covered).toEqual({ whole: true, main: false, kept: [] });
+    await page.close();
+  });
+});
