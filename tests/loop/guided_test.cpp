@@ -7,6 +7,7 @@
 
 #include "control/contract/guided_path.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace hoist::tests {
 namespace {
@@ -206,6 +207,43 @@ TEST(Guided, SilenceEndsItWithinItsDistance) {
   loop.run(2.0);
   EXPECT_NEAR(loop.world().plant().platform().speed_m_s, 0.0, 1e-3);
   EXPECT_EQ(loop.mode(), Mode::standby);
+}
+
+// H15, H16: the button is held when the patient has already set off by himself, slower in bends than the hoist. It waits for him, also when he
+// never yields, and nobody is drawn into a guard.
+TEST(Guided, H15_H16_AHoistThatLeadsWaitsForWhoWalksSlower) {
+  const GuidedPath paths[] = {{GuidedShape::eight, false, 1.0, 0.8, 0.3, 1}, {GuidedShape::eight, true, 1.0, 0.8, 0.3, 1}};
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(seeds_for(22, 3)); ++seed)
+    for (const bool stubborn : {false, true})
+      for (const GuidedPath& path : paths) {
+        ClosedLoopOptions options = standing();
+        options.world.seed = seed + 1;
+        if (seed > 0) options.world.patient = sim::PatientParams::random(seed);
+        if (stubborn) options.world.patient.yields_after_s = sim::PatientParams::kStubborn_s;
+        SCOPED_TRACE(testing::Message() << seed << (stubborn ? ", never yields" : "") << (path.clockwise ? ", left loop first" : ""));
+        ClosedLoop loop(options);
+        ASSERT_TRUE(loop.start_guided(path));
+        loop.run(1.5);
+        const Drive run = drive(loop, 240.0);
+        EXPECT_EQ(run.ended, GuidedEnd::finished);
+        EXPECT_LT(run.worst_m, 0.03);
+        EXPECT_EQ(loop.record().stop_cause, 0U);
+      }
+}
+
+// Nobody strapped in: as fast as wished, and no word of a patient.
+TEST(Guided, AnEmptyHoistWaitsForNobody) {
+  ClosedLoop loop(standing());
+  loop.world().hold_bar(0.0, 0.0, 0.0);
+  ASSERT_TRUE(loop.start_guided({GuidedShape::square, false, 2.0, 0, 0.6, 1}));
+  bool waited = false;
+  loop.on_step([&waited](const core::TickInputs&, const core::TickOutputs& out) {
+    waited = waited || static_cast<core::GuidedPhase>(out.record.guided_phase) == core::GuidedPhase::for_patient;
+  });
+  const Drive run = drive(loop, 90.0);
+  expect_end(run, 0.0);
+  EXPECT_NEAR(run.top_m_s, 0.6, 0.01);
+  EXPECT_FALSE(waited);
 }
 
 // H15, H13: the guards are on although the patient does not lead.

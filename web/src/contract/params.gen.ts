@@ -46,6 +46,8 @@ export type ParamName =
   | 'remote_stop_age_s'
   | 'guided_length_m_max'
   | 'guided_deviation_m_max'
+  | 'guided_lag_start_rad'
+  | 'guided_lag_stop_rad'
   | 'fall_tilt_rad'
   | 'fall_rate_rad_s'
   | 'fall_static_tilt_rad'
@@ -357,6 +359,18 @@ export const params: readonly ParamInfo[] = [
     edit: 'stopped', scope: 'core', role: 'engineer', source: 'assumed; half the free width beside the hoist in a room of 5 m',
     title: { en: 'Deviation from the exercise', de: 'Abweichung von der Übung' },
     effect: { en: 'The hoist stops when it is further off the line.', de: 'Weiter neben der Linie hält das Gerät an.' },
+  },
+  {
+    id: 172, name: 'guided_lag_start_rad', unit: 'rad', min: 0.0174532925, default: 0.0436332313, max: 0.0785398163,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'simulated: 2.5 deg, 1 deg of zero error and the sway of a step',
+    title: { en: 'Exercise: slower from lag', de: 'Übung: langsamer ab Rückstand' },
+    effect: { en: 'Lean back, or pelvis behind in a turn, from which an exercise goes slower.', de: 'Neigung nach hinten, oder Becken hinter der Drehung, ab der eine Übung langsamer fährt.' },
+  },
+  {
+    id: 173, name: 'guided_lag_stop_rad', unit: 'rad', min: 0.0872664626, default: 0.157079633, max: 0.2,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'simulated: 9 deg, so that 1 deg of zero error stays below the hanging guard; never above 0.9 hang_tilt_rad',
+    title: { en: 'Exercise: waits from lag', de: 'Übung: wartet ab Rückstand' },
+    effect: { en: 'Lean back at which an exercise stands and waits for the patient.', de: 'Neigung nach hinten, ab der eine Übung steht und auf den Patienten wartet.' },
   },
   {
     id: 60, name: 'fall_tilt_rad', unit: 'rad', min: 0.1, default: 0.174532925, max: 0.22,

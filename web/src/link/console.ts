@@ -74,6 +74,9 @@ const silentTicks = 50;
 /** Where a STOP has nothing left to do. */
 const stoppedModes = new Set(modes.filter((mode) => stopped(mode.name)).map((mode) => mode.value));
 
+/** Value of guided_phase while the hoist goes at less than half its speed, because the patient lags. */
+const guidedWaits = 5;
+
 function slowPart(record: TickRecord) {
   return {
     mode: modes[record.mode]?.name ?? 'init',
@@ -83,6 +86,7 @@ function slowPart(record: TickRecord) {
     silentNodes: silentNodes(record),
     blockedBits: record.blocked_bits,
     standingStill: record.standing_still === 1,
+    waitsForPatient: record.guided_phase === guidedWaits,
     sensed: record.bus_up === 1 && sensors.every((name) => record[`${name}_age_ticks`] < silentTicks),
     bumpers: record.bumpers,
     bumpersHeld: (record.bumpers & ~record.bumpers_acknowledged) === 0,

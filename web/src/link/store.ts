@@ -73,6 +73,8 @@ export interface State {
   silentNodes: string;
   blockedBits: number;
   standingStill: boolean;
+  /** In an exercise: the patient lags, and the hoist goes slowly or stands until he has caught up. */
+  waitsForPatient: boolean;
   /** Bus, drives and tilt sensors are heard: what is shown of them is of now. */
   sensed: boolean;
   bumpers: number;
@@ -137,6 +139,7 @@ export const initial: State = {
   silentNodes: '',
   blockedBits: 0,
   standingStill: true,
+  waitsForPatient: false,
   sensed: true,
   bumpers: 0,
   bumpersHeld: true,
