@@ -2,9 +2,9 @@
 //
 // A patient who walks slower than the hoist is drawn, and the struts lean against the way by the lag. Up to start_rad the whole speed is
 // driven, from stop_rad on none, in between a share that falls evenly. The lag integrates the difference of the two speeds, so this is a
-// loop of gain v / (d (stop - start)), 6.6 1/s at 0.6 m/s on struts of 0.8 m, around a body of unknown mass and reaction time. Two things keep it calm:
-// the share is for the lag as it will be lead_s later (drive, limiter and sensors answer that late), and its rate is limited: falling, which
-// leaves out most of the sway of each step, and more so rising. Tried with bodies of 30 to 150 kg: tests/loop/patient_lag_test.cpp.
+// loop of gain v / (d (stop - start)), 6.6 1/s at 0.6 m/s on struts of 0.8 m, around a body of unknown mass and reaction time. Two things
+// keep it calm: the share is for the lag as it will be lead_s later (drive, limiter and sensors answer that late), and its rate is limited:
+// falling, which leaves out most of the sway of each step, and more so rising. Tried with bodies of 30 to 150 kg: tests/loop/patient_lag_test.cpp.
 #pragma once
 
 #include <cmath>

@@ -363,14 +363,14 @@ export const params: readonly ParamInfo[] = [
   {
     id: 172, name: 'guided_lag_start_rad', unit: 'rad', min: 0.0174532925, default: 0.0436332313, max: 0.0785398163,
     edit: 'stopped', scope: 'core', role: 'engineer', source: 'simulated: 2.5 deg, 1 deg of zero error and the sway of a step',
-    title: { en: 'Exercise: slower from lag', de: 'Übung: langsamer ab Rückstand' },
-    effect: { en: 'Lean back, or pelvis behind in a turn, from which an exercise goes slower.', de: 'Neigung nach hinten, oder Becken hinter der Drehung, ab der eine Übung langsamer fährt.' },
+    title: { en: 'Exercise: slower from', de: 'Übung: langsamer ab' },
+    effect: { en: 'Lean back, or pelvis behind in a turn, from which an exercise goes slower.', de: 'Rückneigung oder Drehrückstand, ab dem eine Übung langsamer fährt.' },
   },
   {
     id: 173, name: 'guided_lag_stop_rad', unit: 'rad', min: 0.0872664626, default: 0.157079633, max: 0.2,
     edit: 'stopped', scope: 'core', role: 'engineer', source: 'simulated: 9 deg, so that 1 deg of zero error stays below the hanging guard; never above 0.9 hang_tilt_rad',
-    title: { en: 'Exercise: waits from lag', de: 'Übung: wartet ab Rückstand' },
-    effect: { en: 'Lean back at which an exercise stands and waits for the patient.', de: 'Neigung nach hinten, ab der eine Übung steht und auf den Patienten wartet.' },
+    title: { en: 'Exercise: waits from', de: 'Übung: wartet ab' },
+    effect: { en: 'Lean back at which an exercise waits.', de: 'Rückneigung, ab der eine Übung wartet.' },
   },
   {
     id: 60, name: 'fall_tilt_rad', unit: 'rad', min: 0.1, default: 0.174532925, max: 0.22,
