@@ -13,12 +13,17 @@ constexpr double kWaitsBeforeSettingOff_s = 1.0;
 constexpr double kMovedByItself_m = 0.02;
 constexpr double kIgnoredLean_m = 0.05;
 constexpr double kIgnoredTime_s = 2.5;
-/// Somebody else leads (assumed): this much faster than wished and not slowing under a lean back, speeding up beyond the wish, or hardly turning
-/// with a turned pelvis, or against it. Speeding up is felt at once and counts more.
-constexpr double kTooFast_m_s = 0.10, kNotSlowing_m_s2 = -0.03, kLeanBack_m = 0.03;
+/// Somebody else leads (assumed): not slowing under a lean back, speeding up beyond the wish, or hardly turning with a turned pelvis, or
+/// against it, and not about to. Speeding up is felt at once and counts more.
+constexpr double kRolling_m_s = 0.05, kNotSlowing_m_s2 = -0.03, kLeanBack_m = 0.03;
 constexpr double kFaster_m_s = 0.05, kFaster_m_s2 = 0.2, kFasterCounts_norm = 3.0;
-constexpr double kTurned_rad = 0.1, kHardlyTurns_norm = 0.1;
-constexpr double kStill_m_s = 0.02;
+constexpr double kTurned_rad = 0.1, kHardlyTurns_norm = 0.1, kTurnsSoon_rad_s2 = 0.02;
+constexpr double kStill_m_s = 0.02, kStill_rad_s = 0.05;
+/// A trial (assumed): once the hoist has stood this long, a lean of 4 to 7 cm; if the hoist rolls within kAnswersWithin_s, upright, which must
+/// cost it half of its speed. A sudden or large speed is not this patient's.
+constexpr double kTriesAfter_s = 3.0, kTrialLean_m = 0.08, kTrialPush_per_s = 1.0;
+constexpr double kAnswers_m_s = 0.03, kAnswersWithin_s = 4.0, kTrialMost_m_s = 0.25;
+constexpr double kSlows_norm = 0.5, kSlowsWithin_s = 5.0;
 /// Someone helps the patient upright once the hoist has stood this long.
 constexpr double kHelpedAfter_s = 3.0;
 /// Full sway from this speed on; below, steps are small, and a standing patient is still.
@@ -82,6 +87,8 @@ std::string_view patient_state_name(PatientState state) {
       return "leading";
     case PatientState::following:
       return "following";
+    case PatientState::trying:
+      return "trying";
     case PatientState::tripping:
       return "tripping";
     case PatientState::collapsing:
@@ -108,22 +115,55 @@ void Patient::fall(PatientState how) {
 // How much, 0 for not at all, the hoist does something else than it is led to.
 double Patient::opposed_by(const PlatformMotion& now) const {
   if (now.speed_m_s > pace_m_s_ + kFaster_m_s && now.acceleration_m_s2 > kFaster_m_s2) return kFasterCounts_norm;
-  if (now.speed_m_s > pace_m_s_ + kTooFast_m_s && now.acceleration_m_s2 > kNotSlowing_m_s2 && x_m_ < -kLeanBack_m) return 1.0;
-  const double turn_rad = std::fabs(yaw_goal_rad_);
+  if (now.speed_m_s > kRolling_m_s && now.acceleration_m_s2 > kNotSlowing_m_s2 && x_m_ < -kLeanBack_m) return 1.0;
+  const double turn_rad = std::fabs(yaw_goal_rad_), way = std::copysign(1.0, yaw_goal_rad_);
   const double hardly_rad_s = kHardlyTurns_norm * params_.turn_habit_per_s * turn_rad;
-  const double turns_so_rad_s = std::copysign(1.0, yaw_goal_rad_) * now.yaw_rate_rad_s;  // with the pelvis, or against it
-  return turn_rad > kTurned_rad && now.speed_m_s > kStill_m_s && turns_so_rad_s < hardly_rad_s ? 1.0 : 0.0;
+  const bool turns = way * now.yaw_rate_rad_s >= hardly_rad_s || way * now.yaw_acceleration_rad_s2 > kTurnsSoon_rad_s2;
+  return turn_rad > kTurned_rad && now.speed_m_s > kStill_m_s && !turns ? 1.0 : 0.0;
+}
+
+void Patient::enter(PatientState state) {
+  state_ = state;
+  state_s_ = 0.0;
+  ignored_s_ = opposed_s_ = 0.0;
+}
+
+void Patient::judge_leading(const PlatformMotion& now) {
+  ignored_s_ = x_m_ > kIgnoredLean_m && now.speed_m_s < kStill_m_s ? ignored_s_ + kThought_s : 0.0;
+  const double opposed = opposed_by(now);
+  opposed_s_ = opposed > 0.0 ? opposed_s_ + opposed * kThought_s : 0.0;
+  distrusts_ = ignored_s_ > kIgnoredTime_s;
+  if (distrusts_ || opposed_s_ > params_.yields_after_s) {
+    enter(PatientState::following);
+  } else if (scenario_->trip_after_s > 0.0 && state_s_ >= scenario_->trip_after_s) {
+    fall(PatientState::tripping);
+  }
+}
+
+// A hoist that this patient leads goes with the lean and slows without it. One that somebody else drives does neither, or not both.
+void Patient::judge_trial(const PlatformMotion& now) {
+  const bool leaning = trial_lean_m_ > 0.0;
+  const bool late = state_s_ > (leaning ? kAnswersWithin_s : kSlowsWithin_s);
+  if (late || now.acceleration_m_s2 > kFaster_m_s2 || now.speed_m_s > kTrialMost_m_s) {
+    enter(PatientState::following);
+    still_s_ = 0.0;
+  } else if (leaning && now.speed_m_s > kAnswers_m_s) {
+    trial_lean_m_ = trial_speed_m_s_ = state_s_ = 0.0;
+  } else if (!leaning) {
+    trial_speed_m_s_ = std::max(trial_speed_m_s_, now.speed_m_s);
+    if (now.speed_m_s < kSlows_norm * trial_speed_m_s_) enter(PatientState::leading);
+  }
 }
 
 // Which of the states, from what the patient feels.
 void Patient::decide(const PatientSenses& senses) {
   state_s_ += kThought_s;
   const PlatformMotion& now = senses.platform;
-  still_s_ = std::fabs(now.speed_m_s) < kStill_m_s ? still_s_ + kThought_s : 0.0;
+  const bool still = std::fabs(now.speed_m_s) < kStill_m_s && std::fabs(now.yaw_rate_rad_s) < kStill_rad_s;
+  still_s_ = still ? still_s_ + kThought_s : 0.0;
   if (fallen()) {
     if (still_s_ >= kHelpedAfter_s && state_s_ >= kHelpedAfter_s) {
-      state_ = PatientState::following;
-      state_s_ = 0.0;
+      enter(PatientState::following);
       distrusts_ = true;
     }
     return;
@@ -136,36 +176,31 @@ void Patient::decide(const PatientSenses& senses) {
   }
   switch (state_) {
     case PatientState::standing:
-      state_ = PatientState::waiting;
-      state_s_ = 0.0;
+      enter(PatientState::waiting);
       begin_x_m_ = now.x_m;
       begin_y_m_ = now.y_m;
       break;
     case PatientState::waiting:
-      if (std::hypot(now.x_m - begin_x_m_, now.y_m - begin_y_m_) > kMovedByItself_m) distrusts_ = true;
-      if (distrusts_) {
-        state_ = PatientState::following;
-        state_s_ = 0.0;
-      } else if (state_s_ >= kWaitsBeforeSettingOff_s && scenario_->figure != Figure::none) {
-        state_ = PatientState::leading;
-        pace_m_s_ = params_.wish_m_s;
-        state_s_ = 0.0;
-        ignored_s_ = opposed_s_ = 0.0;
-      }
-      break;
-    case PatientState::leading: {
-      ignored_s_ = x_m_ > kIgnoredLean_m && now.speed_m_s < kStill_m_s ? ignored_s_ + kThought_s : 0.0;
-      const double opposed = opposed_by(now);
-      opposed_s_ = opposed > 0.0 ? opposed_s_ + opposed * kThought_s : 0.0;
-      if (ignored_s_ > kIgnoredTime_s || opposed_s_ > params_.yields_after_s) {
+      if (std::hypot(now.x_m - begin_x_m_, now.y_m - begin_y_m_) > kMovedByItself_m) {
         distrusts_ = true;
-        state_ = PatientState::following;
-        state_s_ = 0.0;
-      } else if (scenario_->trip_after_s > 0.0 && state_s_ >= scenario_->trip_after_s) {
-        fall(PatientState::tripping);
+        enter(PatientState::following);
+      } else if (state_s_ >= kWaitsBeforeSettingOff_s && scenario_->figure != Figure::none) {
+        pace_m_s_ = params_.wish_m_s;
+        enter(PatientState::leading);
       }
       break;
-    }
+    case PatientState::leading:
+      judge_leading(now);
+      break;
+    case PatientState::following:
+      if (!distrusts_ && still_s_ >= kTriesAfter_s) {
+        trial_lean_m_ = kTrialLean_m;
+        enter(PatientState::trying);
+      }
+      break;
+    case PatientState::trying:
+      judge_trial(now);
+      break;
     default:
       break;
   }
@@ -235,6 +270,10 @@ void Patient::think(const PatientSenses& senses) {
       gait_goal_norm_ = pace_norm;
       break;
     }
+    case PatientState::trying:
+      push_goal_m_s_ += kTrialPush_per_s * (trial_lean_m_ - x_m_);
+      compensation_n_ = params_.compensation_norm * felt.spring_n;
+      [[fallthrough]];
     case PatientState::following:
       gait_goal_norm_ = 0.6 * pace_norm;
       break;
@@ -279,7 +318,8 @@ void Patient::step_1ms(const PatientSenses& senses) {
     if (x_m_ > kComfort_m) legs_n -= kComfort_n_m * (x_m_ - kComfort_m);
     legs_n = std::clamp(legs_n, -params_.leg_force_n, params_.leg_force_n);
     // Standing or led: the feet go with the frame, and with the push of a frame that starts or brakes.
-    if (state_ != PatientState::leading) legs_n += params_.mass_kg * 0.5 * senses.platform.acceleration_m_s2;
+    if (state_ != PatientState::leading && state_ != PatientState::trying)
+      legs_n += params_.mass_kg * 0.5 * senses.platform.acceleration_m_s2;
   }
   x_rate_m_s_ += ((legs_n - senses.springs.forward_n) / params_.mass_kg - senses.platform.acceleration_m_s2) * kStep_s;
   x_m_ += x_rate_m_s_ * kStep_s;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "control/contract/guided_path.hpp"
 #include "tests/support/closed_loop.hpp"
@@ -244,6 +245,42 @@ TEST(Guided, AnEmptyHoistWaitsForNobody) {
   expect_end(run, 0.0);
   EXPECT_NEAR(run.top_m_s, 0.6, 0.01);
   EXPECT_FALSE(waited);
+}
+
+// H15: whoever was not told sets off in the second before the therapist holds, and has to find out who leads: on a line that bends as his own,
+// on another one, and again after each pause.
+TEST(Guided, H15_APatientWhoHasSetOffYieldsAndIsLedToTheEnd) {
+  const GuidedPath paths[] = {{GuidedShape::eight, false, 1.0, 0.8, 0.3, 1},
+                              {GuidedShape::square, false, 2.0, 0, 0.3, 1},
+                              {GuidedShape::straight, false, 6.0, 0, 0.3, 1}};
+  const std::uint64_t seeds = thorough() ? 66 : seeds_for(22, 3);
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+    for (const double pause_s : {0.0, 4.5 + 0.1 * static_cast<double>(seed % 22)}) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", pauses of " + std::to_string(pause_s) + " s");
+      ClosedLoopOptions options = standing();
+      options.world.seed = seed;
+      options.world.patient = sim::PatientParams::random(seed);
+      ClosedLoop loop(options);
+      ASSERT_TRUE(loop.start_guided(paths[seed % 3]));
+      loop.run(1.5);
+      ASSERT_EQ(loop.world().patient().state(), sim::PatientState::leading);
+      loop.hold_stick(0.0, 0.0);
+      loop.run(9.0);
+      EXPECT_EQ(loop.world().patient().state(), sim::PatientState::following);
+      for (int held = 0; held < 30 && loop.mode() == Mode::guided; ++held) {
+        if (pause_s > 0) {
+          loop.let_go();
+          loop.run(pause_s);
+          EXPECT_NE(loop.world().patient().state(), sim::PatientState::leading);
+          loop.hold_stick(0.0, 0.0);
+        }
+        loop.run(6.0);
+        EXPECT_NE(loop.world().patient().state(), sim::PatientState::leading);
+      }
+      EXPECT_EQ(static_cast<GuidedEnd>(loop.record().guided_end), GuidedEnd::finished);
+      EXPECT_EQ(loop.record().stop_cause, 0U);
+    }
+  }
 }
 
 // H15, H13: the guards are on although the patient does not lead.

@@ -27,7 +27,8 @@ class Stage {
       if (follows) {
         // Speed in proportion to the lean, as a well-behaved hoist would in the end: 0.3 m/s at 3 cm.
         const double goal_m_s = std::clamp(10.0 * patient.harness().dx_m, -0.6, 0.6);
-        const double change_m_s = std::clamp(goal_m_s - platform.speed_m_s, -0.0005, 0.0005);
+        const double most_m_s = follows_m_s2 * 0.001;
+        const double change_m_s = std::clamp(goal_m_s - platform.speed_m_s, -most_m_s, most_m_s);
         platform.acceleration_m_s2 = change_m_s / 0.001;
         platform.speed_m_s += change_m_s;
       }
@@ -40,6 +41,7 @@ class Stage {
   PlatformMotion platform;
   bool released{false};
   bool follows{false};
+  double follows_m_s2{0.5};
   double largest_lean_rad{};
 
  private:
@@ -141,6 +143,58 @@ TEST(Patient, YieldsToAHoistThatAnotherLeads) {
   stage.platform.speed_m_s = 0.55;
   stage.run(6.0);
   EXPECT_LT(std::fabs(stage.patient.harness().dx_m), 0.03);
+}
+
+// A shove, or wheels that slip, look like somebody else's doing, too. The patient who has yielded finds out.
+TEST(Patient, WhoHasYieldedLeadsAgainWhenASmallLeanIsAnswered) {
+  Stage stage;
+  stage.released = stage.follows = true;
+  stage.run(8.0);
+  stage.follows = false;
+  stage.platform.acceleration_m_s2 = 0.0;
+  stage.platform.speed_m_s = 0.55;
+  stage.run(3.0);
+  ASSERT_EQ(stage.patient.state(), PatientState::following);
+  stage.follows = true;
+  stage.follows_m_s2 = 0.1;
+  stage.largest_lean_rad = 0.0;
+  double waited_s = 0.0;
+  for (; stage.patient.state() != PatientState::leading && waited_s < 30.0; waited_s += 0.1) stage.run(0.1);
+  EXPECT_LT(waited_s, 20.0);
+  EXPECT_LT(stage.largest_lean_rad, 6.0 * kDegree_rad);
+  stage.run(10.0);
+  EXPECT_EQ(stage.patient.state(), PatientState::leading);
+  EXPECT_GT(stage.platform.speed_m_s, 0.2);
+}
+
+// A therapist who drives in starts and stops, whenever the patient happens to try.
+TEST(Patient, WhoHasYieldedNeverLeadsAHoistThatIsDrivenWithPauses) {
+  for (double pause_s = 2.0; pause_s < 12.0; pause_s += 0.5) {
+    Stage stage;
+    stage.released = stage.follows = true;
+    stage.run(8.0);
+    stage.follows = false;
+    const auto drive = [&stage](double to_m_s, double for_s) {
+      const double begun_m_s = stage.platform.speed_m_s;
+      for (double t = 0.0; t < for_s; t += 0.01) {
+        const double goal_m_s = begun_m_s + std::clamp(to_m_s - begun_m_s, -0.5 * t, 0.5 * t);
+        stage.platform.acceleration_m_s2 = (goal_m_s - stage.platform.speed_m_s) / 0.01;
+        stage.platform.speed_m_s = goal_m_s;
+        stage.run(0.01);
+      }
+    };
+    drive(0.55, 4.0);
+    ASSERT_EQ(stage.patient.state(), PatientState::following);
+    bool tried = false;
+    for (int i = 0; i < 4; ++i) {
+      drive(0.0, pause_s);
+      tried = tried || stage.patient.state() == PatientState::trying;
+      drive(0.3, 4.0);
+      EXPECT_EQ(stage.patient.state(), PatientState::following) << pause_s;
+    }
+    EXPECT_TRUE(tried || pause_s < 4.5 || pause_s > 7.5) << pause_s;
+    EXPECT_LT(stage.largest_lean_rad, 10.0 * kDegree_rad);
+  }
 }
 
 TEST(Patient, TheScenarioOfStandingNeverSetsOff) {
