@@ -37,8 +37,8 @@ constexpr double kCollapse_s = 0.4;
 constexpr double kCollapsePush_m_s2 = 2.0;
 /// Sideways the legs keep the body between the struts: 1 Hz, well damped.
 constexpr double kCentre_rad_s = 6.28;
-/// Where a lean becomes uncomfortable (7.5 degrees), and how hard the patient then resists going farther.
-constexpr double kComfort_m = 0.105;
+/// Where a lean becomes uncomfortable (7.5 degrees; 10.3 in a hoist that answers it weakly), and how hard the patient then resists going farther.
+constexpr double kComfort_m = 0.105, kComfortMost_m = 0.145;
 constexpr double kComfort_n_m = 1200.0;
 constexpr double kArrivalRoll_s = 0.9;
 constexpr double kStoppingLead_m_s = 0.25;
@@ -51,9 +51,19 @@ constexpr int kForeseenPieces = 5;
 constexpr double kGentle_m_s2 = 0.08;
 constexpr double kSlowerLag_s = 0.3;
 constexpr double kFasterLag_s = 2.0;
-/// Of each strut's 0.214 m to its stop, what a patient uses for lean, turn and sway together: 11.7 degrees.
-constexpr double kReach_m = 0.165;
+/// Of each strut's 0.214 m to its stop, what a patient uses for lean, turn and sway together: 11.7 degrees; 14 in a hoist that answers weakly.
+constexpr double kReach_m = 0.165, kReachMost_m = 0.20;
 constexpr double kHalfWidth_m = 0.3;
+/// What a lean brings: speed gained in a second for each metre. With the settings for walking, 0.15 m/s2 at full lean, which is 0.141 m; with
+/// those as published 0.05 m/s2 at 0.214 m: 0.23. Felt between the two speeds; a hoist that is late and then sudden is another's.
+constexpr double kUsualAnswer_per_s2 = 1.06, kLeastAnswer_per_s2 = 0.2;
+constexpr double kRolls_m_s = 0.01, kUnderWay_m_s = 0.06, kSetsOffWithin_s = 4.0, kGently_m_s2 = 0.1;
+/// To keep a speed takes the lean that gains a tenth of it in a second (paper, tau_n 10 s).
+constexpr double kKeeps_per_s = 0.1;
+/// And the lean of a lasting speed takes no more than this share of the reach, so that there is some left for a turn.
+constexpr double kLeanShare_norm = 0.55;
+/// The bend that patients have in mind: 0.8 m (the paper's figure of eight).
+constexpr double kUsualBend_per_m = 1.25;
 
 }  // namespace
 
@@ -100,7 +110,9 @@ std::string_view patient_state_name(PatientState state) {
 }
 
 Patient::Patient(const PatientParams& params, const Scenario& scenario)
-    : params_(params), scenario_(&scenario), path_(scenario_path(scenario)) {}
+    : params_(params), scenario_(&scenario), path_(scenario_path(scenario)) {
+  adapt(kUsualAnswer_per_s2);
+}
 
 void Patient::restart(const Scenario& scenario) { *this = Patient(params_, scenario); }
 
@@ -128,7 +140,34 @@ void Patient::enter(PatientState state) {
   ignored_s_ = opposed_s_ = 0.0;
 }
 
+// How readily the hoist sets off tells how far to lean on it.
+void Patient::feel_answer(const PlatformMotion& now) {
+  if (now.speed_m_s < kRolls_m_s) {
+    sets_off_ = true;
+    set_off_s_ = set_off_lean_m_s_ = 0.0;
+  } else if (sets_off_) {
+    set_off_s_ += kThought_s;
+    set_off_lean_m_s_ += std::max(x_m_, 0.0) * kThought_s;
+    const bool under_way = now.speed_m_s >= kUnderWay_m_s;
+    if (under_way && now.acceleration_m_s2 < kGently_m_s2) adapt((kUnderWay_m_s - kRolls_m_s) / std::max(set_off_lean_m_s_, 1e-6));
+    sets_off_ = !under_way && set_off_s_ < kSetsOffWithin_s;
+  }
+}
+
+// Less speed for a lean: leans and reaches farther, within the stops, and takes bends more slowly, because lean and turn share the reach.
+void Patient::adapt(double answer_per_s2) {
+  const double sway_m = params_.sway_forward_m + kHalfWidth_m * params_.sway_yaw_rad;
+  const double turn_s = kHalfWidth_m * kUsualBend_per_m / params_.turn_habit_per_s;
+  const auto bend_m_s = [&](double reach_m, double per_s2) { return (reach_m - sway_m) / (kKeeps_per_s / per_s2 + turn_s); };
+  const double answer = std::clamp(answer_per_s2, kLeastAnswer_per_s2, kUsualAnswer_per_s2);
+  comfort_m_ = std::min(kComfort_m * kUsualAnswer_per_s2 / answer, kComfortMost_m);
+  reach_m_ = std::min(kReach_m * kUsualAnswer_per_s2 / answer, kReachMost_m);
+  fast_m_s_ = kLeanShare_norm * (reach_m_ - sway_m) / (kKeeps_per_s / answer);
+  ease_norm_ = std::min(bend_m_s(reach_m_, answer) / bend_m_s(kReach_m, kUsualAnswer_per_s2), 1.0);
+}
+
 void Patient::judge_leading(const PlatformMotion& now) {
+  feel_answer(now);
   ignored_s_ = x_m_ > kIgnoredLean_m && now.speed_m_s < kStill_m_s ? ignored_s_ + kThought_s : 0.0;
   const double opposed = opposed_by(now);
   opposed_s_ = opposed > 0.0 ? opposed_s_ + opposed * kThought_s : 0.0;
@@ -172,6 +211,7 @@ void Patient::decide(const PatientSenses& senses) {
     if (state_ != PatientState::standing) state_s_ = 0.0;
     state_ = PatientState::standing;
     distrusts_ = false;
+    adapt(kUsualAnswer_per_s2);  // whoever changes the settings does it while the drives are off
     return;
   }
   switch (state_) {
@@ -214,10 +254,11 @@ void Patient::steer(const PlatformMotion& seen) {
   const double way_m = seen.speed_m_s * params_.reaction_s;
   const double x_m = seen.x_m + way_m * std::cos(seen.psi_rad);
   const double y_m = seen.y_m + way_m * std::sin(seen.psi_rad);
-  contract::PathPose goal = path_.pose(progress_m_ + params_.look_ahead_m);
-  if (!path_.closed() && progress_m_ + params_.look_ahead_m > path_.length_m()) {
+  const double look_ahead_m = ease_norm_ * params_.look_ahead_m;  // who walks more slowly looks less far ahead
+  contract::PathPose goal = path_.pose(progress_m_ + look_ahead_m);
+  if (!path_.closed() && progress_m_ + look_ahead_m > path_.length_m()) {
     // Past the end of a straight one looks on in its direction.
-    const double beyond_m = progress_m_ + params_.look_ahead_m - path_.length_m();
+    const double beyond_m = progress_m_ + look_ahead_m - path_.length_m();
     goal.x_m += beyond_m * std::cos(goal.psi_rad);
     goal.y_m += beyond_m * std::sin(goal.psi_rad);
   }
@@ -227,18 +268,19 @@ void Patient::steer(const PlatformMotion& seen) {
   const double speed_m_s = std::max(seen.speed_m_s, 0.15);
   const double wanted_rad_s = 2.0 * speed_m_s * std::sin(std::clamp(bearing_rad, -kPi / 2.0, kPi / 2.0)) / distance_m;
   const double sway_m = params_.sway_forward_m + kHalfWidth_m * params_.sway_yaw_rad;
-  const double left_over_m = std::max(kReach_m - sway_m - std::fabs(x_m_), 0.0);
+  const double left_over_m = std::max(reach_m_ - sway_m - std::fabs(x_m_), 0.0);
   const double limit_rad = std::min(params_.yaw_limit_rad, std::asin(std::min(left_over_m / kHalfWidth_m, 1.0)));
   yaw_goal_rad_ = std::clamp(wanted_rad_s / params_.turn_habit_per_s, -limit_rad, limit_rad);
   // Leaning and turning share the struts' reach (the stops): one walks slower where the line bends, and slows down before it does.
   const double needed_per_m = std::fabs(2.0 * std::sin(std::clamp(bearing_rad, -kPi / 2.0, kPi / 2.0)) / distance_m);
-  double pace_goal_m_s = std::min(params_.wish_m_s, std::max(kSlowest_m_s, kComfortableTurn_rad_s / std::max(needed_per_m, 1e-3)));
+  double pace_goal_m_s =
+      std::min({params_.wish_m_s, fast_m_s_, std::max(kSlowest_m_s, ease_norm_ * kComfortableTurn_rad_s / std::max(needed_per_m, 1e-3))});
   double psi_here_rad = path_.pose(progress_m_).psi_rad;
   for (int piece = 0; piece < kForeseenPieces; ++piece) {
     const double psi_there_rad = path_.pose(progress_m_ + (piece + 1) * kForeseenPiece_m).psi_rad;
     const double bend_per_m = std::max(std::fabs(psi_there_rad - psi_here_rad) / kForeseenPiece_m, 1e-3);
     psi_here_rad = psi_there_rad;
-    const double in_bend_m_s = std::max(kSlowest_m_s, kComfortableTurn_rad_s / bend_per_m);
+    const double in_bend_m_s = std::max(kSlowest_m_s, ease_norm_ * kComfortableTurn_rad_s / bend_per_m);
     pace_goal_m_s = std::min(pace_goal_m_s, std::sqrt(in_bend_m_s * in_bend_m_s + 2.0 * kGentle_m_s2 * piece * kForeseenPiece_m));
   }
   const double pace_change_m_s = pace_goal_m_s - pace_m_s_;
@@ -315,7 +357,7 @@ void Patient::step_1ms(const PatientSenses& senses) {
     if (state_ == PatientState::hanging) legs_n += senses.springs.forward_n;
   } else {
     legs_n = compensation_n_ + params_.drive_n_s_m * (push_goal_m_s_ - own_m_s);
-    if (x_m_ > kComfort_m) legs_n -= kComfort_n_m * (x_m_ - kComfort_m);
+    if (x_m_ > comfort_m_) legs_n -= kComfort_n_m * (x_m_ - comfort_m_);
     legs_n = std::clamp(legs_n, -params_.leg_force_n, params_.leg_force_n);
     // Standing or led: the feet go with the frame, and with the push of a frame that starts or brakes.
     if (state_ != PatientState::leading && state_ != PatientState::trying)

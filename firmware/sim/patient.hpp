@@ -106,6 +106,8 @@ class Patient {
   void decide(const PatientSenses& senses);
   void judge_leading(const PlatformMotion& now);
   void judge_trial(const PlatformMotion& now);
+  void feel_answer(const PlatformMotion& now);
+  void adapt(double answer_per_s2);
   void enter(PatientState state);
   void steer(const PlatformMotion& seen);
   void fall(PatientState how);
@@ -148,9 +150,16 @@ class Patient {
   double still_s_{};    // how long the platform has stood
   double begin_x_m_{};
   double begin_y_m_{};
-  bool distrusts_{false};     // the hoist leads until the drives are off
-  double trial_lean_m_{};     // in a trial: 0 once it is about standing upright again
-  double trial_speed_m_s_{};  // fastest since then
+  bool distrusts_{false};  // the hoist leads until the drives are off
+  // What setting off has shown of this hoist; set by adapt().
+  double comfort_m_{}, reach_m_{};
+  double ease_norm_{};  // how fast bends are taken: 1 = as usual
+  double fast_m_s_{};   // leaves room for a turn
+  bool sets_off_{false};
+  double set_off_s_{};
+  double set_off_lean_m_s_{};  // lean x time since the hoist began to roll
+  double trial_lean_m_{};      // in a trial: 0 once it is about standing upright again
+  double trial_speed_m_s_{};   // fastest since then
   double hang_m_{kHang_m};
   double foot_ahead_m_{};  // of a stumbling patient: pelvis ahead of the foot that stays behind
   double held_turn_rad_{};

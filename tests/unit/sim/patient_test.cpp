@@ -32,6 +32,11 @@ class Stage {
         platform.acceleration_m_s2 = change_m_s / 0.001;
         platform.speed_m_s += change_m_s;
       }
+      if (answer_per_s2 > 0.0) {
+        // Speed that builds up under a lean and dies away, as Algorithm 1 has it.
+        platform.acceleration_m_s2 = answer_per_s2 * patient.harness().dx_m - 0.1 * platform.speed_m_s;
+        platform.speed_m_s = std::max(platform.speed_m_s + platform.acceleration_m_s2 * 0.001, 0.0);
+      }
       platform.x_m += platform.speed_m_s * std::cos(platform.psi_rad) * 0.001;
       platform.y_m += platform.speed_m_s * std::sin(platform.psi_rad) * 0.001;
       largest_lean_rad = std::max(largest_lean_rad, std::fabs(std::atan(patient.harness().dx_m / 0.8)));
@@ -42,6 +47,7 @@ class Stage {
   bool released{false};
   bool follows{false};
   double follows_m_s2{0.5};
+  double answer_per_s2{};
   double largest_lean_rad{};
 
  private:
@@ -107,6 +113,39 @@ TEST(Patient, GivesUpLeadingAHoistThatDoesNotFollow) {
   stage.released = true;
   stage.run(1.2);
   EXPECT_EQ(stage.patient.state(), PatientState::leading);
+}
+
+// Full lean is 10 degrees in one preset and 15 in the other, and nobody tells the patient which.
+TEST(Patient, LeansAsFarAsTheHoistAsksForAndNoFartherWhereItDoesNotAnswer) {
+  const auto most_lean_deg = [](double answer_per_s2) {
+    Stage stage;
+    stage.released = true;
+    stage.answer_per_s2 = answer_per_s2;
+    stage.run(20.0);
+    EXPECT_EQ(stage.patient.state(), PatientState::leading);
+    EXPECT_GT(stage.platform.speed_m_s, 0.15);
+    return stage.largest_lean_rad / kDegree_rad;
+  };
+  EXPECT_LT(most_lean_deg(1.06), 10.0);
+  EXPECT_GT(most_lean_deg(0.23), 11.0);
+  EXPECT_LT(most_lean_deg(0.23), 13.0);
+  // A hoist that another drives slowly, and then faster.
+  PatientParams stubborn;
+  stubborn.yields_after_s = PatientParams::kStubborn_s;
+  Stage stage("straight", stubborn);
+  stage.released = true;
+  stage.run(2.5);
+  for (const double speed_m_s : {0.04, 0.2}) {
+    stage.platform.acceleration_m_s2 = 0.3;
+    while (stage.platform.speed_m_s < speed_m_s) {
+      stage.run(0.01);
+      stage.platform.speed_m_s += 0.003;
+    }
+    stage.platform.acceleration_m_s2 = 0.0;
+    stage.run(3.0);
+    EXPECT_EQ(stage.patient.state(), PatientState::leading);
+    EXPECT_LT(stage.largest_lean_rad, 10.0 * kDegree_rad) << speed_m_s;
+  }
 }
 
 // A therapist at the stick, and nobody told the patient.
