@@ -154,18 +154,21 @@ json event_json(const contract::Event& event) {
   return out;
 }
 
-SharedFrame telemetry_frame(std::span<const contract::TickRecord> records) {
-  std::string payload;
-  payload.reserve(16 + records.size_bytes());
-  put(payload, 1, 1);  // kind: tick records
-  put(payload, 1, 1);  // version
-  put(payload, records.size(), 2);
-  put(payload, sizeof(contract::TickRecord), 4);
-  put(payload, contract::layout_hash(), 8);
+SharedFrame TelemetryFrames::encode(std::span<const contract::TickRecord> records) {
+  const auto free = std::ranges::find_if(kept_, [](const auto& kept) { return kept.use_count() <= 1; });
+  auto frame = free != kept_.end() && *free ? *free : std::make_shared<std::string>();
+  if (free != kept_.end()) *free = frame;
+  frame->clear();
+  begin_frame(*frame, Opcode::binary, 16 + records.size_bytes());
+  put(*frame, 1, 1);  // kind: tick records
+  put(*frame, 1, 1);  // version
+  put(*frame, records.size(), 2);
+  put(*frame, sizeof(contract::TickRecord), 4);
+  put(*frame, contract::layout_hash(), 8);
   // Little endian in memory as on the wire: every machine this runs on is.
   static_assert(std::endian::native == std::endian::little);
-  payload.append(reinterpret_cast<const char*>(records.data()), records.size_bytes());
-  return make_frame(Opcode::binary, payload);
+  frame->append(reinterpret_cast<const char*>(records.data()), records.size_bytes());
+  return frame;
 }
 
 namespace {
@@ -229,7 +232,7 @@ void Hub::broadcast(const SharedFrame& frame) {
 
 void Hub::send_batch() {
   if (batch_.empty()) return;
-  const SharedFrame frame = telemetry_frame(batch_);
+  const SharedFrame frame = frames_.encode(batch_);
   batch_.clear();
   for (const auto& client : clients_)
     if (!client->every_tick()) client->send_telemetry(frame);
@@ -265,7 +268,7 @@ void Hub::on_ticks(std::span<const contract::TickRecord> records, std::uint64_t)
     return;
   }
   if (std::any_of(clients_.begin(), clients_.end(), [](const auto& c) { return c->every_tick(); })) {
-    const SharedFrame frame = telemetry_frame(records);
+    const SharedFrame frame = frames_.encode(records);
     for (const auto& client : clients_)
       if (client->every_tick()) client->send_telemetry(frame);
   }
