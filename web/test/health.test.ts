@@ -2,7 +2,7 @@ import { beforeEach, describe, expect, it } from 'vitest';
 import { emergencies } from '../src/contract/emergencies.gen';
 import { nodes } from '../src/contract/messages.gen';
 import { signals, type TickRecord } from '../src/contract/signals.gen';
-import { eventText } from '../src/panels/health/health';
+import { eventText } from '../src/ui/event_text';
 import { nodeView, partNames } from '../src/panels/health/nodes';
 import { settings } from '../src/text/settings';
 import { deviceOfCan, deviceOfNode, emergencyInfo, hex } from '../src/ui/device';

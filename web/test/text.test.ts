@@ -6,6 +6,7 @@ import { params } from '../src/contract/params.gen';
 import { groups, niceStep } from '../src/panels/tune/groups';
 import { de } from '../src/text/de';
 import { en } from '../src/text/en';
+import { first } from '../src/text/first';
 import { settings } from '../src/text/settings';
 import { date, degrees, duration, fixed, plain, readNumber, refusalText, shownAs, t, textOf, withUnit } from '../src/text/text';
 
@@ -25,14 +26,21 @@ describe('the message files', () => {
     }
   });
 
+  it('are not needed for STOP, nor to say that they cannot be loaded', () => {
+    const own = Object.keys(first.en);
+    expect(own).toEqual(expect.arrayContaining(['stop.name', 'load.failed', 'load.action', 'load.again']));
+    for (const table of [en, de]) expect(Object.keys(table).filter((key) => own.includes(key))).toEqual([]);
+    expect(Object.keys(first.de)).toEqual(own);
+  });
+
   it('have no text that no screen uses', () => {
     const source = readdirSync('src', { recursive: true, encoding: 'utf8' })
-      .filter((file) => /\.tsx?$/.test(file) && !file.startsWith('text/en') && !file.startsWith('text/de'))
+      .filter((file) => /\.tsx?$/.test(file) && !/^text\/(en|de|first)/.test(file))
       .map((file) => readFileSync(`src/${file}`, 'utf8'))
       .join('\n');
     // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, role.R, unit.U.
     const built = /^(exercise|priority|event|health\.part|refused|role|unit)\./;
-    const unused = Object.keys(en).filter((key) => !built.test(key) && !source.includes(`'${key}'`));
+    const unused = [...Object.keys(first.en), ...Object.keys(en)].filter((key) => !built.test(key) && !source.includes(`'${key}'`));
     expect(unused).toEqual([]);
   });
 

@@ -5,7 +5,7 @@ import type { ParamName } from '../contract/params.gen';
 import type { TickRecord } from '../contract/signals.gen';
 import { readFrame } from './frame';
 import { live } from './live';
-import { rest } from './rest';
+import { rest, type Answer } from './rest';
 import { Link, replyLost, subprotocol, type Reply, type SocketLike } from './socket';
 import { moving, stopped, store, type Emergency, type LogLine, type Notice, type Recording } from './store';
 
@@ -181,7 +181,7 @@ function takeEmergencies(more: readonly Emergency[]): void {
 }
 
 /** What devices reported before this page was opened. */
-export async function fetchEmergencies(): Promise<void> {
+export async function fetchEmergencies(): Promise<Answer<unknown>> {
   interface Told {
     node: string;
     time_ns: number;
@@ -191,6 +191,7 @@ export async function fetchEmergencies(): Promise<void> {
   const answer = await rest<{ emergencies?: Told[] }>('GET', '/health');
   if (answer.ok)
     takeEmergencies((answer.value.emergencies ?? []).map((item) => ({ time_ns: item.time_ns, node: item.node, code: item.emergency.code, errorRegister: item.error_register })));
+  return answer;
 }
 
 let noticeId = 0;

@@ -1,7 +1,6 @@
-import type { TextKey } from './en';
+import type { Table } from './en';
 
-export const de: Record<TextKey, string> = {
-  'app.title': 'Hoist',
+export const de: Table = {
   'nav.walk': 'Gehen',
   'nav.drive': 'Fahren',
   'nav.exercises': 'Übungen',
@@ -14,10 +13,9 @@ export const de: Record<TextKey, string> = {
   'common.save': 'Speichern',
   'common.undo': 'Zurücknehmen',
   'common.loading': 'Lädt …',
+  'common.languageLost': 'Diese Sprache konnte nicht geladen werden.',
   'common.retry': 'Noch einmal',
 
-  'stop.name': 'STOPP',
-  'stop.hint': 'Hält das Gerät sofort an. Auch die Leertaste.',
   'stop.sending': 'Hält an …',
   'stop.failed': 'STOPP kam nicht an. Patienten sichern und am Gerät selbst anhalten.',
   'stop.release': 'Halten zum Freigeben',

@@ -1,6 +1,7 @@
-// Every word of the console that does not come from a table. German beside it in de.ts; a test compares keys and placeholders.
+import type { FirstKey } from './first';
+
+// Every word of the console that comes neither from a table nor from first.ts: a file that is loaded alone. A test compares de.ts with it.
 export const en = {
-  'app.title': 'Hoist',
   'nav.walk': 'Walk',
   'nav.drive': 'Drive',
   'nav.exercises': 'Exercises',
@@ -13,10 +14,9 @@ export const en = {
   'common.save': 'Save',
   'common.undo': 'Undo',
   'common.loading': 'Loading …',
+  'common.languageLost': 'This language could not be loaded.',
   'common.retry': 'Try again',
 
-  'stop.name': 'STOP',
-  'stop.hint': 'Stops the hoist at once. Also the space bar.',
   'stop.sending': 'Stopping …',
   'stop.failed': 'STOP did not get through. Hold the patient and stop at the hoist itself.',
   'stop.release': 'Hold to release',
@@ -422,4 +422,5 @@ export const en = {
   'role.therapist': 'Therapist',
   'role.engineer': 'Engineer',
 };
-export type TextKey = keyof typeof en;
+export type Table = Readonly<Record<keyof typeof en, string>>;
+export type TextKey = keyof typeof en | FirstKey;

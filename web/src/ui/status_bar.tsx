@@ -1,12 +1,12 @@
 // Always visible: what the hoist does, who is in control, how good the link is, whether it records, how full the batteries are.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { modes } from '../contract/faults.gen';
-import { releaseLease } from '../link/console';
+import { notify, releaseLease } from '../link/console';
 import { useReading } from '../link/live';
 import { useReadiness } from '../link/readiness';
 import { useStore } from '../link/store';
-import { languages, settings, useSettings, type Theme } from '../text/settings';
-import { duration, fixed, noValue, t, words } from '../text/text';
+import { languages, settings, useSettings, type Language, type Theme } from '../text/settings';
+import { chooseLanguage, duration, fixed, noValue, t, words } from '../text/text';
 import { Icon } from './icons';
 
 const themes: readonly { id: Theme; key: 'bar.themeAuto' | 'bar.themeLight' | 'bar.themeDark' }[] = [
@@ -153,6 +153,9 @@ function DisplayMenu() {
       document.removeEventListener('keydown', escape);
     };
   }, [open]);
+  const choose = async (wanted: Language) => {
+    if (!(await chooseLanguage(wanted))) notify('warning', 'common.languageLost');
+  };
   return (
     <div class="menu" ref={box}>
       <button type="button" class="menu-button" aria-label={t('bar.settings')} aria-expanded={open} onClick={() => setOpen(!open)}>
@@ -163,7 +166,7 @@ function DisplayMenu() {
           <span class="bar-label">{t('bar.language')}</span>
           <div class="choice" role="radiogroup" aria-label={t('bar.language')}>
             {languages.map((item) => (
-              <button key={item.id} type="button" role="radio" aria-checked={item.id === language} lang={item.id} onClick={() => settings.set({ language: item.id })}>
+              <button key={item.id} type="button" role="radio" aria-checked={item.id === language} lang={item.id} onClick={() => void choose(item.id)}>
                 {item.name}
               </button>
             ))}

@@ -2,6 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { params } from '../../contract/params.gen';
 import { calibrate, calibrateCancel, calibrateMeasure, calibrateUse, notify } from '../../link/console';
+import { useAsked } from '../../link/asked';
 import { useReading } from '../../link/live';
 import { rest } from '../../link/rest';
 import type { Reply } from '../../link/socket';
@@ -12,7 +13,8 @@ import { date, fixed, noValue, readNumber, shownAs, t, words, withUnit } from '.
 import { HoldButton } from '../../ui/hold_button';
 import { Refusal, useRequest } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
-import type { Panel } from '../panel';
+import { addressOf, go } from '../../router';
+import type { PanelProps } from '../panel';
 import { entry, nowKey, phaseNames, resultOf, stepNames, stepsFor, watched, type Change, type Now, type Step, type StepName, type Table } from './model';
 import { StepPicture } from './picture';
 
@@ -158,29 +160,14 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
     }
     return done;
   };
-  // Null until they are known: nobody takes over what nobody has seen.
-  const [changes, setChanges] = useState<readonly Change[] | null>(null);
-  const [failed, setFailed] = useState(false);
-  const [tries, setTries] = useState(0);
   const step = item.name as StepName;
   const running = now !== null && now.step === step;
   const phase = running ? now.phase : 'none';
   useEffect(request.forget, [step]);
-  useEffect(() => {
-    if (phase !== 'result' || !connected) return;
-    let late = false;
-    void rest<Table>('GET', '/calibration').then((answer) => {
-      if (late) return;
-      const found = answer.ok ? resultOf(answer.value, step) : null;
-      setChanges(found);
-      setFailed(found === null);
-    });
-    return () => {
-      late = true;
-      setChanges(null);
-      setFailed(false);
-    };
-  }, [phase, step, connected, tries]);
+  const found = useAsked(phase === 'result' && connected ? () => rest<Table>('GET', '/calibration') : null, [step]);
+  // Null until they are known: nobody takes over what nobody has seen.
+  const changes = found.value === null ? null : resultOf(found.value, step);
+  const failed = found.problem !== null || (found.value !== null && changes === null);
 
   const use = async () => {
     if (await ask(calibrateUse)) notify('info', t('calibrate.used', { name: words(item.title) }), true);
@@ -227,7 +214,7 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
           )}
         </div>
       </div>
-      {phase !== 'result' ? null : changes !== null ? <Changes list={changes} /> : failed ? <Failed onRetry={() => setTries(tries + 1)} /> : <p>{t('common.loading')}</p>}
+      {phase !== 'result' ? null : changes !== null ? <Changes list={changes} /> : failed ? <Failed onRetry={found.retry} /> : <p>{t('common.loading')}</p>}
       {running && item.entered !== null && (phase === 'operator' || phase === 'result') ? (
         <details open={phase === 'operator'} class="calibrate-more">
           <summary>{t(phase === 'operator' ? 'calibrate.enter' : 'calibrate.again')}</summary>
@@ -270,44 +257,25 @@ function Failed({ onRetry }: { onRetry: () => void }) {
   );
 }
 
-function CalibrateView() {
+export function CalibrateView({ part }: PanelProps) {
   useSettings();
   const role = useStore((s) => s.role);
   const { reachable: connected } = useReadiness();
   const version = useStore((s) => s.parameterVersion);
   const simulated = useStore((s) => s.simulated);
-  const [table, setTable] = useState<Table | null>(null);
-  const [failed, setFailed] = useState(false);
-  const [tries, setTries] = useState(0);
-  const [chosen, setChosen] = useState<string | null>(null);
   const text = useReading((r) => (r === null || r.calibration_step === 0 ? '' : [r.calibration_step, r.calibration_phase, r.calibration_done_percent, r.calibration_reason, r.calibration_value].join(' ')), 5);
-  useEffect(() => {
-    if (!connected) return undefined;
-    let late = false;
-    void rest<Table>('GET', '/calibration').then((answer) => {
-      if (late) return;
-      setFailed(!answer.ok);
-      if (answer.ok) setTable(answer.value);
-    });
-    return () => {
-      late = true;
-    };
-  }, [connected, version, tries]);
-  const again = () => {
-    setFailed(false);
-    setTries(tries + 1);
-  };
-  if (table === null) return failed ? <Failed onRetry={again} /> : <p class="hint">{t('common.loading')}</p>;
+  const { value: table, problem, retry } = useAsked(() => rest<Table>('GET', '/calibration'), [connected, version]);
+  if (table === null) return problem !== null ? <Failed onRetry={retry} /> : <p class="hint">{t('common.loading')}</p>;
   const [step = 0, phase = 0, done_percent = 0, reason = 0, value = 0] = text === '' ? [] : text.split(' ').map(Number);
   const now: Now | null = text === '' ? null : { step: stepNames[step] ?? 'none', phase: phaseNames[phase] ?? 'none', done_percent, reason, value };
   const items = stepsFor(table.items, role);
-  const item = items.find((one) => one.name === (now?.step ?? chosen)) ?? items[0];
+  const item = items.find((one) => one.name === (now?.step ?? part)) ?? items[0];
   return (
     <div class="calibrate">
       <ul class={now === null ? 'calibrate-list' : 'calibrate-list running'}>
         {items.map((one) => (
           <li key={one.name}>
-            <button type="button" aria-current={one === item ? 'true' : undefined} disabled={now !== null && one !== item} onClick={() => setChosen(one.name)}>
+            <button type="button" aria-current={one === item ? 'true' : undefined} disabled={now !== null && one !== item} onClick={() => go(addressOf('calibrate', one.name))}>
               <span>{words(one.title)}</span>
               <span class={one.done_utc_s === null ? 'calibrate-date never' : 'calibrate-date'}>
                 {one.done_utc_s === null ? t('calibrate.never') : date(one.done_utc_s * 1000)}
@@ -320,5 +288,3 @@ function CalibrateView() {
     </div>
   );
 }
-
-export const calibratePanel: Panel = { id: 'calibrate', title: 'nav.calibrate', icon: 'calibrate', live: true, View: CalibrateView };

@@ -13,7 +13,6 @@ import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, reasons, refused, useRequest } from '../../ui/refusal';
 import { SlowLink } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
-import type { Panel } from '../panel';
 
 const limits = [
   { key: 'drive.slow', speed_m_s: 0.15 },
@@ -64,7 +63,7 @@ function Joystick({ active, locked }: { active: boolean; locked: string }) {
   );
 }
 
-function DriveView() {
+export function DriveView() {
   useSettings();
   const mode = useStore((s) => s.mode);
   const ready = useReadiness();
@@ -123,5 +122,3 @@ function DriveView() {
     </div>
   );
 }
-
-export const drivePanel: Panel = { id: 'drive', title: 'nav.drive', icon: 'drive', live: true, View: DriveView };

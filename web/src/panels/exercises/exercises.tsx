@@ -14,7 +14,6 @@ import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { SlowLink, tooSlowText } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
-import type { Panel } from '../panel';
 import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, withinCap, type Plan, type Shape, type Stepped } from './plan';
 
 /** Kept while the console is open, also when another screen is looked at meanwhile. */
@@ -107,7 +106,7 @@ function Progress() {
   );
 }
 
-function ExercisesView() {
+export function ExercisesView() {
   useSettings();
   const mode = useStore((s) => s.mode);
   const ready = useReadiness();
@@ -188,5 +187,3 @@ function ExercisesView() {
     </div>
   );
 }
-
-export const exercisesPanel: Panel = { id: 'exercises', title: 'nav.exercises', icon: 'exercises', live: true, View: ExercisesView };

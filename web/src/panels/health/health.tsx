@@ -1,8 +1,6 @@
 // Whether everything answers: parts, loop, bus, power, this console, and what happened lately.
-import { faults, modes } from '../../contract/faults.gen';
-import { params } from '../../contract/params.gen';
 import type { TickRecord } from '../../contract/signals.gen';
-import { useEffect } from 'preact/hooks';
+import { useAsked } from '../../link/asked';
 import { fetchEmergencies } from '../../link/console';
 import { live, useReading } from '../../link/live';
 import { useReadiness } from '../../link/readiness';
@@ -10,10 +8,10 @@ import { useStore, type Emergency, type LogLine } from '../../link/store';
 import type { TextKey } from '../../text/en';
 import { serverText } from '../../text/server';
 import { useSettings } from '../../text/settings';
-import { duration, fixed, plain, refusalText, shownAs, t, textOf, words, withUnit } from '../../text/text';
+import { duration, fixed, t, textOf, words } from '../../text/text';
 import { emergencyInfo, hex } from '../../ui/device';
+import { eventText } from '../../ui/event_text';
 import { Scroll } from '../../ui/scroll';
-import type { Panel } from '../panel';
 import { Line } from './line';
 import { Loop } from './loop';
 import { nodeView, partNames, tick_ms, type NodeView } from './nodes';
@@ -130,31 +128,6 @@ function Emergencies({ list }: { list: readonly Emergency[] }) {
   );
 }
 
-/** What an event says, in words. */
-export function eventText(kind: string, name: string, value: number | null, before: number | null, code: number | null = null): string {
-  const title = textOf(`event.${kind}`) ?? kind.replaceAll('_', ' ');
-  const fault = faults.find((row) => row.name === name);
-  const mode = modes.find((row) => row.name === name);
-  const param = params.find((row) => row.name === name);
-  if (kind === 'calibration_result' && param) {
-    const show = shownAs(param.name, param.unit);
-    return `${title}: ${words(param.title)} ${withUnit(plain((value ?? NaN) * show.factor), show.unit)}`;
-  }
-  if (kind === 'parameter_changed' && param) {
-    const show = shownAs(param.name, param.unit);
-    const number = (si: number | null) => (si === null ? '–' : plain(si * show.factor));
-    return `${title}: ${words(param.title)} ${number(before)} → ${withUnit(number(value), show.unit)}`;
-  }
-  if (kind === 'command_refused' && name !== '') return `${title}: ${refusalText(name)}`;
-  if (fault) return `${title}: ${words(fault.text)}`;
-  if (mode) return `${title}: ${words(mode.title)}`;
-  const part = textOf(`health.part.${name}`);
-  if (kind === 'emergency') return `${part ?? t('device.unknown')}: ${words(emergencyInfo(code ?? 0).text)}`;
-  if (part !== null) return `${title}: ${part}`;
-  if (kind === 'marker' && name !== '') return `${title}: ${name}`;
-  return title;
-}
-
 function Events({ log }: { log: readonly LogLine[] }) {
   const now_ns = live.record?.time_ns ?? 0;
   const shown = log.filter((line) => line.kind !== 'command_done').slice(-12).reverse();
@@ -172,7 +145,7 @@ function Events({ log }: { log: readonly LogLine[] }) {
   );
 }
 
-function HealthView() {
+export function HealthView() {
   useSettings();
   const newest = useReading((record: TickRecord | null) => record, 2);
   // Old figures are not shown here at all: "works" and "free" are said of now, or not at all.
@@ -185,9 +158,7 @@ function HealthView() {
   const log = useStore((s) => s.log);
   const recording = useStore((s) => s.recording);
   const emergencies = useStore((s) => s.emergencies);
-  useEffect(() => {
-    if (open) void fetchEmergencies();
-  }, [open]);
+  useAsked(open ? fetchEmergencies : null, []);
   const n = (value: number | undefined, decimals: number, unit: string) => `${fixed(value, decimals)} ${unit}`;
   return (
     // Nothing in here can be tapped, so this is what a keyboard scrolls by.
@@ -236,5 +207,3 @@ function HealthView() {
     </div>
   );
 }
-
-export const healthPanel: Panel = { id: 'health', title: 'nav.health', icon: 'health', live: true, View: HealthView };

@@ -1,6 +1,6 @@
 // The control loop: how late its steps begin, what was left out, and what the computer grants it. The whole picture is for engineers.
-import { useEffect, useState } from 'preact/hooks';
 import type { TickRecord } from '../../contract/signals.gen';
+import { useAsked } from '../../link/asked';
 import { rest } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { fixed, t } from '../../text/text';
@@ -67,22 +67,8 @@ export function Loop({ r }: { r: TickRecord | null }) {
   const engineer = useStore((s) => s.role) === 'engineer';
   const open = useStore((s) => s.link === 'open');
   const tooLate_s = useStore((s) => s.parameters.loop_late_s_max) ?? 0.03;
-  const [told, setReport] = useState<LoopReport | null>(null);
+  const told = useAsked(engineer && open ? () => rest<LoopReport>('GET', '/loop') : null, [], askEvery_ms).value;
   const report = r === null ? null : told; // an old report must not stand for the loop of now
-  useEffect(() => {
-    if (!engineer || !open) return undefined;
-    let gone = false;
-    const ask = () =>
-      void rest<LoopReport>('GET', '/loop').then((answer) => {
-        if (!gone && answer.ok) setReport(answer.value);
-      });
-    ask();
-    const timer = window.setInterval(ask, askEvery_ms);
-    return () => {
-      gone = true;
-      window.clearInterval(timer);
-    };
-  }, [engineer, open]);
   const ms = (value_s: number | undefined) => `${fixed(value_s === undefined ? undefined : value_s * 1e3, 2)} ms`;
   const short = (
     <div>

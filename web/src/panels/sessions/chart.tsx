@@ -82,5 +82,3 @@ export function Chart({ samples, names }: { samples: Samples; names: readonly Si
   }, [samples, names, language, theme]); // the colours are read when it is drawn
   return <div ref={box} class="chart" role="img" aria-label={t('sessions.chart')} />;
 }
-
-export default Chart;

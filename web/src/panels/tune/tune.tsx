@@ -9,7 +9,6 @@ import { useSettings } from '../../text/settings';
 import { plain, readNumber, shownAs, t, words, withUnit } from '../../text/text';
 import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
-import type { Panel } from '../panel';
 import { groups, niceStep, type Group } from './groups';
 
 /** A slider that is being drawn sends no more often than this. */
@@ -201,7 +200,7 @@ function GroupView({ group, role, standby, connected }: { group: Group; role: st
   );
 }
 
-function TuneView() {
+export function TuneView() {
   useSettings();
   const { reachable: connected, standby } = useReadiness();
   const role = useStore((s) => s.role);
@@ -239,5 +238,3 @@ function TuneView() {
     </div>
   );
 }
-
-export const tunePanel: Panel = { id: 'tune', title: 'nav.tune', icon: 'tune', live: false, View: TuneView };

@@ -13,7 +13,6 @@ import { HoistPicture } from '../../ui/hoist_picture';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { StartEnd } from '../../ui/start_end';
-import type { Panel } from '../panel';
 
 /** Sizes that fit a room of 5 × 5 m; the server's own default for its scenario comes first. */
 const choices: readonly Exercise[] = [
@@ -24,7 +23,7 @@ const choices: readonly Exercise[] = [
 ];
 const markers: readonly TextKey[] = ['marker.help', 'marker.stumble', 'marker.rest', 'marker.good'];
 
-function WalkView() {
+export function WalkView() {
   useSettings();
   const { led, reachable, standby } = useReadiness();
   const exercise = useStore((s) => s.exercise);
@@ -112,5 +111,3 @@ function Time() {
     </div>
   );
 }
-
-export const walkPanel: Panel = { id: 'walk', title: 'nav.walk', icon: 'walk', live: true, View: WalkView };
