@@ -54,14 +54,16 @@ Outcome outcome_of(const CoreAnswer& answer) {
       break;
     case CoreAnswer::Kind::busy:
       outcome.detail = "The control core has not taken the last commands yet.";
+      outcome.reason = Reason::busy;
       break;
   }
   outcome.kind = Outcome::Kind::unreachable;
   return outcome;
 }
 
-Outcome invalid(std::vector<FieldError> errors, std::string detail) {
+Outcome invalid(std::vector<FieldError> errors, std::string detail, std::optional<Reason> reason = {}) {
   Outcome outcome;
+  outcome.reason = reason;
   outcome.kind = Outcome::Kind::invalid;
   outcome.errors = std::move(errors);
   outcome.detail = std::move(detail);
@@ -96,6 +98,20 @@ void set_values(Services& services, const Asker& asker, std::vector<std::pair<st
   });
 }
 }  // namespace
+
+Reason reason_of(const Outcome& outcome) {
+  if (outcome.reason) return *outcome.reason;
+  switch (outcome.kind) {
+    case Outcome::Kind::invalid:
+      return Reason::invalid;
+    case Outcome::Kind::unknown:
+      return Reason::unknown;
+    case Outcome::Kind::unreachable:
+      return Reason::no_core;
+    default:
+      return Reason::refused;
+  }
+}
 
 std::vector<std::string> refusal_names(std::uint32_t bits) {
   std::vector<std::string> names;
@@ -205,7 +221,7 @@ void act_measure(Services& services, const Asker& asker, const json& measured, O
     command.a = static_cast<std::uint32_t>(left ? contract::CalibrationPart::left_square : contract::CalibrationPart::right_square);
   }
   if (!errors.empty()) {
-    done(invalid(std::move(errors), "The measurement cannot be used."));
+    done(invalid(std::move(errors), "The measurement cannot be used.", Reason::measurement));
     return;
   }
   // The step under way names its range when the figure lies outside.
@@ -312,7 +328,7 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
     errors.push_back({"path", "belongs to the mode guided only"});
   }
   if (!exercise || !errors.empty()) {
-    Outcome outcome = invalid(std::move(errors), "The exercise cannot be used.");
+    Outcome outcome = invalid(std::move(errors), "The exercise cannot be used.", Reason::exercise);
     // Whoever wants to start is told everything that is in the way.
     if (*mode == contract::Mode::guided)
       outcome.refusals = refusal_names(blocked_bits(services) | contract::refusal_bit(contract::Refusal::exercise_limits));
@@ -387,7 +403,7 @@ void act_choose(Services& services, const json& exercise, OutcomeDone done) {
   std::vector<FieldError> errors;
   const auto chosen = read_exercise(exercise, errors);
   if (!chosen) {
-    done(invalid(std::move(errors), "The exercise cannot be used."));
+    done(invalid(std::move(errors), "The exercise cannot be used.", Reason::exercise));
     return;
   }
   const auto& newest = services.core.newest();

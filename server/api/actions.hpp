@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/api/exercise.hpp"
+#include "server/contract/reasons.hpp"
 #include "server/http/problem.hpp"
 #include "server/services.hpp"
 
@@ -19,10 +20,12 @@ struct Outcome {
   std::vector<std::string> refusals;  // names of the refusal table
   std::vector<FieldError> errors;
   std::string detail;
-  std::uint32_t epoch = 0;     // of a lease just taken
-  std::optional<bool> stored;  // of a change of settings: false = in force, and lost at the next start unless the disk takes it later
+  std::optional<Reason> reason;  // where `kind` does not say it all
+  std::uint32_t epoch = 0;       // of a lease just taken
+  std::optional<bool> stored;    // of a change of settings: false = in force, and lost at the next start unless the disk takes it later
   [[nodiscard]] bool done() const { return kind == Kind::done; }
 };
+[[nodiscard]] Reason reason_of(const Outcome& outcome);
 using OutcomeDone = std::function<void(const Outcome&)>;
 
 // Who asks: the number the core knows, the lease epoch it believes, the role.

@@ -122,6 +122,27 @@ std::string_view CoreDesk::problem() const {
   return link_.attached() ? "the control core is attached, but publishes nothing" : std::string_view{link_.last_error()};
 }
 
+std::optional<Reason> CoreDesk::reason() const {
+  if (problem().empty()) return std::nullopt;
+  if (link_.attached()) return Reason::core_silent;
+  switch (link_.problem()) {
+    case publish::LinkProblem::absent:
+      return Reason::core_absent;
+    case publish::LinkProblem::silent:
+      return Reason::core_silent;
+    case publish::LinkProblem::gone:
+      return Reason::core_gone;
+    case publish::LinkProblem::taken:
+      return Reason::core_taken;
+    case publish::LinkProblem::other_build:
+      return Reason::core_build;
+    case publish::LinkProblem::refused:
+      return Reason::core_refused;
+    default:
+      return Reason::core_unreachable;
+  }
+}
+
 bool CoreDesk::hand_holds(std::uint64_t within_ns) const {
   // On the core's clock, as the core judges it. An echo from the future is refused there, and so counts as no hand here.
   return hand_holds_ && newest_ && newest_->time_ns >= hand_ns_ && newest_->time_ns - hand_ns_ <= within_ns;

@@ -16,6 +16,7 @@
 #include "server/live/client.hpp"
 #include "server/live/notices.hpp"
 #include "server/live/views.hpp"
+#include "server/record/reason.hpp"
 
 namespace hoist::server {
 
@@ -48,7 +49,11 @@ json lease_json(const CoreDesk& core, std::uint32_t client) {
 
 json core_json(const CoreDesk& core) {
   const std::string_view problem = core.problem();
-  return {{"type", "core"}, {"connected", core.connected()}, {"problem", problem.empty() ? json(nullptr) : json(problem)}};
+  const auto reason = core.reason();
+  return {{"type", "core"},
+          {"connected", core.connected()},
+          {"problem", problem.empty() ? json(nullptr) : json(problem)},
+          {"reason_code", reason ? json(reason_name(*reason)) : json(nullptr)}};
 }
 
 json walk_json(const Walk& walk) {
@@ -72,7 +77,8 @@ json recording_json(const RecordingStatus& status) {
            {"started_utc_ms", nullptr},
            {"samples", status.samples},
            {"durable_tick", nullptr},
-           {"detail", status.detail}};
+           {"detail", status.detail},
+           {"reason_code", status.error ? json(reason_name(reason_of(*status.error))) : json(nullptr)}};
   if (status.session) out["session"] = *status.session;
   if (status.started_utc_ms) out["started_utc_ms"] = *status.started_utc_ms;
   if (status.durable_tick) out["durable_tick"] = *status.durable_tick;

@@ -15,6 +15,7 @@ import { StatusBar } from './ui/status_bar';
 import { StopButton } from './ui/stop_button';
 import { Strip } from './ui/strip';
 import { TrialBar } from './ui/trial_bar';
+import './app.css';
 
 /** The words of the language that this device begins with. */
 export const firstWords = new Lazy(() => loadLanguage(settings.value.language));

@@ -1,3 +1,6 @@
+// Before every other style: they build on it.
+import './style/tokens.css';
+import './style/base.css';
 import { render } from 'preact';
 import { App, firstWords } from './app';
 import { startLink } from './link/console';
@@ -6,9 +9,6 @@ import { readAddress } from './router';
 import { applySettings, settings } from './text/settings';
 // The dead-man comes with the page, not with a screen: whoever holds it must not depend on a file that was loaded later.
 import './ui/hold_to_go';
-import './style/base.css';
-import './style/shell.css';
-import './style/panels.css';
 
 applySettings();
 settings.subscribe(applySettings);

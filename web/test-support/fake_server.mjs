@@ -96,7 +96,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     for (const id of clients.keys()) tell({ type: 'lease', epoch: lease.epoch, holder: lease.holder, mine: lease.holder === id }, id);
   };
   const tellRecording = () =>
-    tell({ type: 'recording', state: hoist.session === null ? 'idle' : 'recording', session: hoist.session, started_utc_ms: Date.now(), samples: hoist.tick - hoist.sessionTick, durable_tick: hoist.tick, detail: '' });
+    tell({ type: 'recording', state: hoist.session === null ? 'idle' : 'recording', session: hoist.session, started_utc_ms: Date.now(), samples: hoist.tick - hoist.sessionTick, durable_tick: hoist.tick, detail: '', reason_code: null });
   const setMode = (mode) => {
     if (hoist.mode === mode) return;
     hoist.mode = mode;
@@ -348,7 +348,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     return 0.3 * Math.sin(20 * s + name.length);
   };
   const api = (request, url, body, send) => {
-    if (!signedIn) return send(401, { title: 'Not signed in', status: 401 });
+    if (!signedIn) return send(401, { type: '/problems/no-session', title: 'Not signed in', status: 401 });
     const path = url.pathname.replace('/api/v1', '');
     if (path === '/status') return send(200, { version: 'fake' });
     if (path === '/health') return send(200, { connected: true, nodes: [], bus: null, emergencies: hoist.tick < 100 ? [] : [{ node: 'io', time_ns: 5e8, age_s: 1, error_register: 0, emergency: { code: 0x8140 } }] });
@@ -378,7 +378,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     if (path === '/sessions') return send(200, { items: sessions, next: null });
     const [, id, rest] = /^\/sessions\/(\d+)(?:\/(\w+))?$/.exec(path) ?? [];
     const session = sessions.find((item) => item.id === Number(id));
-    if (session === undefined) return send(404, { title: 'Unknown', status: 404 });
+    if (session === undefined) return send(404, { type: '/problems/unknown', title: 'Unknown', status: 404 });
     if (rest === undefined && request.method === 'DELETE') {
       sessions.splice(sessions.indexOf(session), 1);
       return send(204, null);
@@ -386,7 +386,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     if (rest === undefined && request.method === 'PATCH') return send(200, Object.assign(session, JSON.parse(body)));
     if (rest === undefined) return send(200, session);
     if (rest === 'metrics')
-      return send(200, { C: 0.82, J_N: 6.1, reference_length_m: 11.4, duration_s: session.duration_s, motion_s: session.duration_s - 4, missing_s: session.id === 2 ? 0.3 : 0, distance_m: 25.8, mean_speed_m_s: 0.39, rms_position_m: 0.11, rms_heading_rad: 0.14, track: 'fused', exercise: session.exercise, reason_if_none: null });
+      return send(200, { C: 0.82, J_N: 6.1, reference_length_m: 11.4, duration_s: session.duration_s, motion_s: session.duration_s - 4, missing_s: session.id === 2 ? 0.3 : 0, distance_m: 25.8, mean_speed_m_s: 0.39, rms_position_m: 0.11, rms_heading_rad: 0.14, track: 'fused', exercise: session.exercise, reason_if_none: null, reason_code: null });
     if (rest === 'events')
       return send(200, { items: [{ time_s: 0, kind: 'mode_changed', name: 'user' }, { time_s: 12.3, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 50, value: 60 }, ...Array.from({ length: 20 }, (_, i) => ({ time_s: 40 + i, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 60 + i, value: 61 + i })), { time_s: 96, kind: 'fault_raised', name: 'stop_pressed' }], markers: [{ utc_ms: session.started_utc_ms + 31_000, text: 'Stumble' }], gaps: [] });
     if (rest === 'samples') {
@@ -425,7 +425,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       clients.set(id, { socket: ws });
       const send = (message) => ws.send(JSON.stringify(message));
       send({ type: 'welcome', client: id, role: 'engineer', version: 'fake', layout_hash: layoutHash, record_bytes: recordBytes, simulated: true, scenario: 'figure-eight' });
-      send({ type: 'core', connected: true, problem: null });
+      send({ type: 'core', connected: true, problem: null, reason_code: null });
       tellWalk(id);
       send({ type: 'parameters', version: hoist.version, values });
       send({ type: 'lease', epoch: lease.epoch, holder: lease.holder, mine: false });

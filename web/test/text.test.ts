@@ -38,8 +38,8 @@ describe('the message files', () => {
       .filter((file) => /\.tsx?$/.test(file) && !/^text\/(en|de|first)/.test(file))
       .map((file) => readFileSync(`src/${file}`, 'utf8'))
       .join('\n');
-    // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, role.R, unit.U.
-    const built = /^(exercise|priority|event|health\.part|refused|role|unit)\./;
+    // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, invalid.FIELD, role.R, unit.U.
+    const built = /^(exercise|priority|event|health\.part|refused|invalid|role|unit)\./;
     const unused = [...Object.keys(first.en), ...Object.keys(en)].filter((key) => !built.test(key) && !source.includes(`'${key}'`));
     expect(unused).toEqual([]);
   });

@@ -131,7 +131,7 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
           session: typeof message.session === 'number' ? message.session : null,
           started_utc_ms: started > 0 ? started : null,
           samples: Number(message.samples ?? 0),
-          detail: String(message.detail ?? ''),
+          reason: typeof message.reason_code === 'string' ? message.reason_code : null,
         },
       });
       break;
@@ -148,7 +148,7 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
       break;
     }
     case 'core':
-      store.set({ coreConnected: message.connected === true, coreProblem: typeof message.problem === 'string' ? message.problem : null });
+      store.set({ coreConnected: message.connected === true, coreReason: typeof message.reason_code === 'string' ? message.reason_code : null });
       break;
     case 'event': {
       const line: LogLine = {

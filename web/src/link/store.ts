@@ -9,7 +9,8 @@ export interface Recording {
   session: number | null;
   started_utc_ms: number | null;
   samples: number;
-  detail: string;
+  /** Why it failed: a row of the table of reasons. */
+  reason: string | null;
 }
 export interface LogLine {
   time_ns: number;
@@ -54,8 +55,8 @@ export interface State {
   begun: Exercise | GuidedPath | null;
   /** Null: not told yet. */
   coreConnected: boolean | null;
-  /** Why it is not connected, in the server's words. */
-  coreProblem: string | null;
+  /** Why it is not connected: a row of the table of reasons. */
+  coreReason: string | null;
   parameters: Record<string, number>;
   parameterVersion: number;
   lease: { epoch: number; holder: number; mine: boolean };
@@ -126,12 +127,12 @@ export const initial: State = {
   exercise: { shape: 'eight', c_m: 1.0, radius_m: 0.8 },
   begun: null,
   coreConnected: null,
-  coreProblem: null,
+  coreReason: null,
   parameters: {},
   parameterVersion: 0,
   lease: { epoch: 0, holder: 0, mine: false },
   leaseTaken: false,
-  recording: { state: 'idle', session: null, started_utc_ms: null, samples: 0, detail: '' },
+  recording: { state: 'idle', session: null, started_utc_ms: null, samples: 0, reason: null },
   mode: 'init',
   faultBits: 0,
   stopCause: 0,

@@ -5,6 +5,7 @@ import { live, useFrame } from '../link/live';
 import type { Exercise } from '../contract/messages.gen';
 import { fixed, t } from '../text/text';
 import { fit, onScreen, patternPoints, type Frame, type Point } from './geometry';
+import './floor_view.css';
 
 /** Reads the colours of the style sheet, so that light and dark are decided in one place. */
 function colours(element: Element) {

@@ -4,6 +4,7 @@ import type { TickRecord } from '../contract/signals.gen';
 import { live, useFrame } from '../link/live';
 import { useStore } from '../link/store';
 import { degrees, t } from '../text/text';
+import './hoist_picture.css';
 
 /** Share of the picture that a full wish covers; drawn larger than life, because 14 cm would hardly show. */
 const fullLean_px = 58;

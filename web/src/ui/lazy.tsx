@@ -1,6 +1,7 @@
 // Code that is loaded when it is first needed, and what stands there until it has come or when it does not come.
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../text/text';
+import './lazy.css';
 
 export type LazyState<T> = { state: 'loading' } | { state: 'failed' } | { state: 'ready'; value: T };
 

@@ -7,6 +7,7 @@ import type { Reply } from '../link/socket';
 import { t } from '../text/text';
 import { FirmStart } from './firm_click';
 import type { Request } from './refusal';
+import './motion.css';
 
 /** Less than this from the start mark, going on and starting again are the same. */
 const underWay_m = 0.1;

@@ -8,6 +8,7 @@ import { useStore } from '../link/store';
 import { languages, settings, useSettings, type Language, type Theme } from '../text/settings';
 import { chooseLanguage, duration, fixed, noValue, t, words } from '../text/text';
 import { Icon } from './icons';
+import './status_bar.css';
 
 const themes: readonly { id: Theme; key: 'bar.themeAuto' | 'bar.themeLight' | 'bar.themeDark' }[] = [
   { id: 'auto', key: 'bar.themeAuto' },

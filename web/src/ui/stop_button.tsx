@@ -4,6 +4,7 @@ import { stop } from '../link/console';
 import { useStore } from '../link/store';
 import { useSettings } from '../text/settings';
 import { t } from '../text/text';
+import './stop_button.css';
 
 /** Where keys write. */
 export function isTyping(target: EventTarget | null): boolean {

@@ -17,6 +17,7 @@ import { addressOf, go } from '../../router';
 import type { PanelProps } from '../panel';
 import { entry, nowKey, phaseNames, resultOf, stepNames, stepsFor, watched, type Change, type Now, type Step, type StepName, type Table } from './model';
 import { StepPicture } from './picture';
+import './calibrate.css';
 
 const confirmHold_ms = 2000;
 

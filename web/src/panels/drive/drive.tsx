@@ -13,6 +13,7 @@ import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, reasons, refused, useRequest } from '../../ui/refusal';
 import { SlowLink } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
+import './drive.css';
 
 const limits = [
   { key: 'drive.slow', speed_m_s: 0.15 },

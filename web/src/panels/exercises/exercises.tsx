@@ -15,6 +15,7 @@ import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { SlowLink, tooSlowText } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
 import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, withinCap, type Plan, type Shape, type Stepped } from './plan';
+import './exercises.css';
 
 /** Kept while the console is open, also when another screen is looked at meanwhile. */
 let kept: Plan = firstPlan;

@@ -6,7 +6,7 @@ import { live, useReading } from '../../link/live';
 import { useReadiness } from '../../link/readiness';
 import { useStore, type Emergency, type LogLine } from '../../link/store';
 import type { TextKey } from '../../text/en';
-import { serverText } from '../../text/server';
+import { reasonText } from '../../text/server';
 import { useSettings } from '../../text/settings';
 import { duration, fixed, t, textOf, words } from '../../text/text';
 import { emergencyInfo, hex } from '../../ui/device';
@@ -15,6 +15,7 @@ import { Scroll } from '../../ui/scroll';
 import { Line } from './line';
 import { Loop } from './loop';
 import { nodeView, partNames, tick_ms, type NodeView } from './nodes';
+import './health.css';
 
 const bumperKeys: readonly TextKey[] = ['health.bumper.front', 'health.bumper.rear', 'health.bumper.left', 'health.bumper.right'];
 
@@ -196,7 +197,7 @@ export function HealthView() {
         <Line label={t('health.lost')} value={fixed(live.lost, 0)} />
         <Line label={t('health.refusedCommands')} value={fixed(r?.commands_refused, 0)} />
         <Line label={t('health.role')} value={textOf(`role.${role}`) ?? '–'} />
-        <Line label={t('health.recording')} value={silent ? '–' : recording.state === 'recording' ? t('sessions.one', { n: recording.session ?? '–' }) : recording.state === 'failed' ? serverText(recording.detail) ?? t('bar.recordingFailed') : t('bar.recordingOff')} />
+        <Line label={t('health.recording')} value={silent ? '–' : recording.state === 'recording' ? t('sessions.one', { n: recording.session ?? '–' }) : recording.state === 'failed' ? (reasonText(recording.reason) ?? t('bar.recordingFailed')) : t('bar.recordingOff')} />
         <Line label={t('health.version')} value={version || '–'} />
       </section>
       <Loop r={r} />

@@ -7,6 +7,7 @@ import { useSettings } from '../../text/settings';
 import { plain, shownAs, t, words, withUnit } from '../../text/text';
 import { strips, type Curve } from './curves';
 import { zigzag, type Samples } from './model';
+import './chart.css';
 
 /** Distinguishable without colour too: the dash differs. */
 const dashes: readonly number[][] = [[], [8, 4], [2, 3], [10, 3, 2, 3]];

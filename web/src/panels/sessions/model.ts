@@ -35,7 +35,8 @@ export interface Metrics {
   /** Which track was compared: with slip repaired, or the encoders' own. */
   track: 'fused' | 'encoders';
   exercise: Exercise | null;
-  reason_if_none: string | null;
+  /** Why there is no comparison with a plan: a row of the table of reasons. */
+  reason_code: string | null;
 }
 export interface SampleColumn {
   name: SignalName;

@@ -6,9 +6,9 @@ import { notify } from '../../link/console';
 import { rest, type Answer, type Problem } from '../../link/rest';
 import type { Exercise } from '../../contract/messages.gen';
 import { useStore } from '../../link/store';
-import { serverText } from '../../text/server';
+import { problemText, reasonText } from '../../text/server';
 import { useSettings } from '../../text/settings';
-import { date, degrees, duration, fixed, refusalText, t, words } from '../../text/text';
+import { date, degrees, duration, fixed, t, words } from '../../text/text';
 import { fit, patternPoints, type Point } from '../../ui/geometry';
 import { drawFloor } from '../../ui/floor_view';
 import { Scroll } from '../../ui/scroll';
@@ -18,6 +18,8 @@ import { addressOf, go } from '../../router';
 import type { PanelProps } from '../panel';
 import { curves } from './curves';
 import { continued, pathOf, refreshed, story, type Metrics, type Samples, type Session, type SessionEvents, type SessionPage } from './model';
+import '../../ui/reading.css';
+import './sessions.css';
 
 /** A deleted session can be taken back this long; only then is the server asked. */
 const undoDelete_ms = 6000;
@@ -34,9 +36,6 @@ const subjectMost = 64;
 const noteMost = 500;
 /** Columns that a session does not have are refused with this; anything else is a failure. */
 const unprocessable = 422;
-
-const problemText = (problem: Problem) =>
-  problem.refusals.length > 0 ? problem.refusals.map(refusalText).join(' ') : (serverText(problem.detail, problem.title) ?? t('sessions.failed'));
 
 function exerciseName(exercise: Exercise | null): string {
   return exercise === null ? t('exercise.free') : t(`exercise.${exercise.shape}`);
@@ -394,7 +393,7 @@ function Figures({ metrics }: { metrics: Metrics | null }) {
       </div>
       {m && m.missing_s > 0 ? <p class="hint">{t('metric.missing', { s: fixed(m.missing_s, m.missing_s < 10 ? 1 : 0) })}</p> : null}
       {m ? <p class="hint">{t(m.track === 'fused' ? 'metric.trackFused' : 'metric.trackEncoders')}</p> : null}
-      {m?.reason_if_none ? <p class="hint">{t('metric.none')}{((why) => (why === null ? '.' : `: ${why}`))(serverText(m.reason_if_none))}</p> : null}
+      {m?.reason_code ? <p class="hint">{t('metric.none')}{((why) => (why === null ? '.' : `: ${why}`))(reasonText(m.reason_code))}</p> : null}
     </>
   );
 }

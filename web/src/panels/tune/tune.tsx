@@ -10,6 +10,8 @@ import { plain, readNumber, shownAs, t, words, withUnit } from '../../text/text'
 import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
 import { groups, niceStep, type Group } from './groups';
+import '../../ui/motion.css';
+import './tune.css';
 
 /** A slider that is being drawn sends no more often than this. */
 const debounce_ms = 200;

@@ -13,6 +13,7 @@ import { HoistPicture } from '../../ui/hoist_picture';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { StartEnd } from '../../ui/start_end';
+import './walk.css';
 
 /** Sizes that fit a room of 5 × 5 m; the server's own default for its scenario comes first. */
 const choices: readonly Exercise[] = [
