@@ -6,8 +6,7 @@ import { chromium, type Browser, type Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { build } from 'vite';
 import { de } from '../src/text/de';
-// @ts-expect-error: plain JavaScript
-import { startFakeServer } from '../test-support/fake_server.mjs';
+import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
 
 const sizes = [[1280, 800], [1024, 768], [390, 844], [640, 360]] as const;
 const looks = [['light', 'en'], ['dark', 'de']] as const;
@@ -16,7 +15,7 @@ const minutes_ms = 120_000;
 
 let folder: string;
 let browser: Browser;
-let fake: Awaited<ReturnType<typeof startFakeServer>>;
+let fake: FakeServer;
 
 beforeAll(async () => {
   folder = mkdtempSync(`${tmpdir()}/hoist-screens-`);

@@ -17,8 +17,8 @@ export interface Request {
   /** The last answer, while it is a refusal that nobody has closed. */
   reply: Reply | null;
   /** Sends and waits; whether it was done. */
-  ask(what: () => Promise<Reply>): Promise<boolean>;
-  forget(): void;
+  ask: (what: () => Promise<Reply>) => Promise<boolean>;
+  forget: () => void;
 }
 export function useRequest(): Request {
   const [under_way, setUnderWay] = useState(0);

@@ -64,7 +64,7 @@ export function pathOf(plan: Plan): GuidedPath {
 /** The figure alone, for drawing and recording. */
 export function exerciseOf(plan: Plan): Exercise {
   const { speed_m_s: _speed, laps: _laps, ...figure } = pathOf(plan);
-  return figure as Exercise;
+  return figure;
 }
 
 export function length_m(plan: Plan): number {

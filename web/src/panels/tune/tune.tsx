@@ -211,7 +211,7 @@ export function TuneView() {
   const list = groups();
   const differing = list.flatMap((group) => group.rows).filter((row) => values[row.name] !== undefined && !same(values[row.name]!, row.default)).length;
   const inForce = (preset: (typeof presets)[number]) =>
-    Object.entries(preset.values).every(([name, value]) => values[name] !== undefined && same(values[name]!, value));
+    Object.entries(preset.values).every(([name, value]) => values[name] !== undefined && same(values[name], value));
   const choose = async (preset: (typeof presets)[number]) => {
     if (await request.ask(() => applyPreset(preset.name))) notify('info', t('tune.presetApplied', { name: words(preset.title) }), true);
   };
