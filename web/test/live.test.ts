@@ -22,11 +22,12 @@ describe('Live', () => {
     const reloaded = new Live();
     there.takeWalk(walk({ tick: 0, motion_s: 0, mark, x_m: [0], y_m: [0] }));
     const steps = Array.from({ length: 9000 }, (_, i) => record({ tick: i + 1, time_ns: (i + 1) * 1e7, fused_x_m: 0.007 * (i + 1), fused_y_m: Math.sin(i / 300), mode: user }));
-    there.take(steps.slice(0, 5000), 0);
+    there.take(steps.slice(0, 7000), 0);
+    expect(there.path.step_m).toBeCloseTo(0.04);
     // What a server with the same rule tells; the frame that is still on its way counts once.
-    reloaded.takeWalk(walk({ tick: 5000, motion_s: there.motion_s, mark, step_m: there.path.step_m, x_m: there.path.x, y_m: there.path.y }));
-    reloaded.take(steps.slice(4997, 5000), 0);
-    for (const live of [there, reloaded]) live.take(steps.slice(5000), 0);
+    reloaded.takeWalk(walk({ tick: 7000, motion_s: there.motion_s, mark, step_m: there.path.step_m, x_m: there.path.x, y_m: there.path.y }));
+    reloaded.take(steps.slice(6997, 7000), 0);
+    for (const live of [there, reloaded]) live.take(steps.slice(7000), 0);
     expect(reloaded.path.x).toEqual(there.path.x);
     expect(reloaded.path.y).toEqual(there.path.y);
     expect(there.path.x.length).toBeLessThan(2048);
@@ -72,6 +73,9 @@ describe('Live', () => {
     live.takeWalk(walk({ tick: 2, motion_s: 0, mark, x_m: [0], y_m: [0] }));
     live.take([record({ tick: 3, time_ns: 5.5e9, mode: user }), record({ tick: 4, time_ns: 9e9 }), record({ tick: 5, time_ns: 20e9, mode: user })], 0);
     expect(live.motion_s).toBeCloseTo(3.5, 9);
+    const late = new Live();
+    late.takeWalk(walk({ tick: 9, x_m: [0], y_m: [0] }));
+    expect(late.motion_s).toBeNaN();
   });
 });
 

@@ -55,12 +55,17 @@ describe('the message files', () => {
 });
 
 describe('the tables', () => {
+  const all = [...faults.flatMap((row) => [row.text, row.action]), ...refusals.map((row) => row.text), ...modes.map((row) => row.title), ...params.flatMap((row) => [row.title, row.effect])];
+
   it('have words in both languages', () => {
-    const all = [...faults.flatMap((row) => [row.text, row.action]), ...refusals.map((row) => row.text), ...modes.map((row) => row.title), ...params.flatMap((row) => [row.title, row.effect])];
     for (const text of all) {
       expect(text.en).not.toBe('');
       expect(text.de).not.toBe('');
     }
+  });
+
+  it('and the message files call the hoist "Gerät" in German', () => {
+    for (const text of [...Object.values(de), ...all.map((row) => row.de)]) expect(text).not.toMatch(/hilfe\b|Apparat/i);
   });
 
   it('explain every refusal, also one that this page does not know', () => {
