@@ -375,7 +375,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       stopNow();
       return send(200, { ok: true });
     }
-    if (path === '/sessions') return send(200, { items: sessions, next: null });
+    if (path === '/sessions') return send(200, { items: sessions.filter(({ subject }) => (subject ?? '').includes(url.searchParams.get('q') ?? '')), next: null });
     const [, id, rest] = /^\/sessions\/(\d+)(?:\/(\w+))?$/.exec(path) ?? [];
     const session = sessions.find((item) => item.id === Number(id));
     if (session === undefined) return send(404, { type: '/problems/unknown', title: 'Unknown', status: 404 });
