@@ -9,7 +9,7 @@ namespace {
 constexpr double kStep_s = 0.001;
 constexpr double kThought_s = 0.010;
 constexpr double kWaitsBeforeSettingOff_s = 1.0;
-/// Brief for the simulator: "moves more than 2 cm without own lean", "does not follow a lean within about 2.5 s".
+/// The hoist moved more than 2 cm without a lean, or did not follow one within about 2.5 s (assumed).
 constexpr double kMovedByItself_m = 0.02;
 constexpr double kIgnoredLean_m = 0.05;
 constexpr double kIgnoredTime_s = 2.5;
@@ -29,7 +29,7 @@ constexpr double kHelpedAfter_s = 3.0;
 /// Full sway from this speed on; below, steps are small, and a standing patient is still.
 constexpr double kFullGait_m_s = 0.15;
 constexpr double kGaitLag_s = 0.3;
-/// Pendulum of 1 m for the stumble (research/safety 2.1) and the most that a body hanging over pushes.
+/// Pendulum of 1 m for the stumble (SOURCES 2.1) and the most that a body hanging over pushes.
 constexpr double kPendulum_m = 1.0;
 constexpr double kFallPush_m_s2 = 2.5;
 /// Legs give way within this time; then the weight pulls forward.
@@ -375,7 +375,7 @@ void Patient::step_1ms(const PatientSenses& senses) {
   yaw_rate_rad_s_ += yaw_rad_s2 * kStep_s;
   yaw_rad_ += yaw_rate_rad_s_ * kStep_s;
 
-  // Gait on top. Lateral and yaw swing once a stride, forward twice (anatomy: research/paper 5).
+  // Gait on top. Lateral and yaw swing once a stride, forward twice (anatomy: SOURCES 3).
   gait_norm_ += (gait_goal_norm_ - gait_norm_) * (kStep_s / kGaitLag_s);
   HarnessMotion next{x_m_, y_m_, yaw_rad_, x_rate_m_s_, y_rate_m_s_, yaw_rate_rad_s_};
   if (gait_norm_ > 1e-4) {

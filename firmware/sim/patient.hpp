@@ -1,5 +1,5 @@
 // A walking patient between the struts: a body of some mass with legs that push, eyes that follow a line on the floor, and a reaction
-// time. Model and figures: research/paper 5 ("patient 75 kg, leg force <= 70 N, reaction 0.2 s, pelvis yaw lag 0.25 s, ..."), which are
+// time. Model and figures: SOURCES 3 ("patient 75 kg, leg force <= 70 N, reaction 0.2 s, pelvis yaw lag 0.25 s, ..."), which are
 // assumptions about people, not measurements of these patients.
 //
 // Nobody tells the patient who leads. When the drives release their brakes the patient stands a second. If the hoist then moves off by itself,

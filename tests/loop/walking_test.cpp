@@ -75,7 +75,7 @@ TEST(Walking, TwoLapsOfTheEightCorrelateAndStayOnTheLine) {
   set_pose_of_figure(loop);
   const EightResult result = walk_two_laps(loop);
   ASSERT_TRUE(result.evaluation.c && result.evaluation.ise);
-  // Tables II and III for user control: C 0.87, J 6.7; the independent model: C 0.80 to 0.83, J 5.4 to 7.4 (design 6).
+  // Tables II and III for user control: C 0.87, J 6.7; the independent model: C 0.80 to 0.83, J 5.4 to 7.4 (SOURCES 3).
   EXPECT_GE(*result.evaluation.c, 0.75);
   EXPECT_LE(result.evaluation.ise->j, 15.0);
   EXPECT_LT(result.seconds, 150.0);
@@ -181,7 +181,7 @@ TEST(Walking, TheSameWithEveryFrameStuffedToItsLongest) {
   EXPECT_LT(load, 0.60);  // bus plan: 46.8 % with the strut's rates off, the chassis' on top
 }
 
-// Design 6: 90 % of the wish after 3.2 / 4.7 / 6.1 s with a largest lean of 8.6 / 9.1 / 9.8 degrees, on the independent model. This
+// SOURCES 3: 90 % of the wish after 3.2 / 4.7 / 6.1 s with a largest lean of 8.6 / 9.1 / 9.8 degrees, on the independent model. This
 // patient is another model, so a fifth more is allowed; the fall guard's 10 degrees plus the filter's error is the hard limit.
 struct StraightCase {
   double wish_m_s;

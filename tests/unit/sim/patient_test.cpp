@@ -272,7 +272,7 @@ TEST(Patient, SwayGrowsWithSpeedAndSwingsTwiceForwardForOnceSideways) {
   EXPECT_NEAR(crossings_forward, 23, 3);
 }
 
-// What the fall guards of the core must catch: past 10 degrees with more than 25 deg/s outward (research/safety 2.1).
+// What the fall guards of the core must catch: past 10 degrees with more than 25 deg/s outward (SOURCES 2.1).
 void expect_fall(void (Patient::*how)(), double within_s) {
   Stage stage;
   stage.released = stage.follows = true;
