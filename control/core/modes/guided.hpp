@@ -77,9 +77,9 @@ struct GuidedMode {
       lag_rad = way * (d.neutral.dpsi0_rad - pelvis.dpsi_rad) * d.geometry.strut_spacing_m / d.geometry.strut_length_m;  // (3)
       rate_rad_s = way * (left_rad_s - right_rad_s) / 2;
     }
-    const contract::Params& p = state.params;
-    const double stop_rad = least(p.guided_lag_stop_rad, kBelowHanging_norm * p.hang_tilt_rad);
-    return law::patient_lag_step<double>({p.guided_lag_start_rad, stop_rad}, run.share_norm(), lag_rad, rate_rad_s, dt_s);
+    law::PatientLagConfig<double> config{state.params.guided_lag_start_rad};
+    config.stop_rad = least(config.stop_rad, kBelowHanging_norm * state.params.hang_tilt_rad);
+    return law::patient_lag_step(config, run.share_norm(), lag_rad, rate_rad_s, dt_s);
   }
 
   static Wish leave(CoreState& state, contract::GuidedEnd reason) noexcept {

@@ -86,7 +86,7 @@ function slowPart(record: TickRecord) {
     silentNodes: silentNodes(record),
     blockedBits: record.blocked_bits,
     standingStill: record.standing_still === 1,
-    waitsForPatient: record.guided_phase === guidedWaits,
+    waits: record.guided_phase === guidedWaits,
     sensed: record.bus_up === 1 && sensors.every((name) => record[`${name}_age_ticks`] < silentTicks),
     bumpers: record.bumpers,
     bumpersHeld: (record.bumpers & ~record.bumpers_acknowledged) === 0,

@@ -30,7 +30,7 @@ export interface Readiness {
 
 type Known = Pick<
   State,
-  | 'link' | 'everOpen' | 'data' | 'coreConnected' | 'role' | 'mode' | 'blockedBits' | 'standingStill' | 'waitsForPatient' | 'sensed' | 'bumpers' | 'bumpersHeld' | 'lease' | 'rtt_s' | 'silentNodes'
+  | 'link' | 'everOpen' | 'data' | 'coreConnected' | 'role' | 'mode' | 'blockedBits' | 'standingStill' | 'waits' | 'sensed' | 'bumpers' | 'bumpersHeld' | 'lease' | 'rtt_s' | 'silentNodes'
 >;
 
 const tooSlow_s = 0.3;
@@ -64,7 +64,7 @@ function calmOf(s: Known, start: readonly string[]): TextKey {
     case 'remote':
       return s.bumpers !== 0 ? 'strip.offBumper' : s.lease.mine ? 'strip.driving' : 'strip.drivingOther';
     case 'guided':
-      return s.waitsForPatient ? 'strip.waitsForPatient' : s.lease.mine ? 'strip.guiding' : 'strip.drivingOther';
+      return s.waits ? 'strip.waits' : s.lease.mine ? 'strip.guiding' : 'strip.drivingOther';
     case 'init':
       return s.silentNodes === '' ? 'strip.starting' : 'strip.waiting';
     case 'calibrate':

@@ -75,7 +75,7 @@ export interface State {
   blockedBits: number;
   standingStill: boolean;
   /** In an exercise: the patient lags, and the hoist goes slowly or stands until he has caught up. */
-  waitsForPatient: boolean;
+  waits: boolean;
   /** Bus, drives and tilt sensors are heard: what is shown of them is of now. */
   sensed: boolean;
   bumpers: number;
@@ -140,7 +140,7 @@ export const initial: State = {
   silentNodes: '',
   blockedBits: 0,
   standingStill: true,
-  waitsForPatient: false,
+  waits: false,
   sensed: true,
   bumpers: 0,
   bumpersHeld: true,

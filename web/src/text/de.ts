@@ -52,7 +52,7 @@ export const de: Table = {
   'strip.walking': 'Der Patient führt das Gerät.',
   'strip.driving': 'Sie führen das Gerät mit dem Joystick.',
   'strip.guiding': 'Das Gerät fährt die Übung, solange Sie den Knopf halten.',
-  'strip.waitsForPatient': 'Das Gerät wartet auf den Patienten.',
+  'strip.waits': 'Das Gerät wartet auf den Patienten.',
   'strip.drivingOther': 'Jemand anderes fährt das Gerät.',
   'strip.offBumper': 'Ein Stoßfänger berührt etwas: nur langsam gerade davon wegfahren.',
   'strip.starting': 'Das Gerät startet …',

@@ -53,7 +53,7 @@ export const en = {
   'strip.walking': 'The patient leads the hoist.',
   'strip.driving': 'You lead the hoist with the joystick.',
   'strip.guiding': 'The hoist drives the exercise while you hold the button.',
-  'strip.waitsForPatient': 'The hoist waits for the patient.',
+  'strip.waits': 'The hoist waits for the patient.',
   'strip.drivingOther': 'Someone else drives the hoist.',
   'strip.offBumper': 'A bumper touches something: drive slowly straight away from it.',
   'strip.starting': 'The hoist is starting …',

@@ -23,7 +23,7 @@ const order: readonly { title: TextKey; names: readonly ParamName[] }[] = [
     ],
   },
   { title: 'tune.group.patient', names: ['speed_cap_norm', 'neutral_lean_m', 'neutral_turn_rad', 'neutral_start_tolerance_norm'] },
-  { title: 'tune.group.drive', names: ['remote_speed_m_s_max', 'remote_yaw_rate_rad_s_max', 'remote_slow_age_s', 'remote_stop_age_s', 'guided_length_m_max', 'guided_deviation_m_max', 'guided_lag_start_rad', 'guided_lag_stop_rad'] },
+  { title: 'tune.group.drive', names: ['remote_speed_m_s_max', 'remote_yaw_rate_rad_s_max', 'remote_slow_age_s', 'remote_stop_age_s', 'guided_length_m_max', 'guided_deviation_m_max', 'guided_lag_start_rad'] },
   {
     title: 'tune.group.limits',
     names: [
