@@ -4,7 +4,10 @@ import tseslint from 'typescript-eslint';
 
 /** Only link/ writes what the console knows; everything else reads `store`. */
 const writer = { group: ['**/link/store'], importNames: ['writable'], message: 'Only link/ writes the store.' };
-const above = (...folders) => ({ group: folders.map((folder) => `**/${folder}/**`), message: 'This layer does not know the one above it (web/README.md).' });
+const above = (...folders) => ({
+  group: folders.map((folder) => `**/${folder}/**`),
+  message: 'This layer does not know the one above it (web/README.md).',
+});
 const limits = (files, ...patterns) => ({ files, rules: { 'no-restricted-imports': ['error', { patterns }] } });
 
 export default tseslint.config(
@@ -26,8 +29,26 @@ export default tseslint.config(
   limits(['src/link/**'], above('ui', 'panels')),
   limits(['src/text/**'], writer, above('ui', 'panels')),
   limits(['src/ui/**'], writer, above('panels')),
-  limits(['src/panels/*/**'], writer, { regex: '^\\.\\./(?!\\.\\.|panel$)', message: 'A screen does not know another screen: what both need belongs to ui/.' }),
+  limits(['src/panels/*/**'], writer, {
+    regex: '^\\.\\./(?!\\.\\.|panel$)',
+    message: 'A screen does not know another screen: what both need belongs to ui/.',
+  }),
   // Plain JavaScript of the builder and of the stand-in server: without types.
   { files: ['**/*.{js,mjs}', 'vite.config.ts'], ...tseslint.configs.disableTypeChecked },
-  { files: ['**/*.{js,mjs}'], languageOptions: { globals: { console: 'readonly', process: 'readonly', Buffer: 'readonly', URL: 'readonly', document: 'readonly', setInterval: 'readonly', clearInterval: 'readonly', performance: 'readonly' } }, rules: { 'no-console': 'off' } },
+  {
+    files: ['**/*.{js,mjs}'],
+    languageOptions: {
+      globals: {
+        console: 'readonly',
+        process: 'readonly',
+        Buffer: 'readonly',
+        URL: 'readonly',
+        document: 'readonly',
+        setInterval: 'readonly',
+        clearInterval: 'readonly',
+        performance: 'readonly',
+      },
+    },
+    rules: { 'no-console': 'off' },
+  },
 );

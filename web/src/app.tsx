@@ -129,7 +129,7 @@ function Notices() {
   return (
     <div class="notices" role="status" aria-live="polite">
       {[...notices].reverse().map((notice) => {
-        const text = notice.plain ? notice.text : textOf(notice.text) ?? textOf(`refused.${notice.text}`) ?? textOf('refused.unknown');
+        const text = notice.plain ? notice.text : (textOf(notice.text) ?? textOf(`refused.${notice.text}`) ?? textOf('refused.unknown'));
         return (
           <div key={notice.id} class={`notice ${notice.level}`}>
             {text}
@@ -140,7 +140,10 @@ function Notices() {
   );
 }
 
-const timers = { once: (call: () => void, after_ms: number) => window.setTimeout(call, after_ms), cancel: (timer: number) => window.clearTimeout(timer) };
+const timers = {
+  once: (call: () => void, after_ms: number) => window.setTimeout(call, after_ms),
+  cancel: (timer: number) => window.clearTimeout(timer),
+};
 
 /** The question before control is taken from somebody else. */
 function useTakeOver(): { asking: boolean; answer: (yes: boolean) => void } {

@@ -11,8 +11,21 @@ const firstLoad_bytes_max = 70_000;
 const screen_bytes_max = 30_000;
 /** Whoever leads or stops a hoist must not wait for a file: all this comes with the page itself. */
 const vital = [
-  'ui/stop_button.tsx', 'ui/strip.tsx', 'ui/status_bar.tsx', 'ui/alarms.ts', 'ui/hand.ts', 'ui/hold_to_run.ts', 'ui/hold_button.tsx', 'ui/hold_to_go.tsx', 'ui/lazy.tsx',
-  'link/console.ts', 'link/socket.ts', 'link/live.ts', 'link/readiness.ts', 'text/first.ts', 'contract/faults.gen.ts',
+  'ui/stop_button.tsx',
+  'ui/strip.tsx',
+  'ui/status_bar.tsx',
+  'ui/alarms.ts',
+  'ui/hand.ts',
+  'ui/hold_to_run.ts',
+  'ui/hold_button.tsx',
+  'ui/hold_to_go.tsx',
+  'ui/lazy.tsx',
+  'link/console.ts',
+  'link/socket.ts',
+  'link/live.ts',
+  'link/readiness.ts',
+  'text/first.ts',
+  'contract/faults.gen.ts',
 ];
 
 interface Chunk {

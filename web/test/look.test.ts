@@ -5,7 +5,9 @@ import { stepTo } from '../src/ui/radio_keys';
 
 const css = readFileSync('src/style/tokens.css', 'utf8');
 const luminance = (hex: string) => {
-  const [r = 0, g = 0, b = 0] = [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255).map((x) => (x <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4));
+  const [r = 0, g = 0, b = 0] = [1, 3, 5]
+    .map((at) => parseInt(hex.slice(at, at + 2), 16) / 255)
+    .map((x) => (x <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4));
   return 0.2126 * r + 0.7152 * g + 0.0722 * b;
 };
 /** WCAG 2.2, contrast ratio. */
@@ -45,8 +47,11 @@ describe('style sheets', () => {
     for (const file of sheets)
       for (const [, selector, body] of readFileSync(`src/${file}`, 'utf8').matchAll(/([^{}]+)\{([^{}]*)\}/g)) {
         if (/stop-word|p-text/.test(selector!)) continue;
-        for (const [line, name, value] of body!.matchAll(/^\s*(font|font-size|border-radius|padding[\w-]*|margin[\w-]*|gap|row-gap|column-gap): ([^;]*);/gm))
-          if (!value!.includes('calc') && [...value!.matchAll(/([\d.]+)px/g)].some(([, px]) => name!.startsWith('font') || Number(px) <= largest_px)) written.push(`${file}:${line}`);
+        for (const [line, name, value] of body!.matchAll(
+          /^\s*(font|font-size|border-radius|padding[\w-]*|margin[\w-]*|gap|row-gap|column-gap): ([^;]*);/gm,
+        ))
+          if (!value!.includes('calc') && [...value!.matchAll(/([\d.]+)px/g)].some(([, px]) => name!.startsWith('font') || Number(px) <= largest_px))
+            written.push(`${file}:${line}`);
       }
     expect(written).toEqual([]);
   });

@@ -17,7 +17,10 @@ let asked: string[];
 beforeAll(async () => {
   folder = mkdtempSync(`${tmpdir()}/hoist-pieces-`);
   await build({ logLevel: 'silent', build: { outDir: folder, emptyOutDir: true } });
-  browser = await chromium.launch({ executablePath: process.env.CHROME_PATH ?? '/usr/bin/chromium', args: ['--no-sandbox', '--disable-gpu', '--no-first-run'] });
+  browser = await chromium.launch({
+    executablePath: process.env.CHROME_PATH ?? '/usr/bin/chromium',
+    args: ['--no-sandbox', '--disable-gpu', '--no-first-run'],
+  });
 }, minutes_ms);
 afterAll(async () => {
   await browser?.close();
@@ -60,7 +63,8 @@ describe('a page in pieces', { timeout: minutes_ms }, () => {
 
   it.each(['tune', 'sessions', 'health'])('goes on without the screen %s: it says what to do, STOP acts, nothing moves', async (screen) => {
     await without(screen);
-    const boxes = () => page.locator('.bar, .strip, .nav, .main, .stop').evaluateAll((all) => all.map((one) => one.getBoundingClientRect().toJSON() as object));
+    const boxes = () =>
+      page.locator('.bar, .strip, .nav, .main, .stop').evaluateAll((all) => all.map((one) => one.getBoundingClientRect().toJSON() as object));
     await page.goto(`${fake.url}#/walk`);
     await page.locator('.mode-standby').waitFor();
     const before = await boxes();
@@ -74,7 +78,9 @@ describe('a page in pieces', { timeout: minutes_ms }, () => {
 
   it('asks for one language, and loads the other screens ahead', async () => {
     await page.goto(`${fake.url}#/walk`);
-    await expect.poll(() => asked.filter((path) => /\/assets\/(drive|exercises|tune|sessions|calibrate|health)-.*\.js$/.test(path)).length, { timeout: 20_000 }).toBe(6);
+    await expect
+      .poll(() => asked.filter((path) => /\/assets\/(drive|exercises|tune|sessions|calibrate|health)-.*\.js$/.test(path)).length, { timeout: 20_000 })
+      .toBe(6);
     expect(asked.filter((path) => /\/assets\/(en|chart)-/.test(path))).toEqual([]);
     await page.locator('.menu-button').click();
     await page.getByRole('radio', { name: 'English' }).click();

@@ -12,6 +12,7 @@ describe('an address', () => {
   });
 
   it('that is none, or that is damaged, leads to the first screen', () => {
-    for (const hash of ['', '#', '#/', '#/nothing', '#walk', '#/%E0%A4%A', '#/constructor']) expect(panelOf(readAddress(hash).screen), hash).toBe(panels[0]);
+    for (const hash of ['', '#', '#/', '#/nothing', '#walk', '#/%E0%A4%A', '#/constructor'])
+      expect(panelOf(readAddress(hash).screen), hash).toBe(panels[0]);
   });
 });

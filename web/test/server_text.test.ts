@@ -25,15 +25,19 @@ describe('the table of reasons', () => {
   });
 
   it('has every code that the figures of a session give', () => {
-    const { enum: codes } = (JSON.parse(readFileSync('../server/contract/openapi.gen.json', 'utf8')) as { components: { schemas: { Metrics: { properties: { reason_code: { enum: (string | null)[] } } } } } })
-      .components.schemas.Metrics.properties.reason_code;
+    const { enum: codes } = (
+      JSON.parse(readFileSync('../server/contract/openapi.gen.json', 'utf8')) as {
+        components: { schemas: { Metrics: { properties: { reason_code: { enum: (string | null)[] } } } } };
+      }
+    ).components.schemas.Metrics.properties.reason_code;
     expect(codes.filter((code) => code !== null && reasonText(code) === null)).toEqual([]);
   });
 
   it('has the problems of the routes that this console asks', () => {
     const names = [...sources('../server/api').matchAll(/name = "([a-z-]+)"/g)].map(([, name]) => name!.replaceAll('-', '_'));
     expect(names).toEqual(expect.arrayContaining(['unknown', 'storage', 'busy', 'disk_full', 'not_now']));
-    for (const name of ['unknown', 'storage', 'busy', 'disk_full', 'not_now', 'invalid', 'refused', 'no_core', 'internal', 'role', 'no_session']) expect(reasonText(name), name).not.toBeNull();
+    for (const name of ['unknown', 'storage', 'busy', 'disk_full', 'not_now', 'invalid', 'refused', 'no_core', 'internal', 'role', 'no_session'])
+      expect(reasonText(name), name).not.toBeNull();
   });
 });
 
@@ -55,7 +59,9 @@ describe('reasons of a refusal', () => {
   it('are in the language of the reader', () => {
     settings.set({ language: 'de' });
     expect(reasons({ ...reply, reason_code: 'no_core' })).toEqual(['Der Steuerrechner antwortet nicht.']);
-    expect(reasons({ ...reply, reason_code: 'measurement', errors: [{ field: 'figure', message: 'must be a number' }] })[0]).toMatch(/^Diese Messung/);
+    expect(reasons({ ...reply, reason_code: 'measurement', errors: [{ field: 'figure', message: 'must be a number' }] })[0]).toMatch(
+      /^Diese Messung/,
+    );
     const problem = { status: 422, code: 'invalid', refusals: [], errors: [{ field: 'note', message: 'must be plain text' }] };
     expect(problemText(problem)).toBe('Die Notiz ist zu lang.');
     expect(problemText({ ...problem, errors: [] })).toBe('Dieser Wert ist nicht brauchbar.');

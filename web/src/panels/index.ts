@@ -5,10 +5,28 @@ import type { Panel } from './panel';
 export const panels: readonly Panel[] = [
   { id: 'walk', title: 'nav.walk', icon: 'walk', live: true, view: new Lazy(async () => (await import('./walk/walk')).WalkView) },
   { id: 'drive', title: 'nav.drive', icon: 'drive', live: true, view: new Lazy(async () => (await import('./drive/drive')).DriveView) },
-  { id: 'exercises', title: 'nav.exercises', icon: 'exercises', live: true, view: new Lazy(async () => (await import('./exercises/exercises')).ExercisesView) },
+  {
+    id: 'exercises',
+    title: 'nav.exercises',
+    icon: 'exercises',
+    live: true,
+    view: new Lazy(async () => (await import('./exercises/exercises')).ExercisesView),
+  },
   { id: 'tune', title: 'nav.tune', icon: 'tune', live: false, view: new Lazy(async () => (await import('./tune/tune')).TuneView) },
-  { id: 'sessions', title: 'nav.sessions', icon: 'sessions', live: false, view: new Lazy(async () => (await import('./sessions/sessions')).SessionsView) },
-  { id: 'calibrate', title: 'nav.calibrate', icon: 'calibrate', live: true, view: new Lazy(async () => (await import('./calibrate/calibrate')).CalibrateView) },
+  {
+    id: 'sessions',
+    title: 'nav.sessions',
+    icon: 'sessions',
+    live: false,
+    view: new Lazy(async () => (await import('./sessions/sessions')).SessionsView),
+  },
+  {
+    id: 'calibrate',
+    title: 'nav.calibrate',
+    icon: 'calibrate',
+    live: true,
+    view: new Lazy(async () => (await import('./calibrate/calibrate')).CalibrateView),
+  },
   { id: 'health', title: 'nav.health', icon: 'health', live: true, view: new Lazy(async () => (await import('./health/health')).HealthView) },
 ];
 

@@ -4,7 +4,8 @@ import type { Problem } from '../link/rest';
 import { refusalText, t, textOf, words } from './text';
 
 /** Of a reason_code; null for none, and for one that this page does not know. */
-export const reasonText = (code: string | null | undefined): string | null => (code && Object.hasOwn(reasons, code) ? words(reasons[code as ReasonCode]) : null);
+export const reasonText = (code: string | null | undefined): string | null =>
+  code && Object.hasOwn(reasons, code) ? words(reasons[code as ReasonCode]) : null;
 
 /** Everything that a problem of a plain request says. A field that has its own words is named by them. */
 export function problemText({ refusals, errors, code }: Problem): string {

@@ -55,7 +55,9 @@ const minus = (text: string) => text.replace('-', '−');
 export function fixed(value: number | null | undefined, decimals: number): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return noValue;
   const zero = Number(value.toFixed(decimals)) === 0 ? 0 : value;
-  return minus(new Intl.NumberFormat(locale(), { minimumFractionDigits: decimals, maximumFractionDigits: decimals, useGrouping: false }).format(zero));
+  return minus(
+    new Intl.NumberFormat(locale(), { minimumFractionDigits: decimals, maximumFractionDigits: decimals, useGrouping: false }).format(zero),
+  );
 }
 
 /** A number with up to four significant digits and no idle zeros, for settings. */

@@ -70,8 +70,7 @@ function Control() {
   return (
     <div class="bar-item control">
       <span class="bar-label">{t('bar.control')}</span>
-      <span class="bar-value">
-{value}</span>
+      <span class="bar-value">{value}</span>
       <button type="button" class="link-button" hidden={!mine || led} aria-label={t('bar.giveBack')} onClick={() => void releaseLease()}>
         {t('bar.giveBackShort')}
       </button>
@@ -85,7 +84,11 @@ function LinkQuality() {
   const ever = useStore((s) => s.everOpen);
   const grade = link !== 'open' ? 0 : rtt_s === null || rtt_s < fair_s ? 3 : rtt_s < poor_s ? 2 : 1;
   const value =
-    link === 'open' ? t('bar.milliseconds', { n: rtt_s === null ? '–' : fixed(rtt_s * 1000, 0) }) : ever ? t('bar.linkLost') : t('bar.linkConnecting');
+    link === 'open'
+      ? t('bar.milliseconds', { n: rtt_s === null ? '–' : fixed(rtt_s * 1000, 0) })
+      : ever
+        ? t('bar.linkLost')
+        : t('bar.linkConnecting');
   return (
     <Item label={t('bar.link')} value={value}>
       <svg class={`bars grade-${grade}`} viewBox="0 0 18 14" aria-hidden="true">
@@ -167,7 +170,14 @@ function DisplayMenu() {
           <span class="bar-label">{t('bar.language')}</span>
           <div class="choice" role="radiogroup" aria-label={t('bar.language')}>
             {languages.map((item) => (
-              <button key={item.id} type="button" role="radio" aria-checked={item.id === language} lang={item.id} onClick={() => void choose(item.id)}>
+              <button
+                key={item.id}
+                type="button"
+                role="radio"
+                aria-checked={item.id === language}
+                lang={item.id}
+                onClick={() => void choose(item.id)}
+              >
                 {item.name}
               </button>
             ))}

@@ -15,7 +15,20 @@ import { Refusal, useRequest } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
 import { addressOf, go } from '../../router';
 import type { PanelProps } from '../panel';
-import { entry, nowKey, phaseNames, resultOf, stepNames, stepsFor, watched, type Change, type Now, type Step, type StepName, type Table } from './model';
+import {
+  entry,
+  nowKey,
+  phaseNames,
+  resultOf,
+  stepNames,
+  stepsFor,
+  watched,
+  type Change,
+  type Now,
+  type Step,
+  type StepName,
+  type Table,
+} from './model';
 import { StepPicture } from './picture';
 import './calibrate.css';
 
@@ -25,7 +38,13 @@ const confirmHold_ms = 2000;
 function Begin({ item, label, disabled, begin }: { item: Step; label: string; disabled: boolean; begin: (harness_empty: boolean) => void }) {
   if (item.empty_harness)
     return (
-      <HoldButton label={t('calibrate.emptyHold')} hint={t('calibrate.emptyHint')} hold_ms={confirmHold_ms} disabled={disabled} onDone={() => begin(true)} />
+      <HoldButton
+        label={t('calibrate.emptyHold')}
+        hint={t('calibrate.emptyHint')}
+        hold_ms={confirmHold_ms}
+        disabled={disabled}
+        onDone={() => begin(true)}
+      />
     );
   return (
     <button type="button" class="primary big" disabled={disabled} onClick={() => begin(false)}>
@@ -59,13 +78,9 @@ function Changes({ list }: { list: readonly Change[] }) {
           return (
             <tr key={change.name}>
               <th scope="row">{words(row.title)}</th>
+              <td>{withUnit(fixed(change.before * show.factor, decimals), show.unit)}</td>
               <td>
-                {withUnit(fixed(change.before * show.factor, decimals), show.unit)}
-              </td>
-              <td>
-                <strong>
-                  {withUnit(fixed(change.value * show.factor, decimals), show.unit)}
-                </strong>
+                <strong>{withUnit(fixed(change.value * show.factor, decimals), show.unit)}</strong>
               </td>
             </tr>
           );
@@ -76,7 +91,17 @@ function Changes({ list }: { list: readonly Change[] }) {
 }
 
 /** Where the operator writes what the tape says. The direction is a choice, because nobody should have to think of a minus sign. */
-function Entry({ step, second, busy, onMeasure }: { step: StepName; second: boolean; busy: boolean; onMeasure: (message: object) => Promise<boolean> }) {
+function Entry({
+  step,
+  second,
+  busy,
+  onMeasure,
+}: {
+  step: StepName;
+  second: boolean;
+  busy: boolean;
+  onMeasure: (message: object) => Promise<boolean>;
+}) {
   const [figure, setFigure] = useState('');
   const [x, setX] = useState('');
   const [y, setY] = useState('');
@@ -116,7 +141,15 @@ function Entry({ step, second, busy, onMeasure }: { step: StepName; second: bool
       <label>
         <span>{t(square ? 'calibrate.side' : 'calibrate.measured')}</span>
         <span class="calibrate-field">
-          <input name="figure" type="text" inputMode="decimal" autocomplete="off" class="num" value={figure} onInput={(event) => setFigure(event.currentTarget.value)} />
+          <input
+            name="figure"
+            type="text"
+            inputMode="decimal"
+            autocomplete="off"
+            class="num"
+            value={figure}
+            onInput={(event) => setFigure(event.currentTarget.value)}
+          />
           <span>{unitText(unit)}</span>
         </span>
       </label>
@@ -125,14 +158,30 @@ function Entry({ step, second, busy, onMeasure }: { step: StepName; second: bool
           <label>
             <span>{t('calibrate.ahead')}</span>
             <span class="calibrate-field">
-              <input name="x" type="text" inputMode="decimal" autocomplete="off" class="num" value={x} onInput={(event) => setX(event.currentTarget.value)} />
+              <input
+                name="x"
+                type="text"
+                inputMode="decimal"
+                autocomplete="off"
+                class="num"
+                value={x}
+                onInput={(event) => setX(event.currentTarget.value)}
+              />
               <span>cm</span>
             </span>
           </label>
           <label>
             <span>{t('calibrate.leftOf')}</span>
             <span class="calibrate-field">
-              <input name="y" type="text" inputMode="decimal" autocomplete="off" class="num" value={y} onInput={(event) => setY(event.currentTarget.value)} />
+              <input
+                name="y"
+                type="text"
+                inputMode="decimal"
+                autocomplete="off"
+                class="num"
+                value={y}
+                onInput={(event) => setY(event.currentTarget.value)}
+              />
               <span>cm</span>
             </span>
           </label>
@@ -200,7 +249,9 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
               ) : null}
               <div class="calibrate-live">
                 {phase === 'resting' || phase === 'measuring' ? (
-                  <span class={still || silent ? 'calibrate-still' : 'calibrate-still moving'}>{t(silent ? 'health.unknown' : still ? 'calibrate.still' : 'calibrate.moving')}</span>
+                  <span class={still || silent ? 'calibrate-still' : 'calibrate-still moving'}>
+                    {t(silent ? 'health.unknown' : still ? 'calibrate.still' : 'calibrate.moving')}
+                  </span>
                 ) : null}
                 {shown !== null && phase !== 'refused' ? (
                   <span class="num calibrate-value">
@@ -215,7 +266,13 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
           )}
         </div>
       </div>
-      {phase !== 'result' ? null : changes !== null ? <Changes list={changes} /> : failed ? <Failed onRetry={found.retry} /> : <p>{t('common.loading')}</p>}
+      {phase !== 'result' ? null : changes !== null ? (
+        <Changes list={changes} />
+      ) : failed ? (
+        <Failed onRetry={found.retry} />
+      ) : (
+        <p>{t('common.loading')}</p>
+      )}
       {running && item.entered !== null && (phase === 'operator' || phase === 'result') ? (
         <details open={phase === 'operator'} class="calibrate-more">
           <summary>{t(phase === 'operator' ? 'calibrate.enter' : 'calibrate.again')}</summary>
@@ -223,17 +280,13 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
         </details>
       ) : null}
       <div class="calibrate-buttons">
-        {!running ? (
-          <Begin item={item} label={t('calibrate.start')} disabled={busy || (!standby && now === null)} begin={begin} />
-        ) : null}
+        {!running ? <Begin item={item} label={t('calibrate.start')} disabled={busy || (!standby && now === null)} begin={begin} /> : null}
         {phase === 'result' ? (
           <button type="button" class="primary big" disabled={busy || changes === null} onClick={() => void use()}>
             {t(changes === null || changes.length > 0 ? 'calibrate.use' : 'calibrate.note')}
           </button>
         ) : null}
-        {phase === 'refused' ? (
-          <Begin item={item} label={t('calibrate.repeat')} disabled={busy} begin={begin} />
-        ) : null}
+        {phase === 'refused' ? <Begin item={item} label={t('calibrate.repeat')} disabled={busy} begin={begin} /> : null}
         {running ? (
           <button type="button" class="plain big" disabled={busy} onClick={() => void ask(calibrateCancel)}>
             {t(phase === 'result' ? 'calibrate.keep' : 'calibrate.cancel')}
@@ -264,7 +317,13 @@ export function CalibrateView({ part }: PanelProps) {
   const { reachable: connected } = useReadiness();
   const version = useStore((s) => s.parameterVersion);
   const simulated = useStore((s) => s.simulated);
-  const text = useReading((r) => (r === null || r.calibration_step === 0 ? '' : [r.calibration_step, r.calibration_phase, r.calibration_done_percent, r.calibration_reason, r.calibration_value].join(' ')), 5);
+  const text = useReading(
+    (r) =>
+      r === null || r.calibration_step === 0
+        ? ''
+        : [r.calibration_step, r.calibration_phase, r.calibration_done_percent, r.calibration_reason, r.calibration_value].join(' '),
+    5,
+  );
   const { value: table, problem, retry } = useAsked(() => rest<Table>('GET', '/calibration'), [connected, version]);
   if (table === null) return problem !== null ? <Failed onRetry={retry} /> : <p class="hint">{t('common.loading')}</p>;
   const [step = 0, phase = 0, done_percent = 0, reason = 0, value = 0] = text === '' ? [] : text.split(' ').map(Number);
@@ -276,7 +335,12 @@ export function CalibrateView({ part }: PanelProps) {
       <ul class={now === null ? 'calibrate-list' : 'calibrate-list running'}>
         {items.map((one) => (
           <li key={one.name}>
-            <button type="button" aria-current={one === item ? 'true' : undefined} disabled={now !== null && one !== item} onClick={() => go(addressOf('calibrate', one.name))}>
+            <button
+              type="button"
+              aria-current={one === item ? 'true' : undefined}
+              disabled={now !== null && one !== item}
+              onClick={() => go(addressOf('calibrate', one.name))}
+            >
               <span>{words(one.title)}</span>
               <span class={one.done_utc_s === null ? 'calibrate-date never' : 'calibrate-date'}>
                 {one.done_utc_s === null ? t('calibrate.never') : date(one.done_utc_s * 1000)}

@@ -20,7 +20,12 @@ import './health.css';
 const bumperKeys: readonly TextKey[] = ['health.bumper.front', 'health.bumper.rear', 'health.bumper.left', 'health.bumper.right'];
 
 const stateWords = {
-  works: 'health.works', losing: 'health.losing', reports: 'health.reports', waiting: 'health.waiting', silent: 'health.silent', never: 'health.silent',
+  works: 'health.works',
+  losing: 'health.losing',
+  reports: 'health.reports',
+  waiting: 'health.waiting',
+  silent: 'health.silent',
+  never: 'health.silent',
 } as const satisfies Record<NodeView['state'], TextKey>;
 
 function detailOf(view: NodeView): string {
@@ -54,7 +59,10 @@ function Part({ view }: { view: NodeView }) {
       <span class="part-detail num">{detailOf(view)}</span>
       {info === null ? null : (
         <span class="part-emergency">
-          {words(info.text)}. <span class="hint">{words(info.detail)} ({hex(view.emergency)})</span>
+          {words(info.text)}.{' '}
+          <span class="hint">
+            {words(info.detail)} ({hex(view.emergency)})
+          </span>
         </span>
       )}
     </li>
@@ -82,8 +90,16 @@ function Bus({ r }: { r: TickRecord | null }) {
           <rect width={Math.min(1, load) * 100} height="1" />
         </svg>
       </div>
-      <Line label={t('health.busConnected')} value={r === null ? '–' : t(up ? 'health.busUp' : 'health.busDown')} state={r === null || up ? 'good' : 'bad'} />
-      <Line label={t('health.busWire')} value={r === null ? '–' : t(wireKeys[r.bus_state] ?? 'health.bus.off')} state={r === null || r.bus_state === 0 ? 'good' : 'bad'} />
+      <Line
+        label={t('health.busConnected')}
+        value={r === null ? '–' : t(up ? 'health.busUp' : 'health.busDown')}
+        state={r === null || up ? 'good' : 'bad'}
+      />
+      <Line
+        label={t('health.busWire')}
+        value={r === null ? '–' : t(wireKeys[r.bus_state] ?? 'health.bus.off')}
+        state={r === null || r.bus_state === 0 ? 'good' : 'bad'}
+      />
       <Line label={t('health.busRate')} value={r === null ? '–' : t('health.perSecond', { n: r.bus_frames_per_s })} />
       <Line label={t('health.busErrors')} value={fixed(r?.bus_errors, 0)} />
     </section>
@@ -114,7 +130,8 @@ function Emergencies({ list }: { list: readonly Emergency[] }) {
           const info = emergencyInfo(item.code);
           return (
             <li key={`${item.time_ns} ${item.node} ${item.code}`}>
-              <span class="num">−{duration((now_ns - item.time_ns) / 1e9)}</span> {textOf(`health.part.${item.node}`) ?? t('device.unknown')}: {words(info.text)}.
+              <span class="num">−{duration((now_ns - item.time_ns) / 1e9)}</span> {textOf(`health.part.${item.node}`) ?? t('device.unknown')}:{' '}
+              {words(info.text)}.
               {item.code === 0 ? null : (
                 <span class="hint">
                   {' '}
@@ -131,7 +148,10 @@ function Emergencies({ list }: { list: readonly Emergency[] }) {
 
 function Events({ log }: { log: readonly LogLine[] }) {
   const now_ns = live.record?.time_ns ?? 0;
-  const shown = log.filter((line) => line.kind !== 'command_done').slice(-12).reverse();
+  const shown = log
+    .filter((line) => line.kind !== 'command_done')
+    .slice(-12)
+    .reverse();
   if (shown.length === 0) return <p class="hint">{t('health.logNone')}</p>;
   return (
     <Scroll class="events" label={t('health.log')}>
@@ -166,7 +186,9 @@ export function HealthView() {
     <div class="health" role="region" aria-label={t('nav.health')} tabIndex={0}>
       <section class="card wide">
         <h2>{t('health.parts')}</h2>
-        <ul class="parts">{partNames.map((name) => (r === null ? <UnknownPart key={name} name={name} /> : <Part key={name} view={nodeView(r, name)} />))}</ul>
+        <ul class="parts">
+          {partNames.map((name) => (r === null ? <UnknownPart key={name} name={name} /> : <Part key={name} view={nodeView(r, name)} />))}
+        </ul>
       </section>
       <section class="card wide">
         <h2>{t('health.emergencies')}</h2>
@@ -187,17 +209,39 @@ export function HealthView() {
         <h2>{t('health.bumpers')}</h2>
         {bumperKeys.map((key, bit) => {
           const pressed = r !== null && ((r.bumpers >>> bit) & 1) === 1;
-          return <Line key={key} label={t(key)} value={r === null ? '–' : pressed ? t('health.pressed') : t('health.free')} state={pressed ? 'bad' : 'good'} />;
+          return (
+            <Line
+              key={key}
+              label={t(key)}
+              value={r === null ? '–' : pressed ? t('health.pressed') : t('health.free')}
+              state={pressed ? 'bad' : 'good'}
+            />
+          );
         })}
       </section>
       <section class="card">
         <h2>{t('health.link')}</h2>
-        <Line label={t('health.part.server')} value={r === null ? '–' : t(r.server_alive === 1 ? 'health.answers' : 'health.silent')} state={r === null || r.server_alive === 1 ? 'good' : 'bad'} />
+        <Line
+          label={t('health.part.server')}
+          value={r === null ? '–' : t(r.server_alive === 1 ? 'health.answers' : 'health.silent')}
+          state={r === null || r.server_alive === 1 ? 'good' : 'bad'}
+        />
         <Line label={t('health.rtt')} value={n(rtt_s === null ? undefined : rtt_s * 1000, 0, 'ms')} />
         <Line label={t('health.lost')} value={fixed(live.lost, 0)} />
         <Line label={t('health.refusedCommands')} value={fixed(r?.commands_refused, 0)} />
         <Line label={t('health.role')} value={textOf(`role.${role}`) ?? '–'} />
-        <Line label={t('health.recording')} value={silent ? '–' : recording.state === 'recording' ? t('sessions.one', { n: recording.session ?? '–' }) : recording.state === 'failed' ? (reasonText(recording.reason) ?? t('bar.recordingFailed')) : t('bar.recordingOff')} />
+        <Line
+          label={t('health.recording')}
+          value={
+            silent
+              ? '–'
+              : recording.state === 'recording'
+                ? t('sessions.one', { n: recording.session ?? '–' })
+                : recording.state === 'failed'
+                  ? (reasonText(recording.reason) ?? t('bar.recordingFailed'))
+                  : t('bar.recordingOff')
+          }
+        />
         <Line label={t('health.version')} value={version || '–'} />
       </section>
       <Loop r={r} />

@@ -15,7 +15,12 @@ const counted_s = 0.002;
 const lateShare = 1 / 6;
 
 const marks = [
-  [1e-6, '1 µs'], [1e-5, '10 µs'], [1e-4, '100 µs'], [1e-3, '1 ms'], [1e-2, '10 ms'], [1e-1, '100 ms'],
+  [1e-6, '1 µs'],
+  [1e-5, '10 µs'],
+  [1e-4, '100 µs'],
+  [1e-3, '1 ms'],
+  [1e-2, '10 ms'],
+  [1e-1, '100 ms'],
 ] as const;
 
 function Picture({ report }: { report: LoopReport }) {
@@ -54,7 +59,11 @@ function Granted({ r }: { r: TickRecord | null }) {
   const zero = (value: number | undefined) => (value === undefined || value === 0 ? 'good' : 'bad');
   return (
     <div>
-      <Line label={t('loop.priority')} value={!known ? '–' : priority ? fixed(r.loop_priority, 0) : t('loop.notGranted')} state={!known || priority ? 'good' : 'bad'} />
+      <Line
+        label={t('loop.priority')}
+        value={!known ? '–' : priority ? fixed(r.loop_priority, 0) : t('loop.notGranted')}
+        state={!known || priority ? 'good' : 'bad'}
+      />
       <Line label={t('loop.cpu')} value={!known ? '–' : r.loop_cpu === noCpu ? t('loop.anyCpu') : fixed(r.loop_cpu, 0)} />
       <Line label={t('loop.memory')} value={!known ? '–' : t(locked ? 'loop.locked' : 'loop.notLocked')} state={!known || locked ? 'good' : 'bad'} />
       <Line label={t('loop.pageFaults')} value={fixed(r?.page_faults, 0)} state={zero(r?.page_faults)} />

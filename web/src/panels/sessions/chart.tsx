@@ -30,7 +30,10 @@ function options(rows: readonly Curve[], { width_px, height_px: height, colour }
     width: width_px,
     height,
     scales: { x: { time: false } },
-    axes: [{ ...axis, values: (_u, ticks) => ticks.map((tick) => `${plain(tick)} s`) }, { ...axis, ...label, size: 52, values: (_u, ticks) => ticks.map(plain) }],
+    axes: [
+      { ...axis, values: (_u, ticks) => ticks.map((tick) => `${plain(tick)} s`) },
+      { ...axis, ...label, size: 52, values: (_u, ticks) => ticks.map(plain) },
+    ],
     legend: { show: true, live: true },
     cursor: { drag: { x: true, y: false }, sync: { key: 'session' } },
     series: [
@@ -49,7 +52,10 @@ function options(rows: readonly Curve[], { width_px, height_px: height, colour }
 
 function strip(rows: readonly Curve[], samples: Samples, look: Look, element: HTMLElement): uPlot {
   const { factor } = shownAs(rows[0]!.name, rows[0]!.unit);
-  const [time, ...columns] = zigzag(samples, rows.map((row) => row.name));
+  const [time, ...columns] = zigzag(
+    samples,
+    rows.map((row) => row.name),
+  );
   const scaled = columns.map((column) => column.map((value) => (value === null ? null : value * factor)));
   return new uPlot(options(rows, look), [time, ...scaled] as uPlot.AlignedData, element);
 }

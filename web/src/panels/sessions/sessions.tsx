@@ -70,7 +70,8 @@ function useSessionList(search: string, recording: string) {
     const answer = await ask(list?.page.next ?? null);
     setWaits(false);
     setOlderProblem(answer.ok ? null : answer.problem);
-    if (answer.ok) setList((before) => (before?.sought === answer.value.sought ? { ...before, page: continued(before.page, answer.value.page) } : before));
+    if (answer.ok)
+      setList((before) => (before?.sought === answer.value.sought ? { ...before, page: continued(before.page, answer.value.page) } : before));
   };
   return { list, problem: newest.problem ?? olderProblem, waits, again: newest.retry, older };
 }
@@ -271,7 +272,13 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
         <Figures metrics={metrics.value} />
         {session !== null ? (
           <div class="session-texts">
-            <TextField label={t('sessions.subject')} hint={t('sessions.subjectHint')} value={session.subject ?? ''} most={subjectMost} onSave={(subject) => save({ subject: subject === '' ? null : subject })} />
+            <TextField
+              label={t('sessions.subject')}
+              hint={t('sessions.subjectHint')}
+              value={session.subject ?? ''}
+              most={subjectMost}
+              onSave={(subject) => save({ subject: subject === '' ? null : subject })}
+            />
             <TextField label={t('sessions.note')} value={session.note} most={noteMost} onSave={(note) => save({ note })} />
           </div>
         ) : null}
@@ -279,7 +286,11 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
       <div class="session-pictures">
         <section class="card">
           <h2>{t('sessions.path')}</h2>
-          {path.value === null ? <p class="floor small hint">{instead(path)}</p> : <PathPicture samples={path.value} exercise={session?.exercise ?? null} />}
+          {path.value === null ? (
+            <p class="floor small hint">{instead(path)}</p>
+          ) : (
+            <PathPicture samples={path.value} exercise={session?.exercise ?? null} />
+          )}
         </section>
         <section class="card">
           <h2>{t('sessions.curves')}</h2>
@@ -301,17 +312,18 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
       </div>
       <section class="card">
         <h2>{t('sessions.events')}</h2>
-        {events.value === null || session === null ? <p class="hint">{instead(events.value === null ? events : asked)}</p> : happened.length === 0 ? <p class="hint">{t('sessions.eventsNone')}</p> : null}
+        {events.value === null || session === null ? (
+          <p class="hint">{instead(events.value === null ? events : asked)}</p>
+        ) : happened.length === 0 ? (
+          <p class="hint">{t('sessions.eventsNone')}</p>
+        ) : null}
         <Scroll class="events" label={t('sessions.events')}>
           <ul>
-            {happened
-              .slice(0, eventsShown)
-              .map((event, index) => (
-                <li key={index}>
-                  <span class="num">{duration(event.time_s)}</span>{' '}
-                  {eventText(event.kind, event.name, event.value, event.before, event.code)}
-                </li>
-              ))}
+            {happened.slice(0, eventsShown).map((event, index) => (
+              <li key={index}>
+                <span class="num">{duration(event.time_s)}</span> {eventText(event.kind, event.name, event.value, event.before, event.code)}
+              </li>
+            ))}
           </ul>
         </Scroll>
       </section>
@@ -320,7 +332,19 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
 }
 
 /** A text that is kept when it is left: nobody with a patient at hand remembers a button. The button is there to be seen. */
-function TextField({ label, hint, value, most, onSave }: { label: string; hint?: string; value: string; most: number; onSave: (text: string) => Promise<boolean> }) {
+function TextField({
+  label,
+  hint,
+  value,
+  most,
+  onSave,
+}: {
+  label: string;
+  hint?: string;
+  value: string;
+  most: number;
+  onSave: (text: string) => Promise<boolean>;
+}) {
   const [draft, setDraft] = useState<string | null>(null); // what was typed and is not known to be kept
   const sent = useRef<string | null>(null); // a tap on Save leaves the field, too: one request is enough
   const changed = draft !== null && draft !== value;
@@ -393,7 +417,12 @@ function Figures({ metrics }: { metrics: Metrics | null }) {
       </div>
       {m && m.missing_s > 0 ? <p class="hint">{t('metric.missing', { s: fixed(m.missing_s, m.missing_s < 10 ? 1 : 0) })}</p> : null}
       {m ? <p class="hint">{t(m.track === 'fused' ? 'metric.trackFused' : 'metric.trackEncoders')}</p> : null}
-      {m?.reason_code ? <p class="hint">{t('metric.none')}{((why) => (why === null ? '.' : `: ${why}`))(reasonText(m.reason_code))}</p> : null}
+      {m?.reason_code ? (
+        <p class="hint">
+          {t('metric.none')}
+          {((why) => (why === null ? '.' : `: ${why}`))(reasonText(m.reason_code))}
+        </p>
+      ) : null}
     </>
   );
 }

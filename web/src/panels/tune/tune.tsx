@@ -136,7 +136,11 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
           disabled={locked}
           onInput={(event) => draw(Number(event.currentTarget.value))}
         />
-        <span class="tune-default" ref={(element) => element?.style.setProperty('--share', String(defaultShare))} title={t('tune.default', { value: withUnit(plain(toShown(row.default)), show.unit) })} />
+        <span
+          class="tune-default"
+          ref={(element) => element?.style.setProperty('--share', String(defaultShare))}
+          title={t('tune.default', { value: withUnit(plain(toShown(row.default)), show.unit) })}
+        />
         <span class="tune-range num">
           <span>{plain(min)}</span>
           <span>{t('tune.default', { value: withUnit(plain(toShown(row.default)), show.unit) })}</span>
@@ -168,12 +172,17 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
         <span class="tune-unit">{show.unit}</span>
       </div>
       <div class="tune-buttons">
-        <button type="button" class="quiet" disabled={locked || undo === null || undoing} onClick={() => {
-          if (undo === null) return;
-          // Stays there until it was done: a refusal must not take the way back away.
-          setUndoing(true);
-          void apply(undo).then(() => setUndoing(false));
-        }}>
+        <button
+          type="button"
+          class="quiet"
+          disabled={locked || undo === null || undoing}
+          onClick={() => {
+            if (undo === null) return;
+            // Stays there until it was done: a refusal must not take the way back away.
+            setUndoing(true);
+            void apply(undo).then(() => setUndoing(false));
+          }}
+        >
           {t('tune.undo')}
         </button>
         <button type="button" class="quiet" disabled={locked || !changed} onClick={() => void apply(row.default)}>
@@ -209,7 +218,9 @@ export function TuneView() {
   const values = useStore((s) => s.parameters);
   const request = useRequest();
   const list = groups();
-  const differing = list.flatMap((group) => group.rows).filter((row) => values[row.name] !== undefined && !same(values[row.name]!, row.default)).length;
+  const differing = list
+    .flatMap((group) => group.rows)
+    .filter((row) => values[row.name] !== undefined && !same(values[row.name]!, row.default)).length;
   const inForce = (preset: (typeof presets)[number]) =>
     Object.entries(preset.values).every(([name, value]) => values[name] !== undefined && same(values[name], value));
   const choose = async (preset: (typeof presets)[number]) => {
@@ -220,7 +231,14 @@ export function TuneView() {
       <div class="walk-controls">
         <div class="choice presets" role="radiogroup" aria-label={t('tune.preset')} onKeyDown={radioKeys}>
           {presets.map((preset) => (
-            <button key={preset.name} type="button" role="radio" aria-checked={inForce(preset)} disabled={!connected || !standby} onClick={() => void choose(preset)}>
+            <button
+              key={preset.name}
+              type="button"
+              role="radio"
+              aria-checked={inForce(preset)}
+              disabled={!connected || !standby}
+              onClick={() => void choose(preset)}
+            >
               {words(preset.title)}
               <small>{words(preset.doc)}</small>
             </button>

@@ -65,11 +65,23 @@ export function WalkView() {
             );
           })}
         </div>
-        <button type="button" class="plain two-lines" disabled={request.busy || aside.busy || !standby} title={t('walk.neutralHint')}
-          onClick={() => void neutral()}>
+        <button
+          type="button"
+          class="plain two-lines"
+          disabled={request.busy || aside.busy || !standby}
+          title={t('walk.neutralHint')}
+          onClick={() => void neutral()}
+        >
           {t('walk.neutral')} <small>{t('walk.neutralShort')}</small>
         </button>
-        <StartEnd request={request} of="user" startLabel={t('walk.start')} endLabel={t('walk.end')} wait={aside.busy} start={(again) => requestMode('user', exercise, again)} />
+        <StartEnd
+          request={request}
+          of="user"
+          startLabel={t('walk.start')}
+          endLabel={t('walk.end')}
+          wait={aside.busy}
+          start={(again) => requestMode('user', exercise, again)}
+        />
       </div>
       <Refusal request={request} />
       <Refusal request={aside} />
