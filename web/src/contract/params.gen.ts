@@ -47,7 +47,6 @@ export type ParamName =
   | 'guided_length_m_max'
   | 'guided_deviation_m_max'
   | 'guided_lag_start_rad'
-  | 'guided_lag_stop_rad'
   | 'fall_tilt_rad'
   | 'fall_rate_rad_s'
   | 'fall_static_tilt_rad'
@@ -361,16 +360,10 @@ export const params: readonly ParamInfo[] = [
     effect: { en: 'The hoist stops when it is further off the line.', de: 'Weiter neben der Linie hält das Gerät an.' },
   },
   {
-    id: 172, name: 'guided_lag_start_rad', unit: 'rad', min: 0.0174532925, default: 0.0436332313, max: 0.0785398163,
-    edit: 'stopped', scope: 'core', role: 'engineer', source: 'simulated: 2.5 deg, 1 deg of zero error and the sway of a step',
-    title: { en: 'Exercise: slower from', de: 'Übung: langsamer ab' },
-    effect: { en: 'Lean back, or pelvis behind in a turn, from which an exercise goes slower.', de: 'Rückneigung oder Drehrückstand, ab dem eine Übung langsamer fährt.' },
-  },
-  {
-    id: 173, name: 'guided_lag_stop_rad', unit: 'rad', min: 0.0872664626, default: 0.157079633, max: 0.2,
-    edit: 'stopped', scope: 'core', role: 'engineer', source: 'simulated: 9 deg, so that 1 deg of zero error stays below the hanging guard; never above 0.9 hang_tilt_rad',
-    title: { en: 'Exercise: waits from', de: 'Übung: wartet ab' },
-    effect: { en: 'Lean back at which an exercise waits.', de: 'Rückneigung, ab der eine Übung wartet.' },
+    id: 172, name: 'guided_lag_start_rad', unit: 'rad', min: 0.02, default: 0.0436, max: 0.08,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'simulated: 2.5 deg',
+    title: { en: 'Exercise: slow from', de: 'Übung: langsam ab' },
+    effect: { en: 'Lag of the patient from which an exercise goes slowly.', de: 'Rückstand des Patienten, ab dem eine Übung langsam fährt.' },
   },
   {
     id: 60, name: 'fall_tilt_rad', unit: 'rad', min: 0.1, default: 0.174532925, max: 0.22,
