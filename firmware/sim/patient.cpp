@@ -37,8 +37,8 @@ constexpr double kCollapse_s = 0.4;
 constexpr double kCollapsePush_m_s2 = 2.0;
 /// Sideways the legs keep the body between the struts: 1 Hz, well damped.
 constexpr double kCentre_rad_s = 6.28;
-/// Where a lean becomes uncomfortable (7.5 degrees; 10.3 in a hoist that answers it weakly), and how hard the patient then resists going farther.
-constexpr double kComfort_m = 0.105, kComfortMost_m = 0.145;
+/// Where a lean becomes uncomfortable (7.5 degrees), and how hard the patient then resists going farther.
+constexpr double kComfort_m = 0.105;
 constexpr double kComfort_n_m = 1200.0;
 constexpr double kArrivalRoll_s = 0.9;
 constexpr double kStoppingLead_m_s = 0.25;
@@ -140,7 +140,7 @@ void Patient::enter(PatientState state) {
   ignored_s_ = opposed_s_ = 0.0;
 }
 
-// How readily the hoist sets off tells how far to lean on it.
+// How readily the hoist sets off tells how much lean a speed takes.
 void Patient::feel_answer(const PlatformMotion& now) {
   if (now.speed_m_s < kRolls_m_s) {
     sets_off_ = true;
@@ -154,13 +154,12 @@ void Patient::feel_answer(const PlatformMotion& now) {
   }
 }
 
-// Less speed for a lean: leans and reaches farther, within the stops, and takes bends more slowly, because lean and turn share the reach.
+// Less speed for a lean: uses more of the way to the stops, and walks more slowly, because lean and turn share it.
 void Patient::adapt(double answer_per_s2) {
   const double sway_m = params_.sway_forward_m + kHalfWidth_m * params_.sway_yaw_rad;
   const double turn_s = kHalfWidth_m * kUsualBend_per_m / params_.turn_habit_per_s;
   const auto bend_m_s = [&](double reach_m, double per_s2) { return (reach_m - sway_m) / (kKeeps_per_s / per_s2 + turn_s); };
   const double answer = std::clamp(answer_per_s2, kLeastAnswer_per_s2, kUsualAnswer_per_s2);
-  comfort_m_ = std::min(kComfort_m * kUsualAnswer_per_s2 / answer, kComfortMost_m);
   reach_m_ = std::min(kReach_m * kUsualAnswer_per_s2 / answer, kReachMost_m);
   fast_m_s_ = kLeanShare_norm * (reach_m_ - sway_m) / (kKeeps_per_s / answer);
   ease_norm_ = std::min(bend_m_s(reach_m_, answer) / bend_m_s(kReach_m, kUsualAnswer_per_s2), 1.0);
@@ -357,7 +356,7 @@ void Patient::step_1ms(const PatientSenses& senses) {
     if (state_ == PatientState::hanging) legs_n += senses.springs.forward_n;
   } else {
     legs_n = compensation_n_ + params_.drive_n_s_m * (push_goal_m_s_ - own_m_s);
-    if (x_m_ > comfort_m_) legs_n -= kComfort_n_m * (x_m_ - comfort_m_);
+    if (x_m_ > kComfort_m) legs_n -= kComfort_n_m * (x_m_ - kComfort_m);
     legs_n = std::clamp(legs_n, -params_.leg_force_n, params_.leg_force_n);
     // Standing or led: the feet go with the frame, and with the push of a frame that starts or brakes.
     if (state_ != PatientState::leading && state_ != PatientState::trying)

@@ -152,7 +152,7 @@ class Patient {
   double begin_y_m_{};
   bool distrusts_{false};  // the hoist leads until the drives are off
   // What setting off has shown of this hoist; set by adapt().
-  double comfort_m_{}, reach_m_{};
+  double reach_m_{};    // of each strut, for lean, turn and sway together
   double ease_norm_{};  // how fast bends are taken: 1 = as usual
   double fast_m_s_{};   // leaves room for a turn
   bool sets_off_{false};
