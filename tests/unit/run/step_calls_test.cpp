@@ -29,7 +29,7 @@
 namespace hoist::run {
 namespace {
 
-constexpr int kSettleSteps = 1500, kSteps = 1500;
+constexpr int kSettleSteps = 500, kSteps = 1000;
 constexpr int kPatience_ms = 20'000;  // only a hung program takes so long
 
 // A pseudo-terminal whose far end is an adapter: it accepts every line, and any frames may arrive.
