@@ -56,9 +56,8 @@ async function fill(page: Page, screen: (typeof screens)[number]): Promise<void>
     await page.locator('.u-wrap').first().waitFor();
   }
   if (screen === 'sessions' || screen === 'health') {
-    await page.locator('.events li').nth(11).waitFor();
-    const scrolling = await page.locator('.events').evaluateAll((lists) => lists.some((list) => list.scrollHeight > list.clientHeight));
-    expect(scrolling, screen).toBe(true);
+    const scrolling = () => page.locator('.events').evaluateAll((lists) => lists.some((list) => list.scrollHeight > list.clientHeight));
+    await expect.poll(scrolling, { timeout: 10_000, message: screen }).toBe(true);
   }
 }
 
