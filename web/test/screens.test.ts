@@ -47,7 +47,7 @@ const last: Record<(typeof screens)[number], string> = {
 async function fill(page: Page, screen: (typeof screens)[number]): Promise<void> {
   for (let i = 0; i < 16; i++) {
     fake.event('mode_changed', { name: 'standby' });
-    fake.event('emergency', { name: 'drive_left', code: 0x8250, item: 0, bits: 0x11 });
+    fake.event('emergency', { name: 'drive_left', code: 0x8250, item: 0, bits: 0x11, time_ns: (i + 1) * 1e7 }); // equal ones are told once
   }
   await page.goto(`${fake.url}#/${screen}`);
   await page.locator(last[screen]).first().waitFor();
