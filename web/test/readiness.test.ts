@@ -42,7 +42,8 @@ describe('readiness', () => {
         (!may || (s.mode === 'standby' && s.link === 'open' && r.known && s.role !== 'viewer' && (s.blockedBits & ~bit('no_lease')) === 0)) &&
         (!r.hand || (s.lease.mine && s.link === 'open' && r.known && s.rtt_s! < 0.3 && (s.mode === 'remote' || s.mode === 'guided'))) &&
         (!r.stopped || r.start.user.length > 0) &&
-        (r.led === led && r.end === (s.link === 'open' && r.known && s.role !== 'viewer')) && // anyone ends a motion
+        r.led === led &&
+        r.end === (s.link === 'open' && r.known && s.role !== 'viewer') && // anyone ends a motion
         !(r.known && r.lost);
       if (!holds) wrong.push({ s, r });
     }
@@ -80,7 +81,11 @@ describe('readiness', () => {
 
   it.each<[string, Partial<State>, Partial<Readiness>]>([
     ['at rest', {}, { old: false, motion: 'still', lead: 'nobody', led: false, lost: false, standby: true, end: true, hand: false }],
-    ['driven from here', { mode: 'remote', lease: mine, standingStill: false }, { motion: 'moving', lead: 'mine', led: true, hand: true, standby: false }],
+    [
+      'driven from here',
+      { mode: 'remote', lease: mine, standingStill: false },
+      { motion: 'moving', lead: 'mine', led: true, hand: true, standby: false },
+    ],
     ['driven by another screen', { mode: 'remote', lease: other }, { lead: 'other', hand: false, end: true }],
     ['late values', { data: 'late' }, { old: true, known: true, motion: 'still' }],
     ['a lost link', { link: 'lost', data: 'gone' }, { old: true, motion: null, lead: null, lost: true, end: false, standby: false }],

@@ -9,8 +9,16 @@ import { de } from '../src/text/de';
 import { en } from '../src/text/en';
 import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
 
-const sizes = [[1280, 800], [1024, 768], [390, 844], [640, 360]] as const;
-const looks = [['light', 'en'], ['dark', 'de']] as const;
+const sizes = [
+  [1280, 800],
+  [1024, 768],
+  [390, 844],
+  [640, 360],
+] as const;
+const looks = [
+  ['light', 'en'],
+  ['dark', 'de'],
+] as const;
 const screens = ['walk', 'drive', 'exercises', 'tune', 'sessions', 'calibrate', 'health'] as const;
 const minutes_ms = 120_000;
 
@@ -22,7 +30,10 @@ beforeAll(async () => {
   folder = mkdtempSync(`${tmpdir()}/hoist-screens-`);
   await build({ logLevel: 'silent', build: { outDir: folder, emptyOutDir: true } });
   fake = await startFakeServer({ dist: folder });
-  browser = await chromium.launch({ executablePath: process.env.CHROME_PATH ?? '/usr/bin/chromium', args: ['--no-sandbox', '--disable-gpu', '--no-first-run'] });
+  browser = await chromium.launch({
+    executablePath: process.env.CHROME_PATH ?? '/usr/bin/chromium',
+    args: ['--no-sandbox', '--disable-gpu', '--no-first-run'],
+  });
 }, minutes_ms);
 afterAll(async () => {
   await browser?.close();
@@ -40,7 +51,13 @@ async function open([width, height]: readonly [number, number], look: Look, scre
 
 /** What of each screen comes last. Without it the screen before, or an empty one, would be judged. */
 const last: Record<(typeof screens)[number], string> = {
-  walk: '.walk-body .reading .num', drive: '.drive-body .pad', exercises: '.guided-settings .stepper', tune: '.tune-row', sessions: '.session-item', calibrate: '.calibrate-list li', health: '.health .part-detail',
+  walk: '.walk-body .reading .num',
+  drive: '.drive-body .pad',
+  exercises: '.guided-settings .stepper',
+  tune: '.tune-row',
+  sessions: '.session-item',
+  calibrate: '.calibrate-list li',
+  health: '.health .part-detail',
 };
 
 /** Enough of everything that each list is longer than its room. */
@@ -62,7 +79,10 @@ async function fill(page: Page, screen: (typeof screens)[number]): Promise<void>
 }
 
 const rules = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'];
-const shots = [[[1280, 800], looks[0]], [[390, 844], looks[1]]] as [[number, number], Look][];
+const shots = [
+  [[1280, 800], looks[0]],
+  [[390, 844], looks[1]],
+] as [[number, number], Look][];
 
 describe('accessibility', () => {
   it.each(shots)('%j %j: axe finds nothing on any screen', { timeout: minutes_ms }, async (size, look) => {
@@ -110,12 +130,18 @@ describe('the session chart', () => {
     expect(await page.locator('.u-wrap').count()).toBe(1);
     await page.locator('.columns .pill', { hasText: 'Turn rate' }).click();
     // uPlot fills the legend of a strip after the strip is in the page.
-    const strips = () => page.locator('.chart .uplot').evaluateAll((all) => all.map((one) => [...one.querySelectorAll('.u-series th')].slice(1).map((label) => label.textContent)));
+    const strips = () =>
+      page
+        .locator('.chart .uplot')
+        .evaluateAll((all) => all.map((one) => [...one.querySelectorAll('.u-series th')].slice(1).map((label) => label.textContent)));
     await expect.poll(strips, { timeout: 10_000 }).toEqual([['Speed', 'Commanded speed'], ['Turn rate']]);
     const axes = () =>
       page.evaluate(() => {
         const { drawn } = window as unknown as { drawn: Set<string> };
-        return { units: ['m/s', '°/s'].filter((unit) => drawn.has(unit)), beyond_5: [...drawn].some((text) => /^\d+$/.test(text) && Number(text) > 5) };
+        return {
+          units: ['m/s', '°/s'].filter((unit) => drawn.has(unit)),
+          beyond_5: [...drawn].some((text) => /^\d+$/.test(text) && Number(text) > 5),
+        };
       });
     // 0.3 rad/s is 17 °/s.
     await expect.poll(axes, { timeout: 10_000 }).toEqual({ units: ['m/s', '°/s'], beyond_5: true });
@@ -145,7 +171,9 @@ describe.each(sizes)('short messages at %i × %i', (...size) => {
       const first = document.querySelector('.notice')!.getBoundingClientRect();
       const over = (a: DOMRect, b: DOMRect) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
       const whole = first.bottom <= shown.bottom + 1 && first.top >= shown.top - 1 && first.right <= shown.right + 1;
-      const kept = ['.bar', '.strip', '.nav a', '.stop'].filter((name) => [...document.querySelectorAll(name)].some((element) => over(shown, element.getBoundingClientRect())));
+      const kept = ['.bar', '.strip', '.nav a', '.stop'].filter((name) =>
+        [...document.querySelectorAll(name)].some((element) => over(shown, element.getBoundingClientRect())),
+      );
       return { whole, main: over(shown, main), kept };
     });
     expect(covered).toEqual({ whole: true, main: false, kept: [] });

@@ -55,7 +55,12 @@ describe('the message files', () => {
 });
 
 describe('the tables', () => {
-  const all = [...faults.flatMap((row) => [row.text, row.action]), ...refusals.map((row) => row.text), ...modes.map((row) => row.title), ...params.flatMap((row) => [row.title, row.effect])];
+  const all = [
+    ...faults.flatMap((row) => [row.text, row.action]),
+    ...refusals.map((row) => row.text),
+    ...modes.map((row) => row.title),
+    ...params.flatMap((row) => [row.title, row.effect]),
+  ];
 
   it('have words in both languages', () => {
     for (const text of all) {
@@ -128,7 +133,12 @@ describe('the tuning page', () => {
   it('shows every parameter once', () => {
     const shown = groups().flatMap((group) => group.rows.map((row) => row.name));
     // Dates of calibrations stand on their own screen.
-    expect([...shown].sort()).toEqual(params.map((row) => row.name).filter((name) => !name.startsWith('calibrated_')).sort());
+    expect([...shown].sort()).toEqual(
+      params
+        .map((row) => row.name)
+        .filter((name) => !name.startsWith('calibrated_'))
+        .sort(),
+    );
   });
 
   it('moves sliders in steps of 1, 2 or 5', () => {
@@ -136,7 +146,10 @@ describe('the tuning page', () => {
       const range = (row.max - row.min) * shownAs(row.name, row.unit).factor;
       const step = niceStep(range);
       const lead = step / 10 ** Math.floor(Math.log10(step) + 1e-9);
-      expect([1, 2, 5].some((wanted) => Math.abs(lead - wanted) < 1e-6), row.name).toBe(true);
+      expect(
+        [1, 2, 5].some((wanted) => Math.abs(lead - wanted) < 1e-6),
+        row.name,
+      ).toBe(true);
       expect(range / step).toBeGreaterThan(100);
       expect(range / step).toBeLessThan(450);
     }

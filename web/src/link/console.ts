@@ -161,7 +161,8 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
         before: typeof message.before === 'number' ? message.before : null,
         code: typeof message.code === 'number' ? message.code : null,
       };
-      if (line.kind === 'emergency') takeEmergencies([{ time_ns: line.time_ns, node: line.name, code: line.code ?? 0, errorRegister: Number(message.bits ?? 0) }]);
+      if (line.kind === 'emergency')
+        takeEmergencies([{ time_ns: line.time_ns, node: line.name, code: line.code ?? 0, errorRegister: Number(message.bits ?? 0) }]);
       // The other ways to end are told by the strip, or were asked for.
       if (line.kind === 'guided_ended' && line.name === 'finished') notify('info', 'guided.finished');
       if (line.kind === 'guided_ended' && line.name === 'off_path') notify('warning', 'guided.off_path');
@@ -192,7 +193,14 @@ export async function fetchEmergencies(): Promise<Answer<unknown>> {
   }
   const answer = await rest<{ emergencies?: Told[] }>('GET', '/health');
   if (answer.ok)
-    takeEmergencies((answer.value.emergencies ?? []).map((item) => ({ time_ns: item.time_ns, node: item.node, code: item.emergency.code, errorRegister: item.error_register })));
+    takeEmergencies(
+      (answer.value.emergencies ?? []).map((item) => ({
+        time_ns: item.time_ns,
+        node: item.node,
+        code: item.emergency.code,
+        errorRegister: item.error_register,
+      })),
+    );
   return answer;
 }
 

@@ -80,7 +80,8 @@ export const de: Table = {
   'priority.low': 'Hinweis',
 
   'gate.title': 'Nicht angemeldet',
-  'gate.text': 'Öffnen Sie in diesem Browser den Link, den das Gerät beim Start zeigt. Jeder Link gilt nur einmal; danach zeigt das Gerät einen neuen.',
+  'gate.text':
+    'Öffnen Sie in diesem Browser den Link, den das Gerät beim Start zeigt. Jeder Link gilt nur einmal; danach zeigt das Gerät einen neuen.',
 
   'lease.question': 'Jemand anderes steuert. Übernehmen?',
   'lease.text': 'Der andere Bildschirm verliert die Steuerung und sieht das. Das geht nur, während das Gerät steht.',
@@ -288,7 +289,8 @@ export const de: Table = {
   'calibrate.used': 'Übernommen: {name}',
   'calibrate.checked': 'Alles ist, wie es sein soll.',
   'calibrate.failed': 'Die Schritte lassen sich gerade nicht lesen.',
-  'calibrate.simulated': 'Simulation: Gehen ist auch ohne Kalibrierung möglich. Ein echtes Gerät startet erst, wenn die Nullpunkte der Streben gesetzt sind.',
+  'calibrate.simulated':
+    'Simulation: Gehen ist auch ohne Kalibrierung möglich. Ein echtes Gerät startet erst, wenn die Nullpunkte der Streben gesetzt sind.',
   'calibrate.still': 'In Ruhe',
   'calibrate.moving': 'Bewegt sich',
   'calibrate.progress': 'Fortschritt',
@@ -371,7 +373,8 @@ export const de: Table = {
   'device.unknown': 'eine unbekannte Baugruppe',
   'device.secondCore': 'eine zweite Steuerung',
   'health.loop': 'Regelschleife',
-  'loop.hint': 'Hundert Schritte in der Sekunde. Das Gerät hält an, wenn zwei in einer Sekunde mehr als {two} ms zu spät beginnen oder einer mehr als {one} ms.',
+  'loop.hint':
+    'Hundert Schritte in der Sekunde. Das Gerät hält an, wenn zwei in einer Sekunde mehr als {two} ms zu spät beginnen oder einer mehr als {one} ms.',
   'loop.picture': 'Wie spät die Schritte begannen',
   'loop.lately': 'Letzte zehn Sekunden',
   'loop.ever': 'Seit dem Start',
