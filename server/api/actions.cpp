@@ -54,16 +54,14 @@ Outcome outcome_of(const CoreAnswer& answer) {
       break;
     case CoreAnswer::Kind::busy:
       outcome.detail = "The control core has not taken the last commands yet.";
-      outcome.reason = Reason::busy;
       break;
   }
   outcome.kind = Outcome::Kind::unreachable;
   return outcome;
 }
 
-Outcome invalid(std::vector<FieldError> errors, std::string detail, std::optional<Reason> reason = {}) {
+Outcome invalid(std::vector<FieldError> errors, std::string detail) {
   Outcome outcome;
-  outcome.reason = reason;
   outcome.kind = Outcome::Kind::invalid;
   outcome.errors = std::move(errors);
   outcome.detail = std::move(detail);
@@ -99,31 +97,10 @@ void set_values(Services& services, const Asker& asker, std::vector<std::pair<st
 }
 }  // namespace
 
-Reason reason_of(const Outcome& outcome) {
-  if (outcome.reason) return *outcome.reason;
-  switch (outcome.kind) {
-    case Outcome::Kind::invalid:
-      return Reason::invalid;
-    case Outcome::Kind::unknown:
-      return Reason::unknown;
-    case Outcome::Kind::unreachable:
-      return Reason::no_core;
-    default:
-      return Reason::refused;
-  }
-}
-
 std::vector<std::string> refusal_names(std::uint32_t bits) {
   std::vector<std::string> names;
   for (const contract::RefusalInfo& r : contract::kRefusals)
     if ((bits >> r.bit & 1U) != 0) names.emplace_back(r.name);
-  return names;
-}
-
-std::vector<std::string> fault_names(std::uint32_t bits) {
-  std::vector<std::string> names;
-  for (const contract::FaultInfo& f : contract::kFaults)
-    if ((bits >> f.bit & 1U) != 0) names.emplace_back(f.name);
   return names;
 }
 
@@ -157,7 +134,7 @@ void act_acknowledge(Services& services, const Asker& asker, const json& seen, O
     for (const json& name : seen) {
       const contract::FaultInfo* fault = name.is_string() ? contract::find_fault(name.get_ref<const std::string&>()) : nullptr;
       usable = usable && fault != nullptr;
-      if (fault != nullptr) command.a |= 1U << fault->bit;
+      if (fault != nullptr) command.bits |= contract::fault_bit(*fault);
     }
   if (!usable) {
     done(invalid({{"seen", "must name at least one fault, and only faults of the table"}}, "There is no such fault to acknowledge."));
@@ -221,7 +198,7 @@ void act_measure(Services& services, const Asker& asker, const json& measured, O
     command.a = static_cast<std::uint32_t>(left ? contract::CalibrationPart::left_square : contract::CalibrationPart::right_square);
   }
   if (!errors.empty()) {
-    done(invalid(std::move(errors), "The measurement cannot be used.", Reason::measurement));
+    done(invalid(std::move(errors), "The measurement cannot be used."));
     return;
   }
   // The step under way names its range when the figure lies outside.
@@ -328,7 +305,7 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
     errors.push_back({"path", "belongs to the mode guided only"});
   }
   if (!exercise || !errors.empty()) {
-    Outcome outcome = invalid(std::move(errors), "The exercise cannot be used.", Reason::exercise);
+    Outcome outcome = invalid(std::move(errors), "The exercise cannot be used.");
     // Whoever wants to start is told everything that is in the way.
     if (*mode == contract::Mode::guided)
       outcome.refusals = refusal_names(blocked_bits(services) | contract::refusal_bit(contract::Refusal::exercise_limits));
@@ -403,7 +380,7 @@ void act_choose(Services& services, const json& exercise, OutcomeDone done) {
   std::vector<FieldError> errors;
   const auto chosen = read_exercise(exercise, errors);
   if (!chosen) {
-    done(invalid(std::move(errors), "The exercise cannot be used.", Reason::exercise));
+    done(invalid(std::move(errors), "The exercise cannot be used."));
     return;
   }
   const auto& newest = services.core.newest();

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "server/api/exercise.hpp"
-#include "server/contract/reasons.hpp"
 #include "server/http/problem.hpp"
 #include "server/services.hpp"
 
@@ -20,12 +19,10 @@ struct Outcome {
   std::vector<std::string> refusals;  // names of the refusal table
   std::vector<FieldError> errors;
   std::string detail;
-  std::optional<Reason> reason;  // where `kind` does not say it all
-  std::uint32_t epoch = 0;       // of a lease just taken
-  std::optional<bool> stored;    // of a change of settings: false = in force, and lost at the next start unless the disk takes it later
+  std::uint32_t epoch = 0;     // of a lease just taken
+  std::optional<bool> stored;  // of a change of settings: false = in force, and lost at the next start unless the disk takes it later
   [[nodiscard]] bool done() const { return kind == Kind::done; }
 };
-[[nodiscard]] Reason reason_of(const Outcome& outcome);
 using OutcomeDone = std::function<void(const Outcome&)>;
 
 // Who asks: the number the core knows, the lease epoch it believes, the role.
@@ -77,6 +74,5 @@ void act_update_firmware(Services& services, const Asker& asker, std::vector<std
 void act_preset(Services& services, const Asker& asker, const std::string& name, std::uint32_t version, OutcomeDone done);
 
 [[nodiscard]] std::vector<std::string> refusal_names(std::uint32_t bits);
-[[nodiscard]] std::vector<std::string> fault_names(std::uint32_t bits);
 
 }  // namespace hoist::server

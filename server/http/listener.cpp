@@ -33,11 +33,9 @@ class Connection;
 enum class Seat : std::uint8_t { ordinary, signed_in, stop };
 
 struct Listener::Shared {
-  Shared(asio::io_context& io_in, Services& services_in)
-      : io(io_in), services(services_in), pages(services_in.settings.web_dir), acceptor(io_in), pause(io_in) {}
+  Shared(asio::io_context& io_in, Services& services_in) : io(io_in), services(services_in), acceptor(io_in), pause(io_in) {}
   asio::io_context& io;
   Services& services;
-  const StaticFiles pages;
   tcp::acceptor acceptor;
   asio::steady_timer pause;
   bool closing = false;
@@ -394,8 +392,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     request_.body = std::move(parser_->get().body());
     // The core's answer is bounded at half a second and the recorder's by its queue; the time limit is for the client's side.
     limit_time(kIdleTime_s);
-    dispatch(shared_->services, shared_->pages, std::move(request_),
-             [self = shared_from_this()](Response response) { self->send(std::move(response)); });
+    dispatch(shared_->services, std::move(request_), [self = shared_from_this()](Response response) { self->send(std::move(response)); });
   }
 
   void send(Response response) {

@@ -13,7 +13,7 @@ class io_context;
 
 namespace hoist::server {
 
-// Limits of SOURCES 2.2, H31: one slow or hungry address must not keep others out. Seats of HTTP connections:
+// Limits of research safety H31: one slow or hungry address must not keep others out. Seats of HTTP connections:
 inline constexpr std::size_t kConnectionLimit = 64;
 inline constexpr std::size_t kAddressLimit = 16;
 // The last of all seats are for one request each of a client that is signed in, and the very last of these for STOP only.

@@ -12,6 +12,7 @@
 #include "server/contract/fields.hpp"
 #include "server/contract/routes.hpp"
 #include "server/http/json_text.hpp"
+#include "server/http/static_files.hpp"
 
 namespace hoist::server {
 
@@ -187,7 +188,7 @@ std::optional<Problem> refuse(Services& services, const Route& route, Call& call
 }
 }  // namespace
 
-void dispatch(Services& services, const StaticFiles& pages, Request request, std::function<void(Response)> answer) {
+void dispatch(Services& services, Request request, std::function<void(Response)> answer) {
   Counters& counters = services.counters;
   counters.add(Count::http_requests);
   const bool head = request.method == Method::head;
@@ -209,7 +210,7 @@ void dispatch(Services& services, const StaticFiles& pages, Request request, std
     if (request.path == "/" && token != request.query.end() && !head)
       finish(open_link(services, token->second));
     else
-      finish(pages.serve(request));
+      finish(serve_static(services.settings.web_dir, request));
     return;
   }
   std::vector<std::string> values;

@@ -82,11 +82,11 @@ void CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>
     stage.a = id;
     stage.b = position++;
     stage.v0 = value;
-    stage.seal = 0;
+    stage.bits = 0;
     staged_[stage.request_id] = commit.request_id;
     outbox_.push_back(stage);
   }
-  commit.seal = seal.value(version);
+  commit.bits = seal.value(version);
   pending_[commit.request_id] = {commit.request_id, clock_ns_ + kAnswerLimit_ns, std::move(done), true, std::nullopt};
   outbox_.push_back(commit);
   flush_outbox();
@@ -120,27 +120,6 @@ bool CoreDesk::drive(const contract::DriveCommand& command) {
 std::string_view CoreDesk::problem() const {
   if (connected_) return {};
   return link_.attached() ? "the control core is attached, but publishes nothing" : std::string_view{link_.last_error()};
-}
-
-std::optional<Reason> CoreDesk::reason() const {
-  if (problem().empty()) return std::nullopt;
-  if (link_.attached()) return Reason::core_silent;
-  switch (link_.problem()) {
-    case publish::LinkProblem::absent:
-      return Reason::core_absent;
-    case publish::LinkProblem::silent:
-      return Reason::core_silent;
-    case publish::LinkProblem::gone:
-      return Reason::core_gone;
-    case publish::LinkProblem::taken:
-      return Reason::core_taken;
-    case publish::LinkProblem::other_build:
-      return Reason::core_build;
-    case publish::LinkProblem::refused:
-      return Reason::core_refused;
-    default:
-      return Reason::core_unreachable;
-  }
 }
 
 bool CoreDesk::hand_holds(std::uint64_t within_ns) const {

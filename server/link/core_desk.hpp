@@ -16,7 +16,6 @@
 #include "control/contract/signals.hpp"
 #include "control/contract/step_line.hpp"
 #include "control/publish/server_link.hpp"
-#include "server/contract/reasons.hpp"
 #include "server/counters.hpp"
 #include "server/link/clock_speed.hpp"
 
@@ -95,8 +94,6 @@ class CoreDesk {
   [[nodiscard]] bool connected() const { return connected_; }
   // Why the core is not connected, in a sentence; empty while it is.
   [[nodiscard]] std::string_view problem() const;
-  // The same for programs; nothing while it is connected.
-  [[nodiscard]] std::optional<Reason> reason() const;
   [[nodiscard]] const std::optional<contract::TickRecord>& newest() const { return newest_; }
   [[nodiscard]] const contract::ParamsInForce& parameters() const { return parameters_; }
   // Why what is in force is not on the disk; nothing while it is, and while it may still be on its way.

@@ -2,18 +2,21 @@
 
 namespace hoist::server {
 
-void begin_frame(std::string& frame, Opcode opcode, std::size_t payload_bytes) {
-  frame.reserve(frame.size() + payload_bytes + 10);
-  frame.push_back(static_cast<char>(0x80U | static_cast<unsigned>(opcode)));
-  const int length_bytes = payload_bytes < 126 ? 0 : payload_bytes <= 0xFFFF ? 2 : 8;
-  frame.push_back(static_cast<char>(length_bytes == 0 ? payload_bytes : length_bytes == 2 ? 126 : 127));
-  for (int shift = 8 * (length_bytes - 1); shift >= 0; shift -= 8)
-    frame.push_back(static_cast<char>((static_cast<std::uint64_t>(payload_bytes) >> shift) & 0xFF));
-}
-
 SharedFrame make_frame(Opcode opcode, std::string_view payload) {
   auto frame = std::make_shared<std::string>();
-  begin_frame(*frame, opcode, payload.size());
+  frame->reserve(payload.size() + 10);
+  frame->push_back(static_cast<char>(0x80U | static_cast<unsigned>(opcode)));
+  const std::size_t size = payload.size();
+  if (size < 126) {
+    frame->push_back(static_cast<char>(size));
+  } else if (size <= 0xFFFF) {
+    frame->push_back(126);
+    frame->push_back(static_cast<char>(size >> 8));
+    frame->push_back(static_cast<char>(size & 0xFF));
+  } else {
+    frame->push_back(127);
+    for (int shift = 56; shift >= 0; shift -= 8) frame->push_back(static_cast<char>((static_cast<std::uint64_t>(size) >> shift) & 0xFF));
+  }
   frame->append(payload);
   return frame;
 }

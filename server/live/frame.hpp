@@ -28,8 +28,6 @@ enum class CloseCode : std::uint16_t {
 inline constexpr std::size_t kMessageLimit_bytes = 4096;
 
 [[nodiscard]] SharedFrame make_frame(Opcode opcode, std::string_view payload);
-// Appends the header of a frame whose payload of this size is appended next.
-void begin_frame(std::string& frame, Opcode opcode, std::size_t payload_bytes);
 [[nodiscard]] SharedFrame make_close_frame(CloseCode code, std::string_view reason);
 [[nodiscard]] bool valid_utf8(std::string_view text);
 

@@ -16,7 +16,6 @@
 #include "server/live/client.hpp"
 #include "server/live/notices.hpp"
 #include "server/live/views.hpp"
-#include "server/record/reason.hpp"
 
 namespace hoist::server {
 
@@ -49,11 +48,7 @@ json lease_json(const CoreDesk& core, std::uint32_t client) {
 
 json core_json(const CoreDesk& core) {
   const std::string_view problem = core.problem();
-  const auto reason = core.reason();
-  return {{"type", "core"},
-          {"connected", core.connected()},
-          {"problem", problem.empty() ? json(nullptr) : json(problem)},
-          {"reason_code", reason ? json(reason_name(*reason)) : json(nullptr)}};
+  return {{"type", "core"}, {"connected", core.connected()}, {"problem", problem.empty() ? json(nullptr) : json(problem)}};
 }
 
 json walk_json(const Walk& walk) {
@@ -77,8 +72,7 @@ json recording_json(const RecordingStatus& status) {
            {"started_utc_ms", nullptr},
            {"samples", status.samples},
            {"durable_tick", nullptr},
-           {"detail", status.detail},
-           {"reason_code", status.error ? json(reason_name(reason_of(*status.error))) : json(nullptr)}};
+           {"detail", status.detail}};
   if (status.session) out["session"] = *status.session;
   if (status.started_utc_ms) out["started_utc_ms"] = *status.started_utc_ms;
   if (status.durable_tick) out["durable_tick"] = *status.durable_tick;
@@ -95,7 +89,8 @@ json event_json(const contract::Event& event) {
       for (const contract::FaultInfo& f : contract::kFaults)
         if (f.bit == event.code) out["name"] = f.name;
       // What a fault is about, where that has words of its own.
-      if (event.kind == EventKind::fault_raised && (contract::faults_with_details() >> (event.code & 31U) & 1U) != 0 && event.item != 0)
+      if (event.kind == EventKind::fault_raised && event.code < contract::kFaultPlaces && event.item != 0 &&
+          (contract::faults_with_details() & contract::fault_bit(static_cast<contract::Fault>(event.code))) != 0)
         out["item"] = event.item;
       // A fault that may be about any device names the one it is about.
       if (event.kind == EventKind::fault_raised && is_about_a_device(event.code)) {
@@ -160,21 +155,18 @@ json event_json(const contract::Event& event) {
   return out;
 }
 
-SharedFrame TelemetryFrames::encode(std::span<const contract::TickRecord> records) {
-  const auto free = std::ranges::find_if(kept_, [](const auto& kept) { return kept.use_count() <= 1; });
-  auto frame = free != kept_.end() && *free ? *free : std::make_shared<std::string>();
-  if (free != kept_.end()) *free = frame;
-  frame->clear();
-  begin_frame(*frame, Opcode::binary, 16 + records.size_bytes());
-  put(*frame, 1, 1);  // kind: tick records
-  put(*frame, 1, 1);  // version
-  put(*frame, records.size(), 2);
-  put(*frame, sizeof(contract::TickRecord), 4);
-  put(*frame, contract::layout_hash(), 8);
+SharedFrame telemetry_frame(std::span<const contract::TickRecord> records) {
+  std::string payload;
+  payload.reserve(16 + records.size_bytes());
+  put(payload, 1, 1);  // kind: tick records
+  put(payload, 1, 1);  // version
+  put(payload, records.size(), 2);
+  put(payload, sizeof(contract::TickRecord), 4);
+  put(payload, contract::layout_hash(), 8);
   // Little endian in memory as on the wire: every machine this runs on is.
   static_assert(std::endian::native == std::endian::little);
-  frame->append(reinterpret_cast<const char*>(records.data()), records.size_bytes());
-  return frame;
+  payload.append(reinterpret_cast<const char*>(records.data()), records.size_bytes());
+  return make_frame(Opcode::binary, payload);
 }
 
 namespace {
@@ -238,7 +230,7 @@ void Hub::broadcast(const SharedFrame& frame) {
 
 void Hub::send_batch() {
   if (batch_.empty()) return;
-  const SharedFrame frame = frames_.encode(batch_);
+  const SharedFrame frame = telemetry_frame(batch_);
   batch_.clear();
   for (const auto& client : clients_)
     if (!client->every_tick()) client->send_telemetry(frame);
@@ -274,7 +266,7 @@ void Hub::on_ticks(std::span<const contract::TickRecord> records, std::uint64_t)
     return;
   }
   if (std::any_of(clients_.begin(), clients_.end(), [](const auto& c) { return c->every_tick(); })) {
-    const SharedFrame frame = frames_.encode(records);
+    const SharedFrame frame = telemetry_frame(records);
     for (const auto& client : clients_)
       if (client->every_tick()) client->send_telemetry(frame);
   }

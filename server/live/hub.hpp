@@ -1,12 +1,9 @@
 // All open WebSockets: hears what the core says, encodes each frame once, shares it among all clients.
 #pragma once
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>
-#include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -20,17 +17,6 @@ namespace hoist::server {
 
 // Samples of one ordinary telemetry frame: 20 frames per second.
 inline constexpr std::size_t kBatchSamples = 5;
-
-// Binary frames of samples: 16 bytes of header, then the records as they lie in memory. The memory of a frame that every client has sent is
-// used again, so that the steady stream asks the heap for nothing. One thread.
-class TelemetryFrames {
- public:
-  [[nodiscard]] SharedFrame encode(std::span<const contract::TickRecord> records);
-
- private:
-  // Clients that are behind hold the last few; when all are held, a frame of its own is made.
-  std::array<std::shared_ptr<std::string>, 8> kept_;
-};
 
 // Emergency messages of nodes that are kept for whoever asks later; all of a session are in its recording.
 inline constexpr std::size_t kEmergenciesKept = 64;
@@ -102,7 +88,9 @@ class Hub final : public CoreListener {
   std::deque<contract::Event> emergencies_;
   std::vector<contract::Event> proposed_;
   std::uint64_t core_life_ = 0;  // of the core that proposed it
-  TelemetryFrames frames_;
 };
+
+// The binary frame of some samples: 16 bytes of header, then the records as they lie in memory.
+[[nodiscard]] SharedFrame telemetry_frame(std::span<const contract::TickRecord> records);
 
 }  // namespace hoist::server

@@ -8,7 +8,6 @@
 #include "control/contract/faults.hpp"
 #include "server/api/actions.hpp"
 #include "server/live/client.hpp"
-#include "server/record/reason.hpp"
 
 namespace hoist::server {
 
@@ -31,7 +30,6 @@ json reply_json(const json& request, const Outcome& outcome) {
   reply["refusals"] = outcome.refusals;
   reply["errors"] = to_json(outcome.errors);
   reply["detail"] = outcome.detail;
-  reply["reason_code"] = reason_name(reason_of(outcome));
   return reply;
 }
 
@@ -47,7 +45,6 @@ void refuse_fields(Client& client, const json& message, std::vector<FieldError> 
   outcome.kind = Outcome::Kind::invalid;
   outcome.errors = std::move(errors);
   outcome.detail = "The message cannot be used.";
-  outcome.reason = Reason::message;
   client.hub().services().counters.add(Count::ws_refused);
   reply_to(client, message)(outcome);
 }
@@ -182,15 +179,12 @@ void marker(Client& client, const json& message) {
     if (records.late()) {
       outcome.kind = Outcome::Kind::unreachable;
       outcome.detail = kRecorderBusy;
-      outcome.reason = Reason::busy;
     } else if (!status.session) {
       outcome.kind = Outcome::Kind::refused;
       outcome.detail = "Nothing is being recorded.";
-      outcome.reason = Reason::not_recording;
     } else if (const db::Status stored = records.marker(*status.session, words); !stored) {
       outcome.kind = Outcome::Kind::unreachable;
       outcome.detail = stored.error().message;
-      outcome.reason = reason_of(stored.error().kind);
     }
     return outcome;
   };
@@ -199,7 +193,6 @@ void marker(Client& client, const json& message) {
   Outcome busy;
   busy.kind = Outcome::Kind::unreachable;
   busy.detail = kRecorderBusy;
-  busy.reason = Reason::busy;
   done(busy);
 }
 
@@ -292,7 +285,6 @@ void handle_message(Client& client, const json& message, const std::optional<std
       Outcome outcome;
       outcome.kind = Outcome::Kind::refused;
       outcome.detail = "Your role may not do this.";
-      outcome.reason = Reason::role;
       if (row.answered) reply_to(client, message)(outcome);
       return;
     }

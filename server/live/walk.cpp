@@ -33,8 +33,6 @@ void PathTrace::clear() {
 
 void PathTrace::add(double x_m, double y_m) {
   if (!x_m_.empty() && std::hypot(x_m - x_m_.back(), y_m - y_m_.back()) < step_m_) return;
-  x_m_.reserve(kPointsMost);
-  y_m_.reserve(kPointsMost);
   x_m_.push_back(x_m);
   y_m_.push_back(y_m);
   if (x_m_.size() < kPointsMost) return;

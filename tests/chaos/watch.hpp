@@ -1,4 +1,4 @@
-// What must always hold: invariants I1 to I14 of SOURCES 2.4, judged from outside on what the core records and sends and on the
+// What must always hold: invariants I1 to I14 of research on safety, 4.3, judged from outside on what the core records and sends and on the
 // truth of the simulated machine. Nothing here asks the product whether it did well.
 #pragma once
 #include <cstdint>
@@ -57,7 +57,7 @@ class Watch {
     double since_s, by_s;
   };
   struct MustRaise {
-    std::uint32_t any_of;
+    contract::FaultBits any_of;
     const char* what;
     double by_s, over_s;
   };
@@ -97,8 +97,8 @@ class Watch {
   std::uint32_t drive_epoch_{}, lease_epoch_{}, lease_holder_{};
   contract::Mode last_mode_{contract::Mode::init};
   std::size_t events_seen_{};
-  std::uint32_t raised_{};
-  std::uint32_t raised_now_{};  // in this step
+  contract::FaultBits raised_{};
+  contract::FaultBits raised_now_{};  // in this step
   std::uint64_t last_tick_{};
   bool ran_{false}, followed_{false};
 };

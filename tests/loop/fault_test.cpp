@@ -94,7 +94,7 @@ TEST(Faults, H15_AStumbleStopsTheHoist) {
   }
   ASSERT_GT(past_s, 0.0);
   ASSERT_GT(stopped_mode_s, 0.0);
-  EXPECT_LE(stopped_mode_s - past_s, contract::find_monitor(Fault::fall_detected)->budget_ms * 1e-3 + 1e-9);
+  EXPECT_LE(stopped_mode_s - past_s, contract::fault_info(Fault::fall_detected).budget_ms * 1e-3 + 1e-9);
   EXPECT_TRUE(walk.loop.ever_raised(Fault::fall_detected));
   // The body strikes the stop meanwhile and then hangs there with some 200 N: the wheels may slide for a moment.
   EXPECT_LT(walk.loop.world().plant().platform().x_m - before_m, from_m_s * from_m_s / 2.0 + 0.25);
@@ -151,11 +151,10 @@ TEST(Faults, H16_AHangingPatientIsNotDrawnAlong) {
   }
 }
 
-// A patient who faints while a therapist leads hangs below the guard's lean, where only the missing steps tell. An exercise waits for who hangs
-// back, nearly at a stand, but not without end.
+// A patient who faints while a therapist leads hangs below the guard's lean, where only the missing steps tell.
 TEST(Faults, H16_AFaintedPatientIsNotDraggedWhoeverLeads) {
   for (const Mode mode : {Mode::remote, Mode::guided}) {
-    for (const double lean_deg : {7.0, 8.5, -5.0, -8.5}) {
+    for (const double lean_deg : {7.0, 8.5, -5.0}) {
       SCOPED_TRACE(std::string(contract::kModes[static_cast<std::size_t>(mode)].name) + std::to_string(lean_deg));
       Walk walk;
       contract::GuidedPath path;

@@ -8,6 +8,9 @@
 #include "deploy/tools/gen/generate.hpp"
 
 namespace hoist::gen {
+namespace {
+
+using namespace hoist::contract;
 
 std::string quoted(std::string_view text) {
   std::string out = "'";
@@ -25,10 +28,6 @@ std::string quoted(std::string_view text) {
 std::string words(std::string_view english, std::string_view german) {
   return "{ en: " + quoted(english) + ", de: " + quoted(german) + " }";
 }
-
-namespace {
-
-using namespace hoist::contract;
 
 template <typename Rows>
 std::string name_union(std::string_view type, const Rows& rows) {
@@ -225,7 +224,7 @@ GeneratedFile faults_file() {
   out += name_union("FaultName", kFaults) + "\n" + name_union("RefusalName", kRefusals) + "\n" + name_union("ModeName", kModes);
   out += R"(
 export interface FaultInfo {
-  /** Place in fault_bits. */
+  /** Place in fault_bits: one of 53, which a number holds exactly. */
   bit: number;
   name: FaultName;
   priority: 'high' | 'medium' | 'low';
@@ -264,7 +263,7 @@ export const faultDetails: readonly FaultDetail[] = [
 /** Faults that have a code: the live value <name>_code. */
 export const codedFaults = [)";
   for (const auto& f : kFaults)
-    if ((faults_with_details() >> f.bit & 1U) != 0) out += quoted(f.name) + ", ";
+    if ((faults_with_details() & fault_bit(f)) != 0) out += quoted(f.name) + ", ";
   out.resize(out.size() - 2);
   out += R"(] as const;
 

@@ -3,11 +3,12 @@ import { codedFaults, faults, modes, type FaultName } from '../contract/faults.g
 import { layoutHash, type Exercise, type GuidedPath, type StandingNotice, type WalkMessage } from '../contract/messages.gen';
 import type { ParamName } from '../contract/params.gen';
 import type { TickRecord } from '../contract/signals.gen';
+import { hasBit } from './bits';
 import { readFrame } from './frame';
 import { live } from './live';
-import { rest, type Answer } from './rest';
+import { rest } from './rest';
 import { Link, replyLost, subprotocol, type Reply, type SocketLike } from './socket';
-import { moving, stopped, store, writable, type Emergency, type LogLine, type Notice, type Recording } from './store';
+import { moving, stopped, store, type Emergency, type LogLine, type Notice, type Recording } from './store';
 
 const late_ms = 500;
 const gone_ms = 1000;
@@ -26,10 +27,10 @@ const link = new Link(
   },
   {
     state(state) {
-      if (state === 'open') writable.set({ link: state, everOpen: true, signedIn: true });
-      else writable.set({ link: state, lease: { ...store.value.lease, mine: false } });
+      if (state === 'open') store.set({ link: state, everOpen: true, signedIn: true });
+      else store.set({ link: state, lease: { ...store.value.lease, mine: false } });
     },
-    rtt: (rtt_s) => writable.set({ rtt_s }),
+    rtt: (rtt_s) => store.set({ rtt_s }),
     binary: takeFrame,
     text: takeText,
     refused: () => void checkSignedIn(),
@@ -38,22 +39,22 @@ const link = new Link(
 
 async function checkSignedIn(): Promise<void> {
   const answer = await rest('GET', '/status');
-  if (!answer.ok && (answer.problem.status === 401 || answer.problem.status === 403)) writable.set({ signedIn: false });
+  if (!answer.ok && (answer.problem.status === 401 || answer.problem.status === 403)) store.set({ signedIn: false });
 }
 
 function takeFrame(buffer: ArrayBuffer): void {
   const frame = readFrame(buffer);
   if (!frame.ok) {
-    if (frame.why === 'layout') writable.set({ layoutDiffers: true });
+    if (frame.why === 'layout') store.set({ layoutDiffers: true });
     return;
   }
   const newest = frame.records.at(-1);
   if (newest === undefined) return;
   live.take(frame.records, performance.now());
-  writable.set({ data: 'fresh', dataAge_s: 0, ...slowPart(newest) });
+  store.set({ data: 'fresh', dataAge_s: 0, ...slowPart(newest) });
   if (stoppedModes.has(newest.mode)) stopSeen();
   // A STOP that did not get through is no news any more once the hoist is seen to stand, led by nobody.
-  else if (store.value.stopFailed && newest.standing_still === 1 && !moving(store.value.mode)) writable.set({ stopFailed: false });
+  else if (store.value.stopFailed && newest.standing_still === 1 && !moving(store.value.mode)) store.set({ stopFailed: false });
 }
 
 const bitOf = (name: FaultName) => faults.find((fault) => fault.name === name)!.bit;
@@ -74,9 +75,6 @@ const silentTicks = 50;
 /** Where a STOP has nothing left to do. */
 const stoppedModes = new Set(modes.filter((mode) => stopped(mode.name)).map((mode) => mode.value));
 
-/** Value of guided_phase while the hoist goes at less than half its speed, because the patient lags. */
-const guidedWaits = 5;
-
 function slowPart(record: TickRecord) {
   return {
     mode: modes[record.mode]?.name ?? 'init',
@@ -86,30 +84,27 @@ function slowPart(record: TickRecord) {
     silentNodes: silentNodes(record),
     blockedBits: record.blocked_bits,
     standingStill: record.standing_still === 1,
-    waits: record.guided_phase === guidedWaits,
     sensed: record.bus_up === 1 && sensors.every((name) => record[`${name}_age_ticks`] < silentTicks),
     bumpers: record.bumpers,
     bumpersHeld: (record.bumpers & ~record.bumpers_acknowledged) === 0,
     trial_s: Math.ceil(record.settings_trial_s),
     // The alarm outlasts its cause until somebody acknowledges it; so does the name of the device.
-    duplicateId: record.duplicate_id !== 0 ? record.duplicate_id : ((record.fault_bits >>> duplicateBit) & 1) === 1 ? store.value.duplicateId : null,
-    babblingId: record.babbling_id !== nobody ? record.babbling_id : ((record.fault_bits >>> babblingBit) & 1) === 1 ? store.value.babblingId : null,
+    duplicateId: record.duplicate_id !== 0 ? record.duplicate_id : hasBit(record.fault_bits, duplicateBit) ? store.value.duplicateId : null,
+    babblingId: record.babbling_id !== nobody ? record.babbling_id : hasBit(record.fault_bits, babblingBit) ? store.value.babblingId : null,
   } as const;
 }
 
 /** This page led the hoist, also before a connection that was lost. */
 let led = false;
 
-const text = (value: unknown): string => (typeof value === 'string' ? value : '');
-
 function takeText(message: { type: string; [more: string]: unknown }): void {
   const now = store.value;
   switch (message.type) {
     case 'welcome': {
-      writable.set({
+      store.set({
         client: Number(message.client ?? 0),
-        role: text(message.role),
-        version: text(message.version),
+        role: String(message.role ?? ''),
+        version: String(message.version ?? ''),
         simulated: message.simulated === true,
         scenario: typeof message.scenario === 'string' ? message.scenario : null,
         layoutDiffers: message.layout_hash !== layoutHash,
@@ -117,62 +112,61 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
       break;
     }
     case 'parameters':
-      writable.set({ parameters: { ...(message.values as Record<string, number>) }, parameterVersion: Number(message.version ?? 0) });
+      store.set({ parameters: { ...(message.values as Record<string, number>) }, parameterVersion: Number(message.version ?? 0) });
       break;
     case 'lease':
-      writable.set({ lease: { epoch: Number(message.epoch ?? 0), holder: Number(message.holder ?? 0), mine: message.mine === true } });
-      if (message.mine === true || now.leaseTaken) writable.set({ leaseTaken: message.mine !== true && Number(message.holder) !== 0 });
-      else if (led && Number(message.holder) !== 0) writable.set({ leaseTaken: true });
+      store.set({ lease: { epoch: Number(message.epoch ?? 0), holder: Number(message.holder ?? 0), mine: message.mine === true } });
+      if (message.mine === true || now.leaseTaken) store.set({ leaseTaken: message.mine !== true && Number(message.holder) !== 0 });
+      else if (led && Number(message.holder) !== 0) store.set({ leaseTaken: true });
       led = message.mine === true;
       break;
     case 'recording': {
       const started = Number(message.started_utc_ms ?? 0);
-      writable.set({
+      store.set({
         recording: {
           state: (message.state as Recording['state']) ?? 'idle',
           session: typeof message.session === 'number' ? message.session : null,
           started_utc_ms: started > 0 ? started : null,
           samples: Number(message.samples ?? 0),
-          reason: typeof message.reason_code === 'string' ? message.reason_code : null,
+          detail: String(message.detail ?? ''),
         },
       });
       break;
     }
     case 'notices':
-      writable.set({ standing: Array.isArray(message.items) ? (message.items as StandingNotice[]) : [] });
+      store.set({ standing: Array.isArray(message.items) ? (message.items as StandingNotice[]) : [] });
       break;
     case 'walk': {
       const walk = message as unknown as WalkMessage;
       live.takeWalk(walk);
       // A server that came back in the middle of a walk does not know what it began with.
       const begun = walk.begun ?? (walk.mark === null && live.record !== null ? now.begun : null);
-      writable.set({ exercise: walk.exercise, begun });
+      store.set({ exercise: walk.exercise, begun });
       break;
     }
     case 'core':
-      writable.set({ coreConnected: message.connected === true, coreReason: typeof message.reason_code === 'string' ? message.reason_code : null });
+      store.set({ coreConnected: message.connected === true, coreProblem: typeof message.problem === 'string' ? message.problem : null });
       break;
     case 'event': {
       const line: LogLine = {
         time_ns: Number(message.time_ns ?? 0),
-        kind: text(message.kind),
-        name: text(message.name),
+        kind: String(message.kind ?? ''),
+        name: String(message.name ?? ''),
         value: typeof message.value === 'number' ? message.value : null,
         before: typeof message.before === 'number' ? message.before : null,
         code: typeof message.code === 'number' ? message.code : null,
       };
-      if (line.kind === 'emergency')
-        takeEmergencies([{ time_ns: line.time_ns, node: line.name, code: line.code ?? 0, errorRegister: Number(message.bits ?? 0) }]);
+      if (line.kind === 'emergency') takeEmergencies([{ time_ns: line.time_ns, node: line.name, code: line.code ?? 0, errorRegister: Number(message.bits ?? 0) }]);
       // The other ways to end are told by the strip, or were asked for.
       if (line.kind === 'guided_ended' && line.name === 'finished') notify('info', 'guided.finished');
       if (line.kind === 'guided_ended' && line.name === 'off_path') notify('warning', 'guided.off_path');
       // The hoist may behave otherwise from here on, perhaps in the middle of a walk.
       if (line.kind === 'parameters_reverted') notify('warning', 'trial.reverted');
-      writable.set({ log: [...now.log, line].slice(-logLines) });
+      store.set({ log: [...now.log, line].slice(-logLines) });
       break;
     }
     case 'notice':
-      notify((message.level as Notice['level']) ?? 'info', text(message.text_key));
+      notify((message.level as Notice['level']) ?? 'info', String(message.text_key ?? message.text ?? ''));
       break;
   }
 }
@@ -180,11 +174,11 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
 const emergenciesMost = 64;
 function takeEmergencies(more: readonly Emergency[]): void {
   const all = new Map([...store.value.emergencies, ...more].map((item) => [`${item.time_ns} ${item.node} ${item.code}`, item]));
-  writable.set({ emergencies: [...all.values()].sort((a, b) => a.time_ns - b.time_ns).slice(-emergenciesMost) });
+  store.set({ emergencies: [...all.values()].sort((a, b) => a.time_ns - b.time_ns).slice(-emergenciesMost) });
 }
 
 /** What devices reported before this page was opened. */
-export async function fetchEmergencies(): Promise<Answer<unknown>> {
+export async function fetchEmergencies(): Promise<void> {
   interface Told {
     node: string;
     time_ns: number;
@@ -193,15 +187,7 @@ export async function fetchEmergencies(): Promise<Answer<unknown>> {
   }
   const answer = await rest<{ emergencies?: Told[] }>('GET', '/health');
   if (answer.ok)
-    takeEmergencies(
-      (answer.value.emergencies ?? []).map((item) => ({
-        time_ns: item.time_ns,
-        node: item.node,
-        code: item.emergency.code,
-        errorRegister: item.error_register,
-      })),
-    );
-  return answer;
+    takeEmergencies((answer.value.emergencies ?? []).map((item) => ({ time_ns: item.time_ns, node: item.node, code: item.emergency.code, errorRegister: item.error_register })));
 }
 
 let noticeId = 0;
@@ -212,15 +198,15 @@ export function notify(level: Notice['level'], text: string, plain = false): voi
   if (text === '') return;
   const id = ++noticeId;
   // The same again replaces the one before, and is there for its full time: a second mark is a second mark.
-  writable.set({ notices: [...store.value.notices.filter((notice) => notice.text !== text), { id, level, text, plain }].slice(-noticesMost) });
-  window.setTimeout(() => writable.set({ notices: store.value.notices.filter((notice) => notice.id !== id) }), noticeFor_ms);
+  store.set({ notices: [...store.value.notices.filter((notice) => notice.text !== text), { id, level, text, plain }].slice(-noticesMost) });
+  window.setTimeout(() => store.set({ notices: store.value.notices.filter((notice) => notice.id !== id) }), noticeFor_ms);
 }
 
 function checkAge(): void {
   if (live.record === null) return;
   const age_ms = performance.now() - live.received_ms;
   const data = age_ms > gone_ms ? 'gone' : age_ms > late_ms ? 'late' : 'fresh';
-  writable.set({ data, dataAge_s: data === 'fresh' ? 0 : Math.floor(age_ms / 100) / 10 });
+  store.set({ data, dataAge_s: data === 'fresh' ? 0 : Math.floor(age_ms / 100) / 10 });
 }
 
 export function startLink(): void {
@@ -238,7 +224,7 @@ let stopLeft = 0;
 
 /** STOP. Goes out at once; again, and by plain HTTP, until the hoist says that it stopped. */
 export function stop(): void {
-  writable.set({ stopSent: true, stopFailed: false });
+  store.set({ stopSent: true, stopFailed: false });
   stopLeft = stopTries;
   sendStop();
 }
@@ -251,14 +237,14 @@ function sendStop(): void {
     stopTimer = null;
     if (!store.value.stopSent) return;
     if (--stopLeft > 0) sendStop();
-    else writable.set({ stopSent: false, stopFailed: true });
+    else store.set({ stopSent: false, stopFailed: true });
   }, stopAgain_ms);
 }
 
 function stopSeen(): void {
   if (stopTimer !== null) window.clearTimeout(stopTimer);
   stopTimer = null;
-  writable.set({ stopSent: false, stopFailed: false });
+  store.set({ stopSent: false, stopFailed: false });
 }
 
 /** The newest time stamp seen: driving commands carry it back, so that old ones are known as old. */
@@ -276,7 +262,7 @@ export const releaseLease = (): Promise<Reply> => {
   led = false;
   return link.request({ type: 'lease_release' });
 };
-export const takenSeen = (): void => writable.set({ leaseTaken: false });
+export const takenSeen = (): void => store.set({ leaseTaken: false });
 
 /** Asks whether to take control from someone else; set by the shell, which shows the question. */
 export const dialogs: { askTakeOver: () => Promise<boolean> } = { askTakeOver: () => Promise.resolve(false) };

@@ -28,8 +28,7 @@ export interface Reply {
   ok: boolean;
   refusals: string[];
   errors: FieldError[];
-  /** Row of the table of reasons. */
-  reason_code?: string;
+  detail?: string;
   [more: string]: unknown;
 }
 
