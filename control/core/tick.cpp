@@ -29,10 +29,11 @@ constexpr std::uint8_t kBusSettleTicks = 50;
 /// Ten minutes: more says nothing more, and sums of it do not wrap.
 constexpr std::uint64_t kSyncTicksMost = 60'000;
 
-void tell_emergency(CoreState& state, const CanFrame& frame, const contract::FrameClass& what) noexcept {
+void tell_emergency(CoreState& state, const CanFrame& frame) noexcept {
+  const auto node = contract::find_node(static_cast<std::uint8_t>(frame.id & 0x7F));
   Event event;
   event.kind = EventKind::emergency;
-  event.item = what.node;
+  event.item = static_cast<std::uint32_t>(*node);
   event.code = contract::read_le(&frame.data[0], 2);
   event.bits = frame.data[2];
   // Forty bits, which a double holds exactly.
@@ -46,9 +47,8 @@ void receive_frames(CoreState& state, const TickInputs& inputs, double dt_s) noe
   state.health.next_tick(inputs.time_ns, inputs.bus_up);
   for (const CanFrame& frame : inputs.frames) {
     ++state.bus_frames;
-    const contract::FrameClass what = contract::classify(frame);
-    if (state.health.take(frame, what)) tell_emergency(state, frame, what);
-    if (!receive(frame, what, state.sensed, state.master, state.derived, dt_s)) ++state.bus_refused;
+    if (state.health.take(frame)) tell_emergency(state, frame);
+    if (!receive(frame, state.sensed, state.master, state.derived, dt_s)) ++state.bus_refused;
   }
   if (!inputs.bus_up) {
     state.bus_settle_ticks = kBusSettleTicks;

@@ -29,7 +29,7 @@ struct Row {
   const char* answer;  // in words
   // What the hoist must say that it stopped for, in the step that brakes or the next: a stop for anything else proves nothing about this
   // row. Bits of faults, one of which is enough; none: nobody is left to say it.
-  contract::FaultBits why;
+  std::uint32_t why;
   int budget_ms;
   Mode mode;
   const char* scenario;
@@ -43,8 +43,8 @@ struct Row {
   std::function<void(ClosedLoop&)> before = nullptr;
 };
 
-contract::FaultBits bit(Fault fault) { return contract::fault_bit(fault); }
-int budget(Fault fault) { return static_cast<int>(contract::fault_info(fault).budget_ms); }
+std::uint32_t bit(Fault fault) { return contract::fault_bit(fault); }
+int budget(Fault fault) { return static_cast<int>(contract::find_monitor(fault)->budget_ms); }
 
 // Counted from the guard's own angle and rate, of the body itself.
 bool falls(ClosedLoop& loop, double& last_rad) {

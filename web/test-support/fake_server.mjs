@@ -109,12 +109,8 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
   };
   const tellWalk = (only) =>
     tell({ type: 'walk', exercise: hoist.chosen, begun: hoist.begun, tick: hoist.tick, motion_s: 0, mark: { x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi }, step_m: 0.02, x_m: [hoist.x], y_m: [hoist.y] }, only);
-  // Bit operators on numbers cut to 32 bits.
-  const raise = (name) => {
-    hoist.faults = Number(BigInt(hoist.faults) | (1n << BigInt(faultBit[name])));
-  };
   const stopNow = () => {
-    raise('stop_pressed');
+    hoist.faults |= 1 << faultBit.stop_pressed;
     setMode('protective_stop');
     event('fault_raised', { name: 'stop_pressed' });
   };
@@ -471,7 +467,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
             if (i % 5 === 0) for (const client of clients.values()) client.socket.send(encodeRecords([record]));
           }
         },
-        fault: raise,
+        fault: (name) => (hoist.faults |= 1 << faultBit[name]),
         trouble: (change) => (hoist.trouble = change),
         standing: (items) => {
           hoist.standing = items;

@@ -31,7 +31,7 @@ class BaseTiltHigh {
 };
 
 /// The speed that a mode may ask for: its wish, on a slope held to the cap. The limiter's ramps lead there.
-[[nodiscard]] inline double on_slope_m_s(double wish_m_s, contract::FaultBits faults, const contract::Params& params) noexcept {
+[[nodiscard]] inline double on_slope_m_s(double wish_m_s, std::uint32_t faults, const contract::Params& params) noexcept {
   if ((faults & contract::fault_bit(contract::Fault::base_tilt_high)) == 0) return wish_m_s;
   const double cap_m_s = params.base_tilt_speed_m_s_max;
   return wish_m_s > cap_m_s ? cap_m_s : (wish_m_s < -cap_m_s ? -cap_m_s : wish_m_s);

@@ -224,7 +224,7 @@ GeneratedFile faults_file() {
   out += name_union("FaultName", kFaults) + "\n" + name_union("RefusalName", kRefusals) + "\n" + name_union("ModeName", kModes);
   out += R"(
 export interface FaultInfo {
-  /** Place in fault_bits: one of 53, which a number holds exactly. */
+  /** Place in fault_bits. */
   bit: number;
   name: FaultName;
   priority: 'high' | 'medium' | 'low';
@@ -263,7 +263,7 @@ export const faultDetails: readonly FaultDetail[] = [
 /** Faults that have a code: the live value <name>_code. */
 export const codedFaults = [)";
   for (const auto& f : kFaults)
-    if ((faults_with_details() & fault_bit(f)) != 0) out += quoted(f.name) + ", ";
+    if ((faults_with_details() >> f.bit & 1U) != 0) out += quoted(f.name) + ", ";
   out.resize(out.size() - 2);
   out += R"(] as const;
 

@@ -82,7 +82,7 @@ export type ModeName =
   | 'emergency_stop';
 
 export interface FaultInfo {
-  /** Place in fault_bits: one of 53, which a number holds exactly. */
+  /** Place in fault_bits. */
   bit: number;
   name: FaultName;
   priority: 'high' | 'medium' | 'low';

@@ -3,7 +3,6 @@ import { codedFaults, faults, modes, type FaultName } from '../contract/faults.g
 import { layoutHash, type Exercise, type GuidedPath, type StandingNotice, type WalkMessage } from '../contract/messages.gen';
 import type { ParamName } from '../contract/params.gen';
 import type { TickRecord } from '../contract/signals.gen';
-import { hasBit } from './bits';
 import { readFrame } from './frame';
 import { live } from './live';
 import { rest } from './rest';
@@ -89,8 +88,8 @@ function slowPart(record: TickRecord) {
     bumpersHeld: (record.bumpers & ~record.bumpers_acknowledged) === 0,
     trial_s: Math.ceil(record.settings_trial_s),
     // The alarm outlasts its cause until somebody acknowledges it; so does the name of the device.
-    duplicateId: record.duplicate_id !== 0 ? record.duplicate_id : hasBit(record.fault_bits, duplicateBit) ? store.value.duplicateId : null,
-    babblingId: record.babbling_id !== nobody ? record.babbling_id : hasBit(record.fault_bits, babblingBit) ? store.value.babblingId : null,
+    duplicateId: record.duplicate_id !== 0 ? record.duplicate_id : ((record.fault_bits >>> duplicateBit) & 1) === 1 ? store.value.duplicateId : null,
+    babblingId: record.babbling_id !== nobody ? record.babbling_id : ((record.fault_bits >>> babblingBit) & 1) === 1 ? store.value.babblingId : null,
   } as const;
 }
 
