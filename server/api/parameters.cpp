@@ -5,7 +5,7 @@
 #include "control/contract/params.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
-#include "server/live/views.hpp"
+#include "server/state/views.hpp"
 
 namespace hoist::server::api {
 

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "server/contract/reason.hpp"
 #include "server/contract/routes.hpp"
 #include "server/contract/schemas.hpp"
 
