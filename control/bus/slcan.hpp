@@ -36,7 +36,7 @@ class SlcanPort final : public CanPort {
   [[nodiscard]] static std::string baud_list();
 
   // Limits, each with its reason.
-  static constexpr std::uint64_t kRetryNs = 200'000'000;     // reopening a device that went away (research: 200 ms)
+  static constexpr std::uint64_t kRetryNs = 200'000'000;     // reopening a device that went away (SOURCES 4)
   static constexpr std::uint64_t kAnswerNs = 50'000'000;     // silence after a `t` line that counts as a fault of the adapter
   static constexpr std::uint64_t kSetupNs = 500'000'000;     // C, S5, E1, O must be answered within this
   static constexpr std::uint32_t kWindow = 16;               // unanswered lines: two steps of the fullest traffic

@@ -85,7 +85,7 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.guided_cross_track_m = f32(state.guided.cross_m());
   record.guided_heading_error_rad = f32(state.guided.heading_error_rad());
   record.guided_remaining_m = f32(state.guided.left_m());
-  record.guided_phase = static_cast<std::uint8_t>(state.guided.phase);
+  record.guided_phase = static_cast<std::uint8_t>(state.guided.told_phase());
   record.guided_end = static_cast<std::uint8_t>(state.guided.ended());
   const Odometry& odometry = sensed.odometry;
   record.speed_m_s = f32(odometry.speed_m_s);

@@ -94,6 +94,7 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
                          state.server.alive(),
                          state.server.seen(),
                          state.remote_lost_ticks > 0,
+                         state.mode == contract::Mode::guided && state.guided.held_back(),
                          state.relay.is_cut(),
                          state.bumpers_acknowledged,
                          inputs.wake_lateness_s,

@@ -183,6 +183,7 @@ std::string CoreLink::serve(int timeout_ms) {
     error = "core and server are different builds: restart both from the same build";
   } else if (peer_) {
     error = "another server is attached";
+    answer.accepted = kHelloTaken;
   } else if (attach(command_fd.get(), error)) {
     answer.accepted = 1;
     if (!send_hello(peer.get(), answer, state_.descriptor.get(), error)) {

@@ -73,10 +73,11 @@ inline bool is_simulated_clock(const contract::SegmentHeader& header) {
 }
 
 // The hand-over: one message each way with one descriptor attached.
+inline constexpr std::uint64_t kHelloTaken = 2;
 struct Hello {
   std::uint64_t magic = 0;
   std::uint64_t layout_hash = 0;
-  std::uint64_t accepted = 0;  // in the answer: 1, or 0 with the reason in `text`
+  std::uint64_t accepted = 0;  // in the answer: 1, else the reason is in `text`; kHelloTaken: another server is attached
   char text[104] = {};
 };
 static_assert(sizeof(Hello) == 128);

@@ -26,9 +26,14 @@ constexpr const char* kSilent = "the core does not answer";
 
 ServerLink::ServerLink(std::string socket_path) : socket_path_(std::move(socket_path)) {}
 
+bool ServerLink::fail(LinkProblem problem) {
+  problem_ = problem;
+  return false;
+}
+
 bool ServerLink::create_commands() {
   offered_ = create_segment("hoist-commands", sizeof(CommandSegment), error_);
-  if (!offered_.mapping) return false;
+  if (!offered_.mapping) return fail(LinkProblem::unreachable);
   write_header(offered_.mapping->as<CommandSegment>()->header, contract::kCommandMagic, sizeof(CommandSegment), steady_now_ns(), 0);
   return true;
 }
@@ -51,6 +56,7 @@ void ServerLink::lose() {
   peer_ = Descriptor();
   command_ = OwnedSegment();
   error_ = "the core has gone away";
+  fail(LinkProblem::gone);
 }
 
 bool ServerLink::poll_connect() {
@@ -74,18 +80,19 @@ bool ServerLink::ask() {
   address.sun_family = AF_UNIX;
   if (socket_path_.size() >= sizeof address.sun_path) {
     error_ = "the socket path is too long: " + socket_path_;
-    return false;
+    return fail(LinkProblem::unreachable);
   }
   std::memcpy(address.sun_path, socket_path_.data(), socket_path_.size());
   // Never blocks: beside a core that stands still its queue of connections fills up, and a blocking connect would wait for ever.
   Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket || ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    error_ = errno == EAGAIN ? kSilent : "no core listens on " + socket_path_;
-    return false;
+    const bool silent = errno == EAGAIN;
+    error_ = silent ? kSilent : "no core listens on " + socket_path_;
+    return fail(silent ? LinkProblem::silent : LinkProblem::absent);
   }
   if (!create_commands()) return false;
   const Hello hello{contract::kCommandMagic, contract::layout_hash(), 0, {}};
-  if (!send_hello(socket.get(), hello, offered_.descriptor.get(), error_)) return false;
+  if (!send_hello(socket.get(), hello, offered_.descriptor.get(), error_)) return fail(LinkProblem::unreachable);
   asked_ = std::move(socket);
   asked_ns_ = steady_now_ns();
   return true;
@@ -95,21 +102,23 @@ bool ServerLink::take_answer() {
   pollfd wait{asked_.get(), POLLIN, 0};
   if (::poll(&wait, 1, 0) != 1) {
     // The sentence before stays while the answer may still come, so that a refusal that repeats is one.
-    if (steady_now_ns() - asked_ns_ >= kTryEachNs) error_ = kSilent;
-    return false;
+    if (steady_now_ns() - asked_ns_ < kTryEachNs) return false;
+    error_ = kSilent;
+    return fail(LinkProblem::silent);
   }
   Descriptor socket = std::move(asked_);
   Hello answer;
   Descriptor state_fd;
-  if (!receive_hello(socket.get(), answer, state_fd, 0, error_)) return false;
+  if (!receive_hello(socket.get(), answer, state_fd, 0, error_)) return fail(LinkProblem::unreachable);
   if (answer.accepted != 1) {
     error_ = std::string("the core refused: ") + answer.text;
-    return false;
+    if (answer.layout_hash != contract::layout_hash()) return fail(LinkProblem::other_build);
+    return fail(answer.accepted == kHelloTaken ? LinkProblem::taken : LinkProblem::refused);
   }
   std::shared_ptr<Mapping> state = map_segment(state_fd.get(), sizeof(StateSegment), error_);
-  if (!state) return false;
+  if (!state) return fail(LinkProblem::unreachable);
   error_ = check_header(state->as<const StateSegment>()->header, contract::kStateMagic, sizeof(StateSegment));
-  if (!error_.empty()) return false;
+  if (!error_.empty()) return fail(LinkProblem::other_build);
   adopt(std::move(state));
   peer_ = std::move(socket);
   return true;

@@ -32,6 +32,9 @@ class SharedState {
   std::shared_ptr<Mapping> mapping_;
 };
 
+// Why no core is attached. absent: nobody listens on the socket; silent: connected, without an answer; taken: by another server.
+enum class LinkProblem : std::uint8_t { none, absent, silent, gone, taken, other_build, refused, unreachable };
+
 class ServerLink {
  public:
   explicit ServerLink(std::string socket_path);
@@ -49,6 +52,7 @@ class ServerLink {
   [[nodiscard]] const std::string& program() const { return program_; }
   // Why no core is attached, in a sentence; empty while one is, and before the first attempt has ended.
   [[nodiscard]] const std::string& last_error() const { return error_; }
+  [[nodiscard]] LinkProblem problem() const { return error_.empty() ? LinkProblem::none : problem_; }
 
   void beat() noexcept;
   // Gives the command its sequence and stores it. Returns the sequence, or 0 when no core is attached or it has not read the last ones.
@@ -74,6 +78,7 @@ class ServerLink {
   bool take_answer();
   void adopt(std::shared_ptr<Mapping> state);
   void lose();
+  bool fail(LinkProblem problem);  // what error_ says; false
 
   std::string socket_path_;
   std::shared_ptr<SharedState> shared_ = std::make_shared<SharedState>();
@@ -90,6 +95,7 @@ class ServerLink {
   std::uint64_t driven_ = 0;
   std::uint64_t next_try_ns_ = 0;
   std::string error_, program_;
+  LinkProblem problem_ = LinkProblem::unreachable;  // what error_ says
 };
 
 enum class ReadFrom : std::uint8_t { newest, oldest };

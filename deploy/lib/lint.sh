@@ -61,3 +61,17 @@ run_clang_tidy() {
   echo "clang-tidy looked at $looked of $total sources (those changed last first, at most $tidy_time_s s)"
   return "$failed"
 }
+
+# Types are checked by `tsc` when the console is built; this looks for what types allow and nobody means, and for the layout.
+check_console_code() { (cd web && node_modules/.bin/eslint .); }
+check_console_layout() { (cd web && node_modules/.bin/prettier --check --log-level warn .); }
+
+# The limit of the formatters holds for what they leave alone, too: long texts and comments. Tables of texts, pages and generated files are
+# read in another way; tests, and the files of web/.prettierignore, have not been laid out yet.
+line_columns_most=150
+check_line_lengths() {
+  ! git ls-files -z -- '*.cpp' '*.hpp' '*.h' '*.ts' '*.tsx' '*.mjs' '*.js' '*.css' '*.sh' '*.py' deploy/dev \
+    ':!*.gen.*' ':!server/contract/schemas.cpp' ':!web/src/text' ':!tests' |
+    grep -zvxFf <(sed 's,^[^#],web/&,' web/.prettierignore) |
+    LC_ALL=C.UTF-8 xargs -0 grep -nHE "^.{$((line_columns_most + 1))}"
+}

@@ -61,19 +61,22 @@ function countCtest(folder, prefix) {
     const status = attribute(tag, 'status');
     const failed = status === 'fail' || body.includes('<failure');
     const reported = failures.has(program);
-    if (failed && !reported) cases.push({ status: 'failed', name: `${prefix}${program}`, reason: 'ended without a report: it crashed, hung or could not start' });
-    else if (failed && failures.get(program) === 0) cases.push({ status: 'failed', name: `${prefix}${program}`, reason: 'every case passed, but the program ended badly' });
-    else if (!reported && (status === 'disabled' || skipMessage(body).startsWith('SKIP_'))) cases.push({ status: 'skipped', name: `${prefix}${program}`, reason: printedReason(body) ?? (skipMessage(body) || status) });
+    const add = (status, reason) => cases.push({ status, name: `${prefix}${program}`, reason });
+    if (failed && !reported) add('failed', 'ended without a report: it crashed, hung or could not start');
+    else if (failed && failures.get(program) === 0) add('failed', 'every case passed, but the program ended badly');
+    else if (!reported && (status === 'disabled' || skipMessage(body).startsWith('SKIP_')))
+      add('skipped', printedReason(body) ?? (skipMessage(body) || status));
     // Not run and not skipped: its program was never built, or what it needs failed.
-    else if (!reported && status === 'notrun') cases.push({ status: 'failed', name: `${prefix}${program}`, reason: skipMessage(body) || 'could not be run' });
-    else if (!reported) cases.push({ status: 'passed', name: `${prefix}${program}`, reason: '' });
+    else if (!reported && status === 'notrun') add('failed', skipMessage(body) || 'could not be run');
+    else if (!reported) add('passed', '');
   }
 }
 
 function countVitest(file) {
   for (const suite of JSON.parse(readFileSync(file, 'utf8')).testResults) {
     const where = suite.name.split('/web/').pop();
-    if (suite.assertionResults.length === 0 && suite.status === 'failed') cases.push({ status: 'failed', name: `web: ${where}`, reason: suite.message ?? 'could not be loaded' });
+    if (suite.assertionResults.length === 0 && suite.status === 'failed')
+      cases.push({ status: 'failed', name: `web: ${where}`, reason: suite.message ?? 'could not be loaded' });
     for (const one of suite.assertionResults) {
       const status = one.status === 'passed' || one.status === 'failed' ? one.status : 'skipped';
       cases.push({ status, name: `web: ${where}: ${one.fullName}`, reason: status === 'skipped' ? `marked ${one.status} in its source` : '' });
@@ -82,7 +85,8 @@ function countVitest(file) {
 }
 
 function countBrowser(file) {
-  for (const one of JSON.parse(readFileSync(file, 'utf8')).tests) cases.push({ status: one.status, name: `e2e: ${one.name}`, reason: one.reason ?? '' });
+  for (const one of JSON.parse(readFileSync(file, 'utf8')).tests)
+    cases.push({ status: one.status, name: `e2e: ${one.name}`, reason: one.reason ?? '' });
 }
 
 for (const folder of process.argv.slice(2)) {

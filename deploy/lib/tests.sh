@@ -19,7 +19,7 @@ new_results() {
 # record_step RESULTS passed|failed|skipped NAME [REASON]
 record_step() { printf '%s\t%s\t%s\n' "$2" "$3" "${4:-}" >>"$1/steps.tsv"; }
 
-# run_ctest BUILD_FOLDER RESULTS FILTER [COMMAND...]: COMMAND starts ctest. A failing program's whole output is shown; its failure is counted by the tally.
+# run_ctest BUILD_FOLDER RESULTS FILTER [COMMAND...]: COMMAND starts ctest. A failing program's whole output is shown; the tally counts it.
 run_ctest() {
   local folder=$1 results=$2 filter=$3 size jobs
   shift 3

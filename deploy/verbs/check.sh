@@ -40,6 +40,13 @@ if command -v shellcheck >/dev/null; then
 else
   record_step "$static" skipped "shell scripts" "no shellcheck on this machine"
 fi
+step "line lengths" check_line_lengths
+if have_node; then
+  step "console: ESLint with types" check_console_code
+  step "console: layout (deploy/dev format mends it)" check_console_layout
+else
+  record_step "$static" skipped "console: ESLint and Prettier" "$(no_node_reason)"
+fi
 
 build_normal
 step "generated files (deploy/dev gen mends them)" build/bin/hoist-gen --top "$PWD" --check

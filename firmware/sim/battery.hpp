@@ -1,4 +1,4 @@
-// Two lead-acid batteries of 12 V, 18 Ah in series (paper III-A; in series: research reading D30).
+// Two lead-acid batteries of 12 V, 18 Ah in series (paper III-A; in series: D30).
 #pragma once
 
 #include <optional>

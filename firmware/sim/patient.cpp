@@ -9,22 +9,27 @@ namespace {
 constexpr double kStep_s = 0.001;
 constexpr double kThought_s = 0.010;
 constexpr double kWaitsBeforeSettingOff_s = 1.0;
-/// Brief for the simulator: "moves more than 2 cm without own lean", "does not follow a lean within about 2.5 s".
+/// The hoist moved more than 2 cm without a lean, or did not follow one within about 2.5 s (assumed).
 constexpr double kMovedByItself_m = 0.02;
 constexpr double kIgnoredLean_m = 0.05;
 constexpr double kIgnoredTime_s = 2.5;
-/// Somebody else leads (assumed): this much faster than wished and not slowing under a lean back, speeding up beyond the wish, or hardly turning
-/// with a turned pelvis, or against it. Speeding up is felt at once and counts more.
-constexpr double kTooFast_m_s = 0.10, kNotSlowing_m_s2 = -0.03, kLeanBack_m = 0.03;
+/// Somebody else leads (assumed): not slowing under a lean back, speeding up beyond the wish, or hardly turning with a turned pelvis, or
+/// against it, and not about to. Speeding up is felt at once and counts more.
+constexpr double kRolling_m_s = 0.05, kNotSlowing_m_s2 = -0.03, kLeanBack_m = 0.03;
 constexpr double kFaster_m_s = 0.05, kFaster_m_s2 = 0.2, kFasterCounts_norm = 3.0;
-constexpr double kTurned_rad = 0.1, kHardlyTurns_norm = 0.1;
-constexpr double kStill_m_s = 0.02;
+constexpr double kTurned_rad = 0.1, kHardlyTurns_norm = 0.1, kTurnsSoon_rad_s2 = 0.02;
+constexpr double kStill_m_s = 0.02, kStill_rad_s = 0.05;
+/// A trial (assumed): once the hoist has stood this long, a lean of 4 to 7 cm; if the hoist rolls within kAnswersWithin_s, upright, which must
+/// cost it half of its speed. A sudden or large speed is not this patient's.
+constexpr double kTriesAfter_s = 3.0, kTrialLean_m = 0.08, kTrialPush_per_s = 1.0;
+constexpr double kAnswers_m_s = 0.03, kAnswersWithin_s = 4.0, kTrialMost_m_s = 0.25;
+constexpr double kSlows_norm = 0.5, kSlowsWithin_s = 5.0;
 /// Someone helps the patient upright once the hoist has stood this long.
 constexpr double kHelpedAfter_s = 3.0;
 /// Full sway from this speed on; below, steps are small, and a standing patient is still.
 constexpr double kFullGait_m_s = 0.15;
 constexpr double kGaitLag_s = 0.3;
-/// Pendulum of 1 m for the stumble (research/safety 2.1) and the most that a body hanging over pushes.
+/// Pendulum of 1 m for the stumble (SOURCES 2.1) and the most that a body hanging over pushes.
 constexpr double kPendulum_m = 1.0;
 constexpr double kFallPush_m_s2 = 2.5;
 /// Legs give way within this time; then the weight pulls forward.
@@ -46,9 +51,19 @@ constexpr int kForeseenPieces = 5;
 constexpr double kGentle_m_s2 = 0.08;
 constexpr double kSlowerLag_s = 0.3;
 constexpr double kFasterLag_s = 2.0;
-/// Of each strut's 0.214 m to its stop, what a patient uses for lean, turn and sway together: 11.7 degrees.
-constexpr double kReach_m = 0.165;
+/// Of each strut's 0.214 m to its stop, what a patient uses for lean, turn and sway together: 11.7 degrees; 14 in a hoist that answers weakly.
+constexpr double kReach_m = 0.165, kReachMost_m = 0.20;
 constexpr double kHalfWidth_m = 0.3;
+/// What a lean brings: speed gained in a second for each metre. With the settings for walking, 0.15 m/s2 at full lean, which is 0.141 m; with
+/// those as published 0.05 m/s2 at 0.214 m: 0.23. Felt between the two speeds; a hoist that is late and then sudden is another's.
+constexpr double kUsualAnswer_per_s2 = 1.06, kLeastAnswer_per_s2 = 0.2;
+constexpr double kRolls_m_s = 0.01, kUnderWay_m_s = 0.06, kSetsOffWithin_s = 4.0, kGently_m_s2 = 0.1;
+/// To keep a speed takes the lean that gains a tenth of it in a second (paper, tau_n 10 s).
+constexpr double kKeeps_per_s = 0.1;
+/// And the lean of a lasting speed takes no more than this share of the reach, so that there is some left for a turn.
+constexpr double kLeanShare_norm = 0.55;
+/// The bend that patients have in mind: 0.8 m (the paper's figure of eight).
+constexpr double kUsualBend_per_m = 1.25;
 
 }  // namespace
 
@@ -82,6 +97,8 @@ std::string_view patient_state_name(PatientState state) {
       return "leading";
     case PatientState::following:
       return "following";
+    case PatientState::trying:
+      return "trying";
     case PatientState::tripping:
       return "tripping";
     case PatientState::collapsing:
@@ -93,7 +110,9 @@ std::string_view patient_state_name(PatientState state) {
 }
 
 Patient::Patient(const PatientParams& params, const Scenario& scenario)
-    : params_(params), scenario_(&scenario), path_(scenario_path(scenario)) {}
+    : params_(params), scenario_(&scenario), path_(scenario_path(scenario)) {
+  adapt(kUsualAnswer_per_s2);
+}
 
 void Patient::restart(const Scenario& scenario) { *this = Patient(params_, scenario); }
 
@@ -108,22 +127,81 @@ void Patient::fall(PatientState how) {
 // How much, 0 for not at all, the hoist does something else than it is led to.
 double Patient::opposed_by(const PlatformMotion& now) const {
   if (now.speed_m_s > pace_m_s_ + kFaster_m_s && now.acceleration_m_s2 > kFaster_m_s2) return kFasterCounts_norm;
-  if (now.speed_m_s > pace_m_s_ + kTooFast_m_s && now.acceleration_m_s2 > kNotSlowing_m_s2 && x_m_ < -kLeanBack_m) return 1.0;
-  const double turn_rad = std::fabs(yaw_goal_rad_);
+  if (now.speed_m_s > kRolling_m_s && now.acceleration_m_s2 > kNotSlowing_m_s2 && x_m_ < -kLeanBack_m) return 1.0;
+  const double turn_rad = std::fabs(yaw_goal_rad_), way = std::copysign(1.0, yaw_goal_rad_);
   const double hardly_rad_s = kHardlyTurns_norm * params_.turn_habit_per_s * turn_rad;
-  const double turns_so_rad_s = std::copysign(1.0, yaw_goal_rad_) * now.yaw_rate_rad_s;  // with the pelvis, or against it
-  return turn_rad > kTurned_rad && now.speed_m_s > kStill_m_s && turns_so_rad_s < hardly_rad_s ? 1.0 : 0.0;
+  const bool turns = way * now.yaw_rate_rad_s >= hardly_rad_s || way * now.yaw_acceleration_rad_s2 > kTurnsSoon_rad_s2;
+  return turn_rad > kTurned_rad && now.speed_m_s > kStill_m_s && !turns ? 1.0 : 0.0;
+}
+
+void Patient::enter(PatientState state) {
+  state_ = state;
+  state_s_ = 0.0;
+  ignored_s_ = opposed_s_ = 0.0;
+}
+
+// How readily the hoist sets off tells how much lean a speed takes.
+void Patient::feel_answer(const PlatformMotion& now) {
+  if (now.speed_m_s < kRolls_m_s) {
+    sets_off_ = true;
+    set_off_s_ = set_off_lean_m_s_ = 0.0;
+  } else if (sets_off_) {
+    set_off_s_ += kThought_s;
+    set_off_lean_m_s_ += std::max(x_m_, 0.0) * kThought_s;
+    const bool under_way = now.speed_m_s >= kUnderWay_m_s;
+    if (under_way && now.acceleration_m_s2 < kGently_m_s2) adapt((kUnderWay_m_s - kRolls_m_s) / std::max(set_off_lean_m_s_, 1e-6));
+    sets_off_ = !under_way && set_off_s_ < kSetsOffWithin_s;
+  }
+}
+
+// Less speed for a lean: uses more of the way to the stops, and walks more slowly, because lean and turn share it.
+void Patient::adapt(double answer_per_s2) {
+  const double sway_m = params_.sway_forward_m + kHalfWidth_m * params_.sway_yaw_rad;
+  const double turn_s = kHalfWidth_m * kUsualBend_per_m / params_.turn_habit_per_s;
+  const auto bend_m_s = [&](double reach_m, double per_s2) { return (reach_m - sway_m) / (kKeeps_per_s / per_s2 + turn_s); };
+  const double answer = std::clamp(answer_per_s2, kLeastAnswer_per_s2, kUsualAnswer_per_s2);
+  reach_m_ = std::min(kReach_m * kUsualAnswer_per_s2 / answer, kReachMost_m);
+  fast_m_s_ = kLeanShare_norm * (reach_m_ - sway_m) / (kKeeps_per_s / answer);
+  ease_norm_ = std::min(bend_m_s(reach_m_, answer) / bend_m_s(kReach_m, kUsualAnswer_per_s2), 1.0);
+}
+
+void Patient::judge_leading(const PlatformMotion& now) {
+  feel_answer(now);
+  ignored_s_ = x_m_ > kIgnoredLean_m && now.speed_m_s < kStill_m_s ? ignored_s_ + kThought_s : 0.0;
+  const double opposed = opposed_by(now);
+  opposed_s_ = opposed > 0.0 ? opposed_s_ + opposed * kThought_s : 0.0;
+  distrusts_ = ignored_s_ > kIgnoredTime_s;
+  if (distrusts_ || opposed_s_ > params_.yields_after_s) {
+    enter(PatientState::following);
+  } else if (scenario_->trip_after_s > 0.0 && state_s_ >= scenario_->trip_after_s) {
+    fall(PatientState::tripping);
+  }
+}
+
+// A hoist that this patient leads goes with the lean and slows without it. One that somebody else drives does neither, or not both.
+void Patient::judge_trial(const PlatformMotion& now) {
+  const bool leaning = trial_lean_m_ > 0.0;
+  const bool late = state_s_ > (leaning ? kAnswersWithin_s : kSlowsWithin_s);
+  if (late || now.acceleration_m_s2 > kFaster_m_s2 || now.speed_m_s > kTrialMost_m_s) {
+    enter(PatientState::following);
+    still_s_ = 0.0;
+  } else if (leaning && now.speed_m_s > kAnswers_m_s) {
+    trial_lean_m_ = trial_speed_m_s_ = state_s_ = 0.0;
+  } else if (!leaning) {
+    trial_speed_m_s_ = std::max(trial_speed_m_s_, now.speed_m_s);
+    if (now.speed_m_s < kSlows_norm * trial_speed_m_s_) enter(PatientState::leading);
+  }
 }
 
 // Which of the states, from what the patient feels.
 void Patient::decide(const PatientSenses& senses) {
   state_s_ += kThought_s;
   const PlatformMotion& now = senses.platform;
-  still_s_ = std::fabs(now.speed_m_s) < kStill_m_s ? still_s_ + kThought_s : 0.0;
+  const bool still = std::fabs(now.speed_m_s) < kStill_m_s && std::fabs(now.yaw_rate_rad_s) < kStill_rad_s;
+  still_s_ = still ? still_s_ + kThought_s : 0.0;
   if (fallen()) {
     if (still_s_ >= kHelpedAfter_s && state_s_ >= kHelpedAfter_s) {
-      state_ = PatientState::following;
-      state_s_ = 0.0;
+      enter(PatientState::following);
       distrusts_ = true;
     }
     return;
@@ -132,40 +210,36 @@ void Patient::decide(const PatientSenses& senses) {
     if (state_ != PatientState::standing) state_s_ = 0.0;
     state_ = PatientState::standing;
     distrusts_ = false;
+    adapt(kUsualAnswer_per_s2);  // whoever changes the settings does it while the drives are off
     return;
   }
   switch (state_) {
     case PatientState::standing:
-      state_ = PatientState::waiting;
-      state_s_ = 0.0;
+      enter(PatientState::waiting);
       begin_x_m_ = now.x_m;
       begin_y_m_ = now.y_m;
       break;
     case PatientState::waiting:
-      if (std::hypot(now.x_m - begin_x_m_, now.y_m - begin_y_m_) > kMovedByItself_m) distrusts_ = true;
-      if (distrusts_) {
-        state_ = PatientState::following;
-        state_s_ = 0.0;
-      } else if (state_s_ >= kWaitsBeforeSettingOff_s && scenario_->figure != Figure::none) {
-        state_ = PatientState::leading;
-        pace_m_s_ = params_.wish_m_s;
-        state_s_ = 0.0;
-        ignored_s_ = opposed_s_ = 0.0;
-      }
-      break;
-    case PatientState::leading: {
-      ignored_s_ = x_m_ > kIgnoredLean_m && now.speed_m_s < kStill_m_s ? ignored_s_ + kThought_s : 0.0;
-      const double opposed = opposed_by(now);
-      opposed_s_ = opposed > 0.0 ? opposed_s_ + opposed * kThought_s : 0.0;
-      if (ignored_s_ > kIgnoredTime_s || opposed_s_ > params_.yields_after_s) {
+      if (std::hypot(now.x_m - begin_x_m_, now.y_m - begin_y_m_) > kMovedByItself_m) {
         distrusts_ = true;
-        state_ = PatientState::following;
-        state_s_ = 0.0;
-      } else if (scenario_->trip_after_s > 0.0 && state_s_ >= scenario_->trip_after_s) {
-        fall(PatientState::tripping);
+        enter(PatientState::following);
+      } else if (state_s_ >= kWaitsBeforeSettingOff_s && scenario_->figure != Figure::none) {
+        pace_m_s_ = params_.wish_m_s;
+        enter(PatientState::leading);
       }
       break;
-    }
+    case PatientState::leading:
+      judge_leading(now);
+      break;
+    case PatientState::following:
+      if (!distrusts_ && still_s_ >= kTriesAfter_s) {
+        trial_lean_m_ = kTrialLean_m;
+        enter(PatientState::trying);
+      }
+      break;
+    case PatientState::trying:
+      judge_trial(now);
+      break;
     default:
       break;
   }
@@ -179,10 +253,11 @@ void Patient::steer(const PlatformMotion& seen) {
   const double way_m = seen.speed_m_s * params_.reaction_s;
   const double x_m = seen.x_m + way_m * std::cos(seen.psi_rad);
   const double y_m = seen.y_m + way_m * std::sin(seen.psi_rad);
-  contract::PathPose goal = path_.pose(progress_m_ + params_.look_ahead_m);
-  if (!path_.closed() && progress_m_ + params_.look_ahead_m > path_.length_m()) {
+  const double look_ahead_m = ease_norm_ * params_.look_ahead_m;  // who walks more slowly looks less far ahead
+  contract::PathPose goal = path_.pose(progress_m_ + look_ahead_m);
+  if (!path_.closed() && progress_m_ + look_ahead_m > path_.length_m()) {
     // Past the end of a straight one looks on in its direction.
-    const double beyond_m = progress_m_ + params_.look_ahead_m - path_.length_m();
+    const double beyond_m = progress_m_ + look_ahead_m - path_.length_m();
     goal.x_m += beyond_m * std::cos(goal.psi_rad);
     goal.y_m += beyond_m * std::sin(goal.psi_rad);
   }
@@ -192,18 +267,19 @@ void Patient::steer(const PlatformMotion& seen) {
   const double speed_m_s = std::max(seen.speed_m_s, 0.15);
   const double wanted_rad_s = 2.0 * speed_m_s * std::sin(std::clamp(bearing_rad, -kPi / 2.0, kPi / 2.0)) / distance_m;
   const double sway_m = params_.sway_forward_m + kHalfWidth_m * params_.sway_yaw_rad;
-  const double left_over_m = std::max(kReach_m - sway_m - std::fabs(x_m_), 0.0);
+  const double left_over_m = std::max(reach_m_ - sway_m - std::fabs(x_m_), 0.0);
   const double limit_rad = std::min(params_.yaw_limit_rad, std::asin(std::min(left_over_m / kHalfWidth_m, 1.0)));
   yaw_goal_rad_ = std::clamp(wanted_rad_s / params_.turn_habit_per_s, -limit_rad, limit_rad);
   // Leaning and turning share the struts' reach (the stops): one walks slower where the line bends, and slows down before it does.
   const double needed_per_m = std::fabs(2.0 * std::sin(std::clamp(bearing_rad, -kPi / 2.0, kPi / 2.0)) / distance_m);
-  double pace_goal_m_s = std::min(params_.wish_m_s, std::max(kSlowest_m_s, kComfortableTurn_rad_s / std::max(needed_per_m, 1e-3)));
+  double pace_goal_m_s =
+      std::min({params_.wish_m_s, fast_m_s_, std::max(kSlowest_m_s, ease_norm_ * kComfortableTurn_rad_s / std::max(needed_per_m, 1e-3))});
   double psi_here_rad = path_.pose(progress_m_).psi_rad;
   for (int piece = 0; piece < kForeseenPieces; ++piece) {
     const double psi_there_rad = path_.pose(progress_m_ + (piece + 1) * kForeseenPiece_m).psi_rad;
     const double bend_per_m = std::max(std::fabs(psi_there_rad - psi_here_rad) / kForeseenPiece_m, 1e-3);
     psi_here_rad = psi_there_rad;
-    const double in_bend_m_s = std::max(kSlowest_m_s, kComfortableTurn_rad_s / bend_per_m);
+    const double in_bend_m_s = std::max(kSlowest_m_s, ease_norm_ * kComfortableTurn_rad_s / bend_per_m);
     pace_goal_m_s = std::min(pace_goal_m_s, std::sqrt(in_bend_m_s * in_bend_m_s + 2.0 * kGentle_m_s2 * piece * kForeseenPiece_m));
   }
   const double pace_change_m_s = pace_goal_m_s - pace_m_s_;
@@ -235,6 +311,10 @@ void Patient::think(const PatientSenses& senses) {
       gait_goal_norm_ = pace_norm;
       break;
     }
+    case PatientState::trying:
+      push_goal_m_s_ += kTrialPush_per_s * (trial_lean_m_ - x_m_);
+      compensation_n_ = params_.compensation_norm * felt.spring_n;
+      [[fallthrough]];
     case PatientState::following:
       gait_goal_norm_ = 0.6 * pace_norm;
       break;
@@ -279,7 +359,8 @@ void Patient::step_1ms(const PatientSenses& senses) {
     if (x_m_ > kComfort_m) legs_n -= kComfort_n_m * (x_m_ - kComfort_m);
     legs_n = std::clamp(legs_n, -params_.leg_force_n, params_.leg_force_n);
     // Standing or led: the feet go with the frame, and with the push of a frame that starts or brakes.
-    if (state_ != PatientState::leading) legs_n += params_.mass_kg * 0.5 * senses.platform.acceleration_m_s2;
+    if (state_ != PatientState::leading && state_ != PatientState::trying)
+      legs_n += params_.mass_kg * 0.5 * senses.platform.acceleration_m_s2;
   }
   x_rate_m_s_ += ((legs_n - senses.springs.forward_n) / params_.mass_kg - senses.platform.acceleration_m_s2) * kStep_s;
   x_m_ += x_rate_m_s_ * kStep_s;
@@ -293,7 +374,7 @@ void Patient::step_1ms(const PatientSenses& senses) {
   yaw_rate_rad_s_ += yaw_rad_s2 * kStep_s;
   yaw_rad_ += yaw_rate_rad_s_ * kStep_s;
 
-  // Gait on top. Lateral and yaw swing once a stride, forward twice (anatomy: research/paper 5).
+  // Gait on top. Lateral and yaw swing once a stride, forward twice (anatomy: SOURCES 3).
   gait_norm_ += (gait_goal_norm_ - gait_norm_) * (kStep_s / kGaitLag_s);
   HarnessMotion next{x_m_, y_m_, yaw_rad_, x_rate_m_s_, y_rate_m_s_, yaw_rate_rad_s_};
   if (gait_norm_ > 1e-4) {

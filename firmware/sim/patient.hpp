@@ -1,10 +1,10 @@
 // A walking patient between the struts: a body of some mass with legs that push, eyes that follow a line on the floor, and a reaction
-// time. Model and figures: research/paper 5 ("patient 75 kg, leg force <= 70 N, reaction 0.2 s, pelvis yaw lag 0.25 s, ..."), which are
+// time. Model and figures: SOURCES 3 ("patient 75 kg, leg force <= 70 N, reaction 0.2 s, pelvis yaw lag 0.25 s, ..."), which are
 // assumptions about people, not measurements of these patients.
 //
-// Nobody tells the patient who leads. When the drives release their brakes the patient stands a second; if the hoist then moves off by
-// itself, does not follow a lean, or goes on doing something else than it is led to, the patient lets it lead until the drives are switched
-// off again.
+// Nobody tells the patient who leads. When the drives release their brakes the patient stands a second. If the hoist then moves off by itself,
+// or does not follow a lean, it leads until the drives are switched off again. If it goes on doing something else than it is led to, the
+// patient yields, and tries a small lean once it stands: who finds that it answers leads again.
 #pragma once
 
 #include <array>
@@ -46,7 +46,7 @@ struct PatientParams {
   [[nodiscard]] static PatientParams random(std::uint64_t seed);
 };
 
-enum class PatientState : std::uint8_t { standing, waiting, leading, following, tripping, collapsing, hanging };
+enum class PatientState : std::uint8_t { standing, waiting, leading, following, trying, tripping, collapsing, hanging };
 std::string_view patient_state_name(PatientState state);
 
 /// What reaches the patient's senses.
@@ -104,6 +104,11 @@ class Patient {
 
   void think(const PatientSenses& senses);
   void decide(const PatientSenses& senses);
+  void judge_leading(const PlatformMotion& now);
+  void judge_trial(const PlatformMotion& now);
+  void feel_answer(const PlatformMotion& now);
+  void adapt(double answer_per_s2);
+  void enter(PatientState state);
   void steer(const PlatformMotion& seen);
   void fall(PatientState how);
   [[nodiscard]] double opposed_by(const PlatformMotion& now) const;
@@ -146,6 +151,15 @@ class Patient {
   double begin_x_m_{};
   double begin_y_m_{};
   bool distrusts_{false};  // the hoist leads until the drives are off
+  // What setting off has shown of this hoist; set by adapt().
+  double reach_m_{};    // of each strut, for lean, turn and sway together
+  double ease_norm_{};  // how fast bends are taken: 1 = as usual
+  double fast_m_s_{};   // leaves room for a turn
+  bool sets_off_{false};
+  double set_off_s_{};
+  double set_off_lean_m_s_{};  // lean x time since the hoist began to roll
+  double trial_lean_m_{};      // in a trial: 0 once it is about standing upright again
+  double trial_speed_m_s_{};   // fastest since then
   double hang_m_{kHang_m};
   double foot_ahead_m_{};  // of a stumbling patient: pelvis ahead of the foot that stays behind
   double held_turn_rad_{};

@@ -22,7 +22,7 @@ struct MountingError {
   double beta_rad{};
 };
 
-/// Not in the paper (D31): values of research/paper 5, "assumed until a machine is measured", unless a line says otherwise.
+/// Not in the paper (D31): values of SOURCES 3, "assumed until a machine is measured", unless a line says otherwise.
 struct PlantParams {
   double strut_length_m{0.80};   ///< d
   double strut_spacing_m{0.60};  ///< d_s

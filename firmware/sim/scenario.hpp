@@ -21,7 +21,7 @@ struct Scenario {
   bool slippery{false};  ///< wheels lose the floor for moments, again and again
 };
 
-/// Sizes of the figures are the contract's (research reading D34): eight c = 1, R = 0.8; square of 3.2 m.
+/// Sizes of the figures are the contract's (D34): eight c = 1, R = 0.8; square of 3.2 m.
 inline constexpr std::array kScenarios{
     Scenario{"figure-eight", "walks the figure of eight (c = 1 m, R = 0.8 m) without end", Figure::eight, 0.0, 0.0},
     Scenario{"square", "walks the square of 3.2 m without end", Figure::square, 0.0, 0.0},

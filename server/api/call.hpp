@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "server/api/router.hpp"
 #include "server/http/exchange.hpp"
 #include "server/http/problem.hpp"
 #include "server/services.hpp"
@@ -15,8 +14,8 @@ namespace hoist::server {
 
 class Call {
  public:
-  Call(const Door& door_in, Request request_in, std::function<void(Response)> answer)
-      : door(door_in), services(door_in.services), request(std::move(request_in)), answer_(std::move(answer)) {}
+  Call(Services& services_in, Request request_in, std::function<void(Response)> answer)
+      : services(services_in), request(std::move(request_in)), answer_(std::move(answer)) {}
   ~Call();
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
@@ -25,7 +24,6 @@ class Call {
   void respond(const nlohmann::json& value, unsigned status = 200) { respond(json_response(value, status)); }
   void fail(const Problem& problem) { respond(problem_response(problem, request.path)); }
 
-  const Door& door;
   Services& services;
   const Request request;
   SessionPtr session;                          // null only on open routes

@@ -5,7 +5,8 @@
 #include "control/contract/params.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
-#include "server/state/views.hpp"
+#include "server/http/compress.hpp"
+#include "server/live/views.hpp"
 
 namespace hoist::server::api {
 
@@ -35,6 +36,12 @@ std::string etag(const Services& s) {
   return "\"" + std::to_string(s.core.link().life()) + "-" + std::to_string(s.core.parameters().version) + "\"";
 }
 
+// Of the bytes that this request gets.
+std::string list_etag(const Call& call) {
+  const std::string plain = etag(call.services);
+  return accepts_gzip(call.request.header("accept-encoding")) ? gzip_etag(plain) : plain;
+}
+
 bool ready(const CallPtr& call) {
   if (call->services.core.has_parameters()) return true;
   call->fail(
@@ -51,7 +58,9 @@ Problem changed_meanwhile() {
 
 void change(const CallPtr& call, const json& values, const json& revert_after_s) {
   const std::string_view match = call->request.header("if-match");
-  const bool matched = !match.empty() && match == etag(call->services);
+  // Whoever read them as gzip has seen the same values.
+  const std::string now = etag(call->services);
+  const bool matched = match == now || match == gzip_etag(now);
   if (!match.empty() && match != "*" && !matched) {
     call->fail(changed_meanwhile());
     return;
@@ -83,10 +92,11 @@ void change(const CallPtr& call, const json& values, const json& revert_after_s)
 void list_parameters(const CallPtr& call) {
   if (!ready(call)) return;
   const Services& s = call->services;
-  if (names_etag(call->request.header("if-none-match"), etag(s))) {
+  if (const std::string tag = list_etag(*call); names_etag(call->request.header("if-none-match"), tag)) {
     Response response;
     response.status = 304;
-    response.set("ETag", etag(s));
+    response.set("Vary", "Accept-Encoding");
+    response.set("ETag", tag);
     call->respond(std::move(response));
     return;
   }

@@ -5,7 +5,6 @@
 #include <set>
 #include <string>
 
-#include "server/contract/reason.hpp"
 #include "server/contract/routes.hpp"
 #include "server/contract/schemas.hpp"
 

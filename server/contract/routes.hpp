@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "control/contract/check.hpp"
-#include "server/contract/method.hpp"
+#include "server/http/exchange.hpp"
 
 namespace hoist::server {
 

@@ -208,9 +208,9 @@ std::string_view schemas_text() {
   "in_loader": {"type": ["boolean", "null"], "description": "null = not heard since this server or the node started"}, "version": {"type": ["string", "null"]},
   "crc": {"type": ["string", "null"], "description": "8 hexadecimal digits"}}, "additionalProperties": false}},
   "update": {"anyOf": [{"$ref": "#/components/schemas/FirmwareUpdate"}, {"type": "null"}]}}, "additionalProperties": false},
-"Recording": {"type": "object", "required": ["state", "session", "started_utc_ms", "samples", "durable_tick", "detail"], "properties": {"state": {"enum": ["idle", "recording", "failed"]},
+"Recording": {"type": "object", "required": ["state", "session", "started_utc_ms", "samples", "durable_tick", "detail", "reason_code"], "properties": {"state": {"enum": ["idle", "recording", "failed"]},
   "session": {"type": ["integer", "null"]}, "started_utc_ms": {"type": ["integer", "null"]}, "samples": {"type": "integer"}, "durable_tick": {"type": ["integer", "null"]},
-  "detail": {"type": "string"}}, "additionalProperties": false},
+  "detail": {"type": "string"}, "reason_code": {"type": ["string", "null"], "description": "Why it failed, for programs"}}, "additionalProperties": false},
 "RecordingRequest": {"type": "object", "required": ["action"], "properties": {"action": {"enum": ["start", "stop"]},
   "subject": {"$ref": "#/components/schemas/SubjectCode"}, "note": {"$ref": "#/components/schemas/NoteText"}}, "additionalProperties": false}
 })json";

@@ -1,20 +1,20 @@
 #include "server/http/static_files.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <array>
-#include <string>
-#include <string_view>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <sstream>
 
 #include "server/http/problem.hpp"
 
 namespace hoist::server {
 
+namespace files = std::filesystem;
+
 namespace {
-// Larger than any file of the console; a guard against serving something that was put there by mistake.
-constexpr off_t kFileLimit = 16 * 1024 * 1024;
+constexpr std::string_view kGzipEnding = ".gz";
 
 std::string_view media_type(std::string_view name) {
   static constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kTypes{{{".html", "text/html; charset=utf-8"},
@@ -34,34 +34,36 @@ std::string_view media_type(std::string_view name) {
   return {};
 }
 
-bool safe_segment(std::string_view segment) {
-  if (segment.empty() || segment.front() == '.') return false;
-  for (char c : segment)
-    if (c == '\\' || c == '/' || static_cast<unsigned char>(c) < 0x20) return false;
+// Calls `take` with each regular file below `folder` and its path below it. False when it has more bytes than allowed.
+bool each_file(const files::path& folder, const std::function<void(const files::path&, std::string)>& take) {
+  std::error_code error;
+  std::uintmax_t total_bytes = 0;
+  // Follows no links to folders.
+  for (files::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (at->path().filename().string().starts_with('.')) {
+      at.disable_recursion_pending();
+      continue;
+    }
+    if (at->symlink_status(error).type() != files::file_type::regular) continue;
+    total_bytes += at->file_size(error);
+    if (error || total_bytes > kPagesLimit_bytes) return false;
+    take(at->path(), at->path().lexically_relative(folder).generic_string());
+  }
   return true;
 }
 
-// Opens the file below `folder` one segment at a time without following links, so that nothing outside can be reached.
-int open_below(const std::filesystem::path& folder, std::string_view path, struct stat& info) {
-  int at = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  while (at >= 0) {
-    const std::size_t slash = path.find('/');
-    const std::string segment{path.substr(0, slash)};
-    const bool last = slash == std::string_view::npos;
-    const int next = safe_segment(segment)
-                         ? ::openat(at, segment.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | (last ? 0 : O_DIRECTORY))
-                         : -1;
-    ::close(at);
-    at = next;
-    if (last) break;
-    path.remove_prefix(slash + 1);
-  }
-  if (at < 0) return -1;
-  if (::fstat(at, &info) != 0 || !S_ISREG(info.st_mode) || info.st_size > kFileLimit) {
-    ::close(at);
-    return -1;
-  }
-  return at;
+std::string content_of(const files::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return std::move(text).str();
+}
+
+// Of the content (FNV-1a), so that the same build has the same tags after each start, and gzip another tag than plain.
+std::string etag_of(std::string_view bytes) {
+  std::uint64_t hash = 14695981039346656037U;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
+  char text[24];
+  return {text, static_cast<std::size_t>(std::snprintf(text, sizeof text, "\"%016llx\"", static_cast<unsigned long long>(hash)))};
 }
 
 // vite's names: something-AbCd1234.js
@@ -73,40 +75,46 @@ Response not_found(const Request& request) {
 }
 }  // namespace
 
-Response serve_static(const std::filesystem::path& folder, const Request& request) {
-  if (folder.empty()) return not_found(request);
-  std::string path = request.path == "/" ? "index.html" : request.path.substr(1);
-  const std::string_view type = media_type(path);
-  if (type.empty()) return not_found(request);
-  struct stat info {};
-  const bool gzip = accepts_gzip(request.header("accept-encoding"));
-  int fd = gzip ? open_below(folder, path + ".gz", info) : -1;
-  const bool compressed = fd >= 0;
-  if (fd < 0) fd = open_below(folder, path, info);
-  if (fd < 0) return not_found(request);
+StaticFiles::StaticFiles(const files::path& folder) {
+  std::map<std::string, Body> compressed;
+  const bool whole = folder.empty() || each_file(folder, [&](const files::path& from, const std::string& path) {
+                       const bool gzip = path.ends_with(kGzipEnding);
+                       const std::string name = gzip ? path.substr(0, path.size() - kGzipEnding.size()) : path;
+                       const std::string_view type = media_type(name);
+                       if (type.empty()) return;
+                       Body body{.bytes = content_of(from), .etag = {}};
+                       body.etag = etag_of(body.bytes);
+                       if (gzip)
+                         compressed[name] = std::move(body);
+                       else
+                         files_[name] = {.media_type = type, .plain = std::move(body), .gzip = {}};
+                     });
+  for (auto& [name, body] : compressed)
+    if (const auto at = files_.find(name); at != files_.end()) at->second.gzip = std::move(body);
+  if (whole) return;
+  files_.clear();
+  std::cerr << "hoist-server: --web " << folder.string() << " cannot be the console: it holds more than " << (kPagesLimit_bytes >> 20)
+            << " MiB. No page is served." << std::endl;
+}
+
+Response StaticFiles::serve(const Request& request) const {
+  const std::string_view path = request.path == "/" ? std::string_view{"index.html"} : std::string_view{request.path}.substr(1);
+  const auto found = files_.find(path);
+  if (found == files_.end()) return not_found(request);
+  const File& file = found->second;
+  const bool gzip = file.gzip && accepts_gzip(request.header("accept-encoding"));
+  const Body& body = gzip ? *file.gzip : file.plain;
   Response response;
-  response.content_type = std::string{type};
   response.set("Vary", "Accept-Encoding");
   response.set("Cache-Control", hashed(path) ? "public, max-age=31536000, immutable" : "no-cache");
-  const std::string etag = "\"" + std::to_string(info.st_size) + "-" + std::to_string(info.st_mtim.tv_sec) + "-" +
-                           std::to_string(info.st_mtim.tv_nsec) + (compressed ? "-gz\"" : "\"");
-  response.set("ETag", etag);
-  if (names_etag(request.header("if-none-match"), etag)) {
-    ::close(fd);
+  response.set("ETag", body.etag);
+  if (names_etag(request.header("if-none-match"), body.etag)) {
     response.status = 304;
-    response.content_type.clear();
     return response;
   }
-  if (compressed) response.set("Content-Encoding", "gzip");
-  response.body.resize(static_cast<std::size_t>(info.st_size));
-  std::size_t done = 0;
-  while (done < response.body.size()) {
-    const ssize_t got = ::read(fd, response.body.data() + done, response.body.size() - done);
-    if (got <= 0) break;
-    done += static_cast<std::size_t>(got);
-  }
-  ::close(fd);
-  response.body.resize(done);
+  response.content_type = std::string{file.media_type};
+  if (gzip) response.set("Content-Encoding", "gzip");
+  response.body = body.bytes;
   return response;
 }
 

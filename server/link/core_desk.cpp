@@ -122,6 +122,27 @@ std::string_view CoreDesk::problem() const {
   return link_.attached() ? "the control core is attached, but publishes nothing" : std::string_view{link_.last_error()};
 }
 
+std::optional<Reason> CoreDesk::reason() const {
+  if (problem().empty()) return std::nullopt;
+  if (link_.attached()) return Reason::core_silent;
+  switch (link_.problem()) {
+    case publish::LinkProblem::absent:
+      return Reason::core_absent;
+    case publish::LinkProblem::silent:
+      return Reason::core_silent;
+    case publish::LinkProblem::gone:
+      return Reason::core_gone;
+    case publish::LinkProblem::taken:
+      return Reason::core_taken;
+    case publish::LinkProblem::other_build:
+      return Reason::core_build;
+    case publish::LinkProblem::refused:
+      return Reason::core_refused;
+    default:
+      return Reason::core_unreachable;
+  }
+}
+
 bool CoreDesk::hand_holds(std::uint64_t within_ns) const {
   // On the core's clock, as the core judges it. An echo from the future is refused there, and so counts as no hand here.
   return hand_holds_ && newest_ && newest_->time_ns >= hand_ns_ && newest_->time_ns - hand_ns_ <= within_ns;
@@ -147,14 +168,14 @@ void CoreDesk::answer_all(CoreAnswer::Kind kind) {
 void CoreDesk::set_connected(bool connected) {
   if (connected == connected_) return;
   connected_ = connected;
-  for (CoreListener* listener : listeners_) listener->on_core(connected);
+  if (listener_ != nullptr) listener_->on_core(connected);
 }
 
 void CoreDesk::set_lease(std::uint32_t epoch, std::uint32_t holder) {
   if (epoch == lease_epoch_ && holder == lease_holder_) return;
   lease_epoch_ = epoch;
   lease_holder_ = holder;
-  for (CoreListener* listener : listeners_) listener->on_lease(epoch, holder);
+  if (listener_ != nullptr) listener_->on_lease(epoch, holder);
 }
 
 void CoreDesk::poll(std::uint64_t now_ns) {
@@ -189,8 +210,8 @@ void CoreDesk::poll(std::uint64_t now_ns) {
       answer_all(CoreAnswer::Kind::no_core);
     }
   }
-  for (const Event& event : events)
-    for (CoreListener* listener : listeners_) listener->on_event(event);
+  if (listener_ != nullptr)
+    for (const Event& event : events) listener_->on_event(event);
   for (Answered& a : answered) answer(a);
   answer_stored();
   // Past its time: the answer may still come, but nobody waits for it any more.
@@ -227,7 +248,7 @@ void CoreDesk::read_ticks(std::uint64_t now_ns) {
   heard_ns_ = now_ns;
   const std::span<const contract::TickRecord> records(tick_buffer_.data(), got.count);
   newest_ = records.back();
-  for (CoreListener* listener : listeners_) listener->on_ticks(records, got.lost);
+  if (listener_ != nullptr) listener_->on_ticks(records, got.lost);
   set_lease(newest_->lease_epoch, newest_->lease_holder);
 }
 
@@ -244,7 +265,7 @@ void CoreDesk::read_parameters() {
   parameters_sequence_ = sequence;
   if (now.version == 0 || (now.version == parameters_.version && now.values == parameters_.values)) return;
   parameters_ = now;
-  for (CoreListener* listener : listeners_) listener->on_parameters(parameters_);
+  if (listener_ != nullptr) listener_->on_parameters(parameters_);
 }
 
 void CoreDesk::answer(Answered& answered) {

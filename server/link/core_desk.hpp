@@ -16,6 +16,7 @@
 #include "control/contract/signals.hpp"
 #include "control/contract/step_line.hpp"
 #include "control/publish/server_link.hpp"
+#include "server/contract/reasons.hpp"
 #include "server/counters.hpp"
 #include "server/link/clock_speed.hpp"
 
@@ -46,8 +47,7 @@ struct CoreAnswer {
   [[nodiscard]] bool done() const { return kind == Kind::done; }
 };
 
-// Who wants to hear what the core says. Called from within poll, in this order: ticks, state changes, events, answers. Of several listeners
-// each hears one thing before the next thing is told, in the order in which they were added.
+// Who wants to hear what the core says. Called from within poll, in this order: ticks, state changes, events, answers.
 class CoreListener {
  public:
   virtual ~CoreListener() = default;
@@ -63,8 +63,7 @@ class CoreDesk {
   using Done = std::function<void(const CoreAnswer&)>;
 
   CoreDesk(std::string socket_path, Counters& counters);
-  void add_listener(CoreListener& listener) { listeners_.push_back(&listener); }
-  void clear_listeners() { listeners_.clear(); }
+  void set_listener(CoreListener* listener) { listener_ = listener; }
   // Called when something is asked, so that a timer that sleeps longer than a step is brought forward.
   void set_wake(std::function<void()> wake) { wake_ = std::move(wake); }
 
@@ -96,6 +95,8 @@ class CoreDesk {
   [[nodiscard]] bool connected() const { return connected_; }
   // Why the core is not connected, in a sentence; empty while it is.
   [[nodiscard]] std::string_view problem() const;
+  // The same for programs; nothing while it is connected.
+  [[nodiscard]] std::optional<Reason> reason() const;
   [[nodiscard]] const std::optional<contract::TickRecord>& newest() const { return newest_; }
   [[nodiscard]] const contract::ParamsInForce& parameters() const { return parameters_; }
   // Why what is in force is not on the disk; nothing while it is, and while it may still be on its way.
@@ -145,7 +146,7 @@ class CoreDesk {
 
   publish::ServerLink link_;
   Counters& counters_;
-  std::vector<CoreListener*> listeners_;
+  CoreListener* listener_ = nullptr;
   std::function<void()> wake_;
   publish::TickReader ticks_;
   publish::EventReader events_;

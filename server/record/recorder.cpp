@@ -197,6 +197,7 @@ class Recorder::Work final : public Records {
     if (error.kind == db::ErrorKind::foreign) foreign_ = error.message;
     if (error.message != error_) log("recording: " + error.message);
     error_ = error.message.empty() ? db::error_kind_name(error.kind) : error.message;
+    error_kind_ = error.kind;
   }
   void check(const db::Status& status) {
     if (!status) fail(status.error());
@@ -563,6 +564,7 @@ class Recorder::Work final : public Records {
   void tell() {
     RecordingStatus status;
     status.detail = error_;
+    if (!error_.empty()) status.error = error_kind_;
     status.notices = notices_;
     if (!foreign_.empty()) status.notices.push_back({NoticeName::recordings_foreign, foreign_});
     if (session_open()) {
@@ -577,7 +579,8 @@ class Recorder::Work final : public Records {
     const std::lock_guard lock(owner_.mutex_);
     // Samples count up with every pass; what is told changes with every commit, so that nobody is told fifty times a second.
     if (status.session == owner_.status_.session && status.state == owner_.status_.state && status.detail == owner_.status_.detail &&
-        status.durable_tick == owner_.status_.durable_tick && status.notices == owner_.status_.notices)
+        status.error == owner_.status_.error && status.durable_tick == owner_.status_.durable_tick &&
+        status.notices == owner_.status_.notices)
       return;
     owner_.status_ = std::move(status);
     owner_.changes_.fetch_add(1, std::memory_order_release);
@@ -621,7 +624,8 @@ class Recorder::Work final : public Records {
   std::map<ExportId, db::SessionExport> exports_;  // after reading_, whose statements they hold
   ExportId last_export_ = 0;
   std::string error_;
-  std::string foreign_;  // why the file cannot be ours; empty when it is
+  db::ErrorKind error_kind_{};  // of error_
+  std::string foreign_;         // why the file cannot be ours; empty when it is
   std::vector<StandingNotice> notices_;
   std::optional<TickRecord> last_;
   std::uint64_t last_life_ = 0;

@@ -47,6 +47,7 @@ struct RecordingStatus {
   std::uint64_t samples = 0;
   std::optional<std::uint64_t> durable_tick;
   std::string detail;  // why it failed, in a sentence
+  std::optional<db::ErrorKind> error;
   std::vector<StandingNotice> notices;
   bool operator==(const RecordingStatus&) const = default;
 };

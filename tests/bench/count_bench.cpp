@@ -15,25 +15,21 @@
 
 namespace hoist::bench {
 namespace {
-constexpr const char* kValgrind = "/usr/bin/valgrind";
 constexpr double kImageFlash_bytes = (28 - 4) * 1024;  // SIZES.gen.md counts images without the loader of 4 KiB
 constexpr int kFewTicks = 2000, kManyTicks = 4000;
 namespace files = std::filesystem;
 
-// Instructions of a whole run of this program that replays `ticks` steps.
-double instructions_of(const std::string& bin, int ticks) {
+// Instructions of a whole run of this program that replays `count` ticks or steps.
+double instructions_of(const std::string& bin, const char* replay, int count) {
   const TemporaryFolder folder;
-  const std::string out = folder / "counts";
-  {
-    Process run(
-        {kValgrind, "--tool=callgrind", "--callgrind-out-file=" + out, bin + "/hoist-bench", kReplayArgument, std::to_string(ticks)},
-        folder / "log");
-    if (run.wait() != 0) throw std::runtime_error("callgrind: " + read_text(folder / "log").substr(0, 300));
-  }
-  std::ifstream file(out);
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("totals: ")) return std::stod(line.substr(8));
-  throw std::runtime_error("callgrind wrote no totals");
+  std::vector<std::string> command = under_callgrind(folder / "counts");
+  command.insert(command.end(), {bin + "/hoist-bench", replay, std::to_string(count)});
+  Process run(command, folder / "log");
+  if (run.wait() != 0) throw std::runtime_error("callgrind: " + read_text(folder / "log").substr(0, 300));
+  return instructions_in(folder / "counts");
+}
+double instructions_each(const std::string& bin, const char* replay) {
+  return (instructions_of(bin, replay, kManyTicks) - instructions_of(bin, replay, kFewTicks)) / (kManyTicks - kFewTicks);
 }
 
 double gzip_bytes(const files::path& file) {
@@ -63,13 +59,17 @@ double last_number(const std::string& cell) { return std::stod(cell.substr(cell.
 }  // namespace
 
 void measure_instructions(Report& report, const std::string& bin) {
-  Row row{"instructions.tick", "instructions of a tick, walking", 0, "instr", 0, "", {}, true, "callgrind, mean of 2000 ticks"};
+  Row tick{"instructions.tick", "instructions of a tick, walking", 0, "instr", 0, "", {}, true, "callgrind, mean of 2000 ticks"};
+  Row step{"instructions.step", "instructions of a step: SLCAN, tick, shared memory", 0, "instr", 0, "its tick", {}, true};
   if (::access(kValgrind, X_OK) != 0) {
-    report.skip(row.id, row.what, std::string("valgrind is missing (") + kValgrind + ")");
+    for (const Row& row : {tick, step}) report.skip(row.id, row.what, std::string("valgrind is missing (") + kValgrind + ")");
     return;
   }
-  row.value = (instructions_of(bin, kManyTicks) - instructions_of(bin, kFewTicks)) / (kManyTicks - kFewTicks);
-  report.add(row);
+  tick.value = instructions_each(bin, kReplayTicks);
+  report.add(tick);
+  step.value = instructions_each(bin, kReplaySteps);
+  step.floor = tick.value;
+  report.add(step);
 }
 
 void measure_console(Report& report) {

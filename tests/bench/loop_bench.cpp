@@ -154,7 +154,7 @@ void run_turns(Report& report, const publish::ServerLink& link, BareLoop& plain,
 }  // namespace
 
 void measure_loop(Report& report, const std::string& bin) {
-  const RunningHoist hoist(bin, "stand", false);
+  const RunningHoist hoist(bin, {.server = false});
   publish::ServerLink link(hoist.core_socket());
   for (int i = 0; i < 500 && !link.poll_connect(); ++i) ::poll(nullptr, 0, 10);
   if (!link.attached()) throw std::runtime_error("hoist-control did not come up: " + link.last_error());

@@ -15,10 +15,14 @@ std::vector<Section> sections_of(const std::string& bin) {
           {"simulator", "the closed loop in virtual time", measure_simulator},
           {"loop", "hoist-control beside bare loops, 40 s", [bin](Report& r) { measure_loop(r, bin); }},
           {"websocket", "hoist-server beside a bare sender, 1, 20 and 64 clients", [bin](Report& r) { measure_websocket(r, bin); }},
-          {"driving", "from the bus to the browser", [bin](Report& r) { measure_driving(r, bin); }},
+          {"driving", "from the bus to the browser, and from the joystick to the bus", [bin](Report& r) { measure_driving(r, bin); }},
           {"recording", "a session beside SQLite rows and the sqlite3 shell", measure_recording},
           {"rest", "hoist-server beside nginx", [bin](Report& r) { measure_rest(r, bin); }},
-          {"instructions", "counted by callgrind", [bin](Report& r) { measure_instructions(r, bin); }},
+          {"instructions", "counted by callgrind",
+           [bin](Report& r) {
+             measure_instructions(r, bin);
+             measure_status_instructions(r, bin);
+           }},
           {"console", "size of web/dist", measure_console},
           {"firmware", "cycles and sizes, from the generated pages", measure_firmware}};
 }
@@ -34,8 +38,8 @@ void print_help(const std::vector<Section>& sections) {
 
 int main(int argc, char** argv) {
   try {
-    if (argc == 3 && argv[1] == std::string(kReplayArgument)) {
-      replay_ticks(std::stoi(argv[2]));
+    if (argc == 3 && (argv[1] == std::string(kReplayTicks) || argv[1] == std::string(kReplaySteps))) {
+      (argv[1] == std::string(kReplayTicks) ? replay_ticks : replay_steps)(std::stoi(argv[2]));
       return 0;
     }
     const std::vector<Section> sections = sections_of(std::filesystem::read_symlink("/proc/self/exe").parent_path().string());

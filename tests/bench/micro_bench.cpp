@@ -3,18 +3,23 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <vector>
 
+#include "control/bus/slcan.hpp"
 #include "control/core/intent/pelvis.hpp"
 #include "control/core/law/differential_drive.hpp"
 #include "control/core/law/odometry.hpp"
 #include "control/core/law/pfp.hpp"
 #include "control/core/law/pfp_turn.hpp"
+#include "control/publish/core_link.hpp"
 #include "control/publish/ring.hpp"
+#include "control/publish/server_link.hpp"
+#include "control/run/control_loop.hpp"
 #include "tests/bench/bench.hpp"
 #include "tests/support/closed_loop.hpp"
 
@@ -67,49 +72,129 @@ double bare_law_ns() {
   });
 }
 
-// The tick on what it was given during a simulated walk, replayed without the world around it. The tick is pure, so the replay takes the
-// very same branches.
+// What the tick was given during a simulated walk.
+struct Given {
+  core::TickInputs inputs;
+  std::vector<contract::CanFrame> frames;
+  std::vector<contract::Command> commands;
+};
+std::vector<Given> recorded_walk() {
+  tests::ClosedLoopOptions options;
+  options.world.scenario = sim::find_scenario("figure-eight");
+  tests::ClosedLoop loop(options);
+  std::vector<Given> given;
+  loop.on_inputs([&](const core::TickInputs& inputs) {
+    given.push_back({inputs, {inputs.frames.begin(), inputs.frames.end()}, {inputs.commands.begin(), inputs.commands.end()}});
+  });
+  if (!loop.start(contract::Mode::user)) throw std::runtime_error("the walk did not start");
+  loop.run(20.0);
+  for (Given& step : given) {
+    step.inputs.frames = step.frames;
+    step.inputs.commands = step.commands;
+  }
+  return given;
+}
+
+// The tick on a recorded walk, without the world around it. The tick is pure, so the replay takes the very same branches.
 class WalkReplay {
  public:
-  WalkReplay() {
-    options_.world.scenario = sim::find_scenario("figure-eight");
-    tests::ClosedLoop loop(options_);
-    loop.on_inputs([&](const core::TickInputs& inputs) {
-      given_.push_back({inputs, {inputs.frames.begin(), inputs.frames.end()}, {inputs.commands.begin(), inputs.commands.end()}});
-    });
-    if (!loop.start(contract::Mode::user)) throw std::runtime_error("the walk did not start");
-    loop.run(20.0);
-    for (Given& step : given_) {
-      step.inputs.frames = step.frames;
-      step.inputs.commands = step.commands;
-    }
-    state_ = std::make_unique<core::CoreState>(options_.params);
-  }
   void run(int count) {
     for (int i = 0; i < count; ++i) {
       if (at_ == given_.size()) {
         at_ = 0;
-        *state_ = core::CoreState(options_.params);
+        *state_ = core::CoreState(contract::Params{});
       }
       core::tick(*state_, given_[at_++].inputs, core::kTick_s, *outputs_);
     }
   }
 
  private:
-  struct Given {
-    core::TickInputs inputs;
-    std::vector<contract::CanFrame> frames;
-    std::vector<contract::Command> commands;
-  };
-  tests::ClosedLoopOptions options_;
-  std::vector<Given> given_;
-  std::unique_ptr<core::CoreState> state_;
+  std::vector<Given> given_ = recorded_walk();
+  std::unique_ptr<core::CoreState> state_ = std::make_unique<core::CoreState>(contract::Params{});
   std::unique_ptr<core::TickOutputs> outputs_ = std::make_unique<core::TickOutputs>();
   std::size_t at_ = 0;
+};
+
+// A serial line in memory whose adapter accepts every line.
+class LineInMemory final : public bus::SerialDevice {
+ public:
+  const char* open() noexcept override { return nullptr; }
+  void close() noexcept override {}
+  ssize_t read(std::span<char> text) noexcept override {
+    const std::size_t answers = std::min(owed_, text.size());
+    std::fill_n(text.begin(), answers, contract::kSlcanOk);
+    owed_ -= answers;
+    const std::size_t count = std::min(text.size() - answers, waiting_.size());
+    std::copy_n(waiting_.begin(), count, text.begin() + static_cast<std::ptrdiff_t>(answers));
+    waiting_.remove_prefix(count);
+    if (answers + count > 0) return static_cast<ssize_t>(answers + count);
+    errno = EAGAIN;
+    return -1;
+  }
+  ssize_t write(std::span<const char> text) noexcept override {
+    owed_ += static_cast<std::size_t>(std::count(text.begin(), text.end(), contract::kSlcanOk));
+    return static_cast<ssize_t>(text.size());
+  }
+  void put(std::string_view text) { waiting_ = text; }
+
+ private:
+  std::string_view waiting_;
+  std::size_t owed_ = 0;
+};
+
+// Whole steps of hoist-control on a recorded walk.
+class StepReplay {
+ public:
+  StepReplay() {
+    for (const Given& step : given_) {
+      std::string text;
+      std::array<char, contract::kSlcanLineMax> line{};
+      for (const contract::CanFrame& frame : step.frames) text.append(line.data(), contract::slcan_encode(frame, line));
+      text_.push_back(std::move(text));
+    }
+  }
+  void run(int count) {
+    std::unique_ptr<Life> life;
+    for (int i = 0; i < count; ++i) {
+      const std::size_t at = static_cast<std::size_t>(i) % given_.size();
+      if (at == 0) life = std::make_unique<Life>(given_.front().inputs.time_ns);
+      life->line->put(text_[at]);
+      life->server.beat();
+      for (contract::Command command : given_[at].commands) life->server.send(command);
+      life->loop.step({.tick = given_[at].inputs.tick, .time_ns = given_[at].inputs.time_ns});
+    }
+    contract::TickRecord last;
+    if (!life->server.newest(last) || last.mode != static_cast<std::uint8_t>(contract::Mode::user))
+      throw std::runtime_error("the replayed steps do not walk");
+  }
+
+ private:
+  struct Life {
+    explicit Life(std::uint64_t time_ns) : link(linked(time_ns)), server("") {
+      std::string error;
+      if (!server.attach_directly(*link, error)) throw std::runtime_error(error);
+      // Opens the adapter and takes its answers, so that the bus is up in the first step.
+      std::array<contract::CanFrame, 1> none;
+      for (int i = 0; i < 2; ++i) port.receive(none, time_ns);
+    }
+    static std::unique_ptr<publish::CoreLink> linked(std::uint64_t time_ns) {
+      std::string error;
+      auto link = publish::CoreLink::create("", time_ns, 0, error);
+      return link != nullptr ? std::move(link) : throw std::runtime_error(error);
+    }
+    std::unique_ptr<publish::CoreLink> link;
+    publish::ServerLink server;
+    std::shared_ptr<LineInMemory> line = std::make_shared<LineInMemory>();
+    bus::SlcanPort port{line};
+    run::ControlLoop loop{port, *link, contract::Params{}};
+  };
+  std::vector<Given> given_ = recorded_walk();
+  std::vector<std::string> text_;
 };
 }  // namespace
 
 void replay_ticks(int count) { WalkReplay().run(count); }
+void replay_steps(int count) { StepReplay().run(count); }
 
 void measure_law_and_tick(Report& report) {
   WalkReplay replay;

@@ -65,6 +65,16 @@ std::uint64_t Process::cpu_ns() const {
   }
   return sum;
 }
+double Process::resident_kb() const {
+  std::ifstream file("/proc/" + std::to_string(pid_) + "/status");
+  for (std::string word; file >> word;)
+    if (word == "RssAnon:") {
+      double kb = 0;
+      file >> kb;
+      return kb;
+    }
+  throw std::runtime_error("/proc tells no RssAnon");
+}
 int Process::wait() {
   int status = -1;
   ::waitpid(pid_, &status, 0);
@@ -110,6 +120,36 @@ int open_websocket(std::uint16_t port, const std::string& token) {
   ::close(fd);
   throw std::runtime_error("hoist-server refused a WebSocket: " + answer.substr(0, 60));
 }
+HttpConnection::~HttpConnection() { ::close(fd_); }
+void HttpConnection::ask(const std::string& request) {
+  answer_.clear();
+  if (::send(fd_, request.data(), request.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(request.size()))
+    throw std::runtime_error("cannot send a request");
+}
+bool HttpConnection::take() {
+  char buffer[65536];
+  const ssize_t got = ::recv(fd_, buffer, sizeof buffer, 0);
+  if (got <= 0) throw std::runtime_error("the connection was closed after: " + answer_.substr(0, 100));
+  answer_.append(buffer, static_cast<std::size_t>(got));
+  const std::size_t head = answer_.find("\r\n\r\n");
+  if (head == std::string::npos) return false;
+  const std::size_t length = answer_.find("Content-Length: ");
+  if (answer_.compare(0, 12, "HTTP/1.1 200") != 0 || length > head)
+    throw std::runtime_error("unexpected answer: " + answer_.substr(0, 100));
+  body_at_ = head + 4;
+  return answer_.size() >= body_at_ + std::stoul(answer_.substr(length + 16));
+}
+std::string HttpConnection::fetch(const std::string& request) {
+  ask(request);
+  while (!take()) {
+  }
+  return body();
+}
+std::string request_for(const std::string& path, std::uint16_t port, const std::string& token, const std::string& more) {
+  return "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) + "\r\nAuthorization: Bearer " + token + "\r\n" + more +
+         "\r\n";
+}
+
 std::string read_text(const std::string& path) {
   std::ifstream file(path);
   std::stringstream all;
@@ -119,16 +159,32 @@ std::string read_text(const std::string& path) {
   return text;
 }
 
-RunningHoist::RunningHoist(const std::string& bin, const std::string& scenario, bool with_server, const std::string& web)
-    : sim_({bin + "/hoist-sim", "--scenario", scenario, "--pty-link", folder_ / "can", "--control", folder_ / "sim.sock"}, folder_ / "log"),
-      control_({bin + "/hoist-control", "--bus", "slcan:" + (folder_ / "can"), "--socket", core_socket()}, folder_ / "log") {
-  if (!with_server) return;
+std::vector<std::string> under_callgrind(const std::string& file) {
+  return {kValgrind, "--tool=callgrind", "--callgrind-out-file=" + file};
+}
+double instructions_in(const std::string& file) {
+  std::ifstream lines(file);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("totals: ")) return std::stod(line.substr(8));
+  throw std::runtime_error("callgrind wrote no totals");
+}
+
+RunningHoist::RunningHoist(const std::string& bin, const HoistOptions& options)
+    : sim_({bin + "/hoist-sim", "--scenario", "stand", "--pty-link", line(), "--control", folder_ / "sim.sock"}, folder_ / "log"),
+      control_(
+          {bin + "/hoist-control", "--bus", "slcan:" + (options.core_line.empty() ? line() : options.core_line), "--socket", core_socket()},
+          folder_ / "log") {
+  if (!options.server) return;
   port_ = free_port();
-  server_.emplace(std::vector<std::string>{bin + "/hoist-server", "--socket", core_socket(), "--port", std::to_string(port_), "--web",
-                                           web.empty() ? folder_ / "" : web, "--db", folder_ / "hoist.db", "--scenario", scenario,
-                                           "--token-file", folder_ / "token"},
-                  folder_ / "log");
-  for (int i = 0; i < 500 && token_.empty(); ++i) {
+  std::vector<std::string> command = options.server_under;
+  for (const std::string& word : {bin + "/hoist-server", std::string("--socket"), core_socket(), std::string("--port"),
+                                  std::to_string(port_), std::string("--web"), options.web.empty() ? folder_ / "none" : options.web,
+                                  std::string("--db"), options.database.empty() ? folder_ / "hoist.db" : options.database,
+                                  std::string("--scenario"), std::string("stand"), std::string("--token-file"), folder_ / "token"})
+    command.push_back(word);
+  server_.emplace(command, folder_ / "log");
+  // Half a minute: under valgrind a start takes its time.
+  for (int i = 0; i < 1500 && token_.empty(); ++i) {
     ::poll(nullptr, 0, 20);
     token_ = read_text(folder_ / "token");
   }

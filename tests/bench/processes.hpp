@@ -35,6 +35,8 @@ class Process {
   [[nodiscard]] pid_t pid() const { return pid_; }
   // CPU time of all its threads so far, in nanoseconds, from the scheduler's own accounts.
   [[nodiscard]] std::uint64_t cpu_ns() const;
+  // Memory of its own that is resident, without files' pages.
+  [[nodiscard]] double resident_kb() const;
   [[nodiscard]] bool running() const;
   // Waits for its end; the status as waitpid gives it.
   int wait();
@@ -49,13 +51,50 @@ class Process {
 [[nodiscard]] int connect_to(std::uint16_t port);
 // A connection behind the WebSocket handshake. Throws with the server's answer when it refuses.
 [[nodiscard]] int open_websocket(std::uint16_t port, const std::string& token);
+// One keep-alive HTTP connection with one request under way.
+class HttpConnection {
+ public:
+  explicit HttpConnection(std::uint16_t port) : fd_(connect_to(port)) {}
+  ~HttpConnection();
+  HttpConnection(const HttpConnection&) = delete;
+  HttpConnection& operator=(const HttpConnection&) = delete;
+  [[nodiscard]] int fd() const { return fd_; }
+  void ask(const std::string& request);
+  // Takes what has arrived; true when the answer is whole. Throws unless it is a 200 with its length.
+  bool take();
+  [[nodiscard]] std::string body() const { return answer_.substr(body_at_); }
+  // Asks and waits for the whole answer.
+  std::string fetch(const std::string& request);
+
+ private:
+  int fd_;
+  std::string answer_;
+  std::size_t body_at_ = 0;
+};
+// A GET; `more`: further header lines, each with its end.
+[[nodiscard]] std::string request_for(const std::string& path, std::uint16_t port, const std::string& token, const std::string& more = "");
+
 // Without the line ends at its end; empty when the file is missing.
 [[nodiscard]] std::string read_text(const std::string& path);
 
-// Simulator and hoist-control, and hoist-server when `with_server`, in a folder of their own.
+// The command that counts a program's instructions, to be put in front of its own; the sum is in `file` when the program has ended.
+inline constexpr const char* kValgrind = "/usr/bin/valgrind";
+[[nodiscard]] std::vector<std::string> under_callgrind(const std::string& file);
+[[nodiscard]] double instructions_in(const std::string& file);
+
+struct HoistOptions {
+  bool server = true;
+  std::string web = {};                        // the server's pages; empty: none
+  std::string database = {};                   // empty: a new one
+  std::vector<std::string> server_under = {};  // command in front of the server's, such as valgrind's
+  std::string core_line = {};                  // serial line of the core; empty: the simulator's
+};
+
+// Simulator, hoist-control and hoist-server in a folder of their own; the simulated patient stands.
 class RunningHoist {
  public:
-  RunningHoist(const std::string& bin, const std::string& scenario, bool with_server, const std::string& web = "");
+  explicit RunningHoist(const std::string& bin, const HoistOptions& options = {});
+  [[nodiscard]] std::string line() const { return folder_ / "can"; }  // the simulator's serial line
   [[nodiscard]] std::string core_socket() const { return folder_ / "core.sock"; }
   [[nodiscard]] const Process& control() const { return control_; }
   [[nodiscard]] const Process& server() const { return *server_; }

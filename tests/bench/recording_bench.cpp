@@ -147,6 +147,30 @@ double csv_shell_us(const std::string& rows, const std::string& out) {
 }
 }  // namespace
 
+void record_walk(const std::string& path, double seconds) {
+  db::Database database = take(db::Database::open(path));
+  db::SessionWriter writer = take(db::SessionWriter::create(database));
+  tests::ClosedLoopOptions options;
+  options.world.scenario = sim::find_scenario("figure-eight");
+  tests::ClosedLoop loop(options);
+  if (!loop.start(contract::Mode::user)) throw std::runtime_error("the walk did not start");
+  db::SessionStart start;
+  start.started_utc_ns = kStartUtc_ns;
+  start.start_time_ns = loop.record().time_ns;
+  (void)take(writer.begin(start));
+  constexpr int kSecond = 100;
+  std::vector<contract::TickRecord> records(10 * kSecond);
+  for (int left = static_cast<int>(seconds) / 10; left > 0; --left) {
+    for (contract::TickRecord& record : records) {
+      loop.step();
+      record = loop.record();
+    }
+    if (!writer.append_ticks(records).ok()) throw std::runtime_error("a sample was refused");
+    (void)take(writer.commit());
+  }
+  if (!writer.end(db::CloseReason::finished, kStartUtc_ns).ok()) throw std::runtime_error("the session does not close");
+}
+
 void measure_recording(Report& report) {
   const TemporaryFolder folder;
   report.progress("simulating ten minutes of walking");

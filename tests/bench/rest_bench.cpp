@@ -1,4 +1,4 @@
-// CPU of hoist-server per request beside nginx, which serves the same bytes to the same client.
+// CPU of hoist-server per request beside nginx, which serves the same bytes to the same client; and of the overview of an hour.
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -24,57 +24,12 @@ constexpr std::size_t kFileBytes = 30'000;
 constexpr const char* kStatusPath = "/api/v1/status";
 constexpr const char* kFilePath = "/page.js";
 
-// One keep-alive connection with one request under way.
-class Connection {
- public:
-  explicit Connection(std::uint16_t port) : fd_(connect_to(port)) {}
-  ~Connection() { ::close(fd_); }
-  Connection(const Connection&) = delete;
-  Connection& operator=(const Connection&) = delete;
-  [[nodiscard]] int fd() const { return fd_; }
-  void ask(const std::string& request) {
-    answer_.clear();
-    if (::send(fd_, request.data(), request.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(request.size()))
-      throw std::runtime_error("cannot send a request");
-  }
-  // Takes what has arrived; true when the answer is whole. Throws unless it is a 200 with its length.
-  bool take() {
-    char buffer[65536];
-    const ssize_t got = ::recv(fd_, buffer, sizeof buffer, 0);
-    if (got <= 0) throw std::runtime_error("the connection was closed after: " + answer_.substr(0, 100));
-    answer_.append(buffer, static_cast<std::size_t>(got));
-    const std::size_t head = answer_.find("\r\n\r\n");
-    if (head == std::string::npos) return false;
-    const std::size_t length = answer_.find("Content-Length: ");
-    if (answer_.compare(0, 12, "HTTP/1.1 200") != 0 || length > head)
-      throw std::runtime_error("unexpected answer: " + answer_.substr(0, 100));
-    body_at_ = head + 4;
-    return answer_.size() >= body_at_ + std::stoul(answer_.substr(length + 16));
-  }
-  [[nodiscard]] std::string body() const { return answer_.substr(body_at_); }
-
- private:
-  int fd_;
-  std::string answer_;
-  std::size_t body_at_ = 0;
-};
-
-std::string request_for(const std::string& path, std::uint16_t port, const std::string& token) {
-  return "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) + "\r\nAuthorization: Bearer " + token + "\r\n\r\n";
-}
-std::string fetch(std::uint16_t port, const std::string& request) {
-  Connection connection(port);
-  connection.ask(request);
-  while (!connection.take()) {
-  }
-  return connection.body();
-}
 // Answers within kTurn_s.
 std::uint64_t load(std::uint16_t port, const std::string& request) {
-  std::vector<std::unique_ptr<Connection>> connections;
+  std::vector<std::unique_ptr<HttpConnection>> connections;
   std::vector<pollfd> waits;
   for (int i = 0; i < kConnections; ++i) {
-    connections.push_back(std::make_unique<Connection>(port));
+    connections.push_back(std::make_unique<HttpConnection>(port));
     connections.back()->ask(request);
     waits.push_back({connections.back()->fd(), POLLIN, 0});
   }
@@ -134,9 +89,78 @@ void measure_pair(Report& report, Row row, Peer ours, Peer theirs) {
   row.goal = {1.0};
   report.add(row);
 }
+
+// CPU of all threads of the server for the overview of six values over an hour.
+void measure_overview(Report& report, const std::string& bin) {
+  constexpr int kRequests = 200;
+  constexpr const char* kPath =
+      "/api/v1/sessions/1/samples?points=1000&columns=speed_m_s,yaw_rate_rad_s,lean_norm,turn_norm,left_current_a,right_current_a";
+  report.progress("recording an hour of simulated walking");
+  const TemporaryFolder folder;
+  record_walk(folder / "hour.db", 3600);
+  const RunningHoist hoist(bin, {.database = folder / "hour.db"});
+  report.progress("its overview");
+  for (const bool gzip : {false, true}) {
+    const std::string request = request_for(kPath, hoist.port(), hoist.token(), gzip ? "Accept-Encoding: gzip\r\n" : "");
+    HttpConnection connection(hoist.port());
+    for (int i = 0; i < 10; ++i) (void)connection.fetch(request);
+    const std::uint64_t before = hoist.server().cpu_ns();
+    for (int i = 0; i < kRequests; ++i) (void)connection.fetch(request);
+    const double ms = static_cast<double>(hoist.server().cpu_ns() - before) * 1e-6 / kRequests;
+    const std::string size = std::to_string(connection.body().size()) + " B, six values";
+    if (gzip)
+      report.add({"rest.overview_gzip", "CPU of the overview of an hour, gzip", ms, "ms", 0, "", {2}, false, size});
+    else
+      report.add({"rest.overview", "CPU of the overview of an hour", ms, "ms", 0, "", {2}, false, size});
+  }
+}
+
+// Instructions of one of `count` GETs of the status and everything else the process does meanwhile.
+constexpr int kFewRequests = 200, kManyRequests = 1200;
+double ours_instructions(const std::string& bin, int count, std::string& answer) {
+  const TemporaryFolder folder;
+  {
+    const RunningHoist hoist(bin, {.server_under = under_callgrind(folder / "counts")});
+    const std::string request = request_for(kStatusPath, hoist.port(), hoist.token());
+    HttpConnection connection(hoist.port());
+    for (int i = 0; i < count; ++i) answer = connection.fetch(request);
+  }
+  return instructions_in(folder / "counts");
+}
+double nginx_instructions(const std::string& body, int count) {
+  const TemporaryFolder folder;
+  write_file((folder / "www") + kStatusPath, body);
+  const std::uint16_t port = free_port();
+  write_nginx_settings(folder, port);
+  {
+    std::vector<std::string> command = under_callgrind(folder / "counts");
+    command.insert(command.end(), {kNginx, "-e", folder / "log", "-c", folder / "nginx.conf"});
+    const Process nginx(command, folder / "log");
+    const std::string request = request_for(kStatusPath, port, "none");
+    HttpConnection connection(port);
+    for (int i = 0; i < count; ++i) (void)connection.fetch(request);
+  }
+  return instructions_in(folder / "counts");
+}
 }  // namespace
 
+void measure_status_instructions(Report& report, const std::string& bin) {
+  Row row{"instructions.status", "instructions of a GET of the status", 0, "instr", 0, "nginx", {}, true, "the same bytes from a file"};
+  for (const char* peer : {kValgrind, kNginx})
+    if (::access(peer, X_OK) != 0) {
+      report.skip(row.id, row.what, std::string(peer) + " is missing");
+      return;
+    }
+  report.progress(row.what);
+  std::string answer;
+  const double few = ours_instructions(bin, kFewRequests, answer), many = ours_instructions(bin, kManyRequests, answer);
+  row.value = (many - few) / (kManyRequests - kFewRequests);
+  row.floor = (nginx_instructions(answer, kManyRequests) - nginx_instructions(answer, kFewRequests)) / (kManyRequests - kFewRequests);
+  report.add(row);
+}
+
 void measure_rest(Report& report, const std::string& bin) {
+  measure_overview(report, bin);
   const Row status{"rest.status", "CPU per GET of the status, 8 connections", 0, "", 0, ""};
   const Row file{"rest.file", "CPU per GET of a file of 30 kB", 0, "", 0, ""};
   if (::access(kNginx, X_OK) != 0) {
@@ -148,15 +172,15 @@ void measure_rest(Report& report, const std::string& bin) {
   std::string page(kFileBytes, ' ');
   for (std::size_t i = 0; i < page.size(); ++i) page[i] = static_cast<char>('a' + i * i % 23);
   write_file((folder / "www") + kFilePath, page);
-  const RunningHoist hoist(bin, "stand", true, folder / "www");
+  const RunningHoist hoist(bin, {.web = folder / "www"});
   ::poll(nullptr, 0, 2000);
   const std::string status_request = request_for(kStatusPath, hoist.port(), hoist.token());
   const std::string file_request = request_for(kFilePath, hoist.port(), hoist.token());
-  write_file((folder / "www") + kStatusPath, fetch(hoist.port(), status_request));
+  write_file((folder / "www") + kStatusPath, HttpConnection(hoist.port()).fetch(status_request));
   const std::uint16_t port = free_port();
   write_nginx_settings(folder, port);
   const Process nginx({kNginx, "-e", folder / "log", "-c", folder / "nginx.conf"}, folder / "log");
-  if (fetch(port, file_request) != page) throw std::runtime_error("nginx serves other bytes");
+  if (HttpConnection(port).fetch(file_request) != page) throw std::runtime_error("nginx serves other bytes");
   measure_pair(report, status, {hoist.server(), hoist.port(), status_request}, {nginx, port, status_request});
   measure_pair(report, file, {hoist.server(), hoist.port(), file_request}, {nginx, port, file_request});
 }

@@ -1,5 +1,7 @@
 #include "tests/bench/table.hpp"
 
+#include <poll.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -30,6 +32,7 @@ bool has(const std::vector<std::string>& list, const std::string& word) { return
 
 double figure(const Row& row) { return row.floor > 0 ? row.value / row.floor : row.value; }
 bool comparable(const Row& row) { return row.skipped.empty() && (row.floor > 0 || row.exact) && std::isfinite(figure(row)); }
+bool judged(const Row& row) { return comparable(row) && (row.exact || !row.busy); }
 bool met(const Row& row) { return row.goal.better == Better::lower ? figure(row) <= row.goal.limit : figure(row) >= row.goal.limit; }
 
 std::string line_of(const Row& row) {
@@ -73,7 +76,7 @@ std::string print_stored(const StoredFigures& stored) {
 }
 void store_rows(StoredFigures& stored, const std::vector<Row>& rows) {
   for (const Row& row : rows)
-    if (comparable(row) && figure(row) > 0) stored[row.id] = {figure(row), row.goal.better};
+    if (judged(row) && figure(row) > 0) stored[row.id] = {figure(row), row.goal.better};
 }
 
 Comparison compare(const StoredFigures& stored, const std::vector<Row>& rows, const std::vector<std::string>& sections) {
@@ -87,6 +90,8 @@ Comparison compare(const StoredFigures& stored, const std::vector<Row>& rows, co
       result.failures.push_back(id + " is stored and was not measured");
     } else if (!row->skipped.empty()) {
       result.remarks.push_back(id + " was skipped: " + row->skipped);
+    } else if (comparable(*row) && !judged(*row)) {
+      result.remarks.push_back(id + " is not judged: other programs used the machine");
     } else {
       const double now = figure(*row);
       const double worse = before.better == Better::lower ? now / before.figure - 1 : before.figure / now - 1;
@@ -101,6 +106,9 @@ Comparison compare(const StoredFigures& stored, const std::vector<Row>& rows, co
 void Report::add(Row row) {
   rows_.push_back(std::move(row));
   if (on_row) on_row(rows_.back());
+}
+void Report::mark_busy(std::size_t from) {
+  for (std::size_t i = from; i < rows_.size(); ++i) rows_[i].busy = true;
 }
 void Report::skip(const std::string& id, const std::string& what, const std::string& reason) {
   Row row;
@@ -163,6 +171,30 @@ void write_stored(const std::string& path, const std::vector<Row>& rows) {
 }
 }  // namespace
 
+double used_by_others() {
+  struct Ticks {
+    double all = 0, idle = 0;
+  };
+  const auto look = [] {
+    std::ifstream file("/proc/stat");
+    std::string cpu;
+    file >> cpu;
+    Ticks ticks;
+    // user nice system idle iowait irq softirq steal; what a host takes away is used, too.
+    for (int field = 0; field < 8; ++field) {
+      double value = 0;
+      file >> value;
+      ticks.all += value;
+      if (field == 3 || field == 4) ticks.idle += value;
+    }
+    return ticks;
+  };
+  const Ticks before = look();
+  ::poll(nullptr, 0, 500);
+  const Ticks after = look();
+  return after.all > before.all ? 1 - (after.idle - before.idle) / (after.all - before.all) : 0;
+}
+
 int run(const std::vector<Section>& sections, const Options& options) {
   StoredFigures before;
   if (!options.compare.empty()) before = parse_stored(read_whole(options.compare));
@@ -178,12 +210,18 @@ int run(const std::vector<Section>& sections, const Options& options) {
     ran.push_back(section.name);
     report.on_progress = [&](const std::string& text) { std::fprintf(stderr, "[%s] %s\n", section.name.c_str(), text.c_str()); };
     report.progress(section.what);
+    const std::size_t first = report.rows().size();
+    const double used_before = options.used_by_others();
     try {
       section.measure(report);
     } catch (const std::exception& problem) {
       std::printf("%-26s FAILED: %s\n", section.name.c_str(), problem.what());
       std::fflush(stdout);
       ++failed;
+    }
+    if (const double used = std::max(used_before, options.used_by_others()); used > kBusyFrom) {
+      std::printf("%-26s other programs used %.0f %% of the machine: its times are not judged\n", section.name.c_str(), used * 100);
+      report.mark_busy(first);
     }
   }
   print_summary(report.rows(), failed);

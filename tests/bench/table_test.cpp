@@ -85,6 +85,34 @@ TEST(BenchCompare, OnlyRatiosAndExactCountsAreStored) {
   EXPECT_FALSE(again.contains("a.time"));
 }
 
+TEST(BenchCompare, TimesOfABusyMachineAreNeitherJudgedNorStored) {
+  Row time = ratio_row("a.time", 9, 1), count = ratio_row("a.count", 9, 0);
+  count.exact = true;
+  time.busy = count.busy = true;
+  const Comparison compared = compare(parse_stored("a.time 1 lower\na.count 1 lower"), {time, count}, {"a"});
+  ASSERT_EQ(compared.failures.size(), 1U);
+  EXPECT_EQ(compared.failures[0].find("a.count"), 0U);
+  EXPECT_EQ(compared.remarks.size(), 1U);
+  StoredFigures stored;
+  store_rows(stored, {time, count});
+  EXPECT_EQ(stored.size(), 1U);
+  EXPECT_TRUE(stored.contains("a.count"));
+}
+
+TEST(BenchRun, ASectionIsBusyWhenOthersUseTheMachineBeforeOrAfterIt) {
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("bench_busy_" + std::to_string(::getpid()));
+  for (const std::vector<double>& used : {std::vector{0.0, 0.5}, std::vector{0.5, 0.0}, std::vector{0.05, 0.05}}) {
+    std::ofstream(file) << "good.x 1.5 lower\n";
+    std::size_t asked = 0;
+    Options options;
+    options.compare = file;
+    options.used_by_others = [&] { return used.at(asked++); };
+    const bool busy = used[0] > kBusyFrom || used[1] > kBusyFrom;
+    EXPECT_EQ(run({{"good", "", [](Report& report) { report.add(ratio_row("good.x", 2, 1)); }}}, options), busy ? 0 : 1);
+  }
+  std::filesystem::remove(file);
+}
+
 TEST(BenchCompare, ADamagedFileIsRefusedWithItsLine) {
   for (const char* text : {"a.x 1", "a.x lower", "a.x 1 faster", "a.x 0 lower", "a.x 1 lower 2", "a.x 1 lower\na.x 1 lower"})
     EXPECT_THROW((void)parse_stored(text), std::runtime_error) << text;
@@ -95,9 +123,10 @@ TEST(BenchRun, AFailingSectionKeepsTheOthersAndTheExitCodeTells) {
   const Section bad{"bad", "", [](Report&) { throw std::runtime_error("no bus"); }};
   const std::filesystem::path file = std::filesystem::temp_directory_path() / ("bench_test_" + std::to_string(::getpid()));
   Options options;
+  options.used_by_others = [] { return 0.0; };
   options.store = file;
   EXPECT_EQ(run({bad, good}, options), 1);
-  options = {};
+  options.store.clear();
   options.compare = file;
   EXPECT_EQ(run({good}, options), 0);
   std::ofstream(file) << "good.x 1.5 lower\n";

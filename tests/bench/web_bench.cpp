@@ -204,13 +204,31 @@ std::size_t mean_frame_bytes(const RunningHoist& hoist) {
   if (one.messages() == 0) throw std::runtime_error("no telemetry arrived");
   return one.message_bytes() / one.messages();
 }
+// What the server's memory grows by for each of 64 clients that get telemetry.
+void measure_memory(Report& report, const RunningHoist& hoist) {
+  constexpr std::size_t kClients = 64;
+  const double before_kb = hoist.server().resident_kb();
+  Clients many([&] { return open_websocket(hoist.port(), hoist.token()); }, kClients), none(nullptr, 0);
+  const int poller = ::epoll_create1(EPOLL_CLOEXEC);
+  many.watch(poller, 0);
+  pump(poller, many, none, 2.0);
+  ::close(poller);
+  report.add({"websocket.memory",
+              "memory of the server per client, 64 clients",
+              (hoist.server().resident_kb() - before_kb) / kClients,
+              "kB",
+              0,
+              "",
+              {8}});
+}
 }  // namespace
 
 void measure_websocket(Report& report, const std::string& bin) {
-  const RunningHoist hoist(bin, "stand", true);
+  const RunningHoist hoist(bin);
   const double idle_us = idle_us_per_second(hoist);
   report.add({"websocket.idle", "hoist-server without clients, CPU per second", idle_us, "us", 0, ""});
   const std::size_t frame_bytes = mean_frame_bytes(hoist);
+  measure_memory(report, hoist);
   for (const std::size_t count : {1, 20, 64}) measure_clients(report, hoist, count, idle_us, frame_bytes);
 }
 

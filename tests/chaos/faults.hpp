@@ -1,4 +1,4 @@
-// What may break in a random session: the list of research on safety, section 4.3, one row each, and the plan of one session.
+// What may break in a random session: the list of SOURCES 2.4, one row each, and the plan of one session.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -136,7 +136,7 @@ void Watch::must_stop(const char* cause, double budget_s, double braking_m_s2) {
   must_stop_.push_back({cause, now_s, now_s + budget_s + fastest_wheel() / braking_m_s2 + kRollOut_s});
 }
 
-// What a single fault must lead to, and how soon (research on safety, 2.2). Several at once hide each other; what holds then is the rest.
+// What a single fault must lead to, and how soon (SOURCES 2.2). Several at once hide each other; what holds then is the rest.
 void Watch::fault_begins(const Planned& row) {
   const Fault& f = row.fault;
   const double now_s = loop_.time_s(), length_s = f.end_s - f.start_s;

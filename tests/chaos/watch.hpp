@@ -1,4 +1,4 @@
-// What must always hold: invariants I1 to I14 of research on safety, 4.3, judged from outside on what the core records and sends and on the
+// What must always hold: invariants I1 to I14 of SOURCES 2.4, judged from outside on what the core records and sends and on the
 // truth of the simulated machine. Nothing here asks the product whether it did well.
 #pragma once
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The bus's load and response times: the computation against figures that were found by another program and by simulation (research of the
-// CAN bus, section 6), and the tables of today against the limits of the plan.
+// The bus's load and response times: the computation against figures that were found by another program and by simulation (SOURCES 4), and
+// the tables of today against the limits of the plan.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@ std::size_t at(const BusPlan& plan, std::uint32_t id) {
   return 0;
 }
 
-// The set of frames that the research computed: without what has been added to the tables since.
+// The set of frames that was computed then: without what has been added to the tables since.
 BusPlan research_plan() {
   const std::set<std::uint32_t> ids = {0x080, 0x081, 0x082, 0x088, 0x091, 0x092, 0x093, 0x181, 0x182, 0x188, 0x191, 0x192, 0x193,
                                        0x201, 0x202, 0x281, 0x282, 0x288, 0x580, 0x701, 0x702, 0x708, 0x711, 0x712, 0x713, 0x77F};
@@ -33,7 +33,7 @@ BusPlan research_plan() {
   for (const BusFrame& f : now)
     if (ids.count(f.id) != 0) {
       plan.frames[plan.size] = f;
-      // The research has the computer's heartbeat as often as a node's.
+      // There the computer's heartbeat came as often as a node's.
       if (f.id == 0x77F) plan.frames[plan.size].period *= 2;
       ++plan.size;
     }

@@ -35,7 +35,7 @@ class Workshop {
     if (!loop.run_until([this] { return loop.mode() == Mode::standby; }, 10.0)) return false;
     loop.world().hold_bar(0, 0, 0);
     loop.ask(CommandKind::take_lease);
-    // The filters have learnt their gyroscopes' biases after some 15 s (research on safety, 2.1); a technician waits a minute.
+    // The filters have learnt their gyroscopes' biases after some 15 s (SOURCES 2.1); a technician waits a minute.
     loop.run(60.0);
     return true;
   }

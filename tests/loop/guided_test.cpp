@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "control/contract/guided_path.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace hoist::tests {
 namespace {
@@ -206,6 +208,76 @@ TEST(Guided, SilenceEndsItWithinItsDistance) {
   loop.run(2.0);
   EXPECT_NEAR(loop.world().plant().platform().speed_m_s, 0.0, 1e-3);
   EXPECT_EQ(loop.mode(), Mode::standby);
+}
+
+// H15, H16: the button is held when the patient has already set off by himself, slower in bends than the hoist. It waits for him, also when he
+// never yields, and nobody is drawn into a guard.
+TEST(Guided, H15_H16_AHoistThatLeadsWaitsForWhoWalksSlower) {
+  const GuidedPath paths[] = {{GuidedShape::eight, false, 1.0, 0.8, 0.3, 1}, {GuidedShape::eight, true, 1.0, 0.8, 0.3, 1}};
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(seeds_for(22, 3)); ++seed)
+    for (const bool stubborn : {false, true})
+      for (const GuidedPath& path : paths) {
+        ClosedLoopOptions options = standing();
+        options.world.seed = seed + 1;
+        if (seed > 0) options.world.patient = sim::PatientParams::random(seed);
+        if (stubborn) options.world.patient.yields_after_s = sim::PatientParams::kStubborn_s;
+        SCOPED_TRACE(testing::Message() << seed << (stubborn ? ", never yields" : "") << (path.clockwise ? ", left loop first" : ""));
+        ClosedLoop loop(options);
+        ASSERT_TRUE(loop.start_guided(path));
+        loop.run(1.5);
+        const Drive run = drive(loop, 240.0);
+        EXPECT_EQ(run.ended, GuidedEnd::finished);
+        EXPECT_LT(run.worst_m, 0.03);
+        EXPECT_EQ(loop.record().stop_cause, 0U);
+      }
+}
+
+// Nobody strapped in: as fast as wished, and no word of a patient.
+TEST(Guided, AnEmptyHoistWaitsForNobody) {
+  ClosedLoop loop(standing());
+  loop.world().hold_bar(0.0, 0.0, 0.0);
+  ASSERT_TRUE(loop.start_guided({GuidedShape::square, false, 2.0, 0, 0.6, 1}));
+  bool waited = false;
+  loop.on_step([&waited](const core::TickInputs&, const core::TickOutputs& out) {
+    waited = waited || static_cast<core::GuidedPhase>(out.record.guided_phase) == core::GuidedPhase::for_patient;
+  });
+  const Drive run = drive(loop, 90.0);
+  expect_end(run, 0.0);
+  EXPECT_NEAR(run.top_m_s, 0.6, 0.01);
+  EXPECT_FALSE(waited);
+}
+
+// H15: a patient who was not told sets off in the second before the therapist holds. Each shape is led to its end, also with pauses of the
+// therapist, on a line that bends as the patient's own and on another one.
+TEST(Guided, H15_APatientWhoHasSetOffIsLedToTheEnd) {
+  const GuidedPath paths[] = {{GuidedShape::eight, false, 1.0, 0.8, 0.3, 1},
+                              {GuidedShape::square, false, 2.0, 0, 0.3, 1},
+                              {GuidedShape::straight, false, 6.0, 0, 0.3, 1}};
+  const std::uint64_t seeds = thorough() ? 66 : seeds_for(22, 3);
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+    for (const double pause_s : {0.0, 4.5 + 0.1 * static_cast<double>(seed % 22)}) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", pauses of " + std::to_string(pause_s) + " s");
+      ClosedLoopOptions options = standing();
+      options.world.seed = seed;
+      options.world.patient = sim::PatientParams::random(seed);
+      ClosedLoop loop(options);
+      ASSERT_TRUE(loop.start_guided(paths[seed % 3]));
+      loop.run(1.5);
+      ASSERT_EQ(loop.world().patient().state(), sim::PatientState::leading);
+      loop.hold_stick(0.0, 0.0);
+      loop.run(9.0);
+      for (int held = 0; held < 30 && loop.mode() == Mode::guided; ++held) {
+        if (pause_s > 0) {
+          loop.let_go();
+          loop.run(pause_s);
+          loop.hold_stick(0.0, 0.0);
+        }
+        loop.run(6.0);
+      }
+      EXPECT_EQ(static_cast<GuidedEnd>(loop.record().guided_end), GuidedEnd::finished);
+      EXPECT_EQ(loop.record().stop_cause, 0U);
+    }
+  }
 }
 
 // H15, H13: the guards are on although the patient does not lead.

@@ -38,7 +38,7 @@ TEST(Falls, H15AFallingPatientIsCaughtWithin30Ms) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));
   hoist.lean_gently(5, 200);
-  // An inverted pendulum of 1 m from 5 degrees: 27 deg/s at 10 degrees (research on safety, 2.1).
+  // An inverted pendulum of 1 m from 5 degrees: 27 deg/s at 10 degrees (SOURCES 2.1).
   const Fall result = fall(
       hoist, [](double t) { return 5 * std::cosh(3.13 * t); }, 10, 100);
   ASSERT_GE(result.beyond_tick, 0);
@@ -272,7 +272,7 @@ TEST(Distances, H13ABumperStopAtFullSpeedNeeds14Cm) {
   EXPECT_LE(hoist.out.record.x_m - from, 0.16) << "0.12 m of ramp plus the lag of the script's wheels";
 }
 
-// Anything may happen, in any order: the invariants of the research on safety (I1, I2, I4, I5, I13) hold in every step.
+// Anything may happen, in any order: the invariants of SOURCES 2.4 (I1, I2, I4, I5, I13) hold in every step.
 TEST(Chaos, InvariantsHoldUnderRandomFaultsAndRequests) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(seed);

@@ -734,6 +734,36 @@ TEST(Monitors, H16AnEmptyHoistThatIsDrivenDoesNotHang) {
   EXPECT_TRUE(hoist.state.motion.leaving);
 }
 
+// An exercise that waits for a lagging patient rolls slower than what counts as drawn, or stands: it is left all the same.
+TEST(Monitors, H16NobodyIsWaitedForWithoutEnd) {
+  struct Case {
+    double lean_deg, sway_deg;
+    bool held, ends;
+  };
+  for (const auto& [lean_deg, sway_deg, held, ends] :
+       {Case{-8.0, 0.0, true, true}, Case{-8.0, 0.4, true, false}, Case{-9.6, 0.4, true, true}, Case{-9.6, 0.4, false, false}}) {
+    SCOPED_TRACE(testing::Message() << lean_deg << " deg, sway " << sway_deg << (held ? "" : ", let go"));
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    ASSERT_EQ(hoist.ask_guided({contract::GuidedShape::straight, false, 10.0, 0, 0.3, 1}), 0U);
+    ASSERT_TRUE(hoist.run_until_powered());
+    hoist.drive_for(200, 0);
+    ASSERT_GT(hoist.command_m_s(), 0.25);
+    hoist.sway_deg = sway_deg;
+    hoist.tilt_left.slew_deg = hoist.tilt_right.slew_deg = 0.1;
+    hoist.lean(lean_deg);
+    const auto goes_on = [&hoist] { return hoist.state.mode == Mode::guided && !hoist.state.motion.leaving; };
+    for (int i = 0; i < 600 && goes_on(); ++i) {
+      // In place, while the wheels stand, the legs may step on; that brings nobody nearer.
+      if (lean_deg < -9) hoist.tilt_left.beta_deg = hoist.tilt_right.beta_deg = i / 50 % 2 == 0 ? sway_deg : -sway_deg;
+      hoist.hold(0, 0, held);
+      hoist.step();
+    }
+    EXPECT_EQ(hoist.has_fault(Fault::patient_hanging), ends);
+    EXPECT_EQ(goes_on(), !ends);
+  }
+}
+
 // A chassis that turns at 15 deg/s while its wheels go straight (H10's own figure), in both directions and both modes.
 TEST(Monitors, H10ASlipIsMarkedAtOnceAndStopsGentlyWhenItLasts) {
   EXPECT_EQ(contract::fault_info(Fault::wheel_slip).hazard, "H10");

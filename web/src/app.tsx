@@ -3,77 +3,107 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { dialogs, takenSeen } from './link/console';
 import { useReadiness } from './link/readiness';
 import { store, useStore } from './link/store';
-import { panels } from './panels/index';
-import { useSettings } from './text/settings';
-import { t, textOf } from './text/text';
+import { panelOf, panels } from './panels/index';
+import type { Panel } from './panels/panel';
+import { addressOf, useAddress } from './router';
+import { settings, useSettings } from './text/settings';
+import { loadLanguage, t, textOf } from './text/text';
 import { Icon } from './ui/icons';
+import { Lazy, LoadFailed, Loading, useLazy } from './ui/lazy';
 import { Question } from './ui/question';
 import { StatusBar } from './ui/status_bar';
 import { StopButton } from './ui/stop_button';
 import { Strip } from './ui/strip';
 import { TrialBar } from './ui/trial_bar';
+import './app.css';
 
-const panelOfAddress = () => panels.find((panel) => `#/${panel.id}` === location.hash.split('?')[0]) ?? panels[0]!;
+/** The words of the language that this device begins with. */
+export const firstWords = new Lazy(() => loadLanguage(settings.value.language));
 
+/** STOP and what it needs are there before anything else has been loaded, and stay whatever cannot be. */
 export function App() {
-  useSettings();
-  const [panel, setPanel] = useState(panelOfAddress);
-  const stale = useReadiness().old && panel.live;
+  const words = useLazy(firstWords);
   const signedIn = useStore((s) => s.signedIn);
-  const ever = useStore((s) => s.everOpen);
-  const { asking, answer } = useTakeOver();
-  useEffect(() => {
-    const change = () => setPanel(panelOfAddress());
-    window.addEventListener('hashchange', change);
-    return () => window.removeEventListener('hashchange', change);
-  }, []);
-  useEffect(() => {
-    document.title = `${t(panel.title)} – ${t('app.title')}`;
-  });
   // Once it was open, the shell stays, and STOP with it: whoever is signed out in the middle of a walk must still try to stop it.
-  if (!signedIn && !ever)
-    return (
-      <div class="gate">
-        <main class="card">
-          <h1>{t('gate.title')}</h1>
-          <p>{t('gate.text')}</p>
-          <button type="button" class="big" onClick={() => location.reload()}>
-            {t('common.retry')}
-          </button>
-        </main>
-      </div>
-    );
-  const { View } = panel;
+  const gate = !useStore((s) => s.everOpen) && !signedIn;
+  const { asking, answer } = useTakeOver();
+  if (words.state === 'ready' && gate) return <Gate />;
   return (
     <div class="shell">
       {/* While something is asked, neither key nor finger reaches anything else, STOP excepted. */}
       <div class="shell-parts" inert={asking}>
-        <StatusBar />
-        <Strip />
-        <nav class="nav" aria-label={t('nav.label')}>
-          {panels.map((item) => (
-            <a key={item.id} href={`#/${item.id}`} aria-current={item.id === panel.id ? 'page' : undefined}>
-              <Icon name={item.icon} />
-              <span>{t(item.title)}</span>
-            </a>
-          ))}
-        </nav>
-        <main class={stale ? 'main stale' : 'main'}>
-          <h1 class="visually-hidden">{t(panel.title)}</h1>
-          <View key={panel.id} />
-        </main>
-        <div class="side-column">
-          <div class="side-bars">
-            <Taken />
-            <TrialBar />
-          </div>
-          <Notices />
-        </div>
+        {words.state === 'ready' ? <Shell /> : <main class="main">{words.state === 'failed' ? <LoadFailed /> : null}</main>}
       </div>
       <StopButton />
       {asking ? <TakeOver answer={answer} /> : null}
     </div>
   );
+}
+
+function Gate() {
+  return (
+    <div class="gate">
+      <main class="card">
+        <h1>{t('gate.title')}</h1>
+        <p>{t('gate.text')}</p>
+        <button type="button" class="big" onClick={() => location.reload()}>
+          {t('common.retry')}
+        </button>
+      </main>
+    </div>
+  );
+}
+
+function Shell() {
+  useSettings();
+  const { screen, part } = useAddress();
+  const panel = panelOf(screen);
+  const stale = useReadiness().old && panel.live;
+  useEffect(() => {
+    document.title = `${t(panel.title)} – ${t('app.title')}`;
+  });
+  return (
+    <>
+      <StatusBar />
+      <Strip />
+      <nav class="nav" aria-label={t('nav.label')}>
+        {panels.map((item) => (
+          <a key={item.id} href={addressOf(item.id)} aria-current={item.id === panel.id ? 'page' : undefined}>
+            <Icon name={item.icon} />
+            <span>{t(item.title)}</span>
+          </a>
+        ))}
+      </nav>
+      <main class={stale ? 'main stale' : 'main'}>
+        <h1 class="visually-hidden">{t(panel.title)}</h1>
+        <Screen key={panel.id} panel={panel} part={part} />
+      </main>
+      <div class="side-column">
+        <div class="side-bars">
+          <Taken />
+          <TrialBar />
+        </div>
+        <Notices />
+      </div>
+    </>
+  );
+}
+
+function Screen({ panel, part }: { panel: Panel; part: string | null }) {
+  const view = useLazy(panel.view);
+  const live = useStore((s) => s.data === 'fresh');
+  // Then the others, one after another: in the middle of a walk no screen should have to wait for a slow or renewed server.
+  const ahead = view.state === 'ready' && live;
+  useEffect(() => {
+    if (ahead) void loadAhead();
+  }, [ahead]);
+  if (view.state === 'failed') return <LoadFailed />;
+  if (view.state === 'loading') return <Loading />;
+  return <view.value part={part} />;
+}
+
+async function loadAhead(): Promise<void> {
+  for (const { view } of panels) await view.start();
 }
 
 /** Told where control was lost, until it is seen or control is back. */
@@ -99,7 +129,7 @@ function Notices() {
   return (
     <div class="notices" role="status" aria-live="polite">
       {[...notices].reverse().map((notice) => {
-        const text = notice.plain ? notice.text : textOf(notice.text) ?? textOf(`refused.${notice.text}`) ?? textOf('refused.unknown');
+        const text = notice.plain ? notice.text : (textOf(notice.text) ?? textOf(`refused.${notice.text}`) ?? textOf('refused.unknown'));
         return (
           <div key={notice.id} class={`notice ${notice.level}`}>
             {text}
@@ -110,7 +140,10 @@ function Notices() {
   );
 }
 
-const timers = { once: (call: () => void, after_ms: number) => window.setTimeout(call, after_ms), cancel: (timer: number) => window.clearTimeout(timer) };
+const timers = {
+  once: (call: () => void, after_ms: number) => window.setTimeout(call, after_ms),
+  cancel: (timer: number) => window.clearTimeout(timer),
+};
 
 /** The question before control is taken from somebody else. */
 function useTakeOver(): { asking: boolean; answer: (yes: boolean) => void } {

@@ -1,12 +1,19 @@
-import { render } from 'preact';
-import { App } from './app';
-import { startLink } from './link/console';
-import { applySettings, settings } from './text/settings';
+// Before every other style: they build on it.
+import './style/tokens.css';
 import './style/base.css';
-import './style/shell.css';
-import './style/panels.css';
+import { render } from 'preact';
+import { App, firstWords } from './app';
+import { startLink } from './link/console';
+import { panelOf } from './panels/index';
+import { readAddress } from './router';
+import { applySettings, settings } from './text/settings';
+// The dead-man comes with the page, not with a screen: whoever holds it must not depend on a file that was loaded later.
+import './ui/hold_to_go';
 
 applySettings();
 settings.subscribe(applySettings);
 startLink();
+// Both are asked for at once: each would otherwise wait for the one before.
+void firstWords.start();
+void panelOf(readAddress(location.hash).screen).view.start();
 render(<App />, document.getElementById('app')!);

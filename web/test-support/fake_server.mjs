@@ -25,7 +25,9 @@ const presetValues = Object.fromEntries(
     Object.fromEntries([...body.matchAll(/(\w+): ([^,\s]+)/g)].map(([, key, value]) => [key, Number(value)])),
   ]),
 );
-const faultBit = Object.fromEntries([...table('faults').matchAll(/bit: (\d+), name: '(\w+)', priority/g)].map(([, bit, name]) => [name, Number(bit)]));
+const faultBit = Object.fromEntries(
+  [...table('faults').matchAll(/bit: (\d+), name: '(\w+)', priority/g)].map(([, bit, name]) => [name, Number(bit)]),
+);
 const modeValue = Object.fromEntries([...table('faults').matchAll(/value: (\d+), name: '(\w+)'/g)].map(([, value, name]) => [name, Number(value)]));
 
 export function encodeRecords(records) {
@@ -53,38 +55,100 @@ export function encodeRecords(records) {
 /** Some of the hoist's steps of calibration, with their numbers in the live values. */
 const steps = [
   {
-    number: 1, name: 'zero', role: 'therapist', entered: null, empty_harness: true, date: 'calibrated_zero_s', title: { en: 'Struts upright', de: 'Streben aufrecht' },
-    action: { en: 'Take the patient out of the harness. Let the struts stand upright by themselves, and let go.', de: 'Patient aus dem Gurt nehmen. Die Streben von selbst aufrecht stehen lassen und loslassen.' },
+    number: 1,
+    name: 'zero',
+    role: 'therapist',
+    entered: null,
+    empty_harness: true,
+    date: 'calibrated_zero_s',
+    title: { en: 'Struts upright', de: 'Streben aufrecht' },
+    action: {
+      en: 'Take the patient out of the harness. Let the struts stand upright by themselves, and let go.',
+      de: 'Patient aus dem Gurt nehmen. Die Streben von selbst aufrecht stehen lassen und loslassen.',
+    },
     found: { left_alpha_zero_rad: 0.0061, right_alpha_zero_rad: -0.0042, base_beta_zero_rad: 0.0013 },
   },
   {
-    number: 6, name: 'wheel_radius', role: 'engineer', entered: { unit: 'm', least: 1, most: 20 }, date: 'calibrated_wheel_radius_s', title: { en: 'Wheel radius', de: 'Radradius' },
-    action: { en: 'Push the hoist straight ahead along a measured way, enter it, press Measure; then back.', de: 'Das Gerät einen gemessenen Weg geradeaus schieben, eingeben, Messen drücken; dann zurück.' },
+    number: 6,
+    name: 'wheel_radius',
+    role: 'engineer',
+    entered: { unit: 'm', least: 1, most: 20 },
+    date: 'calibrated_wheel_radius_s',
+    title: { en: 'Wheel radius', de: 'Radradius' },
+    action: {
+      en: 'Push the hoist straight ahead along a measured way, enter it, press Measure; then back.',
+      de: 'Das Gerät einen gemessenen Weg geradeaus schieben, eingeben, Messen drücken; dann zurück.',
+    },
     found: { wheel_radius_m: 0.0982 },
   },
   {
-    number: 10, name: 'bumpers', role: 'therapist', entered: null, date: 'calibrated_bumpers_s', title: { en: 'Bumpers', de: 'Stoßfänger' },
-    action: { en: 'Press the bumpers one after the other: front, rear, left, right.', de: 'Die Stoßfänger nacheinander drücken: vorn, hinten, links, rechts.' }, found: {},
+    number: 10,
+    name: 'bumpers',
+    role: 'therapist',
+    entered: null,
+    date: 'calibrated_bumpers_s',
+    title: { en: 'Bumpers', de: 'Stoßfänger' },
+    action: {
+      en: 'Press the bumpers one after the other: front, rear, left, right.',
+      de: 'Die Stoßfänger nacheinander drücken: vorn, hinten, links, rechts.',
+    },
+    found: {},
   },
 ];
 const phases = ['none', 'resting', 'measuring', 'operator', 'result'];
 
-const types = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml', '.webmanifest': 'application/manifest+json' };
+const types = {
+  '.html': 'text/html; charset=utf-8',
+  '.js': 'text/javascript',
+  '.css': 'text/css',
+  '.svg': 'image/svg+xml',
+  '.webmanifest': 'application/manifest+json',
+};
 const dt_s = 0.01;
 
 export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn = true, exercise = { shape: 'eight', c_m: 1, radius_m: 0.8 } } = {}) {
   const values = Object.fromEntries(paramRows.map((row) => [row.name, row.default]));
   const hoist = {
-    tick: 0, mode: 'standby', x: 0, y: 0, psi: 0, v: 0, w: 0, distance: 0, lean: 0, turn: 0, faults: 0, exercise, version: 1, drive: { speed: 0, yaw: 0, held: false, tick: -1000 },
-    drives: [], trouble: {}, calibration: null, trial: null, standing: [], chosen: exercise, begun: null, session: null, sessionTick: 0, commands: [],
+    tick: 0,
+    mode: 'standby',
+    x: 0,
+    y: 0,
+    psi: 0,
+    v: 0,
+    w: 0,
+    distance: 0,
+    lean: 0,
+    turn: 0,
+    faults: 0,
+    exercise,
+    version: 1,
+    drive: { speed: 0, yaw: 0, held: false, tick: -1000 },
+    drives: [],
+    trouble: {},
+    calibration: null,
+    trial: null,
+    standing: [],
+    chosen: exercise,
+    begun: null,
+    session: null,
+    sessionTick: 0,
+    commands: [],
   };
   const lease = { epoch: 0, holder: 0 };
   const clients = new Map();
   let nextClient = 1;
   const day_ms = 86_400_000;
   const sessions = [3, 2, 1].map((id) => ({
-    id, subject: id === 2 ? null : 'K-07', started_utc_ms: Date.UTC(2026, 10, 21, 9, 30) - (3 - id) * day_ms, duration_s: 60 + id * 37.4, simulated: true, recording: false,
-    exercise: id === 1 ? { shape: 'square', side_m: 3.2 } : exercise, note: id === 3 ? 'Calmer with a larger standing zone' : '', samples: 6000, gaps: 0,
+    id,
+    subject: id === 2 ? null : 'K-07',
+    started_utc_ms: Date.UTC(2026, 10, 21, 9, 30) - (3 - id) * day_ms,
+    duration_s: 60 + id * 37.4,
+    simulated: true,
+    recording: false,
+    exercise: id === 1 ? { shape: 'square', side_m: 3.2 } : exercise,
+    note: id === 3 ? 'Calmer with a larger standing zone' : '',
+    samples: 6000,
+    gaps: 0,
   }));
 
   const tell = (message, only) => {
@@ -96,7 +160,16 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     for (const id of clients.keys()) tell({ type: 'lease', epoch: lease.epoch, holder: lease.holder, mine: lease.holder === id }, id);
   };
   const tellRecording = () =>
-    tell({ type: 'recording', state: hoist.session === null ? 'idle' : 'recording', session: hoist.session, started_utc_ms: Date.now(), samples: hoist.tick - hoist.sessionTick, durable_tick: hoist.tick, detail: '' });
+    tell({
+      type: 'recording',
+      state: hoist.session === null ? 'idle' : 'recording',
+      session: hoist.session,
+      started_utc_ms: Date.now(),
+      samples: hoist.tick - hoist.sessionTick,
+      durable_tick: hoist.tick,
+      detail: '',
+      reason_code: null,
+    });
   const setMode = (mode) => {
     if (hoist.mode === mode) return;
     hoist.mode = mode;
@@ -108,7 +181,20 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     tellRecording();
   };
   const tellWalk = (only) =>
-    tell({ type: 'walk', exercise: hoist.chosen, begun: hoist.begun, tick: hoist.tick, motion_s: 0, mark: { x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi }, step_m: 0.02, x_m: [hoist.x], y_m: [hoist.y] }, only);
+    tell(
+      {
+        type: 'walk',
+        exercise: hoist.chosen,
+        begun: hoist.begun,
+        tick: hoist.tick,
+        motion_s: 0,
+        mark: { x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi },
+        step_m: 0.02,
+        x_m: [hoist.x],
+        y_m: [hoist.y],
+      },
+      only,
+    );
   const stopNow = () => {
     hoist.faults |= 1 << faultBit.stop_pressed;
     setMode('protective_stop');
@@ -147,7 +233,9 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     const { step, begun, measured } = hoist.calibration;
     const ticks = hoist.tick - begun;
     return {
-      calibration_step: step.number, calibration_phase: calibrationPhase(), calibration_value: step.name === 'bumpers' ? Math.min(3, Math.floor(ticks / 100)) : step.entered ? 2.01 : 0.0061,
+      calibration_step: step.number,
+      calibration_phase: calibrationPhase(),
+      calibration_value: step.name === 'bumpers' ? Math.min(3, Math.floor(ticks / 100)) : step.entered ? 2.01 : 0.0061,
       calibration_done_percent: Math.min(100, step.entered ? 50 * measured : ticks / 4),
     };
   };
@@ -194,25 +282,84 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     const range = values.lean_range_rad;
     const sway = hoist.mode === 'user' ? 0.03 * Math.sin(hoist.tick / 32) : 0.004 * Math.sin(hoist.tick / 80);
     return {
-      tick: hoist.tick, time_ns: hoist.tick * 1e7,
-      left_alpha_rad: (hoist.lean - 0.5 * hoist.turn) * range, right_alpha_rad: (hoist.lean + 0.5 * hoist.turn) * range,
-      left_beta_rad: sway, right_beta_rad: sway, base_alpha_rad: 0.002, base_beta_rad: 0.001, lean_norm: hoist.lean, turn_norm: hoist.turn,
-      dx_m: 0.8 * Math.tan(hoist.lean * range), dy_m: -0.8 * Math.tan(sway), speed_wish_m_s: wish, speed_command_m_s: hoist.v, speed_m_s: hoist.v, yaw_rate_rad_s: hoist.w,
-      x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi, fused_x_m: hoist.x, fused_y_m: hoist.y, fused_psi_rad: hoist.psi, distance_m: hoist.distance, stop_distance_m: hoist.v ** 2 / 1.6, remote_age_s: 9.999,
-      battery_a_v: 12.43, battery_b_v: 12.38, left_supply_v: 24.7, right_supply_v: 24.7, left_current_a: 0.6 + hoist.v, right_current_a: 0.5 + hoist.v,
-      wake_lateness_s: 6e-5, tick_duration_s: 2.1e-4, lateness_p50_s: 6e-5, lateness_p99_s: 2.1e-4, lateness_max_s: 4.1e-4, missed_ticks: 3, overruns: 5, page_faults: 0,
-      allocations: 0, loop_priority: 49, loop_cpu: 3, memory_locked: 1, bus_frames: hoist.tick * 7, fault_bits: hoist.faults, blocked_bits: hoist.faults ? 4 : 0, lease_epoch: lease.epoch, lease_holder: lease.holder,
-      guided_phase: hoist.mode === 'guided' ? 2 : 0, guided_progress_norm: hoist.guided ? Math.min(1, hoist.distance / hoist.guided.total_m) : 0,
-      guided_remaining_m: hoist.guided ? Math.max(0, hoist.guided.total_m - hoist.distance) : 0, guided_cross_track_m: hoist.mode === 'guided' ? 0.012 * Math.sin(hoist.tick / 70) : 0,
-      parameter_version: hoist.version, settings_trial_s: hoist.trial === null ? 0 : (hoist.trial.until - hoist.tick) * dt_s, ...calibration(), stop_cause: 0, ...health(hoist.tick), mode: modeValue[hoist.mode], simulated: 1, server_alive: 1, standing_still: Math.abs(hoist.v) < 0.02 ? 1 : 0,
+      tick: hoist.tick,
+      time_ns: hoist.tick * 1e7,
+      left_alpha_rad: (hoist.lean - 0.5 * hoist.turn) * range,
+      right_alpha_rad: (hoist.lean + 0.5 * hoist.turn) * range,
+      left_beta_rad: sway,
+      right_beta_rad: sway,
+      base_alpha_rad: 0.002,
+      base_beta_rad: 0.001,
+      lean_norm: hoist.lean,
+      turn_norm: hoist.turn,
+      dx_m: 0.8 * Math.tan(hoist.lean * range),
+      dy_m: -0.8 * Math.tan(sway),
+      speed_wish_m_s: wish,
+      speed_command_m_s: hoist.v,
+      speed_m_s: hoist.v,
+      yaw_rate_rad_s: hoist.w,
+      x_m: hoist.x,
+      y_m: hoist.y,
+      psi_rad: hoist.psi,
+      fused_x_m: hoist.x,
+      fused_y_m: hoist.y,
+      fused_psi_rad: hoist.psi,
+      distance_m: hoist.distance,
+      stop_distance_m: hoist.v ** 2 / 1.6,
+      remote_age_s: 9.999,
+      battery_a_v: 12.43,
+      battery_b_v: 12.38,
+      left_supply_v: 24.7,
+      right_supply_v: 24.7,
+      left_current_a: 0.6 + hoist.v,
+      right_current_a: 0.5 + hoist.v,
+      wake_lateness_s: 6e-5,
+      tick_duration_s: 2.1e-4,
+      lateness_p50_s: 6e-5,
+      lateness_p99_s: 2.1e-4,
+      lateness_max_s: 4.1e-4,
+      missed_ticks: 3,
+      overruns: 5,
+      page_faults: 0,
+      allocations: 0,
+      loop_priority: 49,
+      loop_cpu: 3,
+      memory_locked: 1,
+      bus_frames: hoist.tick * 7,
+      fault_bits: hoist.faults,
+      blocked_bits: hoist.faults ? 4 : 0,
+      lease_epoch: lease.epoch,
+      lease_holder: lease.holder,
+      guided_phase: hoist.mode === 'guided' ? 2 : 0,
+      guided_progress_norm: hoist.guided ? Math.min(1, hoist.distance / hoist.guided.total_m) : 0,
+      guided_remaining_m: hoist.guided ? Math.max(0, hoist.guided.total_m - hoist.distance) : 0,
+      guided_cross_track_m: hoist.mode === 'guided' ? 0.012 * Math.sin(hoist.tick / 70) : 0,
+      parameter_version: hoist.version,
+      settings_trial_s: hoist.trial === null ? 0 : (hoist.trial.until - hoist.tick) * dt_s,
+      ...calibration(),
+      stop_cause: 0,
+      ...health(hoist.tick),
+      mode: modeValue[hoist.mode],
+      simulated: 1,
+      server_alive: 1,
+      standing_still: Math.abs(hoist.v) < 0.02 ? 1 : 0,
     };
   };
 
   // Nodes and bus: well, or with the troubles that trouble() asked for.
   const parts = ['drive_left', 'drive_right', 'io', 'tilt_left', 'tilt_right', 'tilt_base'];
   const health = () => ({
-    ...Object.fromEntries(parts.flatMap((name) => [[`${name}_nmt_state`, 5], [`${name}_age_ticks`, name === 'io' ? hoist.tick % 2 : 0]])),
-    bus_up: 1, bus_load_norm: 0.41, bus_frames_per_s: 905, babbling_id: 65535, ...hoist.trouble,
+    ...Object.fromEntries(
+      parts.flatMap((name) => [
+        [`${name}_nmt_state`, 5],
+        [`${name}_age_ticks`, name === 'io' ? hoist.tick % 2 : 0],
+      ]),
+    ),
+    bus_up: 1,
+    bus_load_norm: 0.41,
+    bus_frames_per_s: 905,
+    babbling_id: 65535,
+    ...hoist.trouble,
   });
 
   const refuse = (...refusals) => ({ ok: false, refusals, errors: [] });
@@ -335,7 +482,8 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     else if (message.type === 'stop') stopNow();
     else if (message.type === 'drive') {
       if (lease.holder === id) hoist.drive = { ...message, tick: hoist.tick };
-    } else if (message.type in commands) socket.send(JSON.stringify({ type: 'reply', request: message.request, ...commands[message.type](message, id) }));
+    } else if (message.type in commands)
+      socket.send(JSON.stringify({ type: 'reply', request: message.request, ...commands[message.type](message, id) }));
   };
 
   const sampleColumn = (name, i, id) => {
@@ -348,17 +496,43 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     return 0.3 * Math.sin(20 * s + name.length);
   };
   const api = (request, url, body, send) => {
-    if (!signedIn) return send(401, { title: 'Not signed in', status: 401 });
+    if (!signedIn) return send(401, { type: '/problems/no-session', title: 'Not signed in', status: 401 });
     const path = url.pathname.replace('/api/v1', '');
     if (path === '/status') return send(200, { version: 'fake' });
-    if (path === '/health') return send(200, { connected: true, nodes: [], bus: null, emergencies: hoist.tick < 100 ? [] : [{ node: 'io', time_ns: 5e8, age_s: 1, error_register: 0, emergency: { code: 0x8140 } }] });
+    if (path === '/health')
+      return send(200, {
+        connected: true,
+        nodes: [],
+        bus: null,
+        emergencies: hoist.tick < 100 ? [] : [{ node: 'io', time_ns: 5e8, age_s: 1, error_register: 0, emergency: { code: 0x8140 } }],
+      });
     if (path === '/loop') {
       const bucket = (from_s, count) => ({ from_s, to_s: from_s * 1.25, count });
       return send(200, {
-        steps: 184_402, missed: 3, late: 5, lateness_p50_s: 6e-5, lateness_p99_s: 2.1e-4, lateness_max_s: 4.1e-4, latest_ever_s: 0.0231, longest_step_s: 8e-4, page_faults: 0, allocations: 0,
-        priority: 49, cpu: 3, memory_locked: true,
+        steps: 184_402,
+        missed: 3,
+        late: 5,
+        lateness_p50_s: 6e-5,
+        lateness_p99_s: 2.1e-4,
+        lateness_max_s: 4.1e-4,
+        latest_ever_s: 0.0231,
+        longest_step_s: 8e-4,
+        page_faults: 0,
+        allocations: 0,
+        priority: 49,
+        cpu: 3,
+        memory_locked: true,
         lately: [bucket(2e-5, 30), bucket(5e-5, 800), bucket(1e-4, 150), bucket(4e-4, 6)],
-        ever: [bucket(0, 12), bucket(2e-5, 9_000), bucket(5e-5, 150_000), bucket(1e-4, 25_000), bucket(4e-4, 380), bucket(9e-4, 5), bucket(2.5e-3, 3), bucket(0.02, 2)],
+        ever: [
+          bucket(0, 12),
+          bucket(2e-5, 9_000),
+          bucket(5e-5, 150_000),
+          bucket(1e-4, 25_000),
+          bucket(4e-4, 380),
+          bucket(9e-4, 5),
+          bucket(2.5e-3, 3),
+          bucket(0.02, 2),
+        ],
       });
     }
     if (path === '/calibration') {
@@ -366,8 +540,23 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       const phase = phases[calibrationPhase()];
       return send(200, {
         valid: steps.every((step) => values[step.date] > 0),
-        under_way: under === undefined ? null : { step: under.name, phase, result: phase !== 'result' ? [] : Object.entries(under.found).map(([name, value]) => ({ name, value, before: values[name] })) },
-        items: steps.map(({ name, role, entered, empty_harness = false, title, action, date }) => ({ name, role, entered, empty_harness, title, action, done_utc_s: values[date] > 0 ? values[date] : null })),
+        under_way:
+          under === undefined
+            ? null
+            : {
+                step: under.name,
+                phase,
+                result: phase !== 'result' ? [] : Object.entries(under.found).map(([name, value]) => ({ name, value, before: values[name] })),
+              },
+        items: steps.map(({ name, role, entered, empty_harness = false, title, action, date }) => ({
+          name,
+          role,
+          entered,
+          empty_harness,
+          title,
+          action,
+          done_utc_s: values[date] > 0 ? values[date] : null,
+        })),
         reasons: [],
       });
     }
@@ -375,10 +564,11 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       stopNow();
       return send(200, { ok: true });
     }
-    if (path === '/sessions') return send(200, { items: sessions, next: null });
+    if (path === '/sessions')
+      return send(200, { items: sessions.filter(({ subject }) => (subject ?? '').includes(url.searchParams.get('q') ?? '')), next: null });
     const [, id, rest] = /^\/sessions\/(\d+)(?:\/(\w+))?$/.exec(path) ?? [];
     const session = sessions.find((item) => item.id === Number(id));
-    if (session === undefined) return send(404, { title: 'Unknown', status: 404 });
+    if (session === undefined) return send(404, { type: '/problems/unknown', title: 'Unknown', status: 404 });
     if (rest === undefined && request.method === 'DELETE') {
       sessions.splice(sessions.indexOf(session), 1);
       return send(204, null);
@@ -386,14 +576,53 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     if (rest === undefined && request.method === 'PATCH') return send(200, Object.assign(session, JSON.parse(body)));
     if (rest === undefined) return send(200, session);
     if (rest === 'metrics')
-      return send(200, { C: 0.82, J_N: 6.1, reference_length_m: 11.4, duration_s: session.duration_s, motion_s: session.duration_s - 4, missing_s: session.id === 2 ? 0.3 : 0, distance_m: 25.8, mean_speed_m_s: 0.39, rms_position_m: 0.11, rms_heading_rad: 0.14, track: 'fused', exercise: session.exercise, reason_if_none: null });
+      return send(200, {
+        C: 0.82,
+        J_N: 6.1,
+        reference_length_m: 11.4,
+        duration_s: session.duration_s,
+        motion_s: session.duration_s - 4,
+        missing_s: session.id === 2 ? 0.3 : 0,
+        distance_m: 25.8,
+        mean_speed_m_s: 0.39,
+        rms_position_m: 0.11,
+        rms_heading_rad: 0.14,
+        track: 'fused',
+        exercise: session.exercise,
+        reason_if_none: null,
+        reason_code: null,
+      });
     if (rest === 'events')
-      return send(200, { items: [{ time_s: 0, kind: 'mode_changed', name: 'user' }, { time_s: 12.3, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 50, value: 60 }, ...Array.from({ length: 20 }, (_, i) => ({ time_s: 40 + i, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 60 + i, value: 61 + i })), { time_s: 96, kind: 'fault_raised', name: 'stop_pressed' }], markers: [{ utc_ms: session.started_utc_ms + 31_000, text: 'Stumble' }], gaps: [] });
+      return send(200, {
+        items: [
+          { time_s: 0, kind: 'mode_changed', name: 'user' },
+          { time_s: 12.3, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 50, value: 60 },
+          ...Array.from({ length: 20 }, (_, i) => ({
+            time_s: 40 + i,
+            kind: 'parameter_changed',
+            name: 'lean_gain_filtered_units',
+            before: 60 + i,
+            value: 61 + i,
+          })),
+          { time_s: 96, kind: 'fault_raised', name: 'stop_pressed' },
+        ],
+        markers: [{ utc_ms: session.started_utc_ms + 31_000, text: 'Stumble' }],
+        gaps: [],
+      });
     if (rest === 'samples') {
       const names = (url.searchParams.get('columns') ?? '').split(',');
       const runs = Array.from({ length: 600 }, (_, i) => i * (1000 / 600));
       const at = runs.map((i) => (i / 1000) * session.duration_s);
-      return send(200, { from_s: at, to_s: at.map((value) => value + 0.05), columns: names.map((name) => ({ name, unit: signals.find((row) => row.name === name)?.unit ?? '', min: runs.map((i) => sampleColumn(name, i, session.id) - 0.003), max: runs.map((i) => sampleColumn(name, i, session.id) + 0.003) })) });
+      return send(200, {
+        from_s: at,
+        to_s: at.map((value) => value + 0.05),
+        columns: names.map((name) => ({
+          name,
+          unit: signals.find((row) => row.name === name)?.unit ?? '',
+          min: runs.map((i) => sampleColumn(name, i, session.id) - 0.003),
+          max: runs.map((i) => sampleColumn(name, i, session.id) + 0.003),
+        })),
+      });
     }
     send(404, { title: 'Unknown', status: 404 });
   };
@@ -410,7 +639,10 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       if (url.pathname.startsWith('/api/v1/')) return api(request, url, body, send);
       const file = join(dist, normalize(url.pathname === '/' ? '/index.html' : url.pathname));
       if (!file.startsWith(dist) || !existsSync(file) || !statSync(file).isFile()) return send(404, { title: 'Unknown', status: 404 });
-      response.writeHead(200, { 'Content-Type': types[extname(file)] ?? 'application/octet-stream', 'Content-Security-Policy': "default-src 'self'" });
+      response.writeHead(200, {
+        'Content-Type': types[extname(file)] ?? 'application/octet-stream',
+        'Content-Security-Policy': "default-src 'self'",
+      });
       createReadStream(file).pipe(response);
     });
   });
@@ -424,8 +656,17 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       const id = nextClient++;
       clients.set(id, { socket: ws });
       const send = (message) => ws.send(JSON.stringify(message));
-      send({ type: 'welcome', client: id, role: 'engineer', version: 'fake', layout_hash: layoutHash, record_bytes: recordBytes, simulated: true, scenario: 'figure-eight' });
-      send({ type: 'core', connected: true, problem: null });
+      send({
+        type: 'welcome',
+        client: id,
+        role: 'engineer',
+        version: 'fake',
+        layout_hash: layoutHash,
+        record_bytes: recordBytes,
+        simulated: true,
+        scenario: 'figure-eight',
+      });
+      send({ type: 'core', connected: true, problem: null, reason_code: null });
       tellWalk(id);
       send({ type: 'parameters', version: hoist.version, values });
       send({ type: 'lease', epoch: lease.epoch, holder: lease.holder, mine: false });
@@ -446,7 +687,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
   let began = performance.now();
   const timer = setInterval(() => {
     const due = Math.floor((performance.now() - began) / 10) - hoist.tick;
-    for (let left = Math.min(due, 50); left > 0; ) {
+    for (let left = Math.min(due, 50); left > 0;) {
       const records = [];
       for (; left > 0 && records.length < 5; left--) records.push(step());
       const frame = encodeRecords(records);
@@ -459,7 +700,10 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     server.listen(port, '127.0.0.1', () =>
       resolve({
         url: `http://127.0.0.1:${server.address().port}/`,
-        hoist, lease, values, clients,
+        hoist,
+        lease,
+        values,
+        clients,
         skip: (ticks) => {
           began -= ticks * 10;
           for (let i = 0; i < ticks; i++) {

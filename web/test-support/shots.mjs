@@ -14,7 +14,10 @@ const browser = await chromium.launch({
 });
 for (const [size, [width, height]] of Object.entries(sizes)) {
   if (wanted.length > 0 && !wanted.includes(size)) continue;
-  for (const { look, language } of [{ look: 'light', language: 'en' }, { look: 'dark', language: 'de' }]) {
+  for (const { look, language } of [
+    { look: 'light', language: 'en' },
+    { look: 'dark', language: 'de' },
+  ]) {
     const fake = await startFakeServer();
     const page = await browser.newPage({ viewport: { width, height }, colorScheme: look, locale: language });
     page.on('console', (message) => ['error', 'warning'].includes(message.type()) && console.log(`[${size} ${look}] ${message.text()}`));
@@ -107,9 +110,20 @@ for (const [size, [width, height]] of Object.entries(sizes)) {
     await shot('health-well');
     fake.fault('node_babbling');
     fake.trouble({
-      tilt_left_age_ticks: 255, tilt_left_heartbeats_missed: 25, tilt_right_lost_10s: 11, tilt_right_lost_frames: 48, drive_left_error_register: 0x11,
-      drive_left_emcy_code: 0x8250, drive_left_emcy_count: 1, io_age_ticks: 120, io_nmt_state: 127, bus_load_norm: 0.93, bus_frames_per_s: 2004, bus_state: 2,
-      bus_errors: 318, babbling_id: 0x292,
+      tilt_left_age_ticks: 255,
+      tilt_left_heartbeats_missed: 25,
+      tilt_right_lost_10s: 11,
+      tilt_right_lost_frames: 48,
+      drive_left_error_register: 0x11,
+      drive_left_emcy_code: 0x8250,
+      drive_left_emcy_count: 1,
+      io_age_ticks: 120,
+      io_nmt_state: 127,
+      bus_load_norm: 0.93,
+      bus_frames_per_s: 2004,
+      bus_state: 2,
+      bus_errors: 318,
+      babbling_id: 0x292,
     });
     fake.event('emergency', { name: 'drive_left', code: 0x8250, item: 0, bits: 0x11 });
     await page.waitForTimeout(900);

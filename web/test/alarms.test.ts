@@ -24,7 +24,11 @@ describe('the order of the alarms', () => {
   });
 
   it('tells what came first before what came after it', () => {
-    expect(names(bits('tilt_left_lost', 'tilt_frozen', 'battery_low'), cause('tilt_frozen'))).toEqual(['tilt_frozen', 'tilt_left_lost', 'battery_low']);
+    expect(names(bits('tilt_left_lost', 'tilt_frozen', 'battery_low'), cause('tilt_frozen'))).toEqual([
+      'tilt_frozen',
+      'tilt_left_lost',
+      'battery_low',
+    ]);
     expect(names(bits('stop_pressed', 'tilt_left_lost'), cause('stop_pressed'))).toEqual(['stop_pressed', 'tilt_left_lost']);
   });
 

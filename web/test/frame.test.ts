@@ -4,7 +4,10 @@ import { signals, tickRecordBytes } from '../src/contract/signals.gen';
 import { frameHeaderBytes, readFrame } from '../src/link/frame';
 
 /** A frame laid out byte by byte from the table, apart from the reader that is tested. */
-function frame(records: Record<string, number>[], head: { kind?: number; version?: number; count?: number; bytes?: number; hash?: bigint } = {}): ArrayBuffer {
+function frame(
+  records: Record<string, number>[],
+  head: { kind?: number; version?: number; count?: number; bytes?: number; hash?: bigint } = {},
+): ArrayBuffer {
   const bytes = new Uint8Array(frameHeaderBytes + records.length * tickRecordBytes);
   const put = (at: number, size: number, value: bigint) => {
     for (let i = 0; i < size; i++) bytes[at + i] = Number((value >> BigInt(8 * i)) & 0xffn);
@@ -28,15 +31,38 @@ function frame(records: Record<string, number>[], head: { kind?: number; version
 describe('readFrame', () => {
   it('reads every field of every record at its place', () => {
     // Each field gets its own value, so that a swapped or shifted one shows.
-    const record = (base: number) => Object.fromEntries(signals.map(({ name, type }, i) => [name, type === 'u8' ? (base + i) % 250 : type === 'f32' ? (base + i) / 8 : base * 1000 + i]));
+    const record = (base: number) =>
+      Object.fromEntries(
+        signals.map(({ name, type }, i) => [name, type === 'u8' ? (base + i) % 250 : type === 'f32' ? (base + i) / 8 : base * 1000 + i]),
+      );
     const sent = [record(3), record(17)];
     const read = readFrame(frame(sent));
     expect(read.ok && read.records).toEqual(sent);
   });
 
   it('reads the numbers that a careless reader gets wrong', () => {
-    const read = readFrame(frame([{ tick: 2 ** 40 + 1, time_ns: 2 ** 52 + 12345, left_counts: -7, psi_rad: -12.5, fault_bits: 0x80000001, left_status_word: 0xffff, bumpers: 255 }]));
-    expect(read.ok && read.records[0]).toMatchObject({ tick: 2 ** 40 + 1, time_ns: 2 ** 52 + 12345, left_counts: -7, psi_rad: -12.5, fault_bits: 0x80000001, left_status_word: 0xffff, bumpers: 255 });
+    const read = readFrame(
+      frame([
+        {
+          tick: 2 ** 40 + 1,
+          time_ns: 2 ** 52 + 12345,
+          left_counts: -7,
+          psi_rad: -12.5,
+          fault_bits: 0x80000001,
+          left_status_word: 0xffff,
+          bumpers: 255,
+        },
+      ]),
+    );
+    expect(read.ok && read.records[0]).toMatchObject({
+      tick: 2 ** 40 + 1,
+      time_ns: 2 ** 52 + 12345,
+      left_counts: -7,
+      psi_rad: -12.5,
+      fault_bits: 0x80000001,
+      left_status_word: 0xffff,
+      bumpers: 255,
+    });
   });
 
   it.each([

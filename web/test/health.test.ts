@@ -2,7 +2,7 @@ import { beforeEach, describe, expect, it } from 'vitest';
 import { emergencies } from '../src/contract/emergencies.gen';
 import { nodes } from '../src/contract/messages.gen';
 import { signals, type TickRecord } from '../src/contract/signals.gen';
-import { eventText } from '../src/panels/health/health';
+import { eventText } from '../src/ui/event_text';
 import { nodeView, partNames } from '../src/panels/health/nodes';
 import { settings } from '../src/text/settings';
 import { deviceOfCan, deviceOfNode, emergencyInfo, hex } from '../src/ui/device';
@@ -10,11 +10,20 @@ import { deviceOfCan, deviceOfNode, emergencyInfo, hex } from '../src/ui/device'
 beforeEach(() => settings.set({ language: 'en' }));
 
 const well: Partial<TickRecord> = Object.fromEntries(partNames.map((name) => [`${name}_nmt_state`, 5]));
-const record = (change: Partial<TickRecord>): TickRecord => ({ ...(Object.fromEntries(signals.map((row) => [row.name, 0])) as TickRecord), ...well, ...change });
+const record = (change: Partial<TickRecord>): TickRecord => ({
+  ...(Object.fromEntries(signals.map((row) => [row.name, 0])) as TickRecord),
+  ...well,
+  ...change,
+});
 
 describe('how a part is doing', () => {
   it('has a row for every node of the bus', () => {
-    expect([...partNames].sort()).toEqual(nodes.map((node) => node.name as string).filter((name) => name !== 'core').sort());
+    expect([...partNames].sort()).toEqual(
+      nodes
+        .map((node) => node.name as string)
+        .filter((name) => name !== 'core')
+        .sort(),
+    );
   });
 
   it('says that all work', () => {
@@ -22,9 +31,19 @@ describe('how a part is doing', () => {
   });
 
   it('names the worst of what is wrong', () => {
-    expect(nodeView(record({ tilt_left_lost_10s: 3, tilt_left_lost_frames: 8 }), 'tilt_left')).toMatchObject({ state: 'losing', lostLately: 3, lostAll: 8 });
-    expect(nodeView(record({ drive_left_error_register: 1, drive_left_emcy_code: 0x8250, drive_left_lost_10s: 1 }), 'drive_left')).toMatchObject({ state: 'reports', emergency: 0x8250 });
-    expect(nodeView(record({ io_age_ticks: 255, io_error_register: 1, io_heartbeats_missed: 25 }), 'io')).toMatchObject({ state: 'silent', age_ms: null });
+    expect(nodeView(record({ tilt_left_lost_10s: 3, tilt_left_lost_frames: 8 }), 'tilt_left')).toMatchObject({
+      state: 'losing',
+      lostLately: 3,
+      lostAll: 8,
+    });
+    expect(nodeView(record({ drive_left_error_register: 1, drive_left_emcy_code: 0x8250, drive_left_lost_10s: 1 }), 'drive_left')).toMatchObject({
+      state: 'reports',
+      emergency: 0x8250,
+    });
+    expect(nodeView(record({ io_age_ticks: 255, io_error_register: 1, io_heartbeats_missed: 25 }), 'io')).toMatchObject({
+      state: 'silent',
+      age_ms: null,
+    });
     expect(nodeView(record({ io_age_ticks: 120, io_nmt_state: 127 }), 'io')).toMatchObject({ state: 'waiting', age_ms: 1200 });
     expect(nodeView(record({ io_age_ticks: 255, io_nmt_state: 255, io_heartbeats_missed: 25 }), 'io').state).toBe('never');
   });

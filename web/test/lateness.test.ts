@@ -11,7 +11,12 @@ describe('the picture of late steps', () => {
   });
 
   it('loses no step', () => {
-    const counts = columnsOf([{ from_s: 0, to_s: 1e-6, count: 3 }, { from_s: 1e-4, to_s: 1.2e-4, count: 5 }, { from_s: 1.2e-4, to_s: 1.5e-4, count: 7 }, { from_s: 14, to_s: null, count: 1 }]);
+    const counts = columnsOf([
+      { from_s: 0, to_s: 1e-6, count: 3 },
+      { from_s: 1e-4, to_s: 1.2e-4, count: 5 },
+      { from_s: 1.2e-4, to_s: 1.5e-4, count: 7 },
+      { from_s: 14, to_s: null, count: 1 },
+    ]);
     expect(counts.reduce((sum, count) => sum + count, 0)).toBe(16);
     expect(counts[6]).toBe(12);
     expect(counts[columns - 1]).toBe(1);

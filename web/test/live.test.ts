@@ -8,11 +8,23 @@ import { wishArrow } from '../src/ui/hoist_picture';
 import { fit, onScreen, patternPoints } from '../src/ui/geometry';
 import { zigzag, pathOf, type Samples } from '../src/panels/sessions/model';
 
-const record = (change: Partial<TickRecord>): TickRecord => ({ ...(Object.fromEntries(signals.map((row) => [row.name, 0])) as TickRecord), ...change });
+const record = (change: Partial<TickRecord>): TickRecord => ({
+  ...(Object.fromEntries(signals.map((row) => [row.name, 0])) as TickRecord),
+  ...change,
+});
 const user = modes.find((mode) => mode.name === 'user')!.value;
 
 const walk = (change: Partial<WalkMessage>): WalkMessage => ({
-  type: 'walk', exercise: { shape: 'free' }, begun: null, tick: null, motion_s: null, mark: null, step_m: 0.02, x_m: [], y_m: [], ...change,
+  type: 'walk',
+  exercise: { shape: 'free' },
+  begun: null,
+  tick: null,
+  motion_s: null,
+  mark: null,
+  step_m: 0.02,
+  x_m: [],
+  y_m: [],
+  ...change,
 });
 const mark = { x_m: 0, y_m: 0, psi_rad: 0 };
 
@@ -21,12 +33,15 @@ describe('Live', () => {
     const there = new Live();
     const reloaded = new Live();
     there.takeWalk(walk({ tick: 0, motion_s: 0, mark, x_m: [0], y_m: [0] }));
-    const steps = Array.from({ length: 9000 }, (_, i) => record({ tick: i + 1, time_ns: (i + 1) * 1e7, fused_x_m: 0.007 * (i + 1), fused_y_m: Math.sin(i / 300), mode: user }));
-    there.take(steps.slice(0, 5000), 0);
+    const steps = Array.from({ length: 9000 }, (_, i) =>
+      record({ tick: i + 1, time_ns: (i + 1) * 1e7, fused_x_m: 0.007 * (i + 1), fused_y_m: Math.sin(i / 300), mode: user }),
+    );
+    there.take(steps.slice(0, 7000), 0);
+    expect(there.path.step_m).toBeCloseTo(0.04);
     // What a server with the same rule tells; the frame that is still on its way counts once.
-    reloaded.takeWalk(walk({ tick: 5000, motion_s: there.motion_s, mark, step_m: there.path.step_m, x_m: there.path.x, y_m: there.path.y }));
-    reloaded.take(steps.slice(4997, 5000), 0);
-    for (const live of [there, reloaded]) live.take(steps.slice(5000), 0);
+    reloaded.takeWalk(walk({ tick: 7000, motion_s: there.motion_s, mark, step_m: there.path.step_m, x_m: there.path.x, y_m: there.path.y }));
+    reloaded.take(steps.slice(6997, 7000), 0);
+    for (const live of [there, reloaded]) live.take(steps.slice(7000), 0);
     expect(reloaded.path.x).toEqual(there.path.x);
     expect(reloaded.path.y).toEqual(there.path.y);
     expect(there.path.x.length).toBeLessThan(2048);
@@ -70,8 +85,14 @@ describe('Live', () => {
     live.take([record({ tick: 1, time_ns: 1e9, mode: user }), record({ tick: 2, time_ns: 2e9, mode: user })], 0);
     expect(live.motion_s).toBeNaN();
     live.takeWalk(walk({ tick: 2, motion_s: 0, mark, x_m: [0], y_m: [0] }));
-    live.take([record({ tick: 3, time_ns: 5.5e9, mode: user }), record({ tick: 4, time_ns: 9e9 }), record({ tick: 5, time_ns: 20e9, mode: user })], 0);
+    live.take(
+      [record({ tick: 3, time_ns: 5.5e9, mode: user }), record({ tick: 4, time_ns: 9e9 }), record({ tick: 5, time_ns: 20e9, mode: user })],
+      0,
+    );
     expect(live.motion_s).toBeCloseTo(3.5, 9);
+    const late = new Live();
+    late.takeWalk(walk({ tick: 9, x_m: [0], y_m: [0] }));
+    expect(late.motion_s).toBeNaN();
   });
 });
 
@@ -97,7 +118,8 @@ describe('the arrow of the wish', () => {
 });
 
 describe('the planned figures', () => {
-  const length = (points: { x: number; y: number }[]) => points.slice(1).reduce((sum, point, i) => sum + Math.hypot(point.x - points[i]!.x, point.y - points[i]!.y), 0);
+  const length = (points: { x: number; y: number }[]) =>
+    points.slice(1).reduce((sum, point, i) => sum + Math.hypot(point.x - points[i]!.x, point.y - points[i]!.y), 0);
 
   it('have their exact lengths', () => {
     expect(length(patternPoints({ shape: 'square', side_m: 3.2 }))).toBeCloseTo(12.8, 9);
@@ -129,7 +151,15 @@ describe('the planned figures', () => {
   });
 
   it('fit the frame, whatever is not a number', () => {
-    const frame = fit([{ x: -2, y: 0 }, { x: 2, y: 1 }, { x: NaN, y: 3 }], 400, 500);
+    const frame = fit(
+      [
+        { x: -2, y: 0 },
+        { x: 2, y: 1 },
+        { x: NaN, y: 3 },
+      ],
+      400,
+      500,
+    );
     expect(frame.centre_x).toBe(0);
     expect(frame.pixels_per_m).toBe(100);
     expect(fit([], 300, 300)).toEqual({ centre_x: 0, centre_y: 0, pixels_per_m: 100 });

@@ -1,11 +1,13 @@
 // What must be readable and reachable, whatever the theme.
-import { readFileSync } from 'node:fs';
+import { readdirSync, readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { stepTo } from '../src/ui/radio_keys';
 
-const css = readFileSync('src/style/base.css', 'utf8');
+const css = readFileSync('src/style/tokens.css', 'utf8');
 const luminance = (hex: string) => {
-  const [r = 0, g = 0, b = 0] = [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255).map((x) => (x <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4));
+  const [r = 0, g = 0, b = 0] = [1, 3, 5]
+    .map((at) => parseInt(hex.slice(at, at + 2), 16) / 255)
+    .map((x) => (x <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4));
   return 0.2126 * r + 0.7152 * g + 0.0722 * b;
 };
 /** WCAG 2.2, contrast ratio. */
@@ -32,6 +34,42 @@ describe('colours', () => {
         expect(contrast(colours['ink-soft']!, ground), `${name} soft ink`).toBeGreaterThanOrEqual(4.5);
         if (ground !== colours['accent-wash']) expect(contrast(colours['line-strong']!, ground), `${name} edge`).toBeGreaterThanOrEqual(3);
       }
+  });
+});
+
+describe('style sheets', () => {
+  const sheets = readdirSync('src', { recursive: true, encoding: 'utf8' }).filter((file) => file.endsWith('.css'));
+
+  it('take type, distances and corners from the tokens', () => {
+    // Words inside of a picture are measured in its own units; what is larger than the largest distance is a place kept free for something.
+    const largest_px = 24;
+    const written: string[] = [];
+    for (const file of sheets)
+      for (const [, selector, body] of readFileSync(`src/${file}`, 'utf8').matchAll(/([^{}]+)\{([^{}]*)\}/g)) {
+        if (/stop-word|p-text/.test(selector!)) continue;
+        for (const [line, name, value] of body!.matchAll(
+          /^\s*(font|font-size|border-radius|padding[\w-]*|margin[\w-]*|gap|row-gap|column-gap): ([^;]*);/gm,
+        ))
+          if (!value!.includes('calc') && [...value!.matchAll(/([\d.]+)px/g)].some(([, px]) => name!.startsWith('font') || Number(px) <= largest_px))
+            written.push(`${file}:${line}`);
+      }
+    expect(written).toEqual([]);
+  });
+
+  it('use only tokens that exist', () => {
+    const all = sheets.map((file) => readFileSync(`src/${file}`, 'utf8')).join('\n');
+    const known = new Set([...all.matchAll(/(--[\w-]+):/g)].map(([, name]) => name));
+    expect([...all.matchAll(/var\((--[\w-]+)\)/g)].map(([, name]) => name!).filter((name) => !known.has(name))).toEqual([]);
+  });
+
+  it('stand beside the component that brings them', () => {
+    for (const file of sheets) {
+      if (file.startsWith('style/')) continue;
+      const importers = readdirSync('src', { recursive: true, encoding: 'utf8' }).filter(
+        (source) => source.endsWith('.tsx') && readFileSync(`src/${source}`, 'utf8').includes(`/${file.split('/').at(-1)!}'`),
+      );
+      expect(importers, file).not.toEqual([]);
+    }
   });
 });
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { modes, refusals } from '../src/contract/faults.gen';
-import { readinessOf, stillStands, toldFor_ms } from '../src/link/readiness';
+import { readinessOf, stillStands, toldFor_ms, type Readiness } from '../src/link/readiness';
 import { initial, type State } from '../src/link/store';
 
 const bit = (name: string) => 1 << refusals.find((row) => row.name === name)!.bit;
@@ -42,7 +42,8 @@ describe('readiness', () => {
         (!may || (s.mode === 'standby' && s.link === 'open' && r.known && s.role !== 'viewer' && (s.blockedBits & ~bit('no_lease')) === 0)) &&
         (!r.hand || (s.lease.mine && s.link === 'open' && r.known && s.rtt_s! < 0.3 && (s.mode === 'remote' || s.mode === 'guided'))) &&
         (!r.stopped || r.start.user.length > 0) &&
-        (r.led === led && r.end === (s.link === 'open' && r.known && s.role !== 'viewer')) && // anyone ends a motion
+        r.led === led &&
+        r.end === (s.link === 'open' && r.known && s.role !== 'viewer') && // anyone ends a motion
         !(r.known && r.lost);
       if (!holds) wrong.push({ s, r });
     }
@@ -59,6 +60,16 @@ describe('readiness', () => {
     ['stopped', { mode: 'protective_stop', blockedBits: bit('fault_active') | bit('not_standby') }, ['release_stop'], 'strip.stopped'],
     ['out of service', { mode: 'fault' }, ['release_stop'], 'strip.stopped'],
     ['calibrating', { mode: 'calibrate' }, ['calibrating'], 'strip.calibrating'],
+    ['starting', { mode: 'init' }, ['nodes_missing'], 'strip.starting'],
+    ['one node still away', { mode: 'init', silentNodes: 'io' }, ['nodes_missing'], 'strip.waiting'],
+    ['walking', { mode: 'user' }, ['not_standby'], 'strip.walking'],
+    ['driving', { mode: 'remote', lease: mine }, ['not_standby'], 'strip.driving'],
+    ['another screen drives', { mode: 'remote', lease: other }, ['not_standby'], 'strip.drivingOther'],
+    ['driving away from a bumper', { mode: 'remote', lease: mine, bumpers: 1 }, ['not_standby'], 'strip.offBumper'],
+    ['an exercise', { mode: 'guided', lease: mine }, ['not_standby'], 'strip.guiding'],
+    ['an exercise of another screen', { mode: 'guided', lease: other }, ['not_standby'], 'strip.drivingOther'],
+    ['an exercise whose patient lags', { mode: 'guided', lease: mine, waits: true }, ['not_standby'], 'strip.waits'],
+    ['the same on another screen', { mode: 'guided', lease: other, waits: true }, ['not_standby'], 'strip.waits'],
     ['core away', { coreConnected: false, data: 'gone' }, ['core_gone'], 'strip.connecting'],
     ['server away', { link: 'lost' }, ['link_lost'], 'strip.connecting'],
     ['a viewer', { role: 'viewer' }, ['not_allowed'], 'strip.notReady'],
@@ -66,6 +77,21 @@ describe('readiness', () => {
     const r = readinessOf({ ...good, ...change });
     expect(r.start.user).toEqual(why);
     expect(r.calm).toBe(calm);
+  });
+
+  it.each<[string, Partial<State>, Partial<Readiness>]>([
+    ['at rest', {}, { old: false, motion: 'still', lead: 'nobody', led: false, lost: false, standby: true, end: true, hand: false }],
+    [
+      'driven from here',
+      { mode: 'remote', lease: mine, standingStill: false },
+      { motion: 'moving', lead: 'mine', led: true, hand: true, standby: false },
+    ],
+    ['driven by another screen', { mode: 'remote', lease: other }, { lead: 'other', hand: false, end: true }],
+    ['late values', { data: 'late' }, { old: true, known: true, motion: 'still' }],
+    ['a lost link', { link: 'lost', data: 'gone' }, { old: true, motion: null, lead: null, lost: true, end: false, standby: false }],
+    ['a core that left before it said anything', { data: 'none', coreConnected: false }, { lost: true, known: false, motion: null, standby: false }],
+  ])('shows %s as it is', (_, change, shown) => {
+    expect(readinessOf({ ...good, ...change })).toMatchObject(shown);
   });
 
   it('lets the therapist drive away from a bumper that was acknowledged, and nothing else', () => {
@@ -82,6 +108,7 @@ describe('a refusal', () => {
     ['not_standby', { mode: 'user' }, {}],
     ['only_when_stopped', { mode: 'user' }, {}],
     ['no_lease', { lease: other }, { lease: mine }],
+    ['no_lease', { lease: other }, {}],
   ])('%s stands as long as its reason and no longer', (reason, while_, after) => {
     expect(stillStands(reason, { ...good, ...while_ }, 1e9)).toBe(true);
     expect(stillStands(reason, { ...good, ...after }, 0)).toBe(false);

@@ -10,7 +10,8 @@ describe('Ring', () => {
     for (let i = 0; i < 23; i++) {
       ring.push(i);
       all.push(i);
-      for (let count = 0; count <= 6; count++) expect([...ring.latest(count)]).toEqual(all.slice(-4).slice(count >= 4 ? 0 : Math.max(0, Math.min(4, all.length) - count)));
+      for (let count = 0; count <= 6; count++)
+        expect([...ring.latest(count)]).toEqual(all.slice(-4).slice(count >= 4 ? 0 : Math.max(0, Math.min(4, all.length) - count)));
       expect(ring.last).toBe(i);
       expect(ring.length).toBe(Math.min(4, i + 1));
     }

@@ -6,23 +6,34 @@ import { chromium, type Browser, type Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { build } from 'vite';
 import { de } from '../src/text/de';
-// @ts-expect-error: plain JavaScript
-import { startFakeServer } from '../test-support/fake_server.mjs';
+import { en } from '../src/text/en';
+import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
 
-const sizes = [[1280, 800], [1024, 768], [390, 844], [640, 360]] as const;
-const looks = [['light', 'en'], ['dark', 'de']] as const;
+const sizes = [
+  [1280, 800],
+  [1024, 768],
+  [390, 844],
+  [640, 360],
+] as const;
+const looks = [
+  ['light', 'en'],
+  ['dark', 'de'],
+] as const;
 const screens = ['walk', 'drive', 'exercises', 'tune', 'sessions', 'calibrate', 'health'] as const;
 const minutes_ms = 120_000;
 
 let folder: string;
 let browser: Browser;
-let fake: Awaited<ReturnType<typeof startFakeServer>>;
+let fake: FakeServer;
 
 beforeAll(async () => {
   folder = mkdtempSync(`${tmpdir()}/hoist-screens-`);
   await build({ logLevel: 'silent', build: { outDir: folder, emptyOutDir: true } });
   fake = await startFakeServer({ dist: folder });
-  browser = await chromium.launch({ executablePath: process.env.CHROME_PATH ?? '/usr/bin/chromium', args: ['--no-sandbox', '--disable-gpu', '--no-first-run'] });
+  browser = await chromium.launch({
+    executablePath: process.env.CHROME_PATH ?? '/usr/bin/chromium',
+    args: ['--no-sandbox', '--disable-gpu', '--no-first-run'],
+  });
 }, minutes_ms);
 afterAll(async () => {
   await browser?.close();
@@ -38,26 +49,40 @@ async function open([width, height]: readonly [number, number], look: Look, scre
   return page;
 }
 
+/** What of each screen comes last. Without it the screen before, or an empty one, would be judged. */
+const last: Record<(typeof screens)[number], string> = {
+  walk: '.walk-body .reading .num',
+  drive: '.drive-body .pad',
+  exercises: '.guided-settings .stepper',
+  tune: '.tune-row',
+  sessions: '.session-item',
+  calibrate: '.calibrate-list li',
+  health: '.health .part-detail',
+};
+
 /** Enough of everything that each list is longer than its room. */
-async function fill(page: Page, screen: string): Promise<void> {
+async function fill(page: Page, screen: (typeof screens)[number]): Promise<void> {
   for (let i = 0; i < 16; i++) {
     fake.event('mode_changed', { name: 'standby' });
-    fake.event('emergency', { name: 'drive_left', code: 0x8250, item: 0, bits: 0x11 });
+    fake.event('emergency', { name: 'drive_left', code: 0x8250, item: 0, bits: 0x11, time_ns: (i + 1) * 1e7 }); // equal ones are told once
   }
   await page.goto(`${fake.url}#/${screen}`);
+  await page.locator(last[screen]).first().waitFor();
   if (screen === 'sessions') {
     await page.locator('.session-item').first().click();
     await page.locator('.u-wrap').first().waitFor();
   }
   if (screen === 'sessions' || screen === 'health') {
-    await page.locator('.events li').nth(11).waitFor();
-    const scrolling = await page.locator('.events').evaluateAll((lists) => lists.some((list) => list.scrollHeight > list.clientHeight));
-    expect(scrolling, screen).toBe(true);
+    const scrolling = () => page.locator('.events').evaluateAll((lists) => lists.some((list) => list.scrollHeight > list.clientHeight));
+    await expect.poll(scrolling, { timeout: 10_000, message: screen }).toBe(true);
   }
 }
 
 const rules = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'];
-const shots = [[[1280, 800], looks[0]], [[390, 844], looks[1]]] as [[number, number], Look][];
+const shots = [
+  [[1280, 800], looks[0]],
+  [[390, 844], looks[1]],
+] as [[number, number], Look][];
 
 describe('accessibility', () => {
   it.each(shots)('%j %j: axe finds nothing on any screen', { timeout: minutes_ms }, async (size, look) => {
@@ -75,15 +100,51 @@ describe('accessibility', () => {
   });
 });
 
+describe('the list of sessions', () => {
+  it('shows those whose code has what is searched for', { timeout: minutes_ms }, async () => {
+    const page = await open([1280, 800], looks[0], 'sessions');
+    const shown = () => page.locator('.session-item').count();
+    await expect.poll(shown, { timeout: 10_000 }).toBe(3);
+    await page.locator('.search').fill('07');
+    await expect.poll(shown, { timeout: 10_000 }).toBe(2);
+    await page.locator('.search').fill('08');
+    await page.getByText(en['sessions.none']).waitFor();
+    expect(await shown()).toBe(0);
+    await page.close();
+  });
+});
+
 describe('the session chart', () => {
   it('draws one strip for each unit, with the unit at its axis', { timeout: minutes_ms }, async () => {
     const page = await open([1280, 800], looks[0], 'sessions');
+    // Axes are drawn, not written: collect what the canvas is told to draw.
+    await page.evaluate(() => {
+      const drawn: Set<string> = ((window as unknown as { drawn: Set<string> }).drawn = new Set());
+      const draw = CanvasRenderingContext2D.prototype.fillText;
+      CanvasRenderingContext2D.prototype.fillText = function (text, ...place) {
+        drawn.add(text);
+        draw.call(this, text, ...place);
+      };
+    });
     await fill(page, 'sessions');
     expect(await page.locator('.u-wrap').count()).toBe(1);
     await page.locator('.columns .pill', { hasText: 'Turn rate' }).click();
     // uPlot fills the legend of a strip after the strip is in the page.
-    const strips = () => page.locator('.chart .uplot').evaluateAll((all) => all.map((one) => [...one.querySelectorAll('.u-series th')].slice(1).map((label) => label.textContent)));
+    const strips = () =>
+      page
+        .locator('.chart .uplot')
+        .evaluateAll((all) => all.map((one) => [...one.querySelectorAll('.u-series th')].slice(1).map((label) => label.textContent)));
     await expect.poll(strips, { timeout: 10_000 }).toEqual([['Speed', 'Commanded speed'], ['Turn rate']]);
+    const axes = () =>
+      page.evaluate(() => {
+        const { drawn } = window as unknown as { drawn: Set<string> };
+        return {
+          units: ['m/s', '°/s'].filter((unit) => drawn.has(unit)),
+          beyond_5: [...drawn].some((text) => /^\d+$/.test(text) && Number(text) > 5),
+        };
+      });
+    // 0.3 rad/s is 17 °/s.
+    await expect.poll(axes, { timeout: 10_000 }).toEqual({ units: ['m/s', '°/s'], beyond_5: true });
     await page.close();
   });
 });
@@ -110,7 +171,9 @@ describe.each(sizes)('short messages at %i × %i', (...size) => {
       const first = document.querySelector('.notice')!.getBoundingClientRect();
       const over = (a: DOMRect, b: DOMRect) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
       const whole = first.bottom <= shown.bottom + 1 && first.top >= shown.top - 1 && first.right <= shown.right + 1;
-      const kept = ['.bar', '.strip', '.nav a', '.stop'].filter((name) => [...document.querySelectorAll(name)].some((element) => over(shown, element.getBoundingClientRect())));
+      const kept = ['.bar', '.strip', '.nav a', '.stop'].filter((name) =>
+        [...document.querySelectorAll(name)].some((element) => over(shown, element.getBoundingClientRect())),
+      );
       return { whole, main: over(shown, main), kept };
     });
     expect(covered).toEqual({ whole: true, main: false, kept: [] });

@@ -3,7 +3,18 @@ import { signals } from '../src/contract/signals.gen';
 import { curves, strips } from '../src/panels/sessions/curves';
 import { continued, refreshed, type Session, type SessionPage } from '../src/panels/sessions/model';
 
-const session = (id: number): Session => ({ id, subject: null, started_utc_ms: id, duration_s: 1, simulated: true, recording: false, exercise: null, note: '', samples: 1, gaps: 0 });
+const session = (id: number): Session => ({
+  id,
+  subject: null,
+  started_utc_ms: id,
+  duration_s: 1,
+  simulated: true,
+  recording: false,
+  exercise: null,
+  note: '',
+  samples: 1,
+  gaps: 0,
+});
 const page = (ids: number[], next: number | null): SessionPage => ({ items: ids.map(session), next: next === null ? null : String(next) });
 const ids = (one: SessionPage) => one.items.map((item) => item.id);
 

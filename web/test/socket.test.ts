@@ -1,5 +1,15 @@
 import { beforeEach, describe, expect, it } from 'vitest';
-import { backOffFirst_ms, backOffLast_ms, Link, ping_ms, replyWithin_ms, requestsMost, silence_ms, type LinkState, type SocketLike } from '../src/link/socket';
+import {
+  backOffFirst_ms,
+  backOffLast_ms,
+  Link,
+  ping_ms,
+  replyWithin_ms,
+  requestsMost,
+  silence_ms,
+  type LinkState,
+  type SocketLike,
+} from '../src/link/socket';
 
 /** Virtual time: timers fire in order when advance() passes them. */
 class World {

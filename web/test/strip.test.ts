@@ -1,7 +1,13 @@
 import { describe, expect, it } from 'vitest';
 import { storageAlarms } from '../src/ui/strip';
 
-const notice = (name: string, priority: 'low' | 'medium') => ({ name, priority, text: { en: `${name} text`, de: '' }, action: { en: `${name} action`, de: '' }, detail: '' });
+const notice = (name: string, priority: 'low' | 'medium') => ({
+  name,
+  priority,
+  text: { en: `${name} text`, de: '' },
+  action: { en: `${name} action`, de: '' },
+  detail: '',
+});
 
 describe('the strip', () => {
   it('shows each standing notice in words, with what to do', () => {

@@ -6,6 +6,7 @@ import { params } from '../src/contract/params.gen';
 import { groups, niceStep } from '../src/panels/tune/groups';
 import { de } from '../src/text/de';
 import { en } from '../src/text/en';
+import { first } from '../src/text/first';
 import { settings } from '../src/text/settings';
 import { date, degrees, duration, fixed, plain, readNumber, refusalText, shownAs, t, textOf, withUnit } from '../src/text/text';
 
@@ -25,14 +26,21 @@ describe('the message files', () => {
     }
   });
 
+  it('are not needed for STOP, nor to say that they cannot be loaded', () => {
+    const own = Object.keys(first.en);
+    expect(own).toEqual(expect.arrayContaining(['stop.name', 'load.failed', 'load.action', 'load.again']));
+    for (const table of [en, de]) expect(Object.keys(table).filter((key) => own.includes(key))).toEqual([]);
+    expect(Object.keys(first.de)).toEqual(own);
+  });
+
   it('have no text that no screen uses', () => {
     const source = readdirSync('src', { recursive: true, encoding: 'utf8' })
-      .filter((file) => /\.tsx?$/.test(file) && !file.startsWith('text/en') && !file.startsWith('text/de'))
+      .filter((file) => /\.tsx?$/.test(file) && !/^text\/(en|de|first)/.test(file))
       .map((file) => readFileSync(`src/${file}`, 'utf8'))
       .join('\n');
-    // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, role.R, unit.U.
-    const built = /^(exercise|priority|event|health\.part|refused|role|unit)\./;
-    const unused = Object.keys(en).filter((key) => !built.test(key) && !source.includes(`'${key}'`));
+    // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, invalid.FIELD, role.R, unit.U.
+    const built = /^(exercise|priority|event|health\.part|refused|invalid|role|unit)\./;
+    const unused = [...Object.keys(first.en), ...Object.keys(en)].filter((key) => !built.test(key) && !source.includes(`'${key}'`));
     expect(unused).toEqual([]);
   });
 
@@ -47,12 +55,22 @@ describe('the message files', () => {
 });
 
 describe('the tables', () => {
+  const all = [
+    ...faults.flatMap((row) => [row.text, row.action]),
+    ...refusals.map((row) => row.text),
+    ...modes.map((row) => row.title),
+    ...params.flatMap((row) => [row.title, row.effect]),
+  ];
+
   it('have words in both languages', () => {
-    const all = [...faults.flatMap((row) => [row.text, row.action]), ...refusals.map((row) => row.text), ...modes.map((row) => row.title), ...params.flatMap((row) => [row.title, row.effect])];
     for (const text of all) {
       expect(text.en).not.toBe('');
       expect(text.de).not.toBe('');
     }
+  });
+
+  it('and the message files call the hoist "Gerät" in German', () => {
+    for (const text of [...Object.values(de), ...all.map((row) => row.de)]) expect(text).not.toMatch(/hilfe\b|Apparat/i);
   });
 
   it('explain every refusal, also one that this page does not know', () => {
@@ -115,7 +133,12 @@ describe('the tuning page', () => {
   it('shows every parameter once', () => {
     const shown = groups().flatMap((group) => group.rows.map((row) => row.name));
     // Dates of calibrations stand on their own screen.
-    expect([...shown].sort()).toEqual(params.map((row) => row.name).filter((name) => !name.startsWith('calibrated_')).sort());
+    expect([...shown].sort()).toEqual(
+      params
+        .map((row) => row.name)
+        .filter((name) => !name.startsWith('calibrated_'))
+        .sort(),
+    );
   });
 
   it('moves sliders in steps of 1, 2 or 5', () => {
@@ -123,7 +146,10 @@ describe('the tuning page', () => {
       const range = (row.max - row.min) * shownAs(row.name, row.unit).factor;
       const step = niceStep(range);
       const lead = step / 10 ** Math.floor(Math.log10(step) + 1e-9);
-      expect([1, 2, 5].some((wanted) => Math.abs(lead - wanted) < 1e-6), row.name).toBe(true);
+      expect(
+        [1, 2, 5].some((wanted) => Math.abs(lead - wanted) < 1e-6),
+        row.name,
+      ).toBe(true);
       expect(range / step).toBeGreaterThan(100);
       expect(range / step).toBeLessThan(450);
     }

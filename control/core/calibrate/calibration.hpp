@@ -16,7 +16,7 @@ namespace hoist::core {
 
 struct CoreState;
 
-/// Nothing happened for this long: 60 s (research on safety, 2.3).
+/// Nothing happened for this long: 60 s (SOURCES 2.3).
 inline constexpr std::uint32_t kCalibrationIdleTicks = 6000;
 /// Somebody who sees that it does not rest has had ten seconds to make it rest.
 inline constexpr std::uint32_t kCalibrationRestTicks = 1000;

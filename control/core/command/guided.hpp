@@ -12,7 +12,8 @@
 
 namespace hoist::core {
 
-enum class GuidedPhase : std::uint8_t { none, waiting, following, turning, ending };
+/// As the live value guided_phase tells it. `for_patient` is only told: what the hoist goes on with is following or turning.
+enum class GuidedPhase : std::uint8_t { none, waiting, following, turning, ending, for_patient };
 
 class GuidedRun {
  public:
@@ -43,6 +44,8 @@ class GuidedRun {
   /// The figure begins where the hoist stands and the way it looks, unless it goes on: then it lies where it did.
   void begin(const law::Pose<double>& pose, std::uint32_t mark) noexcept {
     loaded_ = false;
+    share_norm_ = 1;
+    waits_ = held_back_ = false;
     if (std::exchange(goes_on_, false)) {
       // Broken off in a corner, the turn is what comes next.
       phase = corners_ && leg_left_m() <= kArrived_m ? GuidedPhase::turning : GuidedPhase::waiting;
@@ -109,6 +112,18 @@ class GuidedRun {
     s_m_ = leg_begin_m();
   }
 
+  /// The share of its speed that the hoist keeps for a patient who lags; `drives`: the hand holds, so that it is this share that slows it.
+  void slow_down(double share_norm, bool drives) noexcept {
+    share_norm_ = share_norm;
+    held_back_ = drives && share_norm < 1;
+    // Told from half the speed on, and not taken back with every step of the patient.
+    waits_ = held_back_ && share_norm < (waits_ ? kGoesOn_norm : kWaits_norm);
+  }
+  [[nodiscard]] double share_norm() const noexcept { return share_norm_; }
+  /// Slower than wished, because the patient lags.
+  [[nodiscard]] bool held_back() const noexcept { return held_back_; }
+  [[nodiscard]] GuidedPhase told_phase() const noexcept { return waits_ ? GuidedPhase::for_patient : phase; }
+
   [[nodiscard]] const contract::GuidedPath& wish() const noexcept { return wish_; }
   [[nodiscard]] bool has_corners() const noexcept { return corners_; }
   [[nodiscard]] bool last_leg() const noexcept { return leg_ + 1 >= legs_; }
@@ -135,6 +150,7 @@ class GuidedRun {
   // A place this close before the end still belongs to the leg (the figure's own joint is a thousand times narrower).
   static constexpr double kInside_m = 1e-6;
   static constexpr double kShortest_m = 1e-3;
+  static constexpr double kWaits_norm = 0.5, kGoesOn_norm = 0.75;
 
   [[nodiscard]] double leg_begin_m() const noexcept { return leg_m_ * leg_; }
   [[nodiscard]] double leg_end_m() const noexcept { return leg_m_ * (leg_ + 1.0); }
@@ -148,6 +164,8 @@ class GuidedRun {
   double leg_m_ = 0;
   std::uint32_t legs_ = 0, leg_ = 0;
   bool corners_ = false, loaded_ = false, goes_on_ = false;
+  bool held_back_ = false, waits_ = false;
+  double share_norm_ = 1;
   std::uint32_t mark_ = 0;                                       // start mark on which it began
   double cos_ = 1, sin_ = 0, turn_rad_ = 0, x_m_ = 0, y_m_ = 0;  // from the floor's frame into the figure's
   double s_m_ = 0, cross_m_ = 0, beyond_m_ = 0, heading_rad_ = 0, heading_error_rad_ = 0;

@@ -59,7 +59,8 @@ class TiltSensor {
         steps == 1);
     const double alpha_rad = static_cast<double>(contract::read_slot(frame, kAlpha)) * (kAlpha.scale * kRadPerDeg);
     const double beta_rad = static_cast<double>(contract::read_slot(frame, kBeta)) * (kBeta.scale * kRadPerDeg);
-    // Rates come from angles as sent: a new zero is no movement. The sensor's own counter tells how much time lies between two samples, whatever the bus did to the frames.
+    // Rates come from angles as sent: a new zero is no movement. The sensor's own counter tells how much time lies between two samples,
+    // whatever the bus did to the frames.
     if (known_ && steps <= kRateGapSteps) {
       const double span_s = static_cast<double>(steps) * kSample_s;
       alpha_rate_rad_s_ = (alpha_rad - sent_alpha_rad_) / span_s;

@@ -10,8 +10,8 @@ struct Hand {
   double fresh_norm = 0;  // share of the wished speed: falls with the age of the last command
 };
 
-/// Looks at the hand once per step. Commands age (RemoteDrive::age_s): from remote_slow_age_s the speed falls, at remote_stop_age_s the mode ends; also when
-/// the one who began is no longer the driver, or cannot be reached.
+/// Looks at the hand once per step. Commands age (RemoteDrive::age_s): from remote_slow_age_s the speed falls, at remote_stop_age_s the mode
+/// ends; also when the one who began is no longer the driver, or cannot be reached.
 [[nodiscard]] inline Hand feel_hand(CoreState& state) noexcept {
   const contract::Params& p = state.params;
   Motion& motion = state.motion;

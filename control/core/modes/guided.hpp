@@ -1,9 +1,11 @@
 // GUIDED: the hoist drives an exercise by itself while the therapist holds. Letting go stops and stays; holding again goes on. Commands that
-// stop coming end it as they end REMOTE. The patient's lean is not used; the fall guards watch it all the same.
+// stop coming end it as they end REMOTE. A lean never speeds it up or steers it; a patient who lags behind slows it down, to a stand if need
+// be (law/patient_lag.hpp). The guards watch all the same.
 #pragma once
 #include <cmath>
 
 #include "control/core/law/path_follower.hpp"
+#include "control/core/law/patient_lag.hpp"
 #include "control/core/modes/dead_man.hpp"
 #include "control/core/modes/mode.hpp"
 
@@ -17,7 +19,7 @@ struct GuidedMode {
     state.guided.begin(state.sensed.pose(), state.start.number);
   }
 
-  static Wish step(CoreState& state, double /*dt_s*/) noexcept {
+  static Wish step(CoreState& state, double dt_s) noexcept {
     using contract::GuidedEnd;
     const contract::Params& p = state.params;
     GuidedRun& run = state.guided;
@@ -29,6 +31,7 @@ struct GuidedMode {
       run.end(asked ? (soft_fault(state) ? GuidedEnd::stopped : GuidedEnd::asked)
                     : (state.motion.remote_lost ? GuidedEnd::commands_lost : GuidedEnd::driver_gone));
       run.phase = GuidedPhase::ending;
+      run.slow_down(run.share_norm(), false);
       return {0, 0, state.motion.braking, at_rest(state)};
     }
     if (!(std::fabs(run.cross_m()) <= p.guided_deviation_m_max) ||
@@ -36,6 +39,7 @@ struct GuidedMode {
       return leave(state, GuidedEnd::off_path);
     }
     if (!state.motion.powered) return {};
+    run.slow_down(share_for_lag(state, dt_s), hand.held);
     if (!hand.held) return {0, 0, Braking::remote, false};
     if (run.phase == GuidedPhase::waiting) run.phase = GuidedPhase::following;
     return run.phase == GuidedPhase::turning ? turn(state, hand) : follow(state, hand);
@@ -51,12 +55,37 @@ struct GuidedMode {
   static constexpr double kLag_s = 0.08;
   /// A curve begins over this time at least.
   static constexpr double kCurveRamp_s = 0.4;
+  /// A hoist that waits stands before the lean counts as hanging (H16), wherever an engineer has set that.
+  static constexpr double kBelowHanging_norm = 0.9;
   static constexpr double kCreep_m_s = 0.03;
   static constexpr double kCreep_rad_s = 0.05, kTurned_rad = 0.008;
+
+  /// Angles that are not fresh say nothing about the patient: the share stays, and sensors that stay silent stop the hoist as such.
+  static double share_for_lag(const CoreState& state, double dt_s) noexcept {
+    const Estimate& sensed = state.sensed;
+    const GuidedRun& run = state.guided;
+    if (sensed.tilts_stale()) return run.share_norm();
+    const Derived& d = state.derived;
+    const core::Pelvis<double>& pelvis = state.intent.pelvis();
+    const double left_rad_s = sensed.left_strut.alpha_rate_rad_s() - sensed.base.alpha_rate_rad_s();
+    const double right_rad_s = sensed.right_strut.alpha_rate_rad_s() - sensed.base.alpha_rate_rad_s();
+    // On the line both struts lean back together; in a turn on the spot one against the other.
+    double lag_rad = (d.neutral.dx0_m - pelvis.dx_m) / d.geometry.strut_length_m;
+    double rate_rad_s = -(left_rad_s + right_rad_s) / 2;
+    if (run.phase == GuidedPhase::turning) {
+      const double way = run.corner_rad() > 0 ? 1.0 : -1.0;
+      lag_rad = way * (d.neutral.dpsi0_rad - pelvis.dpsi_rad) * d.geometry.strut_spacing_m / d.geometry.strut_length_m;  // (3)
+      rate_rad_s = way * (left_rad_s - right_rad_s) / 2;
+    }
+    law::PatientLagConfig<double> config{state.params.guided_lag_start_rad};
+    config.stop_rad = least(config.stop_rad, kBelowHanging_norm * state.params.hang_tilt_rad);
+    return law::patient_lag_step(config, run.share_norm(), lag_rad, rate_rad_s, dt_s);
+  }
 
   static Wish leave(CoreState& state, contract::GuidedEnd reason) noexcept {
     state.guided.end(reason);
     state.guided.phase = GuidedPhase::ending;
+    state.guided.slow_down(state.guided.share_norm(), false);
     state.motion.leaving = true;
     if (state.motion.braking < Braking::soft) state.motion.braking = Braking::soft;
     return {0, 0, state.motion.braking, at_rest(state)};
@@ -87,7 +116,7 @@ struct GuidedMode {
     if (curve != 0) speed_m_s = least(speed_m_s, limits.yaw_rate_rad_s / std::fabs(curve));
     const double approach = law::approach_speed(run.leg_left_m() - late_m, 0.0, slow_m_s2);
     speed_m_s = least(speed_m_s, approach > kCreep_m_s ? approach : kCreep_m_s);
-    return {speed_m_s * hand.fresh_norm, curve * now_m_s, Braking::none, false};
+    return {speed_m_s * run.share_norm() * hand.fresh_norm, curve * now_m_s, Braking::none, false};
   }
 
   static Wish turn(CoreState& state, const Hand& hand) noexcept {
@@ -104,8 +133,9 @@ struct GuidedMode {
     }
     const double slow_rad_s2 = least(kApproachYaw_rad_s2, kApproachYawShare_norm * p.yaw_acceleration_rad_s2_max);
     const double approach = law::approach_speed(std::fabs(left_rad) - std::fabs(state.limiter.yaw_rate_rad_s()) * kLag_s, 0.0, slow_rad_s2);
-    const double rate = least(contract::kGuidedYawShare_norm * contract::guided_limits(p).yaw_rate_rad_s,
-                              approach > kCreep_rad_s ? approach : kCreep_rad_s);
+    // Never slower than the creep: a pelvis that does not follow at all ends in the alarm of twisted struts.
+    const double most_rad_s = contract::kGuidedYawShare_norm * contract::guided_limits(p).yaw_rate_rad_s * run.share_norm();
+    const double rate = std::fmax(least(most_rad_s, approach), kCreep_rad_s);
     return {0, (left_rad > 0 ? rate : -rate) * hand.fresh_norm, Braking::none, false};
   }
 

@@ -8,7 +8,7 @@ namespace hoist::core {
 /// Both drives report that their supply is gone, and it is not the batteries.
 [[nodiscard]] inline bool motors_unpowered(const Estimate& sensed) noexcept {
   constexpr contract::Fault kFault = contract::Fault::emergency_stop;
-  // Half of a discharged battery: no load sags that far. The drives switch themselves off at 19 V (research on safety, H12).
+  // Half of a discharged battery: no load sags that far. The drives switch themselves off at 19 V (SOURCES 2.2, H12).
   constexpr double kGone_v = 12.0, kGood_v = 20.0;
   const auto gone = [](const DriveSensor& drive) {
     return drive.supply_known() && drive.supply_v() < threshold<kFault, "supply gone", Laxer::lower>(kGone_v);

@@ -29,6 +29,7 @@ struct MonitorView {
   bool bus_up, bus_settled;                          // settled: long enough up that silence is the node's own
   bool server_alive, server_seen;
   bool remote_lost;
+  bool held_back;                     // GUIDED goes slower than wished, because the patient lags
   bool relay_cut;                     // the core itself has taken the motors' supply away
   std::uint8_t bumpers_acknowledged;  // pressed still, and the therapist knows: H13, driving off them
   float wake_lateness_s;

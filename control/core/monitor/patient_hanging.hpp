@@ -4,7 +4,9 @@
 // Two rules, because there are two ways to hang. Leaning: past hang_tilt_rad for hang_tilt_s, in every motion. Drawn along: the hoist rolls
 // faster than hang_speed_m_s, and the harness has not swung sideways by hang_sway_m for hang_still_s; a walking patient sways twice in
 // every stride. In REMOTE and GUIDED the hoist may be empty, and an empty harness does not sway either: there it counts only while the
-// harness leans as none does without a load. R1 and a high alarm, 2 to 2.6 s after it begins.
+// harness leans as none does without a load. A hoist that GUIDED holds back for a lagging patient counts as rolling, however slow it is, and
+// while it stands for him no sway counts as a step: a patient who does not catch up is not waited for without end. R1 and a high alarm, 2 to
+// 2.6 s after it begins.
 #pragma once
 #include <cmath>
 
@@ -31,9 +33,10 @@ class PatientHanging {
     leaning_s_ = view.moving && known && beyond(tilt_rad) ? leaning_s_ + view.dt_s : 0;
 
     const bool stepped = known && swings(p.strut_length_m * beta_rad, threshold<kFault, "sway", Laxer::lower>(p.hang_sway_m));
-    const bool rolling = !(std::fabs(view.sensed.odometry.speed_m_s) <= threshold<kFault, "speed">(p.hang_speed_m_s));
+    const bool rolling = view.held_back || !(std::fabs(view.sensed.odometry.speed_m_s) <= threshold<kFault, "speed">(p.hang_speed_m_s));
     const bool loaded = view.mode == contract::Mode::user || beyond(threshold<kFault, "load">(kLoaded_rad));
-    const bool drawn = view.moving && known && rolling && loaded && !stepped;
+    const bool waits = view.held_back && view.sensed.odometry.standing_still;
+    const bool drawn = view.moving && known && loaded && ((rolling && !stepped) || waits);
     drawn_s_ = drawn ? drawn_s_ + view.dt_s : 0;
 
     // The alarm stays until the patient has been upright on a standing hoist for a while: long enough to be read.

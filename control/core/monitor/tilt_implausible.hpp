@@ -51,10 +51,10 @@ class TiltImplausible {
   // The top bar is rigid: both struts lean sideways alike. For 100 ms, because the three sensors do not sample together.
   static constexpr std::uint8_t kApartTicks = 10;
   static constexpr std::uint16_t kTwisted = 1;
-  // A sensor that leans forward by alpha, mounting included, and turns with its strut about the upright feels part of the turn as a roll: yaw rate x alpha,
-  // which its filter, slow to trust gravity, holds for about this long (measured 0.79 degrees for each degree per second). Left and right
-  // differ by what they lean differently, and in a tight turn that is what the patient does. It fades more slowly than it came: what the
-  // filter took for a bias in a long turn has to be unlearnt (random session 10004908, a turn on the spot that ended slowly).
+  // A sensor that leans forward by alpha, mounting included, and turns with its strut about the upright feels part of the turn as a roll:
+  // yaw rate x alpha, which its filter, slow to trust gravity, holds for about this long (measured 0.79 degrees for each degree per second).
+  // Left and right differ by what they lean differently, and in a tight turn that is what the patient does. It fades more slowly than it
+  // came: what the filter took for a bias in a long turn has to be unlearnt (random session 10004908, a turn on the spot that ended slowly).
   static constexpr double kLeak_s = 0.8, kLeakFade_s = 1.6;
 
   [[nodiscard]] static bool beyond(double angle, double limit) noexcept { return !(std::fabs(angle) <= limit); }

@@ -4,7 +4,7 @@
 
 namespace hoist::core {
 
-/// How fast the hoist may leave what it touches (research on safety, H13).
+/// How fast the hoist may leave what it touches (SOURCES 2.2, H13).
 inline constexpr double kOffABumper_m_s = 0.1;
 
 /// Where there is room to go, for the bumpers that are pressed: bit 0 front, 1 rear, 2 left, 3 right. Nothing turns while anything touches:

@@ -12,7 +12,7 @@ namespace hoist::core {
 /// Which stop is in force. Later rows are stronger; a stop in force is only ever replaced by a stronger one.
 enum class Braking : std::uint8_t { none, soft, remote, protective, bumper };
 
-/// R1, research on safety 2.1: the gentle ramp at which normal walking also slows.
+/// R1, SOURCES 2.1: the gentle ramp at which normal walking also slows.
 inline constexpr double kSoftDeceleration_m_s2 = 0.5;
 /// Driving stops a little harder than walking: the therapist has let go or the link is gone (H17: R1 at 0.8).
 inline constexpr double kRemoteDeceleration_m_s2 = 0.8;

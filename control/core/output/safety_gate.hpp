@@ -126,7 +126,7 @@ class SafetyGate {
                                  kRightId = contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_right);
   // Two steps of 60FFh in ground speed at the largest wheel, plus rounding: what a legal ramp may differ from its own arithmetic.
   static constexpr double kRounding_m_s = 5e-5;
-  // The stop after the driver let go or was lost has no parameter (research on safety: H17, R1 at 0.8).
+  // The stop after the driver let go or was lost has no parameter (SOURCES 2.2, H17).
   static constexpr double kLettingGo_m_s2 = 0.8;
   // Away from what a bumper touches, and not faster (H13).
   static constexpr double kAway_m_s = 0.1;

@@ -1,4 +1,4 @@
-// The one place that changes the mode. Who may lead where, and what must hold for it, stands in kTransitions (research on safety, 2.3);
+// The one place that changes the mode. Who may lead where, and what must hold for it, stands in kTransitions (SOURCES 2.3);
 // everything else is refused.
 #pragma once
 #include <array>

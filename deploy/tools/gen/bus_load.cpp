@@ -32,7 +32,7 @@ struct Variant {
 };
 constexpr std::array kVariants = {Variant{"no node sends its rates", SwitchedPdos::none},
                                   Variant{"as planned: the base sends its rates", SwitchedPdos::as_planned},
-                                  Variant{"research: all three sensors send their rates", SwitchedPdos::all}};
+                                  Variant{"all three sensors send their rates", SwitchedPdos::all}};
 
 }  // namespace
 

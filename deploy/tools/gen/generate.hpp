@@ -35,6 +35,9 @@ IdLock updated_id_lock(std::string_view text);
 
 // The shortest decimal text that reads back as the same number.
 std::string number_text(double value);
+// As TypeScript: a text, and one in both languages.
+std::string quoted(std::string_view text);
+std::string words(std::string_view english, std::string_view german);
 // 0x1A00 with at least `digits` digits.
 std::string hex_text(unsigned value, int digits);
 // The sentence that every generated file begins with, without comment marks.

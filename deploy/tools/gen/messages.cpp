@@ -8,6 +8,7 @@
 #include "control/contract/commands.hpp"
 #include "control/contract/shared_memory.hpp"
 #include "deploy/tools/gen/generate.hpp"
+#include "server/contract/reasons.hpp"
 
 namespace hoist::gen {
 namespace {
@@ -83,11 +84,23 @@ std::string message_types(bool incoming) {
   return out + all + ";\n\n";
 }
 
+// The reasons with their words: the console tells them by name.
+std::string reason_rows() {
+  std::string out = "export type ReasonCode =";
+  for (const auto& reason : server::kReasons) out += "\n  | '" + std::string(reason.name) + "'";
+  out +=
+      ";\n\n/** Why something was not done, or is not there. */\n"
+      "export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> = {\n";
+  for (const auto& reason : server::kReasons) out += "  " + std::string(reason.name) + ": " + words(reason.text_en, reason.text_de) + ",\n";
+  return out + "};\n\n";
+}
+
 }  // namespace
 
 GeneratedFile messages_file() {
   using namespace hoist::contract;
-  std::string out = "// " + made_from("server/contract/messages.def, control/contract/commands.hpp and can_dictionary.def") + "\n\n";
+  std::string out =
+      "// " + made_from("server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def") + "\n\n";
   out += R"(/** What is walked; null and free mean the same. */
 export type Exercise =
   | { shape: 'eight'; c_m: number; radius_m: number; clockwise?: boolean }
@@ -118,7 +131,7 @@ export interface FieldError {
 }
 
 )";
-  out += message_types(true) + message_types(false);
+  out += reason_rows() + message_types(true) + message_types(false);
   out += "/** What the core reports. */\nexport const eventKinds = [";
   // Numbers without a name are gaps.
   constexpr std::uint32_t kKindsMost = 64;

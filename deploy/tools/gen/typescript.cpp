@@ -8,9 +8,6 @@
 #include "deploy/tools/gen/generate.hpp"
 
 namespace hoist::gen {
-namespace {
-
-using namespace hoist::contract;
 
 std::string quoted(std::string_view text) {
   std::string out = "'";
@@ -28,6 +25,10 @@ std::string quoted(std::string_view text) {
 std::string words(std::string_view english, std::string_view german) {
   return "{ en: " + quoted(english) + ", de: " + quoted(german) + " }";
 }
+
+namespace {
+
+using namespace hoist::contract;
 
 template <typename Rows>
 std::string name_union(std::string_view type, const Rows& rows) {

@@ -3,8 +3,8 @@
 //
 // The counts of a tick say within one count how far the shaft has come; the time between the last two edges says how fast it was. So: the
 // speed from the edge time, held inside the band that the counts allow. Nothing that the edge timer shows can be further than a count
-// from the plain difference, and without a timer it is the plain difference. Without an edge the speed is at most one count per time without edges, which brings a stopping or a dead encoder
-// down to zero at once.
+// from the plain difference, and without a timer it is the plain difference. Without an edge the speed is at most one count per time
+// without edges, which brings a stopping or a dead encoder down to zero at once.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -2,7 +2,7 @@
 // still seconds, or in eight under a person who stands and sways. CiA 410 on the bus.
 //
 // It samples when a SYNC arrives, so that the three sensors look at the same instant: the chassis' acceleration shows in every sensor and
-// cancels only in differences of equal, simultaneous filters (research D4). Without SYNC it samples on its own clock.
+// cancels only in differences of equal, simultaneous filters (D4). Without SYNC it samples on its own clock.
 //
 // A sensor that is missing, of another kind, failed its self-test or stopped giving readings makes the node invalid until it is switched
 // off and on. How the sensor sits on its strut is an object (2104h); everything behind it is in the frame of the hoist.

@@ -214,6 +214,67 @@ TEST(Guided, ItBeginsWhereTheHoistStands) {
   EXPECT_EQ(hoist.out.record.guided_progress_norm, 1.0F);
 }
 
+/// The struts go there at 10 degrees a second, no faster than a patient who is no fall, while the hand holds on.
+void lean_held(ScriptedHoist& hoist, double lean_deg, double twist_deg, int n) {
+  hoist.tilt_left.slew_deg = hoist.tilt_right.slew_deg = 0.1;
+  hoist.lean(lean_deg, twist_deg);
+  hold_for(hoist, n);
+}
+GuidedPhase told_phase(const ScriptedHoist& hoist) { return static_cast<GuidedPhase>(hoist.out.record.guided_phase); }
+
+// H16. From 2.5 degrees of lag slower, from 9 not at all.
+TEST(Guided, H16APatientWhoLagsIsWaitedFor) {
+  ScriptedHoist hoist = begun();
+  hold_for(hoist, 200);
+  for (const double lean_deg : {-2.4, 8.0}) {
+    lean_held(hoist, lean_deg, 0, 150);
+    EXPECT_NEAR(hoist.command_m_s(), 0.3, 1e-3) << lean_deg;
+    EXPECT_EQ(told_phase(hoist), GuidedPhase::following);
+  }
+  lean_held(hoist, -4.0, 0, 200);
+  EXPECT_NEAR(hoist.command_m_s(), 0.3 * 5.0 / 6.5, 0.005);
+  EXPECT_EQ(told_phase(hoist), GuidedPhase::following) << "a little slower is no waiting";
+  lean_held(hoist, -7.0, 0, 150);
+  EXPECT_NEAR(hoist.command_m_s(), 0.3 * 2.0 / 6.5, 0.005);
+  EXPECT_EQ(told_phase(hoist), GuidedPhase::for_patient);
+  lean_held(hoist, -9.5, 0, 150);
+  EXPECT_EQ(hoist.command_m_s(), 0);
+  EXPECT_EQ(told_phase(hoist), GuidedPhase::for_patient);
+  lean_held(hoist, 0, 0, 150);
+  EXPECT_EQ(told_phase(hoist), GuidedPhase::for_patient) << "goes on slowly";
+  hold_for(hoist, 300);
+  EXPECT_NEAR(hoist.command_m_s(), 0.3, 1e-3);
+  EXPECT_EQ(told_phase(hoist), GuidedPhase::following);
+  EXPECT_EQ(hoist.state.latched, 0U);
+
+  // Measured from where this patient stands upright.
+  contract::Params back;
+  back.neutral_lean_m = -0.02;
+  ScriptedHoist other = begun(kLong, back);
+  hold_for(other, 100);
+  lean_held(other, -3.5, 0, 150);
+  EXPECT_NEAR(other.command_m_s(), 0.3, 1e-3);
+}
+
+TEST(Guided, H16ATurnOnTheSpotSlowsForAPelvisThatLagsBehindIt) {
+  for (const bool clockwise : {false, true})
+    for (const bool lags : {true, false}) {
+      SCOPED_TRACE(testing::Message() << (clockwise ? "right" : "left") << (lags ? ", lags" : ", leads"));
+      ScriptedHoist hoist = begun({GuidedShape::square, clockwise, 0.6, 0, 0.3, 1});
+      const auto turns = [&hoist] { return told_phase(hoist) == GuidedPhase::turning; };
+      for (int i = 0; i < 1000 && !turns(); ++i) hold_for(hoist, 1);
+      ASSERT_TRUE(turns());
+      const double behind = clockwise ? 1.0 : -1.0;
+      lean_held(hoist, 0, lags ? behind * 14 : -behind * 14, 110);
+      const double rate_rad_s = std::fabs(static_cast<double>(hoist.out.record.yaw_rate_command_rad_s));
+      EXPECT_NEAR(rate_rad_s, 0.8 * 0.523598776 * (lags ? 2.0 / 6.5 : 1.0), 0.01);
+      EXPECT_EQ(told_phase(hoist), lags ? GuidedPhase::for_patient : GuidedPhase::turning);
+      if (!lags) continue;
+      lean_held(hoist, 0, behind * 19, 100);
+      EXPECT_NEAR(std::fabs(static_cast<double>(hoist.out.record.yaw_rate_command_rad_s)), 0.05, 0.001) << "it creeps on";
+    }
+}
+
 TEST(Guided, AHoistThatIsPulledOffItsLineStopsSoftly) {
   contract::Params narrow;
   narrow.guided_deviation_m_max = 0.1;

@@ -1,6 +1,7 @@
 // Parameter sets (hazard H27), neutral, pose: all or nothing, checked here whatever the server checked.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "tests/unit/core/scripted_hoist.hpp"
@@ -701,7 +702,14 @@ TEST(Pose, IsSetAtStandstillOnly) {
   EXPECT_FLOAT_EQ(hoist.out.record.x_m, 1.5F);
   EXPECT_FLOAT_EQ(hoist.out.record.y_m, -2.0F);
   EXPECT_FLOAT_EQ(hoist.out.record.psi_rad, 0.7F);
+  // The track that slip does not lead astray is put there, too.
+  EXPECT_FLOAT_EQ(hoist.out.record.fused_x_m, 1.5F);
+  EXPECT_FLOAT_EQ(hoist.out.record.fused_y_m, -2.0F);
+  EXPECT_FLOAT_EQ(hoist.out.record.fused_psi_rad, 0.7F);
   EXPECT_EQ(hoist.out.record.distance_m, 0.0F);
+  const auto told = std::ranges::find(hoist.events, contract::EventKind::pose_set, &contract::Event::kind);
+  ASSERT_NE(told, hoist.events.end());
+  EXPECT_EQ(told->code, hoist.out.record.start_mark);
   EXPECT_EQ(hoist.ask(CommandKind::set_pose, 7, 0, 0, NAN, 0, 0), refusal_bit(Refusal::not_finite));
   EXPECT_EQ(hoist.ask(CommandKind::set_pose, 7, 0, 0, 0, 2000, 0), refusal_bit(Refusal::out_of_range));
   EXPECT_FLOAT_EQ(hoist.out.record.x_m, 1.5F);

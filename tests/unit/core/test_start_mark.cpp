@@ -1,6 +1,7 @@
 // Where the track begins and what it goes on through: start marks, exercises that were broken off, steps that were left out.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
@@ -90,16 +91,51 @@ TEST(StartMark, AGuidedExerciseThatWasBrokenOffGoesOnAndAFinishedOneBeginsAgain)
   EXPECT_GE(hoist.out.record.guided_progress_norm, done_norm);
   EXPECT_EQ(hoist.out.record.guided_end, 0);
   ASSERT_TRUE(hoist.run_until_powered());
-  for (int i = 0; i < 3000 && hoist.state.mode == Mode::guided; ++i) hoist.drive_for(1, 0);
+  float fastest_m_s = 0;
+  for (int i = 0; i < 3000 && hoist.state.mode == Mode::guided; ++i) {
+    hoist.drive_for(1, 0);
+    fastest_m_s = std::max(fastest_m_s, hoist.out.record.speed_wish_m_s);
+  }
+  EXPECT_NEAR(fastest_m_s, slower.speed_m_s, 0.01) << "with the speed that was wished last";
   // Two metres from the mark, not from where it went on.
   EXPECT_NEAR(std::hypot(hoist.out.record.x_m - 1.0, hoist.out.record.y_m - 2.0), 2.0, 0.03);
   EXPECT_EQ(hoist.out.record.guided_progress_norm, 1.0F);
   hoist.hold(0, 0, false);
   hoist.step(120);
+  ASSERT_EQ(hoist.ask_guided(kWay), 0U);
+  EXPECT_NEAR(hoist.out.record.guided_progress_norm, 0.0, 0.01) << "also without a new mark";
+  ASSERT_EQ(hoist.ask_mode(Mode::standby), 0U);
+  ASSERT_TRUE(hoist.reach(Mode::standby));
+  hoist.step(120);
   ASSERT_EQ(mark(hoist, kEight), 0U);
   EXPECT_EQ(hoist.out.record.start_mark, 2U) << "nothing was left to go on with";
   ASSERT_EQ(hoist.ask_guided(kWay), 0U);
   EXPECT_NEAR(hoist.out.record.guided_progress_norm, 0.0, 0.01);
+}
+
+TEST(StartMark, ABrokenOffExerciseGoesOnAsTheSameFigureOnTheSameMarkOnly) {
+  constexpr GuidedPath kWay{GuidedShape::straight, false, 2.0, 0, 0.3, 1}, kLonger{GuidedShape::straight, false, 3.0, 0, 0.3, 1};
+  struct Case {
+    const char* what;
+    std::uint32_t again;
+    GuidedPath path;
+    bool goes_on;
+  };
+  for (const Case& one :
+       {Case{"the same", 0, kWay, true}, Case{"a new mark", contract::kStartAgain, kWay, false}, Case{"a longer way", 0, kLonger, false}}) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    ASSERT_EQ(mark(hoist, kEight), 0U);
+    ASSERT_EQ(hoist.ask_guided(kWay), 0U);
+    ASSERT_TRUE(hoist.run_until_powered());
+    hoist.drive_for(400, 0);
+    hoist.ask(CommandKind::stop);
+    hoist.hold(0, 0, false);
+    acknowledge(hoist);
+    ASSERT_EQ(mark(hoist, kEight, one.again), 0U);
+    ASSERT_EQ(hoist.ask_guided(one.path), 0U);
+    EXPECT_EQ(hoist.out.record.guided_progress_norm > 0.3F, one.goes_on) << one.what;
+  }
 }
 
 TEST(StartMark, ASquareBrokenOffInACornerGoesOnTurning) {

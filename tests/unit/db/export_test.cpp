@@ -11,11 +11,13 @@
 #include <sstream>
 
 #include "control/bus/candump_log.hpp"
+#include "control/contract/axes.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/reference_path.hpp"
 #include "db/export/fixed_point.hpp"
 #include "db/export/session_export.hpp"
 #include "db/store/sqlite.hpp"
+#include "db/summary/session_json.hpp"
 #include "db/summary/session_metrics.hpp"
 #include "tests/unit/db/db_support.hpp"
 
@@ -148,6 +150,7 @@ TEST(Csv, every_value_reads_back_as_it_was_stored) {
   EXPECT_LT(largest, 200000U) << "a piece is small whatever the session's length";
   EXPECT_EQ(csv.comments.front(), "# hoist session," + std::to_string(f.id));
   EXPECT_NE(std::ranges::find(csv.comments, "# simulated,true"), csv.comments.end());
+  EXPECT_NE(std::ranges::find(csv.comments, "# node programs,not recorded"), csv.comments.end());
   EXPECT_NE(std::ranges::find(csv.comments, "# note,\"first\\nsecond, with \"\"quotes\"\"\""), csv.comments.end());
   EXPECT_TRUE(csv.comments.back().starts_with("# units: UTC,s,,,ns,rad,"));
   ASSERT_EQ(csv.names.size(), contract::kSignalCount + 3);
@@ -330,6 +333,7 @@ TEST(Csv, any_text_survives_readers_with_and_without_comments) {
   start.note = text;
   f.record(start, Walk(31).records(0, 20));
   ASSERT_TRUE(f.writer.append_marker(3, kStartUtc_ns, text).ok());
+  ASSERT_TRUE(f.writer.append_marker(4, kStartUtc_ns, "bed #2").ok());
   f.end();
   for (const bool comments : {true, false}) {
     ExportOptions options;
@@ -337,10 +341,11 @@ TEST(Csv, any_text_survives_readers_with_and_without_comments) {
     options.comments = comments;
     const std::string csv = whole(f.database, f.id, options);
     const auto dropped = read_rfc4180(csv, true);
-    ASSERT_EQ(dropped.size(), 2U) << csv;
+    ASSERT_EQ(dropped.size(), 3U) << csv;
     EXPECT_EQ(dropped[0].back(), "text");
     ASSERT_EQ(dropped[1].size(), dropped[0].size());
     EXPECT_EQ(dropped[1].back(), text);
+    EXPECT_EQ(dropped[2].back(), "bed #2") << "nothing else in it needs quotes";
     auto plain = read_rfc4180(csv, false);
     std::erase_if(plain, [](const auto& row) { return row.front().starts_with("#"); });
     EXPECT_EQ(plain, dropped);
@@ -364,6 +369,7 @@ TEST(Provenance, both_exports_say_who_recorded_what) {
         "# node program,tilt_left; product 80000001; revision 2.0; version 1.2.3; crc deadbeef",
         "# axes:,,,x forward from the start mark,psi turns left,", "# units: UTC,s,,m,rad,"})
     EXPECT_NE(std::ranges::find(csv.comments, line), csv.comments.end()) << line;
+  EXPECT_NE(std::ranges::find(csv.comments, "# directions,\"" + std::string(contract::kAxesText) + '"'), csv.comments.end());
   options.format = ExportFormat::json;
   const json all = json::parse(whole(f.database, f.id, options));
   EXPECT_EQ(all["session"]["software_version"], "0.1.0+aaaabbbbcccc");
@@ -372,6 +378,10 @@ TEST(Provenance, both_exports_say_who_recorded_what) {
   EXPECT_EQ(all["session"]["nodes"][0]["version"], "1.2.3");
   EXPECT_EQ(all["session"]["nodes"][0]["simulated"], true);
   EXPECT_TRUE(all["session"]["nodes"][1]["revision"].is_null());
+  EXPECT_EQ(all["directions"], contract::kAxesText);
+  EXPECT_EQ(all["columns"][0]["unit"], "s");
+  EXPECT_EQ(all["columns"][3]["unit"], "rad");
+  EXPECT_EQ(all["columns"][3]["lsb"], contract::kSignals[*contract::find_signal("psi_rad")].lsb);
   EXPECT_EQ(all["columns"][3]["axis"], "psi turns left");
   EXPECT_TRUE(all["columns"][4]["axis"].is_null());
 }
@@ -392,6 +402,7 @@ TEST(BusLogExport, frames_come_back_as_recorded_with_their_gap) {
   }
   ASSERT_TRUE(f.writer.append_bus(frames).ok());
   ASSERT_TRUE(f.writer.append_gap("bus", 149, 175, "recorder_late").ok());
+  ASSERT_TRUE(f.writer.append_gap("ticks", 50, 60, "not_received").ok());  // of samples: no frame is missing
   f.end();
   ExportOptions options;
   options.format = ExportFormat::candump;
@@ -517,6 +528,7 @@ TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {
       EXPECT_GT(metrics["C"].get<double>(), 0.8) << "the wobble is small";
     }
     EXPECT_GT(metrics["J_N"].get<double>(), 0.0);
+    EXPECT_NEAR(metrics["rms_position_m"].get<double>(), 0.05 / std::numbers::sqrt2, 0.01) << "the wobble";
     EXPECT_NEAR(metrics["mean_speed_m_s"].get<double>(), 0.4, 1e-9);
     const json listed = json::parse(run(tool + " sessions " + db));
     EXPECT_EQ(listed["id"], f.id);
@@ -614,6 +626,11 @@ TEST(Metrics, AWalkThatGoesOnIsComparedAndANewStartIsNot) {
   for (std::size_t i = 1900; i < paused.size() - 160; ++i) paused[i].mode = static_cast<std::uint8_t>(contract::Mode::remote);
   EXPECT_EQ(figures_of(paused).why_absent, NoFigure::several_walks);
   EXPECT_FALSE(figures_of(paused).normalised_ise.has_value());
+  EXPECT_EQ(metrics_json(figures_of(paused), {})["reason_code"], "several_walks");
+  // Recordings without the number of the mark: a new one shows in the way, which begins at zero with it.
+  paused = same;
+  for (std::size_t i = 200; i < 1700; ++i) paused[i].distance_m = 2;
+  EXPECT_EQ(figures_of(paused).why_absent, NoFigure::several_walks);
 }
 
 TEST(Metrics, ARecordingThatBeginsMidwayKnowsItsPlace) {
@@ -636,6 +653,7 @@ TEST(Metrics, StandingIsNoMotion) {
   for (std::size_t i = 500; i < 1500; ++i) walk[i].standing_still = 1, walk[i].speed_m_s = 0;
   const SessionMetrics metrics = figures_of(walk);
   EXPECT_NEAR(metrics.moving_s - metrics.motion_s, 10.0, 1e-9);
+  EXPECT_EQ(metrics_json(metrics, {})["motion_s"], metrics.motion_s);
   EXPECT_NEAR(metrics.mean_speed_m_s, 0.4, 1e-5);
 }
 

@@ -327,7 +327,7 @@ TEST_F(TiltTest, H6_ASensorThatFailedItsSelfTestIsNeverValid) {
   }
 }
 
-// The gyroscope loses its zero: 20 degrees a second within a second, 5 within ten (research H8), either way and on either axis.
+// The gyroscope loses its zero: 20 degrees a second within a second, 5 within ten (SOURCES 2.2, H8), either way and on either axis.
 TEST_F(TiltTest, H8_AGyroscopeThatLosesItsZeroIsNotValid) {
   struct Case {
     float jump_deg_s;

@@ -137,6 +137,8 @@ TEST(Link, ASecondServerIsRefusedWithAReason) {
   ASSERT_TRUE(attach(first));
   while (second.last_error().find("another server") == std::string::npos) ASSERT_FALSE(second.poll_connect());
   EXPECT_NE(second.last_error().find("another server"), std::string::npos) << second.last_error();
+  EXPECT_EQ(second.problem(), LinkProblem::taken);
+  EXPECT_EQ(first.problem(), LinkProblem::none);
   EXPECT_TRUE(first.poll_connect());
 }
 
@@ -195,6 +197,7 @@ TEST(Link, ACoreThatStandsStillHoldsNobodyUp) {
     servers.push_back(std::make_unique<ServerLink>(path));
     for (int k = 0; k < 100 || servers.back()->last_error().empty(); ++k) ASSERT_FALSE(servers.back()->poll_connect());
     EXPECT_EQ(servers.back()->last_error(), "the core does not answer");
+    EXPECT_EQ(servers.back()->problem(), LinkProblem::silent);
   }
   ::alarm(0);
   EXPECT_EQ(CoreLink::create(path, 2000, 5, error), nullptr) << "it is not dead";

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "server/ws/frame.hpp"
+#include "server/live/frame.hpp"
 
 namespace hoist::test {
 

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "server/ws/frame.hpp"
+#include "server/live/frame.hpp"
 
 namespace hoist::server {
 namespace {

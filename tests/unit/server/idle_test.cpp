@@ -1,5 +1,6 @@
-// What the server does while nothing happens, counted in virtual time; and how answers are printed and compressed.
+// What the server does while nothing happens, and for each step of the core, counted in virtual time; and how answers are printed and compressed.
 #include <gtest/gtest.h>
+#include <sys/socket.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -9,10 +10,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "server/actions/actions.hpp"
+#include "control/run/heap_watch.hpp"
 #include "server/http/compress.hpp"
+#include "server/http/json_writer.hpp"
 #include "server/live/client.hpp"
-#include "server/text/json_writer.hpp"
 #include "tests/unit/server/fake_core.hpp"
 
 namespace hoist::server {
@@ -30,23 +31,22 @@ class Idle : public ::testing::Test {
         core_((folder_ / "core.sock").string(), counters_),
         firmware_(core_),
         recorder_(core_.link(), {.file = folder_ / "none.db", .version = "", .utc_ns = [] { return std::int64_t{0}; }, .steady_ns = {}}),
-        records_(recorder_, [](std::function<void()>) {}),
-        state_(settings_, core_, recorder_) {
+        records_(recorder_, [](std::function<void()>) {}) {
     std::string error;
     auth_ = Auth::create({.token_file = "", .hosts = {}}, 1000, error);
     services_.reset(new Services{.settings = settings_,
                                  .counters = counters_,
+                                 .auth = *auth_,
                                  .core = core_,
                                  .firmware = firmware_,
-                                 .state = state_,
+                                 .hub = hub_,
                                  .recorder = recorder_,
                                  .records = records_,
                                  .now_ns = [this] { return now_ns_; },
                                  .utc_ns = [] { return std::int64_t{0}; },
                                  .next_client = [] { return 1U; }});
-    hub_.set_services(*services_, *auth_);
-    core_.add_listener(state_);
-    core_.add_listener(hub_);
+    hub_.set_services(*services_);
+    core_.set_listener(&hub_);
     // The core accepts in its own time.
     for (int i = 0; i < 500 && !core_.connected(); ++i) {
       fake_.skip(1);
@@ -54,7 +54,7 @@ class Idle : public ::testing::Test {
     }
   }
   ~Idle() override {
-    core_.clear_listeners();
+    core_.set_listener(nullptr);
     std::filesystem::remove_all(folder_);
   }
   void poll(int times) {
@@ -74,7 +74,6 @@ class Idle : public ::testing::Test {
   FirmwareDesk firmware_;
   Recorder recorder_;
   RecorderDesk records_;
-  HoistState state_;
   Hub hub_;
   std::unique_ptr<Auth> auth_;
   std::unique_ptr<Services> services_;
@@ -94,8 +93,7 @@ TEST_F(Idle, AClientIsVisitedOnceASecond) {
   std::vector<std::shared_ptr<Client>> clients;
   const auto session = std::make_shared<Session>();
   for (std::uint32_t i = 0; i < 64; ++i) {
-    clients.push_back(
-        std::make_shared<Client>(hub_, std::make_unique<Stream>(boost::asio::ip::tcp::socket(io_), nullptr), session, i + 1, nullptr));
+    clients.push_back(std::make_shared<Client>(hub_, boost::asio::ip::tcp::socket(io_), session, i + 1, nullptr));
     clients.back()->start();  // its clock; the network is never run
     hub_.add(clients.back());
   }
@@ -105,45 +103,71 @@ TEST_F(Idle, AClientIsVisitedOnceASecond) {
   EXPECT_LE(hub_.visits() - before, 4U * 64U);
 }
 
-// Whatever a protocol's own table says: an action of too low a role is refused by the action, and the core hears nothing of it.
-TEST_F(Idle, ActionsAskForTheRoleThemselves_H28) {
-  ASSERT_TRUE(core_.connected());
-  const Asker viewer{.client = 7, .epoch = 0, .role = contract::Role::viewer};
-  Asker therapist = viewer;
-  therapist.role = contract::Role::therapist;
-  const json none, empty = json::object(), values{{"v_max_m_s", 0.1}};
-  int refused = 0, asked = 0;
-  const OutcomeDone done = [&refused](const Outcome& outcome) {
-    EXPECT_EQ(outcome.kind, Outcome::Kind::refused);
-    EXPECT_EQ(outcome.refusals, std::vector<std::string>{"not_allowed"});
-    ++refused;
+// A client of the hub, and the browser's end of its socket.
+class Browser {
+ public:
+  Browser(boost::asio::io_context& io, Hub& hub, const SessionPtr& session, std::uint32_t number) {
+    std::array<int, 2> ends{};
+    EXPECT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends.data()), 0);
+    boost::asio::ip::tcp::socket socket(io);
+    socket.assign(boost::asio::ip::tcp::v4(), ends[0]);
+    fd_ = ends[1];
+    client = std::make_shared<Client>(hub, std::move(socket), session, number, nullptr);
+    client->start();
+    hub.add(client);
+  }
+  ~Browser() { ::close(fd_); }
+  Browser(const Browser&) = delete;
+  Browser& operator=(const Browser&) = delete;
+  // Takes what has come; how many bytes.
+  std::size_t read() {
+    std::size_t bytes = 0;
+    for (ssize_t got = 0; (got = ::recv(fd_, buffer_.data(), buffer_.size(), 0)) > 0;) bytes += static_cast<std::size_t>(got);
+    return bytes;
+  }
+  std::shared_ptr<Client> client;
+
+ private:
+  int fd_ = -1;
+  std::array<char, 65536> buffer_{};
+};
+
+TEST_F(Idle, TheSteadyStreamAsksNothingOfTheHeap) {
+  const auto session = std::make_shared<Session>();
+  std::vector<std::unique_ptr<Browser>> browsers;
+  for (std::uint32_t i = 0; i < 20; ++i) browsers.push_back(std::make_unique<Browser>(io_, hub_, session, i + 1));
+  hub_.set_every_tick(*browsers[0]->client, true);
+  std::vector<contract::TickRecord> step(1);
+  std::size_t bytes = 0;
+  const auto walk = [&](int steps) {
+    for (int i = 0; i < steps; ++i) {
+      ++step[0].tick;
+      step[0].time_ns += kTick_ns;
+      step[0].fused_x_m += 0.03F;  // a new point of the path each time
+      hub_.on_ticks(step, 0);
+      if (i % 5 == 4)
+        for (const auto& browser : browsers) bytes += browser->read();
+    }
   };
-  const auto one = [&](auto act, const Asker& asker, const auto&... wish) {
-    ++asked;
-    act(*services_, asker, wish..., done);
-  };
-  one(act_take_lease, viewer, true);
-  one(act_mode, viewer, ModeWish{json("user"), none, none, none});
-  one(act_mode, viewer, ModeWish{json("standby"), none, none, none});
-  one(act_acknowledge, viewer, none);
-  one(act_calibrate, viewer, empty);
-  one(act_measure, viewer, empty);
-  one(act_use_calibration, viewer);
-  one(act_cancel_calibration, viewer);
-  one(act_neutral, viewer);
-  one(act_pose, viewer, empty);
-  one(act_set, viewer, values, none, 0U);
-  one(act_keep_trial, viewer, none);
-  one(act_undo_trial, viewer);
-  one(act_preset, viewer, std::string{"walk"}, 0U);
-  one(act_update_firmware, therapist, std::vector<std::uint8_t>{}, contract::Node::tilt_base, false);
-  EXPECT_EQ(refused, asked);
-  std::uint64_t sequence = 0;
-  const DriveWish push{.sequence = 1, .echo_time_ns = 1, .speed_norm = 1.0, .yaw_norm = 0.0, .held = true};
-  EXPECT_EQ(act_drive(*services_, viewer, push, sequence), contract::Refusal::not_allowed);
-  fake_.skip(2);
-  EXPECT_TRUE(fake_.commands().empty());
-  EXPECT_EQ(fake_.drive().held, 0U);
+  walk(20);
+  const std::uint64_t before = run::heap_requests();
+  bytes = 0;
+  walk(3000);
+  EXPECT_EQ(run::heap_requests() - before, 0U);
+  EXPECT_GT(bytes, 20U * 3000U * sizeof(contract::TickRecord)) << "every client has got every step";
+}
+
+TEST_F(Idle, AFrameThatAClientStillSendsIsNotWrittenAgain) {
+  std::vector<contract::TickRecord> records(1);
+  TelemetryFrames frames;
+  std::vector<SharedFrame> held;
+  std::vector<std::string> was;
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    records[0].tick = i;
+    held.push_back(frames.encode(records));
+    was.push_back(*held.back());
+  }
+  for (std::size_t i = 0; i < held.size(); ++i) EXPECT_EQ(*held[i], was[i]) << i;
 }
 
 TEST_F(Idle, TheNextStepMattersOnlyWhileAnAnswerIsDueOrTheLeaseIsHeld) {
@@ -217,6 +241,8 @@ TEST(Compress, OnlyWhereItIsAcceptedAndWorthIt) {
   }
   EXPECT_FALSE(coded(answered(200, "[1]", "gzip"))) << "too short";
   EXPECT_FALSE(coded(answered(422, body, "gzip"))) << "a problem repeats what the request says";
+  const std::string other = "[" + std::string(4000, '2') + "]";
+  EXPECT_EQ(unzipped(answered(200, other, "gzip").body), other) << "nothing of the answer before is left";
 }
 
 }  // namespace

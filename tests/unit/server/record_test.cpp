@@ -204,6 +204,7 @@ TEST_F(Record, AMistypedCodeIsRefusedAndNoFailureOfTheRecording) {
   EXPECT_EQ(start("P-1", std::string(5000, 'x')), 422);
   EXPECT_EQ(recording()["state"], "idle") << recording();
   EXPECT_EQ(recording()["detail"], "");
+  EXPECT_EQ(recording()["reason_code"], nullptr);
   mode(Mode::user);
   ASSERT_TRUE(wait_state("recording"));
   EXPECT_EQ(start("", ""), 422);
@@ -257,6 +258,7 @@ TEST_F(Record, WithoutADatabaseTherapyGoesOn) {
   EXPECT_EQ(get("/api/v1/sessions").status, 503);
   EXPECT_TRUE(wait_state("failed"));
   EXPECT_FALSE(recording()["detail"].get<std::string>().empty());
+  EXPECT_EQ(recording()["reason_code"], "storage");
   EXPECT_EQ(call("POST", "/api/v1/neutral", json::object()).status, 200);
 }
 

@@ -10,6 +10,7 @@
 #include "control/contract/params.hpp"
 #include "server/contract/routes.hpp"
 #include "server/http/auth.hpp"
+#include "server/http/static_files.hpp"
 #include "tests/unit/server/fixture.hpp"
 
 namespace hoist::test {
@@ -180,9 +181,54 @@ TEST_F(Rest, StaticFiles) {
   const Answer squeezed = http(port_, "GET", "/assets/app-12ab.js", {{"Accept-Encoding", "gzip, deflate"}});
   EXPECT_EQ(squeezed.body, "squeezed");
   EXPECT_EQ(squeezed.header("content-encoding"), "gzip");
+  EXPECT_NE(squeezed.header("etag"), plain.header("etag"));
   for (const char* bad : {"/secret.html", "/../secret.html", "/%2e%2e/secret.html", "/assets/../../secret.html", "/link.html",
                           "/.hidden.html", "/assets", "/token", "//secret.html", "/assets/%2e%2e%2fsecret.html"})
     EXPECT_EQ(http(port_, "GET", bad).status, 404) << bad;
+}
+
+TEST_F(Rest, PagesAreReadOnceAtTheStart) {
+  std::filesystem::remove_all(folder_ / "web");
+  EXPECT_EQ(http(port_, "GET", "/").body, "<!doctype html><title>console</title>");
+  stop_server();
+  std::filesystem::create_directories(folder_ / "web");
+  std::ofstream(folder_ / "web" / "index.html") << "<!doctype html><title>another build</title>";
+  start_server();
+  const Answer page = http(port_, "GET", "/");
+  EXPECT_EQ(page.body, "<!doctype html><title>another build</title>");
+  stop_server();
+  std::ofstream(folder_ / "web" / "film.txt").flush();
+  std::filesystem::resize_file(folder_ / "web" / "film.txt", server::kPagesLimit_bytes);
+  start_server();
+  EXPECT_EQ(http(port_, "GET", "/").status, 404) << "too much to be the console";
+  std::filesystem::resize_file(folder_ / "web" / "film.txt", 1);
+  stop_server();
+  start_server();
+  EXPECT_EQ(http(port_, "GET", "/", {{"If-None-Match", page.header("etag")}}).status, 304) << "the same bytes, the same tag";
+}
+
+// RFC 9110, 8.8.3: a strong entity tag is of one sequence of bytes.
+TEST_F(Rest, GzipHasAnEntityTagOfItsOwn) {
+  const auto list = [&](const Headers& more) {
+    Headers headers = bearer_;
+    headers.insert(headers.end(), more.begin(), more.end());
+    return http(port_, "GET", "/api/v1/parameters", headers);
+  };
+  const std::pair<std::string, std::string> gzip{"Accept-Encoding", "gzip"};
+  const Answer plain = list({}), squeezed = list({gzip});
+  ASSERT_EQ(squeezed.header("content-encoding"), "gzip");
+  const std::string plain_tag = plain.header("etag"), gzip_tag = squeezed.header("etag");
+  EXPECT_NE(plain_tag, gzip_tag);
+  EXPECT_EQ(list({{"If-None-Match", plain_tag}}).status, 304);
+  EXPECT_EQ(list({{"If-None-Match", gzip_tag}}).status, 200);
+  EXPECT_EQ(list({gzip, {"If-None-Match", plain_tag}}).status, 200);
+  const Answer same = list({gzip, {"If-None-Match", "\"other\", W/" + gzip_tag}});
+  EXPECT_EQ(same.status, 304);
+  EXPECT_EQ(same.header("etag"), gzip_tag);
+  EXPECT_EQ(same.header("vary"), "Accept-Encoding");
+  const json change{{"value", 40.0}};
+  EXPECT_EQ(call("PUT", "/api/v1/parameters/lean_gain_filtered_units", change, {{"If-Match", gzip_tag}}).status, 200);
+  EXPECT_EQ(call("PUT", "/api/v1/parameters/lean_gain_filtered_units", change, {{"If-Match", gzip_tag}}).status, 412) << "outdated";
 }
 
 TEST_F(Rest, ParametersAreChangedThroughTheCore) {

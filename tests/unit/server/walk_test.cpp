@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "control/contract/faults.hpp"
-#include "server/state/walk.hpp"
+#include "server/live/walk.hpp"
 #include "tests/unit/server/fixture.hpp"
 
 namespace hoist::test {
@@ -153,10 +153,11 @@ TEST_F(WalkLiveTest, AChangeOfSettingsForAnotherVersionIsRefused_H27) {
 
 TEST_F(WalkLiveTest, AScreenIsToldWhyTheCoreIsAway) {
   Live live(port_, bearer_);
-  EXPECT_TRUE(live.wait("core")["problem"].is_null());
+  json told = live.wait("core");
+  EXPECT_TRUE(told["problem"].is_null());
+  EXPECT_TRUE(told["reason_code"].is_null());
   core_.reset();
-  json told;
-  EXPECT_TRUE(until([&] { return (told = live.wait("core"))["connected"] == false && told["problem"].is_string(); }));
+  EXPECT_TRUE(until([&] { return (told = live.wait("core"))["connected"] == false && told["reason_code"] == "core_absent"; })) << told;
   EXPECT_FALSE(told["problem"].get<std::string>().empty());
 }
 
@@ -166,6 +167,9 @@ TEST_F(WalkLiveTest, AWrongChoiceNamesItsFieldAndChangesNothing) {
   const json refused = live.ask({{"type", "choose"}, {"exercise", {{"shape", "square"}, {"side_m", 1000}}}});
   EXPECT_EQ(refused["errors"][0]["field"], "exercise.side_m");
   EXPECT_EQ(refused["errors"][0]["max"], 100.0);
+  EXPECT_EQ(refused["reason_code"], "exercise");
+  EXPECT_EQ(live.ask({{"type", "marker"}, {"text", "help"}})["reason_code"], "not_recording");
+  EXPECT_EQ(live.ask({{"type", "marker"}, {"text", 7}})["reason_code"], "message");
   EXPECT_EQ(call("PUT", "/api/v1/exercise", {{"shape", "spiral"}}).status, 422);
   EXPECT_EQ(get("/api/v1/walk").json()["exercise"], before);
   EXPECT_EQ(call("PUT", "/api/v1/exercise", {{"shape", "circle"}, {"radius_m", 2.0}}).status, 200);

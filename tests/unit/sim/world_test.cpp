@@ -88,7 +88,7 @@ TEST(World, ASilentComputerStopsTheWheelsByThemselves) {
   world.unplug(Node::core, true);
   const double speed_m_s = world.plant().platform().speed_m_s;
   const double x_m = world.plant().platform().x_m;
-  // Braking begins within 50 ms of the last command (design 6), with 1 m/s2 at the wheel (quick-stop ramp 300 rad/s2 at the motor).
+  // Braking begins within 50 ms of the last command (SOURCES 3), with 1 m/s2 at the wheel (quick-stop ramp 300 rad/s2 at the motor).
   for (int i = 0; i < 65; ++i) world.advance_1ms();
   EXPECT_LT(world.plant().platform().speed_m_s, speed_m_s - 0.005);
   for (int i = 0; i < 1000; ++i) world.advance_1ms();

@@ -1,4 +1,4 @@
-// Made by `deploy/dev gen` from server/contract/messages.def, control/contract/commands.hpp and can_dictionary.def; do not edit.
+// Made by `deploy/dev gen` from server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def; do not edit.
 
 /** What is walked; null and free mean the same. */
 export type Exercise =
@@ -28,6 +28,70 @@ export interface FieldError {
   max?: number;
   message?: string;
 }
+
+export type ReasonCode =
+  | 'refused'
+  | 'no_core'
+  | 'busy'
+  | 'role'
+  | 'no_session'
+  | 'invalid'
+  | 'exercise'
+  | 'measurement'
+  | 'message'
+  | 'unknown'
+  | 'not_now'
+  | 'not_recording'
+  | 'disk_full'
+  | 'storage'
+  | 'internal'
+  | 'core_absent'
+  | 'core_silent'
+  | 'core_gone'
+  | 'core_taken'
+  | 'core_build'
+  | 'core_refused'
+  | 'core_unreachable'
+  | 'no_exercise'
+  | 'no_motion'
+  | 'part_missing'
+  | 'several_walks'
+  | 'start_unclear'
+  | 'not_comparable'
+  | 'too_short';
+
+/** Why something was not done, or is not there. */
+export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> = {
+  refused: { en: 'The hoist refused this.', de: 'Das Gerät hat das abgelehnt.' },
+  no_core: { en: 'The control computer does not answer.', de: 'Der Steuerrechner antwortet nicht.' },
+  busy: { en: 'Busy just now. Try again in a moment.', de: 'Gerade beschäftigt. Gleich noch einmal versuchen.' },
+  role: { en: 'Your role may not do this.', de: 'Ihre Rolle darf das nicht.' },
+  no_session: { en: 'This device is not signed in.', de: 'Dieser Bildschirm ist nicht angemeldet.' },
+  invalid: { en: 'This value cannot be used.', de: 'Dieser Wert ist nicht brauchbar.' },
+  exercise: { en: 'The hoist cannot walk this exercise.', de: 'Diese Übung kann das Gerät nicht fahren.' },
+  measurement: { en: 'This measurement cannot be used.', de: 'Diese Messung ist nicht brauchbar.' },
+  message: { en: 'This page and the software of the hoist do not match. Load the page again.', de: 'Diese Seite passt nicht zur Software des Geräts. Seite neu laden.' },
+  unknown: { en: 'This is no longer there.', de: 'Das gibt es nicht mehr.' },
+  not_now: { en: 'This session is still being recorded.', de: 'Diese Sitzung wird noch aufgezeichnet.' },
+  not_recording: { en: 'Nothing is being recorded.', de: 'Es läuft keine Aufnahme.' },
+  disk_full: { en: 'The storage is full.', de: 'Der Speicher ist voll.' },
+  storage: { en: 'The storage does not answer. Call service if it stays so.', de: 'Der Speicher antwortet nicht. Bleibt es so, Service rufen.' },
+  internal: { en: 'Something went wrong in the server. Call service if it stays so.', de: 'Im Server ging etwas schief. Bleibt es so, Service rufen.' },
+  core_absent: { en: 'The control program is not running.', de: 'Das Steuerprogramm läuft nicht.' },
+  core_silent: { en: 'The control program is running but gives no reply.', de: 'Das Steuerprogramm läuft, reagiert aber nicht.' },
+  core_gone: { en: 'The control program has ended.', de: 'Das Steuerprogramm wurde beendet.' },
+  core_taken: { en: 'Another console server is connected to it.', de: 'Ein anderer Konsolenserver ist damit verbunden.' },
+  core_build: { en: 'Its parts are of different software versions: switch the hoist off and on.', de: 'Seine Teile haben verschiedene Softwarestände: Gerät aus- und einschalten.' },
+  core_refused: { en: 'The control program refused the console server. Call service.', de: 'Das Steuerprogramm weist den Konsolenserver ab. Service rufen.' },
+  core_unreachable: { en: 'The console server cannot reach the control program.', de: 'Der Konsolenserver erreicht das Steuerprogramm nicht.' },
+  no_exercise: { en: 'No exercise was chosen.', de: 'Es war keine Übung gewählt.' },
+  no_motion: { en: 'Nobody walked in this session.', de: 'In dieser Sitzung ging niemand.' },
+  part_missing: { en: 'Part of this walk is not recorded.', de: 'Ein Teil dieses Wegs ist nicht aufgezeichnet.' },
+  several_walks: { en: 'This recording holds more than one walk: it was started anew, or led by someone else.', de: 'Diese Aufzeichnung enthält mehr als einen Weg: Es wurde neu begonnen, oder jemand anderes hat geführt.' },
+  start_unclear: { en: 'It is not clear where on the exercise this walk began.', de: 'Es ist unklar, an welcher Stelle der Übung dieser Weg begann.' },
+  not_comparable: { en: 'The recorded path cannot be compared with this exercise.', de: 'Der aufgezeichnete Weg lässt sich mit dieser Übung nicht vergleichen.' },
+  too_short: { en: 'The walk was too short, or had no turn in it.', de: 'Der Weg war zu kurz oder hatte keine Drehung.' },
+};
 
 /** Take control; take_over takes it from somebody else while standing still. */
 export interface LeaseTakeRequest {
@@ -265,6 +329,8 @@ export interface ReplyMessage {
   /** Which field, what is allowed. */
   errors?: FieldError[];
   detail?: string;
+  /** Why not, where no refusal says it; a row of reasons.def. */
+  reason_code?: ReasonCode;
   /** Number of the lease just taken. */
   epoch?: number;
   /** Of a change of settings. False: in force, and not on the disk; see notices. */
@@ -317,6 +383,8 @@ export interface RecordingMessage {
   /** Newest step that is safe on disk. */
   durable_tick: number | null;
   detail: string;
+  /** Why it failed; a row of reasons.def. */
+  reason_code: ReasonCode | null;
 }
 
 /** Whether the control core answers. */
@@ -325,6 +393,8 @@ export interface CoreMessage {
   connected: boolean;
   /** Why it is not connected, as in GET /api/v1/status. */
   problem: string | null;
+  /** The same for programs; a row of reasons.def. */
+  reason_code: ReasonCode | null;
 }
 
 /** The exercise and the walk since the start mark: on connecting, and when anything but the newest step changes it. */
@@ -452,4 +522,4 @@ export const nodes: readonly NodeInfo[] = [
 ];
 
 /** Two programs with different hashes do not understand each other. */
-export const layoutHash = '1a4f15300fd9b874';
+export const layoutHash = 'cbedef89f8a79006';

@@ -5,9 +5,9 @@ import type { ParamName } from '../contract/params.gen';
 import type { TickRecord } from '../contract/signals.gen';
 import { readFrame } from './frame';
 import { live } from './live';
-import { rest } from './rest';
+import { rest, type Answer } from './rest';
 import { Link, replyLost, subprotocol, type Reply, type SocketLike } from './socket';
-import { moving, stopped, store, type Emergency, type LogLine, type Notice, type Recording } from './store';
+import { moving, stopped, store, writable, type Emergency, type LogLine, type Notice, type Recording } from './store';
 
 const late_ms = 500;
 const gone_ms = 1000;
@@ -26,10 +26,10 @@ const link = new Link(
   },
   {
     state(state) {
-      if (state === 'open') store.set({ link: state, everOpen: true, signedIn: true });
-      else store.set({ link: state, lease: { ...store.value.lease, mine: false } });
+      if (state === 'open') writable.set({ link: state, everOpen: true, signedIn: true });
+      else writable.set({ link: state, lease: { ...store.value.lease, mine: false } });
     },
-    rtt: (rtt_s) => store.set({ rtt_s }),
+    rtt: (rtt_s) => writable.set({ rtt_s }),
     binary: takeFrame,
     text: takeText,
     refused: () => void checkSignedIn(),
@@ -38,22 +38,22 @@ const link = new Link(
 
 async function checkSignedIn(): Promise<void> {
   const answer = await rest('GET', '/status');
-  if (!answer.ok && (answer.problem.status === 401 || answer.problem.status === 403)) store.set({ signedIn: false });
+  if (!answer.ok && (answer.problem.status === 401 || answer.problem.status === 403)) writable.set({ signedIn: false });
 }
 
 function takeFrame(buffer: ArrayBuffer): void {
   const frame = readFrame(buffer);
   if (!frame.ok) {
-    if (frame.why === 'layout') store.set({ layoutDiffers: true });
+    if (frame.why === 'layout') writable.set({ layoutDiffers: true });
     return;
   }
   const newest = frame.records.at(-1);
   if (newest === undefined) return;
   live.take(frame.records, performance.now());
-  store.set({ data: 'fresh', dataAge_s: 0, ...slowPart(newest) });
+  writable.set({ data: 'fresh', dataAge_s: 0, ...slowPart(newest) });
   if (stoppedModes.has(newest.mode)) stopSeen();
   // A STOP that did not get through is no news any more once the hoist is seen to stand, led by nobody.
-  else if (store.value.stopFailed && newest.standing_still === 1 && !moving(store.value.mode)) store.set({ stopFailed: false });
+  else if (store.value.stopFailed && newest.standing_still === 1 && !moving(store.value.mode)) writable.set({ stopFailed: false });
 }
 
 const bitOf = (name: FaultName) => faults.find((fault) => fault.name === name)!.bit;
@@ -74,6 +74,9 @@ const silentTicks = 50;
 /** Where a STOP has nothing left to do. */
 const stoppedModes = new Set(modes.filter((mode) => stopped(mode.name)).map((mode) => mode.value));
 
+/** Value of guided_phase while the hoist goes at less than half its speed, because the patient lags. */
+const guidedWaits = 5;
+
 function slowPart(record: TickRecord) {
   return {
     mode: modes[record.mode]?.name ?? 'init',
@@ -83,6 +86,7 @@ function slowPart(record: TickRecord) {
     silentNodes: silentNodes(record),
     blockedBits: record.blocked_bits,
     standingStill: record.standing_still === 1,
+    waits: record.guided_phase === guidedWaits,
     sensed: record.bus_up === 1 && sensors.every((name) => record[`${name}_age_ticks`] < silentTicks),
     bumpers: record.bumpers,
     bumpersHeld: (record.bumpers & ~record.bumpers_acknowledged) === 0,
@@ -96,14 +100,16 @@ function slowPart(record: TickRecord) {
 /** This page led the hoist, also before a connection that was lost. */
 let led = false;
 
+const text = (value: unknown): string => (typeof value === 'string' ? value : '');
+
 function takeText(message: { type: string; [more: string]: unknown }): void {
   const now = store.value;
   switch (message.type) {
     case 'welcome': {
-      store.set({
+      writable.set({
         client: Number(message.client ?? 0),
-        role: String(message.role ?? ''),
-        version: String(message.version ?? ''),
+        role: text(message.role),
+        version: text(message.version),
         simulated: message.simulated === true,
         scenario: typeof message.scenario === 'string' ? message.scenario : null,
         layoutDiffers: message.layout_hash !== layoutHash,
@@ -111,61 +117,62 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
       break;
     }
     case 'parameters':
-      store.set({ parameters: { ...(message.values as Record<string, number>) }, parameterVersion: Number(message.version ?? 0) });
+      writable.set({ parameters: { ...(message.values as Record<string, number>) }, parameterVersion: Number(message.version ?? 0) });
       break;
     case 'lease':
-      store.set({ lease: { epoch: Number(message.epoch ?? 0), holder: Number(message.holder ?? 0), mine: message.mine === true } });
-      if (message.mine === true || now.leaseTaken) store.set({ leaseTaken: message.mine !== true && Number(message.holder) !== 0 });
-      else if (led && Number(message.holder) !== 0) store.set({ leaseTaken: true });
+      writable.set({ lease: { epoch: Number(message.epoch ?? 0), holder: Number(message.holder ?? 0), mine: message.mine === true } });
+      if (message.mine === true || now.leaseTaken) writable.set({ leaseTaken: message.mine !== true && Number(message.holder) !== 0 });
+      else if (led && Number(message.holder) !== 0) writable.set({ leaseTaken: true });
       led = message.mine === true;
       break;
     case 'recording': {
       const started = Number(message.started_utc_ms ?? 0);
-      store.set({
+      writable.set({
         recording: {
           state: (message.state as Recording['state']) ?? 'idle',
           session: typeof message.session === 'number' ? message.session : null,
           started_utc_ms: started > 0 ? started : null,
           samples: Number(message.samples ?? 0),
-          detail: String(message.detail ?? ''),
+          reason: typeof message.reason_code === 'string' ? message.reason_code : null,
         },
       });
       break;
     }
     case 'notices':
-      store.set({ standing: Array.isArray(message.items) ? (message.items as StandingNotice[]) : [] });
+      writable.set({ standing: Array.isArray(message.items) ? (message.items as StandingNotice[]) : [] });
       break;
     case 'walk': {
       const walk = message as unknown as WalkMessage;
       live.takeWalk(walk);
       // A server that came back in the middle of a walk does not know what it began with.
       const begun = walk.begun ?? (walk.mark === null && live.record !== null ? now.begun : null);
-      store.set({ exercise: walk.exercise, begun });
+      writable.set({ exercise: walk.exercise, begun });
       break;
     }
     case 'core':
-      store.set({ coreConnected: message.connected === true, coreProblem: typeof message.problem === 'string' ? message.problem : null });
+      writable.set({ coreConnected: message.connected === true, coreReason: typeof message.reason_code === 'string' ? message.reason_code : null });
       break;
     case 'event': {
       const line: LogLine = {
         time_ns: Number(message.time_ns ?? 0),
-        kind: String(message.kind ?? ''),
-        name: String(message.name ?? ''),
+        kind: text(message.kind),
+        name: text(message.name),
         value: typeof message.value === 'number' ? message.value : null,
         before: typeof message.before === 'number' ? message.before : null,
         code: typeof message.code === 'number' ? message.code : null,
       };
-      if (line.kind === 'emergency') takeEmergencies([{ time_ns: line.time_ns, node: line.name, code: line.code ?? 0, errorRegister: Number(message.bits ?? 0) }]);
+      if (line.kind === 'emergency')
+        takeEmergencies([{ time_ns: line.time_ns, node: line.name, code: line.code ?? 0, errorRegister: Number(message.bits ?? 0) }]);
       // The other ways to end are told by the strip, or were asked for.
       if (line.kind === 'guided_ended' && line.name === 'finished') notify('info', 'guided.finished');
       if (line.kind === 'guided_ended' && line.name === 'off_path') notify('warning', 'guided.off_path');
       // The hoist may behave otherwise from here on, perhaps in the middle of a walk.
       if (line.kind === 'parameters_reverted') notify('warning', 'trial.reverted');
-      store.set({ log: [...now.log, line].slice(-logLines) });
+      writable.set({ log: [...now.log, line].slice(-logLines) });
       break;
     }
     case 'notice':
-      notify((message.level as Notice['level']) ?? 'info', String(message.text_key ?? message.text ?? ''));
+      notify((message.level as Notice['level']) ?? 'info', text(message.text_key));
       break;
   }
 }
@@ -173,11 +180,11 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
 const emergenciesMost = 64;
 function takeEmergencies(more: readonly Emergency[]): void {
   const all = new Map([...store.value.emergencies, ...more].map((item) => [`${item.time_ns} ${item.node} ${item.code}`, item]));
-  store.set({ emergencies: [...all.values()].sort((a, b) => a.time_ns - b.time_ns).slice(-emergenciesMost) });
+  writable.set({ emergencies: [...all.values()].sort((a, b) => a.time_ns - b.time_ns).slice(-emergenciesMost) });
 }
 
 /** What devices reported before this page was opened. */
-export async function fetchEmergencies(): Promise<void> {
+export async function fetchEmergencies(): Promise<Answer<unknown>> {
   interface Told {
     node: string;
     time_ns: number;
@@ -186,7 +193,15 @@ export async function fetchEmergencies(): Promise<void> {
   }
   const answer = await rest<{ emergencies?: Told[] }>('GET', '/health');
   if (answer.ok)
-    takeEmergencies((answer.value.emergencies ?? []).map((item) => ({ time_ns: item.time_ns, node: item.node, code: item.emergency.code, errorRegister: item.error_register })));
+    takeEmergencies(
+      (answer.value.emergencies ?? []).map((item) => ({
+        time_ns: item.time_ns,
+        node: item.node,
+        code: item.emergency.code,
+        errorRegister: item.error_register,
+      })),
+    );
+  return answer;
 }
 
 let noticeId = 0;
@@ -197,15 +212,15 @@ export function notify(level: Notice['level'], text: string, plain = false): voi
   if (text === '') return;
   const id = ++noticeId;
   // The same again replaces the one before, and is there for its full time: a second mark is a second mark.
-  store.set({ notices: [...store.value.notices.filter((notice) => notice.text !== text), { id, level, text, plain }].slice(-noticesMost) });
-  window.setTimeout(() => store.set({ notices: store.value.notices.filter((notice) => notice.id !== id) }), noticeFor_ms);
+  writable.set({ notices: [...store.value.notices.filter((notice) => notice.text !== text), { id, level, text, plain }].slice(-noticesMost) });
+  window.setTimeout(() => writable.set({ notices: store.value.notices.filter((notice) => notice.id !== id) }), noticeFor_ms);
 }
 
 function checkAge(): void {
   if (live.record === null) return;
   const age_ms = performance.now() - live.received_ms;
   const data = age_ms > gone_ms ? 'gone' : age_ms > late_ms ? 'late' : 'fresh';
-  store.set({ data, dataAge_s: data === 'fresh' ? 0 : Math.floor(age_ms / 100) / 10 });
+  writable.set({ data, dataAge_s: data === 'fresh' ? 0 : Math.floor(age_ms / 100) / 10 });
 }
 
 export function startLink(): void {
@@ -223,7 +238,7 @@ let stopLeft = 0;
 
 /** STOP. Goes out at once; again, and by plain HTTP, until the hoist says that it stopped. */
 export function stop(): void {
-  store.set({ stopSent: true, stopFailed: false });
+  writable.set({ stopSent: true, stopFailed: false });
   stopLeft = stopTries;
   sendStop();
 }
@@ -236,14 +251,14 @@ function sendStop(): void {
     stopTimer = null;
     if (!store.value.stopSent) return;
     if (--stopLeft > 0) sendStop();
-    else store.set({ stopSent: false, stopFailed: true });
+    else writable.set({ stopSent: false, stopFailed: true });
   }, stopAgain_ms);
 }
 
 function stopSeen(): void {
   if (stopTimer !== null) window.clearTimeout(stopTimer);
   stopTimer = null;
-  store.set({ stopSent: false, stopFailed: false });
+  writable.set({ stopSent: false, stopFailed: false });
 }
 
 /** The newest time stamp seen: driving commands carry it back, so that old ones are known as old. */
@@ -261,7 +276,7 @@ export const releaseLease = (): Promise<Reply> => {
   led = false;
   return link.request({ type: 'lease_release' });
 };
-export const takenSeen = (): void => store.set({ leaseTaken: false });
+export const takenSeen = (): void => writable.set({ leaseTaken: false });
 
 /** Asks whether to take control from someone else; set by the shell, which shows the question. */
 export const dialogs: { askTakeOver: () => Promise<boolean> } = { askTakeOver: () => Promise.resolve(false) };

@@ -26,14 +26,18 @@ export class Live {
   private countedTick = -1;
 
   constructor() {
-    this.history = Object.fromEntries(historySignals.map((name) => [name, new Ring(historySamples)])) as Record<(typeof historySignals)[number], Ring>;
+    this.history = Object.fromEntries(historySignals.map((name) => [name, new Ring(historySamples)])) as Record<
+      (typeof historySignals)[number],
+      Ring
+    >;
   }
 
   take(records: readonly TickRecord[], now_ms: number): void {
     for (const record of records) {
       const before = this.record;
       if (before !== null) {
-        if (record.tick < before.tick) this.clear(); // the core began anew
+        if (record.tick < before.tick)
+          this.clear(); // the core began anew
         else if (record.tick > before.tick + 1) this.lost += record.tick - before.tick - 1;
       }
       for (const name of historySignals) this.history[name].push(record[name]);

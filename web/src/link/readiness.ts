@@ -30,7 +30,21 @@ export interface Readiness {
 
 type Known = Pick<
   State,
-  | 'link' | 'everOpen' | 'data' | 'coreConnected' | 'role' | 'mode' | 'blockedBits' | 'standingStill' | 'sensed' | 'bumpers' | 'bumpersHeld' | 'lease' | 'rtt_s' | 'silentNodes'
+  | 'link'
+  | 'everOpen'
+  | 'data'
+  | 'coreConnected'
+  | 'role'
+  | 'mode'
+  | 'blockedBits'
+  | 'standingStill'
+  | 'waits'
+  | 'sensed'
+  | 'bumpers'
+  | 'bumpersHeld'
+  | 'lease'
+  | 'rtt_s'
+  | 'silentNodes'
 >;
 
 const tooSlow_s = 0.3;
@@ -64,7 +78,7 @@ function calmOf(s: Known, start: readonly string[]): TextKey {
     case 'remote':
       return s.bumpers !== 0 ? 'strip.offBumper' : s.lease.mine ? 'strip.driving' : 'strip.drivingOther';
     case 'guided':
-      return s.lease.mine ? 'strip.guiding' : 'strip.drivingOther';
+      return s.waits ? 'strip.waits' : s.lease.mine ? 'strip.guiding' : 'strip.drivingOther';
     case 'init':
       return s.silentNodes === '' ? 'strip.starting' : 'strip.waiting';
     case 'calibrate':
@@ -110,10 +124,28 @@ export const useReadiness = (): Readiness => useStore(kept);
 /** Whether a reason for a refusal still stands. Reasons that no state shows are told for `toldFor_ms`. */
 export const toldFor_ms = 10_000;
 const shown: readonly string[] = [
-  'nodes_missing', 'fault_active', 'not_neutral', 'moving', 'battery_empty_start', 'sensors_settling', 'stick_not_neutral', 'bumper_start', 'fault_mode', 'emergency_stop_open',
-  'node_version', 'not_calibrated',
+  'nodes_missing',
+  'fault_active',
+  'not_neutral',
+  'moving',
+  'battery_empty_start',
+  'sensors_settling',
+  'stick_not_neutral',
+  'bumper_start',
+  'fault_mode',
+  'emergency_stop_open',
+  'node_version',
+  'not_calibrated',
 ];
-const passing: readonly string[] = ['no_answer', 'stale_command', 'out_of_order', 'set_outdated', 'release_first', 'cause_not_cleared', 'cause_not_seen'];
+const passing: readonly string[] = [
+  'no_answer',
+  'stale_command',
+  'out_of_order',
+  'set_outdated',
+  'release_first',
+  'cause_not_cleared',
+  'cause_not_seen',
+];
 export function stillStands(reason: string, s: Known, age_ms: number): boolean {
   if (reason === 'link_lost') return s.link !== 'open';
   if (reason === 'no_lease') return !s.lease.mine && s.lease.holder !== 0;

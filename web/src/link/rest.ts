@@ -3,8 +3,8 @@ import type { FieldError } from '../contract/messages.gen';
 
 export interface Problem {
   status: number; // 0 = the server cannot be reached
-  title: string;
-  detail: string;
+  /** Row of the table of reasons, where the server has one for it. */
+  code: string;
   errors: FieldError[];
   refusals: string[];
 }
@@ -31,18 +31,17 @@ export async function rest<T>(method: 'GET' | 'POST' | 'PATCH' | 'PUT' | 'DELETE
     const text = await response.text();
     const value: unknown = text === '' ? null : JSON.parse(text);
     if (response.ok) return { ok: true, value: value as T };
-    const problem = (value ?? {}) as Partial<Problem>;
+    const problem = (value ?? {}) as Partial<Problem> & { type?: string };
     return {
       ok: false,
       problem: {
         status: response.status,
-        title: problem.title ?? '',
-        detail: problem.detail ?? '',
+        code: (problem.type ?? '').replace(/^.*\//, '').replaceAll('-', '_'),
         errors: problem.errors ?? [],
         refusals: problem.refusals ?? [],
       },
     };
   } catch {
-    return { ok: false, problem: { status: 0, title: '', detail: '', errors: [], refusals: ['link_lost'] } };
+    return { ok: false, problem: { status: 0, code: '', errors: [], refusals: ['link_lost'] } };
   }
 }

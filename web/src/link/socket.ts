@@ -28,7 +28,8 @@ export interface Reply {
   ok: boolean;
   refusals: string[];
   errors: FieldError[];
-  detail?: string;
+  /** Row of the table of reasons. */
+  reason_code?: string;
   [more: string]: unknown;
 }
 

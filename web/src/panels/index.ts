@@ -1,11 +1,34 @@
-// The list of screens, in the order of the menu. To add one: a folder beside this file and one row here.
-import { calibratePanel } from './calibrate/calibrate';
-import { drivePanel } from './drive/drive';
-import { exercisesPanel } from './exercises/exercises';
-import { healthPanel } from './health/health';
+// The list of screens, in the order of the menu. To add one: a folder beside this file that exports its component, and one row here.
+import { Lazy } from '../ui/lazy';
 import type { Panel } from './panel';
-import { sessionsPanel } from './sessions/sessions';
-import { tunePanel } from './tune/tune';
-import { walkPanel } from './walk/walk';
 
-export const panels: readonly Panel[] = [walkPanel, drivePanel, exercisesPanel, tunePanel, sessionsPanel, calibratePanel, healthPanel];
+export const panels: readonly Panel[] = [
+  { id: 'walk', title: 'nav.walk', icon: 'walk', live: true, view: new Lazy(async () => (await import('./walk/walk')).WalkView) },
+  { id: 'drive', title: 'nav.drive', icon: 'drive', live: true, view: new Lazy(async () => (await import('./drive/drive')).DriveView) },
+  {
+    id: 'exercises',
+    title: 'nav.exercises',
+    icon: 'exercises',
+    live: true,
+    view: new Lazy(async () => (await import('./exercises/exercises')).ExercisesView),
+  },
+  { id: 'tune', title: 'nav.tune', icon: 'tune', live: false, view: new Lazy(async () => (await import('./tune/tune')).TuneView) },
+  {
+    id: 'sessions',
+    title: 'nav.sessions',
+    icon: 'sessions',
+    live: false,
+    view: new Lazy(async () => (await import('./sessions/sessions')).SessionsView),
+  },
+  {
+    id: 'calibrate',
+    title: 'nav.calibrate',
+    icon: 'calibrate',
+    live: true,
+    view: new Lazy(async () => (await import('./calibrate/calibrate')).CalibrateView),
+  },
+  { id: 'health', title: 'nav.health', icon: 'health', live: true, view: new Lazy(async () => (await import('./health/health')).HealthView) },
+];
+
+/** The screen of an address; the first one when there is none of this name. */
+export const panelOf = (screen: string): Panel => panels.find((panel) => panel.id === screen) ?? panels[0]!;

@@ -1,7 +1,6 @@
-import type { TextKey } from './en';
+import type { Table } from './en';
 
-export const de: Record<TextKey, string> = {
-  'app.title': 'Hoist',
+export const de: Table = {
   'nav.walk': 'Gehen',
   'nav.drive': 'Fahren',
   'nav.exercises': 'Übungen',
@@ -14,10 +13,9 @@ export const de: Record<TextKey, string> = {
   'common.save': 'Speichern',
   'common.undo': 'Zurücknehmen',
   'common.loading': 'Lädt …',
+  'common.languageLost': 'Diese Sprache konnte nicht geladen werden.',
   'common.retry': 'Noch einmal',
 
-  'stop.name': 'STOPP',
-  'stop.hint': 'Hält das Gerät sofort an. Auch die Leertaste.',
   'stop.sending': 'Hält an …',
   'stop.failed': 'STOPP kam nicht an. Patienten sichern und am Gerät selbst anhalten.',
   'stop.release': 'Halten zum Freigeben',
@@ -54,6 +52,7 @@ export const de: Record<TextKey, string> = {
   'strip.walking': 'Der Patient führt das Gerät.',
   'strip.driving': 'Sie führen das Gerät mit dem Joystick.',
   'strip.guiding': 'Das Gerät fährt die Übung, solange Sie den Knopf halten.',
+  'strip.waits': 'Das Gerät wartet auf den Patienten.',
   'strip.drivingOther': 'Jemand anderes fährt das Gerät.',
   'strip.offBumper': 'Ein Stoßfänger berührt etwas: nur langsam gerade davon wegfahren.',
   'strip.starting': 'Das Gerät startet …',
@@ -81,7 +80,8 @@ export const de: Record<TextKey, string> = {
   'priority.low': 'Hinweis',
 
   'gate.title': 'Nicht angemeldet',
-  'gate.text': 'Öffnen Sie in diesem Browser den Link, den das Gerät beim Start zeigt. Jeder Link gilt nur einmal; danach zeigt das Gerät einen neuen.',
+  'gate.text':
+    'Öffnen Sie in diesem Browser den Link, den das Gerät beim Start zeigt. Jeder Link gilt nur einmal; danach zeigt das Gerät einen neuen.',
 
   'lease.question': 'Jemand anderes steuert. Übernehmen?',
   'lease.text': 'Der andere Bildschirm verliert die Steuerung und sieht das. Das geht nur, während das Gerät steht.',
@@ -222,6 +222,8 @@ export const de: Record<TextKey, string> = {
   'sessions.note': 'Notiz',
   'sessions.subject': 'Patientenkürzel',
   'sessions.subjectHint': 'Ein Kürzel, nie ein Name',
+  'invalid.subject': 'Das Patientenkürzel ist zu lang.',
+  'invalid.note': 'Die Notiz ist zu lang.',
   'sessions.saved': 'Gespeichert',
   'sessions.csv': 'Tabelle (CSV)',
   'sessions.json': 'Daten (JSON)',
@@ -235,7 +237,6 @@ export const de: Record<TextKey, string> = {
   'sessions.events': 'Was geschah',
   'sessions.eventsNone': 'Keine Ereignisse.',
   'sessions.simulated': 'Simulation',
-  'sessions.failed': 'Die Sitzungen sind gerade nicht lesbar.',
   'sessions.unread': 'Nicht lesbar.',
   'sessions.notSaved': 'Nicht gespeichert.',
   'sessions.chart': 'Gewählte Werte über der Zeit',
@@ -288,7 +289,8 @@ export const de: Record<TextKey, string> = {
   'calibrate.used': 'Übernommen: {name}',
   'calibrate.checked': 'Alles ist, wie es sein soll.',
   'calibrate.failed': 'Die Schritte lassen sich gerade nicht lesen.',
-  'calibrate.simulated': 'Simulation: Gehen ist auch ohne Kalibrierung möglich. Ein echtes Gerät startet erst, wenn die Nullpunkte der Streben gesetzt sind.',
+  'calibrate.simulated':
+    'Simulation: Gehen ist auch ohne Kalibrierung möglich. Ein echtes Gerät startet erst, wenn die Nullpunkte der Streben gesetzt sind.',
   'calibrate.still': 'In Ruhe',
   'calibrate.moving': 'Bewegt sich',
   'calibrate.progress': 'Fortschritt',
@@ -371,7 +373,8 @@ export const de: Record<TextKey, string> = {
   'device.unknown': 'eine unbekannte Baugruppe',
   'device.secondCore': 'eine zweite Steuerung',
   'health.loop': 'Regelschleife',
-  'loop.hint': 'Hundert Schritte in der Sekunde. Das Gerät hält an, wenn zwei in einer Sekunde mehr als {two} ms zu spät beginnen oder einer mehr als {one} ms.',
+  'loop.hint':
+    'Hundert Schritte in der Sekunde. Das Gerät hält an, wenn zwei in einer Sekunde mehr als {two} ms zu spät beginnen oder einer mehr als {one} ms.',
   'loop.picture': 'Wie spät die Schritte begannen',
   'loop.lately': 'Letzte zehn Sekunden',
   'loop.ever': 'Seit dem Start',

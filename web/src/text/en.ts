@@ -1,6 +1,7 @@
-// Every word of the console that does not come from a table. German beside it in de.ts; a test compares keys and placeholders.
+import type { FirstKey } from './first';
+
+// Every word of the console that comes neither from a table nor from first.ts: a file that is loaded alone. A test compares de.ts with it.
 export const en = {
-  'app.title': 'Hoist',
   'nav.walk': 'Walk',
   'nav.drive': 'Drive',
   'nav.exercises': 'Exercises',
@@ -13,10 +14,9 @@ export const en = {
   'common.save': 'Save',
   'common.undo': 'Undo',
   'common.loading': 'Loading …',
+  'common.languageLost': 'This language could not be loaded.',
   'common.retry': 'Try again',
 
-  'stop.name': 'STOP',
-  'stop.hint': 'Stops the hoist at once. Also the space bar.',
   'stop.sending': 'Stopping …',
   'stop.failed': 'STOP did not get through. Hold the patient and stop at the hoist itself.',
   'stop.release': 'Hold to release',
@@ -53,6 +53,7 @@ export const en = {
   'strip.walking': 'The patient leads the hoist.',
   'strip.driving': 'You lead the hoist with the joystick.',
   'strip.guiding': 'The hoist drives the exercise while you hold the button.',
+  'strip.waits': 'The hoist waits for the patient.',
   'strip.drivingOther': 'Someone else drives the hoist.',
   'strip.offBumper': 'A bumper touches something: drive slowly straight away from it.',
   'strip.starting': 'The hoist is starting …',
@@ -221,6 +222,8 @@ export const en = {
   'sessions.note': 'Note',
   'sessions.subject': 'Patient code',
   'sessions.subjectHint': 'A code, never a name',
+  'invalid.subject': 'The patient code is too long.',
+  'invalid.note': 'The note is too long.',
   'sessions.saved': 'Saved',
   'sessions.csv': 'Table (CSV)',
   'sessions.json': 'Data (JSON)',
@@ -234,7 +237,6 @@ export const en = {
   'sessions.events': 'What happened',
   'sessions.eventsNone': 'No events.',
   'sessions.simulated': 'Simulation',
-  'sessions.failed': 'The sessions cannot be read now.',
   'sessions.unread': 'Could not be read.',
   'sessions.notSaved': 'Not saved.',
   'sessions.chart': 'Chosen values over time',
@@ -421,4 +423,5 @@ export const en = {
   'role.therapist': 'Therapist',
   'role.engineer': 'Engineer',
 };
-export type TextKey = keyof typeof en;
+export type Table = Readonly<Record<keyof typeof en, string>>;
+export type TextKey = keyof typeof en | FirstKey;

@@ -1,19 +1,43 @@
 // Words and numbers for people, in the chosen language.
 import type { Words } from '../contract/params.gen';
 import { refusals } from '../contract/faults.gen';
-import { de } from './de';
-import { en, type TextKey } from './en';
-import { settings } from './settings';
+import type { Table, TextKey } from './en';
+import { first } from './first';
+import { settings, type Language } from './settings';
 
-const tables = { en, de };
+const files: Readonly<Record<Language, () => Promise<Table>>> = {
+  en: async () => (await import('./en')).en,
+  de: async () => (await import('./de')).de,
+};
+const tables: Partial<Record<Language, Table>> = {};
 
+/** Loads the words of a language, once; rejects when they cannot be loaded. */
+export async function loadLanguage(language: Language): Promise<void> {
+  tables[language] ??= await files[language]();
+}
+
+/** Changes the language as soon as its words are there. False: they could not be loaded, and the language stays. */
+export async function chooseLanguage(language: Language): Promise<boolean> {
+  try {
+    await loadLanguage(language);
+  } catch {
+    return false;
+  }
+  settings.set({ language });
+  return true;
+}
+
+/** The text in the chosen language, whose words must have been loaded unless the key is one of first.ts. */
 export function t(key: TextKey, values: Record<string, string | number> = {}): string {
-  return tables[settings.value.language][key].replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
+  return (textOf(key) ?? key).replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
 }
 
 /** The same for a key that came over the wire; null when there is no such text. */
 export function textOf(key: string): string | null {
-  return Object.hasOwn(en, key) ? t(key as TextKey) : null;
+  const { language } = settings.value;
+  for (const table of [first[language], tables[language]] as (Readonly<Record<string, string>> | undefined)[])
+    if (table !== undefined && Object.hasOwn(table, key)) return table[key]!;
+  return null;
 }
 
 export const words = (both: Words): string => both[settings.value.language];
@@ -31,7 +55,9 @@ const minus = (text: string) => text.replace('-', '−');
 export function fixed(value: number | null | undefined, decimals: number): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return noValue;
   const zero = Number(value.toFixed(decimals)) === 0 ? 0 : value;
-  return minus(new Intl.NumberFormat(locale(), { minimumFractionDigits: decimals, maximumFractionDigits: decimals, useGrouping: false }).format(zero));
+  return minus(
+    new Intl.NumberFormat(locale(), { minimumFractionDigits: decimals, maximumFractionDigits: decimals, useGrouping: false }).format(zero),
+  );
 }
 
 /** A number with up to four significant digits and no idle zeros, for settings. */

@@ -5,6 +5,7 @@ import { live, useFrame } from '../link/live';
 import type { Exercise } from '../contract/messages.gen';
 import { fixed, t } from '../text/text';
 import { fit, onScreen, patternPoints, type Frame, type Point } from './geometry';
+import './floor_view.css';
 
 /** Reads the colours of the style sheet, so that light and dark are decided in one place. */
 function colours(element: Element) {
@@ -142,7 +143,8 @@ export function FloorView({ exercise, planned = false }: { exercise: Exercise; p
     if (canvas.current === null) return;
     // A hoist that stands is not drawn anew, except once a second: colours and size may have changed.
     const r = live.record;
-    const what = r === null ? '' : `${r.fused_x_m.toFixed(3)} ${r.fused_y_m.toFixed(3)} ${r.fused_psi_rad.toFixed(3)} ${live.pathLife} ${live.path.x.length} ${JSON.stringify(exercise)} ${planned}`;
+    const pose_now = r === null ? '' : [r.fused_x_m, r.fused_y_m, r.fused_psi_rad].map((value) => value.toFixed(3)).join(' ');
+    const what = [pose_now, live.pathLife, live.path.x.length, JSON.stringify(exercise), planned].join(' ');
     if (what === drawn.current.what && now_ms - drawn.current.at_ms < 1000) return;
     drawn.current = { what, at_ms: now_ms };
     const driven = r === null ? null : { x_m: r.fused_x_m, y_m: r.fused_y_m, psi_rad: r.fused_psi_rad };

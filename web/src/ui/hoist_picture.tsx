@@ -4,6 +4,7 @@ import type { TickRecord } from '../contract/signals.gen';
 import { live, useFrame } from '../link/live';
 import { useStore } from '../link/store';
 import { degrees, t } from '../text/text';
+import './hoist_picture.css';
 
 /** Share of the picture that a full wish covers; drawn larger than life, because 14 cm would hardly show. */
 const fullLean_px = 58;
@@ -14,8 +15,10 @@ const stop_rad = (15 * Math.PI) / 180;
 
 /** End of a strut that stands on (x, y) and leans by `tilt` to the right. */
 const tip = (x: number, y: number, tilt_rad: number) => ({ x: x + strut_px * Math.sin(tilt_rad), y: y - strut_px * Math.cos(tilt_rad) });
-const wedge = (x: number, y: number, from_rad: number, to_rad: number, radius: number) =>
-  `M${x} ${y}L${x + radius * Math.sin(from_rad)} ${y - radius * Math.cos(from_rad)}A${radius} ${radius} 0 0 1 ${x + radius * Math.sin(to_rad)} ${y - radius * Math.cos(to_rad)}Z`;
+const wedge = (x: number, y: number, from_rad: number, to_rad: number, radius: number) => {
+  const place = (angle_rad: number) => `${x + radius * Math.sin(angle_rad)} ${y - radius * Math.cos(angle_rad)}`;
+  return `M${x} ${y}L${place(from_rad)}A${radius} ${radius} 0 0 1 ${place(to_rad)}Z`;
+};
 
 /** The wish as a bent arrow that begins at the patient. */
 export function wishArrow(lean: number, turn: number): string {

@@ -1,5 +1,6 @@
 // A button that acts only after it was held for a while: for what must never happen by a brush of the hand.
 import { useEffect, useRef, useState } from 'preact/hooks';
+import './hold_button.css';
 
 export interface HoldButtonProps {
   label: string;

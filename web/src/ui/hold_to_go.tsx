@@ -1,6 +1,7 @@
 // The dead-man as a button: the hoist goes while it is held. Where to is the exercise's matter, so the stick stays in its middle.
 import { t } from '../text/text';
 import { useHand } from './hand';
+import './hold_to_go.css';
 
 const middle = { speed: 0, yaw: 0 };
 const grip = { keys: { ArrowUp: middle, KeyW: middle }, wish: () => middle };

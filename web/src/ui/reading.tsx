@@ -1,6 +1,7 @@
 // A number that follows the newest record, with its name and unit. Grey when the data are old.
 import type { TickRecord } from '../contract/signals.gen';
 import { useReading } from '../link/live';
+import './reading.css';
 
 export function Reading({ label, unit, read, rate_hz }: { label: string; unit?: string; read: (record: TickRecord) => string; rate_hz?: number }) {
   const text = useReading((record) => (record === null ? '–' : read(record)), rate_hz);

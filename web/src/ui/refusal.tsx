@@ -3,8 +3,9 @@ import { useEffect, useState } from 'preact/hooks';
 import { stillStands, toldFor_ms, useReadiness, type Start } from '../link/readiness';
 import type { Reply } from '../link/socket';
 import { useStore } from '../link/store';
-import { serverText } from '../text/server';
+import { reasonText } from '../text/server';
 import { refusalText, t } from '../text/text';
+import './refusal.css';
 
 /** Whether there is something to say about it. An answer that only tells that all was so already is none. */
 export function refused(answer: Reply): boolean {
@@ -16,8 +17,8 @@ export interface Request {
   /** The last answer, while it is a refusal that nobody has closed. */
   reply: Reply | null;
   /** Sends and waits; whether it was done. */
-  ask(what: () => Promise<Reply>): Promise<boolean>;
-  forget(): void;
+  ask: (what: () => Promise<Reply>) => Promise<boolean>;
+  forget: () => void;
 }
 export function useRequest(): Request {
   const [under_way, setUnderWay] = useState(0);
@@ -32,10 +33,10 @@ export function useRequest(): Request {
   return { busy: under_way > 0, reply, ask, forget: () => setReply(null) };
 }
 
-/** All reasons in words. Refusals have names; what has none is a sentence of the server, which is not always in the reader's language. */
+/** All reasons in words: refusals by their names, else the code of the answer. */
 export function reasons(reply: Reply): string[] {
   if (reply.refusals.length > 0) return [...new Set(reply.refusals.map(refusalText))];
-  return [serverText(reply.detail, ...reply.errors.map((error) => error.message)) ?? t('refused.unknown')];
+  return [reasonText(reply.reason_code) ?? t('refused.unknown')];
 }
 
 export function Refusal({ request: { reply, forget } }: { request: Request }) {

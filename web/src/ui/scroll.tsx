@@ -1,5 +1,6 @@
 // A list that scrolls by itself: reachable and scrollable by keyboard, named for screen readers.
 import type { ComponentChildren } from 'preact';
+import './scroll.css';
 
 export function Scroll({ label, class: kind, children }: { label: string; class: string; children: ComponentChildren }) {
   return (

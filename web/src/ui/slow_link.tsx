@@ -2,6 +2,7 @@
 import { tooSlow } from '../link/readiness';
 import { useStore } from '../link/store';
 import { fixed, t } from '../text/text';
+import './slow_link.css';
 
 /** From here on the connection is called slow. */
 const slow_s = 0.08;

@@ -7,6 +7,7 @@ import type { Reply } from '../link/socket';
 import { t } from '../text/text';
 import { FirmStart } from './firm_click';
 import type { Request } from './refusal';
+import './motion.css';
 
 /** Less than this from the start mark, going on and starting again are the same. */
 const underWay_m = 0.1;
@@ -44,9 +45,18 @@ export function StartEnd({ request, of, startLabel, endLabel, start, wait = fals
   };
   return (
     <>
-      {of !== 'remote' && <button type="button" class="plain two-lines" disabled={led || !underWay || cannotStart} title={t('walk.againHint')} onClick={() => click(true)} {...pressed}>
-        {t('walk.again')} <small>{t('walk.againShort')}</small>
-      </button>}
+      {of !== 'remote' && (
+        <button
+          type="button"
+          class="plain two-lines"
+          disabled={led || !underWay || cannotStart}
+          title={t('walk.againHint')}
+          onClick={() => click(true)}
+          {...pressed}
+        >
+          {t('walk.again')} <small>{t('walk.againShort')}</small>
+        </button>
+      )}
       <button type="button" class={led ? 'big' : 'big primary'} disabled={led ? !ready.end : cannotStart} onClick={() => click(false)} {...pressed}>
         {led ? endLabel : request.busy ? t('walk.starting') : startLabel}
       </button>

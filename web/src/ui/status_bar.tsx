@@ -1,13 +1,14 @@
 // Always visible: what the hoist does, who is in control, how good the link is, whether it records, how full the batteries are.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { modes } from '../contract/faults.gen';
-import { releaseLease } from '../link/console';
+import { notify, releaseLease } from '../link/console';
 import { useReading } from '../link/live';
 import { useReadiness } from '../link/readiness';
 import { useStore } from '../link/store';
-import { languages, settings, useSettings, type Theme } from '../text/settings';
-import { duration, fixed, noValue, t, words } from '../text/text';
+import { languages, settings, useSettings, type Language, type Theme } from '../text/settings';
+import { chooseLanguage, duration, fixed, noValue, t, words } from '../text/text';
 import { Icon } from './icons';
+import './status_bar.css';
 
 const themes: readonly { id: Theme; key: 'bar.themeAuto' | 'bar.themeLight' | 'bar.themeDark' }[] = [
   { id: 'auto', key: 'bar.themeAuto' },
@@ -69,8 +70,7 @@ function Control() {
   return (
     <div class="bar-item control">
       <span class="bar-label">{t('bar.control')}</span>
-      <span class="bar-value">
-{value}</span>
+      <span class="bar-value">{value}</span>
       <button type="button" class="link-button" hidden={!mine || led} aria-label={t('bar.giveBack')} onClick={() => void releaseLease()}>
         {t('bar.giveBackShort')}
       </button>
@@ -84,7 +84,11 @@ function LinkQuality() {
   const ever = useStore((s) => s.everOpen);
   const grade = link !== 'open' ? 0 : rtt_s === null || rtt_s < fair_s ? 3 : rtt_s < poor_s ? 2 : 1;
   const value =
-    link === 'open' ? t('bar.milliseconds', { n: rtt_s === null ? '–' : fixed(rtt_s * 1000, 0) }) : ever ? t('bar.linkLost') : t('bar.linkConnecting');
+    link === 'open'
+      ? t('bar.milliseconds', { n: rtt_s === null ? '–' : fixed(rtt_s * 1000, 0) })
+      : ever
+        ? t('bar.linkLost')
+        : t('bar.linkConnecting');
   return (
     <Item label={t('bar.link')} value={value}>
       <svg class={`bars grade-${grade}`} viewBox="0 0 18 14" aria-hidden="true">
@@ -153,6 +157,9 @@ function DisplayMenu() {
       document.removeEventListener('keydown', escape);
     };
   }, [open]);
+  const choose = async (wanted: Language) => {
+    if (!(await chooseLanguage(wanted))) notify('warning', 'common.languageLost');
+  };
   return (
     <div class="menu" ref={box}>
       <button type="button" class="menu-button" aria-label={t('bar.settings')} aria-expanded={open} onClick={() => setOpen(!open)}>
@@ -163,7 +170,14 @@ function DisplayMenu() {
           <span class="bar-label">{t('bar.language')}</span>
           <div class="choice" role="radiogroup" aria-label={t('bar.language')}>
             {languages.map((item) => (
-              <button key={item.id} type="button" role="radio" aria-checked={item.id === language} lang={item.id} onClick={() => settings.set({ language: item.id })}>
+              <button
+                key={item.id}
+                type="button"
+                role="radio"
+                aria-checked={item.id === language}
+                lang={item.id}
+                onClick={() => void choose(item.id)}
+              >
                 {item.name}
               </button>
             ))}

@@ -4,6 +4,7 @@ import { stop } from '../link/console';
 import { useStore } from '../link/store';
 import { useSettings } from '../text/settings';
 import { t } from '../text/text';
+import './stop_button.css';
 
 /** Where keys write. */
 export function isTyping(target: EventTarget | null): boolean {
@@ -19,7 +20,11 @@ function wantsSpace(target: EventTarget | null): boolean {
 
 /** Where STOP must be drawn to stand at the same corner of what is seen, at the same size: a pinch leaves it outside, a keyboard on the screen
  * covers it. `box` is its place on the page, `edge` how far it is from the corner. */
-export function intoView(box: { right: number; bottom: number }, edge: { right: number; bottom: number }, view: { scale: number; offsetLeft: number; offsetTop: number; width: number; height: number }): string {
+export function intoView(
+  box: { right: number; bottom: number },
+  edge: { right: number; bottom: number },
+  view: { scale: number; offsetLeft: number; offsetTop: number; width: number; height: number },
+): string {
   const x = view.offsetLeft + view.width - edge.right / view.scale - box.right;
   const y = view.offsetTop + view.height - edge.bottom / view.scale - box.bottom;
   if (Math.abs(x) < 1 && Math.abs(y) < 1 && Math.abs(view.scale - 1) < 0.01) return '';
@@ -41,9 +46,19 @@ export function StopButton() {
       style.transform = intoView(button.current.getBoundingClientRect(), { right: parseFloat(right), bottom: parseFloat(bottom) }, view);
     };
     follow();
-    for (const [target, type] of [[view, 'resize'], [view, 'scroll'], [window, 'resize']] as const) target.addEventListener(type, follow);
+    for (const [target, type] of [
+      [view, 'resize'],
+      [view, 'scroll'],
+      [window, 'resize'],
+    ] as const)
+      target.addEventListener(type, follow);
     return () => {
-      for (const [target, type] of [[view, 'resize'], [view, 'scroll'], [window, 'resize']] as const) target.removeEventListener(type, follow);
+      for (const [target, type] of [
+        [view, 'resize'],
+        [view, 'scroll'],
+        [window, 'resize'],
+      ] as const)
+        target.removeEventListener(type, follow);
     };
   }, []);
   useEffect(() => {

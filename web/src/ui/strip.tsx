@@ -11,8 +11,9 @@ import { activeFaults, toldFaults, type FaultCodes } from './alarms';
 import { deviceOfCan, deviceOfNode } from './device';
 import { Scroll } from './scroll';
 import { HoldButton } from './hold_button';
-import { serverText } from '../text/server';
+import { reasonText } from '../text/server';
 import { reasons } from './refusal';
+import './strip.css';
 
 type Priority = FaultInfo['priority'] | 'calm';
 export interface Alarm {
@@ -48,7 +49,7 @@ export function Strip() {
   const codes = useStore((s) => s.faultCodes);
   const silent = useStore((s) => s.silentNodes);
   const ready = useReadiness();
-  const problem = useStore((s) => s.coreProblem);
+  const reason = useStore((s) => s.coreReason);
   const layout = useStore((s) => s.layoutDiffers);
   const failed = useStore((s) => s.stopFailed);
   const sending = useStore((s) => s.stopSent);
@@ -67,8 +68,14 @@ export function Strip() {
   if (layout) add('layout', 'high', t('strip.layout'), t('strip.layoutAction'));
   if (!signedIn) add('signedOut', 'high', t('strip.signedOut'), t('strip.signedOutAction'));
   else if (ever && link !== 'open' && data !== 'fresh')
-    add('link', 'high', data === 'none' ? t('strip.lost') : `${t('strip.lost')} · ${t('strip.noData', { s: fixed(age_s, 0) })}`, t('strip.lostAction'));
-  else if (link === 'open' && core === false) add('core', 'high', t('strip.core'), [problem === null ? null : serverText(problem), t('strip.coreAction')].filter((text) => text !== null).join(' '));
+    add(
+      'link',
+      'high',
+      data === 'none' ? t('strip.lost') : `${t('strip.lost')} · ${t('strip.noData', { s: fixed(age_s, 0) })}`,
+      t('strip.lostAction'),
+    );
+  else if (link === 'open' && core === false)
+    add('core', 'high', t('strip.core'), [reasonText(reason), t('strip.coreAction')].filter((text) => text !== null).join(' '));
   else if (link === 'open' && data === 'gone') add('data', 'high', t('strip.noData', { s: fixed(age_s, 0) }), t('strip.lostAction'));
   const device: Partial<Record<FaultName, string | null>> = { node_duplicate: deviceOfNode(duplicateId), node_babbling: deviceOfCan(babblingId) };
   if (data !== 'gone' && data !== 'none')
@@ -85,7 +92,12 @@ export function Strip() {
 
   const calm = sending
     ? t('stop.sending')
-    : t(ready.calm, { parts: silent.split(' ').map((part) => textOf(`health.part.${part}`)).join(', ') });
+    : t(ready.calm, {
+        parts: silent
+          .split(' ')
+          .map((part) => textOf(`health.part.${part}`))
+          .join(', '),
+      });
   const why = !sending && ready.calm === 'strip.notReady' ? refusalText(ready.start.user[0]!) : '';
   const first: Alarm = alarms[0] ?? { id: 'calm', priority: 'calm', text: calm, action: why };
   const more = alarms.slice(1);

@@ -3,6 +3,7 @@ import { keepSettings, undoSettings } from '../link/console';
 import { useStore } from '../link/store';
 import { t } from '../text/text';
 import { Refusal, useRequest } from './refusal';
+import './trial_bar.css';
 
 export function TrialBar() {
   const left_s = useStore((s) => s.trial_s);

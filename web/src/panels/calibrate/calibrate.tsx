@@ -2,6 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { params } from '../../contract/params.gen';
 import { calibrate, calibrateCancel, calibrateMeasure, calibrateUse, notify } from '../../link/console';
+import { useAsked } from '../../link/asked';
 import { useReading } from '../../link/live';
 import { rest } from '../../link/rest';
 import type { Reply } from '../../link/socket';
@@ -12,9 +13,24 @@ import { date, fixed, noValue, readNumber, shownAs, t, words, withUnit } from '.
 import { HoldButton } from '../../ui/hold_button';
 import { Refusal, useRequest } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
-import type { Panel } from '../panel';
-import { entry, nowKey, phaseNames, resultOf, stepNames, stepsFor, watched, type Change, type Now, type Step, type StepName, type Table } from './model';
+import { addressOf, go } from '../../router';
+import type { PanelProps } from '../panel';
+import {
+  entry,
+  nowKey,
+  phaseNames,
+  resultOf,
+  stepNames,
+  stepsFor,
+  watched,
+  type Change,
+  type Now,
+  type Step,
+  type StepName,
+  type Table,
+} from './model';
 import { StepPicture } from './picture';
+import './calibrate.css';
 
 const confirmHold_ms = 2000;
 
@@ -22,7 +38,13 @@ const confirmHold_ms = 2000;
 function Begin({ item, label, disabled, begin }: { item: Step; label: string; disabled: boolean; begin: (harness_empty: boolean) => void }) {
   if (item.empty_harness)
     return (
-      <HoldButton label={t('calibrate.emptyHold')} hint={t('calibrate.emptyHint')} hold_ms={confirmHold_ms} disabled={disabled} onDone={() => begin(true)} />
+      <HoldButton
+        label={t('calibrate.emptyHold')}
+        hint={t('calibrate.emptyHint')}
+        hold_ms={confirmHold_ms}
+        disabled={disabled}
+        onDone={() => begin(true)}
+      />
     );
   return (
     <button type="button" class="primary big" disabled={disabled} onClick={() => begin(false)}>
@@ -56,13 +78,9 @@ function Changes({ list }: { list: readonly Change[] }) {
           return (
             <tr key={change.name}>
               <th scope="row">{words(row.title)}</th>
+              <td>{withUnit(fixed(change.before * show.factor, decimals), show.unit)}</td>
               <td>
-                {withUnit(fixed(change.before * show.factor, decimals), show.unit)}
-              </td>
-              <td>
-                <strong>
-                  {withUnit(fixed(change.value * show.factor, decimals), show.unit)}
-                </strong>
+                <strong>{withUnit(fixed(change.value * show.factor, decimals), show.unit)}</strong>
               </td>
             </tr>
           );
@@ -73,7 +91,17 @@ function Changes({ list }: { list: readonly Change[] }) {
 }
 
 /** Where the operator writes what the tape says. The direction is a choice, because nobody should have to think of a minus sign. */
-function Entry({ step, second, busy, onMeasure }: { step: StepName; second: boolean; busy: boolean; onMeasure: (message: object) => Promise<boolean> }) {
+function Entry({
+  step,
+  second,
+  busy,
+  onMeasure,
+}: {
+  step: StepName;
+  second: boolean;
+  busy: boolean;
+  onMeasure: (message: object) => Promise<boolean>;
+}) {
   const [figure, setFigure] = useState('');
   const [x, setX] = useState('');
   const [y, setY] = useState('');
@@ -113,7 +141,15 @@ function Entry({ step, second, busy, onMeasure }: { step: StepName; second: bool
       <label>
         <span>{t(square ? 'calibrate.side' : 'calibrate.measured')}</span>
         <span class="calibrate-field">
-          <input name="figure" type="text" inputMode="decimal" autocomplete="off" class="num" value={figure} onInput={(event) => setFigure(event.currentTarget.value)} />
+          <input
+            name="figure"
+            type="text"
+            inputMode="decimal"
+            autocomplete="off"
+            class="num"
+            value={figure}
+            onInput={(event) => setFigure(event.currentTarget.value)}
+          />
           <span>{unitText(unit)}</span>
         </span>
       </label>
@@ -122,14 +158,30 @@ function Entry({ step, second, busy, onMeasure }: { step: StepName; second: bool
           <label>
             <span>{t('calibrate.ahead')}</span>
             <span class="calibrate-field">
-              <input name="x" type="text" inputMode="decimal" autocomplete="off" class="num" value={x} onInput={(event) => setX(event.currentTarget.value)} />
+              <input
+                name="x"
+                type="text"
+                inputMode="decimal"
+                autocomplete="off"
+                class="num"
+                value={x}
+                onInput={(event) => setX(event.currentTarget.value)}
+              />
               <span>cm</span>
             </span>
           </label>
           <label>
             <span>{t('calibrate.leftOf')}</span>
             <span class="calibrate-field">
-              <input name="y" type="text" inputMode="decimal" autocomplete="off" class="num" value={y} onInput={(event) => setY(event.currentTarget.value)} />
+              <input
+                name="y"
+                type="text"
+                inputMode="decimal"
+                autocomplete="off"
+                class="num"
+                value={y}
+                onInput={(event) => setY(event.currentTarget.value)}
+              />
               <span>cm</span>
             </span>
           </label>
@@ -158,29 +210,14 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
     }
     return done;
   };
-  // Null until they are known: nobody takes over what nobody has seen.
-  const [changes, setChanges] = useState<readonly Change[] | null>(null);
-  const [failed, setFailed] = useState(false);
-  const [tries, setTries] = useState(0);
   const step = item.name as StepName;
   const running = now !== null && now.step === step;
   const phase = running ? now.phase : 'none';
   useEffect(request.forget, [step]);
-  useEffect(() => {
-    if (phase !== 'result' || !connected) return;
-    let late = false;
-    void rest<Table>('GET', '/calibration').then((answer) => {
-      if (late) return;
-      const found = answer.ok ? resultOf(answer.value, step) : null;
-      setChanges(found);
-      setFailed(found === null);
-    });
-    return () => {
-      late = true;
-      setChanges(null);
-      setFailed(false);
-    };
-  }, [phase, step, connected, tries]);
+  const found = useAsked(phase === 'result' && connected ? () => rest<Table>('GET', '/calibration') : null, [step]);
+  // Null until they are known: nobody takes over what nobody has seen.
+  const changes = found.value === null ? null : resultOf(found.value, step);
+  const failed = found.problem !== null || (found.value !== null && changes === null);
 
   const use = async () => {
     if (await ask(calibrateUse)) notify('info', t('calibrate.used', { name: words(item.title) }), true);
@@ -212,7 +249,9 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
               ) : null}
               <div class="calibrate-live">
                 {phase === 'resting' || phase === 'measuring' ? (
-                  <span class={still || silent ? 'calibrate-still' : 'calibrate-still moving'}>{t(silent ? 'health.unknown' : still ? 'calibrate.still' : 'calibrate.moving')}</span>
+                  <span class={still || silent ? 'calibrate-still' : 'calibrate-still moving'}>
+                    {t(silent ? 'health.unknown' : still ? 'calibrate.still' : 'calibrate.moving')}
+                  </span>
                 ) : null}
                 {shown !== null && phase !== 'refused' ? (
                   <span class="num calibrate-value">
@@ -227,7 +266,13 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
           )}
         </div>
       </div>
-      {phase !== 'result' ? null : changes !== null ? <Changes list={changes} /> : failed ? <Failed onRetry={() => setTries(tries + 1)} /> : <p>{t('common.loading')}</p>}
+      {phase !== 'result' ? null : changes !== null ? (
+        <Changes list={changes} />
+      ) : failed ? (
+        <Failed onRetry={found.retry} />
+      ) : (
+        <p>{t('common.loading')}</p>
+      )}
       {running && item.entered !== null && (phase === 'operator' || phase === 'result') ? (
         <details open={phase === 'operator'} class="calibrate-more">
           <summary>{t(phase === 'operator' ? 'calibrate.enter' : 'calibrate.again')}</summary>
@@ -235,17 +280,13 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
         </details>
       ) : null}
       <div class="calibrate-buttons">
-        {!running ? (
-          <Begin item={item} label={t('calibrate.start')} disabled={busy || (!standby && now === null)} begin={begin} />
-        ) : null}
+        {!running ? <Begin item={item} label={t('calibrate.start')} disabled={busy || (!standby && now === null)} begin={begin} /> : null}
         {phase === 'result' ? (
           <button type="button" class="primary big" disabled={busy || changes === null} onClick={() => void use()}>
             {t(changes === null || changes.length > 0 ? 'calibrate.use' : 'calibrate.note')}
           </button>
         ) : null}
-        {phase === 'refused' ? (
-          <Begin item={item} label={t('calibrate.repeat')} disabled={busy} begin={begin} />
-        ) : null}
+        {phase === 'refused' ? <Begin item={item} label={t('calibrate.repeat')} disabled={busy} begin={begin} /> : null}
         {running ? (
           <button type="button" class="plain big" disabled={busy} onClick={() => void ask(calibrateCancel)}>
             {t(phase === 'result' ? 'calibrate.keep' : 'calibrate.cancel')}
@@ -270,44 +311,36 @@ function Failed({ onRetry }: { onRetry: () => void }) {
   );
 }
 
-function CalibrateView() {
+export function CalibrateView({ part }: PanelProps) {
   useSettings();
   const role = useStore((s) => s.role);
   const { reachable: connected } = useReadiness();
   const version = useStore((s) => s.parameterVersion);
   const simulated = useStore((s) => s.simulated);
-  const [table, setTable] = useState<Table | null>(null);
-  const [failed, setFailed] = useState(false);
-  const [tries, setTries] = useState(0);
-  const [chosen, setChosen] = useState<string | null>(null);
-  const text = useReading((r) => (r === null || r.calibration_step === 0 ? '' : [r.calibration_step, r.calibration_phase, r.calibration_done_percent, r.calibration_reason, r.calibration_value].join(' ')), 5);
-  useEffect(() => {
-    if (!connected) return undefined;
-    let late = false;
-    void rest<Table>('GET', '/calibration').then((answer) => {
-      if (late) return;
-      setFailed(!answer.ok);
-      if (answer.ok) setTable(answer.value);
-    });
-    return () => {
-      late = true;
-    };
-  }, [connected, version, tries]);
-  const again = () => {
-    setFailed(false);
-    setTries(tries + 1);
-  };
-  if (table === null) return failed ? <Failed onRetry={again} /> : <p class="hint">{t('common.loading')}</p>;
+  const text = useReading(
+    (r) =>
+      r === null || r.calibration_step === 0
+        ? ''
+        : [r.calibration_step, r.calibration_phase, r.calibration_done_percent, r.calibration_reason, r.calibration_value].join(' '),
+    5,
+  );
+  const { value: table, problem, retry } = useAsked(() => rest<Table>('GET', '/calibration'), [connected, version]);
+  if (table === null) return problem !== null ? <Failed onRetry={retry} /> : <p class="hint">{t('common.loading')}</p>;
   const [step = 0, phase = 0, done_percent = 0, reason = 0, value = 0] = text === '' ? [] : text.split(' ').map(Number);
   const now: Now | null = text === '' ? null : { step: stepNames[step] ?? 'none', phase: phaseNames[phase] ?? 'none', done_percent, reason, value };
   const items = stepsFor(table.items, role);
-  const item = items.find((one) => one.name === (now?.step ?? chosen)) ?? items[0];
+  const item = items.find((one) => one.name === (now?.step ?? part)) ?? items[0];
   return (
     <div class="calibrate">
       <ul class={now === null ? 'calibrate-list' : 'calibrate-list running'}>
         {items.map((one) => (
           <li key={one.name}>
-            <button type="button" aria-current={one === item ? 'true' : undefined} disabled={now !== null && one !== item} onClick={() => setChosen(one.name)}>
+            <button
+              type="button"
+              aria-current={one === item ? 'true' : undefined}
+              disabled={now !== null && one !== item}
+              onClick={() => go(addressOf('calibrate', one.name))}
+            >
               <span>{words(one.title)}</span>
               <span class={one.done_utc_s === null ? 'calibrate-date never' : 'calibrate-date'}>
                 {one.done_utc_s === null ? t('calibrate.never') : date(one.done_utc_s * 1000)}
@@ -320,5 +353,3 @@ function CalibrateView() {
     </div>
   );
 }
-
-export const calibratePanel: Panel = { id: 'calibrate', title: 'nav.calibrate', icon: 'calibrate', live: true, View: CalibrateView };

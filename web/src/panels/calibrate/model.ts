@@ -26,7 +26,19 @@ export interface Table {
 }
 
 /** Numbers of the live values, in the order of the contract's table. */
-export const stepNames = ['none', 'zero', 'neutral', 'gyro', 'strut_length', 'strut_spacing', 'wheel_radius', 'track', 'square', 'encoders', 'bumpers'] as const;
+export const stepNames = [
+  'none',
+  'zero',
+  'neutral',
+  'gyro',
+  'strut_length',
+  'strut_spacing',
+  'wheel_radius',
+  'track',
+  'square',
+  'encoders',
+  'bumpers',
+] as const;
 export type StepName = (typeof stepNames)[number];
 export const phaseNames = ['none', 'resting', 'measuring', 'operator', 'result', 'refused'] as const;
 export type Phase = (typeof phaseNames)[number];

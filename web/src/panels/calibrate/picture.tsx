@@ -1,5 +1,6 @@
 // What to do, as a small drawing. Decoration: the words beside it say the same.
 import type { StepName } from './model';
+import '../../ui/hoist_picture.css';
 
 const side = (lean: number) => {
   const x = 96 * Math.sin(lean);

@@ -13,7 +13,7 @@ import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, reasons, refused, useRequest } from '../../ui/refusal';
 import { SlowLink } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
-import type { Panel } from '../panel';
+import './drive.css';
 
 const limits = [
   { key: 'drive.slow', speed_m_s: 0.15 },
@@ -64,7 +64,7 @@ function Joystick({ active, locked }: { active: boolean; locked: string }) {
   );
 }
 
-function DriveView() {
+export function DriveView() {
   useSettings();
   const mode = useStore((s) => s.mode);
   const ready = useReadiness();
@@ -100,7 +100,13 @@ function DriveView() {
             </button>
           ))}
         </div>
-        <StartEnd request={request} of="remote" startLabel={t('drive.take')} endLabel={t(driving ? 'drive.end' : 'walk.end')} start={() => requestMode('remote', free)} />
+        <StartEnd
+          request={request}
+          of="remote"
+          startLabel={t('drive.take')}
+          endLabel={t(driving ? 'drive.end' : 'walk.end')}
+          start={() => requestMode('remote', free)}
+        />
       </div>
       <Refusal request={request} />
       <StartBlockers request={request} of="remote" />
@@ -115,7 +121,11 @@ function DriveView() {
             <Reading label={t('walk.speed')} unit="m/s" read={(r) => fixed(r.speed_m_s, 2)} />
             <Reading label={t('walk.stopDistance')} unit="cm" rate_hz={4} read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
             <Reading label={t('drive.turnRate')} unit="°/s" read={(r) => fixed(toDegrees(r.yaw_rate_rad_s), 0)} />
-            <Reading label={t('drive.heading')} unit="°" read={(r) => fixed(toDegrees(Math.atan2(Math.sin(r.fused_psi_rad), Math.cos(r.fused_psi_rad))), 0)} />
+            <Reading
+              label={t('drive.heading')}
+              unit="°"
+              read={(r) => fixed(toDegrees(Math.atan2(Math.sin(r.fused_psi_rad), Math.cos(r.fused_psi_rad))), 0)}
+            />
             <Reading label={t('walk.distance')} unit="m" read={(r) => fixed(r.distance_m, 1)} />
           </div>
         </section>
@@ -123,5 +133,3 @@ function DriveView() {
     </div>
   );
 }
-
-export const drivePanel: Panel = { id: 'drive', title: 'nav.drive', icon: 'drive', live: true, View: DriveView };

@@ -14,8 +14,22 @@ import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { SlowLink, tooSlowText } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
-import type { Panel } from '../panel';
-import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, withinCap, type Plan, type Shape, type Stepped } from './plan';
+import {
+  curveSpeed_m_s,
+  duration_s,
+  exerciseOf,
+  firstPlan,
+  length_m,
+  pathOf,
+  shapes,
+  stepped,
+  steps,
+  withinCap,
+  type Plan,
+  type Shape,
+  type Stepped,
+} from './plan';
+import './exercises.css';
 
 /** Kept while the console is open, also when another screen is looked at meanwhile. */
 let kept: Plan = firstPlan;
@@ -48,7 +62,17 @@ function Stepper({ label, text, by, low, high }: { label: string; text: string; 
   );
 }
 
-function Pair({ label, options, chosen, choose }: { label: string; options: readonly [string, string]; chosen: 0 | 1; choose: (which: 0 | 1) => void }) {
+function Pair({
+  label,
+  options,
+  chosen,
+  choose,
+}: {
+  label: string;
+  options: readonly [string, string];
+  chosen: 0 | 1;
+  choose: (which: 0 | 1) => void;
+}) {
   return (
     <div class="stepper">
       <span class="stepper-label">{label}</span>
@@ -75,20 +99,44 @@ function Settings({ plan, change, speedMost_m_s }: { plan: Plan; change: (part: 
   const most = { ...steps.speed_m_s, most: Math.max(steps.speed_m_s.least, Math.min(steps.speed_m_s.most, speedMost_m_s)) };
   return (
     <div class="guided-settings">
-      <Stepper label={t(size.label)} text={`${fixed(plan[size.name], 1)} m`} low={plan[size.name] <= steps[size.name].least} high={plan[size.name] >= steps[size.name].most}
-        by={(by) => change({ [size.name]: stepped(steps[size.name], plan[size.name], by) })} />
-      <Stepper label={t('guided.speed')} text={`${fixed(plan.speed_m_s, 2)} m/s`} low={plan.speed_m_s <= most.least} high={plan.speed_m_s >= most.most - 1e-6}
-        by={(by) => change({ speed_m_s: stepped(most, plan.speed_m_s, by) })} />
+      <Stepper
+        label={t(size.label)}
+        text={`${fixed(plan[size.name], 1)} m`}
+        low={plan[size.name] <= steps[size.name].least}
+        high={plan[size.name] >= steps[size.name].most}
+        by={(by) => change({ [size.name]: stepped(steps[size.name], plan[size.name], by) })}
+      />
+      <Stepper
+        label={t('guided.speed')}
+        text={`${fixed(plan.speed_m_s, 2)} m/s`}
+        low={plan.speed_m_s <= most.least}
+        high={plan.speed_m_s >= most.most - 1e-6}
+        by={(by) => change({ speed_m_s: stepped(most, plan.speed_m_s, by) })}
+      />
       {plan.shape === 'straight' ? null : (
         <>
-          <Stepper label={t('guided.laps')} text={fixed(plan.laps, 0)} low={plan.laps <= steps.laps.least} high={plan.laps >= steps.laps.most}
-            by={(by) => change({ laps: stepped(steps.laps, plan.laps, by) })} />
-          <Pair label={t(plan.shape === 'eight' ? 'guided.firstLoop' : 'guided.side2')} options={[t('guided.left'), t('guided.right')]}
-            chosen={(plan.shape === 'eight') === plan.clockwise ? 0 : 1} choose={(which) => change({ clockwise: (which === 1) !== (plan.shape === 'eight') })} />
+          <Stepper
+            label={t('guided.laps')}
+            text={fixed(plan.laps, 0)}
+            low={plan.laps <= steps.laps.least}
+            high={plan.laps >= steps.laps.most}
+            by={(by) => change({ laps: stepped(steps.laps, plan.laps, by) })}
+          />
+          <Pair
+            label={t(plan.shape === 'eight' ? 'guided.firstLoop' : 'guided.side2')}
+            options={[t('guided.left'), t('guided.right')]}
+            chosen={(plan.shape === 'eight') === plan.clockwise ? 0 : 1}
+            choose={(which) => change({ clockwise: (which === 1) !== (plan.shape === 'eight') })}
+          />
         </>
       )}
       {plan.shape === 'square' ? (
-        <Pair label={t('guided.corners')} options={[t('guided.sharp'), t('guided.round')]} chosen={plan.round ? 1 : 0} choose={(which) => change({ round: which === 1 })} />
+        <Pair
+          label={t('guided.corners')}
+          options={[t('guided.sharp'), t('guided.round')]}
+          chosen={plan.round ? 1 : 0}
+          choose={(which) => change({ round: which === 1 })}
+        />
       ) : null}
     </div>
   );
@@ -107,7 +155,7 @@ function Progress() {
   );
 }
 
-function ExercisesView() {
+export function ExercisesView() {
   useSettings();
   const mode = useStore((s) => s.mode);
   const ready = useReadiness();
@@ -155,7 +203,13 @@ function ExercisesView() {
             </button>
           ))}
         </div>
-        <StartEnd request={request} of="guided" startLabel={t('guided.start')} endLabel={t(guided ? 'guided.end' : 'walk.end')} start={(again) => requestGuided(pathOf(allowed), again)} />
+        <StartEnd
+          request={request}
+          of="guided"
+          startLabel={t('guided.start')}
+          endLabel={t(guided ? 'guided.end' : 'walk.end')}
+          start={(again) => requestGuided(pathOf(allowed), again)}
+        />
       </div>
       <Refusal request={request} />
       <StartBlockers request={request} of="guided" />
@@ -188,5 +242,3 @@ function ExercisesView() {
     </div>
   );
 }
-
-export const exercisesPanel: Panel = { id: 'exercises', title: 'nav.exercises', icon: 'exercises', live: true, View: ExercisesView };

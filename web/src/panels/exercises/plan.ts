@@ -16,7 +16,17 @@ export interface Plan {
   speed_m_s: number;
   laps: number;
 }
-export const firstPlan: Plan = { shape: 'straight', length_m: 10, side_m: 3, round: false, radius_m: 1.5, eight_m: 1, clockwise: false, speed_m_s: 0.3, laps: 1 };
+export const firstPlan: Plan = {
+  shape: 'straight',
+  length_m: 10,
+  side_m: 3,
+  round: false,
+  radius_m: 1.5,
+  eight_m: 1,
+  clockwise: false,
+  speed_m_s: 0.3,
+  laps: 1,
+};
 
 export interface Step {
   least: number;
@@ -64,7 +74,7 @@ export function pathOf(plan: Plan): GuidedPath {
 /** The figure alone, for drawing and recording. */
 export function exerciseOf(plan: Plan): Exercise {
   const { speed_m_s: _speed, laps: _laps, ...figure } = pathOf(plan);
-  return figure as Exercise;
+  return figure;
 }
 
 export function length_m(plan: Plan): number {

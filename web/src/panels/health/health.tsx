@@ -1,27 +1,31 @@
 // Whether everything answers: parts, loop, bus, power, this console, and what happened lately.
-import { faults, modes } from '../../contract/faults.gen';
-import { params } from '../../contract/params.gen';
 import type { TickRecord } from '../../contract/signals.gen';
-import { useEffect } from 'preact/hooks';
+import { useAsked } from '../../link/asked';
 import { fetchEmergencies } from '../../link/console';
 import { live, useReading } from '../../link/live';
 import { useReadiness } from '../../link/readiness';
 import { useStore, type Emergency, type LogLine } from '../../link/store';
 import type { TextKey } from '../../text/en';
-import { serverText } from '../../text/server';
+import { reasonText } from '../../text/server';
 import { useSettings } from '../../text/settings';
-import { duration, fixed, plain, refusalText, shownAs, t, textOf, words, withUnit } from '../../text/text';
+import { duration, fixed, t, textOf, words } from '../../text/text';
 import { emergencyInfo, hex } from '../../ui/device';
+import { eventText } from '../../ui/event_text';
 import { Scroll } from '../../ui/scroll';
-import type { Panel } from '../panel';
 import { Line } from './line';
 import { Loop } from './loop';
 import { nodeView, partNames, tick_ms, type NodeView } from './nodes';
+import './health.css';
 
 const bumperKeys: readonly TextKey[] = ['health.bumper.front', 'health.bumper.rear', 'health.bumper.left', 'health.bumper.right'];
 
 const stateWords = {
-  works: 'health.works', losing: 'health.losing', reports: 'health.reports', waiting: 'health.waiting', silent: 'health.silent', never: 'health.silent',
+  works: 'health.works',
+  losing: 'health.losing',
+  reports: 'health.reports',
+  waiting: 'health.waiting',
+  silent: 'health.silent',
+  never: 'health.silent',
 } as const satisfies Record<NodeView['state'], TextKey>;
 
 function detailOf(view: NodeView): string {
@@ -55,7 +59,10 @@ function Part({ view }: { view: NodeView }) {
       <span class="part-detail num">{detailOf(view)}</span>
       {info === null ? null : (
         <span class="part-emergency">
-          {words(info.text)}. <span class="hint">{words(info.detail)} ({hex(view.emergency)})</span>
+          {words(info.text)}.{' '}
+          <span class="hint">
+            {words(info.detail)} ({hex(view.emergency)})
+          </span>
         </span>
       )}
     </li>
@@ -83,8 +90,16 @@ function Bus({ r }: { r: TickRecord | null }) {
           <rect width={Math.min(1, load) * 100} height="1" />
         </svg>
       </div>
-      <Line label={t('health.busConnected')} value={r === null ? '–' : t(up ? 'health.busUp' : 'health.busDown')} state={r === null || up ? 'good' : 'bad'} />
-      <Line label={t('health.busWire')} value={r === null ? '–' : t(wireKeys[r.bus_state] ?? 'health.bus.off')} state={r === null || r.bus_state === 0 ? 'good' : 'bad'} />
+      <Line
+        label={t('health.busConnected')}
+        value={r === null ? '–' : t(up ? 'health.busUp' : 'health.busDown')}
+        state={r === null || up ? 'good' : 'bad'}
+      />
+      <Line
+        label={t('health.busWire')}
+        value={r === null ? '–' : t(wireKeys[r.bus_state] ?? 'health.bus.off')}
+        state={r === null || r.bus_state === 0 ? 'good' : 'bad'}
+      />
       <Line label={t('health.busRate')} value={r === null ? '–' : t('health.perSecond', { n: r.bus_frames_per_s })} />
       <Line label={t('health.busErrors')} value={fixed(r?.bus_errors, 0)} />
     </section>
@@ -115,7 +130,8 @@ function Emergencies({ list }: { list: readonly Emergency[] }) {
           const info = emergencyInfo(item.code);
           return (
             <li key={`${item.time_ns} ${item.node} ${item.code}`}>
-              <span class="num">−{duration((now_ns - item.time_ns) / 1e9)}</span> {textOf(`health.part.${item.node}`) ?? t('device.unknown')}: {words(info.text)}.
+              <span class="num">−{duration((now_ns - item.time_ns) / 1e9)}</span> {textOf(`health.part.${item.node}`) ?? t('device.unknown')}:{' '}
+              {words(info.text)}.
               {item.code === 0 ? null : (
                 <span class="hint">
                   {' '}
@@ -130,34 +146,12 @@ function Emergencies({ list }: { list: readonly Emergency[] }) {
   );
 }
 
-/** What an event says, in words. */
-export function eventText(kind: string, name: string, value: number | null, before: number | null, code: number | null = null): string {
-  const title = textOf(`event.${kind}`) ?? kind.replaceAll('_', ' ');
-  const fault = faults.find((row) => row.name === name);
-  const mode = modes.find((row) => row.name === name);
-  const param = params.find((row) => row.name === name);
-  if (kind === 'calibration_result' && param) {
-    const show = shownAs(param.name, param.unit);
-    return `${title}: ${words(param.title)} ${withUnit(plain((value ?? NaN) * show.factor), show.unit)}`;
-  }
-  if (kind === 'parameter_changed' && param) {
-    const show = shownAs(param.name, param.unit);
-    const number = (si: number | null) => (si === null ? '–' : plain(si * show.factor));
-    return `${title}: ${words(param.title)} ${number(before)} → ${withUnit(number(value), show.unit)}`;
-  }
-  if (kind === 'command_refused' && name !== '') return `${title}: ${refusalText(name)}`;
-  if (fault) return `${title}: ${words(fault.text)}`;
-  if (mode) return `${title}: ${words(mode.title)}`;
-  const part = textOf(`health.part.${name}`);
-  if (kind === 'emergency') return `${part ?? t('device.unknown')}: ${words(emergencyInfo(code ?? 0).text)}`;
-  if (part !== null) return `${title}: ${part}`;
-  if (kind === 'marker' && name !== '') return `${title}: ${name}`;
-  return title;
-}
-
 function Events({ log }: { log: readonly LogLine[] }) {
   const now_ns = live.record?.time_ns ?? 0;
-  const shown = log.filter((line) => line.kind !== 'command_done').slice(-12).reverse();
+  const shown = log
+    .filter((line) => line.kind !== 'command_done')
+    .slice(-12)
+    .reverse();
   if (shown.length === 0) return <p class="hint">{t('health.logNone')}</p>;
   return (
     <Scroll class="events" label={t('health.log')}>
@@ -172,7 +166,7 @@ function Events({ log }: { log: readonly LogLine[] }) {
   );
 }
 
-function HealthView() {
+export function HealthView() {
   useSettings();
   const newest = useReading((record: TickRecord | null) => record, 2);
   // Old figures are not shown here at all: "works" and "free" are said of now, or not at all.
@@ -185,16 +179,16 @@ function HealthView() {
   const log = useStore((s) => s.log);
   const recording = useStore((s) => s.recording);
   const emergencies = useStore((s) => s.emergencies);
-  useEffect(() => {
-    if (open) void fetchEmergencies();
-  }, [open]);
+  useAsked(open ? fetchEmergencies : null, []);
   const n = (value: number | undefined, decimals: number, unit: string) => `${fixed(value, decimals)} ${unit}`;
   return (
     // Nothing in here can be tapped, so this is what a keyboard scrolls by.
     <div class="health" role="region" aria-label={t('nav.health')} tabIndex={0}>
       <section class="card wide">
         <h2>{t('health.parts')}</h2>
-        <ul class="parts">{partNames.map((name) => (r === null ? <UnknownPart key={name} name={name} /> : <Part key={name} view={nodeView(r, name)} />))}</ul>
+        <ul class="parts">
+          {partNames.map((name) => (r === null ? <UnknownPart key={name} name={name} /> : <Part key={name} view={nodeView(r, name)} />))}
+        </ul>
       </section>
       <section class="card wide">
         <h2>{t('health.emergencies')}</h2>
@@ -215,17 +209,39 @@ function HealthView() {
         <h2>{t('health.bumpers')}</h2>
         {bumperKeys.map((key, bit) => {
           const pressed = r !== null && ((r.bumpers >>> bit) & 1) === 1;
-          return <Line key={key} label={t(key)} value={r === null ? '–' : pressed ? t('health.pressed') : t('health.free')} state={pressed ? 'bad' : 'good'} />;
+          return (
+            <Line
+              key={key}
+              label={t(key)}
+              value={r === null ? '–' : pressed ? t('health.pressed') : t('health.free')}
+              state={pressed ? 'bad' : 'good'}
+            />
+          );
         })}
       </section>
       <section class="card">
         <h2>{t('health.link')}</h2>
-        <Line label={t('health.part.server')} value={r === null ? '–' : t(r.server_alive === 1 ? 'health.answers' : 'health.silent')} state={r === null || r.server_alive === 1 ? 'good' : 'bad'} />
+        <Line
+          label={t('health.part.server')}
+          value={r === null ? '–' : t(r.server_alive === 1 ? 'health.answers' : 'health.silent')}
+          state={r === null || r.server_alive === 1 ? 'good' : 'bad'}
+        />
         <Line label={t('health.rtt')} value={n(rtt_s === null ? undefined : rtt_s * 1000, 0, 'ms')} />
         <Line label={t('health.lost')} value={fixed(live.lost, 0)} />
         <Line label={t('health.refusedCommands')} value={fixed(r?.commands_refused, 0)} />
         <Line label={t('health.role')} value={textOf(`role.${role}`) ?? '–'} />
-        <Line label={t('health.recording')} value={silent ? '–' : recording.state === 'recording' ? t('sessions.one', { n: recording.session ?? '–' }) : recording.state === 'failed' ? serverText(recording.detail) ?? t('bar.recordingFailed') : t('bar.recordingOff')} />
+        <Line
+          label={t('health.recording')}
+          value={
+            silent
+              ? '–'
+              : recording.state === 'recording'
+                ? t('sessions.one', { n: recording.session ?? '–' })
+                : recording.state === 'failed'
+                  ? (reasonText(recording.reason) ?? t('bar.recordingFailed'))
+                  : t('bar.recordingOff')
+          }
+        />
         <Line label={t('health.version')} value={version || '–'} />
       </section>
       <Loop r={r} />
@@ -236,5 +252,3 @@ function HealthView() {
     </div>
   );
 }
-
-export const healthPanel: Panel = { id: 'health', title: 'nav.health', icon: 'health', live: true, View: HealthView };

@@ -1,6 +1,6 @@
 // The control loop: how late its steps begin, what was left out, and what the computer grants it. The whole picture is for engineers.
-import { useEffect, useState } from 'preact/hooks';
 import type { TickRecord } from '../../contract/signals.gen';
+import { useAsked } from '../../link/asked';
 import { rest } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { fixed, t } from '../../text/text';
@@ -15,7 +15,12 @@ const counted_s = 0.002;
 const lateShare = 1 / 6;
 
 const marks = [
-  [1e-6, '1 µs'], [1e-5, '10 µs'], [1e-4, '100 µs'], [1e-3, '1 ms'], [1e-2, '10 ms'], [1e-1, '100 ms'],
+  [1e-6, '1 µs'],
+  [1e-5, '10 µs'],
+  [1e-4, '100 µs'],
+  [1e-3, '1 ms'],
+  [1e-2, '10 ms'],
+  [1e-1, '100 ms'],
 ] as const;
 
 function Picture({ report }: { report: LoopReport }) {
@@ -54,7 +59,11 @@ function Granted({ r }: { r: TickRecord | null }) {
   const zero = (value: number | undefined) => (value === undefined || value === 0 ? 'good' : 'bad');
   return (
     <div>
-      <Line label={t('loop.priority')} value={!known ? '–' : priority ? fixed(r.loop_priority, 0) : t('loop.notGranted')} state={!known || priority ? 'good' : 'bad'} />
+      <Line
+        label={t('loop.priority')}
+        value={!known ? '–' : priority ? fixed(r.loop_priority, 0) : t('loop.notGranted')}
+        state={!known || priority ? 'good' : 'bad'}
+      />
       <Line label={t('loop.cpu')} value={!known ? '–' : r.loop_cpu === noCpu ? t('loop.anyCpu') : fixed(r.loop_cpu, 0)} />
       <Line label={t('loop.memory')} value={!known ? '–' : t(locked ? 'loop.locked' : 'loop.notLocked')} state={!known || locked ? 'good' : 'bad'} />
       <Line label={t('loop.pageFaults')} value={fixed(r?.page_faults, 0)} state={zero(r?.page_faults)} />
@@ -67,22 +76,8 @@ export function Loop({ r }: { r: TickRecord | null }) {
   const engineer = useStore((s) => s.role) === 'engineer';
   const open = useStore((s) => s.link === 'open');
   const tooLate_s = useStore((s) => s.parameters.loop_late_s_max) ?? 0.03;
-  const [told, setReport] = useState<LoopReport | null>(null);
+  const told = useAsked(engineer && open ? () => rest<LoopReport>('GET', '/loop') : null, [], askEvery_ms).value;
   const report = r === null ? null : told; // an old report must not stand for the loop of now
-  useEffect(() => {
-    if (!engineer || !open) return undefined;
-    let gone = false;
-    const ask = () =>
-      void rest<LoopReport>('GET', '/loop').then((answer) => {
-        if (!gone && answer.ok) setReport(answer.value);
-      });
-    ask();
-    const timer = window.setInterval(ask, askEvery_ms);
-    return () => {
-      gone = true;
-      window.clearInterval(timer);
-    };
-  }, [engineer, open]);
   const ms = (value_s: number | undefined) => `${fixed(value_s === undefined ? undefined : value_s * 1e3, 2)} ms`;
   const short = (
     <div>

@@ -7,6 +7,7 @@ import { useSettings } from '../../text/settings';
 import { plain, shownAs, t, words, withUnit } from '../../text/text';
 import { strips, type Curve } from './curves';
 import { zigzag, type Samples } from './model';
+import './chart.css';
 
 /** Distinguishable without colour too: the dash differs. */
 const dashes: readonly number[][] = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
@@ -29,7 +30,10 @@ function options(rows: readonly Curve[], { width_px, height_px: height, colour }
     width: width_px,
     height,
     scales: { x: { time: false } },
-    axes: [{ ...axis, values: (_u, ticks) => ticks.map((tick) => `${plain(tick)} s`) }, { ...axis, ...label, size: 52, values: (_u, ticks) => ticks.map(plain) }],
+    axes: [
+      { ...axis, values: (_u, ticks) => ticks.map((tick) => `${plain(tick)} s`) },
+      { ...axis, ...label, size: 52, values: (_u, ticks) => ticks.map(plain) },
+    ],
     legend: { show: true, live: true },
     cursor: { drag: { x: true, y: false }, sync: { key: 'session' } },
     series: [
@@ -48,7 +52,10 @@ function options(rows: readonly Curve[], { width_px, height_px: height, colour }
 
 function strip(rows: readonly Curve[], samples: Samples, look: Look, element: HTMLElement): uPlot {
   const { factor } = shownAs(rows[0]!.name, rows[0]!.unit);
-  const [time, ...columns] = zigzag(samples, rows.map((row) => row.name));
+  const [time, ...columns] = zigzag(
+    samples,
+    rows.map((row) => row.name),
+  );
   const scaled = columns.map((column) => column.map((value) => (value === null ? null : value * factor)));
   return new uPlot(options(rows, look), [time, ...scaled] as uPlot.AlignedData, element);
 }
@@ -82,5 +89,3 @@ export function Chart({ samples, names }: { samples: Samples; names: readonly Si
   }, [samples, names, language, theme]); // the colours are read when it is drawn
   return <div ref={box} class="chart" role="img" aria-label={t('sessions.chart')} />;
 }
-
-export default Chart;

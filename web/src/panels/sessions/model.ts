@@ -35,7 +35,8 @@ export interface Metrics {
   /** Which track was compared: with slip repaired, or the encoders' own. */
   track: 'fused' | 'encoders';
   exercise: Exercise | null;
-  reason_if_none: string | null;
+  /** Why there is no comparison with a plan: a row of the table of reasons. */
+  reason_code: string | null;
 }
 export interface SampleColumn {
   name: SignalName;
@@ -63,7 +64,14 @@ export interface SessionEvents {
 
 /** What happened, with the marks in between, in order of time. Answers to single commands are left out: their effect is there too. */
 export function story(events: SessionEvents, started_utc_ms: number): SessionEvent[] {
-  const marks = (events.markers ?? []).map((mark) => ({ time_s: (mark.utc_ms - started_utc_ms) / 1000, kind: 'marker', name: mark.text, value: null, before: null, code: null }));
+  const marks = (events.markers ?? []).map((mark) => ({
+    time_s: (mark.utc_ms - started_utc_ms) / 1000,
+    kind: 'marker',
+    name: mark.text,
+    value: null,
+    before: null,
+    code: null,
+  }));
   return [...events.items.filter((event) => event.kind !== 'command_done'), ...marks].sort((a, b) => a.time_s - b.time_s);
 }
 

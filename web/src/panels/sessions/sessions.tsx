@@ -1,21 +1,25 @@
 // Recorded sessions: the list, and one session with its figures, path, course, note and export.
-import type { ComponentType } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import type { SignalName } from '../../contract/signals.gen';
+import { useAsked, type Asked } from '../../link/asked';
 import { notify } from '../../link/console';
 import { rest, type Answer, type Problem } from '../../link/rest';
 import type { Exercise } from '../../contract/messages.gen';
 import { useStore } from '../../link/store';
-import { serverText } from '../../text/server';
+import { problemText, reasonText } from '../../text/server';
 import { useSettings } from '../../text/settings';
-import { date, degrees, duration, fixed, refusalText, t, words } from '../../text/text';
+import { date, degrees, duration, fixed, t, words } from '../../text/text';
 import { fit, patternPoints, type Point } from '../../ui/geometry';
 import { drawFloor } from '../../ui/floor_view';
 import { Scroll } from '../../ui/scroll';
-import { eventText } from '../health/health';
-import type { Panel } from '../panel';
+import { eventText } from '../../ui/event_text';
+import { Lazy, LoadFailed, useLazy } from '../../ui/lazy';
+import { addressOf, go } from '../../router';
+import type { PanelProps } from '../panel';
 import { curves } from './curves';
 import { continued, pathOf, refreshed, story, type Metrics, type Samples, type Session, type SessionEvents, type SessionPage } from './model';
+import '../../ui/reading.css';
+import './sessions.css';
 
 /** A deleted session can be taken back this long; only then is the server asked. */
 const undoDelete_ms = 6000;
@@ -24,6 +28,8 @@ const curveRuns = 800;
 const curvesMost = 4;
 const pageSize = 50;
 const eventsShown = 200;
+/** The server is asked when nobody has typed for so long. */
+const typing_ms = 250;
 
 /** As long as the server takes one. */
 const subjectMost = 64;
@@ -31,79 +37,53 @@ const noteMost = 500;
 /** Columns that a session does not have are refused with this; anything else is a failure. */
 const unprocessable = 422;
 
-const problemText = (problem: Problem) =>
-  problem.refusals.length > 0 ? problem.refusals.map(refusalText).join(' ') : (serverText(problem.detail, problem.title) ?? t('sessions.failed'));
-
-/** What a section of the screen asked the server for. */
-interface Asked<T> {
-  /** The last answer; it stays while the same is asked again. */
-  value: T | null;
-  problem: string | null;
-  retry: () => void;
-}
-
-/** Asks when the component appears and whenever `what` changes; an answer that another question has overtaken is dropped. */
-function useAsked<T>(question: () => Promise<Answer<T>>, what: readonly unknown[]): Asked<T> {
-  const [value, setValue] = useState<T | null>(null);
-  const [problem, setProblem] = useState<string | null>(null);
-  const [tries, setTries] = useState(0);
-  useEffect(() => {
-    let wanted = true;
-    void question().then((answer) => {
-      if (!wanted) return;
-      if (answer.ok) setValue(answer.value);
-      setProblem(answer.ok ? null : problemText(answer.problem));
-    });
-    return () => {
-      wanted = false;
-    };
-  }, [...what, tries]);
-  return { value, problem, retry: () => setTries((n) => n + 1) };
-}
-
 function exerciseName(exercise: Exercise | null): string {
   return exercise === null ? t('exercise.free') : t(`exercise.${exercise.shape}`);
 }
 
-function SessionsView() {
-  useSettings();
-  const [page, setPage] = useState<SessionPage | null>(null);
-  const [search, setSearch] = useState('');
-  const [chosen, setChosen] = useState<number | null>(null);
-  const [error, setError] = useState<string | null>(null);
-  const [more, setMore] = useState(false); // older ones are being asked for
-  const [leaving, setLeaving] = useState<number | null>(null); // Undo can still keep it
-  const [gone, setGone] = useState<readonly number[]>([]); // the server is being asked to delete these
-  const recording = useStore((s) => s.recording.state + String(s.recording.session));
-  const asked = useRef(0); // number of the newest question: older answers are of no use
-  const found = useRef(''); // the search that the list on the screen answers
-  const wished = useRef('');
-  wished.current = search.trim();
-
-  const load = async (cursor: string | null) => {
-    const mine = ++asked.current;
-    const sought = wished.current;
+/** The list, newest first. It grows at its end, and what was on the screen stays there when newer ones come. */
+function useSessionList(search: string, recording: string) {
+  const [sought, setSought] = useState(search);
+  const [list, setList] = useState<{ sought: string; page: SessionPage } | null>(null);
+  const [olderProblem, setOlderProblem] = useState<Problem | null>(null);
+  const [waits, setWaits] = useState(false); // older ones are being asked for
+  useEffect(() => {
+    const timer = window.setTimeout(() => setSought(search), search === '' ? 0 : typing_ms);
+    return () => window.clearTimeout(timer);
+  }, [search]);
+  const ask = async (cursor: string | null): Promise<Answer<{ sought: string; page: SessionPage }>> => {
     const query = new URLSearchParams({ limit: String(pageSize) });
     if (cursor !== null) query.set('cursor', cursor);
     if (sought !== '') query.set('q', sought);
-    setMore(cursor !== null);
     const answer = await rest<SessionPage>('GET', `/sessions?${query.toString()}`);
-    if (mine !== asked.current) return;
-    setMore(false);
-    if (!answer.ok) {
-      setError(problemText(answer.problem));
-      return;
-    }
-    setError(null);
-    const came = { items: answer.value.items, next: answer.value.next ?? null };
-    const same = found.current === sought;
-    found.current = sought;
-    setPage((before) => (cursor !== null ? continued(before, came) : same ? refreshed(before, came) : came));
+    return answer.ok ? { ok: true, value: { sought, page: { items: answer.value.items, next: answer.value.next ?? null } } } : answer;
   };
+  const newest = useAsked(() => ask(null), [sought, recording]);
   useEffect(() => {
-    const timer = window.setTimeout(() => void load(null), search === '' ? 0 : 250);
-    return () => window.clearTimeout(timer);
-  }, [search, recording]);
+    const came = newest.value;
+    if (came === null) return;
+    setOlderProblem(null);
+    setList((before) => (before?.sought === came.sought ? { ...came, page: refreshed(before.page, came.page) } : came));
+  }, [newest.value]);
+  const older = async () => {
+    setWaits(true);
+    const answer = await ask(list?.page.next ?? null);
+    setWaits(false);
+    setOlderProblem(answer.ok ? null : answer.problem);
+    if (answer.ok)
+      setList((before) => (before?.sought === answer.value.sought ? { ...before, page: continued(before.page, answer.value.page) } : before));
+  };
+  return { list, problem: newest.problem ?? olderProblem, waits, again: newest.retry, older };
+}
+
+export function SessionsView({ part }: PanelProps) {
+  useSettings();
+  const [search, setSearch] = useState('');
+  const chosen = part !== null && /^\d+$/.test(part) ? Number(part) : null;
+  const [leaving, setLeaving] = useState<number | null>(null); // Undo can still keep it
+  const [gone, setGone] = useState<readonly number[]>([]); // the server is being asked to delete these, or has done it
+  const recording = useStore((s) => s.recording.state + String(s.recording.session));
+  const { list, problem, waits, again, older } = useSessionList(search.trim(), recording);
 
   // Six seconds of Undo, then the server is asked. Another Delete, or leaving the screen or the page, means that the deletion stands: the
   // undo was there to be tapped.
@@ -115,11 +95,13 @@ function SessionsView() {
     pending.current = null;
     setLeaving(null);
     setGone((before) => [...before, id]);
-    void rest('DELETE', `/sessions/${id}`).then(async (answer) => {
+    void rest('DELETE', `/sessions/${id}`).then((answer) => {
       if (answer.ok) notify('info', t('sessions.deleted', { n: id }), true);
-      else notify('error', problemText(answer.problem), true);
-      await load(null);
-      setGone((before) => before.filter((item) => item !== id));
+      else {
+        notify('error', problemText(answer.problem), true);
+        setGone((before) => before.filter((item) => item !== id));
+      }
+      again();
     });
   };
   useEffect(() => {
@@ -131,7 +113,7 @@ function SessionsView() {
   }, []);
   const remove = (id: number) => {
     settle();
-    setChosen(null);
+    go(addressOf('sessions'), true); // Back does not lead to what is gone
     pending.current = { id, timer: window.setTimeout(settle, undoDelete_ms) };
     setLeaving(id);
   };
@@ -141,8 +123,8 @@ function SessionsView() {
     setLeaving(null);
   };
 
-  const next = page?.next ?? null;
-  const shown = (page?.items ?? []).filter((item) => item.id !== leaving && !gone.includes(item.id));
+  const next = list?.page.next ?? null;
+  const shown = (list?.page.items ?? []).filter((item) => item.id !== leaving && !gone.includes(item.id));
   return (
     <div class={chosen === null ? 'sessions' : 'sessions one'}>
       <section class="card session-list">
@@ -162,20 +144,20 @@ function SessionsView() {
             </button>
           </div>
         ) : null}
-        {error !== null ? (
+        {problem !== null ? (
           <p class="tune-error" role="alert">
-            {error}{' '}
-            <button type="button" class="quiet" onClick={() => void load(null)}>
+            {problemText(problem)}{' '}
+            <button type="button" class="quiet" onClick={again}>
               {t('common.retry')}
             </button>
           </p>
         ) : null}
-        {page === null && error === null ? <p class="hint">{t('common.loading')}</p> : null}
-        {page !== null && shown.length === 0 ? <p class="hint">{t(found.current === '' ? 'sessions.empty' : 'sessions.none')}</p> : null}
+        {list === null && problem === null ? <p class="hint">{t('common.loading')}</p> : null}
+        {list !== null && shown.length === 0 ? <p class="hint">{t(list.sought === '' ? 'sessions.empty' : 'sessions.none')}</p> : null}
         <ul>
           {shown.map((item) => (
             <li key={item.id}>
-              <button type="button" class="session-item" aria-current={item.id === chosen} onClick={() => setChosen(item.id)}>
+              <button type="button" class="session-item" aria-current={item.id === chosen} onClick={() => go(addressOf('sessions', item.id))}>
                 <strong>{date(item.started_utc_ms)}</strong>
                 <span class="num">{item.recording ? t('sessions.running') : duration(item.duration_s)}</span>
                 <span>
@@ -188,7 +170,7 @@ function SessionsView() {
           ))}
         </ul>
         {next !== null ? (
-          <button type="button" class="plain" disabled={more} onClick={() => void load(next)}>
+          <button type="button" class="plain" disabled={waits} onClick={() => void older()}>
             {t('sessions.next')}
           </button>
         ) : null}
@@ -198,18 +180,19 @@ function SessionsView() {
           <p class="hint">{t('sessions.choose')}</p>
         </section>
       ) : (
-        <Detail key={chosen} id={chosen} onBack={() => setChosen(null)} onDelete={() => remove(chosen)} onChange={() => void load(null)} />
+        <Detail key={chosen} id={chosen} onDelete={() => remove(chosen)} onChange={again} />
       )}
     </div>
   );
 }
 
-type ChartType = ComponentType<{ samples: Samples; names: readonly SignalName[] }>;
+/** Charts are drawn by a library that is larger than the rest of this screen. */
+const chart = new Lazy(async () => (await import('./chart')).Chart);
 
-function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => void; onDelete: () => void; onChange: () => void }) {
+function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; onChange: () => void }) {
   const [error, setError] = useState<string | null>(null);
   const [names, setNames] = useState<SignalName[]>(['speed_m_s', 'speed_command_m_s']);
-  const [ChartView, setChartView] = useState<ChartType | null>(null);
+  const drawn = useLazy(chart);
   // Opened right after its end, a session is still being closed: all of it is asked for again as soon as the recording is over.
   const recorded = useStore((s) => s.recording.state === 'recording' && s.recording.session === id);
   const asked = useAsked(() => rest<Session>('GET', `/sessions/${id}`), [id, recorded]);
@@ -231,7 +214,6 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
         : rest<Samples | null>('GET', `/sessions/${id}/samples?columns=${names.join(',')}&points=${curveRuns}`),
     [id, recorded, names],
   );
-  useEffect(() => void import('./chart').then((module) => setChartView(() => module.Chart)), []);
 
   const all: readonly Asked<unknown>[] = [asked, metrics, path, events, samples];
   const unread = all.find((one) => one.problem !== null)?.problem ?? null;
@@ -260,9 +242,9 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
     <div class="session-detail">
       <section class="card">
         <div class="session-head">
-          <button type="button" class="quiet only-narrow" onClick={onBack}>
+          <a class="quiet only-narrow" href={addressOf('sessions')}>
             ‹ {t('sessions.back')}
-          </button>
+          </a>
           <h2>{session === null ? t('sessions.one', { n: id }) : `${date(session.started_utc_ms)} · ${exerciseName(session.exercise)}`}</h2>
           <a class="plain" href={`/api/v1/sessions/${id}/export?format=csv`} download>
             {t('sessions.csv')}
@@ -281,7 +263,7 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
         ) : null}
         {unread !== null ? (
           <p class="tune-error" role="alert">
-            {unread}{' '}
+            {problemText(unread)}{' '}
             <button type="button" class="quiet" onClick={retry}>
               {t('common.retry')}
             </button>
@@ -290,7 +272,13 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
         <Figures metrics={metrics.value} />
         {session !== null ? (
           <div class="session-texts">
-            <TextField label={t('sessions.subject')} hint={t('sessions.subjectHint')} value={session.subject ?? ''} most={subjectMost} onSave={(subject) => save({ subject: subject === '' ? null : subject })} />
+            <TextField
+              label={t('sessions.subject')}
+              hint={t('sessions.subjectHint')}
+              value={session.subject ?? ''}
+              most={subjectMost}
+              onSave={(subject) => save({ subject: subject === '' ? null : subject })}
+            />
             <TextField label={t('sessions.note')} value={session.note} most={noteMost} onSave={(note) => save({ note })} />
           </div>
         ) : null}
@@ -298,11 +286,21 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
       <div class="session-pictures">
         <section class="card">
           <h2>{t('sessions.path')}</h2>
-          {path.value === null ? <p class="floor small hint">{instead(path)}</p> : <PathPicture samples={path.value} exercise={session?.exercise ?? null} />}
+          {path.value === null ? (
+            <p class="floor small hint">{instead(path)}</p>
+          ) : (
+            <PathPicture samples={path.value} exercise={session?.exercise ?? null} />
+          )}
         </section>
         <section class="card">
           <h2>{t('sessions.curves')}</h2>
-          {ChartView !== null && samples.value !== null && samples.problem === null ? <ChartView samples={samples.value} names={names} /> : <p class="chart hint">{names.length === 0 ? '' : instead(samples)}</p>}
+          {drawn.state === 'failed' ? (
+            <LoadFailed />
+          ) : drawn.state === 'ready' && samples.value !== null && samples.problem === null ? (
+            <drawn.value samples={samples.value} names={names} />
+          ) : (
+            <p class="chart hint">{names.length === 0 ? '' : instead(samples)}</p>
+          )}
           <div class="columns" role="group" aria-label={t('sessions.columns')}>
             {curves.map(({ name, title }) => (
               <button key={name} type="button" class="pill" aria-pressed={names.includes(name)} onClick={() => toggle(name)}>
@@ -314,17 +312,18 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
       </div>
       <section class="card">
         <h2>{t('sessions.events')}</h2>
-        {events.value === null || session === null ? <p class="hint">{instead(events.value === null ? events : asked)}</p> : happened.length === 0 ? <p class="hint">{t('sessions.eventsNone')}</p> : null}
+        {events.value === null || session === null ? (
+          <p class="hint">{instead(events.value === null ? events : asked)}</p>
+        ) : happened.length === 0 ? (
+          <p class="hint">{t('sessions.eventsNone')}</p>
+        ) : null}
         <Scroll class="events" label={t('sessions.events')}>
           <ul>
-            {happened
-              .slice(0, eventsShown)
-              .map((event, index) => (
-                <li key={index}>
-                  <span class="num">{duration(event.time_s)}</span>{' '}
-                  {eventText(event.kind, event.name, event.value, event.before, event.code)}
-                </li>
-              ))}
+            {happened.slice(0, eventsShown).map((event, index) => (
+              <li key={index}>
+                <span class="num">{duration(event.time_s)}</span> {eventText(event.kind, event.name, event.value, event.before, event.code)}
+              </li>
+            ))}
           </ul>
         </Scroll>
       </section>
@@ -333,7 +332,19 @@ function Detail({ id, onBack, onDelete, onChange }: { id: number; onBack: () => 
 }
 
 /** A text that is kept when it is left: nobody with a patient at hand remembers a button. The button is there to be seen. */
-function TextField({ label, hint, value, most, onSave }: { label: string; hint?: string; value: string; most: number; onSave: (text: string) => Promise<boolean> }) {
+function TextField({
+  label,
+  hint,
+  value,
+  most,
+  onSave,
+}: {
+  label: string;
+  hint?: string;
+  value: string;
+  most: number;
+  onSave: (text: string) => Promise<boolean>;
+}) {
   const [draft, setDraft] = useState<string | null>(null); // what was typed and is not known to be kept
   const sent = useRef<string | null>(null); // a tap on Save leaves the field, too: one request is enough
   const changed = draft !== null && draft !== value;
@@ -406,7 +417,12 @@ function Figures({ metrics }: { metrics: Metrics | null }) {
       </div>
       {m && m.missing_s > 0 ? <p class="hint">{t('metric.missing', { s: fixed(m.missing_s, m.missing_s < 10 ? 1 : 0) })}</p> : null}
       {m ? <p class="hint">{t(m.track === 'fused' ? 'metric.trackFused' : 'metric.trackEncoders')}</p> : null}
-      {m?.reason_if_none ? <p class="hint">{t('metric.none')}{((why) => (why === null ? '.' : `: ${why}`))(serverText(m.reason_if_none))}</p> : null}
+      {m?.reason_code ? (
+        <p class="hint">
+          {t('metric.none')}
+          {((why) => (why === null ? '.' : `: ${why}`))(reasonText(m.reason_code))}
+        </p>
+      ) : null}
     </>
   );
 }
@@ -434,5 +450,3 @@ function PathPicture({ samples, exercise }: { samples: Samples | null; exercise:
   }, [samples, exercise, theme]);
   return <canvas ref={canvas} class="floor small" role="img" aria-label={t('floor.label')} />;
 }
-
-export const sessionsPanel: Panel = { id: 'sessions', title: 'nav.sessions', icon: 'sessions', live: false, View: SessionsView };

@@ -9,8 +9,9 @@ import { useSettings } from '../../text/settings';
 import { plain, readNumber, shownAs, t, words, withUnit } from '../../text/text';
 import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
-import type { Panel } from '../panel';
 import { groups, niceStep, type Group } from './groups';
+import '../../ui/motion.css';
+import './tune.css';
 
 /** A slider that is being drawn sends no more often than this. */
 const debounce_ms = 200;
@@ -135,7 +136,11 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
           disabled={locked}
           onInput={(event) => draw(Number(event.currentTarget.value))}
         />
-        <span class="tune-default" ref={(element) => element?.style.setProperty('--share', String(defaultShare))} title={t('tune.default', { value: withUnit(plain(toShown(row.default)), show.unit) })} />
+        <span
+          class="tune-default"
+          ref={(element) => element?.style.setProperty('--share', String(defaultShare))}
+          title={t('tune.default', { value: withUnit(plain(toShown(row.default)), show.unit) })}
+        />
         <span class="tune-range num">
           <span>{plain(min)}</span>
           <span>{t('tune.default', { value: withUnit(plain(toShown(row.default)), show.unit) })}</span>
@@ -167,12 +172,17 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
         <span class="tune-unit">{show.unit}</span>
       </div>
       <div class="tune-buttons">
-        <button type="button" class="quiet" disabled={locked || undo === null || undoing} onClick={() => {
-          if (undo === null) return;
-          // Stays there until it was done: a refusal must not take the way back away.
-          setUndoing(true);
-          void apply(undo).then(() => setUndoing(false));
-        }}>
+        <button
+          type="button"
+          class="quiet"
+          disabled={locked || undo === null || undoing}
+          onClick={() => {
+            if (undo === null) return;
+            // Stays there until it was done: a refusal must not take the way back away.
+            setUndoing(true);
+            void apply(undo).then(() => setUndoing(false));
+          }}
+        >
           {t('tune.undo')}
         </button>
         <button type="button" class="quiet" disabled={locked || !changed} onClick={() => void apply(row.default)}>
@@ -201,16 +211,18 @@ function GroupView({ group, role, standby, connected }: { group: Group; role: st
   );
 }
 
-function TuneView() {
+export function TuneView() {
   useSettings();
   const { reachable: connected, standby } = useReadiness();
   const role = useStore((s) => s.role);
   const values = useStore((s) => s.parameters);
   const request = useRequest();
   const list = groups();
-  const differing = list.flatMap((group) => group.rows).filter((row) => values[row.name] !== undefined && !same(values[row.name]!, row.default)).length;
+  const differing = list
+    .flatMap((group) => group.rows)
+    .filter((row) => values[row.name] !== undefined && !same(values[row.name]!, row.default)).length;
   const inForce = (preset: (typeof presets)[number]) =>
-    Object.entries(preset.values).every(([name, value]) => values[name] !== undefined && same(values[name]!, value));
+    Object.entries(preset.values).every(([name, value]) => values[name] !== undefined && same(values[name], value));
   const choose = async (preset: (typeof presets)[number]) => {
     if (await request.ask(() => applyPreset(preset.name))) notify('info', t('tune.presetApplied', { name: words(preset.title) }), true);
   };
@@ -219,7 +231,14 @@ function TuneView() {
       <div class="walk-controls">
         <div class="choice presets" role="radiogroup" aria-label={t('tune.preset')} onKeyDown={radioKeys}>
           {presets.map((preset) => (
-            <button key={preset.name} type="button" role="radio" aria-checked={inForce(preset)} disabled={!connected || !standby} onClick={() => void choose(preset)}>
+            <button
+              key={preset.name}
+              type="button"
+              role="radio"
+              aria-checked={inForce(preset)}
+              disabled={!connected || !standby}
+              onClick={() => void choose(preset)}
+            >
               {words(preset.title)}
               <small>{words(preset.doc)}</small>
             </button>
@@ -239,5 +258,3 @@ function TuneView() {
     </div>
   );
 }
-
-export const tunePanel: Panel = { id: 'tune', title: 'nav.tune', icon: 'tune', live: false, View: TuneView };

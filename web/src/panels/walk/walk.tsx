@@ -13,7 +13,7 @@ import { HoistPicture } from '../../ui/hoist_picture';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { StartEnd } from '../../ui/start_end';
-import type { Panel } from '../panel';
+import './walk.css';
 
 /** Sizes that fit a room of 5 × 5 m; the server's own default for its scenario comes first. */
 const choices: readonly Exercise[] = [
@@ -24,7 +24,7 @@ const choices: readonly Exercise[] = [
 ];
 const markers: readonly TextKey[] = ['marker.help', 'marker.stumble', 'marker.rest', 'marker.good'];
 
-function WalkView() {
+export function WalkView() {
   useSettings();
   const { led, reachable, standby } = useReadiness();
   const exercise = useStore((s) => s.exercise);
@@ -65,11 +65,23 @@ function WalkView() {
             );
           })}
         </div>
-        <button type="button" class="plain two-lines" disabled={request.busy || aside.busy || !standby} title={t('walk.neutralHint')}
-          onClick={() => void neutral()}>
+        <button
+          type="button"
+          class="plain two-lines"
+          disabled={request.busy || aside.busy || !standby}
+          title={t('walk.neutralHint')}
+          onClick={() => void neutral()}
+        >
           {t('walk.neutral')} <small>{t('walk.neutralShort')}</small>
         </button>
-        <StartEnd request={request} of="user" startLabel={t('walk.start')} endLabel={t('walk.end')} wait={aside.busy} start={(again) => requestMode('user', exercise, again)} />
+        <StartEnd
+          request={request}
+          of="user"
+          startLabel={t('walk.start')}
+          endLabel={t('walk.end')}
+          wait={aside.busy}
+          start={(again) => requestMode('user', exercise, again)}
+        />
       </div>
       <Refusal request={request} />
       <Refusal request={aside} />
@@ -112,5 +124,3 @@ function Time() {
     </div>
   );
 }
-
-export const walkPanel: Panel = { id: 'walk', title: 'nav.walk', icon: 'walk', live: true, View: WalkView };

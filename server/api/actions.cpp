@@ -1,0 +1,553 @@
+#include "server/api/actions.hpp"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "control/contract/calibration.hpp"
+#include "control/contract/faults.hpp"
+#include "control/contract/guided_path.hpp"
+#include "control/contract/param_set.hpp"
+#include "control/contract/params.hpp"
+#include "server/live/hub.hpp"
+
+namespace hoist::server {
+
+using contract::Command;
+using contract::CommandKind;
+using nlohmann::json;
+
+namespace {
+Command command_of(CommandKind kind, const Asker& asker) {
+  Command command;
+  command.kind = kind;
+  command.client = asker.client;
+  command.lease_epoch = asker.epoch;
+  return command;
+}
+
+Outcome outcome_of(const CoreAnswer& answer) {
+  Outcome outcome;
+  switch (answer.kind) {
+    case CoreAnswer::Kind::done:
+      outcome.stored = answer.stored;
+      return outcome;
+    case CoreAnswer::Kind::refused: {
+      outcome.kind = Outcome::Kind::refused;
+      outcome.refusals = refusal_names(answer.bits);
+      for (const contract::RefusalInfo& r : contract::kRefusals)
+        if (r.bit == answer.code) outcome.detail = r.text_en;
+      constexpr std::uint32_t kBadValue = contract::refusal_bit(contract::Refusal::out_of_range) |
+                                          contract::refusal_bit(contract::Refusal::not_finite) |
+                                          contract::refusal_bit(contract::Refusal::inconsistent_set);
+      if ((answer.bits & kBadValue) != 0) outcome.kind = Outcome::Kind::invalid;
+      return outcome;
+    }
+    case CoreAnswer::Kind::unanswered:
+      outcome.detail = "The core does not answer.";
+      break;
+    case CoreAnswer::Kind::no_core:
+      outcome.detail = "The control core is not connected.";
+      break;
+    case CoreAnswer::Kind::busy:
+      outcome.detail = "The control core has not taken the last commands yet.";
+      outcome.reason = Reason::busy;
+      break;
+  }
+  outcome.kind = Outcome::Kind::unreachable;
+  return outcome;
+}
+
+Outcome invalid(std::vector<FieldError> errors, std::string detail, std::optional<Reason> reason = {}) {
+  Outcome outcome;
+  outcome.reason = reason;
+  outcome.kind = Outcome::Kind::invalid;
+  outcome.errors = std::move(errors);
+  outcome.detail = std::move(detail);
+  return outcome;
+}
+
+void ask(Services& services, const Command& command, OutcomeDone done) {
+  services.core.ask(command, [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); });
+}
+
+FieldError range_error(const contract::ParamInfo& p, std::string message, std::optional<double> value) {
+  return {std::string{p.name}, std::move(message), value, p.min, p.max};
+}
+
+void set_values(Services& services, const Asker& asker, std::vector<std::pair<std::uint32_t, double>> rows, double revert_after_s,
+                std::uint32_t version, OutcomeDone done) {
+  Command commit = command_of(CommandKind::commit_parameters, asker);
+  commit.v0 = revert_after_s;
+  commit.b = static_cast<std::uint32_t>(asker.role);
+  services.core.ask_parameters(rows, version, commit, [done = std::move(done), rows](const CoreAnswer& answer) {
+    Outcome outcome = outcome_of(answer);
+    if (answer.kind == CoreAnswer::Kind::refused) {
+      // Name the row. A set that contradicts itself has no single row: the sentence tells.
+      if (const auto index = contract::find_param_id(answer.item)) {
+        std::optional<double> value;
+        for (const auto& [id, v] : rows)
+          if (id == answer.item) value = v;
+        outcome.errors.push_back(range_error(contract::kParams[*index], outcome.detail, value));
+      }
+    }
+    done(outcome);
+  });
+}
+}  // namespace
+
+Reason reason_of(const Outcome& outcome) {
+  if (outcome.reason) return *outcome.reason;
+  switch (outcome.kind) {
+    case Outcome::Kind::invalid:
+      return Reason::invalid;
+    case Outcome::Kind::unknown:
+      return Reason::unknown;
+    case Outcome::Kind::unreachable:
+      return Reason::no_core;
+    default:
+      return Reason::refused;
+  }
+}
+
+std::vector<std::string> refusal_names(std::uint32_t bits) {
+  std::vector<std::string> names;
+  for (const contract::RefusalInfo& r : contract::kRefusals)
+    if ((bits >> r.bit & 1U) != 0) names.emplace_back(r.name);
+  return names;
+}
+
+std::vector<std::string> fault_names(std::uint32_t bits) {
+  std::vector<std::string> names;
+  for (const contract::FaultInfo& f : contract::kFaults)
+    if ((bits >> f.bit & 1U) != 0) names.emplace_back(f.name);
+  return names;
+}
+
+void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done) {
+  Command command = command_of(CommandKind::take_lease, asker);
+  command.a = take_over ? 1 : 0;
+  services.core.ask(command, [done = std::move(done), take_over, &services](const CoreAnswer& answer) {
+    Outcome outcome = outcome_of(answer);
+    // The table's sentence tells others to take control, which is what was asked here.
+    if (!take_over && (answer.bits & contract::refusal_bit(contract::Refusal::no_lease)) != 0)
+      outcome.detail = "Somebody else is in control: ask again with take_over while the hoist stands still.";
+    outcome.epoch = services.core.lease_epoch();
+    done(outcome);
+  });
+}
+
+void act_release_lease(Services& services, const Asker& asker, OutcomeDone done) {
+  ask(services, command_of(CommandKind::release_lease, asker), std::move(done));
+}
+
+void act_stop(Services& services, std::uint32_t client, OutcomeDone done) {
+  CoreDesk::Done answered;
+  if (done) answered = [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); };
+  services.core.stop(client, std::move(answered));
+}
+
+void act_acknowledge(Services& services, const Asker& asker, const json& seen, OutcomeDone done) {
+  Command command = command_of(CommandKind::acknowledge, asker);
+  bool usable = seen.is_null() || (seen.is_array() && !seen.empty());
+  if (seen.is_array())
+    for (const json& name : seen) {
+      const contract::FaultInfo* fault = name.is_string() ? contract::find_fault(name.get_ref<const std::string&>()) : nullptr;
+      usable = usable && fault != nullptr;
+      if (fault != nullptr) command.a |= 1U << fault->bit;
+    }
+  if (!usable) {
+    done(invalid({{"seen", "must name at least one fault, and only faults of the table"}}, "There is no such fault to acknowledge."));
+    return;
+  }
+  command.b = static_cast<std::uint32_t>(asker.role);
+  ask(services, command, std::move(done));
+}
+
+void act_neutral(Services& services, const Asker& asker, OutcomeDone done) {
+  ask(services, command_of(CommandKind::set_neutral, asker), std::move(done));
+}
+
+void act_calibrate(Services& services, const Asker& asker, const json& wish, OutcomeDone done) {
+  const auto step = wish.find("step");
+  const contract::CalibrationStepInfo* info = step != wish.end() && step->is_string()
+                                                  ? contract::find_calibration_step(std::string_view{step->get_ref<const std::string&>()})
+                                                  : nullptr;
+  if (info == nullptr) {
+    done(invalid({{"step", "must be a step of the calibration table"}}, "There is no such calibration step."));
+    return;
+  }
+  const auto empty = wish.find("harness_empty");
+  if (empty != wish.end() && !empty->is_boolean()) {
+    done(invalid({{"harness_empty", "must be true or false"}}, "There is no such confirmation."));
+    return;
+  }
+  Command command = command_of(CommandKind::begin_calibration, asker);
+  command.a = static_cast<std::uint32_t>(info->step);
+  command.b = static_cast<std::uint32_t>(asker.role);
+  command.v0 = empty != wish.end() && empty->get<bool>() ? 1.0 : 0.0;
+  services.core.ask(command, [done = std::move(done)](const CoreAnswer& answer) {
+    Outcome outcome = outcome_of(answer);
+    if ((answer.bits & contract::refusal_bit(contract::Refusal::harness_unconfirmed)) != 0)
+      outcome.errors.push_back({"harness_empty", "must be true: nobody is strapped in"});
+    done(outcome);
+  });
+}
+
+void act_measure(Services& services, const Asker& asker, const json& measured, OutcomeDone done) {
+  // Wider than any step allows; the core knows the range of the step under way.
+  constexpr double kFigure = 1000.0;
+  Command command = command_of(CommandKind::measure_calibration, asker);
+  std::vector<FieldError> errors;
+  const auto read = [&](const char* name, bool required, double& out) {
+    const auto at = measured.find(name);
+    if (at == measured.end() && !required) return;
+    if (at == measured.end() || !at->is_number() || !(std::fabs(at->get<double>()) <= kFigure))
+      errors.push_back({name, "must be a number", {}, -kFigure, kFigure});
+    else
+      out = at->get<double>();
+  };
+  const auto turning = measured.find("turning");
+  const bool square = turning != measured.end();
+  read("figure", true, command.v0);
+  read("x_m", square, command.v1);
+  read("y_m", square, command.v2);
+  if (square) {
+    const bool left = *turning == "left";
+    if (!left && *turning != "right") errors.push_back({"turning", "must be left or right"});
+    command.a = static_cast<std::uint32_t>(left ? contract::CalibrationPart::left_square : contract::CalibrationPart::right_square);
+  }
+  if (!errors.empty()) {
+    done(invalid(std::move(errors), "The measurement cannot be used.", Reason::measurement));
+    return;
+  }
+  // The step under way names its range when the figure lies outside.
+  const std::uint32_t step = services.core.newest() ? services.core.newest()->calibration_step : 0U;
+  services.core.ask(command,
+                    [done = std::move(done), info = contract::find_calibration_step(step), figure = command.v0](const CoreAnswer& answer) {
+                      Outcome outcome = outcome_of(answer);
+                      if ((answer.bits & contract::refusal_bit(contract::Refusal::out_of_range)) != 0 && info != nullptr)
+                        outcome.errors.push_back({"figure", "its size is outside the range of this step", figure, info->least, info->most});
+                      done(outcome);
+                    });
+}
+
+void act_use_calibration(Services& services, const Asker& asker, OutcomeDone done) {
+  Command command = command_of(CommandKind::use_calibration, asker);
+  // Whole seconds: a day is all that anybody looks at.
+  const auto utc_s = services.utc_ns() / 1'000'000'000;
+  command.v0 = static_cast<double>(utc_s);
+  ask(services, command, std::move(done));
+}
+
+void act_cancel_calibration(Services& services, const Asker& asker, OutcomeDone done) {
+  ask(services, command_of(CommandKind::cancel_calibration, asker), std::move(done));
+}
+
+namespace {
+// The limits of exercises by the parameters in force; nothing fits before they are known.
+contract::GuidedLimits guided_limits(const Services& services) {
+  if (!services.core.has_parameters()) return {};
+  contract::Params params;
+  for (std::size_t i = 0; i < contract::kParamCount; ++i) contract::set_param_unchecked(params, i, services.core.parameters().values[i]);
+  return contract::guided_limits(params);
+}
+
+// Tells one exercise from another: whose lead, which way, how many laps. Never 0.
+std::uint32_t exercise_key(contract::Mode mode, const Exercise& exercise, std::uint32_t laps) {
+  const std::uint64_t hash = contract::hash_number(contract::hash_bytes(contract::kHashStart, exercise_json(exercise).dump()),
+                                                   laps * contract::kModes.size() + static_cast<std::uint64_t>(mode));
+  const auto key = static_cast<std::uint32_t>(hash ^ (hash >> 32U));
+  return key == 0 ? 1 : key;
+}
+
+std::uint32_t blocked_bits(const Services& services) { return services.core.newest() ? services.core.newest()->blocked_bits : 0; }
+
+// What the newest step says against a start in this mode, so that a refused one changes nothing. Whether the asker holds the lease is judged
+// by itself, and driving may leave a bumper: only the core knows which one was acknowledged.
+std::uint32_t start_refusals(const Services& services, contract::Mode mode) {
+  const auto& newest = services.core.newest();
+  if (!newest) return 0;
+  std::uint32_t bits = newest->blocked_bits & ~contract::refusal_bit(contract::Refusal::no_lease);
+  if (mode == contract::Mode::remote) bits &= ~contract::refusal_bit(contract::Refusal::bumper_start);
+  if (newest->mode != static_cast<std::uint8_t>(contract::Mode::standby)) bits |= contract::refusal_bit(contract::Refusal::not_standby);
+  // An exercise asks besides that the dead-man is pressed for it; the core's rule with the core's limit.
+  const double stop_age_s = services.core.parameters().values[contract::param_index(contract::ParamName::remote_stop_age_s)];
+  if (mode == contract::Mode::guided && services.core.hand_holds(static_cast<std::uint64_t>(stop_age_s * 1e9)))
+    bits |= contract::refusal_bit(contract::Refusal::release_first);
+  return bits;
+}
+
+// Asks for a motion. What it begins with goes into the recording, and to every screen when it has begun.
+void begin_motion(Services& services, const Command& request, const Exercise& exercise, json told, OutcomeDone done) {
+  services.recorder.set_exercise(stored_exercise(exercise));
+  ask(services, request, [&services, told = std::move(told), done = std::move(done)](const Outcome& outcome) {
+    if (outcome.done()) services.hub.motion_begins(told);
+    done(outcome);
+  });
+}
+}  // namespace
+
+void act_mode(Services& services, const Asker& asker, const ModeWish& wish, OutcomeDone done) {
+  std::optional<contract::Mode> mode;
+  if (wish.mode.is_string())
+    for (contract::Mode m : {contract::Mode::standby, contract::Mode::user, contract::Mode::remote, contract::Mode::guided})
+      if (contract::kModes[static_cast<std::size_t>(m)].name == wish.mode.get_ref<const std::string&>()) mode = m;
+  if (!mode) {
+    done(invalid({{"mode", "must be user, remote, guided or standby"}}, "There is no such mode to ask for."));
+    return;
+  }
+  Command request = command_of(CommandKind::request_mode, asker);
+  request.a = static_cast<std::uint32_t>(*mode);
+  if (*mode == contract::Mode::standby) {
+    // Before anything else is looked at: ending motion is never refused for the form of what does not matter to it.
+    ++services.ends_asked;
+    ask(services, request, std::move(done));
+    return;
+  }
+  if (*mode == contract::Mode::guided && !services.core.has_parameters()) {
+    // Without the parameters in force there are no limits to hold the exercise against.
+    done(outcome_of({.kind = CoreAnswer::Kind::no_core}));
+    return;
+  }
+  std::vector<FieldError> errors;
+  auto exercise = read_exercise(wish.exercise, errors);
+  std::uint32_t laps = 0;
+  if (!wish.start_again.is_null() && !wish.start_again.is_boolean()) errors.push_back({"start_again", "must be true or false"});
+  if (*mode == contract::Mode::guided) {
+    if (!wish.exercise.is_null()) errors.push_back({"exercise", "is the path itself; leave it out"});
+    if (const auto path = read_guided(wish.path, guided_limits(services), errors)) {
+      contract::put_guided(request, *path);
+      exercise = exercise_of_guided(*path);
+      laps = path->laps;
+    }
+  } else if (!wish.path.is_null()) {
+    errors.push_back({"path", "belongs to the mode guided only"});
+  }
+  if (!exercise || !errors.empty()) {
+    Outcome outcome = invalid(std::move(errors), "The exercise cannot be used.", Reason::exercise);
+    // Whoever wants to start is told everything that is in the way.
+    if (*mode == contract::Mode::guided)
+      outcome.refusals = refusal_names(blocked_bits(services) | contract::refusal_bit(contract::Refusal::exercise_limits));
+    done(outcome);
+    return;
+  }
+  if (asker.client == 0 || services.core.lease_holder() != asker.client || services.core.lease_epoch() != asker.epoch) {
+    // Said here, so that somebody who may not start does not move the pose either; with everything else that is in the way.
+    Outcome outcome;
+    outcome.kind = services.core.connected() ? Outcome::Kind::refused : Outcome::Kind::unreachable;
+    outcome.detail =
+        services.core.connected() ? "Someone else is in control, or nobody is: take control first." : "The control core is not connected.";
+    if (services.core.connected())
+      outcome.refusals = refusal_names(blocked_bits(services) | contract::refusal_bit(contract::Refusal::no_lease));
+    services.counters.add(Count::commands_refused);
+    done(outcome);
+    return;
+  }
+  if (!services.core.connected()) {
+    done(outcome_of({.kind = CoreAnswer::Kind::no_core}));
+    return;
+  }
+  if (const std::uint32_t bits = start_refusals(services, *mode); bits != 0) {
+    services.counters.add(Count::commands_refused);
+    done(outcome_of({.kind = CoreAnswer::Kind::refused, .code = static_cast<std::uint32_t>(std::countr_zero(bits)), .bits = bits}));
+    return;
+  }
+  if (*mode == contract::Mode::remote && wish.exercise.is_null()) {
+    // The hoist is only moved: the exercise stays where it lies on the floor.
+    begin_motion(services, request, *exercise, exercise_json(*exercise), std::move(done));
+    return;
+  }
+  // The pose first: the exercise's figure and the odometry must share their origin before the first step. The core keeps the pose when this
+  // exercise goes on. Pose and exercise are set for a start that nothing is known to stand against; the core judges both once more and sets
+  // no pose outside standby.
+  const StartPose pose = start_pose(*exercise);
+  const bool guided = *mode == contract::Mode::guided;
+  Command set_pose = command_of(CommandKind::set_pose, asker);
+  set_pose.v0 = pose.x_m;
+  set_pose.v1 = pose.y_m;
+  set_pose.v2 = pose.psi_rad;
+  set_pose.a = exercise_key(*mode, *exercise, laps);
+  set_pose.b = wish.start_again == true || services.start_anew ? contract::kStartAgain : 0;
+  services.core.ask(set_pose, [&services, request, exercise = *exercise, told = guided ? wish.path : exercise_json(*exercise),
+                               ends_asked = services.ends_asked, done = std::move(done)](const CoreAnswer& answer) mutable {
+    if (!answer.done()) {
+      Outcome outcome = outcome_of(answer);
+      // Whoever wants to start is told everything that is in the way, not only what stopped the first step.
+      if (answer.kind == CoreAnswer::Kind::refused && services.core.newest()) {
+        outcome.kind = Outcome::Kind::refused;
+        outcome.refusals = refusal_names(answer.bits | blocked_bits(services));
+      }
+      done(outcome);
+      return;
+    }
+    // A request to end that came after the start must not be overtaken by it while the pose was being set.
+    if (services.ends_asked != ends_asked) {
+      services.counters.add(Count::commands_refused);
+      Outcome outcome;
+      outcome.kind = Outcome::Kind::refused;
+      outcome.detail = "It was ended before it began.";
+      outcome.refusals = refusal_names(contract::refusal_bit(contract::Refusal::out_of_order));
+      done(outcome);
+      return;
+    }
+    services.start_anew = false;
+    begin_motion(services, request, exercise, std::move(told), std::move(done));
+  });
+}
+
+void act_choose(Services& services, const json& exercise, OutcomeDone done) {
+  std::vector<FieldError> errors;
+  const auto chosen = read_exercise(exercise, errors);
+  if (!chosen) {
+    done(invalid(std::move(errors), "The exercise cannot be used.", Reason::exercise));
+    return;
+  }
+  const auto& newest = services.core.newest();
+  if (newest && newest->mode < contract::kModes.size() && contract::kModes[newest->mode].moving) {
+    done(outcome_of({.kind = CoreAnswer::Kind::refused, .bits = contract::refusal_bit(contract::Refusal::not_standby)}));
+    return;
+  }
+  services.hub.choose(*chosen);
+  done({});
+}
+
+void act_pose(Services& services, const Asker& asker, const json& pose, OutcomeDone done) {
+  // Larger than any hall; further out the odometry's single precision would show.
+  constexpr double kPlace_m = 1000.0, kHeading_rad = 1000.0;
+  Command command = command_of(CommandKind::set_pose, asker);
+  std::vector<FieldError> errors;
+  const auto read = [&](const char* name, double limit, double& out) {
+    const auto at = pose.find(name);
+    if (at == pose.end() || !at->is_number()) {
+      errors.push_back({name, "must be a number", {}, -limit, limit});
+      return;
+    }
+    out = at->get<double>();
+    if (!std::isfinite(out) || std::fabs(out) > limit) errors.push_back({name, "is outside its range", out, -limit, limit});
+  };
+  read("x_m", kPlace_m, command.v0);
+  read("y_m", kPlace_m, command.v1);
+  read("psi_rad", kHeading_rad, command.v2);
+  if (!errors.empty()) {
+    done(invalid(std::move(errors), "The pose cannot be used."));
+    return;
+  }
+  ask(services, command, std::move(done));
+}
+
+std::optional<std::uint32_t> read_version(const json& version, std::vector<FieldError>& errors) {
+  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
+  if (version.is_null()) return 0;
+  if (version.is_number_unsigned() && version.get<std::uint64_t>() > 0 && version.get<std::uint64_t>() <= kMost)
+    return version.get<std::uint32_t>();
+  errors.push_back({"version", "must be the version of the parameters that was looked at", {}, 1.0, static_cast<double>(kMost)});
+  return std::nullopt;
+}
+
+void act_keep_trial(Services& services, const Asker& asker, const json& version, OutcomeDone done) {
+  std::vector<FieldError> errors;
+  const auto looked_at = read_version(version, errors);
+  if (!looked_at) {
+    done(invalid(std::move(errors), "The version cannot be used; nothing was kept."));
+    return;
+  }
+  Command command = command_of(CommandKind::confirm_parameters, asker);
+  command.a = *looked_at;
+  command.b = static_cast<std::uint32_t>(asker.role);
+  ask(services, command, std::move(done));
+}
+
+void act_undo_trial(Services& services, const Asker& asker, OutcomeDone done) {
+  Command command = command_of(CommandKind::revert_parameters, asker);
+  command.b = static_cast<std::uint32_t>(asker.role);
+  ask(services, command, std::move(done));
+}
+
+void act_set(Services& services, const Asker& asker, const json& values, const json& revert_after_s, std::uint32_t version,
+             OutcomeDone done) {
+  if (!values.is_object() || values.empty()) {
+    done(invalid({{"values", "must name at least one parameter"}}, "There is nothing to change."));
+    return;
+  }
+  std::vector<std::pair<std::uint32_t, double>> rows;
+  std::vector<FieldError> errors;
+  bool unknown = false;
+  bool role = false;
+  bool no_number = false;
+  double trial_s = 0;
+  if (!revert_after_s.is_null()) {
+    trial_s = revert_after_s.is_number() ? revert_after_s.get<double>() : 0.0;
+    if (!(trial_s >= contract::kTrial_s_min && trial_s <= contract::kTrial_s_max))
+      errors.push_back({"revert_after_s", "must be a number of seconds", std::nullopt, contract::kTrial_s_min, contract::kTrial_s_max});
+  }
+  for (const auto& [name, value] : values.items()) {
+    const auto index = contract::find_param(name);
+    if (!index) {
+      unknown = true;
+      errors.push_back({name, "There is no such parameter."});
+      continue;
+    }
+    const contract::ParamInfo& p = contract::kParams[*index];
+    if (!value.is_number()) {
+      no_number = true;
+      errors.push_back(range_error(p, "must be a number", std::nullopt));
+      continue;
+    }
+    const double number = value.get<double>();
+    if (contract::check_param(*index, number) != contract::ParamCheck::ok) {
+      errors.push_back(range_error(p, "is outside its range", std::isfinite(number) ? std::optional{number} : std::nullopt));
+      continue;
+    }
+    if (asker.role < p.role) {
+      role = true;
+      errors.push_back(range_error(p, "only an engineer may change this", number));
+      continue;
+    }
+    if (trial_s > 0 && p.edit == contract::EditRule::stopped) {
+      errors.push_back(range_error(p, "cannot be tried: it may not go back while the hoist moves", number));
+      continue;
+    }
+    rows.emplace_back(p.id, number);
+  }
+  if (!errors.empty()) {
+    Outcome outcome = invalid(std::move(errors), unknown     ? "There is no such parameter."
+                                                 : role      ? "Your role may not change this."
+                                                 : no_number ? "A value is not a number; nothing was changed."
+                                                             : "A value is outside its range; nothing was changed.");
+    if (unknown) outcome.kind = Outcome::Kind::unknown;
+    if (role && !unknown) outcome.kind = Outcome::Kind::refused;
+    outcome.refusals = {unknown ? "unknown_item" : role ? "not_allowed" : "out_of_range"};
+    services.counters.add(Count::commands_refused);
+    done(outcome);
+    return;
+  }
+  set_values(services, asker, std::move(rows), trial_s, version, std::move(done));
+}
+
+void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
+                         OutcomeDone done) {
+  Command command = command_of(CommandKind::begin_service, asker);
+  command.b = static_cast<std::uint32_t>(asker.role);
+  services.firmware.begin(std::move(image), node, force, command,
+                          [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); });
+}
+
+void act_preset(Services& services, const Asker& asker, const std::string& name, std::uint32_t version, OutcomeDone done) {
+  std::vector<std::pair<std::uint32_t, double>> rows;
+  for (const contract::PresetValue& v : contract::kPresetValues)
+    if (v.preset == name) rows.emplace_back(contract::kParams[contract::param_index(v.param)].id, v.value);
+  if (rows.empty()) {
+    Outcome outcome = invalid({{"name", "There is no such preset."}}, "There is no such preset.");
+    outcome.kind = Outcome::Kind::unknown;
+    outcome.refusals = {"unknown_item"};
+    done(outcome);
+    return;
+  }
+  set_values(services, asker, std::move(rows), 0, version, std::move(done));
+}
+
+}  // namespace hoist::server

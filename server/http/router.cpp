@@ -1,0 +1,251 @@
+#include "server/http/router.hpp"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "server/api/answers.hpp"
+#include "server/api/handlers.hpp"
+#include "server/contract/fields.hpp"
+#include "server/contract/routes.hpp"
+#include "server/http/json_text.hpp"
+
+namespace hoist::server {
+
+namespace {
+using Handler = void (*)(const CallPtr&);
+constexpr std::array kHandlers{
+#define HOIST_ROUTE(operation, ...) Handler{&api::operation},
+#define HOIST_QUERY(...)
+#define HOIST_HEADER(...)
+#include "server/contract/api.def"
+#undef HOIST_ROUTE
+#undef HOIST_QUERY
+#undef HOIST_HEADER
+};
+static_assert(kHandlers.size() == kRoutes.size());
+
+// Takes the first segment off the path; nothing after the last one.
+std::optional<std::string_view> next_segment(std::string_view& path, bool& more) {
+  if (!more) return std::nullopt;
+  const std::size_t slash = path.find('/');
+  const std::string_view segment = path.substr(0, slash);
+  more = slash != std::string_view::npos;
+  path.remove_prefix(more ? slash + 1 : path.size());
+  return segment;
+}
+
+// Whether `path` is an instance of the pattern; fills in what stood for the {…}.
+bool matches(std::string_view pattern, std::string_view path, std::vector<std::string>& values) {
+  values.clear();
+  for (bool more_wanted = true, more_given = true;;) {
+    const auto want = next_segment(pattern, more_wanted);
+    const auto have = next_segment(path, more_given);
+    if (!want || !have) return !want && !have;
+    if (want->starts_with('{')) {
+      if (have->empty()) return false;
+      values.emplace_back(*have);
+    } else if (*want != *have) {
+      return false;
+    }
+  }
+}
+
+Problem problem(unsigned status, std::string name, std::string title, std::string detail) {
+  return {.status = status, .name = std::move(name), .title = std::move(title), .detail = std::move(detail)};
+}
+
+Response link_page() {
+  Response page;
+  page.status = 401;
+  page.content_type = "text/html; charset=utf-8";
+  page.set("Cache-Control", "no-store");
+  page.body =
+      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Hoist</title>"
+      "<h1>This link is used up</h1><p>Each link opens the console once. A fresh link stands in the terminal where Hoist was started: open "
+      "that one.</p>"
+      "<h1 lang=\"de\">Dieser Link ist verbraucht</h1><p lang=\"de\">Jeder Link öffnet die Konsole einmal. Ein neuer Link steht im "
+      "Terminal, "
+      "in dem Hoist gestartet wurde: bitte diesen öffnen.</p></html>";
+  return page;
+}
+
+// GET /?token=…: trades a one-time link for a session cookie.
+Response open_link(Services& services, const std::string& token) {
+  const SessionPtr session = services.auth.use_link(token, static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000));
+  if (!session) {
+    services.counters.add(Count::http_refused_link);
+    return link_page();
+  }
+  std::cout << "The link was used. For the next device:\nOpen " << services.base_url << "/?token=" << services.auth.link_token()
+            << std::endl;
+  Response response;
+  response.status = 303;
+  response.set("Location", "/");
+  response.set("Cache-Control", "no-store");
+  response.set("Set-Cookie",
+               "hoist_session=" + session->secret + "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(kCookieLife_s));
+  return response;
+}
+
+bool is_json_type(std::string_view type) {
+  type = type.substr(0, type.find(';'));
+  while (!type.empty() && type.back() == ' ') type.remove_suffix(1);
+  return type == "application/json" || type == "application/merge-patch+json";
+}
+
+// Everything that can be refused before the handler. Nothing = go on.
+std::optional<Problem> refuse(Services& services, const Route& route, Call& call) {
+  const Request& request = call.request;
+  Counters& counters = services.counters;
+  if (route.access == Access::open) return std::nullopt;
+  const std::string_view origin = request.header("origin");
+  if (!origin.empty() && !Auth::origin_matches(origin, request.header("host"))) {
+    counters.add(Count::http_refused_origin);
+    return problem(403, "foreign-origin", "Another page tried to use this console", "Open the console itself and use it there.");
+  }
+  const bool stops = route.operation == "stop";
+  const auto utc_s = static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000);
+  call.session = stops ? services.auth.find_for_stop(request, utc_s) : services.auth.find(request, utc_s);
+  if (!call.session) {
+    counters.add(Count::http_refused_no_session);
+    return problem(401, "no-session", "Not logged in",
+                   "Open the link that the terminal shows, or send the token as Authorization: Bearer.");
+  }
+  // A lease lives by what its holder does, not by whoever else shares the token and only looks on.
+  if (!request.header("x-hoist-lease").empty() && lease_header(call) == services.core.lease_epoch())
+    call.session->used_ns = services.now_ns();
+  const bool unsafe = route.method != Method::get;
+  if (!call.session->bearer) {
+    // A cookie is sent by the browser on its own; the header and the origin show that it was our page that asked.
+    if (route.operation == "open_live" && origin.empty()) {
+      counters.add(Count::http_refused_origin);
+      return problem(403, "no-origin", "The request does not say which page it comes from",
+                     "Use the console, or send the token as Authorization: Bearer.");
+    }
+    if (unsafe && request.header("x-hoist") != "1") {
+      counters.add(Count::http_refused_origin);
+      return problem(403, "no-x-hoist", "The header X-Hoist: 1 is missing", "Use the console, or send the token as Authorization: Bearer.");
+    }
+  }
+  if (static_cast<unsigned>(call.session->role) + 1U < static_cast<unsigned>(route.access))
+    return problem(403, "role", "Your role may not do this", "Ask someone with the role " + std::string{access_name(route.access)} + ".");
+  if (stops) {
+    call.body = std::make_shared<const nlohmann::json>(nlohmann::json::object());
+    return std::nullopt;
+  }
+  if (unsafe && !call.session->bearer && route.request.empty() && !request.header("content-type").empty() &&
+      !is_json_type(request.header("content-type"))) {
+    counters.add(Count::http_refused_body);
+    return problem(415, "not-json", "The body must be JSON", "Send Content-Type: application/json.");
+  }
+  if (route.request.empty()) return std::nullopt;
+  if (const std::string_view coding = request.header("content-encoding"); !coding.empty() && coding != "identity") {
+    counters.add(Count::http_refused_body);
+    return problem(415, "content-encoding", "The body is encoded", "Send it as it is, without Content-Encoding.");
+  }
+  if (route.request.find('/') != std::string_view::npos) {
+    if (request.header("content-type") == route.request) return std::nullopt;
+    counters.add(Count::http_refused_body);
+    return problem(415, "media-type", "The body is of another kind", "Send Content-Type: " + std::string{route.request} + ".");
+  }
+  const bool may_be_empty = body_may_be_empty(route);
+  if (request.body.empty() && may_be_empty) {
+    call.body = std::make_shared<const nlohmann::json>(nlohmann::json::object());
+    return std::nullopt;
+  }
+  if (!is_json_type(request.header("content-type"))) {
+    counters.add(Count::http_refused_body);
+    return problem(415, "not-json", "The body must be JSON", "Send Content-Type: application/json.");
+  }
+  JsonError error;
+  auto body = parse_json(request.body, error);
+  if (!body || !body->is_object()) {
+    counters.add(Count::http_refused_body);
+    return problem(400, "bad-json", "The body cannot be read",
+                   body ? "The body must be a JSON object." : "At byte " + std::to_string(error.position) + ": " + error.message + ".");
+  }
+  // Ending motion is never refused for the form of what does not matter to it.
+  const bool ends_motion = route.operation == "set_mode" && body->value("mode", nlohmann::json()) == "standby";
+  std::vector<FieldError> errors;
+  if (!ends_motion) {
+    for (std::string& name : unknown_fields(route.request, *body)) errors.push_back({std::move(name), "is not known here"});
+    if (auto name = repeated_name(request.body)) errors.push_back({std::move(*name), "is given twice"});
+  }
+  if (!errors.empty()) {
+    counters.add(Count::http_refused_body);
+    Problem refused =
+        problem(422, "invalid", "A field cannot be used", errors.front().field + " " + errors.front().message + "; nothing was done.");
+    refused.errors = std::move(errors);
+    return refused;
+  }
+  call.body = std::make_shared<const nlohmann::json>(std::move(*body));
+  return std::nullopt;
+}
+}  // namespace
+
+void dispatch(Services& services, const StaticFiles& pages, Request request, std::function<void(Response)> answer) {
+  Counters& counters = services.counters;
+  counters.add(Count::http_requests);
+  const bool head = request.method == Method::head;
+  auto finish = [answer = std::move(answer), &counters](Response response) {
+    if (response.status >= 400) counters.add(Count::http_refused);
+    answer(std::move(response));
+  };
+  const std::string_view host = request.header("host");
+  if (!services.auth.host_allowed(host)) {
+    counters.add(Count::http_refused_host);
+    finish(problem_response(problem(421, "host", "This name does not belong to the hoist", "Open the address that the terminal shows."),
+                            request.path));
+    return;
+  }
+  const Method method = head ? Method::get : request.method;
+  const bool api_path = request.path == "/ws" || request.path == "/api" || request.path.starts_with("/api/");
+  if (!api_path && method == Method::get) {
+    const auto token = request.query.find("token");
+    if (request.path == "/" && token != request.query.end() && !head)
+      finish(open_link(services, token->second));
+    else
+      finish(pages.serve(request));
+    return;
+  }
+  std::vector<std::string> values;
+  std::string allowed;
+  for (std::size_t i = 0; i < kRoutes.size(); ++i) {
+    const Route& route = kRoutes[i];
+    if (!matches(route.path, request.path, values)) continue;
+    if (route.method != method) {
+      allowed += (allowed.empty() ? "" : ", ") + std::string{method_name(route.method)} + (route.method == Method::get ? ", HEAD" : "");
+      continue;
+    }
+    auto call = std::make_shared<Call>(services, std::move(request), std::move(finish));
+    call->path_values = std::move(values);
+    if (const auto refused = refuse(services, route, *call)) {
+      Response response = problem_response(*refused, call->request.path);
+      if (refused->status == 401) response.set("WWW-Authenticate", "Bearer realm=\"Hoist\"");
+      call->respond(std::move(response));
+      return;
+    }
+    try {
+      kHandlers[i](call);
+    } catch (const std::exception&) {
+      // The call answers 500 by itself when the last hold on it goes.
+    }
+    return;
+  }
+  if (!allowed.empty() || !api_path) {
+    counters.add(Count::http_refused_method);
+    Response response = problem_response(
+        problem(405, "method", "This cannot be done here", "Allowed: " + (allowed.empty() ? "GET, HEAD" : allowed) + "."), request.path);
+    response.set("Allow", allowed.empty() ? "GET, HEAD" : allowed);
+    finish(std::move(response));
+    return;
+  }
+  counters.add(Count::http_refused_no_route);
+  finish(problem_response(problem(404, "no-route", "There is no such address", "See /api/docs for what there is."), request.path));
+}
+
+}  // namespace hoist::server

@@ -1,0 +1,55 @@
+#include "server/live/notices.hpp"
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "server/contract/notices.hpp"
+
+namespace hoist::server {
+
+namespace {
+std::string store_detail(contract::StoreProblem problem) {
+  switch (problem) {
+    case contract::StoreProblem::no_file:
+      return "hoist-control was started without --params FILE.";
+    case contract::StoreProblem::disk_full:
+      return "The disk of the settings is full.";
+    case contract::StoreProblem::failed:
+    case contract::StoreProblem::none:
+      break;
+  }
+  return "The disk of the settings does not answer or reports an error.";
+}
+
+std::string filled(std::string_view text, int percent) {
+  constexpr std::string_view kPlace = "{percent}";
+  std::string out{text};
+  if (const std::size_t at = out.find(kPlace); at != std::string::npos) out.replace(at, kPlace.size(), std::to_string(percent));
+  return out;
+}
+}  // namespace
+
+std::vector<StandingNotice> standing_notices(const Services& services) {
+  std::vector<StandingNotice> notices;
+  if (const auto problem = services.core.store_problem()) notices.push_back({NoticeName::settings_not_stored, store_detail(*problem)});
+  if (const auto percent = services.core.slow_time_percent())
+    notices.push_back({NoticeName::simulation_slow, "Simulated time over the last 2 s, in percent of real time.", *percent});
+  const RecordingStatus recording = services.recorder.status();
+  notices.insert(notices.end(), recording.notices.begin(), recording.notices.end());
+  return notices;
+}
+
+nlohmann::json notices_json(const std::vector<StandingNotice>& notices) {
+  nlohmann::json items = nlohmann::json::array();
+  for (const StandingNotice& notice : notices) {
+    const NoticeInfo& info = kNotices[static_cast<std::size_t>(notice.name)];
+    items.push_back({{"name", info.name},
+                     {"priority", info.priority},
+                     {"text", {{"en", filled(info.text_en, notice.percent)}, {"de", filled(info.text_de, notice.percent)}}},
+                     {"action", {{"en", info.action_en}, {"de", info.action_de}}},
+                     {"detail", notice.detail}});
+  }
+  return items;
+}
+
+}  // namespace hoist::server

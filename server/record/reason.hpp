@@ -1,0 +1,25 @@
+// What clients are told about an error of the database.
+#pragma once
+#include "db/store/result.hpp"
+#include "server/contract/reasons.hpp"
+
+namespace hoist::server {
+
+constexpr Reason reason_of(db::ErrorKind kind) {
+  switch (kind) {
+    case db::ErrorKind::not_found:
+      return Reason::unknown;
+    case db::ErrorKind::bad_value:
+      return Reason::invalid;
+    case db::ErrorKind::wrong_state:
+      return Reason::not_now;
+    case db::ErrorKind::busy:
+      return Reason::busy;
+    case db::ErrorKind::disk_full:
+      return Reason::disk_full;
+    default:
+      return Reason::storage;
+  }
+}
+
+}  // namespace hoist::server

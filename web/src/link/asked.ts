@@ -1,0 +1,44 @@
+// What a component asks the server for over plain requests: one hook for all of them.
+import { useEffect, useState } from 'preact/hooks';
+import type { Answer, Problem } from './rest';
+
+export interface Asked<T> {
+  /** The last good answer; it stays while the same is asked again, and also when that fails. Null without a question. */
+  value: T | null;
+  problem: Problem | null;
+  retry: () => void;
+}
+
+/** Asks when the component appears, whenever `what` changes, and each `every_ms`. An answer to what is no longer asked is dropped.
+ * Without a question nothing is asked, and the answer to an earlier one is forgotten. */
+export function useAsked<T>(question: (() => Promise<Answer<T>>) | null, what: readonly unknown[], every_ms?: number): Asked<T> {
+  const [value, setValue] = useState<T | null>(null);
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const [tries, setTries] = useState(0);
+  const asks = question !== null;
+  useEffect(() => {
+    if (question === null) {
+      setValue(null);
+      setProblem(null);
+      return undefined;
+    }
+    let waits = false;
+    let gone = false;
+    const ask = async () => {
+      if (waits) return; // a slow server gets one question at a time
+      waits = true;
+      const answer = await question();
+      waits = false;
+      if (gone) return;
+      if (answer.ok) setValue(answer.value);
+      setProblem(answer.ok ? null : answer.problem);
+    };
+    void ask();
+    const timer = every_ms === undefined ? null : window.setInterval(() => void ask(), every_ms);
+    return () => {
+      gone = true;
+      if (timer !== null) window.clearInterval(timer);
+    };
+  }, [asks, ...what, tries]);
+  return { value: asks ? value : null, problem: asks ? problem : null, retry: () => setTries((n) => n + 1) };
+}

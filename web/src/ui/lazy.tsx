@@ -1,0 +1,54 @@
+// Code that is loaded when it is first needed, and what stands there until it has come or when it does not come.
+import { useEffect, useState } from 'preact/hooks';
+import { t } from '../text/text';
+import './lazy.css';
+
+export type LazyState<T> = { state: 'loading' } | { state: 'failed' } | { state: 'ready'; value: T };
+
+/** Loads once. A load that failed stays failed, since a browser does not ask for the same module again in the same page: only a page that is
+ * loaded anew helps. That happens when the server has got a new build, whose files have other names. */
+export class Lazy<T> {
+  private now: LazyState<T> = { state: 'loading' };
+  private loading: Promise<LazyState<T>> | null = null;
+  constructor(private readonly load: () => Promise<T>) {}
+
+  get state(): LazyState<T> {
+    return this.now;
+  }
+
+  /** Never rejects. */
+  start(): Promise<LazyState<T>> {
+    this.loading ??= this.load().then(
+      (value) => (this.now = { state: 'ready', value }),
+      () => (this.now = { state: 'failed' }),
+    );
+    return this.loading;
+  }
+}
+
+/** Starts the load, and draws the component anew when it has ended. */
+export function useLazy<T>(lazy: Lazy<T>): LazyState<T> {
+  const [, again] = useState<LazyState<T> | null>(null);
+  useEffect(() => {
+    void lazy.start().then(again);
+  }, [lazy]);
+  return lazy.state;
+}
+
+/** In place of a screen. It keeps no room of its own, so nothing jumps when the screen comes. */
+export const Loading = () => (
+  <p class="hint loading" role="status">
+    {t('common.loading')}
+  </p>
+);
+
+export const LoadFailed = () => (
+  <div class="card load-failed" role="alert">
+    <p>
+      <strong>{t('load.failed')}</strong> {t('load.action')}
+    </p>
+    <button type="button" class="big" onClick={() => location.reload()}>
+      {t('load.again')}
+    </button>
+  </div>
+);
