@@ -8,6 +8,13 @@ thread_local std::uint64_t count = 0;
 }
 std::uint64_t hoist::run::heap_requests() noexcept { return count; }
 
+// clang's ThreadSanitizer brings these functions itself: a program built with it counts nothing.
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define HOIST_HEAP_IS_WATCHED_ELSEWHERE
+#endif
+#endif
+#ifndef HOIST_HEAP_IS_WATCHED_ELSEWHERE
 // The replaceable functions of the language; what else allocates in this program (the C library for threads and files) does not run in
 // the thread of the steps.
 void* operator new(std::size_t size) {
@@ -20,3 +27,4 @@ void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+#endif
