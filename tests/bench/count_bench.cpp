@@ -22,11 +22,11 @@ namespace files = std::filesystem;
 // Instructions of a whole run of this program that replays `count` ticks or steps.
 double instructions_of(const std::string& bin, const char* replay, int count) {
   const TemporaryFolder folder;
-  std::vector<std::string> command = under_callgrind(folder / "counts");
+  std::vector<std::string> command = under_callgrind(folder.file("counts"));
   command.insert(command.end(), {bin + "/hoist-bench", replay, std::to_string(count)});
-  Process run(command, folder / "log");
-  if (run.wait() != 0) throw std::runtime_error("callgrind: " + read_text(folder / "log").substr(0, 300));
-  return instructions_in(folder / "counts");
+  Process run(command, folder.file("log"));
+  if (run.wait() != 0) throw std::runtime_error("callgrind: " + read_text(folder.file("log")).substr(0, 300));
+  return instructions_in(folder.file("counts"));
 }
 double instructions_each(const std::string& bin, const char* replay) {
   return (instructions_of(bin, replay, kManyTicks) - instructions_of(bin, replay, kFewTicks)) / (kManyTicks - kFewTicks);

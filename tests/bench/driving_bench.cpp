@@ -137,7 +137,8 @@ class Tap {
   Tap() : far_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
     if (far_ < 0 || ::grantpt(far_) != 0 || ::unlockpt(far_) != 0) throw std::runtime_error("no pseudo-terminal");
     device_ = ::ptsname(far_);
-    held_ = ::open(device_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);  // a far end that nobody has open reads as hung up
+    held_ =
+        ::open(device_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);  // kept open: a pseudo terminal without an open far end reads as hung up
     make_raw(held_);
   }
   ~Tap() {

@@ -16,16 +16,6 @@
 
 namespace hoist::bench {
 
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "hoist-bench-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot create a temporary folder");
-  path_ = pattern;
-}
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
 Process::Process(const std::vector<std::string>& command, const std::string& output_path) {
   pid_ = ::fork();
   if (pid_ < 0) throw std::runtime_error("cannot start " + command[0]);
@@ -170,23 +160,23 @@ double instructions_in(const std::string& file) {
 }
 
 RunningHoist::RunningHoist(const std::string& bin, const HoistOptions& options)
-    : sim_({bin + "/hoist-sim", "--scenario", "stand", "--pty-link", line(), "--control", folder_ / "sim.sock"}, folder_ / "log"),
+    : sim_({bin + "/hoist-sim", "--scenario", "stand", "--pty-link", line(), "--control", folder_.file("sim.sock")}, folder_.file("log")),
       control_(
           {bin + "/hoist-control", "--bus", "slcan:" + (options.core_line.empty() ? line() : options.core_line), "--socket", core_socket()},
-          folder_ / "log") {
+          folder_.file("log")) {
   if (!options.server) return;
   port_ = free_port();
   std::vector<std::string> command = options.server_under;
   for (const std::string& word : {bin + "/hoist-server", std::string("--socket"), core_socket(), std::string("--port"),
-                                  std::to_string(port_), std::string("--web"), options.web.empty() ? folder_ / "none" : options.web,
-                                  std::string("--db"), options.database.empty() ? folder_ / "hoist.db" : options.database,
-                                  std::string("--scenario"), std::string("stand"), std::string("--token-file"), folder_ / "token"})
+                                  std::to_string(port_), std::string("--web"), options.web.empty() ? folder_.file("none") : options.web,
+                                  std::string("--db"), options.database.empty() ? folder_.file("hoist.db") : options.database,
+                                  std::string("--scenario"), std::string("stand"), std::string("--token-file"), folder_.file("token")})
     command.push_back(word);
-  server_.emplace(command, folder_ / "log");
+  server_.emplace(command, folder_.file("log"));
   // Half a minute: under valgrind a start takes its time.
   for (int i = 0; i < 1500 && token_.empty(); ++i) {
     ::poll(nullptr, 0, 20);
-    token_ = read_text(folder_ / "token");
+    token_ = read_text(folder_.file("token"));
   }
   if (token_.empty()) throw std::runtime_error("hoist-server did not come up: " + log());
 }

@@ -177,9 +177,9 @@ void measure_recording(Report& report) {
   const std::vector<contract::TickRecord> records = walked();
   const auto samples = static_cast<double>(records.size());
   db::SessionId id = 0;
-  db::Database database = take(db::Database::open(folder / "ours.db"));
+  db::Database database = take(db::Database::open(folder.file("ours.db")));
   report.progress("recording them twice");
-  const Cost ours = record_ours(database, records, id), rows = record_rows(folder / "rows.db", records);
+  const Cost ours = record_ours(database, records, id), rows = record_rows(folder.file("rows.db"), records);
   report.add(
       {"recording.cpu", "CPU per sample, commits each 0.25 s", ours.cpu_us / samples, "us", rows.cpu_us / samples, "REAL rows", {0.8}});
   if (rows.written > 0)
@@ -200,9 +200,14 @@ void measure_recording(Report& report) {
     report.skip("recording.csv", csv, std::string("the sqlite3 shell is missing (") + kShell + ")");
     return;
   }
-  const double ours_us = csv_ours_us(database, id, folder / "ours.csv");
-  report.add(
-      {"recording.csv", csv, ours_us * 1e-3, "ms", csv_shell_us(folder / "rows.db", folder / "rows.csv") * 1e-3, "sqlite3 -csv", {0.1}});
+  const double ours_us = csv_ours_us(database, id, folder.file("ours.csv"));
+  report.add({"recording.csv",
+              csv,
+              ours_us * 1e-3,
+              "ms",
+              csv_shell_us(folder.file("rows.db"), folder.file("rows.csv")) * 1e-3,
+              "sqlite3 -csv",
+              {0.1}});
 }
 
 }  // namespace hoist::bench

@@ -67,11 +67,12 @@ void write_file(const std::string& path, const std::string& text) {
 void write_nginx_settings(const TemporaryFolder& folder, std::uint16_t port) {
   std::string temp;
   for (const char* what : {"client_body", "proxy", "fastcgi", "uwsgi", "scgi"})
-    temp += std::string(what) + "_temp_path " + (folder / "tmp;\n");
-  write_file(folder / "nginx.conf", "daemon off; master_process off; pid " + (folder / "pid") + "; error_log " + (folder / "log") +
-                                        ";\nevents { worker_connections 256; }\nhttp { access_log off; sendfile on;\n" + temp +
-                                        "default_type application/json; open_file_cache max=100; keepalive_requests 1000000000;\n" +
-                                        "server { listen 127.0.0.1:" + std::to_string(port) + "; root " + (folder / "www") + "; } }\n");
+    temp += std::string(what) + "_temp_path " + folder.file("tmp;\n");
+  write_file(folder.file("nginx.conf"), "daemon off; master_process off; pid " + folder.file("pid") + "; error_log " + folder.file("log") +
+                                            ";\nevents { worker_connections 256; }\nhttp { access_log off; sendfile on;\n" + temp +
+                                            "default_type application/json; open_file_cache max=100; keepalive_requests 1000000000;\n" +
+                                            "server { listen 127.0.0.1:" + std::to_string(port) + "; root " + folder.file("www") +
+                                            "; } }\n");
 }
 
 void measure_pair(Report& report, Row row, Peer ours, Peer theirs) {
@@ -97,8 +98,8 @@ void measure_overview(Report& report, const std::string& bin) {
       "/api/v1/sessions/1/samples?points=1000&columns=speed_m_s,yaw_rate_rad_s,lean_norm,turn_norm,left_current_a,right_current_a";
   report.progress("recording an hour of simulated walking");
   const TemporaryFolder folder;
-  record_walk(folder / "hour.db", 3600);
-  const RunningHoist hoist(bin, {.database = folder / "hour.db"});
+  record_walk(folder.file("hour.db"), 3600);
+  const RunningHoist hoist(bin, {.database = folder.file("hour.db")});
   report.progress("its overview");
   for (const bool gzip : {false, true}) {
     const std::string request = request_for(kPath, hoist.port(), hoist.token(), gzip ? "Accept-Encoding: gzip\r\n" : "");
@@ -120,27 +121,27 @@ constexpr int kFewRequests = 200, kManyRequests = 1200;
 double ours_instructions(const std::string& bin, int count, std::string& answer) {
   const TemporaryFolder folder;
   {
-    const RunningHoist hoist(bin, {.server_under = under_callgrind(folder / "counts")});
+    const RunningHoist hoist(bin, {.server_under = under_callgrind(folder.file("counts"))});
     const std::string request = request_for(kStatusPath, hoist.port(), hoist.token());
     HttpConnection connection(hoist.port());
     for (int i = 0; i < count; ++i) answer = connection.fetch(request);
   }
-  return instructions_in(folder / "counts");
+  return instructions_in(folder.file("counts"));
 }
 double nginx_instructions(const std::string& body, int count) {
   const TemporaryFolder folder;
-  write_file((folder / "www") + kStatusPath, body);
+  write_file(folder.file("www") + kStatusPath, body);
   const std::uint16_t port = free_port();
   write_nginx_settings(folder, port);
   {
-    std::vector<std::string> command = under_callgrind(folder / "counts");
-    command.insert(command.end(), {kNginx, "-e", folder / "log", "-c", folder / "nginx.conf"});
-    const Process nginx(command, folder / "log");
+    std::vector<std::string> command = under_callgrind(folder.file("counts"));
+    command.insert(command.end(), {kNginx, "-e", folder.file("log"), "-c", folder.file("nginx.conf")});
+    const Process nginx(command, folder.file("log"));
     const std::string request = request_for(kStatusPath, port, "none");
     HttpConnection connection(port);
     for (int i = 0; i < count; ++i) (void)connection.fetch(request);
   }
-  return instructions_in(folder / "counts");
+  return instructions_in(folder.file("counts"));
 }
 }  // namespace
 
@@ -168,18 +169,18 @@ void measure_rest(Report& report, const std::string& bin) {
     return;
   }
   const TemporaryFolder folder;
-  write_file(folder / "www/index.html", "<!doctype html>\n");
+  write_file(folder.file("www/index.html"), "<!doctype html>\n");
   std::string page(kFileBytes, ' ');
   for (std::size_t i = 0; i < page.size(); ++i) page[i] = static_cast<char>('a' + i * i % 23);
-  write_file((folder / "www") + kFilePath, page);
-  const RunningHoist hoist(bin, {.web = folder / "www"});
+  write_file(folder.file("www") + kFilePath, page);
+  const RunningHoist hoist(bin, {.web = folder.file("www")});
   ::poll(nullptr, 0, 2000);
   const std::string status_request = request_for(kStatusPath, hoist.port(), hoist.token());
   const std::string file_request = request_for(kFilePath, hoist.port(), hoist.token());
-  write_file((folder / "www") + kStatusPath, HttpConnection(hoist.port()).fetch(status_request));
+  write_file(folder.file("www") + kStatusPath, HttpConnection(hoist.port()).fetch(status_request));
   const std::uint16_t port = free_port();
   write_nginx_settings(folder, port);
-  const Process nginx({kNginx, "-e", folder / "log", "-c", folder / "nginx.conf"}, folder / "log");
+  const Process nginx({kNginx, "-e", folder.file("log"), "-c", folder.file("nginx.conf")}, folder.file("log"));
   if (HttpConnection(port).fetch(file_request) != page) throw std::runtime_error("nginx serves other bytes");
   measure_pair(report, status, {hoist.server(), hoist.port(), status_request}, {nginx, port, status_request});
   measure_pair(report, file, {hoist.server(), hoist.port(), file_request}, {nginx, port, file_request});

@@ -10,6 +10,7 @@
 
 #include "tests/bench/statistics.hpp"
 #include "tests/bench/table.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hoist::bench {
 namespace {
@@ -100,7 +101,8 @@ TEST(BenchCompare, TimesOfABusyMachineAreNeitherJudgedNorStored) {
 }
 
 TEST(BenchRun, ASectionIsBusyWhenOthersUseTheMachineBeforeOrAfterIt) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("bench_busy_" + std::to_string(::getpid()));
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "stored.txt";
   for (const std::vector<double>& used : {std::vector{0.0, 0.5}, std::vector{0.5, 0.0}, std::vector{0.05, 0.05}}) {
     std::ofstream(file) << "good.x 1.5 lower\n";
     std::size_t asked = 0;
@@ -110,7 +112,6 @@ TEST(BenchRun, ASectionIsBusyWhenOthersUseTheMachineBeforeOrAfterIt) {
     const bool busy = used[0] > kBusyFrom || used[1] > kBusyFrom;
     EXPECT_EQ(run({{"good", "", [](Report& report) { report.add(ratio_row("good.x", 2, 1)); }}}, options), busy ? 0 : 1);
   }
-  std::filesystem::remove(file);
 }
 
 TEST(BenchCompare, ADamagedFileIsRefusedWithItsLine) {
@@ -121,7 +122,8 @@ TEST(BenchCompare, ADamagedFileIsRefusedWithItsLine) {
 TEST(BenchRun, AFailingSectionKeepsTheOthersAndTheExitCodeTells) {
   const Section good{"good", "", [](Report& report) { report.add(ratio_row("good.x", 2, 1)); }};
   const Section bad{"bad", "", [](Report&) { throw std::runtime_error("no bus"); }};
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("bench_test_" + std::to_string(::getpid()));
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "stored.txt";
   Options options;
   options.used_by_others = [] { return 0.0; };
   options.store = file;
@@ -133,7 +135,6 @@ TEST(BenchRun, AFailingSectionKeepsTheOthersAndTheExitCodeTells) {
   EXPECT_EQ(run({good}, options), 1);
   options.only = {"bad"};
   EXPECT_EQ(run({bad, good}, options), 1);
-  std::filesystem::remove(file);
 }
 
 TEST(BenchRun, OptionsAreRefusedInASentence) {

@@ -19,6 +19,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/support/temporary_folder.hpp"
+
 namespace hoist::test {
 namespace {
 
@@ -204,9 +206,7 @@ bool until(Question question) {
 
 // H28: parameters, database, captures, tokens and sockets are for the user of the hoist only, whatever the shell's umask is.
 TEST(Programs, WhatTheyWriteIsForTheirUserOnly) {
-  std::string pattern = (fs::temp_directory_path() / "hoist-modes-XXXXXX").string();
-  ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-  const fs::path folder = pattern;
+  const test::TemporaryFolder folder;
   const auto file = [&folder](const char* name) { return (folder / name).string(); };
   {
     const Running tool({program("hoist"), "laws", "normalise"});
@@ -222,12 +222,11 @@ TEST(Programs, WhatTheyWriteIsForTheirUserOnly) {
     EXPECT_EQ(sim.umask(), "0077");
     EXPECT_EQ(control.umask(), "0077");
     EXPECT_EQ(server.umask(), "0077");
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder.path())) {
       if (entry.is_symlink()) continue;
       EXPECT_EQ(entry.status().permissions() & fs::perms(0177), fs::perms::none) << entry.path();
     }
   }
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 #include <iterator>
 #include <string>
 
+#include "tests/support/temporary_folder.hpp"
+
 namespace hoist::tidy {
 namespace {
 
@@ -37,9 +39,6 @@ std::string machine() {
 class NpmNode : public testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "hoist-setup-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
     fs::create_directories(folder_ / "deploy/lib");
     fs::create_directories(program().parent_path());
     for (const char* name : {"common.sh", "setup.sh"})
@@ -47,17 +46,14 @@ class NpmNode : public testing::Test {
     std::ofstream(program()) << "#!/bin/sh\ntouch \"" << (folder_ / "was-run").string() << "\"\necho v22.0.0\n";
     fs::permissions(program(), fs::perms::owner_all);
   }
-  void TearDown() override {
-    if (!folder_.empty()) fs::remove_all(folder_);
-  }
   fs::path program() const { return folder_ / "web/node_modules/node/bin/node"; }
   void pin(const std::string& hash) const { std::ofstream(folder_ / "deploy/lib/node.sha256") << machine() << " " << hash << " 22.0.0\n"; }
   // A machine whose own Node is too old; what the verbs would run afterwards.
   Outcome use() const {
-    return shell("cd " + folder_.string() +
+    return shell("cd " + folder_.path().string() +
                  " && source deploy/lib/common.sh && node_major() { echo 18; } && use_newest_node && which node");
   }
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(NpmNode, AnotherProgramThanThePinnedOneIsNotRun) {
@@ -85,7 +81,8 @@ TEST_F(NpmNode, ThePinnedOneIsUsed) {
 TEST_F(NpmNode, TheInstalledOneIsCheckedBeforeItCountsAsInstalled) {
   pin(std::string(64, '0'));
   std::ofstream(folder_ / "web/package-lock.json") << "{}";
-  const Outcome outcome = shell("cd " + folder_.string() + " && source deploy/lib/common.sh && npm() { :; } && install_npm_packages web");
+  const Outcome outcome =
+      shell("cd " + folder_.path().string() + " && source deploy/lib/common.sh && npm() { :; } && install_npm_packages web");
   EXPECT_NE(outcome.exit_code, 0) << outcome.output;
   EXPECT_FALSE(fs::exists(folder_ / "web/node_modules/.hoist-lock"));
 }

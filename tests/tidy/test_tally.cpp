@@ -8,6 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "tests/support/temporary_folder.hpp"
+
 namespace hoist::tidy {
 namespace {
 
@@ -25,14 +27,8 @@ class Tally : public testing::Test {
  protected:
   void SetUp() override {
     if (std::system("node --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no Node on this machine";
-    std::string pattern = (std::filesystem::temp_directory_path() / "hoist-tally-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
     std::filesystem::create_directories(folder_ / "gtest");
     write("steps.tsv", "");
-  }
-  void TearDown() override {
-    if (!folder_.empty()) std::filesystem::remove_all(folder_);
   }
   void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
   void write_ctest(const std::string& rows) { write("ctest.xml", "<testsuite name=\"x\">" + rows + "</testsuite>"); }
@@ -41,14 +37,14 @@ class Tally : public testing::Test {
   }
   Outcome count() const {
     Outcome outcome;
-    const std::string command = std::string("node '") + HOIST_SOURCE_DIR + "/deploy/lib/tally.mjs' '" + folder_.string() + "' 2>&1";
+    const std::string command = std::string("node '") + HOIST_SOURCE_DIR + "/deploy/lib/tally.mjs' '" + folder_.path().string() + "' 2>&1";
     FILE* pipe = popen(command.c_str(), "r");
     char buffer[4096];
     for (std::size_t got = 0; pipe != nullptr && (got = fread(buffer, 1, sizeof buffer, pipe)) > 0;) outcome.output.append(buffer, got);
     if (pipe != nullptr) outcome.exit_code = WEXITSTATUS(pclose(pipe));
     return outcome;
   }
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 const std::string kPassed = R"(<testcase name="a" status="run" result="completed" classname="S" />)";

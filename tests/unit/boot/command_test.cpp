@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "control/bus/can_port.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/boot/boot_support.hpp"
 
 namespace hoist::firmware {
@@ -23,16 +24,11 @@ namespace {
 
 class FirmwareCommand : public testing::Test {
  protected:
-  FirmwareCommand() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "hoist-firmware-test-XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
-  }
   ~FirmwareCommand() override {
     if (simulator_ > 0) {
       ::kill(simulator_, SIGTERM);
       ::waitpid(simulator_, nullptr, 0);
     }
-    std::filesystem::remove_all(folder_);
   }
 
   struct Result {
@@ -49,7 +45,7 @@ class FirmwareCommand : public testing::Test {
     result.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     return result;
   }
-  [[nodiscard]] std::string file(const std::string& name) const { return folder_ + "/" + name; }
+  [[nodiscard]] std::string file(const std::string& name) const { return folder_.file(name); }
   void write(const std::string& name, const std::vector<std::uint8_t>& content) const {
     std::ofstream(file(name), std::ios::binary)
         .write(reinterpret_cast<const char*>(content.data()), static_cast<std::streamsize>(content.size()));
@@ -85,7 +81,7 @@ class FirmwareCommand : public testing::Test {
   }
 
  private:
-  std::string folder_;
+  test::TemporaryFolder folder_;
   pid_t simulator_ = -1;
   int simulator_out_ = -1;
 };

@@ -71,19 +71,25 @@ TEST(StartMark, WhatADriveDidNotCountEndsIt) {
   EXPECT_EQ(hoist.state.start.exercise, 0U);
 }
 
-TEST(StartMark, AGuidedExerciseThatWasBrokenOffGoesOnAndAFinishedOneBeginsAgain) {
-  constexpr GuidedPath kWay{GuidedShape::straight, false, 2.0, 0, 0.3, 1};
-  ScriptedHoist hoist;
+constexpr GuidedPath kWay{GuidedShape::straight, false, 2.0, 0, 0.3, 1};
+
+/// Drives about half of kWay, then breaks it off by STOP and acknowledges.
+void break_off(ScriptedHoist& hoist) {
   ASSERT_TRUE(hoist.ready());
   ASSERT_EQ(mark(hoist, kEight), 0U);
   ASSERT_EQ(hoist.ask_guided(kWay), 0U);
   ASSERT_TRUE(hoist.run_until_powered());
   hoist.drive_for(400, 0);
-  const double done_norm = hoist.out.record.guided_progress_norm;
-  ASSERT_GT(done_norm, 0.3);
   hoist.ask(CommandKind::stop);
   hoist.hold(0, 0, false);
   acknowledge(hoist);
+}
+
+TEST(StartMark, AGuidedExerciseThatWasBrokenOffGoesOnAndAFinishedOneBeginsAgain) {
+  ScriptedHoist hoist;
+  ASSERT_NO_FATAL_FAILURE(break_off(hoist));
+  const double done_norm = hoist.out.record.guided_progress_norm;
+  ASSERT_GT(done_norm, 0.3);
   ASSERT_EQ(mark(hoist, kEight), 0U);
   GuidedPath slower = kWay;
   slower.speed_m_s = 0.2;
@@ -114,7 +120,7 @@ TEST(StartMark, AGuidedExerciseThatWasBrokenOffGoesOnAndAFinishedOneBeginsAgain)
 }
 
 TEST(StartMark, ABrokenOffExerciseGoesOnAsTheSameFigureOnTheSameMarkOnly) {
-  constexpr GuidedPath kWay{GuidedShape::straight, false, 2.0, 0, 0.3, 1}, kLonger{GuidedShape::straight, false, 3.0, 0, 0.3, 1};
+  constexpr GuidedPath kLonger{GuidedShape::straight, false, 3.0, 0, 0.3, 1};
   struct Case {
     const char* what;
     std::uint32_t again;
@@ -124,14 +130,7 @@ TEST(StartMark, ABrokenOffExerciseGoesOnAsTheSameFigureOnTheSameMarkOnly) {
   for (const Case& one :
        {Case{"the same", 0, kWay, true}, Case{"a new mark", contract::kStartAgain, kWay, false}, Case{"a longer way", 0, kLonger, false}}) {
     ScriptedHoist hoist;
-    ASSERT_TRUE(hoist.ready());
-    ASSERT_EQ(mark(hoist, kEight), 0U);
-    ASSERT_EQ(hoist.ask_guided(kWay), 0U);
-    ASSERT_TRUE(hoist.run_until_powered());
-    hoist.drive_for(400, 0);
-    hoist.ask(CommandKind::stop);
-    hoist.hold(0, 0, false);
-    acknowledge(hoist);
+    ASSERT_NO_FATAL_FAILURE(break_off(hoist));
     ASSERT_EQ(mark(hoist, kEight, one.again), 0U);
     ASSERT_EQ(hoist.ask_guided(one.path), 0U);
     EXPECT_EQ(hoist.out.record.guided_progress_norm > 0.3F, one.goes_on) << one.what;

@@ -39,7 +39,7 @@ struct Ack {
 
 // H25
 TEST(Kill, what_was_acknowledged_survives_kill_9) {
-  TempDir dir;
+  TemporaryFolder dir;
   for (std::uint32_t round = 0; round < 12; ++round) {
     int ends[2];
     ASSERT_EQ(pipe(ends), 0);

@@ -16,27 +16,11 @@
 #include "db/store/database.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/session_writer.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hoist::db::test {
 
-class TempDir {
- public:
-  TempDir() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "hoist_db_XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) std::abort();
-    path_ = pattern;
-  }
-  ~TempDir() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TempDir(const TempDir&) = delete;
-  TempDir& operator=(const TempDir&) = delete;
-  std::filesystem::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
+using hoist::test::TemporaryFolder;
 
 inline constexpr std::uint64_t kStart_ns = 5'000'000'000;
 inline constexpr std::int64_t kStartUtc_ns = 1'790'000'000'123'456'789;  // September 2026

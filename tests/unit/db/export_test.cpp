@@ -79,7 +79,7 @@ TEST(Csv, no_text_can_start_a_formula_or_leave_its_cell) {
 std::string run(const std::string& command);
 
 struct Fixture {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = std::move(*Database::open(dir / "hoist.db"));
   SessionWriter writer = std::move(*SessionWriter::create(database));
   SessionId id = 0;

@@ -50,7 +50,7 @@ std::int64_t number_of(Database& database, const char* sql) {
 }
 
 TEST(Open, an_empty_file_gets_the_newest_schema_and_keeps_it) {
-  TempDir dir;
+  TemporaryFolder dir;
   {
     Database database = open_at(dir / "hoist.db");
     EXPECT_TRUE(database.report().created);
@@ -69,7 +69,7 @@ TEST(Open, an_empty_file_gets_the_newest_schema_and_keeps_it) {
 }
 
 TEST(Open, a_newer_schema_is_refused_and_left_alone) {
-  TempDir dir;
+  TemporaryFolder dir;
   {
     Database database = open_at(dir / "hoist.db");
     execute(database.handle(), "PRAGMA user_version = 99");
@@ -95,7 +95,7 @@ void copy_as_killed(const std::filesystem::path& from, const std::filesystem::pa
 }
 
 TEST(Open, a_damaged_file_is_set_aside_with_its_date_and_stays_known) {
-  TempDir dir;
+  TemporaryFolder dir;
   { Database database = open_at(dir / "hoist.db"); }
   {
     std::fstream stream(dir / "hoist.db", std::ios::in | std::ios::out | std::ios::binary);
@@ -120,7 +120,7 @@ TEST(Open, a_damaged_file_is_set_aside_with_its_date_and_stays_known) {
 }
 
 TEST(Open, a_file_of_another_program_is_refused_and_stays_as_it_is) {
-  TempDir dir;
+  TemporaryFolder dir;
   std::ofstream(dir / "letter.txt") << "Dear colleague,\n" << std::string(5000, 'x');
   std::ofstream(dir / "short.txt") << "Dear";
   const auto make = [&dir](const char* name, const char* sql) {
@@ -145,7 +145,7 @@ TEST(Open, a_file_of_another_program_is_refused_and_stays_as_it_is) {
 }
 
 TEST(Open, an_older_recording_without_an_application_id_is_known_by_its_tables) {
-  TempDir dir;
+  TemporaryFolder dir;
   std::vector<TickRecord> records;
   SessionId id = 0;
   {
@@ -165,7 +165,7 @@ TEST(Open, an_older_recording_without_an_application_id_is_known_by_its_tables) 
 }
 
 TEST(Open, a_recording_from_before_provenance_is_migrated_and_says_what_it_does_not_know) {
-  TempDir dir;
+  TemporaryFolder dir;
   std::vector<TickRecord> records;
   SessionId id = 0;
   {
@@ -182,7 +182,7 @@ TEST(Open, a_recording_from_before_provenance_is_migrated_and_says_what_it_does_
 }
 
 TEST(Open, an_empty_file_beside_a_full_log_is_set_aside_with_it) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "live.db");
   SessionWriter writer = writer_of(database);
   ASSERT_TRUE(writer.begin(start_of_walk()).ok());
@@ -205,7 +205,7 @@ TEST(Open, an_empty_file_beside_a_full_log_is_set_aside_with_it) {
 
 // H25
 TEST(Open, a_log_whose_end_is_missing_is_noticed_and_the_session_says_what_it_lost) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database live = open_at(dir / "live.db");
   SessionWriter writer = writer_of(live);
   Walk walk(3);
@@ -246,7 +246,7 @@ TEST(Open, a_log_whose_end_is_missing_is_noticed_and_the_session_says_what_it_lo
 }
 
 TEST(Open, a_number_that_was_lost_with_its_session_is_not_given_again) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database live = open_at(dir / "live.db");
   for (int session = 0; session < 3; ++session) record_session(live, 100, 4);
   copy_as_killed(dir / "live.db", dir / "cut.db");
@@ -257,7 +257,7 @@ TEST(Open, a_number_that_was_lost_with_its_session_is_not_given_again) {
 }
 
 TEST(Open, a_seal_of_another_file_or_a_damaged_one_says_nothing) {
-  TempDir dir;
+  TemporaryFolder dir;
   for (const char* name : {"a.db", "b.db"}) {
     Database database = open_at(dir / name);
     record_session(database, std::string_view(name) == "a.db" ? 900 : 100, 5);
@@ -272,7 +272,7 @@ TEST(Open, a_seal_of_another_file_or_a_damaged_one_says_nothing) {
 
 // H25
 TEST(Open, damaged_and_cut_files_never_crash_and_never_stay_in_the_way) {
-  TempDir dir;
+  TemporaryFolder dir;
   {
     Database database = open_at(dir / "good.db");
     record_session(database, 900, 1);
@@ -322,7 +322,7 @@ TEST(Open, damaged_and_cut_files_never_crash_and_never_stay_in_the_way) {
 }
 
 TEST(Open, one_program_writes_a_file) {
-  TempDir dir;
+  TemporaryFolder dir;
   std::optional<Database> first(open_at(dir / "hoist.db"));
   {
     SessionWriter writer = writer_of(*first);
@@ -341,13 +341,13 @@ TEST(Open, one_program_writes_a_file) {
 }
 
 TEST(Open, readers_need_a_prepared_file) {
-  TempDir dir;
+  TemporaryFolder dir;
   EXPECT_FALSE(Database::attach(dir / "none.db").ok());
   EXPECT_FALSE(std::filesystem::exists(dir / "none.db"));
 }
 
 TEST(Writer, what_was_appended_is_read_back_while_recording_and_after_folding) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   Database other = std::move(*Database::attach(dir / "hoist.db"));
   SessionWriter writer = writer_of(database);
@@ -389,7 +389,7 @@ TEST(Writer, what_was_appended_is_read_back_while_recording_and_after_folding) {
 }
 
 TEST(Writer, one_long_span_is_taken_whole) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   SessionWriter writer = writer_of(database);
   const Result<SessionId> id = writer.begin(start_of_walk());
@@ -402,7 +402,7 @@ TEST(Writer, one_long_span_is_taken_whole) {
 }
 
 TEST(Writer, missing_and_impossible_samples_become_gaps) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   SessionWriter writer = writer_of(database);
   const Result<SessionId> id = writer.begin(start_of_walk());
@@ -453,7 +453,7 @@ TEST(Writer, missing_and_impossible_samples_become_gaps) {
 }
 
 TEST(Writer, a_step_that_the_core_never_made_is_not_called_lost) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   SessionWriter writer = writer_of(database);
   const Result<SessionId> id = writer.begin(start_of_walk());
@@ -480,7 +480,7 @@ TEST(Writer, a_step_that_the_core_never_made_is_not_called_lost) {
 }
 
 TEST(Writer, events_markers_parameters_and_frames_come_back) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   SessionWriter writer = writer_of(database);
   SessionStart start = start_of_walk();
@@ -560,7 +560,7 @@ TEST(Writer, events_markers_parameters_and_frames_come_back) {
 }
 
 TEST(Writer, wrong_calls_are_refused_by_name_and_change_nothing) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   SessionWriter writer = writer_of(database);
   Walk walk(1);
@@ -600,7 +600,7 @@ TEST(Writer, wrong_calls_are_refused_by_name_and_change_nothing) {
 
 // H24
 TEST(Writer, a_full_disk_is_told_and_what_fits_later_is_complete) {
-  TempDir dir;
+  TemporaryFolder dir;
   OpenOptions options;
   options.max_pages = 60;  // 240 kB: the first minute does not fit
   Database database = open_at(dir / "hoist.db", options);
@@ -645,7 +645,7 @@ TEST(Writer, a_full_disk_is_told_and_what_fits_later_is_complete) {
 }
 
 TEST(Writer, a_locked_database_is_busy_and_loses_nothing) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   sqlite3_busy_timeout(database.handle(), 1);
   Database other = std::move(*Database::attach(dir / "hoist.db"));
@@ -664,7 +664,7 @@ TEST(Writer, a_locked_database_is_busy_and_loses_nothing) {
 }
 
 TEST(Writer, sessions_left_open_are_closed_as_interrupted_and_folded) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   Walk walk(16);
   const std::vector<TickRecord> records = walk.records(0, 730);
@@ -687,7 +687,7 @@ TEST(Writer, sessions_left_open_are_closed_as_interrupted_and_folded) {
 }
 
 TEST(Reader, pages_run_from_the_newest_to_the_oldest) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   SessionWriter writer = writer_of(database);
   for (int i = 0; i < 23; ++i) {
@@ -721,7 +721,7 @@ TEST(Reader, pages_run_from_the_newest_to_the_oldest) {
 }
 
 TEST(Reader, a_search_finds_part_of_a_code_in_capital_or_small_letters) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   SessionWriter writer = writer_of(database);
   for (const char* code : {"P-017", "p-0170", "MÜL-3", "ŽAK_1", "100%"}) {
@@ -750,7 +750,7 @@ TEST(Reader, a_search_finds_part_of_a_code_in_capital_or_small_letters) {
 }
 
 TEST(Reader, unknown_sessions_columns_and_ranges_are_refused) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   const SessionId id = record_session(database, 300, 2);
   const SessionReader reader(database);
@@ -766,7 +766,7 @@ TEST(Reader, unknown_sessions_columns_and_ranges_are_refused) {
 }
 
 TEST(Reader, a_time_range_gives_exactly_its_samples) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   std::vector<TickRecord> records;
   const SessionId id = record_session(database, 7000, 3, &records);
@@ -793,7 +793,7 @@ TEST(Reader, a_time_range_gives_exactly_its_samples) {
 }
 
 TEST(Reader, the_overview_holds_every_extreme_at_every_resolution) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   std::vector<TickRecord> records;
   const SessionId id = record_session(database, 20000, 4, &records);
@@ -846,7 +846,7 @@ TEST(Reader, the_overview_holds_every_extreme_at_every_resolution) {
 }
 
 TEST(Reader, a_long_overview_touches_no_body) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   const SessionId id = record_session(database, 20000, 4);
   // Bodies that cannot be read at all: what comes from directories still works, what needs samples says what is wrong.
@@ -861,7 +861,7 @@ TEST(Reader, a_long_overview_touches_no_body) {
 }
 
 TEST(Reader, gaps_show_in_the_overview) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   SessionWriter writer = writer_of(database);
   const Result<SessionId> id = writer.begin(start_of_walk());
@@ -877,7 +877,7 @@ TEST(Reader, gaps_show_in_the_overview) {
 }
 
 TEST(Reader, a_recording_with_other_columns_stays_readable) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   std::vector<TickRecord> records;
   const SessionId id = record_session(database, 500, 6, &records);
@@ -895,7 +895,7 @@ TEST(Reader, a_recording_with_other_columns_stays_readable) {
 }
 
 TEST(Editor, patches_all_or_nothing) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   const SessionId id = record_session(database, 10, 8);
   SessionEditor editor(database);
@@ -929,7 +929,7 @@ TEST(Editor, exercises_are_checked_field_by_field) {
 }
 
 TEST(Editor, deleting_takes_everything_and_never_a_session_being_recorded) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   Database other = std::move(*Database::attach(dir / "hoist.db"));
   const SessionId kept_session = record_session(database, 400, 9);
@@ -964,7 +964,7 @@ TEST(Editor, deleting_takes_everything_and_never_a_session_being_recorded) {
 }
 
 TEST(Size, a_walk_takes_at_most_41_bytes_per_sample) {
-  TempDir dir;
+  TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   const SessionId id = record_session(database, 30000, 17);
   const auto bytes = static_cast<double>(number_of(database, "SELECT sum(length(directory) + length(body)) FROM chunks")) / 30000;

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "deploy/tools/hoist/laws/law_list.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/law/golden.hpp"
 
 namespace hoist::test {
@@ -23,13 +24,7 @@ struct Outcome {
 
 /// Runs the program through the shell with files for input and output, so that no pipe can fill up.
 Outcome run(const std::string& arguments, const std::string& input) {
-  const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-  std::string name = std::string(info->test_suite_name()) + "-" + info->name();
-  for (auto& letter : name) {
-    if (letter == '/') letter = '-';
-  }
-  const auto folder = std::filesystem::path(testing::TempDir()) / ("hoist-laws-" + std::to_string(::getpid()) + "-" + name);
-  std::filesystem::create_directories(folder);
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "in", std::ios::binary) << input;
   const std::string command = "'" HOIST_PROGRAM "' " + arguments + " < '" + (folder / "in").string() + "' > '" + (folder / "out").string() +
                               "' 2> '" + (folder / "err").string() + "'";
@@ -43,7 +38,6 @@ Outcome run(const std::string& arguments, const std::string& input) {
     std::ifstream stream(folder / file);
     outcome.text += (std::ostringstream() << stream.rdbuf()).str();
   }
-  std::filesystem::remove_all(folder);
   return outcome;
 }
 

@@ -1,4 +1,5 @@
 #include "control/run/parameter_file.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -118,15 +119,10 @@ TEST_F(ParameterFile, AFailedSaveSaysWhyAndLeavesTheOldFile) {
 class Store : public ParameterFile {
  protected:
   void SetUp() override {
-    folder = ::testing::TempDir() + "hoist-store-" + std::to_string(::getpid());
-    path = folder + "/parameters.json";
-    std::filesystem::create_directories(folder);
+    path = folder / "parameters.json";
     disk = {};
   }
-  void TearDown() override {
-    disk = {};
-    std::filesystem::remove_all(folder);
-  }
+  void TearDown() override { disk = {}; }
   static contract::ParamsInForce in_force(const contract::Params& params) {
     contract::ParamsInForce now;
     for (std::size_t i = 0; i < contract::kParamCount; ++i) now.values[i] = now.kept[i] = contract::get_param(params, i);
@@ -142,7 +138,7 @@ class Store : public ParameterFile {
     EXPECT_TRUE(loaded.usable) << loaded.problem;
     return loaded.params.speed_cap_norm;
   }
-  std::string folder;
+  test::TemporaryFolder folder;
 };
 
 TEST_F(Store, NothingIsToldStoredBeforeFileAndFolderAreSynced) {
@@ -185,10 +181,10 @@ TEST_F(Store, AFolderThatCouldNotBeSyncedLeavesTheFileInDoubt) {
 }
 
 TEST_F(Store, AMissingFolderIsToldAndAnewOneIsUsed) {
-  std::filesystem::remove_all(folder);
+  std::filesystem::remove_all(folder.path());
   ParameterStore store(path, {}, {});
   EXPECT_EQ(store.look(cap(0.5), 4, 0).problem, contract::StoreProblem::failed);
-  std::filesystem::create_directories(folder);
+  std::filesystem::create_directories(folder.path());
   EXPECT_EQ(store.look(cap(0.5), 4, ParameterStore::kRetry_ns).stored, 4U);
   EXPECT_EQ(stored_cap(), 0.5);
 }

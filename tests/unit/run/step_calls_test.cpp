@@ -25,6 +25,7 @@
 #include "control/contract/can_frame.hpp"
 #include "control/contract/slcan_codec.hpp"
 #include "control/publish/server_link.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hoist::run {
 namespace {
@@ -97,9 +98,7 @@ class Adapter {
 // hoist-control in a folder of its own.
 class Program {
  public:
-  explicit Program(const std::string& device)
-      : folder_(std::filesystem::temp_directory_path() / ("hoist-step-" + std::to_string(::getpid()))) {
-    std::filesystem::create_directories(folder_);
+  explicit Program(const std::string& device) {
     const std::string bus = "slcan:" + device, socket = this->socket();
     pid_ = ::fork();
     if (pid_ != 0) return;
@@ -112,7 +111,6 @@ class Program {
     ::kill(pid_, SIGKILL);
     // A thread that was traced is waited for by itself, and before the others.
     for (pid_t ended = 0; ended != pid_ && ended >= 0;) ended = ::waitpid(-1, nullptr, __WALL);
-    std::filesystem::remove_all(folder_);
   }
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
@@ -139,7 +137,7 @@ class Program {
 
  private:
   [[nodiscard]] std::filesystem::path tasks() const { return "/proc/" + std::to_string(pid_) + "/task"; }
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
   pid_t pid_ = -1;
 };
 

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "server/app.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/server/client.hpp"
 #include "tests/unit/server/fake_core.hpp"
 #include "tests/unit/server/schema.hpp"
@@ -22,9 +23,6 @@ using nlohmann::json;
 class ServerTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() / ("hoist-server-" + std::to_string(::getpid()) + "-" + info->name());
-    std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_ / "web" / "assets");
     std::ofstream(folder_ / "web" / "index.html") << "<!doctype html><title>console</title>";
     std::ofstream(folder_ / "web" / "assets" / "app-12ab.js") << "plain";
@@ -38,7 +36,6 @@ class ServerTest : public ::testing::Test {
   void TearDown() override {
     stop_server();
     core_.reset();
-    std::filesystem::remove_all(folder_);
   }
 
   void start_server() {
@@ -134,7 +131,7 @@ class ServerTest : public ::testing::Test {
   }
   std::string origin() const { return "http://127.0.0.1:" + std::to_string(port_); }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
   std::unique_ptr<FakeCore> core_;
   std::unique_ptr<server::App> app_;
   std::thread thread_;

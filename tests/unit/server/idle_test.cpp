@@ -14,6 +14,7 @@
 #include "server/http/compress.hpp"
 #include "server/http/json_writer.hpp"
 #include "server/live/client.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/server/fake_core.hpp"
 
 namespace hoist::server {
@@ -26,8 +27,7 @@ constexpr std::uint64_t kTick_ns = 10'000'000;
 class Idle : public ::testing::Test {
  protected:
   Idle()
-      : folder_(std::filesystem::temp_directory_path() / ("hoist-idle-" + std::to_string(::getpid()))),
-        fake_((std::filesystem::create_directories(folder_), folder_ / "core.sock").string()),
+      : fake_((folder_ / "core.sock").string()),
         core_((folder_ / "core.sock").string(), counters_),
         firmware_(core_),
         recorder_(core_.link(), {.file = folder_ / "none.db", .version = "", .utc_ns = [] { return std::int64_t{0}; }, .steady_ns = {}}),
@@ -53,10 +53,7 @@ class Idle : public ::testing::Test {
       poll(1);
     }
   }
-  ~Idle() override {
-    core_.set_listener(nullptr);
-    std::filesystem::remove_all(folder_);
-  }
+  ~Idle() override { core_.set_listener(nullptr); }
   void poll(int times) {
     for (int i = 0; i < times; ++i) {
       now_ns_ += kTick_ns;
@@ -66,7 +63,7 @@ class Idle : public ::testing::Test {
   }
 
   boost::asio::io_context io_;  // outlives the hub, which keeps clients
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
   test::FakeCore fake_;
   Settings settings_;
   Counters counters_;

@@ -17,6 +17,7 @@
 #include "server/http/json_text.hpp"
 #include "server/link/clock_speed.hpp"
 #include "server/settings.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hoist::server {
 namespace {
@@ -77,8 +78,7 @@ TEST(Origin, ExactlyTheHostAsked) {
 }
 
 TEST(Auth, ALinkWorksOnceAndSessionsOutliveTheServer) {
-  const auto folder = std::filesystem::temp_directory_path() / ("hoist-auth-" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
+  const test::TemporaryFolder folder;
   std::string error;
   std::string secret;
   std::string token;
@@ -131,11 +131,11 @@ TEST(Auth, ALinkWorksOnceAndSessionsOutliveTheServer) {
   const auto wary = Auth::create({.token_file = folder / "token", .hosts = {}}, 1010, error);
   request.headers = {{"cookie", "hoist_session=" + secret}};
   EXPECT_FALSE(wary->find(request, 1010));
-  std::filesystem::remove_all(folder);
 }
 
 TEST(Auth, ATokenFileThatIsNoneStaysAsItIs) {
-  const auto file = std::filesystem::temp_directory_path() / ("hoist-notes-" + std::to_string(::getpid()));
+  const test::TemporaryFolder folder;
+  const auto file = folder / "notes";
   std::ofstream(file) << "what the therapist wrote\n";
   std::string error;
   EXPECT_FALSE(Auth::create({.token_file = file, .hosts = {}}, 1000, error));
@@ -145,8 +145,6 @@ TEST(Auth, ATokenFileThatIsNoneStaysAsItIs) {
   EXPECT_EQ(text, "what the therapist wrote");
   std::ofstream(file).close();
   EXPECT_TRUE(Auth::create({.token_file = file, .hosts = {}}, 1000, error)) << "an empty file is nobody's: " << error;
-  std::filesystem::remove(file);
-  std::filesystem::remove(file.string() + ".sessions");
 }
 
 TEST(Header, WhatMayComeOnceComesOnce) {

@@ -15,6 +15,7 @@
 #include "db/summary/session_metrics.hpp"
 #include "server/record/recorder.hpp"
 #include "tests/support/crash_disk.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/server/fixture.hpp"
 
 namespace hoist::test {
@@ -325,9 +326,6 @@ class TakeOver : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kLife_ns = 5'000'000'000;
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("hoist-take-over-" + std::to_string(::getpid()));
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
     std::string error;
     core_ = publish::CoreLink::create("", kLife_ns, static_cast<std::uint64_t>(kUtc_ns), error);
     ASSERT_NE(core_, nullptr) << error;
@@ -335,10 +333,7 @@ class TakeOver : public ::testing::Test {
     record_.simulated = 1;
     publish(10, Mode::standby);
   }
-  void TearDown() override {
-    die();
-    std::filesystem::remove_all(folder_);
-  }
+  void TearDown() override { die(); }
   // Steps of the core, each with one frame on the bus; the server looks after every second one.
   void publish(std::size_t count, Mode mode) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -449,7 +444,7 @@ class TakeOver : public ::testing::Test {
     return status;
   }
 
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
   std::optional<tests::CrashDisk> disk_;  // outlives the connections, which TearDown closes
   const char* vfs_ = nullptr;
   std::unique_ptr<publish::CoreLink> core_;

@@ -14,6 +14,7 @@
 
 #include "control/bus/step_line.hpp"
 #include "firmware/sim/unix_listener.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hoist::sim {
 namespace {
@@ -46,12 +47,6 @@ std::vector<std::string> malformed(std::uint32_t step, std::uint32_t room) {
 
 class LockStepTest : public ::testing::Test {
  protected:
-  LockStepTest() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "hoist-step-XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
-    path = folder_ + "/step";
-  }
-  ~LockStepTest() override { std::filesystem::remove_all(folder_); }
   int connect() const {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
@@ -60,10 +55,12 @@ class LockStepTest : public ::testing::Test {
     EXPECT_EQ(::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
     return fd;
   }
-  std::string path;
 
  private:
-  std::string folder_;
+  const test::TemporaryFolder folder_;
+
+ protected:
+  const std::string path = folder_ / "step";
 };
 
 TEST_F(LockStepTest, TheSimulatorGivesAStepAndWaitsForItsAnswer) {

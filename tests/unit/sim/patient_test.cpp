@@ -115,7 +115,7 @@ TEST(Patient, GivesUpLeadingAHoistThatDoesNotFollow) {
   EXPECT_EQ(stage.patient.state(), PatientState::leading);
 }
 
-// Full lean is 10 degrees in one preset and 15 in the other, and brings less speed there. Nobody tells the patient which.
+// Full lean is 10 degrees in one preset and 15 in the other, and brings less speed there. The patient is not told which.
 TEST(Patient, WalksMoreSlowlyWhereALeanBringsLess) {
   const auto fastest_m_s = [](double answer_per_s2, double driven_m_s) {
     PatientParams stubborn;
@@ -178,7 +178,7 @@ TEST(Patient, YieldsToAHoistThatAnotherLeads) {
   EXPECT_LT(std::fabs(stage.patient.harness().dx_m), 0.03);
 }
 
-// A shove, or wheels that slip, look like somebody else's doing, too. The patient who has yielded finds out.
+// A shove, or wheels that slip, feel as if the therapist led. A patient who has yielded finds out.
 TEST(Patient, WhoHasYieldedLeadsAgainWhenASmallLeanIsAnswered) {
   Stage stage;
   stage.released = stage.follows = true;

@@ -18,26 +18,12 @@
 #include "firmware/sim/request_socket.hpp"
 #include "firmware/sim/requests.hpp"
 #include "firmware/sim/serial_line.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hoist::sim {
 namespace {
 
 using nlohmann::json;
-
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "hoist-sim-test-XXXXXX").string();
-    path_ = ::mkdtemp(pattern.data());
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }
-
- private:
-  std::string path_;
-};
 
 json ask(World& world, const std::string& line) { return json::parse(answer_request(world, {}, line)); }
 
@@ -162,7 +148,7 @@ class Client {
 std::string echo(std::string_view line) { return "<" + std::string(line.substr(0, 10)) + ">"; }
 
 TEST(RequestSocket, AnswersLinesHoweverTheyArrive) {
-  const Folder folder;
+  const hoist::test::TemporaryFolder folder;
   RequestSocket socket;
   ASSERT_EQ(socket.open(folder.file("s")), "");
   Client client(folder.file("s"));
@@ -185,7 +171,7 @@ TEST(RequestSocket, AnswersLinesHoweverTheyArrive) {
 }
 
 TEST(RequestSocket, TakesOverADeadSocketAndNothingElse) {
-  const Folder folder;
+  const hoist::test::TemporaryFolder folder;
   {
     RequestSocket socket;
     ASSERT_EQ(socket.open(folder.file("s")), "");
@@ -210,7 +196,7 @@ TEST(RequestSocket, TakesOverADeadSocketAndNothingElse) {
 }
 
 TEST(RequestSocket, TheNinthClientIsToldSo) {
-  const Folder folder;
+  const hoist::test::TemporaryFolder folder;
   RequestSocket socket;
   ASSERT_EQ(socket.open(folder.file("s")), "");
   std::vector<std::unique_ptr<Client>> clients;
@@ -231,7 +217,7 @@ TEST(RequestSocket, TheNinthClientIsToldSo) {
 }
 
 TEST(SerialLine, IsARawTerminalBehindALinkThatGoesAgain) {
-  const Folder folder;
+  const hoist::test::TemporaryFolder folder;
   const std::string link = folder.file("can");
   {
     SerialLine line;
@@ -276,7 +262,7 @@ TEST(SerialLine, IsARawTerminalBehindALinkThatGoesAgain) {
 }
 
 TEST(SerialLine, ReplacesALinkButNeverAFile) {
-  const Folder folder;
+  const hoist::test::TemporaryFolder folder;
   std::filesystem::create_symlink("/nowhere", folder.file("can"));
   {
     SerialLine line;
