@@ -112,21 +112,21 @@ RunColumns run_of(const MovingPart& part, double start_m) {
 }
 
 std::string_view no_figure_name(NoFigure why) {
-  constexpr std::array<std::string_view, 8> kNames{"none",          "no_exercise",   "no_motion",      "part_missing",
-                                                   "several_walks", "start_unclear", "not_comparable", "too_short"};
+  constexpr std::array kNames{
+      std::string_view{"none"},
+#define HOIST_NO_FIGURE(name, text_en, text_de) std::string_view{#name},
+#include "db/summary/no_figure.def"
+#undef HOIST_NO_FIGURE
+  };
   return kNames[static_cast<std::size_t>(why)];
 }
 
 std::string_view no_figure_sentence(NoFigure why) {
-  constexpr std::array<std::string_view, 8> kSentences{
-      "",
-      "No exercise was chosen.",
-      "Nobody walked in this session.",
-      "Part of this walk is not recorded.",
-      "This recording holds more than one walk: it was started anew, or somebody else led.",
-      "Where on the exercise's path this walk began is not clear.",
-      "The recorded path cannot be compared with this exercise.",
-      "The walk was too short, or nothing turned in it.",
+  constexpr std::array kSentences{
+      std::string_view{},
+#define HOIST_NO_FIGURE(name, text_en, text_de) std::string_view{text_en},
+#include "db/summary/no_figure.def"
+#undef HOIST_NO_FIGURE
   };
   return kSentences[static_cast<std::size_t>(why)];
 }

@@ -19,9 +19,14 @@ namespace hoist::db {
 inline constexpr double kMissingMost_s = 0.5;
 
 /// Why a session has no C and J_N.
-enum class NoFigure : std::uint8_t { none, no_exercise, no_motion, part_missing, several_walks, start_unclear, not_comparable, too_short };
+enum class NoFigure : std::uint8_t {
+  none,
+#define HOIST_NO_FIGURE(name, text_en, text_de) name,
+#include "db/summary/no_figure.def"
+#undef HOIST_NO_FIGURE
+};
 [[nodiscard]] std::string_view no_figure_name(NoFigure why);      ///< as REST tells it
-[[nodiscard]] std::string_view no_figure_sentence(NoFigure why);  ///< empty for none
+[[nodiscard]] std::string_view no_figure_sentence(NoFigure why);  ///< in English, empty for none
 
 struct SessionMetrics {
   SessionId session = 0;
