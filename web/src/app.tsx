@@ -20,7 +20,7 @@ import './app.css';
 /** The words of the language that this device begins with. */
 export const firstWords = new Lazy(() => loadLanguage(settings.value.language));
 
-/** STOP and what it needs are there before anything else has been loaded, and stay whatever cannot be. */
+/** STOP and what it needs are there before any other file has loaded, and stay when a file fails to load. */
 export function App() {
   const words = useLazy(firstWords);
   const signedIn = useStore((s) => s.signedIn);

@@ -7,7 +7,7 @@ import { startLink } from './link/console';
 import { panelOf } from './panels/index';
 import { readAddress } from './router';
 import { applySettings, settings } from './text/settings';
-// The dead-man comes with the page, not with a screen: whoever holds it must not depend on a file that was loaded later.
+// The dead-man comes with the page, not with a screen: holding it must not depend on a file that is loaded later.
 import './ui/hold_to_go';
 
 applySettings();

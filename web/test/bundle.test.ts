@@ -9,7 +9,7 @@ import { panels } from '../src/panels/index';
 
 const firstLoad_bytes_max = 70_000;
 const screen_bytes_max = 30_000;
-/** Whoever leads or stops a hoist must not wait for a file: all this comes with the page itself. */
+/** Leading or stopping a hoist must not wait for a file: these modules are in the first load. */
 const vital = [
   'ui/stop_button.tsx',
   'ui/strip.tsx',

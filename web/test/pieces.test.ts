@@ -1,34 +1,23 @@
 // The page comes in pieces: what works before a piece has come, and when one does not come.
-import { mkdtempSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { chromium, type Browser, type Page } from 'playwright-core';
+import type { Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
-import { build } from 'vite';
 import { first } from '../src/text/first';
+import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
 import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
 
 const minutes_ms = 120_000;
-let folder: string;
-let browser: Browser;
+let built: BuiltConsole;
 let fake: FakeServer;
 let page: Page;
 let asked: string[];
 
 beforeAll(async () => {
-  folder = mkdtempSync(`${tmpdir()}/hoist-pieces-`);
-  await build({ logLevel: 'silent', build: { outDir: folder, emptyOutDir: true } });
-  browser = await chromium.launch({
-    executablePath: process.env.CHROME_PATH ?? '/usr/bin/chromium',
-    args: ['--no-sandbox', '--disable-gpu', '--no-first-run'],
-  });
+  built = await openBuiltConsole();
 }, minutes_ms);
-afterAll(async () => {
-  await browser?.close();
-  rmSync(folder, { recursive: true, force: true });
-});
+afterAll(() => built?.close());
 beforeEach(async () => {
-  fake = await startFakeServer({ dist: folder });
-  page = await browser.newPage({ viewport: { width: 1024, height: 768 }, locale: 'de' });
+  fake = await startFakeServer({ dist: built.folder });
+  page = await built.browser.newPage({ viewport: { width: 1024, height: 768 }, locale: 'de' });
   asked = [];
   page.on('request', (request) => asked.push(new URL(request.url()).pathname));
 });
@@ -101,5 +90,8 @@ describe('a page in pieces', { timeout: minutes_ms }, () => {
     await page.locator('.session-item[aria-current=true]').waitFor();
     await page.goto(`${fake.url}#/sessions/4711`);
     await page.getByText('Das gibt es nicht mehr.').first().waitFor();
+    expect(await page.locator('.session-detail a[download], .session-detail button').count(), 'nothing that cannot succeed').toBe(0);
+    await page.locator('.session-detail a').click();
+    await page.waitForURL(/#\/sessions$/);
   });
 });

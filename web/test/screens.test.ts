@@ -1,12 +1,10 @@
 // Every screen in a browser, against the stand-in server: what a person with a keyboard, a screen reader or a small screen meets.
-import { mkdtempSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
 import axe from 'axe-core';
-import { chromium, type Browser, type Page } from 'playwright-core';
+import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { build } from 'vite';
 import { de } from '../src/text/de';
 import { en } from '../src/text/en';
+import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
 import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
 
 const sizes = [
@@ -22,28 +20,21 @@ const looks = [
 const screens = ['walk', 'drive', 'exercises', 'tune', 'sessions', 'calibrate', 'health'] as const;
 const minutes_ms = 120_000;
 
-let folder: string;
-let browser: Browser;
+let built: BuiltConsole;
 let fake: FakeServer;
 
 beforeAll(async () => {
-  folder = mkdtempSync(`${tmpdir()}/hoist-screens-`);
-  await build({ logLevel: 'silent', build: { outDir: folder, emptyOutDir: true } });
-  fake = await startFakeServer({ dist: folder });
-  browser = await chromium.launch({
-    executablePath: process.env.CHROME_PATH ?? '/usr/bin/chromium',
-    args: ['--no-sandbox', '--disable-gpu', '--no-first-run'],
-  });
+  built = await openBuiltConsole();
+  fake = await startFakeServer({ dist: built.folder });
 }, minutes_ms);
 afterAll(async () => {
-  await browser?.close();
+  await built?.close();
   await fake?.close();
-  rmSync(folder, { recursive: true, force: true });
 });
 
 type Look = (typeof looks)[number];
 async function open([width, height]: readonly [number, number], look: Look, screen: string): Promise<Page> {
-  const page = await browser.newPage({ viewport: { width, height }, colorScheme: look[0], locale: look[1] });
+  const page = await built.browser.newPage({ viewport: { width, height }, colorScheme: look[0], locale: look[1] });
   await page.goto(`${fake.url}#/${screen}`);
   await page.locator('.mode-standby').waitFor();
   return page;

@@ -90,6 +90,27 @@ function Changes({ list }: { list: readonly Change[] }) {
   );
 }
 
+/** One length or angle that the operator reads off and types. */
+function Measure(field: { label: string; name: string; unit: string; value: string; onValue: (value: string) => void }) {
+  return (
+    <label>
+      <span>{field.label}</span>
+      <span class="calibrate-field">
+        <input
+          name={field.name}
+          type="text"
+          inputMode="decimal"
+          autocomplete="off"
+          class="num"
+          value={field.value}
+          onInput={(event) => field.onValue(event.currentTarget.value)}
+        />
+        <span>{field.unit}</span>
+      </span>
+    </label>
+  );
+}
+
 /** Where the operator writes what the tape says. The direction is a choice, because nobody should have to think of a minus sign. */
 function Entry({
   step,
@@ -138,53 +159,11 @@ function Entry({
           </button>
         ))}
       </div>
-      <label>
-        <span>{t(square ? 'calibrate.side' : 'calibrate.measured')}</span>
-        <span class="calibrate-field">
-          <input
-            name="figure"
-            type="text"
-            inputMode="decimal"
-            autocomplete="off"
-            class="num"
-            value={figure}
-            onInput={(event) => setFigure(event.currentTarget.value)}
-          />
-          <span>{unitText(unit)}</span>
-        </span>
-      </label>
+      <Measure label={t(square ? 'calibrate.side' : 'calibrate.measured')} name="figure" unit={unitText(unit)} value={figure} onValue={setFigure} />
       {square ? (
         <>
-          <label>
-            <span>{t('calibrate.ahead')}</span>
-            <span class="calibrate-field">
-              <input
-                name="x"
-                type="text"
-                inputMode="decimal"
-                autocomplete="off"
-                class="num"
-                value={x}
-                onInput={(event) => setX(event.currentTarget.value)}
-              />
-              <span>cm</span>
-            </span>
-          </label>
-          <label>
-            <span>{t('calibrate.leftOf')}</span>
-            <span class="calibrate-field">
-              <input
-                name="y"
-                type="text"
-                inputMode="decimal"
-                autocomplete="off"
-                class="num"
-                value={y}
-                onInput={(event) => setY(event.currentTarget.value)}
-              />
-              <span>cm</span>
-            </span>
-          </label>
+          <Measure label={t('calibrate.ahead')} name="x" unit="cm" value={x} onValue={setX} />
+          <Measure label={t('calibrate.leftOf')} name="y" unit="cm" value={y} onValue={setY} />
         </>
       ) : null}
       <button type="submit" class="primary big" disabled={!ready || busy}>
@@ -215,7 +194,7 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
   const phase = running ? now.phase : 'none';
   useEffect(request.forget, [step]);
   const found = useAsked(phase === 'result' && connected ? () => rest<Table>('GET', '/calibration') : null, [step]);
-  // Null until they are known: nobody takes over what nobody has seen.
+  // Null until the values are on screen: a result can be used only after it has been shown.
   const changes = found.value === null ? null : resultOf(found.value, step);
   const failed = found.problem !== null || (found.value !== null && changes === null);
 

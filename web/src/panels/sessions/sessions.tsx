@@ -28,12 +28,13 @@ const curveRuns = 800;
 const curvesMost = 4;
 const pageSize = 50;
 const eventsShown = 200;
-/** The server is asked when nobody has typed for so long. */
+/** Pause in typing after which the server is asked. */
 const typing_ms = 250;
 
 /** As long as the server takes one. */
 const subjectMost = 64;
 const noteMost = 500;
+const notFound = 404;
 /** Columns that a session does not have are refused with this; anything else is a failure. */
 const unprocessable = 422;
 
@@ -237,6 +238,18 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
     else notify('error', `${t('sessions.notSaved')} ${problemText(answer.problem)}`, true);
     return answer.ok;
   };
+
+  // An old address, or a session that another screen has deleted: there is nothing to export, to read or to try again.
+  if (session === null && asked.problem?.status === notFound)
+    return (
+      <div class="session-detail">
+        <section class="card">
+          <p class="hint" role="alert">
+            {problemText(asked.problem)} <a href={addressOf('sessions')}>{t('sessions.back')}</a>
+          </p>
+        </section>
+      </div>
+    );
 
   return (
     <div class="session-detail">
