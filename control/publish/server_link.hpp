@@ -32,7 +32,7 @@ class SharedState {
   std::shared_ptr<Mapping> mapping_;
 };
 
-// Why no core is attached. absent: nobody listens on the socket; silent: connected, without an answer; taken: by another server.
+// Why no core is attached. absent: no process listens on the socket; silent: connected, without an answer; taken: by another server.
 enum class LinkProblem : std::uint8_t { none, absent, silent, gone, taken, other_build, refused, unreachable };
 
 class ServerLink {

@@ -62,7 +62,7 @@ run_clang_tidy() {
   return "$failed"
 }
 
-# Types are checked by `tsc` when the console is built; this looks for what types allow and nobody means, and for the layout.
+# Types are checked by `tsc` when the console is built; ESLint looks for likely mistakes that types allow, Prettier for the layout.
 check_console_code() { (cd web && node_modules/.bin/eslint .); }
 check_console_layout() { (cd web && node_modules/.bin/prettier --check --log-level warn .); }
 

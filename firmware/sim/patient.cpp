@@ -13,8 +13,8 @@ constexpr double kWaitsBeforeSettingOff_s = 1.0;
 constexpr double kMovedByItself_m = 0.02;
 constexpr double kIgnoredLean_m = 0.05;
 constexpr double kIgnoredTime_s = 2.5;
-/// Somebody else leads (assumed): not slowing under a lean back, speeding up beyond the wish, or hardly turning with a turned pelvis, or
-/// against it, and not about to. Speeding up is felt at once and counts more.
+/// Signs that the therapist leads (assumed): the hoist does not slow under a lean back, speeds up beyond the wish, or hardly turns with a
+/// turned pelvis and is not about to. Speeding up is felt at once and counts more.
 constexpr double kRolling_m_s = 0.05, kNotSlowing_m_s2 = -0.03, kLeanBack_m = 0.03;
 constexpr double kFaster_m_s = 0.05, kFaster_m_s2 = 0.2, kFasterCounts_norm = 3.0;
 constexpr double kTurned_rad = 0.1, kHardlyTurns_norm = 0.1, kTurnsSoon_rad_s2 = 0.02;
@@ -178,7 +178,7 @@ void Patient::judge_leading(const PlatformMotion& now) {
   }
 }
 
-// A hoist that this patient leads goes with the lean and slows without it. One that somebody else drives does neither, or not both.
+// A hoist that the patient leads goes with the lean and slows without it. A hoist that the therapist drives does not do both.
 void Patient::judge_trial(const PlatformMotion& now) {
   const bool leaning = trial_lean_m_ > 0.0;
   const bool late = state_s_ > (leaning ? kAnswersWithin_s : kSlowsWithin_s);
@@ -210,7 +210,7 @@ void Patient::decide(const PatientSenses& senses) {
     if (state_ != PatientState::standing) state_s_ = 0.0;
     state_ = PatientState::standing;
     distrusts_ = false;
-    adapt(kUsualAnswer_per_s2);  // whoever changes the settings does it while the drives are off
+    adapt(kUsualAnswer_per_s2);  // settings may have changed while the drives are off
     return;
   }
   switch (state_) {

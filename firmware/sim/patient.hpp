@@ -2,9 +2,9 @@
 // time. Model and figures: SOURCES 3 ("patient 75 kg, leg force <= 70 N, reaction 0.2 s, pelvis yaw lag 0.25 s, ..."), which are
 // assumptions about people, not measurements of these patients.
 //
-// Nobody tells the patient who leads. When the drives release their brakes the patient stands a second. If the hoist then moves off by itself,
-// or does not follow a lean, it leads until the drives are switched off again. If it goes on doing something else than it is led to, the
-// patient yields, and tries a small lean once it stands: who finds that it answers leads again.
+// The patient is not told who leads. When the drives release their brakes the patient stands for a second. A hoist that then moves off by
+// itself, or ignores a lean, leads until the drives are switched off. A patient whose lean or turn the hoist opposes yields, tries a small lean
+// once the hoist stands, and leads again if the hoist answers it.
 #pragma once
 
 #include <array>

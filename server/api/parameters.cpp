@@ -58,7 +58,7 @@ Problem changed_meanwhile() {
 
 void change(const CallPtr& call, const json& values, const json& revert_after_s) {
   const std::string_view match = call->request.header("if-match");
-  // Whoever read them as gzip has seen the same values.
+  // The tag of the gzip form stands for the same values.
   const std::string now = etag(call->services);
   const bool matched = match == now || match == gzip_etag(now);
   if (!match.empty() && match != "*" && !matched) {

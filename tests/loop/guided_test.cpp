@@ -210,8 +210,8 @@ TEST(Guided, SilenceEndsItWithinItsDistance) {
   EXPECT_EQ(loop.mode(), Mode::standby);
 }
 
-// H15, H16: the button is held when the patient has already set off by himself, slower in bends than the hoist. It waits for him, also when he
-// never yields, and nobody is drawn into a guard.
+// H15, H16: the button is held when the patient has already set off by himself, slower in bends than the hoist. The hoist waits for him, also
+// when he never yields, and no guard trips.
 TEST(Guided, H15_H16_AHoistThatLeadsWaitsForWhoWalksSlower) {
   const GuidedPath paths[] = {{GuidedShape::eight, false, 1.0, 0.8, 0.3, 1}, {GuidedShape::eight, true, 1.0, 0.8, 0.3, 1}};
   for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(seeds_for(22, 3)); ++seed)
@@ -232,7 +232,7 @@ TEST(Guided, H15_H16_AHoistThatLeadsWaitsForWhoWalksSlower) {
       }
 }
 
-// Nobody strapped in: as fast as wished, and no word of a patient.
+// Without a patient the exercise keeps its speed, and the phase never says that the hoist waits.
 TEST(Guided, AnEmptyHoistWaitsForNobody) {
   ClosedLoop loop(standing());
   loop.world().hold_bar(0.0, 0.0, 0.0);

@@ -125,8 +125,8 @@ TEST(Walking, TheEightIsAsTrueWithEveryPreset) {
   }
 }
 
-// Nobody tells the patient which settings are in force. On wet patches a shove may look like a fall or upset a sensor's own check, but not
-// often; whoever is not stopped by that leads on.
+// The patient is not told which settings are in force. On wet patches a shove may look like a fall or upset a sensor's own check: rarely. In
+// all other walks the patient goes on leading.
 TEST(Walking, H15_EveryPresetIsLedOnEveryFigure) {
   const std::uint64_t seeds = thorough() ? 24 : seeds_for(6, 1);
   for (const contract::PresetInfo& info : contract::kPresets) {

@@ -54,7 +54,7 @@ class TiltImplausible {
   // A sensor that leans forward by alpha, mounting included, and turns with its strut about the upright feels part of the turn as a roll:
   // yaw rate x alpha, which its filter, slow to trust gravity, holds for about this long (measured 0.79 degrees for each degree per second).
   // Left and right differ by what they lean differently, and in a tight turn that is what the patient does. It fades more slowly than it
-  // came: what the filter took for a bias in a long turn has to be unlearnt (random session 10004908, a turn on the spot that ended slowly).
+  // came: what the filter took for a bias in a long turn has to be unlearnt.
   static constexpr double kLeak_s = 0.8, kLeakFade_s = 1.6;
 
   [[nodiscard]] static bool beyond(double angle, double limit) noexcept { return !(std::fabs(angle) <= limit); }
