@@ -106,6 +106,7 @@ void FakeCore::publish_tick() {
   record_.fused_x_m = record_.x_m;
   record_.fused_y_m = record_.y_m;
   record_.fused_psi_rad = record_.psi_rad;
+  if (each_) each_(record_);
   link_->publish_tick(record_);
   published_.push_back(record_);
 }
@@ -264,6 +265,10 @@ void FakeCore::take(const Command& c) {
 void FakeCore::set(const std::function<void(TickRecord&)>& change) {
   const std::lock_guard lock(mutex_);
   change(record_);
+}
+void FakeCore::set_each(std::function<void(TickRecord&)> each) {
+  const std::lock_guard lock(mutex_);
+  each_ = std::move(each);
 }
 void FakeCore::mute(bool on) {
   const std::lock_guard lock(mutex_);

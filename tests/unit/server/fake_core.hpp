@@ -23,6 +23,8 @@ class FakeCore {
 
   // Changes what the next records say.
   void set(const std::function<void(contract::TickRecord&)>& change);
+  // Called for each step before it is published.
+  void set_each(std::function<void(contract::TickRecord&)> each);
   // While muted it reads commands and answers none, but goes on publishing.
   void mute(bool on);
   void publish_event(contract::Event event);
@@ -70,6 +72,7 @@ class FakeCore {
   bool service_ = false;
   Bus bus_;
   std::vector<contract::CanFrame> service_frames_;
+  std::function<void(contract::TickRecord&)> each_;
   std::atomic<bool> ending_{false};
   std::thread thread_;
 };

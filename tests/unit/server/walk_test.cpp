@@ -1,5 +1,8 @@
 // What every screen is told of the walk: the exercise, the start mark, the time in motion and the path.
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <cmath>
 
@@ -103,6 +106,7 @@ TEST_F(WalkLiveTest, EveryScreenIsToldTheSameExerciseStartAndPath) {
   const json other = second.ask({{"type", "choose"}, {"exercise", {{"shape", "free"}}}});
   EXPECT_EQ(other["ok"], false) << "not while the hoist is led";
   EXPECT_EQ(other["refusals"][0], "not_standby");
+  EXPECT_EQ(other["detail"], "The hoist is not on standby.");
   core_->skip(500);
   // A page that was loaded just now, and a script: the start pose, the time and the path since the mark.
   Live third(port_, bearer_);
@@ -121,6 +125,40 @@ TEST_F(WalkLiveTest, EveryScreenIsToldTheSameExerciseStartAndPath) {
   EXPECT_NEAR(told["x_m"].back().get<double>(), walked.back().fused_x_m, 0.021);
   EXPECT_NEAR(told["x_m"].front().get<double>(), told["mark"]["x_m"].get<double>(), 1e-3);
   EXPECT_EQ(get("/api/v1/walk").json()["begun"], square);
+}
+
+TEST_F(WalkLiveTest, ANewStartMarkIsToldToEveryScreen) {
+  Live live(port_, bearer_);
+  ASSERT_EQ(call("POST", "/api/v1/pose", {{"x_m", 2.0}, {"y_m", -1.0}, {"psi_rad", 0.5}}).status, 200);
+  json told;
+  ASSERT_TRUE(until([&] { return (told = live.wait("walk"))["mark"].is_object(); }));
+  EXPECT_NEAR(told["mark"]["x_m"].get<double>(), 2.0, 0.02);
+  EXPECT_EQ(told["motion_s"], 0.0);
+}
+
+TEST_F(WalkLiveTest, WhatAnotherCoreWalkedIsForgotten) {
+  Live live(port_, bearer_);
+  const json square{{"shape", "square"}, {"side_m", 3.0}};
+  ASSERT_EQ(live.ask({{"type", "lease_take"}})["ok"], true);
+  ASSERT_EQ(live.ask({{"type", "mode"}, {"mode", "user"}, {"exercise", square}})["ok"], true);
+  EXPECT_TRUE(until([&] { return live.wait("walk")["begun"] == square; }));
+  // The next core begins with the same number of the mark, somewhere else.
+  core_->set([](TickRecord& r) {
+    r.start_mark = 0;
+    r.x_m = 7.0F;
+  });
+  core_->skip(200);
+  ASSERT_TRUE(until([&] { return get("/api/v1/walk").json()["motion_s"].get<double>() > 1.9; }));
+  core_.reset();
+  wait_for_core(false);
+  core_ = std::make_unique<FakeCore>((folder_ / "core.sock").string());
+  EXPECT_TRUE(until([&] { return live.wait("walk").value("begun", json("untold")).is_null(); })) << "every screen is told";
+  wait_for_core();
+  const json told = get("/api/v1/walk").json();
+  EXPECT_TRUE(told["begun"].is_null());
+  EXPECT_TRUE(told["mark"].is_null());
+  EXPECT_TRUE(told["motion_s"].is_null());
+  EXPECT_LT(told["x_m"].front().get<double>(), 7.0);
 }
 
 TEST_F(WalkLiveTest, AnyoneEndsAMotionOverBothWays) {
@@ -151,6 +189,25 @@ TEST_F(WalkLiveTest, AChangeOfSettingsForAnotherVersionIsRefused_H27) {
   EXPECT_EQ(one.ask({{"type", "preset"}, {"name", "walk"}, {"version", version}})["refusals"][0], "set_outdated");
 }
 
+// Listens at the core's place, and neither accepts nor answers.
+class Mute {
+ public:
+  explicit Mute(const std::string& path) : fd_(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    ::unlink(path.c_str());
+    EXPECT_EQ(::bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(::listen(fd_, 8), 0);
+  }
+  ~Mute() { ::close(fd_); }
+  Mute(const Mute&) = delete;
+  Mute& operator=(const Mute&) = delete;
+
+ private:
+  int fd_;
+};
+
 TEST_F(WalkLiveTest, AScreenIsToldWhyTheCoreIsAway) {
   Live live(port_, bearer_);
   json told = live.wait("core");
@@ -159,6 +216,12 @@ TEST_F(WalkLiveTest, AScreenIsToldWhyTheCoreIsAway) {
   core_.reset();
   EXPECT_TRUE(until([&] { return (told = live.wait("core"))["connected"] == false && told["reason_code"] == "core_absent"; })) << told;
   EXPECT_FALSE(told["problem"].get<std::string>().empty());
+  // The reason changes while the core stays away: now a program listens there that gives no reply.
+  const Mute mute((folder_ / "core.sock").string());
+  EXPECT_TRUE(until([&] { return (told = live.wait("core"))["reason_code"] == "core_silent"; }));
+  EXPECT_EQ(told["reason_code"], "core_silent") << told;
+  EXPECT_EQ(told["connected"], false);
+  EXPECT_EQ(told["problem"], get("/api/v1/status").json()["core"]["problem"]);
 }
 
 TEST_F(WalkLiveTest, AWrongChoiceNamesItsFieldAndChangesNothing) {
