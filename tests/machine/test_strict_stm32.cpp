@@ -59,6 +59,16 @@ class StmProbe : public Probe {
     write(kFlashIf + 4, 0x45670123);
     write(kFlashIf + 4, 0xCDEF89AB);
   }
+  // PA5 clocks, PA7 sends. A pin whose speed stays as after reset follows 2 MHz.
+  void spi_byte_at_4_mhz(std::uint32_t fast_pins) {
+    ports();
+    set_bits(kRcc + 0x18, 1U << 12);
+    set_bits(kPortA + 8, fast_pins);
+    write(kPortA, 0x2800A800);
+    write(kSpi + 4, 0x1700);
+    write(kSpi, 0x347);  // master, 8 MHz / 2
+    write_byte(kSpi + 0x0C, 0);
+  }
   void adc_on() {
     set_bits(kRcc + 0x18, 1U << 9);
     write(kAdc + 0x10, 2U << 30);
@@ -305,6 +315,8 @@ INSTANTIATE_TEST_SUITE_P(
                            p.wait(kMillisecond);
                          },
                          "full transmit FIFO written"},
+                    Case{"spi_data_pin_too_slow", [](StmProbe& p) { p.spi_byte_at_4_mhz(3U << 10); }, "faster than its pins (OSPEEDR)"},
+                    Case{"spi_clock_pin_too_slow", [](StmProbe& p) { p.spi_byte_at_4_mhz(3U << 14); }, "faster than its pins (OSPEEDR)"},
                     Case{"gpio_nothing_there",
                          [](StmProbe& p) {
                            p.ports();
@@ -370,6 +382,12 @@ TEST(StmAllowed, TheWatchdogResetsWhenItIsNotFedAndSaysSo) {
   EXPECT_EQ(probe.read(kRcc + 0x24) & 0xFC000000U, 0x2C000000U);  // watchdog, pin, and the power-on that nothing has taken back
   probe.set_bits(kRcc + 0x24, 1U << 24);
   EXPECT_EQ(probe.read(kRcc + 0x24) & 0xFC000000U, 0U);
+  EXPECT_EQ(probe.all(), "");
+}
+
+TEST(StmAllowed, FastPinsFollowAnSpiClockOf4Mhz) {
+  StmProbe probe;
+  probe.spi_byte_at_4_mhz(3U << 10 | 3U << 14);
   EXPECT_EQ(probe.all(), "");
 }
 

@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <string>
 
 #include "control/contract/faults.hpp"
 #include "control/core/output/supervisor.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::run {
@@ -22,8 +22,6 @@ constexpr std::uint64_t kNow_ns = 900'000'000'000;
 
 class StopFile : public testing::Test {
  protected:
-  void SetUp() override { remove(path_.c_str()); }
-  void TearDown() override { remove(path_.c_str()); }
   [[nodiscard]] std::string text() const {
     std::ifstream file(path_);
     return {std::istreambuf_iterator<char>(file), {}};
@@ -37,7 +35,8 @@ class StopFile : public testing::Test {
     return history;
   }
 
-  const std::string path_ = testing::TempDir() + "hoist_stops_test.json";
+  const test::TemporaryFolder folder_;
+  const std::string path_ = folder_.file("stops.json");
 };
 
 TEST_F(StopFile, AMissingFileIsAFirstStart) {
