@@ -1,9 +1,9 @@
-// What an application says of itself in its header: for which kind of node and which chip it was compiled, and its version. The linker script
-// puts .image_header at C0h behind the start of the application; `hoist firmware pack` adds length and CRC and takes the rest as it is.
+// The application's part of its header: node kind, chip and version, as compiled. The linker script puts .image_header at C0h behind the
+// start of the application; `hoist firmware pack` adds length and CRC.
 //
-// The source that makes a program the node it is places
+// The main source of each program places
 //   [[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeader = image_header(kind, chip);
-// so that no program can carry another one's name.
+// so that no program can carry the identity of another.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,10 +1,10 @@
-// The loader: the small program that runs first after every reset. It starts the application when there is a whole one for this node, and
-// otherwise stays on the bus and takes a new one over SDO (1F50h, 1F51h, 1F56h, 1F57h of CiA 302-3). README.md tells the protocol.
+// The loader: the small program that runs first after every reset. It starts a complete application for this node, else it stays on the bus
+// and accepts a new one over SDO (1F50h, 1F51h, 1F56h, 1F57h of CiA 302-3). The protocol is in README.md.
 //
-// A cut of the power at any moment leaves a node that comes back into the loader: the first erased place holds the header, and the page
-// with the header is written last, after everything else has been read back and its CRC was right.
+// After a power cut at any moment the node returns to the loader: the sector with the header is erased first, and the header's page is
+// written last, after the CRC of everything else, read back, was right.
 //
-// One call of decide_start() per reset; then either the application is started or a Loader gets every frame and every millisecond.
+// One call of decide_start() per reset; then the application is started, or a Loader is called for every frame and millisecond.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -71,16 +71,16 @@ template <LoaderBoard Board>
 }
 
 inline constexpr std::uint32_t kLoaderHeartbeat_ms = 100;
-// A node that was asked into its loader or got a new program there, and hears nothing for so long, goes to work.
+// After entering the loader on request, or after a new program, the application starts when no request came for so long.
 inline constexpr std::uint32_t kLoaderPatience_ms = 60000;
-// The answer to "start" must be on the bus before the reset; a bus that does not take it for so long will not take it at all.
+// The answer to "start" must be on the bus before the reset; after this time the frame is given up.
 inline constexpr std::uint32_t kLastAnswer_ms = 50;
 
-// A client that is silent for so long within a transfer has gone.
+// Timeout of a client within a transfer.
 inline constexpr std::uint32_t kLoaderTransfer_ms = 1000;
 
-// Speaks SDO by itself instead of through sdo_server.hpp: with that one it does not fit into a sector (DECISIONS.md, 1). Expedited reads
-// and writes of the few objects below, and one segmented download.
+// Own SDO server, because with sdo_server.hpp the loader does not fit into a sector (DECISIONS.md, 1). Expedited reads and writes of the
+// few objects below, and one segmented download.
 template <LoaderBoard Board>
 class Loader {
  public:
@@ -98,7 +98,7 @@ class Loader {
   void on_frame(const CanFrame& frame) {
     if (frame.flags != 0) return;
     if (frame.id == contract::canopen::kNmt) {
-      // A loader knows one state. It can be told to start anew, nothing else: least of all to become operational.
+      // The loader has one NMT state. It accepts reset commands only, and never becomes operational.
       if (frame.dlc != 2 || (frame.data[1] != 0 && frame.data[1] != node_id_)) return;
       const auto command = static_cast<contract::canopen::NmtCommand>(frame.data[0]);
       if (command == contract::canopen::NmtCommand::reset_node) leave(0);
@@ -143,7 +143,7 @@ class Loader {
 
   // ---- the bus
 
-  // Exactly one answer follows each request, except an abort. One that still waits is dropped: its client has given up waiting.
+  // Exactly one answer follows each request, except an abort. A waiting answer is dropped: its client has timed out.
   void on_request(const CanFrame& frame) {
     const std::uint8_t command = frame.data[0];
     if (frame.dlc != 8) return abort(SdoAbort::command);
@@ -188,7 +188,7 @@ class Loader {
                ? 1
                : 0;
   }
-  // A word of the header of the program that is there; 0 when there is none.
+  // A word of the present program's header; 0 without a program.
   [[nodiscard]] std::uint32_t header_word(std::size_t at) const { return whole_ ? contract::image_word(board_.application(), at) : 0; }
 
   [[nodiscard]] SdoAbort read(std::uint16_t index, std::uint8_t sub) {
@@ -293,7 +293,7 @@ class Loader {
   }
 
   [[nodiscard]] SdoAbort take(std::uint8_t byte) {
-    // Until the header has been judged nothing in flash is touched; a wrong file costs the node nothing.
+    // Nothing in flash changes until the header has been checked; a wrong file does no harm.
     if (received_ >= contract::kImageMin && received_ == length_) return SdoAbort::too_long;
     const std::size_t at = received_++ % kPage;
     (received_ <= kPage ? first_ : page_)[at] = byte;
@@ -302,7 +302,7 @@ class Loader {
     return SdoAbort::none;
   }
 
-  // The header has come. Right: the unit that holds the old header goes first, so that from now on there is no program.
+  // The header is complete and valid: the unit with the old header is erased first, so that from now on there is no program.
   [[nodiscard]] SdoAbort judge_start() {
     const std::span<const std::uint8_t> start = std::span<const std::uint8_t>(first_).first(contract::kImageMin);
     const ImageError error = contract::check_image_start(start, board_.kind(), board_.chip());
@@ -323,7 +323,7 @@ class Loader {
 
   [[nodiscard]] SdoAbort finish() {
     if (received_ < contract::kImageMin || received_ != length_) return SdoAbort::too_short;
-    // What is not written stays erased: the rest of the last page is filled with FFh.
+    // The rest of the last page is filled with FFh, as erased.
     const std::size_t end = received_;
     for (std::size_t at = end % kPage; at != 0; at = (at + 1) % kPage) (end <= kPage ? first_ : page_)[at] = kErased;
     if (end > kPage && end % kPage != 0 && !write_page(end - end % kPage)) return failed(FlashStatus::write_failed);
@@ -336,7 +336,7 @@ class Loader {
     examine();
     if (!written || !whole_) return failed(FlashStatus::write_failed);
     open_ = false;
-    reason_ = StartReason::asked;  // whatever it was before: there is something to start again, also when nobody says so
+    reason_ = StartReason::asked;  // there is a program to start again, also without a request
     forget_failures(board_.mailbox());
     return SdoAbort::none;
   }
@@ -371,7 +371,7 @@ class Loader {
   std::uint8_t node_id_;
   StartReason reason_;
   FlashStatus status_ = FlashStatus::no_program;
-  bool whole_ = false;  // there is a program that may be started
+  bool whole_ = false;  // a valid program may be started
   bool announced_ = false, leaving_ = false, open_ = false, toggle_ = false, answer_waiting_ = false;
   std::uint32_t after_reset_ = 0;  // what the mailbox says then
   std::uint32_t heartbeat_ms_ = 0, quiet_ms_ = 0;

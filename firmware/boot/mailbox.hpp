@@ -1,8 +1,8 @@
-// Four words that outlive a reset, at the same place for the loader and the application: whether the next start is to stay in the
-// loader, and how often in a row the application was ended by its watchdog or a fault.
+// Four words that survive a reset, at the same address for loader and application: whether the next start stays in the loader, and how
+// often in a row the application ended by watchdog or fault.
 //
-// The place is one that the chip keeps over every reset and that no program of the factory writes (memory.hpp of the chip). After power-on
-// the words hold anything, so each has its complement beside it, and what does not fit counts as "nothing asked, no failure".
+// The chip keeps this address over every reset, and no factory program writes it (memory.hpp of the chip). After power-on the words are
+// random, so each has its complement beside it; a mismatch counts as "no request, no failure".
 #pragma once
 #include <cstdint>
 
@@ -17,7 +17,7 @@ static_assert(sizeof(Mailbox) == 16);
 
 inline constexpr std::uint32_t kEnterLoader = 0x4C4F4144U;      // "LOAD"
 inline constexpr std::uint32_t kApplicationRuns = 0x52554E53U;  // "RUNS": left by the loader, taken away by every orderly restart
-// After so many such ends in a row the loader keeps the node: a program that cannot live must stay replaceable.
+// After so many failures in a row the node stays in its loader, so that a crashing program can be replaced.
 inline constexpr std::uint32_t kFailedStartsMax = 3;
 // An application that has run for so long has started well; it then calls forget_failures().
 inline constexpr std::uint32_t kStartedWell_ms = 10000;

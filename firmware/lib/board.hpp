@@ -1,7 +1,7 @@
-// What a node needs from the hardware under it: one concept per node kind, no virtual calls, no heap. A board is a small class; the same
-// node template runs on a Cortex-M0, in the simulator and in tests.
+// What a node needs from its hardware: one concept per node kind, no virtual calls, no heap. A board is a small class; the same node
+// template runs on a Cortex-M0, in the simulator and in tests.
 //
-// The nodes, all driven the same way, and all switched on by being constructed:
+// The nodes have the same interface, and are powered on by construction:
 //   TiltNode<Board>(Board&, contract::Node)    firmware/nodes/tilt/tilt_node.hpp
 //   DriveNode<Board>(Board&, contract::Node)   firmware/nodes/drive/drive_node.hpp
 //   IoNode<Board>(Board&, contract::Node)      firmware/nodes/io/io_node.hpp
@@ -32,19 +32,19 @@ struct ImuSample {
   friend constexpr bool operator==(const ImuSample&, const ImuSample&) = default;
 };
 
-// What a CAN controller says about itself. The states are those of ISO 11898: warning from 96 errors on, passive from 128 on, bus_off
-// above 255 transmit errors: it then neither sends nor hears until it is asked to return.
+// State of a CAN controller. The states are those of ISO 11898: warning from 96 errors on, passive from 128 on, bus_off above 255 transmit
+// errors: it then neither sends nor receives until it is restarted.
 struct CanHealth {
   enum class State : std::uint8_t { active, warning, passive, bus_off };
   State state = State::active;
   std::uint8_t tx_errors = 0, rx_errors = 0;
-  std::uint32_t lost = 0;  // received frames lost for want of room, since power-on
+  std::uint32_t lost = 0;  // received frames lost by full buffers, since power-on
   friend constexpr bool operator==(const CanHealth&, const CanHealth&) = default;
 };
 
-// Every board. send() hands one frame to the controller: false when it has no room, the frame is then not sent.
-// simulated() is true for every board that is not the real machine; the node then says so in its product code (1018h:2, bit 31).
-// can_restart() lets a controller that is bus-off begin its way back (128 times 11 recessive bits); in any other state it does nothing.
+// Every board. send() hands one frame to the controller: false when it is full; the frame is then not sent. simulated() is true for every
+// board that is not the real machine; the node then says so in its product code (1018h:2, bit 31). can_restart() starts the recovery of a
+// bus-off controller (128 times 11 recessive bits); in any other state it does nothing.
 template <class B>
 concept CanBoard = requires(B board, const B constant, const contract::CanFrame& frame) {
   { board.send(frame) } -> std::same_as<bool>;
@@ -66,8 +66,7 @@ concept FlashPages = requires(F flash, const F constant, int page, std::size_t o
   { constant.read(page) } -> std::same_as<std::span<const std::byte>>;
 };
 
-// A board whose node keeps parameters. restart() does not return on a microcontroller; into_loader leaves the word for the loader that
-// makes it stay there.
+// A board whose node keeps parameters. restart() does not return on a microcontroller; into_loader makes the next start stay in the loader.
 template <class B>
 concept StoringBoard = CanBoard<B> && requires(B board, const B constant, bool into_loader) {
   requires FlashPages<std::remove_cvref_t<decltype(board.flash())>>;
@@ -75,7 +74,7 @@ concept StoringBoard = CanBoard<B> && requires(B board, const B constant, bool i
   { board.restart(into_loader) } -> std::same_as<void>;
 };
 
-// What is known about the inertial sensor. Until the chip has answered, none of it is true.
+// State of the inertial sensor. All false until the chip has answered.
 struct ImuReport {
   bool found = false;             // the chip answered, with its own identity
   bool wrong_part = false;        // something answered with another identity: see who_am_i
@@ -120,8 +119,8 @@ concept IoBoard = StoringBoard<B> && requires(B board, int battery, std::uint8_t
   { board.set_outputs(outputs) } -> std::same_as<void>;
 };
 
-// The serial line to the computer: both calls move as many bytes as are there or fit, and return how many. uart_lost() counts the
-// characters that the line lost for want of room or by a framing error, since power-on; wraps.
+// The serial line to the computer: both calls move as many bytes as are available or fit, and return how many. uart_lost() counts
+// characters lost by full buffers or framing errors since power-on; wraps.
 template <class B>
 concept GatewayBoard = CanBoard<B> && requires(B board, const B constant, std::span<char> in, std::span<const char> out) {
   { board.uart_read(in) } -> std::same_as<std::size_t>;

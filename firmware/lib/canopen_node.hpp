@@ -1,14 +1,14 @@
-// One CANopen node: everything that a tilt sensor, a drive and the input board have in common. CiA 301, the parts named in README.md.
+// One CANopen node: the common part of tilt sensor, drive and input board. CiA 301, the services named in README.md.
 //
 // The application passes itself to on_frame() and tick_1ms() and is called back:
 //   void on_sync()                       a SYNC came while operational; the synchronous PDOs are packed right after it
 //   void on_rpdo()                       RPDO1 was accepted and its objects are stored
-//   void on_rpdo_deadline()              RPDO1 came before and does not come any more
-//   void on_heartbeat_lost()             the computer's heartbeat came before and does not come any more, or it has restarted
+//   void on_rpdo_deadline()              RPDO1 has timed out
+//   void on_heartbeat_lost()             the computer's heartbeat has timed out, or the computer has restarted
 //   void on_nmt(from, to)                the state of the node has changed
 //   void on_power_on()                   reset: forget everything
-//   SdoAbort check_write(index, sub, raw)   last word on a write that type, access and range already allow
-// An application without RPDO or heartbeat consumer needs the callbacks all the same: one empty line each says so.
+//   SdoAbort check_write(index, sub, raw)   final check of a write that type, access and range allow
+// An application without RPDO or heartbeat consumer has empty callbacks.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -47,8 +47,8 @@ inline constexpr std::size_t kEmcyQueueMax = 8;  // EMCY waiting for the inhibit
 inline constexpr std::size_t kErrorHistory = 4;  // errors that 1003h remembers
 inline constexpr std::uint32_t kConsumerMin_ms = 100, kConsumerMax_ms = 500;  // allowed consumer heartbeat times
 inline constexpr std::uint32_t kOverrunHold_ms = 1000;                        // lost frames are an error until none was lost for so long
-inline constexpr std::uint32_t kBusOffWait_ms = 200;   // before a controller that is bus off is asked to return, and before each next time
-inline constexpr std::uint32_t kHeartbeatMin_ms = 10;  // faster ones would take the bus; 0 is off (CiA 301)
+inline constexpr std::uint32_t kBusOffWait_ms = 200;                          // before each restart of a bus-off controller
+inline constexpr std::uint32_t kHeartbeatMin_ms = 10;                         // faster ones would take the bus; 0 is off (CiA 301)
 
 // Where the RPDO of a kind is in its kPdoRows. Outside of the node, because a class is not complete inside its own constants (clang).
 template <contract::NodeKind kKind>
@@ -79,8 +79,8 @@ struct NodeCounters {
   std::uint32_t sdo_aborts = 0;
 };
 
-// A board that knows the name of its hardware has `static constexpr std::string_view kHardwareName`; others are called by what they are.
-// One that knows a number of its own has `std::uint32_t serial_number() const`.
+// A board with a hardware name has `static constexpr std::string_view kHardwareName`; others use a default. A board with a serial number
+// has `std::uint32_t serial_number() const`.
 template <StoringBoard Board, contract::NodeKind kKind>
 class CanopenNode {
  public:
@@ -157,8 +157,8 @@ class CanopenNode {
   // RPDO1 has come within its deadline.
   [[nodiscard]] bool rpdo_alive() const { return rpdo_armed_; }
 
-  // Whether the stored parameters could be read, or there never were any. False means that the node runs on defaults that somebody had
-  // changed: EMCY 6310h, until parameters are saved again or the defaults are asked for.
+  // Whether the stored parameters could be read, or none were ever stored. False: the node runs on defaults although parameters had been
+  // saved; EMCY 6310h until parameters are saved again or defaults are restored.
   [[nodiscard]] bool parameters_ok() const { return parameters_ok_; }
 
   // A PDO sent on events goes out as soon as its inhibit time allows, an acyclic one (type 0) with the next SYNC.
@@ -233,7 +233,7 @@ class CanopenNode {
 
   [[nodiscard]] Store store() { return Store(board_.flash(), static_cast<std::uint8_t>(kKind)); }
 
-  // Values at power-on of the objects in a range of indices: defaults, what depends on the very node, and over them what 1010h has kept.
+  // Values at power-on of the objects in a range of indices: defaults, values that depend on the node, then stored parameters.
   void restore(std::uint16_t first, std::uint16_t last) {
     values_.restore(first, last);
     identify();
@@ -248,7 +248,7 @@ class CanopenNode {
       if (!fits)
         parameters_ok_ = false;  // this one has its default; said again at every reset, whichever range that restores
       else if (value.index >= first && value.index <= last && !(value.index == 0x1017 && value.raw == 0))
-        values_.set_raw(at, value.raw);  // a heartbeat that is off lasts until the next start: a silent node cannot be found
+        values_.set_raw(at, value.raw);  // a heartbeat can be off only until the next start: the core could not find the node
     });
     // Saved at another place on the hoist: identifiers and mounting are that place's.
     if (state == StoreState::lost || !ours) parameters_ok_ = false;
@@ -290,7 +290,7 @@ class CanopenNode {
     const NmtState from = state_;
     state_ = to;
     if (to == NmtState::stopped) sdo_.forget();  // a stopped node has no SDO, not even to end a transfer
-    restart_in_ms_ = 0;                          // somebody called the node back: what was agreed in the other state does not hold
+    restart_in_ms_ = 0;                          // the state changed meanwhile: the previous check no longer holds
     if (to == NmtState::operational) {
       pdo_syncs_ = {};
       pdo_age_ms_ = {};
@@ -417,7 +417,7 @@ class CanopenNode {
       ++counters_.wrong_length;
       return;
     }
-    // A boot-up message of a node that was alive means that it has restarted and knows nothing of what it asked for.
+    // A boot-up message of a running node means that it has restarted and lost its state.
     if (frame.data[0] == static_cast<std::uint8_t>(NmtState::boot_up)) {
       if (watched_armed_) lose_heartbeat(app);
       return;
@@ -456,8 +456,8 @@ class CanopenNode {
     }
   }
 
-  // The controller's own health. A controller that is bus off neither hears nor is heard: the node leaves operation, and is asked back by
-  // its master like any node that had been away.
+  // The controller's own health. A bus-off controller neither receives nor sends: the node leaves operation, and its master starts it again
+  // like any lost node.
   template <class App>
   void watch_controller(App& app) {
     const CanHealth health = board_.can_health();
@@ -495,7 +495,7 @@ class CanopenNode {
       set_error(frame.dlc < row.bytes ? emcy::kPdoTooShort : emcy::kPdoTooLong, error_bit::kCommunication, true);
       return;
     }
-    // All or nothing, and a refused one does not count as a sign of life.
+    // All or nothing; a refused RPDO does not restart the deadline.
     std::array<std::uint32_t, 8> raw{};
     std::size_t at = 0;
     for (std::size_t i = 0; i < row.entries; ++i) {
@@ -542,15 +542,15 @@ class CanopenNode {
       return board_.simulated() ? "simulated" : "unnamed";
   }
 
-  // Writes that the stack itself has a say in, whatever the application is.
+  // Writes that the stack checks for every application.
   [[nodiscard]] SdoAbort check_own_write(std::uint16_t index, std::uint8_t sub, std::uint32_t raw) const {
     if (index == 0x1010 || index == 0x1011) {
       if (raw != (index == 0x1010 ? contract::canopen::kSave : contract::canopen::kLoad)) return SdoAbort::transfer;
-      // Erasing flash stops everything else: never while the node works, and never while a motor is under the servo.
+      // Erasing flash stops the processor: never while operational, and never with a motor under servo control.
       return state_ == NmtState::pre_operational && !bridge_on() ? SdoAbort::none : SdoAbort::device_state;
     }
     if (index == 0x1017) return raw == 0 || raw >= kHeartbeatMin_ms ? SdoAbort::none : SdoAbort::range;
-    if (index == 0x1016) {  // a node that does not watch its computer, or watches somebody else, is refused
+    if (index == 0x1016) {  // the consumer must watch the control computer, and cannot be switched off
       const std::uint32_t time_ms = raw & 0xFFFFU;
       const bool fits = (raw >> 16) == contract::node_id(contract::Node::core) && time_ms >= kConsumerMin_ms && time_ms <= kConsumerMax_ms;
       return fits ? SdoAbort::none : SdoAbort::range;
@@ -559,10 +559,10 @@ class CanopenNode {
       if (kRows[row.communication].index != index) continue;
       const bool tx = row.direction == contract::PdoDirection::tx;
       if (sub == 1) {
-        // 181h to 57Fh is where PDOs live. There, the ids that nodes send and those that they receive take turns in blocks of 80h; keeping
-        // to them, no command can ever be taken for a measurement or the other way round (CiA 301, predefined connection set).
+        // PDOs use 181h to 57Fh, in alternating blocks of 80h for sent and received ids; within them a command can never be mistaken for a
+        // measurement (CiA 301, predefined connection set).
         const std::uint32_t id = raw & ~(contract::kPdoOffBit | contract::kPdoNoRemoteBit);
-        const bool remote = tx && (raw & contract::kPdoNoRemoteBit) == 0;  // asks for answers to remote frames, which no node gives
+        const bool remote = tx && (raw & contract::kPdoNoRemoteBit) == 0;  // would enable answers to remote frames, which no node has
         const bool fits = id > 0x180 && id < 0x580 && (id & 0x7FU) != 0 && ((id >> 7) % 2 == 1) == tx && !remote;
         if (!fits) return SdoAbort::range;
         // What a node sends may be switched on and off at any time: the rates are a switch for one session.
@@ -599,7 +599,7 @@ class CanopenNode {
     return SdoAbort::none;
   }
 
-  // What the SDO server asks: the objects of this node, and the application's last word on writing them.
+  // Callbacks of the SDO server: the objects of this node, and the application's final check of writes.
   template <class App>
   struct Dictionary {
     CanopenNode& node;
@@ -619,7 +619,7 @@ class CanopenNode {
       }
       const std::uint8_t highest = highest_sub(index);
       if (sub != 0 || highest == 0) return missing(index);
-      // Sub-index 0 of an array or record is how many there are; it is in no table.
+      // Sub-index 0 of an array or record is the number of entries; it is in no table.
       source.raw = highest;
       source.raw_bytes = 1;
       return SdoAbort::none;
@@ -709,7 +709,7 @@ class CanopenNode {
   std::uint16_t emcy_age_ms_ = 0xFFFF;
 
   SdoServer sdo_;
-  std::uint16_t restart_in_ms_ = 0;  // until the loader is entered; 0: nobody asked for it
+  std::uint16_t restart_in_ms_ = 0;  // until the loader is entered; 0: not requested
   bool parameters_ok_ = true;
   bool bus_off_ = false;
   std::uint32_t bus_off_age_ms_ = 0, can_lost_ = 0, overrun_age_ms_ = kOverrunHold_ms;

@@ -1,5 +1,5 @@
-// The object dictionary of one node kind, taken from the contract's table at compile time: small rows for the flash, values as raw
-// 32-bit words, no search at run time for objects that the program names itself.
+// The object dictionary of one node kind, taken from the contract's table at compile time: small rows for the flash, values as raw 32-bit
+// words, no search at run time for objects named in the program.
 #pragma once
 #include <array>
 #include <bit>
@@ -14,13 +14,13 @@ namespace hoist::firmware {
 
 using contract::ObjectType;
 
-// Bounds and default are raw words of the object's own type: what would travel in an SDO.
+// Bounds and default are raw words of the object's type, as in an SDO.
 struct ObjectRow {
   std::uint16_t index;
   std::uint8_t sub;
   ObjectType type;
   bool writable;
-  bool stored;  // a parameter that 1010h keeps
+  bool stored;  // a parameter that 1010h stores
   std::uint32_t low, high, initial;
 };
 
@@ -64,8 +64,8 @@ consteval std::array<ObjectRow, object_count<kKind>()> make_object_rows() {
   return rows;
 }
 
-// The rows as they lie in flash: 8 bytes each, with bounds and default as places in a list of the words that occur. Most rows share
-// theirs with others; written out they took 20 bytes.
+// The rows in flash: 8 bytes each, with bounds and default as indices into a list of distinct words, since most rows share them. Without
+// that they took 20 bytes.
 struct PackedRow {
   std::uint16_t index;
   std::uint8_t sub;
@@ -100,7 +100,7 @@ struct ObjectTable {
   [[nodiscard]] constexpr Iterator end() const { return {this, kRows}; }
 };
 
-// The different words of bounds and defaults, each once.
+// The distinct words of bounds and defaults.
 template <std::size_t kRows>
 struct WordList {
   std::array<std::uint32_t, 3 * kRows> words{};
@@ -154,7 +154,7 @@ consteval std::size_t stored_count() {
   for (const ObjectRow& row : kObjectRows<kKind>) count += row.stored ? 1U : 0U;
   return count;
 }
-// Places in kObjectRows of what 1010h keeps.
+// Indices in kObjectRows of the parameters that 1010h stores.
 template <contract::NodeKind kKind>
 inline constexpr auto kStoredRows = [] {
   std::array<std::uint8_t, stored_count<kKind>()> rows{};
@@ -172,7 +172,7 @@ constexpr std::size_t find_row(std::uint16_t index, std::uint8_t sub) {
   return kNoObject;
 }
 
-// Whether a raw word is a value that the row allows. NaN and infinities never are.
+// Whether the row allows a raw word as value. NaN and infinities are never allowed.
 constexpr bool in_range(const ObjectRow& row, std::uint32_t raw) {
   const auto between = [](auto value, auto low, auto high) { return value >= low && value <= high; };
   switch (row.type) {
@@ -222,7 +222,7 @@ struct ObjectValue<ObjectType::f32> {
   using type = float;
 };
 
-// All values of one node. get<0x6041>() and set<0x6041>(x) know the type and the place at compile time.
+// All values of one node. get<0x6041>() and set<0x6041>(x) resolve type and place at compile time.
 template <contract::NodeKind kKind>
 class ObjectValues {
  public:

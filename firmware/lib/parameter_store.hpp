@@ -1,10 +1,10 @@
-// Parameters in flash that survive a power cut at any byte. Two pages take turns: a save erases and writes the one that does not hold the
-// newest good copy, so that until its very last byte is written the older copy stays what counts.
+// Parameters in flash that survive a power cut at any byte. Two pages alternate: a save erases and writes the page without the newest good
+// copy, so that the older copy counts until the last byte is written.
 //
 // A copy, little endian:
 //   0  u32 magic "HPRM"    4  u32 sequence number, one more than the copy before    8  u8 kind of node  9  u8 0  10  u16 number of records
 //   12 records of 8 bytes: u16 index, u8 sub-index, u8 bytes, u32 value             then u32 CRC-32 of everything before
-// Records name their object, so that a new program keeps what it still knows and leaves the rest. A copy without records says "defaults".
+// Records name their object, so that a new program reads the objects it knows and skips the others. A copy without records means "defaults".
 #pragma once
 #include <algorithm>
 #include <array>
@@ -25,7 +25,7 @@ struct StoredValue {
   friend constexpr bool operator==(const StoredValue&, const StoredValue&) = default;
 };
 
-// What the two pages hold: nothing since the flash was erased; a good copy; or bytes that are none: what was saved is lost.
+// State of the two pages: erased; a good copy; or damaged, so that saved values are lost.
 enum class StoreState : std::uint8_t { empty, good, lost };
 
 inline constexpr std::uint32_t kStoreMagic = 0x4D525048;  // "HPRM" in ASCII
@@ -53,8 +53,8 @@ class ParameterStore {
     return StoreState::good;
   }
 
-  // Writes `records` records, which give(i) returns as StoredValue. False when the flash refused or did not keep them: what was stored
-  // before still counts then. On a microcontroller this takes up to the time of one page erase, in which nothing else runs.
+  // Writes `records` records, which give(i) returns as StoredValue. False on a flash error: the earlier copy still counts then. On a
+  // microcontroller this takes up to the time of one page erase, in which the processor is stopped.
   template <class Give>
   [[nodiscard]] bool save(std::size_t records, Give&& give) {
     if (records > kRecordsMax) return false;
@@ -127,7 +127,7 @@ class ParameterStore {
     }
     return crc.value() == word(bytes, end);
   }
-  // The page with the newest good copy, -1 when there is none. The numbers may wrap: their difference is what counts.
+  // The page with the newest good copy, -1 without one. Sequence numbers may wrap: their difference counts.
   [[nodiscard]] int newest() const {
     const bool first = good(0), second = good(1);
     if (!first || !second) return first ? 0 : second ? 1 : -1;

@@ -1,4 +1,4 @@
-// What an application must know of the loader under it: which program it is, and when it may be ended for a new one (1F51h:1).
+// The application's interface to the loader: its identity, and when it may be ended for a new program (1F51h:1).
 #pragma once
 #include <cstdint>
 
@@ -7,7 +7,7 @@
 
 namespace hoist::firmware {
 
-// The program that runs, as its header in flash says; the CRC is 0 when it was never packed.
+// The running program, from its header in flash; the CRC is 0 when it was never packed.
 struct ProgramInfo {
   std::uint32_t version = 0;  // major << 16 | minor << 8 | patch
   std::uint32_t crc = 0;
@@ -20,9 +20,8 @@ concept LoadableBoard = requires(B board, const B constant, bool into_loader) {
   board.restart(into_loader);
 };
 
-// Whether an application may be ended now by a write to 1F51h:1. `standing_safely`: it moves nothing and holds nothing (a drive: bridge
-// off and wheel at rest). Only stop and reset mean something to a program that runs, and both lead into the loader: what would clear or
-// start a program is the loader's to do.
+// Whether a write to 1F51h:1 may end the application now. `standing_safely`: nothing moves or is held (a drive: bridge off and wheel at
+// rest). A running program accepts stop and reset only, and both lead into the loader.
 [[nodiscard]] constexpr contract::canopen::SdoAbort check_program_control(std::uint32_t raw, contract::canopen::NmtState state,
                                                                           bool standing_safely) {
   using contract::canopen::SdoAbort;

@@ -1,12 +1,12 @@
-// The server's side of SDO (CiA 301, 7.2.4): expedited and segmented transfers, one at a time, in a few bytes of memory. Block transfer is
-// not spoken. The server knows no objects; it asks the dictionary that is passed to each call:
-//   SdoAbort sdo_read(index, sub, SdoSource&)        what to upload: up to 4 bytes in `raw`, or a text that stays until power-off
-//   SdoAbort sdo_target(index, sub, SdoTarget&)      whether the object may be written now, and how long its value is
+// The server's side of SDO (CiA 301, 7.2.4): expedited and segmented transfers, one at a time, in a few bytes of memory. No block transfer.
+// The objects belong to the dictionary that is passed to each call:
+//   SdoAbort sdo_read(index, sub, SdoSource&)        what to upload: up to 4 bytes in `raw`, or a text with static storage
+//   SdoAbort sdo_target(index, sub, SdoTarget&)      whether the object may be written now, and its length
 //   SdoAbort sdo_write(index, sub, raw)              the value of an object of 1, 2 or 4 bytes, complete
-//   SdoAbort sdo_domain_begin(index, sub, told)      a domain is coming, `told` bytes long, 0 when the client did not say
+//   SdoAbort sdo_domain_begin(index, sub, told)      start of a domain of `told` bytes, 0 when the client gave no length
 //   SdoAbort sdo_domain_data(std::span<const std::uint8_t>)   its next 1 to 7 bytes, in order
-//   SdoAbort sdo_domain_end()                        that was all of it, and its length is the told one
-//   void     sdo_domain_cancel()                     it will not be completed; follows every begin that was accepted and no end was
+//   SdoAbort sdo_domain_end()                        end of the domain; its length is `told`
+//   void     sdo_domain_cancel()                     it will not be completed; follows every accepted begin without an end
 // Whatever these return other than SdoAbort::none ends the transfer with that abort code. Flash may be written inside them: the answer
 // leaves when they return.
 #pragma once
@@ -23,7 +23,7 @@ namespace hoist::firmware {
 using contract::CanFrame;
 using contract::canopen::SdoAbort;
 
-inline constexpr std::uint32_t kSdoTimeOut_ms = 1000;  // a client silent for so long within a transfer has gone
+inline constexpr std::uint32_t kSdoTimeOut_ms = 1000;  // timeout of a client within a transfer
 inline constexpr std::size_t kSdoSegmentBytes = 7;
 
 struct SdoSource {
@@ -35,8 +35,8 @@ struct SdoTarget {
   std::uint8_t bytes = 0;  // 1, 2 or 4: a value, which the server collects; 0: a domain, which is passed on as it comes
 };
 
-// Exactly one answer follows each request, except an abort, which has none. The owner sends answer() when answer_waiting() and then says
-// answer_sent(); an answer that the next request overtakes is dropped, because its client no longer waits for it.
+// Exactly one answer follows each request, except an abort, which has none. The owner sends answer() when answer_waiting(), then calls
+// answer_sent(). A new request drops a waiting answer, because its client no longer waits for it.
 class SdoServer {
  public:
   constexpr explicit SdoServer(std::uint8_t node_id) : node_id_(node_id) {}
@@ -49,7 +49,7 @@ class SdoServer {
   [[nodiscard]] std::uint32_t wrong_lengths() const { return wrong_lengths_; }  // requests that were not 8 bytes long
   [[nodiscard]] std::uint32_t unknown() const { return unknown_; }              // requests for a service that is not spoken
 
-  // Ends the open transfer and drops the answer without a word (NMT stopped, reset).
+  // Ends the open transfer and drops the answer silently (NMT stopped, reset).
   template <class Dictionary>
   void reset(Dictionary& dictionary) {
     close(dictionary);
@@ -126,7 +126,7 @@ class SdoServer {
 
   template <class Dictionary>
   void begin_upload(std::uint16_t index, std::uint8_t sub, Dictionary& dictionary) {
-    close(dictionary);  // a new request takes the place of what was under way: its client has given that up
+    close(dictionary);  // a new request replaces the open transfer: its client has given that up
     SdoSource source;
     if (const SdoAbort code = dictionary.sdo_read(index, sub, source); code != SdoAbort::none) return refuse(index, sub, code);
     if (source.raw_bytes != 0) return answer_with(contract::canopen::sdo_upload_reply_command(source.raw_bytes), index, sub, source.raw);
@@ -172,7 +172,7 @@ class SdoServer {
       collected_ = 0;
       return answer_with(contract::canopen::kSdoDownloadReply, index, sub, 0);
     }
-    if (expedited && !size_given) return refuse(index, sub, SdoAbort::length);  // nobody knows how long this domain is
+    if (expedited && !size_given) return refuse(index, sub, SdoAbort::length);  // a domain of unknown length
     if (const SdoAbort code = dictionary.sdo_domain_begin(index, sub, told); code != SdoAbort::none) return refuse(index, sub, code);
     open(Phase::domain, index, sub, told);
     if (expedited) {
@@ -184,7 +184,7 @@ class SdoServer {
   // Both say false when they have answered with an abort.
   template <class Dictionary>
   [[nodiscard]] bool take(std::span<const std::uint8_t> bytes, Dictionary& dictionary) {
-    // A value is never longer than told; a domain of untold length has no bound here, its dictionary has one.
+    // A value never exceeds its announced length; the dictionary limits a domain of unknown length.
     if (told_ != 0 && bytes.size() > told_ - done_) {
       abort(SdoAbort::too_long, dictionary);
       return false;

@@ -1,4 +1,4 @@
-// The version of the nodes' programs, as object 100Ah tells it; the same number as the project's in CMakeLists.txt (a test compares).
+// The version of the nodes' programs, as in object 100Ah; the same number as the project's in CMakeLists.txt (a test compares).
 #pragma once
 #include <string_view>
 

@@ -11,7 +11,7 @@ struct BatteryParams {
   double full_v{12.8};
   double empty_v{11.4};
   double resistance_ohm{0.02};
-  double difference_v{0.05};  ///< the two are never quite alike: half of it up, half down
+  double difference_v{0.05};  ///< difference of the two: half of it up, half down
 };
 
 class Battery {
@@ -33,7 +33,7 @@ class Battery {
   [[nodiscard]] double both_v() const { return one_v(0) + one_v(1); }
   [[nodiscard]] double charge_norm() const { return charge_norm_; }
 
-  /// Holds both together at this voltage whatever the load, or gives them back to physics.
+  /// Fixes both together at this voltage independent of the load, or releases them.
   void force(std::optional<double> both_v) { forced_v_ = both_v; }
 
  private:

@@ -28,11 +28,11 @@ class LockStep {
   std::size_t read(std::span<char> bytes);
   std::size_t write(std::span<const char> bytes);
 
-  /// Takes a waiting core, if none is there, and gives the one that is there its step. Without a core nothing happens.
+  /// Accepts a waiting core if none is connected, and sends the connected one its step. Without a core nothing happens.
   void give();
-  /// Waits for the answer to that step. `waiting`: it has not come yet; ask again, the world stands still. A core that left, hangs or answers
-  /// nonsense is let go, and why() says which. Only the time waited here counts as silence, so a computer that stood still as a whole does
-  /// not part the two programs.
+  /// Waits for the answer to that step. `waiting`: none yet; call again, simulated time stands still. A core that left, hangs or answers
+  /// invalid data is disconnected, and why() says which. Only time waited here counts as silence, so a suspended computer does not
+  /// disconnect the programs.
   enum class Answer : std::uint8_t { done, waiting, lost };
   [[nodiscard]] Answer take(int within_ms);
   [[nodiscard]] const char* why() const { return why_; }

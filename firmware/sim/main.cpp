@@ -34,17 +34,17 @@ namespace {
 using namespace hoist::sim;
 
 constexpr std::int64_t kStep_ns = 1'000'000;
-/// What may be caught up at once; beyond it the world's time simply did not pass, as for a machine that was asleep. Well below the drives'
-/// 45 ms deadline: the steps of a catch-up see no new command, and a busy computer must not look like a dead controller.
+/// Longest catch-up at once; beyond it simulated time did not pass, as on a suspended machine. Well below the drives' 45 ms deadline: the
+/// steps of a catch-up see no new command, and a busy computer must not look like a dead controller.
 constexpr std::int64_t kCatchUp_ns = 5 * kStep_ns;
-/// In lock-step a catch-up goes on step by step with the core, so it may be longer: it keeps up with the wall clock across short hold-ups.
-/// Bounded, because a hand at the screen goes by the wall clock and its commands may be 150 ms old.
+/// In lock-step the core takes part in each step of a catch-up, so it may be longer. Bounded, because commands of a person at the screen
+/// age by the wall clock and slow the hoist from 150 ms.
 constexpr std::int64_t kLockStepCatchUp_ns = 50 * kStep_ns;
 constexpr int kAnswerLook_ms = 20;  // how often a wait for the core looks after requests and signals
-/// Below hoist-control's 49, so that the simulated machine never delays the controller; above everything ordinary, so that a busy
-/// computer does not silence the simulated sensors.
+/// Below hoist-control's 49, so that the simulated machine never delays the controller; above everything ordinary, so that a busy computer
+/// does not delay the simulated sensors.
 constexpr int kRealTimePriority = 30;
-/// A busy computer lets time go many times a second: one line in a while tells how often and how much, and small change is not told.
+/// A busy computer skips time many times a second: one line per interval reports how often and how much, and small amounts are not reported.
 constexpr std::int64_t kTellLateEvery_ns = 10'000'000'000;
 constexpr std::int64_t kTellLateFrom_ns = 20'000'000;
 /// 1 Mbaud with ten bits a character.
@@ -200,7 +200,7 @@ void wait_until(std::int64_t when_ns) {
   ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &when, nullptr);  // a signal ends it early; the loop looks
 }
 
-// One calm line for each thing that happens, none for what merely goes on.
+// One line per event, none for continuing states.
 class Reporter {
  public:
   Reporter(const char* attached, const char* detached) : attached_text_(attached), detached_text_(detached) {}
@@ -213,7 +213,7 @@ class Reporter {
     patient_ = world.patient().state();
   }
 
-  /// Time was let go. What was not told yet is told with the next line.
+  /// Time was skipped. It is reported with the next line.
   void let_go(const World& world, std::int64_t now_ns, std::int64_t gone_ns) {
     ++late_times_;
     late_ns_ += gone_ns;
@@ -252,7 +252,7 @@ class Pump {
     }
     program.computer_attached = presence.there;
     if (cut_) {
-      // Both ends go on speaking, and nobody hears them.
+      // Both ends keep sending, and nothing arrives.
       std::array<char, kUartBytesPerStep> lost{};
       static_cast<void>(line.read(lost));
       static_cast<void>(world.uart_read(lost));
@@ -280,8 +280,8 @@ class Pump {
   bool cut_{false};
 };
 
-// Moves frames between a CAN interface and the simulated bus. The simulated bus has bit times and arbitration, so what it hands over in
-// one millisecond is what 250 kbit/s carry in one; and a frame from the interface waits for its turn on the simulated wire.
+// Moves frames between a CAN interface and the simulated bus. The simulated bus has bit times and arbitration, so it delivers in one
+// millisecond what 250 kbit/s carry in one; and a frame from the interface waits for arbitration on the simulated wire.
 class Bridge {
  public:
   void run(hoist::bus::CanPort& port, World& world, ProgramState& program, std::uint64_t now_ns) {
@@ -304,8 +304,8 @@ void introduce(const Options& options, const std::string& where) {
   std::fflush(stdout);
 }
 
-// The world advances by one period of the core, then stands still until the core has answered. Without a core it goes on by the wall clock, and
-// the drives stop by themselves.
+// The world advances by one period of the core, then waits for its answer. Without a core time follows the wall clock, and the drives stop
+// by themselves.
 int run_lock_step(const Options& options) {
   constexpr auto kPeriod_ns = static_cast<std::int64_t>(hoist::contract::kStepPeriod_ns);
   World world(options.world);

@@ -1,6 +1,6 @@
 // A brushed DC motor with inertia, friction and an encoder, for the simulator and the servo's tests.
 //
-// Physics only: it includes nothing of the laws, so that an error shared by both sides cannot cancel itself. Equations:
+// Physics only: it does not include the control laws, so that a shared error cannot cancel out. Equations:
 //   L di/dt = V - R i - K w      J dw/dt = K i - B w - friction - load
 // Coulomb friction holds the shaft at rest as long as nothing exceeds it.
 #pragma once
@@ -15,7 +15,7 @@ struct MotorConfig {
   double resistance_ohm{1.2};
   double inductance_h{0.0015};
   double constant_v_s_rad{0.115};  ///< back-EMF, V s/rad, and torque, N m/A
-  double inertia_kg_m2{0.00043};   ///< rotor plus whatever hangs on the shaft
+  double inertia_kg_m2{0.00043};   ///< rotor plus the load on the shaft
   double viscous_n_m_s{0.0001};
   double coulomb_n_m{0.02};
   double counts_per_turn{2000.0};
@@ -23,7 +23,7 @@ struct MotorConfig {
 
 /// Longest integration step: a fifteenth of the winding's 1.25 ms time constant.
 inline constexpr double kMotorSubStep_s = 100e-6;
-/// A caller that asks for more than this in one go has lost its clock; the rest is not simulated.
+/// Longest time per call; the rest is not simulated.
 inline constexpr int kMotorSubStepLimit = 100'000;
 
 class Motor {
@@ -51,14 +51,14 @@ class Motor {
     }
   }
 
-  /// Holds the shaft still (a wheel against a door sill), or lets it go.
+  /// Blocks the shaft (a wheel against a door sill), or releases it.
   void lock(bool locked) {
     locked_ = locked;
     if (locked) speed_rad_s_ = 0.0;
   }
 
-  /// Like step, for a shaft whose speed somebody else decides (a rigid platform turning both wheels): only winding and angle move.
-  /// Returns the mean electrical torque over the step, N m; inertia and friction are then the other model's.
+  /// Like step, for a shaft whose speed is given (a rigid platform turning both wheels): only winding and angle move. Returns the mean
+  /// electrical torque over the step, N m; inertia and friction are then the other model's.
   double step_imposed(double voltage_v, double speed_rad_s, double dt_s) {
     if (!(dt_s > 0.0) || !std::isfinite(dt_s) || !std::isfinite(voltage_v) || !std::isfinite(speed_rad_s)) return 0.0;
     const double settled_a = (voltage_v - config_.constant_v_s_rad * speed_rad_s) / config_.resistance_ohm;
@@ -96,7 +96,7 @@ class Motor {
     // Viscous friction implicitly, so that no step size makes it unstable.
     const double next_rad_s = (speed_rad_s_ + h_s / config_.inertia_kg_m2 * (drive_n_m - sense * coulomb)) /
                               (1.0 + h_s * config_.viscous_n_m_s / config_.inertia_kg_m2);
-    // Friction stops a shaft; it never turns it round. The next sub-step decides whether something else does.
+    // Friction stops a shaft but never reverses it; the next sub-step continues from rest.
     speed_rad_s_ = (speed_rad_s_ != 0.0 && next_rad_s * speed_rad_s_ < 0.0) ? 0.0 : next_rad_s;
   }
 

@@ -1,5 +1,5 @@
-// The relay in the motors' supply (hazards H1, H23): closed while its input keeps changing, open about a second after the last change, or at
-// once when its second input is on. Both are outputs of the input node, which the control computer works; the real circuit is described in
+// The relay in the motors' supply (hazards H1, H23): closed while its input keeps changing, open about a second after the last change, or
+// at once when its second input is on. Both are outputs of the input node, set by the control computer; the real circuit is described in
 // firmware/HARDWARE.md.
 #pragma once
 
@@ -16,9 +16,9 @@ class MotorRelay {
   /// Released, the circuit is empty at once, and the contact falls off within this.
   static constexpr std::uint32_t kDropOut_ms = 20;
 
-  /// One millisecond with the input at this level, and told or not told to let go. Whether the relay is closed.
+  /// One millisecond with the input at this level and the release on or off. Returns whether the relay is closed.
   ///
-  /// Before the first change it is taken as bridged: a hoist on the bench, and the tests of single nodes, have no computer to feed it.
+  /// Before the first change it counts as bridged: a hoist on the bench, and tests of single nodes, have no computer to feed it.
   bool step_1ms(bool level, bool release = false) {
     release_ms_ = !release ? 0 : release_ms_ < kDropOut_ms ? release_ms_ + 1 : kDropOut_ms;
     if (release) {

@@ -14,13 +14,13 @@ constexpr double kMovedByItself_m = 0.02;
 constexpr double kIgnoredLean_m = 0.05;
 constexpr double kIgnoredTime_s = 2.5;
 /// Signs that the therapist leads (assumed): the hoist does not slow under a lean back, speeds up beyond the wish, or hardly turns with a
-/// turned pelvis and is not about to. Speeding up is felt at once and counts more.
+/// turned pelvis. Speeding up is felt at once and counts more.
 constexpr double kRolling_m_s = 0.05, kNotSlowing_m_s2 = -0.03, kLeanBack_m = 0.03;
 constexpr double kFaster_m_s = 0.05, kFaster_m_s2 = 0.2, kFasterCounts_norm = 3.0;
 constexpr double kTurned_rad = 0.1, kHardlyTurns_norm = 0.1, kTurnsSoon_rad_s2 = 0.02;
 constexpr double kStill_m_s = 0.02, kStill_rad_s = 0.05;
-/// A trial (assumed): once the hoist has stood this long, a lean of 4 to 7 cm; if the hoist rolls within kAnswersWithin_s, upright, which must
-/// cost it half of its speed. A sudden or large speed is not this patient's.
+/// A trial (assumed): once the hoist has stood this long, a lean of 4 to 7 cm; if the hoist rolls within kAnswersWithin_s, upright, which
+/// must halve its speed. A sudden or large speed is not the patient's effect.
 constexpr double kTriesAfter_s = 3.0, kTrialLean_m = 0.08, kTrialPush_per_s = 1.0;
 constexpr double kAnswers_m_s = 0.03, kAnswersWithin_s = 4.0, kTrialMost_m_s = 0.25;
 constexpr double kSlows_norm = 0.5, kSlowsWithin_s = 5.0;
@@ -58,9 +58,9 @@ constexpr double kHalfWidth_m = 0.3;
 /// those as published 0.05 m/s2 at 0.214 m: 0.23. Felt between the two speeds; a hoist that is late and then sudden is another's.
 constexpr double kUsualAnswer_per_s2 = 1.06, kLeastAnswer_per_s2 = 0.2;
 constexpr double kRolls_m_s = 0.01, kUnderWay_m_s = 0.06, kSetsOffWithin_s = 4.0, kGently_m_s2 = 0.1;
-/// To keep a speed takes the lean that gains a tenth of it in a second (paper, tau_n 10 s).
+/// Keeping a speed takes the lean that gains a tenth of it in a second (paper, tau_n 10 s).
 constexpr double kKeeps_per_s = 0.1;
-/// And the lean of a lasting speed takes no more than this share of the reach, so that there is some left for a turn.
+/// The lean for a lasting speed takes at most this share of the reach, so that some is left for a turn.
 constexpr double kLeanShare_norm = 0.55;
 /// The bend that patients have in mind: 0.8 m (the paper's figure of eight).
 constexpr double kUsualBend_per_m = 1.25;
@@ -124,7 +124,7 @@ void Patient::fall(PatientState how) {
   foot_ahead_m_ = 0.05;  // the trailing foot is already a little behind when it catches
 }
 
-// How much, 0 for not at all, the hoist does something else than it is led to.
+// How much the hoist opposes the patient's lead; 0 for not at all.
 double Patient::opposed_by(const PlatformMotion& now) const {
   if (now.speed_m_s > pace_m_s_ + kFaster_m_s && now.acceleration_m_s2 > kFaster_m_s2) return kFasterCounts_norm;
   if (now.speed_m_s > kRolling_m_s && now.acceleration_m_s2 > kNotSlowing_m_s2 && x_m_ < -kLeanBack_m) return 1.0;
@@ -140,7 +140,7 @@ void Patient::enter(PatientState state) {
   ignored_s_ = opposed_s_ = 0.0;
 }
 
-// How readily the hoist sets off tells how much lean a speed takes.
+// The response at setting off shows how much lean a speed takes.
 void Patient::feel_answer(const PlatformMotion& now) {
   if (now.speed_m_s < kRolls_m_s) {
     sets_off_ = true;
@@ -154,7 +154,7 @@ void Patient::feel_answer(const PlatformMotion& now) {
   }
 }
 
-// Less speed for a lean: uses more of the way to the stops, and walks more slowly, because lean and turn share it.
+// Less speed for a lean: uses more of the reach and walks more slowly, because lean and turn share it.
 void Patient::adapt(double answer_per_s2) {
   const double sway_m = params_.sway_forward_m + kHalfWidth_m * params_.sway_yaw_rad;
   const double turn_s = kHalfWidth_m * kUsualBend_per_m / params_.turn_habit_per_s;
@@ -245,7 +245,7 @@ void Patient::decide(const PatientSenses& senses) {
   }
 }
 
-// Where the pelvis should point: pure pursuit of the line ahead, with the turn already under way taken into account.
+// Where the pelvis should point: pure pursuit of the line ahead, minus the present turn.
 void Patient::steer(const PlatformMotion& seen) {
   progress_m_ = path_.project(seen.x_m, seen.y_m, progress_m_);
   const double ahead_s = params_.reaction_s + params_.foresight_s;
@@ -253,7 +253,7 @@ void Patient::steer(const PlatformMotion& seen) {
   const double way_m = seen.speed_m_s * params_.reaction_s;
   const double x_m = seen.x_m + way_m * std::cos(seen.psi_rad);
   const double y_m = seen.y_m + way_m * std::sin(seen.psi_rad);
-  const double look_ahead_m = ease_norm_ * params_.look_ahead_m;  // who walks more slowly looks less far ahead
+  const double look_ahead_m = ease_norm_ * params_.look_ahead_m;  // the look-ahead shrinks with the speed
   contract::PathPose goal = path_.pose(progress_m_ + look_ahead_m);
   if (!path_.closed() && progress_m_ + look_ahead_m > path_.length_m()) {
     // Past the end of a straight one looks on in its direction.
@@ -306,7 +306,7 @@ void Patient::think(const PatientSenses& senses) {
       const double wish_m_s = arrived_ ? 0.0 : pace_m_s_;
       const double least_m_s = felt.platform.speed_m_s - (arrived_ ? kStoppingLead_m_s : params_.speed_lead_m_s);
       push_goal_m_s_ = std::clamp(wish_m_s, least_m_s, felt.platform.speed_m_s + params_.speed_lead_m_s);
-      // Who stops lets the springs push the body back, past upright, which is what brakes the hoist.
+      // To stop, the patient lets the springs push the body back past upright, which brakes the hoist.
       compensation_n_ = arrived_ ? 0.0 : params_.compensation_norm * felt.spring_n;
       gait_goal_norm_ = pace_norm;
       break;
@@ -327,7 +327,7 @@ void Patient::think(const PatientSenses& senses) {
 double Patient::fall_push_n(const PlatformMotion& platform) {
   switch (state_) {
     case PatientState::tripping: {
-      // The foot stays where it caught; the pelvis goes over it like a pendulum on its head, until the harness holds.
+      // The foot is caught; the pelvis falls over it like an inverted pendulum, until the harness holds.
       foot_ahead_m_ += (platform.speed_m_s + x_rate_m_s_) * kStep_s;
       const double lean_m_s2 = kGravity_m_s2 / kPendulum_m * foot_ahead_m_;
       return params_.mass_kg * std::clamp(lean_m_s2, -kFallPush_m_s2, kFallPush_m_s2);

@@ -2,9 +2,9 @@
 // time. Model and figures: SOURCES 3 ("patient 75 kg, leg force <= 70 N, reaction 0.2 s, pelvis yaw lag 0.25 s, ..."), which are
 // assumptions about people, not measurements of these patients.
 //
-// The patient is not told who leads. When the drives release their brakes the patient stands for a second. A hoist that then moves off by
-// itself, or ignores a lean, leads until the drives are switched off. A patient whose lean or turn the hoist opposes yields, tries a small lean
-// once the hoist stands, and leads again if the hoist answers it.
+// The patient does not know the mode. When the drives release their brakes the patient stands for a second. A hoist that then moves off by
+// itself, or ignores a lean, leads until the drives are switched off. A patient whose lean or turn the hoist opposes yields, tries a small
+// lean once the hoist stands, and leads again if the hoist answers it.
 #pragma once
 
 #include <array>
@@ -37,12 +37,12 @@ struct PatientParams {
   double sway_yaw_rad{5.0 * kDegree_rad};
   double stride_hz{0.42};  ///< stride frequency = this + slope x speed
   double stride_hz_per_m_s{0.5};
-  /// How long this patient leads on against a hoist that another leads (assumed). A stubborn one never yields: harder on the machine, so the
-  /// random sessions are walked by those.
+  /// How long this patient opposes a hoist led by another (assumed). A stubborn one never yields, which is harder for the machine, so the
+  /// random sessions use those.
   double yields_after_s{1.0};
   static constexpr double kStubborn_s = 1e9;
 
-  /// Somebody else: every figure drawn evenly from its usual range; the same seed gives the same person.
+  /// A random patient: every parameter drawn evenly from its usual range; the same seed gives the same person.
   [[nodiscard]] static PatientParams random(std::uint64_t seed);
 };
 
@@ -68,9 +68,9 @@ class Patient {
   [[nodiscard]] PatientState state() const { return state_; }
   /// Arc length along the line that the patient has come to.
   [[nodiscard]] double progress_m() const { return progress_m_; }
-  /// Weight that the harness bears: a good part of a body that no longer stands on its feet.
+  /// Weight borne by the harness: a large part when the legs give way.
   [[nodiscard]] double carried_n() const { return fallen() ? kCarried_norm * params_.mass_kg * kGravity_m_s2 : 0.0; }
-  /// True once a straight has been walked to its end.
+  /// True once the straight line has been walked to its end.
   [[nodiscard]] bool arrived() const { return arrived_; }
   [[nodiscard]] const PatientParams& params() const { return params_; }
   [[nodiscard]] const Scenario& scenario() const { return *scenario_; }

@@ -14,9 +14,9 @@ constexpr int kFrictionRounds = 3;
 constexpr int kSlidingRounds = 40;
 constexpr double kObstacleSpring_n_m = 8000.0;
 constexpr double kObstacleDamping_n_s_m = 1500.0;
-/// A bumper strip gives way by this much before it is hard; it reports from the first touch.
+/// A bumper strip yields by this much; it reports from the first touch.
 constexpr double kObstacleForceLimit_n = 2000.0;
-/// How somebody pushes a machine along a tape: slower than walking.
+/// Pushing by hand along a tape: slower than walking.
 constexpr double kPushPace_m_s = 0.4, kPushTurn_rad_s = 0.35, kPushShortest_s = 0.5;
 
 /// The same motion in the axes of a board that sits askew: turned forward about y, then to the right about x.
@@ -220,7 +220,7 @@ void Plant::feel_obstacles(double& forward_n) {
     const double gap_y_m = std::max(0.0, std::fabs(left_m) - params_.bumper_half_width_m);
     const double press_m = post.radius_m - std::sqrt(gap_x_m * gap_x_m + gap_y_m * gap_y_m);
     if (press_m <= 0.0) continue;
-    // Which strip: the side that the post stands farther out on.
+    // Which strip: the side on which the post is farther out.
     const bool lengthwise = std::fabs(ahead_m) / params_.bumper_half_length_m >= std::fabs(left_m) / params_.bumper_half_width_m;
     if (!lengthwise) {
       touched_ |= left_m > 0.0 ? 0x04 : 0x08;
@@ -373,7 +373,7 @@ void Plant::push_by_hand(double way_m, double turn_rad) {
 
 void Plant::step_pushed(double dt_s) {
   push_left_s_ = std::max(0.0, push_left_s_ - dt_s);
-  // A way whose speed rises and falls as half a sine; its mean is 2 / pi of its height.
+  // Speed over the path is half a sine; its mean is 2 / pi of its peak.
   const double share = std::sin(kPi * push_left_s_ / push_total_s_) * kPi / 2.0 / push_total_s_;
   const double speed_m_s = push_left_s_ > 0.0 ? push_way_m_ * share : 0.0;
   const double yaw_rate_rad_s = push_left_s_ > 0.0 ? push_turn_rad_ * share : 0.0;

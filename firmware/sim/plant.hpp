@@ -1,8 +1,8 @@
 // The machine: differential-drive platform, two geared motors, two sprung struts, three tilt sensors, batteries and bumpers.
 //
-// Physics only: it knows nothing of the control laws, the bus or the clock, and the same seed and inputs give the same numbers.
-// One step integrates 1 ms. While both wheels roll, wheels and platform are one rigid mechanism with two degrees of freedom, solved
-// exactly (no stiff contact spring, so 1 ms is enough); a wheel that would need more grip than the floor gives slides with the floor's friction.
+// Physics only: it knows nothing of the control laws, the bus or the clock, and the same seed and inputs give the same numbers. One step
+// integrates 1 ms. While both wheels roll, wheels and platform are one rigid mechanism with two degrees of freedom, solved exactly (no
+// stiff contact spring, so 1 ms is enough); a wheel beyond the grip limit slides with the floor's friction.
 #pragma once
 
 #include <array>
@@ -51,7 +51,7 @@ struct PlantParams {
   double pitch_rad_per_m_s2{0.0105};
   double pitch_rad_per_n{0.00005};
   double pitch_lag_s{0.08};
-  // What hidden_errors.hpp strays, exact as designed unless told otherwise.
+  // Deviations set by hidden_errors.hpp; exact by default.
   std::array<MountingError, kPlaceCount> mounting{};
   std::array<double, 2> wheel_norm{1.0, 1.0};            ///< true radius of each wheel / wheel_radius_m
   std::array<std::uint8_t, 4> bumper_wires{0, 1, 2, 3};  ///< which input bit each strip is wired to; 255: to none
@@ -116,33 +116,33 @@ class Plant {
   /// True lean of the chassis, forward and to the right, rad.
   [[nodiscard]] double chassis_alpha_rad() const { return pitch_rad_; }
   [[nodiscard]] double chassis_beta_rad() const { return roll_rad_; }
-  /// Somebody pushes the frame forward and twists it to the left, besides what the springs do.
+  /// External push of the frame, forward and as a torque to the left, added to the springs.
   void set_shove(double forward_n, double turn_n_m) { shove_n_ = forward_n, shove_n_m_ = turn_n_m; }
-  /// Something has got between wheel and frame: the wheel turns no more than the motor can tear it.
+  /// An object jams the wheel: it turns only as far as the motor overcomes the jam.
   void block_wheel(Side side, bool blocked) { blocked_[index(side)] = blocked; }
-  /// Two transistors of a bridge are shorted: its motor hangs at this share of the supply, whatever the board commands, enables or puts to
-  /// sleep. The board still works the brake as it means to. Only taking the supply away helps. Nothing: the bridge is whole. Duty that is
-  /// not finite counts as whole; beyond +-1 it is held there.
+  /// Two transistors of a bridge are shorted: its motor gets this share of the supply, independent of the board. The board still controls
+  /// the brake. Only cutting the supply helps. No value: the bridge is intact, also for a duty that is not finite; beyond +-1 it is
+  /// clamped.
   void short_bridge(Side side, std::optional<double> duty_norm);
   void cut_power(bool cut) { power_cut_ = cut; }
   /// The second contact in the motors' supply, which the computer keeps closed.
   void open_relay(bool open) { relay_open_ = open; }
   /// The emergency stop button: opens the chain, which the input node sees, and with it the relay. The motors lose their power and the
-  /// holding brakes, which power keeps open, close: the wheels brake as hard as the brakes can.
+  /// spring-applied holding brakes close.
   void press_emergency_stop(bool pressed) { emergency_stop_ = pressed; }
   [[nodiscard]] bool emergency_stop() const { return emergency_stop_; }
   void jump_gyro_bias(Place place, double by_rad_s) { imus_[static_cast<std::size_t>(place)].jump_bias(by_rad_s); }
-  /// False when there is no room for another.
+  /// False when the list is full.
   [[nodiscard]] bool add_obstacle(const Obstacle& obstacle);
   /// Wires a strip (0 front, 1 rear, 2 left, 3 right) to another bit of the input node; 255 = to none.
   void wire_bumper(std::size_t strip, std::uint8_t bit) {
     if (strip < params_.bumper_wires.size()) params_.bumper_wires[strip] = bit;
   }
-  /// Somebody releases the brakes and pushes the machine by hand along this way while turning it by this angle, evenly and at walking
-  /// pace. Only while both bridges are off: the hand lets go when one is switched on.
+  /// Brakes released, the machine is pushed by hand along this distance and turned by this angle, evenly and at walking pace. Only while
+  /// both bridges are off; ends when one is switched on.
   void push_by_hand(double way_m, double turn_rad);
   [[nodiscard]] bool pushed() const { return push_left_s_ > 0.0; }
-  /// Puts the machine there, at rest. Encoders keep their counts, as when people push it.
+  /// Places the machine there, at rest. Encoders keep their counts, as when pushed by hand.
   void place(double x_m, double y_m, double psi_rad);
 
   [[nodiscard]] const PlantParams& params() const { return params_; }
@@ -198,7 +198,7 @@ class Plant {
   bool relay_open_{false};
   bool emergency_stop_{false};
   double carried_n_{};
-  double floor_rad_{};  // slope of the floor, on its way to floor_goal_rad_
+  double floor_rad_{};  // slope of the floor, ramping to floor_goal_rad_
   double floor_goal_rad_{};
   double downhill_rad_{};
   double shove_n_{};
@@ -207,7 +207,7 @@ class Plant {
   double roll_rad_{};
   double pitch_rate_rad_s_{};
   double roll_rate_rad_s_{};
-  // Duty that a motor gets whatever its board does.
+  // Duty of a shorted bridge, independent of its board.
   std::array<std::optional<double>, 2> shorted_{};
   Battery battery_;
   std::array<Imu, kPlaceCount> imus_;

@@ -20,7 +20,7 @@ class PokeysDevice {
     std::uint8_t switches{};
     std::array<double, 2> battery_v{};
   };
-  /// The device's answer to one packet; false when a real one would say nothing: wrong mark, wrong checksum, unknown command.
+  /// The device's answer to one packet; false when a real one would not answer: wrong mark, wrong checksum, unknown command.
   [[nodiscard]] static bool answer(std::span<const std::uint8_t, kPacket> request, const Pins& pins,
                                    std::span<std::uint8_t, kPacket> reply);
 
@@ -32,7 +32,7 @@ class PokeysDevice {
   [[nodiscard]] std::string open(std::uint16_t port);
   /// Answers what has arrived; never waits.
   void serve(const Pins& pins);
-  /// A silent device hears and says nothing.
+  /// A silent device does not answer.
   void set_silent(bool silent) { silent_ = silent; }
 
  private:

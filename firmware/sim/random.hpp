@@ -26,8 +26,7 @@ class Random {
   /// Evenly spread in [low, high).
   double uniform(double low, double high) { return low + (high - low) * static_cast<double>(next() >> 11) * 0x1.0p-53; }
 
-  /// Mean 0, standard deviation 1, never beyond 3.5: the sum of four evenly spread numbers. Sensor noise needs no longer tails, and a
-  /// bounded one cannot trip a monitor by itself.
+  /// Mean 0, standard deviation 1, never beyond 3.5: the sum of four uniform numbers. Bounded, so that noise alone cannot trip a monitor.
   double normal() {
     const std::uint64_t bits = next();
     const auto sum = static_cast<double>((bits & 0xFFFF) + ((bits >> 16) & 0xFFFF) + ((bits >> 32) & 0xFFFF) + (bits >> 48));

@@ -1,4 +1,4 @@
-// A Unix stream socket for requests: lines in, lines out, several clients, never waits.
+// A Unix stream socket for requests: lines in, lines out, several clients, never blocks.
 #pragma once
 
 #include <array>
@@ -16,10 +16,10 @@ class RequestSocket {
   RequestSocket(const RequestSocket&) = delete;
   RequestSocket& operator=(const RequestSocket&) = delete;
 
-  /// Listens at `path`, for this user only. A socket that nobody answers on is replaced; anything else there stays. Empty when it worked.
+  /// Listens at `path`, for this user only. A stale socket is replaced; any other file stays. Empty when it worked.
   [[nodiscard]] std::string open(const std::string& path);
 
-  /// Answers whatever has arrived. `answer` gets a line without its end and gives one back. Without open() it does nothing.
+  /// Answers waiting requests. `answer` gets a line without its end and returns one. Without open() it does nothing.
   void serve(const std::function<std::string(std::string_view)>& answer);
 
  private:

@@ -1,5 +1,5 @@
-// What may be asked of a running simulator: one JSON object per line, one line of answer. The operations are one list in requests.cpp;
-// {"op":"help"} answers with it.
+// Requests to a running simulator: one JSON object per line, one line of answer. The operations are one list in requests.cpp; {"op":"help"}
+// answers with it.
 #pragma once
 
 #include <cstdint>
@@ -15,16 +15,16 @@ class PokeysDevice;
 /// Longest line that is read; a longer one is refused.
 inline constexpr std::size_t kRequestMax = 4096;
 
-/// Figures that only the program around the world knows.
+/// Values that only the program around the world knows.
 struct ProgramState {
   std::uint64_t late{};           ///< times it was more than 5 ms behind and let time go
-  bool computer_attached{false};  ///< somebody has the serial line open, or the CAN interface is up
+  bool computer_attached{false};  ///< a program has the serial line open, or the CAN interface is up
   bool* line_cut{nullptr};        ///< set: the serial line carries nothing; null where there is none
   PokeysDevice* pokeys{nullptr};  ///< the PoKeys on the network, if there is one
 };
 
-/// Carries out one request. Always one line of JSON without its end: the result, or {"error": "..."} that names the field and what it may
-/// be; a refused request has changed nothing.
+/// Carries out one request. Always one line of JSON without its end: the result, or {"error": "..."} that names the field and its range; a
+/// refused request changes nothing.
 [[nodiscard]] std::string answer_request(World& world, const ProgramState& program, std::string_view line);
 
 }  // namespace hoist::sim

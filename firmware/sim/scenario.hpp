@@ -37,7 +37,7 @@ constexpr const Scenario* find_scenario(std::string_view name) {
   return nullptr;
 }
 
-/// The line on the floor; a patient who only stands has a straight that nobody walks.
+/// The line on the floor; a standing patient has a straight line that is not walked.
 inline contract::ReferencePath scenario_path(const Scenario& scenario) {
   switch (scenario.figure) {
     case Figure::eight:

@@ -85,8 +85,7 @@ SerialLine::Presence SerialLine::presence() {
   }
   const bool there = openings_ > 0;
   if (left) {
-    // What the last user had not read must not greet the next one, and a lock it left behind must not keep the next one out.
-    // What the next one has written already, before this was seen, stays.
+    // Drops data that the last user had not read, and its lock. Data that the next user has already written stays.
     ::tcflush(slave_, there ? TCIFLUSH : TCIOFLUSH);
     ::ioctl(slave_, TIOCNXCL);
   }

@@ -19,21 +19,21 @@ class SerialLine {
   [[nodiscard]] std::string open(const std::string& link);
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  /// Whether somebody has the other end open. `changed` says that this differs from the call before.
+  /// Whether the other end is open. `changed`: this differs from the previous call.
   struct Presence {
     bool there{false};
     bool changed{false};
   };
   [[nodiscard]] Presence presence();
 
-  /// Never wait. What does not fit stays with the caller.
+  /// Never block. Returns how much was taken; the rest stays with the caller.
   std::size_t read(std::span<char> bytes);
   std::size_t write(std::span<const char> bytes);
 
  private:
   int master_{-1};
   int slave_{-1};  // kept open: the terminal would fall back to echo and line mode each time its last user closes it
-  int watch_{-1};  // inotify on the slave; without it somebody is always assumed to be there
+  int watch_{-1};  // inotify on the slave; without it the other end counts as open
   int openings_{};
   bool was_there_{false};
   std::string path_;

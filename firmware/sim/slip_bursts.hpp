@@ -1,4 +1,4 @@
-// Moments in which wheels lose the floor: wet patches, and somebody who overpowers the frame meanwhile, as the paper's fifth subject did.
+// Short times of lost grip: wet patches, with a push of the frame, as by the paper's fifth subject.
 #pragma once
 
 #include <array>
@@ -19,13 +19,13 @@ struct SlipBurst {
 
 class SlipBursts {
  public:
-  /// `at_random`: a burst every few seconds, from now on, the same ones for the same seed. None lasts a second: the walk goes on.
+  /// `at_random`: a burst every few seconds, from now on, the same ones for the same seed. Each is shorter than a second, so the walk continues.
   SlipBursts(std::uint64_t seed, bool at_random) : random_(seed ^ 0x536C6970ULL), at_random_(at_random) {
     pause_s_ = random_.uniform(3.0, 9.0);
   }
   void set_at_random(bool at_random) { at_random_ = at_random; }
 
-  /// Begins at once, in place of one that is under way.
+  /// Begins at once and replaces a running one.
   void begin(const SlipBurst& burst) { burst_ = burst, left_s_ = burst.seconds, fresh_ = true; }
 
   /// One millisecond, before the plant's own.

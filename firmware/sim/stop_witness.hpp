@@ -1,5 +1,5 @@
-// Sees, in the world's own time, what one drive does after its last command: when it stops obeying and when its wheel stands. A test asks
-// it afterwards; nothing in the world depends on it.
+// Records, in simulated time, when one drive stops obeying after its last command and when its wheel stands. For tests only; nothing
+// depends on it.
 #pragma once
 
 #include <cmath>
@@ -34,9 +34,9 @@ class StopWitness {
     rolled_m_ += wheel_m_s * 0.001;
   }
 
-  /// Time of the latest command; nothing before the first.
+  /// Time of the latest command; empty before the first.
   [[nodiscard]] std::optional<std::uint64_t> command_ns() const { return command_ns_; }
-  /// Since that command: the drive no longer obeys; the wheel has come to rest and stayed so. Nothing while neither holds.
+  /// Since that command: the drive no longer obeys; the wheel has come to rest and stayed so. Empty while neither holds.
   [[nodiscard]] std::optional<std::uint64_t> gave_up_ns() const { return gave_up_ns_; }
   [[nodiscard]] std::optional<std::uint64_t> at_rest_ns() const { return at_rest_ns_; }
   [[nodiscard]] double speed_at_command_m_s() const { return speed_m_s_; }

@@ -67,7 +67,7 @@ class Machine {
   float motor_current_a(Node node) { return static_cast<float>(plant_.motor_current_a(side_of(node))); }
   float supply_v() { return static_cast<float>(plant_.supply_v()); }
   void set_outputs(std::uint8_t outputs) { outputs_ = outputs; }
-  // The relay's circuit looks at the output node's line, wherever that line comes from.
+  // The relay's circuit reads the input node's output line.
   void step_relay_1ms() {
     namespace canopen = contract::canopen;
     plant_.open_relay(!relay_.step_1ms((outputs_ & canopen::kRelayFeed) != 0, (outputs_ & canopen::kRelayRelease) != 0));
@@ -138,7 +138,7 @@ class Machine {
   std::array<firmware::ImuSample, kPlaceCount> last_sample_{};
   std::array<bool, kPlaceCount> sensor_frozen_{};
   std::array<Ailment, kPlaceCount> ailments_{};
-  Random noise_{0x6A09E667F3BCC908ULL};  // of readings that mean nothing
+  Random noise_{0x6A09E667F3BCC908ULL};  // random readings
   std::array<Encoder, 2> encoders_{};
 };
 

@@ -1,6 +1,6 @@
 // The simulated world: machine, patient, the six nodes with the shipped firmware sources, the UART gateway and the bus between them, in
-// virtual time. Nothing here knows the control laws, and a computer on the bus cannot tell it from a real hoist, except that every node says
-// it is simulated.
+// virtual time. It does not include the control laws. For a computer on the bus the only difference to a real hoist is that every node
+// reports being simulated.
 //
 // A computer attaches in one of two ways: as a bus port in this process (tests: host_send, host_receive), or through the gateway's serial
 // line (the program: uart_write, uart_read). No heap after construction, no clock.
@@ -55,15 +55,15 @@ class World {
   void uart_hang_up();
 
   // Faults. Nodes are named as on the bus; the computer itself (Node::core) may be unplugged too.
-  /// Pulls a node's plug or puts it back. Sensors and inputs are fed through that plug and start anew; the drives have their own supply.
+  /// Unplugs a node or plugs it in. Sensors and inputs are powered through that plug and restart; the drives have their own supply.
   void unplug(contract::Node node, bool pulled);
   [[nodiscard]] bool unplugged(contract::Node node) const;
   /// The node's processor stops: it neither answers nor changes its outputs. Letting it go resets it, as its watchdog would.
   void freeze(contract::Node node, bool frozen);
-  /// The sensor behind a tilt node repeats its last sample for ever, while the node goes on.
+  /// The sensor behind a tilt node repeats its last sample, while the node continues.
   void freeze_sensor(contract::Node node, bool frozen);
-  /// Other ways in which that sensor fails while its node goes on: readings moved by `size` (0 to 1: of half a g and one rad/s), random
-  /// ones of full range, ones that follow with a lag of up to a second, or no answer at all.
+  /// Other failures of that sensor while its node continues: readings offset by `size` (0 to 1: of half a g and one rad/s), random readings
+  /// of full range, a lag of up to a second, or no answer.
   enum class SensorFault : std::uint8_t { none, offset, garbage, slow, silent };
   void break_sensor(contract::Node node, SensorFault fault, double size);
   /// The encoder of a drive gives no more counts, or counts backward.
@@ -71,20 +71,20 @@ class World {
   void break_encoder(contract::Node node, EncoderFault fault);
   /// Wheels lose the floor from now on, for a moment.
   void slip(const SlipBurst& burst);
-  /// Judges each frame on the bus (drop, corrupt, delay, deaf ports); an empty one ends that.
+  /// Hook for each frame on the bus (drop, corrupt, delay, deaf ports); an empty one removes it.
   void set_frame_fault(bus::VirtualBus::FaultHook hook);
-  /// A stranger on the bus, who joins with the first frame: what a defective or foreign device sends. False when its queue is full.
+  /// A foreign or defective device on the bus, added with its first frame. False when its queue is full.
   bool stranger_send(const contract::CanFrame& frame);
   /// The port of a node, for such a hook.
   [[nodiscard]] std::size_t port_of(contract::Node node) const;
 
   /// A node is in its loader: it has no program, or was sent there for a new one.
   [[nodiscard]] bool in_loader(contract::Node node) const;
-  /// The flash in which a node's program lies; null for the computer.
+  /// The flash with a node's program; null for the computer.
   [[nodiscard]] firmware::ProgramFlash* program_flash(contract::Node node);
 
-  /// The patient steps out of the harness, and somebody holds the bar there: forward and left of the middle, turned to the left. It moves
-  /// there at hand's pace. Zeros: it stands upright by its springs.
+  /// The patient leaves the harness, and the bar is held by hand: forward and left of the middle, turned to the left. It moves there at the
+  /// speed of a hand. Zeros: upright by its springs.
   void hold_bar(double dx_m, double dy_m, double yaw_rad);
   /// The patient is strapped in again, standing.
   void strap_in();
@@ -99,7 +99,7 @@ class World {
   /// Machine and patient back at the start mark of a scenario. False, and nothing done, while a drive is enabled or the machine moves.
   [[nodiscard]] bool restart(const Scenario& scenario);
 
-  // The truth, for tests and for the state that the program tells.
+  // True values, for tests and for the program's state report.
   [[nodiscard]] Plant& plant();
   [[nodiscard]] const Plant& plant() const;
   [[nodiscard]] Patient& patient();

@@ -1,4 +1,4 @@
-// Which frames a node looks at, and in which order frames leave. The same for every controller.
+// Which frames a node reads, and in which order frames leave. The same for every controller.
 #pragma once
 #include <cstdint>
 

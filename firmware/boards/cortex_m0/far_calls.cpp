@@ -1,5 +1,5 @@
-// From flash into RAM: a branch reaches 16 MB, RAM is 256 MB away. The linker would make such pieces by itself, twice as long, because it
-// must keep all registers; a called function need not, and none of these has a fourth argument.
+// From flash into RAM: a branch reaches 16 MB, RAM is 256 MB away. The linker's own veneers are twice as long, because they must keep all
+// registers; a called function need not, and none of these has a fourth argument.
 asm(R"(
   .syntax unified
   .macro far_call name, target

@@ -1,5 +1,5 @@
-// Room for one object that is made at run time and never destroyed. Global objects with an initial value other than zero would lie in
-// flash a second time, and global constructors do not run.
+// Storage for one object that is constructed at run time and never destroyed. Global objects with a non-zero initial value would need flash
+// twice, and global constructors do not run.
 #pragma once
 #include <new>
 #include <utility>

@@ -15,16 +15,16 @@ class Ring {
   [[nodiscard]] bool full() const { return written_ - read_ == kSize; }
   [[nodiscard]] std::size_t size() const { return written_ - read_; }
 
-  // The writer's side. False when there is no room; nothing is stored then.
+  // The writer's side. False when the ring is full; nothing is stored then.
   bool put(const T& item) {
     if (full()) return false;
     items_[written_ % kSize] = item;
-    // The processor writes in order; the compiler must, too: the item is there before the count says so.
+    // The processor writes in order; the compiler must too: the item is stored before the count.
     asm volatile("" ::: "memory");
     written_ = written_ + 1;
     return true;
   }
-  // The reader's side. False when there is nothing.
+  // The reader's side. False when the ring is empty.
   bool take(T& item) {
     if (empty()) return false;
     item = items_[read_ % kSize];

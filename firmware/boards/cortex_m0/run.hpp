@@ -22,15 +22,15 @@
 namespace hoist::firmware::cortex_m0 {
 
 inline constexpr std::uint32_t kFramesPerRound = 8;   // a babbling bus must not keep the loop from its tick
-inline constexpr std::uint32_t kTicksToCatchUp = 20;  // after a longer pause (flash erase) the missing milliseconds are given up
+inline constexpr std::uint32_t kTicksToCatchUp = 20;  // after a longer pause (flash erase) the missing milliseconds are skipped
 inline constexpr std::uint32_t kLedNormal_ms = 500, kLedRefused_ms = 62;
 
 // Milliseconds since start, counted by the SysTick interrupt.
 inline volatile std::uint32_t tick_count = 0;
 inline void on_systick() { tick_count = tick_count + 1; }
 
-// Sleeps until an interrupt has been served, unless `pending()` says that there is already something to do. Looking and falling asleep
-// with interrupts masked: one that comes in between still wakes the processor.
+// Sleeps until an interrupt, unless `pending()`. Check and sleep run with interrupts masked; one that arrives in between still wakes the
+// processor.
 template <class Pending>
 void sleep_unless(Pending pending) {
   disable_interrupts();
@@ -54,7 +54,7 @@ template <class Node, class Board>
     if (behind > 0) {
       if (behind > kTicksToCatchUp) seen += behind - kTicksToCatchUp;
       ++seen;
-      // A second millisecond has begun before this one was looked at: the servo ran late.
+      // A second millisecond has begun before this one was handled: the servo ran late.
       if constexpr (requires { node.note_late_tick(); })
         if (behind > 1) node.note_late_tick();
       if constexpr (requires { board.tick_1ms(); }) board.tick_1ms();
@@ -77,7 +77,7 @@ template <class Node, class Board>
   }
 }
 
-// A board that does not know who it is or whose hardware is not there: outputs stay off, nothing is sent, the lamp says so.
+// A board without a valid strap or with missing hardware: outputs stay off, nothing is sent, the lamp blinks fast.
 template <class Board>
 [[noreturn]] void refuse_to_start(Board& board) {
   bool led = false;

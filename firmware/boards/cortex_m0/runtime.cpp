@@ -1,5 +1,5 @@
-// What the compiler calls by itself, under the names of the ARM run-time ABI (IHI 0043): floats, division, copying. Small ones in place
-// of the library's fast ones; soft_float.hpp is tested against this computer's floats bit by bit.
+// Functions that the compiler calls, under the names of the ARM run-time ABI (IHI 0043): floats, division, copying. Small, in place of the
+// library's fast ones; soft_float.hpp is tested against this computer's floats bit by bit.
 #include <cstddef>
 #include <cstdint>
 
@@ -44,7 +44,7 @@ Word hoist_i2f(std::int32_t value) { return soft::from_signed(value); }
 std::int32_t hoist_f2iz(Word a) { return soft::to_signed(a); }
 std::uint32_t hoist_f2uiz(Word a) { return soft::to_unsigned(a); }
 
-// Quotient in the first register, rest in the second.
+// Quotient in the first register, remainder in the second.
 std::uint64_t __aeabi_uidivmod(std::uint32_t a, std::uint32_t b) { return divide(a, b); }
 std::uint32_t __aeabi_uidiv(std::uint32_t a, std::uint32_t b) { return static_cast<std::uint32_t>(__aeabi_uidivmod(a, b)); }
 std::uint64_t __aeabi_idivmod(std::int32_t a, std::int32_t b) {

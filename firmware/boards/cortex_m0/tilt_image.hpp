@@ -1,5 +1,5 @@
-// The tilt sensor's image, the same on every chip: one image for both struts and the base, told apart by the straps, and for three inertial
-// chips, told apart by asking. The one source that includes this names its chip first: namespace hoist::firmware::chip.
+// The tilt sensor's image, the same on every chip: one image for both struts and the base, distinguished by the straps, and for three
+// inertial chips, distinguished by their identity. The one source that includes this names its chip first: namespace hoist::firmware::chip.
 #pragma once
 #include <array>
 
@@ -35,7 +35,7 @@ class TiltBoard : public Board {
   [[nodiscard]] ImuReport imu_report() const { return found_ ? imu_.report() : foreign_; }
 
  private:
-  // Identities only; from here on the chip's own driver asks again, and resets it first.
+  // Reads identities only; the chip's driver resets it and reads its identity again.
   void ask() {
     asked_ms_ = 0;
     std::array<std::uint8_t, 1> answer{};
@@ -44,7 +44,7 @@ class TiltBoard : public Board {
     } else if (spi_.read(Icm42688pChip::kWhoAmIRegister, answer) && answer[0] == Icm42688pChip::kWhoAmI) {
       use(ImuChip<SpiBus, Icm42688pChip>(spi_));
     } else if (i2c_.read(Mpu6050Chip::kWhoAmIRegister, answer)) {
-      use(ImuChip<I2cBus, Mpu6050Chip>(i2c_));  // or whatever sits at its address: the driver tells
+      use(ImuChip<I2cBus, Mpu6050Chip>(i2c_));  // or another chip at its address: the driver checks
     } else if (answer[0] != 0x00 && answer[0] != 0xFF) {
       foreign_ = {false, true, false, answer[0]};  // something on SPI that is none of the two
     }

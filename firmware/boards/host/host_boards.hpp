@@ -1,6 +1,6 @@
 // The boards of a simulated hoist: the same node sources as on the microcontrollers, with a model of the machine where the hardware is.
 //
-// Machine is whatever plays the hardware (firmware/sim/world.cpp); a board never sees more of it than its own wires:
+// Machine models the hardware (firmware/sim/world.cpp); a board sees only its own wires:
 //   bool read_imu(contract::Node, firmware::ImuSample&)
 //   std::int32_t encoder_counts(contract::Node)   std::uint32_t edge_time_us(contract::Node)   float motor_current_a(contract::Node)
 //   float supply_v()
@@ -27,7 +27,7 @@ class HostCan {
   explicit HostCan(bus::VirtualBus& bus) : bus_(bus), port_(bus.add_port()) {}
   bool send(const contract::CanFrame& frame) { return bus_.send(port_, frame); }
   [[nodiscard]] bool simulated() const { return true; }
-  /// Nothing that was sent still waits for the bus.
+  /// True when no sent frame still waits for the bus.
   [[nodiscard]] bool sent_all() const { return bus_.waiting(port_) == 0; }
   // The bus in virtual time has no error counters: the health is what a test or a scenario says it is.
   [[nodiscard]] CanHealth can_health() const { return health_; }
@@ -178,7 +178,7 @@ class HostGatewayBoard : public HostCan {
   explicit HostGatewayBoard(bus::VirtualBus& bus) : HostCan(bus) {}
   std::size_t uart_read(std::span<char> in) { return from_computer_.read(in); }
   std::size_t uart_write(std::span<const char> out) { return to_computer_.write(out); }
-  [[nodiscard]] std::uint32_t uart_lost() const { return 0; }  // the line in this process loses nothing
+  [[nodiscard]] std::uint32_t uart_lost() const { return 0; }  // the line inside this process loses nothing
 
   SerialFifo& from_computer() { return from_computer_; }
   SerialFifo& to_computer() { return to_computer_; }

@@ -1,5 +1,5 @@
-// What every LPC11C24 board has: CAN, stored parameters, cause of the reset, lamp, straps, watchdog. The boards of the four node kinds
-// are this and the hardware of their kind (tilt.cpp, drive.cpp, io.cpp, gateway.cpp).
+// What every LPC11C24 board has: CAN, stored parameters, cause of the reset, lamp, straps, watchdog. The boards of the four node kinds add
+// the hardware of their kind (tilt.cpp, drive.cpp, io.cpp, gateway.cpp).
 //
 // Interrupt handlers need the board, so there is one per image, a global that is initialised at compile time.
 #pragma once
@@ -36,7 +36,7 @@ class Board {
  public:
   static constexpr std::string_view kHardwareName = "LPC11C24";  // 1009h
 
-  // Clock, tick, lamp, supply watch. False when there is no exact clock: the node cannot be on the bus then.
+  // Clock, tick, lamp, supply monitor. False without an exact clock: the node cannot be on the bus then.
   [[nodiscard]] bool start_core() {
     syscon::AhbClocks::set(syscon::kGpio | syscon::kIocon);
     reset_cause_ = take_reset_cause();

@@ -93,14 +93,14 @@ class Bridge {
     pwm::Prescale::write(0);
     pwm::Match3::write(pwm::kPeriod - 1);
     set_on_time(0);
-    pwm::MatchControl::write(1U << 10);  // match 3 starts the period anew
+    pwm::MatchControl::write(1U << 10);  // match 3 restarts the period
     pwm::Mode::write(3);                 // outputs 0 and 1
     pwm::Control::write(1);
     set_pin<kBridgeEnable>(2, kPinFloating);
   }
 
-  // Off is the driver's sleep: its four transistors are off and the motor coasts. It needs a millisecond to wake, in which the motor gets
-  // nothing; the current limiter and the ramp of the first tick are slower than that.
+  // Off is the driver's sleep: its four transistors are off and the motor coasts. Waking takes a millisecond without voltage; the current
+  // limiter and the ramp of the first tick are slower than that.
   void set(bool enabled, float duty_norm) {
     if (!enabled || duty_norm != duty_norm) {
       write_pin<kBridgeAwake>(false);
@@ -123,9 +123,9 @@ class Bridge {
   [[nodiscard]] bool awake() const { return awake_; }
 
  private:
-  // Before the direction changes: the old size must not be applied in the new one. A match value counts at once, but an output that is
-  // already high stays high until the period ends (UM10398, rules for single edge controlled PWM outputs). That end is waited for: never
-  // longer than the old ON part, 50 us at full duty and next to nothing where a servo passes through zero.
+  // Before the direction changes: the old duty must not act in the new direction. A match value counts at once, but an output that is
+  // already high stays high until the period ends (UM10398, rules for single edge controlled PWM outputs). This waits for that end, at most
+  // the old ON part: 50 us at full duty, almost nothing where a servo passes through zero.
   static void end_on_part() {
     const std::uint32_t rise = pwm::Match0::read();
     pwm::Match0::write(pwm::kPeriod);

@@ -93,7 +93,7 @@ class Can {
     return true;
   }
 
-  // Main loop. Sorted by identifier, equal ones in order; false when there is no room.
+  // Main loop. Sorted by identifier, equal ones in order; false when the queue is full.
   bool send(const CanFrame& frame) {
     if (waiting_count_ == kCanTransmitMax) return false;
     std::size_t at = waiting_count_++;
@@ -127,7 +127,7 @@ class Can {
 
   bool receive(CanFrame& frame) { return received_.take(frame); }
   [[nodiscard]] bool has_frame() const { return !received_.empty(); }
-  // Nothing waits and nothing is under way: a node that restarts itself waits for this, so that its answer still leaves.
+  // True when nothing waits or is being sent: a node that restarts itself waits for this, so that its answer still leaves.
   [[nodiscard]] bool all_sent() const { return waiting_count_ == 0 && transmitting() == 0; }
 
   // Takes back what has not left: it is too old by now.
@@ -159,7 +159,7 @@ class Can {
     return health;
   }
 
-  // Begins the way back from bus-off. Frames from before would be stale: they are dropped.
+  // Starts recovery from bus-off. Older frames would be stale and are dropped.
   void restart() {
     if ((c_can::Status::read() & c_can::kBusOff) == 0) return;
     if ((c_can::Control::read() & c_can::kInit) == 0) return;  // already on its way
@@ -178,13 +178,13 @@ class Can {
       if (cause < kReceiveFirst || cause == kRemoteObject) {
         c_can::Isr::Command::write(c_can::kClearPending);
         (void)c_can::Isr::move(cause);
-        continue;  // sending goes on in service(): this interrupt only wakes the main loop
+        continue;  // sending continues in service(): this interrupt only wakes the main loop
       }
       if (cause > kCanObjects) {
         (void)c_can::Status::read();
         continue;
       }
-      // The register is read anew for each frame: one that comes meanwhile lies behind those that are still there.
+      // The register is read again for each frame: a new frame lies behind those still unread.
       for (std::uint32_t object = kReceiveFirst; object <= kReceiveLast; ++object) {
         std::uint32_t news = (c_can::NewData2::read() & kChainNews) >> (object - kReceiveFirst);
         if (news == 0) break;
@@ -235,7 +235,7 @@ class Can {
     Loop::Mask1::write(0xFFFF);
     Loop::Mask2::write(0xFFFF);
     Loop::Id1::write(id & 0xFFFFU);
-    // A remote frame is what a receive object sends when it is asked to transmit.
+    // A receive object that is told to transmit sends a remote frame.
     Loop::Id2::write((id >> 16) | c_can::kValid | (extended ? c_can::kExtended : 0U) | (remote ? 0U : c_can::kTransmit));
     for (std::uint32_t i = 0; i < 4; ++i)
       cortex_m0::write_word(Loop::kData + 4 * i,

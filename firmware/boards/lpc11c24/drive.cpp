@@ -1,4 +1,4 @@
-// The drive on the LPC11C24: one image for both wheels, told apart by the straps.
+// The drive on the LPC11C24: one image for both wheels, distinguished by the straps.
 #include "firmware/boards/cortex_m0/late.hpp"
 #include "firmware/boards/cortex_m0/run.hpp"
 #include "firmware/boards/lpc11c24/board.hpp"
@@ -63,7 +63,7 @@ extern "C" {
 using hoist::firmware::lpc11c24::board_place;
 
 void can_interrupt() { board_place.object.on_can_interrupt(); }
-// From RAM: there are 70 000 edges in a fast second.
+// From RAM: up to 70 000 edges per second.
 [[gnu::section(".ramcode")]] void gpio2_interrupt() { board_place.object.on_encoder_interrupt(); }
 
 void hoist_outputs_off() { hoist::firmware::lpc11c24::Bridge::outputs_off(); }

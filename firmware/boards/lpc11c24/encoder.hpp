@@ -1,5 +1,5 @@
-// Quadrature encoder by edge interrupts: the chip has no counter that knows direction. About 65 cycles an edge, so 370 000 edges/s would
-// take half of the processor; the fastest motor gives 72 000.
+// Quadrature encoder by edge interrupts: the chip has no quadrature counter. About 65 cycles an edge, so 370 000 edges/s would take half of
+// the processor; the fastest motor gives 72 000.
 //
 // Time between edges comes from CT32B0, which counts microseconds and never stops.
 #pragma once
@@ -82,7 +82,7 @@ class Encoder {
   volatile std::int32_t counts_ = 0;
   volatile std::uint32_t illegal_ = 0;
   volatile std::uint32_t edge_us_ = 0, between_us_ = kEdgeTimeUnknown_us;
-  volatile std::int32_t direction_ = 0;  // of the edge before; 0 when nothing can be said
+  volatile std::int32_t direction_ = 0;  // of the previous edge; 0 when unknown
 };
 
 }  // namespace hoist::firmware::lpc11c24

@@ -1,5 +1,5 @@
 // Flash through the factory's routines in ROM (UM10398, chapter 26: IAP). They need the last 32 bytes of RAM, and nothing may run from
-// flash while they work: interrupts are off for up to 100 ms, so this is only for a node that moves nothing.
+// flash while they work: interrupts are off for up to 100 ms, so this is only for a node at standstill.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -17,14 +17,14 @@ namespace iap {
 enum class Command : std::uint32_t { prepare = 50, copy = 51, erase = 52, compare = 56, read_unique_id = 58 };
 inline constexpr std::uint32_t kEntry = 0x1FFF1FF1;
 
-using Result = std::array<std::uint32_t, 5>;  // status, then what was asked for
+using Result = std::array<std::uint32_t, 5>;  // status, then results
 inline Result ask(Command command, std::uint32_t a = 0, std::uint32_t b = 0, std::uint32_t c = 0, std::uint32_t d = 0) {
   std::array<std::uint32_t, 5> in{static_cast<std::uint32_t>(command), a, b, c, d};
-  Result out{0xFFFFFFFF};  // not a status: a routine that did nothing has not succeeded
+  Result out{0xFFFFFFFF};  // not a status code, so a routine that did nothing counts as failed
   reinterpret_cast<void (*)(std::uint32_t*, std::uint32_t*)>(kEntry)(in.data(), out.data());
   return out;
 }
-// True when the routine says CMD_SUCCESS.
+// True when the routine returns CMD_SUCCESS.
 inline bool call(Command command, std::uint32_t a, std::uint32_t b, std::uint32_t c = 0, std::uint32_t d = 0) {
   return ask(command, a, b, c, d)[0] == 0;
 }

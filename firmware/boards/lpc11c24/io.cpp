@@ -48,7 +48,7 @@ class IoBoard : public Board {
   }
   // The contacts open when pressed.
   std::uint8_t bumpers() { return Bumpers::read(); }
-  // Bit 0 is the emergency stop chain: its contact opens, so that a torn wire reads as pressed. The others are closed to ground = 1.
+  // Bit 0 is the emergency stop chain: its contact opens, so that a cut wire reads as pressed. The others are closed to ground = 1.
   std::uint8_t switches() { return Switches::read() ^ 0x0EU; }
   float battery_v(int battery) {
     constexpr float kVolt = kAdcReference_v / kAdcCounts;

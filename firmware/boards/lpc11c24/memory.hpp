@@ -1,4 +1,4 @@
-// Where what lies in an LPC11C24: flash in sectors of 4 KB, 8 KB of RAM. The linker script (application.ld) repeats these figures.
+// Memory map of an LPC11C24: flash in sectors of 4 KB, 8 KB of RAM. The linker script (application.ld) repeats these figures.
 //
 //   0x0000 - 0x0FFF  loader (firmware/boot)
 //   0x1000 - 0x6FFF  application: vectors, image header at +0xC0, program

@@ -1,10 +1,10 @@
-// Two parameter pages in one flash sector. The program needs six of the eight sectors, the loader one; what is left is a single sector,
-// which can only be erased as a whole, with both copies in it. So it is erased as seldom as possible: it holds eight slots, even ones for
-// page 0 and odd ones for page 1, and "erasing" a page moves on to its next slot. Only when a page has no fresh slot left, at every
-// eighth save or so, the sector is erased, after its other page was taken into RAM; then that one is written back first.
+// Two parameter pages in one flash sector. The program needs six of the eight sectors, the loader one. The last sector holds both copies
+// and can only be erased as a whole, so it is erased as rarely as possible: it holds eight slots, even ones for page 0 and odd ones for
+// page 1, and "erasing" a page moves on to its next slot. Only when a page has no fresh slot left, at every eighth save or so, is the
+// sector erased. The other page is copied to RAM before and written back first.
 //
-// The power may be cut at any moment without losing the newest good copy, with one exception that nothing can help on this chip: within
-// the tenth of a second of that one erase in eight. The node then starts with its defaults and says so (EMCY, parameters lost).
+// A power cut never loses the newest good copy, except within the 0.1 s of that erase. The node then starts with its defaults and reports
+// it (EMCY, parameters lost).
 #pragma once
 #include <array>
 #include <concepts>
@@ -18,7 +18,7 @@ namespace hoist::firmware::lpc11c24 {
 inline constexpr std::size_t kSlotBytes = 512;
 inline constexpr std::size_t kSlotWriteBytes = 256;  // the smallest piece that the factory's routine writes
 
-// erase(): all of it to FFh. write(): 256 bytes at a multiple of 256, checked. bytes(): what is in it.
+// erase(): all of it to FFh. write(): 256 bytes at a multiple of 256, checked. bytes(): its content.
 template <class S>
 concept FlashSector = requires(S sector, const S constant, std::size_t offset,
                                const std::array<std::uint32_t, kSlotWriteBytes / 4>& words) {
@@ -84,7 +84,7 @@ class ParameterPages {
     }
     return true;
   }
-  // Erases the sector; the page that is to be kept goes back to its first slot.
+  // Erases the sector; the kept page returns to its first slot.
   bool start_anew(int keep) {
     const std::size_t from = slot_of(keep);
     const bool something = !blank(from);

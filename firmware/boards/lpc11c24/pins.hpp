@@ -16,8 +16,8 @@ struct Pin {
 
 // ---- every board
 
-// Which one of its kind a board is: a wire from a strap to ground, read once at start with pull-ups on. A broken wire must never turn a
-// left board into a right one, so each place has its own pattern and no wire at all is no place: such a board stays off the bus.
+// The place of a board: a wire from a strap to ground, read once at start with pull-ups on. A cut wire must never turn a left board into a
+// right one, so each place has its own pattern, and a board without any wire stays off the bus.
 //   tilt and drive   left: strap 0 to ground, right: strap 1 to ground     tilt only: both to ground = base
 inline constexpr Pin kStrap0{3, 0};
 inline constexpr Pin kStrap1{3, 1};
@@ -26,7 +26,7 @@ inline constexpr Pin kService{0, 3};
 // Lights while the program runs: low = on. Toggles once a second in normal running, eight times a second when the board refused to start.
 inline constexpr Pin kLed{2, 10};
 
-// ---- tilt: either an MPU-6050 on I2C or an LSM6DSO or ICM-42688-P on SSP0; the program asks who is there.
+// ---- tilt: either an MPU-6050 on I2C or an LSM6DSO or ICM-42688-P on SSP0; the program detects which.
 
 inline constexpr Pin kI2cScl{0, 4}, kI2cSda{0, 5};     // function 1, 400 kHz, external 2.2 kOhm pull-ups
 inline constexpr std::uint8_t kMpu6050Address = 0x68;  // pin AD0 to ground
@@ -47,7 +47,7 @@ inline constexpr std::uint8_t kMotorCurrentChannel = 0;
 inline constexpr std::uint8_t kBusVoltageChannel = 1;
 
 // An amplifier in the motor's own lead (3 mOhm, gain 20, middle at half the converter's supply), because the bridge's own current output
-// knows no sign and is silent while the motor feeds back. More voltage = more forward current. 10 bit over 3.3 V.
+// has no sign and is invalid while the motor feeds back. More voltage = more forward current. 10 bit over 3.3 V.
 inline constexpr float kAdcReference_v = 3.3F;
 inline constexpr float kAdcCounts = 1024.0F;
 inline constexpr float kCurrentGain_v_a = 0.060F;

@@ -1,4 +1,4 @@
-// The registers of the LPC11C24 that this firmware uses, by their names in UM10398. Nothing else of the chip is touched.
+// The registers of the LPC11C24 that this firmware uses, by their names in UM10398. No other register is used.
 #pragma once
 #include <cstdint>
 

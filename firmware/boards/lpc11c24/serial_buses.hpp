@@ -1,5 +1,5 @@
 // I2C as master at 400 kHz (UM10398, chapter 15) and SSP0 as SPI master in mode 3 at 4 MHz (chapter 14), both polled: a reading of an
-// inertial sensor takes 0.4 ms and 35 us, and the main loop has nothing better to do. Both are a RegisterBus of firmware/lib/imu.
+// inertial sensor takes 0.4 ms and 35 us, and the main loop has no other work then. Both are a RegisterBus of firmware/lib/imu.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +19,7 @@ class I2cBus {
     syscon::PeripheralReset::set(syscon::kI2cRuns);
     set_pin<kI2cScl>(1, kPinOpenDrainI2c);
     set_pin<kI2cSda>(1, kPinOpenDrainI2c);
-    // 48 MHz / 120; low for 1.46 us, fast mode asks for 1.3.
+    // 48 MHz / 120; low for 1.46 us, fast mode demands 1.3.
     HighTime::write(50);
     LowTime::write(70);
     ControlClear::write(kAcknowledge | kInterrupt | kBegin | kEnable);
@@ -102,7 +102,7 @@ class I2cBus {
   std::uint8_t address_;
 };
 
-// Register number in the first byte, bit 7 set to read; the number counts up by itself. LSM6DSO and ICM-42688-P both speak it so.
+// Register number in the first byte, bit 7 set to read; the number increments automatically. So for LSM6DSO and ICM-42688-P.
 class SpiBus {
  public:
   static void start() {

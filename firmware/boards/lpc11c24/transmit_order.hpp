@@ -1,7 +1,7 @@
-// Which message object sends which identifier. The C_CAN sends the lowest object first (UM10398, chapter 16), and a frame once handed over
-// stays in its object until it is out. So a frame waits for one of a lower priority only where both share an object.
+// Which message object sends which identifier. The C_CAN sends the lowest object first (UM10398, chapter 16), and a frame stays in its
+// object until it is sent. So a frame waits for one of a lower priority only where both share an object.
 //
-// Each identifier that one board sends has an object of its own: EMCY or SYNC, both process data, SDO, heartbeat; on the gateway also each of the
+// Each identifier that a board sends has its own object: EMCY or SYNC, both PDOs, SDO, heartbeat; on the gateway also each of the
 // computer's commands. Identifiers moved by 1400h or 1800h may share one.
 #pragma once
 #include <array>
@@ -24,7 +24,7 @@ inline constexpr std::array<std::uint16_t, 10> kFirstIdOfObject{0x000,   // NMT
                                                                 0x700};  // heartbeat
 
 // A remote frame can only be sent from a receive object (Bosch C_CAN, 3.3), which then takes the data frames of its identifier. Behind the
-// chain that takes every frame it never gets one. The last object to send: a remote frame is never urgent.
+// chain that takes every frame it never receives one. Lowest priority: a remote frame is never urgent.
 inline constexpr std::uint32_t kTransmitClasses = kFirstIdOfObject.size();
 inline constexpr std::uint32_t kReceiveFirst = 17, kReceiveLast = 31, kRemoteObject = 32;
 static_assert(kTransmitClasses < kReceiveFirst);

@@ -1,7 +1,7 @@
-// UART at 1 Mbaud with both handshake lines done by the hardware (UM10398, chapter 13): 48 MHz / 16 / 3, exactly.
+// UART at 1 Mbaud with hardware handshake on both lines (UM10398, chapter 13): 48 MHz / 16 / 3, exactly.
 //
-// When the receiving ring is full the interrupt stops reading; the FIFO fills to its trigger, RTS goes up, and the computer waits. Nothing
-// is lost then; what is lost all the same is counted.
+// When the receiving ring is full the interrupt stops reading; the FIFO fills to its trigger, RTS goes up, and the computer waits.
+// Characters that are lost anyway are counted.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +19,7 @@ class Uart {
     set_pin<kUartRxd>(1, kPinPullUp);
     set_pin<kUartTxd>(1, kPinFloating);
     set_pin<kUartRts>(1, kPinFloating);
-    set_pin<kUartCts>(1, kPinPullUp);  // a computer that is not there does not say "go on"
+    set_pin<kUartCts>(1, kPinPullUp);  // an absent computer does not assert CTS
     syscon::AhbClocks::set(syscon::kUart);
     syscon::UartDivider::write(1);
     static_assert(kClock_hz % (16 * kUart_baud) == 0);

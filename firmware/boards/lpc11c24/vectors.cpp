@@ -8,7 +8,7 @@
 #include "firmware/boards/lpc11c24/registers.hpp"
 
 extern "C" {
-// Made by the linker script so that the first eight words add up to zero: without it the ROM does not start what lies at address 0.
+// Made by the linker script so that the first eight words add up to zero: otherwise the ROM does not start the program at address 0.
 extern std::uint32_t hoist_vector_checksum[];
 
 void systick_interrupt() { hoist::firmware::cortex_m0::on_systick(); }

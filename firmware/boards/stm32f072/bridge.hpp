@@ -37,7 +37,7 @@ class Converter {
     const bool good = wait_clear(Control::read, 1U << 31);
     Status::write(1);
     SampleTime::write(3);
-    // Switched on again until it says so: within four of its clocks after the calibration it forgets.
+    // Repeated until the converter reports ready: a request within four of its clocks after calibration is lost.
     for (std::uint32_t i = 0; i < kLoopsMax; ++i) {
       Control::write(1);
       if ((Status::read() & 1U) != 0) return good;
@@ -133,7 +133,7 @@ class Bridge {
     const bool forward = duty_norm >= 0;
     const float size = forward ? duty_norm : -duty_norm;
     const std::uint32_t on = size >= 1.0F ? pwm::kPeriod : static_cast<std::uint32_t>(size * static_cast<float>(pwm::kPeriod));
-    if (forward != forward_) {  // never the old size with the new direction: at once, not at the end of the period
+    if (forward != forward_) {  // at once, not at the end of the period: the old duty must not act in the new direction
       set_on_time(0);
       pwm::Event::write(1);
     }
@@ -154,8 +154,8 @@ class Bridge {
   bool forward_ = true;
 };
 
-// TIM3 counts the edges in hardware, whatever the program does; TIM2 holds the microsecond of the last one. A step in which both lines
-// changed does not show here: the hardware counts nothing then, and the node finds it by the voltage that the motor generates.
+// TIM3 counts the edges in hardware; TIM2 holds the microsecond of the last one. The hardware does not count a step in which both lines
+// changed; the node finds that by the motor's generated voltage.
 class Encoder {
  public:
   void start() {
@@ -179,7 +179,7 @@ class Encoder {
     EdgeControl::write(1);
   }
 
-  // Called at least every 32767 edges; a node asks every millisecond.
+  // Must be called at least every 32767 edges; a node calls it every millisecond.
   [[nodiscard]] std::int32_t counts() {
     const std::uint32_t now = Count::read() & 0xFFFFU;
     const auto moved = static_cast<std::int16_t>(static_cast<std::uint16_t>(now - last_));

@@ -1,8 +1,7 @@
 // The bxCAN controller of the STM32F072 at 250 kbit/s (RM0091, chapter 29).
 //
-// Three mailboxes send by identifier (TXFP = 0), shared out as transmit_order.hpp says; two frames of the same identifier are never in them
-// together, because then the number of the mailbox would decide. Filter bank 0 lets everything into FIFO 0; frames of no use are dropped in the
-// interrupt.
+// Three mailboxes send by identifier (TXFP = 0), shared out as transmit_order.hpp says; two frames of the same identifier never use them
+// together, because then the mailbox number decides. Filter bank 0 passes everything to FIFO 0; unused frames are dropped in the interrupt.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -72,13 +71,13 @@ class Can {
     bxcan::FilterActive::set(1);
     bxcan::FilterControl::clear(1);
     bxcan::Interrupts::write((1U << 0) | (1U << 1));  // a mailbox is empty; FIFO 0 holds a frame
-    // Without waiting: on a bus that is not there, or stuck, the controller never gets to the running state, and the node still lives.
+    // Without waiting: on a missing or stuck bus the controller never reaches the running state, and the node must still work.
     bxcan::Control::write(0);
     cortex_m0::enable_interrupt(irq::kCan, kPriorityCan);
     return true;
   }
 
-  // Main loop. Sorted by identifier, equal ones in order; false when there is no room.
+  // Main loop. Sorted by identifier, equal ones in order; false when the queue is full.
   bool send(const CanFrame& frame) {
     if (waiting_count_ == kCanTransmitMax) return false;
     std::size_t at = waiting_count_++;
@@ -108,7 +107,7 @@ class Can {
         else
           same |= (orders[taken++] = order_[box]) == order;
       }
-      // What comes behind a frame that has to wait for its own kind is of a higher identifier or equal: order is kept.
+      // Frames behind one that waits for its class have a higher or equal identifier: order is kept.
       if (same || free == bxcan::kMailboxes || !may_take_mailbox(order, std::span(orders).first(taken))) {
         waiting_[kept++] = waiting_[i];
         continue;
@@ -146,7 +145,7 @@ class Can {
     return health;
   }
 
-  // Begins the way back from bus-off: into initialisation and out again. Frames from before would be stale: they are dropped.
+  // Starts recovery from bus-off: into initialisation and out again. Older frames would be stale and are dropped.
   void restart() {
     if (restarting_ || (bxcan::Errors::read() & kBusOff) == 0) return;
     waiting_count_ = 0;
@@ -157,7 +156,7 @@ class Can {
   }
 
   void on_interrupt() {
-    bxcan::Transmit::write(bxcan::kAllDone);  // sending goes on in service(): this only wakes the main loop
+    bxcan::Transmit::write(bxcan::kAllDone);  // sending continues in service(): this only wakes the main loop
     for (std::uint32_t i = 0; i < kCanReceiveMax && (bxcan::Receive::read() & 3U) != 0; ++i) take();
   }
 
@@ -211,7 +210,7 @@ class Can {
   std::array<std::uint32_t, bxcan::kMailboxes> order_{};  // of what was handed to each mailbox last
   cortex_m0::Ring<CanFrame, kCanReceiveMax> received_{};
   volatile std::uint32_t lost_ = 0;
-  bool restarting_ = false;  // on the way back from bus-off
+  bool restarting_ = false;  // recovering from bus-off
 };
 
 }  // namespace hoist::firmware::stm32f072

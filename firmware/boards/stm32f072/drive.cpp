@@ -1,4 +1,4 @@
-// The drive on the STM32F072: one image for both wheels, told apart by the straps.
+// The drive on the STM32F072: one image for both wheels, distinguished by the straps.
 #include "firmware/boards/cortex_m0/late.hpp"
 #include "firmware/boards/cortex_m0/run.hpp"
 #include "firmware/boards/stm32f072/board.hpp"

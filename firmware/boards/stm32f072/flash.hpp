@@ -9,7 +9,7 @@
 
 namespace hoist::firmware::stm32f072 {
 
-// The two copies of the parameters, each in a page of its own: FlashPages of firmware/lib/board.hpp.
+// The two copies of the parameters, each in its own page: FlashPages of firmware/lib/board.hpp.
 class ParameterFlash {
  public:
   static constexpr std::size_t kPageBytes = stm32f072::kPageBytes;

@@ -1,9 +1,9 @@
-// Where what lies in an STM32F072CB: 128 KB of flash in pages of 2 KB, 16 KB of RAM. application.ld repeats these figures.
+// Memory map of an STM32F072CB: 128 KB of flash in pages of 2 KB, 16 KB of RAM. application.ld repeats these figures.
 //
 //   0x08000000  loader, 8 KB         0x08002000  application, 116 KB         0x0801F000, 0x0801F800  two copies of the parameters
 //   0x20000000  vectors of the running program (SYSCFG maps RAM to address 0), 0x200000C0 variables and stack, 0x20003FF0 mailbox
 //
-// The mailbox may lie in RAM: a reset keeps its content, and with BOOT0 low no program of the factory runs before the loader (RM0091, 2.5).
+// The mailbox may lie in RAM: a reset keeps its content, and with BOOT0 low no factory program runs before the loader (RM0091, 2.5).
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
-// What is soldered to which pin of the STM32F072CB boards (LQFP48). Data only, no register. The circuits around are those of the LPC11C24
-// boards (lpc11c24/pins.hpp): same straps, bridge, current amplifier, dividers, contacts. What differs: an 8 MHz crystal, an external CAN
+// Wiring of the STM32F072CB boards (LQFP48). Data only, no register. The circuits around are those of the LPC11C24 boards
+// (lpc11c24/pins.hpp): same straps, bridge, current amplifier, dividers, contacts. What differs: an 8 MHz crystal, an external CAN
 // transceiver (its silent or standby pin to ground), a converter of 12 bit. AF is the alternate function (data sheet, tables 15 and 16).
 #pragma once
 #include <cstdint>
@@ -29,7 +29,7 @@ inline constexpr Pin kBridgePhase{'B', 0};
 inline constexpr Pin kBridgeAwake{'B', 1};
 inline constexpr Pin kBridgeFault{'B', 2};
 inline constexpr Pin kEncoderA{'A', 6}, kEncoderB{'A', 7};  // AF1: TIM3_CH1 and CH2 count
-// The same two lines once more, for the time of the edges: TIM2_CH1 and CH2 (AF2). TIM2_CH3 belongs to the same exclusive-or: PA2 open.
+// The same two lines again, for the edge times: TIM2_CH1 and CH2 (AF2). TIM2_CH3 belongs to the same exclusive-or: PA2 open.
 inline constexpr Pin kEdgeA{'A', 0}, kEdgeB{'A', 1}, kEdgeOpen{'A', 2};
 inline constexpr Pin kMotorCurrent{'A', 4}, kBusVoltage{'A', 5};  // ADC_IN4, ADC_IN5
 inline constexpr std::uint8_t kMotorCurrentChannel = 4, kBusVoltageChannel = 5;

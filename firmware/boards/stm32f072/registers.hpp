@@ -1,4 +1,4 @@
-// The registers of the STM32F072 that this firmware uses, by their places in RM0091. Nothing else of the chip is touched.
+// The registers of the STM32F072 that this firmware uses, by their places in RM0091. No other register is used.
 #pragma once
 #include <cstdint>
 

@@ -100,7 +100,7 @@ class I2cBus {
   std::uint8_t address_;
 };
 
-// Register number in the first byte, bit 7 set to read; the number counts up by itself.
+// Register number in the first byte, bit 7 set to read; the number increments automatically.
 class SpiBus {
  public:
   static void start() {
@@ -113,7 +113,7 @@ class SpiBus {
     set_pin<kSpiMiso>(PinMode::alternate, PinPull::up, 0);
     set_pin<kSpiMosi>(PinMode::alternate, PinPull::none, 0);
     rcc::Apb2Clocks::set(rcc::kSpi1);
-    Control2::write((7U << 8) | (1U << 12));  // 8 bit, one byte is enough to say so
+    Control2::write((7U << 8) | (1U << 12));  // 8 bit; the flag is set from one byte on
     // Mode 3, master, 48 MHz / 16, select by hand, on.
     Control1::write((1U << 0) | (1U << 1) | (1U << 2) | (3U << 3) | (1U << 8) | (1U << 9));
     Control1::set(1U << 6);

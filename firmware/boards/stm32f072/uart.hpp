@@ -18,7 +18,7 @@ class Uart {
   void start() {
     set_pin<kUartTxd>(PinMode::alternate, PinPull::none, 1);
     set_pin<kUartRxd>(PinMode::alternate, PinPull::up, 1);
-    set_pin<kUartCts>(PinMode::alternate, PinPull::up, 1);  // a computer that is not there does not say "go on"
+    set_pin<kUartCts>(PinMode::alternate, PinPull::up, 1);  // an absent computer does not assert CTS
     set_pin<kUartRts>(PinMode::alternate, PinPull::none, 1);
     rcc::Apb2Clocks::set(rcc::kUsart1);
     static_assert(kClock_hz % kUart_baud == 0);

@@ -8,7 +8,7 @@
 #include "firmware/boards/stm32f072/registers.hpp"
 
 extern "C" {
-// Made by the linker script; this chip does not ask for it, a tool may look.
+// Made by the linker script; this chip does not need it, a tool may check it.
 extern std::uint32_t hoist_vector_checksum[];
 
 void systick_interrupt() { hoist::firmware::cortex_m0::on_systick(); }

@@ -1,5 +1,5 @@
-// The flash of an application in memory, as strict as silicon: erased by units, written by pages that must be erased, bits only ever
-// cleared. The power can be cut within any operation: what was under way is then half done, and everything after it does nothing.
+// The flash of an application in memory, as strict as silicon: erased by units, written by pages that must be erased, bits can only be
+// cleared. The power can be cut within any operation: that one is then half done, and later ones do nothing.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -26,7 +26,7 @@ class ProgramFlash {
     const auto place = std::span(bytes_).subspan(unit * kEraseUnit, kEraseUnit);
     for (std::size_t i = 0; i < place.size(); ++i) {
       if (!step(1)) {
-        // An erase that was cut leaves cells between all levels: here every other of the rest reads as something that it never was.
+        // An interrupted erase leaves cells between levels: here every other remaining byte reads as a wrong value.
         for (; i < place.size(); i += 2) place[i] = static_cast<std::uint8_t>(place[i] | (0x5AU + i));
         return false;
       }

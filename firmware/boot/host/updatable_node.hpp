@@ -1,6 +1,6 @@
 // A node of a simulated hoist with its loader: flash, mailbox and the choice between loader and application around a node's firmware, so
-// that an update can be tried without hardware. The application is the one that is compiled in, whatever the image holds; version and CRC
-// that it tells are those of the image.
+// that an update can be tried without hardware. The application is always the compiled-in one; its reported version and CRC are those of
+// the image.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -107,7 +107,7 @@ class UpdatableNode {
   [[nodiscard]] HostLoaderBoard<Board>& loader_board() { return loader_board_; }
 
  private:
-  // From the reset to the first words on the bus: clock and controller of a real chip need a few milliseconds.
+  // From the reset to the first frame: clock and controller of a real chip need a few milliseconds.
   static constexpr std::uint32_t kRestart_ms = 5;
 
   std::span<const std::uint8_t> burn_first() {

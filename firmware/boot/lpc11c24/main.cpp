@@ -1,9 +1,8 @@
 // The loader on the LPC11C24. One image per node kind, because the kind decides which straps mean which node and whose programs it takes;
 // HOIST_LOADER_KIND is its name.
 //
-// It must fit into one sector of 4 KB, so it knows no interrupt and no queue: the controller's own filters let only requests to this node
-// through, one at a time, and the millisecond is read off SysTick. It decides on the chip's own 12 MHz, and leaves reset causes and
-// peripherals as they are when it starts the application: that finds the chip as after a reset.
+// It must fit into one sector of 4 KB, so it has no interrupts and no queue: the controller's filters pass only requests to this node, one
+// at a time, and SysTick is polled. It runs on the chip's 12 MHz and leaves reset causes and peripherals as after a reset.
 #include <array>
 #include <cstring>
 #include <span>
@@ -16,7 +15,7 @@
 #include "firmware/boot/loader.hpp"
 
 extern "C" {
-// Made by the linker script so that the first eight words add up to zero: without it the ROM does not start what lies at address 0.
+// Made by the linker script so that the first eight words add up to zero: otherwise the ROM does not start the program at address 0.
 extern std::uint32_t hoist_vector_checksum[];
 }
 
@@ -32,7 +31,7 @@ static_assert(kChip.ram_at == kRamStart && kChip.ram_bytes == kRamBytes);
 // A gateway has no place among the nodes: its loader uses the number below the computer's.
 constexpr std::uint8_t kGatewayLoader = 0x7E;
 
-// Reset, and faults. Nothing else is ever enabled and no SVC is executed, so the table ends here.
+// Reset and faults. No interrupt is enabled and no SVC executed, so the table ends here.
 union Vector {
   std::uint32_t* address;
   void (*handler)();
@@ -58,13 +57,13 @@ class BootBoard {
   static constexpr std::size_t kEraseUnit = kSectorBytes;
   using Window = c_can::Loop;
 
-  // False when there is no exact clock or no controller: such a board cannot be on the bus.
+  // False without an exact clock or a controller: such a board cannot be on the bus.
   [[nodiscard]] bool start(std::uint8_t node_id) {
     if (!start_clock()) return false;
     start_brown_out();  // a sinking supply must not get into the middle of a flash write
     cortex_m0::SysTickReload::write(kClock_hz / 1000 - 1);
     cortex_m0::SysTickValue::write(0);
-    cortex_m0::SysTickControl::write(5);  // counts the processor's clock, interrupts nobody
+    cortex_m0::SysTickControl::write(5);  // counts processor clocks, no interrupt
     syscon::AhbClocks::set(syscon::kCan);
     syscon::PeripheralReset::set(syscon::kCanRuns);
     c_can::Control::write(c_can::kInit | c_can::kChangeTiming);
@@ -100,7 +99,7 @@ class BootBoard {
     return true;
   }
   [[nodiscard]] bool millisecond() const { return (cortex_m0::SysTickControl::read() & (1U << 16)) != 0; }
-  // A loader that has fallen off the bus must come back by itself: nothing else could reach it.
+  // After bus-off the loader must recover by itself: nothing else could reach it.
   void mend_bus() {
     if ((c_can::Status::read() & c_can::kBusOff) != 0 && (c_can::Control::read() & c_can::kInit) != 0) c_can::Control::write(0);
   }
@@ -128,7 +127,7 @@ class BootBoard {
     const auto sector = static_cast<std::uint32_t>(kApplicationStart / kSectorBytes + unit);
     return change(sector, iap::Command::erase, sector, sector, kClock_hz / 1000);
   }
-  // That the page reads back is seen by the CRC of the whole program, which is taken from flash.
+  // The CRC of the whole program, computed from flash, verifies the page.
   bool write(std::size_t offset, std::span<const std::uint8_t> bytes) {
     const auto to = static_cast<std::uint32_t>(kApplicationStart + offset);
     return change(to / kSectorBytes, iap::Command::copy, to, reinterpret_cast<std::uintptr_t>(bytes.data()), kFlashWriteBytes);
@@ -137,7 +136,7 @@ class BootBoard {
   void restart() { cortex_m0::reset_now(); }
 
  private:
-  // The factory's routines want each sector prepared before each change. No interrupt can get in between: none is enabled.
+  // The factory's routines need each sector prepared before each change. No interrupt can intervene: none is enabled.
   static bool change(std::uint32_t sector, iap::Command command, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     return iap::call(iap::Command::prepare, sector, sector) && iap::call(command, a, b, c, kClock_hz / 1000);
   }
@@ -158,7 +157,7 @@ class BootBoard {
 constinit cortex_m0::Late<BootBoard> board_place;
 constinit cortex_m0::Late<Loader<BootBoard>> loader_place;
 
-// Without forgetting it: the application wants to know, too.
+// Read without clearing: the application reads it too.
 LoaderReset reset_kind() {
   const std::uint32_t status = syscon::ResetStatus::read();
   if ((status & syscon::kResetWatchdog) != 0) return LoaderReset::watchdog;
@@ -171,7 +170,7 @@ bool service_pin_low() {
   return !read_pin<kService>();
 }
 
-// 0: the straps say nothing. Such a board stays off the bus: two nodes with one number would be worse than none.
+// 0: no valid strap. Such a board stays off the bus: two nodes with one id would be worse than none.
 std::uint8_t node_id() {
   if constexpr (kKind == ImageKind::io) return contract::node_id(contract::Node::io);
   if constexpr (kKind == ImageKind::gateway) return kGatewayLoader;

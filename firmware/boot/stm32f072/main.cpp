@@ -52,7 +52,7 @@ class ProgramFlash {
   static constexpr std::uint32_t kBusy = 1U << 0, kWrong = (1U << 2) | (1U << 4), kEnd = 1U << 5;
   static constexpr std::uint32_t kBusy_loops = 2'000'000;  // far more than the 40 ms of an erase
 
-  // Unlocked, and the watchdog patient, for as long as it lives.
+  // Flash is unlocked and the watchdog timeout long during this object's lifetime.
   class Change {
    public:
     Change() {
@@ -88,7 +88,7 @@ class BootBoard : public Board {
     return {reinterpret_cast<const std::uint8_t*>(kApplicationStart), kApplicationBytes};
   }
   bool erase(std::size_t unit) { return ProgramFlash::erase(static_cast<std::uint32_t>(kApplicationStart + unit * kEraseUnit)); }
-  // That a page reads back is seen by the CRC of the whole program, which is taken from flash.
+  // The CRC of the whole program, computed from flash, verifies each page.
   bool write(std::size_t offset, std::span<const std::uint8_t> bytes) {
     return ProgramFlash::write(static_cast<std::uint32_t>(kApplicationStart + offset), bytes);
   }
@@ -98,14 +98,14 @@ class BootBoard : public Board {
   Mailbox& mailbox() { return stm32f072::mailbox(); }
   void restart() { cortex_m0::reset_now(); }
   void started_well() {}  // that is said of applications
-  // A loader that has fallen off the bus must come back by itself: nothing else could reach it.
+  // After bus-off the loader must recover by itself: nothing else could reach it.
   void tick_1ms() { can_restart(); }
 };
 
 constinit cortex_m0::Late<BootBoard> board_place;
 constinit cortex_m0::Late<Loader<BootBoard>> loader_place;
 
-// Without forgetting it: the application wants to know, too. The pin's bit is set with every other one.
+// Read without clearing: the application reads it too. The pin's bit is set with every other one.
 LoaderReset reset_kind() {
   const std::uint32_t status = rcc::Status::read();
   if ((status & ((1U << 29) | (1U << 30))) != 0) return LoaderReset::watchdog;
@@ -118,7 +118,7 @@ bool service_pin_low() {
   return !read_pin<kService>();
 }
 
-// 0: the straps say nothing. Such a board stays off the bus: two nodes with one number would be worse than none.
+// 0: no valid strap. Such a board stays off the bus: two nodes with one id would be worse than none.
 std::uint8_t node_id() {
   if constexpr (kKind == ImageKind::io) return contract::node_id(contract::Node::io);
   if constexpr (kKind == ImageKind::gateway) return kGatewayLoader;

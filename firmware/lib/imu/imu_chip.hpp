@@ -1,15 +1,15 @@
-// An inertial sensor chip behind a register bus: reset, identity, self-test, configuration, readings. One engine; what differs between
-// chips is a description (mpu6050.hpp, lsm6dso.hpp, icm42688p.hpp).
+// An inertial sensor chip behind a register bus: reset, identity, self-test, configuration, readings. One engine, with a description per
+// chip (mpu6050.hpp, lsm6dso.hpp, icm42688p.hpp).
 //
-// No waiting in it: step_1ms() is called once per millisecond and does at most a few transfers. Until the self-test has passed, and
-// whenever something is in doubt afterwards, read() gives nothing.
+// It never waits: step_1ms() is called once per millisecond and does at most a few transfers. read() gives nothing until the self-test has
+// passed, and after any error.
 //
 //   start -> reset -> identity -> for each pass of the self-test: prepare, samples at rest, stimulus on, samples, stimulus off, judge
 //         -> configure -> running, where one register after the other is read back
-//   wrong identity            stays out of service, asks again each second
-//   self-test not passed      tried again kSelfTestTries times (somebody may have moved the strut), then failed until power-off
+//   wrong identity            stays out of service, retries each second
+//   self-test not passed      repeated kSelfTestTries times (the strut may have been moved), then failed until power-off
 //   a register has changed    failed until power-off: the chip has restarted or is broken
-//   bus does not answer       begins at reset again
+//   bus does not answer       restarts at reset
 #pragma once
 #include <array>
 #include <concepts>
@@ -21,8 +21,8 @@
 
 namespace hoist::firmware {
 
-// Registers of one chip, over I2C or SPI. read() fills `out` from `reg` on in one burst; the bus adds whatever its kind needs (address,
-// read bit). false: no acknowledge, or the transfer did not end in time.
+// Registers of one chip, over I2C or SPI. read() fills `out` from `reg` on in one burst; the bus adds its protocol's address or read bit.
+// false: no acknowledge, or the transfer did not end in time.
 template <class B>
 concept RegisterBus = requires(B bus, std::uint8_t reg, std::uint8_t value, std::span<std::uint8_t> out) {
   { bus.write(reg, value) } -> std::same_as<bool>;
@@ -33,7 +33,7 @@ inline constexpr float kStandardGravity_m_s2 = 9.80665F;
 inline constexpr float kRadPerDegree = 0.017453292F;
 
 inline constexpr std::uint16_t kImuPowerUp_ms = 50;  // longest power-up of the three: MPU-6050, 30 ms, and a margin
-inline constexpr std::uint16_t kImuRetry_ms = 1000;  // between two looks at a missing or foreign part
+inline constexpr std::uint16_t kImuRetry_ms = 1000;  // between two checks of a missing or unknown chip
 inline constexpr std::uint16_t kImuCheck_ms = 100;   // between two registers read back
 // A check waits for the middle between two samples, which come every 10 ms: a sample over I2C leaves no time for it in the same millisecond.
 inline constexpr std::uint16_t kImuSample_ms = 10, kImuCheckBehindSample_ms = 4;
@@ -183,8 +183,8 @@ class ImuEngine {
     }
   }
 
-  /// The newest reading, in the chip's own axes (x, y, z as printed on its package stand for forward, left, up); false when there is none
-  /// since the last call, and while the chip is not in service.
+  /// The newest reading, in the chip's own axes (x, y, z on its package are forward, left, up); false without a new one, and while the chip
+  /// is out of service.
   [[nodiscard]] bool read(ImuSample& sample) {
     if (phase_ != Phase::running) return false;
     if (wait_ms_ < kImuSample_ms + kImuCheckBehindSample_ms) wait_ms_ = kImuCheckBehindSample_ms;
@@ -290,7 +290,7 @@ class ImuEngine {
     go(Phase::failed, 0);
   }
 
-  // Reads one register of the configuration back; true when it is as it was written.
+  // Reads one configuration register back; true when it is unchanged.
   [[nodiscard]] bool check_register() {
     const RegisterValue& expected = chip_->work[check_at_];
     std::array<std::uint8_t, 1> value{};

@@ -45,7 +45,7 @@ struct Mpu6050Chip {
     return true;
   }
 
-  // Data sheet: the change may differ from the factory's by 14 %. A chip without codes cannot be judged, and is not trusted.
+  // Data sheet: the change may differ from the factory's by 14 %. A chip without codes counts as failed.
   static constexpr float kDeviationMax = 0.14F;
   static constexpr bool passed(std::size_t, const SelfTestCodes& codes, const SelfTestResult& result) {
     for (std::size_t i = 0; i < 6; ++i) {

@@ -1,17 +1,17 @@
-// The drive: servo loop at 1 kHz behind the CiA 402 state machine (profile velocity), and everything that makes it stop by itself.
+// The drive: servo loop at 1 kHz behind the CiA 402 state machine (profile velocity), and the drive's own safety stops.
 //
-// Three ways to a standstill:
+// Three ways to standstill:
 //   ramp       quick-stop ramp 6085h under the servo, then the bridge goes off. For every loss of the computer (RPDO deadline 45 ms,
-//              heartbeat 250 ms, NMT no longer operational), for its own quick stop, and for faults in which the encoder can be trusted.
-//   off        the bridge goes off at once. For faults in which the servo itself cannot be trusted: encoder, current, supply, readings.
+//              heartbeat 250 ms, NMT no longer operational), for its own quick stop, and for faults with a valid encoder.
+//   off        the bridge goes off at once. For faults that make the servo unreliable: encoder, current, supply, readings.
 //   hold       operation enabled with target zero: normal standing.
-// Operation is enabled only by a word that sets bit 3 anew, only while RPDOs arrive in time.
+// Operation is enabled only by a rising bit 3, and only while RPDOs arrive in time.
 //
 // A start begins in "not ready" with the self-test: current sensor at rest, readings, bridge driver, encoder lines, stored parameters, and
-// what restarted the processor. The bridge stays off until it has passed.
+// the reset cause. The bridge stays off until it has passed.
 //
-// The current limit in force is the one of 2200h:5, folded back for what could break first: a hot winding, a sagging supply while motoring, a
-// rising one while braking. Folding comes first, faults only where it does not help.
+// The current limit in force is 2200h:5, reduced for a hot winding, a sagging supply while motoring, or a rising one while braking. Faults
+// come only where the reduction does not help.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -34,20 +34,20 @@ inline constexpr std::uint32_t kOverCurrent_ms = 2;
 inline constexpr float kOverSpeed_rad_s = 225.0F;     // 0.75 m/s through gear 30 and wheel 0.10 m: top speed + 0.1 m/s, hazard H1
 inline constexpr std::uint32_t kOverSpeed_ms = 20;    // hazard H1
 inline constexpr float kStallCurrentShare = 0.7F;     // hazard H2
-inline constexpr std::int32_t kStallCounts = 2;       // the encoder shows no more movement than this ...
+inline constexpr std::int32_t kStallCounts = 2;       // the encoder moves less than this ...
 inline constexpr std::uint32_t kStall_ms = 100;       // ... for so long
 inline constexpr float kStallReference_rad_s = 1.0F;  // holding still against a load is no stall
-// While a wheel stands, voltage and current keep their ratio, whatever the winding's temperature. A motor that turns behind an encoder that
-// counts nothing generates more with every turn: 0.4 V in the rest of kStall_ms is an acceleration of 0.15 m/s2, far below what the limit
-// gives. The blow of a wheel that is stopped under way has ended by then: the winding's time constant is near 1 ms, the limiter's 5.
+// At standstill voltage and current keep their ratio at any winding temperature. A motor that turns behind a dead encoder generates a
+// rising voltage: 0.4 V in the rest of kStall_ms is 0.15 m/s2, far below what the current limit gives. The transient of a suddenly blocked
+// wheel has ended by then: the winding's time constant is near 1 ms, the limiter's 5.
 inline constexpr float kStallRise_v = 0.4F;
 inline constexpr std::uint32_t kStallSettle_ms = 20;
 inline constexpr float kReversedSpeed_rad_s = 20.0F;  // hazard H2: speed against the voltage that the motor generates
 inline constexpr float kReversedVoltage_v = 2.5F;     // more than 30 % error of the resistance makes at 6 A
 inline constexpr std::uint32_t kReversed_ms = 50;
-// Hazard H2, an encoder that stops counting under way: the motor generates a voltage that the measured speed does not explain. Honest
-// differences are the brushes and the filter's lag (together under 1.5 V), a winding 30 % beside 2230h:6 (copper: 23 % at 80 degrees),
-// and magnets, supply reading and encoder together 15 %.
+// Hazard H2, an encoder that stops counting in motion: the generated voltage does not match the measured speed. Permitted differences:
+// brushes and filter lag (together under 1.5 V), a winding 30 % off 2230h:6 (copper: 23 % at 80 degrees), and magnets, supply reading and
+// encoder together 15 %.
 inline constexpr float kUnexplained_v = 1.5F;
 inline constexpr float kUnexplainedShareOfWinding = 0.3F;
 inline constexpr float kUnexplainedShareOfGenerated = 0.15F;
@@ -68,7 +68,7 @@ inline constexpr float kStrayCurrent_a = 1.0F;
 inline constexpr std::uint32_t kStrayCurrent_ms = 20;
 inline constexpr std::uint32_t kDriverFault_ms = 2;  // nFAULT low for so long; a shorter one is noise on the line
 inline constexpr std::uint32_t kOverVoltage_ms = 5;
-inline constexpr float kOverVoltageFold_v = 2.0F;               // so far below 2231h:1 braking begins to give way
+inline constexpr float kOverVoltageFold_v = 2.0F;               // so far below 2231h:1 the reduction of braking begins
 inline constexpr float kSagBegin_v = 21.0F, kSagEnd_v = 19.5F;  // while motoring; ends above the 19 V that switch off, hazard H12
 inline constexpr float kSagShare = 0.25F;                       // of the current limit, left at kSagEnd_v
 inline constexpr std::uint32_t kIllegalSteps = 3;               // in one window: a broken line; single ones are noise and only counted
@@ -113,7 +113,7 @@ class DriveNode {
     start();
   }
 
-  // Told by the board when a 1 kHz tick began before the one before it had ended.
+  // Called by the board when a 1 kHz tick began before the previous one had ended.
   void note_late_tick() { stack_.values().template set<0x2220, 1>(stack_.values().template get<0x2220, 1>() + 1U); }
 
   [[nodiscard]] const Stack& stack() const { return stack_; }
@@ -121,7 +121,7 @@ class DriveNode {
   [[nodiscard]] float speed_rad_s() const { return speed_rad_s_; }
   [[nodiscard]] float reference_rad_s() const { return servo_.reference_rad_s.value; }
   [[nodiscard]] float current_limit_a() const { return current_limit_a_; }
-  // Asked by the stack before it ends the program for a new one (1F51h:1): nothing is held and nothing rolls.
+  // Checked before the program is ended for a new one (1F51h:1): nothing is held and nothing rolls.
   [[nodiscard]] bool standing_safely() const { return !powered() && std::fabs(speed_rad_s_) < kStandstill_rad_s; }
 
  private:
@@ -148,7 +148,7 @@ class DriveNode {
     if (fault_code_ != 0) stack_.set_error(fault_code_, fault_bit_, true);
     if (second_code_ != 0) stack_.set_error(second_code_, second_bit_, true);
   }
-  // A real start: nothing is known of the time before, except what ended it.
+  // Power-on: all state is lost except the reset cause.
   void start() {
     winding_.start(winding_config());
     first_fault_ = {};
@@ -195,17 +195,17 @@ class DriveNode {
 
   // ---- CiA 402
 
-  // A word as if all bits had been set before: nothing in the next one counts as an edge.
+  // As if all bits had been set: no bit of the next word counts as an edge.
   static constexpr std::uint16_t kNoEdges = 0xFFFF;
 
   [[nodiscard]] bool powered() const {
     return state_ == State::operation_enabled || state_ == State::quick_stop_active || state_ == State::fault_reaction;
   }
 
-  // On the way to standstill or held there, whatever the target says.
+  // Ramping to standstill or held there, independent of the target.
   [[nodiscard]] bool halted() const { return leaving_ || state_ == State::quick_stop_active || (word_ & kHaltBit) != 0; }
 
-  // The computer is gone or no longer in charge: what is commanded ends, and the next word starts from nothing.
+  // The computer is lost or not in control: the command ends, and the next word starts without history.
   void lose_command() {
     word_ = kNoEdges;
     stack_.values().template set<0x6040>(0);
@@ -235,7 +235,7 @@ class DriveNode {
     }
     if ((risen & kResetBit) != 0 && fault_code_ == 0) forget_first_fault();  // of a fault that a reset of the node had ended
     if (state_ == State::fault_reaction || state_ == State::switch_on_disabled || state_ == State::not_ready) {
-      // A fault reaction ends by itself: disable voltage, which is what the computer sends meanwhile, would cut its ramp.
+      // A fault reaction must finish: disable voltage, which the computer sends meanwhile, would cut its ramp.
       const bool shutdown = (word & (kNoQuickStopBit | kVoltageBit | kSwitchOnBit)) == (kNoQuickStopBit | kVoltageBit);
       if (state_ == State::switch_on_disabled && shutdown) state_ = State::ready;  // transition 2
       return;
@@ -252,8 +252,9 @@ class DriveNode {
         state_ = State::switch_on_disabled;
       return;
     }
-    if (state_ == State::quick_stop_active) return;  // transition 16 is not supported: it ends by disable voltage or by itself
-    if ((word & kSwitchOnBit) == 0) {                // shutdown, transitions 6 and 8: the ramp comes first
+    if (state_ == State::quick_stop_active)
+      return;                          // transition 16 is not supported: a quick stop ends by disable voltage or at standstill
+    if ((word & kSwitchOnBit) == 0) {  // shutdown, transitions 6 and 8: the ramp comes first
       if (state_ == State::operation_enabled)
         begin_stop(State::operation_enabled, State::ready);
       else
@@ -269,7 +270,7 @@ class DriveNode {
     if (state_ == State::switched_on)
       enable();  // transition 4
     else if (state_ == State::operation_enabled)
-      leaving_ = false;  // asked for again on the way to standstill: it goes on from where the ramp is
+      leaving_ = false;  // enabled again during the ramp: continues from the present ramp speed
   }
 
   void enable() {
@@ -330,7 +331,7 @@ class DriveNode {
     else
       begin_stop(State::fault_reaction, State::fault);
   }
-  // What is told is still the first fault; the second has its own EMCY, because the reset waits for the end of both.
+  // 603Fh keeps the first fault; the second has its own EMCY, because the reset waits for the end of both.
   void end_fault_ramp(std::uint16_t code, std::uint8_t register_bit) {
     second_code_ = code;
     second_bit_ = register_bit;
@@ -367,12 +368,12 @@ class DriveNode {
     forget_first_fault();
     after_watchdog_ = false;
     if (self_test_ != 0)
-      begin_self_test();  // it was the test that failed: once more
+      begin_self_test();  // the self-test had failed: repeat it
     else
       state_ = State::switch_on_disabled;
   }
 
-  // What was true at the first fault, for whoever comes to repair it. Only a reset of the fault makes room for another.
+  // Snapshot at the first fault, for service. Only a fault reset clears it.
   struct FirstFault {
     std::uint16_t code = 0;
     std::uint32_t time_ms = 0;
@@ -407,7 +408,7 @@ class DriveNode {
     current_offset_a_ = 0;
     illegal_at_start_ = illegal_seen_ = board_.illegal_encoder_steps();
   }
-  // One millisecond of it, with the bridge off: no current can flow, and what the sensor shows is its offset.
+  // One millisecond of the self-test, with the bridge off: no current flows, so the sensor shows its offset.
   void test_itself() {
     if (!readings_usable_) self_test_ |= self_test_bit::kReadings;
     if (++self_test_ms_ > kSelfTestSettle_ms) {
@@ -420,7 +421,7 @@ class DriveNode {
     const float offset_a = offset_sum_a_ / static_cast<float>(kSelfTest_ms - kSelfTestSettle_ms);
     const bool quiet = offset_high_a_ - offset_low_a_ <= kCurrentNoiseMax_a;
     if (!(std::fabs(offset_a) <= kCurrentOffsetMax_a) || !quiet) self_test_ |= self_test_bit::kCurrentSensor;
-    // Without its supply (emergency stop pressed) the driver reports a fault rightly; then it is looked at when the supply is there.
+    // Without supply (emergency stop pressed) the driver rightly reports a fault; it is checked once the supply is present.
     if (supply_v_ >= kUnderVoltage_v && !board_.driver_ok()) self_test_ |= self_test_bit::kDriver;
     if (board_.illegal_encoder_steps() != illegal_at_start_) self_test_ |= self_test_bit::kEncoder;
     if (!stack_.parameters_ok()) self_test_ |= self_test_bit::kParameters;
@@ -454,8 +455,8 @@ class DriveNode {
     return age_ms >= limit_ms;
   }
 
-  // A motor that draws current while its bridge sleeps is driven by a bridge that no longer obeys. The fault keeps EN and nSLEEP low, tells
-  // the computer, and cannot be reset while the current flows; only the relay in the supply ends it.
+  // Current while the bridge sleeps means shorted transistors. The fault keeps EN and nSLEEP low, is reported, and cannot be reset while
+  // the current flows; only the relay in the supply ends it.
   void watch_sleeping_bridge() {
     const bool stray = state_ != State::not_ready && stray_current();
     if (lasts(stray, stray_current_ms_, kStrayCurrent_ms)) fault(drive_emcy::kBridge, error_bit::kProfile, Reaction::off);
@@ -514,8 +515,8 @@ class DriveNode {
                           (generated_v > 0) != (speed_rad_s_ > 0);
     if (lasts(reversed, reversed_looks_, kReversed_ms / kMotorWatch_ms + 1)) fault(emcy::kEncoder, error_bit::kProfile, Reaction::off);
 
-    // Encoder that stopped counting under way. The servo sees a wheel that stands, speeds it up, and the current soon falls below what
-    // the stall rule asks for, because the motor runs so fast; what gives it away is the voltage that it generates.
+    // Encoder that stopped counting in motion. The servo sees a standing wheel and speeds it up; the current soon falls below the stall
+    // rule's limit, because the motor runs so fast. The generated voltage shows it.
     const float explained_v = values.template get<0x2230, 7>() * speed_rad_s_;
     const float allowed_v =
         kUnexplained_v + kUnexplainedShareOfWinding * std::fabs(winding_v) + kUnexplainedShareOfGenerated * std::fabs(generated_v);
@@ -559,7 +560,7 @@ class DriveNode {
     const bool braking = (speed_rad_s_ > 0) != (current_a_ > 0);
     const float room_v = values.template get<0x2231, 1>() - supply_v_;
     if (braking && room_v < kOverVoltageFold_v) {
-      // What the motor gives back has nowhere to go when the battery does not take it.
+      // Braking energy raises the supply when the battery does not take it.
       const float room_share = room_v <= 0.0F ? 0.0F : room_v / kOverVoltageFold_v;
       if (room_share < share) share = room_share;
     }
@@ -602,13 +603,13 @@ class DriveNode {
     config.acceleration_max_rad_s2 = static_cast<float>(values.template get<0x6083>());
     law::ServoInput<float> input;
     input.position_counts = counts_;
-    input.command_age_s = 0;  // the RPDO deadline is judged above, with its own reaction
+    input.command_age_s = 0;  // the RPDO deadline is checked above, with its own reaction
     input.speed_measured = true;
     input.speed_rad_s = measured_rad_s_;
 
     if (!powered()) {
       watch_sleeping_bridge();
-      // The speed is measured all the time; the loop stays at rest, whatever the supply does.
+      // The speed is always measured; the loop stays at rest, independent of the supply.
       const law::ServoOutput<float> output = law::servo_step(config, servo_, input, kServoTick_s);
       speed_rad_s_ = output.speed_rad_s;
       servo_.integral_v = 0;
@@ -632,7 +633,7 @@ class DriveNode {
     speed_rad_s_ = output.speed_rad_s;
     duty_norm_ = output.duty_norm;
     limited_ = output.limited;
-    // Refused with usable readings means no supply; the watch below decides when that is a fault, until then nothing drives.
+    // A refusal with valid readings means no supply; the check below decides when that is a fault, and until then the bridge stays off.
     watch(output.reference_rad_s, config.current_limit_a, applied_before_v);
     if (leaving_ && powered()) finish_stop(output.reference_rad_s);
     if (!powered()) return;  // just switched off, with the bridge
@@ -677,7 +678,7 @@ class DriveNode {
         break;
     }
     if (supply_v_ >= kUnderVoltage_v) status = static_cast<std::uint16_t>(status | 0x10U);
-    if (limit_folded_) status = static_cast<std::uint16_t>(status | 0x80U);  // warning: less current than asked for
+    if (limit_folded_) status = static_cast<std::uint16_t>(status | 0x80U);  // warning: less current than set
     if (stack_.operational()) status = static_cast<std::uint16_t>(status | 0x200U);
     if ((state_ == State::operation_enabled || state_ == State::quick_stop_active) && on_target_)
       status = static_cast<std::uint16_t>(status | 0x400U);
@@ -690,7 +691,7 @@ class DriveNode {
     if (slow_ms_ == kNumbersAt_ms && numbers_age_ms_ >= 2 * kSlow_ms) publish_numbers();
     publish_slowly();
   }
-  // What travels in PDOs: at every SYNC, and now and then for those who ask by SDO. Conversions cost more than the servo does.
+  // Values of the PDOs, converted at every SYNC and now and then for SDO. Conversions cost more than the servo.
   void publish_numbers() {
     auto& values = stack_.values();
     const float target_rad_s = 0.001F * static_cast<float>(values.template get<0x60FF>());
@@ -705,7 +706,7 @@ class DriveNode {
     values.template set<0x6079>(static_cast<std::uint32_t>(to_integer<std::int32_t>(1000.0F * supply_v)));
     values.template set<0x2211>(to_integer<std::uint16_t>(100.0F * supply_v));
   }
-  // For those who ask by SDO: each every 10 ms, one at a time.
+  // Values for SDO: each every 10 ms, one at a time.
   void publish_slowly() {
     auto& values = stack_.values();
     switch (slow_ms_) {

@@ -1,10 +1,9 @@
-// Speed of the motor's shaft from the encoder, once per millisecond, better than the difference of positions: at 2.5 rad/s that
-// difference is 0 or 3.1 rad/s, and a servo that follows it growls.
+// Speed of the motor's shaft from the encoder, once per millisecond, better than the difference of positions: at 2.5 rad/s that difference
+// is 0 or 3.1 rad/s, which makes the servo audible.
 //
-// The counts of a tick say within one count how far the shaft has come; the time between the last two edges says how fast it was. So: the
-// speed from the edge time, held inside the band that the counts allow. Nothing that the edge timer shows can be further than a count
-// from the plain difference, and without a timer it is the plain difference. Without an edge the speed is at most one count per time
-// without edges, which brings a stopping or a dead encoder down to zero at once.
+// The counts of a tick give the distance within one count; the time between the last two edges gives the speed. The estimate is the speed
+// from the edge time, limited to one count around the plain difference. Without a timer it is the plain difference. Without an edge the
+// speed is at most one count per time without edges, which brings a stopping or a dead encoder down to zero at once.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -17,9 +16,9 @@ namespace hoist::firmware {
 
 class SpeedEstimate {
  public:
-  static constexpr std::size_t kLinePeriod = 4;    // edges of one encoder line: their sum knows no unequal spacing
+  static constexpr std::size_t kLinePeriod = 4;    // edges of one encoder line: over a line period unequal spacing cancels
   static constexpr std::int32_t kCountedFrom = 4;  // so many counts in a tick (13 rad/s) say more than the time between two of them
-  static constexpr std::uint32_t kIntervalMax_us = 1'000'000;  // a longer one counts as this: 0.003 rad/s
+  static constexpr std::uint32_t kIntervalMax_us = 1'000'000;  // longer intervals count as this: 0.003 rad/s
   static constexpr std::uint32_t kQuietMax_ms = 10'000;        // where the time without edges stops counting
 
   /// Begins at this position, at rest.
@@ -34,7 +33,7 @@ class SpeedEstimate {
     position_counts_ = position_counts;
     if (moved == 0) {
       if (quiet_ms_ < kQuietMax_ms) ++quiet_ms_;
-      if (edges_ == 0) speed_ = 0;  // nothing but counts is known, and there was none
+      if (edges_ == 0) speed_ = 0;  // no edge time and no count
       const float most = 1.0F / static_cast<float>(quiet_ms_);
       if (speed_ > most) speed_ = most;
       if (speed_ < -most) speed_ = -most;
@@ -60,8 +59,8 @@ class SpeedEstimate {
   }
 
  private:
-  // Keeps up to one line period of intervals, as long as no edge goes unseen between two ticks and they are of one speed: after a
-  // standstill, or in a quick start, the older ones say nothing any more.
+  // Keeps up to one line period of intervals while every edge is seen and the speed is steady: after a standstill, or in a quick start,
+  // older intervals are invalid.
   void note(std::uint32_t edge_time_us, std::int32_t size) {
     if (size > 1) edges_ = 0;
     if (edges_ > 0) {

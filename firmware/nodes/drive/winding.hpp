@@ -21,10 +21,10 @@ class Winding {
   static constexpr float kFoldBand_k = 15;   // below the limit: from here on the current is folded back
   static constexpr float kFoldShare = 0.3F;  // of the current limit, left at the limit itself: the motor still stops a patient
   static constexpr float kTripAbove_k = 5;   // above the limit: off
-  static constexpr float kStartRise_k = 50;  // after power-on nobody knows: warm, not cold
+  static constexpr float kStartRise_k = 50;  // unknown after power-on: assumed warm, not cold
   static constexpr std::uint32_t kStep_ms = 10;
 
-  /// After power-on. A reset over the bus cools nothing and must not call this.
+  /// After power-on. Not after a reset over the bus, which does not cool the winding.
   void start(const WindingConfig& config) {
     temperature_c_ = config.ambient_c + kStartRise_k;
     square_sum_a2_ = 0;
@@ -39,7 +39,7 @@ class Winding {
         square_sum_a2_ / static_cast<float>(kStep_ms) * config.resistance_ohm * (1.0F + kCopperPer_k * (temperature_c_ - 25.0F));
     constexpr float kStep_s = 0.001F * static_cast<float>(kStep_ms);
     temperature_c_ += kStep_s / config.time_constant_s * (loss_w * config.thermal_resistance_k_w - (temperature_c_ - config.ambient_c));
-    if (!(temperature_c_ >= -50.0F)) temperature_c_ = -50.0F;  // settings changed under way; also what is not a number
+    if (!(temperature_c_ >= -50.0F)) temperature_c_ = -50.0F;  // settings changed in operation; also non-finite values
     if (temperature_c_ > 1000.0F) temperature_c_ = 1000.0F;
     square_sum_a2_ = 0;
     samples_ = 0;

@@ -1,10 +1,9 @@
-// The UART-CAN gateway: SLCAN on the serial line, frames on the bus. It understands no CANopen and holds nothing that could go stale:
-// when the computer falls silent it sends nothing, and the drives stop by their own deadline; a frame that the bus does not take in time
-// is dropped, and so is everything that waited when the controller went bus-off.
+// The UART-CAN gateway: SLCAN on the serial line, frames on the bus. It knows no CANopen and keeps no stale frames: without the computer it
+// sends nothing, and the drives stop by their own deadline; frames not sent in time are dropped, and all waiting frames at bus-off.
 //
-// Beyond plain SLCAN, asked for with E1 while closed (E0 ends it): state lines (s, a letter, two counters) when the state of the controller
-// changes, and error lines (e, how many, letters o and O) when frames were lost towards the computer or towards the bus. Not by default:
-// the kernel's driver never comes back from `sb`, and other programs do not know these lines.
+// Beyond plain SLCAN, enabled with E1 while closed (E0 ends it): state lines (s, a letter, two counters) when the state of the controller
+// changes, and error lines (e, how many, letters o and O) when frames were lost towards the computer or towards the bus. Off by default:
+// the kernel's driver never recovers from `sb`, and other programs do not know these lines.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -22,8 +21,8 @@ inline constexpr std::size_t kGatewayRxMax = 32;             // frames kept for 
 inline constexpr std::size_t kGatewayUartMax = 1024;         // characters waiting for the serial line, 10 ms of it at 1 Mbaud
 inline constexpr std::size_t kGatewayReplyRoom = 64;         // of these kept free for answers
 inline constexpr std::size_t kGatewayReadsPerPoll = 8;       // pieces of 64 characters taken from the serial line at once
-inline constexpr std::uint16_t kGatewayStale_ms = 50;        // a frame that waited so long is no command any more; drives stop after 45 ms
-inline constexpr std::uint32_t kGatewayBusOffWait_ms = 200;  // before a controller that is bus-off is asked to return, and each next time
+inline constexpr std::uint16_t kGatewayStale_ms = 50;        // older frames are stale commands; drives stop after 45 ms
+inline constexpr std::uint32_t kGatewayBusOffWait_ms = 200;  // before each restart of a bus-off controller
 inline constexpr std::uint32_t kGatewayStateLine_ms = 100;   // shortest distance of two state lines, and of two error lines
 inline constexpr std::size_t kGatewayNewsRoom = kGatewayUartMax / 2;  // they leave only while so much of the line's queue is free
 
@@ -34,7 +33,7 @@ struct GatewayCounters {
   std::uint32_t lost_replies = 0;
   std::uint32_t stale = 0;         // frames dropped because the bus did not take them in time
   std::uint32_t bus_off = 0;       // times that the controller was bus-off
-  std::uint32_t can_restarts = 0;  // times that it was asked to return
+  std::uint32_t can_restarts = 0;  // restarts after bus-off
 };
 
 template <GatewayBoard Board>
@@ -153,7 +152,7 @@ class GatewayNode {
         return accept(!open_ && argument == '5');
       case 'O':
       case 'L':
-        // A second one is refused and changes nothing: some programs send it twice.
+        // A second one is refused without effect: some programs send it twice.
         if (text.size() != 1 || open_) return refuse();
         open_ = true;
         listen_only_ = text[0] == 'L';
@@ -281,7 +280,7 @@ class GatewayNode {
       }
     }
     tx_count_ = kept;
-    // Controllers have a queue of their own: one that gets nothing out (nobody acknowledges: passive, never bus-off) keeps what is in it.
+    // A controller that cannot send (no acknowledge: passive, never bus-off) keeps the frames of its own queue.
     if constexpr (requires { board_.drop_unsent(); }) {
       if (board_.all_sent()) {
         unsent_ms_ = 0;
@@ -295,7 +294,7 @@ class GatewayNode {
     }
   }
 
-  // A change is told once; when it changes to and fro, the newest state as often as the distance allows.
+  // A change is reported once; frequent changes are limited to the newest state per interval.
   void tell_news() {
     if (state_age_ms_ < kGatewayStateLine_ms) ++state_age_ms_;
     if (error_age_ms_ < kGatewayStateLine_ms) ++error_age_ms_;
@@ -348,7 +347,7 @@ class GatewayNode {
     if (lost_in_ < kNewsMax) ++lost_in_;
   }
 
-  // A whole line or nothing of it.
+  // A complete line or nothing.
   [[nodiscard]] bool put(std::string_view text) {
     if (kGatewayUartMax - uart_count_ < text.size()) return false;
     for (const char c : text) uart_[(uart_first_ + uart_count_++) % kGatewayUartMax] = c;

@@ -1,6 +1,5 @@
-// The input board: bumpers and switches at once when they change and every 10 ms anyway, battery voltages every 100 ms; eight outputs that
-// the computer sets by RPDO1 and that go to their error values (6206h, 6207h) when it falls silent or the node is no longer operational.
-// CiA 401.
+// The input board: bumpers and switches on change and every 10 ms, battery voltages every 100 ms; eight outputs, set by RPDO1, with error
+// values (6206h, 6207h) after its deadline or outside operational. CiA 401.
 #pragma once
 #include <cstdint>
 
@@ -52,7 +51,7 @@ class IoNode {
   void on_nmt(NmtState, NmtState) { outputs_to_error_values(); }
   void on_power_on() {
     pressed_ = 0;
-    // Off, whatever the error values say: those are for a computer that was there.
+    // Off, not the error values: those apply after a computer was lost.
     stack_.values().template set<0x6200, 1>(0);
     board_.set_outputs(0);
     stack_.values().template set<0x2221>(static_cast<std::uint8_t>(board_.reset_cause()));

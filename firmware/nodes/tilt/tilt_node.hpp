@@ -1,11 +1,11 @@
-// The tilt sensor: two static Kalman filters (alpha, beta) at 100 Hz, the gyro's bias measured after power-on while the hoist stands: in two
-// still seconds, or in eight under a person who stands and sways. CiA 410 on the bus.
+// The tilt sensor: two static Kalman filters (alpha, beta) at 100 Hz, the gyro's bias measured after power-on while the hoist stands: in
+// two still seconds, or in eight under a standing person. CiA 410 on the bus.
 //
-// It samples when a SYNC arrives, so that the three sensors look at the same instant: the chassis' acceleration shows in every sensor and
-// cancels only in differences of equal, simultaneous filters (D4). Without SYNC it samples on its own clock.
+// It samples when a SYNC arrives, so that the three sensors sample together: the chassis' acceleration affects every sensor and cancels
+// only in differences of equal, simultaneous filters (D4). Without SYNC it samples on its own clock.
 //
-// A sensor that is missing, of another kind, failed its self-test or stopped giving readings makes the node invalid until it is switched
-// off and on. How the sensor sits on its strut is an object (2104h); everything behind it is in the frame of the hoist.
+// A sensor that is missing, unknown, failed its self-test or stopped giving readings makes the node invalid until a power cycle. The
+// sensor's mounting is an object (2104h); all later values are in the frame of the hoist.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -22,7 +22,7 @@ namespace hoist::firmware {
 inline constexpr std::uint32_t kTiltSample_ms = 10;      // paper T5: 100 Hz; the printed gain belongs to this rate
 inline constexpr std::uint32_t kTiltSampleMin_ms = 5;    // a SYNC sooner than this after a sample sends but does not sample
 inline constexpr std::uint32_t kTiltSyncLost_ms = 12;    // then the node's own clock takes over
-inline constexpr std::uint32_t kTiltGap_ms = 100;        // after a longer gap the angle starts anew from gravity
+inline constexpr std::uint32_t kTiltGap_ms = 100;        // after a longer gap the angle restarts from gravity
 inline constexpr std::uint32_t kTiltStillSamples = 200;  // D23: a still 2 s at power-on
 inline constexpr std::uint32_t kTiltQuarterSamples = kTiltStillSamples / 4;  // its first and last quarter are compared
 inline constexpr std::uint32_t kTiltReadFailuresMax = 10;                    // unusable readings in a row: the sensor has failed
@@ -34,21 +34,21 @@ inline constexpr float kRateMax_rad_s = 4.3F;          // just inside +-250 deg/
 inline constexpr float kStillRate_rad_s = 0.03F;        // from the first sample of the window
 inline constexpr float kStillAcceleration_m_s2 = 0.5F;  // likewise, each axis
 inline constexpr float kStillTurn_rad = 0.01F;          // gravity in the last quarter against the first: a slow steady turn
-// Standing. A person who stands sways by 10 mm at the harness, at up to 1 Hz: 0.08 rad/s of a strut of 0.8 m, either way, and 0.4 m/s2.
-// Turning rates then come and go; what gravity says of the angle at the window's ends tells them from a bias. Of three blocks, the middle
-// one shows whether it was the same bias all along; 1 Hz of that sway moves the two results apart by 0.0085 rad/s at most.
+// Standing. A standing person sways by 10 mm at the harness at up to 1 Hz: 0.08 rad/s of a strut of 0.8 m and 0.4 m/s2. These rates average
+// out; the gravity angle at the window's ends separates them from a bias. The middle one of three blocks shows whether the bias was
+// constant; 1 Hz of sway separates the results by 0.0085 rad/s at most.
 inline constexpr std::uint32_t kTiltSwaySamples = 800;  // 8 s
 inline constexpr std::uint32_t kTiltSwayBlock = 200;    // three of them: at the beginning, in the middle, at the end
 inline constexpr float kSwayBlocksApart_s = 3.0F;       // from the middle of one block to that of the next
 inline constexpr float kSwayRate_rad_s = 0.2F;          // from the first sample of the window
 inline constexpr float kSwayAgree_rad_s = 0.01F;        // a fifth of kBiasChange_rad_s
 inline constexpr std::uint32_t kTiltRepeatsMax = 10;    // of a sample, in a row: a stuck sensor; noise makes that impossible (H6)
-inline constexpr float kBiasMax_rad_s = 0.4F;           // a gyro that shows more at rest (23 deg/s) is broken or is being turned
-// A gyroscope that has lost its zero (H8): no sample is valid while one of these is passed.
-inline constexpr float kBiasChange_rad_s = 0.0524F;         // H8: 3 deg/s from what it was at rest
+inline constexpr float kBiasMax_rad_s = 0.4F;           // a gyro that shows more at rest (23 deg/s) is defective or being turned
+// A gyroscope whose bias has jumped (H8): no sample is valid while one of these is exceeded.
+inline constexpr float kBiasChange_rad_s = 0.0524F;         // H8: 3 deg/s from the bias at rest
 inline constexpr float kDisagreement_rad = 0.105F;          // H8: 6 deg between gyroscope and gravity ...
 inline constexpr float kDisagreementRate_per_s = 1 / 0.5F;  // ... low-passed with 0.5 s
-inline constexpr float kTurnMax_rad_s = 1.1F;               // no hoist turns faster (50 deg/s and a margin); more explains nothing
+inline constexpr float kTurnMax_rad_s = 1.1F;               // no hoist turns faster (50 deg/s and a margin); the correction ends there
 
 template <TiltBoard Board>
 class TiltNode {
@@ -106,7 +106,7 @@ class TiltNode {
     std::uint32_t repeats = 0;
     std::array<float, 3> turned{};  // Sway::turned before its first sample
   };
-  // The long window. It begins anew only where the short one does, too.
+  // The long window. It restarts only together with the short one.
   struct Sway {
     std::uint32_t samples = 0;
     std::array<float, 3> first_rad_s{};
@@ -122,7 +122,7 @@ class TiltNode {
     ImuSample sample{};
     law::AccAngles<float> gravity{};
     float dt_s = 0;
-    bool begun = false;    // the filters have begun anew with this sample
+    bool begun = false;    // the filters have restarted with this sample
     bool in_time = false;  // this sample came when it was due
     std::uint8_t in_ms = 0;
   };
@@ -150,7 +150,7 @@ class TiltNode {
     if (index != 0x2104) return SdoAbort::none;
     if (stack_.operational()) return SdoAbort::device_state;
     if (!set_mounting(static_cast<std::uint8_t>(raw))) return SdoAbort::range;
-    // Every angle was of another direction: all begins anew.
+    // All angles were of another direction: restart everything.
     axes_ = {};
     settle_anew();
     after_ = {};
@@ -242,16 +242,16 @@ class TiltNode {
     publish(s);
   }
 
-  // What it finds shows in the next sample, 10 ms later: all of it is slower than that.
+  // Its result applies to the next sample, 10 ms later, which is fast enough.
   void after_sample() {
     follow_turn(after_.sample.yaw_rate_rad_s, after_.begun, after_.dt_s);
     doubt(after_.gravity, after_.dt_s);
     if (!converged_) settle(after_.sample, after_.gravity, after_.in_time);
   }
 
-  // H8: a gyroscope that has lost its zero disagrees with gravity, and is believed less and less. What the hoist itself does to a sensor
-  // stays below: braking with 1.5 m/s2 looks like 8.7 degrees of lean, but for less than half a second (DECISIONS.md, 23). What a turn has
-  // taught the filter is known and taken off (28); an angle that it has made wrong by so much is not valid all the same.
+  // H8: a gyroscope whose bias has jumped disagrees with gravity. The hoist's own motion stays below the limits: braking with 1.5 m/s2
+  // looks like 8.7 degrees of lean, but for less than half a second (DECISIONS.md, 23). The bias learnt from a turn is known and subtracted
+  // (28); an angle that is wrong by so much is still invalid.
   void doubt(const law::AccAngles<float>& gravity, float dt_s) {
     bool zero_lost = false;
     const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
@@ -285,20 +285,20 @@ class TiltNode {
     return true;
   }
 
-  // A sensor that leans feels part of the hoist's turn as pitch and roll. The filter is linear: fed with that part alone, and with a
-  // gravity that knows nothing of it, a second one holds what the first has of it.
+  // A leaning sensor measures part of the hoist's turn as pitch and roll. The filter is linear: a second one, fed with that part alone and
+  // zero gravity angle, holds its share in the first.
   void follow_turn(float yaw_rate_rad_s, bool begins, float dt_s) {
     const float yaw_rad_s = std::clamp(yaw_rate_rad_s - yaw_bias_rad_s_, -kTurnMax_rad_s, kTurnMax_rad_s);
     const float felt_rad_s[2] = {yaw_rad_s * (axes_[1].state.angle_rad - axes_[1].turn.angle_rad),
                                  -yaw_rad_s * (axes_[0].state.angle_rad - axes_[0].turn.angle_rad)};
     for (std::size_t i = 0; i < 2; ++i) {
       law::TiltState<float>& turn = axes_[i].turn;
-      // One that cannot go on begins anew: it explains nothing then, and the bias is judged as it is.
+      // An unusable state restarts at zero: the bias is then checked without correction.
       if (begins || !law::tilt_step(gain(), turn, felt_rad_s[i], 0.0F, dt_s)) turn = law::tilt_start(0.0F, turn.bias_rad_s, felt_rad_s[i]);
     }
   }
 
-  // An unusable sample: the counter stands still, which the computer takes for a missing sensor, and the valid bit goes.
+  // An unusable sample: the counter stops, which the computer takes for a missing sensor, and the valid bit is cleared.
   void fail() {
     // Before the first reading the sensor is still starting; watch_sensor() ends that.
     if (started_ && failures_ < kTiltReadFailuresMax && ++failures_ == kTiltReadFailuresMax) give_up(false);
@@ -316,15 +316,14 @@ class TiltNode {
     if (!in_time || !stands(s)) return settle_anew();
     window_.repeats = s == window_.last ? window_.repeats + 1 : 0;
     window_.last = s;
-    // A sensor that repeats one sample, of whatever motion that was, looks stiller than anything still, and its turn rate would be taken
-    // for the zero.
+    // A sensor that repeats one sample looks perfectly still, and its rate would be taken for the bias.
     if (window_.repeats == kTiltRepeatsMax) return settle_anew();
     const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
     if (settle_still(s, angles_rad)) return;
     settle_swaying(s, angles_rad);
   }
 
-  // Nothing but a person's sway moves the sensor.
+  // Only a person's sway moves the sensor.
   [[nodiscard]] bool stands(const ImuSample& s) {
     const float rates_rad_s[3] = {s.alpha_rate_rad_s, s.beta_rate_rad_s, s.yaw_rate_rad_s};
     const float norm2 = s.ax_m_s2 * s.ax_m_s2 + s.ay_m_s2 * s.ay_m_s2 + s.az_m_s2 * s.az_m_s2;
@@ -337,7 +336,7 @@ class TiltNode {
     return true;
   }
 
-  // The still two seconds; any motion begins them anew. True when they are full.
+  // The still two seconds; any motion restarts them. True when they are complete.
   bool settle_still(const ImuSample& s, const float (&angles_rad)[2]) {
     const ImuSample& f = window_.samples == 0 ? s : window_.first;
     const bool moved = above(s.alpha_rate_rad_s - f.alpha_rate_rad_s, kStillRate_rad_s) ||
@@ -433,14 +432,14 @@ class TiltNode {
                               above(s.ay_m_s2, kAccelerationMax_m_s2) || above(s.az_m_s2, kAccelerationMax_m_s2);
     const bool saturated =
         above(s.alpha_rate_rad_s, kRateMax_rad_s) || above(s.beta_rate_rad_s, kRateMax_rad_s) || above(s.yaw_rate_rad_s, kRateMax_rad_s);
-    // For those who ask by SDO, one axis with each sample: conversions are dear without floating point in hardware.
+    // Values for SDO, one axis per sample: conversions are expensive without hardware floating point.
     constexpr float kMilliG = 1000.0F / kGravity_m_s2;
     raw_axis_ = raw_axis_ == 2 ? std::uint8_t{0} : static_cast<std::uint8_t>(raw_axis_ + 1U);
     if (raw_axis_ == 0) values.template set<0x2111, 1>(to_integer<std::int16_t>(kMilliG * s.ax_m_s2));
     if (raw_axis_ == 1) values.template set<0x2111, 2>(to_integer<std::int16_t>(kMilliG * s.ay_m_s2));
     if (raw_axis_ == 2) values.template set<0x2111, 3>(to_integer<std::int16_t>(kMilliG * s.az_m_s2));
-    // A failed sensor stays invalid until it is switched off and on, also when it seems to work again. One whose parameters are lost does
-    // not know how it is mounted: its angles may have the wrong sign, and the computer reads no emergency messages.
+    // A failed sensor stays invalid until a power cycle, also when it seems to work again. Without its parameters the mounting is unknown:
+    // angles may have the wrong sign, and the computer ignores emergency messages.
     const bool valid = !failed_ && !doubtful_ && stack_.parameters_ok();
     publish_status(
         static_cast<std::uint8_t>((valid ? kValid : 0U) | (acceleration ? kAccelerationRange : 0U) | (saturated ? kGyroSaturated : 0U)));
