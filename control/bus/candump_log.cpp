@@ -25,7 +25,7 @@ int hex_value(char c) {
   return -1;
 }
 
-// Takes what comes before `stop` and the stop itself; false when there is no such.
+// Takes the text before `stop`, and `stop` itself; false without one.
 bool take_until(std::string_view& rest, char stop, std::string_view& taken) {
   const std::size_t at = rest.find(stop);
   if (at == std::string_view::npos) return false;
@@ -171,7 +171,7 @@ std::string read_log(const std::string& path, std::vector<LogEntry>& entries) {
     if (file.bad()) return refuse("the file cannot be read further");
     if (file.fail()) return refuse("the line is too long");
     std::string_view line(buffer.data());
-    // A NUL would end the view early; what stands behind it must not be overlooked.
+    // A NUL would end the text early and hide what follows.
     if (line.size() + (file.eof() ? 0U : 1U) != taken) return refuse("the line holds a character that is no text");
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     if (line.empty()) continue;

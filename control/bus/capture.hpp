@@ -18,7 +18,7 @@ namespace hoist::bus {
 
 class Capture {
  public:
-  static constexpr std::size_t kRoom = 16384;       // 7 s of a full bus (2252 frames a second): longer than any disk sleeps
+  static constexpr std::size_t kRoom = 16384;       // 7 s of a full bus (2252 frames a second): longer than a disk's delay
   static constexpr int kWriteEvery_ms = 50;         // how often the thread looks
   static constexpr std::size_t kBlock = 64 * 1024;  // bytes given to the file at once
 
@@ -31,14 +31,14 @@ class Capture {
   Capture(const Capture&) = delete;
   Capture& operator=(const Capture&) = delete;
 
-  // Called by one thread only. Never waits.
+  // Called by one thread only. Never blocks.
   void put(const contract::CanFrame& frame, Direction direction, std::uint64_t time_ns) noexcept;
   // Returns once everything put before is in the file, or lost. For tests and the end of a program.
   void flush();
 
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t written() const noexcept { return written_.load(std::memory_order_relaxed); }
-  // errno of the write that failed, 0 while all is well. After it nothing more is written: a recording with a hole inside would lie.
+  // errno of a failed write, else 0. Nothing is written after it, so that a recording has no hidden gap.
   [[nodiscard]] int failure() const noexcept { return failure_.load(std::memory_order_relaxed); }
 
  private:
@@ -66,7 +66,7 @@ class Capture {
   std::thread thread_;
 };
 
-// A port with a recorder beside it.
+// A port whose frames are also recorded.
 class CapturePort final : public CanPort {
  public:
   CapturePort(std::unique_ptr<CanPort> port, std::unique_ptr<Capture> capture) : port_(std::move(port)), capture_(std::move(capture)) {}

@@ -1,4 +1,4 @@
-// What a frame says, in words and units: names as in the generated DBC, values scaled by the rows of can_dictionary.def.
+// Decodes a frame into words and units: names as in the generated DBC, values scaled by the rows of can_dictionary.def.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -12,7 +12,7 @@ struct DecodedField {
   std::string name;
   double value = 0;
   std::string unit;     // empty where there is none
-  std::string meaning;  // a word for the value where there is one: "operational"
+  std::string meaning;  // the value's name if it has one: "operational"
   bool hex = false;     // people read it in hexadecimal: identifiers, codes
 };
 struct DecodedFrame {

@@ -1,9 +1,9 @@
 // Brings a new program into a node over the bus, without I/O and without a clock: frames in, at most one frame out per step, time as
-// nanoseconds. The same for the tool, for tests in virtual time and for whoever else can pass frames on.
+// nanoseconds. Used by the tool, by the server and by tests in virtual time.
 //
-// What it does, in order: listens whether a control computer is at work (then it refuses), asks the drives whether they are enabled (then
-// it refuses), asks the node who it is and what it runs, sends it into its loader, sends the program in segments, compares flash status
-// and CRC, starts it, and asks the running program for its CRC and version. Nothing is erased before the last of the refusals.
+// Sequence: refuse if a control computer is on the bus; refuse if a drive is enabled; read the node's identity and program; enter the
+// loader; send the program in segments; compare flash status and CRC; start it; read the running program's CRC and version. Nothing is
+// erased before the last refusal.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -19,24 +19,24 @@
 
 namespace hoist::bus {
 
-// Nobody else is at work on the bus during an update, so requests need not be paced for anybody's sake.
+// The bus is otherwise idle during an update, so requests need no pacing.
 inline constexpr SdoTiming kQuestionTiming{.answer_ns = 200'000'000, .tries = 3, .pace_ns = 0};
 // To start a program is not the same twice as once: the running program refuses it.
 inline constexpr SdoTiming kOnceTiming{.answer_ns = 1'000'000'000, .tries = 1, .pace_ns = 0};
 // A loader answers the segment that begins a new erase unit when the unit is erased: 100 ms on the LPC11C24 (data sheet table 10).
 inline constexpr SdoTiming kProgramTiming{.answer_ns = 1'000'000'000, .tries = 1, .pace_ns = 0};
 
-// What is known of one node from asking it.
+// Identity and program of one node.
 struct NodeProgram {
-  bool present = false;   // it was heard or it answered
+  bool present = false;   // a frame of it was received
   bool answered = false;  // it said who it is
   bool in_loader = false;
   bool simulated = false;
   std::uint32_t product = 0, version = 0, crc = 0, flash_status = 0;
 };
 
-// The questions above to one node: who it is, the version and CRC of its program and, in the loader, what is in its flash. A node whose
-// program knows nothing of versions answers 0 for them.
+// Reads them from one node: identity, version and CRC of its program and, in the loader, its flash status. 0 for a program without a
+// version.
 class ProgramQuery {
  public:
   void begin(std::uint8_t node_id) {
@@ -106,19 +106,18 @@ class FirmwareUpdate {
     computer_active,  // a control computer is on the bus
     drive_enabled,    // a drive holds or moves its wheel, or does not say
     absent,           // the node does not answer
-    wrong_chip,       // a program for silicon and a simulated node, or the other way round
+    wrong_chip,       // a program for silicon and a simulated node, or vice versa
     older,            // the node runs a newer program
     not_ready,        // the node refuses to end its program
-    no_loader,        // it went away and did not come back in its loader
+    no_loader,        // it did not restart in its loader
     refused,          // the loader refused the program
     broken_off,       // three transfers were begun and none came to its end
     not_whole,        // the loader has something else than what was sent
-    did_not_start,    // it was started and did not come back as a running program with this CRC
+    did_not_start,    // after the start it does not run a program with this CRC
   };
   struct Options {
-    bool force = false;  // also an older program, and the same once more
-    // The frames pass through the control computer, which holds the drives off and everybody else's hands off the node: its signs on the
-    // bus are no reason to refuse.
+    bool force = false;  // also an older or the same program
+    // The frames pass through the control computer, which keeps the drives off and sends no SDO itself: its frames are no reason to refuse.
     bool guarded = false;
   };
 
@@ -162,7 +161,7 @@ class FirmwareUpdate {
         if (frame.id == canopen::kHeartbeatBase + contract::node_id(kDrives[i])) drive_heard_[i] = true;
     }
     if (service == canopen::kHeartbeatBase && frame.id == canopen::kHeartbeatBase + node_id_ && frame.dlc == 1) {
-      // Boot-up: the node has started anew. A loader that was entered long ago only says that it is pre-operational.
+      // Boot-up: the node has restarted. A loader entered earlier only sends "pre-operational".
       if (frame.data[0] == static_cast<std::uint8_t>(canopen::NmtState::boot_up)) booted_ = true;
     }
     exchange_.on_frame(frame);
@@ -200,10 +199,10 @@ class FirmwareUpdate {
     return std::nullopt;
   }
 
-  // Limits, each with its reason.
-  static constexpr std::uint64_t kListen_ns = 350'000'000;    // three heartbeats of 100 ms, whoever sends them
-  static constexpr std::uint64_t kReboot_ns = 3'000'000'000;  // from the end of a program to the loader's first word, and back
-  static constexpr int kTriesMax = 3;                         // transfers begun anew after a time-out or a lost segment
+  // Time limits.
+  static constexpr std::uint64_t kListen_ns = 350'000'000;    // three heartbeats of 100 ms of any node
+  static constexpr std::uint64_t kReboot_ns = 3'000'000'000;  // from the end of a program to the loader's first frame, and back
+  static constexpr int kTriesMax = 3;                         // transfers restarted after a timeout or a lost segment
 
  private:
   using Outcome = SdoClient::Outcome;
@@ -229,7 +228,7 @@ class FirmwareUpdate {
     if (!exchange_.download(node_id_, contract::kProgramControl, 1, std::span(kCommandBytes).subspan(static_cast<std::size_t>(what), 1)))
       fail(Failure::absent);
   }
-  // The frame of an exchange that is still under way, or its end: then over is true and outcome() tells.
+  // The next frame of the exchange, or its end: then over is true, with outcome().
   std::optional<contract::CanFrame> pump(bool& over) {
     const auto frame = exchange_.step(now_ns_);
     over = exchange_.outcome() != Outcome::busy;
@@ -260,7 +259,7 @@ class FirmwareUpdate {
       }
     } else if (exchange_.outcome() != Outcome::aborted ||
                exchange_.abort_code() != static_cast<std::uint32_t>(contract::canopen::SdoAbort::no_object)) {
-      // A drive in its loader has no such object and no bridge that is on. One that says nothing may do anything.
+      // A drive in its loader has no such object, and its bridge is off. A drive without an answer may be enabled.
       fail(Failure::drive_enabled);
       return frame;
     }
@@ -316,7 +315,7 @@ class FirmwareUpdate {
         return wait_for_boot(Failure::no_loader);
     }
   }
-  // After a reset: its boot-up message, then who it is. A reset that is not seen within kReboot_ns did not happen.
+  // After a reset: its boot-up message, then its identity. Without one within kReboot_ns the reset has failed.
   std::optional<contract::CanFrame> wait_for_boot(Failure otherwise) {
     if (stage_ == 3) {
       if (booted_) {
@@ -361,7 +360,7 @@ class FirmwareUpdate {
       ask(node_id_, contract::kFlashStatus, 1);
       return exchange_.step(now_ns_);
     }
-    // A lost frame shows as a time-out here or as a time-out or wrong toggle there; everything else is the loader's word on this program.
+    // A lost frame causes a timeout here, or a timeout or wrong toggle in the loader; any other abort is the loader's verdict on this program.
     using contract::canopen::SdoAbort;
     const auto code = static_cast<SdoAbort>(abort_code_);
     const bool lost = exchange_.outcome() != Outcome::aborted || code == SdoAbort::toggle || code == SdoAbort::time_out ||

@@ -18,7 +18,7 @@ void add(std::string& text, std::string_view word) {
   if (!text.empty()) text += ", ";
   text += word;
 }
-// The words of the bits that are set; bits without a word are left out.
+// Names of the set bits; bits without a name are left out.
 std::string bits(std::uint32_t raw, Words words, std::string_view none) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -27,7 +27,7 @@ std::string bits(std::uint32_t raw, Words words, std::string_view none) {
 }
 std::string one_of(std::uint32_t raw, Words words) { return raw < words.size() ? std::string(words[raw]) : "unknown"; }
 
-// CiA 402, table of the statusword. What the bits mean beside the state: firmware/nodes/drive/drive_node.hpp, publish().
+// CiA 402, table of the statusword. Meaning of the other bits: firmware/nodes/drive/drive_node.hpp, publish().
 std::string status_word(std::uint32_t raw) {
   constexpr std::array<std::string_view, 8> kStates{"not ready",         "switch-on disabled", "ready to switch on", "switched on",
                                                     "operation enabled", "quick stop active",  "fault reaction",     "fault"};

@@ -1,4 +1,4 @@
-// What the value of an object means, in words: states, status bits, error codes. For tools; no part of control asks.
+// Names for values of objects: states, status bits, error codes. For tools only.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -13,7 +13,7 @@ namespace hoist::bus {
 /// NMT command: "reset node".
 [[nodiscard]] std::string_view nmt_command_words(std::uint8_t command);
 
-/// Words for the raw value of an object: "operation enabled, supply, at rest". Empty where the number says it all.
+/// Words for the raw value of an object: "operation enabled, supply, at rest". Empty where the number is enough.
 [[nodiscard]] std::string object_words(contract::NodeKind kind, std::uint16_t index, std::uint8_t sub, std::uint32_t raw);
 
 }  // namespace hoist::bus

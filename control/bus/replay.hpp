@@ -1,6 +1,5 @@
-// A recording as a bus: what was received then is received again, at the same pace. What the recorded computer sent is left out, and what
-// is sent now goes nowhere. For tools and for trying a core against a recorded machine; the recorded nodes answer nobody, so no core will
-// start to drive on it.
+// A recording as a bus: recorded received frames are received again in the same timing. Frames of the recorded computer are left out, and
+// sent frames are discarded. For tools, and to run a core on recorded data; the recorded nodes do not answer, so no core starts driving.
 #pragma once
 #include <atomic>
 #include <cstddef>

@@ -6,11 +6,11 @@
 
 namespace hoist::bus {
 
-/// Never waits, allocates or throws after construction.
+/// Never blocks, allocates or throws after construction.
 class SerialDevice {
  public:
   virtual ~SerialDevice() = default;
-  /// Null when it is open now, otherwise why not, as half a sentence for people. That text lives for ever.
+  /// Null when open, otherwise the reason as half a sentence, a static text.
   virtual const char* open() noexcept = 0;
   virtual void close() noexcept = 0;
   /// As read(2) and write(2) of a non-blocking descriptor, errno included; a read of 0 is a device that went away.

@@ -18,13 +18,12 @@ using contract::SlcanKind;
 using contract::SlcanLine;
 
 namespace {
-// Close, 250 kbit/s (canbus plan, section 5), state and error lines please, open. A leading empty line ends whatever half line the adapter
-// still holds. E1 is our gateway's own. Most others refuse it, and that is fine; some (slcanpty) then forget the lines behind it too, so
-// that every second try does without.
+// Close, 250 kbit/s (canbus plan, section 5), state and error lines, open. A leading empty line ends a partial line in the adapter. E1 is
+// our gateway's own. Most others refuse it; some (slcanpty) then drop the following lines too, so every second try omits it.
 constexpr std::string_view kSetup = "\rC\rS5\rE1\rO\r", kPlainSetup = "\rC\rS5\rO\r";
-// The answer that counts is the one to `O`; the ones before it may be BEL (nothing to close, rate set while open, E1 unknown).
+// Only the answer to `O` counts; earlier ones may be BEL (nothing to close, rate set while open, E1 unknown).
 constexpr std::uint32_t kSetupAnswers = 5, kPlainSetupAnswers = 4;
-// Some adapters answer neither the empty line nor what they do not know.
+// Some adapters do not answer empty lines and unknown commands.
 constexpr std::uint32_t kSetupAnswersLeast = 3;
 constexpr const char* kGone = "the device has gone away";
 constexpr const char* kBusOff = "the adapter's controller is off the bus (bus-off): check wiring and termination";
@@ -54,7 +53,7 @@ class Tty final : public SerialDevice {
   const char* open() noexcept override {
     fd_ = ::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (fd_ < 0) return errno == EACCES ? "the device may not be opened by this user" : "the device is not there";
-    // Two programs on one line would take each other's frames away, and neither would hear what the other one sends.
+    // Two programs on one line would each lose the frames that the other reads.
     if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) return "another program has the device open";
     if (!set_up_line()) return "the device is no serial line, or not at this rate";
     ::tcflush(fd_, TCIOFLUSH);
@@ -75,8 +74,8 @@ class Tty final : public SerialDevice {
   int fd_ = -1;
 };
 
-// Raw, eight bits, handshake by wire, the rate asked for. False when the line will not have it: tcsetattr() is content when any one
-// setting took, so the settings are read back.
+// Raw, eight bits, hardware handshake, the given rate. False when the line does not support it: tcsetattr() succeeds when any one setting
+// was applied, so the settings are read back.
 bool Tty::set_up_line() const noexcept {
   const Baud* baud = find_baud(baud_);
   termios wanted{}, got{};
@@ -88,7 +87,7 @@ bool Tty::set_up_line() const noexcept {
   wanted.c_cc[VTIME] = 0;
   if (::cfsetspeed(&wanted, baud->code) != 0 || ::tcsetattr(fd_, TCSANOW, &wanted) != 0 || ::tcgetattr(fd_, &got) != 0) return false;
   if (::cfgetospeed(&got) != baud->code || (got.c_lflag & (ICANON | ECHO)) != 0) return false;
-  // Converters of FTDI's kind hold bytes back for 16 ms unless the port is marked so. Others do not know the request, and need it not.
+  // Converters of FTDI's kind delay bytes by 16 ms unless the port is set to low latency. Others do not support the request and do not need it.
   serial_struct serial{};
   if (::ioctl(fd_, TIOCGSERIAL, &serial) == 0) {
     serial.flags |= ASYNC_LOW_LATENCY;
@@ -110,7 +109,7 @@ SlcanPort::SlcanPort(std::shared_ptr<SerialDevice> device) : device_(std::move(d
 
 SlcanPort::~SlcanPort() {
   if (state_ == State::closed) return;
-  // Best effort: tell the adapter that this program stops listening.
+  // Best effort: close the channel of the adapter.
   constexpr std::string_view kClose = "C\r";
   static_cast<void>(device_->write(kClose));
   device_->close();
@@ -138,7 +137,7 @@ void SlcanPort::begin_setup(std::uint64_t now_ns) noexcept {
   setup_answers_ = 0;
   unanswered_ = 0;
   silences_ = refusals_ = 0;
-  // An adapter that is opened anew has left bus-off behind; if not, it will say so again.
+  // A reopened adapter has left bus-off; if not, it reports it again.
   counters_.state = BusState::active;
   problem_ = "the adapter does not answer";
   const std::string_view lines = plain_setup_ ? kPlainSetup : kSetup;
@@ -197,13 +196,13 @@ void SlcanPort::on_state(const SlcanLine& line, std::uint64_t now_ns) noexcept {
   if (counters_.state == BusState::off && before != BusState::off) {
     ++counters_.bus_offs;
     off_since_ns_ = now_ns;
-    unanswered_ = 0;  // what was under way is lost with the bus
+    unanswered_ = 0;  // unanswered lines are lost with the bus
   }
   if (state_ == State::up) become_up();
 }
 
-// "e", how many letters, and a letter for each error: o and O are frames lost for want of room, the others faults on the wire. A line that
-// does not keep to that is refused.
+// "e", how many letters, and a letter for each error: o and O are frames lost by full buffers, the others bus errors. Any other line is
+// refused.
 void SlcanPort::on_errors(std::string_view text) noexcept {
   const std::size_t letters = text.size() >= 2 && text[1] >= '1' && text[1] <= '9' ? static_cast<std::size_t>(text[1] - '0') : 0;
   constexpr std::string_view kKnown = "abBcfoOs";
@@ -277,8 +276,8 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
     unanswered_ = 0;
     if (++silences_ >= kSilencesBeforeSetup) begin_setup(now_ns);
   }
-  // Refused line by line, and nothing is heard: one flipped character was a `C`, and the adapter has closed the bus. At bus-off it refuses, too,
-  // but comes back by itself.
+  // Every line is refused and nothing is received: one flipped character was a `C`, which closed the bus. At bus-off lines are refused too,
+  // but that ends by itself.
   if (state_ == State::up && refusals_ >= kRefusalsBeforeSetup && counters_.state != BusState::off) begin_setup(now_ns);
   if (state_ == State::up && counters_.state == BusState::off && now_ns - off_since_ns_ >= kBusOffNs) begin_setup(now_ns);
   return count;

@@ -17,7 +17,7 @@ namespace hoist::bus {
 class SlcanPort final : public CanPort {
  public:
   static constexpr std::uint32_t kDefaultBaud = 1'000'000;  // what a full bus needs (585 kbit/s) with room; 115200 is too slow
-  // `baud` must be one of the rates that valid_baud() knows.
+  // `baud` must pass valid_baud().
   explicit SlcanPort(std::string path, std::uint32_t baud = kDefaultBaud);
   explicit SlcanPort(std::shared_ptr<SerialDevice> device);
   ~SlcanPort() override;
@@ -37,12 +37,12 @@ class SlcanPort final : public CanPort {
 
   // Limits, each with its reason.
   static constexpr std::uint64_t kRetryNs = 200'000'000;     // reopening a device that went away (SOURCES 4)
-  static constexpr std::uint64_t kAnswerNs = 50'000'000;     // silence after a `t` line that counts as a fault of the adapter
+  static constexpr std::uint64_t kAnswerNs = 50'000'000;     // timeout of the answer to a `t` line
   static constexpr std::uint64_t kSetupNs = 500'000'000;     // C, S5, E1, O must be answered within this
   static constexpr std::uint32_t kWindow = 16;               // unanswered lines: two steps of the fullest traffic
   static constexpr std::uint32_t kSilencesBeforeSetup = 4;   // then the adapter is set up again
   static constexpr std::uint32_t kRefusalsBeforeSetup = 50;  // likewise: a tenth of a second of traffic, refused line by line
-  static constexpr std::uint64_t kBusOffNs = 2'000'000'000;  // then the adapter is asked anew: the line that said "active" may be lost
+  static constexpr std::uint64_t kBusOffNs = 2'000'000'000;  // then the state is requested again: the line "active" may be lost
   static constexpr int kReadsPerStep = 4;                    // bounds the work of one step even on a babbling line
 
  private:
@@ -61,7 +61,7 @@ class SlcanPort final : public CanPort {
   bool ever_open_ = false;
   std::uint64_t deadline_ns_ = 0;  // closed: next try; setting up: give up
   std::uint32_t setup_answers_ = 0;
-  bool plain_setup_ = false;    // without E1: the adapter did not come up when asked for state lines
+  bool plain_setup_ = false;    // without E1: the adapter did not open when state lines were requested
   bool last_accepted_ = false;  // the newest answer to the set-up
   std::uint32_t unanswered_ = 0;
   std::uint64_t last_answer_ns_ = 0;
@@ -71,7 +71,7 @@ class SlcanPort final : public CanPort {
   contract::SlcanDecoder decoder_;
   PortCounters counters_;
   std::atomic<const char*> problem_{"not opened yet"};
-  // The tail of a write that the tty did not take whole: a line must be finished before the next one begins.
+  // The rest of a partial write: a line must be finished before the next one begins.
   std::array<char, 2048> pending_{};
   std::size_t pending_size_ = 0;
   std::array<char, 4096> read_buffer_{};

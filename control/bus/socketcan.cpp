@@ -25,8 +25,8 @@ constexpr std::size_t kTxErrorByte = 6, kRxErrorByte = 7;
 constexpr canid_t kErrorsHeard = CAN_ERR_TX_TIMEOUT | CAN_ERR_CRTL | CAN_ERR_PROT | CAN_ERR_TRX | CAN_ERR_ACK | CAN_ERR_BUSOFF |
                                  CAN_ERR_BUSERROR | CAN_ERR_RESTARTED | kErrorCounters;
 
-// For the core: data frames with 11-bit ids. All of those, because the recording shows what was on the bus, and a second master or a node
-// that babbles must be seen. Extended frames and remote requests are nothing any node of ours sends: the kernel keeps them out of the step.
+// For the core: data frames with 11-bit ids. All of those, because the recording must be complete, and a second master or a babbling node
+// must be seen. Our nodes send no extended frames or remote requests: the kernel filters them out.
 constexpr can_filter kCoreFilter{0, CAN_EFF_FLAG | CAN_RTR_FLAG};
 
 can_frame to_kernel(const CanFrame& frame) {
@@ -44,7 +44,7 @@ CanFrame from_kernel(const can_frame& frame) {
   out.dlc = frame.can_dlc;
   out.flags =
       static_cast<std::uint8_t>((extended ? CanFrame::kExtended : 0) | ((frame.can_id & CAN_RTR_FLAG) != 0 ? CanFrame::kRemote : 0));
-  // Bytes behind the length are whatever the sender left there.
+  // Bytes beyond the length are undefined.
   if ((out.flags & CanFrame::kRemote) == 0) std::memcpy(out.data.data(), frame.data, frame.can_dlc);
   return out;
 }
@@ -99,8 +99,8 @@ void SocketCanPort::open_socket(std::uint64_t now_ns) noexcept {
   }
   const can_err_mask_t errors = kErrorsHeard;
   const int on = 1, bytes = kReceiveBytes;
-  // Asked for before bind(), so that no frame arrives unfiltered. The larger buffer may be cut to the system's limit; the counter of lost
-  // frames tells when that mattered.
+  // Set before bind(), so that no frame arrives unfiltered. The system may limit the buffer; the counter of lost frames shows when that
+  // mattered.
   bool good = use_ == PortUse::tool || ::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, &kCoreFilter, sizeof kCoreFilter) == 0;
   good = good && ::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) == 0;
   good = good && ::setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) == 0;
@@ -137,7 +137,7 @@ void SocketCanPort::on_link_down(std::uint64_t now_ns) noexcept {
   deadline_ns_ = now_ns + kRetryNs;
 }
 
-// The kernel tells a socket when its link goes down, but not when it comes up again.
+// The kernel notifies a socket of a link going down, but not of it coming up.
 void SocketCanPort::look_at_link(std::uint64_t now_ns) noexcept {
   deadline_ns_ = now_ns + kRetryNs;
   ifreq request{};
@@ -160,7 +160,7 @@ void SocketCanPort::set_state(BusState state) noexcept {
 
 void SocketCanPort::on_error_frame(const can_frame& frame) noexcept {
   const canid_t what = frame.can_id;
-  // Frames that only tell counters or good news are no errors. Classes that a later kernel may add are ignored.
+  // Frames with counters or recovery only are no errors. Unknown classes of later kernels are ignored.
   const bool good_news = (what & CAN_ERR_CRTL) != 0 && frame.data[1] == CAN_ERR_CRTL_ACTIVE;
   if ((what & kErrorsHeard & ~(CAN_ERR_RESTARTED | kErrorCounters | CAN_ERR_CRTL)) != 0 || ((what & CAN_ERR_CRTL) != 0 && !good_news))
     ++counters_.bus_errors;
@@ -192,7 +192,7 @@ void SocketCanPort::on_errno(int error, std::uint64_t now_ns) noexcept {
       return;
     case ENETDOWN:
       return on_link_down(now_ns);
-    default:  // ENODEV, ENXIO: the interface is gone; anything else: begin anew
+    default:  // ENODEV, ENXIO: the interface is gone; other errors: reopen
       return close_socket(now_ns, "the interface has gone away");
   }
 }
@@ -261,7 +261,7 @@ std::size_t SocketCanPort::send(std::span<const CanFrame> frames, std::uint64_t 
       break;
     }
     taken += static_cast<std::size_t>(put);
-    if (static_cast<std::size_t>(put) < filled) break;  // the queue is full; the rest would be old before it could go
+    if (static_cast<std::size_t>(put) < filled) break;  // the queue is full; the rest would be stale when sent
   }
   counters_.sent += static_cast<std::uint32_t>(taken);
   counters_.send_refused += static_cast<std::uint32_t>(frames.size() - taken);

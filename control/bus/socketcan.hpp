@@ -1,11 +1,11 @@
 // A CAN interface of the Linux kernel (CAN_RAW).
 //
-// What the kernel does, and what is done about it (seen on Linux 6.1):
+// Behaviour of the kernel, and our reaction (Linux 6.1):
 //   link set down        read says ENETDOWN once, then nothing; the socket stays good: wait for the link, ask for it every 200 ms
 //   interface removed    read says ENODEV, write ENXIO: close, open again by name every 200 ms
-//   transmit queue full  write says ENOBUFS while poll still says writable: what does not fit is dropped and counted, never tried again,
-//                        because a command of the step before is worth nothing
-//   slow reader          the kernel drops frames silently: a receive buffer of 1 MiB, and SO_RXQ_OVFL tells what was lost
+//   transmit queue full  write says ENOBUFS while poll still says writable: the rest is dropped and counted, never retried,
+//                        because a command of the previous step is stale
+//   slow reader          the kernel drops frames silently: a receive buffer of 1 MiB, and SO_RXQ_OVFL counts losses
 //   bus-off              an error frame; up() is false until CAN_ERR_RESTARTED, "active again", or the link has been down and up
 #pragma once
 #include <linux/can.h>
@@ -35,7 +35,7 @@ class SocketCanPort final : public CanPort {
   [[nodiscard]] const PortCounters& counters() const noexcept override { return counters_; }
   [[nodiscard]] const char* problem() const noexcept override { return problem_.load(std::memory_order_relaxed); }
 
-  // Judges one error frame of the kernel. Public for the tests: kernels and drivers differ in what they send.
+  // Handles one error frame of the kernel. Public for tests: kernels and drivers send different ones.
   void on_error_frame(const can_frame& frame) noexcept;
 
   [[nodiscard]] static bool valid_interface_name(std::string_view name) noexcept;

@@ -81,7 +81,7 @@ StepLine::Got StepLine::take() noexcept {
 }
 
 bool StepLine::wait(const std::atomic<bool>& ending) noexcept {
-  // Only the time waited here counts as silence, so a computer that stood still as a whole does not part the two programs.
+  // Only time waited here counts as silence, so a suspended computer does not disconnect the programs.
   for (int waited_ms = 0; coupled_; waited_ms += kLook_ms) {
     const Got got = take();
     if (got == Got::step) return true;

@@ -19,8 +19,8 @@ class StepLine final : public SerialDevice {
   StepLine& operator=(const StepLine&) = delete;
   [[nodiscard]] static bool valid_path(const std::string& path) noexcept;
 
-  /// Waits for the next step. True: the simulator gives it. False: there is no simulator, and one period has passed by the steady clock, so
-  /// that the core notices the dead bus and goes on. `ending` shortens the wait for a simulator that hangs.
+  /// Waits for the next step. True: the simulator started it. False: no simulator, and one period of the steady clock has passed, so that
+  /// the core notices the dead bus and continues. `ending` shortens the wait for a simulator that hangs.
   bool wait(const std::atomic<bool>& ending) noexcept;
   /// The step is done: its answer goes to the simulator.
   void done() noexcept;
@@ -34,7 +34,7 @@ class StepLine final : public SerialDevice {
 
  private:
   static constexpr std::uint64_t kRetry_ns = 200'000'000;  // between two attempts to connect
-  static constexpr int kSilenceEnding_ms = 500;            // a program that is to end waits no longer than this
+  static constexpr int kSilenceEnding_ms = 500;            // longest wait of a program that is ending
   enum class Got : std::uint8_t { step, nothing, gone };
   void connect(std::uint64_t now_ns) noexcept;
   void disconnect(const char* why) noexcept;
@@ -48,7 +48,7 @@ class StepLine final : public SerialDevice {
   const char* problem_ = "the simulator is not there";
   std::uint64_t retry_ns_ = 0, due_ns_ = 0;              // steady clock: next attempt; end of this period without simulator
   std::uint32_t step_ = 0;                               // newest one taken
-  std::array<char, contract::kStepPacketMax + 1> in_{};  // one more, so that a longer packet shows
+  std::array<char, contract::kStepPacketMax + 1> in_{};  // one more, to detect a longer packet
   std::size_t in_at_ = 0, in_size_ = 0;
   std::array<char, contract::kStepPacketMax> out_{};
   std::size_t out_size_ = 0, out_room_ = 0;  // of the text

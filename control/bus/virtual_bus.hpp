@@ -4,7 +4,7 @@
 // What it models: one frame on the wire at a time; when the wire is free, the pending frame with the lowest id wins (each port offers its
 // own lowest first, as a controller with priority mailboxes does); a frame is received when its last bit before the intermission is over.
 // What it does not model: error counters and bus-off, wire lengths, clock tolerance. Frame lengths come from the DLC, with or without the
-// worst case of bit stuffing, not from the bits of the very frame.
+// worst case of bit stuffing, not from the bits of each frame.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -33,9 +33,9 @@ struct VirtualBusOptions {
 struct BusFault {
   enum class Kind : std::uint8_t {
     none,
-    drop,     // takes its time on the wire, nobody hears it, the sender believes it sent
+    drop,     // occupies the bus, is not received, and its sender is told that it was sent
     corrupt,  // destroyed by an error frame; the sender tries again
-    delay,    // goes back to its sender, who may not offer it again before delay_ns
+    delay,    // returns to its sender, which may offer it again after delay_ns
   };
   Kind kind = Kind::none;
   std::uint64_t delay_ns = 0;
@@ -43,7 +43,7 @@ struct BusFault {
 };
 
 struct VirtualBusCounters {
-  std::uint64_t frames = 0;      // whole frames on the wire, dropped ones too
+  std::uint64_t frames = 0;      // complete frames on the bus, dropped ones too
   std::uint64_t busy_ns = 0;     // time the wire was taken
   std::uint64_t tx_refused = 0;  // send() on a full or disconnected port, or a frame that cannot exist
   std::uint64_t rx_lost = 0;     // receive queue full
@@ -77,7 +77,7 @@ class VirtualBus {
 
   explicit VirtualBus(VirtualBusOptions options = {}) : options_(options), bit_ns_(1'000'000'000ULL / std::max(options.bit_rate, 1U)) {}
 
-  /// A new port; kVirtualPortMax when there is none left.
+  /// A new port; kVirtualPortMax when all are used.
   [[nodiscard]] std::size_t add_port() {
     if (port_count_ == kVirtualPortMax) return kVirtualPortMax;
     ports_[port_count_].connected = true;
@@ -97,7 +97,7 @@ class VirtualBus {
     return true;
   }
 
-  /// The oldest frame received by this port; false when there is none. Only filled by advance() without a receiver.
+  /// The oldest frame received by this port; false without one. Only filled by advance() without a receiver.
   [[nodiscard]] bool receive(std::size_t port, Frame& frame) {
     if (port >= port_count_ || ports_[port].rx_count == 0) return false;
     Port& p = ports_[port];
@@ -107,8 +107,8 @@ class VirtualBus {
     return true;
   }
 
-  /// Moves time on and calls on_frame(port, frame) for every port that hears a frame, at the time (now_ns()) it hears it and in the order
-  /// of the ports. on_frame may send: the answer competes for the wire at once.
+  /// Advances time and calls on_frame(port, frame) for every receiving port, at the time of reception (now_ns()) and in the order of the
+  /// ports. on_frame may send: the answer takes part in the next arbitration.
   template <class OnFrame>
   void advance(std::uint64_t dt_ns, OnFrame&& on_frame) {
     const std::uint64_t end_ns = now_ns_ + dt_ns;
@@ -132,7 +132,7 @@ class VirtualBus {
     advance(dt_ns, [this](std::size_t port, const Frame& frame) { store(ports_[port], frame); });
   }
 
-  /// Pulls a plug or puts it back. What waited in a pulled port is gone; a frame of it on the wire is lost.
+  /// Unplugs a port or plugs it in. Its waiting frames and a frame on the wire are lost.
   void set_connected(std::size_t port, bool connected) {
     if (port >= port_count_) return;
     Port& p = ports_[port];
@@ -185,14 +185,14 @@ class VirtualBus {
     port.rx[(port.rx_first + port.rx_count++) % kVirtualRxQueueMax] = frame;
   }
 
-  // A frame that nobody acknowledges is repeated for ever: with fewer than two connected ports nothing is ever sent.
+  // A frame without acknowledge is repeated for ever: with fewer than two connected ports nothing is sent.
   [[nodiscard]] bool alone() const {
     std::size_t connected_ports = 0;
     for (std::size_t i = 0; i < port_count_; ++i) connected_ports += ports_[i].connected ? 1U : 0U;
     return connected_ports < 2;
   }
   [[nodiscard]] std::uint64_t earliest_ready_ns(std::uint64_t not_before_ns) const {
-    // Most of the time nobody wants to send: a world of a thousand steps a second asks here most often.
+    // Fast path: usually no port wants to send, and this is called most often.
     if (waiting_ports_ == 0) return kNever;
     std::uint64_t earliest = kNever;
     for (std::uint32_t left = waiting_ports_; left != 0; left &= left - 1) {

@@ -52,7 +52,7 @@ void ControlLoop::step(const Step& step) noexcept {
     link_.end();
   }
   if (step.stop) {
-    // The program is being ended: the same stop that anyone may ask for, in front of everything else.
+    // The program is ending: the ordinary STOP, before any other command.
     commands_[0] = contract::Command{};
     commands_[0].kind = contract::CommandKind::stop;
     commands_[0].sequence = 0;

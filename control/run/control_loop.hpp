@@ -23,7 +23,7 @@ class ControlLoop {
     std::uint64_t time_ns = 0;
     std::uint64_t wake_lateness_ns = 0;
     std::uint64_t previous_duration_ns = 0;
-    bool stop = false;  // the program wants to end: once, as if STOP had been pressed
+    bool stop = false;  // the program is ending: once, as if STOP had been pressed
   };
   // Runs one step. No allocation, no exception, no system call but the port's.
   void step(const Step& step) noexcept;
@@ -35,7 +35,7 @@ class ControlLoop {
   /// Counted by the thread itself, before a step.
   void note_allocations(std::uint32_t since_first_step) noexcept { loop_.allocations = since_first_step; }
 
-  /// What is to be stored of the stops, for another thread. False while nothing of it has changed since `seen`, the number it handed out last.
+  /// The stop history to store, for another thread. False while unchanged since `seen`, the last number returned.
   [[nodiscard]] bool read_stops(core::StopHistory& history, std::uint64_t& seen) const noexcept;
 
   [[nodiscard]] bool standing_still() const noexcept { return outputs_.record.standing_still != 0; }
@@ -45,7 +45,7 @@ class ControlLoop {
   void publish_frames(std::span<const contract::CanFrame> frames, std::uint64_t time_ns, bool sent) noexcept;
   void publish_params() noexcept;
 
-  static constexpr std::size_t kFramesPerStep = 256;  // a full bus brings 23 frames per step; the rest is room after a hold-up
+  static constexpr std::size_t kFramesPerStep = 256;  // a full bus brings 23 frames per step; the rest is reserve after a delay
   bus::CanPort& port_;
   publish::CoreLink& link_;
   core::CoreState state_;

@@ -8,7 +8,7 @@ thread_local std::uint64_t count = 0;
 }
 std::uint64_t hoist::run::heap_requests() noexcept { return count; }
 
-// clang's ThreadSanitizer brings these functions itself: a program built with it counts nothing.
+// clang's ThreadSanitizer defines these functions itself: a program built with it counts nothing.
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
 #define HOIST_HEAP_IS_WATCHED_ELSEWHERE

@@ -1,4 +1,4 @@
-// Counts what each thread asks of the heap, in the shipped program: after the start the steps must ask for nothing.
+// Counts heap requests per thread in the shipped program: after the start, steps must make none.
 #pragma once
 #include <cstdint>
 

@@ -12,7 +12,7 @@ class Lateness {
  public:
   static constexpr std::size_t kSliceSteps = 100, kSlices = 10;
 
-  /// One step: how late it began and how long the one before took. True once a second, when the figures below are new.
+  /// One step: its lateness and the duration of the previous one. True once a second, when the figures below are new.
   bool add(std::uint64_t lateness_ns, std::uint64_t previous_step_ns) noexcept {
     const std::size_t bucket = contract::lateness_bucket(lateness_ns);
     Slice& slice = slices_[slice_];

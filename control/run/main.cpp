@@ -1,8 +1,8 @@
 // hoist-control: the 100 Hz core on a real bus.
 //
 // Its threads are the rows of threads.def. The control thread sleeps until an absolute time, runs one step, sleeps again: one sleep and the
-// bus are its only system calls. The watchdog thread tells the service manager that steps go on. The storing thread writes changed parameters.
-// The main thread accepts the server, counts page faults and waits for signals.
+// bus are its only system calls. The watchdog thread notifies the service manager while steps continue. The storing thread writes changed
+// parameters. The main thread accepts the server, counts page faults and waits for signals.
 #include <sys/prctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -50,7 +50,7 @@ std::uint64_t now_ns(clockid_t clock) {
   return static_cast<std::uint64_t>(t.tv_sec) * 1'000'000'000U + static_cast<std::uint64_t>(t.tv_nsec);
 }
 
-// The only bus whose clock is not this computer's. A hoist on any other one cannot be given a foreign clock: there is no option for it.
+// The only bus with a foreign clock; no option sets one for another bus.
 constexpr std::string_view kLockStep = "sim:";
 bool is_lock_step(std::string_view bus) { return bus.starts_with(kLockStep); }
 
@@ -86,7 +86,7 @@ void print_help() {
          "Ends with a controlled stop on SIGINT or SIGTERM.\n";
 }
 
-// Empty when these options go with lock-step. It asks for no priority: a busy computer slows its time and makes no step late.
+// Empty when these options fit lock-step, which needs no priority: a busy computer slows simulated time, and no step is late.
 std::string take_lock_step(Options& options) {
   if (!bus::StepLine::valid_path(options.bus.substr(kLockStep.size())))
     return "--bus sim: needs the socket of hoist-sim --lock-step, 1 to 107 characters";
@@ -148,7 +148,7 @@ std::string apply_set(contract::Params& params, const std::string& assignment) {
   return {};
 }
 
-// The stops of earlier runs; says so when they cannot be believed.
+// The stops of earlier runs; reports an unreadable file.
 core::StopHistory earlier_stops(const std::string& path, const std::string& boot_id) {
   const run::LoadedStops loaded = run::load_stop_file(path, boot_id, now_ns(CLOCK_MONOTONIC));
   if (!loaded.problem.empty())
@@ -217,7 +217,7 @@ void control_thread(run::ControlLoop& loop, run::StepClock& clock, LoopThread& s
   shared.ended.store(true);
 }
 
-// Feeds the service manager's watchdog as long as steps go on.
+// Feeds the service manager's watchdog while steps continue.
 void watchdog_thread(LoopThread& shared, run::Notifier& notifier, bool real_time) {
   static_cast<void>(run::take_row(run::ThreadId::watchdog, real_time, run::kNoCpu));
   const timespec pause{0, static_cast<long>(notifier.period_ns())};
@@ -228,8 +228,7 @@ void watchdog_thread(LoopThread& shared, run::Notifier& notifier, bool real_time
   notifier.tell("STOPPING=1");
 }
 
-// Counts the control thread's page faults once a second: from its second second on, because what a program touches for the first time it
-// meets in its first steps.
+// Counts the control thread's page faults once a second: from its second second on, because the first steps touch pages for the first time.
 class PageFaultCount {
  public:
   void serve(run::ControlLoop& loop, int thread) {
@@ -249,8 +248,8 @@ class PageFaultCount {
   std::uint64_t next_ns_ = now_ns(CLOCK_MONOTONIC) + 1'000'000'000;
 };
 
-// Stores changed parameters and tells the server through the segment how far that is. A change waits at most one look for its turn; the last
-// look comes after the last step.
+// Stores changed parameters and publishes the stored sequence for the server. A change waits at most one poll; the last poll comes after
+// the last step.
 void store_thread(publish::CoreLink& link, LoopThread& shared, run::ParameterStore store, bool real_time) {
   static_cast<void>(run::take_row(run::ThreadId::store, real_time, run::kNoCpu));
   constexpr timespec kLook{0, 50'000'000};
@@ -273,7 +272,7 @@ void store_thread(publish::CoreLink& link, LoopThread& shared, run::ParameterSto
   }
 }
 
-// One line for people: what the steps got of what they asked for.
+// One line for people: requested and granted real-time settings.
 std::string describe(const run::Granted& granted, const std::string& lock_problem) {
   std::string text = granted.priority > 0 ? "real-time priority " + std::to_string(granted.priority) + " (SCHED_FIFO)" : granted.problem;
   text += granted.cpu == run::kNoCpu ? ", any processor core" : ", bound to processor core " + std::to_string(granted.cpu);
@@ -410,7 +409,7 @@ int main(int argc, char** argv) {
   if (!bus_problem.empty()) std::cout << "hoist-control: bus: " << bus_problem << std::endl;
   PageFaultCount page_faults;
   bool capture_failed = false;
-  std::optional<std::string_view> input_problem;  // nothing said yet: a device that answers at once is told of, too
+  std::optional<std::string_view> input_problem;  // nothing reported yet, so that a device that answers at once is reported too
   while (!shared.ended.load()) {
     if (const std::string_view now = port->problem(); now != bus_problem) {
       bus_problem = now;

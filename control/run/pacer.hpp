@@ -1,4 +1,4 @@
-// When the steps are due, and how late they are. No clock of its own: told the time, so that tests can tell it any.
+// When steps are due, and how late they are. The time is an argument, so tests choose it.
 #pragma once
 #include <cstdint>
 
@@ -6,8 +6,8 @@ namespace hoist::run {
 
 inline constexpr std::uint64_t kPeriodNs = 10'000'000;
 
-/// Steps lie on a grid of 10 ms. One that could not take place is left out, never made up for in a burst (Algorithm 1 is per step, D13);
-/// the tick number shows the hole.
+/// Steps lie on a grid of 10 ms. A step that could not take place is left out, never repeated in a burst (Algorithm 1 is per step, D13);
+/// the tick number shows the gap.
 class Pacer {
  public:
   explicit Pacer(std::uint64_t first_ns) : wake_ns_(first_ns), due_ns_(first_ns) {}
@@ -16,9 +16,8 @@ class Pacer {
   [[nodiscard]] std::uint64_t wake_ns() const { return wake_ns_; }
   [[nodiscard]] std::uint64_t tick() const { return tick_; }
 
-  /// The step begins. Gives its lateness: behind its place on the grid, or behind a whole period since the step before began, if that is
-  /// more. So a step that woke late counts once, and one that itself took too long makes the next one late (H22) although that one begins
-  /// exactly on the grid.
+  /// Start of a step. Returns its lateness: against the grid, or against a period since the previous start, whichever is more. So a late
+  /// wake-up counts once, and a step that took too long makes the next one late (H22) although it starts on the grid.
   [[nodiscard]] std::uint64_t begin(std::uint64_t now_ns) {
     const std::uint64_t behind_grid_ns = now_ns > wake_ns_ ? now_ns - wake_ns_ : 0;
     const std::uint64_t behind_last_ns = now_ns > due_ns_ ? now_ns - due_ns_ : 0;

@@ -1,4 +1,4 @@
-// The stored parameters: one JSON file with names, SI values and a checksum. Written whole and atomically, read with suspicion.
+// The stored parameters: one JSON file with names, SI values and a checksum. Written as a whole, atomically, and validated when read.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -13,7 +13,7 @@
 namespace hoist::run {
 
 struct LoadedParams {
-  contract::Params params;  // defaults where the file says nothing
+  contract::Params params;  // defaults for missing values
   bool usable = false;      // false: the file exists and must not be used; `problem` says why
   std::string problem;
   std::vector<std::string> remarks;  // unknown names, values out of range that were left at their default
@@ -27,10 +27,10 @@ class ParameterStore {
  public:
   static constexpr std::uint64_t kRetry_ns = 1'000'000'000;  // after a refusal by the disk
 
-  // `path` empty: nothing is stored, and the report says so. Of `started_with` what differs from `stored` holds for this run only (--set).
+  // `path` empty: nothing is stored, as the report says. Values of `started_with` that differ from `stored` hold for this run only (--set).
   ParameterStore(std::string path, const contract::Params& started_with, const contract::Params& stored);
-  // Stores what is in force with this sequence when the file does not hold it yet. Never stored are the defaults that stand in for damaged
-  // values: then the file is the last place that still knows better.
+  // Stores the parameters in force with this sequence unless already stored. Defaults that replace damaged values are never stored: the
+  // file still holds the right values.
   const contract::StoreReport& look(const contract::ParamsInForce& in_force, std::uint64_t sequence, std::uint64_t now_ns);
   // Why the newest attempt failed; empty when it did not.
   [[nodiscard]] const std::string& problem() const { return problem_; }
@@ -42,7 +42,7 @@ class ParameterStore {
 
   std::string path_;
   contract::Params started_with_, stored_;
-  std::optional<Values> synced_;  // the `kept` that the file holds; none after a failed attempt, whose file may be the old or the new one
+  std::optional<Values> synced_;  // the `kept` of the file; none after a failed attempt, when the file may be the old or the new one
   contract::StoreReport report_;
   std::uint64_t retry_ns_ = 0;
   std::string problem_;

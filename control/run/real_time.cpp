@@ -17,7 +17,7 @@ namespace {
 
 constexpr unsigned kCpuLimit = 64;  // of the bits in allowed_cpus()
 
-/// A whole small file of the kernel's; empty when it cannot be read.
+/// A small kernel file; empty when unreadable.
 std::string read_small(const char* path) {
   const int file = ::open(path, O_RDONLY | O_CLOEXEC);
   if (file < 0) return {};
@@ -42,7 +42,7 @@ std::optional<std::uint8_t> choose_cpu(std::string_view wish, std::string_view i
   if (wish == "auto") {
     // "2-3,6": the first number is the first core.
     if (const auto first = number(isolated); first && may(*first)) return static_cast<std::uint8_t>(*first);
-    if ((allowed & (allowed - 1)) == 0) return kNoCpu;  // the only one is everybody's
+    if ((allowed & (allowed - 1)) == 0) return kNoCpu;  // a single core is shared
     unsigned last = kCpuLimit - 1;
     while (!may(last)) --last;
     return static_cast<std::uint8_t>(last);
@@ -84,7 +84,7 @@ Granted take_row(ThreadId thread, bool real_time, std::uint8_t cpu) {
     granted.problem = std::string("no real-time priority: ") + std::strerror(refused);
   else
     granted.priority = row.fifo;
-  // Bound without a priority it would only queue behind whatever else runs there.
+  // Without a priority a bound thread would queue behind others on that core.
   if (!row.own_cpu || cpu == kNoCpu || granted.priority == 0) return granted;
   cpu_set_t set;
   CPU_ZERO(&set);
@@ -99,7 +99,7 @@ Granted take_row(ThreadId thread, bool real_time, std::uint8_t cpu) {
 void touch_stack() {
   constexpr std::size_t kBytes = std::size_t{128} * 1024, kPage = 4096;
   std::array<unsigned char, kBytes> stack;
-  // Through a volatile pointer, so that the writes take place although nobody reads them.
+  // Through a volatile pointer, so that the compiler keeps the writes.
   volatile unsigned char* page = stack.data();
   for (std::size_t i = 0; i < kBytes; i += kPage) page[i] = 0;
 }

@@ -1,4 +1,4 @@
-// What the threads ask of the operating system, and what they got.
+// What threads request of the operating system, and what was granted.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -27,12 +27,12 @@ inline constexpr ThreadRow kThreads[] = {
 
 inline constexpr std::uint8_t kNoCpu = 255;
 
-/// Which core the steps get. `wish`: "none", a number, or "auto": the first one that the kernel was told to keep free (isolcpus), else the
-/// last one of several that this program may use, else none. Nothing when the wish makes no sense here; `error` says why.
-/// `isolated` is the text of /sys/devices/system/cpu/isolated, `allowed` the cores that this program may use, as bits.
+/// The core for the steps. `wish`: "none", a number, or "auto": the first isolated one (isolcpus), else the last of several that this
+/// program may use, else none. Empty for an invalid wish; `error` says why. `isolated` is the text of /sys/devices/system/cpu/isolated,
+/// `allowed` the cores that this program may use, as bits.
 [[nodiscard]] std::optional<std::uint8_t> choose_cpu(std::string_view wish, std::string_view isolated, std::uint64_t allowed,
                                                      std::string& error);
-/// The two facts that choose_cpu wants, of this computer.
+/// The two inputs of choose_cpu for this computer.
 [[nodiscard]] std::string isolated_cpus();
 [[nodiscard]] std::uint64_t allowed_cpus();
 
@@ -40,18 +40,18 @@ inline constexpr std::uint8_t kNoCpu = 255;
 struct Granted {
   std::uint8_t priority = 0;  // under SCHED_FIFO; 0: ordinary
   std::uint8_t cpu = kNoCpu;
-  std::string problem;  // what was refused, for people; empty when the row was met
+  std::string problem;  // what was refused, for people; empty when the whole row was granted
 };
-/// Called by a thread at its beginning: takes its name and, when `real_time`, its row of threads.def. An ordinary row is also taken back
-/// from a thread that was born with more (a service manager may start the whole program with real-time priority).
+/// Called by a thread at its beginning: takes its name and, when `real_time`, its row of threads.def. A thread with an ordinary row gives
+/// up an inherited priority (a service manager may start the whole program with real-time priority).
 [[nodiscard]] Granted take_row(ThreadId thread, bool real_time, std::uint8_t cpu);
 
-/// Touches `bytes` of this thread's stack, so that no page of it is met for the first time later.
+/// Touches `bytes` of this thread's stack, so that it causes no later page fault.
 void touch_stack();
-/// Locks what is there and what comes. Empty when it worked, otherwise why not.
+/// Locks present and future memory. Empty on success, otherwise the reason.
 [[nodiscard]] std::string lock_memory();
 
-/// Page faults of a thread of this process so far, minor and major, from its line in /proc; nothing when that cannot be read.
+/// Page faults of a thread of this process so far, minor and major, from its line in /proc; empty when unreadable.
 [[nodiscard]] std::optional<std::uint64_t> page_faults_of(int thread);
 
 }  // namespace hoist::run

@@ -29,8 +29,8 @@ class SteadyClock final : public StepClock {
   std::uint64_t begun_ns_ = 0, duration_ns_ = 0;
 };
 
-/// The simulator's clock: 10 ms with each step that it gives, never late, because its world stands still while the core works. It starts at
-/// the steady clock, so that it goes on rising when this program is started again.
+/// The simulator's clock: 10 ms per step, never late, because simulated time waits for the core. It starts at the steady clock, so that it
+/// still rises after a restart of this program.
 class SimulatorClock final : public StepClock {
  public:
   SimulatorClock(bus::StepLine& line, std::uint64_t start_ns) : line_(line), time_ns_(start_ns) {}

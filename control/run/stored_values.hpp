@@ -1,4 +1,4 @@
-// Files that must survive a power cut: one JSON object of values with a checksum, written whole and durably, read with suspicion.
+// Files that must survive a power cut: one JSON object of values with a checksum, written as a whole and durably, validated when read.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>
@@ -9,13 +9,13 @@ struct Saved {
   std::string problem;  // empty: file and folder are synced
   int error = 0;        // errno
 };
-/// The old file stays whole until the new one is on the disk.
+/// The old file stays intact until the new one is on the disk.
 Saved save_values(const std::string& path, const nlohmann::json& values);
 
 struct StoredValues {
   nlohmann::json values;
   bool missing = false;
-  std::string problem;  // the file is there and must not be used
+  std::string problem;  // the file exists but is invalid
 };
 /// `kind` names the file in the problem, such as "parameter file".
 StoredValues load_values(const std::string& path, const std::string& kind);

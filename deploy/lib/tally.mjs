@@ -40,7 +40,7 @@ function countGoogleTest(file, prefix) {
     const name = `${prefix}${attribute(tag, 'classname')}.${attribute(tag, 'name')}`;
     if (attribute(tag, 'status') === 'notrun') cases.push({ status: 'skipped', name, reason: 'disabled in its source' });
     else if (attribute(tag, 'result') === 'skipped' || body.includes('<skipped')) {
-      // A skip that says nothing is a fault of the test: nobody could tell whether it matters.
+      // A skip without a reason is a failure.
       const reason = skipReason(body);
       if (reason === '') { failed++; cases.push({ status: 'failed', name, reason: 'skipped without a reason' }); }
       else cases.push({ status: 'skipped', name, reason });
@@ -66,7 +66,7 @@ function countCtest(folder, prefix) {
     else if (failed && failures.get(program) === 0) add('failed', 'every case passed, but the program ended badly');
     else if (!reported && (status === 'disabled' || skipMessage(body).startsWith('SKIP_')))
       add('skipped', printedReason(body) ?? (skipMessage(body) || status));
-    // Not run and not skipped: its program was never built, or what it needs failed.
+    // Neither run nor skipped: its program was not built, or a dependency failed.
     else if (!reported && status === 'notrun') add('failed', skipMessage(body) || 'could not be run');
     else if (!reported) add('passed', '');
   }

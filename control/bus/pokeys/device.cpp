@@ -73,7 +73,7 @@ void Device::take(const Packet& packet, std::uint64_t now_ns) {
       break;
     case ReplyCheck::other_id:
     case ReplyCheck::other_command:
-      // A reply of its own right, but to a question that is no longer open.
+      // A valid reply to an outdated request.
       ++counters_.late;
       return;
     default:
@@ -127,7 +127,7 @@ void Device::take_inputs(const Packet& packet) {
     readings_.bumpers = static_cast<std::uint8_t>(readings_.bumpers | (pin_level(packet, wiring_.bumper_pins[i]) ? 1U << i : 0U));
   for (std::size_t i = 0; i < wiring_.switch_pins.size(); ++i)
     readings_.switches = static_cast<std::uint8_t>(readings_.switches | (pin_level(packet, wiring_.switch_pins[i]) ? 1U << i : 0U));
-  // As old as the question: the device looked at its pins some time after it.
+  // As old as the request: the device read its pins some time after it.
   readings_.inputs_ns = asked_ns_;
 }
 

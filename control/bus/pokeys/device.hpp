@@ -1,7 +1,7 @@
-// One PoKeys device, asked again and again: digital inputs every 10 ms, analogue ones every 100 ms, one request at a time. A state machine
-// without clock and threads; who calls step() gives it the time.
+// One polled PoKeys device: digital inputs every 10 ms, analogue ones every 100 ms, one request at a time. A state machine without clock
+// and threads; step() gets the time.
 //
-// It takes the device's values only after the device has said that it is a PoKeys and that the pins are set as this machine needs them.
+// Values count only after the device has identified itself as a PoKeys with correctly configured pins.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace hoist::bus::pokeys {
 
-// Which pin is what. Bumpers are contacts that are closed to ground while nothing is touched, on inputs with pull-up: a pressed strip and a
-// torn-off wire read alike, as 1.
+// Use of the pins. Bumpers are contacts that are closed to ground while nothing is touched, on inputs with pull-up: a pressed strip and a
+// cut wire both read 1.
 struct Wiring {
   std::array<std::uint8_t, 4> bumper_pins{1, 2, 3, 4};  // front, rear, left, right
   std::array<std::uint8_t, 4> switch_pins{5, 6, 7, 8};  // the bit is the pin's level
@@ -20,7 +20,7 @@ struct Wiring {
 };
 
 struct Readings {
-  std::uint64_t inputs_ns = 0;  // when the request was sent whose answer these are; 0 = never
+  std::uint64_t inputs_ns = 0;  // when their request was sent; 0 = never
   std::uint8_t bumpers = 0;     // bit set = pressed
   std::uint8_t switches = 0;
   std::uint64_t batteries_ns = 0;
@@ -31,7 +31,7 @@ struct DeviceCounters {
   std::uint32_t replies = 0;     // good ones
   std::uint32_t unanswered = 0;  // requests given up
   std::uint32_t refused = 0;     // packets of wrong size, mark, checksum, command or content
-  std::uint32_t late = 0;        // answers to a request that was already given up
+  std::uint32_t late = 0;        // answers after their request's timeout
   std::uint32_t opened = 0;
 };
 
@@ -51,9 +51,9 @@ class Device {
   static constexpr std::uint64_t kAnalogueEveryNs = 100'000'000;
   static constexpr std::uint64_t kAnswerNs =
       30'000'000;  // on USB an answer takes 1 ms; three of these fit into the 100 ms of a stale value
-  static constexpr std::uint64_t kSilenceNs = 500'000'000;        // then the device is opened anew
+  static constexpr std::uint64_t kSilenceNs = 500'000'000;        // then the device is reopened
   static constexpr std::uint64_t kRetryNs = 200'000'000;          // between tries to open
-  static constexpr std::uint64_t kWrongDeviceNs = 2'000'000'000;  // until a device that is not what it should be is asked again
+  static constexpr std::uint64_t kWrongDeviceNs = 2'000'000'000;  // until an unsuitable device is tried again
   static constexpr int kPacketsPerStep = 32;                      // bounds the work of one step even on a flood
 
  private:

@@ -150,7 +150,7 @@ void InputPort::run() {
 
 void InputPort::publish() {
   const Readings& now = device_.readings();
-  // Pressed first: who sees the newer word sees at least what was pressed before it.
+  // "Pressed" is stored first: a reader of the newer word sees at least the presses before it.
   pressed_.fetch_or(now.bumpers, std::memory_order_relaxed);
   inputs_word_.store((now.inputs_ns / kNsPerMs) << 16 | static_cast<std::uint64_t>(now.bumpers) << 8 | now.switches,
                      std::memory_order_release);
@@ -180,7 +180,7 @@ void InputPort::copy_counters() noexcept {
 }
 
 std::size_t InputPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) noexcept {
-  // Room for the stand-in's own frames is kept, whatever the bus brings.
+  // Space for the stand-in's own frames is reserved.
   const std::size_t room = out.size() > IoStandIn::kFramesMax ? out.size() - IoStandIn::kFramesMax : 0;
   const std::size_t heard = port_->receive(out.first(room), now_ns);
   const auto kept = std::remove_if(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(heard), IoStandIn::is_from_node);
@@ -194,7 +194,7 @@ std::size_t InputPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
 
 std::size_t InputPort::send(std::span<const CanFrame> frames, std::uint64_t now_ns) noexcept {
   for (const CanFrame& frame : frames) stand_in_.on_frame(frame);
-  // Everything also goes out: requests to the input node do no harm there, and the recording of the bus stays whole.
+  // Everything is also sent: requests to the input node do no harm there, and the recording stays complete.
   const std::size_t taken = port_->send(frames, now_ns);
   copy_counters();
   return taken;

@@ -1,5 +1,5 @@
-// A CAN port whose input node is a PoKeys: the real port beside it carries everything else. Frames with the input node's ids that still
-// come over the bus are refused, so that there is one source of bumpers and never two that disagree.
+// A CAN port whose input node is a PoKeys: the real port carries all other frames. Frames with the input node's ids from the bus are
+// refused, so that bumpers have one source.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -25,7 +25,7 @@ struct InputOptions {
 
 class InputPort final : public CanPort {
  public:
-  // Begins to ask the device, in a thread of its own.
+  // Starts polling the device, in its own thread.
   InputPort(std::unique_ptr<CanPort> port, InputOptions options);
   ~InputPort() override;
   InputPort(const InputPort&) = delete;
@@ -36,7 +36,7 @@ class InputPort final : public CanPort {
   [[nodiscard]] bool up() const noexcept override { return port_->up(); }
   [[nodiscard]] const PortCounters& counters() const noexcept override { return counters_; }
   [[nodiscard]] const char* problem() const noexcept override { return port_->problem(); }
-  // What is wrong with the inputs; empty while they come. Any thread may ask.
+  // The error of the inputs; empty while they work. Any thread may call this.
   [[nodiscard]] const char* input_problem() const noexcept { return input_problem_.load(std::memory_order_relaxed); }
   // Frames of a second input node on the bus that were refused.
   [[nodiscard]] std::uint32_t doubles() const noexcept { return doubles_; }
@@ -53,7 +53,7 @@ class InputPort final : public CanPort {
   IoStandIn stand_in_;
   PortCounters counters_;
   std::uint32_t doubles_ = 0;
-  // From the asking thread to the control thread: each word is whole by itself, its time in it, so no reading is ever newer than its time.
+  // From the polling thread to the control thread: each word is atomic and holds its time, so a reading never seems newer than it is.
   std::atomic<std::uint64_t> inputs_word_{0};     // 40 bits of time in ms, bumpers, switches
   std::atomic<std::uint64_t> batteries_word_{0};  // 36 bits of time in ms (two years), two voltages of 14 bits
   std::atomic<std::uint8_t> pressed_{0};          // touched since the control thread last looked

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint8_t kId = contract::node_id(IoStandIn::kNode);
 constexpr std::uint64_t kNsPerMs = 1'000'000;
 
-// Everything the node may be asked for over SDO; of what the dictionary holds beyond, a PoKeys knows nothing.
+// The objects that can be read over SDO; a PoKeys has no others.
 constexpr bool in_identity(std::uint16_t index) { return index == 0x1000 || index == 0x1001 || index == 0x1017 || index == 0x1018; }
 
 void put(std::span<CanFrame> out, std::size_t& count, const CanFrame& frame) {

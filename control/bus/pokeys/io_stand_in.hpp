@@ -1,8 +1,8 @@
-// Speaks for the input node (id 08h) when bumpers, switches and batteries come from a PoKeys: boot-up, heartbeat, NMT, identity by SDO, and
-// its two process data, as frames that the core cannot tell from the CAN node's. So core, monitors and recordings stay as they are.
+// Stands in for the input node (id 08h) when bumpers, switches and batteries come from a PoKeys: boot-up, heartbeat, NMT, identity by SDO,
+// and its two PDOs, equal to the CAN node's frames. So core, monitors and recordings need no change.
 //
-// Doubt stops: without a fresh answer of the device all four bumpers read as pressed and, a little later, the batteries as 0 V. A device
-// that stays silent is not spoken for any more, so that the core also names what is lost.
+// Fail-safe: without a fresh answer of the device all four bumpers read as pressed and, a little later, the batteries as 0 V. After a
+// longer silence the stand-in stops too, so that the core reports the lost node.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -19,7 +19,7 @@ class IoStandIn {
   static constexpr contract::Node kNode = contract::Node::io;
   static constexpr std::uint64_t kStaleNs = 100'000'000;         // an older answer counts as "pressed"
   static constexpr std::uint64_t kBatteryStaleNs = 500'000'000;  // five polls
-  static constexpr std::uint64_t kGoneNs = 1'000'000'000;        // from here on the node is silent
+  static constexpr std::uint64_t kGoneNs = 1'000'000'000;        // from here on the node sends nothing
   static constexpr std::uint64_t kHeartbeatNs = 100'000'000;
   static constexpr std::uint8_t kAllPressed = 0x0F;
   static constexpr std::size_t kRepliesMax = 4;

@@ -16,11 +16,11 @@ namespace hoist::bus::pokeys {
 
 namespace {
 
-// Reads one message into a buffer larger than a packet, so that a longer one is seen as what it is.
+// Reads one message into a buffer larger than a packet, so that a longer one is detected.
 Received read_packet(int fd, Packet& packet) {
   std::array<std::uint8_t, 2 * kPacketBytes> buffer;
   const ssize_t got = ::read(fd, buffer.data(), buffer.size());
-  // A UDP peer that is not there answers by ICMP; it may come, so that is no reason to give the socket up.
+  // A missing UDP peer answers by ICMP; it may appear later, so the socket stays open.
   if (got < 0) return errno == EAGAIN || errno == EINTR || errno == ECONNREFUSED ? Received::nothing : Received::gone;
   if (static_cast<std::size_t>(got) != kPacketBytes) return Received::wrong_size;
   std::memcpy(packet.data(), buffer.data(), kPacketBytes);
@@ -58,7 +58,7 @@ const char* UdpTransport::open() {
   close();
   const int fd = ::socket(address_.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (fd < 0) return "no network socket can be made";
-  // Connected: packets of anybody else never reach us.
+  // Connected: packets of other hosts never arrive.
   if (::connect(fd, reinterpret_cast<const sockaddr*>(&address_), address_size_) != 0) {
     ::close(fd);
     return "there is no way to its network address";

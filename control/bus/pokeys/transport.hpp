@@ -1,5 +1,5 @@
 // How 64-byte packets reach a PoKeys device: a HID device of the kernel, a UDP socket, or any descriptor (tests: one end of a socketpair).
-// Never waits.
+// Never blocks.
 #pragma once
 #include <sys/socket.h>
 
@@ -17,7 +17,7 @@ enum class Received : std::uint8_t { nothing, packet, wrong_size, gone };
 class Transport {
  public:
   virtual ~Transport() = default;
-  // Opens, or opens anew. Null when it worked, otherwise half a sentence that lives for ever.
+  // Opens or reopens. Null on success, otherwise a static text, half a sentence.
   virtual const char* open() = 0;
   virtual void close() = 0;
   // False when the device is gone. A packet that finds no room is lost; its answer will be missed soon enough.
@@ -27,7 +27,7 @@ class Transport {
   [[nodiscard]] virtual int descriptor() const = 0;
 };
 
-// Somebody else's descriptor with message boundaries; close() leaves it open.
+// A descriptor owned by the caller, with message boundaries; close() leaves it open.
 class DescriptorTransport final : public Transport {
  public:
   explicit DescriptorTransport(int fd) : fd_(fd) {}

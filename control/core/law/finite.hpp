@@ -1,5 +1,5 @@
-// Whether a number is one: neither infinite nor NaN. As std::isfinite, but a float is looked at as the word that it is: a Cortex-M0 without
-// floating point pays four instructions instead of calls into a library, and the drive asks a dozen times in every millisecond.
+// Whether a number is one: neither infinite nor NaN. As std::isfinite, but on the bits of a float: four instructions on a Cortex-M0 instead
+// of library calls, and the drive calls it a dozen times in every millisecond.
 #pragma once
 
 #include <bit>

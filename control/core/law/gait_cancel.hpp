@@ -1,15 +1,15 @@
-// Takes the swaying of the gait out of lean and turn, so that a walking pelvis does not steer with every step. Not in the paper: there the
-// dead-band and the slow filters of the two laws must swallow it.
+// Removes the sway of the gait from lean and turn, so that a walking pelvis does not steer with every step. Not in the paper, where the
+// dead-band and the slow filters of the two laws absorb it.
 //
-// The sideways sway is gait and nothing else (dy never drives the machine), so it is the reference. An adaptive oscillator, the
-// second-order generalised integrator with a frequency-locked loop (Rodriguez et al., IEEE Transactions on Power Electronics 27, 2012;
-// offset state after Karimi-Ghartemani et al., 2011), follows it: `cosine_m` is the sway, `sine_m` the same a quarter stride later. Two
-// Fourier linear combiners (Vaz & Thakor, IEEE Transactions on Biomedical Engineering 36, 1989) learn how much of the turn goes with the
-// stride and how much of the lean with twice the stride, two weights each, from what is left over after the removal.
+// The sideways sway is gait only (dy never drives the machine), so it is the reference. An adaptive oscillator, the second-order
+// generalised integrator with a frequency-locked loop (Rodriguez et al., IEEE Transactions on Power Electronics 27, 2012; offset state
+// after Karimi-Ghartemani et al., 2011), follows it: `cosine_m` is the sway, `sine_m` the same a quarter stride later. Two Fourier linear
+// combiners (Vaz & Thakor, IEEE Transactions on Biomedical Engineering 36, 1989) learn the share of the turn at stride frequency and of the
+// lean at twice that, two weights each, from the remainder after the removal.
 //
-// Why it neither rings nor delays. What is removed is weights times sway: when the sway ends, it ends with it, within about half a second.
-// The weights learn from the high-passed remainder, held to the size of a gait, so that a slow wish is not taken for gait and a quick
-// turn moves them little. Without a sway that the oscillator really follows, nothing is removed at all.
+// It neither rings nor delays: weights times sway is removed, so the removal ends with the sway, within about half a second. The weights
+// learn from the high-passed remainder, limited to the size of a gait, so that a slow wish does not count as gait and a quick turn changes
+// them little. Without a sway that the oscillator follows, nothing is removed.
 #pragma once
 
 #include <cmath>
@@ -27,10 +27,10 @@ struct GaitCancelConfig {
   Real damping{Real(1.2)};        ///< k of the integrator: follows within about two thirds of a stride
   Real offset_share{Real(0.25)};  ///< of the offset state
   Real lock_per_s{Real(1.4)};     ///< of the frequency loop
-  Real learn_per_s{Real(0.18)};   ///< of the combiners, once they know the gait: delays a slow wish by less than 30 ms
+  Real learn_per_s{Real(0.18)};   ///< of the combiners after convergence: delays a slow wish by less than 30 ms
   Real first_learn_per_s{Real(2.0)};
   Real first_learn_s{Real(4)};        ///< this much walking until then
-  Real high_pass_s{Real(0.25)};       ///< what is slower is a wish
+  Real high_pass_s{Real(0.25)};       ///< anything slower is a wish
   Real largest_turn_rad{Real(0.06)};  ///< of a remainder that is still learnt from: gait, not a turn begun
   Real largest_lean_m{Real(0.02)};
   Real sway_none_m{Real(0.004)};  ///< below: standing
@@ -80,12 +80,12 @@ template <typename Real>
 }
 }  // namespace detail
 
-/// One step. Everything that is returned is to be taken away from the measured value. Inputs that are not finite or beyond 2 m or rad, or a state
-/// that is not finite, begin anew: nothing is removed then.
+/// One step. Subtract the returned values from the measured ones. Inputs that are not finite or beyond 2 m or rad, or a non-finite state,
+/// cause a reset: nothing is removed then.
 template <typename Real>
 [[nodiscard]] inline GaitPart<Real> gait_cancel_step(const GaitCancelConfig<Real>& config, GaitCancelState<Real>& state, Real lean_m,
                                                      Real sway_m, Real turn_rad, Real dt_s) {
-  // Neither harness nor struts reach so far: whatever this is, it is no gait.
+  // Beyond the reach of harness and struts: not a gait.
   const auto believable = [](Real x) { return x < Real(2) && x > Real(-2); };
   if (!believable(lean_m) || !believable(sway_m) || !believable(turn_rad)) {
     state = {};
@@ -99,7 +99,7 @@ template <typename Real>
     s.lean.slow = lean_m;
     s.turn.slow = turn_rad;
   }
-  // The oscillator. Each state uses the newest of the other, which keeps its amplitude at this step.
+  // The oscillator. Each state uses the newest value of the other, which keeps the amplitude at this step size.
   const Real error_m = sway_m - s.offset_m - s.cosine_m;
   s.cosine_m += s.omega_rad_s * (config.damping * error_m - s.sine_m) * dt_s;
   s.sine_m += s.omega_rad_s * s.cosine_m * dt_s;
@@ -115,7 +115,7 @@ template <typename Real>
 
   GaitPart<Real> part;
   if (!walking) {
-    // Whoever sets off begins from the posture of that moment.
+    // The first step starts from the present posture.
     s.turn.slow += (turn_rad - s.turn.slow) * (dt_s / config.high_pass_s);
     s.lean.slow += (lean_m - s.lean.slow) * (dt_s / config.high_pass_s);
   } else {

@@ -1,5 +1,5 @@
-// The off-line gain of the tilt filter: the three steps under (12), page 5, iterated until nothing changes. A tool for engineers: with
-// the values (13) it returns (0.028434446, -0.034849059), which is the truth about (13), not the printed (14) (D20).
+// The off-line gain of the tilt filter: the three steps under (12), page 5, iterated until nothing changes. A tool for engineers: with the
+// values (13) it returns (0.028434446, -0.034849059), the solution of (13), not the printed (14) (D20).
 #pragma once
 
 #include <cmath>
@@ -26,7 +26,7 @@ struct KalmanGainSolution {
 };
 
 inline constexpr int kKalmanGainStepLimit = 1'000'000;
-/// The gain must stand still to this many parts for this many steps in a row: one quiet step alone may be chance.
+/// The gain must be constant within this tolerance for this many steps in a row: a single step may be coincidence.
 inline constexpr int kKalmanGainQuietSteps = 8;
 
 template <typename Real>

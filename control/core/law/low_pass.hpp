@@ -10,7 +10,7 @@ struct LowPassState {
   Real value{};
 };
 
-/// How much of the way to its input the filter goes in one step. The only division in it: who filters in every millisecond keeps it.
+/// Share of the difference to its input that the filter takes in one step. The only division: a caller at 1 kHz stores it.
 template <typename Real>
 [[nodiscard]] constexpr Real low_pass_share(Real tau_s, Real dt_s) {
   return dt_s / (tau_s + dt_s);

@@ -6,7 +6,7 @@
 
 namespace hoist::law {
 
-/// How far a free-running 32-bit counter moved, true across its wrap as long as it moved less than 2^31 counts.
+/// Movement of a free-running 32-bit counter, correct across its wrap for less than 2^31 counts.
 [[nodiscard]] constexpr std::int32_t delta32(std::int32_t now, std::int32_t before) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(now) - static_cast<std::uint32_t>(before));
 }
@@ -56,7 +56,7 @@ template <typename Real>
   if (method != OdometryMethod::kEuler) {
     const Real half_rad = travel.turn_rad / Real(2);
     heading_rad += half_rad;
-    // sin(h)/h loses nothing to rounding until h itself is zero.
+    // sin(h)/h is exact to rounding for every h except zero.
     if (method == OdometryMethod::kExactArc && half_rad != Real(0)) chord_m *= std::sin(half_rad) / half_rad;
   }
   const Pose<Real> next{

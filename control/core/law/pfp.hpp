@@ -55,8 +55,8 @@ template <typename Real>
   return nullptr;
 }
 
-/// Second row of (6), drawn in Fig. 2: tau = dT L_dec / (|u| - D) while reversing. Infinite on the edge of the dead-band; inside it
-/// tau_dec applies instead, so the answer there is NaN ("not this function's").
+/// Second row of (6), drawn in Fig. 2: tau = dT L_dec / (|u| - D) while reversing. Infinite on the edge of the dead-band; inside it tau_dec
+/// applies instead, so the result there is NaN (not defined).
 template <typename Real>
 [[nodiscard]] inline Real tau_brake_s(Real u_norm, Real deadband_norm, Real l_dec, Real dt_s) {
   const Real beyond = std::fabs(u_norm) - deadband_norm;
@@ -64,8 +64,8 @@ template <typename Real>
   return beyond == Real(0) ? Real(HUGE_VALF) : Real(NAN);
 }
 
-/// One step of Algorithm 1. `u_norm` is held to [-1, 1]. The braking factor of line 8 is PER STEP (D13): keep dt_s at the paper's
-/// 10 ms, run a missed step twice, never scale one factor alone. Nothing ever becomes non-finite.
+/// One step of Algorithm 1. `u_norm` is held to [-1, 1]. The braking factor of line 8 is PER STEP (D13): keep dt_s at the paper's 10 ms,
+/// and never scale one factor alone. The result is always finite.
 template <typename Real>
 inline PfpBranch pfp_step(const PfpConfig<Real>& config, PfpState<Real>& state, Real u_norm, Real dt_s) {
   if (!(dt_s > Real(0)) || !std::isfinite(dt_s) || !std::isfinite(state.v_units) || !std::isfinite(state.v_f_units)) {
@@ -73,7 +73,7 @@ inline PfpBranch pfp_step(const PfpConfig<Real>& config, PfpState<Real>& state, 
     return PfpBranch::kRefused;
   }
   if (!std::isfinite(u_norm)) {
-    // No wish is known, so none is obeyed: fade as if the patient stood upright.
+    // Unknown intent: fade as if the patient stood upright.
     state.v_f_units *= std::exp(-(dt_s / config.tau_dec_s));
     state.v_units = state.v_f_units;
     if (!std::isfinite(state.v_units)) state = {};

@@ -7,7 +7,7 @@ namespace hoist::law {
 
 /// How line 7 (omega = K_P u + omega_f) is read inside the dead-band.
 enum class TurnDeadband : unsigned char {
-  /// The input is discarded, as Algorithm 1 does: omega = omega_f. A patient who stands still does not creep. The product's reading.
+  /// The input is discarded, as Algorithm 1 does: omega = omega_f. A patient who stands still does not creep. The default.
   kDiscardInput,
   /// Line 7 is common to both branches (D9): K_P u stays active, at most 0.1 unit (0.1 deg/s) at the edge.
   kLiteral,
@@ -43,8 +43,8 @@ template <typename Real>
   return nullptr;
 }
 
-/// One step of Algorithm 2. `u_norm` is held to [-1, 1]; what is not finite is refused as in pfp_step, and nothing ever becomes
-/// non-finite. |omega| <= K_P + max(|omega_f|, K_Pf) always.
+/// One step of Algorithm 2. `u_norm` is held to [-1, 1]; non-finite input is refused as in pfp_step, and the result is always finite.
+/// |omega| <= K_P + max(|omega_f|, K_Pf) always.
 template <typename Real>
 inline PfpTurnBranch pfp_turn_step(const PfpTurnConfig<Real>& config, PfpTurnState<Real>& state, Real u_norm, Real dt_s) {
   if (!(dt_s > Real(0)) || !std::isfinite(dt_s) || !std::isfinite(state.omega_units) || !std::isfinite(state.omega_f_units)) {

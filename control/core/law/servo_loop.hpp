@@ -5,10 +5,10 @@
 //                      ^(-)   ^------ integral <----|
 //   position -> difference -> low-pass
 //
-// The limiter works on the applied voltage: it may rise in one tick by at most `limiter_v_per_a` for each ampere of head-room and must
-// fall by as much for each ampere too many. With the winding as a first-order lag this is an integrating current controller that acts
-// only at the limit; it needs no motor model beyond that one gain. What the limiter takes away is taken out of the integral in the same
-// tick, so that a blocked wheel winds nothing up.
+// The limiter works on the applied voltage: it may rise in one tick by at most `limiter_v_per_a` for each ampere of head-room and must fall
+// by as much for each ampere too many. With the winding as a first-order lag this is an integrating current controller that acts only at
+// the limit; it needs no other motor model. The amount removed by the limiter is subtracted from the integral in the same tick, so that a
+// blocked wheel causes no wind-up.
 #pragma once
 
 #include <cmath>
@@ -31,7 +31,7 @@ struct ServoConfig {
   Real k_p_v_s_rad{Real(0.18)};         ///< volts per rad/s of error
   Real k_i_v_rad{Real(2.7)};            ///< volts per second and rad/s of error
   Real speed_low_pass_s{Real(0.004)};   ///< one count in 1 ms is 3.1 rad/s; this smooths it
-  Real speed_low_pass_share{};          ///< low_pass_share() of it, from a caller that keeps it; 0: computed in every step
+  Real speed_low_pass_share{};          ///< low_pass_share() of it, stored by the caller; 0: computed in every step
   Real limiter_v_per_a{Real(0.48)};     ///< 0.4 times the winding's resistance; stable up to several times that
   Real supply_min_v{Real(6)};           ///< below this no duty is computed from the supply
   Real command_timeout_s{Real(0.040)};  ///< an older command counts as "stand still"
@@ -54,7 +54,7 @@ struct ServoInput {
   std::int32_t position_counts{};
   Real current_a{};  ///< positive drives forward
   Real supply_v{Real(24)};
-  /// A caller that knows the shaft's speed better than the difference of two positions (edge times) says so; it is low-passed all the same.
+  /// A better speed than the difference of two positions (from edge times), if the caller has one; it is low-passed too.
   bool speed_measured{false};
   Real speed_rad_s{};
 };
@@ -66,7 +66,7 @@ struct ServoOutput {
   Real speed_rad_s{};      ///< filtered shaft speed
   bool limited{false};     ///< the current or the supply held the PI back
   bool command_stale{false};
-  bool refused{false};  ///< an input was not usable; duty is zero and the loop starts anew
+  bool refused{false};  ///< an input was invalid; duty is zero and the loop restarts
 };
 
 /// nullptr when the parameters are usable, else a sentence naming the first that is not, with its range.
@@ -86,7 +86,7 @@ template <typename Real>
   return nullptr;
 }
 
-/// One tick, dt_s = 1 ms. Whatever comes in, duty is finite and within [-1, 1].
+/// One tick, dt_s = 1 ms. For any input, duty is finite and within [-1, 1].
 template <typename Real>
 inline ServoOutput<Real> servo_step(const ServoConfig<Real>& config, ServoState<Real>& state, const ServoInput<Real>& input, Real dt_s) {
   ServoOutput<Real> output;
@@ -96,7 +96,7 @@ inline ServoOutput<Real> servo_step(const ServoConfig<Real>& config, ServoState<
     output.refused = true;
     return output;
   }
-  // Speed: difference of position, low-pass. delta32 keeps it true when the counter wraps.
+  // Speed: difference of position, low-pass. delta32 handles the wrap of the counter.
   const std::int32_t moved_counts = state.started ? delta32(input.position_counts, state.position_counts) : 0;
   state.started = true;
   state.position_counts = input.position_counts;
@@ -122,7 +122,7 @@ inline ServoOutput<Real> servo_step(const ServoConfig<Real>& config, ServoState<
   Real applied_v = wanted_v > highest_v ? highest_v : (wanted_v < lowest_v ? lowest_v : wanted_v);
   applied_v = applied_v > input.supply_v ? input.supply_v : (applied_v < -input.supply_v ? -input.supply_v : applied_v);
 
-  // Feedback to the integral: it ends the tick as if the PI had asked for what it got.
+  // Feedback to the integral: it ends the tick as if the PI had requested the applied voltage.
   state.integral_v += applied_v - wanted_v;
   state.applied_v = applied_v;
   if (!finite(applied_v) || !finite(state.integral_v)) {

@@ -20,7 +20,7 @@ struct TiltGain {
 template <typename Real>
 struct TiltState {
   Real angle_rad{};
-  Real bias_rad_s{};           ///< what the gyro shows at rest
+  Real bias_rad_s{};           ///< the gyro's output at rest
   Real previous_rate_rad_s{};  ///< (15) integrates the rate of the previous sample (D22)
 };
 
@@ -29,10 +29,10 @@ template <typename Real>
 struct AccAngles {
   Real alpha_rad{};
   Real beta_rad{};
-  bool valid{false};  ///< false when a component is not finite or there is no direction at all; the angles are then zero
+  bool valid{false};  ///< false when a component is not finite or the vector is zero; the angles are then zero
 };
 
-/// Reading of (17)-(18) that can hold with z up (D21): specific force in the sensor frame (at rest 0, 0, +g), any unit.
+/// Reading of (17)-(18) that is consistent with z up (D21): specific force in the sensor frame (at rest 0, 0, +g), any unit.
 template <typename Real>
 [[nodiscard]] inline AccAngles<Real> acc_angles(Real ax, Real ay, Real az) {
   if (!finite(ax) || !finite(ay) || !finite(az)) return {};

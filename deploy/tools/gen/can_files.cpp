@@ -135,7 +135,7 @@ std::string dbc_text() {
     if (message.cycle_ms > 0)
       out += "BA_ \"GenMsgCycleTime\" BO_ " + std::to_string(message.id) + " " + std::to_string(message.cycle_ms) + ";\n";
   }
-  // From the highest value down, as the format wants its lists.
+  // In descending order, as the format demands.
   for (const auto& node : kNodes) {
     out += "VAL_ " + std::to_string(canopen::kHeartbeatBase + node.id) +
            " state 127 \"pre-operational\" 5 \"operational\" 4 \"stopped\" 0 \"boot-up\" ;\n";
@@ -151,7 +151,7 @@ struct EdsEntry {
   std::optional<ObjectType> type;  // none = a text
   std::string access;
   std::string default_value;  // empty = not given
-  std::string low, high;      // empty = the whole range of the type
+  std::string low, high;      // empty = the full range of the type
   bool mappable;
 };
 // (index, sub) in order.
@@ -205,7 +205,7 @@ EdsObjects eds_objects(const NodeInfo& node) {
     }
     if (object.index == 0x1000 || object.index == 0x1018)
       entry.default_value = hex_text(static_cast<unsigned>(object_default(object, *find_node(node.id))), 8);
-    // What one very board or its program says: no default that were true for all of them.
+    // A value of the individual board or program: no common default exists.
     if ((object.index == 0x1018 && object.sub == 4) || object.index == kProgramId || object.index == kProgramVersion)
       entry.default_value.clear();
     objects[{object.index, object.sub}] = entry;

@@ -1,5 +1,5 @@
-// What hoist-gen writes: every committed *.gen.* file, made from the tables in control/contract and from nothing else.
-// The same text for the same tables, on every machine.
+// hoist-gen writes every committed *.gen.* file from the tables in control/contract only. The same text for the same tables, on every
+// machine.
 #pragma once
 
 #include <string>
@@ -24,8 +24,8 @@ GeneratedFile dbc_file();
 GeneratedFile openapi_file();
 std::vector<GeneratedFile> eds_files();
 
-// The lock of ids: every id that was ever given away, one per line ("param 20 lean_dead_band_norm"). A row that leaves its table
-// stays in the lock, so that old recordings and stored parameters never meet a new meaning.
+// The lock of ids: every id ever used, one per line ("param 20 lean_dead_band_norm"). A removed row stays in the lock, so that old
+// recordings and stored parameters keep their meaning.
 inline constexpr std::string_view kIdLockPath = "tests/contract/ids.lock";
 struct IdLock {
   std::string text;                    // the lock with the ids that are new

@@ -148,7 +148,7 @@ GeneratedFile can_page() {
   for (const auto& pdo : kPdos) {
     for (const auto& node : kNodes) {
       if (node.kind != pdo.kind) continue;
-      // Switched off until somebody asks for it (HOIST_PDO_OFF): not in the regular load.
+      // Off by default (HOIST_PDO_OFF): not in the regular load.
       const bool off = !pdo_on_by_default(pdo.pdo, *find_node(node.id));
       std::string content;
       for (const auto& entry : kPdoEntries) {

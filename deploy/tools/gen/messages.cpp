@@ -84,7 +84,7 @@ std::string message_types(bool incoming) {
   return out + all + ";\n\n";
 }
 
-// The reasons with their words: the console tells them by name.
+// The reasons with their words, which the console shows by name.
 std::string reason_rows() {
   std::string out = "export type ReasonCode =";
   for (const auto& reason : server::kReasons) out += "\n  | '" + std::string(reason.name) + "'";

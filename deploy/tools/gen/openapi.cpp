@@ -1,4 +1,4 @@
-// The REST interface for other people's tools: the server's own description, committed so that a change of it is seen in review.
+// The REST interface for other tools: the server's own description, committed so that changes are reviewed.
 #include "server/contract/openapi.hpp"
 
 #include <nlohmann/json.hpp>

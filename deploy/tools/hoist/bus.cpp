@@ -1,4 +1,4 @@
-// hoist bus: what concerns the CAN bus; one row and one file for each of its own sub-commands.
+// hoist bus: commands for the CAN bus; one row and one file for each sub-command.
 #include <array>
 #include <cstdio>
 #include <vector>

@@ -8,8 +8,8 @@ namespace hoist::tool {
 
 namespace {
 
-constexpr std::uint64_t kPatience_ns = 3'000'000'000;  // an adapter that is not there by then is not plugged in
-constexpr std::uint64_t kGone_ns = 1'000'000'000;      // a bus that goes away under way and stays away
+constexpr std::uint64_t kPatience_ns = 3'000'000'000;  // after this time the adapter counts as not plugged in
+constexpr std::uint64_t kGone_ns = 1'000'000'000;      // timeout of a bus that is lost meanwhile
 
 std::uint64_t steady_ns() {
   timespec now{};
@@ -67,7 +67,7 @@ bool BusLine::run() {
       return false;
     }
   }
-  // The abort that tells the node, if there is one, leaves with the next step.
+  // An abort to the node leaves with the next step.
   const bool done = client_.outcome() == bus::SdoClient::Outcome::done;
   if (!done) {
     for (int i = 0; i < 6; ++i) step({});

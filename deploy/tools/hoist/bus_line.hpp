@@ -15,13 +15,13 @@ namespace hoist::tool {
 
 class BusLine {
  public:
-  /// Empty when the bus is there, otherwise why not.
+  /// Empty when the bus is up, otherwise the reason.
   [[nodiscard]] std::string open(const std::string& address);
   /// Passes on what comes during this time.
   void listen(double seconds, const std::function<void(const contract::CanFrame&)>& on_frame);
   /// Since the bus was opened.
   [[nodiscard]] double time_s() const;
-  /// Why no frame can pass now; empty while the bus is there.
+  /// Why no frame can pass now; empty while the bus is up.
   [[nodiscard]] std::string missing() const;
   /// One frame of our own; false when the bus did not take it.
   [[nodiscard]] bool send(const contract::CanFrame& frame);

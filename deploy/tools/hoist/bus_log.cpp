@@ -1,4 +1,4 @@
-// hoist bus log: a recording of the bus in words and units.
+// hoist bus log: decodes a recording of the bus.
 #include <cstdint>
 #include <cstdio>
 #include <map>

@@ -1,4 +1,4 @@
-// hoist bus monitor: what passes on a bus now, in words and units.
+// hoist bus monitor: decodes the frames of a live bus.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -96,7 +96,7 @@ int run_bus_monitor(std::span<const std::string_view> arguments) {
     else
       print_frame_text(line.time_s(), entry, decoded);
   };
-  // A bus that goes away is told and waited for.
+  // A lost bus is reported and waited for.
   std::string missing;
   const double end_s = line.time_s() + request->seconds;
   for (double left_s = request->seconds; left_s > 0; left_s = end_s - line.time_s()) {

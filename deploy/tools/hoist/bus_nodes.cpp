@@ -1,4 +1,4 @@
-// hoist bus scan, read, write, dump, restore, save, load-defaults, emcy: nodes asked over SDO, with names, units and ranges of the table.
+// hoist bus scan, read, write, dump, restore, save, load-defaults, emcy: access to nodes over SDO, with names, units and ranges of the table.
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -219,7 +219,7 @@ int run_bus_dump(std::span<const std::string_view> arguments) {
     if (!contract::object_applies(object, info_of(*node).kind)) continue;
     const auto raw = read_object(line, *node, object);
     if (!raw) {
-      // Places of the error memory that are empty say so; anything else that is missing is told.
+      // Empty entries of the error memory abort with their own code; any other missing object is reported.
       if (line.client().outcome() == bus::SdoClient::Outcome::aborted &&
           line.client().abort_code() == static_cast<std::uint32_t>(canopen::SdoAbort::no_data))
         continue;

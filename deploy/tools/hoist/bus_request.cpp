@@ -11,7 +11,7 @@ namespace canopen = contract::canopen;
 
 namespace {
 
-// Longer than two heartbeats: who is alive has been heard, and the control computer has shown itself.
+// Longer than two heartbeats, so that every running node and the control computer have been received.
 constexpr double kListen_s = 0.25;
 
 bool is_drive_command(const CanFrame& frame) {

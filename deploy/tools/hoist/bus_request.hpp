@@ -1,4 +1,4 @@
-// What the sub-commands of `hoist bus` that talk to a bus share: their command line, the bus they name, who is on it.
+// Shared by the sub-commands of `hoist bus` that use a bus: command line, bus, nodes on it.
 #pragma once
 
 #include <cstdint>
@@ -22,14 +22,14 @@ struct BusRequest {
   bool json = false, force = false, clear = false;
 };
 
-/// Nothing when the words were not understood.
+/// Empty for an invalid command line.
 [[nodiscard]] std::optional<BusRequest> parse_bus_request(std::span<const std::string_view> arguments, std::size_t words);
 [[nodiscard]] bool wants_help(std::span<const std::string_view> arguments);
-/// Prints the usage; the exit code belongs to the stream: stdout when help was asked for.
+/// Prints the usage; the exit code belongs to the stream: stdout for --help.
 int bus_usage(const char* command, const char* arguments, std::FILE* out, const char* more = "");
 int bus_refused(const char* command, const std::string& why);
 
-/// Opens the bus and understands the node in the first word; an exit code when that is the end of it.
+/// Opens the bus and reads the node from the first argument; an exit code on failure.
 [[nodiscard]] std::optional<int> begin_bus(const char* command, const BusRequest& request, BusLine& line,
                                            std::optional<contract::Node>& node);
 
@@ -39,9 +39,9 @@ int bus_refused(const char* command, const std::string& why);
 /// "operational"; "silent" for a node without heartbeat.
 [[nodiscard]] std::string node_state_text(int state);
 
-/// Why no value may be written now: a control computer is at work and would not know. Empty when it may.
+/// Why no value may be written now (a running control computer would not know of it). Empty when allowed.
 [[nodiscard]] std::string why_not_write(BusLine& line, bool force);
-/// Why no node may be commanded now: a control computer, or another program that commands the drives, owns the bus. Nothing overrides it.
+/// Why no node may be commanded now: a control computer, or another program that commands the drives, owns the bus. There is no override.
 [[nodiscard]] std::string why_not_command(BusLine& line);
 
 }  // namespace hoist::tool

@@ -8,9 +8,9 @@
 
 namespace hoist::tool {
 
-/// A drive takes its commands from its RPDO alone, and only while it is operational: so it is started, gets the rising edge of the reset
-/// bit, and goes back to pre-operational. No word in here enables anything: bit 1 (enable voltage) is clear in all of them. One frame each
-/// kFaultResetPace_s, all of them within the drive's command deadline of 45 ms, which would otherwise be one more error.
+/// A drive takes commands from its RPDO only, and only while operational: so it is started, gets the rising edge of the reset bit, and
+/// returns to pre-operational. No word enables anything: bit 1 (enable voltage) is clear in all of them. One frame each kFaultResetPace_s,
+/// all within the drive's command deadline of 45 ms, which would otherwise raise another error.
 inline constexpr double kFaultResetPace_s = 0.01;
 constexpr std::array<contract::CanFrame, 5> fault_reset_frames(std::uint8_t node_id, std::uint32_t rpdo_cob_id) {
   namespace canopen = contract::canopen;

@@ -40,7 +40,7 @@ int refuse(const std::string& sentence) {
   return kRefused;
 }
 
-// The words behind the verb: places in order, and options that each verb allows.
+// The arguments of the verb: positional ones in order, and the options that each verb allows.
 struct Words {
   std::vector<std::string> places;
   std::optional<std::string> bus, node;
@@ -88,7 +88,7 @@ int pack(const Words& words) {
   return kDone;
 }
 
-// A packed program from a file; tells why not and returns false.
+// Reads a packed program from a file; on error prints the reason and returns false.
 bool read_image(const std::string& path, std::vector<std::uint8_t>& image) {
   if (const Refusal why = read_file(path, image); !why.empty()) return refuse(why), false;
   const contract::ImageError error = contract::check_image_file(image);

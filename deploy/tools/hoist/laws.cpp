@@ -1,4 +1,4 @@
-// hoist laws: the equations on the command line, for whoever wants to check them with a program of their own.
+// hoist laws: the equations on the command line, to check them against other programs.
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -57,7 +57,7 @@ int run_law(const Law& law, const json& params) {
   bool refused = false;
   std::string line;
   while (std::getline(std::cin, line)) {
-    // Bytes that are no UTF-8 may come back inside an error message: replaced, so that the answer stays JSON.
+    // Invalid UTF-8 in an error message is replaced, so that the answer stays JSON.
     std::cout << answer(law, line, params, refused).dump(-1, ' ', false, json::error_handler_t::replace) << std::endl;
     if (!std::cout) return kRefused;
   }

@@ -26,8 +26,8 @@ namespace hoist::tool {
 /// "0 to 5 V s/rad".
 [[nodiscard]] std::string range_text(const contract::ObjectInfo& object);
 
-/// A decimal number in the object's unit, or a hexadecimal one (0x...) as it travels. Refused: what is no number, lies outside of the range
-/// of the table, or between two steps.
+/// A decimal number in the object's unit, or a hexadecimal raw value (0x...). Refused: not a number, out of the table's range, or between
+/// two steps.
 [[nodiscard]] std::optional<std::uint32_t> parse_value(const contract::ObjectInfo& object, std::string_view text, std::string& error);
 
 /// Whether the node has it for others to write back: parameters, not commands and not process data.

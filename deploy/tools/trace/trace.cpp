@@ -22,7 +22,7 @@ using contract::MonitorReaction;
 bool word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
 bool digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-// The numbers of the hazards that a piece of text names: an H that begins a word, and one or two digits.
+// The hazards named in a text: an H that begins a word, and one or two digits.
 std::vector<int> hazards_in(std::string_view text) {
   std::vector<int> numbers;
   for (std::size_t i = 0; i + 1 < text.size(); ++i) {
@@ -45,7 +45,7 @@ std::string_view trimmed(std::string_view line) {
 
 bool starts(std::string_view text, std::string_view prefix) { return text.substr(0, prefix.size()) == prefix; }
 
-// The test that begins on this line, or nothing: GoogleTest's macros, vitest's it('...'), a case of the Python suites.
+// The test that begins on this line, or empty: GoogleTest's macros, vitest's it('...'), a case of the Python suites.
 std::string test_begun(std::string_view line, std::string_view path) {
   const std::string_view text = trimmed(line);
   if (starts(text, "TEST(") || starts(text, "TEST_F(") || starts(text, "TEST_P(") || starts(text, "TYPED_TEST(")) {

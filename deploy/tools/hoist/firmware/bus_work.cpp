@@ -22,8 +22,8 @@ using contract::CanFrame;
 using contract::Node;
 
 constexpr std::uint64_t kStep_ns = 1'000'000;
-constexpr std::uint64_t kBusUp_ns = 3'000'000'000;  // an adapter that is not there by then is not plugged in
-constexpr std::uint64_t kGone_ns = 2'000'000'000;   // a bus that goes away under way and stays away
+constexpr std::uint64_t kBusUp_ns = 3'000'000'000;  // after this time the adapter counts as not plugged in
+constexpr std::uint64_t kGone_ns = 2'000'000'000;   // timeout of a bus that is lost meanwhile
 
 std::uint64_t steady_ns() {
   timespec now{};
@@ -148,7 +148,7 @@ int update_node(const std::string& address, Node node, const std::vector<std::ui
     if (const auto frame = updating.step(now_ns)) bus.send(*frame);
     progress.tell(updating, now_ns);
   }
-  // The last word, an abort after a time-out, still has to leave.
+  // The last frame, an abort after a timeout, still has to leave.
   bus.step([](const CanFrame&) {});
   progress.end();
   const std::string name(contract::kNodes[static_cast<std::size_t>(node)].name);
@@ -183,7 +183,7 @@ int list_nodes(const std::string& address, bool json) {
   const std::uint64_t begin_ns = steady_ns();
   while (steady_ns() - begin_ns < FirmwareUpdate::kListen_ns)
     if (!bus.step(listen)) return refused("the bus has gone away");
-  // Two that ask the same node at the same time get each other's answers.
+  // Two SDO clients of one node get each other's answers.
   if (computer) return refused(std::string(bus::failure_text(FirmwareUpdate::Failure::computer_active)));
 
   if (!json) std::printf("%-12s  %-10s  %-8s  %s\n", "node", "program", "crc", "state");

@@ -9,7 +9,7 @@
 
 namespace hoist::tool {
 
-/// Both return the exit code of the program and have told the person everything.
+/// Both print all messages and return the exit code of the program.
 int update_node(const std::string& address, contract::Node node, const std::vector<std::uint8_t>& image, bool force);
 int list_nodes(const std::string& address, bool json);
 

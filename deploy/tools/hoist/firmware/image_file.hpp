@@ -10,16 +10,16 @@
 
 namespace hoist::tool {
 
-/// What went wrong, as a sentence that names the field or the file; empty: nothing did.
+/// The error as a sentence that names the field or the file; empty on success.
 using Refusal = std::string;
 
 /// Reads at most contract::kImageMax bytes.
 [[nodiscard]] Refusal read_file(const std::string& path, std::vector<std::uint8_t>& content);
-/// Writes beside it first, so that a full disk leaves no half file under that name.
+/// Writes a temporary file first, so that a full disk leaves no partial file under that name.
 [[nodiscard]] Refusal write_file(const std::string& path, std::span<const std::uint8_t> content);
 
-/// Fills in length and CRC of a linked program, and pads it to whole words. Kind of node, chip and version are the program's own;
-/// `simulated` makes it one for the simulated node of its kind, which no chip takes.
+/// Fills in length and CRC of a linked program, and pads it to whole words. Node kind, chip and version are the program's own; `simulated`
+/// makes it a program for the simulated node of its kind, which no chip accepts.
 [[nodiscard]] Refusal pack_image(std::vector<std::uint8_t>& image, bool simulated);
 
 [[nodiscard]] std::string version_text(std::uint32_t version);

@@ -1,4 +1,4 @@
-// Reads named fields out of a JSON object and refuses by name whatever is missing, of the wrong kind, out of range or unknown.
+// Reads named fields out of a JSON object and refuses by name fields that are missing, of the wrong type, out of range or unknown.
 #pragma once
 
 #include <cstdint>
@@ -52,7 +52,7 @@ class Fields {
   /// The field itself, or nullptr.
   [[nodiscard]] const nlohmann::json* raw(const std::string& name);
 
-  /// Refuses fields nobody asked for: a misspelt option must not be ignored in silence.
+  /// Refuses unknown fields: a misspelt option must not be ignored.
   void refuse_unknown() const;
 
  private:

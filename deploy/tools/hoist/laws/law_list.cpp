@@ -23,7 +23,7 @@ json compute_law(const Law& law, const json& line, const json& shared_params) {
     merged.update(*own);
   }
   Fields params(merged, "params");
-  // A whole case may be passed through: these fields of it describe and do not count.
+  // A whole golden case may be piped in: these fields of it are ignored.
   for (const char* description : {"id", "note", "tags"}) static_cast<void>(in.raw(description));
   json out = law.compute(in, params);
   in.refuse_unknown();

@@ -13,9 +13,9 @@ struct Law {
   std::string_view name;
   std::string_view summary;
   std::string_view inputs;
-  std::string_view parameters;  ///< empty when there are none
+  std::string_view parameters;  ///< empty without any
   std::string_view outputs;
-  /// Throws Refusal. Reads every field it knows from both, so that unknown ones can be refused afterwards.
+  /// Throws Refusal. Reads every known field from both, so that unknown ones can be refused afterwards.
   nlohmann::json (*compute)(Fields& in, Fields& params);
 };
 
@@ -24,7 +24,7 @@ struct Law {
 [[nodiscard]] std::span<const Law> tilt_laws();
 [[nodiscard]] std::span<const Law> metric_laws();
 
-/// nullptr when there is none of that name.
+/// nullptr for an unknown name.
 [[nodiscard]] const Law* find_law(std::string_view name);
 
 /// The answer to one line: `line` is a case's "in" with "params" added, `shared_params` goes before the defaults and behind the line's own.

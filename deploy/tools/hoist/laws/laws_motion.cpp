@@ -100,7 +100,7 @@ const char* branch_name(law::PfpBranch branch) {
     case law::PfpBranch::kRefused:
       break;
   }
-  // Only numbers so large that their product overflows come here; everything else was checked on the way in.
+  // Only numbers whose product overflows reach this; other errors were checked before.
   throw Refusal("v, vf: too large to be computed");
 }
 
