@@ -24,7 +24,7 @@ export const firstWords = new Lazy(() => loadLanguage(settings.value.language));
 export function App() {
   const words = useLazy(firstWords);
   const signedIn = useStore((s) => s.signedIn);
-  // Once it was open, the shell stays, and STOP with it: whoever is signed out in the middle of a walk must still try to stop it.
+  // Once open, the shell and its STOP stay: someone signed out in the middle of a walk must still be able to try STOP.
   const gate = !useStore((s) => s.everOpen) && !signedIn;
   const { asking, answer } = useTakeOver();
   if (words.state === 'ready' && gate) return <Gate />;
@@ -166,7 +166,7 @@ function useTakeOver(): { asking: boolean; answer: (yes: boolean) => void } {
     window.addEventListener('hashchange', away);
     return () => window.removeEventListener('hashchange', away);
   }, []);
-  // Whoever was asked about has left or is another one now, or nobody knows.
+  // The holder of the lease has changed, or is unknown.
   useEffect(() => {
     if (holder !== about.current || !connected) answer(false);
   }, [holder, connected]);

@@ -7,13 +7,13 @@ import { startLink } from './link/console';
 import { panelOf } from './panels/index';
 import { readAddress } from './router';
 import { applySettings, settings } from './text/settings';
-// The dead-man comes with the page, not with a screen: holding it must not depend on a file that is loaded later.
+// Hold-to-run is part of the page, not of a screen: it must not depend on a file that is loaded later.
 import './ui/hold_to_go';
 
 applySettings();
 settings.subscribe(applySettings);
 startLink();
-// Both are asked for at once: each would otherwise wait for the one before.
+// Both are requested in parallel, not one after the other.
 void firstWords.start();
 void panelOf(readAddress(location.hash).screen).view.start();
 render(<App />, document.getElementById('app')!);

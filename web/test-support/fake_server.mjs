@@ -1,5 +1,5 @@
-// A small stand-in for hoist-server, so that screens can be made and looked at without the rest: serves dist/, streams records of a made-up
-// walk, answers commands. It knows the wire, not the hoist: what it shows is drawn, never simulated.
+// A small stand-in for hoist-server, for work on screens without the other programs: serves dist/, streams records of a scripted walk,
+// answers commands. It implements the protocol, not the hoist.
 //
 //   node test-support/fake_server.mjs [--port 8099] [--dist dist]
 import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs';
@@ -220,7 +220,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     if (along < 3 * straight + arc) return 0;
     return along < 3 * straight + 2 * arc ? 1 / e.radius_m : 0;
   };
-  // Rest for a second, measure for two; what is entered by hand is measured twice.
+  // Rest for a second, measure for two; steps with an entered value are measured twice.
   const calibrationPhase = () => {
     if (hoist.calibration === null) return 0;
     const { step, begun, measured } = hoist.calibration;
@@ -346,7 +346,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     };
   };
 
-  // Nodes and bus: well, or with the troubles that trouble() asked for.
+  // Nodes and bus: without errors, or with those set by trouble().
   const parts = ['drive_left', 'drive_right', 'io', 'tilt_left', 'tilt_right', 'tilt_base'];
   const health = () => ({
     ...Object.fromEntries(

@@ -1,4 +1,4 @@
-// Pictures of every screen against the fake server, to be looked at: node test-support/shots.mjs OUT_FOLDER [size …]
+// Screenshots of every screen with the fake server: node test-support/shots.mjs OUT_FOLDER [size …]
 import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';

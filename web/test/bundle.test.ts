@@ -1,4 +1,4 @@
-// The built page: small enough, in the right pieces, and fit for a strict content security policy. Builds it, because a stale dist/ proves nothing.
+// The built page: small enough, in the right pieces, and fit for a strict content security policy. Builds it, because dist/ may be stale.
 import { mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -113,7 +113,7 @@ describe('the built console', () => {
     expect(weight_bytes(more)).toBeLessThanOrEqual(screen_bytes_max);
   });
 
-  it('has STOP, the connection, the alarms and the dead-man in the page itself', () => {
+  it('has STOP, the connection, the alarms and hold-to-run in the page itself', () => {
     const [name, { modules, imports }] = entry();
     const together = [name, ...imports].flatMap((one) => chunks.get(one)!.modules);
     expect(vital.filter((file) => !together.includes(file))).toEqual([]);

@@ -1,4 +1,4 @@
-// What the exercises' screen works out by itself: the figure as points, the floor it needs, what is asked of the hoist.
+// Computed by the exercises' screen: the figure as points, its floor space, the request to the hoist.
 import { describe, expect, it } from 'vitest';
 import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, withinCap } from '../src/panels/exercises/plan';
 import { modes } from '../src/contract/faults.gen';

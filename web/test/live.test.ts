@@ -38,7 +38,7 @@ describe('Live', () => {
     );
     there.take(steps.slice(0, 7000), 0);
     expect(there.path.step_m).toBeCloseTo(0.04);
-    // What a server with the same rule tells; the frame that is still on its way counts once.
+    // The server's walk by the same rule; a frame still in transit counts once.
     reloaded.takeWalk(walk({ tick: 7000, motion_s: there.motion_s, mark, step_m: there.path.step_m, x_m: there.path.x, y_m: there.path.y }));
     reloaded.take(steps.slice(6997, 7000), 0);
     for (const live of [there, reloaded]) live.take(steps.slice(7000), 0);

@@ -1,4 +1,4 @@
-// What must be readable and reachable, whatever the theme.
+// Readability and reachability in both themes.
 import { readdirSync, readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { stepTo } from '../src/ui/radio_keys';
@@ -41,7 +41,7 @@ describe('style sheets', () => {
   const sheets = readdirSync('src', { recursive: true, encoding: 'utf8' }).filter((file) => file.endsWith('.css'));
 
   it('take type, distances and corners from the tokens', () => {
-    // Words inside of a picture are measured in its own units; what is larger than the largest distance is a place kept free for something.
+    // Text inside a picture uses the picture's units; sizes above the largest distance are reserved places.
     const largest_px = 24;
     const written: string[] = [];
     for (const file of sheets)

@@ -1,4 +1,4 @@
-// Every screen in a browser, against the stand-in server: what a person with a keyboard, a screen reader or a small screen meets.
+// Every screen in a browser with the stand-in server: keyboard, screen reader, small screen.
 import axe from 'axe-core';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
@@ -108,7 +108,7 @@ describe('the list of sessions', () => {
 describe('the session chart', () => {
   it('draws one strip for each unit, with the unit at its axis', { timeout: minutes_ms }, async () => {
     const page = await open([1280, 800], looks[0], 'sessions');
-    // Axes are drawn, not written: collect what the canvas is told to draw.
+    // Axes are drawn on a canvas: collect its text calls.
     await page.evaluate(() => {
       const drawn: Set<string> = ((window as unknown as { drawn: Set<string> }).drawn = new Set());
       const draw = CanvasRenderingContext2D.prototype.fillText;

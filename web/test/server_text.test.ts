@@ -1,4 +1,4 @@
-// What the server answers is told by its codes: no sentence of the server is ever looked at.
+// The server's answers are shown by code; its sentences are never parsed.
 import { readdirSync, readFileSync } from 'node:fs';
 import { beforeEach, describe, expect, it } from 'vitest';
 import { reasons as rows } from '../src/contract/messages.gen';

@@ -1,4 +1,4 @@
-// Tests of words look them up without a page, which would have loaded its language by then.
+// Loads the language for tests without a page.
 import { loadLanguage } from '../src/text/text';
 
 await Promise.all([loadLanguage('en'), loadLanguage('de')]);

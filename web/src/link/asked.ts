@@ -1,4 +1,4 @@
-// What a component asks the server for over plain requests: one hook for all of them.
+// One hook for a component's plain requests to the server.
 import { useEffect, useState } from 'preact/hooks';
 import type { Answer, Problem } from './rest';
 

@@ -1,4 +1,4 @@
-// Ties the connection to the store and offers what screens may ask for. The only writer of the store.
+// Joins the connection and the store, and offers the screens' actions. The only writer of the store.
 import { codedFaults, faults, modes, type FaultName } from '../contract/faults.gen';
 import { layoutHash, type Exercise, type GuidedPath, type StandingNotice, type WalkMessage } from '../contract/messages.gen';
 import type { ParamName } from '../contract/params.gen';
@@ -52,7 +52,7 @@ function takeFrame(buffer: ArrayBuffer): void {
   live.take(frame.records, performance.now());
   writable.set({ data: 'fresh', dataAge_s: 0, ...slowPart(newest) });
   if (stoppedModes.has(newest.mode)) stopSeen();
-  // A STOP that did not get through is no news any more once the hoist is seen to stand, led by nobody.
+  // The message of a failed STOP ends once the hoist stands and no mode leads it.
   else if (store.value.stopFailed && newest.standing_still === 1 && !moving(store.value.mode)) writable.set({ stopFailed: false });
 }
 
@@ -91,7 +91,7 @@ function slowPart(record: TickRecord) {
     bumpers: record.bumpers,
     bumpersHeld: (record.bumpers & ~record.bumpers_acknowledged) === 0,
     trial_s: Math.ceil(record.settings_trial_s),
-    // The alarm outlasts its cause until somebody acknowledges it; so does the name of the device.
+    // The alarm and its device name stay until acknowledged, also after the cause is gone.
     duplicateId: record.duplicate_id !== 0 ? record.duplicate_id : ((record.fault_bits >>> duplicateBit) & 1) === 1 ? store.value.duplicateId : null,
     babblingId: record.babbling_id !== nobody ? record.babbling_id : ((record.fault_bits >>> babblingBit) & 1) === 1 ? store.value.babblingId : null,
   } as const;
@@ -144,7 +144,7 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
     case 'walk': {
       const walk = message as unknown as WalkMessage;
       live.takeWalk(walk);
-      // A server that came back in the middle of a walk does not know what it began with.
+      // A server restarted in the middle of a walk does not know its start.
       const begun = walk.begun ?? (walk.mark === null && live.record !== null ? now.begun : null);
       writable.set({ exercise: walk.exercise, begun });
       break;
@@ -163,7 +163,7 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
       };
       if (line.kind === 'emergency')
         takeEmergencies([{ time_ns: line.time_ns, node: line.name, code: line.code ?? 0, errorRegister: Number(message.bits ?? 0) }]);
-      // The other ways to end are told by the strip, or were asked for.
+      // Other ends are shown by the strip, or were requested.
       if (line.kind === 'guided_ended' && line.name === 'finished') notify('info', 'guided.finished');
       if (line.kind === 'guided_ended' && line.name === 'off_path') notify('warning', 'guided.off_path');
       // The hoist may behave otherwise from here on, perhaps in the middle of a walk.
@@ -211,7 +211,7 @@ const noticeFor_ms = 6000;
 export function notify(level: Notice['level'], text: string, plain = false): void {
   if (text === '') return;
   const id = ++noticeId;
-  // The same again replaces the one before, and is there for its full time: a second mark is a second mark.
+  // The same message again replaces the previous one for its full time, so that a second mark is visible.
   writable.set({ notices: [...store.value.notices.filter((notice) => notice.text !== text), { id, level, text, plain }].slice(-noticesMost) });
   window.setTimeout(() => writable.set({ notices: store.value.notices.filter((notice) => notice.id !== id) }), noticeFor_ms);
 }
@@ -232,7 +232,7 @@ export function startLink(): void {
   window.addEventListener('online', () => link.hurry());
 }
 
-// ------------------------------------------------------------------------------------------------ what screens may ask for
+// ------------------------------------------------------------------------------------------------ actions of screens
 let stopTimer: number | null = null;
 let stopLeft = 0;
 

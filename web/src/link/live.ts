@@ -1,4 +1,4 @@
-// The fast part: the newest record and the path on the floor. Nothing here makes a screen draw; screens ask on each frame.
+// The fast part: the newest record and the path on the floor. Nothing here triggers drawing; screens poll on each frame.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { modes } from '../contract/faults.gen';
 import type { SignalName, TickRecord } from '../contract/signals.gen';

@@ -1,4 +1,4 @@
-// What can be done now and how current the values are: derived here once, from everything that is known. Screens derive nothing themselves.
+// What can be done now, and how old the values are. Derived only here, from the whole store.
 import { refusals, type RefusalName } from '../contract/faults.gen';
 import type { TextKey } from '../text/en';
 import { moving, stopped, unknown, useStore, type State } from './store';
@@ -19,7 +19,7 @@ export interface Readiness {
   stopped: boolean;
   /** What keeps each motion from starting, as names of refusals; empty: it may start. */
   start: Readonly<Record<Start, readonly string[]>>;
-  /** The dead-man acts. */
+  /** Hold-to-run works. */
   hand: boolean;
   end: boolean;
   /** What needs standby may be done. */

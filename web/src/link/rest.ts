@@ -1,4 +1,4 @@
-// Plain requests to /api/v1. Errors come back as values: a screen must always have something to say.
+// Plain requests to /api/v1. Errors are returned as values, so that a screen can always show them.
 import type { FieldError } from '../contract/messages.gen';
 
 export interface Problem {
@@ -25,7 +25,7 @@ export async function rest<T>(method: 'GET' | 'POST' | 'PATCH' | 'PUT' | 'DELETE
       credentials: 'same-origin',
       cache: 'no-store',
       signal: AbortSignal.timeout(within_ms),
-      keepalive: method !== 'GET', // what was asked for is asked also when the page goes away
+      keepalive: method !== 'GET', // sent also when the page is being closed
       ...(method === 'GET' ? {} : { body: JSON.stringify(body ?? {}) }),
     });
     const text = await response.text();

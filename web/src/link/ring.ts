@@ -1,4 +1,4 @@
-// A ring of numbers kept twice (at i and i + capacity), so that the newest values are always one plain subarray.
+// A ring of numbers kept twice (at i and i + capacity), so that the newest values are always one contiguous subarray.
 export class Ring {
   private readonly data: Float64Array;
   private next = 0;

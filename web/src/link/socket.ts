@@ -1,5 +1,5 @@
-// The connection to the server: one WebSocket that is opened again whenever it is lost, requests matched to their replies, and the
-// measured round trip. Knows nothing of screens. Clock, timers and socket are passed in, so that tests run it in virtual time.
+// The connection to the server: one WebSocket that reconnects, requests matched to their replies, and the measured round trip. Independent
+// of screens. Clock, timers and socket are passed in, so that tests run it in virtual time.
 
 import type { FieldError } from '../contract/messages.gen';
 
@@ -236,7 +236,7 @@ export class Link {
     this.socket = null;
     if (this.beatTimer !== null) this.host.clearTimer(this.beatTimer);
     this.beatTimer = null;
-    // A connection given up for its silence still delivers what it holds; on a closed one nothing goes out, nor comes late.
+    // A connection closed by timeout could still deliver old messages; after close() nothing is sent or received.
     if (socket !== null && this.wasOpen)
       for (const { unanswered } of this.waiting.values())
         if (unanswered !== undefined) socket.send(JSON.stringify({ ...unanswered, request: this.nextRequest++ }));

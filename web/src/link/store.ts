@@ -1,4 +1,4 @@
-// What the console knows at this moment. Screens read it through useStore; only link/ writes it.
+// The console's state. Screens read it through useStore; only link/ writes it.
 import { useEffect, useReducer, useRef } from 'preact/hooks';
 import { modes, type ModeName } from '../contract/faults.gen';
 import type { Exercise, GuidedPath, StandingNotice } from '../contract/messages.gen';
@@ -63,7 +63,7 @@ export interface State {
   /** Another screen has taken control from this one, and the notice is not closed yet. */
   leaseTaken: boolean;
   recording: Recording;
-  // The slow part of the newest record: kept here so that screens draw anew only when it changes.
+  // The slow part of the newest record: kept here so that screens render only when it changes.
   mode: ModeName;
   faultBits: number;
   /** Fault that came first of the latest stop, plus one; 0 = none. */

@@ -1,6 +1,6 @@
 import type { FirstKey } from './first';
 
-// Every word of the console that comes neither from a table nor from first.ts: a file that is loaded alone. A test compares de.ts with it.
+// All texts of the console that are neither in a table nor in first.ts; loaded separately. A test compares de.ts with it.
 export const en = {
   'nav.walk': 'Walk',
   'nav.drive': 'Drive',

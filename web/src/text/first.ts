@@ -1,4 +1,4 @@
-// Words that are needed before a language file has come, or when none comes: STOP's own, and what to do then. In the first load, in all languages.
+// Texts needed before a language file is loaded, or without one: STOP, and what to do then. In the first load, in all languages.
 import type { Language } from './settings';
 
 const en = {

@@ -1,4 +1,4 @@
-// Why the server did not do something, in words: told by its code, never by its sentences.
+// Reasons of the server's refusals in words, by code; its sentences are never parsed.
 import { reasons, type ReasonCode } from '../contract/messages.gen';
 import type { Problem } from '../link/rest';
 import { refusalText, t, textOf, words } from './text';

@@ -1,4 +1,4 @@
-// Words and numbers for people, in the chosen language.
+// Texts and numbers in the chosen language.
 import type { Words } from '../contract/params.gen';
 import { refusals } from '../contract/faults.gen';
 import type { Table, TextKey } from './en';

@@ -1,4 +1,4 @@
-// The faults in force as alarms, in the order in which to tell them. The server does the same for /status (server/api/alarms.cpp).
+// The faults in force as alarms, in display order. The server does the same for /status (server/api/alarms.cpp).
 import { endangers, explanations, faultDetails, faults, type FaultInfo, type FaultName, type Words } from '../contract/faults.gen';
 import { emergencyInfo } from './device';
 

@@ -1,4 +1,4 @@
-// What an event of the log says, in words.
+// An event of the log in words.
 import { faults, modes } from '../contract/faults.gen';
 import { params } from '../contract/params.gen';
 import { plain, refusalText, shownAs, t, textOf, withUnit, words } from '../text/text';

@@ -1,5 +1,5 @@
-// Start and End share one place on the screen, and mean the opposite. Whoever taps twice on End must not start the hoist with the second tap:
-// Start counts only when it had stood there for a while as the finger came down. End always counts.
+// Start and End share one place on the screen. A double tap on End must not start the hoist: Start counts only when it was already shown
+// for a while at the press. End always counts.
 export const settle_ms = 800;
 
 export class FirmStart {

@@ -141,7 +141,7 @@ export function FloorView({ exercise, planned = false }: { exercise: Exercise; p
   const drawn = useRef({ what: '', at_ms: -Infinity });
   useFrame((now_ms) => {
     if (canvas.current === null) return;
-    // A hoist that stands is not drawn anew, except once a second: colours and size may have changed.
+    // At standstill it is redrawn only once a second, since colours and size may have changed.
     const r = live.record;
     const pose_now = r === null ? '' : [r.fused_x_m, r.fused_y_m, r.fused_psi_rad].map((value) => value.toFixed(3)).join(' ');
     const what = [pose_now, live.pathLife, live.path.x.length, JSON.stringify(exercise), planned].join(' ');

@@ -1,5 +1,4 @@
-// The hand that keeps the hoist moving: a finger or keys hold the dead-man. Every way of losing the finger, the keys, the page or the screen
-// lets go.
+// Input of hold-to-run: a finger or keys. Every loss of finger, keys, page or screen counts as release.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { drive, everyTick } from '../link/console';
 import { HoldToRun, keysWish, takesKeys, type Wish } from './hold_to_run';
@@ -31,7 +30,7 @@ export interface PointerHandlers {
 /** Inert unless `active`. The handlers belong on the element that is held; a finger takes over from keys. */
 export function useHand(active: boolean, grip: Grip): { held: boolean; handlers: PointerHandlers } {
   const pointer = useRef<number | null>(null);
-  // Kept from the press on: a line of text that appears above moves the element, and must not become a wish.
+  // Stored at the press: a line of text that appears above moves the element, which must not become a command.
   const box = useRef<DOMRect | null>(null);
   const keys = useRef(new Set<string>());
   const [held, setHeld] = useState(false);
@@ -62,7 +61,7 @@ export function useHand(active: boolean, grip: Grip): { held: boolean; handlers:
       return;
     }
     everyTick(true);
-    // Nobody holds it yet. After a gap the core waits for this before it moves again.
+    // Not held. After a gap the core waits for this before it moves again.
     void drive(0, 0, false);
     const down = (event: KeyboardEvent) => {
       if (takesKeys(event)) {
@@ -87,7 +86,7 @@ export function useHand(active: boolean, grip: Grip): { held: boolean; handlers:
       [window, 'blur', release],
       [window, 'pagehide', release],
       [window, 'hoist-dialog', release],
-      // Another size or a turned screen: nothing is where it was when the finger came down.
+      // A resized or rotated screen: positions have changed since the press.
       [window, 'resize', release],
       ...(screen.orientation ? [[screen.orientation, 'change', release] as [EventTarget, string, () => void]] : []),
       ...(window.visualViewport ? [[window.visualViewport, 'resize', release] as [EventTarget, string, () => void]] : []),

@@ -1,4 +1,4 @@
-// The hoist as people see it: from above with the patient and the wish, from behind and from the side with the true strut angles.
+// Picture of the hoist: from above with the patient and the intent, from behind and from the side with the true strut angles.
 import { useRef } from 'preact/hooks';
 import type { TickRecord } from '../contract/signals.gen';
 import { live, useFrame } from '../link/live';

@@ -1,4 +1,4 @@
-// A button that acts only after it was held for a while: for what must never happen by a brush of the hand.
+// A button that acts only after being held for a while, against accidental touches.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import './hold_button.css';
 

@@ -1,4 +1,4 @@
-// The dead-man as a button: the hoist goes while it is held. Where to is the exercise's matter, so the stick stays in its middle.
+// Hold-to-run as a button: the hoist moves while it is held. The exercise steers, so the stick stays neutral.
 import { t } from '../text/text';
 import { useHand } from './hand';
 import './hold_to_go.css';

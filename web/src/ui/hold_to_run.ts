@@ -1,5 +1,5 @@
-// The hold-to-run rules, apart from any screen: while held, the wish goes out 25 times a second; when let go, by whatever cause, three
-// zeros go out at once and then nothing. The server and the hoist stop on silence too: this is only the quickest way.
+// The hold-to-run rules, independent of screens: while held, a command is sent 25 times a second; on any release three zeros are sent at
+// once, then nothing. Server and hoist also stop by timeout: this is only the fastest way.
 
 export const send_hz = 25;
 export const sendEach_ms = 1000 / send_hz;
@@ -40,7 +40,7 @@ export class HoldToRun {
     return this.timer !== null;
   }
 
-  /** The dead-man is pressed: sends at once and then at a steady rate. */
+  /** Pressed: sends at once and then at a steady rate. */
   press(speed: number, yaw: number): void {
     this.speed = shape(speed);
     this.yaw = shape(yaw);

@@ -1,4 +1,4 @@
-// Small line drawings; decoration only, the words beside them say it.
+// Small line drawings; decoration beside text.
 const paths = {
   walk: 'M13 4.5a1.6 1.6 0 1 0 0-.01M9 21l2.5-6-2-3 1-5 4 3 3 1M10.5 7 7 9.5 6 13M14 12l-1 3 2.5 6',
   drive: 'M12 3v6M12 21v-6M3 12h6M21 12h-6M12 12m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M10 4.5 12 2.5l2 2M10 19.5l2 2 2-2M4.5 10l-2 2 2 2M19.5 10l2 2-2 2',

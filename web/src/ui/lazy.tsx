@@ -1,4 +1,4 @@
-// Code that is loaded when it is first needed, and what stands there until it has come or when it does not come.
+// Code loaded on first use, with a placeholder while loading and after a failure.
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../text/text';
 import './lazy.css';

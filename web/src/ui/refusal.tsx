@@ -1,4 +1,4 @@
-// Why something was not done, and what to do: all reasons, in words.
+// A refusal: all reasons in words, and what to do.
 import { useEffect, useState } from 'preact/hooks';
 import { stillStands, toldFor_ms, useReadiness, type Start } from '../link/readiness';
 import type { Reply } from '../link/socket';
@@ -46,7 +46,7 @@ export function Refusal({ request: { reply, forget } }: { request: Request }) {
     const timer = window.setTimeout(() => setAge(toldFor_ms), toldFor_ms);
     return () => window.clearTimeout(timer);
   }, [reply]);
-  // It goes when its reasons have gone, and does not come back with them: what is in the way then stands beside the button.
+  // It disappears with its reasons and does not return with them: later reasons are shown beside the button.
   const over = useStore((s) => reply !== null && reply.refusals.length > 0 && !reply.refusals.some((reason) => stillStands(reason, s, age_ms)));
   useEffect(() => {
     if (over) forget();

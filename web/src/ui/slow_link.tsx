@@ -1,4 +1,4 @@
-// The connection as whoever holds the hoist should know it. From a certain slowness nothing is led by hand any more: what is let go arrives late.
+// Warns the driver of a slow connection. From a limit on driving is refused, because a release would arrive late.
 import { tooSlow } from '../link/readiness';
 import { useStore } from '../link/store';
 import { fixed, t } from '../text/text';

@@ -1,4 +1,4 @@
-// The one STOP: on every page, at one place, acting when touched and not when let go, without a question. The space bar does the same.
+// STOP: on every page at the same place, acts on touch, without a question. The space bar does the same.
 import { useEffect, useRef } from 'preact/hooks';
 import { stop } from '../link/console';
 import { useStore } from '../link/store';

@@ -1,4 +1,4 @@
-// The line under the status bar: the most important alarm with what to do, or in calm times one sentence. Its height never changes.
+// The line under the status bar: the most important alarm with what to do, else one sentence. Its height never changes.
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import type { FaultInfo, FaultName } from '../contract/faults.gen';
 import type { StandingNotice } from '../contract/messages.gen';
@@ -59,7 +59,7 @@ export function Strip() {
   const babblingId = useStore((s) => s.babblingId);
   const [all, setAll] = useState(false);
   const [busy, setBusy] = useState(false);
-  // What was shown when the hand went down: something that comes while it rests there is not released with it.
+  // The causes shown at the press: a later one is not released with them.
   const seen = useRef<readonly FaultName[]>([]);
 
   const alarms: Alarm[] = [];
@@ -87,7 +87,7 @@ export function Strip() {
     const lower = alarms.findIndex((other) => !other.follows && rank[other.priority] > rank[alarm.priority]);
     alarms.splice(lower < 0 ? alarms.length : lower, 0, alarm);
   }
-  // What is told first is not always the highest: the colour is.
+  // The first alarm need not have the highest priority; the colour shows that.
   const worst = alarms.reduce<Priority>((most, alarm) => (rank[alarm.priority] < rank[most] ? alarm.priority : most), 'calm');
 
   const calm = sending
@@ -101,7 +101,7 @@ export function Strip() {
   const why = !sending && ready.calm === 'strip.notReady' ? refusalText(ready.start.user[0]!) : '';
   const first: Alarm = alarms[0] ?? { id: 'calm', priority: 'calm', text: calm, action: why };
   const more = alarms.slice(1);
-  // Consequences are there to be read, but they are not more to do.
+  // Consequences are shown but not counted.
   const others = more.filter((alarm) => !alarm.follows).length;
 
   // What to do must be readable to its end, also where the line is too short for it.

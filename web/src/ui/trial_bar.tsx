@@ -1,4 +1,4 @@
-// Settings on trial go back by themselves, also while somebody walks: on every screen it says how soon, with the buttons to keep or undo.
+// Settings on trial return by themselves, also during a walk: every screen shows the time left, with buttons to keep or undo.
 import { keepSettings, undoSettings } from '../link/console';
 import { useStore } from '../link/store';
 import { t } from '../text/text';

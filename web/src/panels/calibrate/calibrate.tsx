@@ -1,4 +1,4 @@
-// Calibration step by step: what to do now, whether it rests, what was found, and the old value beside the new one.
+// Calibration step by step: what to do now, whether the hoist is at rest, the result, and old beside new values.
 import { useEffect, useState } from 'preact/hooks';
 import { params } from '../../contract/params.gen';
 import { calibrate, calibrateCancel, calibrateMeasure, calibrateUse, notify } from '../../link/console';
@@ -139,7 +139,7 @@ function Entry({
       ? { figure: size, x_m: readNumber(x) / 100, y_m: readNumber(y) / 100, turning: back ? 'right' : 'left' }
       : { figure: (back ? -1 : 1) * size * factor };
     if (!(await onMeasure(message))) return;
-    // The next measurement is another way: its figure must be read off anew.
+    // The next measurement has another distance, which must be entered again.
     setFigure('');
     setX('');
     setY('');

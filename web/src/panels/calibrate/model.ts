@@ -1,4 +1,4 @@
-// What the Calibrate screen knows: the table of steps from the server, and what to do at this moment.
+// State of the Calibrate screen: the table of steps from the server, and the instruction to show.
 import type { ParamName } from '../../contract/params.gen';
 import type { Words } from '../../contract/params.gen';
 import type { TextKey } from '../../text/en';

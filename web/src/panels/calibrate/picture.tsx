@@ -1,4 +1,4 @@
-// What to do, as a small drawing. Decoration: the words beside it say the same.
+// The instruction as a small drawing. Decoration: the text beside it says the same.
 import type { StepName } from './model';
 import '../../ui/hoist_picture.css';
 

@@ -1,4 +1,4 @@
-// The hoist drives a figure by itself while the therapist holds: choose it, see the floor it needs, start, hold.
+// GUIDED: the hoist drives a figure while the therapist holds hold-to-run. Choose it, see its floor space, start, hold.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { requestGuided } from '../../link/console';
 import { live, useFrame } from '../../link/live';
@@ -167,7 +167,7 @@ export function ExercisesView() {
   const driven = ready.led;
   const rtt_s = useStore((s) => s.rtt_s);
   const slow = tooSlow({ rtt_s });
-  // The path that was driven stays until something is chosen anew.
+  // The driven path stays until the next choice.
   const [justDone, setJustDone] = useState(false);
   const active = guided && ready.hand;
   const speedMost_m_s = (parameters.speed_m_s_max ?? 0.6) * (parameters.speed_cap_norm ?? 1);
@@ -188,7 +188,7 @@ export function ExercisesView() {
   const exercise = useRef({ plan, figure: exerciseOf(plan) });
   if (exercise.current.plan !== plan) exercise.current = { plan, figure: exerciseOf(plan) };
   const space = floorSpace(exercise.current.figure);
-  // What is shown is what is asked for: a choice above the limit in force waits for a higher one.
+  // The shown value is the requested one: a choice above the limit in force is disabled until the limit rises.
   const allowed = withinCap(plan, speedMost_m_s);
   const curve = curveSpeed_m_s(allowed, yawLimit_rad_s);
 

@@ -1,4 +1,4 @@
-// What can be chosen for an exercise, and what follows from the choice: the path that is asked for, the floor it needs, how long it takes.
+// The choices of an exercise, and what follows: the requested path, its floor space, its duration.
 import type { Exercise, GuidedPath } from '../../contract/messages.gen';
 import { patternPoints } from '../../ui/geometry';
 

@@ -169,7 +169,7 @@ function Events({ log }: { log: readonly LogLine[] }) {
 export function HealthView() {
   useSettings();
   const newest = useReading((record: TickRecord | null) => record, 2);
-  // Old figures are not shown here at all: "works" and "free" are said of now, or not at all.
+  // Old values are not shown here: "works" and "free" must describe the present.
   const { known, reachable: open } = useReadiness();
   const silent = !known;
   const r = silent ? null : newest;
@@ -182,7 +182,7 @@ export function HealthView() {
   useAsked(open ? fetchEmergencies : null, []);
   const n = (value: number | undefined, decimals: number, unit: string) => `${fixed(value, decimals)} ${unit}`;
   return (
-    // Nothing in here can be tapped, so this is what a keyboard scrolls by.
+    // It has no focusable content, so this makes it scrollable by keyboard.
     <div class="health" role="region" aria-label={t('nav.health')} tabIndex={0}>
       <section class="card wide">
         <h2>{t('health.parts')}</h2>

@@ -1,4 +1,4 @@
-// The loop's punctuality as the server tells it, and the bars that a screen draws of it.
+// The loop's lateness from the server, and its bars on the screen.
 
 export interface Bucket {
   from_s: number;

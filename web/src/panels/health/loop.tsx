@@ -1,4 +1,4 @@
-// The control loop: how late its steps begin, what was left out, and what the computer grants it. The whole picture is for engineers.
+// The control loop: lateness, missed steps, and granted real-time settings. The full picture is for engineers.
 import type { TickRecord } from '../../contract/signals.gen';
 import { useAsked } from '../../link/asked';
 import { rest } from '../../link/rest';
@@ -77,7 +77,7 @@ export function Loop({ r }: { r: TickRecord | null }) {
   const open = useStore((s) => s.link === 'open');
   const tooLate_s = useStore((s) => s.parameters.loop_late_s_max) ?? 0.03;
   const told = useAsked(engineer && open ? () => rest<LoopReport>('GET', '/loop') : null, [], askEvery_ms).value;
-  const report = r === null ? null : told; // an old report must not stand for the loop of now
+  const report = r === null ? null : told; // an old report must not pass as current
   const ms = (value_s: number | undefined) => `${fixed(value_s === undefined ? undefined : value_s * 1e3, 2)} ms`;
   const short = (
     <div>

@@ -1,4 +1,4 @@
-// How each sensor and drive is doing, from the live values that the core keeps about it.
+// State of each sensor and drive, from the core's live values.
 import type { SignalName, TickRecord } from '../../contract/signals.gen';
 
 export type NodeState = 'works' | 'losing' | 'reports' | 'waiting' | 'silent' | 'never';

@@ -25,7 +25,7 @@ function options(rows: readonly Curve[], { width_px, height_px: height, colour }
   const strokes = ['--accent', '--ink', '--ink-soft', '--series'].map(colour);
   const line = { stroke: colour('--line'), width: 1 };
   const axis = { stroke: colour('--ink-soft'), grid: line, ticks: line, font: '12px system-ui, sans-serif' };
-  const label = { label: unit === '' ? ' ' : unit, labelSize: 22, labelFont: '600 13px system-ui, sans-serif' }; // a blank keeps strips aligned
+  const label = { label: unit === '' ? ' ' : unit, labelSize: 22, labelFont: '600 13px system-ui, sans-serif' }; // a space keeps the strips aligned
   return {
     width: width_px,
     height,

@@ -1,5 +1,5 @@
-// Columns that a chart offers, with the names and units of the contract. Written out, because the whole table of signals would be 4 kB of
-// page for the sake of these few; a test holds them against it.
+// Columns that a chart offers, with the names and units of the contract. Written out, because the whole table of signals would cost 4 kB of
+// page; a test compares them with it.
 import type { Words } from '../../contract/params.gen';
 import type { SignalName } from '../../contract/signals.gen';
 

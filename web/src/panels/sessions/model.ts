@@ -117,7 +117,7 @@ export function pathOf(samples: Samples): { x: number[]; y: number[] } {
  * there. `next` goes on from the last row. Sessions come newest first, by their numbers. */
 export function refreshed(shown: SessionPage | null, newest: SessionPage): SessionPage {
   const last = newest.items.at(-1)?.id;
-  // Without an overlap there may be sessions in between that nobody has asked for.
+  // Without an overlap there may be sessions in between that were not requested.
   if (shown === null || newest.next === null || last === undefined || !shown.items.some((item) => item.id >= last)) return newest;
   const older = shown.items.filter((item) => item.id < last);
   return older.length === 0 ? newest : { items: [...newest.items, ...older], next: shown.next };

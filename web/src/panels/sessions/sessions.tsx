@@ -47,7 +47,7 @@ function useSessionList(search: string, recording: string) {
   const [sought, setSought] = useState(search);
   const [list, setList] = useState<{ sought: string; page: SessionPage } | null>(null);
   const [olderProblem, setOlderProblem] = useState<Problem | null>(null);
-  const [waits, setWaits] = useState(false); // older ones are being asked for
+  const [waits, setWaits] = useState(false); // older ones are being loaded
   useEffect(() => {
     const timer = window.setTimeout(() => setSought(search), search === '' ? 0 : typing_ms);
     return () => window.clearTimeout(timer);
@@ -82,12 +82,11 @@ export function SessionsView({ part }: PanelProps) {
   const [search, setSearch] = useState('');
   const chosen = part !== null && /^\d+$/.test(part) ? Number(part) : null;
   const [leaving, setLeaving] = useState<number | null>(null); // Undo can still keep it
-  const [gone, setGone] = useState<readonly number[]>([]); // the server is being asked to delete these, or has done it
+  const [gone, setGone] = useState<readonly number[]>([]); // being deleted by the server, or deleted
   const recording = useStore((s) => s.recording.state + String(s.recording.session));
   const { list, problem, waits, again, older } = useSessionList(search.trim(), recording);
 
-  // Six seconds of Undo, then the server is asked. Another Delete, or leaving the screen or the page, means that the deletion stands: the
-  // undo was there to be tapped.
+  // Six seconds of Undo, then the server deletes. Another Delete, or leaving the screen or the page, confirms at once.
   const pending = useRef<{ id: number; timer: number } | null>(null);
   const settle = () => {
     if (pending.current === null) return;
@@ -194,7 +193,7 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
   const [error, setError] = useState<string | null>(null);
   const [names, setNames] = useState<SignalName[]>(['speed_m_s', 'speed_command_m_s']);
   const drawn = useLazy(chart);
-  // Opened right after its end, a session is still being closed: all of it is asked for again as soon as the recording is over.
+  // Right after its end a session is still being closed: it is loaded again when the recording is over.
   const recorded = useStore((s) => s.recording.state === 'recording' && s.recording.session === id);
   const asked = useAsked(() => rest<Session>('GET', `/sessions/${id}`), [id, recorded]);
   const [changed, setChanged] = useState<Session | null>(null); // as the server answered to the last change
@@ -239,7 +238,7 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
     return answer.ok;
   };
 
-  // An old address, or a session that another screen has deleted: there is nothing to export, to read or to try again.
+  // An old address, or a session deleted on another screen: nothing to export, read or retry.
   if (session === null && asked.problem?.status === notFound)
     return (
       <div class="session-detail">
@@ -358,7 +357,7 @@ function TextField({
   most: number;
   onSave: (text: string) => Promise<boolean>;
 }) {
-  const [draft, setDraft] = useState<string | null>(null); // what was typed and is not known to be kept
+  const [draft, setDraft] = useState<string | null>(null); // typed text that is not known to be stored
   const sent = useRef<string | null>(null); // a tap on Save leaves the field, too: one request is enough
   const changed = draft !== null && draft !== value;
   const save = async () => {

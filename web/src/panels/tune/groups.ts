@@ -1,4 +1,4 @@
-// Which settings stand together. A setting that is not named here appears under "Other", so a new row is never lost.
+// Groups of settings. A setting not named here appears under "Other".
 import { params, type ParamInfo, type ParamName } from '../../contract/params.gen';
 import type { TextKey } from '../../text/en';
 

@@ -1,4 +1,4 @@
-// Every setting from the table, with what it does in plain words. A change goes to the hoist at once; what it refuses is said at the row.
+// Every setting of the table, explained in plain words. A change applies at once; a refusal is shown at the row.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { presets, type ParamInfo } from '../../contract/params.gen';
 import { applyPreset, notify, setParameters, tryParameters } from '../../link/console';
@@ -34,11 +34,11 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
   const [undo, setUndo] = useState<number | null>(null);
   const [undoing, setUndoing] = useState(false);
   const timer = useRef<number | null>(null);
-  const drawn = useRef<number | null>(null); // what the slider shows and the hoist has not been told yet
+  const drawn = useRef<number | null>(null); // the slider's value that was not sent yet
   const begun = useRef<number | null>(null); // value in force when the change began: what Undo goes back to
-  const touches = useRef(0); // an answer must not take away what was typed or drawn since it was asked for
+  const touches = useRef(0); // an answer must not overwrite later input
 
-  // Whoever draws a slider and goes to another screen at once has still set it.
+  // Leaving the screen right after moving a slider still applies its value.
   useEffect(
     () => () => {
       if (timer.current !== null) window.clearTimeout(timer.current);
@@ -178,7 +178,7 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
           disabled={locked || undo === null || undoing}
           onClick={() => {
             if (undo === null) return;
-            // Stays there until it was done: a refusal must not take the way back away.
+            // Stays until it succeeded: after a refusal it must still be possible to undo.
             setUndoing(true);
             void apply(undo).then(() => setUndoing(false));
           }}

@@ -30,7 +30,7 @@ export function WalkView() {
   const exercise = useStore((s) => s.exercise);
   const drawn = useStore(figure);
   const request = useRequest();
-  // Marks and the neutral posture wait for their answers apart: a slow one keeps nobody from ending.
+  // Marks and the neutral posture wait for their answers separately: a slow one must not block End.
   const aside = useRequest();
   useEffect(() => {
     if (!led) return;
