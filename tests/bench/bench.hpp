@@ -25,8 +25,8 @@ void measure_rest(Report& report, const std::string& bin);
 void measure_instructions(Report& report, const std::string& bin);
 void measure_status_instructions(Report& report, const std::string& bin);
 
-// What hoist-bench does under callgrind: `hoist-bench --replay-ticks COUNT` runs the ticks of a recorded walk, `--replay-steps COUNT` the whole
-// steps of hoist-control around them, without the kernel.
+// Modes of hoist-bench under callgrind: `hoist-bench --replay-ticks COUNT` runs the ticks of a recorded walk, `--replay-steps COUNT` the
+// whole steps of hoist-control around them, without the kernel.
 inline constexpr const char *kReplayTicks = "--replay-ticks", *kReplaySteps = "--replay-steps";
 void replay_ticks(int count);
 void replay_steps(int count);

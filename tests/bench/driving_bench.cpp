@@ -126,8 +126,8 @@ void make_raw(int fd) {
   ::tcsetattr(fd, TCSANOW, &raw);
 }
 
-// Stands in the serial line between the core and the simulator: passes on what each says, and notes the commands to the left drive with the
-// moment in which they arrive here.
+// A tap in the serial line between core and simulator: forwards both directions and records commands to the left drive with their arrival
+// time.
 class Tap {
  public:
   struct Command {
@@ -137,8 +137,7 @@ class Tap {
   Tap() : far_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
     if (far_ < 0 || ::grantpt(far_) != 0 || ::unlockpt(far_) != 0) throw std::runtime_error("no pseudo-terminal");
     device_ = ::ptsname(far_);
-    held_ =
-        ::open(device_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);  // kept open: a pseudo terminal without an open far end reads as hung up
+    held_ = ::open(device_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);  // kept open: otherwise the pseudo terminal reports a hang-up
     make_raw(held_);
   }
   ~Tap() {
@@ -150,7 +149,7 @@ class Tap {
   Tap(const Tap&) = delete;
   Tap& operator=(const Tap&) = delete;
   [[nodiscard]] const std::string& device() const { return device_; }  // for the core
-  // Begins, once the simulator's line is there.
+  // Starts once the simulator's line exists.
   void connect(const std::string& line) {
     for (int i = 0; i < 500 && simulator_ < 0; ++i, ::poll(nullptr, 0, 10))
       simulator_ = ::open(line.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
@@ -212,7 +211,7 @@ void hold(Console& console, double speed_norm, double ms) {
     next_ms = now_ms() + kEvery_ms;
   }
 }
-// From a move of the joystick at `moved_ms` to the first command that differs from the last one before; NaN when there is none.
+// Time from a move of the joystick at `moved_ms` to the first changed command; NaN without one.
 double answered_after_ms(const std::vector<Tap::Command>& commands, double moved_ms) {
   for (std::size_t i = 1; i < commands.size(); ++i)
     if (commands[i].at_ms > moved_ms && commands[i].velocity != commands[i - 1].velocity) return commands[i].at_ms - moved_ms;

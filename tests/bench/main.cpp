@@ -1,4 +1,4 @@
-// hoist-bench: every figure beside the floor measured in the same run.
+// hoist-bench: every figure with its reference measured in the same run.
 #include <cstdio>
 #include <exception>
 #include <filesystem>

@@ -42,7 +42,7 @@ class Process {
 [[nodiscard]] int connect_to(std::uint16_t port);
 // A connection behind the WebSocket handshake. Throws with the server's answer when it refuses.
 [[nodiscard]] int open_websocket(std::uint16_t port, const std::string& token);
-// One keep-alive HTTP connection with one request under way.
+// One keep-alive HTTP connection with one open request.
 class HttpConnection {
  public:
   explicit HttpConnection(std::uint16_t port) : fd_(connect_to(port)) {}
@@ -51,10 +51,10 @@ class HttpConnection {
   HttpConnection& operator=(const HttpConnection&) = delete;
   [[nodiscard]] int fd() const { return fd_; }
   void ask(const std::string& request);
-  // Takes what has arrived; true when the answer is whole. Throws unless it is a 200 with its length.
+  // Reads available bytes; true when the answer is complete. Throws unless it is a 200 with its length.
   bool take();
   [[nodiscard]] std::string body() const { return answer_.substr(body_at_); }
-  // Asks and waits for the whole answer.
+  // Sends a request and waits for the complete answer.
   std::string fetch(const std::string& request);
 
  private:
@@ -81,7 +81,7 @@ struct HoistOptions {
   std::string core_line = {};                  // serial line of the core; empty: the simulator's
 };
 
-// Simulator, hoist-control and hoist-server in a folder of their own; the simulated patient stands.
+// Simulator, hoist-control and hoist-server in their own folder; the simulated patient stands.
 class RunningHoist {
  public:
   explicit RunningHoist(const std::string& bin, const HoistOptions& options = {});

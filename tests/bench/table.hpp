@@ -1,4 +1,4 @@
-// The rows of a bench: what was measured, beside which floor, with which goal; printed, stored, and compared with an earlier run.
+// The rows of a bench: value, reference and goal; printed, stored, and compared with an earlier run.
 #pragma once
 #include <functional>
 #include <map>

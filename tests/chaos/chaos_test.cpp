@@ -35,7 +35,7 @@ TEST(Chaos, WhateverBreaksWhatMustHoldHolds) {
     stops += report.stops;
     walked_s += report.walked_s;
   }
-  // The sessions are no good if nobody walks in them or nothing ever happens.
+  // The sessions prove nothing without walking and without events.
   EXPECT_GT(walked_s, 25.0 * static_cast<double>(kSessions));
   EXPECT_GT(stops, static_cast<int>(kSessions) / 2);
 }
@@ -122,7 +122,7 @@ TEST(ChaosFaults, EveryKindComesUp) {
 
 // ---- each invariant bites
 
-// Whether a session of this broken product breaks the promise, and one of the whole product does not.
+// Whether a session of this broken product violates the invariant, and one of the intact product does not.
 bool bites(const SessionOptions& broken_product, const std::string& promise) {
   SessionOptions whole = broken_product;
   whole.sabotage = {};
@@ -140,7 +140,7 @@ SessionOptions quiet(Sabotage sabotage) {
 }
 bool moving(const core::CoreState& core) { return contract::kModes[static_cast<std::size_t>(core.mode)].moving; }
 
-// Replaces what both drives are told, with the state they are in.
+// Replaces the commands of both drives, with their state.
 void command_wheels(core::TickOutputs& out, double left_mrad_s, double right_mrad_s) {
   for (std::size_t i = 0; i < 2 && i < out.frames.size(); ++i)
     contract::write_slot(out.frames[i], contract::pdo_slot(contract::Pdo::drive_rx1, 0x60FF),
@@ -217,7 +217,7 @@ TEST(ChaosBites, I7AStartWithAPatientWhoLeans) {
   EXPECT_TRUE(bites(options, "I7"));
 }
 TEST(ChaosBites, I8DrivesThatGoOnWithoutTheCore) {
-  // Somebody else on the bus keeps commanding the left drive after the core has fallen silent.
+  // A foreign device keeps commanding the left drive after the core has stopped sending.
   contract::CanFrame frame{contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_left),
                            static_cast<std::uint8_t>(contract::pdo_bytes(contract::Pdo::drive_rx1)),
                            0,

@@ -1,10 +1,10 @@
-// Chance of a seed. The standard library's distributions differ between libraries, and a seed must mean the same session everywhere.
+// Random numbers of a seed. Distributions of the standard library differ between implementations, and a seed must give the same session everywhere.
 #pragma once
 #include <cstdint>
 
 namespace hoist::chaos {
 
-// splitmix64. Streams of one seed do not disturb each other: a fault left out changes nothing but that fault.
+// splitmix64. Streams of one seed are independent: leaving a fault out changes only that fault.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed, std::uint64_t stream = 0) : state_(seed) { state_ = next() ^ (stream * 0xD1B54A32D192ED03ULL); }

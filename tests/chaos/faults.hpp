@@ -75,7 +75,7 @@ struct KindInfo {
   Kind kind;
   std::string_view name;
   Target target;
-  bool outside;  // server, network, disk, clock: a patient who leads must not feel it (I12)
+  bool outside;  // server, network, disk, clock: must not affect patient-led walking (I12)
   bool disk;     // needs the recorder
 };
 
@@ -148,12 +148,12 @@ struct Fault {
   double size{};  // 0 to 1, what it means depends on the kind
 };
 
-/// Up to `most` faults of one session, by its seed. `outside_only`: only what a patient who leads must not feel.
+/// Up to `most` faults of one session, by its seed. `outside_only`: only faults that must not affect patient-led walking.
 [[nodiscard]] std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bool outside_only);
 
 /// "unplug:io:12.5:14:0.3,bumper::20:21:0.9", as --faults takes it and the file of kept sessions holds it. "-" is no fault at all.
 [[nodiscard]] std::string faults_text(const std::vector<Fault>& faults);
-/// Nothing when the text is no such list.
+/// Empty for an invalid text.
 [[nodiscard]] std::optional<std::vector<Fault>> read_faults(std::string_view text);
 
 }  // namespace hoist::chaos

@@ -73,7 +73,7 @@ struct Totals {
   }
 };
 
-// The run that a file belongs to, so that two different ones are never added up.
+// The run of a file, so that files of different runs are never added up.
 std::string run_name(const SessionOptions& options, bool unmoved, std::uint64_t seed) {
   char text[160];
   std::snprintf(text, sizeof text, "seed=%llu length=%g faults=%d loss=%g jitter=%g unmoved=%d", static_cast<unsigned long long>(seed),

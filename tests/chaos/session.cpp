@@ -27,7 +27,7 @@ using contract::Mode;
 using contract::Node;
 using contract::TickRecord;
 
-// Streams of a session's chance: what one thing draws never changes what another does.
+// Random streams of a session: independent of each other.
 constexpr std::uint64_t kWorldStream = 2, kTherapistStream = 3, kFrameStream = 4, kFaultStream = 5, kLinkStream = 6, kSerialStream = 7,
                         kStorageStream = 8;
 constexpr std::uint32_t kStranger = 2;  // another client of the server
@@ -78,14 +78,14 @@ class Session {
   SessionReport run() {
     while (loop_.time_s() < options_.length_s) step();
     if (!options_.only_walk) {
-      // Everything is mended; whoever can still be helped must come to standby by the therapist's acknowledgement.
+      // All faults are removed; every recoverable session must reach STANDBY by the therapist's acknowledgement.
       for (Planned& row : board_.rows) {
         if (row.on) apply(row, false);
         row.on = false;
         row.done = true;
       }
       mending_ = true;
-      next_s_ = loop_.time_s();  // the therapist thinks of nothing else now
+      next_s_ = loop_.time_s();  // the therapist does only this now
       // The published tilt filter takes long to unlearn the bias of a sensor that lied, or of a gyroscope whose zero came back.
       const bool unlearns = board_.ever(Kind::sensor_stuck) || board_.ever(Kind::sensor_offset) || board_.ever(Kind::sensor_garbage) ||
                             board_.ever(Kind::sensor_slow) || board_.ever(Kind::gyro_jump);
@@ -224,7 +224,7 @@ class Session {
         break;
       case Kind::sensor_silent:
         sensor(sim::World::SensorFault::silent);
-        // A sensor that failed stays invalid until it is switched off and on: that is how this one is mended.
+        // A failed sensor stays invalid until a power cycle, which is the repair here.
         if (!on) {
           world.unplug(f.node, true);
           world.unplug(f.node, false);
@@ -280,7 +280,7 @@ class Session {
         break;
       }
       case Kind::slope:
-        // Up to 10 degrees, any way; not for ever, so that the hoist can be brought onto level floor.
+        // Up to 10 degrees in any direction; limited in time, so that the hoist can return to level floor.
         world.plant().tilt_floor(on ? 0.17 * f.size : 0.0, 40.0 * f.size);
         break;
       case Kind::pelvis_turned:
@@ -326,7 +326,7 @@ class Session {
         if (!on) loop_.ask_as(kStranger, CommandKind::release_lease);
         break;
       case Kind::logout:
-        // The server lets the lease of a client go who is no longer logged in.
+        // The server releases the lease of a client that is signed out.
         if (on) loop_.ask_as(0, CommandKind::release_lease, 1);
         break;
       case Kind::serial_noise:
@@ -341,7 +341,7 @@ class Session {
         break;  // acts in each step, or on each frame
     }
     apply_to_storage(f, on);
-    // A drive command that somebody holds on to while the link or the server fails must end by itself.
+    // A held drive command must end by itself when link or server fail.
     const bool cuts = f.kind == Kind::server_hang || f.kind == Kind::server_crash || f.kind == Kind::link_loss ||
                       f.kind == Kind::link_stall || f.kind == Kind::tab_freeze;
     if (on && cuts && contract::led_by_hand(loop_.mode())) {
@@ -350,13 +350,13 @@ class Session {
     }
   }
 
-  // What waited in a server or a core dies with it: the memory they share is made anew, and nothing plays it again.
+  // Commands waiting in a crashed server or core are lost: shared memory is created anew.
   void forget_commands() {
     commands_.clear();
     drives_.clear();
   }
 
-  // What a fault that goes on does in each step.
+  // The effect of a lasting fault in each step.
   void go_on(const Fault& f) {
     sim::World& world = loop_.world();
     switch (f.kind) {
@@ -404,7 +404,7 @@ class Session {
     }
   }
 
-  // Another client, who is logged in too but does not drive.
+  // Another client, signed in but not driving.
   void confuse() {
     const TickRecord& record = loop_.record();
     if (fault_dice_.chance(0.3)) {
@@ -423,13 +423,13 @@ class Session {
                                 CommandKind::release_lease, CommandKind::stage_parameter, CommandKind::set_pose,
                                 CommandKind::set_neutral,   CommandKind::begin_service};
     const CommandKind kind = kTried[static_cast<std::size_t>(fault_dice_.below(static_cast<int>(kTried.size())))];
-    // Standing, the lease may be taken by whoever is free to; that is "take_over"'s matter.
+    // At standstill the lease may be taken, which "take_over" does.
     if (kind == CommandKind::take_lease && record.lease_holder == 0) return;
     if ((kind == CommandKind::set_neutral || kind == CommandKind::set_pose) && !moves(loop_.mode())) return;
     loop_.ask_as(kStranger, kind, static_cast<std::uint32_t>(fault_dice_.below(5) == 1 ? 3 : 2), fault_dice_.norm());
   }
 
-  // Sets of every quality, by the driver: whole, broken, contradicting, of a role that may not.
+  // Parameter sets of all kinds by the driver: valid, damaged, contradictory, of a role without permission.
   void push_parameters() {
     const int rows = 1 + fault_dice_.below(4);
     for (int i = 0; i < rows; ++i) {
@@ -438,8 +438,8 @@ class Session {
       double value = fault_dice_.between(info.min, info.max);
       if (fault_dice_.chance(0.08)) value = std::numeric_limits<double>::quiet_NaN();
       if (fault_dice_.chance(0.08)) value = info.max * 3.0 + 1.0;
-      // What decides how the hoist stops and who may drive stays as it is: the judge of this session does not read parameters. They are
-      // pushed all the same, by a role that may not.
+      // Parameters of stops and driving keep their values, because the checker does not read parameters. They are still sent, by a role
+      // without permission.
       const std::uint32_t id = fault_dice_.chance(0.03) ? 4095U : info.id;
       loop_.ask(CommandKind::stage_parameter, id, value, 0, 0, static_cast<std::uint32_t>(fault_dice_.chance(0.05) ? i + 1 : i));
     }
@@ -507,7 +507,7 @@ class Session {
     if (options_.spoof && board_.any_yet()) (void)loop_.world().stranger_send(*options_.spoof);
   }
 
-  // What no acknowledgement can mend: a patient on the floor, a post against a bumper.
+  // Causes that acknowledgement cannot clear: a patient on the floor, a post against a bumper.
   [[nodiscard]] bool hopeless() {
     return board_.ever(Kind::trip) || board_.ever(Kind::collapse) || board_.ever(Kind::hang) || loop_.world().plant().bumpers() != 0;
   }
@@ -551,7 +551,7 @@ class Session {
     if (mode != Mode::init) ask_mode(Mode::standby);
   }
   [[nodiscard]] bool without_lease() const { return loop_.record().lease_holder != 1; }
-  // A therapist looks and thinks before the next touch; while mending is judged nothing but the hoist may take time.
+  // A therapist reacts with a delay; while recovery is checked only the hoist may take time.
   [[nodiscard]] double pause_s(double least_s, double most_s) {
     const double thought_s = therapist_dice_.between(least_s, most_s);
     return mending_ ? 0.3 : thought_s;
@@ -579,7 +579,7 @@ class Session {
     wait(now_s, 4.0, 25.0);
     if (leads) return ask_mode(Mode::user);
     if (therapist_dice_.chance(0.4)) return begin_exercise(now_s);
-    loop_.let_go();  // whoever drives takes the stick anew
+    loop_.let_go();  // the driver takes the stick again
     ask_mode(Mode::remote);
   }
   void begin_exercise(double now_s) {
@@ -602,7 +602,7 @@ class Session {
     wait(now_s, 1.0, 4.0);
     return true;
   }
-  // The hand on the button: held most of the time, let go now and then, sometimes gone without a word.
+  // The hand on the button: mostly held, sometimes released, sometimes lost without a release.
   void while_guiding(double now_s) {
     if (ended_by_hand(now_s) || now_s < stick_s_) return;
     stick_s_ = now_s + therapist_dice_.between(0.5, 4.0);

@@ -19,16 +19,16 @@ using Sabotage = std::function<void(double time_s, core::CoreState& core, core::
 struct SessionOptions {
   std::uint64_t seed = 1;
   double length_s = 120.0;
-  int faults_max = 5;                             // 0: nothing breaks, and then nothing may stop the hoist but the therapist
+  int faults_max = 5;                             // 0: no fault, and then only the therapist may stop the hoist
   double frame_loss = 0.0;                        // share of all frames that is lost, besides the faults
   double link_jitter_s = 0.0;                     // driving commands come up to so much later, besides the faults
-  bool tell = false;                              // keep the story of the session, not only what was wrong
+  bool tell = false;                              // keep the log of the session, not only violations
   bool only_walk = false;                         // the therapist starts USER once and then leaves the patient alone
   bool outside_only = false;                      // only server, network, disk, clock and other clients break
   std::optional<std::vector<Fault>> faults = {};  // instead of the seed's own
   Sabotage sabotage = {};                         // see there
   bool lying_disk = false;                        // the disk says "synced" and has not: sabotage of the recorder
-  std::optional<contract::CanFrame> spoof = {};   // a stranger sends this in every step from the first fault on: sabotage of the drives
+  std::optional<contract::CanFrame> spoof = {};   // a foreign device sends this in every step from the first fault on
 };
 
 struct SessionReport {
@@ -42,17 +42,16 @@ struct SessionReport {
   double distance_m = 0;            // that the platform truly went
   int starts = 0;                   // motions begun
   int stops = 0;                    // protective stops
-  int false_stops = 0;              // of those (and of soft stops by the core), the ones without any fault under way
+  int false_stops = 0;              // of those (and of soft stops by the core), those without an active fault
   std::uint64_t samples = 0;        // that were acknowledged as stored and found again
-  std::vector<std::string> story;   // what happened, with the time; only when asked for
-  std::vector<std::string> broken;  // invariants that did not hold, with the time; empty is what we want
+  std::vector<std::string> story;   // log with times; only on request
+  std::vector<std::string> broken;  // violated invariants with times; expected empty
   double broken_s = 0;              // when the first of them was found
 };
 
 SessionReport run_session(const SessionOptions& options);
 
-/// I12: the same walk twice, with what only concerns server, network, disk, clock and other clients, and without. Broken when the drives are
-/// told anything else.
+/// I12: the same walk with and without faults of server, network, disk, clock and other clients. Violated when any drive command differs.
 SessionReport run_unmoved(const SessionOptions& options);
 
 }  // namespace hoist::chaos

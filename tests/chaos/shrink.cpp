@@ -9,9 +9,9 @@ namespace hoist::chaos {
 namespace {
 
 constexpr double kShortest_s = 15.0;
-constexpr double kAfter_s = 1.0;  // of what is kept behind the moment in which it broke
+constexpr double kAfter_s = 1.0;  // time kept after the violation
 
-// "I1: a wheel ..." is I1: a smaller session counts when it breaks the same promise.
+// "I1: a wheel ..." is I1: a smaller session counts when it violates the same invariant.
 std::string promise(const SessionReport& report) {
   if (report.broken.empty()) return {};
   const std::string& line = report.broken.front();
@@ -78,7 +78,7 @@ std::string replay_words(const SessionOptions& options) {
   std::ostringstream text;
   if (options.only_walk) text << "--unmoved ";
   text << "--seed " << options.seed << " --length " << options.length_s;
-  // Ten digits: what was given as words comes back as the same number.
+  // Ten digits, so that a printed number reads back unchanged.
   text.precision(10);
   if (options.frame_loss != 0) text << " --loss " << options.frame_loss;
   if (options.link_jitter_s != 0) text << " --jitter " << options.link_jitter_s;

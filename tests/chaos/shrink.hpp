@@ -1,4 +1,4 @@
-// A session that broke a promise, made as small as it still breaks one: fewest faults, then the shortest time.
+// Reduces a failing session: fewest faults, then the shortest time.
 #pragma once
 #include <optional>
 #include <string>
@@ -13,9 +13,9 @@ inline constexpr int kShrinkRuns = 80;
 /// `options` led to `report`, which is broken. Returns the smallest options that were found; they carry their faults with them.
 [[nodiscard]] SessionOptions shrink(const SessionOptions& options, const SessionReport& report);
 
-/// The words after "hoist-chaos" that tell this session again.
+/// The arguments of hoist-chaos for this session.
 [[nodiscard]] std::string replay_words(const SessionOptions& options);
-/// And back. Null for a word that is none of these, or without faults.
+/// And back. Null for an unknown argument, or without faults.
 [[nodiscard]] std::optional<SessionOptions> read_replay(const std::string& words);
 
 }  // namespace hoist::chaos

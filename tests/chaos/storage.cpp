@@ -20,7 +20,7 @@ constexpr std::uint64_t kPassTicks = 2;  // the recorder looks every 20 ms
 
 Storage::Storage(std::uint64_t seed) : disk_(static_cast<std::uint32_t>(seed ^ (seed >> 32))), utc_ns_(kUtcStart_ns) {}
 Storage::~Storage() {
-  // SQLite closes its files on the disk that they lie on.
+  // SQLite must close its files while their disk exists.
   recorder_.reset();
 }
 
@@ -56,7 +56,7 @@ void Storage::start_server() {
   options.utc_ns = [this] { return utc_ns_ + static_cast<std::int64_t>(time_ns_); };
   options.steady_ns = [this] { return time_ns_; };
   options.vfs = tests::CrashDisk::vfs_name();
-  // A file that was set aside is a file that was damaged: that must never be.
+  // A file set aside was damaged, which must never happen.
   options.log = [this](const std::string& line) {
     if (line.find("damaged") != std::string::npos) damaged_.push_back("I9: " + line);
   };

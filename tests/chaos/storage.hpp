@@ -1,5 +1,5 @@
-// The server's side of a session: shared memory, the real recorder and store on a disk in memory that may fail, in the session's own virtual
-// time. Invariant I9: what was acknowledged is there after any crash, every gap is marked, time rises.
+// The server's side of a session: shared memory, the real recorder and store on a disk in memory that may fail, in the session's own
+// virtual time. Invariant I9: acknowledged samples survive any crash, every gap is marked, time rises.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -38,7 +38,7 @@ class Storage {
   /// Each write, truncation and sync takes this long; 0 ends it.
   void slow_disk(double seconds) { slow_s_ = seconds; }
   void lie(bool lies) { disk_.ignore_syncs(lies); }
-  /// The computer's power goes: server and disk. The core is another fault's matter.
+  /// Power failure of server and disk; the core has its own fault.
   void cut_power();
   void jump_clock(double seconds) { utc_ns_ += static_cast<std::int64_t>(seconds * 1e9); }
 
@@ -53,7 +53,7 @@ class Storage {
     float x_m, alpha_rad;
   };
   struct Acknowledged {
-    std::uint64_t first_tick = 0, last_tick = 0;  // the first that was told to be safe, and the newest
+    std::uint64_t first_tick = 0, last_tick = 0;  // the first acknowledged one, and the newest
   };
 
   void note_acknowledged();

@@ -20,15 +20,15 @@ using contract::Node;
 using contract::TickRecord;
 using HoistFault = contract::Fault;
 
-constexpr double kRest_m_s = 0.08;   // a wheel this slow has stopped: a patient who still walks shakes the brakes of a hoist that holds
-constexpr double kStill_m_s = 0.02;  // and stands, when this slow for as long as this
+constexpr double kRest_m_s = 0.08;   // a wheel this slow has stopped: a walking patient shakes the brakes of a standing hoist
+constexpr double kStill_m_s = 0.02;  // and is at rest when this slow for this long
 constexpr int kRestedTicks = 10;
 constexpr double kEps = 1e-6;
 // Between braking and standstill beside v/a: the drives' lag, and 50 ms of I1.
 constexpr double kRollOut_s = 0.35;
 // What the filter may show beyond the guard's 10 degrees (2 less, tests/reactions), and a stop from the fastest drive after the guard's time.
 constexpr double kFarOut_m = 0.8 * 0.1405, kHangAndStop_s = 5.0;
-constexpr double kShove_s = 1.0;  // how long a falling body, or a bridge that was shorted, rolls a hoist on that stands with its brakes on
+constexpr double kShove_s = 1.0;  // how long a falling body, or a shorted bridge, moves a hoist with closed brakes
 
 bool moves(Mode mode) { return contract::kModes[static_cast<std::size_t>(mode)].moving != 0; }
 
@@ -103,8 +103,8 @@ double Watch::fastest_wheel() const {
   return std::max(std::fabs(plant.wheel_speed_m_s(sim::Side::left)), std::fabs(plant.wheel_speed_m_s(sim::Side::right)));
 }
 
-// Where the hoist cannot answer for what its wheels do: it does not know it, a patient falls against it, a bridge is shorted (tests/loop counts
-// that way), or its simulated processor stands still and keeps its outputs (a real one has a watchdog; tests/machine).
+// Cases in which the hoist cannot control its wheels: unknown motion, a patient falling against it, a shorted bridge (distance tested in
+// tests/loop), or a frozen simulated processor that keeps its outputs (a real one has a watchdog; tests/machine).
 bool Watch::odd() const {
   return board_.ever(Kind::encoder_lost) || board_.ever(Kind::encoder_reversed) || fallen() || board_.ever(Kind::slip) ||
          loop_.time_s() - shorted_s_ < kShove_s || board_.ever(Kind::wheel_blocked) || board_.ever(Kind::obstacle) ||
@@ -119,7 +119,7 @@ void Watch::tell(const std::string& what) {
 }
 
 void Watch::broken(std::string_view what, double value, std::string_view name) {
-  // One line for each promise: the first time tells most.
+  // One line for each invariant: its first violation.
   if (std::find(told_.begin(), told_.end(), what) != told_.end()) return;
   told_.emplace_back(what);
   char text[240];
@@ -136,12 +136,12 @@ void Watch::must_stop(const char* cause, double budget_s, double braking_m_s2) {
   must_stop_.push_back({cause, now_s, now_s + budget_s + fastest_wheel() / braking_m_s2 + kRollOut_s});
 }
 
-// What a single fault must lead to, and how soon (SOURCES 2.2). Several at once hide each other; what holds then is the rest.
+// The required reaction to a single fault, and its time (SOURCES 2.2). Several at once hide each other; then only the other invariants apply.
 void Watch::fault_begins(const Planned& row) {
   const Fault& f = row.fault;
   const double now_s = loop_.time_s(), length_s = f.end_s - f.start_s;
   if (!board_.alone(row, now_s, 6.0) || !loop_.core_runs()) return;
-  // Out of service nothing is latched but what led there: INIT looks at everything anew.
+  // Out of service only its causes are latched: INIT checks everything again.
   if (loop_.mode() == Mode::init || loop_.mode() == Mode::fault || loop_.mode() == Mode::emergency_stop) return;
   const auto raise = [&](std::uint32_t bits, const char* what, double budget_s) {
     must_raise_.push_back({bits, what, now_s + budget_s, f.end_s});
@@ -151,8 +151,7 @@ void Watch::fault_begins(const Planned& row) {
     case Kind::bus_off:
     case Kind::freeze:
       if (length_s < 0.12 || (raised_ & lost_bit(f.node)) != 0) break;
-      // A frozen drive keeps its outputs: only that it is missed can be asked.
-      // Where the bus fails meanwhile, everybody is missed at once.
+      // A frozen drive keeps its outputs: only its loss can be checked. If the bus fails meanwhile, all nodes are lost at once.
       raise(lost_bit(f.node) | contract::fault_bit(HoistFault::bus_down), "I1: a silent node is not missed within 60 ms", 0.06 + 0.011);
       if (f.kind != Kind::freeze || contract::kNodes[static_cast<std::size_t>(f.node)].kind != contract::NodeKind::drive)
         must_stop("a node fell silent", 0.07, 1.0);
@@ -183,7 +182,7 @@ void Watch::fault_begins(const Planned& row) {
 void Watch::before_step(const core::TickInputs& inputs) {
   commands_.assign(inputs.commands.begin(), inputs.commands.end());
   last_tick_ = inputs.tick;
-  // Who leads when its turn comes: a sign-out or another server, earlier in the same step, leaves nobody whose word would count.
+  // The holder when the command is handled: after a sign-out or a new server, earlier in the same step, there is none.
   std::uint32_t holder = inputs.server_life == server_life_ ? lease_holder_ : 0;
   if (inputs.server_life != server_life_) next_sequence_ = 0;
   server_life_ = inputs.server_life;
@@ -213,7 +212,7 @@ void Watch::before_step(const core::TickInputs& inputs) {
 
 void Watch::after_step(bool core_ran) {
   watch_truth(core_ran);
-  // A core that is held misses nobody, nor what is over when it goes on; that it was held it must say itself (H22).
+  // A suspended core notices no loss, nor events that end before it continues; it must report its own delay (H22).
   if (!core_ran)
     std::erase_if(must_raise_, [](MustRaise& must) {
       must.by_s += core::kTick_s;
@@ -265,13 +264,12 @@ void Watch::watch_record() {
   watch_limits(record, mode);
   if (contract::led_by_hand(mode)) watch_driver(record);
   watch_parameters(mode);
-  // I1: at rest soon after motion has ended, whatever ended it.
+  // I1: standstill soon after the end of motion, for any cause.
   if (moves(mode)) moving_end_s_ = now_s;
-  // A post that the hoist was stopped at pushes back, now and then for as long as it stands there. A body that is twisted by force, beyond
-  // what the struts allow, drags wheels whose brakes hold.
+  // A post at the bumper pushes back while the hoist touches it. A body twisted beyond the struts' limit drags braked wheels.
   if (!moves(mode) && now_s - moving_end_s_ > 1.3 && now_s - twisted_s_ > kShove_s && fastest_wheel() > kRest_m_s && !odd())
     broken("I1: a wheel turns 1.3 s after motion ended", fastest_wheel());
-  // A stop that has come to rest sets nothing in motion again: not with what it had still to brake when the drives did it by themselves.
+  // A stop at standstill sets nothing in motion again, also not with remaining ramp speed after the drives have braked by themselves.
   const double fastest_m_s = fastest_wheel();
   if (mode != Mode::protective_stop)
     rested_ticks_ = 0;
@@ -299,7 +297,7 @@ void Watch::watch_limits(const TickRecord& record, Mode mode) {
   const double speed = static_cast<double>(record.speed_command_m_s);
   if (std::fabs(speed) > 0.65 + kEps) broken("I2: commanded above the top speed", speed);
   const bool follow = enabled(record.left_status_word) && enabled(record.right_status_word);
-  // With one drive out, what the other one is told is no turn of the hoist.
+  // With one drive out, the command of the other is no turn of the hoist.
   if (follow && std::fabs(static_cast<double>(record.yaw_rate_command_rad_s)) > 0.872664626 + 1e-4)
     broken("I2: commanded above the top turn rate", static_cast<double>(record.yaw_rate_command_rad_s));
   if (!ran_ || mode != last_mode_ || !follow || !followed_) return;
@@ -309,7 +307,7 @@ void Watch::watch_limits(const TickRecord& record, Mode mode) {
   if (-change > braking * 0.01 + 1e-5) broken("I2: brakes harder than allowed", -change / 0.01);
 }
 
-// I3, I6: judged by what reached the core, not by what it says of it.
+// I3, I6: checked by the commands that reached the core, not by its own report.
 void Watch::watch_driver(const TickRecord& record) {
   const bool wished = record.speed_wish_m_s != 0 || record.yaw_rate_wish_rad_s != 0;
   if (!wished) return;
@@ -318,14 +316,14 @@ void Watch::watch_driver(const TickRecord& record) {
   if (loop_.time_s() - driven_s_ > 0.27) broken("I6: acts on nothing fresh from its driver", loop_.time_s() - driven_s_);
 }
 
-// I10: what is in force changes only by a whole set that somebody gave, one number for each set, and never to what is not allowed.
+// I10: parameters in force change only by a complete committed set, with one number per set, and only to allowed values.
 void Watch::watch_parameters(Mode mode) {
   const core::CoreState& core = loop_.core();
   const auto events = std::span(loop_.events()).subspan(events_seen_);
   std::vector<contract::Command> given;  // rows of every set that was committed in this step, in their order
   std::size_t rows = 0;
   for (const contract::Command& c : commands_) {
-    // What was refused is no part of a set: an old number, somebody else's row, a value that cannot be.
+    // Refused rows are not part of a set: old numbers, rows of other clients, invalid values.
     const bool taken = std::any_of(events.begin(), events.end(), [&c](const contract::Event& e) {
       return e.kind == EventKind::command_done && e.request_id == c.request_id && e.client == c.client;
     });
@@ -385,7 +383,7 @@ void Watch::watch_events() {
       watch_mode_change(static_cast<Mode>(e.item), static_cast<Mode>(e.code));
     }
   }
-  // Every fault in force has been told of, and none is told of that is not.
+  // Every fault in force has an event, and every such event a fault.
   if (raised_ != loop_.record().fault_bits)
     broken("I11: faults in force and faults told of differ", static_cast<double>(raised_ ^ loop_.record().fault_bits));
 }
@@ -411,11 +409,11 @@ void Watch::watch_mode_change(Mode from, Mode to) {
   const bool ended = moves(from) && !moves(to);
   const bool excused = from == Mode::user ? board_.any_inside_yet() : board_.any_yet();
   if (ended && !excused && now_s - asked_stop_s_ > 4.0) {
-    // A patient who is driven about may rightly trip the fall guard; one who walks as he likes must never.
-    // The same for a lean past the hanging guard's; who leans less than that and walks must not be taken for one who hangs.
+    // A patient who is driven may rightly trip the fall monitor; one who leads must never. The same for a lean beyond the hanging monitor's
+    // limit; a walking patient below it must not count as hanging.
     const bool leant = has(record, HoistFault::patient_hanging) && now_s - leaned_s_ < kHangAndStop_s;
     if (contract::led_by_hand(from) && (has(record, HoistFault::fall_detected) || leant)) return;
-    // An exercise ends by itself, too.
+    // An exercise also ends at its end.
     if (from == Mode::guided && record.guided_end == static_cast<std::uint8_t>(contract::GuidedEnd::finished)) return;
     ++report_.false_stops;
     if (options_.frame_loss == 0.0)

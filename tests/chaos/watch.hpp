@@ -1,5 +1,5 @@
-// What must always hold: invariants I1 to I14 of SOURCES 2.4, judged from outside on what the core records and sends and on the
-// truth of the simulated machine. Nothing here asks the product whether it did well.
+// Invariants I1 to I14 of SOURCES 2.4, checked from outside by the core's records and frames and by the true state of the simulated
+// machine.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace hoist::chaos {
 
-/// Which faults of the plan are under way, and which have been.
+/// Active and past faults of the plan.
 struct Planned {
   Fault fault;
   bool on = false, done = false;
@@ -27,9 +27,9 @@ class Board {
   [[nodiscard]] bool ever(Kind kind) const;
   [[nodiscard]] bool ever(Kind kind, contract::NodeKind node) const;
   [[nodiscard]] bool any_yet() const;
-  /// Something else than what a patient who leads must not feel.
+  /// A fault that may affect patient-led walking.
   [[nodiscard]] bool any_inside_yet() const;
-  /// No other fault is under way or has ended within `quiet_s`.
+  /// No other fault is active or has ended within `quiet_s`.
   [[nodiscard]] bool alone(const Planned& row, double now_s, double quiet_s) const;
   std::vector<Planned> rows;
 };
@@ -41,7 +41,7 @@ class Watch {
   void before_step(const core::TickInputs& inputs);
   void after_step(bool core_ran);
   void fault_begins(const Planned& row);
-  /// Whatever ends motion in the next seconds was wanted.
+  /// An end of motion in the next seconds is intended.
   void stop_is_wanted() { asked_stop_s_ = loop_.time_s(); }
   void core_restarted();
   void must_stop(const char* cause, double budget_s, double braking_m_s2);

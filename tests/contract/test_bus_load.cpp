@@ -88,7 +88,7 @@ TEST(BusLoad, TheTablesOfTodayKeepTheLimitsOfThePlan) {
     const BusFrame& f = plan.frames[i];
     const auto quiet = response_bits(plan, i, {false, false, true}), worst = response_bits(plan, i, {true, true, true});
     ASSERT_TRUE(quiet && worst) << f.what;
-    // The service frames follow each other: what they keep is the time after which their client asks again.
+    // Service frames follow each other: the limit is their client's retry time.
     EXPECT_LE(*quiet, f.kind == FrameKind::service ? f.deadline : f.period) << f.what;
     EXPECT_LE(*worst, f.deadline) << f.what;
   }
@@ -106,7 +106,7 @@ TEST(BusLoad, AllThreeSensorsMaySendTheirRates) {
     ASSERT_TRUE(quiet && no_service && worst) << f.what;
     EXPECT_LE(*quiet, f.kind == FrameKind::service ? f.deadline : f.period) << f.what;
     EXPECT_LE(*no_service, f.deadline) << f.what;
-    // Everything bad at once costs the heartbeats the tolerance of one that is lost, and nothing else.
+    // All worst cases together cost the heartbeats only the tolerance of one lost frame.
     if (f.kind != FrameKind::heartbeat) {
       EXPECT_LE(*worst, f.deadline) << f.what;
     }
@@ -125,13 +125,13 @@ TEST(BusLoad, ThreeMailboxesKeepTheDeadlines) {
     ASSERT_TRUE(bits && wait) << plan.frames[i].what;
     EXPECT_LE(*bits + *wait, plan.frames[i].deadline) << std::hex << plan.frames[i].id;
   }
-  // 181h waits for 281h, and for one frame that got to its mailbox first; 293h has no lower process datum beside it.
+  // 181h waits for 281h, and for one frame that was in its mailbox first; 293h has no lower PDO on its board.
   EXPECT_EQ(mailbox_wait_bits(plan, at(plan, 0x181), kWorst), *response_bits(plan, at(plan, 0x281), kWorst) + worst_frame_bits(8));
   EXPECT_EQ(mailbox_wait_bits(plan, at(plan, 0x293), kWorst), worst_frame_bits(8));
   EXPECT_EQ(mailbox_wait_bits(plan, at(plan, 0x080), kWorst), 0U);
 }
 
-// A frame that is longer or comes more often must make others later: the test of the limits could not fail otherwise.
+// A longer or more frequent frame must delay others: otherwise the test of the limits could not fail.
 TEST(BusLoad, TooMuchIsFound) {
   BusPlan plan = bus_plan();
   for (std::size_t i = 0; i < plan.size; ++i)

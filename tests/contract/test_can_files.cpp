@@ -1,4 +1,4 @@
-// The DBC and EDS files as other people's tools read them: parsed strictly, and the DBC held against the C++ wire format.
+// The DBC and EDS files as other tools read them: parsed strictly, and the DBC compared with the C++ wire format.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -36,7 +36,7 @@ struct Dbc {
   std::vector<std::string> errors;
 };
 
-// Accepts the subset that we write and nothing else: an unknown line is an error.
+// Accepts only the subset that we write: an unknown line is an error.
 Dbc parse_dbc(const std::string& text) {
   static const std::regex message_line(R"re(BO_ (\d+) ([A-Za-z_]\w*): ([0-8]) ([A-Za-z_]\w*))re");
   static const std::regex signal_line(
@@ -121,7 +121,7 @@ TEST(Dbc, IsSound) {
   const auto dbc = parse_dbc(dbc_file().text);
   EXPECT_TRUE(dbc.errors.empty()) << dbc.errors.front();
   EXPECT_EQ(dbc.nodes.size(), kNodes.size());
-  // Every PDO of every node is there, with its length and direction.
+  // Every PDO of every node exists, with its length and direction.
   for (const auto& pdo : kPdos) {
     for (const auto& node : kNodes) {
       if (node.kind != pdo.kind) continue;

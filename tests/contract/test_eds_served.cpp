@@ -58,7 +58,7 @@ std::map<Address, Entry> read_eds(const std::string& text) {
   return entries;
 }
 
-// One node and a client that asks it in virtual time.
+// One node and an SDO client in virtual time.
 class Asked {
  public:
   virtual ~Asked() = default;
@@ -160,8 +160,8 @@ TEST_P(EdsOfNode, EverythingListedIsServedAsItIsListed) {
     else if (!standard.empty() && access != "ro") {
       EXPECT_EQ(got.value(), raw_default(standard, type)) << where;
     }
-    // Nobody may write what is not to be written; what may be written takes its own value back. Commands are not tried here, nor process
-    // inputs ("rww"), which some nodes take from their RPDO alone.
+    // Read-only objects refuse writes; writable ones accept their own value. Commands are left out, and process inputs ("rww"), which some
+    // nodes accept only from their RPDO.
     if (access == "rww") continue;
     if (access != "rw") {
       const std::array<std::uint8_t, 1> one = {1};

@@ -1,4 +1,4 @@
-// Generated files say what the tables say, and an id once given keeps its meaning.
+// Generated files match the tables, and an id keeps its meaning.
 #include <gtest/gtest.h>
 
 #include <filesystem>

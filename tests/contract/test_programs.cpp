@@ -73,7 +73,7 @@ class Elf {
     });
     return out;
   }
-  // The features that every part of the program keeps to: GNU_PROPERTY_X86_FEATURE_1_AND.
+  // Features of every part of the program: GNU_PROPERTY_X86_FEATURE_1_AND.
   [[nodiscard]] std::uint32_t x86_features() const {
     constexpr std::uint32_t kFeatures = 0xc0000002U;
     const auto note = segment(PT_GNU_PROPERTY);
@@ -151,7 +151,7 @@ TEST(Programs, ReturnsAndIndirectCallsAreMarked) {
 #endif
 }
 
-// A program that runs until the end of the test; it is started with the usual umask, which lets everybody read.
+// A program that runs until the end of the test; it is started with the usual umask, under which files are world-readable.
 class Running {
  public:
   explicit Running(std::vector<std::string> arguments) {
@@ -194,7 +194,7 @@ class Running {
   int input_ = -1;
 };
 
-// Asks again until it is true, or for 30 s: another process says nothing when it is ready.
+// Polls until true, or for 30 s: another process gives no event when ready.
 template <typename Question>
 bool until(Question question) {
   for (int i = 0; i < 3000; ++i) {

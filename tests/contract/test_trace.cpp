@@ -1,4 +1,4 @@
-// Every hazard has an answer and a test, and the committed page says so truly.
+// Every hazard has a guard and a test, and the committed page is up to date.
 #include <gtest/gtest.h>
 
 #include <fstream>

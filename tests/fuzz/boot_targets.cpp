@@ -1,4 +1,4 @@
-// Programs of nodes from anywhere: as files, as frames into a loader, and whatever a node answers to an update.
+// Untrusted programs for nodes: as files, as frames into a loader, and arbitrary answers of a node during an update.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -96,7 +96,7 @@ std::vector<Input> seeds_loader_frames() {
   return {transfer(image), clear, read};
 }
 
-// The computer's side: a node that answers anything must never be taken for one that was updated.
+// The computer's side: a node with arbitrary answers must never count as updated.
 void fuzz_firmware_update(Bytes input) {
   static const auto image = firmware::make_image(300, contract::image_version(2, 0, 0), 3, contract::ImageKind::tilt);
   bus::FirmwareUpdate updating(image, contract::Node::tilt_left, {});
@@ -120,7 +120,7 @@ void fuzz_firmware_update(Bytes input) {
   must(updating.failure() != bus::FirmwareUpdate::Failure::none || told_crc, "done only when the node told this very CRC");
 }
 std::vector<Input> seeds_firmware_update() {
-  // Listening, then a loader that says who it is and takes everything.
+  // First the listening phase, then a loader that identifies itself and accepts everything.
   Input input(7, 0x3F);
   const std::uint8_t id = contract::node_id(contract::Node::tilt_left);
   const auto answer = [&](std::uint8_t command, std::uint16_t index, std::uint8_t sub, std::uint32_t value) {

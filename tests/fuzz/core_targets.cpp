@@ -1,5 +1,4 @@
-// The control step between a hostile bus and a hostile server. Whatever they send, the wheels are asked for nothing beyond the limits, and
-// for nothing at all without a mode that moves.
+// The control step between a hostile bus and a hostile server: wheel commands never exceed the limits, and are zero outside motion modes.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -123,7 +122,7 @@ void fuzz_core_commands(Bytes input) {
       command.v0 = std::bit_cast<double>(pieces.number(8));
       command.v1 = std::bit_cast<double>(pieces.number((what & 0x10U) != 0 ? 8 : 0));
       command.v2 = command.v1;
-      // Sealed as an honest client does, unless told otherwise: what is behind the seal is to be reached.
+      // With a valid checksum by default, so that the code behind the check is reached.
       if (command.kind == contract::CommandKind::stage_parameter) {
         if (command.b == 0) seal = {};
         seal.add(command.a, command.v0);

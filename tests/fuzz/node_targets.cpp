@@ -1,4 +1,4 @@
-// Frames into the nodes of the bus: SDO, NMT, RPDOs, heartbeats, whatever comes.
+// Frames into the nodes of the bus: SDO, NMT, RPDOs, heartbeats and any others.
 #include <algorithm>
 #include <array>
 #include <cmath>

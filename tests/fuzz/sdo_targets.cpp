@@ -137,7 +137,7 @@ void fuzz_sdo_client(Bytes input) {
   must(asked, "what can be asked is asked");
   std::uint64_t now_ns = 0, last_ns = 0;
   bool sent = false;
-  // Every answer may begin one more segment, every silence one more try: both are bounded by what came in.
+  // Every answer may start one more segment, every timeout one more try: both are bounded by the input.
   for (int steps = 0; steps < 20000; ++steps) {
     now_ns += 1'000'000;
     if (const auto request = client.step(now_ns)) {

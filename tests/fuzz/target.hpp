@@ -1,6 +1,5 @@
-// One decoder under attack. A target takes any bytes at all; it says with `must` what has to be true whatever they are, and the
-// sanitizers say the rest. The same targets run twice: with kept and mutated inputs as a test (regress.cpp), and coverage-guided for as
-// long as one likes (`deploy/dev fuzz`).
+// One decoder under attack. A target takes arbitrary bytes; `must` states its properties, and sanitizers check the rest. The same targets
+// run with stored and mutated inputs as a test (regress.cpp), and coverage-guided (`deploy/dev fuzz`).
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -18,10 +17,10 @@ using Input = std::vector<std::uint8_t>;
 struct Target {
   std::string_view name;
   void (*run)(Bytes input);
-  std::vector<Input> (*seeds)();  // good inputs to begin from, made by the encoders themselves where there are some
+  std::vector<Input> (*seeds)();  // valid start inputs, from our own encoders where they exist
 };
 
-// A broken promise ends the process, as a sanitizer's finding does: both ways of running report the input then.
+// A violated property aborts the process, like a sanitizer's finding: both ways of running then report the input.
 inline void must(bool holds, const char* promise) {
   if (holds) return;
   std::fprintf(stderr, "fuzz: broken promise: %s\n", promise);

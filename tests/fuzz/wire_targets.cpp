@@ -1,4 +1,4 @@
-// What the bus back ends read: a PoKeys device's packets, lines of a recording, the kernel's error frames, words of the command line.
+// Input of the bus back ends: PoKeys packets, lines of a recording, the kernel's error frames, command line arguments.
 #include <array>
 #include <cstring>
 #include <deque>
@@ -15,7 +15,7 @@ namespace hoist::fuzz {
 namespace {
 namespace pokeys = bus::pokeys;
 
-// A device that says what the input says, packet by packet, to whatever it is asked.
+// A device that answers with the packets of the input, independent of the request.
 class Babbler final : public pokeys::Transport {
  public:
   const char* open() override { return nullptr; }
@@ -44,7 +44,7 @@ void fuzz_pokeys_packets(Bytes input) {
   pokeys::IoStandIn node;
   std::uint64_t now_ns = 1000 * kMs;
   for (Pieces pieces(input); !pieces.empty();) {
-    // One byte says what is done to the rest: how much time passes, and whether the packet answers the very question.
+    // One byte selects how much time passes, and whether the packet answers the present request.
     const std::uint8_t how = pieces.u8();
     now_ns += (how & 0x3FU) * kMs;
     const Bytes bytes = pieces.take(pokeys::kPacketBytes);

@@ -1,5 +1,5 @@
-// Calibration on machines that hide how they were built: the real core and the shipped nodes with their sensors' noise, in virtual time.
-// Somebody pushes the hoist, moves the bar and reads a tape; the estimates must come out within 1 % and 0.1 degrees.
+// Calibration of machines with hidden errors: the real core and the shipped nodes with sensor noise, in virtual time. A person pushes the
+// hoist, moves the bar and reads a tape; the estimates must be within 1 % and 0.1 degrees.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,10 +25,10 @@ using contract::Mode;
 constexpr double kDegree = sim::kDegree_rad;
 constexpr double kToday_s = 1'790'000'000.0;
 
-// Whoever calibrates: hands, tape and console.
+// The person who calibrates: hands, tape and console.
 class Workshop {
  public:
-  /// A new machine with default parameters; or one whose radius is known, and whose track to this share.
+  /// A new machine with default parameters; or one with known radius, and track known to this share.
   explicit Workshop(std::uint64_t seed, double track_error_norm = 0.0) : loop(options(seed, track_error_norm)) {}
 
   bool open() {
@@ -50,7 +50,7 @@ class Workshop {
   bool comes(CalibrationPhase wanted, double at_most_s = 20.0) {
     return loop.run_until([&] { return phase() == wanted; }, at_most_s);
   }
-  // The operator's figure; true when it was taken as a sample.
+  // The operator's value; true when it was accepted as a sample.
   bool measure(double figure, double v1 = 0, double v2 = 0, std::uint32_t part = 0) {
     const auto before = count(EventKind::calibration_sample);
     loop.ask(CommandKind::measure_calibration, part, figure, v1, v2);
@@ -68,10 +68,10 @@ class Workshop {
   }
   void bar(double dx_m, double yaw_rad) {
     loop.world().hold_bar(dx_m, 0, yaw_rad);
-    // The filter trusts gravity slowly: its angle has settled when the hand has been at rest for a while.
+    // The filter follows gravity slowly: wait at rest until its angle has settled.
     loop.run(6.0);
   }
-  // Where it stands, for a failed test's message.
+  // Progress, for a failed test's message.
   [[nodiscard]] std::string told() const {
     return ", mode " + std::to_string(loop.record().mode) + " phase " + std::to_string(loop.record().calibration_phase) + " reason " +
            std::to_string(loop.record().calibration_reason) + " faults " + std::to_string(loop.record().fault_bits);
@@ -188,7 +188,7 @@ void calibrate_all(std::uint64_t seed, Worst& worst) {
   EXPECT_EQ(shop.params().calibrated_bumpers_s, kToday_s);
   EXPECT_EQ(shop.params().calibrated_zero_s, kToday_s);
 
-  // Nothing of all this ever turned a wheel by itself.
+  // No wheel was ever driven.
   EXPECT_FALSE(shop.loop.world().drives_enabled()) << who;
 }
 
@@ -202,7 +202,7 @@ TEST(Calibration, FiftyMachinesWithHiddenErrorsComeOutWithinAPerCentAndATenthOfA
   RecordProperty("worst_length_percent", std::to_string(100.0 * worst.length_norm));
 }
 
-// Squares of three metres on machines whose wheels differ and whose track is known to 3 %: two of them, one each way round, find both.
+// Squares of three metres on machines whose wheels differ and whose track is known to 3 %: two of them, one in each direction, find both.
 TEST(Calibration, SquaresRefineTrackAndUnequalWheels) {
   for (int seed = 1; seed <= seeds_for(12, 2); ++seed) {
     const std::string who = "machine seed " + std::to_string(seed);
@@ -232,7 +232,7 @@ TEST(Calibration, SquaresRefineTrackAndUnequalWheels) {
       ASSERT_EQ(shop.loop.mode(), Mode::standby) << who << shop.told();
       EXPECT_NEAR(static_cast<double>(shop.loop.record().x_m), 0.0, 0.01) << who << ": the odometry believes that it closed the square";
       EXPECT_NEAR(static_cast<double>(shop.loop.record().y_m), 0.0, 0.01) << who;
-      // Where it truly is, as somebody with a tape would find it from the start mark, less where it says it is.
+      // True position, as measured with a tape from the start mark, minus odometry.
       const sim::PlatformMotion& at = shop.loop.world().plant().platform();
       const double x_m = at.x_m - from.x_m, y_m = at.y_m - from.y_m;
       const double cosine = std::cos(from.psi_rad), sine = std::sin(from.psi_rad);
@@ -284,7 +284,7 @@ TEST(Calibration, APatientWhoStandsQuietlyInTheHarnessIsNoZero) {
 TEST(Calibration, APatientWhoLeansInTheHarnessIsNoZero) {
   Workshop shop(4);
   ASSERT_TRUE(shop.open());
-  shop.bar(0.09, 0);  // six degrees: somebody hangs in it
+  shop.bar(0.09, 0);  // six degrees: a person hangs in it
   ASSERT_TRUE(shop.begin(CalibrationStep::zero));
   ASSERT_TRUE(shop.comes(CalibrationPhase::refused));
   EXPECT_EQ(shop.reason(), CalibrationReason::zero_too_large);

@@ -1,4 +1,4 @@
-// The therapist drives: the stick moves the hoist, and silence stops it (hazards H17, H18, H20, H21).
+// The therapist drives: the stick moves the hoist, and a lost connection stops it (hazards H17, H18, H20, H21).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,7 +37,7 @@ TEST(Driving, TheStickMovesTheHoistAndThePatientFollows) {
   EXPECT_NEAR(loop.world().plant().platform().yaw_rate_rad_s, 0.0, 0.01);
 }
 
-// A patient whom nobody told sets off after a second, and then somebody else leads.
+// An uninformed patient sets off after a second, and then the therapist drives.
 TEST(Driving, WhoeverWaitsBeforePushingTheStickDrivesAPatientWhoHasSetOff) {
   for (const double fast_m_s : {0.3, 0.45, 0.6}) {
     for (const double wait_s : {0.6, 1.5, 2.5, 4.0}) {
@@ -59,7 +59,7 @@ TEST(Driving, WhoeverWaitsBeforePushingTheStickDrivesAPatientWhoHasSetOff) {
   }
 }
 
-// The same once the patient is content with the way straight on, and the therapist turns off it.
+// The same once the patient follows straight on, and the therapist then turns.
 TEST(Driving, ATurnAwayFromThePatientsLineIsFollowed) {
   for (const double yaw_norm : {-1.0, -0.6, 0.6, 1.0}) {
     ClosedLoopOptions options = standing();
@@ -88,7 +88,7 @@ TEST(Driving, H17_SilenceStopsWithinItsDistance) {
   const sim::PlatformMotion before = loop.world().plant().platform();
   loop.fall_silent();
   const double silent_s = loop.time_s();
-  // The last command may be 40 ms old already; at 250 ms nothing but the ramp is left.
+  // The last command may be 40 ms old already; from 250 ms on only the ramp acts.
   double at_400_ms = from_m_s, stopped_s = -1.0;
   while (loop.time_s() < silent_s + 3.0) {
     loop.step();
@@ -103,7 +103,7 @@ TEST(Driving, H17_SilenceStopsWithinItsDistance) {
   EXPECT_LT(std::hypot(after.x_m - before.x_m, after.y_m - before.y_m), 0.20);
   EXPECT_TRUE(loop.ever_raised(Fault::remote_command_lost));
   EXPECT_EQ(loop.mode(), Mode::standby);
-  // Commands that come again move nothing: the driver has to start anew.
+  // Returning commands move nothing: the driver has to start again.
   loop.hold_stick(1.0, 0.0);
   loop.run(2.0);
   EXPECT_NEAR(speed_m_s(loop), 0.0, 1e-3);
@@ -146,7 +146,7 @@ TEST(Driving, TurningOnTheSpotFastTripsNothing) {
   EXPECT_EQ(loop.record().stop_cause, 0U);
 }
 
-// At the fastest settings, with a battery just not empty: the outer wheel would be asked for 0.9 m/s, which no motor of this machine reaches.
+// At the fastest settings, with a battery just not empty: the outer wheel would need 0.9 m/s, more than this machine's motors reach.
 TEST(Driving, H1_FullSpeedAndFullTurnTogetherTripNothing) {
   ClosedLoopOptions options = standing();
   options.params.remote_speed_m_s_max = 0.60;

@@ -27,7 +27,7 @@ class Walk {
           return options;
         }()) {}
 
-  /// Walks until the wish is nearly reached.
+  /// Walks until the wished speed is nearly reached.
   [[nodiscard]] bool set_off() {
     const double wish_m_s = loop.world().patient().params().wish_m_s;
     return loop.start(Mode::user) && loop.run_until([&] { return speed_m_s() > 0.85 * wish_m_s; }, 15.0);
@@ -69,7 +69,7 @@ void expect_protective_stop(Walk& walk, const Walk::Stop& stop, Fault cause, dou
   EXPECT_LE(stop.hardest_m_s2, deceleration_m_s2 * 1.01);
   EXPECT_TRUE(walk.loop.ever_raised(cause));
   EXPECT_EQ(walk.loop.record().stop_cause, static_cast<unsigned>(contract::fault_info(cause).bit) + 1U);
-  EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);  // and it stays until somebody acknowledges
+  EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);  // and it stays until acknowledged
 }
 
 TEST(Faults, H15_AStumbleStopsTheHoist) {
@@ -120,7 +120,7 @@ TEST(Faults, AFallOnlyEndsWithTheDriversAcknowledgement) {
   walk.loop.ask(contract::CommandKind::acknowledge);  // still hanging at the stop
   walk.loop.run(0.1);
   EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);
-  // Helped upright after three seconds at rest; nothing moves by itself.
+  // Helped upright after three seconds at rest; the hoist does not move.
   walk.loop.run(8.0);
   EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);
   walk.loop.ask(contract::CommandKind::acknowledge);
@@ -151,8 +151,8 @@ TEST(Faults, H16_AHangingPatientIsNotDrawnAlong) {
   }
 }
 
-// A patient who faints while a therapist leads hangs below the guard's lean, where only the missing steps tell. An exercise waits for who hangs
-// back, nearly at a stand, but not without end.
+// A patient who faints while a therapist drives hangs below the monitor's lean; only the missing steps show it. An exercise waits for a
+// lagging patient, nearly at standstill, but not for ever.
 TEST(Faults, H16_AFaintedPatientIsNotDraggedWhoeverLeads) {
   for (const Mode mode : {Mode::remote, Mode::guided}) {
     for (const double lean_deg : {7.0, 8.5, -5.0, -8.5}) {
@@ -173,7 +173,7 @@ TEST(Faults, H16_AFaintedPatientIsNotDraggedWhoeverLeads) {
   }
 }
 
-// A patient of any build who walks along is led at any speed: starts, turns and stops. And so is a hoist without a patient.
+// Walking patients of any build can be driven at any speed, with starts, turns and stops; so can an empty hoist.
 TEST(Faults, H16_WhoWalksAlongAndAnEmptyHarnessAreNotTakenForHanging) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     for (const bool empty : {false, true}) {
@@ -221,7 +221,7 @@ INSTANTIATE_TEST_SUITE_P(Nodes, LostNode,
                                          std::pair{Node::drive_right, Fault::drive_right_lost}),
                          [](const auto& row) { return std::string(contract::kNodes[static_cast<std::size_t>(row.param.first)].name); });
 
-// A door sill in the way, again and again: each time a stop that says so, and never out of service.
+// A door sill blocks repeatedly: each time a stop with this cause, never out of service.
 TEST(Faults, H22_ABlockedWheelNeverPutsTheHoistOutOfService) {
   Walk walk("straight", 0.30);
   for (int i = 0; i < 4; ++i) {
@@ -300,7 +300,7 @@ TEST(Faults, H23_WithoutACoreTheMotorsLoseTheirSupplyAfterTheyHaveStopped) {
   EXPECT_GT(opened_s, stopped_s) << "a motor without supply does not brake evenly: the drives come first";
   EXPECT_GE(opened_s, 0.95);
   EXPECT_LE(opened_s, 1.13);  // the input node's own deadline switches the output off after 120 ms: one more change
-  // A core that comes back finds everything off and begins in INIT; the supply is there again before it is ready.
+  // A restarted core finds everything off and begins in INIT; the supply returns before it is ready.
   walk.loop.restart_core();
   walk.loop.step();
   EXPECT_EQ(walk.loop.mode(), Mode::init);
@@ -399,7 +399,7 @@ TEST(Faults, H2_AReversedEncoderStops) {
   }
   EXPECT_EQ(walk.loop.mode(), Mode::protective_stop);
   EXPECT_TRUE(walk.loop.ever_raised(Fault::drive_left_fault));
-  EXPECT_LT(fastest_m_s, 0.60);  // from 0.38: it drives the wrong way for 50 ms at the current limit
+  EXPECT_LT(fastest_m_s, 0.60);  // from 0.38: it drives in the wrong direction for 50 ms at the current limit
   EXPECT_NEAR(walk.speed_m_s(), 0.0, 0.02);
 }
 
@@ -435,7 +435,7 @@ TEST_P(LostEncoder, H2_StopsBeforeTheHoistRunsAwayOrCircles) {
 INSTANTIATE_TEST_SUITE_P(Sides, LostEncoder,
                          testing::Combine(testing::Values(Node::drive_left, Node::drive_right), testing::Values(0.25, 0.45, 0.60)));
 
-// A chip that repeats one sample: the filter behind it drifts on, the frames keep coming, the counter runs. Found by what it does no more.
+// A chip that repeats one sample: the filter continues to drift, frames arrive, the counter runs. Found by the missing noise.
 class StuckChip : public testing::TestWithParam<std::tuple<Node, const char*, double>> {};
 TEST_P(StuckChip, H6_IsFoundWithinHalfASecond) {
   const auto [node, scenario, wish_m_s] = GetParam();
@@ -462,7 +462,7 @@ TEST(Faults, H6_AStrutSensorThatSticksInATurnIsFoundInThatTurn) {
     ASSERT_EQ(walk.loop.mode(), Mode::user);
     walk.loop.world().freeze_sensor(node, true);
     const Walk::Stop stop = walk.watch();
-    // Unless the turn has already brought the hoist to a halt: then nothing moves that could be led astray.
+    // Unless the turn has already stopped the hoist: then a wrong angle moves nothing.
     expect_protective_stop(walk, stop, Fault::tilt_frozen, 1.5, 1.0);
   }
 }
@@ -484,7 +484,7 @@ TEST(Faults, H12_EmptyBatteriesEndTheWalkGently) {
   EXPECT_LE(hardest_m_s2, 0.55);
 }
 
-// H9: the ramp also draws the hoist downhill and shows in every sensor; a strut against the chassis shows nothing.
+// H9: the slope also pulls the hoist downhill and affects every sensor; strut minus chassis is unaffected.
 TEST(Faults, H9_AGentleRampSlowsAndASteepOneStopsAndHolds) {
   for (const double downhill_rad : {0.0, sim::kPi, sim::kPi / 2}) {
     SCOPED_TRACE(downhill_rad);
@@ -517,7 +517,7 @@ TEST(Faults, H9_AGentleRampSlowsAndASteepOneStopsAndHolds) {
   }
 }
 
-// A drive that was let go brakes and rests for a moment before its bridge is off; whatever wants it just then finds it on its way out.
+// A released drive brakes and rests briefly before its bridge is off; a request just then meets it while switching off.
 TEST(Faults, H2_H15_DrivesThatWereJustLetGoAreHeldAgain) {
   for (const bool stop : {true, false}) {
     for (int gap_ticks = 0; gap_ticks < 8; ++gap_ticks) {
@@ -546,7 +546,7 @@ TEST(Faults, H2_H15_DrivesThatWereJustLetGoAreHeldAgain) {
   }
 }
 
-// Whoever drives on at once finds drives that were just let go: nothing may run ahead of a wheel that is not powered yet.
+// Driving again at once meets drives just released: the ramp must not run ahead of an unpowered wheel.
 TEST(Faults, DrivingOnRightAfterAnEndStopsNobody) {
   ClosedLoopOptions options;
   options.world.scenario = sim::find_scenario("stand");
@@ -589,8 +589,7 @@ TEST(Faults, H22_ALateStepStops) {
   expect_protective_stop(walk, stop, Fault::loop_overrun, 0.040, 1.0);
 }
 
-// The computer holds the core for longer than the drives wait, and they brake by themselves. The stop that the core then begins must not give
-// the hoist back the speed that it remembers. Found in a random session.
+// The core is suspended beyond the drives' deadline, and they brake by themselves. The core's stop must not return to the remembered speed.
 TEST(Faults, H22_H5_AStopAfterALongHoldSetsNothingInMotion) {
   for (int held_ticks = 4; held_ticks <= 120; held_ticks += 4) {
     Walk walk("straight", 0.60);
@@ -615,8 +614,8 @@ TEST(Faults, H22_H5_AStopAfterALongHoldSetsNothingInMotion) {
   }
 }
 
-// Hazard table 2.3, with the shipped nodes: the button opens chain and relay, the brakes stop the wheels, and only releasing it and an
-// acknowledgement lead back, by way of INIT.
+// Hazard table 2.3, with the shipped nodes: the button opens chain and relay, the brakes stop the wheels, and only release and
+// acknowledgement lead back, through INIT.
 TEST(Faults, TheEmergencyStopTakesThePowerAndTheCoreFollows) {
   Walk walk;
   ASSERT_TRUE(walk.set_off());

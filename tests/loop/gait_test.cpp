@@ -1,4 +1,4 @@
-// The option that takes the gait's sway out of the wish: what it does to a walk, with the same patient with and without it.
+// The option that removes the gait's sway from the wish: the same patient with and without it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -101,7 +101,7 @@ TEST(Gait, OffItTakesNothingAndWhatItTakesIsRecorded) {
   }
 }
 
-// H15, H16: who falls is found by the sensors themselves, as quickly with the option as without.
+// H15, H16: a fall is found as quickly with the option as without.
 TEST(Gait, H15AFallIsFoundAsQuicklyWithTheOption) {
   double seconds[2] = {};
   for (const int on : {0, 1}) {

@@ -1,5 +1,5 @@
-// The hoist drives exercises by itself with a patient strapped in, while the therapist holds (GUIDED). Measured on the machine's own true
-// place on the floor, besides what the odometry believes.
+// GUIDED: the hoist drives exercises with a patient while the therapist holds hold-to-run. Measured by the true position on the floor, and
+// by odometry.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,7 +38,7 @@ Place true_place(ClosedLoop& loop, const sim::PlatformMotion& begun) {
   return {cos_psi * dx_m + sin_psi * dy_m, cos_psi * dy_m - sin_psi * dx_m, now.psi_rad - begun.psi_rad};
 }
 
-/// An exercise held all along: how far the hoist was from its line, and where it came to rest.
+/// An exercise held all along: distance from the line, and place of standstill.
 struct Drive {
   double square_sum_m2 = 0, worst_m = 0, top_m_s = 0;
   int samples = 0;
@@ -118,7 +118,7 @@ TEST(Guided, EveryShapeEndsWhereItShould) {
   }
 }
 
-// The tight circle was asked for at 0.6 m/s and may turn at 30 degrees per second, of which a curve takes 80 %.
+// The tight circle is requested at 0.6 m/s and may turn at 30 degrees per second, of which a curve takes 80 %.
 TEST(Guided, ACurveIsDrivenAsSlowlyAsItNeeds) {
   ClosedLoop loop(standing());
   ASSERT_TRUE(loop.start_guided({GuidedShape::circle, false, 0.4, 0, 0.6, 1}));
@@ -127,8 +127,8 @@ TEST(Guided, ACurveIsDrivenAsSlowlyAsItNeeds) {
   EXPECT_GT(run.top_m_s, 0.8 * 0.5236 * 0.4 - 0.02);
 }
 
-// A wide curve that turns slowly enough may still be too fast for the outer wheel: 0.6 m/s on 1 m would be 0.81 m/s there. A lazy jerk makes
-// it late at the curve, and it knows.
+// A wide curve that turns slowly enough may still be too fast for the outer wheel: 0.6 m/s on 1 m would be 0.81 m/s there. With a low jerk
+// it must slow down earlier.
 TEST(Guided, H1_ACurveIsDrivenAsSlowlyAsItsOuterWheelNeeds) {
   for (const double jerk_m_s3 : {3.0, 1.0, 0.5}) {
     for (const double radius_m : {1.0, 0.6, 0.4}) {
@@ -150,7 +150,7 @@ TEST(Guided, H1_ACurveIsDrivenAsSlowlyAsItsOuterWheelNeeds) {
   }
 }
 
-// Nobody may roll on into what stands behind the end of a short way, however lazily the hoist turns its acceleration round.
+// The hoist must not roll beyond the end of a short line, also with a low jerk.
 TEST(Guided, AShortWayEndsWhereItShouldWhateverTheJerk) {
   for (const double jerk_m_s3 : {0.5, 0.7, 1.0, 3.0, 10.0})
     for (const double length_m : {0.5, 0.8, 1.2, 2.0}) {
@@ -164,7 +164,7 @@ TEST(Guided, AShortWayEndsWhereItShouldWhateverTheJerk) {
     }
 }
 
-// H17: letting go a dozen times on the way changes nothing about the line and the end.
+// H17: a dozen releases on the way do not change line and end.
 TEST(Guided, LettingGoAgainAndAgainStaysOnTheLine) {
   ClosedLoop loop(standing());
   ASSERT_TRUE(loop.start_guided({GuidedShape::eight, false, 1.0, 0.8, 0.4, 1}));
@@ -203,15 +203,15 @@ TEST(Guided, SilenceEndsItWithinItsDistance) {
   EXPECT_NEAR(after.speed_m_s, 0.0, 1e-3);
   EXPECT_TRUE(loop.ever_raised(Fault::remote_command_lost));
   EXPECT_EQ(loop.mode(), Mode::standby);
-  // Commands that come again move nothing.
+  // Returning commands move nothing.
   loop.hold_stick(0.0, 0.0);
   loop.run(2.0);
   EXPECT_NEAR(loop.world().plant().platform().speed_m_s, 0.0, 1e-3);
   EXPECT_EQ(loop.mode(), Mode::standby);
 }
 
-// H15, H16: the button is held when the patient has already set off by himself, slower in bends than the hoist. The hoist waits for him, also
-// when he never yields, and no guard trips.
+// H15, H16: the button is held after the patient has set off, slower in bends than the hoist. The hoist waits, also when the patient never
+// yields, and no monitor trips.
 TEST(Guided, H15_H16_AHoistThatLeadsWaitsForWhoWalksSlower) {
   const GuidedPath paths[] = {{GuidedShape::eight, false, 1.0, 0.8, 0.3, 1}, {GuidedShape::eight, true, 1.0, 0.8, 0.3, 1}};
   for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(seeds_for(22, 3)); ++seed)
@@ -247,8 +247,8 @@ TEST(Guided, AnEmptyHoistWaitsForNobody) {
   EXPECT_FALSE(waited);
 }
 
-// H15: a patient who was not told sets off in the second before the therapist holds. Each shape is led to its end, also with pauses of the
-// therapist, on a line that bends as the patient's own and on another one.
+// H15: an uninformed patient sets off in the second before the therapist holds. Each shape is driven to its end, also with pauses, on lines
+// that do and do not match the patient's own.
 TEST(Guided, H15_APatientWhoHasSetOffIsLedToTheEnd) {
   const GuidedPath paths[] = {{GuidedShape::eight, false, 1.0, 0.8, 0.3, 1},
                               {GuidedShape::square, false, 2.0, 0, 0.3, 1},

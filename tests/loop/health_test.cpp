@@ -1,5 +1,5 @@
-// Frames get lost between real nodes and the real core: the right node is named soon, no other one ever, and nobody is accused of sharing an
-// id or of flooding the bus.
+// Frames are lost between real nodes and the real core: only the right node is named, soon, without false reports of duplicate ids or
+// floods.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -78,7 +78,7 @@ INSTANTIATE_TEST_SUITE_P(Nodes, OneInAHundred,
                                   (std::get<1>(row.param) ? "_through_the_gateway" : "");
                          });
 
-// Whoever loses frames in both directions by chance: everybody loses some, nobody is called what he is not.
+// Random loss in both directions: every node loses some, and no node is reported as anything else.
 TEST(BusHealth, OnePercentOfAllFramesLostAccusesNobodyOfMore) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     SCOPED_TRACE(seed);
@@ -97,7 +97,7 @@ TEST(BusHealth, OnePercentOfAllFramesLostAccusesNobodyOfMore) {
     loop.run(120.0);
     for (std::size_t n = 0; n < dropped.size(); ++n) {
       EXPECT_GT(lost(loop, static_cast<Node>(n)), dropped[n] * 7 / 10) << contract::kNodes[n].name;
-      // A SYNC that one node alone did not answer because others lost their answer to the next one cannot be told apart.
+      // A SYNC unanswered by one node, while others lost the next answer, cannot be distinguished.
       EXPECT_LT(lost(loop, static_cast<Node>(n)), dropped[n] * 13 / 10 + 20) << contract::kNodes[n].name;
     }
     EXPECT_GT(loop.record().syncs_lost, 60U);
@@ -139,7 +139,7 @@ TEST(BusHealth, AComputerThatWasHeldUpAccusesNobody) {
   ClosedLoop loop(walk());
   ASSERT_TRUE(loop.start(Mode::user));
   for (int ms : {35, 120, 260, 700}) {
-    // The loop stands while the world goes on; then it finds everything that has come meanwhile.
+    // The loop is suspended while the world continues; then it finds all frames that arrived meanwhile.
     for (int i = 0; i < ms; ++i) loop.world().advance_1ms();
     loop.be_late(0.001 * ms);
     loop.run(2.0);

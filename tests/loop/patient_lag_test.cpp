@@ -1,5 +1,5 @@
-// The slow-down of an exercise (law/patient_lag.hpp) on bodies that are harder to lead than the simulated patient: any mass, legs that want
-// their own pace whatever the hoist does, reactions of up to half a second, struts with a wrong zero, steps and noise.
+// The slow-down of an exercise (law/patient_lag.hpp) on bodies that are harder than the simulated patient: any mass, legs with their own
+// pace, reactions of up to half a second, struts with a wrong zero, steps and noise.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -120,7 +120,7 @@ void with_bodies(double pace_norm, bool follows, const Judge& judge) {
           }
 }
 
-// H15, H16. The rest of the swing is the sway of each step; a hunting loop would go between a stand and the whole wish.
+// H15, H16. The rest of the swing is the sway of each step; an unstable loop would swing between standstill and the full speed.
 TEST(PatientLag, H15_H16_WhoWalksAtHalfTheSpeedIsLedWithoutAGuardAndWithoutHunting) {
   for (const double pace_norm : {0.5, 0.75})
     for (const bool follows : {false, true})
@@ -137,7 +137,7 @@ TEST(PatientLag, WhoWalksAsFastAsTheHoistIsLedAtTheWholeSpeed) {
   with_bodies(1.0, false, [](double wish_m_s, const Led& led) { EXPECT_GT(led.mean_m_s, 0.95 * wish_m_s); });
 }
 
-// H16: the hoist stands, up to 0.2 m/s before the struts lean as in a fall. That the wait ends in an alarm is told in guided_test.cpp.
+// H16: the hoist stands, up to 0.2 m/s before the struts lean as in a fall. The alarm at the end of the wait: guided_test.cpp.
 TEST(PatientLag, H16_WhoDoesNotWalkStopsTheHoist) {
   with_bodies(0.0, false, [](double wish_m_s, const Led& led) {
     EXPECT_LT(led.mean_m_s, 0.02);

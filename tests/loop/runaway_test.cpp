@@ -1,5 +1,5 @@
-// H1: two transistors of a bridge are shorted, and neither EN nor nSLEEP turns the motor off. Judged on the true machine: how far it goes and
-// how far it turns before the relay has stopped it, in every mode. And what the same rules must leave alone.
+// H1: two transistors of a bridge are shorted, and neither EN nor nSLEEP turns the motor off. Measured by the true distance and turn until
+// the relay has stopped it, in every mode; and cases in which the rules must not trip.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -97,7 +97,7 @@ TEST(Runaway, H1TheTrueMachineStandsInEveryMode) {
       widest_rad = std::max(widest_rad, turned_rad);
     }
   }
-  // HARDWARE.md and DECISIONS.md tell these.
+  // These figures are in HARDWARE.md and DECISIONS.md.
   EXPECT_LT(longest_m, 0.40);
   EXPECT_LT(widest_rad, 55.0 * sim::kDegree_rad);
 }
@@ -132,7 +132,7 @@ TEST(Runaway, H1AnEngineerMendsItAndReleasesTheHoist) {
   acknowledge(contract::Role::engineer);
   EXPECT_TRUE(loop.run_until([&] { return loop.mode() == Mode::standby; }, 8.0));
   EXPECT_TRUE(loop.world().relay_closed());
-  // Not mended: the supply comes back for no longer than it takes to see it.
+  // Not repaired: the supply returns only until the short is detected.
   loop.world().plant().short_bridge(Side::left, 1.0);
   ASSERT_TRUE(loop.run_until([&] { return loop.mode() == Mode::fault; }, 5.0));
   const double psi_rad = loop.world().plant().platform().psi_rad;
@@ -143,7 +143,7 @@ TEST(Runaway, H1AnEngineerMendsItAndReleasesTheHoist) {
   EXPECT_LT(std::fabs(loop.world().plant().platform().psi_rad - psi_rad), 60.0 * sim::kDegree_rad);
 }
 
-// The drive's own watch: it knows before the computer asks, and its word cannot be acknowledged away while the current flows.
+// The drive's own monitor: faster than the computer, and it cannot be acknowledged while the current flows.
 TEST(Runaway, H1ADriveCallsACurrentInItsSleepingBridgeAFault) {
   ClosedLoop loop({});
   ASSERT_TRUE(enter(loop, Mode::standby));

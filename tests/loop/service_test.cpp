@@ -46,7 +46,7 @@ class ServiceLoop : public testing::Test {
         for (const CanFrame& frame : inputs.frames) updating->on_frame(frame);
     });
     loop.on_sent([this](const CanFrame& frame) {
-      // Whatever else happens: no drive is told to run, and from the core itself comes nothing that the loader would take for a request.
+      // Always: no drive is commanded to run, and the core sends nothing that the loader would take for a request.
       if (frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, Node::drive_left) ||
           frame.id == contract::pdo_cob_id(contract::Pdo::drive_rx1, Node::drive_right)) {
         drives_told_to_run +=
@@ -69,7 +69,7 @@ class ServiceLoop : public testing::Test {
     loop.step();
     return answered(asked) && loop.mode() == Mode::init;
   }
-  // As the server does: looks once per step, sends at most one frame, repeats its word once a second.
+  // As the server does: polls once per step, sends at most one frame, repeats its request once a second.
   void update(
       const std::vector<std::uint8_t>& image, Node node, const std::function<bool()>& go_on = [] { return true; }) {
     updating.emplace(image, node, FirmwareUpdate::Options{.guarded = true});
@@ -127,7 +127,7 @@ TEST_F(ServiceLoop, ALostAnswerCostsATryAndNotTheUpdate) {
   ASSERT_TRUE(begin());
   int lost = 0;
   update(image, Node::tilt_left, [&] {
-    // The node cannot be heard for 30 ms in the middle of the first two transfers.
+    // The node's frames are lost for 30 ms in the middle of the first two transfers.
     if (updating->phase() == FirmwareUpdate::Phase::sending && updating->tries() <= 2 && updating->bytes_sent() > 700 &&
         lost < updating->tries()) {
       ++lost;
@@ -162,7 +162,7 @@ TEST_F(ServiceLoop, AnUpdateThatIsCutOffIsDoneAgainFromINIT) {
   EXPECT_EQ(drives_told_to_run, 0);
 }
 
-// What is in the loader without harm done goes back to work by itself, and the core does not keep it from that.
+// A node in its loader with an intact program restarts it by timeout, and the core does not prevent that.
 TEST_F(ServiceLoop, ANodeLeftInItsLoaderComesBackWithinAMinute) {
   ASSERT_TRUE(begin());
   update(image_for(Node::tilt_base, 3000), Node::tilt_base, [&] { return updating->phase() != FirmwareUpdate::Phase::sending; });

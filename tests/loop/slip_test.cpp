@@ -108,7 +108,7 @@ TEST(Slip, H10ALongSlipStopsGentlyAndAShortOneDoesNot) {
   }
 }
 
-// The message with the rates is lost for good, the one with the angles is not: nothing would tell of slip or of a dead encoder any more.
+// The message with the rates is lost for good, the one with the angles is not: slip and a dead encoder could not be detected.
 TEST(Slip, H10WithoutTheChassisRatesTheHoistStopsAndDoesNotStart) {
   ClosedLoopOptions options;
   options.world.scenario = sim::find_scenario("figure-eight");

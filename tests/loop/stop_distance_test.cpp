@@ -1,5 +1,5 @@
-// The stopping distance that is shown, against the one that is rolled: random patients, commands, turns and moments of the cut, with the
-// real step and the shipped nodes. HOIST_STOP_CUTS=2000 asks for more cuts of each kind than the default run has time for (deploy/dev stops).
+// The stopping distance shown, against the true one: random patients, commands, turns and times of the cut, with the real step and the
+// shipped nodes. HOIST_STOP_CUTS=2000 runs more cuts of each kind (deploy/dev stops).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -52,7 +52,7 @@ bool one_cut(Cut cut, std::uint64_t seed, const contract::Params& params, double
     loop.hold_stick(0.0, 0.0);
     loop.run(random.uniform(1.0, 14.0));
   } else if (driving) {
-    // A hand that changes its mind a few times, then the cut in the middle of it.
+    // The stick moves a few times, then the cut.
     loop.hold_stick(0.0, 0.0);
     loop.run(0.2);
     const auto changes = 1 + random.next() % 4;
@@ -64,7 +64,7 @@ bool one_cut(Cut cut, std::uint64_t seed, const contract::Params& params, double
     loop.run(random.uniform(2.0, 14.0));
   }
   if (cut == Cut::end_driving) {
-    // The promise of a hoist that was just let go; then its mode is ended, at once or while it slows.
+    // The distance shown at release; then the mode is ended, at once or during the ramp.
     loop.let_go();
     loop.run(0.02);
   }
@@ -90,7 +90,7 @@ bool one_cut(Cut cut, std::uint64_t seed, const contract::Params& params, double
       break;
   }
   const int end_at = cut == Cut::end_driving ? static_cast<int>(random.next() % 20) : -1;
-  // The way of the axle's middle, until it stays.
+  // Distance of the axle's centre until standstill.
   rolled_m = 0;
   double still_s = 0;
   sim::PlatformMotion before = loop.world().plant().platform();
@@ -137,10 +137,10 @@ void judge(Cut cut, const char* name, int wanted, double excess_most = 0.20, con
 
 TEST(StopDistance, H17TheLinkDiesWhileSomebodyDrives) { judge(Cut::link_driving, "link, driving", cuts()); }
 TEST(StopDistance, H17TheLinkDiesInAnExercise) { judge(Cut::link_guided, "link, guided", cuts()); }
-// Of the few centimetres that a hoist still rolls that has been let go, the margin is a larger share.
+// After release only a few centimetres remain, so the margin is a larger share.
 TEST(StopDistance, H17DrivingIsLetGoAndEnded) { judge(Cut::end_driving, "let go and ended", cuts(), 0.60); }
 TEST(StopDistance, H17StopWhileThePatientWalks) { judge(Cut::stop_walking, "stop, walking", cuts()); }
-// Gains are an engineer's, while the hoist moves, too: the promise holds in every corner of their ranges.
+// An engineer may change gains in motion: the shown distance holds at every corner of their ranges.
 TEST(StopDistance, H27HoldsWithWhateverGainsTheDrivesMayHave) {
   using contract::ParamName;
   const auto& gain = contract::kParams[contract::param_index(ParamName::drive_velocity_gain_v_s_rad)];

@@ -1,4 +1,4 @@
-// The patient leads: what walking must be like, and what it must never do.
+// The patient leads: properties of walking.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -125,8 +125,8 @@ TEST(Walking, TheEightIsAsTrueWithEveryPreset) {
   }
 }
 
-// The patient is not told which settings are in force. On wet patches a shove may look like a fall or upset a sensor's own check: rarely. In
-// all other walks the patient goes on leading.
+// The patient does not know the settings. On wet patches a push may rarely look like a fall or fail a sensor's own check. In all other
+// walks the patient continues to lead.
 TEST(Walking, H15_EveryPresetIsLedOnEveryFigure) {
   const std::uint64_t seeds = thorough() ? 24 : seeds_for(6, 1);
   for (const contract::PresetInfo& info : contract::kPresets) {
@@ -182,7 +182,7 @@ TEST(Walking, TheSameWithEveryFrameStuffedToItsLongest) {
 }
 
 // SOURCES 3: 90 % of the wish after 3.2 / 4.7 / 6.1 s with a largest lean of 8.6 / 9.1 / 9.8 degrees, on the independent model. This
-// patient is another model, so a fifth more is allowed; the fall guard's 10 degrees plus the filter's error is the hard limit.
+// patient is another model, so a fifth more is allowed; the fall monitor's 10 degrees plus the filter's error is the hard limit.
 struct StraightCase {
   double wish_m_s;
   double until_s;
@@ -248,7 +248,7 @@ TEST(Walking, ManyPatientsNeverTripAGuard) {
   EXPECT_GT(simulated_s, 1000.0);
 }
 
-// H15, H16: whoever does not know that the walk ends goes on pushing while the hoist brakes.
+// H15, H16: a patient who does not know that the walk ends keeps pushing while the hoist brakes.
 TEST(Walking, H15_EndingAWalkIsNoFall) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     ClosedLoopOptions options = scenario(seed % 2 == 0 ? "straight" : "figure-eight");
@@ -306,7 +306,7 @@ TEST(Walking, NeitherWorldNorCoreAllocatesOnceUnderWay) {
 TEST(Walking, LosingAFrameNowAndThenIsNotFelt) {
   ClosedLoop loop(scenario("figure-eight"));
   std::uint64_t count = 0;
-  // Every 97th frame, whatever it is: one lost command or sample is what every deadline allows for.
+  // Every 97th frame of any kind: every deadline tolerates one lost command or sample.
   loop.world().set_frame_fault([&count](std::size_t, const contract::CanFrame&, std::uint64_t) {
     return bus::BusFault{++count % 97 == 0 ? bus::BusFault::Kind::drop : bus::BusFault::Kind::none, 0, 0};
   });

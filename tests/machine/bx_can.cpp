@@ -171,7 +171,7 @@ std::uint32_t BxCan::read(std::uint32_t offset, std::uint64_t cycles) {
   return read_filter(offset);
 }
 
-// INRQ and SLEEP ask, INAK and SLAK say what is: initialisation begins when no frame of its own is under way, normal mode takes part in the
+// INRQ and SLEEP request, INAK and SLAK acknowledge: initialisation begins when no own frame is being sent, normal mode takes part in the
 // bus after eleven recessive bits (idle()).
 void BxCan::settle_mode() {
   const Mode before = mode_;
@@ -230,7 +230,7 @@ void BxCan::write_transmit(std::uint32_t value) {
   if ((value & 0x00707070U) != 0) complain_("bxCAN: reserved bits of TSR");
   for (unsigned box = 0; box < kMailboxes; ++box) {
     const std::uint32_t bits = value >> (8 * box);
-    // RQCP takes the result with it; each flag also goes by itself.
+    // Clearing RQCP clears the result too; each flag can also be cleared alone.
     if ((bits & kRequestDone) != 0) done_ &= ~(0xFU << (8 * box));
     done_ &= ~((bits & 0xEU) << (8 * box));
     if ((bits & kAbort) == 0 || !pending(box)) continue;
@@ -464,7 +464,7 @@ void BxCan::update_states() {
   if (tec_ > 255 && !bus_off_) {
     bus_off_ = true;
     sending_ = -1;
-    // With ABOM the controller begins the way back by itself, without it the program has to, through initialisation mode.
+    // With ABOM the controller recovers by itself, without it the program must use initialisation mode.
     if ((control_ & kAbom) != 0) recovery_bits_ = kRecoveryBits;
   }
   const bool told = ((interrupts_ & kBofIe) != 0 && bus_off_) || ((interrupts_ & kEpvIe) != 0 && (tec_ > 127 || rec_ > 127)) ||

@@ -1,8 +1,8 @@
 // The CAN controller of the STM32F072: a bxCAN (RM0091, chapter 29) with three transmit mailboxes, two FIFOs of three and 14 filter banks.
-// Strict: registers that need initialisation mode, mailboxes touched while they are pending, filters changed while they are active and bit
-// rates that are not the bus's are complained about.
+// Strict: registers that need initialisation mode, mailboxes touched while they are pending, filters changed while they are active and
+// wrong bit rates are violations.
 //
-// Not modelled, and complained about: time-triggered mode, no automatic retransmission, loop-back and silent mode, FIFO lock.
+// Not modelled, and a violation: time-triggered mode, no automatic retransmission, loop-back and silent mode, FIFO lock.
 #pragma once
 
 #include <array>
@@ -77,7 +77,7 @@ class BxCan : public CanController {
   bool filter_init_{true};
   std::uint32_t filter_mode_{}, filter_scale_{}, filter_fifo_{}, filter_active_{};
   std::array<std::array<std::uint32_t, 2>, kBanks> banks_{};
-  int offered_{-1}, sending_{-1};  // mailbox that takes part in arbitration, that is on the wire
+  int offered_{-1}, sending_{-1};  // mailbox in arbitration, or being sent
   bool rate_good_{};
 };
 

@@ -39,7 +39,7 @@ void CCan::reset() {
   timing_ = 0x2301;
   prescaler_ = 0;
   clock_divider_ = 1;  // UM10398: the divider's reset value
-  objects_ = {};       // on silicon undefined but for the valid bits; the manual asks the program to set them all
+  objects_ = {};       // undefined on silicon except the valid bits; the manual demands that the program sets them all
   interfaces_ = {};
   look();
   sending_ = -1;
@@ -383,7 +383,7 @@ void CCan::heard(const CanFrame& frame, CanError error) {
     object.arb1 = id & 0xFFFFU;
     object.arb2 = (object.arb2 & (kValid | kTransmit)) | (extended ? kExtended : 0U) | ((id >> 16) & 0x1FFFU);
     object.control = (object.control & ~0xFU) | frame.dlc | kNewData;
-    if (!remote) object.control &= ~kRequest;  // the data have come: no remote frame has to ask for them
+    if (!remote) object.control &= ~kRequest;  // the data have arrived: no remote frame is needed
     if (!remote)
       for (unsigned b = 0; b < 8; ++b) {
         std::uint16_t& half = object.data[b / 2];
@@ -406,7 +406,7 @@ void CCan::update_states() {
   if (tec_ >= 128 || rec_ >= 128) status_ |= kEPass;
   if (tec_ > 255) {
     bus_off_ = true;
-    control_ |= kInit;  // the controller does this by itself; the program has to clear it
+    control_ |= kInit;  // set by the controller; the program has to clear it
     sending_ = -1;
   }
   if (bus_off_) status_ |= kBOff | kEPass | kEWarn;

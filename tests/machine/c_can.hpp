@@ -55,7 +55,7 @@ class CCan : public CanController {
   std::uint32_t control_{1}, status_{}, timing_{0x2301}, prescaler_{}, clock_divider_{};
   std::array<Object, kObjects> objects_{};
   std::array<Interface, 2> interfaces_{};
-  std::uint32_t wants_{}, pending_{};  // objects that ask to be sent, that ask for an interrupt; kept by look()
+  std::uint32_t wants_{}, pending_{};  // objects with a transmit request, with an interrupt request; updated by look()
   int sending_{-1};
   bool status_pending_{};
   bool rate_good_{};

@@ -9,7 +9,7 @@ namespace {
 using contract::CanFrame;
 
 constexpr std::uint64_t kRecessiveTail = 11;
-constexpr std::uint64_t kIdleLump = 8;         // idle bits are told in lumps of at least this many
+constexpr std::uint64_t kIdleLump = 8;         // idle bits are reported in groups of at least this many
 constexpr unsigned kTailBits = 1 + 1 + 1 + 7;  // CRC delimiter, acknowledge and its delimiter, end of frame: never stuffed
 
 // The bits in their order, as arbitration sees them.
@@ -42,7 +42,7 @@ class BitCounter {
     ++count_;
     run_ = bit == last_ ? run_ + 1 : 1;
     last_ = bit;
-    if (run_ == 5) {  // a bit of the other kind is stuffed in; it begins a run of its own
+    if (run_ == 5) {  // the inserted opposite bit starts a new run
       ++count_;
       last_ = !bit;
       run_ = 1;
@@ -138,7 +138,7 @@ void CanWire::finish() {
   } else {
     ++errors_;
   }
-  // The receivers first: their acknowledge comes before the sender knows.
+  // Receivers first: their acknowledge precedes the sender's result.
   for (std::size_t i = 0; i < stations_.size(); ++i) {
     if (i == sender_ || !plugged_[i] || !stations_[i]->on_bus()) continue;
     if (good && heard_by_others_) stations_[i]->heard(frame_, CanError::none);
@@ -160,7 +160,7 @@ bool HostStation::offer(CanFrame& frame) {
   return true;
 }
 void HostStation::sent(CanError error) {
-  // Nothing is put before the frame under way: send() is only called between the wire's steps, and an equal id goes behind.
+  // The frame being sent stays first: send() is only called between the wire's steps, and an equal id goes behind.
   if (error == CanError::none && !out_.empty()) out_.pop_front();
 }
 

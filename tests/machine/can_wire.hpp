@@ -1,5 +1,5 @@
-// The CAN cable with its bits: arbitration among everybody who has something to send when the wire is free, frames as long as their own stuff
-// bits make them, acknowledge, error frames. What is sent is heard by all who take part; who nobody acknowledges tries again.
+// The CAN cable with its bits: arbitration among all pending senders when the wire is free, true frame lengths with stuff bits,
+// acknowledge, error frames. All participants receive each frame; an unacknowledged one is repeated.
 #pragma once
 
 #include <array>
@@ -16,22 +16,22 @@ namespace hoist::machine {
 /// Bits of this very frame from its start bit to the end of frame, stuff bits included, without the intermission.
 [[nodiscard]] unsigned wire_bits(const contract::CanFrame& frame);
 
-/// Errors as a controller hears of them; the numbers are the LEC codes of a C_CAN.
+/// Errors as a controller sees them; the numbers are the LEC codes of a C_CAN.
 enum class CanError : std::uint8_t { none = 0, stuff = 1, form = 2, acknowledge = 3, bit1 = 4, bit0 = 5, crc = 6 };
 
 /// Somebody on the wire.
 class CanStation {
  public:
   virtual ~CanStation() = default;
-  /// Takes part: hears, acknowledges, may send.
+  /// Participates: receives, acknowledges, may send.
   [[nodiscard]] virtual bool on_bus() const = 0;
-  /// The frame it would send next, if any. Asked when the wire is free, before arbitration.
+  /// The frame it would send next, if any. Called when the wire is free, before arbitration.
   [[nodiscard]] virtual bool offer(contract::CanFrame& frame) = 0;
-  /// Its offer has won: the frame's first bit is on the wire.
+  /// It has won arbitration: the frame's first bit is on the wire.
   virtual void began() = 0;
   /// The frame that it began is through, or was destroyed.
   virtual void sent(CanError error) = 0;
-  /// A frame of somebody else is through, or was destroyed.
+  /// The frame of another participant is complete, or was destroyed.
   virtual void heard(const contract::CanFrame& frame, CanError error) = 0;
   /// This many bit times without anything on the wire have passed.
   virtual void idle(std::uint64_t bits) = 0;
@@ -40,7 +40,7 @@ class CanStation {
 /// A controller's error counters (ISO 11898-1, fault confinement), which are the same in every chip.
 class CanController : public CanStation {
  public:
-  /// Grows whenever the wire has changed something that the chip may have to look at.
+  /// Increments on every change of the wire that concerns the chip.
   [[nodiscard]] std::uint64_t changes() const { return changes_; }
   [[nodiscard]] unsigned transmit_errors() const { return tec_; }
   [[nodiscard]] unsigned receive_errors() const { return rec_; }
@@ -84,7 +84,7 @@ class CanWire {
   static constexpr unsigned kErrorBits = 20;
   static constexpr unsigned kIntermissionBits = 3;
 
-  /// What a fault hook does to the frame that has just won: nothing, destroy it, or take it away after the sender's acknowledge.
+  /// Effect of a fault hook on the winning frame: none, destroy it, or drop it after the sender's acknowledge.
   enum class Mischief : std::uint8_t { none, corrupt, unheard, unacknowledged };
   using Hook = std::function<Mischief(std::size_t from, const contract::CanFrame&, Time now)>;
 
@@ -99,9 +99,9 @@ class CanWire {
   /// Sees each frame that came through.
   void on_frame(std::function<void(const contract::CanFrame&, Time)> see) { see_ = std::move(see); }
 
-  /// The next instant at which the wire wants to be advanced to.
+  /// The next time of an event on the wire.
   [[nodiscard]] Time next() const { return busy_ ? until_ : kNever; }
-  /// Up to `now`: ends the frame under way if its time has come, and begins the next one if the wire is free.
+  /// Advances to `now`: completes the present frame if due, and starts the next one if the wire is free.
   void advance(Time now);
 
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
@@ -127,7 +127,7 @@ class CanWire {
   Time busy_time_{};
 };
 
-/// The computer's end of the wire: sends its lowest id first, keeps what it hears.
+/// The computer's end of the wire: sends its lowest id first, stores received frames.
 class HostStation : public CanStation {
  public:
   void send(const contract::CanFrame& frame);

@@ -100,7 +100,7 @@ void Chip::run_until(Time end) {
     catch_up();
     in_slice_ = false;
     if (now_ >= until || !(core_->asleep() || core_->locked_up())) continue;
-    // Asleep: on to whatever comes first.
+    // Asleep: advance to the next event.
     Time wake = until;
     const std::uint64_t tick = core_->cycles_to_systick();
     if (tick != UINT64_MAX) wake = std::min(wake, now_ + tick * unit_);

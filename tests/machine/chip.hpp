@@ -34,7 +34,7 @@ class Chip : protected PeripheralBus {
   Chip(const Chip&) = delete;
   Chip& operator=(const Chip&) = delete;
 
-  /// Power on, or another reset. Nothing runs while unpowered.
+  /// Power-on, or another reset. Nothing runs while unpowered.
   void reset(ResetCause cause);
   void power_off() { powered_ = false; }
   [[nodiscard]] bool powered() const { return powered_; }
@@ -70,14 +70,14 @@ class Chip : protected PeripheralBus {
   [[nodiscard]] CortexM0& core() { return *core_; }
   [[nodiscard]] const CortexM0& core() const { return *core_; }
   [[nodiscard]] virtual CanController& can() = 0;
-  /// To be asked for anew each time it is used: the chip then looks what has come.
+  /// Call again before each use: it updates the chip's inputs.
   [[nodiscard]] virtual SerialLine& serial_line() = 0;
   [[nodiscard]] virtual const SerialLine& serial_state() const = 0;
   [[nodiscard]] std::span<std::uint8_t> flash() { return flash_; }
   [[nodiscard]] std::span<std::uint8_t> ram() { return ram_; }
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// Each thing that correct firmware never does, with how often.
+  /// Violations, with their counts.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& violations() const { return violations_; }
   /// Adds one: for what hangs on the chip.
   void complain(const std::string& what) { violation(what); }
@@ -91,7 +91,7 @@ class Chip : protected PeripheralBus {
   void forget_violations() { violations_.clear(); }
   [[nodiscard]] std::uint64_t resets(ResetCause cause) const { return resets_[static_cast<std::size_t>(cause)]; }
   [[nodiscard]] std::uint32_t clock_hz() const { return clock_hz_; }
-  /// The core stays where it is, its blocks go on: as if it hung with interrupts off.
+  /// The core stops, its blocks continue: as if it hung with interrupts off.
   void hang(bool hung) { hung_ = hung; }
 
  protected:
@@ -125,9 +125,9 @@ class Chip : protected PeripheralBus {
   void catch_up() {
     if (in_slice_) now_ = slice_from_ + (core_->cycles() - slice_cycles_) * unit_;
   }
-  /// The core waits, its clocks go on.
+  /// The core waits, its clocks continue.
   void stall(double seconds);
-  /// Counts a flash operation; true if the power goes in the middle of it.
+  /// Counts a flash operation; true for a power cut in the middle of it.
   [[nodiscard]] bool cut_now();
 
   std::vector<std::uint8_t> flash_, ram_;
@@ -137,7 +137,7 @@ class Chip : protected PeripheralBus {
   Time now_{};
   Time unit_{4};  // of a core clock
   std::uint32_t clock_hz_{12'000'000};
-  bool touched_{true};  // from outside, since the lines were last looked at
+  bool touched_{true};  // from outside, since the lines were last sampled
   std::optional<ResetCause> reset_wanted_;
   std::uint32_t start_vectors_{};
   std::array<Outside, kPortsMax> outside_{};
@@ -154,7 +154,7 @@ class Chip : protected PeripheralBus {
 
   std::string name_;
   bool hung_{};
-  Time slice_from_{};  // where the core's run under way began, and its clocks then
+  Time slice_from_{};  // start of the core's present run, and its clocks then
   std::uint64_t slice_cycles_{};
   bool in_slice_{};
   Time next_{};  // cached next event

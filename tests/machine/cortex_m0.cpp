@@ -557,7 +557,7 @@ unsigned CortexM0::execute_misc(std::uint16_t op) {
         case 4:
           return 1;  // NOP, YIELD, WFE (never sleeps here), SEV
         case 3:
-          // With something pending the core does not fall asleep, even if PRIMASK keeps it from being taken.
+          // With a pending exception the core does not sleep, even if PRIMASK masks it.
           asleep_ = true;
           attention_ = true;
           return 2;
@@ -669,7 +669,7 @@ bool CortexM0::take_exception() {
     }
   }
   if (best_priority >= current_priority()) return false;
-  asleep_ = false;  // WFI ends even when PRIMASK keeps the exception waiting
+  asleep_ = false;  // WFI ends even when PRIMASK masks the exception
   if (primask_ && best_priority >= 0) return false;
   enter(best, r_[15]);
   return true;
@@ -719,7 +719,7 @@ void CortexM0::leave(std::uint32_t exc_return) {
   exception_ = active_count_ == 0 ? 0 : active_[active_count_ - 1];
   if (left >= kFirstIrq && ((lines_ >> (left - kFirstIrq)) & 1U) != 0) pending_ |= 1ULL << left;
   attention_ = true;
-  waits_ += kExceptionExit_cycles - 3;  // beside what the jump itself costs
+  waits_ += kExceptionExit_cycles - 3;  // in addition to the jump
 }
 
 void CortexM0::hard_fault(const Fault& fault) {

@@ -1,11 +1,11 @@
-// A Cortex-M0 as a chip maker builds it in: the instructions of ARMv6-M, exceptions with two bits of priority, NVIC, SysTick, WFI.
+// A Cortex-M0 core: the instructions of ARMv6-M, exceptions with two bits of priority, NVIC, SysTick, WFI.
 //
-// Stricter than most emulators, as silicon is: a word at an odd address, an instruction of a larger core, a jump to nowhere or an access to
-// nothing is a HardFault, and is remembered. Cycles are the ones of the Cortex-M0 technical reference manual (r0p0, table 3-1, fast
+// Stricter than most emulators, as silicon is: a word at an odd address, an instruction of a larger core, a jump or access to an unmapped
+// address is a HardFault, and is recorded. Cycles are the ones of the Cortex-M0 technical reference manual (r0p0, table 3-1, fast
 // multiplier); every 32-bit word fetched from flash costs the wait states on top, as if the chip had no prefetch: an upper bound.
 //
-// What it leaves out: PSP and unprivileged code (writing CONTROL is a violation), NMI, exact tail-chaining (a return and a new entry are
-// charged in full), debug.
+// Not modelled: PSP and unprivileged code (writing CONTROL is a violation), NMI, exact tail-chaining (a return and a new entry are charged
+// in full), debug.
 #pragma once
 
 #include <array>
@@ -21,15 +21,15 @@ namespace hoist::machine {
 class PeripheralBus {
  public:
   virtual ~PeripheralBus() = default;
-  /// False when nothing answers at this address: the core takes a HardFault.
+  /// False for an unmapped address: the core takes a HardFault.
   [[nodiscard]] virtual bool read(std::uint32_t address, unsigned size, std::uint32_t& value) = 0;
   [[nodiscard]] virtual bool write(std::uint32_t address, unsigned size, std::uint32_t value) = 0;
-  /// The core has come to this address, which belongs to the chip's ROM: carry out what the ROM routine does to registers and memory and
-  /// return true; the core then returns to LR.
+  /// The core has reached this address in the chip's ROM: apply the routine's effect on registers and memory and return true; the core then
+  /// returns to LR.
   [[nodiscard]] virtual bool call_rom(std::uint32_t address) = 0;
   /// SYSRESETREQ was written.
   virtual void request_reset() = 0;
-  /// Something that correct firmware never does.
+  /// A violation: something that correct firmware never does.
   virtual void violation(const std::string& what) = 0;
 };
 
@@ -56,10 +56,9 @@ class CortexM0 {
 
   /// Takes a pending exception if one may be taken, or else one instruction. Returns the core clocks it took; 0 while asleep or locked up.
   unsigned step() { return static_cast<unsigned>(run(1)); }
-  /// The same again and again until that many clocks are over or stop() was called; returns the clocks it took. Less than asked for: asleep,
-  /// locked up or stopped.
+  /// Repeats this for that many clocks or until stop(); returns the clocks taken. Fewer than requested: asleep, locked up or stopped.
   std::uint64_t run(std::uint64_t clocks);
-  /// Ends run() behind the instruction under way: the peripherals want to be looked at.
+  /// Ends run() after the present instruction, so that peripherals are updated.
   void stop() { stop_ = true; }
 
   /// Moves SysTick on without executing: `cycles` core clocks asleep.
@@ -68,15 +67,14 @@ class CortexM0 {
   /// Ends a WFI as an interrupt would that is over at once.
   void wake() { asleep_ = false; }
   [[nodiscard]] bool locked_up() const { return locked_up_; }
-  /// Core clocks until SysTick wants attention; UINT64_MAX when it is off.
+  /// Core clocks until the next SysTick event; UINT64_MAX when it is off.
   [[nodiscard]] std::uint64_t cycles_to_systick() const;
 
   /// The interrupt lines of the peripherals, one bit each, as levels. A line that rises becomes pending, and one that is still high when its
   /// handler returns becomes pending again.
   void set_lines(std::uint32_t lines);
 
-  /// What the address space shows from address 0 on, instead of what lies there by itself (SYSMEMREMAP, MEM_MODE): a part of flash or RAM,
-  /// or nothing.
+  /// Memory mapped to address 0 (SYSMEMREMAP, MEM_MODE): a part of flash or RAM, or none.
   void show_at_zero(std::span<std::uint8_t> memory) {
     at_zero_ = memory;
     last_word_ = kNoWord;
@@ -180,7 +178,7 @@ class CortexM0 {
   bool stop_{};
   std::span<std::uint8_t> at_zero_;
   unsigned flash_waits_{};
-  unsigned waits_{};  // wait states of the instruction under way
+  unsigned waits_{};  // wait states of the present instruction
   std::uint32_t last_word_{kNoWord};
 
   int exception_{};               // in progress, 0: thread

@@ -11,9 +11,9 @@ namespace hoist::machine {
 namespace {
 
 using contract::CanFrame;
-constexpr Time kQuantum = 4 * kMicrosecond;  // one bit: how far chips and wire run apart
+constexpr Time kQuantum = 4 * kMicrosecond;  // one bit: the largest offset between chips and wire
 constexpr int kPlantStepsPerMillisecond = 4;
-constexpr std::size_t kSerialWindow = 4;  // characters that a UART bridge has on the way at most
+constexpr std::size_t kSerialWindow = 4;  // most characters in transit in a UART bridge
 
 constexpr std::size_t index(Box box) { return static_cast<std::size_t>(box); }
 constexpr sim::Place place_of(Box box) {
@@ -296,7 +296,7 @@ std::uint64_t HoistBench::digest() const {
 // ---------------------------------------------------------------- with the core
 
 namespace {
-// These nodes are no simulation and say so: a hoist of theirs starts only after its struts have been zeroed.
+// These nodes report as real ones: such a hoist starts only after its struts have been zeroed.
 contract::Params zeroed(contract::Params params) {
   params.calibrated_zero_s = 1.0;
   return params;

@@ -1,8 +1,7 @@
 // The whole hoist with its programs as machine code: seven microcontrollers on one wire, each with the circuit of its board around it, the
 // plant and the patient of the simulator, and the real control step. One process, one clock, no threads: the same options give the same run.
 //
-// What is real here: the images, bit for bit as they would be flashed, and the control core. What is a model: the chips, the wire, the motors,
-// the patient.
+// Real: the images, bit for bit, and the control core. Modelled: chips, wire, motors, patient.
 #pragma once
 
 #include <array>
@@ -45,7 +44,7 @@ struct Images {
   OfChip lpc11c24, stm32f072;
   [[nodiscard]] const Image& of(ImageChip chip, Box box) const { return (chip == ImageChip::stm32f072 ? stm32f072 : lpc11c24).of(box); }
 };
-/// Why there are none, or the images.
+/// The images, or the reason for their absence.
 struct ImagesOrReason {
   std::optional<Images> images;
   std::string reason;
@@ -64,10 +63,10 @@ struct BenchOptions {
   /// Which microcontroller each box has.
   std::array<ImageChip, kBoxCount> chips{ImageChip::lpc11c24, ImageChip::lpc11c24, ImageChip::lpc11c24, ImageChip::lpc11c24,
                                          ImageChip::lpc11c24, ImageChip::lpc11c24, ImageChip::lpc11c24};
-  /// The one box that has power, when the others do not matter to a test; empty: all.
+  /// The only powered board, for tests of one board; empty: all.
   std::optional<Box> only{};
-  bool through_gateway{true};  ///< false: the computer is on the wire itself, and the gateway is not there
-  /// The whole flash of a box instead of the bare application: its loader, and whatever lies behind it. It starts at address 0.
+  bool through_gateway{true};  ///< false: the computer is on the wire itself, without the gateway
+  /// The whole flash of a box instead of the bare application: its loader and the rest. It starts at address 0.
   std::array<std::vector<std::uint8_t>, 7> flash{};
   std::array<ImuKind, 3> imus{ImuKind::mpu6050, ImuKind::mpu6050, ImuKind::mpu6050};  ///< left, right, base
 };

@@ -1052,7 +1052,7 @@ void Lpc11c24::convert(unsigned channel, Time at) {
   adc_global_ = 0x80000000U | (counts << 6) | (channel << 24) | ((adc_global_ >> 31) != 0 ? 0x40000000U : 0U);
 }
 
-// Conversions of a burst that nobody is told of are carried out when somebody looks: only the last one of each channel matters.
+// Conversions of a burst without interrupts are computed on reading: only the last one of each channel matters.
 void Lpc11c24::update_burst() {
   if ((adc_control_ & 0x10000U) == 0 || (pdrun_ & 0x10U) != 0) return;
   std::array<unsigned, 8> order{};

@@ -1,9 +1,9 @@
 // An LPC11C24 around its core: system control, pins, timers, converter, watchdog, flash routines of the ROM, and the blocks of
 // serial_blocks.hpp and c_can.hpp. Written from the user's manual UM10398 and the vendor's public register description, not from the
-// firmware's drivers; the two are meant to judge each other.
+// firmware's drivers; so each checks the other.
 //
-// Strict: a block without its clock or held in reset, reserved bits, a register that does not exist, an order the manual forbids: each is
-// written down as a violation. Firmware has to run without any.
+// Strict: a block without its clock or held in reset, reserved bits, a register that does not exist, a sequence the manual forbids: each is
+// recorded as a violation. Firmware has to run without any.
 #pragma once
 
 #include <array>
@@ -41,7 +41,7 @@ class MatchTimer {
   /// Level of a match output at this very instant. UM10398, rules for single edge controlled PWM outputs: a match value written while the
   /// output is high lets it go low only when the next cycle begins.
   [[nodiscard]] bool output(unsigned match, Time now);
-  /// When the match output rises or falls next after `now`; never if it does not.
+  /// Next edge of the match output after `now`; never without one.
   [[nodiscard]] Time next_edge(unsigned match, bool falling, Time now);
 
  private:

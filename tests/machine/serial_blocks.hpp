@@ -40,7 +40,7 @@ class I2c {
   void advance(Time now);
   [[nodiscard]] Time next() const { return due_; }
   [[nodiscard]] bool line() const { return (control_ & 8U) != 0; }
-  /// SDA held low by a stuck chip: nothing more happens on the bus.
+  /// SDA held low by a stuck chip: the bus is blocked.
   void hold_low(bool held) { held_ = held; }
 
  private:
@@ -95,7 +95,7 @@ class SerialLine {
  public:
   virtual ~SerialLine() = default;
   void set_line_baud(std::uint32_t baud) { line_baud_ = baud; }
-  /// Puts a byte on the wire to the chip; it arrives one character later. The caller obeys may_send().
+  /// Sends a byte to the chip; it arrives one character later. The caller must check may_send().
   void line_send(std::uint8_t byte, Time now);
   [[nodiscard]] std::size_t line_waiting() const { return coming_.size(); }
   /// The chip's RTS is low: it has room.

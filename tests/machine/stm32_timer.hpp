@@ -1,5 +1,5 @@
 // A general or advanced timer of the STM32F072 (RM0091, chapters 17 and 18): counting up, PWM with preload, capture of channel 1, the
-// exclusive-or of three inputs, encoder mode. Directions, modes and channels beyond that are complained about. Input filters delay nothing here.
+// exclusive-or of three inputs, encoder mode. Other directions, modes and channels are violations. Input filters add no delay.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ class Stm32Timer {
   [[nodiscard]] double high_share(unsigned channel) const;
   /// Level of the channel's output at this very instant.
   [[nodiscard]] bool output(unsigned channel, Time now);
-  /// When the channel's output rises next after `now`; never if it does not.
+  /// Next rising edge of the channel's output after `now`; never without one.
   [[nodiscard]] Time next_rise(unsigned channel, Time now);
   /// Grows with every change that may move an edge of an output.
   [[nodiscard]] std::uint64_t changes() const { return changes_; }

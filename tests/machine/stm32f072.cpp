@@ -758,7 +758,7 @@ void Stm32f072::write_flash_registers(std::uint32_t offset, std::uint32_t value)
   }
 }
 
-// The core fetches from the flash that is busy: it stands still until the operation is over.
+// A fetch from busy flash stalls the core until the operation is over.
 void Stm32f072::wait_for_flash(double seconds) {
   if (!((clock_control_ & 1U) != 0)) violation("FLASH: changed while the internal oscillator is off");
   stall(seconds);

@@ -35,7 +35,7 @@ class Stm32f072 : public Chip {
   void set_supply(double volts) override;
   /// The watchdog's oscillator: 30 to 50 kHz by the data sheet.
   void set_slow_oscillator(double hz) { slow_hz_ = hz; }
-  /// The crystal does not swing: it never gets ready.
+  /// The crystal does not oscillate: it never becomes ready.
   void break_crystal() { crystal_broken_ = true; }
 
   [[nodiscard]] BxCan& can() override { return can_; }

@@ -16,7 +16,7 @@ namespace {
 
 using contract::CanFrame;
 
-// Sends without a pause under one identifier: nothing of a lower priority gets onto the bus.
+// Sends without a pause under one identifier: frames of lower priority never win.
 class Jammer : public CanStation {
  public:
   void set(std::optional<std::uint32_t> id) { id_ = id; }
@@ -56,7 +56,7 @@ class CanDriver : public testing::TestWithParam<ImageChip> {
   void run(int milliseconds) {
     for (int ms = 0; ms < milliseconds; ++ms) bench->advance_1ms();
   }
-  // What the computer has got since it was asked last.
+  // Frames received by the computer since the last call.
   std::vector<CanFrame> received() {
     std::vector<CanFrame> all;
     std::array<CanFrame, 64> frames{};

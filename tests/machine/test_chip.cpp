@@ -18,7 +18,7 @@ std::string all(const Lpc11c24& chip) {
   return out;
 }
 
-// The word that the ROM looks at: the first eight vectors add up to 0.
+// The word checked by the ROM: the first eight vectors add up to 0.
 void sign(std::vector<std::uint8_t>& flash) {
   std::uint32_t sum = 0, word = 0;
   for (std::size_t i = 0; i < 7; ++i) {

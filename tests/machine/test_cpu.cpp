@@ -1,5 +1,5 @@
-// The core's instructions: judged by an independent, well-kept emulator, and where that one is laxer than silicon, by what the architecture
-// manual (ARM DDI 0419) says.
+// The core's instructions: compared with an independent emulator, and where that is laxer than silicon, with the architecture manual (ARM
+// DDI 0419).
 #include <gtest/gtest.h>
 
 #include <array>
@@ -163,7 +163,7 @@ TEST(Core, SysTickCountsReloadPlusOne) {
   bare.core.set_reg(15, kCode + 2);
   const std::uint64_t begin = bare.core.cycles();
   while (bare.core.exceptions(CortexM0::kSysTick) == 0 && bare.core.cycles() < begin + 1000) bare.core.step();
-  // Reload at the first clock, then down to 0, then the end of the branch under way and the entry.
+  // Reload at the first clock, then down to 0, then the end of the present branch and the entry.
   EXPECT_NEAR(static_cast<double>(bare.core.cycles() - begin), 100 + CortexM0::kExceptionEntry_cycles, 4);
 }
 
@@ -270,7 +270,7 @@ Instruction random_instruction(std::mt19937& random) {
   }
 }
 
-// 40 000 random instructions with random registers and flags: registers, flags, next instruction and all of RAM are the judge's.
+// 40 000 random instructions with random registers and flags: registers, flags, next instruction and all of RAM equal the emulator's.
 TEST(Core, AgreesWithTheJudgeOnRandomInstructions) {
   constexpr std::size_t kCount = 40'000, kFlash = 0x40000, kFirst = 0x1000;
   std::mt19937 random(20261121);
@@ -311,7 +311,7 @@ TEST(Core, AgreesWithTheJudgeOnRandomInstructions) {
     bare.bus.violations.clear();
     bare.core.step();
     if (!bare.bus.violations.empty()) {
-      // Silicon faults where the judge may not (unaligned) or must (nothing there): both are covered above.
+      // Silicon faults where the emulator may not (unaligned) or must (unmapped): both are covered above.
       ++faults;
       bare.ram = before;
       continue;

@@ -22,7 +22,7 @@ using contract::Mode;
 
 constexpr double kShortLap_s = 100.0;
 constexpr int kAnswerMax_ms = 120;         // an answer to "save" may wait for an erase: 100 ms on the LPC11C24, 40 ms on the STM32F072
-constexpr std::uint32_t kStackSpare = 64;  // bytes that nothing may have touched at the stack's far end
+constexpr std::uint32_t kStackSpare = 64;  // bytes at the end of the stack that must stay untouched
 
 #define NEEDS_IMAGES(images)                                     \
   const ImagesOrReason found_images = load_images();             \
@@ -235,7 +235,7 @@ INSTANTIATE_TEST_SUITE_P(Chips, EachSensor,
                          testing::Combine(testing::Values(ImageChip::lpc11c24, ImageChip::stm32f072),
                                           testing::Values(ImuKind::mpu6050, ImuKind::icm42688p)));
 
-// Without its crystal a node cannot keep the bus's bit time: it stays off the bus, alive, with its outputs off.
+// Without its crystal a node cannot keep the bus's bit time: it stays off the bus, running, with its outputs off.
 TEST(Stm32Images, ADeadCrystalKeepsANodeOffTheBus) {
   NEEDS_IMAGES(images);
   BenchOptions options = eight(false, ImageChip::stm32f072);
@@ -376,7 +376,7 @@ TEST_P(EachImage, StoredParametersSurviveACutAtAnyFlashOperation) {
   }
 }
 
-// A wheel thrown to and fro: the old duty is never applied in the new direction (the model looks at each change of PH).
+// A wheel that reverses repeatedly: the old duty is never applied in the new direction (the model checks each change of PH).
 TEST_P(EachImage, TheBridgeTurnsOnlyWhileItsOutputIsLow) {
   NEEDS_IMAGES(images);
   Alone alone(images, GetParam());
@@ -465,7 +465,7 @@ void walk_a_lap(const Images& images, const BenchOptions& options) {
     const Chip& chip = loop.bench().chip(box);
     EXPECT_EQ(chip.resets(ResetCause::watchdog), 0U) << chip.name();
     EXPECT_EQ(chip.core().hard_faults(), 0U) << chip.name();
-    // No millisecond was longer than one with a flash that keeps up, and with the slowest flash half of the processor is still free on average.
+    // Without flash waits no tick exceeds its millisecond, and with the slowest flash half of the processor is free on average.
     const CortexM0::Work& work = chip.core().work();
     // A tenth of a millisecond is left even if every fetch from flash waits.
     EXPECT_LT(work.worst_cycles, kMillisecond * 9 / 10) << chip.name();
@@ -523,7 +523,7 @@ TEST_P(Faults, AStuckEncoderLineStopsTheHoist) {
   EXPECT_FALSE(loop.bench().plant().bridge_enabled(sim::Side::left));
 }
 
-// Hazard table 2.3: the contact of the emergency stop chain opens. A pin that floats is pulled up, so a torn wire reads alike.
+// Hazard table 2.3: the contact of the emergency stop chain opens. A floating pin is pulled up, so a cut wire reads the same.
 TEST_P(LpcFaults, AnOpenEmergencyStopChainTakesThePowerUntilItIsClosedAndAcknowledged) {
   NEEDS_IMAGES(images);
   Walking loop(images, GetParam());
@@ -563,7 +563,7 @@ TEST_P(Faults, AHungDriveIsResetByItsWatchdogAndTheHoistStops) {
   EXPECT_EQ(chip.resets(ResetCause::watchdog), 1U);  // once, not again and again
 }
 
-// A drive that nobody hears any more stops by itself, and the core stops the other one.
+// A drive whose frames are lost stops by itself, and the core stops the other one.
 TEST_P(Faults, ADriveThatIsOffTheBusStopsAndComesBack) {
   NEEDS_IMAGES(images);
   Walking loop(images, GetParam());
@@ -576,12 +576,12 @@ TEST_P(Faults, ADriveThatIsOffTheBusStopsAndComesBack) {
   bench.wire().set_hook({});
   EXPECT_TRUE(loop.run_until([&bench] { return !bench.plant().bridge_enabled(sim::Side::left); }, 1.0));
   EXPECT_NE(loop.mode(), Mode::user);
-  // It comes back by itself and says so.
+  // It recovers by itself and reports it.
   EXPECT_TRUE(loop.run_until([&bench] { return !bench.chip(Box::drive_left).can().bus_off(); }, 3.0));
   EXPECT_EQ(bench.violations(), "");
 }
 
-// With nobody to acknowledge its frames a drive does not leave the bus, and the wheel is stopped by the missing commands.
+// Without acknowledge a drive does not go bus-off, and the command deadline stops the wheel.
 TEST_P(LpcFaults, APulledBusPlugStopsTheDriveAlone) {
   NEEDS_IMAGES(images);
   Walking loop(images, GetParam());

@@ -1,5 +1,5 @@
-// The loader as machine code: starts what is whole, keeps what is not, and takes a new program over the bus, with the power cut in the middle
-// of its flash operations too.
+// The loader as machine code: starts a valid program, keeps the node with an invalid one, and accepts a new program over the bus, also with
+// power cuts in flash operations.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -73,7 +73,7 @@ class LoaderBench : public testing::Test {
     return out;
   }
 
-  // Passes frames between bench and whoever asks, a millisecond at a time; what `each_ms` returns goes onto the wire.
+  // Exchanges frames with the bench, a millisecond at a time; frames returned by `each_ms` are sent.
   template <class Other>
   void talk(HoistBench& bench, Other& other, const std::function<bool()>& over, int at_most_ms) {
     std::array<CanFrame, 64> frames{};
@@ -117,7 +117,7 @@ TEST_P(Loader, StartsAWholeProgram) {
   EXPECT_EQ(bench.violations(), "");
 }
 
-// A drive's program on the input board: kind and chip are the program's own words, and the loader looks at them.
+// A drive's program on the input board: kind and chip come from the program's header, and the loader checks them.
 TEST_P(Loader, DoesNotStartAProgramOfAnotherNode) {
   HoistBench bench(parts.images, options(parts.flash_with(packed(parts.images.of(chip, Box::drive_left), chip, kOld))));
   run(bench, 600);
@@ -176,8 +176,7 @@ TEST_P(Loader, KeepsAProgramThatDoesNotStayAliveAfterThreeStarts) {
   EXPECT_TRUE(violations.starts_with("io: HardFault: undefined instruction") && violations.ends_with("(3)\n")) << violations;
 }
 
-// The power goes in the middle of erasing or writing. Whatever is then in the flash, the node comes up in its loader, and the update goes
-// through when it is tried again.
+// Power cut during erasing or writing: with any flash content the node starts in its loader, and a repeated update succeeds.
 class LoaderCut : public LoaderBench, public testing::WithParamInterface<std::tuple<ImageChip, int>> {
  protected:
   void SetUp() override { prepare(std::get<0>(GetParam())); }

@@ -43,7 +43,7 @@ void compare(const std::string& program, std::uint64_t limit_cycles) {
 TEST(Lockstep, TheDriveGivesTheSameBits) { compare<lockstep::DriveRun>("lockstep_drive", kMillisecond_cycles / 4); }
 TEST(Lockstep, TheTiltSensorGivesTheSameBits) { compare<lockstep::TiltRun>("lockstep_tilt", kMillisecond_cycles); }
 
-// Without motion the comparison would say little: the drive is enabled, turns both ways and stands in between.
+// The comparison needs motion: the drive is enabled, turns in both directions and stops in between.
 TEST(Lockstep, TheDriveReallyDrives) {
   lockstep::DriveRun run;
   std::int32_t least = 0, most = 0;

@@ -1,4 +1,4 @@
-// What the model of the chip complains about, one forbidden thing after the other; and that the allowed way to the same end passes.
+// Each violation of the chip model once, and the permitted sequence without a violation.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -33,7 +33,7 @@ class LpcProbe : public Probe {
     return status;
   }
 
-  // The ways the manual gives.
+  // The sequences of the manual.
   void start_crystal_and_pll() {
     write(kSyscon + 0x238, 0xED50);
     wait(600 * kMicrosecond);
@@ -259,7 +259,7 @@ TEST(Allowed, FlashRoutinesKeepTheirOrder) {
   EXPECT_EQ(probe.iap({50, 7, 7}), 0U);
   EXPECT_EQ(probe.iap({52, 7, 7, 12'000}), 0U);
   EXPECT_EQ(probe.iap({53, 7, 7}), 0U);
-  EXPECT_EQ(probe.iap({51, 0x7000, CortexM0::kRamBase + 0x200, 256, 12'000}), 9U);  // each operation wants its own preparation
+  EXPECT_EQ(probe.iap({51, 0x7000, CortexM0::kRamBase + 0x200, 256, 12'000}), 9U);  // each operation needs its own preparation
   EXPECT_EQ(probe.iap({50, 7, 7}), 0U);
   EXPECT_EQ(probe.iap({51, 0x7010, CortexM0::kRamBase + 0x200, 256, 12'000}), 3U);  // not the start of a page
   EXPECT_EQ(probe.iap({51, 0x7000, CortexM0::kRamBase + 0x200, 100, 12'000}), 6U);

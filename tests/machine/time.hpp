@@ -12,7 +12,7 @@ inline constexpr Time kMillisecond = 48'000;
 inline constexpr Time kSecond = 48'000'000;
 inline constexpr Time kNever = UINT64_MAX;
 
-/// Told of what correct firmware never does.
+/// Called for each violation.
 using Complain = std::function<void(const std::string&)>;
 
 }  // namespace hoist::machine

@@ -43,7 +43,7 @@ class Parser {
       const operator = this.take();
       const right = this.binary(rank + 1);
       let result = `${left} ${operator} ${right}`;
-      // Whether two measured numbers are equal to the last bit decides nothing: the bounds on them have an allowance for rounding.
+      // Exact equality of measured numbers is irrelevant: their bounds allow for rounding.
       const measured = /_m_s|_rad|speed|turn|value|share/.test(left + right);
       const others = changes[operator].filter((other) => !measured || !'<=>='.includes(operator) || other[0] !== operator[0]);
       for (const other of others) result = pick(`${operator} becomes ${other}`, `${left} ${other} ${right}`, result);

@@ -1,5 +1,5 @@
-// gate_verdict.mjs LIST PROGRAM EQUIVALENT: runs the gate's tests with each mutant of the list, compares those that no test noticed with those
-// that nothing could notice (a line each: what it is, the source line, and why, separated by tabs), and fails on any other one.
+// gate_verdict.mjs LIST PROGRAM EQUIVALENT: runs the gate's tests with each mutant of the list, compares the surviving ones with the list
+// of equivalent ones (a line each: mutant, source line, reason, separated by tabs), and fails on any other survivor.
 import { spawn } from 'node:child_process';
 import { existsSync, readFileSync } from 'node:fs';
 import { cpus } from 'node:os';
@@ -8,7 +8,7 @@ const [listPath, program, equivalentPath] = process.argv.slice(2);
 const lines = (path) => (existsSync(path) ? readFileSync(path, 'utf8').split('\n').filter(Boolean) : []);
 const mutants = lines(listPath).map((row) => row.split('\t'));
 const header = readFileSync('control/core/output/safety_gate.hpp', 'utf8').split('\n');
-// Line numbers move; what stands in the line does not.
+// Compared by line content, since line numbers change.
 const name = (what) => `${what.replace(/^line \d+: /, '')}\t${(header[Number(/^line (\d+)/.exec(what)[1]) - 1] ?? '').trim()}`;
 const reasons = new Map(lines(equivalentPath).filter((row) => !row.startsWith('#')).map((row) => {
   const [what, source, why] = row.split('\t');

@@ -18,10 +18,10 @@ using hoist::contract::FaultInfo;
 using hoist::contract::kFaults;
 namespace mutation = hoist::core::mutation;
 
-// One failure is enough; whatever the rest of the tests would do under a mutant is of no interest.
+// One failure is enough; the rest of the tests is skipped.
 class StopAtFirstFailure : public testing::EmptyTestEventListener {
   void OnTestStart(const testing::TestInfo& test) override { test_ = &test; }
-  // GoogleTest holds its lock while it tells this, so that it cannot be asked anything here.
+  // GoogleTest holds its lock here, so its functions must not be called.
   void OnTestPartResult(const testing::TestPartResult& result) override {
     if (!result.failed()) return;
     std::printf("noticed by %s.%s\n", test_ == nullptr ? "?" : test_->test_suite_name(), test_ == nullptr ? "?" : test_->name());

@@ -1,5 +1,5 @@
-// Every monitor switched off, and every limit of every monitor made twice as lax, one at a time: some safety test must fail. What survives
-// is a limit that nobody would miss if it were wrong.
+// Every monitor switched off, and every limit of every monitor made twice as lax, one at a time: some safety test must fail. A survivor is
+// an untested limit.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 const char* const kSuite = HOIST_BINARY_DIR "/bin/mutant_suite";
 
-// Mutants that change nothing anybody could notice, each with the reason.
+// Equivalent mutants, each with the reason.
 struct Equivalent {
   const char* mutant;
   const char* why;

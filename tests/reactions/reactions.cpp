@@ -27,19 +27,19 @@ struct Row {
   const char* hazard;
   const char* fault;   // in words
   const char* answer;  // in words
-  // What the hoist must say that it stopped for, in the step that brakes or the next: a stop for anything else proves nothing about this
-  // row. Bits of faults, one of which is enough; none: nobody is left to say it.
+  // Expected cause in the braking step or the next: a stop for another cause does not count. Fault bits, one of which is enough; none: the
+  // core itself is dead.
   std::uint32_t why;
   int budget_ms;
   Mode mode;
   const char* scenario;
   Begin begin;
   std::function<void(ClosedLoop&)> cause;
-  // When the hazard is there; null: at once. For a fall: when the body passes the guard's angle at its rate.
+  // Start of the hazard; null: at once. For a fall: when the body exceeds the monitor's angle and rate.
   std::function<bool(ClosedLoop&, double& memory)> present;
-  // In each millisecond after the cause, for what goes on; null: nothing does.
+  // Called in each millisecond after the cause, for lasting causes; may be null.
   std::function<void(ClosedLoop&)> goes_on = nullptr;
-  // Once in standby, before anybody walks; null: nothing.
+  // Called once in STANDBY, before walking; may be null.
   std::function<void(ClosedLoop&)> before = nullptr;
 };
 
@@ -55,7 +55,7 @@ bool falls(ClosedLoop& loop, double& last_rad) {
   return lean_rad > p.fall_tilt_rad && rate_rad_s > p.fall_rate_rad_s;
 }
 
-// The stick is held: what hangs passes its commands on, whatever else of it stands.
+// The stick is held: a partly hanging server still forwards its commands.
 void drives_on(ClosedLoop& loop) {
   contract::DriveCommand command;
   command.lease_epoch = loop.record().lease_epoch;
@@ -75,7 +75,7 @@ void write_winding(ClosedLoop& loop, std::uint8_t sub, float value) {
       canopen::sdo(request, canopen::sdo_download_command(4), 0x2230, sub, std::bit_cast<std::uint32_t>(value)));
 }
 
-// A thousand frames a second of somebody unknown, behind everybody else's.
+// A thousand frames a second of an unknown device, at lowest priority.
 void babbles(ClosedLoop& loop) { (void)loop.world().stranger_send({0x7F1, 8, 0, {}}); }
 
 const std::vector<Row>& table() {
@@ -92,10 +92,10 @@ const std::vector<Row>& table() {
          });
        },
        nullptr},
-      // What blocks a wheel is a wheel beside its command: the servo's following error, or the drive's own word for it if that is sooner.
+      // A blocked wheel shows as following error, or by the drive's own fault if that is sooner.
       {"H1", "a wheel is blocked", "protective stop", bit(Fault::overspeed) | bit(Fault::drive_left_fault), budget(Fault::overspeed),
        Mode::user, "straight", Begin::command, [](ClosedLoop& l) { l.world().plant().block_wheel(sim::Side::left, true); }, nullptr},
-      // The first answer, which a shorted bridge does not obey, and the last, which it does: the way counts until the relay has ended it.
+      // The first reaction, without effect on a shorted bridge, and the last, the relay: the distance counts until standstill.
       {"H1", "a bridge is shorted at full duty", "the drive, then protective stop, then no power",
        bit(Fault::overspeed) | bit(Fault::drive_left_fault), budget(Fault::overspeed), Mode::user, "straight", Begin::command,
        [](ClosedLoop& l) { l.world().plant().short_bridge(sim::Side::left, 1.0); }, nullptr},
@@ -165,7 +165,7 @@ const std::vector<Row>& table() {
        [](ClosedLoop& l, double&) { return std::atan(l.world().patient().harness().dx_m / 0.8) > 10.5 * sim::kDegree_rad; }},
       {"H17", "the radio link is cut", "stop at 0.8 m/s²", bit(Fault::remote_command_lost), budget(Fault::remote_command_lost),
        Mode::remote, "straight", Begin::command, [](ClosedLoop& l) { l.cut_link(true); }, nullptr},
-      // The stick's commands go on arriving: only the server's heartbeat stands.
+      // Stick commands still arrive: only the server's heartbeat has stopped.
       {"H21", "the server dies while a therapist drives", "stop at 0.8 m/s²", bit(Fault::server_lost), budget(Fault::server_lost),
        Mode::remote, "straight", Begin::command, [](ClosedLoop& l) { l.stop_server(); }, nullptr, drives_on},
       {"H22", "a step is 35 ms late", "protective stop", bit(Fault::loop_overrun), budget(Fault::loop_overrun), Mode::user, "straight",
@@ -192,10 +192,10 @@ const std::vector<Row>& table() {
   return rows;
 }
 
-// Out of power nothing is commanded any more.
+// Without power nothing is commanded.
 bool brakes(ClosedLoop& loop) { return loop.core().motion.braking != core::Braking::none || loop.mode() == Mode::emergency_stop; }
 
-// The hoist, and each of its wheels: one that is spun about the other is at rest nowhere.
+// The hoist and each of its wheels: a spinning hoist is not at rest.
 bool stands(ClosedLoop& loop) {
   const sim::Plant& plant = loop.world().plant();
   return std::fabs(plant.platform().speed_m_s) < 0.01 && std::fabs(plant.wheel_speed_m_s(sim::Side::left)) < 0.02 &&
@@ -272,9 +272,9 @@ void once(const Row& row, int number, Reaction& result) {
     if (row.begin == Begin::command && fault_ms >= 0 && begin_ms < 0 && brakes(loop)) {
       begin_ms = step_ms + 1;
     }
-    // A mode tells the monitors why it brakes in the next step.
+    // A mode reports the cause of braking to the monitors in the next step.
     if (row.begin == Begin::command && begin_ms >= 0 && now_ms < begin_ms + 20) for_this = for_this || raised();
-    // The drives may have braked before the core knows.
+    // The drives may have braked before the core detects it.
     if (row.begin == Begin::motor && caused) for_this = for_this || raised();
   }
   if (!for_this || fault_ms < 0 || begin_ms < 0 || stopped_ms < 0) {

@@ -12,15 +12,15 @@ struct Reaction {
   std::string hazard, fault, answer;
   int budget_ms = 0;    // from the fault to the beginning of braking
   int worst_ms = 0;     // the slowest of all tries
-  int stopped_ms = 0;   // the slowest from the fault to rest; 0 where no stop is asked for
-  int distance_cm = 0;  // the longest way from the fault to rest
+  int stopped_ms = 0;   // longest time from the fault to standstill; 0 where no stop is required
+  int distance_cm = 0;  // longest distance from the fault to standstill
   int tries = 0, missed = 0;
 };
 
 /// Every row, each tried so many times.
 [[nodiscard]] std::vector<Reaction> measure(int tries);
 
-/// The committed page, and what it says for a row (budget, worst, stopped, distance as in Reaction; tries 0 when the row is not there).
+/// The committed page, and its values of a row (budget, worst, stopped, distance as in Reaction; tries 0 without that row).
 [[nodiscard]] std::string page(const std::vector<Reaction>& rows);
 [[nodiscard]] Reaction read_row(std::string_view page, std::string_view fault);
 inline constexpr std::string_view kPage = "control/REACTIONS.gen.md";

@@ -1,5 +1,5 @@
-// lockstep.hpp on a bare Cortex-M0: runs the drive (LOCKSTEP_DRIVE) or the tilt sensor for ever. It sleeps before and behind each tick of the
-// node, so that whoever runs it can count the clocks between; `state` says where it is. Under QEMU (LOCKSTEP_QEMU) it does not sleep, prints the
+// lockstep.hpp on a bare Cortex-M0: runs the drive (LOCKSTEP_DRIVE) or the tilt sensor for ever. It sleeps before and after each tick of
+// the node, so that the test can count the clocks between; `state` is its phase. Under QEMU (LOCKSTEP_QEMU) it does not sleep, prints the
 // digest after LOCKSTEP_TICKS by semihosting and ends.
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,5 @@
-// The nodes' own sources with a board that is nothing but numbers, in a world that is the same numbers everywhere: compiled for this computer
-// and for the Cortex-M0 it must give the same bits, tick after tick. The world drives itself, so that the program needs no peripheral at all
-// and any Cortex-M0 can run it.
+// The nodes' sources with a board of plain numbers in a deterministic world: compiled for this computer and for the Cortex-M0, results must
+// be equal bit by bit in every tick. It needs no peripheral, so any Cortex-M0 can run it.
 //
 // Every output is folded into one digest: bridge and duty, and each frame sent.
 #pragma once
@@ -43,7 +42,7 @@ class Noise {
   std::uint32_t state_ = 20261121U;
 };
 
-/// Flash that is never written, and a bus that takes everything.
+/// Flash that is never written, and a bus that accepts everything.
 class NumberBoard {
  public:
   static constexpr std::size_t kPageBytes = 1024;
@@ -147,7 +146,7 @@ inline CanFrame frame(std::uint32_t id, std::span<const std::uint8_t> data) {
   return out;
 }
 
-// What the computer sends in this millisecond: NMT start, heartbeat, SYNC and, for a drive, commands that enable it and then ask for changing
+// Frames of the computer in this millisecond: NMT start, heartbeat, SYNC and, for a drive, commands that enable it and then set changing
 // speeds, forward and backward, slow and fast. Calls on_frame for each.
 template <class OnFrame>
 void computer(std::uint32_t tick, std::uint32_t id, bool drive, OnFrame&& on_frame) {
