@@ -132,7 +132,7 @@ TEST(Falls, H15WhatTheHoistsOwnBrakingExplainsIsNoFall) {
     hoist.drive_for(1, 0.0);
     hoist.drive_for(c.wait_ticks, 0.0);
     EXPECT_EQ(quick_lean_trips(hoist, c.way), c.trips);
-    // But nobody may lie in the stop, whatever threw him there.
+    // But a body at the mechanical stop is a fall, for any cause.
     for (int i = 0; i < 85; ++i) {
       hoist.lean(c.way * std::min(14.0, 12.0 + 0.2 * i));
       hoist.drive_for(1, 0.0);
@@ -161,7 +161,7 @@ TEST(Falls, H15ASwingThatTheBrakeBeganMayEndAfterIt) {
     }
     EXPECT_EQ(hoist.has_fault(Fault::fall_detected), out_ticks > 60);
     if (out_ticks > 60) continue;
-    // Back, and out again: that is no swing of the brake's any more.
+    // Back, and out again: no longer a swing caused by the brake.
     for (int i = 0; i < 30; ++i) {
       hoist.lean(i < 15 ? 12.5 : 13.3);
       hoist.drive_for(1, 0.0);
@@ -319,11 +319,11 @@ TEST(Chaos, InvariantsHoldUnderRandomFaultsAndRequests) {
         ASSERT_EQ(before, Mode::standby);
       }
       if (before == Mode::protective_stop && now != before) {
-        // INIT: nothing but silence is left, and it was acknowledged.
+        // INIT: only silent nodes are left, and acknowledged.
         ASSERT_TRUE(now == Mode::standby || now == Mode::fault || now == Mode::emergency_stop || now == Mode::init);
       }
       if ((before == Mode::fault || before == Mode::emergency_stop) && now != before) {
-        // By way of INIT within the step: out of service before the button was pressed and so again, or STOP right after the acknowledgement.
+        // Through INIT within the step: out of service before the button was pressed and again after, or STOP right after the acknowledgement.
         const bool again = now == Mode::fault && (hoist.state.latched & faults_with(contract::Reaction::out_of_service)) != 0;
         const bool stopped = now == Mode::protective_stop && hoist.has_fault(Fault::stop_pressed);
         ASSERT_TRUE(now == Mode::init || now == Mode::emergency_stop || again || stopped);

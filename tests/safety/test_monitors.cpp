@@ -177,7 +177,7 @@ TEST(Monitors, EachTripsInTimeStopsAndNamesItsHazard) {
     EXPECT_EQ(hoist.out.record.stop_cause, static_cast<int>(trip.fault) + 1);
     EXPECT_EQ(contract::fault_info(trip.fault).hazard, trip.hazard);
     EXPECT_EQ(contract::fault_info(trip.fault).reaction, Reaction::protective_stop);
-    // I4: after the ramp nothing is commanded any more, whatever the cause does.
+    // I4: after the ramp nothing is commanded, independent of the cause.
     hoist.worst_deceleration_m_s2 = 0;
     hoist.step(120);
     EXPECT_EQ(hoist.state.limiter.speed_m_s(), 0);
@@ -287,7 +287,7 @@ TEST(Monitors, H7ATurnWidensTheSideLeanRuleByWhatItExplainsAndNoMore) {
   for (const double beta_deg : {3.2, 3.7}) {  // each strut: 6.4 and 7.4 degrees apart; the bound is 6.8
     SCOPED_TRACE(beta_deg);
     contract::Params params;
-    params.slip_stop_s = 10;  // a chassis that turns without its wheels slips; here it is only a sensor's matter
+    params.slip_stop_s = 10;  // a chassis that turns without its wheels slips; here only the sensor is tested
     ScriptedHoist hoist(params);
     set_going(hoist, Mode::user);
     if (HasFatalFailure()) return;
@@ -564,7 +564,7 @@ TEST(Monitors, H12UnevenBatteriesWarnWithinTwoSecondsAndMoveNothing) {
   }
 }
 
-// H9: between 5 and 8 degrees the hoist goes on, but slowly, and says why.
+// H9: between 5 and 8 degrees the hoist continues slowly, with a warning.
 TEST(Monitors, H9ASlopeSlowsGentlyAndLevelFloorFreesAgain) {
   ScriptedHoist hoist;
   set_going(hoist, Mode::remote);
@@ -640,7 +640,7 @@ TEST(Monitors, H16APatientDrawnAlongWithoutAStepStopsGently) {
   hoist.worst_deceleration_m_s2 = 0;
   ASSERT_TRUE(hoist.reach(Mode::standby, 300));
   EXPECT_LE(hoist.worst_deceleration_m_s2, 0.5 + 1e-9);
-  // The alarm stays while the patient hangs, and so long afterwards that it can be read; until then nothing starts.
+  // The alarm stays while the patient hangs, and some time after, so that it can be read; until then nothing starts.
   hoist.lean(6);
   hoist.step(1000);
   EXPECT_TRUE(hoist.has_fault(Fault::patient_hanging));
@@ -678,7 +678,7 @@ TEST(Monitors, H16SmallSwayIsNoStepAndSlowRollingNoDrawing) {
   set_going(step, Mode::user);
   step.sway_deg = 0.36;
   EXPECT_EQ(ticks_until_leaving(step, 3000), 3000);
-  // From 0.1 m/s on the patient may be drawn along; slower nobody is.
+  // From 0.1 m/s on the patient may be dragged; below, the rule does not apply.
   ScriptedHoist stroll = slow_hoist(0.15);
   ASSERT_TRUE(stroll.start(Mode::user));
   stroll.sway_deg = 0;
@@ -726,7 +726,7 @@ TEST(Monitors, H16AnEmptyHoistThatIsDrivenDoesNotHang) {
   hoist.drive_for(2000, 0.9);
   EXPECT_EQ(hoist.state.mode, Mode::remote);
   EXPECT_FALSE(hoist.has_fault(Fault::patient_hanging));
-  // But who leans far out of it for two seconds is being dragged.
+  // But a large lean for two seconds means being dragged.
   hoist.tilt_left.slew_deg = hoist.tilt_right.slew_deg = 0.1;
   hoist.lean(11);
   for (int i = 0; i < 360 && !hoist.state.motion.leaving; i += 4) hoist.drive_for(4, 0.9);
@@ -734,7 +734,7 @@ TEST(Monitors, H16AnEmptyHoistThatIsDrivenDoesNotHang) {
   EXPECT_TRUE(hoist.state.motion.leaving);
 }
 
-// An exercise that waits for a lagging patient rolls slower than what counts as drawn, or stands: it is left all the same.
+// An exercise that waits for a lagging patient rolls slower than 0.1 m/s, or stands: the alarm ends it too.
 TEST(Monitors, H16NobodyIsWaitedForWithoutEnd) {
   struct Case {
     double lean_deg, sway_deg;
@@ -754,7 +754,7 @@ TEST(Monitors, H16NobodyIsWaitedForWithoutEnd) {
     hoist.lean(lean_deg);
     const auto goes_on = [&hoist] { return hoist.state.mode == Mode::guided && !hoist.state.motion.leaving; };
     for (int i = 0; i < 600 && goes_on(); ++i) {
-      // In place, while the wheels stand, the legs may step on; that brings nobody nearer.
+      // Steps on the spot while the wheels stand do not count.
       if (lean_deg < -9) hoist.tilt_left.beta_deg = hoist.tilt_right.beta_deg = i / 50 % 2 == 0 ? sway_deg : -sway_deg;
       hoist.hold(0, 0, held);
       hoist.step();
@@ -887,7 +887,7 @@ TEST(Monitors, H1TheGateStopsAControllerThatGoesWrong) {
   ScriptedHoist hoist;
   set_going(hoist, Mode::user);
   const double going_m_s = hoist.drive_left.target_m_s;
-  // The controller's memory is damaged: from one step to the next it wants to stand at full speed.
+  // Damaged memory of the controller: from one step to the next it commands full speed.
   hoist.state.limiter.start_from(hoist.state.params, 0.65, 0);
   hoist.step();
   EXPECT_TRUE(hoist.has_fault(Fault::gate_refused));
@@ -905,7 +905,7 @@ TEST(Monitors, H1TheGateStopsAControllerThatGoesWrong) {
   EXPECT_LE(hoist.worst_deceleration_m_s2, 1.0 + 1e-9);
 }
 
-// A serial line that was held up hands over the answers to several SYNCs at once; that is one late step, not a frozen sensor.
+// A delayed serial line delivers the answers to several SYNCs at once: one late step, not a frozen sensor.
 TEST(TiltSensorTest, H6AHeldUpLineIsNoFrozenSensor) {
   TiltSensor sensor;
   contract::CanFrame frame{contract::pdo_cob_id(contract::Pdo::tilt_tx1, contract::Node::tilt_left), 6, 0, {}};

@@ -1,4 +1,4 @@
-// EMERGENCY_STOP and FAULT (hazard table 2.3; H22, H27): how the hoist gets there, what it forgets on the way, and who may lead it out again.
+// EMERGENCY_STOP and FAULT (hazard table 2.3; H22, H27): how they are entered, what is reset, and who may end them.
 #include <gtest/gtest.h>
 
 #include "control/core/modes/mode_list.hpp"
@@ -19,7 +19,7 @@ constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
 
 std::uint32_t acknowledge_as(ScriptedHoist& hoist, std::uint32_t role) { return hoist.ask(CommandKind::acknowledge, 7, 0, role); }
 
-// Stops the hoist once with this, mends it and acknowledges, if it can be.
+// Stops the hoist once with this fault, removes the fault and acknowledges, if possible.
 template <typename Break, typename Mend>
 void stop_once(ScriptedHoist& hoist, Break&& break_it, Mend&& mend_it) {
   break_it(hoist);
@@ -87,7 +87,7 @@ TEST(EmergencyStop, IsLeftOnlyWithTheChainClosedAndAnAcknowledgement) {
   EXPECT_TRUE(hoist.reach(Mode::standby));
 }
 
-// The button pressed for a second and released for another; somebody takes the lease that it ended.
+// The button pressed for a second and released for another; then the lease is taken again.
 void press_and_release(ScriptedHoist& hoist) {
   hoist.io.switches = 1;
   hoist.step(100);
@@ -129,7 +129,7 @@ TEST(EmergencyStop, ComesFromEveryMode) {
   EXPECT_FALSE(starting.has_fault(Fault::tilt_left_lost)) << "there is one alarm, and it is the button";
 }
 
-// The way out of the emergency stop asks for no role, so it must not be a way around the engineer.
+// Leaving the emergency stop needs no role, so it must not bypass the engineer.
 TEST(EmergencyStop, H22_H27TheButtonLeadsNobodyAroundTheEngineer) {
   for (const Fault fault : {Fault::control_fault, Fault::parameters_corrupt}) {
     ScriptedHoist hoist;
@@ -325,14 +325,14 @@ TEST(OutOfService, StaysWhileTheHoistIsPushed) {
   EXPECT_EQ(hoist.state.mode, Mode::fault);
 }
 
-// No mode remembers another: whatever the table leads to begins with empty filters, ramps and integrators.
+// Every transition starts with empty filters, ramps and integrators.
 TEST(Transitions, EveryEntryBeginsFromZero) {
   for (const Transition& row : kTransitions) {
     SCOPED_TRACE(std::string(contract::kModes[static_cast<std::size_t>(row.from)].name) + " -> " +
                  std::string(contract::kModes[static_cast<std::size_t>(row.to)].name));
     ScriptedHoist hoist;
     ASSERT_TRUE(hoist.ready());
-    // The memory of a mode that never was: only the way in decides what is left of it.
+    // Arbitrary old state of a mode: entering the mode must clear it.
     CoreState& state = hoist.state;
     state.mode = row.from;
     state.motion = {};
@@ -388,7 +388,7 @@ TEST(Transitions, EveryEntryBeginsFromZero) {
     EXPECT_FALSE(state.motion.powered);
     EXPECT_EQ(state.still_ticks, 0);
     EXPECT_EQ(state.clear_ticks, row.to == Mode::init ? 0 : state.clear_ticks);
-    // Only a stop takes over a hoist that rolls; everything else begins at rest.
+    // Only a stop takes over a rolling hoist; every other mode begins at rest.
     if (row.to != Mode::protective_stop) {
       EXPECT_TRUE(state.limiter.at_rest());
       EXPECT_EQ(state.limiter.acceleration_m_s2(), 0);
@@ -399,7 +399,7 @@ TEST(Transitions, EveryEntryBeginsFromZero) {
   }
 }
 
-// Every row the table does not have is refused, and changes nothing.
+// Every transition outside the table is refused without effect.
 TEST(Transitions, WhatTheTableDoesNotHaveIsRefusedWithEveryReason) {
   for (const contract::ModeInfo& from : contract::kModes)
     for (const contract::ModeInfo& to : contract::kModes) {

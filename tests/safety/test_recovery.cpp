@@ -1,4 +1,4 @@
-// What a stop is called, what of it counts towards FAULT, and that every stop has a way out of it (hazard table 2.3, H22).
+// The shown cause of a stop, what counts towards FAULT, and that every stop can be left (hazard table 2.3, H22).
 #include <gtest/gtest.h>
 
 #include "control/core/output/supervisor.hpp"
@@ -21,7 +21,7 @@ constexpr std::uint16_t kBlocked = 0x7121, kEncoder = 0x7305;
 std::uint32_t acknowledge_as(ScriptedHoist& hoist, std::uint32_t role) { return hoist.ask(CommandKind::acknowledge, 7, 0, role); }
 std::uint8_t cause(Fault fault) { return static_cast<std::uint8_t>(static_cast<unsigned>(fault) + 1U); }
 
-// The drive stops for this code: its emergency message first, then its status word.
+// The drive stops with this code: its emergency message first, then its status word.
 void fail(ScriptedHoist& hoist, FakeDrive& drive, std::uint16_t code) {
   const Node node = &drive == &hoist.drive_left ? Node::drive_left : Node::drive_right;
   hoist.extra.push_back({contract::canopen::kEmcyBase + contract::node_id(node),
@@ -42,7 +42,7 @@ void each_node(ScriptedHoist& hoist, bool silent) {
     node->silent = silent;
 }
 
-// A door sill blocks a wheel, as often as it likes: the therapist frees it and goes on.
+// A door sill blocks a wheel any number of times: the therapist frees it and continues.
 TEST(Recovery, H22AWheelBlockedByTheFloorNeverLeadsToFault) {
   for (const bool left : {true, false}) {
     ScriptedHoist hoist;
@@ -124,7 +124,7 @@ TEST(Recovery, H1AWheelThatIsHeldBackIsNotTheMachinesFault) {
   }
 }
 
-// The cable is cut behind the interface, which notices nothing: every node is silent, and one alarm says why.
+// The cable is cut behind the interface, which does not notice: every node is silent, and one alarm gives the cause.
 TEST(Recovery, H5ACutCableIsCalledOne) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));
@@ -148,7 +148,7 @@ TEST(Recovery, H5ACauseThatIsFoundLaterTakesThePlaceOfItsConsequence) {
   EXPECT_EQ(hoist.out.record.stop_cause, cause(Fault::bus_down));
 }
 
-// What comes a minute later is another matter.
+// A fault a minute later is a separate one.
 TEST(Recovery, ACauseThatComesLaterThanASecondIsNotTheFirst) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));
@@ -198,7 +198,7 @@ TEST(Recovery, H3ASilentDriveLeadsToInitByAcknowledgement) {
   EXPECT_TRUE(hoist.reach(Mode::standby));
 }
 
-// What an acknowledgement clears by itself holds nothing up: the other drive's fault is reset on the way.
+// A fault that acknowledgement clears does not block it: the other drive's fault is reset with it.
 TEST(Recovery, ASilentDriveBesideOneInFaultLeadsToInitToo) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());

@@ -1,4 +1,4 @@
-// H1: a motor that turns although nothing asks for it. First a protective stop, then, when that does not stop it, no supply.
+// H1: a motor that turns without a command. First a protective stop, then, if that has no effect, the supply is cut.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -19,13 +19,13 @@ namespace canopen = contract::canopen;
 
 constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
 
-// What the last step told the relay, if it told it anything.
+// The last step's command to the relay, if any.
 std::optional<std::uint8_t> told_relay(const ScriptedHoist& hoist) {
   for (const contract::CanFrame& frame : hoist.sent)
     if (frame.id == contract::pdo_cob_id(contract::Pdo::io_rx1, contract::Node::io)) return frame.data[0];
   return std::nullopt;
 }
-// Steps until the relay is told to open; -1 when it is not within `limit` steps.
+// Steps until the relay is commanded open; -1 if not within `limit` steps.
 int ticks_until_released(ScriptedHoist& hoist, int limit) {
   for (int i = 1; i <= limit; ++i) {
     hoist.step();
@@ -40,7 +40,7 @@ bool fed(ScriptedHoist& hoist) {
     if (const auto told = told_relay(hoist))
       levels |= static_cast<std::uint8_t>((*told & canopen::kRelayRelease) != 0 ? 0x80 : 1U << *told);
   }
-  return levels == 3;  // it was on and off, and never let go
+  return levels == 3;  // it was on and off, and never released
 }
 
 void run_away(FakeDrive& drive, double wheel_m_s, double current_a) {
@@ -171,7 +171,7 @@ TEST(Runaway, H1WhatHandsAndSlopesDoIsNoRunaway) {
   EXPECT_EQ(late.state.mode, Mode::standby);
 }
 
-// A stop from 0.25 m/s under which one wheel goes on; no current tells why.
+// A stop from 0.25 m/s in which one wheel continues, without current to explain it.
 ScriptedHoist stopping(double left_m_s) {
   ScriptedHoist hoist;
   EXPECT_TRUE(hoist.start(Mode::remote));

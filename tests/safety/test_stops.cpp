@@ -1,5 +1,5 @@
-// Limiter and safety gate are written apart, from the same figures. Whatever the allowed parameters, a legal motion must pass the gate, and
-// so must every stop: a gate that refuses a stop turns a ramp into a jolt.
+// Limiter and safety gate are independent implementations of the same limits. For all allowed parameters, every legal motion and every stop
+// must pass the gate: a refused stop would turn a ramp into a jolt.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -16,7 +16,7 @@ constexpr int kWorldStepsPerTick = 10;
 /// Driving commands come at 25 Hz (design: every 40 ms while held).
 constexpr std::uint64_t kTicksPerCommand = 4;
 constexpr std::uint32_t kNotKnown = 0;
-/// Driving commands that may be on their way at once: four seconds' worth.
+/// Most driving commands in transit: four seconds' worth.
 constexpr std::size_t kLinkMax = 100;
 
 /// Time this thread has had a processor: what the loop costs, however busy the machine is.
@@ -53,12 +53,12 @@ void ClosedLoop::restart_core() {
   *core_ = core::CoreState(params_);
   *outputs_ = {};
   ticks_ = 0;
-  // Another life of the core: the server attaches anew, and its commands are numbered from the beginning.
+  // A restarted core: the server attaches again, and its command numbers restart.
   sequence_ = 0;
   drive_sequence_ = 0;
   commands_.clear();
   link_.clear();
-  // It opens the bus anew: what came before is not for it.
+  // It reopens the bus: earlier frames are dropped.
   while (receive() > 0) {
   }
   core_runs_ = true;
@@ -134,7 +134,7 @@ void ClosedLoop::drive_with_stick(core::TickInputs& inputs) {
     last_command_ = false;
     if (!link_cut_ && link_.size() < kLinkMax) link_.push_back({inputs.tick + (link_delay_ ? link_delay_() : 0U), command});
   }
-  // A server that hangs passes nothing on.
+  // A hanging server forwards nothing.
   if (server_runs_ && !link_stalled_ && !link_.empty() && link_.front().due_tick <= inputs.tick) {
     inputs.drive_fresh = true;
     inputs.drive = link_.front().command;
@@ -271,7 +271,7 @@ double simulated_seconds_per_second(double virtual_s) {
   ClosedLoopOptions options;
   options.world.scenario = sim::find_scenario("figure-eight");
   ClosedLoop loop(options);
-  // The start is part of the world's work but not of the figure that is asked.
+  // The start is simulated but not measured.
   if (!loop.start(contract::Mode::user)) return 0.0;
   const double begin_s = core_seconds();
   loop.run(virtual_s);

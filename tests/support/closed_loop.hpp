@@ -1,5 +1,5 @@
-// The whole loop in virtual time: the real control step, the shipped node sources, the bus, the machine and the patient. Nothing waits for a
-// clock, so a minute takes some hundredths of a second, and the same options give the same run bit for bit.
+// The whole loop in virtual time: the real control step, the shipped node sources, the bus, the machine and the patient. There is no
+// waiting, so a minute takes some hundredths of a second, and the same options give the same run bit for bit.
 //
 // The loop is the one hoist-control runs: wake every 10 ms, hand over the frames received, step, send the frames in their order.
 #pragma once
@@ -48,14 +48,14 @@ class ClosedLoop {
   /// The same by another client of the server.
   std::uint32_t ask_as(std::uint32_t client, contract::CommandKind kind, std::uint32_t a = 0, double v0 = 0.0, double v1 = 0.0,
                        double v2 = 0.0, std::uint32_t b = 0);
-  /// A command or a driving command as it is, with whatever numbers it has: what a hostile or confused sender would put there.
+  /// A command or a driving command, unchanged, as from a hostile or faulty sender.
   void put(const contract::Command& command) { commands_.push_back(command); }
   void put_drive(const contract::DriveCommand& command) { stranger_drive_ = command, stranger_drives_ = true; }
-  /// Waits for standby, takes the lease and asks for the mode. False when it is not in force within 10 s.
+  /// Waits for standby, takes the lease and requests the mode. False when it is not in force within 10 s.
   bool start(contract::Mode mode);
   /// Waits for standby, takes the lease and begins this exercise; the hand is still off the button. False when it is not in force within 10 s.
   bool start_guided(const contract::GuidedPath& path);
-  /// Holds the joystick there from now on, renewed every 40 ms; let_go ends that with a last command, silence without one.
+  /// Holds the joystick there from now on, repeated every 40 ms; let_go ends with a release command, silence without one.
   void hold_stick(double speed_norm, double yaw_norm);
   void let_go();
   void fall_silent() { stick_held_ = false; }
@@ -63,24 +63,24 @@ class ClosedLoop {
   // The way from the stick to the server. In order, as TCP has it.
   /// Whatever is sent is gone.
   void cut_link(bool cut);
-  /// Whatever is sent waits, and comes in a burst when this ends.
+  /// Sent messages wait, and arrive in a burst when this ends.
   void stall_link(bool stalled) { link_stalled_ = stalled; }
   /// Each driving command takes as many steps more as this says; an empty one ends that.
   void delay_commands(std::function<std::uint32_t()> ticks) { link_delay_ = std::move(ticks); }
 
   // Faults of the computer itself.
   void kill_core() { core_runs_ = false; }
-  /// The core goes on after kill_core() as if it had been held: same state, and it sees how late it is.
+  /// The core continues after kill_core() as if suspended: same state, and it sees its lateness.
   void resume_core() { core_runs_ = true; }
-  /// Another core in its place, as after a crash: it knows nothing.
+  /// A new core, as after a crash, without the old state.
   void restart_core();
   void stop_server() { server_runs_ = false; }
   void resume_server() { server_runs_ = true; }
-  /// Another server in its place, as after a crash: its numbers begin anew.
+  /// A new server, as after a crash: its numbers restart.
   void restart_server();
-  /// False: the computer's CAN interface is off the bus, and says so.
+  /// False: the computer's CAN interface is off the bus and reports it.
   void set_bus_up(bool up) { bus_up_ = up; }
-  /// The next step begins this late (as told to the core; the world goes on meanwhile).
+  /// The next step begins this late, as seen by the core; the world continues meanwhile.
   void be_late(double seconds) { lateness_s_ = seconds; }
 
   [[nodiscard]] const contract::TickRecord& record() const { return outputs_->record; }
@@ -103,11 +103,11 @@ class ClosedLoop {
   void on_inputs(std::function<void(const core::TickInputs&)> see) { see_inputs_ = std::move(see); }
   /// After every millisecond of the world.
   void on_millisecond(std::function<void()> see) { see_millisecond_ = std::move(see); }
-  /// Sees what each step was given and what it gave, before any of it leaves.
+  /// Observer of each step's inputs and outputs, before they leave.
   void on_step(std::function<void(const core::TickInputs&, const core::TickOutputs&)> see) { see_step_ = std::move(see); }
-  /// A broken product, to show that a test notices: may change the core's state and what the step gave before any of it leaves.
+  /// Fault injection, to show that a test fails: may change the core's state and outputs before they leave.
   void break_core(std::function<void(core::CoreState&, core::TickOutputs&)> how) { break_ = std::move(how); }
-  /// Noise on the gateway's serial line: sees each character on its way, may change it.
+  /// Noise on the gateway's serial line: sees each character and may change it.
   void set_serial_noise(std::function<void(char&)> noise) { noise_ = std::move(noise); }
 
  private:
@@ -115,7 +115,7 @@ class ClosedLoop {
   static constexpr std::uint64_t kClockStart_ns = 1'000'000'000;
   static constexpr std::size_t kFramesMax = 256;
 
-  /// Waits for standby, takes the lease, waits until nothing is in the way of a start.
+  /// Waits for standby, takes the lease, waits until a start is allowed.
   bool may_start();
   void send(const contract::CanFrame& frame);
   void drive_with_stick(core::TickInputs& inputs);
@@ -145,7 +145,7 @@ class ClosedLoop {
     std::uint64_t due_tick;
     contract::DriveCommand command;
   };
-  std::deque<UnderWay> link_;  // driving commands on their way
+  std::deque<UnderWay> link_;  // driving commands in transit
   contract::DriveCommand stranger_drive_{};
   std::uint64_t ticks_{};
   contract::ParamSetSeal seal_;  // over what was staged

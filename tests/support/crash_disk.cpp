@@ -35,7 +35,7 @@ struct Disk {
   bool cut = false, lying = false, full = false;
   std::uint32_t fails = 0;  // of 2^32
 
-  // True when the power is (now) gone.
+  // True when the power is off.
   bool count() {
     if (cut) return true;
     ++operations;
@@ -111,7 +111,7 @@ int file_size(sqlite3_file* base, sqlite3_int64* size) {
   *size = static_cast<sqlite3_int64>(as_file(base)->content->now.size());
   return SQLITE_OK;
 }
-// Within one process and thread nothing ever waits: a lock that cannot be had is busy.
+// In one process and thread nothing may wait: an unavailable lock is busy.
 int lock_file(sqlite3_file* base, int level) {
   File& file = *as_file(base);
   Content& content = *file.content;

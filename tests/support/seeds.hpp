@@ -4,7 +4,7 @@
 
 namespace hoist::tests {
 
-/// Long proofs in full (HOIST_THOROUGH, set by `deploy/dev check`), or the share of them that finds a break while one works on it.
+/// Long tests in full (HOIST_THOROUGH, set by `deploy/dev check`), or a share of them for everyday runs.
 inline bool thorough() { return std::getenv("HOIST_THOROUGH") != nullptr; }  // NOLINT(concurrency-mt-unsafe): nothing sets it meanwhile
 
 /// `n` in the normal tree. Under sanitizers everything takes ten times as long, and they look for other mistakes than more seeds find:

@@ -9,8 +9,8 @@
 
 namespace hoist::test {
 
-/// A new, empty folder that goes with the object. Keep it before whatever writes into it: members go in reverse order, so the writers are gone
-/// first. A file that cannot be removed stays where it is; that is no reason for a test to fail.
+/// A new, empty folder, removed with the object. Declare it before its writers: members are destroyed in reverse order, so the writers end
+/// first. A file that cannot be removed stays; the test does not fail.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

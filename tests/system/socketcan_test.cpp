@@ -25,12 +25,12 @@ namespace {
 using contract::CanFrame;
 
 constexpr int kSlcanDiscipline = 17;  // N_SLCAN
-// The kernel may leave the delivery of a frame to a thread of its own: what must arrive is waited for, up to this long.
+// The kernel may deliver a frame by its own thread: longest wait for an expected frame.
 constexpr int kPatienceMs = 5000;
 
 int run(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()); }
 
-// A plain socket of somebody else on the same interface.
+// A plain socket of another program on the same interface.
 class Peer {
  public:
   explicit Peer(const std::string& interface) : fd_(::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW)) {
@@ -76,12 +76,12 @@ class SocketCan : public ::testing::Test {
     ASSERT_EQ(run("ip link set hoist0 up"), 0);
   }
   std::size_t receive() { return port.receive(frames, now_ns); }
-  // Steps the port (its time stands still) until `done`. What must not happen needs no waiting: it comes after something that did.
+  // Steps the port (its time stands still) until `done`. The absence of a frame needs no wait: it is checked after a later frame.
   template <typename Done>
   void receive_until(Done done) {
     for (int waited_ms = 0; receive(), !done() && waited_ms < kPatienceMs; ++waited_ms) ::poll(nullptr, 0, 1);
   }
-  // All frames that arrive until there are `count`.
+  // Collects frames until `count`.
   std::size_t receive_all(std::size_t count) {
     std::vector<CanFrame> all;
     for (int waited_ms = 0; waited_ms < kPatienceMs; ++waited_ms) {
@@ -307,7 +307,7 @@ TEST_F(SocketCan, FramesTheKernelHadNoRoomForAreCounted) {
   Peer peer("hoist0");
   constexpr std::uint32_t kSent = 6000;
   for (std::uint32_t i = 0; i < kSent; ++i) peer.write(0x181, {static_cast<std::uint8_t>(i)});
-  // Until the newest that found room has been read and nothing more comes.
+  // Until the newest queued frame has been read and nothing more comes.
   std::uint32_t steps = 0;
   for (int quiet_ms = 0; quiet_ms < 100; ++steps) {
     ASSERT_LT(steps, 10000U);
@@ -319,7 +319,7 @@ TEST_F(SocketCan, FramesTheKernelHadNoRoomForAreCounted) {
     }
   }
   EXPECT_GT(port.counters().received, 1000U) << "the larger buffer was not taken";
-  // The kernel tells the number with the next frame that found room.
+  // The kernel reports the number with the next queued frame.
   peer.write(0x182, {1});
   EXPECT_EQ(receive_all(1), 1U);
   const PortCounters& counters = port.counters();
@@ -352,7 +352,7 @@ TEST_F(SocketCan, AFrameThatCannotExistIsNotSentNorAnythingAfterIt) {
   EXPECT_EQ(port.send(error, now_ns), 0U) << "error frames are told by controllers, never written";
 }
 
-// A driver whose device does not take what it is given: the kernel's slcan on a pty that nobody reads.
+// A driver whose device is stuck: the kernel's slcan on a pty without a reader.
 TEST_F(SocketCan, AFullQueueIsNoReasonToSpinOrToGoDown) {
   const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
   ASSERT_GE(master, 0);

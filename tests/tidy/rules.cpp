@@ -20,8 +20,8 @@ bool is_cpp(std::string_view path) {
 }
 bool is_generated(std::string_view path) { return path.find(".gen.") != std::string_view::npos; }
 
-// Who may include whom. The first row whose prefix fits a file decides: its includes from this tree must begin with one of the
-// allowed prefixes. `std_only` also refuses headers that are not the standard library's.
+// Allowed includes. The first row whose prefix fits a file decides: its includes from this tree must begin with one of the allowed
+// prefixes. `std_only` also refuses headers that are not the standard library's.
 struct Layer {
   std::string_view prefix;
   std::vector<std::string_view> may_include;
@@ -98,7 +98,7 @@ const std::set<std::string_view>& standard_headers() {
   return table;
 }
 
-// Words that the pure parts (control/core and the firmware that runs on the Cortex-M0) may not use, with what they would bring in.
+// Words that the pure parts (control/core and the firmware that runs on the Cortex-M0) may not use, with the reason.
 struct Forbidden {
   std::string_view pattern;
   std::string_view why;
@@ -136,7 +136,7 @@ const std::map<std::string_view, std::string_view>& may_read_the_wall_clock() {
   return table;
 }
 
-// Tests wait for events or use virtual time. Whoever must let real time pass stands here with the reason.
+// Tests wait for events or use virtual time. Exceptions, each with the reason.
 const std::map<std::string_view, std::string_view>& may_sleep() {
   static const std::map<std::string_view, std::string_view> table = {};
   return table;
@@ -165,7 +165,7 @@ void check_includes(const File& file, const std::vector<std::string>& all_paths,
     if (!std::regex_search(text, match, include_line)) continue;
     const std::string target = match[2];
     if (match[1] == "<") {
-      // Fixed-size matrices: no heap, no clock, nothing but arithmetic.
+      // Fixed-size matrices: only arithmetic, no heap, no clock.
       const bool matrices = target == "Eigen/Core" && starts_with(file.path, "control/core/estimate/");
       if (layer != layers().end() && layer->std_only && !matrices && standard_headers().count(target) == 0) {
         findings.push_back({file.path, number, "layer",
@@ -253,7 +253,7 @@ void check_web_imports(const File& file, std::vector<Finding>& findings) {
   for (const auto& [number, text] : lines_of(file.text)) {
     std::smatch match;
     if (!std::regex_search(text, match, import_line)) continue;
-    // How deep the file lies under web/ is how often it may climb.
+    // A file may use as many "../" as its depth under web/.
     const auto depth = std::count(file.path.begin(), file.path.end(), '/') - 1;
     const std::string target = match[2];
     std::ptrdiff_t climbs = 0;
@@ -351,7 +351,7 @@ std::vector<Finding> check_tree(const std::vector<File>& files) {
     const auto found = by_path.find(path);
     if (found == by_path.end() || !found->second->runnable) findings.push_back({path, 0, "run-bit", "is missing or cannot be run"});
   }
-  // A source that no CMakeLists above it names is dead: it looks like code and nobody compiles it.
+  // A source in no CMakeLists above it is dead code.
   for (const auto& file : files) {
     if (!ends_with(file.path, ".cpp")) continue;
     const std::string name = file.path.substr(file.path.rfind('/') + 1);

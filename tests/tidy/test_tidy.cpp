@@ -14,7 +14,7 @@
 namespace hoist::tidy {
 namespace {
 
-// The files that git knows: what is on the disk besides (builds, packages) is nobody's business here.
+// The files in git; others on the disk (builds, packages) are ignored.
 std::vector<File> tracked_files() {
   const std::string top = HOIST_SOURCE_DIR;
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(("git -C '" + top + "' ls-files -z 2>/dev/null").c_str(), "r"), pclose);
@@ -150,7 +150,7 @@ TEST_P(PureWords, AreFoundInCoreAndFirmwareOnly) {
   EXPECT_EQ(broken_by("control/core/intent/a.hpp", text).count("pure"), 1U);
   EXPECT_EQ(broken_by("firmware/lib/a.hpp", text).count("pure"), 1U);
   EXPECT_EQ(broken_by("server/api/a.hpp", text).count("pure"), 0U);
-  // The same word in a comment or a message is only a word.
+  // The same word in a comment or a message is allowed.
   EXPECT_EQ(broken_by("control/core/intent/a.hpp", std::string("#pragma once\n// ") + GetParam() + "\n"), Rules{});
 }
 INSTANTIATE_TEST_SUITE_P(Each, PureWords,

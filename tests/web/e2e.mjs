@@ -1,8 +1,8 @@
-// A person at the console, with the real programs behind it: headless Chromium against hoist-server, hoist-control and hoist-sim.
+// The console in headless Chromium with the real hoist-server, hoist-control and hoist-sim.
 //
 //   node tests/web/e2e.mjs [--bin build/bin] [--web web/dist] [--json FILE] [--only TEXT] [--shots DIR]
 //
-// What the hoist really does is asked of the simulator, never of the page. Ends with `N passed, N failed, N skipped`.
+// The hoist's motion is read from the simulator, never from the page. Prints `N passed, N failed, N skipped`.
 import { existsSync, mkdirSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join, resolve } from 'node:path';
@@ -44,7 +44,7 @@ let stack;
 let browser;
 let context;
 let page;
-let pageErrors = []; // of the page's own program: nothing excuses them
+let pageErrors = []; // of the page itself: always a failure
 let complaints = []; // of the browser, mostly about answers of the server
 let secondChances = secondChancesMax;
 let walked = null; // the recorded walk that later cases look at
@@ -236,7 +236,7 @@ async function holdUntil(what, hand, check) {
       const mode = await modeName();
       if (mode !== hand.mode) {
         await hand.leave();
-        // A hoist that stood ends driving without an alarm: then only the browser can tell.
+        // At standstill driving ends without an alarm: only the browser shows it.
         const silent = lateTurns_ms.length > turns || (await endedBySilence());
         assert(hand.begin !== undefined && mode === 'Standby' && silent, `${what}: "${hand.mode}" ended by itself, now "${mode}"`);
         reason = 'the core heard nothing from the page';
@@ -396,7 +396,7 @@ const cases = {
     const strength = async () => (await stack.rest('GET', '/parameters/lean_gain_filtered_units')).json().value;
     const wanted = (await strength()) === 44 ? 43 : 44;
     await field.fill(String(wanted));
-    // Who types on before the answer is there finds what was typed.
+    // Text typed before the answer arrives is kept.
     await field.evaluate((input) => {
       input.dispatchEvent(new KeyboardEvent('keydown', { key: 'Enter', bubbles: true }));
       input.value = '400';
@@ -448,7 +448,7 @@ const cases = {
       assert(Math.abs(today_s - Date.now() / 1000) < 120, `the date kept is ${today_s}`);
       assert(!(await stack.truth()).enabled, 'a drive was switched on');
     } finally {
-      // Drives that are still on refuse it; `recover` does it then, and the case tells its own reason.
+      // Drives that are still on refuse it; then `recover` does it, and the case reports its own failure.
       await stack.ask({ op: 'strap' }).catch(() => {});
     }
   },
@@ -489,7 +489,7 @@ const cases = {
       'the exercise is over',
       async () => {
         if ((await modeName()) === 'Standby') return true;
-        // A connection that was slow for a moment lets go, as it must; whoever holds presses anew.
+        // A briefly slow connection releases, as it must; press again.
         if ((await page.locator('.go.active:not(.held)').count()) > 0) {
           await page.keyboard.up('ArrowUp');
           await page.keyboard.down('ArrowUp');
@@ -517,7 +517,7 @@ const cases = {
       else if (way === 'hidden') await page.evaluate(hidePage);
       else if (way === 'capture') {
         await page.evaluate(loseCapture);
-        // The browser tells of it with the next movement, which must not take hold again.
+        // The browser reports it with the next movement, which must not press again.
         await stick(0, 0.3).move();
       }
       else if (way === 'page') await page.evaluate(() => (location.hash = '#/health'));
@@ -543,7 +543,7 @@ const cases = {
       else {
         const box = await page.getByRole('button', { name: 'STOP' }).boundingBox();
         await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
-        // Pressing is enough: the button is never let go before the hoist stands.
+        // Pressing is enough: the button is not released before the hoist stands.
         await page.mouse.down();
       }
       await stands(`it stands after STOP on ${name}`);
@@ -555,7 +555,7 @@ const cases = {
     await release.click();
     await sleep(500);
     assert((await modeName()) === 'Stopped', 'a short tap released the stop');
-    // Something else happens under the hand that holds: it is told, and released only by a hand that has seen it.
+    // A further cause during the press: it is shown, and released only by a later press.
     const box = await release.boundingBox();
     await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
     await page.mouse.down();
@@ -576,7 +576,7 @@ const cases = {
     await until('the patient walks at his pace', async () => (await stack.truth()).speed_m_s > 0.2);
     await stack.programs['hoist-server'].kill('SIGKILL');
     await until('the page says that the connection is lost', () => page.getByText('No connection to the hoist').isVisible(), 6000);
-    // By the hoist's speed, not by how far along his line he got: the cases before left it beside the line, and he first walks back to it.
+    // By the hoist's speed, not by progress along the line: earlier cases left it beside the line, and the patient first walks back to it.
     let way_m = 0;
     for (let look = 0; look < 10; look += 1) {
       await sleep(250);
@@ -678,7 +678,7 @@ const cases = {
       await stands('it stands after End on the second screen', 6);
       assert((await second.locator('.dialog').count()) === 0, 'End asked to take over');
       await until('standby', async () => (await modeName()) === 'Standby');
-      // Control changes hands while it stands, and the screen that lost it says so.
+      // Control is taken over at standstill, and the screen that lost it says so.
       await second.goto(`${stack.origin}/#/walk`);
       await until('a start is possible', () => second.getByRole('button', { name: 'Start walking' }).isEnabled());
       await second.getByRole('button', { name: 'Start walking' }).click();
@@ -711,7 +711,7 @@ const cases = {
 
   async 'signed out with the page open: STOP stays, and the page says what to do'() {
     await toStandby();
-    // A page of its own: its browser writes of the 401 by itself.
+    // A separate page: its browser logs the 401.
     const other = await context.newPage();
     await other.goto(`${stack.origin}/`);
     await until('live data', async () => (await other.locator('.mode strong').textContent()) === 'Standby', 15_000);
@@ -795,7 +795,7 @@ else {
     context = await browser.newContext({ viewport: { width: 1280, height: 800 }, locale: 'en-GB', acceptDownloads: true });
     await context.exposeBinding('hoistTestLate', (_, gap_ms) => void lateTurns_ms.push(gap_ms));
     await context.addInitScript(watchTurns, { late_ms: browserLate_ms, loading_ms });
-    // Every run signs in first, also when only one case is asked for.
+    // Every run signs in first, also for a single case.
     const signIn = Object.keys(cases)[0];
     if (!names.includes(signIn)) names.unshift(signIn);
     for (const name of names) {
@@ -826,7 +826,7 @@ else {
         }
         await recover();
       }
-      // A failure without an excuse is forgotten when the case passes, not when the next attempt proves nothing.
+      // A real failure is cleared only when the case passes, not when the next attempt is inconclusive.
       if (busy !== null && unexcused !== null) [failure, busy] = [unexcused, null];
       const took = `(${((performance.now() - began) / 1000).toFixed(1)} s)`;
       if (busy !== null || failure instanceof NothingToJudge) {

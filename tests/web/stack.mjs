@@ -1,4 +1,4 @@
-// The real programs for the browser tests: simulator, control core and server in a folder of their own, and the questions asked of them.
+// The real programs for the browser tests: simulator, control core and server in their own folder, and queries to them.
 import { spawn } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { connect, createServer } from 'node:net';

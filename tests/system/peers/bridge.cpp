@@ -1,10 +1,9 @@
 // A CAN bus made of two pipes: our side of the tests with an independent CANopen stack. One JSON object a line, both ways.
 //   peers_bridge node NAME    one of our nodes with a board made of variables, running in real time
 //   peers_bridge client       our SDO client
-// Frames:   {"id":385,"data":"0011223344556677"}
-// To a node: {"set":"bumpers","value":1}, {"set":"silent","value":1} (nothing is sent any more, as if it were switched off)
-// To the client: {"upload":[node,index,sub]}, {"download":[node,index,sub],"data":"0102","segmented":true}
-// From the client: {"result":"done","data":"...","code":0}
+// Frames:   {"id":385,"data":"0011223344556677"} To a node: {"set":"bumpers","value":1}, {"set":"silent","value":1} (stops sending, as if
+// switched off) To the client: {"upload":[node,index,sub]}, {"download":[node,index,sub],"data":"0102","segmented":true} From the client:
+// {"result":"done","data":"...","code":0}
 #include <poll.h>
 #include <time.h>
 #include <unistd.h>
@@ -57,7 +56,7 @@ void put(const json& line) {
 }
 void put_frame(const CanFrame& frame) { put({{"id", frame.id}, {"data", hex(std::span(frame.data).first(frame.dlc))}}); }
 
-// Whole lines of the standard input, without waiting longer than `wait_ms`. False at its end.
+// Complete lines of the standard input, waiting at most `wait_ms`. False at its end.
 class Lines {
  public:
   template <class OnLine>
@@ -121,7 +120,7 @@ int run_node(contract::Node which) {
 }
 
 int run_client() {
-  // The peer lives in another process of a busy computer: patience instead of the bus's own worst case.
+  // The peer is another process on a busy computer: longer timeouts than on a bus.
   SdoClient client({.answer_ns = 3'000'000'000, .tries = 1, .pace_ns = 4'300'000});
   std::vector<std::uint8_t> content;
   bool waiting = false;

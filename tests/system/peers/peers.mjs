@@ -1,6 +1,6 @@
 // Our nodes and our SDO client against an independent CANopen stack (npm `canopen`, MIT), over the pipes of peers_bridge.
 //   node peers.mjs BRIDGE SOURCE_DIR
-// Waits end when the thing has happened; only what must not happen is given a fixed time. Ends with 77 when the stack is not installed.
+// Waits end with their event; only the absence of an event gets a fixed time. Exits with 77 when the stack is not installed.
 import { spawn } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -45,7 +45,7 @@ class Bridge {
   listeners = [];
   constructor(...words) {
     this.process = spawn(bridge, words, { stdio: ['pipe', 'pipe', 'inherit'] });
-    this.process.stdin.on('error', () => {}); // it has ended; what waits for it says so
+    this.process.stdin.on('error', () => {}); // it has ended; waiting cases fail with that
     createInterface({ input: this.process.stdout }).on('line', (text) => {
       const line = JSON.parse(text);
       if (line.result) this.results.push(line);
@@ -62,7 +62,7 @@ class Bridge {
   send(id, data) {
     this.write({ id, data: Buffer.from(data).toString('hex') });
   }
-  // Couples a device of the peer: frames both ways, as on a bus.
+  // Connects a device of the peer: frames in both directions, as on a bus.
   couple(device) {
     device.addListener('message', ({ id, data }) => this.send(id, data));
     this.listeners.push(({ id, data }) => device.receive({ id, data, len: data.length }));
@@ -114,7 +114,7 @@ async function abortOf(promise) {
   return 'no abort';
 }
 
-// The peer as slave with a small dictionary, asked by our client.
+// The peer as slave with a small dictionary, read and written by our client.
 async function withSlave(work) {
   const client = new Bridge('client');
   const slave = new Device({ id: 5, eds: new Eds() });

@@ -44,7 +44,7 @@ TEST(Lpc11c24Memory, NothingOverlaps) {
   EXPECT_EQ(kParametersStart % kSectorBytes, 0U);       // an erase must not reach into the program
   EXPECT_EQ(kMailboxBytes, sizeof(Mailbox));
   EXPECT_EQ(kStackTop + 32, kRamStart + kRamBytes);  // the factory's flash routines use the last 32 bytes
-  // The boot ROM runs after each reset, and nothing in RAM is safe from it.
+  // The boot ROM runs after each reset and may overwrite RAM.
   EXPECT_TRUE(kMailboxStart + kMailboxBytes <= kRamStart || kMailboxStart >= kRamStart + kRamBytes);
   EXPECT_EQ(kStackTop % 8, 0U);  // ARM procedure call standard
 }
@@ -71,7 +71,7 @@ TEST(Lpc11c24Can, ARemoteFrameIsSentFromBehindTheReceivingChain) {
   EXPECT_EQ(lpc11c24::transmit_object({0x711U << 18, 0, contract::CanFrame::kExtended, {}}), lpc11c24::transmit_object({0x711, 0, 0, {}}));
 }
 
-// Whatever lower frames of its own board wait in the mailboxes: SYNC and EMCY find one at once, process data when one lower datum is out.
+// With any lower frames of the board in the mailboxes, SYNC and EMCY find a free one at once, PDOs after one lower PDO has been sent.
 TEST(Stm32f072Can, LowerFramesNeverFillAllMailboxes) {
   const auto order = [](std::uint32_t id) { return cortex_m0::arbitration_order({id, 0, 0, {}}); };
   const std::array<std::uint32_t, 7> ids{0x080, 0x081, 0x181, 0x281, 0x282, 0x581, 0x701};
@@ -225,7 +225,7 @@ bool save(Pages& pages, std::uint32_t mark) {
     return StoredValue{static_cast<std::uint16_t>(0x2000 + i), 1, 4, mark * 1000 + static_cast<std::uint32_t>(i)};
   });
 }
-// The mark that all records carry; 0 when there is no good copy.
+// The mark of all records; 0 without a good copy.
 std::uint32_t load(Pages& pages) {
   ParameterStore<Pages> store(pages, 1);
   std::uint32_t mark = 0, count = 0;
@@ -275,7 +275,7 @@ TEST(ParameterPages, ACutOfThePowerLosesNothingButInTheRareErase) {
       } else {
         ASSERT_TRUE(mark == saves + 1 || (cut && mark == saves)) << saves << " saves, cut in operation " << operation << ": " << mark;
       }
-      // Whatever happened, the next save works.
+      // The next save always works.
       ASSERT_TRUE(save(after, 999));
       ASSERT_EQ(load(after), 999U);
     }

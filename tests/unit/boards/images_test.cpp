@@ -73,7 +73,7 @@ TEST(Images, BeginWithVectorsThatTheirChipAccepts) {
     ASSERT_NE(image.chip, nullptr);
     ASSERT_GE(image.bytes.size(), contract::kImageMin);
     const auto word = [&image](std::size_t at) { return contract::image_word(image.bytes, at); };
-    // The ROM of the LPC11C24 starts nothing whose first eight words do not add up to zero.
+    // The ROM of the LPC11C24 starts only a program whose first eight words add up to zero.
     std::uint32_t sum = 0;
     for (std::size_t at = 0; at < 32; at += 4) sum += word(at);
     EXPECT_EQ(sum, 0U);
@@ -83,11 +83,11 @@ TEST(Images, BeginWithVectorsThatTheirChipAccepts) {
     const std::uint32_t flash_at = image.loader ? image.chip->application_at & 0xFF000000U : image.chip->application_at;
     // A loader polls: it has the handlers for reset and the two faults only.
     for (std::size_t at = 4; at < (image.loader ? 16U : 0xC0U); at += 4) {
-      const bool reserved = (at >= 16 && at < 44) || at == 48 || at == 52;  // word 7 among them: the sum
+      const bool reserved = (at >= 16 && at < 44) || at == 48 || at == 52;  // word 7 among them: the checksum
       if (reserved) continue;
       SCOPED_TRACE(at);
       EXPECT_EQ(word(at) & 1U, 1U);  // Thumb code
-      // A handler may lie in RAM: the edges of the encoder are counted there.
+      // A handler may be in RAM, as that of the encoder's edges.
       const bool in_ram = word(at) >= image.chip->ram_at && word(at) < image.chip->ram_at + image.chip->ram_bytes;
       EXPECT_TRUE(in_ram || (word(at) > flash_at && word(at) < flash_at + image.bytes.size()));
     }
@@ -100,7 +100,7 @@ TEST(Images, BeginWithVectorsThatTheirChipAccepts) {
   }
 }
 
-// Kind of node, chip and version are the program's own words, and the file for the update over the bus says the same.
+// Node kind, chip and version come from the program, and its update file has the same.
 TEST(Images, SayForWhichNodeAndChipTheyAre) {
   const auto all = images();
   SKIP_WITHOUT_IMAGES(all);
@@ -120,7 +120,8 @@ TEST(Images, SayForWhichNodeAndChipTheyAre) {
   }
 }
 
-// At 2FCh the LPC11C24 keeps its code protection: four values lock the chip, one of them for ever. Code lies there; it must be none of them.
+// At 2FCh the LPC11C24 keeps its code protection: four values lock the chip, one of them for ever. The code at this address must have
+// another value.
 TEST(Images, NeverLockTheChip) {
   const auto all = images();
   SKIP_WITHOUT_IMAGES(all);

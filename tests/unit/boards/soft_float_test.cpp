@@ -14,7 +14,7 @@ namespace {
 namespace soft = soft_float;
 
 float value(std::uint32_t word) { return std::bit_cast<float>(word); }
-// All NaN are one: their bits are nobody's business.
+// All NaN count as equal.
 std::uint32_t word(float number) { return std::isnan(number) ? soft::kNan : std::bit_cast<std::uint32_t>(number); }
 
 void expect_same(std::uint32_t a, std::uint32_t b) {
@@ -84,7 +84,7 @@ TEST(SoftFloat, AgreesOnConversions) {
   }
 }
 
-// What the language leaves open is held at the ends here, so that a wild number never becomes a small one.
+// Undefined conversions saturate, so that a large number never becomes a small one.
 TEST(SoftFloat, HoldsWhatDoesNotFitAnInteger) {
   EXPECT_EQ(soft::to_signed(word(3e9F)), 2147483647);
   EXPECT_EQ(soft::to_signed(word(-3e9F)), -2147483647 - 1);

@@ -20,7 +20,7 @@ using contract::ImageChip;
 using contract::ImageError;
 using contract::ImageKind;
 
-/// A program whose bytes depend on the seed, so that two of them never look alike.
+/// A program whose bytes depend on the seed, so that two always differ.
 inline std::vector<std::uint8_t> make_image(std::size_t bytes, std::uint32_t version, std::uint32_t seed = 1,
                                             ImageKind kind = ImageKind::drive, ImageChip chip = ImageChip::simulated) {
   std::vector<std::uint8_t> image(bytes);
@@ -81,7 +81,7 @@ class LoaderBench {
   void run(int milliseconds) {
     for (int i = 0; i < milliseconds; ++i) loader->tick_1ms();
   }
-  /// One request; the answer's eight bytes, or nothing when none came.
+  /// One request; the answer's eight bytes, or empty without an answer.
   std::optional<contract::CanFrame> ask(const contract::CanFrame& frame) {
     board.sent.clear();
     loader->on_frame(frame);
@@ -103,7 +103,7 @@ class LoaderBench {
   std::uint32_t write(std::uint16_t index, std::uint8_t sub, std::uint8_t value) {
     return value_of(ask(canopen::sdo_download_command(1), index, sub, value)).abort;
   }
-  /// A whole program in segments; the abort code, 0 when the last segment was confirmed, nothing when no answer came (power gone).
+  /// A whole program in segments; the abort code, 0 when the last segment was confirmed, empty without an answer (power cut).
   std::optional<std::uint32_t> download(std::span<const std::uint8_t> image, std::optional<std::size_t> stop_after_segments = {}) {
     auto answer = ask(0x21, contract::kProgramData, 1, static_cast<std::uint32_t>(image.size()));
     if (!answer) return std::nullopt;

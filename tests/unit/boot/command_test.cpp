@@ -1,4 +1,4 @@
-// `hoist firmware` as a person uses it: files, and a whole update of a node of hoist-sim over its pseudo terminal.
+// `hoist firmware` on the command line: files, and a complete update of a node of hoist-sim over its pseudo terminal.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -54,9 +54,9 @@ class FirmwareCommand : public testing::Test {
     std::ifstream in(file(name), std::ios::binary);
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   }
-  // The words that only packing fills in.
+  // The words filled in by packing.
   static void as_linked(std::vector<std::uint8_t>& image) { std::fill_n(image.begin() + contract::kImageHeaderAt + 4, 8, std::uint8_t{0}); }
-  // Starts hoist-sim and waits for its first line, which it prints when its terminal is there.
+  // Starts hoist-sim and waits for its first line, printed when its terminal exists.
   void start_simulator() {
     std::array<int, 2> out{};
     ASSERT_EQ(::pipe2(out.data(), O_CLOEXEC), 0);
@@ -109,7 +109,7 @@ TEST_F(FirmwareCommand, PacksAndShowsAProgram) {
   EXPECT_EQ(contract::check_image(read("again"), ImageKind::drive, *contract::find_image_chip("lpc11c24")), ImageError::chip);
 }
 
-// The header's own words decide what a program is: an input board's outputs are a drive's EN, PH and nSLEEP.
+// The header decides what a program is: an input board's outputs are a drive's EN, PH and nSLEEP.
 TEST_F(FirmwareCommand, PacksNoProgramUnderTheNameOfAnotherNodeOrChip) {
   const auto pack = [&](std::uint8_t kind, std::uint8_t chip, const std::string& options) {
     auto linked = make_image(5000, contract::image_version(1, 0, 0), 3, ImageKind::io, ImageChip::simulated);
@@ -127,7 +127,7 @@ TEST_F(FirmwareCommand, PacksNoProgramUnderTheNameOfAnotherNodeOrChip) {
   EXPECT_EQ(pack(kIo, kSimulated, " --chip lpc11c24").code, 2);
   EXPECT_EQ(pack(kIo, kSimulated, " --version 9.9.9").code, 2);
   EXPECT_EQ(pack(4, kSimulated, "").code, 1);
-  const Result unnamed = pack(0, 0, "");  // a header with zeros, as programs had that said nothing
+  const Result unnamed = pack(0, 0, "");  // a header with zeros, as in old programs
   EXPECT_EQ(unnamed.code, 1);
   EXPECT_NE(unnamed.text.find("does not say for which kind"), std::string::npos) << unnamed.text;
   EXPECT_EQ(pack(0, 0, " --simulated").code, 1);
@@ -182,7 +182,7 @@ TEST_F(FirmwareCommand, UpdatesANodeOfTheSimulator) {
   EXPECT_EQ(hoist("update " + bus + "--node drive_left " + file("new")).code, 1);
 }
 
-// A line without echo: whoever shares it with hoist-control would hear nothing of it. So the line itself is refused.
+// A line without echo: a second program could not detect hoist-control. So a line in use is refused.
 TEST_F(FirmwareCommand, RefusesALineThatAnotherProgramHasOpen) {
   start_simulator();
   std::string error;

@@ -1,4 +1,4 @@
-// The control core and nodes that are in their loader: such a hoist never moves, and one that moves never goes there.
+// The control core and nodes that are in their loader: such a hoist never moves, and a moving hoist never enters a loader.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -18,7 +18,7 @@ class LoaderUnderCore : public testing::TestWithParam<Node> {};
 TEST_P(LoaderUnderCore, AHoistWithANodeWithoutProgramNeverMoves) {
   const Node node = GetParam();
   ClosedLoop loop({});
-  // The drives keep their own supply when the plug is out; a watchdog reset starts any node anew.
+  // Unplugged drives keep their supply; a watchdog reset restarts any node.
   loop.world().program_flash(node)->burn({});
   loop.world().freeze(node, true);
   loop.world().freeze(node, false);
@@ -35,7 +35,7 @@ TEST_P(LoaderUnderCore, AHoistWithANodeWithoutProgramNeverMoves) {
   EXPECT_FALSE(loop.world().in_loader(node));
 }
 
-// Whoever asks: while the hoist is at work, no node ends its program.
+// In operation no node ends its program, for any request.
 TEST_P(LoaderUnderCore, AHoistAtWorkKeepsItsPrograms) {
   const Node node = GetParam();
   ClosedLoop loop({});

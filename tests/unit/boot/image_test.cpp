@@ -1,4 +1,4 @@
-// The header of a program: what is accepted, what is refused and with which words.
+// The header of a program: accepted and refused ones, with the messages.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -41,7 +41,7 @@ TEST(Image, WrongNodeOrChipIsRefused) {
   EXPECT_EQ(check_image_file(other), ImageError::chip);
 }
 
-// A cut or stretched file, and any single changed bit, is never a program.
+// A shortened or extended file, and any single changed bit, is invalid.
 TEST(Image, AnyDamageIsFound) {
   const auto image = make_image(600, 7);
   for (std::size_t length = 0; length < image.size(); ++length)
@@ -63,7 +63,7 @@ TEST(Image, LongerThanTheRoomIsRefused) {
   EXPECT_EQ(check_image_file(make_image(simulated_chip().application_max + 1, 1)), ImageError::too_long);
 }
 
-// The first two words of a program for silicon must point into its memory: a file that was packed from something else is found here.
+// The first two words of a program for silicon must point into its memory: finds a file packed from something else.
 TEST(Image, VectorsMustFitTheChip) {
   auto image = make_image(4000, 1, 1, ImageKind::tilt, ImageChip::lpc11c24);
   const auto with = [&](std::uint32_t stack, std::uint32_t entry) {

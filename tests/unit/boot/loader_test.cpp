@@ -55,7 +55,7 @@ TEST_F(Start, ARequestCountsForOneStartOnly) {
   EXPECT_EQ(failures(board.box), 0U);
 }
 
-// After power-on the mailbox holds anything, even by chance the word; it must not keep a node from its work.
+// After power-on the mailbox is random, perhaps even valid words; the node must still start.
 TEST_F(Start, AMailboxAfterPowerOnAsksNothing) {
   burn_old();
   ask_for_loader(board.box);
@@ -120,7 +120,7 @@ TEST_F(Start, ALoaderSaysThatItIsOne) {
   EXPECT_EQ(write(contract::kFlashStatus, 1, 0), 0x06010002U);
 }
 
-// NMT start is what makes a node take part: a loader must never.
+// NMT start makes a node operational: a loader must never be.
 TEST_F(Start, ALoaderNeverBecomesOperational) {
   enter();
   loader->on_frame(canopen::nmt(canopen::NmtCommand::start, 0));
@@ -141,7 +141,7 @@ TEST_F(Start, AForgottenLoaderGoesBackToWork) {
   board.flash.burn({});
   enter();
   run(2 * static_cast<int>(kLoaderPatience_ms));
-  EXPECT_FALSE(board.restarted);  // without a program there is nothing to go back to
+  EXPECT_FALSE(board.restarted);  // without a program there is nothing to start
 }
 
 // The computer that sent it died before it said "start".
@@ -225,7 +225,7 @@ TEST_F(Transfer, AWornFlashIsTold) {
   EXPECT_EQ(write(contract::kProgramControl, 1, 1), kState);
 }
 
-// Flash that reports success and keeps something else: the CRC is taken of what reads back.
+// Flash that reports success and stores something else: the CRC is computed from flash.
 TEST_F(Transfer, WhatReadsBackCounts) {
   enter();
   const auto image = make_image(2000, kNew);
@@ -265,7 +265,7 @@ TEST_F(Transfer, ClearErasesAllAndSaysWhenItIsDone) {
   EXPECT_EQ(write(contract::kProgramControl, 1, 4), kRange);
 }
 
-// A client that dies in the middle: the loader gives up after a second and takes the next one.
+// A client that dies in the middle: the loader times out after a second and accepts the next one.
 TEST_F(Transfer, AnAbandonedTransferIsForgotten) {
   burn_old();
   enter();
@@ -281,7 +281,7 @@ TEST_F(Transfer, AnAbandonedTransferIsForgotten) {
   EXPECT_EQ(download(image), 0U);
 }
 
-// What is wrong in the dialogue itself ends the transfer with the code of CiA 301 and changes nothing else.
+// A protocol error ends the transfer with the code of CiA 301, without other effects.
 TEST_F(Transfer, AWrongDialogueIsRefused) {
   burn_old();
   enter();
@@ -318,8 +318,7 @@ TEST_F(Transfer, AWrongDialogueIsRefused) {
   EXPECT_EQ(reset(LoaderReset::software), StartReason::application);
 }
 
-// Any frames at all: the loader answers or is silent, never touches the flash without the header of a program for this node, and what it
-// may be made to start is always a whole program.
+// Arbitrary frames: the loader never changes flash without a valid header for this node, and starts only a complete program.
 TEST_F(Transfer, AnyFramesDoNoHarm) {
   std::uint32_t state = 12345;
   const auto random = [&state] { return (state = state * 1664525U + 1013904223U) >> 16; };
@@ -366,9 +365,9 @@ TEST_F(Transfer, AnyFramesDoNoHarm) {
   EXPECT_EQ(board.flash.misuses(), 0U);
 }
 
-// The promise of the loader. The power goes after every single byte that is erased or written (every eleventh one in the long middle),
-// which is within every erase, every page and the header's page; each time the node must come back into its loader or with the whole
-// new program, never with half of one, and must take the update again.
+// The loader's guarantee. Power cuts after every erased or written byte (every eleventh in the long middle), so within every erase, every
+// page and the header's page; each time the node must return to its loader or run the complete new program, never a partial one, and accept
+// the update again.
 TEST_F(PowerCut, AtEveryFlashOperationLeavesAnUpdatableNode) {
   const auto before = make_image(9000, kOld, 1), image = make_image(8500, kNew, 2);
   board.flash.burn(before);
@@ -400,7 +399,7 @@ TEST_F(PowerCut, AtEveryFlashOperationLeavesAnUpdatableNode) {
   EXPECT_GE(with_new, 1);
 }
 
-// The same for the bus: the power goes, or the client dies, after every single segment.
+// The same for the bus: power cut, or death of the client, after every segment.
 TEST_F(PowerCut, AfterEverySegmentLeavesAnUpdatableNode) {
   const auto before = make_image(3000, kOld, 1), image = make_image(5000, kNew, 2);
   const std::size_t segments = (image.size() + 6) / 7;
@@ -409,7 +408,7 @@ TEST_F(PowerCut, AfterEverySegmentLeavesAnUpdatableNode) {
     enter();
     ASSERT_FALSE(download(image, stop)) << stop;
     const StartReason reason = reset(LoaderReset::power_or_pin);
-    // 30 segments are 210 bytes: the header is not judged yet and the old program is still whole.
+    // 30 segments are 210 bytes: the header is not checked yet and the old program is still intact.
     ASSERT_EQ(reason, stop <= 30 ? StartReason::application : StartReason::no_program) << stop;
     if (reason == StartReason::application) enter();
     ASSERT_EQ(download(image), 0U) << stop;

@@ -135,7 +135,7 @@ TEST_F(UpdateTest, ANodeThatIsNotThereIsSaidToBe) {
   EXPECT_EQ(update(image_for(Node::tilt_left, kNew), Node::tilt_left).failure(), Failure::absent);
 }
 
-// Never while somebody drives the hoist: the computer's heartbeat, its SYNC or a drive command is enough.
+// Never beside a control computer: its heartbeat, SYNC or a drive command is enough.
 TEST_F(UpdateTest, NothingIsTouchedWhileAComputerIsAtWork) {
   for (const CanFrame& sign : {canopen::heartbeat(contract::node_id(Node::core), canopen::NmtState::operational), canopen::sync(),
                                CanFrame{contract::pdo_cob_id(contract::Pdo::drive_rx1, Node::drive_left), 6, 0, {}}}) {
@@ -171,7 +171,7 @@ TEST_F(UpdateTest, NothingIsTouchedWhileADriveIsEnabled) {
   EXPECT_FALSE(world.in_loader(Node::tilt_left));
 }
 
-// The node itself refuses too: operational, it does not end its program for anybody.
+// The node itself refuses too: it never ends its program while operational.
 TEST_F(UpdateTest, AnOperationalNodeDoesNotEndItsProgram) {
   const std::uint8_t id = contract::node_id(Node::tilt_left);
   const auto ask_to_stop = [&](std::uint8_t value) -> std::uint32_t {
@@ -209,7 +209,7 @@ TEST_F(UpdateTest, AnOperationalNodeDoesNotEndItsProgram) {
   EXPECT_TRUE(world.in_loader(Node::tilt_left));
 }
 
-// One frame of the dialogue is lost, each one in turn: the update still comes to its end, or says so and can be run again.
+// Each frame is lost in turn: the update still completes, or fails with a message and can be repeated.
 TEST_F(UpdateTest, ALostFrameIsNoDisaster) {
   const Node node = Node::tilt_base;
   const std::uint8_t id = contract::node_id(node);
@@ -259,7 +259,7 @@ TEST_F(UpdateTest, APulledPlugAtAnyMomentLeavesAnUpdatableNode) {
     ASSERT_TRUE(after.answered) << pull_ms;
     if (after.in_loader) {
       ++in_loader;
-      ASSERT_EQ(after.version, 0U) << pull_ms;  // never half a program that claims to be one
+      ASSERT_EQ(after.version, 0U) << pull_ms;  // never a partial program that counts as valid
     } else {
       ++at_work;
       ASSERT_TRUE(after.version == before || after.version == version) << pull_ms;
@@ -272,7 +272,7 @@ TEST_F(UpdateTest, APulledPlugAtAnyMomentLeavesAnUpdatableNode) {
   EXPECT_GT(at_work, 3);
 }
 
-// A drive that still turns does not end its program, whatever state it is told to take; once it stands with its bridge off it does.
+// A turning drive does not end its program in any NMT state; at rest with its bridge off it does.
 TEST_F(UpdateTest, ADriveThatTurnsDoesNotEndItsProgram) {
   constexpr std::array kBoth{Node::drive_left, Node::drive_right};
   std::array<CanFrame, 64> frames{};
@@ -325,7 +325,7 @@ TEST_F(UpdateTest, ADriveThatTurnsDoesNotEndItsProgram) {
   EXPECT_TRUE(world.in_loader(Node::drive_left));
 }
 
-// The programs of the two drives change places with nothing else: the wheels never move, the bridges stay off.
+// Update of the drives: the wheels never move, the bridges stay off.
 TEST_F(UpdateTest, ADriveIsUpdatedStanding) {
   for (const Node node : {Node::drive_left, Node::drive_right}) {
     const auto updated =

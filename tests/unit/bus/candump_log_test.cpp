@@ -80,7 +80,7 @@ TEST(CandumpLog, WhatIsWrittenIsReadBack) {
     LogEntry read;
     ASSERT_EQ(parse_log_line(line, read), nullptr) << line;
     ASSERT_EQ(read, made) << line;
-    // No prefix of a line is a line, except where whole bytes or the direction are missing.
+    // A shortened line is refused, except where whole bytes or the direction are missing.
     const std::string cut = line.substr(0, random() % line.size());
     if (parse_log_line(cut, read) == nullptr) {
       EXPECT_TRUE(read.frame.dlc < made.frame.dlc || read.direction != made.direction || made.frame.flags == CanFrame::kRemote) << cut;
@@ -142,7 +142,7 @@ TEST(CandumpLog, ARefusalNamesFileAndLine) {
   EXPECT_NE(read_log(::testing::TempDir() + "hoist-no-such-file", entries), "");
 }
 
-// A port that gives what it is told and takes what it may.
+// A port that returns given frames and accepts a limited number.
 class FakePort final : public CanPort {
  public:
   std::size_t receive(std::span<CanFrame> out, std::uint64_t) noexcept override {
@@ -350,7 +350,7 @@ TEST(Decode, StateAndStatusWordsInWords) {
   EXPECT_EQ(words(0x188, {0x05, 0x01}, 0), "front, left");
   EXPECT_EQ(words(0x188, {0x05, 0x01}, 1), "emergency stop open");
   EXPECT_EQ(words(0x188, {0x00, 0x00}, 0), "none pressed");
-  // The same words where an object is asked for, and the reason of an abort.
+  // The same names in SDO requests, and the reason of an abort.
   EXPECT_EQ(words(0x581, {0x4B, 0x41, 0x60, 0, 0x08, 0x02, 0, 0}, 3), "fault, remote");
   EXPECT_EQ(words(0x581, {0x4F, 0x51, 0x22, 0, 0x42, 0, 0, 0}, 3), "current sensor, watchdog");
   EXPECT_EQ(words(0x588, {0x4F, 0x01, 0x10, 0, 0x11, 0, 0, 0}, 3), "error, communication");

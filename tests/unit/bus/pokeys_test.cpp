@@ -1,5 +1,5 @@
-// PoKeys: packets, the asking of a device that may lose, delay and garble, and the input node that its answers become. Virtual time over a
-// socketpair; one test runs the whole with its thread over UDP.
+// PoKeys: packets, polling a device that may lose, delay and corrupt packets, and the resulting input node. Virtual time over a socketpair;
+// one test runs the whole with its thread over UDP.
 #include "control/bus/pokeys/input_port.hpp"
 
 #include <arpa/inet.h>
@@ -351,7 +351,7 @@ class StandIn : public ::testing::Test {
     ASSERT_EQ(step().size(), 1U);
     node.on_frame(contract::canopen::nmt(contract::canopen::NmtCommand::start, 8));
   }
-  // The bumpers byte of the newest first process data within `steps`; nothing when there was none.
+  // The bumpers byte of the newest first process data within `steps`; empty without one.
   std::optional<int> bumpers_within(int steps, std::uint8_t pressed = 0) {
     std::optional<int> shown;
     for (int i = 0; i < steps; ++i)
@@ -457,7 +457,7 @@ TEST_F(StandIn, AStaleAnswerReadsAsPressedThenTheNodeFallsSilentAndComesBackAnew
   EXPECT_FALSE(bumpers_within(20)) << "and starts it anew";
 }
 
-// ---- the words of the command line
+// ---- the command line
 
 TEST(PokeysInputs, UnderstandsItsWords) {
   InputOptions options;
@@ -503,7 +503,7 @@ TEST(PokeysInputs, RefusesEverythingElseAndSaysWhat) {
   EXPECT_NE(parse_inputs("pokeys:usb?bumpers=1,2,3,99", options).find("from 1 to 55"), std::string::npos);
 }
 
-// ---- all of it, with its thread, against the simulator's device on the network
+// ---- complete, with its thread, against the simulator's device on the network
 
 class NullPort final : public CanPort {
  public:
@@ -546,7 +546,7 @@ TEST(PokeysInputs, TheWholeWayOverUdp) {
   std::array<CanFrame, 32> frames{};
   const std::array start{contract::canopen::nmt(contract::canopen::NmtCommand::start, 8)};
   const auto boot_up = contract::canopen::heartbeat(8, NmtState::boot_up);
-  // Real time only because a thread takes part: waits for what must come, never for a span of time.
+  // Real time because of a thread: waits for events, never for a fixed time.
   const auto wait_for = [&](const std::function<bool(const CanFrame&)>& wanted) {
     for (int i = 0; i < 10000; ++i) {
       device.serve(pins);
@@ -555,7 +555,7 @@ TEST(PokeysInputs, TheWholeWayOverUdp) {
       const auto now_ns = static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000U + static_cast<std::uint64_t>(now.tv_nsec);
       const std::size_t count = port.receive(frames, now_ns);
       for (std::size_t f = 0; f < count; ++f) {
-        // Also anew: on a machine that was held up for a second the node has been away.
+        // Also again: on a machine that was delayed by a second the node was lost.
         if (frames[f] == boot_up) {
           EXPECT_EQ(port.send(start, 0), 1U);
         }

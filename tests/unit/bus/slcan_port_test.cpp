@@ -18,7 +18,7 @@ namespace hoist::bus {
 namespace {
 using contract::CanFrame;
 
-// The adapter's end. It says what the test tells it to say.
+// The adapter's end, scripted by the test.
 class Adapter {
  public:
   Adapter() {
@@ -73,7 +73,7 @@ TEST_F(SlcanPortTest, SetsUpTheAdapterAndIsUpOnlyThen) {
   receive();
   EXPECT_EQ(adapter.heard(), "\rC\rS5\rE1\rO\r");
   EXPECT_FALSE(port->up());
-  adapter.say("\r\a\a\r");  // nothing to close, rate already set: an adapter that was left open
+  adapter.say("\r\a\a\r");  // nothing to close, rate already set: an adapter left open
   receive();
   EXPECT_FALSE(port->up());
   adapter.say("\r");
@@ -155,7 +155,7 @@ TEST_F(SlcanPortTest, ALineCutAnywhereArrivesWholeOrNotAtAll) {
     count += receive();
     ASSERT_EQ(count, 1U) << "cut at " << cut;
   }
-  // A line that lost a byte is refused, never delivered with bytes of the line before.
+  // A line that lost a byte is refused, never completed with bytes of the previous line.
   const std::uint32_t refused = port->counters().refused;
   adapter.say("t1814AB01CD0\r");
   EXPECT_EQ(receive(), 0U);

@@ -159,7 +159,7 @@ TEST(Codec, any_damaged_byte_is_noticed_and_none_crashes) {
       const std::size_t at = random() % damaged.size();
       damaged[at] ^= static_cast<std::uint8_t>(1U << (random() % 8));
       const CodecError error = decoder.columns(directory, all_of(table), damaged, back);
-      // zstd's frame header has bits that change nothing (its unused bit, the window of a single segment): then the values must be the same.
+      // zstd's frame header has bits that change nothing (its unused bit, the window of a single segment): then the values must be unchanged.
       if (error == CodecError::none) {
         EXPECT_EQ(back, table) << "byte " << at;
       }

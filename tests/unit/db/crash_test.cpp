@@ -15,7 +15,7 @@ namespace {
 using contract::TickRecord;
 using tests::CrashDisk;
 
-// What the other side of a pipe is told after each commit.
+// The message through the pipe after each commit.
 struct Ack {
   SessionId session;
   std::uint64_t samples;
@@ -78,7 +78,7 @@ TEST(Kill, what_was_acknowledged_survives_kill_9) {
   }
 }
 
-// A short life: migrate, record, fold, delete, record again. Says what was acknowledged before the power went.
+// A short run: migrate, record, fold, delete, record again. Returns what was acknowledged before the power cut.
 struct Life {
   bool opened = false;
   std::optional<SessionId> first, second;
@@ -140,7 +140,7 @@ std::string verify(const Life& life, const OpenOptions& options) {
   if (life.first && !life.delete_asked)
     if (std::string wrong = holds(*life.first, kFirstSeed, life.first_samples); !wrong.empty()) return wrong;
   if (life.first && life.delete_asked) {
-    // Deleted or not, never half.
+    // Deleted or not, never partly.
     const bool there = reader.get(*life.first).ok();
     if (there && life.delete_done) return "a deleted session came back";
     if (there)

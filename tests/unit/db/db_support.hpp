@@ -97,7 +97,7 @@ class Walk {
     r.battery_a_v = r.battery_b_v = f(supply_ / 2);
     r.wake_lateness_s = f(std::fabs(noise(15e-6)));
     r.tick_duration_s = f(20e-6 + std::fabs(noise(3e-6)));
-    // The bus: some eight frames a step, its load anew each second, one node that loses a frame a second.
+    // The bus: about eight frames a step, a new load value each second, one node that loses a frame a second.
     frames_ += 7 + tick % 2 + (tick % 5 == 0 ? 2 : 0);
     r.bus_frames = static_cast<std::uint32_t>(frames_);
     if (tick % 100 == 0 || load_ == 0) load_ = 0.41 + noise(0.002);
@@ -143,7 +143,7 @@ inline SessionStart start_of_walk() {
   return start;
 }
 
-/// The value that the recording keeps of a column: the nearest step, read as the decimal it prints.
+/// The stored value of a column: the nearest step, as the printed decimal.
 inline double kept(const contract::TickRecord& record, std::string_view name) {
   const std::size_t index = *contract::find_signal(name);
   double scale = 1;
@@ -157,7 +157,7 @@ inline std::vector<std::string> all_columns() {
   return names;
 }
 
-/// Everything the store gives back equals what was appended, in order.
+/// Everything read from the store equals what was appended, in order.
 inline void expect_recorded(Database& database, SessionId session, const std::vector<contract::TickRecord>& records) {
   const std::vector<std::string> names = all_columns();
   const Result<Columns> columns = SessionReader(database).read_columns(session, names);

@@ -445,7 +445,7 @@ TEST(Json, an_empty_session_is_valid_json) {
   EXPECT_EQ(parse_csv(whole(f.database, f.id, {})).rows.size(), 0U);
 }
 
-// Somebody follows a figure of eight with a wobble; before and after the hoist stands in standby.
+// A patient follows a figure of eight with a wobble; before and after the hoist is in STANDBY.
 std::vector<TickRecord> follow(const contract::ReferencePath& path, double length_m) {
   std::vector<TickRecord> records;
   const auto add = [&](double s_m, double offset_m, contract::Mode mode) {
@@ -533,7 +533,7 @@ TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {
     const json listed = json::parse(run(tool + " sessions " + db));
     EXPECT_EQ(listed["id"], f.id);
     EXPECT_EQ(listed["exercise"]["shape"], one.shape["shape"]);
-    // One name for one thing, wherever it is told: REST's.
+    // The same names everywhere: those of REST.
     EXPECT_EQ(listed["exercise"], metrics["exercise"]);
     EXPECT_EQ(listed["exercise"],
               json::parse(run(tool + " export " + db + " " + id + " --format json --columns mode"))["session"]["exercise"]);
@@ -600,7 +600,7 @@ TEST(Metrics, AShortGapAnywhereHardlyChangesTheFigures) {
 TEST(Metrics, AWalkThatGoesOnIsComparedAndANewStartIsNot) {
   const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
   const SessionMetrics whole = figures_of(walk);
-  // Two seconds of standing in the middle, in which nothing leads: pose and way stay.
+  // Two seconds of standstill in STANDBY in the middle: pose and distance stay.
   std::vector<TickRecord> paused;
   for (const TickRecord& record : walk) {
     paused.push_back(record);
@@ -627,7 +627,7 @@ TEST(Metrics, AWalkThatGoesOnIsComparedAndANewStartIsNot) {
   EXPECT_EQ(figures_of(paused).why_absent, NoFigure::several_walks);
   EXPECT_FALSE(figures_of(paused).normalised_ise.has_value());
   EXPECT_EQ(metrics_json(figures_of(paused), {})["reason_code"], "several_walks");
-  // Recordings without the number of the mark: a new one shows in the way, which begins at zero with it.
+  // Recordings without the mark's number: a new mark shows by the distance, which restarts at zero.
   paused = same;
   for (std::size_t i = 200; i < 1700; ++i) paused[i].distance_m = 2;
   EXPECT_EQ(figures_of(paused).why_absent, NoFigure::several_walks);
@@ -641,7 +641,7 @@ TEST(Metrics, ARecordingThatBeginsMidwayKnowsItsPlace) {
   ASSERT_TRUE(late.normalised_ise);
   EXPECT_NEAR(late.start_m, 0.004 * 850, 0.1);
   EXPECT_NEAR(*late.path_length_m, 12.0 - 3.4, 0.1);
-  // Not where the exercise begins, and not said to go on: the exercise was named afterwards.
+  // Not at the exercise's start, and not a continuation: the exercise was named afterwards.
   for (TickRecord& record : rest) record.distance_m = 0;
   EXPECT_EQ(figures_of(rest).why_absent, NoFigure::start_unclear);
   for (TickRecord& record : rest) record.distance_m = 3.4F, record.fused_x_m += 3;

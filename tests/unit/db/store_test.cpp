@@ -297,7 +297,7 @@ TEST(Open, damaged_and_cut_files_never_crash_and_never_stay_in_the_way) {
     options.utc_now_ns = kStartUtc_ns;
     const Result<Database> opened = Database::open(file, options);
     if (!opened) {
-      // A version number damaged upwards looks like a newer program's, a damaged name like another program's; anything else must have opened.
+      // A damaged version number may look newer, a damaged name like another program's; every other file must open.
       EXPECT_TRUE(opened.error().kind == ErrorKind::newer_schema || opened.error().kind == ErrorKind::foreign) << opened.error().message;
       continue;
     }
@@ -306,7 +306,7 @@ TEST(Open, damaged_and_cut_files_never_crash_and_never_stay_in_the_way) {
       ++set_aside;
       std::filesystem::remove(database.report().set_aside);
     }
-    // Damage inside a blob is beyond the check; reading it is an error or gives the rows that are there, never a crash.
+    // Damage inside a blob passes the check; reading it is an error or gives the readable rows, never a crash.
     Result<SessionWriter> writer = SessionWriter::create(database);
     const SessionReader reader(database);
     const Result<SessionPage> page = reader.list();
@@ -360,7 +360,7 @@ TEST(Writer, what_was_appended_is_read_back_while_recording_and_after_folding) {
     const std::size_t n = std::min<std::size_t>(7, records.size() - done);
     ASSERT_TRUE(writer.append_ticks(std::span(records).subspan(done, n)).ok());
     done += n;
-    // Nothing waits for longer than half a second of samples.
+    // A commit waits for at most half a second of samples.
     EXPECT_LE(done - writer.durable().samples, kCommitSamples);
   }
   const Result<Durable> durable = writer.commit();
@@ -418,7 +418,7 @@ TEST(Writer, missing_and_impossible_samples_become_gaps) {
   ASSERT_TRUE(writer.append_gap("ticks", records[40].tick, records[44].tick, "ring_overrun").ok());
   ASSERT_TRUE(append(45, 60).ok());
   EXPECT_EQ(writer.refused_samples(), 4U);
-  // Going back is refused, and the rest is still there.
+  // A step backwards is refused, and the rest is kept.
   const Status back = append(50, 51);
   ASSERT_FALSE(back.ok());
   EXPECT_EQ(back.error().kind, ErrorKind::bad_value);
@@ -631,7 +631,7 @@ TEST(Writer, a_full_disk_is_told_and_what_fits_later_is_complete) {
     const std::vector<TickRecord> durable(records.begin(), records.begin() + static_cast<std::ptrdiff_t>(before.samples));
     expect_recorded(database, *id, durable);
   }
-  // Room again: the minute in memory is kept, the rest is one explicit gap.
+  // Space again: the minute in memory is kept, the rest is one explicit gap.
   execute(database.handle(), "PRAGMA max_page_count = 100000");
   ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
   const auto gaps = SessionReader(database).gaps(*id);
@@ -849,7 +849,7 @@ TEST(Reader, a_long_overview_touches_no_body) {
   TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   const SessionId id = record_session(database, 20000, 4);
-  // Bodies that cannot be read at all: what comes from directories still works, what needs samples says what is wrong.
+  // Unreadable chunk bodies: directory data still works, samples return an error.
   execute(database.handle(), "UPDATE chunks SET body = zeroblob(length(body))");
   const SessionReader reader(database);
   const std::vector<std::string> names{"x_m"};
@@ -953,9 +953,9 @@ TEST(Editor, deleting_takes_everything_and_never_a_session_being_recorded) {
         << table;
   }
   EXPECT_EQ(SessionReader(database).get(kept_session)->sample_count, 400U);
-  // A number is never given twice.
+  // A number is never reused.
   EXPECT_GT(*writer.begin(start_of_walk()), *id);
-  // The words are gone from the file, not only from the tables.
+  // The texts are gone from the file, not only from the tables.
   for (const char* name : {"hoist.db", "hoist.db-wal"}) {
     std::ifstream stream(dir / name, std::ios::binary);
     const std::string content((std::istreambuf_iterator<char>(stream)), {});
@@ -973,7 +973,7 @@ TEST(Size, a_walk_takes_at_most_41_bytes_per_sample) {
   EXPECT_LE(bytes, 41.0);
   const SessionReader reader(database);
   EXPECT_EQ(reader.get(id)->sample_count, 30000U);
-  // What a session takes on the disk is told, also of one that is folded, also in lists.
+  // The size of a session on disk, also of a folded one, also in lists.
   EXPECT_GE(static_cast<double>(reader.get(id)->stored_bytes), bytes * 30000);
   EXPECT_EQ(reader.list()->sessions.at(0).stored_bytes, reader.get(id)->stored_bytes);
 }

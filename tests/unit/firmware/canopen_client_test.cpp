@@ -204,7 +204,7 @@ TEST(SdoClient, EndsInTimeAndToldTheTruthOverABadLine) {
   EXPECT_GT(done, 150);
 }
 
-// Servers that say what none may say: the client ends, says so to the node, and takes nothing for a value.
+// Invalid answers of a server: the client aborts the transfer and returns no value.
 TEST(SdoClient, NonsenseEndsTheTransfer) {
   const auto outcome_of = [](std::initializer_list<std::initializer_list<int>> answers, bool upload = true) {
     SdoClient client;
@@ -232,7 +232,7 @@ TEST(SdoClient, NonsenseEndsTheTransfer) {
   EXPECT_EQ(outcome_of({{0x43, 0x08, 0x10, 0, 0}}), Outcome::confused);                                        // short
   EXPECT_EQ(outcome_of({{0x60, 0x08, 0x10, 0, 0, 0, 0, 0}, {0x30, 0, 0, 0, 0, 0, 0, 0}}, false), Outcome::confused);
   EXPECT_EQ(outcome_of({{0x43, 0x08, 0x10, 0, 0, 0, 0, 0}}, false), Outcome::confused);
-  // About another object: late, and not taken for an answer.
+  // For another object: late, and ignored.
   EXPECT_EQ(outcome_of({{0x43, 0x09, 0x10, 0, 1, 2, 3, 4}}), Outcome::busy);
   EXPECT_EQ(outcome_of({{0x80, 0x09, 0x10, 0, 0, 0, 2, 6}}), Outcome::busy);
 }

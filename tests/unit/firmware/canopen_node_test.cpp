@@ -1,5 +1,4 @@
-// The part that all nodes share, seen from the wire. Frames are written out by hand, so that an error of the table or of the packing
-// cannot hide in the test.
+// The common part of all nodes, seen from the bus. Frames are written out by hand, so that an error of the table or of the packing shows.
 #include "firmware/lib/canopen_node.hpp"
 
 #include <gtest/gtest.h>
@@ -92,7 +91,7 @@ TEST_F(DriveSdo, AbortsWithTheReason) {
   EXPECT_EQ(ask_left({0x2F, 0x17, 0x10, 0, 50, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x06070013));
   EXPECT_EQ(ask_left({0x23, 0x17, 0x10, 0, 50, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x06070012));
   EXPECT_EQ(ask_left({0x2B, 0x17, 0x10, 0, 9, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x06090030));
-  EXPECT_EQ(read(0x1017, 0), 100U);  // nothing of all that was stored
+  EXPECT_EQ(read(0x1017, 0), 100U);  // none of that was stored
   EXPECT_EQ(node_.stack().counters().sdo_aborts, 7U);
 }
 
@@ -106,7 +105,7 @@ TEST_F(DriveSdo, RefusesWhatItDoesNotSpeak) {
   // Block transfer, unknown commands, a reserved bit: one abort each.
   for (const int command : {0xA0, 0xC0, 0xE0, 0xFF, 0x41, 0x33})
     EXPECT_EQ(ask_left({command, 0x17, 0x10, 0, 0, 0, 0, 0}), aborted(kAnswerLeft, 0x1017, 0, 0x05040001)) << command;
-  // Segments of a transfer that nobody has begun; their bytes name no object.
+  // Segments without a transfer; their bytes name no object.
   for (const int command : {0x00, 0x01, 0x60, 0x70})
     EXPECT_EQ(ask_left({command, 0x17, 0x10, 0, 0, 0, 0, 0}), aborted(kAnswerLeft, 0, 0, 0x05040001)) << command;
   // Short requests.
@@ -294,7 +293,7 @@ TEST(CanopenNmt, StoppedAnswersNothingButNmt) {
   node.on_frame(canopen::sdo(kAskLeft, 0x40, 0x1017, 0, 0));
   node.on_frame(canopen::sync());
   EXPECT_TRUE(board.sent.empty());
-  // A transfer under way ends without a word, also when its client stays away.
+  // An open transfer ends silently, also without its client.
   node.on_frame(frame_of(0, {128, 1}));
   EXPECT_EQ(ask(node, board, canopen::sdo(kAskLeft, 0x40, 0x1008, 0, 0)).data[0], 0x41);
   node.on_frame(frame_of(0, {2, 1}));
@@ -400,7 +399,7 @@ TEST(CanopenHeartbeat, TheInputBoardMissesItsComputer) {
   tick(node, 1);
   EXPECT_FALSE(node.stack().operational());
   EXPECT_EQ(board.with_id(0x088), std::vector{frame_of(0x088, {0x30, 0x81, 0x11, 0, 0, 0, 0, 0})});
-  // Nobody else is watched, and nobody for longer than half a second.
+  // Only the control computer can be watched, with at most half a second.
   for (const std::uint32_t bad : {0U, 0x007F0000U, 0x007F0063U, 0x007F01F5U, 0x001100FAU})
     EXPECT_EQ(ask(node, board, canopen::sdo(0x608, 0x23, 0x1016, 1, bad)), aborted(0x588, 0x1016, 1, 0x06090030)) << std::hex << bad;
   EXPECT_EQ(ask(node, board, canopen::sdo(0x608, 0x23, 0x1016, 1, 0x007F012C)).data[0], 0x60);
@@ -477,7 +476,7 @@ TEST_F(PdoRecords, IdsAndTimesTakeEffectAtOnceAndOnlyBeforeTheStart) {
   EXPECT_EQ(write(0x1800, 2, 1, 1), 0x08000022U);
   EXPECT_EQ(write(0x1800, 5, 2, 20), 0x08000022U);
   EXPECT_EQ(read(0x1800, 1), 0x400001A5U);
-  // Only on and off is a switch that works under way.
+  // Only the off switch works while operational.
   EXPECT_EQ(write(0x1800, 1, 4, 0xC00001A5), 0U);
   board_.sent.clear();
   tick(node_, 200);
@@ -513,7 +512,7 @@ TEST_F(PdoRecords, IdsThatAreNoPdosOfThatDirectionAreRefused) {
        {0x000U, 0x080U, 0x180U, 0x200U, 0x208U, 0x481U + 0x80U, 0x580U, 0x588U, 0x608U, 0x708U, 0x7FFU, 0x20000188U, 0x188U + 0x800U})
     for (const std::uint32_t no_remote : {0U, 0x40000000U}) EXPECT_EQ(write(0x1800, 1, 4, bad | no_remote), 0x06090030U) << std::hex << bad;
   EXPECT_EQ(write(0x1800, 1, 4, 0x400004FF), 0U);
-  // Bit 30 clear asks for answers to remote frames, which no node gives (CiA 301); for what is received the bit means nothing.
+  // A cleared bit 30 enables answers to remote frames, which no node gives (CiA 301); in received ids the bit has no meaning.
   for (const std::uint32_t remote : {0x4FFU, 0x188U, 0x80000188U})
     EXPECT_EQ(write(0x1800, 1, 4, remote), 0x06090030U) << std::hex << remote;
   for (const std::uint32_t id : {0x208U, 0x40000208U}) EXPECT_EQ(write(0x1400, 1, 4, id), 0U) << std::hex << id;
@@ -527,7 +526,7 @@ TEST(PdoRecordsOfADrive, ACommandIdCanNeverBeAMeasurements) {
   const auto write = [&](std::uint8_t sub, std::size_t bytes, std::uint32_t value) {
     return ask(node, board, canopen::sdo(kAskLeft, canopen::sdo_download_command(bytes), 0x1400, sub, value)).data[0];
   };
-  EXPECT_EQ(write(1, 4, 0x191), 0x80);  // a tilt sensor's, six bytes long like a command
+  EXPECT_EQ(write(1, 4, 0x191), 0x80);  // a tilt sensor's id, six bytes long like a command
   EXPECT_EQ(write(2, 1, 1), 0x80);      // commands do not wait for a SYNC
   EXPECT_EQ(write(1, 4, 0x301), 0x60);
   make_operational(node, board);
@@ -535,7 +534,7 @@ TEST(PdoRecordsOfADrive, ACommandIdCanNeverBeAMeasurements) {
   EXPECT_FALSE(node.stack().rpdo_alive());
   node.on_frame(frame_of(0x301, {6, 0, 0, 0, 0, 0}));
   EXPECT_TRUE(node.stack().rpdo_alive());
-  EXPECT_EQ(write(1, 4, 0x80000301), 0x80);  // a command is not switched off under way
+  EXPECT_EQ(write(1, 4, 0x80000301), 0x80);  // a command cannot be switched off while operational
   node.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
   EXPECT_EQ(write(1, 4, 0x80000301), 0x60);
   make_operational(node, board);

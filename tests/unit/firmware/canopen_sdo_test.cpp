@@ -1,5 +1,5 @@
-// The SDO server alone, against a small dictionary that writes down what it is asked: a value, a text and a domain. Frames are written
-// out byte by byte (CiA 301, 7.2.4.3).
+// The SDO server alone, against a small dictionary that records its calls: a value, a text and a domain. Frames are written out byte by
+// byte (CiA 301, 7.2.4.3).
 #include "firmware/lib/sdo_server.hpp"
 
 #include <gtest/gtest.h>
@@ -123,7 +123,7 @@ TEST_F(Sdo, AValueMayComeInSegments) {
   EXPECT_EQ(ask({0x1B, 0xCC, 0xDD, 0, 0, 0, 0, 0}), frame_of(kAnswer, {0x30, 0, 0, 0, 0, 0, 0, 0}));
   EXPECT_EQ(dictionary_.value, 0xDDCCBBAAU);
   EXPECT_EQ(dictionary_.writes, 1);
-  // The same without a told length.
+  // The same without a length.
   EXPECT_EQ(ask({0x20, 0x00, 0x20, 0, 0, 0, 0, 0}).data[0], 0x60);
   EXPECT_EQ(ask({0x07, 1, 2, 3, 4, 0, 0, 0}).data[0], 0x20);
   EXPECT_EQ(dictionary_.value, 0x04030201U);
@@ -137,7 +137,7 @@ TEST_F(Sdo, WrongLengthsAreRefusedAndStoreNothing) {
   EXPECT_EQ(ask({0x05, 1, 2, 3, 4, 5, 0, 0}), aborted(kValue, 0, 0x06070012));
   ask({0x20, 0x00, 0x20, 0, 0, 0, 0, 0});
   EXPECT_EQ(ask({0x09, 1, 2, 3, 0, 0, 0, 0}), aborted(kValue, 0, 0x06070013));
-  // A domain that is shorter or longer than told.
+  // A domain that is shorter or longer than announced.
   ask({0x21, 0x50, 0x1F, 1, 8, 0, 0, 0});
   ask({0x00, 1, 2, 3, 4, 5, 6, 7});
   EXPECT_EQ(ask({0x1A, 1, 2, 0, 0, 0, 0, 0}), aborted(kDomain, 1, 0x06070012));
@@ -184,7 +184,7 @@ TEST_F(Sdo, ADomainsOwnRefusalsEndTheTransfer) {
   EXPECT_EQ(ask({0x21, 0x50, 0x1F, 1, 100, 0, 0, 0}), aborted(kDomain, 1, 0x08000022));
   EXPECT_EQ(dictionary_.cancelled, 0);  // never begun
   dictionary_.refuse_begin = SdoAbort::none;
-  ask({0x20, 0x50, 0x1F, 1, 0, 0, 0, 0});  // length not told: the dictionary's own bound holds
+  ask({0x20, 0x50, 0x1F, 1, 0, 0, 0, 0});  // no length given: the dictionary's own limit applies
   CanFrame answer;
   int sent = 0;
   for (bool toggle = false; sent < 100; toggle = !toggle, ++sent) {
@@ -252,15 +252,15 @@ TEST_F(Sdo, ASegmentOfTheOtherDirectionEndsTheTransfer) {
   EXPECT_EQ(dictionary_.cancelled, 1);
 }
 
-// Whatever comes: one answer at most, none to an abort, every accepted begin followed by exactly one end or cancel, no more bytes than the
-// dictionary allows, and afterwards an honest client is served.
+// Arbitrary frames: one answer at most, none to an abort, every accepted begin followed by exactly one end or cancel, no more bytes than
+// the dictionary allows, and afterwards a normal client is served.
 TEST_F(Sdo, NoiseDoesNoHarm) {
   std::mt19937 random(20261121);
   std::uint32_t answers = 0;
   for (int i = 0; i < 200000; ++i) {
     CanFrame frame{kAsk, static_cast<std::uint8_t>(random() % 16 == 0 ? random() % 9 : 8), 0, {}};
     for (auto& byte : frame.data) byte = static_cast<std::uint8_t>(random());
-    // Most noise would be refused at its index; make it meet the objects.
+    // Most noise would fail at its index; use existing objects.
     if (random() % 2 == 0) contract::write_le(&frame.data[1], 2, std::array{kValue, kText, kDomain}[random() % 3]);
     if (random() % 2 == 0) frame.data[3] = 0;
     if (random() % 2 == 0)

@@ -135,8 +135,8 @@ TEST(ParameterStore, AnotherKindsParametersAreNone) {
   EXPECT_TRUE(read.empty());
 }
 
-// The property: wherever the supply fails during a save, the next start finds either everything that was there before, or everything that
-// was being saved, and the next save works.
+// The property: for a power cut anywhere in a save, the next start finds either the complete old or the complete new values, and the next
+// save works.
 TEST(ParameterStore, APowerCutAnywhereLeavesTheOldOrTheNewCopyWhole) {
   const Values first = some(20, 1), second = some(31, 2), third = some(5, 3);
   std::size_t steps = 0;
@@ -192,7 +192,7 @@ TEST(ParameterStore, EverySingleWrongBitIsFound) {
     Values read;
     ASSERT_EQ(load(flash, read), StoreState::good) << bit;
     ASSERT_EQ(read, old) << bit;
-    // Both copies wrong: nothing is believed.
+    // Both copies invalid: neither is used.
     flash.pages[0][bit % (8 * store_bytes(old.size())) / 8] ^= std::byte{0x10};
     ASSERT_EQ(load(flash, read), StoreState::lost) << bit;
     ASSERT_TRUE(read.empty());
@@ -258,7 +258,7 @@ TEST_F(StoredDrive, SavesParametersAndNotCommands) {
   EXPECT_TRUE(board_.with_id(0x081).empty());
 }
 
-// A silent node could not be found by its master any more.
+// Its master could not find a node without heartbeat.
 TEST_F(StoredDrive, AHeartbeatThatIsOffLastsUntilTheNextStart) {
   EXPECT_EQ(write(0x1017, 0, 2, 0), 0U);
   EXPECT_EQ(write(0x1010, 1, 4, kSaveWord), 0U);
@@ -359,7 +359,7 @@ TEST_F(StoredDrive, AResetOfTheCommunicationHidesNoLostParameters) {
   EXPECT_FALSE(node_.stack().parameters_ok());
 }
 
-// Identifiers and mounting that were saved at one place are not those of another. A drive would follow the other one's commands.
+// Identifiers and mounting saved at one place do not apply at another. A drive would follow the other one's commands.
 TEST_F(StoredDrive, ABoardSavedAtAnotherPlaceDoesNotWorkAsThatOne) {
   ASSERT_EQ(write(0x6085, 0, 4, 250), 0U);
   ASSERT_EQ(write(0x1010, 1, 4, kSaveWord), 0U);
@@ -379,7 +379,7 @@ TEST_F(StoredDrive, ABoardSavedAtAnotherPlaceDoesNotWorkAsThatOne) {
   tick(right, 2);
   EXPECT_TRUE(board_.with_id(0x181).empty());
   EXPECT_FALSE(board_.with_id(0x182).empty());
-  // Whoever looks at it and saves it there has said that it belongs there.
+  // Saving the values at the new place makes them its own.
   right.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 2));
   tick(right, 2);
   EXPECT_EQ(ask(right, board_, canopen::sdo(0x602, canopen::sdo_download_command(4), 0x1010, 1, kSaveWord)).data[0], 0x60);

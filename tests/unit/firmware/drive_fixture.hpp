@@ -64,7 +64,7 @@ class DriveFixture : public ::testing::Test {
       one_ms();
     }
   }
-  // Another machine, switched on just now: no speed, no faults, and an encoder that begins where this motor stands.
+  // Another machine, just powered on: no speed, no faults, and an encoder that starts at this motor's position.
   void start_anew(const sim::MotorConfig& config) {
     motor_ = sim::Motor(config);
     board_.counts = motor_.encoder_counts();

@@ -71,7 +71,7 @@ TEST_F(DriveTest, H15_EnabledAgainAtRestItHoldsAndTheNextLeavingTakesItsWholeTim
     enable();
     run(100, kEnable, 0);
     while (now_ms_ % 10 != 0) run(1, kEnable, 0);
-    run(10, leave, 0);  // half of the rest that it needs
+    run(10, leave, 0);  // half of the required time at rest
     load_n_m_ = -0.3;
     for (int i = 0; i < 1000; ++i) {
       run(1, kEnable, 0);
@@ -98,7 +98,7 @@ TEST_F(DriveTest, OnlyAnEnableBitThatRisesTakesALeavingBack) {
   EXPECT_FALSE(board_.bridge_on);
   enable();
   run(100, kEnable, 100);
-  run(10, kQuickStop, 100);  // and a quick stop is never taken back
+  run(10, kQuickStop, 100);  // and a quick stop cannot be cancelled
   run(10, kShutdown, 100);
   run(10, kEnable, 100);
   EXPECT_EQ(node_.state(), State::quick_stop_active);
@@ -127,7 +127,7 @@ TEST_F(DriveTest, TheReferenceRampsAndTheSpeedFollows) {
   EXPECT_TRUE(board_.bridge_on);  // halted is held, not released
 }
 
-// H5, H23: nobody commands any more, for whatever reason.
+// H5, H23: commands are missing, for any cause.
 TEST_F(DriveTest, RpdoDeadlineBrakesWithinFiftyMilliseconds) {
   drive_at(150);
   const double before = node_.reference_rad_s();
@@ -150,7 +150,7 @@ TEST_F(DriveTest, RpdoDeadlineBrakesWithinFiftyMilliseconds) {
 TEST_F(DriveTest, AfterALossTheOldWordDoesNotEnableAgain) {
   drive_at(100);
   silence(60);
-  run(2000, kEnable, 100);  // the computer is back and goes on as if nothing had been
+  run(2000, kEnable, 100);  // the computer returns and continues as before
   EXPECT_EQ(node_.state(), State::switch_on_disabled);
   EXPECT_FALSE(board_.bridge_on);
   EXPECT_NEAR(motor_.speed_rad_s(), 0, 2.0);
@@ -377,7 +377,7 @@ TEST_F(DriveTest, DoesNotSwitchOnWithoutSupply) {
   EXPECT_EQ(node_.state(), State::ready);
   EXPECT_EQ(status() & 0x10, 0);
   board_.supply_voltage_v = 24;
-  run(50, kEnable, 50);  // a word left over from before does not enable
+  run(50, kEnable, 50);  // an old controlword does not enable
   EXPECT_NE(node_.state(), State::operation_enabled);
   EXPECT_FALSE(board_.bridge_on);
 }

@@ -1,4 +1,4 @@
-// All six nodes and a computer on one virtual bus: who is heard when.
+// All six nodes and a computer on one virtual bus: timing of their frames.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -67,7 +67,7 @@ TEST_P(NetworkTest, AllBootUpAndTheCycleFitsItsTimes) {
   one_ms();
   heard_.clear();
 
-  // 10 s of the cycle: SYNC at 0, RPDOs at 5 ms, heartbeat each 100 ms, an SDO every 20 ms that may disturb nothing.
+  // 10 s of the cycle: SYNC at 0, RPDOs at 5 ms, heartbeat each 100 ms, an SDO every 20 ms that must not delay others.
   std::uint64_t sync_ns = 0, latest_tpdo_ns = 0;
   std::map<std::uint32_t, int> count;
   const std::uint64_t busy_before_ns = bus_->counters().busy_ns;

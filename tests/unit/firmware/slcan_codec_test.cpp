@@ -142,7 +142,7 @@ TEST(SlcanDecode, BellEndsALineThatItCutsOff) {
   EXPECT_EQ(seen[0].kind, SlcanKind::refused);
   EXPECT_EQ(seen[1].kind, SlcanKind::bel);
   EXPECT_EQ(seen[2].kind, SlcanKind::frame);
-  // A whole frame whose CR was lost is not trusted either.
+  // A complete frame without its CR is refused too.
   EXPECT_EQ(decode({"t1230\a"})[0].kind, SlcanKind::refused);
   EXPECT_EQ(counters.bells, 1U);
 }

@@ -1,4 +1,4 @@
-// A board made of plain variables: what the node reads is set by the test, what it sends is kept.
+// A board made of plain variables: the test sets what the node reads; sent frames are stored.
 #pragma once
 #include <algorithm>
 #include <array>

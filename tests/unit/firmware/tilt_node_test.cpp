@@ -104,7 +104,7 @@ TEST_F(TiltTest, ASlowSteadyTurnIsNoStandstillAndNoBias) {
   EXPECT_NEAR(alpha_deg(), 8.0 * 0.6, 0.1);
 }
 
-// A node that restarts in the middle of a training: the patient stands and sways by 10 mm at the harness, 0.8 m above the joint.
+// A node that restarts during a training: the patient stands and sways by 10 mm at the harness, 0.8 m above the joint.
 TEST_F(TiltTest, H8_ConvergesUnderAStandingPersonsSwayWithTheTrueBias) {
   for (const float sway_hz : {0.15F, 0.3F, 0.5F, 1.0F}) {
     for (const float phase_rad : {0.0F, 1.6F, 3.0F, 4.5F}) {
@@ -132,7 +132,7 @@ TEST_F(TiltTest, H8_ConvergesUnderAStandingPersonsSwayWithTheTrueBias) {
   }
 }
 
-// A zero that moves while it is measured, and a patient who walks, give no bias at all.
+// A changing bias, and a walking patient, give no bias estimate.
 TEST_F(TiltTest, H8_AMovingZeroAndAWalkingPatientNeverConverge) {
   for (int i = 0; i < 3000; ++i) {
     alpha_bias_ = i % 800 < 400 ? 0.02F : 0.04F;                   // 1.1 degrees a second, from the middle of the window on
@@ -175,7 +175,7 @@ TEST_F(TiltTest, AMissingSampleBeginsTheStillTimeAnew) {
 
 // Hazard H6 in the still start: found in a random session, where a sensor repeated one sample of a walking patient while its node restarted.
 TEST_F(TiltTest, ASensorThatRepeatsItselfIsNotStill) {
-  alpha_bias_ = 0.2F;  // a turn of 11 deg/s at the moment in which it began to repeat itself
+  alpha_bias_ = 0.2F;  // a turn of 11 deg/s when it began to repeat itself
   cycles(20);
   for (int i = 0; i < 1000; ++i) {
     tick(node_, 10);
@@ -327,7 +327,7 @@ TEST_F(TiltTest, H6_ASensorThatFailedItsSelfTestIsNeverValid) {
   }
 }
 
-// The gyroscope loses its zero: 20 degrees a second within a second, 5 within ten (SOURCES 2.2, H8), either way and on either axis.
+// The gyroscope's bias jumps: 20 degrees a second found within a second, 5 within ten (SOURCES 2.2, H8), in both directions and on both axes.
 TEST_F(TiltTest, H8_AGyroscopeThatLosesItsZeroIsNotValid) {
   struct Case {
     float jump_deg_s;
@@ -355,7 +355,7 @@ TEST_F(TiltTest, H8_AGyroscopeThatLosesItsZeroIsNotValid) {
   }
 }
 
-// What the hoist itself does to a sensor is no doubt about it: the hardest start, and the hardest stop there is.
+// The hoist's own motion must not trip the check: the hardest start and the hardest stop.
 TEST_F(TiltTest, H8_StartingAndStoppingIsNoLostZero) {
   cycles(300);
   for (int round = 0; round < 5; ++round) {
@@ -504,7 +504,7 @@ TEST_F(TiltTest, TheMountingCannotChangeUnderWay) {
   EXPECT_EQ(status() & kConverged, 0);  // the bias was of other axes
 }
 
-// Also long after the node was switched on: the still start begins anew, with all its time.
+// Also long after power-on: the still start restarts from zero.
 TEST_F(TiltTest, TheMountingCanBeSetAtAnyTime) {
   cycles(700);
   write_out_of_operation(1, 0x2104, 0, 45);
@@ -512,7 +512,7 @@ TEST_F(TiltTest, TheMountingCanBeSetAtAnyTime) {
   EXPECT_EQ(status(), kValid | kConverged);
 }
 
-// H7: with its parameters the node has lost how it is mounted; its angles may have the wrong sign, and nothing else would show it.
+// H7: without its parameters the node does not know its mounting; its angles may have the wrong sign, which no other check finds.
 TEST_F(TiltTest, H7_WithoutItsParametersNoAngleIsValid) {
   for (auto& page : board_.pages.pages) std::fill(page.begin(), page.end(), std::byte{0x5A});
   node_.power_on();

@@ -72,7 +72,7 @@ TEST_F(VirtualBusTest, AFrameTakesItsBitTimesAndReachesEveryoneButItsSender) {
 
 TEST_F(VirtualBusTest, ASyncPassesQueuedSdosButNotTheFrameOnTheWire) {
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(bus_->send(ports_[0], frame(0x601)));
-  advance(100000);  // the first SDO is on the wire
+  advance(100000);  // the first SDO is being sent
   ASSERT_TRUE(bus_->send(ports_[0], frame(0x080, 0)));
   advance(10'000'000);
   EXPECT_EQ(ids_at(ports_[1]), (std::vector<std::uint32_t>{0x601, 0x080, 0x601, 0x601, 0x601, 0x601}));

@@ -1,4 +1,4 @@
-// `hoist laws` as the built program, the way an outside check uses it.
+// `hoist laws` as the built program, as in an external check.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -93,7 +93,7 @@ TEST(HoistLaws, RefusesALineByFieldAndGoesOn) {
   }
 }
 
-// Each law, each of its input fields: taken away, and turned into text. The answer must name that field and nothing else may come out.
+// Each input field of each law: removed, and replaced by text. The answer must only name that field.
 TEST(HoistLaws, NamesTheFieldThatIsMissingOrOfTheWrongKind) {
   const std::set<std::string> optional = {"P0", "K1", "K2", "window", "L"};
   for (const auto& file : golden_files()) {

@@ -1,4 +1,4 @@
-// The path follower's law on its own kinematic model: a unicycle with the drives' lag, written here anew and not taken from the product.
+// The path follower's law on its own kinematic model: a unicycle with the drives' lag, implemented independently of the product.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -51,7 +51,7 @@ TEST(PathFollower, ComesOntoALineWithoutSwingingOverWhateverTheSpeed) {
   }
 }
 
-// V = d^2 / L^2 + h^2 falls along every way on lines and circles, as the proof in the header says.
+// V = d^2 / L^2 + h^2 falls along every path on lines and circles, as the proof in the header says.
 TEST(PathFollower, ItsLyapunovFunctionNeverRises) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> cross(-0.25, 0.25), heading(-1.0, 1.0), radius(0.4, 3.0), speed(0.05, 0.6);
@@ -103,7 +103,7 @@ TEST(PathFollower, RandomPathsStartsLagsAndSlipsEndOnThePath) {
       if (i > steps * 3 / 4) worst_late_m = std::fmax(worst_late_m, std::fabs(error.cross_m));
     }
     EXPECT_LT(worst_m, 0.35) << run;
-    // What is left is the lag where the curvature jumps: there is no looking ahead here, the mode does that.
+    // The rest is the lag where the curvature jumps: the mode looks ahead, this test does not.
     EXPECT_LT(worst_late_m, 0.01 + 0.15 * lag_s) << "run " << run << " lag " << lag_s << " speed " << speed_m_s;
   }
 }

@@ -1,4 +1,4 @@
-// The gait's sway out of lean and turn: how much is removed, how little it delays, and that it never rings.
+// Removal of the gait's sway from lean and turn: its size, its delay, and no ringing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 constexpr double kStep_s = 0.01, kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kSway_m = 0.03, kTwist_rad = 0.044, kBob_m = 0.012;
 
-// A walker: sideways sway, and the twist and bob that go with it at any phase, on top of a wish.
+// A walker: sideways sway, with twist and bob at any phase, added to a wish.
 struct Walker {
   GaitCancelConfig<double> config;
   GaitCancelState<double> state;
@@ -117,7 +117,7 @@ TEST(GaitCancel, StandingAndStoppingLeaveNothingThatRings) {
     if (i >= 100) late_rad = std::max(late_rad, std::fabs(walker.part.turn_rad));
   }
   EXPECT_LT(late_rad, 0.1 * kTwist_rad);
-  // Whoever stands and turns keeps all of the turn, from its first step on.
+  // A standing patient who turns keeps the full turn, from the first step on.
   for (int i = 0; i < 1000; ++i) {
     walker.wish_rad = 0.1 * std::sin(0.7 * i * kStep_s);
     walker.wish_m = 0.05 * std::cos(2.0 * i * kStep_s);

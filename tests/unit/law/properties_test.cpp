@@ -1,4 +1,4 @@
-// What the laws must and must never do, with seeded random inputs, and the facts found about the paper's algorithms (the numbers in
+// Properties of the laws with seeded random inputs, and findings about the paper's algorithms (the numbers in
 // control/core/law/DECISIONS.md).
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace {
 constexpr double kDt_s = 0.01;
 constexpr double kDegree_rad = std::numbers::pi / 180.0;
 
-/// A wandering wish: steps and noise, all of [-1, 1].
+/// A random wish: steps and noise, all of [-1, 1].
 class Wish {
  public:
   explicit Wish(unsigned seed) : random_(seed) {}
@@ -38,7 +38,7 @@ class Wish {
   double level_{};
 };
 
-/// Steps of 10 ms until the speed is zero or has changed sign; `limit` when it never is.
+/// Steps of 10 ms until the speed is zero or has changed sign, at most `limit`.
 int steps_to_zero(const law::PfpConfig<double>& config, double u_norm, int limit = 10'000) {
   law::PfpState<double> state{40.0, 40.0};
   for (int k = 1; k <= limit; ++k) {
@@ -206,7 +206,7 @@ TEST(Findings, HardBrake) {
   EXPECT_EQ(steps_to_zero(config, -1.0), 7);
 }
 
-// D16: outside the dead-band the wish is used in full, so there is a jump of K_P D at its edge.
+// D16: outside the dead-band the wish is used in full, so it jumps by K_P D at the edge.
 TEST(Findings, JumpAtTheEdge) {
   const law::PfpConfig<double> config;
   law::PfpState<double> inside{1.0, 1.0};
@@ -225,7 +225,7 @@ TEST(Findings, PrintedGainIsNotTheSolutionOfThePrintedProblem) {
   EXPECT_NEAR(solved.k_bias, -0.034849059412413, 1e-12);
   EXPECT_GT(solved.k_angle / printed.k_angle, 2.7);
   EXPECT_GT(solved.k_bias / printed.k_bias, 26.0);
-  // Whatever the bias variance: with V_angle = 0.1 and N = 800 the angle's gain cannot be as small as printed.
+  // For any bias variance: with V_angle = 0.1 and N = 800 the angle's gain cannot be as small as printed.
   for (const double v_bias : {1e-6, 1e-4, 1e-2, 1.0, 100.0}) {
     law::KalmanGainProblem<double> problem;
     problem.v_bias = v_bias;

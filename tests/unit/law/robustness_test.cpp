@@ -1,4 +1,4 @@
-// Nothing non-finite ever leaves a law, whatever goes in; and good input brings it back.
+// For any input the output of a law is finite; and valid input restores it.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -134,7 +134,7 @@ TYPED_TEST(Nasty, ControllersStayFiniteAndRecover) {
     law::PfpConfig<Real> config;
     law::PfpTurnConfig<Real> turn_config;
     if (seed % 2 == 1) {
-      // Parameters nobody validated.
+      // Unvalidated parameters.
       config = {nasty<Real>(random), nasty<Real>(random), nasty<Real>(random), nasty<Real>(random), nasty<Real>(random),
                 nasty<Real>(random), nasty<Real>(random), nasty<Real>(random), seed % 4 == 1};
       turn_config = {nasty<Real>(random), nasty<Real>(random), nasty<Real>(random),
@@ -153,7 +153,7 @@ TYPED_TEST(Nasty, ControllersStayFiniteAndRecover) {
         ASSERT_LE(std::fabs(turn_state.omega_units), Real(52.001));
       }
     }
-    // A state somebody else spoilt ends at zero, not at a guess.
+    // A corrupted state gives zero, not a guess.
     state = {std::numeric_limits<Real>::quiet_NaN(), Real(1)};
     EXPECT_EQ(law::pfp_step(config, state, Real(1), Real(0.01)), law::PfpBranch::kRefused);
     EXPECT_EQ(state.v_units, Real(0));

@@ -198,7 +198,7 @@ TYPED_TEST(Servo, MirroredDrivesGoTheMirroredWay) {
 }
 
 TYPED_TEST(Servo, DoesNotDependOnWhenCommandsArrive) {
-  // P8: the same target heard often or seldom (but never too late) gives the same duty, bit for bit.
+  // P8: the same target received often or rarely (but in time) gives the same duty, bit for bit.
   const auto often = this->run({1.0, [](double) { return 80.0; }, 0.05});
   Scenario seldom{1.0, [](double) { return 80.0; }, 0.05};
   seldom.command_age_s = [](double t) { return std::fmod(t, 0.035); };
@@ -226,7 +226,7 @@ TYPED_TEST(Servo, StopsByItselfWhenCommandsStop) {
   }
   EXPECT_EQ(trace.back().reference_rad_s, 0.0);
   EXPECT_NEAR(trace.back().speed_rad_s, 0.0, 0.5);
-  // An age nobody knows counts as too old.
+  // An unknown age counts as too old.
   law::ServoState<TypeParam> state;
   const auto unknown =
       law::servo_step(this->config, state, {TypeParam(100), TypeParam(NAN), 0, TypeParam(0), TypeParam(24)}, TypeParam(1e-3));
@@ -235,7 +235,7 @@ TYPED_TEST(Servo, StopsByItselfWhenCommandsStop) {
 }
 
 TYPED_TEST(Servo, HoldsItsLimitsOnOtherMotorsAndAnEmptyBattery) {
-  // The limiter knows no motor model: half and double the winding, an empty battery (21.6 V) and a weak one.
+  // The limiter uses no motor model: half and double the winding, an empty battery (21.6 V) and a weak one.
   for (const double resistance : {0.6, 1.2, 2.4}) {
     for (const double supply_v : {18.0, 21.6, 27.0}) {
       SCOPED_TRACE(std::to_string(resistance) + " ohm, " + std::to_string(supply_v) + " V");

@@ -1,4 +1,4 @@
-// The step that the real-time thread runs: it must never allocate, whatever arrives.
+// The step that the real-time thread runs: it must never allocate, for any input.
 #include "control/run/control_loop.hpp"
 
 #include <gtest/gtest.h>

@@ -17,7 +17,7 @@
 #include <vector>
 
 namespace {
-// What this program asks of the disk, and what the disk answers.
+// Disk operations of this program, and their results.
 struct Disk {
   std::vector<std::string> done;
   int error = 0;         // of each sync of a file
@@ -26,7 +26,7 @@ struct Disk {
 Disk disk;
 }  // namespace
 
-// In the place of the C library's, for the whole test program.
+// Replaces the C library's function in the test program.
 extern "C" int fsync(int fd) {
   struct stat status {};
   const bool folder = ::fstat(fd, &status) == 0 && S_ISDIR(status.st_mode);
@@ -115,7 +115,7 @@ TEST_F(ParameterFile, AFailedSaveSaysWhyAndLeavesTheOldFile) {
   EXPECT_NE(save_parameter_file("/nowhere/parameters.json", contract::Params{}).problem.find("/nowhere"), std::string::npos);
 }
 
-// What the storing thread does: the disk is a folder that is there or not.
+// The storing thread: the disk is a folder that exists or not.
 class Store : public ParameterFile {
  protected:
   void SetUp() override {
@@ -197,7 +197,7 @@ TEST_F(Store, WithoutAFileAChangeIsNeverCalledStored) {
   EXPECT_EQ(report.problem, contract::StoreProblem::no_file);
 }
 
-// Never the defaults that stand in for damaged settings, of --set only what was changed since, and nothing that is only on trial.
+// Never defaults that replace damaged settings, of --set only values changed since, and no trial.
 TEST_F(Store, KeepsWhatItHasWhenDefaultsStandInForDamagedSettings) {
   contract::Params stored;
   stored.lean_gain_direct_units = 3;

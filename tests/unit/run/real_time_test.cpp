@@ -1,4 +1,4 @@
-// When steps are due, how late they were, what the threads ask for, and what the service manager is told.
+// Due times and lateness of steps, requests of threads, notifications to the service manager.
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -87,7 +87,7 @@ TEST(Lateness, TellsMiddleTailAndLatestOfTheLastTenSeconds) {
   EXPECT_GE(lateness.p99_s(), 300e-6F);
   EXPECT_LE(lateness.p99_s(), 375e-6F);
   EXPECT_FLOAT_EQ(lateness.max_s(), 7e-3F);
-  // Ten quiet seconds later it is forgotten there, and kept in the count since the start.
+  // Ten seconds later it has left that window, and stays in the count since the start.
   for (int i = 0; i < 1100; ++i) lateness.add(20'000, 100'000);
   EXPECT_LE(lateness.p99_s(), 25e-6F);
   EXPECT_FLOAT_EQ(lateness.max_s(), 20e-6F);

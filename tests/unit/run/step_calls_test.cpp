@@ -1,5 +1,5 @@
-// What a step of hoist-control asks of the kernel: one sleep, one read and one write of the bus, and no memory. The program runs as it is, on a
-// pseudo-terminal. Its control thread is traced, and its sleeps are made to end at once, so that the steps take no real time.
+// System calls of a step of hoist-control: one sleep, one read and one write of the bus, and no allocation. The unmodified program runs on
+// a pseudo-terminal. Its control thread is traced, and its sleeps are made to end at once, so that the steps take no real time.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -53,8 +53,8 @@ class Adapter {
   Adapter& operator=(const Adapter&) = delete;
   [[nodiscard]] const std::string& device() const { return device_; }
 
-  // Takes the `written` characters of the core's last step and answers. Returns when the answer lies ready to be read, because the kernel
-  // delivers characters of a pseudo-terminal in its own time.
+  // Reads the `written` characters of the core's last step and answers. Returns when the answer can be read, because the kernel delivers
+  // characters of a pseudo-terminal asynchronously.
   void serve(std::size_t written) {
     std::string answer;
     std::array<char, 4096> text{};
@@ -95,7 +95,7 @@ class Adapter {
   std::uint32_t seed_ = 7;
 };
 
-// hoist-control in a folder of its own.
+// hoist-control in its own folder.
 class Program {
  public:
   explicit Program(const std::string& device) {
@@ -109,7 +109,7 @@ class Program {
   }
   ~Program() {
     ::kill(pid_, SIGKILL);
-    // A thread that was traced is waited for by itself, and before the others.
+    // A traced thread must be waited for separately, before the others.
     for (pid_t ended = 0; ended != pid_ && ended >= 0;) ended = ::waitpid(-1, nullptr, __WALL);
   }
   Program(const Program&) = delete;
@@ -155,7 +155,7 @@ class Traced {
     refused = trace(PTRACE_SEIZE, 0, PTRACE_O_TRACESYSGOOD | PTRACE_O_EXITKILL) != 0;
     if (!refused) trace(PTRACE_INTERRUPT, 0, 0);
   }
-  // The next beginning or end of a call; nothing when the thread has ended.
+  // The next start or end of a call; empty when the thread has ended.
   std::optional<Call> next() {
     for (;;) {
       int status = 0;

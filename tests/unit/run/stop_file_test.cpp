@@ -1,4 +1,4 @@
-// The stored stops (H22): what was stored is known again, and what cannot be believed puts the hoist out of service.
+// The stored stops (H22): stored values are restored, and an invalid file puts the hoist out of service.
 #include "control/run/stop_file.hpp"
 
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ TEST_F(StopFile, H22WhatWasStoredIsKnownAfterARestartOfTheProgram) {
   EXPECT_EQ(loaded.history.out_of_service, history.out_of_service);
 }
 
-// The steady clock begins anew with the computer, and the wall clock may not be set: each stop counts as one of now.
+// The steady clock restarts with the computer, and the wall clock may not be set: each stop counts as new.
 TEST_F(StopFile, H22AfterARestartOfTheComputerEachStopIsOneOfNow) {
   ASSERT_EQ(save_stop_file(path_, "a", two_stops()), "");
   for (const std::string boot : {"b", ""}) {
@@ -93,7 +93,7 @@ TEST_F(StopFile, H22ADamagedFilePutsTheHoistOutOfService) {
 
 TEST_F(StopFile, WhatCannotBeWrittenIsSaid) { EXPECT_NE(save_stop_file("/nowhere/at/all", "a", {}), ""); }
 
-// The whole way: three losses of one sensor, with a restart of the program in between, as hoist-control stores and loads them.
+// End to end: three losses of one sensor, with a restart of the program in between, as hoist-control stores and loads them.
 TEST_F(StopFile, H22TheThirdStopIsTheLastAlsoAfterARestart) {
   for (int run = 0; run < 3; ++run) {
     core::test::ScriptedHoist hoist;

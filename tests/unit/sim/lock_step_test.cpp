@@ -115,7 +115,7 @@ class StepLineTest : public LockStepTest {
     ::close(sim);
     ::close(listener_);
   }
-  /// Until the line has connected: it tries every 0.2 s, and steps by itself meanwhile.
+  /// Until the line has connected: it retries every 0.2 s, and steps without the simulator meanwhile.
   void accept(bus::StepLine& line) {
     ::close(sim);
     for (sim = -1; sim < 0; sim = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK)) EXPECT_FALSE(line.wait(ending));

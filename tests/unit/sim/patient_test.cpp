@@ -33,7 +33,7 @@ class Stage {
         platform.speed_m_s += change_m_s;
       }
       if (answer_per_s2 > 0.0) {
-        // Speed that builds up under a lean and dies away, as Algorithm 1 has it.
+        // Speed that rises under a lean and decays, as in Algorithm 1.
         platform.acceleration_m_s2 = answer_per_s2 * patient.harness().dx_m - 0.1 * platform.speed_m_s;
         platform.speed_m_s = std::max(platform.speed_m_s + platform.acceleration_m_s2 * 0.001, 0.0);
       }
@@ -115,7 +115,7 @@ TEST(Patient, GivesUpLeadingAHoistThatDoesNotFollow) {
   EXPECT_EQ(stage.patient.state(), PatientState::leading);
 }
 
-// Full lean is 10 degrees in one preset and 15 in the other, and brings less speed there. The patient is not told which.
+// Full lean is 10 degrees in one preset and 15 in the other, with less speed there. The patient does not know which.
 TEST(Patient, WalksMoreSlowlyWhereALeanBringsLess) {
   const auto fastest_m_s = [](double answer_per_s2, double driven_m_s) {
     PatientParams stubborn;
@@ -123,7 +123,7 @@ TEST(Patient, WalksMoreSlowlyWhereALeanBringsLess) {
     Stage stage("straight", stubborn);
     stage.released = true;
     stage.run(driven_m_s > 0.0 ? 2.5 : 0.0);
-    // Another drives slowly while the patient leans, and then suddenly faster: that says nothing about what a lean brings.
+    // The therapist drives slowly while the patient leans, then suddenly faster: that is no evidence of the effect of a lean.
     for (const double speed_m_s : {driven_m_s, 2.5 * driven_m_s}) {
       stage.platform.acceleration_m_s2 = 0.3;
       for (; stage.platform.speed_m_s < speed_m_s; stage.platform.speed_m_s += 0.003) stage.run(0.01);
@@ -142,7 +142,7 @@ TEST(Patient, WalksMoreSlowlyWhereALeanBringsLess) {
   EXPECT_GT(fastest_m_s(1.06, 0.04), 0.26);
 }
 
-// A therapist at the stick, and nobody told the patient.
+// A therapist drives, and the patient does not know it.
 TEST(Patient, YieldsToAHoistThatAnotherLeads) {
   const auto set_off = [](double yields_after_s) {
     PatientParams params;
@@ -171,14 +171,14 @@ TEST(Patient, YieldsToAHoistThatAnotherLeads) {
     astray.platform.psi_rad = 0.6;
     expect_yielding(astray);
   }
-  // Who yields is upright again soon.
+  // A yielding patient is soon upright again.
   Stage stage = set_off(1.0);
   stage.platform.speed_m_s = 0.55;
   stage.run(6.0);
   EXPECT_LT(std::fabs(stage.patient.harness().dx_m), 0.03);
 }
 
-// A shove, or wheels that slip, feel as if the therapist led. A patient who has yielded finds out.
+// A push, or slipping wheels, feel as if the therapist drove. A patient who has yielded finds out.
 TEST(Patient, WhoHasYieldedLeadsAgainWhenASmallLeanIsAnswered) {
   Stage stage;
   stage.released = stage.follows = true;
@@ -200,7 +200,7 @@ TEST(Patient, WhoHasYieldedLeadsAgainWhenASmallLeanIsAnswered) {
   EXPECT_GT(stage.platform.speed_m_s, 0.2);
 }
 
-// A therapist who drives in starts and stops, whenever the patient happens to try.
+// A therapist who drives with stops, at any time of the patient's trial.
 TEST(Patient, WhoHasYieldedNeverLeadsAHoistThatIsDrivenWithPauses) {
   for (double pause_s = 2.0; pause_s < 12.0; pause_s += 0.5) {
     Stage stage;

@@ -111,7 +111,7 @@ TEST(Plant, PowerCutClosesTheBrakesAndStopsWithinTheirTorque) {
   run(plant, {}, 2.0);
   EXPECT_EQ(plant.platform().speed_m_s, 0.0);
   EXPECT_LT(plant.platform().x_m - x_m, 0.5 * before_m_s * before_m_s / 0.8);
-  // Current dies with the winding's time constant; nothing drives it.
+  // Current decays with the winding's time constant.
   EXPECT_NEAR(plant.motor_current_a(Side::left), 0.0, 1e-6);
 }
 
@@ -167,7 +167,7 @@ TEST(Plant, SensorsAtRestShowGravityAndTheLean) {
     run(plant, lean, 0.01);
     const ImuReading r = plant.read_imu(place);
     EXPECT_NEAR(std::sqrt(r.ax_m_s2 * r.ax_m_s2 + r.ay_m_s2 * r.ay_m_s2 + r.az_m_s2 * r.az_m_s2), kGravity_m_s2, 1e-6);
-    // The chassis gives way to 42 N by 0.1 degree; both axes lean, which costs up to 0.1 degree more.
+    // The chassis tilts by 0.1 degree under 42 N; both axes lean, which adds up to 0.1 degree.
     EXPECT_NEAR(std::atan2(-r.ax_m_s2, r.az_m_s2) / kDegree_rad, 8.0, 0.25);
     EXPECT_NEAR(std::atan2(r.ay_m_s2, r.az_m_s2) / kDegree_rad, -3.0, 0.1);
     EXPECT_NEAR(r.alpha_rate_rad_s, 0.0, 1e-6);
@@ -325,7 +325,7 @@ TEST(Plant, NonsenseFromABoardMovesNothing) {
   run(plant, {}, 0.5);
   EXPECT_TRUE(std::isfinite(plant.platform().speed_m_s));
   EXPECT_NEAR(plant.platform().speed_m_s, 0.0, 1e-3);
-  enable(plant, 5.0, 5.0);  // more than the supply there is
+  enable(plant, 5.0, 5.0);  // more than the supply
   EXPECT_EQ(plant.duty_norm(Side::left), 1.0);
   plant.step({}, -1.0);
   plant.step({}, std::numeric_limits<double>::quiet_NaN());

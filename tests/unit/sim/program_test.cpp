@@ -118,7 +118,7 @@ TEST(Requests, RefuseByNameAndChangeNothing) {
   EXPECT_EQ(world.digest(), before);
 }
 
-// A client of the socket that never waits longer than the test allows.
+// A client of the socket with the test's timeout.
 class Client {
  public:
   explicit Client(const std::string& path) {
@@ -268,7 +268,7 @@ TEST(SerialLine, ReplacesALinkButNeverAFile) {
     SerialLine line;
     EXPECT_EQ(line.open(folder.file("can")), "");
     EXPECT_EQ(std::filesystem::read_symlink(folder.file("can")).string(), line.path());
-    // Somebody else takes the place: their link stays when we go.
+    // Another process has replaced the link: it stays when we exit.
     std::filesystem::remove(folder.file("can"));
     std::filesystem::create_symlink("/elsewhere", folder.file("can"));
   }

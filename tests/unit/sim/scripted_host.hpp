@@ -1,4 +1,4 @@
-// A computer on the bus that only knows CANopen: starts the nodes, sends heartbeat, SYNC and drive commands. No control laws.
+// A computer on the bus with CANopen only: starts the nodes, sends heartbeat, SYNC and drive commands. No control laws.
 #pragma once
 
 #include <array>

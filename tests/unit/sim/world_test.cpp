@@ -1,4 +1,4 @@
-// The world through its bus and its serial line, with a computer that knows no control laws.
+// The world through its bus and its serial line, with a computer without control laws.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -72,7 +72,7 @@ TEST(World, DrivesFollowTheirCommand) {
   host.drive(0.30);
   host.run(3.0);
   EXPECT_NEAR(world.plant().platform().speed_m_s, 0.30, 0.01);
-  EXPECT_EQ(world.patient().state(), PatientState::following);  // it moved by itself, so the patient lets it lead
+  EXPECT_EQ(world.patient().state(), PatientState::following);  // it moved first, so the patient lets it lead
   host.drive(0.0);
   host.run(2.0);
   EXPECT_NEAR(world.plant().platform().speed_m_s, 0.0, 0.01);
@@ -226,7 +226,7 @@ TEST(World, GoesBackToTheStartMarkOnlyWithTheDrivesOff) {
   EXPECT_EQ(world.patient().state(), PatientState::standing);
 }
 
-// A line of the gateway's protocol into the world, and what comes back within a while.
+// Sends a line of the gateway's protocol, and returns the answer.
 std::string talk(World& world, std::string_view text, int milliseconds) {
   std::string back;
   std::array<char, 512> piece{};
@@ -267,7 +267,7 @@ TEST(MotorRelay, H23IsHeldByChangesAndByNothingElse) {
     static_cast<void>(relay.step_1ms(!stuck));
     while (relay.step_1ms(stuck) && held_ms < 3000) ++held_ms;
     EXPECT_NEAR(held_ms, 1000, 2) << "stuck " << (stuck ? "on" : "off");
-    // One or two changes, as of a node that starts anew, close nothing.
+    // One or two changes, as of a restarting node, do not close it.
     EXPECT_FALSE(relay.step_1ms(!stuck));
     EXPECT_FALSE(relay.step_1ms(stuck));
     for (int ms = 0; ms < 2000; ++ms) ASSERT_FALSE(relay.step_1ms(stuck));
