@@ -1,4 +1,4 @@
-# All of it from Debian's packages (deploy/packages); nothing is vendored.
+# All dependencies are Debian packages (deploy/packages); nothing is vendored.
 find_package(Threads REQUIRED)
 find_package(Boost 1.81 REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)

@@ -2,7 +2,7 @@
 # Position-independent, and every address the linker fills in is filled in before main() and read-only from then on.
 add_compile_options(-fPIE)
 add_link_options(-pie LINKER:-z,relro LINKER:-z,now LINKER:-z,noexecstack)
-# A wrong index, an empty optional or front() of nothing ends the program instead of reading on; measured in deploy/DECISIONS.md.
+# A wrong index, an empty optional or front() of an empty container ends the program; measured in deploy/DECISIONS.md.
 add_compile_definitions(_GLIBCXX_ASSERTIONS)
 add_compile_options(-fstack-protector-strong)
 # Sanitizers look at the code as it is written: no fortify.
@@ -13,7 +13,7 @@ endif()
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
   add_compile_options(-fcf-protection=full)
   # The linker marks a program only when all its parts are marked, and Debian 12's start files are not. They return to their callers, so
-  # the shadow stack is asked for; branch tracking follows by itself where the start files begin with a landing mark.
+  # the shadow stack is requested; branch tracking follows where the start files begin with a landing mark.
   add_link_options(LINKER:-z,shstk)
 elseif(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
   add_compile_options(-mbranch-protection=standard)

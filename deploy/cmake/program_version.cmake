@@ -1,5 +1,5 @@
-# hoist_program_version: which source the programs are built from (control/contract/program_version.hpp). The history is asked at each
-# build; the one generated file changes only when the answer does, so that a commit compiles this file and links, nothing else.
+# hoist_program_version: which source the programs are built from (control/contract/program_version.hpp). The history is read at each
+# build; the one generated file changes only with the result, so that a commit compiles only this file and links.
 find_package(Git QUIET)
 set(program_version_source ${CMAKE_BINARY_DIR}/generated/program_version.cpp)
 add_custom_target(program_version_source

@@ -15,7 +15,7 @@ if(HOIST_SANITIZE)
   add_compile_options(-fsanitize=${HOIST_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -O1 -g1)
   add_link_options(-fsanitize=${HOIST_SANITIZE})
   add_compile_definitions(HOIST_SANITIZED=1)
-  # Asio has fences, which g++'s ThreadSanitizer does not know: it says so for every use. clang's knows them (deploy/dev check).
+  # Asio has fences, which g++'s ThreadSanitizer does not support: it warns at every use. clang's does (deploy/dev check).
   if(HOIST_SANITIZE MATCHES thread AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     add_compile_options(-Wno-tsan)
   endif()

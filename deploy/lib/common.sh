@@ -29,7 +29,7 @@ common_options() {
   for option in "$@"; do common_option "$verb" "$option"; done
 }
 
-# Verbs whose content belongs to a later part of the project say so, name what is missing, and fail.
+# Unimplemented verbs name what is missing, and fail.
 not_here_yet() {
   say "'deploy/dev $1' cannot do anything yet: $2"
   exit 3

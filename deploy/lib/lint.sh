@@ -33,7 +33,7 @@ tidy_sources() {
 }
 
 # tidy_one FOLDER SOURCE: findings fail. A source that clang itself cannot compile (clang 14 has no answer to some consteval code that
-# g++ takes) is told and passed over: the compiler that counts has built it already.
+# g++ takes) is reported and skipped: g++ has built it already.
 tidy_one() {
   local output
   # Compiler warnings are g++'s business; clang's differ from the ones the code is written for.

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# The set-up: Debian packages and npm packages that are missing, nothing else. Repeating it costs a fraction of a second.
+# Setup: installs missing Debian and npm packages only. Repeating it costs a fraction of a second.
 
 node_major_least=20
 
@@ -35,7 +35,7 @@ missing_packages() {
   done
 }
 
-# Runs a command as root: directly, or through sudo where that asks nothing of a script without a terminal.
+# Runs a command as root: directly, or through sudo where that needs no terminal.
 as_root() {
   if [ "$(id -u)" = 0 ]; then
     "$@"
@@ -60,7 +60,7 @@ install_packages() {
     tail -n 30 build/apt.log >&2
     die "apt-get could not install them (its last lines are above, all of them in build/apt.log)"
   }
-  # What is there now decides what can be built: every tree looks again (build_tree).
+  # Installed packages decide what can be built: every tree is configured again (build_tree).
   mkdir -p build/.stamps
   touch build/.stamps/packages
 }
@@ -103,7 +103,7 @@ setup() {
   fi
   if command -v dpkg-query >/dev/null; then
     mapfile -t wanted < <(wanted_packages "$@")
-    # Node may come from elsewhere, so the program is asked for and not the package.
+    # Node may come from elsewhere, so check for the program, not the package.
     if [ -z "$(node_major node)" ]; then wanted+=(nodejs); fi
     command -v npm >/dev/null || wanted+=(npm)
     mapfile -t missing < <(missing_packages "${wanted[@]}")

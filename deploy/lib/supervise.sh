@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # supervise.sh NAME COMMAND...: keeps one program running until TERM; started by `deploy/dev run` only.
 # A program that dies is started again after a short pause. One that dies at once, again and again, will not get better
-# by itself: then this gives up, so that the person sees the reason instead of a scrolling screen.
+# by itself: then this gives up, so that the reason stays visible.
 set -euo pipefail
 
 back_off_s=0.5

@@ -49,7 +49,7 @@ run_thread_tests() {
     record_step "$results" failed "build with ThreadSanitizer" "see above"
     return 0
   fi
-  # clang 14's runtime ends at once where the kernel randomises addresses by more bits than it knows.
+  # clang 14's runtime exits at once where the kernel randomises addresses by more bits than it supports.
   if setarch -R true 2>/dev/null; then fixed=(setarch -R); fi
   filter=$(IFS='|' && echo "${thread_targets[*]}")
   run_ctest build/thread "$results" "^($filter)\$" "${fixed[@]}"

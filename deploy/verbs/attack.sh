@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# attacks a walking hoist as a hostile client, bus or kill would; about five minutes
+# attacks a walking hoist with hostile clients, bus frames and killed programs; about five minutes
 #
 # Simulator, core and server run on loopback in a folder of their own. After each attack the hoist still walks, or has stopped as specified;
 # the server answers, the database is whole, STOP stops. Ends with the line `N passed, N failed, N skipped`.

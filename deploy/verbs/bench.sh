@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# all benchmarks in one table, ratios beside the floors measured in the same run
+# all benchmarks in one table, with ratios to references measured in the same run
 #
 # options: --no-setup   leave the machine as it is; everything else is passed on to build/bin/hoist-bench
 arguments=()

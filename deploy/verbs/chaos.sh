@@ -1,13 +1,13 @@
 # shellcheck shell=bash
-# random sessions with random faults in virtual time; what must always hold is checked in every step
+# random sessions with random faults in virtual time; invariants are checked in every step
 #
 # options: --sessions N, --seed S, --length SECONDS, --no-faults, --loss SHARE, --jitter SECONDS, --unmoved, --faults LIST, --story, --hashes,
 #          --state FILE, --jobs N (hoist-chaos --help says what they mean)
 #          --compilers   a few sessions built four ways (g++ and clang++, with and without optimisation): every second's hash must be the same
 #          --no-setup    leave the machine as it is
-# A session that breaks a promise is told with its seed and made as small as it still breaks it; the line it prints replays it:
+# A failing session is reported with its seed and reduced; the printed line replays it:
 # `deploy/dev chaos --seed S --length L --faults LIST`. Such lines are kept in tests/chaos/kept_seeds.txt and run by every test.
-# A long run survives being ended: `deploy/dev chaos --sessions 100000 --state FILE` goes on where it was.
+# A long run can be resumed: `deploy/dev chaos --sessions 100000 --state FILE` continues.
 arguments=()
 compilers=
 for option in "$@"; do
@@ -18,7 +18,7 @@ for option in "$@"; do
   esac
 done
 
-# The same sessions by every compiler here: what differs is a mistake in the product or in the session, never taste of a compiler.
+# The same sessions by every compiler: any difference is an error of the product or of the session.
 compare_compilers() {
   local reference='' name compiler kind flags folder told hashes failed=0
   for name in g++-release g++-debug clang++-release clang++-debug; do

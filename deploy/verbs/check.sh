@@ -52,7 +52,7 @@ build_normal
 step "generated files (deploy/dev gen mends them)" build/bin/hoist-gen --top "$PWD" --check
 if command -v clang-tidy >/dev/null; then
   step "clang-tidy" run_clang_tidy build
-  # How far it came in its time is worth a line even when it found nothing.
+  # Report how far it came, also without findings.
   [ ! -e "$static/step.log" ] || tail -n 1 "$static/step.log"
 else
   record_step "$static" skipped clang-tidy "no clang-tidy on this machine"

@@ -3,7 +3,7 @@
 #
 # Images land in build/firmware/ as hoist-NODE-CHIP.elf and .bin, and as .hoistfw for the update over the bus. The build stops when one
 # is too large, may need more stack than it has, or links what a node must not have (heap, printf, exceptions, 64-bit division, doubles);
-# firmware/SIZES.gen.md is written anew, and firmware/MACHINE.gen.md with what the images cost on the models of their chips (tests/machine).
+# Rewrites firmware/SIZES.gen.md, and firmware/MACHINE.gen.md with the cost of the images on the chip models (tests/machine).
 # options: --no-setup   leave the machine as it is
 common_options firmware "$@"
 setup build firmware

@@ -4,7 +4,7 @@
 # options: --seconds N   for each target (default 60)
 #          --only NAME   one target; without it all of tests/fuzz/targets.def
 #          --no-setup    leave the machine as it is
-# What breaks a target is kept in build/fuzz/found/NAME; put it into tests/fuzz/corpus/NAME with the mend, so that it stays a test.
+# Failing inputs are kept in build/fuzz/found/NAME; add them to tests/fuzz/corpus/NAME with the fix, as tests.
 seconds=60
 only=
 while [ $# -gt 0 ]; do

@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # installs what is missing, builds, and starts simulator + control + server; Ctrl-C stops all
 #
-# Simulator and control step together on one clock: a busy computer slows simulated time, says so on the screen, and stops no walk.
+# Simulator and control run in lock-step: a busy computer slows simulated time, which the screen shows, and stops no walk.
 # The server prints the console's address (with a one-time token) when it is ready. A program that dies is started again.
 # options: --port PORT       the console's port (default 8080)
 #          --scenario NAME   what the simulator plays (build/bin/hoist-sim --help lists them; default "figure-eight")
@@ -70,7 +70,7 @@ start() {
   supervisors+=($!)
 }
 
-# await_path PATH: until a program has made its socket or link; what is late is the business of whoever needs it.
+# await_path PATH: until a program has created its socket or link; no error if late, since its user reports that.
 await_path() {
   local tries
   for ((tries = 0; tries < 100; tries++)); do
@@ -99,7 +99,7 @@ await_path "$state/core.sock"
 start hoist-server build/bin/hoist-server --socket "$state/core.sock" --port "$port" --web web/dist --db "$data/hoist.db" \
   --scenario "$scenario" --token-file "$state/token"
 
-# A supervisor ends by itself only when it has given up.
+# A supervisor ends only when it has given up.
 status=0
 wait -n "${supervisors[@]}" || status=$?
 say "a program cannot be kept running: stopping the others"

@@ -2,7 +2,7 @@
 # runs the whole system for hours and watches memory, files and lateness
 #
 # The real programs walk, drive, record and are watched by four readers, session after session. Every few seconds each program's memory,
-# open files and threads, the database's log and the loop's figures are noted; at the end stands what grew, by a straight line through the
+# open files and threads, the database's log and the loop's figures are noted; at the end it prints what grew, by a straight line through the
 # second half of the run. Fails when something grows, a program ends by itself, or the control thread asks for memory.
 #
 # options: --minutes N   how long (default 10)

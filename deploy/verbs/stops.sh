@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# cuts link and computer at random, and measures the way that is rolled against the stopping distance that was shown
+# random cuts of link and computer; compares the stopping distance with the one shown
 #
 # options: --cuts N      how many of each of the six kinds (default 2000: twelve thousand in all)
 #          --slips N     walks over slippery floor, for the track of encoders and gyroscope (default 100)

@@ -1,7 +1,7 @@
 # shellcheck shell=bash
-# every hazard with its monitors, guards and tests; fails on a hole
+# every hazard with its monitors, guards and tests; fails when one is missing
 #
-# options: --write      also writes control/HAZARDS.gen.md, and measures the reactions anew into control/REACTIONS.gen.md
+# options: --write      also writes control/HAZARDS.gen.md, and measures the reactions into control/REACTIONS.gen.md
 #          --no-setup   leave the machine as it is
 arguments=()
 for option in "$@"; do

@@ -1,4 +1,4 @@
-# Looks at one finished image: flash, RAM and the deepest stack beside their limits, and symbols that have no place in a node. Stops the build on any of them.
+# Checks one finished image: flash, RAM and the deepest stack against their limits, and forbidden symbols. Stops the build on any violation.
 # IMAGE NAME NM SIZE OBJDUMP AWK STACK_BYTES FLASH_MAX RAM_MAX OUT
 execute_process(COMMAND ${SIZE} -A ${IMAGE} OUTPUT_VARIABLE sections COMMAND_ERROR_IS_FATAL ANY)
 set(flash 0)
@@ -62,7 +62,7 @@ endif()
 file(WRITE ${OUT} "${NAME} ${flash} ${FLASH_MAX} ${ram} ${RAM_MAX} ${STACK_BYTES} ${stack_need}\n")
 message(STATUS "${NAME}: flash ${flash} of ${FLASH_MAX}, RAM ${ram} of ${RAM_MAX} (stack ${stack_need} of ${STACK_BYTES})")
 if(problems)
-  # A finished file would be taken for a good one.
+  # A finished file would count as good.
   file(REMOVE ${IMAGE})
   list(JOIN problems "; " problems)
   message(FATAL_ERROR "${NAME}: ${problems}")

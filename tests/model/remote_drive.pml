@@ -1,7 +1,7 @@
-/* Leading by hand over a channel that loses, delays, reorders and doubles: a client with a stick and a dead-man, a rival that takes the lease
- * and gives it back, and the core that judges by its own clock. In GUIDED the button is the same hand (modes/dead_man.hpp): what is "pushed"
- * here is "held" there. The rules are those of control/core/command/{lease,remote_drive}.hpp; with one of them taken away by -D the search
- * must find a way to hurt somebody (tests/model/CMakeLists.txt does that for each).
+/* Leading by hand over a channel that loses, delays, reorders and doubles: a client with a stick and hold-to-run, a rival that takes the lease
+ * and gives it back, and the core that judges by its own clock. In GUIDED the button is the same hold-to-run (modes/dead_man.hpp): what is
+ * "pushed" here is "held" there. The rules are those of control/core/command/{lease,remote_drive}.hpp; with one of them taken away by -D
+ * the search must find a way to hurt somebody (tests/model/CMakeLists.txt does that for each).
  *
  * Time is counted in units of 250 ms, the one limit of the design: a command's age counts from the telemetry that it echoes, and it acts while
  * that is at most AGE units old. So a hand that is off the stick (let go, tab closed, link cut, tablet on the floor) has stopped the hoist
@@ -11,7 +11,7 @@
 #define SLOTS 2
 
 typedef Message { bool used; byte epoch; byte number; byte echo; bit stick; }
-#define OFF 0    /* dead-man not held, or the stick in the middle: the core takes them for the same */
+#define OFF 0    /* hold-to-run not held, or the stick in the middle: the core takes them for the same */
 #define PUSHED 1 /* held and pushed */
 
 Message air[SLOTS];
@@ -19,13 +19,13 @@ byte now = 0;
 
 /* the client: where the hand is, the newest telemetry seen, the lease believed in (0: none yet), the number of the next command */
 bit hand = OFF; byte seen = 0; byte believed = 0; byte number = 1;
-byte since_push = END + 1; /* truth for the assertions: units since the hand pushed; END + 1: never */
+byte since_push = END + 1; /* true value for the assertions: units since the hand pushed; END + 1: never */
 
 /* the core */
 bool ours = false; /* the client holds the lease; else the rival or nobody */
 byte epoch = 0; byte taken_number = 0; byte hand_at = 0; bit stick = OFF; bool awaits_neutral = false;
 
-/* truth for the assertions */
+/* true values for the assertions */
 bool gap = false;         /* commands stopped coming while pushed, and no middle position has been taken since */
 byte let_go_number = 0;   /* number of the newest accepted let-go of this lease */
 

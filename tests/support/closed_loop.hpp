@@ -60,8 +60,8 @@ class ClosedLoop {
   void let_go();
   void fall_silent() { stick_held_ = false; }
 
-  // The way from the stick to the server. In order, as TCP has it.
-  /// Whatever is sent is gone.
+  // The link from the stick to the server, in order as with TCP.
+  /// All sent messages are lost.
   void cut_link(bool cut);
   /// Sent messages wait, and arrive in a burst when this ends.
   void stall_link(bool stalled) { link_stalled_ = stalled; }

@@ -15,7 +15,7 @@ HEADER = struct.Struct("<BBHIQ")
 
 
 class Driver:
-    """Connects at once. Reading and driving go on in threads of their own until close()."""
+    """Connects at once. Reading and driving run in their own threads until close()."""
 
     def __init__(self, port, token):
         self.line = socket.create_connection(("127.0.0.1", port), 10)
@@ -30,7 +30,7 @@ class Driver:
         self.lock = threading.Lock()
         self.replies, self.requests = {}, 0
         self.newest_ns, self.sequence = 0, 0
-        self.stick = None  # (speed, yaw) while the dead-man is held
+        self.stick = None  # (speed, yaw) while hold-to-run is held
         self.ended = False
         threading.Thread(target=self.read_on, daemon=True).start()
         threading.Thread(target=self.drive_on, daemon=True).start()

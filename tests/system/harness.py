@@ -25,7 +25,7 @@ class Failed(Exception):
 
 
 class Unsafe(Exception):
-    """A promise about the wheels was broken, measured in simulated time or in the core's own recording: never tried again, because a busy
+    """An invariant of the wheels was violated, measured in simulated time or in the core's own recording: never tried again, because a busy
     machine cannot have done it."""
 
 
@@ -44,7 +44,7 @@ def check_safe(condition, message):
 
 
 def until(what, ask, within_s=30.0, each_s=0.1):
-    """Asks again and again until `ask` gives something true, and gives that."""
+    """Polls `ask` until its result is true, and returns it."""
     end = time.monotonic() + within_s
     while True:
         value = ask()
@@ -185,7 +185,7 @@ class Hoist:
         self.recover()
 
     def stop(self):
-        """Ends all three, whatever one of them does."""
+        """Ends all three, independent of errors."""
         problem = None
         for program in (self.server, self.core, self.sim):
             try:
@@ -197,7 +197,7 @@ class Hoist:
             raise problem
 
     def forget(self):
-        """Nothing that they wrote is needed any more."""
+        """Their files are no longer needed."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def logs(self):

@@ -51,7 +51,7 @@ def witness():
 
 
 def wheels_stop_by_themselves(relay_opens=True):
-    """Nobody commands any more: both drives give up in time, brake evenly and stand; later the relay opens."""
+    """Commands are missing: both drives time out, brake evenly and stop; later the relay opens."""
 
     def longest_s(one):
         return GIVES_UP_S + abs(one["speed_m_s"]) / QUICK_STOP_M_S2 + 0.15
@@ -84,7 +84,7 @@ def wheels_stop_by_themselves(relay_opens=True):
 
 
 def never_moves_by_itself(seconds=2.0):
-    """Nothing turns until a person asks for it."""
+    """Nothing turns until a person requests it."""
     start = hoist.truth()
     end = time.monotonic() + seconds
     while time.monotonic() < end:
@@ -97,7 +97,7 @@ def never_moves_by_itself(seconds=2.0):
 
 
 def goes_on_walking(metres=0.4):
-    """Judged at the machine, because there may be nobody to ask about the mode."""
+    """Read from the simulator, because no program may be able to report the mode."""
     before = hoist.truth()["x_m"]
     until("it goes on walking", lambda: abs(hoist.truth()["x_m"] - before) > metres, 30.0)
     seen = witness()
@@ -265,7 +265,7 @@ def server_gone_in_remote(number):
         again()
         try:
             driver = drive_remotely()
-        except (Failed, OSError) as error:  # a hand that is held up for a quarter of a second stops the hoist, and grips anew
+        except (Failed, OSError) as error:  # a hand delayed by a quarter of a second stops the hoist, and presses again
             problem = error
             continue
         try:
@@ -328,7 +328,7 @@ def h5_everything_behind_the_gateway_dies_and_comes_back():
     never_moves_by_itself()
     again()
     hoist.walk(0.2)
-    # A pause of the whole machine beyond the gateway: nothing is heard for a second.
+    # A pause of the whole machine behind the gateway: no frames for a second.
     signal_to(hoist.sim, signal.SIGSTOP)
     try:
         until("the core stops", lambda: hoist.mode() == "protective_stop", 10.0)

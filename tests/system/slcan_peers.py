@@ -86,7 +86,7 @@ def our_driver_speaks_through_slcanpty():
 
 
 def cansend_reaches_the_simulated_bus_through_our_gateway():
-    """A frame written by a tool of other people comes out on the nodes' side, and a node's answer comes back."""
+    """A frame written by a foreign tool reaches the nodes, and a node's answer returns."""
     hoist = Hoist(BIN, None, None)
     slcand = None
 

@@ -180,7 +180,7 @@ function watchTurns({ late_ms, loading_ms }) {
   }, 40);
 }
 
-/** A hand on the dead-man `of` of `mode`. `take` takes hold, also anew; `begin` starts the mode again. */
+/** A hand on hold-to-run `of` of `mode`. `take` presses, also again; `begin` starts the mode again. */
 const pointed = (of, right = 0, up = 0) => {
   const move = async (x = right, y = up, steps = 4) => {
     const box = await page.locator(of).boundingBox();

@@ -1,4 +1,4 @@
-"""What a client may do to whoever drives: take the lease, use an old one, repeat and spoil driving commands."""
+"""Attacks on the driver: taking the lease, using an old one, repeating and corrupting driving commands."""
 import json
 import time
 
@@ -34,7 +34,7 @@ def stolen_and_old_leases(ground):
 
 @attack("stopped")
 def repeated_and_stale_driving(ground):
-    """The hand lets go. What it sent before, sent again in any form, sets nothing in motion."""
+    """Release. Earlier commands, sent again in any form, set nothing in motion."""
     hoist = ground.hoist
     driver = drive(ground)
     try:
@@ -76,7 +76,7 @@ def spoilt_driving(ground):
                 driver.send_frame(0x81, text)
             fastest = max(fastest, abs(ground.hoist.truth()["speed_m_s"]))
             time.sleep(0.5)  # with the hand's own messages within the allowance of 60 a second
-        # No number of JSON: the server closes, which is a hand that lets go.
+        # Not a JSON number: the server closes, which counts as release.
         driver.send_frame(0x81, b'{"type":"drive","sequence":1e7,"echo":1,"speed":1e999,"yaw":0,"held":true}')
         check_safe(fastest < 0.7, f"it ran at {fastest:.2f} m/s")
     finally:
@@ -86,7 +86,7 @@ def spoilt_driving(ground):
 
 @attack("stopped")
 def control_taken_while_driving(ground):
-    """Another client takes over: it gets nothing in mid-drive, and the hand's end still stops the hoist."""
+    """Another client tries to take over in mid-drive: refused, and release still stops the hoist."""
     driver = drive(ground)
     try:
         with ground.live() as thief:

@@ -35,7 +35,7 @@ def attack(leaves):
 
 
 def beside(count, function):
-    """Starts threads that call function(number) beside the attack. They yield to the programs: an attacker has a computer of his own."""
+    """Starts threads that call function(number) during the attack, at low priority: an attacker has a separate computer."""
 
     def yielding(number):
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 19)
@@ -48,7 +48,7 @@ def beside(count, function):
 
 
 class Busy(Failed):
-    """The walk ended for a reason that a busy computer gives by itself."""
+    """The walk ended for a reason that a busy computer can cause."""
 
 
 class Ground:
@@ -116,7 +116,7 @@ class Ground:
         self.hoist.walk(0.1)
 
     def walks_on(self):
-        """The patient leads and the machine moves. Judged at the machine, so that it can be asked without a server, too."""
+        """The patient leads and the machine moves. Read from the simulator, so that it works without a server too."""
         begin = self.hoist.truth()
 
         def moved():
@@ -133,7 +133,7 @@ class Ground:
             raise Failed(f"{error}; {status}") from None
 
     def stands(self, within_s=STOP_S):
-        """At rest in time, and nothing turns again by itself."""
+        """At rest in time, and nothing turns again."""
         end = time.monotonic() + within_s
         while abs(self.hoist.truth()["speed_m_s"]) > 0.01:
             check_safe(time.monotonic() < end + 1.0, f"it still moves {within_s + 1.0:.0f} s later: {self.hoist.truth()}")
@@ -190,7 +190,7 @@ def outcome_of(ground, function, leaves):
         except Skipped as reason:
             return "skipped", str(reason)
         except Exception as error:  # pylint: disable=broad-except
-            # Real programs in real time: a machine that was held up for a second proves nothing, what is broken fails twice.
+            # Real programs in real time: a delayed machine proves nothing; a real error fails twice.
             if last and not isinstance(error, Failed):
                 traceback.print_exc()
             if last and isinstance(error, Busy):

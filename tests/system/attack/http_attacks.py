@@ -19,7 +19,7 @@ def refused(status, what, allowed=REFUSED, or_closed=True):
 
 @attack("walking")
 def broken_off_downloads(ground):
-    """Exports that end with a reset after the request, after the head or within the body, beside two clients that list sessions."""
+    """Exports that end with a reset after the request, after the head or within the body, while two clients list sessions."""
     _, answer = ground.hoist.call("GET", "/sessions")
     numbers = [one["id"] for one in answer.get("items", [])][:4]
     check(numbers, "nothing is recorded although the hoist walks")
@@ -67,7 +67,7 @@ def malformed_requests(ground):
                  b"POST /api/v1/stop HTTP/1.1\r\n" + host + b"Content-Length: 1e3\r\n\r\n",
                  b"POST /api/v1/stop HTTP/1.1\r\n" + host + b"Content-Length: 18446744073709551617\r\n\r\nx"):
         refused(status_of(ground.port, data, 3.0), f"{data[:60]!r}")
-    # Mutations of a good request: anything may come back but an error of the server's own.
+    # Mutations of a valid request: any answer except a server error.
     good = bytearray(request(ground.port, "GET", "/api/v1/status", [ground.bearer]))
     chance = random.Random(SEED)
     for _ in range(200):
@@ -80,7 +80,7 @@ def malformed_requests(ground):
 
 @attack("walking")
 def smuggled_requests(ground):
-    """Bodies whose end two readers could see differently. One answer, a refusal, then the connection ends: what follows is never a request."""
+    """Bodies with an ambiguous end. One refusal, then the connection closes: later bytes are never a request."""
     inner = request(ground.port, "POST", "/api/v1/stop", [ground.bearer])
     head = f"POST /api/v1/lease HTTP/1.1\r\nHost: 127.0.0.1:{ground.port}\r\nAuthorization: {ground.bearer[1]}\r\nContent-Type: application/json\r\n".encode()
     for what, fields, body in (
@@ -110,7 +110,7 @@ def smuggled_requests(ground):
 
 @attack("walking")
 def trailers_as_headers(ground):
-    """Fields behind a chunked body are no headers: they sign nobody in and grant nothing."""
+    """Fields after a chunked body are no headers: they neither sign in nor grant anything."""
     _, cookie = ground.cookie()
 
     def chunked(headers, trailers):
@@ -132,7 +132,7 @@ def trailers_as_headers(ground):
 
 @attack("walking")
 def json_with_other_bytes(ground):
-    """Only one JSON object is a body: nothing before it, nothing behind it, nothing twice."""
+    """A body is exactly one JSON object, without text before or after it and without repeated fields."""
     before = ground.hoist.call("GET", "/parameters/lean_tau_normal_s")
     for body in (b'{"take_over":true} x', b'{"take_over":true}{}', b'{"take_over":true}\x00', b'{"take_over":true}]', b'{"take_over":true},',
                  b'\xef\xbb\xbf\xef\xbb\xbf{"take_over":true}', b"[" * 60000, b'{"a":' * 5000, b'{"take_over":1e999}', b'{"take_over":NaN}',
@@ -169,7 +169,7 @@ def oversize_requests(ground):
 
 @attack("walking")
 def slow_and_silent_clients(ground):
-    """Sixty headers that come a byte at a time and a hundred connections that say nothing: the signed in still get in, STOP included."""
+    """Sixty headers a byte at a time and a hundred silent connections: signed-in clients still get in, also with STOP."""
     slow = []
     try:
         for _ in range(60):

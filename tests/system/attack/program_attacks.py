@@ -22,7 +22,7 @@ def kill(program):
 
 @attack("walking")
 def the_server_killed_while_walking(ground):
-    """Three times, once in the middle of downloads: the walk goes on, the next server finds it and goes on recording."""
+    """Three times, once during downloads: the walk continues, and the next server continues recording."""
     hoist = ground.hoist
     for round_ in range(3):
         if round_ == 1:
@@ -76,7 +76,7 @@ def the_server_held_while_driving(ground):
 
 @attack("standby")
 def settings_saved_over_kills_of_the_core(ground):
-    """A setting that was acknowledged with 200 is there after kill -9, or the answer says that it is not stored."""
+    """A setting acknowledged with 200 survives kill -9, or the answer says that it is not stored."""
     hoist = ground.hoist
     for round_ in range(6):
         value = 11.0 + round_
@@ -95,7 +95,7 @@ def settings_saved_over_kills_of_the_core(ground):
 
 @attack("walking")
 def strangers_at_the_cores_socket(ground):
-    """Clients of the core's own socket that send nonsense, nothing, or leave: the walk goes on and the server stays or comes back."""
+    """Clients of the core's socket that send invalid data, nothing, or leave: the walk continues and the server stays or reconnects."""
     chance = random.Random(SEED)
     path = ground.hoist.path("core.sock")
     held = []
@@ -122,7 +122,7 @@ def strangers_at_the_cores_socket(ground):
 
 @attack("walking")
 def nonsense_on_the_bus(ground):
-    """Frames of unknown identifiers, remote and extended ones, and text that is no frame, into the gateway beside the core's own."""
+    """Frames of unknown identifiers, remote and extended ones, and invalid text, into the gateway beside the core's frames."""
     chance = random.Random(SEED)
     # Identifiers that no node and no protocol of CANopen uses here.
     unknown = [identifier for identifier in range(0x300, 0x380) if identifier & 0x7F > 0x40]
@@ -140,7 +140,7 @@ def nonsense_on_the_bus(ground):
 
 @attack("walking")
 def everything_at_once(ground):
-    """Broken-off downloads, floods, silent connections and wrong requests together, for five seconds; STOP is judged right behind it."""
+    """Broken-off downloads, floods, silent connections and wrong requests together, for five seconds; then STOP is checked."""
     over = threading.Event()
 
     def worker(number):

@@ -1,4 +1,4 @@
-"""What a client may do to the WebSocket: frames that break the protocol, floods, every seat, never reading."""
+"""Attacks on the WebSocket: protocol violations, floods, taking every seat, never reading."""
 import contextlib
 import json
 import time
@@ -12,7 +12,7 @@ SEATS = 64  # of the server; all of one address here
 
 @attack("walking")
 def broken_websocket_frames(ground):
-    """Each is closed with its code, and what stands in it is not carried out: half of them hold a STOP."""
+    """Each is closed with its code, and its content is not executed: half of them hold a STOP."""
     stop = json.dumps({"type": "stop"}).encode()
     mask = b"\x5a\xc3\x0f\x99"
     masked = bytes(byte ^ mask[i % 4] for i, byte in enumerate(stop))

@@ -36,7 +36,7 @@ class Line:
             return False
 
     def read_some(self, within_s):
-        """False at the end, or when nothing came in time."""
+        """False at the end, or at the timeout."""
         self.socket.settimeout(max(within_s, 0.001))
         try:
             piece = self.socket.recv(262144)
@@ -91,7 +91,7 @@ def answers(data):
 
 
 def status_of(port, data, within_s=LIMIT_S):
-    """Sends this and gives the first status, 0 when the server closed without a word."""
+    """Sends this and returns the first status, 0 when the server closed without an answer."""
     with Line(port) as line:
         line.send(data)
         found = answers(line.read_all(within_s))

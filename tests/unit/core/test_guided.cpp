@@ -1,4 +1,4 @@
-// GUIDED: who may begin it and how, the dead-man, what ends it, and what the figures' limits are (hazards H17 to H21, table 2.3).
+// GUIDED: who may begin it and how, hold-to-run, what ends it, and the figures' limits (hazards H17 to H21, table 2.3).
 #include <gtest/gtest.h>
 
 #include <cmath>

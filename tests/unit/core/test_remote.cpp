@@ -1,4 +1,4 @@
-// Lease, dead-man and the age of driving commands (hazards H17 to H21).
+// Lease, hold-to-run and the age of driving commands (hazards H17 to H21).
 #include <gtest/gtest.h>
 
 #include "control/core/output/limiter.hpp"

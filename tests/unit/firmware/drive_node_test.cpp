@@ -516,7 +516,7 @@ TEST_F(DriveTest, HonestMotionNeverLooksLikeAnEncoderFault) {
   load_n_m_ = -0.55;
   run(2000, kEnable, 0);
   run(2000, kEnable, 100);
-  load_n_m_ = -0.8;  // more than the limiter may hold: it gives way
+  load_n_m_ = -0.8;  // more than the current limit can hold: the wheel yields
   run(300, kEnable, 0);
   EXPECT_EQ(node_.state(), State::operation_enabled);
   EXPECT_EQ(error_code(), 0);
@@ -530,7 +530,7 @@ TEST_F(DriveTest, SlowCrawlingIsNoStall) {
   EXPECT_NEAR(motor_.speed_rad_s(), 2.5, 1.0);
 }
 
-// H1: the drive's own limit, whatever it is told.
+// H1: the drive's own limit, for any command.
 TEST_F(DriveTest, OverSpeedRampsDownIntoTheFault) {
   drive_at(190);
   load_n_m_ = -1.2;  // driven by something stronger

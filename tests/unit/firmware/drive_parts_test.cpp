@@ -138,7 +138,7 @@ TEST(SpeedEstimate, AfterAStandstillTheFirstEdgesAreNoneOfTheOldSpeed) {
   EXPECT_LE(took_ms, 5);
 }
 
-// The whole loop at 2.5 rad/s of the motor, 0.8 cm/s at the wheel: how unsteady is the shaft, and what does the servo ask of the motor?
+// The whole loop at 2.5 rad/s of the motor, 0.8 cm/s at the wheel: ripple of the shaft's speed and of the duty.
 struct Ripple {
   double speed_rad_s = 0, duty = 0;
 };

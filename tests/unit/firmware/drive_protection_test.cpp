@@ -78,7 +78,7 @@ TEST_F(DriveProtection, H11_ABrokenCurrentSensorFailsTheSelfTestUntilItIsWell) {
     now_ms_ = 0;
     reset_fault();
     run(30, kOff, 0);
-    if (!noisy) {  // tested anew, and still broken
+    if (!noisy) {  // tested again, still failed
       EXPECT_EQ(node_.state(), State::fault);
     }
     board_.current_a = 0;
@@ -179,7 +179,7 @@ TEST_F(DriveProtection, AWatchdogResetIsAFaultThatOnlyAResetOfTheFaultEnds) {
   node_.on_frame(canopen::nmt(canopen::NmtCommand::reset_node, 1));
   begin();
   tick(node_, 5);
-  EXPECT_EQ(node_.state(), State::fault);  // a reset over the bus hides nothing
+  EXPECT_EQ(node_.state(), State::fault);  // a reset over the bus clears nothing
   now_ms_ = 0;
   reset_fault();
   run(30, kOff, 0);
@@ -231,7 +231,7 @@ TEST_F(DriveProtection, OverVoltageSwitchesOffAfterBrakingHasGivenWay) {
   }
   EXPECT_LT(strongest_a, 3.3);  // of 6 A
   EXPECT_GT(strongest_a, 2.0);
-  EXPECT_NE(status() & 0x80, 0);  // and says that it does less than asked
+  EXPECT_NE(status() & 0x80, 0);  // and reports the reduced limit
   EXPECT_EQ(node_.state(), State::operation_enabled);
   board_.supply_voltage_v = 32.5F;
   run(4, kEnable, 0);
@@ -287,7 +287,7 @@ TEST_F(DriveProtection, H11_AHotWindingGetsLessCurrentAndTheDriveGoesOn) {
   EXPECT_EQ(ask(node_, board_, canopen::sdo(0x601, canopen::sdo_download_command(4), 0x6083, 0, 2000)).data[0], 0x60);
   EXPECT_EQ(write(0x2230, 5, 10.0F), 0x60);
   enable();
-  // To and fro, as hard as it can, for as long as nobody ever will.
+  // Back and forth at full current, longer than any real use.
   float hottest_dc = 0, lowest_limit_a = 12;
   for (int i = 0; i < 60; ++i) {
     run(400, kEnable, i % 2 == 0 ? 150 : -150);
@@ -327,7 +327,7 @@ TEST_F(DriveProtection, AResetOverTheBusChangesNothingAboutTheWindingsHeat) {
   begin();
   tick(node_, 10);
   EXPECT_NEAR((values().get<0x2230, 1>()), before, 10);
-  node_.power_on();  // but a real start knows nothing
+  node_.power_on();  // but a power cycle clears it
   begin();
   tick(node_, 10);
   EXPECT_NEAR((values().get<0x2230, 1>()), 900, 10);
@@ -363,7 +363,7 @@ TEST_F(DriveProtection, TheToolsResetEndsAFaultAndNothingElse) {
   EXPECT_EQ(emergencies(), std::vector{0x0000}) << "the end of the fault, and no missed deadline";
 }
 
-// What breaks while the ramp of an over-speed fault is on its way, and how soon it must end the ramp.
+// Faults during the ramp of an over-speed fault, and how soon they must end it.
 struct Second {
   const char* what;
   int code;
@@ -445,7 +445,7 @@ TEST_F(SecondFault, H2_H11_TheResetWaitsForTheEndOfBothCauses) {
       EXPECT_EQ(error_code(), 0x8400);
     }
     repair();
-    run(100, kOff, 0);  // an encoder that comes back jumps
+    run(100, kOff, 0);  // a returning encoder jumps
     reset_fault();
     EXPECT_EQ(node_.state(), State::switch_on_disabled);
     EXPECT_EQ(error_code(), 0);
@@ -475,7 +475,7 @@ TEST_F(SecondFault, OneThatOnlyRampsChangesNothing) {
   EXPECT_EQ(node_.state(), State::fault);
   EXPECT_LT(std::fabs(motor_.speed_rad_s()), 3.0);
   EXPECT_EQ(error_code(), 0x8400);
-  EXPECT_TRUE(emergencies().empty());  // since the winding's limit was asked for
+  EXPECT_TRUE(emergencies().empty());  // since the winding's limit was written
 }
 
 TEST_F(DriveProtection, WhateverBreaksTheBridgeIsOffInEveryFaultAndTheFirstOneStays) {

@@ -60,7 +60,7 @@ TEST_F(GatewayTest, AnswersQuestionsAndRefusesTheRest) {
   EXPECT_EQ(say("V\rv\rN\rF\r"), "V1010\rv0001\rNSIM1\rF00\r");
   EXPECT_EQ(say("S4\rS\rS55\rq\rM12345678\rm00000000\rU1\rW0\rs0011\rzz\rz\rt123412\r\x80\r"), std::string(13, '\a'));
   EXPECT_EQ(say("M00000000\rmFFFFFFFF\rX1\rZ0\r"), "\r\r\r\r");
-  EXPECT_EQ(say("\r\r\r"), "");  // empty lines clear the line, nothing else
+  EXPECT_EQ(say("\r\r\r"), "");  // empty lines only clear the input line
   open();
   EXPECT_EQ(say("S5\r"), "\a");  // only while closed
   EXPECT_EQ(say("Z1\r"), "\a");
@@ -154,7 +154,7 @@ TEST_F(GatewayTest, H5_AFrameThatTheBusDidNotTakeInTimeIsNeverSent) {
   EXPECT_EQ(say("F\r"), "F02\r");
 }
 
-// What the controller has taken waits in its own queue, as on both boards. Where nobody acknowledges it is never bus-off and keeps it.
+// Frames taken by the controller wait in its own queue, as on both boards. Without acknowledge it is never bus-off and keeps them.
 struct QueueBoard : TestBoard {
   std::vector<CanFrame> queue;
   bool send(const CanFrame& frame) {
@@ -176,7 +176,7 @@ TEST(GatewayQueue, H5_NeitherDoesWhatTheControllerHasTakenWaitLonger) {
   for (int i = 0; i < 10; ++i) node.tick_1ms();
   EXPECT_TRUE(board.queue.empty());
   EXPECT_EQ(node.counters().stale, 1U);
-  // A controller that gets them out keeps each one.
+  // A controller that can send keeps each one.
   for (int i = 0; i < 100; ++i) {
     board.from_host = "t0800\r";
     node.tick_1ms();
@@ -199,7 +199,7 @@ TEST_F(GatewayTest, H5_BusOffDropsWhatWaitedRefusesMoreAndComesBackByItself) {
   EXPECT_EQ(board_.can_restarts, 0);
   tick(node_, 10);
   EXPECT_EQ(board_.can_restarts, 1);
-  tick(node_, 1000);  // still jammed: asked again and again, not in every millisecond
+  tick(node_, 1000);  // still blocked: retried, but not in every millisecond
   EXPECT_EQ(board_.can_restarts, 6);
   board_.health = {};
   EXPECT_EQ(say("t0800\r"), "z\r");

@@ -17,7 +17,7 @@ namespace {
 
 enum class Part { mpu6050, lsm6dso, icm42688p };
 
-// One chip. Truth in g and deg/s about its own axes.
+// One chip. True values in g and deg/s in its own axes.
 struct FakeChip {
   Part part;
   explicit FakeChip(Part which) : part(which) { reset(); }
@@ -26,7 +26,7 @@ struct FakeChip {
   std::array<double, 3> acceleration_g{0.1, -0.2, 0.97}, rate_deg_s{1.5, -2.5, 3.5};
   bool silent = false, frozen = false, moving = false;
   double self_test_strength = 1.0;  // 1: as the factory measured it
-  int self_tests_spoiled = 0;       // so many self-tests see somebody moving the strut
+  int self_tests_spoiled = 0;       // so many self-tests see a moving strut
   int transfers = 0, ready_after_ms = 0, writes_to_wrong_bank = 0;
   std::mt19937 random{7};
   std::array<std::uint8_t, 6> codes{12, 13, 14, 15, 16, 17};  // acceleration, rate
@@ -300,7 +300,7 @@ TEST_P(ImuTest, AChipThatLosesItsSettingsIsNotTrustedAnyMore) {
   EXPECT_EQ(readings(100), 0);
 }
 
-// Wherever in the hundred milliseconds between two checks the samples begin.
+// For every start of the samples within the 100 ms between two checks.
 TEST_P(ImuTest, ChecksOfRegistersKeepAwayFromSamples) {
   ASSERT_GT(start(), 0);
   for (int phase_ms = 0; phase_ms < 10; ++phase_ms) {
