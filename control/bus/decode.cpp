@@ -1,19 +1,20 @@
 #include "control/bus/decode.hpp"
 
 #include <bit>
-#include <optional>
 #include <string_view>
 #include <utility>
 
 #include "control/bus/object_words.hpp"
 #include "control/bus/sdo_client.hpp"
 #include "control/contract/can_dictionary.hpp"
+#include "control/contract/classify.hpp"
 #include "control/contract/emergencies.hpp"
 
 namespace hoist::bus {
 
 using contract::CanFrame;
-using contract::NodeKind;
+using contract::CobKind;
+using contract::FrameClass;
 namespace canopen = contract::canopen;
 
 namespace {
@@ -23,10 +24,9 @@ std::string node_name(std::uint8_t id) {
   return node ? std::string(contract::kNodes[static_cast<std::size_t>(*node)].name) : std::string();
 }
 
-bool has_bytes(const CanFrame& frame, std::size_t bytes, DecodedFrame& out) {
-  if (frame.dlc == bytes) return true;
-  out.problem = std::to_string(frame.dlc) + " bytes instead of " + std::to_string(bytes);
-  return false;
+bool fits(const CanFrame& frame, const FrameClass& what, DecodedFrame& out) {
+  if (!what.fits) out.problem = std::to_string(frame.dlc) + " bytes instead of " + std::to_string(what.bytes);
+  return what.fits;
 }
 
 double object_value(const std::uint8_t* at, const contract::ObjectInfo& object) {
@@ -45,10 +45,11 @@ double object_value(const std::uint8_t* at, const contract::ObjectInfo& object) 
   }
 }
 
-void decode_pdo(const CanFrame& frame, const contract::PdoInfo& pdo, std::string_view node, DecodedFrame& out) {
+void decode_pdo(const CanFrame& frame, const FrameClass& what, DecodedFrame& out) {
+  const contract::PdoInfo& pdo = contract::kPdos[what.pdo];
   // "drive_tx1" of the node drive_left is drive_left_tx1, as in the DBC.
-  out.name = std::string(node) + std::string(pdo.name.substr(pdo.name.find('_')));
-  if (!has_bytes(frame, contract::pdo_bytes(pdo.pdo), out)) return;
+  out.name = std::string(contract::kNodes[what.node].name) + std::string(pdo.name.substr(pdo.name.find('_')));
+  if (!fits(frame, what, out)) return;
   std::size_t at = 0;
   for (const contract::PdoEntry& entry : contract::kPdoEntries) {
     if (entry.pdo != pdo.pdo) continue;
@@ -62,10 +63,11 @@ void decode_pdo(const CanFrame& frame, const contract::PdoInfo& pdo, std::string
   }
 }
 
-void decode_sdo(const CanFrame& frame, std::size_t node, bool reply, DecodedFrame& out) {
-  const contract::NodeInfo& info = contract::kNodes[node];
+void decode_sdo(const CanFrame& frame, const FrameClass& what, DecodedFrame& out) {
+  const contract::NodeInfo& info = contract::kNodes[what.node];
+  const bool reply = what.kind == CobKind::sdo_reply;
   out.name = std::string(info.name) + (reply ? "_sdo_reply" : "_sdo_request");
-  if (!has_bytes(frame, 8, out)) return;
+  if (!fits(frame, what, out)) return;
   const std::uint32_t index = contract::read_le(&frame.data[1], 2);
   const std::uint8_t sub = frame.data[3];
   // Segments carry data where the others carry an index: no object may be named for them.
@@ -86,6 +88,31 @@ void decode_sdo(const CanFrame& frame, std::size_t node, bool reply, DecodedFram
   out.fields.push_back({"value", static_cast<double>(value), {}, std::move(words), true});
 }
 
+void decode_nmt(const CanFrame& frame, const FrameClass& what, DecodedFrame& out) {
+  out.name = "nmt";
+  if (!fits(frame, what, out)) return;
+  out.fields.push_back({"command", static_cast<double>(frame.data[0]), {}, std::string(nmt_command_words(frame.data[0])), false});
+  out.fields.push_back({"node", static_cast<double>(frame.data[1]), {}, frame.data[1] == 0 ? "all" : node_name(frame.data[1]), false});
+}
+
+void decode_heartbeat(const CanFrame& frame, const FrameClass& what, DecodedFrame& out) {
+  out.name = std::string(contract::kNodes[what.node].name) + "_heartbeat";
+  if (fits(frame, what, out))
+    out.fields.push_back({"state", static_cast<double>(frame.data[0]), {}, std::string(nmt_state_words(frame.data[0])), false});
+}
+
+void decode_emergency(const CanFrame& frame, const FrameClass& what, DecodedFrame& out) {
+  const contract::NodeInfo& info = contract::kNodes[what.node];
+  out.name = std::string(info.name) + "_emergency";
+  if (!fits(frame, what, out)) return;
+  std::uint64_t details = 0;
+  for (std::size_t i = 5; i > 0; --i) details = (details << 8) | frame.data[2 + i];
+  const auto code = static_cast<std::uint16_t>(contract::read_le(&frame.data[0], 2));
+  out.fields.push_back({"code", static_cast<double>(code), {}, std::string(contract::emergency_info(code).text_en), true});
+  out.fields.push_back({"error_register", static_cast<double>(frame.data[2]), {}, object_words(info.kind, 0x1001, 0, frame.data[2]), true});
+  out.fields.push_back({"details", static_cast<double>(details), {}, {}, true});
+}
+
 }  // namespace
 
 DecodedFrame decode_frame(const CanFrame& frame) {
@@ -94,51 +121,28 @@ DecodedFrame decode_frame(const CanFrame& frame) {
     out.name = "error_frame";
     return out;
   }
-  if (frame.flags != 0 || frame.id > 0x7FF) return out;
-  if (frame.id == canopen::kNmt) {
-    out.name = "nmt";
-    if (!has_bytes(frame, 2, out)) return out;
-    out.fields.push_back({"command", static_cast<double>(frame.data[0]), {}, std::string(nmt_command_words(frame.data[0])), false});
-    out.fields.push_back({"node", static_cast<double>(frame.data[1]), {}, frame.data[1] == 0 ? "all" : node_name(frame.data[1]), false});
-    return out;
-  }
-  if (frame.id == canopen::kSync) {
-    out.name = "sync";
-    has_bytes(frame, 0, out);
-    return out;
-  }
-  const auto node = contract::find_node(static_cast<std::uint8_t>(frame.id & 0x7F));
-  if (!node) return out;
-  const auto row = static_cast<std::size_t>(*node);
-  const contract::NodeInfo& info = contract::kNodes[row];
-  const std::uint32_t base = frame.id & 0x780;
-  if (base == canopen::kHeartbeatBase) {
-    out.name = std::string(info.name) + "_heartbeat";
-    if (has_bytes(frame, 1, out))
-      out.fields.push_back({"state", static_cast<double>(frame.data[0]), {}, std::string(nmt_state_words(frame.data[0])), false});
-    return out;
-  }
-  if (info.kind == NodeKind::host) return out;
-  if (base == canopen::kEmcyBase) {
-    out.name = std::string(info.name) + "_emergency";
-    if (!has_bytes(frame, 8, out)) return out;
-    std::uint64_t details = 0;
-    for (std::size_t i = 5; i > 0; --i) details = (details << 8) | frame.data[2 + i];
-    const auto code = static_cast<std::uint16_t>(contract::read_le(&frame.data[0], 2));
-    out.fields.push_back({"code", static_cast<double>(code), {}, std::string(contract::emergency_info(code).text_en), true});
-    out.fields.push_back(
-        {"error_register", static_cast<double>(frame.data[2]), {}, object_words(info.kind, 0x1001, 0, frame.data[2]), true});
-    out.fields.push_back({"details", static_cast<double>(details), {}, {}, true});
-    return out;
-  }
-  if (base == canopen::kSdoReplyBase || base == canopen::kSdoRequestBase) {
-    decode_sdo(frame, row, base == canopen::kSdoReplyBase, out);
-    return out;
-  }
-  for (const contract::PdoInfo& pdo : contract::kPdos) {
-    if (pdo.kind != info.kind || pdo.cob_base != base) continue;
-    decode_pdo(frame, pdo, info.name, out);
-    break;
+  const FrameClass what = contract::classify(frame);
+  if (what.bytes == contract::kNotPlanned) return out;
+  switch (what.kind) {
+    case CobKind::nmt:
+      decode_nmt(frame, what, out);
+      break;
+    case CobKind::sync:
+      out.name = "sync";
+      static_cast<void>(fits(frame, what, out));
+      break;
+    case CobKind::heartbeat:
+      decode_heartbeat(frame, what, out);
+      break;
+    case CobKind::emergency:
+      decode_emergency(frame, what, out);
+      break;
+    case CobKind::sdo_reply:
+    case CobKind::sdo_request:
+      decode_sdo(frame, what, out);
+      break;
+    default:
+      decode_pdo(frame, what, out);
   }
   return out;
 }

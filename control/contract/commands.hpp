@@ -11,13 +11,13 @@ enum class CommandKind : std::uint32_t {
   none = 0,
   stop = 1,          // anyone; protective stop, never refused
   request_mode = 2,  // a = Mode: one that standby leads to, lease holder only; standby: anyone while the hoist is led
-  // leave PROTECTIVE_STOP, FAULT or EMERGENCY_STOP once the cause is gone; role in b, a = bits of the faults that were seen when the hand
-  // went down, 0 = not told; lease holder only
+  // leave PROTECTIVE_STOP, FAULT or EMERGENCY_STOP once the cause is gone; role in b, bits = faults that were seen when the hand went down,
+  // 0 = not told; lease holder only
   acknowledge = 3,
   take_lease = 4,       // client asks to be the driver; granted when free, or when standing still and `a` = 1 (take over)
   release_lease = 5,    // by its holder, or by the server for a client that is gone
   stage_parameter = 6,  // a = parameter id, v0 = value, b = position in the set, counted from 0
-  // a = number of staged rows, role in b, seal = ParamSetSeal over them; v0 = 0, or the seconds after which the values before come back
+  // a = number of staged rows, role in b, bits = ParamSetSeal over them; v0 = 0, or the seconds after which the values before come back
   // unless confirmed; all or nothing
   commit_parameters = 7,
   // A start mark: v0 = x_m, v1 = y_m, v2 = psi_rad; standing still only. a = key of the exercise that begins there, 0 = none. With the key
@@ -52,7 +52,7 @@ struct Command {
   std::uint32_t a = 0;
   std::uint32_t b = 0;
   double v0 = 0, v1 = 0, v2 = 0;
-  std::uint64_t seal = 0;  // commit_parameters only
+  std::uint64_t bits = 0;  // acknowledge: FaultBits; commit_parameters: ParamSetSeal
 };
 static_assert(sizeof(Command) == 64 && std::is_trivially_copyable_v<Command>);
 

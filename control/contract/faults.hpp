@@ -12,9 +12,14 @@ namespace hoist::contract {
 enum class Priority : std::uint8_t { low, medium, high };
 enum class Reaction : std::uint8_t { warn, soft_stop, protective_stop, out_of_service, power_off };
 
+// A test takes the table with more rows to see that there is room for them (tests/contract/more_faults.def).
+#ifndef HOIST_FAULT_TABLE
+#define HOIST_FAULT_TABLE "control/contract/faults.def"
+#endif
+
 #define HOIST_FAULT(...)
-#define HOIST_MONITOR(...)
 #define HOIST_REFUSAL(...)
+#define HOIST_SPEED_CAUSE(...)
 #define HOIST_MODE(...)
 #define HOIST_DETAIL(...)
 #define HOIST_EXPLAINS(...)
@@ -23,7 +28,7 @@ enum class Reaction : std::uint8_t { warn, soft_stop, protective_stop, out_of_se
 enum class Fault : std::uint8_t {
 #undef HOIST_FAULT
 #define HOIST_FAULT(bit, name, ...) name = bit,
-#include "control/contract/faults.def"
+#include HOIST_FAULT_TABLE
 #undef HOIST_FAULT
 #define HOIST_FAULT(...)
 };
@@ -32,17 +37,28 @@ struct FaultInfo {
   std::string_view name;
   Priority priority;
   Reaction reaction;
-  std::string_view hazard, text_en, action_en, text_de, action_de;
+  std::string_view hazards;  // separated by a space
+  std::uint32_t budget_ms;   // from the cause to the beginning of braking
+  std::string_view threshold;
+  std::string_view text_en, action_en, text_de, action_de;
+
+  /// The first of `hazards`: the fault's own.
+  [[nodiscard]] constexpr std::string_view hazard() const { return hazards.substr(0, hazards.find(' ')); }
 };
 inline constexpr std::array kFaults{
 #undef HOIST_FAULT
-#define HOIST_FAULT(bit, name, priority, reaction, hazard, text_en, action_en, text_de, action_de) \
-  FaultInfo{bit, #name, Priority::priority, Reaction::reaction, hazard, text_en, action_en, text_de, action_de},
-#include "control/contract/faults.def"
+#define HOIST_FAULT(bit, name, priority, reaction, hazards, budget_ms, threshold, text_en, action_en, text_de, action_de) \
+  FaultInfo{bit, #name, Priority::priority, Reaction::reaction, hazards, budget_ms, threshold, text_en, action_en, text_de, action_de},
+#include HOIST_FAULT_TABLE
 #undef HOIST_FAULT
 #define HOIST_FAULT(...)
 };
-constexpr std::uint32_t fault_bit(Fault fault) { return 1U << static_cast<unsigned>(fault); }
+/// A set of faults: one bit per fault, at the place that its row says.
+using FaultBits = std::uint64_t;
+/// Places in a FaultBits. 53, because the console and every export hold numbers as doubles.
+inline constexpr std::size_t kFaultPlaces = 53;
+constexpr FaultBits fault_bit(Fault fault) { return FaultBits{1} << static_cast<unsigned>(fault); }
+constexpr FaultBits fault_bit(const FaultInfo& info) { return FaultBits{1} << info.bit; }
 
 /// The row of a fault. Bits need not be without gaps, so a fault's number is not its place in the table.
 constexpr const FaultInfo& fault_info(Fault fault) {
@@ -71,7 +87,7 @@ inline constexpr std::array kDetails{
 #undef HOIST_DETAIL
 #define HOIST_DETAIL(fault, code, name, origin, text_en, action_en, text_de, action_de) \
   DetailInfo{Fault::fault, code, #name, Origin::origin, text_en, action_en, text_de, action_de},
-#include "control/contract/faults.def"
+#include HOIST_FAULT_TABLE
 #undef HOIST_DETAIL
 #define HOIST_DETAIL(...)
 };
@@ -82,8 +98,8 @@ constexpr const DetailInfo* find_detail(Fault fault, std::uint16_t code) {
   return nullptr;
 }
 /// Faults that have details: each has a live value <name>_code.
-constexpr std::uint32_t faults_with_details() {
-  std::uint32_t bits = 0;
+constexpr FaultBits faults_with_details() {
+  FaultBits bits = 0;
   for (const DetailInfo& detail : kDetails) bits |= fault_bit(detail.fault);
   return bits;
 }
@@ -94,7 +110,7 @@ struct Explanation {
 inline constexpr std::array kExplanations{
 #undef HOIST_EXPLAINS
 #define HOIST_EXPLAINS(cause, effect) Explanation{Fault::cause, Fault::effect},
-#include "control/contract/faults.def"
+#include HOIST_FAULT_TABLE
 #undef HOIST_EXPLAINS
 #define HOIST_EXPLAINS(...)
 };
@@ -104,8 +120,8 @@ constexpr bool explains(Fault cause, Fault effect) {
   return false;
 }
 /// Of these faults those that another one of them explains.
-constexpr std::uint32_t consequences(std::uint32_t faults) {
-  std::uint32_t bits = 0;
+constexpr FaultBits consequences(FaultBits faults) {
+  FaultBits bits = 0;
   for (const Explanation& row : kExplanations)
     if ((faults & fault_bit(row.cause)) != 0) bits |= faults & fault_bit(row.effect);
   return bits;
@@ -115,15 +131,15 @@ constexpr std::uint32_t consequences(std::uint32_t faults) {
 inline constexpr std::array kEndangers{
 #undef HOIST_ENDANGERS
 #define HOIST_ENDANGERS(fault) Fault::fault,
-#include "control/contract/faults.def"
+#include HOIST_FAULT_TABLE
 #undef HOIST_ENDANGERS
 #define HOIST_ENDANGERS(...)
 };
 
 /// Of these faults (at least one), found in one step, the one that the others follow from: by priority and bit, never a consequence.
-constexpr Fault first_cause(std::uint32_t faults) {
+constexpr Fault first_cause(FaultBits faults) {
   // Faults that explain each other in a ring do not exist (below), so one always remains.
-  const std::uint32_t roots = faults & ~consequences(faults);
+  const FaultBits roots = faults & ~consequences(faults);
   const FaultInfo* best = nullptr;
   for (const FaultInfo& info : kFaults)
     if ((roots >> info.bit & 1U) != 0 &&
@@ -134,43 +150,18 @@ constexpr Fault first_cause(std::uint32_t faults) {
 
 /// The fault to tell first of these (at least one): what endangers the patient, then `first` (the fault that came first, plus one; 0 = not
 /// known), then first_cause.
-constexpr Fault headline(std::uint32_t faults, std::uint8_t first = 0) {
+constexpr Fault headline(FaultBits faults, std::uint8_t first = 0) {
   for (const Fault fault : kEndangers)
     if ((faults & fault_bit(fault)) != 0) return fault;
-  const std::uint32_t roots = faults & ~consequences(faults);
-  if (first != 0 && (roots >> (first - 1U) & 1U) != 0) return static_cast<Fault>(first - 1U);
+  const FaultBits roots = faults & ~consequences(faults);
+  if (first != 0 && first <= kFaultPlaces && (roots >> (first - 1U) & 1U) != 0) return static_cast<Fault>(first - 1U);
   return first_cause(faults);
-}
-
-/// What answers a fault, in the words of the hazard table: R1 soft stop, R2 protective stop, R3 the drive by itself, R4 power off.
-enum class MonitorReaction : std::uint8_t { warn, R1, R2, R3, R4 };
-/// How a fault is found, and how soon braking has to begin.
-struct MonitorInfo {
-  Fault fault;
-  std::string_view hazards;  // separated by a space
-  MonitorReaction reaction;
-  std::uint32_t budget_ms;
-  std::string_view threshold;
-};
-inline constexpr std::array kMonitors{
-#undef HOIST_MONITOR
-#define HOIST_MONITOR(fault, hazards, reaction, budget_ms, threshold) \
-  MonitorInfo{Fault::fault, hazards, MonitorReaction::reaction, budget_ms, threshold},
-#include "control/contract/faults.def"
-#undef HOIST_MONITOR
-#define HOIST_MONITOR(...)
-};
-/// The row of a fault; null for a fault without one, which does not compile.
-constexpr const MonitorInfo* find_monitor(Fault fault) {
-  for (const MonitorInfo& monitor : kMonitors)
-    if (monitor.fault == fault) return &monitor;
-  return nullptr;
 }
 
 enum class Refusal : std::uint8_t {
 #undef HOIST_REFUSAL
 #define HOIST_REFUSAL(bit, name, ...) name = bit,
-#include "control/contract/faults.def"
+#include HOIST_FAULT_TABLE
 #undef HOIST_REFUSAL
 #define HOIST_REFUSAL(...)
 };
@@ -181,16 +172,36 @@ struct RefusalInfo {
 inline constexpr std::array kRefusals{
 #undef HOIST_REFUSAL
 #define HOIST_REFUSAL(bit, name, text_en, text_de) RefusalInfo{bit, #name, text_en, text_de},
-#include "control/contract/faults.def"
+#include HOIST_FAULT_TABLE
 #undef HOIST_REFUSAL
 #define HOIST_REFUSAL(...)
 };
 constexpr std::uint32_t refusal_bit(Refusal refusal) { return 1U << static_cast<unsigned>(refusal); }
 
+enum class SpeedCause : std::uint8_t {
+  none = 0,
+#undef HOIST_SPEED_CAUSE
+#define HOIST_SPEED_CAUSE(value, name, ...) name = value,
+#include HOIST_FAULT_TABLE
+#undef HOIST_SPEED_CAUSE
+#define HOIST_SPEED_CAUSE(...)
+};
+struct SpeedCauseInfo {
+  std::uint8_t value;
+  std::string_view name, text_en, text_de;
+};
+inline constexpr std::array kSpeedCauses{
+#undef HOIST_SPEED_CAUSE
+#define HOIST_SPEED_CAUSE(value, name, text_en, text_de) SpeedCauseInfo{value, #name, text_en, text_de},
+#include HOIST_FAULT_TABLE
+#undef HOIST_SPEED_CAUSE
+#define HOIST_SPEED_CAUSE(...)
+};
+
 enum class Mode : std::uint8_t {
 #undef HOIST_MODE
 #define HOIST_MODE(value, name, ...) name = value,
-#include "control/contract/faults.def"
+#include HOIST_FAULT_TABLE
 #undef HOIST_MODE
 #define HOIST_MODE(...)
 };
@@ -203,44 +214,27 @@ struct ModeInfo {
 inline constexpr std::array kModes{
 #undef HOIST_MODE
 #define HOIST_MODE(value, name, moving, title_en, title_de) ModeInfo{value, #name, moving != 0, title_en, title_de},
-#include "control/contract/faults.def"
+#include HOIST_FAULT_TABLE
 #undef HOIST_MODE
 };
 #undef HOIST_FAULT
-#undef HOIST_MONITOR
 #undef HOIST_REFUSAL
+#undef HOIST_SPEED_CAUSE
 #undef HOIST_DETAIL
 #undef HOIST_EXPLAINS
 #undef HOIST_ENDANGERS
 
-static_assert(kFaults.size() <= 32 && kRefusals.size() <= 32, "fault_bits and blocked_bits hold 32 rows");
+static_assert(kRefusals.size() <= 32, "blocked_bits holds 32 rows");
 static_assert(unique_by(kFaults, [](const FaultInfo& f) { return f.bit; }) &&
-                  all_rows(kFaults, [](const FaultInfo& f) { return f.bit < 32; }),
+                  all_rows(kFaults, [](const FaultInfo& f) { return f.bit < kFaultPlaces; }),
               "faults.def: a fault bit is used twice or out of range");
 static_assert(unique_by(kFaults, [](const FaultInfo& f) { return f.name; }), "faults.def: a fault name is used twice");
 static_assert(all_rows(kFaults,
                        [](const FaultInfo& f) {
-                         return !f.hazard.empty() && !f.text_en.empty() && !f.action_en.empty() && !f.text_de.empty() &&
-                                !f.action_de.empty();
+                         return !f.hazards.empty() && f.budget_ms > 0 && !f.threshold.empty() && !f.text_en.empty() &&
+                                !f.action_en.empty() && !f.text_de.empty() && !f.action_de.empty();
                        }),
-              "faults.def: a fault lacks its words");
-static_assert(kMonitors.size() == kFaults.size() && unique_by(kMonitors, [](const MonitorInfo& m) { return m.fault; }),
-              "faults.def: every fault needs exactly one HOIST_MONITOR row");
-static_assert(all_rows(kMonitors, [](const MonitorInfo& m) { return !m.hazards.empty() && m.budget_ms > 0 && !m.threshold.empty(); }),
-              "faults.def: a HOIST_MONITOR row lacks hazard, budget or threshold");
-// Both tables say the same: what the supervisor does is the fault's reaction, what the hazard table asks for is the monitor's. R3 and R4 are
-// others' doing, with a protective stop beside it.
-static_assert(all_rows(kFaults,
-                       [](const FaultInfo& f) {
-                         // Not by a pointer that may be null: g++ 12 cannot compare those in a constant under its sanitizers.
-                         bool agree = false;
-                         for (const MonitorInfo& m : kMonitors)
-                           agree = agree || (m.fault == static_cast<Fault>(f.bit) && m.hazards.find(f.hazard) != std::string_view::npos &&
-                                             (m.reaction == MonitorReaction::warn) == (f.reaction == Reaction::warn) &&
-                                             (m.reaction == MonitorReaction::R1) == (f.reaction == Reaction::soft_stop));
-                         return agree;
-                       }),
-              "faults.def: HOIST_FAULT and HOIST_MONITOR of a fault do not agree");
+              "faults.def: a fault lacks hazard, budget, threshold or words");
 static_assert(unique_by(kDetails, [](const DetailInfo& d) { return d.name; }) &&
                   all_rows(kDetails,
                            [](const DetailInfo& d) {
@@ -251,7 +245,7 @@ static_assert(unique_by(kDetails, [](const DetailInfo& d) { return d.name; }) &&
 // A ring of faults that explain each other would hide all of them.
 consteval bool explanations_end() {
   for (const Explanation& row : kExplanations) {
-    std::uint32_t reached = fault_bit(row.effect);
+    FaultBits reached = fault_bit(row.effect);
     for (std::size_t round = 0; round < kFaults.size(); ++round)
       for (const Explanation& next : kExplanations)
         if ((reached & fault_bit(next.cause)) != 0) reached |= fault_bit(next.effect);
@@ -263,6 +257,9 @@ static_assert(explanations_end(), "faults.def: HOIST_EXPLAINS rows lead back to 
 static_assert(unique_by(kRefusals, [](const RefusalInfo& r) { return r.bit; }) &&
                   unique_by(kRefusals, [](const RefusalInfo& r) { return r.name; }),
               "faults.def: a refusal is used twice");
+static_assert(unique_by(kSpeedCauses, [](const SpeedCauseInfo& c) { return c.value; }) &&
+                  all_rows(kSpeedCauses, [](const SpeedCauseInfo& c) { return c.value != 0; }),
+              "faults.def: a speed cause is used twice, or is 0");
 static_assert(unique_by(kModes, [](const ModeInfo& m) { return m.value; }), "faults.def: a mode value is used twice");
 static_assert(all_rows(kModes, [](const ModeInfo& m) { return m.value < kModes.size() && kModes[m.value].value == m.value; }),
               "faults.def: modes must be numbered in order");
@@ -274,6 +271,7 @@ constexpr std::uint64_t faults_hash() {
   std::uint64_t hash = kHashStart;
   for (const FaultInfo& f : kFaults) hash = hash_number(hash_bytes(hash, f.name), f.bit);
   for (const RefusalInfo& r : kRefusals) hash = hash_number(hash_bytes(hash, r.name), r.bit);
+  for (const SpeedCauseInfo& c : kSpeedCauses) hash = hash_number(hash_bytes(hash, c.name), c.value);
   for (const ModeInfo& m : kModes) hash = hash_number(hash_bytes(hash, m.name), m.value);
   return hash;
 }

@@ -71,7 +71,7 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.turn_norm = f32(state.intent.turn_norm());
   record.lean_filtered_units = f32(state.lean.v_f_units);
   record.turn_filtered_units = f32(state.turn.omega_f_units);
-  record.speed_wish_m_s = f32(wish.speed_m_s);
+  record.speed_wish_m_s = f32(wish.speed.m_s());
   record.yaw_rate_wish_rad_s = f32(wish.yaw_rate_rad_s);
   record.speed_command_m_s = f32((state.left_command_m_s + state.right_command_m_s) / 2.0);
   record.yaw_rate_command_rad_s = f32((state.right_command_m_s - state.left_command_m_s) / state.params.track_width_m);
@@ -81,6 +81,7 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   const StopDistance stop = stop_distance(state);
   record.stop_distance_m = f32(stop.link_m);
   record.worst_stop_distance_m = f32(stop.computer_m);
+  record.speed_cause = static_cast<std::uint8_t>(state.limiter.cause());
   record.guided_progress_norm = f32(state.guided.progress_norm());
   record.guided_cross_track_m = f32(state.guided.cross_m());
   record.guided_heading_error_rad = f32(state.guided.heading_error_rad());

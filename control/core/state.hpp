@@ -16,6 +16,7 @@
 #include "control/core/estimate/estimate.hpp"
 #include "control/core/event_queue.hpp"
 #include "control/core/health/bus_health.hpp"
+#include "control/core/held.hpp"
 #include "control/core/intent/intent.hpp"
 #include "control/core/law/pfp.hpp"
 #include "control/core/law/pfp_turn.hpp"
@@ -43,16 +44,16 @@ struct Service {
 /// What belongs to the mode in charge; begins anew with every change of mode, so that no mode remembers another.
 struct Motion {
   Braking braking = Braking::none;
-  bool leaving = false;           // braking to a stop, then STANDBY
-  bool powered = false;           // both drives have been enabled since the mode began
-  bool remote_lost = false;       // REMOTE: commands stopped while the dead-man was held
-  std::uint32_t causes = 0;       // PROTECTIVE_STOP: faults of the step in which it began
-  std::uint8_t silent_ticks = 0;  // PROTECTIVE_STOP: how long a node has been silent without a break, up to kGoneTicks
-  std::uint32_t epoch = 0;        // lease with which the mode began
-  std::uint64_t ticks = 0;        // steps since the mode began
-  HoldWatch hold;                 // PROTECTIVE_STOP: whether it does hold
-  Service service;                // INIT only
-  Calibration calibration;        // CALIBRATE only
+  bool leaving = false;            // braking to a stop, then STANDBY
+  bool powered = false;            // both drives have been enabled since the mode began
+  bool remote_lost = false;        // REMOTE: commands stopped while the dead-man was held
+  contract::FaultBits causes = 0;  // PROTECTIVE_STOP: faults of the step in which it began
+  HeldFor silent;                  // PROTECTIVE_STOP: a node is silent; up to kGoneTicks
+  std::uint32_t epoch = 0;         // lease with which the mode began
+  std::uint64_t ticks = 0;         // steps since the mode began
+  HoldWatch hold;                  // PROTECTIVE_STOP: whether it does hold
+  Service service;                 // INIT only
+  Calibration calibration;         // CALIBRATE only
 };
 
 /// Where the odometry's origin lies and what for. A start with the exercise of the mark goes on from where the hoist is; anything else sets
@@ -107,18 +108,18 @@ struct CoreState {
 
   contract::Mode mode = contract::Mode::init;
   Motion motion;
-  std::uint8_t still_ticks = 0;  // commanded and measured standstill, up to kStillTicks
-  std::uint8_t clear_ticks = 0;  // INIT: everything there, up to kClearTicks
+  HeldFor still;  // commanded and measured standstill; up to kStillTicks
+  HeldFor clear;  // INIT: everything there; up to kClearTicks
   law::PfpState<double> lean;
   law::PfpTurnState<double> turn;
   GuidedRun guided;
   StartMark start;
 
   MonitorList monitors;
-  std::uint32_t conditions = 0;                 // what holds now
-  std::uint32_t latched = 0;                    // what is in force: protective faults stay until acknowledged
-  std::uint8_t stop_cause = 0;                  // fault that came first of the latest stop, plus one
-  std::array<std::uint16_t, 32> fault_codes{};  // by bit: what a fault in force is about (HOIST_DETAIL)
+  contract::FaultBits conditions = 0;                               // what holds now
+  contract::FaultBits latched = 0;                                  // what is in force: protective faults stay until acknowledged
+  std::uint8_t stop_cause = 0;                                      // fault that came first of the latest stop, plus one
+  std::array<std::uint16_t, contract::kFaultPlaces> fault_codes{};  // by bit: what a fault in force is about (HOIST_DETAIL)
   RepeatWatch repeats;
   bool stops_changed = false;             // what `repeats` counts, or whether the hoist is out of service for it
   std::uint8_t bumpers_acknowledged = 0;  // pressed still, and acknowledged so

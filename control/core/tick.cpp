@@ -29,11 +29,10 @@ constexpr std::uint8_t kBusSettleTicks = 50;
 /// Ten minutes: more says nothing more, and sums of it do not wrap.
 constexpr std::uint64_t kSyncTicksMost = 60'000;
 
-void tell_emergency(CoreState& state, const CanFrame& frame) noexcept {
-  const auto node = contract::find_node(static_cast<std::uint8_t>(frame.id & 0x7F));
+void tell_emergency(CoreState& state, const CanFrame& frame, const contract::FrameClass& what) noexcept {
   Event event;
   event.kind = EventKind::emergency;
-  event.item = static_cast<std::uint32_t>(*node);
+  event.item = what.node;
   event.code = contract::read_le(&frame.data[0], 2);
   event.bits = frame.data[2];
   // Forty bits, which a double holds exactly.
@@ -47,8 +46,9 @@ void receive_frames(CoreState& state, const TickInputs& inputs, double dt_s) noe
   state.health.next_tick(inputs.time_ns, inputs.bus_up);
   for (const CanFrame& frame : inputs.frames) {
     ++state.bus_frames;
-    if (state.health.take(frame)) tell_emergency(state, frame);
-    if (!receive(frame, state.sensed, state.master, state.derived, dt_s)) ++state.bus_refused;
+    const contract::FrameClass what = contract::classify(frame);
+    if (state.health.take(frame, what)) tell_emergency(state, frame, what);
+    if (!receive(frame, what, state.sensed, state.master, state.derived, dt_s)) ++state.bus_refused;
   }
   if (!inputs.bus_up) {
     state.bus_settle_ticks = kBusSettleTicks;
@@ -78,28 +78,28 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
   }
   // What was let go counts anew when it touches again.
   state.bumpers_acknowledged &= state.sensed.io.bumpers();
-  const MonitorView view{state.sensed,
-                         state.health,
-                         state.params,
-                         state.mode,
-                         is_moving(state.mode),
-                         state.motion.powered,
-                         state.latched,
-                         state.left_command_m_s,
-                         state.right_command_m_s,
-                         state.left_control,
-                         state.right_control,
-                         inputs.bus_up,
-                         state.bus_settle_ticks == 0,
-                         state.server.alive(),
-                         state.server.seen(),
-                         state.remote_lost_ticks > 0,
-                         state.mode == contract::Mode::guided && state.guided.held_back(),
-                         state.relay.is_cut(),
-                         state.bumpers_acknowledged,
-                         inputs.wake_lateness_s,
-                         state.ticks_run,
-                         dt_s};
+  const MonitorView view{.sensed = state.sensed,
+                         .health = state.health,
+                         .params = state.params,
+                         .mode = state.mode,
+                         .moving = is_moving(state.mode),
+                         .powered = state.motion.powered,
+                         .latched = state.latched,
+                         .left_command_m_s = state.left_command_m_s,
+                         .right_command_m_s = state.right_command_m_s,
+                         .left_control = state.left_control,
+                         .right_control = state.right_control,
+                         .bus_up = inputs.bus_up,
+                         .bus_settled = state.bus_settle_ticks == 0,
+                         .server_alive = state.server.alive(),
+                         .server_seen = state.server.seen(),
+                         .remote_lost = state.remote_lost_ticks > 0,
+                         .held_back = state.mode == contract::Mode::guided && state.guided.held_back(),
+                         .relay_cut = state.relay.is_cut(),
+                         .bumpers_acknowledged = state.bumpers_acknowledged,
+                         .wake_lateness_s = inputs.wake_lateness_s,
+                         .ticks = state.ticks_run,
+                         .dt_s = dt_s};
   judge_faults(state, check_all(state.monitors, view));
 }
 
@@ -138,17 +138,22 @@ Wish decide(CoreState& state, double dt_s) noexcept {
     motion.powered = true;
   Wish wish = mode_row_of(state.mode).step(state, dt_s);
   if (wish.done) finish_mode(state);
-  if (state.sensed.io.bumpers() != 0 && wish.braking == Braking::none) {
-    wish.speed_m_s = BumperRoom(state.sensed.io.bumpers()).speed_m_s(wish.speed_m_s);
+  const std::uint8_t bumpers = state.sensed.io.bumpers();
+  if (bumpers != 0 && wish.braking == Braking::none) {
+    const BumperRoom room(bumpers);
+    wish.speed.within(room.backward_m_s, room.forward_m_s, contract::SpeedCause::bumper);
     wish.yaw_rate_rad_s = 0;
   }
   if (mode_row_of(state.mode).drives) {
-    state.limiter.step(state.params, wish.braking, on_slope_m_s(wish.speed_m_s, state.latched, state.params), wish.yaw_rate_rad_s, dt_s);
+    LimitedSpeed speed = wish.speed;
+    // H9: the monitor only warns; this is what keeps the hoist slow on a slope.
+    if ((state.latched & contract::fault_bit(Fault::base_tilt_high)) != 0)
+      speed.within(state.params.base_tilt_speed_m_s_max, contract::SpeedCause::slope);
+    state.limiter.step(state.params, wish.braking, speed, wish.yaw_rate_rad_s, dt_s);
   } else {
     state.limiter.reset();
   }
-  state.still_ticks =
-      !at_rest(state) ? std::uint8_t{0} : static_cast<std::uint8_t>(state.still_ticks < kStillTicks ? state.still_ticks + 1 : kStillTicks);
+  state.still.step(at_rest(state), kStillTicks);
   serve_breakdown(state);
   return wish;
 }

@@ -34,7 +34,7 @@ bool read_values(const json& values, bool same_boot, std::int64_t now_ns, core::
   for (const json& name : values["out_of_service"]) {
     if (!name.is_string()) return false;
     const contract::FaultInfo* fault = contract::find_fault(name.get<std::string>());
-    if (fault != nullptr) history.out_of_service |= 1ULL << fault->bit;
+    if (fault != nullptr) history.out_of_service |= contract::fault_bit(*fault);
   }
   return true;
 }

@@ -133,13 +133,6 @@ std::vector<std::string> refusal_names(std::uint32_t bits) {
   return names;
 }
 
-std::vector<std::string> fault_names(std::uint32_t bits) {
-  std::vector<std::string> names;
-  for (const contract::FaultInfo& f : contract::kFaults)
-    if ((bits >> f.bit & 1U) != 0) names.emplace_back(f.name);
-  return names;
-}
-
 void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done) {
   if (!may(services, asker, contract::Role::therapist, done)) return;
   Command command = command_of(CommandKind::take_lease, asker);
@@ -210,7 +203,7 @@ void act_acknowledge(Services& services, const Asker& asker, const json& seen, O
     for (const json& name : seen) {
       const contract::FaultInfo* fault = name.is_string() ? contract::find_fault(name.get_ref<const std::string&>()) : nullptr;
       usable = usable && fault != nullptr;
-      if (fault != nullptr) command.a |= 1U << fault->bit;
+      if (fault != nullptr) command.bits |= contract::fault_bit(*fault);
     }
   if (!usable) {
     done(invalid({{"seen", "must name at least one fault, and only faults of the table"}}, "There is no such fault to acknowledge."));

@@ -88,6 +88,5 @@ void act_update_firmware(Services& services, const Asker& asker, std::vector<std
 void act_preset(Services& services, const Asker& asker, const std::string& name, std::uint32_t version, OutcomeDone done);
 
 [[nodiscard]] std::vector<std::string> refusal_names(std::uint32_t bits);
-[[nodiscard]] std::vector<std::string> fault_names(std::uint32_t bits);
 
 }  // namespace hoist::server

@@ -57,12 +57,19 @@ void write_alarm(JsonWriter& out, const contract::TickRecord& record, Fault faul
 
 }  // namespace
 
+std::vector<std::string> fault_names(contract::FaultBits bits) {
+  std::vector<std::string> names;
+  for (const contract::FaultInfo& info : contract::kFaults)
+    if ((bits & contract::fault_bit(info)) != 0) names.emplace_back(info.name);
+  return names;
+}
+
 void write_alarms(JsonWriter& out, const contract::TickRecord& record) {
   out.begin('[');
-  std::uint32_t left = record.fault_bits;
+  contract::FaultBits left = record.fault_bits;
   // A bit that no row has would never be taken.
-  std::uint32_t known = 0;
-  for (const contract::FaultInfo& info : contract::kFaults) known |= 1U << info.bit;
+  contract::FaultBits known = 0;
+  for (const contract::FaultInfo& info : contract::kFaults) known |= contract::fault_bit(info);
   left &= known;
   while (left != 0) {
     const Fault cause = contract::headline(left, record.stop_cause);

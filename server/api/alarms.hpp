@@ -1,9 +1,15 @@
 // What is wrong, in the order in which it is to be told.
 #pragma once
+#include <string>
+#include <vector>
+
+#include "control/contract/faults.hpp"
 #include "control/contract/signals.hpp"
 #include "server/text/json_writer.hpp"
 
 namespace hoist::server {
+
+[[nodiscard]] std::vector<std::string> fault_names(contract::FaultBits bits);
 
 /// The faults in force: what endangers the patient first, then what stopped the hoist, each followed by its consequences.
 void write_alarms(JsonWriter& out, const contract::TickRecord& record);

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "control/contract/faults.hpp"
+#include "server/api/alarms.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
 
@@ -21,12 +22,13 @@ void get_mode(const CallPtr& call) {
   const bool stopped = newest->mode == static_cast<std::uint8_t>(contract::Mode::protective_stop) ||
                        newest->mode == static_cast<std::uint8_t>(contract::Mode::fault) ||
                        newest->mode == static_cast<std::uint8_t>(contract::Mode::emergency_stop);
-  const bool caused = stopped && newest->stop_cause != 0;
+  const bool caused = stopped && newest->stop_cause != 0 && newest->stop_cause <= contract::kFaultPlaces;
   call->respond(json{{"mode", mode.name},
                      {"moving", mode.moving},
                      {"standing_still", newest->standing_still != 0},
                      {"blocked", refusal_names(newest->blocked_bits)},
-                     {"stop_cause", caused ? json(fault_names(1U << ((newest->stop_cause - 1U) & 31U))) : json(nullptr)}});
+                     {"stop_cause", caused ? json(fault_names(contract::fault_bit(static_cast<contract::Fault>(newest->stop_cause - 1U))))
+                                           : json(nullptr)}});
 }
 
 void set_mode(const CallPtr& call) {

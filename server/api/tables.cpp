@@ -38,7 +38,7 @@ void list_faults(const CallPtr& call) {
                      {"name", f.name},
                      {"priority", kPriorities[static_cast<std::size_t>(f.priority)]},
                      {"reaction", kReactions[static_cast<std::size_t>(f.reaction)]},
-                     {"hazard", f.hazard},
+                     {"hazard", f.hazard()},
                      {"text", words(f.text_en, f.text_de)},
                      {"action", words(f.action_en, f.action_de)}});
   json refusals = json::array();

@@ -82,11 +82,11 @@ void CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>
     stage.a = id;
     stage.b = position++;
     stage.v0 = value;
-    stage.seal = 0;
+    stage.bits = 0;
     staged_[stage.request_id] = commit.request_id;
     outbox_.push_back(stage);
   }
-  commit.seal = seal.value(version);
+  commit.bits = seal.value(version);
   pending_[commit.request_id] = {commit.request_id, clock_ns_ + kAnswerLimit_ns, std::move(done), true, std::nullopt};
   outbox_.push_back(commit);
   flush_outbox();

@@ -77,7 +77,8 @@ json event_json(const contract::Event& event) {
       for (const contract::FaultInfo& f : contract::kFaults)
         if (f.bit == event.code) out["name"] = f.name;
       // What a fault is about, where that has words of its own.
-      if (event.kind == EventKind::fault_raised && (contract::faults_with_details() >> (event.code & 31U) & 1U) != 0 && event.item != 0)
+      if (event.kind == EventKind::fault_raised && event.code < contract::kFaultPlaces && event.item != 0 &&
+          (contract::faults_with_details() & contract::fault_bit(static_cast<contract::Fault>(event.code))) != 0)
         out["item"] = event.item;
       // A fault that may be about any device names the one it is about.
       if (event.kind == EventKind::fault_raised && is_about_a_device(event.code)) {

@@ -188,7 +188,7 @@ TEST(ChaosBites, I4WheelsCommandedInStandby) {
 }
 TEST(ChaosBites, I5AStopThatEndsByItself) {
   SessionOptions options = quiet([](double, core::CoreState& core, core::TickOutputs& out) {
-    if (core.mode != Mode::protective_stop || core.still_ticks < 50) return;
+    if (core.mode != Mode::protective_stop || core.still.ticks < 50) return;
     core.mode = Mode::standby;
     contract::Event event;
     event.kind = contract::EventKind::mode_changed;
@@ -289,7 +289,7 @@ TEST(ChaosBites, I13ANumberThatIsNone) {
 }
 TEST(ChaosBites, I14AnAcknowledgementThatDoesNothing) {
   SessionOptions options = quiet([](double, core::CoreState& core, core::TickOutputs&) {
-    if (core.mode == Mode::protective_stop) core.still_ticks = 0;
+    if (core.mode == Mode::protective_stop) core.still.ticks = 0;
   });
   options.faults = std::vector<Fault>{{Kind::bumper, contract::Node::io, 20.0, 20.5, 0.1}};
   EXPECT_TRUE(bites(options, "I14"));
@@ -297,7 +297,7 @@ TEST(ChaosBites, I14AnAcknowledgementThatDoesNothing) {
 
 TEST(ChaosShrink, FindsTheOneFaultThatMatters) {
   SessionOptions options = quiet([](double, core::CoreState& core, core::TickOutputs&) {
-    if (core.mode == Mode::protective_stop) core.still_ticks = 0;
+    if (core.mode == Mode::protective_stop) core.still.ticks = 0;
   });
   options.length_s = 60;
   options.seed = 8;

@@ -49,7 +49,7 @@ const char* not_finite(const TickRecord& record) {
   return nullptr;
 }
 
-std::uint32_t lost_bit(Node node) {
+contract::FaultBits lost_bit(Node node) {
   constexpr std::array kLost{HoistFault::drive_left_lost, HoistFault::drive_right_lost, HoistFault::io_lost,
                              HoistFault::tilt_left_lost,  HoistFault::tilt_right_lost,  HoistFault::tilt_base_lost};
   return contract::fault_bit(kLost[static_cast<std::size_t>(node)]);
@@ -143,7 +143,7 @@ void Watch::fault_begins(const Planned& row) {
   if (!board_.alone(row, now_s, 6.0) || !loop_.core_runs()) return;
   // Out of service only its causes are latched: INIT checks everything again.
   if (loop_.mode() == Mode::init || loop_.mode() == Mode::fault || loop_.mode() == Mode::emergency_stop) return;
-  const auto raise = [&](std::uint32_t bits, const char* what, double budget_s) {
+  const auto raise = [&](contract::FaultBits bits, const char* what, double budget_s) {
     must_raise_.push_back({bits, what, now_s + budget_s, f.end_s});
   };
   switch (f.kind) {
@@ -368,7 +368,7 @@ void Watch::watch_events() {
   const auto& events = loop_.events();
   for (; events_seen_ < events.size(); ++events_seen_) {
     const contract::Event& e = events[events_seen_];
-    const std::uint32_t bit = e.code < 32 ? 1U << e.code : 0U;
+    const contract::FaultBits bit = e.code < contract::kFaultPlaces ? contract::fault_bit(static_cast<HoistFault>(e.code)) : 0U;
     const bool about_fault = e.kind == EventKind::fault_raised || e.kind == EventKind::fault_cleared;
     const std::string_view name = about_fault ? contract::fault_info(static_cast<HoistFault>(e.code)).name : std::string_view{};
     if (e.kind == EventKind::fault_raised) {
@@ -427,7 +427,7 @@ void Watch::watch_deadlines(const TickRecord& record) {
   for (std::size_t i = 0; i < must_raise_.size();) {
     const MustRaise& must = must_raise_[i];
     // One that is acknowledged in the step in which it is found was in force, too.
-    const std::uint32_t found = record.fault_bits | (now_s - acknowledged_s_ < 1.5 * core::kTick_s ? raised_now_ : 0U);
+    const contract::FaultBits found = record.fault_bits | (now_s - acknowledged_s_ < 1.5 * core::kTick_s ? raised_now_ : 0U);
     const bool raised = (found & must.any_of) != 0 || loop_.mode() == Mode::init;
     if (!raised && now_s > must.by_s) broken(must.what, now_s - must.by_s);
     if (raised || now_s > must.by_s)

@@ -57,7 +57,7 @@ class Watch {
     double since_s, by_s;
   };
   struct MustRaise {
-    std::uint32_t any_of;
+    contract::FaultBits any_of;
     const char* what;
     double by_s, over_s;
   };
@@ -97,8 +97,8 @@ class Watch {
   std::uint32_t drive_epoch_{}, lease_epoch_{}, lease_holder_{};
   contract::Mode last_mode_{contract::Mode::init};
   std::size_t events_seen_{};
-  std::uint32_t raised_{};
-  std::uint32_t raised_now_{};  // in this step
+  contract::FaultBits raised_{};
+  contract::FaultBits raised_now_{};  // in this step
   std::uint64_t last_tick_{};
   bool ran_{false}, followed_{false};
 };

@@ -127,7 +127,7 @@ void fuzz_core_commands(Bytes input) {
         if (command.b == 0) seal = {};
         seal.add(command.a, command.v0);
       }
-      command.seal = (what & 0x08U) != 0 ? pieces.number(8) : seal.value();
+      command.bits = (what & 0x08U) != 0 ? pieces.number(8) : seal.value();
       commands.push_back(command);
     }
     contract::DriveCommand drive;

@@ -94,7 +94,7 @@ TEST(Faults, H15_AStumbleStopsTheHoist) {
   }
   ASSERT_GT(past_s, 0.0);
   ASSERT_GT(stopped_mode_s, 0.0);
-  EXPECT_LE(stopped_mode_s - past_s, contract::find_monitor(Fault::fall_detected)->budget_ms * 1e-3 + 1e-9);
+  EXPECT_LE(stopped_mode_s - past_s, contract::fault_info(Fault::fall_detected).budget_ms * 1e-3 + 1e-9);
   EXPECT_TRUE(walk.loop.ever_raised(Fault::fall_detected));
   // The body strikes the stop meanwhile and then hangs there with some 200 N: the wheels may slide for a moment.
   EXPECT_LT(walk.loop.world().plant().platform().x_m - before_m, from_m_s * from_m_s / 2.0 + 0.25);

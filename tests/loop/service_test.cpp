@@ -27,7 +27,7 @@ using contract::Node;
 
 constexpr std::uint32_t kNew = contract::image_version(1, 1, 0);
 constexpr auto kEngineer = static_cast<std::uint32_t>(contract::Role::engineer);
-constexpr std::uint32_t kProtective = core::faults_with(contract::Reaction::protective_stop);
+constexpr contract::FaultBits kProtective = core::faults_with(contract::Reaction::protective_stop);
 
 std::vector<std::uint8_t> image_for(Node node, std::size_t bytes) {
   std::mt19937 random(5);

@@ -47,7 +47,7 @@ int list() {
 
 bool choose(std::string_view mutant) {
   for (const FaultInfo& info : kFaults)
-    if (mutant == "off/" + std::string(info.name)) mutation::off_bits = 1U << info.bit;
+    if (mutant == "off/" + std::string(info.name)) mutation::off_bits = hoist::contract::fault_bit(info);
   for (std::size_t i = 0; i < mutation::limit_count; ++i)
     if (mutant == "lax/" + std::string(name_of(mutation::limits[i].fault)) + "/" + mutation::limits[i].name) mutation::lax = i;
   return mutation::off_bits != 0 || mutation::lax != mutation::kMostLimits;

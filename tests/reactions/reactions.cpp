@@ -29,7 +29,7 @@ struct Row {
   const char* answer;  // in words
   // Expected cause in the braking step or the next: a stop for another cause does not count. Fault bits, one of which is enough; none: the
   // core itself is dead.
-  std::uint32_t why;
+  contract::FaultBits why;
   int budget_ms;
   Mode mode;
   const char* scenario;
@@ -43,8 +43,8 @@ struct Row {
   std::function<void(ClosedLoop&)> before = nullptr;
 };
 
-std::uint32_t bit(Fault fault) { return contract::fault_bit(fault); }
-int budget(Fault fault) { return static_cast<int>(contract::find_monitor(fault)->budget_ms); }
+contract::FaultBits bit(Fault fault) { return contract::fault_bit(fault); }
+int budget(Fault fault) { return static_cast<int>(contract::fault_info(fault).budget_ms); }
 
 // Counted from the guard's own angle and rate, of the body itself.
 bool falls(ClosedLoop& loop, double& last_rad) {

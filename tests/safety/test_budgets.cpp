@@ -45,7 +45,7 @@ TEST(Falls, H15AFallingPatientIsCaughtWithin30Ms) {
   ASSERT_GE(result.stop_tick, 0);
   EXPECT_LE(result.stop_tick - result.beyond_tick, 3);
   EXPECT_TRUE(hoist.has_fault(Fault::fall_detected));
-  EXPECT_EQ(contract::fault_info(Fault::fall_detected).hazard, "H15");
+  EXPECT_EQ(contract::fault_info(Fault::fall_detected).hazard(), "H15");
   hoist.step(100);
   EXPECT_EQ(hoist.drive_left.status, 0x27) << "held by the drives, never let roll";
 }

@@ -175,7 +175,7 @@ TEST(Monitors, EachTripsInTimeStopsAndNamesItsHazard) {
     EXPECT_LE(ticks, trip.budget_ticks);
     EXPECT_TRUE(hoist.has_fault(trip.fault));
     EXPECT_EQ(hoist.out.record.stop_cause, static_cast<int>(trip.fault) + 1);
-    EXPECT_EQ(contract::fault_info(trip.fault).hazard, trip.hazard);
+    EXPECT_EQ(contract::fault_info(trip.fault).hazard(), trip.hazard);
     EXPECT_EQ(contract::fault_info(trip.fault).reaction, Reaction::protective_stop);
     // I4: after the ramp nothing is commanded, independent of the cause.
     hoist.worst_deceleration_m_s2 = 0;
@@ -407,7 +407,7 @@ TEST(Monitors, AReplugedNodeIsConfiguredAgainBeforeItCounts) {
 }
 
 TEST(Monitors, H12BatteryWarnsThenStopsGentlyAndBlocksTheStart) {
-  EXPECT_EQ(contract::fault_info(Fault::battery_empty).hazard, "H12");
+  EXPECT_EQ(contract::fault_info(Fault::battery_empty).hazard(), "H12");
   ScriptedHoist hoist;
   set_going(hoist, Mode::user);
   hoist.io.battery_a_v = hoist.io.battery_b_v = 11.2;  // 22.4 V together
@@ -580,6 +580,7 @@ TEST(Monitors, H9ASlopeSlowsGentlyAndLevelFloorFreesAgain) {
   hoist.drive_for(100, 0.9);
   EXPECT_NEAR(hoist.command_m_s(), 0.2, 1e-3);
   EXPECT_LE(hoist.worst_deceleration_m_s2, 0.5 + 1e-9);
+  EXPECT_EQ(hoist.out.record.speed_cause, static_cast<int>(contract::SpeedCause::slope));
   hoist.drive_for(300, -1.0);
   EXPECT_NEAR(hoist.command_m_s(), -0.2, 1e-3) << "backward too";
   floor(4.5);
@@ -589,6 +590,7 @@ TEST(Monitors, H9ASlopeSlowsGentlyAndLevelFloorFreesAgain) {
   hoist.drive_for(200, -1.0);
   EXPECT_FALSE(hoist.has_fault(Fault::base_tilt_high));
   EXPECT_LT(hoist.command_m_s(), -0.25);
+  EXPECT_EQ(hoist.out.record.speed_cause, static_cast<int>(contract::SpeedCause::none));
   EXPECT_EQ(hoist.state.mode, Mode::remote);
 }
 
@@ -635,7 +637,7 @@ TEST(Monitors, H16APatientDrawnAlongWithoutAStepStopsGently) {
   EXPECT_GT(ticks, 150);
   EXPECT_LE(ticks, 260);
   EXPECT_TRUE(hoist.has_fault(Fault::patient_hanging));
-  EXPECT_EQ(contract::fault_info(Fault::patient_hanging).hazard, "H16");
+  EXPECT_EQ(contract::fault_info(Fault::patient_hanging).hazard(), "H16");
   EXPECT_EQ(contract::fault_info(Fault::patient_hanging).priority, contract::Priority::high);
   hoist.worst_deceleration_m_s2 = 0;
   ASSERT_TRUE(hoist.reach(Mode::standby, 300));
@@ -766,7 +768,7 @@ TEST(Monitors, H16NobodyIsWaitedForWithoutEnd) {
 
 // A chassis that turns at 15 deg/s while its wheels go straight (H10's own figure), in both directions and both modes.
 TEST(Monitors, H10ASlipIsMarkedAtOnceAndStopsGentlyWhenItLasts) {
-  EXPECT_EQ(contract::fault_info(Fault::wheel_slip).hazard, "H10");
+  EXPECT_EQ(contract::fault_info(Fault::wheel_slip).hazard(), "H10");
   for (const double yaw_deg_s : {15.0, -15.0}) {
     for (const Mode mode : {Mode::user, Mode::remote}) {
       SCOPED_TRACE(yaw_deg_s);
@@ -871,7 +873,7 @@ TEST(Monitors, H22ALateStepInStandbyIsCountedOnly) {
 }
 
 TEST(Monitors, EveryFaultOfTheTableIsTestedHereOrNamed) {
-  std::uint32_t covered = 0;
+  contract::FaultBits covered = 0;
   for (const Trip& trip : trips()) covered |= contract::fault_bit(trip.fault);
   // Tested by name: fall in test_budgets.cpp, the driver and the server in unit/core/test_remote.cpp, batteries above, STOP in
   // unit/core/test_modes.cpp, the gate in unit/core/test_gate.cpp and below, what ends in FAULT or
@@ -880,7 +882,7 @@ TEST(Monitors, EveryFaultOfTheTableIsTestedHereOrNamed) {
                             Fault::stop_pressed, Fault::gate_refused, Fault::wheel_slip, Fault::battery_uneven, Fault::base_tilt_high,
                             Fault::patient_hanging, Fault::emergency_stop, Fault::parameters_corrupt, Fault::control_fault})
     covered |= contract::fault_bit(fault);
-  for (const auto& fault : contract::kFaults) EXPECT_NE(covered & (1U << fault.bit), 0U) << fault.name;
+  for (const auto& fault : contract::kFaults) EXPECT_NE(covered & contract::fault_bit(fault), 0U) << fault.name;
 }
 
 TEST(Monitors, H1TheGateStopsAControllerThatGoesWrong) {

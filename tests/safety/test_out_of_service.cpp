@@ -344,12 +344,12 @@ TEST(Transitions, EveryEntryBeginsFromZero) {
     state.turn.omega_f_units = -9;
     const bool walks = is_moving(row.from) && row.guard != Guard::ramp_first;
     if (walks) state.limiter.start_from(state.params, 0.4, 0.1);
-    state.still_ticks = kStillTicks;
-    state.clear_ticks = 10;
+    state.still.ticks = kStillTicks;
+    state.clear.ticks = 10;
     if (row.guard == Guard::ready_with_a_path) state.guided.load({});
     if (row.guard == Guard::only_silence) {
       state.conditions = state.latched = contract::fault_bit(Fault::drive_left_lost);
-      state.motion.silent_ticks = kGoneTicks;
+      state.motion.silent.ticks = kGoneTicks;
     }
     switch (row.asker) {
       case Asker::core:
@@ -386,8 +386,8 @@ TEST(Transitions, EveryEntryBeginsFromZero) {
     EXPECT_EQ(state.motion.ticks, 0U);
     EXPECT_FALSE(state.motion.leaving);
     EXPECT_FALSE(state.motion.powered);
-    EXPECT_EQ(state.still_ticks, 0);
-    EXPECT_EQ(state.clear_ticks, row.to == Mode::init ? 0 : state.clear_ticks);
+    EXPECT_EQ(state.still.ticks, 0);
+    EXPECT_EQ(state.clear.ticks, row.to == Mode::init ? 0 : state.clear.ticks);
     // Only a stop takes over a rolling hoist; every other mode begins at rest.
     if (row.to != Mode::protective_stop) {
       EXPECT_TRUE(state.limiter.at_rest());

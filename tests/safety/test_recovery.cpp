@@ -337,15 +337,15 @@ TEST(Restart, WhatIsNoHistoryChangesNothing) {
 
 // ---- what is told first
 
-constexpr std::uint32_t bits(std::initializer_list<Fault> faults) {
-  std::uint32_t all = 0;
+constexpr contract::FaultBits bits(std::initializer_list<Fault> faults) {
+  contract::FaultBits all = 0;
   for (const Fault fault : faults) all |= fault_bit(fault);
   return all;
 }
 
 TEST(Headline, TheCauseIsToldBeforeItsConsequences) {
-  const std::uint32_t cut = bits({Fault::tilt_left_lost, Fault::tilt_right_lost, Fault::tilt_base_lost, Fault::drive_left_lost,
-                                  Fault::drive_right_lost, Fault::io_lost, Fault::bus_down});
+  const contract::FaultBits cut = bits({Fault::tilt_left_lost, Fault::tilt_right_lost, Fault::tilt_base_lost, Fault::drive_left_lost,
+                                        Fault::drive_right_lost, Fault::io_lost, Fault::bus_down});
   EXPECT_EQ(contract::headline(cut), Fault::bus_down);
   EXPECT_EQ(contract::headline(cut, cause(Fault::tilt_left_lost)), Fault::bus_down);
   EXPECT_EQ(contract::consequences(cut), cut & ~fault_bit(Fault::bus_down));
@@ -357,7 +357,7 @@ TEST(Headline, ThePatientGoesFirst) {
 }
 
 TEST(Headline, OtherwiseWhatCameFirst) {
-  const std::uint32_t two = bits({Fault::tilt_left_lost, Fault::tilt_frozen, Fault::battery_low});
+  const contract::FaultBits two = bits({Fault::tilt_left_lost, Fault::tilt_frozen, Fault::battery_low});
   EXPECT_EQ(contract::headline(two, cause(Fault::tilt_frozen)), Fault::tilt_frozen);
   EXPECT_EQ(contract::headline(two, cause(Fault::bumper_pressed)), Fault::tilt_left_lost) << "it is no longer in force";
   EXPECT_EQ(contract::headline(two), Fault::tilt_left_lost);

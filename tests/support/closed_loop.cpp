@@ -220,7 +220,7 @@ std::uint32_t ClosedLoop::ask_as(std::uint32_t client, contract::CommandKind kin
     if (b == 0) seal_ = {};
     seal_.add(a, v0);
   }
-  if (kind == contract::CommandKind::commit_parameters) command.seal = seal_.value();
+  if (kind == contract::CommandKind::commit_parameters) command.bits = seal_.value();
   commands_.push_back(command);
   return requests_;
 }

@@ -195,8 +195,12 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       },
       only,
     );
+  // Bit operators on numbers cut to 32 bits.
+  const raise = (name) => {
+    hoist.faults = Number(BigInt(hoist.faults) | (1n << BigInt(faultBit[name])));
+  };
   const stopNow = () => {
-    hoist.faults |= 1 << faultBit.stop_pressed;
+    raise('stop_pressed');
     setMode('protective_stop');
     event('fault_raised', { name: 'stop_pressed' });
   };
@@ -330,6 +334,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       blocked_bits: hoist.faults ? 4 : 0,
       lease_epoch: lease.epoch,
       lease_holder: lease.holder,
+      speed_cause: 0,
       guided_phase: hoist.mode === 'guided' ? 2 : 0,
       guided_progress_norm: hoist.guided ? Math.min(1, hoist.distance / hoist.guided.total_m) : 0,
       guided_remaining_m: hoist.guided ? Math.max(0, hoist.guided.total_m - hoist.distance) : 0,
@@ -711,7 +716,7 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
             if (i % 5 === 0) for (const client of clients.values()) client.socket.send(encodeRecords([record]));
           }
         },
-        fault: (name) => (hoist.faults |= 1 << faultBit[name]),
+        fault: raise,
         trouble: (change) => (hoist.trouble = change),
         standing: (items) => {
           hoist.standing = items;

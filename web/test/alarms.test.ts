@@ -1,9 +1,21 @@
-import { describe, expect, it } from 'vitest';
+import { describe, expect, it, vi } from 'vitest';
 import { endangers, explanations, faultDetails, faults, type FaultName } from '../src/contract/faults.gen';
 import { toldFaults } from '../src/ui/alarms';
 
+// The table with two faults more, at its last places, as tests/contract/more_faults.def has them.
+vi.mock('../src/contract/faults.gen', async (original) => {
+  const table = await original<typeof import('../src/contract/faults.gen')>();
+  const more = (place: number, name: string) => ({
+    ...table.faults[0]!,
+    bit: place,
+    name: name as FaultName,
+    text: { en: `${name} text`, de: `${name} Text` },
+  });
+  return { ...table, faults: [...table.faults, more(51, 'seat_open'), more(52, 'lamp_broken')] };
+});
+
 const bit = (name: FaultName) => faults.find((fault) => fault.name === name)!.bit;
-const bits = (...names: FaultName[]) => names.reduce((sum, name) => (sum | (1 << bit(name))) >>> 0, 0);
+const bits = (...names: FaultName[]) => names.reduce((sum, name) => sum + 2 ** bit(name), 0);
 const cause = (name: FaultName) => bit(name) + 1;
 const names = (...told: Parameters<typeof toldFaults>) => toldFaults(...told).map(({ fault }) => fault.name);
 
@@ -32,10 +44,21 @@ describe('the order of the alarms', () => {
     expect(names(bits('stop_pressed', 'tilt_left_lost'), cause('stop_pressed'))).toEqual(['stop_pressed', 'tilt_left_lost']);
   });
 
+  it('tells the faults beyond the first 32, alone and beside the others', () => {
+    for (const place of [51, 52]) {
+      const [told, ...others] = toldFaults(2 ** place);
+      expect(others).toEqual([]);
+      expect(told!.text.de).toBe(`${place === 51 ? 'seat_open' : 'lamp_broken'} Text`);
+    }
+    expect(names(bits('bumper_pressed') + 2 ** 51 + 2 ** 52, 53)).toEqual(['lamp_broken', 'bumper_pressed', 'seat_open']);
+    expect(names(bits('tilt_left_lost'))).toEqual(['tilt_left_lost']);
+  });
+
   it('loses none, whatever is in force', () => {
     expect(names(0)).toEqual([]);
-    expect([...names(0xffffffff, 3)].sort()).toEqual(faults.map((fault) => fault.name).sort());
-    expect(names(0xffffffff).slice(0, 1)).toEqual(endangers.slice(0, 1));
+    const all = 2 ** 53 - 1;
+    expect([...names(all, 3)].sort()).toEqual(faults.map((fault) => fault.name).sort());
+    expect(names(all).slice(0, 1)).toEqual(endangers.slice(0, 1));
     for (const { cause: why, effect } of explanations) expect(names(bits(why, effect))).toEqual([why, effect]);
   });
 });

@@ -46,7 +46,7 @@ describe('readFrame', () => {
       time_ns: 2 ** 52 + 12345,
       left_counts: -7,
       psi_rad: -12.5,
-      fault_bits: 0x80000001,
+      fault_bits: 2 ** 52 + 2 ** 32 + 1,
       left_status_word: 0xffff,
       bumpers: 255,
     };

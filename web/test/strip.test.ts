@@ -1,4 +1,6 @@
 import { describe, expect, it } from 'vitest';
+import { speedCauses } from '../src/contract/faults.gen';
+import { causeReader, slowerBecause } from '../src/link/speed_cause';
 import { storageAlarms } from '../src/ui/strip';
 
 const notice = (name: string, priority: 'low' | 'medium') => ({
@@ -20,5 +22,21 @@ describe('the strip', () => {
   it('says once that nothing is recorded', () => {
     expect(storageAlarms([notice('recordings_foreign', 'medium')], true)).toHaveLength(1);
     expect(storageAlarms([notice('recordings_set_aside', 'low')], true).map((alarm) => alarm.id)).toEqual(['recordings_set_aside', 'recording']);
+  });
+
+  it('says why the hoist goes slowly while it is led, unless the sentence says so', () => {
+    for (const { value, text } of speedCauses) expect(slowerBecause('strip.walking', value)).toEqual(text);
+    expect(slowerBecause('strip.walking', 0)).toBeUndefined();
+    for (const sentence of ['strip.waits', 'strip.offBumper', 'strip.ready', 'strip.stopped']) expect(slowerBecause(sentence, 4)).toBeUndefined();
+  });
+
+  it('keeps a cause for a second, and the newest of two', () => {
+    const read = causeReader();
+    expect(read({ tick: 1000, speed_cause: 0 })).toBe(0);
+    expect(read({ tick: 1001, speed_cause: 5 })).toBe(5);
+    expect(read({ tick: 1100, speed_cause: 0 })).toBe(5);
+    expect(read({ tick: 1101, speed_cause: 0 })).toBe(0);
+    expect(read({ tick: 1102, speed_cause: 6 })).toBe(6);
+    expect(read({ tick: 3, speed_cause: 0 })).toBe(0); // another core
   });
 });

@@ -106,7 +106,7 @@ Verdict commit(CoreState& state, const Command& command) noexcept {
   const bool trial = command.v0 != 0;
   if (trial && !(command.v0 >= contract::kTrial_s_min && command.v0 <= contract::kTrial_s_max)) return refused(Refusal::out_of_range);
   Verdict verdict = check_set(state, set, static_cast<contract::Role>(command.b), trial);
-  if (!sealed(state, set, command.seal)) verdict.bits |= refusal_bit(Refusal::set_outdated);
+  if (!sealed(state, set, command.bits)) verdict.bits |= refusal_bit(Refusal::set_outdated);
   if (verdict.bits == 0) put_into_force(state, set, {command.request_id, command.client}, command.v0);
   return verdict;
 }
@@ -241,7 +241,7 @@ Verdict ask_acknowledge(CoreState& state, const Command& command) noexcept {
   if (state.pending.ticks_left > 0) return refused(Refusal::out_of_order);
   bool wait = false;
   if (command.b > static_cast<std::uint32_t>(contract::Role::engineer)) return refused(Refusal::not_allowed);
-  const std::uint32_t bits = acknowledge(state, static_cast<contract::Role>(command.b), command.a, wait);
+  const std::uint32_t bits = acknowledge(state, static_cast<contract::Role>(command.b), command.bits, wait);
   if (wait) state.pending = {command.request_id, command.client, kResetTicksMax, state.sensed.io.bumpers(), state.lease.epoch, false};
   return {bits, 0, wait};
 }

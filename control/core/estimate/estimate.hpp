@@ -1,6 +1,11 @@
-// All that is sensed, in one place.
+// All that is sensed, in one place, and which node fills what.
 #pragma once
+#include <array>
+#include <cstddef>
+
 #include "control/contract/can_dictionary.hpp"
+#include "control/contract/faults.hpp"
+#include "control/core/derived.hpp"
 #include "control/core/estimate/drive_sensor.hpp"
 #include "control/core/estimate/freshness.hpp"
 #include "control/core/estimate/fused_odometry.hpp"
@@ -45,52 +50,90 @@ struct Estimate {
   [[nodiscard]] bool tilts_lost() const noexcept { return left_strut.fresh().lost() || right_strut.fresh().lost() || base.fresh().lost(); }
   [[nodiscard]] bool drives_lost() const noexcept { return left_drive.fresh().lost() || right_drive.fresh().lost(); }
 
-  /// The age of the node's periodic data, whatever they say: whether it lives at all.
-  [[nodiscard]] const Freshness& heard(contract::Node node) const noexcept {
-    using contract::Node;
-    switch (node) {
-      case Node::drive_left:
-        return left_drive.fresh();
-      case Node::drive_right:
-        return right_drive.fresh();
-      case Node::tilt_left:
-        return left_strut.heard();
-      case Node::tilt_right:
-        return right_strut.heard();
-      case Node::tilt_base:
-        return base.heard();
-      case Node::io:
-      case Node::core:
-        break;
-    }
-    return io.fresh();
-  }
-
-  void restart(contract::Node node) noexcept {
-    using contract::Node;
-    switch (node) {
-      case Node::drive_left:
-        left_drive.restart();
-        break;
-      case Node::drive_right:
-        right_drive.restart();
-        break;
-      case Node::tilt_left:
-        left_strut.restart();
-        break;
-      case Node::tilt_right:
-        right_strut.restart();
-        break;
-      case Node::tilt_base:
-        base.restart();
-        break;
-      case Node::io:
-        io.restart();
-        break;
-      case Node::core:
-        break;
-    }
-  }
+  /// The age of the node's periodic data, whatever they say: whether it lives at all. The core itself counts as never heard.
+  [[nodiscard]] const Freshness& heard(contract::Node node) const noexcept;
+  /// The node has said that it started anew.
+  void restart(contract::Node node) noexcept;
 };
+
+/// What the core keeps of a node. Of `tilt`, `drive` and `io` one is set: the sensor that the node's kind fills.
+struct NodeRow {
+  contract::Node node;
+  contract::Fault lost;  // what its silence is (monitor/node_lost.hpp)
+  TiltSensor Estimate::*tilt = nullptr;
+  TiltZero Derived::*zero = nullptr;          // of a tilt sensor: taken off its angles
+  double Derived::*yaw_bias_rad_s = nullptr;  // of the tilt sensor whose rates are used: its turn rate at rest
+  DriveSensor Estimate::*drive = nullptr;
+  double Derived::*counts_per_s_max = nullptr;  // of a drive: a position that moves faster has jumped
+  IoSensor Estimate::*io = nullptr;
+};
+
+/// THE nodes of the core: one row each, in the order of can_dictionary.def.
+inline constexpr std::array kNodeRows{
+    NodeRow{.node = contract::Node::drive_left,
+            .lost = contract::Fault::drive_left_lost,
+            .drive = &Estimate::left_drive,
+            .counts_per_s_max = &Derived::left_counts_per_s_max},
+    NodeRow{.node = contract::Node::drive_right,
+            .lost = contract::Fault::drive_right_lost,
+            .drive = &Estimate::right_drive,
+            .counts_per_s_max = &Derived::right_counts_per_s_max},
+    NodeRow{.node = contract::Node::io, .lost = contract::Fault::io_lost, .io = &Estimate::io},
+    NodeRow{.node = contract::Node::tilt_left,
+            .lost = contract::Fault::tilt_left_lost,
+            .tilt = &Estimate::left_strut,
+            .zero = &Derived::left_zero},
+    NodeRow{.node = contract::Node::tilt_right,
+            .lost = contract::Fault::tilt_right_lost,
+            .tilt = &Estimate::right_strut,
+            .zero = &Derived::right_zero},
+    NodeRow{.node = contract::Node::tilt_base,
+            .lost = contract::Fault::tilt_base_lost,
+            .tilt = &Estimate::base,
+            .zero = &Derived::base_zero,
+            .yaw_bias_rad_s = &Derived::base_yaw_bias_rad_s},
+};
+
+/// Every node of the dictionary has its row, with the sensor of its kind and what belongs to it, and no two share anything.
+template <std::size_t N>
+[[nodiscard]] consteval bool rows_are_sound(const std::array<NodeRow, N>& rows) {
+  if (N != contract::kRemoteNodeCount) return false;
+  for (std::size_t i = 0; i < N; ++i) {
+    const NodeRow& row = rows[i];
+    if (row.node != static_cast<contract::Node>(i)) return false;
+    const contract::NodeKind kind = contract::kNodes[i].kind;
+    if ((row.tilt != nullptr) != (kind == contract::NodeKind::tilt) || (row.zero != nullptr) != (row.tilt != nullptr)) return false;
+    if ((row.drive != nullptr) != (kind == contract::NodeKind::drive) || (row.counts_per_s_max != nullptr) != (row.drive != nullptr))
+      return false;
+    if ((row.io != nullptr) != (kind == contract::NodeKind::io)) return false;
+    if (row.yaw_bias_rad_s != nullptr && row.tilt == nullptr) return false;
+    for (std::size_t k = 0; k < i; ++k) {
+      const NodeRow& other = rows[k];
+      if (row.lost == other.lost || (row.tilt != nullptr && (row.tilt == other.tilt || row.zero == other.zero)) ||
+          (row.drive != nullptr && row.drive == other.drive) || (row.io != nullptr && row.io == other.io))
+        return false;
+    }
+  }
+  return true;
+}
+static_assert(rows_are_sound(kNodeRows), "kNodeRows: a node of can_dictionary.def has no row of its own, or not the sensor of its kind");
+
+inline const Freshness& Estimate::heard(contract::Node node) const noexcept {
+  static constexpr Freshness kNever;
+  const auto index = static_cast<std::size_t>(node);
+  if (index >= kNodeRows.size()) return kNever;
+  const NodeRow& row = kNodeRows[index];
+  if (row.tilt != nullptr) return (this->*row.tilt).heard();
+  return row.drive != nullptr ? (this->*row.drive).fresh() : (this->*row.io).fresh();
+}
+
+inline void Estimate::restart(contract::Node node) noexcept {
+  const auto index = static_cast<std::size_t>(node);
+  if (index >= kNodeRows.size()) return;
+  const NodeRow& row = kNodeRows[index];
+  if (row.tilt != nullptr) (this->*row.tilt).restart();
+  if (row.drive != nullptr) (this->*row.drive).restart();
+  if (row.io != nullptr) (this->*row.io).restart();
+}
 
 }  // namespace hoist::core

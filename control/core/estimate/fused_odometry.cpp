@@ -61,7 +61,7 @@ void FusedOdometry::predict(double gyro_turn_rad, double wheel_turn_rad, double 
   p = (a * p * a.transpose()).eval();
   p_apart_ = p(0, 0) + kHeadingNoise_rad2_s * dt_s;
   p_cross_ = p(0, 1);
-  p_bias_ = p(1, 1) + (still_ticks_ >= kStandingTicks ? kBiasNoiseStanding_rad2_s3 : kBiasNoise_rad2_s3) * dt_s;
+  p_bias_ = p(1, 1) + (standing_.reached(kStandingTicks) ? kBiasNoiseStanding_rad2_s3 : kBiasNoise_rad2_s3) * dt_s;
 }
 
 // The encoders say: no disagreement.
@@ -88,7 +88,7 @@ void FusedOdometry::agree() noexcept {
   p_apart_ = kGripping_rad2;
   p_cross_ = 0;
   slip_ticks_ = 0;
-  quiet_ticks_ = 0;
+  quiet_ = {};
 }
 
 void FusedOdometry::watch_slip(double wheel_rate_rad_s, double dt_s) noexcept {
@@ -101,14 +101,13 @@ void FusedOdometry::watch_slip(double wheel_rate_rad_s, double dt_s) noexcept {
       apart_rad_ += given_away_rad_;
       given_away_rad_ = 0;
       slip_ticks_ = 1;
-      quiet_ticks_ = 0;
+      quiet_ = {};
     }
     return;
   }
   if (slip_ticks_ < 0xFFFF) ++slip_ticks_;
   const bool quiet = std::fabs(slip_rate_rad_s_) < kAgree_rad_s + kAgreePerRate_norm * turning_rad_s;
-  quiet_ticks_ = quiet ? static_cast<std::uint16_t>(quiet_ticks_ + 1) : std::uint16_t{0};
-  if (quiet_ticks_ >= kQuietTicks) agree();
+  if (quiet_.step(quiet, kQuietTicks)) agree();
 }
 
 void FusedOdometry::update(const Odometry& wheels, const DriveSensor& left, const DriveSensor& right, const TiltSensor& base,
@@ -116,11 +115,7 @@ void FusedOdometry::update(const Odometry& wheels, const DriveSensor& left, cons
   const std::int32_t left_counts = left.moved_counts(), right_counts = right.moved_counts();
   const law::Travel<double> travel = law::odometry_travel(derived.odometry, left_counts, right_counts);
   const bool standing = left_counts == 0 && right_counts == 0 && !left.fresh().lost() && !right.fresh().lost();
-  if (!standing) {
-    still_ticks_ = 0;
-  } else if (still_ticks_ < kStandingForEverTicks) {
-    ++still_ticks_;
-  }
+  standing_.step(standing, kStandingForEverTicks);
   const double before_rad = offset_rad_ + apart_rad_;
   if (base.rates_fresh().lost() || base.fresh().lost()) {
     // The encoders alone; what was found out before stays in the track.
@@ -152,12 +147,12 @@ void FusedOdometry::use_gyro(const Turn& turn, double dt_s) noexcept {
   watch_slip(wheel_rate_rad_s, dt_s);
   if (!slipping()) {
     given_away_rad_ -= given_away_rad_ * (dt_s / kRemembered_s);
-    correct(still_ticks_ >= kStandingTicks, std::fabs(wheel_rate_rad_s) > kStraight_rad_s);
+    correct(standing_.reached(kStandingTicks), std::fabs(wheel_rate_rad_s) > kStraight_rad_s);
     yaw_rate_rad_s_ = wheel_rate_rad_s;
     return;
   }
   yaw_rate_rad_s_ = true_rad_s;
-  if (still_ticks_ < kStandingForEverTicks || std::fabs(gyro_rad_s) > kBiasMax_rad_s) return;
+  if (!standing_.reached(kStandingForEverTicks) || std::fabs(gyro_rad_s) > kBiasMax_rad_s) return;
   // Nobody has turned: neither does the track.
   bias_rad_s_ = std::clamp(bias_rad_s_ - slip_rate_rad_s_, -kBiasMax_rad_s, kBiasMax_rad_s);
   p_bias_ = kBiasAtStart_rad_s * kBiasAtStart_rad_s;

@@ -14,6 +14,7 @@
 
 #include "control/core/estimate/odometry.hpp"
 #include "control/core/estimate/tilt_sensor.hpp"
+#include "control/core/held.hpp"
 
 namespace hoist::core {
 
@@ -35,7 +36,7 @@ class FusedOdometry {
   [[nodiscard]] double slip_rate_rad_s() const noexcept { return slip_rate_rad_s_; }
   [[nodiscard]] bool slipping() const noexcept { return slip_ticks_ > 0; }
   /// Steps from noticing the slip to its last sign; 0 = the wheels grip.
-  [[nodiscard]] std::uint16_t slip_ticks() const noexcept { return static_cast<std::uint16_t>(slip_ticks_ - quiet_ticks_); }
+  [[nodiscard]] std::uint16_t slip_ticks() const noexcept { return static_cast<std::uint16_t>(slip_ticks_ - quiet_.ticks); }
   /// False while the track is the encoders' alone.
   [[nodiscard]] bool gyro_used() const noexcept { return gyro_used_; }
 
@@ -59,7 +60,8 @@ class FusedOdometry {
   double calibrated_rad_s_ = 0;  // taken away by calibration when the bias was learnt
   double offset_rad_ = 0;        // all that earlier slips have turned the hoist beyond the encoders
   double given_away_rad_ = 0;    // what corrections took from `apart` lately
-  std::uint16_t slip_ticks_ = 0, quiet_ticks_ = 0, still_ticks_ = 0;
+  std::uint16_t slip_ticks_ = 0;
+  HeldFor quiet_, standing_;
   bool gyro_used_ = false;
 
   static constexpr double kBiasAtStart_rad_s = 0.0175;  // 1 deg/s: the usual offset of a consumer gyroscope

@@ -8,6 +8,7 @@
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/can_frame.hpp"
+#include "control/contract/classify.hpp"
 #include "control/core/health/bus_load.hpp"
 #include "control/core/health/node_health.hpp"
 
@@ -37,30 +38,23 @@ class BusHealth {
     if (tick_ - second_tick_ >= kTicksPerSecond) close_second();
   }
 
-  /// A received frame. True when it is an emergency message of one of our nodes and worth telling of (not one of a flood).
-  [[nodiscard]] bool take(const contract::CanFrame& frame) noexcept {
+  /// A received frame; `what` = classify(frame). True when it is an emergency message of one of our nodes and worth telling of (not one of
+  /// a flood).
+  [[nodiscard]] bool take(const contract::CanFrame& frame, const contract::FrameClass& what) noexcept {
+    using contract::CobKind;
     if ((frame.flags & contract::CanFrame::kError) != 0) return false;  // told by the adapter, never on the wire
     load_.take(frame);
-    if (frame.flags != 0 || frame.id > 0x7FF) {
-      take_stranger(frame);
+    const auto kind = static_cast<std::size_t>(what.kind);
+    if (!what.is_remote() || kind >= contract::kNodeCobKinds || what.bytes == contract::kNotPlanned) {
+      take_stranger(frame, what);
       return false;
     }
-    const std::size_t at = node_of_id(frame.id);
-    const FrameKind kind = kKindOfFunction[frame.id >> 7];
-    if (at >= watches_.size() || kind == FrameKind::other) {
-      take_stranger(frame);
-      return false;
-    }
-    const FramePlan& plan = kFramePlans[at][static_cast<std::size_t>(kind)];
-    if (plan.bytes == kNotPlanned) {
-      take_stranger(frame);
-      return false;
-    }
+    const std::size_t at = what.node;
+    const FramePlan& plan = kFramePlans[at][kind];
     NodeWatch& watch = watches_[at];
-    const bool right_length = frame.dlc == plan.bytes;
-    if (right_length && static_cast<std::size_t>(kind) < kTpdoMax) {
-      const StreamWatch::Came came = watch.tpdo[static_cast<std::size_t>(kind)].take(plan.by_sync ? sync_clock_ : clock_, plan.period);
-      if (kind == FrameKind::tpdo1) {
+    if (what.fits && kind < kTpdoMax) {
+      const StreamWatch::Came came = watch.tpdo[kind].take(plan.by_sync ? sync_clock_ : clock_, plan.period);
+      if (what.kind == CobKind::tpdo1) {
         // One SYNC, one answer. Frames on change may come in between, so an own timer proves nothing.
         if (came == StreamWatch::Came::too_many && plan.by_sync) suspect(at, kSecondAnswer);
         // It has just said that it began anew and nobody has started it: this is the data of another one.
@@ -68,12 +62,12 @@ class BusHealth {
       }
       if (came == StreamWatch::Came::in_time) return false;
       if (came == StreamWatch::Came::early) wavered_tick_ = tick_;
-    } else if (right_length && kind == FrameKind::heartbeat) {
+    } else if (what.fits && what.kind == CobKind::heartbeat) {
       if (take_heartbeat(at, frame, plan)) return false;
     }
-    const bool in_budget = watch.rate[static_cast<std::size_t>(kind)].take(tick_, plan.budget);
+    const bool in_budget = watch.rate[kind].take(tick_, plan.budget);
     if (!in_budget) accuse_babbling(frame.id);
-    if (kind != FrameKind::emergency || !right_length) return false;
+    if (what.kind != CobKind::emergency || !what.fits) return false;
     take_emergency(nodes_[at], frame);
     return in_budget;
   }
@@ -84,8 +78,8 @@ class BusHealth {
     load_.take(frame);
     if (frame.id == canopen::kSync) sync_clock_ += kStreamUnit;
     if (frame.id != canopen::kNmt || frame.data[0] != static_cast<std::uint8_t>(canopen::NmtCommand::start)) return;
-    const std::size_t at = node_of_id(frame.data[1]);
-    if (at < watches_.size()) watches_[at].booted = false;
+    const auto node = contract::find_node(frame.data[1]);
+    if (node && *node != contract::Node::core) watches_[static_cast<std::size_t>(*node)].booted = false;
   }
 
   [[nodiscard]] const NodeHealth& node(contract::Node node) const noexcept { return nodes_[static_cast<std::size_t>(node)]; }
@@ -104,6 +98,7 @@ class BusHealth {
   [[nodiscard]] std::uint16_t babbling_id() const noexcept { return babbling_id_; }
 
  private:
+  static constexpr std::size_t kTpdoMax = contract::kTpdoMax;
   // A frame that is late by less than this is late and not lost. A serial line at full load was seen to hold frames up for 50 ms.
   static constexpr std::uint8_t kWindowTicks = 25;
   static constexpr std::uint32_t kTicksPerSecond = 100;
@@ -122,21 +117,6 @@ class BusHealth {
   // Nodes whose data come with SYNC must all have missed the same one before it is the SYNC that was lost.
   static constexpr std::size_t kWitnesses = 3;
 
-  static constexpr std::array<FrameKind, 16> kKindOfFunction = {
-      FrameKind::other, FrameKind::emergency, FrameKind::other,     FrameKind::tpdo1, FrameKind::other, FrameKind::tpdo2,
-      FrameKind::other, FrameKind::tpdo3,     FrameKind::other,     FrameKind::tpdo4, FrameKind::other, FrameKind::sdo_reply,
-      FrameKind::other, FrameKind::other,     FrameKind::heartbeat, FrameKind::other};
-
-  [[nodiscard]] static std::size_t node_of_id(std::uint32_t id) noexcept {
-    static constexpr auto kTable = [] {
-      std::array<std::uint8_t, 128> table{};
-      table.fill(static_cast<std::uint8_t>(contract::kRemoteNodeCount));
-      for (std::size_t i = 0; i < contract::kRemoteNodeCount; ++i) table[contract::kNodes[i].id] = static_cast<std::uint8_t>(i);
-      return table;
-    }();
-    return kTable[id & 0x7F];
-  }
-
   void suspect(std::size_t node, std::uint8_t points) noexcept {
     twice_[node].add(points);
     suspects_ = true;
@@ -154,17 +134,15 @@ class BusHealth {
     babble_hold_ticks_ = kBabbleHoldTicks;
   }
 
-  void take_stranger(const contract::CanFrame& frame) noexcept {
-    namespace canopen = contract::canopen;
-    const bool short_id = frame.flags == 0 && frame.id <= 0x7FF;
-    const std::uint32_t function = frame.id & 0x780;
+  void take_stranger(const contract::CanFrame& frame, const contract::FrameClass& what) noexcept {
+    using contract::CobKind;
     // Only one computer may lead: SYNC, the commands of the drives and the core's own heartbeat are ours to send.
-    const bool order = short_id && (frame.id == canopen::kSync || (function == 0x200 && node_of_id(frame.id) < watches_.size()));
-    const bool own_heartbeat = short_id && frame.id == canopen::kHeartbeatBase + contract::node_id(contract::Node::core);
+    const bool order = what.kind == CobKind::sync || (what.kind == CobKind::rpdo1 && what.is_remote());
+    const bool own_heartbeat = what.kind == CobKind::heartbeat && what.is_of(contract::Node::core);
     if (order) suspect(kCore, kForeignOrder);
     if (own_heartbeat) suspect(kCore, kSecondHeartbeat);
     if (order || own_heartbeat) return;  // named as what they are; a flood of them is that verdict many times over
-    const bool service = short_id && function == canopen::kSdoRequestBase && node_of_id(frame.id) < watches_.size();
+    const bool service = what.kind == CobKind::sdo_request && what.is_remote();
     if (!(service ? service_.take(tick_, kServiceBudget) : strangers_.take(tick_, kStrangerBudget))) accuse_babbling(frame.id);
   }
 

@@ -5,45 +5,33 @@
 #include <cstdint>
 
 #include "control/contract/can_dictionary.hpp"
+#include "control/contract/classify.hpp"
 #include "control/core/health/rate_watch.hpp"
 #include "control/core/health/stream_watch.hpp"
 
 namespace hoist::core {
 
-/// The frames a node may send. The first four are its process data by number.
-enum class FrameKind : std::uint8_t { tpdo1, tpdo2, tpdo3, tpdo4, emergency, sdo_reply, heartbeat, other };
-inline constexpr std::size_t kFrameKinds = static_cast<std::size_t>(FrameKind::other);
-inline constexpr std::size_t kTpdoMax = 4;
-
-inline constexpr std::uint8_t kNotPlanned = 0xFF;
-
-/// What the dictionary plans for one kind of frame of one node.
+/// How often the dictionary plans one kind of frame of one node.
 struct FramePlan {
-  std::int32_t period = 0;           // in 1/kStreamUnit steps of its clock; 0 = the node does not send this evenly, or not at all
-  bool by_sync = false;              // its clock is the SYNC, else the control step
-  std::uint8_t bytes = kNotPlanned;  // length of the frame
-  RateWatch::Budget budget;          // of frames that did not come in their time; of all where there is no period
+  std::int32_t period = 0;   // in 1/kStreamUnit steps of its clock; 0 = the node does not send this evenly, or not at all
+  bool by_sync = false;      // its clock is the SYNC, else the control step
+  RateWatch::Budget budget;  // of frames that did not come in their time; of all where there is no period
 };
 
 namespace detail {
-constexpr FramePlan frame_plan(contract::NodeKind kind, FrameKind frame) {
+constexpr FramePlan frame_plan(contract::NodeKind kind, contract::CobKind frame) {
   constexpr std::uint32_t kTicksPerSecond = 100, kMillisecondsPerTick = 10;
   FramePlan plan;
   switch (frame) {
-    case FrameKind::emergency:  // inhibit time 1015h: 100 ms
-      plan.bytes = 8;
+    case contract::CobKind::emergency:  // inhibit time 1015h: 100 ms
       plan.budget = RateWatch::budget(10);
       return plan;
-    case FrameKind::sdo_reply:  // the core asks at most once a step; a service tool on the same bus may ask each 4.3 ms (load plan)
-      plan.bytes = 8;
+    case contract::CobKind::sdo_reply:  // the core asks at most once a step; a service tool on the same bus may ask each 4.3 ms (load plan)
       plan.budget = RateWatch::budget(2 * kTicksPerSecond);
       return plan;
-    case FrameKind::heartbeat:  // 1017h: 100 ms
-      plan.bytes = 1;
+    case contract::CobKind::heartbeat:  // 1017h: 100 ms
       plan.period = 10 * kStreamUnit;
       plan.budget = RateWatch::budget(10);
-      return plan;
-    case FrameKind::other:
       return plan;
     default:
       break;
@@ -53,7 +41,6 @@ constexpr FramePlan frame_plan(contract::NodeKind kind, FrameKind frame) {
     plan.by_sync = pdo.type >= 1 && pdo.type <= 240;
     const std::uint32_t ticks = plan.by_sync ? pdo.type : pdo.period_ms / kMillisecondsPerTick;
     plan.period = static_cast<std::int32_t>(ticks) * kStreamUnit;
-    plan.bytes = static_cast<std::uint8_t>(contract::pdo_bytes(pdo.pdo));
     // With a timer of its own a node also sends on change, with each step at most (inhibit time 10 ms).
     plan.budget = RateWatch::budget(plan.by_sync ? kTicksPerSecond / ticks : kTicksPerSecond);
   }
@@ -62,10 +49,10 @@ constexpr FramePlan frame_plan(contract::NodeKind kind, FrameKind frame) {
 }  // namespace detail
 
 inline constexpr auto kFramePlans = [] {
-  std::array<std::array<FramePlan, kFrameKinds>, contract::kRemoteNodeCount> plans{};
+  std::array<std::array<FramePlan, contract::kNodeCobKinds>, contract::kRemoteNodeCount> plans{};
   for (std::size_t n = 0; n < plans.size(); ++n)
-    for (std::size_t kind = 0; kind < kFrameKinds; ++kind)
-      plans[n][kind] = detail::frame_plan(contract::kNodes[n].kind, static_cast<FrameKind>(kind));
+    for (std::size_t kind = 0; kind < contract::kNodeCobKinds; ++kind)
+      plans[n][kind] = detail::frame_plan(contract::kNodes[n].kind, static_cast<contract::CobKind>(kind));
   return plans;
 }();
 
@@ -100,9 +87,9 @@ struct NodeHealth {
 
 /// What is kept to find that out.
 struct NodeWatch {
-  std::array<StreamWatch, kTpdoMax> tpdo;
+  std::array<StreamWatch, contract::kTpdoMax> tpdo;
   StreamWatch heartbeat;
-  std::array<RateWatch, kFrameKinds> rate;
+  std::array<RateWatch, contract::kNodeCobKinds> rate;
   std::array<std::uint8_t, 10> lost_by_second{};  // the running one and the nine before it
   bool booted = false;                            // it has said that it started anew, and nobody has let it run since
   std::uint32_t boot_tick = 0;

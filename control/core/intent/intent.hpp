@@ -6,6 +6,7 @@
 
 #include "control/core/derived.hpp"
 #include "control/core/estimate/estimate.hpp"
+#include "control/core/held.hpp"
 #include "control/core/intent/pelvis.hpp"
 #include "control/core/law/gait_cancel.hpp"
 
@@ -28,22 +29,21 @@ class PatientIntent {
     turn_norm_ = wish.u_psi_norm;
     if (!wish.valid) {
       held_ = 0;
-      neutral_ticks_ = 0;
+      neutral_ = {};
       return;
     }
     dx_m_[next_] = pelvis_.dx_m;
     dpsi_rad_[next_] = pelvis_.dpsi_rad;
     next_ = next_ + 1 == kNeutralTicks ? 0 : next_ + 1;
     if (held_ < kNeutralTicks) ++held_;
-    if (std::fabs(lean_norm_) <= tolerance_norm && std::fabs(turn_norm_) <= tolerance_norm) {
-      if (neutral_ticks_ < kNeutralTicks) ++neutral_ticks_;
-    } else {
-      neutral_ticks_ = 0;
-    }
+    neutral_.step(std::fabs(lean_norm_) <= tolerance_norm && std::fabs(turn_norm_) <= tolerance_norm, kNeutralTicks);
   }
 
   /// What was seen so far says nothing about now: lean and turn have come to mean something else, or nobody looked for a while.
-  void restart() noexcept { held_ = neutral_ticks_ = 0; }
+  void restart() noexcept {
+    held_ = 0;
+    neutral_ = {};
+  }
 
   [[nodiscard]] const Pelvis<double>& pelvis() const noexcept { return pelvis_; }
   /// What was taken out as gait in this step; zeros while that is off.
@@ -52,7 +52,7 @@ class PatientIntent {
   [[nodiscard]] double lean_norm() const noexcept { return lean_norm_; }
   [[nodiscard]] double turn_norm() const noexcept { return turn_norm_; }
   /// Upright and straight for a whole second.
-  [[nodiscard]] bool neutral() const noexcept { return neutral_ticks_ == kNeutralTicks; }
+  [[nodiscard]] bool neutral() const noexcept { return neutral_.reached(kNeutralTicks); }
 
   struct Posture {
     bool complete = false;  // a whole second without a gap
@@ -91,7 +91,8 @@ class PatientIntent {
   law::GaitPart<double> gait_;
   double lean_norm_ = 0, turn_norm_ = 0;
   std::array<double, kNeutralTicks> dx_m_{}, dpsi_rad_{};
-  std::size_t next_ = 0, held_ = 0, neutral_ticks_ = 0;
+  std::size_t next_ = 0, held_ = 0;
+  HeldFor neutral_;
 };
 
 }  // namespace hoist::core

@@ -116,7 +116,10 @@ struct GuidedMode {
     if (curve != 0) speed_m_s = least(speed_m_s, limits.yaw_rate_rad_s / std::fabs(curve));
     const double approach = law::approach_speed(run.leg_left_m() - late_m, 0.0, slow_m_s2);
     speed_m_s = least(speed_m_s, approach > kCreep_m_s ? approach : kCreep_m_s);
-    return {speed_m_s * run.share_norm() * hand.fresh_norm, curve * now_m_s, Braking::none, false};
+    LimitedSpeed speed{speed_m_s};
+    speed.share(run.share_norm(), contract::SpeedCause::patient_lag);
+    speed.share(hand.fresh_norm, contract::SpeedCause::command_age);
+    return {speed, curve * now_m_s, Braking::none, false};
   }
 
   static Wish turn(CoreState& state, const Hand& hand) noexcept {

@@ -12,7 +12,7 @@ struct InitMode {
   /// A tool that says nothing for two seconds has gone; a node that restarts needs less.
   static constexpr std::uint8_t kServiceTicks = 200;
 
-  static void enter(CoreState& state) noexcept { state.clear_ticks = 0; }
+  static void enter(CoreState& state) noexcept { state.clear = {}; }
 
   static Wish step(CoreState& state, double /*dt_s*/) noexcept {
     Service& service = state.motion.service;
@@ -20,7 +20,7 @@ struct InitMode {
       // Whoever began it must still hold the lease, and be reachable.
       const bool led = state.lease.holder != 0 && state.lease.epoch == state.motion.epoch && state.server.alive();
       if (!led || ++service.quiet_ticks >= kServiceTicks) service = {};
-      state.clear_ticks = 0;
+      state.clear = {};
       return {};
     }
     const Estimate& sensed = state.sensed;
@@ -32,9 +32,8 @@ struct InitMode {
                        sound(sensed.base) && !sensed.base.rates_fresh().stale() && !sensed.drives_lost() && !sensed.io.fresh().lost() &&
                        sensed.io.battery_known() && !motors_unpowered(sensed) && !state.left_control.resetting() &&
                        !state.right_control.resetting();
-    state.clear_ticks =
-        !ready ? std::uint8_t{0} : static_cast<std::uint8_t>(state.clear_ticks < kClearTicks ? state.clear_ticks + 1 : kClearTicks);
-    return {0, 0, Braking::none, state.clear_ticks == kClearTicks};
+    const bool clear = state.clear.step(ready, kClearTicks);
+    return {0, 0, Braking::none, clear};
   }
 };
 

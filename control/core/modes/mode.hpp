@@ -4,12 +4,13 @@
 
 #include "control/contract/faults.hpp"
 #include "control/core/output/limiter.hpp"
+#include "control/core/output/speed_limits.hpp"
 #include "control/core/state.hpp"
 
 namespace hoist::core {
 
 struct Wish {
-  double speed_m_s = 0;
+  LimitedSpeed speed;
   double yaw_rate_rad_s = 0;
   Braking braking = Braking::none;  // when a stop is in force, the speeds are not looked at
   bool done = false;                // the mode is finished; mode_list.hpp says where that leads

@@ -17,8 +17,9 @@ struct RemoteMode {
     if (hand.leaving) return {0, 0, state.motion.braking, at_rest(state)};
     if (!state.motion.powered) return {};
     if (!hand.held) return {0, 0, Braking::remote, false};
-    return {state.remote.speed_norm() * p.remote_speed_m_s_max * hand.fresh_norm,
-            state.remote.yaw_norm() * p.remote_yaw_rate_rad_s_max * hand.fresh_norm, Braking::none, false};
+    LimitedSpeed speed{state.remote.speed_norm() * p.remote_speed_m_s_max};
+    speed.share(hand.fresh_norm, contract::SpeedCause::command_age);
+    return {speed, state.remote.yaw_norm() * p.remote_yaw_rate_rad_s_max * hand.fresh_norm, Braking::none, false};
   }
 };
 

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 
+#include "control/core/held.hpp"
 #include "control/core/monitor/base_tilt.hpp"
 #include "control/core/monitor/mutation.hpp"
 
@@ -14,14 +15,13 @@ class BaseTilted {
   static constexpr contract::Fault kFault = contract::Fault::base_tilted;
 
   bool check(const MonitorView& view) noexcept {
-    const std::uint8_t limit_ticks = hold<kFault, "time">(kBaseTiltTicks);
     const bool steep = base_leans_beyond(view.sensed, threshold<kFault, "angle">(view.params.base_tilt_stop_rad));
-    ticks_ = !steep ? std::uint8_t{0} : static_cast<std::uint8_t>(ticks_ < limit_ticks ? ticks_ + 1 : limit_ticks);
-    return view.mode != contract::Mode::init && ticks_ >= limit_ticks;
+    const bool lasts = steep_.step(steep, hold<kFault, "time">(kBaseTiltTicks));
+    return view.mode != contract::Mode::init && lasts;
   }
 
  private:
-  std::uint8_t ticks_ = 0;
+  HeldFor steep_;
 };
 
 }  // namespace hoist::core

@@ -1,6 +1,7 @@
 // Hazard table 2.3, any mode to EMERGENCY_STOP: the emergency stop chain has opened, which takes the power off the motors by hardware (R4).
 // Told by the input node, or by both drives whose supply is gone while the batteries are good: a relay that opened without a word.
 #pragma once
+#include "control/core/held.hpp"
 #include "control/core/monitor/monitor.hpp"
 
 namespace hoist::core {
@@ -28,17 +29,15 @@ class EmergencyStopOpen {
     if (!sensed.io.fresh().lost()) open_ = sensed.io.emergency_stop_open();
     // In INIT the relay may not have been closed yet, and what the core has opened itself has an alarm of its own. An input node that has
     // come back feeds the relay again within this time.
-    const auto limit = hold<kFault, "unpowered">(kUnpoweredTicks);
-    unpowered_ticks_ = !motors_unpowered(sensed) || view.mode == contract::Mode::init || view.relay_cut
-                           ? std::uint8_t{0}
-                           : static_cast<std::uint8_t>(unpowered_ticks_ < limit ? unpowered_ticks_ + 1 : limit);
-    return open_ || unpowered_ticks_ >= limit;
+    const bool unpowered = view.mode != contract::Mode::init && !view.relay_cut && motors_unpowered(sensed);
+    const bool lasts = unpowered_.step(unpowered, hold<kFault, "unpowered">(kUnpoweredTicks));
+    return open_ || lasts;
   }
 
  private:
   static constexpr std::uint8_t kUnpoweredTicks = 100;
 
-  std::uint8_t unpowered_ticks_ = 0;
+  HeldFor unpowered_;
   bool open_ = false;
 };
 

@@ -23,7 +23,7 @@ struct MonitorView {
   contract::Mode mode;
   bool moving;                                       // a mode in which the wheels may turn
   bool powered;                                      // both drives have been enabled since the mode began and are meant to follow
-  std::uint32_t latched;                             // faults in force before this step
+  contract::FaultBits latched;                       // faults in force before this step
   double left_command_m_s, right_command_m_s;        // what the drives were last told
   const DriveControl &left_control, &right_control;  // know a drive that does not run although it should
   bool bus_up, bus_settled;                          // settled: long enough up that silence is the node's own

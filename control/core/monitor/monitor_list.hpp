@@ -1,7 +1,9 @@
 // THE monitors: one row each. The fault's row in faults.def says hazard, reaction and words; the file says threshold and why.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <tuple>
+#include <utility>
 
 #include "control/core/monitor/base_tilt_high.hpp"
 #include "control/core/monitor/base_tilted.hpp"
@@ -28,25 +30,27 @@
 
 namespace hoist::core {
 
-using MonitorList =
-    std::tuple<NodeLost<contract::Node::tilt_left, contract::Fault::tilt_left_lost>,
-               NodeLost<contract::Node::tilt_right, contract::Fault::tilt_right_lost>,
-               NodeLost<contract::Node::tilt_base, contract::Fault::tilt_base_lost>,
-               NodeLost<contract::Node::drive_left, contract::Fault::drive_left_lost>,
-               NodeLost<contract::Node::drive_right, contract::Fault::drive_right_lost>,
-               NodeLost<contract::Node::io, contract::Fault::io_lost>, BusDown, NodeDuplicate, NodeBabbling, DriveFault<true>,
-               DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault, BumperPressed, FallDetected,
-               BatteryBelow<contract::Fault::battery_empty, &contract::Params::battery_empty_v>,
+namespace detail {
+/// A NodeLost for every row of kNodeRows.
+template <std::size_t... kRows>
+std::tuple<NodeLost<kNodeRows[kRows].node>...> silences(std::index_sequence<kRows...>);
+using Silences = decltype(silences(std::make_index_sequence<kNodeRows.size()>{}));
+
+using Others =
+    std::tuple<BusDown, NodeDuplicate, NodeBabbling, DriveFault<true>, DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault,
+               BumperPressed, FallDetected, BatteryBelow<contract::Fault::battery_empty, &contract::Params::battery_empty_v>,
                BatteryBelow<contract::Fault::battery_low, &contract::Params::battery_low_v>, BatteryUneven, BaseTilted, BaseTiltHigh,
                PatientHanging, RemoteCommandLost, ServerLost, Overspeed, LoopOverrun, EmergencyStopOpen, WheelSlip>;
+}  // namespace detail
+using MonitorList = decltype(std::tuple_cat(detail::Silences{}, detail::Others{}));
 
 /// Runs every monitor; one bit per fault whose condition holds now.
-[[nodiscard]] inline std::uint32_t check_all(MonitorList& monitors, const MonitorView& view) noexcept {
+[[nodiscard]] inline contract::FaultBits check_all(MonitorList& monitors, const MonitorView& view) noexcept {
   return std::apply(
       [&view](auto&... monitor) {
         return ((watches(std::remove_reference_t<decltype(monitor)>::kFault) && monitor.check(view)
                      ? contract::fault_bit(std::remove_reference_t<decltype(monitor)>::kFault)
-                     : 0U) |
+                     : contract::FaultBits{0}) |
                 ...);
       },
       monitors);
@@ -54,18 +58,18 @@ using MonitorList =
 
 /// The faults that no monitor watches: they are raised where they happen (gate_refused by the gate, stop_pressed by the STOP command,
 /// parameters_corrupt and control_fault by the supervisor's own watch).
-inline constexpr std::uint32_t kRaisedDirectly =
+inline constexpr contract::FaultBits kRaisedDirectly =
     contract::fault_bit(contract::Fault::gate_refused) | contract::fault_bit(contract::Fault::stop_pressed) |
     contract::fault_bit(contract::Fault::parameters_corrupt) | contract::fault_bit(contract::Fault::control_fault);
 
 namespace detail {
 template <typename... Monitor>
-consteval std::uint32_t watched(const std::tuple<Monitor...>*) {
+consteval contract::FaultBits watched(const std::tuple<Monitor...>*) {
   return (contract::fault_bit(Monitor::kFault) | ...);
 }
-consteval std::uint32_t every_fault() {
-  std::uint32_t bits = 0;
-  for (const contract::FaultInfo& fault : contract::kFaults) bits |= 1U << fault.bit;
+consteval contract::FaultBits every_fault() {
+  contract::FaultBits bits = 0;
+  for (const contract::FaultInfo& fault : contract::kFaults) bits |= contract::fault_bit(fault);
   return bits;
 }
 }  // namespace detail

@@ -61,7 +61,7 @@ inline std::array<Limit, kMostLimits> limits;
 inline std::size_t limit_count = 0;
 
 /// The mutant in force: at most one of the two. Faults whose monitor is off, and the place in `limits` of the limit that is lax.
-inline std::uint32_t off_bits = 0;
+inline contract::FaultBits off_bits = 0;
 inline std::size_t lax = kMostLimits;
 
 inline std::size_t enroll(contract::Fault fault, const char* name) noexcept {

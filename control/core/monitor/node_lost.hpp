@@ -7,18 +7,19 @@
 
 namespace hoist::core {
 
-template <contract::Node kNode, contract::Fault kWhich>
+template <contract::Node kNode>
 struct NodeLost {
-  static constexpr contract::Fault kFault = kWhich;
+  static constexpr const NodeRow& kRow = kNodeRows[static_cast<std::size_t>(kNode)];
+  static constexpr contract::Fault kFault = kRow.lost;
 
   // 25 of its frames: one in a hundred may be lost without ever coming to this.
   static constexpr int kBatteryTicks = 250;
 
   bool check(const MonitorView& view) noexcept {
     bool batteries_lost = false;
-    if constexpr (kNode == contract::Node::io) batteries_lost = view.sensed.io.battery_silent(hold<kFault, "batteries">(kBatteryTicks));
+    if constexpr (kRow.io != nullptr) batteries_lost = view.sensed.io.battery_silent(hold<kFault, "batteries">(kBatteryTicks));
     auto age_ticks = view.sensed.heard(kNode).age_ticks();
-    if constexpr (kNode == contract::Node::tilt_base)
+    if constexpr (kRow.yaw_bias_rad_s != nullptr)
       if (view.sensed.base.rates_fresh().age_ticks() > age_ticks) age_ticks = view.sensed.base.rates_fresh().age_ticks();
     // While the whole bus is down there is one cause to mend and one alarm to read, not six more.
     return view.mode != contract::Mode::init && view.bus_settled && (batteries_lost || age_ticks >= hold<kFault, "silence">(kLostTicks));

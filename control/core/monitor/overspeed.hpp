@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "control/core/held.hpp"
 #include "control/core/monitor/driven_wheel.hpp"
 #include "control/core/monitor/monitor.hpp"
 #include "control/core/monitor/mutation.hpp"
@@ -25,16 +26,14 @@ class Overspeed {
     const bool known = !view.sensed.drives_lost();
     const bool driven = driven_while_off(view.sensed.left_drive, odometry.wheel_left_m_s) ||
                         driven_while_off(view.sensed.right_drive, odometry.wheel_right_m_s);
-    const std::uint8_t driven_ticks = hold<kFault, "driven_while_off">(kFastTicks);
-    driven_ticks_ = count(driven, driven_ticks_, driven_ticks);
-    if (driven_ticks_ == driven_ticks) {
+    if (driven_.step(driven, hold<kFault, "driven_while_off">(kFastTicks))) {
       code_ = 0;
       return true;
     }
     if (!view.powered || !known) {
       left_.value = odometry.wheel_left_m_s;
       right_.value = odometry.wheel_right_m_s;
-      fast_ticks_ = 0;
+      fast_ = {};
       apart_s_ = 0;
       code_ = 0;
       return false;
@@ -53,10 +52,9 @@ class Overspeed {
                            (!left_apart || held(odometry.wheel_left_m_s, left_.value, view.sensed.left_drive.current_a(), push_a)) &&
                            (!right_apart || held(odometry.wheel_right_m_s, right_.value, view.sensed.right_drive.current_a(), push_a));
     code_ = held_back ? kHeldBack : std::uint16_t{0};
-    const std::uint8_t fast_ticks = hold<kFault, "time_above">(kFastTicks);
-    fast_ticks_ = count(fast, fast_ticks_, fast_ticks);
+    const bool stays_fast = fast_.step(fast, hold<kFault, "time_above">(kFastTicks));
     apart_s_ = apart ? apart_s_ + view.dt_s : 0;
-    return fast_ticks_ == fast_ticks || apart_s_ > hold<kFault, "following_time">(view.params.following_error_s) - view.dt_s / 2;
+    return stays_fast || apart_s_ > hold<kFault, "following_time">(view.params.following_error_s) - view.dt_s / 2;
   }
 
   /// What it is, by HOIST_DETAIL.
@@ -85,14 +83,11 @@ class Overspeed {
     return !drive.works() && motor_drives(drive, wheel_m_s, 0);
   }
   static void follow(double& value, double command, double dt_s) noexcept { value += (command - value) * (dt_s / kFollow_s); }
-  [[nodiscard]] static std::uint8_t count(bool holds, std::uint8_t ticks, std::uint8_t limit) noexcept {
-    return !holds ? std::uint8_t{0} : static_cast<std::uint8_t>(ticks < limit ? ticks + 1 : limit);
-  }
 
   Reference left_, right_;
   double apart_s_ = 0;
   std::uint16_t code_ = 0;
-  std::uint8_t fast_ticks_ = 0, driven_ticks_ = 0;
+  HeldFor fast_, driven_;
 };
 
 }  // namespace hoist::core

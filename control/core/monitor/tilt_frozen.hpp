@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "control/core/held.hpp"
 #include "control/core/monitor/monitor.hpp"
 #include "control/core/monitor/mutation.hpp"
 
@@ -30,17 +31,14 @@ class TiltFrozen {
     before_ = now;
     // Without new samples there is nothing to compare; a silent sensor is another monitor's matter.
     const bool sampled = sensed.left_strut.fresh().now() && sensed.right_strut.fresh().now();
-    const std::uint8_t constant_ticks = hold<kFault, "both_equal">(kConstantTicks);
-    constant_ticks_ = !(same && rolling && sampled)
-                          ? std::uint8_t{0}
-                          : static_cast<std::uint8_t>(constant_ticks_ < constant_ticks ? constant_ticks_ + 1 : constant_ticks);
+    const bool constant = constant_.step(same && rolling && sampled, hold<kFault, "both_equal">(kConstantTicks));
     // One chip that repeats its last sample: the filter behind it glides smoothly to where that sample points, for many seconds, while the
     // other strut, on the same rigid bar, keeps changing its course.
     const bool glides =
         rolling && (glides_beside(sensed.left_strut, sensed.right_strut) || glides_beside(sensed.right_strut, sensed.left_strut));
     // And where a sensor sends its rates as they are measured: three gyroscopes that never change their last digit.
     const bool same_rates = repeats_rates(sensed.left_strut) || repeats_rates(sensed.right_strut) || repeats_rates(sensed.base);
-    return view.mode != contract::Mode::init && (counter_stands || constant_ticks_ == constant_ticks || glides || same_rates);
+    return view.mode != contract::Mode::init && (counter_stands || constant || glides || same_rates);
   }
 
  private:
@@ -66,7 +64,7 @@ class TiltFrozen {
   }
 
   StrutAngles<double> before_;
-  std::uint8_t constant_ticks_ = 0;
+  HeldFor constant_;
 };
 
 }  // namespace hoist::core

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "control/core/held.hpp"
 #include "control/core/monitor/monitor.hpp"
 #include "control/core/monitor/mutation.hpp"
 
@@ -35,14 +36,13 @@ class TiltImplausible {
     if (leak_rad > leak_rad_) leak_rad_ = leak_rad;
     const bool apart =
         beyond(struts.beta_left_rad - struts.beta_right_rad, threshold<kFault, "apart">(view.params.strut_apart_rad_max) + leak_rad_);
-    const std::uint8_t apart_ticks = hold<kFault, "apart_time">(kApartTicks);
-    apart_ticks_ = !apart ? std::uint8_t{0} : static_cast<std::uint8_t>(apart_ticks_ < apart_ticks ? apart_ticks_ + 1 : apart_ticks);
-    code_ = twisted && !steep && !fast && apart_ticks_ != apart_ticks ? kTwisted : std::uint16_t{0};
+    const bool stay_apart = apart_.step(apart, hold<kFault, "apart_time">(kApartTicks));
+    code_ = twisted && !steep && !fast && !stay_apart ? kTwisted : std::uint16_t{0};
     if (view.mode == contract::Mode::init) return false;
     // A fallen patient hits the mechanical stop, and the blow shows in every accelerometer. That is the fall, which has its own alarm; a
     // sensor that is really wrong still is so after the acknowledgement.
     if (view.has(contract::Fault::fall_detected) && !view.has(kFault)) return false;
-    return steep || fast || twisted || apart_ticks_ == apart_ticks;
+    return steep || fast || twisted || stay_apart;
   }
   /// What it is, by HOIST_DETAIL: a twist alone is within what both struts can do, and a patient turns that far.
   [[nodiscard]] std::uint16_t code() const noexcept { return code_; }
@@ -64,7 +64,7 @@ class TiltImplausible {
 
   double leak_rad_ = 0;  // the most that the turn of the last moments explains
   std::uint16_t code_ = 0;
-  std::uint8_t apart_ticks_ = 0;
+  HeldFor apart_;
 };
 
 }  // namespace hoist::core

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "control/core/held.hpp"
 #include "control/core/monitor/monitor.hpp"
 #include "control/core/monitor/mutation.hpp"
 
@@ -19,9 +20,9 @@ class TiltSensorFault {
   static constexpr contract::Fault kFault = contract::Fault::tilt_sensor_fault;
 
   bool check(const MonitorView& view) noexcept {
-    const bool left = bad(view.sensed.left_strut, bad_ticks_[0]);
-    const bool right = bad(view.sensed.right_strut, bad_ticks_[1]);
-    const bool base = bad(view.sensed.base, bad_ticks_[2]);
+    const bool left = bad(view.sensed.left_strut, bad_[0]);
+    const bool right = bad(view.sensed.right_strut, bad_[1]);
+    const bool base = bad(view.sensed.base, bad_[2]);
     const double drift_rad = threshold<kFault, "drift">(view.params.drift_rad_max);
     const TiltSensor& chassis = view.sensed.base;
     const double turn_rad_s = chassis.rates_fresh().lost() ? 0.0 : chassis.yaw_rate_rad_s();
@@ -53,23 +54,19 @@ class TiltSensorFault {
     return !(std::fabs(drift.pitch_rad) <= limit_rad && std::fabs(drift.roll_rad) <= limit_rad);
   }
 
-  [[nodiscard]] static bool bad(const TiltSensor& tilt, std::uint8_t& ticks) noexcept {
+  [[nodiscard]] static bool bad(const TiltSensor& tilt, HeldFor& held) noexcept {
     if (tilt.heard().lost()) {
-      ticks = 0;  // NodeLost speaks for a silent one
+      held = {};  // NodeLost speaks for a silent one
       return false;
     }
     const bool useless = !tilt.has(tilt_status::kValid) || tilt.has(tilt_status::kGyroSaturated);
-    const std::uint8_t bad_ticks = hold<kFault, "invalid">(kBadTicks);
+    const std::uint8_t limit_ticks = hold<kFault, "invalid">(kBadTicks);
     // Only a sample that is valid and new ends it: invalid ones and old ones by turns tell as little as either.
-    if (useless) {
-      ticks = static_cast<std::uint8_t>(ticks < bad_ticks ? ticks + 1 : bad_ticks);
-    } else if (tilt.fresh().now()) {
-      ticks = 0;
-    }
-    return tilt.has(tilt_status::kSelfTestFailed) || ticks == bad_ticks;
+    if (useless || tilt.fresh().now()) held.step(useless, limit_ticks);
+    return tilt.has(tilt_status::kSelfTestFailed) || held.reached(limit_ticks);
   }
 
-  std::array<std::uint8_t, 3> bad_ticks_{};
+  std::array<HeldFor, 3> bad_{};
   std::array<Drift, 3> drifts_{};
 };
 

@@ -14,10 +14,6 @@ struct BumperRoom {
 
   explicit constexpr BumperRoom(std::uint8_t bumpers) noexcept
       : forward_m_s((bumpers & 1U) != 0 ? 0.0 : kOffABumper_m_s), backward_m_s((bumpers & 2U) != 0 ? 0.0 : kOffABumper_m_s) {}
-
-  [[nodiscard]] constexpr double speed_m_s(double wish_m_s) const noexcept {
-    return wish_m_s > forward_m_s ? forward_m_s : (wish_m_s < -backward_m_s ? -backward_m_s : wish_m_s);
-  }
 };
 
 }  // namespace hoist::core

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "control/core/estimate/estimate.hpp"
+#include "control/core/held.hpp"
 #include "control/core/output/limiter.hpp"
 
 namespace hoist::core {
@@ -15,10 +16,9 @@ class HoldWatch {
   /// is left.
   [[nodiscard]] bool step(const Limiter& limiter, const Estimate& sensed) noexcept {
     if (cut_) return false;
-    hold_ticks_ = !limiter.at_rest() ? std::uint8_t{0} : static_cast<std::uint8_t>(hold_ticks_ < kHoldTicks ? hold_ticks_ + 1 : kHoldTicks);
-    moving_ticks_ =
-        !moves(sensed) ? std::uint8_t{0} : static_cast<std::uint8_t>(moving_ticks_ < kMovingTicks ? moving_ticks_ + 1 : kMovingTicks);
-    cut_ = hold_ticks_ == kHoldTicks && moving_ticks_ == kMovingTicks;
+    const bool should_stand = commanded_rest_.step(limiter.at_rest(), kHoldTicks);
+    const bool keeps_moving = moving_.step(moves(sensed), kMovingTicks);
+    cut_ = should_stand && keeps_moving;
     return cut_;
   }
 
@@ -44,7 +44,7 @@ class HoldWatch {
     return !sensed.base.rates_fresh().lost() && faster(sensed.base.yaw_rate_rad_s(), kTurn_rad_s);
   }
 
-  std::uint8_t hold_ticks_ = 0, moving_ticks_ = 0;
+  HeldFor commanded_rest_, moving_;
   bool cut_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "control/contract/params.hpp"
+#include "control/core/output/speed_limits.hpp"
 #include "control/core/output/wheel_room.hpp"
 
 namespace hoist::core {
@@ -44,7 +45,8 @@ static_assert(contract::kParams[contract::param_index(contract::ParamName::prote
 class Limiter {
  public:
   /// One step towards the wish; while a stop is in force the wish is not looked at. A wish that is not a number counts as zero.
-  void step(const contract::Params& params, Braking braking, double speed_wish_m_s, double yaw_wish_rad_s, double dt_s) noexcept {
+  void step(const contract::Params& params, Braking braking, LimitedSpeed speed, double yaw_wish_rad_s, double dt_s) noexcept {
+    cause_ = contract::SpeedCause::none;
     if (braking != Braking::none) {
       brake(params, braking, dt_s);
       return;
@@ -58,11 +60,15 @@ class Limiter {
     }
     // A turn has its way, and the hoist slows down for it. Meanwhile each takes what the other leaves.
     const WheelRoom room{params};
-    const double wish_m_s = clamp(finite(speed_wish_m_s), params.speed_m_s_max * params.speed_cap_norm);
+    if (!std::isfinite(speed.m_s())) speed = {};
+    speed.within(params.speed_m_s_max * params.speed_cap_norm, contract::SpeedCause::cap);
+    const double wish_m_s = speed.m_s();
     const double yaw_wish_in_rad_s = clamp(finite(yaw_wish_rad_s), params.yaw_rate_rad_s_max);
     const double speed_room_m_s = std::fmin(room.speed_share_m_s(wish_m_s, yaw_wish_in_rad_s), room.speed_left_m_s(yaw_rate_rad_s_));
     const double yaw_room_rad_s = room.yaw_share_rad_s(wish_m_s, yaw_wish_in_rad_s);
-    const double target_m_s = clamp(wish_m_s, speed_room_m_s);
+    speed.within(speed_room_m_s, contract::SpeedCause::turn);
+    const double target_m_s = speed.m_s();
+    cause_ = speed.cause();
     follow_speed(params, target_m_s, acceleration_max(params, wish_m_s, target_m_s, dt_s), dt_s);
     if (speed_m_s_ == wish_m_s) gives_way_ = false;
     const double yaw_target_rad_s = clamp(yaw_wish_in_rad_s, std::fmin(yaw_room_rad_s, room.yaw_left_rad_s(speed_m_s_)));
@@ -81,6 +87,8 @@ class Limiter {
   [[nodiscard]] double speed_m_s() const noexcept { return speed_m_s_; }
   [[nodiscard]] double acceleration_m_s2() const noexcept { return acceleration_m_s2_; }
   [[nodiscard]] double yaw_rate_rad_s() const noexcept { return yaw_rate_rad_s_; }
+  /// Why it goes more slowly than it was asked to in the latest step.
+  [[nodiscard]] contract::SpeedCause cause() const noexcept { return cause_; }
   [[nodiscard]] bool at_rest() const noexcept { return speed_m_s_ == 0 && yaw_rate_rad_s_ == 0; }
 
  private:
@@ -141,6 +149,7 @@ class Limiter {
   static constexpr double kSame_m_s = 1e-9;
 
   double speed_m_s_ = 0, acceleration_m_s2_ = 0, yaw_rate_rad_s_ = 0;
+  contract::SpeedCause cause_ = contract::SpeedCause::none;
   bool stopping_ = false;
   bool gives_way_ = false;  // speed makes room for a turn, or comes back after one
 };

@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "control/core/estimate/estimate.hpp"
+#include "control/core/held.hpp"
 #include "control/core/monitor/driven_wheel.hpp"
 
 namespace hoist::core {
@@ -23,7 +24,7 @@ class RunawayWatch {
                           double dt_s) noexcept {
     follow(left_m_s_, left_m_s, dt_s);
     follow(right_m_s_, right_m_s, dt_s);
-    if (mode != contract::Mode::protective_stop) stood_ticks_ = 0;
+    if (mode != contract::Mode::protective_stop) stood_ = {};
     if (moving) {
       driven_s_ = 0;
       left_ = right_ = turn_ = {};
@@ -81,18 +82,17 @@ class RunawayWatch {
 
   /// Whether this stop has come to rest once. What is not known does not stand.
   [[nodiscard]] bool stood(const Estimate& sensed) noexcept {
-    if (stood_ticks_ == kStoodTicks) return true;
+    if (stood_.reached(kStoodTicks)) return true;
     const bool stands = (sensed.left_drive.fresh().lost() || std::fabs(sensed.odometry.wheel_left_m_s) < kStands_m_s) &&
                         (sensed.right_drive.fresh().lost() || std::fabs(sensed.odometry.wheel_right_m_s) < kStands_m_s) &&
                         (sensed.base.rates_fresh().lost() || std::fabs(sensed.base.yaw_rate_rad_s()) < kStands_rad_s);
-    stood_ticks_ = stands ? static_cast<std::uint8_t>(stood_ticks_ + 1) : std::uint8_t{0};
-    return stood_ticks_ == kStoodTicks;
+    return stood_.step(stands, kStoodTicks);
   }
 
   double left_m_s_ = 0, right_m_s_ = 0;  // what the wheels should do by now
   double driven_s_ = 0;
   Unslowed left_, right_, turn_;
-  std::uint8_t stood_ticks_ = 0;
+  HeldFor stood_;
 };
 
 }  // namespace hoist::core

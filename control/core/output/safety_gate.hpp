@@ -2,11 +2,12 @@
 // the limits, the age of what the hoist knows, and what it let through before (hazard H1). Every condition here is tried by a test and every
 // change of one is noticed: deploy/dev cover.
 #pragma once
-#include <bit>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
 #include "control/contract/can_dictionary.hpp"
+#include "control/contract/classify.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/firmware_image.hpp"
 #include "control/contract/params.hpp"
@@ -32,19 +33,13 @@ class SafetyGate {
     double speed_m_s = 0, yaw_rate_rad_s = 0;
   };
 
-  /// Whether this frame may leave. The two drive commands are judged as the pair that they are, by judge_drives().
+  /// Whether this frame may leave: a row of kMaySend, in the length of the dictionary, and the row's check agrees. The two drive commands
+  /// are judged as the pair that they are, by judge_drives().
   [[nodiscard]] static bool judge(const contract::CanFrame& frame, const GateView& view) noexcept {
-    namespace canopen = contract::canopen;
-    if (frame.flags != 0) return false;
-    if (frame.id == canopen::kSync) return frame.dlc == 0;
-    if (frame.id == canopen::kHeartbeatBase + contract::node_id(contract::Node::core))
-      return frame.dlc == 1 && frame.data[0] == static_cast<std::uint8_t>(canopen::NmtState::operational);
-    if (frame.id == canopen::kNmt) return judge_nmt(frame);
-    // Of the input node's outputs only the two of the motors' relay are the core's to switch.
-    if (frame.id == contract::pdo_cob_id(contract::Pdo::io_rx1, contract::Node::io))
-      return frame.dlc == contract::pdo_bytes(contract::Pdo::io_rx1) &&
-             (frame.data[0] & ~(canopen::kRelayFeed | canopen::kRelayRelease)) == 0;
-    if (frame.id > canopen::kSdoRequestBase && frame.id < canopen::kHeartbeatBase) return judge_sdo(frame, view);
+    const contract::FrameClass what = contract::classify(frame);
+    if (!what.fits) return false;
+    for (const MaySend& row : kMaySend)
+      if (row.kind == what.kind) return row.check(frame, what, view);
     return false;
   }
 
@@ -90,12 +85,10 @@ class SafetyGate {
   /// What an engineer's tool may send while nodes get new programs: to one node of ours, to hold or start it, to ask it anything, and to
   /// write the objects of the program (CiA 302-3) and nothing else. A segment needs no look: the transfer it belongs to had one.
   [[nodiscard]] static bool is_service_frame(const contract::CanFrame& frame) noexcept {
-    namespace canopen = contract::canopen;
-    if (frame.flags != 0) return false;
-    if (frame.id == canopen::kNmt) return judge_nmt(frame);
-    if (frame.id <= canopen::kSdoRequestBase || frame.id >= canopen::kHeartbeatBase || frame.dlc != 8) return false;
-    const auto node = contract::find_node(static_cast<std::uint8_t>(frame.id - canopen::kSdoRequestBase));
-    if (!node || *node == contract::Node::core) return false;
+    const contract::FrameClass what = contract::classify(frame);
+    if (!what.fits) return false;
+    if (what.kind == contract::CobKind::nmt) return starts_a_node(frame, what, GateView{});
+    if (what.kind != contract::CobKind::sdo_request) return false;
     const auto index = static_cast<std::uint16_t>(contract::read_le(&frame.data[1], 2));
     switch (frame.data[0] >> 5U) {
       case 0:  // a segment to the node
@@ -105,7 +98,7 @@ class SafetyGate {
       case 1:  // the beginning of a download
         return index >= contract::kProgramData && index <= contract::kFlashStatus && frame.data[3] == 1;
       case 4:
-        return frame.data[0] == canopen::kSdoAbort;
+        return frame.data[0] == contract::canopen::kSdoAbort;
       default:  // block transfers, which no node of ours knows
         return false;
     }
@@ -240,23 +233,35 @@ class SafetyGate {
     return harder > kLettingGo_m_s2 ? harder : kLettingGo_m_s2;
   }
 
-  [[nodiscard]] static bool judge_nmt(const contract::CanFrame& frame) noexcept {
+  // The checks of kMaySend: the frame has the row's kind and the dictionary's length, and is of a node that has such a frame.
+  using Check = bool (*)(const contract::CanFrame&, const contract::FrameClass&, const GateView&) noexcept;
+
+  [[nodiscard]] static bool is_sync(const contract::CanFrame&, const contract::FrameClass&, const GateView&) noexcept { return true; }
+
+  /// Our own, and never speaking for a node.
+  [[nodiscard]] static bool is_own_heartbeat(const contract::CanFrame& frame, const contract::FrameClass& what, const GateView&) noexcept {
+    return what.is_of(contract::Node::core) && frame.data[0] == static_cast<std::uint8_t>(contract::canopen::NmtState::operational);
+  }
+
+  /// The core only ever starts nodes, one by one, or brings a stopped one back to where it answers. It never resets a running drive.
+  [[nodiscard]] static bool starts_a_node(const contract::CanFrame& frame, const contract::FrameClass&, const GateView&) noexcept {
     using contract::canopen::NmtCommand;
-    if (frame.dlc != 2) return false;
     const auto node = contract::find_node(frame.data[1]);
     if (!node || *node == contract::Node::core) return false;
-    // The core only ever starts nodes, one by one, or brings a stopped one back to where it answers. It never resets a running drive.
     return frame.data[0] == static_cast<std::uint8_t>(NmtCommand::start) ||
            frame.data[0] == static_cast<std::uint8_t>(NmtCommand::pre_operational);
   }
 
-  [[nodiscard]] static bool judge_sdo(const contract::CanFrame& frame, const GateView& view) noexcept {
+  /// Of the input node's outputs only the two of the motors' relay are the core's to switch. A drive's command is none of its own here.
+  [[nodiscard]] static bool switches_the_relay(const contract::CanFrame& frame, const contract::FrameClass& what,
+                                               const GateView&) noexcept {
+    return what.is_of(contract::Node::io) && (frame.data[0] & ~(contract::canopen::kRelayFeed | contract::canopen::kRelayRelease)) == 0;
+  }
+
+  [[nodiscard]] static bool asks_or_sets(const contract::CanFrame& frame, const contract::FrameClass& what, const GateView& view) noexcept {
     namespace canopen = contract::canopen;
-    if (frame.dlc != 8) return false;
     if (view.service && view.mode == contract::Mode::init && is_service_frame(frame)) return true;
-    const auto node = contract::find_node(static_cast<std::uint8_t>(frame.id - canopen::kSdoRequestBase));
-    if (!node || *node == contract::Node::core) return false;
-    const contract::NodeKind kind = contract::kNodes[static_cast<std::size_t>(*node)].kind;
+    const contract::NodeKind kind = contract::kNodes[what.node].kind;
     const auto index = static_cast<std::uint16_t>(contract::read_le(&frame.data[1], 2));
     if (frame.data[0] == canopen::kSdoUploadRequest) return contract::find_object(kind, index, frame.data[3]) != nullptr;
     // Only the parameters that belong into nodes are ever written, only in their range, and those that need standstill only in a mode
@@ -278,6 +283,19 @@ class SafetyGate {
     const double slack = 1e-6 * (info.max - info.min);
     return value >= info.min - slack && value <= info.max + slack;
   }
+
+  struct MaySend {
+    contract::CobKind kind;
+    Check check;
+  };
+  /// All that the core may send, the commands of the drives aside.
+  static constexpr std::array kMaySend{
+      MaySend{contract::CobKind::sync, &is_sync},
+      MaySend{contract::CobKind::heartbeat, &is_own_heartbeat},
+      MaySend{contract::CobKind::nmt, &starts_a_node},
+      MaySend{contract::CobKind::rpdo1, &switches_the_relay},
+      MaySend{contract::CobKind::sdo_request, &asks_or_sets},
+  };
 
   Pair sent_;
   std::uint8_t alone_ticks_ = 0;

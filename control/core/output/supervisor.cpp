@@ -10,6 +10,7 @@ using contract::Event;
 using contract::EventKind;
 using contract::Fault;
 using contract::fault_bit;
+using contract::FaultBits;
 using contract::Mode;
 using contract::Reaction;
 using contract::Refusal;
@@ -17,17 +18,17 @@ using contract::refusal_bit;
 
 namespace {
 
-constexpr std::uint32_t kProtective = faults_with(Reaction::protective_stop);
-constexpr std::uint32_t kBreakdown = faults_with(Reaction::out_of_service);
-constexpr std::uint32_t kPowerOff = faults_with(Reaction::power_off);
+constexpr FaultBits kProtective = faults_with(Reaction::protective_stop);
+constexpr FaultBits kBreakdown = faults_with(Reaction::out_of_service);
+constexpr FaultBits kPowerOff = faults_with(Reaction::power_off);
 // What stays until somebody has acknowledged it.
-constexpr std::uint32_t kLatching = kProtective | kBreakdown | kPowerOff;
-constexpr std::uint32_t kSoft = faults_with(Reaction::soft_stop);
-constexpr std::uint32_t kWarnings = faults_with(Reaction::warn);
-constexpr std::uint32_t kBumper = fault_bit(Fault::bumper_pressed);
-constexpr std::uint32_t kDriveFaults = fault_bit(Fault::drive_left_fault) | fault_bit(Fault::drive_right_fault);
+constexpr FaultBits kLatching = kProtective | kBreakdown | kPowerOff;
+constexpr FaultBits kSoft = faults_with(Reaction::soft_stop);
+constexpr FaultBits kWarnings = faults_with(Reaction::warn);
+constexpr FaultBits kBumper = fault_bit(Fault::bumper_pressed);
+constexpr FaultBits kDriveFaults = fault_bit(Fault::drive_left_fault) | fault_bit(Fault::drive_right_fault);
 
-void tell_faults(CoreState& state, std::uint32_t bits, EventKind kind) noexcept {
+void tell_faults(CoreState& state, FaultBits bits, EventKind kind) noexcept {
   for (; bits != 0; bits &= bits - 1) {
     Event event;
     event.kind = kind;
@@ -64,8 +65,8 @@ std::uint16_t code_now(const CoreState& state, Fault fault) noexcept {
 }
 
 /// Codes belong to the beginning of a fault: what a drive says while it is reset, or a strut that swings back, is not its cause.
-void keep_codes(CoreState& state, std::uint32_t raised) noexcept {
-  for (std::uint32_t bits = contract::faults_with_details(); bits != 0; bits &= bits - 1) {
+void keep_codes(CoreState& state, FaultBits raised) noexcept {
+  for (FaultBits bits = contract::faults_with_details(); bits != 0; bits &= bits - 1) {
     const auto bit = static_cast<std::size_t>(std::countr_zero(bits));
     const bool held = (state.latched >> bit & 1U) != 0, begins = (raised >> bit & 1U) != 0;
     if (!held) state.fault_codes[bit] = 0;
@@ -77,8 +78,8 @@ void keep_codes(CoreState& state, std::uint32_t raised) noexcept {
 }
 
 /// Faults in force that floor, load or patient have brought about.
-std::uint32_t from_outside(const CoreState& state) noexcept {
-  std::uint32_t bits = 0;
+FaultBits from_outside(const CoreState& state) noexcept {
+  FaultBits bits = 0;
   for (const contract::DetailInfo& detail : contract::kDetails)
     if (detail.origin == contract::Origin::outside && state.fault_codes[static_cast<std::size_t>(detail.fault)] == detail.code)
       bits |= fault_bit(detail.fault);
@@ -86,7 +87,7 @@ std::uint32_t from_outside(const CoreState& state) noexcept {
 }
 
 void latch(CoreState& state, Fault fault) noexcept {
-  const std::uint32_t bit = fault_bit(fault);
+  const FaultBits bit = fault_bit(fault);
   if ((state.latched & bit) != 0) return;
   state.latched |= bit;
   keep_codes(state, bit);
@@ -94,7 +95,7 @@ void latch(CoreState& state, Fault fault) noexcept {
 }
 
 /// Acknowledged: these are no longer in force, unless they are found again.
-void clear_latched(CoreState& state, std::uint32_t bits) noexcept {
+void clear_latched(CoreState& state, FaultBits bits) noexcept {
   tell_faults(state, state.latched & bits, EventKind::fault_cleared);
   state.latched &= ~bits;
   keep_codes(state, 0);
@@ -119,7 +120,7 @@ void change_mode(CoreState& state, Mode to) noexcept {
   state.mode = to;
   state.motion = {};
   state.motion.epoch = state.lease.epoch;
-  state.still_ticks = 0;
+  state.still = {};
   state.lean = {};
   state.turn = {};
   if (to != Mode::protective_stop) {
@@ -136,12 +137,12 @@ void change_mode(CoreState& state, Mode to) noexcept {
   emit(state, event);
 }
 
-void stop_protectively(CoreState& state, std::uint32_t causes) noexcept {
+void stop_protectively(CoreState& state, FaultBits causes) noexcept {
   if (find_transition(state.mode, Mode::protective_stop, Asker::fault) != nullptr) {
     const bool counts = state.mode != Mode::init;
     change_mode(state, Mode::protective_stop);
     state.motion.braking = Braking::protective;
-    state.motion.causes = counts ? causes : 0U;
+    state.motion.causes = counts ? causes : FaultBits{0};
     state.stop_cause = static_cast<std::uint8_t>(static_cast<unsigned>(contract::first_cause(causes)) + 1U);
   }
   if ((causes & fault_bit(Fault::bumper_pressed)) != 0) state.motion.braking = Braking::bumper;
@@ -157,8 +158,8 @@ void judge_stop(CoreState& state) noexcept {
     if (state.motion.causes != 0) state.motion.causes |= fault_bit(row.cause);
   }
   if (state.motion.ticks != kJudgeTicks) return;
-  const std::uint32_t own = state.motion.causes & kCountedStops & ~contract::consequences(state.latched) & ~from_outside(state);
-  for (std::uint32_t bits = own; bits != 0; bits &= bits - 1) {
+  const FaultBits own = state.motion.causes & kCountedStops & ~contract::consequences(state.latched) & ~from_outside(state);
+  for (FaultBits bits = own; bits != 0; bits &= bits - 1) {
     state.stops_changed = true;
     if (!state.repeats.note(static_cast<std::uint8_t>(std::countr_zero(bits)), state.time_ns, state.params)) continue;
     if (watches(Fault::control_fault)) latch(state, Fault::control_fault);
@@ -183,7 +184,7 @@ void stop_softly(CoreState& state, Asker asker) noexcept {
 
 /// FAULT was entered for nothing but what plugs and cables explain.
 bool therapist_mends(const CoreState& state) noexcept {
-  const std::uint32_t causes = state.latched & (kProtective & ~kNotOfTheMachine);
+  const FaultBits causes = state.latched & (kProtective & ~kNotOfTheMachine);
   return (state.latched & kBreakdown) == fault_bit(Fault::control_fault) && causes != 0 && (causes & ~kSilence) == 0;
 }
 
@@ -219,7 +220,7 @@ std::uint32_t guard_refusals(const CoreState& state, Guard guard) noexcept {
       return at_rest(state) ? 0U : refusal_bit(Refusal::moving);
     case Guard::stood:
     case Guard::checked:
-      return state.still_ticks < kStillTicks ? refusal_bit(Refusal::moving) : 0U;
+      return !state.still.reached(kStillTicks) ? refusal_bit(Refusal::moving) : 0U;
     case Guard::ready:
       return start_refusals(state, Mode::user);
     case Guard::ready_off_a_bumper:
@@ -231,13 +232,13 @@ std::uint32_t guard_refusals(const CoreState& state, Guard guard) noexcept {
       // way out of service does not come back by this one.
       if ((state.conditions & kProtective & ~kDriveFaults & ~kBumper) != 0) bits |= refusal_bit(Refusal::cause_not_cleared);
       if ((state.latched & kBreakdown) != 0) bits |= refusal_bit(Refusal::fault_mode);
-      if (state.still_ticks < kStillTicks) bits |= refusal_bit(Refusal::moving);
+      if (!state.still.reached(kStillTicks)) bits |= refusal_bit(Refusal::moving);
       return bits;
     case Guard::only_silence:
-      if ((state.conditions & kProtective & ~kSilence & ~kDriveFaults & ~kBumper) != 0 || state.motion.silent_ticks < kGoneTicks)
+      if ((state.conditions & kProtective & ~kSilence & ~kDriveFaults & ~kBumper) != 0 || !state.motion.silent.reached(kGoneTicks))
         bits |= refusal_bit(Refusal::cause_not_cleared);
       if ((state.latched & kBreakdown) != 0) bits |= refusal_bit(Refusal::fault_mode);
-      if (state.still_ticks < kStillTicks) bits |= refusal_bit(Refusal::moving);
+      if (!state.still.reached(kStillTicks)) bits |= refusal_bit(Refusal::moving);
       return bits;
     case Guard::chain_closed:
       if ((state.conditions & kPowerOff) != 0) bits |= refusal_bit(Refusal::emergency_stop_open);
@@ -311,7 +312,7 @@ std::uint32_t start_refusals(const CoreState& state, Mode to) noexcept {
   return bits;
 }
 
-void judge_faults(CoreState& state, std::uint32_t conditions) noexcept {
+void judge_faults(CoreState& state, FaultBits conditions) noexcept {
   // Out of service or without power there is nothing left to stop, and INIT will look at everything anew: only what led here is an alarm.
   if (state.mode == Mode::fault || state.mode == Mode::emergency_stop) conditions &= ~kProtective;
   // Drives whose supply the core has taken away (H1) report it as their fault.
@@ -319,12 +320,12 @@ void judge_faults(CoreState& state, std::uint32_t conditions) noexcept {
   // Also a cause that is latched already and comes again; bumpers are remembered one by one.
   if ((conditions & ~state.conditions & kProtective & ~kBumper) != 0) state.pending.overtaken = true;
   state.conditions = conditions;
-  const std::uint32_t before = state.latched;
+  const FaultBits before = state.latched;
   // Protective faults stay until acknowledged. In INIT nothing has run yet that an acknowledgement could be about, but for what puts the
   // hoist out of service.
-  const std::uint32_t kept = before & (state.mode == Mode::init ? kBreakdown : kLatching);
+  const FaultBits kept = before & (state.mode == Mode::init ? kBreakdown : kLatching);
   state.latched = conditions | kept;
-  const std::uint32_t raised = state.latched & ~before;
+  const FaultBits raised = state.latched & ~before;
   keep_codes(state, raised);
   tell_faults(state, before & ~state.latched, EventKind::fault_cleared);
   tell_faults(state, raised, EventKind::fault_raised);
@@ -333,9 +334,7 @@ void judge_faults(CoreState& state, std::uint32_t conditions) noexcept {
   if ((raised & kSoft) != 0) stop_softly(state, Asker::core);
   judge_stop(state);
   if (state.repeats.expire(state.time_ns, state.params)) state.stops_changed = true;
-  const bool silent = state.mode == Mode::protective_stop && (conditions & kSilence) != 0;
-  std::uint8_t& silent_ticks = state.motion.silent_ticks;
-  silent_ticks = !silent ? std::uint8_t{0} : static_cast<std::uint8_t>(silent_ticks < kGoneTicks ? silent_ticks + 1 : kGoneTicks);
+  state.motion.silent.step(state.mode == Mode::protective_stop && (conditions & kSilence) != 0, kGoneTicks);
 }
 
 void raise_fault(CoreState& state, Fault fault) noexcept {
@@ -364,8 +363,8 @@ void restore_stops(CoreState& state, const StopHistory& history) noexcept {
   if (state.started) return;
   state.repeats.restore(history);
   if ((history.out_of_service & fault_bit(Fault::control_fault)) == 0) return;
-  const std::uint32_t known = fault_bit(Fault::control_fault) | (kProtective & ~kNotOfTheMachine);
-  state.latched = static_cast<std::uint32_t>(history.out_of_service) & known;
+  const FaultBits known = fault_bit(Fault::control_fault) | (kProtective & ~kNotOfTheMachine);
+  state.latched = history.out_of_service & known;
   tell_faults(state, state.latched, EventKind::fault_raised);
   change_mode(state, Mode::fault);
   // H1: it may have run away, and a new start must not give it the supply back.
@@ -375,7 +374,7 @@ void restore_stops(CoreState& state, const StopHistory& history) noexcept {
 
 StopHistory stop_history(const CoreState& state) noexcept {
   StopHistory history = state.repeats.history();
-  const std::uint32_t bit = fault_bit(Fault::control_fault);
+  const FaultBits bit = fault_bit(Fault::control_fault);
   // On its way to FAULT or there, also through the emergency stop.
   if ((state.latched & bit) != 0) history.out_of_service = state.latched & (bit | (kProtective & ~kNotOfTheMachine));
   return history;
@@ -436,7 +435,7 @@ void finish_mode(CoreState& state) noexcept {
   if (find_transition(state.mode, Mode::standby, Asker::core) != nullptr) change_mode(state, Mode::standby);
 }
 
-std::uint32_t acknowledge(CoreState& state, contract::Role role, std::uint32_t seen, bool& wait) noexcept {
+std::uint32_t acknowledge(CoreState& state, contract::Role role, FaultBits seen, bool& wait) noexcept {
   wait = false;
   const Transition* row = nullptr;
   std::uint32_t bits = 0;

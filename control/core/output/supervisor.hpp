@@ -163,25 +163,25 @@ inline constexpr std::uint8_t kGoneTicks = 250;
 inline constexpr std::uint8_t kRemoteLostShownTicks = 100;
 
 /// Bits of every fault with this reaction.
-[[nodiscard]] constexpr std::uint32_t faults_with(contract::Reaction reaction) {
-  std::uint32_t bits = 0;
+[[nodiscard]] constexpr contract::FaultBits faults_with(contract::Reaction reaction) {
+  contract::FaultBits bits = 0;
   for (const contract::FaultInfo& fault : contract::kFaults)
-    if (fault.reaction == reaction) bits |= 1U << fault.bit;
+    if (fault.reaction == reaction) bits |= contract::fault_bit(fault);
   return bits;
 }
 
 /// Stops that say nothing about the machine: people press, touch and fall, and floors slope.
-inline constexpr std::uint32_t kNotOfTheMachine =
+inline constexpr contract::FaultBits kNotOfTheMachine =
     contract::fault_bit(contract::Fault::stop_pressed) | contract::fault_bit(contract::Fault::bumper_pressed) |
     contract::fault_bit(contract::Fault::fall_detected) | contract::fault_bit(contract::Fault::base_tilted);
 /// Stops of which too many put the hoist out of service.
-inline constexpr std::uint32_t kCountedStops = faults_with(contract::Reaction::protective_stop) & ~kNotOfTheMachine;
+inline constexpr contract::FaultBits kCountedStops = faults_with(contract::Reaction::protective_stop) & ~kNotOfTheMachine;
 /// Silence: a plug, a cable. A therapist can mend it; repeated, these may be acknowledged without an engineer.
-inline constexpr std::uint32_t kSilence =
-    contract::fault_bit(contract::Fault::tilt_left_lost) | contract::fault_bit(contract::Fault::tilt_right_lost) |
-    contract::fault_bit(contract::Fault::tilt_base_lost) | contract::fault_bit(contract::Fault::drive_left_lost) |
-    contract::fault_bit(contract::Fault::drive_right_lost) | contract::fault_bit(contract::Fault::io_lost) |
-    contract::fault_bit(contract::Fault::bus_down);
+inline constexpr contract::FaultBits kSilence = [] {
+  contract::FaultBits bits = contract::fault_bit(contract::Fault::bus_down);
+  for (const NodeRow& row : kNodeRows) bits |= contract::fault_bit(row.lost);
+  return bits;
+}();
 
 /// Every reason, as refusal bits, why motion may not start now; without the ones that depend on who asks or for which mode. 0 = it may.
 [[nodiscard]] std::uint32_t start_refusals(const CoreState& state) noexcept;
@@ -192,7 +192,7 @@ inline constexpr std::uint32_t kSilence =
 [[nodiscard]] std::uint32_t guided_refusals(const CoreState& state) noexcept;
 
 /// Takes over what the monitors found: raises, clears, and reacts.
-void judge_faults(CoreState& state, std::uint32_t conditions) noexcept;
+void judge_faults(CoreState& state, contract::FaultBits conditions) noexcept;
 /// A fault that no monitor watches happened just now (STOP, the gate).
 void raise_fault(CoreState& state, contract::Fault fault) noexcept;
 
@@ -217,7 +217,7 @@ void serve_breakdown(CoreState& state) noexcept;
 
 /// Leaves PROTECTIVE_STOP, FAULT or EMERGENCY_STOP. Refusal bits; 0 = done, or under way with state.pending filled by the caller when `wait`
 /// comes back true. `seen` = faults that the press is about, 0 = all there are: one that came after them is no part of it.
-[[nodiscard]] std::uint32_t acknowledge(CoreState& state, contract::Role role, std::uint32_t seen, bool& wait) noexcept;
+[[nodiscard]] std::uint32_t acknowledge(CoreState& state, contract::Role role, contract::FaultBits seen, bool& wait) noexcept;
 /// Once per step: an acknowledgement that waits for a drive ends here, one way or the other.
 void serve_pending(CoreState& state) noexcept;
 

@@ -34,6 +34,7 @@ IdLock updated_id_lock(std::string_view text) {
   for (const auto& row : kSignals) take("signal", row.id, row.name);
   for (const auto& row : kFaults) take("fault", row.bit, row.name);
   for (const auto& row : kRefusals) take("refusal", row.bit, row.name);
+  for (const auto& row : kSpeedCauses) take("speed_cause", row.value, row.name);
   for (const auto& row : kModes) take("mode", row.value, row.name);
   for (const auto& row : kNodes) take("node", row.id, row.name);
   lock.text = "# Every id that was ever given away; deploy/dev gen adds new ones. Lines are never removed and ids never reused.\n";

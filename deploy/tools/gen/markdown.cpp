@@ -89,7 +89,7 @@ GeneratedFile faults_page() {
   out += "## Faults\n\n" + table_head({"bit", "name", "priority", "reaction", "hazard", "what the therapist reads", "what to do"});
   for (const auto& f : kFaults) {
     out += row({std::to_string(f.bit), code(f.name), std::string(kPriorities[static_cast<std::size_t>(f.priority)]),
-                std::string(kReactions[static_cast<std::size_t>(f.reaction)]), std::string(f.hazard), std::string(f.text_en),
+                std::string(kReactions[static_cast<std::size_t>(f.reaction)]), std::string(f.hazard()), std::string(f.text_en),
                 std::string(f.action_en)});
   }
   out +=
@@ -107,19 +107,21 @@ GeneratedFile faults_page() {
   out += "\n## The patient first\n\nShown above every other alarm, in this order:";
   for (const Fault fault : kEndangers) out += " " + code(fault_info(fault).name);
   out += ".\n";
-  constexpr std::array<std::string_view, 5> kMonitorReactions = {"warning", "R1", "R2", "R3", "R4"};
+  constexpr std::array<std::string_view, 5> kMonitorReactions = {"warning", "R1", "R2", "R2", "R4"};
   out +=
-      "\n## Monitors\n\nHow each fault is found. R1 soft stop to standby, R2 protective stop until acknowledged, R3 the drive stops by "
-      "itself, R4 power off. *Budget*: from the cause to the beginning of braking, by the rule that is there for a sudden "
+      "\n## Monitors\n\nHow each fault is found. R1 soft stop to standby, R2 protective stop until acknowledged, R4 "
+      "power off. *Budget*: from the cause to the beginning of braking, by the rule that is there for a sudden "
       "cause; a rule that waits longer says so under *threshold*.\n\n" +
       table_head({"fault", "hazards", "reaction", "budget", "threshold"});
-  for (const auto& m : kMonitors) {
-    out +=
-        row({code(fault_info(m.fault).name), std::string(m.hazards), std::string(kMonitorReactions[static_cast<std::size_t>(m.reaction)]),
-             std::to_string(m.budget_ms) + " ms", std::string(m.threshold)});
+  for (const auto& f : kFaults) {
+    out += row({code(f.name), std::string(f.hazards), std::string(kMonitorReactions[static_cast<std::size_t>(f.reaction)]),
+                std::to_string(f.budget_ms) + " ms", std::string(f.threshold)});
   }
   out += "\n## Refusals\n\nWhy a start is blocked or a command is refused.\n\n" + table_head({"bit", "name", "what the therapist reads"});
   for (const auto& r : kRefusals) out += row({std::to_string(r.bit), code(r.name), std::string(r.text_en)});
+  out += "\n## Speed causes\n\nWhy the hoist goes more slowly than it is asked to.\n\n" +
+         table_head({"value", "name", "what the therapist reads"});
+  for (const auto& c : kSpeedCauses) out += row({std::to_string(c.value), code(c.name), std::string(c.text_en)});
   out += "\n## Modes\n\n" + table_head({"value", "name", "title", "wheels may turn"});
   for (const auto& m : kModes) out += row({std::to_string(m.value), code(m.name), std::string(m.title_en), m.moving ? "yes" : "no"});
   return {"control/contract/faults.gen.md", out};

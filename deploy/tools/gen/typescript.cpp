@@ -225,7 +225,7 @@ GeneratedFile faults_file() {
   out += name_union("FaultName", kFaults) + "\n" + name_union("RefusalName", kRefusals) + "\n" + name_union("ModeName", kModes);
   out += R"(
 export interface FaultInfo {
-  /** Place in fault_bits. */
+  /** Place in fault_bits: one of 53, which a number holds exactly. */
   bit: number;
   name: FaultName;
   priority: 'high' | 'medium' | 'low';
@@ -264,7 +264,7 @@ export const faultDetails: readonly FaultDetail[] = [
 /** Faults that have a code: the live value <name>_code. */
 export const codedFaults = [)";
   for (const auto& f : kFaults)
-    if ((faults_with_details() >> f.bit & 1U) != 0) out += quoted(f.name) + ", ";
+    if ((faults_with_details() & fault_bit(f)) != 0) out += quoted(f.name) + ", ";
   out.resize(out.size() - 2);
   out += R"(] as const;
 
@@ -293,6 +293,13 @@ export const refusals: readonly RefusalInfo[] = [
   for (const auto& r : kRefusals) {
     out += "  { bit: " + std::to_string(r.bit) + ", name: " + quoted(r.name) + ", text: " + words(r.text_en, r.text_de) + " },\n";
   }
+  out += R"(];
+
+/** Why the hoist goes more slowly than it is asked to, by the value of speed_cause. */
+export const speedCauses: readonly { value: number; name: string; text: Words }[] = [
+)";
+  for (const auto& c : kSpeedCauses)
+    out += "  { value: " + std::to_string(c.value) + ", name: " + quoted(c.name) + ", text: " + words(c.text_en, c.text_de) + " },\n";
   out += R"(];
 
 export interface ModeInfo {

@@ -13,11 +13,11 @@
 namespace hoist::trace {
 namespace {
 
+using contract::FaultInfo;
 using contract::HazardInfo;
+using contract::kFaults;
 using contract::kHazards;
-using contract::kMonitors;
-using contract::MonitorInfo;
-using contract::MonitorReaction;
+using contract::Reaction;
 
 bool word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
 bool digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
@@ -80,15 +80,9 @@ std::vector<std::string_view> words_of(std::string_view text) {
   return words;
 }
 
-bool watches(const MonitorInfo& monitor, int hazard) {
-  const auto words = words_of(monitor.hazards);
+bool watches(const FaultInfo& fault, int hazard) {
+  const auto words = words_of(fault.hazards);
   return std::find(words.begin(), words.end(), "H" + std::to_string(hazard)) != words.end();
-}
-
-std::string_view name_of(contract::Fault fault) {
-  for (const auto& info : contract::kFaults)
-    if (info.bit == static_cast<std::uint8_t>(fault)) return info.name;
-  return "?";
 }
 
 bool open(int hazard) {
@@ -96,17 +90,17 @@ bool open(int hazard) {
                      [&](const contract::OpenHazard& row) { return row.number == hazard; });
 }
 
-std::string_view reaction_text(MonitorReaction reaction) {
+std::string_view reaction_text(Reaction reaction) {
   switch (reaction) {
-    case MonitorReaction::warn:
+    case Reaction::warn:
       return "warns";
-    case MonitorReaction::R1:
+    case Reaction::soft_stop:
       return "soft stop";
-    case MonitorReaction::R2:
+    case Reaction::protective_stop:
       return "protective stop";
-    case MonitorReaction::R3:
-      return "the drive stops by itself";
-    case MonitorReaction::R4:
+    case Reaction::out_of_service:
+      return "protective stop, then out of service";
+    case Reaction::power_off:
       return "power off";
   }
   return "?";
@@ -170,7 +164,7 @@ std::vector<std::string> holes(const Scan& scan, const std::filesystem::path& to
   for (const HazardInfo& hazard : kHazards) {
     if (open(hazard.number)) continue;
     const std::string name = "H" + std::to_string(hazard.number) + " (" + std::string(hazard.what) + ")";
-    const bool watched = std::any_of(kMonitors.begin(), kMonitors.end(), [&](const MonitorInfo& m) { return watches(m, hazard.number); });
+    const bool watched = std::any_of(kFaults.begin(), kFaults.end(), [&](const FaultInfo& f) { return watches(f, hazard.number); });
     if (!watched && hazard.guard.empty()) found.push_back(name + " has neither monitor nor guard");
     if (std::none_of(scan.mentions.begin(), scan.mentions.end(), [&](const Mention& m) { return m.hazard == hazard.number; }))
       found.push_back(name + " has no test that names it");
@@ -178,9 +172,9 @@ std::vector<std::string> holes(const Scan& scan, const std::filesystem::path& to
       if (!std::filesystem::exists(top / file))
         found.push_back(name + " is said to be answered by " + std::string(file) + ", which is not there");
   }
-  for (const MonitorInfo& monitor : kMonitors) {
-    const std::string name(name_of(monitor.fault));
-    for (const std::string_view hazard : words_of(monitor.hazards)) {
+  for (const FaultInfo& fault : kFaults) {
+    const std::string name(fault.name);
+    for (const std::string_view hazard : words_of(fault.hazards)) {
       const bool request = std::any_of(contract::kRequests.begin(), contract::kRequests.end(),
                                        [&](const contract::RequestInfo& r) { return r.name == hazard; });
       const bool known =
@@ -201,10 +195,10 @@ std::string listing(const Scan& scan) {
   std::string text;
   for (const HazardInfo& hazard : kHazards) {
     text += "H" + std::to_string(hazard.number) + "  " + std::string(hazard.what) + "\n";
-    for (const MonitorInfo& monitor : kMonitors)
-      if (watches(monitor, hazard.number))
-        text += "    monitor  " + std::string(name_of(monitor.fault)) + ": " + std::string(monitor.threshold) + "; " +
-                std::string(reaction_text(monitor.reaction)) + " within " + std::to_string(monitor.budget_ms) + " ms\n";
+    for (const FaultInfo& fault : kFaults)
+      if (watches(fault, hazard.number))
+        text += "    monitor  " + std::string(fault.name) + ": " + std::string(fault.threshold) + "; " +
+                std::string(reaction_text(fault.reaction)) + " within " + std::to_string(fault.budget_ms) + " ms\n";
     if (!hazard.guard.empty()) text += "    guard    " + std::string(hazard.guard) + " (" + std::string(hazard.files) + ")\n";
     if (open(hazard.number)) text += "    MISSING  the whole answer\n";
     for (const auto& gap : contract::kHazardGaps)
@@ -229,8 +223,8 @@ std::string page(const Scan& scan) {
   for (const HazardInfo& hazard : kHazards) {
     text += "| H" + std::to_string(hazard.number) + " | " + std::string(hazard.what) + " | ";
     std::string monitors;
-    for (const MonitorInfo& monitor : kMonitors)
-      if (watches(monitor, hazard.number)) monitors += (monitors.empty() ? "" : ", ") + std::string(name_of(monitor.fault));
+    for (const FaultInfo& fault : kFaults)
+      if (watches(fault, hazard.number)) monitors += (monitors.empty() ? "" : ", ") + std::string(fault.name);
     text += monitors + " | " + std::string(hazard.guard) + " | ";
     std::set<std::string> files;
     for (const Mention& mention : scan.mentions)
@@ -240,9 +234,9 @@ std::string page(const Scan& scan) {
     text += tests + " |\n";
   }
   text += "\n## Monitors\n\n| fault | hazard | trips when | then | budget |\n|---|---|---|---|---|\n";
-  for (const MonitorInfo& monitor : kMonitors)
-    text += "| " + std::string(name_of(monitor.fault)) + " | " + std::string(monitor.hazards) + " | " + std::string(monitor.threshold) +
-            " | " + std::string(reaction_text(monitor.reaction)) + " | " + std::to_string(monitor.budget_ms) + " ms |\n";
+  for (const FaultInfo& fault : kFaults)
+    text += "| " + std::string(fault.name) + " | " + std::string(fault.hazards) + " | " + std::string(fault.threshold) + " | " +
+            std::string(reaction_text(fault.reaction)) + " | " + std::to_string(fault.budget_ms) + " ms |\n";
   text += "\n";
   for (const auto& request : contract::kRequests) text += std::string(request.name) + ": " + std::string(request.why) + ".\n";
   text += "\n## Not there yet\n\n| | missing | comes with |\n|---|---|---|\n";

@@ -130,7 +130,8 @@ class ScriptedHoist {
       if (b == 0) seal = {};
       seal.add(a, v0);
     }
-    if (kind == contract::CommandKind::commit_parameters) c.seal = seal.value();
+    if (kind == contract::CommandKind::commit_parameters) c.bits = seal.value();
+    if (kind == contract::CommandKind::acknowledge) c.bits = a;  // the faults that were seen
     commands.push_back(c);
     return c.request_id;
   }

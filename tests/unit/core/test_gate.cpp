@@ -431,6 +431,12 @@ TEST_F(Gate, H1_H23OfTheOutputsOnlyTheRelaysTwoLeave) {
   EXPECT_FALSE(judge({id, 2, 0, {1}}));
 }
 
+// A pair or nothing: alone, a quick stop of one wheel would turn the hoist about it.
+TEST_F(Gate, H1NoDriveIsCommandedAlone) {
+  for (const Node node : {Node::drive_left, Node::drive_right})
+    for (const std::uint16_t control : {0x00, 0x02, 0x06, 0x07, 0x0F, 0x80}) EXPECT_FALSE(judge(drive(node, control, 0))) << control;
+}
+
 TEST_F(Gate, SyncAndHeartbeatOnlyAsTheyAre) {
   EXPECT_TRUE(judge(canopen::sync()));
   CanFrame longer = canopen::sync();

@@ -221,6 +221,7 @@ void lean_held(ScriptedHoist& hoist, double lean_deg, double twist_deg, int n) {
   hold_for(hoist, n);
 }
 GuidedPhase told_phase(const ScriptedHoist& hoist) { return static_cast<GuidedPhase>(hoist.out.record.guided_phase); }
+contract::SpeedCause cause(const ScriptedHoist& hoist) { return static_cast<contract::SpeedCause>(hoist.out.record.speed_cause); }
 
 // H16. From 2.5 degrees of lag slower, from 9 not at all.
 TEST(Guided, H16APatientWhoLagsIsWaitedFor) {
@@ -230,10 +231,12 @@ TEST(Guided, H16APatientWhoLagsIsWaitedFor) {
     lean_held(hoist, lean_deg, 0, 150);
     EXPECT_NEAR(hoist.command_m_s(), 0.3, 1e-3) << lean_deg;
     EXPECT_EQ(told_phase(hoist), GuidedPhase::following);
+    EXPECT_EQ(cause(hoist), contract::SpeedCause::none);
   }
   lean_held(hoist, -4.0, 0, 200);
   EXPECT_NEAR(hoist.command_m_s(), 0.3 * 5.0 / 6.5, 0.005);
   EXPECT_EQ(told_phase(hoist), GuidedPhase::following) << "a little slower is no waiting";
+  EXPECT_EQ(cause(hoist), contract::SpeedCause::patient_lag);
   lean_held(hoist, -7.0, 0, 150);
   EXPECT_NEAR(hoist.command_m_s(), 0.3 * 2.0 / 6.5, 0.005);
   EXPECT_EQ(told_phase(hoist), GuidedPhase::for_patient);

@@ -173,14 +173,15 @@ TEST(BusHealthTest, AMomentInWhichAllWereHeldUpLosesNothing) {
   for (const bool all : {false, true}) {
     SCOPED_TRACE(all);
     BusHealth health;
+    const CanFrame left = tpdo1(Node::drive_left), inputs = tpdo1(Node::io);
     const auto io_ticks = contract::pdo_info(Pdo::io_tx1).period_ms / 10U;
     for (std::uint64_t tick = 1000; tick < 2000; ++tick) {
       health.next_tick(tick * 10'000'000, true);
       const bool hole = tick == 1700;
-      if (!(hole && all)) static_cast<void>(health.take(tpdo1(Node::drive_left)));
-      if (tick == 1701 && all) static_cast<void>(health.take(tpdo1(Node::drive_left)));
+      if (!(hole && all)) static_cast<void>(health.take(left, contract::classify(left)));
+      if (tick == 1701 && all) static_cast<void>(health.take(left, contract::classify(left)));
       // Its timer begins anew after the hole: what did not come then never comes.
-      if (tick % io_ticks == 0 && !hole) static_cast<void>(health.take(tpdo1(Node::io)));
+      if (tick % io_ticks == 0 && !hole) static_cast<void>(health.take(inputs, contract::classify(inputs)));
       health.sent(canopen::sync());
     }
     EXPECT_EQ(health.node(Node::drive_left).lost_frames, 0U);

@@ -76,9 +76,11 @@ TEST(Limiter, H1_ATurnHasItsWayAndTheHoistSlowsDownForIt) {
     lead(0.65, 0.1);
     EXPECT_NEAR(limiter.speed_m_s(), sign * 0.65, 1e-9);
     EXPECT_NEAR(limiter.yaw_rate_rad_s(), 0.1, 1e-9) << "it steers at its top speed";
+    EXPECT_EQ(limiter.cause(), contract::SpeedCause::none);
     lead(0.65, 5.0);
     EXPECT_NEAR(limiter.yaw_rate_rad_s(), p.yaw_rate_rad_s_max, 1e-9);
     EXPECT_NEAR(limiter.speed_m_s(), sign * (0.70 - p.yaw_rate_rad_s_max * 0.35), 1e-9);
+    EXPECT_EQ(limiter.cause(), contract::SpeedCause::turn);
     lead(0.65, -0.3);
     EXPECT_NEAR(limiter.yaw_rate_rad_s(), -0.3, 1e-9);
     EXPECT_NEAR(limiter.speed_m_s(), sign * (0.70 - 0.3 * 0.35), 1e-9);
@@ -170,6 +172,31 @@ TEST(Limiter, TheCapOfThePatientHolds) {
     ASSERT_LE(limiter.speed_m_s(), 0.13 + kRounding);
   }
   EXPECT_NEAR(limiter.speed_m_s(), 0.13, 1e-9);
+  EXPECT_EQ(limiter.cause(), contract::SpeedCause::cap);
+  limiter.step(p, Braking::none, 0.14, 0, kTick_s);
+  EXPECT_EQ(limiter.cause(), contract::SpeedCause::none) << "so little is not told";
+  limiter.step(p, Braking::soft, 5.0, 0, kTick_s);
+  EXPECT_EQ(limiter.cause(), contract::SpeedCause::none) << "a stop is no limit";
+}
+
+// The last limit that bites is the one in force, whatever came before it.
+TEST(LimitedSpeed, TellsTheTightestLimitInEitherDirection) {
+  using contract::SpeedCause;
+  for (const double sign : {1.0, -1.0}) {
+    LimitedSpeed speed{sign * 0.6};
+    speed.share(0.5, SpeedCause::patient_lag);
+    speed.share(1.0, SpeedCause::command_age);
+    EXPECT_EQ(speed.cause(), SpeedCause::patient_lag);
+    speed.within(0.4, SpeedCause::cap);
+    EXPECT_EQ(speed.cause(), SpeedCause::patient_lag);
+    EXPECT_EQ(speed.m_s(), sign * 0.3);
+    speed.within(0.2, SpeedCause::slope);
+    EXPECT_EQ(speed.m_s(), sign * 0.2);
+    EXPECT_EQ(speed.cause(), SpeedCause::slope);
+    speed.within(0.0, 0.1, SpeedCause::bumper);
+    EXPECT_EQ(speed.m_s(), sign > 0 ? 0.1 : 0.0);
+    EXPECT_EQ(speed.cause(), SpeedCause::bumper);
+  }
 }
 
 TEST(Limiter, EachStopBrakesAtItsOwnRateAndNeverHarder) {

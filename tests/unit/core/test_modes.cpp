@@ -119,7 +119,7 @@ TEST(Modes, AcknowledgementWaitsForOneSecondOfStandstill) {
   hoist.lean_gently(6, 300);
   hoist.ask(CommandKind::stop);
   EXPECT_NE(hoist.ask(CommandKind::acknowledge) & refusal_bit(Refusal::moving), 0U);
-  while (hoist.state.still_ticks == 0) hoist.step();
+  while (hoist.state.still.ticks == 0) hoist.step();
   hoist.step(90);
   EXPECT_NE(hoist.ask(CommandKind::acknowledge) & refusal_bit(Refusal::moving), 0U);
   hoist.lean(0);
@@ -168,6 +168,7 @@ TEST(Bumpers, H13OnlyAwayFromWhatIsTouchedAndSlowly) {
       }
       if (stick > 0 ? c.forward : c.backward) {
         EXPECT_NEAR(hoist.command_m_s(), 0.1 * stick, 1e-3) << "and that way it does go";
+        EXPECT_EQ(hoist.out.record.speed_cause, static_cast<int>(contract::SpeedCause::bumper));
       }
     }
   }
@@ -409,7 +410,7 @@ TEST(Modes, ACauseThatWasNotSeenIsNotReleased) {
   hoist.step(150);
   hoist.io.bumpers = 0;
   hoist.step(5);
-  const std::uint32_t seen = fault_bit(Fault::bumper_pressed);
+  const contract::FaultBits seen = fault_bit(Fault::bumper_pressed);
   ASSERT_EQ(hoist.state.latched, seen);
   EXPECT_EQ(hoist.ask(CommandKind::stop, 99), 0U);
   EXPECT_EQ(hoist.ask(CommandKind::acknowledge, 7, seen), refusal_bit(Refusal::cause_not_seen));

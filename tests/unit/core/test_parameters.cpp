@@ -209,7 +209,7 @@ TEST(Parameters, H27ASetThatArrivedDamagedOrLateIsRefusedWhole) {
   const auto commit = [&](std::uint64_t seal) {
     hoist.send(CommandKind::stage_parameter, 7, gain, 0, 40);
     const std::uint32_t id = hoist.send(CommandKind::commit_parameters, 7, 1, kEngineer);
-    hoist.commands.back().seal = seal;
+    hoist.commands.back().bits = seal;
     hoist.step();
     return hoist.answer(id);
   };
@@ -578,7 +578,7 @@ TEST(Parameters, H27NoBadSetInForceOverRandomSequences) {
       }
       const double trial_s = below(4) == 0 ? 1.0 + static_cast<double>(below(3)) : 0.0;
       const std::uint32_t id = hoist.send(CommandKind::commit_parameters, 7, static_cast<std::uint32_t>(rows), role, trial_s);
-      if (below(20) == 0) hoist.commands.back().seal ^= 1ULL << below(64);
+      if (below(20) == 0) hoist.commands.back().bits ^= 1ULL << below(64);
       if (below(15) == 0) hoist.send(CommandKind::request_mode, 7, static_cast<std::uint32_t>(walking ? Mode::standby : Mode::user));
       if (below(10) == 0) hoist.send(CommandKind::acknowledge, 7, 0, kEngineer);
       hoist.step();

@@ -23,7 +23,7 @@ using contract::refusal_bit;
 using contract::Role;
 
 constexpr auto kEngineer = static_cast<std::uint32_t>(Role::engineer);
-constexpr std::uint32_t kProtective = faults_with(contract::Reaction::protective_stop);
+constexpr contract::FaultBits kProtective = faults_with(contract::Reaction::protective_stop);
 constexpr std::uint32_t kRequest = canopen::kSdoRequestBase + contract::node_id(Node::tilt_left);
 
 CanFrame ask_product(Node node = Node::tilt_left) {

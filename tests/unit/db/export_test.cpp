@@ -152,7 +152,7 @@ TEST(Csv, every_value_reads_back_as_it_was_stored) {
   EXPECT_NE(std::ranges::find(csv.comments, "# simulated,true"), csv.comments.end());
   EXPECT_NE(std::ranges::find(csv.comments, "# node programs,not recorded"), csv.comments.end());
   EXPECT_NE(std::ranges::find(csv.comments, "# note,\"first\\nsecond, with \"\"quotes\"\"\""), csv.comments.end());
-  EXPECT_TRUE(csv.comments.back().starts_with("# units: UTC,s,,,ns,rad,"));
+  EXPECT_TRUE(csv.comments.back().starts_with("# units: UTC,s,,,ns,,rad,"));
   ASSERT_EQ(csv.names.size(), contract::kSignalCount + 3);
   EXPECT_EQ(csv.names[0], "utc");
   EXPECT_EQ(csv.names[1], "time_s");

@@ -502,7 +502,7 @@ TEST(Writer, events_markers_parameters_and_frames_come_back) {
   changed.before = std::numeric_limits<double>::quiet_NaN();
   Event unknown;
   unknown.kind = EventKind::fault_cleared;
-  unknown.code = 40;
+  unknown.code = contract::kFaultPlaces - 1;
   ASSERT_TRUE(writer.append_events(std::vector<Event>{raised, changed}).ok());
   ASSERT_TRUE(writer.commit().ok());
   ASSERT_TRUE(writer.append_events(std::vector<Event>{unknown}).ok());
@@ -873,6 +873,31 @@ TEST(Reader, gaps_show_in_the_overview) {
     const Result<Overview> overview = SessionReader(database).overview(*id, {}, runs);
     ASSERT_TRUE(overview.ok());
     EXPECT_EQ(std::ranges::count(overview->gap_before, 1), 1);
+  }
+}
+
+TEST(Writer, all_places_of_the_faults_come_back_also_from_when_there_were_32) {
+  TemporaryFolder dir;
+  Database database = open_at(dir / "hoist.db");
+  SessionWriter writer = writer_of(database);
+  const Result<SessionId> id = writer.begin(start_of_walk());
+  ASSERT_TRUE(id.ok());
+  Walk walk(12);
+  std::vector<TickRecord> records = walk.records(0, 200);
+  for (std::size_t i = 0; i < records.size(); ++i) records[i].fault_bits = std::uint64_t{1} << (i % contract::kFaultPlaces);
+  records[0].fault_bits = (std::uint64_t{1} << contract::kFaultPlaces) - 1;
+  ASSERT_TRUE(writer.append_ticks(records).ok());
+  ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns + 2'000'000'000).ok());
+  expect_recorded(database, *id, records);
+  const std::vector<std::string> faults{"fault_bits"};
+  // As a session says that was recorded when the column had 32 bits.
+  for (const char* type : {"u64", "u32"}) {
+    SCOPED_TRACE(type);
+    Statement(database.handle(), "UPDATE column_layout SET type = ?1 WHERE name = 'fault_bits'").text(1, std::string_view(type)).run();
+    const Result<Columns> columns = SessionReader(database).read_columns(*id, faults);
+    ASSERT_TRUE(columns.ok());
+    for (std::size_t i = 0; i < records.size(); ++i)
+      ASSERT_EQ(static_cast<std::uint64_t>(columns->values[0][i]), records[i].fault_bits) << i;
   }
 }
 

@@ -177,7 +177,7 @@ void FakeCore::take(const Command& c) {
     case CommandKind::commit_parameters: {
       trial_s_ = c.v0;
       if (staging_broken_ || staged_.size() != c.a) return answer(c, refusal_bit(Refusal::out_of_order));
-      if (const auto made_for = static_cast<std::uint32_t>(c.seal >> 32U); made_for != 0 && made_for != record_.parameter_version)
+      if (const auto made_for = static_cast<std::uint32_t>(c.bits >> 32U); made_for != 0 && made_for != record_.parameter_version)
         return answer(c, refusal_bit(Refusal::set_outdated));
       for (const auto& [index, value] : staged_)
         if (kParams[index].edit == EditRule::stopped && mode != Mode::standby)

@@ -248,7 +248,7 @@ TEST_F(LiveTest, StopFromSomeoneWhoDoesNotDrive) {
   EXPECT_EQ(refused["errors"][0]["field"], "seen");
   EXPECT_EQ(core_->mode(), Mode::protective_stop);
   EXPECT_EQ(driver.ask({{"type", "acknowledge"}, {"seen", {"stop_pressed"}}})["ok"], true);
-  EXPECT_EQ(core_->commands().back().a, contract::fault_bit(contract::Fault::stop_pressed));
+  EXPECT_EQ(core_->commands().back().bits, contract::fault_bit(contract::Fault::stop_pressed));
 }
 
 TEST_F(LiveTest, StopIsHeardEvenBeyondTheMessageLimit) {

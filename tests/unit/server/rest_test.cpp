@@ -252,9 +252,9 @@ TEST_F(Rest, AChangeIsMadeForTheParametersThatWereLookedAt_H27) {
   };
   const std::string etag = get("/api/v1/parameters").header("etag");
   ASSERT_EQ(put(etag).status, 200);
-  EXPECT_EQ(core_->commands().back().seal >> 32U, 1U) << "the version travels to the core";
+  EXPECT_EQ(core_->commands().back().bits >> 32U, 1U) << "the version travels to the core";
   ASSERT_EQ(put("*").status, 200);
-  EXPECT_EQ(core_->commands().back().seal >> 32U, 0U) << "whichever is in force";
+  EXPECT_EQ(core_->commands().back().bits >> 32U, 0U) << "whichever is in force";
   // Somebody is faster than the server hears: the core refuses.
   const std::string newest = get("/api/v1/parameters").header("etag");
   core_->set([](contract::TickRecord& r) { r.parameter_version += 1; });
@@ -276,7 +276,7 @@ TEST_F(Rest, ParametersOnTrialAreKeptOrTakenBack) {
   EXPECT_EQ(call("POST", "/api/v1/parameters/confirm").status, 409) << "nothing is on trial";
   ASSERT_EQ(call("PATCH", "/api/v1/parameters", {{"lean_dead_band_norm", 0.1}, {"revert_after_s", 20}}).status, 200);
   EXPECT_EQ(core_->commands().back().v0, 20.0);
-  EXPECT_NE(core_->commands().back().seal, 0U) << "sealed on the way";
+  EXPECT_NE(core_->commands().back().bits, 0U) << "sealed on the way";
   EXPECT_EQ(call("POST", "/api/v1/parameters/confirm").status, 200);
   EXPECT_EQ(core_->commands().back().kind, contract::CommandKind::confirm_parameters);
   ASSERT_EQ(call("PATCH", "/api/v1/parameters", {{"lean_dead_band_norm", 0.2}, {"revert_after_s", 5}}).status, 200);
@@ -533,9 +533,9 @@ TEST_F(Rest, StopIsForEveryone) {
 TEST_F(Rest, AnAcknowledgementNamesWhatWasSeen) {
   ASSERT_EQ(call("POST", "/api/v1/lease", json::object()).status, 200);
   const auto acknowledged = [this] {
-    std::vector<std::uint32_t> seen;
+    std::vector<contract::FaultBits> seen;
     for (const auto& command : core_->commands())
-      if (command.kind == contract::CommandKind::acknowledge) seen.push_back(command.a);
+      if (command.kind == contract::CommandKind::acknowledge) seen.push_back(command.bits);
     return seen;
   };
   for (const json& wrong :
@@ -547,8 +547,9 @@ TEST_F(Rest, AnAcknowledgementNamesWhatWasSeen) {
   EXPECT_TRUE(acknowledged().empty());
   EXPECT_EQ(call("POST", "/api/v1/acknowledge", {{"seen", {"bumper_pressed", "stop_pressed"}}}).status, 200U);
   EXPECT_EQ(call("POST", "/api/v1/acknowledge", json::object()).status, 200U);
-  const std::uint32_t both = contract::fault_bit(contract::Fault::bumper_pressed) | contract::fault_bit(contract::Fault::stop_pressed);
-  EXPECT_EQ(acknowledged(), (std::vector<std::uint32_t>{both, 0}));
+  const contract::FaultBits both =
+      contract::fault_bit(contract::Fault::bumper_pressed) | contract::fault_bit(contract::Fault::stop_pressed);
+  EXPECT_EQ(acknowledged(), (std::vector<contract::FaultBits>{both, 0}));
 }
 
 TEST_F(Rest, StopLooksAtNoBody_H30) {
@@ -604,7 +605,7 @@ TEST_F(Rest, TheCauseOfAStopIsToldDuringTheStopOnly) {
 TEST_F(Rest, AlarmsAreToldInTheOrderInWhichTheyMatter) {
   using contract::Fault;
   const auto alarms = [&](std::initializer_list<Fault> faults, Fault first) {
-    std::uint32_t bits = 0;
+    contract::FaultBits bits = 0;
     for (const Fault fault : faults) bits |= contract::fault_bit(fault);
     core_->set([bits, first](contract::TickRecord& r) {
       r.fault_bits = bits;

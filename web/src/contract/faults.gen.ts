@@ -82,7 +82,7 @@ export type ModeName =
   | 'emergency_stop';
 
 export interface FaultInfo {
-  /** Place in fault_bits. */
+  /** Place in fault_bits: one of 53, which a number holds exactly. */
   bit: number;
   name: FaultName;
   priority: 'high' | 'medium' | 'low';
@@ -371,6 +371,16 @@ export const refusals: readonly RefusalInfo[] = [
   { bit: 26, name: 'not_calibrated', text: { en: 'The struts have never been zeroed: do this under Calibrate first.', de: 'Die Streben wurden noch nie genullt: zuerst unter Kalibrieren nachholen.' } },
   { bit: 27, name: 'cause_not_seen', text: { en: 'There is a new cause of the stop: see the alarm, then release again.', de: 'Es gibt einen neuen Grund für den Halt: Alarm ansehen, dann neu freigeben.' } },
   { bit: 28, name: 'harness_unconfirmed', text: { en: 'Confirm first that nobody is strapped in.', de: 'Zuerst bestätigen, dass niemand im Gurt ist.' } },
+];
+
+/** Why the hoist goes more slowly than it is asked to, by the value of speed_cause. */
+export const speedCauses: readonly { value: number; name: string; text: Words }[] = [
+  { value: 1, name: 'command_age', text: { en: 'Slower: driving commands arrive late.', de: 'Langsamer: Fahrbefehle kommen verspätet an.' } },
+  { value: 2, name: 'patient_lag', text: { en: 'Slower: the patient lags behind.', de: 'Langsamer: Der Patient bleibt zurück.' } },
+  { value: 3, name: 'bumper', text: { en: 'Slower: a bumper touches something.', de: 'Langsamer: Ein Stoßfänger berührt etwas.' } },
+  { value: 4, name: 'slope', text: { en: 'Slower: the floor slopes.', de: 'Langsamer: Der Boden ist schräg.' } },
+  { value: 5, name: 'cap', text: { en: 'Slower: the top speed that is set is reached.', de: 'Langsamer: Das eingestellte Höchsttempo ist erreicht.' } },
+  { value: 6, name: 'turn', text: { en: 'Slower: the hoist turns.', de: 'Langsamer: Das Gerät dreht.' } },
 ];
 
 export interface ModeInfo {

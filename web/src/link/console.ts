@@ -3,9 +3,11 @@ import { codedFaults, faults, modes, type FaultName } from '../contract/faults.g
 import { layoutHash, type Exercise, type GuidedPath, type StandingNotice, type WalkMessage } from '../contract/messages.gen';
 import type { ParamName } from '../contract/params.gen';
 import type { TickRecord } from '../contract/signals.gen';
+import { hasBit } from './bits';
 import { readFrame } from './frame';
 import { live } from './live';
 import { rest, type Answer } from './rest';
+import { causeReader } from './speed_cause';
 import { Link, replyLost, subprotocol, type Reply, type SocketLike } from './socket';
 import { moving, stopped, store, writable, type Emergency, type LogLine, type Notice, type Recording } from './store';
 
@@ -77,6 +79,8 @@ const stoppedModes = new Set(modes.filter((mode) => stopped(mode.name)).map((mod
 /** Value of guided_phase while the hoist goes at less than half its speed, because the patient lags. */
 const guidedWaits = 5;
 
+const speedCause = causeReader();
+
 function slowPart(record: TickRecord) {
   return {
     mode: modes[record.mode]?.name ?? 'init',
@@ -87,13 +91,14 @@ function slowPart(record: TickRecord) {
     blockedBits: record.blocked_bits,
     standingStill: record.standing_still === 1,
     waits: record.guided_phase === guidedWaits,
+    speedCause: speedCause(record),
     sensed: record.bus_up === 1 && sensors.every((name) => record[`${name}_age_ticks`] < silentTicks),
     bumpers: record.bumpers,
     bumpersHeld: (record.bumpers & ~record.bumpers_acknowledged) === 0,
     trial_s: Math.ceil(record.settings_trial_s),
     // The alarm and its device name stay until acknowledged, also after the cause is gone.
-    duplicateId: record.duplicate_id !== 0 ? record.duplicate_id : ((record.fault_bits >>> duplicateBit) & 1) === 1 ? store.value.duplicateId : null,
-    babblingId: record.babbling_id !== nobody ? record.babbling_id : ((record.fault_bits >>> babblingBit) & 1) === 1 ? store.value.babblingId : null,
+    duplicateId: record.duplicate_id !== 0 ? record.duplicate_id : hasBit(record.fault_bits, duplicateBit) ? store.value.duplicateId : null,
+    babblingId: record.babbling_id !== nobody ? record.babbling_id : hasBit(record.fault_bits, babblingBit) ? store.value.babblingId : null,
   } as const;
 }
 

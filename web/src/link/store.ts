@@ -76,6 +76,8 @@ export interface State {
   standingStill: boolean;
   /** In an exercise: the patient lags, and the hoist goes slowly or stands until he has caught up. */
   waits: boolean;
+  /** Value of a row of speedCauses; 0 = the hoist goes as fast as it is asked to. */
+  speedCause: number;
   /** Bus, drives and tilt sensors are heard: what is shown of them is of now. */
   sensed: boolean;
   bumpers: number;
@@ -141,6 +143,7 @@ export const initial: State = {
   blockedBits: 0,
   standingStill: true,
   waits: false,
+  speedCause: 0,
   sensed: true,
   bumpers: 0,
   bumpersHeld: true,

@@ -1,5 +1,6 @@
 // The faults in force as alarms, in display order. The server does the same for /status (server/api/alarms.cpp).
 import { endangers, explanations, faultDetails, faults, type FaultInfo, type FaultName, type Words } from '../contract/faults.gen';
+import { hasBit } from '../link/bits';
 import { emergencyInfo } from './device';
 
 /** Codes of the faults that have one (<name>_code of the record); 0 or missing: nothing more is known. */
@@ -18,7 +19,7 @@ const isFault = (name: FaultName) => (fault: FaultInfo) => fault.name === name;
 
 /** The faults of these bits, most important first; without what came first. */
 export function activeFaults(bits: number): FaultInfo[] {
-  return faults.filter((fault) => (bits >>> fault.bit) & 1).sort((a, b) => rank[a.priority] - rank[b.priority] || a.bit - b.bit);
+  return faults.filter((fault) => hasBit(bits, fault.bit)).sort((a, b) => rank[a.priority] - rank[b.priority] || a.bit - b.bit);
 }
 
 /** What to tell first of these: what endangers the patient, then what came first, then by priority; never a consequence of another one. */

@@ -4,6 +4,7 @@ import type { FaultInfo, FaultName } from '../contract/faults.gen';
 import type { StandingNotice } from '../contract/messages.gen';
 import { acknowledge, notify } from '../link/console';
 import { useReadiness } from '../link/readiness';
+import { slowerBecause } from '../link/speed_cause';
 import { useStore } from '../link/store';
 import { useSettings } from '../text/settings';
 import { fixed, refusalText, t, textOf, words } from '../text/text';
@@ -46,6 +47,7 @@ export function Strip() {
   const mode = useStore((s) => s.mode);
   const bits = useStore((s) => s.faultBits);
   const stopCause = useStore((s) => s.stopCause);
+  const cause = useStore((s) => s.speedCause);
   const codes = useStore((s) => s.faultCodes);
   const silent = useStore((s) => s.silentNodes);
   const ready = useReadiness();
@@ -98,7 +100,8 @@ export function Strip() {
           .map((part) => textOf(`health.part.${part}`))
           .join(', '),
       });
-  const why = !sending && ready.calm === 'strip.notReady' ? refusalText(ready.start.user[0]!) : '';
+  const slower = slowerBecause(ready.calm, cause);
+  const why = sending ? '' : ready.calm === 'strip.notReady' ? refusalText(ready.start.user[0]!) : slower ? words(slower) : '';
   const first: Alarm = alarms[0] ?? { id: 'calm', priority: 'calm', text: calm, action: why };
   const more = alarms.slice(1);
   // Consequences are shown but not counted.
