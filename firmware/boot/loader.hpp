@@ -57,7 +57,7 @@ enum class LoaderReset : std::uint8_t { power_or_pin, watchdog, software };
 template <LoaderBoard Board>
 [[nodiscard]] StartReason decide_start(Board& board, LoaderReset reset, bool service_pin) {
   Mailbox& mailbox = board.mailbox();
-  const bool asked = reset != LoaderReset::power_or_pin && loader_asked(mailbox);
+  const bool asked = reset != LoaderReset::power_or_pin && loader_requested(mailbox);
   const bool fell = reset == LoaderReset::watchdog || (reset == LoaderReset::software && application_fell(mailbox));
   forget_request(mailbox);
   if (reset == LoaderReset::power_or_pin) forget_failures(mailbox);
@@ -241,9 +241,9 @@ class Loader {
       return control(value & 0xFFU);
     }
     if (expedited) return SdoAbort::too_short;
-    const std::uint32_t told = (command & 1U) != 0 ? value : 0;
-    if (told > board_.chip().application_max) return SdoAbort::too_long;
-    told_ = told;
+    const std::uint32_t announced = (command & 1U) != 0 ? value : 0;
+    if (announced > board_.chip().application_max) return SdoAbort::too_long;
+    announced_length_ = announced;
     received_ = 0;
     toggle_ = false;
     open_ = true;
@@ -309,7 +309,7 @@ class Loader {
     if (error == ImageError::too_long) return SdoAbort::too_long;
     if (error != ImageError::none) return SdoAbort::range;
     length_ = contract::image_word(start, contract::kImageHeaderAt + 4);
-    if (told_ != 0 && length_ != told_) return SdoAbort::length;
+    if (announced_length_ != 0 && length_ != announced_length_) return SdoAbort::length;
     whole_ = false;
     status_ = FlashStatus::no_program;
     return board_.erase(0) ? SdoAbort::none : failed(FlashStatus::write_failed);
@@ -375,7 +375,7 @@ class Loader {
   bool announced_ = false, leaving_ = false, open_ = false, toggle_ = false, answer_waiting_ = false;
   std::uint32_t after_reset_ = 0;  // what the mailbox says then
   std::uint32_t heartbeat_ms_ = 0, quiet_ms_ = 0;
-  std::uint32_t told_ = 0, received_ = 0, length_ = 0;
+  std::uint32_t announced_length_ = 0, received_ = 0, length_ = 0;
   std::size_t clear_at_ = 0;
   CanFrame answer_{};
   // Written before they are read; on purpose without an initial value, which would only cost flash.

@@ -29,9 +29,9 @@ inline void leave_request(Mailbox& mailbox, std::uint32_t request) {
 inline bool request_is(const Mailbox& mailbox, std::uint32_t request) {
   return mailbox.request == request && mailbox.request_check == ~request;
 }
-inline void ask_for_loader(Mailbox& mailbox) { leave_request(mailbox, kEnterLoader); }
+inline void request_loader(Mailbox& mailbox) { leave_request(mailbox, kEnterLoader); }
 inline void forget_request(Mailbox& mailbox) { leave_request(mailbox, 0); }
-inline bool loader_asked(const Mailbox& mailbox) { return request_is(mailbox, kEnterLoader); }
+inline bool loader_requested(const Mailbox& mailbox) { return request_is(mailbox, kEnterLoader); }
 // The application ended without saying so: a fault that reset the chip.
 inline bool application_fell(const Mailbox& mailbox) { return request_is(mailbox, kApplicationRuns); }
 

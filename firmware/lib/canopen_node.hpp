@@ -438,12 +438,12 @@ class CanopenNode {
     watched_armed_ = false;  // watches again from the next heartbeat on
     set_error(emcy::kHeartbeat, error_bit::kCommunication, true);
     app.on_heartbeat_lost();
-    behave_as_told(app);
+    apply_error_behaviour(app);
   }
 
   // 1029h:1: what a communication error does to the state of the node.
   template <class App>
-  void behave_as_told(App& app) {
+  void apply_error_behaviour(App& app) {
     switch (values_.template get<0x1029, 1>()) {
       case 0:
         if (operational()) change_state(NmtState::pre_operational, app);
@@ -476,7 +476,7 @@ class CanopenNode {
       const std::uint16_t count = values_.template get<0x2300, 5>();
       if (count < 0xFFFF) values_.template set<0x2300, 5>(static_cast<std::uint16_t>(count + 1U));
       bus_off_age_ms_ = 0;
-      if (operational()) behave_as_told(app);
+      if (operational()) apply_error_behaviour(app);
     }
     if (was_off && !bus_off_) report(emcy::kBusOffRecovered);
     if (bus_off_ && ++bus_off_age_ms_ >= kBusOffWait_ms) {

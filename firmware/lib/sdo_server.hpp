@@ -3,9 +3,9 @@
 //   SdoAbort sdo_read(index, sub, SdoSource&)        what to upload: up to 4 bytes in `raw`, or a text with static storage
 //   SdoAbort sdo_target(index, sub, SdoTarget&)      whether the object may be written now, and its length
 //   SdoAbort sdo_write(index, sub, raw)              the value of an object of 1, 2 or 4 bytes, complete
-//   SdoAbort sdo_domain_begin(index, sub, told)      start of a domain of `told` bytes, 0 when the client gave no length
+//   SdoAbort sdo_domain_begin(index, sub, announced) start of a domain of `announced` bytes, 0 when the client gave no length
 //   SdoAbort sdo_domain_data(std::span<const std::uint8_t>)   its next 1 to 7 bytes, in order
-//   SdoAbort sdo_domain_end()                        end of the domain; its length is `told`
+//   SdoAbort sdo_domain_end()                        end of the domain; its length is `announced`
 //   void     sdo_domain_cancel()                     it will not be completed; follows every accepted begin without an end
 // Whatever these return other than SdoAbort::none ends the transfer with that abort code. Flash may be written inside them: the answer
 // leaves when they return.
@@ -114,11 +114,11 @@ class SdoServer {
     close(dictionary);
     refuse(index_, sub_, code);
   }
-  void open(Phase phase, std::uint16_t index, std::uint8_t sub, std::uint32_t told) {
+  void open(Phase phase, std::uint16_t index, std::uint8_t sub, std::uint32_t announced) {
     phase_ = phase;
     index_ = index;
     sub_ = sub;
-    told_ = told;
+    announced_ = announced;
     done_ = 0;
     toggle_ = false;
     idle_ms_ = 0;
@@ -132,7 +132,7 @@ class SdoServer {
     if (source.raw_bytes != 0) return answer_with(contract::canopen::sdo_upload_reply_command(source.raw_bytes), index, sub, source.raw);
     text_ = source.text;
     open(Phase::upload, index, sub, static_cast<std::uint32_t>(text_.size()));
-    answer_with(kUploadSegmented, index, sub, told_);
+    answer_with(kUploadSegmented, index, sub, announced_);
   }
   template <class Dictionary>
   void upload_segment(bool toggle, Dictionary& dictionary) {
@@ -158,11 +158,12 @@ class SdoServer {
     SdoTarget target;
     if (const SdoAbort code = dictionary.sdo_target(index, sub, target); code != SdoAbort::none) return refuse(index, sub, code);
     // Expedited without a size means as many of the four bytes as the object has.
-    const std::uint32_t told = !size_given ? 0U
-                               : expedited ? 4U - ((static_cast<std::uint32_t>(command) >> 2) & 3U)
-                                           : contract::read_le(&frame.data[4], 4);
+    const std::uint32_t announced = !size_given ? 0U
+                                    : expedited ? 4U - ((static_cast<std::uint32_t>(command) >> 2) & 3U)
+                                                : contract::read_le(&frame.data[4], 4);
     if (target.bytes != 0) {
-      if (size_given && told != target.bytes) return refuse(index, sub, told > target.bytes ? SdoAbort::too_long : SdoAbort::too_short);
+      if (size_given && announced != target.bytes)
+        return refuse(index, sub, announced > target.bytes ? SdoAbort::too_long : SdoAbort::too_short);
       if (expedited) {
         const std::uint32_t raw = contract::read_le(&frame.data[4], target.bytes);
         if (const SdoAbort code = dictionary.sdo_write(index, sub, raw); code != SdoAbort::none) return refuse(index, sub, code);
@@ -173,10 +174,10 @@ class SdoServer {
       return answer_with(contract::canopen::kSdoDownloadReply, index, sub, 0);
     }
     if (expedited && !size_given) return refuse(index, sub, SdoAbort::length);  // a domain of unknown length
-    if (const SdoAbort code = dictionary.sdo_domain_begin(index, sub, told); code != SdoAbort::none) return refuse(index, sub, code);
-    open(Phase::domain, index, sub, told);
+    if (const SdoAbort code = dictionary.sdo_domain_begin(index, sub, announced); code != SdoAbort::none) return refuse(index, sub, code);
+    open(Phase::domain, index, sub, announced);
     if (expedited) {
-      if (!take(std::span(frame.data).subspan(4, told), dictionary) || !complete(dictionary)) return;
+      if (!take(std::span(frame.data).subspan(4, announced), dictionary) || !complete(dictionary)) return;
     }
     answer_with(contract::canopen::kSdoDownloadReply, index, sub, 0);
   }
@@ -185,7 +186,7 @@ class SdoServer {
   template <class Dictionary>
   [[nodiscard]] bool take(std::span<const std::uint8_t> bytes, Dictionary& dictionary) {
     // A value never exceeds its announced length; the dictionary limits a domain of unknown length.
-    if (told_ != 0 && bytes.size() > told_ - done_) {
+    if (announced_ != 0 && bytes.size() > announced_ - done_) {
       abort(SdoAbort::too_long, dictionary);
       return false;
     }
@@ -202,7 +203,7 @@ class SdoServer {
   }
   template <class Dictionary>
   [[nodiscard]] bool complete(Dictionary& dictionary) {
-    if (told_ != 0 && done_ < told_) {
+    if (announced_ != 0 && done_ < announced_) {
       abort(SdoAbort::too_short, dictionary);
       return false;
     }
@@ -234,7 +235,7 @@ class SdoServer {
   bool toggle_ = false, answer_waiting_ = false;
   std::uint8_t sub_ = 0;
   std::uint16_t index_ = 0;
-  std::uint32_t told_ = 0, done_ = 0, collected_ = 0, idle_ms_ = 0;
+  std::uint32_t announced_ = 0, done_ = 0, collected_ = 0, idle_ms_ = 0;
   std::uint32_t aborts_ = 0, wrong_lengths_ = 0, unknown_ = 0;
   std::string_view text_{};
   CanFrame answer_{};

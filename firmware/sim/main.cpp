@@ -45,8 +45,8 @@ constexpr int kAnswerLook_ms = 20;  // how often a wait for the core looks after
 /// does not delay the simulated sensors.
 constexpr int kRealTimePriority = 30;
 /// A busy computer skips time many times a second: one line per interval reports how often and how much, and small amounts are not reported.
-constexpr std::int64_t kTellLateEvery_ns = 10'000'000'000;
-constexpr std::int64_t kTellLateFrom_ns = 20'000'000;
+constexpr std::int64_t kReportLateEvery_ns = 10'000'000'000;
+constexpr std::int64_t kReportLateFrom_ns = 20'000'000;
 /// 1 Mbaud with ten bits a character.
 constexpr std::size_t kUartBytesPerStep = 100;
 constexpr std::uint64_t kServeEverySteps = 5;
@@ -204,7 +204,7 @@ void wait_until(std::int64_t when_ns) {
 class Reporter {
  public:
   Reporter(const char* attached, const char* detached) : attached_text_(attached), detached_text_(detached) {}
-  void tell(const World& world, const ProgramState& program) {
+  void report(const World& world, const ProgramState& program) {
     if (program.computer_attached != attached_) say(world, program.computer_attached ? attached_text_ : detached_text_);
     if (world.drives_enabled() != enabled_) say(world, world.drives_enabled() ? "drives enabled" : "drives disabled");
     if (world.patient().state() != patient_) say(world, "patient is " + std::string(patient_state_name(world.patient().state())));
@@ -217,9 +217,9 @@ class Reporter {
   void let_go(const World& world, std::int64_t now_ns, std::int64_t gone_ns) {
     ++late_times_;
     late_ns_ += gone_ns;
-    if (late_ns_ < kTellLateFrom_ns || now_ns - told_late_ns_ < kTellLateEvery_ns) return;
+    if (late_ns_ < kReportLateFrom_ns || now_ns - reported_late_ns_ < kReportLateEvery_ns) return;
     say(world, "was late " + std::to_string(late_times_) + " times and let " + std::to_string(late_ns_ / 1'000'000) + " ms go");
-    told_late_ns_ = now_ns;
+    reported_late_ns_ = now_ns;
     late_times_ = 0;
     late_ns_ = 0;
   }
@@ -235,7 +235,7 @@ class Reporter {
   PatientState patient_{PatientState::standing};
   std::uint64_t late_times_{};  // since the last line about it
   std::int64_t late_ns_{};
-  std::int64_t told_late_ns_{-kTellLateEvery_ns};
+  std::int64_t reported_late_ns_{-kReportLateEvery_ns};
 };
 
 // Moves characters between the terminal and the gateway, no faster than the real line.
@@ -336,7 +336,7 @@ int run_lock_step(const Options& options) {
       world.advance_1ms();
     }
     serve();
-    reporter.tell(world, program);
+    reporter.report(world, program);
     line.give();
     LockStep::Answer answer = line.take(kAnswerLook_ms);
     for (; answer == LockStep::Answer::waiting && g_end == 0; answer = line.take(kAnswerLook_ms)) serve();
@@ -400,7 +400,7 @@ int run_real_time(const Options& options) {
       due_ns += kStep_ns;
       if (++steps % kServeEverySteps == 0)
         requests.serve([&world, &program](std::string_view request) { return answer_request(world, program, request); });
-      reporter.tell(world, program);
+      reporter.report(world, program);
     }
   }
   std::puts("hoist-sim: ended");

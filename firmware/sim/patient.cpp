@@ -165,7 +165,7 @@ void Patient::adapt(double answer_per_s2) {
   ease_norm_ = std::min(bend_m_s(reach_m_, answer) / bend_m_s(kReach_m, kUsualAnswer_per_s2), 1.0);
 }
 
-void Patient::judge_leading(const PlatformMotion& now) {
+void Patient::evaluate_leading(const PlatformMotion& now) {
   feel_answer(now);
   ignored_s_ = x_m_ > kIgnoredLean_m && now.speed_m_s < kStill_m_s ? ignored_s_ + kThought_s : 0.0;
   const double opposed = opposed_by(now);
@@ -179,7 +179,7 @@ void Patient::judge_leading(const PlatformMotion& now) {
 }
 
 // A hoist that the patient leads goes with the lean and slows without it. A hoist that the therapist drives does not do both.
-void Patient::judge_trial(const PlatformMotion& now) {
+void Patient::evaluate_trial(const PlatformMotion& now) {
   const bool leaning = trial_lean_m_ > 0.0;
   const bool late = state_s_ > (leaning ? kAnswersWithin_s : kSlowsWithin_s);
   if (late || now.acceleration_m_s2 > kFaster_m_s2 || now.speed_m_s > kTrialMost_m_s) {
@@ -229,7 +229,7 @@ void Patient::decide(const PatientSenses& senses) {
       }
       break;
     case PatientState::leading:
-      judge_leading(now);
+      evaluate_leading(now);
       break;
     case PatientState::following:
       if (!distrusts_ && still_s_ >= kTriesAfter_s) {
@@ -238,7 +238,7 @@ void Patient::decide(const PatientSenses& senses) {
       }
       break;
     case PatientState::trying:
-      judge_trial(now);
+      evaluate_trial(now);
       break;
     default:
       break;

@@ -104,8 +104,8 @@ class Patient {
 
   void think(const PatientSenses& senses);
   void decide(const PatientSenses& senses);
-  void judge_leading(const PlatformMotion& now);
-  void judge_trial(const PlatformMotion& now);
+  void evaluate_leading(const PlatformMotion& now);
+  void evaluate_trial(const PlatformMotion& now);
   void feel_answer(const PlatformMotion& now);
   void adapt(double answer_per_s2);
   void enter(PatientState state);

@@ -184,11 +184,11 @@ struct World::Parts {
         gateway_board(bus),
         gateway(gateway_board),
         host_port(bus.add_port()),
-        stranger_port(bus.add_port()) {
+        foreign_port(bus.add_port()) {
     const bool in_process = options.host_in_process;
     bus.set_connected(gateway_board.port(), !in_process);
     bus.set_connected(host_port, in_process);
-    bus.set_connected(stranger_port, false);
+    bus.set_connected(foreign_port, false);
     core_port = in_process ? host_port : gateway_board.port();
     set_out();
   }
@@ -254,7 +254,7 @@ struct World::Parts {
       gateway.on_frame(frame);
       return;
     }
-    if (port == stranger_port) return;
+    if (port == foreign_port) return;
     // Ports were given out in the order of the nodes.
     const auto node = static_cast<Node>(port);
     for (const Node drive : {Node::drive_left, Node::drive_right})
@@ -318,7 +318,7 @@ struct World::Parts {
   firmware::HostGatewayBoard gateway_board;
   firmware::GatewayNode<firmware::HostGatewayBoard> gateway;
   std::size_t host_port;
-  std::size_t stranger_port;
+  std::size_t foreign_port;
   std::size_t core_port{};
   std::array<StopWitness, 2> witnesses{};
   std::array<bool, kNodeCount> pulled{};
@@ -380,9 +380,9 @@ void World::break_encoder(Node node, EncoderFault fault) {
 }
 void World::slip(const SlipBurst& burst) { parts_->slips.begin(burst); }
 void World::set_frame_fault(bus::VirtualBus::FaultHook hook) { parts_->bus.set_fault_hook(std::move(hook)); }
-bool World::stranger_send(const CanFrame& frame) {
-  parts_->bus.set_connected(parts_->stranger_port, true);
-  return parts_->bus.send(parts_->stranger_port, frame);
+bool World::foreign_send(const CanFrame& frame) {
+  parts_->bus.set_connected(parts_->foreign_port, true);
+  return parts_->bus.send(parts_->foreign_port, frame);
 }
 std::size_t World::port_of(Node node) const { return parts_->port_of(node); }
 

@@ -74,7 +74,7 @@ class World {
   /// Hook for each frame on the bus (drop, corrupt, delay, deaf ports); an empty one removes it.
   void set_frame_fault(bus::VirtualBus::FaultHook hook);
   /// A foreign or defective device on the bus, added with its first frame. False when its queue is full.
-  bool stranger_send(const contract::CanFrame& frame);
+  bool foreign_send(const contract::CanFrame& frame);
   /// The port of a node, for such a hook.
   [[nodiscard]] std::size_t port_of(contract::Node node) const;
 

@@ -366,17 +366,17 @@ class Session {
       case Kind::babble: {
         CanFrame frame{static_cast<std::uint32_t>(f.size * 2047.0), 8, 0, {}};
         if (frame.id == 0) frame.id = 1;
-        for (int i = 0; i < 2 + static_cast<int>(f.size * 20.0); ++i) (void)world.stranger_send(frame);
+        for (int i = 0; i < 2 + static_cast<int>(f.size * 20.0); ++i) (void)world.foreign_send(frame);
         break;
       }
       case Kind::garbage_frames: {
         CanFrame frame{static_cast<std::uint32_t>(fault_dice_.below(2048)), static_cast<std::uint8_t>(fault_dice_.below(9)), 0, {}};
         for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(fault_dice_.below(256));
-        (void)world.stranger_send(frame);
+        (void)world.foreign_send(frame);
         break;
       }
       case Kind::duplicate:
-        for (const CanFrame& frame : echoes_) (void)world.stranger_send(frame);
+        for (const CanFrame& frame : echoes_) (void)world.foreign_send(frame);
         echoes_.clear();
         break;
       case Kind::core_late:
@@ -504,7 +504,7 @@ class Session {
       }
       if (row.on) go_on(row.fault);
     }
-    if (options_.spoof && board_.any_yet()) (void)loop_.world().stranger_send(*options_.spoof);
+    if (options_.spoof && board_.any_yet()) (void)loop_.world().foreign_send(*options_.spoof);
   }
 
   // Causes that acknowledgement cannot clear: a patient on the floor, a post against a bumper.

@@ -62,7 +62,7 @@ void fuzz_loader_frames(Bytes input) {
   LoaderBench bench;
   const auto before = firmware::make_image(700, contract::image_version(1, 0, 0));
   bench.board.flash.burn(before);
-  firmware::ask_for_loader(bench.board.box);
+  firmware::request_loader(bench.board.box);
   must(bench.reset(firmware::LoaderReset::software) == firmware::StartReason::asked, "a loader that is asked for stays");
   Pieces pieces(input);
   while (!pieces.empty()) {

@@ -71,12 +71,12 @@ void drives_on(ClosedLoop& loop) {
 void write_winding(ClosedLoop& loop, std::uint8_t sub, float value) {
   namespace canopen = contract::canopen;
   const std::uint32_t request = canopen::kSdoRequestBase + contract::node_id(Node::drive_left);
-  (void)loop.world().stranger_send(
+  (void)loop.world().foreign_send(
       canopen::sdo(request, canopen::sdo_download_command(4), 0x2230, sub, std::bit_cast<std::uint32_t>(value)));
 }
 
 // A thousand frames a second of an unknown device, at lowest priority.
-void babbles(ClosedLoop& loop) { (void)loop.world().stranger_send({0x7F1, 8, 0, {}}); }
+void babbles(ClosedLoop& loop) { (void)loop.world().foreign_send({0x7F1, 8, 0, {}}); }
 
 const std::vector<Row>& table() {
   const auto unplugs = [](Node node) { return [node](ClosedLoop& l) { l.world().unplug(node, true); }; };

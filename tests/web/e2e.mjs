@@ -22,21 +22,20 @@ const chromiumPath = [process.env.CHROME_PATH, '/usr/bin/chromium', '/usr/bin/ch
 /** One lap of the eight with c = 1 m, R = 0.8 m: four straights of 0.6 m and two arcs. */
 const lap_m = 4 * 0.6 + 2 * 0.8 * (Math.PI + 2 * Math.asin(0.8));
 const stillBelow_m_s = 0.02;
-/** Of the hoist's time. From 0.65 m/s at 1.0 m/s² a stop takes 0.65 s; the rest is the way of the command on a busy machine. */
+/** In the hoist's time. From 0.65 m/s at 1.0 m/s² a stop takes 0.65 s; the rest is the delay of the command on a busy machine. */
 const stopWithin_s = 2.5;
-/** One clock for simulator and core: each step is a period, also on a busy computer. */
+/** Lock-step of simulator and core: each step is a period, also on a busy computer. */
 const period_s = 0.01;
-/** Browser and server stay in real time, which needs a computer that gives it. A case that failed while the browser had no turn proves nothing:
- * it is tried so often, then skipped with that reason. The same behaviour is judged in virtual time by the C++ tests. */
+/** Browser and server stay in real time, which needs CPU time. A case that failed while the browser was delayed proves nothing: it is tried so
+ * often, then skipped with that reason. The C++ tests check the same behaviour in virtual time. */
 const attemptsMax = 3;
 /** A browser in real time on a shared computer: so many cases of a run may fail once and pass when they begin anew, and are told so. */
 const secondChancesMax = 2;
-/** The page sends the hand's wish each 40 ms, and the core stops on a quarter of a second of silence. A page that had no turn for this long
- * was near it. */
+/** The page sends a command each 40 ms, and the core stops after a quarter of a second without one. A page delayed for this long was near it. */
 const browserLate_ms = 150;
 /** Loading a page takes longer, and nobody drives meanwhile. */
 const loading_ms = 2000;
-/** A late browser lets go, as it must; whoever drives takes hold anew, so often. */
+/** A delayed browser releases, as it must; the driver presses again, so often. */
 const gripsMax = 4;
 const goesWithin_ms = 2000;
 
@@ -55,7 +54,7 @@ let drove = false; // a hand held something: only then a late browser ends a mot
 
 const still = async () => Math.abs((await stack.truth()).speed_m_s) < stillBelow_m_s;
 const goes = async () => Math.abs((await stack.truth()).speed_m_s) > 0.08;
-/** A late browser is no excuse: what ends motion is judged by the hoist's time, and the core stops on the page's silence. */
+/** A delayed browser is no excuse: stops are checked in the hoist's time, and the core stops without commands. */
 class Unexcused extends Error {}
 async function stands(what, within_s = stopWithin_s) {
   const begun = await stack.truth();
@@ -86,7 +85,7 @@ async function openConsole() {
   await until('the page shows live data', async () => (await modeName()) !== 'Starting', 30_000);
 }
 
-/** Releases a stop if there is one, ends motion if there is some. */
+/** Releases a stop if present, ends motion if any. */
 async function toStandby() {
   for (let tries = 0; tries < 50; tries++) {
     const mode = await modeName();
@@ -163,13 +162,13 @@ async function walkFor(seconds) {
   return (await recordedSince(before)).id;
 }
 
-/** Thrown by a case that has nothing to look at; only the case before can have failed. */
+/** Thrown by a case without its precondition; only the previous case can have failed. */
 class NothingToJudge extends Error {}
 function needWalk() {
   if (walked === null) throw new NothingToJudge('the walk that it looks at was not recorded');
 }
 
-/** In the page: tells when its timers had no turn for long, because this computer gave the browser none. */
+/** In the page: reports long delays of its timers, when the browser got no CPU time. */
 function watchTurns({ late_ms, loading_ms }) {
   let before_ms = performance.now();
   setInterval(() => {
@@ -211,7 +210,7 @@ const driveKey = (code) => ({
   ...driving,
 });
 
-/** Whether the core ended the motion because the page fell silent; it says so in the session. */
+/** Whether the core ended the motion by command timeout, as recorded in the session. */
 async function endedBySilence() {
   const told = async () => {
     const id = await newestId();
@@ -269,12 +268,12 @@ async function holdUntil(what, hand, check) {
   );
 }
 
-/** In the page: it says that it is not seen, as when another tab is chosen or the screen goes dark. */
+/** In the page: it becomes hidden, as with another tab or a dark screen. */
 function hidePage() {
   Object.defineProperty(document, 'hidden', { configurable: true, get: () => true });
   document.dispatchEvent(new Event('visibilitychange'));
 }
-/** In the page: the system takes the finger away from the stick. */
+/** In the page: the system cancels the finger's pointer. */
 function loseCapture() {
   const pad = document.querySelector('.pad');
   for (let id = 0; id < 100; id += 1) if (pad.hasPointerCapture(id)) pad.releasePointerCapture(id);
@@ -741,7 +740,7 @@ const tests = [];
 const of = (status) => tests.filter((one) => one.status === status);
 const names = Object.keys(cases).filter((name) => name.includes(only));
 const skipAll = (reason) => names.forEach((name) => tests.push({ name, status: 'skipped', reason }));
-/** Null, or why the case failed. */
+/** Null, or the failure. */
 async function attempt(name) {
   try {
     await cases[name]();
@@ -751,7 +750,7 @@ async function attempt(name) {
   }
 }
 
-/** What this computer was too busy for, or null. The case that failed meanwhile proves nothing. */
+/** The delay caused by a busy computer, or null. A case that failed meanwhile proves nothing. */
 function tooBusyFor(failure) {
   if (failure instanceof Unexcused || !drove || lateTurns_ms.length === 0) return null;
   return `the browser, which had no turn for ${Math.max(...lateTurns_ms).toFixed(0)} ms`;

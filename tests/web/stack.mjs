@@ -7,8 +7,8 @@ import { join } from 'node:path';
 
 export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-/** Asks again and again until `check` gives something; says what was awaited when it never does. The limit is long: it costs nothing where the
- * thing happens, and a busy computer takes its time. Where the time itself is judged, the caller says how much. */
+/** Polls until `check` gives a result; on timeout it names what was awaited. The limit is long, for busy computers. Where the time itself is
+ * tested, the caller gives it. */
 export async function until(what, check, within_ms = 15_000, each_ms = 40) {
   const end = performance.now() + within_ms;
   for (;;) {
@@ -109,14 +109,14 @@ export class Stack {
     return [...this.programs['hoist-server'].output.matchAll(/(http:\/\/\S+\?token=\S+)/g)].at(-1)[1];
   }
 
-  /** The browser, at low priority: drawing in software it takes all it can get, and the hoist's time would be slow. */
+  /** The browser, at low priority: software rendering would otherwise slow the hoist's time. */
   politely(program) {
     const wrapper = this.path('browser');
     writeFileSync(wrapper, `#!/bin/sh\nexec nice -n 10 "${program}" "$@"\n`, { mode: 0o700 });
     return wrapper;
   }
 
-  /** Asks the simulator, which knows the truth, over its own socket. */
+  /** Queries the simulator's true state over its own socket. */
   ask(request) {
     return new Promise((resolve, reject) => {
       const socket = connect(this.path('sim.sock'));
@@ -149,7 +149,7 @@ export class Stack {
     return { status: response.status, text, json: () => JSON.parse(text) };
   }
 
-  /** What the server knows of the control core. */
+  /** The server's state of the control core. */
   async coreStatus() {
     return (await this.rest('GET', '/status')).json().core;
   }

@@ -17,10 +17,10 @@ import { Strip } from './ui/strip';
 import { TrialBar } from './ui/trial_bar';
 import './app.css';
 
-/** The words of the language that this device begins with. */
+/** Texts of this device's language. */
 export const firstWords = new Lazy(() => loadLanguage(settings.value.language));
 
-/** STOP and what it needs are there before any other file has loaded, and stay when a file fails to load. */
+/** STOP and its dependencies are loaded before any other file, and work when another file fails to load. */
 export function App() {
   const words = useLazy(firstWords);
   const signedIn = useStore((s) => s.signedIn);
@@ -30,7 +30,7 @@ export function App() {
   if (words.state === 'ready' && gate) return <Gate />;
   return (
     <div class="shell">
-      {/* While something is asked, neither key nor finger reaches anything else, STOP excepted. */}
+      {/* While a question is open, neither key nor finger reaches anything else except STOP. */}
       <div class="shell-parts" inert={asking}>
         {words.state === 'ready' ? <Shell /> : <main class="main">{words.state === 'failed' ? <LoadFailed /> : null}</main>}
       </div>
@@ -106,7 +106,7 @@ async function loadAhead(): Promise<void> {
   for (const { view } of panels) await view.start();
 }
 
-/** Told where control was lost, until it is seen or control is back. */
+/** Notice of lost control, until closed or control is back. */
 function Taken() {
   const taken = useStore((s) => s.leaseTaken);
   if (!taken) return null;
@@ -145,7 +145,7 @@ const timers = {
   cancel: (timer: number) => window.clearTimeout(timer),
 };
 
-/** The question before control is taken from somebody else. */
+/** The question before taking control from another screen. */
 function useTakeOver(): { asking: boolean; answer: (yes: boolean) => void } {
   const [asking, setAsking] = useState(false);
   const question = useRef<Question | null>(null);

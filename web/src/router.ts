@@ -3,11 +3,11 @@ import { useEffect, useState } from 'preact/hooks';
 
 export interface Address {
   screen: string;
-  /** What of the screen is shown, for example the number of a session. */
+  /** The part of the screen, for example the number of a session. */
   part: string | null;
 }
 
-/** Reads the part of an address behind "#". What is no address gives an empty screen name. */
+/** Reads the part of an address behind "#". An invalid address gives an empty screen name. */
 export function readAddress(hash: string): Address {
   const [, screen = '', part = ''] = hash.replace(/^#/, '').split('?', 1)[0]!.split('/');
   try {
@@ -26,7 +26,7 @@ export function go(address: string, replace = false): void {
   else location.hash = address;
 }
 
-/** The present address; draws the component anew when it changes. */
+/** The present address; renders the component when it changes. */
 export function useAddress(): Address {
   const [hash, setHash] = useState(location.hash);
   useEffect(() => {

@@ -9,7 +9,7 @@ import { panels } from '../src/panels/index';
 
 const firstLoad_bytes_max = 70_000;
 const screen_bytes_max = 30_000;
-/** Leading or stopping a hoist must not wait for a file: these modules are in the first load. */
+/** Driving and stopping must not wait for a file: these modules are in the first load. */
 const vital = [
   'ui/stop_button.tsx',
   'ui/strip.tsx',
@@ -70,7 +70,7 @@ afterAll(() => {
   rmSync(folder, { recursive: true, force: true });
 });
 
-/** All files that these sources need at once. */
+/** All static imports of these sources. */
 function needed(sources: readonly string[]): Set<string> {
   const all = new Set<string>();
   const add = (name: string) => {

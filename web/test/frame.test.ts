@@ -3,7 +3,7 @@ import { layoutHash } from '../src/contract/messages.gen';
 import { signals, tickRecordBytes } from '../src/contract/signals.gen';
 import { frameHeaderBytes, readFrame } from '../src/link/frame';
 
-/** A frame laid out byte by byte from the table, apart from the reader that is tested. */
+/** A frame built byte by byte from the table, independent of the tested reader. */
 function frame(
   records: Record<string, number>[],
   head: { kind?: number; version?: number; count?: number; bytes?: number; hash?: bigint } = {},

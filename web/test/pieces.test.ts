@@ -26,7 +26,7 @@ afterEach(async () => {
   await fake?.close();
 });
 
-/** As when the server has got a new build: the files that this page knows are gone. */
+/** As after a new build on the server: this page's files no longer exist. */
 const without = (name: string) => page.route(new RegExp(`/assets/${name}-`), (route) => route.fulfill({ status: 404, body: '' }));
 const stopped = () => fake.hoist.commands.some(({ type }) => type === 'stop');
 async function stopActs() {

@@ -40,7 +40,7 @@ async function open([width, height]: readonly [number, number], look: Look, scre
   return page;
 }
 
-/** What of each screen comes last. Without it the screen before, or an empty one, would be judged. */
+/** The last element of each screen to appear; otherwise the previous or an empty screen would be tested. */
 const last: Record<(typeof screens)[number], string> = {
   walk: '.walk-body .reading .num',
   drive: '.drive-body .pad',
@@ -51,7 +51,7 @@ const last: Record<(typeof screens)[number], string> = {
   health: '.health .part-detail',
 };
 
-/** Enough of everything that each list is longer than its room. */
+/** Enough data that each list scrolls. */
 async function fill(page: Page, screen: (typeof screens)[number]): Promise<void> {
   for (let i = 0; i < 16; i++) {
     fake.event('mode_changed', { name: 'standby' });

@@ -18,7 +18,7 @@ namespace {
 [[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeader =
     image_header(contract::ImageKind::tilt, kImageChip);
 
-inline constexpr std::uint32_t kAskAgain_ms = 100;
+inline constexpr std::uint32_t kRetryIdentity_ms = 100;
 
 class TiltBoard : public Board {
  public:
@@ -29,7 +29,7 @@ class TiltBoard : public Board {
 
   void tick_1ms() {
     if (found_) return imu_.step_1ms();
-    if (++asked_ms_ == kAskAgain_ms) ask();
+    if (++since_request_ms_ == kRetryIdentity_ms) ask();
   }
   bool read_imu(ImuSample& sample) { return found_ && imu_.read(sample); }
   [[nodiscard]] ImuReport imu_report() const { return found_ ? imu_.report() : foreign_; }
@@ -37,7 +37,7 @@ class TiltBoard : public Board {
  private:
   // Reads identities only; the chip's driver resets it and reads its identity again.
   void ask() {
-    asked_ms_ = 0;
+    since_request_ms_ = 0;
     std::array<std::uint8_t, 1> answer{};
     if (spi_.read(Lsm6dsoChip::kWhoAmIRegister, answer) && answer[0] == Lsm6dsoChip::kWhoAmI) {
       use(ImuChip<SpiBus, Lsm6dsoChip>(spi_));
@@ -59,7 +59,7 @@ class TiltBoard : public Board {
   SpiBus spi_{};
   bool found_ = false;
   ImuEngine imu_ = ImuChip<I2cBus, Mpu6050Chip>(i2c_);
-  std::uint32_t asked_ms_ = 0;
+  std::uint32_t since_request_ms_ = 0;
   ImuReport foreign_{};
 };
 

@@ -78,10 +78,10 @@ class HostStoringBoard : public HostCan {
   HostStore& flash() { return flash_; }
   [[nodiscard]] ResetCause reset_cause() const { return cause_; }
   void set_reset_cause(ResetCause cause) { cause_ = cause; }
-  void restart(bool into_loader) { restart_asked_ = true, loader_asked_ = into_loader; }
-  [[nodiscard]] bool restart_asked() const { return restart_asked_; }
-  [[nodiscard]] bool loader_asked() const { return loader_asked_; }
-  void restart_done() { restart_asked_ = loader_asked_ = false; }
+  void restart(bool into_loader) { restart_requested_ = true, loader_requested_ = into_loader; }
+  [[nodiscard]] bool restart_requested() const { return restart_requested_; }
+  [[nodiscard]] bool loader_requested() const { return loader_requested_; }
+  void restart_done() { restart_requested_ = loader_requested_ = false; }
   /// What the loader of this board has found in its flash.
   [[nodiscard]] ProgramInfo program() const { return program_; }
   void set_program(const ProgramInfo& program) { program_ = program; }
@@ -89,7 +89,7 @@ class HostStoringBoard : public HostCan {
  private:
   HostStore flash_{};
   ResetCause cause_ = ResetCause::power;
-  bool restart_asked_ = false, loader_asked_ = false;
+  bool restart_requested_ = false, loader_requested_ = false;
   ProgramInfo program_{};
 };
 

@@ -64,7 +64,7 @@ class Board {
   void restart(bool into_loader) {
     hoist_outputs_off();
     forget_request(mailbox());
-    if (into_loader) ask_for_loader(mailbox());
+    if (into_loader) request_loader(mailbox());
     cortex_m0::reset_now();
   }
   [[nodiscard]] ProgramInfo program() const {

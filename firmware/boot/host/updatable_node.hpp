@@ -53,10 +53,10 @@ class HostLoaderBoard {
   [[nodiscard]] bool sent_all() const { return board_.sent_all(); }
   [[nodiscard]] bool simulated() const { return board_.simulated(); }
   Mailbox& mailbox() { return mailbox_; }
-  void restart() { restart_asked_ = true; }
+  void restart() { restart_requested_ = true; }
   bool take_restart() {
-    const bool asked = restart_asked_;
-    restart_asked_ = false;
+    const bool asked = restart_requested_;
+    restart_requested_ = false;
     return asked;
   }
   ProgramFlash& flash() { return flash_; }
@@ -66,14 +66,14 @@ class HostLoaderBoard {
   contract::Node node_;
   ProgramFlash flash_{};
   Mailbox mailbox_{};
-  bool restart_asked_ = false;
+  bool restart_requested_ = false;
 };
 
 template <class Board, class Firmware>
 class UpdatableNode {
  public:
   UpdatableNode(Board& board, contract::Node node)
-      : board_(board), loader_board_(board, node), node_(node), firmware_((tell_program(board, burn_first()), board), node) {}
+      : board_(board), loader_board_(board, node), node_(node), firmware_((announce_program(board, burn_first()), board), node) {}
 
   void on_frame(const contract::CanFrame& frame) {
     if (silent_ms_ > 0) return;
@@ -91,9 +91,9 @@ class UpdatableNode {
     }
     firmware_.tick_1ms();
     if (++alive_ms_ == kStartedWell_ms) forget_failures(loader_board_.mailbox());
-    if (board_.restart_asked()) {
+    if (board_.restart_requested()) {
       forget_request(loader_board_.mailbox());
-      if (board_.loader_asked()) ask_for_loader(loader_board_.mailbox());
+      if (board_.loader_requested()) request_loader(loader_board_.mailbox());
       board_.restart_done();
       silent_ms_ = kRestart_ms;
     }
@@ -116,7 +116,7 @@ class UpdatableNode {
     loader_board_.flash().burn(image);
     return loader_board_.application();
   }
-  static void tell_program(Board& board, std::span<const std::uint8_t> flash) {
+  static void announce_program(Board& board, std::span<const std::uint8_t> flash) {
     const contract::ImageHeader header = contract::read_image_header(flash);
     board.set_program({header.version, header.crc});
   }
@@ -131,7 +131,7 @@ class UpdatableNode {
       return;
     }
     loader_.reset();
-    tell_program(board_, loader_board_.application());
+    announce_program(board_, loader_board_.application());
     board_.set_reset_cause(reset == LoaderReset::watchdog   ? ResetCause::watchdog
                            : reset == LoaderReset::software ? ResetCause::software
                                                             : ResetCause::power);

@@ -4,7 +4,7 @@
 // It never waits: step_1ms() is called once per millisecond and does at most a few transfers. read() gives nothing until the self-test has
 // passed, and after any error.
 //
-//   start -> reset -> identity -> for each pass of the self-test: prepare, samples at rest, stimulus on, samples, stimulus off, judge
+//   start -> reset -> identity -> for each pass of the self-test: prepare, samples at rest, stimulus on, samples, stimulus off, evaluate
 //         -> configure -> running, where one register after the other is read back
 //   wrong identity            stays out of service, retries each second
 //   self-test not passed      repeated kSelfTestTries times (the strut may have been moved), then failed until power-off
@@ -166,7 +166,7 @@ class ImuEngine {
       case Phase::stimulus:
         if (!sum_up(moved_)) return;
         if (!write_all(pass().relax)) return lose_bus();
-        return judge();
+        return evaluate();
       case Phase::configure:
         if (!write_all(chip_->work)) return lose_bus();
         check_at_ = 0;
@@ -275,7 +275,7 @@ class ImuEngine {
     return true;
   }
 
-  void judge() {
+  void evaluate() {
     SelfTestResult result{rest_, {}};
     for (std::size_t i = 0; i < rest_.size(); ++i) result.shift[i] = moved_[i] - rest_[i];
     if (!chip_->passed(pass_, codes_, result)) return try_again();

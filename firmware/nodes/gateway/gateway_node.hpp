@@ -60,7 +60,7 @@ class GatewayNode {
     now_ms_ = static_cast<std::uint16_t>(now_ms_ + 1U == contract::kSlcanStampWrap_ms ? 0U : now_ms_ + 1U);
     watch_controller();
     poll();
-    tell_news();
+    report_changes();
     write_uart();
   }
 
@@ -81,7 +81,7 @@ class GatewayNode {
     open_ = listen_only_ = stamps_ = news_ = false;
     auto_send_ = true;
     bus_off_ = false;
-    told_state_ = CanHealth::State::active;
+    reported_state_ = CanHealth::State::active;
     lost_seen_ = board_.can_health().lost;
     uart_lost_seen_ = board_.uart_lost();
     lost_in_ = lost_out_ = 0;
@@ -158,7 +158,7 @@ class GatewayNode {
         listen_only_ = text[0] == 'L';
         clear_queues();
         // What was before is not this computer's; a controller that is in trouble now is news to it.
-        told_state_ = CanHealth::State::active;
+        reported_state_ = CanHealth::State::active;
         lost_in_ = lost_out_ = 0;
         return accept(true);
       case 'C':
@@ -295,17 +295,17 @@ class GatewayNode {
   }
 
   // A change is reported once; frequent changes are limited to the newest state per interval.
-  void tell_news() {
+  void report_changes() {
     if (state_age_ms_ < kGatewayStateLine_ms) ++state_age_ms_;
     if (error_age_ms_ < kGatewayStateLine_ms) ++error_age_ms_;
     if (!open_ || !news_ || kGatewayUartMax - uart_count_ < kGatewayNewsRoom) return;
     const CanHealth health = board_.can_health();
-    if (health.state != told_state_ && state_age_ms_ >= kGatewayStateLine_ms) {
+    if (health.state != reported_state_ && state_age_ms_ >= kGatewayStateLine_ms) {
       std::array<char, 9> line{'s', "awpb"[static_cast<std::size_t>(health.state)], 0, 0, 0, 0, 0, 0, '\r'};
       put_decimal3(&line[2], health.rx_errors);
       put_decimal3(&line[5], health.tx_errors);
       if (put(std::string_view(line.data(), line.size()))) {
-        told_state_ = health.state;
+        reported_state_ = health.state;
         state_age_ms_ = 0;
       }
     }
@@ -368,7 +368,7 @@ class GatewayNode {
 
   Board& board_;
   bool open_ = false, listen_only_ = false, stamps_ = false, news_ = false, bus_off_ = false;
-  CanHealth::State told_state_ = CanHealth::State::active;
+  CanHealth::State reported_state_ = CanHealth::State::active;
   std::uint32_t unsent_ms_ = 0, bus_off_ms_ = 0, state_age_ms_ = 0, error_age_ms_ = 0;
   std::uint32_t lost_seen_ = 0, uart_lost_seen_ = 0;
   std::uint8_t lost_in_ = 0, lost_out_ = 0;  // since the last error line

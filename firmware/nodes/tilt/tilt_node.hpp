@@ -134,7 +134,7 @@ class TiltNode {
   void on_nmt(NmtState, NmtState) {}
   void on_power_on() {
     axes_ = {};
-    settle_anew();
+    restart_settling();
     after_ = {};
     yaw_bias_rad_s_ = 0;
     started_ = converged_ = failed_ = missing_ = doubtful_ = false;
@@ -152,7 +152,7 @@ class TiltNode {
     if (!set_mounting(static_cast<std::uint8_t>(raw))) return SdoAbort::range;
     // All angles were of another direction: restart everything.
     axes_ = {};
-    settle_anew();
+    restart_settling();
     after_ = {};
     started_ = converged_ = false;
     start_age_ms_ = 0;  // and so does the time that the first reading may take
@@ -206,10 +206,10 @@ class TiltNode {
     missing_ = missing_ || missing;
     if (failed_) return;
     failed_ = true;
-    tell_error();
+    report_error();
     publish_status(0);
   }
-  void tell_error() { stack_.set_error(emcy::kHardware, error_bit::kProfile, failed_ || doubtful_); }
+  void report_error() { stack_.set_error(emcy::kHardware, error_bit::kProfile, failed_ || doubtful_); }
   void publish_status(std::uint8_t bits) {
     stack_.values().template set<0x2120>(static_cast<std::uint8_t>(bits | (converged_ ? kConverged : 0U) |
                                                                    (failed_ ? kSelfTestFailed : 0U) | (missing_ ? kSensorMissing : 0U)));
@@ -262,7 +262,7 @@ class TiltNode {
                   above(axis.state.bias_rad_s - axis.turn.bias_rad_s - axis.rest_bias_rad_s, kBiasChange_rad_s);
     }
     doubtful_ = converged_ && zero_lost;
-    tell_error();
+    report_error();
   }
 
   [[nodiscard]] law::TiltGain<float> gain() const {
@@ -302,22 +302,22 @@ class TiltNode {
   void fail() {
     // Before the first reading the sensor is still starting; watch_sensor() ends that.
     if (started_ && failures_ < kTiltReadFailuresMax && ++failures_ == kTiltReadFailuresMax) give_up(false);
-    if (!converged_) settle_anew();
+    if (!converged_) restart_settling();
     publish_status(0);
   }
 
-  void settle_anew() {
+  void restart_settling() {
     window_ = {};
     sway_ = {};
   }
 
   // Bias and angles are known once one of the two windows is full.
   void settle(const ImuSample& s, const law::AccAngles<float>& gravity, bool in_time) {
-    if (!in_time || !stands(s)) return settle_anew();
+    if (!in_time || !stands(s)) return restart_settling();
     window_.repeats = s == window_.last ? window_.repeats + 1 : 0;
     window_.last = s;
     // A sensor that repeats one sample looks perfectly still, and its rate would be taken for the bias.
-    if (window_.repeats == kTiltRepeatsMax) return settle_anew();
+    if (window_.repeats == kTiltRepeatsMax) return restart_settling();
     const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
     if (settle_still(s, angles_rad)) return;
     settle_swaying(s, angles_rad);
@@ -397,7 +397,7 @@ class TiltNode {
       constexpr float kSinceBlock_s = kSample_s * kBlock / 2.0F;
       now_rad[i] = drift_rad[2] - bias_rad_s[i] * kSinceBlock_s + kSample_s * sway_.turned[i];
     }
-    if (!agree) return settle_anew();
+    if (!agree) return restart_settling();
     converge(s, bias_rad_s, now_rad);
   }
 

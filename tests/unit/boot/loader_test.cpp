@@ -19,7 +19,7 @@ constexpr std::uint32_t kRange = 0x06090030, kTooLong = 0x06070012, kTooShort = 
 struct Bench : LoaderBench, testing::Test {
   void burn_old() { board.flash.burn(make_image(9000, kOld, 1)); }
   void enter() {
-    ask_for_loader(board.box);
+    request_loader(board.box);
     ASSERT_EQ(reset(LoaderReset::software), StartReason::asked);
   }
 };
@@ -49,7 +49,7 @@ TEST_F(Start, AProgramForAnotherNodeIsNot) {
 
 TEST_F(Start, ARequestCountsForOneStartOnly) {
   burn_old();
-  ask_for_loader(board.box);
+  request_loader(board.box);
   EXPECT_EQ(reset(LoaderReset::software), StartReason::asked);
   EXPECT_EQ(reset(LoaderReset::software), StartReason::application);
   EXPECT_EQ(failures(board.box), 0U);
@@ -58,7 +58,7 @@ TEST_F(Start, ARequestCountsForOneStartOnly) {
 // After power-on the mailbox is random, perhaps even valid words; the node must still start.
 TEST_F(Start, AMailboxAfterPowerOnAsksNothing) {
   burn_old();
-  ask_for_loader(board.box);
+  request_loader(board.box);
   EXPECT_EQ(reset(LoaderReset::power_or_pin), StartReason::application);
   board.box = {kEnterLoader, 0, 77, 77};
   EXPECT_EQ(reset(LoaderReset::software), StartReason::application);
@@ -137,7 +137,7 @@ TEST_F(Start, AForgottenLoaderGoesBackToWork) {
   EXPECT_FALSE(board.restarted);
   run(5);
   EXPECT_TRUE(board.restarted);
-  EXPECT_FALSE(loader_asked(board.box));
+  EXPECT_FALSE(loader_requested(board.box));
   board.flash.burn({});
   enter();
   run(2 * static_cast<int>(kLoaderPatience_ms));

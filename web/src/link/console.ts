@@ -15,7 +15,7 @@ const late_ms = 500;
 const gone_ms = 1000;
 const ageCheck_ms = 100;
 const logLines = 200;
-/** If the hoist has not begun to stop after this time, STOP goes out again, by the other way too. */
+/** If the hoist has not begun to stop after this time, STOP is sent again, also over plain HTTP. */
 const stopAgain_ms = 300;
 const stopTries = 10;
 
@@ -69,14 +69,14 @@ function silentNodes(record: TickRecord): string {
   return silent.length === parts.length ? '' : silent.join(' ');
 }
 
-/** Their values are on the screens of motion; silent this long they are old. */
+/** Nodes whose values are on the motion screens; silent for so long they are old. */
 const sensors = ['drive_left', 'drive_right', 'tilt_left', 'tilt_right', 'tilt_base'] as const;
 const silentTicks = 50;
 
-/** Where a STOP has nothing left to do. */
+/** Modes in which STOP has no effect. */
 const stoppedModes = new Set(modes.filter((mode) => stopped(mode.name)).map((mode) => mode.value));
 
-/** Value of guided_phase while the hoist goes at less than half its speed, because the patient lags. */
+/** Value of guided_phase while the hoist waits for a lagging patient at less than half its speed. */
 const guidedWaits = 5;
 
 const speedCause = causeReader();
@@ -102,7 +102,7 @@ function slowPart(record: TickRecord) {
   } as const;
 }
 
-/** This page led the hoist, also before a connection that was lost. */
+/** This page controlled the hoist, also before a lost connection. */
 let led = false;
 
 const text = (value: unknown): string => (typeof value === 'string' ? value : '');
@@ -188,7 +188,7 @@ function takeEmergencies(more: readonly Emergency[]): void {
   writable.set({ emergencies: [...all.values()].sort((a, b) => a.time_ns - b.time_ns).slice(-emergenciesMost) });
 }
 
-/** What devices reported before this page was opened. */
+/** Emergency messages from before this page was opened. */
 export async function fetchEmergencies(): Promise<Answer<unknown>> {
   interface Told {
     node: string;
@@ -241,7 +241,7 @@ export function startLink(): void {
 let stopTimer: number | null = null;
 let stopLeft = 0;
 
-/** STOP. Goes out at once; again, and by plain HTTP, until the hoist says that it stopped. */
+/** STOP. Sent at once, and repeated, also over plain HTTP, until the hoist reports the stop. */
 export function stop(): void {
   writable.set({ stopSent: true, stopFailed: false });
   stopLeft = stopTries;
@@ -266,7 +266,7 @@ function stopSeen(): void {
   writable.set({ stopSent: false, stopFailed: false });
 }
 
-/** The newest time stamp seen: driving commands carry it back, so that old ones are known as old. */
+/** The newest time stamp seen: driving commands echo it, so that old ones are recognised. */
 export const echo = () => live.record?.time_ns ?? 0;
 
 let driveSequence = 0;
@@ -286,7 +286,7 @@ export const takenSeen = (): void => writable.set({ leaseTaken: false });
 /** Asks whether to take control from someone else; set by the shell, which shows the question. */
 export const dialogs: { askTakeOver: () => Promise<boolean> } = { askTakeOver: () => Promise.resolve(false) };
 
-/** Makes sure that this console is in control. Takes a free control at once, asks before taking it from someone. */
+/** Ensures that this console is in control. Takes free control at once, asks before taking it from another. */
 async function ensureLease(): Promise<Reply> {
   const { lease } = store.value;
   if (lease.mine) return { ok: true, refusals: [], errors: [] };
@@ -308,7 +308,7 @@ async function withLease(message: { type: string; [more: string]: unknown }, una
   return reply;
 }
 
-/** Settings need no control: their version guards them. */
+/** Settings need no control; they carry a version. */
 async function change(message: { type: string; [more: string]: unknown }): Promise<Reply> {
   const version = store.value.parameterVersion;
   const reply = await link.request({ ...message, ...(version > 0 ? { version } : {}) });
@@ -321,13 +321,13 @@ const end = { type: 'mode', mode: 'standby' };
 export const endMotion = (): Promise<Reply> => link.request(end);
 /** The exercise of the next walk, on all screens. */
 export const chooseExercise = (exercise: Exercise): Promise<Reply> => link.request({ type: 'choose', exercise });
-/** A start without an answer is followed by its end: nobody expects the hoist to begin after the screen has said that it did not. */
+/** A start without an answer is followed by End: the hoist must not start after the screen has reported a failure. */
 export const requestMode = (mode: 'user' | 'remote', exercise: Exercise, start_again = false): Promise<Reply> =>
   withLease({ type: 'mode', mode, exercise, start_again }, end);
-/** Begins an exercise that the hoist drives while the button is held. */
+/** Starts GUIDED: an exercise that the hoist drives while the button is held. */
 export const requestGuided = (path: GuidedPath, start_again: boolean): Promise<Reply> =>
   withLease({ type: 'mode', mode: 'guided', path, start_again }, end);
-/** Leaves a stop. What was seen: names of the faults that were shown when the hand went down; the hoist refuses when another has come since. */
+/** Acknowledges a stop. `seen`: names of the faults shown at the press; the hoist refuses when another has come since. */
 export const acknowledge = (seen: readonly string[]): Promise<Reply> => withLease({ type: 'acknowledge', ...(seen.length > 0 ? { seen } : {}) });
 export const setNeutral = (): Promise<Reply> => link.request({ type: 'neutral' });
 export const calibrate = (step: string, harness_empty: boolean): Promise<Reply> =>
@@ -336,10 +336,10 @@ export const calibrateMeasure = (measured: object): Promise<Reply> => withLease(
 export const calibrateUse = (): Promise<Reply> => withLease({ type: 'calibrate_use' });
 export const calibrateCancel = (): Promise<Reply> => withLease({ type: 'calibrate_cancel' });
 export const setParameters = (values: Partial<Record<ParamName, number>>): Promise<Reply> => change({ type: 'set', values });
-/** Values that go back by themselves unless somebody keeps them: for what is tried while a patient walks. */
+/** Values on trial, which return by themselves unless kept: for changes during a walk. */
 export const tryParameters = (values: Partial<Record<ParamName, number>>, revert_after_s: number): Promise<Reply> =>
   change({ type: 'set', values, revert_after_s });
-/** Keeps what this page shows: when somebody has changed more meanwhile, the hoist refuses (H27). */
+/** Keeps the shown values; after another change meanwhile the hoist refuses (H27). */
 export const keepSettings = (): Promise<Reply> => change({ type: 'keep_settings' });
 export const undoSettings = (): Promise<Reply> => link.request({ type: 'undo_settings' });
 export const applyPreset = (name: string): Promise<Reply> => change({ type: 'preset', name });

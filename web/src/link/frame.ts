@@ -5,12 +5,12 @@ import { layoutHash } from '../contract/messages.gen';
 export const frameHeaderBytes = 16;
 export const frameKindTelemetry = 1;
 export const frameVersion = 1;
-/** More than the server ever batches; a larger count is a damaged frame. */
+/** Above the server's batch size; a larger count is a damaged frame. */
 export const recordsPerFrameMost = 1000;
 
 export type FrameResult = { ok: true; records: TickRecord[] } | { ok: false; why: 'short' | 'kind' | 'version' | 'layout' | 'length' };
 
-/** Reads a telemetry message whole, or refuses it whole. */
+/** Reads a complete telemetry message, or refuses it. */
 export function readFrame(buffer: ArrayBuffer): FrameResult {
   if (buffer.byteLength < frameHeaderBytes) return { ok: false, why: 'short' };
   const view = new DataView(buffer);

@@ -16,11 +16,11 @@ export class Live {
   received_ms = 0;
   lost = 0;
   readonly history: Record<(typeof historySignals)[number], Ring>;
-  /** Since the start mark, as the server tells it; here it only goes on. */
+  /** Since the start mark, from the server; extended here. */
   readonly path = new Trace();
-  /** Rises whenever the path begins anew. */
+  /** Increments whenever the path restarts. */
   pathLife = 0;
-  /** Seconds in motion since the start mark; NaN: not told. */
+  /** Seconds in motion since the start mark; NaN: unknown. */
   motion_s = NaN;
   /** Newest step that the server has counted into path and time. */
   private countedTick = -1;
@@ -50,7 +50,7 @@ export class Live {
     if (records.length > 0) this.received_ms = now_ms;
   }
 
-  /** What the server knows of the walk. One that came later than the start mark knows less than an open page, which goes on then. */
+  /** The server's walk. A server restarted after the start mark knows less than an open page, which then keeps its own. */
   takeWalk(walk: WalkMessage): void {
     if (this.record !== null && walk.tick !== null && walk.tick < this.record.tick) {
       this.clear(); // of another core
@@ -95,7 +95,7 @@ function ask(): void {
   });
 }
 
-/** Calls `paint` on every drawn frame while the component is there. */
+/** Calls `paint` on every drawn frame while the component is mounted. */
 export function useFrame(paint: (now_ms: number) => void): void {
   const latest = useRef(paint);
   latest.current = paint;
@@ -109,7 +109,7 @@ export function useFrame(paint: (now_ms: number) => void): void {
   }, []);
 }
 
-/** A value of the newest record for people to read: renewed `rate_hz` times a second, because faster digits cannot be read. */
+/** A readable value of the newest record: updated `rate_hz` times a second, because faster digits cannot be read. */
 export function useReading<R>(read: (record: TickRecord | null) => R, rate_hz = 5): R {
   const [value, set] = useState(() => read(live.record));
   const shown_ms = useRef(-Infinity);

@@ -7,24 +7,24 @@ export type Start = 'user' | 'remote' | 'guided';
 export interface Readiness {
   /** The server answers. */
   reachable: boolean;
-  /** The mode is known. Lost: it was expected and is not; at the very first it is neither. */
+  /** The mode is known. Lost: it was known before; at the start neither. */
   known: boolean;
   lost: boolean;
-  /** Values of sensors and drives are not of this moment. */
+  /** Values of sensors and drives are old. */
   old: boolean;
   motion: 'still' | 'moving' | null;
   lead: 'mine' | 'other' | 'nobody' | null;
-  /** A motion is under way, as far as was heard last: a lost connection makes no Start of an End. */
+  /** In motion by the last record: a lost connection must not turn End into Start. */
   led: boolean;
   stopped: boolean;
-  /** What keeps each motion from starting, as names of refusals; empty: it may start. */
+  /** Reasons against starting each motion, as names of refusals; empty: it may start. */
   start: Readonly<Record<Start, readonly string[]>>;
   /** Hold-to-run works. */
   hand: boolean;
   end: boolean;
-  /** What needs standby may be done. */
+  /** Actions that need STANDBY are allowed. */
   standby: boolean;
-  /** The sentence for calm times. */
+  /** The sentence without an alarm. */
   calm: TextKey;
 }
 
@@ -48,7 +48,7 @@ type Known = Pick<
 >;
 
 const tooSlow_s = 0.3;
-/** From here on nothing is led by hand any more: what is let go arrives late. */
+/** From here on driving is refused: a release would arrive late. */
 export const tooSlow = (s: Pick<State, 'rtt_s'>): boolean => s.rtt_s !== null && s.rtt_s > tooSlow_s;
 
 const bitOf = (name: string): number => refusals.find((row) => row.name === name)?.bit ?? -1;
@@ -112,7 +112,7 @@ export function readinessOf(s: Known): Readiness {
 }
 
 let before: { text: string; value: Readiness } | null = null;
-/** The same object as long as nothing in it changes, so that a screen draws anew only then. */
+/** The same object while nothing in it changes, so that a screen renders only then. */
 function kept(s: State): Readiness {
   const value = readinessOf(s);
   const text = JSON.stringify(value);
@@ -121,7 +121,7 @@ function kept(s: State): Readiness {
 }
 export const useReadiness = (): Readiness => useStore(kept);
 
-/** Whether a reason for a refusal still stands. Reasons that no state shows are told for `toldFor_ms`. */
+/** Whether a reason for a refusal still holds. Reasons without a visible state are shown for `toldFor_ms`. */
 export const toldFor_ms = 10_000;
 const shown: readonly string[] = [
   'nodes_missing',

@@ -3,7 +3,7 @@ import type { FieldError } from '../contract/messages.gen';
 
 export interface Problem {
   status: number; // 0 = the server cannot be reached
-  /** Row of the table of reasons, where the server has one for it. */
+  /** Row of the table of reasons, if the server gives one. */
   code: string;
   errors: FieldError[];
   refusals: string[];

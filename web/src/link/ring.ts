@@ -32,7 +32,7 @@ export class Ring {
     return this.data.subarray(end - wanted, end);
   }
 
-  /** The newest value, or NaN when there is none. */
+  /** The newest value, or NaN when empty. */
   get last(): number {
     return this.filled === 0 ? NaN : this.data[this.next + this.capacity - 1]!;
   }

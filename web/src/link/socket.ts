@@ -38,19 +38,19 @@ export interface LinkEvents {
   text(message: { type: string; [more: string]: unknown }): void;
   binary(buffer: ArrayBuffer): void;
   rtt(rtt_s: number | null): void;
-  /** The socket was refused or broke before it opened; the page asks whether it is still signed in. */
+  /** The socket was refused or broke before it opened; the page checks whether it is still signed in. */
   refused(): void;
 }
 
 export const subprotocol = 'hoist.v1';
 export const backOffFirst_ms = 250;
 export const backOffLast_ms = 2000;
-/** Telemetry comes 20 times a second: silence this long means the connection is dead, whatever the socket says. */
+/** Telemetry comes 20 times a second: silence this long means a dead connection, whatever the socket's state. */
 export const silence_ms = 2500;
 export const openWithin_ms = 4000;
 export const ping_ms = 1000;
 export const replyWithin_ms = 2000;
-/** Requests that may wait for a reply at once; more means that something loops. */
+/** Limit of pending requests; more means an endless loop. */
 export const requestsMost = 64;
 
 export const replyLost: Reply = { ok: false, refusals: ['link_lost'], errors: [] };
@@ -67,7 +67,7 @@ export class Link {
   private stopped = false;
   private nextRequest = 1;
   private readonly waiting = new Map<number, { resolve: (reply: Reply) => void; timer: number; unanswered: object | undefined }>();
-  /** Given up without an answer, with what takes each back. */
+  /** Timed-out requests, each with the request that revokes it. */
   private readonly late = new Map<number, object>();
 
   constructor(
@@ -84,7 +84,7 @@ export class Link {
     this.connect();
   }
 
-  /** Closes for good. */
+  /** Closes permanently. */
   stop(): void {
     this.stopped = true;
     if (this.retryTimer !== null) this.host.clearTimer(this.retryTimer);
@@ -107,14 +107,14 @@ export class Link {
     return true;
   }
 
-  /** Bytes handed to the browser and not yet on the wire: more than a few driving commands means a stalled link. */
+  /** Bytes not yet sent by the browser: more than a few driving commands means a stalled link. */
   get queued(): number {
     return this.socket?.bufferedAmount ?? 0;
   }
 
-  /** Sends a request and resolves with its reply; never rejects. A stalled connection may hold a request back and deliver it long after
-   * the screen has said that nothing came of it: `unanswered` then follows on the same connection, behind it, and takes it back. It goes
-   * out once more when the late answer says that it was done: a server that takes several steps may have ended before it had begun. */
+  /** Sends a request and resolves with its reply; never rejects. A stalled connection may deliver a request long after the screen has reported a
+   * failure: `unanswered` then follows on the same connection and revokes it. It is sent again when the late answer reports success, since a
+   * server that needs several steps may have ended before it had begun. */
   request(message: { type: string; [more: string]: unknown }, unanswered?: { type: string; [more: string]: unknown }): Promise<Reply> {
     if (this.state_ !== 'open' || this.waiting.size >= requestsMost) return Promise.resolve(replyLost);
     const request = this.nextRequest++;
@@ -230,7 +230,7 @@ export class Link {
     this.beatTimer = this.host.setTimer(() => this.beat(), ping_ms);
   }
 
-  /** Forgets the socket: whoever waits for a reply learns that it will not come. */
+  /** Drops the socket; pending requests fail. */
   private drop(): void {
     const socket = this.socket;
     this.socket = null;

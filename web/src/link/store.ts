@@ -9,7 +9,7 @@ export interface Recording {
   session: number | null;
   started_utc_ms: number | null;
   samples: number;
-  /** Why it failed: a row of the table of reasons. */
+  /** Reason of the failure: a row of the table of reasons. */
   reason: string | null;
 }
 export interface LogLine {
@@ -51,16 +51,16 @@ export interface State {
   scenario: string | null;
   /** Chosen for the next walk, on all screens. */
   exercise: Exercise;
-  /** What the present or the latest motion began with. Null: not known. */
+  /** Exercise at the start of the present or latest motion. Null: unknown. */
   begun: Exercise | GuidedPath | null;
-  /** Null: not told yet. */
+  /** Null: not received yet. */
   coreConnected: boolean | null;
   /** Why it is not connected: a row of the table of reasons. */
   coreReason: string | null;
   parameters: Record<string, number>;
   parameterVersion: number;
   lease: { epoch: number; holder: number; mine: boolean };
-  /** Another screen has taken control from this one, and the notice is not closed yet. */
+  /** Another screen has taken control, and the notice is not closed yet. */
   leaseTaken: boolean;
   recording: Recording;
   // The slow part of the newest record: kept here so that screens render only when it changes.
@@ -68,24 +68,24 @@ export interface State {
   faultBits: number;
   /** Fault that came first of the latest stop, plus one; 0 = none. */
   stopCause: number;
-  /** What the faults are about (FaultCodes), as JSON so that equal ones are equal. */
+  /** Detail codes of the faults (FaultCodes), as JSON so that equal ones compare equal. */
   faultCodes: string;
-  /** Names of the nodes that have not been heard for 2.5 s or never, with a blank between; empty while all or none of them are. */
+  /** Names of the nodes silent for 2.5 s or from the start, separated by blanks; empty while all or none are. */
   silentNodes: string;
   blockedBits: number;
   standingStill: boolean;
-  /** In an exercise: the patient lags, and the hoist goes slowly or stands until he has caught up. */
+  /** In an exercise: the hoist slows down or stands for a lagging patient. */
   waits: boolean;
   /** Value of a row of speedCauses; 0 = the hoist goes as fast as it is asked to. */
   speedCause: number;
-  /** Bus, drives and tilt sensors are heard: what is shown of them is of now. */
+  /** Bus, drives and tilt sensors are received: their values are current. */
   sensed: boolean;
   bumpers: number;
-  /** All that touch were acknowledged: the hoist may be driven away from them. */
+  /** All pressed bumpers were acknowledged: the hoist may be driven away from them. */
   bumpersHeld: boolean;
-  /** Whole seconds until values on trial go back; 0 = none are. */
+  /** Whole seconds until the trial ends; 0 = no trial. */
   trial_s: number;
-  /** Node id that two devices share, and CAN id that floods the bus: kept while the alarm about it is shown. Null = not told. */
+  /** Node id that two devices share, and CAN id that floods the bus: kept while its alarm is shown. Null = unknown. */
   duplicateId: number | null;
   babblingId: number | null;
   stopSent: boolean;
@@ -93,23 +93,23 @@ export interface State {
   log: LogLine[];
   emergencies: Emergency[];
   notices: Notice[];
-  /** What stays wrong until it is mended; shown in the strip. */
+  /** Standing notices; shown in the strip. */
   standing: readonly StandingNotice[];
 }
 
-/** Stopped until somebody acknowledges: the modes that the big release button is for. */
+/** Modes that are left by acknowledgement, with the release button. */
 export const stopped = (mode: ModeName): boolean => mode === 'protective_stop' || mode === 'fault' || mode === 'emergency_stop';
 
-/** Somebody leads the hoist, by the mode table. */
+/** Motion modes, by the mode table. */
 export const moving = (mode: ModeName): boolean => modes.some((row) => row.name === mode && row.moving);
 
-/** The figure that is under way, as far as this page knows it; on standby the chosen one. */
+/** The running figure, if known; in STANDBY the chosen one. */
 export function figure({ mode, exercise, begun }: Pick<State, 'mode' | 'exercise' | 'begun'>): Exercise {
   return moving(mode) ? (begun ?? free) : exercise;
 }
 const free: Exercise = { shape: 'free' };
 
-/** Whether anybody knows what the hoist does now. At the very first, before anything was heard, it is taken to be starting. */
+/** Whether the hoist's state is known. Before the first message it counts as starting. */
 export const unknown = ({ link, everOpen, data, coreConnected }: Pick<State, 'link' | 'everOpen' | 'data' | 'coreConnected'>): boolean =>
   data === 'gone' || (data === 'none' && (coreConnected === false || (everOpen && link !== 'open')));
 
@@ -162,7 +162,7 @@ export class Store<T extends object> {
   private listeners = new Set<() => void>();
   constructor(public value: T) {}
 
-  /** Changes some fields; tells nobody when all of them stay as they are. */
+  /** Changes some fields; no notification when all stay equal. */
   set(change: Partial<T>): void {
     let differs = false;
     for (const key of Object.keys(change) as (keyof T)[]) if (!Object.is(this.value[key], change[key])) differs = true;
@@ -177,11 +177,11 @@ export class Store<T extends object> {
   }
 }
 
-/** For link/ only; a rule of the linter keeps others from it. */
+/** For link/ only, enforced by the linter. */
 export const writable = new Store<State>(initial);
 export const store: Pick<Store<State>, 'subscribe'> & { readonly value: State } = writable;
 
-/** Draws the component anew when the chosen part changes. */
+/** Renders the component when the selected part changes. */
 export function useStore<R>(choose: (state: State) => R): R {
   const [, again] = useReducer((n: number) => n + 1, 0);
   const chosen = choose(store.value);

@@ -30,5 +30,5 @@ export const panels: readonly Panel[] = [
   { id: 'health', title: 'nav.health', icon: 'health', live: true, view: new Lazy(async () => (await import('./health/health')).HealthView) },
 ];
 
-/** The screen of an address; the first one when there is none of this name. */
+/** The screen of an address; the first one for an unknown name. */
 export const panelOf = (screen: string): Panel => panels.find((panel) => panel.id === screen) ?? panels[0]!;

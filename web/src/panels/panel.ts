@@ -4,16 +4,16 @@ import type { IconName } from '../ui/icons';
 import type { Lazy } from '../ui/lazy';
 
 export interface PanelProps {
-  /** What the address names behind the screen, see router.ts. */
+  /** The part after the screen in the address, see router.ts. */
   part: string | null;
 }
 
-/** One screen: its address (#/id), its name and picture in the menu, and what it draws, which is loaded when it is first looked at. */
+/** One screen: its address (#/id), its name and picture in the menu, and its component, loaded on first use. */
 export interface Panel {
   id: string;
   title: TextKey;
   icon: IconName;
-  /** Shows values of this moment: grey when they are old. */
+  /** Shows live values: grey when old. */
   live: boolean;
   view: Lazy<ComponentType<PanelProps>>;
 }

@@ -3,11 +3,11 @@ import { reasons, type ReasonCode } from '../contract/messages.gen';
 import type { Problem } from '../link/rest';
 import { refusalText, t, textOf, words } from './text';
 
-/** Of a reason_code; null for none, and for one that this page does not know. */
+/** Text of a reason_code; null for none or an unknown one. */
 export const reasonText = (code: string | null | undefined): string | null =>
   code && Object.hasOwn(reasons, code) ? words(reasons[code as ReasonCode]) : null;
 
-/** Everything that a problem of a plain request says. A field that has its own words is named by them. */
+/** All texts of a problem of a plain request. Fields are named by their own texts where they have one. */
 export function problemText({ refusals, errors, code }: Problem): string {
   if (refusals.length > 0) return refusals.map(refusalText).join(' ');
   const field = errors.map((error) => textOf(`invalid.${error.field}`)).find((text) => text !== null);

@@ -43,7 +43,7 @@ export function applySettings(): void {
   }
 }
 
-/** Draws the component anew when language or brightness change. */
+/** Renders the component when language or brightness change. */
 export function useSettings(): Settings {
   const [, again] = useReducer((n: number) => n + 1, 0);
   useEffect(() => settings.subscribe(() => again(0)), []);

@@ -11,12 +11,12 @@ const files: Readonly<Record<Language, () => Promise<Table>>> = {
 };
 const tables: Partial<Record<Language, Table>> = {};
 
-/** Loads the words of a language, once; rejects when they cannot be loaded. */
+/** Loads the texts of a language, once; rejects when they cannot be loaded. */
 export async function loadLanguage(language: Language): Promise<void> {
   tables[language] ??= await files[language]();
 }
 
-/** Changes the language as soon as its words are there. False: they could not be loaded, and the language stays. */
+/** Changes the language once its texts are loaded. False: loading failed, and the language stays. */
 export async function chooseLanguage(language: Language): Promise<boolean> {
   try {
     await loadLanguage(language);
@@ -32,7 +32,7 @@ export function t(key: TextKey, values: Record<string, string | number> = {}): s
   return (textOf(key) ?? key).replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
 }
 
-/** The same for a key that came over the wire; null when there is no such text. */
+/** The same for a received key; null for an unknown one. */
 export function textOf(key: string): string | null {
   const { language } = settings.value;
   for (const table of [first[language], tables[language]] as (Readonly<Record<string, string>> | undefined)[])

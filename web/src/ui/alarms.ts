@@ -3,26 +3,26 @@ import { endangers, explanations, faultDetails, faults, type FaultInfo, type Fau
 import { hasBit } from '../link/bits';
 import { emergencyInfo } from './device';
 
-/** Codes of the faults that have one (<name>_code of the record); 0 or missing: nothing more is known. */
+/** Codes of the faults that have one (<name>_code of the record); 0 or missing: no detail. */
 export type FaultCodes = Partial<Record<FaultName, number>>;
 
 export interface Told {
   fault: FaultInfo;
   text: Words;
   action: Words;
-  /** The fault that explains it; null: it stands for itself. */
+  /** Its cause; null: it is a cause itself. */
   consequenceOf: FaultName | null;
 }
 
 const rank = { high: 0, medium: 1, low: 2 };
 const isFault = (name: FaultName) => (fault: FaultInfo) => fault.name === name;
 
-/** The faults of these bits, most important first; without what came first. */
+/** The faults of these bits by importance, without regard to which came first. */
 export function activeFaults(bits: number): FaultInfo[] {
   return faults.filter((fault) => hasBit(bits, fault.bit)).sort((a, b) => rank[a.priority] - rank[b.priority] || a.bit - b.bit);
 }
 
-/** What to tell first of these: what endangers the patient, then what came first, then by priority; never a consequence of another one. */
+/** The headline: danger to the patient, then the first fault, then by priority; never a consequence of another one. */
 export function headline(left: readonly FaultInfo[], firstBit: number | null): FaultInfo {
   for (const name of endangers) {
     const fault = left.find(isFault(name));

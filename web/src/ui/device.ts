@@ -5,7 +5,7 @@ import { t, textOf } from '../text/text';
 
 const coreId = nodes.find((node) => node.name === 'core')!.id;
 
-/** The device with this node id; null for none. */
+/** The device with this node id, or null. */
 export function deviceOfNode(id: number | null): string | null {
   if (id === null || id === 0) return null;
   if (id === coreId) return t('device.secondCore');

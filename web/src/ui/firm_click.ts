@@ -7,19 +7,19 @@ export class FirmStart {
   private led: boolean | null = null;
   private pressed_ms: number | null = null;
 
-  /** What the button means from now on. */
+  /** The button's present meaning. */
   show(led: boolean, now_ms: number): void {
     // The first meaning follows no other one.
     if (this.led !== null && this.led !== led) this.shown_ms = now_ms;
     this.led = led;
   }
 
-  /** The finger or the key comes down. */
+  /** Start of a press by finger or key. */
   press(now_ms: number): void {
     this.pressed_ms = now_ms;
   }
 
-  /** Whether a click that would start may do so. Assistive tools click without a press. */
+  /** Whether a click may start. Assistive tools click without a press. */
   counts(now_ms: number): boolean {
     const pressed_ms = this.pressed_ms ?? now_ms;
     this.pressed_ms = null;

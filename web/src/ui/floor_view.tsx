@@ -127,14 +127,14 @@ export function drawFloor(canvas: HTMLCanvasElement, drawing: FloorDrawing, fram
   ctx.restore();
 }
 
-/** Where a figure begins and which way one looks there. */
+/** Start position and heading of a figure. */
 function startOf(points: readonly Point[]): FloorDrawing['pose'] {
   const [first, second] = points;
   if (first === undefined || second === undefined) return null;
   return { x_m: first.x, y_m: first.y, psi_rad: Math.atan2(second.y - first.y, second.x - first.x) };
 }
 
-/** With `planned` the hoist is drawn where the figure begins, and no walked path: this is what would be. */
+/** With `planned` the hoist is drawn at the figure's start, without a walked path. */
 export function FloorView({ exercise, planned = false }: { exercise: Exercise; planned?: boolean }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const pattern = useMemo(() => patternPoints(exercise), [exercise]);

@@ -71,7 +71,7 @@ function leftHanded(exercise: Exercise): Point[] {
   }
 }
 
-/** Around the line stands the hoist, half as wide as long, and whoever walks beside it: half a hoist's diagonal and a hand's breadth. */
+/** Margin around the line: half a hoist's diagonal and a hand's breadth. */
 const beside_m = 0.7;
 
 /** The free floor that a figure needs, rounded up to half metres: along the first view of the hoist, and across. */
@@ -89,7 +89,7 @@ export interface Frame {
   pixels_per_m: number;
 }
 
-/** Where a point of the floor is drawn: x up, y to the left, so that forward on the joystick is up on the floor view at the start. */
+/** Screen position of a floor point: x up, y to the left, so that forward on the joystick is up on the floor view at the start. */
 export const onScreen = ({ x, y }: Point, frame: Frame, width_px: number, height_px: number) => ({
   left: width_px / 2 - (y - frame.centre_y) * frame.pixels_per_m,
   top: height_px / 2 - (x - frame.centre_x) * frame.pixels_per_m,

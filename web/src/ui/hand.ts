@@ -10,11 +10,11 @@ const browserTimers = {
 };
 
 export interface Grip {
-  /** The keys that hold it, and what each asks for. */
+  /** The keys that hold it, and the command of each. */
   keys: Record<string, Wish>;
-  /** Where a finger asks to go, by the place that the element had when the finger came down. */
+  /** Command of a finger, by the element's place at the press. */
   wish(event: PointerEvent, box: DOMRect): Wish;
-  /** Draws the wish; the middle when let go. */
+  /** Draws the command; the middle on release. */
   show?(wish: Wish): void;
 }
 

@@ -6,7 +6,7 @@ import { useStore } from '../link/store';
 import { degrees, t } from '../text/text';
 import './hoist_picture.css';
 
-/** Share of the picture that a full wish covers; drawn larger than life, because 14 cm would hardly show. */
+/** Share of the picture for a full lean; enlarged, because 14 cm would hardly show. */
 const fullLean_px = 58;
 const fullTurn_deg = 38;
 const strut_px = 96;
@@ -20,7 +20,7 @@ const wedge = (x: number, y: number, from_rad: number, to_rad: number, radius: n
   return `M${x} ${y}L${place(from_rad)}A${radius} ${radius} 0 0 1 ${place(to_rad)}Z`;
 };
 
-/** The wish as a bent arrow that begins at the patient. */
+/** The intent as a bent arrow from the patient. */
 export function wishArrow(lean: number, turn: number): string {
   if (Math.abs(lean) < 0.02 && Math.abs(turn) < 0.02) return '';
   const length = 20 + 62 * Math.abs(lean);

@@ -7,7 +7,7 @@ export interface HoldButtonProps {
   hint: string;
   hold_ms: number;
   disabled?: boolean;
-  /** The hand goes down. */
+  /** Start of the press. */
   onBegin?: () => void;
   onDone: () => void;
 }

@@ -4,10 +4,10 @@
 export const send_hz = 25;
 export const sendEach_ms = 1000 / send_hz;
 export const zerosOnRelease = 3;
-/** Around the middle nothing moves: a resting thumb is never quite still. */
+/** Dead zone around the middle, since a resting thumb moves slightly. */
 export const deadZone_norm = 0.12;
 
-/** Shares of what is allowed: forwards and to the left positive. */
+/** Shares of the allowed speeds: forwards and to the left positive. */
 export interface Wish {
   speed: number;
   yaw: number;
@@ -49,14 +49,14 @@ export class HoldToRun {
     this.timer = this.timers.every(() => this.send(this.speed, this.yaw, true), sendEach_ms);
   }
 
-  /** Moves the wish; nothing happens unless held. */
+  /** Changes the command; no effect unless held. */
   move(speed: number, yaw: number): void {
     if (this.timer === null) return;
     this.speed = shape(speed);
     this.yaw = shape(yaw);
   }
 
-  /** Let go, for whatever reason. Safe to call at any time, any number of times. */
+  /** Release, for any reason. Safe to call at any time, repeatedly. */
   release(): void {
     if (this.timer === null) return;
     this.timers.cancel(this.timer);
@@ -78,7 +78,7 @@ export const driveKeys: Record<string, Wish> = {
   KeyD: { speed: 0, yaw: -1 },
 };
 
-/** What the pressed keys ask for together; opposite keys cancel. */
+/** Combined command of the pressed keys; opposite keys cancel. */
 export function keysWish(pressed: Iterable<string>, keys: Record<string, Wish> = driveKeys): Wish {
   let speed = 0;
   let yaw = 0;
@@ -89,5 +89,5 @@ export function keysWish(pressed: Iterable<string>, keys: Record<string, Wish> =
   return { speed: Math.max(-1, Math.min(1, speed)), yaw: Math.max(-1, Math.min(1, yaw)) };
 }
 
-/** Cmd, or the Windows key, is coming into play: macOS never tells when the keys held beside it are let go. */
+/** Cmd or the Windows key is pressed: macOS does not report the release of keys held with it. */
 export const takesKeys = ({ key, metaKey }: { key: string; metaKey: boolean }): boolean => metaKey || key === 'Meta' || key === 'OS';

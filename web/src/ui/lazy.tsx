@@ -5,8 +5,8 @@ import './lazy.css';
 
 export type LazyState<T> = { state: 'loading' } | { state: 'failed' } | { state: 'ready'; value: T };
 
-/** Loads once. A load that failed stays failed, since a browser does not ask for the same module again in the same page: only a page that is
- * loaded anew helps. That happens when the server has got a new build, whose files have other names. */
+/** Loads once. A failed load stays failed, since a browser does not request a module twice in one page; reloading the page helps. This happens
+ * after a new build on the server, whose files have other names. */
 export class Lazy<T> {
   private now: LazyState<T> = { state: 'loading' };
   private loading: Promise<LazyState<T>> | null = null;
@@ -26,7 +26,7 @@ export class Lazy<T> {
   }
 }
 
-/** Starts the load, and draws the component anew when it has ended. */
+/** Starts the load, and renders the component when it has ended. */
 export function useLazy<T>(lazy: Lazy<T>): LazyState<T> {
   const [, again] = useState<LazyState<T> | null>(null);
   useEffect(() => {
@@ -35,7 +35,7 @@ export function useLazy<T>(lazy: Lazy<T>): LazyState<T> {
   return lazy.state;
 }
 
-/** In place of a screen. It keeps no room of its own, so nothing jumps when the screen comes. */
+/** Placeholder of a screen. It takes no space, so nothing jumps when the screen appears. */
 export const Loading = () => (
   <p class="hint loading" role="status">
     {t('common.loading')}

@@ -20,7 +20,7 @@ export class Question {
     });
   }
 
-  /** Does nothing when nothing is asked. */
+  /** No effect without a question. */
   answer(yes: boolean): void {
     if (this.pending === null) return;
     const { resolve, timer } = this.pending;

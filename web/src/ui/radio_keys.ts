@@ -1,7 +1,7 @@
 // Arrow keys within a group of choices, as in other programs. They only move the focus: choosing needs Space or Enter, because some choices
 // go to the hoist at once.
 
-/** Where an arrow key leads to among `count` choices; null: not an arrow. */
+/** Target of an arrow key among `count` choices; null: not an arrow. */
 export function stepTo(key: string, at: number, count: number): number | null {
   const step = key === 'ArrowRight' || key === 'ArrowDown' ? 1 : key === 'ArrowLeft' || key === 'ArrowUp' ? -1 : 0;
   return step === 0 || count === 0 ? null : (at + step + count) % count;

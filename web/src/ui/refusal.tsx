@@ -7,16 +7,16 @@ import { reasonText } from '../text/server';
 import { refusalText, t } from '../text/text';
 import './refusal.css';
 
-/** Whether there is something to say about it. An answer that only tells that all was so already is none. */
+/** Whether to show it. "Already so" is not shown. */
 export function refused(answer: Reply): boolean {
   return !answer.ok && answer.refusals[0] !== 'kept';
 }
 
 export interface Request {
   busy: boolean;
-  /** The last answer, while it is a refusal that nobody has closed. */
+  /** The last answer, while it is a refusal that is not closed. */
   reply: Reply | null;
-  /** Sends and waits; whether it was done. */
+  /** Sends and waits; returns success. */
   ask: (what: () => Promise<Reply>) => Promise<boolean>;
   forget: () => void;
 }
@@ -69,7 +69,7 @@ export function Refusal({ request: { reply, forget } }: { request: Request }) {
   );
 }
 
-/** What keeps this motion from starting now, beside its button. Hidden while a refusal, which says the same, is open. */
+/** Reasons against starting, beside the button. Hidden while a refusal with the same reasons is open. */
 export function StartBlockers({ request, of }: { request: Request; of: Start }) {
   const ready = useReadiness();
   if (ready.led || request.reply !== null || ready.start[of].length === 0) return null;

@@ -4,12 +4,12 @@ import { useStore } from '../link/store';
 import { fixed, t } from '../text/text';
 import './slow_link.css';
 
-/** From here on the connection is called slow. */
+/** From here on the connection counts as slow. */
 const slow_s = 0.08;
 
 export const tooSlowText = (rtt_s: number | null): string => t('drive.tooSlow', { n: fixed((rtt_s ?? 0) * 1000, 0) });
 
-/** In the place of a hint below what is held, so that it moves nothing under the hand when it comes and goes. */
+/** In the place of a hint below the held control, so that nothing moves under the hand. */
 export function SlowLink({ calm }: { calm: string }) {
   const rtt_s = useStore((s) => s.rtt_s);
   const open = useStore((s) => s.link === 'open');

@@ -9,7 +9,7 @@ import { FirmStart } from './firm_click';
 import type { Request } from './refusal';
 import './motion.css';
 
-/** Less than this from the start mark, going on and starting again are the same. */
+/** Closer than this to the start mark, continuing and starting again are the same. */
 const underWay_m = 0.1;
 
 export interface StartEndProps {
@@ -18,9 +18,9 @@ export interface StartEndProps {
   of: Start;
   startLabel: string;
   endLabel: string;
-  /** `again`: from the exercise's start mark, where the hoist stands now. Otherwise an exercise that was broken off goes on. */
+  /** `again`: from the exercise's start mark, where the hoist stands now. Otherwise an interrupted exercise continues. */
   start: (again: boolean) => Promise<Reply>;
-  /** Something else that must be over before a start. Nothing keeps from ending. */
+  /** Another reason against a start. End is always possible. */
   wait?: boolean;
 }
 

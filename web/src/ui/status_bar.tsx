@@ -15,7 +15,7 @@ const themes: readonly { id: Theme; key: 'bar.themeAuto' | 'bar.themeLight' | 'b
   { id: 'light', key: 'bar.themeLight' },
   { id: 'dark', key: 'bar.themeDark' },
 ];
-/** Round trips from which the link counts as fair and as poor. */
+/** Round-trip limits for a fair and a poor link. */
 const fair_s = 0.08;
 const poor_s = 0.2;
 const sampleRate_hz = 100;

@@ -6,20 +6,20 @@ import { useSettings } from '../text/settings';
 import { t } from '../text/text';
 import './stop_button.css';
 
-/** Where keys write. */
+/** Elements that take text. */
 export function isTyping(target: EventTarget | null): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (target.isContentEditable || target instanceof HTMLTextAreaElement) return true;
   return target instanceof HTMLInputElement && ['text', 'search', 'number', 'email', 'password', 'url', 'tel'].includes(target.type);
 }
 
-/** Where a space belongs to what is written. In a number it never does, and whoever has just typed one must still be able to stop. */
+/** Elements where a space is text. Not in a number field, where the space bar must still stop the hoist. */
 function wantsSpace(target: EventTarget | null): boolean {
   return isTyping(target) && !(target instanceof HTMLInputElement && (target.type === 'number' || ['decimal', 'numeric'].includes(target.inputMode)));
 }
 
-/** Where STOP must be drawn to stand at the same corner of what is seen, at the same size: a pinch leaves it outside, a keyboard on the screen
- * covers it. `box` is its place on the page, `edge` how far it is from the corner. */
+/** Position of STOP in the corner of the visible area, at constant size: a pinch would move it outside, an on-screen keyboard would cover it. `box`
+ * is its place on the page, `edge` its distance from the corner. */
 export function intoView(
   box: { right: number; bottom: number },
   edge: { right: number; bottom: number },

@@ -22,14 +22,14 @@ export interface Alarm {
   priority: Priority;
   text: string;
   action: string;
-  /** Shown under the alarm before it, which explains it. */
+  /** A consequence, shown under its cause. */
   follows?: boolean;
 }
 const rank: Record<Priority, number> = { high: 0, medium: 1, low: 2, calm: 3 };
 const marks: Record<Priority, string> = { high: '!!!', medium: '!!', low: '!', calm: '' };
 export const releaseHold_ms = 2000;
 
-/** What is wrong with the storage. A file of another program is the reason why nothing is recorded: told once. */
+/** Problems of the storage. A file of another program is the cause of "not recording", shown once. */
 export function storageAlarms(standing: readonly StandingNotice[], recordingFailed: boolean): Alarm[] {
   const alarms = standing.map((notice) => ({ id: notice.name, priority: notice.priority, text: words(notice.text), action: words(notice.action) }));
   if (!recordingFailed || standing.some((notice) => notice.name === 'recordings_foreign')) return alarms;

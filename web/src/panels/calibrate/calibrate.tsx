@@ -2,7 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { params } from '../../contract/params.gen';
 import { calibrate, calibrateCancel, calibrateMeasure, calibrateUse, notify } from '../../link/console';
-import { useAsked } from '../../link/asked';
+import { useQuery } from '../../link/query';
 import { useReading } from '../../link/live';
 import { rest } from '../../link/rest';
 import type { Reply } from '../../link/socket';
@@ -34,7 +34,7 @@ import './calibrate.css';
 
 const confirmHold_ms = 2000;
 
-/** Begins a step; where the harness must be empty, only after a hold that says so. */
+/** Starts a step; where the harness must be empty, only after a confirming hold. */
 function Begin({ item, label, disabled, begin }: { item: Step; label: string; disabled: boolean; begin: (harness_empty: boolean) => void }) {
   if (item.empty_harness)
     return (
@@ -53,7 +53,7 @@ function Begin({ item, label, disabled, begin }: { item: Step; label: string; di
   );
 }
 
-/** What was asked for shows on the live values this much later at most; until then the buttons would ask for it once more. */
+/** Live values show a request at most this much later; until then buttons would repeat it. */
 const settle_ms = 500;
 
 const unitText = (unit: string): string => (unit === 'turns' ? t('calibrate.turns') : unit);
@@ -90,7 +90,7 @@ function Changes({ list }: { list: readonly Change[] }) {
   );
 }
 
-/** One length or angle that the operator reads off and types. */
+/** One length or angle entered by the operator. */
 function Measure(field: { label: string; name: string; unit: string; value: string; onValue: (value: string) => void }) {
   return (
     <label>
@@ -111,7 +111,7 @@ function Measure(field: { label: string; name: string; unit: string; value: stri
   );
 }
 
-/** Where the operator writes what the tape says. The direction is a choice, because nobody should have to think of a minus sign. */
+/** Input of a measured value. The direction is a choice, so that no minus sign is needed. */
 function Entry({
   step,
   second,
@@ -193,7 +193,7 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
   const running = now !== null && now.step === step;
   const phase = running ? now.phase : 'none';
   useEffect(request.forget, [step]);
-  const found = useAsked(phase === 'result' && connected ? () => rest<Table>('GET', '/calibration') : null, [step]);
+  const found = useQuery(phase === 'result' && connected ? () => rest<Table>('GET', '/calibration') : null, [step]);
   // Null until the values are on screen: a result can be used only after it has been shown.
   const changes = found.value === null ? null : resultOf(found.value, step);
   const failed = found.problem !== null || (found.value !== null && changes === null);
@@ -303,7 +303,7 @@ export function CalibrateView({ part }: PanelProps) {
         : [r.calibration_step, r.calibration_phase, r.calibration_done_percent, r.calibration_reason, r.calibration_value].join(' '),
     5,
   );
-  const { value: table, problem, retry } = useAsked(() => rest<Table>('GET', '/calibration'), [connected, version]);
+  const { value: table, problem, retry } = useQuery(() => rest<Table>('GET', '/calibration'), [connected, version]);
   if (table === null) return problem !== null ? <Failed onRetry={retry} /> : <p class="hint">{t('common.loading')}</p>;
   const [step = 0, phase = 0, done_percent = 0, reason = 0, value = 0] = text === '' ? [] : text.split(' ').map(Number);
   const now: Now | null = text === '' ? null : { step: stepNames[step] ?? 'none', phase: phaseNames[phase] ?? 'none', done_percent, reason, value };

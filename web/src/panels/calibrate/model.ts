@@ -7,7 +7,7 @@ export interface Step {
   name: string;
   role: 'viewer' | 'therapist' | 'engineer';
   entered: { unit: 'm' | 'rad'; least: number; most: number } | null;
-  /** Begins only when the operator confirms that nobody is strapped in. */
+  /** Starts only when the operator confirms an empty harness. */
   empty_harness: boolean;
   title: Words;
   action: Words;
@@ -51,16 +51,16 @@ export interface Now {
   value: number;
 }
 
-/** What this step would change, when it has a result. Null: not known. */
+/** Values that this step would change, when it has a result. Null: unknown. */
 export const resultOf = ({ under_way }: Table, step: StepName): readonly Change[] | null =>
   under_way !== null && under_way.step === step && under_way.phase === 'result' ? under_way.result : null;
 
-/** A therapist sees what is theirs; an engineer everything. */
+/** Therapists see their steps; engineers all. */
 export const stepsFor = (items: readonly Step[], role: string): Step[] => items.filter((item) => role === 'engineer' || item.role !== 'engineer');
 
 const bumperKeys: readonly TextKey[] = ['calibrate.press.front', 'calibrate.press.rear', 'calibrate.press.left', 'calibrate.press.right'];
 
-/** The one thing to do now. Null: the step's own words say it. */
+/** The present instruction. Null: the step's own text. */
 export function nowKey(now: Now): TextKey | null {
   if (now.phase === 'result') return 'calibrate.now.result';
   if (now.phase === 'refused') return null;
@@ -88,14 +88,14 @@ export function nowKey(now: Now): TextKey | null {
   }
 }
 
-/** How the operator's figure is written: whole turns for a track, degrees for a bar, metres else. Shown × factor = SI. */
+/** Unit of the operator's value: whole turns for a track, degrees for a bar, else metres. Shown × factor = SI. */
 export function entry(step: StepName): { factor: number; unit: 'm' | '°' | 'turns' } {
   if (step === 'track') return { factor: 2 * Math.PI, unit: 'turns' };
   if (step === 'strut_spacing') return { factor: Math.PI / 180, unit: '°' };
   return { factor: 1, unit: 'm' };
 }
 
-/** The value that is watched, in the unit it is shown in; null where there is none to show. */
+/** The live value of this step, in its shown unit; null without one. */
 export function watched(now: Now): { value: number; unit: 'm' | '°' | '°/s' | 'turns' | 'mm'; decimals: number } | null {
   const degrees = (now.value * 180) / Math.PI;
   switch (now.step) {

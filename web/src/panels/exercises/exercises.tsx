@@ -31,10 +31,10 @@ import {
 } from './plan';
 import './exercises.css';
 
-/** Kept while the console is open, also when another screen is looked at meanwhile. */
+/** Kept while the console is open, also across screens. */
 let kept: Plan = firstPlan;
 
-/** The figure drawn to scale beside the others: all in one frame of this many metres. */
+/** Figures are drawn to a common scale: frame size in metres. */
 function ShapePicture({ shape }: { shape: Shape }) {
   const size = 40;
   const points = patternPoints(exerciseOf({ ...firstPlan, shape, length_m: 2.6, side_m: 2.2, radius_m: 1.2, eight_m: 0.75 }));

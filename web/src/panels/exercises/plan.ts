@@ -33,7 +33,7 @@ export interface Step {
   most: number;
   step: number;
 }
-/** Steps that a thumb can take; the hoist checks against its own limits besides. */
+/** Steps of the buttons; the hoist also checks its own limits. */
 export const steps = {
   length_m: { least: 1, most: 50, step: 0.5 },
   side_m: { least: 1, most: 10, step: 0.2 },
@@ -95,7 +95,7 @@ export function curveSpeed_m_s(plan: Plan, yawLimit_rad_s: number): number | nul
   return most < plan.speed_m_s - 0.005 ? most : null;
 }
 
-/** Seconds, held all along: the way, slower in curves, and the turns in sharp corners. */
+/** Duration in seconds without a release: the path, slower in curves, and the turns in sharp corners. */
 export function duration_s(plan: Plan, yawLimit_rad_s: number): number {
   const ramp_s = 2;
   const curve = curveSpeed_m_s(plan, yawLimit_rad_s);

@@ -1,6 +1,6 @@
 // Whether everything answers: parts, loop, bus, power, this console, and what happened lately.
 import type { TickRecord } from '../../contract/signals.gen';
-import { useAsked } from '../../link/asked';
+import { useQuery } from '../../link/query';
 import { fetchEmergencies } from '../../link/console';
 import { live, useReading } from '../../link/live';
 import { useReadiness } from '../../link/readiness';
@@ -39,7 +39,7 @@ function detailOf(view: NodeView): string {
   return words.join(' · ');
 }
 
-/** Nothing has come for a while: how this part is doing is not known, and the last that was heard would look like now. */
+/** No recent message: the state is unknown, and the last one must not look current. */
 function UnknownPart({ name }: { name: NodeView['name'] }) {
   return (
     <li class="part">
@@ -179,7 +179,7 @@ export function HealthView() {
   const log = useStore((s) => s.log);
   const recording = useStore((s) => s.recording);
   const emergencies = useStore((s) => s.emergencies);
-  useAsked(open ? fetchEmergencies : null, []);
+  useQuery(open ? fetchEmergencies : null, []);
   const n = (value: number | undefined, decimals: number, unit: string) => `${fixed(value, decimals)} ${unit}`;
   return (
     // It has no focusable content, so this makes it scrollable by keyboard.

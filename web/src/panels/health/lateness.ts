@@ -2,7 +2,7 @@
 
 export interface Bucket {
   from_s: number;
-  /** null: the last one has no end. */
+  /** null: the last bucket has no end. */
   to_s: number | null;
   count: number;
 }
@@ -14,7 +14,7 @@ export interface LoopReport {
   ever: Bucket[];
 }
 
-/** The drawing reaches from 1 µs to 1 s, each power of two a column; what lies outside stands in the first or last one. */
+/** The drawing reaches from 1 µs to 1 s, each power of two a column; values outside fall in the first or last one. */
 export const columns = 20;
 const first_s = 1e-6;
 
@@ -23,7 +23,7 @@ export function columnOf(from_s: number): number {
   return Math.min(columns - 1, Math.floor(Math.log2(from_s / first_s) + 1e-9));
 }
 
-/** Where a time stands across the drawing, 0 to 1. */
+/** Horizontal position of a time, 0 to 1. */
 export function placeOf(time_s: number): number {
   return Math.max(0, Math.min(1, Math.log2(time_s / first_s) / columns));
 }
@@ -38,7 +38,7 @@ export function columnsOf(buckets: readonly Bucket[]): number[] {
   return counts;
 }
 
-/** Heights 0 to 1, by the logarithm: one late step in a million must be seen beside the punctual ones. */
+/** Heights 0 to 1, by the logarithm: one late step in a million must be visible. */
 export function heightsOf(counts: readonly number[]): number[] {
   const most = Math.max(...counts, 1);
   return counts.map((count) => (count === 0 ? 0 : (0.3 + Math.log10(count)) / (0.3 + Math.log10(most))));

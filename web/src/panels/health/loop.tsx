@@ -1,6 +1,6 @@
 // The control loop: lateness, missed steps, and granted real-time settings. The full picture is for engineers.
 import type { TickRecord } from '../../contract/signals.gen';
-import { useAsked } from '../../link/asked';
+import { useQuery } from '../../link/query';
 import { rest } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { fixed, t } from '../../text/text';
@@ -11,7 +11,7 @@ const askEvery_ms = 2000;
 const noCpu = 255;
 /** From here on the core counts a step as late. */
 const counted_s = 0.002;
-/** Two within a second beyond this share of the limit for one stop the hoist as well. */
+/** Two within a second beyond this share of the limit also stop the hoist. */
 const lateShare = 1 / 6;
 
 const marks = [
@@ -51,7 +51,7 @@ function Picture({ report }: { report: LoopReport }) {
   );
 }
 
-/** What every engineer asks first when steps are late. */
+/** First facts to check when steps are late. */
 function Granted({ r }: { r: TickRecord | null }) {
   const known = r !== null;
   const priority = known && r.loop_priority > 0;
@@ -76,7 +76,7 @@ export function Loop({ r }: { r: TickRecord | null }) {
   const engineer = useStore((s) => s.role) === 'engineer';
   const open = useStore((s) => s.link === 'open');
   const tooLate_s = useStore((s) => s.parameters.loop_late_s_max) ?? 0.03;
-  const told = useAsked(engineer && open ? () => rest<LoopReport>('GET', '/loop') : null, [], askEvery_ms).value;
+  const told = useQuery(engineer && open ? () => rest<LoopReport>('GET', '/loop') : null, [], askEvery_ms).value;
   const report = r === null ? null : told; // an old report must not pass as current
   const ms = (value_s: number | undefined) => `${fixed(value_s === undefined ? undefined : value_s * 1e3, 2)} ms`;
   const short = (
@@ -100,7 +100,7 @@ export function Loop({ r }: { r: TickRecord | null }) {
     <section class="card wide">
       <h2>{t('health.loop')}</h2>
       <p class="hint">{t('loop.hint', { two: fixed(tooLate_s * 1e3 * lateShare, 0), one: fixed(tooLate_s * 1e3, 0) })}</p>
-      {/* The room is there before the first answer, so that nothing jumps. */}
+      {/* Space is reserved before the first answer, so that nothing jumps. */}
       <Picture report={report ?? { steps: 0, latest_ever_s: 0, longest_step_s: 0, lately: [], ever: [] }} />
       <div class="loop-columns">
         {short}

@@ -17,12 +17,12 @@ export interface NodeView {
 /** The core counts ages in its steps: 0 = within the latest one. */
 export const tick_ms = 10;
 const oldest_ticks = 255;
-/** The core takes a node for lost after 50 ms; the screen shows two readings a second, so it forgives a little more before it says silent. */
+/** The core counts a node as lost after 50 ms; the screen updates twice a second, so its limit for "silent" is longer. */
 const silent_ticks = 25;
 const neverHeard = 255;
 const operational = 5;
 
-/** The parts that a person knows: all nodes but the computer itself, in the order of the screen. */
+/** All nodes except the computer, in display order. */
 export const partNames = ['tilt_left', 'tilt_right', 'tilt_base', 'drive_left', 'drive_right', 'io'] as const;
 export type PartName = (typeof partNames)[number];
 

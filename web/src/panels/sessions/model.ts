@@ -22,17 +22,17 @@ export interface Metrics {
   C: number | null;
   J_N: number | null;
   reference_length_m: number | null;
-  /** Under way, standing included. */
+  /** In a motion mode, standing included. */
   duration_s: number | null;
   /** Of that, with a wheel turning. */
   motion_s: number | null;
-  /** Motion that is not recorded: all figures are of the rest. */
+  /** Motion that was not recorded; all values exclude it. */
   missing_s: number;
   distance_m: number | null;
   mean_speed_m_s: number | null;
   rms_position_m: number | null;
   rms_heading_rad: number | null;
-  /** Which track was compared: with slip repaired, or the encoders' own. */
+  /** The compared track: slip-corrected, or the encoders' own. */
   track: 'fused' | 'encoders';
   exercise: Exercise | null;
   /** Why there is no comparison with a plan: a row of the table of reasons. */
@@ -62,7 +62,7 @@ export interface SessionEvents {
   markers: { utc_ms: number; text: string }[];
 }
 
-/** What happened, with the marks in between, in order of time. Answers to single commands are left out: their effect is there too. */
+/** Events and marks in order of time. Answers to single commands are left out, since their effects are events too. */
 export function story(events: SessionEvents, started_utc_ms: number): SessionEvent[] {
   const marks = (events.markers ?? []).map((mark) => ({
     time_s: (mark.utc_ms - started_utc_ms) / 1000,
@@ -113,8 +113,8 @@ export function pathOf(samples: Samples): { x: number[]; y: number[] } {
   return { x, y };
 }
 
-/** The newest sessions, asked for again, put before the older ones that are on the screen already: whoever has scrolled far down stays
- * there. `next` goes on from the last row. Sessions come newest first, by their numbers. */
+/** Merges reloaded newest sessions with older ones on the screen, keeping the scroll position. `next` continues from the last row. Sessions come
+ * newest first, by number. */
 export function refreshed(shown: SessionPage | null, newest: SessionPage): SessionPage {
   const last = newest.items.at(-1)?.id;
   // Without an overlap there may be sessions in between that were not requested.
@@ -123,7 +123,7 @@ export function refreshed(shown: SessionPage | null, newest: SessionPage): Sessi
   return older.length === 0 ? newest : { items: [...newest.items, ...older], next: shown.next };
 }
 
-/** One page more at the end; a row that is there already does not come twice. */
+/** Appends one page, without duplicate rows. */
 export function continued(shown: SessionPage | null, more: SessionPage): SessionPage {
   const known = new Set((shown?.items ?? []).map((item) => item.id));
   return { items: [...(shown?.items ?? []), ...more.items.filter((item) => !known.has(item.id))], next: more.next };

@@ -1,7 +1,7 @@
 // Recorded sessions: the list, and one session with its figures, path, course, note and export.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import type { SignalName } from '../../contract/signals.gen';
-import { useAsked, type Asked } from '../../link/asked';
+import { useQuery, type Query } from '../../link/query';
 import { notify } from '../../link/console';
 import { rest, type Answer, type Problem } from '../../link/rest';
 import type { Exercise } from '../../contract/messages.gen';
@@ -21,17 +21,17 @@ import { continued, pathOf, refreshed, story, type Metrics, type Samples, type S
 import '../../ui/reading.css';
 import './sessions.css';
 
-/** A deleted session can be taken back this long; only then is the server asked. */
+/** Time for Undo; then the server deletes. */
 const undoDelete_ms = 6000;
 const pathRuns = 2000;
 const curveRuns = 800;
 const curvesMost = 4;
 const pageSize = 50;
 const eventsShown = 200;
-/** Pause in typing after which the server is asked. */
+/** Pause in typing before the search is sent. */
 const typing_ms = 250;
 
-/** As long as the server takes one. */
+/** Longest text that the server accepts. */
 const subjectMost = 64;
 const noteMost = 500;
 const notFound = 404;
@@ -42,7 +42,7 @@ function exerciseName(exercise: Exercise | null): string {
   return exercise === null ? t('exercise.free') : t(`exercise.${exercise.shape}`);
 }
 
-/** The list, newest first. It grows at its end, and what was on the screen stays there when newer ones come. */
+/** The list, newest first. It grows at its end and keeps its position when newer ones come. */
 function useSessionList(search: string, recording: string) {
   const [sought, setSought] = useState(search);
   const [list, setList] = useState<{ sought: string; page: SessionPage } | null>(null);
@@ -59,7 +59,7 @@ function useSessionList(search: string, recording: string) {
     const answer = await rest<SessionPage>('GET', `/sessions?${query.toString()}`);
     return answer.ok ? { ok: true, value: { sought, page: { items: answer.value.items, next: answer.value.next ?? null } } } : answer;
   };
-  const newest = useAsked(() => ask(null), [sought, recording]);
+  const newest = useQuery(() => ask(null), [sought, recording]);
   useEffect(() => {
     const came = newest.value;
     if (came === null) return;
@@ -195,19 +195,19 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
   const drawn = useLazy(chart);
   // Right after its end a session is still being closed: it is loaded again when the recording is over.
   const recorded = useStore((s) => s.recording.state === 'recording' && s.recording.session === id);
-  const asked = useAsked(() => rest<Session>('GET', `/sessions/${id}`), [id, recorded]);
+  const asked = useQuery(() => rest<Session>('GET', `/sessions/${id}`), [id, recorded]);
   const [changed, setChanged] = useState<Session | null>(null); // as the server answered to the last change
   const session = changed ?? asked.value;
   useEffect(() => setChanged(null), [asked.value]);
-  const metrics = useAsked(() => rest<Metrics>('GET', `/sessions/${id}/metrics`), [id, recorded]);
-  const path = useAsked(async () => {
+  const metrics = useQuery(() => rest<Metrics>('GET', `/sessions/${id}/metrics`), [id, recorded]);
+  const path = useQuery(async () => {
     const from = (columns: string) => rest<Samples>('GET', `/sessions/${id}/samples?columns=${columns}&points=${pathRuns}`);
     const fused = await from('fused_x_m,fused_y_m');
     // Sessions from before the slip-repaired track have the encoders' own only.
     return fused.ok || fused.problem.status !== unprocessable ? fused : from('x_m,y_m');
   }, [id, recorded]);
-  const events = useAsked(() => rest<SessionEvents>('GET', `/sessions/${id}/events`), [id, recorded]);
-  const samples = useAsked(
+  const events = useQuery(() => rest<SessionEvents>('GET', `/sessions/${id}/events`), [id, recorded]);
+  const samples = useQuery(
     () =>
       names.length === 0
         ? Promise.resolve<Answer<Samples | null>>({ ok: true, value: null })
@@ -215,11 +215,11 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
     [id, recorded, names],
   );
 
-  const all: readonly Asked<unknown>[] = [asked, metrics, path, events, samples];
+  const all: readonly Query<unknown>[] = [asked, metrics, path, events, samples];
   const unread = all.find((one) => one.problem !== null)?.problem ?? null;
   const retry = () => all.filter((one) => one.problem !== null).forEach((one) => one.retry());
-  /** What stands where nothing can be shown yet, or not at all: never the words for "nothing happened". */
-  const instead = (one: Asked<unknown>) => t(one.problem === null ? 'common.loading' : 'sessions.unread');
+  /** Placeholder while loading or after an error; never the text for "no events". */
+  const instead = (one: Query<unknown>) => t(one.problem === null ? 'common.loading' : 'sessions.unread');
 
   const happened = events.value !== null && session !== null ? story(events.value, session.started_utc_ms) : [];
   const toggle = (name: SignalName) =>
@@ -343,7 +343,7 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
   );
 }
 
-/** A text that is kept when it is left: nobody with a patient at hand remembers a button. The button is there to be seen. */
+/** A text that is saved on leaving the field, since a button is easily forgotten. The button only makes saving visible. */
 function TextField({
   label,
   hint,

@@ -13,14 +13,14 @@ import { groups, niceStep, type Group } from './groups';
 import '../../ui/motion.css';
 import './tune.css';
 
-/** A slider that is being drawn sends no more often than this. */
+/** Shortest interval between values sent by a moving slider. */
 const debounce_ms = 200;
-/** What is tried while the hoist moves goes back after this long unless somebody keeps it. */
+/** Length of a trial in motion. */
 const trial_s = 20;
 /** Values travel as 64-bit numbers, but drives keep 32-bit ones. */
 const same = (a: number, b: number) => Math.abs(a - b) <= 1e-6 * Math.max(Math.abs(a), Math.abs(b), 1e-9);
 
-/** To the hoist: on trial while somebody is led by it, for good while it stands. */
+/** Sends a value: on trial in motion, permanent at standstill. */
 const send = (row: ParamInfo, si: number): Promise<Reply> =>
   moving(store.value.mode) && row.edit === 'live' ? tryParameters({ [row.name]: si }, trial_s) : setParameters({ [row.name]: si });
 

@@ -15,7 +15,7 @@ import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { StartEnd } from '../../ui/start_end';
 import './walk.css';
 
-/** Sizes that fit a room of 5 × 5 m; the server's own default for its scenario comes first. */
+/** Sizes for a room of 5 × 5 m; the server's default for its scenario comes first. */
 const choices: readonly Exercise[] = [
   { shape: 'eight', c_m: 1.0, radius_m: 0.8 },
   { shape: 'square', side_m: 3.2 },

@@ -2,16 +2,16 @@
 import { useEffect, useState } from 'preact/hooks';
 import type { Answer, Problem } from './rest';
 
-export interface Asked<T> {
-  /** The last good answer; it stays while the same is asked again, and also when that fails. Null without a question. */
+export interface Query<T> {
+  /** The last good answer; kept while it is requested again, and after a failure. Null without a request. */
   value: T | null;
   problem: Problem | null;
   retry: () => void;
 }
 
-/** Asks when the component appears, whenever `what` changes, and each `every_ms`. An answer to what is no longer asked is dropped.
- * Without a question nothing is asked, and the answer to an earlier one is forgotten. */
-export function useAsked<T>(question: (() => Promise<Answer<T>>) | null, what: readonly unknown[], every_ms?: number): Asked<T> {
+/** Requests when the component appears, whenever `what` changes, and each `every_ms`. Outdated answers are dropped. Without a request (null) an
+ * earlier answer is cleared. */
+export function useQuery<T>(question: (() => Promise<Answer<T>>) | null, what: readonly unknown[], every_ms?: number): Query<T> {
   const [value, setValue] = useState<T | null>(null);
   const [problem, setProblem] = useState<Problem | null>(null);
   const [tries, setTries] = useState(0);
