@@ -1,5 +1,6 @@
 // Reasons of the server's refusals in words, by code; its sentences are never parsed.
-import { reasons, type ReasonCode } from '../contract/messages.gen';
+import { reasons } from '../contract/messages.gen';
+import type { ReasonCode } from '../contract/rest.gen';
 import type { Problem } from '../link/rest';
 import { refusalText, t, textOf, words } from './text';
 

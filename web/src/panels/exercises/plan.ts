@@ -1,5 +1,5 @@
 // The choices of an exercise, and what follows: the requested path, its floor space, its duration.
-import type { Exercise, GuidedPath } from '../../contract/messages.gen';
+import type { Exercise, GuidedPath } from '../../contract/rest.gen';
 import { patternPoints } from '../../ui/geometry';
 
 export const shapes = ['straight', 'square', 'circle', 'eight'] as const;
