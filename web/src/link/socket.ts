@@ -197,7 +197,7 @@ export class Link {
     const known = message as ServerMessage;
     if (known.type === 'reply') {
       // A broken reply is a no: nothing may look done that was not.
-      const refusals = Array.isArray(known.refusals) ? (known.refusals as string[]) : [];
+      const refusals = Array.isArray(known.refusals) ? known.refusals : [];
       this.settle(known.request, {
         ...known,
         ok: known.ok === true,
