@@ -26,7 +26,7 @@ struct PortCounters {
   std::uint32_t bus_offs = 0;      // times the controller went off the bus
   std::uint16_t tx_errors = 0;     // the controller's last reported error counters; 0 if it reports none
   std::uint16_t rx_errors = 0;
-  BusState state = BusState::active;  // as last told
+  BusState state = BusState::active;  // as last reported
 };
 
 class CanPort {

@@ -18,7 +18,7 @@ LoadedStops load_stop_file(const std::string& path, const std::string& boot_id, 
 /// Empty on success, otherwise the reason. The old file stays intact until the new one and its name are on the disk.
 std::string save_stop_file(const std::string& path, const std::string& boot_id, const core::StopHistory& history);
 
-/// Of this start of the computer; empty when the system does not tell.
+/// Of this start of the computer; empty when unknown.
 std::string boot_id();
 
 }  // namespace hoist::run

@@ -23,11 +23,11 @@ namespace hoist::firmware {
 //   kWritePage        bytes that are written at once, at a multiple of it; the header lies in the first page
 //   kEraseUnit        bytes that are erased at once, a multiple of kWritePage
 //   application()     the flash of the application as it can be read
-//   erase(unit)       one unit to FFh; write(offset, bytes): one page, which lies at the address of a word. False when the flash says so.
+//   erase(unit)       one unit to FFh; write(offset, bytes): one page, word-aligned. False on a flash error.
 //                     Both may take 100 ms
-//   send(frame)       as every board; sent_all(): nothing that was sent still waits for the bus
+//   send(frame)       as every board; sent_all(): no frame still waits for the bus
 //   simulated()       as every board
-//   kind(), chip()    whose programs it takes
+//   kind(), chip()    of the programs it accepts
 //   mailbox()         the four words of mailbox.hpp
 //   restart()         resets the chip; returns only on boards of this computer
 template <class B>
@@ -336,7 +336,7 @@ class Loader {
     examine();
     if (!written || !whole_) return failed(FlashStatus::write_failed);
     open_ = false;
-    reason_ = StartReason::asked;  // there is a program to start again, also without a request
+    reason_ = StartReason::asked;  // a program can be started again, also without a request
     forget_failures(board_.mailbox());
     return SdoAbort::none;
   }

@@ -42,9 +42,9 @@ struct CanHealth {
   friend constexpr bool operator==(const CanHealth&, const CanHealth&) = default;
 };
 
-// Every board. send() hands one frame to the controller: false when it is full; the frame is then not sent. simulated() is true for every
-// board that is not the real machine; the node then says so in its product code (1018h:2, bit 31). can_restart() starts the recovery of a
-// bus-off controller (128 times 11 recessive bits); in any other state it does nothing.
+// Every board. send() hands one frame to the controller: false when it is full; the frame is then not sent. simulated() is true for every board
+// that is not the real machine; the node then sets bit 31 of its product code (1018h:2). can_restart() starts the recovery of a bus-off controller
+// (128 times 11 recessive bits); in any other state it does nothing.
 template <class B>
 concept CanBoard = requires(B board, const B constant, const contract::CanFrame& frame) {
   { board.send(frame) } -> std::same_as<bool>;

@@ -254,7 +254,7 @@ class CanopenNode {
     if (state == StoreState::lost || !ours) parameters_ok_ = false;
   }
 
-  // The objects whose value depends on the very node rather than on the table.
+  // The objects whose value depends on the node rather than on the table.
   void identify() {
     for (std::size_t i = 0; i < kRows.size(); ++i)
       if (contract::is_node_relative(kRows[i].index, kRows[i].sub)) values_.set_raw(i, kRows[i].initial + node_id_);

@@ -28,7 +28,7 @@ inline constexpr std::size_t kSdoSegmentBytes = 7;
 
 struct SdoSource {
   std::uint32_t raw = 0;
-  std::uint8_t raw_bytes = 0;  // 1, 2 or 4; 0 = `text` is meant
+  std::uint8_t raw_bytes = 0;  // 1, 2 or 4; 0 = use `text`
   std::string_view text{};
 };
 struct SdoTarget {

@@ -47,7 +47,7 @@ class LockStep {
   int listener_{-1};
   int core_{-1};
   bool was_there_{false};
-  bool given_{false};  // a step is under way
+  bool given_{false};  // a step is unanswered
   int waited_ms_{};
   std::uint32_t step_{};
   std::uint32_t room_{};  // offered with it

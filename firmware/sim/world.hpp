@@ -51,7 +51,7 @@ class World {
   /// The gateway's serial line: how many bytes were taken or given.
   std::size_t uart_write(std::span<const char> bytes);
   std::size_t uart_read(std::span<char> bytes);
-  /// The computer has closed the line: what waits in it is gone.
+  /// The computer has closed the line: waiting characters are dropped.
   void uart_hang_up();
 
   // Faults. Nodes are named as on the bus; the computer itself (Node::core) may be unplugged too.

@@ -15,7 +15,7 @@ constexpr std::array kDrives{Node::drive_left, Node::drive_right};
 constexpr std::array kNodes{Node::drive_left, Node::drive_right, Node::io, Node::tilt_left, Node::tilt_right, Node::tilt_base};
 constexpr std::array<std::string_view, 6> kNodeNames{"drive_left", "drive_right", "io", "tilt_left", "tilt_right", "tilt_base"};
 constexpr std::uint64_t kPlanStream = 1;
-// Nobody moves before this.
+// No motion before this.
 constexpr double kFirst_s = 6.0;
 
 // So that a plan means the same when it was written down and read again.

@@ -350,7 +350,7 @@ class Session {
     }
   }
 
-  // Commands waiting in a crashed server or core are lost: shared memory is created anew.
+  // Commands waiting in a crashed server or core are lost: shared memory is created again.
   void forget_commands() {
     commands_.clear();
     drives_.clear();
@@ -687,7 +687,7 @@ class Session {
   std::unique_ptr<Storage> storage_;
   SessionReport report_;
   Watch watch_;
-  std::vector<Command> commands_;               // what was asked lately
+  std::vector<Command> commands_;               // latest requests
   std::vector<contract::DriveCommand> drives_;  // and driven
   std::vector<CanFrame> echoes_;
   std::uint64_t ticks_{};

@@ -24,7 +24,7 @@ constexpr double kRest_m_s = 0.08;   // a wheel this slow has stopped: a walking
 constexpr double kStill_m_s = 0.02;  // and is at rest when this slow for this long
 constexpr int kRestedTicks = 10;
 constexpr double kEps = 1e-6;
-// Between braking and standstill beside v/a: the drives' lag, and 50 ms of I1.
+// Time between braking and standstill in addition to v/a: the drives' lag, and 50 ms of I1.
 constexpr double kRollOut_s = 0.35;
 // What the filter may show beyond the guard's 10 degrees (2 less, tests/reactions), and a stop from the fastest drive after the guard's time.
 constexpr double kFarOut_m = 0.8 * 0.1405, kHangAndStop_s = 5.0;

@@ -19,7 +19,7 @@ namespace hoist::machine {
 /// Errors as a controller sees them; the numbers are the LEC codes of a C_CAN.
 enum class CanError : std::uint8_t { none = 0, stuff = 1, form = 2, acknowledge = 3, bit1 = 4, bit0 = 5, crc = 6 };
 
-/// Somebody on the wire.
+/// A participant on the wire.
 class CanStation {
  public:
   virtual ~CanStation() = default;

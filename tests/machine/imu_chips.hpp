@@ -18,7 +18,7 @@ struct ChipMotion {
 };
 using MotionSource = std::function<ChipMotion(Time now)>;
 
-/// Common to all three: 128 registers of 8 bit behind a pointer that moves on by itself, and a sample taken when its first byte is read.
+/// Common to all three: 128 registers of 8 bit behind an auto-incrementing pointer, and a sample taken when its first byte is read.
 class ImuChip : public I2cDevice, public SpiDevice {
  public:
   ImuChip(MotionSource motion, Complain complain) : motion_(std::move(motion)), complain_(std::move(complain)) {}

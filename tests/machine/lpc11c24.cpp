@@ -14,7 +14,7 @@ constexpr Time kPllLock = 100 * kMicrosecond;       // data sheet: 100 us
 constexpr double kAdcReference_v = 3.3;
 constexpr double kAdcClockMax_hz = 4.5e6;
 constexpr unsigned kAdcClocks = 11;                           // for all ten bits
-constexpr std::uint32_t kFlashcfgReserved = 0x00010100;       // whatever they are, a program has to write them back
+constexpr std::uint32_t kFlashcfgReserved = 0x00010100;       // a program has to write them back unchanged
 constexpr std::uint32_t kDeviceId = 0x1430102B;               // LPC11C24
 constexpr double kEraseTime_s = 0.100, kWriteTime_s = 0.001;  // data sheet: 100 ms an erase, 1 ms for 256 bytes
 constexpr std::size_t kPageBytes = 256;
@@ -279,7 +279,7 @@ Time MatchTimer::next_edge(unsigned match, bool falling, Time now) {
   const std::uint64_t turn = top();
   const bool is_pwm = (pwmc_ & (1U << match)) != 0;
   const std::uint32_t action = (emr_ >> (4 + 2 * match)) & 3U;
-  // A PWM output rises at its match and falls when the counter begins anew; another one changes at its match as EMR says.
+  // A PWM output rises at its match and falls when the counter restarts; another one changes at its match as set in EMR.
   const std::uint64_t at = is_pwm && falling ? 0 : match_[match];
   if (at >= turn || (is_pwm && (match_[match] == 0 || match_[match] >= turn))) return kNever;
   if (!is_pwm && action != 3) return kNever;

@@ -60,7 +60,7 @@ class MatchTimer {
   Time settled_{};
   Time step_{1};  // one count
   std::uint32_t flags_{};
-  std::uint32_t held_high_{};  // PWM outputs that stay high until the cycle ends, whatever their match value is now
+  std::uint32_t held_high_{};  // PWM outputs that stay high until the cycle ends, independent of their present match value
 };
 
 class Lpc11c24 : public Chip {

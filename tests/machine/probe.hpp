@@ -16,7 +16,7 @@ namespace hoist::machine {
 class Probe {
  public:
   Probe(std::unique_ptr<Chip> chip, std::uint32_t ram_base) : chip_(std::move(chip)), ram_(ram_base) { begin(); }
-  /// Power on, or what a reset left: the little program is put into RAM anew.
+  /// After power-on or a reset: copies the small program into RAM again.
   void begin() {
     chip_->reset(ResetCause::power_on);
     chip_->forget_violations();
@@ -70,7 +70,7 @@ class Probe {
     for (std::size_t i = 0; i < 8; ++i) put(4 * i, 0);
     put(0, ram_base + 0x1000);
     put(4, ram_base + 5);
-    put(28, ~(2 * ram_base + 0x1005) + 1);  // the sum that the LPC11C24's ROM wants
+    put(28, ~(2 * ram_base + 0x1005) + 1);  // the checksum for the LPC11C24's ROM
     return flash;
   }
 

@@ -100,7 +100,7 @@ void I2c::write(std::uint32_t offset, std::uint32_t value, Time now, std::uint32
   act(now);
 }
 
-// SI has just been cleared, or START asked for: what the block does next on the wires.
+// After SI was cleared or START requested: the block's next bus action.
 void I2c::act(Time now) {
   if (!pins_) {
     if ((control_ & kSta) != 0) complain_("I2C: START without the pins switched to the block");

@@ -148,7 +148,7 @@ void Stm32I2c::addressed(Time at) {
   const bool reads = (control2_ & kReadDirection) != 0;
   left_ = (control2_ >> 16) & 0xFFU;
   if (!pins_ || device_ == nullptr || !device_->i2c_address(static_cast<std::uint8_t>((control2_ >> 1) & 0x7FU), reads, at)) {
-    status_ |= kNackf;  // a STOP follows by itself
+    status_ |= kNackf;  // STOP follows automatically
     stop_at(at);
     return;
   }

@@ -568,7 +568,7 @@ void Stm32f072::connect_spi(SpiDevice* device, PinPlace select) {
 
 void Stm32f072::update_pins() {
   i2c_.set_pins(has_function({kPortB, 6}, 1) && has_function({kPortB, 7}, 1) && (ports_[kPortB].open_drain & 0xC0U) == 0xC0U);
-  // Data sheet, I/O AC characteristics: low, medium and high speed; bit 0 clear is low, whatever bit 1 says.
+  // Data sheet, I/O AC characteristics: low, medium and high speed; bit 0 clear is low for any bit 1.
   constexpr std::array<std::uint32_t, 4> kEdge_hz{2'000'000, 10'000'000, 2'000'000, 50'000'000};
   const auto edge_hz = [&](unsigned bit) { return kEdge_hz[(ports_[kPortA].speed >> (2 * bit)) & 3U]; };
   spi_.set_pins(has_function({kPortA, 5}, 0) && has_function({kPortA, 6}, 0) && has_function({kPortA, 7}, 0),

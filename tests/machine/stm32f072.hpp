@@ -141,7 +141,7 @@ class Stm32f072 : public Chip {
       adc_channels_{}, adc_data_{}, adc_common_{};
   bool adc_started_{};
   Time adc_due_{kNever}, adc_begins_{kNever};
-  unsigned adc_at_{};  // channel under way
+  unsigned adc_at_{};  // present channel
   std::uint64_t trigger_changes_{};
 
   // Watchdog

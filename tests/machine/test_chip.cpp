@@ -98,8 +98,8 @@ TEST(Chip, ABareProgramTicksNestsAndAnswersOnTheBus) {
   EXPECT_GT(echo.chip.core().lowest_sp(), CortexM0::kRamBase + 0x1E00);
 }
 
-// Two requests so close that the first answer is still waiting when the program writes the second one into the same object: on silicon the
-// frame under way may become half of each.
+// Two requests so close that the first answer is still waiting when the program writes the second one into the same object: on silicon the frame
+// being sent may be a mix of both.
 TEST(Chip, AnObjectRewrittenWhileItWaitsIsComplainedAbout) {
   NEEDS_PROGRAM(image, "echo");
   Echo echo(*image);

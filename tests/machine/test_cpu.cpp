@@ -167,7 +167,7 @@ TEST(Core, SysTickCountsReloadPlusOne) {
   EXPECT_NEAR(static_cast<double>(bare.core.cycles() - begin), 100 + CortexM0::kExceptionEntry_cycles, 4);
 }
 
-// ---- what the judge says
+// ---- compared with the emulator
 
 #ifdef HOIST_UNICORN
 

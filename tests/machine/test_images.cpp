@@ -272,7 +272,7 @@ TEST(Stm32Images, AnEraseOutlivesTheWatchdogAtBothEndsOfItsOscillator) {
   }
 }
 
-// Each contact of the input board by itself: a bumper opens when it is pressed, and so does the contact of the emergency stop chain.
+// Each contact of the input board separately: a bumper opens when it is pressed, and so does the contact of the emergency stop chain.
 TEST_P(EachImage, TheInputBoardReadsEachContactAndKeepsItsOutputsLow) {
   NEEDS_IMAGES(images);
   BenchOptions options = eight(false, GetParam());
@@ -548,7 +548,7 @@ TEST_P(LpcFaults, AnOpenEmergencyStopChainTakesThePowerUntilItIsClosedAndAcknowl
   EXPECT_TRUE(acknowledge()) << loop.faults();
 }
 
-// A hung program is found by the chip's watchdog, which really resets it; the drive then says so and does not move by itself.
+// A hung program is found by the chip's watchdog, which resets it; the drive then reports it and does not move.
 TEST_P(Faults, AHungDriveIsResetByItsWatchdogAndTheHoistStops) {
   NEEDS_IMAGES(images);
   Walking loop(images, GetParam());

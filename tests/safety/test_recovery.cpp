@@ -135,7 +135,7 @@ TEST(Recovery, H5ACutCableIsCalledOne) {
   EXPECT_EQ(hoist.out.record.stop_cause, cause(Fault::bus_down));
 }
 
-// Nodes are missed before the interface says that it is off the bus.
+// Nodes are lost before the interface reports bus-off.
 TEST(Recovery, H5ACauseThatIsFoundLaterTakesThePlaceOfItsConsequence) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));
@@ -335,7 +335,7 @@ TEST(Restart, WhatIsNoHistoryChangesNothing) {
   EXPECT_EQ(hoist.state.mode, Mode::standby) << "only before the first step";
 }
 
-// ---- what is told first
+// ---- the headline
 
 constexpr contract::FaultBits bits(std::initializer_list<Fault> faults) {
   contract::FaultBits all = 0;

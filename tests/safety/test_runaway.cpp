@@ -161,7 +161,7 @@ TEST(Runaway, H1WhatHandsAndSlopesDoIsNoRunaway) {
       EXPECT_FALSE(hoist.state.relay.is_cut());
     }
   }
-  // A motor that ends its turn a moment after its drive says that it is off.
+  // A motor that coasts briefly after its drive reports off.
   ScriptedHoist late;
   ASSERT_TRUE(late.ready());
   run_away(late.drive_left, 0.3, 3);

@@ -23,7 +23,7 @@ class CrashDisk {
   void cut_after(std::uint64_t operations);
   [[nodiscard]] bool is_cut() const;
   [[nodiscard]] std::uint64_t operations() const;
-  /// From now on every operation fails, as for a process that is gone.
+  /// From now on every operation fails, as after a process's death.
   void cut_now();
   /// Power returns: unsynced writes are kept, dropped or torn. All connections must be closed.
   void restart();

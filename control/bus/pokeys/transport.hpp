@@ -20,7 +20,7 @@ class Transport {
   // Opens or reopens. Null on success, otherwise a static text, half a sentence.
   virtual const char* open() = 0;
   virtual void close() = 0;
-  // False when the device is gone. A packet that finds no room is lost; its answer will be missed soon enough.
+  // False when the device is gone. A packet that cannot be queued is lost; its answer then times out.
   virtual bool send(const Packet& packet) = 0;
   virtual Received receive(Packet& packet) = 0;
   // To wait on; -1 while closed.

@@ -2,11 +2,11 @@
 //
 // A chip's board base (lpc11c24/board.hpp, stm32f072/board.hpp) provides:
 //   bool receive(CanFrame&)       next received frame, oldest first
-//   bool has_frame()              there is one
-//   bool service()                moves what waits to be sent into the controller; called at every round; true when the controller answers
+//   bool has_frame()              whether one is waiting
+//   bool service()                moves waiting frames into the controller; called at every round; true when the controller answers
 //   void feed_watchdog()
 //   void set_led(bool on)
-//   void started_well()           the program has run for a while: earlier failures do not count any more
+//   void started_well()           the program has run for a while: clears the count of failed starts
 // and a board, where its hardware asks for it:
 //   void tick_1ms()               before the node's
 //   bool has_work()               the node has something to do before the next interrupt

@@ -60,7 +60,7 @@ std::int32_t __aeabi_idiv(std::int32_t a, std::int32_t b) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(__aeabi_idivmod(a, b)));
 }
 
-// The compiler must not see in these loops the very functions that they are (-fno-tree-loop-distribute-patterns for this file).
+// The compiler must not replace these loops by calls of themselves (-fno-tree-loop-distribute-patterns for this file).
 void* hoist_memcpy(void* to, const void* from, std::size_t count) {
   auto* t = static_cast<unsigned char*>(to);
   const auto* f = static_cast<const unsigned char*>(from);

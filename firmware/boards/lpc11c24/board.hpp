@@ -1,5 +1,5 @@
-// What every LPC11C24 board has: CAN, stored parameters, cause of the reset, lamp, straps, watchdog. The boards of the four node kinds add
-// the hardware of their kind (tilt.cpp, drive.cpp, io.cpp, gateway.cpp).
+// Common to every LPC11C24 board: CAN, stored parameters, cause of the reset, lamp, straps, watchdog. The boards of the four node kinds add the
+// hardware of their kind (tilt.cpp, drive.cpp, io.cpp, gateway.cpp).
 //
 // Interrupt handlers need the board, so there is one per image, a global that is initialised at compile time.
 #pragma once

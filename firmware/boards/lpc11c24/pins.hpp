@@ -21,7 +21,7 @@ struct Pin {
 //   tilt and drive   left: strap 0 to ground, right: strap 1 to ground     tilt only: both to ground = base
 inline constexpr Pin kStrap0{3, 0};
 inline constexpr Pin kStrap1{3, 1};
-// To ground at reset: the board stays in its loader, whatever the flash holds (firmware/boot).
+// To ground at reset: the board stays in its loader with any program (firmware/boot).
 inline constexpr Pin kService{0, 3};
 // Lights while the program runs: low = on. Toggles once a second in normal running, eight times a second when the board refused to start.
 inline constexpr Pin kLed{2, 10};
@@ -76,7 +76,7 @@ inline constexpr float kBatteryBothDivider = 11.0F;
 // ---- gateway: 1 Mbaud, 8 bits, no parity, one stop bit, both handshake lines
 
 inline constexpr Pin kUartRxd{1, 6}, kUartTxd{1, 7};  // function 1
-inline constexpr Pin kUartRts{1, 5}, kUartCts{0, 7};  // function 1, low = go on
+inline constexpr Pin kUartRts{1, 5}, kUartCts{0, 7};  // function 1, low = may send
 inline constexpr std::uint32_t kUart_baud = 1'000'000;
 
 }  // namespace hoist::firmware::lpc11c24

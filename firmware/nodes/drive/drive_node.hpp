@@ -74,7 +74,7 @@ inline constexpr float kSagShare = 0.25F;                       // of the curren
 inline constexpr std::uint32_t kIllegalSteps = 3;               // in one window: a broken line; single ones are noise and only counted
 inline constexpr std::uint32_t kIllegalWindow_ms = 100;         // hazard H2
 
-// Faults of a drive beside those that every node has (CiA 402).
+// Faults of a drive in addition to those of every node (CiA 402).
 namespace drive_emcy {
 inline constexpr std::uint16_t kOverVoltage = 0x3210, kWindingHot = 0x4310, kBridge = 0x5400, kWatchdog = 0x6010, kBlocked = 0x7121;
 }
@@ -129,7 +129,7 @@ class DriveNode {
   static constexpr std::uint16_t kSwitchOnBit = 0x01, kVoltageBit = 0x02, kNoQuickStopBit = 0x04, kEnableBit = 0x08, kResetBit = 0x80,
                                  kHaltBit = 0x100;
 
-  // ---- what the stack tells
+  // ---- callbacks of the stack
 
   void on_sync() {
     // The position of this very instant: both drives see the same SYNC.
@@ -482,7 +482,7 @@ class DriveNode {
     if (lasts(std::fabs(speed_rad_s_) > kOverSpeed_rad_s, over_speed_ms_, kOverSpeed_ms))
       fault(emcy::kOverSpeed, error_bit::kProfile, Reaction::ramp);
 
-    // Blocked wheel, or an encoder that never counted: current without movement although movement is asked for.
+    // Blocked wheel, or an encoder that never counted: current without movement although movement is commanded.
     const std::int32_t moved = law::delta32(counts_, stall_counts_);
     const bool moving = moved > kStallCounts || moved < -kStallCounts;
     if (moving) stall_counts_ = counts_;

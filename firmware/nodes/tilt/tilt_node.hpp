@@ -114,8 +114,8 @@ class TiltNode {
     float half_yaw = 0;             // turned[2] in the middle
   };
 
-  // What a sample leaves to be done before the next one, and when: reading the chip and filtering fill most of a millisecond. Not in the
-  // very next tick, which may come right behind the SYNC.
+  // Deferred work of a sample: reading the chip and filtering fill most of a millisecond. Not in the next tick, which may come right after the
+  // SYNC.
   static constexpr std::uint8_t kAfterSample_ms = 2;
   static_assert(kAfterSample_ms < kTiltSampleMin_ms);
   struct After {

@@ -125,7 +125,7 @@ struct Vectors {
 };
 }
 
-// The word that the ROM wants cannot be computed here from addresses that only the linker knows; the test puts it in.
+// The ROM's checksum depends on addresses known only to the linker; the test writes it.
 __attribute__((section(".vectors"), used)) const Vectors vectors = {
     kStackTop, {start,         fault_handler, fault_handler, nullptr,       nullptr,       nullptr,       nullptr,         nullptr,
                 nullptr,       nullptr,       fault_handler, nullptr,       nullptr,       fault_handler, systick_handler, fault_handler,

@@ -198,7 +198,7 @@ TEST_F(UpdateTest, AnOperationalNodeDoesNotEndItsProgram) {
   run(100);
   EXPECT_FALSE(world.in_loader(Node::tilt_left));
   EXPECT_EQ(ask_to_stop(0), 0U);
-  // Called back to work before it has gone: it stays.
+  // NMT start before it has left: it stays.
   ASSERT_TRUE(world.host_send(canopen::nmt(canopen::NmtCommand::start, id)));
   run(100);
   EXPECT_FALSE(world.in_loader(Node::tilt_left));

@@ -225,8 +225,8 @@ TEST(SdoClient, NonsenseEndsTheTransfer) {
     return outcome;
   };
   EXPECT_EQ(outcome_of({{0x41, 0x08, 0x10, 0, 3, 0, 0, 0}, {0x10, 1, 2, 3, 4, 5, 6, 7}}), Outcome::confused);  // toggle
-  EXPECT_EQ(outcome_of({{0x41, 0x08, 0x10, 0, 3, 0, 0, 0}, {0x00, 1, 2, 3, 4, 5, 6, 7}}), Outcome::confused);  // more than told
-  EXPECT_EQ(outcome_of({{0x41, 0x08, 0x10, 0, 9, 0, 0, 0}, {0x01, 1, 2, 3, 4, 5, 6, 7}}), Outcome::confused);  // less than told
+  EXPECT_EQ(outcome_of({{0x41, 0x08, 0x10, 0, 3, 0, 0, 0}, {0x00, 1, 2, 3, 4, 5, 6, 7}}), Outcome::confused);  // more than announced
+  EXPECT_EQ(outcome_of({{0x41, 0x08, 0x10, 0, 9, 0, 0, 0}, {0x01, 1, 2, 3, 4, 5, 6, 7}}), Outcome::confused);  // less than announced
   EXPECT_EQ(outcome_of({{0x41, 0x08, 0x10, 0, 0, 0, 1, 0}}), Outcome::confused);                               // 64 KiB
   EXPECT_EQ(outcome_of({{0x60, 0x08, 0x10, 0, 0, 0, 0, 0}}), Outcome::confused);                               // answer to a download
   EXPECT_EQ(outcome_of({{0x43, 0x08, 0x10, 0, 0}}), Outcome::confused);                                        // short

@@ -249,7 +249,7 @@ TEST(CanopenNmt, BootsUpThenBeatsAndFollowsCommands) {
   EXPECT_EQ(state_after(frame_of(0, {1, 8})), 5);
   EXPECT_EQ(state_after(frame_of(0, {2, 0})), 4);
   EXPECT_EQ(state_after(frame_of(0, {128, 8})), 127);
-  EXPECT_EQ(state_after(frame_of(0, {1, 9})), 127);     // somebody else's
+  EXPECT_EQ(state_after(frame_of(0, {1, 9})), 127);     // of another node
   EXPECT_EQ(state_after(frame_of(0, {77, 8})), 127);    // no such command
   EXPECT_EQ(state_after(frame_of(0, {1})), 127);        // too short
   EXPECT_EQ(state_after(frame_of(0, {1, 8, 0})), 127);  // too long
@@ -391,7 +391,7 @@ TEST(CanopenHeartbeat, TheInputBoardMissesItsComputer) {
   IoNode<TestBoard> node(board, contract::Node::io);
   make_operational(node, board);
   tick(node, 1000);
-  EXPECT_TRUE(node.stack().operational());  // never heard: not missed
+  EXPECT_TRUE(node.stack().operational());  // never received: not lost
   node.on_frame(frame_of(0x77F, {5}));
   tick(node, 249);
   EXPECT_TRUE(node.stack().operational());
@@ -588,7 +588,7 @@ TEST(CanopenHealth, BusOffLeavesOperationAndIsAskedBack) {
   EXPECT_TRUE(
       std::any_of(emergencies.begin(), emergencies.end(), [](const CanFrame& f) { return f.data[0] == 0x40 && f.data[1] == 0x81; }));
   EXPECT_EQ(node.stack().values().get<0x1001>(), 0);
-  EXPECT_FALSE(node.stack().operational());  // until its master says so
+  EXPECT_FALSE(node.stack().operational());  // until its master starts it
   EXPECT_EQ((node.stack().values().get<0x2300, 5>()), 1);
 }
 

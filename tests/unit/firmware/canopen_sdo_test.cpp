@@ -96,7 +96,7 @@ TEST_F(Sdo, ALongTextComesInSegments) {
   EXPECT_EQ(ask({0x70, 0, 0, 0, 0, 0, 0, 0}), frame_of(kAnswer, {0x10, 'n', 'e', 'e', 'r', '\'', 's', ' '}));
   EXPECT_EQ(ask({0x60, 0, 0, 0, 0, 0, 0, 0}), frame_of(kAnswer, {0x07, 'n', 'a', 'm', 'e', 0, 0, 0}));
   EXPECT_FALSE(server_.transfer_open());
-  EXPECT_EQ(ask({0x70, 0, 0, 0, 0, 0, 0, 0}), aborted(0, 0, 0x05040001));  // there is no more
+  EXPECT_EQ(ask({0x70, 0, 0, 0, 0, 0, 0, 0}), aborted(0, 0, 0x05040001));  // no more data
 }
 
 TEST_F(Sdo, TextsOfEveryLengthArriveWhole) {

@@ -111,7 +111,7 @@ TEST(ParameterStore, MoreThanAPageHoldsIsRefusedBeforeAnythingIsErased) {
 TEST(ParameterStore, ASequenceNumberThatWrapsIsStillNewer) {
   CutFlash flash;
   ASSERT_TRUE(save(flash, some(2, 1)));
-  // As if four thousand million saves had gone before.
+  // As after four thousand million saves.
   for (std::size_t i = 4; i < 8; ++i) flash.pages[0][i] = std::byte{0xFF};
   contract::Crc32 crc;
   for (std::size_t i = 0; i < 28; ++i) {
@@ -245,7 +245,7 @@ TEST_F(StoredDrive, SavesParametersAndNotCommands) {
   EXPECT_EQ(write(0x1017, 0, 2, 50), 0U);
   EXPECT_EQ(write(0x60FF, 0, 4, 1000), 0U);
   restart();
-  EXPECT_EQ(read(0x6085, 0), 300U);  // not saved: gone
+  EXPECT_EQ(read(0x6085, 0), 300U);  // not saved: lost
   EXPECT_EQ(write(0x6085, 0, 4, 250), 0U);
   EXPECT_EQ(write(0x1017, 0, 2, 50), 0U);
   EXPECT_EQ(write(0x60FF, 0, 4, 1000), 0U);

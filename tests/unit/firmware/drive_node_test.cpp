@@ -384,7 +384,7 @@ TEST_F(DriveTest, DoesNotSwitchOnWithoutSupply) {
 
 TEST_F(DriveTest, TheSpeedIsMeasuredAlsoWithoutSupply) {
   board_.supply_voltage_v = 0;
-  load_n_m_ = -0.1;  // somebody pushes
+  load_n_m_ = -0.1;  // an external push
   run(500, kOff, 0);
   EXPECT_GT(motor_.speed_rad_s(), 30);
   EXPECT_NEAR(node_.speed_rad_s(), motor_.speed_rad_s(), 3);
@@ -583,7 +583,7 @@ TEST_F(DriveTest, ParametersWrittenOverTheBusAct) {
   const int reached = until(
       2000, [&] { return node_.reference_rad_s() >= 90; }, [&] { run(1, kEnable, 90); });
   EXPECT_NEAR(reached, 900, 20);
-  run(30, kEnable, 90);  // told every 20 ms at least
+  run(30, kEnable, 90);  // updated every 20 ms at least
   EXPECT_EQ(node_.stack().values().get<0x606B>(), 90000);
   load_n_m_ = 0.5;  // needs 4.3 A
   peak_current_a_ = 0;

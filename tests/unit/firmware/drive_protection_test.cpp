@@ -203,7 +203,7 @@ TEST_F(DriveProtection, TheFirstFaultIsRememberedWithItsCircumstances) {
     EXPECT_NEAR((values().get<0x2240, 8>()), 900, 20);
   };
   at();
-  board_.driver_good = false;  // whatever comes after it
+  board_.driver_good = false;  // with any later fault
   run(500, kOff, 0);
   at();
   node_.on_frame(canopen::nmt(canopen::NmtCommand::reset_communication, 1));
@@ -422,7 +422,7 @@ TEST_F(SecondFault, H2_H11_OneThatMustSwitchOffDoesSoDuringTheRampOfAnother) {
     EXPECT_GE(off, 0);
     EXPECT_EQ(node_.state(), State::fault);
     run(10, kOff, 0);
-    EXPECT_EQ(error_code(), 0x8400);  // what is told is the first
+    EXPECT_EQ(error_code(), 0x8400);  // the first one is reported
     EXPECT_EQ((values().get<0x2240, 1>()), 0x8400);
     EXPECT_EQ((values().get<0x2240, 2>()), found_ms);
     EXPECT_EQ(emergencies(), (std::vector{0x8400, second.code}));

@@ -93,7 +93,7 @@ TEST_F(GatewayTest, AFullQueueRefusesAndSetsItsFlag) {
   EXPECT_EQ(say(lines + "t0800\r"), answers + "\a");
   EXPECT_EQ(say("F\r"), "F02\r");
   EXPECT_EQ(say("F\r"), "F00\r");
-  EXPECT_EQ(say("C\r"), "\r");  // what waited is gone
+  EXPECT_EQ(say("C\r"), "\r");  // waiting frames are dropped
   board_.room = true;
   node_.poll();
   EXPECT_TRUE(board_.sent.empty());

@@ -240,7 +240,7 @@ TEST_P(ImuTest, AForeignPartIsNamedAndNeverUsed) {
   const std::uint8_t at = GetParam() == Part::lsm6dso ? 0x0F : 0x75;
   bool wrong = false;
   for (int i = 0; i < 4000; ++i) {
-    chip_.reg(at) = 0x6A;  // an LSM6DS3's, or nobody's
+    chip_.reg(at) = 0x6A;  // an LSM6DS3's, or none
     driver_.step();
     ASSERT_FALSE(driver_.running());
     wrong = wrong || driver_.report().wrong_part;

@@ -110,7 +110,7 @@ TEST_F(IoTest, ErrorValuesDecideWhatHappensToEachOutput) {
   node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
   tick(node_, 1);
   EXPECT_EQ(board_.output_bits, 0x52);
-  node_.on_frame(frame_of(0x208, {0xFF}));  // nobody listens
+  node_.on_frame(frame_of(0x208, {0xFF}));  // no receiver
   tick(node_, 1);
   EXPECT_EQ(board_.output_bits, 0x52);
   node_.power_on();

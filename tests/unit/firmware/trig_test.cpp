@@ -55,8 +55,8 @@ TEST(Trig, EveryFiniteVectorHasAnAngleWithinTheCircle) {
   }
 }
 
-// The very bits, so that a change of compiler, option or constant is seen: the images on the microcontroller are compared with this
-// computer's angles bit for bit.
+// Exact bits, so that a change of compiler, option or constant shows: the images on the microcontroller are compared with this computer's angles
+// bit for bit.
 TEST(Trig, TheBitsAreThoseOfTheReference) {
   std::uint32_t digest = 2166136261U;
   std::uint32_t state = 1;

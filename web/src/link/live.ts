@@ -37,7 +37,7 @@ export class Live {
       const before = this.record;
       if (before !== null) {
         if (record.tick < before.tick)
-          this.clear(); // the core began anew
+          this.clear(); // the core has restarted
         else if (record.tick > before.tick + 1) this.lost += record.tick - before.tick - 1;
       }
       for (const name of historySignals) this.history[name].push(record[name]);

@@ -138,7 +138,7 @@ export class Link {
     this.late.delete(request);
     if (takeBack !== undefined && reply.ok) this.send({ ...takeBack, request: this.nextRequest++ });
     const entry = this.waiting.get(request);
-    if (entry === undefined) return; // too late, or never asked
+    if (entry === undefined) return; // too late, or unknown
     this.waiting.delete(request);
     this.host.clearTimer(entry.timer);
     entry.resolve(reply);

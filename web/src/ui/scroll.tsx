@@ -1,4 +1,4 @@
-// A list that scrolls by itself: reachable and scrollable by keyboard, named for screen readers.
+// A list with its own scroll area: reachable and scrollable by keyboard, named for screen readers.
 import type { ComponentChildren } from 'preact';
 import './scroll.css';
 

@@ -115,7 +115,7 @@ export function SessionsView({ part }: PanelProps) {
   }, []);
   const remove = (id: number) => {
     settle();
-    go(addressOf('sessions'), true); // Back does not lead to what is gone
+    go(addressOf('sessions'), true); // Back must not lead to a deleted session
     pending.current = { id, timer: window.setTimeout(settle, undoDelete_ms) };
     setLeaving(id);
   };
