@@ -1,5 +1,5 @@
-// A hoist made of a script: answers the core's frames the way nodes do, with values the test sets by hand. No physics beyond wheels that
-// follow their command with a lag, no firmware: what goes wrong here is the core's.
+// A scripted hoist: answers the core's frames as nodes do, with values set by the test. Its only physics are wheels with a lag, and it has no
+// firmware: any error found here is the core's.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -55,7 +55,7 @@ struct FakeDrive : FakeNode {
   bool ignores_reset = false;
   bool deaf = false;        // reports, but does not follow
   double wheel_m_s = 0;     // what the wheel does
-  double forced_m_s = NAN;  // when set, the wheel does this whatever it is told
+  double forced_m_s = NAN;  // when set, the wheel does this for any command
   double counts = 0;
   double supply_v = 25.6;
   double current_a = 0.6;
@@ -83,7 +83,7 @@ class ScriptedHoist {
   bool bus_up = true;
   bool floor_grips = true;  // the chassis turns with the wheels; false: only as tilt_base says
   bool server_up = true;
-  /// Whoever walks sways: by so much to either side, once in two seconds, while the wheels turn.
+  /// Sway of a walking patient: by so much to either side, once in two seconds, while the wheels turn.
   double sway_deg = 0.4;
   bool real = false;  // its nodes do not say that they are simulated
   std::uint64_t heartbeat = 1;
@@ -150,7 +150,7 @@ class ScriptedHoist {
     }
     return ~0U;
   }
-  /// GUIDED is asked for with an exercise: two metres straight on, unless another is given.
+  /// GUIDED is requested with an exercise: two metres straight on by default.
   std::uint32_t ask_guided(const contract::GuidedPath& path, std::uint32_t client = 7) {
     contract::Command c;
     contract::put_guided(c, path);
@@ -207,7 +207,7 @@ class ScriptedHoist {
   }
   [[nodiscard]] double command_m_s() const { return static_cast<double>(out.record.speed_command_m_s); }
 
-  /// The nodes' frames of this step, for tests that want to look or to change them.
+  /// The nodes' frames of this step, for tests that read or change them.
   std::vector<contract::CanFrame> collect() {
     std::vector<contract::CanFrame> frames;
     frames.swap(replies_);

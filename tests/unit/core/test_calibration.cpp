@@ -42,7 +42,7 @@ TEST(Calibrate, OnlyTheDriverInTheStepsRoleBegins) {
   EXPECT_EQ(hoist.state.mode, Mode::calibrate);
 }
 
-// No sensor tells a motionless patient from an empty harness; a zero taken with one in it would lean the hoist forward by itself.
+// No sensor tells a motionless patient from an empty harness; a zero taken with a patient would make the hoist move off.
 TEST(Calibrate, StepsForAnEmptyHarnessNeedItsConfirmation) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
@@ -207,7 +207,7 @@ TEST(Calibrate, ALostSensorEndsIt) {
   EXPECT_EQ(hoist.count(EventKind::parameter_changed), 0);
 }
 
-// The rates are a message of their own. While it is silent the last one stands: a gyroscope at perfect rest, whatever it was.
+// Rates are a separate message. Without it the last value stays, which looks like a gyroscope at perfect rest.
 TEST(Calibrate, H4SilenceOfTheTurnRateEndsIt) {
   for (const CalibrationStep step :
        {CalibrationStep::zero, CalibrationStep::gyro, CalibrationStep::encoders, CalibrationStep::strut_length}) {
@@ -228,7 +228,7 @@ TEST(Calibrate, H4SilenceOfTheTurnRateEndsIt) {
     EXPECT_EQ(hoist.count(EventKind::calibration_ended), 1) << who;
     EXPECT_NE(hoist.ask(CommandKind::use_calibration, 7, 0, 0, kToday_s), 0U) << who;
     EXPECT_EQ(hoist.count(EventKind::parameter_changed), 0) << who;
-    // Nor does it begin anew, until they come again.
+    // Nor does it restart until they arrive again.
     EXPECT_NE(begin(hoist, step) & refusal_bit(Refusal::nodes_missing), 0U) << who;
     hoist.tilt_base.rates_silent = false;
     hoist.step(3);
@@ -263,7 +263,7 @@ TEST(Calibrate, AStrutIsNotMeasuredByTwoPlaces) {
   EXPECT_EQ(calibration(hoist).reason, CalibrationReason::disagree);
 }
 
-// Hazard table 2.3: patients walk only on a hoist whose struts have been zeroed. A simulated one says that it is simulated.
+// Hazard table 2.3: patients walk only on a hoist whose struts have been zeroed. A simulated one reports it.
 TEST(Calibrate, ARealHoistThatWasNeverZeroedDoesNotStart) {
   for (const bool zeroed : {false, true}) {
     contract::Params params;

@@ -1,4 +1,4 @@
-// The calculators of calibration alone: hidden truths, what somebody with a tape would have read, and what must come out.
+// The calculators of calibration alone: hidden true values, tape readings, and expected results.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -90,7 +90,7 @@ TEST(Calibrators, PlacesNearToEachOtherAreTooLittle) {
   EXPECT_EQ(strut_spacing(turns, kLength_m, kSpacing_m).reason, CalibrationReason::too_little)
       << strut_spacing(turns, kLength_m, kSpacing_m).value;
   EXPECT_EQ(strut_length(MeasuredPairs{}, kLength_m).reason, CalibrationReason::too_little);
-  // From ten centimetres on it is enough, wherever the middle is.
+  // Ten centimetres are enough, for any centre.
   MeasuredPairs aside;
   for (const double way_m : {0.07, 0.04, -0.031}) ASSERT_TRUE(aside.add(way_m / kLength_m, way_m));
   ASSERT_TRUE(strut_length(aside, kLength_m).good());

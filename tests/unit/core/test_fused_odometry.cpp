@@ -1,4 +1,4 @@
-// The track held against the gyroscope (H10): with wheels and gyroscope made of numbers, so that the truth is known.
+// The track corrected by the gyroscope (H10), with computed wheels and gyroscope, so that the true values are known.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDeg_rad = std::numbers::pi / 180.0;
 
-// Encoders and gyroscope told apart from the truth. Frames are those of the bus, so that rounding and counters are the real ones.
+// Encoder and gyroscope readings from true values. Frames are those of the bus, with real rounding and counters.
 struct Bench {
   contract::Params params;
   Derived derived = derive(params);
@@ -110,7 +110,7 @@ TEST(FusedOdometry, H10ASlipIsNoticedWithin200msAndTheHeadingKept) {
 TEST(FusedOdometry, H10AWrongTrackWidthIsNoSlipAndTeachesNoBias) {
   Bench bench;
   bench.run(5, 0, 0);
-  // The wheels believe in a track 3 % too wide, for minutes of bends.
+  // The track parameter is 3 % too wide, for minutes of bends.
   for (int i = 0; i < 12'000; ++i) {
     const double turn_deg_s = 45 * std::sin(i * 0.01);
     bench.step(0.3, turn_deg_s, 0.03 * turn_deg_s);
@@ -168,7 +168,7 @@ TEST(FusedOdometry, H10AJumpOfTheBiasIsTakenBackOnceTheHoistStands) {
   EXPECT_FALSE(bench.sensed.slipping());
   EXPECT_NEAR(bench.sensed.fused.gyro_bias_rad_s() / kDeg_rad, 2.5, 0.2);
   EXPECT_LT(bench.error_deg(), 0.5) << "nobody has turned";
-  // More than any gyroscope shows at rest is not hidden by learning it.
+  // A rate beyond any gyroscope's bias must not be learnt.
   bench.gyro_bias_deg_s = 12;
   bench.run(20, 0, 0);
   EXPECT_TRUE(bench.sensed.slipping());
@@ -187,7 +187,7 @@ TEST(FusedOdometry, H10WithoutTheGyroscopeTheEncodersLeadAndItSaysSo) {
   bench.run(3, 0.4, 10, 20);
   EXPECT_NEAR(bench.sensed.pose().psi_rad - before_rad, bench.sensed.odometry.pose.psi_rad - encoder_rad, 1e-9);
   EXPECT_NEAR(bench.sensed.fused.yaw_rate_rad_s(), bench.sensed.odometry.yaw_rate_rad_s, 1e-12);
-  // And comes back; samples that the sensor itself calls invalid are none.
+  // And recovers; samples marked invalid by the sensor do not count.
   bench.gyro = true;
   bench.run(0.1, 0.4, 10);
   EXPECT_TRUE(bench.sensed.fused.gyro_used());

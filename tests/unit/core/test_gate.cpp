@@ -1,4 +1,4 @@
-// The gate judges every kind of frame alone, and says no to what it does not know.
+// The gate checks every kind of frame, and refuses unknown ones.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -46,7 +46,7 @@ class Gate : public ::testing::Test {
     const double half_m_s = yaw_rate_rad_s * params.track_width_m / 2;
     return wheels(speed_m_s - half_m_s, speed_m_s + half_m_s);
   }
-  // A legal ramp up to the motion; where the gate has been told it before it stays.
+  // A legal ramp up to the motion; then it stays.
   void bring_to(double speed_m_s, double yaw_rate_rad_s = 0) {
     const GateView asked = view;
     gate = SafetyGate{};
@@ -100,7 +100,7 @@ TEST_F(Gate, BoundsTheSteps) {
   EXPECT_TRUE(both(0.005));
 }
 
-// H3: one wheel that goes on while the other stops spins the patient; each wheel alone would look like a legal stop.
+// H3: one wheel that continues while the other stops spins the patient; each wheel alone would look like a legal stop.
 TEST_F(Gate, H1_H3TheTurnOfThePairIsJudgedAndNotEachWheel) {
   bring_to(0.3);
   const double step_rad_s = params.yaw_acceleration_rad_s2_max * kTick_s;
@@ -152,7 +152,7 @@ TEST_F(Gate, NothingSpeedsUpOrTurnsFasterBlindlyOrWithoutADriver) {
       EXPECT_TRUE(moving(way * 0.18, way * 0.18));
     }
   }
-  // Who drives needs no tilt, and who walks needs no driver.
+  // REMOTE needs no tilt, and USER no driver.
   bring_to(0.2);
   view = {Mode::remote, true, false, true, false, 0};
   EXPECT_TRUE(both(0.201));
@@ -216,7 +216,7 @@ TEST_F(Gate, AStopMayTakeOverAHoistThatRollsButNoOtherModeMay) {
   EXPECT_FALSE(wheels(0, 0.4, canopen::drive::kShutdown, kEnable));
 }
 
-// H2, H3: one drive has dropped out. The other may go on as it was until that is noticed; then it only comes to rest.
+// H2, H3: one drive has dropped out. The other may continue until that is detected; then it may only slow down.
 TEST_F(Gate, H2_H3AWheelLeftAloneComesToRest) {
   const double turn_step_m_s = params.yaw_acceleration_rad_s2_max * params.track_width_m / 2 * kTick_s;
   const double driving_m_s = params.acceleration_m_s2_max * kTick_s + turn_step_m_s;
@@ -246,7 +246,7 @@ TEST_F(Gate, H2_H3AWheelLeftAloneComesToRest) {
     EXPECT_FALSE(alone(0.201)) << "towards or away: one wheel swings the hoist round";
     EXPECT_TRUE(alone(0.2));
     view.bumpers = 0;
-    // Both run again: the count begins anew.
+    // Both run again: the count restarts.
     bring_to(0.0);
     for (int i = 0; i < 8; ++i) ASSERT_TRUE(alone(0));
     ASSERT_TRUE(both(0));
@@ -504,7 +504,7 @@ TEST_F(Gate, H30OfServiceOnlyTheProgramsObjectsAreWritten) {
         EXPECT_EQ(SafetyGate::is_service_frame(sdo(kNode, first, index, sub)), may) << first << " " << index << " " << sub;
       }
   const CanFrame good = sdo(kNode, 0x21, 0x1F50, 1);
-  // Another length, a flag, the computer itself, nobody, and ids that only look like a node's when cut to a byte.
+  // Wrong length, a flag, the computer itself, no node, and ids that equal a node's only in their low byte.
   CanFrame bad = good;
   bad.dlc = 7;
   EXPECT_FALSE(SafetyGate::is_service_frame(bad));
@@ -514,7 +514,7 @@ TEST_F(Gate, H30OfServiceOnlyTheProgramsObjectsAreWritten) {
   for (const std::uint32_t id : {contract::canopen::kSdoRequestBase + contract::node_id(Node::core),
                                  contract::canopen::kSdoRequestBase + 0x7FU, kNode - 0x100U, kNode + 0x100U, kNode - 0x300U})
     EXPECT_FALSE(SafetyGate::is_service_frame(sdo(id, 0x21, 0x1F50, 1))) << id;
-  // Only while service is on, which there is in INIT only.
+  // Only during service, which exists in INIT only.
   for (const bool service : {false, true})
     for (const auto& mode : contract::kModes) {
       view.service = service;

@@ -96,7 +96,7 @@ TEST(Guided, H17AgeSlowsThenStopsAndEnds) {
   EXPECT_EQ(hoist.state.motion.braking, Braking::remote);
   EXPECT_TRUE(hoist.reach(Mode::standby, 100));
   EXPECT_EQ(told_end(hoist), GuidedEnd::commands_lost);
-  // Commands that come again move nothing.
+  // Returning commands move nothing.
   hold_for(hoist, 100);
   EXPECT_EQ(hoist.state.mode, Mode::standby);
   EXPECT_EQ(hoist.command_m_s(), 0);
@@ -156,7 +156,7 @@ TEST(Guided, AsksForEverythingThatAnyMotionAsksFor) {
   hoist.io.bumpers = 0;
   hoist.step(20);
   EXPECT_EQ(hoist.ask_guided(kLong), refusal_bit(Refusal::not_neutral));
-  // All reasons at once, also those of the exercise and of who asks.
+  // All reasons together, also those of the exercise and of the client.
   GuidedPath bad = kLong;
   bad.speed_m_s = 5;
   const std::uint32_t bits = hoist.ask_guided(bad, 8);
@@ -214,7 +214,7 @@ TEST(Guided, ItBeginsWhereTheHoistStands) {
   EXPECT_EQ(hoist.out.record.guided_progress_norm, 1.0F);
 }
 
-/// The struts go there at 10 degrees a second, no faster than a patient who is no fall, while the hand holds on.
+/// The struts move there at 10 degrees a second, below the fall monitor's rate, while hold-to-run is held.
 void lean_held(ScriptedHoist& hoist, double lean_deg, double twist_deg, int n) {
   hoist.tilt_left.slew_deg = hoist.tilt_right.slew_deg = 0.1;
   hoist.lean(lean_deg, twist_deg);

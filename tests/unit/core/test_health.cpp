@@ -1,5 +1,4 @@
-// The health of bus and nodes: what is counted as lost and whose it is, what is told of emergencies, who is accused of sharing an id or of
-// flooding the bus, and who never is.
+// Health of bus and nodes: lost frames by node, emergency messages, duplicate ids and floods, and no false reports.
 #include <gtest/gtest.h>
 
 #include "control/contract/emergencies.hpp"
@@ -168,7 +167,7 @@ TEST(BusLoadTest, CountsTheLongestFramesOfThePlan) {
   EXPECT_EQ(load.load_norm(), 0.0);
 }
 
-// A hole in the input node's data is a lost frame, unless everybody was held up at that moment.
+// A gap in the input node's data is a lost frame, unless all nodes were delayed then.
 TEST(BusHealthTest, AMomentInWhichAllWereHeldUpLosesNothing) {
   for (const bool all : {false, true}) {
     SCOPED_TRACE(all);
@@ -180,7 +179,7 @@ TEST(BusHealthTest, AMomentInWhichAllWereHeldUpLosesNothing) {
       const bool hole = tick == 1700;
       if (!(hole && all)) static_cast<void>(health.take(left, contract::classify(left)));
       if (tick == 1701 && all) static_cast<void>(health.take(left, contract::classify(left)));
-      // Its timer begins anew after the hole: what did not come then never comes.
+      // Its timer restarts after the gap: frames missing then never come.
       if (tick % io_ticks == 0 && !hole) static_cast<void>(health.take(inputs, contract::classify(inputs)));
       health.sent(canopen::sync());
     }
@@ -362,7 +361,7 @@ TEST(Health, H30TheSecondNodeIsNamedInTheEvent) {
 TEST(Health, H30ANodeThatBootsBesideALivingOneIsFound) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
-  hoist.tilt_left.sdo_deaf = true;  // the new one has no answer yet; the old one goes on with its data
+  hoist.tilt_left.sdo_deaf = true;  // the new one has no answer yet; the old one continues with its data
   hoist.extra.push_back(canopen::heartbeat(0x11, canopen::NmtState::boot_up));
   hoist.step(15);
   EXPECT_EQ(hoist.out.record.duplicate_id, 0x11);

@@ -1,4 +1,4 @@
-// Commands and frames made of anything (hazards H28, H30): nothing moves, nothing crashes, nothing that is no number leaves.
+// Random commands and frames (hazards H28, H30): no motion, no crash, no non-finite output.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -92,7 +92,7 @@ TEST(Hostile, ReplayedAndReorderedCommandsAreRefused) {
   hoist.step();
   EXPECT_EQ(hoist.answer(901), refusal_bit(Refusal::out_of_order));
   EXPECT_EQ(hoist.state.lease.holder, 7U);
-  c.sequence = hoist.sequence + 5;  // some were lost: this one is refused, and the order goes on from it
+  c.sequence = hoist.sequence + 5;  // some were lost: this one is refused, and the order continues from it
   c.request_id = 902;
   hoist.commands.push_back(c);
   hoist.step();
@@ -119,7 +119,7 @@ TEST(Hostile, StopWorksEvenOutOfOrderAndInAFlood) {
   EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
 }
 
-// After the server was lost the first command sets the count. An old one that comes then must not keep anyone from ending the motion.
+// After the server was lost the first command sets the count. An old one that arrives then must not prevent the end of the motion.
 TEST(Hostile, ARequestForStandbyIsDoneInAnyOrder) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));

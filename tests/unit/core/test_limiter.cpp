@@ -1,4 +1,4 @@
-// Bounds of every motion, under wishes that nobody sane would have.
+// Bounds of every motion under extreme wishes.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -65,7 +65,7 @@ TEST(Limiter, ReachesItsTargetWithoutOvershoot) {
   }
 }
 
-// H1: the fastest walk and the fastest turn together would ask 0.96 m/s of the outer wheel.
+// H1: the fastest walk and the fastest turn together would need 0.96 m/s of the outer wheel.
 TEST(Limiter, H1_ATurnHasItsWayAndTheHoistSlowsDownForIt) {
   const contract::Params p;
   for (const double sign : {1.0, -1.0}) {
@@ -91,8 +91,8 @@ TEST(Limiter, H1_ATurnHasItsWayAndTheHoistSlowsDownForIt) {
   }
 }
 
-// H15: a lean that the hoist's own slowing explains is judged later. What a turn takes from the speed and gives back explains none; what is
-// wished is done as quickly as ever, also in a turn.
+// H15: a lean caused by the hoist's own slowing is judged later. The speed that a turn takes and returns causes none; a wished change is as quick
+// as ever, also in a turn.
 TEST(Limiter, H15_ATurnChangesTheSpeedMoreGentlyThanAWish) {
   const contract::Params p;
   Limiter limiter;
@@ -142,7 +142,7 @@ TEST(Limiter, AHoistThatSpeedsUpInATurnDoesSoAsQuicklyAsAnyOther) {
   EXPECT_EQ(ticks_to(0.6, [](int tick) { return tick == 20 ? 0.8 : 0.0; }), straight);
   EXPECT_EQ(ticks_to(0.6, [](int tick) { return 0.15 * std::sin(0.06 * tick); }), straight);
   EXPECT_LE(ticks_to(0.39, [](int) { return 0.87; }), straight);
-  // What came back after a turn, to a wish that rises on, is over when it has come back.
+  // The return after a turn, with a rising wish, ends when the speed has returned.
   Limiter limiter;
   for (int i = 0; i < 300; ++i) limiter.step(p, Braking::none, 0.5, 0.87, kTick_s);
   for (int i = 0; i < 1500; ++i) limiter.step(p, Braking::none, 0.5 + 1e-5 * i, 0.0, kTick_s);
@@ -211,7 +211,7 @@ TEST(Limiter, EachStopBrakesAtItsOwnRateAndNeverHarder) {
       int ticks = 0;
       while (!limiter.at_rest() && ticks < 1000) {
         const double v = limiter.speed_m_s(), w = limiter.yaw_rate_rad_s();
-        // Whatever is wished meanwhile does not count.
+        // Wishes meanwhile do not count.
         limiter.step(p, braking, 0.65, -turn, kTick_s);
         ASSERT_LE(v - limiter.speed_m_s(), rate * kTick_s + kRounding);
         ASSERT_GE(limiter.speed_m_s(), 0.0) << "a stop never reverses";

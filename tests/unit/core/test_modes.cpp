@@ -68,7 +68,7 @@ TEST(Modes, EveryRequestInEveryModeDoesWhatTheTableSays) {
       ScriptedHoist hoist = in_mode(from);
       const bool listed = find_transition(from, to, Asker::driver) != nullptr;
       const std::uint32_t bits = hoist.ask_mode(to);
-      // Asking for the standby one is in already is granted and changes nothing.
+      // A request for STANDBY in STANDBY is granted without effect.
       const bool nothing = from == Mode::standby && to == Mode::standby;
       EXPECT_EQ(bits == 0, listed || nothing) << static_cast<int>(from) << " -> " << static_cast<int>(to) << " bits " << bits;
       if (listed || nothing) {
@@ -93,7 +93,7 @@ TEST(Modes, StopIsDoneFromEveryModeByAnyone) {
     ScriptedHoist hoist = in_mode(from);
     EXPECT_EQ(hoist.ask(CommandKind::stop, 99), 0U) << "client 99 has no lease";
     EXPECT_TRUE(hoist.has_fault(Fault::stop_pressed));
-    // Where the drives are off for good there is nothing to stop; the press is told and stays.
+    // Where the drives are off there is nothing to stop; STOP is reported and latched.
     if (from == Mode::fault || from == Mode::emergency_stop) {
       EXPECT_EQ(hoist.state.mode, from);
       continue;
@@ -272,7 +272,7 @@ TEST(Modes, EveryGuardOfAStartRefusesAndNamesItself) {
   }
 }
 
-// A serial line has no checksum: one answer that says "loader" or "another version" may be a lie.
+// A serial line has no checksum: a single answer "loader" or "another version" may be corrupted.
 TEST(Modes, OneGarbledAnswerKeepsNoNodeFromWork) {
   for (const auto& [sub, bits] : {std::pair<std::uint8_t, std::uint32_t>{2, contract::kLoaderProduct}, {3, 0x00400000U}}) {
     ScriptedHoist hoist = in_mode(Mode::standby);
@@ -402,7 +402,7 @@ TEST(Modes, AcknowledgingADriveFaultResetsTheDrive) {
   EXPECT_EQ(hoist.state.latched, 0U);
 }
 
-// A press is about the causes that were shown when the hand went down, and takes nothing along that nobody has read.
+// An acknowledgement covers only the causes shown at the press.
 TEST(Modes, ACauseThatWasNotSeenIsNotReleased) {
   ScriptedHoist hoist = in_mode(Mode::user);
   hoist.io.bumpers = 1;
@@ -425,7 +425,7 @@ TEST(Modes, ACauseThatWasNotSeenIsNotReleased) {
   hoist.io.bumpers = 0;
   hoist.tilt_left.silent = false;
   hoist.step(150);
-  // Looked at again; a cause too many does no harm.
+  // After reading them; a surplus cause does no harm.
   EXPECT_EQ(hoist.ask(CommandKind::acknowledge, 7, ~0U), 0U);
   EXPECT_TRUE(hoist.reach(Mode::standby, 5));
   EXPECT_EQ(hoist.state.latched, 0U);
@@ -466,8 +466,8 @@ void gone_for_a_moment(ScriptedHoist& hoist, FakeNode& node) {
   hoist.step(2);
 }
 
-// The press was for what had stopped the hoist then: STOP, or whatever came while the drive was awaited, has one of its own to come. So has
-// a press whose lease has gone.
+// The press covered the causes at that time: STOP, or any cause during the wait for the drive, needs another one. So does a press whose lease was
+// lost.
 TEST(Modes, WhatStopsWhileTheDriveIsAwaitedIsNotAcknowledged) {
   struct Case {
     const char* name;
@@ -507,7 +507,7 @@ TEST(Modes, WhatStopsWhileTheDriveIsAwaitedIsNotAcknowledged) {
     EXPECT_NE(hoist.answer(id) & refusal_bit(c.refusal), 0U) << c.name;
     EXPECT_EQ(hoist.state.mode, Mode::protective_stop) << c.name;
     EXPECT_TRUE(hoist.has_fault(c.stays)) << c.name;
-    // Nothing is stuck: who has seen it releases it.
+    // It is not stuck: a press that names it releases it.
     hoist.step(150);
     if (hoist.state.lease.holder == 0) hoist.ask(CommandKind::take_lease);
     const std::uint32_t again = hoist.send(CommandKind::acknowledge);
@@ -529,7 +529,7 @@ TEST(Modes, AcknowledgingADriveThatStaysInFaultIsRefused) {
   EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
 }
 
-// H2: the last resort goes by what is measured now. A turn that the chassis no longer reports is none that is still under way.
+// H2: the last resort uses present measurements. A turn rate that the chassis no longer reports is not a present turn.
 TEST(Modes, H2AHeldRateLetsNoStandingHoistGo) {
   for (const bool silent : {true, false}) {
     ScriptedHoist hoist = in_mode(Mode::user);
@@ -543,7 +543,7 @@ TEST(Modes, H2AHeldRateLetsNoStandingHoistGo) {
   }
 }
 
-// H2, H10: without its rates the chassis counts as lost, from the start and under way; slip and a dead encoder show in nothing else.
+// H2, H10: without its rates the chassis counts as lost, from the start and in motion; only rates show slip and a dead encoder.
 TEST(Modes, H2_H10_AChassisWithoutItsRatesIsLost) {
   ScriptedHoist walking = in_mode(Mode::user);
   walking.lean_gently(4, 100);
@@ -564,7 +564,7 @@ TEST(Modes, H2_H10_AChassisWithoutItsRatesIsLost) {
   EXPECT_EQ(hoist.ask_mode(Mode::user), refusal_bit(Refusal::nodes_missing));
 }
 
-// H4, H8: a sensor without one good sample is none, in whatever order its bad ones come.
+// H4, H8: a sensor without one valid sample counts as missing, for any order of invalid ones.
 TEST(Modes, H8_InvalidAndRepeatedSamplesByTurnsAreNoSensor) {
   ScriptedHoist hoist = in_mode(Mode::user);
   int steps = 0;
@@ -577,7 +577,7 @@ TEST(Modes, H8_InvalidAndRepeatedSamplesByTurnsAreNoSensor) {
   EXPECT_LE(steps, 12);
 }
 
-// H12: a battery that nobody has told of is none to start on, whichever way standby was reached.
+// H12: no start without a battery voltage, on any path to STANDBY.
 TEST(Modes, H12NothingStartsWithoutWordOfTheBattery) {
   ScriptedHoist hoist;
   hoist.io.battery_silent = true;

@@ -1,4 +1,4 @@
-// Parameter sets (hazard H27), neutral, pose: all or nothing, checked here whatever the server checked.
+// Parameter sets (hazard H27), neutral, pose: all or nothing, checked here independently of the server.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -390,7 +390,7 @@ TEST(TrialOfSettings, GoesBackByItselfWithWhatWasThereBefore) {
   EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 4);
   EXPECT_EQ(kept_param(hoist.state, contract::param_index(ParamName::lean_gain_direct_units)), 2) << "a restart would not find it";
   const auto version = hoist.state.parameter_version;
-  hoist.server_up = false;  // nobody is left who could confirm
+  hoist.server_up = false;  // no client is left to confirm
   hoist.step(1990);
   EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 4);
   hoist.step(15);
@@ -501,8 +501,7 @@ TEST(Parameters, H27ADriveRampBelowTheHardestStopIsRefused) {
   EXPECT_NE(set(hoist, {{ParamName::protective_deceleration_m_s2, 0.79}}), 0U) << "gentler than letting go";
 }
 
-// A node that does its work and only does not take a value: walking goes on, and it is asked again until it has it. Only then does anything
-// start anew.
+// A running node that refuses a value: walking continues, and the value is repeated until taken. Only then can a motion start again.
 TEST(Parameters, ANodeThatTakesNoValueStopsNobody) {
   for (const bool aborts : {false, true}) {
     ScriptedHoist hoist;
@@ -525,7 +524,7 @@ TEST(Parameters, ANodeThatTakesNoValueStopsNobody) {
   }
 }
 
-// A start that is asked for in the step of a change waits until the nodes have it.
+// A start requested in the step of a change waits until the nodes have it.
 TEST(Parameters, NothingStartsBeforeTheNodesHaveTheirValues) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
@@ -539,7 +538,7 @@ TEST(Parameters, NothingStartsBeforeTheNodesHaveTheirValues) {
   EXPECT_EQ(hoist.ask_mode(Mode::user), 0U);
 }
 
-// A trial that ends must leave a set that fits together, whatever was set to stay meanwhile.
+// The end of a trial must leave a consistent set, with any permanent changes meanwhile.
 TEST(Parameters, H27WhatGoesBackFitsWhatWasSetMeanwhile) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
@@ -606,7 +605,7 @@ TEST(Parameters, H27NoBadSetInForceOverRandomSequences) {
   EXPECT_GT(refused, 5000);
 }
 
-// H27: what limits motion or trips a guard is changed on standby, by an engineer, and never while anybody moves.
+// H27: limits of motion and of monitors are changed in STANDBY by an engineer, never in motion.
 TEST(Parameters, H27LimitsAndTripsAreForEngineersOnStandby) {
   for (const auto& row : contract::kParams) {
     const bool limit = (row.id >= 40 && row.id <= 47 && row.name != "speed_cap_norm") || (row.id >= 52 && row.id <= 53) ||
@@ -634,7 +633,7 @@ TEST(Neutral, IsTheMeanOfTheLastSecond) {
   EXPECT_NEAR(hoist.out.record.turn_norm, 0, 0.01);
 }
 
-// I7: what was seen under the values before says nothing about the new ones, neither for a start nor for a neutral posture.
+// I7: posture seen under the old values does not count for the new ones, neither for a start nor for neutral.
 TEST(Neutral, CountsAnewWhenTheValuesChangeThatItIsReadBy) {
   const Row rows[] = {
       {ParamName::neutral_lean_m, 0.05},      {ParamName::neutral_turn_rad, 0.1},     {ParamName::left_alpha_zero_rad, 0.04},
@@ -718,7 +717,7 @@ TEST(Pose, IsSetAtStandstillOnly) {
   EXPECT_EQ(hoist.ask(CommandKind::set_pose, 7, 0, 0, 0, 0, 0), refusal_bit(Refusal::moving));
 }
 
-// A start that is refused while a patient walks may have asked for its pose before.
+// A start refused during a walk may have set its pose before.
 TEST(Pose, StaysWhileSomebodyWalksAlsoWhenTheHoistStands) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));

@@ -43,7 +43,7 @@ TEST(Lease, TheServerReleasesForAClientThatIsGone) {
   EXPECT_EQ(hoist.state.lease.holder, 0U);
 }
 
-// H20: the second therapist gets the hoist when it stands.
+// H20: the second therapist gets control at standstill.
 TEST(Lease, CannotBeTakenOverWhileMoving) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::remote));
@@ -52,7 +52,7 @@ TEST(Lease, CannotBeTakenOverWhileMoving) {
   EXPECT_EQ(hoist.state.lease.holder, 7U);
 }
 
-// A second screen can end what the first one leads, gently and at once; it can begin nothing.
+// A second screen can end the motion of the first, softly and at once; it can start nothing.
 TEST(Lease, AnyoneMayEndAMotionAndOnlyTheHolderBeginsOne) {
   for (const Mode mode : {Mode::user, Mode::remote}) {
     ScriptedHoist hoist;
@@ -74,7 +74,7 @@ TEST(Lease, AnyoneMayEndAMotionAndOnlyTheHolderBeginsOne) {
   EXPECT_EQ(stopped.state.mode, Mode::protective_stop);
 }
 
-// H20, H28: who had the lease once has nothing any more.
+// H20, H28: a former lease holder has no rights.
 TEST(Lease, OldEpochsCannotStartOrDrive) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
@@ -91,7 +91,7 @@ TEST(Lease, OldEpochsCannotStartOrDrive) {
   EXPECT_EQ(hoist.state.mode, Mode::standby);
 }
 
-// Each way a driving command can be wrong, one at a time, on a hoist that drives with sound ones.
+// Each error of a driving command, one at a time, on a hoist that drives with valid ones.
 TEST(Remote, WrongCommandsMoveNothingAndAreCounted) {
   struct Case {
     const char* name;
@@ -117,7 +117,7 @@ TEST(Remote, WrongCommandsMoveNothingAndAreCounted) {
     for (int i = 0; i < 10; ++i) {
       hoist.hold(1.0, 0.5);
       c.spoil(hoist.drive_command, hoist);
-      --hoist.drive_sequence;  // the next one is judged on its own
+      --hoist.drive_sequence;  // the next one is checked separately
       hoist.step();
       EXPECT_EQ(hoist.command_m_s(), 0.0) << c.name;
     }
@@ -162,8 +162,7 @@ TEST(Remote, H17AgeSlowsThenStopsAndEndsRemote) {
   EXPECT_EQ(hoist.command_m_s(), 0);
 }
 
-// Whatever the network holds back, and however often commands come: from the telemetry that the hand last answered to the braking are never
-// more than 250 ms and a step.
+// For any network delay and command rate: from the telemetry that the last command echoes to braking at most 250 ms and a step.
 TEST(Remote, H17TheDelayOfTheNetworkIsPartOfTheAge) {
   constexpr int kStop_ticks = 25;
   for (int delay_ticks = 0; delay_ticks <= 30; ++delay_ticks) {
@@ -187,7 +186,7 @@ TEST(Remote, H17TheDelayOfTheNetworkIsPartOfTheAge) {
       };
       while (now < 400) link(true);
       const bool drove = hoist.command_m_s() > 0.05;
-      // Too late for the limit is too late to drive; up to 140 ms of delay nothing is refused, nor ended.
+      // Beyond the limit driving ends; up to 140 ms of delay nothing is refused.
       ASSERT_FALSE(drove && delay_ticks > kStop_ticks);
       ASSERT_TRUE(hoist.state.mode == Mode::remote || delay_ticks > 14 || period_ticks > 4);
       while (now <= felt + kStop_ticks) link(false);
@@ -214,7 +213,7 @@ TEST(Remote, H18AStallFollowedByABurstOfOldCommandsDoesNotMoveTheHoist) {
   ASSERT_TRUE(hoist.start(Mode::remote));
   hoist.drive_for(200, 1.0);
   std::vector<contract::DriveCommand> burst;
-  for (int i = 0; i < 50; ++i) {  // sent by the tablet, held up on the way
+  for (int i = 0; i < 50; ++i) {  // sent by the tablet, delayed by the network
     hoist.hold(1.0);
     hoist.drive_fresh = false;
     burst.push_back(hoist.drive_command);
@@ -248,7 +247,7 @@ TEST(Remote, AfterAGapTheStickMustComeBackFirst) {
   EXPECT_GT(hoist.command_m_s(), 0.05);
 }
 
-// The gap ended REMOTE; asking for it again does not make the hand let go of the stick.
+// The gap ended REMOTE; requesting it again is not a release of the stick.
 TEST(Remote, H17AfterAGapTheStickMustComeBackFirstAlsoInTheNextDrive) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::remote));
@@ -264,7 +263,7 @@ TEST(Remote, H17AfterAGapTheStickMustComeBackFirstAlsoInTheNextDrive) {
   EXPECT_GT(hoist.command_m_s(), 0.05);
 }
 
-// A stick that was pushed on standby and then said nothing more is no stick in the middle.
+// A stick pushed in STANDBY and then silent does not count as neutral.
 TEST(Remote, H17AStickLastSeenPushedIsPushed) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
@@ -289,7 +288,7 @@ TEST(Remote, LettingGoAndSilenceKeepRemote) {
   EXPECT_FALSE(hoist.has_fault(Fault::remote_command_lost));
 }
 
-// A stop in force never gets gentler: not by the request for standby, in whatever order the two arrive, nor by an alarm that asks for less.
+// A stop in force never gets gentler, neither by a request for STANDBY, in any order, nor by an alarm with a gentler stop.
 TEST(Remote, H17TheEndOfDrivingMakesNoStopGentler) {
   const auto let_go = [](ScriptedHoist& h) { h.hold(0, 0, false); };
   const auto end = [](ScriptedHoist& h) { h.send(CommandKind::request_mode, 7, static_cast<std::uint32_t>(Mode::standby)); };

@@ -1,4 +1,4 @@
-// Service: nodes get new programs through the running core. Who may, what passes, what ends it, and that nothing moves meanwhile.
+// Service: nodes get new programs through the running core. Permissions, allowed frames, end, and no motion meanwhile.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -57,7 +57,7 @@ class ServiceTest : public ::testing::Test {
     ASSERT_TRUE(on());
     ASSERT_EQ(hoist.state.mode, Mode::init);
   }
-  /// Whatever leaves in a step of service: the drives off, heartbeat, SYNC, and at most one frame of the tool.
+  /// Frames of a step in service: drives off, heartbeat, SYNC, and at most one frame of the tool.
   void expect_hands_off(int& of_the_tool) {
     for (const CanFrame& f : hoist.sent) {
       const auto function = f.id & 0x780U;
@@ -130,7 +130,7 @@ TEST_F(ServiceTest, OneFrameAStepPassesAndNobodyElseAsksWhileTheDrivesStayOff) {
   in_service();
   const std::uint32_t requests = hoist.tilt_left.sdo_requests;
   for (int i = 0; i < 500; ++i) {
-    // A node that starts anew is asked by nobody but the tool: a question of the core would end what is under way there.
+    // A restarting node is accessed only by the tool: a request of the core would abort its transfer.
     if (i == 100) hoist.tilt_left.booted = false;
     const std::uint32_t first = send(ask_product()), second = send(ask_product());
     hoist.step();
@@ -201,7 +201,7 @@ TEST_F(ServiceTest, TheGateJudgesByItself) {
   const GateView view{Mode::init, false, false, false, true};
   EXPECT_FALSE(SafetyGate::judge(canopen::sdo(kRequest, 0x23, 0x1017, 0, 0), view));
   EXPECT_FALSE(SafetyGate::judge(canopen::nmt(canopen::NmtCommand::reset_node, 17), view));
-  // Drive commands are judged as a pair, and service lets no drive run: both, or either alone.
+  // Drive commands are checked as a pair, and no drive may run in service: both, or either alone.
   const auto drive = [](Node node, std::uint16_t control) {
     CanFrame frame{contract::pdo_cob_id(contract::Pdo::drive_rx1, node), 6, 0, {}};
     contract::write_slot(frame, contract::pdo_slot(contract::Pdo::drive_rx1, 0x6040), control);
@@ -308,7 +308,7 @@ TEST_F(ServiceTest, CanBeginAgainInINIT) {
   EXPECT_EQ(ask(ask_product()), 0U);
 }
 
-// A loader with a whole program goes back to work when nobody has asked it anything for a minute.
+// A loader with a valid program starts it after a minute without requests.
 TEST_F(ServiceTest, ANodeThatStaysInItsLoaderIsAskedTwiceAndThenLeftAlone) {
   in_service();
   hoist.tilt_left.product_bits = contract::kLoaderProduct;

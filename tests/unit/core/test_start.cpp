@@ -1,4 +1,4 @@
-// From power-up to standby, and the two ways to move.
+// From power-up to standby, and the two motion modes.
 #include <gtest/gtest.h>
 
 #include "tests/unit/core/scripted_hoist.hpp"

@@ -1,4 +1,4 @@
-// Where the track begins and what it goes on through: start marks, exercises that were broken off, steps that were left out.
+// Start marks: when the track restarts and when it continues, with interrupted exercises and missed steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -48,7 +48,7 @@ TEST(StartMark, TheSameExerciseGoesOnWhereTheHoistIsAfterAStop) {
   EXPECT_EQ(hoist.out.record.distance_m, distance_m);
   EXPECT_EQ(hoist.out.record.start_mark, 1U);
   EXPECT_EQ(hoist.count(contract::EventKind::pose_set), 1);
-  // Another exercise, and the same one when it is asked to begin again, lie on a new mark.
+  // Another exercise, and the same one started again, get a new mark.
   ASSERT_EQ(mark(hoist, kSquare), 0U);
   EXPECT_EQ(hoist.out.record.start_mark, 2U);
   EXPECT_NEAR(hoist.out.record.x_m, 1.0, 1e-6);
@@ -56,7 +56,7 @@ TEST(StartMark, TheSameExerciseGoesOnWhereTheHoistIsAfterAStop) {
   ASSERT_EQ(mark(hoist, kSquare, contract::kStartAgain, 0.7), 0U);
   EXPECT_EQ(hoist.out.record.start_mark, 3U);
   EXPECT_NEAR(hoist.out.record.psi_rad, 0.7, 1e-6);
-  // A pose without an exercise is a mark that nothing goes on from.
+  // A pose without an exercise is a mark that no exercise continues from.
   ASSERT_EQ(mark(hoist, 0), 0U);
   ASSERT_EQ(mark(hoist, 0), 0U);
   EXPECT_EQ(hoist.out.record.start_mark, 5U);
@@ -66,7 +66,7 @@ TEST(StartMark, WhatADriveDidNotCountEndsIt) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
   ASSERT_EQ(mark(hoist, kEight), 0U);
-  hoist.drive_left.booted = false;  // power cycled: its counter begins anew
+  hoist.drive_left.booted = false;  // power-cycled: its counter restarts
   hoist.step(2);
   EXPECT_EQ(hoist.state.start.exercise, 0U);
 }
@@ -103,7 +103,7 @@ TEST(StartMark, AGuidedExerciseThatWasBrokenOffGoesOnAndAFinishedOneBeginsAgain)
     fastest_m_s = std::max(fastest_m_s, hoist.out.record.speed_wish_m_s);
   }
   EXPECT_NEAR(fastest_m_s, slower.speed_m_s, 0.01) << "with the speed that was wished last";
-  // Two metres from the mark, not from where it went on.
+  // Two metres from the mark, not from the place of continuation.
   EXPECT_NEAR(std::hypot(hoist.out.record.x_m - 1.0, hoist.out.record.y_m - 2.0), 2.0, 0.03);
   EXPECT_EQ(hoist.out.record.guided_progress_norm, 1.0F);
   hoist.hold(0, 0, false);
@@ -158,7 +158,7 @@ TEST(StartMark, ASquareBrokenOffInACornerGoesOnTurning) {
   EXPECT_NEAR(hoist.out.record.y_m, 2.0, 0.04);
 }
 
-// The core is held for n steps, which it leaves out; the wheels go on. What it reads then was sampled at the SYNC before.
+// The core is suspended for n steps, which it leaves out; the wheels continue. The next data was sampled at the previous SYNC.
 void leave_out(ScriptedHoist& hoist, int n) {
   hoist.extra = hoist.collect();
   for (FakeDrive* drive : {&hoist.drive_left, &hoist.drive_right})
