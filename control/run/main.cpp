@@ -80,7 +80,7 @@ void print_help() {
          "  --set NAME=VALUE   starts with this value (SI units) instead of the stored one; may be repeated\n"
          "  --cpu WHICH        core for the control thread: auto (one that the kernel keeps free, else the last; default), none or a "
          "number\n"
-         "  --no-realtime      does not ask for real-time priority and locked memory\n"
+         "  --no-realtime      no real-time priority, no locked memory\n"
          "  --version          which source this program was built from\n"
          "  --help             this page\n\n"
          "Ends with a controlled stop on SIGINT or SIGTERM.\n";

@@ -80,7 +80,7 @@ void print_usage() {
       "  --speed WISH_M_S    speed the patient likes to walk, 0.05 to 0.8 (default 0.30)\n"
       "  --patient-mass KG   30 to 150 (default 75)\n"
       "  --machine-seed N    another machine: its lengths, its sensors' mounting and its wheels stray from the design, for calibration\n"
-      "  --patient-seed N    somebody else: all of the patient's figures drawn from their usual ranges\n"
+      "  --patient-seed N    another patient: all parameters drawn from their usual ranges\n"
       "  --virtual SECONDS   run the world alone as fast as possible, say how fast, and end\n"
       "  --version           which source this program was built from");
 }

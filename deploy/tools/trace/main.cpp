@@ -1,4 +1,4 @@
-// hoist-trace: prints hazard, monitors, guards and tests, and fails on a hole.
+// hoist-trace: prints every hazard with its monitors, guards and tests; fails when one is missing.
 #include <cstdio>
 #include <exception>
 #include <filesystem>

@@ -215,11 +215,11 @@ std::string page(const Scan& scan) {
   std::string text =
       "<!-- Made by `deploy/dev trace --write` from control/contract/hazards.def, control/contract/faults.def and the test sources; do not "
       "edit. -->\n"
-      "# Hazards, what answers them, and what tests it\n\n"
-      "`deploy/dev trace` prints the same with every test by its name, and fails when a hazard has no answer or no test, when a monitor "
+      "# Hazards, their guards and tests\n\n"
+      "`deploy/dev trace` prints the same with the name of every test, and fails when a hazard has no guard or no test, when a monitor "
       "has no\n"
       "hazard, or when a test names a hazard that does not exist.\n\n"
-      "| | hazard | monitors | besides | tests in |\n|---|---|---|---|---|\n";
+      "| | hazard | monitors | other guards | tests in |\n|---|---|---|---|---|\n";
   for (const HazardInfo& hazard : kHazards) {
     text += "| H" + std::to_string(hazard.number) + " | " + std::string(hazard.what) + " | ";
     std::string monitors;
@@ -239,7 +239,7 @@ std::string page(const Scan& scan) {
             std::string(reaction_text(fault.reaction)) + " | " + std::to_string(fault.budget_ms) + " ms |\n";
   text += "\n";
   for (const auto& request : contract::kRequests) text += std::string(request.name) + ": " + std::string(request.why) + ".\n";
-  text += "\n## Not there yet\n\n| | missing | comes with |\n|---|---|---|\n";
+  text += "\n## Missing\n\n| | missing | comes with |\n|---|---|---|\n";
   for (const auto& row : contract::kOpenHazards)
     if (row.number > 0) text += "| H" + std::to_string(row.number) + " | the whole answer | " + std::string(row.comes_with) + " |\n";
   for (const auto& gap : contract::kHazardGaps)
