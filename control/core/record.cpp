@@ -146,7 +146,7 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.tilt_implausible_code = code(contract::Fault::tilt_implausible);
   record.overspeed_code = code(contract::Fault::overspeed);
   record.bumpers = sensed.io.bumpers();
-  record.bumpers_acknowledged = state.bumpers_acknowledged;
+  record.bumpers_acknowledged = state.acknowledgement.bumpers();
   record.settings_trial_s = f32(state.trial.left_s);
   record.simulated = state.master.simulated() ? 1 : 0;
   record.tilt_left_age_ticks = sensed.left_strut.fresh().age_ticks();

@@ -6,6 +6,7 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/core/calibrate/calibration.hpp"
+#include "control/core/command/acknowledgement.hpp"
 #include "control/core/command/guided.hpp"
 #include "control/core/command/lease.hpp"
 #include "control/core/command/param_keeper.hpp"
@@ -63,15 +64,6 @@ struct StartMark {
   std::uint32_t exercise = 0;  // key that the server gave the exercise, 0 = none: the next start sets a new mark
 };
 
-/// An acknowledgement that waits for a drive to leave its fault.
-struct PendingAcknowledge {
-  std::uint32_t request_id = 0, client = 0;
-  std::uint8_t ticks_left = 0;
-  std::uint8_t bumpers = 0;       // that touched when it was pressed, and have touched ever since
-  std::uint32_t lease_epoch = 0;  // of whoever pressed
-  bool overtaken = false;         // something else has stopped the hoist since, which nobody has acknowledged
-};
-
 struct CoreState {
   CoreState() : CoreState(contract::Params{}) {}
   /// The parameters are taken as they are; load_params checks.
@@ -104,7 +96,7 @@ struct CoreState {
   ServerWatch server;
   Staging staging;
   std::uint64_t next_sequence = 0;  // of the commands; 0 = whatever comes first
-  PendingAcknowledge pending;
+  Acknowledgement acknowledgement;
 
   contract::Mode mode = contract::Mode::init;
   Motion motion;
@@ -121,8 +113,7 @@ struct CoreState {
   std::uint8_t stop_cause = 0;                                      // fault that came first of the latest stop, plus one
   std::array<std::uint16_t, contract::kFaultPlaces> fault_codes{};  // by bit: what a fault in force is about (HOIST_DETAIL)
   RepeatWatch repeats;
-  bool stops_changed = false;             // what `repeats` counts, or whether the hoist is out of service for it
-  std::uint8_t bumpers_acknowledged = 0;  // pressed still, and acknowledged so
+  bool stops_changed = false;  // what `repeats` counts, or whether the hoist is out of service for it
   std::uint8_t bus_settle_ticks = 0;
   std::uint8_t remote_lost_ticks = 0;  // how long the lost driver is still shown
   std::uint32_t nodes_heard = 0;       // bit per node: answering

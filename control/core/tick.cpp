@@ -8,6 +8,7 @@
 #include "control/contract/can_dictionary.hpp"
 #include "control/core/command/commands.hpp"
 #include "control/core/estimate/receive.hpp"
+#include "control/core/events.hpp"
 #include "control/core/modes/mode_list.hpp"
 #include "control/core/output/bumper_room.hpp"
 #include "control/core/output/supervisor.hpp"
@@ -76,8 +77,7 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
   } else if (state.remote_lost_ticks > 0) {
     --state.remote_lost_ticks;
   }
-  // What was let go counts anew when it touches again.
-  state.bumpers_acknowledged &= state.sensed.io.bumpers();
+  state.acknowledgement.next_tick(state.sensed.io.bumpers());
   const MonitorView view{.sensed = state.sensed,
                          .health = state.health,
                          .params = state.params,
@@ -96,7 +96,7 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
                          .remote_lost = state.remote_lost_ticks > 0,
                          .held_back = state.mode == contract::Mode::guided && state.guided.held_back(),
                          .relay_cut = state.relay.is_cut(),
-                         .bumpers_acknowledged = state.bumpers_acknowledged,
+                         .bumpers_acknowledged = state.acknowledgement.bumpers(),
                          .wake_lateness_s = inputs.wake_lateness_s,
                          .ticks = state.ticks_run,
                          .dt_s = dt_s};
@@ -125,7 +125,7 @@ void take_commands(CoreState& state, const TickInputs& inputs) noexcept {
     }
   }
   if (inputs.drive_fresh) take_drive_command(state, inputs.drive);
-  serve_pending(state);
+  Acknowledgement::serve(state);
 }
 
 /// The mode's wish, through the limiter.

@@ -374,8 +374,7 @@ TEST(Transitions, EveryEntryBeginsFromZero) {
         ASSERT_EQ(begin_service(state), 0U);
         break;
       case Asker::acknowledgement: {
-        bool wait = false;
-        ASSERT_EQ(acknowledge(state, contract::Role::engineer, 0, wait), 0U);
+        ASSERT_EQ(Acknowledgement::press(state, {0, 0, contract::Role::engineer, 0}), 0U);
         break;
       }
     }

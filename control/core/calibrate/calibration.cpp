@@ -7,6 +7,7 @@
 #include "control/core/calibrate/strut_geometry.hpp"
 #include "control/core/calibrate/wheel_signs.hpp"
 #include "control/core/calibrate/wheel_travel.hpp"
+#include "control/core/events.hpp"
 #include "control/core/modes/mode.hpp"
 #include "control/core/output/supervisor.hpp"
 

@@ -5,6 +5,7 @@
 
 #include "control/contract/param_set.hpp"
 #include "control/core/command/param_keeper.hpp"
+#include "control/core/events.hpp"
 #include "control/core/modes/mode_list.hpp"
 #include "control/core/output/supervisor.hpp"
 
@@ -238,12 +239,11 @@ Verdict begin_guided(CoreState& state, const Command& command) noexcept {
 
 Verdict ask_acknowledge(CoreState& state, const Command& command) noexcept {
   if (!state.lease.held_by(command.client, command.lease_epoch)) return refused(Refusal::no_lease);
-  if (state.pending.ticks_left > 0) return refused(Refusal::out_of_order);
-  bool wait = false;
+  if (state.acknowledgement.waits()) return refused(Refusal::out_of_order);
   if (command.b > static_cast<std::uint32_t>(contract::Role::engineer)) return refused(Refusal::not_allowed);
-  const std::uint32_t bits = acknowledge(state, static_cast<contract::Role>(command.b), command.bits, wait);
-  if (wait) state.pending = {command.request_id, command.client, kResetTicksMax, state.sensed.io.bumpers(), state.lease.epoch, false};
-  return {bits, 0, wait};
+  const Press press{command.request_id, command.client, static_cast<contract::Role>(command.b), command.bits};
+  const std::uint32_t bits = Acknowledgement::press(state, press);
+  return {bits, 0, state.acknowledgement.waits()};
 }
 
 // ----- service -----

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "control/contract/crc32.hpp"
+#include "control/core/events.hpp"
 #include "control/core/modes/mode_list.hpp"
 #include "control/core/output/supervisor.hpp"
 #include "control/core/state.hpp"

@@ -442,7 +442,7 @@ TEST(Modes, ABumperPressedWhileTheDriveIsAwaitedIsNotAcknowledged) {
     hoist.step(150);
     const std::uint32_t id = hoist.send(CommandKind::acknowledge);
     hoist.step(5);
-    ASSERT_GT(hoist.state.pending.ticks_left, 0);
+    ASSERT_TRUE(hoist.state.acknowledgement.waits());
     if (let_go) {
       hoist.io.bumpers = 0;
       hoist.step(2);
@@ -452,7 +452,7 @@ TEST(Modes, ABumperPressedWhileTheDriveIsAwaitedIsNotAcknowledged) {
     hoist.drive_left.fault = false;
     for (int i = 0; i < 60 && hoist.answer(id) == ~0U; ++i) hoist.step();
     EXPECT_EQ(hoist.answer(id), 0U);
-    EXPECT_EQ(hoist.state.bumpers_acknowledged, 0);
+    EXPECT_EQ(hoist.state.acknowledgement.bumpers(), 0);
     hoist.step();
     EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
     EXPECT_TRUE(hoist.has_fault(Fault::bumper_pressed));
@@ -500,7 +500,7 @@ TEST(Modes, WhatStopsWhileTheDriveIsAwaitedIsNotAcknowledged) {
     hoist.step(150);
     const std::uint32_t id = hoist.send(CommandKind::acknowledge);
     hoist.step(5);
-    ASSERT_GT(hoist.state.pending.ticks_left, 0) << c.name;
+    ASSERT_TRUE(hoist.state.acknowledgement.waits()) << c.name;
     c.meanwhile(hoist);
     hoist.drive_left.fault = false;
     for (int i = 0; i < 60 && hoist.answer(id) == ~0U; ++i) hoist.step();
