@@ -9,6 +9,7 @@
 #include <set>
 
 #include "db/export/exercise_names.hpp"
+#include "db/summary/session_json.hpp"
 #include "server/contract/openapi.hpp"
 #include "server/contract/routes.hpp"
 #include "server/http/auth.hpp"
@@ -307,6 +308,23 @@ TEST(OpenApi, NamesEveryRouteAndOnlyKnownSchemas) {
     ++references;
   }
   EXPECT_GT(references, 50U);
+}
+
+TEST(OpenApi, EveryReasonForAMissingFigureIsToldWithItsWords) {
+  json codes = json::array();
+  const auto row = [&codes](db::NoFigure why, const char* code, const char* text) {
+    db::SessionMetrics metrics;
+    metrics.why_absent = why;
+    const json told = db::metrics_json(metrics, {});
+    EXPECT_EQ(told["reason_code"], code);
+    EXPECT_EQ(told["reason_if_none"], text);
+    codes.push_back(code);
+  };
+#define HOIST_NO_FIGURE(name, text_en, text_de) row(db::NoFigure::name, #name, text_en);
+#include "db/summary/no_figure.def"
+#undef HOIST_NO_FIGURE
+  codes.push_back(nullptr);
+  EXPECT_EQ(openapi_document()["components"]["schemas"]["Metrics"]["properties"]["reason_code"]["enum"], codes);
 }
 
 }  // namespace
