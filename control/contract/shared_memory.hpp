@@ -10,6 +10,7 @@
 #include "control/contract/check.hpp"
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
+#include "control/contract/journal.hpp"
 #include "control/contract/loop_report.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/program_version.hpp"
@@ -56,6 +57,8 @@ constexpr std::uint64_t kStateMagic = 0x3145544154534948ULL;    // "HISTATE1", l
 constexpr std::uint64_t kCommandMagic = 0x31444E414D4D4348ULL;  // "HCMMAND1"
 // 20.48 s of ticks: a recorder that hangs for less loses nothing.
 constexpr std::size_t kTickSlots = 2048, kEventSlots = 1024, kBusSlots = 16384, kCommandSlots = 64;
+// As far back as the ticks; an image of the core comes each second, and before a step that may begin a motion.
+constexpr std::size_t kJournalSlots = kTickSlots, kJournalCommandSlots = 1024, kImageSlots = 24;
 
 /// What the core's times count: this computer's steady clock, or in lock-step the simulator's time, which a busy computer slows down.
 enum class ClockKind : std::uint64_t { steady = 0, simulated = 1 };
@@ -81,6 +84,9 @@ struct StateSegment {
   SeqRing<TickRecord, kTickSlots> ticks;   // the newest slot is also the snapshot: one copy per tick
   SeqRing<Event, kEventSlots> events;
   SeqRing<BusRecord, kBusSlots> bus;
+  SeqRing<JournalStep, kJournalSlots> journal;
+  SeqRing<JournalCommand, kJournalCommandSlots> journal_commands;
+  SeqRing<CoreImage, kImageSlots> images;
 };
 
 struct CommandSegment {

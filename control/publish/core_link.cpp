@@ -90,6 +90,9 @@ CoreLink::~CoreLink() {
 void CoreLink::publish_tick(const contract::TickRecord& record) noexcept { ring_write(state().ticks, record); }
 void CoreLink::publish_event(const contract::Event& event) noexcept { ring_write(state().events, event); }
 void CoreLink::publish_bus(const contract::BusRecord& record) noexcept { ring_write(state().bus, record); }
+void CoreLink::publish_journal(const contract::JournalStep& step) noexcept { ring_write(state().journal, step); }
+void CoreLink::publish_journal(const contract::JournalCommand& command) noexcept { ring_write(state().journal_commands, command); }
+void CoreLink::publish_image(const contract::CoreImage& image) noexcept { ring_write(state().images, image); }
 void CoreLink::publish_params(const contract::ParamsInForce& params) noexcept { seq_write(state().params, params_number_++, params); }
 void CoreLink::publish_loop(const contract::LoopReport& report) noexcept { seq_write(state().loop, loop_number_++, report); }
 

@@ -28,6 +28,9 @@ class CoreLink {
   void publish_tick(const contract::TickRecord& record) noexcept;
   void publish_event(const contract::Event& event) noexcept;
   void publish_bus(const contract::BusRecord& record) noexcept;
+  void publish_journal(const contract::JournalStep& step) noexcept;
+  void publish_journal(const contract::JournalCommand& command) noexcept;
+  void publish_image(const contract::CoreImage& image) noexcept;
   void publish_params(const contract::ParamsInForce& params) noexcept;
   void publish_loop(const contract::LoopReport& report) noexcept;
   // Begins one look at the server's memory; everything below then speaks of the same server. False when none is attached.

@@ -160,5 +160,8 @@ class StateReader {
 using TickReader = StateReader<contract::TickRecord, &contract::StateSegment::ticks>;
 using EventReader = StateReader<contract::Event, &contract::StateSegment::events>;
 using BusReader = StateReader<contract::BusRecord, &contract::StateSegment::bus>;
+using JournalReader = StateReader<contract::JournalStep, &contract::StateSegment::journal>;
+using JournalCommandReader = StateReader<contract::JournalCommand, &contract::StateSegment::journal_commands>;
+using ImageReader = StateReader<contract::CoreImage, &contract::StateSegment::images>;
 
 }  // namespace hoist::publish

@@ -1,14 +1,12 @@
 #include "control/run/control_loop.hpp"
 
-#include <cstring>
-
 #include "control/core/output/supervisor.hpp"
 #include "control/publish/seq_cell.hpp"
 
 namespace hoist::run {
 
 ControlLoop::ControlLoop(bus::CanPort& port, publish::CoreLink& link, const contract::Params& initial, const core::StopHistory& earlier)
-    : port_(port), link_(link) {
+    : port_(port), link_(link), publisher_(link) {
   [[maybe_unused]] const bool accepted = core::load_params(state_, initial);
   core::restore_stops(state_, earlier);
   publish_params();
@@ -60,15 +58,13 @@ void ControlLoop::step(const Step& step) noexcept {
   }
   inputs.commands = {commands_.data(), commands};
 
+  publisher_.before(state_, inputs);
   core::tick(state_, inputs, core::kTick_s, outputs_);
 
   port_.send({outputs_.frames.data(), outputs_.frames.size()}, step.time_ns);
-  publish_frames(inputs.frames, step.time_ns, false);
-  publish_frames({outputs_.frames.data(), outputs_.frames.size()}, step.time_ns, true);
   if (outputs_.params_changed) publish_params();
   if (outputs_.stops_changed) publish::seq_write(stops_, stops_written_++, core::stop_history(state_));
-  for (const contract::Event& event : outputs_.events) link_.publish_event(event);
-  link_.publish_tick(outputs_.record);
+  publisher_.after(inputs, outputs_);
 }
 
 bool ControlLoop::read_stops(core::StopHistory& history, std::uint64_t& seen) const noexcept {
@@ -84,19 +80,6 @@ void ControlLoop::set_granted(std::uint8_t priority, std::uint8_t cpu, bool memo
   loop_.priority = priority;
   loop_.cpu = cpu;
   loop_.memory_locked = memory_locked;
-}
-
-void ControlLoop::publish_frames(std::span<const contract::CanFrame> frames, std::uint64_t time_ns, bool sent) noexcept {
-  for (const contract::CanFrame& frame : frames) {
-    contract::BusRecord record;
-    record.time_ns = time_ns;
-    record.id = frame.id;
-    record.dlc = frame.dlc;
-    record.flags = frame.flags;
-    record.sent = sent ? 1 : 0;
-    std::memcpy(&record.data, frame.data.data(), sizeof record.data);
-    link_.publish_bus(record);
-  }
 }
 
 void ControlLoop::publish_params() noexcept {

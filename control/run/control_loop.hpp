@@ -9,6 +9,7 @@
 #include "control/bus/can_port.hpp"
 #include "control/core/tick.hpp"
 #include "control/publish/core_link.hpp"
+#include "control/publish/step_publisher.hpp"
 #include "control/run/lateness.hpp"
 
 namespace hoist::run {
@@ -42,12 +43,12 @@ class ControlLoop {
   [[nodiscard]] const contract::TickRecord& record() const noexcept { return outputs_.record; }
 
  private:
-  void publish_frames(std::span<const contract::CanFrame> frames, std::uint64_t time_ns, bool sent) noexcept;
   void publish_params() noexcept;
 
   static constexpr std::size_t kFramesPerStep = 256;  // a full bus brings 23 frames per step; the rest is reserve after a delay
   bus::CanPort& port_;
   publish::CoreLink& link_;
+  publish::StepPublisher publisher_;
   core::CoreState state_;
   core::TickOutputs outputs_;
   contract::SeqSlot<core::StopHistory> stops_{};

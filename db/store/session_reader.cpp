@@ -7,6 +7,7 @@
 
 #include "control/contract/faults.hpp"
 #include "db/codec/bus_chunk.hpp"
+#include "db/codec/journal_chunk.hpp"
 #include "db/store/chunk_source.hpp"
 #include "db/store/sqlite.hpp"
 
@@ -25,7 +26,9 @@ constexpr const char* kSessionColumns =
     "(SELECT count(*) FROM gaps WHERE session_id = sessions.id), "
     // The length of a blob stands in its row's head: no chunk is read for this.
     "(SELECT coalesce(sum(length(directory) + length(body)), 0) FROM chunks WHERE session_id = sessions.id) + "
-    "(SELECT coalesce(sum(length(body)), 0) FROM bus_chunks WHERE session_id = sessions.id), core_version FROM sessions ";
+    "(SELECT coalesce(sum(length(body)), 0) FROM bus_chunks WHERE session_id = sessions.id) + "
+    "(SELECT coalesce(sum(length(body)), 0) FROM journal_chunks WHERE session_id = sessions.id) + "
+    "(SELECT coalesce(sum(length(body)), 0) FROM core_images WHERE session_id = sessions.id), core_version FROM sessions ";
 
 SessionInfo info_of(const Statement& row) {
   SessionInfo info;
@@ -444,6 +447,71 @@ Result<std::vector<contract::BusRecord>> SessionReader::bus_frames(SessionId ses
     out.insert(out.end(), chunk->begin(), chunk->begin() + static_cast<std::ptrdiff_t>(count));
   }
   return out;
+}
+
+Result<std::vector<JournalExtent>> SessionReader::journal(SessionId session) const {
+  return guarded([&]() -> Result<std::vector<JournalExtent>> {
+    std::vector<JournalExtent> out;
+    Statement row(database_->handle(), "SELECT first_step, steps FROM journal_chunks WHERE session_id = ?1 ORDER BY first_step");
+    row.integer(1, session);
+    while (row.step()) out.push_back({row.unsigned_at(0), row.unsigned_at(1)});
+    return out;
+  });
+}
+
+Result<JournalRun> SessionReader::journal_run(SessionId session, std::uint64_t first_step) const {
+  return guarded([&]() -> Result<JournalRun> {
+    JournalRun run;
+    Statement row(database_->handle(), "SELECT body FROM journal_chunks WHERE session_id = ?1 AND first_step = ?2");
+    CodecError error = CodecError::body_damaged;
+    if (row.integer(1, session).unsigned_integer(2, first_step).step()) error = decode_journal(row.blob_at(0), run.steps, run.commands);
+    if (error != CodecError::none)
+      return Error{
+          ErrorKind::corrupt,
+          "session " + std::to_string(session) + ", journal from step " + std::to_string(first_step) + ": " + codec_error_text(error),
+          {}};
+    return run;
+  });
+}
+
+Result<std::vector<ImagePlace>> SessionReader::images(SessionId session) const {
+  return guarded([&]() -> Result<std::vector<ImagePlace>> {
+    std::vector<ImagePlace> out;
+    Statement row(database_->handle(), "SELECT step, tick FROM core_images WHERE session_id = ?1 ORDER BY step");
+    row.integer(1, session);
+    while (row.step()) out.push_back({row.unsigned_at(0), row.unsigned_at(1)});
+    return out;
+  });
+}
+
+Result<contract::CoreImage> SessionReader::image(SessionId session, std::uint64_t step) const {
+  return guarded([&]() -> Result<contract::CoreImage> {
+    contract::CoreImage image;
+    Statement row(database_->handle(), "SELECT step, tick, bytes, body FROM core_images WHERE session_id = ?1 AND step = ?2");
+    const bool found = row.integer(1, session).unsigned_integer(2, step).step();
+    if (found) {
+      image.step = row.unsigned_at(0);
+      image.tick = row.unsigned_at(1);
+      image.bytes = row.unsigned_at(2);
+    }
+    if (!found || image.bytes > image.memory.size() || !unpack_bytes(row.blob_at(3), std::span(image.memory).first(image.bytes)))
+      return Error{ErrorKind::corrupt,
+                   "session " + std::to_string(session) + ", image of the core at step " + std::to_string(step) + ": it is damaged",
+                   {}};
+    return image;
+  });
+}
+
+Result<StoredSamples> SessionReader::samples(SessionId session, std::uint64_t tick) const {
+  return guarded([&]() -> Result<StoredSamples> {
+    StoredSamples out;
+    const std::vector<ColumnInfo> layout = layout_of(database_->handle(), session);
+    std::vector<std::size_t> which(layout.size());
+    for (std::size_t c = 0; c < which.size(); ++c) which[c] = c;
+    ChunkSource source(database_->handle(), session, layout.size());
+    if (const auto chunk = source.at_or_after(tick)) source.load(*chunk, which, out.values);
+    return out;
+  });
 }
 
 }  // namespace hoist::db

@@ -57,6 +57,15 @@ class SessionReader {
   Result<std::vector<contract::BusRecord>> bus_chunk(SessionId session, std::uint64_t first) const;
   /// Raw frames in the order they were recorded, from number `first` (0 = the session's first), at most `limit`; empty at the end.
   Result<std::vector<contract::BusRecord>> bus_frames(SessionId session, std::uint64_t first, std::size_t limit) const;
+  /// The journal's stored runs, in rising order; empty in recordings from before it was stored.
+  Result<std::vector<JournalExtent>> journal(SessionId session) const;
+  /// The run that begins with this step. A damaged one is the error `corrupt`, of this run only.
+  Result<JournalRun> journal_run(SessionId session, std::uint64_t first_step) const;
+  /// Where the core's memory is stored, in rising order, and one of them.
+  Result<std::vector<ImagePlace>> images(SessionId session) const;
+  Result<contract::CoreImage> image(SessionId session, std::uint64_t step) const;
+  /// The stored chunk that holds this tick or comes first after it; without samples at the end.
+  Result<StoredSamples> samples(SessionId session, std::uint64_t tick) const;
 
  private:
   Database* database_;

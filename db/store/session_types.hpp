@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "control/contract/journal.hpp"
+
 namespace hoist::db {
 
 using SessionId = std::int64_t;
@@ -112,6 +114,24 @@ struct Marker {
   std::uint64_t tick = 0;
   std::int64_t utc_ns = 0;
   std::string text;
+};
+
+/// Steps of the journal that are stored together, and what they hold.
+struct JournalExtent {
+  std::uint64_t first_step = 0, steps = 0;
+};
+struct JournalRun {
+  std::vector<contract::JournalStep> steps;
+  std::vector<contract::JournalCommand> commands;  ///< in the order of the steps
+};
+/// Where an image of the core stands.
+struct ImagePlace {
+  std::uint64_t step = 0, tick = 0;
+};
+
+/// Samples as they are stored: values[c][i] = sample i of column c of SessionReader::columns, times 10^decimals.
+struct StoredSamples {
+  std::vector<std::vector<std::int64_t>> values;
 };
 
 /// Part of a session in seconds since its start (SessionInfo::start_time_ns): from_s <= t < to_s.

@@ -13,6 +13,7 @@
 #include "control/contract/params.hpp"
 #include "db/codec/bus_chunk.hpp"
 #include "db/codec/column_chunk.hpp"
+#include "db/codec/journal_chunk.hpp"
 #include "db/store/chunk_source.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/sqlite.hpp"
@@ -21,8 +22,11 @@ namespace hoist::db {
 namespace {
 
 using contract::BusRecord;
+using contract::CoreImage;
 using contract::Event;
 using contract::EventKind;
+using contract::JournalCommand;
+using contract::JournalStep;
 using contract::kSignalCount;
 using contract::kSignals;
 using contract::SignalInfo;
@@ -74,7 +78,7 @@ enum class Fit : std::uint8_t { ok, not_finite, out_of_range };
 // Beyond 2^53 a double no longer counts in ones.
 constexpr double kLargestScaled = 9007199254740992.0;
 
-Fit to_integers(const TickRecord& record, std::array<std::int64_t, kSignalCount>& out) {
+Fit to_integers(const TickRecord& record, std::span<std::int64_t, kSignalCount> out) {
   for (std::size_t c = 0; c < kSignalCount; ++c) {
     const SignalInfo& signal = kSignals[c];
     switch (signal.type) {
@@ -149,6 +153,8 @@ struct PendingAnchor {
 
 }  // namespace
 
+bool stored_row(const TickRecord& record, std::span<std::int64_t, kSignalCount> row) { return to_integers(record, row) == Fit::ok; }
+
 struct SessionWriter::State {
   explicit State(Database& database)
       : handle(database.handle()),
@@ -161,6 +167,8 @@ struct SessionWriter::State {
             handle,
             "INSERT INTO bus_chunks (session_id, first_frame, frames, first_time_ns, last_time_ns, body) VALUES (?1, ?2, ?3, ?4, ?5, ?6) "
             "ON CONFLICT (session_id, first_frame) DO UPDATE SET frames = ?3, first_time_ns = ?4, last_time_ns = ?5, body = ?6"),
+        put_journal(handle, "INSERT INTO journal_chunks (session_id, first_step, steps, body) VALUES (?1, ?2, ?3, ?4)"),
+        put_image(handle, "INSERT INTO core_images (session_id, step, tick, bytes, body) VALUES (?1, ?2, ?3, ?4, ?5)"),
         put_event(handle,
                   "INSERT INTO events (session_id, number, tick, time_ns, kind, kind_name, code, bits, item, value, before, request_id, "
                   "client, name) "
@@ -173,12 +181,14 @@ struct SessionWriter::State {
         tail(kSignalCount) {}
 
   sqlite3* handle;
-  Statement put_chunk, put_bus, put_event, put_gap, put_marker, put_anchor, count_commit;
+  Statement put_chunk, put_bus, put_journal, put_image, put_event, put_gap, put_marker, put_anchor, count_commit;
   std::shared_ptr<Seal> seal;  // null on a disk that has none
   Seal::Content sealed;        // as of the commit that is counted
   ChunkEncoder encoder;
   EncodedChunk encoded;
   Bytes bus_blob;
+  JournalEncoder journal_encoder;
+  Bytes journal_blob;
   std::vector<SessionId> interrupted;
   std::uint64_t refused_samples = 0, failed_commits = 0;
 
@@ -196,6 +206,16 @@ struct SessionWriter::State {
   std::vector<BusRecord> bus_tail;           // frames since the newest complete bus chunk
   std::size_t bus_durable = 0;
   std::uint64_t bus_first = 0;
+  std::vector<JournalStep> journal;
+  std::vector<JournalCommand> journal_commands;
+  std::vector<CoreImage> images;
+  std::uint64_t journal_least = 0;            // least number that the next step may have
+  std::optional<std::uint64_t> journal_next;  // step that comes next; absent at the beginning and after a hole
+  std::uint64_t journal_whole_from = 0;       // step from which on nothing is missing
+  struct {
+    std::uint64_t step, tick;
+  } last_image{};
+  bool image_stored = false;
   std::vector<Event> events;
   std::vector<PendingGap> gaps;
   std::vector<Marker> markers;
@@ -206,7 +226,8 @@ struct SessionWriter::State {
   [[nodiscard]] std::uint64_t newest_in_tail() const { return static_cast<std::uint64_t>(tail[kTickColumn].back()); }
   [[nodiscard]] std::size_t waiting() const { return tail_samples() - tail_durable; }
   [[nodiscard]] bool anything_waiting() const {
-    return waiting() > 0 || bus_tail.size() > bus_durable || !events.empty() || !gaps.empty() || !markers.empty() || !anchors.empty();
+    return waiting() > 0 || bus_tail.size() > bus_durable || !events.empty() || !gaps.empty() || !markers.empty() || !anchors.empty() ||
+           !journal.empty() || !images.empty();
   }
 
   void clear_session() {
@@ -222,6 +243,13 @@ struct SessionWriter::State {
     bus_tail.clear();
     bus_durable = 0;
     bus_first = 0;
+    journal.clear();
+    journal_commands.clear();
+    images.clear();
+    journal_least = 0;
+    journal_next.reset();
+    journal_whole_from = 0;
+    image_stored = false;
     events.clear();
     gaps.clear();
     markers.clear();
@@ -298,6 +326,33 @@ struct SessionWriter::State {
         .run();
   }
 
+  void write_journal() {
+    std::span<const JournalCommand> commands(journal_commands);
+    for (std::size_t begin = 0; begin < journal.size(); begin += kFoldedChunkSamples) {
+      const auto steps = std::span<const JournalStep>(journal).subspan(begin, std::min(kFoldedChunkSamples, journal.size() - begin));
+      const auto later = std::ranges::upper_bound(commands, steps.back().step, {}, &JournalCommand::step);
+      const auto count = static_cast<std::size_t>(later - commands.begin());
+      put_steps(steps, commands.first(count), session);
+      commands = commands.subspan(count);
+    }
+    for (const CoreImage& image : images) {
+      const Bytes body = pack_bytes(ByteView(image.memory).first(image.bytes));
+      if (body.empty()) throw SqlFailure{Error{ErrorKind::internal, "packing an image of the core: zstd failed", {}}};
+      put_image.integer(1, session)
+          .unsigned_integer(2, image.step)
+          .unsigned_integer(3, image.tick)
+          .unsigned_integer(4, image.bytes)
+          .blob(5, body)
+          .run();
+    }
+  }
+
+  void put_steps(std::span<const JournalStep> steps, std::span<const JournalCommand> commands, SessionId into) {
+    if (const CodecError error = journal_encoder.encode(steps, commands, journal_blob); error != CodecError::none)
+      throw SqlFailure{Error{ErrorKind::internal, std::string("packing the journal: ") + codec_error_text(error), {}}};
+    put_journal.integer(1, into).unsigned_integer(2, steps.front().step).unsigned_integer(3, steps.size()).blob(4, journal_blob).run();
+  }
+
   void write_rows() {
     std::uint64_t number = event_number;
     for (const Event& event : events) {
@@ -356,6 +411,7 @@ struct SessionWriter::State {
       Transaction transaction(handle, Transaction::Kind::write);
       write_tail();
       write_bus_tail();
+      write_journal();
       write_rows();
       commit_sealed(transaction, session, tail_samples() > 0 ? std::optional(newest_in_tail()) : durable_tick);
       return {};
@@ -378,6 +434,9 @@ struct SessionWriter::State {
     bus_tail.erase(bus_tail.begin(), bus_tail.begin() + static_cast<std::ptrdiff_t>(complete_frames));
     bus_first += complete_frames;
     bus_durable = bus_tail.size();
+    journal.clear();
+    journal_commands.clear();
+    images.clear();
     event_number += events.size();
     gap_number += gaps.size();
     marker_number += markers.size();
@@ -390,7 +449,9 @@ struct SessionWriter::State {
   }
 
   void reset_statements() {
-    for (Statement* statement : {&put_chunk, &put_bus, &put_event, &put_gap, &put_marker, &put_anchor, &count_commit}) statement->reset();
+    for (Statement* statement :
+         {&put_chunk, &put_bus, &put_journal, &put_image, &put_event, &put_gap, &put_marker, &put_anchor, &count_commit})
+      statement->reset();
   }
 
   // Closes a session in the database: totals, end, reason.
@@ -429,6 +490,7 @@ struct SessionWriter::State {
   void fold(SessionId id) {
     fold_samples(id);
     fold_bus(id);
+    fold_journal(id);
     Statement statement(handle, "UPDATE sessions SET folded = 1 WHERE id = ?1");
     statement.integer(1, id).run();
     try_execute(handle, "PRAGMA wal_checkpoint(TRUNCATE)");
@@ -516,6 +578,40 @@ struct SessionWriter::State {
       Transaction transaction(handle, Transaction::Kind::write);
       for (const std::int64_t row : taken) remove.integer(1, row).run();
       put_frames(group, first_frame, id);
+      transaction.commit();
+    }
+  }
+
+  void fold_journal(SessionId id) {
+    struct Row {
+      std::int64_t id;
+      std::size_t steps;
+    };
+    std::vector<Row> rows;
+    {
+      Statement statement(handle, "SELECT id, steps FROM journal_chunks WHERE session_id = ?1 ORDER BY first_step");
+      statement.integer(1, id);
+      while (statement.step()) rows.push_back({statement.integer_at(0), static_cast<std::size_t>(statement.integer_at(1))});
+    }
+    Statement read(handle, "SELECT body FROM journal_chunks WHERE id = ?1"), remove(handle, "DELETE FROM journal_chunks WHERE id = ?1");
+    std::vector<JournalStep> steps;
+    std::vector<JournalCommand> commands;
+    std::size_t next = 0;
+    while (next < rows.size()) {
+      steps.clear();
+      commands.clear();
+      std::vector<std::int64_t> taken;
+      while (next < rows.size() && (taken.empty() || steps.size() + rows[next].steps <= kFoldedChunkSamples)) {
+        const Row row = rows[next++];
+        const bool sound = read.integer(1, row.id).step() && decode_journal(read.blob_at(0), steps, commands) == CodecError::none;
+        read.reset();
+        if (!sound) break;
+        taken.push_back(row.id);
+      }
+      if (taken.size() < 2 || steps.size() > kMaxChunkSamples || commands.size() > kMaxJournalCommands) continue;
+      Transaction transaction(handle, Transaction::Kind::write);
+      for (const std::int64_t row : taken) remove.integer(1, row).run();
+      put_steps(steps, commands, id);
       transaction.commit();
     }
   }
@@ -720,7 +816,40 @@ Status SessionWriter::append_bus(std::span<const BusRecord> frames) {
   if (taken < frames.size()) {
     const std::uint64_t now = s.last_tick.value_or(0);
     s.note_gap("bus", now, now, "storage");
+    s.journal_next.reset();
   }
+  return {};
+}
+
+Status SessionWriter::append_journal(std::span<const JournalStep> steps, std::span<const JournalCommand> commands) {
+  State& s = *state_;
+  if (s.session == 0) return no_session();
+  for (const JournalStep& step : steps) {
+    if (step.step < s.journal_least) return Error{ErrorKind::bad_value, "steps must rise", "step"};
+    s.journal_least = step.step + 1;
+    if (s.journal.size() >= kMaxPendingSamples || s.journal_commands.size() + step.commands > kMaxPendingRows) {
+      s.journal_next.reset();
+      continue;
+    }
+    if (s.journal_next != step.step) s.journal_whole_from = step.step;
+    s.journal_next = step.step + 1;
+    s.journal.push_back(step);
+    const auto own = std::ranges::equal_range(commands, step.step, {}, &JournalCommand::step);
+    s.journal_commands.insert(s.journal_commands.end(), own.begin(), own.end());
+  }
+  return {};
+}
+
+Status SessionWriter::append_image(const CoreImage& image) {
+  State& s = *state_;
+  if (s.session == 0) return no_session();
+  if (image.bytes > image.memory.size()) return Error{ErrorKind::bad_value, "an image of the core is too large", "bytes"};
+  const bool after_hole = !s.image_stored || s.last_image.step < s.journal_whole_from;
+  const bool due = after_hole || (image.step > s.last_image.step && image.tick >= s.last_image.tick + kImageTicks);
+  if (!s.journal_next || image.step < s.journal_whole_from || !due || s.images.size() == kMaxPendingImages) return {};
+  s.images.push_back(image);
+  s.last_image = {image.step, image.tick};
+  s.image_stored = true;
   return {};
 }
 
@@ -733,6 +862,7 @@ Status SessionWriter::append_gap(std::string_view stream, std::uint64_t from_tic
     return Error{ErrorKind::bad_value, "to_tick must be from_tick or later", "to_tick"};
   if (reason.empty() || reason.size() > kMaxMarker_bytes) return Error{ErrorKind::bad_value, "reason must have 1 to 500 bytes", "reason"};
   s.note_gap(stream, from_tick, to_tick, reason);
+  if (stream == "bus") s.journal_next.reset();  // a step without its frames cannot be run again
   if (stream == "ticks" && (!s.last_tick || to_tick > *s.last_tick)) {
     s.last_tick = to_tick;
     s.last_missed.reset();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "control/contract/commands.hpp"
+#include "control/contract/journal.hpp"
 #include "control/contract/signals.hpp"
 #include "db/store/database.hpp"
 #include "db/store/result.hpp"
@@ -24,7 +25,10 @@ inline constexpr std::size_t kLiveChunkSamples = 100, kFoldedChunkSamples = 3000
 /// Frames per stored bus chunk: while recording, and folded.
 inline constexpr std::size_t kLiveBusFrames = 1000, kFoldedBusFrames = 30000;
 /// What may wait in memory while the disk refuses: one minute of samples and frames.
-inline constexpr std::size_t kMaxPendingSamples = 6000, kMaxPendingFrames = 120000, kMaxPendingRows = 10000;
+inline constexpr std::size_t kMaxPendingSamples = 6000, kMaxPendingFrames = 120000, kMaxPendingRows = 10000, kMaxPendingImages = 16;
+
+/// Ticks between two stored images of the core: one minute.
+inline constexpr std::uint64_t kImageTicks = 6000;
 
 /// What is safe on disk.
 struct Durable {
@@ -36,6 +40,9 @@ struct Durable {
 /// Why `missing` steps are not there, of which the core says that it never made `left_out`: "step_left_out" for all of them, `otherwise` for
 /// none, "not_received+step_left_out" (with `otherwise` in the first place) when nobody can tell which.
 std::string missing_reason(std::uint64_t missing, std::uint64_t left_out, std::string_view otherwise = "not_received");
+
+/// A record as its columns store it, in their order; false when it cannot be stored (not finite, out of range).
+bool stored_row(const contract::TickRecord& record, std::span<std::int64_t, contract::kSignalCount> row);
 
 class SessionWriter {
  public:
@@ -58,6 +65,12 @@ class SessionWriter {
   Status append_ticks(std::span<const contract::TickRecord> records);
   Status append_events(std::span<const contract::Event> events);
   Status append_bus(std::span<const contract::BusRecord> frames);
+  /// What the steps were given, in rising order (else bad_value), with all their commands. Beyond one minute that waits, steps are left out: their
+  /// numbers show it.
+  Status append_journal(std::span<const contract::JournalStep> steps, std::span<const contract::JournalCommand> commands);
+  /// After the journal up to its step. Stored are the first one, one each minute, and the first one after a hole in journal or frames, so that
+  /// all but what is missing can be run again; any other is dropped.
+  Status append_image(const contract::CoreImage& image);
   /// Says why ticks (inclusive) are missing; for stream "ticks" the samples go on at to_tick + 1.
   Status append_gap(std::string_view stream, std::uint64_t from_tick, std::uint64_t to_tick, std::string_view reason);
   Status append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text);

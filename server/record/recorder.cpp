@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "db/store/database.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/session_writer.hpp"
+#include "server/record/journal_feed.hpp"
 
 namespace hoist::server {
 
@@ -48,6 +50,7 @@ class Recorder::Work final : public Records {
         ticks_(link),
         events_(link),
         bus_(link),
+        journal_(link),
         core_(link.shared_state()),
         old_(std::in_place, link),
         tick_buffer_(kReadTicks),
@@ -112,6 +115,7 @@ class Recorder::Work final : public Records {
       const std::size_t ticks = read_ticks();
       const std::size_t events = read_events();
       const std::size_t frames = read_bus();
+      read_journal();
       if (ticks < kReadTicks && events < kReadEvents && frames < kReadFrames) break;
     }
     if (session_open() && now_ns_ - committed_ns_ >= kCommit_ns) commit();
@@ -349,7 +353,7 @@ class Recorder::Work final : public Records {
     life_ = ticks_.life();
     samples_ = 0;
     started_utc_ms_ = start.started_utc_ns / 1'000'000;
-    last_tick_ = first.tick;
+    last_tick_ = journal_from_ = first.tick;
     fresh_ = true;
     committed_ns_ = now_ns_;
     std::vector<Event> events;
@@ -378,6 +382,10 @@ class Recorder::Work final : public Records {
   }
 
   db::Status try_end(db::CloseReason reason) {
+    // Frames and journal of a step are published before its record: of the newest steps they are here, and not read yet.
+    while (read_bus(last_time_ns_) == kReadFrames) {
+    }
+    read_journal();
     db::Status ended = writer_->end(reason, owner_.options_.utc_ns());
     if (!ended) {
       fail(ended.error());
@@ -533,7 +541,8 @@ class Recorder::Work final : public Records {
     return got.count;
   }
 
-  std::size_t read_bus() {
+  // With `until_ns`, what is later waits for the next session.
+  std::size_t read_bus(std::uint64_t until_ns = std::numeric_limits<std::uint64_t>::max()) {
     const auto got = bus_.read(bus_buffer_);
     if (session_open() && bus_.life() == life_) {
       // Steps are read before frames: the newest step may be long after the frames that are missing.
@@ -545,14 +554,25 @@ class Recorder::Work final : public Records {
         note_overwritten("bus", bus_buffer_[0], known_ && known_->until.last_frame_time_ns, tick_at(bus_buffer_[0].time_ns));
       std::size_t from = 0;
       while (from < got.count && known(bus_buffer_[from])) ++from;
-      if (from < got.count) check(writer_->append_bus(std::span(bus_buffer_).subspan(from, got.count - from)));
+      std::size_t to = got.count;
+      while (to > from && bus_buffer_[to - 1].time_ns > until_ns) --to;
+      if (from < to) check(writer_->append_bus(std::span(bus_buffer_).subspan(from, to - from)));
+      keep_frames(to, got.count);
     } else {
-      for (std::size_t i = 0; i < got.count; ++i) kept_frames_.push_back(bus_buffer_[i]);
-      while (kept_frames_.size() > kKeptFrames) kept_frames_.pop_front();
+      keep_frames(0, got.count);
     }
     frames_seen_ = frames_seen_ || got.count > 0;
     if (got.count > 0) frame_time_ns_ = bus_buffer_[got.count - 1].time_ns;
     return got.count;
+  }
+  void keep_frames(std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) kept_frames_.push_back(bus_buffer_[i]);
+    while (kept_frames_.size() > kKeptFrames) kept_frames_.pop_front();
+  }
+
+  void read_journal() {
+    journal_.read();
+    if (session_open() && !fresh_) check(journal_.give(*writer_, life_, journal_from_, last_tick_));
   }
   // The step of a moment, counted from the newest step read: steps follow the clock also where some were left out.
   [[nodiscard]] std::uint64_t tick_at(std::uint64_t time_ns) const {
@@ -590,6 +610,7 @@ class Recorder::Work final : public Records {
   publish::TickReader ticks_;
   publish::EventReader events_;
   publish::BusReader bus_;
+  JournalFeed journal_;
   // Until the first core is found; see join().
   std::shared_ptr<publish::SharedState> core_;
   struct OldReaders {
@@ -641,6 +662,7 @@ class Recorder::Work final : public Records {
   std::optional<std::uint64_t> walk_began_;  // of a walk that was found under way
   const char* begin_lost_ = "storage";       // why no session began with that step
   std::uint64_t first_tick_ = 0;
+  std::uint64_t journal_from_ = 0;  // tick of the session's first sample
   std::uint64_t last_tick_ = 0;
   std::uint64_t last_time_ns_ = 0;
   std::uint64_t quiet_since_ns_ = 0;

@@ -70,7 +70,8 @@ class Session {
     });
     if (options_.sabotage)
       loop_.break_core([this](core::CoreState& core, core::TickOutputs& out) { options_.sabotage(loop_.time_s(), core, out); });
-    if (options_.lying_disk || std::any_of(faults_.begin(), faults_.end(), [](const Fault& f) { return info(f.kind).disk; }))
+    if (options_.record || options_.lying_disk ||
+        std::any_of(faults_.begin(), faults_.end(), [](const Fault& f) { return info(f.kind).disk; }))
       begin_storage();
     if (options_.link_jitter_s > 0) delay_commands(options_.link_jitter_s);
   }
@@ -118,8 +119,12 @@ class Session {
     report_.digest = loop_.digest();
     if (storage_ != nullptr) {
       Dice dice(options_.seed, kStorageStream);
-      for (const std::string& line : storage_->verify(options_.lying_disk || dice.chance(0.5))) watch_.broken(line);
+      // A core that was broken on purpose is run again as the whole one only where that is the question.
+      const bool again = options_.record || !options_.sabotage;
+      for (const std::string& line : storage_->verify(options_.lying_disk || dice.chance(0.5), again)) watch_.broken(line);
       report_.samples = storage_->samples();
+      report_.samples_again = storage_->samples_again();
+      report_.samples_not_run = storage_->samples_not_run();
     }
     return std::move(report_);
   }
@@ -514,6 +519,7 @@ class Session {
 
   void see(const core::TickInputs& inputs) {
     watch_.before_step(inputs);
+    if (storage_ != nullptr) storage_->before_step(loop_.core(), inputs);
     for (const Command& command : inputs.commands) {
       // What can only stop is done in any order, so played again it stops again: that is no fault.
       const bool only_stops = command.kind == CommandKind::stop ||

@@ -28,7 +28,8 @@ struct SessionOptions {
   std::optional<std::vector<Fault>> faults = {};  // instead of the seed's own
   Sabotage sabotage = {};                         // see there
   bool lying_disk = false;                        // the disk says "synced" and has not: sabotage of the recorder
-  std::optional<contract::CanFrame> spoof = {};   // a foreign device sends this in every step from the first fault on
+  bool record = false;  // server and disk take part also when none of them breaks, and what they store is run again
+  std::optional<contract::CanFrame> spoof = {};  // a foreign device sends this in every step from the first fault on
 };
 
 struct SessionReport {
@@ -38,15 +39,17 @@ struct SessionReport {
   std::uint64_t motion = 0;           // digest of the drive commands alone
   std::vector<Fault> faults;          // as they were planned
   double length_s = 0;
-  double walked_s = 0;              // time in which the wheels might move
-  double distance_m = 0;            // that the platform truly went
-  int starts = 0;                   // motions begun
-  int stops = 0;                    // protective stops
-  int false_stops = 0;              // of those (and of soft stops by the core), those without an active fault
-  std::uint64_t samples = 0;        // that were acknowledged as stored and found again
-  std::vector<std::string> story;   // log with times; only on request
-  std::vector<std::string> broken;  // violated invariants with times; expected empty
-  double broken_s = 0;              // when the first of them was found
+  double walked_s = 0;                // time in which the wheels might move
+  double distance_m = 0;              // that the platform truly went
+  int starts = 0;                     // motions begun
+  int stops = 0;                      // protective stops
+  int false_stops = 0;                // of those (and of soft stops by the core), those without an active fault
+  std::uint64_t samples = 0;          // that were acknowledged as stored and found again
+  std::uint64_t samples_again = 0;    // that are stored, and whose step was run again and gave the same bits
+  std::uint64_t samples_not_run = 0;  // that are stored, and whose step could not be run again
+  std::vector<std::string> story;     // log with times; only on request
+  std::vector<std::string> broken;    // violated invariants with times; expected empty
+  double broken_s = 0;                // when the first of them was found
 };
 
 SessionReport run_session(const SessionOptions& options);

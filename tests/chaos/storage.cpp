@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 
+#include "control/contract/program_version.hpp"
 #include "db/store/database.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/session_writer.hpp"
+#include "deploy/tools/hoist/rerun.hpp"
 
 namespace hoist::chaos {
 namespace {
@@ -29,21 +30,14 @@ void Storage::core_started(std::uint64_t time_ns) {
   life_ = time_ns;
   core_ = publish::CoreLink::create("", life_, static_cast<std::uint64_t>(utc_ns_), error);
   if (core_ == nullptr) std::abort();
+  publisher_ = std::make_unique<publish::StepPublisher>(*core_);
   published_[life_].reserve(4096);
   attached_ = false;
 }
 
 void Storage::publish(const core::TickInputs& inputs, const core::TickOutputs& outputs) {
   const contract::TickRecord& record = outputs.record;
-  core_->publish_tick(record);
-  for (const contract::Event& event : outputs.events) core_->publish_event(event);
-  const auto publish_bus = [&](const contract::CanFrame& frame, std::uint8_t sent) {
-    contract::BusRecord bus{inputs.time_ns, frame.id, frame.dlc, frame.flags, sent, 0, 0};
-    std::memcpy(&bus.data, frame.data.data(), sizeof bus.data);
-    core_->publish_bus(bus);
-  };
-  for (const contract::CanFrame& frame : inputs.frames) publish_bus(frame, 0);
-  for (const contract::CanFrame& frame : outputs.frames) publish_bus(frame, 1);
+  publisher_->after(inputs, outputs);
   published_[life_].push_back({record.tick, record.time_ns, record.x_m, record.left_alpha_rad});
 }
 
@@ -101,7 +95,7 @@ void Storage::cut_power() {
   disk_.restart();
 }
 
-std::vector<std::string> Storage::verify(bool killed) {
+std::vector<std::string> Storage::verify(bool killed, bool again) {
   disk_.fill(false);
   disk_.fail(0);
   if (killed) {
@@ -125,7 +119,30 @@ std::vector<std::string> Storage::verify(bool killed) {
   const db::Result<db::SessionWriter> writer = db::SessionWriter::create(*database);
   if (!writer) wrong.push_back("I9: what was interrupted cannot be closed: " + writer.error().message);
   for (const auto& [session, acknowledged] : acknowledged_) check_session(*database, session, acknowledged, wrong);
+  if (again) run_again(*database, wrong);
   return wrong;
+}
+
+void Storage::run_again(db::Database& database, std::vector<std::string>& wrong) {
+  const auto page = db::SessionReader(database).list({.limit = db::kMaxPage, .before = {}, .subject = {}});
+  if (!page) return wrong.push_back("I15: the sessions cannot be listed: " + page.error().message);
+  for (const db::SessionInfo& session : page->sessions) {
+    if (session.sample_count == 0) continue;
+    const auto result = tool::verify_session(database, session.id, contract::program_version());
+    const std::string head = "I15: session " + std::to_string(session.id) + " ";
+    if (!result) {
+      wrong.push_back(head + "cannot be run again: " + result.error().message);
+      continue;
+    }
+    if (result->first)
+      wrong.push_back(head + "run again is another one from tick " + std::to_string(result->first->tick) + " on, in " +
+                      (result->first->signal.empty() ? "the last bits" : result->first->signal));
+    // What cannot be run is told.
+    if (result->run.samples_run != result->run.samples && result->run.not_run.empty())
+      wrong.push_back(head + "has samples that were not run again, and nothing says why");
+    samples_again_ += result->run.samples_run - std::min(result->different, result->run.samples_run);
+    samples_not_run_ += result->run.samples - result->run.samples_run;
+  }
 }
 
 void Storage::check_session(db::Database& database, std::int64_t session, const Acknowledged& acknowledged,

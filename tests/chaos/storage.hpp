@@ -11,6 +11,7 @@
 #include "control/core/types.hpp"
 #include "control/publish/core_link.hpp"
 #include "control/publish/server_link.hpp"
+#include "control/publish/step_publisher.hpp"
 #include "server/record/recorder.hpp"
 #include "tests/support/crash_disk.hpp"
 
@@ -24,7 +25,8 @@ class Storage {
   Storage& operator=(const Storage&) = delete;
 
   void core_started(std::uint64_t time_ns);
-  /// What the control loop publishes after its step.
+  /// What the control loop publishes before its step, and after it.
+  void before_step(const core::CoreState& state, const core::TickInputs& inputs) { publisher_->before(state, inputs); }
   void publish(const core::TickInputs& inputs, const core::TickOutputs& outputs);
   /// Each 10 ms of virtual time; `time_ns` is the core's clock.
   void tick(std::uint64_t time_ns);
@@ -42,10 +44,13 @@ class Storage {
   void cut_power();
   void jump_clock(double seconds) { utc_ns_ += static_cast<std::int64_t>(seconds * 1e9); }
 
-  /// Ends the server as `killed` says and reads everything back. What is wrong, or empty.
-  [[nodiscard]] std::vector<std::string> verify(bool killed);
+  /// Ends the server as `killed` says and reads everything back; `again`: runs the sessions again, too (I15). What is wrong, or empty.
+  [[nodiscard]] std::vector<std::string> verify(bool killed, bool again);
   /// That were acknowledged and found again.
   [[nodiscard]] std::uint64_t samples() const { return samples_; }
+  /// Of all that are stored, those whose step was run again and gave the same bits; and those whose step could not be run.
+  [[nodiscard]] std::uint64_t samples_again() const { return samples_again_; }
+  [[nodiscard]] std::uint64_t samples_not_run() const { return samples_not_run_; }
 
  private:
   struct Kept {
@@ -59,14 +64,17 @@ class Storage {
   void note_acknowledged();
   void check_session(db::Database& database, std::int64_t session, const Acknowledged& acknowledged, std::vector<std::string>& wrong);
 
+  void run_again(db::Database& database, std::vector<std::string>& wrong);
+
   tests::CrashDisk disk_;
   std::unique_ptr<publish::CoreLink> core_;
+  std::unique_ptr<publish::StepPublisher> publisher_;
   std::unique_ptr<publish::ServerLink> link_;
   std::unique_ptr<server::Recorder> recorder_;
   std::map<std::uint64_t, std::vector<Kept>> published_;  // by life of the core
   std::map<std::int64_t, Acknowledged> acknowledged_;     // by session
   std::vector<std::string> damaged_;
-  std::uint64_t life_ = 0, time_ns_ = 0, busy_until_ns_ = 0, ticks_ = 0, samples_ = 0;
+  std::uint64_t life_ = 0, time_ns_ = 0, busy_until_ns_ = 0, ticks_ = 0, samples_ = 0, samples_again_ = 0, samples_not_run_ = 0;
   std::int64_t utc_ns_;
   double slow_s_ = 0;
   bool hangs_ = false, attached_ = false;

@@ -9,7 +9,7 @@ namespace hoist::tool {
 struct Command {
   std::string_view name;
   std::string_view summary;  ///< one line for `hoist --help`
-  /// Gets what follows the name; returns the exit code: 0 done, 1 something was refused, 2 the command line was not understood.
+  /// Gets what follows the name; returns the exit code: 0 done, 1 something was refused, 2 the command line was not understood, 3 done only in part.
   int (*run)(std::span<const std::string_view> arguments);
 };
 
@@ -19,5 +19,6 @@ struct Command {
 inline constexpr int kDone = 0;
 inline constexpr int kRefused = 1;
 inline constexpr int kBadUsage = 2;
+inline constexpr int kPartly = 3;
 
 }  // namespace hoist::tool

@@ -9,6 +9,8 @@ int run_laws(std::span<const std::string_view> arguments);
 int run_sessions(std::span<const std::string_view> arguments);
 int run_export(std::span<const std::string_view> arguments);
 int run_metrics(std::span<const std::string_view> arguments);
+int run_verify(std::span<const std::string_view> arguments);
+int run_replay(std::span<const std::string_view> arguments);
 int run_bus(std::span<const std::string_view> arguments);
 
 namespace {
@@ -18,6 +20,8 @@ constexpr std::array kCommands = {
     Command{"sessions", "list the sessions of a database", &run_sessions},
     Command{"export", "write a recorded session as CSV or JSON", &run_export},
     Command{"metrics", "how well a session's exercise was walked", &run_metrics},
+    Command{"verify", "run a session again and compare every field, bit for bit", &run_verify},
+    Command{"replay", "run a session again with other parameters", &run_replay},
     Command{"bus", "look at the CAN bus and its recordings", &run_bus},
     Command{"firmware", "the nodes' programs: pack, list, update", &run_firmware},
 };
