@@ -152,8 +152,8 @@ TEST(Open, an_older_recording_without_an_application_id_is_known_by_its_tables) 
     Database database = open_at(dir / "hoist.db");
     id = record_session(database, 300, 1, &records);
     execute(database.handle(),
-            "PRAGMA application_id = 0; DROP TABLE seal; DROP TABLE node_programs; ALTER TABLE sessions DROP COLUMN core_version; "
-            "PRAGMA user_version = 1");
+            "PRAGMA application_id = 0; DROP TABLE journal_chunks; DROP TABLE core_images; DROP TABLE seal; DROP TABLE node_programs; "
+            "ALTER TABLE sessions DROP COLUMN core_version; PRAGMA user_version = 1");
   }
   std::filesystem::remove(dir / "hoist.db.seal");
   Database database = open_at(dir / "hoist.db");
@@ -171,7 +171,9 @@ TEST(Open, a_recording_from_before_provenance_is_migrated_and_says_what_it_does_
   {
     Database database = open_at(dir / "hoist.db");
     id = record_session(database, 300, 1, &records);
-    execute(database.handle(), "DROP TABLE node_programs; ALTER TABLE sessions DROP COLUMN core_version; PRAGMA user_version = 2");
+    execute(database.handle(),
+            "DROP TABLE journal_chunks; DROP TABLE core_images; DROP TABLE node_programs; ALTER TABLE sessions DROP COLUMN core_version; "
+            "PRAGMA user_version = 2");
   }
   Database database = open_at(dir / "hoist.db");
   EXPECT_EQ(database.report().migrated_from, 2);
