@@ -13,14 +13,14 @@ const add = (what) => mutants.push(`line ${line}: ${what}`) - 1;
 const pick = (what, changed, same) => `(gate_mutant(${add(what)}) ? (${changed}) : (${same}))`;
 
 // An expression as the gate is written in: C++'s operators by their rank, calls, casts, members, braced lists.
-const ranks = [['||'], ['&&'], ['&'], ['==', '!='], ['<', '>', '<=', '>='], ['<<', '>>'], ['+', '-'], ['*', '/']];
+const ranks = [['||'], ['&&'], ['|'], ['&'], ['==', '!='], ['<', '>', '<=', '>='], ['<<', '>>'], ['+', '-'], ['*', '/']];
 const changes = {
   '||': ['&&'], '&&': ['||'], '==': ['!='], '!=': ['=='], '<': ['<=', '>='], '>': ['>=', '<='], '<=': ['<', '>'], '>=': ['>', '<'],
-  '+': ['-'], '-': ['+'], '*': ['/'], '/': ['*'], '&': [], '<<': [], '>>': [],
+  '+': ['-'], '-': ['+'], '*': ['/'], '/': ['*'], '|': ['&'], '&': [], '<<': [], '>>': [],
 };
 class Parser {
   constructor(source) {
-    this.tokens = source.match(/\d[\d.]*(?:e-?\d+)?\w*|[A-Za-z_]\w*(?:::[A-Za-z_]\w*)*(?:<[\w:]+>)?|->|\|\||&&|[=!<>]=|<<|>>|[-+*/&!~<>()[\]{}.,?:]/g) ?? [];
+    this.tokens = source.match(/\d[\d.]*(?:e-?\d+)?\w*|[A-Za-z_]\w*(?:::[A-Za-z_]\w*)*(?:<[\w:]+>)?|->|\|\||&&|[=!<>]=|<<|>>|[-+*/&|!~<>()[\]{}.,?:]/g) ?? [];
     this.at = 0;
   }
   get next() { return this.tokens[this.at]; }

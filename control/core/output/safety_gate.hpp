@@ -87,7 +87,8 @@ class SafetyGate {
   [[nodiscard]] static bool is_service_frame(const contract::CanFrame& frame) noexcept {
     const contract::FrameClass what = contract::classify(frame);
     if (!what.fits) return false;
-    if (what.kind == contract::CobKind::nmt) return starts_a_node(frame, what, GateView{});
+    const GateView not_looked_at;
+    if (what.kind == contract::CobKind::nmt) return starts_a_node(frame, what, not_looked_at);
     if (what.kind != contract::CobKind::sdo_request) return false;
     const auto index = static_cast<std::uint16_t>(contract::read_le(&frame.data[1], 2));
     switch (frame.data[0] >> 5U) {
