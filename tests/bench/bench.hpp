@@ -15,6 +15,7 @@ void measure_law_and_tick(Report& report);
 void measure_shared_memory(Report& report);
 void measure_simulator(Report& report);
 void measure_recording(Report& report);
+void measure_rerun(Report& report);
 void measure_console(Report& report);
 void measure_firmware(Report& report);
 // These start the real programs from the folder `bin`.

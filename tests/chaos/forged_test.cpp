@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <random>
@@ -14,6 +13,7 @@
 #include "db/store/session_writer.hpp"
 #include "deploy/tools/hoist/rerun.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hoist::tool {
 namespace {
@@ -26,16 +26,9 @@ constexpr const char* kProgram = "0.1.0+test";
 class ForgedRecording : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "hoist_rerun_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
     auto opened = db::Database::open(folder_ / "a.db", {});
     ASSERT_TRUE(opened.ok());
     database_.emplace(std::move(*opened));
-  }
-  void TearDown() override {
-    database_.reset();
-    std::filesystem::remove_all(folder_);
   }
 
   struct Forgery {
@@ -74,7 +67,7 @@ class ForgedRecording : public ::testing::Test {
         EXPECT_TRUE(writer->append_journal({&row, 1}, {}).ok());
       }
       if (forgery.journal && !images_.empty()) {
-        // As after a hole, so that each of them is stored.
+        // The writer stores the first one, and the first after a loss.
         EXPECT_TRUE(writer->append_image(images_.back()).ok());
         images_.clear();
       }
@@ -86,7 +79,7 @@ class ForgedRecording : public ::testing::Test {
   }
   db::Result<Verification> verify(db::SessionId session) { return verify_session(*database_, session, kProgram); }
 
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
   std::optional<db::Database> database_;
   std::vector<CoreImage> images_;
 };

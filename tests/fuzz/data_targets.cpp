@@ -10,6 +10,7 @@
 #include "control/run/parameter_file.hpp"
 #include "db/codec/bus_chunk.hpp"
 #include "db/codec/column_chunk.hpp"
+#include "db/codec/journal_chunk.hpp"
 #include "firmware/sim/requests.hpp"
 #include "server/http/exchange.hpp"
 #include "server/text/json_text.hpp"
@@ -90,6 +91,46 @@ std::vector<Input> seeds_bus_chunk() {
   db::Bytes blob;
   must(db::encode_bus(frames, blob) == db::CodecError::none, "good frames encode");
   return {blob};
+}
+
+// The input lacks the checksum at the end: it is put right, so that what lies behind it is reached.
+void fuzz_journal_chunk(Bytes input) {
+  db::Bytes blob(input.begin(), input.end());
+  db::put_u32(blob, db::crc32(blob));
+  std::vector<contract::JournalStep> steps;
+  std::vector<contract::JournalCommand> commands;
+  if (db::decode_journal(blob, steps, commands) != db::CodecError::none) {
+    must(steps.empty() && commands.empty(), "a refused chunk gives nothing");
+    return;
+  }
+  must(!steps.empty() && steps.size() <= db::kMaxChunkSamples && commands.size() <= db::kMaxJournalCommands, "a journal keeps the limits");
+  db::JournalEncoder encoder;
+  std::vector<contract::JournalStep> again;
+  std::vector<contract::JournalCommand> commands_again;
+  db::Bytes blob_again;
+  must(encoder.encode(steps, commands, blob) == db::CodecError::none, "what was read can be written");
+  must(db::decode_journal(blob, again, commands_again) == db::CodecError::none, "and read again");
+  must(encoder.encode(again, commands_again, blob_again) == db::CodecError::none && blob == blob_again, "as the same steps");
+}
+std::vector<Input> seeds_journal_chunk() {
+  std::vector<contract::JournalStep> steps(120);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    steps[i].step = steps[i].tick = 1000 + i;
+    steps[i].time_ns = 77'000'000 + i * 10'000'000;
+    steps[i].wake_lateness_s = static_cast<float>(i * i % 977) * 1e-9F;
+    steps[i].record_digest = static_cast<std::uint32_t>(i * 2654435761U);
+    steps[i].drive_fresh = i % 4 == 0 ? 1 : 0;
+  }
+  std::vector<Input> seeds;
+  for (const std::size_t count : {0U, 3U}) {
+    const std::vector<contract::JournalCommand> commands(count, {.step = 1001, .command = {}});
+    db::JournalEncoder encoder;
+    db::Bytes blob;
+    must(encoder.encode(steps, commands, blob) == db::CodecError::none, "a good journal encodes");
+    blob.resize(blob.size() - 4);
+    seeds.push_back(blob);
+  }
+  return seeds;
 }
 
 void fuzz_parameter_file(Bytes input) {

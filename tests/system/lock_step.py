@@ -1,5 +1,6 @@
 """Lock-step: simulator and core on one clock. A busy computer is played by stopping one program for 0.3 s again and again: in lock-step the
 walk goes on and simulated time is slow; by the wall clock the same ends the walk. Partners that die are noticed, and come back."""
+import json
 import math
 import os
 import signal
@@ -115,6 +116,59 @@ def partners_that_hang_are_let_go():
     hoist.walk(0.2)
 
 
+def sessions():
+    """Of the database, newest first."""
+    done = subprocess.run([os.path.join(BIN, "hoist"), "sessions", hoist.path("hoist.db")], capture_output=True, text=True, timeout=60, check=False)
+    check(done.returncode == 0, f"hoist sessions: {done.stderr}")
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def walk_to_the_end(metres):
+    """Walks and stops; gives the session when the recorder has closed it."""
+    before = {one["id"] for one in sessions()}
+    hoist.walk(metres)
+    hoist.call("POST", "/stop", {})
+
+    def closed():
+        newest = [one for one in sessions() if one["id"] not in before]
+        return newest[0] if newest and not any(one["recording"] for one in newest) else None
+
+    return until("the recorder closes the session", closed, 60.0, 0.3)
+
+
+def run_again(verb, session, *options):
+    done = subprocess.run([os.path.join(BIN, "hoist"), verb, hoist.path("hoist.db"), str(session["id"]), *options], capture_output=True,
+                          text=True, timeout=120, check=False)
+    return done.returncode, done.stdout + done.stderr
+
+
+def check_the_same_bits(session):
+    code, said = run_again("verify", session)
+    print(said, end="", flush=True)
+    check_safe(", 0 differ" in said, f"a session run again is another one: {said}")
+    check(code == 0, f"hoist verify of session {session}: {code}, {said}")
+
+
+def a_recorded_walk_run_again_gives_the_same_bits():
+    again()
+    session = walk_to_the_end(1.0)
+    check_the_same_bits(session)
+    code, said = run_again("replay", session, "--set", "speed_cap_norm=0.3")
+    check(code == 0 and "wheel_left_command_m_s" in said, f"hoist replay with half the speed: {code}, {said}")
+
+
+def every_session_of_cut_off_programs_run_again_is_the_same():
+    """Of sessions in which core or simulator were killed or held, what can be run again is the same, and the rest is named."""
+    all_of_them = sessions()
+    check(len(all_of_them) >= 3, f"the cases before have recorded: {all_of_them}")
+    for session in all_of_them:
+        if session["recording"] or session["samples"] == 0:
+            continue
+        code, said = run_again("verify", session)
+        check_safe(", 0 differ" in said, f"session {session['id']} run again is another one: {said}")
+        check(code == 0 or (code == 3 and "not run again: ticks" in said), f"hoist verify of session {session['id']}: {code}, {said}")
+
+
 def what_knows_real_time_only_is_refused():
     line = hoist.path("refused.sock")
     for program, arguments, named in (
@@ -134,6 +188,8 @@ def by_the_wall_clock_the_same_ends_the_walk():
     hoist.lock_step = False
     hoist.start()
     again()
+    check_the_same_bits(walk_to_the_end(0.5))
+    again()
     hoist.walk()
     for program in (hoist.sim, hoist.core):
         starve(program)
@@ -150,6 +206,8 @@ def main():
         a_core_that_dies_leaves_wheels_that_stop_and_comes_back_in_init,
         a_simulator_that_dies_is_a_dead_bus_and_comes_back,
         partners_that_hang_are_let_go,
+        a_recorded_walk_run_again_gives_the_same_bits,
+        every_session_of_cut_off_programs_run_again_is_the_same,
         what_knows_real_time_only_is_refused,
         by_the_wall_clock_the_same_ends_the_walk,
     ])

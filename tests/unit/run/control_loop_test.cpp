@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <memory>
+#include <vector>
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/publish/server_link.hpp"
@@ -97,6 +100,66 @@ TEST(ControlLoop, PublishesEveryStepAndEveryFrame) {
   }
   auto bus = std::make_unique<std::array<contract::BusRecord, 4096>>();
   EXPECT_EQ(frames.read(*bus).count, port.counters().received + port.sent);
+}
+
+// What is published of a step is all that the core needs to give the same record again, from an image in the middle, whatever arrives.
+TEST(ControlLoop, PublishesAllThatItTakesToRunItsStepsAgain) {
+  std::string error;
+  auto link = publish::CoreLink::create("", 1, 1, error);
+  publish::ServerLink server("");
+  ASSERT_TRUE(server.attach_directly(*link, error)) << error;
+  NoisyPort port;
+  auto loop = std::make_unique<ControlLoop>(port, *link, contract::Params{});
+  constexpr std::uint64_t kSteps = 400;
+  for (std::uint64_t tick = 0; tick < kSteps; ++tick) {
+    server.beat();
+    contract::Command command;
+    command.kind = static_cast<contract::CommandKind>(tick % 11);
+    command.client = 1;
+    command.a = static_cast<std::uint32_t>(tick % 5);
+    command.v0 = 0.1;
+    if (tick % 3 == 0) server.send(command);
+    contract::DriveCommand drive;
+    drive.sequence = tick;
+    drive.echo_time_ns = 1'000'000'000 + tick * 9'999'999;
+    if (tick % 4 == 0) server.drive(drive);
+    loop->step({.tick = tick + tick / 50,
+                .time_ns = 1'000'000'000 + tick * 10'000'000,
+                .wake_lateness_ns = tick * 1000,
+                .previous_duration_ns = tick * 777,
+                .stop = tick == 390});
+  }
+  std::vector<contract::TickRecord> records(kSteps);
+  std::vector<contract::BusRecord> bus(16384);
+  std::vector<contract::JournalStep> steps(kSteps);
+  std::vector<contract::JournalCommand> commands(1024);
+  std::vector<contract::CoreImage> images(contract::kImageSlots);
+  const auto all = publish::ReadFrom::oldest;
+  ASSERT_EQ(publish::TickReader(server, all).read(records).count, kSteps);
+  ASSERT_EQ(publish::JournalReader(server, all).read(steps).count, kSteps);
+  bus.resize(publish::BusReader(server, all).read(bus).count);
+  commands.resize(publish::JournalCommandReader(server, all).read(commands).count);
+  images.resize(publish::ImageReader(server, all).read(images).count);
+  ASSERT_FALSE(images.empty());
+  const contract::CoreImage& image = images[images.size() / 2];
+  auto core = std::make_unique<core::CoreState>();
+  auto out = std::make_unique<core::TickOutputs>();
+  ASSERT_TRUE(publish::put_image(image, *core));
+  ASSERT_LT(image.step, kSteps - 50);
+  for (std::uint64_t i = image.step; i < kSteps; ++i) {
+    std::vector<contract::CanFrame> frames;
+    for (const contract::BusRecord& frame : bus)
+      if (frame.sent == 0 && frame.time_ns == steps[i].time_ns)
+        frames.push_back({frame.id, frame.dlc, frame.flags, std::bit_cast<decltype(contract::CanFrame::data)>(frame.data)});
+    std::vector<contract::Command> given;
+    for (const contract::JournalCommand& command : commands)
+      if (command.step == i) given.push_back(command.command);
+    ASSERT_EQ(frames.size(), steps[i].frames);
+    ASSERT_EQ(given.size(), steps[i].commands);
+    core::tick(*core, publish::inputs_of(steps[i], frames, given), core::kTick_s, *out);
+    ASSERT_EQ(std::memcmp(&out->record, &records[i], sizeof records[i]), 0) << "step " << i << " from the image before step " << image.step;
+    ASSERT_EQ(publish::digest_of(out->record), steps[i].record_digest);
+  }
 }
 
 }  // namespace
