@@ -157,7 +157,8 @@ class JournalStore : public ::testing::Test {
   }
   std::vector<std::uint64_t> stored_images() {
     std::vector<std::uint64_t> steps;
-    for (const ImagePlace& place : *SessionReader(*database_).images(session_)) steps.push_back(place.step);
+    const auto places = SessionReader(*database_).images(session_);
+    for (const ImagePlace& place : *places) steps.push_back(place.step);
     return steps;
   }
 
@@ -178,8 +179,10 @@ TEST_F(JournalStore, IsReadBackWhileRecordingAndAfterFolding) {
   const auto extents = reader.journal(session_);
   EXPECT_EQ(extents->size(), 2U) << "folded";
   std::uint64_t next = 10;
-  for (const JournalExtent& extent : *extents)
-    for (const JournalStep& step : reader.journal_run(session_, extent.first_step)->steps) ASSERT_EQ(step.step, next++);
+  for (const JournalExtent& extent : *extents) {
+    const auto run = reader.journal_run(session_, extent.first_step);
+    for (const JournalStep& step : run->steps) ASSERT_EQ(step.step, next++);
+  }
   EXPECT_EQ(next, 6010U);
 }
 
