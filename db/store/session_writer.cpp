@@ -834,8 +834,9 @@ Status SessionWriter::append_journal(std::span<const JournalStep> steps, std::sp
     if (s.journal_next != step.step) s.journal_whole_from = step.step;
     s.journal_next = step.step + 1;
     s.journal.push_back(step);
-    const auto own = std::ranges::equal_range(commands, step.step, {}, &JournalCommand::step);
-    s.journal_commands.insert(s.journal_commands.end(), own.begin(), own.end());
+    const auto first = std::ranges::lower_bound(commands, step.step, {}, &JournalCommand::step);
+    const auto last = std::ranges::upper_bound(commands, step.step, {}, &JournalCommand::step);
+    s.journal_commands.insert(s.journal_commands.end(), first, last);
   }
   return {};
 }
