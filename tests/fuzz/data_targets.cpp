@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -127,8 +128,7 @@ std::vector<Input> seeds_journal_chunk() {
     db::JournalEncoder encoder;
     db::Bytes blob;
     must(encoder.encode(steps, commands, blob) == db::CodecError::none, "a good journal encodes");
-    blob.resize(blob.size() - 4);
-    seeds.push_back(blob);
+    seeds.emplace_back(blob.begin(), std::prev(blob.end(), 4));  // without its checksum
   }
   return seeds;
 }
