@@ -11,7 +11,8 @@
 #include <utility>
 
 #include "control/contract/program_version.hpp"
-#include "server/api/actions.hpp"
+#include "server/actions/actions.hpp"
+#include "server/api/router.hpp"
 #include "server/http/auth.hpp"
 #include "server/http/listener.hpp"
 #include "server/link/core_desk.hpp"
@@ -19,6 +20,7 @@
 #include "server/live/hub.hpp"
 #include "server/record/recorder.hpp"
 #include "server/services.hpp"
+#include "server/state/hoist_state.hpp"
 
 namespace hoist::server {
 
@@ -59,6 +61,7 @@ struct App::Parts {
             core.link(),
             {.file = settings.db_path, .version = std::string{contract::program_version()}, .utc_ns = &utc_ns, .steady_ns = &steady_ns}),
         records(recorder, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
+        state(settings, core, recorder),
         timer(io),
         goodbye(io) {}
 
@@ -135,14 +138,18 @@ struct App::Parts {
 
   Settings settings;
   Counters counters;
+  std::unique_ptr<TlsContext> tls;  // null: plain
   asio::io_context io{1};
   CoreDesk core;
   FirmwareDesk firmware;
   Recorder recorder;
   RecorderDesk records;
+  HoistState state;
   Hub hub;
   std::unique_ptr<Auth> auth;
   std::unique_ptr<Services> services;
+  std::unique_ptr<RestContext> rest;
+  std::unique_ptr<Router> router;
   std::unique_ptr<Listener> listener;
   asio::steady_timer timer;
   asio::steady_timer goodbye;
@@ -160,7 +167,7 @@ App::~App() {
   // it uses is still there.
   Parts& p = *parts_;
   p.recorder.stop();
-  p.core.set_listener(nullptr);
+  p.core.clear_listeners();
   p.core.close();
   if (p.listener) p.listener->drop();
   p.io.restart();
@@ -169,17 +176,20 @@ App::~App() {
 
 bool App::start(std::string& error) {
   Parts& p = *parts_;
-  p.auth = Auth::create({.token_file = p.settings.token_file, .hosts = p.settings.hosts},
+  if (!p.settings.tls_cert.empty()) {
+    p.tls = TlsContext::load(p.settings.tls_cert, p.settings.tls_key, error);
+    if (!p.tls) return false;
+  }
+  p.auth = Auth::create({.token_file = p.settings.token_file, .hosts = p.settings.hosts, .secure = p.tls != nullptr},
                         static_cast<std::uint64_t>(utc_ns() / 1'000'000'000), error);
   if (!p.auth) return false;
   // Numbers begin at a random place: a core that outlives a server must not take a new connection for an old one.
   p.last_client = static_cast<std::uint32_t>(std::stoul(random_hex(3), nullptr, 16)) << 6U;
   p.services.reset(new Services{.settings = p.settings,
                                 .counters = p.counters,
-                                .auth = *p.auth,
                                 .core = p.core,
                                 .firmware = p.firmware,
-                                .hub = p.hub,
+                                .state = p.state,
                                 .recorder = p.recorder,
                                 .records = p.records,
                                 .now_ns = &steady_ns,
@@ -187,8 +197,15 @@ bool App::start(std::string& error) {
                                 .next_client = [&p] { return ++p.last_client; },
                                 .started_utc_ns = utc_ns(),
                                 .started_ns = steady_ns()});
-  p.hub.set_services(*p.services);
-  p.core.set_listener(&p.hub);
+  p.hub.set_services(*p.services, *p.auth);
+  p.core.add_listener(p.state);
+  p.core.add_listener(p.hub);
+  p.rest.reset(new RestContext{.services = *p.services,
+                               .auth = *p.auth,
+                               .open_live = [&p](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
+                                 p.hub.open(std::move(stream), std::move(seat), std::move(session));
+                               }});
+  p.router = std::make_unique<Router>(*p.rest);
   p.core.set_wake([&p] { p.wake(); });
   std::error_code ignored;
   if (p.settings.db_path.has_parent_path()) std::filesystem::create_directories(p.settings.db_path.parent_path(), ignored);
@@ -197,12 +214,13 @@ bool App::start(std::string& error) {
     error = claimed.error().message;
     return false;
   }
-  p.listener = std::make_unique<Listener>(p.io, *p.services);
+  p.listener = std::make_unique<Listener>(p.io, p.counters, *p.router, p.tls.get());
   const std::uint16_t port = p.listener->open(p.settings.bind, p.settings.port, error);
   if (port == 0) return false;
   p.settings.port = port;
-  p.services->base_url = "http://" + (p.settings.bind.find(':') == std::string::npos ? p.settings.bind : "[" + p.settings.bind + "]") +
-                         ":" + std::to_string(port);
+  p.rest->base_url = (p.tls ? "https://" : "http://") +
+                     (p.settings.bind.find(':') == std::string::npos ? p.settings.bind : "[" + p.settings.bind + "]") + ":" +
+                     std::to_string(port);
   p.recorder.start();
   return true;
 }
@@ -220,6 +238,6 @@ void App::stop() {
 
 std::uint16_t App::port() const { return parts_->settings.port; }
 std::string App::bearer_token() const { return parts_->auth->bearer_token(); }
-std::string App::link() const { return parts_->services->base_url + "/?token=" + parts_->auth->link_token(); }
+std::string App::link() const { return parts_->rest->base_url + "/?token=" + parts_->auth->link_token(); }
 
 }  // namespace hoist::server

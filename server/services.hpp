@@ -1,37 +1,32 @@
-// What every handler may use. Owned by App; all of it is touched by the network thread only.
+// What every action and protocol may use. Owned by App; all of it is touched by the network thread only.
 #pragma once
 #include <cstdint>
 #include <functional>
-#include <string>
-#include <string_view>
 
 #include "server/counters.hpp"
-#include "server/http/auth.hpp"
 #include "server/link/core_desk.hpp"
 #include "server/link/firmware_desk.hpp"
 #include "server/record/recorder.hpp"
 #include "server/record/recorder_desk.hpp"
 #include "server/settings.hpp"
+#include "server/state/hoist_state.hpp"
 
 namespace hoist::server {
-
-class Hub;
 
 struct Services {
   const Settings& settings;
   Counters& counters;
-  Auth& auth;
   CoreDesk& core;
   FirmwareDesk& firmware;
-  Hub& hub;
+  HoistState& state;
   Recorder& recorder;                          // its state
   RecorderDesk& records;                       // work for its thread
   std::function<std::uint64_t()> now_ns;       // steady
   std::function<std::int64_t()> utc_ns;        // wall
   std::function<std::uint32_t()> next_client;  // numbers for connections and REST sessions, never used twice
-  std::string base_url = {};                   // http://127.0.0.1:8080
   std::int64_t started_utc_ns = 0;
   std::uint64_t started_ns = 0;
+  std::size_t live_clients = 0;  // open WebSockets
   bool start_anew = false;       // a recording was begun by hand, for another patient: the next exercise begins at its start mark
   std::uint64_t ends_asked = 0;  // requests to end motion so far: a start that was asked for before one of them is over
 };

@@ -15,6 +15,8 @@ std::string usage() {
          "  --host NAME        further name under which browsers may call; may be repeated\n"
          "  --scenario NAME    what the simulator plays: chooses the exercise offered first\n"
          "  --token-file FILE  where the token for scripts is written, readable only by this user\n"
+         "  --tls-cert FILE    certificate chain (PEM): HTTPS and WSS instead of plain; needs --tls-key\n"
+         "  --tls-key FILE     its private key (PEM), readable only by this user\n"
          "  --version          which source this program was built from\n"
          "  --help             this text\n";
 }
@@ -31,7 +33,8 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
       return true;
     }
     const bool known = option == "--socket" || option == "--db" || option == "--web" || option == "--port" || option == "--bind" ||
-                       option == "--host" || option == "--scenario" || option == "--token-file";
+                       option == "--host" || option == "--scenario" || option == "--token-file" || option == "--tls-cert" ||
+                       option == "--tls-key";
     if (!known) {
       error = "unknown option " + option + "; see --help";
       return false;
@@ -48,6 +51,8 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     if (option == "--host") settings.hosts.push_back(value);
     if (option == "--scenario") settings.scenario = value;
     if (option == "--token-file") settings.token_file = value;
+    if (option == "--tls-cert") settings.tls_cert = value;
+    if (option == "--tls-key") settings.tls_key = value;
     if (option == "--port") {
       unsigned port = 0;
       const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), port);
@@ -60,8 +65,12 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
   }
   if (settings.bind != "127.0.0.1" && settings.bind != "::1") {
     error = "--bind " + settings.bind +
-            " is refused: without TLS anyone on the network could read the session and drive the hoist, so only this computer "
+            " is refused: without user accounts each client is the engineer, so only this computer "
             "(127.0.0.1 or ::1) may connect for now";
+    return false;
+  }
+  if (settings.tls_cert.empty() != settings.tls_key.empty()) {
+    error = "--tls-cert and --tls-key belong together: give both, or none for plain HTTP";
     return false;
   }
   if (settings.socket_path.empty()) {

@@ -1,7 +1,7 @@
 // What is wrong, in the order in which it is to be told.
 #pragma once
 #include "control/contract/signals.hpp"
-#include "server/http/json_writer.hpp"
+#include "server/text/json_writer.hpp"
 
 namespace hoist::server {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <optional>
 #include "db/store/result.hpp"
-#include "server/api/actions.hpp"
+#include "server/actions/actions.hpp"
 #include "server/api/call.hpp"
 
 namespace hoist::server {

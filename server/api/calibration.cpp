@@ -6,8 +6,7 @@
 
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
-#include "server/live/hub.hpp"
-#include "server/live/views.hpp"
+#include "server/state/views.hpp"
 
 namespace hoist::server::api {
 
@@ -29,13 +28,13 @@ json step_json(const contract::CalibrationStepInfo& info, const contract::Params
           {"done_utc_s", date_s > 0 ? json(date_s) : json(nullptr)}};
 }
 
-json state_json(const contract::TickRecord& record, const Hub& hub) {
+json state_json(const contract::TickRecord& record, const HoistState& hoist) {
   const contract::CalibrationStepInfo* info = contract::find_calibration_step(record.calibration_step);
   if (info == nullptr) return nullptr;
   constexpr std::array<std::string_view, 6> kPhases{"none", "resting", "measuring", "operator", "result", "refused"};
   const contract::CalibrationReasonInfo* reason = contract::find_calibration_reason(record.calibration_reason);
   json result = json::array();
-  for (const contract::Event& event : hub.proposed())
+  for (const contract::Event& event : hoist.proposed())
     if (const auto index = contract::find_param_id(event.item))
       result.push_back({{"name", contract::kParams[*index].name}, {"value", event.value}, {"before", event.before}});
   return {{"step", info->name},
@@ -58,7 +57,7 @@ void get_calibration(const CallPtr& call) {
   const bool running = core.connected() && core.newest();
   constexpr std::uint32_t kMissing = contract::refusal_bit(contract::Refusal::not_calibrated);
   call->respond(json{{"valid", running ? json((core.newest()->blocked_bits & kMissing) == 0) : json(nullptr)},
-                     {"under_way", running ? state_json(*core.newest(), call->services.hub) : json(nullptr)},
+                     {"under_way", running ? state_json(*core.newest(), call->services.state) : json(nullptr)},
                      {"items", std::move(items)},
                      {"reasons", std::move(reasons)}});
 }

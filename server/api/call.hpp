@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/api/router.hpp"
 #include "server/http/exchange.hpp"
 #include "server/http/problem.hpp"
 #include "server/services.hpp"
@@ -14,8 +15,8 @@ namespace hoist::server {
 
 class Call {
  public:
-  Call(Services& services_in, Request request_in, std::function<void(Response)> answer)
-      : services(services_in), request(std::move(request_in)), answer_(std::move(answer)) {}
+  Call(const RestContext& rest_in, Request request_in, std::function<void(Response)> answer)
+      : rest(rest_in), services(rest_in.services), request(std::move(request_in)), answer_(std::move(answer)) {}
   ~Call();
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
@@ -24,6 +25,7 @@ class Call {
   void respond(const nlohmann::json& value, unsigned status = 200) { respond(json_response(value, status)); }
   void fail(const Problem& problem) { respond(problem_response(problem, request.path)); }
 
+  const RestContext& rest;
   Services& services;
   const Request request;
   SessionPtr session;                          // null only on open routes

@@ -1,10 +1,13 @@
 // /api/openapi.json, /api/docs and the WebSocket's handshake.
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 
 #include "server/api/handlers.hpp"
 #include "server/contract/openapi.hpp"
 #include "server/contract/routes.hpp"
-#include "server/live/hub.hpp"
+#include "server/stream/stream.hpp"
+#include "server/ws/handshake.hpp"
 
 namespace hoist::server::api {
 
@@ -20,19 +23,6 @@ std::string escaped(std::string_view text) {
       out.push_back(c);
   }
   return out;
-}
-
-// One of the comma-separated names of Sec-WebSocket-Protocol.
-bool offers(std::string_view protocols, std::string_view wanted) {
-  while (!protocols.empty()) {
-    const std::size_t comma = protocols.find(',');
-    std::string_view name = protocols.substr(0, comma);
-    protocols = comma == std::string_view::npos ? std::string_view{} : protocols.substr(comma + 1);
-    while (!name.empty() && name.front() == ' ') name.remove_prefix(1);
-    while (!name.empty() && name.back() == ' ') name.remove_suffix(1);
-    if (name == wanted) return true;
-  }
-  return false;
 }
 }  // namespace
 
@@ -64,17 +54,32 @@ void get_docs(const CallPtr& call) {
 }
 
 void open_live(const CallPtr& call) {
-  if (!call->request.wants_upgrade || !offers(call->request.header("sec-websocket-protocol"), "hoist.v1")) {
+  const bool version_13 = call->request.header("sec-websocket-version") == "13";
+  if (!call->request.wants_upgrade || !version_13 || !offers(call->request.header("sec-websocket-protocol"), "hoist.v1")) {
     Response response = problem_response(
         {.status = 426, .name = "upgrade", .title = "This address speaks WebSocket", .detail = "Connect with the subprotocol hoist.v1."},
         call->request.path);
     response.set("Upgrade", "websocket");
+    response.set("Sec-WebSocket-Version", "13");
     call->respond(std::move(response));
+    return;
+  }
+  const std::optional<std::string> accept = websocket_accept(call->request.header("sec-websocket-key"));
+  if (!accept) {
+    call->fail({.status = 400,
+                .name = "bad-request",
+                .title = "The request cannot be read",
+                .detail = "Sec-WebSocket-Key must be 16 bytes in base64."});
     return;
   }
   Response response;
   response.status = 101;
-  response.upgrade = std::make_shared<LiveTicket>(LiveTicket{call->session});
+  response.set("Upgrade", "websocket");
+  response.set("Sec-WebSocket-Accept", *accept);
+  response.set("Sec-WebSocket-Protocol", "hoist.v1");
+  response.upgrade = [&rest = call->rest, session = call->session](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat) {
+    rest.open_live(std::move(stream), std::move(seat), session);
+  };
   call->respond(std::move(response));
 }
 

@@ -8,33 +8,11 @@
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
 #include "server/link/firmware_desk.hpp"
-#include "server/live/views.hpp"
+#include "server/state/views.hpp"
 
-namespace hoist::server {
+namespace hoist::server::api {
 
 using nlohmann::json;
-
-json firmware_update_json(const FirmwareDesk& desk) {
-  constexpr std::array<std::string_view, 9> kPhases{"listening", "asking_drives", "asking_node", "entering_loader", "sending",
-                                                    "checking",  "starting",      "done",        "failed"};
-  constexpr std::array<std::string_view, 5> kResults{"running", "done", "unchanged", "failed", "interrupted"};
-  if (!desk.state()) return nullptr;
-  const FirmwareUpdateState& state = *desk.state();
-  return {{"node", contract::kNodes[static_cast<std::size_t>(state.node)].name},
-          {"version", version_text(state.version)},
-          {"phase", kPhases[static_cast<std::size_t>(state.phase)]},
-          {"result", kResults[static_cast<std::size_t>(state.result)]},
-          {"bytes_sent", state.bytes_sent},
-          {"bytes_total", state.bytes_total},
-          {"seconds_left", state.seconds_left ? json(*state.seconds_left) : json(nullptr)},
-          {"text", state.text}};
-}
-
-std::string version_text(std::uint32_t version) {
-  return std::to_string(version >> 16) + "." + std::to_string((version >> 8) & 0xFFU) + "." + std::to_string(version & 0xFFU);
-}
-
-namespace api {
 
 namespace {
 json state_json(const FirmwareDesk& desk) {
@@ -112,5 +90,4 @@ void update_firmware(const CallPtr& call) {
                       });
 }
 
-}  // namespace api
-}  // namespace hoist::server
+}  // namespace hoist::server::api

@@ -7,7 +7,6 @@
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/emergencies.hpp"
 #include "server/api/handlers.hpp"
-#include "server/live/hub.hpp"
 
 namespace hoist::server::api {
 
@@ -90,7 +89,7 @@ void get_health(const CallPtr& call) {
     bus = bus_json(*newest);
   }
   const std::uint64_t now_ns = newest ? newest->time_ns : 0;
-  const auto& kept = s.hub.emergencies();
+  const auto& kept = s.state.emergencies();
   for (auto event = kept.rbegin(); event != kept.rend(); ++event) {
     const bool known = event->item < contract::kNodes.size();
     emergencies.push_back({{"node", known ? contract::kNodes[event->item].name : std::string_view{}},

@@ -6,7 +6,7 @@
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
 #include "server/http/compress.hpp"
-#include "server/live/views.hpp"
+#include "server/state/views.hpp"
 
 namespace hoist::server::api {
 

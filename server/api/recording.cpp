@@ -3,7 +3,7 @@
 
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
-#include "server/live/views.hpp"
+#include "server/state/views.hpp"
 
 namespace hoist::server::api {
 

@@ -9,9 +9,9 @@
 #include "db/store/session_reader.hpp"
 #include "db/summary/session_json.hpp"
 #include "server/api/answers.hpp"
-#include "server/api/exercise.hpp"
 #include "server/api/handlers.hpp"
-#include "server/http/json_writer.hpp"
+#include "server/state/exercise.hpp"
+#include "server/text/json_writer.hpp"
 
 namespace hoist::server::api {
 

@@ -3,13 +3,12 @@
 
 #include "control/contract/faults.hpp"
 #include "control/contract/program_version.hpp"
-#include "server/api/actions.hpp"
+#include "server/actions/actions.hpp"
 #include "server/api/alarms.hpp"
 #include "server/api/handlers.hpp"
-#include "server/http/json_writer.hpp"
-#include "server/live/hub.hpp"
-#include "server/live/notices.hpp"
-#include "server/live/views.hpp"
+#include "server/state/notices.hpp"
+#include "server/state/views.hpp"
+#include "server/text/json_writer.hpp"
 
 namespace hoist::server::api {
 
@@ -85,9 +84,9 @@ void get_status(const CallPtr& call) {
   else
     out.field("scenario", nullptr);
   write_core(out, s, newest);
-  out.field("recording", recording_json(s.recorder.status())).field("notices", notices_json(standing_notices(s)));
+  out.field("recording", recording_json(s.recorder.status())).field("notices", notices_json(standing_notices(s.core, s.recorder)));
   out.key("lease").begin('{').field("holder", s.core.lease_holder()).field("epoch", s.core.lease_epoch()).end('}');
-  out.field("clients", s.hub.clients());
+  out.field("clients", s.live_clients);
   write_counters(out, s.counters);
   out.key("server").begin('{').field("uptime_s", static_cast<double>(s.now_ns() - s.started_ns) * 1e-9);
   out.field("layout_hash", layout_hash_hex()).end('}').end('}');

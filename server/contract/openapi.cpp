@@ -7,6 +7,7 @@
 
 #include "server/contract/routes.hpp"
 #include "server/contract/schemas.hpp"
+#include "server/contract/status_phrase.hpp"
 
 namespace hoist::server {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "control/contract/check.hpp"
-#include "server/http/exchange.hpp"
+#include "server/contract/method.hpp"
 
 namespace hoist::server {
 

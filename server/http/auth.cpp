@@ -18,7 +18,6 @@ namespace hoist::server {
 namespace {
 constexpr std::size_t kTokenBytes = 32;
 constexpr std::size_t kLinkBytes = 24;
-constexpr std::string_view kCookieName = "hoist_session";
 
 bool is_token(std::string_view text, std::size_t bytes) {
   return text.size() == 2 * bytes &&
@@ -178,9 +177,16 @@ bool Auth::host_allowed(std::string_view host) const {
   return std::any_of(options_.hosts.begin(), options_.hosts.end(), [&equal](const std::string& h) { return equal(h); });
 }
 
-bool Auth::origin_matches(std::string_view origin, std::string_view host) {
-  constexpr std::string_view kScheme = "http://";
-  return origin.size() == kScheme.size() + host.size() && origin.starts_with(kScheme) && origin.substr(kScheme.size()) == host;
+bool Auth::origin_matches(std::string_view origin, std::string_view host) const {
+  const std::string_view scheme = options_.secure ? "https://" : "http://";
+  return origin.size() == scheme.size() + host.size() && origin.starts_with(scheme) && origin.substr(scheme.size()) == host;
+}
+
+std::string_view Auth::cookie_name() const { return options_.secure ? "__Host-hoist_session" : "hoist_session"; }
+
+std::string Auth::cookie_of(const Session& session) const {
+  return std::string{cookie_name()} + "=" + session.secret +
+         "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(kCookieLife_s) + (options_.secure ? "; Secure" : "");
 }
 
 void Auth::end(std::list<SessionPtr>::iterator session) {
@@ -198,15 +204,15 @@ void Auth::use(Session& session, std::uint64_t utc_s) {
 }
 
 namespace {
-// The value of our cookie in the rest of a cookie header, which it moves on; nothing when there is none left.
-std::optional<std::string_view> next_cookie(std::string_view& rest) {
+// The value of this cookie in the rest of a cookie header, which it moves on; nothing when there is none left.
+std::optional<std::string_view> next_cookie(std::string_view& rest, std::string_view name) {
   while (!rest.empty()) {
     const std::size_t end = rest.find(';');
     std::string_view pair = rest.substr(0, end);
     rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
     while (!pair.empty() && pair.front() == ' ') pair.remove_prefix(1);
     const std::size_t equals = pair.find('=');
-    if (equals != std::string_view::npos && pair.substr(0, equals) == kCookieName) return pair.substr(equals + 1);
+    if (equals != std::string_view::npos && pair.substr(0, equals) == name) return pair.substr(equals + 1);
   }
   return std::nullopt;
 }
@@ -216,7 +222,7 @@ SessionPtr Auth::find_for_stop(const Request& request, std::uint64_t utc_s) {
   if (SessionPtr session = find(request, utc_s)) return session;
   if (!request.header("authorization").empty()) return nullptr;
   std::string_view rest = request.header("cookie");
-  while (const auto secret = next_cookie(rest))
+  while (const auto secret = next_cookie(rest, cookie_name()))
     for (const SessionPtr& session : past_)
       if (same_secret(session->secret, *secret)) return session;
   return nullptr;
@@ -230,7 +236,7 @@ SessionPtr Auth::find(const Request& request, std::uint64_t utc_s) {
     return bearer_;
   }
   std::string_view rest = request.header("cookie");
-  while (const auto secret = next_cookie(rest)) {
+  while (const auto secret = next_cookie(rest, cookie_name())) {
     for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {
       if (!same_secret((*it)->secret, *secret)) continue;
       if ((*it)->used_utc_s + kSessionLife_s < utc_s) {

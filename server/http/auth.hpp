@@ -43,6 +43,7 @@ class Auth {
   struct Options {
     std::filesystem::path token_file;  // empty = not written (tests)
     std::vector<std::string> hosts;    // further host names
+    bool secure = false;               // reached by HTTPS only
   };
   // Reads the token file's sessions of an earlier run so that a restarted server knows its people; makes a new token if there is none.
   // Errors are returned as a sentence in `error`; then nothing works.
@@ -50,7 +51,9 @@ class Auth {
 
   [[nodiscard]] bool host_allowed(std::string_view host) const;
   // Exactly the origin that this request's own Host stands for.
-  [[nodiscard]] static bool origin_matches(std::string_view origin, std::string_view host);
+  [[nodiscard]] bool origin_matches(std::string_view origin, std::string_view host) const;
+  // Set-Cookie for a session. Under TLS no other name, path or plain page of this computer can set or read it (the prefix __Host-).
+  [[nodiscard]] std::string cookie_of(const Session& session) const;
 
   // The session of a request: Authorization first, then the cookie. Null when there is none that is valid.
   // Being found is a use: it puts the session's end off.
@@ -73,6 +76,7 @@ class Auth {
 
  private:
   explicit Auth(Options options) : options_(std::move(options)) {}
+  [[nodiscard]] std::string_view cookie_name() const;
   bool load(std::string& error);
   bool save(std::string& error) const;
   // The session can only say STOP from here.

@@ -10,11 +10,11 @@
 #include <utility>
 #include <vector>
 
+#include "server/contract/method.hpp"
+
 namespace hoist::server {
 
-enum class Method : std::uint8_t { get, head, post, put, patch, del, other };
-[[nodiscard]] std::string_view method_name(Method method);
-[[nodiscard]] Method parse_method(std::string_view text);
+class Stream;
 
 struct Request {
   Method method = Method::other;
@@ -44,14 +44,16 @@ inline constexpr std::size_t kQueryFieldLimit = 32;
 enum class PieceState : std::uint8_t { more, last, failed };
 using PieceSource = std::function<void(std::function<void(PieceState, std::string)>)>;
 
+// Takes a connection over once the answer to its handshake has left. `seat` is its place in the limits, held for as long as it is open.
+using Upgrade = std::function<void(std::unique_ptr<Stream>, std::shared_ptr<void> seat)>;
+
 struct Response {
   unsigned status = 200;
   std::string content_type;
   std::vector<std::pair<std::string, std::string>> headers;
   std::string body;
   PieceSource next_piece;  // set for long answers, instead of body
-  // Set when this connection becomes a WebSocket; the live side takes the socket over with this ticket.
-  std::shared_ptr<struct LiveTicket> upgrade;
+  Upgrade upgrade;         // set when this connection becomes a WebSocket: status 101 with the headers of the handshake
 
   void set(std::string name, std::string value) { headers.emplace_back(std::move(name), std::move(value)); }
 };
@@ -60,7 +62,5 @@ struct Response {
 [[nodiscard]] bool names_etag(std::string_view header, std::string_view etag);
 // Whether an Accept-Encoding header lets the answer be gzip.
 [[nodiscard]] bool accepts_gzip(std::string_view header);
-
-[[nodiscard]] std::string_view reason_phrase(unsigned status);
 
 }  // namespace hoist::server

@@ -5,7 +5,6 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -16,9 +15,9 @@
 #include <optional>
 #include <utility>
 
+#include "server/contract/status_phrase.hpp"
 #include "server/http/problem.hpp"
-#include "server/http/router.hpp"
-#include "server/live/adopt.hpp"
+#include "server/stream/stream.hpp"
 
 namespace hoist::server {
 
@@ -33,11 +32,12 @@ class Connection;
 enum class Seat : std::uint8_t { ordinary, signed_in, stop };
 
 struct Listener::Shared {
-  Shared(asio::io_context& io_in, Services& services_in)
-      : io(io_in), services(services_in), pages(services_in.settings.web_dir), acceptor(io_in), pause(io_in) {}
+  Shared(asio::io_context& io_in, Counters& counters_in, RequestHandler& handler_in, const TlsContext* tls_in)
+      : io(io_in), counters(counters_in), handler(handler_in), tls(tls_in), acceptor(io_in), pause(io_in) {}
   asio::io_context& io;
-  Services& services;
-  const StaticFiles pages;
+  Counters& counters;
+  RequestHandler& handler;
+  const TlsContext* tls;
   tcp::acceptor acceptor;
   asio::steady_timer pause;
   bool closing = false;
@@ -86,7 +86,8 @@ const std::string& http_date() {
 
 // A body up to this size is sent together with its head.
 constexpr std::size_t kCopied_bytes = 256 * 1024;
-constexpr std::size_t kFirstRead_bytes = 4096;
+constexpr std::size_t kHeaderRead_bytes = 4096;
+constexpr std::size_t kBodyRead_bytes = 16 * 1024;
 
 std::string lower(std::string_view text) {
   std::string out(text);
@@ -95,17 +96,31 @@ std::string lower(std::string_view text) {
   return out;
 }
 
+void add_field(std::string& head, std::string_view name, std::string_view value) {
+  head.append(name).append(": ");
+  // A value never breaks out of its line, whatever it was made from.
+  for (char c : value) head.push_back(static_cast<unsigned char>(c) < 0x20 ? ' ' : c);
+  head.append("\r\n");
+}
+
+void add_status(std::string& head, unsigned status) {
+  head.append("HTTP/1.1 ").append(std::to_string(status)).append(" ").append(reason_phrase(status)).append("\r\nServer: Hoist\r\n");
+}
+
+// The answer to WebSocket's handshake.
+std::string upgrade_head(const Response& response) {
+  std::string head;
+  add_status(head, response.status);
+  head.append("Connection: Upgrade\r\n");
+  for (const auto& [name, value] : response.headers) add_field(head, name, value);
+  return head + "\r\n";
+}
+
 std::string head_of(const Response& response, bool keep, bool chunked, std::optional<std::size_t> length) {
   std::string head;
   head.reserve(1024 + (length && *length < kCopied_bytes ? *length : 0));
-  head.append("HTTP/1.1 ").append(std::to_string(response.status)).append(" ").append(reason_phrase(response.status)).append("\r\n");
-  const auto add = [&head](std::string_view name, std::string_view value) {
-    head.append(name).append(": ");
-    // A value never breaks out of its line, whatever it was made from.
-    for (char c : value) head.push_back(static_cast<unsigned char>(c) < 0x20 ? ' ' : c);
-    head.append("\r\n");
-  };
-  add("Server", "Hoist");
+  add_status(head, response.status);
+  const auto add = [&head](std::string_view name, std::string_view value) { add_field(head, name, value); };
   add("Date", http_date());
   if (!response.content_type.empty()) add("Content-Type", response.content_type);
   for (const auto& [name, value] : response.headers) add(name, value);
@@ -126,12 +141,13 @@ std::string head_of(const Response& response, bool keep, bool chunked, std::opti
 
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(std::shared_ptr<Listener::Shared> shared, tcp::socket socket, std::string address, std::shared_ptr<void> seat, Seat kind)
+  Connection(std::shared_ptr<Listener::Shared> shared, std::unique_ptr<Stream> stream, std::string address, std::shared_ptr<void> seat,
+             Seat kind)
       : kind_(kind),
         reserved_(kind != Seat::ordinary),
         unjudged_(reserved_),
         shared_(std::move(shared)),
-        socket_(std::move(socket)),
+        stream_(std::move(stream)),
         deadline_(shared_->io),
         address_(std::move(address)),
         seat_(std::move(seat)) {}
@@ -139,7 +155,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void start() { read_header(reserved_ ? kReservedHeaderTime_s : kHeaderTime_s); }
 
   // On a reserved seat, without having shown that it may sit there: the first to go when such a seat is needed.
-  [[nodiscard]] bool unjudged(Seat kind) const { return kind_ == kind && unjudged_ && socket_.is_open(); }
+  [[nodiscard]] bool unjudged(Seat kind) const { return kind_ == kind && unjudged_ && is_open(); }
   void leave() {
     drop();
     seat_.reset();
@@ -152,14 +168,16 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void drop() {
-    beast::error_code ignored;
     deadline_.cancel();
-    socket_.close(ignored);
+    if (stream_) stream_->close();
   }
 
  private:
   using Parser = http::request_parser<http::string_body>;
   using Clock = asio::steady_timer::clock_type;
+
+  // Not once it has become a WebSocket.
+  [[nodiscard]] bool is_open() const { return stream_ && stream_->is_open(); }
 
   // The timer is set anew only for an earlier limit. One that comes before the limit of the time waits on: a request costs no timer.
   void limit_time(int seconds) {
@@ -178,12 +196,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
         if (self->limit_ != Clock::time_point::max()) self->wait_for_limit();
         return;
       }
-      self->shared_->services.counters.add(Count::connections_timed_out);
+      self->shared_->counters.add(Count::connections_timed_out);
       // A request that has begun is told why it is not answered; the reader ends with an error and says it.
       self->timed_out_ = self->reading_ && (self->buffer_.size() > 0 || self->parser_->got_some());
-      beast::error_code ignored;
-      if (self->timed_out_)
-        self->socket_.cancel(ignored);
+      if (self->timed_out_ && self->stream_)
+        self->stream_->cancel();
       else
         self->drop();
     });
@@ -200,12 +217,53 @@ class Connection : public std::enable_shared_from_this<Connection> {
     parser_->header_limit(static_cast<std::uint32_t>(kHeaderLimit_bytes));
     parser_->body_limit(kImageLimit_bytes);
     body_limit_ = kImageLimit_bytes;
+    in_header_ = true;
     limit_time(seconds);
     reading_ = true;
-    http::async_read_header(socket_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-      self->reading_ = false;
-      self->on_header(error);
-    });
+    read_on();
+  }
+
+  // Gives the parser what is there until it has the header, or the whole body; else waits for more.
+  void read_on() {
+    while (is_open()) {
+      if (buffer_.size() > 0) {
+        beast::error_code error;
+        buffer_.consume(parser_->put(buffer_.cdata(), error));
+        if (error && error != http::error::need_more) return end_reading(error);
+        if (!error && (in_header_ ? parser_->is_header_done() : parser_->is_done())) return end_reading({});
+        if (!error && buffer_.size() > 0) continue;
+      }
+      // A chunk's header that never ends.
+      if (buffer_.size() + kBodyRead_bytes > buffer_.max_size()) return end_reading(http::error::buffer_overflow);
+      const Stream::Taken taken = read_some(in_header_ ? kHeaderRead_bytes : kBodyRead_bytes);
+      if (taken.ended) return end_reading(http::error::end_of_stream);
+      if (taken.count > 0) continue;
+      stream_->wait_readable([self = shared_from_this()](bool ready) {
+        // Bytes that came in the same turn as the time limit: no timer runs any more.
+        if (ready && !self->timed_out_)
+          self->read_on();
+        else
+          self->end_reading(asio::error::operation_aborted);
+      });
+      return;
+    }
+  }
+
+  Stream::Taken read_some(std::size_t most) {
+    const auto room = buffer_.prepare(most);
+    const Stream::Taken taken = stream_->read({static_cast<char*>(room.data()), room.size()});
+    buffer_.commit(taken.count);
+    return taken;
+  }
+
+  void end_reading(beast::error_code error) {
+    reading_ = false;
+    if (in_header_)
+      on_header(error);
+    else if (error)
+      refuse(error);
+    else
+      handle();
   }
 
   void wait_for_next() {
@@ -215,17 +273,23 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return;
     }
     if (buffer_.size() > 0) {
-      read_header(kHeaderTime_s);
+      // Not from here: requests that came together would each lie on the stack above the one before.
+      asio::post(shared_->io, [self = shared_from_this()] { self->read_header(kHeaderTime_s); });
       return;
     }
     limit_time(kIdleTime_s);
-    socket_.async_read_some(buffer_.prepare(kFirstRead_bytes), [self = shared_from_this()](beast::error_code error, std::size_t count) {
-      if (error) {
+    wait_for_first_byte();
+  }
+
+  void wait_for_first_byte() {
+    stream_->wait_readable([self = shared_from_this()](bool ready) {
+      const Stream::Taken taken = ready && self->is_open() ? self->read_some(kHeaderRead_bytes) : Stream::Taken{.ended = true};
+      if (taken.ended)
         self->drop();
-        return;
-      }
-      self->buffer_.commit(count);
-      self->read_header(kHeaderTime_s);
+      else if (taken.count == 0)
+        self->wait_for_first_byte();
+      else
+        self->read_header(kHeaderTime_s);
     });
   }
 
@@ -240,7 +304,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return;
     }
     if (reserved_ && !may_enter()) {
-      shared_->services.counters.add(Count::connections_refused_address_limit);
+      shared_->counters.add(Count::connections_refused_address_limit);
       send_refusal(kNoSeat);
       return;
     }
@@ -259,13 +323,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
       }
     }
     if (beast::iequals(parser_->get()[http::field::expect], "100-continue")) {
-      static const std::string kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
-      asio::async_write(socket_, asio::buffer(kContinue), [self = shared_from_this()](beast::error_code failed, std::size_t) {
-        if (failed)
-          self->drop();
-        else
-          self->read_body();
-      });
+      outgoing_ = "HTTP/1.1 100 Continue\r\n\r\n";
+      write([](Connection& self) { self.read_body(); });
       return;
     }
     read_body();
@@ -276,20 +335,16 @@ class Connection : public std::enable_shared_from_this<Connection> {
       handle();
       return;
     }
+    in_header_ = false;
+    parser_->eager(true);
     limit_time(kBodyTime_s);
     reading_ = true;
-    http::async_read(socket_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-      self->reading_ = false;
-      if (error)
-        self->refuse(error);
-      else
-        self->handle();
-    });
+    read_on();
   }
 
   // A request that could not be read: say why when that helps, then close.
   void refuse(beast::error_code error) {
-    Counters& counters = shared_->services.counters;
+    Counters& counters = shared_->counters;
     if (timed_out_) {
       send_refusal({.status = 408,
                     .name = "too-slow",
@@ -324,20 +379,20 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void refuse_as_malformed(std::string detail) {
-    shared_->services.counters.add(Count::http_refused_malformed);
+    shared_->counters.add(Count::http_refused_malformed);
     send_refusal({.status = 400, .name = "bad-request", .title = "The request cannot be read", .detail = std::move(detail)});
   }
 
   // Answers a request that nobody handles, then closes.
   void send_refusal(const Problem& problem) {
-    shared_->services.counters.add(Count::http_requests);
+    shared_->counters.add(Count::http_requests);
     head_only_ = false;
     busy_ = true;
     close_with(problem);
   }
 
   void close_with(const Problem& problem) {
-    shared_->services.counters.add(Count::http_refused);
+    shared_->counters.add(Count::http_refused);
     keep_ = false;
     Response response = problem_response(problem, "");
     if (problem.status == 503) response.set("Retry-After", "2");
@@ -347,12 +402,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   // Whether a reserved seat is for this request: of a client that is signed in, or with a fresh link; the last ones only for STOP.
   bool may_enter() {
     if (!readable_) return false;
-    Services& services = shared_->services;
-    const auto utc_s = static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000);
     if (kind_ == Seat::stop && (request_.method != Method::post || request_.path != "/api/v1/stop")) return false;
-    const auto token = request_.query.find("token");
-    const bool link = request_.path == "/" && token != request_.query.end() && same_secret(token->second, services.auth.link_token());
-    return link || services.auth.find_for_stop(request_, utc_s) != nullptr;
+    return shared_->handler.may_enter(request_);
   }
 
   // Takes over the header before the body comes, since Beast adds the fields of a trailer to it, which must not sign a client in. What is wrong
@@ -383,7 +434,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void handle() {
     if (ending_) keep_ = false;
     if (!readable_) {
-      shared_->services.counters.add(Count::http_refused_malformed);
+      shared_->counters.add(Count::http_refused_malformed);
       send(problem_response({.status = 400,
                              .name = "bad-target",
                              .title = "The address cannot be read",
@@ -394,12 +445,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
     request_.body = std::move(parser_->get().body());
     // The core's answer is bounded at half a second and the recorder's by its queue; the time limit is for the client's side.
     limit_time(kIdleTime_s);
-    dispatch(shared_->services, shared_->pages, std::move(request_),
-             [self = shared_from_this()](Response response) { self->send(std::move(response)); });
+    shared_->handler.handle(std::move(request_), [self = shared_from_this()](Response response) { self->send(std::move(response)); });
   }
 
   void send(Response response) {
-    if (!socket_.is_open()) return;
+    if (!is_open()) return;
     if (response.upgrade) {
       upgrade(std::move(response));
       return;
@@ -426,26 +476,33 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void write(void (*then)(Connection&)) {
-    // What the kernel takes at once needs no event.
-    beast::error_code failed;
-    const std::size_t sent = socket_.write_some(asio::buffer(outgoing_), failed);
-    if (!failed && sent == outgoing_.size()) {
-      then(*this);
+    then_ = then;
+    written_ = 0;
+    write_on();
+  }
+
+  void write_on() {
+    while (is_open() && written_ < outgoing_.size()) {
+      const Stream::Taken taken = stream_->write(std::string_view(outgoing_).substr(written_));
+      if (taken.ended) return drop();
+      written_ += taken.count;
+      if (taken.count > 0) continue;
+      stream_->wait_writable([self = shared_from_this()](bool ready) {
+        if (ready)
+          self->write_on();
+        else
+          self->drop();
+      });
       return;
     }
-    asio::async_write(socket_, asio::buffer(outgoing_) + sent, [self = shared_from_this(), then](beast::error_code error, std::size_t) {
-      if (error)
-        self->drop();
-      else
-        then(*self);
-    });
+    if (is_open()) then_(*this);
   }
 
   // A long answer, piece by piece: the next one is asked for only when the last one has left, so memory stays small.
   void next_piece() {
     limit_ = Clock::time_point::max();
     pieces_([self = shared_from_this()](PieceState state, std::string piece) {
-      if (!self->socket_.is_open()) return;
+      if (!self->is_open()) return;
       if (state == PieceState::failed) {
         // The answer has begun, so the only honest way to say that it is not whole is to break it off.
         self->drop();
@@ -478,8 +535,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return;
     }
     // Our answer must not be lost to a reset because the client is still sending: say that we are done, then read on for a moment.
-    beast::error_code ignored;
-    socket_.shutdown(tcp::socket::shutdown_send, ignored);
+    stream_->shutdown_send();
     limit_time(2);
     drain(0);
   }
@@ -487,27 +543,41 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void drain(std::size_t seen) {
     constexpr std::size_t kDrainLimit = 1024 * 1024;
     scrap_.resize(8192);
-    socket_.async_read_some(asio::buffer(scrap_), [self = shared_from_this(), seen](beast::error_code error, std::size_t count) {
-      if (error || seen + count > kDrainLimit)
-        self->drop();
+    for (Stream::Taken taken = stream_->read(scrap_); taken.count > 0 || taken.ended; taken = stream_->read(scrap_)) {
+      seen += taken.count;
+      if (taken.ended || seen > kDrainLimit) return drop();
+    }
+    stream_->wait_readable([self = shared_from_this(), seen](bool ready) {
+      if (ready && self->is_open())
+        self->drain(seen);
       else
-        self->drain(seen + count);
+        self->drop();
     });
   }
 
   void upgrade(Response response) {
     if (shared_->live >= kLiveLimit) {
-      shared_->services.counters.add(Count::connections_refused_total_limit);
+      shared_->counters.add(Count::connections_refused_total_limit);
       close_with(kNoSeat);
       return;
     }
-    deadline_.cancel();
     // Bytes that came after the request belong to the WebSocket; no client of ours sends any before our answer.
     if (buffer_.size() > 0) {
       drop();
       return;
     }
-    adopt_socket(shared_->services.hub, std::move(socket_), parser_->release(), std::move(response.upgrade), take_live_seat(shared_));
+    limit_time(kHeaderTime_s);
+    upgrade_ = std::move(response.upgrade);
+    live_seat_ = take_live_seat(shared_);
+    outgoing_ = upgrade_head(response);
+    write([](Connection& self) { self.hand_over(); });
+  }
+
+  // From here the stream is the WebSocket's; this connection goes with its last handler.
+  void hand_over() {
+    limit_ = Clock::time_point::max();
+    deadline_.cancel();
+    std::exchange(upgrade_, nullptr)(std::move(stream_), std::move(live_seat_));
     seat_.reset();
   }
 
@@ -517,7 +587,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool reading_ = false;
   bool timed_out_ = false;
   std::shared_ptr<Listener::Shared> shared_;
-  tcp::socket socket_;
+  std::unique_ptr<Stream> stream_;
   asio::steady_timer deadline_;
   Clock::time_point limit_ = Clock::time_point::max();
   bool timing_ = false;  // the timer runs
@@ -528,7 +598,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::optional<Parser> parser_;
   Request request_;        // what its header says; the body follows
   bool readable_ = false;  // its target
+  bool in_header_ = true;  // being read; else the body
   std::string outgoing_;
+  std::size_t written_ = 0;              // of it
+  void (*then_)(Connection&) = nullptr;  // when all of it is
+  Upgrade upgrade_;
+  std::shared_ptr<void> live_seat_;
   std::string scrap_;
   PieceSource pieces_;
   bool keep_ = false;
@@ -545,7 +620,7 @@ bool make_room(Listener::Shared& shared, Seat kind) {
   for (const auto& weak : shared.connections) {
     const auto held = weak.lock();
     if (!held || !held->unjudged(kind)) continue;
-    shared.services.counters.add(Count::connections_refused_total_limit);
+    shared.counters.add(Count::connections_refused_total_limit);
     held->leave();
     return true;
   }
@@ -562,9 +637,22 @@ std::optional<Seat> find_seat(Listener::Shared& shared, const std::string& addre
   if (shared.open < kConnectionLimit || make_room(shared, Seat::stop)) return Seat::stop;
   return std::nullopt;
 }
+
+// Says that there is no seat, as far as that goes at once: under TLS it does not, since the handshake would need a seat itself.
+void refuse(Stream& stream) {
+  Response response = problem_response(kNoSeat, "");
+  response.set("Retry-After", "2");
+  const std::string full = head_of(response, false, false, response.body.size()) + response.body;
+  // What the client has sent is taken first: closing over unread bytes would take our answer away from it.
+  std::array<char, 4096> scrap{};
+  (void)stream.read(scrap);
+  (void)stream.write(full);
+  stream.abort();
+}
 }  // namespace
 
-Listener::Listener(asio::io_context& io, Services& services) : shared_(std::make_shared<Shared>(io, services)) {}
+Listener::Listener(asio::io_context& io, Counters& counters, RequestHandler& handler, const TlsContext* tls)
+    : shared_(std::make_shared<Shared>(io, counters, handler, tls)) {}
 Listener::~Listener() { close(); }
 
 std::uint16_t Listener::open(const std::string& address, std::uint16_t port, std::string& error) {
@@ -599,27 +687,19 @@ void Listener::accept() {
       });
       return;
     }
-    Counters& counters = shared->services.counters;
+    Counters& counters = shared->counters;
     beast::error_code ignored;
     const std::string address = socket.remote_endpoint(ignored).address().to_string();
     const std::optional<Seat> kind = find_seat(*shared, address);
     if (!kind) {
       counters.add(Count::connections_refused_total_limit);
-      Response response = problem_response(kNoSeat, "");
-      response.set("Retry-After", "2");
-      const std::string full = head_of(response, false, false, response.body.size()) + response.body;
-      socket.non_blocking(true, ignored);
-      // What the client has sent is taken first: closing over unread bytes would take our answer away from it.
-      std::array<char, 4096> scrap;
-      socket.read_some(asio::buffer(scrap), ignored);
-      socket.write_some(asio::buffer(full), ignored);
-      socket.shutdown(tcp::socket::shutdown_both, ignored);
+      Stream stream(std::move(socket), shared->tls);
+      refuse(stream);
     } else {
       counters.add(Count::connections_accepted);
-      socket.set_option(tcp::no_delay(true), ignored);
-      socket.non_blocking(true, ignored);
       auto seat = take_seat(shared, address);
-      auto connection = std::make_shared<Connection>(shared, std::move(socket), address, std::move(seat), *kind);
+      auto connection =
+          std::make_shared<Connection>(shared, std::make_unique<Stream>(std::move(socket), shared->tls), address, std::move(seat), *kind);
       shared->connections.push_back(connection);
       connection->start();
     }

@@ -1,11 +1,14 @@
-// The door: accepts connections up to the limits, reads requests with time limits, writes answers, hands WebSockets over.
+// The door: accepts connections up to the limits, reads requests with time limits, writes answers, hands WebSockets over. What a request means
+// is its handler's business.
 #pragma once
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 
-#include "server/services.hpp"
+#include "server/counters.hpp"
+#include "server/http/exchange.hpp"
+#include "server/stream/tls.hpp"
 
 namespace boost::asio {
 class io_context;
@@ -32,9 +35,20 @@ inline constexpr int kIdleTime_s = 60;
 // A client that does not take an answer for this long is gone.
 inline constexpr int kWriteTime_s = 20;
 
+// Who answers requests.
+class RequestHandler {
+ public:
+  virtual ~RequestHandler() = default;
+  // Answers exactly once, now or later, on the network thread.
+  virtual void handle(Request request, std::function<void(Response)> answer) = 0;
+  // Whether a seat that is kept for clients who are signed in is for this request, of which the body is still to come.
+  [[nodiscard]] virtual bool may_enter(const Request& request) = 0;
+};
+
 class Listener {
  public:
-  Listener(boost::asio::io_context& io, Services& services);
+  // All of them outlive the listener. `tls` null: plain.
+  Listener(boost::asio::io_context& io, Counters& counters, RequestHandler& handler, const TlsContext* tls);
   ~Listener();
   // Binds and begins to accept; the port that was bound, or 0 with the reason in `error`.
   std::uint16_t open(const std::string& address, std::uint16_t port, std::string& error);

@@ -2,23 +2,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/http/json_text.hpp"
+#include "server/text/json_text.hpp"
 
 namespace hoist::server {
 
 using nlohmann::json;
-
-json to_json(const std::vector<FieldError>& errors) {
-  json list = json::array();
-  for (const FieldError& e : errors) {
-    json row{{"field", e.field}, {"message", e.message}};
-    if (e.value) row["value"] = *e.value;
-    if (e.min) row["min"] = *e.min;
-    if (e.max) row["max"] = *e.max;
-    list.push_back(std::move(row));
-  }
-  return list;
-}
 
 Response problem_response(const Problem& problem, std::string_view instance) {
   json body{{"type", "/problems/" + problem.name},

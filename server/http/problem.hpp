@@ -1,22 +1,14 @@
-// What a refusal says: which field, what was given, what is allowed (RFC 9457 for REST, the same fields in a WebSocket reply).
+// How REST tells a refusal (RFC 9457).
 #pragma once
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "server/http/exchange.hpp"
+#include "server/text/field_error.hpp"
 
 namespace hoist::server {
-
-struct FieldError {
-  std::string field;
-  std::string message;
-  std::optional<double> value = {};
-  std::optional<double> min = {};
-  std::optional<double> max = {};
-};
 
 struct Problem {
   unsigned status = 500;
@@ -27,7 +19,6 @@ struct Problem {
   std::vector<std::string> refusals = {};
 };
 
-[[nodiscard]] nlohmann::json to_json(const std::vector<FieldError>& errors);
 [[nodiscard]] Response problem_response(const Problem& problem, std::string_view instance);
 [[nodiscard]] Response json_response(const nlohmann::json& value, unsigned status = 200);
 

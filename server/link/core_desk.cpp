@@ -168,14 +168,14 @@ void CoreDesk::answer_all(CoreAnswer::Kind kind) {
 void CoreDesk::set_connected(bool connected) {
   if (connected == connected_) return;
   connected_ = connected;
-  if (listener_ != nullptr) listener_->on_core(connected);
+  for (CoreListener* listener : listeners_) listener->on_core(connected);
 }
 
 void CoreDesk::set_lease(std::uint32_t epoch, std::uint32_t holder) {
   if (epoch == lease_epoch_ && holder == lease_holder_) return;
   lease_epoch_ = epoch;
   lease_holder_ = holder;
-  if (listener_ != nullptr) listener_->on_lease(epoch, holder);
+  for (CoreListener* listener : listeners_) listener->on_lease(epoch, holder);
 }
 
 void CoreDesk::poll(std::uint64_t now_ns) {
@@ -210,8 +210,8 @@ void CoreDesk::poll(std::uint64_t now_ns) {
       answer_all(CoreAnswer::Kind::no_core);
     }
   }
-  if (listener_ != nullptr)
-    for (const Event& event : events) listener_->on_event(event);
+  for (const Event& event : events)
+    for (CoreListener* listener : listeners_) listener->on_event(event);
   for (Answered& a : answered) answer(a);
   answer_stored();
   // Past its time: the answer may still come, but nobody waits for it any more.
@@ -248,7 +248,7 @@ void CoreDesk::read_ticks(std::uint64_t now_ns) {
   heard_ns_ = now_ns;
   const std::span<const contract::TickRecord> records(tick_buffer_.data(), got.count);
   newest_ = records.back();
-  if (listener_ != nullptr) listener_->on_ticks(records, got.lost);
+  for (CoreListener* listener : listeners_) listener->on_ticks(records, got.lost);
   set_lease(newest_->lease_epoch, newest_->lease_holder);
 }
 
@@ -265,7 +265,7 @@ void CoreDesk::read_parameters() {
   parameters_sequence_ = sequence;
   if (now.version == 0 || (now.version == parameters_.version && now.values == parameters_.values)) return;
   parameters_ = now;
-  if (listener_ != nullptr) listener_->on_parameters(parameters_);
+  for (CoreListener* listener : listeners_) listener->on_parameters(parameters_);
 }
 
 void CoreDesk::answer(Answered& answered) {

@@ -47,7 +47,8 @@ struct CoreAnswer {
   [[nodiscard]] bool done() const { return kind == Kind::done; }
 };
 
-// Who wants to hear what the core says. Called from within poll, in this order: ticks, state changes, events, answers.
+// Who wants to hear what the core says. Called from within poll, in this order: ticks, state changes, events, answers. Of several listeners
+// each hears one thing before the next thing is told, in the order in which they were added.
 class CoreListener {
  public:
   virtual ~CoreListener() = default;
@@ -63,7 +64,8 @@ class CoreDesk {
   using Done = std::function<void(const CoreAnswer&)>;
 
   CoreDesk(std::string socket_path, Counters& counters);
-  void set_listener(CoreListener* listener) { listener_ = listener; }
+  void add_listener(CoreListener& listener) { listeners_.push_back(&listener); }
+  void clear_listeners() { listeners_.clear(); }
   // Called when something is asked, so that a timer that sleeps longer than a step is brought forward.
   void set_wake(std::function<void()> wake) { wake_ = std::move(wake); }
 
@@ -146,7 +148,7 @@ class CoreDesk {
 
   publish::ServerLink link_;
   Counters& counters_;
-  CoreListener* listener_ = nullptr;
+  std::vector<CoreListener*> listeners_;
   std::function<void()> wake_;
   publish::TickReader ticks_;
   publish::EventReader events_;

@@ -9,14 +9,12 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/guided_path.hpp"
 #include "control/contract/program_version.hpp"
-#include "db/export/provenance.hpp"
-#include "server/api/actions.hpp"
-#include "server/api/exercise.hpp"
-#include "server/http/json_text.hpp"
+#include "server/actions/actions.hpp"
 #include "server/live/client.hpp"
-#include "server/live/notices.hpp"
-#include "server/live/views.hpp"
 #include "server/record/reason.hpp"
+#include "server/state/notices.hpp"
+#include "server/state/views.hpp"
+#include "server/text/json_text.hpp"
 
 namespace hoist::server {
 
@@ -68,22 +66,6 @@ json parameters_message(const contract::ParamsInForce& parameters) {
   return {{"type", "parameters"}, {"version", parameters.version}, {"values", std::move(values)}};
 }
 }  // namespace
-
-std::string layout_hash_hex() { return db::layout_text(contract::layout_hash()); }
-
-json recording_json(const RecordingStatus& status) {
-  json out{{"state", recording_state_name(status.state)},
-           {"session", nullptr},
-           {"started_utc_ms", nullptr},
-           {"samples", status.samples},
-           {"durable_tick", nullptr},
-           {"detail", status.detail},
-           {"reason_code", status.error ? json(reason_name(reason_of(*status.error))) : json(nullptr)}};
-  if (status.session) out["session"] = *status.session;
-  if (status.started_utc_ms) out["started_utc_ms"] = *status.started_utc_ms;
-  if (status.durable_tick) out["durable_tick"] = *status.durable_tick;
-  return out;
-}
 
 json event_json(const contract::Event& event) {
   using contract::EventKind;
@@ -177,20 +159,23 @@ SharedFrame TelemetryFrames::encode(std::span<const contract::TickRecord> record
   return frame;
 }
 
-namespace {
-// Until a client chooses: what the simulated patient walks, else the paper's figure.
-Exercise first_choice(const std::optional<std::string>& scenario) {
-  return exercise_of_scenario(scenario ? std::string_view{*scenario} : "figure-eight");
-}
-}  // namespace
-
-Hub::Hub() : walk_(first_choice(std::nullopt)) { batch_.reserve(kBatchLimit); }
+Hub::Hub() { batch_.reserve(kBatchLimit); }
 Hub::~Hub() = default;
 
-void Hub::set_services(Services& services) {
+void Hub::set_services(Services& services, Auth& auth) {
   services_ = &services;
-  walk_.choose(first_choice(services.settings.scenario));
+  auth_ = &auth;
+  services.state.set_on_walk([this] { tell_walk(); });
 }
+
+void Hub::open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
+  services_->counters.add(Count::ws_opened);
+  auto client = std::make_shared<Client>(*this, std::move(stream), std::move(session), services_->next_client(), std::move(seat));
+  client->start();
+  add(std::move(client));
+}
+
+void Hub::use(Session& session) { auth_->use(session, static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000)); }
 
 void Hub::add(std::shared_ptr<Client> client) {
   // Its handshake was under way when the server began to end.
@@ -210,14 +195,15 @@ void Hub::add(std::shared_ptr<Client> client) {
   if (s.settings.scenario) welcome["scenario"] = *s.settings.scenario;
   client->send(welcome);
   client->send(core_json(s.core));
-  client->send(walk_json(walk_));
+  client->send(walk_json(services_->state.walk()));
   if (s.core.has_parameters()) client->send(parameters_message(s.core.parameters()));
   client->send(lease_json(s.core, client->number()));
   json recording = recording_json(s.recorder.status());
   recording["type"] = "recording";
   client->send(recording);
-  client->send(json{{"type", "notices"}, {"items", notices_json(standing_notices(s))}});
+  client->send(json{{"type", "notices"}, {"items", notices_json(standing_notices(s.core, s.recorder))}});
   clients_.push_back(std::move(client));
+  services_->live_clients = clients_.size();
 }
 
 void Hub::remove(const Client* client) {
@@ -225,6 +211,7 @@ void Hub::remove(const Client* client) {
   if (at == clients_.end()) return;
   const std::shared_ptr<Client> held = *at;
   clients_.erase(at);
+  services_->live_clients = clients_.size();
   // Whoever is gone drives no more: said to the core, which stops remote motion and frees the lease.
   if (held->holds_lease())
     act_release_lease(*services_, {held->number(), services_->core.lease_epoch(), held->session()->role}, [](const Outcome&) {});
@@ -251,24 +238,10 @@ void Hub::set_every_tick(Client& client, bool on) {
 }
 
 void Hub::tell_walk() {
-  if (!clients_.empty()) broadcast(text_frame(walk_json(walk_)));
-}
-
-void Hub::choose(const Exercise& exercise) {
-  walk_.choose(exercise);
-  tell_walk();
-}
-
-void Hub::motion_begins(json told) {
-  walk_.begin(std::move(told));
-  tell_walk();
+  if (!clients_.empty()) broadcast(text_frame(walk_json(services_->state.walk())));
 }
 
 void Hub::on_ticks(std::span<const contract::TickRecord> records, std::uint64_t) {
-  meet_core();
-  bool marked = false;
-  for (const contract::TickRecord& record : records) marked = walk_.take(record) || marked;
-  if (marked) tell_walk();
   if (clients_.empty()) {
     batch_.clear();
     return;
@@ -284,26 +257,12 @@ void Hub::on_ticks(std::span<const contract::TickRecord> records, std::uint64_t)
   }
 }
 
-// What another core proposed and walked is nothing of this one's. A core that was only silent for a while keeps its own.
-void Hub::meet_core() {
-  const std::uint64_t life = services_->core.link().life();
-  if (life == core_life_) return;
-  proposed_.clear();
-  core_life_ = life;
-  walk_.forget();
-  tell_walk();
-}
-
 void Hub::on_core(bool connected) {
   if (!connected) batch_.clear();
-  meet_core();
   broadcast(text_frame(core_json(services_->core)));
 }
 
-void Hub::on_parameters(const contract::ParamsInForce& parameters) {
-  services_->recorder.set_parameters(parameters);
-  broadcast(text_frame(parameters_message(parameters)));
-}
+void Hub::on_parameters(const contract::ParamsInForce& parameters) { broadcast(text_frame(parameters_message(parameters))); }
 
 void Hub::on_lease(std::uint32_t, std::uint32_t) {
   const auto all = clients_;
@@ -317,15 +276,6 @@ void Hub::on_lease(std::uint32_t, std::uint32_t) {
 void Hub::on_event(const contract::Event& event) {
   // Answers to somebody's question are theirs alone.
   if (event.kind == contract::EventKind::command_done || event.kind == contract::EventKind::none) return;
-  if (event.kind == contract::EventKind::emergency) {
-    if (emergencies_.size() == kEmergenciesKept) emergencies_.pop_front();
-    emergencies_.push_back(event);
-  }
-  if (event.kind == contract::EventKind::calibration_result) {
-    if (proposed_.size() < contract::kParamCount) proposed_.push_back(event);
-  } else if (event.kind == contract::EventKind::calibration_sample || event.kind == contract::EventKind::calibration_ended) {
-    proposed_.clear();
-  }
   json message = event_json(event);
   message["type"] = "event";
   broadcast(text_frame(message));
@@ -369,7 +319,7 @@ void Hub::tell_recording() {
     message["type"] = "recording";
     broadcast(text_frame(message));
   }
-  if (std::vector<StandingNotice> notices = standing_notices(*services_); notices != told_notices_) {
+  if (std::vector<StandingNotice> notices = standing_notices(services_->core, services_->recorder); notices != told_notices_) {
     told_notices_ = std::move(notices);
     broadcast(text_frame({{"type", "notices"}, {"items", notices_json(told_notices_)}}));
   }

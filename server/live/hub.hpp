@@ -3,18 +3,19 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "server/http/auth.hpp"
 #include "server/link/core_desk.hpp"
-#include "server/live/frame.hpp"
-#include "server/live/walk.hpp"
 #include "server/record/recorder.hpp"
 #include "server/services.hpp"
+#include "server/stream/stream.hpp"
+#include "server/ws/frame.hpp"
 
 namespace hoist::server {
 
@@ -32,21 +33,13 @@ class TelemetryFrames {
   std::array<std::shared_ptr<std::string>, 8> kept_;
 };
 
-// Emergency messages of nodes that are kept for whoever asks later; all of a session are in its recording.
-inline constexpr std::size_t kEmergenciesKept = 64;
-
 class Client;
-
-// What the handshake needs to know besides the request.
-struct LiveTicket {
-  SessionPtr session;
-};
 
 class Hub final : public CoreListener {
  public:
   Hub();
   ~Hub() override;
-  void set_services(Services& services);
+  void set_services(Services& services, Auth& auth);
 
   void on_core(bool connected) override;
   void on_ticks(std::span<const contract::TickRecord> records, std::uint64_t lost) override;
@@ -61,35 +54,30 @@ class Hub final : public CoreListener {
   // Every client gets a close frame; the sockets end by themselves.
   void close_all();
 
+  // A WebSocket whose handshake is done becomes a client.
+  void open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session);
+  // A session was used by a message.
+  void use(Session& session);
   void add(std::shared_ptr<Client> client);
   void remove(const Client* client);
   // Changes how often a client gets values, between two batches, so that it sees each step once.
   void set_every_tick(Client& client, bool on);
-  // What is walked, told to all.
-  [[nodiscard]] const Walk& walk() const { return walk_; }
-  void choose(const Exercise& exercise);
-  void motion_begins(nlohmann::json told);
   // How often a client was looked at (for tests).
   [[nodiscard]] std::uint64_t visits() const { return visits_; }
   [[nodiscard]] std::size_t clients() const { return clients_.size(); }
-  // The latest emergency messages since the server started, oldest first.
-  [[nodiscard]] const std::deque<contract::Event>& emergencies() const { return emergencies_; }
-  // What the calibration step under way would change: the core's events, one for each parameter.
-  [[nodiscard]] const std::vector<contract::Event>& proposed() const { return proposed_; }
   [[nodiscard]] Services& services() const { return *services_; }
 
  private:
   void broadcast(const SharedFrame& frame);
   void send_batch();
   void tell_walk();
-  void meet_core();
   void tell_recording();
 
   Services* services_ = nullptr;
+  Auth* auth_ = nullptr;
   std::vector<std::shared_ptr<Client>> clients_;
   bool ending_ = false;
   std::vector<contract::TickRecord> batch_;
-  Walk walk_;
   std::uint64_t visits_ = 0;
   std::uint64_t visited_ns_ = 0;         // when the clients were last looked at
   std::uint64_t recording_changes_ = 0;  // of the recorder, as told last
@@ -99,10 +87,10 @@ class Hub final : public CoreListener {
   std::string told_problem_;  // why the core is not connected
   std::vector<StandingNotice> told_notices_;
   std::uint64_t told_update_ = 0, told_update_ns_ = 0;  // changes of the firmware desk, and when they were told
-  std::deque<contract::Event> emergencies_;
-  std::vector<contract::Event> proposed_;
-  std::uint64_t core_life_ = 0;  // of the core that proposed it
   TelemetryFrames frames_;
 };
+
+// With the names that the numbers stand for.
+[[nodiscard]] nlohmann::json event_json(const contract::Event& event);
 
 }  // namespace hoist::server

@@ -1,12 +1,12 @@
 // What each incoming message does. One function per HOIST_IN row of messages.def; an unlisted type is refused.
 #include <array>
-#include <cmath>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "control/contract/faults.hpp"
-#include "server/api/actions.hpp"
+#include "server/actions/actions.hpp"
 #include "server/live/client.hpp"
 #include "server/record/reason.hpp"
 
@@ -37,7 +37,8 @@ json reply_json(const json& request, const Outcome& outcome) {
 
 // The answer finds its client by a weak hold: whoever has left gets none.
 OutcomeDone reply_to(Client& client, const json& message) {
-  return [weak = client.weak_from_this(), request = message.value("request", json())](const Outcome& outcome) {
+  return [weak = std::weak_ptr(std::static_pointer_cast<Client>(client.shared_from_this())),
+          request = message.value("request", json())](const Outcome& outcome) {
     if (const auto held = weak.lock()) held->send(reply_json(request, outcome));
   };
 }
@@ -76,54 +77,33 @@ void acknowledge(Client& client, const json& message) {
   act_acknowledge(client.hub().services(), asker_of(client), field(message, "seen"), reply_to(client, message));
 }
 
+// A whole number that a JavaScript number may hold; large ones come as doubles.
+std::optional<std::uint64_t> whole(const json& value) {
+  if (value.is_number_unsigned()) return value.get<std::uint64_t>();
+  if (!value.is_number() || !(value.get<double>() >= 0 && value.get<double>() < 1.8e19)) return std::nullopt;
+  return static_cast<std::uint64_t>(value.get<double>());
+}
+std::optional<double> number(const json& value) { return value.is_number() ? std::optional{value.get<double>()} : std::nullopt; }
+
 void drive(Client& client, const json& message) {
   Services& services = client.hub().services();
-  const json& sequence = field(message, "sequence");
-  const json& echo = field(message, "echo");
-  const json& speed = field(message, "speed");
-  const json& yaw = field(message, "yaw");
   const json& held = field(message, "held");
-  const char* refused = nullptr;
-  // A stamp is a whole number of nanoseconds; JavaScript writes large ones as doubles.
-  const auto whole = [](const json& v) { return v.is_number() && v.get<double>() >= 0 && v.get<double>() < 1.8e19; };
-  if (!whole(sequence) || !whole(echo) || !speed.is_number() || !yaw.is_number() || !held.is_boolean())
-    refused = "out_of_range";
-  else if (std::fabs(speed.get<double>()) > 1.0 || std::fabs(yaw.get<double>()) > 1.0)
-    refused = "out_of_range";
-  else if (!client.holds_lease())
-    refused = "no_lease";
-  contract::DriveCommand command;
-  if (refused == nullptr) {
-    command.lease_epoch = services.core.lease_epoch();
-    command.client = client.number();
-    command.sequence = sequence.is_number_unsigned() ? sequence.get<std::uint64_t>() : static_cast<std::uint64_t>(sequence.get<double>());
-    command.echo_time_ns = echo.is_number_unsigned() ? echo.get<std::uint64_t>() : static_cast<std::uint64_t>(echo.get<double>());
-    command.speed_norm = speed.get<double>();
-    command.yaw_norm = yaw.get<double>();
-    command.held = held.get<bool>() ? 1 : 0;
-    if (command.sequence <= client.drive_sequence)
-      refused = "out_of_order";
-    else if (!services.core.drive(command))
-      refused = "stale_command";
-    else
-      client.drive_sequence = command.sequence;
-  }
-  if (refused == nullptr) return;
-  // Letting go is passed on whatever else is wrong: it can only stop. The next free number, since the core takes only those that rise.
-  if (held == false && client.holds_lease()) {
-    command.lease_epoch = services.core.lease_epoch();
-    command.client = client.number();
-    command.sequence = client.drive_sequence + 1;
-    command.speed_norm = command.yaw_norm = 0;
-    command.held = 0;
-    if (services.core.drive(command)) client.drive_sequence = command.sequence;
-  }
+  const DriveWish wish{.sequence = whole(field(message, "sequence")),
+                       .echo_time_ns = whole(field(message, "echo")),
+                       .speed_norm = number(field(message, "speed")),
+                       .yaw_norm = number(field(message, "yaw")),
+                       .held = held.is_boolean() ? std::optional{held.get<bool>()} : std::nullopt};
+  const auto refused = act_drive(services, asker_of(client), wish, client.drive_sequence);
+  if (!refused) return;
   services.counters.add(Count::ws_refused);
   services.counters.add(Count::ws_refused_drive);
   const std::uint64_t now = services.now_ns();
   if (client.drive_notice_ns != 0 && now - client.drive_notice_ns < kNoticeEvery_ns) return;
   client.drive_notice_ns = now;
-  client.send(json{{"type", "notice"}, {"level", "warning"}, {"text_key", "drive_refused"}, {"refusals", {refused}}});
+  client.send(json{{"type", "notice"},
+                   {"level", "warning"},
+                   {"text_key", "drive_refused"},
+                   {"refusals", refusal_names(contract::refusal_bit(*refused))}});
 }
 
 // The version that the message was made for, or nothing after a refusal.
@@ -152,7 +132,7 @@ void preset(Client& client, const json& message) {
                reply_to(client, message));
 }
 void choose(Client& client, const json& message) {
-  act_choose(client.hub().services(), field(message, "exercise"), reply_to(client, message));
+  act_choose(client.hub().services(), asker_of(client), field(message, "exercise"), reply_to(client, message));
 }
 void neutral(Client& client, const json& message) { act_neutral(client.hub().services(), asker_of(client), reply_to(client, message)); }
 void calibrate(Client& client, const json& message) {

@@ -12,8 +12,8 @@
 #include "db/codec/column_chunk.hpp"
 #include "firmware/sim/requests.hpp"
 #include "server/http/exchange.hpp"
-#include "server/http/json_text.hpp"
-#include "server/live/frame.hpp"
+#include "server/text/json_text.hpp"
+#include "server/ws/frame.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace hoist::fuzz {

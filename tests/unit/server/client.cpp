@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "server/live/frame.hpp"
+#include "server/ws/frame.hpp"
 
 namespace hoist::test {
 

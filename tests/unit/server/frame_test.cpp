@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "server/live/frame.hpp"
+#include "server/ws/frame.hpp"
 
 namespace hoist::server {
 namespace {

@@ -11,9 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include "control/run/heap_watch.hpp"
+#include "server/actions/actions.hpp"
 #include "server/http/compress.hpp"
-#include "server/http/json_writer.hpp"
 #include "server/live/client.hpp"
+#include "server/text/json_writer.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/server/fake_core.hpp"
 
@@ -31,29 +32,30 @@ class Idle : public ::testing::Test {
         core_((folder_ / "core.sock").string(), counters_),
         firmware_(core_),
         recorder_(core_.link(), {.file = folder_ / "none.db", .version = "", .utc_ns = [] { return std::int64_t{0}; }, .steady_ns = {}}),
-        records_(recorder_, [](std::function<void()>) {}) {
+        records_(recorder_, [](std::function<void()>) {}),
+        state_(settings_, core_, recorder_) {
     std::string error;
     auth_ = Auth::create({.token_file = "", .hosts = {}}, 1000, error);
     services_.reset(new Services{.settings = settings_,
                                  .counters = counters_,
-                                 .auth = *auth_,
                                  .core = core_,
                                  .firmware = firmware_,
-                                 .hub = hub_,
+                                 .state = state_,
                                  .recorder = recorder_,
                                  .records = records_,
                                  .now_ns = [this] { return now_ns_; },
                                  .utc_ns = [] { return std::int64_t{0}; },
                                  .next_client = [] { return 1U; }});
-    hub_.set_services(*services_);
-    core_.set_listener(&hub_);
+    hub_.set_services(*services_, *auth_);
+    core_.add_listener(state_);
+    core_.add_listener(hub_);
     // The core accepts in its own time.
     for (int i = 0; i < 500 && !core_.connected(); ++i) {
       fake_.skip(1);
       poll(1);
     }
   }
-  ~Idle() override { core_.set_listener(nullptr); }
+  ~Idle() override { core_.clear_listeners(); }
   void poll(int times) {
     for (int i = 0; i < times; ++i) {
       now_ns_ += kTick_ns;
@@ -71,6 +73,7 @@ class Idle : public ::testing::Test {
   FirmwareDesk firmware_;
   Recorder recorder_;
   RecorderDesk records_;
+  HoistState state_;
   Hub hub_;
   std::unique_ptr<Auth> auth_;
   std::unique_ptr<Services> services_;
@@ -90,7 +93,8 @@ TEST_F(Idle, AClientIsVisitedOnceASecond) {
   std::vector<std::shared_ptr<Client>> clients;
   const auto session = std::make_shared<Session>();
   for (std::uint32_t i = 0; i < 64; ++i) {
-    clients.push_back(std::make_shared<Client>(hub_, boost::asio::ip::tcp::socket(io_), session, i + 1, nullptr));
+    clients.push_back(
+        std::make_shared<Client>(hub_, std::make_unique<Stream>(boost::asio::ip::tcp::socket(io_), nullptr), session, i + 1, nullptr));
     clients.back()->start();  // its clock; the network is never run
     hub_.add(clients.back());
   }
@@ -109,7 +113,7 @@ class Browser {
     boost::asio::ip::tcp::socket socket(io);
     socket.assign(boost::asio::ip::tcp::v4(), ends[0]);
     fd_ = ends[1];
-    client = std::make_shared<Client>(hub, std::move(socket), session, number, nullptr);
+    client = std::make_shared<Client>(hub, std::make_unique<Stream>(std::move(socket), nullptr), session, number, nullptr);
     client->start();
     hub.add(client);
   }
@@ -141,6 +145,7 @@ TEST_F(Idle, TheSteadyStreamAsksNothingOfTheHeap) {
       ++step[0].tick;
       step[0].time_ns += kTick_ns;
       step[0].fused_x_m += 0.03F;  // a new point of the path each time
+      state_.on_ticks(step, 0);
       hub_.on_ticks(step, 0);
       if (i % 5 == 4)
         for (const auto& browser : browsers) bytes += browser->read();
@@ -165,6 +170,48 @@ TEST_F(Idle, AFrameThatAClientStillSendsIsNotWrittenAgain) {
     was.push_back(*held.back());
   }
   for (std::size_t i = 0; i < held.size(); ++i) EXPECT_EQ(*held[i], was[i]) << i;
+}
+
+// Whatever a protocol's own table says: an action of too low a role is refused by the action, and the core hears nothing of it.
+TEST_F(Idle, ActionsAskForTheRoleThemselves_H28) {
+  ASSERT_TRUE(core_.connected());
+  const Asker viewer{.client = 7, .epoch = 0, .role = contract::Role::viewer};
+  Asker therapist = viewer;
+  therapist.role = contract::Role::therapist;
+  const json none, empty = json::object(), values{{"v_max_m_s", 0.1}};
+  int refused = 0, asked = 0;
+  const OutcomeDone done = [&refused](const Outcome& outcome) {
+    EXPECT_EQ(outcome.kind, Outcome::Kind::refused);
+    EXPECT_EQ(outcome.refusals, std::vector<std::string>{"not_allowed"});
+    ++refused;
+  };
+  const auto one = [&](auto act, const Asker& asker, const auto&... wish) {
+    ++asked;
+    act(*services_, asker, wish..., done);
+  };
+  one(act_take_lease, viewer, true);
+  one(act_mode, viewer, ModeWish{json("user"), none, none, none});
+  one(act_mode, viewer, ModeWish{json("standby"), none, none, none});
+  one(act_acknowledge, viewer, none);
+  one(act_choose, viewer, empty);
+  one(act_calibrate, viewer, empty);
+  one(act_measure, viewer, empty);
+  one(act_use_calibration, viewer);
+  one(act_cancel_calibration, viewer);
+  one(act_neutral, viewer);
+  one(act_pose, viewer, empty);
+  one(act_set, viewer, values, none, 0U);
+  one(act_keep_trial, viewer, none);
+  one(act_undo_trial, viewer);
+  one(act_preset, viewer, std::string{"walk"}, 0U);
+  one(act_update_firmware, therapist, std::vector<std::uint8_t>{}, contract::Node::tilt_base, false);
+  EXPECT_EQ(refused, asked);
+  std::uint64_t sequence = 0;
+  const DriveWish push{.sequence = 1, .echo_time_ns = 1, .speed_norm = 1.0, .yaw_norm = 0.0, .held = true};
+  EXPECT_EQ(act_drive(*services_, viewer, push, sequence), contract::Refusal::not_allowed);
+  fake_.skip(2);
+  EXPECT_TRUE(fake_.commands().empty());
+  EXPECT_EQ(fake_.drive().held, 0U);
 }
 
 TEST_F(Idle, TheNextStepMattersOnlyWhileAnAnswerIsDueOrTheLeaseIsHeld) {

@@ -3,7 +3,7 @@
 
 #include "control/contract/faults.hpp"
 #include "server/live/client.hpp"
-#include "server/live/views.hpp"
+#include "server/state/views.hpp"
 #include "tests/unit/server/fixture.hpp"
 
 namespace hoist::test {

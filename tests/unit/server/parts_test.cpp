@@ -9,14 +9,14 @@
 #include <set>
 
 #include "db/export/exercise_names.hpp"
-#include "server/api/exercise.hpp"
 #include "server/contract/openapi.hpp"
 #include "server/contract/routes.hpp"
 #include "server/http/auth.hpp"
 #include "server/http/exchange.hpp"
-#include "server/http/json_text.hpp"
 #include "server/link/clock_speed.hpp"
 #include "server/settings.hpp"
+#include "server/state/exercise.hpp"
+#include "server/text/json_text.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hoist::server {
@@ -36,12 +36,15 @@ TEST(Settings, ReadsAllOptions) {
   EXPECT_EQ(s.scenario, "square");
 }
 
-TEST(Settings, RefusesToListenToTheNetworkWithoutTls) {
+// TLS or not: without user accounts each client is the engineer.
+TEST(Settings, RefusesToListenToTheNetworkWithoutAccounts) {
   for (const char* address : {"0.0.0.0", "192.168.1.5", "::", "127.0.0.2"}) {
     Settings s;
     std::string error;
     EXPECT_FALSE(parse_settings({"--socket", "a", "--db", "b", "--bind", address}, s, error)) << address;
-    EXPECT_NE(error.find("TLS"), std::string::npos) << error;
+    EXPECT_FALSE(parse_settings({"--socket", "a", "--db", "b", "--tls-cert", "c", "--tls-key", "k", "--bind", address}, s, error))
+        << address;
+    EXPECT_NE(error.find("user accounts"), std::string::npos) << error;
   }
 }
 
@@ -51,6 +54,8 @@ TEST(Settings, RefusesWhatItDoesNotKnow) {
                                                     {"--socket", "a", "--db", "b", "--port", "65536"},
                                                     {"--socket", "a", "--db", "b", "--port", "1x"},
                                                     {"--socket", "a", "--db", "b", "--port"},
+                                                    {"--socket", "a", "--db", "b", "--tls-cert", "c"},
+                                                    {"--socket", "a", "--db", "b", "--tls-key", "k"},
                                                     {"--socket", "a", "--db", "b", "--what", "x"}}) {
     Settings s;
     std::string error;
@@ -71,10 +76,17 @@ TEST(Host, OnlyOurNames) {
 }
 
 TEST(Origin, ExactlyTheHostAsked) {
-  EXPECT_TRUE(Auth::origin_matches("http://127.0.0.1:8080", "127.0.0.1:8080"));
+  std::string error;
+  const auto auth = Auth::create({.token_file = "", .hosts = {}}, 1000, error);
+  ASSERT_TRUE(auth) << error;
+  EXPECT_TRUE(auth->origin_matches("http://127.0.0.1:8080", "127.0.0.1:8080"));
   for (const char* bad : {"", "null", "https://127.0.0.1:8080", "http://127.0.0.1:80801", "http://127.0.0.1:808", "http://127.0.0.1",
                           "http://localhost:8080", "http://127.0.0.1:8080/", "http://evil.example"})
-    EXPECT_FALSE(Auth::origin_matches(bad, "127.0.0.1:8080")) << bad;
+    EXPECT_FALSE(auth->origin_matches(bad, "127.0.0.1:8080")) << bad;
+  const auto secure = Auth::create({.token_file = "", .hosts = {}, .secure = true}, 1000, error);
+  ASSERT_TRUE(secure) << error;
+  EXPECT_TRUE(secure->origin_matches("https://127.0.0.1:8080", "127.0.0.1:8080"));
+  EXPECT_FALSE(secure->origin_matches("http://127.0.0.1:8080", "127.0.0.1:8080")) << "a plain page beside a secure one";
 }
 
 TEST(Auth, ALinkWorksOnceAndSessionsOutliveTheServer) {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "control/contract/faults.hpp"
-#include "server/live/walk.hpp"
+#include "server/state/walk.hpp"
 #include "tests/unit/server/fixture.hpp"
 
 namespace hoist::test {

@@ -1,4 +1,4 @@
-// A path of bounded size, by the server's rule (server/live/walk.hpp): a point each `step_m`; when it is full, every second point goes.
+// A path of bounded size, by the server's rule (server/state/walk.hpp): a point each `step_m`; when it is full, every second point goes.
 export const pointsMost = 2048;
 export const firstStep_m = 0.02;
 

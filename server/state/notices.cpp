@@ -1,4 +1,4 @@
-#include "server/live/notices.hpp"
+#include "server/state/notices.hpp"
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -29,12 +29,12 @@ std::string filled(std::string_view text, int percent) {
 }
 }  // namespace
 
-std::vector<StandingNotice> standing_notices(const Services& services) {
+std::vector<StandingNotice> standing_notices(const CoreDesk& core, const Recorder& recorder) {
   std::vector<StandingNotice> notices;
-  if (const auto problem = services.core.store_problem()) notices.push_back({NoticeName::settings_not_stored, store_detail(*problem)});
-  if (const auto percent = services.core.slow_time_percent())
+  if (const auto problem = core.store_problem()) notices.push_back({NoticeName::settings_not_stored, store_detail(*problem)});
+  if (const auto percent = core.slow_time_percent())
     notices.push_back({NoticeName::simulation_slow, "Simulated time over the last 2 s, in percent of real time.", *percent});
-  const RecordingStatus recording = services.recorder.status();
+  const RecordingStatus recording = recorder.status();
   notices.insert(notices.end(), recording.notices.begin(), recording.notices.end());
   return notices;
 }

@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "server/api/exercise.hpp"
+#include "control/contract/faults.hpp"
 #include "server/contract/reasons.hpp"
-#include "server/http/problem.hpp"
 #include "server/services.hpp"
+#include "server/state/exercise.hpp"
+#include "server/text/field_error.hpp"
 
 namespace hoist::server {
 
@@ -47,7 +48,17 @@ struct ModeWish {
 };
 void act_mode(Services& services, const Asker& asker, const ModeWish& wish, OutcomeDone done);
 // The exercise of the next walk, for all screens; refused while the hoist is led.
-void act_choose(Services& services, const nlohmann::json& exercise, OutcomeDone done);
+void act_choose(Services& services, const Asker& asker, const nlohmann::json& exercise, OutcomeDone done);
+// A hand on the stick, as a protocol read it: nothing = what was sent there is no such value.
+struct DriveWish {
+  std::optional<std::uint64_t> sequence, echo_time_ns;
+  std::optional<double> speed_norm, yaw_norm;
+  std::optional<bool> held;
+};
+// Passes the wish on at once; nothing when the core has it, else why not. `last_sequence`: of this client's commands that the core has.
+// Letting go is passed on whatever else is wrong, since it can only stop.
+[[nodiscard]] std::optional<contract::Refusal> act_drive(Services& services, const Asker& asker, const DriveWish& wish,
+                                                         std::uint64_t& last_sequence);
 void act_stop(Services& services, std::uint32_t client, OutcomeDone done);
 /// `seen`: names of the faults that were shown when the hand went down, or null; when another has come since, the core refuses.
 void act_acknowledge(Services& services, const Asker& asker, const nlohmann::json& seen, OutcomeDone done);

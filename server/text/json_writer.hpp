@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/http/json_text.hpp"
+#include "server/text/json_text.hpp"
 
 namespace hoist::server {
 

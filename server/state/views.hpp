@@ -4,7 +4,6 @@
 #include <string>
 #include <string_view>
 
-#include "control/contract/commands.hpp"
 #include "control/contract/params.hpp"
 #include "server/record/recorder.hpp"
 
@@ -16,8 +15,6 @@ class FirmwareDesk;
 [[nodiscard]] nlohmann::json firmware_update_json(const FirmwareDesk& desk);
 [[nodiscard]] std::string version_text(std::uint32_t version);
 [[nodiscard]] nlohmann::json recording_json(const RecordingStatus& status);
-// With the names that the numbers stand for.
-[[nodiscard]] nlohmann::json event_json(const contract::Event& event);
 [[nodiscard]] std::string layout_hash_hex();
 [[nodiscard]] constexpr std::string_view access_role(contract::Role role) {
   return role == contract::Role::viewer ? "viewer" : role == contract::Role::therapist ? "therapist" : "engineer";

@@ -1,4 +1,4 @@
-#include "server/live/frame.hpp"
+#include "server/ws/frame.hpp"
 
 namespace hoist::server {
 

@@ -1,4 +1,4 @@
-#include "server/api/exercise.hpp"
+#include "server/state/exercise.hpp"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "control/contract/guided_path.hpp"
-#include "server/http/problem.hpp"
+#include "server/text/field_error.hpp"
 
 namespace hoist::server {
 

@@ -1,4 +1,4 @@
-#include "server/live/walk.hpp"
+#include "server/state/walk.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "server/api/actions.hpp"
+#include "server/actions/actions.hpp"
 
 #include <bit>
 #include <cmath>
@@ -12,7 +12,6 @@
 #include "control/contract/guided_path.hpp"
 #include "control/contract/param_set.hpp"
 #include "control/contract/params.hpp"
-#include "server/live/hub.hpp"
 
 namespace hoist::server {
 
@@ -68,6 +67,20 @@ Outcome invalid(std::vector<FieldError> errors, std::string detail, std::optiona
   outcome.errors = std::move(errors);
   outcome.detail = std::move(detail);
   return outcome;
+}
+
+// The one place where roles are asked, whatever the protocol: what its own table says (api.def, messages.def) describes it and refuses early.
+// False: `done` has been told.
+bool may(Services& services, const Asker& asker, contract::Role least, const OutcomeDone& done) {
+  if (asker.role >= least) return true;
+  services.counters.add(Count::commands_refused);
+  Outcome outcome;
+  outcome.kind = Outcome::Kind::refused;
+  outcome.detail = "Your role may not do this.";
+  outcome.reason = Reason::role;
+  outcome.refusals = refusal_names(contract::refusal_bit(contract::Refusal::not_allowed));
+  done(outcome);
+  return false;
 }
 
 void ask(Services& services, const Command& command, OutcomeDone done) {
@@ -128,6 +141,7 @@ std::vector<std::string> fault_names(std::uint32_t bits) {
 }
 
 void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   Command command = command_of(CommandKind::take_lease, asker);
   command.a = take_over ? 1 : 0;
   services.core.ask(command, [done = std::move(done), take_over, &services](const CoreAnswer& answer) {
@@ -144,6 +158,44 @@ void act_release_lease(Services& services, const Asker& asker, OutcomeDone done)
   ask(services, command_of(CommandKind::release_lease, asker), std::move(done));
 }
 
+namespace {
+bool holds_lease(const Services& services, const Asker& asker) { return asker.client != 0 && services.core.lease_holder() == asker.client; }
+
+bool is_share(const std::optional<double>& value) { return value && std::fabs(*value) <= 1.0; }
+
+std::optional<contract::Refusal> pass_on(Services& services, const Asker& asker, const DriveWish& wish, std::uint64_t& last_sequence) {
+  using contract::Refusal;
+  if (!wish.sequence || !wish.echo_time_ns || !is_share(wish.speed_norm) || !is_share(wish.yaw_norm) || !wish.held)
+    return Refusal::out_of_range;
+  if (asker.role < contract::Role::therapist) return Refusal::not_allowed;
+  if (!holds_lease(services, asker)) return Refusal::no_lease;
+  if (*wish.sequence <= last_sequence) return Refusal::out_of_order;
+  const contract::DriveCommand command{.lease_epoch = services.core.lease_epoch(),
+                                       .client = asker.client,
+                                       .sequence = *wish.sequence,
+                                       .echo_time_ns = *wish.echo_time_ns,
+                                       .speed_norm = *wish.speed_norm,
+                                       .yaw_norm = *wish.yaw_norm,
+                                       .held = *wish.held ? 1U : 0U};
+  if (!services.core.drive(command)) return Refusal::stale_command;
+  last_sequence = command.sequence;
+  return std::nullopt;
+}
+}  // namespace
+
+std::optional<contract::Refusal> act_drive(Services& services, const Asker& asker, const DriveWish& wish, std::uint64_t& last_sequence) {
+  const std::optional<contract::Refusal> refused = pass_on(services, asker, wish, last_sequence);
+  if (refused && wish.held == false && holds_lease(services, asker)) {
+    // With the next free number, since the core takes only those that rise.
+    const contract::DriveCommand let_go{.lease_epoch = services.core.lease_epoch(),
+                                        .client = asker.client,
+                                        .sequence = last_sequence + 1,
+                                        .echo_time_ns = wish.echo_time_ns.value_or(0)};
+    if (services.core.drive(let_go)) last_sequence = let_go.sequence;
+  }
+  return refused;
+}
+
 void act_stop(Services& services, std::uint32_t client, OutcomeDone done) {
   CoreDesk::Done answered;
   if (done) answered = [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); };
@@ -151,6 +203,7 @@ void act_stop(Services& services, std::uint32_t client, OutcomeDone done) {
 }
 
 void act_acknowledge(Services& services, const Asker& asker, const json& seen, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   Command command = command_of(CommandKind::acknowledge, asker);
   bool usable = seen.is_null() || (seen.is_array() && !seen.empty());
   if (seen.is_array())
@@ -168,10 +221,12 @@ void act_acknowledge(Services& services, const Asker& asker, const json& seen, O
 }
 
 void act_neutral(Services& services, const Asker& asker, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   ask(services, command_of(CommandKind::set_neutral, asker), std::move(done));
 }
 
 void act_calibrate(Services& services, const Asker& asker, const json& wish, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   const auto step = wish.find("step");
   const contract::CalibrationStepInfo* info = step != wish.end() && step->is_string()
                                                   ? contract::find_calibration_step(std::string_view{step->get_ref<const std::string&>()})
@@ -198,6 +253,7 @@ void act_calibrate(Services& services, const Asker& asker, const json& wish, Out
 }
 
 void act_measure(Services& services, const Asker& asker, const json& measured, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   // Wider than any step allows; the core knows the range of the step under way.
   constexpr double kFigure = 1000.0;
   Command command = command_of(CommandKind::measure_calibration, asker);
@@ -236,6 +292,7 @@ void act_measure(Services& services, const Asker& asker, const json& measured, O
 }
 
 void act_use_calibration(Services& services, const Asker& asker, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   Command command = command_of(CommandKind::use_calibration, asker);
   // Whole seconds: a day is all that anybody looks at.
   const auto utc_s = services.utc_ns() / 1'000'000'000;
@@ -244,6 +301,7 @@ void act_use_calibration(Services& services, const Asker& asker, OutcomeDone don
 }
 
 void act_cancel_calibration(Services& services, const Asker& asker, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   ask(services, command_of(CommandKind::cancel_calibration, asker), std::move(done));
 }
 
@@ -285,13 +343,14 @@ std::uint32_t start_refusals(const Services& services, contract::Mode mode) {
 void begin_motion(Services& services, const Command& request, const Exercise& exercise, json told, OutcomeDone done) {
   services.recorder.set_exercise(stored_exercise(exercise));
   ask(services, request, [&services, told = std::move(told), done = std::move(done)](const Outcome& outcome) {
-    if (outcome.done()) services.hub.motion_begins(told);
+    if (outcome.done()) services.state.motion_begins(told);
     done(outcome);
   });
 }
 }  // namespace
 
 void act_mode(Services& services, const Asker& asker, const ModeWish& wish, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   std::optional<contract::Mode> mode;
   if (wish.mode.is_string())
     for (contract::Mode m : {contract::Mode::standby, contract::Mode::user, contract::Mode::remote, contract::Mode::guided})
@@ -399,7 +458,8 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   });
 }
 
-void act_choose(Services& services, const json& exercise, OutcomeDone done) {
+void act_choose(Services& services, const Asker& asker, const json& exercise, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   std::vector<FieldError> errors;
   const auto chosen = read_exercise(exercise, errors);
   if (!chosen) {
@@ -411,11 +471,12 @@ void act_choose(Services& services, const json& exercise, OutcomeDone done) {
     done(outcome_of({.kind = CoreAnswer::Kind::refused, .bits = contract::refusal_bit(contract::Refusal::not_standby)}));
     return;
   }
-  services.hub.choose(*chosen);
+  services.state.choose(*chosen);
   done({});
 }
 
 void act_pose(Services& services, const Asker& asker, const json& pose, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   // Larger than any hall; further out the odometry's single precision would show.
   constexpr double kPlace_m = 1000.0, kHeading_rad = 1000.0;
   Command command = command_of(CommandKind::set_pose, asker);
@@ -449,6 +510,7 @@ std::optional<std::uint32_t> read_version(const json& version, std::vector<Field
 }
 
 void act_keep_trial(Services& services, const Asker& asker, const json& version, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   std::vector<FieldError> errors;
   const auto looked_at = read_version(version, errors);
   if (!looked_at) {
@@ -462,6 +524,7 @@ void act_keep_trial(Services& services, const Asker& asker, const json& version,
 }
 
 void act_undo_trial(Services& services, const Asker& asker, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   Command command = command_of(CommandKind::revert_parameters, asker);
   command.b = static_cast<std::uint32_t>(asker.role);
   ask(services, command, std::move(done));
@@ -469,6 +532,7 @@ void act_undo_trial(Services& services, const Asker& asker, OutcomeDone done) {
 
 void act_set(Services& services, const Asker& asker, const json& values, const json& revert_after_s, std::uint32_t version,
              OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   if (!values.is_object() || values.empty()) {
     done(invalid({{"values", "must name at least one parameter"}}, "There is nothing to change."));
     return;
@@ -530,6 +594,7 @@ void act_set(Services& services, const Asker& asker, const json& values, const j
 
 void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
                          OutcomeDone done) {
+  if (!may(services, asker, contract::Role::engineer, done)) return;
   Command command = command_of(CommandKind::begin_service, asker);
   command.b = static_cast<std::uint32_t>(asker.role);
   services.firmware.begin(std::move(image), node, force, command,
@@ -537,6 +602,7 @@ void act_update_firmware(Services& services, const Asker& asker, std::vector<std
 }
 
 void act_preset(Services& services, const Asker& asker, const std::string& name, std::uint32_t version, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
   std::vector<std::pair<std::uint32_t, double>> rows;
   for (const contract::PresetValue& v : contract::kPresetValues)
     if (v.preset == name) rows.emplace_back(contract::kParams[contract::param_index(v.param)].id, v.value);

@@ -3,12 +3,12 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
+#include "server/link/core_desk.hpp"
 #include "server/record/recorder.hpp"
-#include "server/services.hpp"
 
 namespace hoist::server {
 
-[[nodiscard]] std::vector<StandingNotice> standing_notices(const Services& services);
+[[nodiscard]] std::vector<StandingNotice> standing_notices(const CoreDesk& core, const Recorder& recorder);
 [[nodiscard]] nlohmann::json notices_json(const std::vector<StandingNotice>& notices);
 
 }  // namespace hoist::server

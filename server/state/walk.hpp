@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "control/contract/signals.hpp"
-#include "server/api/exercise.hpp"
+#include "server/state/exercise.hpp"
 
 namespace hoist::server {
 

@@ -1,4 +1,4 @@
-#include "server/http/router.hpp"
+#include "server/api/router.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include "server/api/handlers.hpp"
 #include "server/contract/fields.hpp"
 #include "server/contract/routes.hpp"
-#include "server/http/json_text.hpp"
+#include "server/text/json_text.hpp"
 
 namespace hoist::server {
 
@@ -74,20 +74,19 @@ Response link_page() {
 }
 
 // GET /?token=…: trades a one-time link for a session cookie.
-Response open_link(Services& services, const std::string& token) {
-  const SessionPtr session = services.auth.use_link(token, static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000));
+Response open_link(const RestContext& rest, const std::string& token) {
+  Services& services = rest.services;
+  const SessionPtr session = rest.auth.use_link(token, static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000));
   if (!session) {
     services.counters.add(Count::http_refused_link);
     return link_page();
   }
-  std::cout << "The link was used. For the next device:\nOpen " << services.base_url << "/?token=" << services.auth.link_token()
-            << std::endl;
+  std::cout << "The link was used. For the next device:\nOpen " << rest.base_url << "/?token=" << rest.auth.link_token() << std::endl;
   Response response;
   response.status = 303;
   response.set("Location", "/");
   response.set("Cache-Control", "no-store");
-  response.set("Set-Cookie",
-               "hoist_session=" + session->secret + "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(kCookieLife_s));
+  response.set("Set-Cookie", rest.auth.cookie_of(*session));
   return response;
 }
 
@@ -98,18 +97,20 @@ bool is_json_type(std::string_view type) {
 }
 
 // Everything that can be refused before the handler. Nothing = go on.
-std::optional<Problem> refuse(Services& services, const Route& route, Call& call) {
+std::optional<Problem> refuse(const Route& route, Call& call) {
+  Services& services = call.services;
+  Auth& auth = call.rest.auth;
   const Request& request = call.request;
   Counters& counters = services.counters;
   if (route.access == Access::open) return std::nullopt;
   const std::string_view origin = request.header("origin");
-  if (!origin.empty() && !Auth::origin_matches(origin, request.header("host"))) {
+  if (!origin.empty() && !auth.origin_matches(origin, request.header("host"))) {
     counters.add(Count::http_refused_origin);
     return problem(403, "foreign-origin", "Another page tried to use this console", "Open the console itself and use it there.");
   }
   const bool stops = route.operation == "stop";
   const auto utc_s = static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000);
-  call.session = stops ? services.auth.find_for_stop(request, utc_s) : services.auth.find(request, utc_s);
+  call.session = stops ? auth.find_for_stop(request, utc_s) : auth.find(request, utc_s);
   if (!call.session) {
     counters.add(Count::http_refused_no_session);
     return problem(401, "no-session", "Not logged in",
@@ -187,8 +188,15 @@ std::optional<Problem> refuse(Services& services, const Route& route, Call& call
 }
 }  // namespace
 
-void dispatch(Services& services, const StaticFiles& pages, Request request, std::function<void(Response)> answer) {
-  Counters& counters = services.counters;
+bool Router::may_enter(const Request& request) {
+  const auto utc_s = static_cast<std::uint64_t>(rest_.services.utc_ns() / 1'000'000'000);
+  const auto token = request.query.find("token");
+  const bool link = request.path == "/" && token != request.query.end() && same_secret(token->second, rest_.auth.link_token());
+  return link || rest_.auth.find_for_stop(request, utc_s) != nullptr;
+}
+
+void Router::handle(Request request, std::function<void(Response)> answer) {
+  Counters& counters = rest_.services.counters;
   counters.add(Count::http_requests);
   const bool head = request.method == Method::head;
   auto finish = [answer = std::move(answer), &counters](Response response) {
@@ -196,7 +204,7 @@ void dispatch(Services& services, const StaticFiles& pages, Request request, std
     answer(std::move(response));
   };
   const std::string_view host = request.header("host");
-  if (!services.auth.host_allowed(host)) {
+  if (!rest_.auth.host_allowed(host)) {
     counters.add(Count::http_refused_host);
     finish(problem_response(problem(421, "host", "This name does not belong to the hoist", "Open the address that the terminal shows."),
                             request.path));
@@ -207,9 +215,9 @@ void dispatch(Services& services, const StaticFiles& pages, Request request, std
   if (!api_path && method == Method::get) {
     const auto token = request.query.find("token");
     if (request.path == "/" && token != request.query.end() && !head)
-      finish(open_link(services, token->second));
+      finish(open_link(rest_, token->second));
     else
-      finish(pages.serve(request));
+      finish(pages_.serve(request));
     return;
   }
   std::vector<std::string> values;
@@ -221,9 +229,9 @@ void dispatch(Services& services, const StaticFiles& pages, Request request, std
       allowed += (allowed.empty() ? "" : ", ") + std::string{method_name(route.method)} + (route.method == Method::get ? ", HEAD" : "");
       continue;
     }
-    auto call = std::make_shared<Call>(services, std::move(request), std::move(finish));
+    auto call = std::make_shared<Call>(rest_, std::move(request), std::move(finish));
     call->path_values = std::move(values);
-    if (const auto refused = refuse(services, route, *call)) {
+    if (const auto refused = refuse(route, *call)) {
       Response response = problem_response(*refused, call->request.path);
       if (refused->status == 401) response.set("WWW-Authenticate", "Bearer realm=\"Hoist\"");
       call->respond(std::move(response));

@@ -1,0 +1,36 @@
+// From a request to its handler, through the table of routes: host, route, session, origin, body, role, in this order. What is no route is a page.
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "server/http/auth.hpp"
+#include "server/http/exchange.hpp"
+#include "server/http/listener.hpp"
+#include "server/http/static_files.hpp"
+#include "server/services.hpp"
+
+namespace hoist::server {
+
+// What REST needs besides the services of the actions.
+struct RestContext {
+  Services& services;
+  Auth& auth;
+  // Takes over a WebSocket whose handshake is done: /ws, hoist.v1.
+  std::function<void(std::unique_ptr<Stream>, std::shared_ptr<void> seat, SessionPtr)> open_live;
+  std::string base_url = {};  // http://127.0.0.1:8080
+};
+
+class Router final : public RequestHandler {
+ public:
+  // Reads the pages of `--web`.
+  explicit Router(RestContext& rest) : rest_(rest), pages_(rest.services.settings.web_dir) {}
+  void handle(Request request, std::function<void(Response)> answer) override;
+  [[nodiscard]] bool may_enter(const Request& request) override;
+
+ private:
+  RestContext& rest_;
+  const StaticFiles pages_;
+};
+
+}  // namespace hoist::server

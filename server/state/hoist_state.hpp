@@ -1,0 +1,57 @@
+// What the server knows of the hoist besides the newest step, the same for every protocol: what is walked, the latest emergency messages, what
+// a calibration proposes. It hears the core before any protocol does.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "server/link/core_desk.hpp"
+#include "server/record/recorder.hpp"
+#include "server/settings.hpp"
+#include "server/state/walk.hpp"
+
+namespace hoist::server {
+
+// Emergency messages of nodes that are kept for later questions; all of a session are in its recording.
+inline constexpr std::size_t kEmergenciesKept = 64;
+
+class HoistState final : public CoreListener {
+ public:
+  // Parameters in force go on to the recorder.
+  HoistState(const Settings& settings, const CoreDesk& core, Recorder& recorder);
+
+  // Called whenever walk() is another in more than its last point.
+  void set_on_walk(std::function<void()> on_walk) { on_walk_ = std::move(on_walk); }
+
+  void on_core(bool connected) override;
+  void on_ticks(std::span<const contract::TickRecord> records, std::uint64_t lost) override;
+  void on_parameters(const contract::ParamsInForce& parameters) override;
+  void on_lease(std::uint32_t, std::uint32_t) override {}
+  void on_event(const contract::Event& event) override;
+
+  [[nodiscard]] const Walk& walk() const { return walk_; }
+  void choose(const Exercise& exercise);
+  void motion_begins(nlohmann::json told);
+  // The latest emergency messages since the server started, oldest first.
+  [[nodiscard]] const std::deque<contract::Event>& emergencies() const { return emergencies_; }
+  // What the calibration step under way would change: the core's events, one for each parameter.
+  [[nodiscard]] const std::vector<contract::Event>& proposed() const { return proposed_; }
+
+ private:
+  void meet_core();
+  void tell_walk() const {
+    if (on_walk_) on_walk_();
+  }
+
+  const CoreDesk& core_;
+  Recorder& recorder_;
+  std::function<void()> on_walk_;
+  Walk walk_;
+  std::deque<contract::Event> emergencies_;
+  std::vector<contract::Event> proposed_;
+  std::uint64_t core_life_ = 0;  // of the core that all of this is of
+};
+
+}  // namespace hoist::server

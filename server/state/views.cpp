@@ -1,0 +1,51 @@
+#include "server/state/views.hpp"
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "control/contract/signals.hpp"
+#include "db/export/provenance.hpp"
+#include "server/link/firmware_desk.hpp"
+#include "server/record/reason.hpp"
+
+namespace hoist::server {
+
+using nlohmann::json;
+
+std::string layout_hash_hex() { return db::layout_text(contract::layout_hash()); }
+
+json recording_json(const RecordingStatus& status) {
+  json out{{"state", recording_state_name(status.state)},
+           {"session", nullptr},
+           {"started_utc_ms", nullptr},
+           {"samples", status.samples},
+           {"durable_tick", nullptr},
+           {"detail", status.detail},
+           {"reason_code", status.error ? json(reason_name(reason_of(*status.error))) : json(nullptr)}};
+  if (status.session) out["session"] = *status.session;
+  if (status.started_utc_ms) out["started_utc_ms"] = *status.started_utc_ms;
+  if (status.durable_tick) out["durable_tick"] = *status.durable_tick;
+  return out;
+}
+
+json firmware_update_json(const FirmwareDesk& desk) {
+  constexpr std::array<std::string_view, 9> kPhases{"listening", "asking_drives", "asking_node", "entering_loader", "sending",
+                                                    "checking",  "starting",      "done",        "failed"};
+  constexpr std::array<std::string_view, 5> kResults{"running", "done", "unchanged", "failed", "interrupted"};
+  if (!desk.state()) return nullptr;
+  const FirmwareUpdateState& state = *desk.state();
+  return {{"node", contract::kNodes[static_cast<std::size_t>(state.node)].name},
+          {"version", version_text(state.version)},
+          {"phase", kPhases[static_cast<std::size_t>(state.phase)]},
+          {"result", kResults[static_cast<std::size_t>(state.result)]},
+          {"bytes_sent", state.bytes_sent},
+          {"bytes_total", state.bytes_total},
+          {"seconds_left", state.seconds_left ? json(*state.seconds_left) : json(nullptr)},
+          {"text", state.text}};
+}
+
+std::string version_text(std::uint32_t version) {
+  return std::to_string(version >> 16) + "." + std::to_string((version >> 8) & 0xFFU) + "." + std::to_string(version & 0xFFU);
+}
+
+}  // namespace hoist::server

@@ -1,0 +1,194 @@
+#include "server/ws/connection.hpp"
+
+#include <chrono>
+#include <utility>
+#include <vector>
+
+namespace hoist::server {
+
+SocketConnection::SocketConnection(Surroundings surroundings, std::unique_ptr<Stream> stream, std::shared_ptr<void> seat)
+    : surroundings_(surroundings), stream_(std::move(stream)), closing_timer_(stream_->executor()), seat_(std::move(seat)) {}
+
+void SocketConnection::start() {
+  stream_->set_send_buffer(kSendBuffer_bytes);
+  heard_ns_ = now_ns();
+  wait();
+}
+
+void SocketConnection::wait() {
+  stream_->wait_readable([self = shared_from_this()](bool ready) {
+    if (self->gone_) return;
+    if (ready)
+      self->read();
+    else
+      self->gone();
+  });
+}
+
+void SocketConnection::read() {
+  std::array<char, 4096> incoming;
+  const Stream::Taken taken = stream_->read(incoming);
+  if (taken.ended) {
+    gone();
+    return;
+  }
+  if (taken.count > 0) {
+    heard_ns_ = now_ns();
+    // After a close frame the rest is read and thrown away, so that our own close is not lost to a reset.
+    if (!closing_) take({incoming.data(), taken.count});
+  }
+  if (!gone_) wait();
+}
+
+void SocketConnection::take(std::string_view bytes) {
+  std::vector<Incoming> messages;
+  const bool good = reader_.feed(bytes, messages);
+  for (Incoming& message : messages) {
+    if (closing_ || gone_) break;
+    switch (message.kind) {
+      case Incoming::Kind::text:
+        on_text(std::move(message.payload));
+        break;
+      case Incoming::Kind::ping:
+        send(make_frame(Opcode::pong, message.payload));
+        break;
+      case Incoming::Kind::pong:
+        break;
+      case Incoming::Kind::close:
+        close(CloseCode::normal, "");
+        break;
+    }
+  }
+  if (good || closing_) return;
+  const CloseCode code = reader_.error();
+  counters().add(Count::ws_refused);
+  counters().add(code == CloseCode::too_big    ? Count::ws_refused_too_big
+                 : code == CloseCode::not_text ? Count::ws_refused_not_text
+                                               : Count::ws_refused_protocol);
+  close(code, code == CloseCode::too_big ? "at most 4096 bytes" : code == CloseCode::not_text ? "text only" : "");
+}
+
+void SocketConnection::send(const SharedFrame& frame) {
+  if (gone_ || closing_) return;
+  if (control_bytes_ + frame->size() > kControlQueue_bytes) {
+    counters().add(Count::ws_closed_slow);
+    forget_all();
+    close(CloseCode::try_later, "too slow");
+    return;
+  }
+  control_.push_back(frame);
+  control_bytes_ += frame->size();
+  flush();
+}
+
+void SocketConnection::send_telemetry(const SharedFrame& frame) {
+  if (gone_ || closing_) return;
+  if (!waiting_ && !sending_ && control_.empty() && telemetry_.empty()) {
+    // The usual case needs no queue.
+    sent_ = 0;
+    sending_ = frame;
+    counters().add(Count::telemetry_frames_sent);
+    flush();
+    return;
+  }
+  telemetry_.push_back(frame);
+  flush();
+  while (telemetry_.size() > kTelemetryQueue) {
+    telemetry_.pop_front();
+    counters().add(Count::telemetry_frames_dropped);
+  }
+}
+
+bool SocketConnection::next_frame() {
+  sent_ = 0;
+  if (!control_.empty()) {
+    sending_ = std::move(control_.front());
+    control_.pop_front();
+    control_bytes_ -= sending_->size();
+    return true;
+  }
+  if (!telemetry_.empty()) {
+    sending_ = std::move(telemetry_.front());
+    telemetry_.pop_front();
+    counters().add(Count::telemetry_frames_sent);
+    return true;
+  }
+  sending_.reset();
+  return false;
+}
+
+void SocketConnection::forget_all() {
+  control_.clear();
+  control_bytes_ = 0;
+  telemetry_.clear();
+}
+
+// A plain send per frame; only when less than all of it is taken, wait until more is. A frame that was begun is always finished before
+// another one, so that nothing lands inside it.
+void SocketConnection::flush() {
+  while (!waiting_ && !gone_ && (sending_ || next_frame())) {
+    const Stream::Taken taken = stream_->write(std::string_view(*sending_).substr(sent_));
+    if (taken.ended) {
+      // Noticed by the pending read as well; from there the client is taken off the list.
+      stream_->abort();
+      sending_.reset();
+      forget_all();
+      return;
+    }
+    sent_ += taken.count;
+    if (sent_ == sending_->size()) {
+      sending_.reset();
+      continue;
+    }
+    if (taken.count > 0) continue;
+    waiting_ = true;
+    stream_->wait_writable([self = shared_from_this()](bool ready) {
+      self->waiting_ = false;
+      if (ready) self->flush();
+    });
+  }
+  if (closing_ && !gone_ && !waiting_ && !sending_ && control_.empty()) stream_->shutdown_send();
+}
+
+void SocketConnection::visit(std::uint64_t now_ns) {
+  if (gone_ || closing_) return;
+  if (now_ns - heard_ns_ > kSilence_ns) {
+    counters().add(Count::ws_closed_silent);
+    gone();
+    return;
+  }
+  // One at a time: a client that takes nothing is found silent without filling its queue.
+  static const SharedFrame kPing = make_frame(Opcode::ping, "");
+  if (!waiting_) send(kPing);
+}
+
+void SocketConnection::close(CloseCode code, std::string_view reason) {
+  if (gone_ || closing_) return;
+  telemetry_.clear();
+  control_.push_back(make_close_frame(code, reason));
+  control_bytes_ += control_.back()->size();
+  closing_ = true;
+  leave();
+  closing_timer_.expires_after(std::chrono::seconds(1));
+  closing_timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
+    if (!error) self->gone();
+  });
+  flush();
+}
+
+void SocketConnection::gone() {
+  if (gone_) return;
+  gone_ = true;
+  closing_timer_.cancel();
+  stream_->close();
+  forget_all();
+  seat_.reset();
+  leave();
+}
+
+void SocketConnection::leave() {
+  if (std::exchange(left_, true)) return;
+  on_leave();
+}
+
+}  // namespace hoist::server

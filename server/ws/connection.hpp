@@ -1,0 +1,80 @@
+// One WebSocket: what comes is read strictly and given on as texts, what is sent goes through one bounded queue. A protocol derives from it.
+#pragma once
+#include <array>
+#include <boost/asio/steady_timer.hpp>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "server/counters.hpp"
+#include "server/stream/stream.hpp"
+#include "server/ws/frame.hpp"
+
+namespace hoist::server {
+
+// Control messages that wait for a slow client; beyond it the connection is closed, telemetry is dropped long before.
+inline constexpr std::size_t kControlQueue_bytes = 256 * 1024;
+// Telemetry frames that wait; the oldest goes first. Late values are worse than fewer values.
+inline constexpr std::size_t kTelemetryQueue = 2;
+inline constexpr std::uint64_t kPing_ns = 1'000'000'000;
+inline constexpr std::uint64_t kSilence_ns = 5'000'000'000;
+// The kernel's buffer per client: two seconds of telemetry, so that what is shown is never older.
+inline constexpr int kSendBuffer_bytes = 32 * 1024;
+
+class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
+ public:
+  // What every connection uses; outlives them.
+  struct Surroundings {
+    Counters& counters;
+    const std::function<std::uint64_t()>& now_ns;
+  };
+  // `seat`: its place in the limits, given back when the socket is gone.
+  SocketConnection(Surroundings surroundings, std::unique_ptr<Stream> stream, std::shared_ptr<void> seat);
+  virtual ~SocketConnection() = default;
+  SocketConnection(const SocketConnection&) = delete;
+  SocketConnection& operator=(const SocketConnection&) = delete;
+
+  void start();
+  void send(const SharedFrame& frame);            // control: never dropped, bounded
+  void send_telemetry(const SharedFrame& frame);  // may be dropped for a newer one
+  void visit(std::uint64_t now_ns);               // each kPing_ns
+  void close(CloseCode code, std::string_view reason);
+
+ protected:
+  virtual void on_text(std::string text) = 0;
+  // Once, when nothing more is taken from or told to this client; the object is still held.
+  virtual void on_leave() = 0;
+  [[nodiscard]] Counters& counters() const { return surroundings_.counters; }
+  [[nodiscard]] std::uint64_t now_ns() const { return surroundings_.now_ns(); }
+
+ private:
+  void wait();
+  void read();
+  void take(std::string_view bytes);
+  void flush();
+  bool next_frame();
+  void forget_all();
+  void gone();
+  void leave();
+
+  Surroundings surroundings_;
+  std::unique_ptr<Stream> stream_;
+  boost::asio::steady_timer closing_timer_;
+  std::shared_ptr<void> seat_;
+  FrameReader reader_;
+  std::deque<SharedFrame> control_;
+  std::deque<SharedFrame> telemetry_;
+  std::size_t control_bytes_ = 0;
+  SharedFrame sending_;
+  std::size_t sent_ = 0;
+  bool waiting_ = false;
+  bool closing_ = false;
+  bool gone_ = false;
+  bool left_ = false;
+  std::uint64_t heard_ns_ = 0;
+};
+
+}  // namespace hoist::server
