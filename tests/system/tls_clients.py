@@ -143,22 +143,40 @@ def frame(line):
     return opcode & 0xF, exactly(line, size)
 
 
+def upgrade(line):
+    key = base64.b64encode(os.urandom(16)).decode()
+    line.sendall((f"GET /ws HTTP/1.1\r\nHost: localhost:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: {key}\r\n"
+                  f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: hoist.v1\r\n{signed_in()}\r\n\r\n").encode())
+    head = b""
+    while not head.endswith(b"\r\n\r\n"):
+        head += exactly(line, 1)
+    check(head.startswith(b"HTTP/1.1 101 "), f"{head[:200]}")
+
+
 def websocket_frames_come_whole_and_in_order_to_a_client_that_reads_late():
     count = 1500
     with connect(receive_buffer=2048) as line:
-        key = base64.b64encode(os.urandom(16)).decode()
-        line.sendall((f"GET /ws HTTP/1.1\r\nHost: localhost:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: {key}\r\n"
-                      f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: hoist.v1\r\n{signed_in()}\r\n\r\n").encode())
-        head = b""
-        while not head.endswith(b"\r\n\r\n"):
-            head += exactly(line, 1)
-        check(head.startswith(b"HTTP/1.1 101 "), f"{head[:200]}")
+        upgrade(line)
         kind, text = frame(line)
         check(kind == 1 and json.loads(text)["type"] == "welcome", f"{kind} {text[:100]}")
         # More than the kernel and TLS hold: the server must wait in the middle of a record, and go on there.
         for number in range(count):
             payload = f"{number:0125d}".encode()
             line.sendall(bytes([0x89, 0x80 | len(payload), 0, 0, 0, 0]) + payload)
+        expected = 0
+        while expected < count:
+            kind, payload = frame(line)
+            if kind == 0xA:
+                check(int(payload) == expected, f"pong {payload} instead of {expected}")
+                expected += 1
+
+
+def frames_that_came_in_one_record_are_all_answered():
+    # Longer than one read of the server: the rest is already decrypted, so the socket is not readable any more.
+    count = 60
+    with connect() as line:
+        upgrade(line)
+        line.sendall(b"".join(bytes([0x89, 0x80 | 125, 0, 0, 0, 0]) + f"{number:0125d}".encode() for number in range(count)))
         expected = 0
         while expected < count:
             kind, payload = frame(line)
@@ -228,6 +246,7 @@ def main():
             a_slow_reader_gets_a_long_answer_whole,
             a_long_body_is_read_in_whole_records,
             websocket_frames_come_whole_and_in_order_to_a_client_that_reads_late,
+            frames_that_came_in_one_record_are_all_answered,
             a_plain_request_is_not_answered_and_harms_nobody,
             the_link_gives_a_cookie_for_this_host_only,
             chromium_opens_it,
