@@ -305,11 +305,20 @@ Result<Overview> SessionReader::overview(SessionId session, std::span<const std:
   });
 }
 
+namespace {
+// User, role and origin from this column on.
+std::optional<Actor> actor_at(const Statement& row, int first) {
+  if (row.is_null(first)) return std::nullopt;
+  return Actor{row.text_at(first), row.text_at(first + 1), row.text_at(first + 2)};
+}
+}  // namespace
+
 Result<std::vector<StoredEvent>> SessionReader::events(SessionId session) const {
   return guarded([&]() -> Result<std::vector<StoredEvent>> {
     std::vector<StoredEvent> out;
     Statement row(database_->handle(),
-                  "SELECT tick, time_ns, kind, code, bits, item, request_id, client, value, before, kind_name, name FROM events WHERE "
+                  "SELECT tick, time_ns, kind, code, bits, item, request_id, client, value, before, kind_name, name, user, role, origin "
+                  "FROM events WHERE "
                   "session_id = ?1 "
                   "ORDER BY number");
     row.integer(1, session);
@@ -327,6 +336,7 @@ Result<std::vector<StoredEvent>> SessionReader::events(SessionId session) const 
       event.before = row.real_at(9);
       event.kind_name = row.text_at(10);
       event.name = row.text_at(11);
+      event.actor = actor_at(row, 12);
       out.push_back(std::move(event));
     }
     return out;
@@ -346,9 +356,9 @@ Result<std::vector<Gap>> SessionReader::gaps(SessionId session) const {
 Result<std::vector<Marker>> SessionReader::markers(SessionId session) const {
   return guarded([&]() -> Result<std::vector<Marker>> {
     std::vector<Marker> out;
-    Statement row(database_->handle(), "SELECT tick, utc_ns, text FROM markers WHERE session_id = ?1 ORDER BY number");
+    Statement row(database_->handle(), "SELECT tick, utc_ns, text, user, role, origin FROM markers WHERE session_id = ?1 ORDER BY number");
     row.integer(1, session);
-    while (row.step()) out.push_back({row.unsigned_at(0), row.integer_at(1), row.text_at(2)});
+    while (row.step()) out.push_back({row.unsigned_at(0), row.integer_at(1), row.text_at(2), actor_at(row, 3)});
     return out;
   });
 }

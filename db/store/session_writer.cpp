@@ -163,10 +163,12 @@ struct SessionWriter::State {
             "ON CONFLICT (session_id, first_frame) DO UPDATE SET frames = ?3, first_time_ns = ?4, last_time_ns = ?5, body = ?6"),
         put_event(handle,
                   "INSERT INTO events (session_id, number, tick, time_ns, kind, kind_name, code, bits, item, value, before, request_id, "
-                  "client, name) "
-                  "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)"),
+                  "client, name, user, role, origin) "
+                  "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, 0, ?13, ?14, ?15, ?16)"),
         put_gap(handle, "INSERT INTO gaps (session_id, number, stream, from_tick, to_tick, reason) VALUES (?1, ?2, ?3, ?4, ?5, ?6)"),
-        put_marker(handle, "INSERT INTO markers (session_id, number, tick, utc_ns, text) VALUES (?1, ?2, ?3, ?4, ?5)"),
+        put_marker(
+            handle,
+            "INSERT INTO markers (session_id, number, tick, utc_ns, text, user, role, origin) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)"),
         put_anchor(handle, "INSERT OR REPLACE INTO utc_anchors (session_id, time_ns, utc_ns) VALUES (?1, ?2, ?3)"),
         count_commit(handle, "UPDATE seal SET commits = commits + 1 RETURNING file_id, commits"),
         seal(database.seal()),
@@ -197,6 +199,7 @@ struct SessionWriter::State {
   std::size_t bus_durable = 0;
   std::uint64_t bus_first = 0;
   std::vector<Event> events;
+  ActorOf actor_of = [](std::uint32_t) { return std::optional<Actor>{}; };
   std::vector<PendingGap> gaps;
   std::vector<Marker> markers;
   std::vector<PendingAnchor> anchors;
@@ -298,10 +301,21 @@ struct SessionWriter::State {
         .run();
   }
 
+  // Fills user, role and origin from this parameter on.
+  static void put_actor(Statement& row, int first, const std::optional<Actor>& actor) {
+    if (actor)
+      row.text(first, std::string_view(actor->user))
+          .text(first + 1, std::string_view(actor->role))
+          .text(first + 2, std::string_view(actor->origin));
+    else
+      row.null(first).null(first + 1).null(first + 2);
+  }
+
   void write_rows() {
     std::uint64_t number = event_number;
     for (const Event& event : events) {
       const std::string name = meaning(event);
+      put_actor(put_event, 14, event.client == 0 ? std::nullopt : actor_of(event.client));
       put_event.integer(1, session)
           .unsigned_integer(2, number++)
           .unsigned_integer(3, event.tick)
@@ -314,8 +328,7 @@ struct SessionWriter::State {
           .real(10, event.value)
           .real(11, event.before)
           .integer(12, event.request_id)
-          .integer(13, event.client)
-          .text(14, std::string_view(name))
+          .text(13, std::string_view(name))
           .run();
     }
     number = gap_number;
@@ -328,13 +341,15 @@ struct SessionWriter::State {
           .text(6, std::string_view(gap.reason))
           .run();
     number = marker_number;
-    for (const Marker& marker : markers)
+    for (const Marker& marker : markers) {
+      put_actor(put_marker, 6, marker.actor);
       put_marker.integer(1, session)
           .unsigned_integer(2, number++)
           .unsigned_integer(3, marker.tick)
           .integer(4, marker.utc_ns)
           .text(5, std::string_view(marker.text))
           .run();
+    }
     for (const PendingAnchor& anchor : anchors)
       put_anchor.integer(1, session).unsigned_integer(2, anchor.time_ns).integer(3, anchor.utc_ns).run();
   }
@@ -740,18 +755,20 @@ Status SessionWriter::append_gap(std::string_view stream, std::uint64_t from_tic
   return {};
 }
 
-Status SessionWriter::append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text) {
+void SessionWriter::set_actor_of(ActorOf actor_of) { state_->actor_of = std::move(actor_of); }
+
+Status SessionWriter::append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor) {
   State& s = *state_;
   if (s.session == 0) return no_session();
   if (text.size() > kMaxMarker_bytes || text.find('\0') != std::string_view::npos)
     return Error{ErrorKind::bad_value, "a marker's text has at most 500 bytes", "text"};
   if (s.markers.size() >= kMaxPendingRows) return Error{ErrorKind::disk_full, "too many markers wait for the disk", {}};
-  s.markers.push_back({tick, utc_ns, std::string(text)});
+  s.markers.push_back({tick, utc_ns, std::string(text), std::move(actor)});
   return {};
 }
 
-Status SessionWriter::store_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text) {
-  if (Status taken = append_marker(tick, utc_ns, text); !taken) return taken;
+Status SessionWriter::store_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor) {
+  if (Status taken = append_marker(tick, utc_ns, text, std::move(actor)); !taken) return taken;
   Status written = state_->write_all();
   if (!written) state_->markers.pop_back();
   return written;

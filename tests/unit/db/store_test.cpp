@@ -144,6 +144,14 @@ TEST(Open, a_file_of_another_program_is_refused_and_stays_as_it_is) {
   }
 }
 
+// Takes back what the files of db/schema after 002 added.
+void make_old(Database& database) {
+  execute(database.handle(), "DROP TABLE node_programs; ALTER TABLE sessions DROP COLUMN core_version; PRAGMA user_version = 2");
+  for (const char* table : {"events", "markers"})
+    for (const char* column : {"user", "role", "origin"})
+      execute(database.handle(), ("ALTER TABLE " + std::string(table) + " DROP COLUMN " + column).c_str());
+}
+
 TEST(Open, an_older_recording_without_an_application_id_is_known_by_its_tables) {
   TemporaryFolder dir;
   std::vector<TickRecord> records;
@@ -151,9 +159,8 @@ TEST(Open, an_older_recording_without_an_application_id_is_known_by_its_tables) 
   {
     Database database = open_at(dir / "hoist.db");
     id = record_session(database, 300, 1, &records);
-    execute(database.handle(),
-            "PRAGMA application_id = 0; DROP TABLE seal; DROP TABLE node_programs; ALTER TABLE sessions DROP COLUMN core_version; "
-            "PRAGMA user_version = 1");
+    make_old(database);
+    execute(database.handle(), "PRAGMA application_id = 0; DROP TABLE seal; PRAGMA user_version = 1");
   }
   std::filesystem::remove(dir / "hoist.db.seal");
   Database database = open_at(dir / "hoist.db");
@@ -171,7 +178,7 @@ TEST(Open, a_recording_from_before_provenance_is_migrated_and_says_what_it_does_
   {
     Database database = open_at(dir / "hoist.db");
     id = record_session(database, 300, 1, &records);
-    execute(database.handle(), "DROP TABLE node_programs; ALTER TABLE sessions DROP COLUMN core_version; PRAGMA user_version = 2");
+    make_old(database);
   }
   Database database = open_at(dir / "hoist.db");
   EXPECT_EQ(database.report().migrated_from, 2);
