@@ -9,26 +9,28 @@ namespace hoist::server {
 using nlohmann::json;
 
 namespace {
-const json& schemas() {
-  static const json kSchemas = json::parse(schemas_text());
-  return kSchemas;
+// Whether an object has the fixed values of a schema, such as its shape.
+bool has_constants(const json& part, const json& object) {
+  for (const auto& [name, member] : part.at("properties").items())
+    if (const auto fixed = member.find("const"); fixed != member.end() && object.value(name, json()) != *fixed) return false;
+  return true;
 }
 
-// The part of a schema that speaks of objects: behind its reference, and of several choices the one with fields.
-const json& object_part(const json& schema) {
+// The part of a schema that speaks of this object: behind its reference, and of several choices the one whose fixed values it has.
+const json& object_part(const json& schema, const json& object) {
   if (const auto at = schema.find("$ref"); at != schema.end()) {
     const auto& path = at->get_ref<const std::string&>();
-    return object_part(schemas().at(path.substr(path.rfind('/') + 1)));
+    return object_part(schemas().at(path.substr(path.rfind('/') + 1)), object);
   }
   if (const auto at = schema.find("anyOf"); at != schema.end())
     for (const json& choice : *at)
-      if (const json& part = object_part(choice); part.contains("properties")) return part;
+      if (const json& part = object_part(choice, object); part.contains("properties") && has_constants(part, object)) return part;
   return schema;
 }
 
 void collect(const json& schema, const json& value, const std::string& where, std::vector<std::string>& unknown) {
   if (!value.is_object()) return;
-  const json& part = object_part(schema);
+  const json& part = object_part(schema, value);
   const auto properties = part.find("properties");
   const auto more = part.find("additionalProperties");
   for (const auto& [name, member] : value.items()) {

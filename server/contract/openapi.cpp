@@ -119,7 +119,7 @@ json openapi_document() {
   json paths = json::object();
   for (const Route& route : kRoutes) paths[std::string{route.path}][lower(method_name(route.method))] = operation_of(route);
   document["paths"] = std::move(paths);
-  document["components"] = {{"schemas", json::parse(schemas_text())},
+  document["components"] = {{"schemas", schemas()},
                             {"securitySchemes",
                              {{"bearer", {{"type", "http"}, {"scheme", "bearer"}, {"description", "The token of --token-file"}}},
                               {"cookie",

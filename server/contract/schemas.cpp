@@ -1,10 +1,19 @@
 // The JSON schemas of requests and answers (JSON Schema 2020-12, as OpenAPI 3.1 uses it).
 #include "server/contract/schemas.hpp"
 
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "control/contract/calibration.hpp"
+#include "control/contract/params.hpp"
+#include "server/contract/reasons.hpp"
+
 namespace hoist::server {
 
-std::string_view schemas_text() {
-  return R"json({
+using nlohmann::json;
+
+namespace {
+constexpr std::string_view kSchemas = R"json({
 "OpenApi": {"type": "object", "required": ["openapi", "info", "paths", "components"], "properties": {"openapi": {"const": "3.1.0"}}},
 "Empty": {"type": "object", "maxProperties": 0, "additionalProperties": false, "description": "No fields; the body may be left out."},
 "AcknowledgeRequest": {"type": "object", "properties": {"seen": {"type": "array", "minItems": 1, "maxItems": 32, "items": {"type": "string", "maxLength": 32},
@@ -88,7 +97,7 @@ std::string_view schemas_text() {
   "properties": {"value": {"type": "integer"}, "name": {"type": "string"}, "moving": {"type": "boolean"}, "title": {"$ref": "#/components/schemas/Words"}}, "additionalProperties": false}}},
   "additionalProperties": false},
 "Parameter": {"type": "object", "required": ["id", "name", "unit", "value", "default", "min", "max", "edit", "scope", "role", "source", "title", "effect"], "properties": {
-  "id": {"type": "integer"}, "name": {"type": "string"}, "unit": {"type": "string"}, "value": {"type": "number"}, "default": {"type": "number"}, "min": {"type": "number"},
+  "id": {"type": "integer"}, "name": {"$ref": "#/components/schemas/ParamName"}, "unit": {"type": "string"}, "value": {"type": "number"}, "default": {"type": "number"}, "min": {"type": "number"},
   "max": {"type": "number"}, "edit": {"enum": ["live", "stopped"]}, "scope": {"enum": ["core", "drive", "tilt"]}, "role": {"enum": ["viewer", "therapist", "engineer"]},
   "source": {"type": "string"}, "title": {"$ref": "#/components/schemas/Words"}, "effect": {"$ref": "#/components/schemas/Words"}}, "additionalProperties": false},
 "ParameterList": {"type": "object", "required": ["version", "items"], "properties": {"version": {"type": "integer"}, "items": {"type": "array",
@@ -102,16 +111,32 @@ std::string_view schemas_text() {
 "PresetList": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"type": "object", "required": ["name", "title", "doc", "values"],
   "properties": {"name": {"type": "string"}, "title": {"$ref": "#/components/schemas/Words"}, "doc": {"$ref": "#/components/schemas/Words"},
   "values": {"type": "object", "additionalProperties": {"type": "number"}}}, "additionalProperties": false}}}, "additionalProperties": false},
-"Exercise": {"type": "object", "required": ["shape"], "properties": {"shape": {"enum": ["eight", "square", "circle", "straight", "free"]},
-  "c_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "radius_m": {"type": "number", "minimum": 0.2, "maximum": 100},
-  "side_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "length_m": {"type": "number", "minimum": 0.2, "maximum": 100},
-  "corner_radius_m": {"type": ["number", "null"], "description": "Square: of its corners; without it they are sharp"},
-  "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged; not for the straight"}}, "additionalProperties": false},
-"GuidedPath": {"type": "object", "required": ["shape", "speed_m_s"], "description": "What the hoist drives while the driver holds: the sizes of an exercise, its speed and its laps, held against the limits in force",
-  "properties": {"shape": {"enum": ["eight", "square", "circle", "straight"]}, "c_m": {"type": "number"}, "radius_m": {"type": "number"}, "side_m": {"type": "number"},
-  "length_m": {"type": "number"}, "corner_radius_m": {"type": ["number", "null"], "description": "Square: without it the corners are turned on the spot"},
-  "clockwise": {"type": ["boolean", "null"]}, "speed_m_s": {"type": "number", "minimum": 0.05, "description": "Slower in curves that need it"},
-  "laps": {"type": ["integer", "null"], "minimum": 1, "maximum": 50}}, "additionalProperties": false},
+"Exercise": {"description": "What is walked; null and free mean the same", "anyOf": [
+  {"type": "object", "required": ["shape", "c_m", "radius_m"], "properties": {"shape": {"const": "eight"}, "c_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "radius_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged"}},
+   "additionalProperties": false},
+  {"type": "object", "required": ["shape", "side_m"], "properties": {"shape": {"const": "square"}, "side_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "corner_radius_m": {"type": ["number", "null"], "minimum": 0, "maximum": 50, "description": "Of the corners; without it they are sharp"}, "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged"}},
+   "additionalProperties": false},
+  {"type": "object", "required": ["shape", "radius_m"], "properties": {"shape": {"const": "circle"}, "radius_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged"}},
+   "additionalProperties": false},
+  {"type": "object", "required": ["shape", "length_m"], "properties": {"shape": {"const": "straight"}, "length_m": {"type": "number", "minimum": 0.2, "maximum": 100}},
+   "additionalProperties": false},
+  {"type": "object", "required": ["shape"], "properties": {"shape": {"const": "free"}},
+   "additionalProperties": false}]},
+"GuidedPath": {"description": "What the hoist drives while the driver holds: the sizes of an exercise, its speed and its laps, held against the limits in force", "anyOf": [
+  {"type": "object", "required": ["shape", "c_m", "radius_m", "speed_m_s"], "properties": {"shape": {"const": "eight"}, "c_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "radius_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged"}, 
+   "speed_m_s": {"$ref": "#/components/schemas/GuidedSpeed"}, "laps": {"$ref": "#/components/schemas/GuidedLaps"}},
+   "additionalProperties": false},
+  {"type": "object", "required": ["shape", "side_m", "speed_m_s"], "properties": {"shape": {"const": "square"}, "side_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "corner_radius_m": {"type": ["number", "null"], "minimum": 0, "maximum": 50, "description": "Of the corners; without it they are sharp"}, "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged"}, 
+   "speed_m_s": {"$ref": "#/components/schemas/GuidedSpeed"}, "laps": {"$ref": "#/components/schemas/GuidedLaps"}},
+   "additionalProperties": false},
+  {"type": "object", "required": ["shape", "radius_m", "speed_m_s"], "properties": {"shape": {"const": "circle"}, "radius_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged"}, 
+   "speed_m_s": {"$ref": "#/components/schemas/GuidedSpeed"}, "laps": {"$ref": "#/components/schemas/GuidedLaps"}},
+   "additionalProperties": false},
+  {"type": "object", "required": ["shape", "length_m", "speed_m_s"], "properties": {"shape": {"const": "straight"}, "length_m": {"type": "number", "minimum": 0.2, "maximum": 100}, 
+   "speed_m_s": {"$ref": "#/components/schemas/GuidedSpeed"}, "laps": {"$ref": "#/components/schemas/GuidedLaps"}},
+   "additionalProperties": false}]},
+"GuidedSpeed": {"type": "number", "minimum": 0.05, "description": "Slower in curves that need it"},
+"GuidedLaps": {"type": ["integer", "null"], "minimum": 1, "maximum": 50},
 "GuidedPathOrNull": {"anyOf": [{"$ref": "#/components/schemas/GuidedPath"}, {"type": "null"}]},
 "ExerciseOrNull": {"anyOf": [{"$ref": "#/components/schemas/Exercise"}, {"type": "null"}]},
 "Walk": {"type": "object", "required": ["exercise", "begun", "tick", "motion_s", "mark", "step_m", "x_m", "y_m"], "properties": {
@@ -127,15 +152,15 @@ std::string_view schemas_text() {
 "ModeState": {"type": "object", "required": ["mode", "moving", "standing_still", "blocked", "stop_cause"], "properties": {"mode": {"type": "string"}, "moving": {"type": "boolean"},
   "standing_still": {"type": "boolean"}, "blocked": {"type": "array", "items": {"type": "string"}}, "stop_cause": {"type": ["array", "null"], "items": {"type": "string"}, "description": "The fault that came first of the stop the hoist is in; null in every other mode"}},
   "additionalProperties": false},
-"CalibrationItem": {"type": "object", "required": ["name", "role", "entered", "empty_harness", "title", "action", "done_utc_s"], "properties": {"name": {"type": "string"},
+"CalibrationItem": {"type": "object", "required": ["name", "role", "entered", "empty_harness", "title", "action", "done_utc_s"], "properties": {"name": {"$ref": "#/components/schemas/CalibrationStep"},
   "role": {"enum": ["viewer", "therapist", "engineer"]}, "entered": {"anyOf": [{"type": "object", "required": ["unit", "least", "most"], "properties": {"unit": {"enum": ["m", "rad"]},
     "least": {"type": "number"}, "most": {"type": "number"}}, "additionalProperties": false}, {"type": "null"}], "description": "What the operator measures; the sign is the direction"},
   "empty_harness": {"type": "boolean", "description": "The step begins only with harness_empty: true"},
   "title": {"$ref": "#/components/schemas/Words"}, "action": {"$ref": "#/components/schemas/Words"}, "done_utc_s": {"type": ["number", "null"], "description": "null = never"}},
   "additionalProperties": false},
-"CalibrationState": {"type": "object", "required": ["step", "phase", "done_percent", "value", "reason", "result"], "properties": {"step": {"type": "string"},
+"CalibrationState": {"type": "object", "required": ["step", "phase", "done_percent", "value", "reason", "result"], "properties": {"step": {"$ref": "#/components/schemas/CalibrationStep"},
   "phase": {"enum": ["none", "resting", "measuring", "operator", "result", "refused"]}, "done_percent": {"type": "integer"}, "value": {"type": "number"},
-  "reason": {"type": ["string", "null"]}, "result": {"type": "array", "items": {"type": "object", "required": ["name", "value", "before"], "properties": {"name": {"type": "string"},
+  "reason": {"type": ["string", "null"]}, "result": {"type": "array", "items": {"type": "object", "required": ["name", "value", "before"], "properties": {"name": {"$ref": "#/components/schemas/ParamName"},
     "value": {"type": "number"}, "before": {"type": "number"}}, "additionalProperties": false}}}, "additionalProperties": false},
 "Calibration": {"type": "object", "required": ["valid", "under_way", "items", "reasons"], "properties": {"valid": {"type": ["boolean", "null"],
     "description": "Whether a patient may walk; a simulated hoist needs no calibration; null = the core is not connected"},
@@ -144,8 +169,7 @@ std::string_view schemas_text() {
   "reasons": {"type": "array", "items": {"type": "object", "required": ["name", "text"], "properties": {"name": {"type": "string"}, "text": {"$ref": "#/components/schemas/Words"}},
     "additionalProperties": false}}}, "additionalProperties": false},
 "CalibrationRequest": {"type": "object", "required": ["step"], "properties": {
-  "harness_empty": {"type": "boolean", "description": "True: the operator confirms that nobody is strapped in; steps with empty_harness need it"}, "step": {"enum": ["zero", "neutral", "gyro", "strut_length", "strut_spacing", "wheel_radius", "track",
-  "square", "encoders", "bumpers"]}}, "additionalProperties": false},
+  "harness_empty": {"type": "boolean", "description": "True: the operator confirms that nobody is strapped in; steps with empty_harness need it"}, "step": {"$ref": "#/components/schemas/CalibrationStep"}}, "additionalProperties": false},
 "CalibrationMeasure": {"type": "object", "required": ["figure"], "properties": {"figure": {"type": "number", "minimum": -1000, "maximum": 1000,
     "description": "In the unit of the step; the sign is the direction; of a square: its side"},
   "x_m": {"type": "number", "minimum": -1000, "maximum": 1000, "description": "Of a square: how far ahead of the shown place it truly ended"},
@@ -197,7 +221,7 @@ std::string_view schemas_text() {
   "missing_s": {"type": "number", "description": "Motion that is not recorded: all figures are of the rest"}, "distance_m": {"type": "number"}, "mean_speed_m_s": {"type": "number", "description": "Over motion_s: standing does not count"},
   "max_speed_m_s": {"type": "number"}, "rms_position_m": {"type": ["number", "null"]}, "rms_heading_rad": {"type": ["number", "null"]}, "track": {"enum": ["fused", "encoders"]},
   "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"}, "reason_if_none": {"type": ["string", "null"], "description": "Why there is no C, J_N, or one of them"},
-  "reason_code": {"enum": ["no_exercise", "no_motion", "part_missing", "several_walks", "start_unclear", "not_comparable", "too_short", null]}}, "additionalProperties": false},
+  "reason_code": {"anyOf": [{"$ref": "#/components/schemas/NoFigure"}, {"type": "null"}]}}, "additionalProperties": false},
 "MarkerRequest": {"type": "object", "required": ["text"], "properties": {"text": {"type": "string", "maxLength": 500}}, "additionalProperties": false},
 "FirmwareUpdate": {"type": "object", "required": ["node", "version", "phase", "result", "bytes_sent", "bytes_total", "seconds_left", "text"], "properties": {
   "node": {"type": "string"}, "version": {"type": "string"}, "phase": {"enum": ["listening", "asking_drives", "asking_node", "entering_loader", "sending", "checking", "starting",
@@ -210,10 +234,34 @@ std::string_view schemas_text() {
   "update": {"anyOf": [{"$ref": "#/components/schemas/FirmwareUpdate"}, {"type": "null"}]}}, "additionalProperties": false},
 "Recording": {"type": "object", "required": ["state", "session", "started_utc_ms", "samples", "durable_tick", "detail", "reason_code"], "properties": {"state": {"enum": ["idle", "recording", "failed"]},
   "session": {"type": ["integer", "null"]}, "started_utc_ms": {"type": ["integer", "null"]}, "samples": {"type": "integer"}, "durable_tick": {"type": ["integer", "null"]},
-  "detail": {"type": "string"}, "reason_code": {"type": ["string", "null"], "description": "Why it failed, for programs"}}, "additionalProperties": false},
+  "detail": {"type": "string"}, "reason_code": {"anyOf": [{"$ref": "#/components/schemas/ReasonCode"}, {"type": "null"}], "description": "Why it failed, for programs"}}, "additionalProperties": false},
 "RecordingRequest": {"type": "object", "required": ["action"], "properties": {"action": {"enum": ["start", "stop"]},
   "subject": {"$ref": "#/components/schemas/SubjectCode"}, "note": {"$ref": "#/components/schemas/NoteText"}}, "additionalProperties": false}
 })json";
+
+// The names of a table's rows, as the choices of a text.
+json names_of(const auto& rows) {
+  json names = json::array();
+  for (const auto& row : rows) names.push_back(row.name);
+  return {{"type", "string"}, {"enum", std::move(names)}};
+}
+
+json all_schemas() {
+  json schemas = json::parse(kSchemas);
+  schemas["CalibrationStep"] = names_of(contract::kCalibrationSteps);
+  schemas["ParamName"] = names_of(contract::kParams);
+  schemas["ReasonCode"] = names_of(kReasons);
+  schemas["NoFigure"] = {{"type", "string"}, {"enum", json::array()}};
+#define HOIST_NO_FIGURE(name, text_en, text_de) schemas["NoFigure"]["enum"].push_back(#name);
+#include "db/summary/no_figure.def"
+#undef HOIST_NO_FIGURE
+  return schemas;
+}
+}  // namespace
+
+const json& schemas() {
+  static const json kAll = all_schemas();
+  return kAll;
 }
 
 }  // namespace hoist::server

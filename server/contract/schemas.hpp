@@ -1,9 +1,9 @@
 // The JSON schemas of requests and answers, as one JSON object by name.
 #pragma once
-#include <string_view>
+#include <nlohmann/json_fwd.hpp>
 
 namespace hoist::server {
 
-[[nodiscard]] std::string_view schemas_text();
+[[nodiscard]] const nlohmann::json& schemas();
 
 }  // namespace hoist::server

@@ -1,9 +1,10 @@
 import { describe, expect, it } from 'vitest';
-import { entry, nowKey, resultOf, stepNames, stepsFor, watched, type Now, type Step, type Table } from '../src/panels/calibrate/model';
+import { entry, nowKey, resultOf, stepNames, stepsFor, watched, type Now } from '../src/panels/calibrate/model';
+import type { Calibration, CalibrationItem, CalibrationStep } from '../src/contract/rest.gen';
 import { textOf } from '../src/text/text';
 
 const now = (change: Partial<Now>): Now => ({ step: 'zero', phase: 'operator', done_percent: 0, reason: 0, value: 0, ...change });
-const step = (name: string, role: Step['role']): Step => ({
+const step = (name: CalibrationStep, role: CalibrationItem['role']): CalibrationItem => ({
   name,
   role,
   entered: null,
@@ -38,7 +39,12 @@ describe('the Calibrate screen', () => {
 
   it('has a result only of the step under way, and only when it is one', () => {
     const result = [{ name: 'wheel_radius_m' as const, value: 0.098, before: 0.1 }];
-    const table = (under_way: Table['under_way']): Table => ({ valid: true, items: [], reasons: [], under_way });
+    const table = (under_way: Pick<NonNullable<Calibration['under_way']>, 'step' | 'phase' | 'result'> | null): Calibration => ({
+      valid: true,
+      items: [],
+      reasons: [],
+      under_way: under_way === null ? null : { ...under_way, done_percent: 0, value: 0, reason: null },
+    });
     expect(resultOf(table({ step: 'zero', phase: 'result', result }), 'zero')).toBe(result);
     expect(resultOf(table({ step: 'zero', phase: 'result', result: [] }), 'zero')).toEqual([]);
     expect(resultOf(table({ step: 'zero', phase: 'measuring', result: [] }), 'zero')).toBeNull();

@@ -6,7 +6,8 @@ import { Live } from '../src/link/live';
 import { activeFaults } from '../src/ui/alarms';
 import { wishArrow } from '../src/ui/hoist_picture';
 import { fit, onScreen, patternPoints } from '../src/ui/geometry';
-import { zigzag, pathOf, type Samples } from '../src/panels/sessions/model';
+import type { Samples } from '../src/contract/rest.gen';
+import { zigzag, pathOf } from '../src/panels/sessions/model';
 
 const record = (change: Partial<TickRecord>): TickRecord => ({
   ...(Object.fromEntries(signals.map((row) => [row.name, 0])) as TickRecord),
@@ -170,20 +171,21 @@ describe('thinned samples', () => {
   const samples: Samples = {
     from_s: [0, 1, 2],
     to_s: [0.5, 1.5, 2],
+    gap_before: [0, 0, 0],
     columns: [
       { name: 'x_m', unit: 'm', min: [0, 1, 3], max: [2, 3, 3] },
-      { name: 'y_m', unit: 'm', min: [0, null, 1], max: [0, null, 1] },
+      { name: 'y_m', unit: 'm', min: [0, 2, 1], max: [0, 4, 1] },
     ],
   };
-  it('become a curve through smallest and largest, with holes where nothing was recorded', () => {
+  it('become a curve through smallest and largest, with nothing for a column that was not recorded', () => {
     expect(zigzag(samples, ['x_m', 'y_m'])).toEqual([
       [0, 0.5, 1, 1.5, 2],
       [0, 2, 1, 3, 3],
-      [0, 0, null, null, 1],
+      [0, 0, 2, 4, 1],
     ]);
     expect(zigzag(samples, ['speed_m_s'])[1]).toEqual([null, null, null, null, null]);
   });
-  it('become a path that skips holes', () => {
-    expect(pathOf(samples)).toEqual({ x: [1, 3], y: [0, 1] });
+  it('become a path through the middle of each run', () => {
+    expect(pathOf(samples)).toEqual({ x: [1, 2, 3], y: [0, 3, 1] });
   });
 });

@@ -2,6 +2,7 @@
 import { readdirSync, readFileSync } from 'node:fs';
 import { beforeEach, describe, expect, it } from 'vitest';
 import { reasons as rows } from '../src/contract/messages.gen';
+import type { ReasonCode } from '../src/contract/rest.gen';
 import { en } from '../src/text/en';
 import { problemText, reasonText } from '../src/text/server';
 import { settings } from '../src/text/settings';
@@ -52,7 +53,7 @@ describe('reasons of a refusal', () => {
   const reply = { ok: false, refusals: [], errors: [] };
   it('are never left out', () => {
     expect(reasons(reply)).toEqual([en['refused.unknown']]);
-    expect(reasons({ ...reply, reason_code: 'something_new' })).toEqual([en['refused.unknown']]);
+    expect(reasons({ ...reply, reason_code: 'something_new' as ReasonCode })).toEqual([en['refused.unknown']]);
     expect(reasons({ ...reply, refusals: ['link_lost', 'link_lost'] })).toEqual([en['refused.link_lost']]);
   });
 

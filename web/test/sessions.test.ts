@@ -1,12 +1,19 @@
 import { describe, expect, it } from 'vitest';
 import { signals } from '../src/contract/signals.gen';
 import { curves, strips } from '../src/panels/sessions/curves';
-import { continued, refreshed, type Session, type SessionPage } from '../src/panels/sessions/model';
+import type { Session, SessionList } from '../src/contract/rest.gen';
+import { continued, refreshed } from '../src/panels/sessions/model';
 
 const session = (id: number): Session => ({
   id,
   subject: null,
   started_utc_ms: id,
+  ended_utc_ms: id + 1,
+  close_reason: 'stopped',
+  software_version: '',
+  core_version: null,
+  layout_hash: '',
+  stored_bytes: 1,
   duration_s: 1,
   simulated: true,
   recording: false,
@@ -15,8 +22,12 @@ const session = (id: number): Session => ({
   samples: 1,
   gaps: 0,
 });
-const page = (ids: number[], next: number | null): SessionPage => ({ items: ids.map(session), next: next === null ? null : String(next) });
-const ids = (one: SessionPage) => one.items.map((item) => item.id);
+const page = (ids: number[], next: number | null): SessionList => ({
+  items: ids.map(session),
+  next: next === null ? null : String(next),
+  total: ids.length,
+});
+const ids = (one: SessionList) => one.items.map((item) => item.id);
 
 describe('the list of sessions', () => {
   it('grows by older ones, none of them twice', () => {

@@ -8,6 +8,7 @@ import {
   requestsMost,
   silence_ms,
   type LinkState,
+  type Question,
   type SocketLike,
 } from '../src/link/socket';
 
@@ -204,8 +205,8 @@ describe('requests', () => {
   });
 
   it('match replies by number, in any order', async () => {
-    const first = link.request({ type: 'a' });
-    const second = link.request({ type: 'b' });
+    const first = link.request({ type: 'neutral' });
+    const second = link.request({ type: 'undo_settings' });
     const [a, b] = last().sent.filter((message) => 'request' in message);
     expect(a!.request).not.toBe(b!.request);
     last().say({ type: 'reply', request: b!.request, ok: true });
@@ -215,7 +216,7 @@ describe('requests', () => {
   });
 
   it('ignore replies to unknown and already answered requests', async () => {
-    const asked = link.request({ type: 'a' });
+    const asked = link.request({ type: 'neutral' });
     const number = last().sent.find((message) => 'request' in message)!.request;
     last().say({ type: 'reply', request: 4711, ok: true });
     last().say({ type: 'reply', request: number, ok: true });
@@ -224,20 +225,20 @@ describe('requests', () => {
   });
 
   it('take a broken reply as no', async () => {
-    const asked = link.request({ type: 'a' });
+    const asked = link.request({ type: 'neutral' });
     const number = last().sent.find((message) => 'request' in message)!.request;
     last().say({ type: 'reply', request: number, ok: 'yes', refusals: 'moving' });
     expect(await asked).toMatchObject({ ok: false, refusals: [], errors: [] });
   });
 
   it('end without an answer after two seconds', async () => {
-    const asked = link.request({ type: 'a' });
+    const asked = link.request({ type: 'neutral' });
     world.advance(replyWithin_ms);
     expect(await asked).toMatchObject({ ok: false, refusals: ['no_answer'] });
   });
 
   it('are taken back on the same connection when no answer comes, and again when they are done late', async () => {
-    const end = { type: 'mode', mode: 'standby' };
+    const end: Question = { type: 'mode', mode: 'standby' };
     const asked = link.request({ type: 'mode', mode: 'user' }, end);
     const number = last().sent.find((message) => message.mode === 'user')!.request;
     const ends = () => last().sent.filter((message) => message.mode === 'standby');
@@ -254,7 +255,7 @@ describe('requests', () => {
   });
 
   it('are taken back when a silent connection is given up, and not when they were answered', async () => {
-    const end = { type: 'mode', mode: 'standby' };
+    const end: Question = { type: 'mode', mode: 'standby' };
     const answered = link.request({ type: 'mode', mode: 'user' }, end);
     last().say({ type: 'reply', request: last().sent.at(-1)!.request, ok: true });
     expect((await answered).ok).toBe(true);
@@ -267,17 +268,17 @@ describe('requests', () => {
   });
 
   it('end when the connection is lost', async () => {
-    const asked = link.request({ type: 'a' });
+    const asked = link.request({ type: 'neutral' });
     last().onclose?.({ code: 1006, reason: '' });
     expect(await asked).toMatchObject({ ok: false, refusals: ['link_lost'] });
-    expect(await link.request({ type: 'b' })).toMatchObject({ ok: false, refusals: ['link_lost'] });
-    expect(link.send({ type: 'drive' })).toBe(false);
+    expect(await link.request({ type: 'undo_settings' })).toMatchObject({ ok: false, refusals: ['link_lost'] });
+    expect(link.send({ type: 'stop' })).toBe(false);
   });
 
   it('are bounded in number', async () => {
-    for (let i = 0; i < requestsMost; i++) void link.request({ type: 'a' });
+    for (let i = 0; i < requestsMost; i++) void link.request({ type: 'neutral' });
     const sent = last().sent.length;
-    expect(await link.request({ type: 'one too many' })).toMatchObject({ ok: false });
+    expect(await link.request({ type: 'neutral' })).toMatchObject({ ok: false });
     expect(last().sent).toHaveLength(sent);
   });
 

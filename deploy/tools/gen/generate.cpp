@@ -27,6 +27,7 @@ std::vector<GeneratedFile> generate_all() {
   files.push_back(messages_file());
   files.push_back(dbc_file());
   files.push_back(openapi_file());
+  files.push_back(rest_file());
   std::sort(files.begin(), files.end(), [](const GeneratedFile& a, const GeneratedFile& b) { return a.path < b.path; });
   return files;
 }

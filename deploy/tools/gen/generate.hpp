@@ -22,6 +22,7 @@ GeneratedFile messages_file();
 std::vector<GeneratedFile> markdown_files();
 GeneratedFile dbc_file();
 GeneratedFile openapi_file();
+GeneratedFile rest_file();
 std::vector<GeneratedFile> eds_files();
 
 // The lock of ids: every id that was ever given away, one per line ("param 20 lean_dead_band_norm"). A row that leaves its table

@@ -86,10 +86,8 @@ std::string message_types(bool incoming) {
 
 // The reasons with their words: the console tells them by name.
 std::string reason_rows() {
-  std::string out = "export type ReasonCode =";
-  for (const auto& reason : server::kReasons) out += "\n  | '" + std::string(reason.name) + "'";
-  out +=
-      ";\n\n/** Why something was not done, or is not there. */\n"
+  std::string out =
+      "/** Why something was not done, or is not there. */\n"
       "export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> = {\n";
   for (const auto& reason : server::kReasons) out += "  " + std::string(reason.name) + ": " + words(reason.text_en, reason.text_de) + ",\n";
   return out + "};\n\n";
@@ -101,36 +99,7 @@ GeneratedFile messages_file() {
   using namespace hoist::contract;
   std::string out =
       "// " + made_from("server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def") + "\n\n";
-  out += R"(/** What is walked; null and free mean the same. */
-export type Exercise =
-  | { shape: 'eight'; c_m: number; radius_m: number; clockwise?: boolean }
-  | { shape: 'square'; side_m: number; corner_radius_m?: number; clockwise?: boolean }
-  | { shape: 'circle'; radius_m: number; clockwise?: boolean }
-  | { shape: 'straight'; length_m: number }
-  | { shape: 'free' };
-
-/** What the hoist drives by itself while the button is held. */
-export type GuidedPath = Exclude<Exercise, { shape: 'free' }> & { speed_m_s: number; laps?: number };
-
-/** A condition that lasts, with what to do; the same rows as in GET /api/v1/status. */
-export interface StandingNotice {
-  name: string;
-  priority: 'low' | 'medium';
-  text: { en: string; de: string };
-  action: { en: string; de: string };
-  detail: string;
-}
-
-/** Which field was refused and what is allowed. */
-export interface FieldError {
-  field: string;
-  value?: number | string | null;
-  min?: number;
-  max?: number;
-  message?: string;
-}
-
-)";
+  out += "import type { Exercise, FieldError, GuidedPath, Pose, ReasonCode, StandingNotice } from './rest.gen';\n\n";
   out += reason_rows() + message_types(true) + message_types(false);
   out += "/** What the core reports. */\nexport const eventKinds = [";
   // Numbers without a name are gaps.

@@ -647,6 +647,9 @@ TEST_F(Rest, FieldsThatNobodyKnowsAreNamed) {
   const std::size_t asked = core_->commands().size();
   refused("POST", "/api/v1/mode", {{"mode", "user"}, {"exercise", {{"shape", "circle"}, {"radius_m", 1}, {"radius", 2}}}},
           "exercise.radius", lease);
+  // A size of another shape is one that this shape does not know.
+  refused("POST", "/api/v1/mode", {{"mode", "user"}, {"exercise", {{"shape", "circle"}, {"radius_m", 1}, {"c_m", 2}}}}, "exercise.c_m",
+          lease);
   EXPECT_EQ(core_->commands().size(), asked);
   EXPECT_EQ(call("POST", "/api/v1/mode", {{"mode", "standby"}, {"please", true}}, lease).status, 200) << "ending motion is never refused";
   Headers headers = bearer_;

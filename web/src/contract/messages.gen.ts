@@ -1,64 +1,6 @@
 // Made by `deploy/dev gen` from server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def; do not edit.
 
-/** What is walked; null and free mean the same. */
-export type Exercise =
-  | { shape: 'eight'; c_m: number; radius_m: number; clockwise?: boolean }
-  | { shape: 'square'; side_m: number; corner_radius_m?: number; clockwise?: boolean }
-  | { shape: 'circle'; radius_m: number; clockwise?: boolean }
-  | { shape: 'straight'; length_m: number }
-  | { shape: 'free' };
-
-/** What the hoist drives by itself while the button is held. */
-export type GuidedPath = Exclude<Exercise, { shape: 'free' }> & { speed_m_s: number; laps?: number };
-
-/** A condition that lasts, with what to do; the same rows as in GET /api/v1/status. */
-export interface StandingNotice {
-  name: string;
-  priority: 'low' | 'medium';
-  text: { en: string; de: string };
-  action: { en: string; de: string };
-  detail: string;
-}
-
-/** Which field was refused and what is allowed. */
-export interface FieldError {
-  field: string;
-  value?: number | string | null;
-  min?: number;
-  max?: number;
-  message?: string;
-}
-
-export type ReasonCode =
-  | 'refused'
-  | 'no_core'
-  | 'busy'
-  | 'role'
-  | 'no_session'
-  | 'invalid'
-  | 'exercise'
-  | 'measurement'
-  | 'message'
-  | 'unknown'
-  | 'not_now'
-  | 'not_recording'
-  | 'disk_full'
-  | 'storage'
-  | 'internal'
-  | 'core_absent'
-  | 'core_silent'
-  | 'core_gone'
-  | 'core_taken'
-  | 'core_build'
-  | 'core_refused'
-  | 'core_unreachable'
-  | 'no_exercise'
-  | 'no_motion'
-  | 'part_missing'
-  | 'several_walks'
-  | 'start_unclear'
-  | 'not_comparable'
-  | 'too_short';
+import type { Exercise, FieldError, GuidedPath, Pose, ReasonCode, StandingNotice } from './rest.gen';
 
 /** Why something was not done, or is not there. */
 export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> = {
@@ -325,9 +267,9 @@ export interface ReplyMessage {
   request: number;
   ok: boolean;
   /** Names of the refusal table. */
-  refusals?: string[];
+  refusals?: readonly string[];
   /** Which field, what is allowed. */
-  errors?: FieldError[];
+  errors?: readonly FieldError[];
   detail?: string;
   /** Why not, where no refusal says it; a row of reasons.def. */
   reason_code?: ReasonCode;
@@ -354,7 +296,7 @@ export interface EventMessage {
   value?: number;
   before?: number;
   client?: number;
-  refusals?: string[];
+  refusals?: readonly string[];
 }
 
 /** Values in force, on connecting and after each change. */
@@ -409,7 +351,7 @@ export interface WalkMessage {
   /** Time in motion since the start mark; null: the mark is older than this server. */
   motion_s: number | null;
   /** Pose at the start mark; null: older than this server. */
-  mark: { x_m: number; y_m: number; psi_rad: number } | null;
+  mark: Pose | null;
   /** A point of the path each so many metres. */
   step_m: number;
   /** The path walked so far, at most 2048 points. */
@@ -430,7 +372,7 @@ export interface NoticeMessage {
   type: 'notice';
   level: "info" | "warning";
   text_key: string;
-  refusals?: string[];
+  refusals?: readonly string[];
 }
 
 /** What stays wrong until it is mended: on connecting and after each change. */

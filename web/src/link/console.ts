@@ -1,13 +1,14 @@
 // Ties the connection to the store and offers what screens may ask for. The only writer of the store.
 import { codedFaults, faults, modes, type FaultName } from '../contract/faults.gen';
-import { layoutHash, type Exercise, type GuidedPath, type StandingNotice, type WalkMessage } from '../contract/messages.gen';
+import { layoutHash } from '../contract/messages.gen';
+import type { CalibrationMeasure, CalibrationStep, Exercise, GuidedPath } from '../contract/rest.gen';
 import type { ParamName } from '../contract/params.gen';
 import type { TickRecord } from '../contract/signals.gen';
 import { readFrame } from './frame';
 import { live } from './live';
 import { rest, type Answer } from './rest';
-import { Link, replyLost, subprotocol, type Reply, type SocketLike } from './socket';
-import { moving, stopped, store, writable, type Emergency, type LogLine, type Notice, type Recording } from './store';
+import { Link, replyLost, subprotocol, type Question, type Reply, type SocketLike, type Told } from './socket';
+import { moving, stopped, store, writable, type Emergency, type LogLine, type Notice } from './store';
 
 const late_ms = 500;
 const gone_ms = 1000;
@@ -37,7 +38,7 @@ const link = new Link(
 );
 
 async function checkSignedIn(): Promise<void> {
-  const answer = await rest('GET', '/status');
+  const answer = await rest('GET /api/v1/status');
   if (!answer.ok && (answer.problem.status === 401 || answer.problem.status === 403)) writable.set({ signedIn: false });
 }
 
@@ -100,69 +101,58 @@ function slowPart(record: TickRecord) {
 /** This page led the hoist, also before a connection that was lost. */
 let led = false;
 
-const text = (value: unknown): string => (typeof value === 'string' ? value : '');
-
-function takeText(message: { type: string; [more: string]: unknown }): void {
+function takeText(message: Told): void {
   const now = store.value;
   switch (message.type) {
     case 'welcome': {
       writable.set({
-        client: Number(message.client ?? 0),
-        role: text(message.role),
-        version: text(message.version),
-        simulated: message.simulated === true,
-        scenario: typeof message.scenario === 'string' ? message.scenario : null,
+        client: message.client,
+        role: message.role,
+        version: message.version,
+        simulated: message.simulated,
+        scenario: message.scenario,
         layoutDiffers: message.layout_hash !== layoutHash,
       });
       break;
     }
     case 'parameters':
-      writable.set({ parameters: { ...(message.values as Record<string, number>) }, parameterVersion: Number(message.version ?? 0) });
+      writable.set({ parameters: message.values, parameterVersion: message.version });
       break;
     case 'lease':
-      writable.set({ lease: { epoch: Number(message.epoch ?? 0), holder: Number(message.holder ?? 0), mine: message.mine === true } });
-      if (message.mine === true || now.leaseTaken) writable.set({ leaseTaken: message.mine !== true && Number(message.holder) !== 0 });
-      else if (led && Number(message.holder) !== 0) writable.set({ leaseTaken: true });
-      led = message.mine === true;
+      writable.set({ lease: { epoch: message.epoch, holder: message.holder, mine: message.mine } });
+      if (message.mine || now.leaseTaken) writable.set({ leaseTaken: !message.mine && message.holder !== 0 });
+      else if (led && message.holder !== 0) writable.set({ leaseTaken: true });
+      led = message.mine;
       break;
     case 'recording': {
-      const started = Number(message.started_utc_ms ?? 0);
-      writable.set({
-        recording: {
-          state: (message.state as Recording['state']) ?? 'idle',
-          session: typeof message.session === 'number' ? message.session : null,
-          started_utc_ms: started > 0 ? started : null,
-          samples: Number(message.samples ?? 0),
-          reason: typeof message.reason_code === 'string' ? message.reason_code : null,
-        },
-      });
+      const { state, session, started_utc_ms, samples, reason_code } = message;
+      writable.set({ recording: { state, session, started_utc_ms, samples, reason: reason_code } });
       break;
     }
     case 'notices':
-      writable.set({ standing: Array.isArray(message.items) ? (message.items as StandingNotice[]) : [] });
+      writable.set({ standing: message.items });
       break;
     case 'walk': {
-      const walk = message as unknown as WalkMessage;
-      live.takeWalk(walk);
+      live.takeWalk(message);
       // A server that came back in the middle of a walk does not know what it began with.
-      const begun = walk.begun ?? (walk.mark === null && live.record !== null ? now.begun : null);
-      writable.set({ exercise: walk.exercise, begun });
+      const begun = message.begun ?? (message.mark === null && live.record !== null ? now.begun : null);
+      writable.set({ exercise: message.exercise, begun });
       break;
     }
     case 'core':
-      writable.set({ coreConnected: message.connected === true, coreReason: typeof message.reason_code === 'string' ? message.reason_code : null });
+      writable.set({ coreConnected: message.connected, coreReason: message.reason_code });
       break;
     case 'event': {
       const line: LogLine = {
-        time_ns: Number(message.time_ns ?? 0),
-        kind: text(message.kind),
-        name: text(message.name),
-        value: typeof message.value === 'number' ? message.value : null,
-        before: typeof message.before === 'number' ? message.before : null,
-        code: typeof message.code === 'number' ? message.code : null,
+        time_ns: message.time_ns,
+        kind: message.kind,
+        name: message.name ?? '',
+        value: message.value ?? null,
+        before: message.before ?? null,
+        code: message.code ?? null,
       };
       if (line.kind === 'emergency')
-        takeEmergencies([{ time_ns: line.time_ns, node: line.name, code: line.code ?? 0, errorRegister: Number(message.bits ?? 0) }]);
+        takeEmergencies([{ time_ns: line.time_ns, node: line.name, code: line.code ?? 0, errorRegister: message.bits ?? 0 }]);
       // The other ways to end are told by the strip, or were asked for.
       if (line.kind === 'guided_ended' && line.name === 'finished') notify('info', 'guided.finished');
       if (line.kind === 'guided_ended' && line.name === 'off_path') notify('warning', 'guided.off_path');
@@ -172,7 +162,9 @@ function takeText(message: { type: string; [more: string]: unknown }): void {
       break;
     }
     case 'notice':
-      notify((message.level as Notice['level']) ?? 'info', text(message.text_key));
+      notify(message.level, message.text_key);
+      break;
+    case 'firmware_progress': // no screen shows updates yet
       break;
   }
 }
@@ -185,16 +177,10 @@ function takeEmergencies(more: readonly Emergency[]): void {
 
 /** What devices reported before this page was opened. */
 export async function fetchEmergencies(): Promise<Answer<unknown>> {
-  interface Told {
-    node: string;
-    time_ns: number;
-    error_register: number;
-    emergency: { code: number };
-  }
-  const answer = await rest<{ emergencies?: Told[] }>('GET', '/health');
+  const answer = await rest('GET /api/v1/health');
   if (answer.ok)
     takeEmergencies(
-      (answer.value.emergencies ?? []).map((item) => ({
+      answer.value.emergencies.map((item) => ({
         time_ns: item.time_ns,
         node: item.node,
         code: item.emergency.code,
@@ -245,7 +231,7 @@ export function stop(): void {
 
 function sendStop(): void {
   const sent = link.send({ type: 'stop' });
-  if (!sent || stopLeft < stopTries) void rest('POST', '/stop').then((answer) => answer.ok && stopSeen());
+  if (!sent || stopLeft < stopTries) void rest('POST /api/v1/stop').then((answer) => answer.ok && stopSeen());
   if (stopTimer !== null) window.clearTimeout(stopTimer);
   stopTimer = window.setTimeout(() => {
     stopTimer = null;
@@ -294,7 +280,7 @@ async function ensureLease(): Promise<Reply> {
   return takeLease(true);
 }
 
-async function withLease(message: { type: string; [more: string]: unknown }, unanswered?: typeof message): Promise<Reply> {
+async function withLease(message: Question, unanswered?: Question): Promise<Reply> {
   if (store.value.link !== 'open') return replyLost;
   const lease = await ensureLease();
   if (!lease.ok) return lease;
@@ -304,14 +290,14 @@ async function withLease(message: { type: string; [more: string]: unknown }, una
 }
 
 /** Settings need no control: their version guards them. */
-async function change(message: { type: string; [more: string]: unknown }): Promise<Reply> {
+async function change(message: Extract<Question, { version?: number }>): Promise<Reply> {
   const version = store.value.parameterVersion;
   const reply = await link.request({ ...message, ...(version > 0 ? { version } : {}) });
   if (reply.ok && reply.stored === false) notify('warning', 'settings.notStored');
   return reply;
 }
 
-const end = { type: 'mode', mode: 'standby' };
+const end: Question = { type: 'mode', mode: 'standby' };
 /** Anyone may end a motion. */
 export const endMotion = (): Promise<Reply> => link.request(end);
 /** The exercise of the next walk, on all screens. */
@@ -325,9 +311,9 @@ export const requestGuided = (path: GuidedPath, start_again: boolean): Promise<R
 /** Leaves a stop. What was seen: names of the faults that were shown when the hand went down; the hoist refuses when another has come since. */
 export const acknowledge = (seen: readonly string[]): Promise<Reply> => withLease({ type: 'acknowledge', ...(seen.length > 0 ? { seen } : {}) });
 export const setNeutral = (): Promise<Reply> => link.request({ type: 'neutral' });
-export const calibrate = (step: string, harness_empty: boolean): Promise<Reply> =>
+export const calibrate = (step: CalibrationStep, harness_empty: boolean): Promise<Reply> =>
   withLease(harness_empty ? { type: 'calibrate', step, harness_empty } : { type: 'calibrate', step });
-export const calibrateMeasure = (measured: object): Promise<Reply> => withLease({ type: 'calibrate_measure', ...measured });
+export const calibrateMeasure = (measured: CalibrationMeasure): Promise<Reply> => withLease({ type: 'calibrate_measure', ...measured });
 export const calibrateUse = (): Promise<Reply> => withLease({ type: 'calibrate_use' });
 export const calibrateCancel = (): Promise<Reply> => withLease({ type: 'calibrate_cancel' });
 export const setParameters = (values: Partial<Record<ParamName, number>>): Promise<Reply> => change({ type: 'set', values });

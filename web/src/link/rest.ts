@@ -1,37 +1,57 @@
 // Plain requests to /api/v1. Errors come back as values: a screen must always have something to say.
-import type { FieldError } from '../contract/messages.gen';
+import type { FieldError, Problem as ToldProblem, Routes } from '../contract/rest.gen';
 
 export interface Problem {
   status: number; // 0 = the server cannot be reached
   /** Row of the table of reasons, where the server has one for it. */
   code: string;
-  errors: FieldError[];
-  refusals: string[];
+  errors: readonly FieldError[];
+  refusals: readonly string[];
 }
 export type Answer<T> = { ok: true; value: T } | { ok: false; problem: Problem };
 
+/** What a route takes: fields of its path, its query, its body. */
+type Given<R extends keyof Routes> = Omit<Routes[R], 'answer'>;
+/** May be left out where the route needs nothing. */
+type MaybeGiven<R extends keyof Routes> = Record<never, never> extends Given<R> ? [given?: Given<R>] : [given: Given<R>];
+interface AnyGiven {
+  path?: Record<string, string | number>;
+  query?: Record<string, string | number | undefined>;
+  body?: object;
+}
+
 const within_ms = 10_000;
 
-export async function rest<T>(method: 'GET' | 'POST' | 'PATCH' | 'PUT' | 'DELETE', path: string, body?: object): Promise<Answer<T>> {
+/** The address of a route with its fields filled in; those of the query that are undefined are left out. */
+export function address<R extends keyof Routes>(route: R, ...[given]: MaybeGiven<R>): string {
+  const { path = {}, query = {} } = (given ?? {}) as AnyGiven;
+  const place = route.slice(route.indexOf(' ') + 1).replace(/\{(\w+)\}/g, (_, name: string) => encodeURIComponent(path[name] ?? ''));
+  const fields = Object.entries(query).flatMap(([name, value]) => (value === undefined ? [] : [[name, String(value)]]));
+  return fields.length === 0 ? place : `${place}?${new URLSearchParams(fields).toString()}`;
+}
+
+export async function rest<R extends keyof Routes>(route: R, ...given: MaybeGiven<R>): Promise<Answer<Routes[R]['answer']>> {
+  const method = route.slice(0, route.indexOf(' '));
+  const { body = {} } = (given[0] ?? {}) as AnyGiven;
   const headers: Record<string, string> = { Accept: 'application/json' };
   if (method !== 'GET') {
     headers['X-Hoist'] = '1';
     headers['Content-Type'] = 'application/json';
   }
   try {
-    const response = await fetch(`/api/v1${path}`, {
+    const response = await fetch(address(route, ...given), {
       method,
       headers,
       credentials: 'same-origin',
       cache: 'no-store',
       signal: AbortSignal.timeout(within_ms),
       keepalive: method !== 'GET', // what was asked for is asked also when the page goes away
-      ...(method === 'GET' ? {} : { body: JSON.stringify(body ?? {}) }),
+      ...(method === 'GET' ? {} : { body: JSON.stringify(body) }),
     });
     const text = await response.text();
     const value: unknown = text === '' ? null : JSON.parse(text);
-    if (response.ok) return { ok: true, value: value as T };
-    const problem = (value ?? {}) as Partial<Problem> & { type?: string };
+    if (response.ok) return { ok: true, value: value as Routes[R]['answer'] };
+    const problem = (value ?? {}) as Partial<ToldProblem>;
     return {
       ok: false,
       problem: {

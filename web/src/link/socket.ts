@@ -1,7 +1,8 @@
 // The connection to the server: one WebSocket that is opened again whenever it is lost, requests matched to their replies, and the
 // measured round trip. Knows nothing of screens. Clock, timers and socket are passed in, so that tests run it in virtual time.
 
-import type { FieldError } from '../contract/messages.gen';
+import type { ClientMessage, ReplyMessage, ServerMessage } from '../contract/messages.gen';
+import type { FieldError } from '../contract/rest.gen';
 
 export type LinkState = 'connecting' | 'open' | 'lost';
 
@@ -24,18 +25,18 @@ export interface LinkHost {
   clearTimer(timer: number): void;
 }
 
-export interface Reply {
-  ok: boolean;
-  refusals: string[];
-  errors: FieldError[];
-  /** Row of the table of reasons. */
-  reason_code?: string;
-  [more: string]: unknown;
-}
+/** The server's answer, or why there is none: its lists are always there. */
+export type Reply = Omit<ReplyMessage, 'type' | 'request' | 'refusals' | 'errors'> & { refusals: readonly string[]; errors: readonly FieldError[] };
+
+type WithoutNumber<M> = M extends { request: number } ? Omit<M, 'request'> : never;
+/** A message that is answered; the link gives it its number. */
+export type Question = WithoutNumber<ClientMessage>;
+/** What the page is told; replies and pongs are the link's own. */
+export type Told = Exclude<ServerMessage, { type: 'reply' | 'pong' }>;
 
 export interface LinkEvents {
   state(state: LinkState): void;
-  text(message: { type: string; [more: string]: unknown }): void;
+  text(message: Told): void;
   binary(buffer: ArrayBuffer): void;
   rtt(rtt_s: number | null): void;
   /** The socket was refused or broke before it opened; the page asks whether it is still signed in. */
@@ -66,9 +67,9 @@ export class Link {
   private wasOpen = false;
   private stopped = false;
   private nextRequest = 1;
-  private readonly waiting = new Map<number, { resolve: (reply: Reply) => void; timer: number; unanswered: object | undefined }>();
+  private readonly waiting = new Map<number, { resolve: (reply: Reply) => void; timer: number; unanswered: Question | undefined }>();
   /** Given up without an answer, with what takes each back. */
-  private readonly late = new Map<number, object>();
+  private readonly late = new Map<number, Question>();
 
   constructor(
     private readonly host: LinkHost,
@@ -101,7 +102,7 @@ export class Link {
   }
 
   /** Sends without waiting for an answer. False: not connected, nothing was sent. */
-  send(message: object): boolean {
+  send(message: ClientMessage): boolean {
     if (this.socket === null || this.state_ !== 'open') return false;
     this.socket.send(JSON.stringify(message));
     return true;
@@ -115,7 +116,7 @@ export class Link {
   /** Sends a request and resolves with its reply; never rejects. A stalled connection may hold a request back and deliver it long after
    * the screen has said that nothing came of it: `unanswered` then follows on the same connection, behind it, and takes it back. It goes
    * out once more when the late answer says that it was done: a server that takes several steps may have ended before it had begun. */
-  request(message: { type: string; [more: string]: unknown }, unanswered?: { type: string; [more: string]: unknown }): Promise<Reply> {
+  request(message: Question, unanswered?: Question): Promise<Reply> {
     if (this.state_ !== 'open' || this.waiting.size >= requestsMost) return Promise.resolve(replyLost);
     const request = this.nextRequest++;
     return new Promise((resolve) => {
@@ -193,20 +194,20 @@ export class Link {
       return; // a damaged message is no message
     }
     if (typeof message !== 'object' || message === null || typeof (message as { type?: unknown }).type !== 'string') return;
-    const known = message as { type: string; [more: string]: unknown };
+    const known = message as ServerMessage;
     if (known.type === 'reply') {
-      const { request, ok, refusals, errors } = known;
-      if (typeof request === 'number')
-        this.settle(request, {
-          ...known,
-          ok: ok === true,
-          refusals: Array.isArray(refusals) ? refusals.map(String) : [],
-          errors: Array.isArray(errors) ? (errors as FieldError[]) : [],
-        });
+      // A broken reply is a no: nothing may look done that was not.
+      const refusals = Array.isArray(known.refusals) ? (known.refusals as string[]) : [];
+      this.settle(known.request, {
+        ...known,
+        ok: known.ok === true,
+        refusals,
+        errors: Array.isArray(known.errors) ? (known.errors as FieldError[]) : [],
+      });
       return;
     }
     if (known.type === 'pong') {
-      if (typeof known.t === 'number') this.events.rtt(Math.max(0, this.host.now_ms() - known.t) / 1000);
+      this.events.rtt(Math.max(0, this.host.now_ms() - known.t) / 1000);
       return;
     }
     // A welcome means that the server took us in: only then does the next loss start with a short wait again.

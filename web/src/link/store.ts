@@ -1,17 +1,14 @@
 // What the console knows at this moment. Screens read it through useStore; only link/ writes it.
 import { useEffect, useReducer, useRef } from 'preact/hooks';
 import { modes, type ModeName } from '../contract/faults.gen';
-import type { Exercise, GuidedPath, StandingNotice } from '../contract/messages.gen';
+import type { RecordingMessage } from '../contract/messages.gen';
+import type { Exercise, GuidedPath, ReasonCode, StandingNotice } from '../contract/rest.gen';
 import type { LinkState } from './socket';
 
-export interface Recording {
-  state: 'idle' | 'recording' | 'failed';
-  session: number | null;
-  started_utc_ms: number | null;
-  samples: number;
-  /** Why it failed: a row of the table of reasons. */
-  reason: string | null;
-}
+export type Recording = Pick<RecordingMessage, 'state' | 'session' | 'started_utc_ms' | 'samples'> & {
+  /** Why it failed. */
+  reason: ReasonCode | null;
+};
 export interface LogLine {
   time_ns: number;
   kind: string;
@@ -55,8 +52,8 @@ export interface State {
   begun: Exercise | GuidedPath | null;
   /** Null: not told yet. */
   coreConnected: boolean | null;
-  /** Why it is not connected: a row of the table of reasons. */
-  coreReason: string | null;
+  /** Why it is not connected. */
+  coreReason: ReasonCode | null;
   parameters: Record<string, number>;
   parameterVersion: number;
   lease: { epoch: number; holder: number; mine: boolean };

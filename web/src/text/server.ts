@@ -1,5 +1,6 @@
 // Why the server did not do something, in words: told by its code, never by its sentences.
-import { reasons, type ReasonCode } from '../contract/messages.gen';
+import { reasons } from '../contract/messages.gen';
+import type { ReasonCode } from '../contract/rest.gen';
 import type { Problem } from '../link/rest';
 import { refusalText, t, textOf, words } from './text';
 

@@ -2,7 +2,7 @@
 // looks up, as the joystick does (DECISIONS 40).
 import { useMemo, useRef } from 'preact/hooks';
 import { live, useFrame } from '../link/live';
-import type { Exercise } from '../contract/messages.gen';
+import type { Exercise } from '../contract/rest.gen';
 import { fixed, t } from '../text/text';
 import { fit, onScreen, patternPoints, type Frame, type Point } from './geometry';
 import './floor_view.css';

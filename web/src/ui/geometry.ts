@@ -1,6 +1,6 @@
 // Shapes on the floor: the planned figures as points, and the frame that shows everything. Same figures as the hoist's own
 // (square counter-clockwise from its lower left corner; eight from the crossing, right circle first; straight along x).
-import type { Exercise } from '../contract/messages.gen';
+import type { Exercise } from '../contract/rest.gen';
 
 export interface Point {
   x: number;

@@ -1,7 +1,7 @@
 // The line under the status bar: the most important alarm with what to do, or in calm times one sentence. Its height never changes.
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import type { FaultInfo, FaultName } from '../contract/faults.gen';
-import type { StandingNotice } from '../contract/messages.gen';
+import type { StandingNotice } from '../contract/rest.gen';
 import { acknowledge, notify } from '../link/console';
 import { useReadiness } from '../link/readiness';
 import { useStore } from '../link/store';

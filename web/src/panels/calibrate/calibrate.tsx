@@ -1,6 +1,7 @@
 // Calibration step by step: what to do now, whether it rests, what was found, and the old value beside the new one.
 import { useEffect, useState } from 'preact/hooks';
 import { params } from '../../contract/params.gen';
+import type { Calibration, CalibrationItem, CalibrationMeasure, CalibrationState } from '../../contract/rest.gen';
 import { calibrate, calibrateCancel, calibrateMeasure, calibrateUse, notify } from '../../link/console';
 import { useAsked } from '../../link/asked';
 import { useReading } from '../../link/live';
@@ -15,27 +16,24 @@ import { Refusal, useRequest } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
 import { addressOf, go } from '../../router';
 import type { PanelProps } from '../panel';
-import {
-  entry,
-  nowKey,
-  phaseNames,
-  resultOf,
-  stepNames,
-  stepsFor,
-  watched,
-  type Change,
-  type Now,
-  type Step,
-  type StepName,
-  type Table,
-} from './model';
+import { entry, nowKey, phaseNames, resultOf, stepNames, stepsFor, watched, type Now, type StepName } from './model';
 import { StepPicture } from './picture';
 import './calibrate.css';
 
 const confirmHold_ms = 2000;
 
 /** Begins a step; where the harness must be empty, only after a hold that says so. */
-function Begin({ item, label, disabled, begin }: { item: Step; label: string; disabled: boolean; begin: (harness_empty: boolean) => void }) {
+function Begin({
+  item,
+  label,
+  disabled,
+  begin,
+}: {
+  item: CalibrationItem;
+  label: string;
+  disabled: boolean;
+  begin: (harness_empty: boolean) => void;
+}) {
   if (item.empty_harness)
     return (
       <HoldButton
@@ -58,7 +56,7 @@ const settle_ms = 500;
 
 const unitText = (unit: string): string => (unit === 'turns' ? t('calibrate.turns') : unit);
 
-function Changes({ list }: { list: readonly Change[] }) {
+function Changes({ list }: { list: CalibrationState['result'] }) {
   if (list.length === 0) return <p>{t('calibrate.checked')}</p>;
   return (
     <table class="calibrate-changes num">
@@ -121,7 +119,7 @@ function Entry({
   step: StepName;
   second: boolean;
   busy: boolean;
-  onMeasure: (message: object) => Promise<boolean>;
+  onMeasure: (message: CalibrationMeasure) => Promise<boolean>;
 }) {
   const [figure, setFigure] = useState('');
   const [x, setX] = useState('');
@@ -135,7 +133,7 @@ function Entry({
   const ready = values.every((value) => Number.isFinite(value)) && size > 0;
   const turns = step === 'strut_spacing' || step === 'track' || square;
   const send = async () => {
-    const message = square
+    const message: CalibrationMeasure = square
       ? { figure: size, x_m: readNumber(x) / 100, y_m: readNumber(y) / 100, turning: back ? 'right' : 'left' }
       : { figure: (back ? -1 : 1) * size * factor };
     if (!(await onMeasure(message))) return;
@@ -173,7 +171,19 @@ function Entry({
   );
 }
 
-function Guide({ item, now, table, simulated, connected }: { item: Step; now: Now | null; table: Table; simulated: boolean; connected: boolean }) {
+function Guide({
+  item,
+  now,
+  table,
+  simulated,
+  connected,
+}: {
+  item: CalibrationItem;
+  now: Now | null;
+  table: Calibration;
+  simulated: boolean;
+  connected: boolean;
+}) {
   const { standby, known, lead } = useReadiness();
   const silent = !known;
   const request = useRequest();
@@ -189,11 +199,11 @@ function Guide({ item, now, table, simulated, connected }: { item: Step; now: No
     }
     return done;
   };
-  const step = item.name as StepName;
+  const step = item.name;
   const running = now !== null && now.step === step;
   const phase = running ? now.phase : 'none';
   useEffect(request.forget, [step]);
-  const found = useAsked(phase === 'result' && connected ? () => rest<Table>('GET', '/calibration') : null, [step]);
+  const found = useAsked(phase === 'result' && connected ? () => rest('GET /api/v1/calibration') : null, [step]);
   // Null until the values are on screen: a result can be used only after it has been shown.
   const changes = found.value === null ? null : resultOf(found.value, step);
   const failed = found.problem !== null || (found.value !== null && changes === null);
@@ -303,7 +313,7 @@ export function CalibrateView({ part }: PanelProps) {
         : [r.calibration_step, r.calibration_phase, r.calibration_done_percent, r.calibration_reason, r.calibration_value].join(' '),
     5,
   );
-  const { value: table, problem, retry } = useAsked(() => rest<Table>('GET', '/calibration'), [connected, version]);
+  const { value: table, problem, retry } = useAsked(() => rest('GET /api/v1/calibration'), [connected, version]);
   if (table === null) return problem !== null ? <Failed onRetry={retry} /> : <p class="hint">{t('common.loading')}</p>;
   const [step = 0, phase = 0, done_percent = 0, reason = 0, value = 0] = text === '' ? [] : text.split(' ').map(Number);
   const now: Now | null = text === '' ? null : { step: stepNames[step] ?? 'none', phase: phaseNames[phase] ?? 'none', done_percent, reason, value };

@@ -1,29 +1,6 @@
 // What the Calibrate screen knows: the table of steps from the server, and what to do at this moment.
-import type { ParamName } from '../../contract/params.gen';
-import type { Words } from '../../contract/params.gen';
+import type { Calibration, CalibrationItem, CalibrationState, CalibrationStep } from '../../contract/rest.gen';
 import type { TextKey } from '../../text/en';
-
-export interface Step {
-  name: string;
-  role: 'viewer' | 'therapist' | 'engineer';
-  entered: { unit: 'm' | 'rad'; least: number; most: number } | null;
-  /** Begins only when the operator confirms that nobody is strapped in. */
-  empty_harness: boolean;
-  title: Words;
-  action: Words;
-  done_utc_s: number | null;
-}
-export interface Change {
-  name: ParamName;
-  value: number;
-  before: number;
-}
-export interface Table {
-  valid: boolean | null;
-  under_way: { step: string; phase: string; result: Change[] } | null;
-  items: Step[];
-  reasons: { name: string; text: Words }[];
-}
 
 /** Numbers of the live values, in the order of the contract's table. */
 export const stepNames = [
@@ -38,10 +15,10 @@ export const stepNames = [
   'square',
   'encoders',
   'bumpers',
-] as const;
+] as const satisfies readonly (CalibrationStep | 'none')[];
 export type StepName = (typeof stepNames)[number];
-export const phaseNames = ['none', 'resting', 'measuring', 'operator', 'result', 'refused'] as const;
-export type Phase = (typeof phaseNames)[number];
+export type Phase = CalibrationState['phase'];
+export const phaseNames = ['none', 'resting', 'measuring', 'operator', 'result', 'refused'] as const satisfies readonly Phase[];
 
 export interface Now {
   step: StepName;
@@ -52,11 +29,12 @@ export interface Now {
 }
 
 /** What this step would change, when it has a result. Null: not known. */
-export const resultOf = ({ under_way }: Table, step: StepName): readonly Change[] | null =>
+export const resultOf = ({ under_way }: Calibration, step: StepName): CalibrationState['result'] | null =>
   under_way !== null && under_way.step === step && under_way.phase === 'result' ? under_way.result : null;
 
 /** A therapist sees what is theirs; an engineer everything. */
-export const stepsFor = (items: readonly Step[], role: string): Step[] => items.filter((item) => role === 'engineer' || item.role !== 'engineer');
+export const stepsFor = (items: readonly CalibrationItem[], role: string): CalibrationItem[] =>
+  items.filter((item) => role === 'engineer' || item.role !== 'engineer');
 
 const bumperKeys: readonly TextKey[] = ['calibrate.press.front', 'calibrate.press.rear', 'calibrate.press.left', 'calibrate.press.right'];
 

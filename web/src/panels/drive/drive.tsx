@@ -1,7 +1,7 @@
 // The therapist drives: take control, hold the joystick, let go to stop.
 import { useEffect, useRef } from 'preact/hooks';
 import { notify, requestMode, setParameters } from '../../link/console';
-import type { Exercise } from '../../contract/messages.gen';
+import type { Exercise } from '../../contract/rest.gen';
 import { useReadiness } from '../../link/readiness';
 import { figure, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';

@@ -1,5 +1,5 @@
 // What can be chosen for an exercise, and what follows from the choice: the path that is asked for, the floor it needs, how long it takes.
-import type { Exercise, GuidedPath } from '../../contract/messages.gen';
+import type { Exercise, GuidedPath } from '../../contract/rest.gen';
 import { patternPoints } from '../../ui/geometry';
 
 export const shapes = ['straight', 'square', 'circle', 'eight'] as const;

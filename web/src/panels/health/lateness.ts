@@ -1,18 +1,8 @@
 // The loop's punctuality as the server tells it, and the bars that a screen draws of it.
+import type { LatenessBuckets, Loop } from '../../contract/rest.gen';
 
-export interface Bucket {
-  from_s: number;
-  /** null: the last one has no end. */
-  to_s: number | null;
-  count: number;
-}
-export interface LoopReport {
-  steps: number;
-  latest_ever_s: number;
-  longest_step_s: number;
-  lately: Bucket[];
-  ever: Bucket[];
-}
+/** The part of it that is drawn. */
+export type LoopReport = Pick<Loop, 'steps' | 'latest_ever_s' | 'longest_step_s' | 'lately' | 'ever'>;
 
 /** The drawing reaches from 1 µs to 1 s, each power of two a column; what lies outside stands in the first or last one. */
 export const columns = 20;
@@ -29,7 +19,7 @@ export function placeOf(time_s: number): number {
 }
 
 /** Steps per column. */
-export function columnsOf(buckets: readonly Bucket[]): number[] {
+export function columnsOf(buckets: LatenessBuckets): number[] {
   const counts = new Array<number>(columns).fill(0);
   for (const bucket of buckets) {
     const column = columnOf(bucket.from_s);

@@ -76,7 +76,7 @@ export function Loop({ r }: { r: TickRecord | null }) {
   const engineer = useStore((s) => s.role) === 'engineer';
   const open = useStore((s) => s.link === 'open');
   const tooLate_s = useStore((s) => s.parameters.loop_late_s_max) ?? 0.03;
-  const told = useAsked(engineer && open ? () => rest<LoopReport>('GET', '/loop') : null, [], askEvery_ms).value;
+  const told = useAsked(engineer && open ? () => rest('GET /api/v1/loop') : null, [], askEvery_ms).value;
   const report = r === null ? null : told; // an old report must not stand for the loop of now
   const ms = (value_s: number | undefined) => `${fixed(value_s === undefined ? undefined : value_s * 1e3, 2)} ms`;
   const short = (

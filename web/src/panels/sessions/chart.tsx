@@ -6,7 +6,8 @@ import type { SignalName } from '../../contract/signals.gen';
 import { useSettings } from '../../text/settings';
 import { plain, shownAs, t, words, withUnit } from '../../text/text';
 import { strips, type Curve } from './curves';
-import { zigzag, type Samples } from './model';
+import type { Samples } from '../../contract/rest.gen';
+import { zigzag } from './model';
 import './chart.css';
 
 /** Distinguishable without colour too: the dash differs. */

@@ -1,55 +1,9 @@
 // The recorded sessions as /api/v1/sessions gives them.
 import type { SignalName } from '../../contract/signals.gen';
-import type { Exercise } from '../../contract/messages.gen';
+import type { EventList, Samples, SessionList } from '../../contract/rest.gen';
 
-export interface Session {
-  id: number;
-  subject: string | null;
-  started_utc_ms: number;
-  duration_s: number;
-  simulated: boolean;
-  recording: boolean;
-  exercise: Exercise | null;
-  note: string;
-  samples: number;
-  gaps: number;
-}
-export interface SessionPage {
-  items: Session[];
-  next: string | null;
-}
-export interface Metrics {
-  C: number | null;
-  J_N: number | null;
-  reference_length_m: number | null;
-  /** Under way, standing included. */
-  duration_s: number | null;
-  /** Of that, with a wheel turning. */
-  motion_s: number | null;
-  /** Motion that is not recorded: all figures are of the rest. */
-  missing_s: number;
-  distance_m: number | null;
-  mean_speed_m_s: number | null;
-  rms_position_m: number | null;
-  rms_heading_rad: number | null;
-  /** Which track was compared: with slip repaired, or the encoders' own. */
-  track: 'fused' | 'encoders';
-  exercise: Exercise | null;
-  /** Why there is no comparison with a plan: a row of the table of reasons. */
-  reason_code: string | null;
-}
-export interface SampleColumn {
-  name: SignalName;
-  unit: string;
-  min: (number | null)[];
-  max: (number | null)[];
-}
-export interface Samples {
-  from_s: number[];
-  to_s: number[];
-  columns: SampleColumn[];
-}
-export interface SessionEvent {
+/** A line of what happened: an event, or a mark that somebody set. */
+export interface StoryLine {
   time_s: number;
   kind: string;
   name: string;
@@ -57,14 +11,10 @@ export interface SessionEvent {
   before: number | null;
   code: number | null;
 }
-export interface SessionEvents {
-  items: SessionEvent[];
-  markers: { utc_ms: number; text: string }[];
-}
 
 /** What happened, with the marks in between, in order of time. Answers to single commands are left out: their effect is there too. */
-export function story(events: SessionEvents, started_utc_ms: number): SessionEvent[] {
-  const marks = (events.markers ?? []).map((mark) => ({
+export function story(events: EventList, started_utc_ms: number): StoryLine[] {
+  const marks = events.markers.map((mark) => ({
     time_s: (mark.utc_ms - started_utc_ms) / 1000,
     kind: 'marker',
     name: mark.text,
@@ -98,33 +48,24 @@ export function zigzag(samples: Samples, names: readonly SignalName[]): [number[
 export function pathOf(samples: Samples): { x: number[]; y: number[] } {
   const middle = (name: SignalName) => {
     const column = samples.columns.find((item) => item.name === name);
-    return column === undefined ? [] : column.min.map((low, i) => ((low ?? NaN) + (column.max[i] ?? NaN)) / 2);
+    return column === undefined ? [] : column.min.map((low, i) => (low + (column.max[i] ?? low)) / 2);
   };
   const fused = samples.columns.some((item) => item.name === 'fused_x_m');
-  const xs = middle(fused ? 'fused_x_m' : 'x_m');
-  const ys = middle(fused ? 'fused_y_m' : 'y_m');
-  const x: number[] = [];
-  const y: number[] = [];
-  for (let i = 0; i < Math.min(xs.length, ys.length); i++) {
-    if (!Number.isFinite(xs[i]) || !Number.isFinite(ys[i])) continue;
-    x.push(xs[i]!);
-    y.push(ys[i]!);
-  }
-  return { x, y };
+  return { x: middle(fused ? 'fused_x_m' : 'x_m'), y: middle(fused ? 'fused_y_m' : 'y_m') };
 }
 
 /** The newest sessions, asked for again, put before the older ones that are on the screen already: whoever has scrolled far down stays
  * there. `next` goes on from the last row. Sessions come newest first, by their numbers. */
-export function refreshed(shown: SessionPage | null, newest: SessionPage): SessionPage {
+export function refreshed(shown: SessionList | null, newest: SessionList): SessionList {
   const last = newest.items.at(-1)?.id;
   // Without an overlap there may be sessions in between that nobody has asked for.
   if (shown === null || newest.next === null || last === undefined || !shown.items.some((item) => item.id >= last)) return newest;
   const older = shown.items.filter((item) => item.id < last);
-  return older.length === 0 ? newest : { items: [...newest.items, ...older], next: shown.next };
+  return older.length === 0 ? newest : { items: [...newest.items, ...older], next: shown.next, total: newest.total };
 }
 
 /** One page more at the end; a row that is there already does not come twice. */
-export function continued(shown: SessionPage | null, more: SessionPage): SessionPage {
+export function continued(shown: SessionList | null, more: SessionList): SessionList {
   const known = new Set((shown?.items ?? []).map((item) => item.id));
-  return { items: [...(shown?.items ?? []), ...more.items.filter((item) => !known.has(item.id))], next: more.next };
+  return { items: [...(shown?.items ?? []), ...more.items.filter((item) => !known.has(item.id))], next: more.next, total: more.total };
 }

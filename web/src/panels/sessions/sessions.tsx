@@ -3,8 +3,8 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import type { SignalName } from '../../contract/signals.gen';
 import { useAsked, type Asked } from '../../link/asked';
 import { notify } from '../../link/console';
-import { rest, type Answer, type Problem } from '../../link/rest';
-import type { Exercise } from '../../contract/messages.gen';
+import { address, rest, type Answer, type Problem } from '../../link/rest';
+import type { Exercise, Metrics, Samples, Session, SessionList, SessionPatch } from '../../contract/rest.gen';
 import { useStore } from '../../link/store';
 import { problemText, reasonText } from '../../text/server';
 import { useSettings } from '../../text/settings';
@@ -17,7 +17,7 @@ import { Lazy, LoadFailed, useLazy } from '../../ui/lazy';
 import { addressOf, go } from '../../router';
 import type { PanelProps } from '../panel';
 import { curves } from './curves';
-import { continued, pathOf, refreshed, story, type Metrics, type Samples, type Session, type SessionEvents, type SessionPage } from './model';
+import { continued, pathOf, refreshed, story } from './model';
 import '../../ui/reading.css';
 import './sessions.css';
 
@@ -38,6 +38,10 @@ const notFound = 404;
 /** Columns that a session does not have are refused with this; anything else is a failure. */
 const unprocessable = 422;
 
+const samplesOf = (id: number, columns: string, points: number) =>
+  rest('GET /api/v1/sessions/{id}/samples', { path: { id }, query: { columns, points } });
+const exportOf = (id: number, format: 'csv' | 'json') => address('GET /api/v1/sessions/{id}/export', { path: { id }, query: { format } });
+
 function exerciseName(exercise: Exercise | null): string {
   return exercise === null ? t('exercise.free') : t(`exercise.${exercise.shape}`);
 }
@@ -45,19 +49,17 @@ function exerciseName(exercise: Exercise | null): string {
 /** The list, newest first. It grows at its end, and what was on the screen stays there when newer ones come. */
 function useSessionList(search: string, recording: string) {
   const [sought, setSought] = useState(search);
-  const [list, setList] = useState<{ sought: string; page: SessionPage } | null>(null);
+  const [list, setList] = useState<{ sought: string; page: SessionList } | null>(null);
   const [olderProblem, setOlderProblem] = useState<Problem | null>(null);
   const [waits, setWaits] = useState(false); // older ones are being asked for
   useEffect(() => {
     const timer = window.setTimeout(() => setSought(search), search === '' ? 0 : typing_ms);
     return () => window.clearTimeout(timer);
   }, [search]);
-  const ask = async (cursor: string | null): Promise<Answer<{ sought: string; page: SessionPage }>> => {
-    const query = new URLSearchParams({ limit: String(pageSize) });
-    if (cursor !== null) query.set('cursor', cursor);
-    if (sought !== '') query.set('q', sought);
-    const answer = await rest<SessionPage>('GET', `/sessions?${query.toString()}`);
-    return answer.ok ? { ok: true, value: { sought, page: { items: answer.value.items, next: answer.value.next ?? null } } } : answer;
+  const ask = async (cursor: string | null): Promise<Answer<{ sought: string; page: SessionList }>> => {
+    const query = { limit: pageSize, cursor: cursor ?? undefined, q: sought === '' ? undefined : sought };
+    const answer = await rest('GET /api/v1/sessions', { query });
+    return answer.ok ? { ok: true, value: { sought, page: answer.value } } : answer;
   };
   const newest = useAsked(() => ask(null), [sought, recording]);
   useEffect(() => {
@@ -96,7 +98,7 @@ export function SessionsView({ part }: PanelProps) {
     pending.current = null;
     setLeaving(null);
     setGone((before) => [...before, id]);
-    void rest('DELETE', `/sessions/${id}`).then((answer) => {
+    void rest('DELETE /api/v1/sessions/{id}', { path: { id } }).then((answer) => {
       if (answer.ok) notify('info', t('sessions.deleted', { n: id }), true);
       else {
         notify('error', problemText(answer.problem), true);
@@ -196,23 +198,20 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
   const drawn = useLazy(chart);
   // Opened right after its end, a session is still being closed: all of it is asked for again as soon as the recording is over.
   const recorded = useStore((s) => s.recording.state === 'recording' && s.recording.session === id);
-  const asked = useAsked(() => rest<Session>('GET', `/sessions/${id}`), [id, recorded]);
+  const asked = useAsked(() => rest('GET /api/v1/sessions/{id}', { path: { id } }), [id, recorded]);
   const [changed, setChanged] = useState<Session | null>(null); // as the server answered to the last change
   const session = changed ?? asked.value;
   useEffect(() => setChanged(null), [asked.value]);
-  const metrics = useAsked(() => rest<Metrics>('GET', `/sessions/${id}/metrics`), [id, recorded]);
+  const metrics = useAsked(() => rest('GET /api/v1/sessions/{id}/metrics', { path: { id } }), [id, recorded]);
   const path = useAsked(async () => {
-    const from = (columns: string) => rest<Samples>('GET', `/sessions/${id}/samples?columns=${columns}&points=${pathRuns}`);
+    const from = (columns: string) => samplesOf(id, columns, pathRuns);
     const fused = await from('fused_x_m,fused_y_m');
     // Sessions from before the slip-repaired track have the encoders' own only.
     return fused.ok || fused.problem.status !== unprocessable ? fused : from('x_m,y_m');
   }, [id, recorded]);
-  const events = useAsked(() => rest<SessionEvents>('GET', `/sessions/${id}/events`), [id, recorded]);
+  const events = useAsked(() => rest('GET /api/v1/sessions/{id}/events', { path: { id } }), [id, recorded]);
   const samples = useAsked(
-    () =>
-      names.length === 0
-        ? Promise.resolve<Answer<Samples | null>>({ ok: true, value: null })
-        : rest<Samples | null>('GET', `/sessions/${id}/samples?columns=${names.join(',')}&points=${curveRuns}`),
+    () => (names.length === 0 ? Promise.resolve<Answer<Samples | null>>({ ok: true, value: null }) : samplesOf(id, names.join(','), curveRuns)),
     [id, recorded, names],
   );
 
@@ -227,8 +226,8 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
     setNames((before) => (before.includes(name) ? before.filter((item) => item !== name) : [...before, name].slice(-curvesMost)));
   const here = useRef(true);
   useEffect(() => () => void (here.current = false), []);
-  const save = async (change: Partial<Pick<Session, 'note' | 'subject'>>): Promise<boolean> => {
-    const answer = await rest<Session>('PATCH', `/sessions/${id}`, change);
+  const save = async (change: SessionPatch): Promise<boolean> => {
+    const answer = await rest('PATCH /api/v1/sessions/{id}', { path: { id }, body: change });
     if (answer.ok) {
       setChanged(answer.value);
       setError(null);
@@ -259,10 +258,10 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
             ‹ {t('sessions.back')}
           </a>
           <h2>{session === null ? t('sessions.one', { n: id }) : `${date(session.started_utc_ms)} · ${exerciseName(session.exercise)}`}</h2>
-          <a class="plain" href={`/api/v1/sessions/${id}/export?format=csv`} download>
+          <a class="plain" href={exportOf(id, 'csv')} download>
             {t('sessions.csv')}
           </a>
-          <a class="plain" href={`/api/v1/sessions/${id}/export?format=json`} download>
+          <a class="plain" href={exportOf(id, 'json')} download>
             {t('sessions.json')}
           </a>
           <button type="button" class="plain last" disabled={session?.recording !== false} onClick={onDelete}>

@@ -2,7 +2,7 @@
 import { useEffect } from 'preact/hooks';
 import { chooseExercise, marker, notify, requestMode, setNeutral } from '../../link/console';
 import { live, useReading } from '../../link/live';
-import type { Exercise } from '../../contract/messages.gen';
+import type { Exercise } from '../../contract/rest.gen';
 import { useReadiness } from '../../link/readiness';
 import { figure, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';

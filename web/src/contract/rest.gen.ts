@@ -1,0 +1,837 @@
+// Made by `deploy/dev gen` from server/contract/api.def and schemas.cpp; do not edit.
+
+/** The body may be left out.. */
+export type AcknowledgeRequest = {
+  /** Names of the faults that were shown when the hand went down, see /api/v1/faults; refused when another has come since. */
+  seen?: readonly string[];
+};
+
+export type Alarm = {
+  action: Words;
+  /** What it is about: of a drive its emergency code; 0 = nothing more is known. */
+  code: number;
+  /** The fault that explains it. */
+  consequence_of: string | null;
+  name: string;
+  text: Words;
+};
+
+export type BusHealth = {
+  /** CAN id that comes far more often than planned. */
+  babbling_id: number | null;
+  /** Node id under which two devices answer; 127 = a second control computer. */
+  duplicate_id: number | null;
+  errors: number;
+  frames_per_s: number;
+  /** Counted with the most stuff bits: at most 18 % of itself too high. */
+  load_norm: number;
+  overflows: number;
+  received: number;
+  refused: number;
+  reopened: number;
+  rx_errors: number;
+  send_refused: number;
+  state: 'active' | 'warning' | 'passive' | 'off';
+  syncs_lost: number;
+  tx_errors: number;
+  up: boolean;
+};
+
+export type Calibration = {
+  items: readonly CalibrationItem[];
+  reasons: readonly {
+    name: string;
+    text: Words;
+  }[];
+  under_way: CalibrationState | null;
+  /** Whether a patient may walk; a simulated hoist needs no calibration; null = the core is not connected. */
+  valid: boolean | null;
+};
+
+export type CalibrationItem = {
+  action: Words;
+  /** null = never. */
+  done_utc_s: number | null;
+  /** The step begins only with harness_empty: true. */
+  empty_harness: boolean;
+  /** What the operator measures; the sign is the direction. */
+  entered: {
+    least: number;
+    most: number;
+    unit: 'm' | 'rad';
+  } | null;
+  name: CalibrationStep;
+  role: 'viewer' | 'therapist' | 'engineer';
+  title: Words;
+};
+
+export type CalibrationMeasure = {
+  /** In the unit of the step; the sign is the direction; of a square: its side. */
+  figure: number;
+  turning?: 'left' | 'right';
+  /** Of a square: how far ahead of the shown place it truly ended. */
+  x_m?: number;
+  y_m?: number;
+};
+
+export type CalibrationRequest = {
+  /** True: the operator confirms that nobody is strapped in; steps with empty_harness need it. */
+  harness_empty?: boolean;
+  step: CalibrationStep;
+};
+
+export type CalibrationState = {
+  done_percent: number;
+  phase: 'none' | 'resting' | 'measuring' | 'operator' | 'result' | 'refused';
+  reason: string | null;
+  result: readonly {
+    before: number;
+    name: ParamName;
+    value: number;
+  }[];
+  step: CalibrationStep;
+  value: number;
+};
+
+export type CalibrationStep = 'zero' | 'neutral' | 'gyro' | 'strut_length' | 'strut_spacing' | 'wheel_radius' | 'track' | 'square' | 'encoders' | 'bumpers';
+
+export type Done = {
+  ok: true;
+};
+
+export type DoneStored = {
+  ok: true;
+  stored: Stored;
+};
+
+export type Emergency = {
+  code: number;
+  detail: Words;
+  name: string;
+  text: Words;
+};
+
+/** No fields; the body may be left out.. */
+export type Empty = Record<string, never>;
+
+export type EventList = {
+  gaps: readonly {
+    from_tick: number;
+    reason: string;
+    stream: string;
+    to_tick: number;
+  }[];
+  items: readonly {
+    before: number;
+    bits: number;
+    client: number;
+    code: number;
+    item: number;
+    kind: string;
+    name: string;
+    tick: number;
+    time_s: number;
+    value: number;
+  }[];
+  markers: readonly {
+    text: string;
+    tick: number;
+    utc_ms: number;
+  }[];
+};
+
+/** What is walked; null and free mean the same. */
+export type Exercise = {
+  c_m: number;
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  radius_m: number;
+  shape: 'eight';
+} | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  /** Of the corners; without it they are sharp. */
+  corner_radius_m?: number | null;
+  shape: 'square';
+  side_m: number;
+} | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  radius_m: number;
+  shape: 'circle';
+} | {
+  length_m: number;
+  shape: 'straight';
+} | {
+  shape: 'free';
+};
+
+export type ExerciseOrNull = Exercise | null;
+
+export type FaultList = {
+  items: readonly ({
+    action: Words;
+    bit: number;
+    hazard: string;
+    name: string;
+    priority: 'low' | 'medium' | 'high';
+    reaction: 'warn' | 'soft_stop' | 'protective_stop' | 'out_of_service' | 'power_off';
+    text: Words;
+  })[];
+  refusals: readonly {
+    bit: number;
+    name: string;
+    text: Words;
+  }[];
+};
+
+export type FieldError = {
+  field: string;
+  max?: number;
+  message: string;
+  min?: number;
+  value?: number;
+};
+
+export type Firmware = {
+  nodes: readonly ({
+    /** 8 hexadecimal digits. */
+    crc: string | null;
+    /** null = not heard since this server or the node started. */
+    in_loader: boolean | null;
+    name: string;
+    title: string;
+    version: string | null;
+  })[];
+  update: FirmwareUpdate | null;
+};
+
+export type FirmwareUpdate = {
+  bytes_sent: number;
+  bytes_total: number;
+  node: string;
+  phase: 'listening' | 'asking_drives' | 'asking_node' | 'entering_loader' | 'sending' | 'checking' | 'starting' | 'done' | 'failed';
+  result: 'running' | 'done' | 'unchanged' | 'failed' | 'interrupted';
+  /** Of the sending. */
+  seconds_left: number | null;
+  text: string;
+  version: string;
+};
+
+export type GuidedLaps = number | null;
+
+/** What the hoist drives while the driver holds: the sizes of an exercise, its speed and its laps, held against the limits in force. */
+export type GuidedPath = {
+  c_m: number;
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  laps?: GuidedLaps;
+  radius_m: number;
+  shape: 'eight';
+  speed_m_s: GuidedSpeed;
+} | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  /** Of the corners; without it they are sharp. */
+  corner_radius_m?: number | null;
+  laps?: GuidedLaps;
+  shape: 'square';
+  side_m: number;
+  speed_m_s: GuidedSpeed;
+} | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  laps?: GuidedLaps;
+  radius_m: number;
+  shape: 'circle';
+  speed_m_s: GuidedSpeed;
+} | {
+  laps?: GuidedLaps;
+  length_m: number;
+  shape: 'straight';
+  speed_m_s: GuidedSpeed;
+};
+
+export type GuidedPathOrNull = GuidedPath | null;
+
+/** Slower in curves that need it. */
+export type GuidedSpeed = number;
+
+export type Health = {
+  bus: BusHealth | null;
+  connected: boolean;
+  /** The latest 64, newest first. */
+  emergencies: readonly {
+    age_s: number;
+    emergency: Emergency;
+    error_register: number;
+    node: string;
+    time_ns: number;
+  }[];
+  /** Empty while the core is not connected. */
+  nodes: readonly NodeHealth[];
+};
+
+/** The body may be left out.. */
+export type KeepRequest = {
+  /** Of the parameters that were looked at; refused when others have changed them meanwhile. */
+  version?: number;
+};
+
+/** Those that hold something, earliest first. */
+export type LatenessBuckets = readonly ({
+  count: number;
+  from_s: number;
+  to_s: number | null;
+})[];
+
+/** The body may be left out.. */
+export type LeaseRequest = {
+  take_over?: boolean;
+};
+
+export type LeaseResult = {
+  epoch: number;
+  holder: number;
+};
+
+export type Loop = {
+  allocations: number;
+  /** Core that the control thread is bound to. */
+  cpu: number | null;
+  ever: LatenessBuckets;
+  /** Steps that began more than 2 ms late. */
+  late: number;
+  lately: LatenessBuckets;
+  lateness_max_s: number;
+  lateness_p50_s: number;
+  lateness_p99_s: number;
+  latest_ever_s: number;
+  longest_step_s: number;
+  memory_locked: boolean;
+  /** Steps that did not take place because one before them began or ended too late. */
+  missed: number;
+  page_faults: number;
+  /** Under SCHED_FIFO; null = not granted. */
+  priority: number | null;
+  steps: number;
+};
+
+export type MarkerRequest = {
+  text: string;
+};
+
+export type Metrics = {
+  /** Correlation of pelvis turn and path turn at zero lag (Table II), -1 to 1: whether the patient turns where the path turns. No measure of distance from the path. */
+  C: number | null;
+  /** Squared error of the walk per metre of path (equation 24), at 100 Hz: it grows with slowness, too. */
+  J_N: number | null;
+  distance_m: number;
+  /** Time in which the hoist was under way (a mode in which the wheels may turn), standing included. */
+  duration_s: number;
+  exercise: ExerciseOrNull;
+  max_speed_m_s: number;
+  /** Over motion_s: standing does not count. */
+  mean_speed_m_s: number;
+  /** Motion that is not recorded: all figures are of the rest. */
+  missing_s: number;
+  /** Of that, time in which a wheel turned at 0.02 m/s or more. */
+  motion_s: number;
+  reason_code: NoFigure | null;
+  /** Why there is no C, J_N, or one of them. */
+  reason_if_none: string | null;
+  reference_length_m: number | null;
+  rms_heading_rad: number | null;
+  rms_position_m: number | null;
+  session: number;
+  track: 'fused' | 'encoders';
+};
+
+export type ModeList = {
+  items: readonly {
+    moving: boolean;
+    name: string;
+    title: Words;
+    value: number;
+  }[];
+};
+
+export type ModeRequest = {
+  exercise?: ExerciseOrNull;
+  mode: 'user' | 'remote' | 'guided' | 'standby';
+  path?: GuidedPathOrNull;
+  /** True sets a new start mark. Otherwise the same exercise goes on from where the hoist is; another one begins at its start. */
+  start_again?: boolean;
+};
+
+export type ModeState = {
+  blocked: readonly string[];
+  mode: string;
+  moving: boolean;
+  standing_still: boolean;
+  /** The fault that came first of the stop the hoist is in; null in every other mode. */
+  stop_cause: readonly string[] | null;
+};
+
+export type NoFigure = 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
+
+export type NodeHealth = {
+  /** Since its latest process data; null = longer than 2.5 s or never. */
+  age_s: number | null;
+  emergencies: number;
+  error_register: number;
+  heartbeats_missed: number;
+  id: number;
+  latest_emergency: Emergency | null;
+  lost_10s: number;
+  lost_frames: number;
+  name: string;
+  nmt_state: number | null;
+  /** losing: frames were lost in the last ten seconds; waiting: it lives and is not started yet. */
+  state: 'working' | 'losing' | 'waiting' | 'silent';
+};
+
+/** What a node had said of its program when the session began; null = not read. */
+export type NodeProgram = {
+  crc: string | null;
+  name: string;
+  product: string | null;
+  revision: string | null;
+  simulated: boolean | null;
+  version: string | null;
+};
+
+/** Plain text, tabs and line ends allowed: at most 4000 bytes of UTF-8.. */
+export type NoteText = string;
+
+export type OpenApi = {
+  openapi: '3.1.0';
+};
+
+export type ParamName = 'strut_length_m' | 'strut_spacing_m' | 'track_width_m' | 'wheel_radius_m' | 'encoder_counts_per_turn' | 'wheel_left_scale_norm' | 'wheel_right_scale_norm' | 'lean_range_rad' | 'turn_range_rad' | 'neutral_lean_m' | 'neutral_turn_rad' | 'lean_dead_band_norm' | 'lean_tau_normal_s' | 'lean_tau_release_s' | 'braking_softness_norm' | 'reversal_gain_norm' | 'lean_gain_direct_units' | 'lean_gain_filtered_units' | 'lean_filtered_units_max' | 'speed_per_unit_m_s' | 'turn_dead_band_norm' | 'turn_tau_normal_s' | 'turn_tau_release_s' | 'turn_gain_direct_units' | 'turn_gain_filtered_units' | 'yaw_rate_per_unit_rad_s' | 'speed_m_s_max' | 'yaw_rate_rad_s_max' | 'acceleration_m_s2_max' | 'jerk_m_s3_max' | 'yaw_acceleration_rad_s2_max' | 'speed_cap_norm' | 'protective_deceleration_m_s2' | 'bumper_deceleration_m_s2' | 'remote_speed_m_s_max' | 'remote_yaw_rate_rad_s_max' | 'remote_slow_age_s' | 'remote_stop_age_s' | 'guided_length_m_max' | 'guided_deviation_m_max' | 'guided_lag_start_rad' | 'fall_tilt_rad' | 'fall_rate_rad_s' | 'fall_static_tilt_rad' | 'fall_static_s' | 'battery_low_v' | 'battery_empty_v' | 'neutral_start_tolerance_norm' | 'loop_late_s_max' | 'base_tilt_slow_rad' | 'base_tilt_stop_rad' | 'base_tilt_speed_m_s_max' | 'hang_tilt_rad' | 'hang_tilt_s' | 'hang_speed_m_s' | 'hang_still_s' | 'hang_sway_m' | 'battery_uneven_v' | 'tilt_rad_max' | 'tilt_rate_rad_s_max' | 'strut_apart_rad_max' | 'strut_twist_rad_max' | 'overspeed_margin_m_s' | 'following_error_m_s_max' | 'following_error_s' | 'drift_rad_max' | 'fault_stops_max' | 'fault_stops_window_s' | 'slip_stop_s' | 'cadence_cancel_norm' | 'drive_velocity_gain_v_s_rad' | 'drive_velocity_integral_v_rad' | 'drive_current_limit_a' | 'drive_acceleration_rad_s2' | 'tilt_kalman_angle_norm' | 'tilt_kalman_bias_per_s' | 'bus_load_norm_max' | 'left_alpha_zero_rad' | 'left_beta_zero_rad' | 'right_alpha_zero_rad' | 'right_beta_zero_rad' | 'base_alpha_zero_rad' | 'base_beta_zero_rad' | 'base_yaw_bias_rad_s' | 'calibrated_zero_s' | 'calibrated_neutral_s' | 'calibrated_gyro_s' | 'calibrated_strut_length_s' | 'calibrated_strut_spacing_s' | 'calibrated_wheel_radius_s' | 'calibrated_track_s' | 'calibrated_square_s' | 'calibrated_encoders_s' | 'calibrated_bumpers_s';
+
+export type Parameter = {
+  default: number;
+  edit: 'live' | 'stopped';
+  effect: Words;
+  id: number;
+  max: number;
+  min: number;
+  name: ParamName;
+  role: 'viewer' | 'therapist' | 'engineer';
+  scope: 'core' | 'drive' | 'tilt';
+  source: string;
+  title: Words;
+  unit: string;
+  value: number;
+};
+
+export type ParameterList = {
+  items: readonly Parameter[];
+  version: number;
+};
+
+export type ParameterResult = {
+  stored: Stored;
+  values: Record<string, number>;
+  version: number;
+};
+
+export type ParameterValue = {
+  /** Only on trial: the value before comes back after so many seconds unless confirmed. */
+  revert_after_s?: number;
+  value: number;
+};
+
+/** Names and new values. */
+export type ParameterValues = {
+  /** Only on trial: the values before come back after so many seconds unless confirmed. */
+  revert_after_s?: number;
+  [name: string]: number | undefined;
+};
+
+export type Pose = {
+  psi_rad: number;
+  x_m: number;
+  y_m: number;
+};
+
+export type PresetList = {
+  items: readonly {
+    doc: Words;
+    name: string;
+    title: Words;
+    values: Record<string, number>;
+  }[];
+};
+
+export type Problem = {
+  detail: string;
+  errors?: readonly FieldError[];
+  instance: string;
+  /** Names of the refusal table, see /api/v1/faults. */
+  refusals?: readonly string[];
+  status: number;
+  title: string;
+  type: string;
+};
+
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'not_recording' | 'disk_full' | 'storage' | 'internal' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
+
+export type Recording = {
+  detail: string;
+  durable_tick: number | null;
+  /** Why it failed, for programs. */
+  reason_code: ReasonCode | null;
+  samples: number;
+  session: number | null;
+  started_utc_ms: number | null;
+  state: 'idle' | 'recording' | 'failed';
+};
+
+export type RecordingRequest = {
+  action: 'start' | 'stop';
+  note?: NoteText;
+  subject?: SubjectCode;
+};
+
+export type Samples = {
+  columns: readonly {
+    max: readonly number[];
+    min: readonly number[];
+    name: string;
+    unit: string;
+  }[];
+  from_s: readonly number[];
+  gap_before: readonly number[];
+  to_s: readonly number[];
+};
+
+export type Session = {
+  close_reason: string;
+  /** Of hoist-control; null = not recorded. */
+  core_version: string | null;
+  duration_s: number;
+  ended_utc_ms: number | null;
+  exercise: ExerciseOrNull;
+  gaps: number;
+  id: number;
+  layout_hash: string;
+  /** Not in lists. Empty = not recorded. */
+  nodes?: readonly NodeProgram[];
+  note: string;
+  recording: boolean;
+  samples: number;
+  simulated: boolean;
+  /** Of the program that recorded: version and commit. */
+  software_version: string;
+  started_utc_ms: number;
+  stored_bytes: number;
+  subject: string | null;
+};
+
+export type SessionList = {
+  items: readonly Session[];
+  next: string | null;
+  total: number;
+};
+
+export type SessionPatch = {
+  exercise?: ExerciseOrNull;
+  note?: NoteText;
+  subject?: SubjectCode | null;
+};
+
+export type SignalList = {
+  items: readonly ({
+    doc: string;
+    id: number;
+    lsb: number;
+    name: string;
+    offset: number;
+    title: Words;
+    type: 'u64' | 'u32' | 'i32' | 'f32' | 'u16' | 'u8';
+    unit: string;
+  })[];
+  record_bytes: number;
+};
+
+/** Stays as long as its condition holds. */
+export type StandingNotice = {
+  action: Words;
+  /** For the engineer. */
+  detail: string;
+  name: string;
+  priority: 'low' | 'medium';
+  text: Words;
+};
+
+export type Status = {
+  clients: number;
+  core: {
+    /** The faults in the order in which to tell them: what endangers the patient, what stopped the hoist, each followed by its consequences. */
+    alarms: readonly Alarm[];
+    blocked: readonly string[];
+    bus: {
+      frames: number;
+      refused: number;
+    } | null;
+    connected: boolean;
+    faults: readonly string[];
+    mode: string | null;
+    problem: string | null;
+    standing_still: boolean | null;
+    tick: number | null;
+    /** Of hoist-control: version and commit; null before one was connected. */
+    version: string | null;
+  };
+  counters: Record<string, number>;
+  lease: {
+    epoch: number;
+    holder: number;
+  };
+  notices: readonly StandingNotice[];
+  recording: Recording;
+  scenario: string | null;
+  server: {
+    layout_hash: string;
+    uptime_s: number;
+  };
+  simulated: boolean;
+  started: string;
+  version: string;
+};
+
+/** true: on the disk, file and folder synced. false: in force and not stored; see the notices of /api/v1/status. */
+export type Stored = boolean;
+
+/** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
+export type SubjectCode = string;
+
+export type Walk = {
+  /** What the present or the latest motion began with; null = not known to this server. */
+  begun: Exercise | GuidedPath | null;
+  /** Chosen for the next walk. */
+  exercise: Exercise;
+  /** Pose at the start mark. */
+  mark: Pose | null;
+  /** Time in motion since the start mark; null = the mark is older than this server. */
+  motion_s: number | null;
+  /** A point of the path each so many metres. */
+  step_m: number;
+  /** Newest step in what follows. */
+  tick: number | null;
+  x_m: readonly number[];
+  y_m: readonly number[];
+};
+
+export type Words = {
+  de: string;
+  en: string;
+};
+
+/** Every route under /api/v1, with what it takes and what it answers: `never` where that is no JSON. */
+export interface Routes {
+  /** Leaves a stop once its cause is gone; needs the lease. */
+  'POST /api/v1/acknowledge': {
+    body?: AcknowledgeRequest;
+    answer: Done;
+  };
+  /** Ends calibrating; the old values stay. */
+  'DELETE /api/v1/calibration': {
+    answer: Done;
+  };
+  /** What can be calibrated, when it last was, the step under way with its result. */
+  'GET /api/v1/calibration': {
+    answer: Calibration;
+  };
+  /** Begins a step on standby, or another one; the wheels never turn by themselves; needs the lease. */
+  'POST /api/v1/calibration': {
+    body: CalibrationRequest;
+    answer: Done;
+  };
+  /** What the operator measured; taken as soon as everything rests. */
+  'POST /api/v1/calibration/measure': {
+    body: CalibrationMeasure;
+    answer: Done;
+  };
+  /** The result becomes parameters, all or nothing. */
+  'POST /api/v1/calibration/use': {
+    body?: Empty;
+    answer: DoneStored;
+  };
+  /** Chooses the exercise of the next walk, for all screens. */
+  'PUT /api/v1/exercise': {
+    body: Exercise;
+    answer: Done;
+  };
+  /** Faults and reasons for refusals, with words. */
+  'GET /api/v1/faults': {
+    answer: FaultList;
+  };
+  /** Programs of the nodes, as far as they were heard to name them, and the running or the last update. */
+  'GET /api/v1/firmware': {
+    answer: Firmware;
+  };
+  /** Puts a program (*.hoistfw, at most 128 KiB) into a node; on standby, needs the lease; goes on by itself, see firmware_progress on the WebSocket. */
+  'POST /api/v1/firmware/{node}': {
+    path: { node: string };
+    query?: { force?: number };
+    body: never;
+    answer: Firmware;
+  };
+  /** Nodes and bus: who answers, who loses messages, latest emergency messages. */
+  'GET /api/v1/health': {
+    answer: Health;
+  };
+  /** Gives control back. */
+  'DELETE /api/v1/lease': {
+    answer: Done;
+  };
+  /** Takes control; given back 10 s after its last use: a request that needs it or sends X-Hoist-Lease. */
+  'POST /api/v1/lease': {
+    body?: LeaseRequest;
+    answer: LeaseResult;
+  };
+  /** How punctual the control loop is: lateness in buckets, steps left out, page faults, what the computer granted. */
+  'GET /api/v1/loop': {
+    answer: Loop;
+  };
+  /** The mode the hoist is in. */
+  'GET /api/v1/mode': {
+    answer: ModeState;
+  };
+  /** Starts motion, which needs the lease, or ends it, which anyone may. */
+  'POST /api/v1/mode': {
+    body: ModeRequest;
+    answer: Done;
+  };
+  /** The modes. */
+  'GET /api/v1/modes': {
+    answer: ModeList;
+  };
+  /** Takes the way the patient stands now as upright. */
+  'POST /api/v1/neutral': {
+    body?: Empty;
+    answer: DoneStored;
+  };
+  /** All parameters with value, range and words. */
+  'GET /api/v1/parameters': {
+    answer: ParameterList;
+  };
+  /** Changes several parameters, all or nothing. */
+  'PATCH /api/v1/parameters': {
+    body: ParameterValues;
+    answer: ParameterResult;
+  };
+  /** Values on trial stay. */
+  'POST /api/v1/parameters/confirm': {
+    body?: KeepRequest;
+    answer: DoneStored;
+  };
+  /** Values on trial go back at once. */
+  'POST /api/v1/parameters/revert': {
+    body?: Empty;
+    answer: Done;
+  };
+  /** One parameter. */
+  'GET /api/v1/parameters/{name}': {
+    path: { name: string };
+    answer: Parameter;
+  };
+  /** Changes one parameter; answers after the core has taken it. */
+  'PUT /api/v1/parameters/{name}': {
+    path: { name: string };
+    body: ParameterValue;
+    answer: ParameterResult;
+  };
+  /** Sets the odometry's pose while standing still. */
+  'POST /api/v1/pose': {
+    body: Pose;
+    answer: Done;
+  };
+  /** The presets and their values. */
+  'GET /api/v1/presets': {
+    answer: PresetList;
+  };
+  /** Sets all values of a preset, all or nothing. */
+  'POST /api/v1/presets/{name}/apply': {
+    path: { name: string };
+    body?: Empty;
+    answer: ParameterResult;
+  };
+  /** What is being recorded. */
+  'GET /api/v1/recording': {
+    answer: Recording;
+  };
+  /** Starts or ends a recording on standby. */
+  'POST /api/v1/recording': {
+    body: RecordingRequest;
+    answer: Recording;
+  };
+  /** Recorded sessions, newest first. */
+  'GET /api/v1/sessions': {
+    query?: { limit?: number; cursor?: string; q?: string };
+    answer: SessionList;
+  };
+  /** Deletes a session with everything in it. */
+  'DELETE /api/v1/sessions/{id}': {
+    path: { id: number };
+    answer: null;
+  };
+  /** One session. */
+  'GET /api/v1/sessions/{id}': {
+    path: { id: number };
+    answer: Session;
+  };
+  /** Changes note, patient code or exercise. */
+  'PATCH /api/v1/sessions/{id}': {
+    path: { id: number };
+    body: SessionPatch;
+    answer: Session;
+  };
+  /** Events, markers and gaps of a session. */
+  'GET /api/v1/sessions/{id}/events': {
+    path: { id: number };
+    answer: EventList;
+  };
+  /** All samples as CSV or JSON, the events as CSV, or the raw CAN frames. */
+  'GET /api/v1/sessions/{id}/export': {
+    path: { id: number };
+    query?: { format?: 'csv' | 'events' | 'json' | 'candump'; columns?: string; comments?: number };
+    answer: never;
+  };
+  /** Sets a marker now in the session that is being recorded. */
+  'POST /api/v1/sessions/{id}/markers': {
+    path: { id: number };
+    body: MarkerRequest;
+    answer: Done;
+  };
+  /** Figures of a session on its exercise. */
+  'GET /api/v1/sessions/{id}/metrics': {
+    path: { id: number };
+    answer: Metrics;
+  };
+  /** Columns of a session, smallest and largest of each run of samples. */
+  'GET /api/v1/sessions/{id}/samples': {
+    path: { id: number };
+    query?: { columns?: string; from_s?: number; to_s?: number; points?: number };
+    answer: Samples;
+  };
+  /** The live values: names, units, words. */
+  'GET /api/v1/signals': {
+    answer: SignalList;
+  };
+  /** What runs, what is wrong, what was refused. */
+  'GET /api/v1/status': {
+    answer: Status;
+  };
+  /** STOP. Anyone may who was ever signed in; never refused, whatever the body. */
+  'POST /api/v1/stop': {
+    answer: Done;
+  };
+  /** The exercise and the walk since the start mark. */
+  'GET /api/v1/walk': {
+    answer: Walk;
+  };
+}
