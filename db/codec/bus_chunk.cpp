@@ -94,10 +94,9 @@ CodecError encode_bus(std::span<const BusRecord> frames, Bytes& out) {
 }
 
 CodecError decode_bus(ByteView blob, std::vector<BusRecord>& frames) {
-  if (blob.size() < 8) return CodecError::body_damaged;
-  const ByteView content = blob.first(blob.size() - 4);
-  if (ByteReader(blob.last(4)).u32() != crc32(content)) return CodecError::body_damaged;
-  ByteReader in(content);
+  const auto content = without_checksum(blob);
+  if (!content) return CodecError::body_damaged;
+  ByteReader in(*content);
   if (in.u8() != kMagic) return CodecError::body_damaged;
   if (in.u8() != kVersion) return CodecError::directory_unknown_version;
   const std::uint64_t count = in.varint(), streams = in.varint();
@@ -115,11 +114,10 @@ CodecError decode_bus(ByteView blob, std::vector<BusRecord>& frames) {
   // Three packed sections follow; the reader goes on after each one's end.
   const auto section = [&](std::size_t expected, Bytes& plain) {
     const std::uint64_t packed = in.varint(), size = in.varint();
-    if (!in.ok() || size != expected || packed > in.left()) return false;
-    const ByteView rest = content.last(in.left());
+    const ByteView frame = in.take(packed);
+    if (!in.ok() || size != expected) return false;
     plain.resize(expected);
-    const std::size_t n = ZSTD_decompress(plain.data(), plain.size(), rest.data(), packed);
-    in = ByteReader(rest.subspan(packed));
+    const std::size_t n = ZSTD_decompress(plain.data(), plain.size(), frame.data(), frame.size());
     return ZSTD_isError(n) == 0 && n == expected;
   };
   Bytes order, time_planes, planes;

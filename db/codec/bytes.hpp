@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -65,6 +66,16 @@ class ByteReader {
     return fail();
   }
   std::int64_t signed_varint() { return unzigzag(varint()); }
+  /// The next `size` bytes as they are.
+  ByteView take(std::uint64_t size) {
+    if (!ok_ || size > left()) {
+      fail();
+      return {};
+    }
+    const ByteView taken = bytes_.subspan(at_, size);
+    at_ += size;
+    return taken;
+  }
 
  private:
   std::uint8_t fail() {
@@ -103,6 +114,13 @@ constexpr std::uint32_t crc32(ByteView bytes) {
   }
   for (std::uint8_t b : bytes) c = tables[0][(c ^ b) & 0xFFU] ^ (c >> 8);
   return c ^ 0xFFFFFFFFU;
+}
+
+/// A stored blob without the checksum at its end; nothing when the checksum does not fit.
+[[nodiscard]] inline std::optional<ByteView> without_checksum(ByteView blob) {
+  if (blob.size() < 4) return std::nullopt;
+  const ByteView content = blob.first(blob.size() - 4);
+  return ByteReader(blob.last(4)).u32() == crc32(content) ? std::optional(content) : std::nullopt;
 }
 
 }  // namespace hoist::db

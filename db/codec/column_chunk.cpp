@@ -112,10 +112,9 @@ bool read_planes(std::uint8_t planes, std::int64_t first, std::int64_t step, Byt
 
 CodecError parse_directory(ByteView blob, ChunkDirectory& directory) {
   directory = {};
-  if (blob.size() < 8) return CodecError::directory_damaged;
-  const ByteView content = blob.first(blob.size() - 4);
-  if (ByteReader(blob.last(4)).u32() != crc32(content)) return CodecError::directory_damaged;
-  ByteReader in(content);
+  const auto content = without_checksum(blob);
+  if (!content) return CodecError::directory_damaged;
+  ByteReader in(*content);
   if (in.u8() != kMagic) return CodecError::directory_damaged;
   if (in.u8() != kVersion) return CodecError::directory_unknown_version;
   const std::uint8_t layout = in.u8();

@@ -145,10 +145,9 @@ Bytes pack_bytes(ByteView plain) {
 }
 
 bool unpack_bytes(ByteView blob, std::span<std::uint8_t> plain) {
-  if (blob.size() < 4) return false;
-  const ByteView content = blob.first(blob.size() - 4);
-  if (ByteReader(blob.last(4)).u32() != crc32(content)) return false;
-  const std::size_t n = ZSTD_decompress(plain.data(), plain.size(), content.data(), content.size());
+  const auto content = without_checksum(blob);
+  if (!content) return false;
+  const std::size_t n = ZSTD_decompress(plain.data(), plain.size(), content->data(), content->size());
   return ZSTD_isError(n) == 0 && n == plain.size();
 }
 
@@ -175,19 +174,14 @@ CodecError JournalEncoder::encode(std::span<const JournalStep> steps, std::span<
 }
 
 CodecError decode_journal(ByteView blob, std::vector<JournalStep>& steps, std::vector<JournalCommand>& commands) {
-  if (blob.size() < 8) return CodecError::body_damaged;
-  const ByteView content = blob.first(blob.size() - 4);
-  if (ByteReader(blob.last(4)).u32() != crc32(content)) return CodecError::body_damaged;
-  ByteReader in(content);
+  const auto content = without_checksum(blob);
+  if (!content) return CodecError::body_damaged;
+  ByteReader in(*content);
   if (in.u8() != kMagic) return CodecError::body_damaged;
   if (in.u8() != kVersion) return CodecError::directory_unknown_version;
   const auto section = [&](ByteView& out) {
-    const std::uint64_t size = in.varint();
-    if (!in.ok() || size > in.left()) return false;
-    const ByteView rest = content.last(in.left());
-    out = rest.first(size);
-    in = ByteReader(rest.subspan(size));
-    return true;
+    out = in.take(in.varint());
+    return in.ok();
   };
   ByteView directory_blob, body;
   if (!section(directory_blob) || !section(body)) return CodecError::body_damaged;
