@@ -26,7 +26,7 @@ enum class CobKind : std::uint8_t {
   sdo_request,
   nmt,
   sync,
-  unknown,  // no standard data frame, or an id that belongs to nobody
+  unknown,  // no standard data frame, or an id without an owner in the dictionary
 };
 inline constexpr std::size_t kNodeCobKinds = 7, kTpdoMax = 4;
 
@@ -82,7 +82,7 @@ inline constexpr auto kCobPlans = [] {
 }();
 }  // namespace detail
 
-/// Whatever the frame holds, also a length above 8.
+/// Defined for every frame, also for a length above 8.
 [[nodiscard]] constexpr FrameClass classify(const CanFrame& frame) noexcept {
   FrameClass what;
   if (frame.flags != 0 || frame.id > 0x7FF) return what;

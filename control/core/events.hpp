@@ -11,7 +11,7 @@ inline void emit(CoreState& state, contract::Event event) noexcept {
   state.events.push(event);
 }
 
-/// Gives the lease to a client, or to nobody (0), and tells so.
+/// Gives the lease to a client, or frees it (0), and records the event.
 inline void give_lease(CoreState& state, std::uint32_t client) noexcept {
   if (state.lease.holder == client) return;
   state.lease.holder = client;

@@ -69,7 +69,7 @@ Outcome invalid(std::vector<FieldError> errors, std::string detail, std::optiona
   return outcome;
 }
 
-// The one place where roles are asked, whatever the protocol: what its own table says (api.def, messages.def) describes it and refuses early.
+// The one place that enforces roles, for every protocol. A protocol's own table (api.def, messages.def) describes the role and refuses early.
 // False: `done` has been told.
 bool may(Services& services, const Asker& asker, contract::Role least, const OutcomeDone& done) {
   if (asker.role >= least) return true;

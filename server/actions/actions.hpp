@@ -56,7 +56,7 @@ struct DriveWish {
   std::optional<bool> held;
 };
 // Passes the wish on at once; nothing when the core has it, else why not. `last_sequence`: of this client's commands that the core has.
-// Letting go is passed on whatever else is wrong, since it can only stop.
+// Letting go is passed on even from an otherwise invalid message, since it can only stop.
 [[nodiscard]] std::optional<contract::Refusal> act_drive(Services& services, const Asker& asker, const DriveWish& wish,
                                                          std::uint64_t& last_sequence);
 void act_stop(Services& services, std::uint32_t client, OutcomeDone done);

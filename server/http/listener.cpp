@@ -98,7 +98,7 @@ std::string lower(std::string_view text) {
 
 void add_field(std::string& head, std::string_view name, std::string_view value) {
   head.append(name).append(": ");
-  // A value never breaks out of its line, whatever it was made from.
+  // No value may contain a line break, or it would become a header of its own.
   for (char c : value) head.push_back(static_cast<unsigned char>(c) < 0x20 ? ' ' : c);
   head.append("\r\n");
 }

@@ -185,7 +185,7 @@ def frames_that_came_in_one_record_are_all_answered():
                 expected += 1
 
 
-def a_plain_request_is_not_answered_and_harms_nobody():
+def a_plain_request_is_not_answered_and_disturbs_no_other_client():
     with socket.create_connection(("127.0.0.1", port), 30) as line:
         line.sendall(f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
         got = b""
@@ -247,7 +247,7 @@ def main():
             a_long_body_is_read_in_whole_records,
             websocket_frames_come_whole_and_in_order_to_a_client_that_reads_late,
             frames_that_came_in_one_record_are_all_answered,
-            a_plain_request_is_not_answered_and_harms_nobody,
+            a_plain_request_is_not_answered_and_disturbs_no_other_client,
             the_link_gives_a_cookie_for_this_host_only,
             chromium_opens_it,
             what_cannot_be_used_is_refused_with_a_sentence,

@@ -113,7 +113,7 @@ void Acknowledgement::serve(CoreState& state) noexcept {
     bits = way.against;
     if (bits == 0) {
       reset_drives(state);
-      // What touched only after the press is a touch that nobody has acknowledged.
+      // A bumper that touched only after the press is not acknowledged.
       own.bumpers_ = pressed.bumpers;
       leave_the_stop(state, *way.row);
     }

@@ -29,7 +29,7 @@ class Acknowledgement {
     bumpers_ &= touching;
     waits_.bumpers &= touching;
   }
-  /// Something has stopped the hoist since the press, which nobody has acknowledged.
+  /// A new cause has stopped the hoist since the press; the press does not acknowledge it.
   void overtake() noexcept { waits_.overtaken = true; }
   /// Nothing is waited for any more: answered, or without power, or out of service.
   void drop() noexcept { waits_ = {}; }
@@ -42,7 +42,7 @@ class Acknowledgement {
  private:
   struct Waiting {
     std::uint32_t request_id = 0, client = 0;
-    std::uint32_t lease_epoch = 0;  // of whoever pressed
+    std::uint32_t lease_epoch = 0;  // of the client that pressed
     std::uint8_t bumpers = 0;       // that touched at the press, and have touched ever since
     std::uint8_t ticks_left = 0;
     bool overtaken = false;

@@ -50,7 +50,7 @@ struct Estimate {
   [[nodiscard]] bool tilts_lost() const noexcept { return left_strut.fresh().lost() || right_strut.fresh().lost() || base.fresh().lost(); }
   [[nodiscard]] bool drives_lost() const noexcept { return left_drive.fresh().lost() || right_drive.fresh().lost(); }
 
-  /// The age of the node's periodic data, whatever they say: whether it lives at all. The core itself counts as never heard.
+  /// The age of the node's periodic data, valid or not: whether the node lives. The core itself counts as never heard.
   [[nodiscard]] const Freshness& heard(contract::Node node) const noexcept;
   /// The node has said that it started anew.
   void restart(contract::Node node) noexcept;

@@ -30,7 +30,7 @@ inline void take_second_data(const contract::CanFrame& frame, const NodeRow& row
                                   const Derived& derived, double dt_s) noexcept {
   using contract::CobKind;
   using contract::canopen::NmtState;
-  // Nobody else may speak for the core, whose row is behind these.
+  // No node may use the core's identifiers; the core's row comes after these.
   if (what.node >= kNodeRows.size() || !what.fits) return false;
   const NodeRow& row = kNodeRows[what.node];
   switch (what.kind) {

@@ -1,4 +1,4 @@
-// The faults in force, and what they are about. Protective ones are latched until somebody acknowledges them.
+// The faults in force and their details. Protective faults are latched until acknowledged.
 #pragma once
 #include "control/contract/faults.hpp"
 #include "control/core/state.hpp"

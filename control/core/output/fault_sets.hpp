@@ -29,7 +29,7 @@ inline constexpr contract::FaultBits kSilence = [] {
 inline constexpr contract::FaultBits kProtective = faults_with(contract::Reaction::protective_stop);
 inline constexpr contract::FaultBits kBreakdown = faults_with(contract::Reaction::out_of_service);
 inline constexpr contract::FaultBits kPowerOff = faults_with(contract::Reaction::power_off);
-/// What stays until somebody has acknowledged it.
+/// Faults that stay until acknowledged.
 inline constexpr contract::FaultBits kLatching = kProtective | kBreakdown | kPowerOff;
 inline constexpr contract::FaultBits kSoft = faults_with(contract::Reaction::soft_stop);
 inline constexpr contract::FaultBits kWarnings = faults_with(contract::Reaction::warn);

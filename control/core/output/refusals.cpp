@@ -91,7 +91,7 @@ std::uint32_t start_refusals(const CoreState& state) noexcept {
           !sensed.base.has(tilt_status::kConverged),
       Refusal::sensors_settling);
   add(state.lease.holder == 0, Refusal::no_lease);
-  // A stick out of the middle counts as long as somebody's hand may still be on it.
+  // A stick out of the middle counts while a hand may still be on it.
   add(!state.remote.neutral() && state.remote.age_s(state.time_ns) <= state.params.remote_stop_age_s, Refusal::stick_not_neutral);
   add(sensed.io.bumpers() != 0, Refusal::bumper_start);
   add(!calibration_valid(state), Refusal::not_calibrated);

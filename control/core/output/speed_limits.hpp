@@ -30,7 +30,7 @@ class LimitedSpeed {
   }
 
  private:
-  // A patient's lean reaches a limit now and then with each step; so little nobody feels.
+  // A patient's lean reaches a limit now and then with each step; a patient does not feel so little.
   static constexpr double kTold_m_s = 0.02;
 
   constexpr void take(double left_m_s, contract::SpeedCause cause) noexcept {

@@ -41,7 +41,7 @@ void finish_mode(CoreState& state) noexcept;
 /// Once per step: a hoist that is to go out of service does so as soon as it stands.
 void serve_breakdown(CoreState& state) noexcept;
 
-/// To `to`, whatever led there: the caller has looked at the table. The memory of the mode before ends.
+/// Enters `to`; the caller has checked the table. The memory of the mode before ends.
 void change_mode(CoreState& state, contract::Mode to) noexcept;
 
 }  // namespace hoist::core

@@ -12,7 +12,7 @@ enum class Asker : std::uint8_t {
   core,             // the mode itself is finished, or a fault with the reaction soft_stop
   fault,            // a fault with the reaction protective_stop; STOP is one of them and open to anyone
   breakdown,        // a fault with the reaction out_of_service
-  hardware,         // the emergency stop chain has opened; nobody is asked
+  hardware,         // the emergency stop chain has opened; needs no request
   driver,           // the lease holder
   engineer,         // the lease holder with this role: service
   acknowledgement,  // the lease holder, who has seen why the hoist stopped
@@ -111,7 +111,7 @@ namespace detail {
   return seen;
 }
 
-/// The rules that the table may never break, whoever adds a row.
+/// The invariants of the table.
 [[nodiscard]] consteval bool table_is_sound() {
   using contract::Mode;
   for (std::size_t i = 0; i < kTransitions.size(); ++i) {

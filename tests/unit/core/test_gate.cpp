@@ -435,7 +435,7 @@ TEST_F(Gate, H1_H23OfTheOutputsOnlyTheRelaysTwoLeave) {
 TEST_F(Gate, H1NoDriveIsCommandedAlone) {
   for (const Node node : {Node::drive_left, Node::drive_right})
     for (const std::uint16_t control : {0x00, 0x02, 0x06, 0x07, 0x0F, 0x80}) EXPECT_FALSE(judge(drive(node, control, 0))) << control;
-  // Nor in service, whatever a tool asks for.
+  // Nor in service, for any request of a tool.
   EXPECT_FALSE(SafetyGate::is_service_frame(drive(Node::drive_left, 0, 0)));
   EXPECT_FALSE(SafetyGate::is_service_frame(canopen::sync()));
 }

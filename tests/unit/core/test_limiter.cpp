@@ -179,7 +179,7 @@ TEST(Limiter, TheCapOfThePatientHolds) {
   EXPECT_EQ(limiter.cause(), contract::SpeedCause::none) << "a stop is no limit";
 }
 
-// The last limit that bites is the one in force, whatever came before it.
+// The last limit that lowers the speed is the one in force.
 TEST(LimitedSpeed, TellsTheTightestLimitInEitherDirection) {
   using contract::SpeedCause;
   for (const double sign : {1.0, -1.0}) {

@@ -44,7 +44,7 @@ TEST(Nodes, EachFillsItsOwnSensorAndNoOther) {
     sensed.restart(row.node);
     EXPECT_FALSE(sensed.heard(row.node).now());
   }
-  EXPECT_TRUE(sensed.heard(Node::core).lost()) << "nobody may speak for the core";
+  EXPECT_TRUE(sensed.heard(Node::core).lost()) << "no node may use the core's identifiers";
 }
 
 TEST(Nodes, AnUnknownOneIsRefusedAndCountedAndFillsNothing) {
@@ -149,7 +149,7 @@ TEST(FaultBitsOfTheCore, AnAcknowledgementNamesThemToo) {
   EXPECT_EQ(hoist.ask(contract::CommandKind::stop, 99), 0U);
   hoist.step(150);
   ASSERT_EQ(hoist.state.mode, Mode::protective_stop);
-  // Cut to 32 bits this would be "not told", which releases whatever there is.
+  // Cut to 32 bits this would be "not told", which releases every latched fault.
   const std::uint32_t id = hoist.send(contract::CommandKind::acknowledge);
   hoist.commands.back().bits = kHigh;
   hoist.step();

@@ -111,7 +111,7 @@ TEST(Journal, AnyDamagedByteIsTold) {
     std::vector<JournalStep> steps;
     std::vector<JournalCommand> back;
     EXPECT_NE(decode_journal(damaged, steps, back), CodecError::none) << "byte " << at;
-    // Also where whoever damaged it has written the checksum anew: any answer, but no crash.
+    // Also with a checksum that fits the damage: any answer, but no crash.
     const std::uint32_t sum = crc32(ByteView(damaged).first(damaged.size() - 4));
     for (std::size_t i = 0; i < 4; ++i) damaged[damaged.size() - 4 + i] = static_cast<std::uint8_t>(sum >> (8 * i));
     (void)decode_journal(damaged, steps, back);
@@ -195,7 +195,7 @@ TEST_F(JournalStore, KeepsTheFirstImageOneAMinuteAndTheFirstAfterAHole) {
   image(300);        // kept
   image(350);
   ASSERT_TRUE(writer_->append_gap("bus", 400, 410, "recorder_late").ok());
-  image(400);  // frames are missing: nobody knows yet where they come again
+  image(400);  // frames are missing; where they resume is not known yet
   append(400, 500);
   image(450);  // kept
   append(500, 6000);

@@ -102,7 +102,7 @@ TEST(ControlLoop, PublishesEveryStepAndEveryFrame) {
   EXPECT_EQ(frames.read(*bus).count, port.counters().received + port.sent);
 }
 
-// What is published of a step is all that the core needs to give the same record again, from an image in the middle, whatever arrives.
+// With an image and the published inputs the core gives the same records again, for any input.
 TEST(ControlLoop, PublishesAllThatItTakesToRunItsStepsAgain) {
   std::string error;
   auto link = publish::CoreLink::create("", 1, 1, error);

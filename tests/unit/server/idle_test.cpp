@@ -172,7 +172,7 @@ TEST_F(Idle, AFrameThatAClientStillSendsIsNotWrittenAgain) {
   for (std::size_t i = 0; i < held.size(); ++i) EXPECT_EQ(*held[i], was[i]) << i;
 }
 
-// Whatever a protocol's own table says: an action of too low a role is refused by the action, and the core hears nothing of it.
+// The action itself refuses too low a role, independent of the protocol's table; the core receives nothing.
 TEST_F(Idle, ActionsAskForTheRoleThemselves_H28) {
   ASSERT_TRUE(core_.connected());
   const Asker viewer{.client = 7, .epoch = 0, .role = contract::Role::viewer};
