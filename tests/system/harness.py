@@ -224,9 +224,12 @@ class Hoist:
         return self.call("GET", "/status")[1]["core"]
 
     def take_lease(self):
-        code, answer = self.call("POST", "/lease", {"take_over": True})
-        check(code == 200, f"lease: {answer}")
-        self.epoch = answer["epoch"]
+        def ask():
+            code, answer = self.call("POST", "/lease", {"take_over": True})
+            check(code in (200, 503), f"lease: {answer}")  # 503: the core did not answer in time, as may be in a guest that was held up
+            return answer if code == 200 else None
+
+        self.epoch = until("the core gives the lease", ask)["epoch"]
 
     def mode(self):
         return self.status()["mode"]
@@ -276,15 +279,18 @@ class Hoist:
                 self.recover()
                 self.place_anew()
 
-    def enable(self):
-        """Lets the patient lead and waits until both drives have their bridges on: commands and data pass both ways, in time enough for the
-        drives' deadlines. For lines on which a guest is too slow for a walk."""
+    def nodes_run(self):
+        """Waits until every node has answered the core's questions, has taken its values, runs on command and sends: frames pass both ways. For
+        lines on which a guest is too slow for a walk."""
 
         def ask():
-            self.begin_walking()
-            return self.truth()["enabled"] and self.mode() == "user"
+            now = self.status()
+            return now["connected"] and "nodes_missing" not in now["blocked"]
 
-        until("the drives are enabled", ask, 90.0, 0.3)
+        try:
+            until("every node runs", ask, 90.0, 0.05)
+        except Failed as error:
+            raise Failed(f"{error}; {self.status()}") from None
 
     def begin_walking(self):
         self.take_lease()

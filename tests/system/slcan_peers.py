@@ -1,6 +1,6 @@
 """SLCAN with programs of other people, inside the guest of vcan_vm.sh: the kernel's driver behind our gateway, and can-utils' adapter before
-our driver. In a guest a terminal holds characters back for one tick of its clock, 10 ms, so tilt data are often too old to walk by: the
-drives are enabled, and every frame is counted."""
+our driver. In a guest a terminal holds characters back for one tick of its clock, 10 ms, so tilt data are often too old to walk by: every node
+is asked, configured and started, and the frames are counted."""
 import os
 import re
 import sys
@@ -34,22 +34,19 @@ def slcand_drives_the_kernel_behind_our_gateway():
         run("ip", "link", "set", "slcan0", "txqueuelen", "64", "up")
         hoist.start_core()
         hoist.start_server()
-        hoist.recover()
-        hoist.enable()
+        hoist.nodes_run()
         refused = hoist.status()["bus"]["refused"]
         check(refused == 0, f"{refused} frames refused behind the kernel's driver")
         # The adapter is pulled out: slcand ends and takes the interface with it.
         said = hoist.core.said()
         slcand.end()
         hoist.core.says("bus: ", behind=said)
-        until("the core stops", lambda: hoist.mode() not in ("user", "standby"), 60.0)
-        until("the core knows why", lambda: "bus_down" in hoist.status()["faults"])
-        hoist.wait_stopped()
+        until("nothing can start", lambda: hoist.mode() != "standby" and "nodes_missing" in hoist.status()["blocked"])
         # And put back.
         slcand = Program(hoist.folder, "slcand", "slcand", "-o", "-c", "-s5", "-S", "1000000", "-F", terminal, "slcan0")
         until("slcan0 exists", lambda: os.path.exists("/sys/class/net/slcan0"))
         run("ip", "link", "set", "slcan0", "txqueuelen", "64", "up")
-        hoist.recover()
+        hoist.nodes_run()
 
     try:
         with_hoist(hoist, case)
@@ -67,14 +64,18 @@ def our_driver_speaks_through_slcanpty():
         adapter = Program(hoist.folder, "slcanpty", "stdbuf", "-oL", "slcanpty", "/dev/ptmx", "vcan0")
         terminal = until("slcanpty names its terminal", lambda: re.search(r"/dev/pts/\d+", adapter.output())).group(0)
         hoist.core_bus = f"slcan:{terminal}"
-        hoist.start()
-        hoist.enable()
-        refused = hoist.status()["bus"]["refused"]
-        check(refused == 0, f"{refused} lines refused")
+        hoist.start_sim()
+        hoist.start_core()
+        hoist.start_server()
+        hoist.nodes_run()
+        # The adapter writes past a terminal that is full, which cuts a line: that happens to whoever is held up for 40 ms.
+        bus = until("a thousand frames", lambda: (now := hoist.status()["bus"])["frames"] >= 1000 and now)
+        check(bus["refused"] <= 0.02 * bus["frames"], f"{bus['refused']} of {bus['frames']} lines refused")
         # The adapter is pulled out.
+        said = hoist.core.said()
         adapter.end()
-        until("the core stops", lambda: hoist.mode() not in ("user", "standby"), 60.0)
-        hoist.wait_stopped()
+        hoist.core.says("bus: the device has gone away", behind=said)
+        until("nothing can start", lambda: hoist.mode() != "standby" and "nodes_missing" in hoist.status()["blocked"])
         time.sleep(0.5)
         check(hoist.core.process.poll() is None, "the core goes on without an adapter")
 
