@@ -22,7 +22,7 @@ std::string reason() {
 int choose_protocol(SSL*, const unsigned char** chosen, unsigned char* length, const unsigned char* offered, unsigned offered_bytes,
                     void*) {
   constexpr std::string_view kHttp = "http/1.1";
-  for (unsigned at = 0; at + 1 + offered[at] <= offered_bytes; at += 1U + offered[at]) {
+  for (unsigned at = 0; at < offered_bytes && at + 1 + offered[at] <= offered_bytes; at += 1U + offered[at]) {
     const std::string_view name(reinterpret_cast<const char*>(offered + at + 1), offered[at]);
     if (name != kHttp) continue;
     *chosen = offered + at + 1;

@@ -108,6 +108,16 @@ def openssl_s_client_verifies_the_chain():
     check("ALPN protocol: http/1.1" in done.stdout, "of h2 and http/1.1 the server takes http/1.1")
 
 
+def a_client_that_offers_only_other_protocols_is_served_without_one():
+    for offered in (["h2"], ["h2", "spdy/3", "x" * 255]):
+        context = trusting()
+        context.set_alpn_protocols(offered)
+        with connect(context) as line:
+            check(line.selected_alpn_protocol() is None, f"{line.selected_alpn_protocol()} was chosen of {offered}")
+            status, _, _ = ask(line, "/api/v1/status", [signed_in()])
+            check(status == 200, f"{offered}: {status}")
+
+
 def a_slow_reader_gets_a_long_answer_whole():
     with open(os.path.join(TOP, "server/contract/openapi.gen.json")) as file:
         paths = json.load(file)["paths"]
@@ -243,6 +253,7 @@ def main():
         return run_suite("TlsClients", [
             both_versions_answer_and_older_ones_do_not,
             openssl_s_client_verifies_the_chain,
+            a_client_that_offers_only_other_protocols_is_served_without_one,
             a_slow_reader_gets_a_long_answer_whole,
             a_long_body_is_read_in_whole_records,
             websocket_frames_come_whole_and_in_order_to_a_client_that_reads_late,
