@@ -19,7 +19,7 @@ std::string list(const SessionReport& report) {
 }
 
 TEST(Rerun, EverySampleOfRandomSessionsComesOutBitForBit) {
-  const std::uint64_t sessions = tests::seeds_for(100, 4);
+  const std::uint64_t sessions = tests::seeds_for(tests::thorough() ? 1000 : 100, 4);
   constexpr double length_s = 25.0;
   std::uint64_t again = 0, not_run = 0;
   for (std::uint64_t seed = 1; seed <= sessions; ++seed) {
