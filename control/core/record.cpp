@@ -2,8 +2,9 @@
 
 #include <cmath>
 
-#include "control/core/output/stop_distance.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/modes/calibration_run.hpp"
+#include "control/core/stop_distance.hpp"
+#include "control/core/supervise/supervisor.hpp"
 
 namespace hoist::core {
 

@@ -2,6 +2,7 @@
 #pragma once
 #include "control/contract/signals.hpp"
 #include "control/core/modes/mode.hpp"
+#include "control/core/state.hpp"
 #include "control/core/types.hpp"
 
 namespace hoist::core {

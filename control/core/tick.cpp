@@ -6,13 +6,16 @@
 #include <cstring>
 
 #include "control/contract/can_dictionary.hpp"
-#include "control/core/command/commands.hpp"
-#include "control/core/estimate/receive.hpp"
 #include "control/core/events.hpp"
 #include "control/core/modes/mode_list.hpp"
 #include "control/core/output/bumper_room.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/receive.hpp"
 #include "control/core/record.hpp"
+#include "control/core/serve/commands.hpp"
+#include "control/core/serve/param_keeper.hpp"
+#include "control/core/standstill.hpp"
+#include "control/core/supervise/release.hpp"
+#include "control/core/supervise/supervisor.hpp"
 
 namespace hoist::core {
 
@@ -125,7 +128,7 @@ void take_commands(CoreState& state, const TickInputs& inputs) noexcept {
     }
   }
   if (inputs.drive_fresh) take_drive_command(state, inputs.drive);
-  Acknowledgement::serve(state);
+  serve_release(state);
 }
 
 /// The mode's wish, through the limiter.

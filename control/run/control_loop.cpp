@@ -1,6 +1,7 @@
 #include "control/run/control_loop.hpp"
 
-#include "control/core/output/supervisor.hpp"
+#include "control/core/serve/param_keeper.hpp"
+#include "control/core/supervise/supervisor.hpp"
 #include "control/publish/seq_cell.hpp"
 
 namespace hoist::run {

@@ -32,8 +32,8 @@ for program in test_core test_safety; do
 done
 llvm-profdata-19 merge "$folder"/test_core.profraw "$folder"/test_safety.profraw -o "$folder/tests.profdata"
 llvm-cov-19 report "$folder/bin/test_core" -object "$folder/bin/test_safety" -instr-profile="$folder/tests.profdata" \
-  --show-region-summary=false --show-branch-summary --show-mcdc-summary control/core/output/safety_gate.hpp control/core/output/supervisor.cpp \
-  control/core/output/fault_latch.cpp control/core/output/refusals.cpp control/core/command/acknowledgement.cpp \
+  --show-region-summary=false --show-branch-summary --show-mcdc-summary control/core/output/safety_gate.hpp control/core/supervise/supervisor.cpp \
+  control/core/supervise/fault_latch.cpp control/core/supervise/refusals.cpp control/core/supervise/release.cpp \
   control/core/command/lease.hpp control/core/command/remote_drive.hpp control/core/monitor |
   tee "$folder/report.txt"
 # Columns: file, functions, missed, share, lines, missed, share, branches, missed, share, conditions, missed, share.

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "control/bus/slcan.hpp"
-#include "control/core/intent/pelvis.hpp"
 #include "control/core/law/differential_drive.hpp"
 #include "control/core/law/odometry.hpp"
+#include "control/core/law/pelvis.hpp"
 #include "control/core/law/pfp.hpp"
 #include "control/core/law/pfp_turn.hpp"
 #include "control/publish/core_link.hpp"
@@ -43,15 +43,15 @@ double nanoseconds_per_call(const std::function<void(int)>& calls) {
 namespace {
 // Equations (1)-(3), Algorithms 1 and 2, mixing and odometry on inputs that change every step: the floor of the tick.
 double bare_law_ns() {
-  const core::PelvisGeometry<double> geometry{};
-  const core::PelvisRange<double> range = core::full_range(geometry, 0.174532925);
+  const law::PelvisGeometry<double> geometry{};
+  const law::PelvisRange<double> range = law::full_range(geometry, 0.174532925);
   const law::PfpConfig<double> translation{};
   const law::PfpTurnConfig<double> rotation{};
   const law::OdometryConfig<double> odometry{1e-5, 1e-5, 0.7};
   law::PfpState<double> v{};
   law::PfpTurnState<double> w{};
   law::Pose<double> pose{};
-  std::array<core::StrutAngles<double>, 256> struts;
+  std::array<law::StrutAngles<double>, 256> struts;
   for (std::size_t i = 0; i < struts.size(); ++i) {
     const double phase = static_cast<double>(i) * 0.0245;
     struts[i] = {0.08 + 0.03 * std::sin(phase), 0.08 + 0.03 * std::cos(phase), 0.01 * std::sin(2 * phase), 0.01 * std::cos(2 * phase)};
@@ -59,8 +59,8 @@ double bare_law_ns() {
   std::size_t at = 0;
   return nanoseconds_per_call([&](int count) {
     for (int i = 0; i < count; ++i) {
-      const core::Pelvis<double> pelvis = core::pelvis_exact(struts[at++ & 255U], geometry);
-      const core::Intent<double> intent = core::normalise(pelvis, range, core::PelvisNeutral<double>{});
+      const law::Pelvis<double> pelvis = law::pelvis_exact(struts[at++ & 255U], geometry);
+      const law::Intent<double> intent = law::normalise(pelvis, range, law::PelvisNeutral<double>{});
       law::pfp_step(translation, v, intent.u_norm, 0.01);
       law::pfp_turn_step(rotation, w, intent.u_psi_norm, 0.01);
       auto wheels = law::wheel_speeds(law::platform_speed(v.v_units, w.omega_units, law::SpeedScale<double>{}), 0.7);

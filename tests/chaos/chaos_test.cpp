@@ -9,6 +9,7 @@
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/faults.hpp"
+#include "control/core/serve/param_keeper.hpp"
 #include "tests/chaos/session.hpp"
 #include "tests/chaos/shrink.hpp"
 #include "tests/support/seeds.hpp"

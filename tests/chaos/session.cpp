@@ -12,7 +12,7 @@
 #include "control/contract/guided_path.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/supervise/supervisor.hpp"
 #include "firmware/nodes/tilt/tilt_node.hpp"
 #include "tests/chaos/storage.hpp"
 #include "tests/chaos/watch.hpp"

@@ -8,7 +8,7 @@
 
 #include "control/contract/guided_path.hpp"
 #include "control/contract/params.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/supervise/supervisor.hpp"
 
 namespace hoist::chaos {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "control/bus/firmware_update.hpp"
 #include "control/contract/faults.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/supervise/supervisor.hpp"
 #include "firmware/boot/host/updatable_node.hpp"
 #include "tests/support/closed_loop.hpp"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "control/core/monitor/mutation.hpp"
+#include "control/core/base/mutation.hpp"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <random>
 
 #include "control/core/modes/mode_list.hpp"
-#include "control/core/output/supervisor.hpp"
 #include "control/core/record.hpp"
+#include "control/core/supervise/supervisor.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test {

@@ -2,7 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "control/core/modes/mode_list.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/supervise/release.hpp"
+#include "control/core/supervise/supervisor.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test {
@@ -374,7 +375,7 @@ TEST(Transitions, EveryEntryBeginsFromZero) {
         ASSERT_EQ(begin_service(state), 0U);
         break;
       case Asker::acknowledgement: {
-        ASSERT_EQ(Acknowledgement::press(state, {0, 0, contract::Role::engineer, 0}), 0U);
+        ASSERT_EQ(press_release(state, {0, 0, contract::Role::engineer, 0}), 0U);
         break;
       }
     }

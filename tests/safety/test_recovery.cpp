@@ -1,7 +1,7 @@
 // The shown cause of a stop, what counts towards FAULT, and that every stop can be left (hazard table 2.3, H22).
 #include <gtest/gtest.h>
 
-#include "control/core/output/supervisor.hpp"
+#include "control/core/supervise/supervisor.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test {

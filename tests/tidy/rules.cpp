@@ -20,6 +20,8 @@ bool is_cpp(std::string_view path) {
 }
 bool is_generated(std::string_view path) { return path.find(".gen.") != std::string_view::npos; }
 
+constexpr std::string_view kCore = "control/core/";
+
 // Allowed includes. The first row whose prefix fits a file decides: its includes from this tree must begin with one of the allowed
 // prefixes. `std_only` also refuses headers that are not the standard library's.
 struct Layer {
@@ -86,6 +88,22 @@ const std::vector<Layer>& layers() {
       {"tests/", {"tests/", "control/", "firmware/", "server/", "db/", "deploy/tools/"}, false},
   };
   return table;
+}
+
+// THE order of the rooms of the core: a file includes its own room and the rooms before it, never a later one. Up to `state.` the rooms are
+// parts that do not know the state; from there on they act on it. A name with a dot is a file of the core's own folder.
+const std::vector<std::string_view>& core_rooms() {
+  static const std::vector<std::string_view> table = {
+      "law/",   "types.",  "base/",       "estimate/", "health/",    "intent/", "output/",  "monitor/",       "command/", "calibrate/",
+      "state.", "events.", "standstill.", "modes/",    "supervise/", "serve/",  "receive.", "stop_distance.", "record.",  "tick."};
+  return table;
+}
+
+// The place of a file of the core in that order; the number of rooms when it is in none.
+std::size_t core_room_of(std::string_view path) {
+  const std::string_view name = path.substr(kCore.size());
+  const auto room = std::find_if(core_rooms().begin(), core_rooms().end(), [&](std::string_view row) { return starts_with(name, row); });
+  return static_cast<std::size_t>(room - core_rooms().begin());
 }
 
 const std::set<std::string_view>& standard_headers() {
@@ -160,6 +178,9 @@ void check_includes(const File& file, const std::vector<std::string>& all_paths,
   static const std::regex include_line(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"])");
   static const std::regex from_top(R"(^(control|firmware|server|db|deploy|tests)/)");
   const auto layer = std::find_if(layers().begin(), layers().end(), [&](const Layer& row) { return starts_with(file.path, row.prefix); });
+  const bool in_core = starts_with(file.path, kCore);
+  if (in_core && core_room_of(file.path) == core_rooms().size())
+    findings.push_back({file.path, 0, "room", "is in no room of the core (core_rooms)"});
   for (const auto& [number, text] : lines_of(without_comments(file.text, true))) {
     std::smatch match;
     if (!std::regex_search(text, match, include_line)) continue;
@@ -186,7 +207,11 @@ void check_includes(const File& file, const std::vector<std::string>& all_paths,
     if (layer == layers().end()) continue;
     const bool allowed = std::any_of(layer->may_include.begin(), layer->may_include.end(),
                                      [&](std::string_view prefix) { return starts_with(target, prefix); });
-    if (!allowed) findings.push_back({file.path, number, "layer", std::string(layer->prefix) + " may not include \"" + target + "\""});
+    if (!allowed) {
+      findings.push_back({file.path, number, "layer", std::string(layer->prefix) + " may not include \"" + target + "\""});
+    } else if (in_core && starts_with(target, kCore) && core_room_of(file.path) < core_room_of(target)) {
+      findings.push_back({file.path, number, "room", "\"" + target + "\" is in a later room of the core (core_rooms)"});
+    }
   }
 }
 

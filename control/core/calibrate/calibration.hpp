@@ -1,10 +1,8 @@
-// One calibration step from its first word to its result: what CALIBRATE remembers, and what moves it on. The measuring is a matter of the
-// steps; nothing here sends anything or changes a parameter.
+// What CALIBRATE remembers of a calibration step (modes/calibration_run.hpp moves it on).
 #pragma once
 #include <cstdint>
 
 #include "control/contract/calibration.hpp"
-#include "control/contract/commands.hpp"
 #include "control/core/calibrate/bumper_check.hpp"
 #include "control/core/calibrate/pairs.hpp"
 #include "control/core/calibrate/still_window.hpp"
@@ -13,8 +11,6 @@
 #include "control/core/types.hpp"
 
 namespace hoist::core {
-
-struct CoreState;
 
 /// Nothing happened for this long: 60 s (SOURCES 2.3).
 inline constexpr std::uint32_t kCalibrationIdleTicks = 6000;
@@ -47,18 +43,5 @@ struct Calibration {
   bool used = false;
   Staging result;  // parameters as they would become, dates not included
 };
-
-/// What a step needs that holds now; refusal bits, 0 = it may begin.
-[[nodiscard]] std::uint32_t calibration_refusals(const CoreState& state, const contract::CalibrationStepInfo& info) noexcept;
-/// The step begins anew.
-void begin_calibration(CoreState& state, contract::CalibrationStep step) noexcept;
-/// The operator's figures. Refusal bits, 0 = taken, at once or as soon as everything rests.
-[[nodiscard]] std::uint32_t measure_calibration(CoreState& state, const contract::Command& command) noexcept;
-/// Once per step of CALIBRATE. False when it is over: nothing happened for a minute, or a sensor went.
-[[nodiscard]] bool advance_calibration(CoreState& state, double dt_s) noexcept;
-/// Tells how it ended.
-void end_calibration(CoreState& state) noexcept;
-/// Whether patients may walk: the struts have been zeroed at least once. Simulated struts are upright by themselves.
-[[nodiscard]] bool calibration_valid(const CoreState& state) noexcept;
 
 }  // namespace hoist::core

@@ -1,4 +1,4 @@
-// The release of a stop: a person has seen why the hoist stopped and says so. It may have to wait for a drive to leave its fault.
+// What the core remembers of an acknowledgement: a press that waits for a drive, and the bumpers it was for (supervise/release.hpp).
 #pragma once
 #include <cstdint>
 
@@ -7,8 +7,6 @@
 #include "control/contract/params.hpp"
 
 namespace hoist::core {
-
-struct CoreState;
 
 /// What goes with a press of the release.
 struct Press {
@@ -19,6 +17,14 @@ struct Press {
 
 class Acknowledgement {
  public:
+  struct Waiting {
+    std::uint32_t request_id = 0, client = 0;
+    std::uint32_t lease_epoch = 0;  // of the client that pressed
+    std::uint8_t bumpers = 0;       // that touched at the press, and have touched ever since
+    std::uint8_t ticks_left = 0;
+    bool overtaken = false;
+  };
+
   /// An earlier press waits for a drive.
   [[nodiscard]] bool waits() const noexcept { return waits_.ticks_left > 0; }
   /// Bumpers that touch still and were acknowledged so: the therapist may drive off them (H13).
@@ -34,20 +40,15 @@ class Acknowledgement {
   /// Nothing is waited for any more: answered, or without power, or out of service.
   void drop() noexcept { waits_ = {}; }
 
-  /// Leaves PROTECTIVE_STOP, FAULT or EMERGENCY_STOP. Refusal bits; 0 = done, or under way while waits(): then serve() answers.
-  [[nodiscard]] static std::uint32_t press(CoreState& state, const Press& press) noexcept;
-  /// Once per step: a press that waits for a drive ends here, one way or the other.
-  static void serve(CoreState& state) noexcept;
+  /// A press from now on waits for a drive to leave its fault.
+  void wait(const Waiting& press) noexcept { waits_ = press; }
+  /// One step of waiting.
+  void count_down() noexcept { --waits_.ticks_left; }
+  [[nodiscard]] const Waiting& pressed() const noexcept { return waits_; }
+  /// These bumpers are acknowledged while they touch.
+  void accept(std::uint8_t bumpers) noexcept { bumpers_ = bumpers; }
 
  private:
-  struct Waiting {
-    std::uint32_t request_id = 0, client = 0;
-    std::uint32_t lease_epoch = 0;  // of the client that pressed
-    std::uint8_t bumpers = 0;       // that touched at the press, and have touched ever since
-    std::uint8_t ticks_left = 0;
-    bool overtaken = false;
-  };
-
   Waiting waits_;
   std::uint8_t bumpers_ = 0;
 };

@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-#include "control/core/monitor/mutation.hpp"
+#include "control/core/base/mutation.hpp"
 
 namespace hoist::core {
 

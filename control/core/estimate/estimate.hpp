@@ -5,14 +5,14 @@
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/faults.hpp"
-#include "control/core/derived.hpp"
+#include "control/core/base/derived.hpp"
 #include "control/core/estimate/drive_sensor.hpp"
 #include "control/core/estimate/freshness.hpp"
 #include "control/core/estimate/fused_odometry.hpp"
 #include "control/core/estimate/io_sensor.hpp"
 #include "control/core/estimate/odometry.hpp"
 #include "control/core/estimate/tilt_sensor.hpp"
-#include "control/core/intent/pelvis.hpp"
+#include "control/core/law/pelvis.hpp"
 
 namespace hoist::core {
 
@@ -39,7 +39,7 @@ struct Estimate {
   }
 
   /// The struts against the chassis: a push of the chassis tilts all three alike and cancels here (D4).
-  [[nodiscard]] StrutAngles<double> relative() const noexcept {
+  [[nodiscard]] law::StrutAngles<double> relative() const noexcept {
     return {left_strut.alpha_rad() - base.alpha_rad(), right_strut.alpha_rad() - base.alpha_rad(), left_strut.beta_rad() - base.beta_rad(),
             right_strut.beta_rad() - base.beta_rad()};
   }

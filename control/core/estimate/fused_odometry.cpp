@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "control/core/monitor/mutation.hpp"
+#include "control/core/base/mutation.hpp"
 
 namespace hoist::core {
 

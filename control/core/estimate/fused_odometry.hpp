@@ -12,9 +12,9 @@
 #pragma once
 #include <cstdint>
 
+#include "control/core/base/held.hpp"
 #include "control/core/estimate/odometry.hpp"
 #include "control/core/estimate/tilt_sensor.hpp"
-#include "control/core/held.hpp"
 
 namespace hoist::core {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <cmath>
 
-#include "control/core/derived.hpp"
+#include "control/core/base/derived.hpp"
 #include "control/core/estimate/drive_sensor.hpp"
 #include "control/core/law/odometry.hpp"
 

@@ -6,15 +6,10 @@
 #include <numbers>
 
 #include "control/contract/can_dictionary.hpp"
+#include "control/core/base/derived.hpp"
 #include "control/core/estimate/freshness.hpp"
 
 namespace hoist::core {
-
-/// What a sensor says while its strut stands upright (calibration); taken off every angle.
-struct TiltZero {
-  double alpha_rad = 0, beta_rad = 0;
-  bool operator==(const TiltZero&) const = default;
-};
 
 /// Bits of 2120h.
 namespace tilt_status {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstddef>
 
-#include "control/core/derived.hpp"
+#include "control/core/base/derived.hpp"
+#include "control/core/base/held.hpp"
 #include "control/core/estimate/estimate.hpp"
-#include "control/core/held.hpp"
-#include "control/core/intent/pelvis.hpp"
 #include "control/core/law/gait_cancel.hpp"
+#include "control/core/law/pelvis.hpp"
 
 namespace hoist::core {
 
@@ -20,11 +20,11 @@ class PatientIntent {
   /// `calm_norm`: the share of the gait's sway that is taken out of lean and turn; 0 = none, as the paper has it. Guards look at the
   /// sensors, never at what is left over here.
   void update(const Estimate& sensed, const Derived& derived, double tolerance_norm, double calm_norm, double dt_s) noexcept {
-    pelvis_ = pelvis_exact(sensed.relative(), derived.geometry);
+    pelvis_ = law::pelvis_exact(sensed.relative(), derived.geometry);
     take_gait(sensed.tilts_stale() ? 0.0 : calm_norm, dt_s);
-    const Pelvis<double> calm{pelvis_.dx_m - gait_.lean_m, pelvis_.dy_m, pelvis_.dpsi_rad - gait_.turn_rad};
+    const law::Pelvis<double> calm{pelvis_.dx_m - gait_.lean_m, pelvis_.dy_m, pelvis_.dpsi_rad - gait_.turn_rad};
     // A stale tilt means no intent. Holding the last one would drive on with a patient nobody sees (H4).
-    const Intent<double> wish = sensed.tilts_stale() ? Intent<double>{} : normalise(calm, derived.range, derived.neutral);
+    const law::Intent<double> wish = sensed.tilts_stale() ? law::Intent<double>{} : law::normalise(calm, derived.range, derived.neutral);
     lean_norm_ = wish.u_norm;
     turn_norm_ = wish.u_psi_norm;
     if (!wish.valid) {
@@ -45,7 +45,7 @@ class PatientIntent {
     neutral_ = {};
   }
 
-  [[nodiscard]] const Pelvis<double>& pelvis() const noexcept { return pelvis_; }
+  [[nodiscard]] const law::Pelvis<double>& pelvis() const noexcept { return pelvis_; }
   /// What was taken out as gait in this step; zeros while that is off.
   [[nodiscard]] const law::GaitPart<double>& gait() const noexcept { return gait_; }
   /// u and u_psi, -1 to 1; 0 while any tilt is stale.
@@ -86,7 +86,7 @@ class PatientIntent {
     gait_.turn_rad *= calm_norm;
   }
 
-  Pelvis<double> pelvis_;
+  law::Pelvis<double> pelvis_;
   law::GaitCancelState<double> gait_state_;
   law::GaitPart<double> gait_;
   double lean_norm_ = 0, turn_norm_ = 0;

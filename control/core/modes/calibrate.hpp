@@ -1,8 +1,9 @@
 // CALIBRATE: sensors and geometry are measured by hand. The drives are off, so the hoist can be pushed once its brakes are released by
 // hand; no wheel ever turns by itself here.
 #pragma once
-#include "control/core/calibrate/calibration.hpp"
+#include "control/core/modes/calibration_run.hpp"
 #include "control/core/modes/mode.hpp"
+#include "control/core/state.hpp"
 
 namespace hoist::core {
 

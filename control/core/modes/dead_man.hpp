@@ -1,6 +1,7 @@
 // The therapist's hand in the modes it leads (REMOTE and GUIDED): held, let go, ageing, gone (hazards H17 to H21).
 #pragma once
 #include "control/core/modes/mode.hpp"
+#include "control/core/state.hpp"
 
 namespace hoist::core {
 

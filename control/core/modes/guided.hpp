@@ -8,6 +8,7 @@
 #include "control/core/law/patient_lag.hpp"
 #include "control/core/modes/dead_man.hpp"
 #include "control/core/modes/mode.hpp"
+#include "control/core/standstill.hpp"
 
 namespace hoist::core {
 
@@ -66,7 +67,7 @@ struct GuidedMode {
     const GuidedRun& run = state.guided;
     if (sensed.tilts_stale()) return run.share_norm();
     const Derived& d = state.derived;
-    const core::Pelvis<double>& pelvis = state.intent.pelvis();
+    const law::Pelvis<double>& pelvis = state.intent.pelvis();
     const double left_rad_s = sensed.left_strut.alpha_rate_rad_s() - sensed.base.alpha_rate_rad_s();
     const double right_rad_s = sensed.right_strut.alpha_rate_rad_s() - sensed.base.alpha_rate_rad_s();
     // On the line both struts lean back together; in a turn on the spot one against the other.

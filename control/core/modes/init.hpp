@@ -2,6 +2,7 @@
 #pragma once
 #include "control/core/modes/mode.hpp"
 #include "control/core/monitor/emergency_stop.hpp"
+#include "control/core/state.hpp"
 
 namespace hoist::core {
 

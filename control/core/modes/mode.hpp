@@ -1,13 +1,12 @@
 // What a mode is: a file with `enter` (its memory begins anew) and `step` (what it wants now), and a row in mode_list.hpp.
 #pragma once
-#include <cmath>
-
 #include "control/contract/faults.hpp"
-#include "control/core/output/limiter.hpp"
+#include "control/core/output/braking.hpp"
 #include "control/core/output/speed_limits.hpp"
-#include "control/core/state.hpp"
 
 namespace hoist::core {
+
+struct CoreState;
 
 struct Wish {
   LimitedSpeed speed;
@@ -15,23 +14,5 @@ struct Wish {
   Braking braking = Braking::none;  // when a stop is in force, the speeds are not looked at
   bool done = false;                // the mode is finished; mode_list.hpp says where that leads
 };
-
-/// Standstill, as far as it can be known. A wheel whose drive has been silent for as long as an age counts (2.55 s) can not be asked any
-/// more: its drive gave up 45 ms after it was cut off, and a wheel that still turned would turn the chassis. Starts ask for every drive
-/// besides (start_refusals), so this is only ever the way out of a stop.
-[[nodiscard]] inline bool stands(const Estimate& sensed) noexcept {
-  if (!sensed.drives_lost()) return sensed.odometry.standing_still;
-  // As HoldWatch: 0.05 m/s at one wheel of 0.7 m track.
-  constexpr double kTurn_rad_s = 0.07;
-  const auto wheel_stands = [](const DriveSensor& drive, double wheel_m_s) {
-    return drive.fresh().lost() ? drive.fresh().age_ticks() == kOldestTicks : std::fabs(wheel_m_s) < kStandstill_m_s;
-  };
-  return wheel_stands(sensed.left_drive, sensed.odometry.wheel_left_m_s) &&
-         wheel_stands(sensed.right_drive, sensed.odometry.wheel_right_m_s) &&
-         (sensed.base.rates_fresh().lost() || std::fabs(sensed.base.yaw_rate_rad_s()) < kTurn_rad_s);
-}
-
-/// Standstill, commanded and measured.
-[[nodiscard]] inline bool at_rest(const CoreState& state) noexcept { return state.limiter.at_rest() && stands(state.sensed); }
 
 }  // namespace hoist::core

@@ -1,6 +1,7 @@
 // PROTECTIVE_STOP: ramp to zero, then hold with the drives enabled, until somebody acknowledges. A falling patient is held, never let roll.
 #pragma once
 #include "control/core/modes/mode.hpp"
+#include "control/core/state.hpp"
 
 namespace hoist::core {
 

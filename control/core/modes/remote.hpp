@@ -3,6 +3,7 @@
 #pragma once
 #include "control/core/modes/dead_man.hpp"
 #include "control/core/modes/mode.hpp"
+#include "control/core/standstill.hpp"
 
 namespace hoist::core {
 

@@ -4,6 +4,7 @@
 #include "control/core/law/pfp.hpp"
 #include "control/core/law/pfp_turn.hpp"
 #include "control/core/modes/mode.hpp"
+#include "control/core/standstill.hpp"
 
 namespace hoist::core {
 

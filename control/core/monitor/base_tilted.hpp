@@ -4,9 +4,9 @@
 #pragma once
 #include <cstdint>
 
-#include "control/core/held.hpp"
+#include "control/core/base/held.hpp"
+#include "control/core/base/mutation.hpp"
 #include "control/core/monitor/base_tilt.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 

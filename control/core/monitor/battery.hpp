@@ -2,9 +2,9 @@
 //
 // battery_low: battery_low_v, warning. battery_empty: battery_empty_v, R1 and no new start. Both within 2 s.
 #pragma once
+#include "control/core/base/mutation.hpp"
 #include "control/core/law/low_pass.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 

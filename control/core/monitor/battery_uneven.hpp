@@ -4,9 +4,9 @@
 #pragma once
 #include <cmath>
 
+#include "control/core/base/mutation.hpp"
 #include "control/core/law/low_pass.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 

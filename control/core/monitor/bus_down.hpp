@@ -1,8 +1,8 @@
 // H5: the way to all nodes is gone. As the port says, at once; and no interface notices a cable that is cut behind it: then all nodes fall
 // silent together (kLostTicks), which one cable explains better than six nodes. R2 within 60 ms, and the drives by themselves within 50.
 #pragma once
+#include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 

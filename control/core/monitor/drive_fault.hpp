@@ -3,8 +3,8 @@
 // Its statusword says fault; dropped out for kDroppedTicksMax, or not enabled kEnableTicksMax after a start. R2 within 100 ms of the cause;
 // the drive itself has stopped by then (R3), and the other one brakes matched to it (output/drive_control.hpp).
 #pragma once
+#include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 

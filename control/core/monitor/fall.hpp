@@ -11,8 +11,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 
@@ -22,7 +22,7 @@ class FallDetected {
 
   bool check(const MonitorView& view) noexcept {
     const Estimate& sensed = view.sensed;
-    const StrutAngles<double> struts = sensed.relative();
+    const law::StrutAngles<double> struts = sensed.relative();
     const double alpha_rad = (struts.alpha_left_rad + struts.alpha_right_rad) / 2;
     const double beta_rad = (struts.beta_left_rad + struts.beta_right_rad) / 2;
     const double square = alpha_rad * alpha_rad + beta_rad * beta_rad;

@@ -2,8 +2,8 @@
 #pragma once
 #include <cstdint>
 
+#include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 

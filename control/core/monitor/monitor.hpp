@@ -9,9 +9,9 @@
 
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
+#include "control/core/base/mutation.hpp"
 #include "control/core/estimate/estimate.hpp"
 #include "control/core/health/bus_health.hpp"
-#include "control/core/monitor/mutation.hpp"
 #include "control/core/output/drive_control.hpp"
 
 namespace hoist::core {

@@ -1,8 +1,8 @@
 // H30: an id, ours or unknown, floods the bus, or the bus as a whole is fuller than it may be. The next thing would be commands and
 // sensor data that come too late.
 #pragma once
+#include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 

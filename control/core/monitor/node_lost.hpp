@@ -2,8 +2,8 @@
 // watch over a stop go by them: H2, H8, H10); of the input node also the batteries' for kBatteryTicks (H12: a held voltage must not pass for
 // a charged battery). R2 within 60 ms.
 #pragma once
+#include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 

@@ -2,7 +2,7 @@
 //
 // While the drives follow: the hoist is faster than speed_m_s_max + overspeed_margin_m_s for 50 ms, or a wheel is following_error_m_s_max
 // beside its command for following_error_s. R2 within 150 ms. The drives have their own absolute limit (R3, 20 ms, firmware/nodes/drive).
-// In every mode: a wheel is turned by the motor of a drive whose bridge is off, for 50 ms (monitor/driven_wheel.hpp). A hoist whose drives
+// In every mode: a wheel is turned by the motor of a drive whose bridge is off, for 50 ms (estimate/driven_wheel.hpp). A hoist whose drives
 // are off may be pushed by hand.
 //
 // What a stop does not stop is taken off the supply (output/runaway_watch.hpp).
@@ -10,10 +10,10 @@
 #include <cmath>
 #include <cstdint>
 
-#include "control/core/held.hpp"
-#include "control/core/monitor/driven_wheel.hpp"
+#include "control/core/base/held.hpp"
+#include "control/core/base/mutation.hpp"
+#include "control/core/estimate/driven_wheel.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 

@@ -10,8 +10,8 @@
 #pragma once
 #include <cmath>
 
+#include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 
@@ -21,7 +21,7 @@ class PatientHanging {
 
   bool check(const MonitorView& view) noexcept {
     const contract::Params& p = view.params;
-    const StrutAngles<double> struts = view.sensed.relative();
+    const law::StrutAngles<double> struts = view.sensed.relative();
     const double alpha_rad = (struts.alpha_left_rad + struts.alpha_right_rad) / 2;
     const double beta_rad = (struts.beta_left_rad + struts.beta_right_rad) / 2;
     const double square = alpha_rad * alpha_rad + beta_rad * beta_rad;

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "control/core/held.hpp"
+#include "control/core/base/held.hpp"
+#include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 
@@ -21,8 +21,8 @@ class TiltFrozen {
     // The sample counter stands: 30 ms of repeated frames.
     const bool counter_stands = stands(sensed.left_strut) || stands(sensed.right_strut) || stands(sensed.base);
     // The counter runs and the angles do not: on a rolling hoist the filters of both struts always move in their last digits.
-    const StrutAngles<double> now = {sensed.left_strut.alpha_rad(), sensed.right_strut.alpha_rad(), sensed.left_strut.beta_rad(),
-                                     sensed.right_strut.beta_rad()};
+    const law::StrutAngles<double> now = {sensed.left_strut.alpha_rad(), sensed.right_strut.alpha_rad(), sensed.left_strut.beta_rad(),
+                                          sensed.right_strut.beta_rad()};
     const bool same = now.alpha_left_rad == before_.alpha_left_rad && now.alpha_right_rad == before_.alpha_right_rad &&
                       now.beta_left_rad == before_.beta_left_rad && now.beta_right_rad == before_.beta_right_rad;
     const double rolling_m_s = threshold<kFault, "rolling">(kRolling_m_s);
@@ -63,7 +63,7 @@ class TiltFrozen {
     return tilt.has(tilt_status::kValid) && !tilt.heard().lost() && tilt.same_rates() >= hold<kFault, "rates">(kSameRates);
   }
 
-  StrutAngles<double> before_;
+  law::StrutAngles<double> before_;
   HeldFor constant_;
 };
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "control/core/held.hpp"
+#include "control/core/base/held.hpp"
+#include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 
@@ -17,7 +17,7 @@ class TiltImplausible {
 
   bool check(const MonitorView& view) noexcept {
     const Estimate& sensed = view.sensed;
-    const StrutAngles<double> struts = sensed.relative();
+    const law::StrutAngles<double> struts = sensed.relative();
     // The stop of the ball joints is at 15 degrees against the chassis.
     const double angle_rad = threshold<kFault, "angle">(view.params.tilt_rad_max);
     const bool steep = beyond(struts.alpha_left_rad, angle_rad) || beyond(struts.alpha_right_rad, angle_rad) ||

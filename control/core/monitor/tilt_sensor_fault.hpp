@@ -9,9 +9,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "control/core/held.hpp"
+#include "control/core/base/held.hpp"
+#include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 

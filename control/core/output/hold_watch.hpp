@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "control/core/base/held.hpp"
 #include "control/core/estimate/estimate.hpp"
-#include "control/core/held.hpp"
 #include "control/core/output/limiter.hpp"
 
 namespace hoist::core {

@@ -6,7 +6,7 @@
 
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
-#include "control/core/monitor/mutation.hpp"
+#include "control/core/base/mutation.hpp"
 
 namespace hoist::core {
 

@@ -2,7 +2,7 @@
 //
 // Watched in every mode that is not meant to move (what moves differently than commanded in the others is stopped first, by
 // monitor/overspeed.hpp). Any of three things for kStop_s:
-//   driven     a motor turns its wheel although nothing asks for it (monitor/driven_wheel.hpp)
+//   driven     a motor turns its wheel although nothing asks for it (estimate/driven_wheel.hpp)
 //   unslowed   in a PROTECTIVE_STOP that has not stood yet, a wheel goes on beside its ramp and does not slow down
 //   spinning   the same, of the whole hoist by its gyroscope, while a drive is silent
 // The last two need no current sensor. They end with the first standstill, because from then on hands may push a hoist whose drives have
@@ -11,9 +11,9 @@
 #include <cmath>
 #include <cstdint>
 
+#include "control/core/base/held.hpp"
+#include "control/core/estimate/driven_wheel.hpp"
 #include "control/core/estimate/estimate.hpp"
-#include "control/core/held.hpp"
-#include "control/core/monitor/driven_wheel.hpp"
 
 namespace hoist::core {
 

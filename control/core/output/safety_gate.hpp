@@ -11,7 +11,7 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/firmware_image.hpp"
 #include "control/contract/params.hpp"
-#include "control/core/derived.hpp"
+#include "control/core/base/derived.hpp"
 #include "control/core/output/wheel_mixing.hpp"
 
 namespace hoist::core {

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "control/contract/can_dictionary.hpp"
-#include "control/core/derived.hpp"
+#include "control/core/base/derived.hpp"
 #include "control/core/law/differential_drive.hpp"
 
 namespace hoist::core {

@@ -18,7 +18,7 @@
 
 #include "control/contract/param_set.hpp"
 #include "control/contract/shared_memory.hpp"
-#include "control/core/command/param_keeper.hpp"
+#include "control/core/serve/param_keeper.hpp"
 #include "control/core/tick.hpp"
 #include "control/publish/journal.hpp"
 #include "db/store/session_writer.hpp"

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "control/contract/calibration.hpp"
+#include "control/core/serve/param_keeper.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test {

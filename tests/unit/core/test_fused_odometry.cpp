@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "control/contract/can_dictionary.hpp"
-#include "control/core/derived.hpp"
+#include "control/core/base/derived.hpp"
 #include "control/core/estimate/estimate.hpp"
 #include "control/core/types.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "control/contract/guided_path.hpp"
 #include "control/core/modes/mode_list.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/supervise/supervisor.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test {

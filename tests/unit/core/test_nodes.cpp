@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "control/contract/classify.hpp"
-#include "control/core/estimate/receive.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/receive.hpp"
 #include "control/core/record.hpp"
+#include "control/core/supervise/supervisor.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <random>
 
+#include "control/core/serve/param_keeper.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test {

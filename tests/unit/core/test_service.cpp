@@ -5,7 +5,7 @@
 #include <initializer_list>
 #include <limits>
 
-#include "control/core/output/supervisor.hpp"
+#include "control/core/supervise/supervisor.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test {

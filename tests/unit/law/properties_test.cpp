@@ -8,10 +8,10 @@
 #include <numbers>
 #include <random>
 
-#include "control/core/intent/pelvis.hpp"
 #include "control/core/law/differential_drive.hpp"
 #include "control/core/law/kalman_gain.hpp"
 #include "control/core/law/odometry.hpp"
+#include "control/core/law/pelvis.hpp"
 #include "control/core/law/pfp.hpp"
 #include "control/core/law/pfp_turn.hpp"
 #include "control/core/law/tilt_kalman.hpp"
@@ -308,33 +308,33 @@ TEST(AccAngles, AreTheTiltInBothAxes) {
 }
 
 TEST(Pelvis, SignsAndRangesFit) {
-  const core::PelvisGeometry<double> geometry;
+  const law::PelvisGeometry<double> geometry;
   const double stop = 15.0 * kDegree_rad;
-  const auto range = core::full_range(geometry, stop);
-  const auto forward = core::pelvis_exact<double>({stop, stop, 0.0, 0.0}, geometry);
-  EXPECT_NEAR(core::normalise(forward, range, {}).u_norm, 1.0, 1e-12);
+  const auto range = law::full_range(geometry, stop);
+  const auto forward = law::pelvis_exact<double>({stop, stop, 0.0, 0.0}, geometry);
+  EXPECT_NEAR(law::normalise(forward, range, {}).u_norm, 1.0, 1e-12);
   EXPECT_EQ(forward.dpsi_rad, 0.0);
-  const auto left_turn = core::pelvis_exact<double>({-stop, stop, 0.0, 0.0}, geometry);
-  EXPECT_NEAR(core::normalise(left_turn, range, {}).u_psi_norm, 1.0, 1e-12);
-  EXPECT_LT(core::pelvis_exact<double>({0.0, 0.0, stop, stop}, geometry).dy_m, 0.0) << "leaning right moves the harness right";
+  const auto left_turn = law::pelvis_exact<double>({-stop, stop, 0.0, 0.0}, geometry);
+  EXPECT_NEAR(law::normalise(left_turn, range, {}).u_psi_norm, 1.0, 1e-12);
+  EXPECT_LT(law::pelvis_exact<double>({0.0, 0.0, stop, stop}, geometry).dy_m, 0.0) << "leaning right moves the harness right";
   // D2: the printed (3) is half the pelvis angle for small angles; the geometric value is the true one.
-  const auto small = core::pelvis_exact<double>({-0.01, 0.01, 0.0, 0.0}, geometry);
-  EXPECT_NEAR(core::geometric_yaw_rad<double>({-0.01, 0.01, 0.0, 0.0}, geometry), 2.0 * small.dpsi_rad, 1e-5);
+  const auto small = law::pelvis_exact<double>({-0.01, 0.01, 0.0, 0.0}, geometry);
+  EXPECT_NEAR(law::geometric_yaw_rad<double>({-0.01, 0.01, 0.0, 0.0}, geometry), 2.0 * small.dpsi_rad, 1e-5);
   // Lean and turn share the same tilt: |u| + |u_psi| stays about within 1 for struts within the stop.
   std::mt19937 random(2);
   std::uniform_real_distribution<double> tilt(-stop, stop);
   for (int i = 0; i < 10'000; ++i) {
-    const auto pelvis = core::pelvis_exact<double>({tilt(random), tilt(random), 0.0, 0.0}, geometry);
-    const auto intent = core::normalise(pelvis, range, {});
+    const auto pelvis = law::pelvis_exact<double>({tilt(random), tilt(random), 0.0, 0.0}, geometry);
+    const auto intent = law::normalise(pelvis, range, {});
     ASSERT_TRUE(intent.valid);
     ASSERT_LE(std::fabs(intent.u_norm) + std::fabs(intent.u_psi_norm), 1.02);
     // The yaw's formula is odd and the small-angle form close.
-    const auto mirrored = core::pelvis_exact<double>({-0.1, 0.05, 0.02, 0.03}, geometry);
-    const auto swapped = core::pelvis_exact<double>({0.05, -0.1, 0.02, 0.03}, geometry);
+    const auto mirrored = law::pelvis_exact<double>({-0.1, 0.05, 0.02, 0.03}, geometry);
+    const auto swapped = law::pelvis_exact<double>({0.05, -0.1, 0.02, 0.03}, geometry);
     ASSERT_EQ(mirrored.dpsi_rad, -swapped.dpsi_rad);
   }
-  EXPECT_FALSE(core::normalise<double>({0.1, 0.0, 0.1}, {0.0, 1.0}, {}).valid);
-  EXPECT_FALSE(core::normalise<double>({NAN, 0.0, 0.1}, {1.0, 1.0}, {}).valid);
+  EXPECT_FALSE(law::normalise<double>({0.1, 0.0, 0.1}, {0.0, 1.0}, {}).valid);
+  EXPECT_FALSE(law::normalise<double>({NAN, 0.0, 0.1}, {1.0, 1.0}, {}).valid);
 }
 
 TEST(Odometry, CounterDifferenceIsTrueAcrossItsWrap) {

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "control/contract/reference_path.hpp"
-#include "control/core/intent/pelvis.hpp"
 #include "control/core/law/kalman_gain.hpp"
+#include "control/core/law/pelvis.hpp"
 #include "control/core/law/pfp.hpp"
 #include "control/core/law/pfp_turn.hpp"
 #include "control/core/law/servo_loop.hpp"
@@ -194,10 +194,10 @@ TYPED_TEST(Nasty, EverythingElseStaysFinite) {
   law::LowPassState<Real> filtered;
   auto tilt = law::tilt_start(Real(0), Real(0), Real(0));
   for (int k = 0; k < 100'000; ++k) {
-    const core::StrutAngles<Real> struts{nasty<Real>(random), nasty<Real>(random), nasty<Real>(random), nasty<Real>(random)};
-    const core::PelvisGeometry<Real> geometry{nasty<Real>(random), nasty<Real>(random)};
-    const auto intent = core::normalise(core::pelvis_exact(struts, geometry), core::full_range(geometry, nasty<Real>(random)),
-                                        {nasty<Real>(random), nasty<Real>(random)});
+    const law::StrutAngles<Real> struts{nasty<Real>(random), nasty<Real>(random), nasty<Real>(random), nasty<Real>(random)};
+    const law::PelvisGeometry<Real> geometry{nasty<Real>(random), nasty<Real>(random)};
+    const auto intent = law::normalise(law::pelvis_exact(struts, geometry), law::full_range(geometry, nasty<Real>(random)),
+                                       {nasty<Real>(random), nasty<Real>(random)});
     ASSERT_TRUE(std::fabs(intent.u_norm) <= Real(1) && std::fabs(intent.u_psi_norm) <= Real(1));
     if (!intent.valid) {
       ASSERT_EQ(intent.u_norm, Real(0));

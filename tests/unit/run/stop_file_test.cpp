@@ -8,7 +8,7 @@
 #include <string>
 
 #include "control/contract/faults.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/supervise/supervisor.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "control/core/intent/pelvis.hpp"
 #include "control/core/law/differential_drive.hpp"
 #include "control/core/law/odometry.hpp"
+#include "control/core/law/pelvis.hpp"
 #include "control/core/law/pfp.hpp"
 #include "control/core/law/pfp_turn.hpp"
 #include "deploy/tools/hoist/laws/law_list.hpp"
@@ -25,31 +25,31 @@ constexpr double kStopAngle_rad = 15.0 * std::numbers::pi / 180.0;
 /// The paper's step (page 2).
 constexpr double kPaperStep_s = 0.01;
 
-core::StrutAngles<double> read_struts(Fields& in) {
+law::StrutAngles<double> read_struts(Fields& in) {
   return {in.number("al", kTilt), in.number("ar", kTilt), in.number("bl", kTilt), in.number("br", kTilt)};
 }
 
-core::PelvisGeometry<double> read_geometry(Fields& in) { return {in.number("d", kPositive), in.number("ds", kPositive)}; }
+law::PelvisGeometry<double> read_geometry(Fields& in) { return {in.number("d", kPositive), in.number("ds", kPositive)}; }
 
-json write(const core::Pelvis<double>& pelvis) {
+json write(const law::Pelvis<double>& pelvis) {
   return {{"dx", number_out(pelvis.dx_m)}, {"dy", number_out(pelvis.dy_m)}, {"dpsi", number_out(pelvis.dpsi_rad)}};
 }
 
 json kin_exact(Fields& in, Fields&) {
   const auto struts = read_struts(in);
-  return write(core::pelvis_exact(struts, read_geometry(in)));
+  return write(law::pelvis_exact(struts, read_geometry(in)));
 }
 
 json kin_small(Fields& in, Fields&) {
   const auto struts = read_struts(in);
-  return write(core::pelvis_small_angle(struts, read_geometry(in)));
+  return write(law::pelvis_small_angle(struts, read_geometry(in)));
 }
 
 json normalise(Fields& in, Fields&) {
-  const core::Pelvis<double> pelvis{in.number("dx"), 0.0, in.number("dpsi")};
-  const core::PelvisRange<double> range{in.number("dx_max", kPositive), in.number("dpsi_max", kPositive)};
-  const core::PelvisNeutral<double> neutral{in.number("dx0"), in.number("dpsi0")};
-  const auto intent = core::normalise(pelvis, range, neutral);
+  const law::Pelvis<double> pelvis{in.number("dx"), 0.0, in.number("dpsi")};
+  const law::PelvisRange<double> range{in.number("dx_max", kPositive), in.number("dpsi_max", kPositive)};
+  const law::PelvisNeutral<double> neutral{in.number("dx0"), in.number("dpsi0")};
+  const auto intent = law::normalise(pelvis, range, neutral);
   if (!intent.valid) throw Refusal("dx, dpsi: too far from the range to be computed");
   return {{"u", intent.u_norm}, {"u_psi", intent.u_psi_norm}};
 }
@@ -57,7 +57,7 @@ json normalise(Fields& in, Fields&) {
 json full_range(Fields& in, Fields&) {
   const auto geometry = read_geometry(in);
   const Range below_right_angle{.low = 0.0, .high = kRightAngle_rad, .low_open = true, .high_open = true};
-  const auto range = core::full_range(geometry, in.number("lim", below_right_angle));
+  const auto range = law::full_range(geometry, in.number("lim", below_right_angle));
   return {{"dx_max", number_out(range.dx_max_m)}, {"dpsi_max", number_out(range.dpsi_max_rad)}};
 }
 
@@ -269,7 +269,7 @@ json pipeline(Fields& in, Fields& params) {
   const auto trans = read_trans(params);
   law::PfpTurnConfig<double> turn_config;
   turn_config.deadband = law::TurnDeadband::kLiteral;
-  const auto range = core::full_range(geometry, kStopAngle_rad);
+  const auto range = law::full_range(geometry, kStopAngle_rad);
 
   law::PfpState<double> v_state;
   law::PfpTurnState<double> w_state;
@@ -279,8 +279,8 @@ json pipeline(Fields& in, Fields& params) {
   history.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     // Relative angle: strut minus chassis.
-    const auto pelvis = core::pelvis_exact<double>({al[i] - ab[i], ar[i] - ab[i], bl[i] - bb[i], br[i] - bb[i]}, geometry);
-    const auto intent = core::normalise(pelvis, range, {});
+    const auto pelvis = law::pelvis_exact<double>({al[i] - ab[i], ar[i] - ab[i], bl[i] - bb[i], br[i] - bb[i]}, geometry);
+    const auto intent = law::normalise(pelvis, range, {});
     if (!intent.valid) throw Refusal("al, ar, ab: element " + std::to_string(i) + " gives no usable displacement");
     static_cast<void>(branch_name(law::pfp_step(trans.config, v_state, intent.u_norm, trans.dt_s)));
     turn(turn_config, w_state, intent.u_psi_norm, trans.dt_s);

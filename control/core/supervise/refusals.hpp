@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "control/contract/faults.hpp"
-#include "control/core/output/transitions.hpp"
 #include "control/core/state.hpp"
+#include "control/core/supervise/transitions.hpp"
 
 namespace hoist::core {
 

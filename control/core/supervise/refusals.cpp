@@ -1,7 +1,8 @@
-#include "control/core/output/refusals.hpp"
+#include "control/core/supervise/refusals.hpp"
 
-#include "control/core/modes/mode.hpp"
-#include "control/core/output/fault_sets.hpp"
+#include "control/core/modes/calibration_run.hpp"
+#include "control/core/standstill.hpp"
+#include "control/core/supervise/fault_sets.hpp"
 
 namespace hoist::core {
 

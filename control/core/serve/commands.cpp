@@ -1,13 +1,16 @@
-#include "control/core/command/commands.hpp"
+#include "control/core/serve/commands.hpp"
 
 #include <bit>
 #include <cmath>
 
 #include "control/contract/param_set.hpp"
-#include "control/core/command/param_keeper.hpp"
 #include "control/core/events.hpp"
+#include "control/core/modes/calibration_run.hpp"
 #include "control/core/modes/mode_list.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/serve/param_keeper.hpp"
+#include "control/core/standstill.hpp"
+#include "control/core/supervise/release.hpp"
+#include "control/core/supervise/supervisor.hpp"
 
 namespace hoist::core {
 
@@ -242,7 +245,7 @@ Verdict ask_acknowledge(CoreState& state, const Command& command) noexcept {
   if (state.acknowledgement.waits()) return refused(Refusal::out_of_order);
   if (command.b > static_cast<std::uint32_t>(contract::Role::engineer)) return refused(Refusal::not_allowed);
   const Press press{command.request_id, command.client, static_cast<contract::Role>(command.b), command.bits};
-  const std::uint32_t bits = Acknowledgement::press(state, press);
+  const std::uint32_t bits = press_release(state, press);
   return {bits, 0, state.acknowledgement.waits()};
 }
 

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace hoist::core {
+namespace hoist::law {
 
 /// The four strut angles relative to the chassis, rad.
 template <typename Real>
@@ -116,4 +116,4 @@ template <typename Real>
   return {clamp_unit(u), clamp_unit(u_psi), true};
 }
 
-}  // namespace hoist::core
+}  // namespace hoist::law

@@ -3,9 +3,8 @@
 #include <numbers>
 
 #include "control/contract/params.hpp"
-#include "control/core/estimate/tilt_sensor.hpp"
-#include "control/core/intent/pelvis.hpp"
 #include "control/core/law/odometry.hpp"
+#include "control/core/law/pelvis.hpp"
 
 namespace hoist::core {
 
@@ -15,10 +14,16 @@ using contract::kGearRatio_norm;
 /// position that moves faster than this has jumped (a drive that restarted, a broken frame).
 inline constexpr double kWheelSpeedBelievable_m_s = 3.0;
 
+/// What a sensor says while its strut stands upright (calibration); taken off every angle.
+struct TiltZero {
+  double alpha_rad = 0, beta_rad = 0;
+  bool operator==(const TiltZero&) const = default;
+};
+
 struct Derived {
-  PelvisGeometry<double> geometry;
-  PelvisRange<double> range;
-  PelvisNeutral<double> neutral;
+  law::PelvisGeometry<double> geometry;
+  law::PelvisRange<double> range;
+  law::PelvisNeutral<double> neutral;
   TiltZero left_zero, right_zero, base_zero;
   law::OdometryConfig<double> odometry;
   double left_motor_per_m = 0;  // rad at the motor for each metre of ground
@@ -39,7 +44,7 @@ struct Derived {
   Derived d;
   d.geometry = {p.strut_length_m, p.strut_spacing_m};
   // Lean and turn may have different ranges: each is the value that (1) or (3) reaches with the struts at its own angle (D5).
-  d.range = {full_range(d.geometry, p.lean_range_rad).dx_max_m, full_range(d.geometry, p.turn_range_rad).dpsi_max_rad};
+  d.range = {law::full_range(d.geometry, p.lean_range_rad).dx_max_m, law::full_range(d.geometry, p.turn_range_rad).dpsi_max_rad};
   d.neutral = {p.neutral_lean_m, p.neutral_turn_rad};
   d.left_zero = {p.left_alpha_zero_rad, p.left_beta_zero_rad};
   d.right_zero = {p.right_alpha_zero_rad, p.right_beta_zero_rad};

@@ -6,8 +6,8 @@
 #pragma once
 #include <cmath>
 
+#include "control/core/base/mutation.hpp"
 #include "control/core/estimate/drive_sensor.hpp"
-#include "control/core/monitor/mutation.hpp"
 
 namespace hoist::core {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "control/contract/classify.hpp"
-#include "control/core/derived.hpp"
+#include "control/core/base/derived.hpp"
 #include "control/core/estimate/estimate.hpp"
 #include "control/core/output/bus_master.hpp"
 

@@ -1,12 +1,12 @@
-#include "control/core/command/acknowledgement.hpp"
+#include "control/core/supervise/release.hpp"
 
 #include <bit>
 
 #include "control/core/events.hpp"
-#include "control/core/output/fault_latch.hpp"
-#include "control/core/output/fault_sets.hpp"
-#include "control/core/output/refusals.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/supervise/fault_latch.hpp"
+#include "control/core/supervise/fault_sets.hpp"
+#include "control/core/supervise/refusals.hpp"
+#include "control/core/supervise/supervisor.hpp"
 
 namespace hoist::core {
 
@@ -81,7 +81,7 @@ void leave_the_stop(CoreState& state, const Transition& row) noexcept {
 
 }  // namespace
 
-std::uint32_t Acknowledgement::press(CoreState& state, const Press& press) noexcept {
+std::uint32_t press_release(CoreState& state, const Press& press) noexcept {
   const Way way = way_out(state, press.role, press.seen);
   if (way.against != 0) return way.against;
   reset_drives(state);
@@ -90,19 +90,19 @@ std::uint32_t Acknowledgement::press(CoreState& state, const Press& press) noexc
   if (way.row->to == Mode::init) {
     leave_the_stop(state, *way.row);
   } else if (causes_hold(state)) {
-    own.waits_ = {press.request_id, press.client, state.lease.epoch, touching, kResetTicksMax, false};
+    own.wait({press.request_id, press.client, state.lease.epoch, touching, kResetTicksMax, false});
   } else {
-    own.bumpers_ = touching;
+    own.accept(touching);
     leave_the_stop(state, *way.row);
   }
   return 0;
 }
 
-void Acknowledgement::serve(CoreState& state) noexcept {
+void serve_release(CoreState& state) noexcept {
   Acknowledgement& own = state.acknowledgement;
   if (!own.waits()) return;
-  Waiting& pressed = own.waits_;
-  --pressed.ticks_left;
+  own.count_down();
+  const Acknowledgement::Waiting& pressed = own.pressed();
   const bool cleared = !causes_hold(state);
   std::uint32_t bits = pressed.overtaken ? refusal_bit(Refusal::cause_not_cleared) : 0U;
   if (state.lease.epoch != pressed.lease_epoch) bits |= refusal_bit(Refusal::no_lease);
@@ -114,7 +114,7 @@ void Acknowledgement::serve(CoreState& state) noexcept {
     if (bits == 0) {
       reset_drives(state);
       // A bumper that touched only after the press is not acknowledged.
-      own.bumpers_ = pressed.bumpers;
+      own.accept(pressed.bumpers);
       leave_the_stop(state, *way.row);
     }
   }

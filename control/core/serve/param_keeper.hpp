@@ -1,13 +1,11 @@
 // The parameters while the hoist runs (hazard H27): what is in force, a sealed copy that tells damage, the gains on their way to new values,
 // and values on trial, which go back by themselves unless somebody confirms them.
 #pragma once
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
 #include "control/contract/params.hpp"
 #include "control/core/command/staging.hpp"
-#include "control/core/derived.hpp"
 
 namespace hoist::core {
 
@@ -24,20 +22,6 @@ inline constexpr double kSlew_per_s = 0.2, kSlewFloor = 0.05;
     if (index == contract::param_index(cap)) return false;
   return true;
 }
-
-/// A second copy, also of what follows from it, and the checksum that both copies of the parameters must have.
-struct ParamSeal {
-  contract::Params copy;
-  Derived derived;
-  std::uint32_t crc = 0;
-};
-[[nodiscard]] std::uint32_t params_crc(const contract::Params& params) noexcept;
-
-struct Trial {
-  double left_s = 0;                                   // 0: nothing is on trial
-  contract::Params before;                             // what comes back
-  std::array<bool, contract::kParamCount> on_trial{};  // which rows
-};
 
 /// Who asked, for the events.
 struct Asked {

@@ -4,10 +4,10 @@
 
 #include "control/contract/calibration.hpp"
 #include "control/contract/faults.hpp"
-#include "control/core/output/fault_sets.hpp"
-#include "control/core/output/refusals.hpp"
-#include "control/core/output/transitions.hpp"
 #include "control/core/state.hpp"
+#include "control/core/supervise/fault_sets.hpp"
+#include "control/core/supervise/refusals.hpp"
+#include "control/core/supervise/transitions.hpp"
 
 namespace hoist::core {
 

@@ -1,13 +1,12 @@
-#include "control/core/command/param_keeper.hpp"
+#include "control/core/serve/param_keeper.hpp"
 
 #include <cmath>
 #include <cstring>
 
-#include "control/contract/crc32.hpp"
 #include "control/core/events.hpp"
 #include "control/core/modes/mode_list.hpp"
-#include "control/core/output/supervisor.hpp"
 #include "control/core/state.hpp"
+#include "control/core/supervise/supervisor.hpp"
 
 namespace hoist::core {
 
@@ -30,9 +29,6 @@ constexpr auto kGains = [] {
 }();
 // Drives learn of a gain on its way this often: 2 % a step, and a bus that has room for the rest.
 constexpr std::uint64_t kToNodesTicks = 10;
-
-// Nothing but doubles, so that no padding hides between them.
-static_assert(sizeof(Params) == contract::kParamCount * sizeof(double));
 
 void tell(CoreState& state, EventKind kind, const Asked& asked, std::uint32_t code, double value) noexcept {
   Event event;
@@ -164,14 +160,6 @@ void look_for_damage(CoreState& state) noexcept {
 }
 
 }  // namespace
-
-std::uint32_t params_crc(const Params& params) noexcept {
-  std::array<std::uint8_t, sizeof(Params)> bytes{};
-  std::memcpy(bytes.data(), &params, sizeof(Params));
-  contract::Crc32 crc;
-  crc.add(bytes);
-  return crc.value();
-}
 
 double kept_param(const CoreState& state, std::size_t index) noexcept {
   const bool tried = state.trial.left_s > 0 && state.trial.on_trial[index];

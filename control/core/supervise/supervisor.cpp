@@ -1,11 +1,13 @@
-#include "control/core/output/supervisor.hpp"
+#include "control/core/supervise/supervisor.hpp"
 
 #include <bit>
 
 #include "control/core/events.hpp"
+#include "control/core/modes/calibration_run.hpp"
 #include "control/core/modes/mode_list.hpp"
-#include "control/core/output/fault_latch.hpp"
-#include "control/core/output/fault_sets.hpp"
+#include "control/core/standstill.hpp"
+#include "control/core/supervise/fault_latch.hpp"
+#include "control/core/supervise/fault_sets.hpp"
 
 namespace hoist::core {
 

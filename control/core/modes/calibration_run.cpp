@@ -1,4 +1,4 @@
-#include "control/core/calibrate/calibration.hpp"
+#include "control/core/modes/calibration_run.hpp"
 
 #include <cmath>
 
@@ -8,8 +8,7 @@
 #include "control/core/calibrate/wheel_signs.hpp"
 #include "control/core/calibrate/wheel_travel.hpp"
 #include "control/core/events.hpp"
-#include "control/core/modes/mode.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/standstill.hpp"
 
 namespace hoist::core {
 
@@ -305,7 +304,7 @@ void watch_pairs(CoreState& state) noexcept {
     // On the way things happen.
     if (state.sensed.left_drive.moved_counts() != 0 || state.sensed.right_drive.moved_counts() != 0) c.idle_ticks = 0;
   } else {
-    const StrutAngles<double> struts = state.sensed.relative();
+    const law::StrutAngles<double> struts = state.sensed.relative();
     const double left_m = state.params.strut_length_m * std::tan(struts.alpha_left_rad),
                  right_m = state.params.strut_length_m * std::tan(struts.alpha_right_rad);
     c.value = static_cast<float>(c.step == CalibrationStep::strut_length ? (left_m + right_m) / 2.0

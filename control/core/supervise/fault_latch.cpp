@@ -1,11 +1,11 @@
-#include "control/core/output/fault_latch.hpp"
+#include "control/core/supervise/fault_latch.hpp"
 
 #include <bit>
 #include <tuple>
 
 #include "control/core/events.hpp"
-#include "control/core/output/fault_sets.hpp"
-#include "control/core/output/supervisor.hpp"
+#include "control/core/supervise/fault_sets.hpp"
+#include "control/core/supervise/supervisor.hpp"
 
 namespace hoist::core {
 
