@@ -13,6 +13,7 @@
 #include "db/store/chunk_source.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
+#include "db/summary/session_json.hpp"
 
 namespace hoist::db {
 namespace {
@@ -383,9 +384,13 @@ struct SessionExport::State {
     check(parameters);
     json parameter_rows = json::object();
     for (const auto& [name, value] : *parameters) parameter_rows[name] = finite(value);
+    // A session that is being recorded has no final figures; one whose columns cannot be judged is exported without them.
+    json figures = nullptr;
+    if (!info.recording)
+      if (Result<json> told = session_metrics_json(database, info.id)) figures = std::move(*told);
     const auto dump = [](const json& value) { return value.dump(-1, ' ', false, kBrokenText); };
-    out = "},\n\"gaps\":" + dump(gap_rows) + ",\n\"events\":" + dump(event_rows) + ",\n\"markers\":" + dump(marker_rows) +
-          ",\n\"parameters\":" + dump(parameter_rows) + "}\n";
+    out = "},\n\"metrics\":" + dump(figures) + ",\n\"gaps\":" + dump(gap_rows) + ",\n\"events\":" + dump(event_rows) +
+          ",\n\"markers\":" + dump(marker_rows) + ",\n\"parameters\":" + dump(parameter_rows) + "}\n";
   }
 
   bool next(std::string& out) {

@@ -1,5 +1,8 @@
 // The samples of a session that count for its metrics: those in a mode in which the wheels may turn, joined in order.
 #pragma once
+#include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "db/store/database.hpp"
@@ -11,7 +14,11 @@ namespace hoist::db {
 /// One control step: samples are counted, not clocked (the recorded times carry the jitter of the loop, the control law does not see it).
 inline constexpr double kSample_s = 0.01;
 
+/// Of what a figure is computed from, by name: a recorded column with the steps it is of, "gaps", "exercise". FNV-1a, 64 bits.
+using InputHashes = std::map<std::string, std::uint64_t, std::less<>>;
+
 struct MovingPart {
+  InputHashes inputs;
   /// Where the hoist was: the track held against the gyroscope where the session has one (slip repaired), else the encoders' own.
   bool fused = false;
   /// Steps that were walked, or may have been, and are not recorded: those of gaps beside a moving sample.

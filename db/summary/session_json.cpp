@@ -2,52 +2,63 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "db/export/exercise_names.hpp"
 #include "db/export/provenance.hpp"
-#include "db/metrics/run_summary.hpp"
+#include "db/metrics/metric_list.hpp"
 #include "db/store/session_reader.hpp"
-#include "db/summary/moving_part.hpp"
 
 namespace hoist::db {
 
+namespace {
+nlohmann::json or_null(double value) { return value; }
+nlohmann::json or_null(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? nlohmann::json(*value) : nlohmann::json(nullptr);
+}
+
+// A recorded column stands for its twin of the repaired track; what the session does not have is left out.
+std::string recorded_name(const InputHashes& recorded, const std::string& input) {
+  if (const std::string fused = "fused_" + input; recorded.contains(fused)) return fused;
+  return recorded.contains(input) ? input : "";
+}
+
+// Which definition a figure follows and what it was computed from.
+nlohmann::json computed_from(const MetricInfo& metric, const InputHashes& recorded) {
+  nlohmann::json inputs = nlohmann::json::array();
+  std::uint64_t hash = contract::kHashStart;
+  std::istringstream names{std::string(metric.inputs)};
+  for (std::string name; names >> name;) {
+    const std::string input = recorded_name(recorded, name);
+    if (input.empty()) continue;
+    inputs.push_back(input);
+    hash = contract::hash_number(contract::hash_bytes(hash, input), recorded.find(input)->second);
+  }
+  return {{"version", metric.version}, {"inputs", std::move(inputs)}, {"hash", layout_text(hash)}};
+}
+}  // namespace
+
 nlohmann::json metrics_json(const SessionMetrics& metrics, const std::optional<std::string>& exercise) {
   using nlohmann::json;
-  const auto or_null = [](const std::optional<double>& value) { return value ? json(*value) : json(nullptr); };
   const NoFigure why = metrics.why_absent;
-  return {{"session", metrics.session},
-          {"C", or_null(metrics.correlation)},
-          {"J_N", or_null(metrics.normalised_ise)},
-          {"reference_length_m", or_null(metrics.path_length_m)},
-          {"duration_s", metrics.moving_s},
-          {"motion_s", metrics.motion_s},
-          {"missing_s", metrics.missing_s},
-          {"distance_m", metrics.distance_m},
-          {"mean_speed_m_s", metrics.mean_speed_m_s},
-          {"max_speed_m_s", metrics.max_speed_m_s},
-          {"track", metrics.track},
-          {"exercise", exercise_as_told(exercise)},
-          {"reason_if_none", why == NoFigure::none ? json(nullptr) : json(no_figure_sentence(why))},
-          {"reason_code", why == NoFigure::none ? json(nullptr) : json(no_figure_name(why))}};
+  json told{{"session", metrics.session},
+            {"track", metrics.track},
+            {"exercise", exercise_as_told(exercise)},
+            {"reason_if_none", why == NoFigure::none ? json(nullptr) : json(no_figure_sentence(why))},
+            {"reason_code", why == NoFigure::none ? json(nullptr) : json(no_figure_name(why))}};
+#define HOIST_METRIC(key, version, unit, member, defined, inputs, source, doc) told[#key] = or_null(metrics.member);
+#include "db/metrics/metrics.def"
+#undef HOIST_METRIC
+  for (const MetricInfo& metric : kMetrics) told["computed"][std::string(metric.key)] = computed_from(metric, metrics.inputs);
+  return told;
 }
 
 Result<nlohmann::json> session_metrics_json(Database& database, SessionId session) {
-  using nlohmann::json;
   const auto info = SessionReader(database).get(session);
   if (!info) return info.error();
-  const auto part = moving_part(database, session);
-  if (!part) return part.error();
-  const auto metrics = session_metrics(database, session, *part);
+  const auto metrics = session_metrics(database, session);
   if (!metrics) return metrics.error();
-  // Compared where it is judged at all.
-  std::optional<RunDeviation> off;
-  if (info->exercise_json && metrics->normalised_ise)
-    off = run_deviation(path_of_exercise(*info->exercise_json), run_of(*part, metrics->start_m));
-  const auto or_null = [](double value) { return std::isfinite(value) ? json(value) : json(nullptr); };
-  json told = metrics_json(*metrics, info->exercise_json);
-  told["rms_position_m"] = off ? or_null(off->position_rms_m) : json(nullptr);
-  told["rms_heading_rad"] = off ? or_null(off->heading_rms_rad) : json(nullptr);
-  return told;
+  return metrics_json(*metrics, info->exercise_json);
 }
 
 nlohmann::json session_json(const SessionInfo& session) {

@@ -9,10 +9,11 @@
 
 namespace hoist::db {
 
-/// {"session", "C", "J_N", "reference_length_m", "duration_s" (under way), "motion_s", …, "exercise", "reason_if_none"}; null = not defined.
+/// The figures of db/metrics/metrics.def by their keys, null = not defined; "computed" says of each which version of its definition it follows,
+/// the inputs it was computed from and their hash (16 hexadecimal digits); "session", "track", "exercise", "reason_if_none", "reason_code".
 nlohmann::json metrics_json(const SessionMetrics& metrics, const std::optional<std::string>& exercise);
 
-/// The same with "rms_position_m" and "rms_heading_rad", of a stored session: what REST and `hoist metrics` answer.
+/// The same of a stored session: what REST and `hoist metrics` answer.
 /// Errors: not_found, corrupt, io.
 Result<nlohmann::json> session_metrics_json(Database& database, SessionId session);
 /// A session as the list of sessions and one session's page tell it.

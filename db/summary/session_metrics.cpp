@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "control/contract/check.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/reference_path.hpp"
 #include "db/metrics/evaluate.hpp"
+#include "db/metrics/run_summary.hpp"
 #include "db/store/session_reader.hpp"
 
 namespace hoist::db {
@@ -53,6 +56,18 @@ class MissingSteps {
   std::uint64_t missing_ = 0;
 };
 
+void hash_column(std::uint64_t& hash, const std::vector<std::uint64_t>& ticks, const std::vector<double>& values) {
+  for (std::size_t i = 0; i < ticks.size(); ++i)
+    hash = contract::hash_number(contract::hash_number(hash, ticks[i]), std::bit_cast<std::uint64_t>(values[i]));
+}
+
+std::uint64_t hash_of(const std::vector<Gap>& gaps) {
+  std::uint64_t hash = contract::kHashStart;
+  for (const Gap& gap : gaps)
+    hash = contract::hash_number(contract::hash_number(contract::hash_bytes(hash, gap.stream), gap.from_tick), gap.to_tick);
+  return hash;
+}
+
 /// From here on a walk that has not been recorded before lies between mark and sample.
 constexpr double kAtMark_m = 0.05;
 
@@ -85,7 +100,11 @@ std::optional<double> start_of(const contract::ReferencePath& path, const Moving
   return there ? std::optional{0.0} : std::nullopt;
 }
 
-// C, J_N and L, or why there are none.
+RunColumns run_of(const MovingPart& part, double start_m) {
+  return {kSample_s, part.x_m, part.y_m, part.psi_rad, part.dpsi_rad, part.tick, start_m};
+}
+
+// C, J_N, L and the deviations, or why there are none.
 NoFigure compare(const contract::ReferencePath& path, const MovingPart& part, SessionMetrics& out) {
   if (part.x_m.empty()) return NoFigure::no_motion;
   if (part.several_walks) return NoFigure::several_walks;
@@ -93,23 +112,22 @@ NoFigure compare(const contract::ReferencePath& path, const MovingPart& part, Se
   const std::optional<double> start_m = start_of(path, part);
   if (!start_m) return NoFigure::start_unclear;
   out.start_m = *start_m;
-  const std::optional<Evaluation> evaluation = evaluate(path, run_of(part, out.start_m));
+  const RunColumns run = run_of(part, out.start_m);
+  const std::optional<Evaluation> evaluation = evaluate(path, run);
   if (!evaluation) return NoFigure::not_comparable;
   out.correlation = evaluation->c;
   if (evaluation->ise) {
     out.normalised_ise = evaluation->ise->j;
     out.path_length_m = evaluation->ise->length_m;
+    if (const std::optional<RunDeviation> off = run_deviation(path, run)) {
+      out.rms_position_m = off->position_rms_m;
+      out.rms_heading_rad = off->heading_rms_rad;
+    }
   }
   return out.correlation && out.normalised_ise ? NoFigure::none : NoFigure::too_short;
 }
 
 }  // namespace
-
-contract::ReferencePath path_of_exercise(const std::string& exercise_json) { return path_of(nlohmann::json::parse(exercise_json)); }
-
-RunColumns run_of(const MovingPart& part, double start_m) {
-  return {kSample_s, part.x_m, part.y_m, part.psi_rad, part.dpsi_rad, part.tick, start_m};
-}
 
 std::string_view no_figure_name(NoFigure why) {
   constexpr std::array kNames{
@@ -152,12 +170,15 @@ Result<MovingPart> moving_part(Database& database, SessionId session) {
   if (whole->from_s.empty()) return part;
   Result<std::vector<Gap>> gaps = reader.gaps(session);
   if (!gaps) return gaps.error();
+  part.inputs["gaps"] = hash_of(*gaps);
   MissingSteps missing(std::move(*gaps));
   OneWalk walk;
+  for (const std::string& name : names) part.inputs[name] = contract::kHashStart;
   const double end_s = whole->to_s.back();
   for (double from_s = whole->from_s.front(); from_s <= end_s; from_s += kPiece_s) {
     const Result<Columns> columns = reader.read_columns(session, names, {from_s, from_s + kPiece_s});
     if (!columns) return columns.error();
+    for (std::size_t c = 0; c < names.size(); ++c) hash_column(part.inputs[names[c]], columns->tick, columns->values[c]);
     for (std::size_t i = 0; i < columns->tick.size(); ++i) {
       const auto mode = static_cast<std::size_t>(columns->values[0][i]);
       const bool moving = mode < contract::kModes.size() && contract::kModes[mode].moving;
@@ -182,31 +203,28 @@ Result<MovingPart> moving_part(Database& database, SessionId session) {
 Result<SessionMetrics> session_metrics(Database& database, SessionId session) {
   const Result<MovingPart> part = moving_part(database, session);
   if (!part) return part.error();
-  return session_metrics(database, session, *part);
-}
-
-Result<SessionMetrics> session_metrics(Database& database, SessionId session, const MovingPart& part) {
-  const SessionReader reader(database);
-  const Result<SessionInfo> info = reader.get(session);
+  const Result<SessionInfo> info = SessionReader(database).get(session);
   if (!info) return info.error();
   SessionMetrics out;
   out.session = session;
-  out.track = part.fused ? "fused" : "encoders";
-  out.moving_samples = part.x_m.size();
+  out.inputs = part->inputs;
+  out.track = part->fused ? "fused" : "encoders";
+  out.moving_samples = part->x_m.size();
   out.moving_s = static_cast<double>(out.moving_samples) * kSample_s;
-  out.motion_s = static_cast<double>(part.in_motion) * kSample_s;
-  out.missing_s = static_cast<double>(part.missing_samples) * kSample_s;
-  for (const double speed : part.speed_m_s) {
-    out.distance_m += std::fabs(speed) * kSample_s;
+  out.motion_s = static_cast<double>(part->in_motion) * kSample_s;
+  out.missing_s = static_cast<double>(part->missing_samples) * kSample_s;
+  for (const double speed : part->speed_m_s) {
+    out.walked_m += std::fabs(speed) * kSample_s;
     out.max_speed_m_s = std::max(out.max_speed_m_s, std::fabs(speed));
   }
-  out.mean_speed_m_s = out.motion_s > 0 ? out.distance_m / out.motion_s : 0;
+  out.mean_speed_m_s = out.motion_s > 0 ? out.walked_m / out.motion_s : 0;
   if (!info->exercise_json) return out;
   if (Status checked = check_exercise(*info->exercise_json); !checked)
     return Error{ErrorKind::corrupt, "session " + std::to_string(session) + ": its exercise is not one: " + checked.error().message, {}};
   const nlohmann::json exercise = nlohmann::json::parse(*info->exercise_json, nullptr, false);
   out.shape = exercise["shape"].get<std::string>();
-  out.why_absent = compare(path_of(exercise), part, out);
+  out.inputs["exercise"] = contract::hash_bytes(contract::kHashStart, *info->exercise_json);
+  out.why_absent = compare(path_of(exercise), *part, out);
   return out;
 }
 

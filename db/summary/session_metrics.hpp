@@ -34,8 +34,8 @@ struct SessionMetrics {
   double moving_s = 0;               ///< time in such a mode, standing included
   double motion_s = 0;               ///< time in which a wheel turned at 0.02 m/s or more (standing_still)
   double missing_s = 0;              ///< motion that is not recorded: all figures are of the rest
-  double distance_m = 0;
-  double mean_speed_m_s = 0;  ///< distance over motion_s: standing does not count
+  double walked_m = 0;
+  double mean_speed_m_s = 0;  ///< walked_m over motion_s: standing does not count
   double max_speed_m_s = 0;
   std::string track;  ///< which track was compared: "fused" (encoders and gyroscope, slip repaired) or "encoders" (older sessions)
   // With an exercise only.
@@ -43,17 +43,14 @@ struct SessionMetrics {
   std::optional<double> correlation;     ///< C; absent without an exercise or where it is not defined (nothing turned)
   std::optional<double> normalised_ise;  ///< J_N
   std::optional<double> path_length_m;   ///< L: progress along the pattern
-  double start_m = 0;                    ///< place on the figure where the walk began
+  std::optional<double> rms_position_m;  ///< from the exercise
+  std::optional<double> rms_heading_rad;
+  double start_m = 0;  ///< place on the figure where the walk began
   NoFigure why_absent = NoFigure::no_exercise;
+  InputHashes inputs;  ///< what the figures are computed from
 };
 
-/// The part as columns to evaluate.
-[[nodiscard]] RunColumns run_of(const MovingPart& part, double start_m);
-/// The line of an exercise that check_exercise has accepted.
-contract::ReferencePath path_of_exercise(const std::string& exercise_json);
 /// Errors: not_found, corrupt, io. A session without movement gives zeros and no C, J_N.
 Result<SessionMetrics> session_metrics(Database& database, SessionId session);
-/// The same of a part that is read already: decoding a long session is what takes the time.
-Result<SessionMetrics> session_metrics(Database& database, SessionId session, const MovingPart& part);
 
 }  // namespace hoist::db

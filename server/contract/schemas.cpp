@@ -2,10 +2,12 @@
 #include "server/contract/schemas.hpp"
 
 #include <nlohmann/json.hpp>
+#include <string>
 #include <string_view>
 
 #include "control/contract/calibration.hpp"
 #include "control/contract/params.hpp"
+#include "db/metrics/metric_list.hpp"
 #include "server/contract/reasons.hpp"
 
 namespace hoist::server {
@@ -212,16 +214,14 @@ constexpr std::string_view kSchemas = R"json({
   "text": {"type": "string"}}, "additionalProperties": false}},
   "gaps": {"type": "array", "items": {"type": "object", "required": ["stream", "from_tick", "to_tick", "reason"], "properties": {"stream": {"type": "string"},
   "from_tick": {"type": "integer"}, "to_tick": {"type": "integer"}, "reason": {"type": "string"}}, "additionalProperties": false}}}, "additionalProperties": false},
-"Metrics": {"type": "object", "required": ["session", "C", "J_N", "reference_length_m", "duration_s", "motion_s", "missing_s", "distance_m", "mean_speed_m_s", "max_speed_m_s", "rms_position_m", "rms_heading_rad", "track",
-  "exercise", "reason_if_none", "reason_code"], "properties": {"session": {"type": "integer"},
-  "C": {"type": ["number", "null"], "description": "Correlation of pelvis turn and path turn at zero lag (Table II), -1 to 1: whether the patient turns where the path turns. No measure of distance from the path"},
-  "J_N": {"type": ["number", "null"], "description": "Squared error of the walk per metre of path (equation 24), at 100 Hz: it grows with slowness, too"}, "reference_length_m": {"type": ["number", "null"]},
-  "duration_s": {"type": "number", "description": "Time in which the hoist was under way (a mode in which the wheels may turn), standing included"},
-  "motion_s": {"type": "number", "description": "Of that, time in which a wheel turned at 0.02 m/s or more"},
-  "missing_s": {"type": "number", "description": "Motion that is not recorded: all figures are of the rest"}, "distance_m": {"type": "number"}, "mean_speed_m_s": {"type": "number", "description": "Over motion_s: standing does not count"},
-  "max_speed_m_s": {"type": "number"}, "rms_position_m": {"type": ["number", "null"]}, "rms_heading_rad": {"type": ["number", "null"]}, "track": {"enum": ["fused", "encoders"]},
+"Metrics": {"type": "object", "description": "The figures of db/metrics/metrics.def", "required": ["session", "track", "exercise", "reason_if_none", "reason_code", "computed"],
+  "properties": {"session": {"type": "integer"}, "track": {"enum": ["fused", "encoders"], "description": "Which track was compared: with slip repaired, or the encoders' own"},
   "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"}, "reason_if_none": {"type": ["string", "null"], "description": "Why there is no C, J_N, or one of them"},
-  "reason_code": {"anyOf": [{"$ref": "#/components/schemas/NoFigure"}, {"type": "null"}]}}, "additionalProperties": false},
+  "reason_code": {"anyOf": [{"$ref": "#/components/schemas/NoFigure"}, {"type": "null"}]},
+  "computed": {"type": "object", "description": "Of each figure", "required": [], "properties": {}, "additionalProperties": false}}, "additionalProperties": false},
+"ComputedFrom": {"type": "object", "required": ["version", "inputs", "hash"], "properties": {"version": {"type": "integer", "description": "Of the figure's definition"},
+  "inputs": {"type": "array", "items": {"type": "string"}, "description": "Recorded columns, gaps, exercise"},
+  "hash": {"type": "string", "description": "Of the values of these inputs: FNV-1a, 16 hexadecimal digits. The same hash and version, the same figure"}}, "additionalProperties": false},
 "MarkerRequest": {"type": "object", "required": ["text"], "properties": {"text": {"type": "string", "maxLength": 500}}, "additionalProperties": false},
 "FirmwareUpdate": {"type": "object", "required": ["node", "version", "phase", "result", "bytes_sent", "bytes_total", "seconds_left", "text"], "properties": {
   "node": {"type": "string"}, "version": {"type": "string"}, "phase": {"enum": ["listening", "asking_drives", "asking_node", "entering_loader", "sending", "checking", "starting",
@@ -246,8 +246,22 @@ json names_of(const auto& rows) {
   return {{"type", "string"}, {"enum", std::move(names)}};
 }
 
+// The figures of a session, and of each what it was computed from.
+void add_figures(json& metrics) {
+  json& computed = metrics["properties"]["computed"];
+  for (const db::MetricInfo& row : db::kMetrics) {
+    const std::string key{row.key};
+    const json type = row.nullable ? json::array({"number", "null"}) : json("number");
+    metrics["properties"][key] = {{"type", type}, {"description", row.doc}};
+    metrics["required"].push_back(key);
+    computed["properties"][key] = {{"$ref", "#/components/schemas/ComputedFrom"}};
+    computed["required"].push_back(key);
+  }
+}
+
 json all_schemas() {
   json schemas = json::parse(kSchemas);
+  add_figures(schemas["Metrics"]);
   schemas["CalibrationStep"] = names_of(contract::kCalibrationSteps);
   schemas["ParamName"] = names_of(contract::kParams);
   schemas["ReasonCode"] = names_of(kReasons);

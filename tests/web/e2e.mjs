@@ -330,7 +330,7 @@ const cases = {
     const figures = (await stack.rest('GET', `/sessions/${session.id}/metrics`)).json();
     assert(figures.C > 0.6 && figures.C <= 1, `similarity C = ${figures.C}`);
     assert(figures.J_N > 0 && figures.J_N < 25, `accuracy J_N = ${figures.J_N}`);
-    assert(figures.distance_m > 0.9 * lap_m, `distance ${figures.distance_m} m`);
+    assert(figures.walked_m > 0.9 * lap_m, `walked ${figures.walked_m} m`);
     const events = (await stack.rest('GET', `/sessions/${session.id}/events`)).json();
     assert(events.markers.some((mark) => mark.text === 'Went well'), 'the mark is not in the session');
     walked = { id: session.id, figures };

@@ -10,6 +10,7 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
+#include "db/metrics/metric_list.hpp"
 #include "deploy/tools/gen/bus_load.hpp"
 #include "deploy/tools/gen/generate.hpp"
 
@@ -66,6 +67,20 @@ GeneratedFile params_page() {
   }
   out.pop_back();
   return {"control/contract/params.gen.md", out};
+}
+
+GeneratedFile metrics_page() {
+  std::string out = head("db/metrics/metrics.def", "Figures of a session");
+  out +=
+      "Only steps in a mode in which the wheels may turn count, 10 ms each. A figure that is not defined is null, never zero. `computed` "
+      "says "
+      "of each figure the version of its definition, its inputs and a hash of their values. x_m, y_m and psi_rad are the track with slip "
+      "repaired (fused_) where it was recorded. Decisions: `db/DECISIONS.md`; D29: `control/core/law/DECISIONS.md`.\n\n";
+  out += table_head({"figure", "version", "unit", "definition", "computed from", "source"});
+  for (const auto& m : db::kMetrics)
+    out += row(
+        {code(m.key), std::to_string(m.version), std::string(m.unit), std::string(m.doc), std::string(m.inputs), std::string(m.source)});
+  return {"db/metrics/metrics.gen.md", out};
 }
 
 GeneratedFile signals_page() {
@@ -197,7 +212,7 @@ GeneratedFile load_page() {
 }  // namespace
 
 std::vector<GeneratedFile> markdown_files() {
-  return {params_page(), signals_page(), faults_page(), emergencies_page(), can_page(), load_page()};
+  return {params_page(), signals_page(), faults_page(), emergencies_page(), can_page(), load_page(), metrics_page()};
 }
 
 }  // namespace hoist::gen

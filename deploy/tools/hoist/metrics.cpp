@@ -12,10 +12,9 @@ namespace hoist::tool {
 int run_metrics(std::span<const std::string_view> arguments) {
   if (arguments.size() == 1 && arguments[0] == "--help") {
     std::fputs(
-        "usage: hoist metrics DB SESSION\n\nC and J_N of the session's exercise and a few plain figures, as one line of JSON with the "
-        "names of "
-        "GET /api/v1/sessions/N/metrics; null = not defined. duration_s is the time under way, motion_s the "
-        "part of it with a turning wheel.\n",
+        "usage: hoist metrics DB SESSION\n\nC and J_N of the session's exercise and a few plain figures, as one line of JSON: the "
+        "answer of GET /api/v1/sessions/N/metrics. null = not defined. \"computed\" names for each figure the version of its "
+        "definition and a hash of the recorded values it was computed from. The definitions: db/metrics/metrics.gen.md.\n",
         stdout);
     return kDone;
   }

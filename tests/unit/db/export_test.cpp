@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 #include <sstream>
 
 #include "control/bus/candump_log.hpp"
@@ -16,6 +17,7 @@
 #include "control/contract/reference_path.hpp"
 #include "db/export/fixed_point.hpp"
 #include "db/export/session_export.hpp"
+#include "db/metrics/metric_list.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/summary/session_json.hpp"
 #include "db/summary/session_metrics.hpp"
@@ -505,6 +507,7 @@ TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {
     f.end();
     const std::string db = (f.dir / "hoist.db").string(), id = std::to_string(f.id);
     const json metrics = json::parse(run(tool + " metrics " + db + " " + id));
+    EXPECT_EQ(metrics, *session_metrics_json(f.database, f.id)) << "what REST answers";
     // The columns as any other program would take them: out of the CSV, moving rows only.
     const Csv csv = parse_csv(run(tool + " export " + db + " " + id + " --columns mode,x_m,y_m,psi_rad,dpsi_rad"));
     json in = one.shape;
@@ -517,7 +520,7 @@ TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {
       in["dpsi"].push_back(std::stod(row[7]));
     }
     ASSERT_GT(in["x"].size(), 2000U);
-    EXPECT_NEAR(metrics["duration_s"].get<double>(), 0.01 * static_cast<double>(in["x"].size()), 1e-9) << "in motion";
+    EXPECT_NEAR(metrics["under_way_s"].get<double>(), 0.01 * static_cast<double>(in["x"].size()), 1e-9) << "in motion";
     std::ofstream(f.dir / "in.jsonl") << in.dump() << "\n";
     const json laws = json::parse(run(tool + " laws evaluate < " + (f.dir / "in.jsonl").string()));
     EXPECT_EQ(metrics["C"].get<double>(), laws["C"].get<double>());
@@ -533,10 +536,11 @@ TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {
     const json listed = json::parse(run(tool + " sessions " + db));
     EXPECT_EQ(listed["id"], f.id);
     EXPECT_EQ(listed["exercise"]["shape"], one.shape["shape"]);
-    // The same names everywhere: those of REST.
+    const json exported = json::parse(run(tool + " export " + db + " " + id + " --format json --columns mode"));
+    // The same names and figures everywhere: those of REST.
     EXPECT_EQ(listed["exercise"], metrics["exercise"]);
-    EXPECT_EQ(listed["exercise"],
-              json::parse(run(tool + " export " + db + " " + id + " --format json --columns mode"))["session"]["exercise"]);
+    EXPECT_EQ(listed["exercise"], exported["session"]["exercise"]);
+    EXPECT_EQ(exported["metrics"], metrics);
     EXPECT_EQ(listed["exercise"].contains("c_m"), one.shape["shape"] == "eight");
     EXPECT_EQ(metrics["reason_if_none"], nullptr);
   }
@@ -648,6 +652,39 @@ TEST(Metrics, ARecordingThatBeginsMidwayKnowsItsPlace) {
   EXPECT_EQ(figures_of(rest).why_absent, NoFigure::start_unclear);
 }
 
+TEST(Metrics, EachFigureNamesItsDefinitionAndWhatItWasComputedFrom) {
+  const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
+  const auto computed = [](const std::vector<TickRecord>& records) { return metrics_json(figures_of(records), {})["computed"]; };
+  const json whole = computed(walk);
+  ASSERT_EQ(whole.size(), kMetrics.size());
+  EXPECT_EQ(whole, computed(walk));
+  // The session has the repaired track; its own number of the mark; an exercise.
+  EXPECT_EQ(whole["C"]["inputs"],
+            json::array({"mode", "fused_x_m", "fused_y_m", "fused_psi_rad", "dpsi_rad", "distance_m", "start_mark", "gaps", "exercise"}));
+  EXPECT_EQ(whole["walked_m"]["inputs"], json::array({"mode", "speed_m_s"}));
+  const auto differ = [&whole](const json& other) {
+    std::set<std::string> keys;
+    for (const auto& [key, one] : whole.items()) {
+      EXPECT_EQ(one["version"], other[key]["version"]);
+      if (one["hash"] != other[key]["hash"]) keys.insert(key);
+    }
+    return keys;
+  };
+  // One step of one sample, and the figures of that column are known to be of something else; the others are not touched.
+  std::vector<TickRecord> other = walk;
+  other[1000].speed_m_s += 0.01F;
+  EXPECT_EQ(differ(computed(other)), (std::set<std::string>{"walked_m", "mean_speed_m_s", "max_speed_m_s"}));
+  other = walk;
+  other[1000].fused_psi_rad += 0.001F;
+  EXPECT_EQ(differ(computed(other)), (std::set<std::string>{"C", "J_N", "reference_length_m", "rms_position_m", "rms_heading_rad"}));
+  other = walk;
+  other[1000].dpsi_rad += 0.001F;
+  EXPECT_EQ(differ(computed(other)), (std::set<std::string>{"C"}));
+  other = walk;
+  other.erase(other.begin() + 1000);
+  EXPECT_EQ(differ(computed(other)).size(), kMetrics.size());
+}
+
 TEST(Metrics, StandingIsNoMotion) {
   std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
   for (std::size_t i = 500; i < 1500; ++i) walk[i].standing_still = 1, walk[i].speed_m_s = 0;
@@ -671,7 +708,7 @@ TEST(Metrics, without_walking_or_exercise_there_are_no_figures_but_a_reason) {
   const Result<SessionMetrics> plain = session_metrics(f.database, f.id);
   ASSERT_TRUE(plain.ok());
   EXPECT_EQ(plain->moving_samples, 0U);
-  EXPECT_EQ(plain->distance_m, 0);
+  EXPECT_EQ(plain->walked_m, 0);
   EXPECT_TRUE(plain->shape.empty());
   EXPECT_FALSE(plain->correlation.has_value());
   SessionPatch patch;

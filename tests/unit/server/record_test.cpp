@@ -11,6 +11,7 @@
 #include "control/publish/core_link.hpp"
 #include "control/publish/server_link.hpp"
 #include "db/export/session_export.hpp"
+#include "db/metrics/metric_list.hpp"
 #include "db/store/database.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/summary/session_metrics.hpp"
@@ -130,6 +131,14 @@ TEST_F(Record, AWalkIsRecordedAndExportedAsPublished) {
   EXPECT_EQ(get("/api/v1/sessions/1").status, 404);
 }
 
+json figures_by_command(const std::filesystem::path& database) {
+  const std::string command = std::string(HOIST_BINARY_DIR) + "/bin/hoist metrics " + database.string() + " 1";
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
+  std::string text;
+  for (int c = 0; pipe && (c = std::fgetc(pipe.get())) != EOF;) text += static_cast<char>(c);
+  return json::parse(text, nullptr, false);
+}
+
 // C, J_N and L of this walk are another program's (tests/golden); the other figures are counted here by their definitions.
 TEST_F(Record, TheFiguresOfAWalkAreThoseOfTheirDefinitions) {
   std::ifstream file(std::string(HOIST_SOURCE_DIR) + "/tests/golden/evaluate.json");
@@ -164,6 +173,11 @@ TEST_F(Record, TheFiguresOfAWalkAreThoseOfTheirDefinitions) {
   ASSERT_TRUE(until([&] { return recording()["samples"].get<std::size_t>() > count + 400; })) << "the walk is in it";
   ASSERT_EQ(call("POST", "/api/v1/recording", {{"action", "stop"}}).status, 200) << recording();
   json told = get("/api/v1/sessions/1/metrics").json();
+  // The same session's figures, each with version, inputs and hash, on the command line and in the export.
+  EXPECT_EQ(told, figures_by_command(folder_ / "hoist.db"));
+  EXPECT_EQ(told, get("/api/v1/sessions/1/export?format=json&columns=mode").json()["metrics"]);
+  EXPECT_EQ(told["computed"].size(), db::kMetrics.size());
+  told.erase("computed");
   const auto figure = [&told](const char* name) {
     const double value = told[name].is_number() ? told[name].get<double>() : std::nan("");
     told.erase(name);
@@ -179,9 +193,9 @@ TEST_F(Record, TheFiguresOfAWalkAreThoseOfTheirDefinitions) {
   EXPECT_NEAR(std::pow(figure("rms_position_m"), 2) + std::pow(figure("rms_heading_rad"), 2), j_n * length_m / static_cast<double>(count),
               1e-4);
   const double moving = static_cast<double>(count - kStanding), distance_m = 0.01 * (moving / 2 * 0.5 + moving / 2 * 0.25);
-  EXPECT_NEAR(figure("duration_s"), 0.01 * static_cast<double>(count), 1e-9);
+  EXPECT_NEAR(figure("under_way_s"), 0.01 * static_cast<double>(count), 1e-9);
   EXPECT_NEAR(figure("motion_s"), 0.01 * moving, 1e-9);
-  EXPECT_NEAR(figure("distance_m"), distance_m, 0.003) << "an odd number of samples";
+  EXPECT_NEAR(figure("walked_m"), distance_m, 0.003) << "an odd number of samples";
   EXPECT_NEAR(figure("mean_speed_m_s"), distance_m / (0.01 * moving), 1e-3);
   EXPECT_NEAR(figure("max_speed_m_s"), 0.5, 1e-6);
   EXPECT_EQ(figure("missing_s"), 0);

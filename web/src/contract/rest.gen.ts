@@ -95,6 +95,15 @@ export type CalibrationState = {
 
 export type CalibrationStep = 'zero' | 'neutral' | 'gyro' | 'strut_length' | 'strut_spacing' | 'wheel_radius' | 'track' | 'square' | 'encoders' | 'bumpers';
 
+export type ComputedFrom = {
+  /** Of the values of these inputs: FNV-1a, 16 hexadecimal digits. The same hash and version, the same figure. */
+  hash: string;
+  /** Recorded columns, gaps, exercise. */
+  inputs: readonly string[];
+  /** Of the figure's definition. */
+  version: number;
+};
+
 export type Done = {
   ok: true;
 };
@@ -321,17 +330,30 @@ export type MarkerRequest = {
   text: string;
 };
 
+/** The figures of db/metrics/metrics.def. */
 export type Metrics = {
-  /** Correlation of pelvis turn and path turn at zero lag (Table II), -1 to 1: whether the patient turns where the path turns. No measure of distance from the path. */
+  /** Correlation of pelvis turn and path turn at zero lag, -1 to 1: whether the patient turns where the path turns. No measure of distance from the path. */
   C: number | null;
-  /** Squared error of the walk per metre of path (equation 24), at 100 Hz: it grows with slowness, too. */
+  /** Squared error of the walk per metre of path, at 100 Hz: it grows with slowness, too. */
   J_N: number | null;
-  distance_m: number;
-  /** Time in which the hoist was under way (a mode in which the wheels may turn), standing included. */
-  duration_s: number;
+  /** Of each figure. */
+  computed: {
+    C: ComputedFrom;
+    J_N: ComputedFrom;
+    max_speed_m_s: ComputedFrom;
+    mean_speed_m_s: ComputedFrom;
+    missing_s: ComputedFrom;
+    motion_s: ComputedFrom;
+    reference_length_m: ComputedFrom;
+    rms_heading_rad: ComputedFrom;
+    rms_position_m: ComputedFrom;
+    under_way_s: ComputedFrom;
+    walked_m: ComputedFrom;
+  };
   exercise: ExerciseOrNull;
+  /** Largest absolute speed while under way. */
   max_speed_m_s: number;
-  /** Over motion_s: standing does not count. */
+  /** walked_m over motion_s: standing does not count. */
   mean_speed_m_s: number;
   /** Motion that is not recorded: all figures are of the rest. */
   missing_s: number;
@@ -340,11 +362,19 @@ export type Metrics = {
   reason_code: NoFigure | null;
   /** Why there is no C, J_N, or one of them. */
   reason_if_none: string | null;
+  /** Progress along the exercise. */
   reference_length_m: number | null;
+  /** Angle against the exercise, root mean square. */
   rms_heading_rad: number | null;
+  /** Distance from the exercise, root mean square. */
   rms_position_m: number | null;
   session: number;
+  /** Which track was compared: with slip repaired, or the encoders' own. */
   track: 'fused' | 'encoders';
+  /** Time in which the hoist was under way (a mode in which the wheels may turn), standing included. */
+  under_way_s: number;
+  /** Way walked, forward and backward: absolute speed times 10 ms, summed over the time under way. */
+  walked_m: number;
 };
 
 export type ModeList = {

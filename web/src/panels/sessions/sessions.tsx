@@ -420,8 +420,8 @@ function Figures({ metrics }: { metrics: Metrics | null }) {
         <Figure label={t('metric.turning')} symbol="C" value={fixed(m?.C, 2)} help={t('metric.turningHelp')} />
         <Figure label={t('metric.accuracy')} symbol="J" value={fixed(m?.J_N, 1)} help={t('metric.accuracyHelp')} />
         <Figure label={t('metric.duration')} value={duration(m?.motion_s)} />
-        <Figure label={t('metric.underWay')} value={duration(m?.duration_s)} />
-        <Figure label={t('metric.distance')} value={`${fixed(m?.distance_m, 1)} m`} />
+        <Figure label={t('metric.underWay')} value={duration(m?.under_way_s)} />
+        <Figure label={t('metric.distance')} value={`${fixed(m?.walked_m, 1)} m`} />
         <Figure label={t('metric.speed')} value={`${fixed(m?.mean_speed_m_s, 2)} m/s`} />
         <Figure label={t('metric.offPath')} value={`${fixed(m?.rms_position_m == null ? null : m.rms_position_m * 100, 0)} cm`} />
         <Figure label={t('metric.offHeading')} value={degrees(m?.rms_heading_rad, 0)} />
