@@ -45,18 +45,9 @@ void acknowledge(const CallPtr& call) {
 }
 
 void take_lease(const CallPtr& call) {
-  const json& over = field(*call, "take_over");
-  if (!over.is_null() && !over.is_boolean()) {
-    call->fail({.status = 422,
-                .name = "invalid",
-                .title = "A value cannot be used",
-                .detail = "take_over must be true or false.",
-                .errors = {{"take_over", "must be true or false"}}});
-    return;
-  }
   const Asker asker = asker_of(*call);
   call->session->used_ns = call->services.now_ns();
-  act_take_lease(call->services, asker, over.is_boolean() && over.get<bool>(), [call, client = asker.client](const Outcome& outcome) {
+  act_take_lease(call->services, asker, field(*call, "take_over") == true, [call, client = asker.client](const Outcome& outcome) {
     if (outcome.done())
       call->respond(json{{"epoch", outcome.epoch}, {"holder", client}});
     else

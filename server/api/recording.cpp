@@ -15,39 +15,21 @@ void control_recording(const CallPtr& call) {
   const json& body = *call->body;
   const auto text = [&body](const char* name) -> std::optional<std::string> {
     const auto at = body.find(name);
-    return at != body.end() && at->is_string() ? std::optional{at->get<std::string>()} : std::nullopt;
+    return at != body.end() ? std::optional{at->get<std::string>()} : std::nullopt;
   };
-  const auto action = text("action");
-  if (!action || (*action != "start" && *action != "stop")) {
-    call->fail({.status = 422,
-                .name = "invalid",
-                .title = "A value cannot be used",
-                .detail = "action must be start or stop.",
-                .errors = {{"action", "must be start or stop"}}});
-    return;
-  }
-  for (const char* name : {"subject", "note"}) {
-    if (!body.contains(name) || body.at(name).is_string()) continue;
-    call->fail({.status = 422,
-                .name = "invalid",
-                .title = "A value cannot be used",
-                .detail = std::string{name} + " must be text.",
-                .errors = {{name, "must be text"}}});
-    return;
-  }
-  if (*action == "start") call->services.start_anew = true;
-  in_background(call,
-                [start = *action == "start", subject = text("subject"), note = text("note").value_or(""),
-                 path = call->request.path](Records& records) -> Response {
-                  const db::Status status = start ? records.begin_manual(subject, note) : records.end_manual();
-                  if (!status) {
-                    if (status.error().kind == db::ErrorKind::disk_full)
-                      return problem_response(
-                          {.status = 507, .name = "disk-full", .title = "The disk is full", .detail = status.error().message}, path);
-                    return store_error(status.error(), path);
-                  }
-                  return json_response(recording_json(records.status()));
-                });
+  const bool starts = body.at("action") == "start";
+  if (starts) call->services.start_anew = true;
+  in_background(
+      call, [starts, subject = text("subject"), note = text("note").value_or(""), path = call->request.path](Records& records) -> Response {
+        const db::Status status = starts ? records.begin_manual(subject, note) : records.end_manual();
+        if (!status) {
+          if (status.error().kind == db::ErrorKind::disk_full)
+            return problem_response({.status = 507, .name = "disk-full", .title = "The disk is full", .detail = status.error().message},
+                                    path);
+          return store_error(status.error(), path);
+        }
+        return json_response(recording_json(records.status()));
+      });
 }
 
 }  // namespace hoist::server::api

@@ -173,7 +173,7 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
   const bool ends_motion = route.operation == "set_mode" && body->value("mode", nlohmann::json()) == "standby";
   std::vector<FieldError> errors;
   if (!ends_motion) {
-    for (std::string& name : unknown_fields(route.request, *body)) errors.push_back({std::move(name), "is not known here"});
+    errors = wrong_fields(route.request, *body);
     if (auto name = repeated_name(request.body)) errors.push_back({std::move(*name), "is given twice"});
   }
   if (!errors.empty()) {

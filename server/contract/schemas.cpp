@@ -17,7 +17,7 @@ using nlohmann::json;
 namespace {
 constexpr std::string_view kSchemas = R"json({
 "OpenApi": {"type": "object", "required": ["openapi", "info", "paths", "components"], "properties": {"openapi": {"const": "3.1.0"}}},
-"Empty": {"type": "object", "maxProperties": 0, "additionalProperties": false, "description": "No fields; the body may be left out."},
+"Empty": {"type": "object", "additionalProperties": false, "description": "No fields; the body may be left out."},
 "AcknowledgeRequest": {"type": "object", "properties": {"seen": {"type": "array", "minItems": 1, "maxItems": 32, "items": {"type": "string", "maxLength": 32},
   "description": "Names of the faults that were shown when the hand went down, see /api/v1/faults; refused when another has come since"}},
   "additionalProperties": false, "description": "The body may be left out."},

@@ -309,9 +309,9 @@ TEST_F(Rest, RefusedParametersNameFieldAndRangeAndChangeNothing) {
   EXPECT_EQ(high.json()["errors"][0]["max"], 100.0);
   const Answer text = call("PUT", "/api/v1/parameters/lean_gain_filtered_units", {{"value", "NaN"}});
   EXPECT_EQ(text.status, 422);
-  EXPECT_EQ(text.json()["detail"], "value must be a number; nothing was changed.");
+  EXPECT_EQ(text.json()["detail"], "value must be a number; nothing was done.");
   const Answer empty = call("PUT", "/api/v1/parameters/lean_gain_filtered_units", json::object());
-  EXPECT_EQ(empty.json()["detail"], "value is missing; it must be a number; nothing was changed.");
+  EXPECT_EQ(empty.json()["detail"], "value is missing; it must be a number; nothing was done.");
   EXPECT_EQ(empty.json()["errors"][0]["field"], "value");
   EXPECT_EQ(get("/api/v1/sessions?limit=201").json()["errors"][0]["message"], "must be a whole number from 1 to 200");
   EXPECT_EQ(call("PUT", "/api/v1/parameters/lean_gain_filtered_units", {{"value", nullptr}}).status, 422);
@@ -542,7 +542,7 @@ TEST_F(Rest, AnAcknowledgementNamesWhatWasSeen) {
        {json("bumper_pressed"), json::array(), json{"bumper_pressed", "no_such_fault"}, json{"bumper_pressed", 3}, json(7)}) {
     const auto reply = call("POST", "/api/v1/acknowledge", {{"seen", wrong}});
     EXPECT_EQ(reply.status, 422U) << wrong;
-    EXPECT_EQ(reply.json()["errors"][0]["field"], "seen") << wrong;
+    EXPECT_TRUE(reply.json()["errors"][0]["field"].get<std::string>().starts_with("seen")) << wrong;
   }
   EXPECT_TRUE(acknowledged().empty());
   EXPECT_EQ(call("POST", "/api/v1/acknowledge", {{"seen", {"bumper_pressed", "stop_pressed"}}}).status, 200U);
