@@ -64,7 +64,7 @@ struct DriveCommand {
   std::uint64_t echo_time_ns = 0;  // time_ns of the newest telemetry record the client had seen: the command's age counts from it
   double speed_norm = 0;
   double yaw_norm = 0;
-  std::uint64_t held = 0;  // 1 while the dead-man is held; anything else counts as let go
+  std::uint64_t held = 0;  // 1 while hold-to-run is held; anything else counts as let go
 };
 static_assert(sizeof(DriveCommand) == 48 && std::is_trivially_copyable_v<DriveCommand>);
 

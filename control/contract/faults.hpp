@@ -264,7 +264,7 @@ static_assert(unique_by(kModes, [](const ModeInfo& m) { return m.value; }), "fau
 static_assert(all_rows(kModes, [](const ModeInfo& m) { return m.value < kModes.size() && kModes[m.value].value == m.value; }),
               "faults.def: modes must be numbered in order");
 
-/// The therapist's hand leads in this mode: without a fresh command and a held dead-man nothing may speed up.
+/// The therapist's hand leads in this mode: without a fresh command and hold-to-run held nothing may speed up.
 constexpr bool led_by_hand(Mode mode) { return mode == Mode::remote || mode == Mode::guided; }
 
 constexpr std::uint64_t faults_hash() {

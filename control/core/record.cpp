@@ -158,7 +158,7 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.io_age_ticks = sensed.io.fresh().age_ticks();
   record.server_alive = state.server.alive() ? 1 : 0;
   record.standing_still = odometry.standing_still ? 1 : 0;
-  const Calibration& calibration = state.motion.calibration;
+  const Calibration& calibration = state.in_mode.calibration;
   record.calibration_value = calibration.value;
   record.calibration_step = static_cast<std::uint8_t>(calibration.step);
   record.calibration_phase = static_cast<std::uint8_t>(calibration.phase);

@@ -7,7 +7,7 @@
 #include "control/contract/params.hpp"
 #include "control/core/base/derived.hpp"
 #include "control/core/base/event_queue.hpp"
-#include "control/core/base/held.hpp"
+#include "control/core/base/lasting.hpp"
 #include "control/core/calibrate/calibration.hpp"
 #include "control/core/command/acknowledgement.hpp"
 #include "control/core/command/guided.hpp"
@@ -43,13 +43,13 @@ struct Service {
 };
 
 /// What belongs to the mode in charge; begins anew with every change of mode, so that no mode remembers another.
-struct Motion {
+struct InMode {
   Braking braking = Braking::none;
   bool leaving = false;            // braking to a stop, then STANDBY
   bool powered = false;            // both drives have been enabled since the mode began
-  bool remote_lost = false;        // REMOTE: commands stopped while the dead-man was held
+  bool remote_lost = false;        // REMOTE: commands stopped while hold-to-run was held
   contract::FaultBits causes = 0;  // PROTECTIVE_STOP: faults of the step in which it began
-  HeldFor silent;                  // PROTECTIVE_STOP: a node is silent; up to kGoneTicks
+  Lasting silent;                  // PROTECTIVE_STOP: a node is silent; up to kGoneTicks
   std::uint32_t epoch = 0;         // lease with which the mode began
   std::uint64_t ticks = 0;         // steps since the mode began
   HoldWatch hold;                  // PROTECTIVE_STOP: whether it does hold
@@ -99,9 +99,9 @@ struct CoreState {
   Acknowledgement acknowledgement;
 
   contract::Mode mode = contract::Mode::init;
-  Motion motion;
-  HeldFor still;  // commanded and measured standstill; up to kStillTicks
-  HeldFor clear;  // INIT: everything there; up to kClearTicks
+  InMode in_mode;
+  Lasting still;  // commanded and measured standstill; up to kStillTicks
+  Lasting clear;  // INIT: everything there; up to kClearTicks
   law::PfpState<double> lean;
   law::PfpTurnState<double> turn;
   GuidedRun guided;

@@ -82,7 +82,7 @@ inline constexpr double kQuickStop_rad_s2 = contract::find_object(contract::Node
     return out;
   }
   // Braked by the core.
-  const Braking braking = state.motion.braking;
+  const Braking braking = state.in_mode.braking;
   double way_m = 0;
   if (braking != Braking::none) {
     way_m = ramp_m(command_m_s, deceleration_m_s2(braking, state.params));

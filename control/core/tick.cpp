@@ -75,7 +75,7 @@ void receive_frames(CoreState& state, const TickInputs& inputs, double dt_s) noe
 
 void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
   if (!(inputs.wake_lateness_s <= kLate_s)) ++state.overruns;
-  if (state.motion.remote_lost) {
+  if (state.in_mode.remote_lost) {
     state.remote_lost_ticks = kRemoteLostShownTicks;
   } else if (state.remote_lost_ticks > 0) {
     --state.remote_lost_ticks;
@@ -86,7 +86,7 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
                          .params = state.params,
                          .mode = state.mode,
                          .moving = is_moving(state.mode),
-                         .powered = state.motion.powered,
+                         .powered = state.in_mode.powered,
                          .latched = state.latched,
                          .left_command_m_s = state.left_command_m_s,
                          .right_command_m_s = state.right_command_m_s,
@@ -133,12 +133,12 @@ void take_commands(CoreState& state, const TickInputs& inputs) noexcept {
 
 /// The mode's wish, through the limiter.
 Wish decide(CoreState& state, double dt_s) noexcept {
-  Motion& motion = state.motion;
-  ++motion.ticks;
+  InMode& in_mode = state.in_mode;
+  ++in_mode.ticks;
   // What a drive says that was just let go may be older than its going: only what it says while it is told to run counts.
   if (state.sensed.left_drive.enabled() && state.sensed.right_drive.enabled() && state.left_control.goes_on() &&
       state.right_control.goes_on() && mode_row_of(state.mode).drives)
-    motion.powered = true;
+    in_mode.powered = true;
   Wish wish = mode_row_of(state.mode).step(state, dt_s);
   if (wish.done) finish_mode(state);
   const std::uint8_t bumpers = state.sensed.io.bumpers();
@@ -183,13 +183,13 @@ GateView gate_view(const CoreState& state) noexcept {
           sensed.tilts_lost(),
           unfit(sensed.left_drive) || unfit(sensed.right_drive),
           state.remote.held() && state.remote.age_s(state.time_ns) < state.params.remote_stop_age_s,
-          state.motion.service.on,
+          state.in_mode.service.on,
           sensed.io.bumpers()};
 }
 
-/// Both drives were out of the stop, and one joins: they have braked by themselves meanwhile, or rolled out. The ramp goes on from what the
-/// wheels do; from where it had come to by itself it would set a hoist in motion that stands. Of a drive that is silent nothing is known: it
-/// is taken to turn like the other one.
+/// Both drives were lost during a stop, and one answers again: meanwhile they have braked by themselves, or rolled out. The ramp continues
+/// from the measured wheel speeds; continued from its own last value it could start a hoist that already stands. A drive that is still silent
+/// is assumed to turn like the other one.
 void rejoin(CoreState& state) noexcept {
   const Estimate& sensed = state.sensed;
   const bool left_lost = sensed.left_drive.fresh().lost(), right_lost = sensed.right_drive.fresh().lost();
@@ -204,9 +204,9 @@ void rejoin(CoreState& state) noexcept {
 }
 
 void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& out) noexcept {
-  if (state.mode == contract::Mode::protective_stop && state.motion.hold.step(state.limiter, state.sensed))
+  if (state.mode == contract::Mode::protective_stop && state.in_mode.hold.step(state.limiter, state.sensed))
     raise_fault(state, Fault::overspeed);  // H1, H2: the wheels do something else than they were told
-  const bool cut = state.motion.hold.cut() || state.relay.is_cut();
+  const bool cut = state.in_mode.hold.cut() || state.relay.is_cut();
   const bool drives = mode_row_of(state.mode).drives;
   const std::uint16_t left_control = state.left_control.step(state.sensed.left_drive, drives, cut);
   const std::uint16_t right_control = state.right_control.step(state.sensed.right_drive, drives, cut);
@@ -216,7 +216,7 @@ void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOu
   const WheelCommand wheels = mix_wheels(state.limiter.speed_m_s(), state.limiter.yaw_rate_rad_s(), state.derived);
   static_cast<void>(out.frames.push_back(drive_frame(Node::drive_left, left_control, wheels.left_raw)));
   static_cast<void>(out.frames.push_back(drive_frame(Node::drive_right, right_control, wheels.right_raw)));
-  Service& service = state.motion.service;
+  Service& service = state.in_mode.service;
   state.master.step(inputs.tick, state.sensed, state.live, service.on, out.frames);
   if (service.on && service.waiting) static_cast<void>(out.frames.push_back(service.frame));
   service.waiting = false;

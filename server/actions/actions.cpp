@@ -325,7 +325,7 @@ std::uint32_t start_refusals(const Services& services, contract::Mode mode) {
   std::uint32_t bits = newest->blocked_bits & ~contract::refusal_bit(contract::Refusal::no_lease);
   if (mode == contract::Mode::remote) bits &= ~contract::refusal_bit(contract::Refusal::bumper_start);
   if (newest->mode != static_cast<std::uint8_t>(contract::Mode::standby)) bits |= contract::refusal_bit(contract::Refusal::not_standby);
-  // An exercise asks besides that the dead-man is pressed for it; the core's rule with the core's limit.
+  // An exercise asks besides that hold-to-run is pressed for it; the core's rule with the core's limit.
   const double stop_age_s = services.core.parameters().values[contract::param_index(contract::ParamName::remote_stop_age_s)];
   if (mode == contract::Mode::guided && services.core.hand_holds(static_cast<std::uint64_t>(stop_age_s * 1e9)))
     bits |= contract::refusal_bit(contract::Refusal::release_first);

@@ -85,7 +85,7 @@ class CoreDesk {
   bool stop(std::uint32_t client, Done done);
   // The newest driving command. Not queued: only the latest counts. False when no core is connected.
   bool drive(const contract::DriveCommand& command);
-  // Whether the newest driving command holds the dead-man and its hand is no older than this (RemoteDrive::age_s).
+  // Whether the newest driving command holds hold-to-run and its hand is no older than this (RemoteDrive::age_s).
   [[nodiscard]] bool hand_holds(std::uint64_t within_ns) const;
 
   // Whether the next step matters: a client holds the lease, or an answer is due. Else one look per batch of samples is enough.

@@ -151,7 +151,7 @@ void command_wheels(core::TickOutputs& out, double left_mrad_s, double right_mra
 TEST(ChaosBites, I1WheelsThatGoOnAfterAStop) {
   EXPECT_TRUE(bites(quiet([](double, core::CoreState& core, core::TickOutputs& out) {
                       if (core.mode != Mode::user && core.mode != Mode::remote && core.mode != Mode::protective_stop) return;
-                      if (core.mode == Mode::protective_stop || core.motion.leaving) command_wheels(out, 90'000, 90'000);
+                      if (core.mode == Mode::protective_stop || core.in_mode.leaving) command_wheels(out, 90'000, 90'000);
                     }),
                     "I1"));
 }
@@ -278,7 +278,7 @@ TEST(ChaosBites, I12AWalkThatEndsWithTheServer) {
   options.faults = std::vector<Fault>{{Kind::server_hang, contract::Node::io, 25.0, 35.0, 0.5}};
   EXPECT_TRUE(run_unmoved(options).broken.empty());
   options.sabotage = [](double, core::CoreState& core, core::TickOutputs&) {
-    if (moving(core) && core.server.seen() && !core.server.alive()) core.motion.leaving = true;
+    if (moving(core) && core.server.seen() && !core.server.alive()) core.in_mode.leaving = true;
   };
   EXPECT_FALSE(run_unmoved(options).broken.empty());
 }

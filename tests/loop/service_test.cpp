@@ -151,7 +151,7 @@ TEST_F(ServiceLoop, AnUpdateThatIsCutOffIsDoneAgainFromINIT) {
   EXPECT_FALSE(updating->over());
   updating.reset();
   loop.run(3.0);
-  EXPECT_FALSE(loop.core().motion.service.on) << "two seconds after the last word";
+  EXPECT_FALSE(loop.core().in_mode.service.on) << "two seconds after the last word";
   EXPECT_EQ(loop.mode(), Mode::init) << "a node without a program keeps the hoist";
   EXPECT_TRUE(loop.world().in_loader(Node::drive_left));
   loop.ask(CommandKind::begin_service, 0, 0, 0, 0, kEngineer);

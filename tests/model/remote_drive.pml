@@ -1,5 +1,5 @@
 /* Leading by hand over a channel that loses, delays, reorders and doubles: a client with a stick and hold-to-run, a rival that takes the lease
- * and gives it back, and the core that judges by its own clock. In GUIDED the button is the same hold-to-run (modes/dead_man.hpp): what is
+ * and gives it back, and the core that judges by its own clock. In GUIDED the button is the same hold-to-run (modes/hold_to_run.hpp): what is
  * "pushed" here is "held" there. The rules are those of control/core/command/{lease,remote_drive}.hpp; with one of them taken away by -D
  * the search must find a way to hurt somebody (tests/model/CMakeLists.txt does that for each).
  *

@@ -193,7 +193,7 @@ const std::vector<Row>& table() {
 }
 
 // Without power nothing is commanded.
-bool brakes(ClosedLoop& loop) { return loop.core().motion.braking != core::Braking::none || loop.mode() == Mode::emergency_stop; }
+bool brakes(ClosedLoop& loop) { return loop.core().in_mode.braking != core::Braking::none || loop.mode() == Mode::emergency_stop; }
 
 // The hoist and each of its wheels: a spinning hoist is not at rest.
 bool stands(ClosedLoop& loop) {

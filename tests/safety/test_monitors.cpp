@@ -417,7 +417,7 @@ TEST(Monitors, H12BatteryWarnsThenStopsGentlyAndBlocksTheStart) {
   hoist.io.battery_a_v = hoist.io.battery_b_v = 10.0;
   hoist.worst_deceleration_m_s2 = 0;
   int ticks = 0;
-  while (!hoist.state.motion.leaving && ticks < 300) {
+  while (!hoist.state.in_mode.leaving && ticks < 300) {
     hoist.step();
     ++ticks;
   }
@@ -619,7 +619,7 @@ TEST(Monitors, H9NothingStartsOnASteepRampAndASilentSensorIsNoSlope) {
 
 int ticks_until_leaving(ScriptedHoist& hoist, int limit) {
   int ticks = 0;
-  while (hoist.state.mode == Mode::user && !hoist.state.motion.leaving && ticks < limit) {
+  while (hoist.state.mode == Mode::user && !hoist.state.in_mode.leaving && ticks < limit) {
     hoist.step();
     ++ticks;
   }
@@ -699,7 +699,7 @@ TEST(Monitors, H16SmallSwayIsNoStepAndSlowRollingNoDrawing) {
 int driven_until_leaving(ScriptedHoist& hoist, int limit) {
   for (int i = 0; i < limit; i += 4) {
     hoist.drive_for(4, 0.9);
-    if (hoist.state.motion.leaving) return i;
+    if (hoist.state.in_mode.leaving) return i;
   }
   return -1;
 }
@@ -731,9 +731,9 @@ TEST(Monitors, H16AnEmptyHoistThatIsDrivenDoesNotHang) {
   // But a large lean for two seconds means being dragged.
   hoist.tilt_left.slew_deg = hoist.tilt_right.slew_deg = 0.1;
   hoist.lean(11);
-  for (int i = 0; i < 360 && !hoist.state.motion.leaving; i += 4) hoist.drive_for(4, 0.9);
+  for (int i = 0; i < 360 && !hoist.state.in_mode.leaving; i += 4) hoist.drive_for(4, 0.9);
   EXPECT_TRUE(hoist.has_fault(Fault::patient_hanging));
-  EXPECT_TRUE(hoist.state.motion.leaving);
+  EXPECT_TRUE(hoist.state.in_mode.leaving);
 }
 
 // An exercise that waits for a lagging patient rolls slower than 0.1 m/s, or stands: the alarm ends it too.
@@ -754,7 +754,7 @@ TEST(Monitors, H16NobodyIsWaitedForWithoutEnd) {
     hoist.sway_deg = sway_deg;
     hoist.tilt_left.slew_deg = hoist.tilt_right.slew_deg = 0.1;
     hoist.lean(lean_deg);
-    const auto goes_on = [&hoist] { return hoist.state.mode == Mode::guided && !hoist.state.motion.leaving; };
+    const auto goes_on = [&hoist] { return hoist.state.mode == Mode::guided && !hoist.state.in_mode.leaving; };
     for (int i = 0; i < 600 && goes_on(); ++i) {
       // Steps on the spot while the wheels stand do not count.
       if (lean_deg < -9) hoist.tilt_left.beta_deg = hoist.tilt_right.beta_deg = i / 50 % 2 == 0 ? sway_deg : -sway_deg;
@@ -782,7 +782,7 @@ TEST(Monitors, H10ASlipIsMarkedAtOnceAndStopsGentlyWhenItLasts) {
         if (mode == Mode::remote) hoist.hold(0.9);
         hoist.step();
         if (marked < 0 && (hoist.out.record.slip_state & 1U) != 0) marked = i;
-        if (hoist.state.motion.leaving) stopping = i;
+        if (hoist.state.in_mode.leaving) stopping = i;
       }
       EXPECT_GT(marked, 0);
       EXPECT_LE(marked, 20) << "noticed within 200 ms";

@@ -336,11 +336,11 @@ TEST(Transitions, EveryEntryBeginsFromZero) {
     // Arbitrary old state of a mode: entering the mode must clear it.
     CoreState& state = hoist.state;
     state.mode = row.from;
-    state.motion = {};
-    state.motion.powered = true;
-    state.motion.leaving = row.guard == Guard::ramp_first;
-    state.motion.ticks = 77;
-    state.motion.epoch = state.lease.epoch;
+    state.in_mode = {};
+    state.in_mode.powered = true;
+    state.in_mode.leaving = row.guard == Guard::ramp_first;
+    state.in_mode.ticks = 77;
+    state.in_mode.epoch = state.lease.epoch;
     state.lean.v_f_units = 9;
     state.turn.omega_f_units = -9;
     const bool walks = is_moving(row.from) && row.guard != Guard::ramp_first;
@@ -350,7 +350,7 @@ TEST(Transitions, EveryEntryBeginsFromZero) {
     if (row.guard == Guard::ready_with_a_path) state.guided.load({});
     if (row.guard == Guard::only_silence) {
       state.conditions = state.latched = contract::fault_bit(Fault::drive_left_lost);
-      state.motion.silent.ticks = kGoneTicks;
+      state.in_mode.silent.ticks = kGoneTicks;
     }
     switch (row.asker) {
       case Asker::core:
@@ -383,9 +383,9 @@ TEST(Transitions, EveryEntryBeginsFromZero) {
     EXPECT_EQ(state.lean.v_f_units, 0);
     EXPECT_EQ(state.lean.v_units, 0);
     EXPECT_EQ(state.turn.omega_f_units, 0);
-    EXPECT_EQ(state.motion.ticks, 0U);
-    EXPECT_FALSE(state.motion.leaving);
-    EXPECT_FALSE(state.motion.powered);
+    EXPECT_EQ(state.in_mode.ticks, 0U);
+    EXPECT_FALSE(state.in_mode.leaving);
+    EXPECT_FALSE(state.in_mode.powered);
     EXPECT_EQ(state.still.ticks, 0);
     EXPECT_EQ(state.clear.ticks, row.to == Mode::init ? 0 : state.clear.ticks);
     // Only a stop takes over a rolling hoist; every other mode begins at rest.

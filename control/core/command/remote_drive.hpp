@@ -48,7 +48,7 @@ class RemoteDrive {
     awaits_neutral_ = awaits_neutral_ || !neutral();
     if (age_s(now_ns) > stop_age_s) let_go();
   }
-  /// Commands stopped coming while the dead-man was held: the next motion needs a neutral stick first.
+  /// Commands stopped coming while hold-to-run was held: the next motion needs a neutral stick first.
   void lose() noexcept {
     let_go();
     awaits_neutral_ = true;

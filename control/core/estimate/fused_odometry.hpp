@@ -12,7 +12,7 @@
 #pragma once
 #include <cstdint>
 
-#include "control/core/base/held.hpp"
+#include "control/core/base/lasting.hpp"
 #include "control/core/estimate/odometry.hpp"
 #include "control/core/estimate/tilt_sensor.hpp"
 
@@ -61,7 +61,7 @@ class FusedOdometry {
   double offset_rad_ = 0;        // all that earlier slips have turned the hoist beyond the encoders
   double given_away_rad_ = 0;    // what corrections took from `apart` lately
   std::uint16_t slip_ticks_ = 0;
-  HeldFor quiet_, standing_;
+  Lasting quiet_, standing_;
   bool gyro_used_ = false;
 
   static constexpr double kBiasAtStart_rad_s = 0.0175;  // 1 deg/s: the usual offset of a consumer gyroscope

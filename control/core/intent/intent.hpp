@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "control/core/base/derived.hpp"
-#include "control/core/base/held.hpp"
+#include "control/core/base/lasting.hpp"
 #include "control/core/estimate/estimate.hpp"
 #include "control/core/law/gait_cancel.hpp"
 #include "control/core/law/pelvis.hpp"
@@ -92,7 +92,7 @@ class PatientIntent {
   double lean_norm_ = 0, turn_norm_ = 0;
   std::array<double, kNeutralTicks> dx_m_{}, dpsi_rad_{};
   std::size_t next_ = 0, held_ = 0;
-  HeldFor neutral_;
+  Lasting neutral_;
 };
 
 }  // namespace hoist::core

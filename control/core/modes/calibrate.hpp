@@ -14,8 +14,8 @@ struct CalibrateMode {
 
   static Wish step(CoreState& state, double dt_s) noexcept {
     // Whoever began it must still hold the lease, and be reachable.
-    const bool led = state.lease.holder != 0 && state.lease.epoch == state.motion.epoch && state.server.alive();
-    if (!led) state.motion.calibration.reason = contract::CalibrationReason::cancelled;
+    const bool led = state.lease.holder != 0 && state.lease.epoch == state.in_mode.epoch && state.server.alive();
+    if (!led) state.in_mode.calibration.reason = contract::CalibrationReason::cancelled;
     if (led && advance_calibration(state, dt_s)) return {};
     return {0, 0, Braking::none, true};
   }

@@ -74,7 +74,7 @@ const CalibrationStepInfo& info_of(CalibrationStep step) noexcept {
 void tell(CoreState& state, EventKind kind, std::uint32_t item, double value, double before = 0) noexcept {
   Event event;
   event.kind = kind;
-  event.code = static_cast<std::uint32_t>(state.motion.calibration.step);
+  event.code = static_cast<std::uint32_t>(state.in_mode.calibration.step);
   event.item = item;
   event.value = value;
   event.before = before;
@@ -82,7 +82,7 @@ void tell(CoreState& state, EventKind kind, std::uint32_t item, double value, do
 }
 
 void refuse(CoreState& state, CalibrationReason reason) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   c.phase = CalibrationPhase::refused;
   c.reason = reason;
   c.waiting = false;
@@ -90,12 +90,12 @@ void refuse(CoreState& state, CalibrationReason reason) noexcept {
 }
 
 void propose(CoreState& state, ParamName name, double value) noexcept {
-  static_cast<void>(state.motion.calibration.result.rows.push_back({row_of(name), value}));
+  static_cast<void>(state.in_mode.calibration.result.rows.push_back({row_of(name), value}));
 }
 
 // The result stands, if the parameters can be that.
 void offer(CoreState& state) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   contract::Params next = state.params;
   for (const Staging::Row& row : c.result.rows) {
     if (contract::check_param(row.index, row.value) != contract::ParamCheck::ok) return refuse(state, CalibrationReason::implausible);
@@ -110,7 +110,7 @@ void offer(CoreState& state) noexcept {
 }
 
 void propose_one(CoreState& state, ParamName name, const Outcome& outcome) noexcept {
-  state.motion.calibration.result.rows.clear();
+  state.in_mode.calibration.result.rows.clear();
   if (!outcome.good()) return refuse(state, outcome.reason);
   propose(state, name, outcome.value);
   offer(state);
@@ -118,7 +118,7 @@ void propose_one(CoreState& state, ParamName name, const Outcome& outcome) noexc
 
 StillWindow<kCalibrationChannels>::Values look(const CoreState& state) noexcept {
   const Estimate& sensed = state.sensed;
-  const Calibration& c = state.motion.calibration;
+  const Calibration& c = state.in_mode.calibration;
   return {sensed.left_strut.sent_alpha_rad(), sensed.left_strut.sent_beta_rad(),   sensed.right_strut.sent_alpha_rad(),
           sensed.right_strut.sent_beta_rad(), sensed.base.sent_alpha_rad(),        sensed.base.sent_beta_rad(),
           static_cast<double>(c.left_counts), static_cast<double>(c.right_counts), sensed.base.sent_yaw_rate_rad_s()};
@@ -132,11 +132,11 @@ double widest_angle_rad(const StillWindow<kCalibrationChannels>& window) noexcep
 
 // Ways since the place where the one under way began.
 double left_way_m(const CoreState& state) noexcept {
-  const Calibration& c = state.motion.calibration;
+  const Calibration& c = state.in_mode.calibration;
   return static_cast<double>(c.left_counts - c.left_from) * state.derived.odometry.left_m_per_count;
 }
 double right_way_m(const CoreState& state) noexcept {
-  const Calibration& c = state.motion.calibration;
+  const Calibration& c = state.in_mode.calibration;
   return static_cast<double>(c.right_counts - c.right_from) * state.derived.odometry.right_m_per_count;
 }
 
@@ -149,7 +149,7 @@ void begin_way(Calibration& c) noexcept {
 
 // True once everything has rested for as long as this step wants.
 bool rests(CoreState& state) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   const Stillness want = stillness(c.step);
   StillWindow<kCalibrationChannels>::Values bounds{};
   for (std::size_t i = 0; i < kLeftCounts; ++i) bounds[i] = want.angle_rad;
@@ -175,7 +175,7 @@ void begin_resting(Calibration& c) noexcept {
 void finish_zero(CoreState& state) noexcept {
   constexpr std::array kZeros{ParamName::left_alpha_zero_rad, ParamName::left_beta_zero_rad,  ParamName::right_alpha_zero_rad,
                               ParamName::right_beta_zero_rad, ParamName::base_alpha_zero_rad, ParamName::base_beta_zero_rad};
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   c.result.rows.clear();
   for (std::size_t i = 0; i < kZeros.size(); ++i) {
     const Outcome zero = sensor_zero(c.still.mean(i));
@@ -189,7 +189,7 @@ void finish_zero(CoreState& state) noexcept {
 }
 
 void finish_gyro(CoreState& state) noexcept {
-  const Calibration& c = state.motion.calibration;
+  const Calibration& c = state.in_mode.calibration;
   double drift_rad = 0;
   for (std::size_t i = 0; i < kLeftCounts; ++i) {
     // The mean of the whole lies half as far from the first half's as the second half's does.
@@ -200,7 +200,7 @@ void finish_gyro(CoreState& state) noexcept {
 }
 
 void watch_neutral(CoreState& state) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   ++c.restless_ticks;
   const auto posture = state.intent.last_second();
   c.value = static_cast<float>(posture.dx_spread_m);
@@ -222,7 +222,7 @@ std::uint8_t pairs_percent(const Calibration& c) noexcept {
 
 // Another pair is complete: as soon as there are enough, a result.
 void judge_pairs(CoreState& state) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   const CalibrationStepInfo& info = info_of(c.step);
   c.idle_ticks = 0;
   c.phase = CalibrationPhase::operator_;
@@ -249,7 +249,7 @@ void judge_pairs(CoreState& state) noexcept {
 }
 
 void take_pair(CoreState& state) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   c.waiting = false;
   // The zeros in force are taken off: they were set first (their order on the screen).
   const contract::Params& p = state.params;
@@ -285,7 +285,7 @@ void take_pair(CoreState& state) noexcept {
 }
 
 void watch_pairs(CoreState& state) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   const bool wheels = c.step == CalibrationStep::wheel_radius || c.step == CalibrationStep::track;
   if (wheels) {
     const double left_m = left_way_m(state), right_m = right_way_m(state);
@@ -320,7 +320,7 @@ void watch_pairs(CoreState& state) noexcept {
 }
 
 std::uint32_t take_square(CoreState& state, const contract::Command& command) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   const CalibrationStepInfo& info = info_of(CalibrationStep::square);
   const auto part = static_cast<CalibrationPart>(command.a);
   if (part != CalibrationPart::left_square && part != CalibrationPart::right_square) return refusal_bit(Refusal::unknown_item);
@@ -354,7 +354,7 @@ std::uint32_t take_square(CoreState& state, const contract::Command& command) no
 }
 
 void watch_encoders(CoreState& state) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   const bool was_measuring = c.started;
   const bool resting = rests(state);
   c.done_percent = c.turning ? 50 : 0;
@@ -379,7 +379,7 @@ void watch_encoders(CoreState& state) noexcept {
 }
 
 void watch_bumpers(CoreState& state) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   const std::uint8_t before = c.bumpers.next();
   const CalibrationReason reason = c.bumpers.step(state.sensed.io.bumpers());
   c.phase = CalibrationPhase::operator_;
@@ -393,7 +393,7 @@ void watch_bumpers(CoreState& state) noexcept {
 }
 
 void watch_rest(CoreState& state) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   const bool gyro = c.step == CalibrationStep::gyro;
   const bool complete = rests(state);
   c.value = static_cast<float>(gyro ? c.still.mean(kYaw) : widest_angle_rad(c.still));
@@ -427,7 +427,7 @@ std::uint32_t calibration_refusals(const CoreState& state, const CalibrationStep
 }
 
 void begin_calibration(CoreState& state, CalibrationStep step) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   c = Calibration{};
   c.step = step;
   const bool waits = step == CalibrationStep::strut_length || step == CalibrationStep::strut_spacing || step == CalibrationStep::square ||
@@ -436,7 +436,7 @@ void begin_calibration(CoreState& state, CalibrationStep step) noexcept {
 }
 
 std::uint32_t measure_calibration(CoreState& state, const contract::Command& command) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   if (!std::isfinite(command.v0) || !std::isfinite(command.v1) || !std::isfinite(command.v2)) return refusal_bit(Refusal::not_finite);
   // CALIBRATE without a step has nothing to measure.
   if (c.step == CalibrationStep::none) return refusal_bit(Refusal::out_of_order);
@@ -458,7 +458,7 @@ std::uint32_t measure_calibration(CoreState& state, const contract::Command& com
 }
 
 bool advance_calibration(CoreState& state, double dt_s) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   const Estimate& sensed = state.sensed;
   c.left_counts += sensed.left_drive.moved_counts();
   c.right_counts += sensed.right_drive.moved_counts();
@@ -501,7 +501,7 @@ bool advance_calibration(CoreState& state, double dt_s) noexcept {
 }
 
 void end_calibration(CoreState& state) noexcept {
-  Calibration& c = state.motion.calibration;
+  Calibration& c = state.in_mode.calibration;
   if (c.step == CalibrationStep::none) return;
   if (!c.used && c.reason == CalibrationReason::none) c.reason = CalibrationReason::cancelled;
   Event event;

@@ -6,7 +6,7 @@
 
 #include "control/core/law/path_follower.hpp"
 #include "control/core/law/patient_lag.hpp"
-#include "control/core/modes/dead_man.hpp"
+#include "control/core/modes/hold_to_run.hpp"
 #include "control/core/modes/mode.hpp"
 #include "control/core/standstill.hpp"
 
@@ -25,21 +25,21 @@ struct GuidedMode {
     const contract::Params& p = state.params;
     GuidedRun& run = state.guided;
     run.locate(state.sensed.pose());
-    const bool asked = state.motion.leaving;
+    const bool asked = state.in_mode.leaving;
     const Hand hand = feel_hand(state);
     if (hand.leaving) {
       // Whatever began to end it before the hand was looked at: the driver's wish or a fault; otherwise the hand.
       run.end(asked ? (soft_fault(state) ? GuidedEnd::stopped : GuidedEnd::asked)
-                    : (state.motion.remote_lost ? GuidedEnd::commands_lost : GuidedEnd::driver_gone));
+                    : (state.in_mode.remote_lost ? GuidedEnd::commands_lost : GuidedEnd::driver_gone));
       run.phase = GuidedPhase::ending;
       run.slow_down(run.share_norm(), false);
-      return {0, 0, state.motion.braking, at_rest(state)};
+      return {0, 0, state.in_mode.braking, at_rest(state)};
     }
     if (!(std::fabs(run.cross_m()) <= p.guided_deviation_m_max) ||
         (run.phase != GuidedPhase::turning && !(std::fabs(run.heading_error_rad()) <= kHeadingMost_rad))) {
       return leave(state, GuidedEnd::off_path);
     }
-    if (!state.motion.powered) return {};
+    if (!state.in_mode.powered) return {};
     run.slow_down(share_for_lag(state, dt_s), hand.held);
     if (!hand.held) return {0, 0, Braking::remote, false};
     if (run.phase == GuidedPhase::waiting) run.phase = GuidedPhase::following;
@@ -87,9 +87,9 @@ struct GuidedMode {
     state.guided.end(reason);
     state.guided.phase = GuidedPhase::ending;
     state.guided.slow_down(state.guided.share_norm(), false);
-    state.motion.leaving = true;
-    if (state.motion.braking < Braking::soft) state.motion.braking = Braking::soft;
-    return {0, 0, state.motion.braking, at_rest(state)};
+    state.in_mode.leaving = true;
+    if (state.in_mode.braking < Braking::soft) state.in_mode.braking = Braking::soft;
+    return {0, 0, state.in_mode.braking, at_rest(state)};
   }
 
   static Wish follow(CoreState& state, const Hand& hand) noexcept {

@@ -16,10 +16,10 @@ struct InitMode {
   static void enter(CoreState& state) noexcept { state.clear = {}; }
 
   static Wish step(CoreState& state, double /*dt_s*/) noexcept {
-    Service& service = state.motion.service;
+    Service& service = state.in_mode.service;
     if (service.on) {
       // Whoever began it must still hold the lease, and be reachable.
-      const bool led = state.lease.holder != 0 && state.lease.epoch == state.motion.epoch && state.server.alive();
+      const bool led = state.lease.holder != 0 && state.lease.epoch == state.in_mode.epoch && state.server.alive();
       if (!led || ++service.quiet_ticks >= kServiceTicks) service = {};
       state.clear = {};
       return {};

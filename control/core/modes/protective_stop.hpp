@@ -9,7 +9,7 @@ struct ProtectiveStopMode {
   static constexpr contract::Mode kMode = contract::Mode::protective_stop;
 
   static void enter(CoreState& /*state*/) noexcept {}
-  static Wish step(CoreState& state, double /*dt_s*/) noexcept { return {0, 0, state.motion.braking, false}; }
+  static Wish step(CoreState& state, double /*dt_s*/) noexcept { return {0, 0, state.in_mode.braking, false}; }
 };
 
 }  // namespace hoist::core

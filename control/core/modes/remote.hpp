@@ -1,7 +1,7 @@
-// REMOTE: the therapist drives with a held dead-man. Commands age: from remote_slow_age_s the speed falls, at remote_stop_age_s the hoist
+// REMOTE: the therapist drives with hold-to-run held. Commands age: from remote_slow_age_s the speed falls, at remote_stop_age_s the hoist
 // stops and REMOTE ends (H17). Letting go stops and stays in REMOTE.
 #pragma once
-#include "control/core/modes/dead_man.hpp"
+#include "control/core/modes/hold_to_run.hpp"
 #include "control/core/modes/mode.hpp"
 #include "control/core/standstill.hpp"
 
@@ -15,8 +15,8 @@ struct RemoteMode {
   static Wish step(CoreState& state, double /*dt_s*/) noexcept {
     const contract::Params& p = state.params;
     const Hand hand = feel_hand(state);
-    if (hand.leaving) return {0, 0, state.motion.braking, at_rest(state)};
-    if (!state.motion.powered) return {};
+    if (hand.leaving) return {0, 0, state.in_mode.braking, at_rest(state)};
+    if (!state.in_mode.powered) return {};
     if (!hand.held) return {0, 0, Braking::remote, false};
     LimitedSpeed speed{state.remote.speed_norm() * p.remote_speed_m_s_max};
     speed.share(hand.fresh_norm, contract::SpeedCause::command_age);

@@ -18,12 +18,12 @@ struct UserMode {
   }
 
   static Wish step(CoreState& state, double dt_s) noexcept {
-    if (state.motion.leaving) {
+    if (state.in_mode.leaving) {
       enter(state);
-      return {0, 0, state.motion.braking, at_rest(state)};
+      return {0, 0, state.in_mode.braking, at_rest(state)};
     }
     // While the drives are still being enabled nothing builds up that would be let loose at once afterwards.
-    if (!state.motion.powered) return {};
+    if (!state.in_mode.powered) return {};
     const contract::Params& p = state.live;
     law::PfpConfig<double> lean;
     lean.deadband_norm = p.lean_dead_band_norm;

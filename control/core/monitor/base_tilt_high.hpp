@@ -4,7 +4,7 @@
 #pragma once
 #include <cstdint>
 
-#include "control/core/base/held.hpp"
+#include "control/core/base/lasting.hpp"
 #include "control/core/base/mutation.hpp"
 #include "control/core/monitor/base_tilt.hpp"
 
@@ -26,7 +26,7 @@ class BaseTiltHigh {
   // One degree: braking and starting lean the chassis by a few tenths, and the cap must not come and go with them. Only makes it last.
   static constexpr double kHysteresis_rad = 0.0174532925;
 
-  HeldFor slopes_;
+  Lasting slopes_;
   bool high_ = false;
 };
 

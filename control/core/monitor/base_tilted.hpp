@@ -4,7 +4,7 @@
 #pragma once
 #include <cstdint>
 
-#include "control/core/base/held.hpp"
+#include "control/core/base/lasting.hpp"
 #include "control/core/base/mutation.hpp"
 #include "control/core/monitor/base_tilt.hpp"
 
@@ -21,7 +21,7 @@ class BaseTilted {
   }
 
  private:
-  HeldFor steep_;
+  Lasting steep_;
 };
 
 }  // namespace hoist::core

@@ -1,7 +1,7 @@
 // Hazard table 2.3, any mode to EMERGENCY_STOP: the emergency stop chain has opened, which takes the power off the motors by hardware (R4).
 // Told by the input node, or by both drives whose supply is gone while the batteries are good: a relay that opened without a word.
 #pragma once
-#include "control/core/base/held.hpp"
+#include "control/core/base/lasting.hpp"
 #include "control/core/monitor/monitor.hpp"
 
 namespace hoist::core {
@@ -37,7 +37,7 @@ class EmergencyStopOpen {
  private:
   static constexpr std::uint8_t kUnpoweredTicks = 100;
 
-  HeldFor unpowered_;
+  Lasting unpowered_;
   bool open_ = false;
 };
 

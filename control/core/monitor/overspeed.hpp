@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "control/core/base/held.hpp"
+#include "control/core/base/lasting.hpp"
 #include "control/core/base/mutation.hpp"
 #include "control/core/estimate/driven_wheel.hpp"
 #include "control/core/monitor/monitor.hpp"
@@ -87,7 +87,7 @@ class Overspeed {
   Reference left_, right_;
   double apart_s_ = 0;
   std::uint16_t code_ = 0;
-  HeldFor fast_, driven_;
+  Lasting fast_, driven_;
 };
 
 }  // namespace hoist::core

@@ -1,4 +1,4 @@
-// H17: the driver held the dead-man and then no command came for remote_stop_age_s. The braking itself is begun by the REMOTE mode.
+// H17: the driver held hold-to-run and then no command came for remote_stop_age_s. The braking itself is begun by the REMOTE mode.
 #pragma once
 #include "control/core/monitor/monitor.hpp"
 

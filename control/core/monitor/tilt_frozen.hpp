@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "control/core/base/held.hpp"
+#include "control/core/base/lasting.hpp"
 #include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
 
@@ -64,7 +64,7 @@ class TiltFrozen {
   }
 
   law::StrutAngles<double> before_;
-  HeldFor constant_;
+  Lasting constant_;
 };
 
 }  // namespace hoist::core

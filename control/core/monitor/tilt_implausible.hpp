@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "control/core/base/held.hpp"
+#include "control/core/base/lasting.hpp"
 #include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
 
@@ -64,7 +64,7 @@ class TiltImplausible {
 
   double leak_rad_ = 0;  // the most that the turn of the last moments explains
   std::uint16_t code_ = 0;
-  HeldFor apart_;
+  Lasting apart_;
 };
 
 }  // namespace hoist::core

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "control/core/base/held.hpp"
+#include "control/core/base/lasting.hpp"
 #include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
 
@@ -54,7 +54,7 @@ class TiltSensorFault {
     return !(std::fabs(drift.pitch_rad) <= limit_rad && std::fabs(drift.roll_rad) <= limit_rad);
   }
 
-  [[nodiscard]] static bool bad(const TiltSensor& tilt, HeldFor& held) noexcept {
+  [[nodiscard]] static bool bad(const TiltSensor& tilt, Lasting& held) noexcept {
     if (tilt.heard().lost()) {
       held = {};  // NodeLost speaks for a silent one
       return false;
@@ -66,7 +66,7 @@ class TiltSensorFault {
     return tilt.has(tilt_status::kSelfTestFailed) || held.reached(limit_ticks);
   }
 
-  std::array<HeldFor, 3> bad_{};
+  std::array<Lasting, 3> bad_{};
   std::array<Drift, 3> drifts_{};
 };
 

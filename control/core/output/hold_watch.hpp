@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "control/core/base/held.hpp"
+#include "control/core/base/lasting.hpp"
 #include "control/core/estimate/estimate.hpp"
 #include "control/core/output/limiter.hpp"
 
@@ -44,7 +44,7 @@ class HoldWatch {
     return !sensed.base.rates_fresh().lost() && faster(sensed.base.yaw_rate_rad_s(), kTurn_rad_s);
   }
 
-  HeldFor commanded_rest_, moving_;
+  Lasting commanded_rest_, moving_;
   bool cut_ = false;
 };
 

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "control/core/base/held.hpp"
+#include "control/core/base/lasting.hpp"
 #include "control/core/estimate/driven_wheel.hpp"
 #include "control/core/estimate/estimate.hpp"
 
@@ -92,7 +92,7 @@ class RunawayWatch {
   double left_m_s_ = 0, right_m_s_ = 0;  // what the wheels should do by now
   double driven_s_ = 0;
   Unslowed left_, right_, turn_;
-  HeldFor stood_;
+  Lasting stood_;
 };
 
 }  // namespace hoist::core

@@ -260,7 +260,7 @@ Verdict ask_service(CoreState& state, const Command& command) noexcept {
 
 Verdict service_frame(CoreState& state, const Command& command) noexcept {
   if (!state.lease.held_by(command.client, command.lease_epoch)) return refused(Refusal::no_lease);
-  Service& service = state.motion.service;
+  Service& service = state.in_mode.service;
   // One a step: a tool that sends more is not waiting for the answers.
   if (!service.on || service.waiting) return refused(Refusal::out_of_order);
   if (!(command.v1 >= 0.0 && command.v1 <= 8.0) || command.v1 != std::floor(command.v1)) return refused(Refusal::out_of_range);
@@ -275,8 +275,8 @@ Verdict service_frame(CoreState& state, const Command& command) noexcept {
 
 Verdict end_service(CoreState& state, const Command& command) noexcept {
   if (!state.lease.held_by(command.client, command.lease_epoch)) return refused(Refusal::no_lease);
-  if (!state.motion.service.on) return refused(Refusal::out_of_order);
-  state.motion.service = {};
+  if (!state.in_mode.service.on) return refused(Refusal::out_of_order);
+  state.in_mode.service = {};
   return {};
 }
 
@@ -303,7 +303,7 @@ std::uint32_t calibration_lead(const CoreState& state, const Command& command) n
 
 Verdict use_calibration(CoreState& state, const Command& command) noexcept {
   if (const std::uint32_t bits = calibration_lead(state, command); bits != 0) return {bits, 0, false};
-  const Calibration& calibration = state.motion.calibration;
+  const Calibration& calibration = state.in_mode.calibration;
   if (calibration.phase != contract::CalibrationPhase::result) return refused(Refusal::out_of_order);
   if (!at_rest(state)) return refused(Refusal::moving);
   const contract::CalibrationStepInfo& info = *contract::find_calibration_step(static_cast<std::uint32_t>(calibration.step));

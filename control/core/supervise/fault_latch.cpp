@@ -55,7 +55,7 @@ void keep_codes(CoreState& state, FaultBits raised) noexcept {
     const bool held = (state.latched >> bit & 1U) != 0, begins = (raised >> bit & 1U) != 0;
     if (!held) state.fault_codes[bit] = 0;
     // A drive's code may be later than its fault.
-    if (held && (begins || (state.fault_codes[bit] == 0 && state.motion.ticks <= kJudgeTicks &&
+    if (held && (begins || (state.fault_codes[bit] == 0 && state.in_mode.ticks <= kJudgeTicks &&
                             (fault_bit(static_cast<Fault>(bit)) & kDriveFaults) != 0)))
       state.fault_codes[bit] = code_now(state, static_cast<Fault>(bit));
   }

@@ -58,7 +58,7 @@ std::uint32_t guard_refusals(const CoreState& state, Guard guard) noexcept {
       if (!state.still.reached(kStillTicks)) bits |= refusal_bit(Refusal::moving);
       return bits;
     case Guard::only_silence:
-      if ((state.conditions & kProtective & ~kSilence & ~kDriveFaults & ~kBumper) != 0 || !state.motion.silent.reached(kGoneTicks))
+      if ((state.conditions & kProtective & ~kSilence & ~kDriveFaults & ~kBumper) != 0 || !state.in_mode.silent.reached(kGoneTicks))
         bits |= refusal_bit(Refusal::cause_not_cleared);
       if ((state.latched & kBreakdown) != 0) bits |= refusal_bit(Refusal::fault_mode);
       if (!state.still.reached(kStillTicks)) bits |= refusal_bit(Refusal::moving);
@@ -101,7 +101,7 @@ std::uint32_t start_refusals(const CoreState& state) noexcept {
 
 std::uint32_t guided_refusals(const CoreState& state) noexcept {
   std::uint32_t bits = state.guided.loaded() ? 0U : refusal_bit(Refusal::no_exercise);
-  // The dead-man is to be pressed for this exercise, not still held from something else.
+  // Hold-to-run is to be pressed for this exercise, not still held from something else.
   if (state.remote.held() && state.remote.age_s(state.time_ns) <= state.params.remote_stop_age_s)
     bits |= refusal_bit(Refusal::release_first);
   return bits;

@@ -38,24 +38,24 @@ void stop_protectively(CoreState& state, FaultBits causes) noexcept {
   if (find_transition(state.mode, Mode::protective_stop, Asker::fault) != nullptr) {
     const bool counts = state.mode != Mode::init;
     change_mode(state, Mode::protective_stop);
-    state.motion.braking = Braking::protective;
-    state.motion.causes = counts ? causes : FaultBits{0};
+    state.in_mode.braking = Braking::protective;
+    state.in_mode.causes = counts ? causes : FaultBits{0};
     state.stop_cause = static_cast<std::uint8_t>(static_cast<unsigned>(contract::first_cause(causes)) + 1U);
   }
-  if ((causes & fault_bit(Fault::bumper_pressed)) != 0) state.motion.braking = Braking::bumper;
+  if ((causes & fault_bit(Fault::bumper_pressed)) != 0) state.in_mode.braking = Braking::bumper;
 }
 
 /// The first second of a protective stop: a cause that is found after its consequence takes its place. At the end, what was the machine's
 /// own fault counts; a stop that became an emergency stop meanwhile was that one's consequence and does not.
 void judge_stop(CoreState& state) noexcept {
-  if (state.mode != Mode::protective_stop || state.motion.ticks > kJudgeTicks) return;
+  if (state.mode != Mode::protective_stop || state.in_mode.ticks > kJudgeTicks) return;
   for (const contract::Explanation& row : contract::kExplanations) {
     if (state.stop_cause != static_cast<std::uint8_t>(row.effect) + 1U || (state.latched & fault_bit(row.cause)) == 0) continue;
     state.stop_cause = static_cast<std::uint8_t>(static_cast<unsigned>(row.cause) + 1U);
-    if (state.motion.causes != 0) state.motion.causes |= fault_bit(row.cause);
+    if (state.in_mode.causes != 0) state.in_mode.causes |= fault_bit(row.cause);
   }
-  if (state.motion.ticks != kJudgeTicks) return;
-  const FaultBits own = state.motion.causes & kCountedStops & ~contract::consequences(state.latched) & ~from_outside(state);
+  if (state.in_mode.ticks != kJudgeTicks) return;
+  const FaultBits own = state.in_mode.causes & kCountedStops & ~contract::consequences(state.latched) & ~from_outside(state);
   for (FaultBits bits = own; bits != 0; bits &= bits - 1) {
     state.stops_changed = true;
     if (!state.repeats.note(static_cast<std::uint8_t>(std::countr_zero(bits)), state.time_ns, state.params)) continue;
@@ -75,8 +75,8 @@ void stop_without_power(CoreState& state) noexcept {
 /// Motion ends gently, then STANDBY.
 void stop_softly(CoreState& state, Asker asker) noexcept {
   if (find_transition(state.mode, Mode::standby, asker) == nullptr || !is_moving(state.mode)) return;
-  state.motion.leaving = true;
-  if (state.motion.braking < Braking::soft) state.motion.braking = Braking::soft;
+  state.in_mode.leaving = true;
+  if (state.in_mode.braking < Braking::soft) state.in_mode.braking = Braking::soft;
 }
 
 }  // namespace
@@ -86,8 +86,8 @@ void change_mode(CoreState& state, Mode to) noexcept {
   if (from == Mode::calibrate) end_calibration(state);
   if (from == Mode::guided) tell_guided_end(state);
   state.mode = to;
-  state.motion = {};
-  state.motion.epoch = state.lease.epoch;
+  state.in_mode = {};
+  state.in_mode.epoch = state.lease.epoch;
   state.still = {};
   state.lean = {};
   state.turn = {};
@@ -120,7 +120,7 @@ void judge_faults(CoreState& state, FaultBits conditions) noexcept {
   if ((raised & kSoft) != 0) stop_softly(state, Asker::core);
   judge_stop(state);
   if (state.repeats.expire(state.time_ns, state.params)) state.stops_changed = true;
-  state.motion.silent.step(state.mode == Mode::protective_stop && (conditions & kSilence) != 0, kGoneTicks);
+  state.in_mode.silent.step(state.mode == Mode::protective_stop && (conditions & kSilence) != 0, kGoneTicks);
 }
 
 void raise_fault(CoreState& state, Fault fault) noexcept {
@@ -191,9 +191,9 @@ std::uint32_t begin_service(CoreState& state) noexcept {
     if (const std::uint32_t bits = guard_refusals(state, row->guard); bits != 0) return bits;
     change_mode(state, Mode::init);
   }
-  state.motion.epoch = state.lease.epoch;
-  state.motion.service.on = true;
-  state.motion.service.quiet_ticks = 0;
+  state.in_mode.epoch = state.lease.epoch;
+  state.in_mode.service.on = true;
+  state.in_mode.service.quiet_ticks = 0;
   return 0;
 }
 
@@ -205,14 +205,14 @@ std::uint32_t enter_calibration(CoreState& state, const contract::CalibrationSte
     if (find_transition(state.mode, Mode::calibrate, Asker::driver) == nullptr) return refusal_bit(Refusal::not_standby);
     change_mode(state, Mode::calibrate);
   }
-  state.motion.epoch = state.lease.epoch;
+  state.in_mode.epoch = state.lease.epoch;
   begin_calibration(state, info.step);
   return 0;
 }
 
 void leave_calibration(CoreState& state, bool used) noexcept {
-  state.motion.calibration.used = used;
-  if (!used) state.motion.calibration.reason = contract::CalibrationReason::cancelled;
+  state.in_mode.calibration.used = used;
+  if (!used) state.in_mode.calibration.reason = contract::CalibrationReason::cancelled;
   change_mode(state, Mode::standby);
 }
 

@@ -182,8 +182,8 @@ class ScriptedHoist {
   }
   bool start(contract::Mode mode) { return ready() && ask_mode(mode) == 0 && run_until_powered(); }
   bool run_until_powered() {
-    for (int i = 0; i < 60 && !state.motion.powered; ++i) step();
-    return state.motion.powered;
+    for (int i = 0; i < 60 && !state.in_mode.powered; ++i) step();
+    return state.in_mode.powered;
   }
   void lean(double alpha_deg, double twist_deg = 0) {
     tilt_left.alpha_deg = alpha_deg - twist_deg / 2;

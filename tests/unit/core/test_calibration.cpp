@@ -27,7 +27,7 @@ constexpr double kToday_s = 1'790'000'000.0;
 std::uint32_t begin(ScriptedHoist& hoist, CalibrationStep step, Role role = Role::engineer, std::uint32_t client = 7) {
   return hoist.ask(CommandKind::begin_calibration, client, static_cast<std::uint32_t>(step), static_cast<std::uint32_t>(role), 1.0);
 }
-const Calibration& calibration(const ScriptedHoist& hoist) { return hoist.state.motion.calibration; }
+const Calibration& calibration(const ScriptedHoist& hoist) { return hoist.state.in_mode.calibration; }
 
 TEST(Calibrate, OnlyTheDriverInTheStepsRoleBegins) {
   ScriptedHoist hoist;

@@ -93,7 +93,7 @@ TEST(Guided, H17AgeSlowsThenStopsAndEnds) {
   EXPECT_LT(hoist.command_m_s(), cruise);
   hoist.step(2);
   EXPECT_TRUE(hoist.has_fault(Fault::remote_command_lost)) << "270 ms after the last command";
-  EXPECT_EQ(hoist.state.motion.braking, Braking::remote);
+  EXPECT_EQ(hoist.state.in_mode.braking, Braking::remote);
   EXPECT_TRUE(hoist.reach(Mode::standby, 100));
   EXPECT_EQ(told_end(hoist), GuidedEnd::commands_lost);
   // Returning commands move nothing.
@@ -133,7 +133,7 @@ TEST(Guided, H21ServerLostEndsIt) {
   hold_for(hoist, 200);
   hoist.server_up = false;
   int steps = 0;
-  for (; !hoist.state.motion.leaving && steps < 100; ++steps) hold_for(hoist, 1);
+  for (; !hoist.state.in_mode.leaving && steps < 100; ++steps) hold_for(hoist, 1);
   EXPECT_LE(steps, 27);
   EXPECT_TRUE(hoist.reach(Mode::standby, 100));
 }
@@ -290,11 +290,11 @@ TEST(Guided, AHoistThatIsPulledOffItsLineStopsSoftly) {
     hoist.drive_left.forced_m_s = hoist.drive_left.target_m_s - 0.12;
     hoist.drive_right.forced_m_s = hoist.drive_right.target_m_s + 0.12;
     hold_for(hoist, 1);
-    left = hoist.state.motion.leaving;
+    left = hoist.state.in_mode.leaving;
   }
   EXPECT_TRUE(left);
   EXPECT_EQ(hoist.state.mode, Mode::guided);
-  EXPECT_EQ(hoist.state.motion.braking, Braking::soft);
+  EXPECT_EQ(hoist.state.in_mode.braking, Braking::soft);
   hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = NAN;
   for (int i = 0; i < 200 && hoist.state.mode == Mode::guided; ++i) hold_for(hoist, 1);
   EXPECT_EQ(hoist.state.mode, Mode::standby);
@@ -308,7 +308,7 @@ TEST(Guided, H13ABumperStopsItAsItStopsEverything) {
   hoist.io.bumpers = 1;
   hold_for(hoist, 3);
   EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
-  EXPECT_EQ(hoist.state.motion.braking, Braking::bumper);
+  EXPECT_EQ(hoist.state.in_mode.braking, Braking::bumper);
   EXPECT_EQ(told_end(hoist), GuidedEnd::stopped);
 }
 

@@ -538,7 +538,7 @@ TEST(Modes, H2AHeldRateLetsNoStandingHoistGo) {
     hoist.tilt_base.rates_silent = silent;
     ASSERT_EQ(hoist.ask(CommandKind::stop), 0U);
     hoist.step(400);
-    EXPECT_EQ(hoist.state.motion.hold.cut(), !silent);
+    EXPECT_EQ(hoist.state.in_mode.hold.cut(), !silent);
     EXPECT_EQ(hoist.has_fault(Fault::overspeed), !silent);
   }
 }
@@ -589,7 +589,7 @@ TEST(Modes, H12NothingStartsWithoutWordOfTheBattery) {
   hoist.ask(CommandKind::acknowledge);
   hoist.step(150);
   EXPECT_NE(hoist.ask_mode(Mode::user) & refusal_bit(Refusal::nodes_missing), 0U);
-  EXPECT_FALSE(hoist.state.motion.powered);
+  EXPECT_FALSE(hoist.state.in_mode.powered);
 }
 
 TEST(Modes, StoppingAHoistThatIsPushedByHandRampsFromItsSpeed) {

@@ -156,7 +156,7 @@ TEST(Remote, H17AgeSlowsThenStopsAndEndsRemote) {
   EXPECT_FALSE(hoist.has_fault(Fault::remote_command_lost));
   hoist.step(2);
   EXPECT_TRUE(hoist.has_fault(Fault::remote_command_lost)) << "270 ms after the last command";
-  EXPECT_EQ(hoist.state.motion.braking, Braking::remote);
+  EXPECT_EQ(hoist.state.in_mode.braking, Braking::remote);
   EXPECT_TRUE(hoist.reach(Mode::standby, 100));
   EXPECT_LE(hoist.worst_deceleration_m_s2, kRemoteDeceleration_m_s2 + 1e-9);
   EXPECT_EQ(hoist.command_m_s(), 0);
@@ -190,7 +190,7 @@ TEST(Remote, H17TheDelayOfTheNetworkIsPartOfTheAge) {
       ASSERT_FALSE(drove && delay_ticks > kStop_ticks);
       ASSERT_TRUE(hoist.state.mode == Mode::remote || delay_ticks > 14 || period_ticks > 4);
       while (now <= felt + kStop_ticks) link(false);
-      EXPECT_TRUE(hoist.state.motion.leaving || hoist.command_m_s() == 0) << "age " << hoist.out.record.remote_age_s;
+      EXPECT_TRUE(hoist.state.in_mode.leaving || hoist.command_m_s() == 0) << "age " << hoist.out.record.remote_age_s;
     }
   }
 }
@@ -324,7 +324,7 @@ TEST(Remote, H21ServerLostFreesTheLeaseAndStopsDriving) {
   hoist.drive_for(200, 1.0);
   hoist.server_up = false;
   int until_stop = 0;
-  while (!hoist.state.motion.leaving && until_stop < 100) {
+  while (!hoist.state.in_mode.leaving && until_stop < 100) {
     hoist.drive_for(1, 1.0);  // even if commands still came
     ++until_stop;
   }

@@ -50,7 +50,7 @@ class ServiceTest : public ::testing::Test {
     for (const CanFrame& f : hoist.sent) n += f.id == frame.id && f.data == frame.data ? 1 : 0;
     return n;
   }
-  bool on() const { return hoist.state.motion.service.on; }
+  bool on() const { return hoist.state.in_mode.service.on; }
   void in_service() {
     ASSERT_TRUE(hoist.ready());
     ASSERT_EQ(begin(), 0U);

@@ -6,7 +6,7 @@
 namespace hoist::core {
 
 struct Hand {
-  bool leaving = false;   // the mode ends: brake as state.motion.braking says until the hoist stands
+  bool leaving = false;   // the mode ends: brake as state.in_mode.braking says until the hoist stands
   bool held = false;      // held, and the stick has been at its middle since the mode began
   double fresh_norm = 0;  // share of the wished speed: falls with the age of the last command
 };
@@ -15,21 +15,21 @@ struct Hand {
 /// ends; also when the one who began is no longer the driver, or cannot be reached.
 [[nodiscard]] inline Hand feel_hand(CoreState& state) noexcept {
   const contract::Params& p = state.params;
-  Motion& motion = state.motion;
+  InMode& in_mode = state.in_mode;
   const double age_s = state.remote.age_s(state.time_ns);
-  bool gone = state.lease.holder == 0 || state.lease.epoch != motion.epoch || !state.server.alive();
+  bool gone = state.lease.holder == 0 || state.lease.epoch != in_mode.epoch || !state.server.alive();
   if (state.remote.held() && age_s >= p.remote_stop_age_s) {
     state.remote.lose();
-    if (!motion.leaving) motion.remote_lost = true;
+    if (!in_mode.leaving) in_mode.remote_lost = true;
     gone = true;
   }
   if (gone) {
-    motion.leaving = true;
-    if (motion.braking < Braking::remote) motion.braking = Braking::remote;
+    in_mode.leaving = true;
+    if (in_mode.braking < Braking::remote) in_mode.braking = Braking::remote;
   }
   // Whatever else ends the mode, a hand that lets go stops as hard as it always does: no second reason makes a stop gentler.
-  if (motion.leaving && !state.remote.held() && motion.braking < Braking::remote) motion.braking = Braking::remote;
-  if (motion.leaving) return {true, false, 0};
+  if (in_mode.leaving && !state.remote.held() && in_mode.braking < Braking::remote) in_mode.braking = Braking::remote;
+  if (in_mode.leaving) return {true, false, 0};
   if (!state.remote.held() || state.remote.awaits_neutral()) return {};
   const double fresh_norm =
       age_s <= p.remote_slow_age_s ? 1.0 : (p.remote_stop_age_s - age_s) / (p.remote_stop_age_s - p.remote_slow_age_s);
