@@ -15,6 +15,7 @@
 #include "server/api/router.hpp"
 #include "server/http/auth.hpp"
 #include "server/http/listener.hpp"
+#include "server/jobs/jobs.hpp"
 #include "server/link/core_desk.hpp"
 #include "server/link/firmware_desk.hpp"
 #include "server/live/hub.hpp"
@@ -58,11 +59,16 @@ struct App::Parts {
         actors(static_cast<std::uint32_t>(std::stoul(random_hex(3), nullptr, 16)) << 6U),
         core(settings.socket_path, counters),
         firmware(core),
+        jobs({.file = settings.db_path,
+              .utc_ns = &utc_ns,
+              .on_damage = [this](const db::IntegrityReport& report) { recorder.set_aside(report.file_id, report.structure.front()); }}),
         recorder(core.link(), {.file = settings.db_path,
                                .version = std::string{contract::program_version()},
                                .utc_ns = &utc_ns,
                                .steady_ns = &steady_ns,
-                               .actor_of = [this](std::uint32_t client) { return actors.find(client); }}),
+                               .actor_of = [this](std::uint32_t client) { return actors.find(client); },
+                               // The start waits for no check; each file is checked once it is in use.
+                               .opened = [this] { (void)jobs.add(JobKind::integrity_check, {}, std::nullopt); }}),
         records(recorder, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
         state(settings, core, recorder),
         timer(io),
@@ -146,6 +152,7 @@ struct App::Parts {
   ActorList actors;
   CoreDesk core;
   FirmwareDesk firmware;
+  Jobs jobs;
   Recorder recorder;
   RecorderDesk records;
   HoistState state;
@@ -166,9 +173,10 @@ struct App::Parts {
 App::App(Settings settings) : parts_(std::make_unique<Parts>(std::move(settings))) {}
 
 App::~App() {
-  // The recorder's thread ends first: then nothing posts any more. Whatever waits is answered and every connection goes while all that
-  // it uses is still there.
+  // The threads of jobs and recorder end first: then nothing posts any more. Whatever waits is answered and every connection goes while all
+  // that it uses is still there.
   Parts& p = *parts_;
+  p.jobs.stop();
   p.recorder.stop();
   p.core.clear_listeners();
   p.core.close();
@@ -193,6 +201,7 @@ bool App::start(std::string& error) {
                                 .state = p.state,
                                 .recorder = p.recorder,
                                 .records = p.records,
+                                .jobs = p.jobs,
                                 .now_ns = &steady_ns,
                                 .utc_ns = &utc_ns,
                                 .actors = p.actors,
@@ -222,6 +231,7 @@ bool App::start(std::string& error) {
   p.rest->base_url = (p.tls ? "https://" : "http://") +
                      (p.settings.bind.find(':') == std::string::npos ? p.settings.bind : "[" + p.settings.bind + "]") + ":" +
                      std::to_string(port);
+  p.jobs.start();
   p.recorder.start();
   return true;
 }

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "server/counters.hpp"
+#include "server/jobs/jobs.hpp"
 #include "server/link/core_desk.hpp"
 #include "server/link/firmware_desk.hpp"
 #include "server/record/actor_list.hpp"
@@ -22,6 +23,7 @@ struct Services {
   HoistState& state;
   Recorder& recorder;                     // its state
   RecorderDesk& records;                  // work for its thread
+  Jobs& jobs;                             // long work, on a thread of its own
   std::function<std::uint64_t()> now_ns;  // steady
   std::function<std::int64_t()> utc_ns;   // wall
   ActorList& actors;                      // numbers of connections and REST sessions, and who is behind them

@@ -229,6 +229,23 @@ CodecError ChunkDecoder::unpack(ByteView frame, std::size_t expected_bytes) {
   return ZSTD_isError(n) == 0 && n == expected_bytes ? CodecError::none : CodecError::body_damaged;
 }
 
+CodecError ChunkDecoder::unpack_all(const ChunkDirectory& directory, ByteView body) {
+  std::size_t total = 0;
+  for (const ChunkColumn& column : directory.columns) total += column.bytes;
+  return total == 0 && body.empty() ? CodecError::none : unpack(body, total);
+}
+
+CodecError ChunkDecoder::check(const ChunkDirectory& directory, ByteView body) {
+  if (body.size() != directory.body_bytes) return CodecError::body_damaged;
+  if (directory.layout == ChunkLayout::one_frame) return unpack_all(directory, body);
+  for (const ChunkColumn& column : directory.columns) {
+    if (column.planes == 0) continue;
+    const CodecError error = unpack(body.subspan(column.offset, column.bytes), column.planes * (directory.samples - 1));
+    if (error != CodecError::none) return error;
+  }
+  return CodecError::none;
+}
+
 CodecError ChunkDecoder::rebuild(const ChunkDirectory& directory, std::size_t column, ByteView planes, std::vector<std::int64_t>& values) {
   const ChunkColumn& entry = directory.columns[column];
   values.resize(directory.samples);
@@ -256,12 +273,8 @@ CodecError ChunkDecoder::columns(const ChunkDirectory& directory, std::span<cons
                                  std::vector<std::vector<std::int64_t>>& values) {
   values.resize(which.size());
   if (body.size() != directory.body_bytes) return CodecError::body_damaged;
-  if (directory.layout == ChunkLayout::one_frame) {
-    std::size_t total = 0;
-    for (const ChunkColumn& column : directory.columns) total += column.bytes;
-    if (total != 0 || !body.empty())
-      if (const CodecError error = unpack(body, total); error != CodecError::none) return error;
-  }
+  if (directory.layout == ChunkLayout::one_frame)
+    if (const CodecError error = unpack_all(directory, body); error != CodecError::none) return error;
   for (std::size_t i = 0; i < which.size(); ++i) {
     if (which[i] >= directory.columns.size()) return CodecError::no_such_column;
     const ChunkColumn& entry = directory.columns[which[i]];

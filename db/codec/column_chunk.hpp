@@ -107,9 +107,12 @@ class ChunkDecoder {
   /// Several columns from the whole body; `values` has one vector per asked column.
   [[nodiscard]] CodecError columns(const ChunkDirectory& directory, std::span<const std::size_t> which, ByteView body,
                                    std::vector<std::vector<std::int64_t>>& values);
+  /// Whether the whole body can be unpacked, which includes its checksums; no value is rebuilt.
+  [[nodiscard]] CodecError check(const ChunkDirectory& directory, ByteView body);
 
  private:
   [[nodiscard]] CodecError unpack(ByteView frame, std::size_t expected_bytes);
+  [[nodiscard]] CodecError unpack_all(const ChunkDirectory& directory, ByteView body);  // of the layout one_frame
   [[nodiscard]] static CodecError rebuild(const ChunkDirectory& directory, std::size_t column, ByteView planes,
                                           std::vector<std::int64_t>& values);
   ZSTD_DCtx_s* context_;

@@ -26,14 +26,6 @@ std::int64_t number_of(sqlite3* handle, const char* sql) {
 }
 int user_version(sqlite3* handle) { return static_cast<int>(number_of(handle, "PRAGMA user_version")); }
 
-// Empty when all is well.
-std::string quick_check(sqlite3* handle) {
-  Statement statement(handle, "PRAGMA quick_check(1)");
-  if (!statement.step()) return "the check gave no answer";
-  std::string answer = statement.text_at(0);
-  return answer == "ok" ? std::string() : answer;
-}
-
 std::string compact_utc(std::int64_t utc_ns) {
   const std::time_t seconds = utc_ns / 1'000'000'000;
   std::tm parts{};
@@ -117,6 +109,15 @@ Database& Database::operator=(Database&& other) noexcept {
 }
 Database::~Database() { sqlite3_close_v2(handle_); }
 
+std::string Database::file_id() const {
+  try {
+    Statement row(handle_, "SELECT file_id FROM seal");
+    return row.step() ? row.text_at(0) : std::string();
+  } catch (const SqlFailure&) {
+    return {};
+  }
+}
+
 namespace {
 // code_has(code, part): whether a patient code contains this part, capital or small. For our own statements, never for a file's schema.
 void add_code_has(sqlite3* handle) {
@@ -198,7 +199,7 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
     // Before SQLite sees it: opening a database may already write to it, and an empty one has its log deleted.
     const Identified found = options.vfs == nullptr ? identify(file) : Identified{};
     if (found.identity == Identity::foreign) return foreign_file(file, found.why);
-    std::string damage = found.why;
+    std::string damage = round == 0 && !options.damage.empty() ? options.damage : found.why;
     Result<Database> connected = damage.empty() ? connect(file, options, true) : Error{ErrorKind::corrupt, damage, {}};
     if (!connected) {
       if (connected.error().kind != ErrorKind::corrupt || round > 0) return connected;
@@ -206,8 +207,8 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
     } else {
       Result<Database> opened = guarded([&]() -> Result<Database> {
         sqlite3* handle = connected->handle_;
-        damage = quick_check(handle);
-        if (!damage.empty()) return Error{ErrorKind::corrupt, damage, {}};
+        // SQLite compares the header's size with the file's and reads the whole schema. This needs a few pages, whatever the file's size.
+        (void)number_of(handle, "SELECT count(*) FROM sqlite_schema");
         const int version = user_version(handle);
         if (version > schema_version())
           return Error{ErrorKind::newer_schema,

@@ -27,6 +27,8 @@ struct OpenOptions {
   std::int64_t max_pages = 0;
   /// For `open`: the file's lock when it is held already; `open` takes it otherwise (not with a VFS, whose files may not be the system's).
   std::shared_ptr<WriteLock> lock = {};
+  /// For `open`: what a check (integrity.hpp) has found wrong with the file. Not empty: the file is set aside without another look.
+  std::string damage = {};
 };
 
 /// Commits that were acknowledged and are not in the file: its log was cut, or an earlier state of it was put back.
@@ -42,16 +44,17 @@ struct OpenReport {
   int migrated_from = 0;             ///< schema version found (0 = empty file)
   int schema_version = 0;            ///< schema version now
   std::filesystem::path set_aside;   ///< where a corrupt file was moved to; empty when there was none
-  std::string set_aside_reason;      ///< what the check said
+  std::string set_aside_reason;      ///< what was found wrong
   std::filesystem::path kept_aside;  ///< the newest file that is still there from now or an earlier start; empty when there is none
   std::optional<LostCommits> lost;
 };
 
 class Database {
  public:
-  /// Opens or creates the file for writing and keeps its lock (write_lock.hpp) as long as the connection lives; checks it (`quick_check`), brings
-  /// its schema up to date. A corrupt file of ours (with its -wal, -shm and seal) is renamed to NAME.corrupt-YYYYMMDDTHHMMSSZ and an empty one
-  /// takes its place: `report().set_aside` says so. Call once per start, before any reader.
+  /// Opens or creates the file for writing and keeps its lock (write_lock.hpp) as long as the connection lives; brings its schema up to date.
+  /// It reads header, size and schema only, however large the file is: the rest is check_integrity's. A corrupt file of ours (with its -wal,
+  /// -shm and seal) is renamed to NAME.corrupt-YYYYMMDDTHHMMSSZ and an empty one takes its place: `report().set_aside` says so. Call it before
+  /// any reader of this start.
   /// Errors: newer_schema, foreign, io, disk_full, busy (also: another program writes the file).
   static Result<Database> open(const std::filesystem::path& file, const OpenOptions& options = {});
   /// Opens an existing file that `open` has prepared: for reading, and for SessionEditor. No check, no migration.
@@ -65,6 +68,8 @@ class Database {
 
   [[nodiscard]] const OpenReport& report() const { return report_; }
   [[nodiscard]] sqlite3* handle() const { return handle_; }
+  /// 16 hexadecimal digits that tell this file from another under the same name; empty when they cannot be read.
+  [[nodiscard]] std::string file_id() const;
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   /// Null for a connection that does not record.
   [[nodiscard]] const std::shared_ptr<Seal>& seal() const { return seal_; }

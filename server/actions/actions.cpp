@@ -12,6 +12,8 @@
 #include "control/contract/guided_path.hpp"
 #include "control/contract/param_set.hpp"
 #include "control/contract/params.hpp"
+#include "db/store/session_reader.hpp"
+#include "server/record/reason.hpp"
 
 namespace hoist::server {
 
@@ -607,6 +609,171 @@ void act_preset(Services& services, const Asker& asker, const std::string& name,
     return;
   }
   set_values(services, asker, std::move(rows), 0, version, std::move(done));
+}
+
+namespace {
+Outcome recorder_busy() {
+  Outcome outcome;
+  outcome.kind = Outcome::Kind::unreachable;
+  outcome.reason = Reason::busy;
+  outcome.detail = "The recorder is busy. Try again in a moment.";
+  return outcome;
+}
+
+Outcome outcome_of(const db::Error& error) {
+  Outcome outcome;
+  outcome.detail = error.message;
+  outcome.reason = reason_of(error.kind);
+  switch (error.kind) {
+    case db::ErrorKind::not_found:
+      outcome.kind = Outcome::Kind::unknown;
+      break;
+    case db::ErrorKind::bad_value:
+      outcome.kind = Outcome::Kind::invalid;
+      outcome.errors.push_back({error.field, error.message});
+      break;
+    case db::ErrorKind::wrong_state:
+      outcome.kind = Outcome::Kind::refused;
+      break;
+    default:
+      outcome.kind = Outcome::Kind::unreachable;
+      break;
+  }
+  return outcome;
+}
+
+// On the recorder's thread; `work` is given a database that is open.
+using StoreWork = std::function<db::Status(Records&, db::Database&)>;
+void ask_store(Services& services, StoreWork work, OutcomeDone done) {
+  const auto run = [work = std::move(work)](Records& records) -> Outcome {
+    if (records.late()) return recorder_busy();
+    db::Database* database = records.database();
+    if (database == nullptr) return outcome_of(db::Error{db::ErrorKind::io, records.why(), {}});
+    const db::Status status = work(records, *database);
+    // Told before the answer, so that whoever asks next sees it.
+    (void)records.status();
+    return status ? Outcome{} : outcome_of(status.error());
+  };
+  if (!services.records.ask<Outcome>(run, done)) done(recorder_busy());
+}
+
+std::string job_kind_names() {
+  std::string names;
+  for (const JobKindInfo& kind : kJobKinds) names += (names.empty() ? "" : ", ") + std::string{kind.name};
+  return names;
+}
+
+// The sessions that a job is for; none = the newest.
+std::vector<db::SessionId> read_sessions(const json& wish, std::vector<FieldError>& errors) {
+  const auto given = wish.find("sessions");
+  if (given == wish.end()) return {};
+  std::vector<db::SessionId> ids;
+  const bool counts = given->is_array() && !given->empty() && given->size() <= kJobSessions;
+  if (counts)
+    for (const json& id : *given)
+      if (id.is_number_unsigned() && id.get<std::uint64_t>() > 0 && id.get<std::uint64_t>() <= std::numeric_limits<std::int64_t>::max())
+        ids.push_back(id.get<db::SessionId>());
+  if (!counts || ids.size() != given->size())
+    errors.push_back({"sessions", "must be a list of 1 to " + std::to_string(kJobSessions) + " numbers of sessions", std::nullopt, 1.0,
+                      static_cast<double>(kJobSessions)});
+  return ids;
+}
+}  // namespace
+
+void act_mark(Services& services, const Asker& asker, std::optional<db::SessionId> session, const json& text, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!text.is_string() || text.get_ref<const std::string&>().size() > db::kMaxMarker_bytes) {
+    constexpr auto kMost = static_cast<double>(db::kMaxMarker_bytes);
+    done(invalid({{"text", "must be text of at most 500 bytes", std::nullopt, std::nullopt, kMost}}, "The marker cannot be used."));
+    return;
+  }
+  const auto work = [session, words = text.get<std::string>(), actor = services.actors.find(asker.client)](
+                        Records& records, db::Database& database) -> db::Status {
+    if (session)
+      if (const auto stored = db::SessionReader(database).get(*session); !stored) return stored.error();
+    const auto now = records.status().session;
+    if (!now || (session && *session != *now)) return db::Error{db::ErrorKind::wrong_state, "This session is not being recorded.", {}};
+    return records.marker(*now, words, actor);
+  };
+  ask_store(services, work, [done = std::move(done)](Outcome outcome) {
+    if (outcome.kind == Outcome::Kind::refused) outcome.reason = Reason::not_recording;
+    done(outcome);
+  });
+}
+
+void act_record(Services& services, const Asker& asker, const json& wish, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
+  std::vector<FieldError> errors;
+  const auto text = [&](const char* name) -> std::optional<std::string> {
+    const auto at = wish.find(name);
+    if (at == wish.end()) return std::nullopt;
+    if (at->is_string()) return at->get<std::string>();
+    errors.push_back({name, "must be text"});
+    return std::nullopt;
+  };
+  const auto action = text("action"), subject = text("subject"), note = text("note");
+  if (errors.empty() && action != "start" && action != "stop") errors.push_back({"action", "must be start or stop"});
+  if (!errors.empty()) {
+    std::string detail = errors.front().field + " " + errors.front().message + ".";
+    done(invalid(std::move(errors), std::move(detail)));
+    return;
+  }
+  const bool starts = action == "start";
+  const auto work = [starts, subject, note](Records& records, db::Database&) {
+    return starts ? records.begin_manual(subject, note.value_or("")) : records.end_manual();
+  };
+  ask_store(services, work, [&services, starts, done = std::move(done)](const Outcome& outcome) {
+    if (outcome.done() && starts) services.start_anew = true;
+    done(outcome);
+  });
+}
+
+void act_delete_session(Services& services, const Asker& asker, db::SessionId session, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
+  const auto work = [session](Records&, db::Database& database) { return db::SessionEditor(database).remove(session); };
+  ask_store(services, work, [held = services.jobs.hold(), done = std::move(done)](const Outcome& outcome) { done(outcome); });
+}
+
+void act_start_job(Services& services, const Asker& asker, const json& wish, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
+  const auto name = wish.find("kind");
+  const auto kind = name != wish.end() && name->is_string() ? find_job_kind(name->get_ref<const std::string&>()) : std::nullopt;
+  if (!kind) {
+    done(invalid({{"kind", "must be one of " + job_kind_names()}}, "There is no such kind of job."));
+    return;
+  }
+  if (!may(services, asker, job_kind_info(*kind).role, done)) return;
+  std::vector<FieldError> errors;
+  JobArguments arguments{.sessions = read_sessions(wish, errors)};
+  if (!errors.empty()) {
+    done(invalid(std::move(errors), "The job cannot be started."));
+    return;
+  }
+  Outcome outcome;
+  if (const auto id = services.jobs.add(*kind, std::move(arguments), JobAsker{asker.client, asker.role})) {
+    outcome.job = *id;
+  } else {
+    outcome.kind = Outcome::Kind::unreachable;
+    outcome.reason = Reason::busy;
+    outcome.detail = "At most " + std::to_string(kJobsWaiting) + " jobs may wait: try again when one has ended.";
+  }
+  done(outcome);
+}
+
+void act_cancel_job(Services& services, const Asker& asker, JobId job, OutcomeDone done) {
+  const auto info = services.jobs.find(job);
+  if (!may(services, asker, info ? job_kind_info(info->kind).role : contract::Role::therapist, done)) return;
+  Outcome outcome;
+  outcome.job = job;
+  if (!info) {
+    outcome.kind = Outcome::Kind::unknown;
+    outcome.detail = "GET /api/v1/jobs lists them.";
+  } else if (!services.jobs.cancel(job)) {
+    outcome.kind = Outcome::Kind::refused;
+    outcome.reason = Reason::job_ended;
+    outcome.detail = "This job has already ended.";
+  }
+  done(outcome);
 }
 
 }  // namespace hoist::server

@@ -23,6 +23,7 @@ struct Outcome {
   std::string detail;
   std::optional<Reason> reason;  // where `kind` does not say it all
   std::uint32_t epoch = 0;       // of a lease just taken
+  JobId job = 0;                 // of a job just started
   std::optional<bool> stored;    // of a change of settings: false = in force, and lost at the next start unless the disk takes it later
   [[nodiscard]] bool done() const { return kind == Kind::done; }
 };
@@ -86,6 +87,16 @@ void act_undo_trial(Services& services, const Asker& asker, OutcomeDone done);
 void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
                          OutcomeDone done);
 void act_preset(Services& services, const Asker& asker, const std::string& name, std::uint32_t version, OutcomeDone done);
+
+// A marker now, into the session with this id, or without one into the session that is being recorded.
+void act_mark(Services& services, const Asker& asker, std::optional<db::SessionId> session, const nlohmann::json& text, OutcomeDone done);
+// Begins or ends a recording by hand: {action: "start" | "stop", subject, note}.
+void act_record(Services& services, const Asker& asker, const nlohmann::json& wish, OutcomeDone done);
+// Jobs give way until it is done: the log that still holds the deleted data can be truncated only while nobody reads.
+void act_delete_session(Services& services, const Asker& asker, db::SessionId session, OutcomeDone done);
+// Long work: {kind, sessions}; `Outcome::job` is its number. Refused as busy when too many wait.
+void act_start_job(Services& services, const Asker& asker, const nlohmann::json& wish, OutcomeDone done);
+void act_cancel_job(Services& services, const Asker& asker, JobId job, OutcomeDone done);
 
 [[nodiscard]] std::vector<std::string> refusal_names(std::uint32_t bits);
 

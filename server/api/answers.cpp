@@ -1,5 +1,6 @@
 #include "server/api/answers.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
 
@@ -12,11 +13,17 @@ Problem problem_of(const Outcome& outcome) {
   problem.detail = outcome.detail;
   problem.errors = outcome.errors;
   problem.refusals = outcome.refusals;
+  const auto says = [&problem](Reason reason) {
+    problem.name = reason_name(reason);
+    std::ranges::replace(problem.name, '_', '-');
+    problem.title = kReasons[static_cast<std::size_t>(reason)].text_en;
+  };
   switch (outcome.kind) {
     case Outcome::Kind::refused:
       problem.status = 409;
       problem.name = "refused";
       problem.title = "Refused";
+      if (outcome.reason) says(*outcome.reason);
       break;
     case Outcome::Kind::invalid:
       problem.status = 422;
@@ -32,6 +39,8 @@ Problem problem_of(const Outcome& outcome) {
       problem.status = 503;
       problem.name = "no-core";
       problem.title = "The control core does not answer";
+      if (outcome.reason) says(*outcome.reason);
+      if (outcome.reason == Reason::disk_full) problem.status = 507;
       break;
   }
   return problem;
@@ -56,16 +65,21 @@ Response no_database(const std::string& why, std::string_view path) {
   return problem_response({.status = 503, .name = "storage", .title = "The database cannot be opened", .detail = why}, path);
 }
 
-OutcomeDone answer_done(const CallPtr& call) {
-  return [call](const Outcome& outcome) {
-    if (!outcome.done()) {
+OutcomeDone answer_with(const CallPtr& call, std::function<void(const Outcome&)> answer) {
+  return [call, answer = std::move(answer)](const Outcome& outcome) {
+    if (outcome.done())
+      answer(outcome);
+    else
       call->fail(problem_of(outcome));
-      return;
-    }
+  };
+}
+
+OutcomeDone answer_done(const CallPtr& call) {
+  return answer_with(call, [call](const Outcome& outcome) {
     nlohmann::json answer{{"ok", true}};
     if (outcome.stored) answer["stored"] = *outcome.stored;
     call->respond(answer);
-  };
+  });
 }
 
 Asker asker_of(const Call& call) {

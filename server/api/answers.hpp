@@ -10,6 +10,8 @@ namespace hoist::server {
 [[nodiscard]] Problem problem_of(const Outcome& outcome);
 [[nodiscard]] Response store_error(const db::Error& error, std::string_view path);
 [[nodiscard]] Response no_database(const std::string& why, std::string_view path);
+// Gives a good outcome to `answer`, and any other as its problem.
+[[nodiscard]] OutcomeDone answer_with(const CallPtr& call, std::function<void(const Outcome&)> answer);
 // {"ok": true} or the problem.
 [[nodiscard]] OutcomeDone answer_done(const CallPtr& call);
 // Who this call speaks for; gives the session its number on first use.

@@ -7,6 +7,7 @@
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/emergencies.hpp"
 #include "server/api/handlers.hpp"
+#include "server/state/views.hpp"
 
 namespace hoist::server::api {
 
@@ -98,8 +99,11 @@ void get_health(const CallPtr& call) {
                            {"error_register", event->bits & 0xFFU},
                            {"emergency", emergency_json(static_cast<std::uint16_t>(event->code & 0xFFFFU))}});
   }
-  call->respond(json{
-      {"connected", s.core.connected()}, {"nodes", std::move(nodes)}, {"bus", std::move(bus)}, {"emergencies", std::move(emergencies)}});
+  call->respond(json{{"connected", s.core.connected()},
+                     {"nodes", std::move(nodes)},
+                     {"bus", std::move(bus)},
+                     {"emergencies", std::move(emergencies)},
+                     {"recordings", file_health_json(s.jobs.file_health())}});
 }
 
 }  // namespace hoist::server::api

@@ -12,24 +12,8 @@ using nlohmann::json;
 void get_recording(const CallPtr& call) { call->respond(recording_json(call->services.recorder.status())); }
 
 void control_recording(const CallPtr& call) {
-  const json& body = *call->body;
-  const auto text = [&body](const char* name) -> std::optional<std::string> {
-    const auto at = body.find(name);
-    return at != body.end() ? std::optional{at->get<std::string>()} : std::nullopt;
-  };
-  const bool starts = body.at("action") == "start";
-  if (starts) call->services.start_anew = true;
-  in_background(
-      call, [starts, subject = text("subject"), note = text("note").value_or(""), path = call->request.path](Records& records) -> Response {
-        const db::Status status = starts ? records.begin_manual(subject, note) : records.end_manual();
-        if (!status) {
-          if (status.error().kind == db::ErrorKind::disk_full)
-            return problem_response({.status = 507, .name = "disk-full", .title = "The disk is full", .detail = status.error().message},
-                                    path);
-          return store_error(status.error(), path);
-        }
-        return json_response(recording_json(records.status()));
-      });
+  act_record(call->services, asker_of(*call), *call->body,
+             answer_with(call, [call](const Outcome&) { call->respond(recording_json(call->services.recorder.status())); }));
 }
 
 }  // namespace hoist::server::api

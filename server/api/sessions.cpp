@@ -133,12 +133,11 @@ void change_session(const CallPtr& call) {
 void delete_session(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
-  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
-    if (const db::Status removed = db::SessionEditor(database).remove(id); !removed) return store_error(removed.error(), path);
-    Response response;
-    response.status = 204;
-    return response;
-  });
+  act_delete_session(call->services, asker_of(*call), *id, answer_with(call, [call](const Outcome&) {
+                       Response response;
+                       response.status = 204;
+                       call->respond(std::move(response));
+                     }));
 }
 
 namespace {
@@ -298,15 +297,9 @@ void export_session(const CallPtr& call) {
 void add_marker(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
-  const auto actor = call->services.actors.find(asker_of(*call).client);
-  in_background(call,
-                [id = *id, words = call->body->at("text").get<std::string>(), actor, path = call->request.path](Records& records) -> Response {
-                  db::Database* database = records.database();
-                  if (database == nullptr) return no_database(records.why(), path);
-                  if (const auto session = db::SessionReader(*database).get(id); !session) return store_error(session.error(), path);
-                  const db::Status stored = records.marker(id, words, actor);
-                  return stored ? json_response({{"ok", true}}, 201) : store_error(stored.error(), path);
-                });
+  act_mark(call->services, asker_of(*call), *id, field(*call, "text"), answer_with(call, [call](const Outcome&) {
+             call->respond(json{{"ok", true}}, 201);
+           }));
 }
 
 }  // namespace hoist::server::api

@@ -84,7 +84,7 @@ void get_status(const CallPtr& call) {
   else
     out.field("scenario", nullptr);
   write_core(out, s, newest);
-  out.field("recording", recording_json(s.recorder.status())).field("notices", notices_json(standing_notices(s.core, s.recorder)));
+  out.field("recording", recording_json(s.recorder.status())).field("notices", notices_json(standing_notices(s.core, s.recorder, s.jobs)));
   out.key("lease").begin('{').field("holder", s.core.lease_holder()).field("epoch", s.core.lease_epoch()).end('}');
   out.field("clients", s.live_clients);
   write_counters(out, s.counters);

@@ -8,6 +8,7 @@
 #include "control/contract/calibration.hpp"
 #include "control/contract/params.hpp"
 #include "db/metrics/metric_list.hpp"
+#include "server/contract/jobs.hpp"
 #include "server/contract/reasons.hpp"
 
 namespace hoist::server {
@@ -69,7 +70,33 @@ constexpr std::string_view kSchemas = R"json({
   "errors": {"type": "integer"}, "tx_errors": {"type": "integer"}, "rx_errors": {"type": "integer"}, "syncs_lost": {"type": "integer"},
   "duplicate_id": {"type": ["integer", "null"], "description": "Node id under which two devices answer; 127 = a second control computer"},
   "babbling_id": {"type": ["integer", "null"], "description": "CAN id that comes far more often than planned"}}, "additionalProperties": false},
-"Health": {"type": "object", "required": ["connected", "nodes", "bus", "emergencies"], "properties": {"connected": {"type": "boolean"},
+"RecordingsHealth": {"type": "object", "required": ["state", "progress", "checked_utc_ms", "damaged_blobs", "damaged_sessions", "detail"], "properties": {
+  "state": {"enum": ["unchecked", "checking", "sound", "damaged"], "description": "Of the file in use. It is checked after each start; the job integrity_check does it again"},
+  "progress": {"type": "number", "minimum": 0, "maximum": 1, "description": "While checking"}, "checked_utc_ms": {"type": ["integer", "null"]},
+  "damaged_blobs": {"type": "integer"}, "damaged_sessions": {"type": "array", "items": {"type": "integer"}, "description": "Parts of these cannot be read"},
+  "detail": {"type": "string", "description": "What is damaged, or why it could not be checked; for the engineer"}}, "additionalProperties": false},
+"JobRequest": {"description": "What to do", "anyOf": [
+  {"type": "object", "required": ["kind"], "properties": {"kind": {"const": "integrity_check"}}, "additionalProperties": false},
+  {"type": "object", "required": ["kind"], "properties": {"kind": {"const": "recompute_metrics"}, "sessions": {"type": "array", "minItems": 1, "maxItems": 1000,
+   "items": {"type": "integer", "minimum": 1, "maximum": 9007199254740991}, "description": "The newest 1000 when not given"}}, "additionalProperties": false}]},
+"JobAsker": {"type": "object", "required": ["client", "role"], "properties": {"client": {"type": "integer"}, "role": {"enum": ["viewer", "therapist", "engineer"]}},
+  "additionalProperties": false},
+"Job": {"type": "object", "required": ["id", "kind", "state", "progress", "asker", "asked_utc_ms", "ended_utc_ms", "detail", "reason_code"], "properties": {
+  "id": {"type": "integer"}, "kind": {"$ref": "#/components/schemas/JobKind"}, "state": {"enum": ["waiting", "running", "done", "failed", "cancelled"]},
+  "progress": {"type": "number", "minimum": 0, "maximum": 1}, "asker": {"anyOf": [{"$ref": "#/components/schemas/JobAsker"}, {"type": "null"}], "description": "null: the server itself"},
+  "asked_utc_ms": {"type": "integer"}, "ended_utc_ms": {"type": ["integer", "null"]}, "detail": {"type": "string", "description": "Why it failed"},
+  "reason_code": {"anyOf": [{"$ref": "#/components/schemas/ReasonCode"}, {"type": "null"}], "description": "The same for programs"},
+  "result": {"anyOf": [{"$ref": "#/components/schemas/IntegrityResult"}, {"$ref": "#/components/schemas/MetricsResult"}, {"type": "null"}], "description": "Not in lists; null until it is done"}},
+  "additionalProperties": false},
+"JobList": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"$ref": "#/components/schemas/Job"}}}, "additionalProperties": false},
+"IntegrityResult": {"type": "object", "required": ["kind", "sound", "structure", "blobs", "damaged_blobs", "damaged_sessions"], "properties": {"kind": {"const": "integrity_check"},
+  "sound": {"type": "boolean"}, "structure": {"type": "array", "maxItems": 10, "items": {"type": "string"}, "description": "Damaged pages, tables and indexes: the file is set aside and a new one begun"},
+  "blobs": {"type": "integer", "description": "Stored blobs that were looked at; 0 when the structure is damaged"},
+  "damaged_blobs": {"type": "integer"}, "damaged_sessions": {"type": "array", "items": {"type": "integer"}}}, "additionalProperties": false},
+"MetricsResult": {"type": "object", "required": ["kind", "items", "failed"], "properties": {"kind": {"const": "recompute_metrics"},
+  "items": {"type": "array", "items": {"$ref": "#/components/schemas/Metrics"}}, "failed": {"type": "array", "items": {"type": "object", "required": ["session", "detail"],
+  "properties": {"session": {"type": "integer"}, "detail": {"type": "string"}}, "additionalProperties": false}}}, "additionalProperties": false},
+"Health": {"type": "object", "required": ["connected", "nodes", "bus", "emergencies", "recordings"], "properties": {"connected": {"type": "boolean"}, "recordings": {"$ref": "#/components/schemas/RecordingsHealth"},
   "nodes": {"type": "array", "items": {"$ref": "#/components/schemas/NodeHealth"}, "description": "Empty while the core is not connected"},
   "bus": {"anyOf": [{"$ref": "#/components/schemas/BusHealth"}, {"type": "null"}]},
   "emergencies": {"type": "array", "description": "The latest 64, newest first", "items": {"type": "object", "required": ["node", "time_ns", "age_s", "error_register", "emergency"],
@@ -270,6 +297,7 @@ json all_schemas() {
   schemas["CalibrationStep"] = names_of(contract::kCalibrationSteps);
   schemas["ParamName"] = names_of(contract::kParams);
   schemas["ReasonCode"] = names_of(kReasons);
+  schemas["JobKind"] = names_of(kJobKinds);
   schemas["NoFigure"] = {{"type", "string"}, {"enum", json::array()}};
 #define HOIST_NO_FIGURE(name, text_en, text_de) schemas["NoFigure"]["enum"].push_back(#name);
 #include "db/summary/no_figure.def"

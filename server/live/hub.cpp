@@ -205,7 +205,7 @@ void Hub::add(std::shared_ptr<Client> client) {
   json recording = recording_json(s.recorder.status());
   recording["type"] = "recording";
   client->send(recording);
-  client->send(json{{"type", "notices"}, {"items", notices_json(standing_notices(s.core, s.recorder))}});
+  client->send(json{{"type", "notices"}, {"items", notices_json(standing_notices(s.core, s.recorder, s.jobs))}});
   clients_.push_back(std::move(client));
   services_->live_clients = clients_.size();
 }
@@ -307,6 +307,7 @@ void Hub::poll(std::uint64_t now_ns) {
     slow_percent_ = slow_percent;
     tell_recording();
   }
+  if (services_->jobs.changes() != told_jobs_ && now_ns - told_jobs_ns_ >= kProgressEvery_ns) tell_jobs(now_ns);
   const FirmwareDesk& firmware = services_->firmware;
   if (firmware.changes() != told_update_ && (!firmware.busy() || now_ns - told_update_ns_ >= kProgressEvery_ns)) {
     told_update_ = firmware.changes();
@@ -317,6 +318,20 @@ void Hub::poll(std::uint64_t now_ns) {
   }
 }
 
+void Hub::tell_jobs(std::uint64_t now_ns) {
+  told_jobs_ns_ = now_ns;
+  const std::uint64_t changes = services_->jobs.changes();
+  for (const JobInfo& info : services_->jobs.list()) {
+    if (info.change <= told_jobs_) continue;
+    json message = job_json(info);
+    message["type"] = "job";
+    broadcast(text_frame(message));
+  }
+  told_jobs_ = changes;
+  // A check of the file may have begun or ended a notice.
+  tell_recording();
+}
+
 void Hub::tell_recording() {
   RecordingStatus status = services_->recorder.status();
   if (status != told_) {
@@ -325,7 +340,8 @@ void Hub::tell_recording() {
     message["type"] = "recording";
     broadcast(text_frame(message));
   }
-  if (std::vector<StandingNotice> notices = standing_notices(services_->core, services_->recorder); notices != told_notices_) {
+  if (std::vector<StandingNotice> notices = standing_notices(services_->core, services_->recorder, services_->jobs);
+      notices != told_notices_) {
     told_notices_ = std::move(notices);
     broadcast(text_frame({{"type", "notices"}, {"items", notices_json(told_notices_)}}));
   }

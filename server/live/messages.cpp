@@ -8,7 +8,6 @@
 #include "control/contract/faults.hpp"
 #include "server/actions/actions.hpp"
 #include "server/live/client.hpp"
-#include "server/record/reason.hpp"
 
 namespace hoist::server {
 
@@ -17,7 +16,6 @@ using nlohmann::json;
 
 namespace {
 constexpr std::uint64_t kNoticeEvery_ns = 1'000'000'000;
-constexpr const char* kRecorderBusy = "The recorder is busy.";
 
 Asker asker_of(const Client& client) { return {client.number(), client.hub().services().core.lease_epoch(), client.session()->role}; }
 
@@ -150,37 +148,7 @@ void calibrate_cancel(Client& client, const json& message) {
 void pose(Client& client, const json& message) { act_pose(client.hub().services(), asker_of(client), message, reply_to(client, message)); }
 
 void marker(Client& client, const json& message) {
-  Services& services = client.hub().services();
-  const json& text = field(message, "text");
-  if (!text.is_string() || text.get_ref<const std::string&>().size() > db::kMaxMarker_bytes) {
-    refuse_fields(client, message, {{"text", "must be text of at most 500 bytes", {}, {}, 500.0}});
-    return;
-  }
-  const auto work = [words = text.get<std::string>(), actor = services.actors.find(client.number())](Records& records) {
-    const RecordingStatus status = records.status();
-    Outcome outcome;
-    if (records.late()) {
-      outcome.kind = Outcome::Kind::unreachable;
-      outcome.detail = kRecorderBusy;
-      outcome.reason = Reason::busy;
-    } else if (!status.session) {
-      outcome.kind = Outcome::Kind::refused;
-      outcome.detail = "Nothing is being recorded.";
-      outcome.reason = Reason::not_recording;
-    } else if (const db::Status stored = records.marker(*status.session, words, actor); !stored) {
-      outcome.kind = Outcome::Kind::unreachable;
-      outcome.detail = stored.error().message;
-      outcome.reason = reason_of(stored.error().kind);
-    }
-    return outcome;
-  };
-  const OutcomeDone done = reply_to(client, message);
-  if (services.records.ask<Outcome>(work, done)) return;
-  Outcome busy;
-  busy.kind = Outcome::Kind::unreachable;
-  busy.detail = kRecorderBusy;
-  busy.reason = Reason::busy;
-  done(busy);
+  act_mark(client.hub().services(), asker_of(client), std::nullopt, field(message, "text"), reply_to(client, message));
 }
 
 void stream(Client& client, const json& message) {

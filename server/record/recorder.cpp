@@ -67,6 +67,8 @@ class Recorder::Work final : public Records {
     }
     error_.clear();
     foreign_.clear();
+    if (std::exchange(opened_, true)) return;
+    if (owner_.options_.opened) owner_.options_.opened();
   }
 
   db::Status claim() {
@@ -79,12 +81,14 @@ class Recorder::Work final : public Records {
   bool open_writer() {
     // One that opened without a writer still holds the lock.
     writing_.reset();
-    auto writing =
-        db::Database::open(owner_.options_.file, {.utc_now_ns = owner_.options_.utc_ns(), .vfs = owner_.options_.vfs, .lock = lock_});
+    opened_ = false;
+    auto writing = db::Database::open(
+        owner_.options_.file, {.utc_now_ns = owner_.options_.utc_ns(), .vfs = owner_.options_.vfs, .lock = lock_, .damage = damage_});
     if (!writing) {
       fail(writing.error());
       return false;
     }
+    damage_.clear();
     writing_.emplace(std::move(*writing));
     const db::OpenReport& report = writing_->report();
     if (!report.set_aside.empty())
@@ -97,11 +101,35 @@ class Recorder::Work final : public Records {
     auto writer = db::SessionWriter::create(*writing_);
     if (!writer) {
       fail(writer.error());
+      // Nothing can be recorded into it, so the next try does without it.
+      if (writer.error().kind == db::ErrorKind::corrupt) damage_ = writer.error().message;
       return false;
     }
     writer_.emplace(std::move(*writer));
     writer_->set_actor_of(owner_.options_.actor_of);
     return true;
+  }
+
+  // Closes the damaged file; the next open() sets it aside.
+  void leave_damaged_file() {
+    std::string file_id, damage;
+    {
+      const std::lock_guard lock(owner_.mutex_);
+      if (owner_.damage_.empty() || !writing_) return;
+      const bool stores = session_open() && (error_.empty() || error_kind_ != db::ErrorKind::corrupt);
+      if (stores) return;
+      file_id = std::exchange(owner_.damaged_file_, {});
+      damage = std::exchange(owner_.damage_, {});
+    }
+    // Of a file that has been replaced since it was checked.
+    if (const std::string own = writing_->file_id(); !own.empty() && own != file_id) return;
+    exports_.clear();
+    writer_.reset();
+    reading_.reset();
+    writing_.reset();
+    end_again_.reset();
+    damage_ = std::move(damage);
+    open();
   }
 
   void pass() {
@@ -112,6 +140,7 @@ class Recorder::Work final : public Records {
         open();
       }
     }
+    leave_damaged_file();
     for (int i = 0; i < kReadsPerPass && join(); ++i) {
       const std::size_t ticks = read_ticks();
       const std::size_t events = read_events();
@@ -647,6 +676,8 @@ class Recorder::Work final : public Records {
   ExportId last_export_ = 0;
   std::string error_;
   db::ErrorKind error_kind_{};  // of error_
+  bool opened_ = false;         // this file was told as opened
+  std::string damage_;          // why the file is to be set aside; empty when it is not
   std::string foreign_;         // why the file cannot be ours; empty when it is
   std::vector<StandingNotice> notices_;
   std::optional<TickRecord> last_;
@@ -717,6 +748,12 @@ void Recorder::set_nodes(std::vector<db::NodeProgram> nodes) {
 void Recorder::set_exercise(std::optional<std::string> exercise_json) {
   const std::lock_guard lock(mutex_);
   exercise_ = std::move(exercise_json);
+}
+
+void Recorder::set_aside(std::string file_id, std::string damage) {
+  const std::lock_guard lock(mutex_);
+  damaged_file_ = std::move(file_id);
+  damage_ = std::move(damage);
 }
 
 RecordingStatus Recorder::status() const {

@@ -92,6 +92,8 @@ class Recorder {
     // For tests: the SQLite VFS to use, and where lines for the log go instead of the error output.
     const char* vfs = nullptr;
     std::function<void(const std::string&)> log = {};
+    // On the recorder's thread, when a file is ready to be recorded into: at the start, and a new one in place of a damaged one.
+    std::function<void()> opened = {};
   };
   // The link's readers are made here; the link itself is not used afterwards.
   Recorder(const publish::ServerLink& link, Options options);
@@ -114,6 +116,9 @@ class Recorder {
   void set_nodes(std::vector<db::NodeProgram> nodes);
   // What the next motion walks, as stored in the database; nothing = free.
   void set_exercise(std::optional<std::string> exercise_json);
+  // A check has found the file with this id damaged: it is set aside and a new one begun, as at a start; while a session is being recorded,
+  // after its end, or as soon as it can no longer be stored.
+  void set_aside(std::string file_id, std::string damage);
   [[nodiscard]] RecordingStatus status() const;
   // Counts up whenever status() is another.
   [[nodiscard]] std::uint64_t changes() const { return changes_.load(std::memory_order_acquire); }
@@ -145,6 +150,7 @@ class Recorder {
   contract::ParamsInForce parameters_{};
   std::optional<std::string> exercise_;
   std::vector<db::NodeProgram> nodes_;
+  std::string damaged_file_, damage_;  // what set_aside said last; empty = nothing to do
   std::thread thread_;
 };
 

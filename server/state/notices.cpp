@@ -29,13 +29,15 @@ std::string filled(std::string_view text, int percent) {
 }
 }  // namespace
 
-std::vector<StandingNotice> standing_notices(const CoreDesk& core, const Recorder& recorder) {
+std::vector<StandingNotice> standing_notices(const CoreDesk& core, const Recorder& recorder, const Jobs& jobs) {
   std::vector<StandingNotice> notices;
   if (const auto problem = core.store_problem()) notices.push_back({NoticeName::settings_not_stored, store_detail(*problem)});
   if (const auto percent = core.slow_time_percent())
     notices.push_back({NoticeName::simulation_slow, "Simulated time over the last 2 s, in percent of real time.", *percent});
   const RecordingStatus recording = recorder.status();
   notices.insert(notices.end(), recording.notices.begin(), recording.notices.end());
+  if (const FileHealth file = jobs.file_health(); file.state == FileState::damaged)
+    notices.push_back({NoticeName::recordings_damaged, file.detail});
   return notices;
 }
 

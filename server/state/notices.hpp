@@ -3,12 +3,13 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
+#include "server/jobs/jobs.hpp"
 #include "server/link/core_desk.hpp"
 #include "server/record/recorder.hpp"
 
 namespace hoist::server {
 
-[[nodiscard]] std::vector<StandingNotice> standing_notices(const CoreDesk& core, const Recorder& recorder);
+[[nodiscard]] std::vector<StandingNotice> standing_notices(const CoreDesk& core, const Recorder& recorder, const Jobs& jobs);
 [[nodiscard]] nlohmann::json notices_json(const std::vector<StandingNotice>& notices);
 
 }  // namespace hoist::server

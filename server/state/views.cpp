@@ -28,6 +28,29 @@ json recording_json(const RecordingStatus& status) {
   return out;
 }
 
+json job_json(const JobInfo& info) {
+  json asker = nullptr;
+  if (info.asker) asker = {{"client", info.asker->client}, {"role", access_role(info.asker->role)}};
+  return {{"id", info.id},
+          {"kind", job_kind_info(info.kind).name},
+          {"state", job_state_name(info.state)},
+          {"progress", info.progress},
+          {"asker", std::move(asker)},
+          {"asked_utc_ms", info.asked_utc_ms},
+          {"ended_utc_ms", info.ended_utc_ms ? json(*info.ended_utc_ms) : json(nullptr)},
+          {"detail", info.detail},
+          {"reason_code", info.reason ? json(reason_name(*info.reason)) : json(nullptr)}};
+}
+
+json file_health_json(const FileHealth& file) {
+  return {{"state", file_state_name(file.state)},
+          {"progress", file.progress},
+          {"checked_utc_ms", file.checked_utc_ms ? json(*file.checked_utc_ms) : json(nullptr)},
+          {"damaged_blobs", file.damaged_blobs},
+          {"damaged_sessions", file.damaged_sessions},
+          {"detail", file.detail}};
+}
+
 json firmware_update_json(const FirmwareDesk& desk) {
   constexpr std::array<std::string_view, 9> kPhases{"listening", "asking_drives", "asking_node", "entering_loader", "sending",
                                                     "checking",  "starting",      "done",        "failed"};

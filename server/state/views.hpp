@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "control/contract/params.hpp"
+#include "server/jobs/jobs.hpp"
 #include "server/record/recorder.hpp"
 
 namespace hoist::server {
@@ -14,6 +15,9 @@ class FirmwareDesk;
 // The running or the last update; null before the first.
 [[nodiscard]] nlohmann::json firmware_update_json(const FirmwareDesk& desk);
 [[nodiscard]] std::string version_text(std::uint32_t version);
+// Without its result.
+[[nodiscard]] nlohmann::json job_json(const JobInfo& info);
+[[nodiscard]] nlohmann::json file_health_json(const FileHealth& file);
 [[nodiscard]] nlohmann::json recording_json(const RecordingStatus& status);
 [[nodiscard]] std::string layout_hash_hex();
 [[nodiscard]] constexpr std::string_view access_role(contract::Role role) {

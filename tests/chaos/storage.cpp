@@ -6,6 +6,7 @@
 
 #include "control/contract/program_version.hpp"
 #include "db/store/database.hpp"
+#include "db/store/integrity.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/session_writer.hpp"
 #include "deploy/tools/hoist/rerun.hpp"
@@ -116,6 +117,10 @@ std::vector<std::string> Storage::verify(bool killed, bool again) {
     return wrong;
   }
   if (!database->report().set_aside.empty()) wrong.push_back("I9: the database is damaged: " + database->report().set_aside_reason);
+  if (const auto checked = db::check_integrity(*database, [](double) { return true; }); !checked)
+    wrong.push_back("I9: the database cannot be checked: " + checked.error().message);
+  else if (!(*checked)->sound())
+    wrong.push_back("I9: the database is damaged: " + ((*checked)->structure.empty() ? "a stored blob" : (*checked)->structure.front()));
   const db::Result<db::SessionWriter> writer = db::SessionWriter::create(*database);
   if (!writer) wrong.push_back("I9: what was interrupted cannot be closed: " + writer.error().message);
   for (const auto& [session, acknowledged] : acknowledged_) check_session(*database, session, acknowledged, wrong);

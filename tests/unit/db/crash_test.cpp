@@ -66,7 +66,7 @@ TEST(Kill, what_was_acknowledged_survives_kill_9) {
 
     Result<Database> database = Database::open(dir / "hoist.db");
     ASSERT_TRUE(database.ok());
-    EXPECT_TRUE(database->report().set_aside.empty());
+    EXPECT_EQ(damage_of(*database), "");
     EXPECT_FALSE(database->report().lost) << "the seal is never ahead of the file";
     Result<SessionWriter> writer = SessionWriter::create(*database);
     ASSERT_TRUE(writer.ok());
@@ -121,7 +121,7 @@ Life live(const OpenOptions& options) {
 std::string verify(const Life& life, const OpenOptions& options) {
   Result<Database> database = Database::open("/hoist.db", options);
   if (!database) return "does not open: " + database.error().message;
-  if (!database->report().set_aside.empty()) return "was damaged: " + database->report().set_aside_reason;
+  if (const std::string damage = damage_of(*database); !damage.empty()) return "was damaged: " + damage;
   Result<SessionWriter> writer = SessionWriter::create(*database);
   if (!writer) return "no writer: " + writer.error().message;
   const SessionReader reader(*database);

@@ -14,6 +14,7 @@
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
 #include "db/store/database.hpp"
+#include "db/store/integrity.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/session_writer.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -25,6 +26,15 @@ using hoist::test::TemporaryFolder;
 inline constexpr std::uint64_t kStart_ns = 5'000'000'000;
 inline constexpr std::int64_t kStartUtc_ns = 1'790'000'000'123'456'789;  // September 2026
 inline constexpr std::uint64_t kTick_ns = 10'000'000;
+
+/// What opening or a check of the whole file found wrong with it; empty = sound.
+inline std::string damage_of(Database& database) {
+  if (!database.report().set_aside.empty()) return database.report().set_aside_reason;
+  const auto checked = check_integrity(database, [](double) { return true; });
+  if (!checked) return checked.error().message;
+  if (!(*checked)->structure.empty()) return (*checked)->structure.front();
+  return (*checked)->damaged_blobs == 0 ? "" : std::to_string((*checked)->damaged_blobs) + " blobs";
+}
 
 /// What a walk looks like to the recorder: sensors with their noise, smooth derived values, many columns that rarely change.
 class Walk {

@@ -32,6 +32,7 @@ class Idle : public ::testing::Test {
         core_((folder_ / "core.sock").string(), counters_),
         firmware_(core_),
         recorder_(core_.link(), {.file = folder_ / "none.db", .version = "", .utc_ns = [] { return std::int64_t{0}; }, .steady_ns = {}}),
+        jobs_({.file = folder_ / "none.db", .utc_ns = [] { return std::int64_t{0}; }}),
         records_(recorder_, [](std::function<void()>) {}),
         state_(settings_, core_, recorder_) {
     std::string error;
@@ -43,6 +44,7 @@ class Idle : public ::testing::Test {
                                  .state = state_,
                                  .recorder = recorder_,
                                  .records = records_,
+                                 .jobs = jobs_,
                                  .now_ns = [this] { return now_ns_; },
                                  .utc_ns = [] { return std::int64_t{0}; },
                                  .actors = actors_});
@@ -72,6 +74,7 @@ class Idle : public ::testing::Test {
   CoreDesk core_;
   FirmwareDesk firmware_;
   Recorder recorder_;
+  Jobs jobs_;
   RecorderDesk records_;
   HoistState state_;
   ActorList actors_{0};
@@ -205,6 +208,11 @@ TEST_F(Idle, ActionsAskForTheRoleThemselves_H28) {
   one(act_keep_trial, viewer, none);
   one(act_undo_trial, viewer);
   one(act_preset, viewer, std::string{"walk"}, 0U);
+  one(act_mark, viewer, std::optional<db::SessionId>{}, json("here"));
+  one(act_record, viewer, json{{"action", "start"}});
+  one(act_delete_session, viewer, db::SessionId{1});
+  one(act_start_job, viewer, json{{"kind", "integrity_check"}});
+  one(act_cancel_job, viewer, JobId{1});
   one(act_update_firmware, therapist, std::vector<std::uint8_t>{}, contract::Node::tilt_base, false);
   EXPECT_EQ(refused, asked);
   std::uint64_t sequence = 0;
@@ -213,6 +221,7 @@ TEST_F(Idle, ActionsAskForTheRoleThemselves_H28) {
   fake_.skip(2);
   EXPECT_TRUE(fake_.commands().empty());
   EXPECT_EQ(fake_.drive().held, 0U);
+  EXPECT_TRUE(jobs_.list().empty());
 }
 
 TEST_F(Idle, TheNextStepMattersOnlyWhileAnAnswerIsDueOrTheLeaseIsHeld) {

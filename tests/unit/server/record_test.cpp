@@ -826,6 +826,30 @@ TEST_F(RefusingDisk, ARecordingByHandThatWasRefusedEndsNoSession) {
   EXPECT_EQ(recorder_->status().state, server::RecordingState::idle);
 }
 
+TEST_F(TakeOver, AFileFoundDamagedIsLeftAfterTheSessionUnderWay) {
+  live();
+  publish(300, Mode::user);
+  ASSERT_EQ(recorder_->status().session, 1);
+  const std::string id = db::Database::attach(folder_ / "hoist.db")->file_id();
+  recorder_->set_aside("0123456789abcdef", "of a file that was replaced");
+  publish(400, Mode::standby);
+  EXPECT_EQ(sessions(), 1U) << "it is another file's damage";
+  publish(300, Mode::user);
+  recorder_->set_aside(id, "page 7 is damaged");
+  publish(300, Mode::user);
+  EXPECT_EQ(recorder_->status().session, 2) << "the walk goes on being recorded";
+  EXPECT_EQ(recorder_->status().state, server::RecordingState::recording);
+  publish(400, Mode::standby);
+  const server::RecordingStatus status = recorder_->status();
+  EXPECT_EQ(status.state, server::RecordingState::idle) << status.detail;
+  ASSERT_EQ(status.notices.size(), 1U);
+  EXPECT_EQ(status.notices[0].name, server::NoticeName::recordings_set_aside);
+  EXPECT_EQ(sessions(), 0U) << "a new file";
+  EXPECT_EQ(db::SessionReader(*db::Database::attach(status.notices[0].detail)).list()->total, 2U) << "nothing was lost of the old one";
+  publish(300, Mode::user);
+  EXPECT_EQ(recorder_->status().session, 1);
+}
+
 TEST_F(TakeOver, AJobThatWaitedTooLongIsToldSo) {
   live();
   const auto late_after = [this](std::uint64_t wait_ns) {

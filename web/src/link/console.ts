@@ -169,6 +169,10 @@ function takeText(message: Told): void {
     case 'notice':
       notify(message.level, message.text_key);
       break;
+    case 'job':
+      // Only a screen that shows it has it: the result stands on Health, not in the message.
+      if (message.kind === 'integrity_check' && store.value.recordings !== null) void fetchHealth();
+      break;
     case 'firmware_progress': // no screen shows updates yet
       break;
   }
@@ -180,10 +184,11 @@ function takeEmergencies(more: readonly Emergency[]): void {
   writable.set({ emergencies: [...all.values()].sort((a, b) => a.time_ns - b.time_ns).slice(-emergenciesMost) });
 }
 
-/** Emergency messages from before this page was opened. */
-export async function fetchEmergencies(): Promise<Answer<unknown>> {
+/** Emergency messages from before this page was opened, and what is known of the recordings. */
+export async function fetchHealth(): Promise<Answer<unknown>> {
   const answer = await rest('GET /api/v1/health');
-  if (answer.ok)
+  if (answer.ok) {
+    writable.set({ recordings: answer.value.recordings });
     takeEmergencies(
       answer.value.emergencies.map((item) => ({
         time_ns: item.time_ns,
@@ -192,6 +197,7 @@ export async function fetchEmergencies(): Promise<Answer<unknown>> {
         errorRegister: item.error_register,
       })),
     );
+  }
   return answer;
 }
 

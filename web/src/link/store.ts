@@ -2,7 +2,7 @@
 import { useEffect, useReducer, useRef } from 'preact/hooks';
 import { modes, type ModeName } from '../contract/faults.gen';
 import type { RecordingMessage } from '../contract/messages.gen';
-import type { Exercise, GuidedPath, ReasonCode, StandingNotice } from '../contract/rest.gen';
+import type { Exercise, GuidedPath, ReasonCode, RecordingsHealth, StandingNotice } from '../contract/rest.gen';
 import type { LinkState } from './socket';
 
 export type Recording = Pick<RecordingMessage, 'state' | 'session' | 'started_utc_ms' | 'samples'> & {
@@ -89,6 +89,8 @@ export interface State {
   stopFailed: boolean;
   log: LogLine[];
   emergencies: Emergency[];
+  /** What the server knows of the file of recordings; null before Health was opened. */
+  recordings: RecordingsHealth | null;
   notices: Notice[];
   /** Standing notices; shown in the strip. */
   standing: readonly StandingNotice[];
@@ -151,6 +153,7 @@ export const initial: State = {
   stopFailed: false,
   log: [],
   emergencies: [],
+  recordings: null,
   notices: [],
   standing: [],
 };

@@ -1,10 +1,10 @@
 // Whether everything answers: parts, loop, bus, power, this console, and what happened lately.
 import type { TickRecord } from '../../contract/signals.gen';
 import { useQuery } from '../../link/query';
-import { fetchEmergencies } from '../../link/console';
+import { fetchHealth } from '../../link/console';
 import { live, useReading } from '../../link/live';
 import { useReadiness } from '../../link/readiness';
-import { useStore, type Emergency, type LogLine } from '../../link/store';
+import { useStore, type Emergency, type LogLine, type State } from '../../link/store';
 import type { TextKey } from '../../text/en';
 import { reasonText } from '../../text/server';
 import { useSettings } from '../../text/settings';
@@ -146,6 +146,19 @@ function Emergencies({ list }: { list: readonly Emergency[] }) {
   );
 }
 
+const fileWords = {
+  unchecked: 'health.stored.unchecked',
+  checking: 'health.stored.checking',
+  sound: 'health.stored.sound',
+  damaged: 'health.stored.damaged',
+} as const satisfies Record<NonNullable<State['recordings']>['state'], TextKey>;
+
+function StoredRecordings({ file }: { file: State['recordings'] }) {
+  if (file === null) return <Line label={t('health.stored')} value="–" />;
+  const state = file.state === 'damaged' ? 'bad' : file.state === 'sound' ? 'good' : undefined;
+  return <Line label={t('health.stored')} value={t(fileWords[file.state], { n: fixed(file.progress * 100, 0) })} state={state} />;
+}
+
 function Events({ log }: { log: readonly LogLine[] }) {
   const now_ns = live.record?.time_ns ?? 0;
   const shown = log
@@ -179,7 +192,8 @@ export function HealthView() {
   const log = useStore((s) => s.log);
   const recording = useStore((s) => s.recording);
   const emergencies = useStore((s) => s.emergencies);
-  useQuery(open ? fetchEmergencies : null, []);
+  const recordings = useStore((s) => s.recordings);
+  useQuery(open ? fetchHealth : null, []);
   const n = (value: number | undefined, decimals: number, unit: string) => `${fixed(value, decimals)} ${unit}`;
   return (
     // It has no focusable content, so this makes it scrollable by keyboard.
@@ -242,6 +256,7 @@ export function HealthView() {
                   : t('bar.recordingOff')
           }
         />
+        <StoredRecordings file={recordings} />
         <Line label={t('health.version')} value={version || '–'} />
       </section>
       <Loop r={r} />

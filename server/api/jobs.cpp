@@ -1,0 +1,61 @@
+// /jobs: long work on the database, its progress and its end.
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "server/api/answers.hpp"
+#include "server/api/handlers.hpp"
+#include "server/state/views.hpp"
+
+namespace hoist::server::api {
+
+using nlohmann::json;
+
+namespace {
+// The job of {id}; nothing after a refusal.
+std::optional<JobInfo> job_of(const CallPtr& call) {
+  const std::string& text = call->path_values.at(0);
+  JobId id = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), id);
+  auto info = code == std::errc{} && end == text.data() + text.size() ? call->services.jobs.find(id) : std::nullopt;
+  if (!info) call->fail({.status = 404, .name = "unknown", .title = "There is no such job", .detail = "GET /api/v1/jobs lists them."});
+  return info;
+}
+
+json whole_job(const JobInfo& info) {
+  json told = job_json(info);
+  told["result"] = info.result ? json::parse(*info.result) : json(nullptr);
+  return told;
+}
+
+void respond_accepted(const CallPtr& call, JobId id) {
+  const auto info = call->services.jobs.find(id);
+  if (!info) return;
+  Response response = json_response(whole_job(*info), 202);
+  response.set("Location", "/api/v1/jobs/" + std::to_string(id));
+  call->respond(std::move(response));
+}
+}  // namespace
+
+void list_jobs(const CallPtr& call) {
+  json items = json::array();
+  for (const JobInfo& info : call->services.jobs.list()) items.push_back(job_json(info));
+  call->respond(json{{"items", std::move(items)}});
+}
+
+void get_job(const CallPtr& call) {
+  if (const auto info = job_of(call)) call->respond(whole_job(*info));
+}
+
+void start_job(const CallPtr& call) {
+  act_start_job(call->services, asker_of(*call), *call->body,
+                answer_with(call, [call](const Outcome& outcome) { respond_accepted(call, outcome.job); }));
+}
+
+void cancel_job(const CallPtr& call) {
+  const auto info = job_of(call);
+  if (!info) return;
+  act_cancel_job(call->services, asker_of(*call), info->id,
+                 answer_with(call, [call](const Outcome& outcome) { respond_accepted(call, outcome.job); }));
+}
+
+}  // namespace hoist::server::api

@@ -1,0 +1,266 @@
+// Long work: its queue on a thread of its own, what may be asked of it and by whom, and the check of the file that a start does not wait for.
+#include "server/jobs/jobs.hpp"
+
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "db/store/session_reader.hpp"
+#include "db/store/session_writer.hpp"
+#include "tests/unit/server/fixture.hpp"
+
+namespace hoist::test {
+namespace {
+
+using server::JobId;
+using server::JobInfo;
+using server::JobKind;
+using server::Jobs;
+using server::JobState;
+
+constexpr std::int64_t kPage_bytes = 4096;
+
+// A file with one session of some MB, as a server that was stopped leaves it.
+void record_into(const std::filesystem::path& file, std::size_t ticks) {
+  auto database = db::Database::open(file);
+  ASSERT_TRUE(database.ok());
+  auto writer = db::SessionWriter::create(*database);
+  ASSERT_TRUE(writer.ok());
+  db::SessionStart start;
+  start.started_utc_ns = 1'790'000'000'000'000'000;
+  start.start_time_ns = 1;
+  ASSERT_TRUE(writer->begin(start).ok());
+  std::vector<contract::TickRecord> records(ticks);
+  for (std::size_t i = 0; i < ticks; ++i) {
+    records[i].tick = i;
+    records[i].time_ns = 1 + i * 10'000'000;
+    // Noise, so that the samples fill many pages.
+    records[i].left_alpha_rad = static_cast<float>((i * 7919U) % 1000) * 1e-4F;
+    records[i].x_m = static_cast<float>((i * 104729U) % 100000) * 1e-3F;
+  }
+  ASSERT_TRUE(writer->append_ticks(records).ok());
+  ASSERT_TRUE(writer->end(db::CloseReason::finished, start.started_utc_ns).ok());
+}
+
+// Overwrites a page that neither opening nor the begin of a session reads.
+void damage_page(const std::filesystem::path& file) {
+  std::int64_t page = 0;
+  {
+    auto database = db::Database::attach(file);
+    ASSERT_TRUE(database.ok());
+    sqlite3_stmt* root = nullptr;
+    sqlite3_prepare_v2(database->handle(), "SELECT rootpage FROM sqlite_schema WHERE name = 'markers'", -1, &root, nullptr);
+    ASSERT_EQ(sqlite3_step(root), SQLITE_ROW);
+    page = sqlite3_column_int64(root, 0);
+    sqlite3_finalize(root);
+  }
+  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+  stream.seekp((page - 1) * kPage_bytes);
+  stream << std::string(kPage_bytes, '\x5A');
+}
+
+class Queue : public ::testing::Test {
+ protected:
+  void SetUp() override { record_into(folder_ / "hoist.db", 500); }
+  Jobs::Options options() {
+    return {.file = folder_ / "hoist.db",
+            .utc_ns = [] { return std::int64_t{5'000'000}; },
+            .on_damage = [this](const db::IntegrityReport& report) { damage_ = report.structure.front(); },
+            .on_step =
+                [this](const JobInfo& info) {
+                  if (on_step_) on_step_(info);
+                }};
+  }
+  TemporaryFolder folder_;
+  std::function<void(const JobInfo&)> on_step_;
+  std::string damage_;
+};
+
+TEST_F(Queue, JobsRunInTheirOrderAndTooManyAreRefused) {
+  Jobs jobs(options());
+  std::vector<JobId> ids;
+  for (std::size_t i = 0; i < server::kJobsWaiting; ++i) ids.push_back(jobs.add(JobKind::recompute_metrics, {}, {}).value_or(0));
+  EXPECT_FALSE(jobs.add(JobKind::recompute_metrics, {}, {}));
+  // One that waits is cancelled at once, and its place is free.
+  EXPECT_TRUE(jobs.cancel(ids[1]));
+  EXPECT_EQ(jobs.find(ids[1])->state, JobState::cancelled);
+  EXPECT_FALSE(jobs.cancel(ids[1])) << "once only";
+  EXPECT_FALSE(jobs.cancel(999));
+  EXPECT_TRUE(jobs.add(JobKind::integrity_check, {}, {}));
+  std::vector<JobId> order;
+  on_step_ = [&](const JobInfo& info) {
+    EXPECT_EQ(info.state, JobState::running);
+    if (order.empty() || order.back() != info.id) order.push_back(info.id);
+  };
+  while (jobs.work_here()) {
+  }
+  EXPECT_EQ(order, (std::vector<JobId>{1, 3, 4, 5, 6, 7, 8, 9}));
+  EXPECT_EQ(jobs.find(9)->state, JobState::done);
+  EXPECT_EQ(json::parse(*jobs.find(9)->result)["sound"], true);
+  EXPECT_EQ(json::parse(*jobs.find(1)->result)["items"].size(), 1U);
+  EXPECT_EQ(jobs.file_health().state, server::FileState::sound);
+  EXPECT_EQ(jobs.file_health().checked_utc_ms, 5);
+  // What has ended is forgotten in time.
+  for (std::size_t i = 0; i < server::kJobsKept; ++i) {
+    ASSERT_TRUE(jobs.add(JobKind::recompute_metrics, {.sessions = {77}}, {}));
+    jobs.work_here();
+  }
+  EXPECT_EQ(jobs.list().size(), server::kJobsKept);
+  EXPECT_FALSE(jobs.find(9));
+  const json unknown = json::parse(*jobs.list().back().result);
+  EXPECT_EQ(unknown["failed"][0]["session"], 77) << "a session that is not there fails by itself";
+}
+
+TEST_F(Queue, ARunningJobEndsWhenItIsCancelledOrTheServerEnds) {
+  Jobs jobs(options());
+  ASSERT_TRUE(jobs.add(JobKind::integrity_check, {}, {}));
+  int steps = 0;
+  on_step_ = [&](const JobInfo& info) {
+    if (++steps == 3) {
+      EXPECT_TRUE(jobs.cancel(info.id));
+    }
+  };
+  EXPECT_TRUE(jobs.work_here());
+  EXPECT_EQ(steps, 3) << "not a page more";
+  EXPECT_EQ(jobs.find(1)->state, JobState::cancelled);
+  EXPECT_EQ(jobs.file_health().state, server::FileState::unchecked) << "half a check says nothing";
+  ASSERT_TRUE(jobs.add(JobKind::integrity_check, {}, {}));
+  on_step_ = [&](const JobInfo&) { jobs.stop(); };
+  EXPECT_TRUE(jobs.work_here());
+  EXPECT_EQ(jobs.find(2)->state, JobState::cancelled);
+  EXPECT_FALSE(jobs.add(JobKind::integrity_check, {}, {})) << "the server ends";
+}
+
+// The deleted data are out of the log when the deletion is answered, although a check was reading.
+TEST_F(Queue, AJobGivesWayToADeletionAndBeginsAnew) {
+  Jobs jobs(options());
+  ASSERT_TRUE(jobs.add(JobKind::integrity_check, {}, {}));
+  std::shared_ptr<void> held;
+  int steps = 0;
+  on_step_ = [&](const JobInfo&) {
+    if (++steps == 3) held = jobs.hold();
+  };
+  EXPECT_TRUE(jobs.work_here());
+  EXPECT_EQ(steps, 3);
+  EXPECT_EQ(jobs.find(1)->state, JobState::waiting);
+  EXPECT_FALSE(jobs.work_here()) << "while it is held";
+  {
+    auto database = db::Database::attach(folder_ / "hoist.db");
+    ASSERT_TRUE(db::SessionEditor(*database).remove(1));
+    EXPECT_EQ(std::filesystem::file_size(folder_ / "hoist.db-wal"), 0U);
+  }
+  held.reset();
+  EXPECT_TRUE(jobs.work_here());
+  EXPECT_EQ(jobs.find(1)->state, JobState::done);
+}
+
+TEST_F(Queue, DamagedPagesAreToldToTheRecorder) {
+  damage_page(folder_ / "hoist.db");
+  Jobs jobs(options());
+  ASSERT_TRUE(jobs.add(JobKind::integrity_check, {}, {}));
+  jobs.work_here();
+  EXPECT_EQ(jobs.find(1)->state, JobState::done) << jobs.find(1)->detail;
+  EXPECT_EQ(jobs.file_health().state, server::FileState::damaged);
+  EXPECT_FALSE(damage_.empty());
+  // A file that cannot be opened was not checked.
+  std::filesystem::remove(folder_ / "hoist.db");
+  ASSERT_TRUE(jobs.add(JobKind::integrity_check, {}, {}));
+  jobs.work_here();
+  EXPECT_EQ(jobs.find(2)->state, JobState::failed);
+  EXPECT_FALSE(jobs.find(2)->detail.empty());
+  EXPECT_EQ(jobs.file_health().state, server::FileState::unchecked);
+}
+
+class JobsRest : public ServerTest {
+ protected:
+  json health() { return get("/api/v1/health").json()["recordings"]; }
+  bool wait_file(const char* state) {
+    return until([&] { return health()["state"] == state; });
+  }
+  void mode(contract::Mode mode) {
+    core_->set([mode](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(mode); });
+  }
+};
+
+TEST_F(JobsRest, AJobIsStartedFollowedAndAskedForItsResult) {
+  ASSERT_TRUE(wait_file("sound")) << "each start checks the file";
+  Live live(port_, bearer_);
+  ASSERT_EQ(live.status(), 101U);
+  const Answer started = call("POST", "/api/v1/jobs", {{"kind", "recompute_metrics"}});
+  ASSERT_EQ(started.status, 202) << started.body;
+  const std::string place = started.header("location");
+  EXPECT_EQ(place, "/api/v1/jobs/" + started.json()["id"].dump());
+  EXPECT_EQ(started.json()["asker"]["role"], "engineer");
+  ASSERT_TRUE(until([&] { return get(place).json()["state"] == "done"; }));
+  EXPECT_EQ(get(place).json()["result"]["items"], json::array()) << "nothing is recorded yet";
+  json told;
+  ASSERT_TRUE(until([&] {
+    told = live.wait("job");
+    return told["id"] == started.json()["id"] && told["state"] == "done";
+  }));
+  const json items = get("/api/v1/jobs").json()["items"];
+  EXPECT_EQ(items[0]["kind"], "integrity_check");
+  EXPECT_EQ(items[0]["asker"], nullptr) << "the server itself";
+  EXPECT_EQ(call("DELETE", place).status, 409) << "it has ended";
+  EXPECT_EQ(call("DELETE", place).json()["type"], "/problems/job-ended");
+  EXPECT_EQ(call("DELETE", "/api/v1/jobs/99").status, 404);
+  EXPECT_EQ(get("/api/v1/jobs/none").status, 404);
+}
+
+TEST_F(JobsRest, WhatNoJobIsIsRefusedWithItsField) {
+  const auto refused = [this](const json& body, const char* field) {
+    const Answer answer = call("POST", "/api/v1/jobs", body);
+    EXPECT_EQ(answer.status, 422) << body;
+    EXPECT_EQ(answer.json()["errors"][0]["field"], field) << answer.body;
+  };
+  refused({{"kind", "format_disk"}}, "kind");
+  refused({{"kind", 3}}, "kind");
+  refused(json::object(), "kind");
+  refused({{"kind", "integrity_check"}, {"sessions", {1}}}, "sessions");
+  for (const json& sessions : {json(1), json::array(), json{0}, json{-1}, json{1.5}, json(std::vector<int>(1001, 1))})
+    refused({{"kind", "recompute_metrics"}, {"sessions", sessions}}, "sessions");
+}
+
+// The start does not wait: the server records while the check reads. The file is set aside after the walk, and Health says what it knows.
+TEST_F(JobsRest, ADamagedFileIsFoundAfterTheStartAndLeftAfterTheWalk) {
+  stop_server();
+  record_into(folder_ / "hoist.db", 3000);
+  damage_page(folder_ / "hoist.db");
+  start_server();
+  wait_for_core();
+  // Set aside as soon as nothing is recorded into it; a new file is in use and sound.
+  ASSERT_TRUE(until([&] {
+    const json notices = get("/api/v1/status").json()["notices"];
+    return std::ranges::any_of(notices, [](const json& notice) { return notice["name"] == "recordings_set_aside"; });
+  }));
+  ASSERT_TRUE(wait_file("sound"));
+  const json check = get("/api/v1/jobs/1").json();
+  EXPECT_EQ(check["state"], "done");
+  EXPECT_EQ(check["result"]["sound"], false);
+  EXPECT_FALSE(check["result"]["structure"].empty());
+  EXPECT_EQ(get("/api/v1/sessions").json()["total"], 0);
+  mode(contract::Mode::user);
+  EXPECT_TRUE(until([&] { return get("/api/v1/recording").json()["state"] == "recording"; }));
+}
+
+TEST_F(JobsRest, ADamagedRecordingIsNamedOnHealthAndTheFileStays) {
+  stop_server();
+  record_into(folder_ / "hoist.db", 500);
+  {
+    auto database = db::Database::attach(folder_ / "hoist.db");
+    ASSERT_TRUE(database.ok());
+    ASSERT_EQ(sqlite3_exec(database->handle(), "UPDATE chunks SET body = zeroblob(length(body))", nullptr, nullptr, nullptr), SQLITE_OK);
+  }
+  start_server();
+  wait_for_core();
+  ASSERT_TRUE(wait_file("damaged"));
+  EXPECT_EQ(health()["damaged_sessions"], json{1});
+  const json notices = get("/api/v1/status").json()["notices"];
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_EQ(notices[0]["name"], "recordings_damaged");
+  EXPECT_EQ(get("/api/v1/sessions").json()["total"], 1);
+}
+
+}  // namespace
+}  // namespace hoist::test
