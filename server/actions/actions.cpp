@@ -750,7 +750,7 @@ void act_start_job(Services& services, const Asker& asker, const json& wish, Out
     return;
   }
   Outcome outcome;
-  if (const auto id = services.jobs.add(*kind, std::move(arguments), JobAsker{asker.client, asker.role})) {
+  if (const auto id = services.jobs.add(*kind, std::move(arguments), services.actors.find(asker.client))) {
     outcome.job = *id;
   } else {
     outcome.kind = Outcome::Kind::unreachable;

@@ -79,11 +79,9 @@ constexpr std::string_view kSchemas = R"json({
   {"type": "object", "required": ["kind"], "properties": {"kind": {"const": "integrity_check"}}, "additionalProperties": false},
   {"type": "object", "required": ["kind"], "properties": {"kind": {"const": "recompute_metrics"}, "sessions": {"type": "array", "minItems": 1, "maxItems": 1000,
    "items": {"type": "integer", "minimum": 1, "maximum": 9007199254740991}, "description": "The newest 1000 when not given"}}, "additionalProperties": false}]},
-"JobAsker": {"type": "object", "required": ["client", "role"], "properties": {"client": {"type": "integer"}, "role": {"enum": ["viewer", "therapist", "engineer"]}},
-  "additionalProperties": false},
-"Job": {"type": "object", "required": ["id", "kind", "state", "progress", "asker", "asked_utc_ms", "ended_utc_ms", "detail", "reason_code"], "properties": {
+"Job": {"type": "object", "required": ["id", "kind", "state", "progress", "actor", "asked_utc_ms", "ended_utc_ms", "detail", "reason_code"], "properties": {
   "id": {"type": "integer"}, "kind": {"$ref": "#/components/schemas/JobKind"}, "state": {"enum": ["waiting", "running", "done", "failed", "cancelled"]},
-  "progress": {"type": "number", "minimum": 0, "maximum": 1}, "asker": {"anyOf": [{"$ref": "#/components/schemas/JobAsker"}, {"type": "null"}], "description": "null: the server itself"},
+  "progress": {"type": "number", "minimum": 0, "maximum": 1}, "actor": {"$ref": "#/components/schemas/ActorOrNull"},
   "asked_utc_ms": {"type": "integer"}, "ended_utc_ms": {"type": ["integer", "null"]}, "detail": {"type": "string", "description": "Why it failed"},
   "reason_code": {"anyOf": [{"$ref": "#/components/schemas/ReasonCode"}, {"type": "null"}], "description": "The same for programs"},
   "result": {"anyOf": [{"$ref": "#/components/schemas/IntegrityResult"}, {"$ref": "#/components/schemas/MetricsResult"}, {"type": "null"}], "description": "Not in lists; null until it is done"}},

@@ -180,7 +180,7 @@ void Jobs::forget_oldest() {
     entries_.erase(std::ranges::find_if(entries_, [](const Entry& e) { return has_ended(e.info.state); }));
 }
 
-std::optional<JobId> Jobs::add(JobKind kind, JobArguments arguments, std::optional<JobAsker> asker) {
+std::optional<JobId> Jobs::add(JobKind kind, JobArguments arguments, std::optional<db::Actor> actor) {
   JobId id = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -189,7 +189,7 @@ std::optional<JobId> Jobs::add(JobKind kind, JobArguments arguments, std::option
     Entry& entry = entries_.emplace_back();
     id = entry.info.id = ++last_id_;
     entry.info.kind = kind;
-    entry.info.asker = asker;
+    entry.info.actor = std::move(actor);
     entry.info.asked_utc_ms = options_.utc_ns() / 1'000'000;
     entry.arguments = std::move(arguments);
     changed(entry);

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "db/store/session_types.hpp"
 #include "server/contract/reasons.hpp"
 #include "server/jobs/work.hpp"
 
@@ -33,16 +34,12 @@ constexpr const char* job_state_name(JobState state) {
 }
 constexpr bool has_ended(JobState state) { return state >= JobState::done; }
 
-struct JobAsker {
-  std::uint32_t client = 0;
-  contract::Role role = contract::Role::viewer;
-};
 struct JobInfo {
   JobId id = 0;
   JobKind kind{};
   JobState state = JobState::waiting;
-  double progress = 0;            // 0 to 1
-  std::optional<JobAsker> asker;  // nothing: the server itself
+  double progress = 0;             // 0 to 1
+  std::optional<db::Actor> actor;  // nothing: the server itself
   std::int64_t asked_utc_ms = 0;
   std::optional<std::int64_t> ended_utc_ms;
   std::shared_ptr<const std::string> result;  // JSON, when done
@@ -87,7 +84,7 @@ class Jobs {
   bool work_here();
 
   // From any thread. Nothing when too many wait.
-  std::optional<JobId> add(JobKind kind, JobArguments arguments, std::optional<JobAsker> asker);
+  std::optional<JobId> add(JobKind kind, JobArguments arguments, std::optional<db::Actor> actor);
   [[nodiscard]] std::optional<JobInfo> find(JobId id) const;
   // Oldest first.
   [[nodiscard]] std::vector<JobInfo> list() const;

@@ -29,13 +29,11 @@ json recording_json(const RecordingStatus& status) {
 }
 
 json job_json(const JobInfo& info) {
-  json asker = nullptr;
-  if (info.asker) asker = {{"client", info.asker->client}, {"role", access_role(info.asker->role)}};
   return {{"id", info.id},
           {"kind", job_kind_info(info.kind).name},
           {"state", job_state_name(info.state)},
           {"progress", info.progress},
-          {"asker", std::move(asker)},
+          {"actor", db::actor_json(info.actor)},
           {"asked_utc_ms", info.asked_utc_ms},
           {"ended_utc_ms", info.ended_utc_ms ? json(*info.ended_utc_ms) : json(nullptr)},
           {"detail", info.detail},

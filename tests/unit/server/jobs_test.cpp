@@ -191,7 +191,7 @@ TEST_F(JobsRest, AJobIsStartedFollowedAndAskedForItsResult) {
   ASSERT_EQ(started.status, 202) << started.body;
   const std::string place = started.header("location");
   EXPECT_EQ(place, "/api/v1/jobs/" + started.json()["id"].dump());
-  EXPECT_EQ(started.json()["asker"]["role"], "engineer");
+  EXPECT_EQ(started.json()["actor"]["role"], "engineer");
   ASSERT_TRUE(until([&] { return get(place).json()["state"] == "done"; }));
   EXPECT_EQ(get(place).json()["result"]["items"], json::array()) << "nothing is recorded yet";
   json told;
@@ -201,7 +201,7 @@ TEST_F(JobsRest, AJobIsStartedFollowedAndAskedForItsResult) {
   }));
   const json items = get("/api/v1/jobs").json()["items"];
   EXPECT_EQ(items[0]["kind"], "integrity_check");
-  EXPECT_EQ(items[0]["asker"], nullptr) << "the server itself";
+  EXPECT_EQ(items[0]["actor"], nullptr) << "the server itself";
   EXPECT_EQ(call("DELETE", place).status, 409) << "it has ended";
   EXPECT_EQ(call("DELETE", place).json()["type"], "/problems/job-ended");
   EXPECT_EQ(call("DELETE", "/api/v1/jobs/99").status, 404);
