@@ -3,6 +3,7 @@
 
 #include "control/core/modes/mode_list.hpp"
 #include "control/core/supervise/release.hpp"
+#include "control/core/supervise/service.hpp"
 #include "control/core/supervise/supervisor.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 

@@ -9,7 +9,9 @@
 #include "control/core/modes/mode_list.hpp"
 #include "control/core/serve/param_keeper.hpp"
 #include "control/core/standstill.hpp"
+#include "control/core/supervise/calibration_entry.hpp"
 #include "control/core/supervise/release.hpp"
+#include "control/core/supervise/service.hpp"
 #include "control/core/supervise/supervisor.hpp"
 
 namespace hoist::core {

@@ -184,38 +184,6 @@ std::uint32_t request_mode(CoreState& state, Mode to) noexcept {
   return 0;
 }
 
-std::uint32_t begin_service(CoreState& state) noexcept {
-  if (state.mode != Mode::init) {
-    const Transition* row = find_transition(state.mode, Mode::init, Asker::engineer);
-    if (row == nullptr) return refusal_bit(Refusal::not_standby) | where_it_stands(state);
-    if (const std::uint32_t bits = guard_refusals(state, row->guard); bits != 0) return bits;
-    change_mode(state, Mode::init);
-  }
-  state.in_mode.epoch = state.lease.epoch;
-  state.in_mode.service.on = true;
-  state.in_mode.service.quiet_ticks = 0;
-  return 0;
-}
-
-std::uint32_t enter_calibration(CoreState& state, const contract::CalibrationStepInfo& info) noexcept {
-  if (const std::uint32_t bits = calibration_refusals(state, info); bits != 0) return bits;
-  if (state.mode == Mode::calibrate) {
-    end_calibration(state);
-  } else {
-    if (find_transition(state.mode, Mode::calibrate, Asker::driver) == nullptr) return refusal_bit(Refusal::not_standby);
-    change_mode(state, Mode::calibrate);
-  }
-  state.in_mode.epoch = state.lease.epoch;
-  begin_calibration(state, info.step);
-  return 0;
-}
-
-void leave_calibration(CoreState& state, bool used) noexcept {
-  state.in_mode.calibration.used = used;
-  if (!used) state.in_mode.calibration.reason = contract::CalibrationReason::cancelled;
-  change_mode(state, Mode::standby);
-}
-
 void finish_mode(CoreState& state) noexcept {
   if (find_transition(state.mode, Mode::standby, Asker::core) != nullptr) change_mode(state, Mode::standby);
 }

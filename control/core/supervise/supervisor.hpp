@@ -2,7 +2,6 @@
 #pragma once
 #include <cstdint>
 
-#include "control/contract/calibration.hpp"
 #include "control/contract/faults.hpp"
 #include "control/core/state.hpp"
 #include "control/core/supervise/fault_sets.hpp"
@@ -29,13 +28,6 @@ void restore_stops(CoreState& state, const StopHistory& history) noexcept;
 
 /// The lease holder asks for a mode; `to` is a mode of the table. Refusal bits, 0 = done or under way.
 [[nodiscard]] std::uint32_t request_mode(CoreState& state, contract::Mode to) noexcept;
-/// The lease holder, an engineer, wants nodes to get new programs: INIT, and it stays. Also from INIT, where a node without a program keeps
-/// the hoist. Refusal bits, 0 = service is on.
-[[nodiscard]] std::uint32_t begin_service(CoreState& state) noexcept;
-/// The lease holder, in the role that the step wants, calibrates: CALIBRATE from STANDBY, or another step there. Refusal bits, 0 = begun.
-[[nodiscard]] std::uint32_t enter_calibration(CoreState& state, const contract::CalibrationStepInfo& info) noexcept;
-/// CALIBRATE ends: `used` when the result has become parameters.
-void leave_calibration(CoreState& state, bool used) noexcept;
 /// The mode in charge says that it is finished.
 void finish_mode(CoreState& state) noexcept;
 /// Once per step: a hoist that is to go out of service does so as soon as it stands.
