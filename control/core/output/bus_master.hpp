@@ -12,6 +12,7 @@
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/firmware_image.hpp"
 #include "control/contract/params.hpp"
+#include "control/contract/sdo_transfer.hpp"
 #include "control/core/estimate/estimate.hpp"
 #include "control/core/types.hpp"
 
@@ -45,22 +46,22 @@ class BusMaster {
 
   /// False when nobody asked for this. While the hands are off somebody else asks.
   [[nodiscard]] bool take_sdo_reply(contract::Node node, const contract::CanFrame& frame) noexcept {
-    namespace canopen = contract::canopen;
     if (hands_off_) return true;
     if (!busy_ || node != sdo_node_) return false;
-    if (contract::read_le(&frame.data[1], 2) != sdo_index_ || frame.data[3] != sdo_sub_) return false;
+    sdo_.on_frame(frame);
     Link& link = links_[static_cast<std::size_t>(node)];
-    if (frame.data[0] == canopen::kSdoAbort) {
+    if (sdo_.outcome() == Sdo::Outcome::aborted) {
       // The node understood and will not: asking again at once would not help.
       busy_ = false;
       give_up(link);
       return true;
     }
+    // No answer to this, or one that no server may give, or a word of another size: step() asks again.
+    if (sdo_.outcome() != Sdo::Outcome::done || (sdo_param_ == kIdentity && sdo_.uploaded().size() != 4)) return false;
+    busy_ = false;
     if (sdo_param_ == kIdentity) {
-      if (frame.data[0] != canopen::sdo_upload_reply_command(4)) return false;
-      busy_ = false;
       // A serial line has no checksum. What would keep a node from work is believed only when it says the same twice.
-      const std::uint32_t told = contract::read_le(&frame.data[4], 4);
+      const std::uint32_t told = sdo_.value();
       std::uint32_t& known = link.product_known ? link.revision : link.product;
       const bool twice = told == known;
       known = told;
@@ -77,9 +78,7 @@ class BusMaster {
       }
       return true;
     }
-    if (frame.data[0] != canopen::kSdoDownloadReply) return false;
     link.unwritten &= ~(1U << sdo_param_);
-    busy_ = false;
     return true;
   }
 
@@ -105,6 +104,7 @@ class BusMaster {
     namespace canopen = contract::canopen;
     if (tick % kHeartbeatTicks == 0) send(out, canopen::heartbeat(contract::node_id(contract::Node::core), canopen::NmtState::operational));
     hands_off_ = hands_off;
+    time_ns_ += kStep_ns;
     if (hands_off) {
       meet_all_again();
       return;
@@ -155,6 +155,9 @@ class BusMaster {
   }
 
  private:
+  /// Identity and parameters are words of four bytes.
+  using Sdo = contract::SdoTransfer<4>;
+
   struct Link {
     std::uint32_t product = 0, revision = 0;
     bool product_known = false;   // and its revision is asked for next
@@ -171,8 +174,8 @@ class BusMaster {
 
   static constexpr std::uint64_t kHeartbeatTicks = contract::canopen::kCoreHeartbeat_ms / 10;
   static constexpr std::uint8_t kNodeHeartbeatTicks = 10, kHeartbeatLateTicks = 3;
-  static constexpr std::uint8_t kSilenceTicks = 25;  // 250 ms, the consumer time of the plan
-  static constexpr std::uint8_t kSdoTicks = 10;      // an answer later than 100 ms does not come (worst case of the load plan: 27 ms)
+  static constexpr std::uint8_t kSilenceTicks = 25;                                // 250 ms, the consumer time of the plan
+  static constexpr std::uint64_t kStep_ns = 10'000'000, kAnswer_ns = 100'000'000;  // later answers do not come (load plan: 27 ms at worst)
   static constexpr std::uint8_t kSdoTries = 3;
   static constexpr std::uint8_t kNodeRest = 100;      // one second
   static constexpr std::uint16_t kLoaderRest = 9000;  // a minute and a half: a loader waits one minute for somebody who asks
@@ -244,7 +247,9 @@ class BusMaster {
 
   template <std::size_t N>
   void wait_for_reply(const contract::Params& params, FixedVector<contract::CanFrame, N>& out) noexcept {
-    if (++sdo_ticks_ < kSdoTicks) return;
+    if (sdo_.outcome() == Sdo::Outcome::busy)
+      if (const auto frame = sdo_.step(time_ns_)) send(out, *frame);
+    if (sdo_.outcome() == Sdo::Outcome::busy) return;
     if (++sdo_tries_ < kSdoTries) {
       ask(params, out);
       return;
@@ -275,28 +280,26 @@ class BusMaster {
 
   template <std::size_t N>
   void ask(const contract::Params& params, FixedVector<contract::CanFrame, N>& out) noexcept {
-    namespace canopen = contract::canopen;
-    busy_ = true;
-    sdo_ticks_ = 0;
-    const std::uint32_t id = canopen::kSdoRequestBase + contract::node_id(sdo_node_);
+    const std::uint8_t id = contract::node_id(sdo_node_);
     if (sdo_param_ == kIdentity) {
-      sdo_index_ = 0x1018;
-      sdo_sub_ = links_[static_cast<std::size_t>(sdo_node_)].product_known ? 3 : 2;
-      send(out, canopen::sdo(id, canopen::kSdoUploadRequest, sdo_index_, sdo_sub_, 0));
-      return;
+      const std::uint8_t sub = links_[static_cast<std::size_t>(sdo_node_)].product_known ? 3 : 2;
+      busy_ = sdo_.upload(id, 0x1018, sub);
+    } else {
+      const contract::ParamObject& object = contract::kParamObjects[sdo_param_];
+      // Read anew at each try: a gain on its way to a new value moves in every step.
+      std::array<std::uint8_t, 4> bytes{};
+      contract::write_le(bytes.data(), 4, contract::param_word(object, contract::get_param(params, contract::param_index(object.param))));
+      busy_ = sdo_.download(id, object.index, object.sub, bytes);
     }
-    const contract::ParamObject& object = contract::kParamObjects[sdo_param_];
-    sdo_index_ = object.index;
-    sdo_sub_ = object.sub;
-    const std::uint32_t word = contract::param_word(object, contract::get_param(params, contract::param_index(object.param)));
-    send(out, canopen::sdo(id, canopen::sdo_download_command(4), sdo_index_, sdo_sub_, word));
+    if (const auto frame = sdo_.step(time_ns_)) send(out, *frame);
   }
 
   std::array<Link, contract::kRemoteNodeCount> links_{};
   std::size_t turn_ = 0, sdo_param_ = 0;
   contract::Node sdo_node_ = contract::Node::core;
-  std::uint16_t sdo_index_ = 0;
-  std::uint8_t sdo_sub_ = 0, sdo_ticks_ = 0, sdo_tries_ = 0;
+  Sdo sdo_{{.answer_ns = kAnswer_ns, .tries = 1, .pace_ns = 0}};  // one request leaves per step; tries are counted here
+  std::uint64_t time_ns_ = 0;                                     // of the steps
+  std::uint8_t sdo_tries_ = 0;
   bool busy_ = false, all_running_ = false, hands_off_ = false;
 };
 
