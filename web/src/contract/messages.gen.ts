@@ -1,6 +1,6 @@
 // Made by `deploy/dev gen` from server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def; do not edit.
 
-import type { Actor, Exercise, FieldError, GuidedPath, Pose, ReasonCode, StandingNotice } from './rest.gen';
+import type { Actor, Exercise, FieldError, GuidedPath, JobKind, Pose, ReasonCode, StandingNotice } from './rest.gen';
 
 /** Why something was not done, or is not there. */
 export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> = {
@@ -16,6 +16,7 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   unknown: { en: 'This is no longer there.', de: 'Das gibt es nicht mehr.' },
   not_now: { en: 'This session is still being recorded.', de: 'Diese Sitzung wird noch aufgezeichnet.' },
   not_recording: { en: 'Nothing is being recorded.', de: 'Es läuft keine Aufnahme.' },
+  job_ended: { en: 'This job has already ended.', de: 'Dieser Auftrag ist schon beendet.' },
   disk_full: { en: 'The storage is full.', de: 'Der Speicher ist voll.' },
   storage: { en: 'The storage does not answer. Call service if it stays so.', de: 'Der Speicher antwortet nicht. Bleibt es so, Service rufen.' },
   internal: { en: 'Something went wrong in the server. Call service if it stays so.', de: 'Im Server ging etwas schief. Bleibt es so, Service rufen.' },
@@ -91,7 +92,7 @@ export interface DriveRequest {
   speed: number;
   /** -1 to 1 of the turning limit, left positive. */
   yaw: number;
-  /** The dead-man is held. */
+  /** Hold-to-run is held. */
   held: boolean;
 }
 
@@ -382,6 +383,24 @@ export interface NoticesMessage {
   items: readonly StandingNotice[];
 }
 
+/** Long work that was asked for, goes on (at most four times a second) or has ended; as in GET /api/v1/jobs, whose answer has all of them. */
+export interface JobMessage {
+  type: 'job';
+  id: number;
+  kind: JobKind;
+  state: "waiting" | "running" | "done" | "failed" | "cancelled";
+  /** 0 to 1. */
+  progress: number;
+  /** null: the server itself. */
+  actor: Actor | null;
+  asked_utc_ms: number;
+  ended_utc_ms: number | null;
+  /** Why it failed. */
+  detail: string;
+  /** The same for programs; a row of reasons.def. */
+  reason_code: ReasonCode | null;
+}
+
 /** How far an update of a node's program has come: at most four times a second, and at its end. */
 export interface FirmwareProgressMessage {
   type: 'firmware_progress';
@@ -411,6 +430,7 @@ export type ServerMessage =
   | PongMessage
   | NoticeMessage
   | NoticesMessage
+  | JobMessage
   | FirmwareProgressMessage;
 
 /** What the core reports. */

@@ -6,6 +6,20 @@ export type AcknowledgeRequest = {
   seen?: readonly string[];
 };
 
+/** Who asked. */
+export type Actor = {
+  /** The sign-in: script, or device- and eight digits. */
+  client: string;
+  /** The protocol: rest or hoist.v1. */
+  origin: string;
+  role: string;
+  /** The account; local until there are user accounts. */
+  user: string;
+};
+
+/** null: not known, or the core by itself. */
+export type ActorOrNull = Actor | null;
+
 export type Alarm = {
   action: Words;
   /** What it is about: of a drive its emergency code; 0 = nothing more is known. */
@@ -131,9 +145,9 @@ export type EventList = {
     to_tick: number;
   }[];
   items: readonly {
+    actor: ActorOrNull;
     before: number;
     bits: number;
-    client: number;
     code: number;
     item: number;
     kind: string;
@@ -143,6 +157,7 @@ export type EventList = {
     value: number;
   }[];
   markers: readonly {
+    actor: ActorOrNull;
     text: string;
     tick: number;
     utc_ms: number;
@@ -279,6 +294,49 @@ export type Health = {
   }[];
   /** Empty while the core is not connected. */
   nodes: readonly NodeHealth[];
+  recordings: RecordingsHealth;
+};
+
+export type IntegrityResult = {
+  /** Stored blobs that were looked at; 0 when the structure is damaged. */
+  blobs: number;
+  damaged_blobs: number;
+  damaged_sessions: readonly number[];
+  kind: 'integrity_check';
+  sound: boolean;
+  /** Damaged pages, tables and indexes: the file is set aside and a new one begun. */
+  structure: readonly string[];
+};
+
+export type Job = {
+  actor: ActorOrNull;
+  asked_utc_ms: number;
+  /** Why it failed. */
+  detail: string;
+  ended_utc_ms: number | null;
+  id: number;
+  kind: JobKind;
+  progress: number;
+  /** The same for programs. */
+  reason_code: ReasonCode | null;
+  /** Not in lists; null until it is done. */
+  result?: IntegrityResult | MetricsResult | null;
+  state: 'waiting' | 'running' | 'done' | 'failed' | 'cancelled';
+};
+
+export type JobKind = 'integrity_check' | 'recompute_metrics';
+
+export type JobList = {
+  items: readonly Job[];
+};
+
+/** What to do. */
+export type JobRequest = {
+  kind: 'integrity_check';
+} | {
+  kind: 'recompute_metrics';
+  /** The newest 1000 when not given. */
+  sessions?: readonly number[];
 };
 
 /** The body may be left out.. */
@@ -375,6 +433,15 @@ export type Metrics = {
   under_way_s: number;
   /** Way walked, forward and backward: absolute speed times 10 ms, summed over the time under way. */
   walked_m: number;
+};
+
+export type MetricsResult = {
+  failed: readonly {
+    detail: string;
+    session: number;
+  }[];
+  items: readonly Metrics[];
+  kind: 'recompute_metrics';
 };
 
 export type ModeList = {
@@ -506,7 +573,7 @@ export type Problem = {
   type: string;
 };
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'not_recording' | 'disk_full' | 'storage' | 'internal' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'not_recording' | 'job_ended' | 'disk_full' | 'storage' | 'internal' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
 
 export type Recording = {
   detail: string;
@@ -523,6 +590,19 @@ export type RecordingRequest = {
   action: 'start' | 'stop';
   note?: NoteText;
   subject?: SubjectCode;
+};
+
+export type RecordingsHealth = {
+  checked_utc_ms: number | null;
+  damaged_blobs: number;
+  /** Parts of these cannot be read. */
+  damaged_sessions: readonly number[];
+  /** What is damaged, or why it could not be checked; for the engineer. */
+  detail: string;
+  /** While checking. */
+  progress: number;
+  /** Of the file in use. It is checked after each start; the job integrity_check does it again. */
+  state: 'unchecked' | 'checking' | 'sound' | 'damaged';
 };
 
 export type Samples = {
@@ -713,6 +793,25 @@ export interface Routes {
   /** Nodes and bus: who answers, who loses messages, latest emergency messages. */
   'GET /api/v1/health': {
     answer: Health;
+  };
+  /** Long work: what waits, what runs, and the latest 16 that ended. */
+  'GET /api/v1/jobs': {
+    answer: JobList;
+  };
+  /** Starts long work; its address is in the header Location, how far it is also on the WebSocket. */
+  'POST /api/v1/jobs': {
+    body: JobRequest;
+    answer: Job;
+  };
+  /** Ends a job that waits or runs; what runs ends at its next page, recording or session. */
+  'DELETE /api/v1/jobs/{id}': {
+    path: { id: number };
+    answer: Job;
+  };
+  /** One job with its result. */
+  'GET /api/v1/jobs/{id}': {
+    path: { id: number };
+    answer: Job;
   };
   /** Gives control back. */
   'DELETE /api/v1/lease': {
