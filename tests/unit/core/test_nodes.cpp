@@ -47,6 +47,30 @@ TEST(Nodes, EachFillsItsOwnSensorAndNoOther) {
   EXPECT_TRUE(sensed.heard(Node::core).lost()) << "no node may use the core's identifiers";
 }
 
+// The identity is four bytes: neither the answer to a write, nor two bytes, nor segments, nor a segment's answer.
+TEST(Nodes, AnAnswerThatNoServerMayGiveIsNotTakenAndAskedAgain) {
+  namespace canopen = contract::canopen;
+  const std::uint8_t id = contract::node_id(Node::drive_left);
+  const auto answer = [&](std::uint8_t command) { return canopen::sdo(canopen::kSdoReplyBase + id, command, 0x1018, 2, 0x00010203); };
+  for (const std::uint8_t command : {0x60, 0x4B, 0x41, 0x00}) {
+    SCOPED_TRACE(static_cast<int>(command));
+    BusMaster master;
+    EXPECT_FALSE(master.take_heartbeat(Node::drive_left, 127));
+    FixedVector<CanFrame, 16> first, second, third;
+    master.step(1, {}, {}, false, first);
+    ASSERT_EQ(first.size(), 1U);
+    EXPECT_EQ(first[0].data[0], canopen::kSdoUploadRequest);
+    EXPECT_FALSE(master.take_sdo_reply(Node::drive_left, answer(command)));
+    master.step(2, {}, {}, false, second);
+    ASSERT_EQ(second.size(), 1U);
+    EXPECT_EQ(second[0].data, first[0].data);
+    EXPECT_TRUE(master.take_sdo_reply(Node::drive_left, answer(canopen::sdo_upload_reply_command(4))));
+    master.step(3, {}, {}, false, third);
+    ASSERT_EQ(third.size(), 1U);
+    EXPECT_EQ(third[0].data[3], 3) << "the revision is asked for next";
+  }
+}
+
 TEST(Nodes, AnUnknownOneIsRefusedAndCountedAndFillsNothing) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.reach(Mode::standby));
