@@ -8,19 +8,15 @@
 #include <string_view>
 
 #include "control/contract/commands.hpp"
+#include "control/contract/exercises.hpp"
 #include "control/contract/params.hpp"
-#include "control/contract/reference_path.hpp"
 
 namespace hoist::contract {
 
-enum class GuidedShape : std::uint8_t { straight = 1, square = 2, circle = 3, eight = 4 };
+using GuidedShape = ExerciseShape;
 
-/// Only forward: whoever is led backward does not see where to.
-struct GuidedPath {
-  GuidedShape shape = GuidedShape::straight;
-  bool clockwise = false;  // square, circle: turns to the right; eight: begins with the left loop
-  double size_m = 2.0;     // straight: length; square: side; circle: radius; eight: distance of a loop's centre from the crossing
-  double radius_m = 0;     // square: of its corners, 0 = sharp, turned on the spot; eight: of its loops; otherwise 0
+/// Only forward: whoever is led backward does not see where to. Not of the shape free. Turned clockwise, an eight begins with the left loop.
+struct GuidedPath : Exercise {
   double speed_m_s = 0.2;
   std::uint32_t laps = 1;
 };
@@ -37,8 +33,6 @@ inline constexpr double kGuidedWheelShare_norm = 0.93;
 /// Slower than this a patient does not walk but stands.
 inline constexpr double kGuidedSpeedLeast_m_s = 0.05;
 inline constexpr std::uint32_t kGuidedLapsMost = 50;
-/// Sizes that a hall and a hoist have in common; tighter curves than the smallest radius turn about the patient's own feet.
-inline constexpr double kGuidedSizeLeast_m = 0.5, kGuidedSizeMost_m = 100.0, kGuidedRadiusLeast_m = 0.3, kGuidedRadiusMost_m = 20.0;
 
 /// What the exercise is held against, from the parameters in force.
 struct GuidedLimits {
@@ -48,24 +42,6 @@ struct GuidedLimits {
   // The therapist's own turning limit holds here too: the same hand leads.
   const double yaw_rate_rad_s = p.remote_yaw_rate_rad_s_max < p.yaw_rate_rad_s_max ? p.remote_yaw_rate_rad_s_max : p.yaw_rate_rad_s_max;
   return {p.speed_m_s_max * p.speed_cap_norm, yaw_rate_rad_s, p.guided_length_m_max};
-}
-
-/// The figure, in its own frame. Not valid() for sizes that make none.
-[[nodiscard]] inline ReferencePath figure_of(const GuidedPath& path) {
-  const auto figure = [&path] {
-    switch (path.shape) {
-      case GuidedShape::square:
-        return path.radius_m > 0 ? ReferencePath::round_square(path.size_m, path.radius_m) : ReferencePath::square(path.size_m);
-      case GuidedShape::circle:
-        return ReferencePath::circle(path.size_m);
-      case GuidedShape::eight:
-        return ReferencePath::eight(path.size_m, path.radius_m);
-      case GuidedShape::straight:
-        break;
-    }
-    return ReferencePath::straight(path.size_m);
-  };
-  return path.clockwise ? figure().mirrored() : figure();
 }
 
 /// The fields of an exercise, as refusals name them (item of a command_refused event).
@@ -98,37 +74,30 @@ struct GuidedProblems {
 /// Everything that is wrong with it, each field with the range it may have.
 [[nodiscard]] inline GuidedProblems check_guided(const GuidedPath& path, const GuidedLimits& limits) {
   GuidedProblems problems;
-  const auto number = static_cast<double>(path.shape);
-  if (!problems.require(GuidedField::shape, number, 1, 4)) return problems;
-  bool sized = false;
-  switch (path.shape) {
-    case GuidedShape::straight:
-      sized = problems.require(GuidedField::size, path.size_m, kGuidedSizeLeast_m, kGuidedSizeMost_m) &&
-              problems.require(GuidedField::radius, path.radius_m, 0, 0);
-      break;
-    case GuidedShape::circle:
-      sized = problems.require(GuidedField::size, path.size_m, kGuidedRadiusLeast_m, kGuidedRadiusMost_m) &&
-              problems.require(GuidedField::radius, path.radius_m, 0, 0);
-      break;
-    case GuidedShape::square:
-      sized = problems.require(GuidedField::size, path.size_m, kGuidedSizeLeast_m, kGuidedSizeMost_m) &&
-              (path.radius_m == 0 || problems.require(GuidedField::radius, path.radius_m, kGuidedRadiusLeast_m, path.size_m / 2));
-      break;
-    case GuidedShape::eight:
-      sized = problems.require(GuidedField::size, path.size_m, kGuidedRadiusLeast_m, kGuidedRadiusMost_m) &&
-              problems.require(GuidedField::radius, path.radius_m, kGuidedRadiusLeast_m, path.size_m);
-      break;
+  const ExerciseInfo* info = find_exercise(path.shape);
+  if (info == nullptr || info->shape == ExerciseShape::free) {
+    problems.add(GuidedField::shape, static_cast<double>(path.shape), 1, static_cast<double>(kExercises.size() - 1));
+    return problems;
+  }
+  bool sized = true;
+  for (const ExerciseRole role : {ExerciseRole::size, ExerciseRole::radius}) {
+    const GuidedField field = role == ExerciseRole::size ? GuidedField::size : GuidedField::radius;
+    const ExerciseSize* row = find_size(path.shape, role);
+    const double value_m = size_of(path, role), most_m = row == nullptr ? 0 : row->driven_most_m;
+    if (!sized || (row != nullptr && !row->required && value_m == 0)) continue;
+    const double share_m = row != nullptr && row->share > 0 ? row->share * path.size_m : most_m;
+    sized = problems.require(field, value_m, row == nullptr ? 0 : row->driven_least_m, share_m < most_m ? share_m : most_m);
   }
   problems.require(GuidedField::speed, path.speed_m_s, kGuidedSpeedLeast_m_s, limits.speed_m_s);
-  const std::uint32_t laps_most = path.shape == GuidedShape::straight ? 1 : kGuidedLapsMost;
+  const std::uint32_t laps_most = info->closed ? kGuidedLapsMost : 1;
   const bool counted = problems.require(GuidedField::laps, path.laps, 1, laps_most);
   if (!sized) return problems;
   const ReferencePath figure = figure_of(path);
   if (counted) problems.require(GuidedField::length, figure.length_m() * path.laps, 0, limits.length_m);
   // Curvature times the slowest speed must stay within the turning limit's share; faster ones are slowed in the curve.
-  const double radius_m = path.shape == GuidedShape::circle ? path.size_m : path.radius_m;
   const double least_m = kGuidedSpeedLeast_m_s / (kGuidedYawShare_norm * limits.yaw_rate_rad_s);
-  if (radius_m > 0) problems.require(GuidedField::curve, radius_m, least_m, kGuidedRadiusMost_m);
+  if (const ExerciseSize* curve = find_curve(path.shape); curve != nullptr && size_of(path, curve->role) > 0)
+    problems.require(GuidedField::curve, size_of(path, curve->role), least_m, curve->driven_most_m);
   return problems;
 }
 

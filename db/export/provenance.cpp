@@ -8,7 +8,7 @@
 
 #include "control/contract/axes.hpp"
 #include "control/contract/can_dictionary.hpp"
-#include "db/export/exercise_names.hpp"
+#include "db/codec/exercise_json.hpp"
 #include "db/export/fixed_point.hpp"
 #include "db/export/session_export.hpp"
 

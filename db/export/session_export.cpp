@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "control/contract/axes.hpp"
+#include "db/codec/exercise_json.hpp"
 #include "db/export/bus_log.hpp"
-#include "db/export/exercise_names.hpp"
 #include "db/export/fixed_point.hpp"
 #include "db/export/provenance.hpp"
 #include "db/store/chunk_source.hpp"

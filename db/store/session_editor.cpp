@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "db/codec/exercise_json.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
@@ -10,8 +11,6 @@
 
 namespace hoist::db {
 namespace {
-
-constexpr double kSmallest_m = 0.2, kLargest_m = 100.0;
 
 // Whole UTF-8 sequences and nothing below a space but tab and line end: what people type, not what breaks a terminal or a file.
 bool plain_text(std::string_view text) {
@@ -28,8 +27,6 @@ bool plain_text(std::string_view text) {
   return true;
 }
 
-Error bad_exercise(std::string message) { return {ErrorKind::bad_value, std::move(message), "exercise"}; }
-
 }  // namespace
 
 Status check_subject(const std::optional<std::string>& subject) {
@@ -43,52 +40,6 @@ Status check_note(std::string_view note) {
   if (note.size() > kMaxNote_bytes || !plain_text(note))
     return Error{ErrorKind::bad_value, "note must be plain text of at most 4000 bytes", "note"};
   return {};
-}
-
-Status check_exercise(std::string_view json) {
-  static constexpr const char* kShapesText = "exercise.shape must be square, eight, circle or straight";
-  if (json.size() > kMaxExercise_bytes) return bad_exercise("exercise must be at most 1000 bytes");
-  const nlohmann::json value = nlohmann::json::parse(json, nullptr, false);
-  if (!value.is_object()) return bad_exercise("exercise must be a JSON object");
-  const auto shape = value.find("shape");
-  if (shape == value.end() || !shape->is_string()) return bad_exercise(kShapesText);
-  struct Shape {
-    std::string_view name;
-    std::array<std::string_view, 2> sizes;
-    std::string_view option;  // a size that may be left out
-    bool turned;              // may be walked to the other side
-  };
-  static constexpr std::array kShapes{Shape{"square", {"side_m", ""}, "corner_radius_m", true},
-                                      Shape{"eight", {"centre_m", "radius_m"}, "", true}, Shape{"circle", {"radius_m", ""}, "", true},
-                                      Shape{"straight", {"length_m", ""}, "", false}};
-  const auto in_range = [&value](std::string_view size) {
-    const auto given = value.find(size);
-    return given != value.end() && given->is_number() && given->get<double>() >= kSmallest_m && given->get<double>() <= kLargest_m;
-  };
-  for (const Shape& known : kShapes) {
-    if (shape->get_ref<const std::string&>() != known.name) continue;
-    std::size_t expected = 1;
-    for (const std::string_view size : known.sizes) {
-      if (size.empty()) continue;
-      ++expected;
-      if (!in_range(size)) return bad_exercise("exercise." + std::string(size) + " must be a number from 0.2 to 100");
-    }
-    if (!known.option.empty() && value.contains(known.option)) {
-      ++expected;
-      if (!in_range(known.option)) return bad_exercise("exercise." + std::string(known.option) + " must be a number from 0.2 to 100");
-    }
-    if (const auto side = value.find("clockwise"); known.turned && side != value.end()) {
-      ++expected;
-      if (!side->is_boolean()) return bad_exercise("exercise.clockwise must be true or false");
-    }
-    if (value.size() != expected) return bad_exercise("exercise has a field that " + std::string(known.name) + " does not know");
-    if (known.name == "eight" && value["radius_m"].get<double>() > value["centre_m"].get<double>())
-      return bad_exercise("exercise.radius_m must not exceed centre_m");
-    if (known.name == "square" && 2 * value.value("corner_radius_m", 0.0) > value["side_m"].get<double>())
-      return bad_exercise("exercise.corner_radius_m must not exceed half of side_m");
-    return {};
-  }
-  return bad_exercise(kShapesText);
 }
 
 Status SessionEditor::patch(SessionId session, const SessionPatch& change) {

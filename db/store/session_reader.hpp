@@ -90,8 +90,4 @@ class SessionEditor {
   Database* database_;
 };
 
-/// Whether the text is an exercise: {"shape": "square", "side_m"}, {"shape": "eight", "centre_m", "radius_m"} or
-/// {"shape": "straight", "length_m"}; sizes 0.2 to 100 m, the eight's radius not above its centre. Anything else is bad_value.
-Status check_exercise(std::string_view json);
-
 }  // namespace hoist::db

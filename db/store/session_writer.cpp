@@ -13,6 +13,7 @@
 #include "control/contract/params.hpp"
 #include "db/codec/bus_chunk.hpp"
 #include "db/codec/column_chunk.hpp"
+#include "db/codec/exercise_json.hpp"
 #include "db/codec/journal_chunk.hpp"
 #include "db/store/actor_rows.hpp"
 #include "db/store/chunk_source.hpp"

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "db/export/exercise_names.hpp"
+#include "db/codec/exercise_json.hpp"
 #include "db/export/provenance.hpp"
 #include "db/metrics/metric_list.hpp"
 #include "db/store/session_reader.hpp"

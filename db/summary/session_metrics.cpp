@@ -10,25 +10,13 @@
 #include "control/contract/check.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/reference_path.hpp"
+#include "db/codec/exercise_json.hpp"
 #include "db/metrics/evaluate.hpp"
 #include "db/metrics/run_summary.hpp"
 #include "db/store/session_reader.hpp"
 
 namespace hoist::db {
 namespace {
-
-contract::ReferencePath path_of(const nlohmann::json& exercise) {
-  using contract::ReferencePath;
-  const std::string shape = exercise["shape"].get<std::string>();
-  const auto number = [&exercise](const char* name) { return exercise.value(name, 0.0); };
-  const double corner_m = number("corner_radius_m");
-  const ReferencePath path =
-      shape == "square" ? (corner_m > 0 ? ReferencePath::round_square(number("side_m"), corner_m) : ReferencePath::square(number("side_m")))
-      : shape == "eight"  ? ReferencePath::eight(number("centre_m"), number("radius_m"))
-      : shape == "circle" ? ReferencePath::circle(number("radius_m"))
-                          : ReferencePath::straight(number("length_m"));
-  return exercise.value("clockwise", false) ? path.mirrored() : path;
-}
 
 // Adds up the steps missing in gaps that touch motion, while the samples go by.
 class MissingSteps {
@@ -221,10 +209,9 @@ Result<SessionMetrics> session_metrics(Database& database, SessionId session) {
   if (!info->exercise_json) return out;
   if (Status checked = check_exercise(*info->exercise_json); !checked)
     return Error{ErrorKind::corrupt, "session " + std::to_string(session) + ": its exercise is not one: " + checked.error().message, {}};
-  const nlohmann::json exercise = nlohmann::json::parse(*info->exercise_json, nullptr, false);
-  out.shape = exercise["shape"].get<std::string>();
+  out.shape = exercise_as_told(info->exercise_json)["shape"].get<std::string>();
   out.inputs["exercise"] = contract::hash_bytes(contract::kHashStart, *info->exercise_json);
-  out.why_absent = compare(path_of(exercise), *part, out);
+  out.why_absent = compare(figure_of_stored(*info->exercise_json), *part, out);
   return out;
 }
 

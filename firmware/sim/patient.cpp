@@ -223,7 +223,7 @@ void Patient::decide(const PatientSenses& senses) {
       if (std::hypot(now.x_m - begin_x_m_, now.y_m - begin_y_m_) > kMovedByItself_m) {
         distrusts_ = true;
         enter(PatientState::following);
-      } else if (state_s_ >= kWaitsBeforeSettingOff_s && scenario_->figure != Figure::none) {
+      } else if (state_s_ >= kWaitsBeforeSettingOff_s && scenario_->figure != Figure::free) {
         pace_m_s_ = params_.wish_m_s;
         enter(PatientState::leading);
       }

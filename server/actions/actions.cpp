@@ -375,7 +375,7 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
     if (!wish.exercise.is_null()) errors.push_back({"exercise", "is the path itself; leave it out"});
     if (const auto path = read_guided(wish.path, guided_limits(services), errors)) {
       contract::put_guided(request, *path);
-      exercise = exercise_of_guided(*path);
+      exercise = *path;
       laps = path->laps;
     }
   } else if (!wish.path.is_null()) {

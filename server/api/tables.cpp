@@ -1,7 +1,8 @@
-// The tables as they are: live values, faults and refusals, modes.
+// The tables as they are: live values, faults and refusals, modes, exercises.
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "control/contract/exercises.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/signals.hpp"
 #include "server/api/handlers.hpp"
@@ -45,6 +46,31 @@ void list_faults(const CallPtr& call) {
   for (const contract::RefusalInfo& r : contract::kRefusals)
     refusals.push_back({{"bit", r.bit}, {"name", r.name}, {"text", words(r.text_en, r.text_de)}});
   call->respond(json{{"items", std::move(items)}, {"refusals", std::move(refusals)}});
+}
+
+void list_exercises(const CallPtr& call) {
+  json items = json::array();
+  for (const contract::ExerciseInfo& row : contract::kExercises) {
+    json sizes = json::array();
+    for (const contract::ExerciseSize& size : contract::kExerciseSizes)
+      if (size.shape == row.shape)
+        sizes.push_back({{"name", size.name},
+                         {"title", words(size.title_en, size.title_de)},
+                         {"doc", size.doc},
+                         {"required", size.required},
+                         {"usual_m", size.usual_m},
+                         {"least_m", contract::kExerciseLeast_m},
+                         {"most_m", contract::kExerciseMost_m},
+                         {"driven_least_m", size.driven_least_m},
+                         {"driven_most_m", size.driven_most_m},
+                         {"share", size.share}});
+    items.push_back({{"shape", row.name},
+                     {"title", words(row.title_en, row.title_de)},
+                     {"turned", row.turned},
+                     {"closed", row.closed},
+                     {"sizes", std::move(sizes)}});
+  }
+  call->respond(json{{"items", std::move(items)}});
 }
 
 void list_modes(const CallPtr& call) {

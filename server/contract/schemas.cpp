@@ -6,6 +6,8 @@
 #include <string_view>
 
 #include "control/contract/calibration.hpp"
+#include "control/contract/exercises.hpp"
+#include "control/contract/guided_path.hpp"
 #include "control/contract/params.hpp"
 #include "db/metrics/metric_list.hpp"
 #include "server/contract/jobs.hpp"
@@ -138,32 +140,15 @@ constexpr std::string_view kSchemas = R"json({
 "PresetList": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"type": "object", "required": ["name", "title", "doc", "values"],
   "properties": {"name": {"type": "string"}, "title": {"$ref": "#/components/schemas/Words"}, "doc": {"$ref": "#/components/schemas/Words"},
   "values": {"type": "object", "additionalProperties": {"type": "number"}}}, "additionalProperties": false}}}, "additionalProperties": false},
-"Exercise": {"description": "What is walked; null and free mean the same", "anyOf": [
-  {"type": "object", "required": ["shape", "c_m", "radius_m"], "properties": {"shape": {"const": "eight"}, "c_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "radius_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged"}},
-   "additionalProperties": false},
-  {"type": "object", "required": ["shape", "side_m"], "properties": {"shape": {"const": "square"}, "side_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "corner_radius_m": {"type": ["number", "null"], "minimum": 0, "maximum": 50, "description": "Of the corners; without it they are sharp"}, "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged"}},
-   "additionalProperties": false},
-  {"type": "object", "required": ["shape", "radius_m"], "properties": {"shape": {"const": "circle"}, "radius_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged"}},
-   "additionalProperties": false},
-  {"type": "object", "required": ["shape", "length_m"], "properties": {"shape": {"const": "straight"}, "length_m": {"type": "number", "minimum": 0.2, "maximum": 100}},
-   "additionalProperties": false},
-  {"type": "object", "required": ["shape"], "properties": {"shape": {"const": "free"}},
-   "additionalProperties": false}]},
-"GuidedPath": {"description": "What the hoist drives while the driver holds: the sizes of an exercise, its speed and its laps, held against the limits in force", "anyOf": [
-  {"type": "object", "required": ["shape", "c_m", "radius_m", "speed_m_s"], "properties": {"shape": {"const": "eight"}, "c_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "radius_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged"}, 
-   "speed_m_s": {"$ref": "#/components/schemas/GuidedSpeed"}, "laps": {"$ref": "#/components/schemas/GuidedLaps"}},
-   "additionalProperties": false},
-  {"type": "object", "required": ["shape", "side_m", "speed_m_s"], "properties": {"shape": {"const": "square"}, "side_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "corner_radius_m": {"type": ["number", "null"], "minimum": 0, "maximum": 50, "description": "Of the corners; without it they are sharp"}, "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged"}, 
-   "speed_m_s": {"$ref": "#/components/schemas/GuidedSpeed"}, "laps": {"$ref": "#/components/schemas/GuidedLaps"}},
-   "additionalProperties": false},
-  {"type": "object", "required": ["shape", "radius_m", "speed_m_s"], "properties": {"shape": {"const": "circle"}, "radius_m": {"type": "number", "minimum": 0.2, "maximum": 100}, "clockwise": {"type": ["boolean", "null"], "description": "Left and right exchanged"}, 
-   "speed_m_s": {"$ref": "#/components/schemas/GuidedSpeed"}, "laps": {"$ref": "#/components/schemas/GuidedLaps"}},
-   "additionalProperties": false},
-  {"type": "object", "required": ["shape", "length_m", "speed_m_s"], "properties": {"shape": {"const": "straight"}, "length_m": {"type": "number", "minimum": 0.2, "maximum": 100}, 
-   "speed_m_s": {"$ref": "#/components/schemas/GuidedSpeed"}, "laps": {"$ref": "#/components/schemas/GuidedLaps"}},
-   "additionalProperties": false}]},
-"GuidedSpeed": {"type": "number", "minimum": 0.05, "description": "Slower in curves that need it"},
-"GuidedLaps": {"type": ["integer", "null"], "minimum": 1, "maximum": 50},
+"ExerciseSize": {"type": "object", "required": ["name", "title", "doc", "required", "usual_m", "least_m", "most_m", "driven_least_m", "driven_most_m", "share"], "properties": {
+  "name": {"type": "string"}, "title": {"$ref": "#/components/schemas/Words"}, "doc": {"type": "string"}, "required": {"type": "boolean"},
+  "usual_m": {"type": "number", "description": "0 = left out"}, "least_m": {"type": "number"}, "most_m": {"type": "number"},
+  "driven_least_m": {"type": "number", "description": "Where the hoist drives by itself"}, "driven_most_m": {"type": "number"},
+  "share": {"type": "number", "description": "At most this share of the shape's first size; 0 = no such limit"}}, "additionalProperties": false},
+"ExerciseList": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"type": "object",
+  "required": ["shape", "title", "turned", "closed", "sizes"], "properties": {"shape": {"type": "string"}, "title": {"$ref": "#/components/schemas/Words"},
+  "turned": {"type": "boolean", "description": "May be walked clockwise too"}, "closed": {"type": "boolean", "description": "May have laps"},
+  "sizes": {"type": "array", "items": {"$ref": "#/components/schemas/ExerciseSize"}}}, "additionalProperties": false}}}, "additionalProperties": false},
 "GuidedPathOrNull": {"anyOf": [{"$ref": "#/components/schemas/GuidedPath"}, {"type": "null"}]},
 "ExerciseOrNull": {"anyOf": [{"$ref": "#/components/schemas/Exercise"}, {"type": "null"}]},
 "Walk": {"type": "object", "required": ["exercise", "begun", "tick", "motion_s", "mark", "step_m", "x_m", "y_m"], "properties": {
@@ -300,9 +285,43 @@ void add_figures(json& metrics) {
   }
 }
 
+// One kind of exercise, from its rows; `driven`: as the hoist drives it by itself.
+json exercise_kind(const contract::ExerciseInfo& info, bool driven) {
+  json kind{
+      {"type", "object"}, {"required", {"shape"}}, {"properties", {{"shape", {{"const", info.name}}}}}, {"additionalProperties", false}};
+  json& properties = kind["properties"];
+  for (const contract::ExerciseSize& row : contract::kExerciseSizes) {
+    if (row.shape != info.shape) continue;
+    const double most_m = driven ? row.driven_most_m : contract::kExerciseMost_m * (row.share > 0 ? row.share : 1);
+    const double least_m = !row.required ? 0 : driven ? row.driven_least_m : contract::kExerciseLeast_m;
+    properties[std::string{row.name}] = {{"type", row.required ? json("number") : json{"number", "null"}},
+                                         {"minimum", least_m},
+                                         {"maximum", most_m},
+                                         {"description", row.doc}};
+    if (row.required) kind["required"].push_back(row.name);
+  }
+  if (info.turned) properties["clockwise"] = {{"type", {"boolean", "null"}}, {"description", "Left and right exchanged"}};
+  if (driven) {
+    kind["required"].push_back("speed_m_s");
+    properties["speed_m_s"] = {
+        {"type", "number"}, {"minimum", contract::kGuidedSpeedLeast_m_s}, {"description", "Slower in curves that need it"}};
+    properties["laps"] = {{"type", {"integer", "null"}}, {"minimum", 1}, {"maximum", info.closed ? contract::kGuidedLapsMost : 1U}};
+  }
+  return kind;
+}
+
 json all_schemas() {
   json schemas = json::parse(kSchemas);
   add_figures(schemas["Metrics"]);
+  schemas["Exercise"] = {{"description", "What is walked; null and free mean the same"}, {"anyOf", json::array()}};
+  schemas["GuidedPath"] = {
+      {"description",
+       "What the hoist drives while the driver holds: the sizes of an exercise, its speed and its laps, held against the limits in force"},
+      {"anyOf", json::array()}};
+  for (const contract::ExerciseInfo& row : contract::kExercises) {
+    schemas["Exercise"]["anyOf"].push_back(exercise_kind(row, false));
+    if (row.shape != contract::ExerciseShape::free) schemas["GuidedPath"]["anyOf"].push_back(exercise_kind(row, true));
+  }
   schemas["CalibrationStep"] = names_of(contract::kCalibrationSteps);
   schemas["ParamName"] = names_of(contract::kParams);
   schemas["ReasonCode"] = names_of(kReasons);

@@ -1,14 +1,45 @@
 // Computed by the exercises' screen: the figure as points, its floor space, the request to the hoist.
 import { describe, expect, it } from 'vitest';
 import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, withinCap } from '../src/panels/exercises/plan';
+import { exercises, usualExercise } from '../src/contract/exercises.gen';
 import { modes } from '../src/contract/faults.gen';
 import { moving } from '../src/link/store';
 import { floorSpace, patternPoints } from '../src/ui/geometry';
 import { tooSlow } from '../src/link/readiness';
 
+/** Of both ends of the buttons: the sizes of the request by name. */
+const requested = (shape: (typeof shapes)[number], end: 'least' | 'most'): Readonly<Record<string, unknown>> => ({
+  ...pathOf({
+    ...firstPlan,
+    shape,
+    length_m: steps.length_m[end],
+    side_m: steps.side_m[end],
+    radius_m: steps.radius_m[end],
+    eight_m: steps.eight_m[end],
+  }),
+});
+
 const yawLimit_rad_s = (30 * Math.PI) / 180;
 
 describe('figures', () => {
+  it('are drawn as long as the hoist walks them', () => {
+    for (const { shape, usual_length_m } of exercises) {
+      const points = patternPoints(usualExercise[shape]);
+      const drawn = points.slice(1).reduce((sum, to, i) => sum + Math.hypot(to.x - points[i]!.x, to.y - points[i]!.y), 0);
+      // Arcs are drawn as chords, which are up to 0.1 % shorter.
+      expect(Math.abs(drawn - usual_length_m), shape).toBeLessThanOrEqual(0.001 * usual_length_m);
+    }
+  });
+  it('offers no size that the hoist does not drive', () => {
+    for (const { shape, sizes } of exercises) {
+      if (shape === 'free') continue;
+      for (const { name, required, driven_least_m, driven_most_m } of sizes) {
+        if (!required) continue;
+        expect(requested(shape, 'least')[name], `${shape}.${name}`).toBeGreaterThanOrEqual(driven_least_m);
+        expect(requested(shape, 'most')[name], `${shape}.${name}`).toBeLessThanOrEqual(driven_most_m);
+      }
+    }
+  });
   it('close, except the straight, and keep their length when mirrored', () => {
     for (const shape of shapes) {
       const left = patternPoints(exerciseOf({ ...firstPlan, shape }));

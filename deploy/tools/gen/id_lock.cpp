@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "control/contract/can_dictionary.hpp"
+#include "control/contract/exercises.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
@@ -36,6 +37,7 @@ IdLock updated_id_lock(std::string_view text) {
   for (const auto& row : kRefusals) take("refusal", row.bit, row.name);
   for (const auto& row : kSpeedCauses) take("speed_cause", row.value, row.name);
   for (const auto& row : kModes) take("mode", row.value, row.name);
+  for (const auto& row : kExercises) take("exercise", static_cast<unsigned>(row.shape), row.name);
   for (const auto& row : kNodes) take("node", row.id, row.name);
   lock.text = "# Every id that was ever given away; deploy/dev gen adds new ones. Lines are never removed and ids never reused.\n";
   for (const auto& [key, name] : given) lock.text += key.first + " " + std::to_string(key.second) + " " + name + "\n";

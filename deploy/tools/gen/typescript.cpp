@@ -1,7 +1,9 @@
 // The console's view of the tables: types and descriptions, and the reading of one tick record from the wire.
+#include <cmath>
 #include <string>
 
 #include "control/contract/emergencies.hpp"
+#include "control/contract/exercises.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
@@ -342,8 +344,70 @@ export const emergencies: readonly EmergencyInfo[] = [
   return {"web/src/contract/emergencies.gen.ts", out + "];\n"};
 }
 
+std::string_view yes_or_no(bool value) { return value ? "true" : "false"; }
+
+std::string exercise_sizes(const ExerciseInfo& exercise) {
+  std::string out;
+  for (const ExerciseSize& row : kExerciseSizes) {
+    if (row.shape != exercise.shape) continue;
+    out += "\n      { name: " + quoted(row.name) + ", title: " + words(row.title_en, row.title_de) +
+           ", required: " + std::string(yes_or_no(row.required)) + ", usual_m: " + number_text(row.usual_m) +
+           ", driven_least_m: " + number_text(row.driven_least_m) + ", driven_most_m: " + number_text(row.driven_most_m) +
+           ", share: " + number_text(row.share) + " },";
+  }
+  return out;
+}
+
+GeneratedFile exercises_file() {
+  std::string out = head("control/contract/exercises.def");
+  out += R"(import type { Exercise, Words } from './rest.gen';
+
+export interface ExerciseSizeInfo {
+  name: string;
+  title: Words;
+  required: boolean;
+  /** 0 = left out. */
+  usual_m: number;
+  /** Range that the hoist drives by itself. */
+  driven_least_m: number;
+  driven_most_m: number;
+  /** At most this share of the shape's first size; 0 = no such limit. */
+  share: number;
+}
+export interface ExerciseInfo {
+  shape: Exercise['shape'];
+  title: Words;
+  /** May be walked clockwise too. */
+  turned: boolean;
+  /** May have laps. */
+  closed: boolean;
+  /** One lap of the usual sizes, to a millimetre. */
+  usual_length_m: number;
+  sizes: readonly ExerciseSizeInfo[];
+}
+
+export const exercises: readonly ExerciseInfo[] = [
+)";
+  std::string usual;
+  for (const ExerciseInfo& row : kExercises) {
+    out += "  {\n    shape: " + quoted(row.name) + ", title: " + words(row.title_en, row.title_de) +
+           ", turned: " + std::string(yes_or_no(row.turned)) + ", closed: " + std::string(yes_or_no(row.closed)) +
+           ", usual_length_m: " + number_text(std::round(figure_of(usual_exercise(row.shape)).length_m() * 1000.0) / 1000.0) +
+           ",\n    sizes: [" + exercise_sizes(row) + "],\n  },\n";
+    usual += "  " + std::string(row.name) + ": { shape: " + quoted(row.name);
+    for (const ExerciseSize& size : kExerciseSizes)
+      if (size.shape == row.shape && size.usual_m > 0) usual += ", " + std::string(size.name) + ": " + number_text(size.usual_m);
+    usual += " },\n";
+  }
+  out += "];\n\n/** Each shape with its usual sizes. */\nexport const usualExercise = {\n" + usual +
+         "} as const satisfies { [S in Exercise['shape']]: Extract<Exercise, { shape: S }> };\n";
+  return {"web/src/contract/exercises.gen.ts", out};
+}
+
 }  // namespace
 
-std::vector<GeneratedFile> typescript_files() { return {params_file(), signals_file(), faults_file(), emergencies_file()}; }
+std::vector<GeneratedFile> typescript_files() {
+  return {params_file(), signals_file(), faults_file(), emergencies_file(), exercises_file()};
+}
 
 }  // namespace hoist::gen

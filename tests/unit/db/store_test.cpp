@@ -9,6 +9,7 @@
 #include <optional>
 #include <random>
 
+#include "db/codec/exercise_json.hpp"
 #include "db/store/schema_list.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/visits.hpp"

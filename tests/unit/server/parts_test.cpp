@@ -7,9 +7,11 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <tuple>
 
-#include "db/export/exercise_names.hpp"
+#include "db/codec/exercise_json.hpp"
 #include "db/summary/session_json.hpp"
+#include "server/contract/fields.hpp"
 #include "server/contract/openapi.hpp"
 #include "server/contract/routes.hpp"
 #include "server/http/auth.hpp"
@@ -245,6 +247,50 @@ TEST(Exercise, RefusesSizesAndNamesTheField) {
     EXPECT_FALSE(read_exercise(json::parse(bad), errors)) << bad;
     ASSERT_EQ(errors.size(), 1U) << bad;
     EXPECT_TRUE(errors[0].field.starts_with("exercise.")) << bad;
+  }
+}
+
+// Every row of the table, as REST reads it, the recording stores it and the core drives it.
+TEST(Exercise, EachOfTheTableIsReadStoredToldAndDrivenAlike) {
+  const contract::GuidedLimits limits{0.65, 0.5, 200.0};
+  for (const contract::ExerciseInfo& row : contract::kExercises) {
+    const Exercise usual = contract::usual_exercise(row.shape);
+    const json told = exercise_json(usual);
+    std::vector<FieldError> errors;
+    const auto read = read_exercise(told, errors);
+    ASSERT_TRUE(read) << told;
+    EXPECT_EQ(std::tuple(read->shape, read->size_m, read->radius_m), std::tuple(usual.shape, usual.size_m, usual.radius_m));
+    EXPECT_TRUE(wrong_fields("Exercise", told).empty()) << told;
+    if (row.shape == Exercise::Shape::free) continue;
+    const std::string stored = *stored_exercise(usual);
+    EXPECT_TRUE(db::check_exercise(stored).ok()) << stored;
+    EXPECT_EQ(db::exercise_as_told(stored), told);
+    ASSERT_TRUE(contract::figure_of(usual).valid());
+    EXPECT_EQ(db::figure_of_stored(stored).length_m(), contract::figure_of(usual).length_m());
+    json driven = told;
+    driven["speed_m_s"] = 0.3;
+    EXPECT_TRUE(wrong_fields("GuidedPath", driven).empty()) << driven;
+    EXPECT_TRUE(read_guided(driven, limits, errors)) << driven;
+    EXPECT_TRUE(errors.empty());
+    // Beyond each end of each size, all three refuse and name it.
+    for (const contract::ExerciseSize& size : contract::kExerciseSizes) {
+      if (size.shape != row.shape) continue;
+      for (const double wrong_m : {contract::kExerciseLeast_m / 2, contract::kExerciseMost_m + 1}) {
+        json bad = told;
+        bad[std::string{size.name}] = wrong_m;
+        errors.clear();
+        EXPECT_FALSE(read_exercise(bad, errors)) << bad;
+        ASSERT_FALSE(errors.empty());
+        EXPECT_EQ(errors[0].field, "exercise." + std::string{size.name});
+        json kept = json::parse(stored);
+        kept[std::string{size.stored}] = wrong_m;
+        EXPECT_FALSE(db::check_exercise(kept.dump()).ok()) << kept;
+        contract::GuidedPath path;
+        static_cast<Exercise&>(path) = usual;
+        contract::size_of(path, size.role) = size.driven_most_m + 1;
+        EXPECT_GT(contract::check_guided(path, limits).count, 0U) << size.name;
+      }
+    }
   }
 }
 

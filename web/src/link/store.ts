@@ -2,6 +2,7 @@
 import { useEffect, useReducer, useRef } from 'preact/hooks';
 import { modes, type ModeName } from '../contract/faults.gen';
 import type { RecordingMessage } from '../contract/messages.gen';
+import { usualExercise } from '../contract/exercises.gen';
 import type { Exercise, GuidedPath, ReasonCode, RecordingsHealth, StandingNotice } from '../contract/rest.gen';
 import type { LinkState } from './socket';
 
@@ -106,7 +107,7 @@ export const moving = (mode: ModeName): boolean => modes.some((row) => row.name 
 export function figure({ mode, exercise, begun }: Pick<State, 'mode' | 'exercise' | 'begun'>): Exercise {
   return moving(mode) ? (begun ?? free) : exercise;
 }
-const free: Exercise = { shape: 'free' };
+const free: Exercise = usualExercise.free;
 
 /** Whether the hoist's state is known. Before the first message it counts as starting. */
 export const unknown = ({ link, everOpen, data, coreConnected }: Pick<State, 'link' | 'everOpen' | 'data' | 'coreConnected'>): boolean =>
@@ -125,7 +126,7 @@ export const initial: State = {
   version: '',
   simulated: false,
   scenario: null,
-  exercise: { shape: 'eight', c_m: 1.0, radius_m: 0.8 },
+  exercise: usualExercise.eight,
   begun: null,
   coreConnected: null,
   coreReason: null,

@@ -101,11 +101,6 @@ export const de: Table = {
   'refused.calibrating': 'Die Kalibrierung läuft: zuerst beenden.',
 
   'exercise.label': 'Übung',
-  'exercise.eight': 'Achterfigur',
-  'exercise.square': 'Quadrat',
-  'exercise.circle': 'Kreis',
-  'exercise.straight': 'Gerade',
-  'exercise.free': 'Frei',
 
   'walk.start': 'Gehen starten',
   'walk.end': 'Beenden',
@@ -160,10 +155,6 @@ export const de: Table = {
   'guided.locked': 'Erst beginnen, dann hier halten',
   'guided.other': 'Jemand anderes führt',
   'guided.hint': 'Taste: Pfeil nach oben oder W gedrückt halten',
-  'guided.length': 'Länge',
-  'guided.side': 'Seite',
-  'guided.radius': 'Radius',
-  'guided.loops': 'Abstand der Schleifen',
   'guided.speed': 'Tempo',
   'guided.laps': 'Runden',
   'guided.side2': 'Dreht nach',

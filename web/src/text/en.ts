@@ -101,11 +101,6 @@ export const en = {
   'refused.calibrating': 'Calibration is running: end it first.',
 
   'exercise.label': 'Exercise',
-  'exercise.eight': 'Figure of eight',
-  'exercise.square': 'Square',
-  'exercise.circle': 'Circle',
-  'exercise.straight': 'Straight',
-  'exercise.free': 'Free',
 
   'walk.start': 'Start walking',
   'walk.end': 'End',
@@ -160,10 +155,6 @@ export const en = {
   'guided.locked': 'Start first, then hold here',
   'guided.other': 'Someone else leads',
   'guided.hint': 'Key: arrow up or W while held',
-  'guided.length': 'Length',
-  'guided.side': 'Side',
-  'guided.radius': 'Radius',
-  'guided.loops': 'Loop spacing',
   'guided.speed': 'Speed',
   'guided.laps': 'Laps',
   'guided.side2': 'Turns to the',

@@ -5,8 +5,8 @@ import { live, useFrame } from '../../link/live';
 import { tooSlow, useReadiness } from '../../link/readiness';
 import { figure, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
-import { degrees, duration, fixed, t } from '../../text/text';
-import type { TextKey } from '../../text/en';
+import { exerciseTitle, firstSize } from '../../text/exercise';
+import { degrees, duration, fixed, t, words } from '../../text/text';
 import { FloorView } from '../../ui/floor_view';
 import { fit, floorSpace, onScreen, patternPoints } from '../../ui/geometry';
 import { HoldToGo } from '../../ui/hold_to_go';
@@ -87,12 +87,7 @@ function Pair({
   );
 }
 
-const sizeOf: Record<Shape, { name: Stepped; label: TextKey }> = {
-  straight: { name: 'length_m', label: 'guided.length' },
-  square: { name: 'side_m', label: 'guided.side' },
-  circle: { name: 'radius_m', label: 'guided.radius' },
-  eight: { name: 'eight_m', label: 'guided.loops' },
-};
+const sizeOf: Record<Shape, Stepped> = { straight: 'length_m', square: 'side_m', circle: 'radius_m', eight: 'eight_m' };
 
 function Settings({ plan, change, speedMost_m_s }: { plan: Plan; change: (part: Partial<Plan>) => void; speedMost_m_s: number }) {
   const size = sizeOf[plan.shape];
@@ -100,11 +95,11 @@ function Settings({ plan, change, speedMost_m_s }: { plan: Plan; change: (part: 
   return (
     <div class="guided-settings">
       <Stepper
-        label={t(size.label)}
-        text={`${fixed(plan[size.name], 1)} m`}
-        low={plan[size.name] <= steps[size.name].least}
-        high={plan[size.name] >= steps[size.name].most}
-        by={(by) => change({ [size.name]: stepped(steps[size.name], plan[size.name], by) })}
+        label={words(firstSize(plan.shape).title)}
+        text={`${fixed(plan[size], 1)} m`}
+        low={plan[size] <= steps[size].least}
+        high={plan[size] >= steps[size].most}
+        by={(by) => change({ [size]: stepped(steps[size], plan[size], by) })}
       />
       <Stepper
         label={t('guided.speed')}
@@ -199,7 +194,7 @@ export function ExercisesView() {
           {shapes.map((shape) => (
             <button key={shape} type="button" role="radio" aria-checked={plan.shape === shape} disabled={driven} onClick={() => change({ shape })}>
               <ShapePicture shape={shape} />
-              <span>{t(`exercise.${shape}`)}</span>
+              <span>{exerciseTitle(shape)}</span>
             </button>
           ))}
         </div>

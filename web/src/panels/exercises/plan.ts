@@ -1,9 +1,10 @@
 // The choices of an exercise, and what follows: the requested path, its floor space, its duration.
+import { exercises, usualExercise } from '../../contract/exercises.gen';
 import type { Exercise, GuidedPath } from '../../contract/rest.gen';
 import { patternPoints } from '../../ui/geometry';
 
-export const shapes = ['straight', 'square', 'circle', 'eight'] as const;
-export type Shape = (typeof shapes)[number];
+export type Shape = GuidedPath['shape'];
+export const shapes: readonly Shape[] = exercises.flatMap(({ shape }) => (shape === 'free' ? [] : [shape]));
 
 export interface Plan {
   shape: Shape;
@@ -18,11 +19,11 @@ export interface Plan {
 }
 export const firstPlan: Plan = {
   shape: 'straight',
-  length_m: 10,
-  side_m: 3,
+  length_m: usualExercise.straight.length_m,
+  side_m: usualExercise.square.side_m,
   round: false,
-  radius_m: 1.5,
-  eight_m: 1,
+  radius_m: usualExercise.circle.radius_m,
+  eight_m: usualExercise.eight.c_m,
   clockwise: false,
   speed_m_s: 0.3,
   laps: 1,
@@ -55,7 +56,7 @@ export const withinCap = (plan: Plan, speedMost_m_s: number): Plan => ({ ...plan
 
 const cornerRadius_m = 0.5;
 /** Loops a little smaller than half of the figure, so that they meet in a crossing. */
-const loopShare = 0.8;
+const loopShare = usualExercise.eight.radius_m / usualExercise.eight.c_m;
 
 export function pathOf(plan: Plan): GuidedPath {
   const { speed_m_s, laps, clockwise } = plan;

@@ -8,6 +8,7 @@ import type { Exercise, Metrics, Samples, Session, SessionList, SessionPatch } f
 import { useStore } from '../../link/store';
 import { problemText, reasonText } from '../../text/server';
 import { useSettings } from '../../text/settings';
+import { exerciseTitle } from '../../text/exercise';
 import { date, degrees, duration, fixed, t, words } from '../../text/text';
 import { fit, patternPoints, type Point } from '../../ui/geometry';
 import { drawFloor } from '../../ui/floor_view';
@@ -43,7 +44,7 @@ const samplesOf = (id: number, columns: string, points: number) =>
 const exportOf = (id: number, format: 'csv' | 'json') => address('GET /api/v1/sessions/{id}/export', { path: { id }, query: { format } });
 
 function exerciseName(exercise: Exercise | null): string {
-  return exercise === null ? t('exercise.free') : t(`exercise.${exercise.shape}`);
+  return exerciseTitle(exercise === null ? 'free' : exercise.shape);
 }
 
 /** The list, newest first. It grows at its end and keeps its position when newer ones come. */

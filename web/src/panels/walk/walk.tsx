@@ -2,10 +2,11 @@
 import { useEffect } from 'preact/hooks';
 import { chooseExercise, marker, notify, requestMode, setNeutral } from '../../link/console';
 import { live, useReading } from '../../link/live';
-import type { Exercise } from '../../contract/rest.gen';
+import { usualExercise } from '../../contract/exercises.gen';
 import { useReadiness } from '../../link/readiness';
 import { figure, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
+import { exerciseTitle } from '../../text/exercise';
 import { degrees, duration, fixed, t } from '../../text/text';
 import type { TextKey } from '../../text/en';
 import { FloorView } from '../../ui/floor_view';
@@ -15,13 +16,8 @@ import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { StartEnd } from '../../ui/start_end';
 import './walk.css';
 
-/** Sizes for a room of 5 × 5 m; the server's default for its scenario comes first. */
-const choices: readonly Exercise[] = [
-  { shape: 'eight', c_m: 1.0, radius_m: 0.8 },
-  { shape: 'square', side_m: 3.2 },
-  { shape: 'straight', length_m: 10 },
-  { shape: 'free' },
-];
+/** The server's default for its scenario comes first. */
+const choices = [usualExercise.eight, usualExercise.square, usualExercise.straight, usualExercise.free];
 const markers: readonly TextKey[] = ['marker.help', 'marker.stumble', 'marker.rest', 'marker.good'];
 
 export function WalkView() {
@@ -60,7 +56,7 @@ export function WalkView() {
                 disabled={led || !reachable}
                 onClick={() => void aside.ask(() => chooseExercise(choice))}
               >
-                {t(`exercise.${choice.shape}`)}
+                {exerciseTitle(choice.shape)}
               </button>
             );
           })}
