@@ -166,31 +166,64 @@ export type EventList = {
 
 /** What is walked; null and free mean the same. */
 export type Exercise = {
-  c_m: number;
-  /** Left and right exchanged. */
-  clockwise?: boolean | null;
-  radius_m: number;
-  shape: 'eight';
+  /** Of the line. */
+  length_m: number;
+  shape: 'straight';
 } | {
   /** Left and right exchanged. */
   clockwise?: boolean | null;
-  /** Of the corners; without it they are sharp. */
+  /** Of the corners; without it, or 0, they are sharp. */
   corner_radius_m?: number | null;
   shape: 'square';
+  /** Of the square. */
   side_m: number;
 } | {
   /** Left and right exchanged. */
   clockwise?: boolean | null;
+  /** Of the circle. */
   radius_m: number;
   shape: 'circle';
 } | {
-  length_m: number;
-  shape: 'straight';
+  /** From the crossing to a loop's centre. */
+  c_m: number;
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  /** Of the loops. */
+  radius_m: number;
+  shape: 'eight';
 } | {
   shape: 'free';
 };
 
+export type ExerciseList = {
+  items: readonly {
+    /** May have laps. */
+    closed: boolean;
+    shape: string;
+    sizes: readonly ExerciseSize[];
+    title: Words;
+    /** May be walked clockwise too. */
+    turned: boolean;
+  }[];
+};
+
 export type ExerciseOrNull = Exercise | null;
+
+export type ExerciseSize = {
+  doc: string;
+  /** Where the hoist drives by itself. */
+  driven_least_m: number;
+  driven_most_m: number;
+  least_m: number;
+  most_m: number;
+  name: string;
+  required: boolean;
+  /** At most this share of the shape's first size; 0 = no such limit. */
+  share: number;
+  title: Words;
+  /** 0 = left out. */
+  usual_m: number;
+};
 
 export type FaultList = {
   items: readonly ({
@@ -242,44 +275,48 @@ export type FirmwareUpdate = {
   version: string;
 };
 
-export type GuidedLaps = number | null;
-
 /** What the hoist drives while the driver holds: the sizes of an exercise, its speed and its laps, held against the limits in force. */
 export type GuidedPath = {
+  laps?: number | null;
+  /** Of the line. */
+  length_m: number;
+  shape: 'straight';
+  /** Slower in curves that need it. */
+  speed_m_s: number;
+} | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  /** Of the corners; without it, or 0, they are sharp. */
+  corner_radius_m?: number | null;
+  laps?: number | null;
+  shape: 'square';
+  /** Of the square. */
+  side_m: number;
+  /** Slower in curves that need it. */
+  speed_m_s: number;
+} | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  laps?: number | null;
+  /** Of the circle. */
+  radius_m: number;
+  shape: 'circle';
+  /** Slower in curves that need it. */
+  speed_m_s: number;
+} | {
+  /** From the crossing to a loop's centre. */
   c_m: number;
   /** Left and right exchanged. */
   clockwise?: boolean | null;
-  laps?: GuidedLaps;
+  laps?: number | null;
+  /** Of the loops. */
   radius_m: number;
   shape: 'eight';
-  speed_m_s: GuidedSpeed;
-} | {
-  /** Left and right exchanged. */
-  clockwise?: boolean | null;
-  /** Of the corners; without it they are sharp. */
-  corner_radius_m?: number | null;
-  laps?: GuidedLaps;
-  shape: 'square';
-  side_m: number;
-  speed_m_s: GuidedSpeed;
-} | {
-  /** Left and right exchanged. */
-  clockwise?: boolean | null;
-  laps?: GuidedLaps;
-  radius_m: number;
-  shape: 'circle';
-  speed_m_s: GuidedSpeed;
-} | {
-  laps?: GuidedLaps;
-  length_m: number;
-  shape: 'straight';
-  speed_m_s: GuidedSpeed;
+  /** Slower in curves that need it. */
+  speed_m_s: number;
 };
 
 export type GuidedPathOrNull = GuidedPath | null;
-
-/** Slower in curves that need it. */
-export type GuidedSpeed = number;
 
 export type Health = {
   bus: BusHealth | null;
@@ -547,6 +584,18 @@ export type ParameterValues = {
   [name: string]: number | undefined;
 };
 
+export type PatientList = {
+  items: readonly {
+    code: string;
+    first_day: string;
+    id: number;
+    last_day: string;
+    sessions: number;
+    visits: number;
+  }[];
+  next: string | null;
+};
+
 export type Pose = {
   psi_rad: number;
   x_m: number;
@@ -638,6 +687,8 @@ export type Session = {
   started_utc_ms: number;
   stored_bytes: number;
   subject: string | null;
+  /** null: no patient code is given. */
+  visit: Visit | null;
 };
 
 export type SessionList = {
@@ -718,6 +769,26 @@ export type Stored = boolean;
 /** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
 export type SubjectCode = string;
 
+/** One patient on one day. */
+export type Visit = {
+  /** YYYY-MM-DD where the recording computer stands. */
+  day: string;
+  id: number;
+  patient: number;
+};
+
+export type VisitList = {
+  items: readonly {
+    code: string;
+    day: string;
+    id: number;
+    patient: number;
+    /** In the order of recording. */
+    sessions: readonly number[];
+  }[];
+  next: string | null;
+};
+
 export type Walk = {
   /** What the present or the latest motion began with; null = not known to this server. */
   begun: Exercise | GuidedPath | null;
@@ -774,6 +845,10 @@ export interface Routes {
   'PUT /api/v1/exercise': {
     body: Exercise;
     answer: Done;
+  };
+  /** The exercises: shapes, sizes with ranges and usual values, words. */
+  'GET /api/v1/exercises': {
+    answer: ExerciseList;
   };
   /** Faults and reasons for refusals, with words. */
   'GET /api/v1/faults': {
@@ -874,6 +949,11 @@ export interface Routes {
     body: ParameterValue;
     answer: ParameterResult;
   };
+  /** Patients by their codes, newest first. */
+  'GET /api/v1/patients': {
+    query?: { limit?: number; cursor?: string };
+    answer: PatientList;
+  };
   /** Sets the odometry's pose while standing still. */
   'POST /api/v1/pose': {
     body: Pose;
@@ -958,6 +1038,11 @@ export interface Routes {
   /** STOP. Anyone may who was ever signed in; never refused, whatever the body. */
   'POST /api/v1/stop': {
     answer: Done;
+  };
+  /** Visits, newest first: one patient on one day, with the sessions of it. */
+  'GET /api/v1/visits': {
+    query?: { limit?: number; cursor?: string; patient?: number };
+    answer: VisitList;
   };
   /** The exercise and the walk since the start mark. */
   'GET /api/v1/walk': {
