@@ -126,6 +126,7 @@ TEST_F(Integrity, OfADamagedBlobTheSessionIsNamedAndTheFileStays) {
 
 TEST_F(Integrity, ItEndsWhereItIsToldTo) {
   std::vector<double> shares;
+  int misses = 0;
   const auto run = [&](std::size_t most) {
     shares.clear();
     // A new connection has nothing in its cache.
@@ -134,15 +135,20 @@ TEST_F(Integrity, ItEndsWhereItIsToldTo) {
       shares.push_back(share);
       return shares.size() < most;
     });
+    int highest = 0;
+    sqlite3_db_status(database.handle(), SQLITE_DBSTATUS_CACHE_MISS, &misses, &highest, 0);
     EXPECT_TRUE(SessionReader(database).get(1).ok()) << "the connection is as before";
     return result;
   };
   ASSERT_TRUE((*run(1'000'000)).has_value());
   const std::size_t all = shares.size();
+  const int all_misses = misses;
   EXPECT_TRUE(std::ranges::is_sorted(shares));
   EXPECT_GE(shares.front(), 0.0);
   EXPECT_LE(shares.back(), 1.0);
   EXPECT_GT(shares.back(), 0.99);
+  ASSERT_FALSE((*run(1)).has_value());
+  EXPECT_LT(misses, all_misses / 2) << "pages are no longer asked for";
   for (std::size_t most = 1; most < all; ++most) {
     const auto ended = run(most);
     ASSERT_TRUE(ended.ok()) << ended.error().message;
