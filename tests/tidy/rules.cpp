@@ -49,7 +49,9 @@ const std::vector<Layer>& layers() {
       // The physics must not share code with the controller: a shared mistake would cancel itself.
       {"firmware/sim/", {"firmware/", "control/contract/", "control/bus/"}, false},
       // Inside the server includes run one way: stream -> http | ws -> a protocol (api, live) -> actions -> state -> core link, database.
-      {"server/contract/", {"server/contract/", "control/contract/", "db/summary/no_figure.def", "db/metrics/metric_list.hpp", "server/text/field_error.hpp"}, false},
+      {"server/contract/",
+       {"server/contract/", "control/contract/", "db/summary/no_figure.def", "db/metrics/metric_list.hpp", "server/text/field_error.hpp"},
+       false},
       {"server/text/", {"server/text/"}, false},
       {"server/stream/", {"server/stream/"}, false},
       {"server/http/",
