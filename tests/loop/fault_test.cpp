@@ -159,6 +159,7 @@ TEST(Faults, H16_AFaintedPatientIsNotDraggedWhoeverLeads) {
       SCOPED_TRACE(std::string(contract::kModes[static_cast<std::size_t>(mode)].name) + std::to_string(lean_deg));
       Walk walk;
       contract::GuidedPath path;
+      path.shape = contract::GuidedShape::straight;
       path.size_m = 8.0;
       path.speed_m_s = 0.3;
       ASSERT_TRUE(mode == Mode::guided ? walk.loop.start_guided(path) : walk.loop.start(mode));
