@@ -240,7 +240,7 @@ bool ClosedLoop::start_guided(const contract::GuidedPath& path) {
 }
 
 bool ClosedLoop::start(contract::Mode mode) {
-  if (mode == contract::Mode::guided) return start_guided({});
+  if (mode == contract::Mode::guided) return start_guided({contract::GuidedShape::straight, false, 2.0, 0, 0.2, 1});
   if (!may_start()) return false;
   ask(contract::CommandKind::request_mode, static_cast<std::uint32_t>(mode));
   return run_until([this, mode] { return this->mode() == mode; }, 1.0);

@@ -150,14 +150,14 @@ class ScriptedHoist {
     }
     return ~0U;
   }
-  /// GUIDED is requested with an exercise: two metres straight on by default.
   std::uint32_t ask_guided(const contract::GuidedPath& path, std::uint32_t client = 7) {
     contract::Command c;
     contract::put_guided(c, path);
     return ask(c.kind, client, c.a, c.b, c.v0, c.v1, c.v2);
   }
+  /// GUIDED is requested with an exercise: two metres straight on.
   std::uint32_t ask_mode(contract::Mode mode, std::uint32_t client = 7) {
-    if (mode == contract::Mode::guided) return ask_guided({}, client);
+    if (mode == contract::Mode::guided) return ask_guided({contract::GuidedShape::straight, false, 2.0, 0, 0.2, 1}, client);
     return ask(contract::CommandKind::request_mode, client, static_cast<std::uint32_t>(mode));
   }
   /// The therapist's hand: a command with the newest telemetry stamp.

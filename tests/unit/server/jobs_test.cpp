@@ -218,8 +218,10 @@ TEST_F(JobsRest, WhatNoJobIsIsRefusedWithItsField) {
   refused({{"kind", 3}}, "kind");
   refused(json::object(), "kind");
   refused({{"kind", "integrity_check"}, {"sessions", {1}}}, "sessions");
-  for (const json& sessions : {json(1), json::array(), json{0}, json{-1}, json{1.5}, json(std::vector<int>(1001, 1))})
+  for (const json& sessions : {json(1), json::array(), json(std::vector<int>(1001, 1))})
     refused({{"kind", "recompute_metrics"}, {"sessions", sessions}}, "sessions");
+  for (const json& session : {json(0), json(-1), json(1.5), json("1")})
+    refused({{"kind", "recompute_metrics"}, {"sessions", {1, session}}}, "sessions.1");
 }
 
 // The start does not wait: the server records while the check reads. The file is set aside after the walk, and Health says what it knows.
