@@ -55,11 +55,14 @@ std::int64_t utc_ns() {
 struct App::Parts {
   explicit Parts(Settings settings_in)
       : settings(std::move(settings_in)),
+        actors(static_cast<std::uint32_t>(std::stoul(random_hex(3), nullptr, 16)) << 6U),
         core(settings.socket_path, counters),
         firmware(core),
-        recorder(
-            core.link(),
-            {.file = settings.db_path, .version = std::string{contract::program_version()}, .utc_ns = &utc_ns, .steady_ns = &steady_ns}),
+        recorder(core.link(), {.file = settings.db_path,
+                               .version = std::string{contract::program_version()},
+                               .utc_ns = &utc_ns,
+                               .steady_ns = &steady_ns,
+                               .actor_of = [this](std::uint32_t client) { return actors.find(client); }}),
         records(recorder, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
         state(settings, core, recorder),
         timer(io),
@@ -140,6 +143,7 @@ struct App::Parts {
   Counters counters;
   std::unique_ptr<TlsContext> tls;  // null: plain
   asio::io_context io{1};
+  ActorList actors;
   CoreDesk core;
   FirmwareDesk firmware;
   Recorder recorder;
@@ -154,7 +158,6 @@ struct App::Parts {
   asio::steady_timer timer;
   asio::steady_timer goodbye;
   std::uint64_t next_ns = 0;
-  std::uint32_t last_client = 0;
   std::optional<std::array<NodeSaid, contract::kRemoteNodeCount>> told_nodes;  // by the recorder's last list
   std::string told_problem;                                                    // why the core is not connected, as told last
   bool ending = false;
@@ -183,8 +186,6 @@ bool App::start(std::string& error) {
   p.auth = Auth::create({.token_file = p.settings.token_file, .hosts = p.settings.hosts, .secure = p.tls != nullptr},
                         static_cast<std::uint64_t>(utc_ns() / 1'000'000'000), error);
   if (!p.auth) return false;
-  // Numbers begin at a random place: a core that outlives a server must not take a new connection for an old one.
-  p.last_client = static_cast<std::uint32_t>(std::stoul(random_hex(3), nullptr, 16)) << 6U;
   p.services.reset(new Services{.settings = p.settings,
                                 .counters = p.counters,
                                 .core = p.core,
@@ -194,7 +195,7 @@ bool App::start(std::string& error) {
                                 .records = p.records,
                                 .now_ns = &steady_ns,
                                 .utc_ns = &utc_ns,
-                                .next_client = [&p] { return ++p.last_client; },
+                                .actors = p.actors,
                                 .started_utc_ns = utc_ns(),
                                 .started_ns = steady_ns()});
   p.hub.set_services(*p.services, *p.auth);

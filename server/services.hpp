@@ -6,6 +6,7 @@
 #include "server/counters.hpp"
 #include "server/link/core_desk.hpp"
 #include "server/link/firmware_desk.hpp"
+#include "server/record/actor_list.hpp"
 #include "server/record/recorder.hpp"
 #include "server/record/recorder_desk.hpp"
 #include "server/settings.hpp"
@@ -19,11 +20,11 @@ struct Services {
   CoreDesk& core;
   FirmwareDesk& firmware;
   HoistState& state;
-  Recorder& recorder;                          // its state
-  RecorderDesk& records;                       // work for its thread
-  std::function<std::uint64_t()> now_ns;       // steady
-  std::function<std::int64_t()> utc_ns;        // wall
-  std::function<std::uint32_t()> next_client;  // numbers for connections and REST sessions, never used twice
+  Recorder& recorder;                     // its state
+  RecorderDesk& records;                  // work for its thread
+  std::function<std::uint64_t()> now_ns;  // steady
+  std::function<std::int64_t()> utc_ns;   // wall
+  ActorList& actors;                      // numbers of connections and REST sessions, and who is behind them
   std::int64_t started_utc_ns = 0;
   std::uint64_t started_ns = 0;
   std::size_t live_clients = 0;  // open WebSockets

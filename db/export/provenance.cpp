@@ -91,4 +91,9 @@ std::string provenance_lines(const SessionInfo& info, std::span<const NodeProgra
   return out;
 }
 
+nlohmann::json actor_json(const std::optional<Actor>& actor) {
+  if (!actor) return nullptr;
+  return {{"user", actor->user}, {"role", actor->role}, {"origin", actor->origin}, {"client", actor->client}};
+}
+
 }  // namespace hoist::db

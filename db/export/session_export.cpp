@@ -239,7 +239,7 @@ struct SessionExport::State {
 
   void events_csv(std::string& out) {
     csv_head(out);
-    out += "utc,time_s,tick,kind,name,code,bits,item,value,before,request_id,client,text\n";
+    out += "utc,time_s,tick,kind,name,code,bits,item,value,before,request_id,user,role,origin,client,text\n";
     struct Line {
       std::uint64_t tick;
       std::string text;
@@ -252,6 +252,12 @@ struct SessionExport::State {
       at = print_fixed(at, micros, kSeconds_decimals);
       return std::string(text.data(), at);
     };
+    const auto cells_of = [](const std::optional<Actor>& actor) {
+      if (!actor) return std::string(",,,,");
+      std::string texts;
+      for (const std::string& word : {actor->user, actor->role, actor->origin, actor->client}) texts += ',' + csv_cell(word);
+      return texts;
+    };
     const auto start_ns = static_cast<std::int64_t>(info.start_time_ns);
     const Result<std::vector<StoredEvent>> events = reader.events(info.id);
     if (!events) throw SqlFailure{events.error()};
@@ -261,15 +267,15 @@ struct SessionExport::State {
       line += ',' + std::to_string(event.tick) + ',' + csv_cell(event.kind_name) + ',' + csv_cell(event.name);
       for (const std::uint32_t number : {event.code, event.bits, event.item}) line += ',' + std::to_string(number);
       line += ',' + number_text(event.value, "") + ',' + number_text(event.before, "");
-      line += ',' + std::to_string(event.request_id) + ',' + std::to_string(event.client) + ',';
+      line += ',' + std::to_string(event.request_id) + cells_of(event.actor) + ',';
       lines.push_back({event.tick, std::move(line)});
     }
     const Result<std::vector<Marker>> markers = reader.markers(info.id);
     if (!markers) throw SqlFailure{markers.error()};
     for (const Marker& marker : *markers) {
       const std::int64_t micros = microseconds_since(info.started_utc_ns, marker.utc_ns);
-      lines.push_back(
-          {marker.tick, stamp(marker.utc_ns, micros) + ',' + std::to_string(marker.tick) + ",marker,,,,,,,,," + csv_cell(marker.text)});
+      lines.push_back({marker.tick, stamp(marker.utc_ns, micros) + ',' + std::to_string(marker.tick) + ",marker,,,,,,," +
+                                        cells_of(marker.actor) + ',' + csv_cell(marker.text)});
     }
     std::ranges::stable_sort(lines, {}, &Line::tick);
     for (const Line& line : lines) out += line.text + "\n";
@@ -374,11 +380,12 @@ struct SessionExport::State {
                             {"value", finite(event.value)},
                             {"before", finite(event.before)},
                             {"request_id", event.request_id},
-                            {"client", event.client}});
+                            {"actor", actor_json(event.actor)}});
     const auto markers = reader.markers(info.id);
     check(markers);
     json marker_rows = json::array();
-    for (const Marker& marker : *markers) marker_rows.push_back({{"tick", marker.tick}, {"utc_ns", marker.utc_ns}, {"text", marker.text}});
+    for (const Marker& marker : *markers)
+      marker_rows.push_back({{"tick", marker.tick}, {"utc_ns", marker.utc_ns}, {"text", marker.text}, {"actor", actor_json(marker.actor)}});
     const auto parameters = reader.parameters(info.id);
     check(parameters);
     json parameter_rows = json::object();

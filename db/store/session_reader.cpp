@@ -8,6 +8,7 @@
 #include "control/contract/faults.hpp"
 #include "db/codec/bus_chunk.hpp"
 #include "db/codec/journal_chunk.hpp"
+#include "db/store/actor_rows.hpp"
 #include "db/store/chunk_source.hpp"
 #include "db/store/sqlite.hpp"
 
@@ -312,9 +313,8 @@ Result<std::vector<StoredEvent>> SessionReader::events(SessionId session) const 
   return guarded([&]() -> Result<std::vector<StoredEvent>> {
     std::vector<StoredEvent> out;
     Statement row(database_->handle(),
-                  "SELECT tick, time_ns, kind, code, bits, item, request_id, client, value, before, kind_name, name FROM events WHERE "
-                  "session_id = ?1 "
-                  "ORDER BY number");
+                  "SELECT tick, time_ns, kind, code, bits, item, request_id, value, before, kind_name, name, user, role, origin, client "
+                  "FROM events LEFT JOIN actors ON actors.id = actor_id WHERE session_id = ?1 ORDER BY number");
     row.integer(1, session);
     while (row.step()) {
       StoredEvent event;
@@ -325,11 +325,11 @@ Result<std::vector<StoredEvent>> SessionReader::events(SessionId session) const 
       event.bits = static_cast<std::uint32_t>(row.integer_at(4));
       event.item = static_cast<std::uint32_t>(row.integer_at(5));
       event.request_id = static_cast<std::uint32_t>(row.integer_at(6));
-      event.client = static_cast<std::uint32_t>(row.integer_at(7));
-      event.value = row.real_at(8);
-      event.before = row.real_at(9);
-      event.kind_name = row.text_at(10);
-      event.name = row.text_at(11);
+      event.value = row.real_at(7);
+      event.before = row.real_at(8);
+      event.kind_name = row.text_at(9);
+      event.name = row.text_at(10);
+      event.actor = actor_at(row, 11);
       out.push_back(std::move(event));
     }
     return out;
@@ -349,9 +349,11 @@ Result<std::vector<Gap>> SessionReader::gaps(SessionId session) const {
 Result<std::vector<Marker>> SessionReader::markers(SessionId session) const {
   return guarded([&]() -> Result<std::vector<Marker>> {
     std::vector<Marker> out;
-    Statement row(database_->handle(), "SELECT tick, utc_ns, text FROM markers WHERE session_id = ?1 ORDER BY number");
+    Statement row(database_->handle(),
+                  "SELECT tick, utc_ns, text, user, role, origin, client FROM markers LEFT JOIN actors ON actors.id = actor_id "
+                  "WHERE session_id = ?1 ORDER BY number");
     row.integer(1, session);
-    while (row.step()) out.push_back({row.unsigned_at(0), row.integer_at(1), row.text_at(2)});
+    while (row.step()) out.push_back({row.unsigned_at(0), row.integer_at(1), row.text_at(2), actor_at(row, 3)});
     return out;
   });
 }

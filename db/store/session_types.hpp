@@ -102,18 +102,29 @@ struct Gap {
   std::string reason;
 };
 
+/// Who asked for something, in words that stay true after the connection has ended.
+struct Actor {
+  std::string user;    ///< the account
+  std::string role;    ///< viewer, therapist, engineer
+  std::string origin;  ///< the protocol: rest, hoist.v1
+  std::string client;  ///< the sign-in: "script", or "device-" and eight digits
+  bool operator==(const Actor&) const = default;
+};
+
 struct StoredEvent {
   std::uint64_t tick = 0, time_ns = 0;
-  std::uint32_t kind = 0, code = 0, bits = 0, item = 0, request_id = 0, client = 0;
+  std::uint32_t kind = 0, code = 0, bits = 0, item = 0, request_id = 0;
   double value = 0, before = 0;
-  std::string kind_name;  ///< event_name as of the recording
-  std::string name;       ///< what code or item meant when it was recorded: fault, mode, parameter, refusal or node name; may be empty
+  std::string kind_name;       ///< event_name as of the recording
+  std::string name;            ///< what code or item meant when it was recorded: fault, mode, parameter, refusal or node name; may be empty
+  std::optional<Actor> actor;  ///< absent: not known, or the core's own doing
 };
 
 struct Marker {
   std::uint64_t tick = 0;
   std::int64_t utc_ns = 0;
   std::string text;
+  std::optional<Actor> actor;
 };
 
 /// Steps of the journal that are stored together, and what they hold.

@@ -14,6 +14,7 @@
 #include "db/codec/bus_chunk.hpp"
 #include "db/codec/column_chunk.hpp"
 #include "db/codec/journal_chunk.hpp"
+#include "db/store/actor_rows.hpp"
 #include "db/store/chunk_source.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/sqlite.hpp"
@@ -171,10 +172,9 @@ struct SessionWriter::State {
         put_image(handle, "INSERT INTO core_images (session_id, step, tick, bytes, body) VALUES (?1, ?2, ?3, ?4, ?5)"),
         put_event(handle,
                   "INSERT INTO events (session_id, number, tick, time_ns, kind, kind_name, code, bits, item, value, before, request_id, "
-                  "client, name) "
-                  "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)"),
+                  "name, actor_id) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)"),
         put_gap(handle, "INSERT INTO gaps (session_id, number, stream, from_tick, to_tick, reason) VALUES (?1, ?2, ?3, ?4, ?5, ?6)"),
-        put_marker(handle, "INSERT INTO markers (session_id, number, tick, utc_ns, text) VALUES (?1, ?2, ?3, ?4, ?5)"),
+        put_marker(handle, "INSERT INTO markers (session_id, number, tick, utc_ns, text, actor_id) VALUES (?1, ?2, ?3, ?4, ?5, ?6)"),
         put_anchor(handle, "INSERT OR REPLACE INTO utc_anchors (session_id, time_ns, utc_ns) VALUES (?1, ?2, ?3)"),
         count_commit(handle, "UPDATE seal SET commits = commits + 1 RETURNING file_id, commits"),
         seal(database.seal()),
@@ -217,6 +217,7 @@ struct SessionWriter::State {
   } last_image{};
   bool image_stored = false;
   std::vector<Event> events;
+  ActorOf actor_of = [](std::uint32_t) { return std::optional<Actor>{}; };
   std::vector<PendingGap> gaps;
   std::vector<Marker> markers;
   std::vector<PendingAnchor> anchors;
@@ -357,6 +358,7 @@ struct SessionWriter::State {
     std::uint64_t number = event_number;
     for (const Event& event : events) {
       const std::string name = meaning(event);
+      bind_actor(put_event, 14, handle, event.client == 0 ? std::nullopt : actor_of(event.client));
       put_event.integer(1, session)
           .unsigned_integer(2, number++)
           .unsigned_integer(3, event.tick)
@@ -369,8 +371,7 @@ struct SessionWriter::State {
           .real(10, event.value)
           .real(11, event.before)
           .integer(12, event.request_id)
-          .integer(13, event.client)
-          .text(14, std::string_view(name))
+          .text(13, std::string_view(name))
           .run();
     }
     number = gap_number;
@@ -383,13 +384,15 @@ struct SessionWriter::State {
           .text(6, std::string_view(gap.reason))
           .run();
     number = marker_number;
-    for (const Marker& marker : markers)
+    for (const Marker& marker : markers) {
+      bind_actor(put_marker, 6, handle, marker.actor);
       put_marker.integer(1, session)
           .unsigned_integer(2, number++)
           .unsigned_integer(3, marker.tick)
           .integer(4, marker.utc_ns)
           .text(5, std::string_view(marker.text))
           .run();
+    }
     for (const PendingAnchor& anchor : anchors)
       put_anchor.integer(1, session).unsigned_integer(2, anchor.time_ns).integer(3, anchor.utc_ns).run();
   }
@@ -871,18 +874,20 @@ Status SessionWriter::append_gap(std::string_view stream, std::uint64_t from_tic
   return {};
 }
 
-Status SessionWriter::append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text) {
+void SessionWriter::set_actor_of(ActorOf actor_of) { state_->actor_of = std::move(actor_of); }
+
+Status SessionWriter::append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor) {
   State& s = *state_;
   if (s.session == 0) return no_session();
   if (text.size() > kMaxMarker_bytes || text.find('\0') != std::string_view::npos)
     return Error{ErrorKind::bad_value, "a marker's text has at most 500 bytes", "text"};
   if (s.markers.size() >= kMaxPendingRows) return Error{ErrorKind::disk_full, "too many markers wait for the disk", {}};
-  s.markers.push_back({tick, utc_ns, std::string(text)});
+  s.markers.push_back({tick, utc_ns, std::string(text), std::move(actor)});
   return {};
 }
 
-Status SessionWriter::store_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text) {
-  if (Status taken = append_marker(tick, utc_ns, text); !taken) return taken;
+Status SessionWriter::store_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor) {
+  if (Status taken = append_marker(tick, utc_ns, text, std::move(actor)); !taken) return taken;
   Status written = state_->write_all();
   if (!written) state_->markers.pop_back();
   return written;

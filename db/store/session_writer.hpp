@@ -3,6 +3,7 @@
 // commit, up to the limits below; beyond them new data is dropped and the gap is recorded. The caller goes on either way.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -64,6 +65,9 @@ class SessionWriter {
   /// "not_finite" or "out_of_range"; both are counted, neither is an error. A tick that does not rise is bad_value and nothing after it is taken.
   Status append_ticks(std::span<const contract::TickRecord> records);
   Status append_events(std::span<const contract::Event> events);
+  /// Names the actor of an event by its client's number, when the event is written; nothing for a number it does not know.
+  using ActorOf = std::function<std::optional<Actor>(std::uint32_t client)>;
+  void set_actor_of(ActorOf actor_of);
   Status append_bus(std::span<const contract::BusRecord> frames);
   /// What the steps were given, in rising order (else bad_value), with all their commands. Beyond one minute that waits, steps are left out: their
   /// numbers show it.
@@ -73,9 +77,9 @@ class SessionWriter {
   Status append_image(const contract::CoreImage& image);
   /// Says why ticks (inclusive) are missing; for stream "ticks" the samples go on at to_tick + 1.
   Status append_gap(std::string_view stream, std::uint64_t from_tick, std::uint64_t to_tick, std::string_view reason);
-  Status append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text);
+  Status append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor = {});
   /// A marker that is answered: commits it, or takes it back, so that what was refused is not stored by a later commit.
-  Status store_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text);
+  Status store_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor = {});
   /// The wall clock was set: from this moment of the steady clock on, this UTC counts.
   Status append_utc_anchor(std::uint64_t time_ns, std::int64_t utc_ns);
 

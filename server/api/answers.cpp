@@ -3,6 +3,8 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "server/state/views.hpp"
+
 namespace hoist::server {
 
 Problem problem_of(const Outcome& outcome) {
@@ -68,7 +70,8 @@ OutcomeDone answer_done(const CallPtr& call) {
 
 Asker asker_of(const Call& call) {
   Session& session = *call.session;
-  if (session.client == 0) session.client = call.services.next_client();
+  if (session.client == 0)
+    session.client = call.services.actors.enter({kLocalUser, std::string{access_role(session.role)}, "rest", client_name(session)});
   return {session.client, call.services.core.lease_epoch(), session.role};
 }
 

@@ -232,10 +232,11 @@ void get_events(const CallPtr& call) {
                       {"bits", e.bits},
                       {"value", e.value},
                       {"before", e.before},
-                      {"client", e.client}});
+                      {"actor", db::actor_json(e.actor)}});
     }
     json marked = json::array();
-    for (const db::Marker& m : *markers) marked.push_back({{"tick", m.tick}, {"utc_ms", m.utc_ns / 1'000'000}, {"text", m.text}});
+    for (const db::Marker& m : *markers)
+      marked.push_back({{"tick", m.tick}, {"utc_ms", m.utc_ns / 1'000'000}, {"text", m.text}, {"actor", db::actor_json(m.actor)}});
     json missing = json::array();
     for (const db::Gap& g : *gaps)
       missing.push_back({{"stream", g.stream}, {"from_tick", g.from_tick}, {"to_tick", g.to_tick}, {"reason", g.reason}});
@@ -306,11 +307,12 @@ void add_marker(const CallPtr& call) {
   const auto text = call->body->find("text");
   if (text == call->body->end() || !text->is_string() || text->get_ref<const std::string&>().size() > db::kMaxMarker_bytes)
     return call->fail(bad_query("text", "must be text of at most 500 bytes", {}, static_cast<double>(db::kMaxMarker_bytes)));
-  in_background(call, [id = *id, words = text->get<std::string>(), path = call->request.path](Records& records) -> Response {
+  const auto actor = call->services.actors.find(asker_of(*call).client);
+  in_background(call, [id = *id, words = text->get<std::string>(), actor, path = call->request.path](Records& records) -> Response {
     db::Database* database = records.database();
     if (database == nullptr) return no_database(records.why(), path);
     if (const auto session = db::SessionReader(*database).get(id); !session) return store_error(session.error(), path);
-    const db::Status stored = records.marker(id, words);
+    const db::Status stored = records.marker(id, words, actor);
     return stored ? json_response({{"ok", true}}, 201) : store_error(stored.error(), path);
   });
 }

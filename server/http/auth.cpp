@@ -1,6 +1,7 @@
 #include "server/http/auth.hpp"
 
 #include <fcntl.h>
+#include <openssl/sha.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -9,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <utility>
@@ -187,6 +189,15 @@ std::string_view Auth::cookie_name() const { return options_.secure ? "__Host-ho
 std::string Auth::cookie_of(const Session& session) const {
   return std::string{cookie_name()} + "=" + session.secret +
          "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(kCookieLife_s) + (options_.secure ? "; Secure" : "");
+}
+
+std::string client_name(const Session& session) {
+  if (session.bearer) return "script";
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
+  ::SHA256(reinterpret_cast<const unsigned char*>(session.secret.data()), session.secret.size(), digest.data());
+  std::array<char, 9> text{};
+  std::snprintf(text.data(), text.size(), "%02x%02x%02x%02x", digest[0], digest[1], digest[2], digest[3]);
+  return "device-" + std::string(text.data());
 }
 
 void Auth::end(std::list<SessionPtr>::iterator session) {

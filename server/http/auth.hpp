@@ -37,6 +37,8 @@ struct Session {
   std::uint64_t used_ns = 0;        // last use of the lease
 };
 using SessionPtr = std::shared_ptr<Session>;
+// The sign-in in words, the same over connections and restarts: "script", or "device-" and eight digits from which the secret cannot be found.
+[[nodiscard]] std::string client_name(const Session& session);
 
 class Auth {
  public:

@@ -9,6 +9,7 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/guided_path.hpp"
 #include "control/contract/program_version.hpp"
+#include "db/export/provenance.hpp"
 #include "server/actions/actions.hpp"
 #include "server/live/client.hpp"
 #include "server/record/reason.hpp"
@@ -69,7 +70,7 @@ json parameters_message(const contract::ParamsInForce& parameters) {
 
 json event_json(const contract::Event& event) {
   using contract::EventKind;
-  json out{{"kind", contract::event_name(event.kind)}, {"tick", event.tick}, {"time_ns", event.time_ns}, {"client", event.client}};
+  json out{{"kind", contract::event_name(event.kind)}, {"tick", event.tick}, {"time_ns", event.time_ns}};
   switch (event.kind) {
     case EventKind::fault_raised:
     case EventKind::fault_cleared:
@@ -171,7 +172,9 @@ void Hub::set_services(Services& services, Auth& auth) {
 
 void Hub::open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
   services_->counters.add(Count::ws_opened);
-  auto client = std::make_shared<Client>(*this, std::move(stream), std::move(session), services_->next_client(), std::move(seat));
+  const std::uint32_t number =
+      services_->actors.enter({kLocalUser, std::string{access_role(session->role)}, "hoist.v1", client_name(*session)});
+  auto client = std::make_shared<Client>(*this, std::move(stream), std::move(session), number, std::move(seat));
   client->start();
   add(std::move(client));
 }
@@ -213,6 +216,7 @@ void Hub::remove(const Client* client) {
   const std::shared_ptr<Client> held = *at;
   clients_.erase(at);
   services_->live_clients = clients_.size();
+  services_->actors.leave(held->number());
   // Whoever is gone drives no more: said to the core, which stops remote motion and frees the lease.
   if (held->holds_lease())
     act_release_lease(*services_, {held->number(), services_->core.lease_epoch(), held->session()->role}, [](const Outcome&) {});
@@ -279,6 +283,7 @@ void Hub::on_event(const contract::Event& event) {
   if (event.kind == contract::EventKind::command_done || event.kind == contract::EventKind::none) return;
   json message = event_json(event);
   message["type"] = "event";
+  if (event.client != 0) message["actor"] = db::actor_json(services_->actors.find(event.client));
   broadcast(text_frame(message));
 }
 

@@ -156,7 +156,7 @@ void marker(Client& client, const json& message) {
     refuse_fields(client, message, {{"text", "must be text of at most 500 bytes", {}, {}, 500.0}});
     return;
   }
-  const auto work = [words = text.get<std::string>()](Records& records) {
+  const auto work = [words = text.get<std::string>(), actor = services.actors.find(client.number())](Records& records) {
     const RecordingStatus status = records.status();
     Outcome outcome;
     if (records.late()) {
@@ -167,7 +167,7 @@ void marker(Client& client, const json& message) {
       outcome.kind = Outcome::Kind::refused;
       outcome.detail = "Nothing is being recorded.";
       outcome.reason = Reason::not_recording;
-    } else if (const db::Status stored = records.marker(*status.session, words); !stored) {
+    } else if (const db::Status stored = records.marker(*status.session, words, actor); !stored) {
       outcome.kind = Outcome::Kind::unreachable;
       outcome.detail = stored.error().message;
       outcome.reason = reason_of(stored.error().kind);

@@ -100,6 +100,7 @@ class Recorder::Work final : public Records {
       return false;
     }
     writer_.emplace(std::move(*writer));
+    writer_->set_actor_of(owner_.options_.actor_of);
     return true;
   }
 
@@ -166,10 +167,10 @@ class Recorder::Work final : public Records {
     if (last_ && moving(*last_)) return db::Error{db::ErrorKind::wrong_state, "The recording goes on while the hoist moves.", ""};
     return try_end(db::CloseReason::finished);
   }
-  db::Status marker(db::SessionId session, std::string_view text) override {
+  db::Status marker(db::SessionId session, std::string_view text, std::optional<db::Actor> actor) override {
     if (!session_open() || writer_->session() != session)
       return db::Error{db::ErrorKind::wrong_state, "This session is not being recorded.", ""};
-    return writer_->store_marker(last_tick_, owner_.options_.utc_ns(), text);
+    return writer_->store_marker(last_tick_, owner_.options_.utc_ns(), text, std::move(actor));
   }
   db::Result<OpenedExport> open_export(db::SessionId session, const db::ExportOptions& options) override {
     if (!reading_) return db::Error{db::ErrorKind::io, error_, ""};

@@ -18,6 +18,7 @@
 #include "db/export/session_export.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/session_types.hpp"
+#include "db/store/session_writer.hpp"
 #include "server/contract/notices.hpp"
 
 namespace hoist::server {
@@ -70,7 +71,7 @@ class Records {
   virtual db::Status begin_manual(std::optional<std::string> subject, std::string note) = 0;
   virtual db::Status end_manual() = 0;
   // Stored when it returns without an error, and never otherwise.
-  virtual db::Status marker(db::SessionId session, std::string_view text) = 0;
+  virtual db::Status marker(db::SessionId session, std::string_view text, std::optional<db::Actor> actor) = 0;
   virtual RecordingStatus status() = 0;
   // Needs a database. The export stays open until Recorder::close_export or the recorder's end.
   virtual db::Result<OpenedExport> open_export(db::SessionId session, const db::ExportOptions& options) = 0;
@@ -86,6 +87,8 @@ class Recorder {
     std::string version;
     std::function<std::int64_t()> utc_ns;      // wall clock
     std::function<std::uint64_t()> steady_ns;  // the clock that the core uses on a real bus
+    // Who is behind a client's number; called on the recorder's thread.
+    db::SessionWriter::ActorOf actor_of = [](std::uint32_t) { return std::optional<db::Actor>{}; };
     // For tests: the SQLite VFS to use, and where lines for the log go instead of the error output.
     const char* vfs = nullptr;
     std::function<void(const std::string&)> log = {};

@@ -99,7 +99,7 @@ GeneratedFile messages_file() {
   using namespace hoist::contract;
   std::string out =
       "// " + made_from("server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def") + "\n\n";
-  out += "import type { Exercise, FieldError, GuidedPath, Pose, ReasonCode, StandingNotice } from './rest.gen';\n\n";
+  out += "import type { Actor, Exercise, FieldError, GuidedPath, Pose, ReasonCode, StandingNotice } from './rest.gen';\n\n";
   out += reason_rows() + message_types(true) + message_types(false);
   out += "/** What the core reports. */\nexport const eventKinds = [";
   // Numbers without a name are gaps.

@@ -245,6 +245,10 @@ TEST(EventsCsv, events_and_markers_in_order_with_harmless_texts) {
   event.kind = contract::EventKind::mode_changed;
   event.code = 2;
   event.value = 0.1;
+  event.client = 7;
+  f.writer.set_actor_of([](std::uint32_t client) {
+    return client == 7 ? std::optional(Actor{"local", "therapist", "hoist.v1", "device-0a1b2c3d"}) : std::nullopt;
+  });
   ASSERT_TRUE(f.writer.append_events(std::span(&event, 1)).ok());
   ASSERT_TRUE(f.writer.append_marker(3, kStartUtc_ns + 30'000'000, "=HYPERLINK(\"http://evil\")").ok());
   f.end();
@@ -252,9 +256,9 @@ TEST(EventsCsv, events_and_markers_in_order_with_harmless_texts) {
   options.format = ExportFormat::events_csv;
   options.comments = false;
   EXPECT_EQ(whole(f.database, f.id, options),
-            "utc,time_s,tick,kind,name,code,bits,item,value,before,request_id,client,text\n"
-            "2026-09-21T14:13:20.153456Z,0.030000,3,marker,,,,,,,,,\"'=HYPERLINK(\"\"http://evil\"\")\"\n"
-            "2026-09-21T14:13:20.203456Z,0.080000,8,mode_changed,user,2,0,0,0.1,0,0,0,\n");
+            "utc,time_s,tick,kind,name,code,bits,item,value,before,request_id,user,role,origin,client,text\n"
+            "2026-09-21T14:13:20.153456Z,0.030000,3,marker,,,,,,,,,,,,\"'=HYPERLINK(\"\"http://evil\"\")\"\n"
+            "2026-09-21T14:13:20.203456Z,0.080000,8,mode_changed,user,2,0,0,0.1,0,0,local,therapist,hoist.v1,device-0a1b2c3d,\n");
 }
 
 TEST(Json, holds_everything_column_by_column) {

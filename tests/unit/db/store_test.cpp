@@ -144,43 +144,52 @@ TEST(Open, a_file_of_another_program_is_refused_and_stays_as_it_is) {
   }
 }
 
-TEST(Open, an_older_recording_without_an_application_id_is_known_by_its_tables) {
+// A file that the first program with a recording wrote (recording_001.sql): no application_id, no seal, no actors.
+void make_recording_001(const std::filesystem::path& file) {
+  sqlite3* handle = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &handle), SQLITE_OK);
+  execute(handle, bytes_of(HOIST_SOURCE_DIR "/tests/unit/db/recording_001.sql").c_str());
+  sqlite3_close(handle);
+}
+
+TEST(Open, a_file_of_schema_001_is_migrated_and_says_what_it_does_not_know) {
   TemporaryFolder dir;
-  std::vector<TickRecord> records;
-  SessionId id = 0;
-  {
-    Database database = open_at(dir / "hoist.db");
-    id = record_session(database, 300, 1, &records);
-    execute(database.handle(),
-            "PRAGMA application_id = 0; DROP TABLE journal_chunks; DROP TABLE core_images; DROP TABLE seal; DROP TABLE node_programs; "
-            "ALTER TABLE sessions DROP COLUMN core_version; PRAGMA user_version = 1");
-  }
-  std::filesystem::remove(dir / "hoist.db.seal");
+  make_recording_001(dir / "hoist.db");
   Database database = open_at(dir / "hoist.db");
   EXPECT_EQ(database.report().migrated_from, 1);
   EXPECT_TRUE(database.report().set_aside.empty());
   EXPECT_FALSE(database.report().lost);
-  expect_recorded(database, id, records);
   EXPECT_NE(number_of(database, "PRAGMA application_id"), 0);
-}
-
-TEST(Open, a_recording_from_before_provenance_is_migrated_and_says_what_it_does_not_know) {
-  TemporaryFolder dir;
-  std::vector<TickRecord> records;
-  SessionId id = 0;
-  {
-    Database database = open_at(dir / "hoist.db");
-    id = record_session(database, 300, 1, &records);
-    execute(database.handle(),
-            "DROP TABLE journal_chunks; DROP TABLE core_images; DROP TABLE node_programs; ALTER TABLE sessions DROP COLUMN core_version; "
-            "PRAGMA user_version = 2");
-  }
-  Database database = open_at(dir / "hoist.db");
-  EXPECT_EQ(database.report().migrated_from, 2);
-  expect_recorded(database, id, records);
+  EXPECT_EQ(number_of(database, "SELECT count(*) FROM pragma_foreign_key_check"), 0);
   const SessionReader reader(database);
-  EXPECT_FALSE(reader.get(id)->core_version.has_value());
-  EXPECT_TRUE(reader.node_programs(id)->empty());
+  const std::array<std::size_t, 3> samples{60, 40, 20};
+  for (SessionId id = 1; id <= 3; ++id) {
+    const Result<SessionInfo> info = reader.get(id);
+    ASSERT_TRUE(info.ok()) << info.error().message;
+    EXPECT_EQ(info->subject, id < 3 ? std::optional<std::string>("P-017") : std::nullopt);
+    EXPECT_EQ(info->layout_hash, 0xFEDCBA9876543210ULL);
+    EXPECT_FALSE(info->core_version.has_value());
+    EXPECT_TRUE(reader.node_programs(id)->empty());
+    EXPECT_TRUE(reader.journal(id)->empty());
+    EXPECT_EQ(reader.columns(id)->size(), 67U) << "those of its own time";
+    const Result<Columns> read = reader.read_columns(id, std::array<std::string, 1>{"x_m"});
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_EQ(read->values[0].size(), samples[static_cast<std::size_t>(id - 1)]);
+    for (std::size_t i = 0; i < read->values[0].size(); ++i)
+      ASSERT_NEAR(read->values[0][i], std::sin(0.1 * static_cast<double>(i)), 0.5e-3) << i;
+    const auto events = reader.events(id);
+    ASSERT_EQ(events->size(), 1U);
+    EXPECT_EQ(events->front().kind_name, "parameter_changed");
+    EXPECT_EQ(events->front().request_id, 5U);
+    EXPECT_FALSE(events->front().actor) << "the number of a connection names nobody";
+    const auto markers = reader.markers(id);
+    ASSERT_EQ(markers->size(), 1U);
+    EXPECT_EQ(markers->front().text, "turned");
+    EXPECT_FALSE(markers->front().actor);
+  }
+  // And it is recorded into as any other.
+  std::vector<TickRecord> records;
+  expect_recorded(database, record_session(database, 300, 1, &records), records);
 }
 
 TEST(Open, an_empty_file_beside_a_full_log_is_set_aside_with_it) {

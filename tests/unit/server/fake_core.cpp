@@ -185,6 +185,7 @@ void FakeCore::take(const Command& c) {
       for (const auto& [index, value] : staged_) {
         Event event;
         event.kind = EventKind::parameter_changed;
+        event.client = c.client;
         event.item = kParams[index].id;
         event.value = value;
         event.before = params_.values[index];

@@ -45,7 +45,7 @@ class Idle : public ::testing::Test {
                                  .records = records_,
                                  .now_ns = [this] { return now_ns_; },
                                  .utc_ns = [] { return std::int64_t{0}; },
-                                 .next_client = [] { return 1U; }});
+                                 .actors = actors_});
     hub_.set_services(*services_, *auth_);
     core_.add_listener(state_);
     core_.add_listener(hub_);
@@ -74,6 +74,7 @@ class Idle : public ::testing::Test {
   Recorder recorder_;
   RecorderDesk records_;
   HoistState state_;
+  ActorList actors_{0};
   Hub hub_;
   std::unique_ptr<Auth> auth_;
   std::unique_ptr<Services> services_;

@@ -267,6 +267,7 @@ TEST_F(LiveTest, ParametersOverTheSocket) {
   EXPECT_EQ(changed["values"]["lean_gain_filtered_units"], 30.0);
   const json event = live.wait("event");
   EXPECT_EQ(event["kind"], "parameter_changed");
+  EXPECT_EQ(event["actor"], (json{{"user", "local"}, {"role", "engineer"}, {"origin", "hoist.v1"}, {"client", "script"}}));
   EXPECT_EQ(event["name"], "lean_gain_filtered_units");
   EXPECT_EQ(event["before"], 50.0);
   const json refused = live.ask({{"type", "set"}, {"values", {{"lean_gain_filtered_units", 101}}}});

@@ -98,6 +98,16 @@ TEST_F(Record, AWalkIsRecordedAndExportedAsPublished) {
   EXPECT_EQ(get("/api/v1/sessions/1/export?format=xls").status, 422);
   const json events = get("/api/v1/sessions/1/events").json();
   EXPECT_EQ(events["markers"][0]["text"], "=1+1 looks, good");
+  // Who asked stands with what was done; the connection's number does not.
+  const json actor{{"user", "local"}, {"role", "engineer"}, {"origin", "rest"}, {"client", "script"}};
+  EXPECT_EQ(events["markers"][0]["actor"], actor);
+  int asked = 0;
+  for (const json& event : events["items"]) {
+    EXPECT_FALSE(event.contains("client"));
+    if (event["actor"] == actor) ++asked;
+  }
+  EXPECT_GT(asked, 0);
+  EXPECT_NE(get("/api/v1/sessions/1/export?format=events").body.find(",local,engineer,rest,script,"), std::string::npos);
   const json samples = get("/api/v1/sessions/1/samples?columns=x_m,mode&points=10").json();
   EXPECT_EQ(samples["columns"][0]["name"], "x_m");
   EXPECT_LE(samples["from_s"].size(), 10U);
@@ -771,7 +781,7 @@ TEST_F(RefusingDisk, AMarkerThatWasRefusedIsNotStoredLater) {
   live();
   publish(300, Mode::user);
   const db::SessionId id = recorder_->status().session.value_or(0);
-  const auto mark = [&](const char* text) { return job([&](server::Records& records) { return records.marker(id, text); }); };
+  const auto mark = [&](const char* text) { return job([&](server::Records& records) { return records.marker(id, text, std::nullopt); }); };
   EXPECT_TRUE(mark("before"));
   disk_.fail(1.0);
   EXPECT_FALSE(mark("refused"));

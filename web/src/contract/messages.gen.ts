@@ -1,6 +1,6 @@
 // Made by `deploy/dev gen` from server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def; do not edit.
 
-import type { Exercise, FieldError, GuidedPath, Pose, ReasonCode, StandingNotice } from './rest.gen';
+import type { Actor, Exercise, FieldError, GuidedPath, Pose, ReasonCode, StandingNotice } from './rest.gen';
 
 /** Why something was not done, or is not there. */
 export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> = {
@@ -295,7 +295,8 @@ export interface EventMessage {
   bits?: number;
   value?: number;
   before?: number;
-  client?: number;
+  /** Who asked for it, where a client did; null: not known here. */
+  actor?: Actor | null;
   refusals?: readonly string[];
 }
 

@@ -6,6 +6,20 @@ export type AcknowledgeRequest = {
   seen?: readonly string[];
 };
 
+/** Who asked. */
+export type Actor = {
+  /** The sign-in: script, or device- and eight digits. */
+  client: string;
+  /** The protocol: rest or hoist.v1. */
+  origin: string;
+  role: string;
+  /** The account; local until there are user accounts. */
+  user: string;
+};
+
+/** null: not known, or the core by itself. */
+export type ActorOrNull = Actor | null;
+
 export type Alarm = {
   action: Words;
   /** What it is about: of a drive its emergency code; 0 = nothing more is known. */
@@ -122,9 +136,9 @@ export type EventList = {
     to_tick: number;
   }[];
   items: readonly {
+    actor: ActorOrNull;
     before: number;
     bits: number;
-    client: number;
     code: number;
     item: number;
     kind: string;
@@ -134,6 +148,7 @@ export type EventList = {
     value: number;
   }[];
   markers: readonly {
+    actor: ActorOrNull;
     text: string;
     tick: number;
     utc_ms: number;

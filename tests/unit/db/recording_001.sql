@@ -1,0 +1,478 @@
+-- A recordings file of schema 001 as SQL: written by the program of commit 221f559, with three sessions (60, 40 and 20 samples), read by
+-- store_test.cpp. user_version 1, no application_id.
+BEGIN TRANSACTION;
+CREATE TABLE bus_chunks (
+  id INTEGER PRIMARY KEY,
+  session_id INTEGER NOT NULL REFERENCES sessions (id) ON DELETE CASCADE,
+  first_frame INTEGER NOT NULL,
+  frames INTEGER NOT NULL,
+  first_time_ns INTEGER NOT NULL,
+  last_time_ns INTEGER NOT NULL,
+  body BLOB NOT NULL,
+  UNIQUE (session_id, first_frame)
+) STRICT;
+INSERT INTO "bus_chunks" VALUES(1,1,0,1,5001000000,5001000000,X'43010101000000000080D1A9A125000B0228B52FFD20021100000000090028B52FFD2000010000110828B52FFD20084100000000000000000000B3C2CB01');
+INSERT INTO "bus_chunks" VALUES(2,2,0,1,605001000000,605001000000,X'4301010100000000008091F5CD9B23000B0228B52FFD20021100000000090028B52FFD2000010000110828B52FFD2008410000000000000000000074ADCF0A');
+INSERT INTO "bus_chunks" VALUES(3,3,0,1,1205001000000,1205001000000,X'43010101000000000080D1C0FA9146000B0228B52FFD20021100000000090028B52FFD2000010000110828B52FFD200841000000000000000000004BA86BBD');
+CREATE TABLE chunks (
+  id INTEGER PRIMARY KEY,
+  session_id INTEGER NOT NULL REFERENCES sessions (id) ON DELETE CASCADE,
+  first_tick INTEGER NOT NULL,
+  last_tick INTEGER NOT NULL,
+  first_time_ns INTEGER NOT NULL,
+  last_time_ns INTEGER NOT NULL,
+  samples INTEGER NOT NULL,
+  directory BLOB NOT NULL,
+  body BLOB NOT NULL,
+  UNIQUE (session_id, first_tick)
+) STRICT;
+INSERT INTO "chunks" VALUES(1,1,100,159,5000000000,5590000000,60,X'480101433C830100C801020080C8AFA02580DAC4090000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000200AF9A0C8D9A0C8301000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000400000000000000000200000000000000000000000000000000000000000000000000CDCB741E',X'28B52FFD2476B10300FE38AA5C52922C248A6CDCE6A01A68A02DE985E701BD0DE125D1D72DCBA9C315A36567AB37134DED07A3D5AD419FDDF0B662DE18FC7E8406F442E04D4D4B4946423E39332D261F18110901060D151C242A31363C4044484A4C4D4E4D4C4A4744403B353029221B140C04020A121921272E343A3E434637993831');
+INSERT INTO "chunks" VALUES(2,2,100,139,605000000000,605390000000,40,X'48010143285B00C80102008088FBCC9B2380DAC4090000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000200D1B2089EA60A5B0000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000004000000000000000002000000000000000000000000000000000000000000000000003BA26BA3',X'28B52FFD244E710200FE38AA5C52922C248A6CDCE6A01A68A02DE985E701BD0DE125D1D72DCBA9C315A36567AB37134D4D4D4B4946423E39332D261F18110901060D151C242A31363C4044484A4C4D4E4D4C4A4744403B84A1596C');
+INSERT INTO "chunks" VALUES(3,3,100,119,1205000000000,1205190000000,20,X'48010143143300C801020080C8C6F9914680DAC409000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000020000F58C06330000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000004000000000000000002000000000000000000000000000000000000000000000000002500AC2E',X'28B52FFD2426310100FE38AA5C52922C248A6CDCE6A01A68A02DE9854D4D4B4946423E39332D261F18110901060D1505C92B83');
+CREATE TABLE column_layout (
+  session_id INTEGER NOT NULL REFERENCES sessions (id) ON DELETE CASCADE,
+  position INTEGER NOT NULL,
+  name TEXT NOT NULL,
+  unit TEXT NOT NULL,
+  type TEXT NOT NULL,
+  lsb REAL NOT NULL,
+  decimals INTEGER NOT NULL CHECK (decimals BETWEEN 0 AND 15),  -- lsb = 10^-decimals
+  PRIMARY KEY (session_id, position)
+) STRICT, WITHOUT ROWID;
+INSERT INTO "column_layout" VALUES(1,0,'tick','','u64',1.0,0);
+INSERT INTO "column_layout" VALUES(1,1,'time_ns','ns','u64',1.0,0);
+INSERT INTO "column_layout" VALUES(1,2,'left_alpha_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,3,'left_beta_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,4,'right_alpha_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,5,'right_beta_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,6,'base_alpha_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,7,'base_beta_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,8,'base_yaw_rate_rad_s','rad/s','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(1,9,'base_pitch_rate_rad_s','rad/s','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(1,10,'base_roll_rate_rad_s','rad/s','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(1,11,'dx_m','m','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,12,'dy_m','m','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,13,'dpsi_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,14,'lean_norm','','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(1,15,'turn_norm','','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(1,16,'lean_filtered_units','units','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(1,17,'turn_filtered_units','units','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(1,18,'speed_wish_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,19,'yaw_rate_wish_rad_s','rad/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,20,'speed_command_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,21,'yaw_rate_command_rad_s','rad/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,22,'wheel_left_command_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,23,'wheel_right_command_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,24,'remote_age_s','s','f32',0.001,3);
+INSERT INTO "column_layout" VALUES(1,25,'stop_distance_m','m','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(1,26,'speed_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,27,'yaw_rate_rad_s','rad/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,28,'x_m','m','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,29,'y_m','m','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,30,'psi_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,31,'distance_m','m','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(1,32,'wheel_left_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,33,'wheel_right_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(1,34,'left_counts','counts','i32',1.0,0);
+INSERT INTO "column_layout" VALUES(1,35,'right_counts','counts','i32',1.0,0);
+INSERT INTO "column_layout" VALUES(1,36,'left_current_a','A','f32',0.001,3);
+INSERT INTO "column_layout" VALUES(1,37,'right_current_a','A','f32',0.001,3);
+INSERT INTO "column_layout" VALUES(1,38,'left_supply_v','V','f32',0.01,2);
+INSERT INTO "column_layout" VALUES(1,39,'right_supply_v','V','f32',0.01,2);
+INSERT INTO "column_layout" VALUES(1,40,'battery_a_v','V','f32',0.01,2);
+INSERT INTO "column_layout" VALUES(1,41,'battery_b_v','V','f32',0.01,2);
+INSERT INTO "column_layout" VALUES(1,42,'wake_lateness_s','s','f32',1.0e-06,6);
+INSERT INTO "column_layout" VALUES(1,43,'tick_duration_s','s','f32',1.0e-07,7);
+INSERT INTO "column_layout" VALUES(1,44,'overruns','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(1,45,'bus_frames','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(1,46,'bus_refused','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(1,47,'commands_refused','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(1,48,'fault_bits','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(1,49,'blocked_bits','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(1,50,'lease_epoch','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(1,51,'lease_holder','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(1,52,'parameter_version','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(1,53,'left_status_word','','u16',1.0,0);
+INSERT INTO "column_layout" VALUES(1,54,'right_status_word','','u16',1.0,0);
+INSERT INTO "column_layout" VALUES(1,55,'mode','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(1,56,'stop_cause','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(1,57,'bumpers','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(1,58,'simulated','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(1,59,'tilt_left_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(1,60,'tilt_right_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(1,61,'tilt_base_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(1,62,'drive_left_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(1,63,'drive_right_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(1,64,'io_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(1,65,'server_alive','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(1,66,'standing_still','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(2,0,'tick','','u64',1.0,0);
+INSERT INTO "column_layout" VALUES(2,1,'time_ns','ns','u64',1.0,0);
+INSERT INTO "column_layout" VALUES(2,2,'left_alpha_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,3,'left_beta_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,4,'right_alpha_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,5,'right_beta_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,6,'base_alpha_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,7,'base_beta_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,8,'base_yaw_rate_rad_s','rad/s','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(2,9,'base_pitch_rate_rad_s','rad/s','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(2,10,'base_roll_rate_rad_s','rad/s','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(2,11,'dx_m','m','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,12,'dy_m','m','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,13,'dpsi_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,14,'lean_norm','','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(2,15,'turn_norm','','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(2,16,'lean_filtered_units','units','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(2,17,'turn_filtered_units','units','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(2,18,'speed_wish_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,19,'yaw_rate_wish_rad_s','rad/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,20,'speed_command_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,21,'yaw_rate_command_rad_s','rad/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,22,'wheel_left_command_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,23,'wheel_right_command_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,24,'remote_age_s','s','f32',0.001,3);
+INSERT INTO "column_layout" VALUES(2,25,'stop_distance_m','m','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(2,26,'speed_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,27,'yaw_rate_rad_s','rad/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,28,'x_m','m','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,29,'y_m','m','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,30,'psi_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,31,'distance_m','m','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(2,32,'wheel_left_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,33,'wheel_right_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(2,34,'left_counts','counts','i32',1.0,0);
+INSERT INTO "column_layout" VALUES(2,35,'right_counts','counts','i32',1.0,0);
+INSERT INTO "column_layout" VALUES(2,36,'left_current_a','A','f32',0.001,3);
+INSERT INTO "column_layout" VALUES(2,37,'right_current_a','A','f32',0.001,3);
+INSERT INTO "column_layout" VALUES(2,38,'left_supply_v','V','f32',0.01,2);
+INSERT INTO "column_layout" VALUES(2,39,'right_supply_v','V','f32',0.01,2);
+INSERT INTO "column_layout" VALUES(2,40,'battery_a_v','V','f32',0.01,2);
+INSERT INTO "column_layout" VALUES(2,41,'battery_b_v','V','f32',0.01,2);
+INSERT INTO "column_layout" VALUES(2,42,'wake_lateness_s','s','f32',1.0e-06,6);
+INSERT INTO "column_layout" VALUES(2,43,'tick_duration_s','s','f32',1.0e-07,7);
+INSERT INTO "column_layout" VALUES(2,44,'overruns','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(2,45,'bus_frames','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(2,46,'bus_refused','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(2,47,'commands_refused','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(2,48,'fault_bits','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(2,49,'blocked_bits','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(2,50,'lease_epoch','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(2,51,'lease_holder','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(2,52,'parameter_version','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(2,53,'left_status_word','','u16',1.0,0);
+INSERT INTO "column_layout" VALUES(2,54,'right_status_word','','u16',1.0,0);
+INSERT INTO "column_layout" VALUES(2,55,'mode','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(2,56,'stop_cause','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(2,57,'bumpers','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(2,58,'simulated','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(2,59,'tilt_left_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(2,60,'tilt_right_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(2,61,'tilt_base_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(2,62,'drive_left_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(2,63,'drive_right_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(2,64,'io_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(2,65,'server_alive','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(2,66,'standing_still','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(3,0,'tick','','u64',1.0,0);
+INSERT INTO "column_layout" VALUES(3,1,'time_ns','ns','u64',1.0,0);
+INSERT INTO "column_layout" VALUES(3,2,'left_alpha_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,3,'left_beta_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,4,'right_alpha_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,5,'right_beta_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,6,'base_alpha_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,7,'base_beta_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,8,'base_yaw_rate_rad_s','rad/s','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(3,9,'base_pitch_rate_rad_s','rad/s','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(3,10,'base_roll_rate_rad_s','rad/s','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(3,11,'dx_m','m','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,12,'dy_m','m','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,13,'dpsi_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,14,'lean_norm','','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(3,15,'turn_norm','','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(3,16,'lean_filtered_units','units','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(3,17,'turn_filtered_units','units','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(3,18,'speed_wish_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,19,'yaw_rate_wish_rad_s','rad/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,20,'speed_command_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,21,'yaw_rate_command_rad_s','rad/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,22,'wheel_left_command_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,23,'wheel_right_command_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,24,'remote_age_s','s','f32',0.001,3);
+INSERT INTO "column_layout" VALUES(3,25,'stop_distance_m','m','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(3,26,'speed_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,27,'yaw_rate_rad_s','rad/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,28,'x_m','m','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,29,'y_m','m','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,30,'psi_rad','rad','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,31,'distance_m','m','f32',0.0001,4);
+INSERT INTO "column_layout" VALUES(3,32,'wheel_left_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,33,'wheel_right_m_s','m/s','f32',1.0e-05,5);
+INSERT INTO "column_layout" VALUES(3,34,'left_counts','counts','i32',1.0,0);
+INSERT INTO "column_layout" VALUES(3,35,'right_counts','counts','i32',1.0,0);
+INSERT INTO "column_layout" VALUES(3,36,'left_current_a','A','f32',0.001,3);
+INSERT INTO "column_layout" VALUES(3,37,'right_current_a','A','f32',0.001,3);
+INSERT INTO "column_layout" VALUES(3,38,'left_supply_v','V','f32',0.01,2);
+INSERT INTO "column_layout" VALUES(3,39,'right_supply_v','V','f32',0.01,2);
+INSERT INTO "column_layout" VALUES(3,40,'battery_a_v','V','f32',0.01,2);
+INSERT INTO "column_layout" VALUES(3,41,'battery_b_v','V','f32',0.01,2);
+INSERT INTO "column_layout" VALUES(3,42,'wake_lateness_s','s','f32',1.0e-06,6);
+INSERT INTO "column_layout" VALUES(3,43,'tick_duration_s','s','f32',1.0e-07,7);
+INSERT INTO "column_layout" VALUES(3,44,'overruns','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(3,45,'bus_frames','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(3,46,'bus_refused','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(3,47,'commands_refused','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(3,48,'fault_bits','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(3,49,'blocked_bits','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(3,50,'lease_epoch','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(3,51,'lease_holder','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(3,52,'parameter_version','','u32',1.0,0);
+INSERT INTO "column_layout" VALUES(3,53,'left_status_word','','u16',1.0,0);
+INSERT INTO "column_layout" VALUES(3,54,'right_status_word','','u16',1.0,0);
+INSERT INTO "column_layout" VALUES(3,55,'mode','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(3,56,'stop_cause','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(3,57,'bumpers','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(3,58,'simulated','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(3,59,'tilt_left_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(3,60,'tilt_right_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(3,61,'tilt_base_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(3,62,'drive_left_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(3,63,'drive_right_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(3,64,'io_age_ticks','ticks','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(3,65,'server_alive','','u8',1.0,0);
+INSERT INTO "column_layout" VALUES(3,66,'standing_still','','u8',1.0,0);
+CREATE TABLE events (
+  session_id INTEGER NOT NULL REFERENCES sessions (id) ON DELETE CASCADE,
+  number INTEGER NOT NULL,
+  tick INTEGER NOT NULL,
+  time_ns INTEGER NOT NULL,
+  kind INTEGER NOT NULL,
+  kind_name TEXT NOT NULL,
+  code INTEGER NOT NULL,
+  bits INTEGER NOT NULL,
+  item INTEGER NOT NULL,
+  value REAL,                                -- NULL when it was not a number
+  before REAL,
+  request_id INTEGER NOT NULL,
+  client INTEGER NOT NULL,
+  name TEXT NOT NULL,                        -- what code or item meant on that day
+  PRIMARY KEY (session_id, number)
+) STRICT, WITHOUT ROWID;
+INSERT INTO "events" VALUES(1,0,101,5010000000,6,'parameter_changed',0,0,1,2.0,1.0,5,1234567,'strut_length_m');
+INSERT INTO "events" VALUES(2,0,101,605010000000,6,'parameter_changed',0,0,1,2.0,1.0,5,1234567,'strut_length_m');
+INSERT INTO "events" VALUES(3,0,101,1205010000000,6,'parameter_changed',0,0,1,2.0,1.0,5,1234567,'strut_length_m');
+CREATE TABLE gaps (
+  session_id INTEGER NOT NULL REFERENCES sessions (id) ON DELETE CASCADE,
+  number INTEGER NOT NULL,
+  stream TEXT NOT NULL CHECK (stream IN ('ticks', 'events', 'bus')),
+  from_tick INTEGER NOT NULL,
+  to_tick INTEGER NOT NULL CHECK (to_tick >= from_tick),
+  reason TEXT NOT NULL,
+  PRIMARY KEY (session_id, number)
+) STRICT, WITHOUT ROWID;
+CREATE TABLE markers (
+  session_id INTEGER NOT NULL REFERENCES sessions (id) ON DELETE CASCADE,
+  number INTEGER NOT NULL,
+  tick INTEGER NOT NULL,
+  utc_ns INTEGER NOT NULL,
+  text TEXT NOT NULL,
+  PRIMARY KEY (session_id, number)
+) STRICT, WITHOUT ROWID;
+INSERT INTO "markers" VALUES(1,0,102,1790000000143456789,'turned');
+INSERT INTO "markers" VALUES(2,0,102,1790000600143456789,'turned');
+INSERT INTO "markers" VALUES(3,0,102,1790000900143456789,'turned');
+CREATE TABLE parameters (
+  session_id INTEGER NOT NULL REFERENCES sessions (id) ON DELETE CASCADE,
+  position INTEGER NOT NULL,
+  name TEXT NOT NULL,
+  value REAL NOT NULL,
+  PRIMARY KEY (session_id, position)
+) STRICT, WITHOUT ROWID;
+INSERT INTO "parameters" VALUES(1,0,'strut_length_m',0.8);
+INSERT INTO "parameters" VALUES(1,1,'strut_spacing_m',0.6);
+INSERT INTO "parameters" VALUES(1,2,'track_width_m',0.7);
+INSERT INTO "parameters" VALUES(1,3,'wheel_radius_m',0.1);
+INSERT INTO "parameters" VALUES(1,4,'encoder_counts_per_turn',60000.0);
+INSERT INTO "parameters" VALUES(1,5,'wheel_left_scale_norm',1.0);
+INSERT INTO "parameters" VALUES(1,6,'wheel_right_scale_norm',1.0);
+INSERT INTO "parameters" VALUES(1,7,'lean_range_rad',0.174532925);
+INSERT INTO "parameters" VALUES(1,8,'turn_range_rad',0.174532925);
+INSERT INTO "parameters" VALUES(1,9,'neutral_lean_m',0.0);
+INSERT INTO "parameters" VALUES(1,10,'neutral_turn_rad',0.0);
+INSERT INTO "parameters" VALUES(1,11,'lean_dead_band_norm',0.05);
+INSERT INTO "parameters" VALUES(1,12,'lean_tau_normal_s',10.0);
+INSERT INTO "parameters" VALUES(1,13,'lean_tau_release_s',2.0);
+INSERT INTO "parameters" VALUES(1,14,'braking_softness_norm',2.0);
+INSERT INTO "parameters" VALUES(1,15,'reversal_gain_norm',0.0001);
+INSERT INTO "parameters" VALUES(1,16,'lean_gain_direct_units',2.0);
+INSERT INTO "parameters" VALUES(1,17,'lean_gain_filtered_units',50.0);
+INSERT INTO "parameters" VALUES(1,18,'lean_filtered_units_max',20.0);
+INSERT INTO "parameters" VALUES(1,19,'speed_per_unit_m_s',0.03);
+INSERT INTO "parameters" VALUES(1,20,'turn_dead_band_norm',0.05);
+INSERT INTO "parameters" VALUES(1,21,'turn_tau_normal_s',2.0);
+INSERT INTO "parameters" VALUES(1,22,'turn_tau_release_s',0.1);
+INSERT INTO "parameters" VALUES(1,23,'turn_gain_direct_units',2.0);
+INSERT INTO "parameters" VALUES(1,24,'turn_gain_filtered_units',50.0);
+INSERT INTO "parameters" VALUES(1,25,'yaw_rate_per_unit_rad_s',0.011635528);
+INSERT INTO "parameters" VALUES(1,26,'speed_m_s_max',0.65);
+INSERT INTO "parameters" VALUES(1,27,'yaw_rate_rad_s_max',0.872664626);
+INSERT INTO "parameters" VALUES(1,28,'acceleration_m_s2_max',0.5);
+INSERT INTO "parameters" VALUES(1,29,'jerk_m_s3_max',3.0);
+INSERT INTO "parameters" VALUES(1,30,'yaw_acceleration_rad_s2_max',2.0943951);
+INSERT INTO "parameters" VALUES(1,31,'speed_cap_norm',1.0);
+INSERT INTO "parameters" VALUES(1,32,'protective_deceleration_m_s2',1.0);
+INSERT INTO "parameters" VALUES(1,33,'bumper_deceleration_m_s2',1.5);
+INSERT INTO "parameters" VALUES(1,34,'remote_speed_m_s_max',0.3);
+INSERT INTO "parameters" VALUES(1,35,'remote_yaw_rate_rad_s_max',0.523598776);
+INSERT INTO "parameters" VALUES(1,36,'remote_slow_age_s',0.15);
+INSERT INTO "parameters" VALUES(1,37,'remote_stop_age_s',0.25);
+INSERT INTO "parameters" VALUES(1,38,'fall_tilt_rad',0.174532925);
+INSERT INTO "parameters" VALUES(1,39,'fall_rate_rad_s',0.436332313);
+INSERT INTO "parameters" VALUES(1,40,'fall_static_tilt_rad',0.226892803);
+INSERT INTO "parameters" VALUES(1,41,'fall_static_s',0.1);
+INSERT INTO "parameters" VALUES(1,42,'battery_low_v',23.0);
+INSERT INTO "parameters" VALUES(1,43,'battery_empty_v',22.0);
+INSERT INTO "parameters" VALUES(1,44,'neutral_start_tolerance_norm',0.2);
+INSERT INTO "parameters" VALUES(1,45,'loop_late_s_max',0.03);
+INSERT INTO "parameters" VALUES(1,46,'drive_velocity_gain_v_s_rad',0.12);
+INSERT INTO "parameters" VALUES(1,47,'drive_velocity_integral_v_rad',2.4);
+INSERT INTO "parameters" VALUES(1,48,'drive_current_limit_a',6.0);
+INSERT INTO "parameters" VALUES(1,49,'drive_acceleration_rad_s2',450.0);
+INSERT INTO "parameters" VALUES(1,50,'tilt_kalman_angle_norm',0.0102);
+INSERT INTO "parameters" VALUES(1,51,'tilt_kalman_bias_per_s',-0.0013);
+INSERT INTO "parameters" VALUES(2,0,'strut_length_m',0.8);
+INSERT INTO "parameters" VALUES(2,1,'strut_spacing_m',0.6);
+INSERT INTO "parameters" VALUES(2,2,'track_width_m',0.7);
+INSERT INTO "parameters" VALUES(2,3,'wheel_radius_m',0.1);
+INSERT INTO "parameters" VALUES(2,4,'encoder_counts_per_turn',60000.0);
+INSERT INTO "parameters" VALUES(2,5,'wheel_left_scale_norm',1.0);
+INSERT INTO "parameters" VALUES(2,6,'wheel_right_scale_norm',1.0);
+INSERT INTO "parameters" VALUES(2,7,'lean_range_rad',0.174532925);
+INSERT INTO "parameters" VALUES(2,8,'turn_range_rad',0.174532925);
+INSERT INTO "parameters" VALUES(2,9,'neutral_lean_m',0.0);
+INSERT INTO "parameters" VALUES(2,10,'neutral_turn_rad',0.0);
+INSERT INTO "parameters" VALUES(2,11,'lean_dead_band_norm',0.05);
+INSERT INTO "parameters" VALUES(2,12,'lean_tau_normal_s',10.0);
+INSERT INTO "parameters" VALUES(2,13,'lean_tau_release_s',2.0);
+INSERT INTO "parameters" VALUES(2,14,'braking_softness_norm',2.0);
+INSERT INTO "parameters" VALUES(2,15,'reversal_gain_norm',0.0001);
+INSERT INTO "parameters" VALUES(2,16,'lean_gain_direct_units',2.0);
+INSERT INTO "parameters" VALUES(2,17,'lean_gain_filtered_units',50.0);
+INSERT INTO "parameters" VALUES(2,18,'lean_filtered_units_max',20.0);
+INSERT INTO "parameters" VALUES(2,19,'speed_per_unit_m_s',0.03);
+INSERT INTO "parameters" VALUES(2,20,'turn_dead_band_norm',0.05);
+INSERT INTO "parameters" VALUES(2,21,'turn_tau_normal_s',2.0);
+INSERT INTO "parameters" VALUES(2,22,'turn_tau_release_s',0.1);
+INSERT INTO "parameters" VALUES(2,23,'turn_gain_direct_units',2.0);
+INSERT INTO "parameters" VALUES(2,24,'turn_gain_filtered_units',50.0);
+INSERT INTO "parameters" VALUES(2,25,'yaw_rate_per_unit_rad_s',0.011635528);
+INSERT INTO "parameters" VALUES(2,26,'speed_m_s_max',0.65);
+INSERT INTO "parameters" VALUES(2,27,'yaw_rate_rad_s_max',0.872664626);
+INSERT INTO "parameters" VALUES(2,28,'acceleration_m_s2_max',0.5);
+INSERT INTO "parameters" VALUES(2,29,'jerk_m_s3_max',3.0);
+INSERT INTO "parameters" VALUES(2,30,'yaw_acceleration_rad_s2_max',2.0943951);
+INSERT INTO "parameters" VALUES(2,31,'speed_cap_norm',1.0);
+INSERT INTO "parameters" VALUES(2,32,'protective_deceleration_m_s2',1.0);
+INSERT INTO "parameters" VALUES(2,33,'bumper_deceleration_m_s2',1.5);
+INSERT INTO "parameters" VALUES(2,34,'remote_speed_m_s_max',0.3);
+INSERT INTO "parameters" VALUES(2,35,'remote_yaw_rate_rad_s_max',0.523598776);
+INSERT INTO "parameters" VALUES(2,36,'remote_slow_age_s',0.15);
+INSERT INTO "parameters" VALUES(2,37,'remote_stop_age_s',0.25);
+INSERT INTO "parameters" VALUES(2,38,'fall_tilt_rad',0.174532925);
+INSERT INTO "parameters" VALUES(2,39,'fall_rate_rad_s',0.436332313);
+INSERT INTO "parameters" VALUES(2,40,'fall_static_tilt_rad',0.226892803);
+INSERT INTO "parameters" VALUES(2,41,'fall_static_s',0.1);
+INSERT INTO "parameters" VALUES(2,42,'battery_low_v',23.0);
+INSERT INTO "parameters" VALUES(2,43,'battery_empty_v',22.0);
+INSERT INTO "parameters" VALUES(2,44,'neutral_start_tolerance_norm',0.2);
+INSERT INTO "parameters" VALUES(2,45,'loop_late_s_max',0.03);
+INSERT INTO "parameters" VALUES(2,46,'drive_velocity_gain_v_s_rad',0.12);
+INSERT INTO "parameters" VALUES(2,47,'drive_velocity_integral_v_rad',2.4);
+INSERT INTO "parameters" VALUES(2,48,'drive_current_limit_a',6.0);
+INSERT INTO "parameters" VALUES(2,49,'drive_acceleration_rad_s2',450.0);
+INSERT INTO "parameters" VALUES(2,50,'tilt_kalman_angle_norm',0.0102);
+INSERT INTO "parameters" VALUES(2,51,'tilt_kalman_bias_per_s',-0.0013);
+INSERT INTO "parameters" VALUES(3,0,'strut_length_m',0.8);
+INSERT INTO "parameters" VALUES(3,1,'strut_spacing_m',0.6);
+INSERT INTO "parameters" VALUES(3,2,'track_width_m',0.7);
+INSERT INTO "parameters" VALUES(3,3,'wheel_radius_m',0.1);
+INSERT INTO "parameters" VALUES(3,4,'encoder_counts_per_turn',60000.0);
+INSERT INTO "parameters" VALUES(3,5,'wheel_left_scale_norm',1.0);
+INSERT INTO "parameters" VALUES(3,6,'wheel_right_scale_norm',1.0);
+INSERT INTO "parameters" VALUES(3,7,'lean_range_rad',0.174532925);
+INSERT INTO "parameters" VALUES(3,8,'turn_range_rad',0.174532925);
+INSERT INTO "parameters" VALUES(3,9,'neutral_lean_m',0.0);
+INSERT INTO "parameters" VALUES(3,10,'neutral_turn_rad',0.0);
+INSERT INTO "parameters" VALUES(3,11,'lean_dead_band_norm',0.05);
+INSERT INTO "parameters" VALUES(3,12,'lean_tau_normal_s',10.0);
+INSERT INTO "parameters" VALUES(3,13,'lean_tau_release_s',2.0);
+INSERT INTO "parameters" VALUES(3,14,'braking_softness_norm',2.0);
+INSERT INTO "parameters" VALUES(3,15,'reversal_gain_norm',0.0001);
+INSERT INTO "parameters" VALUES(3,16,'lean_gain_direct_units',2.0);
+INSERT INTO "parameters" VALUES(3,17,'lean_gain_filtered_units',50.0);
+INSERT INTO "parameters" VALUES(3,18,'lean_filtered_units_max',20.0);
+INSERT INTO "parameters" VALUES(3,19,'speed_per_unit_m_s',0.03);
+INSERT INTO "parameters" VALUES(3,20,'turn_dead_band_norm',0.05);
+INSERT INTO "parameters" VALUES(3,21,'turn_tau_normal_s',2.0);
+INSERT INTO "parameters" VALUES(3,22,'turn_tau_release_s',0.1);
+INSERT INTO "parameters" VALUES(3,23,'turn_gain_direct_units',2.0);
+INSERT INTO "parameters" VALUES(3,24,'turn_gain_filtered_units',50.0);
+INSERT INTO "parameters" VALUES(3,25,'yaw_rate_per_unit_rad_s',0.011635528);
+INSERT INTO "parameters" VALUES(3,26,'speed_m_s_max',0.65);
+INSERT INTO "parameters" VALUES(3,27,'yaw_rate_rad_s_max',0.872664626);
+INSERT INTO "parameters" VALUES(3,28,'acceleration_m_s2_max',0.5);
+INSERT INTO "parameters" VALUES(3,29,'jerk_m_s3_max',3.0);
+INSERT INTO "parameters" VALUES(3,30,'yaw_acceleration_rad_s2_max',2.0943951);
+INSERT INTO "parameters" VALUES(3,31,'speed_cap_norm',1.0);
+INSERT INTO "parameters" VALUES(3,32,'protective_deceleration_m_s2',1.0);
+INSERT INTO "parameters" VALUES(3,33,'bumper_deceleration_m_s2',1.5);
+INSERT INTO "parameters" VALUES(3,34,'remote_speed_m_s_max',0.3);
+INSERT INTO "parameters" VALUES(3,35,'remote_yaw_rate_rad_s_max',0.523598776);
+INSERT INTO "parameters" VALUES(3,36,'remote_slow_age_s',0.15);
+INSERT INTO "parameters" VALUES(3,37,'remote_stop_age_s',0.25);
+INSERT INTO "parameters" VALUES(3,38,'fall_tilt_rad',0.174532925);
+INSERT INTO "parameters" VALUES(3,39,'fall_rate_rad_s',0.436332313);
+INSERT INTO "parameters" VALUES(3,40,'fall_static_tilt_rad',0.226892803);
+INSERT INTO "parameters" VALUES(3,41,'fall_static_s',0.1);
+INSERT INTO "parameters" VALUES(3,42,'battery_low_v',23.0);
+INSERT INTO "parameters" VALUES(3,43,'battery_empty_v',22.0);
+INSERT INTO "parameters" VALUES(3,44,'neutral_start_tolerance_norm',0.2);
+INSERT INTO "parameters" VALUES(3,45,'loop_late_s_max',0.03);
+INSERT INTO "parameters" VALUES(3,46,'drive_velocity_gain_v_s_rad',0.12);
+INSERT INTO "parameters" VALUES(3,47,'drive_velocity_integral_v_rad',2.4);
+INSERT INTO "parameters" VALUES(3,48,'drive_current_limit_a',6.0);
+INSERT INTO "parameters" VALUES(3,49,'drive_acceleration_rad_s2',450.0);
+INSERT INTO "parameters" VALUES(3,50,'tilt_kalman_angle_norm',0.0102);
+INSERT INTO "parameters" VALUES(3,51,'tilt_kalman_bias_per_s',-0.0013);
+CREATE TABLE sessions (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,      -- never reused, also not after a deletion: people write it on paper
+  subject TEXT,                              -- pseudonymous code
+  started_utc_ns INTEGER NOT NULL,           -- wall clock …
+  start_time_ns INTEGER NOT NULL,            -- … at this moment of the core's steady clock
+  core_start_time_ns INTEGER NOT NULL,       -- which life of the core
+  simulated INTEGER NOT NULL CHECK (simulated IN (0, 1)),
+  layout_hash INTEGER NOT NULL,
+  software_version TEXT NOT NULL,
+  note TEXT NOT NULL,
+  exercise TEXT,                             -- JSON: shape and sizes
+  ended_utc_ns INTEGER,
+  close_reason TEXT,
+  sample_count INTEGER,                      -- these three are filled when the session is closed
+  first_time_ns INTEGER,
+  last_time_ns INTEGER,
+  folded INTEGER NOT NULL DEFAULT 0 CHECK (folded IN (0, 1)),
+  CHECK ((ended_utc_ns IS NULL) = (close_reason IS NULL))
+) STRICT;
+INSERT INTO "sessions" VALUES(1,'P-017',1790000000123456789,5000000000,1000,1,-81985529216486896,'0.1.0','first','{"shape":"square","side_m":3.2}',1790000002123456789,'finished',60,5000000000,5590000000,1);
+INSERT INTO "sessions" VALUES(2,'P-017',1790000600123456789,605000000000,1000,1,-81985529216486896,'0.1.0','first','{"shape":"square","side_m":3.2}',1790000602123456789,'finished',40,605000000000,605390000000,1);
+INSERT INTO "sessions" VALUES(3,NULL,1790000900123456789,1205000000000,1000,1,-81985529216486896,'0.1.0','',NULL,1790000902123456789,'finished',20,1205000000000,1205190000000,1);
+CREATE TABLE utc_anchors (
+  session_id INTEGER NOT NULL REFERENCES sessions (id) ON DELETE CASCADE,
+  time_ns INTEGER NOT NULL,
+  utc_ns INTEGER NOT NULL,
+  PRIMARY KEY (session_id, time_ns)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX sessions_by_subject ON sessions (subject, id);
+DELETE FROM "sqlite_sequence";
+INSERT INTO "sqlite_sequence" VALUES('sessions',3);
+COMMIT;
+PRAGMA user_version = 1;
