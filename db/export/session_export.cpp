@@ -11,6 +11,7 @@
 #include "db/export/fixed_point.hpp"
 #include "db/export/provenance.hpp"
 #include "db/store/chunk_source.hpp"
+#include "db/store/column_layouts.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
 

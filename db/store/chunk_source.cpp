@@ -98,16 +98,6 @@ void ChunkSource::load(const StoredChunk& chunk, std::span<const std::size_t> wh
   if (error != CodecError::none) damaged(chunk.first_tick, error);
 }
 
-std::vector<ColumnInfo> layout_of(sqlite3* handle, SessionId session) {
-  std::vector<ColumnInfo> layout;
-  Statement statement(handle, "SELECT name, unit, type, lsb, decimals FROM column_layout WHERE session_id = ?1 ORDER BY position");
-  statement.integer(1, session);
-  while (statement.step())
-    layout.push_back({statement.text_at(0), statement.text_at(1), statement.text_at(2), statement.real_at(3),
-                      static_cast<int>(statement.integer_at(4))});
-  return layout;
-}
-
 std::optional<std::size_t> find_column(std::span<const ColumnInfo> layout, std::string_view name) {
   for (std::size_t i = 0; i < layout.size(); ++i)
     if (layout[i].name == name) return i;

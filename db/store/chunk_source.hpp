@@ -52,8 +52,6 @@ class ChunkSource {
   Bytes payload_;
 };
 
-/// The session's own columns, in order. Empty when there is no such session.
-std::vector<ColumnInfo> layout_of(sqlite3* handle, SessionId session);
 /// Position of a column, or absent.
 std::optional<std::size_t> find_column(std::span<const ColumnInfo> layout, std::string_view name);
 /// Whether the samples just before this tick are noted as missing: of the session's first sample only the gap's row can tell.

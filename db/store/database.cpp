@@ -11,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "db/store/column_layouts.hpp"
 #include "db/store/fold.hpp"
 #include "db/store/identity.hpp"
 #include "db/store/schema_list.hpp"
@@ -130,6 +131,16 @@ void add_code_has(sqlite3* handle) {
   const int code = sqlite3_create_function(handle, "code_has", 2, kFlags, nullptr, call, nullptr, nullptr);
   if (code != SQLITE_OK) throw_sql(handle, code, "adding code_has()");
 }
+// hash_text(text): names a layout of columns; for the migration.
+void add_hash_text(sqlite3* handle) {
+  const auto call = [](sqlite3_context* context, int, sqlite3_value** values) {
+    const auto* bytes = reinterpret_cast<const char*>(sqlite3_value_text(values[0]));
+    sqlite3_result_int64(context, hash_text({bytes == nullptr ? "" : bytes, static_cast<std::size_t>(sqlite3_value_bytes(values[0]))}));
+  };
+  constexpr int kFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_DIRECTONLY;
+  const int code = sqlite3_create_function(handle, "hash_text", 1, kFlags, nullptr, call, nullptr, nullptr);
+  if (code != SQLITE_OK) throw_sql(handle, code, "adding hash_text()");
+}
 }  // namespace
 
 Result<Database> Database::connect(const std::filesystem::path& file, const OpenOptions& options, bool create) {
@@ -148,6 +159,7 @@ Result<Database> Database::connect(const std::filesystem::path& file, const Open
     execute(database.handle_, "PRAGMA cell_size_check = ON");
     execute(database.handle_, "PRAGMA synchronous = FULL");
     add_code_has(database.handle_);
+    add_hash_text(database.handle_);
     if (options.max_pages > 0) execute(database.handle_, ("PRAGMA max_page_count = " + std::to_string(options.max_pages)).c_str());
     return database;
   });

@@ -10,6 +10,7 @@
 #include "db/codec/journal_chunk.hpp"
 #include "db/store/actor_rows.hpp"
 #include "db/store/chunk_source.hpp"
+#include "db/store/column_layouts.hpp"
 #include "db/store/sqlite.hpp"
 
 namespace hoist::db {

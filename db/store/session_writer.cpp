@@ -16,6 +16,7 @@
 #include "db/codec/journal_chunk.hpp"
 #include "db/store/actor_rows.hpp"
 #include "db/store/chunk_source.hpp"
+#include "db/store/column_layouts.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/sqlite.hpp"
 
@@ -66,6 +67,14 @@ constexpr std::string_view type_name(SignalType type) {
       break;
   }
   return "u8";
+}
+
+std::vector<ColumnInfo> todays_layout() {
+  std::vector<ColumnInfo> layout;
+  for (std::size_t c = 0; c < kSignalCount; ++c)
+    layout.push_back({std::string(kSignals[c].name), std::string(kSignals[c].unit), std::string(type_name(kSignals[c].type)),
+                      kSignals[c].lsb, kDecimals[c]});
+  return layout;
 }
 
 template <typename T>
@@ -724,8 +733,8 @@ Result<SessionId> SessionWriter::begin(const SessionStart& start) {
     Transaction transaction(s.handle, Transaction::Kind::write);
     Statement insert(s.handle,
                      "INSERT INTO sessions (subject, started_utc_ns, start_time_ns, core_start_time_ns, simulated, layout_hash, "
-                     "software_version, note, exercise, core_version) "
-                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10) RETURNING id");
+                     "software_version, note, exercise, core_version, columns_hash) "
+                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11) RETURNING id");
     insert.text(1, start.subject)
         .integer(2, start.started_utc_ns)
         .unsigned_integer(3, start.start_time_ns)
@@ -735,21 +744,11 @@ Result<SessionId> SessionWriter::begin(const SessionStart& start) {
         .text(7, std::string_view(start.software_version))
         .text(8, std::string_view(start.note))
         .text(9, start.exercise_json)
-        .text(10, start.core_version);
+        .text(10, start.core_version)
+        .integer(11, layout_row(s.handle, todays_layout()));
     if (!insert.step()) throw SqlFailure{Error{ErrorKind::internal, "the new session got no number", {}}};
     const SessionId id = insert.integer_at(0);
     insert.reset();
-    Statement column(
-        s.handle, "INSERT INTO column_layout (session_id, position, name, unit, type, lsb, decimals) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)");
-    for (std::size_t c = 0; c < kSignalCount; ++c)
-      column.integer(1, id)
-          .unsigned_integer(2, c)
-          .text(3, kSignals[c].name)
-          .text(4, kSignals[c].unit)
-          .text(5, type_name(kSignals[c].type))
-          .real(6, kSignals[c].lsb)
-          .integer(7, kDecimals[c])
-          .run();
     Statement parameter(s.handle, "INSERT INTO parameters (session_id, position, name, value) VALUES (?1, ?2, ?3, ?4)");
     for (std::size_t p = 0; p < start.parameter_values.size(); ++p)
       parameter.integer(1, id).unsigned_integer(2, p).text(3, contract::kParams[p].name).real(4, start.parameter_values[p]).run();

@@ -187,9 +187,25 @@ TEST(Open, a_file_of_schema_001_is_migrated_and_says_what_it_does_not_know) {
     EXPECT_EQ(markers->front().text, "turned");
     EXPECT_FALSE(markers->front().actor);
   }
+  EXPECT_EQ(number_of(database, "SELECT count(DISTINCT hash) FROM column_layout"), 1) << "three sessions share one layout";
   // And it is recorded into as any other.
   std::vector<TickRecord> records;
   expect_recorded(database, record_session(database, 300, 1, &records), records);
+}
+
+TEST(Layout, is_stored_once_and_stays_with_the_sessions_that_are_left) {
+  TemporaryFolder dir;
+  make_recording_001(dir / "hoist.db");
+  Database database = open_at(dir / "hoist.db");
+  std::vector<TickRecord> records;
+  const SessionId first = record_session(database, 50, 1);
+  const std::int64_t rows = number_of(database, "SELECT count(*) FROM column_layout");
+  EXPECT_EQ(rows, static_cast<std::int64_t>(67 + contract::kSignalCount)) << "that of 001 and today's";
+  const SessionId second = record_session(database, 50, 2, &records);
+  EXPECT_EQ(number_of(database, "SELECT count(*) FROM column_layout"), rows);
+  ASSERT_TRUE(SessionEditor(database).remove(first).ok());
+  expect_recorded(database, second, records);
+  EXPECT_EQ(SessionReader(database).columns(1)->size(), 67U);
 }
 
 TEST(Open, an_empty_file_beside_a_full_log_is_set_aside_with_it) {
