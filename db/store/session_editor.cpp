@@ -6,6 +6,7 @@
 #include "db/store/session_checks.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
+#include "db/store/visits.hpp"
 
 namespace hoist::db {
 namespace {
@@ -100,17 +101,25 @@ Status SessionEditor::patch(SessionId session, const SessionPatch& change) {
   return guarded([&]() -> Status {
     sqlite3* handle = database_->handle();
     Transaction transaction(handle, Transaction::Kind::write);
+    std::int64_t started_utc_ns = 0;
     {
-      Statement exists(handle, "SELECT 1 FROM sessions WHERE id = ?1");
-      if (!exists.integer(1, session).step()) return Error{ErrorKind::not_found, "there is no session " + std::to_string(session), {}};
+      Statement row(handle, "SELECT started_utc_ns FROM sessions WHERE id = ?1");
+      if (!row.integer(1, session).step()) return Error{ErrorKind::not_found, "there is no session " + std::to_string(session), {}};
+      started_utc_ns = row.integer_at(0);
     }
     if (change.note) {
       Statement update(handle, "UPDATE sessions SET note = ?2 WHERE id = ?1");
       update.integer(1, session).text(2, std::string_view(*change.note)).run();
     }
     if (change.subject) {
-      Statement update(handle, "UPDATE sessions SET subject = ?2 WHERE id = ?1");
-      update.integer(1, session).text(2, *change.subject).run();
+      Statement update(handle, "UPDATE sessions SET visit_id = ?2 WHERE id = ?1");
+      update.integer(1, session);
+      if (*change.subject)
+        update.integer(2, visit_row(handle, **change.subject, started_utc_ns));
+      else
+        update.null(2);
+      update.run();
+      drop_empty_visits(handle);
     }
     if (change.exercise_json) {
       Statement update(handle, "UPDATE sessions SET exercise = ?2 WHERE id = ?1");
@@ -134,6 +143,7 @@ Status SessionEditor::remove(SessionId session) {
         return Error{ErrorKind::wrong_state, "session " + std::to_string(session) + " is being recorded: end it first", {}};
     }
     Statement(handle, "DELETE FROM sessions WHERE id = ?1").integer(1, session).run();
+    drop_empty_visits(handle);
     transaction.commit();
     return {};
   });

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kCoarse = 4;
 constexpr double kNanoseconds = 1e-9;
 constexpr const char* kSessionColumns =
-    "SELECT id, subject, started_utc_ns, start_time_ns, core_start_time_ns, simulated, ended_utc_ns, close_reason, layout_hash, "
+    "SELECT sessions.id, code, started_utc_ns, start_time_ns, core_start_time_ns, simulated, ended_utc_ns, close_reason, layout_hash, "
     "software_version, "
     "note, exercise, coalesce(sample_count, (SELECT sum(samples) FROM chunks WHERE session_id = sessions.id), 0), "
     "coalesce(first_time_ns, (SELECT min(first_time_ns) FROM chunks WHERE session_id = sessions.id), 0), "
@@ -30,7 +30,9 @@ constexpr const char* kSessionColumns =
     "(SELECT coalesce(sum(length(directory) + length(body)), 0) FROM chunks WHERE session_id = sessions.id) + "
     "(SELECT coalesce(sum(length(body)), 0) FROM bus_chunks WHERE session_id = sessions.id) + "
     "(SELECT coalesce(sum(length(body)), 0) FROM journal_chunks WHERE session_id = sessions.id) + "
-    "(SELECT coalesce(sum(length(body)), 0) FROM core_images WHERE session_id = sessions.id), core_version FROM sessions ";
+    "(SELECT coalesce(sum(length(body)), 0) FROM core_images WHERE session_id = sessions.id), core_version FROM ";
+// With the patient code; NULL for a session that belongs to no visit.
+constexpr const char* kSessions = "sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id ";
 
 SessionInfo info_of(const Statement& row) {
   SessionInfo info;
@@ -168,12 +170,12 @@ Result<SessionPage> SessionReader::list(const SessionQuery& query) const {
     Transaction transaction(handle, Transaction::Kind::read);
     SessionPage page;
     {
-      Statement count(handle, std::string("SELECT count(*) FROM sessions ") + (query.subject ? "WHERE code_has(subject, ?1)" : ""));
+      Statement count(handle, std::string("SELECT count(*) FROM ") + kSessions + (query.subject ? "WHERE code_has(code, ?1)" : ""));
       if (query.subject) count.text(1, query.subject);
       if (count.step()) page.total = count.unsigned_at(0);
     }
-    Statement rows(handle, std::string(kSessionColumns) + "WHERE id < ?1 " + (query.subject ? "AND code_has(subject, ?3) " : "") +
-                               "ORDER BY id DESC LIMIT ?2");
+    Statement rows(handle, std::string(kSessionColumns) + kSessions + "WHERE sessions.id < ?1 " +
+                               (query.subject ? "AND code_has(code, ?3) " : "") + "ORDER BY sessions.id DESC LIMIT ?2");
     rows.integer(1, query.before.value_or(std::numeric_limits<std::int64_t>::max()));
     // One more than asked tells whether a next page exists.
     rows.unsigned_integer(2, query.limit + 1);
@@ -193,7 +195,7 @@ Result<SessionInfo> SessionReader::get(SessionId session) const {
   return guarded([&]() -> Result<SessionInfo> {
     sqlite3* handle = database_->handle();
     Transaction transaction(handle, Transaction::Kind::read);
-    Statement row(handle, std::string(kSessionColumns) + "WHERE id = ?1");
+    Statement row(handle, std::string(kSessionColumns) + kSessions + "WHERE sessions.id = ?1");
     if (!row.integer(1, session).step()) return no_such_session(session);
     return info_of(row);
   });
@@ -363,10 +365,13 @@ Result<std::optional<BrokenOff>> SessionReader::broken_off(std::uint64_t core_st
   return guarded([&]() -> Result<std::optional<BrokenOff>> {
     sqlite3* handle = database_->handle();
     Transaction transaction(handle, Transaction::Kind::read);
-    Statement row(handle,
-                  "SELECT id, subject, exercise, start_time_ns, close_reason, (SELECT max(last_tick) FROM chunks WHERE session_id = "
-                  "sessions.id), (SELECT max(tick) FROM events WHERE session_id = sessions.id), (SELECT max(last_time_ns) FROM bus_chunks "
-                  "WHERE session_id = sessions.id) FROM sessions WHERE core_start_time_ns = ?1 ORDER BY id DESC LIMIT 1");
+    Statement row(
+        handle,
+        std::string(
+            "SELECT sessions.id, code, exercise, start_time_ns, close_reason, (SELECT max(last_tick) FROM chunks WHERE session_id = "
+            "sessions.id), (SELECT max(tick) FROM events WHERE session_id = sessions.id), (SELECT max(last_time_ns) FROM bus_chunks "
+            "WHERE session_id = sessions.id) FROM ") +
+            kSessions + "WHERE core_start_time_ns = ?1 ORDER BY sessions.id DESC LIMIT 1");
     if (!row.unsigned_integer(1, core_start_time_ns).step()) return std::optional<BrokenOff>{};
     const std::string reason = row.text_at(4);
     if (reason != close_reason_name(CloseReason::interrupted) && reason != close_reason_name(CloseReason::server_stopped))

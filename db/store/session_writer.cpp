@@ -19,6 +19,7 @@
 #include "db/store/column_layouts.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/sqlite.hpp"
+#include "db/store/visits.hpp"
 
 namespace hoist::db {
 namespace {
@@ -732,11 +733,14 @@ Result<SessionId> SessionWriter::begin(const SessionStart& start) {
     s.clear_session();
     Transaction transaction(s.handle, Transaction::Kind::write);
     Statement insert(s.handle,
-                     "INSERT INTO sessions (subject, started_utc_ns, start_time_ns, core_start_time_ns, simulated, layout_hash, "
+                     "INSERT INTO sessions (visit_id, started_utc_ns, start_time_ns, core_start_time_ns, simulated, layout_hash, "
                      "software_version, note, exercise, core_version, columns_hash) "
                      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11) RETURNING id");
-    insert.text(1, start.subject)
-        .integer(2, start.started_utc_ns)
+    if (start.subject)
+      insert.integer(1, visit_row(s.handle, *start.subject, start.started_utc_ns));
+    else
+      insert.null(1);
+    insert.integer(2, start.started_utc_ns)
         .unsigned_integer(3, start.start_time_ns)
         .unsigned_integer(4, start.core_start_time_ns)
         .integer(5, start.simulated ? 1 : 0)

@@ -1,4 +1,4 @@
-// /sessions: recorded sessions, their columns, figures and exports. All of it runs on the recorder's thread.
+// /sessions: recorded sessions, their columns, figures and exports; /visits and /patients. All of it runs on the recorder's thread.
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -7,6 +7,7 @@
 #include "db/export/provenance.hpp"
 #include "db/export/session_export.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/store/visits.hpp"
 #include "db/summary/session_json.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
@@ -21,6 +22,13 @@ namespace {
 constexpr std::size_t kColumnLimit = 32;
 constexpr std::size_t kDefaultPoints = 1000;
 
+// Of a session without a patient code: null.
+json visit_json(const std::map<db::SessionId, db::Visit>& visits, db::SessionId session) {
+  const auto at = visits.find(session);
+  if (at == visits.end()) return nullptr;
+  return {{"id", at->second.id}, {"patient", at->second.patient_id}, {"day", at->second.day}};
+}
+
 // What one session's page tells beyond the list.
 db::Result<json> whole_session(db::Database& database, db::SessionId id) {
   const db::SessionReader reader(database);
@@ -28,7 +36,10 @@ db::Result<json> whole_session(db::Database& database, db::SessionId id) {
   if (!session) return session.error();
   const auto nodes = reader.node_programs(id);
   if (!nodes) return nodes.error();
+  const auto visits = db::VisitReader(database).of_sessions(std::span(&id, 1));
+  if (!visits) return visits.error();
   json told = db::session_json(*session);
+  told["visit"] = visit_json(*visits, id);
   told["nodes"] = db::node_programs_json(*nodes);
   return told;
 }
@@ -71,27 +82,85 @@ void with_database(const CallPtr& call, std::function<Response(db::Database&)> w
 }
 }  // namespace
 
-void list_sessions(const CallPtr& call) {
-  db::SessionQuery wanted;
+namespace {
+// Reads limit and cursor of a list. False: the call has failed.
+template <typename Query>
+bool read_page(const CallPtr& call, Query& wanted) {
   if (const auto limit = query(*call, "limit")) {
     const auto value = number<std::size_t>(*limit);
-    if (!value || *value < 1 || *value > db::kMaxPage)
-      return call->fail(
+    if (!value || *value < 1 || *value > db::kMaxPage) {
+      call->fail(
           bad_query("limit", "must be a whole number from 1 to " + std::to_string(db::kMaxPage), 1, static_cast<double>(db::kMaxPage)));
+      return false;
+    }
     wanted.limit = *value;
   }
   if (const auto cursor = query(*call, "cursor"); cursor && !cursor->empty()) {
-    wanted.before = number<db::SessionId>(*cursor);
-    if (!wanted.before) return call->fail(bad_query("cursor", "must be the `next` of an earlier answer", {}, {}));
+    wanted.before = number<std::int64_t>(*cursor);
+    if (!wanted.before) {
+      call->fail(bad_query("cursor", "must be the `next` of an earlier answer", {}, {}));
+      return false;
+    }
   }
+  return true;
+}
+
+json next_json(const std::optional<std::int64_t>& next) { return next ? json(std::to_string(*next)) : json(nullptr); }
+}  // namespace
+
+void list_visits(const CallPtr& call) {
+  db::VisitQuery wanted;
+  if (!read_page(call, wanted)) return;
+  if (const auto patient = query(*call, "patient")) {
+    wanted.patient_id = number<std::int64_t>(*patient);
+    if (!wanted.patient_id) return call->fail(bad_query("patient", "must be the id of a patient", {}, {}));
+  }
+  with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
+    const auto page = db::VisitReader(database).visits(wanted);
+    if (!page) return store_error(page.error(), path);
+    json items = json::array();
+    for (const db::VisitInfo& v : page->items)
+      items.push_back(
+          {{"id", v.visit.id}, {"patient", v.visit.patient_id}, {"code", v.visit.patient}, {"day", v.visit.day}, {"sessions", v.sessions}});
+    return json_response({{"items", std::move(items)}, {"next", next_json(page->next)}});
+  });
+}
+
+void list_patients(const CallPtr& call) {
+  db::VisitQuery wanted;
+  if (!read_page(call, wanted)) return;
+  with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
+    const auto page = db::VisitReader(database).patients(wanted);
+    if (!page) return store_error(page.error(), path);
+    json items = json::array();
+    for (const db::PatientInfo& p : page->items)
+      items.push_back({{"id", p.id},
+                       {"code", p.code},
+                       {"visits", p.visits},
+                       {"sessions", p.sessions},
+                       {"first_day", p.first_day},
+                       {"last_day", p.last_day}});
+    return json_response({{"items", std::move(items)}, {"next", next_json(page->next)}});
+  });
+}
+
+void list_sessions(const CallPtr& call) {
+  db::SessionQuery wanted;
+  if (!read_page(call, wanted)) return;
   if (const auto subject = query(*call, "q"); subject && !subject->empty()) wanted.subject = *subject;
   with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
     const auto page = db::SessionReader(database).list(wanted);
     if (!page) return store_error(page.error(), path);
+    std::vector<db::SessionId> ids;
+    for (const db::SessionInfo& s : page->sessions) ids.push_back(s.id);
+    const auto visits = db::VisitReader(database).of_sessions(ids);
+    if (!visits) return store_error(visits.error(), path);
     json items = json::array();
-    for (const db::SessionInfo& s : page->sessions) items.push_back(db::session_json(s));
-    return json_response(
-        {{"items", std::move(items)}, {"next", page->next ? json(std::to_string(*page->next)) : json(nullptr)}, {"total", page->total}});
+    for (const db::SessionInfo& s : page->sessions) {
+      items.push_back(db::session_json(s));
+      items.back()["visit"] = visit_json(*visits, s.id);
+    }
+    return json_response({{"items", std::move(items)}, {"next", next_json(page->next)}, {"total", page->total}});
   });
 }
 

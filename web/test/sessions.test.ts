@@ -10,6 +10,7 @@ const session = (id: number): Session => ({
   started_utc_ms: id,
   ended_utc_ms: id + 1,
   close_reason: 'stopped',
+  visit: null,
   software_version: '',
   core_version: null,
   layout_hash: '',

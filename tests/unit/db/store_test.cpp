@@ -11,6 +11,7 @@
 
 #include "db/store/schema_list.hpp"
 #include "db/store/sqlite.hpp"
+#include "db/store/visits.hpp"
 #include "tests/unit/db/db_support.hpp"
 
 namespace hoist::db::test {
@@ -188,9 +189,77 @@ TEST(Open, a_file_of_schema_001_is_migrated_and_says_what_it_does_not_know) {
     EXPECT_FALSE(markers->front().actor);
   }
   EXPECT_EQ(number_of(database, "SELECT count(DISTINCT hash) FROM column_layout"), 1) << "three sessions share one layout";
+  const auto visits = VisitReader(database).visits();
+  ASSERT_EQ(visits->items.size(), 1U) << "one patient, one day; the session without a code is in none";
+  EXPECT_EQ(visits->items[0].visit.patient, "P-017");
+  EXPECT_EQ(visits->items[0].sessions, (std::vector<SessionId>{1, 2}));
   // And it is recorded into as any other.
   std::vector<TickRecord> records;
   expect_recorded(database, record_session(database, 300, 1, &records), records);
+}
+
+// A day ends at midnight where the computer stands.
+class InTimeZone {
+ public:
+  explicit InTimeZone(const char* zone) { set(zone); }
+  ~InTimeZone() { set(nullptr); }
+
+ private:
+  static void set(const char* zone) {
+    zone != nullptr ? ::setenv("TZ", zone, 1) : ::unsetenv("TZ");
+    ::tzset();
+  }
+};
+
+TEST(Visits, are_one_patient_on_one_local_day_and_end_with_their_last_session) {
+  const InTimeZone zone("EAST-2");  // two hours ahead of UTC
+  TemporaryFolder dir;
+  Database database = open_at(dir / "hoist.db");
+  SessionWriter writer = writer_of(database);
+  const auto record = [&](std::optional<std::string> code, std::int64_t hours) {
+    SessionStart start = start_of_walk();
+    start.subject = std::move(code);
+    start.started_utc_ns = kStartUtc_ns + hours * 3'600'000'000'000;  // 14:13 UTC, 16:13 here
+    const Result<SessionId> id = writer.begin(start);
+    EXPECT_TRUE(id.ok()) << id.error().message;
+    EXPECT_TRUE(writer.end(CloseReason::finished, start.started_utc_ns).ok());
+    return *id;
+  };
+  const SessionId first = record("A", 0), same = record("A", 7), late = record("A", 8), other = record("B", 0), unknown = record({}, 0);
+  const VisitReader reader(database);
+  const auto days = reader.visits({.limit = 2});
+  ASSERT_EQ(days->items.size(), 2U);
+  EXPECT_EQ(days->items[0].visit.patient, "B");
+  EXPECT_EQ(days->items[1].visit.day, "2026-09-22") << "00:13 here, still the day before in UTC";
+  const auto earlier = reader.visits({.limit = 2, .before = days->next});
+  ASSERT_EQ(earlier->items.size(), 1U);
+  EXPECT_EQ(earlier->items[0].visit.day, "2026-09-21");
+  EXPECT_EQ(earlier->items[0].sessions, (std::vector<SessionId>{first, same}));
+  EXPECT_FALSE(earlier->next);
+  EXPECT_EQ(reader.visits({.limit = 0}).error().field, "limit");
+  const auto patients = reader.patients();
+  ASSERT_EQ(patients->items.size(), 2U);
+  EXPECT_EQ(patients->items[1].code, "A");
+  EXPECT_EQ(patients->items[1].visits, 2U);
+  EXPECT_EQ(patients->items[1].sessions, 3U);
+  EXPECT_EQ(reader.visits({.patient_id = patients->items[1].id})->items.size(), 2U);
+  EXPECT_EQ(reader.of_sessions(std::array{first, unknown})->count(unknown), 0U);
+
+  // The code of a session moves it; a patient without sessions is gone, and so is the code.
+  const auto with_code = [](std::optional<std::string> code) {
+    SessionPatch patch;
+    patch.subject = std::move(code);
+    return patch;
+  };
+  SessionEditor editor(database);
+  ASSERT_TRUE(editor.patch(other, with_code("A")).ok());
+  EXPECT_EQ(reader.patients()->items.size(), 1U);
+  EXPECT_EQ(reader.of_sessions(std::array{other})->at(other).id, reader.of_sessions(std::array{first})->at(first).id);
+  ASSERT_TRUE(editor.patch(first, with_code(std::nullopt)).ok());
+  EXPECT_FALSE(SessionReader(database).get(first)->subject);
+  for (const SessionId id : {same, late, other}) ASSERT_TRUE(editor.remove(id).ok());
+  EXPECT_TRUE(reader.patients()->items.empty());
+  EXPECT_TRUE(reader.visits()->items.empty());
 }
 
 TEST(Layout, is_stored_once_and_stays_with_the_sessions_that_are_left) {
@@ -998,7 +1067,7 @@ TEST(Editor, deleting_takes_everything_and_never_a_session_being_recorded) {
   ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
   ASSERT_TRUE(editor.remove(*id).ok());
   EXPECT_EQ(editor.remove(*id).error().kind, ErrorKind::not_found);
-  for (const char* table : {"sessions", "column_layout", "chunks", "markers", "parameters"}) {
+  for (const char* table : {"sessions", "chunks", "markers", "parameters"}) {
     const std::string key = std::string(table) == "sessions" ? "id" : "session_id";
     EXPECT_EQ(number_of(database, ("SELECT count(*) FROM " + std::string(table) + " WHERE " + key + " = " + std::to_string(*id)).c_str()),
               0)

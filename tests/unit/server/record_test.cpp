@@ -129,7 +129,18 @@ TEST_F(Record, AWalkIsRecordedAndExportedAsPublished) {
   EXPECT_NE(unknown.body.find("nothing, other"), std::string::npos) << unknown.body;
   EXPECT_EQ(get("/api/v1/sessions/1/export?comments=2").status, 422);
   EXPECT_EQ(get("/api/v1/sessions/1/export?format=candump").header("content-type"), "text/plain; charset=utf-8");
+  EXPECT_TRUE(session["visit"].is_null()) << "of an unknown patient";
   EXPECT_EQ(call("PATCH", "/api/v1/sessions/1", {{"note", "went well"}, {"subject", "P-17"}}).json()["note"], "went well");
+  const json visit = get("/api/v1/visits").json()["items"].at(0);
+  EXPECT_EQ(visit["sessions"], json::array({1}));
+  EXPECT_EQ(visit["code"], "P-17");
+  const json in_visit{{"id", visit["id"]}, {"patient", visit["patient"]}, {"day", visit["day"]}};
+  EXPECT_EQ(get("/api/v1/sessions/1").json()["visit"], in_visit);
+  EXPECT_EQ(get("/api/v1/sessions").json()["items"][0]["visit"], in_visit);
+  EXPECT_EQ(get("/api/v1/patients").json()["items"].at(0)["id"], visit["patient"]);
+  EXPECT_EQ(get("/api/v1/visits?patient=99").json()["items"], json::array());
+  for (const char* bad : {"visits?patient=x", "visits?limit=0", "visits?cursor=x", "patients?limit=201"})
+    EXPECT_EQ(get(std::string("/api/v1/") + bad).status, 422) << bad;
   EXPECT_EQ(call("PATCH", "/api/v1/sessions/1", {{"note", 5}}).status, 422);
   EXPECT_EQ(call("PATCH", "/api/v1/sessions/1", {{"id", 5}}).status, 422);
   EXPECT_EQ(get("/api/v1/sessions?q=P-17").json()["items"].size(), 1U);

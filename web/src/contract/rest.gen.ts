@@ -465,6 +465,18 @@ export type ParameterValues = {
   [name: string]: number | undefined;
 };
 
+export type PatientList = {
+  items: readonly {
+    code: string;
+    first_day: string;
+    id: number;
+    last_day: string;
+    sessions: number;
+    visits: number;
+  }[];
+  next: string | null;
+};
+
 export type Pose = {
   psi_rad: number;
   x_m: number;
@@ -543,6 +555,8 @@ export type Session = {
   started_utc_ms: number;
   stored_bytes: number;
   subject: string | null;
+  /** null: no patient code is given. */
+  visit: Visit | null;
 };
 
 export type SessionList = {
@@ -622,6 +636,26 @@ export type Stored = boolean;
 
 /** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
 export type SubjectCode = string;
+
+/** One patient on one day. */
+export type Visit = {
+  /** YYYY-MM-DD where the recording computer stands. */
+  day: string;
+  id: number;
+  patient: number;
+};
+
+export type VisitList = {
+  items: readonly {
+    code: string;
+    day: string;
+    id: number;
+    patient: number;
+    /** In the order of recording. */
+    sessions: readonly number[];
+  }[];
+  next: string | null;
+};
 
 export type Walk = {
   /** What the present or the latest motion began with; null = not known to this server. */
@@ -760,6 +794,11 @@ export interface Routes {
     body: ParameterValue;
     answer: ParameterResult;
   };
+  /** Patients by their codes, newest first. */
+  'GET /api/v1/patients': {
+    query?: { limit?: number; cursor?: string };
+    answer: PatientList;
+  };
   /** Sets the odometry's pose while standing still. */
   'POST /api/v1/pose': {
     body: Pose;
@@ -844,6 +883,11 @@ export interface Routes {
   /** STOP. Anyone may who was ever signed in; never refused, whatever the body. */
   'POST /api/v1/stop': {
     answer: Done;
+  };
+  /** Visits, newest first: one patient on one day, with the sessions of it. */
+  'GET /api/v1/visits': {
+    query?: { limit?: number; cursor?: string; patient?: number };
+    answer: VisitList;
   };
   /** The exercise and the walk since the start mark. */
   'GET /api/v1/walk': {

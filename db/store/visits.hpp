@@ -1,0 +1,63 @@
+// Patients and their visits: one patient on one day, with several sessions. Both come and go with their sessions.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "db/store/database.hpp"
+#include "db/store/result.hpp"
+#include "db/store/session_types.hpp"
+
+struct sqlite3;
+
+namespace hoist::db {
+
+struct Visit {
+  std::int64_t id = 0, patient_id = 0;
+  std::string patient;  ///< the pseudonymous code
+  std::string day;      ///< YYYY-MM-DD where the recording computer stands
+};
+struct VisitInfo {
+  Visit visit;
+  std::vector<SessionId> sessions;  ///< in the order of recording
+};
+struct PatientInfo {
+  std::int64_t id = 0;
+  std::string code;
+  std::uint64_t visits = 0, sessions = 0;
+  std::string first_day, last_day;
+};
+/// Newest first; `next` is the `before` of the next page, absent at the end.
+template <typename Item>
+struct VisitPage {
+  std::vector<Item> items;
+  std::optional<std::int64_t> next;
+};
+struct VisitQuery {
+  std::size_t limit = 50;                       ///< 1 to kMaxPage
+  std::optional<std::int64_t> before = {};      ///< only those with a smaller number
+  std::optional<std::int64_t> patient_id = {};  ///< visits of this patient only
+};
+
+/// Reads; every call is its own read transaction. Errors: bad_value (limit), corrupt, busy, io.
+class VisitReader {
+ public:
+  explicit VisitReader(Database& database) : database_(&database) {}
+  /// The visits of these sessions. A session without a patient code has none.
+  Result<std::map<SessionId, Visit>> of_sessions(std::span<const SessionId> sessions) const;
+  Result<VisitPage<VisitInfo>> visits(const VisitQuery& query = {}) const;
+  Result<VisitPage<PatientInfo>> patients(const VisitQuery& query = {}) const;
+
+ private:
+  Database* database_;
+};
+
+/// Inside a write transaction of the store: the visit of a session that began then; patient and visit are made when they are new.
+std::int64_t visit_row(sqlite3* handle, const std::string& code, std::int64_t started_utc_ns);
+/// Removes visits without a session, and patients without a visit: no code outlives its last session.
+void drop_empty_visits(sqlite3* handle);
+
+}  // namespace hoist::db
