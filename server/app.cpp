@@ -31,6 +31,7 @@ constexpr std::uint64_t kPoll_ns = 10'000'000;
 // The core publishes within the first millisecond of its step; looking a little later finds every step at its freshest.
 constexpr std::uint64_t kPhase_ns = 2'000'000;
 constexpr int kGoodbye_ms = 300;
+constexpr std::uint64_t kAuditRetry_ns = 1'000'000'000;
 
 std::uint64_t steady_ns() {
   return static_cast<std::uint64_t>(
@@ -64,6 +65,7 @@ struct App::Parts {
                                .steady_ns = &steady_ns,
                                .actor_of = [this](std::uint32_t client) { return actors.find(client); }}),
         records(recorder, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
+        audit(records),
         state(settings, core, recorder),
         timer(io),
         goodbye(io) {}
@@ -103,6 +105,10 @@ struct App::Parts {
     firmware.poll(core.clock_ns());
     tell_recorder_of_nodes();
     hub.poll(now);
+    if (now - audit_tried_ns >= kAuditRetry_ns) {
+      audit_tried_ns = now;
+      audit.retry();
+    }
     if (core.lease_holder() != 0) free_silent_lease(now);
   }
 
@@ -148,6 +154,7 @@ struct App::Parts {
   FirmwareDesk firmware;
   Recorder recorder;
   RecorderDesk records;
+  AuditDesk audit;
   HoistState state;
   Hub hub;
   std::unique_ptr<Auth> auth;
@@ -158,6 +165,7 @@ struct App::Parts {
   asio::steady_timer timer;
   asio::steady_timer goodbye;
   std::uint64_t next_ns = 0;
+  std::uint64_t audit_tried_ns = 0;
   std::optional<std::array<NodeSaid, contract::kRemoteNodeCount>> told_nodes;  // by the recorder's last list
   std::string told_problem;                                                    // why the core is not connected, as told last
   bool ending = false;
@@ -196,6 +204,7 @@ bool App::start(std::string& error) {
                                 .now_ns = &steady_ns,
                                 .utc_ns = &utc_ns,
                                 .actors = p.actors,
+                                .audit = p.audit,
                                 .started_utc_ns = utc_ns(),
                                 .started_ns = steady_ns()});
   p.hub.set_services(*p.services, *p.auth);

@@ -7,6 +7,7 @@
 #include "server/link/core_desk.hpp"
 #include "server/link/firmware_desk.hpp"
 #include "server/record/actor_list.hpp"
+#include "server/record/audit_desk.hpp"
 #include "server/record/recorder.hpp"
 #include "server/record/recorder_desk.hpp"
 #include "server/settings.hpp"
@@ -25,6 +26,7 @@ struct Services {
   std::function<std::uint64_t()> now_ns;  // steady
   std::function<std::int64_t()> utc_ns;   // wall
   ActorList& actors;                      // numbers of connections and REST sessions, and who is behind them
+  AuditDesk& audit;                       // what people asked
   std::int64_t started_utc_ns = 0;
   std::uint64_t started_ns = 0;
   std::size_t live_clients = 0;  // open WebSockets

@@ -69,6 +69,24 @@ Outcome invalid(std::vector<FieldError> errors, std::string detail, std::optiona
   return outcome;
 }
 
+std::string result_of(const Outcome& outcome) {
+  if (outcome.done()) return "done";
+  std::string names;
+  for (const std::string& name : outcome.refusals) names += (names.empty() ? "" : " ") + name;
+  return names.empty() ? std::string{reason_name(reason_of(outcome))} : names;
+}
+
+// Notes in the audit what was asked and what came of it, refused or not. `detail` holds only what was understood.
+OutcomeDone audited(Services& services, const Asker& asker, const char* action, json detail, OutcomeDone done) {
+  db::AuditEntry entry{.utc_ns = services.utc_ns(), .actor = services.actors.find(asker.client), .action = action, .result = {}};
+  entry.detail = detail.dump();
+  return [&services, entry = std::move(entry), done = std::move(done)](const Outcome& outcome) mutable {
+    entry.result = result_of(outcome);
+    services.audit.note(entry);
+    done(outcome);
+  };
+}
+
 // The one place that enforces roles, for every protocol. A protocol's own table (api.def, messages.def) describes the role and refuses early.
 // False: `done` has been told.
 bool may(Services& services, const Asker& asker, contract::Role least, const OutcomeDone& done) {
@@ -93,6 +111,9 @@ FieldError range_error(const contract::ParamInfo& p, std::string message, std::o
 
 void set_values(Services& services, const Asker& asker, std::vector<std::pair<std::uint32_t, double>> rows, double revert_after_s,
                 std::uint32_t version, OutcomeDone done) {
+  json values = json::object();
+  for (const auto& [id, value] : rows) values[std::string{contract::kParams[*contract::find_param_id(id)].name}] = value;
+  done = audited(services, asker, "set_parameters", {{"values", std::move(values)}, {"revert_after_s", revert_after_s}}, std::move(done));
   Command commit = command_of(CommandKind::commit_parameters, asker);
   commit.v0 = revert_after_s;
   commit.b = static_cast<std::uint32_t>(asker.role);
@@ -134,6 +155,7 @@ std::vector<std::string> refusal_names(std::uint32_t bits) {
 }
 
 void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done) {
+  done = audited(services, asker, "take_lease", {{"take_over", take_over}}, std::move(done));
   if (!may(services, asker, contract::Role::therapist, done)) return;
   Command command = command_of(CommandKind::take_lease, asker);
   command.a = take_over ? 1 : 0;
@@ -148,6 +170,7 @@ void act_take_lease(Services& services, const Asker& asker, bool take_over, Outc
 }
 
 void act_release_lease(Services& services, const Asker& asker, OutcomeDone done) {
+  done = audited(services, asker, "release_lease", json::object(), std::move(done));
   ask(services, command_of(CommandKind::release_lease, asker), std::move(done));
 }
 
@@ -190,12 +213,14 @@ std::optional<contract::Refusal> act_drive(Services& services, const Asker& aske
 }
 
 void act_stop(Services& services, std::uint32_t client, OutcomeDone done) {
+  services.audit.note({.utc_ns = services.utc_ns(), .actor = services.actors.find(client), .action = "stop", .result = "asked"});
   CoreDesk::Done answered;
   if (done) answered = [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); };
   services.core.stop(client, std::move(answered));
 }
 
 void act_acknowledge(Services& services, const Asker& asker, const json& seen, OutcomeDone done) {
+  done = audited(services, asker, "acknowledge", json::object(), std::move(done));
   if (!may(services, asker, contract::Role::therapist, done)) return;
   Command command = command_of(CommandKind::acknowledge, asker);
   bool usable = seen.is_null() || (seen.is_array() && !seen.empty());
@@ -214,11 +239,13 @@ void act_acknowledge(Services& services, const Asker& asker, const json& seen, O
 }
 
 void act_neutral(Services& services, const Asker& asker, OutcomeDone done) {
+  done = audited(services, asker, "set_neutral", json::object(), std::move(done));
   if (!may(services, asker, contract::Role::therapist, done)) return;
   ask(services, command_of(CommandKind::set_neutral, asker), std::move(done));
 }
 
 void act_calibrate(Services& services, const Asker& asker, const json& wish, OutcomeDone done) {
+  done = audited(services, asker, "calibrate", json::object(), std::move(done));
   if (!may(services, asker, contract::Role::therapist, done)) return;
   const auto step = wish.find("step");
   const contract::CalibrationStepInfo* info = step != wish.end() && step->is_string()
@@ -285,6 +312,7 @@ void act_measure(Services& services, const Asker& asker, const json& measured, O
 }
 
 void act_use_calibration(Services& services, const Asker& asker, OutcomeDone done) {
+  done = audited(services, asker, "use_calibration", json::object(), std::move(done));
   if (!may(services, asker, contract::Role::therapist, done)) return;
   Command command = command_of(CommandKind::use_calibration, asker);
   // Whole seconds: a day is all that anybody looks at.
@@ -294,6 +322,7 @@ void act_use_calibration(Services& services, const Asker& asker, OutcomeDone don
 }
 
 void act_cancel_calibration(Services& services, const Asker& asker, OutcomeDone done) {
+  done = audited(services, asker, "cancel_calibration", json::object(), std::move(done));
   if (!may(services, asker, contract::Role::therapist, done)) return;
   ask(services, command_of(CommandKind::cancel_calibration, asker), std::move(done));
 }
@@ -348,6 +377,9 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   if (wish.mode.is_string())
     for (contract::Mode m : {contract::Mode::standby, contract::Mode::user, contract::Mode::remote, contract::Mode::guided})
       if (contract::kModes[static_cast<std::size_t>(m)].name == wish.mode.get_ref<const std::string&>()) mode = m;
+  if (mode)
+    done = audited(services, asker, *mode == contract::Mode::standby ? "end_motion" : "start",
+                   {{"mode", contract::kModes[static_cast<std::size_t>(*mode)].name}}, std::move(done));
   if (!mode) {
     done(invalid({{"mode", "must be user, remote, guided or standby"}}, "There is no such mode to ask for."));
     return;
@@ -503,6 +535,7 @@ std::optional<std::uint32_t> read_version(const json& version, std::vector<Field
 }
 
 void act_keep_trial(Services& services, const Asker& asker, const json& version, OutcomeDone done) {
+  done = audited(services, asker, "keep_settings", json::object(), std::move(done));
   if (!may(services, asker, contract::Role::therapist, done)) return;
   std::vector<FieldError> errors;
   const auto looked_at = read_version(version, errors);
@@ -517,6 +550,7 @@ void act_keep_trial(Services& services, const Asker& asker, const json& version,
 }
 
 void act_undo_trial(Services& services, const Asker& asker, OutcomeDone done) {
+  done = audited(services, asker, "undo_settings", json::object(), std::move(done));
   if (!may(services, asker, contract::Role::therapist, done)) return;
   Command command = command_of(CommandKind::revert_parameters, asker);
   command.b = static_cast<std::uint32_t>(asker.role);
@@ -587,6 +621,7 @@ void act_set(Services& services, const Asker& asker, const json& values, const j
 
 void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
                          OutcomeDone done) {
+  done = audited(services, asker, "update_firmware", {{"node", contract::kNodes[static_cast<std::size_t>(node)].name}}, std::move(done));
   if (!may(services, asker, contract::Role::engineer, done)) return;
   Command command = command_of(CommandKind::begin_service, asker);
   command.b = static_cast<std::uint32_t>(asker.role);

@@ -75,6 +75,24 @@ Asker asker_of(const Call& call) {
   return {session.client, call.services.core.lease_epoch(), session.role};
 }
 
+void audited_in_background(const CallPtr& call, const char* action, std::optional<db::SessionId> session,
+                           std::function<Response(Records&)> work) {
+  db::AuditEntry entry{
+      .utc_ns = call->services.utc_ns(), .actor = call->services.actors.find(asker_of(*call).client), .action = action, .result = {}};
+  entry.session = session;
+  ask_recorder<Response>(
+      call,
+      [work = std::move(work), path = call->request.path](Records& records) {
+        return records.late() ? problem_response(recorder_busy(), path) : work(records);
+      },
+      [call, entry = std::move(entry)](Response response) mutable {
+        constexpr unsigned kGood = 300;
+        entry.result = response.status < kGood ? "done" : "status " + std::to_string(response.status);
+        call->services.audit.note(std::move(entry));
+        call->respond(std::move(response));
+      });
+}
+
 std::optional<std::uint32_t> lease_header(const Call& call) {
   const std::string_view text = call.request.header("x-hoist-lease");
   if (text.empty()) return call.services.core.lease_epoch();

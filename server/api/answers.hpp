@@ -21,4 +21,8 @@ namespace hoist::server {
 // A field of the body, null when it is not there.
 [[nodiscard]] const nlohmann::json& field(const Call& call, const char* name);
 
+// As in_background, and notes in the audit who asked for `action` and what came of it.
+void audited_in_background(const CallPtr& call, const char* action, std::optional<db::SessionId> session,
+                           std::function<Response(Records&)> work);
+
 }  // namespace hoist::server

@@ -36,18 +36,19 @@ void control_recording(const CallPtr& call) {
     return;
   }
   if (*action == "start") call->services.start_anew = true;
-  in_background(call,
-                [start = *action == "start", subject = text("subject"), note = text("note").value_or(""),
-                 path = call->request.path](Records& records) -> Response {
-                  const db::Status status = start ? records.begin_manual(subject, note) : records.end_manual();
-                  if (!status) {
-                    if (status.error().kind == db::ErrorKind::disk_full)
-                      return problem_response(
-                          {.status = 507, .name = "disk-full", .title = "The disk is full", .detail = status.error().message}, path);
-                    return store_error(status.error(), path);
-                  }
-                  return json_response(recording_json(records.status()));
-                });
+  audited_in_background(call, *action == "start" ? "begin_recording" : "end_recording", call->services.recorder.status().session,
+                        [start = *action == "start", subject = text("subject"), note = text("note").value_or(""),
+                         path = call->request.path](Records& records) -> Response {
+                          const db::Status status = start ? records.begin_manual(subject, note) : records.end_manual();
+                          if (!status) {
+                            if (status.error().kind == db::ErrorKind::disk_full)
+                              return problem_response(
+                                  {.status = 507, .name = "disk-full", .title = "The disk is full", .detail = status.error().message},
+                                  path);
+                            return store_error(status.error(), path);
+                          }
+                          return json_response(recording_json(records.status()));
+                        });
 }
 
 }  // namespace hoist::server::api

@@ -11,6 +11,7 @@
 #include "server/api/handlers.hpp"
 #include "server/contract/fields.hpp"
 #include "server/contract/routes.hpp"
+#include "server/state/views.hpp"
 #include "server/text/json_text.hpp"
 
 namespace hoist::server {
@@ -81,6 +82,8 @@ Response open_link(const RestContext& rest, const std::string& token) {
     services.counters.add(Count::http_refused_link);
     return link_page();
   }
+  db::Actor actor{kLocalUser, std::string{access_role(session->role)}, "rest", client_name(*session)};
+  services.audit.note({.utc_ns = services.utc_ns(), .actor = std::move(actor), .action = "sign_in", .result = "done"});
   std::cout << "The link was used. For the next device:\nOpen " << rest.base_url << "/?token=" << rest.auth.link_token() << std::endl;
   Response response;
   response.status = 303;

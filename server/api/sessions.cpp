@@ -1,4 +1,4 @@
-// /sessions: recorded sessions, their columns, figures and exports; /visits and /patients. All of it runs on the recorder's thread.
+// /sessions: recorded sessions, their columns, figures and exports; /visits, /patients and /audit. All of it runs on the recorder's thread.
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -6,6 +6,7 @@
 #include "control/contract/faults.hpp"
 #include "db/export/provenance.hpp"
 #include "db/export/session_export.hpp"
+#include "db/store/audit.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/visits.hpp"
 #include "db/summary/session_json.hpp"
@@ -73,12 +74,18 @@ std::optional<db::SessionId> session_id(const CallPtr& call) {
   return id;
 }
 
-// Runs `work` with the database, or says why there is none.
-void with_database(const CallPtr& call, std::function<Response(db::Database&)> work) {
-  in_background(call, [work = std::move(work), path = call->request.path](Records& records) -> Response {
+using DatabaseWork = std::function<Response(db::Database&)>;
+
+// `work` with the database, or why there is none.
+std::function<Response(Records&)> database_work(const CallPtr& call, DatabaseWork work) {
+  return [work = std::move(work), path = call->request.path](Records& records) -> Response {
     db::Database* database = records.database();
     return database == nullptr ? no_database(records.why(), path) : work(*database);
-  });
+  };
+}
+void with_database(const CallPtr& call, DatabaseWork work) { in_background(call, database_work(call, std::move(work))); }
+void audited_with_database(const CallPtr& call, const char* action, db::SessionId session, DatabaseWork work) {
+  audited_in_background(call, action, session, database_work(call, std::move(work)));
 }
 }  // namespace
 
@@ -144,6 +151,27 @@ void list_patients(const CallPtr& call) {
   });
 }
 
+void list_audit(const CallPtr& call) {
+  db::AuditQuery wanted;
+  if (!read_page(call, wanted)) return;
+  with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
+    const auto page = db::AuditLog(database).list(wanted);
+    if (!page) return store_error(page.error(), path);
+    json items = json::array();
+    for (const db::StoredAuditEntry& stored : page->items) {
+      const db::AuditEntry& entry = stored.entry;
+      items.push_back({{"id", stored.id},
+                       {"utc_ms", entry.utc_ns / 1'000'000},
+                       {"actor", db::actor_json(entry.actor)},
+                       {"action", entry.action},
+                       {"result", entry.result},
+                       {"session", entry.session ? json(*entry.session) : json(nullptr)},
+                       {"detail", json::parse(entry.detail, nullptr, false)}});
+    }
+    return json_response({{"items", std::move(items)}, {"next", next_json(page->next)}});
+  });
+}
+
 void list_sessions(const CallPtr& call) {
   db::SessionQuery wanted;
   if (!read_page(call, wanted)) return;
@@ -198,7 +226,7 @@ void change_session(const CallPtr& call) {
                 .errors = std::move(errors)});
     return;
   }
-  with_database(call, [id = *id, patch, path = call->request.path](db::Database& database) -> Response {
+  audited_with_database(call, "change_session", *id, [id = *id, patch, path = call->request.path](db::Database& database) -> Response {
     if (const db::Status changed = db::SessionEditor(database).patch(id, patch); !changed) return store_error(changed.error(), path);
     const auto session = whole_session(database, id);
     return session ? json_response(*session) : store_error(session.error(), path);
@@ -208,7 +236,7 @@ void change_session(const CallPtr& call) {
 void delete_session(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
-  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
+  audited_with_database(call, "delete_session", *id, [id = *id, path = call->request.path](db::Database& database) -> Response {
     if (const db::Status removed = db::SessionEditor(database).remove(id); !removed) return store_error(removed.error(), path);
     Response response;
     response.status = 204;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <random>
 
+#include "db/store/audit.hpp"
 #include "db/store/schema_list.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/visits.hpp"
@@ -260,6 +261,30 @@ TEST(Visits, are_one_patient_on_one_local_day_and_end_with_their_last_session) {
   for (const SessionId id : {same, late, other}) ASSERT_TRUE(editor.remove(id).ok());
   EXPECT_TRUE(reader.patients()->items.empty());
   EXPECT_TRUE(reader.visits()->items.empty());
+}
+
+TEST(Audit, only_adds_rows_and_outlives_its_session) {
+  TemporaryFolder dir;
+  Database database = open_at(dir / "hoist.db");
+  AuditLog log(database);
+  const SessionId session = record_session(database, 10, 1);
+  const Actor actor{"local", "engineer", "rest", "script"};
+  const AuditEntry deleted{.utc_ns = 2, .actor = actor, .action = "delete_session", .result = "done", .session = session};
+  ASSERT_TRUE(log.append(std::array{AuditEntry{.utc_ns = 1, .action = "stop", .result = "asked"}, deleted}).ok());
+  ASSERT_TRUE(SessionEditor(database).remove(session).ok());
+  for (const char* sql : {"UPDATE audit SET result = 'x'", "DELETE FROM audit", "DELETE FROM audit WHERE id = 1",
+                          "INSERT OR REPLACE INTO audit VALUES (1, 0, NULL, 'x', 'x', NULL, '{}')",
+                          "REPLACE INTO audit VALUES (2, 0, NULL, 'x', 'x', NULL, '{}')", "UPDATE actors SET user = 'x'",
+                          "DELETE FROM actors", "INSERT OR REPLACE INTO actors VALUES (1, 'x', 'x', 'x', 'x')",
+                          "INSERT OR REPLACE INTO actors VALUES (9, 'local', 'engineer', 'rest', 'script')"})
+    EXPECT_THROW(execute(database.handle(), sql), SqlFailure) << sql;
+  const auto page = log.list({.limit = 1});
+  ASSERT_EQ(page->items.size(), 1U);
+  EXPECT_EQ(page->items[0].entry, deleted);
+  const auto older = log.list({.limit = 1, .before = page->next});
+  EXPECT_EQ(older->items.at(0).entry.action, "stop");
+  EXPECT_FALSE(older->items[0].entry.actor);
+  EXPECT_FALSE(older->next);
 }
 
 TEST(Layout, is_stored_once_and_stays_with_the_sessions_that_are_left) {

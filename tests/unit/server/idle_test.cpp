@@ -45,7 +45,8 @@ class Idle : public ::testing::Test {
                                  .records = records_,
                                  .now_ns = [this] { return now_ns_; },
                                  .utc_ns = [] { return std::int64_t{0}; },
-                                 .actors = actors_});
+                                 .actors = actors_,
+                                 .audit = audit_});
     hub_.set_services(*services_, *auth_);
     core_.add_listener(state_);
     core_.add_listener(hub_);
@@ -75,6 +76,7 @@ class Idle : public ::testing::Test {
   RecorderDesk records_;
   HoistState state_;
   ActorList actors_{0};
+  AuditDesk audit_{records_};
   Hub hub_;
   std::unique_ptr<Auth> auth_;
   std::unique_ptr<Services> services_;

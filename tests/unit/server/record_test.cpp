@@ -149,6 +149,24 @@ TEST_F(Record, AWalkIsRecordedAndExportedAsPublished) {
   EXPECT_EQ(get("/api/v1/sessions?limit=0").status, 422);
   EXPECT_EQ(call("DELETE", "/api/v1/sessions/1").status, 204);
   EXPECT_EQ(get("/api/v1/sessions/1").status, 404);
+
+  // All of it stands in the audit, newest first, and goes on standing when the session is gone.
+  EXPECT_EQ(call("POST", "/api/v1/stop", json::object()).status, 200);
+  json audit;
+  ASSERT_TRUE(until([&] {
+    audit = get("/api/v1/audit?limit=200").json()["items"];
+    return !audit.empty() && audit[0]["action"] == "stop";
+  }));
+  std::vector<std::string> told;
+  for (const json& entry : audit) {
+    EXPECT_EQ(entry["actor"], actor) << entry;
+    told.push_back(entry["action"].get<std::string>() + " " + entry["result"].get<std::string>());
+  }
+  EXPECT_EQ(told, (std::vector<std::string>{"stop asked", "delete_session done", "change_session status 422", "change_session done",
+                                            "end_motion done", "start done", "delete_session status 409", "take_lease done"}));
+  EXPECT_EQ(audit[1]["session"], 1);
+  EXPECT_EQ(audit[5]["detail"], (json{{"mode", "user"}}));
+  EXPECT_EQ(audit.dump().find("P-17"), std::string::npos) << "no patient code";
 }
 
 // C, J_N and L of this walk are another program's (tests/golden); the other figures are counted here by their definitions.
