@@ -173,7 +173,7 @@ struct App::Parts {
 App::App(Settings settings) : parts_(std::make_unique<Parts>(std::move(settings))) {}
 
 App::~App() {
-  // The threads of jobs and recorder end first: then nothing posts any more. Whatever waits is answered and every connection goes while all
+  // The threads of jobs and recorder end first: then nothing posts any more. What waits is answered and every connection goes while all
   // that it uses is still there.
   Parts& p = *parts_;
   p.jobs.stop();

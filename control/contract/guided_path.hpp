@@ -15,7 +15,7 @@ namespace hoist::contract {
 
 using GuidedShape = ExerciseShape;
 
-/// Only forward: whoever is led backward does not see where to. Not of the shape free. Turned clockwise, an eight begins with the left loop.
+/// Only forward: a patient who is led backward does not see where to. Not of the shape free. Turned clockwise, an eight begins with the left loop.
 struct GuidedPath : Exercise {
   double speed_m_s = 0.2;
   std::uint32_t laps = 1;

@@ -48,7 +48,7 @@ class SdoTransfer {
     if (content.empty()) return false;
     return begin(node_id, index, sub, content.size() <= 4 && !segmented ? Kind::expedited : Kind::segmented, content);
   }
-  // Tells the node, if a transfer is under way, that nobody continues.
+  // Tells the node, if a transfer is under way, that the client does not continue.
   void cancel(SdoAbort why = SdoAbort::transfer) {
     if (outcome_ == Outcome::busy) give_up(Outcome::aborted, why);
   }

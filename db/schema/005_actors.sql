@@ -1,4 +1,4 @@
--- Who asked for what an event or a marker tells. Events of before have no actor: the number of a connection, drawn anew each time, named nobody.
+-- Who asked for what an event or a marker tells. Earlier events have no actor: the number of a connection, drawn anew each time, named none.
 CREATE TABLE actors (
   id INTEGER PRIMARY KEY,
   user TEXT NOT NULL,                        -- the account

@@ -207,7 +207,7 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
     } else {
       Result<Database> opened = guarded([&]() -> Result<Database> {
         sqlite3* handle = connected->handle_;
-        // SQLite compares the header's size with the file's and reads the whole schema. This needs a few pages, whatever the file's size.
+        // SQLite compares the header's size with the file's and reads the whole schema. This needs a few pages, however large the file is.
         (void)number_of(handle, "SELECT count(*) FROM sqlite_schema");
         const int version = user_version(handle);
         if (version > schema_version())

@@ -650,33 +650,11 @@ void ask_store(Services& services, StoreWork work, OutcomeDone done) {
     db::Database* database = records.database();
     if (database == nullptr) return outcome_of(db::Error{db::ErrorKind::io, records.why(), {}});
     const db::Status status = work(records, *database);
-    // Told before the answer, so that whoever asks next sees it.
+    // Told before the answer, so that the next question sees it.
     (void)records.status();
     return status ? Outcome{} : outcome_of(status.error());
   };
   if (!services.records.ask<Outcome>(run, done)) done(recorder_busy());
-}
-
-std::string job_kind_names() {
-  std::string names;
-  for (const JobKindInfo& kind : kJobKinds) names += (names.empty() ? "" : ", ") + std::string{kind.name};
-  return names;
-}
-
-// The sessions that a job is for; none = the newest.
-std::vector<db::SessionId> read_sessions(const json& wish, std::vector<FieldError>& errors) {
-  const auto given = wish.find("sessions");
-  if (given == wish.end()) return {};
-  std::vector<db::SessionId> ids;
-  const bool counts = given->is_array() && !given->empty() && given->size() <= kJobSessions;
-  if (counts)
-    for (const json& id : *given)
-      if (id.is_number_unsigned() && id.get<std::uint64_t>() > 0 && id.get<std::uint64_t>() <= std::numeric_limits<std::int64_t>::max())
-        ids.push_back(id.get<db::SessionId>());
-  if (!counts || ids.size() != given->size())
-    errors.push_back({"sessions", "must be a list of 1 to " + std::to_string(kJobSessions) + " numbers of sessions", std::nullopt, 1.0,
-                      static_cast<double>(kJobSessions)});
-  return ids;
 }
 }  // namespace
 
@@ -701,26 +679,11 @@ void act_mark(Services& services, const Asker& asker, std::optional<db::SessionI
   });
 }
 
-void act_record(Services& services, const Asker& asker, const json& wish, OutcomeDone done) {
+void act_record(Services& services, const Asker& asker, RecordWish wish, OutcomeDone done) {
   if (!may(services, asker, contract::Role::therapist, done)) return;
-  std::vector<FieldError> errors;
-  const auto text = [&](const char* name) -> std::optional<std::string> {
-    const auto at = wish.find(name);
-    if (at == wish.end()) return std::nullopt;
-    if (at->is_string()) return at->get<std::string>();
-    errors.push_back({name, "must be text"});
-    return std::nullopt;
-  };
-  const auto action = text("action"), subject = text("subject"), note = text("note");
-  if (errors.empty() && action != "start" && action != "stop") errors.push_back({"action", "must be start or stop"});
-  if (!errors.empty()) {
-    std::string detail = errors.front().field + " " + errors.front().message + ".";
-    done(invalid(std::move(errors), std::move(detail)));
-    return;
-  }
-  const bool starts = action == "start";
-  const auto work = [starts, subject, note](Records& records, db::Database&) {
-    return starts ? records.begin_manual(subject, note.value_or("")) : records.end_manual();
+  const bool starts = wish.starts;
+  const auto work = [wish = std::move(wish)](Records& records, db::Database&) {
+    return wish.starts ? records.begin_manual(wish.subject, wish.note) : records.end_manual();
   };
   ask_store(services, work, [&services, starts, done = std::move(done)](const Outcome& outcome) {
     if (outcome.done() && starts) services.start_anew = true;
@@ -734,23 +697,10 @@ void act_delete_session(Services& services, const Asker& asker, db::SessionId se
   ask_store(services, work, [held = services.jobs.hold(), done = std::move(done)](const Outcome& outcome) { done(outcome); });
 }
 
-void act_start_job(Services& services, const Asker& asker, const json& wish, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
-  const auto name = wish.find("kind");
-  const auto kind = name != wish.end() && name->is_string() ? find_job_kind(name->get_ref<const std::string&>()) : std::nullopt;
-  if (!kind) {
-    done(invalid({{"kind", "must be one of " + job_kind_names()}}, "There is no such kind of job."));
-    return;
-  }
-  if (!may(services, asker, job_kind_info(*kind).role, done)) return;
-  std::vector<FieldError> errors;
-  JobArguments arguments{.sessions = read_sessions(wish, errors)};
-  if (!errors.empty()) {
-    done(invalid(std::move(errors), "The job cannot be started."));
-    return;
-  }
+void act_start_job(Services& services, const Asker& asker, JobKind kind, JobArguments arguments, OutcomeDone done) {
+  if (!may(services, asker, job_kind_info(kind).role, done)) return;
   Outcome outcome;
-  if (const auto id = services.jobs.add(*kind, std::move(arguments), services.actors.find(asker.client))) {
+  if (const auto id = services.jobs.add(kind, std::move(arguments), services.actors.find(asker.client))) {
     outcome.job = *id;
   } else {
     outcome.kind = Outcome::Kind::unreachable;

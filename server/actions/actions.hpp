@@ -90,12 +90,17 @@ void act_preset(Services& services, const Asker& asker, const std::string& name,
 
 // A marker now, into the session with this id, or without one into the session that is being recorded.
 void act_mark(Services& services, const Asker& asker, std::optional<db::SessionId> session, const nlohmann::json& text, OutcomeDone done);
-// Begins or ends a recording by hand: {action: "start" | "stop", subject, note}.
-void act_record(Services& services, const Asker& asker, const nlohmann::json& wish, OutcomeDone done);
-// Jobs give way until it is done: the log that still holds the deleted data can be truncated only while nobody reads.
+// Begins or ends a recording by hand.
+struct RecordWish {
+  bool starts = false;
+  std::optional<std::string> subject;
+  std::string note;
+};
+void act_record(Services& services, const Asker& asker, RecordWish wish, OutcomeDone done);
+// Jobs give way until it is done: the log that still holds the deleted data can be truncated only while no connection reads.
 void act_delete_session(Services& services, const Asker& asker, db::SessionId session, OutcomeDone done);
-// Long work: {kind, sessions}; `Outcome::job` is its number. Refused as busy when too many wait.
-void act_start_job(Services& services, const Asker& asker, const nlohmann::json& wish, OutcomeDone done);
+// Long work; `Outcome::job` is its number. Refused as busy when too many wait.
+void act_start_job(Services& services, const Asker& asker, JobKind kind, JobArguments arguments, OutcomeDone done);
 void act_cancel_job(Services& services, const Asker& asker, JobId job, OutcomeDone done);
 
 [[nodiscard]] std::vector<std::string> refusal_names(std::uint32_t bits);

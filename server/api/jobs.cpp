@@ -46,8 +46,12 @@ void get_job(const CallPtr& call) {
   if (const auto info = job_of(call)) call->respond(whole_job(*info));
 }
 
+// The body fits its schema: the kind is one of the table.
 void start_job(const CallPtr& call) {
-  act_start_job(call->services, asker_of(*call), *call->body,
+  const json& body = *call->body;
+  JobArguments arguments;
+  if (const auto sessions = body.find("sessions"); sessions != body.end()) arguments.sessions = sessions->get<std::vector<db::SessionId>>();
+  act_start_job(call->services, asker_of(*call), *find_job_kind(body.at("kind").get_ref<const std::string&>()), std::move(arguments),
                 answer_with(call, [call](const Outcome& outcome) { respond_accepted(call, outcome.job); }));
 }
 

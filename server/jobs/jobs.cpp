@@ -174,10 +174,11 @@ void Jobs::end(JobId id, JobResult result) {
   if (damage && options_.on_damage) options_.on_damage(*damage);
 }
 
-// Under the lock.
+// Under the lock. The one that ended first goes first: nothing changes after its end.
 void Jobs::forget_oldest() {
-  while (std::ranges::count_if(entries_, [](const Entry& e) { return has_ended(e.info.state); }) > static_cast<int>(kJobsKept))
-    entries_.erase(std::ranges::find_if(entries_, [](const Entry& e) { return has_ended(e.info.state); }));
+  const auto ended = [](const Entry& e) { return has_ended(e.info.state); };
+  while (std::ranges::count_if(entries_, ended) > static_cast<int>(kJobsKept))
+    entries_.erase(std::ranges::min_element(entries_, {}, [&](const Entry& e) { return ended(e) ? e.info.change : UINT64_MAX; }));
 }
 
 std::optional<JobId> Jobs::add(JobKind kind, JobArguments arguments, std::optional<db::Actor> actor) {

@@ -15,6 +15,13 @@ TOP = sys.argv[2]
 PROGRAMS = ("hoist-sim", "hoist-control", "hoist-server")
 
 
+def refused(*options):
+    """A start that is to be refused: its exit code and what it says."""
+    done = subprocess.run([os.path.join(TOP, "deploy/dev"), "run", *options], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          timeout=120, check=False)
+    return done.returncode, done.stdout
+
+
 class Demo:
     """One `deploy/dev run` with folders and a port of its own."""
 
@@ -25,7 +32,8 @@ class Demo:
         with socket.socket() as line:
             line.bind(("127.0.0.1", 0))
             self.hoist.port = line.getsockname()[1]
-        self.options = ["--port", str(self.hoist.port), "--state", self.hoist.folder, "--data", os.path.join(self.folder, "data"), "--no-setup", *options]
+        self.options = ["--port", str(self.hoist.port), "--state", self.hoist.folder, "--data", os.path.join(self.folder, "data"),
+                        "--no-setup", *options]
         self.script = self.start()
 
     def start(self):
@@ -80,9 +88,8 @@ def lock_step_is_the_default_and_a_program_that_dies_is_started_again():
         until("another core runs", lambda: demo.programs().get("hoist-control", (core_pid,))[0] != core_pid)
         demo.hoist.nodes_run()
         # A second start in the same place says why it cannot, and harms nothing.
-        second = subprocess.run([os.path.join(TOP, "deploy/dev"), "run", *demo.options], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                                timeout=120, check=False)
-        check(second.returncode == 1 and "another 'deploy/dev run' uses" in second.stdout, f"{second.returncode}: {second.stdout}")
+        code, said = refused(*demo.options)
+        check(code == 1 and "another 'deploy/dev run' uses" in said, f"{code}: {said}")
         demo.hoist.nodes_run()
         check(demo.script.end(signal.SIGINT) == 0, "Ctrl-C is no error")
         left = set(os.listdir(demo.hoist.folder)) - {"lock", "token.sessions"}  # who is signed in stays so when it is started again
@@ -119,9 +126,8 @@ def a_script_that_is_killed_takes_its_programs_along():
 def what_cannot_be_is_refused_before_anything_starts():
     for options, reason in ((["--port", "70000"], r"1 to 65535"), (["--scenario", "a b"], r"letters, digits"), (["--port"], r"needs a value"),
                             (["--fast"], r"does not know '--fast'")):
-        done = subprocess.run([os.path.join(TOP, "deploy/dev"), "run", "--no-setup", *options], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              timeout=60, check=False)
-        check(done.returncode != 0 and re.search(reason, done.stdout), f"{options}: {done.returncode} {done.stdout}")
+        code, said = refused("--no-setup", *options)
+        check(code != 0 and re.search(reason, said), f"{options}: {code} {said}")
 
 
 if __name__ == "__main__":

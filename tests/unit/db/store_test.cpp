@@ -183,7 +183,7 @@ TEST(Open, a_file_of_schema_001_is_migrated_and_says_what_it_does_not_know) {
     ASSERT_EQ(events->size(), 1U);
     EXPECT_EQ(events->front().kind_name, "parameter_changed");
     EXPECT_EQ(events->front().request_id, 5U);
-    EXPECT_FALSE(events->front().actor) << "the number of a connection names nobody";
+    EXPECT_FALSE(events->front().actor) << "the number of a connection names no actor";
     const auto markers = reader.markers(id);
     ASSERT_EQ(markers->size(), 1U);
     EXPECT_EQ(markers->front().text, "turned");

@@ -112,6 +112,21 @@ TEST_F(Queue, JobsRunInTheirOrderAndTooManyAreRefused) {
   EXPECT_EQ(unknown["failed"][0]["session"], 77) << "a session that is not there fails by itself";
 }
 
+// Not the oldest job goes first, but the one that ended first: a long one is still known when it ends at last.
+TEST_F(Queue, WhatHasJustEndedIsNotForgotten) {
+  Jobs jobs(options());
+  const JobId runs = jobs.add(JobKind::recompute_metrics, {}, {}).value_or(0),
+              waits = jobs.add(JobKind::recompute_metrics, {}, {}).value_or(0);
+  on_step_ = [&](const JobInfo&) {
+    for (std::size_t i = 0; i < server::kJobsKept; ++i) EXPECT_TRUE(jobs.cancel(jobs.add(JobKind::integrity_check, {}, {}).value_or(0)));
+    EXPECT_TRUE(jobs.cancel(waits));
+    EXPECT_EQ(jobs.find(waits).value_or(JobInfo{}).state, JobState::cancelled);
+  };
+  EXPECT_TRUE(jobs.work_here());
+  EXPECT_EQ(jobs.find(runs).value_or(JobInfo{}).state, JobState::done);
+  EXPECT_EQ(jobs.list().size(), server::kJobsKept);
+}
+
 TEST_F(Queue, ARunningJobEndsWhenItIsCancelledOrTheServerEnds) {
   Jobs jobs(options());
   ASSERT_TRUE(jobs.add(JobKind::integrity_check, {}, {}));
