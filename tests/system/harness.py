@@ -279,6 +279,26 @@ class Hoist:
                 self.recover()
                 self.place_anew()
 
+    def walks_on(self, what, act, at_least_m=0.3):
+        """Lets the patient walk and calls `act`, which must not end the walk. A guest that was held up ends it as well, so this is tried anew:
+        what is broken ends every walk."""
+        tries = 5
+        for one in range(tries):
+            self.recover()
+            self.place_anew()
+            self.walk()
+            act()
+            before_m = self.truth()["x_m"]
+
+            def went():
+                return self.mode() != "user" or abs(self.truth()["x_m"] - before_m) > at_least_m
+
+            until(f"{what}: it goes on walking, or stops", went, 60.0)
+            now = self.status()
+            if now["mode"] == "user":
+                return
+        raise Failed(f"{what}: the walk ended {tries} times, at last with {now['faults']}")
+
     def nodes_run(self):
         """Waits until every node has answered the core's questions, has taken its values, runs on command and sends: frames pass both ways. For
         lines on which a guest is too slow for a walk."""
