@@ -94,4 +94,6 @@ bool BusLog::next(std::string& out) {
   return true;
 }
 
+std::unique_ptr<FormatWriter> make_candump(ExportSource& source) { return std::make_unique<BusLog>(source.database, source.info); }
+
 }  // namespace hoist::db

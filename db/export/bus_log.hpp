@@ -9,16 +9,15 @@
 #include <vector>
 
 #include "control/contract/commands.hpp"
-#include "db/store/session_reader.hpp"
+#include "db/export/source.hpp"
 
 namespace hoist::db {
 
-class BusLog {
+class BusLog : public FormatWriter {
  public:
   /// Inside a read transaction: what is recorded later does not belong to it.
   BusLog(Database& database, const SessionInfo& info);
-  /// Appends the next piece; false at the end. Throws SqlFailure.
-  bool next(std::string& out);
+  bool next(std::string& out) override;
 
  private:
   struct Hole {

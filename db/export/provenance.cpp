@@ -6,11 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "control/contract/axes.hpp"
 #include "control/contract/can_dictionary.hpp"
-#include "db/codec/exercise_json.hpp"
-#include "db/export/fixed_point.hpp"
-#include "db/export/session_export.hpp"
 
 namespace hoist::db {
 namespace {
@@ -61,34 +57,6 @@ json node_programs_json(std::span<const NodeProgram> nodes) {
                     {"crc", or_null(told(node.crc), hex8)},
                     {"simulated", node.product ? json((*node.product & contract::canopen::kSimulatedProduct) != 0) : json(nullptr)}});
   return rows;
-}
-
-std::string provenance_lines(const SessionInfo& info, std::span<const NodeProgram> nodes) {
-  std::string out;
-  const auto line = [&out](std::string_view key, std::string_view value) {
-    out += "# ";
-    out += key;
-    out += ',' + csv_cell(on_one_line(value)) + '\n';
-  };
-  std::array<char, kMaxNumber_chars> utc;
-  line("hoist session", std::to_string(info.id));
-  line("started", {utc.data(), UtcPrinter().print(utc.data(), info.started_utc_ns)});
-  line("simulated", info.simulated ? "true" : "false");
-  if (info.subject) line("subject", *info.subject);
-  if (info.exercise_json) line("exercise", exercise_as_told(info.exercise_json).dump(-1, ' ', false, json::error_handler_t::replace));
-  if (!info.note.empty()) line("note", info.note);
-  line("recorded by", "hoist-server " + info.software_version);
-  line("controlled by", info.core_version ? "hoist-control " + *info.core_version : "not recorded");
-  line("layout", layout_text(info.layout_hash));
-  if (nodes.empty()) line("node programs", "not recorded");
-  for (const json& node : node_programs_json(nodes)) {
-    std::string text = node["name"].get<std::string>();
-    for (const char* field : {"product", "revision", "version", "crc"})
-      text += std::string("; ") + field + ' ' + (node[field].is_null() ? "not read" : node[field].get<std::string>());
-    line("node program", text);
-  }
-  line("directions", contract::kAxesText);
-  return out;
 }
 
 nlohmann::json actor_json(const std::optional<Actor>& actor) {

@@ -1,4 +1,4 @@
-// Where a recording comes from, as the exports and REST tell it. What is not known is null, and "not read" or "not recorded" in CSV.
+// Where a recording comes from, as the exports and REST tell it. What is not known is null.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -18,8 +18,5 @@ std::string layout_text(std::uint64_t layout_hash);
 nlohmann::json node_programs_json(std::span<const NodeProgram> nodes);
 /// {"user", "role", "origin", "client"}, or null.
 nlohmann::json actor_json(const std::optional<Actor>& actor);
-/// The '#' lines of a CSV about this session, without those about its columns. Each is an RFC 4180 record of the form `# key,value`, on one line
-/// also when its text holds line breaks (on_one_line).
-std::string provenance_lines(const SessionInfo& info, std::span<const NodeProgram> nodes);
 
 }  // namespace hoist::db

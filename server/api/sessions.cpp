@@ -335,13 +335,15 @@ void export_session(const CallPtr& call) {
   if (!id) return;
   const std::string format = query(*call, "format").value_or("csv");
   const auto wanted = db::find_export_format(format);
-  if (!wanted) return call->fail(bad_query("format", "must be csv, events, json or candump", {}, {}));
+  if (!wanted) return call->fail(bad_query("format", "must be one of " + std::string(db::kExportFormatNames), {}, {}));
   db::ExportOptions options;
   options.format = *wanted;
   if (const auto names = query(*call, "columns")) options.columns = db::column_names(*names);
-  if (const auto comments = query(*call, "comments")) {
-    if (*comments != "0" && *comments != "1") return call->fail(bad_query("comments", "must be 0 or 1", 0, 1));
-    options.comments = *comments == "1";
+  for (const auto& [name, option] : {std::pair{"comments", &options.comments}, std::pair{"constant", &options.constant}}) {
+    const auto text = query(*call, name);
+    if (!text) continue;
+    if (*text != "0" && *text != "1") return call->fail(bad_query(name, "must be 0 or 1", 0, 1));
+    *option = *text == "1";
   }
   struct Opened {
     Response response;

@@ -88,8 +88,10 @@ json operation_of(const Route& route) {
                                 {"content", {{"application/json", {{"schema", reference(route.request)}}}}}};
   json success{{"description", route.success == 101 ? "The connection is a WebSocket from here" : "Done"}};
   if (route.operation == "export_session") {
-    const json text{{"schema", {{"type", "string"}}}};
-    success["content"] = {{"text/csv", text}, {"text/plain", text}, {"application/json", {{"schema", {{"type", "object"}}}}}};
+    for (const db::ExportFormatInfo& format : db::kExportFormats) {
+      const std::string_view type = format.media_type.substr(0, format.media_type.find(';'));
+      success["content"][std::string{type}] = {{"schema", {{"type", type == "application/json" ? "object" : "string"}}}};
+    }
   } else if (route.response.find('/') != std::string_view::npos) {
     success["content"][std::string{route.response}] = {{"schema", {{"type", "string"}}}};
   } else if (!route.response.empty()) {

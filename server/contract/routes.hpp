@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "control/contract/check.hpp"
+#include "db/export/formats.hpp"
 #include "server/contract/method.hpp"
 
 namespace hoist::server {

@@ -1,4 +1,4 @@
-// hoist-gen writes every committed *.gen.* file from the tables in control/contract only. The same text for the same tables, on every
+// hoist-gen writes every committed *.gen.* file from the tables (*.def) only. The same text for the same tables, on every
 // machine.
 #pragma once
 

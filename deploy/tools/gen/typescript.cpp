@@ -7,6 +7,7 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
+#include "db/export/formats.hpp"
 #include "deploy/tools/gen/generate.hpp"
 
 namespace hoist::gen {
@@ -358,6 +359,26 @@ std::string exercise_sizes(const ExerciseInfo& exercise) {
   return out;
 }
 
+GeneratedFile exports_file() {
+  std::string out = head("db/export/formats.def");
+  out += "import type { Words } from './rest.gen';\n\n";
+  out += name_union("ExportFormat", db::kExportFormats);
+  out += R"(
+export interface ExportFormatInfo {
+  name: ExportFormat;
+  title: Words;
+  /** Whether live values can be chosen with `columns`. */
+  columns: boolean;
+}
+
+export const exportFormats: readonly ExportFormatInfo[] = [
+)";
+  for (const db::ExportFormatInfo& format : db::kExportFormats)
+    out += "  { name: " + quoted(format.name) + ", title: " + words(format.title_en, format.title_de) +
+           ", columns: " + (format.columns == db::ExportColumns::chosen ? "true" : "false") + " },\n";
+  return {"web/src/contract/exports.gen.ts", out + "];\n"};
+}
+
 GeneratedFile exercises_file() {
   std::string out = head("control/contract/exercises.def");
   out += R"(import type { Exercise, Words } from './rest.gen';
@@ -407,7 +428,7 @@ export const exercises: readonly ExerciseInfo[] = [
 }  // namespace
 
 std::vector<GeneratedFile> typescript_files() {
-  return {params_file(), signals_file(), faults_file(), emergencies_file(), exercises_file()};
+  return {params_file(), signals_file(), faults_file(), emergencies_file(), exercises_file(), exports_file()};
 }
 
 }  // namespace hoist::gen

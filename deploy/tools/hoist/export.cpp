@@ -1,4 +1,5 @@
 // hoist export: a recorded session as a file that other programs read.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -14,12 +15,19 @@ namespace hoist::tool {
 namespace {
 
 void print_help(std::FILE* out) {
-  std::fputs(
-      "usage: hoist export DB SESSION [--format csv|json|events|candump] [--columns NAME,NAME] [--no-comments] [--out FILE]\n\n"
-      "Writes a session to FILE, or to standard output. csv: '#' lines, a row of names, a row per sample; events: events and markers\n"
-      "as CSV; json: everything, column by column; candump: the raw CAN frames as candump -L writes them. Numbers are printed exactly as "
-      "they were stored.\n",
-      out);
+  std::string text = "usage: hoist export DB SESSION [--format " + std::string(db::kExportFormatNames) +
+                     "]\n                    [--columns NAME,NAME] [--no-constant] [--no-comments] [--out FILE]\n\n"
+                     "Writes a session to FILE, or to standard output. Numbers are printed exactly as they were stored.\n\n";
+  for (const db::ExportFormatInfo& format : db::kExportFormats) {
+    text += "  " + std::string(format.name);
+    text.append(10 - std::min<std::size_t>(9, format.name.size()), ' ');
+    text += std::string(format.doc) + "\n";
+  }
+  text +=
+      "\n  --columns      these live values only\n"
+      "  --no-constant  without the live values that never changed\n"
+      "  --no-comments  without the '#' lines\n";
+  std::fputs(text.c_str(), out);
 }
 
 struct CloseFile {
@@ -45,7 +53,7 @@ int run_export(std::span<const std::string_view> arguments) {
     if (argument == "--format") {
       const auto name = value();
       const auto format = name ? db::find_export_format(*name) : std::nullopt;
-      if (!format) return bad_usage("export", "--format is csv, json, events or candump");
+      if (!format) return bad_usage("export", "--format is one of " + std::string(db::kExportFormatNames));
       options.format = *format;
     } else if (argument == "--columns") {
       const auto names = value();
@@ -53,6 +61,8 @@ int run_export(std::span<const std::string_view> arguments) {
       options.columns = db::column_names(*names);
     } else if (argument == "--no-comments") {
       options.comments = false;
+    } else if (argument == "--no-constant") {
+      options.constant = false;
     } else if (argument == "--out") {
       const auto file = value();
       if (!file) return bad_usage("export", "--out needs a file");

@@ -21,7 +21,7 @@
 #include "db/store/sqlite.hpp"
 #include "db/summary/session_json.hpp"
 #include "db/summary/session_metrics.hpp"
-#include "tests/unit/db/db_support.hpp"
+#include "tests/unit/db/export_support.hpp"
 
 namespace hoist::db::test {
 namespace {
@@ -79,35 +79,6 @@ TEST(Csv, no_text_can_start_a_formula_or_leave_its_cell) {
 }
 
 std::string run(const std::string& command);
-
-struct Fixture {
-  TemporaryFolder dir;
-  Database database = std::move(*Database::open(dir / "hoist.db"));
-  SessionWriter writer = std::move(*SessionWriter::create(database));
-  SessionId id = 0;
-
-  void record(const SessionStart& start, const std::vector<TickRecord>& records) {
-    id = *writer.begin(start);
-    EXPECT_TRUE(writer.append_ticks(records).ok());
-  }
-  void end() { EXPECT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok()); }
-};
-
-std::string whole(Database& database, SessionId id, const ExportOptions& options, std::size_t* largest = nullptr) {
-  Result<SessionExport> session_export = SessionExport::open(database, id, options);
-  EXPECT_TRUE(session_export.ok());
-  std::string all, piece;
-  for (;;) {
-    const Result<bool> more = session_export->next_chunk(piece);
-    EXPECT_TRUE(more.ok()) << (more.ok() ? "" : more.error().message);
-    if (!more.ok() || !*more) break;
-    EXPECT_FALSE(piece.empty());
-    if (largest != nullptr) *largest = std::max(*largest, piece.size());
-    all += piece;
-  }
-  EXPECT_FALSE(*session_export->next_chunk(piece)) << "the end stays the end";
-  return all;
-}
 
 struct Csv {
   std::vector<std::string> comments, names;
@@ -255,7 +226,7 @@ TEST(EventsCsv, events_and_markers_in_order_with_harmless_texts) {
   ASSERT_TRUE(f.writer.append_marker(3, kStartUtc_ns + 30'000'000, "=HYPERLINK(\"http://evil\")").ok());
   f.end();
   ExportOptions options;
-  options.format = ExportFormat::events_csv;
+  options.format = ExportFormat::events;
   options.comments = false;
   EXPECT_EQ(whole(f.database, f.id, options),
             "utc,time_s,tick,kind,name,code,bits,item,value,before,request_id,user,role,origin,client,text\n"
@@ -343,7 +314,7 @@ TEST(Csv, any_text_survives_readers_with_and_without_comments) {
   f.end();
   for (const bool comments : {true, false}) {
     ExportOptions options;
-    options.format = ExportFormat::events_csv;
+    options.format = ExportFormat::events;
     options.comments = comments;
     const std::string csv = whole(f.database, f.id, options);
     const auto dropped = read_rfc4180(csv, true);

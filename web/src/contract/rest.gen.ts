@@ -1004,10 +1004,10 @@ export interface Routes {
     path: { id: number };
     answer: EventList;
   };
-  /** All samples as CSV or JSON, the events as CSV, or the raw CAN frames. */
+  /** A session in one of the formats of db/export/formats.def. */
   'GET /api/v1/sessions/{id}/export': {
     path: { id: number };
-    query?: { format?: 'csv' | 'events' | 'json' | 'candump'; columns?: string; comments?: number };
+    query?: { format?: 'csv' | 'csv_de' | 'events' | 'json' | 'candump'; columns?: string; constant?: number; comments?: number };
     answer: never;
   };
   /** Sets a marker now in the session that is being recorded. */

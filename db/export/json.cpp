@@ -1,0 +1,163 @@
+// A session as one JSON object: {"session", "directions", "columns": [{"name", "unit", "lsb", "axis"}], "rows": n, "data": {"time_s": […], …},
+// "metrics", "gaps", "events", "markers", "parameters", "manifest"}. One column after the other, so that one chunk's column is in memory.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "control/contract/axes.hpp"
+#include "db/codec/exercise_json.hpp"
+#include "db/export/fixed_point.hpp"
+#include "db/export/manifest.hpp"
+#include "db/export/provenance.hpp"
+#include "db/summary/session_json.hpp"
+
+namespace hoist::db {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kNumbersPerPiece = 8192;
+
+json finite(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+class JsonExport : public FormatWriter {
+ public:
+  explicit JsonExport(ExportSource& source) : source_(source) {}
+
+  bool next(std::string& out) override {
+    switch (step_) {
+      case Step::head:
+        step_ = Step::body;
+        head(out);
+        return true;
+      case Step::body:
+        if (body(out)) return true;
+        step_ = Step::over;
+        tail(out);
+        return true;
+      case Step::over:
+        break;
+    }
+    return false;
+  }
+
+ private:
+  enum class Step : std::uint8_t { head, body, over };
+
+  void head(std::string& out) {
+    const SessionInfo& info = source_.info;
+    json session{{"id", info.id},
+                 {"started_utc_ns", info.started_utc_ns},
+                 {"start_time_ns", info.start_time_ns},
+                 {"simulated", info.simulated},
+                 {"software_version", info.software_version},
+                 {"core_version", nullptr},
+                 {"layout_hash", layout_text(info.layout_hash)},
+                 {"nodes", node_programs_json(source_.nodes)},
+                 {"note", info.note},
+                 {"subject", nullptr},
+                 {"exercise", exercise_as_told(info.exercise_json)},
+                 {"ended_utc_ns", nullptr},
+                 {"close_reason", nullptr}};
+    std::array<char, kMaxNumber_chars> text;
+    session["started_utc"] = std::string(text.data(), UtcPrinter().print(text.data(), info.started_utc_ns));
+    if (info.subject) session["subject"] = *info.subject;
+    if (info.core_version) session["core_version"] = *info.core_version;
+    if (info.ended_utc_ns) session["ended_utc_ns"] = *info.ended_utc_ns;
+    if (!info.recording) session["close_reason"] = info.close_reason;
+    json columns = json::array();
+    const auto column = [&columns](std::string_view name, std::string_view unit, double lsb) {
+      const std::string_view axis = contract::axis_of(name);
+      columns.push_back({{"name", name}, {"unit", unit}, {"lsb", lsb}, {"axis", axis.empty() ? json(nullptr) : json(axis)}});
+    };
+    column("time_s", "s", 1e-6);
+    column("gap_before", "", 1);
+    for (const std::size_t c : source_.chosen) column(source_.layout[c].name, source_.layout[c].unit, source_.layout[c].lsb);
+    out += "{\"session\":" + dumped(session) + ",\n\"directions\":" + dumped(contract::kAxesText) + ",\n\"columns\":" + dumped(columns) +
+           ",\n\"rows\":" + std::to_string(source_.sample_count) + ",\n\"data\":{";
+  }
+
+  // time_s, gap_before, then the chosen columns.
+  bool body(std::string& out) {
+    if (column_ == source_.chosen.size() + 2) return false;
+    const std::size_t which = column_ == 0 ? source_.time_column : column_ == 1 ? source_.tick_column : source_.chosen[column_ - 2];
+    if (!name_written_) {
+      const std::string name = column_ == 0 ? "time_s" : column_ == 1 ? "gap_before" : source_.layout[which].name;
+      out += column_ == 0 ? "\n" : ",\n";
+      out += dumped(name) + ":[";
+      name_written_ = true;
+    }
+    if (!source_.chunk && !source_.next_samples(std::array{which, source_.tick_column})) {
+      out += ']';
+      ++column_;
+      source_.rewind();
+      first_number_ = true;
+      name_written_ = false;
+      return true;
+    }
+    numbers(out, which);
+    return true;
+  }
+
+  void numbers(std::string& out, std::size_t which) {
+    const std::vector<std::int64_t>&numbers = source_.values[0], &ticks = source_.values[1];
+    const std::size_t end = std::min(source_.row + kNumbersPerPiece, numbers.size()), before = out.size();
+    out.resize(before + (end - source_.row) * kMaxNumber_chars);
+    char* at = out.data() + before;
+    for (; source_.row < end; ++source_.row) {
+      const auto tick = static_cast<std::uint64_t>(ticks[source_.row]);
+      if (!source_.wanted(tick)) continue;
+      if (!std::exchange(first_number_, false)) *at++ = ',';
+      if (column_ == 0)
+        at = print_fixed(at, microseconds_since(source_.start_ns(), numbers[source_.row]), kSeconds_decimals);
+      else if (column_ == 1)
+        *at++ = source_.gap_before(tick) ? '1' : '0';
+      else
+        at = print_fixed(at, numbers[source_.row], source_.layout[which].decimals);
+      source_.written_tick = tick;
+    }
+    out.resize(static_cast<std::size_t>(at - out.data()));
+    if (source_.row >= numbers.size()) source_.chunk.reset();
+  }
+
+  void tail(std::string& out) {
+    json event_rows = json::array();
+    for (const StoredEvent& event : source_.events())
+      event_rows.push_back({{"tick", event.tick},
+                            {"time_ns", event.time_ns},
+                            {"kind", event.kind_name},
+                            {"name", event.name},
+                            {"code", event.code},
+                            {"bits", event.bits},
+                            {"item", event.item},
+                            {"value", finite(event.value)},
+                            {"before", finite(event.before)},
+                            {"request_id", event.request_id},
+                            {"actor", actor_json(event.actor)}});
+    json marker_rows = json::array();
+    for (const Marker& marker : source_.markers())
+      marker_rows.push_back({{"tick", marker.tick}, {"utc_ns", marker.utc_ns}, {"text", marker.text}, {"actor", actor_json(marker.actor)}});
+    json parameter_rows = json::object();
+    for (const auto& [name, value] : source_.parameters()) parameter_rows[name] = finite(value);
+    // A session that is being recorded has no final figures; one whose columns cannot be judged is exported without them.
+    json figures = nullptr;
+    if (!source_.info.recording)
+      if (Result<json> told = session_metrics_json(source_.database, source_.info.id)) figures = std::move(*told);
+    json manifest = manifest_json(source_);
+    out += "},\n\"metrics\":" + dumped(figures) + ",\n\"gaps\":" + dumped(manifest["gaps"]) + ",\n\"events\":" + dumped(event_rows) +
+           ",\n\"markers\":" + dumped(marker_rows) + ",\n\"parameters\":" + dumped(parameter_rows) + ",\n\"manifest\":" + dumped(manifest) +
+           "}\n";
+  }
+
+  ExportSource& source_;
+  Step step_ = Step::head;
+  std::size_t column_ = 0;
+  bool first_number_ = true, name_written_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<FormatWriter> make_json(ExportSource& source) { return std::make_unique<JsonExport>(source); }
+
+}  // namespace hoist::db

@@ -1,0 +1,103 @@
+// What every format writes from: the session, its columns and its samples in order, chunk by chunk.
+// Inside db a failure is thrown as SqlFailure; SessionExport turns it into an Error.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "db/export/session_export.hpp"
+#include "db/store/chunk_source.hpp"
+#include "db/store/session_reader.hpp"
+
+namespace hoist::db {
+
+/// The wall clock at a moment of the steady one.
+struct ClockAnchor {
+  std::int64_t time_ns = 0, utc_ns = 0;
+};
+/// Smallest and largest stored integer of a column.
+struct ColumnRange {
+  std::int64_t min = 0, max = 0;
+};
+
+class ExportSource {
+ public:
+  /// Inside a read transaction: what is recorded later does not belong to it.
+  ExportSource(Database& session_database, SessionInfo session_info, ExportOptions export_options);
+
+  /// The columns to write, or which of the asked ones cannot be.
+  Status choose();
+
+  [[nodiscard]] std::int64_t start_ns() const { return static_cast<std::int64_t>(info.start_time_ns); }
+  /// By the wall clock as it was set at that moment.
+  [[nodiscard]] std::int64_t utc_of(std::int64_t time_ns) const;
+  /// By the wall clock of the session's start: never runs backwards.
+  [[nodiscard]] std::int64_t even_utc_of(std::int64_t time_ns) const { return info.started_utc_ns + (time_ns - start_ns()); }
+
+  /// Makes the next stored samples of these columns available in `values`; false at the end.
+  bool next_samples(std::span<const std::size_t> which);
+  /// From the first sample again.
+  void rewind();
+  /// Whether this row of `values` is to be written: folding may have joined chunks meanwhile, so that rows come twice.
+  [[nodiscard]] bool wanted(std::uint64_t tick) const { return !(written_tick && tick <= *written_tick) && tick <= last_tick; }
+  [[nodiscard]] bool gap_before(std::uint64_t tick) const;
+  /// The whole session's, from the chunks' directories alone. Empty without samples.
+  [[nodiscard]] std::vector<ColumnRange> ranges();
+
+  /// All of them; a failed read is thrown.
+  [[nodiscard]] std::vector<StoredEvent> events() const;
+  [[nodiscard]] std::vector<Marker> markers() const;
+  [[nodiscard]] std::vector<Gap> gaps() const;
+  [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
+
+  Database& database;
+  SessionInfo info;
+  std::vector<ColumnInfo> layout;
+  ExportOptions options;
+  std::vector<NodeProgram> nodes;
+  std::vector<ClockAnchor> anchors;  // the first one is the session's start
+  std::vector<std::size_t> chosen;   // columns to write
+  std::size_t tick_column = 0, time_column = 0;
+  std::uint64_t last_tick = 0;  // of the session when the export began: one that is being recorded must not grow under our hands
+  bool any_samples = false;
+  std::uint64_t sample_count = 0;
+
+  // Position.
+  std::optional<StoredChunk> chunk;
+  std::vector<std::vector<std::int64_t>> values;  // of the columns asked for
+  std::size_t row = 0;
+  std::optional<std::uint64_t> written_tick;
+
+ private:
+  SessionReader reader_;
+  ChunkSource source_;
+  std::uint64_t next_tick_ = 0;
+};
+
+/// One export under way in one format.
+class FormatWriter {
+ public:
+  FormatWriter() = default;
+  virtual ~FormatWriter() = default;
+  FormatWriter(const FormatWriter&) = delete;
+  FormatWriter& operator=(const FormatWriter&) = delete;
+  /// Appends the next piece, perhaps nothing; false at the end. Throws SqlFailure.
+  virtual bool next(std::string& out) = 0;
+};
+
+// One function per row of formats.def.
+#define HOIST_EXPORT(name, ...) std::unique_ptr<FormatWriter> make_##name(ExportSource& source);
+#include "db/export/formats.def"
+#undef HOIST_EXPORT
+
+/// Steady time as microseconds since the start, rounded half up: what time_s prints.
+std::int64_t microseconds_since(std::int64_t start_time_ns, std::int64_t time_ns);
+inline constexpr int kSeconds_decimals = 6;
+/// Shortest text that reads back as the same double; CSV and JSON have no NaN: `absent` then.
+std::string number_text(double value, std::string_view absent);
+
+}  // namespace hoist::db

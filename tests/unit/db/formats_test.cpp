@@ -1,0 +1,104 @@
+// The formats beside CSV and JSON, and what every format tells of a session.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "control/contract/params.hpp"
+#include "tests/unit/db/export_support.hpp"
+
+namespace hoist::db::test {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// A session with a gap, a change of a parameter, a marker and a clock that was set.
+void record_eventful(Fixture& f) {
+  SessionStart start = start_of_walk();
+  std::vector<double> values;
+  for (const contract::ParamInfo& info : contract::kParams) values.push_back(info.default_value);
+  values[contract::param_index(contract::ParamName::calibrated_zero_s)] = 1'780'000'000;
+  start.parameter_values = values;
+  Walk walk(41);
+  std::vector<TickRecord> records = walk.records(0, 300);
+  for (const TickRecord& record : walk.records(340, 300)) records.push_back(record);
+  f.record(start, records);
+  contract::Event event;
+  event.tick = 50;
+  event.time_ns = kStart_ns + 500'000'000;
+  event.kind = contract::EventKind::parameter_changed;
+  event.item = contract::kParams[contract::param_index(contract::ParamName::lean_range_rad)].id;
+  event.value = 0.125;
+  event.before = 0.25;
+  EXPECT_TRUE(f.writer.append_events(std::span(&event, 1)).ok());
+  EXPECT_TRUE(f.writer.append_marker(60, kStartUtc_ns + 600'000'000, "turn; \"left\"").ok());
+  EXPECT_TRUE(f.writer.append_gap("ticks", 300, 339, "not_received").ok());
+  f.end();
+}
+
+TEST(Manifest, TellsParametersChangesCalibrationWordsGapsAndClockInCsvAndJson) {
+  Fixture f;
+  record_eventful(f);
+  const std::vector<std::string> lines = lines_of(whole(f.database, f.id, {}));
+  for (const char* line :
+       {"# parameter,lean_range_rad; 0.174532925; rad", "# parameter change,0.5 s; lean_range_rad; 0.125; rad; before 0.25",
+        "# calibrated,zero; 2026-05-28T20:26:40.000000Z", "# calibrated,track; never", "# mode,2; user; Patient leads",
+        "# gap,ticks; ticks 300 to 339; not_received", "# clock,0.0 s; 2026-09-21T14:13:20.123456Z"})
+    EXPECT_NE(std::ranges::find(lines, line), lines.end()) << line;
+  EXPECT_TRUE(std::ranges::any_of(lines, [](const std::string& line) { return line.starts_with("# exported by,hoist 0."); }));
+  const json told = json::parse(whole(f.database, f.id, {.format = ExportFormat::json}))["manifest"];
+  EXPECT_EQ(told["parameters"]["lean_range_rad"], (json{{"value", 0.174532925}, {"unit", "rad"}}));
+  EXPECT_EQ(
+      told["parameter_changes"],
+      json::array({{{"tick", 50}, {"time_s", 0.5}, {"name", "lean_range_rad"}, {"value", 0.125}, {"before", 0.25}, {"unit", "rad"}}}));
+  EXPECT_EQ(told["calibration"]["zero"], "2026-05-28T20:26:40.000000Z");
+  EXPECT_EQ(told["calibration"]["track"], nullptr);
+  EXPECT_EQ(told["modes"]["2"]["name"], "user");
+  EXPECT_EQ(told["gaps"][0]["to_tick"], 339);
+  EXPECT_EQ(told["clock"][0]["utc"], "2026-09-21T14:13:20.123456Z");
+  EXPECT_EQ(told["faults"].size(), contract::kFaults.size());
+  EXPECT_EQ(told["recordings_file"], f.database.file_id());
+}
+
+TEST(GermanCsv, IsThePlainOneWithOtherSigns) {
+  Fixture f;
+  record_eventful(f);
+  ExportOptions options{.columns = {"tick", "x_m", "psi_rad"}, .comments = false};
+  std::string plain = whole(f.database, f.id, options);
+  options.format = ExportFormat::csv_de;
+  const std::string german = whole(f.database, f.id, options);
+  EXPECT_EQ(german.substr(0, 3), "\xEF\xBB\xBF");
+  EXPECT_EQ(lines_of(german)[1].substr(0, 20), "2026-09-21T14:13:20.") << "times stay ISO 8601";
+  // Times hold a point that stays: both are compared without the first cell.
+  const std::vector<std::string> ours = lines_of(german), theirs = lines_of(plain);
+  ASSERT_EQ(ours.size(), theirs.size());
+  for (std::size_t i = 1; i < ours.size(); ++i) {
+    std::string rest = ours[i].substr(ours[i].find(';') + 1);
+    std::ranges::replace(rest, ',', '.');
+    std::ranges::replace(rest, ';', ',');
+    ASSERT_EQ(rest, theirs[i].substr(theirs[i].find(',') + 1));
+  }
+  options.comments = true;
+  EXPECT_NE(whole(f.database, f.id, options).find("# simulated;true\n"), std::string::npos);
+}
+
+TEST(Csv, ColumnsThatNeverChangeCanBeLeftOut) {
+  Fixture f;
+  record_eventful(f);
+  const auto names = [&](const ExportOptions& options) { return lines_of(whole(f.database, f.id, options)).front(); };
+  const std::string all = names({.comments = false}), some = names({.comments = false, .constant = false});
+  EXPECT_NE(all.find(",bus_up"), std::string::npos);
+  EXPECT_EQ(some.find(",bus_up"), std::string::npos);
+  EXPECT_NE(some.find(",x_m"), std::string::npos);
+  EXPECT_EQ(names({.columns = {"bus_up", "x_m"}, .comments = false, .constant = false}), "utc,time_s,gap_before,x_m");
+}
+
+}  // namespace
+}  // namespace hoist::db::test
