@@ -11,6 +11,7 @@ int run_export(std::span<const std::string_view> arguments);
 int run_metrics(std::span<const std::string_view> arguments);
 int run_verify(std::span<const std::string_view> arguments);
 int run_replay(std::span<const std::string_view> arguments);
+int run_archive(std::span<const std::string_view> arguments);
 int run_bus(std::span<const std::string_view> arguments);
 
 namespace {
@@ -22,6 +23,7 @@ constexpr std::array kCommands = {
     Command{"metrics", "how well a session's exercise was walked", &run_metrics},
     Command{"verify", "run a session again and compare every field, bit for bit", &run_verify},
     Command{"replay", "run a session again with other parameters", &run_replay},
+    Command{"archive", "an archive of several hoists in PostgreSQL: push, pull, list, verify", &run_archive},
     Command{"bus", "look at the CAN bus and its recordings", &run_bus},
     Command{"firmware", "the nodes' programs: pack, list, update", &run_firmware},
 };

@@ -1,0 +1,19 @@
+// An ArchiveQuery as SQL.
+#pragma once
+#include <string_view>
+
+#include "db/archive/archive.hpp"
+
+namespace hoist::db {
+
+/// FROM and WHERE with $1 uuid, $2 patient, $3 device, $4 and $5 first and last day.
+inline constexpr std::string_view kMatching =
+    " FROM sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id"
+    " WHERE ($1::uuid IS NULL OR uuid = $1::uuid) AND ($2::text IS NULL OR code = $2) AND ($3::text IS NULL OR device = $3)"
+    " AND ($4::date IS NULL OR (to_timestamp(started_utc_ns / 1000000000) AT TIME ZONE 'UTC')::date >= $4::date)"
+    " AND ($5::date IS NULL OR (to_timestamp(started_utc_ns / 1000000000) AT TIME ZONE 'UTC')::date <= $5::date)";
+
+/// bad_value with the field's name for what PostgreSQL would refuse in words of its own.
+Status check_query(const ArchiveQuery& query);
+
+}  // namespace hoist::db
