@@ -359,7 +359,8 @@ const cases = {
     tableJudged = true;
     await page.goto(`${stack.origin}/#/sessions`);
     await page.locator('.session-item').first().click();
-    const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('link', { name: 'Table (CSV)' }).click()]);
+    await page.getByLabel('Export as').selectOption({ label: 'Table (CSV)' });
+    const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('link', { name: 'Download' }).click()]);
     assert(/\.csv$/.test(download.suggestedFilename()), `the file is called ${download.suggestedFilename()}`);
     const text = (await stack.rest('GET', `/sessions/${id}/export?format=csv`)).text;
     const lines = text.trimEnd().split(/\r?\n/);

@@ -1,5 +1,6 @@
 // Recorded sessions: the list, and one session with its figures, path, course, note and export.
 import { useEffect, useRef, useState } from 'preact/hooks';
+import { exportFormats, type ExportFormat } from '../../contract/exports.gen';
 import type { SignalName } from '../../contract/signals.gen';
 import { useQuery, type Query } from '../../link/query';
 import { notify } from '../../link/console';
@@ -41,7 +42,6 @@ const unprocessable = 422;
 
 const samplesOf = (id: number, columns: string, points: number) =>
   rest('GET /api/v1/sessions/{id}/samples', { path: { id }, query: { columns, points } });
-const exportOf = (id: number, format: 'csv' | 'json') => address('GET /api/v1/sessions/{id}/export', { path: { id }, query: { format } });
 
 function exerciseName(exercise: Exercise | null): string {
   return exerciseTitle(exercise === null ? 'free' : exercise.shape);
@@ -258,12 +258,7 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
             ‹ {t('sessions.back')}
           </a>
           <h2>{session === null ? t('sessions.one', { n: id }) : `${date(session.started_utc_ms)} · ${exerciseName(session.exercise)}`}</h2>
-          <a class="plain" href={exportOf(id, 'csv')} download>
-            {t('sessions.csv')}
-          </a>
-          <a class="plain" href={exportOf(id, 'json')} download>
-            {t('sessions.json')}
-          </a>
+          <Export id={id} />
           <button type="button" class="plain last" disabled={session?.recording !== false} onClick={onDelete}>
             {t('sessions.delete')}
           </button>
@@ -339,6 +334,27 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
           </ul>
         </Scroll>
       </section>
+    </div>
+  );
+}
+
+/** The session as a file, in one of the contract's formats. In German, German spreadsheets come first. */
+function Export({ id }: { id: number }) {
+  const { language } = useSettings();
+  const [chosen, setChosen] = useState<ExportFormat | null>(null);
+  const format = chosen ?? (language === 'de' ? 'csv_de' : 'csv');
+  return (
+    <div class="session-export">
+      <select aria-label={t('sessions.format')} value={format} onChange={(event) => setChosen(event.currentTarget.value as ExportFormat)}>
+        {exportFormats.map(({ name, title }) => (
+          <option key={name} value={name}>
+            {words(title)}
+          </option>
+        ))}
+      </select>
+      <a class="plain" href={address('GET /api/v1/sessions/{id}/export', { path: { id }, query: { format } })} download>
+        {t('sessions.export')}
+      </a>
     </div>
   );
 }
