@@ -16,8 +16,8 @@ namespace hoist::db {
 struct ExportOptions {
   ExportFormat format = ExportFormat::csv;
   std::vector<std::string> columns = {};  ///< these in this order; empty = all
-  bool comments = true;              ///< csv, csv_de and events: the '#' lines
-  bool constant = true;              ///< also the columns that hold one value all the time
+  bool comments = true;                   ///< csv, csv_de and events: the '#' lines
+  bool constant = true;                   ///< also the columns that hold one value all the time
 };
 
 class SessionExport {

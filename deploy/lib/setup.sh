@@ -114,6 +114,7 @@ setup() {
   install_npm_packages web
   install_npm_packages tests/web
   install_npm_packages tests/system/peers
+  install_npm_packages tests/system/exports
   use_newest_node
 }
 

@@ -7,7 +7,8 @@ export type ExportFormat =
   | 'csv_de'
   | 'events'
   | 'json'
-  | 'candump';
+  | 'candump'
+  | 'mcap';
 
 export interface ExportFormatInfo {
   name: ExportFormat;
@@ -22,4 +23,5 @@ export const exportFormats: readonly ExportFormatInfo[] = [
   { name: 'events', title: { en: 'Events (CSV)', de: 'Ereignisse (CSV)' }, columns: false },
   { name: 'json', title: { en: 'Everything (JSON)', de: 'Alles (JSON)' }, columns: true },
   { name: 'candump', title: { en: 'CAN frames (candump)', de: 'CAN-Nachrichten (candump)' }, columns: false },
+  { name: 'mcap', title: { en: 'Robot log (MCAP)', de: 'Roboter-Protokoll (MCAP)' }, columns: true },
 ];
