@@ -45,13 +45,10 @@ void fill_health(const CoreState& state, const TickInputs& inputs, contract::Tic
 #undef HOIST_FILL_NODE
 }
 
-}  // namespace
+float f32(double value) noexcept { return static_cast<float>(value); }
+float finite(float value) noexcept { return std::isfinite(value) ? value : 0.0F; }
 
-void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& wish, contract::TickRecord& record) noexcept {
-  const auto f32 = [](double value) { return static_cast<float>(value); };
-  const Estimate& sensed = state.sensed;
-  record.tick = inputs.tick;
-  record.time_ns = inputs.time_ns;
+void fill_tilts(const Estimate& sensed, contract::TickRecord& record) noexcept {
   record.left_alpha_rad = f32(sensed.left_strut.alpha_rad());
   record.left_beta_rad = f32(sensed.left_strut.beta_rad());
   record.right_alpha_rad = f32(sensed.right_strut.alpha_rad());
@@ -61,6 +58,9 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.base_yaw_rate_rad_s = f32(sensed.base.yaw_rate_rad_s());
   record.base_pitch_rate_rad_s = f32(sensed.base.pitch_rate_rad_s());
   record.base_roll_rate_rad_s = f32(sensed.base.roll_rate_rad_s());
+}
+
+void fill_intent(const CoreState& state, const Wish& wish, contract::TickRecord& record) noexcept {
   record.dx_m = f32(state.intent.pelvis().dx_m);
   record.dy_m = f32(state.intent.pelvis().dy_m);
   record.dpsi_rad = f32(state.intent.pelvis().dpsi_rad);
@@ -74,6 +74,9 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.turn_filtered_units = f32(state.turn.omega_f_units);
   record.speed_wish_m_s = f32(wish.speed.m_s());
   record.yaw_rate_wish_rad_s = f32(wish.yaw_rate_rad_s);
+}
+
+void fill_commands(const CoreState& state, contract::TickRecord& record) noexcept {
   record.speed_command_m_s = f32((state.left_command_m_s + state.right_command_m_s) / 2.0);
   record.yaw_rate_command_rad_s = f32((state.right_command_m_s - state.left_command_m_s) / state.params.track_width_m);
   record.wheel_left_command_m_s = f32(state.left_command_m_s);
@@ -83,12 +86,18 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.stop_distance_m = f32(stop.link_m);
   record.worst_stop_distance_m = f32(stop.computer_m);
   record.speed_cause = static_cast<std::uint8_t>(state.limiter.cause());
-  record.guided_progress_norm = f32(state.guided.progress_norm());
-  record.guided_cross_track_m = f32(state.guided.cross_m());
-  record.guided_heading_error_rad = f32(state.guided.heading_error_rad());
-  record.guided_remaining_m = f32(state.guided.left_m());
-  record.guided_phase = static_cast<std::uint8_t>(state.guided.told_phase());
-  record.guided_end = static_cast<std::uint8_t>(state.guided.ended());
+}
+
+void fill_guided(const GuidedRun& guided, contract::TickRecord& record) noexcept {
+  record.guided_progress_norm = f32(guided.progress_norm());
+  record.guided_cross_track_m = f32(guided.cross_m());
+  record.guided_heading_error_rad = f32(guided.heading_error_rad());
+  record.guided_remaining_m = f32(guided.left_m());
+  record.guided_phase = static_cast<std::uint8_t>(guided.told_phase());
+  record.guided_end = static_cast<std::uint8_t>(guided.ended());
+}
+
+void fill_motion(const Estimate& sensed, contract::TickRecord& record) noexcept {
   const Odometry& odometry = sensed.odometry;
   record.speed_m_s = f32(odometry.speed_m_s);
   record.yaw_rate_rad_s = f32(odometry.yaw_rate_rad_s);
@@ -104,6 +113,7 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.gyro_bias_rad_s = f32(fused.gyro_bias_rad_s());
   record.slip_rate_rad_s = f32(fused.slip_rate_rad_s());
   record.slip_state = static_cast<std::uint8_t>((fused.slipping() ? 1U : 0U) | (fused.gyro_used() ? 0U : 2U));
+  record.standing_still = odometry.standing_still ? 1 : 0;
   record.wheel_left_m_s = f32(odometry.wheel_left_m_s);
   record.wheel_right_m_s = f32(odometry.wheel_right_m_s);
   record.left_counts = sensed.left_drive.counts();
@@ -114,10 +124,12 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.right_supply_v = f32(sensed.right_drive.supply_v());
   record.battery_a_v = f32(sensed.io.battery_a_v());
   record.battery_b_v = f32(sensed.io.battery_b_v());
-  record.wake_lateness_s = std::isfinite(inputs.wake_lateness_s) ? inputs.wake_lateness_s : 0.0F;
-  record.tick_duration_s = std::isfinite(inputs.previous_duration_s) ? inputs.previous_duration_s : 0.0F;
+}
+
+void fill_loop(const CoreState& state, const TickInputs& inputs, contract::TickRecord& record) noexcept {
+  record.wake_lateness_s = finite(inputs.wake_lateness_s);
+  record.tick_duration_s = finite(inputs.previous_duration_s);
   record.overruns = state.overruns;
-  const auto finite = [](float value) { return std::isfinite(value) ? value : 0.0F; };
   record.lateness_p50_s = finite(inputs.loop.lateness_p50_s);
   record.lateness_p99_s = finite(inputs.loop.lateness_p99_s);
   record.lateness_max_s = finite(inputs.loop.lateness_max_s);
@@ -127,6 +139,9 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.loop_priority = inputs.loop.priority;
   record.loop_cpu = inputs.loop.cpu;
   record.memory_locked = inputs.loop.memory_locked ? 1 : 0;
+}
+
+void fill_state(const CoreState& state, const TickInputs& inputs, contract::TickRecord& record) noexcept {
   record.relay_feed = state.relay.level();
   record.bus_frames = state.bus_frames;
   record.bus_refused = inputs.bus.refused + state.bus_refused;
@@ -137,8 +152,8 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.lease_holder = state.lease.holder;
   record.start_mark = state.start.number;
   record.parameter_version = static_cast<std::uint32_t>(state.parameter_version);
-  record.left_status_word = sensed.left_drive.status_word();
-  record.right_status_word = sensed.right_drive.status_word();
+  record.left_status_word = state.sensed.left_drive.status_word();
+  record.right_status_word = state.sensed.right_drive.status_word();
   record.mode = static_cast<std::uint8_t>(state.mode);
   record.stop_cause = state.stop_cause;
   const auto code = [&state](contract::Fault fault) { return state.fault_codes[static_cast<std::size_t>(fault)]; };
@@ -146,24 +161,44 @@ void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& w
   record.drive_right_fault_code = code(contract::Fault::drive_right_fault);
   record.tilt_implausible_code = code(contract::Fault::tilt_implausible);
   record.overspeed_code = code(contract::Fault::overspeed);
-  record.bumpers = sensed.io.bumpers();
+  record.bumpers = state.sensed.io.bumpers();
   record.bumpers_acknowledged = state.acknowledgement.bumpers();
   record.settings_trial_s = f32(state.trial.left_s);
+  record.server_alive = state.server.alive() ? 1 : 0;
   record.simulated = state.master.simulated() ? 1 : 0;
+}
+
+void fill_ages(const Estimate& sensed, contract::TickRecord& record) noexcept {
   record.tilt_left_age_ticks = sensed.left_strut.fresh().age_ticks();
   record.tilt_right_age_ticks = sensed.right_strut.fresh().age_ticks();
   record.tilt_base_age_ticks = sensed.base.fresh().age_ticks();
   record.drive_left_age_ticks = sensed.left_drive.fresh().age_ticks();
   record.drive_right_age_ticks = sensed.right_drive.fresh().age_ticks();
   record.io_age_ticks = sensed.io.fresh().age_ticks();
-  record.server_alive = state.server.alive() ? 1 : 0;
-  record.standing_still = odometry.standing_still ? 1 : 0;
-  const Calibration& calibration = state.in_mode.calibration;
+}
+
+void fill_calibration(const Calibration& calibration, contract::TickRecord& record) noexcept {
   record.calibration_value = calibration.value;
   record.calibration_step = static_cast<std::uint8_t>(calibration.step);
   record.calibration_phase = static_cast<std::uint8_t>(calibration.phase);
   record.calibration_done_percent = calibration.done_percent;
   record.calibration_reason = static_cast<std::uint8_t>(calibration.reason);
+}
+
+}  // namespace
+
+void fill_record(const CoreState& state, const TickInputs& inputs, const Wish& wish, contract::TickRecord& record) noexcept {
+  record.tick = inputs.tick;
+  record.time_ns = inputs.time_ns;
+  fill_tilts(state.sensed, record);
+  fill_intent(state, wish, record);
+  fill_commands(state, record);
+  fill_guided(state.guided, record);
+  fill_motion(state.sensed, record);
+  fill_loop(state, inputs, record);
+  fill_state(state, inputs, record);
+  fill_ages(state.sensed, record);
+  fill_calibration(state.in_mode.calibration, record);
   fill_health(state, inputs, record);
 }
 

@@ -6,13 +6,13 @@
 namespace hoist::run {
 namespace {
 static_assert(kPeriodNs == contract::kStepPeriod_ns);
+}
 
 std::uint64_t steady_ns() noexcept {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC, &now);
   return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000U + static_cast<std::uint64_t>(now.tv_nsec);
 }
-}  // namespace
 
 void SteadyClock::begin(ControlLoop::Step& step, const std::atomic<bool>& /*ending*/) noexcept {
   if (begun_ns_ == 0) pacer_ = Pacer(steady_ns() + kPeriodNs);

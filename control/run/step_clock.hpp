@@ -9,6 +9,9 @@
 
 namespace hoist::run {
 
+/// This computer's steady clock.
+[[nodiscard]] std::uint64_t steady_ns() noexcept;
+
 class StepClock {
  public:
   virtual ~StepClock() = default;

@@ -63,44 +63,52 @@ inline constexpr double kQuarter_rad = std::numbers::pi / 2.0;
   }
   return end;
 }
-}  // namespace detail
+struct SquareFit {
+  double corner_rad = 0, bend_rad = 0;
+  contract::CalibrationReason reason = contract::CalibrationReason::none;
+};
 
-/// side_m: of the squares; track_m: in force when they were driven.
-///
 /// The hoist goes straight ahead first. Let every corner turn too far by a and every side bend to the left by b. With small angles the
 /// errors sum up to  x_left = 2L(a+b), y_left = -2L(a+b), x_right = 2L(a-b), y_right = 2L(a-b): the paper's equations (with its signs for
-/// clockwise first). Both unknowns are taken from all four figures by least squares, which the paper leaves to a choice between x and y,
-/// and what small angles neglect is made good by the same step on what is left of the errors.
-[[nodiscard]] inline SquareResult umbmark(double side_m, SquareError left, SquareError right, double track_m) noexcept {
+/// clockwise first). The paper leaves a choice between x and y; here both unknowns follow from all four figures by least squares. Repeating
+/// the step on the remaining errors removes the error of the small-angle approximation.
+[[nodiscard]] inline SquareFit fit_squares(double side_m, SquareError left, SquareError right) noexcept {
   using contract::CalibrationReason;
   constexpr int kSteps = 6;
-  SquareResult result;
   const double eight_sides_m = 8.0 * side_m;
-  double corner_rad = 0, bend_rad = 0, miss_m = 0;
+  SquareFit fit;
+  double miss_m = 0;
   for (int step = 0; step <= kSteps; ++step) {
-    const SquareError at_left = detail::square_end(side_m, true, corner_rad, bend_rad);
-    const SquareError at_right = detail::square_end(side_m, false, corner_rad, bend_rad);
+    const SquareError at_left = square_end(side_m, true, fit.corner_rad, fit.bend_rad);
+    const SquareError at_right = square_end(side_m, false, fit.corner_rad, fit.bend_rad);
     const SquareError l{left.x_m - at_left.x_m, left.y_m - at_left.y_m}, r{right.x_m - at_right.x_m, right.y_m - at_right.y_m};
     const double left_miss_m = std::hypot(l.x_m, l.y_m), right_miss_m = std::hypot(r.x_m, r.y_m);
     miss_m = left_miss_m > right_miss_m ? left_miss_m : right_miss_m;
     if (step == kSteps) break;
-    corner_rad += (l.x_m + r.x_m - l.y_m + r.y_m) / eight_sides_m;
-    bend_rad += (l.x_m - r.x_m - l.y_m - r.y_m) / eight_sides_m;
+    fit.corner_rad += (l.x_m + r.x_m - l.y_m + r.y_m) / eight_sides_m;
+    fit.bend_rad += (l.x_m - r.x_m - l.y_m - r.y_m) / eight_sides_m;
     // Written so that a NaN is refused.
-    if (!(std::fabs(corner_rad) <= kSquareLargest_rad) || !(std::fabs(bend_rad) <= kSquareLargest_rad)) {
-      result.reason = CalibrationReason::implausible;
-      return result;
+    if (!(std::fabs(fit.corner_rad) <= kSquareLargest_rad) || !(std::fabs(fit.bend_rad) <= kSquareLargest_rad)) {
+      fit.reason = CalibrationReason::implausible;
+      return fit;
     }
   }
-  if (!(miss_m <= kSquareMiss_norm * 4.0 * side_m)) {
-    result.reason = CalibrationReason::disagree;
-    return result;
-  }
+  if (!(miss_m <= kSquareMiss_norm * 4.0 * side_m)) fit.reason = CalibrationReason::disagree;
+  return fit;
+}
+}  // namespace detail
+
+/// side_m: of the squares; track_m: in force when they were driven.
+[[nodiscard]] inline SquareResult umbmark(double side_m, SquareError left, SquareError right, double track_m) noexcept {
+  const detail::SquareFit fit = detail::fit_squares(side_m, left, right);
+  SquareResult result;
+  result.reason = fit.reason;
+  if (fit.reason != contract::CalibrationReason::none) return result;
   // A corner of a quarter turn that went too far was driven on a shorter track: E_b = 90 degrees / (90 degrees + a).
-  result.track_norm = detail::kQuarter_rad / (detail::kQuarter_rad + corner_rad);
+  result.track_norm = detail::kQuarter_rad / (detail::kQuarter_rad + fit.corner_rad);
   // Bent by b on the length L: a circle of radius R = (L/2) / sin(b/2), and E_d = (R + track/2) / (R - track/2), written with 1/R so that
   // a straight side needs no exception. c_L = 2 / (E_d + 1), c_R = 2 / (1/E_d + 1).
-  const double bend_per_m = std::sin(bend_rad / 2.0) / (side_m / 2.0);
+  const double bend_per_m = std::sin(fit.bend_rad / 2.0) / (side_m / 2.0);
   const double half = result.track_norm * track_m / 2.0 * bend_per_m;
   const double unequal_norm = (1.0 + half) / (1.0 - half);
   result.left_scale_norm = 2.0 / (unequal_norm + 1.0);

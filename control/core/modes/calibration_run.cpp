@@ -284,32 +284,42 @@ void take_pair(CoreState& state) noexcept {
   judge_pairs(state);
 }
 
+// The figure that the screen shows while a pair is measured: of wheels that turn, or of a bar that is held.
+double shown_of_wheels(const CoreState& state) noexcept {
+  const double left_m = left_way_m(state), right_m = right_way_m(state);
+  if (state.in_mode.calibration.step == CalibrationStep::wheel_radius) return (left_m + right_m) / 2.0;
+  return (right_m - left_m) / state.params.track_width_m;
+}
+double shown_of_bar(const CoreState& state) noexcept {
+  const law::StrutAngles<double> struts = state.sensed.relative();
+  const double left_m = state.params.strut_length_m * std::tan(struts.alpha_left_rad),
+               right_m = state.params.strut_length_m * std::tan(struts.alpha_right_rad);
+  if (state.in_mode.calibration.step == CalibrationStep::strut_length) return (left_m + right_m) / 2.0;
+  return std::atan((right_m - left_m) / state.params.strut_spacing_m);
+}
+
+bool wheels_moved(const CoreState& state) noexcept {
+  return state.sensed.left_drive.moved_counts() != 0 || state.sensed.right_drive.moved_counts() != 0;
+}
+
+// Wheel travel is measured from rest to rest: waits for the first.
+void wait_for_start(CoreState& state) noexcept {
+  Calibration& c = state.in_mode.calibration;
+  if (rests(state)) {
+    begin_way(c);
+    c.phase = CalibrationPhase::operator_;
+    c.done_percent = 0;
+  } else if (c.restless_ticks >= kCalibrationRestTicks) {
+    refuse(state, CalibrationReason::not_still);
+  }
+}
+
 void watch_pairs(CoreState& state) noexcept {
   Calibration& c = state.in_mode.calibration;
   const bool wheels = c.step == CalibrationStep::wheel_radius || c.step == CalibrationStep::track;
-  if (wheels) {
-    const double left_m = left_way_m(state), right_m = right_way_m(state);
-    c.value = static_cast<float>(c.step == CalibrationStep::wheel_radius ? (left_m + right_m) / 2.0
-                                                                         : (right_m - left_m) / state.params.track_width_m);
-    if (!c.started) {
-      if (rests(state)) {
-        begin_way(c);
-        c.phase = CalibrationPhase::operator_;
-        c.done_percent = 0;
-      } else if (c.restless_ticks >= kCalibrationRestTicks) {
-        refuse(state, CalibrationReason::not_still);
-      }
-      return;
-    }
-    // On the way things happen.
-    if (state.sensed.left_drive.moved_counts() != 0 || state.sensed.right_drive.moved_counts() != 0) c.idle_ticks = 0;
-  } else {
-    const law::StrutAngles<double> struts = state.sensed.relative();
-    const double left_m = state.params.strut_length_m * std::tan(struts.alpha_left_rad),
-                 right_m = state.params.strut_length_m * std::tan(struts.alpha_right_rad);
-    c.value = static_cast<float>(c.step == CalibrationStep::strut_length ? (left_m + right_m) / 2.0
-                                                                         : std::atan((right_m - left_m) / state.params.strut_spacing_m));
-  }
+  c.value = static_cast<float>(wheels ? shown_of_wheels(state) : shown_of_bar(state));
+  if (wheels && !c.started) return wait_for_start(state);
+  if (wheels && wheels_moved(state)) c.idle_ticks = 0;
   if (!c.waiting) return;
   if (rests(state)) return take_pair(state);
   if (c.restless_ticks < kCalibrationRestTicks) return;
@@ -319,38 +329,60 @@ void watch_pairs(CoreState& state) noexcept {
   c.reason = CalibrationReason::not_still;
 }
 
-std::uint32_t take_square(CoreState& state, const contract::Command& command) noexcept {
-  Calibration& c = state.in_mode.calibration;
+// 0, or why this square is not taken.
+std::uint32_t square_refusals(const Calibration& c, const contract::Command& command) noexcept {
   const CalibrationStepInfo& info = info_of(CalibrationStep::square);
   const auto part = static_cast<CalibrationPart>(command.a);
   if (part != CalibrationPart::left_square && part != CalibrationPart::right_square) return refusal_bit(Refusal::unknown_item);
   const double side_m = command.v0;
-  // An error as large as a side is no error of odometry.
+  // An error as large as a side is not an error of odometry.
   if (!(side_m >= info.least && side_m <= info.most && std::fabs(command.v1) <= side_m && std::fabs(command.v2) <= side_m))
     return refusal_bit(Refusal::out_of_range);
   if (c.left_squares.count() + c.right_squares.count() >= MeasuredPairs::kMost) return refusal_bit(Refusal::out_of_order);
   // All squares of one set are of one size.
   if (c.side_m > 0 && std::fabs(side_m - c.side_m) > 0.001 * side_m) return refusal_bit(Refusal::inconsistent_set);
-  c.side_m = side_m;
-  (part == CalibrationPart::left_square ? c.left_squares : c.right_squares).add({command.v1, command.v2});
-  c.idle_ticks = 0;
-  const std::size_t left = c.left_squares.count(), right = c.right_squares.count();
-  tell(state, EventKind::calibration_sample, static_cast<std::uint32_t>(left + right), side_m);
-  c.phase = CalibrationPhase::operator_;
-  c.done_percent = 50;
-  c.reason = left + right >= info.samples && (left == 0 || right == 0) ? CalibrationReason::one_direction : CalibrationReason::none;
-  if (left == 0 || right == 0) return 0;
+  return 0;
+}
+
+void propose_square_result(CoreState& state) noexcept {
+  Calibration& c = state.in_mode.calibration;
   const SquareResult found = umbmark(c.side_m, c.left_squares.mean(), c.right_squares.mean(), state.params.track_width_m);
   c.result.rows.clear();
-  if (found.reason != CalibrationReason::none) {
-    refuse(state, found.reason);
-    return 0;
-  }
+  if (found.reason != CalibrationReason::none) return refuse(state, found.reason);
   propose(state, ParamName::track_width_m, state.params.track_width_m * found.track_norm);
   propose(state, ParamName::wheel_left_scale_norm, state.params.wheel_left_scale_norm * found.left_scale_norm);
   propose(state, ParamName::wheel_right_scale_norm, state.params.wheel_right_scale_norm * found.right_scale_norm);
   offer(state);
+}
+
+std::uint32_t take_square(CoreState& state, const contract::Command& command) noexcept {
+  Calibration& c = state.in_mode.calibration;
+  if (const std::uint32_t refusals = square_refusals(c, command); refusals != 0) return refusals;
+  const bool turned_left = static_cast<CalibrationPart>(command.a) == CalibrationPart::left_square;
+  c.side_m = command.v0;
+  (turned_left ? c.left_squares : c.right_squares).add({command.v1, command.v2});
+  c.idle_ticks = 0;
+  const std::size_t left = c.left_squares.count(), right = c.right_squares.count();
+  tell(state, EventKind::calibration_sample, static_cast<std::uint32_t>(left + right), c.side_m);
+  const bool one_direction = left == 0 || right == 0;
+  c.phase = CalibrationPhase::operator_;
+  c.done_percent = 50;
+  c.reason = left + right >= info_of(CalibrationStep::square).samples && one_direction ? CalibrationReason::one_direction
+                                                                                       : CalibrationReason::none;
+  if (!one_direction) propose_square_result(state);
   return 0;
+}
+
+// A push straight ahead or a turn to the left has ended at rest.
+void judge_wheels(CoreState& state, double left_m, double right_m) noexcept {
+  Calibration& c = state.in_mode.calibration;
+  const CalibrationReason reason = c.turning ? judge_turn(left_m, right_m, c.turned_rad) : judge_push(left_m, right_m);
+  if (reason != CalibrationReason::none) return refuse(state, reason);
+  tell(state, EventKind::calibration_sample, c.turning ? 2 : 1, static_cast<double>(c.value));
+  if (c.turning) return offer(state);
+  c.turning = true;
+  begin_way(c);
+  begin_resting(c);
 }
 
 void watch_encoders(CoreState& state) noexcept {
@@ -366,16 +398,9 @@ void watch_encoders(CoreState& state) noexcept {
   c.phase = CalibrationPhase::operator_;
   const double left_m = left_way_m(state), right_m = right_way_m(state);
   c.value = static_cast<float>(c.turning ? c.turned_rad : (left_m + right_m) / 2.0);
-  if (state.sensed.left_drive.moved_counts() != 0 || state.sensed.right_drive.moved_counts() != 0) c.idle_ticks = 0;
+  if (wheels_moved(state)) c.idle_ticks = 0;
   const double further_m = std::fabs(left_m) > std::fabs(right_m) ? std::fabs(left_m) : std::fabs(right_m);
-  if (!resting || further_m < (c.turning ? kTurnLeast_m : kPushLeast_m)) return;
-  const CalibrationReason reason = c.turning ? judge_turn(left_m, right_m, c.turned_rad) : judge_push(left_m, right_m);
-  if (reason != CalibrationReason::none) return refuse(state, reason);
-  tell(state, EventKind::calibration_sample, c.turning ? 2 : 1, static_cast<double>(c.value));
-  if (c.turning) return offer(state);
-  c.turning = true;
-  begin_way(c);
-  begin_resting(c);
+  if (resting && further_m >= (c.turning ? kTurnLeast_m : kPushLeast_m)) judge_wheels(state, left_m, right_m);
 }
 
 void watch_bumpers(CoreState& state) noexcept {
@@ -405,6 +430,29 @@ void watch_rest(CoreState& state) noexcept {
     }
   } else if (c.restless_ticks >= kCalibrationRestTicks + stillness(c.step).ticks) {
     refuse(state, gyro ? CalibrationReason::not_still : CalibrationReason::harness_sways);
+  }
+}
+
+// One step of what is measured now.
+void watch_step(CoreState& state) noexcept {
+  switch (state.in_mode.calibration.step) {
+    case CalibrationStep::zero:
+    case CalibrationStep::gyro:
+      return watch_rest(state);
+    case CalibrationStep::neutral:
+      return watch_neutral(state);
+    case CalibrationStep::strut_length:
+    case CalibrationStep::strut_spacing:
+    case CalibrationStep::wheel_radius:
+    case CalibrationStep::track:
+      return watch_pairs(state);
+    case CalibrationStep::encoders:
+      return watch_encoders(state);
+    case CalibrationStep::bumpers:
+      return watch_bumpers(state);
+    case CalibrationStep::square:  // the operator enters everything
+    case CalibrationStep::none:
+      return;
   }
 }
 
@@ -472,31 +520,7 @@ bool advance_calibration(CoreState& state, double dt_s) noexcept {
                                                                                             : CalibrationReason::timed_out;
     return false;
   }
-  if (c.phase == CalibrationPhase::result || c.phase == CalibrationPhase::refused) return true;
-  switch (c.step) {
-    case CalibrationStep::zero:
-    case CalibrationStep::gyro:
-      watch_rest(state);
-      break;
-    case CalibrationStep::neutral:
-      watch_neutral(state);
-      break;
-    case CalibrationStep::strut_length:
-    case CalibrationStep::strut_spacing:
-    case CalibrationStep::wheel_radius:
-    case CalibrationStep::track:
-      watch_pairs(state);
-      break;
-    case CalibrationStep::encoders:
-      watch_encoders(state);
-      break;
-    case CalibrationStep::bumpers:
-      watch_bumpers(state);
-      break;
-    case CalibrationStep::square:
-    case CalibrationStep::none:
-      break;
-  }
+  if (c.phase != CalibrationPhase::result && c.phase != CalibrationPhase::refused) watch_step(state);
   return true;
 }
 

@@ -240,9 +240,14 @@ class DriveNode {
       if (state_ == State::switch_on_disabled && shutdown) state_ = State::ready;  // transition 2
       return;
     }
+    if (!apply_stop(word)) apply_start(word, risen);
+  }
+
+  // Disable voltage, quick stop and shutdown. True when the word is dealt with.
+  bool apply_stop(std::uint16_t word) {
     if ((word & kVoltageBit) == 0) {  // disable voltage, transitions 7, 9, 10, 12: all transistors off
       switch_off(State::switch_on_disabled);
-      return;
+      return true;
     }
     if ((word & kNoQuickStopBit) == 0) {  // transitions 7, 10, 11
       if (state_ == State::operation_enabled)
@@ -250,17 +255,19 @@ class DriveNode {
                    stack_.values().template get<0x605A>() == 6 ? State::quick_stop_active : State::switch_on_disabled);
       else if (state_ != State::quick_stop_active)
         state_ = State::switch_on_disabled;
-      return;
+      return true;
     }
-    if (state_ == State::quick_stop_active)
-      return;                          // transition 16 is not supported: a quick stop ends by disable voltage or at standstill
-    if ((word & kSwitchOnBit) == 0) {  // shutdown, transitions 6 and 8: the ramp comes first
-      if (state_ == State::operation_enabled)
-        begin_stop(State::operation_enabled, State::ready);
-      else
-        state_ = State::ready;
-      return;
-    }
+    // Transition 16 is not supported: a quick stop ends by disable voltage or at standstill.
+    if (state_ == State::quick_stop_active) return true;
+    if ((word & kSwitchOnBit) != 0) return false;
+    if (state_ == State::operation_enabled)  // shutdown, transitions 6 and 8: the ramp comes first
+      begin_stop(State::operation_enabled, State::ready);
+    else
+      state_ = State::ready;
+    return true;
+  }
+
+  void apply_start(std::uint16_t word, std::uint16_t risen) {
     if (state_ == State::ready && supply_v_ >= kUnderVoltage_v && board_.driver_ok()) state_ = State::switched_on;  // transition 3
     if ((word & kEnableBit) == 0) {                                                                                 // transition 5
       if (state_ == State::operation_enabled) begin_stop(State::operation_enabled, State::switched_on);
@@ -587,7 +594,7 @@ class DriveNode {
     winding_.step_1ms(winding_config(), current_a_);
   }
 
-  void run_servo() {
+  [[nodiscard]] law::ServoConfig<float> servo_config() {
     const auto& values = stack_.values();
     law::ServoConfig<float> config;
     config.counts_per_turn = kEncoderCountsPerTurn;
@@ -601,31 +608,19 @@ class DriveNode {
     config.speed_low_pass_share = filter_share_;
     config.current_limit_a = current_limit_a_ = limit_in_force_a();
     config.acceleration_max_rad_s2 = static_cast<float>(values.template get<0x6083>());
+    return config;
+  }
+
+  void run_servo() {
+    law::ServoConfig<float> config = servo_config();
     law::ServoInput<float> input;
     input.position_counts = counts_;
     input.command_age_s = 0;  // the RPDO deadline is checked above, with its own reaction
     input.speed_measured = true;
     input.speed_rad_s = measured_rad_s_;
-
-    if (!powered()) {
-      watch_sleeping_bridge();
-      // The speed is always measured; the loop stays at rest, independent of the supply.
-      const law::ServoOutput<float> output = law::servo_step(config, servo_, input, kServoTick_s);
-      speed_rad_s_ = output.speed_rad_s;
-      servo_.integral_v = 0;
-      servo_.applied_v = 0;
-      servo_.reference_rad_s.value = 0;
-      duty_norm_ = 0;
-      limited_ = false;
-      board_.set_bridge(false, 0.0F);
-      return;
-    }
-    if (leaving_) config.acceleration_max_rad_s2 = static_cast<float>(values.template get<0x6085>());
-    if (values.template get<0x60FF>() != target_mrad_s_) {
-      target_mrad_s_ = values.template get<0x60FF>();
-      target_rad_s_ = 0.001F * static_cast<float>(target_mrad_s_);
-    }
-    input.target_rad_s = halted() ? 0.0F : target_rad_s_;
+    if (!powered()) return rest_servo(config, input);
+    if (leaving_) config.acceleration_max_rad_s2 = static_cast<float>(stack_.values().template get<0x6085>());
+    input.target_rad_s = halted() ? 0.0F : target_in_rad_s();
     input.current_a = current_a_;
     input.supply_v = supply_v_;
     const float applied_before_v = servo_.applied_v;
@@ -640,6 +635,27 @@ class DriveNode {
     board_.set_bridge(!output.refused, duty_norm_);
   }
 
+  // Without power the speed is still measured; the loop stays at rest, independent of the supply.
+  void rest_servo(const law::ServoConfig<float>& config, const law::ServoInput<float>& input) {
+    watch_sleeping_bridge();
+    speed_rad_s_ = law::servo_step(config, servo_, input, kServoTick_s).speed_rad_s;
+    servo_.integral_v = 0;
+    servo_.applied_v = 0;
+    servo_.reference_rad_s.value = 0;
+    duty_norm_ = 0;
+    limited_ = false;
+    board_.set_bridge(false, 0.0F);
+  }
+
+  // 60FFh as a float, converted when it has changed.
+  [[nodiscard]] float target_in_rad_s() {
+    if (stack_.values().template get<0x60FF>() != target_mrad_s_) {
+      target_mrad_s_ = stack_.values().template get<0x60FF>();
+      target_rad_s_ = 0.001F * static_cast<float>(target_mrad_s_);
+    }
+    return target_rad_s_;
+  }
+
   void finish_stop(float reference_rad_s) {
     if (reference_rad_s != 0.0F) return;
     ++stop_age_ms_;
@@ -649,34 +665,31 @@ class DriveNode {
     switch_off(leaving_to_);
   }
 
-  void publish() {
-    std::uint16_t status = 0;
-    switch (state_) {
+  // Status word 6041h of each state (CiA 402).
+  [[nodiscard]] static constexpr std::uint16_t status_of(State state) {
+    switch (state) {
       case State::not_ready:
-        status = 0x00;
-        break;
+        return 0x00;
       case State::switch_on_disabled:
-        status = 0x40;
-        break;
+        return 0x40;
       case State::ready:
-        status = 0x21;
-        break;
+        return 0x21;
       case State::switched_on:
-        status = 0x23;
-        break;
+        return 0x23;
       case State::operation_enabled:
-        status = 0x27;
-        break;
+        return 0x27;
       case State::quick_stop_active:
-        status = 0x07;
-        break;
+        return 0x07;
       case State::fault_reaction:
-        status = 0x0F;
-        break;
+        return 0x0F;
       case State::fault:
-        status = 0x08;
-        break;
+        return 0x08;
     }
+    return 0x00;
+  }
+
+  void publish() {
+    std::uint16_t status = status_of(state_);
     if (supply_v_ >= kUnderVoltage_v) status = static_cast<std::uint16_t>(status | 0x10U);
     if (limit_folded_) status = static_cast<std::uint16_t>(status | 0x80U);  // warning: less current than set
     if (stack_.operational()) status = static_cast<std::uint16_t>(status | 0x200U);

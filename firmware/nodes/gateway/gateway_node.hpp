@@ -146,70 +146,100 @@ class GatewayNode {
   }
 
   void on_command(std::string_view text) {
-    const char argument = text.size() == 2 ? text[1] : '\0';
     switch (text[0]) {
-      case 'S':  // the bus has one rate
-        return accept(!open_ && argument == '5');
       case 'O':
       case 'L':
-        // A second one is refused without effect: some programs send it twice.
-        if (text.size() != 1 || open_) return refuse();
-        open_ = true;
-        listen_only_ = text[0] == 'L';
-        clear_queues();
-        // What was before is not this computer's; a controller that is in trouble now is news to it.
-        reported_state_ = CanHealth::State::active;
-        lost_in_ = lost_out_ = 0;
-        return accept(true);
+        return open_channel(text);
       case 'C':
-        if (text.size() != 1) return refuse();
-        open_ = listen_only_ = false;
-        clear_queues();
-        return accept(true);
-      case 'X':
-        if (argument != '0' && argument != '1') return refuse();
-        auto_send_ = argument == '1';
-        return accept(true);
-      case 'Z':
-        if (open_ || (argument != '0' && argument != '1')) return refuse();
-        stamps_ = argument == '1';
-        return accept(true);
-      case 'E':
-        if (open_ || (argument != '0' && argument != '1')) return refuse();
-        news_ = argument == '1';
-        return accept(true);
+        return close_channel(text);
       case 'P':
-        if (text.size() != 1 || !open_ || auto_send_) return refuse();
-        if (rx_count_ == 0) return reply(kOk);
-        put_polled();
-        return;
       case 'A':
-        if (text.size() != 1 || !open_ || auto_send_) return refuse();
-        while (rx_count_ > 0) put_polled();
-        return reply("A\r");
-      case 'F': {
-        if (text.size() != 1) return refuse();
-        const CanHealth::State state = board_.can_health().state;
-        if (state == CanHealth::State::warning) flags_ |= kWarning;
-        if (state == CanHealth::State::passive) flags_ |= kPassive;
-        if (state == CanHealth::State::bus_off) flags_ |= kBusError;
-        const char answer[4] = {'F', contract::slcan_detail::hex_digit(flags_ >> 4), contract::slcan_detail::hex_digit(flags_), '\r'};
-        flags_ = 0;
-        return reply(std::string_view(answer, 4));
-      }
+        return send_polled(text);
+      case 'F':
+        return send_flags(text);
       case 'V':
-        return text.size() == 1 ? reply("V1010\r") : refuse();
       case 'v':
-        return text.size() == 1 ? reply("v0001\r") : refuse();
       case 'N':
-        return text.size() == 1 ? reply(board_.simulated() ? "NSIM1\r" : "N0001\r") : refuse();
+        return identify(text);
+      default:
+        return set_up(text);
+    }
+  }
+
+  void open_channel(std::string_view text) {
+    // A second one is refused without effect: some programs send it twice.
+    if (text.size() != 1 || open_) return refuse();
+    open_ = true;
+    listen_only_ = text[0] == 'L';
+    clear_queues();
+    // Earlier states and losses do not concern this computer; a controller that is not error-active now is reported to it.
+    reported_state_ = CanHealth::State::active;
+    lost_in_ = lost_out_ = 0;
+    reply(kOk);
+  }
+
+  void close_channel(std::string_view text) {
+    if (text.size() != 1) return refuse();
+    open_ = listen_only_ = false;
+    clear_queues();
+    reply(kOk);
+  }
+
+  // Settings. All but X are refused while the channel is open.
+  void set_up(std::string_view text) {
+    const char argument = text.size() == 2 ? text[1] : '\0';
+    const bool zero_or_one = argument == '0' || argument == '1';
+    if (open_ && text[0] != 'X') return refuse();
+    switch (text[0]) {
+      case 'S':  // the bus has one rate
+        return accept(argument == '5');
+      case 'X':
+        return set_switch(auto_send_, zero_or_one, argument);
+      case 'Z':
+        return set_switch(stamps_, zero_or_one, argument);
+      case 'E':
+        return set_switch(news_, zero_or_one, argument);
       case 'M':  // no filter: only the code and mask that let everything through
-        return accept(!open_ && text == "M00000000");
+        return accept(text == "M00000000");
       case 'm':
-        return accept(!open_ && text == "mFFFFFFFF");
+        return accept(text == "mFFFFFFFF");
       default:
         return refuse();
     }
+  }
+  void set_switch(bool& setting, bool valid, char argument) {
+    if (valid) setting = argument == '1';
+    accept(valid);
+  }
+
+  // P: the oldest received frame. A: all of them.
+  void send_polled(std::string_view text) {
+    if (text.size() != 1 || !open_ || auto_send_) return refuse();
+    if (text[0] == 'A') {
+      while (rx_count_ > 0) put_polled();
+      return reply("A\r");
+    }
+    if (rx_count_ == 0) return reply(kOk);
+    put_polled();
+  }
+
+  // Reading the flags clears them.
+  void send_flags(std::string_view text) {
+    if (text.size() != 1) return refuse();
+    const CanHealth::State state = board_.can_health().state;
+    if (state == CanHealth::State::warning) flags_ |= kWarning;
+    if (state == CanHealth::State::passive) flags_ |= kPassive;
+    if (state == CanHealth::State::bus_off) flags_ |= kBusError;
+    const char answer[4] = {'F', contract::slcan_detail::hex_digit(flags_ >> 4), contract::slcan_detail::hex_digit(flags_), '\r'};
+    flags_ = 0;
+    reply(std::string_view(answer, 4));
+  }
+
+  void identify(std::string_view text) {
+    if (text.size() != 1) return refuse();
+    if (text[0] == 'V') return reply("V1010\r");
+    if (text[0] == 'v') return reply("v0001\r");
+    reply(board_.simulated() ? "NSIM1\r" : "N0001\r");
   }
 
   void accept(bool good) {
@@ -242,12 +272,19 @@ class GatewayNode {
     if (lost_out_ < kNewsMax) ++lost_out_;
   }
 
-  // Each millisecond: the controller's state, and what has waited too long.
+  // Each millisecond: lost frames, bus-off, and frames that have waited too long.
   void watch_controller() {
     const CanHealth health = board_.can_health();
-    if (health.lost != lost_seen_) {
-      const std::uint32_t lost = health.lost - lost_seen_;
-      lost_seen_ = health.lost;
+    count_losses(health.lost);
+    restart_after_bus_off(health.state == CanHealth::State::bus_off);
+    drop_stale();
+    if constexpr (requires { board_.drop_unsent(); }) drop_unsent();
+  }
+
+  void count_losses(std::uint32_t total) {
+    if (total != lost_seen_) {
+      const std::uint32_t lost = total - lost_seen_;
+      lost_seen_ = total;
       flags_ |= kRxFull | kOverrun;
       lost_in_ = lost >= kNewsMax ? kNewsMax : static_cast<std::uint8_t>(lost_in_ > kNewsMax - lost ? kNewsMax : lost_in_ + lost);
     }
@@ -256,7 +293,9 @@ class GatewayNode {
       flags_ |= kOverrun;
       lose_to_bus();  // part of a line to the bus, which the decoder drops whole
     }
-    const bool off = health.state == CanHealth::State::bus_off;
+  }
+
+  void restart_after_bus_off(bool off) {
     if (off && !bus_off_) {
       ++counters_.bus_off;
       bus_off_ms_ = 0;
@@ -269,29 +308,33 @@ class GatewayNode {
       ++counters_.can_restarts;
       board_.can_restart();
     }
+  }
+
+  void drop_stale() {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < tx_count_; ++i) {
-      if (++tx_[i].age_ms >= kGatewayStale_ms) {
-        ++counters_.stale;
-        flags_ |= kTxFull;
-        lose_to_bus();
-      } else {
+      if (++tx_[i].age_ms >= kGatewayStale_ms)
+        lose_stale();
+      else
         tx_[kept++] = tx_[i];
-      }
     }
     tx_count_ = kept;
-    // A controller that cannot send (no acknowledge: passive, never bus-off) keeps the frames of its own queue.
-    if constexpr (requires { board_.drop_unsent(); }) {
-      if (board_.all_sent()) {
-        unsent_ms_ = 0;
-      } else if (++unsent_ms_ >= kGatewayStale_ms) {
-        unsent_ms_ = 0;
-        board_.drop_unsent();
-        ++counters_.stale;
-        flags_ |= kTxFull;
-        lose_to_bus();
-      }
+  }
+
+  // A controller that cannot send (no acknowledge: passive, never bus-off) keeps the frames of its own queue.
+  void drop_unsent() {
+    if (board_.all_sent()) {
+      unsent_ms_ = 0;
+    } else if (++unsent_ms_ >= kGatewayStale_ms) {
+      unsent_ms_ = 0;
+      board_.drop_unsent();
+      lose_stale();
     }
+  }
+  void lose_stale() {
+    ++counters_.stale;
+    flags_ |= kTxFull;
+    lose_to_bus();
   }
 
   // A change is reported once; frequent changes are limited to the newest state per interval.
@@ -299,28 +342,30 @@ class GatewayNode {
     if (state_age_ms_ < kGatewayStateLine_ms) ++state_age_ms_;
     if (error_age_ms_ < kGatewayStateLine_ms) ++error_age_ms_;
     if (!open_ || !news_ || kGatewayUartMax - uart_count_ < kGatewayNewsRoom) return;
+    if (state_age_ms_ >= kGatewayStateLine_ms) report_state();
+    if (error_age_ms_ >= kGatewayStateLine_ms) report_losses();
+  }
+  void report_state() {
     const CanHealth health = board_.can_health();
-    if (health.state != reported_state_ && state_age_ms_ >= kGatewayStateLine_ms) {
-      std::array<char, 9> line{'s', "awpb"[static_cast<std::size_t>(health.state)], 0, 0, 0, 0, 0, 0, '\r'};
-      put_decimal3(&line[2], health.rx_errors);
-      put_decimal3(&line[5], health.tx_errors);
-      if (put(std::string_view(line.data(), line.size()))) {
-        reported_state_ = health.state;
-        state_age_ms_ = 0;
-      }
-    }
-    if ((lost_in_ != 0 || lost_out_ != 0) && error_age_ms_ >= kGatewayStateLine_ms) {
-      // One letter each: `o` lost on the way to the computer, `O` on the way to the bus; the digit counts the letters, as the kernel reads it.
-      std::array<char, 5> line{'e', lost_in_ != 0 && lost_out_ != 0 ? '2' : '1'};
-      std::size_t length = 2;
-      if (lost_in_ != 0) line[length++] = 'o';
-      if (lost_out_ != 0) line[length++] = 'O';
-      line[length++] = '\r';
-      if (put(std::string_view(line.data(), length))) {
-        lost_in_ = lost_out_ = 0;
-        error_age_ms_ = 0;
-      }
-    }
+    if (health.state == reported_state_) return;
+    std::array<char, 9> line{'s', "awpb"[static_cast<std::size_t>(health.state)], 0, 0, 0, 0, 0, 0, '\r'};
+    put_decimal3(&line[2], health.rx_errors);
+    put_decimal3(&line[5], health.tx_errors);
+    if (!put(std::string_view(line.data(), line.size()))) return;
+    reported_state_ = health.state;
+    state_age_ms_ = 0;
+  }
+  // One letter each: `o` lost on the way to the computer, `O` on the way to the bus; the digit counts the letters, as the kernel reads it.
+  void report_losses() {
+    if (lost_in_ == 0 && lost_out_ == 0) return;
+    std::array<char, 5> line{'e', lost_in_ != 0 && lost_out_ != 0 ? '2' : '1'};
+    std::size_t length = 2;
+    if (lost_in_ != 0) line[length++] = 'o';
+    if (lost_out_ != 0) line[length++] = 'O';
+    line[length++] = '\r';
+    if (!put(std::string_view(line.data(), length))) return;
+    lost_in_ = lost_out_ = 0;
+    error_age_ms_ = 0;
   }
   static void put_decimal3(char* at, std::uint8_t value) {
     at[0] = static_cast<char>('0' + value / 100);
