@@ -238,6 +238,35 @@ void check_pure_words(const File& file, std::vector<Finding>& findings) {
   }
 }
 
+// In the core and the nodes a function fits on a screen: who judges its safety sees it whole.
+constexpr int kLongestFunction_lines = 60;
+bool has_short_functions(std::string_view path) {
+  return starts_with(path, "control/core/") || starts_with(path, "control/run/") || starts_with(path, "firmware/nodes/") ||
+         starts_with(path, "firmware/lib/");
+}
+
+// A body is a brace behind `(...)`, unless a word of the language stands before the parenthesis. Only the outermost counts.
+void check_function_lengths(const File& file, std::vector<Finding>& findings) {
+  static const std::regex opens_function(R"(\)\s*(const)?\s*(noexcept)?\s*(override|final)?\s*(->\s*[\w:<>]+\s*)?$)");
+  static const std::regex opens_block(R"(^\s*(\}|if|for|while|switch|else)\b)");
+  std::vector<int> begun;  // line of each open brace that begins a function, 0 for any other
+  for (const auto& [number, text] : lines_of(without_comments(file.text, false))) {
+    for (std::size_t at = 0; at < text.size(); ++at) {
+      if (text[at] == '{') {
+        const std::string head = text.substr(0, at);
+        const bool inside = std::any_of(begun.begin(), begun.end(), [](int line) { return line != 0; });
+        begun.push_back(!inside && std::regex_search(head, opens_function) && !std::regex_search(head, opens_block) ? number : 0);
+      } else if (text[at] == '}' && !begun.empty()) {
+        const int lines = begun.back() == 0 ? 0 : number - begun.back() + 1;
+        if (lines > kLongestFunction_lines)
+          findings.push_back({file.path, begun.back(), "long-function",
+                              std::to_string(lines) + " lines; at most " + std::to_string(kLongestFunction_lines)});
+        begun.pop_back();
+      }
+    }
+  }
+}
+
 void check_wall_clock(const File& file, std::vector<Finding>& findings) {
   static const std::regex wall_clock(R"(\b(CLOCK_REALTIME\w*|gettimeofday|system_clock|std::time|timespec_get)\b|::time\s*\()");
   if (may_read_the_wall_clock().count(file.path) != 0) return;
@@ -347,6 +376,7 @@ std::vector<Finding> check_file(const File& file, const std::vector<std::string>
     if (!ends_with(file.path, ".cpp") && file.text.find("#pragma once") == std::string::npos)
       findings.push_back({file.path, 1, "pragma-once", "a header without #pragma once"});
     if (is_pure(file.path)) check_pure_words(file, findings);
+    if (has_short_functions(file.path)) check_function_lengths(file, findings);
     if (starts_with(file.path, "control/") || starts_with(file.path, "server/") || starts_with(file.path, "db/") ||
         starts_with(file.path, "firmware/"))
       check_wall_clock(file, findings);

@@ -110,6 +110,21 @@ TEST(WallClock, H26OnlyDatesForPeopleComeFromIt) {
             Rules{});
 }
 
+TEST(Functions, ALongOneIsFoundInTheCoreAndTheNodes) {
+  const auto lines = [](int count) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += "  if (a) {  // }}}\n    a = \"{\";\n  }\n";
+    return text;
+  };
+  const auto function = [&](int count) { return "int f(int a,\n      int b) const noexcept {\n" + lines(count) + "}\n"; };
+  const Rules too_long = {"long-function"};
+  EXPECT_EQ(broken_by("control/core/modes/a.cpp", function(20)), too_long);
+  EXPECT_EQ(broken_by("firmware/nodes/drive/a.cpp", "class A {\n" + function(20) + "};\n"), too_long);
+  EXPECT_EQ(broken_by("control/run/a.cpp", function(19)), Rules{});
+  EXPECT_EQ(broken_by("control/core/modes/a.cpp", "namespace a {\n" + function(15) + function(15) + "}\n"), Rules{});
+  EXPECT_EQ(broken_by("server/api/a.cpp", function(20)), Rules{});
+}
+
 TEST(Layers, EachForbiddenArrowIsFound) {
   const std::string pragma = "#pragma once\n";
   const auto includes = [&](const std::string& target) { return pragma + "#include \"" + target + "\"\n"; };
