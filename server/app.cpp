@@ -1,11 +1,14 @@
 #include "server/app.hpp"
 
+#include <unistd.h>
+
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <filesystem>
+#include <future>
 #include <iostream>
 #include <optional>
 #include <utility>
@@ -48,6 +51,11 @@ void make_private(const std::filesystem::path& database) {
   }
 }
 
+std::string host_name() {
+  std::array<char, 65> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : std::string();
+}
+
 std::int64_t utc_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
@@ -59,8 +67,14 @@ struct App::Parts {
         actors(static_cast<std::uint32_t>(std::stoul(random_hex(3), nullptr, 16)) << 6U),
         core(settings.socket_path, counters),
         firmware(core),
-        jobs({.file = settings.db_path,
-              .utc_ns = &utc_ns,
+        jobs({.tools = {.file = settings.db_path,
+                        .utc_ns = &utc_ns,
+                        .backup_roots = settings.backup_roots,
+                        .device = host_name(),
+                        .program = std::string{contract::program_version()},
+                        .other_databases = {std::filesystem::path(settings.db_path).replace_filename("accounts.db")},
+                        .identity_key = settings.db_path.string() + ".key",
+                        .replace_file = [this](const std::filesystem::path& prepared) { return replace_file(prepared); }},
               .on_damage = [this](const db::IntegrityReport& report) { recorder.set_aside(report.file_id, report.structure.front()); }}),
         recorder(core.link(), {.file = settings.db_path,
                                .version = std::string{contract::program_version()},
@@ -73,6 +87,22 @@ struct App::Parts {
         state(settings, core, recorder),
         timer(io),
         goodbye(io) {}
+
+  // On the jobs' thread: waits for the recorder, whose file it is.
+  db::Result<std::filesystem::path> replace_file(const std::filesystem::path& prepared) {
+    const db::Error busy{db::ErrorKind::busy, "The recorder is busy or ends: try again later.", {}};
+    auto promise = std::make_shared<std::promise<db::Result<std::filesystem::path>>>();
+    auto answer = promise->get_future();
+    if (!recorder.run([promise = std::move(promise), prepared, busy](Records& on) {
+          promise->set_value(on.late() ? busy : on.replace_file(prepared));
+        }))
+      return busy;
+    try {
+      return answer.get();
+    } catch (const std::future_error&) {
+      return busy;
+    }
+  }
 
   void arm() {
     // An absolute raster, so that no delay adds up; its phase follows the core's when there is one. Each step while a client drives or waits

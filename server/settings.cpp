@@ -15,6 +15,7 @@ std::string usage() {
          "  --host NAME        further name under which browsers may call; may be repeated\n"
          "  --scenario NAME    what the simulator plays: chooses the exercise offered first\n"
          "  --token-file FILE  where the token for scripts is written, readable only by this user\n"
+         "  --backup-root DIR  folder in which backups may be written, and from which they may be put back; may be repeated\n"
          "  --tls-cert FILE    certificate chain (PEM): HTTPS and WSS instead of plain; needs --tls-key\n"
          "  --tls-key FILE     its private key (PEM), readable only by this user\n"
          "  --version          which source this program was built from\n"
@@ -34,7 +35,7 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     }
     const bool known = option == "--socket" || option == "--db" || option == "--web" || option == "--port" || option == "--bind" ||
                        option == "--host" || option == "--scenario" || option == "--token-file" || option == "--tls-cert" ||
-                       option == "--tls-key";
+                       option == "--tls-key" || option == "--backup-root";
     if (!known) {
       error = "unknown option " + option + "; see --help";
       return false;
@@ -46,6 +47,7 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     const std::string& value = arguments[++i];
     if (option == "--socket") settings.socket_path = value;
     if (option == "--db") settings.db_path = value;
+    if (option == "--backup-root") settings.backup_roots.emplace_back(value);
     if (option == "--web") settings.web_dir = value;
     if (option == "--bind") settings.bind = value;
     if (option == "--host") settings.hosts.push_back(value);

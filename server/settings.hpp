@@ -17,6 +17,7 @@ struct Settings {
   std::optional<std::string> scenario;
   std::filesystem::path token_file;
   std::vector<std::string> hosts;
+  std::vector<std::filesystem::path> backup_roots;
   std::filesystem::path tls_cert, tls_key;  // both or none; none = plain HTTP
   bool help = false, version = false;
 };

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "db/store/backup.hpp"
 #include "db/store/column_layouts.hpp"
 #include "db/store/fold.hpp"
 #include "db/store/identity.hpp"
@@ -75,6 +76,13 @@ std::filesystem::path newest_aside(const std::filesystem::path& file) {
 
 Error foreign_file(const std::filesystem::path& file, const std::string& why) {
   return {ErrorKind::foreign, file.string() + " " + why + " and stays as it is: choose another file", {}};
+}
+
+Error newer(const std::filesystem::path& file, int version) {
+  return {ErrorKind::newer_schema,
+          "the database " + file.string() + " was written by a newer Hoist (schema " + std::to_string(version) + ", this one knows " +
+              std::to_string(schema_version()) + "): install that version, or choose another file",
+          {}};
 }
 
 // What was acknowledged by its seal and is not in the file. A seal of another file says nothing; an empty file has lost all.
@@ -183,6 +191,38 @@ Result<Database> Database::attach(const std::filesystem::path& file, const OpenO
   });
 }
 
+Result<Database> Database::inspect(const std::filesystem::path& file, const OpenOptions& options) {
+  if (options.vfs == nullptr) {
+    const Identified found = identify(file);
+    if (found.identity == Identity::foreign) return foreign_file(file, found.why);
+    if (found.identity != Identity::ours)
+      return Error{ErrorKind::corrupt, file.string() + " holds no recordings" + (found.why.empty() ? "" : ": " + found.why), {}};
+  }
+  Result<Database> database = connect(file, options, false);
+  if (!database) return database;
+  return guarded([&]() -> Result<Database> {
+    const int version = user_version(database->handle_);
+    if (version > schema_version()) return newer(file, version);
+    if (version == 0) return Error{ErrorKind::corrupt, file.string() + " holds no recordings", {}};
+    database->report_.migrated_from = database->report_.schema_version = version;
+    return std::move(database);
+  });
+}
+
+Result<Database> Database::create_copy(const std::filesystem::path& file, const OpenOptions& options) {
+  return connect(file, options, true);
+}
+
+Status Database::leave_log(const std::filesystem::path& file) {
+  const Result<Database> database = connect(file, {}, false);
+  if (!database) return database.error();
+  return guarded([&]() -> Status {
+    Statement mode(database->handle_, "PRAGMA journal_mode = DELETE");
+    if (mode.step() && mode.text_at(0) == "delete") return {};
+    return Error{ErrorKind::busy, "another program reads " + file.string() + ": end it first", {}};
+  });
+}
+
 Result<Database> Database::open(const std::filesystem::path& file, const OpenOptions& options) {
   OpenReport report;
   // Before anything is looked at: a file that another program writes is neither checked nor set aside.
@@ -192,6 +232,7 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
     if (!taken) return taken.error();
     lock = std::move(*taken);
   }
+  if (options.vfs == nullptr) tidy_after_restore(file);
   // Twice at most: a damaged file is set aside once, its empty successor is sound.
   for (int round = 0;; ++round) {
     std::error_code ignored;
@@ -210,11 +251,7 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
         // SQLite compares the header's size with the file's and reads the whole schema. This needs a few pages, however large the file is.
         (void)number_of(handle, "SELECT count(*) FROM sqlite_schema");
         const int version = user_version(handle);
-        if (version > schema_version())
-          return Error{ErrorKind::newer_schema,
-                       "the database " + file.string() + " was written by a newer Hoist (schema " + std::to_string(version) +
-                           ", this one knows " + std::to_string(schema_version()) + "): install that version, or choose another file",
-                       {}};
+        if (version > schema_version()) return newer(file, version);
         // Before the log begins: what a file is must stand in the file itself.
         if (number_of(handle, "PRAGMA application_id") != kApplicationId)
           execute(handle, ("PRAGMA application_id = " + std::to_string(kApplicationId)).c_str());

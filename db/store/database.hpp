@@ -59,6 +59,13 @@ class Database {
   static Result<Database> open(const std::filesystem::path& file, const OpenOptions& options = {});
   /// Opens an existing file that `open` has prepared: for reading, and for SessionEditor. No check, no migration.
   static Result<Database> attach(const std::filesystem::path& file, const OpenOptions& options = {});
+  /// Opens a file that no program records into, as it is: a backup, a copy. Any schema up to this program's, which `report()` names.
+  /// Errors: foreign, newer_schema, corrupt (also: a file without recordings), io.
+  static Result<Database> inspect(const std::filesystem::path& file, const OpenOptions& options = {});
+  /// An empty database without a schema, for a copy.
+  static Result<Database> create_copy(const std::filesystem::path& file, const OpenOptions& options = {});
+  /// Writes the log back and removes it, so that the file is whole by itself until it is opened again. Error busy: it is in use.
+  static Status leave_log(const std::filesystem::path& file);
 
   Database(Database&&) noexcept;
   Database& operator=(Database&&) noexcept;

@@ -102,6 +102,8 @@ constexpr std::array kBlobTables{BlobTable{"chunks", "directory, body"}, BlobTab
 // One row at a time, so that no transaction stays open. Rows that are added meanwhile belong to the next check.
 bool check_blobs(sqlite3* handle, const BlobTable& table, double from, const CheckStep& step, IntegrityReport& report) {
   const std::string name(table.name);
+  // A backup may be older than the table.
+  if (number_of(handle, "SELECT count(*) FROM sqlite_schema WHERE name = '" + name + "'") == 0) return true;
   const std::int64_t last = number_of(handle, "SELECT max(id) FROM " + name);
   Statement row(
       handle, "SELECT id, session_id, " + std::string(table.columns) + " FROM " + name + " WHERE id > ?1 AND id <= ?2 ORDER BY id LIMIT 1");

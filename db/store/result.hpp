@@ -14,6 +14,7 @@ enum class ErrorKind : std::uint8_t {
   wrong_state,   // not now: no session open, session still recording …
   busy,          // another connection held the lock longer than the busy timeout
   disk_full,     // nothing was stored by this call; trying again later is fine
+  read_only,     // the disk, or the folder, may not be written
   io,            // the disk reported an error
   corrupt,       // a stored blob does not match its checksum or shape; the message names session and chunk
   newer_schema,  // the file was written by a newer Hoist
@@ -32,6 +33,8 @@ constexpr const char* error_kind_name(ErrorKind kind) {
       return "busy";
     case ErrorKind::disk_full:
       return "disk_full";
+    case ErrorKind::read_only:
+      return "read_only";
     case ErrorKind::io:
       return "io";
     case ErrorKind::corrupt:

@@ -96,8 +96,9 @@ start hoist-sim build/bin/hoist-sim --scenario "$scenario" "${sim_line[@]}" --co
 await_path "$line"
 start hoist-control build/bin/hoist-control "${control_line[@]}" --socket "$state/core.sock" --params "$data/parameters.json"
 await_path "$state/core.sock"
+mkdir -p "$data/backups"
 start hoist-server build/bin/hoist-server --socket "$state/core.sock" --port "$port" --web web/dist --db "$data/hoist.db" \
-  --scenario "$scenario" --token-file "$state/token"
+  --scenario "$scenario" --token-file "$state/token" --backup-root "$data/backups"
 
 # A supervisor ends only when it has given up.
 status=0

@@ -51,6 +51,9 @@ void start_job(const CallPtr& call) {
   const json& body = *call->body;
   JobArguments arguments;
   if (const auto sessions = body.find("sessions"); sessions != body.end()) arguments.sessions = sessions->get<std::vector<db::SessionId>>();
+  arguments.folder = body.value("folder", "");
+  arguments.backup = body.value("backup", "");
+  arguments.identity_key = body.value("identity_key", false);
   act_start_job(call->services, asker_of(*call), *find_job_kind(body.at("kind").get_ref<const std::string&>()), std::move(arguments),
                 answer_with(call, [call](const Outcome& outcome) { respond_accepted(call, outcome.job); }));
 }

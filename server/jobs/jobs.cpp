@@ -12,7 +12,7 @@
 namespace hoist::server {
 
 namespace {
-using Work = JobResult (*)(db::Database&, const JobArguments&, const JobStep&);
+using Work = JobResult (*)(const JobTools&, const JobArguments&, const JobStep&);
 constexpr std::array kWork{
 #define HOIST_JOB(name, role, doc) Work{&job::name},
 #include "server/contract/jobs.def"
@@ -102,12 +102,8 @@ void Jobs::run(JobId id) {
     kind = entry->info.kind;
     arguments = entry->arguments;
   }
-  // Opened for each job: the file may be another one since the last, and nothing stays open while nothing runs.
-  auto database = db::Database::attach(options_.file);
-  if (!database) return end(id, database.error());
-  JobResult result = kWork[static_cast<std::size_t>(kind)](*database, arguments, [this, id](double share) { return step(id, share); });
-  // Closed before it is told: the file may be set aside for it.
-  { const db::Database closed = std::move(*database); }
+  // The job's connection is closed before its end is told: the file may be set aside for it.
+  JobResult result = kWork[static_cast<std::size_t>(kind)](options_.tools, arguments, [this, id](double share) { return step(id, share); });
   end(id, std::move(result));
 }
 
@@ -142,7 +138,7 @@ void Jobs::end(JobId id, JobResult result) {
       changed(ended);
       return;
     }
-    info.ended_utc_ms = options_.utc_ns() / 1'000'000;
+    info.ended_utc_ms = options_.tools.utc_ns() / 1'000'000;
     if (!result) {
       info.state = JobState::failed;
       info.reason = reason_of(result.error().kind);
@@ -191,7 +187,7 @@ std::optional<JobId> Jobs::add(JobKind kind, JobArguments arguments, std::option
     id = entry.info.id = ++last_id_;
     entry.info.kind = kind;
     entry.info.actor = std::move(actor);
-    entry.info.asked_utc_ms = options_.utc_ns() / 1'000'000;
+    entry.info.asked_utc_ms = options_.tools.utc_ns() / 1'000'000;
     entry.arguments = std::move(arguments);
     changed(entry);
   }
@@ -219,7 +215,7 @@ bool Jobs::cancel(JobId id) {
   entry->cancelled = true;
   if (entry->info.state == JobState::waiting) {
     entry->info.state = JobState::cancelled;
-    entry->info.ended_utc_ms = options_.utc_ns() / 1'000'000;
+    entry->info.ended_utc_ms = options_.tools.utc_ns() / 1'000'000;
     changed(*entry);
     forget_oldest();
   }

@@ -66,8 +66,7 @@ struct FileHealth {
 class Jobs {
  public:
   struct Options {
-    std::filesystem::path file;
-    std::function<std::int64_t()> utc_ns;
+    JobTools tools;
     // On the jobs' thread: the file itself is damaged, not only a recording in it.
     std::function<void(const db::IntegrityReport&)> on_damage = {};
     // For tests, on the jobs' thread: before each step of a job.

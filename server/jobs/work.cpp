@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "db/store/backup.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/summary/session_json.hpp"
 #include "server/jobs/jobs.hpp"
@@ -12,8 +13,10 @@ namespace hoist::server::job {
 
 using nlohmann::json;
 
-JobResult integrity_check(db::Database& database, const JobArguments&, const JobStep& step) {
-  auto checked = db::check_integrity(database, step);
+JobResult integrity_check(const JobTools& tools, const JobArguments&, const JobStep& step) {
+  auto database = tools.open();
+  if (!database) return database.error();
+  auto checked = db::check_integrity(*database, step);
   if (!checked) return checked.error();
   if (!*checked) return std::optional<JobYield>{};
   db::IntegrityReport& report = **checked;
@@ -41,10 +44,12 @@ db::Result<std::vector<db::SessionId>> newest_sessions(db::Database& database) {
 }
 }  // namespace
 
-JobResult recompute_metrics(db::Database& database, const JobArguments& arguments, const JobStep& step) {
+JobResult recompute_metrics(const JobTools& tools, const JobArguments& arguments, const JobStep& step) {
+  auto database = tools.open();
+  if (!database) return database.error();
   std::vector<db::SessionId> ids = arguments.sessions;
   if (ids.empty()) {
-    auto newest = newest_sessions(database);
+    auto newest = newest_sessions(*database);
     if (!newest) return newest.error();
     ids = std::move(*newest);
   }
@@ -52,13 +57,87 @@ JobResult recompute_metrics(db::Database& database, const JobArguments& argument
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (!step(static_cast<double>(i) / static_cast<double>(ids.size()))) return std::optional<JobYield>{};
     // A session that is gone or damaged is one of its own: the others are computed.
-    if (auto figures = db::session_metrics_json(database, ids[i]); figures)
+    if (auto figures = db::session_metrics_json(*database, ids[i]); figures)
       items.push_back(std::move(*figures));
     else
       failed.push_back({{"session", ids[i]}, {"detail", figures.error().message}});
   }
   const json told{{"kind", "recompute_metrics"}, {"items", std::move(items)}, {"failed", std::move(failed)}};
   return std::optional(JobYield{.result = told.dump(-1, ' ', false, json::error_handler_t::replace), .check = {}});
+}
+
+namespace {
+namespace fs = std::filesystem;
+
+json backup_json(const db::BackupInfo& info) {
+  json files = json::array();
+  for (const db::BackupFile& file : info.files) files.push_back({{"name", file.name}, {"bytes", file.bytes}, {"sha256", file.sha256}});
+  return {{"backup", info.folder.string()},    {"device", info.device},     {"program", info.program},
+          {"utc_ms", info.utc_ns / 1'000'000}, {"sessions", info.sessions}, {"files", std::move(files)}};
+}
+
+std::string dumped(const json& told) { return told.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+// Whether this path is one of the allowed folders or below one, links followed.
+db::Status check_place(const JobTools& tools, const fs::path& path, const char* field) {
+  std::string allowed;
+  for (const fs::path& root : tools.backup_roots) {
+    std::error_code error;
+    const fs::path real = fs::weakly_canonical(path, error), base = fs::weakly_canonical(root, error);
+    if (!error && path.is_absolute() && std::ranges::mismatch(base, real).in1 == base.end()) return {};
+    allowed += (allowed.empty() ? "" : ", ") + root.string();
+  }
+  return db::Error{
+      db::ErrorKind::bad_value,
+      allowed.empty() ? "this server has no folder for backups (--backup-root)" : "backups are allowed below " + allowed + " only", field};
+}
+}  // namespace
+
+JobResult backup(const JobTools& tools, const JobArguments& arguments, const JobStep& step) {
+  const fs::path folder = !arguments.folder.empty() || tools.backup_roots.empty() ? fs::path(arguments.folder) : tools.backup_roots.front();
+  if (db::Status allowed = check_place(tools, folder, "folder"); !allowed) return allowed.error();
+  auto database = tools.open();
+  if (!database) return database.error();
+  db::BackupOptions options{.folder = folder,
+                            .device = db::clean_device(tools.device),
+                            .program = tools.program,
+                            .utc_ns = tools.utc_ns(),
+                            .databases = tools.other_databases};
+  if (arguments.identity_key) options.files.push_back(tools.identity_key);
+  const auto written = db::back_up(*database, options, step);
+  if (!written) return written.error();
+  if (!*written) return std::optional<JobYield>{};
+  json told = backup_json(**written);
+  told["kind"] = "backup";
+  return std::optional(JobYield{.result = dumped(told), .check = {}});
+}
+
+JobResult restore(const JobTools& tools, const JobArguments& arguments, const JobStep& step) {
+  if (db::Status allowed = check_place(tools, arguments.backup, "backup"); !allowed) return allowed.error();
+  const auto prepared = db::prepare_restore(arguments.backup, tools.file, step);
+  if (!prepared) return prepared.error();
+  if (!*prepared) return std::optional<JobYield>{};
+  const auto aside = tools.replace_file(**prepared);
+  if (!aside) {
+    std::error_code ignored;
+    fs::remove(**prepared, ignored);
+    return aside.error();
+  }
+  const json told{{"kind", "restore"}, {"backup", arguments.backup}, {"set_aside", aside->string()}};
+  return std::optional(JobYield{.result = dumped(told), .check = {}});
+}
+
+JobResult list_backups(const JobTools& tools, const JobArguments&, const JobStep& step) {
+  json folders = json::array(), items = json::array();
+  for (const fs::path& root : tools.backup_roots) {
+    if (!step(0)) return std::optional<JobYield>{};
+    std::error_code error;
+    const auto space = fs::space(root, error);
+    folders.push_back({{"folder", root.string()}, {"there", !error}, {"free_bytes", error ? json(nullptr) : json(space.available)}});
+    for (const db::BackupInfo& info : db::list_backups(root)) items.push_back(backup_json(info));
+  }
+  const json told{{"kind", "list_backups"}, {"folders", std::move(folders)}, {"items", std::move(items)}};
+  return std::optional(JobYield{.result = dumped(told), .check = {}});
 }
 
 }  // namespace hoist::server::job

@@ -1,5 +1,7 @@
 // What each kind of job does. One function per row of jobs.def, on the jobs' thread, with a connection of its own.
 #pragma once
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -13,7 +15,26 @@
 namespace hoist::server {
 
 struct JobArguments {
-  std::vector<db::SessionId> sessions;  // of recompute_metrics; empty = the newest ones
+  std::vector<db::SessionId> sessions = {};  // of recompute_metrics; empty = the newest ones
+  std::string folder = {};                   // of backup; empty = the first of the allowed ones
+  std::string backup = {};                   // of restore
+  bool identity_key = false;                 // of backup: the key of the patients' names goes with it
+};
+// What a job may use.
+struct JobTools {
+  std::filesystem::path file;
+  std::function<std::int64_t()> utc_ns;
+  // Backups are written below these folders only, and put back from there only.
+  std::vector<std::filesystem::path> backup_roots = {};
+  std::string device = {}, program = {};
+  // What goes into a backup beside the recordings, as far as it exists; the key only when the engineer says so.
+  std::vector<std::filesystem::path> other_databases = {};
+  std::filesystem::path identity_key = {};
+  // Puts a file that `prepare_restore` has made in the place of the one in use, which it names. Refused while a session is recorded.
+  std::function<db::Result<std::filesystem::path>(const std::filesystem::path& prepared)> replace_file = {};
+
+  // A connection for this job: the file may be another one since the last, and nothing stays open while nothing runs.
+  [[nodiscard]] db::Result<db::Database> open() const { return db::Database::attach(file); }
 };
 struct JobYield {
   std::string result;                        // as JSON
@@ -25,7 +46,7 @@ using JobStep = std::function<bool(double)>;
 using JobResult = db::Result<std::optional<JobYield>>;
 
 namespace job {
-#define HOIST_JOB(name, role, doc) JobResult name(db::Database& database, const JobArguments& arguments, const JobStep& step);
+#define HOIST_JOB(name, role, doc) JobResult name(const JobTools& tools, const JobArguments& arguments, const JobStep& step);
 #include "server/contract/jobs.def"
 #undef HOIST_JOB
 }  // namespace job

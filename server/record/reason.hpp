@@ -17,6 +17,8 @@ constexpr Reason reason_of(db::ErrorKind kind) {
       return Reason::busy;
     case db::ErrorKind::disk_full:
       return Reason::disk_full;
+    case db::ErrorKind::read_only:
+      return Reason::read_only;
     default:
       return Reason::storage;
   }

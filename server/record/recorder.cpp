@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "control/contract/faults.hpp"
+#include "db/store/backup.hpp"
 #include "db/store/database.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/session_writer.hpp"
@@ -123,10 +124,7 @@ class Recorder::Work final : public Records {
     }
     // Of a file that has been replaced since it was checked.
     if (const std::string own = writing_->file_id(); !own.empty() && own != file_id) return;
-    exports_.clear();
-    writer_.reset();
-    reading_.reset();
-    writing_.reset();
+    close_file();
     end_again_.reset();
     damage_ = std::move(damage);
     open();
@@ -157,6 +155,10 @@ class Recorder::Work final : public Records {
     if (session_open()) end(db::CloseReason::server_stopped);
     tell();
     // Here and not in the destructor, which runs on another thread.
+    close_file();
+  }
+
+  void close_file() {
     exports_.clear();
     writer_.reset();
     reading_.reset();
@@ -200,6 +202,15 @@ class Recorder::Work final : public Records {
     if (!session_open() || writer_->session() != session)
       return db::Error{db::ErrorKind::wrong_state, "This session is not being recorded.", ""};
     return writer_->store_marker(last_tick_, owner_.options_.utc_ns(), text, std::move(actor));
+  }
+  db::Result<std::filesystem::path> replace_file(const std::filesystem::path& prepared) override {
+    if (session_open() || (last_ && moving(*last_)))
+      return db::Error{db::ErrorKind::wrong_state, "A session is being recorded: restore after its end.", ""};
+    close_file();
+    auto aside = db::finish_restore(prepared, owner_.options_.file, owner_.options_.utc_ns());
+    if (aside) log("The recordings were replaced by a backup; those before are in " + aside->string() + ".");
+    open();
+    return aside;
   }
   db::Result<OpenedExport> open_export(db::SessionId session, const db::ExportOptions& options) override {
     if (!reading_) return db::Error{db::ErrorKind::io, error_, ""};

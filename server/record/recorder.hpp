@@ -73,6 +73,9 @@ class Records {
   // Stored when it returns without an error, and never otherwise.
   virtual db::Status marker(db::SessionId session, std::string_view text, std::optional<db::Actor> actor) = 0;
   virtual RecordingStatus status() = 0;
+  // Ends the use of the file, puts the prepared one (db/store/backup.hpp) in its place and opens that; where the old one is. Refused while a
+  // session is recorded or the hoist moves; after an error the old one is in use again.
+  virtual db::Result<std::filesystem::path> replace_file(const std::filesystem::path& prepared) = 0;
   // Needs a database. The export stays open until Recorder::close_export or the recorder's end.
   virtual db::Result<OpenedExport> open_export(db::SessionId session, const db::ExportOptions& options) = 0;
   // Replaces `out` by the next piece. False at the end.

@@ -12,6 +12,8 @@ int run_metrics(std::span<const std::string_view> arguments);
 int run_verify(std::span<const std::string_view> arguments);
 int run_replay(std::span<const std::string_view> arguments);
 int run_archive(std::span<const std::string_view> arguments);
+int run_backup(std::span<const std::string_view> arguments);
+int run_restore(std::span<const std::string_view> arguments);
 int run_bus(std::span<const std::string_view> arguments);
 
 namespace {
@@ -24,6 +26,8 @@ constexpr std::array kCommands = {
     Command{"verify", "run a session again and compare every field, bit for bit", &run_verify},
     Command{"replay", "run a session again with other parameters", &run_replay},
     Command{"archive", "an archive of several hoists in PostgreSQL: push, pull, list, verify", &run_archive},
+    Command{"backup", "copy a database of recordings into a folder, and check the copy", &run_backup},
+    Command{"restore", "put a backup in the place of a database", &run_restore},
     Command{"bus", "look at the CAN bus and its recordings", &run_bus},
     Command{"firmware", "the nodes' programs: pack, list, update", &run_firmware},
 };

@@ -47,6 +47,7 @@ class ServerTest : public ::testing::Test {
     settings.scenario = "figure-eight";
     settings.token_file = folder_ / "token";
     settings.hosts = {"hoist.local"};
+    settings.backup_roots = {folder_ / "stick"};
     app_ = std::make_unique<server::App>(settings);
     std::string error;
     ASSERT_TRUE(app_->start(error)) << error;

@@ -32,7 +32,7 @@ class Idle : public ::testing::Test {
         core_((folder_ / "core.sock").string(), counters_),
         firmware_(core_),
         recorder_(core_.link(), {.file = folder_ / "none.db", .version = "", .utc_ns = [] { return std::int64_t{0}; }, .steady_ns = {}}),
-        jobs_({.file = folder_ / "none.db", .utc_ns = [] { return std::int64_t{0}; }}),
+        jobs_({.tools = {.file = folder_ / "none.db", .utc_ns = [] { return std::int64_t{0}; }}}),
         records_(recorder_, [](std::function<void()>) {}),
         state_(settings_, core_, recorder_) {
     std::string error;

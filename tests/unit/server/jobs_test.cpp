@@ -64,8 +64,7 @@ class Queue : public ::testing::Test {
  protected:
   void SetUp() override { record_into(folder_ / "hoist.db", 500); }
   Jobs::Options options() {
-    return {.file = folder_ / "hoist.db",
-            .utc_ns = [] { return std::int64_t{5'000'000}; },
+    return {.tools = {.file = folder_ / "hoist.db", .utc_ns = [] { return std::int64_t{5'000'000}; }},
             .on_damage = [this](const db::IntegrityReport& report) { damage_ = report.structure.front(); },
             .on_step =
                 [this](const JobInfo& info) {
@@ -187,6 +186,58 @@ TEST_F(Queue, DamagedPagesAreToldToTheRecorder) {
   EXPECT_EQ(jobs.file_health().state, server::FileState::unchecked);
 }
 
+// Where a backup may go is the server's matter, not the client's: links and ".." lead nowhere else.
+TEST_F(Queue, ABackupGoesIntoAnAllowedFolderOnly) {
+  namespace fs = std::filesystem;
+  const fs::path stick = folder_ / "stick", home = folder_ / "home";
+  for (const fs::path& made : {stick, stick / "ward", home}) fs::create_directory(made);
+  fs::create_directory_symlink(home, stick / "out");
+  Jobs::Options with = options();
+  with.tools.backup_roots = {stick};
+  with.tools.device = "ward 3";
+  with.tools.other_databases = {folder_ / "accounts.db", folder_ / "none.db"};
+  with.tools.identity_key = folder_ / "identity.key";
+  std::ofstream(with.tools.identity_key) << "secret";
+  sqlite3* accounts = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_ / "accounts.db").c_str(), &accounts), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(accounts, "PRAGMA journal_mode = WAL; CREATE TABLE users (name TEXT); INSERT INTO users VALUES ('eva')", nullptr,
+                         nullptr, nullptr),
+            SQLITE_OK);
+  Jobs jobs(with);
+  const auto run = [&](JobKind kind, server::JobArguments arguments) {
+    const JobId id = jobs.add(kind, std::move(arguments), {}).value_or(0);
+    jobs.work_here();
+    return *jobs.find(id);
+  };
+  for (const fs::path& folder : {home, stick / "out", stick / ".." / "home", fs::path("stick"), fs::path("/"), folder_ / "stickier"}) {
+    const JobInfo refused = run(JobKind::backup, {.folder = folder});
+    EXPECT_EQ(refused.state, JobState::failed) << folder;
+    EXPECT_EQ(refused.reason, server::Reason::invalid) << folder;
+  }
+  EXPECT_EQ(run(JobKind::backup, {.folder = stick / "gone"}).reason, server::Reason::unknown);
+  EXPECT_TRUE(fs::is_empty(home));
+  const JobInfo done = run(JobKind::backup, {.folder = stick / "ward"});
+  ASSERT_EQ(done.state, JobState::done) << done.detail;
+  const json told = json::parse(*done.result);
+  EXPECT_EQ(told["device"], "ward-3");
+  EXPECT_EQ(told["sessions"], 1);
+  ASSERT_EQ(told["files"].size(), 2U) << "recordings and accounts, without the key";
+  sqlite3* copied = nullptr;
+  sqlite3_stmt* row = nullptr;
+  ASSERT_EQ(sqlite3_open((fs::path(told["backup"].get<std::string>()) / "accounts.db").c_str(), &copied), SQLITE_OK);
+  ASSERT_EQ(sqlite3_prepare_v2(copied, "SELECT name FROM users", -1, &row, nullptr), SQLITE_OK);
+  EXPECT_EQ(sqlite3_step(row), SQLITE_ROW) << "also what stood in the log";
+  sqlite3_finalize(row);
+  sqlite3_close(copied);
+  sqlite3_close(accounts);
+  const json with_key = json::parse(*run(JobKind::backup, {.folder = stick, .identity_key = true}).result);
+  EXPECT_EQ(with_key["files"].size(), 3U);
+  const json list = json::parse(*run(JobKind::list_backups, {}).result);
+  EXPECT_EQ(list["folders"][0]["there"], true);
+  EXPECT_EQ(list["items"].size(), 1U) << "those of the folder itself";
+  EXPECT_EQ(run(JobKind::restore, {.backup = folder_ / "hoist.db"}).reason, server::Reason::invalid) << "from an allowed folder only";
+}
+
 class JobsRest : public ServerTest {
  protected:
   json health() { return get("/api/v1/health").json()["recordings"]; }
@@ -259,6 +310,45 @@ TEST_F(JobsRest, ADamagedFileIsFoundAfterTheStartAndLeftAfterTheWalk) {
   EXPECT_EQ(get("/api/v1/sessions").json()["total"], 0);
   mode(contract::Mode::user);
   EXPECT_TRUE(until([&] { return get("/api/v1/recording").json()["state"] == "recording"; }));
+}
+
+TEST_F(JobsRest, ABackupIsTakenWhileRecordingAndPutBackAfterIt) {
+  const auto job = [this](const json& request) {
+    const Answer started = call("POST", "/api/v1/jobs", request);
+    EXPECT_EQ(started.status, 202) << started.body;
+    json info;
+    EXPECT_TRUE(until([&] {
+      info = get("/api/v1/jobs/" + started.json()["id"].dump()).json();
+      return info["ended_utc_ms"] != nullptr;
+    }));
+    return info;
+  };
+  const auto recording = [this](const char* state) { return until([&] { return get("/api/v1/recording").json()["state"] == state; }); };
+  ASSERT_TRUE(wait_file("sound"));
+  EXPECT_EQ(job({{"kind", "backup"}})["reason_code"], "unknown") << "no stick";
+  std::filesystem::create_directory(folder_ / "stick");
+  ASSERT_TRUE(until([&] { return call("POST", "/api/v1/recording", {{"action", "start"}}).status == 200; }));
+  ASSERT_TRUE(recording("recording"));
+  const json taken = job({{"kind", "backup"}});
+  ASSERT_EQ(taken["state"], "done") << taken;
+  EXPECT_EQ(taken["result"]["sessions"], 1);
+  const json request{{"kind", "restore"}, {"backup", taken["result"]["backup"]}};
+  const json refused = job(request);
+  EXPECT_EQ(refused["state"], "failed");
+  EXPECT_EQ(refused["reason_code"], "not_now") << "a session is being recorded";
+  ASSERT_TRUE(recording("recording"));
+  ASSERT_EQ(call("POST", "/api/v1/recording", {{"action", "stop"}}).status, 200);
+  ASSERT_EQ(call("POST", "/api/v1/recording", {{"action", "start"}}).status, 200);
+  ASSERT_EQ(call("POST", "/api/v1/recording", {{"action", "stop"}}).status, 200);
+  EXPECT_EQ(get("/api/v1/sessions").json()["total"], 2);
+  const json restored = job(request);
+  ASSERT_EQ(restored["state"], "done") << restored;
+  EXPECT_EQ(get("/api/v1/sessions").json()["total"], 1);
+  EXPECT_TRUE(std::filesystem::exists(restored["result"]["set_aside"].get<std::string>()));
+  ASSERT_TRUE(wait_file("sound")) << "the new file is checked";
+  ASSERT_EQ(call("POST", "/api/v1/recording", {{"action", "start"}}).status, 200);
+  EXPECT_TRUE(recording("recording")) << "and recorded into";
+  EXPECT_EQ(job({{"kind", "list_backups"}})["result"]["items"].size(), 1U);
 }
 
 TEST_F(JobsRest, ADamagedRecordingIsNamedOnHealthAndTheFileStays) {

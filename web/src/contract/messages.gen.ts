@@ -18,6 +18,7 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   not_recording: { en: 'Nothing is being recorded.', de: 'Es läuft keine Aufnahme.' },
   job_ended: { en: 'This job has already ended.', de: 'Dieser Auftrag ist schon beendet.' },
   disk_full: { en: 'The storage is full.', de: 'Der Speicher ist voll.' },
+  read_only: { en: 'This storage is write-protected.', de: 'Dieser Speicher ist schreibgeschützt.' },
   storage: { en: 'The storage does not answer. Call service if it stays so.', de: 'Der Speicher antwortet nicht. Bleibt es so, Service rufen.' },
   internal: { en: 'Something went wrong in the server. Call service if it stays so.', de: 'Im Server ging etwas schief. Bleibt es so, Service rufen.' },
   core_absent: { en: 'The control program is not running.', de: 'Das Steuerprogramm läuft nicht.' },

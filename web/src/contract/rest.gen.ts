@@ -30,6 +30,43 @@ export type Alarm = {
   text: Words;
 };
 
+export type Backup = {
+  /** Its folder. */
+  backup: string;
+  device: string;
+  files: readonly BackupFile[];
+  program: string;
+  sessions: number;
+  utc_ms: number;
+};
+
+export type BackupFile = {
+  bytes: number;
+  name: string;
+  sha256: string;
+};
+
+export type BackupResult = {
+  backup: string;
+  device: string;
+  files: readonly BackupFile[];
+  kind: 'backup';
+  program: string;
+  sessions: number;
+  utc_ms: number;
+};
+
+export type BackupsResult = {
+  /** The allowed ones (--backup-root). */
+  folders: readonly ({
+    folder: string;
+    free_bytes: number | null;
+    there: boolean;
+  })[];
+  items: readonly Backup[];
+  kind: 'list_backups';
+};
+
 export type BusHealth = {
   /** CAN id that comes far more often than planned. */
   babbling_id: number | null;
@@ -357,11 +394,11 @@ export type Job = {
   /** The same for programs. */
   reason_code: ReasonCode | null;
   /** Not in lists; null until it is done. */
-  result?: IntegrityResult | MetricsResult | null;
+  result?: IntegrityResult | MetricsResult | BackupResult | RestoreResult | BackupsResult | null;
   state: 'waiting' | 'running' | 'done' | 'failed' | 'cancelled';
 };
 
-export type JobKind = 'integrity_check' | 'recompute_metrics';
+export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'list_backups';
 
 export type JobList = {
   items: readonly Job[];
@@ -374,6 +411,18 @@ export type JobRequest = {
   kind: 'recompute_metrics';
   /** The newest 1000 when not given. */
   sessions?: readonly number[];
+} | {
+  /** One of the allowed folders (list_backups) or a folder in one; the first when not given. */
+  folder?: string;
+  /** true: the key of the sealed names goes with it. Who has such a backup can read them. */
+  identity_key?: boolean;
+  kind: 'backup';
+} | {
+  /** As list_backups names it. */
+  backup: string;
+  kind: 'restore';
+} | {
+  kind: 'list_backups';
 };
 
 /** The body may be left out.. */
@@ -622,7 +671,7 @@ export type Problem = {
   type: string;
 };
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'not_recording' | 'job_ended' | 'disk_full' | 'storage' | 'internal' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'not_recording' | 'job_ended' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
 
 export type Recording = {
   detail: string;
@@ -652,6 +701,13 @@ export type RecordingsHealth = {
   progress: number;
   /** Of the file in use. It is checked after each start; the job integrity_check does it again. */
   state: 'unchecked' | 'checking' | 'sound' | 'damaged';
+};
+
+export type RestoreResult = {
+  backup: string;
+  kind: 'restore';
+  /** Where the file is that was in use before. */
+  set_aside: string;
 };
 
 export type Samples = {
