@@ -3,7 +3,7 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { dialogs, takenSeen } from './link/console';
 import { useReadiness } from './link/readiness';
 import { store, useStore } from './link/store';
-import { panelOf, panels } from './panels/index';
+import { menu, panelOf, panels } from './panels/index';
 import type { Panel } from './panels/panel';
 import { addressOf, useAddress } from './router';
 import { settings, useSettings } from './text/settings';
@@ -67,8 +67,12 @@ function Shell() {
       <StatusBar />
       <Strip />
       <nav class="nav" aria-label={t('nav.label')}>
-        {panels.map((item) => (
-          <a key={item.id} href={addressOf(item.id)} aria-current={item.id === panel.id ? 'page' : undefined}>
+        {menu.map((item) => (
+          <a
+            key={item.id}
+            href={addressOf(item.id)}
+            aria-current={item.id === (panel.under === undefined ? panel.id : panel.under) ? 'page' : undefined}
+          >
             <Icon name={item.icon} />
             <span>{t(item.title)}</span>
           </a>

@@ -3,7 +3,11 @@ export interface FakeServer {
   url: string;
   /** What it pretends to be, and the messages that it has got. */
   hoist: { commands: { type: string }[] };
+  /** Long work that was asked for. */
+  jobs: { kind: string }[];
+  /** The next job of this kind fails with this reason. */
+  failNext: (kind: string, reason: string) => void;
   event: (kind: string, more?: object) => void;
   close: () => Promise<void>;
 }
-export function startFakeServer(options?: { port?: number; dist?: string; signedIn?: boolean }): Promise<FakeServer>;
+export function startFakeServer(options?: { port?: number; dist?: string; signedIn?: boolean; jobs_ms?: number }): Promise<FakeServer>;

@@ -106,7 +106,13 @@ const types = {
 };
 const dt_s = 0.01;
 
-export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn = true, exercise = { shape: 'eight', c_m: 1, radius_m: 0.8 } } = {}) {
+export function startFakeServer({
+  port = 0,
+  dist = join(here, 'dist'),
+  signedIn = true,
+  jobs_ms = 1000,
+  exercise = { shape: 'eight', c_m: 1, radius_m: 0.8 },
+} = {}) {
   const values = Object.fromEntries(paramRows.map((row) => [row.name, row.default]));
   const hoist = {
     tick: 0,
@@ -150,6 +156,51 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
     samples: 6000,
     gaps: 0,
   }));
+
+  const dayOf = (ms) => new Date(ms).toISOString().slice(0, 10);
+  const jobs = [];
+  let failing = null;
+  const backups = [
+    {
+      backup: '/media/usb/hoist-2026-11-20',
+      device: 'hoist',
+      program: 'fake',
+      utc_ms: Date.UTC(2026, 10, 20, 17),
+      sessions: 311,
+      files: [{ name: 'hoist.db', bytes: 2.13e9, sha256: '' }],
+    },
+  ];
+  /** A job that takes a second. */
+  const startJob = (kind, result) => {
+    const job = {
+      id: jobs.length + 1,
+      kind,
+      state: 'running',
+      progress: 0,
+      actor: null,
+      asked_utc_ms: Date.now(),
+      ended_utc_ms: null,
+      detail: '',
+      reason_code: null,
+      result: null,
+    };
+    jobs.push(job);
+    const begun = performance.now();
+    const lasts_ms = kind === 'list_backups' ? 0 : jobs_ms;
+    const timer = setInterval(() => {
+      if (job.state !== 'running') return clearInterval(timer);
+      job.progress = lasts_ms === 0 ? 1 : Math.min(1, (performance.now() - begun) / lasts_ms);
+      if (job.progress < 1) return;
+      clearInterval(timer);
+      if (failing?.kind === kind) {
+        Object.assign(job, { state: 'failed', reason_code: failing.reason, ended_utc_ms: Date.now() });
+        failing = null;
+        return;
+      }
+      Object.assign(job, { state: 'done', ended_utc_ms: Date.now(), result: { kind, ...result() } });
+    }, 20);
+    return job;
+  };
 
   const tell = (message, only) => {
     const text = JSON.stringify(message);
@@ -569,6 +620,31 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
       stopNow();
       return send(200, { ok: true });
     }
+    const given = body === '' ? {} : JSON.parse(body);
+    if (path === '/jobs' && request.method === 'POST') {
+      const { kind } = given;
+      if (kind === 'list_backups')
+        return send(
+          202,
+          startJob(kind, () => ({ folders: [{ folder: '/media/usb', there: true, free_bytes: 5.4e10 }], items: backups })),
+        );
+      return send(
+        202,
+        startJob(kind, () => {
+          if (kind === 'restore') return { backup: given.backup, set_aside: '/var/lib/hoist/hoist.db.2026-11-24' };
+          const made = { ...backups[0], backup: `${given.folder}/hoist-${dayOf(Date.now())}`, utc_ms: Date.now() };
+          backups.unshift(made);
+          return made;
+        }),
+      );
+    }
+    if (path === '/jobs') return send(200, { items: jobs.map((job) => ({ ...job, result: undefined })) });
+    const [, jobId] = /^\/jobs\/(\d+)$/.exec(path) ?? [];
+    if (jobId !== undefined) {
+      const job = jobs[Number(jobId) - 1];
+      if (request.method === 'DELETE' && job.state === 'running') job.state = 'cancelled';
+      return send(request.method === 'DELETE' ? 202 : 200, job);
+    }
     if (path === '/sessions')
       return send(200, { items: sessions.filter(({ subject }) => (subject ?? '').includes(url.searchParams.get('q') ?? '')), next: null });
     const [, id, rest] = /^\/sessions\/(\d+)(?:\/(\w+))?$/.exec(path) ?? [];
@@ -717,6 +793,8 @@ export function startFakeServer({ port = 0, dist = join(here, 'dist'), signedIn 
           }
         },
         fault: raise,
+        jobs,
+        failNext: (kind, reason) => (failing = { kind, reason }),
         trouble: (change) => (hoist.trouble = change),
         standing: (items) => {
           hoist.standing = items;

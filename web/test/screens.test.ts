@@ -17,7 +17,7 @@ const looks = [
   ['light', 'en'],
   ['dark', 'de'],
 ] as const;
-const screens = ['walk', 'drive', 'exercises', 'tune', 'sessions', 'calibrate', 'health'] as const;
+const screens = ['walk', 'drive', 'exercises', 'tune', 'sessions', 'calibrate', 'health', 'settings/backup'] as const;
 const minutes_ms = 120_000;
 
 let built: BuiltConsole;
@@ -49,6 +49,7 @@ const last: Record<(typeof screens)[number], string> = {
   sessions: '.session-item',
   calibrate: '.calibrate-list li',
   health: '.health .part-detail',
+  'settings/backup': '.settings-part .rows li',
 };
 
 /** Enough data that each list scrolls. */

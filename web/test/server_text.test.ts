@@ -63,7 +63,7 @@ describe('reasons of a refusal', () => {
     expect(reasons({ ...reply, reason_code: 'measurement', errors: [{ field: 'figure', message: 'must be a number' }] })[0]).toMatch(
       /^Diese Messung/,
     );
-    const problem = { status: 422, code: 'invalid', refusals: [], errors: [{ field: 'note', message: 'must be plain text' }] };
+    const problem = { status: 422, code: 'invalid', refusals: [], errors: [{ field: 'note', message: 'must be plain text' }], wait_s: null };
     expect(problemText(problem)).toBe('Die Notiz ist zu lang.');
     expect(problemText({ ...problem, errors: [] })).toBe('Dieser Wert ist nicht brauchbar.');
     expect(problemText({ ...problem, code: 'something_new', errors: [] })).toMatch(/abgelehnt/);

@@ -7,17 +7,20 @@ export interface Problem {
   code: string;
   errors: readonly FieldError[];
   refusals: readonly string[];
+  /** The server wants no further try before (Retry-After); null: it says nothing. */
+  wait_s: number | null;
 }
-export type Answer<T> = { ok: true; value: T } | { ok: false; problem: Problem };
+export type Answer<T> = { ok: true; value: T; etag?: string | null } | { ok: false; problem: Problem };
 
-/** What a route takes: fields of its path, its query, its body. */
-type Given<R extends keyof Routes> = Omit<Routes[R], 'answer'>;
+/** What a route takes: fields of its path, its query, its body; `etag` of what a change is made for. */
+type Given<R extends keyof Routes> = Omit<Routes[R], 'answer'> & { etag?: string | null };
 /** May be left out where the route needs nothing. */
 type MaybeGiven<R extends keyof Routes> = Record<never, never> extends Given<R> ? [given?: Given<R>] : [given: Given<R>];
 interface AnyGiven {
   path?: Record<string, string | number>;
   query?: Record<string, string | number | undefined>;
   body?: object;
+  etag?: string | null;
 }
 
 const within_ms = 10_000;
@@ -30,13 +33,19 @@ export function address<R extends keyof Routes>(route: R, ...[given]: MaybeGiven
   return fields.length === 0 ? place : `${place}?${new URLSearchParams(fields).toString()}`;
 }
 
+function waitOf(response: Response): number | null {
+  const told = response.headers.get('Retry-After');
+  return told !== null && /^\d+$/.test(told) ? Number(told) : null;
+}
+
 export async function rest<R extends keyof Routes>(route: R, ...given: MaybeGiven<R>): Promise<Answer<Routes[R]['answer']>> {
   const method = route.slice(0, route.indexOf(' '));
-  const { body = {} } = (given[0] ?? {}) as AnyGiven;
+  const { body = {}, etag } = (given[0] ?? {}) as AnyGiven;
   const headers: Record<string, string> = { Accept: 'application/json' };
   if (method !== 'GET') {
     headers['X-Hoist'] = '1';
     headers['Content-Type'] = 'application/json';
+    if (etag) headers['If-Match'] = etag;
   }
   try {
     const response = await fetch(address(route, ...given), {
@@ -50,7 +59,7 @@ export async function rest<R extends keyof Routes>(route: R, ...given: MaybeGive
     });
     const text = await response.text();
     const value: unknown = text === '' ? null : JSON.parse(text);
-    if (response.ok) return { ok: true, value: value as Routes[R]['answer'] };
+    if (response.ok) return { ok: true, value: value as Routes[R]['answer'], etag: response.headers.get('ETag') };
     const problem = (value ?? {}) as Partial<ToldProblem>;
     return {
       ok: false,
@@ -59,9 +68,10 @@ export async function rest<R extends keyof Routes>(route: R, ...given: MaybeGive
         code: (problem.type ?? '').replace(/^.*\//, '').replaceAll('-', '_'),
         errors: problem.errors ?? [],
         refusals: problem.refusals ?? [],
+        wait_s: waitOf(response),
       },
     };
   } catch {
-    return { ok: false, problem: { status: 0, code: '', errors: [], refusals: ['link_lost'] } };
+    return { ok: false, problem: { status: 0, code: '', errors: [], refusals: ['link_lost'], wait_s: null } };
   }
 }

@@ -28,7 +28,18 @@ export const panels: readonly Panel[] = [
     view: new Lazy(async () => (await import('./calibrate/calibrate')).CalibrateView),
   },
   { id: 'health', title: 'nav.health', icon: 'health', live: true, view: new Lazy(async () => (await import('./health/health')).HealthView) },
+  {
+    id: 'settings',
+    title: 'nav.settings',
+    icon: 'settings',
+    live: false,
+    under: null,
+    view: new Lazy(async () => (await import('./settings/settings')).SettingsView),
+  },
 ];
+
+/** The entries of the menu. */
+export const menu: readonly Panel[] = panels.filter((panel) => panel.under === undefined);
 
 /** The screen of an address; the first one for an unknown name. */
 export const panelOf = (screen: string): Panel => panels.find((panel) => panel.id === screen) ?? panels[0]!;

@@ -16,4 +16,6 @@ export interface Panel {
   /** Shows live values: grey when old. */
   live: boolean;
   view: Lazy<ComponentType<PanelProps>>;
+  /** Not in the menu itself: shown under this entry of it, or under none (null). */
+  under?: string | null;
 }

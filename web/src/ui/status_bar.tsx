@@ -1,13 +1,15 @@
 // Always visible: what the hoist does, who is in control, how good the link is, whether it records, how full the batteries are.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { modes } from '../contract/faults.gen';
-import { notify, releaseLease } from '../link/console';
+import { releaseLease } from '../link/console';
 import { useReading } from '../link/live';
 import { useReadiness } from '../link/readiness';
 import { useStore } from '../link/store';
-import { languages, settings, useSettings, type Language, type Theme } from '../text/settings';
-import { chooseLanguage, duration, fixed, noValue, t, words } from '../text/text';
+import { addressOf } from '../router';
+import { settings, useSettings, type Theme } from '../text/settings';
+import { duration, fixed, noValue, t, words } from '../text/text';
 import { Icon } from './icons';
+import { LanguageChoice } from './language_choice';
 import './status_bar.css';
 
 const themes: readonly { id: Theme; key: 'bar.themeAuto' | 'bar.themeLight' | 'bar.themeDark' }[] = [
@@ -141,7 +143,7 @@ function Battery() {
 }
 
 function DisplayMenu() {
-  const { language, theme } = useSettings();
+  const { theme } = useSettings();
   const [open, setOpen] = useState(false);
   const box = useRef<HTMLDivElement>(null);
   useEffect(() => {
@@ -157,9 +159,6 @@ function DisplayMenu() {
       document.removeEventListener('keydown', escape);
     };
   }, [open]);
-  const choose = async (wanted: Language) => {
-    if (!(await chooseLanguage(wanted))) notify('warning', 'common.languageLost');
-  };
   return (
     <div class="menu" ref={box}>
       <button type="button" class="menu-button" aria-label={t('bar.settings')} aria-expanded={open} onClick={() => setOpen(!open)}>
@@ -168,20 +167,7 @@ function DisplayMenu() {
       {open ? (
         <div class="menu-box card">
           <span class="bar-label">{t('bar.language')}</span>
-          <div class="choice" role="radiogroup" aria-label={t('bar.language')}>
-            {languages.map((item) => (
-              <button
-                key={item.id}
-                type="button"
-                role="radio"
-                aria-checked={item.id === language}
-                lang={item.id}
-                onClick={() => void choose(item.id)}
-              >
-                {item.name}
-              </button>
-            ))}
-          </div>
+          <LanguageChoice />
           <span class="bar-label">{t('bar.theme')}</span>
           <div class="choice" role="radiogroup" aria-label={t('bar.theme')}>
             {themes.map((item) => (
@@ -190,6 +176,9 @@ function DisplayMenu() {
               </button>
             ))}
           </div>
+          <a class="plain" href={addressOf('settings')} onClick={() => setOpen(false)}>
+            {t('nav.settings')}
+          </a>
         </div>
       ) : null}
     </div>

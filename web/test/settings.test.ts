@@ -1,0 +1,73 @@
+// Settings in a browser with the stand-in server: what a press does, and what is told when it does not work.
+import type { Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import { en } from '../src/text/en';
+import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
+import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
+
+const minutes_ms = 120_000;
+let built: BuiltConsole;
+let fake: FakeServer;
+let page: Page;
+
+beforeAll(async () => {
+  built = await openBuiltConsole();
+}, minutes_ms);
+afterAll(() => built?.close());
+beforeEach(async () => {
+  fake = await startFakeServer({ dist: built.folder, jobs_ms: 700 });
+  page = await built.browser.newPage({ viewport: { width: 1280, height: 800 }, locale: 'en' });
+});
+afterEach(async () => {
+  await page?.close();
+  await fake?.close();
+});
+
+const open = (hash: string) => page.goto(`${fake.url}#/${hash}`);
+const button = (name: string) => page.getByRole('button', { name, exact: true });
+
+describe('backup', { timeout: minutes_ms }, () => {
+  it('is made with progress, and then stands first in the list', async () => {
+    await open('settings/backup');
+    await page.locator('.settings-part .rows li').waitFor();
+    await button(en['backup.now']).click();
+    await page.locator('progress').waitFor();
+    expect(await button(en['backup.now']).isDisabled(), 'not twice at once').toBe(true);
+    await page.getByText(en['backup.made']).waitFor();
+    await expect.poll(() => page.locator('.settings-part .rows li').count(), { timeout: 10_000 }).toBe(2);
+    expect(await page.locator('.settings-part .rows li').first().textContent()).toContain('/media/usb/');
+    expect(await page.locator('progress').count()).toBe(0);
+  });
+
+  it('goes on when the screen is left, and is shown again', async () => {
+    await open('settings/backup');
+    await button(en['backup.now']).click();
+    await page.locator('progress').waitFor();
+    await open('tune');
+    await page.locator('.tune-row').first().waitFor();
+    await open('settings/backup');
+    await page.locator('progress').waitFor();
+    await expect.poll(() => page.locator('.settings-part .rows li').count(), { timeout: 10_000 }).toBe(2);
+  });
+
+  it('is put back only by holding, and says why a place has none', async () => {
+    await open('settings/backup');
+    await button(en['backup.restore']).click();
+    await button(en['backup.hold']).click();
+    expect(
+      fake.jobs.filter(({ kind }) => kind === 'restore'),
+      'a tap is not enough',
+    ).toEqual([]);
+    await button(en['backup.hold']).click({ delay: 2200 });
+    await page.getByText(en['backup.restored']).waitFor();
+    expect(fake.jobs.filter(({ kind }) => kind === 'restore')).toHaveLength(1);
+  });
+
+  it('that fails says the reason of the table', async () => {
+    fake.failNext('backup', 'disk_full');
+    await open('settings/backup');
+    await button(en['backup.now']).click();
+    await page.getByText('The storage is full.').waitFor();
+    expect(await button(en['backup.now']).isEnabled()).toBe(true);
+  });
+});
