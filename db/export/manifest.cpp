@@ -1,5 +1,6 @@
 #include "db/export/manifest.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -83,6 +84,32 @@ json changes_of(const ExportSource& source) {
 }
 
 }  // namespace
+
+json events_and_markers(const ExportSource& source) {
+  std::vector<json> rows;
+  for (const StoredEvent& event : source.events())
+    rows.push_back({{"tick", event.tick},
+                    {"time_ns", event.time_ns},
+                    {"kind", event.kind_name},
+                    {"name", event.name},
+                    {"code", event.code},
+                    {"item", event.item},
+                    {"value", finite(event.value)},
+                    {"before", finite(event.before)},
+                    {"text", ""}});
+  for (const Marker& marker : source.markers())
+    rows.push_back({{"tick", marker.tick},
+                    {"time_ns", nullptr},
+                    {"kind", "marker"},
+                    {"name", ""},
+                    {"code", 0},
+                    {"item", 0},
+                    {"value", nullptr},
+                    {"before", nullptr},
+                    {"text", marker.text}});
+  std::ranges::stable_sort(rows, {}, [](const json& row) { return row["tick"].get<std::uint64_t>(); });
+  return rows;
+}
 
 std::string dumped(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
 

@@ -131,23 +131,12 @@ class McapExport : public FormatWriter {
   }
 
   void gather_events() {
-    const auto finite = [](double value) { return std::isfinite(value) ? json(value) : json(nullptr); };
-    for (const StoredEvent& event : source_.events()) {
-      const json told{{"tick", event.tick},
-                      {"kind", event.kind_name},
-                      {"name", event.name},
-                      {"code", event.code},
-                      {"item", event.item},
-                      {"value", finite(event.value)},
-                      {"before", finite(event.before)},
-                      {"text", ""}};
-      told_.push_back({event.tick, source_.even_utc_of(static_cast<std::int64_t>(event.time_ns)), dumped(told)});
+    for (json& told : events_and_markers(source_)) {
+      const json time = told["time_ns"];
+      told.erase("time_ns");
+      const auto utc_ns = time.is_null() ? std::nullopt : std::optional(source_.even_utc_of(time.get<std::int64_t>()));
+      told_.push_back({told["tick"].get<std::uint64_t>(), utc_ns, dumped(told)});
     }
-    for (const Marker& marker : source_.markers()) {
-      const json told{{"tick", marker.tick}, {"kind", "marker"}, {"name", ""}, {"text", marker.text}};
-      told_.push_back({marker.tick, std::nullopt, dumped(told)});
-    }
-    std::ranges::stable_sort(told_, {}, &Told::tick);
   }
   void events_until(std::string& out, std::uint64_t tick, std::int64_t utc_ns) {
     for (; next_told_ < told_.size() && told_[next_told_].tick <= tick; ++next_told_)

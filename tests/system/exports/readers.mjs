@@ -13,11 +13,12 @@ const writeReport = (body) => {
   if (report) writeFileSync(join(report, 'export_readers.xml'), `<testsuites><testsuite name="export_readers">${body}</testsuite></testsuites>\n`);
 };
 
-let mcap, rosmsg, serialization, zstd;
+let mcap, rosmsg, serialization, zstd, mat;
 try {
   mcap = await import('@mcap/core');
   rosmsg = await import('@foxglove/rosmsg');
   serialization = await import('@foxglove/rosmsg2-serialization');
+  mat = await import('mat-for-js');
   zstd = (await import('@foxglove/wasm-zstd')).default;
   await zstd.isLoaded;
 } catch (error) {
@@ -149,6 +150,29 @@ const cases = {
     equal(files['parameters.json'].lean_range_rad.unit, 'rad', 'unit of a parameter');
     equal(files['manifest.json'].parameter_changes[0].value, 0.125, 'a changed parameter');
     equal(files['manifest.json'].columns.length, 1, 'chosen columns');
+  },
+
+  async 'a MAT-file holds the numbers of the CSV, for two readers'() {
+    const file = exported('mat');
+    const bytes = readFileSync(file);
+    const { data } = mat.read(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
+    for (const name of names.slice(1)) {
+      const values = [data[name]].flat(Infinity);
+      equal(values.length, rows.length, `length of ${name}`);
+      values.forEach((value, i) => equal(Number(value), number(i, name), `${name} of row ${i}`));
+    }
+    const text = (codes) => JSON.parse(String.fromCharCode(...[codes].flat(Infinity)));
+    equal(text(data.events)[1].text, 'turned; "left", by the ramp', 'marker');
+    equal(text(data.manifest).session.subject, 'P-017', 'manifest');
+    // matdump of libmatio prints the values, one a line, reals with six digits.
+    for (const name of ['left_counts', 'mode', 'fault_bits', 'x_m', 'time_s']) {
+      const told = execFileSync('matdump', ['-d', file, name], { encoding: 'utf8' }).trim().split(/\s+/).map(Number);
+      equal(told.length, rows.length, `matdump: length of ${name}`);
+      told.forEach((value, i) => {
+        const expected = number(i, name);
+        check(Math.abs(value - expected) <= 1e-5 * Math.abs(expected), `matdump: ${name} of row ${i}: ${value}, expected ${expected}`);
+      });
+    }
   },
 };
 
