@@ -81,6 +81,13 @@ std::int64_t ExportSource::utc_of(std::int64_t time_ns) const {
   return anchor->utc_ns + (time_ns - anchor->time_ns);
 }
 
+std::int64_t ExportSource::time_of_tick(std::int64_t tick) {
+  constexpr std::int64_t kStep_ns = 10'000'000;
+  const std::optional<StoredChunk> near = source_.at_or_after(std::min(static_cast<std::uint64_t>(tick), last_tick));
+  if (near) return static_cast<std::int64_t>(near->first_time_ns) + (tick - static_cast<std::int64_t>(near->first_tick)) * kStep_ns;
+  return start_ns() + tick * kStep_ns;
+}
+
 bool ExportSource::next_samples(std::span<const std::size_t> which) {
   chunk = any_samples && next_tick_ <= last_tick ? source_.at_or_after(next_tick_) : std::nullopt;
   if (!chunk || chunk->first_tick > last_tick) {

@@ -1,11 +1,13 @@
 // hoist export: a recorded session as a file that other programs read.
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "db/export/bundle.hpp"
 #include "db/export/session_export.hpp"
 #include "deploy/tools/hoist/command.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
@@ -17,6 +19,8 @@ namespace {
 void print_help(std::FILE* out) {
   std::string text = "usage: hoist export DB SESSION [--format " + std::string(db::kExportFormatNames) +
                      "]\n                    [--columns NAME,NAME] [--no-constant] [--no-comments] [--out FILE]\n\n"
+                     "       hoist export DB [SESSION…] --bundle files|bids [--subject CODE] [--from DAY] [--to DAY] [--exercise SHAPE]\n"
+                     "                    [--visit ID] [--no-simulated] [--out FILE]\n\n"
                      "Writes a session to FILE, or to standard output. Numbers are printed exactly as they were stored.\n\n";
   for (const db::ExportFormatInfo& format : db::kExportFormats) {
     text += "  " + std::string(format.name);
@@ -26,7 +30,8 @@ void print_help(std::FILE* out) {
   text +=
       "\n  --columns      these live values only\n"
       "  --no-constant  without the live values that never changed\n"
-      "  --no-comments  without the '#' lines\n";
+      "  --no-comments  without the '#' lines\n\n"
+      "  --bundle       several sessions in one ZIP: those named, or all that the filters leave; bids: as Motion-BIDS lays them out\n";
   std::fputs(text.c_str(), out);
 }
 
@@ -36,10 +41,99 @@ struct CloseFile {
 
 }  // namespace
 
-int run_export(std::span<const std::string_view> arguments) {
-  std::vector<std::string_view> places;
+namespace {
+
+struct Wish {
+  std::vector<std::string_view> places;  // DB, SESSION…
   db::ExportOptions options;
+  std::optional<db::BundleLayout> bundle;
+  db::SessionFilter filter;
   std::string out_file;
+};
+
+// The last word on an option: nothing, or why it cannot be used.
+using Refusal = std::optional<std::string>;
+
+Refusal take_option(Wish& wish, std::string_view option, const std::function<std::optional<std::string_view>()>& value) {
+  const auto text = [&](std::optional<std::string>& to) -> Refusal {
+    const auto given = value();
+    if (!given) return std::string(option) + " needs a value";
+    to = std::string(*given);
+    return std::nullopt;
+  };
+  if (option == "--subject") return text(wish.filter.subject);
+  if (option == "--from") return text(wish.filter.from_day);
+  if (option == "--to") return text(wish.filter.to_day);
+  if (option == "--exercise") return text(wish.filter.exercise);
+  if (option == "--no-comments")
+    wish.options.comments = false;
+  else if (option == "--no-constant")
+    wish.options.constant = false;
+  else if (option == "--no-simulated")
+    wish.filter.simulated = false;
+  else if (option == "--format") {
+    const auto name = value();
+    const auto format = name ? db::find_export_format(*name) : std::nullopt;
+    if (!format) return "--format is one of " + std::string(db::kExportFormatNames);
+    wish.options.format = *format;
+  } else if (option == "--bundle") {
+    const auto name = value();
+    wish.bundle = name ? db::find_bundle_layout(*name) : std::nullopt;
+    if (!wish.bundle) return "--bundle is files or bids";
+  } else if (option == "--visit") {
+    const auto id = value();
+    wish.filter.visit = id ? parse_session(*id) : std::nullopt;
+    if (!wish.filter.visit) return "--visit needs the number of a visit";
+  } else if (option == "--columns") {
+    const auto names = value();
+    if (!names) return "--columns needs names";
+    wish.options.columns = db::column_names(*names);
+  } else if (option == "--out") {
+    const auto file = value();
+    if (!file) return "--out needs a file";
+    wish.out_file = *file;
+  } else {
+    return "there is no option " + std::string(option);
+  }
+  return std::nullopt;
+}
+
+// Writes every piece to the file, or to standard output.
+int write_all(const std::string& out_file, const std::function<db::Result<bool>(std::string&)>& next) {
+  std::unique_ptr<std::FILE, CloseFile> file;
+  std::FILE* out = stdout;
+  if (!out_file.empty()) {
+    file.reset(std::fopen(out_file.c_str(), "wb"));
+    if (!file) return refuse("export", {db::ErrorKind::io, "cannot write " + out_file, {}});
+    out = file.get();
+  }
+  std::string piece;
+  for (;;) {
+    const db::Result<bool> more = next(piece);
+    if (!more) return refuse("export", more.error());
+    if (!*more) break;
+    if (std::fwrite(piece.data(), 1, piece.size(), out) != piece.size())
+      return refuse("export", {db::ErrorKind::io, "the file could not be written", {}});
+  }
+  if (std::fflush(out) != 0) return refuse("export", {db::ErrorKind::io, "the file could not be written", {}});
+  return kDone;
+}
+
+int export_bundle(db::Database& database, const Wish& wish, std::vector<db::SessionId> sessions) {
+  if (sessions.empty()) {
+    db::Result<std::vector<db::SessionId>> chosen = db::select_sessions(database, wish.filter);
+    if (!chosen) return refuse("export", chosen.error());
+    sessions = std::move(*chosen);
+  }
+  db::Result<db::Bundle> bundle = db::Bundle::open(database, std::move(sessions), *wish.bundle);
+  if (!bundle) return refuse("export", bundle.error());
+  return write_all(wish.out_file, [&](std::string& piece) { return bundle->next_chunk(piece); });
+}
+
+}  // namespace
+
+int run_export(std::span<const std::string_view> arguments) {
+  Wish wish;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string_view argument = arguments[i];
     const auto value = [&]() -> std::optional<std::string_view> {
@@ -50,54 +144,25 @@ int run_export(std::span<const std::string_view> arguments) {
       print_help(stdout);
       return kDone;
     }
-    if (argument == "--format") {
-      const auto name = value();
-      const auto format = name ? db::find_export_format(*name) : std::nullopt;
-      if (!format) return bad_usage("export", "--format is one of " + std::string(db::kExportFormatNames));
-      options.format = *format;
-    } else if (argument == "--columns") {
-      const auto names = value();
-      if (!names) return bad_usage("export", "--columns needs names");
-      options.columns = db::column_names(*names);
-    } else if (argument == "--no-comments") {
-      options.comments = false;
-    } else if (argument == "--no-constant") {
-      options.constant = false;
-    } else if (argument == "--out") {
-      const auto file = value();
-      if (!file) return bad_usage("export", "--out needs a file");
-      out_file = *file;
-    } else if (argument.starts_with("--")) {
-      return bad_usage("export", "there is no option " + std::string(argument));
-    } else {
-      places.push_back(argument);
-    }
+    if (!argument.starts_with("--"))
+      wish.places.push_back(argument);
+    else if (const Refusal refusal = take_option(wish, argument, value))
+      return bad_usage("export", *refusal);
   }
-  const auto session = places.size() == 2 ? parse_session(places[1]) : std::nullopt;
-  if (!session) return bad_usage("export", "name a database and a session's number");
+  std::vector<db::SessionId> sessions;
+  for (std::size_t i = 1; i < wish.places.size(); ++i) {
+    const auto session = parse_session(wish.places[i]);
+    if (!session) return bad_usage("export", std::string(wish.places[i]) + " is no session's number");
+    sessions.push_back(*session);
+  }
+  if (wish.places.empty() || (!wish.bundle && sessions.size() != 1)) return bad_usage("export", "name a database and a session's number");
 
-  db::Result<db::Database> database = db::Database::attach(std::string(places[0]));
+  db::Result<db::Database> database = db::Database::attach(std::string(wish.places[0]));
   if (!database) return refuse("export", database.error());
-  db::Result<db::SessionExport> session_export = db::SessionExport::open(*database, *session, options);
+  if (wish.bundle) return export_bundle(*database, wish, std::move(sessions));
+  db::Result<db::SessionExport> session_export = db::SessionExport::open(*database, sessions.front(), wish.options);
   if (!session_export) return refuse("export", session_export.error());
-
-  std::unique_ptr<std::FILE, CloseFile> file;
-  std::FILE* out = stdout;
-  if (!out_file.empty()) {
-    file.reset(std::fopen(out_file.c_str(), "wb"));
-    if (!file) return refuse("export", {db::ErrorKind::io, "cannot write " + out_file, {}});
-    out = file.get();
-  }
-  std::string piece;
-  for (;;) {
-    const db::Result<bool> more = session_export->next_chunk(piece);
-    if (!more) return refuse("export", more.error());
-    if (!*more) break;
-    if (std::fwrite(piece.data(), 1, piece.size(), out) != piece.size())
-      return refuse("export", {db::ErrorKind::io, "the file could not be written", {}});
-  }
-  if (std::fflush(out) != 0) return refuse("export", {db::ErrorKind::io, "the file could not be written", {}});
-  return kDone;
+  return write_all(wish.out_file, [&](std::string& piece) { return session_export->next_chunk(piece); });
 }
 
 }  // namespace hoist::tool

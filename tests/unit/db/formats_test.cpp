@@ -1,10 +1,13 @@
 // The formats beside CSV and JSON, and what every format tells of a session.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "control/contract/params.hpp"
+#include "db/export/zip_file.hpp"
 #include "tests/unit/db/export_support.hpp"
 
 namespace hoist::db::test {
@@ -98,6 +101,34 @@ TEST(Csv, ColumnsThatNeverChangeCanBeLeftOut) {
   EXPECT_EQ(some.find(",bus_up"), std::string::npos);
   EXPECT_NE(some.find(",x_m"), std::string::npos);
   EXPECT_EQ(names({.columns = {"bus_up", "x_m"}, .comments = false, .constant = false}), "utc,time_s,gap_before,x_m");
+}
+
+// Both ways of telling sizes, read by Python's zipfile.
+TEST(Zip, SmallAndLargeFilesAreReadByAnotherProgram) {
+  TemporaryFolder dir;
+  std::string bytes;
+  ZipFile zip;
+  for (const bool large : {false, true}) {
+    zip.begin_file(bytes, large ? "gro\xC3\x9F/large.txt" : "small.txt", kStartUtc_ns, large);
+    for (int i = 0; i < 3000; ++i) zip.write(bytes, "line " + std::to_string(i) + "\n");
+    zip.end_file(bytes);
+  }
+  zip.begin_file(bytes, "empty", 0, false);
+  zip.end_file(bytes);
+  zip.end(bytes);
+  const std::filesystem::path file = dir / "a.zip", out = dir / "told";
+  std::ofstream(file, std::ios::binary) << bytes;
+  const std::string command =
+      "python3 -c 'import sys, zipfile\nz = zipfile.ZipFile(sys.argv[1])\nassert z.testzip() is None\n"
+      "for i in z.infolist(): print(i.filename.encode(), i.file_size, i.date_time, i.extract_version)' " +
+      file.string() + " > " + out.string();
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  std::stringstream told;
+  told << std::ifstream(out).rdbuf();
+  EXPECT_EQ(told.str(),
+            "b'small.txt' 28890 (2026, 9, 21, 14, 13, 20) 20\n"
+            "b'gro\\xc3\\x9f/large.txt' 28890 (2026, 9, 21, 14, 13, 20) 45\n"
+            "b'empty' 0 (1980, 1, 1, 0, 0, 0) 20\n");
 }
 
 }  // namespace

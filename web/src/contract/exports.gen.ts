@@ -8,7 +8,9 @@ export type ExportFormat =
   | 'events'
   | 'json'
   | 'candump'
-  | 'mcap';
+  | 'mcap'
+  | 'mat'
+  | 'zip';
 
 export interface ExportFormatInfo {
   name: ExportFormat;
@@ -24,4 +26,6 @@ export const exportFormats: readonly ExportFormatInfo[] = [
   { name: 'json', title: { en: 'Everything (JSON)', de: 'Alles (JSON)' }, columns: true },
   { name: 'candump', title: { en: 'CAN frames (candump)', de: 'CAN-Nachrichten (candump)' }, columns: false },
   { name: 'mcap', title: { en: 'Robot log (MCAP)', de: 'Roboter-Protokoll (MCAP)' }, columns: true },
+  { name: 'mat', title: { en: 'MATLAB, Octave (MAT)', de: 'MATLAB, Octave (MAT)' }, columns: true },
+  { name: 'zip', title: { en: 'All files (ZIP)', de: 'Alle Dateien (ZIP)' }, columns: false },
 ];

@@ -1063,7 +1063,7 @@ export interface Routes {
   /** A session in one of the formats of db/export/formats.def. */
   'GET /api/v1/sessions/{id}/export': {
     path: { id: number };
-    query?: { format?: 'csv' | 'csv_de' | 'events' | 'json' | 'candump' | 'mcap'; columns?: string; constant?: number; comments?: number };
+    query?: { format?: 'csv' | 'csv_de' | 'events' | 'json' | 'candump' | 'mcap' | 'mat' | 'zip'; columns?: string; constant?: number; comments?: number };
     answer: never;
   };
   /** Sets a marker now in the session that is being recorded. */

@@ -1,0 +1,227 @@
+#include "db/export/bundle.hpp"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "db/export/bids.hpp"
+#include "db/export/manifest.hpp"
+#include "db/export/source.hpp"
+#include "db/store/sqlite.hpp"
+#include "db/summary/session_json.hpp"
+
+namespace hoist::db {
+namespace {
+
+// More than a sample takes in any format.
+constexpr std::uint64_t kSample_bytes = 8192, kFourGigabytes = 0xFFFFFFFFU;
+
+template <typename Value>
+Value or_throw(Result<Value> result) {
+  if (!result) throw SqlFailure{result.error()};
+  return std::move(*result);
+}
+
+BundleFile export_file(Database& database, const SessionInfo& info, const std::string& folder, ExportFormat format) {
+  BundleFile file;
+  file.name = folder + "session" + std::string(export_format_info(format).ending);
+  file.utc_ns = info.started_utc_ns;
+  file.large = info.sample_count * kSample_bytes >= kFourGigabytes;
+  file.open = [&database, id = info.id, format] {
+    ExportOptions options;
+    options.format = format;
+    // The manifest stands in a file of its own.
+    options.comments = false;
+    auto opened = std::make_shared<SessionExport>(or_throw(SessionExport::open(database, id, options)));
+    return [opened](std::string& out) {
+      std::string piece;
+      const bool more = or_throw(opened->next_chunk(piece));
+      out += piece;
+      return more;
+    };
+  };
+  return file;
+}
+
+// session_12/session.csv, session_events.csv, session_can.log, session.mcap, manifest.json, figures.json
+std::vector<BundleFile> session_files(Database& database, SessionId session, const std::string& folder) {
+  const SessionInfo info = or_throw(SessionReader(database).get(session));
+  std::vector<BundleFile> files;
+  for (const ExportFormat format : {ExportFormat::csv, ExportFormat::events, ExportFormat::candump, ExportFormat::mcap})
+    files.push_back(export_file(database, info, folder, format));
+  files.push_back(text_file(folder + "manifest.json", info.started_utc_ns, [&database, info] {
+    ExportSource source(database, info, {});
+    if (Status chosen = source.choose(); !chosen) throw SqlFailure{chosen.error()};
+    return manifest_json(source).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  }));
+  files.push_back(text_file(folder + "figures.json", info.started_utc_ns, [&database, session] {
+    const auto figures = session_metrics_json(database, session);
+    return (figures ? figures->dump(1, ' ', false, nlohmann::json::error_handler_t::replace) : std::string("null")) + "\n";
+  }));
+  return files;
+}
+
+class FilesPlan : public BundlePlan {
+ public:
+  explicit FilesPlan(Database& database) : database_(database) {}
+  std::vector<BundleFile> first() override { return {}; }
+  std::vector<BundleFile> of_session(SessionId session) override {
+    return session_files(database_, session, "session_" + std::to_string(session) + "/");
+  }
+  std::vector<BundleFile> last() override { return {}; }
+
+ private:
+  Database& database_;
+};
+
+// The archive of a plan, piece by piece.
+class BundleWriter : public FormatWriter {
+ public:
+  BundleWriter(std::unique_ptr<BundlePlan> plan, std::vector<SessionId> sessions) : plan_(std::move(plan)), sessions_(std::move(sessions)) {
+    take(plan_->first());
+  }
+
+  bool next(std::string& out) override {
+    if (over_) return false;
+    if (pieces_) {
+      piece_.clear();
+      const bool more = pieces_(piece_);
+      if (!piece_.empty()) zip_.write(out, piece_);
+      if (!more) {
+        zip_.end_file(out);
+        pieces_ = nullptr;
+      }
+      return true;
+    }
+    if (files_.empty()) refill();
+    if (files_.empty()) {
+      over_ = true;
+      zip_.end(out);
+      return true;
+    }
+    const BundleFile file = std::move(files_.front());
+    files_.pop_front();
+    zip_.begin_file(out, file.name, file.utc_ns, file.large);
+    pieces_ = file.open();
+    return true;
+  }
+  [[nodiscard]] double progress() const {
+    return sessions_.empty() ? 1 : static_cast<double>(next_ > 0 ? next_ - 1 : 0) / static_cast<double>(sessions_.size());
+  }
+
+ private:
+  void take(std::vector<BundleFile> files) {
+    for (BundleFile& file : files) files_.push_back(std::move(file));
+  }
+  void refill() {
+    while (files_.empty() && next_ < sessions_.size()) take(plan_->of_session(sessions_[next_++]));
+    if (files_.empty() && !std::exchange(last_taken_, true)) take(plan_->last());
+  }
+
+  std::unique_ptr<BundlePlan> plan_;
+  std::vector<SessionId> sessions_;
+  std::size_t next_ = 0;
+  std::deque<BundleFile> files_;
+  std::function<bool(std::string&)> pieces_;  // of the file under way
+  std::string piece_;
+  ZipFile zip_;
+  bool last_taken_ = false, over_ = false;
+};
+
+bool is_day(const std::string& text) {
+  constexpr std::string_view kShape = "dddd-dd-dd";
+  return text.size() == kShape.size() &&
+         std::ranges::equal(text, kShape, [](char c, char shape) { return shape == 'd' ? c >= '0' && c <= '9' : c == shape; });
+}
+
+}  // namespace
+
+BundleFile text_file(std::string name, std::int64_t utc_ns, std::function<std::string()> make) {
+  BundleFile file;
+  file.name = std::move(name);
+  file.utc_ns = utc_ns;
+  file.open = [make = std::move(make)] {
+    return [make](std::string& out) {
+      out += make();
+      return false;
+    };
+  };
+  return file;
+}
+
+std::unique_ptr<FormatWriter> make_zip(ExportSource& source) {
+  return std::make_unique<BundleWriter>(std::make_unique<FilesPlan>(source.database), std::vector{source.info.id});
+}
+
+std::optional<BundleLayout> find_bundle_layout(std::string_view name) {
+  if (name == "files") return BundleLayout::files;
+  if (name == "bids") return BundleLayout::bids;
+  return std::nullopt;
+}
+
+struct Bundle::State {
+  State(std::unique_ptr<BundlePlan> plan, std::vector<SessionId> sessions) : writer(std::move(plan), std::move(sessions)) {}
+  BundleWriter writer;
+  bool over = false;
+};
+Bundle::Bundle(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Bundle::Bundle(Bundle&&) noexcept = default;
+Bundle& Bundle::operator=(Bundle&&) noexcept = default;
+Bundle::~Bundle() = default;
+
+Result<Bundle> Bundle::open(Database& database, std::vector<SessionId> sessions, BundleLayout layout) {
+  return guarded([&]() -> Result<Bundle> {
+    if (sessions.empty()) return Error{ErrorKind::bad_value, "no session fits", "sessions"};
+    for (const SessionId session : sessions)
+      if (const auto info = SessionReader(database).get(session); !info) return info.error();
+    std::unique_ptr<BundlePlan> plan;
+    if (layout == BundleLayout::bids)
+      plan = make_bids_plan(database, sessions);
+    else
+      plan = std::make_unique<FilesPlan>(database);
+    return Bundle(std::make_unique<State>(std::move(plan), std::move(sessions)));
+  });
+}
+
+Result<bool> Bundle::next_chunk(std::string& out) {
+  out.clear();
+  Result<bool> more = guarded([&]() -> Result<bool> {
+    while (!state_->over && state_->writer.next(out))
+      if (!out.empty()) return true;
+    return false;
+  });
+  if (!more) out.clear();
+  if (!more || !*more) state_->over = true;
+  return more;
+}
+
+double Bundle::progress() const { return state_->writer.progress(); }
+
+Result<std::vector<SessionId>> select_sessions(Database& database, const SessionFilter& filter) {
+  for (const auto& [day, field] : {std::pair{filter.from_day, "from_day"}, std::pair{filter.to_day, "to_day"}})
+    if (day && !is_day(*day)) return Error{ErrorKind::bad_value, std::string(field) + " must be a day as YYYY-MM-DD", field};
+  return guarded([&]() -> Result<std::vector<SessionId>> {
+    Statement row(
+        database.handle(),
+        "SELECT sessions.id FROM sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id "
+        "WHERE close_reason IS NOT NULL AND (?1 IS NULL OR code = ?1) "
+        "AND (?2 IS NULL OR coalesce(day, date(started_utc_ns / 1000000000, 'unixepoch', 'localtime')) >= ?2) "
+        "AND (?3 IS NULL OR coalesce(day, date(started_utc_ns / 1000000000, 'unixepoch', 'localtime')) <= ?3) "
+        "AND (?4 IS NULL OR (json_valid(exercise) AND json_extract(exercise, '$.shape') = ?4)) "
+        "AND (?5 IS NULL OR visit_id = ?5) AND (?6 OR NOT simulated) ORDER BY sessions.id LIMIT ?7");
+    row.text(1, filter.subject).text(2, filter.from_day).text(3, filter.to_day).text(4, filter.exercise);
+    if (filter.visit)
+      row.integer(5, *filter.visit);
+    else
+      row.null(5);
+    row.integer(6, filter.simulated ? 1 : 0).integer(7, static_cast<std::int64_t>(kMaxBundleSessions) + 1);
+    std::vector<SessionId> ids;
+    while (row.step()) ids.push_back(row.integer_at(0));
+    if (ids.size() > kMaxBundleSessions)
+      return Error{ErrorKind::bad_value, "more than " + std::to_string(kMaxBundleSessions) + " sessions fit", "sessions"};
+    return ids;
+  });
+}
+
+}  // namespace hoist::db

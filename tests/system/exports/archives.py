@@ -1,0 +1,146 @@
+"""Our archives read by Python's zipfile, csv, json and sqlite3, and a BIDS data set by the names and columns that its specification asks for.
+
+    archives.py FOLDER_OF_PROGRAMS
+"""
+import csv
+import io
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+import zipfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from harness import run_suite
+
+FOLDER = sys.argv[1]
+MAKE, HOIST = os.path.join(FOLDER, "make_recording"), os.path.join(FOLDER, "hoist")
+
+
+def hoist(*arguments):
+    return subprocess.run([HOIST, *arguments], check=True, capture_output=True).stdout
+
+
+class Archives(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.database = os.path.join(cls.folder.name, "hoist.db")
+        subprocess.run([MAKE, cls.database], check=True)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def archive(self, *arguments):
+        data = hoist("export", self.database, *arguments)
+        archive = zipfile.ZipFile(io.BytesIO(data))
+        self.assertIsNone(archive.testzip())
+        return archive
+
+    def csv_of(self, session):
+        text = hoist("export", self.database, str(session), "--no-comments").decode()
+        return list(csv.DictReader(io.StringIO(text)))
+
+    def a_session_as_an_archive_holds_the_same_files_as_the_single_exports(self):
+        archive = self.archive("1", "--format", "zip")
+        head = "session_1/"
+        self.assertEqual(
+            sorted(archive.namelist()),
+            sorted(head + name for name in ("session.csv", "session_events.csv", "session_can.log", "session.mcap", "manifest.json", "figures.json")),
+        )
+        self.assertEqual(archive.read(head + "session.csv"), hoist("export", self.database, "1", "--no-comments"))
+        self.assertEqual(archive.read(head + "session.mcap"), hoist("export", self.database, "1", "--format", "mcap"))
+        self.assertEqual(json.loads(archive.read(head + "manifest.json"))["session"]["subject"], "P-017")
+        self.assertEqual(archive.getinfo(head + "session.csv").date_time[:3], (2026, 9, 21))
+        self.assertEqual(archive.getinfo(head + "session.csv").external_attr >> 16, 0o100644)
+
+    def filters_choose_the_sessions(self):
+        def sessions(*filters):
+            return sorted({name.split("/")[0] for name in self.archive("--bundle", "files", *filters).namelist()})
+
+        self.assertEqual(sessions(), ["session_1", "session_2", "session_3"])
+        self.assertEqual(sessions("--subject", "P-017"), ["session_1", "session_2"])
+        self.assertEqual(sessions("--exercise", "square"), ["session_2", "session_3"])
+        self.assertEqual(sessions("--from", "2026-09-22", "--subject", "P-017"), ["session_2"])
+        self.assertEqual(sessions("--to", "2026-09-21"), ["session_1"])
+        with self.assertRaises(subprocess.CalledProcessError) as refused:
+            hoist("export", self.database, "--bundle", "files", "--no-simulated")
+        self.assertIn(b"no session fits", refused.exception.stderr)
+        with self.assertRaises(subprocess.CalledProcessError) as refused:
+            hoist("export", self.database, "--bundle", "files", "--from", "21.9.2026")
+        self.assertIn(b"YYYY-MM-DD", refused.exception.stderr)
+
+    # Names and columns by BIDS 1.10: schema/rules/files/raw/{motion,channels,events}.yaml, rules/tabular_data/motion.yaml, rules/sidecars/motion.yaml.
+    def a_data_set_is_laid_out_as_motion_bids(self):
+        archive = self.archive("--bundle", "bids")
+        names = archive.namelist()
+        top = {"dataset_description.json", "participants.tsv", "participants.json", "README", ".bidsignore"}
+        entity = r"(sub-[0-9a-zA-Z]+)/(ses-[0-9a-zA-Z]+)/"
+        motion = entity + r"motion/\1_\2_task-[0-9a-zA-Z]+_tracksys-[0-9a-zA-Z]+_run-[0-9]+_"
+        kinds = (r"(motion\.(tsv|json)|channels\.tsv|events\.tsv|manifest\.json)$", r"\1_\2_scans\.tsv$")
+        for name in names:
+            fits = name in top or re.match(motion + kinds[0], name) or re.match(entity + kinds[1], name)
+            self.assertTrue(fits, name)
+        description = json.loads(archive.read("dataset_description.json"))
+        self.assertTrue({"Name", "BIDSVersion"} <= description.keys())
+        participants = list(csv.DictReader(io.StringIO(archive.read("participants.tsv").decode()), delimiter="\t"))
+        self.assertEqual([p["participant_id"] for p in participants], ["sub-P017", "sub-P018"])
+        self.assertEqual([n for n in names if n.endswith("_motion.tsv")], [
+            "sub-P017/ses-20260921/motion/sub-P017_ses-20260921_task-straight_tracksys-hoist_run-1_motion.tsv",
+            "sub-P017/ses-20260922/motion/sub-P017_ses-20260922_task-square_tracksys-hoist_run-1_motion.tsv",
+            "sub-P018/ses-20260922/motion/sub-P018_ses-20260922_task-square_tracksys-hoist_run-1_motion.tsv",
+        ])
+        for session, name in enumerate((n for n in names if n.endswith("_motion.tsv")), 1):
+            self.check_recording(archive, session, name.removesuffix("_motion.tsv"))
+        for name in (n for n in names if n.endswith("_scans.tsv")):
+            for scan in csv.DictReader(io.StringIO(archive.read(name).decode()), delimiter="\t"):
+                self.assertIn(os.path.dirname(name) + "/" + scan["filename"], names)
+                self.assertRegex(scan["acq_time"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?Z$")
+        everything = b"".join(archive.read(name) for name in names)
+        self.assertNotIn(b"by the ramp", everything, "free text stays at home")
+
+    def check_recording(self, archive, session, stem):
+        def table(kind):
+            return list(csv.DictReader(io.StringIO(archive.read(f"{stem}_{kind}.tsv").decode()), delimiter="\t", quoting=csv.QUOTE_NONE))
+
+        channels = table("channels")
+        self.assertEqual(list(channels[0])[:5], ["name", "component", "type", "tracked_point", "units"])
+        types = {"ACCEL", "ANGACC", "GYRO", "JNTANG", "LATENCY", "MAGN", "MISC", "ORNT", "POS", "VEL"}
+        for channel in channels:
+            self.assertIn(channel["type"], types)
+            self.assertIn(channel["component"], {"x", "y", "z", "n/a"})
+            self.assertTrue(all(channel.values()), channel)
+        sidecar = json.loads(archive.read(stem + "_motion.json"))
+        self.assertTrue({"SamplingFrequency", "TaskName", "TrackingSystemName"} <= sidecar.keys())
+        self.assertEqual(sidecar["MotionChannelCount"], len(channels))
+        for kind in types:
+            self.assertEqual(sidecar.get(kind + "ChannelCount", 0), sum(c["type"] == kind for c in channels), kind)
+        rows = [line.split("\t") for line in archive.read(stem + "_motion.tsv").decode().splitlines()]
+        expected = self.csv_of(session)
+        self.assertEqual(len(rows), len(expected))
+        first = float(expected[0]["time_s"])
+        for row, sample in zip(rows, expected):
+            self.assertEqual(len(row), len(channels))
+            self.assertAlmostEqual(float(row[0]), float(sample["time_s"]) - first, places=5)
+            for value, channel in zip(row[1:], channels[1:]):
+                self.assertEqual(value, sample[channel["name"]], channel["name"])
+        for event in table("events"):
+            self.assertGreaterEqual(float(event["onset"]), 0)
+            self.assertEqual(event["duration"], "0")
+        self.assertEqual({e["trial_type"] for e in table("events")}, {"parameter_changed", "marker"})
+
+
+if __name__ == "__main__":
+    Archives.setUpClass()
+    suite = Archives()
+    code = run_suite("ExportArchives", [
+        suite.a_session_as_an_archive_holds_the_same_files_as_the_single_exports,
+        suite.filters_choose_the_sessions,
+        suite.a_data_set_is_laid_out_as_motion_bids,
+    ])
+    Archives.tearDownClass()
+    sys.exit(code)
