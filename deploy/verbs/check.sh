@@ -63,6 +63,7 @@ build_web
 HOIST_THOROUGH=yes run_ctest build "$normal" .
 run_web_tests "$normal" .
 run_browser_tests "$normal" .
+step "README: each way to add something, followed in a copy" python3 tests/recipes/recipes.py
 step "chaos: 2000 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 2000
 if build_sanitized; then
   run_ctest build/sanitize "$sanitized" .

@@ -22,12 +22,12 @@ import {
   length_m,
   pathOf,
   shapes,
+  sizeOf,
   stepped,
   steps,
   withinCap,
   type Plan,
   type Shape,
-  type Stepped,
 } from './plan';
 import './exercises.css';
 
@@ -86,8 +86,6 @@ function Pair({
     </div>
   );
 }
-
-const sizeOf: Record<Shape, Stepped> = { straight: 'length_m', square: 'side_m', circle: 'radius_m', eight: 'eight_m' };
 
 function Settings({ plan, change, speedMost_m_s }: { plan: Plan; change: (part: Partial<Plan>) => void; speedMost_m_s: number }) {
   const size = sizeOf[plan.shape];

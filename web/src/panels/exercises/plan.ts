@@ -44,6 +44,8 @@ export const steps = {
   laps: { least: 1, most: 20, step: 1 },
 } as const satisfies Partial<Record<keyof Plan, Step>>;
 export type Stepped = keyof typeof steps;
+/** The size that a shape is changed by. */
+export const sizeOf: Record<Shape, Stepped> = { straight: 'length_m', square: 'side_m', circle: 'radius_m', eight: 'eight_m' };
 
 /** One step up or down, on the grid of the steps and within their ends. */
 export function stepped({ least, most, step }: Step, value: number, by: 1 | -1): number {
