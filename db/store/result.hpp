@@ -12,6 +12,8 @@ enum class ErrorKind : std::uint8_t {
   not_found,     // no such session
   bad_value,     // the caller's value is refused; `field` names it and the message gives the allowed range
   wrong_state,   // not now: no session open, session still recording …
+  changed,       // the row is not what the change was made for (edit_tag.hpp)
+  taken,         // another row has this name already
   busy,          // another connection held the lock longer than the busy timeout
   disk_full,     // nothing was stored by this call; trying again later is fine
   read_only,     // the disk, or the folder, may not be written
@@ -29,6 +31,10 @@ constexpr const char* error_kind_name(ErrorKind kind) {
       return "bad_value";
     case ErrorKind::wrong_state:
       return "wrong_state";
+    case ErrorKind::changed:
+      return "changed";
+    case ErrorKind::taken:
+      return "taken";
     case ErrorKind::busy:
       return "busy";
     case ErrorKind::disk_full:

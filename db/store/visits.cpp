@@ -1,7 +1,7 @@
 #include "db/store/visits.hpp"
 
-#include <limits>
-
+#include "db/store/edit_tag.hpp"
+#include "db/store/page.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
 
@@ -13,21 +13,6 @@ constexpr const char* kVisits =
     "JOIN patients ON patients.id = patient_id WHERE sessions.id = ?1";
 
 Visit visit_at(const Statement& row) { return {row.integer_at(0), row.integer_at(1), row.text_at(2), row.text_at(3)}; }
-
-// Reads one row more than asked, which tells whether a next page exists. `read(row)` makes an item, `id(item)` is its number.
-template <typename Item, typename Read, typename Id>
-VisitPage<Item> page_of(Statement& rows, const VisitQuery& query, Read read, Id id) {
-  rows.integer(1, query.before.value_or(std::numeric_limits<std::int64_t>::max())).unsigned_integer(2, query.limit + 1);
-  VisitPage<Item> page;
-  while (rows.step()) {
-    if (page.items.size() == query.limit) {
-      page.next = id(page.items.back());
-      break;
-    }
-    page.items.push_back(read(rows));
-  }
-  return page;
-}
 
 Status check_limit(const VisitQuery& query) {
   if (query.limit == 0 || query.limit > kMaxPage)
@@ -50,27 +35,69 @@ Result<std::map<SessionId, Visit>> VisitReader::of_sessions(std::span<const Sess
   });
 }
 
+namespace {
+std::vector<SessionId> sessions_of(sqlite3* handle, std::int64_t visit) {
+  std::vector<SessionId> ids;
+  Statement session(handle, "SELECT id FROM sessions WHERE visit_id = ?1 ORDER BY id");
+  session.integer(1, visit);
+  while (session.step()) ids.push_back(session.integer_at(0));
+  return ids;
+}
+constexpr const char* kVisitRows =
+    "SELECT visits.id, patient_id, code, day, visit_note FROM visits JOIN patients ON patients.id = patient_id WHERE ";
+VisitInfo visit_info(const Statement& row) {
+  VisitInfo info{visit_at(row), row.text_at(4), {}, {}};
+  info.tag = edit_tag({info.note});
+  return info;
+}
+
+// The day and the numbers of one patient's visits come by index.
+constexpr const char* kPatientRows =
+    "SELECT id, code, archived, (SELECT sealed FROM patient_identities WHERE patient_id = patients.id), "
+    "(SELECT count(*) FROM visits WHERE patient_id = patients.id), "
+    "(SELECT count(*) FROM visits JOIN sessions ON visit_id = visits.id WHERE patient_id = patients.id), "
+    "(SELECT min(day) FROM visits WHERE patient_id = patients.id), (SELECT max(day) FROM visits WHERE patient_id = patients.id) "
+    "FROM patients WHERE ";
+PatientInfo patient_at(const Statement& row) {
+  PatientInfo info{.id = row.integer_at(0),
+                   .code = row.text_at(1),
+                   .archived = row.integer_at(2) != 0,
+                   .has_identity = !row.is_null(3),
+                   .visits = row.unsigned_at(4),
+                   .sessions = row.unsigned_at(5),
+                   .first_day = row.optional_text_at(6),
+                   .last_day = row.optional_text_at(7),
+                   .tag = {}};
+  const ByteView sealed = row.blob_at(3);
+  info.tag = edit_tag({info.code, info.archived ? "1" : "0", {reinterpret_cast<const char*>(sealed.data()), sealed.size()}});
+  return info;
+}
+}  // namespace
+
 Result<VisitPage<VisitInfo>> VisitReader::visits(const VisitQuery& query) const {
   if (Status checked = check_limit(query); !checked) return checked.error();
   return guarded([&]() -> Result<VisitPage<VisitInfo>> {
-    Transaction transaction(database_->handle(), Transaction::Kind::read);
-    Statement rows(database_->handle(), std::string("SELECT visits.id, patient_id, code, day FROM visits "
-                                                    "JOIN patients ON patients.id = patient_id WHERE visits.id < ?1 ") +
-                                            (query.patient_id ? "AND patient_id = ?3 " : "") + "ORDER BY visits.id DESC LIMIT ?2");
+    sqlite3* handle = database_->handle();
+    Transaction transaction(handle, Transaction::Kind::read);
+    Statement rows(handle, std::string(kVisitRows) + "visits.id < ?1 " + (query.patient_id ? "AND patient_id = ?3 " : "") +
+                               (query.day ? "AND day = ?4 " : "") + "ORDER BY visits.id DESC LIMIT ?2");
     if (query.patient_id) rows.integer(3, *query.patient_id);
-    auto page = page_of<VisitInfo>(
-        rows, query,
-        [](const Statement& row) {
-          return VisitInfo{visit_at(row), {}};
-        },
-        [](const VisitInfo& v) { return v.visit.id; });
-    Statement session(database_->handle(), "SELECT id FROM sessions WHERE visit_id = ?1 ORDER BY id");
-    for (VisitInfo& one : page.items) {
-      session.integer(1, one.visit.id);
-      while (session.step()) one.sessions.push_back(session.integer_at(0));
-      session.reset();
-    }
+    if (query.day) rows.text(4, query.day);
+    auto page = page_of<VisitInfo>(rows, query, visit_info, [](const VisitInfo& v) { return v.visit.id; });
+    for (VisitInfo& one : page.items) one.sessions = sessions_of(handle, one.visit.id);
     return page;
+  });
+}
+
+Result<VisitInfo> VisitReader::visit(std::int64_t visit) const {
+  return guarded([&]() -> Result<VisitInfo> {
+    sqlite3* handle = database_->handle();
+    Transaction transaction(handle, Transaction::Kind::read);
+    Statement row(handle, std::string(kVisitRows) + "visits.id = ?1");
+    if (!row.integer(1, visit).step()) return Error{ErrorKind::not_found, "there is no visit " + std::to_string(visit), {}};
+    VisitInfo info = visit_info(row);
+    info.sessions = sessions_of(handle, visit);
+    return info;
   });
 }
 
@@ -78,17 +105,17 @@ Result<VisitPage<PatientInfo>> VisitReader::patients(const VisitQuery& query) co
   if (Status checked = check_limit(query); !checked) return checked.error();
   return guarded([&]() -> Result<VisitPage<PatientInfo>> {
     Transaction transaction(database_->handle(), Transaction::Kind::read);
-    Statement rows(database_->handle(),
-                   "SELECT patients.id, code, count(DISTINCT visits.id), count(sessions.id), min(day), max(day) FROM patients "
-                   "JOIN visits ON patient_id = patients.id JOIN sessions ON visit_id = visits.id "
-                   "WHERE patients.id < ?1 GROUP BY patients.id ORDER BY patients.id DESC LIMIT ?2");
-    return page_of<PatientInfo>(
-        rows, query,
-        [](const Statement& row) {
-          return PatientInfo{row.integer_at(0), row.text_at(1), row.unsigned_at(2), row.unsigned_at(3), row.text_at(4), row.text_at(5)};
-        },
-        [](const PatientInfo& patient) { return patient.id; });
+    Statement rows(database_->handle(), std::string(kPatientRows) + "id < ?1 " + (query.code_part ? "AND code_has(code, ?3) " : "") +
+                                            (query.archived ? "AND archived = ?4 " : "") + "ORDER BY id DESC LIMIT ?2");
+    if (query.code_part) rows.text(3, query.code_part);
+    if (query.archived) rows.integer(4, *query.archived ? 1 : 0);
+    return page_of<PatientInfo>(rows, query, patient_at, [](const PatientInfo& patient) { return patient.id; });
   });
+}
+
+std::optional<PatientInfo> patient_row(sqlite3* handle, std::int64_t patient) {
+  Statement row(handle, std::string(kPatientRows) + "id = ?1");
+  return row.integer(1, patient).step() ? std::optional(patient_at(row)) : std::nullopt;
 }
 
 std::int64_t visit_row(sqlite3* handle, const std::string& code, std::int64_t started_utc_ns) {
@@ -108,7 +135,7 @@ std::int64_t visit_row(sqlite3* handle, const std::string& code, std::int64_t st
 void drop_empty_visits(sqlite3* handle) {
   execute(handle,
           "DELETE FROM visits WHERE NOT EXISTS (SELECT 1 FROM sessions WHERE visit_id = visits.id);"
-          "DELETE FROM patients WHERE NOT EXISTS (SELECT 1 FROM visits WHERE patient_id = patients.id)");
+          "DELETE FROM patients WHERE registered = 0 AND NOT EXISTS (SELECT 1 FROM visits WHERE patient_id = patients.id)");
 }
 
 }  // namespace hoist::db

@@ -1,4 +1,5 @@
-// Patients and their visits: one patient on one day, with several sessions. Both come and go with their sessions.
+// Patients and their visits: one patient on one day, with several sessions. Both come and go with their sessions, but for patients whom people
+// manage (patients.hpp).
 #pragma once
 #include <cstdint>
 #include <map>
@@ -22,13 +23,17 @@ struct Visit {
 };
 struct VisitInfo {
   Visit visit;
+  std::string note;
   std::vector<SessionId> sessions;  ///< in the order of recording
+  std::string tag;                  ///< of what people may write (edit_tag.hpp)
 };
 struct PatientInfo {
   std::int64_t id = 0;
   std::string code;
+  bool archived = false, has_identity = false;
   std::uint64_t visits = 0, sessions = 0;
-  std::string first_day, last_day;
+  std::optional<std::string> first_day, last_day;  ///< of the visits
+  std::string tag;
 };
 /// Newest first; `next` is the `before` of the next page, absent at the end.
 template <typename Item>
@@ -40,6 +45,9 @@ struct VisitQuery {
   std::size_t limit = 50;                       ///< 1 to kMaxPage
   std::optional<std::int64_t> before = {};      ///< only those with a smaller number
   std::optional<std::int64_t> patient_id = {};  ///< visits of this patient only
+  std::optional<std::string> day = {};          ///< visits of this day only
+  std::optional<std::string> code_part = {};    ///< patients whose code contains this, capital or small
+  std::optional<bool> archived = {};            ///< only patients that are, or are not
 };
 
 /// Reads; every call is its own read transaction. Errors: bad_value (limit), corrupt, busy, io.
@@ -49,6 +57,7 @@ class VisitReader {
   /// The visits of these sessions. A session without a patient code has none.
   Result<std::map<SessionId, Visit>> of_sessions(std::span<const SessionId> sessions) const;
   Result<VisitPage<VisitInfo>> visits(const VisitQuery& query = {}) const;
+  Result<VisitInfo> visit(std::int64_t visit) const;
   Result<VisitPage<PatientInfo>> patients(const VisitQuery& query = {}) const;
 
  private:
@@ -57,7 +66,10 @@ class VisitReader {
 
 /// Inside a write transaction of the store: the visit of a session that began then; patient and visit are made when they are new.
 std::int64_t visit_row(sqlite3* handle, const std::string& code, std::int64_t started_utc_ns);
-/// Removes visits without a session, and patients without a visit: no code outlives its last session.
+/// Inside a transaction; nothing when there is no such patient.
+std::optional<PatientInfo> patient_row(sqlite3* handle, std::int64_t patient);
+/// Removes visits without a session, and patients without a visit whom nobody has registered: a code that was only typed goes with its last
+/// session.
 void drop_empty_visits(sqlite3* handle);
 
 }  // namespace hoist::db

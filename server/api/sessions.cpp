@@ -138,8 +138,8 @@ void list_patients(const CallPtr& call) {
                        {"code", p.code},
                        {"visits", p.visits},
                        {"sessions", p.sessions},
-                       {"first_day", p.first_day},
-                       {"last_day", p.last_day}});
+                       {"first_day", p.first_day ? json(*p.first_day) : json(nullptr)},
+                       {"last_day", p.last_day ? json(*p.last_day) : json(nullptr)}});
     return json_response({{"items", std::move(items)}, {"next", next_json(page->next)}});
   });
 }

@@ -237,7 +237,7 @@ constexpr std::string_view kSchemas = R"json({
   "next": {"type": ["string", "null"]}}, "additionalProperties": false},
 "PatientList": {"type": "object", "required": ["items", "next"], "properties": {"items": {"type": "array", "items": {"type": "object",
   "required": ["id", "code", "visits", "sessions", "first_day", "last_day"], "properties": {"id": {"type": "integer"}, "code": {"type": "string"},
-  "visits": {"type": "integer"}, "sessions": {"type": "integer"}, "first_day": {"type": "string"}, "last_day": {"type": "string"}}, "additionalProperties": false}},
+  "visits": {"type": "integer"}, "sessions": {"type": "integer"}, "first_day": {"type": ["string", "null"]}, "last_day": {"type": ["string", "null"]}}, "additionalProperties": false}},
   "next": {"type": ["string", "null"]}}, "additionalProperties": false},
 "NoteText": {"type": "string", "maxLength": 4000, "description": "Plain text, tabs and line ends allowed: at most 4000 bytes of UTF-8."},
 "SubjectCode": {"type": "string", "minLength": 1, "maxLength": 64, "description": "One line of plain text: at most 64 bytes of UTF-8. A code, never a name."},

@@ -194,6 +194,9 @@ TEST(Open, a_file_of_schema_001_is_migrated_and_says_what_it_does_not_know) {
   ASSERT_EQ(visits->items.size(), 1U) << "one patient, one day; the session without a code is in none";
   EXPECT_EQ(visits->items[0].visit.patient, "P-017");
   EXPECT_EQ(visits->items[0].sessions, (std::vector<SessionId>{1, 2}));
+  const auto patients = VisitReader(database).patients();
+  ASSERT_EQ(patients->items.size(), 1U);
+  EXPECT_FALSE(patients->items[0].archived || patients->items[0].has_identity);
   // And it is recorded into as any other.
   std::vector<TickRecord> records;
   expect_recorded(database, record_session(database, 300, 1, &records), records);

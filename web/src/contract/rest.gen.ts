@@ -634,14 +634,14 @@ export type ParameterValues = {
 };
 
 export type PatientList = {
-  items: readonly {
+  items: readonly ({
     code: string;
-    first_day: string;
+    first_day: string | null;
     id: number;
-    last_day: string;
+    last_day: string | null;
     sessions: number;
     visits: number;
-  }[];
+  })[];
   next: string | null;
 };
 

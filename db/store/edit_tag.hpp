@@ -1,0 +1,30 @@
+// What an editable row looked like. A change names the tag of the row it was made for and is refused when the row is another by then.
+// A hash of the content and no counter: two people who write the same are not in each other's way, and no column has to be kept.
+#pragma once
+#include <array>
+#include <cstdio>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+#include "control/contract/check.hpp"
+#include "db/store/result.hpp"
+
+namespace hoist::db {
+
+/// 16 hexadecimal digits over these texts; their lengths count too.
+inline std::string edit_tag(std::initializer_list<std::string_view> content) {
+  std::uint64_t hash = contract::kHashStart;
+  for (const std::string_view text : content) hash = contract::hash_number(contract::hash_bytes(hash, text), text.size());
+  std::array<char, 17> hex{};
+  std::snprintf(hex.data(), hex.size(), "%016llx", static_cast<unsigned long long>(hash));
+  return hex.data();
+}
+
+/// Error `changed` unless `expected` is empty or the row's tag.
+inline Status check_tag(std::string_view expected, std::string_view now) {
+  if (expected.empty() || expected == now) return {};
+  return Error{ErrorKind::changed, "it was changed meanwhile: read it again, then change it", {}};
+}
+
+}  // namespace hoist::db
