@@ -3,7 +3,7 @@
 //   node tests/web/e2e.mjs [--bin build/bin] [--web web/dist] [--json FILE] [--only TEXT] [--shots DIR]
 //
 // The hoist's motion is read from the simulator, never from the page. Prints `N passed, N failed, N skipped`.
-import { existsSync, mkdirSync, rmSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -384,6 +384,27 @@ const cases = {
       before = { tick, time_s };
     }
     assert(rows.length > 2000, `only ${rows.length} rows`);
+  },
+
+  async 'a backup is made beside the recording and put back: what was deleted meanwhile is there again'() {
+    const id = walked?.id ?? (await walkFor(6));
+    await toStandby();
+    await page.goto(`${stack.origin}/#/settings/backup`);
+    await button('Back up now').click();
+    const row = page.locator('.settings-part .rows li');
+    await until('the backup is listed', async () => (await row.count()) === 1, 60_000);
+    const [folder] = readdirSync(stack.path('backups'));
+    assert(existsSync(stack.path('backups', folder, 'manifest.json')), `no manifest in ${folder}`);
+    assert((await stack.rest('DELETE', `/sessions/${id}`)).status === 204, 'the session is not deleted');
+    assert((await stack.rest('GET', `/sessions/${id}`)).status === 404, 'the deleted session is still there');
+    await button('Restore').click();
+    const hold = button('Hold to restore');
+    await hold.click();
+    await sleep(500);
+    assert((await stack.rest('GET', `/sessions/${id}`)).status === 404, 'a tap restored the backup');
+    await hold.click({ delay: 2300 });
+    await until('the session is there again', async () => (await stack.rest('GET', `/sessions/${id}`)).status === 200, 60_000);
+    await until('the page says so', () => page.getByText('Backup restored').first().isVisible());
   },
 
   async 'Tune: build-up strength changes at once, out of range is refused with the range, the session has the change'() {

@@ -59,7 +59,7 @@ export class Stack {
   constructor({ bin, web, scenario = 'figure-eight' }) {
     Object.assign(this, { bin, web, scenario });
     this.folder = mkdtempSync(join(tmpdir(), 'hoist-e2e-'));
-    mkdirSync(join(this.folder, 'data'));
+    for (const name of ['data', 'backups']) mkdirSync(join(this.folder, name));
     this.programs = {};
   }
   path(...parts) {
@@ -94,7 +94,7 @@ export class Stack {
   async startServer() {
     this.port ??= await freePort();
     const server = this.run('hoist-server', ['--socket', this.path('core.sock'), '--port', String(this.port), '--web', this.web, '--db', this.path('data', 'hoist.db'),
-      '--scenario', this.scenario, '--token-file', this.path('token')]);
+      '--scenario', this.scenario, '--token-file', this.path('token'), '--backup-root', this.path('backups')]);
     this.link = await this.ready(server, 'prints its link', () => /Open (http:\S+)/.exec(server.output)?.[1]);
     this.origin = new URL(this.link).origin;
   }
