@@ -42,7 +42,7 @@ struct BusFrame {
   std::string_view what{};
   std::uint8_t bytes = 0;
   std::uint64_t period = 0, jitter = 0;  // shortest distance of two, and how late its sender may be
-  std::uint64_t deadline = 0;            // from when on somebody reacts to its absence
+  std::uint64_t deadline = 0;            // after which its absence causes a reaction
 };
 
 // Sorted by id, which is by priority. All service data counts as one frame with a quarter of the bus.

@@ -227,7 +227,7 @@ constexpr std::optional<std::uint32_t> parse_version(std::string_view text) {
 inline constexpr std::uint16_t kProgramData = 0x1F50, kProgramControl = 0x1F51, kProgramId = 0x1F56, kFlashStatus = 0x1F57;
 // Of this house, beside them: the version of the program, major << 16 | minor << 8 | patch; 0 when there is none.
 inline constexpr std::uint16_t kProgramVersion = 0x2F00;
-// 1018h:2 of a node that is in its loader has this bit, so that nobody takes it for the node at work.
+// 1018h:2 of a node that is in its loader has this bit, so that it is not taken for the running node.
 inline constexpr std::uint32_t kLoaderProduct = 0x40000000U;
 // Values of 1F51h:1.
 enum class ProgramCommand : std::uint8_t { stop = 0, start = 1, reset = 2, clear = 3 };

@@ -1,4 +1,4 @@
-// How punctual the control loop is, in full: what the record of a step has no room for. Written once a second, read when somebody asks.
+// How punctual the control loop is, in full: more than fits the record of a step. Written once a second, read on request.
 #pragma once
 #include <array>
 #include <bit>

@@ -1,5 +1,5 @@
 // A set of parameter values on its way to the core: how long it may be on trial, and how it is sealed: CRC-32 over its rows, in their order.
-// Whoever commits a set works it out over what was meant; the core works it out over what arrived (hazard H27).
+// The sender of a set computes it over the values it meant, the core over the values that arrived (hazard H27).
 #pragma once
 #include <array>
 #include <bit>

@@ -40,7 +40,7 @@ struct SeqRing {
 
 struct ParamsInForce {
   std::uint64_t version = 0;
-  std::uint64_t defaults_after_damage = 0;  // 1: nobody chose these, they stand in for settings that were damaged; not to be stored
+  std::uint64_t defaults_after_damage = 0;  // 1: defaults that replace damaged settings; must not be stored
   std::array<double, kParamCount> values{};
   std::array<double, kParamCount> kept{};  // the same, without what is only on trial: what the next start begins with
 };

@@ -12,7 +12,7 @@ inline constexpr std::uint32_t kStepMagic = 0x31505448;  // "HTP1", little endia
 /// Text of one packet. The line carries 1000 characters in a period (1 Mbaud).
 inline constexpr std::size_t kStepTextMax = 2048;
 /// A partner that is connected and silent for this long has hung: the other one goes on by the steady clock without it. Far beyond what a
-/// busy computer holds up a program that wants to run.
+/// busy computer delays a program that is ready to run.
 inline constexpr int kStepSilence_ms = 5000;
 
 struct StepHeader {

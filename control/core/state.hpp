@@ -79,7 +79,7 @@ struct CoreState {
   contract::Params sent_to_nodes;  // what the master was told to write
   ParamSeal seal;
   bool slewing = false;
-  bool defaults_after_damage = false;  // in force because both copies were damaged, until somebody sets a parameter
+  bool defaults_after_damage = false;  // in force because both copies were damaged, until a parameter is set
   Trial trial;
   Derived derived;
   std::uint64_t parameter_version = 1;

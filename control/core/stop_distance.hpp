@@ -1,7 +1,7 @@
 // How far the hoist would still roll: if the link to its driver died now, and if the control computer died now. Said as a distance that is
 // not passed and that exceeds the real one by less than a fifth on average (tests/loop/stop_distance_test.cpp cuts at random and measures).
 //
-//   patient leads       nobody on the link leads; the protective stop, as STOP would give it
+//   patient leads       the link has no driver; the protective stop, as after STOP
 //   therapist drives    the last command goes on, scaled down from remote_slow_age_s, and at remote_stop_age_s the driver's ramp begins
 //   any stop in force   its own ramp, from where it is
 //   computer dies       the drives keep their last command until its deadline, then each stops its wheel on its quick-stop ramp
@@ -78,7 +78,7 @@ inline constexpr double kQuickStop_rad_s2 = contract::find_object(contract::Node
   const bool drives = mode_row_of(state.mode).drives;
   StopDistance out;
   if (!drives) {
-    // The drives are off and their brakes hold; whoever pushes the hoist has it in hand.
+    // The drives are off and their brakes hold; a person who pushes the hoist controls it.
     return out;
   }
   // Braked by the core.

@@ -119,7 +119,7 @@ void watch_runaway(CoreState& state, double dt_s) noexcept {
 void take_commands(CoreState& state, const TickInputs& inputs) noexcept {
   watch_server(state, inputs.server_heartbeat, inputs.server_life);
   for (std::size_t i = 0; i < inputs.commands.size(); ++i) {
-    // Copied once: what is checked is what is used, whoever else can write there.
+    // Copied once, because another program can write there: the checked values are the used ones.
     const contract::Command command = inputs.commands[i];
     if (i < kCommandsPerTick) {
       take_command(state, command);

@@ -40,7 +40,7 @@ class CoreLink {
   // Number of the attached server, counted from 1; a new number means a new life with its own sequences.
   [[nodiscard]] std::uint64_t server_life() const noexcept { return life_; }
   [[nodiscard]] std::uint64_t heartbeat() const noexcept;
-  // The commands since the last call, oldest first; whoever sent more than the ring holds loses the oldest, and `lost` says how many.
+  // The commands since the last call, oldest first. A server that sent more than the ring holds loses the oldest; `lost` counts them.
   std::size_t read_commands(std::span<contract::Command> out, std::uint64_t& lost) noexcept;
   // True when the server stored a driving command since the last call.
   bool read_drive(contract::DriveCommand& command) noexcept;

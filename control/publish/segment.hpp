@@ -1,7 +1,7 @@
 // Sealed shared memory between two processes of this machine, and the Unix socket over which it changes hands.
 //
 // A segment is a memfd of fixed size. Its writer maps it, then seals it against shrinking, growing, new writable mappings and further
-// sealing. So the other side can neither alter it nor be killed by it (a shrunk file would raise SIGBUS in whoever reads on).
+// sealing. So the other side can neither alter it nor be killed by it (a shrunk file would raise SIGBUS in its reader).
 #pragma once
 #include <cstddef>
 #include <cstdint>

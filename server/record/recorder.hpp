@@ -1,5 +1,5 @@
 // The recorder's thread: everything the core publishes goes into the database while something is being recorded, and every other use of
-// the database runs here too, so that a slow disk never holds up the network. Therapy goes on whatever the disk does.
+// the database runs here too, so that a slow disk never delays the network. Therapy goes on whatever the disk does.
 #pragma once
 #include <atomic>
 #include <condition_variable>

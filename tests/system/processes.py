@@ -79,7 +79,7 @@ def wheels_stop_by_themselves(relay_opens=True):
         last_s = max(seen[side]["command_s"] for side in ("left", "right"))
         until("the relay opens", lambda: not witness()["relay_closed"], 20.0, 0.02)
         opened_s = witness()["time_s"] - last_s
-        # Not in simulated time alone: the last feed is older when the core was held up just before it ended.
+        # Not in simulated time alone: the last feed is older when the core was delayed just before it ended.
         check(opened_s >= RELAY_S, f"the relay opened after {opened_s:.2f} s, before the drives are sure to stand")
 
 
@@ -175,7 +175,7 @@ def h21_a_server_that_dies_or_hangs_does_not_disturb_a_walk():
                 raise
             if hoist.server.process.poll() is not None:
                 hoist.start_server()
-    raise Skipped("this machine is too busy: the core itself was held up each time")
+    raise Skipped("this machine is too busy: the core itself was delayed each time")
 
 
 def walks_without_a_server():
@@ -248,7 +248,7 @@ def brakes_within(gone_s, surely_gone_s, limit_s):
             if began_s is None and now < target * 0.998:
                 began_s = at_s
             if began_s is not None:
-                # A hand that was held up before has the core brake already, and what it says then may still be under way.
+                # A delayed client has made the core brake before; the last command may then still be under way.
                 check(now <= target or at_s - surely_gone_s > UNDER_WAY_S, "the command fell and rose again while the server went")
                 check_safe(now <= target, f"the command rose again from {target} to {now}, {at_s - gone_s:.3f} s after the server was gone")
             stands = now == 0
@@ -342,7 +342,7 @@ def h22_a_machine_under_load_walks_on_or_stands_but_never_runs_away():
     for _ in range(3):
         if walks_under_load():
             return
-    raise Skipped("this machine is too busy: the core or the line was held up each time")
+    raise Skipped("this machine is too busy: the core or the line was delayed each time")
 
 
 def walks_under_load():

@@ -68,7 +68,7 @@ def our_driver_speaks_through_slcanpty():
         hoist.start_core()
         hoist.start_server()
         hoist.nodes_run()
-        # The adapter writes past a terminal that is full, which cuts a line: that happens to a reader that is held up for 40 ms.
+        # The adapter writes past a terminal that is full, which cuts a line: that happens to a reader that is delayed by 40 ms.
         bus = until("a thousand frames", lambda: (now := hoist.status()["bus"])["frames"] >= 1000 and now)
         check(bus["refused"] <= 0.02 * bus["frames"], f"{bus['refused']} of {bus['frames']} lines refused")
         # The adapter is pulled out.

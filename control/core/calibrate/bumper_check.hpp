@@ -1,5 +1,5 @@
-// Each bumper pressed once, in the order of the bits. A check and no map: a strip that answers for another is a wrong plug, and a machine
-// whose wires are right needs no table that could be wrong itself (DECISIONS.md).
+// Each bumper pressed once, in the order of the bits. A check, not a mapping: a strip that answers for another one is wrongly plugged
+// (DECISIONS.md).
 #pragma once
 #include <cstdint>
 
@@ -23,7 +23,7 @@ class BumperCheck {
       free_ = true;
       return CalibrationReason::none;
     }
-    // Whoever begins with a pressed strip gets the time to let go of it.
+    // A strip that is pressed at the start may be released within kStuckTicks.
     if (!free_) return ++stuck_ticks_ >= kStuckTicks ? CalibrationReason::bumper_stuck : CalibrationReason::none;
     if ((bits & ~wanted) != 0) return CalibrationReason::bumper_swapped;
     if (++stuck_ticks_ >= kHeldTicks) return CalibrationReason::bumper_stuck;

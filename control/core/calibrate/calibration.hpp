@@ -1,4 +1,4 @@
-// What CALIBRATE remembers of a calibration step (modes/calibration_run.hpp moves it on).
+// The state of a calibration step (advanced by modes/calibration_run.hpp).
 #pragma once
 #include <cstdint>
 
@@ -12,9 +12,9 @@
 
 namespace hoist::core {
 
-/// Nothing happened for this long: 60 s (SOURCES 2.3).
+/// Timeout without activity: 60 s (SOURCES 2.3).
 inline constexpr std::uint32_t kCalibrationIdleTicks = 6000;
-/// Somebody who sees that it does not rest has had ten seconds to make it rest.
+/// Ten seconds for the operator to bring everything to rest.
 inline constexpr std::uint32_t kCalibrationRestTicks = 1000;
 
 /// What rests or moves: six angles as sent, the ways of both wheels in counts, the turn rate.

@@ -1,4 +1,4 @@
-// The chassis gyroscope at rest: what it says about a turn is its bias, and the angles of a filter that has learnt its own bias stand still.
+// The chassis gyroscope at rest: its turn rate is its bias. The tilt filters have converged when their angles no longer drift.
 #pragma once
 #include <cmath>
 
@@ -8,7 +8,7 @@ namespace hoist::core {
 
 /// Consumer gyroscopes are within 1 degree a second at power-on (firmware/sim/imu.hpp); more than 2.5 is a broken one.
 inline constexpr double kGyroBiasLargest_rad_s = 0.0436332313;
-/// By how much the mean angle of the second half may differ from the first's: the filter still learns its bias (equation 14 needs 15 s).
+/// Largest difference between the mean angles of both halves; at more, the filter is still estimating its bias (equation 14 needs 15 s).
 inline constexpr double kGyroDriftLargest_rad = 0.00175;
 
 /// yaw_rad_s: mean turn rate at rest; drift_rad: the largest drift of any tilt angle within that time.

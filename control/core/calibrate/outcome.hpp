@@ -1,4 +1,4 @@
-// What a calculator of this folder comes to: a value, or why there is none.
+// The result of a calibration solver: a value, or the reason why there is none.
 #pragma once
 #include <cmath>
 
@@ -14,8 +14,8 @@ struct Outcome {
 
 [[nodiscard]] constexpr Outcome no_outcome(contract::CalibrationReason reason) noexcept { return {0, reason}; }
 
-/// A measured length is believed when it is within a fifth of what the machine was built to: nearer than any slip of the tape or of the
-/// sign, wider than any tolerance of a workshop.
+/// A measured length is plausible within a fifth of its design value: a misread tape or a wrong sign is further off, workshop tolerances are
+/// smaller.
 [[nodiscard]] inline bool near_design(double value, double design) noexcept { return std::fabs(value - design) <= 0.2 * std::fabs(design); }
 
 }  // namespace hoist::core

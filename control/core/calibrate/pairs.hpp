@@ -1,4 +1,4 @@
-// Pairs of a figure that somebody measured and what the sensors said, with the straight line that fits them best.
+// Pairs of a measured value and the sensors' value, and the straight line that fits them best.
 #pragma once
 #include <cmath>
 #include <cstddef>
@@ -46,7 +46,7 @@ class MeasuredPairs {
     bool found = false;
   };
 
-  /// measured = slope x sensed, by least squares: ways and turns that begin where the last one ended.
+  /// measured = slope x sensed, by least squares: distances and turns, each from the end of the previous one.
   [[nodiscard]] Line through_zero() const noexcept {
     double xy = 0, xx = 0;
     for (const Pair& pair : pairs_) {
@@ -57,7 +57,7 @@ class MeasuredPairs {
     return judged({xy / xx, 0, 0, true});
   }
 
-  /// measured = slope x sensed + offset, by least squares: places whose middle nobody knows exactly.
+  /// measured = slope x sensed + offset, by least squares: positions relative to a middle that is not known exactly.
   [[nodiscard]] Line with_offset() const noexcept {
     if (pairs_.size() < 2) return {};
     const auto n = static_cast<double>(pairs_.size());

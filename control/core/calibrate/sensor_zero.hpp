@@ -1,4 +1,4 @@
-// What a tilt sensor says while its strut stands upright, or its chassis level: how it is mounted, and what its accelerometer adds.
+// The zero of a tilt sensor: its reading while its strut stands upright, or the chassis level (mounting error plus accelerometer offset).
 #pragma once
 #include <cmath>
 
@@ -6,10 +6,10 @@
 
 namespace hoist::core {
 
-/// A sensor that is further off is loose, or what it sits on does not stand upright: 3 degrees.
+/// 3 degrees. A sensor with a larger zero is loose, or its strut does not stand upright.
 inline constexpr double kZeroLargest_rad = 0.0523598776;
 
-/// mean_rad: of an angle as sent, over a time at rest. The value is the zero that is to be taken off from now on.
+/// mean_rad: of an angle as sent, averaged at rest. The value is the zero to be subtracted.
 [[nodiscard]] inline Outcome sensor_zero(double mean_rad) noexcept {
   if (!(std::fabs(mean_rad) <= kZeroLargest_rad)) return no_outcome(contract::CalibrationReason::zero_too_large);
   return {mean_rad};

@@ -1,5 +1,4 @@
-// Means over a time in which nothing moved. Whatever strays further than its bound begins the time anew, so that no mean ever contains a
-// movement.
+// Means over a time without movement. A value that leaves its bound restarts the window, so that no mean contains a movement.
 #pragma once
 #include <array>
 #include <cmath>
@@ -15,7 +14,7 @@ class StillWindow {
 
   void restart() noexcept { ticks_ = 0; }
 
-  /// One step's values. False when one of them strayed by more than its bound, or was no number: the time begins with the next step.
+  /// One step's values. False when a value left its bound or was not a number: the window starts again with the next step.
   bool add(const Values& values, const Values& bounds) noexcept {
     if (ticks_ == 0) {
       low_ = high_ = first_ = values;

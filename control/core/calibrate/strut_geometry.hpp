@@ -1,4 +1,4 @@
-// d and d_s of equations (1) and (3): from a bar that somebody held at measured places.
+// d and d_s of equations (1) and (3): from a bar that the operator holds at measured positions.
 #pragma once
 #include <cmath>
 
@@ -7,14 +7,15 @@
 
 namespace hoist::core {
 
-/// Between the furthest places, of a turned bar one end ahead of the other: less, and a millimetre of the tape is a per cent of the result.
+/// Shortest distance between the outermost positions (of a turned bar: of one end ahead of the other). At less, a millimetre of the tape is one
+/// per cent of the result.
 inline constexpr double kBarWayLeast_m = 0.10;
-/// How far a place may lie beside the line through all of them: a tape read by the millimetre, a bar held by hand.
+/// Largest distance of a position from the fitted line: the tape is read by the millimetre, the bar is held by hand.
 inline constexpr double kBarErrorLargest_m = 0.008;
 inline constexpr double kBarErrorLargest_norm = 0.012;
 
 /// pairs: sensed = mean of tan(alpha) of both struts against the chassis, measured = metres forward of the middle. Equation (1) gives
-/// metres = d x sensed; the offset takes up that nobody knows the middle exactly. `design_m` is what the strut was built to.
+/// metres = d x sensed; the offset absorbs the error of the assumed middle. `design_m` is the design value.
 [[nodiscard]] inline Outcome strut_length(const MeasuredPairs& pairs, double design_m) noexcept {
   using contract::CalibrationReason;
   const MeasuredPairs::Line line = pairs.with_offset();
@@ -24,12 +25,12 @@ inline constexpr double kBarErrorLargest_norm = 0.012;
   return {line.slope};
 }
 
-/// pairs: sensed = tan(alpha right) - tan(alpha left), measured = sine of the angle by which the bar was turned to the left. Struts that
-/// stand d_s apart hold a bar whose one end is d_s x sine ahead of the other, and d x sensed is that way.
+/// pairs: sensed = tan(alpha right) - tan(alpha left), measured = sine of the angle by which the bar was turned to the left. With struts
+/// d_s apart, one end of the bar is d_s x sine ahead of the other; d x sensed is the same distance.
 [[nodiscard]] inline Outcome strut_spacing(const MeasuredPairs& pairs, double strut_length_m, double design_m) noexcept {
   using contract::CalibrationReason;
   const MeasuredPairs::Line line = pairs.with_offset();
-  // The way of the bar's ends as the design has it: the spacing that is looked for must not decide whether it was looked for well enough.
+  // With the design value: the unknown spacing must not decide whether the bar was turned far enough.
   if (!line.found || !(std::fabs(line.slope) > 1e-6) || !(design_m * pairs.measured_span() >= kBarWayLeast_m))
     return no_outcome(CalibrationReason::too_little);
   const double spacing_m = strut_length_m / line.slope;

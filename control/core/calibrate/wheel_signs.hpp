@@ -1,4 +1,4 @@
-// Whether each wheel counts the right way round, and whether each drive sits on its own wheel.
+// Whether each encoder counts in the right direction, and whether each drive is on its own wheel.
 #pragma once
 #include <cmath>
 
@@ -6,7 +6,7 @@
 
 namespace hoist::core {
 
-/// One wheel that went this share of the other's way or less counts nothing.
+/// An encoder that counts this share of the other one's distance, or less, is dead.
 inline constexpr double kDeadShare_norm = 0.2;
 
 /// What the wheels counted on a push straight ahead.
@@ -21,7 +21,7 @@ inline constexpr double kDeadShare_norm = 0.2;
   return CalibrationReason::none;
 }
 
-/// What the wheels counted on a turn to the left; turned_rad is what the chassis gyroscope says of it.
+/// What the wheels counted on a turn to the left; turned_rad is measured by the chassis gyroscope.
 [[nodiscard]] inline contract::CalibrationReason judge_turn(double left_m, double right_m, double turned_rad) noexcept {
   using contract::CalibrationReason;
   if (!(turned_rad > 0)) return CalibrationReason::turned_right;

@@ -1,4 +1,4 @@
-// The wheels' radius and their distance, from ways and turns along which the hoist was pushed.
+// Wheel radius and track width, from measured distances and turns along which the hoist is pushed.
 #pragma once
 #include <cmath>
 
@@ -7,16 +7,16 @@
 
 namespace hoist::core {
 
-/// How far a single way or turn may lie beside the result of all: a tape and a chalk line are better than this.
+/// Largest deviation of one distance or turn from the fit; a tape and a chalk line are better than this.
 inline constexpr double kTravelErrorLargest_norm = 0.015;
 
-/// Whether both wheels went about as far: a hoist pushed straight. Wheels that differ by a few per cent are what calibration is for.
+/// Whether both wheels travelled about equally far: the hoist was pushed straight. A difference of a few per cent is what calibration corrects.
 [[nodiscard]] inline bool pushed_straight(double left_m, double right_m) noexcept {
   return std::fabs(right_m - left_m) <= 0.05 + 0.05 * std::fabs(left_m + right_m);
 }
 
 /// pairs: sensed = metres for a wheel of radius 1 m (mean of both wheels, each with its correction), measured = metres by the tape.
-/// Equation (19): metres = radius x sensed. `least_m` is the shortest way a pair may have.
+/// Equation (19): metres = radius x sensed. `least_m` is the shortest distance of a pair.
 [[nodiscard]] inline Outcome wheel_radius(const MeasuredPairs& pairs, double least_m, double design_m) noexcept {
   using contract::CalibrationReason;
   const MeasuredPairs::Line line = pairs.through_zero();

@@ -23,7 +23,7 @@ class ServerWatch {
       alive_ = true;
       seen_ = true;
       silent_ticks_ = 0;
-      // The counter only ever rises in one life of the server: this is another server, and nobody it knows drives.
+      // The counter only rises while a server runs: this is a new server, and it has no driver.
       return restarted ? News::restarted : News::none;
     }
     if (!alive_ || ++silent_ticks_ < hold<contract::Fault::server_lost, "silence">(kSilentTicks)) return News::none;

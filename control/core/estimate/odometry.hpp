@@ -31,7 +31,7 @@ struct Odometry {
     }
     speed_m_s = (wheel_left_m_s + wheel_right_m_s) / 2.0;
     yaw_rate_rad_s = (wheel_right_m_s - wheel_left_m_s) / derived.odometry.track_m;
-    // Without news from a wheel nobody knows that it stands.
+    // Without data from a wheel its standstill is unknown.
     standing_still = !left.fresh().lost() && !right.fresh().lost() && std::fabs(wheel_left_m_s) < kStandstill_m_s &&
                      std::fabs(wheel_right_m_s) < kStandstill_m_s;
   }

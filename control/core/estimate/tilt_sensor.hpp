@@ -41,7 +41,7 @@ class TiltSensor {
       return;
     }
     // The same sample twice is no news: it may be a sensor whose processor stands while its bus controller repeats (H6).
-    // Once a step at most: frames that a serial line held up and hands over together answer SYNCs that came too close to each other.
+    // Once a step at most: frames that a serial line delayed and delivers together would answer SYNCs too close to each other.
     if (known_ && steps == 0) {
       if (!repeat_counted_ && repeated_frames_ < kOldestTicks) ++repeated_frames_;
       repeat_counted_ = true;

@@ -57,7 +57,7 @@ class BusHealth {
       if (what.kind == CobKind::tpdo1) {
         // One SYNC, one answer. Frames on change may come in between, so an own timer proves nothing.
         if (came == StreamWatch::Came::too_many && plan.by_sync) suspect(at, kSecondAnswer);
-        // It has just said that it began anew and nobody has started it: this is the data of another one.
+        // It has just reported a boot-up and was not started: this data comes from another node.
         if (watch.booted && tick_ - watch.boot_tick >= kBootGraceTicks) suspect(at, kDataAfterBoot);
       }
       if (came == StreamWatch::Came::in_time) return false;
@@ -179,7 +179,7 @@ class BusHealth {
       for (std::size_t i = 0; i < kTpdoMax; ++i) {
         lost[n][i] = watch.tpdo[i].settle();
         const FramePlan& plan = kFramePlans[n][i];
-        // Seen in steps, a timer of one step misses one when its clock drifts across ours, or when everything was held up for a moment.
+        // Seen in steps, a timer of one step misses one when its clock drifts across ours, or when everything was delayed for a moment.
         if (!plan.by_sync && plan.period < 2 * kStreamUnit && (watch.tpdo[i].wavers(clock_) || tick_ - wavered_tick_ < kWaverTicks))
           lost[n][i] = 0;
       }
@@ -227,7 +227,7 @@ class BusHealth {
   std::size_t second_ = 0;
   std::uint16_t babbling_id_ = kNoId;
   std::uint8_t window_ticks_ = 0, babble_hold_ticks_ = 0;
-  bool suspects_ = false;  // somebody has points
+  bool suspects_ = false;  // any suspicion above 0
 };
 
 }  // namespace hoist::core

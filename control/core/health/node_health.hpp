@@ -91,7 +91,7 @@ struct NodeWatch {
   StreamWatch heartbeat;
   std::array<RateWatch, contract::kNodeCobKinds> rate;
   std::array<std::uint8_t, 10> lost_by_second{};  // the running one and the nine before it
-  bool booted = false;                            // it has said that it started anew, and nobody has let it run since
+  bool booted = false;                            // it has reported a boot-up and was not started since
   std::uint32_t boot_tick = 0;
 
   void forget_streams() noexcept {

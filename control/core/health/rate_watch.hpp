@@ -1,4 +1,4 @@
-// A leaky bucket: whether frames come far more often than their plan says, without punishing those that a line held up.
+// A leaky bucket: whether frames come far more often than their plan says, without counting frames that the line delayed.
 #pragma once
 #include <cstdint>
 

@@ -31,13 +31,13 @@ class StreamWatch {
       return Came::in_time;
     }
     if (!known_ || late > kForgetPeriods * period || late < -2 * period) {
-      // The first one, or the first after so long a silence that nobody knows what should have come, or that the clock has wrapped.
+      // The first one, or the first after a silence so long that the number of missing frames is unknown or the clock has wrapped.
       *this = StreamWatch{};
       known_ = true;
       due_ = now + static_cast<std::uint32_t>(period);
       return Came::late;
     }
-    // -1: before its time, a frame that was held up or one too many. Never less, because `due_` is at most 1.75 periods ahead.
+    // -1: before its time, a delayed frame or one too many. Never less, because `due_` is at most 1.75 periods ahead.
     const std::int32_t missed = late > 0 ? (late + period / 4) / period : -1;
     due_ += static_cast<std::uint32_t>((missed + 1) * period);
     owed_ += missed;

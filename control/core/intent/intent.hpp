@@ -23,7 +23,7 @@ class PatientIntent {
     pelvis_ = law::pelvis_exact(sensed.relative(), derived.geometry);
     take_gait(sensed.tilts_stale() ? 0.0 : calm_norm, dt_s);
     const law::Pelvis<double> calm{pelvis_.dx_m - gait_.lean_m, pelvis_.dy_m, pelvis_.dpsi_rad - gait_.turn_rad};
-    // A stale tilt means no intent. Holding the last one would drive on with a patient nobody sees (H4).
+    // A stale tilt means no intent. Keeping the last one would drive on without sight of the patient (H4).
     const law::Intent<double> wish = sensed.tilts_stale() ? law::Intent<double>{} : law::normalise(calm, derived.range, derived.neutral);
     lean_norm_ = wish.u_norm;
     turn_norm_ = wish.u_psi_norm;
@@ -39,7 +39,7 @@ class PatientIntent {
     neutral_.step(std::fabs(lean_norm_) <= tolerance_norm && std::fabs(turn_norm_) <= tolerance_norm, kNeutralTicks);
   }
 
-  /// What was seen so far says nothing about now: lean and turn have come to mean something else, or nobody looked for a while.
+  /// Discards the history: the meaning of lean and turn has changed, or they were not read for a while.
   void restart() noexcept {
     held_ = 0;
     neutral_ = {};

@@ -13,7 +13,7 @@ struct CalibrateMode {
   static void enter(CoreState& /*state*/) noexcept {}
 
   static Wish step(CoreState& state, double dt_s) noexcept {
-    // Whoever began it must still hold the lease, and be reachable.
+    // The client that began it must still hold the lease and be reachable.
     const bool led = state.lease.holder != 0 && state.lease.epoch == state.in_mode.epoch && state.server.alive();
     if (!led) state.in_mode.calibration.reason = contract::CalibrationReason::cancelled;
     if (led && advance_calibration(state, dt_s)) return {};

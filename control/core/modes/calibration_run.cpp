@@ -29,8 +29,8 @@ constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
 constexpr double kAnything = 1e12;
 constexpr std::size_t kLeftCounts = 6, kRightCounts = 7, kYaw = 8;
 
-// How long what must rest, and how still. A filtered angle at rest wanders by some hundredths of a degree, a gyroscope by half a degree a
-// second (measured on the nodes' own filters with the noise of firmware/sim/imu.hpp); a person who leans on something moves it by more.
+// What must rest, for how long and how still. A filtered angle at rest wanders by some hundredths of a degree, a gyroscope by half a degree a
+// second (measured on the nodes' own filters with the noise of firmware/sim/imu.hpp); a person leaning on the hoist moves it more.
 struct Stillness {
   std::uint32_t ticks;
   double angle_rad, counts, yaw_rad_s;
@@ -55,13 +55,13 @@ constexpr Stillness stillness(CalibrationStep step) noexcept {
   }
 }
 
-// Two places are always on a line: only a third one shows that a figure was read wrongly.
+// Two positions always lie on a line: only a third one reveals a misread value.
 static_assert(contract::find_calibration_step("strut_length")->samples >= 3 &&
               contract::find_calibration_step("strut_spacing")->samples >= 3);
 
 // Of the wheel sensors' step: enough to tell a sign from a nudge.
 constexpr double kPushLeast_m = 0.3, kTurnLeast_m = 0.2;
-// A patient whose harness moved further than this within the second was not standing at ease (commands.cpp).
+// A patient whose harness moved further than this within a second did not stand still (commands.cpp).
 constexpr double kNeutralSpread_m = 0.02;
 
 constexpr std::size_t row_of(ParamName name) { return contract::param_index(name); }
@@ -93,7 +93,7 @@ void propose(CoreState& state, ParamName name, double value) noexcept {
   static_cast<void>(state.in_mode.calibration.result.rows.push_back({row_of(name), value}));
 }
 
-// The result stands, if the parameters can be that.
+// Offers the result if it is a valid set of parameters.
 void offer(CoreState& state) noexcept {
   Calibration& c = state.in_mode.calibration;
   contract::Params next = state.params;
@@ -130,7 +130,7 @@ double widest_angle_rad(const StillWindow<kCalibrationChannels>& window) noexcep
   return widest;
 }
 
-// Ways since the place where the one under way began.
+// Distances since begin_way().
 double left_way_m(const CoreState& state) noexcept {
   const Calibration& c = state.in_mode.calibration;
   return static_cast<double>(c.left_counts - c.left_from) * state.derived.odometry.left_m_per_count;
@@ -147,7 +147,7 @@ void begin_way(Calibration& c) noexcept {
   c.started = true;
 }
 
-// True once everything has rested for as long as this step wants.
+// True once everything has rested as long as this step requires.
 bool rests(CoreState& state) noexcept {
   Calibration& c = state.in_mode.calibration;
   const Stillness want = stillness(c.step);
@@ -182,7 +182,7 @@ void finish_zero(CoreState& state) noexcept {
     if (!zero.good()) return refuse(state, zero.reason);
     propose(state, kZeros[i], zero.value);
   }
-  // A patient's neutral was taken against the old zeros and means nothing against the new ones.
+  // A neutral measured with the old zeros is invalid with the new ones.
   propose(state, ParamName::neutral_lean_m, 0.0);
   propose(state, ParamName::neutral_turn_rad, 0.0);
   offer(state);
@@ -192,7 +192,7 @@ void finish_gyro(CoreState& state) noexcept {
   const Calibration& c = state.in_mode.calibration;
   double drift_rad = 0;
   for (std::size_t i = 0; i < kLeftCounts; ++i) {
-    // The mean of the whole lies half as far from the first half's as the second half's does.
+    // The mean of the whole window differs from the first half's by half the difference of the two halves.
     const double drift = 2.0 * std::fabs(c.still.mean(i) - c.first_half.mean(i));
     drift_rad = drift > drift_rad ? drift : drift_rad;
   }
@@ -205,7 +205,7 @@ void watch_neutral(CoreState& state) noexcept {
   const auto posture = state.intent.last_second();
   c.value = static_cast<float>(posture.dx_spread_m);
   c.phase = CalibrationPhase::resting;
-  // What was before the step began is not this posture.
+  // The posture before the step began does not count.
   if (!posture.complete || c.restless_ticks < kNeutralTicks || posture.dx_spread_m > kNeutralSpread_m) return;
   c.result.rows.clear();
   propose(state, ParamName::neutral_lean_m, posture.dx_m);
@@ -276,7 +276,7 @@ void take_pair(CoreState& state) noexcept {
     default:
       return;
   }
-  // Nearly nothing, where the operator says that it was something.
+  // The sensors saw almost no movement, although the operator entered one.
   if (!(std::fabs(sensed) > 0.02)) return refuse(state, CalibrationReason::too_little);
   if (!c.pairs.add(sensed, measured)) return;
   begin_way(c);
@@ -464,7 +464,7 @@ std::uint32_t calibration_refusals(const CoreState& state, const CalibrationStep
   if (state.mode != contract::Mode::standby && state.mode != contract::Mode::calibrate) bits |= refusal_bit(Refusal::not_standby);
   if (sensed.tilts_stale() || sensed.base.rates_fresh().stale() || sensed.drives_lost() || sensed.io.fresh().lost())
     bits |= refusal_bit(Refusal::nodes_missing);
-  // Where the rest of the hoist is measured, it begins at rest; the sensors must have found their angles.
+  // Each step begins at rest; the tilt filters must have converged.
   if (!at_rest(state)) bits |= refusal_bit(Refusal::moving);
   const bool angles = info.step == CalibrationStep::zero || info.step == CalibrationStep::neutral || info.step == CalibrationStep::gyro ||
                       info.step == CalibrationStep::strut_length || info.step == CalibrationStep::strut_spacing;
@@ -489,7 +489,7 @@ std::uint32_t measure_calibration(CoreState& state, const contract::Command& com
   // CALIBRATE without a step has nothing to measure.
   if (c.step == CalibrationStep::none) return refusal_bit(Refusal::out_of_order);
   const CalibrationStepInfo& info = info_of(c.step);
-  // Only where something is entered, and only when the last figure has been dealt with.
+  // Only in a step with an entry, and only after the previous entry was processed.
   const bool ready = c.phase == CalibrationPhase::operator_ || c.phase == CalibrationPhase::result;
   if (info.unit.empty() || !ready || c.waiting || c.pairs.full()) return refusal_bit(Refusal::out_of_order);
   if (c.step == CalibrationStep::square) return take_square(state, command);

@@ -18,7 +18,7 @@ struct InitMode {
   static Wish step(CoreState& state, double /*dt_s*/) noexcept {
     Service& service = state.in_mode.service;
     if (service.on) {
-      // Whoever began it must still hold the lease, and be reachable.
+      // The client that began it must still hold the lease and be reachable.
       const bool led = state.lease.holder != 0 && state.lease.epoch == state.in_mode.epoch && state.server.alive();
       if (!led || ++service.quiet_ticks >= kServiceTicks) service = {};
       state.clear = {};

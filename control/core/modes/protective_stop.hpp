@@ -1,4 +1,4 @@
-// PROTECTIVE_STOP: ramp to zero, then hold with the drives enabled, until somebody acknowledges. A falling patient is held, never let roll.
+// PROTECTIVE_STOP: ramp to zero, then hold with the drives enabled, until it is acknowledged. A falling patient is held, never let roll.
 #pragma once
 #include "control/core/modes/mode.hpp"
 #include "control/core/state.hpp"

@@ -1,4 +1,4 @@
-// H21: nobody is there to be told. Patient-led walking goes on.
+// H21: no server is connected. Patient-led walking goes on.
 #pragma once
 #include "control/core/monitor/monitor.hpp"
 

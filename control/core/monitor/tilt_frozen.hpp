@@ -1,6 +1,6 @@
-// H6: frames keep coming, but the sensor behind them stands still.
+// H6: frames arrive, but the sensor's values are frozen.
 //
-// Its sample counter stands for 30 ms; its turn rates are equal for 200 ms; on a rolling hoist (0.1 m/s) both struts' angles are equal for
+// Its sample counter is unchanged for 30 ms; its turn rates are equal for 200 ms; on a rolling hoist (0.1 m/s) both struts' angles are equal for
 // 300 ms, or one strut glides smoothly for 300 ms while its twin does not. R2 within 500 ms, that of the slowest rule.
 #pragma once
 #include <cmath>

@@ -28,7 +28,7 @@ class TiltImplausible {
         too_fast(sensed.left_strut, rate_rad_s) || too_fast(sensed.right_strut, rate_rad_s) || too_fast(sensed.base, rate_rad_s);
     const bool twisted =
         beyond(struts.alpha_left_rad - struts.alpha_right_rad, threshold<kFault, "twist">(view.params.strut_twist_rad_max));
-    // A turn that nobody reports any more explains nothing.
+    // A turn rate that is no longer reported explains nothing.
     const double yaw_rate_rad_s = sensed.base.rates_fresh().lost() ? 0.0 : sensed.base.yaw_rate_rad_s();
     const double leak_rad = threshold<kFault, "leak">(kLeak_s) *
                             std::fabs(yaw_rate_rad_s * (sensed.left_strut.sent_alpha_rad() - sensed.right_strut.sent_alpha_rad()));

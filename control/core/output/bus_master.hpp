@@ -44,7 +44,7 @@ class BusMaster {
     return boot;
   }
 
-  /// False when nobody asked for this. While the hands are off somebody else asks.
+  /// False when this was not requested. During `hands_off` a firmware update sends the requests.
   [[nodiscard]] bool take_sdo_reply(contract::Node node, const contract::CanFrame& frame) noexcept {
     if (hands_off_) return true;
     if (!busy_ || node != sdo_node_) return false;
@@ -178,7 +178,7 @@ class BusMaster {
   static constexpr std::uint64_t kStep_ns = 10'000'000, kAnswer_ns = 100'000'000;  // later answers do not come (load plan: 27 ms at worst)
   static constexpr std::uint8_t kSdoTries = 3;
   static constexpr std::uint8_t kNodeRest = 100;      // one second
-  static constexpr std::uint16_t kLoaderRest = 9000;  // a minute and a half: a loader waits one minute for somebody who asks
+  static constexpr std::uint16_t kLoaderRest = 9000;  // a minute and a half: a loader waits one minute for a request
   static constexpr std::uint8_t kStartTicks = 20;     // from NMT start to the first process data, with two heartbeats in between
   static constexpr std::size_t kIdentity = 31;        // the request that is no parameter: 1018h:2, then :3
 
@@ -270,7 +270,7 @@ class BusMaster {
       sdo_node_ = static_cast<contract::Node>(turn_);
       sdo_param_ = identify ? kIdentity : static_cast<std::size_t>(std::countr_zero(link.unwritten));
       sdo_tries_ = 0;
-      // A node that somebody stopped does not answer SDO until it is called back.
+      // A node in NMT state STOPPED ignores SDO; send NMT start first.
       if (link.state == static_cast<std::uint8_t>(canopen::NmtState::stopped))
         send(out, canopen::nmt(canopen::NmtCommand::pre_operational, contract::node_id(sdo_node_)));
       ask(params, out);

@@ -181,7 +181,7 @@ class SafetyGate {
     return !faster || clear_of_bumpers(to.speed_m_s, view.bumpers);
   }
 
-  /// Nothing speeds up or turns faster while the hoist is blind or nobody leads it.
+  /// No acceleration and no faster turn while the tilts are lost or there is no driver.
   [[nodiscard]] static bool blind(const GateView& view) noexcept {
     if (view.drives_unfit || view.mode == contract::Mode::protective_stop) return true;
     return view.mode == contract::Mode::user ? view.tilts_lost : !view.driver_fresh;

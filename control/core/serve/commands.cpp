@@ -52,7 +52,7 @@ Verdict stage(CoreState& state, const Command& command) noexcept {
     staging.rows.clear();
     staging.client = command.client;
   }
-  // A row of somebody else's set, or one that does not follow the last: the set is not what its sender thinks it is.
+  // A row of another client's set, or one out of order: the set is not the one that its sender meant.
   if (staging.client != command.client || command.b != staging.rows.size()) return refused(Refusal::out_of_order, command.a);
   const auto index = contract::find_param_id(command.a);
   if (!index) return refused(Refusal::unknown_item, command.a);
@@ -122,7 +122,7 @@ Verdict end_trial(CoreState& state, const Command& command, bool keep) noexcept 
   if (command.b != static_cast<std::uint32_t>(contract::Role::therapist) &&
       command.b != static_cast<std::uint32_t>(contract::Role::engineer))
     bits |= refusal_bit(Refusal::not_allowed);
-  // Keeping is for what somebody has seen; going back is always safe.
+  // Only values that the client has seen may be kept; reverting is always safe.
   if (keep && command.a != 0 && command.a != static_cast<std::uint32_t>(state.parameter_version))
     bits |= refusal_bit(Refusal::set_outdated);
   if (bits != 0) return {bits, 0, false};
@@ -163,7 +163,7 @@ Verdict set_pose(CoreState& state, const Command& command) noexcept {
   if (std::fabs(command.v0) > kPoseLargest_m || std::fabs(command.v1) > kPoseLargest_m || std::fabs(command.v2) > kPoseLargest_rad)
     return refused(Refusal::out_of_range);
   if (!at_rest(state)) return refused(Refusal::moving);
-  // A track is not cut in two while somebody walks it, and an exercise lies where it began, also while the hand is off the button.
+  // The start mark is not moved during a walk, and an exercise stays where it began, also while hold-to-run is released.
   if (state.mode != Mode::standby && state.mode != Mode::calibrate) return refused(Refusal::not_standby);
   // The exercise of this mark goes on: pose and way stay.
   if (command.a != 0 && command.a == state.start.exercise && command.b != contract::kStartAgain) return {};
@@ -195,7 +195,7 @@ Verdict take_lease(CoreState& state, const Command& command) noexcept {
 
 Verdict release_lease(CoreState& state, const Command& command) noexcept {
   const std::uint32_t holder = state.lease.holder;
-  // The server releases for a client that is gone and names it in `a`; 0 means whoever holds it.
+  // The server releases for a client that is gone and names it in `a`; 0 means the present holder.
   const bool by_server = command.client == 0 && (command.a == 0 || command.a == holder);
   if (holder == 0 || (!by_server && command.client != holder)) return refused(Refusal::no_lease);
   give_lease(state, 0);
@@ -424,7 +424,7 @@ void take_drive_command(CoreState& state, const contract::DriveCommand& command)
 
 void watch_server(CoreState& state, std::uint64_t heartbeat, std::uint64_t life) noexcept {
   if (state.server.update(heartbeat, life) == ServerWatch::News::none) return;
-  // Gone, or another one: nobody it knew drives any more, and its numbers begin anew.
+  // The server is gone or is a new one: its clients no longer drive, and its numbers start again.
   give_lease(state, 0);
   state.staging.rows.clear();
   state.next_sequence = 0;

@@ -17,7 +17,7 @@ void take_command(CoreState& state, const contract::Command& command) noexcept;
 void take_surplus_command(CoreState& state, const contract::Command& command) noexcept;
 /// The newest driving command. No event: it comes 25 times a second, and its effect is in every record.
 void take_drive_command(CoreState& state, const contract::DriveCommand& command) noexcept;
-/// Whether the server still lives; when it does not, nobody drives.
+/// Whether the server is alive; without it there is no driver.
 void watch_server(CoreState& state, std::uint64_t heartbeat, std::uint64_t life) noexcept;
 
 }  // namespace hoist::core

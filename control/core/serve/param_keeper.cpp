@@ -145,7 +145,7 @@ void look_for_damage(CoreState& state) noexcept {
   if (!watches(contract::Fault::parameters_corrupt)) return;
   const Params* whole = whole_copy(state);
   Params good = whole != nullptr ? *whole : Params{};
-  // Both copies hold what is only being tried; nobody is to keep that because of a damage.
+  // Both copies hold values on trial; damage must not make them permanent.
   const bool tried = state.trial.left_s > 0;
   if (tried && whole != nullptr) static_cast<void>(take_back(state.trial, good));
   const Params told = state.sent_to_nodes;
@@ -183,7 +183,7 @@ void put_into_force(CoreState& state, const Staging& set, const Asked& asked, do
     for (const Staging::Row& row : set.rows) trial.on_trial[row.index] = true;
     trial.left_s = trial_s;
   } else {
-    // Meant to stay: what was tried in these rows before is settled. Whoever sets a value has seen the others.
+    // Meant to stay: what was tried in these rows before is settled. A client that sets a value has seen the others.
     state.defaults_after_damage = false;
     for (const Staging::Row& row : set.rows) {
       contract::set_param_unchecked(trial.before, row.index, row.value);

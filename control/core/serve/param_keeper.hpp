@@ -1,5 +1,5 @@
 // The parameters while the hoist runs (hazard H27): what is in force, a sealed copy that tells damage, the gains on their way to new values,
-// and values on trial, which go back by themselves unless somebody confirms them.
+// and values on trial, which revert unless they are confirmed.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -63,7 +63,7 @@ void judge_stop(CoreState& state) noexcept {
   }
 }
 
-/// The power is gone. What the controller remembers of motion goes with it, and whoever drove does so no longer.
+/// The power is gone: the controller's motion state is cleared, and driving ends.
 void stop_without_power(CoreState& state) noexcept {
   if (find_transition(state.mode, Mode::emergency_stop, Asker::hardware) == nullptr) return;
   change_mode(state, Mode::emergency_stop);
@@ -169,7 +169,7 @@ std::uint32_t request_mode(CoreState& state, Mode to) noexcept {
   if (to == state.mode && to == Mode::standby) return 0;
   const Transition* row = find_transition(state.mode, to, Asker::driver);
   if (row == nullptr) {
-    // What stands in the table from STANDBY is a mode to ask for; whoever asks elsewhere hears every reason, not only that it is elsewhere.
+    // A mode that the table offers from STANDBY may be requested; a request in another mode is answered with every reason.
     const bool start = find_transition(Mode::standby, to, Asker::driver) != nullptr;
     if (!start && to != Mode::standby) return refusal_bit(Refusal::unknown_item);
     return refusal_bit(Refusal::not_standby) | where_it_stands(state) | (is_moving(to) ? start_refusals(state, to) : 0U);

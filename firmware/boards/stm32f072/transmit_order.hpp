@@ -1,5 +1,5 @@
 // Which frames may share the three mailboxes of the bxCAN. It sends the lowest identifier among them, but a mailbox once filled stays so: three
-// frames of low priority would hold up a fourth of a higher one.
+// frames of low priority would delay a fourth of a higher one.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -148,7 +148,7 @@ def case_hoist_bus_scan(sim):
             check(entry["answers"] and entry["state"] in ("pre-operational", "silent"), f"{name}: {entry}")
             check(entry["hardware"] == "simulated", f"{name}: {entry}")
         return all(entry["state"] == "pre-operational" for entry in nodes.values())
-    # It listens for a quarter of a second, in which a simulator that is held up says nothing.
+    # It listens for a quarter of a second, in which a delayed simulator sends nothing.
     until("every node is heard within one scan", scan)
 
 
@@ -283,7 +283,7 @@ def case_hoist_bus_does_not_write_beside_the_control_computer(_):
                 does_not_write_beside(adapter)
                 return
             except AssertionError:
-                # The tool listens for a quarter of a second; an adapter that was held up so long was no control computer.
+                # The tool listens for a quarter of a second; an adapter delayed that long was no control computer.
                 if last_try or adapter.longest_gap_s < 0.15:
                     raise
 

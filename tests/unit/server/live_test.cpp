@@ -188,7 +188,7 @@ TEST_F(LiveTest, AStartThatWasEndedBeforeItBeganDoesNotBegin) {
   driver.send({{"type", "mode"}, {"request", 900}, {"mode", "remote"}, {"exercise", {{"shape", "free"}}}});
   EXPECT_EQ(driver.ask({{"type", "mode"}, {"mode", "standby"}})["ok"], true);
   const json start = driver.wait("reply", 900);
-  // On a machine that was held up it may have begun before the other one came.
+  // On a busy machine it may have begun before the other one arrived.
   if (start["ok"] != true) {
     EXPECT_EQ(start["refusals"], json::array({"out_of_order"})) << start;
   }
@@ -343,7 +343,7 @@ TEST_F(LiveTest, AFieldThatIsGivenTwiceIsRefused_H30) {
   live.send_text(R"({"type": "drive", "sequence": 2, "echo": 5, "speed": 0.5, "yaw": 0, "held": false, "held": true})");
   EXPECT_TRUE(until([&] { return get("/api/v1/status").status == 200 && core_->drive().held == 0; })) << "one of them let go";
   live.send_text(R"({"type": "mode", "request": 2, "mode": "standby", "exercise": null, "exercise": null})");
-  EXPECT_EQ(live.wait("reply", 2)["ok"], true) << "ending motion is not held up";
+  EXPECT_EQ(live.wait("reply", 2)["ok"], true) << "ending motion is not delayed";
   core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
   live.send_text(R"({"type": "stop", "type": "stop"})");
   EXPECT_TRUE(until([&] { return core_->mode() == Mode::protective_stop; }));

@@ -165,7 +165,7 @@ export const faults: readonly FaultInfo[] = [
   },
   {
     bit: 14, name: 'remote_command_lost', priority: 'medium', reaction: 'soft_stop',
-    text: { en: 'No driving commands arrive any more', de: 'Es kommen keine Fahrbefehle mehr an' },
+    text: { en: 'Driving commands no longer arrive', de: 'Fahrbefehle kommen nicht mehr an' },
     action: { en: 'Let go of the joystick, check the WiFi, start again.', de: 'Joystick loslassen, WLAN prüfen, neu starten.' },
   },
   {
@@ -211,7 +211,7 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 23, name: 'node_babbling', priority: 'high', reaction: 'protective_stop',
     text: { en: 'A device floods the bus with messages', de: 'Eine Baugruppe überflutet den Bus mit Nachrichten' },
-    action: { en: 'Unplug the device named here, then release the stop; call service.', de: 'Die hier genannte Baugruppe abziehen, dann Halt freigeben; Service rufen.' },
+    action: { en: 'Unplug the named device, then release the stop; call service.', de: 'Die genannte Baugruppe abziehen, dann Halt freigeben; Service rufen.' },
   },
   {
     bit: 25, name: 'base_tilted', priority: 'high', reaction: 'protective_stop',
@@ -379,7 +379,7 @@ export const speedCauses: readonly { value: number; name: string; text: Words }[
   { value: 2, name: 'patient_lag', text: { en: 'Slower: the patient lags behind.', de: 'Langsamer: Der Patient bleibt zurück.' } },
   { value: 3, name: 'bumper', text: { en: 'Slower: a bumper touches something.', de: 'Langsamer: Ein Stoßfänger berührt etwas.' } },
   { value: 4, name: 'slope', text: { en: 'Slower: the floor slopes.', de: 'Langsamer: Der Boden ist schräg.' } },
-  { value: 5, name: 'cap', text: { en: 'Slower: the top speed that is set is reached.', de: 'Langsamer: Das eingestellte Höchsttempo ist erreicht.' } },
+  { value: 5, name: 'cap', text: { en: 'Slower: the set top speed is reached.', de: 'Langsamer: Das eingestellte Höchsttempo ist erreicht.' } },
   { value: 6, name: 'turn', text: { en: 'Slower: the hoist turns.', de: 'Langsamer: Das Gerät dreht.' } },
 ];
 
