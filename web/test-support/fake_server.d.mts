@@ -5,6 +5,8 @@ export interface FakeServer {
   hoist: { commands: { type: string }[] };
   /** Long work that was asked for. */
   jobs: { kind: string }[];
+  /** What runs ends now: by itself it takes `jobs_ms`. */
+  finishJobs: () => void;
   /** The next job of this kind fails with this reason. */
   failNext: (kind: string, reason: string) => void;
   event: (kind: string, more?: object) => void;

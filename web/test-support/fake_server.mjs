@@ -160,6 +160,7 @@ export function startFakeServer({
   const dayOf = (ms) => new Date(ms).toISOString().slice(0, 10);
   const jobs = [];
   let failing = null;
+  let hurry = false;
   const backups = [
     {
       backup: '/media/usb/hoist-2026-11-20',
@@ -187,9 +188,10 @@ export function startFakeServer({
     jobs.push(job);
     const begun = performance.now();
     const lasts_ms = kind === 'list_backups' ? 0 : jobs_ms;
+    hurry = false;
     const timer = setInterval(() => {
       if (job.state !== 'running') return clearInterval(timer);
-      job.progress = lasts_ms === 0 ? 1 : Math.min(1, (performance.now() - begun) / lasts_ms);
+      job.progress = lasts_ms === 0 || hurry ? 1 : Math.min(1, (performance.now() - begun) / lasts_ms);
       if (job.progress < 1) return;
       clearInterval(timer);
       if (failing?.kind === kind) {
@@ -794,6 +796,7 @@ export function startFakeServer({
         },
         fault: raise,
         jobs,
+        finishJobs: () => (hurry = true),
         failNext: (kind, reason) => (failing = { kind, reason }),
         trouble: (change) => (hoist.trouble = change),
         standing: (items) => {

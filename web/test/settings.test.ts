@@ -15,7 +15,7 @@ beforeAll(async () => {
 }, minutes_ms);
 afterAll(() => built?.close());
 beforeEach(async () => {
-  fake = await startFakeServer({ dist: built.folder, jobs_ms: 700 });
+  fake = await startFakeServer({ dist: built.folder, jobs_ms: minutes_ms });
   page = await built.browser.newPage({ viewport: { width: 1280, height: 800 }, locale: 'en' });
 });
 afterEach(async () => {
@@ -33,6 +33,7 @@ describe('backup', { timeout: minutes_ms }, () => {
     await button(en['backup.now']).click();
     await page.locator('progress').waitFor();
     expect(await button(en['backup.now']).isDisabled(), 'not twice at once').toBe(true);
+    fake.finishJobs();
     await page.getByText(en['backup.made']).waitFor();
     await expect.poll(() => page.locator('.settings-part .rows li').count(), { timeout: 10_000 }).toBe(2);
     expect(await page.locator('.settings-part .rows li').first().textContent()).toContain('/media/usb/');
@@ -47,6 +48,7 @@ describe('backup', { timeout: minutes_ms }, () => {
     await page.locator('.tune-row').first().waitFor();
     await open('settings/backup');
     await page.locator('progress').waitFor();
+    fake.finishJobs();
     await expect.poll(() => page.locator('.settings-part .rows li').count(), { timeout: 10_000 }).toBe(2);
   });
 
@@ -59,6 +61,8 @@ describe('backup', { timeout: minutes_ms }, () => {
       'a tap is not enough',
     ).toEqual([]);
     await button(en['backup.hold']).click({ delay: 2200 });
+    await page.locator('progress').waitFor();
+    fake.finishJobs();
     await page.getByText(en['backup.restored']).waitFor();
     expect(fake.jobs.filter(({ kind }) => kind === 'restore')).toHaveLength(1);
   });
@@ -67,6 +71,8 @@ describe('backup', { timeout: minutes_ms }, () => {
     fake.failNext('backup', 'disk_full');
     await open('settings/backup');
     await button(en['backup.now']).click();
+    await page.locator('progress').waitFor();
+    fake.finishJobs();
     await page.getByText('The storage is full.').waitFor();
     expect(await button(en['backup.now']).isEnabled()).toBe(true);
   });
