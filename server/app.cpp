@@ -22,6 +22,10 @@
 #include "server/link/core_desk.hpp"
 #include "server/link/firmware_desk.hpp"
 #include "server/live/hub.hpp"
+#include "server/people/people_desk.hpp"
+#include "server/people/sessions.hpp"
+#include "server/people/set_up.hpp"
+#include "server/people/sign_in_guard.hpp"
 #include "server/record/recorder.hpp"
 #include "server/services.hpp"
 #include "server/state/hoist_state.hpp"
@@ -35,6 +39,18 @@ constexpr std::uint64_t kPoll_ns = 10'000'000;
 // The core publishes within the first millisecond of its step; looking a little later finds every step at its freshest.
 constexpr std::uint64_t kPhase_ns = 2'000'000;
 constexpr int kGoodbye_ms = 300;
+constexpr std::size_t kSetUpDigits = 8;
+// Bit of the live value `switches`.
+constexpr unsigned kSetUpSwitch = 2;
+
+// Random digits, each as likely as the others.
+std::string digits(std::size_t count) {
+  std::string out;
+  while (out.size() < count)
+    for (const char c : random_hex(count))
+      if (c >= '0' && c <= '9' && out.size() < count) out.push_back(c);
+  return out;
+}
 
 std::uint64_t steady_ns() {
   return static_cast<std::uint64_t>(
@@ -84,6 +100,13 @@ struct App::Parts {
                                // The start waits for no check; each file is checked once it is in use.
                                .opened = [this] { (void)jobs.add(JobKind::integrity_check, {}, std::nullopt); }}),
         records(recorder, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
+        people(settings.accounts_path.empty() ? settings.db_path.parent_path() / "accounts.db" : settings.accounts_path,
+               settings.hash_limits, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
+        set_up([] { return digits(kSetUpDigits); },
+               [this](const std::string& code) {
+                 if (settings.show_set_up_code) return settings.show_set_up_code(code);
+                 std::cout << "Set-up code: " << code << " (10 minutes; the configuration switch is on)" << std::endl;
+               }),
         state(settings, core, recorder),
         timer(io),
         goodbye(io) {}
@@ -136,6 +159,7 @@ struct App::Parts {
       told_problem = problem;
       std::cerr << "hoist-server: " << (problem.empty() ? "the control core is connected" : problem) << std::endl;
     }
+    set_up.poll(now, core.newest() ? std::optional((core.newest()->switches & kSetUpSwitch) != 0) : std::nullopt);
     firmware.poll(core.clock_ns());
     tell_recorder_of_nodes();
     hub.poll(now);
@@ -185,6 +209,9 @@ struct App::Parts {
   Jobs jobs;
   Recorder recorder;
   RecorderDesk records;
+  PeopleDesk people;
+  SignInGuard guard;
+  SetUp set_up;
   HoistState state;
   Hub hub;
   std::unique_ptr<Auth> auth;
@@ -200,6 +227,16 @@ struct App::Parts {
   bool ending = false;
 };
 
+namespace {
+// Those from before this start, oldest first, so that the newest are found first on their devices.
+void load_people(db::Accounts& accounts, Auth& auth) {
+  if (const auto rows = accounts.sign_ins())
+    for (auto row = rows->rbegin(); row != rows->rend(); ++row) auth.add_account(session_of(*row));
+  if (const auto rows = accounts.tokens())
+    for (const db::Token& row : *rows) auth.add_token(session_of(row));
+}
+}  // namespace
+
 App::App(Settings settings) : parts_(std::make_unique<Parts>(std::move(settings))) {}
 
 App::~App() {
@@ -208,6 +245,7 @@ App::~App() {
   Parts& p = *parts_;
   p.jobs.stop();
   p.recorder.stop();
+  p.people.stop();
   p.core.clear_listeners();
   p.core.close();
   if (p.listener) p.listener->drop();
@@ -221,22 +259,41 @@ bool App::start(std::string& error) {
     p.tls = TlsContext::load(p.settings.tls_cert, p.settings.tls_key, error);
     if (!p.tls) return false;
   }
-  p.auth = Auth::create({.token_file = p.settings.token_file, .hosts = p.settings.hosts, .secure = p.tls != nullptr},
-                        static_cast<std::uint64_t>(utc_ns() / 1'000'000'000), error);
+  std::error_code ignored;
+  if (p.settings.db_path.has_parent_path()) std::filesystem::create_directories(p.settings.db_path.parent_path(), ignored);
+  // Without its accounts the server still runs: patients walk, and whoever uses this computer itself can mend it.
+  if (!p.people.open()) std::cerr << "hoist-server: no accounts: " << p.people.problem() << std::endl;
+  p.auth = Auth::create(
+      {.token_file = p.settings.token_file,
+       .hosts = p.settings.hosts,
+       .secure = p.tls != nullptr,
+       .used =
+           [&p](const Session& session) {
+             const auto used_s = static_cast<std::int64_t>(session.used_utc_s);
+             p.people.tell([digest = session.digest, used_s](PeopleRoom& room) { (void)room.accounts.use_sign_in(digest, used_s); });
+           }},
+      static_cast<std::uint64_t>(utc_ns() / 1'000'000'000), error);
   if (!p.auth) return false;
-  p.services.reset(new Services{.settings = p.settings,
-                                .counters = p.counters,
-                                .core = p.core,
-                                .firmware = p.firmware,
-                                .state = p.state,
-                                .recorder = p.recorder,
-                                .records = p.records,
-                                .jobs = p.jobs,
-                                .now_ns = &steady_ns,
-                                .utc_ns = &utc_ns,
-                                .actors = p.actors,
-                                .started_utc_ns = utc_ns(),
-                                .started_ns = steady_ns()});
+  if (p.people.problem().empty()) load_people(p.people.accounts(), *p.auth);
+  p.services.reset(new Services{
+      .settings = p.settings,
+      .counters = p.counters,
+      .core = p.core,
+      .firmware = p.firmware,
+      .state = p.state,
+      .recorder = p.recorder,
+      .records = p.records,
+      .people = p.people,
+      .jobs = p.jobs,
+      .now_ns = &steady_ns,
+      .utc_ns = &utc_ns,
+      .actors = p.actors,
+      .guard = p.guard,
+      .has_engineer = p.people.problem().empty() && p.people.accounts().has_engineer().ok() && *p.people.accounts().has_engineer(),
+      .set_up = p.set_up,
+      .close_sockets = [&p](const auto& of, std::string_view reason) { p.hub.close_sockets(of, reason); },
+      .started_utc_ns = utc_ns(),
+      .started_ns = steady_ns()});
   p.hub.set_services(*p.services, *p.auth);
   p.core.add_listener(p.state);
   p.core.add_listener(p.hub);
@@ -247,8 +304,6 @@ bool App::start(std::string& error) {
                                }});
   p.router = std::make_unique<Router>(*p.rest);
   p.core.set_wake([&p] { p.wake(); });
-  std::error_code ignored;
-  if (p.settings.db_path.has_parent_path()) std::filesystem::create_directories(p.settings.db_path.parent_path(), ignored);
   make_private(p.settings.db_path);
   if (const db::Status claimed = p.recorder.claim(); !claimed && claimed.error().kind == db::ErrorKind::busy) {
     error = claimed.error().message;
@@ -262,6 +317,7 @@ bool App::start(std::string& error) {
                      (p.settings.bind.find(':') == std::string::npos ? p.settings.bind : "[" + p.settings.bind + "]") + ":" +
                      std::to_string(port);
   p.jobs.start();
+  p.people.start();
   p.recorder.start();
   return true;
 }

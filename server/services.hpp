@@ -2,11 +2,15 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <string_view>
 
 #include "server/counters.hpp"
 #include "server/jobs/jobs.hpp"
 #include "server/link/core_desk.hpp"
 #include "server/link/firmware_desk.hpp"
+#include "server/people/people_desk.hpp"
+#include "server/people/set_up.hpp"
+#include "server/people/sign_in_guard.hpp"
 #include "server/record/actor_list.hpp"
 #include "server/record/recorder.hpp"
 #include "server/record/recorder_desk.hpp"
@@ -14,6 +18,8 @@
 #include "server/state/hoist_state.hpp"
 
 namespace hoist::server {
+
+struct Session;
 
 struct Services {
   const Settings& settings;
@@ -23,10 +29,16 @@ struct Services {
   HoistState& state;
   Recorder& recorder;                     // its state
   RecorderDesk& records;                  // work for its thread
+  PeopleDesk& people;                     // accounts, and the audit log
   Jobs& jobs;                             // long work, on a thread of its own
   std::function<std::uint64_t()> now_ns;  // steady
   std::function<std::int64_t()> utc_ns;   // wall
   ActorList& actors;                      // numbers of connections and REST sessions, and who is behind them
+  SignInGuard& guard;                     // slows guessing of passwords down
+  bool has_engineer = false;              // in the file of accounts
+  SetUp& set_up;                          // the switch and the code of the first set-up
+  // Closes the WebSockets of these sessions; the reason is for people.
+  std::function<void(const std::function<bool(const Session&)>&, std::string_view)> close_sockets;
   std::int64_t started_utc_ns = 0;
   std::uint64_t started_ns = 0;
   std::size_t live_clients = 0;  // open WebSockets

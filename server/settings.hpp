@@ -2,9 +2,12 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "server/people/passwords.hpp"
 
 namespace hoist::server {
 
@@ -15,6 +18,9 @@ struct Settings {
   std::filesystem::path web_dir;
   std::filesystem::path db_path;
   std::optional<std::string> scenario;
+  std::filesystem::path accounts_path;                       // empty: "accounts.db" beside the recordings
+  HashLimits hash_limits;                                    // of passwords; tests take cheaper ones
+  std::function<void(const std::string&)> show_set_up_code;  // empty: printed on standard output
   std::filesystem::path token_file;
   std::vector<std::string> hosts;
   std::vector<std::filesystem::path> backup_roots;

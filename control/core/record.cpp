@@ -163,6 +163,7 @@ void fill_state(const CoreState& state, const TickInputs& inputs, contract::Tick
   record.overspeed_code = code(contract::Fault::overspeed);
   record.bumpers = state.sensed.io.bumpers();
   record.bumpers_acknowledged = state.acknowledgement.bumpers();
+  record.switches = state.sensed.io.switches();
   record.settings_trial_s = f32(state.trial.left_s);
   record.server_alive = state.server.alive() ? 1 : 0;
   record.simulated = state.master.simulated() ? 1 : 0;

@@ -394,9 +394,7 @@ int run_real_time(const Options& options) {
       else
         pump.run(line, world, program);
       world.advance_1ms();
-      pokeys.serve({world.plant().bumpers(),
-                    static_cast<std::uint8_t>(world.plant().emergency_stop() ? 1 : 0),
-                    {world.plant().battery_v(0), world.plant().battery_v(1)}});
+      pokeys.serve({world.plant().bumpers(), world.plant().switches(), {world.plant().battery_v(0), world.plant().battery_v(1)}});
       due_ns += kStep_ns;
       if (++steps % kServeEverySteps == 0)
         requests.serve([&world, &program](std::string_view request) { return answer_request(world, program, request); });

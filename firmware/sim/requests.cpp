@@ -236,6 +236,13 @@ Answer op_emergency_stop(World& world, const ProgramState&, const json& request)
   return kDone;
 }
 
+Answer op_configuration_switch(World& world, const ProgramState&, const json& request) {
+  const auto on = flag(request, "on");
+  if (!on) return Refused{"on: true or false"};
+  world.plant().turn_configuration_switch(*on);
+  return kDone;
+}
+
 Answer op_floor(World& world, const ProgramState&, const json& request) {
   const auto slope_rad = number(request, "slope_rad", -kFloorMax_rad, kFloorMax_rad);
   if (!slope_rad) return Refused{"slope_rad: -0.5 to 0.5"};
@@ -345,6 +352,7 @@ constexpr std::array kOperations{
     Operation{"short", "which (left, right, both), duty_norm: transistors are shorted, the motor runs whatever its board does; null: whole",
               op_short},
     Operation{"emergency_stop", "pressed: the button on the hoist; opens chain and relay", op_emergency_stop},
+    Operation{"configuration_switch", "on: the switch that allows the first set-up of accounts", op_configuration_switch},
     Operation{"floor", "slope_rad, downhill_rad: the floor is a ramp that falls in that heading", op_floor},
     Operation{"pokeys", "silent: the PoKeys on the network does not answer", op_pokeys},
     Operation{"wish", "speed_m_s the patient likes to walk", op_wish},

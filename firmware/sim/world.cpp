@@ -75,7 +75,7 @@ class Machine {
   [[nodiscard]] const MotorRelay& relay() const { return relay_; }
   void set_bridge(Node node, bool enabled, float duty_norm) { plant_.set_bridge(side_of(node), enabled, static_cast<double>(duty_norm)); }
   std::uint8_t bumpers() { return plant_.bumpers(); }
-  std::uint8_t switches() { return plant_.emergency_stop() ? 1U : 0U; }
+  std::uint8_t switches() { return plant_.switches(); }
   float battery_v(int battery) { return static_cast<float>(plant_.battery_v(battery)); }
 
   void freeze_sensor(Node node, bool frozen) { sensor_frozen_[static_cast<std::size_t>(place_of(node))] = frozen; }

@@ -85,7 +85,7 @@ OutcomeDone answer_done(const CallPtr& call) {
 Asker asker_of(const Call& call) {
   Session& session = *call.session;
   if (session.client == 0)
-    session.client = call.services.actors.enter({kLocalUser, std::string{access_role(session.role)}, "rest", client_name(session)});
+    session.client = call.services.actors.enter({session.user, std::string{access_role(session.role)}, "rest", client_name(session)});
   return {session.client, call.services.core.lease_epoch(), session.role};
 }
 

@@ -21,6 +21,7 @@ Call::~Call() {
 
 void Call::respond(Response response) {
   if (!answer_) return;
+  if (on_answer) std::exchange(on_answer, nullptr)(response);
   // Whatever the API says is true now and for this person only.
   response.set("Cache-Control", "no-store");
   compress_json(request, response);

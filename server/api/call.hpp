@@ -28,9 +28,10 @@ class Call {
   const RestContext& rest;
   Services& services;
   const Request request;
-  SessionPtr session;                          // null only on open routes
-  std::vector<std::string> path_values;        // what stood for {name}, {id} …
-  std::shared_ptr<const nlohmann::json> body;  // an object, when the route has a request schema
+  SessionPtr session;                              // null only on open routes
+  std::vector<std::string> path_values;            // what stood for {name}, {id} …
+  std::shared_ptr<const nlohmann::json> body;      // an object, when the route has a request schema
+  std::function<void(const Response&)> on_answer;  // sees the answer before it leaves; may be empty
 
  private:
   std::function<void(Response)> answer_;
@@ -44,6 +45,18 @@ using CallPtr = std::shared_ptr<Call>;
 template <typename Result>
 void ask_recorder(const CallPtr& call, std::function<Result(Records&)> work, std::function<void(Result)> then) {
   if (!call->services.records.ask<Result>(std::move(work), std::move(then))) call->fail(recorder_busy());
+}
+// The same on the people's thread. False when the call was refused at once.
+template <typename Result>
+bool ask_people(const CallPtr& call, std::function<Result(PeopleRoom&)> work, std::function<void(Result)> then) {
+  PeopleDesk& people = call->services.people;
+  if (!people.problem().empty()) {
+    call->fail({.status = 503, .name = "accounts", .title = "The accounts cannot be used", .detail = people.problem()});
+    return false;
+  }
+  if (people.ask<Result>(std::move(work), std::move(then))) return true;
+  call->fail({.status = 503, .name = "busy", .title = "Too many people sign in at once", .detail = "Try again in a moment."});
+  return false;
 }
 // The same for work that makes the whole answer.
 void in_background(const CallPtr& call, std::function<Response(Records&)> work);

@@ -11,6 +11,7 @@
 #include "server/api/handlers.hpp"
 #include "server/contract/fields.hpp"
 #include "server/contract/routes.hpp"
+#include "server/state/views.hpp"
 #include "server/text/json_text.hpp"
 
 namespace hoist::server {
@@ -86,7 +87,7 @@ Response open_link(const RestContext& rest, const std::string& token) {
   response.status = 303;
   response.set("Location", "/");
   response.set("Cache-Control", "no-store");
-  response.set("Set-Cookie", rest.auth.cookie_of(*session));
+  response.set("Set-Cookie", rest.auth.cookie_of(session->secret));
   return response;
 }
 
@@ -102,7 +103,9 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
   Auth& auth = call.rest.auth;
   const Request& request = call.request;
   Counters& counters = services.counters;
-  if (route.access == Access::open) return std::nullopt;
+  const bool open = route.access == Access::open;
+  const bool unsafe = route.method != Method::get;
+  if (open && !unsafe) return std::nullopt;
   const std::string_view origin = request.header("origin");
   if (!origin.empty() && !auth.origin_matches(origin, request.header("host"))) {
     counters.add(Count::http_refused_origin);
@@ -111,16 +114,15 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
   const bool stops = route.operation == "stop";
   const auto utc_s = static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000);
   call.session = stops ? auth.find_for_stop(request, utc_s) : auth.find(request, utc_s);
-  if (!call.session) {
+  if (!call.session && !open) {
     counters.add(Count::http_refused_no_session);
-    return problem(401, "no-session", "Not logged in",
-                   "Open the link that the terminal shows, or send the token as Authorization: Bearer.");
+    return problem(401, "no-session", "Not signed in",
+                   "Sign in, open the link that the terminal shows, or send a token as Authorization: Bearer.");
   }
   // A lease lives by what its holder does, not by whoever else shares the token and only looks on.
-  if (!request.header("x-hoist-lease").empty() && lease_header(call) == services.core.lease_epoch())
+  if (call.session && !request.header("x-hoist-lease").empty() && lease_header(call) == services.core.lease_epoch())
     call.session->used_ns = services.now_ns();
-  const bool unsafe = route.method != Method::get;
-  if (!call.session->bearer) {
+  if (!call.session || !call.session->bearer) {
     // A cookie is sent by the browser on its own; the header and the origin show that it was our page that asked.
     if (route.operation == "open_live" && origin.empty()) {
       counters.add(Count::http_refused_origin);
@@ -132,13 +134,19 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
       return problem(403, "no-x-hoist", "The header X-Hoist: 1 is missing", "Use the console, or send the token as Authorization: Bearer.");
     }
   }
-  if (static_cast<unsigned>(call.session->role) + 1U < static_cast<unsigned>(route.access))
+  // A socket lives long after its handshake: a page that has the cookie must also have asked for this one.
+  if (route.operation == "open_live" && call.session && call.session->account && !call.session->bearer) {
+    const auto ticket = request.query.find("ticket");
+    if (ticket == request.query.end() || !auth.use_ticket(ticket->second, *call.session, utc_s))
+      return problem(403, "no-ticket", "The connection needs a fresh ticket", "Ask for one (POST /api/v1/ws-ticket) and use it once.");
+  }
+  if (!open && static_cast<unsigned>(call.session->role) + 1U < static_cast<unsigned>(route.access))
     return problem(403, "role", "Your role may not do this", "Ask someone with the role " + std::string{access_name(route.access)} + ".");
   if (stops) {
     call.body = std::make_shared<const nlohmann::json>(nlohmann::json::object());
     return std::nullopt;
   }
-  if (unsafe && !call.session->bearer && route.request.empty() && !request.header("content-type").empty() &&
+  if (unsafe && call.session && !call.session->bearer && route.request.empty() && !request.header("content-type").empty() &&
       !is_json_type(request.header("content-type"))) {
     counters.add(Count::http_refused_body);
     return problem(415, "not-json", "The body must be JSON", "Send Content-Type: application/json.");
@@ -188,6 +196,37 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
 }
 }  // namespace
 
+namespace {
+// What people change, and what leaves the hoist. Driving itself is in the recording, command by command.
+bool is_audited(const Route& route) {
+  return (route.method != Method::get && route.operation != "open_ticket") || route.operation == "export_session";
+}
+// Whose bodies may stand in the audit log: they hold no secret and nothing of a patient.
+bool body_is_plain(std::string_view operation) {
+  constexpr std::array kPlain{"change_parameters", "put_parameter", "keep_parameters", "set_mode", "take_lease", "start_job"};
+  return std::find(kPlain.begin(), kPlain.end(), operation) != kPlain.end();
+}
+constexpr std::size_t kAuditBody_bytes = 500;
+
+void audit(const Call& call, const Route& route, const Response& response) {
+  // Those without a session log what they find out about the person themselves.
+  if (!call.session || route.access == Access::open) return;
+  Services& services = call.services;
+  db::AuditEntry entry{.utc_ms = services.utc_ns() / 1'000'000,
+                       .steady_ns = services.now_ns(),
+                       .user = call.session->user,
+                       .role = std::string{access_role(call.session->role)},
+                       .address = call.request.address,
+                       .action = std::string{route.operation},
+                       .target = call.request.path,
+                       .before = {},
+                       .after = {},
+                       .result = std::to_string(response.status)};
+  if (body_is_plain(route.operation)) entry.after = call.request.body.substr(0, kAuditBody_bytes);
+  services.people.log(std::move(entry));
+}
+}  // namespace
+
 bool Router::may_enter(const Request& request) {
   const auto utc_s = static_cast<std::uint64_t>(rest_.services.utc_ns() / 1'000'000'000);
   const auto token = request.query.find("token");
@@ -232,11 +271,13 @@ void Router::handle(Request request, std::function<void(Response)> answer) {
     auto call = std::make_shared<Call>(rest_, std::move(request), std::move(finish));
     call->path_values = std::move(values);
     if (const auto refused = refuse(route, *call)) {
+      if (call->session && is_audited(route)) audit(*call, route, problem_response(*refused, call->request.path));
       Response response = problem_response(*refused, call->request.path);
       if (refused->status == 401) response.set("WWW-Authenticate", "Bearer realm=\"Hoist\"");
       call->respond(std::move(response));
       return;
     }
+    if (is_audited(route)) call->on_answer = [call = call.get(), &route](const Response& response) { audit(*call, route, response); };
     try {
       kHandlers[i](call);
     } catch (const std::exception&) {

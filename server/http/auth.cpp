@@ -186,18 +186,77 @@ bool Auth::origin_matches(std::string_view origin, std::string_view host) const 
 
 std::string_view Auth::cookie_name() const { return options_.secure ? "__Host-hoist_session" : "hoist_session"; }
 
-std::string Auth::cookie_of(const Session& session) const {
-  return std::string{cookie_name()} + "=" + session.secret +
+std::string Auth::cookie_of(std::string_view secret) const {
+  return std::string{cookie_name()} + "=" + std::string{secret} +
          "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(kCookieLife_s) + (options_.secure ? "; Secure" : "");
 }
 
-std::string client_name(const Session& session) {
-  if (session.bearer) return "script";
+std::string digest_of_secret(std::string_view secret) {
   std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
-  ::SHA256(reinterpret_cast<const unsigned char*>(session.secret.data()), session.secret.size(), digest.data());
-  std::array<char, 9> text{};
-  std::snprintf(text.data(), text.size(), "%02x%02x%02x%02x", digest[0], digest[1], digest[2], digest[3]);
-  return "device-" + std::string(text.data());
+  ::SHA256(reinterpret_cast<const unsigned char*>(secret.data()), secret.size(), digest.data());
+  std::string out;
+  for (const unsigned char byte : digest) {
+    std::array<char, 3> two{};
+    std::snprintf(two.data(), two.size(), "%02x", byte);
+    out += two.data();
+  }
+  return out;
+}
+
+std::string client_name(const Session& session) {
+  if (session.token_id != 0) return "token-" + std::to_string(session.token_id);
+  if (session.bearer) return "script";
+  const std::string digest = session.account ? session.digest : digest_of_secret(session.secret);
+  return "device-" + digest.substr(0, 8);
+}
+
+bool Auth::over(const Session& session, std::uint64_t utc_s) {
+  if (session.ended) return true;
+  if (session.token_id != 0) return utc_s >= session.expires_utc_s;
+  if (!session.account) return !session.bearer && session.used_utc_s + kSessionLife_s < utc_s;
+  return utc_s >= session.begun_utc_s + kAccountLife_s || (session.sockets == 0 && session.used_utc_s + kAccountIdle_s < utc_s);
+}
+
+void Auth::add_account(SessionPtr session) {
+  for (const SessionPtr& one : accounts_)
+    if (one->device == session->device && one != session) one->ended = true;
+  // One person does not push others out.
+  std::size_t live = 1;
+  for (auto one = accounts_.rbegin(); one != accounts_.rend(); ++one)
+    if ((*one)->user == session->user && !(*one)->ended && ++live > kSignInsPerUser) (*one)->ended = true;
+  accounts_.push_back(std::move(session));
+  if (accounts_.size() <= kAccountSessionLimit) return;
+  // Ended ones go before others.
+  auto oldest = std::find_if(accounts_.begin(), accounts_.end(), [](const SessionPtr& one) { return one->ended; });
+  if (oldest == accounts_.end()) oldest = accounts_.begin();
+  (*oldest)->ended = true;
+  accounts_.erase(oldest);
+}
+void Auth::add_token(SessionPtr session) { tokens_.push_back(std::move(session)); }
+bool Auth::remove_token(std::int64_t id) {
+  for (auto one = tokens_.begin(); one != tokens_.end(); ++one)
+    if ((*one)->token_id == id) {
+      (*one)->ended = true;
+      tokens_.erase(one);
+      return true;
+    }
+  return false;
+}
+void Auth::apply(std::string_view user, contract::Role role, std::string_view display_name, bool enabled) {
+  for (auto* list : {&accounts_, &tokens_})
+    for (const SessionPtr& one : *list) {
+      if (one->user != user) continue;
+      one->role = std::min(role, one->scope);
+      one->display_name = display_name;
+      if (!enabled) one->ended = true;
+    }
+}
+void Auth::end_accounts(std::string_view user, const Session* but) {
+  for (const SessionPtr& one : accounts_)
+    if (one->user == user && one.get() != but) one->ended = true;
+  if (but != nullptr) return;
+  for (const SessionPtr& one : tokens_)
+    if (one->user == user) one->ended = true;
 }
 
 void Auth::end(std::list<SessionPtr>::iterator session) {
@@ -207,6 +266,12 @@ void Auth::end(std::list<SessionPtr>::iterator session) {
 
 void Auth::use(Session& session, std::uint64_t utc_s) {
   session.used_utc_s = utc_s;
+  if (session.account) {
+    if (session.bearer || session.ended || session.written_utc_s + kAccountWrite_s > utc_s) return;
+    session.written_utc_s = utc_s;
+    if (options_.used) options_.used(session);
+    return;
+  }
   if (session.bearer || session.written_utc_s + kSessionWrite_s > utc_s) return;
   // Also when the file cannot be written: it is not tried at every use.
   session.written_utc_s = utc_s;
@@ -233,9 +298,13 @@ SessionPtr Auth::find_for_stop(const Request& request, std::uint64_t utc_s) {
   if (SessionPtr session = find(request, utc_s)) return session;
   if (!request.header("authorization").empty()) return nullptr;
   std::string_view rest = request.header("cookie");
-  while (const auto secret = next_cookie(rest, cookie_name()))
+  while (const auto secret = next_cookie(rest, cookie_name())) {
     for (const SessionPtr& session : past_)
       if (same_secret(session->secret, *secret)) return session;
+    const std::string digest = digest_of_secret(*secret);
+    for (const SessionPtr& session : accounts_)
+      if (session->digest == digest) return session;
+  }
   return nullptr;
 }
 
@@ -243,22 +312,72 @@ SessionPtr Auth::find(const Request& request, std::uint64_t utc_s) {
   const std::string_view authorization = request.header("authorization");
   if (!authorization.empty()) {
     constexpr std::string_view kBearer = "Bearer ";
-    if (!authorization.starts_with(kBearer) || !same_secret(authorization.substr(kBearer.size()), bearer_->secret)) return nullptr;
-    return bearer_;
+    if (!authorization.starts_with(kBearer)) return nullptr;
+    const std::string_view secret = authorization.substr(kBearer.size());
+    if (same_secret(secret, bearer_->secret)) return bearer_;
+    const std::string digest = digest_of_secret(secret);
+    for (const SessionPtr& token : tokens_)
+      if (token->digest == digest && !over(*token, utc_s)) return token;
+    return nullptr;
   }
   std::string_view rest = request.header("cookie");
   while (const auto secret = next_cookie(rest, cookie_name())) {
     for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {
       if (!same_secret((*it)->secret, *secret)) continue;
-      if ((*it)->used_utc_s + kSessionLife_s < utc_s) {
+      if (over(**it, utc_s)) {
         end(it);
         break;
       }
       use(**it, utc_s);
       return *it;
     }
+    const std::string digest = digest_of_secret(*secret);
+    for (const SessionPtr& session : accounts_) {
+      if (session->digest != digest || over(*session, utc_s)) continue;
+      use(*session, utc_s);
+      return session;
+    }
   }
   return nullptr;
+}
+
+std::string Auth::device_of(const Request& request) const {
+  std::string_view rest = request.header("cookie");
+  while (const auto secret = next_cookie(rest, cookie_name())) {
+    const std::string digest = digest_of_secret(*secret);
+    for (const SessionPtr& session : accounts_)
+      if (session->digest == digest) return session->device;
+  }
+  return {};
+}
+
+std::vector<std::pair<std::string, std::string>> Auth::users_of(std::string_view device) const {
+  std::vector<std::pair<std::string, std::string>> out;
+  if (device.empty()) return out;
+  for (auto one = accounts_.rbegin(); one != accounts_.rend(); ++one) {
+    const auto known = [&](const auto& pair) { return pair.first == (*one)->user; };
+    if ((*one)->device == device && std::none_of(out.begin(), out.end(), known)) out.emplace_back((*one)->user, (*one)->display_name);
+  }
+  return out;
+}
+
+std::string Auth::issue_ticket(const SessionPtr& session, std::uint64_t utc_s) {
+  std::string text = random_hex(kTokenBytes);
+  tickets_.remove_if([&](const Ticket& one) { return one.until_utc_s < utc_s || one.session.expired(); });
+  if (tickets_.size() >= kTicketLimit) tickets_.pop_front();
+  tickets_.push_back({digest_of_secret(text), session, utc_s + kTicketLife_s});
+  return text;
+}
+
+bool Auth::use_ticket(std::string_view ticket, const Session& session, std::uint64_t utc_s) {
+  const std::string digest = digest_of_secret(ticket);
+  for (auto one = tickets_.begin(); one != tickets_.end(); ++one) {
+    if (one->digest != digest) continue;
+    const bool good = one->until_utc_s >= utc_s && one->session.lock().get() == &session;
+    tickets_.erase(one);
+    return good;
+  }
+  return false;
 }
 
 SessionPtr Auth::use_link(std::string_view token, std::uint64_t utc_s) {

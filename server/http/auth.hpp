@@ -1,13 +1,15 @@
-// Who may speak: sessions (cookie), one bearer token for scripts, one-time links, and the Host and Origin checks.
-// Until users exist, whoever can read this computer's terminal or token file is the engineer.
+// Who may speak: sessions (cookie), bearer tokens for scripts, one-time links, and the Host and Origin checks. Accounts and their passwords are
+// people/'s; here is what a request shows of them. Whoever can read this computer's terminal or token file is the engineer "local".
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <list>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "control/contract/params.hpp"
@@ -27,9 +29,31 @@ inline constexpr std::uint64_t kCookieLife_s = 400 * 24 * 3600;
 // A lease taken over REST is given back this long after the session last used it.
 inline constexpr std::uint64_t kRestLease_ns = 10'000'000'000;
 
+// An account's sign-in ends after a quarter of an hour without a request and without an open WebSocket, and after a working day.
+inline constexpr std::uint64_t kAccountIdle_s = 15 * 60, kAccountLife_s = 8 * 3600;
+// A use of an account's sign-in is written down when the one on disk is older than this.
+inline constexpr std::uint64_t kAccountWrite_s = 60;
+// A ticket opens one WebSocket, soon.
+inline constexpr std::uint64_t kTicketLife_s = 30;
+inline constexpr std::size_t kTicketLimit = 64;
+// Sign-ins of accounts in memory, ended ones included: the oldest use goes first.
+inline constexpr std::size_t kAccountSessionLimit = 300, kSignInsPerUser = 20;
+
 struct Session {
-  std::string secret;  // the cookie's value, or the bearer token
+  std::string secret;  // the cookie's value, or the bearer token; empty for an account's: only its digest is known
+  std::string digest;  // SHA-256 of it, for accounts and their tokens
   bool bearer = false;
+  bool account = false;        // of a person with an account, or of a token
+  std::string user = "local";  // for signing in
+  std::string display_name;    // as screens show it; empty for "local"
+  bool has_pin = false;
+  std::string device;                               // stays with a browser over its sign-ins
+  std::int64_t token_id = 0;                        // of a token
+  contract::Role scope = contract::Role::engineer;  // of a token: the most it may do
+  std::uint64_t begun_utc_s = 0;
+  std::uint64_t expires_utc_s = 0;  // of a token
+  bool ended = false;               // signed out, disabled, removed: may say STOP only
+  std::size_t sockets = 0;          // open WebSockets
   contract::Role role = contract::Role::engineer;
   std::uint64_t used_utc_s = 0;     // last use; the session ends kSessionLife_s after it
   std::uint64_t written_utc_s = 0;  // the last use that is on disk
@@ -46,6 +70,8 @@ class Auth {
     std::filesystem::path token_file;  // empty = not written (tests)
     std::vector<std::string> hosts;    // further host names
     bool secure = false;               // reached by HTTPS only
+    // An account's sign-in was used: to be written down. May be empty.
+    std::function<void(const Session&)> used = {};
   };
   // Reads the token file's sessions of an earlier run so that a restarted server knows its people; makes a new token if there is none.
   // Errors are returned as a sentence in `error`; then nothing works.
@@ -55,7 +81,7 @@ class Auth {
   // Exactly the origin that this request's own Host stands for.
   [[nodiscard]] bool origin_matches(std::string_view origin, std::string_view host) const;
   // Set-Cookie for a session. Under TLS no other name, path or plain page of this computer can set or read it (the prefix __Host-).
-  [[nodiscard]] std::string cookie_of(const Session& session) const;
+  [[nodiscard]] std::string cookie_of(std::string_view secret) const;
 
   // The session of a request: Authorization first, then the cookie. Null when there is none that is valid.
   // Being found is a use: it puts the session's end off.
@@ -64,6 +90,27 @@ class Auth {
   [[nodiscard]] SessionPtr find_for_stop(const Request& request, std::uint64_t utc_s);
   // A session was used other than by a request.
   void use(Session& session, std::uint64_t utc_s);
+  // Whether this session may do nothing but STOP any more.
+  [[nodiscard]] static bool over(const Session& session, std::uint64_t utc_s);
+
+  // A person has signed in; the sign-in before on the same device ends. Also for those known from before a restart.
+  void add_account(SessionPtr session);
+  void add_token(SessionPtr session);
+  bool remove_token(std::int64_t id);
+  // What was changed of an account holds for its sign-ins and tokens at once. Disabled: they end.
+  void apply(std::string_view user, contract::Role role, std::string_view display_name, bool enabled);
+  // Ends the sign-ins of a user, but for this one; with null the tokens, too.
+  void end_accounts(std::string_view user, const Session* but);
+  void end_account(Session& session) { session.ended = true; }
+  // The device whose cookie this request has, also after its sign-in has ended; empty = unknown.
+  [[nodiscard]] std::string device_of(const Request& request) const;
+  // Who has signed in on it, with the names that screens show.
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> users_of(std::string_view device) const;
+
+  // A ticket for one WebSocket of this session.
+  [[nodiscard]] std::string issue_ticket(const SessionPtr& session, std::uint64_t utc_s);
+  [[nodiscard]] bool use_ticket(std::string_view ticket, const Session& session, std::uint64_t utc_s);
+
   // Uses up a link. The new session, or null for a bad or used token; `link_token()` is fresh afterwards.
   [[nodiscard]] SessionPtr use_link(std::string_view token, std::uint64_t utc_s);
   [[nodiscard]] const std::string& link_token() const { return link_; }
@@ -71,7 +118,7 @@ class Auth {
   // Calls `use(session)` for all that may hold a lease, those that have ended included.
   template <typename Use>
   void each_session(Use use) const {
-    for (const auto* list : {&sessions_, &past_})
+    for (const auto* list : {&sessions_, &past_, &accounts_, &tokens_})
       for (const SessionPtr& session : *list) use(*session);
     use(*bearer_);
   }
@@ -88,6 +135,14 @@ class Auth {
   SessionPtr bearer_;
   std::list<SessionPtr> sessions_;
   std::list<SessionPtr> past_;
+  std::list<SessionPtr> accounts_;  // newest sign-in last
+  std::list<SessionPtr> tokens_;
+  struct Ticket {
+    std::string digest;  // of its text
+    std::weak_ptr<const Session> session;
+    std::uint64_t until_utc_s = 0;
+  };
+  std::list<Ticket> tickets_;
   std::string link_;
 };
 
@@ -95,5 +150,7 @@ class Auth {
 [[nodiscard]] std::string random_hex(std::size_t bytes);
 // Compares in a time that does not depend on where the texts differ.
 [[nodiscard]] bool same_secret(std::string_view a, std::string_view b);
+// SHA-256 as 64 hexadecimal digits.
+[[nodiscard]] std::string digest_of_secret(std::string_view secret);
 
 }  // namespace hoist::server

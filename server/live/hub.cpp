@@ -26,6 +26,7 @@ namespace {
 constexpr std::size_t kBatchLimit = 64;
 constexpr std::uint64_t kProgressEvery_ns = 250'000'000;
 constexpr std::string_view kEnds = "the server ends";
+constexpr std::string_view kSignedOut = "signed out";
 
 void put(std::string& out, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFF));
@@ -173,10 +174,29 @@ void Hub::set_services(Services& services, Auth& auth) {
 void Hub::open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
   services_->counters.add(Count::ws_opened);
   const std::uint32_t number =
-      services_->actors.enter({kLocalUser, std::string{access_role(session->role)}, "hoist.v1", client_name(*session)});
+      services_->actors.enter({session->user, std::string{access_role(session->role)}, "hoist.v1", client_name(*session)});
   auto client = std::make_shared<Client>(*this, std::move(stream), std::move(session), number, std::move(seat));
   client->start();
   add(std::move(client));
+}
+
+void Hub::close_sockets(const std::function<bool(const Session&)>& of, std::string_view reason) {
+  // A closing client may leave the list at once.
+  const auto clients = clients_;
+  for (const auto& client : clients)
+    if (of(*client->session())) client->close(CloseCode::policy, reason);
+}
+
+void Hub::close_ended() {
+  const auto utc_s = static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000);
+  const auto& newest = services_->core.newest();
+  const bool moving = newest && newest->standing_still == 0;
+  // A sign-in that runs out must not stop a hoist that a hand drives: its socket is closed as soon as the hoist stands.
+  const auto clients = clients_;
+  for (const auto& client : clients) {
+    const Session& session = *client->session();
+    if (Auth::over(session, utc_s) && (session.ended || !moving || !client->holds_lease())) client->close(CloseCode::policy, kSignedOut);
+  }
 }
 
 void Hub::use(Session& session) { auth_->use(session, static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000)); }
@@ -206,6 +226,7 @@ void Hub::add(std::shared_ptr<Client> client) {
   recording["type"] = "recording";
   client->send(recording);
   client->send(json{{"type", "notices"}, {"items", notices_json(standing_notices(s.core, s.recorder, s.jobs))}});
+  ++client->session()->sockets;
   clients_.push_back(std::move(client));
   services_->live_clients = clients_.size();
 }
@@ -215,6 +236,7 @@ void Hub::remove(const Client* client) {
   if (at == clients_.end()) return;
   const std::shared_ptr<Client> held = *at;
   clients_.erase(at);
+  --held->session()->sockets;
   services_->live_clients = clients_.size();
   services_->actors.leave(held->number());
   // Whoever is gone drives no more: said to the core, which stops remote motion and frees the lease.
@@ -293,6 +315,7 @@ void Hub::poll(std::uint64_t now_ns) {
     const auto all = clients_;
     visits_ += all.size();
     for (const auto& client : all) client->visit(now_ns);
+    close_ended();
   }
   if (const std::string_view problem = services_->core.problem(); problem != told_problem_) {
     told_problem_ = problem;

@@ -56,6 +56,8 @@ class Hub final : public CoreListener {
 
   // A WebSocket whose handshake is done becomes a client.
   void open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session);
+  // Closes the WebSockets of these sessions, whatever they do: the core then sees a driver leave and stops.
+  void close_sockets(const std::function<bool(const Session&)>& of, std::string_view reason);
   // A session was used by a message.
   void use(Session& session);
   void add(std::shared_ptr<Client> client);
@@ -73,6 +75,7 @@ class Hub final : public CoreListener {
   void tell_walk();
   void tell_recording();
   void tell_jobs(std::uint64_t now_ns);
+  void close_ended();
 
   Services* services_ = nullptr;
   Auth* auth_ = nullptr;

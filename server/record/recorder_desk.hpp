@@ -1,49 +1,31 @@
-// The network thread's way to the database. The rule that keeps both threads apart:
-//   - What holds recorder state (statements, exports, the connection to the file) lives and dies on the recorder's thread.
-//   - What waits for an answer (calls, connections, clients) lives and dies on the network thread.
-//   - Only plain values cross: a job's captures and its result.
-// So a job never holds a callback. The callback waits here under a number, and only the number travels.
+// The network thread's way to the database (threads/answer_desk.hpp says what may cross).
 #pragma once
-#include <any>
-#include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <utility>
 
 #include "server/record/recorder.hpp"
+#include "server/threads/answer_desk.hpp"
 
 namespace hoist::server {
 
-class RecorderDesk {
+class RecorderDesk : public AnswerDesk<Records> {
  public:
-  // `post` runs something on the network thread; any thread may call it.
-  using Post = std::function<void(std::function<void()>)>;
-  RecorderDesk(Recorder& recorder, Post post) : recorder_(recorder), post_(std::move(post)) {}
-  RecorderDesk(const RecorderDesk&) = delete;
-  RecorderDesk& operator=(const RecorderDesk&) = delete;
-
-  // `work` runs and is destroyed on the recorder's thread, `then` on this one, with what `work` returned. When `work` throws, `then` is
-  // destroyed without being called. False when too many jobs wait: then neither runs.
-  template <typename Result>
-  [[nodiscard]] bool ask(std::function<Result(Records&)> work, std::function<void(Result)> then) {
-    return ask_any([work = std::move(work)](Records& records) { return std::any(work(records)); },
-                   [then = std::move(then)](std::any& result) { then(std::move(std::any_cast<Result&>(result))); });
-  }
+  RecorderDesk(Recorder& recorder, Post post)
+      : AnswerDesk([&recorder](std::function<void(Records&)> work) { return recorder.run(std::move(work)); }, std::move(post)),
+        recorder_(recorder) {}
 
   // An export that lives on the recorder's thread, held from here: it is closed when the last copy of the handle goes.
   using ExportHandle = std::shared_ptr<const ExportId>;
-  [[nodiscard]] ExportHandle hold(ExportId id);
+  [[nodiscard]] ExportHandle hold(ExportId id) {
+    return {new ExportId(id), [this](const ExportId* held) {
+              recorder_.close_export(*held);
+              delete held;
+            }};
+  }
 
  private:
-  using Continuation = std::function<void(std::any&)>;
-  bool ask_any(std::function<std::any(Records&)> work, Continuation then);
-  void answer(std::uint64_t ticket, std::any& result);
-
   Recorder& recorder_;
-  Post post_;
-  std::uint64_t last_ticket_ = 0;
-  std::map<std::uint64_t, Continuation> waiting_;
 };
 
 }  // namespace hoist::server

@@ -557,6 +557,7 @@ export function startFakeServer({
     if (!signedIn) return send(401, { type: '/problems/no-session', title: 'Not signed in', status: 401 });
     const path = url.pathname.replace('/api/v1', '');
     if (path === '/status') return send(200, { version: 'fake' });
+    if (path === '/ws-ticket') return send(200, { ticket: 'fake' });
     if (path === '/health')
       return send(200, {
         connected: true,

@@ -8,13 +8,14 @@ int run_firmware(std::span<const std::string_view> arguments);
 int run_laws(std::span<const std::string_view> arguments);
 int run_sessions(std::span<const std::string_view> arguments);
 int run_export(std::span<const std::string_view> arguments);
-int run_sql_command(std::span<const std::string_view> arguments);
 int run_metrics(std::span<const std::string_view> arguments);
 int run_verify(std::span<const std::string_view> arguments);
 int run_replay(std::span<const std::string_view> arguments);
 int run_archive(std::span<const std::string_view> arguments);
 int run_backup(std::span<const std::string_view> arguments);
 int run_restore(std::span<const std::string_view> arguments);
+int run_user(std::span<const std::string_view> arguments);
+int run_audit(std::span<const std::string_view> arguments);
 int run_bus(std::span<const std::string_view> arguments);
 
 namespace {
@@ -22,14 +23,15 @@ namespace {
 constexpr std::array kCommands = {
     Command{"laws", "compute the paper's equations from JSON lines", &run_laws},
     Command{"sessions", "list the sessions of a database", &run_sessions},
-    Command{"export", "write recorded sessions in the formats of other programs", &run_export},
-    Command{"sql", "ask a file of recordings in SQL, samples included", &run_sql_command},
+    Command{"export", "write a recorded session as CSV or JSON", &run_export},
     Command{"metrics", "how well a session's exercise was walked", &run_metrics},
     Command{"verify", "run a session again and compare every field, bit for bit", &run_verify},
     Command{"replay", "run a session again with other parameters", &run_replay},
     Command{"archive", "an archive of several hoists in PostgreSQL: push, pull, list, verify", &run_archive},
     Command{"backup", "copy a database of recordings into a folder, and check the copy", &run_backup},
     Command{"restore", "put a backup in the place of a database", &run_restore},
+    Command{"user", "accounts of the server: list, add, new password", &run_user},
+    Command{"audit", "the audit log: verify, list", &run_audit},
     Command{"bus", "look at the CAN bus and its recordings", &run_bus},
     Command{"firmware", "the nodes' programs: pack, list, update", &run_firmware},
 };

@@ -257,7 +257,8 @@ struct Live::Parts {
   }
 };
 
-Live::Live(std::uint16_t port, const Headers& headers, const std::string& protocol) : parts_(std::make_unique<Parts>(port)) {
+Live::Live(std::uint16_t port, const Headers& headers, const std::string& protocol, const std::string& target)
+    : parts_(std::make_unique<Parts>(port)) {
   Headers fields{{"Host", "127.0.0.1:" + std::to_string(port)},
                  {"Upgrade", "websocket"},
                  {"Connection", "Upgrade"},
@@ -266,7 +267,7 @@ Live::Live(std::uint16_t port, const Headers& headers, const std::string& protoc
   if (!protocol.empty()) fields.emplace_back("Sec-WebSocket-Protocol", protocol);
   for (const auto& [name, value] : headers) set_field(fields, name, value);
   Parts& p = *parts_;
-  if (!p.raw.send(request_text("GET", "/ws", fields, "")) || !read_head(p.raw, p.response)) return;
+  if (!p.raw.send(request_text("GET", target, fields, "")) || !read_head(p.raw, p.response)) return;
   p.open = p.response.status == 101 && p.response.header("sec-websocket-accept") == kAccept;
 }
 Live::~Live() = default;

@@ -58,7 +58,7 @@ class Raw {
 class Live {
  public:
   // The handshake's HTTP status is in `status`; 101 = open.
-  Live(std::uint16_t port, const Headers& headers, const std::string& protocol = "hoist.v1");
+  Live(std::uint16_t port, const Headers& headers, const std::string& protocol = "hoist.v1", const std::string& target = "/ws");
   ~Live();
   [[nodiscard]] unsigned status() const;
   [[nodiscard]] std::string protocol() const;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -48,6 +49,11 @@ class ServerTest : public ::testing::Test {
     settings.token_file = folder_ / "token";
     settings.hosts = {"hoist.local"};
     settings.backup_roots = {folder_ / "stick"};
+    settings.hash_limits = {.passes = 1, .memory_bytes = 8192};
+    settings.show_set_up_code = [this](const std::string& code) {
+      const std::lock_guard lock(code_mutex_);
+      code_ = code;
+    };
     app_ = std::make_unique<server::App>(settings);
     std::string error;
     ASSERT_TRUE(app_->start(error)) << error;
@@ -139,6 +145,8 @@ class ServerTest : public ::testing::Test {
   std::uint16_t port_ = 0;
   Headers bearer_;
   std::string link_;
+  std::mutex code_mutex_;
+  std::string code_;  // of the set-up, as the hoist shows it
   json document_;
 };
 

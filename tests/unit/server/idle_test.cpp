@@ -44,10 +44,15 @@ class Idle : public ::testing::Test {
                                  .state = state_,
                                  .recorder = recorder_,
                                  .records = records_,
+                                 .people = people_,
                                  .jobs = jobs_,
                                  .now_ns = [this] { return now_ns_; },
                                  .utc_ns = [] { return std::int64_t{0}; },
-                                 .actors = actors_});
+                                 .actors = actors_,
+                                 .guard = guard_,
+                                 .has_engineer = false,
+                                 .set_up = set_up_,
+                                 .close_sockets = {}});
     hub_.set_services(*services_, *auth_);
     core_.add_listener(state_);
     core_.add_listener(hub_);
@@ -77,6 +82,9 @@ class Idle : public ::testing::Test {
   Jobs jobs_;
   RecorderDesk records_;
   HoistState state_;
+  PeopleDesk people_{folder_ / "accounts.db", HashLimits(), [](std::function<void()>) {}};
+  SignInGuard guard_;
+  server::SetUp set_up_{[] { return std::string(); }, [](const std::string&) {}};
   ActorList actors_{0};
   Hub hub_;
   std::unique_ptr<Auth> auth_;

@@ -30,6 +30,32 @@ export type Alarm = {
   text: Words;
 };
 
+export type AuditCheck = {
+  first_wrong: number | null;
+  /** Digest of the newest row: note it elsewhere to prove later that no row was cut off. */
+  head: string;
+  rows: number;
+};
+
+export type AuditList = {
+  items: readonly ({
+    action: string;
+    address: string;
+    after: string | null;
+    before: string | null;
+    digest: string;
+    id: number;
+    /** HTTP status, or done, or the reason of a refusal. */
+    result: string;
+    role: string;
+    steady_ns: number;
+    target: string;
+    user: string;
+    utc_ms: number;
+  })[];
+  next: string | null;
+};
+
 export type Backup = {
   /** Its folder. */
   backup: string;
@@ -154,6 +180,9 @@ export type ComputedFrom = {
   /** Of the figure's definition. */
   version: number;
 };
+
+/** One line, as screens show it. */
+export type DisplayName = string;
 
 export type Done = {
   ok: true;
@@ -556,6 +585,21 @@ export type ModeState = {
   stop_cause: readonly string[] | null;
 };
 
+export type NewToken = {
+  days: number;
+  /** What it is for. */
+  name: string;
+  /** The most it may do; never more than its owner. */
+  scope: RoleName;
+};
+
+export type NewUser = {
+  display_name: DisplayName;
+  password: Password;
+  role: RoleName;
+  user: UserName;
+};
+
 export type NoFigure = 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
 
 export type NodeHealth = {
@@ -633,6 +677,14 @@ export type ParameterValues = {
   [name: string]: number | undefined;
 };
 
+export type Password = string;
+
+export type PasswordChange = {
+  new_password: Password;
+  /** The present one. */
+  password: string;
+};
+
 export type PatientList = {
   items: readonly ({
     code: string;
@@ -643,6 +695,12 @@ export type PatientList = {
     visits: number;
   })[];
   next: string | null;
+};
+
+export type PinChange = {
+  password: string;
+  /** null removes it. */
+  pin: string | null;
 };
 
 export type Pose = {
@@ -710,6 +768,8 @@ export type RestoreResult = {
   set_aside: string;
 };
 
+export type RoleName = 'viewer' | 'therapist' | 'engineer';
+
 export type Samples = {
   columns: readonly {
     max: readonly number[];
@@ -757,6 +817,20 @@ export type SessionPatch = {
   exercise?: ExerciseOrNull;
   note?: NoteText;
   subject?: SubjectCode | null;
+};
+
+export type SetUpRequest = {
+  code: string;
+  display_name: DisplayName;
+  password: Password;
+  user: UserName;
+};
+
+export type SignInRequest = {
+  password?: string;
+  /** Instead of the password. */
+  pin?: string;
+  user: string;
 };
 
 export type SignalList = {
@@ -825,6 +899,51 @@ export type Stored = boolean;
 /** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
 export type SubjectCode = string;
 
+export type Ticket = {
+  ticket: string;
+};
+
+export type Token = {
+  created_utc_s: number;
+  expires_utc_s: number;
+  id: number;
+  name: string;
+  scope: RoleName;
+  user: string;
+};
+
+export type TokenList = {
+  items: readonly Token[];
+};
+
+export type TokenMade = {
+  id: number;
+  /** Shown this once: Authorization: Bearer .... */
+  token: string;
+};
+
+export type User = {
+  display_name: string;
+  enabled: boolean;
+  has_pin: boolean;
+  role: RoleName;
+  user: string;
+};
+
+export type UserList = {
+  items: readonly User[];
+};
+
+/** For signing in: a-z 0-9 . _ -. */
+export type UserName = string;
+
+export type UserPatch = {
+  display_name?: DisplayName;
+  enabled?: boolean;
+  password?: Password;
+  role?: RoleName;
+};
+
 /** One patient on one day. */
 export type Visit = {
   /** YYYY-MM-DD where the recording computer stands. */
@@ -862,6 +981,32 @@ export type Walk = {
   y_m: readonly number[];
 };
 
+export type WhoAmI = {
+  display_name: string | null;
+  /** null: no account. */
+  has_pin: boolean | null;
+  /** Who has signed in on this device and may use a PIN, latest first. */
+  here: readonly {
+    display_name: string;
+    user: string;
+  }[];
+  /** Why the accounts cannot be used; for the engineer. */
+  problem: string | null;
+  role: RoleName | null;
+  /** Until this sign-in ends at the latest; null: it does not end by itself. */
+  seconds_left: number | null;
+  set_up: {
+    /** There is no engineer yet. */
+    needed: boolean;
+    /** How long the code is still valid; 0 = none is. */
+    seconds_left: number;
+    switch_on: boolean;
+  };
+  signed_in: boolean;
+  /** local: whoever uses this computer itself. */
+  user: string | null;
+};
+
 export type Words = {
   de: string;
   en: string;
@@ -873,6 +1018,15 @@ export interface Routes {
   'POST /api/v1/acknowledge': {
     body?: AcknowledgeRequest;
     answer: Done;
+  };
+  /** Who did what, newest first; rows are only ever added. */
+  'GET /api/v1/audit': {
+    query?: { limit?: number; cursor?: string };
+    answer: AuditList;
+  };
+  /** Whether a row of the audit log was changed or is missing. */
+  'GET /api/v1/audit/check': {
+    answer: AuditCheck;
   };
   /** Ends calibrating; the old values stay. */
   'DELETE /api/v1/calibration': {
@@ -1034,6 +1188,29 @@ export interface Routes {
     body: RecordingRequest;
     answer: Recording;
   };
+  /** Signs out; what this client drives stops. STOP stays possible. */
+  'DELETE /api/v1/session': {
+    answer: Done;
+  };
+  /** Who is signed in, who may sign in here by PIN, and whether a set-up is needed. */
+  'GET /api/v1/session': {
+    answer: WhoAmI;
+  };
+  /** Signs in with a password, or with a PIN on a device where this person has signed in before; the cookie is new each time. */
+  'POST /api/v1/session': {
+    body: SignInRequest;
+    answer: WhoAmI;
+  };
+  /** Changes one's own password; other devices are signed out. */
+  'PUT /api/v1/session/password': {
+    body: PasswordChange;
+    answer: Done;
+  };
+  /** Sets or removes one's own PIN. */
+  'PUT /api/v1/session/pin': {
+    body: PinChange;
+    answer: Done;
+  };
   /** Recorded sessions, newest first. */
   'GET /api/v1/sessions': {
     query?: { limit?: number; cursor?: string; q?: string };
@@ -1083,6 +1260,11 @@ export interface Routes {
     query?: { columns?: string; from_s?: number; to_s?: number; points?: number };
     answer: Samples;
   };
+  /** Makes an engineer's account, or gives one a new password; needs the configuration switch and the code that the hoist shows. */
+  'POST /api/v1/setup': {
+    body: SetUpRequest;
+    answer: Done;
+  };
   /** The live values: names, units, words. */
   'GET /api/v1/signals': {
     answer: SignalList;
@@ -1095,6 +1277,35 @@ export interface Routes {
   'POST /api/v1/stop': {
     answer: Done;
   };
+  /** Tokens of scripts and tools: one's own, an engineer sees all. */
+  'GET /api/v1/tokens': {
+    answer: TokenList;
+  };
+  /** Makes a token; its text is shown once. */
+  'POST /api/v1/tokens': {
+    body: NewToken;
+    answer: TokenMade;
+  };
+  /** Removes a token; its connections close. */
+  'DELETE /api/v1/tokens/{id}': {
+    path: { id: number };
+    answer: null;
+  };
+  /** The accounts. */
+  'GET /api/v1/users': {
+    answer: UserList;
+  };
+  /** Adds an account. */
+  'POST /api/v1/users': {
+    body: NewUser;
+    answer: User;
+  };
+  /** Changes name on screen, role or password, or disables an account, which signs it out; accounts are never deleted, since records name them. */
+  'PATCH /api/v1/users/{name}': {
+    path: { name: string };
+    body: UserPatch;
+    answer: User;
+  };
   /** Visits, newest first: one patient on one day, with the sessions of it. */
   'GET /api/v1/visits': {
     query?: { limit?: number; cursor?: string; patient?: number };
@@ -1103,5 +1314,10 @@ export interface Routes {
   /** The exercise and the walk since the start mark. */
   'GET /api/v1/walk': {
     answer: Walk;
+  };
+  /** A ticket for one WebSocket within 30 s: /ws?ticket=.... */
+  'POST /api/v1/ws-ticket': {
+    body?: Empty;
+    answer: Ticket;
   };
 }

@@ -9,7 +9,8 @@ import { readFrame } from './frame';
 import { live } from './live';
 import { rest, type Answer } from './rest';
 import { causeReader } from './speed_cause';
-import { Link, replyLost, subprotocol, type Question, type Reply, type SocketLike, type Told } from './socket';
+import { Link, replyLost, type Question, type Reply, type Told } from './socket';
+import { openTicketed } from './ticketed';
 import { moving, stopped, store, writable, type Emergency, type LogLine, type Notice } from './store';
 
 const late_ms = 500;
@@ -22,7 +23,7 @@ const stopTries = 10;
 
 const link = new Link(
   {
-    open: () => new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/ws`, subprotocol) as unknown as SocketLike,
+    open: openTicketed,
     now_ms: () => performance.now(),
     setTimer: (call, delay_ms) => window.setTimeout(call, delay_ms),
     clearTimer: (timer) => window.clearTimeout(timer),

@@ -1,0 +1,483 @@
+// Accounts, sign-ins, tokens, roles and the audit log: over real sockets, and by themselves where time must pass.
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "server/contract/routes.hpp"
+#include "server/http/auth.hpp"
+#include "server/people/passwords.hpp"
+#include "server/people/set_up.hpp"
+#include "server/people/sign_in_guard.hpp"
+#include "tests/unit/server/fixture.hpp"
+
+namespace hoist::test {
+namespace {
+
+constexpr const char* kPassword = "four words not together";
+constexpr const char* kOther = "another row of words";
+
+// A browser: sends its cookie and the headers that the console sends.
+struct Browser {
+  std::uint16_t port = 0;
+  std::string cookie;
+  std::string address_header;
+
+  Answer call(const std::string& method, const std::string& target, const json& body = nullptr, const Headers& more = {}) {
+    Headers headers{{"X-Hoist", "1"}, {"Origin", "http://127.0.0.1:" + std::to_string(port)}};
+    if (!cookie.empty()) headers.emplace_back("Cookie", cookie);
+    if (!body.is_null()) headers.emplace_back("Content-Type", "application/json");
+    headers.insert(headers.end(), more.begin(), more.end());
+    Answer answer = http(port, method, target, headers, body.is_null() ? "" : body.dump());
+    if (const std::string set = answer.header("set-cookie"); !set.empty()) cookie = set.substr(0, set.find(';'));
+    return answer;
+  }
+  unsigned sign_in(const std::string& user, const std::string& password) {
+    return call("POST", "/api/v1/session", {{"user", user}, {"password", password}}).status;
+  }
+  json who() { return call("GET", "/api/v1/session").json(); }
+  std::string ticket() { return call("POST", "/api/v1/ws-ticket", json::object()).json()["ticket"]; }
+  std::unique_ptr<Live> live(const std::string& with_ticket) {
+    return std::make_unique<Live>(port, Headers{{"Cookie", cookie}, {"Origin", "http://127.0.0.1:" + std::to_string(port)}}, "hoist.v1",
+                                  "/ws" + (with_ticket.empty() ? "" : "?ticket=" + with_ticket));
+  }
+};
+
+class People : public ServerTest {
+ protected:
+  Browser browser() { return {port_, "", ""}; }
+  void turn_switch(bool on) {
+    core_->set([on](contract::TickRecord& record) { record.switches = on ? 2 : 0; });
+    ASSERT_TRUE(until([&] { return browser().who()["set_up"]["switch_on"] == on; }));
+  }
+  std::string code() {
+    const std::lock_guard lock(code_mutex_);
+    return code_;
+  }
+  static json engineer(const std::string& with_code) {
+    return {{"code", with_code}, {"user", "erika"}, {"display_name", "Erika E."}, {"password", kPassword}};
+  }
+  void set_up_engineer() {
+    turn_switch(true);
+    ASSERT_EQ(browser().call("POST", "/api/v1/setup", engineer(code())).status, 200U);
+    turn_switch(false);
+  }
+  void add_user(const std::string& name, const std::string& role) {
+    const Answer added =
+        call("POST", "/api/v1/users", {{"user", name}, {"display_name", name + " D."}, {"role", role}, {"password", kPassword}});
+    ASSERT_EQ(added.status, 201U) << added.body;
+  }
+  Browser signed_in(const std::string& name) {
+    Browser one = browser();
+    EXPECT_EQ(one.sign_in(name, kPassword), 200U);
+    return one;
+  }
+  std::string accounts_bytes() {
+    std::string bytes;
+    for (const char* suffix : {"", "-wal"}) {
+      std::ifstream in(folder_ / ("accounts.db" + std::string(suffix)), std::ios::binary);
+      bytes.append(std::istreambuf_iterator<char>(in), {});
+    }
+    return bytes;
+  }
+};
+
+TEST_F(People, the_first_engineer_needs_the_switch_and_the_code) {
+  EXPECT_EQ(browser().who()["set_up"]["needed"], true);
+  EXPECT_EQ(browser().call("POST", "/api/v1/setup", engineer("12345678")).status, 403U);
+  turn_switch(true);
+  ASSERT_EQ(code().size(), 8U);
+  EXPECT_GT(browser().who()["set_up"]["seconds_left"], 500);
+  Answer weak = browser().call("POST", "/api/v1/setup",
+                               {{"code", code()}, {"user", "erika"}, {"display_name", "E"}, {"password", "passwordpassword"}});
+  EXPECT_EQ(weak.status, 422U);
+  EXPECT_EQ(weak.json()["errors"][0]["field"], "password");
+  // Five wrong codes close it, whatever comes then.
+  const std::string right = code();
+  for (int i = 0; i < 5; ++i)
+    EXPECT_EQ(browser().call("POST", "/api/v1/setup", engineer(right == "00000000" ? "1" : "00000000")).status, 403U);
+  EXPECT_EQ(browser().call("POST", "/api/v1/setup", engineer(right)).status, 403U);
+  turn_switch(false);
+  turn_switch(true);
+  ASSERT_NE(code(), right);
+  const Answer made = browser().call("POST", "/api/v1/setup", engineer(code()));
+  ASSERT_EQ(made.status, 200U) << made.body;
+  EXPECT_EQ(browser().call("POST", "/api/v1/setup", engineer(code())).status, 403U) << "the code works once";
+  EXPECT_EQ(browser().who()["set_up"]["needed"], false);
+  Browser erika = signed_in("erika");
+  const json who = erika.who();
+  EXPECT_EQ(who["user"], "erika");
+  EXPECT_EQ(who["display_name"], "Erika E.");
+  EXPECT_EQ(who["role"], "engineer");
+}
+
+TEST_F(People, a_lost_password_is_replaced_at_the_switch_and_signs_everybody_out_under_that_name) {
+  set_up_engineer();
+  Browser before = signed_in("erika");
+  turn_switch(true);
+  json again = engineer(code());
+  again["password"] = kOther;
+  ASSERT_EQ(browser().call("POST", "/api/v1/setup", again).status, 200U);
+  EXPECT_EQ(before.call("GET", "/api/v1/status").status, 401U);
+  EXPECT_EQ(browser().sign_in("erika", kOther), 200U);
+  EXPECT_EQ(browser().sign_in("erika", kPassword), 401U);
+}
+
+TEST_F(People, signing_in_gives_a_new_secret_and_a_wrong_one_says_nothing) {
+  set_up_engineer();
+  Browser one = browser();
+  one.cookie = "hoist_session=" + std::string(64, 'a');  // put there by somebody else
+  ASSERT_EQ(one.sign_in("erika", kPassword), 200U);
+  EXPECT_EQ(one.cookie.find(std::string(64, 'a')), std::string::npos);
+  const std::string first = one.cookie;
+  ASSERT_EQ(one.sign_in("erika", kPassword), 200U);
+  EXPECT_NE(one.cookie, first);
+  Browser old{port_, first, ""};
+  EXPECT_EQ(old.call("GET", "/api/v1/status").status, 401U) << "a browser has one sign-in";
+  EXPECT_EQ(old.call("POST", "/api/v1/stop").status, 200U) << "STOP works with an ended one";
+  // Known and unknown names: the same answer.
+  const Answer wrong = browser().call("POST", "/api/v1/session", {{"user", "erika"}, {"password", "not the password"}});
+  const Answer nobody = browser().call("POST", "/api/v1/session", {{"user", "nobody"}, {"password", "not the password"}});
+  EXPECT_EQ(wrong.status, 401U);
+  EXPECT_EQ(wrong.body, nobody.body);
+  // Neither password nor secrets stand in the file.
+  const std::string bytes = accounts_bytes();
+  EXPECT_EQ(bytes.find(kPassword), std::string::npos);
+  EXPECT_EQ(bytes.find(one.cookie.substr(one.cookie.find('=') + 1)), std::string::npos);
+  struct stat info {};
+  ASSERT_EQ(::stat((folder_ / "accounts.db").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777U, 0600U);
+}
+
+TEST_F(People, pages_of_others_cannot_sign_in_or_act_with_the_cookie) {
+  set_up_engineer();
+  const std::string body = json{{"user", "erika"}, {"password", kPassword}}.dump();
+  const Headers json_type{{"Content-Type", "application/json"}};
+  Headers no_header = json_type;
+  EXPECT_EQ(http(port_, "POST", "/api/v1/session", no_header, body).status, 403U) << "X-Hoist is missing";
+  Headers foreign = {{"Content-Type", "application/json"}, {"X-Hoist", "1"}, {"Origin", "http://evil.example"}};
+  EXPECT_EQ(http(port_, "POST", "/api/v1/session", foreign, body).status, 403U);
+  for (const char* near : {"http://127.0.0.1", "http://127.0.0.1:1", "null", "https://127.0.0.1"}) {
+    foreign.back().second = near;
+    EXPECT_EQ(http(port_, "POST", "/api/v1/session", foreign, body).status, 403U) << near;
+  }
+  Headers other_host = {{"Content-Type", "application/json"}, {"X-Hoist", "1"}, {"Host", "hoist.evil.example"}};
+  EXPECT_EQ(http(port_, "POST", "/api/v1/session", other_host, body).status, 421U);
+}
+
+TEST_F(People, guessing_is_slowed_for_the_guesser_and_not_for_the_owner) {
+  set_up_engineer();
+  Browser known = signed_in("erika");
+  std::vector<unsigned> got;
+  for (int i = 0; i < 8; ++i) got.push_back(browser().sign_in("erika", "wrong password " + std::to_string(i)));
+  EXPECT_EQ(got[0], 401U);
+  EXPECT_GT(std::count(got.begin(), got.end(), 429U), 4) << "1, 2, 4 … s";
+  const Answer told = browser().call("POST", "/api/v1/session", {{"user", "erika"}, {"password", kPassword}});
+  EXPECT_EQ(told.status, 429U);
+  EXPECT_GE(std::stoi(told.header("retry-after")), 1);
+  // The browser on which she has signed in before has a count of its own.
+  EXPECT_EQ(known.sign_in("erika", kPassword), 200U);
+}
+
+TEST_F(People, a_pin_works_only_where_its_owner_has_been) {
+  set_up_engineer();
+  add_user("anna", "therapist");
+  add_user("bert", "therapist");
+  Browser tablet = signed_in("anna");
+  ASSERT_EQ(tablet.call("PUT", "/api/v1/session/pin", {{"password", "wrong password"}, {"pin", "4711"}}).status, 422U);
+  Browser tablet2 = signed_in("anna");
+  EXPECT_EQ(tablet2.call("PUT", "/api/v1/session/pin", {{"password", kPassword}, {"pin", "1234"}}).status, 422U) << "a row of digits";
+  ASSERT_EQ(tablet2.call("PUT", "/api/v1/session/pin", {{"password", kPassword}, {"pin", "4711"}}).status, 200U);
+  ASSERT_EQ(tablet2.sign_in("bert", kPassword), 200U);
+  const json here = tablet2.who()["here"];
+  ASSERT_EQ(here.size(), 2U);
+  const Answer back = tablet2.call("POST", "/api/v1/session", {{"user", "anna"}, {"pin", "4711"}});
+  ASSERT_EQ(back.status, 200U) << back.body;
+  EXPECT_EQ(tablet2.who()["user"], "anna");
+  EXPECT_EQ(browser().call("POST", "/api/v1/session", {{"user", "anna"}, {"pin", "4711"}}).status, 403U) << "another device";
+  // Five wrong ones, however far apart: then the password.
+  Answer wrong = tablet2.call("POST", "/api/v1/session", {{"user", "anna"}, {"pin", "4712"}});
+  EXPECT_EQ(wrong.status, 401U);
+}
+
+TEST_F(People, a_socket_needs_a_fresh_ticket_of_its_own_session) {
+  set_up_engineer();
+  Browser one = signed_in("erika");
+  EXPECT_EQ(one.live("")->status(), 403U);
+  const std::string ticket = one.ticket();
+  auto socket = one.live(ticket);
+  ASSERT_EQ(socket->status(), 101U);
+  EXPECT_EQ(one.live(ticket)->status(), 403U) << "used up";
+  Browser other = signed_in("erika");
+  EXPECT_EQ(other.live(one.ticket())->status(), 403U) << "another session's";
+}
+
+TEST_F(People, a_changed_role_and_a_disabled_account_hold_at_once) {
+  set_up_engineer();
+  add_user("anna", "therapist");
+  Browser anna = signed_in("anna");
+  auto socket = anna.live(anna.ticket());
+  ASSERT_EQ(socket->status(), 101U);
+  ASSERT_EQ(call("PATCH", "/api/v1/users/anna", {{"role", "viewer"}}).status, 200U);
+  EXPECT_EQ(socket->wait_close(), 1008U);
+  const Answer refused = anna.call("POST", "/api/v1/lease", json::object());
+  EXPECT_EQ(refused.status, 403U);
+  EXPECT_NE(refused.json()["type"].get<std::string>().find("role"), std::string::npos);
+  ASSERT_EQ(call("PATCH", "/api/v1/users/anna", {{"enabled", false}}).status, 200U);
+  EXPECT_EQ(anna.call("GET", "/api/v1/status").status, 401U);
+  EXPECT_EQ(anna.call("POST", "/api/v1/stop").status, 200U);
+  EXPECT_EQ(browser().sign_in("anna", kPassword), 401U);
+  // One engineer remains.
+  const Answer last = call("PATCH", "/api/v1/users/erika", {{"role", "viewer"}});
+  EXPECT_EQ(last.status, 409U);
+  EXPECT_EQ(call("PATCH", "/api/v1/users/nobody", {{"role", "viewer"}}).status, 404U);
+}
+
+TEST_F(People, who_signs_out_while_driving_leaves_the_lease_and_can_still_stop) {
+  set_up_engineer();
+  add_user("anna", "therapist");
+  Browser anna = signed_in("anna");
+  auto socket = anna.live(anna.ticket());
+  ASSERT_EQ(socket->ask({{"type", "lease_take"}})["ok"], true);
+  ASSERT_TRUE(until([&] { return get("/api/v1/status").json()["lease"]["holder"] != 0; }));
+  ASSERT_EQ(anna.call("DELETE", "/api/v1/session").status, 200U);
+  EXPECT_EQ(socket->wait_close(), 1008U);
+  EXPECT_TRUE(until([&] { return get("/api/v1/status").json()["lease"]["holder"] == 0; }));
+  EXPECT_EQ(anna.call("GET", "/api/v1/status").status, 401U);
+  EXPECT_EQ(anna.call("POST", "/api/v1/stop").status, 200U);
+}
+
+TEST_F(People, a_token_does_what_its_scope_and_its_owner_may_until_it_is_removed) {
+  set_up_engineer();
+  add_user("anna", "therapist");
+  Browser anna = signed_in("anna");
+  const auto made = [&](const char* scope) {
+    const Answer answer = anna.call("POST", "/api/v1/tokens", {{"name", "foxglove"}, {"scope", scope}, {"days", 30}});
+    EXPECT_EQ(answer.status, 201U) << answer.body;
+    return answer.json();
+  };
+  const json viewer = made("viewer"), engineer_scope = made("engineer");
+  const auto with = [&](const json& token, const std::string& method, const std::string& target, const std::string& body = "") {
+    Headers headers{{"Authorization", "Bearer " + token["token"].get<std::string>()}};
+    if (!body.empty()) headers.emplace_back("Content-Type", "application/json");
+    return http(port_, method, target, headers, body).status;
+  };
+  EXPECT_EQ(with(viewer, "GET", "/api/v1/status"), 200U);
+  EXPECT_EQ(with(viewer, "POST", "/api/v1/lease", "{}"), 403U);
+  EXPECT_EQ(with(engineer_scope, "GET", "/api/v1/users"), 403U) << "never more than its owner";
+  EXPECT_EQ(Live(port_, {{"Authorization", "Bearer " + viewer["token"].get<std::string>()}}).status(), 101U);
+  EXPECT_EQ(anna.call("GET", "/api/v1/tokens").json()["items"].size(), 2U);
+  Browser erika = signed_in("erika");
+  EXPECT_EQ(erika.call("GET", "/api/v1/tokens").json()["items"].size(), 2U) << "an engineer sees all";
+  add_user("bert", "therapist");
+  Browser bert = signed_in("bert");
+  EXPECT_EQ(bert.call("DELETE", "/api/v1/tokens/" + viewer["id"].dump()).status, 404U) << "another one's";
+  EXPECT_EQ(anna.call("DELETE", "/api/v1/tokens/" + viewer["id"].dump()).status, 204U);
+  EXPECT_EQ(with(viewer, "GET", "/api/v1/status"), 401U);
+}
+
+TEST_F(People, sign_ins_and_tokens_survive_a_restart_and_changes_while_it_ran) {
+  set_up_engineer();
+  add_user("anna", "therapist");
+  add_user("bert", "therapist");
+  Browser anna = signed_in("anna"), bert = signed_in("bert");
+  const json token = anna.call("POST", "/api/v1/tokens", {{"name", "script"}, {"scope", "viewer"}, {"days", 1}}).json();
+  ASSERT_EQ(call("PATCH", "/api/v1/users/bert", {{"enabled", false}}).status, 200U);
+  stop_server();
+  start_server();
+  wait_for_core();
+  anna.port = bert.port = port_;
+  EXPECT_EQ(anna.call("GET", "/api/v1/status").status, 200U);
+  EXPECT_EQ(bert.call("GET", "/api/v1/status").status, 401U);
+  EXPECT_EQ(http(port_, "GET", "/api/v1/status", {{"Authorization", "Bearer " + token["token"].get<std::string>()}}).status, 200U);
+}
+
+// Every route with every kind of person: what the table of routes says, holds.
+TEST_F(People, every_route_asks_for_its_role) {
+  set_up_engineer();
+  for (const char* role : {"viewer", "therapist", "engineer"}) add_user("a." + std::string(role), role);
+  struct Caller {
+    std::string name;
+    Headers headers;
+    int rank;  // -1 = nobody
+  };
+  const Headers page{{"X-Hoist", "1"}, {"Origin", origin()}};
+  const auto cookie_of = [&](Browser one) {
+    Headers headers = page;
+    headers.emplace_back("Cookie", one.cookie);
+    return headers;
+  };
+  Browser ended = signed_in("a.engineer");
+  ASSERT_EQ(ended.call("DELETE", "/api/v1/session").status, 200U);
+  Headers unknown = page;
+  unknown.emplace_back("Cookie", "hoist_session=" + std::string(64, '0'));
+  Headers forged{{"Authorization", "Bearer " + std::string(64, '0')}};
+  const auto everybody = [&] {
+    return std::vector<Caller>{{"nobody", page, -1},
+                               {"unknown cookie", unknown, -1},
+                               {"forged token", forged, -1},
+                               {"ended", cookie_of(ended), -1},
+                               {"viewer", cookie_of(signed_in("a.viewer")), 0},
+                               {"therapist", cookie_of(signed_in("a.therapist")), 1},
+                               {"engineer", cookie_of(signed_in("a.engineer")), 2}};
+  };
+  std::vector<Caller> callers = everybody();
+  int asked = 0;
+  for (const server::Route& route : server::kRoutes) {
+    if (route.access == server::Access::open) continue;
+    std::string path(route.path);
+    for (std::size_t at = path.find('{'); at != std::string::npos; at = path.find('{')) path.replace(at, path.find('}') - at + 1, "0");
+    std::string method;
+    for (const char c : server::method_name(route.method)) method.push_back(static_cast<char>(std::toupper(c)));
+    const int least = static_cast<int>(route.access) - 1;
+    for (const Caller& caller : callers) {
+      const Answer answer = http(port_, method, path, caller.headers);
+      ++asked;
+      const std::string what = caller.name + ": " + method + " " + path + " answered " + std::to_string(answer.status) + " " + answer.body;
+      const bool by_role = answer.status == 403 && answer.body.find("/role\"") != std::string::npos;
+      if (route.operation == "stop" && caller.name == "ended")
+        EXPECT_EQ(answer.status, 200U) << what;
+      else if (caller.rank < 0)
+        EXPECT_EQ(answer.status, 401U) << what;
+      else
+        EXPECT_EQ(by_role, caller.rank < least) << what;
+      if (caller.rank >= 0) {
+        EXPECT_NE(answer.status, 401U) << what;
+      }
+    }
+    if (route.operation == "sign_out") callers = everybody();
+  }
+  EXPECT_GT(asked, 300);
+}
+
+TEST_F(People, the_audit_log_names_who_did_what_and_finds_changes) {
+  set_up_engineer();
+  add_user("anna", "therapist");
+  Browser anna = signed_in("anna");
+  (void)browser().sign_in("anna", "not the password");
+  ASSERT_EQ(anna.call("POST", "/api/v1/lease", json::object()).status, 200U);
+  ASSERT_EQ(call("PATCH", "/api/v1/users/anna", {{"role", "viewer"}}).status, 200U);
+  const auto rows = [&] { return get("/api/v1/audit?limit=200").json()["items"]; };
+  const auto has = [&](const std::string& user, const std::string& action, const std::string& result) {
+    for (const json& row : rows())
+      if (row["user"] == user && row["action"] == action && row["result"] == result) return true;
+    return false;
+  };
+  EXPECT_TRUE(until([&] { return has("erika", "set_up", "done"); }));
+  EXPECT_TRUE(has("anna", "sign_in", "done"));
+  EXPECT_TRUE(has("anna", "sign_in", "wrong-secret"));
+  EXPECT_TRUE(has("anna", "take_lease", "200"));
+  bool told = false;
+  for (const json& row : rows())
+    if (row["action"] == "user" && row["before"] == "therapist" && row["after"] == "viewer") told = row["user"] == "local";
+  EXPECT_TRUE(told);
+  const std::string whole = rows().dump();
+  EXPECT_EQ(whole.find(kPassword), std::string::npos);
+  // Pages.
+  const json first = get("/api/v1/audit?limit=2").json();
+  ASSERT_EQ(first["items"].size(), 2U);
+  const json second = get("/api/v1/audit?limit=2&cursor=" + first["next"].get<std::string>()).json();
+  EXPECT_LT(second["items"][0]["id"], first["items"][1]["id"]);
+
+  const json sound = get("/api/v1/audit/check").json();
+  EXPECT_TRUE(sound["first_wrong"].is_null());
+  EXPECT_GT(sound["rows"], 4);
+  stop_server();
+  sqlite3* file = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_ / "accounts.db").c_str(), &file), SQLITE_OK);
+  EXPECT_NE(sqlite3_exec(file, "UPDATE audit SET user = 'bert' WHERE id = 2", nullptr, nullptr, nullptr), SQLITE_OK) << "only added to";
+  EXPECT_NE(sqlite3_exec(file, "DELETE FROM audit WHERE id = 2", nullptr, nullptr, nullptr), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(file, "DROP TRIGGER audit_keeps_rows; UPDATE audit SET user = 'bert' WHERE id = 3", nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(file);
+  start_server();
+  wait_for_core();
+  EXPECT_EQ(get("/api/v1/audit/check").json()["first_wrong"], 3);
+}
+
+TEST(SignInGuard, waits_double_to_a_minute_and_never_lock) {
+  constexpr std::uint64_t kSecond_ns = 1'000'000'000;
+  server::SignInGuard guard;
+  std::uint64_t now_ns = 1000 * kSecond_ns;
+  std::vector<std::uint64_t> waits;
+  for (int i = 0; i < 9; ++i) {
+    guard.failed("anna", "10.0.0." + std::to_string(i), now_ns);
+    const std::uint64_t wait_s = guard.wait_s("anna", "10.1.1.1", now_ns);
+    waits.push_back(wait_s);
+    EXPECT_GT(guard.wait_s("anna", "10.1.1.1", now_ns + wait_s * kSecond_ns - 1), 0U);
+    now_ns += wait_s * kSecond_ns;
+    EXPECT_EQ(guard.wait_s("anna", "10.1.1.1", now_ns), 0U);
+  }
+  EXPECT_EQ(waits, (std::vector<std::uint64_t>{1, 2, 4, 8, 16, 32, 60, 60, 60}));
+  guard.succeeded("anna", "10.0.0.8");
+  EXPECT_EQ(guard.wait_s("anna", "10.1.1.1", now_ns), 0U);
+  // Five failures a minute of one address, whatever the names.
+  for (int i = 0; i < 5; ++i) guard.failed("name" + std::to_string(i), "10.2.2.2", now_ns);
+  EXPECT_EQ(guard.wait_s("other", "10.2.2.2", now_ns), 60U);
+  EXPECT_EQ(guard.wait_s("other", "10.2.2.3", now_ns), 0U);
+  EXPECT_EQ(guard.wait_s("other", "10.2.2.2", now_ns + 60 * kSecond_ns), 0U);
+  guard.take_back("name4", "10.2.2.2");
+  EXPECT_EQ(guard.wait_s("other", "10.2.2.2", now_ns), 0U);
+  // A flood costs bounded memory and still finds the latest name.
+  for (int i = 0; i < 5000; ++i)
+    guard.failed("flood" + std::to_string(i), "10.3." + std::to_string(i / 250) + "." + std::to_string(i % 250), now_ns + kSecond_ns);
+  EXPECT_GT(guard.wait_s("flood4999", "10.9.9.9", now_ns + kSecond_ns), 0U);
+}
+
+TEST(Passwords, length_and_common_ones_are_refused_and_nothing_else_is_asked) {
+  for (const char* good : {"four words not together", "aaaaaaaaaaab", "Tr0ub4dor&3xyz", "zwölf Zeichen"})
+    EXPECT_EQ(server::password_fault(good, "anna"), "") << good;
+  for (const std::string& bad :
+       {std::string("elevenchars"), std::string(129, 'x'), std::string("passwordpassword"), std::string("Password12345"),
+        std::string("aaaaaaaaaaaa"), std::string("123456789012"), std::string("Hoist-Hoist-1"), std::string("anna.anna.anna")})
+    EXPECT_NE(server::password_fault(bad, "anna.anna.anna"), "") << bad;
+  for (const char* pin : {"4711", "80235917"}) EXPECT_EQ(server::pin_fault(pin), "") << pin;
+  for (const char* pin : {"471", "123456789", "47a1", "1111", "1234", "9876", ""}) EXPECT_NE(server::pin_fault(pin), "") << pin;
+  const std::string hash = server::hash_secret("a secret", server::HashLimits());
+  EXPECT_EQ(hash.rfind("$argon2id$v=19$m=65536,t=2,p=1$", 0), 0U) << hash;
+  EXPECT_TRUE(server::secret_matches("a secret", hash));
+  EXPECT_FALSE(server::secret_matches("a secreT", hash));
+}
+
+TEST(Sessions, an_account_is_over_after_a_quarter_of_an_hour_alone_or_a_working_day) {
+  server::Session session;
+  session.account = true;
+  session.begun_utc_s = session.used_utc_s = 100000;
+  using server::Auth;
+  EXPECT_FALSE(Auth::over(session, 100000 + 15 * 60));
+  EXPECT_TRUE(Auth::over(session, 100000 + 15 * 60 + 1));
+  session.sockets = 1;
+  EXPECT_FALSE(Auth::over(session, 100000 + 8 * 3600 - 1)) << "an open page is a use";
+  EXPECT_TRUE(Auth::over(session, 100000 + 8 * 3600));
+  session.ended = true;
+  EXPECT_TRUE(Auth::over(session, 100001));
+}
+
+TEST(SetUpTest, the_code_lasts_ten_minutes_and_ends_with_the_switch) {
+  std::string shown;
+  server::SetUp set_up([] { return std::string("12345678"); }, [&](const std::string& code) { shown = code; });
+  const auto same = [](const std::string& a, const std::string& b) { return a == b; };
+  set_up.poll(0, std::nullopt);
+  EXPECT_FALSE(set_up.open());
+  set_up.poll(10, true);
+  EXPECT_EQ(shown, "12345678");
+  EXPECT_TRUE(set_up.try_code("12345678", same));
+  EXPECT_FALSE(set_up.try_code("12345678", same)) << "once";
+  set_up.poll(11, false);
+  set_up.poll(12, true);
+  set_up.poll(12 + server::kSetUp_ns, true);
+  EXPECT_FALSE(set_up.try_code("12345678", same)) << "ten minutes";
+  set_up.poll(20 + server::kSetUp_ns, false);
+  set_up.poll(30 + server::kSetUp_ns, true);
+  EXPECT_TRUE(set_up.open());
+  set_up.poll(40 + server::kSetUp_ns, false);
+  EXPECT_FALSE(set_up.try_code("12345678", same));
+  set_up.poll(50 + server::kSetUp_ns, std::nullopt);
+  EXPECT_FALSE(set_up.open()) << "no core, no set-up";
+}
+
+}  // namespace
+}  // namespace hoist::test
