@@ -146,6 +146,11 @@ export type CalibrationState = {
 
 export type CalibrationStep = 'zero' | 'neutral' | 'gyro' | 'strut_length' | 'strut_spacing' | 'wheel_radius' | 'track' | 'square' | 'encoders' | 'bumpers';
 
+export type ChooseRequest = {
+  /** What is walked next unless the start says otherwise. */
+  exercise: Exercise;
+};
+
 export type ComputedFrom = {
   /** Of the values of these inputs: FNV-1a, 16 hexadecimal digits. The same hash and version, the same figure. */
   hash: string;
@@ -162,6 +167,19 @@ export type Done = {
 export type DoneStored = {
   ok: true;
   stored: Stored;
+};
+
+export type DriveRequest = {
+  /** time_ns of the newest record seen. */
+  echo: number;
+  /** Hold-to-run is held. */
+  held: boolean;
+  /** Rises with every message of one connection. */
+  sequence: number;
+  /** Share of the driving limit, forward positive. */
+  speed: number;
+  /** Share of the turning limit, left positive. */
+  yaw: number;
 };
 
 export type Emergency = {
@@ -355,6 +373,13 @@ export type GuidedPath = {
 
 export type GuidedPathOrNull = GuidedPath | null;
 
+export type HandOverRequest = {
+  /** Number of the client, as in asking. */
+  client?: number;
+  /** Account: the client of this person that asks, else the one that came last. */
+  user?: string;
+};
+
 export type Health = {
   bus: BusHealth | null;
   connected: boolean;
@@ -427,8 +452,7 @@ export type JobRequest = {
 
 /** The body may be left out.. */
 export type KeepRequest = {
-  /** Of the parameters that were looked at; refused when others have changed them meanwhile. */
-  version?: number;
+  version?: LookedAt;
 };
 
 /** Those that hold something, earliest first. */
@@ -438,8 +462,31 @@ export type LatenessBuckets = readonly ({
   to_s: number | null;
 })[];
 
+export type Lease = {
+  actor: ActorOrNull;
+  /** Those who ask the holder for control, oldest first. */
+  asking: readonly LeaseAsk[];
+  /** Rises with each change of holder. */
+  epoch: number;
+  /** Only in GET /api/v1/lease: when control taken over REST ends without use; null = nobody has it, or a WebSocket, whose end ends it. */
+  expires_in_s?: number | null;
+  /** Number of the client in control; 0 = nobody. */
+  holder: number;
+};
+
+export type LeaseAsk = {
+  actor: ActorOrNull;
+  client: number;
+};
+
+export type LeaseAskRequest = {
+  /** True: control is asked for no longer. */
+  withdraw?: boolean;
+};
+
 /** The body may be left out.. */
 export type LeaseRequest = {
+  /** Also when somebody else is in control; only while the hoist stands still. */
   take_over?: boolean;
 };
 
@@ -447,6 +494,9 @@ export type LeaseResult = {
   epoch: number;
   holder: number;
 };
+
+/** Version of the parameters that were looked at; refused when others have changed them meanwhile. */
+export type LookedAt = number;
 
 export type Loop = {
   allocations: number;
@@ -614,6 +664,9 @@ export type ParameterList = {
   version: number;
 };
 
+/** Names and new values. */
+export type ParameterNumbers = Record<string, number>;
+
 export type ParameterResult = {
   stored: Stored;
   values: Record<string, number>;
@@ -621,15 +674,13 @@ export type ParameterResult = {
 };
 
 export type ParameterValue = {
-  /** Only on trial: the value before comes back after so many seconds unless confirmed. */
-  revert_after_s?: number;
+  revert_after_s?: TrialTime;
   value: number;
 };
 
 /** Names and new values. */
 export type ParameterValues = {
-  /** Only on trial: the values before come back after so many seconds unless confirmed. */
-  revert_after_s?: number;
+  revert_after_s?: TrialTime;
   [name: string]: number | undefined;
 };
 
@@ -643,6 +694,11 @@ export type PatientList = {
     visits: number;
   })[];
   next: string | null;
+};
+
+export type PingRequest = {
+  /** Comes back in the pong. */
+  t: number;
 };
 
 export type Pose = {
@@ -660,6 +716,12 @@ export type PresetList = {
   }[];
 };
 
+export type PresetRequest = {
+  /** Name of the preset. */
+  name: string;
+  version?: LookedAt;
+};
+
 export type Problem = {
   detail: string;
   errors?: readonly FieldError[];
@@ -671,7 +733,7 @@ export type Problem = {
   type: string;
 };
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'not_recording' | 'job_ended' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'not_recording' | 'lease_free' | 'job_ended' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
 
 export type Recording = {
   detail: string;
@@ -759,6 +821,12 @@ export type SessionPatch = {
   subject?: SubjectCode | null;
 };
 
+export type SetRequest = {
+  revert_after_s?: TrialTime;
+  values: ParameterNumbers;
+  version?: LookedAt;
+};
+
 export type SignalList = {
   items: readonly ({
     doc: string;
@@ -803,10 +871,7 @@ export type Status = {
     version: string | null;
   };
   counters: Record<string, number>;
-  lease: {
-    epoch: number;
-    holder: number;
-  };
+  lease: Lease;
   notices: readonly StandingNotice[];
   recording: Recording;
   scenario: string | null;
@@ -822,8 +887,15 @@ export type Status = {
 /** true: on the disk, file and folder synced. false: in force and not stored; see the notices of /api/v1/status. */
 export type Stored = boolean;
 
+export type StreamRequest = {
+  every_tick: boolean;
+};
+
 /** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
 export type SubjectCode = string;
+
+/** Only on trial: the values before come back after so many seconds unless confirmed. */
+export type TrialTime = number;
 
 /** One patient on one day. */
 export type Visit = {
@@ -948,10 +1020,33 @@ export interface Routes {
   'DELETE /api/v1/lease': {
     answer: Done;
   };
+  /** Who is in control and who asks for it; with X-Hoist-Lease it also keeps control. */
+  'GET /api/v1/lease': {
+    answer: Lease;
+  };
   /** Takes control; given back 10 s after its last use: a request that needs it or sends X-Hoist-Lease. */
   'POST /api/v1/lease': {
     body?: LeaseRequest;
     answer: LeaseResult;
+  };
+  /** Asks for control no longer. */
+  'DELETE /api/v1/lease/ask': {
+    answer: Done;
+  };
+  /** Asks for control; its holder sees who asks, for a minute. */
+  'POST /api/v1/lease/ask': {
+    body?: Empty;
+    answer: Done;
+  };
+  /** Gives control to another client or person while the hoist stands still. */
+  'POST /api/v1/lease/hand-over': {
+    body: HandOverRequest;
+    answer: Done;
+  };
+  /** Keeps control: those who ask are told. */
+  'POST /api/v1/lease/keep': {
+    body?: Empty;
+    answer: Done;
   };
   /** How punctual the control loop is: lateness in buckets, steps left out, page faults, what the computer granted. */
   'GET /api/v1/loop': {
