@@ -16,6 +16,7 @@
 #include "control/contract/program_version.hpp"
 #include "server/actions/actions.hpp"
 #include "server/api/router.hpp"
+#include "server/api/trust.hpp"
 #include "server/http/auth.hpp"
 #include "server/http/listener.hpp"
 #include "server/jobs/jobs.hpp"
@@ -29,6 +30,7 @@
 #include "server/record/recorder.hpp"
 #include "server/services.hpp"
 #include "server/state/hoist_state.hpp"
+#include "server/stream/tls_keeper.hpp"
 
 namespace hoist::server {
 
@@ -74,6 +76,16 @@ std::string host_name() {
 
 std::int64_t utc_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+// By which multicast DNS finds this computer.
+std::string local_name() {
+  std::array<char, 64> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "hoist.local";
+  std::string text = name.data();
+  text = text.substr(0, text.find('.'));
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text + ".local";
 }
 }  // namespace
 
@@ -189,18 +201,63 @@ struct App::Parts {
     recorder.set_nodes(std::move(nodes));
   }
 
+  // The hoist's own authority and certificate: made at the first start, read afterwards.
+  bool open_authority(std::string& error) {
+    DeviceNames names{.names = {}, .addresses = {}, .subnets = settings.subnets};
+    for (const std::string& host : settings.hosts) (is_address(host) ? names.addresses : names.names).push_back(host);
+    if (names.names.empty()) names.names.push_back(local_name());
+    const auto utc_s = [] { return utc_ns() / 1'000'000'000; };
+    auto ca = DeviceCa::open(settings.tls_dir, names, utc_s(), error);
+    if (!ca) return false;
+    trust = {.name = names.names.front(), .fingerprint = ca->fingerprint(), .certificate = ca->authority_der(), .port = 0};
+    keeper = std::make_unique<TlsKeeper>(std::move(ca), utc_s, [this](std::unique_ptr<TlsContext> fresh, std::vector<std::string> signed_now) {
+      // A function object must be copyable.
+      auto shared = std::make_shared<TlsContext>(std::move(*fresh));
+      asio::post(io, [this, shared, hosts = hosts_of(signed_now)]() mutable {
+        tls->take(std::move(*shared));
+        auth->set_hosts(std::move(hosts));
+        std::cerr << "hoist-server: a new certificate is in use" << std::endl;
+      });
+    });
+    tls = keeper->first(error);
+    return tls != nullptr;
+  }
+
+  // What a Host field may say, besides the loopback names that are always allowed.
+  [[nodiscard]] std::vector<std::string> hosts_of(const std::vector<std::string>& signed_now) const {
+    std::vector<std::string> hosts;
+    for (const std::string& name : signed_now) hosts.push_back(name.find(':') == std::string::npos ? name : "[" + name + "]");
+    return hosts;
+  }
+
+  bool open_plain_door(std::string& error) {
+    trust.port = settings.port;
+    rest->trust = &trust;
+    std::cout << "Certificate authority of this hoist, SHA-256: " << trust.fingerprint << std::endl;
+    if (!settings.http_port) return true;
+    plain_door = std::make_unique<PlainDoor>(trust, *auth, counters);
+    plain_listener = std::make_unique<Listener>(io, counters, *plain_door, nullptr);
+    const std::uint16_t port = plain_listener->open(settings.bind, *settings.http_port, error);
+    if (port == 0) return false;
+    std::cout << "How to trust it: http://" << trust.name << (port == 80 ? "" : ":" + std::to_string(port)) << "/" << std::endl;
+    return true;
+  }
+
   void end() {
     if (ending) return;
     ending = true;
     timer.cancel();
     hub.close_all();
     listener->close();
+    if (plain_listener) plain_listener->close();
     goodbye.expires_after(std::chrono::milliseconds(kGoodbye_ms));
     goodbye.async_wait([this](boost::system::error_code) { io.stop(); });
   }
 
   Settings settings;
   Counters counters;
+  // Of the hoist's own authority, else null.
+  TrustPage trust;
   std::unique_ptr<TlsContext> tls;  // null: plain
   asio::io_context io{1};
   ActorList actors;
@@ -219,6 +276,9 @@ struct App::Parts {
   std::unique_ptr<RestContext> rest;
   std::unique_ptr<Router> router;
   std::unique_ptr<Listener> listener;
+  std::unique_ptr<PlainDoor> plain_door;
+  std::unique_ptr<Listener> plain_listener;
+  std::unique_ptr<TlsKeeper> keeper;
   asio::steady_timer timer;
   asio::steady_timer goodbye;
   std::uint64_t next_ns = 0;
@@ -240,15 +300,17 @@ void load_people(db::Accounts& accounts, Auth& auth) {
 App::App(Settings settings) : parts_(std::make_unique<Parts>(std::move(settings))) {}
 
 App::~App() {
-  // The threads of jobs and recorder end first: then nothing posts any more. What waits is answered and every connection goes while all
+  // The threads of certificates, jobs and recorder end first: then nothing posts any more. What waits is answered and every connection goes while all
   // that it uses is still there.
   Parts& p = *parts_;
+  if (p.keeper) p.keeper->stop();
   p.jobs.stop();
   p.recorder.stop();
   p.people.stop();
   p.core.clear_listeners();
   p.core.close();
   if (p.listener) p.listener->drop();
+  if (p.plain_listener) p.plain_listener->drop();
   p.io.restart();
   p.io.poll();
 }
@@ -259,6 +321,7 @@ bool App::start(std::string& error) {
     p.tls = TlsContext::load(p.settings.tls_cert, p.settings.tls_key, error);
     if (!p.tls) return false;
   }
+  if (!p.settings.tls_dir.empty() && !p.open_authority(error)) return false;
   std::error_code ignored;
   if (p.settings.db_path.has_parent_path()) std::filesystem::create_directories(p.settings.db_path.parent_path(), ignored);
   // Without its accounts the server still runs: patients walk, and whoever uses this computer itself can mend it.
@@ -294,6 +357,7 @@ bool App::start(std::string& error) {
       .close_sockets = [&p](const auto& of, std::string_view reason) { p.hub.close_sockets(of, reason); },
       .started_utc_ns = utc_ns(),
       .started_ns = steady_ns()});
+  if (p.keeper) p.auth->set_hosts(p.hosts_of(p.keeper->ca().signed_names()));
   p.hub.set_services(*p.services, *p.auth);
   p.core.add_listener(p.state);
   p.core.add_listener(p.hub);
@@ -316,9 +380,11 @@ bool App::start(std::string& error) {
   p.rest->base_url = (p.tls ? "https://" : "http://") +
                      (p.settings.bind.find(':') == std::string::npos ? p.settings.bind : "[" + p.settings.bind + "]") + ":" +
                      std::to_string(port);
+  if (p.keeper && !p.open_plain_door(error)) return false;
   p.jobs.start();
   p.people.start();
   p.recorder.start();
+  if (p.keeper) p.keeper->start();
   return true;
 }
 
@@ -327,6 +393,10 @@ void App::run() {
   p.next_ns = steady_ns();
   p.arm();
   p.io.run();
+}
+
+void App::look_at_certificate() {
+  if (parts_->keeper) parts_->keeper->look();
 }
 
 void App::stop() {

@@ -22,6 +22,9 @@ class App {
   // From any thread or a signal handler's follow-up: ends run().
   void stop();
 
+  // From any thread: the hoist's own certificate is checked now instead of within a minute.
+  void look_at_certificate();
+
   [[nodiscard]] std::uint16_t port() const;
   [[nodiscard]] std::string link() const;          // the address with the one-time token; before run()
   [[nodiscard]] std::string bearer_token() const;  // before run()

@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   signal(SIGPIPE, SIG_IGN);
 
@@ -45,7 +46,7 @@ int main(int argc, char** argv) {
   std::cout << "Open " << app.link() << std::endl;
   std::thread waiter([&] {
     int got = 0;
-    sigwait(&signals, &got);
+    while (sigwait(&signals, &got) == 0 && got == SIGHUP) app.look_at_certificate();
     app.stop();
   });
   waiter.detach();

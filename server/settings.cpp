@@ -18,6 +18,9 @@ std::string usage() {
          "  --backup-root DIR  folder in which backups may be written, and from which they may be put back; may be repeated\n"
          "  --tls-cert FILE    certificate chain (PEM): HTTPS and WSS instead of plain; needs --tls-key\n"
          "  --tls-key FILE     its private key (PEM), readable only by this user\n"
+         "  --tls-dir DIR      instead of both: HTTPS with an authority and certificates that are made in DIR and kept valid\n"
+         "  --subnet NET       with --tls-dir: may also be called by its addresses in NET, e.g. 192.168.7.0/24; may be repeated\n"
+         "  --http-port N      with --tls-dir: plain HTTP with the page that explains how to trust the authority, and nothing else\n"
          "  --version          which source this program was built from\n"
          "  --help             this text\n";
 }
@@ -35,7 +38,8 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     }
     const bool known = option == "--socket" || option == "--db" || option == "--web" || option == "--port" || option == "--bind" ||
                        option == "--host" || option == "--scenario" || option == "--token-file" || option == "--tls-cert" ||
-                       option == "--tls-key" || option == "--backup-root";
+                       option == "--tls-key" || option == "--tls-dir" || option == "--subnet" || option == "--http-port" ||
+                       option == "--backup-root";
     if (!known) {
       error = "unknown option " + option + "; see --help";
       return false;
@@ -55,14 +59,17 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     if (option == "--token-file") settings.token_file = value;
     if (option == "--tls-cert") settings.tls_cert = value;
     if (option == "--tls-key") settings.tls_key = value;
-    if (option == "--port") {
+    if (option == "--tls-dir") settings.tls_dir = value;
+    if (option == "--subnet") settings.subnets.push_back(value);
+    if (option == "--port" || option == "--http-port") {
       unsigned port = 0;
       const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), port);
       if (code != std::errc{} || end != value.data() + value.size() || port > 65535) {
-        error = "--port must be a number from 0 to 65535, not " + value;
+        error = option + " must be a number from 0 to 65535, not " + value;
         return false;
       }
-      settings.port = static_cast<std::uint16_t>(port);
+      if (option == "--port") settings.port = static_cast<std::uint16_t>(port);
+      if (option == "--http-port") settings.http_port = static_cast<std::uint16_t>(port);
     }
   }
   if (settings.bind != "127.0.0.1" && settings.bind != "::1") {
@@ -73,6 +80,14 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
   }
   if (settings.tls_cert.empty() != settings.tls_key.empty()) {
     error = "--tls-cert and --tls-key belong together: give both, or none for plain HTTP";
+    return false;
+  }
+  if (!settings.tls_dir.empty() && !settings.tls_cert.empty()) {
+    error = "--tls-dir makes its own certificates: leave --tls-cert and --tls-key out, or --tls-dir";
+    return false;
+  }
+  if (settings.tls_dir.empty() && (settings.http_port || !settings.subnets.empty())) {
+    error = "--http-port and --subnet need --tls-dir DIR";
     return false;
   }
   if (settings.socket_path.empty()) {

@@ -23,8 +23,11 @@ struct Settings {
   std::function<void(const std::string&)> show_set_up_code;  // empty: printed on standard output
   std::filesystem::path token_file;
   std::vector<std::string> hosts;
+  std::filesystem::path tls_cert, tls_key;  // both or none
+  std::filesystem::path tls_dir;            // of the hoist's own authority, instead of those; neither = plain HTTP
+  std::vector<std::string> subnets;         // whose addresses the authority may sign besides `hosts`
+  std::optional<std::uint16_t> http_port;   // the page that explains how to trust the authority
   std::vector<std::filesystem::path> backup_roots;
-  std::filesystem::path tls_cert, tls_key;  // both or none; none = plain HTTP
   bool help = false, version = false;
 };
 

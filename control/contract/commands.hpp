@@ -14,7 +14,9 @@ enum class CommandKind : std::uint32_t {
   // leave PROTECTIVE_STOP, FAULT or EMERGENCY_STOP once the cause is gone; role in b, bits = faults that were seen when the hand went down,
   // 0 = not told; lease holder only
   acknowledge = 3,
-  take_lease = 4,       // client asks to be the driver; granted when free, or when standing still and `a` = 1 (take over)
+  // client asks to be the driver; granted when free, or when standing still and a = kTakeOver, or kHandOver: the holder gives it to this
+  // client, lease_epoch = that of the lease handed over
+  take_lease = 4,
   release_lease = 5,    // by its holder, or by the server for a client that is gone
   stage_parameter = 6,  // a = parameter id, v0 = value, b = position in the set, counted from 0
   // a = number of staged rows, role in b, bits = ParamSetSeal over them; v0 = 0, or the seconds after which the values before come back
@@ -41,6 +43,8 @@ enum class CommandKind : std::uint32_t {
 };
 
 inline constexpr std::uint32_t kStartAgain = 1;
+inline constexpr std::uint32_t kTakeOver = 1;
+inline constexpr std::uint32_t kHandOver = 2;
 
 // One request of a client, in order. `request_id` comes back in the event that answers it.
 struct Command {

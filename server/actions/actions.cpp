@@ -138,7 +138,7 @@ std::vector<std::string> refusal_names(std::uint32_t bits) {
 void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done) {
   if (!may(services, asker, contract::Role::therapist, done)) return;
   Command command = command_of(CommandKind::take_lease, asker);
-  command.a = take_over ? 1 : 0;
+  command.a = take_over ? contract::kTakeOver : 0;
   services.core.ask(command, [done = std::move(done), take_over, &services](const CoreAnswer& answer) {
     Outcome outcome = outcome_of(answer);
     // The table's sentence tells others to take control, which is what was asked here.
@@ -155,6 +155,71 @@ void act_release_lease(Services& services, const Asker& asker, OutcomeDone done)
 
 namespace {
 bool holds_lease(const Services& services, const Asker& asker) { return asker.client != 0 && services.core.lease_holder() == asker.client; }
+
+// For what only the holder may do and the core is not asked for. False: `done` has been told.
+bool must_hold(Services& services, const Asker& asker, const OutcomeDone& done) {
+  if (holds_lease(services, asker) && services.core.lease_epoch() == asker.epoch) return true;
+  services.counters.add(Count::commands_refused);
+  done(outcome_of({.kind = services.core.connected() ? CoreAnswer::Kind::refused : CoreAnswer::Kind::no_core,
+                   .code = static_cast<std::uint32_t>(contract::Refusal::no_lease),
+                   .bits = contract::refusal_bit(contract::Refusal::no_lease)}));
+  return false;
+}
+
+// The client that a hand-over is to; nothing when there is none that may drive.
+std::optional<std::uint32_t> receiver_of(const Services& services, const HandOverWish& wish) {
+  std::optional<std::uint32_t> client = wish.client;
+  if (wish.user) {
+    for (const LeaseAsks::Ask& ask : services.state.asks().list())
+      if (const auto actor = services.actors.find(ask.client); !client && actor && actor->user == *wish.user) client = ask.client;
+    if (!client) client = services.actors.client_of(*wish.user);
+  }
+  const auto actor = client ? services.actors.find(*client) : std::nullopt;
+  if (!actor || actor->role == "viewer" || !services.actors.is_here(*client)) return std::nullopt;
+  return client;
+}
+}  // namespace
+
+void act_ask_lease(Services& services, const Asker& asker, bool withdraw, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done)) return;
+  Outcome outcome;
+  if (withdraw) {
+    services.state.asks().remove(asker.client);
+  } else if (services.core.lease_holder() == 0 || holds_lease(services, asker)) {
+    outcome.kind = services.core.connected() ? Outcome::Kind::refused : Outcome::Kind::unreachable;
+    outcome.reason = services.core.connected() ? std::optional{Reason::lease_free} : std::nullopt;
+    outcome.detail = services.core.connected() ? "There is nobody to ask: take control." : "The control core is not connected.";
+  } else if (!services.state.asks().add(asker.client, services.now_ns())) {
+    outcome.kind = Outcome::Kind::unreachable;
+    outcome.reason = Reason::busy;
+    outcome.detail = "At most " + std::to_string(LeaseAsks::kMost) + " clients may ask at once.";
+  }
+  done(outcome);
+}
+
+void act_hand_over(Services& services, const Asker& asker, const HandOverWish& wish, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done) || !must_hold(services, asker, done)) return;
+  const auto receiver = receiver_of(services, wish);
+  if (!receiver) {
+    Outcome outcome;
+    outcome.kind = Outcome::Kind::unknown;
+    outcome.detail = "No such client is connected that may drive.";
+    done(outcome);
+    return;
+  }
+  Command command = command_of(CommandKind::take_lease, asker);
+  command.client = *receiver;
+  command.a = contract::kHandOver;
+  ask(services, command, std::move(done));
+}
+
+void act_keep_lease(Services& services, const Asker& asker, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::therapist, done) || !must_hold(services, asker, done)) return;
+  services.state.asks().refuse();
+  done({});
+}
+
+namespace {
 
 bool is_share(const std::optional<double>& value) { return value && std::fabs(*value) <= 1.0; }
 
@@ -220,25 +285,17 @@ void act_neutral(Services& services, const Asker& asker, OutcomeDone done) {
   ask(services, command_of(CommandKind::set_neutral, asker), std::move(done));
 }
 
-void act_calibrate(Services& services, const Asker& asker, const json& wish, OutcomeDone done) {
+void act_calibrate(Services& services, const Asker& asker, const CalibrateWish& wish, OutcomeDone done) {
   if (!may(services, asker, contract::Role::therapist, done)) return;
-  const auto step = wish.find("step");
-  const contract::CalibrationStepInfo* info = step != wish.end() && step->is_string()
-                                                  ? contract::find_calibration_step(std::string_view{step->get_ref<const std::string&>()})
-                                                  : nullptr;
+  const contract::CalibrationStepInfo* info = contract::find_calibration_step(std::string_view{wish.step});
   if (info == nullptr) {
     done(invalid({{"step", "must be a step of the calibration table"}}, "There is no such calibration step."));
-    return;
-  }
-  const auto empty = wish.find("harness_empty");
-  if (empty != wish.end() && !empty->is_boolean()) {
-    done(invalid({{"harness_empty", "must be true or false"}}, "There is no such confirmation."));
     return;
   }
   Command command = command_of(CommandKind::begin_calibration, asker);
   command.a = static_cast<std::uint32_t>(info->step);
   command.b = static_cast<std::uint32_t>(asker.role);
-  command.v0 = empty != wish.end() && empty->get<bool>() ? 1.0 : 0.0;
+  command.v0 = wish.harness_empty ? 1.0 : 0.0;
   services.core.ask(command, [done = std::move(done)](const CoreAnswer& answer) {
     Outcome outcome = outcome_of(answer);
     if ((answer.bits & contract::refusal_bit(contract::Refusal::harness_unconfirmed)) != 0)
@@ -247,34 +304,20 @@ void act_calibrate(Services& services, const Asker& asker, const json& wish, Out
   });
 }
 
-void act_measure(Services& services, const Asker& asker, const json& measured, OutcomeDone done) {
+void act_measure(Services& services, const Asker& asker, const MeasureWish& measured, OutcomeDone done) {
   if (!may(services, asker, contract::Role::therapist, done)) return;
-  // Wider than any step allows; the core knows the range of the step under way.
-  constexpr double kFigure = 1000.0;
-  Command command = command_of(CommandKind::measure_calibration, asker);
-  std::vector<FieldError> errors;
-  const auto read = [&](const char* name, bool required, double& out) {
-    const auto at = measured.find(name);
-    if (at == measured.end() && !required) return;
-    if (at == measured.end() || !at->is_number() || !(std::fabs(at->get<double>()) <= kFigure))
-      errors.push_back({name, "must be a number", {}, -kFigure, kFigure});
-    else
-      out = at->get<double>();
-  };
-  const auto turning = measured.find("turning");
-  const bool square = turning != measured.end();
-  read("figure", true, command.v0);
-  read("x_m", square, command.v1);
-  read("y_m", square, command.v2);
-  if (square) {
-    const bool left = *turning == "left";
-    if (!left && *turning != "right") errors.push_back({"turning", "must be left or right"});
-    command.a = static_cast<std::uint32_t>(left ? contract::CalibrationPart::left_square : contract::CalibrationPart::right_square);
-  }
-  if (!errors.empty()) {
-    done(invalid(std::move(errors), "The measurement cannot be used.", Reason::measurement));
+  if (measured.turning && (!measured.x_m || !measured.y_m)) {
+    done(invalid({{measured.x_m ? "y_m" : "x_m", "is missing; a driven square has both"}}, "The measurement cannot be used.",
+                 Reason::measurement));
     return;
   }
+  Command command = command_of(CommandKind::measure_calibration, asker);
+  command.v0 = measured.figure;
+  command.v1 = measured.x_m.value_or(0);
+  command.v2 = measured.y_m.value_or(0);
+  if (measured.turning)
+    command.a = static_cast<std::uint32_t>(*measured.turning == "left" ? contract::CalibrationPart::left_square
+                                                                       : contract::CalibrationPart::right_square);
   // The step under way names its range when the figure lies outside.
   const std::uint32_t step = services.core.newest() ? services.core.newest()->calibration_step : 0U;
   services.core.ask(command,
@@ -370,7 +413,6 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   std::vector<FieldError> errors;
   auto exercise = read_exercise(wish.exercise, errors);
   std::uint32_t laps = 0;
-  if (!wish.start_again.is_null() && !wish.start_again.is_boolean()) errors.push_back({"start_again", "must be true or false"});
   if (*mode == contract::Mode::guided) {
     if (!wish.exercise.is_null()) errors.push_back({"exercise", "is the path itself; leave it out"});
     if (const auto path = read_guided(wish.path, guided_limits(services), errors)) {
@@ -470,50 +512,19 @@ void act_choose(Services& services, const Asker& asker, const json& exercise, Ou
   done({});
 }
 
-void act_pose(Services& services, const Asker& asker, const json& pose, OutcomeDone done) {
+void act_pose(Services& services, const Asker& asker, const StartPose& pose, OutcomeDone done) {
   if (!may(services, asker, contract::Role::therapist, done)) return;
-  // Larger than any hall; further out the odometry's single precision would show.
-  constexpr double kPlace_m = 1000.0, kHeading_rad = 1000.0;
   Command command = command_of(CommandKind::set_pose, asker);
-  std::vector<FieldError> errors;
-  const auto read = [&](const char* name, double limit, double& out) {
-    const auto at = pose.find(name);
-    if (at == pose.end() || !at->is_number()) {
-      errors.push_back({name, "must be a number", {}, -limit, limit});
-      return;
-    }
-    out = at->get<double>();
-    if (!std::isfinite(out) || std::fabs(out) > limit) errors.push_back({name, "is outside its range", out, -limit, limit});
-  };
-  read("x_m", kPlace_m, command.v0);
-  read("y_m", kPlace_m, command.v1);
-  read("psi_rad", kHeading_rad, command.v2);
-  if (!errors.empty()) {
-    done(invalid(std::move(errors), "The pose cannot be used."));
-    return;
-  }
+  command.v0 = pose.x_m;
+  command.v1 = pose.y_m;
+  command.v2 = pose.psi_rad;
   ask(services, command, std::move(done));
 }
 
-std::optional<std::uint32_t> read_version(const json& version, std::vector<FieldError>& errors) {
-  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
-  if (version.is_null()) return 0;
-  if (version.is_number_unsigned() && version.get<std::uint64_t>() > 0 && version.get<std::uint64_t>() <= kMost)
-    return version.get<std::uint32_t>();
-  errors.push_back({"version", "must be the version of the parameters that was looked at", {}, 1.0, static_cast<double>(kMost)});
-  return std::nullopt;
-}
-
-void act_keep_trial(Services& services, const Asker& asker, const json& version, OutcomeDone done) {
+void act_keep_trial(Services& services, const Asker& asker, std::uint32_t version, OutcomeDone done) {
   if (!may(services, asker, contract::Role::therapist, done)) return;
-  std::vector<FieldError> errors;
-  const auto looked_at = read_version(version, errors);
-  if (!looked_at) {
-    done(invalid(std::move(errors), "The version cannot be used; nothing was kept."));
-    return;
-  }
   Command command = command_of(CommandKind::confirm_parameters, asker);
-  command.a = *looked_at;
+  command.a = version;
   command.b = static_cast<std::uint32_t>(asker.role);
   ask(services, command, std::move(done));
 }
@@ -525,10 +536,10 @@ void act_undo_trial(Services& services, const Asker& asker, OutcomeDone done) {
   ask(services, command, std::move(done));
 }
 
-void act_set(Services& services, const Asker& asker, const json& values, const json& revert_after_s, std::uint32_t version,
-             OutcomeDone done) {
+void act_set(Services& services, const Asker& asker, const NumbersByName& values, std::optional<double> revert_after_s,
+             std::uint32_t version, OutcomeDone done) {
   if (!may(services, asker, contract::Role::therapist, done)) return;
-  if (!values.is_object() || values.empty()) {
+  if (values.empty()) {
     done(invalid({{"values", "must name at least one parameter"}}, "There is nothing to change."));
     return;
   }
@@ -536,14 +547,7 @@ void act_set(Services& services, const Asker& asker, const json& values, const j
   std::vector<FieldError> errors;
   bool unknown = false;
   bool role = false;
-  bool no_number = false;
-  double trial_s = 0;
-  if (!revert_after_s.is_null()) {
-    trial_s = revert_after_s.is_number() ? revert_after_s.get<double>() : 0.0;
-    if (!(trial_s >= contract::kTrial_s_min && trial_s <= contract::kTrial_s_max))
-      errors.push_back({"revert_after_s", "must be a number of seconds", std::nullopt, contract::kTrial_s_min, contract::kTrial_s_max});
-  }
-  for (const auto& [name, value] : values.items()) {
+  for (const auto& [name, number] : values) {
     const auto index = contract::find_param(name);
     if (!index) {
       unknown = true;
@@ -551,32 +555,21 @@ void act_set(Services& services, const Asker& asker, const json& values, const j
       continue;
     }
     const contract::ParamInfo& p = contract::kParams[*index];
-    if (!value.is_number()) {
-      no_number = true;
-      errors.push_back(range_error(p, "must be a number", std::nullopt));
-      continue;
-    }
-    const double number = value.get<double>();
     if (contract::check_param(*index, number) != contract::ParamCheck::ok) {
       errors.push_back(range_error(p, "is outside its range", std::isfinite(number) ? std::optional{number} : std::nullopt));
-      continue;
-    }
-    if (asker.role < p.role) {
+    } else if (asker.role < p.role) {
       role = true;
       errors.push_back(range_error(p, "only an engineer may change this", number));
-      continue;
-    }
-    if (trial_s > 0 && p.edit == contract::EditRule::stopped) {
+    } else if (revert_after_s && p.edit == contract::EditRule::stopped) {
       errors.push_back(range_error(p, "cannot be tried: it may not go back while the hoist moves", number));
-      continue;
+    } else {
+      rows.emplace_back(p.id, number);
     }
-    rows.emplace_back(p.id, number);
   }
   if (!errors.empty()) {
-    Outcome outcome = invalid(std::move(errors), unknown     ? "There is no such parameter."
-                                                 : role      ? "Your role may not change this."
-                                                 : no_number ? "A value is not a number; nothing was changed."
-                                                             : "A value is outside its range; nothing was changed.");
+    Outcome outcome = invalid(std::move(errors), unknown ? "There is no such parameter."
+                                                 : role  ? "Your role may not change this."
+                                                         : "A value is outside its range; nothing was changed.");
     if (unknown) outcome.kind = Outcome::Kind::unknown;
     if (role && !unknown) outcome.kind = Outcome::Kind::refused;
     outcome.refusals = {unknown ? "unknown_item" : role ? "not_allowed" : "out_of_range"};
@@ -584,7 +577,7 @@ void act_set(Services& services, const Asker& asker, const json& values, const j
     done(outcome);
     return;
   }
-  set_values(services, asker, std::move(rows), trial_s, version, std::move(done));
+  set_values(services, asker, std::move(rows), revert_after_s.value_or(0), version, std::move(done));
 }
 
 void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "control/contract/faults.hpp"
+#include "server/actions/wishes.hpp"
 #include "server/contract/reasons.hpp"
 #include "server/services.hpp"
 #include "server/state/exercise.hpp"
@@ -39,6 +40,12 @@ struct Asker {
 
 void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done);
 void act_release_lease(Services& services, const Asker& asker, OutcomeDone done);
+// Asks the holder for the lease, who sees by whom; refused when nobody holds it. `withdraw`: it is asked for no longer.
+void act_ask_lease(Services& services, const Asker& asker, bool withdraw, OutcomeDone done);
+// The holder gives the lease away; the core refuses while the hoist moves.
+void act_hand_over(Services& services, const Asker& asker, const HandOverWish& wish, OutcomeDone done);
+// The holder keeps the lease: those who ask for it are told.
+void act_keep_lease(Services& services, const Asker& asker, OutcomeDone done);
 // Sets the pose to the start of the exercise, then asks for the mode; `exercise` is what gets recorded. For the mode "guided", `path` says what
 // the hoist drives and is the exercise.
 struct ModeWish {
@@ -63,24 +70,22 @@ struct DriveWish {
 void act_stop(Services& services, std::uint32_t client, OutcomeDone done);
 /// `seen`: names of the faults that were shown when the hand went down, or null; when another has come since, the core refuses.
 void act_acknowledge(Services& services, const Asker& asker, const nlohmann::json& seen, OutcomeDone done);
-// Begins a step of the calibration table: {step, harness_empty}, the latter true where the table asks for it.
-void act_calibrate(Services& services, const Asker& asker, const nlohmann::json& wish, OutcomeDone done);
-// What the operator measured: {figure} or, for a driven square, {figure, x_m, y_m, turning}.
-void act_measure(Services& services, const Asker& asker, const nlohmann::json& measured, OutcomeDone done);
+// Begins a step of the calibration table; `harness_empty` is true where the table asks for it.
+void act_calibrate(Services& services, const Asker& asker, const CalibrateWish& wish, OutcomeDone done);
+// What the operator measured; x_m, y_m and turning belong to a driven square.
+void act_measure(Services& services, const Asker& asker, const MeasureWish& measured, OutcomeDone done);
 // The result becomes parameters, with today's date.
 void act_use_calibration(Services& services, const Asker& asker, OutcomeDone done);
 void act_cancel_calibration(Services& services, const Asker& asker, OutcomeDone done);
 void act_neutral(Services& services, const Asker& asker, OutcomeDone done);
-void act_pose(Services& services, const Asker& asker, const nlohmann::json& pose, OutcomeDone done);
-// {name: number, …}, all or nothing.
-// `revert_after_s`: null, or the seconds after which the values before come back unless confirmed. `version`: of the parameters the change was
+void act_pose(Services& services, const Asker& asker, const StartPose& pose, OutcomeDone done);
+// All or nothing.
+// `revert_after_s`: nothing, or the seconds after which the values before come back unless confirmed. `version`: of the parameters the change was
 // made for, 0 = whichever are in force; the core refuses it when they are others by then (H27).
-void act_set(Services& services, const Asker& asker, const nlohmann::json& values, const nlohmann::json& revert_after_s,
+void act_set(Services& services, const Asker& asker, const NumbersByName& values, std::optional<double> revert_after_s,
              std::uint32_t version, OutcomeDone done);
-// The version of the parameters that were looked at, 0 for null; nothing, with the reason, for what is no version.
-[[nodiscard]] std::optional<std::uint32_t> read_version(const nlohmann::json& version, std::vector<FieldError>& errors);
-// What is on trial stays; `version`: null, or the one that was looked at, so that nobody keeps what somebody else has changed meanwhile (H27).
-void act_keep_trial(Services& services, const Asker& asker, const nlohmann::json& version, OutcomeDone done);
+// What is on trial stays; `version`: 0, or the one that was looked at, so that nobody keeps what somebody else has changed meanwhile (H27).
+void act_keep_trial(Services& services, const Asker& asker, std::uint32_t version, OutcomeDone done);
 // What is on trial goes back at once, whatever it is.
 void act_undo_trial(Services& services, const Asker& asker, OutcomeDone done);
 // Puts a checked program into a node; done when the core lets it begin.

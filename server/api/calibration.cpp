@@ -63,10 +63,10 @@ void get_calibration(const CallPtr& call) {
 }
 
 void begin_calibration(const CallPtr& call) {
-  if (const auto asker = driver(call)) act_calibrate(call->services, *asker, *call->body, answer_done(call));
+  if (const auto asker = driver(call)) act_calibrate(call->services, *asker, calibrate_wish(*call->body), answer_done(call));
 }
 void measure_calibration(const CallPtr& call) {
-  if (const auto asker = driver(call)) act_measure(call->services, *asker, *call->body, answer_done(call));
+  if (const auto asker = driver(call)) act_measure(call->services, *asker, measure_wish(*call->body), answer_done(call));
 }
 void use_calibration(const CallPtr& call) {
   if (const auto asker = driver(call)) act_use_calibration(call->services, *asker, answer_done(call));

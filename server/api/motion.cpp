@@ -1,10 +1,12 @@
 // /mode, /stop, /acknowledge, /lease, /neutral, /pose: what moves the hoist or keeps it from moving.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "control/contract/faults.hpp"
 #include "server/api/alarms.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
+#include "server/state/views.hpp"
 
 namespace hoist::server::api {
 
@@ -55,8 +57,35 @@ void take_lease(const CallPtr& call) {
   });
 }
 
+void get_lease(const CallPtr& call) {
+  const Services& s = call->services;
+  json lease = lease_json(s.core, s.state.asks(), s.actors);
+  lease["expires_in_s"] = nullptr;
+  const std::uint64_t now = s.now_ns();
+  // A client without a WebSocket that asks looks here; it has the usual time to use what it is given.
+  if (call->session->client != 0 && s.state.asks().has(call->session->client)) call->session->used_ns = now;
+  call->rest.auth.each_session([&](const Session& session) {
+    if (session.client == 0 || session.client != s.core.lease_holder()) return;
+    const std::uint64_t idle_ns = std::min(now - session.used_ns, kRestLease_ns);
+    lease["expires_in_s"] = static_cast<double>(kRestLease_ns - idle_ns) * 1e-9;
+  });
+  call->respond(lease);
+}
+
+void ask_lease(const CallPtr& call) {
+  call->session->used_ns = call->services.now_ns();
+  act_ask_lease(call->services, asker_of(*call), false, answer_done(call));
+}
+void withdraw_lease(const CallPtr& call) { act_ask_lease(call->services, asker_of(*call), true, answer_done(call)); }
+void keep_lease(const CallPtr& call) {
+  if (const auto asker = driver(call)) act_keep_lease(call->services, *asker, answer_done(call));
+}
+void hand_over(const CallPtr& call) {
+  if (const auto asker = driver(call)) act_hand_over(call->services, *asker, hand_over_wish(*call->body), answer_done(call));
+}
+
 void release_lease(const CallPtr& call) { act_release_lease(call->services, asker_of(*call), answer_done(call)); }
 void set_neutral(const CallPtr& call) { act_neutral(call->services, asker_of(*call), answer_done(call)); }
-void set_pose(const CallPtr& call) { act_pose(call->services, asker_of(*call), *call->body, answer_done(call)); }
+void set_pose(const CallPtr& call) { act_pose(call->services, asker_of(*call), pose_wish(*call->body), answer_done(call)); }
 
 }  // namespace hoist::server::api

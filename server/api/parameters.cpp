@@ -56,7 +56,7 @@ Problem changed_meanwhile() {
           .detail = "Read them again, then change them."};
 }
 
-void change(const CallPtr& call, const json& values, const json& revert_after_s) {
+void change(const CallPtr& call, const NumbersByName& values, std::optional<double> revert_after_s) {
   const std::string_view match = call->request.header("if-match");
   // The tag of the gzip form stands for the same values.
   const std::string now = etag(call->services);
@@ -78,7 +78,7 @@ void change(const CallPtr& call, const json& values, const json& revert_after_s)
     }
     // In force now; the core's own numbers, not what was asked.
     json changed = json::object();
-    for (const auto& [name, value] : values.items())
+    for (const auto& [name, value] : values)
       if (const auto index = contract::find_param(name)) changed[name] = call->services.core.parameters().values[*index];
     Response response = json_response({{"version", call->services.core.parameters().version},
                                        {"values", std::move(changed)},
@@ -120,20 +120,16 @@ void get_parameter(const CallPtr& call) {
 }
 
 void put_parameter(const CallPtr& call) {
-  change(call, json{{call->path_values.at(0), field(*call, "value")}}, field(*call, "revert_after_s"));
+  change(call, {{call->path_values.at(0), number_wish(*call->body, "value").value_or(0)}}, number_wish(*call->body, "revert_after_s"));
 }
 
 void change_parameters(const CallPtr& call) {
   json values = *call->body;
-  json revert_after_s;
-  if (const auto at = values.find("revert_after_s"); at != values.end()) {
-    revert_after_s = *at;
-    values.erase(at);
-  }
-  change(call, values, revert_after_s);
+  values.erase("revert_after_s");
+  change(call, numbers_wish(values), number_wish(*call->body, "revert_after_s"));
 }
 
-void keep_parameters(const CallPtr& call) { act_keep_trial(call->services, asker_of(*call), field(*call, "version"), answer_done(call)); }
+void keep_parameters(const CallPtr& call) { act_keep_trial(call->services, asker_of(*call), version_wish(*call->body), answer_done(call)); }
 void undo_parameters(const CallPtr& call) { act_undo_trial(call->services, asker_of(*call), answer_done(call)); }
 
 void list_presets(const CallPtr& call) {

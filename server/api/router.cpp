@@ -225,6 +225,13 @@ void audit(const Call& call, const Route& route, const Response& response) {
   if (body_is_plain(route.operation)) entry.after = call.request.body.substr(0, kAuditBody_bytes);
   services.people.log(std::move(entry));
 }
+
+// Whether the browser is told never to use plain HTTP for this name (RFC 6797). It believes that only once it trusts the authority. Not for
+// localhost or a port beside 443, since it would hold for every port of the name, other programs' included; not for longer than a week,
+// since a hoist with a new authority could not be reached, not even its plain page.
+bool keeps_to_https(const RestContext& rest, const Request& request) {
+  return rest.trust != nullptr && rest.trust->port == 443 && request.header("host") == rest.trust->name;
+}
 }  // namespace
 
 bool Router::may_enter(const Request& request) {
@@ -238,8 +245,9 @@ void Router::handle(Request request, std::function<void(Response)> answer) {
   Counters& counters = rest_.services.counters;
   counters.add(Count::http_requests);
   const bool head = request.method == Method::head;
-  auto finish = [answer = std::move(answer), &counters](Response response) {
+  auto finish = [answer = std::move(answer), &counters, strict = keeps_to_https(rest_, request)](Response response) {
     if (response.status >= 400) counters.add(Count::http_refused);
+    if (strict) response.set("Strict-Transport-Security", "max-age=604800");
     answer(std::move(response));
   };
   const std::string_view host = request.header("host");
@@ -251,6 +259,12 @@ void Router::handle(Request request, std::function<void(Response)> answer) {
   }
   const Method method = head ? Method::get : request.method;
   const bool api_path = request.path == "/ws" || request.path == "/api" || request.path.starts_with("/api/");
+  if (rest_.trust != nullptr && method == Method::get) {
+    if (auto page = trust_answer(*rest_.trust, request.path)) {
+      finish(std::move(*page));
+      return;
+    }
+  }
   if (!api_path && method == Method::get) {
     const auto token = request.query.find("token");
     if (request.path == "/" && token != request.query.end() && !head)

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "server/api/trust.hpp"
 #include "server/http/auth.hpp"
 #include "server/http/exchange.hpp"
 #include "server/http/listener.hpp"
@@ -19,6 +20,7 @@ struct RestContext {
   // Takes over a WebSocket whose handshake is done: /ws, hoist.v1.
   std::function<void(std::unique_ptr<Stream>, std::shared_ptr<void> seat, SessionPtr)> open_live;
   std::string base_url = {};  // http://127.0.0.1:8080
+  const TrustPage* trust = nullptr;  // of the hoist's own authority, if it has one
 };
 
 class Router final : public RequestHandler {

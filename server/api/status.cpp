@@ -85,7 +85,7 @@ void get_status(const CallPtr& call) {
     out.field("scenario", nullptr);
   write_core(out, s, newest);
   out.field("recording", recording_json(s.recorder.status())).field("notices", notices_json(standing_notices(s.core, s.recorder, s.jobs)));
-  out.key("lease").begin('{').field("holder", s.core.lease_holder()).field("epoch", s.core.lease_epoch()).end('}');
+  out.field("lease", lease_json(s.core, s.state.asks(), s.actors));
   out.field("clients", s.live_clients);
   write_counters(out, s.counters);
   out.key("server").begin('{').field("uptime_s", static_cast<double>(s.now_ns() - s.started_ns) * 1e-9);

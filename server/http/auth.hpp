@@ -77,6 +77,8 @@ class Auth {
   // Errors are returned as a sentence in `error`; then nothing works.
   static std::unique_ptr<Auth> create(Options options, std::uint64_t utc_s, std::string& error);
 
+  // Further names under which browsers may call, instead of those before.
+  void set_hosts(std::vector<std::string> hosts) { options_.hosts = std::move(hosts); }
   [[nodiscard]] bool host_allowed(std::string_view host) const;
   // Exactly the origin that this request's own Host stands for.
   [[nodiscard]] bool origin_matches(std::string_view origin, std::string_view host) const;

@@ -40,11 +40,11 @@ bool is_about_a_device(std::uint32_t code) {
 
 SharedFrame text_frame(const json& message) { return make_frame(Opcode::text, dump_json(message)); }
 
-json lease_json(const CoreDesk& core, std::uint32_t client) {
-  return {{"type", "lease"},
-          {"epoch", core.lease_epoch()},
-          {"holder", core.lease_holder()},
-          {"mine", client != 0 && core.lease_holder() == client}};
+// The same for all but `mine`.
+json lease_message(const Services& s) {
+  json message = lease_json(s.core, s.state.asks(), s.actors);
+  message["type"] = "lease";
+  return message;
 }
 
 json core_json(const CoreDesk& core) {
@@ -221,7 +221,7 @@ void Hub::add(std::shared_ptr<Client> client) {
   client->send(core_json(s.core));
   client->send(walk_json(services_->state.walk()));
   if (s.core.has_parameters()) client->send(parameters_message(s.core.parameters()));
-  client->send(lease_json(s.core, client->number()));
+  tell_lease(*client, lease_message(s));
   json recording = recording_json(s.recorder.status());
   recording["type"] = "recording";
   client->send(recording);
@@ -239,6 +239,7 @@ void Hub::remove(const Client* client) {
   --held->session()->sockets;
   services_->live_clients = clients_.size();
   services_->actors.leave(held->number());
+  services_->state.asks().remove(held->number());
   // Whoever is gone drives no more: said to the core, which stops remote motion and frees the lease.
   if (held->holds_lease())
     act_release_lease(*services_, {held->number(), services_->core.lease_epoch(), held->session()->role}, [](const Outcome&) {});
@@ -292,12 +293,32 @@ void Hub::on_core(bool connected) {
 void Hub::on_parameters(const contract::ParamsInForce& parameters) { broadcast(text_frame(parameters_message(parameters))); }
 
 void Hub::on_lease(std::uint32_t, std::uint32_t) {
-  const auto all = clients_;
-  for (const auto& client : all) {
-    // Every step is for whoever drives; the next driver asks for it again.
+  // Every step is for whoever drives; the next driver asks for it again.
+  for (const auto& client : clients_)
     if (!client->holds_lease()) set_every_tick(*client, false);
-    client->send(lease_json(services_->core, client->number()));
-  }
+  tell_lease();
+}
+
+void Hub::tell_lease(Client& client, json message) {
+  message["mine"] = client.holds_lease();
+  client.send(message);
+}
+
+void Hub::tell_lease() {
+  told_asks_ = services_->state.asks().changes();
+  const json message = lease_message(*services_);
+  const auto all = clients_;
+  for (const auto& client : all) tell_lease(*client, message);
+}
+
+void Hub::poll_asks(std::uint64_t now_ns) {
+  LeaseAsks& asks = services_->state.asks();
+  asks.expire(now_ns);
+  for (const std::uint32_t refused : asks.take_refused())
+    if (const auto at = std::ranges::find_if(clients_, [refused](const auto& client) { return client->number() == refused; });
+        at != clients_.end())
+      (*at)->send(json{{"type", "notice"}, {"level", "info"}, {"text_key", "lease_kept"}});
+  if (asks.changes() != told_asks_) tell_lease();
 }
 
 void Hub::on_event(const contract::Event& event) {
@@ -317,6 +338,7 @@ void Hub::poll(std::uint64_t now_ns) {
     for (const auto& client : all) client->visit(now_ns);
     close_ended();
   }
+  poll_asks(now_ns);
   if (const std::string_view problem = services_->core.problem(); problem != told_problem_) {
     told_problem_ = problem;
     broadcast(text_frame(core_json(services_->core)));

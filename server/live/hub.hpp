@@ -73,6 +73,9 @@ class Hub final : public CoreListener {
   void broadcast(const SharedFrame& frame);
   void send_batch();
   void tell_walk();
+  void tell_lease();
+  static void tell_lease(Client& client, nlohmann::json message);
+  void poll_asks(std::uint64_t now_ns);
   void tell_recording();
   void tell_jobs(std::uint64_t now_ns);
   void close_ended();
@@ -90,6 +93,7 @@ class Hub final : public CoreListener {
   RecordingStatus told_;
   std::string told_problem_;  // why the core is not connected
   std::vector<StandingNotice> told_notices_;
+  std::uint64_t told_asks_ = 0;                         // changes of who asks for the lease
   std::uint64_t told_jobs_ = 0, told_jobs_ns_ = 0;      // changes of the jobs, and when they were told
   std::uint64_t told_update_ = 0, told_update_ns_ = 0;  // changes of the firmware desk, and when they were told
   TelemetryFrames frames_;

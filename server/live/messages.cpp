@@ -1,4 +1,5 @@
 // What each incoming message does. One function per HOIST_IN row of messages.def; an unlisted type is refused.
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -7,6 +8,7 @@
 
 #include "control/contract/faults.hpp"
 #include "server/actions/actions.hpp"
+#include "server/contract/fields.hpp"
 #include "server/live/client.hpp"
 
 namespace hoist::server {
@@ -41,12 +43,19 @@ OutcomeDone reply_to(Client& client, const json& message) {
   };
 }
 
+// What a person reads: their exercise or value is at fault, or else the page that sent it.
+Reason reason_for(const std::vector<FieldError>& errors) {
+  const auto about = [](const FieldError& e, std::string_view name) { return e.field.starts_with(name); };
+  if (std::ranges::all_of(errors, [&](const FieldError& e) { return about(e, "exercise.") || about(e, "path."); })) return Reason::exercise;
+  return std::ranges::any_of(errors, [](const FieldError& e) { return e.min || e.max; }) ? Reason::invalid : Reason::message;
+}
+
 void refuse_fields(Client& client, const json& message, std::vector<FieldError> errors) {
   Outcome outcome;
   outcome.kind = Outcome::Kind::invalid;
+  outcome.reason = reason_for(errors);
   outcome.errors = std::move(errors);
   outcome.detail = "The message cannot be used.";
-  outcome.reason = Reason::message;
   client.hub().services().counters.add(Count::ws_refused);
   reply_to(client, message)(outcome);
 }
@@ -64,6 +73,15 @@ void lease_take(Client& client, const json& message) {
 }
 void lease_release(Client& client, const json& message) {
   act_release_lease(client.hub().services(), asker_of(client), reply_to(client, message));
+}
+void lease_ask(Client& client, const json& message) {
+  act_ask_lease(client.hub().services(), asker_of(client), field(message, "withdraw") == true, reply_to(client, message));
+}
+void lease_keep(Client& client, const json& message) {
+  act_keep_lease(client.hub().services(), asker_of(client), reply_to(client, message));
+}
+void lease_hand_over(Client& client, const json& message) {
+  act_hand_over(client.hub().services(), asker_of(client), hand_over_wish(message), reply_to(client, message));
 }
 void mode(Client& client, const json& message) {
   act_mode(client.hub().services(), asker_of(client),
@@ -104,40 +122,29 @@ void drive(Client& client, const json& message) {
                    {"refusals", refusal_names(contract::refusal_bit(*refused))}});
 }
 
-// The version that the message was made for, or nothing after a refusal.
-std::optional<std::uint32_t> version_of(Client& client, const json& message) {
-  std::vector<FieldError> errors;
-  const auto version = read_version(field(message, "version"), errors);
-  if (!version) refuse_fields(client, message, std::move(errors));
-  return version;
-}
-
 void set(Client& client, const json& message) {
-  if (const auto version = version_of(client, message))
-    act_set(client.hub().services(), asker_of(client), field(message, "values"), field(message, "revert_after_s"), *version,
-            reply_to(client, message));
+  act_set(client.hub().services(), asker_of(client), numbers_wish(message["values"]), number_wish(message, "revert_after_s"),
+          version_wish(message), reply_to(client, message));
 }
 void keep_settings(Client& client, const json& message) {
-  act_keep_trial(client.hub().services(), asker_of(client), field(message, "version"), reply_to(client, message));
+  act_keep_trial(client.hub().services(), asker_of(client), version_wish(message), reply_to(client, message));
 }
 void undo_settings(Client& client, const json& message) {
   act_undo_trial(client.hub().services(), asker_of(client), reply_to(client, message));
 }
 void preset(Client& client, const json& message) {
-  const json& name = field(message, "name");
-  if (const auto version = version_of(client, message))
-    act_preset(client.hub().services(), asker_of(client), name.is_string() ? name.get<std::string>() : std::string{}, *version,
-               reply_to(client, message));
+  act_preset(client.hub().services(), asker_of(client), message["name"].get<std::string>(), version_wish(message),
+             reply_to(client, message));
 }
 void choose(Client& client, const json& message) {
   act_choose(client.hub().services(), asker_of(client), field(message, "exercise"), reply_to(client, message));
 }
 void neutral(Client& client, const json& message) { act_neutral(client.hub().services(), asker_of(client), reply_to(client, message)); }
 void calibrate(Client& client, const json& message) {
-  act_calibrate(client.hub().services(), asker_of(client), message, reply_to(client, message));
+  act_calibrate(client.hub().services(), asker_of(client), calibrate_wish(message), reply_to(client, message));
 }
 void calibrate_measure(Client& client, const json& message) {
-  act_measure(client.hub().services(), asker_of(client), message, reply_to(client, message));
+  act_measure(client.hub().services(), asker_of(client), measure_wish(message), reply_to(client, message));
 }
 void calibrate_use(Client& client, const json& message) {
   act_use_calibration(client.hub().services(), asker_of(client), reply_to(client, message));
@@ -145,7 +152,9 @@ void calibrate_use(Client& client, const json& message) {
 void calibrate_cancel(Client& client, const json& message) {
   act_cancel_calibration(client.hub().services(), asker_of(client), reply_to(client, message));
 }
-void pose(Client& client, const json& message) { act_pose(client.hub().services(), asker_of(client), message, reply_to(client, message)); }
+void pose(Client& client, const json& message) {
+  act_pose(client.hub().services(), asker_of(client), pose_wish(message), reply_to(client, message));
+}
 
 void marker(Client& client, const json& message) {
   act_mark(client.hub().services(), asker_of(client), std::nullopt, field(message, "text"), reply_to(client, message));
@@ -171,10 +180,11 @@ struct Row {
   const char* type;
   bool answered;
   Role role;
+  std::string_view schema;
   void (*handler)(Client&, const json&);
 };
 constexpr std::array kRows{
-#define HOIST_IN(type, answered, role, doc) Row{#type, answered != 0, Role::role, &on::type},
+#define HOIST_IN(type, answered, role, schema, doc) Row{#type, answered != 0, Role::role, #schema, &on::type},
 #define HOIST_OUT(...)
 #define HOIST_FIELD(...)
 #include "server/contract/messages.def"
@@ -183,40 +193,12 @@ constexpr std::array kRows{
 #undef HOIST_FIELD
 };
 
-struct FieldRow {
-  std::string_view type, name, kind;
-  bool required;
-};
-constexpr std::array kFields{
-#define HOIST_IN(...)
-#define HOIST_OUT(...)
-#define HOIST_FIELD(type, name, kind, required, doc) FieldRow{#type, name, kind, required != 0},
-#include "server/contract/messages.def"
-#undef HOIST_IN
-#undef HOIST_OUT
-#undef HOIST_FIELD
-};
-
-// What is wrong with the types of a message's fields; choices and nested values are judged by whoever uses them.
-std::vector<FieldError> wrong_fields(std::string_view type, const json& message) {
-  std::vector<FieldError> errors;
-  for (const FieldRow& row : kFields) {
-    if (row.type != type) continue;
-    const auto at = message.find(row.name);
-    const bool given = at != message.end() && (row.required || !at->is_null());
-    if (!given) {
-      if (row.required) errors.push_back({std::string{row.name}, "is missing"});
-    } else if (row.kind == "boolean" && !at->is_boolean()) {
-      errors.push_back({std::string{row.name}, "must be true or false"});
-    } else if (row.kind == "number" && !at->is_number()) {
-      errors.push_back({std::string{row.name}, "must be a number"});
-    } else if (row.kind == "string" && !at->is_string()) {
-      errors.push_back({std::string{row.name}, "must be text"});
-    } else if (row.kind.starts_with("Record<") && !at->is_object()) {
-      errors.push_back({std::string{row.name}, "must be an object of names and values"});
-    }
-  }
-  return errors;
+// Without what belongs to the message itself. null in place of an optional field is the same as leaving it out.
+json fields_of(const json& message) {
+  json fields = json::object();
+  for (const auto& [name, value] : message.items())
+    if (name != "type" && name != "request" && !value.is_null()) fields[name] = value;
+  return fields;
 }
 
 // What stops or ends motion is never refused for its form.
@@ -258,7 +240,7 @@ void handle_message(Client& client, const json& message, const std::optional<std
     }
     // Driving judges itself, field by field: letting go counts whatever else is wrong.
     if (row.handler != &on::drive) {
-      if (auto errors = wrong_fields(name, message); !errors.empty()) {
+      if (auto errors = wrong_fields(row.schema, fields_of(message)); !errors.empty() && !ends_motion(row, message)) {
         refuse_fields(client, message, std::move(errors));
         return;
       }

@@ -1,11 +1,13 @@
 // The actor behind each number that the core knows a client by. The core and its events have only the number; records and messages name the actor.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "db/store/session_types.hpp"
@@ -42,6 +44,19 @@ class ActorList {
     const std::lock_guard lock(mutex_);
     const auto at = actors_.find(client);
     return at == actors_.end() ? std::nullopt : std::optional(at->second);
+  }
+
+  // Known, and not gone.
+  [[nodiscard]] bool is_here(std::uint32_t client) const {
+    const std::lock_guard lock(mutex_);
+    return actors_.contains(client) && std::ranges::find(gone_, client) == gone_.end();
+  }
+  // The newest client of this account that is still there.
+  [[nodiscard]] std::optional<std::uint32_t> client_of(const std::string& user) const {
+    const std::lock_guard lock(mutex_);
+    for (auto at = actors_.rbegin(); at != actors_.rend(); ++at)
+      if (at->second.user == user && std::ranges::find(gone_, at->first) == gone_.end()) return at->first;
+    return std::nullopt;
   }
 
  private:

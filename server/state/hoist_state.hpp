@@ -1,5 +1,5 @@
 // What the server knows of the hoist besides the newest step, the same for every protocol: what is walked, the latest emergency messages, what
-// a calibration proposes. It hears the core before any protocol does.
+// a calibration proposes, who asks for the lease. It hears the core before any protocol does.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include "server/link/core_desk.hpp"
 #include "server/record/recorder.hpp"
 #include "server/settings.hpp"
+#include "server/state/lease_asks.hpp"
 #include "server/state/walk.hpp"
 
 namespace hoist::server {
@@ -28,9 +29,11 @@ class HoistState final : public CoreListener {
   void on_core(bool connected) override;
   void on_ticks(std::span<const contract::TickRecord> records, std::uint64_t lost) override;
   void on_parameters(const contract::ParamsInForce& parameters) override;
-  void on_lease(std::uint32_t, std::uint32_t) override {}
+  void on_lease(std::uint32_t, std::uint32_t) override { asks_.clear(); }
   void on_event(const contract::Event& event) override;
 
+  [[nodiscard]] LeaseAsks& asks() { return asks_; }
+  [[nodiscard]] const LeaseAsks& asks() const { return asks_; }
   [[nodiscard]] const Walk& walk() const { return walk_; }
   void choose(const Exercise& exercise);
   void motion_begins(nlohmann::json told);
@@ -49,6 +52,7 @@ class HoistState final : public CoreListener {
   Recorder& recorder_;
   std::function<void()> on_walk_;
   Walk walk_;
+  LeaseAsks asks_;
   std::deque<contract::Event> emergencies_;
   std::vector<contract::Event> proposed_;
   std::uint64_t core_life_ = 0;  // of the core that all of this is of

@@ -5,8 +5,11 @@
 
 #include "control/contract/signals.hpp"
 #include "db/export/provenance.hpp"
+#include "server/link/core_desk.hpp"
 #include "server/link/firmware_desk.hpp"
+#include "server/record/actor_list.hpp"
 #include "server/record/reason.hpp"
+#include "server/state/lease_asks.hpp"
 
 namespace hoist::server {
 
@@ -26,6 +29,17 @@ json recording_json(const RecordingStatus& status) {
   if (status.started_utc_ms) out["started_utc_ms"] = *status.started_utc_ms;
   if (status.durable_tick) out["durable_tick"] = *status.durable_tick;
   return out;
+}
+
+json lease_json(const CoreDesk& core, const LeaseAsks& asks, const ActorList& actors) {
+  json asking = json::array();
+  for (const LeaseAsks::Ask& ask : asks.list())
+    asking.push_back({{"client", ask.client}, {"actor", db::actor_json(actors.find(ask.client))}});
+  const std::uint32_t holder = core.lease_holder();
+  return {{"epoch", core.lease_epoch()},
+          {"holder", holder},
+          {"actor", holder != 0 ? db::actor_json(actors.find(holder)) : json(nullptr)},
+          {"asking", std::move(asking)}};
 }
 
 json job_json(const JobInfo& info) {

@@ -10,7 +10,10 @@
 
 namespace hoist::server {
 
+class ActorList;
+class CoreDesk;
 class FirmwareDesk;
+class LeaseAsks;
 
 // The running or the last update; null before the first.
 [[nodiscard]] nlohmann::json firmware_update_json(const FirmwareDesk& desk);
@@ -19,6 +22,8 @@ class FirmwareDesk;
 [[nodiscard]] nlohmann::json job_json(const JobInfo& info);
 [[nodiscard]] nlohmann::json file_health_json(const FileHealth& file);
 [[nodiscard]] nlohmann::json recording_json(const RecordingStatus& status);
+// Who drives and who asks for it, by number and actor.
+[[nodiscard]] nlohmann::json lease_json(const CoreDesk& core, const LeaseAsks& asks, const ActorList& actors);
 [[nodiscard]] std::string layout_hash_hex();
 [[nodiscard]] constexpr std::string_view access_role(contract::Role role) {
   return role == contract::Role::viewer ? "viewer" : role == contract::Role::therapist ? "therapist" : "engineer";

@@ -14,6 +14,8 @@ class TlsContext {
   // Reads a chain of certificates and its private key, both PEM. Null with a sentence in `error` when one cannot be read, when they do not
   // belong together, or when other users of this computer may read the key or change it.
   static std::unique_ptr<TlsContext> load(const std::filesystem::path& certificate, const std::filesystem::path& key, std::string& error);
+  // New connections get what `fresh` has; those that are open keep theirs.
+  void take(TlsContext&& fresh) { context_ = std::move(fresh.context_); }
   // The server's end of one connection on this socket, which stays its owner's.
   [[nodiscard]] ssl_st* accept(int socket) const;
 

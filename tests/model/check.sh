@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# check.sh FOLDER [NAME...]: searches every state of remote_drive.pml for a broken assertion. Without names the whole rules, which must hold;
+# check.sh FOLDER MODEL [NAME...]: searches every state of MODEL.pml for a broken assertion. Without names the whole rules, which must hold;
 # with names the rules without those, which must fail. Works in FOLDER.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -8,11 +8,12 @@ for program in spin gcc; do
   command -v "$program" >/dev/null || { echo "skipped: no $program on this machine"; exit "$skip"; }
 done
 folder=$1
-shift
+model=$2
+shift 2
 rm -rf "$folder"
 mkdir -p "$folder"
 cd "$folder"
-spin "${@/#/-D}" -a "$here/remote_drive.pml" >spin.log
+spin "${@/#/-D}" -a "$here/$model.pml" >spin.log
 gcc -O2 -DSAFETY -DCOLLAPSE -DVECTORSZ=256 -DMEMLIM=4096 -w -o pan pan.c
 ./pan -m200000 -w24 >pan.log
 grep -E 'errors:|states, stored|assertion violated|max search depth|out of memory' pan.log

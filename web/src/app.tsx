@@ -1,6 +1,6 @@
 // The frame around every screen: status bar, alarm strip, menu, STOP.
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { dialogs, takenSeen } from './link/console';
+import { askLease, dialogs, takenSeen } from './link/console';
 import { useReadiness } from './link/readiness';
 import { store, useStore } from './link/store';
 import { menu, panelOf, panels } from './panels/index';
@@ -10,6 +10,7 @@ import { settings, useSettings } from './text/settings';
 import { loadLanguage, t, textOf } from './text/text';
 import { Icon } from './ui/icons';
 import { Lazy, LoadFailed, Loading, useLazy } from './ui/lazy';
+import { LeaseAsk, nameOf } from './ui/lease_ask';
 import { Question } from './ui/question';
 import { StatusBar } from './ui/status_bar';
 import { StopButton } from './ui/stop_button';
@@ -85,6 +86,7 @@ function Shell() {
       <div class="side-column">
         <div class="side-bars">
           <Taken />
+          <LeaseAsk />
           <TrialBar />
         </div>
         <Notices />
@@ -183,17 +185,28 @@ function useTakeOver(): { asking: boolean; answer: (yes: boolean) => void } {
 /** STOP stays free: the dialog never covers it. */
 function TakeOver({ answer }: { answer: (yes: boolean) => void }) {
   const box = useRef<HTMLDivElement>(null);
+  const who = useStore((s) => nameOf(s.lease.actor));
   useEffect(() => {
     box.current?.querySelector('button')?.focus();
   }, []);
   return (
     <div class="dialog-back" onKeyDown={(event) => event.key === 'Escape' && answer(false)}>
       <div ref={box} class="card dialog" role="dialog" aria-modal="true" aria-labelledby="lease-question">
-        <h2 id="lease-question">{t('lease.question')}</h2>
+        <h2 id="lease-question">{who === null ? t('lease.question') : t('lease.questionNamed', { who })}</h2>
         <p>{t('lease.text')}</p>
         <div class="dialog-buttons">
           <button type="button" class="big" onClick={() => answer(false)}>
             {t('lease.keep')}
+          </button>
+          <button
+            type="button"
+            class="big"
+            onClick={() => {
+              answer(false);
+              void askLease();
+            }}
+          >
+            {t('lease.ask')}
           </button>
           <button type="button" class="big primary" onClick={() => answer(true)}>
             {t('lease.take')}

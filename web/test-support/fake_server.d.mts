@@ -3,6 +3,8 @@ export interface FakeServer {
   url: string;
   /** What it pretends to be, and the messages that it has got. */
   hoist: { commands: { type: string }[] };
+  /** Who is in control: 0 for nobody. */
+  lease: { holder: number };
   /** Long work that was asked for. */
   jobs: { kind: string }[];
   /** What runs ends now: by itself it takes `jobs_ms`. */

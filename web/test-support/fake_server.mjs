@@ -140,7 +140,7 @@ export function startFakeServer({
     sessionTick: 0,
     commands: [],
   };
-  const lease = { epoch: 0, holder: 0 };
+  const lease = { epoch: 0, holder: 0, asking: [] };
   const clients = new Map();
   let nextClient = 1;
   const day_ms = 86_400_000;
@@ -209,8 +209,16 @@ export function startFakeServer({
     for (const [id, client] of clients) if (only === undefined || only === id) client.socket.send(text);
   };
   const event = (kind, more = {}) => tell({ type: 'event', kind, tick: hoist.tick, time_ns: hoist.tick * 1e7, ...more });
+  const actorOf = (id) => (id === 0 ? null : { user: 'local', role: 'engineer', origin: 'hoist.v1', client: 'device-00000000' });
+  const leaseMessage = (id) => ({ type: 'lease', ...lease, mine: lease.holder === id, actor: actorOf(lease.holder) });
   const tellLease = () => {
-    for (const id of clients.keys()) tell({ type: 'lease', epoch: lease.epoch, holder: lease.holder, mine: lease.holder === id }, id);
+    for (const id of clients.keys()) tell(leaseMessage(id), id);
+  };
+  const giveLease = (id) => {
+    if (lease.holder !== id) lease.epoch++;
+    Object.assign(lease, { holder: id, asking: [] });
+    tellLease();
+    return { ok: true };
   };
   const tellRecording = () =>
     tell({
@@ -442,15 +450,26 @@ export function startFakeServer({
   const commands = {
     lease_take(message, id) {
       if (lease.holder !== 0 && lease.holder !== id && message.take_over !== true) return refuse('no_lease');
-      lease.holder = id;
-      lease.epoch++;
+      return giveLease(id);
+    },
+    lease_release: (_message, id) => (lease.holder === id ? giveLease(0) : { ok: true }),
+    lease_ask(_message, id) {
+      if (lease.holder === 0 || lease.holder === id) return { ok: false, refusals: [], errors: [], detail: '', reason_code: 'lease_free' };
+      lease.asking = [...lease.asking.filter((ask) => ask.client !== id), { client: id, actor: actorOf(id) }];
       tellLease();
       return { ok: true };
     },
-    lease_release(_message, id) {
-      if (lease.holder === id) lease.holder = 0;
+    lease_keep(_message, id) {
+      if (lease.holder !== id) return refuse('no_lease');
+      for (const ask of lease.asking) tell({ type: 'notice', level: 'info', text_key: 'lease_kept' }, ask.client);
+      lease.asking = [];
       tellLease();
       return { ok: true };
+    },
+    lease_hand_over(message, id) {
+      if (lease.holder !== id) return refuse('no_lease');
+      if (Math.abs(hoist.v) >= 0.02 && ['user', 'remote', 'guided'].includes(hoist.mode)) return refuse('moving');
+      return giveLease(message.client);
     },
     mode(message, id) {
       if (message.mode === 'standby') {
@@ -753,16 +772,13 @@ export function startFakeServer({
       send({ type: 'core', connected: true, problem: null, reason_code: null });
       tellWalk(id);
       send({ type: 'parameters', version: hoist.version, values });
-      send({ type: 'lease', epoch: lease.epoch, holder: lease.holder, mine: false });
+      send(leaseMessage(id));
       send({ type: 'notices', items: hoist.standing });
       tellRecording();
       ws.on('message', (data, binary) => !binary && take(JSON.parse(data.toString()), id, ws));
       ws.on('close', () => {
         clients.delete(id);
-        if (lease.holder === id) {
-          lease.holder = 0;
-          tellLease();
-        }
+        if (lease.holder === id) giveLease(0);
       });
     });
   });

@@ -5,8 +5,8 @@ import { initial, type State } from '../src/link/store';
 
 const bit = (name: string) => 1 << refusals.find((row) => row.name === name)!.bit;
 const good: State = { ...initial, link: 'open', everOpen: true, data: 'fresh', coreConnected: true, role: 'therapist', mode: 'standby' };
-const mine = { epoch: 1, holder: 7, mine: true };
-const other = { epoch: 1, holder: 8, mine: false };
+const mine = { ...initial.lease, epoch: 1, holder: 7, mine: true };
+const other = { ...initial.lease, epoch: 1, holder: 8, mine: false };
 
 /** Every combination of what decides: 9 modes, link, age, core, bus, lease, posture, stick, role, delay. */
 function* all(): Generator<State> {

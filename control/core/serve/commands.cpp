@@ -185,8 +185,11 @@ Verdict take_lease(CoreState& state, const Command& command) noexcept {
   // The server itself never drives.
   if (command.client == 0) return refused(Refusal::no_lease);
   const std::uint32_t holder = state.lease.holder;
+  // Handed over is the lease of this epoch: another holder meanwhile has given nothing away, and nobody has anything to give.
+  const bool handed_over = command.a == contract::kHandOver;
+  if (handed_over && (holder == 0 || command.lease_epoch != state.lease.epoch)) return refused(Refusal::no_lease);
   if (holder != 0 && holder != command.client) {
-    if (command.a != 1) return refused(Refusal::no_lease);
+    if (command.a != contract::kTakeOver && !handed_over) return refused(Refusal::no_lease);
     if (!at_rest(state)) return refused(Refusal::moving);
   }
   give_lease(state, command.client);

@@ -17,7 +17,7 @@ struct MessageRow {
   std::string_view type;
   bool incoming;  // from the client to the server
   bool answered;
-  std::string_view role;
+  std::string_view schema;  // of its fields, from the client
   std::string_view doc;
 };
 struct FieldRow {
@@ -26,7 +26,7 @@ struct FieldRow {
   std::string_view doc;
 };
 
-#define HOIST_IN(type, answered, role, doc) MessageRow{#type, true, (answered) != 0, #role, doc},
+#define HOIST_IN(type, answered, role, schema, doc) MessageRow{#type, true, (answered) != 0, #schema, doc},
 #define HOIST_OUT(type, doc) MessageRow{#type, false, false, "", doc},
 #define HOIST_FIELD(...)
 constexpr std::array kMessages{
@@ -71,8 +71,13 @@ std::string message_types(bool incoming) {
     if (message.incoming != incoming) continue;
     const std::string name = type_name(message.type) + suffix;
     all += "\n  | " + name;
-    out += doc_line("", message.doc) + "export interface " + name + " {\n  type: '" + std::string(message.type) + "';\n";
-    if (message.answered) out += "  /** Comes back in the reply. */\n  request: number;\n";
+    out += doc_line("", message.doc);
+    if (message.incoming) {
+      out += "export type " + name + " = { type: '" + std::string(message.type) + "'" + (message.answered ? "; request: number }" : " }") +
+             (message.schema == "Empty" ? "" : " & rest." + std::string(message.schema)) + ";\n\n";
+      continue;
+    }
+    out += "export interface " + name + " {\n  type: '" + std::string(message.type) + "';\n";
     for (const auto& field : kFields) {
       if (field.message != message.type) continue;
       out += doc_line("  ", field.doc) + "  " + std::string(field.name) + (field.required ? ": " : "?: ") + std::string(field.kind) + ";\n";
@@ -99,7 +104,9 @@ GeneratedFile messages_file() {
   using namespace hoist::contract;
   std::string out =
       "// " + made_from("server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def") + "\n\n";
-  out += "import type { Actor, Exercise, FieldError, GuidedPath, JobKind, Pose, ReasonCode, StandingNotice } from './rest.gen';\n\n";
+  out += "import type * as rest from './rest.gen';\n";
+  out +=
+      "import type { Actor, Exercise, FieldError, GuidedPath, JobKind, LeaseAsk, Pose, ReasonCode, StandingNotice } from './rest.gen';\n\n";
   out += reason_rows() + message_types(true) + message_types(false);
   out += "/** What the core reports. */\nexport const eventKinds = [";
   // Numbers without a name are gaps.

@@ -34,6 +34,30 @@ TEST(Lease, OneHolderAndTheEpochRisesWithEveryChange) {
   EXPECT_EQ(hoist.count(EventKind::lease_changed), 3);
 }
 
+// Handed over is one lease, by its holder, while nothing moves: what was said of another lease gives nobody control.
+TEST(Lease, IsHandedOverOnceByItsHolderAtStandstill) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.to_standby());
+  const auto hand_over = [&hoist](std::uint32_t client, std::uint32_t epoch) {
+    const std::uint32_t id = hoist.send(CommandKind::take_lease, client, contract::kHandOver);
+    hoist.commands.back().lease_epoch = epoch;
+    hoist.step();
+    return hoist.answer(id);
+  };
+  EXPECT_EQ(hand_over(8, hoist.state.lease.epoch), refusal_bit(Refusal::no_lease)) << "nobody has anything to give";
+  ASSERT_EQ(hoist.ask(CommandKind::take_lease, 7), 0U);
+  const auto epoch = hoist.state.lease.epoch;
+  EXPECT_EQ(hand_over(8, epoch - 1), refusal_bit(Refusal::no_lease)) << "of an earlier lease";
+  EXPECT_EQ(hand_over(8, epoch + 1), refusal_bit(Refusal::no_lease)) << "of a lease to come";
+  EXPECT_EQ(hoist.state.lease.holder, 7U);
+  EXPECT_EQ(hand_over(8, epoch), 0U);
+  EXPECT_EQ(hoist.state.lease.holder, 8U);
+  EXPECT_EQ(hoist.state.lease.epoch, epoch + 1);
+  EXPECT_EQ(hand_over(9, epoch), refusal_bit(Refusal::no_lease)) << "the same again: it has another holder";
+  EXPECT_EQ(hoist.state.lease.holder, 8U);
+  EXPECT_EQ(hand_over(0, epoch + 1), refusal_bit(Refusal::no_lease)) << "never to the server";
+}
+
 TEST(Lease, TheServerReleasesForAClientThatIsGone) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
@@ -49,6 +73,7 @@ TEST(Lease, CannotBeTakenOverWhileMoving) {
   ASSERT_TRUE(hoist.start(Mode::remote));
   hoist.drive_for(100, 0.8);
   EXPECT_EQ(hoist.ask(CommandKind::take_lease, 8, 1), refusal_bit(Refusal::moving));
+  EXPECT_EQ(hoist.ask(CommandKind::take_lease, 8, contract::kHandOver), refusal_bit(Refusal::moving));
   EXPECT_EQ(hoist.state.lease.holder, 7U);
 }
 

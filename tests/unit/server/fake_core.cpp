@@ -135,7 +135,10 @@ void FakeCore::take(const Command& c) {
       record_.mode = static_cast<std::uint8_t>(Mode::standby);
       return answer(c, 0);
     case CommandKind::take_lease: {
-      if (record_.lease_holder != 0 && record_.lease_holder != c.client && c.a != 1) return answer(c, refusal_bit(Refusal::no_lease));
+      const bool other = record_.lease_holder != 0 && record_.lease_holder != c.client;
+      const bool given = c.a == kHandOver && record_.lease_holder != 0 && c.lease_epoch == record_.lease_epoch;
+      if ((c.a == kHandOver && !given) || (other && c.a != kTakeOver && !given)) return answer(c, refusal_bit(Refusal::no_lease));
+      if (other && kModes[record_.mode].moving) return answer(c, refusal_bit(Refusal::moving));
       record_.lease_holder = c.client;
       ++record_.lease_epoch;
       Event event;

@@ -190,7 +190,7 @@ TEST_F(Idle, ActionsAskForTheRoleThemselves_H28) {
   const Asker viewer{.client = 7, .epoch = 0, .role = contract::Role::viewer};
   Asker therapist = viewer;
   therapist.role = contract::Role::therapist;
-  const json none, empty = json::object(), values{{"v_max_m_s", 0.1}};
+  const json none, empty = json::object();
   int refused = 0, asked = 0;
   const OutcomeDone done = [&refused](const Outcome& outcome) {
     EXPECT_EQ(outcome.kind, Outcome::Kind::refused);
@@ -202,18 +202,21 @@ TEST_F(Idle, ActionsAskForTheRoleThemselves_H28) {
     act(*services_, asker, wish..., done);
   };
   one(act_take_lease, viewer, true);
+  one(act_ask_lease, viewer, false);
+  one(act_hand_over, viewer, HandOverWish{.client = 8, .user = {}});
+  one(act_keep_lease, viewer);
   one(act_mode, viewer, ModeWish{json("user"), none, none, none});
   one(act_mode, viewer, ModeWish{json("standby"), none, none, none});
   one(act_acknowledge, viewer, none);
   one(act_choose, viewer, empty);
-  one(act_calibrate, viewer, empty);
-  one(act_measure, viewer, empty);
+  one(act_calibrate, viewer, CalibrateWish{});
+  one(act_measure, viewer, MeasureWish{});
   one(act_use_calibration, viewer);
   one(act_cancel_calibration, viewer);
   one(act_neutral, viewer);
-  one(act_pose, viewer, empty);
-  one(act_set, viewer, values, none, 0U);
-  one(act_keep_trial, viewer, none);
+  one(act_pose, viewer, StartPose{});
+  one(act_set, viewer, NumbersByName{{"v_max_m_s", 0.1}}, std::nullopt, 0U);
+  one(act_keep_trial, viewer, 0U);
   one(act_undo_trial, viewer);
   one(act_preset, viewer, std::string{"walk"}, 0U);
   one(act_mark, viewer, std::optional<db::SessionId>{}, json("here"));

@@ -215,12 +215,125 @@ TEST_F(LiveTest, FieldsOfAWrongTypeAreNamed) {
   refused({{"type", "set"}, {"values", "x"}}, "values");
   refused({{"type", "set"}, {"values", {{"lean_gain_filtered_units", 30}}}, {"revert_after_s", "soon"}}, "revert_after_s");
   refused({{"type", "marker"}}, "text");
+  // Ranges, choices and unknown fields, by the schemas of REST.
+  refused({{"type", "set"}, {"values", {{"lean_gain_filtered_units", 30}}}, {"revert_after_s", 121}}, "revert_after_s");
+  refused({{"type", "set"}, {"values", {{"lean_gain_filtered_units", "30"}}}}, "values.lean_gain_filtered_units");
+  refused({{"type", "set"}, {"values", json::object()}}, "values");
+  refused({{"type", "set"}, {"values", {{"lean_gain_filtered_units", 30}}}, {"version", 0}}, "version");
+  refused({{"type", "keep_settings"}, {"version", 4294967296U}}, "version");
+  refused({{"type", "pose"}, {"x_m", 1001}, {"y_m", 0}, {"psi_rad", 0}}, "x_m");
+  refused({{"type", "calibrate_measure"}, {"figure", 1}, {"turning", "up"}}, "turning");
+  refused({{"type", "calibrate_measure"}, {"figure", 1}, {"x_m", 0}, {"turning", "left"}}, "y_m");
+  refused({{"type", "calibrate"}, {"step", "none of ours"}}, "step");
+  refused({{"type", "mode"}, {"mode", "init"}}, "mode");
+  refused({{"type", "choose"}, {"exercise", {{"shape", "square"}, {"side_m", 1e9}}}}, "exercise.side_m");
+  refused({{"type", "neutral"}, {"other", 1}}, "other");
+  refused({{"type", "lease_hand_over"}}, "body");
   EXPECT_TRUE(core_->commands().empty());
   live.send({{"type", "neutral"}, {"request", "x"}});
   const json reply = live.wait("reply");
   EXPECT_EQ(reply["errors"][0]["field"], "request");
   EXPECT_EQ(reply["request"], 0) << "always a number";
   EXPECT_EQ(live.ask({{"type", "lease_take"}, {"take_over", nullptr}})["ok"], true) << "left out";
+}
+
+// The next state of the lease that one of these tells, or nothing.
+json lease_where(Live& live, const std::function<bool(const json&)>& wanted) {
+  for (json lease = live.wait("lease"); !lease.empty(); lease = live.wait("lease"))
+    if (wanted(lease)) return lease;
+  return {};
+}
+
+TEST_F(LiveTest, TheHolderSeesWhoAsksAndHandsOverAtStandstill_H20) {
+  Live driver(port_, bearer_), other(port_, bearer_);
+  const std::uint32_t driving = driver.wait("welcome")["client"], asking = other.wait("welcome")["client"];
+  EXPECT_EQ(other.ask({{"type", "lease_ask"}})["reason_code"], "lease_free") << "nobody to ask";
+  const json taken = driver.ask({{"type", "lease_take"}});
+  ASSERT_EQ(taken["ok"], true);
+  EXPECT_EQ(driver.ask({{"type", "lease_ask"}})["reason_code"], "lease_free") << "of itself";
+  ASSERT_EQ(other.ask({{"type", "lease_ask"}})["ok"], true);
+  const json asked = lease_where(driver, [](const json& lease) { return !lease["asking"].empty(); });
+  EXPECT_EQ(asked["asking"],
+            json::array({{{"client", asking},
+                          {"actor", {{"user", "local"}, {"role", "engineer"}, {"origin", "hoist.v1"}, {"client", "script"}}}}}));
+  EXPECT_EQ(asked["actor"]["origin"], "hoist.v1");
+  EXPECT_EQ(get("/api/v1/status").json()["lease"]["asking"][0]["client"], asking);
+  // The holder keeps it: the client that asks is told, and asks no longer.
+  ASSERT_EQ(driver.ask({{"type", "lease_keep"}})["ok"], true);
+  EXPECT_EQ(other.wait("notice")["text_key"], "lease_kept");
+  EXPECT_TRUE(get("/api/v1/lease").json()["asking"].empty());
+  // Only its holder gives it away, to a client that is there, and not while the hoist moves.
+  EXPECT_EQ(other.ask({{"type", "lease_hand_over"}, {"client", asking}})["refusals"][0], "no_lease");
+  EXPECT_EQ(other.ask({{"type", "lease_keep"}})["refusals"][0], "no_lease");
+  EXPECT_EQ(driver.ask({{"type", "lease_hand_over"}, {"client", asking + 1}})["reason_code"], "unknown");
+  EXPECT_EQ(driver.ask({{"type", "lease_hand_over"}, {"user", "nobody of this name"}})["reason_code"], "unknown");
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+  EXPECT_EQ(driver.ask({{"type", "lease_hand_over"}, {"client", asking}})["refusals"], json::array({"moving"}));
+  EXPECT_EQ(get("/api/v1/lease").json()["holder"], driving);
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::standby); });
+  ASSERT_EQ(other.ask({{"type", "lease_ask"}})["ok"], true);
+  ASSERT_EQ(driver.ask({{"type", "lease_hand_over"}, {"client", asking}})["ok"], true);
+  const json mine = lease_where(other, [](const json& lease) { return lease["mine"] == true; });
+  EXPECT_EQ(mine["holder"], asking);
+  EXPECT_EQ(mine["epoch"], taken["epoch"].get<std::uint32_t>() + 1);
+  EXPECT_TRUE(mine["asking"].empty()) << "asked was the former holder";
+  const json event = other.wait("event");
+  EXPECT_EQ(event["kind"], "lease_changed");
+  EXPECT_EQ(event["actor"]["user"], "local");
+}
+
+TEST_F(LiveTest, AnAskEndsWithItsClientAndByName) {
+  Live driver(port_, bearer_);
+  auto other = std::make_unique<Live>(port_, bearer_);
+  ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
+  ASSERT_EQ(other->ask({{"type", "lease_ask"}})["ok"], true);
+  ASSERT_EQ(other->ask({{"type", "lease_ask"}, {"withdraw", true}})["ok"], true);
+  EXPECT_TRUE(get("/api/v1/lease").json()["asking"].empty());
+  ASSERT_EQ(other->ask({{"type", "lease_ask"}})["ok"], true);
+  EXPECT_EQ(get("/api/v1/lease").json()["asking"].size(), 1U);
+  const std::uint32_t gone = get("/api/v1/lease").json()["asking"][0]["client"];
+  other->close();
+  EXPECT_TRUE(until([&] { return get("/api/v1/lease").json()["asking"].empty(); }));
+  EXPECT_EQ(driver.ask({{"type", "lease_hand_over"}, {"client", gone}})["reason_code"], "unknown");
+  Live next(port_, bearer_);
+  const std::uint32_t newest = next.wait("welcome")["client"];
+  ASSERT_EQ(driver.ask({{"type", "lease_hand_over"}, {"user", "local"}})["ok"], true);
+  EXPECT_EQ(get("/api/v1/lease").json()["holder"], newest);
+}
+
+TEST_F(LiveTest, ALeaseIsAskedForAndHandedOverByRest) {
+  Live driver(port_, bearer_);
+  ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
+  EXPECT_TRUE(get("/api/v1/lease").json()["expires_in_s"].is_null()) << "a WebSocket's has no time";
+  ASSERT_EQ(call("POST", "/api/v1/lease/ask").status, 200);
+  const json lease = get("/api/v1/lease").json();
+  ASSERT_EQ(lease["asking"][0]["actor"]["origin"], "rest");
+  ASSERT_EQ(driver.ask({{"type", "lease_hand_over"}, {"client", lease["asking"][0]["client"]}})["ok"], true);
+  const json held = get("/api/v1/lease").json();
+  EXPECT_GT(held["expires_in_s"], 8.0) << "time to use it";
+  EXPECT_EQ(call("POST", "/api/v1/lease/ask").status, 409) << "has it already";
+  EXPECT_EQ(call("POST", "/api/v1/lease/hand-over", {{"client", 1}, {"user", "local"}}).status, 422);
+  EXPECT_EQ(call("POST", "/api/v1/lease/hand-over", {{"client", 4294967295U}}).status, 404);
+  const Headers old{{"X-Hoist-Lease", std::to_string(held["epoch"].get<int>() - 1)}};
+  EXPECT_EQ(call("POST", "/api/v1/lease/keep", json::object(), old).status, 409) << "the epoch of the former lease";
+  EXPECT_EQ(call("POST", "/api/v1/lease/hand-over", {{"client", held["holder"]}}, old).status, 409);
+  EXPECT_EQ(call("POST", "/api/v1/lease/keep").status, 200);
+  EXPECT_EQ(call("DELETE", "/api/v1/lease/ask").status, 200);
+}
+
+TEST(LeaseAsks, AreBoundedAndEnd) {
+  server::LeaseAsks asks;
+  for (std::uint32_t client = 1; client <= server::LeaseAsks::kMost; ++client) EXPECT_TRUE(asks.add(client, client));
+  EXPECT_FALSE(asks.add(99, 10));
+  EXPECT_TRUE(asks.add(1, 50)) << "once more";
+  EXPECT_EQ(asks.list().size(), server::LeaseAsks::kMost);
+  asks.expire(2 + server::LeaseAsks::kLife_ns);
+  EXPECT_FALSE(asks.has(2));
+  EXPECT_TRUE(asks.has(1)) << "asked anew";
+  EXPECT_TRUE(asks.has(3));
+  const std::uint64_t before = asks.changes();
+  asks.remove(77);
+  EXPECT_EQ(asks.changes(), before) << "nothing to tell";
 }
 
 TEST_F(LiveTest, ADriverWhoIsGoneLosesTheLease) {

@@ -1,6 +1,7 @@
 // Made by `deploy/dev gen` from server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def; do not edit.
 
-import type { Actor, Exercise, FieldError, GuidedPath, JobKind, Pose, ReasonCode, StandingNotice } from './rest.gen';
+import type * as rest from './rest.gen';
+import type { Actor, Exercise, FieldError, GuidedPath, JobKind, LeaseAsk, Pose, ReasonCode, StandingNotice } from './rest.gen';
 
 /** Why something was not done, or is not there. */
 export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> = {
@@ -16,6 +17,7 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   unknown: { en: 'This is no longer there.', de: 'Das gibt es nicht mehr.' },
   not_now: { en: 'This session is still being recorded.', de: 'Diese Sitzung wird noch aufgezeichnet.' },
   not_recording: { en: 'Nothing is being recorded.', de: 'Es läuft keine Aufnahme.' },
+  lease_free: { en: 'Nobody else is in control.', de: 'Niemand sonst steuert.' },
   job_ended: { en: 'This job has already ended.', de: 'Dieser Auftrag ist schon beendet.' },
   disk_full: { en: 'The storage is full.', de: 'Der Speicher ist voll.' },
   read_only: { en: 'This storage is write-protected.', de: 'Dieser Speicher ist schreibgeschützt.' },
@@ -38,197 +40,81 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
 };
 
 /** Take control; take_over takes it from somebody else while standing still. */
-export interface LeaseTakeRequest {
-  type: 'lease_take';
-  /** Comes back in the reply. */
-  request: number;
-  /** Also when somebody else is in control. */
-  take_over?: boolean;
-}
+export type LeaseTakeRequest = { type: 'lease_take'; request: number } & rest.LeaseRequest;
 
 /** Give control back. */
-export interface LeaseReleaseRequest {
-  type: 'lease_release';
-  /** Comes back in the reply. */
-  request: number;
-}
+export type LeaseReleaseRequest = { type: 'lease_release'; request: number };
+
+/** Ask the holder for control, who sees who asks, for a minute. */
+export type LeaseAskRequest = { type: 'lease_ask'; request: number } & rest.LeaseAskRequest;
+
+/** Keep control: those who ask are told. */
+export type LeaseKeepRequest = { type: 'lease_keep'; request: number };
+
+/** Give control to another client or person while the hoist stands still. */
+export type LeaseHandOverRequest = { type: 'lease_hand_over'; request: number } & rest.HandOverRequest;
 
 /** Start motion, which needs control, or end it, which anyone may. An exercise that was broken off goes on; another one begins at its start. */
-export interface ModeRequest {
-  type: 'mode';
-  /** Comes back in the reply. */
-  request: number;
-  /** What to change to. */
-  mode: "user" | "remote" | "guided" | "standby";
-  /** What is walked; goes into the recording. */
-  exercise?: Exercise | null;
-  /** For guided: what the hoist drives while the button is held; is the exercise, too. */
-  path?: GuidedPath | null;
-  /** Sets a new start mark although the same exercise could go on. */
-  start_again?: boolean;
-}
+export type ModeRequest = { type: 'mode'; request: number } & rest.ModeRequest;
 
 /** STOP. Never refused. */
-export interface StopRequest {
-  type: 'stop';
-}
+export type StopRequest = { type: 'stop' };
 
 /** Leave a stop once its cause is gone. */
-export interface AcknowledgeRequest {
-  type: 'acknowledge';
-  /** Comes back in the reply. */
-  request: number;
-  /** Faults that were shown when the hand went down; refused when another has come since. */
-  seen?: readonly string[];
-}
+export type AcknowledgeRequest = { type: 'acknowledge'; request: number } & rest.AcknowledgeRequest;
 
 /** Driving command, 25 per second while held. Not answered; refusals are counted and told at most once per second. */
-export interface DriveRequest {
-  type: 'drive';
-  /** Rises with every message of one connection. */
-  sequence: number;
-  /** time_ns of the newest record seen. */
-  echo: number;
-  /** -1 to 1 of the driving limit, forward positive. */
-  speed: number;
-  /** -1 to 1 of the turning limit, left positive. */
-  yaw: number;
-  /** Hold-to-run is held. */
-  held: boolean;
-}
+export type DriveRequest = { type: 'drive' } & rest.DriveRequest;
 
 /** Change parameters, all or nothing. */
-export interface SetRequest {
-  type: 'set';
-  /** Comes back in the reply. */
-  request: number;
-  /** Names and new values. */
-  values: Record<string, number>;
-  /** Of the parameters that were looked at; refused when others have changed them meanwhile. */
-  version?: number;
-  /** Only on trial: the values before come back after so many seconds unless confirmed. */
-  revert_after_s?: number;
-}
+export type SetRequest = { type: 'set'; request: number } & rest.SetRequest;
 
 /** Values on trial stay. */
-export interface KeepSettingsRequest {
-  type: 'keep_settings';
-  /** Comes back in the reply. */
-  request: number;
-  /** Of the parameters that were looked at; refused when others have changed them meanwhile. */
-  version?: number;
-}
+export type KeepSettingsRequest = { type: 'keep_settings'; request: number } & rest.KeepRequest;
 
 /** Values on trial go back at once. */
-export interface UndoSettingsRequest {
-  type: 'undo_settings';
-  /** Comes back in the reply. */
-  request: number;
-}
+export type UndoSettingsRequest = { type: 'undo_settings'; request: number };
 
 /** Set all values of a preset. */
-export interface PresetRequest {
-  type: 'preset';
-  /** Comes back in the reply. */
-  request: number;
-  /** Name of the preset. */
-  name: string;
-  /** As of set. */
-  version?: number;
-}
+export type PresetRequest = { type: 'preset'; request: number } & rest.PresetRequest;
 
 /** Choose the exercise of the next walk, for all screens; not while the hoist is led. */
-export interface ChooseRequest {
-  type: 'choose';
-  /** Comes back in the reply. */
-  request: number;
-  /** What is walked next unless the start says otherwise. */
-  exercise: Exercise;
-}
+export type ChooseRequest = { type: 'choose'; request: number } & rest.ChooseRequest;
 
 /** Take the way the patient stands now as upright. */
-export interface NeutralRequest {
-  type: 'neutral';
-  /** Comes back in the reply. */
-  request: number;
-}
+export type NeutralRequest = { type: 'neutral'; request: number };
 
 /** Begin a step of calibration on standby, or another one. The wheels never turn by themselves. */
-export interface CalibrateRequest {
-  type: 'calibrate';
-  /** Comes back in the reply. */
-  request: number;
-  /** Name of the step, see GET /api/v1/calibration. */
-  step: string;
-  /** True: the operator confirms that nobody is strapped in; steps with empty_harness need it. */
-  harness_empty?: boolean;
-}
+export type CalibrateRequest = { type: 'calibrate'; request: number } & rest.CalibrationRequest;
 
 /** What the operator measured; taken as soon as everything rests. */
-export interface CalibrateMeasureRequest {
-  type: 'calibrate_measure';
-  /** Comes back in the reply. */
-  request: number;
-  /** In the unit of the step; the sign is the direction. */
-  figure: number;
-  /** Of a driven square: how far ahead of the shown place it truly ended. */
-  x_m?: number;
-  /** Of a driven square: how far to the left. */
-  y_m?: number;
-  /** Of a driven square: which way round. */
-  turning?: "left" | "right";
-}
+export type CalibrateMeasureRequest = { type: 'calibrate_measure'; request: number } & rest.CalibrationMeasure;
 
 /** The result becomes parameters, all or nothing. */
-export interface CalibrateUseRequest {
-  type: 'calibrate_use';
-  /** Comes back in the reply. */
-  request: number;
-}
+export type CalibrateUseRequest = { type: 'calibrate_use'; request: number };
 
 /** End calibrating; the old values stay. */
-export interface CalibrateCancelRequest {
-  type: 'calibrate_cancel';
-  /** Comes back in the reply. */
-  request: number;
-}
+export type CalibrateCancelRequest = { type: 'calibrate_cancel'; request: number };
 
 /** Set the odometry's pose while standing still. */
-export interface PoseRequest {
-  type: 'pose';
-  /** Comes back in the reply. */
-  request: number;
-  x_m: number;
-  y_m: number;
-  psi_rad: number;
-}
+export type PoseRequest = { type: 'pose'; request: number } & rest.Pose;
 
 /** Set a marker now in the session that is being recorded. */
-export interface MarkerRequest {
-  type: 'marker';
-  /** Comes back in the reply. */
-  request: number;
-  /** At most 500 bytes. */
-  text: string;
-}
+export type MarkerRequest = { type: 'marker'; request: number } & rest.MarkerRequest;
 
 /** Choose how often live values come; every step only for whoever is in control. */
-export interface StreamRequest {
-  type: 'stream';
-  every_tick: boolean;
-}
+export type StreamRequest = { type: 'stream' } & rest.StreamRequest;
 
 /** Measure the way there and back. */
-export interface PingRequest {
-  type: 'ping';
-  /** Comes back in the pong. */
-  t: number;
-}
+export type PingRequest = { type: 'ping' } & rest.PingRequest;
 
 /** What the console may send. */
 export type ClientMessage =
   | LeaseTakeRequest
   | LeaseReleaseRequest
+  | LeaseAskRequest
+  | LeaseKeepRequest
+  | LeaseHandOverRequest
   | ModeRequest
   | StopRequest
   | AcknowledgeRequest
@@ -309,13 +195,17 @@ export interface ParametersMessage {
   values: Record<string, number>;
 }
 
-/** Who is in control. */
+/** Who is in control and who asks for it: on connecting and after each change. */
 export interface LeaseMessage {
   type: 'lease';
   epoch: number;
   /** 0 for nobody. */
   holder: number;
   mine: boolean;
+  /** Who is in control, by name; null: nobody, or not known here. */
+  actor: Actor | null;
+  /** Who asks for control, oldest first. */
+  asking: readonly LeaseAsk[];
 }
 
 /** What is being recorded. */

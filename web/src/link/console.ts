@@ -125,7 +125,7 @@ function takeText(message: Told): void {
       writable.set({ parameters: message.values, parameterVersion: message.version });
       break;
     case 'lease':
-      writable.set({ lease: { epoch: message.epoch, holder: message.holder, mine: message.mine } });
+      writable.set({ lease: { epoch: message.epoch, holder: message.holder, mine: message.mine, actor: message.actor, asking: message.asking } });
       if (message.mine || now.leaseTaken) writable.set({ leaseTaken: !message.mine && message.holder !== 0 });
       else if (led && message.holder !== 0) writable.set({ leaseTaken: true });
       led = message.mine;
@@ -273,6 +273,18 @@ export const takeLease = (take_over: boolean): Promise<Reply> => link.request({ 
 export const releaseLease = (): Promise<Reply> => {
   led = false;
   return link.request({ type: 'lease_release' });
+};
+/** The holder sees who asks. */
+export const askLease = async (): Promise<void> => {
+  const reply = await link.request({ type: 'lease_ask' });
+  if (reply.ok) notify('info', 'lease.asked');
+};
+export const keepLease = (): Promise<Reply> => link.request({ type: 'lease_keep' });
+export const handOver = async (client: number): Promise<Reply> => {
+  led = false; // it is not taken from this screen
+  const reply = await link.request({ type: 'lease_hand_over', client });
+  if (!reply.ok) led = store.value.lease.mine;
+  return reply;
 };
 export const takenSeen = (): void => writable.set({ leaseTaken: false });
 

@@ -1,7 +1,7 @@
 // The console's state. Screens read it through useStore; only link/ writes it.
 import { useEffect, useReducer, useRef } from 'preact/hooks';
 import { modes, type ModeName } from '../contract/faults.gen';
-import type { RecordingMessage } from '../contract/messages.gen';
+import type { LeaseMessage, RecordingMessage } from '../contract/messages.gen';
 import { usualExercise } from '../contract/exercises.gen';
 import type { Exercise, GuidedPath, ReasonCode, RecordingsHealth, StandingNotice } from '../contract/rest.gen';
 import type { LinkState } from './socket';
@@ -57,7 +57,7 @@ export interface State {
   coreReason: ReasonCode | null;
   parameters: Record<string, number>;
   parameterVersion: number;
-  lease: { epoch: number; holder: number; mine: boolean };
+  lease: Pick<LeaseMessage, 'epoch' | 'holder' | 'mine' | 'actor' | 'asking'>;
   /** Another screen has taken control, and the notice is not closed yet. */
   leaseTaken: boolean;
   recording: Recording;
@@ -132,7 +132,7 @@ export const initial: State = {
   coreReason: null,
   parameters: {},
   parameterVersion: 0,
-  lease: { epoch: 0, holder: 0, mine: false },
+  lease: { epoch: 0, holder: 0, mine: false, actor: null, asking: [] },
   leaseTaken: false,
   recording: { state: 'idle', session: null, started_utc_ms: null, samples: 0, reason: null },
   mode: 'init',

@@ -10,6 +10,7 @@ import { settings, useSettings, type Theme } from '../text/settings';
 import { duration, fixed, noValue, t, words } from '../text/text';
 import { Icon } from './icons';
 import { LanguageChoice } from './language_choice';
+import { nameOf } from './lease_ask';
 import './status_bar.css';
 
 const themes: readonly { id: Theme; key: 'bar.themeAuto' | 'bar.themeLight' | 'bar.themeDark' }[] = [
@@ -68,7 +69,13 @@ function Item({ label, value, old, children }: { label: string; value: string; o
 function Control() {
   const { lead, led } = useReadiness();
   const mine = lead === 'mine';
-  const value = lead === null ? noValue : t(({ mine: 'bar.controlMine', other: 'bar.controlOther', nobody: 'bar.controlNobody' } as const)[lead]);
+  const who = useStore((s) => nameOf(s.lease.actor));
+  const value =
+    lead === 'other' && who !== null
+      ? who
+      : lead === null
+        ? noValue
+        : t(({ mine: 'bar.controlMine', other: 'bar.controlOther', nobody: 'bar.controlNobody' } as const)[lead]);
   return (
     <div class="bar-item control">
       <span class="bar-label">{t('bar.control')}</span>

@@ -1,0 +1,35 @@
+// Another client asks for control: the holder hands over, at standstill, or keeps it.
+import type { Actor } from '../contract/rest.gen';
+import { handOver, keepLease, notify } from '../link/console';
+import { useReadiness } from '../link/readiness';
+import { useStore } from '../link/store';
+import { t } from '../text/text';
+import { reasons, refused } from './refusal';
+
+/** The account by name; without accounts everybody is `local`, and the name says nothing. */
+export const nameOf = (actor: Actor | null): string | null => (actor === null || actor.user === 'local' ? null : actor.user);
+
+export function LeaseAsk() {
+  const ask = useStore((s) => (s.lease.mine ? s.lease.asking[0] : undefined));
+  const { motion } = useReadiness();
+  if (ask === undefined) return null;
+  const give = async () => {
+    const answer = await handOver(ask.client);
+    if (refused(answer)) notify('warning', reasons(answer).join(' '), true);
+  };
+  return (
+    <div class="trial-bar asked" role="alert">
+      <p>
+        <strong>{t('lease.asks', { who: nameOf(ask.actor) ?? t('lease.otherScreen') })}</strong> {t('lease.asksText')}
+      </p>
+      <div class="trial-buttons">
+        <button type="button" class="plain primary" disabled={motion !== 'still'} onClick={() => void give()}>
+          {t('lease.handOver')}
+        </button>
+        <button type="button" class="plain" onClick={() => void keepLease()}>
+          {t('lease.keepMine')}
+        </button>
+      </div>
+    </div>
+  );
+}

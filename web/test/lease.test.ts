@@ -1,0 +1,64 @@
+// Control passes from one screen to another: asked for, kept, handed over at standstill.
+import type { Page } from 'playwright-core';
+import { afterAll, beforeAll, expect, it } from 'vitest';
+import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
+import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
+
+const minutes_ms = 120_000;
+let built: BuiltConsole;
+let fake: FakeServer;
+const pages: Page[] = [];
+
+beforeAll(async () => {
+  built = await openBuiltConsole();
+  fake = await startFakeServer({ dist: built.folder });
+}, minutes_ms);
+afterAll(async () => {
+  for (const page of pages) await page.close();
+  await fake?.close();
+  await built?.close();
+});
+
+async function open([width, height]: readonly [number, number], locale: string): Promise<Page> {
+  const page = await built.browser.newPage({ viewport: { width, height }, locale });
+  pages.push(page);
+  await page.goto(`${fake.url}#/drive`);
+  await page.locator('.mode-standby').waitFor();
+  return page;
+}
+
+it(
+  'asks the screen in control, which keeps it, or hands over once the hoist stands',
+  async () => {
+    const driver = await open([1024, 768], 'en');
+    const other = await open([390, 844], 'de');
+    const ask = async () => {
+      await other.getByRole('button', { name: 'Steuerung übernehmen und fahren' }).click();
+      await other.getByRole('button', { name: 'Anfragen' }).click();
+      await driver.getByText('Another screen asks for control.').waitFor();
+    };
+    await driver.getByRole('button', { name: 'Take control and drive' }).click();
+    await driver.locator('.pad.active').waitFor();
+    const holder = fake.lease.holder;
+    await ask();
+    await driver.getByRole('button', { name: 'Keep', exact: true }).click();
+    await other.getByText('Der andere Bildschirm behält die Steuerung.').waitFor();
+    expect(fake.lease.holder).toBe(holder);
+    await ask();
+    // Nothing is handed over while the hoist moves.
+    const pad = (await driver.locator('.pad').boundingBox())!;
+    await driver.mouse.move(pad.x + pad.width / 2, pad.y + pad.height / 2);
+    await driver.mouse.down();
+    await driver.mouse.move(pad.x + pad.width / 2, pad.y + pad.height * 0.2);
+    const give = driver.getByRole('button', { name: 'Hand over' });
+    await expect.poll(() => give.isDisabled(), { timeout: 20_000 }).toBe(true);
+    await driver.mouse.up();
+    await expect.poll(() => give.isEnabled(), { timeout: 20_000 }).toBe(true);
+    await give.click();
+    await expect.poll(() => fake.lease.holder).not.toBe(holder);
+    await give.waitFor({ state: 'detached' });
+    // Given, not taken: no alarm about it.
+    expect(await driver.getByText('Another screen took over control.').count()).toBe(0);
+  },
+  minutes_ms,
+);
