@@ -25,6 +25,7 @@
 #include "server/record/recorder.hpp"
 #include "server/services.hpp"
 #include "server/state/hoist_state.hpp"
+#include "server/tools/hub.hpp"
 
 namespace hoist::server {
 
@@ -85,6 +86,7 @@ struct App::Parts {
                                .opened = [this] { (void)jobs.add(JobKind::integrity_check, {}, std::nullopt); }}),
         records(recorder, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
         state(settings, core, recorder),
+        tools(settings.db_path.string() + ".tools", settings.tools),
         timer(io),
         goodbye(io) {}
 
@@ -139,6 +141,7 @@ struct App::Parts {
     firmware.poll(core.clock_ns());
     tell_recorder_of_nodes();
     hub.poll(now);
+    tool_hub.poll(now);
     if (core.lease_holder() != 0) free_silent_lease(now);
   }
 
@@ -165,11 +168,18 @@ struct App::Parts {
     recorder.set_nodes(std::move(nodes));
   }
 
+  OpenSocket open_tool(ToolHub::Protocol protocol) {
+    return [this, protocol](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
+      tool_hub.open(protocol, std::move(stream), std::move(seat), std::move(session));
+    };
+  }
+
   void end() {
     if (ending) return;
     ending = true;
     timer.cancel();
     hub.close_all();
+    tool_hub.close_all();
     listener->close();
     goodbye.expires_after(std::chrono::milliseconds(kGoodbye_ms));
     goodbye.async_wait([this](boost::system::error_code) { io.stop(); });
@@ -186,7 +196,9 @@ struct App::Parts {
   Recorder recorder;
   RecorderDesk records;
   HoistState state;
+  ToolSwitch tools;
   Hub hub;
+  ToolHub tool_hub;
   std::unique_ptr<Auth> auth;
   std::unique_ptr<Services> services;
   std::unique_ptr<RestContext> rest;
@@ -229,6 +241,7 @@ bool App::start(std::string& error) {
                                 .core = p.core,
                                 .firmware = p.firmware,
                                 .state = p.state,
+                                .tools = p.tools,
                                 .recorder = p.recorder,
                                 .records = p.records,
                                 .jobs = p.jobs,
@@ -240,11 +253,15 @@ bool App::start(std::string& error) {
   p.hub.set_services(*p.services, *p.auth);
   p.core.add_listener(p.state);
   p.core.add_listener(p.hub);
-  p.rest.reset(new RestContext{.services = *p.services,
-                               .auth = *p.auth,
-                               .open_live = [&p](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
-                                 p.hub.open(std::move(stream), std::move(seat), std::move(session));
-                               }});
+  p.tool_hub.set_services(*p.services, *p.auth);
+  p.core.add_listener(p.tool_hub);
+  p.rest.reset(
+      new RestContext{.services = *p.services,
+                      .auth = *p.auth,
+                      .open_live = [&p](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat,
+                                        SessionPtr session) { p.hub.open(std::move(stream), std::move(seat), std::move(session)); },
+                      .open_foxglove = p.open_tool(ToolHub::Protocol::foxglove),
+                      .open_rosbridge = p.open_tool(ToolHub::Protocol::rosbridge)});
   p.router = std::make_unique<Router>(*p.rest);
   p.core.set_wake([&p] { p.wake(); });
   std::error_code ignored;

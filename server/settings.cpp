@@ -18,6 +18,7 @@ std::string usage() {
          "  --backup-root DIR  folder in which backups may be written, and from which they may be put back; may be repeated\n"
          "  --tls-cert FILE    certificate chain (PEM): HTTPS and WSS instead of plain; needs --tls-key\n"
          "  --tls-key FILE     its private key (PEM), readable only by this user\n"
+         "  --tools on         Foxglove and rosbridge may connect in this run (else as an engineer has set it)\n"
          "  --version          which source this program was built from\n"
          "  --help             this text\n";
 }
@@ -35,7 +36,7 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     }
     const bool known = option == "--socket" || option == "--db" || option == "--web" || option == "--port" || option == "--bind" ||
                        option == "--host" || option == "--scenario" || option == "--token-file" || option == "--tls-cert" ||
-                       option == "--tls-key" || option == "--backup-root";
+                       option == "--tls-key" || option == "--backup-root" || option == "--tools";
     if (!known) {
       error = "unknown option " + option + "; see --help";
       return false;
@@ -55,6 +56,13 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     if (option == "--token-file") settings.token_file = value;
     if (option == "--tls-cert") settings.tls_cert = value;
     if (option == "--tls-key") settings.tls_key = value;
+    if (option == "--tools") {
+      if (value != "on") {
+        error = "--tools takes only: on";
+        return false;
+      }
+      settings.tools = true;
+    }
     if (option == "--port") {
       unsigned port = 0;
       const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), port);

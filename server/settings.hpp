@@ -19,6 +19,7 @@ struct Settings {
   std::vector<std::string> hosts;
   std::vector<std::filesystem::path> backup_roots;
   std::filesystem::path tls_cert, tls_key;  // both or none; none = plain HTTP
+  bool tools = false;                       // /foxglove and /rosbridge are open in this run
   bool help = false, version = false;
 };
 

@@ -261,6 +261,19 @@ SessionPtr Auth::find(const Request& request, std::uint64_t utc_s) {
   return nullptr;
 }
 
+SessionPtr Auth::find_token(const Request& request) {
+  constexpr std::string_view kBearer = "Bearer ";
+  std::string_view token = request.header("authorization");
+  if (token.starts_with(kBearer)) {
+    token.remove_prefix(kBearer.size());
+  } else if (const auto given = request.query.find("token"); token.empty() && given != request.query.end()) {
+    token = given->second;
+  } else {
+    return nullptr;
+  }
+  return same_secret(token, bearer_->secret) ? bearer_ : nullptr;
+}
+
 SessionPtr Auth::use_link(std::string_view token, std::uint64_t utc_s) {
   if (!same_secret(token, link_)) return nullptr;
   link_ = random_hex(kLinkBytes);

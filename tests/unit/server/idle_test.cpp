@@ -42,6 +42,7 @@ class Idle : public ::testing::Test {
                                  .core = core_,
                                  .firmware = firmware_,
                                  .state = state_,
+                                 .tools = tools_,
                                  .recorder = recorder_,
                                  .records = records_,
                                  .jobs = jobs_,
@@ -77,6 +78,7 @@ class Idle : public ::testing::Test {
   Jobs jobs_;
   RecorderDesk records_;
   HoistState state_;
+  ToolSwitch tools_{folder_ / "none.tools", false};
   ActorList actors_{0};
   Hub hub_;
   std::unique_ptr<Auth> auth_;

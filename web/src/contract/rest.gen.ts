@@ -10,7 +10,7 @@ export type AcknowledgeRequest = {
 export type Actor = {
   /** The sign-in: script, or device- and eight digits. */
   client: string;
-  /** The protocol: rest or hoist.v1. */
+  /** The protocol: rest, hoist.v1, foxglove or rosbridge. */
   origin: string;
   role: string;
   /** The account; local until there are user accounts. */
@@ -825,6 +825,20 @@ export type Stored = boolean;
 /** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
 export type SubjectCode = string;
 
+export type Tools = {
+  enabled: boolean;
+  /** Path of the WebSocket. */
+  foxglove: string;
+  /** Path of a layout file for Foxglove Studio. */
+  foxglove_layout: string;
+  /** Path of the WebSocket. */
+  rosbridge: string;
+};
+
+export type ToolsRequest = {
+  enabled: boolean;
+};
+
 /** One patient on one day. */
 export type Visit = {
   /** YYYY-MM-DD where the recording computer stands. */
@@ -1093,6 +1107,15 @@ export interface Routes {
   };
   /** STOP. Anyone may who was ever signed in; never refused, whatever the body. */
   'POST /api/v1/stop': {
+    answer: Done;
+  };
+  /** Whether Foxglove and rosbridge may connect, and their addresses. */
+  'GET /api/v1/tools': {
+    answer: Tools;
+  };
+  /** Lets Foxglove and rosbridge connect, or ends that. */
+  'PUT /api/v1/tools': {
+    body: ToolsRequest;
     answer: Done;
   };
   /** Visits, newest first: one patient on one day, with the sessions of it. */
