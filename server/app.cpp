@@ -31,6 +31,7 @@
 #include "server/services.hpp"
 #include "server/state/hoist_state.hpp"
 #include "server/stream/tls_keeper.hpp"
+#include "server/tools/hub.hpp"
 
 namespace hoist::server {
 
@@ -120,6 +121,7 @@ struct App::Parts {
                  std::cout << "Set-up code: " << code << " (10 minutes; the configuration switch is on)" << std::endl;
                }),
         state(settings, core, recorder),
+        tools(settings.db_path.string() + ".tools", settings.tools),
         timer(io),
         goodbye(io) {}
 
@@ -175,6 +177,7 @@ struct App::Parts {
     firmware.poll(core.clock_ns());
     tell_recorder_of_nodes();
     hub.poll(now);
+    tool_hub.poll(now);
     if (core.lease_holder() != 0) free_silent_lease(now);
   }
 
@@ -243,11 +246,18 @@ struct App::Parts {
     return true;
   }
 
+  OpenSocket open_tool(ToolHub::Protocol protocol) {
+    return [this, protocol](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
+      tool_hub.open(protocol, std::move(stream), std::move(seat), std::move(session));
+    };
+  }
+
   void end() {
     if (ending) return;
     ending = true;
     timer.cancel();
     hub.close_all();
+    tool_hub.close_all();
     listener->close();
     if (plain_listener) plain_listener->close();
     goodbye.expires_after(std::chrono::milliseconds(kGoodbye_ms));
@@ -270,7 +280,9 @@ struct App::Parts {
   SignInGuard guard;
   SetUp set_up;
   HoistState state;
+  ToolSwitch tools;
   Hub hub;
+  ToolHub tool_hub;
   std::unique_ptr<Auth> auth;
   std::unique_ptr<Services> services;
   std::unique_ptr<RestContext> rest;
@@ -344,6 +356,7 @@ bool App::start(std::string& error) {
       .core = p.core,
       .firmware = p.firmware,
       .state = p.state,
+      .tools = p.tools,
       .recorder = p.recorder,
       .records = p.records,
       .people = p.people,
@@ -361,11 +374,15 @@ bool App::start(std::string& error) {
   p.hub.set_services(*p.services, *p.auth);
   p.core.add_listener(p.state);
   p.core.add_listener(p.hub);
-  p.rest.reset(new RestContext{.services = *p.services,
-                               .auth = *p.auth,
-                               .open_live = [&p](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
-                                 p.hub.open(std::move(stream), std::move(seat), std::move(session));
-                               }});
+  p.tool_hub.set_services(*p.services, *p.auth);
+  p.core.add_listener(p.tool_hub);
+  p.rest.reset(
+      new RestContext{.services = *p.services,
+                      .auth = *p.auth,
+                      .open_live = [&p](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat,
+                                        SessionPtr session) { p.hub.open(std::move(stream), std::move(seat), std::move(session)); },
+                      .open_foxglove = p.open_tool(ToolHub::Protocol::foxglove),
+                      .open_rosbridge = p.open_tool(ToolHub::Protocol::rosbridge)});
   p.router = std::make_unique<Router>(*p.rest);
   p.core.set_wake([&p] { p.wake(); });
   make_private(p.settings.db_path);

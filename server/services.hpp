@@ -16,6 +16,7 @@
 #include "server/record/recorder_desk.hpp"
 #include "server/settings.hpp"
 #include "server/state/hoist_state.hpp"
+#include "server/state/tool_switch.hpp"
 
 namespace hoist::server {
 
@@ -27,6 +28,7 @@ struct Services {
   CoreDesk& core;
   FirmwareDesk& firmware;
   HoistState& state;
+  ToolSwitch& tools;                      // whether /foxglove and /rosbridge are open
   Recorder& recorder;                     // its state
   RecorderDesk& records;                  // work for its thread
   PeopleDesk& people;                     // accounts, and the audit log

@@ -21,6 +21,7 @@ std::string usage() {
          "  --tls-dir DIR      instead of both: HTTPS with an authority and certificates that are made in DIR and kept valid\n"
          "  --subnet NET       with --tls-dir: may also be called by its addresses in NET, e.g. 192.168.7.0/24; may be repeated\n"
          "  --http-port N      with --tls-dir: plain HTTP with the page that explains how to trust the authority, and nothing else\n"
+         "  --tools on         Foxglove and rosbridge may connect in this run (else as an engineer has set it)\n"
          "  --version          which source this program was built from\n"
          "  --help             this text\n";
 }
@@ -39,7 +40,7 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     const bool known = option == "--socket" || option == "--db" || option == "--web" || option == "--port" || option == "--bind" ||
                        option == "--host" || option == "--scenario" || option == "--token-file" || option == "--tls-cert" ||
                        option == "--tls-key" || option == "--tls-dir" || option == "--subnet" || option == "--http-port" ||
-                       option == "--backup-root";
+                       option == "--backup-root" || option == "--tools";
     if (!known) {
       error = "unknown option " + option + "; see --help";
       return false;
@@ -59,6 +60,13 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     if (option == "--token-file") settings.token_file = value;
     if (option == "--tls-cert") settings.tls_cert = value;
     if (option == "--tls-key") settings.tls_key = value;
+    if (option == "--tools") {
+      if (value != "on") {
+        error = "--tools takes only: on";
+        return false;
+      }
+      settings.tools = true;
+    }
     if (option == "--tls-dir") settings.tls_dir = value;
     if (option == "--subnet") settings.subnets.push_back(value);
     if (option == "--port" || option == "--http-port") {

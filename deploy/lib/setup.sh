@@ -116,6 +116,7 @@ setup() {
   install_npm_packages tests/system/peers
   install_npm_packages tests/system/exports
   install_npm_packages tests/api_lint
+  install_npm_packages tests/system/tools
   use_newest_node
 }
 

@@ -719,4 +719,23 @@ void act_cancel_job(Services& services, const Asker& asker, JobId job, OutcomeDo
   done(outcome);
 }
 
+void act_set_tools(Services& services, const Asker& asker, bool on, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::engineer, done)) return;
+  // Closed at once; open only once that is stored.
+  if (!on) services.tools.set(false);
+  const auto work = [file = services.tools.file(), on](Records&) { return ToolSwitch::store(file, on); };
+  const auto then = [&services, on, done](bool stored) {
+    Outcome outcome;
+    if (!stored) {
+      outcome.kind = Outcome::Kind::unreachable;
+      outcome.reason = Reason::storage;
+      outcome.detail = "The setting cannot be stored beside the database.";
+    } else {
+      services.tools.set(on);
+    }
+    done(outcome);
+  };
+  if (!services.records.ask<bool>(work, then)) done(recorder_busy());
+}
+
 }  // namespace hoist::server

@@ -1,13 +1,10 @@
-// /api/openapi.json, /api/docs and the WebSocket's handshake.
+// /api/openapi.json and /api/docs.
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 
 #include "server/api/handlers.hpp"
 #include "server/contract/openapi.hpp"
 #include "server/contract/routes.hpp"
-#include "server/stream/stream.hpp"
-#include "server/ws/handshake.hpp"
 
 namespace hoist::server::api {
 
@@ -50,36 +47,6 @@ void get_docs(const CallPtr& call) {
       "application/problem+json.</p>\n"
       "<table border=\"1\" cellpadding=\"4\"><tr><th>Method</th><th>Path</th><th>Least role</th><th>What it does</th></tr>\n" +
       rows + "</table></html>\n";
-  call->respond(std::move(response));
-}
-
-void open_live(const CallPtr& call) {
-  const bool version_13 = call->request.header("sec-websocket-version") == "13";
-  if (!call->request.wants_upgrade || !version_13 || !offers(call->request.header("sec-websocket-protocol"), "hoist.v1")) {
-    Response response = problem_response(
-        {.status = 426, .name = "upgrade", .title = "This address speaks WebSocket", .detail = "Connect with the subprotocol hoist.v1."},
-        call->request.path);
-    response.set("Upgrade", "websocket");
-    response.set("Sec-WebSocket-Version", "13");
-    call->respond(std::move(response));
-    return;
-  }
-  const std::optional<std::string> accept = websocket_accept(call->request.header("sec-websocket-key"));
-  if (!accept) {
-    call->fail({.status = 400,
-                .name = "bad-request",
-                .title = "The request cannot be read",
-                .detail = "Sec-WebSocket-Key must be 16 bytes in base64."});
-    return;
-  }
-  Response response;
-  response.status = 101;
-  response.set("Upgrade", "websocket");
-  response.set("Sec-WebSocket-Accept", *accept);
-  response.set("Sec-WebSocket-Protocol", "hoist.v1");
-  response.upgrade = [&rest = call->rest, session = call->session](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat) {
-    rest.open_live(std::move(stream), std::move(seat), session);
-  };
   call->respond(std::move(response));
 }
 

@@ -107,13 +107,18 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
   const bool unsafe = route.method != Method::get;
   if (open && !unsafe) return std::nullopt;
   const std::string_view origin = request.header("origin");
-  if (!origin.empty() && !auth.origin_matches(origin, request.header("host"))) {
+  // Tools run on pages of other makers and cannot set headers: they show a token in the address. No cookie counts for them, so that no foreign
+  // page can borrow one, and their Origin says nothing.
+  const bool tool = route.operation == "open_foxglove" || route.operation == "open_rosbridge";
+  if (!tool && !origin.empty() && !auth.origin_matches(origin, request.header("host"))) {
     counters.add(Count::http_refused_origin);
     return problem(403, "foreign-origin", "Another page tried to use this console", "Open the console itself and use it there.");
   }
   const bool stops = route.operation == "stop";
   const auto utc_s = static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000);
-  call.session = stops ? auth.find_for_stop(request, utc_s) : auth.find(request, utc_s);
+  call.session = tool    ? auth.find_token(request, utc_s)
+                 : stops ? auth.find_for_stop(request, utc_s)
+                         : auth.find(request, utc_s);
   if (!call.session && !open) {
     counters.add(Count::http_refused_no_session);
     return problem(401, "no-session", "Not signed in",
@@ -258,7 +263,8 @@ void Router::handle(Request request, std::function<void(Response)> answer) {
     return;
   }
   const Method method = head ? Method::get : request.method;
-  const bool api_path = request.path == "/ws" || request.path == "/api" || request.path.starts_with("/api/");
+  const bool api_path = request.path == "/ws" || request.path == "/foxglove" || request.path == "/rosbridge" || request.path == "/api" ||
+                        request.path.starts_with("/api/");
   if (rest_.trust != nullptr && method == Method::get) {
     if (auto page = trust_answer(*rest_.trust, request.path)) {
       finish(std::move(*page));

@@ -13,12 +13,14 @@
 
 namespace hoist::server {
 
+// Takes over a WebSocket whose handshake is done.
+using OpenSocket = std::function<void(std::unique_ptr<Stream>, std::shared_ptr<void> seat, SessionPtr)>;
+
 // What REST needs besides the services of the actions.
 struct RestContext {
   Services& services;
   Auth& auth;
-  // Takes over a WebSocket whose handshake is done: /ws, hoist.v1.
-  std::function<void(std::unique_ptr<Stream>, std::shared_ptr<void> seat, SessionPtr)> open_live;
+  OpenSocket open_live, open_foxglove, open_rosbridge;
   std::string base_url = {};  // http://127.0.0.1:8080
   const TrustPage* trust = nullptr;  // of the hoist's own authority, if it has one
 };

@@ -380,6 +380,23 @@ bool Auth::use_ticket(std::string_view ticket, const Session& session, std::uint
   return false;
 }
 
+SessionPtr Auth::find_token(const Request& request, std::uint64_t utc_s) const {
+  constexpr std::string_view kBearer = "Bearer ";
+  std::string_view token = request.header("authorization");
+  if (token.starts_with(kBearer)) {
+    token.remove_prefix(kBearer.size());
+  } else if (const auto given = request.query.find("token"); token.empty() && given != request.query.end()) {
+    token = given->second;
+  } else {
+    return nullptr;
+  }
+  if (same_secret(token, bearer_->secret)) return bearer_;
+  const std::string digest = digest_of_secret(token);
+  for (const SessionPtr& one : tokens_)
+    if (one->digest == digest && !over(*one, utc_s)) return one;
+  return nullptr;
+}
+
 SessionPtr Auth::use_link(std::string_view token, std::uint64_t utc_s) {
   if (!same_secret(token, link_)) return nullptr;
   link_ = random_hex(kLinkBytes);

@@ -88,6 +88,8 @@ class Auth {
   // The session of a request: Authorization first, then the cookie. Null when there is none that is valid.
   // Being found is a use: it puts the session's end off.
   [[nodiscard]] SessionPtr find(const Request& request, std::uint64_t utc_s);
+  // Of a tool: a token, in ?token= or as Authorization; never a cookie.
+  [[nodiscard]] SessionPtr find_token(const Request& request, std::uint64_t utc_s) const;
   // For STOP only: also a session that has ended, which stays so.
   [[nodiscard]] SessionPtr find_for_stop(const Request& request, std::uint64_t utc_s);
   // A session was used other than by a request.

@@ -7,7 +7,11 @@
 namespace hoist::server {
 
 SocketConnection::SocketConnection(Surroundings surroundings, std::unique_ptr<Stream> stream, std::shared_ptr<void> seat)
-    : surroundings_(surroundings), stream_(std::move(stream)), closing_timer_(stream_->executor()), seat_(std::move(seat)) {}
+    : surroundings_(surroundings),
+      stream_(std::move(stream)),
+      closing_timer_(stream_->executor()),
+      seat_(std::move(seat)),
+      reader_(surroundings.takes_binary) {}
 
 void SocketConnection::start() {
   stream_->set_send_buffer(kSendBuffer_bytes);
@@ -49,10 +53,14 @@ void SocketConnection::take(std::string_view bytes) {
       case Incoming::Kind::text:
         on_text(std::move(message.payload));
         break;
+      case Incoming::Kind::binary:
+        on_binary(std::move(message.payload));
+        break;
       case Incoming::Kind::ping:
         send(make_frame(Opcode::pong, message.payload));
         break;
       case Incoming::Kind::pong:
+        on_pong(message.payload);
         break;
       case Incoming::Kind::close:
         close(CloseCode::normal, "");
@@ -93,7 +101,7 @@ void SocketConnection::send_telemetry(const SharedFrame& frame) {
   }
   telemetry_.push_back(frame);
   flush();
-  while (telemetry_.size() > kTelemetryQueue) {
+  while (telemetry_.size() > surroundings_.telemetry_queue) {
     telemetry_.pop_front();
     counters().add(Count::telemetry_frames_dropped);
   }
@@ -158,8 +166,11 @@ void SocketConnection::visit(std::uint64_t now_ns) {
     return;
   }
   // One at a time: a client that takes nothing is found silent without filling its queue.
-  static const SharedFrame kPing = make_frame(Opcode::ping, "");
-  if (!waiting_) send(kPing);
+  ping("");
+}
+
+void SocketConnection::ping(std::string_view payload) {
+  if (!waiting_) send(make_frame(Opcode::ping, payload));
 }
 
 void SocketConnection::close(CloseCode code, std::string_view reason) {

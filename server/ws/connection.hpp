@@ -1,4 +1,4 @@
-// One WebSocket: what comes is read strictly and given on as texts, what is sent goes through one bounded queue. A protocol derives from it.
+// One WebSocket: what comes is read strictly and given on as messages, what is sent goes through one bounded queue. A protocol derives from it.
 #pragma once
 #include <array>
 #include <boost/asio/steady_timer.hpp>
@@ -30,6 +30,8 @@ class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
   struct Surroundings {
     Counters& counters;
     const std::function<std::uint64_t()>& now_ns;
+    std::size_t telemetry_queue = kTelemetryQueue;
+    bool takes_binary = false;
   };
   // `seat`: its place in the limits, given back when the socket is gone.
   SocketConnection(Surroundings surroundings, std::unique_ptr<Stream> stream, std::shared_ptr<void> seat);
@@ -45,6 +47,12 @@ class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
 
  protected:
   virtual void on_text(std::string text) = 0;
+  // Only with `takes_binary`.
+  virtual void on_binary(std::string) {}
+  // The answer to a ping, with the bytes that the ping had.
+  virtual void on_pong(std::string_view) {}
+  // At most 125 bytes; left out while the client takes nothing.
+  void ping(std::string_view payload);
   // Once, when nothing more is taken from or told to this client; the object is still held.
   virtual void on_leave() = 0;
   [[nodiscard]] Counters& counters() const { return surroundings_.counters; }

@@ -105,9 +105,9 @@ bool FrameReader::take_frame(std::vector<Incoming>& out, bool& complete) {
     // The shortest form is required.
     if ((length_bytes == 2 && size < 126) || (length_bytes == 8 && size <= 0xFFFF) || (size >> 63) != 0) return fail(CloseCode::protocol);
   }
-  if (opcode == 2) return fail(CloseCode::not_text);
+  if (opcode == 2 && !takes_binary_) return fail(CloseCode::not_text);
   if (opcode == 0 && !in_message_) return fail(CloseCode::protocol);
-  if (opcode == 1 && in_message_) return fail(CloseCode::protocol);
+  if ((opcode == 1 || opcode == 2) && in_message_) return fail(CloseCode::protocol);
   if (!control && size + message_.size() > kMessageLimit_bytes) return fail(CloseCode::too_big);
   if (buffer_.size() < head + 4 + size) return true;
   std::string payload = buffer_.substr(head + 4, size);
@@ -115,11 +115,12 @@ bool FrameReader::take_frame(std::vector<Incoming>& out, bool& complete) {
   buffer_.erase(0, head + 4 + size);
   complete = true;
   if (!control) {
+    if (opcode != 0) binary_ = opcode == 2;
     in_message_ = !final_part;
     message_ += payload;
     if (!final_part) return true;
-    if (!valid_utf8(message_)) return fail(CloseCode::bad_utf8);
-    out.push_back({Incoming::Kind::text, std::move(message_)});
+    if (!binary_ && !valid_utf8(message_)) return fail(CloseCode::bad_utf8);
+    out.push_back({binary_ ? Incoming::Kind::binary : Incoming::Kind::text, std::move(message_)});
     message_.clear();
     return true;
   }

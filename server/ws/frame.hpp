@@ -34,7 +34,7 @@ void begin_frame(std::string& frame, Opcode opcode, std::size_t payload_bytes);
 [[nodiscard]] bool valid_utf8(std::string_view text);
 
 struct Incoming {
-  enum class Kind : std::uint8_t { text, ping, pong, close };
+  enum class Kind : std::uint8_t { text, binary, ping, pong, close };
   Kind kind = Kind::text;
   std::string payload;
 };
@@ -42,6 +42,8 @@ struct Incoming {
 // Takes bytes in any portions and gives whole messages. After a violation it stays in error and gives nothing more.
 class FrameReader {
  public:
+  // `takes_binary`: false refuses binary messages, for protocols that have none.
+  explicit FrameReader(bool takes_binary = false) : takes_binary_(takes_binary) {}
   // Appends what is complete to `out`. False on a violation: close with `error()`.
   [[nodiscard]] bool feed(std::string_view bytes, std::vector<Incoming>& out);
   [[nodiscard]] CloseCode error() const { return error_; }
@@ -50,8 +52,10 @@ class FrameReader {
   bool fail(CloseCode code);
   bool take_frame(std::vector<Incoming>& out, bool& complete);
 
+  bool takes_binary_;
   std::string buffer_;
   std::string message_;
+  bool binary_ = false;  // of the message under way
   bool in_message_ = false;
   bool failed_ = false;
   CloseCode error_ = CloseCode::protocol;

@@ -88,6 +88,10 @@ const std::vector<Layer>& layers() {
        {"server/live/", "server/actions/", "server/state/", "server/jobs/", "server/http/", "server/ws/", "server/stream/", "server/link/",
         "server/record/", "server/text/", "server/contract/", "server/services.hpp", "control/contract/", "db/"},
        false},
+      {"server/tools/",
+       {"server/tools/", "server/actions/", "server/state/", "server/http/", "server/ws/", "server/stream/", "server/link/", "server/text/",
+        "server/contract/", "server/services.hpp", "control/contract/", "db/export/ros/"},
+       false},
       {"server/", {"server/", "control/contract/", "control/publish/", "db/"}, false},
       // The recorded frames are exported in the format that the captures have.
       {"db/", {"db/", "control/contract/", "control/bus/candump_log.hpp"}, false},

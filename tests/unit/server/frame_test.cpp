@@ -39,6 +39,25 @@ TEST(Frame, WholeMessages) {
   EXPECT_EQ(out[3].kind, Incoming::Kind::close);
 }
 
+TEST(Frame, BinaryOnlyWhereTheProtocolHasIt) {
+  const std::string not_utf8 = "\x01\xff\xfe";
+  std::vector<Incoming> out;
+  FrameReader text_only;
+  EXPECT_FALSE(text_only.feed(masked(0x82, not_utf8), out));
+  EXPECT_EQ(text_only.error(), CloseCode::not_text);
+  FrameReader reader(true);
+  ASSERT_TRUE(reader.feed(masked(0x02, not_utf8) + masked(0x80, not_utf8) + masked(0x81, "text"), out));
+  ASSERT_EQ(out.size(), 2U);
+  EXPECT_EQ(out[0].kind, Incoming::Kind::binary);
+  EXPECT_EQ(out[0].payload, not_utf8 + not_utf8);
+  EXPECT_EQ(out[1].kind, Incoming::Kind::text);
+  // A text stays bound to UTF-8, also after a binary message; a message is one or the other.
+  EXPECT_FALSE(reader.feed(masked(0x81, not_utf8), out));
+  EXPECT_EQ(reader.error(), CloseCode::bad_utf8);
+  FrameReader mixed(true);
+  EXPECT_FALSE(mixed.feed(masked(0x02, "a") + masked(0x82, "b"), out));
+}
+
 TEST(Frame, SameResultForAnyPortions) {
   std::string stream = masked(0x01, "one ") + masked(0x89, "in between") + masked(0x00, "message ") + masked(0x80, "in parts") +
                        masked(0x81, std::string(4096, 'x')) + masked(0x81, "");

@@ -42,6 +42,7 @@ class Idle : public ::testing::Test {
                                  .core = core_,
                                  .firmware = firmware_,
                                  .state = state_,
+                                 .tools = tools_,
                                  .recorder = recorder_,
                                  .records = records_,
                                  .people = people_,
@@ -85,6 +86,7 @@ class Idle : public ::testing::Test {
   PeopleDesk people_{folder_ / "accounts.db", HashLimits(), [](std::function<void()>) {}};
   SignInGuard guard_;
   server::SetUp set_up_{[] { return std::string(); }, [](const std::string&) {}};
+  ToolSwitch tools_{folder_ / "none.tools", false};
   ActorList actors_{0};
   Hub hub_;
   std::unique_ptr<Auth> auth_;

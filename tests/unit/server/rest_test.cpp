@@ -22,7 +22,7 @@ class Rest : public ServerTest {};
 
 TEST_F(Rest, EveryGetRouteAnswersAsDescribed) {
   for (const server::Route& route : server::kRoutes) {
-    if (route.method != server::Method::get || route.operation == "open_live") continue;
+    if (route.method != server::Method::get || route.success == 101) continue;
     std::string path{route.path};
     if (const auto at = path.find("{name}"); at != std::string::npos) path.replace(at, 6, "speed_m_s_max");
     if (const auto at = path.find("{id}"); at != std::string::npos) path.replace(at, 4, "1");
