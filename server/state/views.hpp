@@ -5,12 +5,15 @@
 #include <string_view>
 
 #include "control/contract/params.hpp"
+#include "db/store/profiles.hpp"
+#include "db/store/visits.hpp"
 #include "server/jobs/jobs.hpp"
 #include "server/record/recorder.hpp"
 
 namespace hoist::server {
 
 class FirmwareDesk;
+class HoistState;
 
 // The running or the last update; null before the first.
 [[nodiscard]] nlohmann::json firmware_update_json(const FirmwareDesk& desk);
@@ -19,6 +22,11 @@ class FirmwareDesk;
 [[nodiscard]] nlohmann::json job_json(const JobInfo& info);
 [[nodiscard]] nlohmann::json file_health_json(const FileHealth& file);
 [[nodiscard]] nlohmann::json recording_json(const RecordingStatus& status);
+[[nodiscard]] nlohmann::json chosen_patient_json(const HoistState& state);
+// Rows that people edit; `etag` is what a change of them is made for.
+[[nodiscard]] nlohmann::json patient_json(const db::PatientInfo& patient);
+[[nodiscard]] nlohmann::json visit_json(const db::VisitInfo& visit);
+[[nodiscard]] nlohmann::json profile_json(const db::ProfileInfo& profile);
 [[nodiscard]] std::string layout_hash_hex();
 [[nodiscard]] constexpr std::string_view access_role(contract::Role role) {
   return role == contract::Role::viewer ? "viewer" : role == contract::Role::therapist ? "therapist" : "engineer";
