@@ -13,6 +13,7 @@
 #include "control/contract/param_set.hpp"
 #include "control/contract/params.hpp"
 #include "db/store/session_reader.hpp"
+#include "server/actions/common.hpp"
 #include "server/record/reason.hpp"
 
 namespace hoist::server {
@@ -71,6 +72,16 @@ Outcome invalid(std::vector<FieldError> errors, std::string detail, std::optiona
   return outcome;
 }
 
+void ask(Services& services, const Command& command, OutcomeDone done) {
+  services.core.ask(command, [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); });
+}
+
+FieldError range_error(const contract::ParamInfo& p, std::string message, std::optional<double> value) {
+  return {std::string{p.name}, std::move(message), value, p.min, p.max};
+}
+
+}  // namespace
+
 // The one place that enforces roles, for every protocol. A protocol's own table (api.def, messages.def) describes the role and refuses early.
 // False: `done` has been told.
 bool may(Services& services, const Asker& asker, contract::Role least, const OutcomeDone& done) {
@@ -83,14 +94,6 @@ bool may(Services& services, const Asker& asker, contract::Role least, const Out
   outcome.refusals = refusal_names(contract::refusal_bit(contract::Refusal::not_allowed));
   done(outcome);
   return false;
-}
-
-void ask(Services& services, const Command& command, OutcomeDone done) {
-  services.core.ask(command, [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); });
-}
-
-FieldError range_error(const contract::ParamInfo& p, std::string message, std::optional<double> value) {
-  return {std::string{p.name}, std::move(message), value, p.min, p.max};
 }
 
 void set_values(Services& services, const Asker& asker, std::vector<std::pair<std::uint32_t, double>> rows, double revert_after_s,
@@ -112,7 +115,6 @@ void set_values(Services& services, const Asker& asker, std::vector<std::pair<st
     done(outcome);
   });
 }
-}  // namespace
 
 Reason reason_of(const Outcome& outcome) {
   if (outcome.reason) return *outcome.reason;
@@ -605,15 +607,16 @@ void act_preset(Services& services, const Asker& asker, const std::string& name,
 }
 
 namespace {
-Outcome recorder_busy() {
+Outcome recorder_is_busy() {
   Outcome outcome;
   outcome.kind = Outcome::Kind::unreachable;
   outcome.reason = Reason::busy;
   outcome.detail = "The recorder is busy. Try again in a moment.";
   return outcome;
 }
+}  // namespace
 
-Outcome outcome_of(const db::Error& error) {
+Outcome store_outcome(const db::Error& error) {
   Outcome outcome;
   outcome.detail = error.message;
   outcome.reason = reason_of(error.kind);
@@ -628,6 +631,13 @@ Outcome outcome_of(const db::Error& error) {
     case db::ErrorKind::wrong_state:
       outcome.kind = Outcome::Kind::refused;
       break;
+    case db::ErrorKind::changed:
+      outcome.kind = Outcome::Kind::outdated;
+      break;
+    case db::ErrorKind::taken:
+      outcome.kind = Outcome::Kind::refused;
+      outcome.errors.push_back({error.field, error.message});
+      break;
     default:
       outcome.kind = Outcome::Kind::unreachable;
       break;
@@ -635,21 +645,28 @@ Outcome outcome_of(const db::Error& error) {
   return outcome;
 }
 
-// On the recorder's thread; `work` is given a database that is open.
-using StoreWork = std::function<db::Status(Records&, db::Database&)>;
-void ask_store(Services& services, StoreWork work, OutcomeDone done) {
+void ask_store_for(Services& services, StoreQuestion work, OutcomeDone done) {
   const auto run = [work = std::move(work)](Records& records) -> Outcome {
-    if (records.late()) return recorder_busy();
+    if (records.late()) return recorder_is_busy();
     db::Database* database = records.database();
-    if (database == nullptr) return outcome_of(db::Error{db::ErrorKind::io, records.why(), {}});
-    const db::Status status = work(records, *database);
+    if (database == nullptr) return store_outcome(db::Error{db::ErrorKind::io, records.why(), {}});
+    Outcome outcome = work(records, *database);
     // Told before the answer, so that the next question sees it.
     (void)records.status();
-    return status ? Outcome{} : outcome_of(status.error());
+    return outcome;
   };
-  if (!services.records.ask<Outcome>(run, done)) done(recorder_busy());
+  if (!services.records.ask<Outcome>(run, done)) done(recorder_is_busy());
 }
-}  // namespace
+
+void ask_store(Services& services, StoreWork work, OutcomeDone done) {
+  ask_store_for(
+      services,
+      [work = std::move(work)](Records& records, db::Database& database) {
+        const db::Status status = work(records, database);
+        return status ? Outcome{} : store_outcome(status.error());
+      },
+      std::move(done));
+}
 
 void act_mark(Services& services, const Asker& asker, std::optional<db::SessionId> session, const json& text, OutcomeDone done) {
   if (!may(services, asker, contract::Role::therapist, done)) return;

@@ -17,7 +17,7 @@
 namespace hoist::server {
 
 struct Outcome {
-  enum class Kind : std::uint8_t { done, refused, invalid, unknown, unreachable };
+  enum class Kind : std::uint8_t { done, refused, invalid, unknown, outdated, unreachable };
   Kind kind = Kind::done;
   std::vector<std::string> refusals;  // names of the refusal table
   std::vector<FieldError> errors;
@@ -26,6 +26,7 @@ struct Outcome {
   std::uint32_t epoch = 0;       // of a lease just taken
   JobId job = 0;                 // of a job just started
   std::optional<bool> stored;    // of a change of settings: false = in force, and lost at the next start unless the disk takes it later
+  std::string row;               // of a change of a stored row: the row as it is now, JSON
   [[nodiscard]] bool done() const { return kind == Kind::done; }
 };
 [[nodiscard]] Reason reason_of(const Outcome& outcome);

@@ -35,6 +35,10 @@ Problem problem_of(const Outcome& outcome) {
       problem.name = "unknown";
       problem.title = "There is no such thing";
       break;
+    case Outcome::Kind::outdated:
+      problem.status = 412;
+      says(Reason::changed_meanwhile);
+      break;
     default:
       problem.status = 503;
       problem.name = "no-core";
@@ -52,7 +56,7 @@ Response store_error(const db::Error& error, std::string_view path) {
   if (error.kind == ErrorKind::busy) problem.name = "busy";
   if (error.kind == ErrorKind::disk_full) problem.name = "disk-full";
   if (error.kind == ErrorKind::not_found)
-    problem = {.status = 404, .name = "unknown", .title = "There is no such session", .detail = error.message};
+    problem = {.status = 404, .name = "unknown", .title = "There is no such thing", .detail = error.message};
   if (error.kind == ErrorKind::wrong_state) problem = {.status = 409, .name = "not-now", .title = "Not now", .detail = error.message};
   if (error.kind == ErrorKind::bad_value) {
     problem = {.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = error.message};

@@ -7,7 +7,7 @@
 
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
-#include "server/api/queries.hpp"
+#include "server/api/lists.hpp"
 #include "server/people/passwords.hpp"
 #include "server/people/sessions.hpp"
 #include "server/state/views.hpp"

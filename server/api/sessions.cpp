@@ -1,4 +1,4 @@
-// /sessions: recorded sessions, their columns, figures and exports; /visits and /patients. All of it runs on the recorder's thread.
+// /sessions: recorded sessions, their columns, figures and exports. All of it runs on the recorder's thread.
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -11,7 +11,7 @@
 #include "db/summary/session_json.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
-#include "server/api/queries.hpp"
+#include "server/api/lists.hpp"
 #include "server/state/exercise.hpp"
 #include "server/text/json_writer.hpp"
 
@@ -24,7 +24,7 @@ constexpr std::size_t kColumnLimit = 32;
 constexpr std::size_t kDefaultPoints = 1000;
 
 // Of a session without a patient code: null.
-json visit_json(const std::map<db::SessionId, db::Visit>& visits, db::SessionId session) {
+json visit_of(const std::map<db::SessionId, db::Visit>& visits, db::SessionId session) {
   const auto at = visits.find(session);
   if (at == visits.end()) return nullptr;
   return {{"id", at->second.id}, {"patient", at->second.patient_id}, {"day", at->second.day}};
@@ -40,7 +40,7 @@ db::Result<json> whole_session(db::Database& database, db::SessionId id) {
   const auto visits = db::VisitReader(database).of_sessions(std::span(&id, 1));
   if (!visits) return visits.error();
   json told = db::session_json(*session);
-  told["visit"] = visit_json(*visits, id);
+  told["visit"] = visit_of(*visits, id);
   told["nodes"] = db::node_programs_json(*nodes);
   return told;
 }
@@ -54,51 +54,7 @@ std::optional<db::SessionId> session_id(const CallPtr& call) {
   }
   return id;
 }
-
-// Runs `work` with the database, or says why there is none.
-void with_database(const CallPtr& call, std::function<Response(db::Database&)> work) {
-  in_background(call, [work = std::move(work), path = call->request.path](Records& records) -> Response {
-    db::Database* database = records.database();
-    return database == nullptr ? no_database(records.why(), path) : work(*database);
-  });
-}
 }  // namespace
-
-void list_visits(const CallPtr& call) {
-  db::VisitQuery wanted;
-  if (!read_page(call, wanted)) return;
-  if (const auto patient = query(*call, "patient")) {
-    wanted.patient_id = number<std::int64_t>(*patient);
-    if (!wanted.patient_id) return call->fail(bad_query("patient", "must be the id of a patient", {}, {}));
-  }
-  with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
-    const auto page = db::VisitReader(database).visits(wanted);
-    if (!page) return store_error(page.error(), path);
-    json items = json::array();
-    for (const db::VisitInfo& v : page->items)
-      items.push_back(
-          {{"id", v.visit.id}, {"patient", v.visit.patient_id}, {"code", v.visit.patient}, {"day", v.visit.day}, {"sessions", v.sessions}});
-    return json_response({{"items", std::move(items)}, {"next", next_json(page->next)}});
-  });
-}
-
-void list_patients(const CallPtr& call) {
-  db::VisitQuery wanted;
-  if (!read_page(call, wanted)) return;
-  with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
-    const auto page = db::VisitReader(database).patients(wanted);
-    if (!page) return store_error(page.error(), path);
-    json items = json::array();
-    for (const db::PatientInfo& p : page->items)
-      items.push_back({{"id", p.id},
-                       {"code", p.code},
-                       {"visits", p.visits},
-                       {"sessions", p.sessions},
-                       {"first_day", p.first_day ? json(*p.first_day) : json(nullptr)},
-                       {"last_day", p.last_day ? json(*p.last_day) : json(nullptr)}});
-    return json_response({{"items", std::move(items)}, {"next", next_json(page->next)}});
-  });
-}
 
 void list_sessions(const CallPtr& call) {
   db::SessionQuery wanted;
@@ -114,7 +70,7 @@ void list_sessions(const CallPtr& call) {
     json items = json::array();
     for (const db::SessionInfo& s : page->sessions) {
       items.push_back(db::session_json(s));
-      items.back()["visit"] = visit_json(*visits, s.id);
+      items.back()["visit"] = visit_of(*visits, s.id);
     }
     return json_response({{"items", std::move(items)}, {"next", next_json(page->next)}, {"total", page->total}});
   });

@@ -62,6 +62,12 @@ json walk_json(const Walk& walk) {
   return message;
 }
 
+json patient_message(const HoistState& state) {
+  json message = chosen_patient_json(state);
+  message["type"] = "patient";
+  return message;
+}
+
 json parameters_message(const contract::ParamsInForce& parameters) {
   json values = json::object();
   for (std::size_t i = 0; i < contract::kParamCount; ++i) values[std::string{contract::kParams[i].name}] = parameters.values[i];
@@ -169,6 +175,7 @@ void Hub::set_services(Services& services, Auth& auth) {
   services_ = &services;
   auth_ = &auth;
   services.state.set_on_walk([this] { tell_walk(); });
+  services.state.set_on_patient([this] { broadcast(text_frame(patient_message(services_->state))); });
 }
 
 void Hub::open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
@@ -220,6 +227,7 @@ void Hub::add(std::shared_ptr<Client> client) {
   client->send(welcome);
   client->send(core_json(s.core));
   client->send(walk_json(services_->state.walk()));
+  client->send(patient_message(services_->state));
   if (s.core.has_parameters()) client->send(parameters_message(s.core.parameters()));
   tell_lease(*client, lease_message(s));
   json recording = recording_json(s.recorder.status());

@@ -8,6 +8,7 @@
 
 #include "control/contract/faults.hpp"
 #include "server/actions/actions.hpp"
+#include "server/actions/patients.hpp"
 #include "server/contract/fields.hpp"
 #include "server/live/client.hpp"
 
@@ -138,6 +139,9 @@ void preset(Client& client, const json& message) {
 }
 void choose(Client& client, const json& message) {
   act_choose(client.hub().services(), asker_of(client), field(message, "exercise"), reply_to(client, message));
+}
+void choose_patient(Client& client, const json& message) {
+  act_choose_patient(client.hub().services(), asker_of(client), field(message, "patient"), reply_to(client, message));
 }
 void neutral(Client& client, const json& message) { act_neutral(client.hub().services(), asker_of(client), reply_to(client, message)); }
 void calibrate(Client& client, const json& message) {

@@ -13,6 +13,10 @@ constexpr Reason reason_of(db::ErrorKind kind) {
       return Reason::invalid;
     case db::ErrorKind::wrong_state:
       return Reason::not_now;
+    case db::ErrorKind::changed:
+      return Reason::changed_meanwhile;
+    case db::ErrorKind::taken:
+      return Reason::taken;
     case db::ErrorKind::busy:
       return Reason::busy;
     case db::ErrorKind::disk_full:

@@ -375,6 +375,7 @@ class Recorder::Work final : public Records {
     {
       const std::lock_guard lock(owner_.mutex_);
       if (!manual) start.exercise_json = owner_.exercise_;
+      if (!start.subject) start.subject = owner_.subject_;
       if (!manual && going_on_) {
         start.exercise_json = known_->until.exercise_json;
         start.subject = known_->until.subject;
@@ -759,6 +760,11 @@ void Recorder::set_nodes(std::vector<db::NodeProgram> nodes) {
 void Recorder::set_exercise(std::optional<std::string> exercise_json) {
   const std::lock_guard lock(mutex_);
   exercise_ = std::move(exercise_json);
+}
+
+void Recorder::set_subject(std::optional<std::string> code) {
+  const std::lock_guard lock(mutex_);
+  subject_ = std::move(code);
 }
 
 void Recorder::set_aside(std::string file_id, std::string damage) {

@@ -119,6 +119,8 @@ class Recorder {
   void set_nodes(std::vector<db::NodeProgram> nodes);
   // What the next motion walks, as stored in the database; nothing = free.
   void set_exercise(std::optional<std::string> exercise_json);
+  // The code of the patient whom motion is recorded for; nothing = not known.
+  void set_subject(std::optional<std::string> code);
   // A check has found the file with this id damaged: it is set aside and a new one begun, as at a start; while a session is being recorded,
   // after its end, or as soon as it can no longer be stored.
   void set_aside(std::string file_id, std::string damage);
@@ -151,7 +153,7 @@ class Recorder {
   RecordingStatus status_;
   std::atomic<std::uint64_t> changes_ = 0;
   contract::ParamsInForce parameters_{};
-  std::optional<std::string> exercise_;
+  std::optional<std::string> exercise_, subject_;
   std::vector<db::NodeProgram> nodes_;
   std::string damaged_file_, damage_;  // what set_aside said last; empty = nothing to do
   std::thread thread_;

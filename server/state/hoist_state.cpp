@@ -25,12 +25,20 @@ void HoistState::motion_begins(nlohmann::json told) {
   tell_walk();
 }
 
+void HoistState::choose_patient(std::optional<ChosenPatient> patient) {
+  patient_ = std::move(patient);
+  patient_rests_ns_ = 0;
+  recorder_.set_subject(patient_ ? std::optional(patient_->code) : std::nullopt);
+  if (on_patient_) on_patient_();
+}
+
 // What another core proposed and walked is nothing of this one's. A core that was only silent for a while keeps its own.
 void HoistState::meet_core() {
   const std::uint64_t life = core_.link().life();
   if (life == core_life_) return;
   proposed_.clear();
   core_life_ = life;
+  patient_rests_ns_ = 0;
   walk_.forget();
   tell_walk();
 }
@@ -42,6 +50,11 @@ void HoistState::on_ticks(std::span<const contract::TickRecord> records, std::ui
   bool marked = false;
   for (const contract::TickRecord& record : records) marked = walk_.take(record) || marked;
   if (marked) tell_walk();
+  if (!patient_ || records.empty()) return;
+  const contract::TickRecord& newest = records.back();
+  const bool moves = newest.mode < contract::kModes.size() && contract::kModes[newest.mode].moving;
+  if (moves || patient_rests_ns_ == 0) patient_rests_ns_ = newest.time_ns;
+  if (static_cast<double>(newest.time_ns - patient_rests_ns_) * 1e-9 >= kPatientIdle_s) choose_patient(std::nullopt);
 }
 
 void HoistState::on_parameters(const contract::ParamsInForce& parameters) { recorder_.set_parameters(parameters); }

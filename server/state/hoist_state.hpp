@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "server/link/core_desk.hpp"
@@ -18,6 +20,14 @@ namespace hoist::server {
 // Emergency messages of nodes that are kept for later questions; all of a session are in its recording.
 inline constexpr std::size_t kEmergenciesKept = 64;
 
+// Whom the next motion is recorded for.
+struct ChosenPatient {
+  std::int64_t id = 0;
+  std::string code;
+};
+// Without motion for this long nobody is chosen any more: the next patient's walk must not get the last one's code.
+inline constexpr double kPatientIdle_s = 1800;
+
 class HoistState final : public CoreListener {
  public:
   // Parameters in force go on to the recorder.
@@ -25,6 +35,9 @@ class HoistState final : public CoreListener {
 
   // Called whenever walk() is another in more than its last point.
   void set_on_walk(std::function<void()> on_walk) { on_walk_ = std::move(on_walk); }
+
+  // Called whenever patient() is another.
+  void set_on_patient(std::function<void()> on_patient) { on_patient_ = std::move(on_patient); }
 
   void on_core(bool connected) override;
   void on_ticks(std::span<const contract::TickRecord> records, std::uint64_t lost) override;
@@ -37,6 +50,9 @@ class HoistState final : public CoreListener {
   [[nodiscard]] const Walk& walk() const { return walk_; }
   void choose(const Exercise& exercise);
   void motion_begins(nlohmann::json told);
+  // Nothing: nobody is chosen.
+  [[nodiscard]] const std::optional<ChosenPatient>& patient() const { return patient_; }
+  void choose_patient(std::optional<ChosenPatient> patient);
   // The latest emergency messages since the server started, oldest first.
   [[nodiscard]] const std::deque<contract::Event>& emergencies() const { return emergencies_; }
   // What the calibration step under way would change: the core's events, one for each parameter.
@@ -51,6 +67,9 @@ class HoistState final : public CoreListener {
   const CoreDesk& core_;
   Recorder& recorder_;
   std::function<void()> on_walk_;
+  std::function<void()> on_patient_;
+  std::optional<ChosenPatient> patient_;
+  std::uint64_t patient_rests_ns_ = 0;  // the core's time since which nothing has moved; 0 = not known yet
   Walk walk_;
   LeaseAsks asks_;
   std::deque<contract::Event> emergencies_;

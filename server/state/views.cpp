@@ -9,6 +9,7 @@
 #include "server/link/firmware_desk.hpp"
 #include "server/record/actor_list.hpp"
 #include "server/record/reason.hpp"
+#include "server/state/hoist_state.hpp"
 #include "server/state/lease_asks.hpp"
 
 namespace hoist::server {
@@ -40,6 +41,39 @@ json lease_json(const CoreDesk& core, const LeaseAsks& asks, const ActorList& ac
           {"holder", holder},
           {"actor", holder != 0 ? db::actor_json(actors.find(holder)) : json(nullptr)},
           {"asking", std::move(asking)}};
+}
+
+json chosen_patient_json(const HoistState& state) {
+  const auto& patient = state.patient();
+  return {{"id", patient ? json(patient->id) : json(nullptr)}, {"code", patient ? json(patient->code) : json(nullptr)}};
+}
+
+json patient_json(const db::PatientInfo& p) {
+  return {{"id", p.id},
+          {"code", p.code},
+          {"archived", p.archived},
+          {"has_identity", p.has_identity},
+          {"visits", p.visits},
+          {"sessions", p.sessions},
+          {"first_day", p.first_day ? json(*p.first_day) : json(nullptr)},
+          {"last_day", p.last_day ? json(*p.last_day) : json(nullptr)},
+          {"etag", p.tag}};
+}
+
+json visit_json(const db::VisitInfo& v) {
+  return {{"id", v.visit.id}, {"patient", v.visit.patient_id}, {"code", v.visit.patient}, {"day", v.visit.day},
+          {"note", v.note},   {"sessions", v.sessions},        {"etag", v.tag}};
+}
+
+json profile_json(const db::ProfileInfo& p) {
+  return {{"id", p.id},
+          {"patient", p.patient_id},
+          {"name", p.name},
+          {"version", p.version},
+          {"saved_utc_ms", p.utc_ns / 1'000'000},
+          {"actor", db::actor_json(p.actor)},
+          {"settings", p.settings},
+          {"etag", p.tag}};
 }
 
 json job_json(const JobInfo& info) {

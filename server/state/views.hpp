@@ -5,6 +5,8 @@
 #include <string_view>
 
 #include "control/contract/params.hpp"
+#include "db/store/profiles.hpp"
+#include "db/store/visits.hpp"
 #include "server/jobs/jobs.hpp"
 #include "server/record/recorder.hpp"
 
@@ -13,6 +15,7 @@ namespace hoist::server {
 class ActorList;
 class CoreDesk;
 class FirmwareDesk;
+class HoistState;
 class LeaseAsks;
 
 // The running or the last update; null before the first.
@@ -24,6 +27,11 @@ class LeaseAsks;
 [[nodiscard]] nlohmann::json recording_json(const RecordingStatus& status);
 // Who drives and who asks for it, by number and actor.
 [[nodiscard]] nlohmann::json lease_json(const CoreDesk& core, const LeaseAsks& asks, const ActorList& actors);
+[[nodiscard]] nlohmann::json chosen_patient_json(const HoistState& state);
+// Rows that people edit; `etag` is what a change of them is made for.
+[[nodiscard]] nlohmann::json patient_json(const db::PatientInfo& patient);
+[[nodiscard]] nlohmann::json visit_json(const db::VisitInfo& visit);
+[[nodiscard]] nlohmann::json profile_json(const db::ProfileInfo& profile);
 [[nodiscard]] std::string layout_hash_hex();
 [[nodiscard]] constexpr std::string_view access_role(contract::Role role) {
   return role == contract::Role::viewer ? "viewer" : role == contract::Role::therapist ? "therapist" : "engineer";

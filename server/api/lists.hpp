@@ -1,0 +1,100 @@
+// What routes that read the database share: numbers of a path or query, pages of lists, work on the recorder's thread.
+#pragma once
+#include <charconv>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "db/store/session_reader.hpp"
+#include "server/api/answers.hpp"
+
+namespace hoist::server::api {
+
+template <typename T>
+std::optional<T> number(std::string_view text) {
+  T value{};
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
+  return value;
+}
+
+inline Problem bad_query(std::string name, std::string message, std::optional<double> min, std::optional<double> max) {
+  Problem problem{.status = 422, .name = "invalid", .title = "A value cannot be used", .detail = name + " " + message};
+  problem.errors.push_back({std::move(name), std::move(message), std::nullopt, min, max});
+  return problem;
+}
+
+inline std::optional<std::string> query(const Call& call, const char* name) {
+  const auto at = call.request.query.find(name);
+  return at == call.request.query.end() ? std::nullopt : std::optional{at->second};
+}
+
+// Runs `work` with the database, or says why there is none.
+inline void with_database(const CallPtr& call, std::function<Response(db::Database&)> work) {
+  in_background(call, [work = std::move(work), path = call->request.path](Records& records) -> Response {
+    db::Database* database = records.database();
+    return database == nullptr ? no_database(records.why(), path) : work(*database);
+  });
+}
+// Reads limit and cursor of a list. False: the call has failed.
+template <typename Query>
+bool read_page(const CallPtr& call, Query& wanted) {
+  if (const auto limit = query(*call, "limit")) {
+    const auto value = number<std::size_t>(*limit);
+    if (!value || *value < 1 || *value > db::kMaxPage) {
+      call->fail(
+          bad_query("limit", "must be a whole number from 1 to " + std::to_string(db::kMaxPage), 1, static_cast<double>(db::kMaxPage)));
+      return false;
+    }
+    wanted.limit = *value;
+  }
+  if (const auto cursor = query(*call, "cursor"); cursor && !cursor->empty()) {
+    wanted.before = number<std::int64_t>(*cursor);
+    if (!wanted.before) {
+      call->fail(bad_query("cursor", "must be the `next` of an earlier answer", {}, {}));
+      return false;
+    }
+  }
+  return true;
+}
+
+inline nlohmann::json next_json(const std::optional<std::int64_t>& next) { return next ? nlohmann::json(std::to_string(*next)) : nlohmann::json(nullptr); }
+
+// The number in the path, of a `thing`; nothing after a 404.
+inline std::optional<std::int64_t> path_id(const CallPtr& call, const char* thing, std::size_t at = 0) {
+  const auto id = number<std::int64_t>(call->path_values.at(at));
+  if (id && *id >= 0) return id;
+  call->fail({.status = 404, .name = "unknown", .title = "There is no such thing", .detail = "There is no such " + std::string(thing) + "."});
+  return std::nullopt;
+}
+
+// The tag of If-Match, which this route needs: empty for "*", nothing after a 428.
+inline std::optional<std::string> required_tag(const CallPtr& call) {
+  std::string_view match = call->request.header("if-match");
+  if (match.empty()) {
+    call->fail({.status = 428,
+                .name = "if-match",
+                .title = "The change does not say what it was made for",
+                .detail = "Send the ETag that you were shown as If-Match; * changes whatever there is."});
+    return std::nullopt;
+  }
+  if (match == "*") return std::string();
+  // An answer that was sent as gzip has a tag of its own (compress.hpp), for the same row.
+  if (match.size() >= 2 && match.front() == '"' && match.back() == '"') match = match.substr(1, match.size() - 2);
+  if (match.ends_with("-gzip")) match.remove_suffix(5);
+  return match.empty() ? "-" : std::string(match);
+}
+
+inline std::string etag_of(const std::string& tag) { return "\"" + tag + "\""; }
+
+// One editable row: its JSON, and its tag as ETag.
+inline Response row_response(const nlohmann::json& row, unsigned status = 200) {
+  Response response = json_response(row, status);
+  response.set("ETag", etag_of(row.at("etag").get<std::string>()));
+  return response;
+}
+
+}  // namespace hoist::server::api
