@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "db/codec/exercise_json.hpp"
+#include "db/store/deletion.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
@@ -82,25 +83,12 @@ Status SessionEditor::patch(SessionId session, const SessionPatch& change) {
 }
 
 Status SessionEditor::remove(SessionId session) {
-  sqlite3* handle = database_->handle();
-  // Health data: freed pages are overwritten, also those the log still holds (the checkpoint below).
-  try_execute(handle, "PRAGMA secure_delete = ON");
-  Status removed = guarded([&]() -> Status {
-    Transaction transaction(handle, Transaction::Kind::write);
-    {
-      Statement row(handle, "SELECT ended_utc_ns FROM sessions WHERE id = ?1");
-      if (!row.integer(1, session).step()) return Error{ErrorKind::not_found, "there is no session " + std::to_string(session), {}};
-      if (row.is_null(0))
-        return Error{ErrorKind::wrong_state, "session " + std::to_string(session) + " is being recorded: end it first", {}};
-    }
-    Statement(handle, "DELETE FROM sessions WHERE id = ?1").integer(1, session).run();
-    drop_empty_visits(handle);
-    transaction.commit();
-    return {};
-  });
-  try_execute(handle, "PRAGMA secure_delete = OFF");
-  if (removed) try_execute(handle, "PRAGMA wal_checkpoint(TRUNCATE)");
-  return removed;
+  if (Status taken = take_out(*database_, session); !taken) return taken;
+  for (;;) {
+    const auto more = erase_piece(*database_);
+    if (!more) return more.error();
+    if (!*more) return {};
+  }
 }
 
 }  // namespace hoist::db

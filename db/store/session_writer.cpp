@@ -18,6 +18,7 @@
 #include "db/store/actor_rows.hpp"
 #include "db/store/chunk_source.hpp"
 #include "db/store/column_layouts.hpp"
+#include "db/store/deletion.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/visits.hpp"
@@ -507,7 +508,7 @@ struct SessionWriter::State {
     fold_journal(id);
     Statement statement(handle, "UPDATE sessions SET folded = 1 WHERE id = ?1");
     statement.integer(1, id).run();
-    try_execute(handle, "PRAGMA wal_checkpoint(TRUNCATE)");
+    truncate_log(handle);
   }
 
   void fold_samples(SessionId id) {

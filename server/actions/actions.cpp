@@ -12,6 +12,7 @@
 #include "control/contract/guided_path.hpp"
 #include "control/contract/param_set.hpp"
 #include "control/contract/params.hpp"
+#include "db/store/deletion.hpp"
 #include "db/store/session_reader.hpp"
 #include "server/actions/common.hpp"
 #include "server/record/reason.hpp"
@@ -701,10 +702,34 @@ void act_record(Services& services, const Asker& asker, RecordWish wish, Outcome
   });
 }
 
+namespace {
+// Piece by piece: between two, the recorder stores what has come and others get their answers. The session is gone already; what cannot be
+// overwritten now is at the next start.
+void erase_deleted(Services& services, std::shared_ptr<void> held, OutcomeDone done) {
+  const std::function<bool(Records&)> piece = [](Records& records) {
+    db::Database* database = records.database();
+    const auto more = database == nullptr ? db::Result<bool>(false) : db::erase_piece(*database);
+    return more && *more;
+  };
+  const std::function<void(bool)> then = [&services, held, done](bool more) {
+    if (more)
+      erase_deleted(services, held, done);
+    else
+      done({});
+  };
+  if (!services.records.ask<bool>(piece, then)) done({});
+}
+}  // namespace
+
 void act_delete_session(Services& services, const Asker& asker, db::SessionId session, OutcomeDone done) {
   if (!may(services, asker, contract::Role::therapist, done)) return;
-  const auto work = [session](Records&, db::Database& database) { return db::SessionEditor(database).remove(session); };
-  ask_store(services, work, [held = services.jobs.hold(), done = std::move(done)](const Outcome& outcome) { done(outcome); });
+  const auto work = [session](Records&, db::Database& database) { return db::take_out(database, session); };
+  ask_store(services, work, [&services, held = services.jobs.hold(), done = std::move(done)](const Outcome& outcome) {
+    if (outcome.done())
+      erase_deleted(services, held, done);
+    else
+      done(outcome);
+  });
 }
 
 void act_start_job(Services& services, const Asker& asker, JobKind kind, JobArguments arguments, OutcomeDone done) {

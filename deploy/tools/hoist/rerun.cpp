@@ -21,6 +21,7 @@
 #include "control/core/serve/param_keeper.hpp"
 #include "control/core/tick.hpp"
 #include "control/publish/journal.hpp"
+#include "db/store/frame_chunks.hpp"
 #include "db/store/session_writer.hpp"
 
 namespace hoist::tool {
@@ -148,7 +149,7 @@ db::Error of_session(db::ErrorKind kind, db::SessionId session, const std::strin
 /// The received frames of a session, step by step.
 class FrameCursor {
  public:
-  FrameCursor(const db::SessionReader& reader, db::SessionId session) : reader_(reader), session_(session) {}
+  FrameCursor(db::Database& database, db::SessionId session) : database_(database), reader_(database), session_(session) {}
 
   /// Appends those that the step of this time was given. False when they cannot be read, or are not as many.
   bool take(const JournalStep& step, std::vector<CanFrame>& out) {
@@ -169,13 +170,20 @@ class FrameCursor {
       next_ += frames_.size();
       at_ = 0;
       auto chunk = reader_.bus_chunk(session_, next_);
+      // A damaged chunk costs its own frames: the steps that were given those cannot be run, later ones can.
+      for (auto end = db::bus_chunk_end(database_, session_, next_); !chunk && end && *end > next_;
+           end = db::bus_chunk_end(database_, session_, next_)) {
+        next_ = *end;
+        chunk = reader_.bus_chunk(session_, next_);
+      }
       frames_ = chunk ? std::move(*chunk) : std::vector<BusRecord>{};
       ended_ = frames_.empty();
     }
     return at_ < frames_.size() ? &frames_[at_] : nullptr;
   }
 
-  const db::SessionReader& reader_;
+  db::Database& database_;
+  db::SessionReader reader_;
   db::SessionId session_;
   std::vector<BusRecord> frames_;
   std::uint64_t next_ = 0;
@@ -216,7 +224,7 @@ class Rerun {
  public:
   Rerun(db::Database& database, db::SessionId session, std::span<const ParameterChange> changes,
         const std::function<void(const RerunStep&)>& see)
-      : reader_(database), session_(session), changes_(changes), see_(see), frames_(reader_, session), samples_(reader_, session) {}
+      : reader_(database), session_(session), changes_(changes), see_(see), frames_(database, session), samples_(reader_, session) {}
 
   db::Result<RerunReport> run(const std::vector<db::JournalExtent>& extents, std::vector<db::ImagePlace> images) {
     images_ = std::move(images);

@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "db/store/deletion.hpp"
 #include "db/store/sqlite.hpp"
 #include "tests/unit/db/db_support.hpp"
 
@@ -197,6 +199,15 @@ TEST_F(Backup, ADamagedOneIsNotPutBack) {
     execute(damaged->handle(), ("PRAGMA user_version = " + std::to_string(schema_version())).c_str());
     execute(damaged->handle(), "UPDATE chunks SET body = zeroblob(length(body))");
   }
+  {
+    auto forged = Database::create_copy(copy);
+    execute(forged->handle(), "CREATE TRIGGER extra AFTER INSERT ON sessions BEGIN DELETE FROM chunks; END");
+  }
+  EXPECT_EQ(refused(copy), ErrorKind::foreign);
+  {
+    auto mended = Database::create_copy(copy);
+    execute(mended->handle(), "DROP TRIGGER extra");
+  }
   const auto kept = prepare_restore(copy, file_, kGoOn);
   EXPECT_TRUE(kept.ok()) << "a chunk that was damaged before the backup costs that chunk, not all others";
 }
@@ -263,6 +274,26 @@ TEST_F(Backup, NothingIsPutBackWhileAnotherProgramReads) {
   EXPECT_TRUE(SessionReader(*reading).list().ok());
   { const Database closed = std::move(*reading); }
   EXPECT_EQ(sessions_of(file_), 1U);
+}
+
+// However large a session is, each step of its deletion is small, and it is gone from the first one on.
+TEST_F(Backup, ADeletionInPiecesIsOneDeletion) {
+  auto database = Database::open(file_);
+  ASSERT_TRUE(database.ok());
+  execute(database->handle(),
+          "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 99) INSERT INTO core_images "
+          "(session_id, step, tick, bytes, body) SELECT 1, i, i, 9, CAST('SECRET-OF-A-PATIENT' AS BLOB) FROM n");
+  ASSERT_TRUE(take_out(*database, 1).ok());
+  EXPECT_EQ(SessionReader(*database).get(1).error().kind, ErrorKind::not_found);
+  EXPECT_EQ(SessionReader(*database).list()->total, 0U);
+  EXPECT_EQ(take_out(*database, 1).error().kind, ErrorKind::not_found);
+  int pieces = 0;
+  for (auto more = erase_piece(*database); *more; more = erase_piece(*database)) ++pieces;
+  EXPECT_EQ(pieces, 4) << "100 blobs, 32 in each";
+  std::ifstream stream(file_, std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(stream), {}).find("SECRET-OF"), std::string::npos);
+  EXPECT_EQ(fs::file_size(file_.string() + "-wal"), 0U);
+  EXPECT_EQ(damage_of(*database), "");
 }
 
 }  // namespace
