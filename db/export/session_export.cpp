@@ -3,6 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
+#include "control/contract/check.hpp"
+#include "db/export/manifest.hpp"
+#include "db/export/provenance.hpp"
 #include "db/export/source.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
@@ -46,11 +51,19 @@ std::unique_ptr<FormatWriter> writer_of(ExportSource& source) {
   }
   return nullptr;
 }
+// Of everything that the bytes follow from: a stored sample never changes, and the manifest names the rest.
+std::string etag_of(const ExportSource& source) {
+  std::string text = std::string(export_format_info(source.options.format).name) + dumped(manifest_json(source)) +
+                     dumped(events_and_markers(source)) + std::to_string(source.last_tick);
+  for (const bool option : {source.options.comments, source.options.constant}) text += option ? '1' : '0';
+  return '"' + layout_text(contract::hash_bytes(contract::kHashStart, text)) + '"';
+}
 }  // namespace
 
 struct SessionExport::State {
   State(Database& database, SessionInfo info, ExportOptions options) : source(database, std::move(info), std::move(options)) {}
   ExportSource source;
+  std::string etag;
   std::unique_ptr<FormatWriter> writer;  // nothing when the export is over
 };
 
@@ -66,6 +79,7 @@ Result<SessionExport> SessionExport::open(Database& database, SessionId session,
     Transaction transaction(database.handle(), Transaction::Kind::read);
     auto state = std::make_unique<State>(database, *info, options);
     if (Status chosen = state->source.choose(); !chosen) return chosen.error();
+    if (export_format_info(options.format).delivery == ExportDelivery::whole) state->etag = etag_of(state->source);
     state->writer = writer_of(state->source);
     return SessionExport(std::move(state));
   });
@@ -83,6 +97,8 @@ Result<bool> SessionExport::next_chunk(std::string& out) {
   if (!more || !*more) state_->writer.reset();
   return more;
 }
+
+std::string SessionExport::etag() const { return state_->etag; }
 
 std::string SessionExport::content_type() const { return std::string(export_format_info(state_->source.options.format).media_type); }
 

@@ -30,6 +30,8 @@ class SessionExport {
 
   /// Replaces `out` by the next piece (usually below 100 kB). False at the end, with `out` empty. After an error the export is over.
   Result<bool> next_chunk(std::string& out);
+  /// A strong entity tag: two exports with the same one have the same bytes.
+  [[nodiscard]] std::string etag() const;
   [[nodiscard]] std::string content_type() const;
   /// Such as hoist_session_12.csv.
   [[nodiscard]] std::string file_name() const;

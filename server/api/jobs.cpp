@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/api/answers.hpp"
+#include "server/api/files.hpp"
 #include "server/api/handlers.hpp"
 #include "server/state/views.hpp"
 
@@ -54,8 +55,30 @@ void start_job(const CallPtr& call) {
   arguments.folder = body.value("folder", "");
   arguments.backup = body.value("backup", "");
   arguments.identity_key = body.value("identity_key", false);
+  const auto text = [&body](const char* name) { return body.contains(name) ? std::optional(body[name].get<std::string>()) : std::nullopt; };
+  arguments.filter.subject = text("subject");
+  arguments.filter.from_day = text("from_day");
+  arguments.filter.to_day = text("to_day");
+  arguments.filter.exercise = text("exercise");
+  if (body.contains("visit")) arguments.filter.visit = body["visit"].get<std::int64_t>();
+  arguments.filter.simulated = body.value("simulated", true);
+  arguments.layout = *db::find_bundle_layout(body.value("layout", "files"));
   act_start_job(call->services, asker_of(*call), *find_job_kind(body.at("kind").get_ref<const std::string&>()), std::move(arguments),
                 answer_with(call, [call](const Outcome& outcome) { respond_accepted(call, outcome.job); }));
+}
+
+void get_job_file(const CallPtr& call) {
+  const auto info = job_of(call);
+  if (!info) return;
+  if (!info->file)
+    return call->fail({.status = 404,
+                       .name = "unknown",
+                       .title = "This job has no file",
+                       .detail = "Only an export that is done has one, and only the newest " + std::to_string(kJobFiles) + " are kept."});
+  respond_file(call, {.file = info->file,
+                      .content_type = "application/zip",
+                      .file_name = json::parse(*info->result)["file_name"],
+                      .etag = "\"job-" + std::to_string(call->services.started_utc_ns) + "-" + std::to_string(info->id) + "\""});
 }
 
 void cancel_job(const CallPtr& call) {

@@ -10,6 +10,7 @@
 #include "db/store/visits.hpp"
 #include "db/summary/session_json.hpp"
 #include "server/api/answers.hpp"
+#include "server/api/files.hpp"
 #include "server/api/handlers.hpp"
 #include "server/api/lists.hpp"
 #include "server/state/exercise.hpp"
@@ -242,6 +243,24 @@ PieceSource pieces_of(RecorderDesk& records, RecorderDesk::ExportHandle held) {
 }
 }  // namespace
 
+namespace {
+// A format that is made whole first: asked for piece by piece, so that recording goes on between the pieces.
+struct WholeExport {
+  RecorderDesk::ExportHandle held;
+  Download download;
+};
+void make_whole(const CallPtr& call, WholeExport wanted) {
+  using File = db::Result<std::shared_ptr<const db::SpoolFile>>;
+  const auto make = [id = *wanted.held](Records& records) { return records.export_file(id); };
+  ask_recorder<File>(call, make, [call, wanted = std::move(wanted)](File file) mutable {
+    if (!file) return call->respond(store_error(file.error(), call->request.path));
+    if (!*file) return make_whole(call, std::move(wanted));
+    wanted.download.file = std::move(*file);
+    respond_file(call, std::move(wanted.download));
+  });
+}
+}  // namespace
+
 void export_session(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
@@ -260,18 +279,26 @@ void export_session(const CallPtr& call) {
   struct Opened {
     Response response;
     ExportId id = 0;  // 0 = none: `response` says why
+    std::string file_name = {}, etag = {};
   };
   const auto open = [id = *id, options, path = call->request.path](Records& records) -> Opened {
     if (records.database() == nullptr) return {no_database(records.why(), path)};
     const auto opened = records.open_export(id, options);
     if (!opened) return {store_error(opened.error(), path)};
-    Opened out{.response = {}, .id = opened->id};
+    Opened out{.response = {}, .id = opened->id, .file_name = opened->file_name, .etag = opened->etag};
     out.response.content_type = opened->content_type;
     out.response.set("Content-Disposition", "attachment; filename=\"" + opened->file_name + "\"");
     return out;
   };
-  ask_recorder<Opened>(call, open, [call](Opened opened) {
+  const bool whole = db::export_format_info(*wanted).delivery == db::ExportDelivery::whole;
+  ask_recorder<Opened>(call, open, [call, whole](Opened opened) {
     RecorderDesk& records = call->services.records;
+    if (opened.id != 0 && whole)
+      return make_whole(call, {records.hold(opened.id),
+                               {.file = {},
+                                .content_type = opened.response.content_type,
+                                .file_name = std::move(opened.file_name),
+                                .etag = std::move(opened.etag)}});
     if (opened.id != 0) opened.response.next_piece = pieces_of(records, records.hold(opened.id));
     call->respond(std::move(opened.response));
   });

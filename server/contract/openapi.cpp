@@ -100,7 +100,10 @@ json operation_of(const Route& route) {
   json responses{{std::to_string(route.success), std::move(success)}};
   for (const std::string& code : errors_of(route)) {
     json answer{{"description", reason_phrase(static_cast<unsigned>(std::stoul(code)))}};
-    if (code != "304") answer["content"]["application/problem+json"] = {{"schema", reference("Problem")}};
+    if (code == "206")
+      answer["content"] = responses[std::to_string(route.success)]["content"];
+    else if (code != "304")
+      answer["content"]["application/problem+json"] = {{"schema", reference("Problem")}};
     responses[code] = std::move(answer);
   }
   operation["responses"] = std::move(responses);

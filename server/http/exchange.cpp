@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 
 namespace hoist::server {
 
@@ -116,6 +117,33 @@ bool names_etag(std::string_view header, std::string_view etag) {
     if (tag == etag) return true;
   }
   return false;
+}
+
+RangeWish read_range(std::string_view header, std::uint64_t size, ByteRange& part) {
+  constexpr std::string_view kUnit = "bytes=";
+  if (!header.starts_with(kUnit)) return RangeWish::none;
+  header.remove_prefix(kUnit.size());
+  const std::size_t dash = header.find('-');
+  if (dash == std::string_view::npos || header.find(',') != std::string_view::npos) return RangeWish::none;
+  // Digits only; what does not fit 64 bits is beyond every file.
+  const auto number = [](std::string_view text) -> std::optional<std::uint64_t> {
+    if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
+    std::uint64_t value = 0;
+    if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc{}) return UINT64_MAX;
+    return value;
+  };
+  const std::string_view from = trimmed(header.substr(0, dash)), to = trimmed(header.substr(dash + 1));
+  const auto first = number(from), last = number(to);
+  if ((!from.empty() && !first) || (!to.empty() && !last) || (!first && !last)) return RangeWish::none;
+  if (first && last && *last < *first) return RangeWish::none;
+  if (!first) {
+    const std::uint64_t length = std::min(*last, size);
+    part = {size - length, length};
+    return length == 0 ? RangeWish::outside : RangeWish::part;
+  }
+  if (*first >= size) return RangeWish::outside;
+  part = {*first, std::min(last.value_or(UINT64_MAX), size - 1) - *first + 1};
+  return RangeWish::part;
 }
 
 bool accepts_gzip(std::string_view header) {

@@ -52,14 +52,22 @@ struct Response {
   std::string content_type;
   std::vector<std::pair<std::string, std::string>> headers;
   std::string body;
-  PieceSource next_piece;  // set for long answers, instead of body
-  Upgrade upgrade;         // set when this connection becomes a WebSocket: status 101 with the headers of the handshake
+  PieceSource next_piece;               // set for long answers, instead of body
+  std::optional<std::uint64_t> length;  // of all pieces together, when it is known before
+  Upgrade upgrade;                      // set when this connection becomes a WebSocket: status 101 with the headers of the handshake
 
   void set(std::string name, std::string value) { headers.emplace_back(std::move(name), std::move(value)); }
 };
 
 // Whether an If-None-Match header (a list, weak ones too, or *) names this entity tag.
 [[nodiscard]] bool names_etag(std::string_view header, std::string_view etag);
+// One part of a file of `size` bytes as a Range header asks for it. `none`: no header, or one that may be ignored (another unit, several parts,
+// broken): the whole file is the answer. `outside`: no byte of the file is asked for.
+struct ByteRange {
+  std::uint64_t first = 0, length = 0;
+};
+enum class RangeWish : std::uint8_t { none, part, outside };
+[[nodiscard]] RangeWish read_range(std::string_view header, std::uint64_t size, ByteRange& part);
 // Whether an Accept-Encoding header lets the answer be gzip.
 [[nodiscard]] bool accepts_gzip(std::string_view header);
 

@@ -116,7 +116,7 @@ std::string upgrade_head(const Response& response) {
   return head + "\r\n";
 }
 
-std::string head_of(const Response& response, bool keep, bool chunked, std::optional<std::size_t> length) {
+std::string head_of(const Response& response, bool keep, bool chunked, std::optional<std::uint64_t> length) {
   std::string head;
   head.reserve(1024 + (length && *length < kCopied_bytes ? *length : 0));
   add_status(head, response.status);
@@ -457,20 +457,19 @@ class Connection : public std::enable_shared_from_this<Connection> {
     limit_time(kWriteTime_s);
     const bool no_body = response.status == 204 || response.status == 304;
     if (response.next_piece && head_only_) {
-      // Its length is not known before it is made.
-      outgoing_ = head_of(response, keep_, !version_10_, std::nullopt);
+      outgoing_ = head_of(response, keep_, !version_10_ && !response.length, response.length);
       write([](Connection& self) { self.finish(); });
       return;
     }
     if (response.next_piece) {
       pieces_ = std::move(response.next_piece);
-      chunked_ = !version_10_;
-      if (!chunked_) keep_ = false;
-      outgoing_ = head_of(response, keep_, chunked_, std::nullopt);
+      chunked_ = !version_10_ && !response.length;
+      if (!chunked_ && !response.length) keep_ = false;
+      outgoing_ = head_of(response, keep_, chunked_, response.length);
       write([](Connection& self) { self.next_piece(); });
       return;
     }
-    outgoing_ = head_of(response, keep_, false, no_body ? std::nullopt : std::optional{response.body.size()});
+    outgoing_ = head_of(response, keep_, false, no_body ? std::nullopt : std::optional<std::uint64_t>{response.body.size()});
     if (!head_only_ && !no_body) outgoing_ += response.body;
     write([](Connection& self) { self.finish(); });
   }

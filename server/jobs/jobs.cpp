@@ -149,6 +149,7 @@ void Jobs::end(JobId id, JobResult result) {
       info.state = JobState::done;
       info.progress = 1;
       info.result = std::make_shared<const std::string>(std::move((*result)->result));
+      info.file = std::move((*result)->file);
     }
     if (check) {
       health_ = {};
@@ -172,6 +173,11 @@ void Jobs::end(JobId id, JobResult result) {
 
 // Under the lock. The one that ended first goes first: nothing changes after its end.
 void Jobs::forget_oldest() {
+  std::vector<Entry*> with_file;
+  for (Entry& e : entries_)
+    if (e.info.file) with_file.push_back(&e);
+  std::ranges::sort(with_file, std::ranges::greater{}, [](const Entry* e) { return e->info.change; });
+  for (std::size_t i = kJobFiles; i < with_file.size(); ++i) with_file[i]->info.file.reset();
   const auto ended = [](const Entry& e) { return has_ended(e.info.state); };
   while (std::ranges::count_if(entries_, ended) > static_cast<int>(kJobsKept))
     entries_.erase(std::ranges::min_element(entries_, {}, [&](const Entry& e) { return ended(e) ? e.info.change : UINT64_MAX; }));

@@ -25,6 +25,8 @@ inline constexpr std::size_t kJobsWaiting = 8;
 inline constexpr std::size_t kJobsKept = 16;
 // Sessions of one recompute_metrics: its result is kept in memory, about 700 bytes for each.
 inline constexpr std::size_t kJobSessions = 1000;
+// Files of ended exports that can still be fetched: the newest ones.
+inline constexpr std::size_t kJobFiles = 2;
 
 using JobId = std::uint64_t;
 enum class JobState : std::uint8_t { waiting, running, done, failed, cancelled };
@@ -43,6 +45,7 @@ struct JobInfo {
   std::int64_t asked_utc_ms = 0;
   std::optional<std::int64_t> ended_utc_ms;
   std::shared_ptr<const std::string> result;  // JSON, when done
+  std::shared_ptr<const db::SpoolFile> file;  // of export_sessions, as long as it is kept
   std::optional<Reason> reason;               // why it failed
   std::string detail;
   std::uint64_t change = 0;  // of Jobs::changes(), when it changed last

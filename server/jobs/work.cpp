@@ -66,6 +66,35 @@ JobResult recompute_metrics(const JobTools& tools, const JobArguments& arguments
   return std::optional(JobYield{.result = told.dump(-1, ' ', false, json::error_handler_t::replace), .check = {}});
 }
 
+JobResult export_sessions(const JobTools& tools, const JobArguments& arguments, const JobStep& step) {
+  auto database = tools.open();
+  if (!database) return database.error();
+  std::vector<db::SessionId> ids = arguments.sessions;
+  if (ids.empty()) {
+    auto chosen = db::select_sessions(*database, arguments.filter);
+    if (!chosen) return chosen.error();
+    ids = std::move(*chosen);
+  }
+  const std::size_t count = ids.size();
+  auto bundle = db::Bundle::open(*database, std::move(ids), arguments.layout);
+  if (!bundle) return bundle.error();
+  const auto file = db::SpoolFile::create(tools.file.parent_path());
+  if (!file) return file.error();
+  std::string piece;
+  for (;;) {
+    if (!step(bundle->progress())) return std::optional<JobYield>{};
+    const auto more = bundle->next_chunk(piece);
+    if (!more) return more.error();
+    if (!*more) break;
+    if (const db::Status written = (*file)->append(piece); !written) return written.error();
+  }
+  const json told{{"kind", "export_sessions"},
+                  {"sessions", count},
+                  {"bytes", (*file)->size()},
+                  {"file_name", arguments.layout == db::BundleLayout::bids ? "hoist_bids.zip" : "hoist_sessions.zip"}};
+  return std::optional(JobYield{.result = told.dump(), .check = {}, .file = *file});
+}
+
 namespace {
 namespace fs = std::filesystem;
 

@@ -3,10 +3,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "db/export/bundle.hpp"
+#include "db/export/spool_file.hpp"
 #include "db/store/database.hpp"
 #include "db/store/integrity.hpp"
 #include "db/store/result.hpp"
@@ -15,10 +18,12 @@
 namespace hoist::server {
 
 struct JobArguments {
-  std::vector<db::SessionId> sessions = {};  // of recompute_metrics; empty = the newest ones
+  std::vector<db::SessionId> sessions = {};  // of recompute_metrics (empty = the newest ones) and export_sessions
   std::string folder = {};                   // of backup; empty = the first of the allowed ones
   std::string backup = {};                   // of restore
   bool identity_key = false;                 // of backup: the key of the patients' names goes with it
+  db::SessionFilter filter = {};             // of export_sessions without sessions
+  db::BundleLayout layout = db::BundleLayout::files;
 };
 // What a job may use.
 struct JobTools {
@@ -37,8 +42,9 @@ struct JobTools {
   [[nodiscard]] db::Result<db::Database> open() const { return db::Database::attach(file); }
 };
 struct JobYield {
-  std::string result;                        // as JSON
-  std::optional<db::IntegrityReport> check;  // of integrity_check
+  std::string result;                              // as JSON
+  std::optional<db::IntegrityReport> check;        // of integrity_check
+  std::shared_ptr<const db::SpoolFile> file = {};  // of export_sessions
 };
 // Called often with the share that is done, 0 to 1; false = end here.
 using JobStep = std::function<bool(double)>;

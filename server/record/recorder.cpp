@@ -27,6 +27,9 @@ namespace {
 constexpr auto kPass = std::chrono::milliseconds(50);
 // While the disk refuses, asked again this often.
 constexpr std::uint64_t kRetry_ns = 1'000'000'000;
+// Whole exports that are kept for further parts: the least used goes first, and each some time after its last use.
+constexpr std::size_t kSpooledKept = 4;
+constexpr std::uint64_t kSpoolKept_ns = 600'000'000'000;
 constexpr std::uint64_t kCommit_ns = 400'000'000;
 // The wall clock is compared with the steady one this often; a jump of more than this is noted in the recording.
 constexpr std::uint64_t kAnchor_ns = 1'000'000'000;
@@ -169,13 +172,17 @@ class Recorder::Work final : public Records {
 
   void close_file() {
     exports_.clear();
+    spooling_.clear();
     writer_.reset();
     reading_.reset();
     writing_.reset();
   }
 
   void close_exports(const std::vector<ExportId>& ids) {
-    for (const ExportId id : ids) exports_.erase(id);
+    for (const ExportId id : ids) {
+      exports_.erase(id);
+      spooling_.erase(id);
+    }
   }
 
   // ---- Records
@@ -227,12 +234,39 @@ class Recorder::Work final : public Records {
     if (!opened) return opened.error();
     const ExportId id = ++last_export_;
     const auto& [at, fresh] = exports_.emplace(id, std::move(*opened));
-    return OpenedExport{.id = id, .content_type = at->second.content_type(), .file_name = at->second.file_name()};
+    return OpenedExport{
+        .id = id, .content_type = at->second.content_type(), .file_name = at->second.file_name(), .etag = at->second.etag()};
   }
   db::Result<bool> export_piece(ExportId id, std::string& out) override {
     const auto at = exports_.find(id);
     if (at == exports_.end()) return db::Error{db::ErrorKind::wrong_state, "This export is closed.", ""};
     return at->second.next_chunk(out);
+  }
+  db::Result<std::shared_ptr<const db::SpoolFile>> export_file(ExportId id) override {
+    using File = std::shared_ptr<const db::SpoolFile>;
+    const auto at = exports_.find(id);
+    if (at == exports_.end()) return db::Error{db::ErrorKind::wrong_state, "This export is closed.", ""};
+    const std::string etag = at->second.etag();
+    std::erase_if(spooled_, [&](const Spooled& s) { return now_ns_ - s.used_ns > kSpoolKept_ns; });
+    const auto known = std::ranges::find(spooled_, etag, &Spooled::etag);
+    if (known != spooled_.end()) {
+      known->used_ns = now_ns_;
+      return known->file;
+    }
+    std::shared_ptr<db::SpoolFile>& file = spooling_[id];
+    if (!file) {
+      auto created = db::SpoolFile::create(owner_.options_.file.parent_path());
+      if (!created) return created.error();
+      file = std::move(*created);
+    }
+    std::string piece;
+    const auto more = at->second.next_chunk(piece);
+    if (!more) return more.error();
+    if (db::Status written = file->append(piece); !written) return written.error();
+    if (*more) return File{};
+    if (spooled_.size() >= kSpooledKept) spooled_.erase(std::ranges::min_element(spooled_, {}, &Spooled::used_ns));
+    spooled_.push_back({etag, now_ns_, file});
+    return File{file};
   }
 
  private:
@@ -702,6 +736,13 @@ class Recorder::Work final : public Records {
   std::optional<db::SessionWriter> writer_;
   std::map<ExportId, db::SessionExport> exports_;  // after reading_, whose statements they hold
   ExportId last_export_ = 0;
+  std::map<ExportId, std::shared_ptr<db::SpoolFile>> spooling_;  // being written
+  struct Spooled {
+    std::string etag;
+    std::uint64_t used_ns = 0;
+    std::shared_ptr<const db::SpoolFile> file;
+  };
+  std::vector<Spooled> spooled_;  // whole
   std::string error_;
   db::ErrorKind error_kind_{};  // of error_
   bool opened_ = false;         // this file was told as opened

@@ -16,6 +16,7 @@
 #include "control/contract/shared_memory.hpp"
 #include "control/publish/server_link.hpp"
 #include "db/export/session_export.hpp"
+#include "db/export/spool_file.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/session_types.hpp"
 #include "db/store/session_writer.hpp"
@@ -57,7 +58,7 @@ struct RecordingStatus {
 using ExportId = std::uint64_t;
 struct OpenedExport {
   ExportId id = 0;
-  std::string content_type, file_name;
+  std::string content_type, file_name, etag;
 };
 
 // What a job may use, on the recorder's thread only. `database` is null while it cannot be opened; `why` says why.
@@ -80,6 +81,8 @@ class Records {
   virtual db::Result<OpenedExport> open_export(db::SessionId session, const db::ExportOptions& options) = 0;
   // Replaces `out` by the next piece. False at the end.
   virtual db::Result<bool> export_piece(ExportId id, std::string& out) = 0;
+  // The same export as a whole file, which is made over several calls: null until it is there. Equal ones are made once.
+  virtual db::Result<std::shared_ptr<const db::SpoolFile>> export_file(ExportId id) = 0;
 };
 
 class Recorder {

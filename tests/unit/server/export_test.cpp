@@ -1,0 +1,157 @@
+// Exports that are whole files: made once, served in parts by their tag, and of many sessions by a job.
+#include <array>
+
+#include "db/store/session_writer.hpp"
+#include "server/http/exchange.hpp"
+#include "server/jobs/jobs.hpp"
+#include "tests/unit/server/fixture.hpp"
+
+namespace hoist::test {
+namespace {
+
+using server::ByteRange;
+using server::RangeWish;
+
+TEST(Range, OnePartOfAFileAsRfc9110Says) {
+  struct Case {
+    const char* header;
+    std::uint64_t size;
+    RangeWish wish;
+    std::uint64_t first, length;
+  };
+  constexpr auto kNone = RangeWish::none, kPart = RangeWish::part, kOutside = RangeWish::outside;
+  for (const Case& c : std::initializer_list<Case>{
+           {"", 100, kNone, 0, 0},
+           {"bytes=0-0", 100, kPart, 0, 1},
+           {"bytes=10-19", 100, kPart, 10, 10},
+           {"bytes=90-", 100, kPart, 90, 10},
+           {"bytes=-10", 100, kPart, 90, 10},
+           {"bytes=-1000", 100, kPart, 0, 100},
+           {"bytes=50-1000", 100, kPart, 50, 50},
+           {"bytes=0-18446744073709551615", 100, kPart, 0, 100},
+           {"bytes=0-99999999999999999999999", 100, kPart, 0, 100},
+           {"bytes=100-", 100, kOutside, 0, 0},
+           {"bytes=99999999999999999999999-", 100, kOutside, 0, 0},
+           {"bytes=-0", 100, kOutside, 0, 0},
+           {"bytes=0-", 0, kOutside, 0, 0},
+           // What may be ignored.
+           {"bytes=19-10", 100, kNone, 0, 0},
+           {"bytes=0-1,5-6", 100, kNone, 0, 0},
+           {"bytes=-", 100, kNone, 0, 0},
+           {"bytes=a-b", 100, kNone, 0, 0},
+           {"bytes=+1-2", 100, kNone, 0, 0},
+           {"bytes=1--2", 100, kNone, 0, 0},
+           {"items=0-1", 100, kNone, 0, 0},
+       }) {
+    ByteRange part;
+    EXPECT_EQ(server::read_range(c.header, c.size, part), c.wish) << c.header;
+    if (c.wish != kPart) continue;
+    EXPECT_EQ(part.first, c.first) << c.header;
+    EXPECT_EQ(part.length, c.length) << c.header;
+  }
+}
+
+class Exports : public ServerTest {
+ protected:
+  void SetUp() override {
+    ServerTest::SetUp();
+    stop_server();
+    record();
+    start_server();
+  }
+
+ private:
+  void record() {
+    auto database = db::Database::open(folder_ / "hoist.db");
+    ASSERT_TRUE(database.ok());
+    auto writer = db::SessionWriter::create(*database);
+    ASSERT_TRUE(writer.ok());
+    for (const char* patient : {"P-1", "P-2"}) {
+      db::SessionStart start;
+      start.subject = patient;
+      start.started_utc_ns = 1'790'000'000'000'000'000;
+      start.start_time_ns = 1;
+      ASSERT_TRUE(writer->begin(start).ok());
+      std::vector<contract::TickRecord> records(2000);
+      for (std::size_t i = 0; i < records.size(); ++i) {
+        records[i].tick = i;
+        records[i].time_ns = 1 + i * 10'000'000;
+        records[i].x_m = static_cast<float>((i * 104729U) % 100000) * 1e-3F;
+      }
+      ASSERT_TRUE(writer->append_ticks(records).ok());
+      ASSERT_TRUE(writer->end(db::CloseReason::finished, start.started_utc_ns).ok());
+    }
+  }
+};
+
+TEST_F(Exports, AnMcapIsServedWholeAndInPartsByItsTag) {
+  const std::string target = "/api/v1/sessions/1/export?format=mcap";
+  const Answer whole = get(target);
+  ASSERT_EQ(whole.status, 200);
+  ASSERT_GT(whole.body.size(), 10000U);
+  EXPECT_EQ(whole.body.substr(0, 6), "\x89MCAP0");
+  EXPECT_EQ(whole.header("content-length"), std::to_string(whole.body.size()));
+  EXPECT_EQ(whole.header("accept-ranges"), "bytes");
+  EXPECT_EQ(whole.header("transfer-encoding"), "");
+  const std::string tag = whole.header("etag");
+  ASSERT_GT(tag.size(), 2U);
+  EXPECT_EQ(call("HEAD", target).header("content-length"), whole.header("content-length"));
+
+  const Answer part = call("GET", target, nullptr, {{"Range", "bytes=100-1099"}, {"If-Range", tag}});
+  EXPECT_EQ(part.status, 206);
+  EXPECT_EQ(part.body, whole.body.substr(100, 1000));
+  EXPECT_EQ(part.header("content-range"), "bytes 100-1099/" + std::to_string(whole.body.size()));
+  EXPECT_EQ(part.header("content-length"), "1000");
+  EXPECT_EQ(call("GET", target, nullptr, {{"Range", "bytes=-8"}}).body, whole.body.substr(whole.body.size() - 8));
+  EXPECT_EQ(call("GET", target, nullptr, {{"Range", "bytes=100-1099"}, {"If-Range", "\"another\""}}).status, 200);
+  const Answer outside = call("GET", target, nullptr, {{"Range", "bytes=999999999-"}});
+  EXPECT_EQ(outside.status, 416);
+  EXPECT_EQ(outside.header("content-range"), "bytes */" + std::to_string(whole.body.size()));
+  EXPECT_EQ(call("GET", target, nullptr, {{"If-None-Match", tag}}).status, 304);
+  // Parts make up the whole.
+  std::string joined;
+  for (std::size_t from = 0; from < whole.body.size(); from += 7777)
+    joined += call("GET", target, nullptr, {{"Range", "bytes=" + std::to_string(from) + "-" + std::to_string(from + 7776)}}).body;
+  EXPECT_EQ(joined, whole.body);
+  // What the file follows from changes its tag.
+  EXPECT_NE(get(target + "&columns=x_m").header("etag"), tag);
+  ASSERT_EQ(call("PATCH", "/api/v1/sessions/1", {{"note", "seen"}}).status, 200);
+  EXPECT_NE(get(target).header("etag"), tag);
+}
+
+TEST_F(Exports, ManySessionsAreAJobWithAFile) {
+  const auto finished = [this](const json& wish) {
+    const Answer started = call("POST", "/api/v1/jobs", wish);
+    EXPECT_EQ(started.status, 202) << started.body;
+    const std::string place = started.header("location");
+    EXPECT_TRUE(until([&] { return get(place).json()["ended_utc_ms"] != nullptr; }));
+    return place;
+  };
+  const std::string place = finished({{"kind", "export_sessions"}});
+  const json result = get(place).json()["result"];
+  EXPECT_EQ(result["sessions"], 2);
+  const Answer file = get(place + "/file");
+  ASSERT_EQ(file.status, 200);
+  EXPECT_EQ(file.body.size(), result["bytes"]);
+  EXPECT_EQ(file.body.substr(0, 4), "PK\3\4");
+  EXPECT_EQ(file.header("content-disposition"), "attachment; filename=\"hoist_sessions.zip\"");
+  const Answer part = call("GET", place + "/file", nullptr, {{"Range", "bytes=-22"}, {"If-Range", file.header("etag")}});
+  EXPECT_EQ(part.status, 206);
+  EXPECT_EQ(part.body, file.body.substr(file.body.size() - 22));
+
+  const std::string one = finished({{"kind", "export_sessions"}, {"layout", "bids"}, {"subject", "P-2"}});
+  EXPECT_EQ(get(one).json()["result"]["sessions"], 1);
+  EXPECT_NE(get(one + "/file").body.find("sub-P2/"), std::string::npos);
+  const std::string none = finished({{"kind", "export_sessions"}, {"subject", "P-3"}});
+  EXPECT_EQ(get(none).json()["state"], "failed");
+  EXPECT_EQ(get(none).json()["detail"], "no session fits");
+  EXPECT_EQ(get(none + "/file").status, 404);
+  finished({{"kind", "export_sessions"}});
+  EXPECT_EQ(get(place + "/file").status, 404) << "only the newest files are kept";
+  EXPECT_EQ(get(place).json()["state"], "done");
+  EXPECT_EQ(call("POST", "/api/v1/jobs", {{"kind", "export_sessions"}, {"layout", "xls"}}).status, 422);
+  EXPECT_EQ(call("POST", "/api/v1/jobs", {{"kind", "export_sessions"}, {"from_day", "1.9.2026"}}).status, 422);
+}
+
+}  // namespace
+}  // namespace hoist::test
