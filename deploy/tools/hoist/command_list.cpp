@@ -8,6 +8,7 @@ int run_firmware(std::span<const std::string_view> arguments);
 int run_laws(std::span<const std::string_view> arguments);
 int run_sessions(std::span<const std::string_view> arguments);
 int run_export(std::span<const std::string_view> arguments);
+int run_sql_command(std::span<const std::string_view> arguments);
 int run_metrics(std::span<const std::string_view> arguments);
 int run_verify(std::span<const std::string_view> arguments);
 int run_replay(std::span<const std::string_view> arguments);
@@ -23,7 +24,8 @@ namespace {
 constexpr std::array kCommands = {
     Command{"laws", "compute the paper's equations from JSON lines", &run_laws},
     Command{"sessions", "list the sessions of a database", &run_sessions},
-    Command{"export", "write a recorded session as CSV or JSON", &run_export},
+    Command{"export", "write recorded sessions in the formats of other programs", &run_export},
+    Command{"sql", "ask a file of recordings in SQL, samples included", &run_sql_command},
     Command{"metrics", "how well a session's exercise was walked", &run_metrics},
     Command{"verify", "run a session again and compare every field, bit for bit", &run_verify},
     Command{"replay", "run a session again with other parameters", &run_replay},

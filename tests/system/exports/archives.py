@@ -74,6 +74,36 @@ class Archives(unittest.TestCase):
             hoist("export", self.database, "--bundle", "files", "--from", "21.9.2026")
         self.assertIn(b"YYYY-MM-DD", refused.exception.stderr)
 
+    def sql(self, *statements, given=None):
+        done = subprocess.run([HOIST, "sql", self.database, *statements], input=given, capture_output=True, text=True)
+        return done.returncode, list(csv.reader(io.StringIO(done.stdout))), done.stderr
+
+    def samples_are_rows_of_a_table_with_the_numbers_of_the_csv(self):
+        names = ["time_s", "gap_before", "tick", "x_m", "mode", "left_counts", "utc"]
+        code, rows, _ = self.sql(f"SELECT {', '.join(names)} FROM samples WHERE session_id = 2")
+        self.assertEqual((code, rows[0]), (0, names))
+        expected = self.csv_of(2)
+        self.assertEqual(len(rows) - 1, len(expected))
+        for row, sample in zip(rows[1:], expected):
+            for name, value in zip(names, row):
+                same = value == sample[name] if name == "utc" else float(value) == float(sample[name])
+                self.assertTrue(same, f"{name}: {value}, expected {sample[name]}")
+        # A range gives what the same condition gives on all rows.
+        _, some, _ = self.sql("SELECT tick FROM samples WHERE session_id = 2 AND time_s >= 13.5 AND time_s < 15.5")
+        self.assertEqual([r[0] for r in some[1:]], [s["tick"] for s in expected if 13.5 <= float(s["time_s"]) < 15.5])
+        self.assertEqual(self.sql("SELECT count(*), sum(gap_before) FROM samples")[1][1], [str(3 * len(expected)), "3"])
+        self.assertEqual(self.sql("SELECT count(*) FROM samples WHERE session_id = 99")[1][1], ["0"])
+
+    def sql_only_reads_and_says_what_is_wrong(self):
+        for statement in ("DELETE FROM sessions", "ATTACH 'x.db' AS x", "PRAGMA query_only = 0", "CREATE TABLE x (y)", "VACUUM INTO 'x.db'"):
+            code, rows, words = self.sql(statement)
+            self.assertEqual((code, rows), (1, []), statement)
+            self.assertRegex(words, "only read", statement)
+        code, _, words = self.sql("SELECT nonsense FROM samples")
+        self.assertEqual((code, words), (1, "hoist sql: no such column: nonsense\n"))
+        code, rows, _ = self.sql(given="SELECT 1 AS a\n;\nSELECT 2 AS b")
+        self.assertEqual((code, rows), (0, [["a"], ["1"], ["b"], ["2"]]))
+
     # Names and columns by BIDS 1.10: schema/rules/files/raw/{motion,channels,events}.yaml, rules/tabular_data/motion.yaml, rules/sidecars/motion.yaml.
     def a_data_set_is_laid_out_as_motion_bids(self):
         archive = self.archive("--bundle", "bids")
@@ -140,6 +170,8 @@ if __name__ == "__main__":
     code = run_suite("ExportArchives", [
         suite.a_session_as_an_archive_holds_the_same_files_as_the_single_exports,
         suite.filters_choose_the_sessions,
+        suite.samples_are_rows_of_a_table_with_the_numbers_of_the_csv,
+        suite.sql_only_reads_and_says_what_is_wrong,
         suite.a_data_set_is_laid_out_as_motion_bids,
     ])
     Archives.tearDownClass()
