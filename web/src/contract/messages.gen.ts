@@ -16,6 +16,10 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   message: { en: 'This page and the software of the hoist do not match. Load the page again.', de: 'Diese Seite passt nicht zur Software des Geräts. Seite neu laden.' },
   unknown: { en: 'This is no longer there.', de: 'Das gibt es nicht mehr.' },
   not_now: { en: 'This session is still being recorded.', de: 'Diese Sitzung wird noch aufgezeichnet.' },
+  changed_meanwhile: { en: 'Someone else has changed this. Look at it again.', de: 'Das wurde inzwischen geändert. Bitte noch einmal ansehen.' },
+  taken: { en: 'This name is already in use.', de: 'Diese Bezeichnung gibt es schon.' },
+  patient_chosen: { en: 'This patient is chosen for the hoist. Choose another one first.', de: 'Diese Person ist für das Gerät gewählt. Zuerst eine andere wählen.' },
+  identity_key: { en: 'The key of the names is missing or another one. Call service.', de: 'Der Schlüssel zu den Namen fehlt oder passt nicht. Service rufen.' },
   not_recording: { en: 'Nothing is being recorded.', de: 'Es läuft keine Aufnahme.' },
   lease_free: { en: 'Nobody else is in control.', de: 'Niemand sonst steuert.' },
   job_ended: { en: 'This job has already ended.', de: 'Dieser Auftrag ist schon beendet.' },
@@ -81,6 +85,9 @@ export type PresetRequest = { type: 'preset'; request: number } & rest.PresetReq
 /** Choose the exercise of the next walk, for all screens; not while the hoist is led. */
 export type ChooseRequest = { type: 'choose'; request: number } & rest.ChooseRequest;
 
+/** Choose whom the hoist walks with, for all screens; not while it is led. Forgotten after half an hour without motion. */
+export type ChoosePatientRequest = { type: 'choose_patient'; request: number } & rest.ChoosePatient;
+
 /** Take the way the patient stands now as upright. */
 export type NeutralRequest = { type: 'neutral'; request: number };
 
@@ -124,6 +131,7 @@ export type ClientMessage =
   | UndoSettingsRequest
   | PresetRequest
   | ChooseRequest
+  | ChoosePatientRequest
   | NeutralRequest
   | CalibrateRequest
   | CalibrateMeasureRequest
@@ -252,6 +260,14 @@ export interface WalkMessage {
   y_m: readonly number[];
 }
 
+/** Whom the hoist walks with: on connecting and when another is chosen. */
+export interface PatientMessage {
+  type: 'patient';
+  /** null: nobody is chosen. */
+  id: number | null;
+  code: string | null;
+}
+
 /** Answer to ping. */
 export interface PongMessage {
   type: 'pong';
@@ -318,6 +334,7 @@ export type ServerMessage =
   | RecordingMessage
   | CoreMessage
   | WalkMessage
+  | PatientMessage
   | PongMessage
   | NoticeMessage
   | NoticesMessage

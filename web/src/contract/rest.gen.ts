@@ -10,7 +10,7 @@ export type AcknowledgeRequest = {
 export type Actor = {
   /** The sign-in: script, or device- and eight digits. */
   client: string;
-  /** The protocol: rest or hoist.v1. */
+  /** The protocol: rest, hoist.v1, foxglove or rosbridge. */
   origin: string;
   role: string;
   /** The account; local until there are user accounts. */
@@ -172,6 +172,22 @@ export type CalibrationState = {
 
 export type CalibrationStep = 'zero' | 'neutral' | 'gyro' | 'strut_length' | 'strut_spacing' | 'wheel_radius' | 'track' | 'square' | 'encoders' | 'bumpers';
 
+export type ChoosePatient = {
+  /** Id of a patient; null: nobody. */
+  patient: number | null;
+};
+
+export type ChooseRequest = {
+  /** What is walked next unless the start says otherwise. */
+  exercise: Exercise;
+};
+
+export type ChosenPatient = {
+  code: string | null;
+  /** null: nobody is chosen. */
+  id: number | null;
+};
+
 export type ComputedFrom = {
   /** Of the values of these inputs: FNV-1a, 16 hexadecimal digits. The same hash and version, the same figure. */
   hash: string;
@@ -192,6 +208,22 @@ export type DoneStored = {
   ok: true;
   stored: Stored;
 };
+
+export type DriveRequest = {
+  /** time_ns of the newest record seen. */
+  echo: number;
+  /** Hold-to-run is held. */
+  held: boolean;
+  /** Rises with every message of one connection. */
+  sequence: number;
+  /** Share of the driving limit, forward positive. */
+  speed: number;
+  /** Share of the turning limit, left positive. */
+  yaw: number;
+};
+
+/** Of what people may change in this row. Send it in quotes as If-Match with a change; the header ETag has it in quotes. */
+export type EditTag = string;
 
 export type Emergency = {
   code: number;
@@ -291,6 +323,13 @@ export type ExerciseSize = {
   usual_m: number;
 };
 
+export type ExportResult = {
+  bytes: number;
+  file_name: string;
+  kind: 'export_sessions';
+  sessions: number;
+};
+
 export type FaultList = {
   items: readonly ({
     action: Words;
@@ -384,6 +423,13 @@ export type GuidedPath = {
 
 export type GuidedPathOrNull = GuidedPath | null;
 
+export type HandOverRequest = {
+  /** Number of the client, as in asking. */
+  client?: number;
+  /** Account: the client of this person that asks, else the one that came last. */
+  user?: string;
+};
+
 export type Health = {
   bus: BusHealth | null;
   connected: boolean;
@@ -398,6 +444,21 @@ export type Health = {
   /** Empty while the core is not connected. */
   nodes: readonly NodeHealth[];
   recordings: RecordingsHealth;
+};
+
+export type Identity = {
+  etag: EditTag;
+  identity: Person | null;
+  /** key_missing, key_foreign: the key file beside the database is not there, or of another hoist. */
+  state: 'none' | 'readable' | 'key_missing' | 'key_foreign' | 'damaged';
+};
+
+export type IdentityRequest = {
+  /** YYYY-MM-DD. */
+  birth_date?: string | null;
+  /** One line, at most 200 bytes of UTF-8. */
+  name: string;
+  note?: string;
 };
 
 export type IntegrityResult = {
@@ -423,11 +484,11 @@ export type Job = {
   /** The same for programs. */
   reason_code: ReasonCode | null;
   /** Not in lists; null until it is done. */
-  result?: IntegrityResult | MetricsResult | BackupResult | RestoreResult | BackupsResult | null;
+  result?: IntegrityResult | MetricsResult | BackupResult | RestoreResult | BackupsResult | ExportResult | null;
   state: 'waiting' | 'running' | 'done' | 'failed' | 'cancelled';
 };
 
-export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'list_backups';
+export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'export_sessions' | 'list_backups';
 
 export type JobList = {
   items: readonly Job[];
@@ -451,13 +512,27 @@ export type JobRequest = {
   backup: string;
   kind: 'restore';
 } | {
+  /** Its shape. */
+  exercise?: string;
+  from_day?: string;
+  kind: 'export_sessions';
+  /** files (when not given): a folder per session; bids: a data set as Motion-BIDS lays it out, without notes and user names. */
+  layout?: 'files' | 'bids';
+  /** These only; the filters do not count. */
+  sessions?: readonly number[];
+  /** false: without recordings of a simulated hoist. */
+  simulated?: boolean;
+  /** The whole patient code. */
+  subject?: string;
+  to_day?: string;
+  visit?: number;
+} | {
   kind: 'list_backups';
 };
 
 /** The body may be left out.. */
 export type KeepRequest = {
-  /** Of the parameters that were looked at; refused when others have changed them meanwhile. */
-  version?: number;
+  version?: LookedAt;
 };
 
 /** Those that hold something, earliest first. */
@@ -467,8 +542,31 @@ export type LatenessBuckets = readonly ({
   to_s: number | null;
 })[];
 
+export type Lease = {
+  actor: ActorOrNull;
+  /** Those who ask the holder for control, oldest first. */
+  asking: readonly LeaseAsk[];
+  /** Rises with each change of holder. */
+  epoch: number;
+  /** Only in GET /api/v1/lease: when control taken over REST ends without use; null = nobody has it, or a WebSocket, whose end ends it. */
+  expires_in_s?: number | null;
+  /** Number of the client in control; 0 = nobody. */
+  holder: number;
+};
+
+export type LeaseAsk = {
+  actor: ActorOrNull;
+  client: number;
+};
+
+export type LeaseAskRequest = {
+  /** True: control is asked for no longer. */
+  withdraw?: boolean;
+};
+
 /** The body may be left out.. */
 export type LeaseRequest = {
+  /** Also when somebody else is in control; only while the hoist stands still. */
   take_over?: boolean;
 };
 
@@ -476,6 +574,9 @@ export type LeaseResult = {
   epoch: number;
   holder: number;
 };
+
+/** Version of the parameters that were looked at; refused when others have changed them meanwhile. */
+export type LookedAt = number;
 
 export type Loop = {
   allocations: number;
@@ -658,6 +759,9 @@ export type ParameterList = {
   version: number;
 };
 
+/** Names and new values. */
+export type ParameterNumbers = Record<string, number>;
+
 export type ParameterResult = {
   stored: Stored;
   values: Record<string, number>;
@@ -665,15 +769,13 @@ export type ParameterResult = {
 };
 
 export type ParameterValue = {
-  /** Only on trial: the value before comes back after so many seconds unless confirmed. */
-  revert_after_s?: number;
+  revert_after_s?: TrialTime;
   value: number;
 };
 
 /** Names and new values. */
 export type ParameterValues = {
-  /** Only on trial: the values before come back after so many seconds unless confirmed. */
-  revert_after_s?: number;
+  revert_after_s?: TrialTime;
   [name: string]: number | undefined;
 };
 
@@ -685,22 +787,48 @@ export type PasswordChange = {
   password: string;
 };
 
+export type Patient = {
+  archived: boolean;
+  /** Pseudonym. */
+  code: string;
+  etag: EditTag;
+  first_day: string | null;
+  has_identity: boolean;
+  id: number;
+  last_day: string | null;
+  sessions: number;
+  visits: number;
+};
+
 export type PatientList = {
-  items: readonly ({
-    code: string;
-    first_day: string | null;
-    id: number;
-    last_day: string | null;
-    sessions: number;
-    visits: number;
-  })[];
+  items: readonly Patient[];
   next: string | null;
+};
+
+export type PatientPatch = {
+  archived?: boolean;
+  code?: SubjectCode;
+};
+
+export type PatientRequest = {
+  code: SubjectCode;
+};
+
+export type Person = {
+  birth_date: string | null;
+  name: string;
+  note: string;
 };
 
 export type PinChange = {
   password: string;
   /** null removes it. */
   pin: string | null;
+};
+
+export type PingRequest = {
+  /** Comes back in the pong. */
+  t: number;
 };
 
 export type Pose = {
@@ -718,6 +846,12 @@ export type PresetList = {
   }[];
 };
 
+export type PresetRequest = {
+  /** Name of the preset. */
+  name: string;
+  version?: LookedAt;
+};
+
 export type Problem = {
   detail: string;
   errors?: readonly FieldError[];
@@ -729,7 +863,61 @@ export type Problem = {
   type: string;
 };
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'not_recording' | 'job_ended' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
+export type Profile = {
+  actor: ActorOrNull;
+  etag: EditTag;
+  id: number;
+  name: string;
+  patient: number;
+  saved_utc_ms: number;
+  settings: ProfileSettings;
+  /** Counts the savings. */
+  version: number;
+};
+
+export type ProfileApply = {
+  /** Of the parameters that were looked at; refused when others have changed them meanwhile. */
+  version: number;
+};
+
+export type ProfileDiff = {
+  items: readonly ({
+    in_force: number | null;
+    name: string;
+    profile: number;
+    /** No parameter of a therapist in this software, or outside its range. */
+    unusable: boolean;
+  })[];
+  /** Of the parameters in force; null: no core is connected. */
+  version: number | null;
+};
+
+export type ProfileList = {
+  items: readonly Profile[];
+  next: string | null;
+};
+
+/** One line, at most 64 bytes of UTF-8. */
+export type ProfileName = string;
+
+export type ProfilePatch = {
+  /** true: what is in force is saved as the next version. */
+  from_in_force?: boolean;
+  name?: ProfileName;
+  /** Saved as the next version. */
+  settings?: Record<string, never>;
+};
+
+export type ProfileRequest = {
+  name: ProfileName;
+  /** Left out: what is in force. */
+  settings?: Record<string, never>;
+};
+
+/** Names and values of parameters that a therapist may change. */
+export type ProfileSettings = Record<string, number>;
+
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'job_ended' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
 
 export type Recording = {
   detail: string;
@@ -819,6 +1007,12 @@ export type SessionPatch = {
   subject?: SubjectCode | null;
 };
 
+export type SetRequest = {
+  revert_after_s?: TrialTime;
+  values: ParameterNumbers;
+  version?: LookedAt;
+};
+
 export type SetUpRequest = {
   code: string;
   display_name: DisplayName;
@@ -877,10 +1071,7 @@ export type Status = {
     version: string | null;
   };
   counters: Record<string, number>;
-  lease: {
-    epoch: number;
-    holder: number;
-  };
+  lease: Lease;
   notices: readonly StandingNotice[];
   recording: Recording;
   scenario: string | null;
@@ -895,6 +1086,10 @@ export type Status = {
 
 /** true: on the disk, file and folder synced. false: in force and not stored; see the notices of /api/v1/status. */
 export type Stored = boolean;
+
+export type StreamRequest = {
+  every_tick: boolean;
+};
 
 /** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
 export type SubjectCode = string;
@@ -921,6 +1116,23 @@ export type TokenMade = {
   /** Shown this once: Authorization: Bearer .... */
   token: string;
 };
+
+export type Tools = {
+  enabled: boolean;
+  /** Path of the WebSocket. */
+  foxglove: string;
+  /** Path of a layout file for Foxglove Studio. */
+  foxglove_layout: string;
+  /** Path of the WebSocket. */
+  rosbridge: string;
+};
+
+export type ToolsRequest = {
+  enabled: boolean;
+};
+
+/** Only on trial: the values before come back after so many seconds unless confirmed. */
+export type TrialTime = number;
 
 export type User = {
   display_name: string;
@@ -953,15 +1165,24 @@ export type Visit = {
 };
 
 export type VisitList = {
-  items: readonly {
-    code: string;
-    day: string;
-    id: number;
-    patient: number;
-    /** In the order of recording. */
-    sessions: readonly number[];
-  }[];
+  items: readonly VisitRow[];
   next: string | null;
+};
+
+export type VisitPatch = {
+  note: NoteText;
+};
+
+/** One patient on one day. */
+export type VisitRow = {
+  code: string;
+  day: string;
+  etag: EditTag;
+  id: number;
+  note: string;
+  patient: number;
+  /** In the order of recording. */
+  sessions: readonly number[];
 };
 
 export type Walk = {
@@ -1098,14 +1319,42 @@ export interface Routes {
     path: { id: number };
     answer: Job;
   };
+  /** The file that an export has made, or a part of it (Range). */
+  'GET /api/v1/jobs/{id}/file': {
+    path: { id: number };
+    answer: never;
+  };
   /** Gives control back. */
   'DELETE /api/v1/lease': {
     answer: Done;
+  };
+  /** Who is in control and who asks for it; with X-Hoist-Lease it also keeps control. */
+  'GET /api/v1/lease': {
+    answer: Lease;
   };
   /** Takes control; given back 10 s after its last use: a request that needs it or sends X-Hoist-Lease. */
   'POST /api/v1/lease': {
     body?: LeaseRequest;
     answer: LeaseResult;
+  };
+  /** Asks for control no longer. */
+  'DELETE /api/v1/lease/ask': {
+    answer: Done;
+  };
+  /** Asks for control; its holder sees who asks, for a minute. */
+  'POST /api/v1/lease/ask': {
+    body?: Empty;
+    answer: Done;
+  };
+  /** Gives control to another client or person while the hoist stands still. */
+  'POST /api/v1/lease/hand-over': {
+    body: HandOverRequest;
+    answer: Done;
+  };
+  /** Keeps control: those who ask are told. */
+  'POST /api/v1/lease/keep': {
+    body?: Empty;
+    answer: Done;
   };
   /** How punctual the control loop is: lateness in buckets, steps left out, page faults, what the computer granted. */
   'GET /api/v1/loop': {
@@ -1159,10 +1408,68 @@ export interface Routes {
     body: ParameterValue;
     answer: ParameterResult;
   };
+  /** Whom the hoist walks with. */
+  'GET /api/v1/patient': {
+    answer: ChosenPatient;
+  };
+  /** Chooses whom the next motion is recorded for, for all screens; forgotten after half an hour without motion. */
+  'PUT /api/v1/patient': {
+    body: ChoosePatient;
+    answer: ChosenPatient;
+  };
   /** Patients by their codes, newest first. */
   'GET /api/v1/patients': {
-    query?: { limit?: number; cursor?: string };
+    query?: { limit?: number; cursor?: string; q?: string; archived?: number };
     answer: PatientList;
+  };
+  /** A new patient; the address is in the header Location. */
+  'POST /api/v1/patients': {
+    body: PatientRequest;
+    answer: Patient;
+  };
+  /** Deletes a patient with sessions, visits, profiles and identity, overwritten. */
+  'DELETE /api/v1/patients/{id}': {
+    path: { id: number };
+    answer: null;
+  };
+  /** One patient. */
+  'GET /api/v1/patients/{id}': {
+    path: { id: number };
+    answer: Patient;
+  };
+  /** Changes code or archive; not of the patient who is chosen. */
+  'PATCH /api/v1/patients/{id}': {
+    path: { id: number };
+    body: PatientPatch;
+    answer: Patient;
+  };
+  /** Takes the identity away, overwritten. */
+  'DELETE /api/v1/patients/{id}/identity': {
+    path: { id: number };
+    answer: Patient;
+  };
+  /** Who a patient is, or why that cannot be shown; in no export or record. */
+  'GET /api/v1/patients/{id}/identity': {
+    path: { id: number };
+    answer: Identity;
+  };
+  /** Stores who a patient is, sealed. */
+  'PUT /api/v1/patients/{id}/identity': {
+    path: { id: number };
+    body: IdentityRequest;
+    answer: Patient;
+  };
+  /** A patient's settings by name, newest first. */
+  'GET /api/v1/patients/{id}/profiles': {
+    path: { id: number };
+    query?: { limit?: number; cursor?: string };
+    answer: ProfileList;
+  };
+  /** Saves settings under a name: the given ones, or those in force. */
+  'POST /api/v1/patients/{id}/profiles': {
+    path: { id: number };
+    body: ProfileRequest;
+    answer: Profile;
   };
   /** Sets the odometry's pose while standing still. */
   'POST /api/v1/pose': {
@@ -1178,6 +1485,39 @@ export interface Routes {
     path: { name: string };
     body?: Empty;
     answer: ParameterResult;
+  };
+  /** Deletes a profile with its versions. */
+  'DELETE /api/v1/profiles/{id}': {
+    path: { id: number };
+    answer: null;
+  };
+  /** One profile as it was saved last. */
+  'GET /api/v1/profiles/{id}': {
+    path: { id: number };
+    answer: Profile;
+  };
+  /** Renames a profile, or saves its next version. */
+  'PATCH /api/v1/profiles/{id}': {
+    path: { id: number };
+    body: ProfilePatch;
+    answer: Profile;
+  };
+  /** Sets all values of a profile at standstill, all or nothing. */
+  'POST /api/v1/profiles/{id}/apply': {
+    path: { id: number };
+    body: ProfileApply;
+    answer: ParameterResult;
+  };
+  /** What would change if the profile were applied. */
+  'GET /api/v1/profiles/{id}/diff': {
+    path: { id: number };
+    answer: ProfileDiff;
+  };
+  /** How a profile was saved, newest first. */
+  'GET /api/v1/profiles/{id}/versions': {
+    path: { id: number };
+    query?: { limit?: number; cursor?: string };
+    answer: ProfileList;
   };
   /** What is being recorded. */
   'GET /api/v1/recording': {
@@ -1237,7 +1577,7 @@ export interface Routes {
     path: { id: number };
     answer: EventList;
   };
-  /** A session in one of the formats of db/export/formats.def. */
+  /** A session in one of the formats of db/export/formats.def; of mcap also a part (Range). */
   'GET /api/v1/sessions/{id}/export': {
     path: { id: number };
     query?: { format?: 'csv' | 'csv_de' | 'events' | 'json' | 'candump' | 'mcap' | 'mat' | 'zip'; columns?: string; constant?: number; comments?: number };
@@ -1291,6 +1631,15 @@ export interface Routes {
     path: { id: number };
     answer: null;
   };
+  /** Whether Foxglove and rosbridge may connect, and their addresses. */
+  'GET /api/v1/tools': {
+    answer: Tools;
+  };
+  /** Lets Foxglove and rosbridge connect, or ends that. */
+  'PUT /api/v1/tools': {
+    body: ToolsRequest;
+    answer: Done;
+  };
   /** The accounts. */
   'GET /api/v1/users': {
     answer: UserList;
@@ -1308,8 +1657,19 @@ export interface Routes {
   };
   /** Visits, newest first: one patient on one day, with the sessions of it. */
   'GET /api/v1/visits': {
-    query?: { limit?: number; cursor?: string; patient?: number };
+    query?: { limit?: number; cursor?: string; patient?: number; day?: string };
     answer: VisitList;
+  };
+  /** One visit. */
+  'GET /api/v1/visits/{id}': {
+    path: { id: number };
+    answer: VisitRow;
+  };
+  /** Writes a visit's note. */
+  'PATCH /api/v1/visits/{id}': {
+    path: { id: number };
+    body: VisitPatch;
+    answer: VisitRow;
   };
   /** The exercise and the walk since the start mark. */
   'GET /api/v1/walk': {
