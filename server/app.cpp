@@ -367,7 +367,11 @@ bool App::start(std::string& error) {
       .guard = p.guard,
       .has_engineer = p.people.problem().empty() && p.people.accounts().has_engineer().ok() && *p.people.accounts().has_engineer(),
       .set_up = p.set_up,
-      .close_sockets = [&p](const auto& of, std::string_view reason) { p.hub.close_sockets(of, reason); },
+      .close_sockets =
+          [&p](const auto& of, std::string_view reason) {
+            p.hub.close_sockets(of, reason);
+            p.tool_hub.close_sockets(of, reason);
+          },
       .started_utc_ns = utc_ns(),
       .started_ns = steady_ns()});
   if (p.keeper) p.auth->set_hosts(p.hosts_of(p.keeper->ca().signed_names()));

@@ -777,7 +777,7 @@ void act_set_tools(Services& services, const Asker& asker, bool on, OutcomeDone 
     }
     done(outcome);
   };
-  if (!services.records.ask<bool>(work, then)) done(recorder_busy());
+  if (!services.records.ask<bool>(work, then)) done(recorder_is_busy());
 }
 
 }  // namespace hoist::server

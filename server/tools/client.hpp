@@ -51,6 +51,7 @@ class ToolClient : public SocketConnection {
   [[nodiscard]] std::uint32_t number() const { return number_; }
   [[nodiscard]] bool holds_lease() const;
   [[nodiscard]] contract::Role role() const { return session_->role; }
+  [[nodiscard]] const Session& session() const { return *session_; }
 
   // Once, a moment after the handshake (ToolHub::kGreeting_ns).
   virtual void greet() {}

@@ -24,7 +24,7 @@ void ToolHub::open(Protocol protocol, std::unique_ptr<Stream> stream, std::share
   services_->counters.add(Count::ws_opened);
   const bool foxglove = protocol == Protocol::foxglove;
   const std::uint32_t number = services_->actors.enter(
-      {kLocalUser, std::string{access_role(session->role)}, foxglove ? "foxglove" : "rosbridge", client_name(*session)});
+      {session->user, std::string{access_role(session->role)}, foxglove ? "foxglove" : "rosbridge", client_name(*session)});
   std::shared_ptr<ToolClient> client;
   if (foxglove)
     client = std::make_shared<FoxgloveClient>(*this, std::move(stream), std::move(session), number, std::move(seat));
@@ -35,6 +35,13 @@ void ToolHub::open(Protocol protocol, std::unique_ptr<Stream> stream, std::share
   clients_.push_back(client);
   // Switched off, or ending, while its handshake was under way.
   if (ending_ || !services_->tools.on()) client->close(CloseCode::going_away, "");
+}
+
+void ToolHub::close_sockets(const std::function<bool(const Session&)>& of, std::string_view reason) {
+  // A closing client may leave the list at once.
+  const auto all = clients_;
+  for (const auto& client : all)
+    if (of(client->session())) client->close(CloseCode::policy, reason);
 }
 
 void ToolHub::remove(const ToolClient* client) {
@@ -93,9 +100,13 @@ void ToolHub::poll(std::uint64_t now_ns) {
   const auto all = clients_;
   const bool visits = now_ns - visited_ns_ >= kPing_ns;
   if (visits) visited_ns_ = now_ns;
+  const auto utc_s = static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000);
   const auto& newest = services_->core.newest();
   for (const auto& client : all) {
-    if (visits) client->visit(now_ns);
+    if (visits) {
+      client->visit(now_ns);
+      if (Auth::over(client->session(), utc_s)) client->close(CloseCode::policy, "signed out");
+    }
     if (!client->greeted && now_ns - client->opened_ns >= kGreeting_ns) {
       client->greeted = true;
       client->greet();

@@ -33,6 +33,8 @@ class ToolHub final : public CoreListener {
 
   void poll(std::uint64_t now_ns);
   void close_all();
+  // As Hub::close_sockets.
+  void close_sockets(const std::function<bool(const Session&)>& of, std::string_view reason);
 
   enum class Protocol : std::uint8_t { foxglove, rosbridge };
   void open(Protocol protocol, std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session);

@@ -19,7 +19,9 @@ class Disks : public ServerTest {
   void TearDown() override {
     ServerTest::TearDown();
     slow_.reset();
-    if (mounted_) EXPECT_EQ(std::system(("umount '" + folder_.path().string() + "'").c_str()), 0);
+    if (mounted_) {
+      EXPECT_EQ(std::system(("umount '" + folder_.path().string() + "'").c_str()), 0);
+    }
   }
   void begin() {
     start_server();
