@@ -291,7 +291,7 @@ const cases = {
     assert(answer.status() === 401, `a used link answers ${answer.status()}, not 401`);
     const stranger = await other.newPage();
     await stranger.goto(`${stack.origin}/`);
-    await until('a stranger is told to open the link', () => stranger.getByText('This device is not signed in').isVisible());
+    await until('a stranger sees the set-up, not the hoist', () => stranger.getByRole('heading', { name: 'Set up this device' }).isVisible());
     await other.close();
     await page.close();
     await openConsole();

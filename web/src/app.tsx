@@ -1,5 +1,6 @@
 // The frame around every screen: status bar, alarm strip, menu, STOP.
 import { useEffect, useRef, useState } from 'preact/hooks';
+import { wasSignedIn } from './link/known';
 import { askLease, dialogs, takenSeen } from './link/console';
 import { useReadiness } from './link/readiness';
 import { store, useStore } from './link/store';
@@ -21,6 +22,9 @@ import './app.css';
 /** Texts of this device's language. */
 export const firstWords = new Lazy(() => loadLanguage(settings.value.language));
 
+/** Signing in and the first set-up. */
+const signIn = new Lazy(async () => (await import('./panels/sign_in/sign_in')).SignInView);
+
 /** STOP and its dependencies are loaded before any other file, and work when another file fails to load. */
 export function App() {
   const words = useLazy(firstWords);
@@ -41,24 +45,29 @@ export function App() {
   );
 }
 
+/** Not signed in, and nothing shown yet. Whoever was ever signed in on this device can still STOP. */
 function Gate() {
   return (
     <div class="gate">
-      <main class="card">
-        <h1>{t('gate.title')}</h1>
-        <p>{t('gate.text')}</p>
-        <button type="button" class="big" onClick={() => location.reload()}>
-          {t('common.retry')}
-        </button>
+      <main>
+        <SignIn />
       </main>
+      {wasSignedIn() ? <StopButton /> : null}
     </div>
   );
+}
+
+function SignIn() {
+  const view = useLazy(signIn);
+  if (view.state === 'failed') return <LoadFailed />;
+  return view.state === 'loading' ? <Loading /> : <view.value />;
 }
 
 function Shell() {
   useSettings();
   const { screen, part } = useAddress();
   const panel = panelOf(screen);
+  const signedIn = useStore((s) => s.signedIn);
   const stale = useReadiness().old && panel.live;
   useEffect(() => {
     document.title = `${t(panel.title)} – ${t('app.title')}`;
@@ -81,7 +90,7 @@ function Shell() {
       </nav>
       <main class={stale ? 'main stale' : 'main'}>
         <h1 class="visually-hidden">{t(panel.title)}</h1>
-        <Screen key={panel.id} panel={panel} part={part} />
+        {signedIn ? <Screen key={panel.id} panel={panel} part={part} /> : <SignIn />}
       </main>
       <div class="side-column">
         <div class="side-bars">

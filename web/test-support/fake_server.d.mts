@@ -2,7 +2,7 @@
 export interface FakeServer {
   url: string;
   /** What it pretends to be, and the messages that it has got. */
-  hoist: { commands: { type: string }[] };
+  hoist: { mode: string; patient: { code: string } | null; commands: { type: string }[] };
   /** Who is in control: 0 for nobody. */
   lease: { holder: number };
   /** Long work that was asked for. */
@@ -14,4 +14,11 @@ export interface FakeServer {
   event: (kind: string, more?: object) => void;
   close: () => Promise<void>;
 }
-export function startFakeServer(options?: { port?: number; dist?: string; signedIn?: boolean; jobs_ms?: number }): Promise<FakeServer>;
+export function startFakeServer(options?: {
+  port?: number;
+  dist?: string;
+  signedIn?: boolean;
+  pins?: boolean;
+  jobs_ms?: number;
+  set_up?: { needed: boolean; switch_on: boolean; seconds_left: number };
+}): Promise<FakeServer>;

@@ -110,6 +110,9 @@ export function startFakeServer({
   port = 0,
   dist = join(here, 'dist'),
   signedIn = true,
+  account = true,
+  set_up = { needed: false, switch_on: false, seconds_left: 0 },
+  pins = true,
   jobs_ms = 1000,
   exercise = { shape: 'eight', c_m: 1, radius_m: 0.8 },
 } = {}) {
@@ -137,6 +140,7 @@ export function startFakeServer({
     chosen: exercise,
     begun: null,
     session: null,
+    patient: null,
     sessionTick: 0,
     commands: [],
   };
@@ -158,6 +162,58 @@ export function startFakeServer({
   }));
 
   const dayOf = (ms) => new Date(ms).toISOString().slice(0, 10);
+  const patient = (id, code, last_day, more = {}) => ({
+    id,
+    code,
+    archived: false,
+    has_identity: false,
+    visits: 3,
+    sessions: 9,
+    first_day: '2026-10-02',
+    last_day,
+    etag: `p${id}`,
+    ...more,
+  });
+  const patients = [
+    patient(5, 'P-017', dayOf(Date.now()), { has_identity: true }),
+    patient(1, 'K-07', '2026-11-21'),
+    patient(4, 'P-016', '2026-11-19'),
+    patient(3, 'M-112', null, { visits: 0, sessions: 0, first_day: null }),
+  ];
+  const names = new Map([[5, { name: 'Erika Musterfrau', birth_date: '1951-04-12', note: '' }]]);
+  const profiles = [
+    {
+      id: 7,
+      patient: 5,
+      name: 'With brace',
+      version: 2,
+      saved_utc_ms: Date.UTC(2026, 10, 20, 10, 5),
+      actor: null,
+      settings: { lean_gain_filtered_units: 42, lean_range_rad: 0.2 },
+      etag: 'f7',
+    },
+  ];
+  const visits = [
+    { id: 12, patient: 5, code: 'P-017', day: dayOf(Date.now()), sessions: [4] },
+    { id: 11, patient: 1, code: 'K-07', day: '2026-11-21', sessions: [3] },
+    { id: 10, patient: 1, code: 'K-07', day: '2026-11-19', sessions: [1] },
+  ];
+  const people = [
+    { user: 'berg', display_name: 'Anna Berg', role: 'therapist', enabled: true, has_pin: true, password: 'berg and valley 1' },
+    { user: 'kos', display_name: 'Miha Kos', role: 'engineer', enabled: true, has_pin: true, password: 'kos and valley 12' },
+    { user: 'maier', display_name: 'Jonas Maier', role: 'viewer', enabled: false, has_pin: false, password: 'maier and valley' },
+  ];
+  const told = ({ password: _password, ...person }) => person;
+  let person = signedIn ? people[1] : null;
+  let failures = 0;
+  const tools = { enabled: false, foxglove: '/foxglove', rosbridge: '/rosbridge', foxglove_layout: '/foxglove-layout.json' };
+  const tokens = [{ id: 1, user: 'kos', name: 'Gait study', scope: 'viewer', created_utc_s: 1.79e9, expires_utc_s: 1.81e9 }];
+  const audit = [
+    { action: 'sign_in', user: 'kos', target: '', before: null, after: null, result: 'done' },
+    { action: 'change_parameters', user: 'berg', target: 'lean_gain_filtered_units', before: '50', after: '60', result: 'done' },
+    { action: 'sign_in', user: 'berg', target: '', before: null, after: null, result: 'wrong_password' },
+    { action: 'delete_session', user: 'berg', target: '17', before: null, after: null, result: 'done' },
+  ].map((row, i) => ({ id: 40 - i, utc_ms: Date.UTC(2026, 10, 24, 9, 58 - 7 * i), role: 'engineer', address: '192.168.4.7', ...row }));
   const jobs = [];
   let failing = null;
   let hurry = false;
@@ -220,6 +276,7 @@ export function startFakeServer({
     tellLease();
     return { ok: true };
   };
+  const tellPatient = (only) => tell({ type: 'patient', id: hoist.patient?.id ?? null, code: hoist.patient?.code ?? null }, only);
   const tellRecording = () =>
     tell({
       type: 'recording',
@@ -502,6 +559,13 @@ export function startFakeServer({
       tellWalk();
       return { ok: true };
     },
+    choose_patient(message) {
+      const one = patients.find(({ id }) => id === message.patient) ?? null;
+      if (message.patient !== null && one === null) return { ok: false, refusals: [], reason_code: 'unknown' };
+      hoist.patient = one;
+      tellPatient();
+      return { ok: true };
+    },
     neutral: () => ({ ok: true }),
     pose: () => ({ ok: true }),
     marker: (message) => (hoist.session === null ? refuse('not_standby') : (event('marker', { name: message.text }), { ok: true })),
@@ -573,8 +637,83 @@ export function startFakeServer({
     return 0.3 * Math.sin(20 * s + name.length);
   };
   const api = (request, url, body, send) => {
-    if (!signedIn) return send(401, { type: '/problems/no-session', title: 'Not signed in', status: 401 });
     const path = url.pathname.replace('/api/v1', '');
+    const given = body === '' ? {} : JSON.parse(body);
+    const enter = (one, right) => {
+      if (one !== undefined && right) {
+        failures = 0;
+        person = one;
+        return send(200, who());
+      }
+      failures++;
+      return failures > 2
+        ? send(429, { type: '/problems/too-many', title: 'Wait', status: 429 }, { 'Retry-After': String(2 ** (failures - 2)) })
+        : send(401, { type: '/problems/wrong-password', title: 'Wrong', status: 401 });
+    };
+    const named = (name) => people.find((one) => one.user === name && one.enabled);
+    const who = () => ({
+      signed_in: person !== null,
+      user: person?.user ?? null,
+      display_name: person?.display_name ?? null,
+      role: person?.role ?? null,
+      has_pin: person === null || !account ? null : person.has_pin,
+      seconds_left: null,
+      here: pins ? people.filter(({ has_pin }) => has_pin).map(({ user, display_name }) => ({ user, display_name })) : [],
+      set_up,
+      problem: null,
+    });
+    if (path === '/session' && request.method === 'GET') return send(200, who());
+    if (path === '/session' && request.method === 'POST')
+      return enter(named(given.user), given.pin === undefined ? named(given.user)?.password === given.password : given.pin === '1234');
+    if (path === '/setup') {
+      if (!set_up.switch_on || given.code !== '12345678') return send(403, { type: '/problems/wrong-code', title: 'Wrong', status: 403 });
+      people.push({ user: given.user, display_name: given.display_name, role: 'engineer', enabled: true, has_pin: false, password: given.password });
+      set_up = { needed: false, switch_on: false, seconds_left: 0 };
+      return send(200, { ok: true });
+    }
+    if (path === '/stop' && request.method === 'POST') {
+      stopNow();
+      return send(200, { ok: true });
+    }
+    if (person === null) return send(401, { type: '/problems/no-session', title: 'Not signed in', status: 401 });
+    if (path === '/session' && request.method === 'DELETE') {
+      person = null;
+      for (const client of clients.values()) client.socket.close(4401);
+      return send(204, null);
+    }
+    if (path === '/session/password' || path === '/session/pin') return send(200, { ok: true });
+    if (path === '/users' && request.method === 'POST') {
+      people.push({ ...given, enabled: true, has_pin: false });
+      return send(201, told(people.at(-1)));
+    }
+    if (path === '/users') return send(200, { items: people.map(told) });
+    if (path.startsWith('/users/'))
+      return send(
+        200,
+        told(
+          Object.assign(
+            people.find(({ user }) => path.endsWith(`/${user}`)),
+            given,
+          ),
+        ),
+      );
+    if (path === '/tokens' && request.method === 'POST') {
+      const { name, scope, days } = given;
+      tokens.push({ id: tokens.length + 1, user: person.user, name, scope, created_utc_s: 1.795e9, expires_utc_s: 1.795e9 + days * 86_400 });
+      return send(201, { id: tokens.length, token: 'hoist_7mZk2Qw9xT4vLr8sJd3fGh6yBn1pCe5a' });
+    }
+    if (path === '/tokens') return send(200, { items: tokens });
+    if (path.startsWith('/tokens/')) {
+      tokens.splice(0, tokens.length, ...tokens.filter(({ id }) => !path.endsWith(`/${id}`)));
+      return send(204, null);
+    }
+    if (path === '/tools' && request.method === 'PUT') {
+      tools.enabled = given.enabled;
+      return send(200, { ok: true });
+    }
+    if (path === '/tools') return send(200, tools);
+    if (path === '/audit/check') return send(200, { rows: audit.length, first_wrong: null, head: '' });
+    if (path === '/audit') return send(200, { items: audit, next: null });
     if (path === '/status') return send(200, { version: 'fake' });
     if (path === '/ws-ticket') return send(200, { ticket: 'fake' });
     if (path === '/health')
@@ -638,11 +777,6 @@ export function startFakeServer({
         reasons: [],
       });
     }
-    if (path === '/stop' && request.method === 'POST') {
-      stopNow();
-      return send(200, { ok: true });
-    }
-    const given = body === '' ? {} : JSON.parse(body);
     if (path === '/jobs' && request.method === 'POST') {
       const { kind } = given;
       if (kind === 'list_backups')
@@ -666,6 +800,57 @@ export function startFakeServer({
       const job = jobs[Number(jobId) - 1];
       if (request.method === 'DELETE' && job.state === 'running') job.state = 'cancelled';
       return send(request.method === 'DELETE' ? 202 : 200, job);
+    }
+    if (path === '/visits')
+      return send(200, {
+        items: visits.filter((visit) => !url.searchParams.has('patient') || visit.patient === Number(url.searchParams.get('patient'))),
+        next: null,
+      });
+    if (path === '/patients' && request.method === 'POST') {
+      const made = patient(100 + patients.length, given.code, null, { visits: 0, sessions: 0, first_day: null });
+      patients.unshift(made);
+      return send(201, made);
+    }
+    if (path === '/patients') {
+      const q = (url.searchParams.get('q') ?? '').toLowerCase();
+      return send(200, { items: patients.filter(({ code, archived }) => !archived && code.toLowerCase().includes(q)), next: null });
+    }
+    const [, profileId, deed] = /^\/profiles\/(\d+)(?:\/(\w+))?$/.exec(path) ?? [];
+    const profile = profiles.find(({ id }) => id === Number(profileId));
+    if (profile !== undefined) {
+      const items = Object.entries(profile.settings)
+        .filter(([name, value]) => values[name] !== value)
+        .map(([name, value]) => ({ name, profile: value, in_force: values[name], unusable: false }));
+      if (deed === 'diff') return send(200, { version: hoist.version, items });
+      if (deed === 'apply') return send(200, setValues(profile.settings));
+      if (request.method === 'DELETE') {
+        profiles.splice(profiles.indexOf(profile), 1);
+        return send(204, null);
+      }
+      profile.settings = Object.fromEntries(Object.keys(profile.settings).map((name) => [name, values[name]]));
+      return send(200, profile);
+    }
+    const [, patientId, of] = /^\/patients\/(\d+)(?:\/(\w+))?$/.exec(path) ?? [];
+    if (patientId !== undefined) {
+      const one = patients.find(({ id }) => id === Number(patientId));
+      if (one === undefined) return send(404, { type: '/problems/unknown', title: 'Unknown', status: 404 });
+      if (of === 'identity') {
+        if (request.method === 'PUT') {
+          names.set(one.id, given);
+          one.has_identity = true;
+        }
+        return send(200, { state: names.has(one.id) ? 'readable' : 'none', identity: names.get(one.id) ?? null, etag: one.etag });
+      }
+      if (of === 'profiles' && request.method === 'POST') {
+        profiles.unshift({ ...profiles[0], id: 50 + profiles.length, name: given.name, saved_utc_ms: Date.now(), settings: { ...values } });
+        return send(201, profiles[0]);
+      }
+      if (of === 'profiles') return send(200, { items: profiles, next: null });
+      if (request.method === 'DELETE') {
+        patients.splice(patients.indexOf(one), 1);
+        return send(204, null);
+      }
+      return send(200, Object.assign(one, given));
     }
     if (path === '/sessions')
       return send(200, { items: sessions.filter(({ subject }) => (subject ?? '').includes(url.searchParams.get('q') ?? '')), next: null });
@@ -732,8 +917,8 @@ export function startFakeServer({
 
   const server = createServer((request, response) => {
     const url = new URL(request.url, 'http://fake');
-    const send = (status, value) => {
-      response.writeHead(status, { 'Content-Type': status < 400 ? 'application/json' : 'application/problem+json' });
+    const send = (status, value, headers = {}) => {
+      response.writeHead(status, { 'Content-Type': status < 400 ? 'application/json' : 'application/problem+json', ...headers });
       response.end(value === null ? undefined : JSON.stringify(value));
     };
     let body = '';
@@ -751,7 +936,7 @@ export function startFakeServer({
   });
   const sockets = new WebSocketServer({ noServer: true, handleProtocols: (offered) => (offered.has('hoist.v1') ? 'hoist.v1' : false) });
   server.on('upgrade', (request, socket, head) => {
-    if (!signedIn) {
+    if (person === null) {
       socket.end('HTTP/1.1 401 Unauthorized\r\n\r\n');
       return;
     }
@@ -762,7 +947,7 @@ export function startFakeServer({
       send({
         type: 'welcome',
         client: id,
-        role: 'engineer',
+        role: person.role,
         version: 'fake',
         layout_hash: layoutHash,
         record_bytes: recordBytes,
@@ -771,6 +956,7 @@ export function startFakeServer({
       });
       send({ type: 'core', connected: true, problem: null, reason_code: null });
       tellWalk(id);
+      tellPatient(id);
       send({ type: 'parameters', version: hoist.version, values });
       send(leaseMessage(id));
       send({ type: 'notices', items: hoist.standing });

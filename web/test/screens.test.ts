@@ -17,7 +17,20 @@ const looks = [
   ['light', 'en'],
   ['dark', 'de'],
 ] as const;
-const screens = ['walk', 'drive', 'exercises', 'tune', 'sessions', 'calibrate', 'health', 'settings/backup'] as const;
+const screens = [
+  'walk',
+  'drive',
+  'exercises',
+  'tune',
+  'sessions',
+  'calibrate',
+  'health',
+  'settings/me',
+  'settings/users',
+  'settings/tokens',
+  'settings/backup',
+  'settings/audit',
+] as const;
 const minutes_ms = 120_000;
 
 let built: BuiltConsole;
@@ -49,7 +62,11 @@ const last: Record<(typeof screens)[number], string> = {
   sessions: '.session-item',
   calibrate: '.calibrate-list li',
   health: '.health .part-detail',
+  'settings/me': '.settings-part .form',
+  'settings/users': '.settings-part .rows li',
+  'settings/tokens': '.settings-part .rows li',
   'settings/backup': '.settings-part .rows li',
+  'settings/audit': '.settings-part .rows li',
 };
 
 /** Enough data that each list scrolls. */

@@ -7,6 +7,7 @@ import type { TickRecord } from '../contract/signals.gen';
 import { hasBit } from './bits';
 import { readFrame } from './frame';
 import { live } from './live';
+import { rememberSignedIn } from './known';
 import { rest, type Answer } from './rest';
 import { causeReader } from './speed_cause';
 import { Link, replyLost, type Question, type Reply, type Told } from './socket';
@@ -30,8 +31,11 @@ const link = new Link(
   },
   {
     state(state) {
-      if (state === 'open') writable.set({ link: state, everOpen: true, signedIn: true });
-      else writable.set({ link: state, lease: { ...store.value.lease, mine: false } });
+      if (state === 'open') {
+        writable.set({ link: state, everOpen: true, signedIn: true });
+        rememberSignedIn();
+        void askWho();
+      } else writable.set({ link: state, lease: { ...store.value.lease, mine: false } });
     },
     rtt: (rtt_s) => writable.set({ rtt_s }),
     binary: takeFrame,
@@ -39,6 +43,11 @@ const link = new Link(
     refused: () => void checkSignedIn(),
   },
 );
+
+async function askWho(): Promise<void> {
+  const answer = await rest('GET /api/v1/session');
+  if (answer.ok) writable.set({ person: answer.value.display_name, account: answer.value.has_pin !== null });
+}
 
 async function checkSignedIn(): Promise<void> {
   const answer = await rest('GET /api/v1/status');
@@ -228,6 +237,12 @@ export function startLink(): void {
     if (!document.hidden) link.hurry();
   });
   window.addEventListener('online', () => link.hurry());
+}
+
+/** Another person is signed in on this device now, or nobody: the connection begins anew. */
+export function reconnect(): void {
+  link.stop();
+  link.start();
 }
 
 // ------------------------------------------------------------------------------------------------ actions of screens

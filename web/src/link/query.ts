@@ -5,8 +5,6 @@ import type { Answer, Problem } from './rest';
 export interface Query<T> {
   /** The last good answer; kept while it is requested again, and after a failure. Null without a request. */
   value: T | null;
-  /** Of that answer: what a change of it names. */
-  etag: string | null;
   problem: Problem | null;
   retry: () => void;
 }
@@ -15,7 +13,6 @@ export interface Query<T> {
  * earlier answer is cleared. */
 export function useQuery<T>(question: (() => Promise<Answer<T>>) | null, what: readonly unknown[], every_ms?: number): Query<T> {
   const [value, setValue] = useState<T | null>(null);
-  const [etag, setTag] = useState<string | null>(null);
   const [problem, setProblem] = useState<Problem | null>(null);
   const [tries, setTries] = useState(0);
   const asks = question !== null;
@@ -33,10 +30,7 @@ export function useQuery<T>(question: (() => Promise<Answer<T>>) | null, what: r
       const answer = await question();
       waits = false;
       if (gone) return;
-      if (answer.ok) {
-        setValue(answer.value);
-        setTag(answer.etag ?? null);
-      }
+      if (answer.ok) setValue(answer.value);
       setProblem(answer.ok ? null : answer.problem);
     };
     void ask();
@@ -46,5 +40,5 @@ export function useQuery<T>(question: (() => Promise<Answer<T>>) | null, what: r
       if (timer !== null) window.clearInterval(timer);
     };
   }, [asks, ...what, tries]);
-  return { value: asks ? value : null, etag: asks ? etag : null, problem: asks ? problem : null, retry: () => setTries((n) => n + 1) };
+  return { value: asks ? value : null, problem: asks ? problem : null, retry: () => setTries((n) => n + 1) };
 }

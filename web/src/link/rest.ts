@@ -10,17 +10,17 @@ export interface Problem {
   /** The server wants no further try before (Retry-After); null: it says nothing. */
   wait_s: number | null;
 }
-export type Answer<T> = { ok: true; value: T; etag?: string | null } | { ok: false; problem: Problem };
+export type Answer<T> = { ok: true; value: T } | { ok: false; problem: Problem };
 
 /** What a route takes: fields of its path, its query, its body; `etag` of what a change is made for. */
-type Given<R extends keyof Routes> = Omit<Routes[R], 'answer'> & { etag?: string | null };
+type Given<R extends keyof Routes> = Omit<Routes[R], 'answer'> & { etag?: string };
 /** May be left out where the route needs nothing. */
 type MaybeGiven<R extends keyof Routes> = Record<never, never> extends Given<R> ? [given?: Given<R>] : [given: Given<R>];
 interface AnyGiven {
   path?: Record<string, string | number>;
   query?: Record<string, string | number | undefined>;
   body?: object;
-  etag?: string | null;
+  etag?: string;
 }
 
 const within_ms = 10_000;
@@ -45,7 +45,7 @@ export async function rest<R extends keyof Routes>(route: R, ...given: MaybeGive
   if (method !== 'GET') {
     headers['X-Hoist'] = '1';
     headers['Content-Type'] = 'application/json';
-    if (etag) headers['If-Match'] = etag;
+    if (etag !== undefined) headers['If-Match'] = `"${etag}"`;
   }
   try {
     const response = await fetch(address(route, ...given), {
@@ -59,7 +59,7 @@ export async function rest<R extends keyof Routes>(route: R, ...given: MaybeGive
     });
     const text = await response.text();
     const value: unknown = text === '' ? null : JSON.parse(text);
-    if (response.ok) return { ok: true, value: value as Routes[R]['answer'], etag: response.headers.get('ETag') };
+    if (response.ok) return { ok: true, value: value as Routes[R]['answer'] };
     const problem = (value ?? {}) as Partial<ToldProblem>;
     return {
       ok: false,

@@ -44,6 +44,10 @@ export interface State {
   dataAge_s: number;
   client: number | null;
   role: string;
+  /** Who is signed in here, by the name that screens show; null: not known. */
+  person: string | null;
+  /** Signed in with an account, which can sign out; not with the link of this computer. */
+  account: boolean;
   version: string;
   simulated: boolean;
   scenario: string | null;
@@ -123,6 +127,8 @@ export const initial: State = {
   dataAge_s: 0,
   client: null,
   role: '',
+  person: null,
+  account: false,
   version: '',
   simulated: false,
   scenario: null,

@@ -1,11 +1,13 @@
 // Always visible: what the hoist does, who is in control, how good the link is, whether it records, how full the batteries are.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { modes } from '../contract/faults.gen';
-import { releaseLease } from '../link/console';
+import { signOut } from '../link/account';
+import { notify, releaseLease } from '../link/console';
 import { useReading } from '../link/live';
 import { useReadiness } from '../link/readiness';
 import { useStore } from '../link/store';
 import { addressOf } from '../router';
+import { problemText } from '../text/server';
 import { settings, useSettings, type Theme } from '../text/settings';
 import { duration, fixed, noValue, t, words } from '../text/text';
 import { Icon } from './icons';
@@ -152,6 +154,13 @@ function Battery() {
 function DisplayMenu() {
   const { theme } = useSettings();
   const [open, setOpen] = useState(false);
+  const person = useStore((s) => s.person);
+  const account = useStore((s) => s.account);
+  const leave = async () => {
+    setOpen(false);
+    const problem = await signOut();
+    if (problem !== null) notify('error', problemText(problem), true);
+  };
   const box = useRef<HTMLDivElement>(null);
   useEffect(() => {
     if (!open) return;
@@ -183,6 +192,17 @@ function DisplayMenu() {
               </button>
             ))}
           </div>
+          {person !== null ? (
+            <p class="menu-person">
+              <span class="bar-label">{t('health.role')}</span>
+              <strong>{person}</strong>
+            </p>
+          ) : null}
+          {account ? (
+            <button type="button" class="plain" onClick={() => void leave()}>
+              {t('signin.change')}
+            </button>
+          ) : null}
           <a class="plain" href={addressOf('settings')} onClick={() => setOpen(false)}>
             {t('nav.settings')}
           </a>

@@ -1,0 +1,191 @@
+// Signing in: with name and password, or with a PIN on a device that the person has signed in on before; and the first set-up.
+import { useState } from 'preact/hooks';
+import type { WhoAmI } from '../../contract/rest.gen';
+import { signIn } from '../../link/account';
+import { useQuery } from '../../link/query';
+import { rest, type Problem } from '../../link/rest';
+import { useSettings } from '../../text/settings';
+import { t } from '../../text/text';
+import { Field, Form, Trouble } from '../../ui/field';
+import { LanguageChoice } from '../../ui/language_choice';
+import { useWait } from '../../ui/wait';
+import { SetUp } from './set_up';
+import '../../ui/rows.css';
+import './sign_in.css';
+
+export const nameMost = 32;
+export const passwordMost = 128;
+const pinMost = 8;
+/** How often to look whether the set-up switch was turned, or the first account was made on another device. */
+const look_ms = 3000;
+
+type Person = WhoAmI['here'][number];
+
+export function SignInView({ done }: { done?: () => void }) {
+  useSettings();
+  const [lost, setLost] = useState(false);
+  const who = useQuery(() => rest('GET /api/v1/session'), [], look_ms);
+  const state = who.value;
+  return (
+    <div class="sign-in card">
+      {state === null ? (
+        <>
+          <h1>{t('signin.title')}</h1>
+          {who.problem === null ? <p class="hint">{t('common.loading')}</p> : null}
+          <Trouble problem={who.problem} retry={who.retry} />
+        </>
+      ) : state.problem !== null ? (
+        <>
+          <h1>{t('signin.title')}</h1>
+          <p class="form-error" role="alert">
+            {t('signin.broken')}
+          </p>
+          <p class="hint">{state.problem}</p>
+        </>
+      ) : state.set_up.needed || (lost && state.set_up.switch_on) ? (
+        <SetUp first={state.set_up.needed} set_up={state.set_up} />
+      ) : (
+        <Who people={state.here} done={done} />
+      )}
+      {state !== null && !state.set_up.needed && state.set_up.switch_on && !lost ? (
+        <button type="button" class="quiet" onClick={() => setLost(true)}>
+          {t('setup.lost')}
+        </button>
+      ) : null}
+      <LanguageChoice />
+    </div>
+  );
+}
+
+function Who({ people, done }: { people: readonly Person[]; done?: () => void }) {
+  const [person, setPerson] = useState<Person | null>(null);
+  const [byName, setByName] = useState(false);
+  const ready = (problem: Problem | null) => {
+    if (problem === null) done?.();
+    return problem;
+  };
+  if (person !== null)
+    return (
+      <Pin
+        person={person}
+        ready={ready}
+        back={() => setPerson(null)}
+        toPassword={() => {
+          setPerson(null);
+          setByName(true);
+        }}
+      />
+    );
+  if (byName || people.length === 0) return <Password ready={ready} back={people.length === 0 ? null : () => setByName(false)} />;
+  return (
+    <>
+      <h1>{t('signin.who')}</h1>
+      <ul class="sign-in-people">
+        {people.map((one) => (
+          <li key={one.user}>
+            <button type="button" class="big" onClick={() => setPerson(one)}>
+              {one.display_name}
+            </button>
+          </li>
+        ))}
+      </ul>
+      <button type="button" class="quiet" onClick={() => setByName(true)}>
+        {t('signin.other')}
+      </button>
+    </>
+  );
+}
+
+export function useSending(send: () => Promise<Problem | null>) {
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const [busy, setBusy] = useState(false);
+  const wait_s = useWait(problem);
+  const go = async () => {
+    if (busy || wait_s > 0) return;
+    setBusy(true);
+    const answer = await send();
+    setBusy(false);
+    setProblem(answer);
+  };
+  return { problem, busy, wait_s, go };
+}
+
+function Password({ ready, back }: { ready: (problem: Problem | null) => Problem | null; back: (() => void) | null }) {
+  const [name, setName] = useState('');
+  const [password, setPassword] = useState('');
+  const sending = useSending(async () => {
+    const problem = ready(await signIn({ user: name.trim().toLowerCase(), password }));
+    setPassword('');
+    return problem;
+  });
+  return (
+    <>
+      <h1>{t('signin.title')}</h1>
+      <Form label={t('signin.title')} onSend={() => void sending.go()}>
+        <Field label={t('signin.name')} value={name} most={nameMost} fill="username" onValue={setName} />
+        <Field label={t('signin.password')} type="password" value={password} most={passwordMost} fill="current-password" onValue={setPassword} />
+        <Send sending={sending} label={t('signin.do')} ready={name.trim() !== '' && password !== ''} back={back} />
+      </Form>
+    </>
+  );
+}
+
+function Pin({
+  person,
+  ready,
+  back,
+  toPassword,
+}: {
+  person: Person;
+  ready: (problem: Problem | null) => Problem | null;
+  back: () => void;
+  toPassword: () => void;
+}) {
+  const [pin, setPin] = useState('');
+  const sending = useSending(async () => {
+    const problem = ready(await signIn({ user: person.user, pin }));
+    setPin('');
+    return problem;
+  });
+  return (
+    <>
+      <h1>{person.display_name}</h1>
+      <Form label={t('signin.title')} onSend={() => void sending.go()}>
+        <Field label={t('signin.pin')} type="password" value={pin} most={pinMost} numeric focus onValue={setPin} />
+        <Send sending={sending} label={t('signin.do')} ready={pin.length >= 4} back={back} />
+        <button type="button" class="quiet" onClick={toPassword}>
+          {t('signin.byPassword')}
+        </button>
+      </Form>
+    </>
+  );
+}
+
+/** The button that sends, with what is wrong above it; while the server asks to wait it counts down. */
+export function Send({
+  sending,
+  label,
+  ready,
+  back,
+}: {
+  sending: ReturnType<typeof useSending>;
+  label: string;
+  ready: boolean;
+  back: (() => void) | null;
+}) {
+  return (
+    <>
+      <Trouble problem={sending.problem} />
+      <div class="form-buttons">
+        <button type="submit" class="big primary" disabled={!ready || sending.busy || sending.wait_s > 0}>
+          {sending.wait_s > 0 ? <span class="num">{t('signin.wait', { s: sending.wait_s })}</span> : label}
+        </button>
+        {back !== null ? (
+          <button type="button" class="quiet" onClick={back}>
+            {t('common.cancel')}
+          </button>
+        ) : null}
+      </div>
+    </>
+  );
+}

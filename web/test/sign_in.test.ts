@@ -1,0 +1,146 @@
+// Signing in, the first set-up and signing out in a browser with the stand-in server. STOP is tried on each page.
+import type { Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
+import { de } from '../src/text/de';
+import { en } from '../src/text/en';
+import { first } from '../src/text/first';
+import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
+import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
+
+const minutes_ms = 120_000;
+let built: BuiltConsole;
+let fake: FakeServer;
+let page: Page;
+
+beforeAll(async () => {
+  built = await openBuiltConsole();
+}, minutes_ms);
+afterAll(() => built?.close());
+afterEach(async () => {
+  await page?.close();
+  await fake?.close();
+});
+
+async function open(options: Parameters<typeof startFakeServer>[0] = {}, locale = 'en') {
+  fake = await startFakeServer({ dist: built.folder, ...options });
+  page = await built.browser.newPage({ viewport: { width: 1024, height: 768 }, locale });
+  await page.goto(fake.url);
+}
+const button = (name: string) => page.getByRole('button', { name, exact: true });
+const field = (label: string) => page.getByLabel(label, { exact: false }).first();
+const stop = () => page.locator('.stop');
+
+describe('signing in', { timeout: minutes_ms }, () => {
+  it('with name and password opens the console; a wrong password says so and nothing else', async () => {
+    await open({ signedIn: false, pins: false });
+    await field(en['signin.name']).fill('Berg ');
+    await field(en['signin.password']).fill('not that one');
+    await button(en['signin.do']).click();
+    await page.locator('.form-error').waitFor();
+    expect(await field(en['signin.password']).inputValue(), 'a wrong password does not stay').toBe('');
+    expect(await page.locator('.shell').count()).toBe(0);
+    await field(en['signin.password']).fill('berg and valley 1');
+    await button(en['signin.do']).click();
+    await page.locator('.mode-standby').waitFor();
+  });
+
+  it('waits as long as the server says, counting down, and then works', async () => {
+    await open({ signedIn: false, pins: false });
+    await field(en['signin.name']).fill('berg');
+    for (let tries = 0; tries < 3; tries++) {
+      await field(en['signin.password']).fill('not that one');
+      await button(en['signin.do']).click();
+      await expect.poll(() => field(en['signin.password']).inputValue(), { timeout: 10_000 }).toBe('');
+    }
+    const waiting = page.getByRole('button', { name: en['signin.wait'].replace('{s}', '2') });
+    await waiting.waitFor();
+    expect(await waiting.isDisabled()).toBe(true);
+    await field(en['signin.password']).fill('berg and valley 1');
+    await expect.poll(() => button(en['signin.do']).isEnabled(), { timeout: 10_000 }).toBe(true);
+    await button(en['signin.do']).click();
+    await page.locator('.mode-standby').waitFor();
+  });
+
+  it('by PIN is one tap and four figures where the person is known', async () => {
+    await open({ signedIn: false }, 'de');
+    await button('Anna Berg').click();
+    await field(de['signin.pin']).fill('1234');
+    await page.keyboard.press('Enter');
+    await page.locator('.mode-standby').waitFor();
+  });
+
+  it('shows STOP to whoever was ever signed in here, and only to them', async () => {
+    await open({ signedIn: false });
+    await page.locator('.sign-in-people').waitFor();
+    expect(await stop().count()).toBe(0);
+    await page.evaluate(() => localStorage.setItem('hoist.known', '1'));
+    await page.reload();
+    await page.locator('.sign-in-people').waitFor();
+    await stop().dispatchEvent('pointerdown');
+    await expect.poll(() => fake.hoist.mode, { timeout: 10_000 }).toBe('protective_stop');
+  });
+
+  it('is asked for again after signing out; the page keeps STOP and says what happened', async () => {
+    await open();
+    await page.locator('.mode-standby').waitFor();
+    await page.goto(`${fake.url}#/settings/me`);
+    await button(en['signin.out']).click();
+    await page.locator('.sign-in-people').waitFor();
+    expect(await page.locator('.settings').count(), 'nothing of the screen stays').toBe(0);
+    await page.getByText(en['strip.signedOut']).waitFor();
+    await stop().dispatchEvent('pointerdown');
+    await expect.poll(() => fake.hoist.mode, { timeout: 10_000 }).toBe('protective_stop');
+    await button('Miha Kos').click();
+    await field(en['signin.pin']).fill('1234');
+    await button(en['signin.do']).click();
+    await page.locator('.settings').waitFor();
+  });
+});
+
+describe('the first set-up', { timeout: minutes_ms }, () => {
+  const fill = async (code: string) => {
+    await field(en['setup.codeField']).fill(code);
+    await field(en['signin.name']).fill('kos2');
+    await field(en['users.display']).fill('Miha Kos');
+    await page.getByLabel(en['signin.password']).first().fill('long enough now');
+    await page.getByLabel(en['users.again']).fill('long enough now');
+  };
+
+  it('needs the switch: without it the button is off and the page says so', async () => {
+    await open({ signedIn: false, set_up: { needed: true, switch_on: false, seconds_left: 0 } });
+    await page.getByText(en['setup.off']).waitFor();
+    await fill('12345678');
+    expect(await button(en['setup.do']).isDisabled()).toBe(true);
+  });
+
+  it('refuses a wrong code and keeps what was typed; the right one makes the account and signs in', async () => {
+    await open({ signedIn: false, set_up: { needed: true, switch_on: true, seconds_left: 500 } });
+    await fill('00000000');
+    await button(en['setup.do']).click();
+    await page.locator('.form-error').waitFor();
+    expect(await field(en['users.display']).inputValue()).toBe('Miha Kos');
+    await field(en['setup.codeField']).fill('12345678');
+    await button(en['setup.do']).click();
+    await page.locator('.mode-standby').waitFor();
+  });
+
+  it('does not take two passwords that differ', async () => {
+    await open({ signedIn: false, set_up: { needed: true, switch_on: true, seconds_left: 500 } });
+    await fill('12345678');
+    await page.getByLabel(en['users.again']).fill('long enough not');
+    await page.getByText(en['users.differ']).waitFor();
+    expect(await button(en['setup.do']).isDisabled()).toBe(true);
+  });
+});
+
+describe('without a word loaded', { timeout: minutes_ms }, () => {
+  it('STOP still acts when the page for signing in cannot be loaded', async () => {
+    await open({ signedIn: false });
+    await page.evaluate(() => localStorage.setItem('hoist.known', '1'));
+    await page.route(/\/assets\/sign_in-/, (route) => route.fulfill({ status: 404, body: '' }));
+    await page.reload();
+    await page.getByText(first.en['load.failed']).waitFor();
+    await stop().dispatchEvent('pointerdown');
+    await expect.poll(() => fake.hoist.mode, { timeout: 10_000 }).toBe('protective_stop');
+  });
+});
