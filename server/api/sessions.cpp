@@ -367,7 +367,7 @@ void export_session(const CallPtr& call) {
   struct Opened {
     Response response;
     ExportId id = 0;  // 0 = none: `response` says why
-    std::string file_name, etag;
+    std::string file_name = {}, etag = {};
   };
   const auto open = [id = *id, options, path = call->request.path](Records& records) -> Opened {
     if (records.database() == nullptr) return {no_database(records.why(), path)};

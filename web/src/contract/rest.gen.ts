@@ -262,6 +262,13 @@ export type ExerciseSize = {
   usual_m: number;
 };
 
+export type ExportResult = {
+  bytes: number;
+  file_name: string;
+  kind: 'export_sessions';
+  sessions: number;
+};
+
 export type FaultList = {
   items: readonly ({
     action: Words;
@@ -394,11 +401,11 @@ export type Job = {
   /** The same for programs. */
   reason_code: ReasonCode | null;
   /** Not in lists; null until it is done. */
-  result?: IntegrityResult | MetricsResult | BackupResult | RestoreResult | BackupsResult | null;
+  result?: IntegrityResult | MetricsResult | BackupResult | RestoreResult | BackupsResult | ExportResult | null;
   state: 'waiting' | 'running' | 'done' | 'failed' | 'cancelled';
 };
 
-export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'list_backups';
+export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'export_sessions' | 'list_backups';
 
 export type JobList = {
   items: readonly Job[];
@@ -421,6 +428,21 @@ export type JobRequest = {
   /** As list_backups names it. */
   backup: string;
   kind: 'restore';
+} | {
+  /** Its shape. */
+  exercise?: string;
+  from_day?: string;
+  kind: 'export_sessions';
+  /** files (when not given): a folder per session; bids: a data set as Motion-BIDS lays it out, without notes and user names. */
+  layout?: 'files' | 'bids';
+  /** These only; the filters do not count. */
+  sessions?: readonly number[];
+  /** false: without recordings of a simulated hoist. */
+  simulated?: boolean;
+  /** The whole patient code. */
+  subject?: string;
+  to_day?: string;
+  visit?: number;
 } | {
   kind: 'list_backups';
 };
@@ -944,6 +966,11 @@ export interface Routes {
     path: { id: number };
     answer: Job;
   };
+  /** The file that an export has made, or a part of it (Range). */
+  'GET /api/v1/jobs/{id}/file': {
+    path: { id: number };
+    answer: never;
+  };
   /** Gives control back. */
   'DELETE /api/v1/lease': {
     answer: Done;
@@ -1060,7 +1087,7 @@ export interface Routes {
     path: { id: number };
     answer: EventList;
   };
-  /** A session in one of the formats of db/export/formats.def. */
+  /** A session in one of the formats of db/export/formats.def; of mcap also a part (Range). */
   'GET /api/v1/sessions/{id}/export': {
     path: { id: number };
     query?: { format?: 'csv' | 'csv_de' | 'events' | 'json' | 'candump' | 'mcap' | 'mat' | 'zip'; columns?: string; constant?: number; comments?: number };
