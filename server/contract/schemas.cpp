@@ -134,7 +134,7 @@ constexpr std::string_view kSchemas = R"json({
     "description": "files (when not given): a folder per session; bids: a data set as Motion-BIDS lays it out, without notes and user names"},
    "sessions": {"type": "array", "minItems": 1, "maxItems": 10000, "items": {"type": "integer", "minimum": 1, "maximum": 9007199254740991}, "description": "These only; the filters do not count"},
    "subject": {"type": "string", "minLength": 1, "maxLength": 64, "description": "The whole patient code"},
-   "from_day": {"type": "string", "pattern": "^[0-9]{4}-[0-9]{2}-[0-9]{2}$"}, "to_day": {"type": "string", "pattern": "^[0-9]{4}-[0-9]{2}-[0-9]{2}$"},
+   "from_day": {"type": "string", "minLength": 10, "maxLength": 10, "description": "YYYY-MM-DD"}, "to_day": {"type": "string", "minLength": 10, "maxLength": 10, "description": "YYYY-MM-DD"},
    "exercise": {"type": "string", "minLength": 1, "maxLength": 64, "description": "Its shape"}, "visit": {"type": "integer", "minimum": 1, "maximum": 9007199254740991},
    "simulated": {"type": "boolean", "description": "false: without recordings of a simulated hoist"}}, "additionalProperties": false},
   {"type": "object", "required": ["kind"], "properties": {"kind": {"const": "list_backups"}}, "additionalProperties": false}]},
