@@ -514,6 +514,7 @@ export type JobRequest = {
 } | {
   /** Its shape. */
   exercise?: string;
+  /** YYYY-MM-DD. */
   from_day?: string;
   kind: 'export_sessions';
   /** files (when not given): a folder per session; bids: a data set as Motion-BIDS lays it out, without notes and user names. */
@@ -524,6 +525,7 @@ export type JobRequest = {
   simulated?: boolean;
   /** The whole patient code. */
   subject?: string;
+  /** YYYY-MM-DD. */
   to_day?: string;
   visit?: number;
 } | {
