@@ -213,15 +213,16 @@ struct App::Parts {
     auto ca = DeviceCa::open(settings.tls_dir, names, utc_s(), error);
     if (!ca) return false;
     trust = {.name = names.names.front(), .fingerprint = ca->fingerprint(), .certificate = ca->authority_der(), .port = 0};
-    keeper = std::make_unique<TlsKeeper>(std::move(ca), utc_s, [this](std::unique_ptr<TlsContext> fresh, std::vector<std::string> signed_now) {
-      // A function object must be copyable.
-      auto shared = std::make_shared<TlsContext>(std::move(*fresh));
-      asio::post(io, [this, shared, hosts = hosts_of(signed_now)]() mutable {
-        tls->take(std::move(*shared));
-        auth->set_hosts(std::move(hosts));
-        std::cerr << "hoist-server: a new certificate is in use" << std::endl;
-      });
-    });
+    keeper =
+        std::make_unique<TlsKeeper>(std::move(ca), utc_s, [this](std::unique_ptr<TlsContext> fresh, std::vector<std::string> signed_now) {
+          // A function object must be copyable.
+          auto shared = std::make_shared<TlsContext>(std::move(*fresh));
+          asio::post(io, [this, shared, hosts = hosts_of(signed_now)]() mutable {
+            tls->take(std::move(*shared));
+            auth->set_hosts(std::move(hosts));
+            std::cerr << "hoist-server: a new certificate is in use" << std::endl;
+          });
+        });
     tls = keeper->first(error);
     return tls != nullptr;
   }

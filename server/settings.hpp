@@ -28,7 +28,7 @@ struct Settings {
   std::vector<std::string> subnets;         // whose addresses the authority may sign besides `hosts`
   std::optional<std::uint16_t> http_port;   // the page that explains how to trust the authority
   std::vector<std::filesystem::path> backup_roots;
-  bool tools = false;                       // /foxglove and /rosbridge are open in this run
+  bool tools = false;  // /foxglove and /rosbridge are open in this run
   bool help = false, version = false;
 };
 

@@ -61,13 +61,16 @@ bool read_page(const CallPtr& call, Query& wanted) {
   return true;
 }
 
-inline nlohmann::json next_json(const std::optional<std::int64_t>& next) { return next ? nlohmann::json(std::to_string(*next)) : nlohmann::json(nullptr); }
+inline nlohmann::json next_json(const std::optional<std::int64_t>& next) {
+  return next ? nlohmann::json(std::to_string(*next)) : nlohmann::json(nullptr);
+}
 
 // The number in the path, of a `thing`; nothing after a 404.
 inline std::optional<std::int64_t> path_id(const CallPtr& call, const char* thing, std::size_t at = 0) {
   const auto id = number<std::int64_t>(call->path_values.at(at));
   if (id && *id >= 0) return id;
-  call->fail({.status = 404, .name = "unknown", .title = "There is no such thing", .detail = "There is no such " + std::string(thing) + "."});
+  call->fail(
+      {.status = 404, .name = "unknown", .title = "There is no such thing", .detail = "There is no such " + std::string(thing) + "."});
   return std::nullopt;
 }
 

@@ -116,9 +116,7 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
   }
   const bool stops = route.operation == "stop";
   const auto utc_s = static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000);
-  call.session = tool    ? auth.find_token(request, utc_s)
-                 : stops ? auth.find_for_stop(request, utc_s)
-                         : auth.find(request, utc_s);
+  call.session = tool ? auth.find_token(request, utc_s) : stops ? auth.find_for_stop(request, utc_s) : auth.find(request, utc_s);
   if (!call.session && !open) {
     counters.add(Count::http_refused_no_session);
     return problem(401, "no-session", "Not signed in",

@@ -21,7 +21,7 @@ struct RestContext {
   Services& services;
   Auth& auth;
   OpenSocket open_live, open_foxglove, open_rosbridge;
-  std::string base_url = {};  // http://127.0.0.1:8080
+  std::string base_url = {};         // http://127.0.0.1:8080
   const TrustPage* trust = nullptr;  // of the hoist's own authority, if it has one
 };
 

@@ -14,7 +14,8 @@ struct HashLimits {
   std::size_t memory_bytes = 64U * 1024U * 1024U;
 };
 
-// Why this may not be the password of this user, in a sentence; empty when it may. Length and a list of common ones, no rules of composition (NIST SP 800-63B 5.1.1.2).
+// Why this may not be the password of this user, in a sentence; empty when it may. Length and a list of common ones, no rules of composition
+// (NIST SP 800-63B 5.1.1.2).
 [[nodiscard]] std::string password_fault(std::string_view password, std::string_view user);
 [[nodiscard]] std::string pin_fault(std::string_view pin);
 

@@ -61,8 +61,13 @@ json patient_json(const db::PatientInfo& p) {
 }
 
 json visit_json(const db::VisitInfo& v) {
-  return {{"id", v.visit.id}, {"patient", v.visit.patient_id}, {"code", v.visit.patient}, {"day", v.visit.day},
-          {"note", v.note},   {"sessions", v.sessions},        {"etag", v.tag}};
+  return {{"id", v.visit.id},
+          {"patient", v.visit.patient_id},
+          {"code", v.visit.patient},
+          {"day", v.visit.day},
+          {"note", v.note},
+          {"sessions", v.sessions},
+          {"etag", v.tag}};
 }
 
 json profile_json(const db::ProfileInfo& p) {

@@ -215,7 +215,7 @@ std::vector<std::string> own_addresses() {
   for (const ifaddrs* at = list; at != nullptr; at = at->ifa_next) {
     if (at->ifa_addr == nullptr) continue;
     const int family = at->ifa_addr->sa_family;
-    const void* bytes = family == AF_INET ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in*>(at->ifa_addr)->sin_addr)
+    const void* bytes = family == AF_INET    ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in*>(at->ifa_addr)->sin_addr)
                         : family == AF_INET6 ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in6*>(at->ifa_addr)->sin6_addr)
                                              : nullptr;
     std::array<char, INET6_ADDRSTRLEN> text{};
@@ -275,14 +275,15 @@ bool DeviceCa::make_authority(std::int64_t utc_s, std::string& error) {
     return false;
   }
   const Key key(EVP_EC_gen("P-256"));
-  const Certificate made =
-      key ? begin_certificate(key.get(), names_.names.front() + " authority", kEarliest_utc_s, utc_s - kEarliest_utc_s + kAuthorityDays * kDay_s)
-          : nullptr;
+  const Certificate made = key ? begin_certificate(key.get(), names_.names.front() + " authority", kEarliest_utc_s,
+                                                   utc_s - kEarliest_utc_s + kAuthorityDays * kDay_s)
+                               : nullptr;
   X509* authority = made.get();
   // What it may sign is fixed for good: who steals its key gets no other name, and no further authority.
   if (authority == nullptr || X509_set_issuer_name(authority, X509_get_subject_name(authority)) != 1 ||
       !extend(authority, authority, NID_basic_constraints, "critical,CA:TRUE,pathlen:0") ||
-      !extend(authority, authority, NID_key_usage, "critical,keyCertSign") || !extend(authority, authority, NID_ext_key_usage, "serverAuth") ||
+      !extend(authority, authority, NID_key_usage, "critical,keyCertSign") ||
+      !extend(authority, authority, NID_ext_key_usage, "serverAuth") ||
       !extend(authority, authority, NID_name_constraints, permitted(names_)) ||
       !extend(authority, authority, NID_subject_key_identifier, "hash") || X509_sign(authority, key.get(), EVP_sha256()) == 0) {
     error = "no certificate authority can be made: " + openssl_reason();

@@ -21,7 +21,8 @@ class TlsKeeper {
   // From the keeper's thread: what new connections are to get, and the names in it.
   using OnNew = std::function<void(std::unique_ptr<TlsContext>, std::vector<std::string>)>;
 
-  TlsKeeper(std::unique_ptr<DeviceCa> ca, Utc utc_s, OnNew on_new) : ca_(std::move(ca)), utc_s_(std::move(utc_s)), on_new_(std::move(on_new)) {}
+  TlsKeeper(std::unique_ptr<DeviceCa> ca, Utc utc_s, OnNew on_new)
+      : ca_(std::move(ca)), utc_s_(std::move(utc_s)), on_new_(std::move(on_new)) {}
   ~TlsKeeper() { stop(); }
   TlsKeeper(const TlsKeeper&) = delete;
   TlsKeeper& operator=(const TlsKeeper&) = delete;

@@ -52,7 +52,7 @@ class ToolHub final : public CoreListener {
   std::vector<std::shared_ptr<ToolClient>> clients_;
   bool ending_ = false;
   std::string session_id_;
-  std::uint64_t core_life_ = 0;  // of the core that all of this is of
+  std::uint64_t core_life_ = 0;                // of the core that all of this is of
   std::optional<std::int64_t> utc_offset_ns_;  // of the core's clock
   PathTrace path_;
   std::uint32_t start_mark_ = 0;

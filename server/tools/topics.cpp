@@ -52,7 +52,9 @@ constexpr std::string_view kSceneSchema =
 #define HOIST_NUMBER(name) "\"" name "\":{\"type\":\"number\"}"
 constexpr std::string_view kIntentSchema =
     R"({"type":"object","title":"hoist.Intent","properties":{"timestamp":)" HOIST_TIME "," HOIST_NUMBER("lean_norm") "," HOIST_NUMBER(
-        "turn_norm") "," HOIST_NUMBER("dx_m") "," HOIST_NUMBER("dy_m") "," HOIST_NUMBER("dpsi_rad") "," HOIST_NUMBER("speed_wish_m_s") "," HOIST_NUMBER("yaw_rate_wish_rad_s") "," HOIST_NUMBER("speed_command_m_s") "," HOIST_NUMBER("yaw_rate_command_rad_s") "}}";
+        "turn_norm") "," HOIST_NUMBER("dx_m") "," HOIST_NUMBER("dy_m") ","
+        HOIST_NUMBER("dpsi_rad") "," HOIST_NUMBER("speed_wish_m_s") "," HOIST_NUMBER("yaw_rate_wish_rad_s") ","
+        HOIST_NUMBER("speed_command_m_s") "," HOIST_NUMBER("yaw_rate_command_rad_s") "}}";
 constexpr std::string_view kTimingSchema =
     R"({"type":"object","title":"hoist.Timing","properties":{"timestamp":)" HOIST_TIME "," HOIST_NUMBER("tick") "," HOIST_NUMBER(
         "wake_lateness_s") "," HOIST_NUMBER("tick_duration_s") "," HOIST_NUMBER("missed_ticks") "," HOIST_NUMBER("remote_age_s") "}}";
