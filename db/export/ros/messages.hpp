@@ -28,13 +28,14 @@ const std::array<TopicInfo, kTopicCount>& topics();
 std::string short_type(std::string_view type);
 
 /// The live values that the messages use, by their names in signals.def.
-#define HOIST_ROS_VALUES(V)                                                                                                               \
-  V(left_alpha_rad)                                                                                                                       \
-  V(left_beta_rad)                                                                                                                        \
-  V(right_alpha_rad) V(right_beta_rad) V(base_alpha_rad) V(base_beta_rad) V(base_yaw_rate_rad_s) V(base_pitch_rate_rad_s)                 \
-      V(base_roll_rate_rad_s) V(speed_m_s) V(yaw_rate_rad_s) V(x_m) V(y_m) V(psi_rad) V(wheel_left_m_s) V(wheel_right_m_s) V(left_counts) \
-          V(right_counts) V(battery_a_v) V(battery_b_v) V(fault_bits) V(blocked_bits) V(mode) V(bus_load_norm) V(missed_ticks)            \
-              V(simulated)
+// clang-format off
+#define HOIST_ROS_VALUES(V) \
+  V(left_alpha_rad) V(left_beta_rad) V(right_alpha_rad) V(right_beta_rad) V(base_alpha_rad) V(base_beta_rad) \
+  V(base_yaw_rate_rad_s) V(base_pitch_rate_rad_s) V(base_roll_rate_rad_s) V(speed_m_s) V(yaw_rate_rad_s) V(x_m) \
+  V(y_m) V(psi_rad) V(wheel_left_m_s) V(wheel_right_m_s) V(left_counts) V(right_counts) \
+  V(battery_a_v) V(battery_b_v) V(fault_bits) V(blocked_bits) V(mode) V(bus_load_norm) \
+  V(missed_ticks) V(simulated)
+// clang-format on
 struct Sample {
   std::int64_t utc_ns = 0;  ///< header.stamp
   // NaN: not recorded. Fault bits fit a double (contract::kFaultPlaces).
