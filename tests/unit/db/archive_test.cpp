@@ -470,12 +470,16 @@ TEST(ArchiveTables, everything_of_a_session_is_archived) {
   TemporaryFolder dir;
   Database database = open_at(dir.file("hoist.db"));
   const std::vector<std::string> stays{
-      "sessions.id",        // the file's own number; the archive has its own, and the uuid
-      "sessions.visit_id",  // by patient and day
-      "sessions.folded",    // only folded sessions are archived
-      "events.actor_id",    // as words
-      "markers.actor_id",   // as words
-      "chunks.id",         "bus_chunks.id", "journal_chunks.id", "core_images.id",
+      "sessions.id",           // the file's own number; the archive has its own, and the uuid
+      "sessions.visit_id",     // by patient and day
+      "deletions.session_id",  // how far a deletion has come, which is the file's own affair
+      "sessions.folded",       // only folded sessions are archived
+      "events.actor_id",       // as words
+      "markers.actor_id",      // as words
+      "chunks.id",
+      "bus_chunks.id",
+      "journal_chunks.id",
+      "core_images.id",
   };
   const auto archived = [&](const std::string& table, const std::string& column) {
     const auto has = [&](std::span<const ArchiveColumn> columns) {
