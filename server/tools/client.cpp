@@ -166,7 +166,20 @@ void ToolClient::call(ServiceId service, OutcomeDone done) {
 }
 
 void ToolClient::set_parameters(const json& values, OutcomeDone done) {
-  act_set(services(), asker(), values, json(), version_, std::move(done));
+  NumbersByName numbers;
+  for (const auto& [name, value] : values.items()) {
+    if (!value.is_number()) {
+      Outcome outcome;
+      outcome.kind = Outcome::Kind::invalid;
+      outcome.reason = Reason::invalid;
+      outcome.detail = "Nothing was changed.";
+      outcome.errors = {{name, "must be a number"}};
+      done(outcome);
+      return;
+    }
+    numbers.emplace_back(name, value.get<double>());
+  }
+  act_set(services(), asker(), numbers, std::nullopt, version_, std::move(done));
 }
 
 void ToolClient::parameters_shown() { version_ = static_cast<std::uint32_t>(services().core.parameters().version); }

@@ -1,6 +1,7 @@
 #include "server/ws/connection.hpp"
 
 #include <chrono>
+#include <exception>
 #include <utility>
 #include <vector>
 
@@ -51,10 +52,14 @@ void SocketConnection::take(std::string_view bytes) {
     if (closing_ || gone_) break;
     switch (message.kind) {
       case Incoming::Kind::text:
-        on_text(std::move(message.payload));
-        break;
       case Incoming::Kind::binary:
-        on_binary(std::move(message.payload));
+        // One client's message must never end the server, which others stop the hoist with.
+        try {
+          message.kind == Incoming::Kind::text ? on_text(std::move(message.payload)) : on_binary(std::move(message.payload));
+        } catch (const std::exception&) {
+          counters().add(Count::ws_failed);
+          close(CloseCode::internal, "the server could not read this");
+        }
         break;
       case Incoming::Kind::ping:
         send(make_frame(Opcode::pong, message.payload));

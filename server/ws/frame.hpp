@@ -22,6 +22,7 @@ enum class CloseCode : std::uint16_t {
   bad_utf8 = 1007,
   policy = 1008,
   too_big = 1009,
+  internal = 1011,
   try_later = 1013
 };
 
