@@ -230,6 +230,7 @@ struct App::Parts {
   // What a Host field may say, besides the loopback names that are always allowed.
   [[nodiscard]] std::vector<std::string> hosts_of(const std::vector<std::string>& signed_now) const {
     std::vector<std::string> hosts;
+    hosts.reserve(signed_now.size());
     for (const std::string& name : signed_now) hosts.push_back(name.find(':') == std::string::npos ? name : "[" + name + "]");
     return hosts;
   }

@@ -340,8 +340,10 @@ Status run_sql(Database& database, std::string_view text, const std::function<bo
     text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
     // Only spaces or a comment.
     if (!statement) continue;
+    const int columns = sqlite3_column_count(raw);
     std::vector<std::string> names;
-    for (int i = 0; i < sqlite3_column_count(raw); ++i) names.emplace_back(sqlite3_column_name(raw, i));
+    names.reserve(static_cast<std::size_t>(columns));
+    for (int i = 0; i < columns; ++i) names.emplace_back(sqlite3_column_name(raw, i));
     std::vector<std::optional<std::string>> cells(names.size());
     int code = 0;
     while ((code = sqlite3_step(raw)) == SQLITE_ROW) {
