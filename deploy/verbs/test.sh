@@ -31,8 +31,6 @@ if [ -n "$sanitize" ]; then
 else
   build_normal
   build_web
-  run_ctest build "$results" "$filter"
-  run_web_tests "$results" "$filter"
-  run_browser_tests "$results" "$filter"
+  run_suites "$results" "$filter"
 fi
 tally "$results"
