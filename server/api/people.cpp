@@ -431,6 +431,8 @@ void add_user(const CallPtr& call) {
           return;
         }
         log(*call, call->session->user, access_role(call->session->role), "user", user.name, "done", std::nullopt, user.role);
+        // One enabled engineer always remains: it is never false again.
+        if (user.role == "engineer") call->services.has_engineer = true;
         call->respond(user_json(user), 201);
       });
 }
@@ -485,6 +487,7 @@ void change_user(const CallPtr& call) {
         }
         const db::User& user = *changed.after;
         const bool role_changed = changed.before && changed.before->role != user.role;
+        if (user.role == "engineer" && user.enabled) call->services.has_engineer = true;
         Auth& auth = call->rest.auth;
         auth.apply(name, role_of_name(user.role), user.display_name, user.enabled);
         if (signs_out) auth.end_accounts(name, nullptr);

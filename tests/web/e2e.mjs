@@ -297,6 +297,47 @@ const cases = {
     await openConsole();
   },
 
+  async 'a person signs in with a password, and the next time with a PIN; STOP stays for whoever was signed in'() {
+    const password = 'a long walk to the sea';
+    const added = await stack.rest('POST', '/users', { user: 'berg', display_name: 'Anna Berg', role: 'engineer', password });
+    assert([201, 422].includes(added.status), `the account is not added: ${added.text}`); // 422: this is another attempt
+    const other = await browser.newContext({ locale: 'en' });
+    const screen = await other.newPage();
+    await screen.goto(`${stack.origin}/`);
+    const press = (name, options) => screen.getByRole('button', { name, exact: true }).click(options);
+    await screen.getByLabel('User name').fill('berg');
+    await screen.getByLabel('Password').fill('not that one at all');
+    await press('Sign in');
+    await until('a wrong password is refused in words', () => screen.locator('.form-error').isVisible());
+    assert((await screen.locator('.shell').count()) === 0, 'a wrong password opened the console');
+    // Right after a failure the server wants a second's pause: the page counts it down.
+    await until(
+      'the right one opens the console',
+      async () => {
+        if (await screen.locator('.shell').isVisible()) return true;
+        await screen.getByLabel('Password').fill(password, { timeout: 1000 }).catch(() => {});
+        await press('Sign in', { timeout: 1000 }).catch(() => {});
+        return false;
+      },
+      20_000,
+      400,
+    );
+    await until('it shows the hoist', async () => ['Standby', 'Stopped'].includes(await screen.locator('.mode strong').textContent()), 20_000);
+    await screen.goto(`${stack.origin}/#/settings/me`);
+    const pin = screen.getByRole('form', { name: 'PIN' });
+    await pin.getByLabel('Present password').fill(password);
+    await pin.getByLabel('New PIN').fill('4711');
+    await pin.getByRole('button', { name: 'Save' }).click();
+    await until('the PIN is set', () => screen.getByText('PIN set').first().isVisible());
+    await press('Sign out');
+    await press('Anna Berg');
+    await until('STOP stays', () => screen.locator('.stop').isVisible());
+    await screen.getByLabel('PIN').fill('4711');
+    await screen.keyboard.press('Enter');
+    await until('the console is open again', () => screen.locator('.settings').isVisible(), 20_000);
+    await other.close();
+  },
+
   async 'the screens say that this is a simulation'() {
     for (const name of ['Walk', 'Drive', 'Exercises', 'Tune', 'Sessions', 'Calibrate', 'Health']) {
       await go(name);
