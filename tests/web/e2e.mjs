@@ -427,6 +427,24 @@ const cases = {
     assert(rows.length > 2000, `only ${rows.length} rows`);
   },
 
+  async 'a new patient is chosen on Home: the walk appears in the visit of today, under the code in the bar'() {
+    await toStandby();
+    await page.goto(`${stack.origin}/#/home`);
+    const code = `P-${Math.floor(performance.now())}`;
+    await page.getByLabel('Search or enter a code').fill(code);
+    await button(`New patient with code ${code}`).click();
+    await until('the patient is chosen', async () => (await page.locator('.home-code').textContent()) === code);
+    const id = await walkFor(4);
+    assert((await page.locator('.bar-patient').textContent()).includes(code), 'the code is not in the bar of Walk');
+    assert((await stack.rest('GET', `/sessions/${id}`)).json().subject === code, 'the walk is recorded without the code');
+    await page.goto(`${stack.origin}/#/home`);
+    await page.locator('.home .rows a', { hasText: code }).click();
+    await until('the visit has the walk', () => page.locator(`.patient-visit a[href="#/sessions/${id}"]`).isVisible());
+    await page.goto(`${stack.origin}/#/home`);
+    await button('No patient').click();
+    await until('nobody is chosen', () => page.getByText('No patient chosen').isVisible());
+  },
+
   async 'a backup is made beside the recording and put back: what was deleted meanwhile is there again'() {
     const id = walked?.id ?? (await walkFor(6));
     await toStandby();

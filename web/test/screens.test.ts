@@ -18,6 +18,7 @@ const looks = [
   ['dark', 'de'],
 ] as const;
 const screens = [
+  'home',
   'walk',
   'drive',
   'exercises',
@@ -25,6 +26,7 @@ const screens = [
   'sessions',
   'calibrate',
   'health',
+  'patients/5',
   'settings/me',
   'settings/users',
   'settings/tokens',
@@ -55,6 +57,7 @@ async function open([width, height]: readonly [number, number], look: Look, scre
 
 /** The last element of each screen to appear; otherwise the previous or an empty screen would be tested. */
 const last: Record<(typeof screens)[number], string> = {
+  home: '.home .rows li',
   walk: '.walk-body .reading .num',
   drive: '.drive-body .pad',
   exercises: '.guided-settings .stepper',
@@ -62,6 +65,7 @@ const last: Record<(typeof screens)[number], string> = {
   sessions: '.session-item',
   calibrate: '.calibrate-list li',
   health: '.health .part-detail',
+  'patients/5': '.patient .rows li',
   'settings/me': '.settings-part .form',
   'settings/users': '.settings-part .rows li',
   'settings/tokens': '.settings-part .rows li',

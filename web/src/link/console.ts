@@ -8,7 +8,7 @@ import { hasBit } from './bits';
 import { readFrame } from './frame';
 import { live } from './live';
 import { rememberSignedIn } from './known';
-import { rest, type Answer } from './rest';
+import { rest, type Answer, type Problem } from './rest';
 import { causeReader } from './speed_cause';
 import { Link, replyLost, type Question, type Reply, type Told } from './socket';
 import { openTicketed } from './ticketed';
@@ -144,6 +144,9 @@ function takeText(message: Told): void {
       writable.set({ recording: { state, session, started_utc_ms, samples, reason: reason_code } });
       break;
     }
+    case 'patient':
+      writable.set({ patient: message.id === null ? null : { id: message.id, code: message.code ?? '' } });
+      break;
     case 'notices':
       writable.set({ standing: message.items });
       break;
@@ -337,6 +340,12 @@ async function change(message: Extract<Question, { version?: number }>): Promise
   const reply = await link.request({ ...message, ...(version > 0 ? { version } : {}) });
   if (reply.ok && reply.stored === false) notify('warning', 'settings.notStored');
   return reply;
+}
+
+/** Whom the hoist walks with, on all screens; null: nobody. The answer as of a plain request, since it belongs to the same screens. */
+export async function choosePatient(patient: number | null): Promise<Problem | null> {
+  const reply = await link.request({ type: 'choose_patient', patient });
+  return reply.ok ? null : { status: 0, code: reply.reason_code ?? '', errors: reply.errors, refusals: reply.refusals, wait_s: null };
 }
 
 const end: Question = { type: 'mode', mode: 'standby' };

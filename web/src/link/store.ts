@@ -67,6 +67,8 @@ export interface State {
   /** Another screen has taken control, and the notice is not closed yet. */
   leaseTaken: boolean;
   recording: Recording;
+  /** For whom the next walk is recorded, on all screens. */
+  patient: { id: number; code: string } | null;
   // The slow part of the newest record: kept here so that screens render only when it changes.
   mode: ModeName;
   faultBits: number;
@@ -144,6 +146,7 @@ export const initial: State = {
   lease: { epoch: 0, holder: 0, mine: false, actor: null, asking: [] },
   leaseTaken: false,
   recording: { state: 'idle', session: null, started_utc_ms: null, samples: 0, reason: null },
+  patient: null,
   mode: 'init',
   faultBits: 0,
   stopCause: 0,

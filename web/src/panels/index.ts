@@ -3,6 +3,7 @@ import { Lazy } from '../ui/lazy';
 import type { Panel } from './panel';
 
 export const panels: readonly Panel[] = [
+  { id: 'home', title: 'nav.home', icon: 'home', live: false, view: new Lazy(async () => (await import('./home/home')).HomeView) },
   { id: 'walk', title: 'nav.walk', icon: 'walk', live: true, view: new Lazy(async () => (await import('./walk/walk')).WalkView) },
   { id: 'drive', title: 'nav.drive', icon: 'drive', live: true, view: new Lazy(async () => (await import('./drive/drive')).DriveView) },
   {
@@ -28,6 +29,14 @@ export const panels: readonly Panel[] = [
     view: new Lazy(async () => (await import('./calibrate/calibrate')).CalibrateView),
   },
   { id: 'health', title: 'nav.health', icon: 'health', live: true, view: new Lazy(async () => (await import('./health/health')).HealthView) },
+  {
+    id: 'patients',
+    title: 'nav.patients',
+    icon: 'home',
+    live: false,
+    under: 'home',
+    view: new Lazy(async () => (await import('./patients/patients')).PatientsView),
+  },
   {
     id: 'settings',
     title: 'nav.settings',

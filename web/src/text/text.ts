@@ -95,6 +95,13 @@ export function date(utc_ms: number | null | undefined): string {
   return new Intl.DateTimeFormat(locale(), { dateStyle: 'medium', timeStyle: 'short' }).format(utc_ms);
 }
 
+/** A day as the server writes it, YYYY-MM-DD. */
+export function dayText(day: string | null | undefined): string {
+  const [year = NaN, month = NaN, date_ = NaN] = (day ?? '').split('-').map(Number);
+  const noon = new Date(year, month - 1, date_, 12);
+  return Number.isFinite(noon.getTime()) ? new Intl.DateTimeFormat(locale(), { dateStyle: 'medium' }).format(noon) : noValue;
+}
+
 // ------------------------------------------------------------------------------- settings: SI underneath, degrees on screens
 const shares = new Set(['lean_dead_band_norm', 'turn_dead_band_norm', 'speed_cap_norm', 'neutral_start_tolerance_norm']);
 

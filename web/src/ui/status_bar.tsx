@@ -33,7 +33,10 @@ export function StatusBar() {
   return (
     <header class="bar">
       <ModeChip />
-      {simulated ? <span class="simulation">{t('bar.simulation')}</span> : null}
+      <div class="bar-where">
+        {simulated ? <span class="simulation">{t('bar.simulation')}</span> : null}
+        <ChosenPatient />
+      </div>
       <span class="bar-gap" />
       <Control />
       <LinkQuality />
@@ -53,6 +56,22 @@ function ModeChip() {
       <strong>{lost ? t('bar.unknown') : words(row.title)}</strong>
       <span>{!known ? noValue : motion === null ? t('bar.old') : t(motion === 'still' ? 'bar.still' : 'bar.moving')}</span>
     </div>
+  );
+}
+
+/** By code: a name stands on the patient's own page only. */
+function ChosenPatient() {
+  const patient = useStore((s) => s.patient);
+  const known = useStore((s) => s.link === 'open');
+  return (
+    <a
+      class={known ? 'bar-item bar-patient' : 'bar-item bar-patient old'}
+      href={addressOf('home')}
+      aria-label={`${t('home.patient')}: ${patient?.code ?? t('home.none')}`}
+    >
+      <span class="bar-label">{t('bar.patient')}</span>
+      <span class="bar-value">{patient?.code ?? noValue}</span>
+    </a>
   );
 }
 

@@ -1,0 +1,245 @@
+// One patient: the identity on request, visits with their sessions, and what becomes of the data. The list is on Home.
+import { useEffect, useState } from 'preact/hooks';
+import type { Patient, Person, Session } from '../../contract/rest.gen';
+import { choosePatient, notify } from '../../link/console';
+import { useQuery } from '../../link/query';
+import { rest, type Answer, type Problem } from '../../link/rest';
+import { useReadiness } from '../../link/readiness';
+import { useStore } from '../../link/store';
+import { addressOf, go } from '../../router';
+import { exerciseTitle } from '../../text/exercise';
+import { useSettings } from '../../text/settings';
+import { date, dayText, duration, noValue, t } from '../../text/text';
+import { Field, Form, Trouble } from '../../ui/field';
+import { HoldButton } from '../../ui/hold_button';
+import type { PanelProps } from '../panel';
+import { Profiles } from './profiles';
+import '../../ui/rows.css';
+import './patients.css';
+
+const visitsMost = 200;
+const sessionsMost = 200;
+const confirmHold_ms = 2000;
+const notFound = 404;
+const nameMost = 100;
+const noteMost = 500;
+
+export function PatientsView({ part }: PanelProps) {
+  useSettings();
+  const id = part !== null && /^\d+$/.test(part) ? Number(part) : null;
+  useEffect(() => {
+    if (id === null) go(addressOf('home'), true);
+  }, [id]);
+  return id === null ? null : <PatientPage key={id} id={id} />;
+}
+
+function PatientPage({ id }: { id: number }) {
+  const { reachable, led } = useReadiness();
+  const role = useStore((s) => s.role);
+  const chosen = useStore((s) => s.patient);
+  const recording = useStore((s) => s.recording.state + String(s.recording.session));
+  const asked = useQuery(() => rest('GET /api/v1/patients/{id}', { path: { id } }), [id, recording]);
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const [busy, setBusy] = useState(false);
+  const patient = asked.value;
+  const may = reachable && role !== 'viewer' && !busy;
+  const act = async (what: () => Promise<Problem | null>) => {
+    setBusy(true);
+    setProblem(await what());
+    setBusy(false);
+  };
+  const of = (answer: Answer<unknown>): Problem | null => (answer.ok ? (asked.retry(), null) : answer.problem);
+
+  if (patient === null)
+    return (
+      <section class="card">
+        {asked.problem === null ? <p class="hint">{t('common.loading')}</p> : null}
+        <Trouble problem={asked.problem} retry={asked.problem?.status === notFound ? undefined : asked.retry} />
+        <a class="quiet patient-back" href={addressOf('home')}>
+          ‹ {t('patient.back')}
+        </a>
+      </section>
+    );
+  const here = chosen?.id === id;
+  const archive = (archived: boolean) =>
+    void act(async () => of(await rest('PATCH /api/v1/patients/{id}', { path: { id }, body: { archived }, etag: patient.etag })));
+  const remove = () =>
+    void act(async () => {
+      const answer = await rest('DELETE /api/v1/patients/{id}', { path: { id }, etag: patient.etag });
+      if (!answer.ok) return answer.problem;
+      notify('info', t('patient.deleted', { code: patient.code }), true);
+      go(addressOf('home'));
+      return null;
+    });
+  return (
+    <div class="patient">
+      <section class="card patient-head">
+        <a class="quiet patient-back" href={addressOf('home')}>
+          ‹ {t('patient.back')}
+        </a>
+        <h2>{patient.code}</h2>
+        {patient.archived ? <span class="hint">{t('patient.archived')}</span> : null}
+        <span class="patient-gap" />
+        {here ? (
+          <span class="hint">{t('home.chosen')}</span>
+        ) : (
+          <button type="button" class="plain primary" disabled={!may || led || patient.archived} onClick={() => void act(() => choosePatient(id))}>
+            {t('home.choose')}
+          </button>
+        )}
+        <Trouble problem={problem} />
+      </section>
+      <div class="patient-side">
+        <Visits id={id} code={patient.code} again={recording} />
+        <Profiles patient={id} may={may} />
+      </div>
+      <div class="patient-side">
+        {role === 'viewer' ? null : <IdentityCard patient={patient} onChange={asked.retry} />}
+        <section class="card patient-end">
+          <h2>{t('patient.data')}</h2>
+          <p>{t(patient.archived ? 'patient.restoreText' : 'patient.archiveText')}</p>
+          <button type="button" class="plain" disabled={!may || here} onClick={() => archive(!patient.archived)}>
+            {t(patient.archived ? 'patient.unarchive' : 'patient.archive')}
+          </button>
+          <p>{t('patient.deleteText', { code: patient.code, visits: patient.visits, sessions: patient.sessions })}</p>
+          <HoldButton
+            label={t('patient.deleteHold')}
+            hint={t('patient.deleteHint')}
+            hold_ms={confirmHold_ms}
+            disabled={!may || here}
+            onDone={remove}
+          />
+          {here ? <p class="hint">{t('patient.chosenFirst')}</p> : null}
+        </section>
+      </div>
+    </div>
+  );
+}
+
+/** Nothing of a name is asked for, shown or kept in the page before someone wants to see it; leaving the page forgets it. */
+function IdentityCard({ patient, onChange }: { patient: Patient; onChange: () => void }) {
+  const { id, etag, has_identity: stored } = patient;
+  const [shown, setShown] = useState(false);
+  const asked = useQuery(shown ? () => rest('GET /api/v1/patients/{id}/identity', { path: { id } }) : null, [id]);
+  const [draft, setDraft] = useState<Person | null>(null);
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const known = asked.value;
+  const save = async () => {
+    if (draft === null) return;
+    const body = { name: draft.name.trim(), birth_date: draft.birth_date || null, note: draft.note };
+    const answer = await rest('PUT /api/v1/patients/{id}/identity', { path: { id }, body, etag });
+    setProblem(answer.ok ? null : answer.problem);
+    if (!answer.ok) return;
+    setDraft(null);
+    asked.retry();
+    onChange();
+  };
+  const set = (change: Partial<Person>) => setDraft((now) => ({ name: '', birth_date: '', note: '', ...now, ...change }));
+  return (
+    <section class="card">
+      <h2>{t('patient.identity')}</h2>
+      {!shown ? (
+        <div class="form">
+          <p class="hint">{t(stored ? 'patient.sealed' : 'patient.unnamed')}</p>
+          <button type="button" class="plain" onClick={() => setShown(true)}>
+            {t(stored ? 'patient.show' : 'patient.name')}
+          </button>
+        </div>
+      ) : known === null ? (
+        <>
+          <p class="hint">{asked.problem === null ? t('common.loading') : ''}</p>
+          <Trouble problem={asked.problem} retry={asked.retry} />
+        </>
+      ) : known.state !== 'none' && known.state !== 'readable' ? (
+        <p class="form-error" role="alert">
+          {t(`patient.${known.state}`)}
+        </p>
+      ) : draft === null && known.identity !== null ? (
+        <div class="form">
+          <dl class="patient-known">
+            <dt>{t('patient.fullName')}</dt>
+            <dd>{known.identity.name}</dd>
+            <dt>{t('patient.birth')}</dt>
+            <dd>{dayText(known.identity.birth_date)}</dd>
+            <dt>{t('sessions.note')}</dt>
+            <dd>{known.identity.note === '' ? noValue : known.identity.note}</dd>
+          </dl>
+          <div class="form-buttons">
+            <button type="button" class="plain" onClick={() => setDraft(known.identity)}>
+              {t('common.edit')}
+            </button>
+            <button type="button" class="quiet" onClick={() => setShown(false)}>
+              {t('patient.hide')}
+            </button>
+          </div>
+        </div>
+      ) : (
+        <Form onSend={() => void save()} label={t('patient.identity')}>
+          <Field label={t('patient.fullName')} value={draft?.name ?? ''} most={nameMost} onValue={(name) => set({ name })} />
+          <label class="field">
+            <span>{t('patient.birth')}</span>
+            <input type="date" value={draft?.birth_date ?? ''} onInput={(event) => set({ birth_date: event.currentTarget.value })} />
+          </label>
+          <Field label={t('sessions.note')} value={draft?.note ?? ''} most={noteMost} onValue={(note) => set({ note })} />
+          <p class="hint">{t('patient.sealedHint')}</p>
+          <Trouble problem={problem} />
+          <div class="form-buttons">
+            <button type="submit" class="plain primary" disabled={(draft?.name ?? '').trim() === ''}>
+              {t('common.save')}
+            </button>
+            <button
+              type="button"
+              class="quiet"
+              onClick={() => {
+                setDraft(null);
+                if (known.state === 'none') setShown(false);
+              }}
+            >
+              {t('common.cancel')}
+            </button>
+          </div>
+        </Form>
+      )}
+    </section>
+  );
+}
+
+function Visits({ id, code, again }: { id: number; code: string; again: string }) {
+  const visits = useQuery(() => rest('GET /api/v1/visits', { query: { patient: id, limit: visitsMost } }), [id, again]);
+  const sessions = useQuery(() => rest('GET /api/v1/sessions', { query: { q: code, limit: sessionsMost } }), [code, again]);
+  const known = new Map((sessions.value?.items ?? []).map((session) => [session.id, session]));
+  return (
+    <section class="card">
+      <h2>{t('patient.visits')}</h2>
+      <Trouble problem={visits.problem ?? sessions.problem} retry={() => [visits, sessions].forEach((one) => one.retry())} />
+      {visits.value === null && visits.problem === null ? <p class="hint">{t('common.loading')}</p> : null}
+      {visits.value?.items.length === 0 ? <p class="hint">{t('home.new')}</p> : null}
+      {(visits.value?.items ?? []).map((visit) => (
+        <div key={visit.id} class="patient-visit">
+          <h3>{dayText(visit.day)}</h3>
+          <ul class="rows">
+            {visit.sessions.map((session) => (
+              <SessionRow key={session} id={session} session={known.get(session) ?? null} />
+            ))}
+          </ul>
+        </div>
+      ))}
+    </section>
+  );
+}
+
+function SessionRow({ id, session }: { id: number; session: Session | null }) {
+  const name = session === null ? t('sessions.one', { n: id }) : exerciseTitle(session.exercise === null ? 'free' : session.exercise.shape);
+  return (
+    <li>
+      <a class="row-text" href={addressOf('sessions', id)}>
+        <strong>{name}</strong>
+        <span>
+          {session === null ? '' : date(session.started_utc_ms)}
+          {session?.simulated ? ` · ${t('sessions.simulated')}` : ''}
+        </span>
+      </a>
+      <span class="num hint">{session === null ? '' : session.recording ? t('sessions.running') : duration(session.duration_s)}</span>
+    </li>
+  );
+}

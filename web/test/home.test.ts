@@ -1,0 +1,127 @@
+// Patients: the search, and choosing one in a browser with the stand-in server.
+import type { Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import { dayOf, exists, found, match } from '../src/panels/home/model';
+import { en } from '../src/text/en';
+import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
+import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
+
+const minutes_ms = 120_000;
+const codes = (typed: string, all: string[]) =>
+  found(
+    all.map((code) => ({ code })),
+    typed,
+  ).map(({ code }) => code);
+
+describe('the search for a code', () => {
+  it('finds every code by each of its parts, written in any way', () => {
+    for (const code of ['P-017', 'K-07', 'A 3/12', 'Ö-9'])
+      for (let from = 0; from < code.length; from++)
+        for (let to = from + 1; to <= code.length; to++) {
+          const part = code.slice(from, to);
+          expect(match(code, part), part).not.toBeNull();
+          expect(match(code, part.toLocaleLowerCase()), part).not.toBeNull();
+        }
+    expect(match('P-017', 'p017')).toBe(0);
+  });
+
+  it('puts the same before what begins or ends so, and that before what contains it', () => {
+    expect(codes('017', ['X-0179', 'P-017', '017', 'Q-9-017-2'])).toEqual(['017', 'P-017', 'X-0179', 'Q-9-017-2']);
+    expect(codes('', ['b', 'a']), 'without a search the order stays').toEqual(['b', 'a']);
+    expect(codes('zz', ['a', 'b'])).toEqual([]);
+  });
+
+  it('takes only exactly the same code for the same patient', () => {
+    expect(exists([{ code: 'P-017' }], '017')).toBe(false);
+    expect(exists([{ code: 'P-017' }], ' P-017 ')).toBe(true);
+  });
+
+  it('writes days as the server does', () => {
+    expect(dayOf(new Date(2026, 0, 5, 23, 59))).toBe('2026-01-05');
+  });
+});
+
+describe('Home', { timeout: minutes_ms }, () => {
+  let built: BuiltConsole;
+  let fake: FakeServer;
+  let page: Page;
+  beforeAll(async () => {
+    built = await openBuiltConsole();
+  }, minutes_ms);
+  afterAll(() => built?.close());
+  beforeEach(async () => {
+    fake = await startFakeServer({ dist: built.folder });
+    page = await built.browser.newPage({ viewport: { width: 1024, height: 768 }, locale: 'en' });
+    await page.goto(fake.url);
+    await page.locator('.home .rows li').first().waitFor();
+  });
+  afterEach(async () => {
+    await page?.close();
+    await fake?.close();
+  });
+  const rows = () => page.locator('.home .rows strong').allTextContents();
+  const choose = (code: string) => page.getByRole('button', { name: en['home.chooseName'].replace('{code}', code) }).click();
+
+  it('is the first screen; the chosen patient stands in the bar of every screen, and of every device', async () => {
+    await choose('P-017');
+    await page.locator('.home-code', { hasText: 'P-017' }).waitFor();
+    await page.goto(`${fake.url}#/tune`);
+    await page.locator('.bar-patient', { hasText: 'P-017' }).waitFor();
+    const other = await built.browser.newPage({ locale: 'en' });
+    await other.goto(`${fake.url}#/walk`);
+    await other.locator('.bar-patient', { hasText: 'P-017' }).waitFor();
+    await page.goto(`${fake.url}#/home`);
+    await page.getByRole('button', { name: en['home.finish'] }).click();
+    await other.locator('.bar-patient', { hasText: '–' }).waitFor();
+    await other.close();
+  });
+
+  it('never offers a new patient in place of one that exists: 017 shows P-017 first, and the new one below', async () => {
+    await page.locator('.home input[type=search]').fill('017');
+    await expect.poll(rows, { timeout: 10_000 }).toEqual(['P-017']);
+    const offer = page.getByRole('button', { name: en['home.create'].replace('{code}', '017'), exact: true });
+    await offer.waitFor();
+    const above = (await page.locator('.home .rows li').first().boundingBox())!.y < (await offer.boundingBox())!.y;
+    expect(above).toBe(true);
+    await page.locator('.home input[type=search]').fill('P-017');
+    await expect.poll(() => page.locator('.home-new').count(), { timeout: 10_000 }).toBe(0);
+  });
+
+  it('makes a new patient and chooses it at once', async () => {
+    await page.locator('.home input[type=search]').fill('Z-99');
+    await page.getByRole('button', { name: en['home.create'].replace('{code}', 'Z-99'), exact: true }).click();
+    await expect.poll(() => fake.hoist.patient?.code, { timeout: 10_000 }).toBe('Z-99');
+    await page.locator('.home-code', { hasText: 'Z-99' }).waitFor();
+  });
+
+  it('asks for no name before someone wants to see it, and forgets it on leaving the page', async () => {
+    const asked: string[] = [];
+    page.on('request', (request) => asked.push(new URL(request.url()).pathname));
+    await page.locator('.home a.row-text', { hasText: 'P-017' }).click();
+    await page.locator('.patient').waitFor();
+    await page.getByRole('button', { name: en['patient.show'] }).waitFor();
+    expect(asked.filter((path) => path.endsWith('/identity'))).toEqual([]);
+    await page.getByRole('button', { name: en['patient.show'] }).click();
+    await page.getByText('Erika Musterfrau').waitFor();
+    await page.locator('.bar-patient').click();
+    await page.locator('.home').waitFor();
+    expect(await page.locator('body').textContent()).not.toContain('Musterfrau');
+  });
+
+  it('deletes a patient only by holding, and never the current one', async () => {
+    await page.goto(`${fake.url}#/patients/1`);
+    const hold = page.getByRole('button', { name: en['patient.deleteHold'] });
+    await hold.click();
+    await page.waitForTimeout(100);
+    await page.goto(`${fake.url}#/home`);
+    await expect.poll(rows, { timeout: 10_000 }).toContain('K-07');
+    await choose('K-07');
+    await page.locator('.home-code', { hasText: 'K-07' }).waitFor();
+    await page.goto(`${fake.url}#/patients/1`);
+    expect(await hold.isDisabled()).toBe(true);
+    await page.goto(`${fake.url}#/patients/4`);
+    await hold.click({ delay: 2300 });
+    await page.locator('.home .rows li').first().waitFor();
+    expect(await rows()).not.toContain('P-016');
+  });
+});
