@@ -157,9 +157,6 @@ function takeText(message: Told): void {
       writable.set({ exercise: message.exercise, begun });
       break;
     }
-    case 'patient':
-      writable.set({ patient: message.id !== null && message.code !== null ? { id: message.id, code: message.code } : null });
-      break;
     case 'core':
       writable.set({ coreConnected: message.connected, coreReason: message.reason_code });
       break;

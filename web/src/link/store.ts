@@ -53,8 +53,6 @@ export interface State {
   scenario: string | null;
   /** Chosen for the next walk, on all screens. */
   exercise: Exercise;
-  /** Whom the next motion is recorded for, the same on all screens. */
-  patient: { id: number; code: string } | null;
   /** Exercise at the start of the present or latest motion. Null: unknown. */
   begun: Exercise | GuidedPath | null;
   /** Null: not received yet. */
@@ -137,7 +135,6 @@ export const initial: State = {
   simulated: false,
   scenario: null,
   exercise: usualExercise.eight,
-  patient: null,
   begun: null,
   coreConnected: null,
   coreReason: null,
