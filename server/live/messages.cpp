@@ -10,6 +10,7 @@
 #include "server/actions/actions.hpp"
 #include "server/actions/patients.hpp"
 #include "server/contract/fields.hpp"
+#include "server/contract/schemas.hpp"
 #include "server/live/client.hpp"
 
 namespace hoist::server {
@@ -197,11 +198,14 @@ constexpr std::array kRows{
 #undef HOIST_FIELD
 };
 
-// Without what belongs to the message itself. null in place of an optional field is the same as leaving it out.
-json fields_of(const json& message) {
+// Without what belongs to the message itself. null in place of an optional field is the same as leaving it out; a required one may mean it:
+// nobody is chosen.
+json fields_of(const json& message, std::string_view schema) {
+  const json& required = field(schemas().at(std::string{schema}), "required");
+  const auto is_required = [&](const std::string& name) { return std::find(required.begin(), required.end(), name) != required.end(); };
   json fields = json::object();
   for (const auto& [name, value] : message.items())
-    if (name != "type" && name != "request" && !value.is_null()) fields[name] = value;
+    if (name != "type" && name != "request" && (!value.is_null() || is_required(name))) fields[name] = value;
   return fields;
 }
 
@@ -244,7 +248,7 @@ void handle_message(Client& client, const json& message, const std::optional<std
     }
     // Driving judges itself, field by field: letting go counts whatever else is wrong.
     if (row.handler != &on::drive) {
-      if (auto errors = wrong_fields(row.schema, fields_of(message)); !errors.empty() && !ends_motion(row, message)) {
+      if (auto errors = wrong_fields(row.schema, fields_of(message, row.schema)); !errors.empty() && !ends_motion(row, message)) {
         refuse_fields(client, message, std::move(errors));
         return;
       }

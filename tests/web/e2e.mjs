@@ -72,7 +72,7 @@ const button = (name) => page.getByRole('button', { name, exact: true });
 const press = async (of) => {
   if (await of.isEnabled().catch(() => false)) await of.click({ timeout: 1000 }).catch(() => {});
 };
-const go = (name) => page.getByRole('link', { name }).click();
+const go = (name) => page.getByRole('navigation', { name: 'Screens' }).getByRole('link', { name }).click();
 
 async function openConsole() {
   page = await context.newPage();

@@ -26,6 +26,9 @@ for (const [size, [width, height]] of Object.entries(sizes)) {
     await page.goto(fake.url);
     await page.waitForFunction(() => document.querySelector('.mode strong')?.textContent !== 'Starting');
     await page.waitForTimeout(600);
+    await shot('home');
+    await page.goto(`${fake.url}#/walk`);
+    await page.waitForTimeout(300);
     await shot('walk-idle');
     await page.click('.walk-controls .primary');
     await page.waitForTimeout(300);
