@@ -6,7 +6,7 @@ export interface FakeServer {
   /** Who is in control: 0 for nobody. */
   lease: { holder: number };
   /** Long work that was asked for. */
-  jobs: { kind: string }[];
+  jobs: { kind: string; asked?: object }[];
   /** What runs ends now: by itself it takes `jobs_ms`. */
   finishJobs: () => void;
   /** The next job of this kind fails with this reason. */

@@ -228,8 +228,9 @@ export function startFakeServer({
     },
   ];
   /** A job that takes a second. */
-  const startJob = (kind, result) => {
+  const startJob = (kind, result, asked) => {
     const job = {
+      asked,
       id: jobs.length + 1,
       kind,
       state: 'running',
@@ -786,12 +787,17 @@ export function startFakeServer({
         );
       return send(
         202,
-        startJob(kind, () => {
-          if (kind === 'restore') return { backup: given.backup, set_aside: '/var/lib/hoist/hoist.db.2026-11-24' };
-          const made = { ...backups[0], backup: `${given.folder}/hoist-${dayOf(Date.now())}`, utc_ms: Date.now() };
-          backups.unshift(made);
-          return made;
-        }),
+        startJob(
+          kind,
+          () => {
+            if (kind === 'export_sessions') return { file_name: 'hoist-sessions.zip', bytes: 4.1e7, sessions: 3 };
+            if (kind === 'restore') return { backup: given.backup, set_aside: '/var/lib/hoist/hoist.db.2026-11-24' };
+            const made = { ...backups[0], backup: `${given.folder}/hoist-${dayOf(Date.now())}`, utc_ms: Date.now() };
+            backups.unshift(made);
+            return made;
+          },
+          given,
+        ),
       );
     }
     if (path === '/jobs') return send(200, { items: jobs.map((job) => ({ ...job, result: undefined })) });

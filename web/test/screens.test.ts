@@ -30,6 +30,7 @@ const screens = [
   'settings/me',
   'settings/users',
   'settings/tokens',
+  'settings/tools',
   'settings/backup',
   'settings/audit',
 ] as const;
@@ -69,6 +70,7 @@ const last: Record<(typeof screens)[number], string> = {
   'settings/me': '.settings-part .form',
   'settings/users': '.settings-part .rows li',
   'settings/tokens': '.settings-part .rows li',
+  'settings/tools': '.settings-part dl',
   'settings/backup': '.settings-part .rows li',
   'settings/audit': '.settings-part .rows li',
 };

@@ -1,4 +1,4 @@
-// Settings in a browser with the stand-in server: what a press does, and what is told when it does not work.
+// Long work in a browser with the stand-in server: what a press does, and what is told when it does not work.
 import type { Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
 import { en } from '../src/text/en';
@@ -75,5 +75,26 @@ describe('backup', { timeout: minutes_ms }, () => {
     fake.finishJobs();
     await page.getByText('The storage is full.').waitFor();
     expect(await button(en['backup.now']).isEnabled()).toBe(true);
+  });
+});
+
+describe('many sessions as one file', { timeout: minutes_ms }, () => {
+  it('are asked for by day and patient, and downloaded when the file is made', async () => {
+    await open('sessions');
+    await page.getByLabel(en['exports.from']).fill('2026-11-01');
+    await page.getByLabel(en['sessions.subject']).last().fill(' K-07 ');
+    await page.getByLabel(en['exports.layout']).selectOption('bids');
+    await button(en['exports.make']).click();
+    await page.locator('progress').waitFor();
+    expect(await button(en['exports.make']).isDisabled()).toBe(true);
+    expect(await page.locator('.session-none a[download]').count(), 'nothing to download before it is made').toBe(0);
+    fake.finishJobs();
+    await page.locator('.session-none a[download]').waitFor();
+    expect(await page.locator('.session-none a[download]').getAttribute('href')).toMatch(/\/api\/v1\/jobs\/\d+\/file$/);
+    expect(fake.jobs.at(-1)).toMatchObject({
+      kind: 'export_sessions',
+      asked: { layout: 'bids', simulated: false, from_day: '2026-11-01', subject: 'K-07' },
+    });
+    expect(Object.keys(fake.jobs.at(-1)?.asked ?? {}), 'an empty field is no filter').not.toContain('to_day');
   });
 });

@@ -19,6 +19,7 @@ import { Lazy, LoadFailed, useLazy } from '../../ui/lazy';
 import { addressOf, go } from '../../router';
 import type { PanelProps } from '../panel';
 import { curves } from './curves';
+import { ExportMany } from './export_many';
 import { continued, pathOf, refreshed, story } from './model';
 import '../../ui/reading.css';
 import './sessions.css';
@@ -86,6 +87,7 @@ export function SessionsView({ part }: PanelProps) {
   const chosen = part !== null && /^\d+$/.test(part) ? Number(part) : null;
   const [leaving, setLeaving] = useState<number | null>(null); // Undo can still keep it
   const [gone, setGone] = useState<readonly number[]>([]); // being deleted by the server, or deleted
+  const role = useStore((s) => s.role);
   const recording = useStore((s) => s.recording.state + String(s.recording.session));
   const { list, problem, waits, again, older } = useSessionList(search.trim(), recording);
 
@@ -181,6 +183,7 @@ export function SessionsView({ part }: PanelProps) {
       {chosen === null ? (
         <section class="card session-none">
           <p class="hint">{t('sessions.choose')}</p>
+          {role === 'viewer' ? null : <ExportMany />}
         </section>
       ) : (
         <Detail key={chosen} id={chosen} onDelete={() => remove(chosen)} onChange={again} />

@@ -2,11 +2,12 @@
 import { useEffect, useState } from 'preact/hooks';
 import type { Backup, BackupsResult, Job } from '../../contract/rest.gen';
 import { notify } from '../../link/console';
-import { useJob, type Work } from '../../link/jobs';
+import { useJob } from '../../link/jobs';
 import { useStore } from '../../link/store';
 import { date, plain, t } from '../../text/text';
 import { Trouble } from '../../ui/field';
 import { HoldButton } from '../../ui/hold_button';
+import { Progress } from '../../ui/progress';
 
 const confirmHold_ms = 2000;
 const giga = 1e9;
@@ -54,7 +55,7 @@ export function BackupSection() {
             </select>
           </label>
         ) : null}
-        <label class="settings-check">
+        <label class="check">
           <input type="checkbox" checked={names} disabled={busy} onChange={(event) => setNames(event.currentTarget.checked)} />
           <span>{t('backup.names')}</span>
         </label>
@@ -130,19 +131,5 @@ function BackupRow({ item, may, restore }: { item: Backup; may: boolean; restore
         )}
       </div>
     </li>
-  );
-}
-
-/** How far a job is, with a button to end it. Its place is kept while it runs only. */
-export function Progress({ work, label }: { work: Work; label: string }) {
-  if (!work.busy) return null;
-  return (
-    <div class="form-buttons settings-progress" role="status">
-      <span>{label}</span>
-      <progress value={work.job?.progress ?? 0} max={1} aria-label={label} />
-      <button type="button" class="quiet" onClick={work.cancel}>
-        {t('common.cancel')}
-      </button>
-    </div>
   );
 }

@@ -6,6 +6,7 @@ import { BackupSection } from './backup';
 import { MeSection } from './me';
 import { may, type Role } from './roles';
 import { TokensSection } from './tokens';
+import { ToolsSection } from './tools';
 import { UsersSection } from './users';
 
 export interface Section {
@@ -21,6 +22,7 @@ export const sections: readonly Section[] = [
   { id: 'users', title: 'settings.users', role: 'engineer', view: UsersSection },
   { id: 'tokens', title: 'settings.tokens', role: 'therapist', view: TokensSection },
   { id: 'backup', title: 'settings.backup', role: 'engineer', view: BackupSection },
+  { id: 'tools', title: 'settings.tools', role: 'viewer', view: ToolsSection },
   { id: 'audit', title: 'settings.audit', role: 'engineer', view: AuditSection },
 ];
 

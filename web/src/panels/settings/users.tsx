@@ -116,7 +116,7 @@ function Change({ user, close }: { user: User; close: () => void }) {
       <Field label={t('users.display')} value={display} most={displayMost} onValue={setDisplay} />
       <RoleChoice role={role} choose={setRole} />
       <Field label={t('users.reset')} hint={t('users.resetHint')} value={password} most={passwordMost} onValue={setPassword} />
-      <label class="settings-check">
+      <label class="check">
         <input type="checkbox" checked={enabled} onChange={(event) => setEnabled(event.currentTarget.checked)} />
         <span>{t('users.enabled')}</span>
       </label>

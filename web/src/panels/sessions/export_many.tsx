@@ -1,0 +1,76 @@
+// Many sessions as one file: chosen by day and patient, made by a job, then downloaded.
+import { useState } from 'preact/hooks';
+import type { Job } from '../../contract/rest.gen';
+import { useJob } from '../../link/jobs';
+import { address } from '../../link/rest';
+import { t } from '../../text/text';
+import { Field, Form, Trouble } from '../../ui/field';
+import { Progress } from '../../ui/progress';
+
+const codeMost = 64;
+const mega = 1e6;
+type Layout = 'files' | 'bids';
+
+export function ExportMany() {
+  const [from, setFrom] = useState('');
+  const [to, setTo] = useState('');
+  const [subject, setSubject] = useState('');
+  const [layout, setLayout] = useState<Layout>('files');
+  const [simulated, setSimulated] = useState(false);
+  const [made, setMade] = useState<Job | null>(null);
+  const work = useJob('export_sessions', setMade);
+  const start = () => {
+    setMade(null);
+    void work.start({
+      kind: 'export_sessions',
+      layout,
+      simulated,
+      ...(from === '' ? {} : { from_day: from }),
+      ...(to === '' ? {} : { to_day: to }),
+      ...(subject.trim() === '' ? {} : { subject: subject.trim() }),
+    });
+  };
+  const file = made?.result?.kind === 'export_sessions' ? made.result : null;
+  return (
+    <>
+      <h2>{t('exports.many')}</h2>
+      <Form label={t('exports.many')} onSend={start}>
+        <div class="export-days">
+          <label class="field">
+            <span>{t('exports.from')}</span>
+            <input type="date" value={from} disabled={work.busy} onInput={(event) => setFrom(event.currentTarget.value)} />
+          </label>
+          <label class="field">
+            <span>{t('exports.to')}</span>
+            <input type="date" value={to} disabled={work.busy} onInput={(event) => setTo(event.currentTarget.value)} />
+          </label>
+        </div>
+        <Field label={t('sessions.subject')} hint={t('exports.all')} value={subject} most={codeMost} disabled={work.busy} onValue={setSubject} />
+        <label class="field">
+          <span>{t('exports.layout')}</span>
+          <select value={layout} disabled={work.busy} onChange={(event) => setLayout(event.currentTarget.value as Layout)}>
+            <option value="files">{t('exports.files')}</option>
+            <option value="bids">{t('exports.bids')}</option>
+          </select>
+        </label>
+        <label class="check">
+          <input type="checkbox" checked={simulated} disabled={work.busy} onChange={(event) => setSimulated(event.currentTarget.checked)} />
+          <span>{t('exports.simulated')}</span>
+        </label>
+        <button type="submit" class="plain primary" disabled={work.busy}>
+          {t('exports.make')}
+        </button>
+      </Form>
+      <Progress work={work} label={t('exports.making')} />
+      <Trouble problem={work.problem} />
+      {file !== null && made !== null ? (
+        <p role="status">
+          {t(file.sessions === 1 ? 'exports.madeOne' : 'exports.made', { n: file.sessions, mb: Math.max(1, Math.round(file.bytes / mega)) })}{' '}
+          <a class="plain" href={address('GET /api/v1/jobs/{id}/file', { path: { id: made.id } })} download>
+            {t('sessions.export')}
+          </a>
+        </p>
+      ) : null}
+    </>
+  );
+}
