@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "control/contract/program_version.hpp"
+#include "db/store/retention.hpp"
 #include "server/actions/actions.hpp"
 #include "server/api/router.hpp"
 #include "server/http/auth.hpp"
@@ -82,7 +83,12 @@ struct App::Parts {
                                .steady_ns = &steady_ns,
                                .actor_of = [this](std::uint32_t client) { return actors.find(client); },
                                // The start waits for no check; each file is checked once it is in use.
-                               .opened = [this] { (void)jobs.add(JobKind::integrity_check, {}, std::nullopt); }}),
+                               .opened =
+                                   [this](db::Database& database) {
+                                     (void)jobs.add(JobKind::integrity_check, {}, std::nullopt);
+                                     if (const auto keeps = db::retention(database); keeps && keeps->months)
+                                       (void)jobs.add(JobKind::retention, {}, std::nullopt);
+                                   }}),
         records(recorder, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
         state(settings, core, recorder),
         timer(io),

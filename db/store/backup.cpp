@@ -19,6 +19,7 @@
 #include <thread>
 #include <utility>
 
+#include "db/store/retention.hpp"
 #include "db/store/sqlite.hpp"
 
 namespace hoist::db {
@@ -215,6 +216,10 @@ Status write_text(const fs::path& file, const std::string& text) {
 }
 
 std::optional<BackupInfo> read_manifest(const fs::path& folder) {
+  // A stick may hold anything.
+  constexpr std::uintmax_t kMost_bytes = 1 << 20;
+  std::error_code error;
+  if (const auto size = fs::file_size(folder / kBackupManifest, error); error || size > kMost_bytes) return std::nullopt;
   std::ifstream stream(folder / kBackupManifest);
   const json text = json::parse(stream, nullptr, false);
   if (text.is_discarded() || !text.is_object() || text.value("hoist_backup", json()) != kManifestVersion) return std::nullopt;
@@ -394,6 +399,7 @@ Result<std::optional<BackupInfo>> back_up(Database& recordings, const BackupOpti
     fs::rename(part, info.folder, error);
     if (!error) {
       if (Status synced = sync_folder_of(info.folder); !synced) return synced.error();
+      if (Status noted = note_backup(recordings, info); !noted) return noted.error();
       return std::optional(std::move(info));
     }
     written = io_error(part.string() + " could not get its name", error);
@@ -430,6 +436,12 @@ Result<std::optional<fs::path>> prepare_restore(const fs::path& backup, const fs
   const auto copied = [&]() -> Result<bool> {
     auto source = Database::inspect(from);
     if (!source) return source.error();
+    // A stick may hold anything, and this file is to be written into.
+    if (auto acts = guarded([&]() -> Result<bool> {
+          return number_of(source->handle(), "SELECT count(*) FROM sqlite_schema WHERE type IN ('trigger', 'view')") > 0;
+        });
+        !acts || *acts)
+      return acts ? Error{ErrorKind::foreign, from.string() + " has triggers or views, which no Hoist has written", {}} : acts.error();
     return copy_database(*source, prepared, [&](double share) { return step(kHashShare + (1 - kHashShare) * share); });
   }();
   if (!copied || !*copied) {
@@ -437,11 +449,19 @@ Result<std::optional<fs::path>> prepare_restore(const fs::path& backup, const fs
     if (!copied) return copied.error();
     return std::optional<fs::path>{};
   }
+  // The numbers of sessions stand on paper: none that the present file has given is given again.
+  SessionId last_given = 0;
+  if (auto present = Database::inspect(file))
+    (void)guarded([&]() -> Status {
+      last_given = static_cast<SessionId>(number_of(present->handle(), "SELECT seq FROM sqlite_sequence WHERE name = 'sessions'"));
+      return {};
+    });
   // Another file from now on: the seal beside the present one says nothing of it.
   auto named = Database::inspect(prepared);
   if (!named) return named.error();
   if (Status renamed = guarded([&]() -> Status {
         if (named->report().schema_version > 1) execute(named->handle(), "UPDATE seal SET file_id = lower(hex(randomblob(8)))");
+        Statement(named->handle(), "UPDATE sqlite_sequence SET seq = max(seq, ?1) WHERE name = 'sessions'").integer(1, last_given).run();
         return {};
       });
       !renamed)

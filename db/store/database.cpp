@@ -213,8 +213,8 @@ Result<Database> Database::create_copy(const std::filesystem::path& file, const 
   return connect(file, options, true);
 }
 
-Status Database::leave_log(const std::filesystem::path& file) {
-  const Result<Database> database = connect(file, {}, false);
+Status Database::leave_log(const std::filesystem::path& file, const OpenOptions& options) {
+  const Result<Database> database = connect(file, options, false);
   if (!database) return database.error();
   return guarded([&]() -> Status {
     Statement mode(database->handle_, "PRAGMA journal_mode = DELETE");

@@ -65,7 +65,7 @@ class Database {
   /// An empty database without a schema, for a copy.
   static Result<Database> create_copy(const std::filesystem::path& file, const OpenOptions& options = {});
   /// Writes the log back and removes it, so that the file is whole by itself until it is opened again. Error busy: it is in use.
-  static Status leave_log(const std::filesystem::path& file);
+  static Status leave_log(const std::filesystem::path& file, const OpenOptions& options = {});
 
   Database(Database&&) noexcept;
   Database& operator=(Database&&) noexcept;

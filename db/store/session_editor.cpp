@@ -1,7 +1,11 @@
-#include <nlohmann/json.hpp>
+#include <sqlite3.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "db/codec/exercise_json.hpp"
 #include "db/store/session_checks.hpp"
@@ -81,11 +85,43 @@ Status SessionEditor::patch(SessionId session, const SessionPatch& change) {
   });
 }
 
-Status SessionEditor::remove(SessionId session) {
+namespace {
+// Health data: freed pages are overwritten, also those the log still holds (truncate_log).
+class SecureDelete {
+ public:
+  explicit SecureDelete(sqlite3* handle) : handle_(handle) { try_execute(handle, "PRAGMA secure_delete = ON"); }
+  ~SecureDelete() {
+    try_execute(handle_, "PRAGMA secure_delete = OFF");
+    try_execute(handle_, "PRAGMA foreign_keys = ON");
+  }
+  SecureDelete(const SecureDelete&) = delete;
+  SecureDelete& operator=(const SecureDelete&) = delete;
+
+ private:
+  sqlite3* handle_;
+};
+
+constexpr std::array<std::string_view, 4> kBlobTables{"chunks", "bus_chunks", "journal_chunks", "core_images"};
+
+// Rows of all tables that belong to a session but the large ones, whichever tables there are.
+void delete_small_rows(sqlite3* handle, SessionId session) {
+  std::vector<std::string> deletions;
+  Statement tables(handle,
+                   "SELECT m.name, f.\"from\" FROM sqlite_schema AS m, pragma_foreign_key_list(m.name) AS f "
+                   "WHERE m.type = 'table' AND f.\"table\" = 'sessions'");
+  while (tables.step())
+    if (const std::string name = tables.text_at(0); std::ranges::find(kBlobTables, name) == kBlobTables.end())
+      deletions.push_back("DELETE FROM " + name + " WHERE " + tables.text_at(1) + " = ?1");
+  for (const std::string& sql : deletions) Statement(handle, sql).integer(1, session).run();
+}
+}  // namespace
+
+Status SessionEditor::take_out(SessionId session) {
   sqlite3* handle = database_->handle();
-  // Health data: freed pages are overwritten, also those the log still holds (the checkpoint below).
-  try_execute(handle, "PRAGMA secure_delete = ON");
-  Status removed = guarded([&]() -> Status {
+  const SecureDelete secure(handle);
+  // Without them the session's row goes, and its blobs stay for erase_piece.
+  try_execute(handle, "PRAGMA foreign_keys = OFF");
+  return guarded([&]() -> Status {
     Transaction transaction(handle, Transaction::Kind::write);
     {
       Statement row(handle, "SELECT ended_utc_ns FROM sessions WHERE id = ?1");
@@ -93,14 +129,50 @@ Status SessionEditor::remove(SessionId session) {
       if (row.is_null(0))
         return Error{ErrorKind::wrong_state, "session " + std::to_string(session) + " is being recorded: end it first", {}};
     }
+    Statement(handle, "INSERT INTO deletions (session_id) VALUES (?1)").integer(1, session).run();
+    delete_small_rows(handle, session);
     Statement(handle, "DELETE FROM sessions WHERE id = ?1").integer(1, session).run();
-    drop_empty_visits(handle);
     transaction.commit();
     return {};
   });
-  try_execute(handle, "PRAGMA secure_delete = OFF");
-  if (removed) try_execute(handle, "PRAGMA wal_checkpoint(TRUNCATE)");
-  return removed;
+}
+
+Result<bool> SessionEditor::erase_piece() {
+  sqlite3* handle = database_->handle();
+  const SecureDelete secure(handle);
+  auto more = guarded([&]() -> Result<bool> {
+    Statement first(handle, "SELECT session_id FROM deletions ORDER BY session_id LIMIT 1");
+    if (!first.step()) return false;
+    const SessionId session = first.integer_at(0);
+    first.reset();
+    Transaction transaction(handle, Transaction::Kind::write);
+    // Here and not in take_out: what belongs to a patient goes by its foreign keys.
+    drop_empty_visits(handle);
+    std::size_t room = kErasedRows;
+    for (const std::string_view table : kBlobTables) {
+      const std::string name(table);
+      Statement(handle, "DELETE FROM " + name + " WHERE id IN (SELECT id FROM " + name + " WHERE session_id = ?1 LIMIT ?2)")
+          .integer(1, session)
+          .unsigned_integer(2, room)
+          .run();
+      room -= static_cast<std::size_t>(sqlite3_changes(handle));
+      if (room == 0) break;
+    }
+    if (room > 0) Statement(handle, "DELETE FROM deletions WHERE session_id = ?1").integer(1, session).run();
+    transaction.commit();
+    return true;
+  });
+  if (more && !*more) truncate_log(handle);
+  return more;
+}
+
+Status SessionEditor::remove(SessionId session) {
+  if (Status taken = take_out(session); !taken) return taken;
+  for (;;) {
+    const auto more = erase_piece();
+    if (!more) return more.error();
+    if (!*more) return {};
+  }
 }
 
 }  // namespace hoist::db

@@ -445,6 +445,15 @@ Result<std::vector<contract::BusRecord>> SessionReader::bus_chunk(SessionId sess
   });
 }
 
+Result<std::uint64_t> SessionReader::bus_chunk_end(SessionId session, std::uint64_t first) const {
+  return guarded([&]() -> Result<std::uint64_t> {
+    Statement row(database_->handle(),
+                  "SELECT min(first_frame + frames) FROM bus_chunks WHERE session_id = ?1 AND first_frame + frames > ?2");
+    row.integer(1, session).unsigned_integer(2, first);
+    return row.step() && !row.is_null(0) ? row.unsigned_at(0) : first;
+  });
+}
+
 Result<std::vector<contract::BusRecord>> SessionReader::bus_frames(SessionId session, std::uint64_t first, std::size_t limit) const {
   std::vector<contract::BusRecord> out;
   while (out.size() < limit) {

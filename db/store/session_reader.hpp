@@ -55,6 +55,8 @@ class SessionReader {
   /// Raw frames from number `first` (0 = the session's first) to the end of the stored chunk that holds it (at most kFoldedBusFrames); empty
   /// at the end. For a caller that reads all of them: each chunk is unpacked once.
   Result<std::vector<contract::BusRecord>> bus_chunk(SessionId session, std::uint64_t first) const;
+  /// Number of the first frame after the stored chunk that holds `first`; `first` itself at the end. Also of a damaged chunk.
+  Result<std::uint64_t> bus_chunk_end(SessionId session, std::uint64_t first) const;
   /// Raw frames in the order they were recorded, from number `first` (0 = the session's first), at most `limit`; empty at the end.
   Result<std::vector<contract::BusRecord>> bus_frames(SessionId session, std::uint64_t first, std::size_t limit) const;
   /// The journal's stored runs, in rising order; empty in recordings from before it was stored.
@@ -71,6 +73,9 @@ class SessionReader {
   Database* database_;
 };
 
+/// Stored blobs that one piece of a deletion overwrites: some MB at most.
+inline constexpr std::size_t kErasedRows = 32;
+
 struct SessionPatch {
   std::optional<std::string> note;
   std::optional<std::optional<std::string>> subject;        ///< inner absent = take the code away
@@ -85,6 +90,10 @@ class SessionEditor {
   Status patch(SessionId session, const SessionPatch& change);
   /// Deletes a session with everything in it and overwrites its pages. wrong_state while it is being recorded.
   Status remove(SessionId session);
+  /// The same in pieces. After take_out no reader finds the session any more, also after a power cut; erase_piece overwrites up to kErasedRows
+  /// stored blobs of what has been taken out, by whichever run, and returns false once nothing is left and the log is cut.
+  Status take_out(SessionId session);
+  Result<bool> erase_piece();
 
  private:
   Database* database_;

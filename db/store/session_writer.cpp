@@ -507,7 +507,7 @@ struct SessionWriter::State {
     fold_journal(id);
     Statement statement(handle, "UPDATE sessions SET folded = 1 WHERE id = ?1");
     statement.integer(1, id).run();
-    try_execute(handle, "PRAGMA wal_checkpoint(TRUNCATE)");
+    truncate_log(handle);
   }
 
   void fold_samples(SessionId id) {

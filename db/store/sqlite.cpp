@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "db/store/database.hpp"
+
 namespace hoist::db {
 namespace {
 
@@ -117,6 +119,13 @@ void execute(sqlite3* handle, const char* sql) {
   if (code != SQLITE_OK) throw_sql(handle, sqlite3_extended_errcode(handle), "the database");
 }
 bool try_execute(sqlite3* handle, const char* sql) noexcept { return sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) == SQLITE_OK; }
+
+void truncate_log(sqlite3* handle) noexcept {
+  constexpr int kTruncateWait_ms = 200;
+  sqlite3_busy_timeout(handle, kTruncateWait_ms);
+  try_execute(handle, "PRAGMA wal_checkpoint(TRUNCATE)");
+  sqlite3_busy_timeout(handle, kBusyTimeout_ms);
+}
 
 Transaction::Transaction(sqlite3* handle, Kind kind) : handle_(handle) {
   execute(handle, kind == Kind::write ? "BEGIN IMMEDIATE" : "BEGIN");

@@ -62,6 +62,10 @@ void execute(sqlite3* handle, const char* sql);
 // Best effort: tells whether it worked, throws nothing. For housekeeping that may fail.
 bool try_execute(sqlite3* handle, const char* sql) noexcept;
 
+// Best effort: the log's content goes into the file, and the log is cut. A reader that is in its way is waited for only briefly, because the
+// recorder cannot commit meanwhile.
+void truncate_log(sqlite3* handle) noexcept;
+
 class Transaction {
  public:
   enum class Kind : std::uint8_t { read, write };

@@ -5,10 +5,15 @@
 # open files and threads, the database's log and the loop's figures are noted; at the end it prints what grew, by a straight line through the
 # second half of the run. Fails when something grows, a program ends by itself, or the control thread asks for memory.
 #
+# Instead of that: --cuts cuts the power of a disk in memory that often, while it is recorded, migrated, deleted, backed up and restored;
+# --year makes a file of recordings of that size and measures what the server does with it.
+#
 # options: --minutes N   how long (default 10)
 #          --csv FILE    every reading, for a picture
+#          --cuts N      power cuts; 100000 take about a quarter of an hour
+#          --year GB     a file of this size; a year of use has about 15
 #          --no-setup    leave the machine as it is
-arguments=()
+arguments=() cuts='' year=''
 while [ $# -gt 0 ]; do
   case $1 in
     --minutes | --csv)
@@ -16,10 +21,29 @@ while [ $# -gt 0 ]; do
       arguments+=("$1" "$2")
       shift
       ;;
+    --cuts | --year)
+      [ -n "${2:-}" ] || die "$1 needs a value"
+      [ "$1" = --cuts ] && cuts=$2 || year=$2
+      shift
+      ;;
     *) common_option soak "$1" ;;
   esac
   shift
 done
 setup build
+if [ -n "$cuts" ]; then
+  build_normal test_db
+  HOIST_POWER_CUTS=$cuts build/bin/test_db --gtest_filter='PowerCut.*' & first=$!
+  build/bin/test_db --gtest_filter='Kill.*' --gtest_repeat=20 --gtest_brief=1
+  wait "$first"
+  exit
+fi
+if [ -n "$year" ]; then
+  build_normal hoist-year
+  folder=$(mktemp -d "${TMPDIR:-/var/tmp}/hoist-year-XXXXXX")
+  trap 'rm -rf "$folder"' EXIT
+  build/bin/hoist-year "$folder/year.db" "$year"
+  exit
+fi
 build_normal hoist-sim hoist-control hoist-server
 exec python3 tests/system/soak.py build/bin "${arguments[@]}"

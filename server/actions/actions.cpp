@@ -691,10 +691,40 @@ void act_record(Services& services, const Asker& asker, RecordWish wish, Outcome
   });
 }
 
+namespace {
+// Piece by piece: between two, the recorder stores what has come and others get their answers. The session is gone already; what cannot be
+// overwritten now is at the next start.
+void erase_deleted(Services& services, std::shared_ptr<void> held, OutcomeDone done) {
+  const std::function<bool(Records&)> piece = [](Records& records) {
+    db::Database* database = records.database();
+    const auto more = database == nullptr ? db::Result<bool>(false) : db::SessionEditor(*database).erase_piece();
+    return more && *more;
+  };
+  const std::function<void(bool)> then = [&services, held, done](bool more) {
+    if (more)
+      erase_deleted(services, held, done);
+    else
+      done({});
+  };
+  if (!services.records.ask<bool>(piece, then)) done({});
+}
+}  // namespace
+
 void act_delete_session(Services& services, const Asker& asker, db::SessionId session, OutcomeDone done) {
   if (!may(services, asker, contract::Role::therapist, done)) return;
-  const auto work = [session](Records&, db::Database& database) { return db::SessionEditor(database).remove(session); };
-  ask_store(services, work, [held = services.jobs.hold(), done = std::move(done)](const Outcome& outcome) { done(outcome); });
+  const auto work = [session](Records&, db::Database& database) { return db::SessionEditor(database).take_out(session); };
+  ask_store(services, work, [&services, held = services.jobs.hold(), done = std::move(done)](const Outcome& outcome) {
+    if (outcome.done())
+      erase_deleted(services, held, done);
+    else
+      done(outcome);
+  });
+}
+
+void act_set_retention(Services& services, const Asker& asker, const db::Retention& wish, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::engineer, done)) return;
+  ask_store(
+      services, [wish](Records&, db::Database& database) { return db::set_retention(database, wish); }, std::move(done));
 }
 
 void act_start_job(Services& services, const Asker& asker, JobKind kind, JobArguments arguments, OutcomeDone done) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "control/contract/faults.hpp"
+#include "db/store/retention.hpp"
 #include "server/contract/reasons.hpp"
 #include "server/services.hpp"
 #include "server/state/exercise.hpp"
@@ -99,6 +100,8 @@ struct RecordWish {
 void act_record(Services& services, const Asker& asker, RecordWish wish, OutcomeDone done);
 // Jobs give way until it is done: the log that still holds the deleted data can be truncated only while no connection reads.
 void act_delete_session(Services& services, const Asker& asker, db::SessionId session, OutcomeDone done);
+// How long sessions are kept.
+void act_set_retention(Services& services, const Asker& asker, const db::Retention& wish, OutcomeDone done);
 // Long work; `Outcome::job` is its number. Refused as busy when too many wait.
 void act_start_job(Services& services, const Asker& asker, JobKind kind, JobArguments arguments, OutcomeDone done);
 void act_cancel_job(Services& services, const Asker& asker, JobId job, OutcomeDone done);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "db/store/backup.hpp"
+#include "db/store/retention.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/summary/session_json.hpp"
 #include "server/jobs/jobs.hpp"
@@ -124,6 +125,37 @@ JobResult restore(const JobTools& tools, const JobArguments& arguments, const Jo
     return aside.error();
   }
   const json told{{"kind", "restore"}, {"backup", arguments.backup}, {"set_aside", aside->string()}};
+  return std::optional(JobYield{.result = dumped(told), .check = {}});
+}
+
+// Between two pieces the recorder gets its turn at the file.
+JobResult retention(const JobTools& tools, const JobArguments&, const JobStep& step) {
+  auto database = tools.open();
+  if (!database) return database.error();
+  const auto setting = db::retention(*database);
+  const auto expired = db::expired_sessions(*database, tools.utc_ns());
+  if (!setting || !expired) return setting ? expired.error() : setting.error();
+  db::SessionEditor editor(*database);
+  json deleted = json::array(), failed = json::array();
+  for (std::size_t i = 0; i < expired->sessions.size(); ++i) {
+    const db::SessionId session = expired->sessions[i];
+    const double share = static_cast<double>(i) / static_cast<double>(expired->sessions.size());
+    if (!step(share)) return std::optional<JobYield>{};
+    if (db::Status taken = editor.take_out(session); !taken) {
+      failed.push_back({{"session", session}, {"detail", taken.error().message}});
+      continue;
+    }
+    deleted.push_back(session);
+    for (auto more = editor.erase_piece(); !more || *more; more = editor.erase_piece()) {
+      if (!more) return more.error();
+      if (!step(share)) return std::optional<JobYield>{};
+    }
+  }
+  const json told{{"kind", "retention"},
+                  {"months", setting->months ? json(*setting->months) : json(nullptr)},
+                  {"deleted", std::move(deleted)},
+                  {"failed", std::move(failed)},
+                  {"without_backup", expired->without_backup}};
   return std::optional(JobYield{.result = dumped(told), .check = {}});
 }
 

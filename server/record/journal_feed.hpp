@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "control/publish/server_link.hpp"
@@ -46,6 +47,19 @@ class JournalFeed {
       kept_images_.pop_front();
     }
     return given;
+  }
+
+  /// The newest image of this life of the core at or before a step's tick, and the time of the step it stands before.
+  struct Beginning {
+    std::uint64_t tick = 0, time_ns = 0;
+  };
+  [[nodiscard]] std::optional<Beginning> image_before(std::uint64_t life, std::uint64_t tick) const {
+    std::optional<Beginning> found;
+    for (const auto& [of, image] : kept_images_)
+      if (of == life && image.tick <= tick)
+        for (const auto& [its, step] : kept_steps_)
+          if (its == life && step.step == image.step) found = {image.tick, step.time_ns};
+    return found;
   }
 
  private:

@@ -31,7 +31,7 @@ constexpr std::uint64_t kCommit_ns = 400'000'000;
 constexpr std::uint64_t kAnchor_ns = 1'000'000'000;
 constexpr std::int64_t kJump_ns = 50'000'000;
 // Of what came just before a recording began: what belongs to its first step may have been read before the step itself.
-constexpr std::size_t kKeptEvents = 64, kKeptFrames = 512;
+constexpr std::size_t kKeptEvents = 64, kKeptFrames = 2560;
 constexpr std::uint64_t kTick_ns = 10'000'000;
 // A session that goes on from another waits this long for the parameters in force, which come with the network's next look at the core.
 constexpr std::uint64_t kParametersWait_ns = 500'000'000;
@@ -69,7 +69,7 @@ class Recorder::Work final : public Records {
     error_.clear();
     foreign_.clear();
     if (std::exchange(opened_, true)) return;
-    if (owner_.options_.opened) owner_.options_.opened();
+    if (owner_.options_.opened) owner_.options_.opened(*reading_);
   }
 
   db::Status claim() {
@@ -95,6 +95,7 @@ class Recorder::Work final : public Records {
     if (!report.set_aside.empty())
       log("The database was damaged (" + report.set_aside_reason + "); it was set aside as " + report.set_aside.string() +
           " and a new one was begun.");
+    erase_deleted();
     if (report.lost) log("Recordings are missing in the database: " + lost_text(*report.lost));
     notices_.clear();
     if (!report.kept_aside.empty()) notices_.push_back({NoticeName::recordings_set_aside, report.kept_aside.string()});
@@ -109,6 +110,14 @@ class Recorder::Work final : public Records {
     writer_.emplace(std::move(*writer));
     writer_->set_actor_of(owner_.options_.actor_of);
     return true;
+  }
+
+  // What a run that was killed had deleted and not yet overwritten.
+  void erase_deleted() {
+    db::SessionEditor editor(*writing_);
+    auto more = editor.erase_piece();
+    while (more && *more) more = editor.erase_piece();
+    if (!more) log("recording: a deleted session is not overwritten yet: " + more.error().message);
   }
 
   // Closes the damaged file; the next open() sets it aside.
@@ -403,8 +412,15 @@ class Recorder::Work final : public Records {
     for (const Event& event : kept_events_)
       if (event.tick >= first_tick_) events.push_back(event);
     std::vector<BusRecord> frames;
+    std::uint64_t frames_from_ns = first.time_ns > kTick_ns ? first.time_ns - kTick_ns : 0;
+    // A recording by hand begins at any step. Its journal begins with the newest image, so that all of it can be run again.
+    if (const auto image = manual ? journal_.image_before(life_, first.tick) : std::nullopt;
+        image && !kept_frames_.empty() && kept_frames_.front().time_ns < image->time_ns) {
+      journal_from_ = image->tick;
+      frames_from_ns = std::min(frames_from_ns, image->time_ns);
+    }
     for (const BusRecord& frame : kept_frames_)
-      if (frame.time_ns + kTick_ns >= first.time_ns) frames.push_back(frame);
+      if (frame.time_ns >= frames_from_ns) frames.push_back(frame);
     const bool events_dropped = kept_events_.size() == kKeptEvents && kept_events_.front().tick > walk_from_;
     kept_events_.clear();
     kept_frames_.clear();

@@ -96,7 +96,7 @@ class Recorder {
     const char* vfs = nullptr;
     std::function<void(const std::string&)> log = {};
     // On the recorder's thread, when a file is ready to be recorded into: at the start, and a new one in place of a damaged one.
-    std::function<void()> opened = {};
+    std::function<void(db::Database&)> opened = {};
   };
   // The link's readers are made here; the link itself is not used afterwards.
   Recorder(const publish::ServerLink& link, Options options);

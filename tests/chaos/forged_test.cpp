@@ -1,5 +1,6 @@
 // Recordings that are incomplete, foreign or forged: what can be run is run, the rest is told, and nothing does any harm.
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -34,7 +35,8 @@ class ForgedRecording : public ::testing::Test {
   struct Forgery {
     std::function<void(CoreImage&)> image = [](CoreImage&) {};
     std::uint64_t no_frames_at = ~std::uint64_t{0}, no_journal_at = ~std::uint64_t{0};
-    bool journal = true;
+    std::uint64_t also_no_journal_at = ~std::uint64_t{0};
+    bool journal = true, ends = true;
     std::string program = kProgram;
   };
   db::SessionId record(const Forgery& forgery) {
@@ -63,7 +65,7 @@ class ForgedRecording : public ::testing::Test {
         EXPECT_TRUE(writer->append_bus(frames).ok());
       }
       const contract::JournalStep row = publish::journal_of(inputs, step, publish::digest_of(outputs.record));
-      if (forgery.journal && step != forgery.no_journal_at) {
+      if (forgery.journal && step != forgery.no_journal_at && step != forgery.also_no_journal_at) {
         EXPECT_TRUE(writer->append_journal({&row, 1}, {}).ok());
       }
       if (forgery.journal && !images_.empty()) {
@@ -74,7 +76,7 @@ class ForgedRecording : public ::testing::Test {
       ++step;
     });
     loop.run(4.0);
-    EXPECT_TRUE(writer->end(db::CloseReason::finished, 0).ok());
+    EXPECT_TRUE(forgery.ends ? writer->end(db::CloseReason::finished, 0).ok() : writer->commit().ok());
     return session;
   }
   db::Result<Verification> verify(db::SessionId session) { return verify_session(*database_, session, kProgram); }
@@ -107,6 +109,30 @@ TEST_F(ForgedRecording, AStepWithoutItsFramesOrJournalEndsWhatCanBeRunUntilTheNe
     EXPECT_EQ(result->run.not_run[0].to_tick, frames ? 399U : 299U);
     EXPECT_EQ(result->run.samples_run, frames ? 250U : 350U);
   }
+}
+
+// A damaged chunk of frames ends the run at its first step; the next image begins a new one.
+TEST_F(ForgedRecording, ADamagedChunkOfFramesCostsTheStepsUntilTheNextImage) {
+  Forgery forgery;
+  // Holes make the writer store images: at steps 0, 100 and 300. Not ended, so that frames stay in chunks of about a second.
+  forgery.no_journal_at = 50;
+  forgery.also_no_journal_at = 250;
+  forgery.ends = false;
+  const db::SessionId session = record(forgery);
+  ASSERT_EQ(sqlite3_exec(database_->handle(),
+                         "UPDATE bus_chunks SET body = zeroblob(length(body)) WHERE id = (SELECT id FROM bus_chunks ORDER BY first_frame "
+                         "LIMIT 1 OFFSET 1)",
+                         nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  const auto result = verify(session);
+  ASSERT_TRUE(result.ok()) << result.error().message;
+  EXPECT_FALSE(result->first.has_value());
+  ASSERT_EQ(result->run.not_run.size(), 2U);
+  EXPECT_EQ(result->run.not_run[0].to_tick, 99U);
+  EXPECT_GT(result->run.not_run[1].from_tick, 100U);
+  EXPECT_LT(result->run.not_run[1].from_tick, 200U);
+  EXPECT_EQ(result->run.not_run[1].reason, "their frames are missing");
+  EXPECT_EQ(result->run.not_run[1].to_tick, 299U) << "from the image on, the frames behind the damage are used";
 }
 
 TEST_F(ForgedRecording, AnotherBuildOrNoJournalIsRefusedInWords) {

@@ -6,8 +6,14 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "control/contract/program_version.hpp"
+#include "control/publish/step_publisher.hpp"
+#include "deploy/tools/hoist/rerun.hpp"
+#include "server/record/recorder.hpp"
 #include "tests/chaos/session.hpp"
+#include "tests/support/closed_loop.hpp"
 #include "tests/support/seeds.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hoist::chaos {
 namespace {
@@ -41,6 +47,48 @@ TEST(Rerun, WithoutFaultsNothingIsLeftOut) {
     EXPECT_GT(report.samples_again, 500U);
     EXPECT_EQ(report.samples_not_run, 0U) << "seed " << seed;
   }
+}
+
+// It begins between two images of the core, a second apart: its journal goes back to the earlier one.
+TEST(Rerun, ARecordingBegunByHandCanBeRunAgainFromItsFirstSample) {
+  const test::TemporaryFolder folder;
+  std::string error;
+  auto core = publish::CoreLink::create("", 1, 1'790'000'000'000'000'000, error);
+  ASSERT_NE(core, nullptr) << error;
+  publish::ServerLink link("");
+  ASSERT_TRUE(link.attach_directly(*core, error)) << error;
+  publish::StepPublisher publisher(*core);
+  std::uint64_t now_ns = 0, steps = 0;
+  server::Recorder::Options options;
+  options.file = folder / "hoist.db";
+  options.version = "test";
+  options.utc_ns = [&now_ns] { return static_cast<std::int64_t>(now_ns); };
+  options.steady_ns = [&now_ns] { return now_ns; };
+  server::Recorder recorder(link, std::move(options));
+  recorder.open_here();
+  tests::ClosedLoop loop({});
+  loop.on_inputs([&](const core::TickInputs& inputs) { publisher.before(loop.core(), inputs); });
+  loop.on_step([&](const core::TickInputs& inputs, const core::TickOutputs& outputs) {
+    publisher.after(inputs, outputs);
+    now_ns = inputs.time_ns;
+    if (++steps % 5 == 0) recorder.pass_here();
+  });
+  loop.run(2.5);
+  db::Status begun, ended;
+  ASSERT_TRUE(recorder.run([&begun](server::Records& records) { begun = records.begin_manual(std::nullopt, ""); }));
+  loop.run(1.0);
+  ASSERT_TRUE(begun.ok()) << begun.error().message;
+  ASSERT_TRUE(recorder.run([&ended](server::Records& records) { ended = records.end_manual(); }));
+  loop.run(0.2);
+  ASSERT_TRUE(ended.ok()) << ended.error().message;
+  recorder.finish_here();
+  auto database = db::Database::open(folder / "hoist.db");
+  ASSERT_TRUE(database.ok()) << database.error().message;
+  const auto result = tool::verify_session(*database, 1, contract::program_version());
+  ASSERT_TRUE(result.ok()) << result.error().message;
+  EXPECT_GT(result->run.samples, 80U);
+  EXPECT_EQ(result->run.samples_run, result->run.samples) << (result->run.not_run.empty() ? "" : result->run.not_run[0].reason);
+  EXPECT_FALSE(result->first.has_value());
 }
 
 TEST(Rerun, OneHourComesOutBitForBit) {

@@ -278,6 +278,16 @@ bool CrashDisk::is_cut() const { return disk->cut; }
 std::uint64_t CrashDisk::operations() const { return disk->operations; }
 void CrashDisk::ignore_syncs(bool ignore) { disk->lying = ignore; }
 
+bool CrashDisk::rename(const std::string& from, const std::string& to) {
+  if (disk->count()) return false;
+  auto moved = disk->files.extract(from);
+  if (moved.empty()) return false;
+  disk->files.erase(to);
+  moved.key() = to;
+  disk->files.insert(std::move(moved));
+  return true;
+}
+
 void CrashDisk::cut_now() { disk->cut = true; }
 void CrashDisk::fill(bool full) { disk->full = full; }
 void CrashDisk::fail(double share) { disk->fails = static_cast<std::uint32_t>(share * 4294967295.0); }

@@ -23,6 +23,8 @@ class CrashDisk {
   void cut_after(std::uint64_t operations);
   [[nodiscard]] bool is_cut() const;
   [[nodiscard]] std::uint64_t operations() const;
+  /// A file gets another name, durable at once, in place of the one that had it. False when the power is off.
+  bool rename(const std::string& from, const std::string& to);
   /// From now on every operation fails, as after a process's death.
   void cut_now();
   /// Power returns: unsynced writes are kept, dropped or torn. All connections must be closed.

@@ -169,6 +169,11 @@ class FrameCursor {
       next_ += frames_.size();
       at_ = 0;
       auto chunk = reader_.bus_chunk(session_, next_);
+      // A damaged chunk costs its own frames: the steps that were given those cannot be run, later ones can.
+      for (auto end = reader_.bus_chunk_end(session_, next_); !chunk && end && *end > next_; end = reader_.bus_chunk_end(session_, next_)) {
+        next_ = *end;
+        chunk = reader_.bus_chunk(session_, next_);
+      }
       frames_ = chunk ? std::move(*chunk) : std::vector<BusRecord>{};
       ended_ = frames_.empty();
     }

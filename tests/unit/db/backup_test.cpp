@@ -9,6 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "db/store/retention.hpp"
 #include "db/store/sqlite.hpp"
 #include "tests/unit/db/db_support.hpp"
 
@@ -197,6 +198,15 @@ TEST_F(Backup, ADamagedOneIsNotPutBack) {
     execute(damaged->handle(), ("PRAGMA user_version = " + std::to_string(schema_version())).c_str());
     execute(damaged->handle(), "UPDATE chunks SET body = zeroblob(length(body))");
   }
+  {
+    auto forged = Database::create_copy(copy);
+    execute(forged->handle(), "CREATE TRIGGER extra AFTER INSERT ON sessions BEGIN DELETE FROM chunks; END");
+  }
+  EXPECT_EQ(refused(copy), ErrorKind::foreign);
+  {
+    auto mended = Database::create_copy(copy);
+    execute(mended->handle(), "DROP TRIGGER extra");
+  }
   const auto kept = prepare_restore(copy, file_, kGoOn);
   EXPECT_TRUE(kept.ok()) << "a chunk that was damaged before the backup costs that chunk, not all others";
 }
@@ -263,6 +273,74 @@ TEST_F(Backup, NothingIsPutBackWhileAnotherProgramReads) {
   EXPECT_TRUE(SessionReader(*reading).list().ok());
   { const Database closed = std::move(*reading); }
   EXPECT_EQ(sessions_of(file_), 1U);
+}
+
+class Expiry : public ::testing::Test {
+ protected:
+  Expiry() : database_(std::move(*Database::open(folder_ / "hoist.db"))) {}
+  // A session that began so many days before kStartUtc_ns.
+  void record(double days_ago, bool ends = true) {
+    const std::int64_t began = kStartUtc_ns - static_cast<std::int64_t>(days_ago * 86'400e9);
+    Statement row(database_.handle(),
+                  "INSERT INTO sessions (started_utc_ns, start_time_ns, core_start_time_ns, simulated, layout_hash, "
+                  "software_version, note, ended_utc_ns, close_reason) VALUES (?1, 1, 1, 0, 1, '', '', ?2, ?3)");
+    row.integer(1, began);
+    if (ends) row.integer(2, began).text(3, std::string_view("finished"));
+    row.run();
+  }
+  Expired expired(std::int64_t days_from_now = 0) {
+    return *expired_sessions(database_, kStartUtc_ns + days_from_now * 86'400'000'000'000);
+  }
+
+  TemporaryFolder folder_;
+  Database database_;
+};
+
+TEST_F(Expiry, OnlyEndedSessionsOfAKnownAgeThatAreInABackupGo) {
+  record(400);         // 1
+  record(100);         // 2
+  record(80);          // 3
+  record(20'000);      // 4: of 1971, a clock that was not set
+  record(100);         // 5
+  record(0);           // 6
+  record(500, false);  // 7: under way
+  EXPECT_TRUE(expired().sessions.empty()) << "off until it is set";
+  EXPECT_EQ(set_retention(database_, {.months = 0, .needs_backup = true}).error().field, "months");
+  EXPECT_EQ(set_retention(database_, {.months = 241, .needs_backup = true}).error().field, "months");
+  ASSERT_TRUE(set_retention(database_, {.months = 3, .needs_backup = true}).ok());
+  EXPECT_EQ(*retention(database_), (Retention{.months = 3, .needs_backup = true}));
+  EXPECT_TRUE(expired().sessions.empty());
+  EXPECT_EQ(expired().without_backup, 3U);
+  BackupInfo backup;
+  backup.folder = "/stick";
+  backup.newest_session = 3;
+  ASSERT_TRUE(note_backup(database_, backup).ok());
+  EXPECT_EQ(expired().sessions, (std::vector<SessionId>{1, 2}));
+  EXPECT_EQ(expired().without_backup, 1U);
+  ASSERT_TRUE(set_retention(database_, {.months = 3, .needs_backup = false}).ok());
+  EXPECT_EQ(expired().sessions, (std::vector<SessionId>{1, 2, 5}));
+  // A clock that was set to the year 2080: what was recorded last month stays.
+  EXPECT_EQ(expired(20'000).sessions, (std::vector<SessionId>{1, 2, 3, 5}));
+}
+
+// However large a session is, each step of its deletion is small, and it is gone from the first one on.
+TEST_F(Expiry, ADeletionInPiecesIsOneDeletion) {
+  record(10);
+  record(5);
+  execute(database_.handle(),
+          "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 100) INSERT INTO core_images "
+          "(session_id, step, tick, bytes, body) SELECT 1, i, i, 9, CAST('SECRET-OF-A-PATIENT' AS BLOB) FROM n");
+  SessionEditor editor(database_);
+  ASSERT_TRUE(editor.take_out(1).ok());
+  EXPECT_EQ(SessionReader(database_).get(1).error().kind, ErrorKind::not_found);
+  EXPECT_EQ(SessionReader(database_).list()->total, 1U);
+  EXPECT_EQ(editor.take_out(1).error().kind, ErrorKind::not_found);
+  int pieces = 0;
+  for (auto more = editor.erase_piece(); *more; more = editor.erase_piece()) ++pieces;
+  EXPECT_EQ(pieces, 4) << "100 blobs, 32 in each";
+  EXPECT_EQ(bytes_of(folder_ / "hoist.db").find("SECRET-OF"), std::string::npos);
+  EXPECT_EQ(fs::file_size(folder_ / "hoist.db-wal"), 0U);
+  EXPECT_EQ(damage_of(database_), "");
 }
 
 }  // namespace

@@ -1,11 +1,16 @@
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sqlite3.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <optional>
 
+#include "db/store/backup.hpp"
+#include "db/store/sqlite.hpp"
 #include "tests/support/crash_disk.hpp"
 #include "tests/unit/db/db_support.hpp"
 
@@ -146,6 +151,12 @@ std::string verify(const Life& life, const OpenOptions& options) {
     if (there)
       if (std::string wrong = holds(*life.first, kFirstSeed, life.first_samples); !wrong.empty()) return wrong;
   }
+  // What was deleted before the cut is overwritten after it.
+  SessionEditor editor(*database);
+  for (auto more = editor.erase_piece(); !more || *more; more = editor.erase_piece())
+    if (!more) return "not erased: " + more.error().message;
+  Statement left(database->handle(), "SELECT count(*) FROM chunks WHERE session_id NOT IN (SELECT id FROM sessions)");
+  if (!left.step() || left.integer_at(0) != 0) return "samples of a deleted session are left";
   if (life.second)
     if (std::string wrong = holds(*life.second, kSecondSeed, life.second_samples); !wrong.empty()) return wrong;
   return {};
@@ -166,14 +177,20 @@ std::uint64_t operations_of_a_life() {
   return disk.operations();
 }
 
+// Power cuts of one test: its share of HOIST_POWER_CUTS (`deploy/dev soak --cuts`), or of a few hundred.
+int rounds_of(double share) {
+  const char* asked = std::getenv("HOIST_POWER_CUTS");
+  return std::max(1, static_cast<int>(share * (asked == nullptr ? 570 : std::atoi(asked))));
+}
+
 // H25
 TEST(PowerCut, nothing_acknowledged_is_lost_and_no_file_is_damaged) {
   const std::uint64_t operations = operations_of_a_life();
   ASSERT_GT(operations, 100U);
   std::mt19937 random(42);
-  constexpr int kCuts = 400;
+  const int rounds = rounds_of(0.7);
   int cuts = 0;
-  for (int round = 0; round < kCuts; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     CrashDisk disk(static_cast<std::uint32_t>(round));
     disk.cut_after(1 + random() % operations);
     const Life life = live(on_crash_disk());
@@ -181,7 +198,134 @@ TEST(PowerCut, nothing_acknowledged_is_lost_and_no_file_is_damaged) {
     disk.restart();
     ASSERT_EQ(verify(life, on_crash_disk()), "") << "round " << round;
   }
-  EXPECT_GT(cuts, kCuts * 9 / 10) << "the power has to go somewhere in the middle";
+  EXPECT_GT(cuts, rounds * 9 / 10) << "the power has to go somewhere in the middle";
+}
+
+// A file of the first schema, as it is brought up to date.
+TEST(PowerCut, a_migration_is_done_or_begins_again) {
+  const std::string sql = bytes_of(HOIST_SOURCE_DIR "/tests/unit/db/recording_001.sql");
+  const auto make = [&sql] {
+    sqlite3* handle = nullptr;
+    sqlite3_open_v2("/hoist.db", &handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, CrashDisk::vfs_name());
+    EXPECT_EQ(sqlite3_exec(handle, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+    sqlite3_close_v2(handle);
+  };
+  // Empty when all three sessions are there.
+  const auto wrong = [] {
+    Result<Database> database = Database::open("/hoist.db", on_crash_disk());
+    if (!database) return "does not open: " + database.error().message;
+    if (const std::string damage = damage_of(*database); !damage.empty()) return "was damaged: " + damage;
+    if (!SessionWriter::create(*database)) return std::string("no writer");
+    const std::uint64_t samples[] = {60, 40, 20};
+    for (SessionId id = 1; id <= 3; ++id)
+      if (const auto session = SessionReader(*database).get(id); !session || session->sample_count != samples[id - 1])
+        return "session " + std::to_string(id) + " is not whole";
+    return std::string();
+  };
+  std::uint64_t operations = 0;
+  {
+    CrashDisk disk(1);
+    make();
+    const std::uint64_t before = disk.operations();
+    ASSERT_EQ(wrong(), "");
+    operations = disk.operations() - before;
+  }
+  ASSERT_GT(operations, 50U);
+  std::mt19937 random(44);
+  for (int round = 0; round < rounds_of(0.1); ++round) {
+    CrashDisk disk(static_cast<std::uint32_t>(round));
+    make();
+    disk.cut_after(1 + random() % operations);
+    (void)wrong();
+    disk.restart();
+    ASSERT_EQ(wrong(), "") << "round " << round;
+  }
+}
+
+// A backup that is taken while recording goes on, and put back: copied, then renamed over the file.
+struct Exchange {
+  Life life;
+  std::uint64_t samples_at_begin = 0;
+  bool copied = false, renamed = false;
+};
+Exchange exchange(CrashDisk& disk, bool restores) {
+  Exchange done;
+  {
+    Result<Database> database = Database::open("/hoist.db", on_crash_disk());
+    if (!database) return done;
+    Result<SessionWriter> writer = SessionWriter::create(*database);
+    if (!writer) return done;
+    Walk first(kFirstSeed), second(kSecondSeed);
+    const Result<SessionId> begun = writer->begin(start_of_walk());
+    if (!begun) return done;
+    done.life.first = *begun;
+    if (!writer->append_ticks(first.records(0, 200)) || !writer->commit()) return done;
+    done.life.first_samples = writer->durable().samples;
+    if (!writer->end(CloseReason::finished, kStartUtc_ns)) return done;
+    const Result<SessionId> next = writer->begin(start_of_walk());
+    if (!next) return done;
+    done.life.second = *next;
+    if (!writer->append_ticks(second.records(0, 50)) || !writer->commit()) return done;
+    done.samples_at_begin = done.life.second_samples = writer->durable().samples;
+    Result<Database> reading = Database::attach("/hoist.db", on_crash_disk());
+    if (!reading) return done;
+    std::uint64_t tick = 50;
+    const auto copied = copy_database(
+        *reading, "/copy.db",
+        [&](double) {
+          if (tick < 150 && writer->append_ticks(second.records(tick, 25)).ok() && writer->commit().ok()) {
+            tick += 25;
+            done.life.second_samples = writer->durable().samples;
+          }
+          return true;
+        },
+        CrashDisk::vfs_name());
+    done.copied = copied && *copied;
+    if (!done.copied || !restores || !writer->end(CloseReason::finished, kStartUtc_ns)) return done;
+  }
+  done.renamed = Database::leave_log("/hoist.db", on_crash_disk()).ok() && disk.rename("/copy.db", "/hoist.db");
+  return done;
+}
+// Empty when this file has at least these samples.
+std::string lacks(const char* file, const Exchange& done, std::uint64_t second_samples) {
+  const Result<Database> database = Database::open(file, on_crash_disk());
+  if (!database) return std::string(file) + " does not open: " + database.error().message;
+  Result<Database> checked = Database::inspect(file, on_crash_disk());
+  if (!checked) return checked.error().message;
+  if (const std::string damage = damage_of(*checked); !damage.empty()) return std::string(file) + " was damaged: " + damage;
+  for (const auto& [id, samples] : {std::pair(done.life.first, done.life.first_samples), std::pair(done.life.second, second_samples)})
+    if (const auto session = id ? SessionReader(*checked).get(*id) : Error{}; id && (!session || session->sample_count < samples))
+      return std::string(file) + " lacks samples of session " + std::to_string(*id);
+  return {};
+}
+
+TEST(PowerCut, a_backup_that_was_complete_stays_so_and_costs_the_recording_nothing) {
+  for (const bool restores : {false, true}) {
+    std::uint64_t operations = 0;
+    {
+      CrashDisk disk(1);
+      const Exchange whole = exchange(disk, restores);
+      ASSERT_TRUE(whole.copied);
+      ASSERT_EQ(whole.renamed, restores);
+      ASSERT_GT(whole.life.second_samples, whole.samples_at_begin);
+      operations = disk.operations();
+    }
+    std::mt19937 random(45);
+    int complete = 0;
+    for (int round = 0; round < rounds_of(0.1); ++round) {
+      CrashDisk disk(static_cast<std::uint32_t>(round));
+      disk.cut_after(operations / 3 + random() % (operations - operations / 3));
+      const Exchange done = exchange(disk, restores);
+      disk.restart();
+      complete += done.copied ? 1 : 0;
+      if (done.copied && !done.renamed) {
+        ASSERT_EQ(lacks("/copy.db", done, done.samples_at_begin), "") << "round " << round;
+      }
+      // The old file with all that was acknowledged, or the backup.
+      ASSERT_EQ(lacks("/hoist.db", done, done.renamed ? done.samples_at_begin : done.life.second_samples), "") << "round " << round;
+    }
+    EXPECT_GT(complete, 0);
+  }
 }
 
 TEST(PowerCut, a_disk_that_lies_about_syncing_is_noticed_by_this_test) {

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <random>
 #include <string>
 #include <vector>
@@ -34,6 +36,11 @@ inline std::string damage_of(Database& database) {
   if (!checked) return checked.error().message;
   if (!(*checked)->structure.empty()) return (*checked)->structure.front();
   return (*checked)->damaged_blobs == 0 ? "" : std::to_string((*checked)->damaged_blobs) + " blobs";
+}
+
+inline std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 /// What a walk looks like to the recorder: sensors with their noise, smooth derived values, many columns that rarely change.

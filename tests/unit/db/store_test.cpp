@@ -86,10 +86,6 @@ TEST(Open, a_newer_schema_is_refused_and_left_alone) {
   EXPECT_TRUE(std::filesystem::exists(dir / "hoist.db"));
 }
 
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 // What a program leaves behind that is killed now.
 void copy_as_killed(const std::filesystem::path& from, const std::filesystem::path& to) {
   for (const char* suffix : {"", "-wal", ".seal"})

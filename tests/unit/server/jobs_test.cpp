@@ -351,6 +351,35 @@ TEST_F(JobsRest, ABackupIsTakenWhileRecordingAndPutBackAfterIt) {
   EXPECT_EQ(job({{"kind", "list_backups"}})["result"]["items"].size(), 1U);
 }
 
+TEST_F(JobsRest, OldSessionsAreDeletedAtTheNextStart) {
+  ASSERT_TRUE(wait_file("sound"));
+  EXPECT_EQ(get("/api/v1/retention").json(), (json{{"months", nullptr}, {"needs_backup", true}}));
+  for (const json& months : {json(0), json(241), json(1.5), json("3")})
+    EXPECT_EQ(call("PUT", "/api/v1/retention", {{"months", months}, {"needs_backup", true}}).status, 422) << months;
+  const json wish{{"months", 3}, {"needs_backup", false}};
+  ASSERT_EQ(call("PUT", "/api/v1/retention", wish).json(), wish);
+  stop_server();
+  record_into(folder_ / "hoist.db", 300);
+  record_into(folder_ / "hoist.db", 300);
+  {
+    auto database = db::Database::attach(folder_ / "hoist.db");
+    sqlite3_exec(database->handle(), "UPDATE sessions SET started_utc_ns = started_utc_ns - 8000000000000000 WHERE id = 1", nullptr,
+                 nullptr, nullptr);
+  }
+  start_server();
+  wait_for_core();
+  ASSERT_TRUE(until([&] { return get("/api/v1/sessions").json()["total"] == 1; }));
+  EXPECT_EQ(get("/api/v1/sessions/1").status, 404);
+  json job;
+  ASSERT_TRUE(until([&] {
+    job = get("/api/v1/jobs/2").json();
+    return job["state"] == "done";
+  }));
+  EXPECT_EQ(job["result"]["deleted"], json{1});
+  EXPECT_EQ(call("DELETE", "/api/v1/sessions/2").status, 204);
+  EXPECT_EQ(get("/api/v1/sessions").json()["total"], 0);
+}
+
 TEST_F(JobsRest, ADamagedRecordingIsNamedOnHealthAndTheFileStays) {
   stop_server();
   record_into(folder_ / "hoist.db", 500);
