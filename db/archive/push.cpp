@@ -33,6 +33,7 @@ std::vector<Batch> local_batches(sqlite3* handle, const PushOptions& options, Pu
     }
   }
   std::vector<Batch> out;
+  out.reserve(batches.size());
   for (auto& [key, batch] : batches) out.push_back(std::move(batch));
   return out;
 }

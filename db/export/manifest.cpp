@@ -177,7 +177,7 @@ std::string manifest_lines(const ExportSource& source, char separator) {
   line("simulated", text_of(session["simulated"]));
   if (!session["subject"].is_null()) line("subject", text_of(session["subject"]));
   if (!session["exercise"].is_null()) line("exercise", text_of(session["exercise"]));
-  if (session["note"] != "") line("note", text_of(session["note"]));
+  if (const std::string note = text_of(session["note"]); !note.empty()) line("note", note);
   const json& programs = told["programs"];
   line("recorded by", text_of(programs["recorded_by"]));
   line("controlled by", programs["controlled_by"].is_null() ? "not recorded" : text_of(programs["controlled_by"]));
