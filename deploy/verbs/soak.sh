@@ -34,7 +34,13 @@ done
 setup build
 if [ -n "$cuts" ]; then
   build_normal test_db
-  HOIST_POWER_CUTS=$cuts build/bin/test_db --gtest_filter='PowerCut.*' & first=$!
+  # In pieces, so that it is seen how far it is; each goes on with other rounds.
+  piece=5000
+  for ((from = 0; from < cuts; from += piece)); do
+    HOIST_POWER_FROM=$from HOIST_POWER_CUTS=$((cuts - from < piece ? cuts - from : piece)) build/bin/test_db --gtest_filter='PowerCut.*' \
+      --gtest_brief=1 || exit 1
+    echo "power cuts: $((cuts - from < piece ? cuts : from + piece)) of $cuts"
+  done & first=$!
   build/bin/test_db --gtest_filter='Kill.*:Integrity.NoFlippedByte*' --gtest_repeat=20 --gtest_brief=1
   wait "$first"
   exit

@@ -186,6 +186,12 @@ int rounds_of(double share) {
   return std::max(1, static_cast<int>(share * (asked == nullptr ? 570 : std::atoi(asked))));
 }
 
+// Rounds of an earlier run are not repeated: HOIST_POWER_FROM is the number of the first one.
+int first_round() {
+  const char* from = std::getenv("HOIST_POWER_FROM");
+  return from == nullptr ? 0 : std::atoi(from);
+}
+
 // Where the power goes in a round: every operation in turn, in an order that is spread over all of them also when the rounds are few.
 std::uint64_t cut_of(int round, std::uint64_t operations) {
   constexpr std::uint64_t kStride = 7919;  // a prime, so that no operation is left out
@@ -198,7 +204,7 @@ TEST(PowerCut, nothing_acknowledged_is_lost_and_no_file_is_damaged) {
   ASSERT_GT(operations, 100U);
   const int rounds = rounds_of(0.55);
   int cuts = 0;
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = first_round(), end = round + rounds; round < end; ++round) {
     CrashDisk disk(static_cast<std::uint32_t>(round));
     disk.cut_after(cut_of(round, operations));
     const Life life = live(on_crash_disk());
@@ -240,7 +246,7 @@ TEST(PowerCut, a_migration_is_done_or_begins_again) {
     operations = disk.operations() - before;
   }
   ASSERT_GT(operations, 50U);
-  for (int round = 0; round < rounds_of(0.1); ++round) {
+  for (int round = first_round(), end = round + rounds_of(0.1); round < end; ++round) {
     CrashDisk disk(static_cast<std::uint32_t>(round));
     make();
     disk.cut_after(cut_of(round, operations));
@@ -323,7 +329,7 @@ TEST(PowerCut, a_backup_that_was_complete_stays_so_and_costs_the_recording_nothi
       operations = disk.operations();
     }
     int complete = 0;
-    for (int round = 0; round < rounds_of(0.1); ++round) {
+    for (int round = first_round(), end = round + rounds_of(0.1); round < end; ++round) {
       CrashDisk disk(static_cast<std::uint32_t>(round));
       disk.cut_after(operations / 3 + cut_of(round, operations - operations / 3));
       const Exchange done = exchange(disk, restores);
@@ -396,7 +402,7 @@ TEST(PowerCut, retention_takes_a_session_whole_or_not_at_all) {
     ASSERT_EQ(wrongly_kept(Kept::deleted), "");
     operations = disk.operations();
   }
-  for (int round = 0; round < rounds_of(0.15); ++round) {
+  for (int round = first_round(), end = round + rounds_of(0.15); round < end; ++round) {
     CrashDisk disk(static_cast<std::uint32_t>(round));
     disk.cut_after(cut_of(round, operations));
     const Kept done = keep_for_a_while();

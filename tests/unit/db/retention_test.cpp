@@ -104,7 +104,17 @@ TEST_F(Retention, NeverTakesTheSessionUnderWayOrTheNewestDay) {
   start.started_utc_ns = kStartUtc_ns - 90 * kDay_ns;  // the clock is wrong, and it runs
   ASSERT_TRUE(writer->begin(start).ok());
   EXPECT_EQ(plan(all, kStartUtc_ns, 1).sessions, Ids{old});
+  EXPECT_EQ(plan(all, kStartUtc_ns + 5 * kDay_ns, 1).sessions, Ids{old}) << "whatever day it is by the clock";
   EXPECT_GT(plan(all, kStartUtc_ns, 1).excess_bytes, 0U) << "more must not go";
+}
+
+// Set back, the clock makes today older than other days.
+TEST_F(Retention, NeverTakesWhatWasRecordedTodayByTheClock) {
+  const SessionId old = record(100);
+  record(0);
+  record(40);
+  const RetentionRule all{.days = {}, .disk_percent = 5, .needs_backup = false};
+  EXPECT_EQ(plan(all, kStartUtc_ns - 40 * kDay_ns, 1).sessions, Ids{old});
 }
 
 // A wall clock that was set wrong makes nothing old.
