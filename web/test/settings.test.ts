@@ -83,8 +83,8 @@ describe('keeping recordings', { timeout: minutes_ms }, () => {
     await open('settings/retention');
     await page.getByText(en['retention.off']).waitFor();
     expect(await button(en['retention.preview']).isDisabled(), 'nothing is chosen').toBe(true);
-    await page.getByLabel(en['retention.days']).first().check();
-    await page.getByRole('textbox', { name: en['retention.days'] }).fill('180');
+    await page.getByLabel(en['retention.days']).check();
+    await page.getByRole('textbox', { name: en['retention.daysNumber'] }).fill('180');
     expect(await button(en['common.save']).isDisabled(), 'not seen yet').toBe(true);
     await button(en['retention.preview']).click();
     await page.locator('progress').waitFor();
@@ -94,9 +94,9 @@ describe('keeping recordings', { timeout: minutes_ms }, () => {
     const rule = { days: 180, disk_percent: null, needs_backup: true };
     expect(fake.jobs.at(-1)).toMatchObject({ kind: 'preview_retention', asked: { rule } });
     expect(await button(en['retention.hold']).count(), 'the rule is not stored').toBe(0);
-    await page.getByRole('textbox', { name: en['retention.days'] }).fill('90');
+    await page.getByRole('textbox', { name: en['retention.daysNumber'] }).fill('90');
     expect(await button(en['common.save']).isDisabled(), 'another rule than the one that was shown').toBe(true);
-    await page.getByRole('textbox', { name: en['retention.days'] }).fill('180');
+    await page.getByRole('textbox', { name: en['retention.daysNumber'] }).fill('180');
     await button(en['common.save']).click();
     await page.getByText(en['retention.on']).waitFor();
     await button(en['retention.hold']).click();

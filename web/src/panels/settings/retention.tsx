@@ -21,27 +21,28 @@ const isOn = (rule: RetentionRule) => rule.days !== null || rule.disk_percent !=
 const resultOf = (job: Job): RetentionResult | null =>
   job.result?.kind === 'preview_retention' || job.result?.kind === 'retention' ? job.result : null;
 
+interface LimitProps {
+  label: string;
+  unit: string;
+  value: number | null;
+  usual: number;
+  onValue: (value: number | null) => void;
+}
+
 /** A limit that can be off: a box, and its number while it is on. */
-function Limit({ label, value, usual, onValue }: { label: string; value: number | null; usual: number; onValue: (value: number | null) => void }) {
+function Limit({ label, unit, value, usual, onValue }: LimitProps) {
   const [typed, setTyped] = useState(String(value ?? usual));
+  const type = (text: string) => {
+    setTyped(text);
+    onValue(readNumber(text));
+  };
   return (
     <div>
       <label class="check">
         <input type="checkbox" checked={value !== null} onChange={(event) => onValue(event.currentTarget.checked ? readNumber(typed) : null)} />
         <span>{label}</span>
       </label>
-      {value === null ? null : (
-        <Field
-          label={label}
-          value={typed}
-          most={numberDigits}
-          numeric
-          onValue={(text) => {
-            setTyped(text);
-            onValue(readNumber(text));
-          }}
-        />
-      )}
+      {value === null ? null : <Field label={unit} value={typed} most={numberDigits} numeric onValue={type} />}
     </div>
   );
 }
@@ -82,9 +83,16 @@ export function RetentionSection() {
       <h2>{t('settings.retention')}</h2>
       <p class="hint">{t(isOn(now) ? 'retention.on' : 'retention.off')}</p>
       <Form onSend={() => void preview.start({ kind: 'preview_retention', rule: wish })}>
-        <Limit label={t('retention.days')} value={wish.days} usual={usualDays} onValue={(days) => change({ days })} />
+        <Limit
+          label={t('retention.days')}
+          unit={t('retention.daysNumber')}
+          value={wish.days}
+          usual={usualDays}
+          onValue={(days) => change({ days })}
+        />
         <Limit
           label={t('retention.share')}
+          unit={t('retention.shareNumber')}
           value={wish.disk_percent}
           usual={usualShare_percent}
           onValue={(disk_percent) => change({ disk_percent })}
