@@ -43,6 +43,8 @@ constexpr std::uint64_t kPoll_ns = 10'000'000;
 constexpr std::uint64_t kPhase_ns = 2'000'000;
 constexpr int kGoodbye_ms = 300;
 constexpr std::size_t kSetUpDigits = 8;
+// Sessions that are too old are looked for this often.
+constexpr std::uint64_t kRetentionEvery_ns = 86'400'000'000'000;
 // Bit of the live value `switches`.
 constexpr unsigned kSetUpSwitch = 2;
 
@@ -103,7 +105,8 @@ struct App::Parts {
                         .program = std::string{contract::program_version()},
                         .other_databases = {std::filesystem::path(settings.db_path).replace_filename("accounts.db")},
                         .identity_key = settings.db_path.string() + ".key",
-                        .replace_file = [this](const std::filesystem::path& prepared) { return replace_file(prepared); }},
+                        .replace_file = [this](const std::filesystem::path& prepared) { return replace_file(prepared); },
+                        .log_deletion = [this](const std::string& what) { asio::post(io, [this, what] { log_deletion(what); }); }},
               .on_damage = [this](const db::IntegrityReport& report) { recorder.set_aside(report.file_id, report.structure.front()); }}),
         recorder(core.link(), {.file = settings.db_path,
                                .version = std::string{contract::program_version()},
@@ -111,7 +114,11 @@ struct App::Parts {
                                .steady_ns = &steady_ns,
                                .actor_of = [this](std::uint32_t client) { return actors.find(client); },
                                // The start waits for no check; each file is checked once it is in use.
-                               .opened = [this] { (void)jobs.add(JobKind::integrity_check, {}, std::nullopt); }}),
+                               .opened =
+                                   [this] {
+                                     (void)jobs.add(JobKind::integrity_check, {}, std::nullopt);
+                                     asio::post(io, [this] { begin_retention(); });
+                                   }}),
         records(recorder, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
         people(settings.accounts_path.empty() ? settings.db_path.parent_path() / "accounts.db" : settings.accounts_path,
                settings.hash_limits, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
@@ -139,6 +146,34 @@ struct App::Parts {
     } catch (const std::future_error&) {
       return busy;
     }
+  }
+
+  // A job only where a rule is set.
+  void begin_retention() {
+    retention_ns = steady_ns();
+    const auto is_on = [](Records& on) {
+      db::Database* database = on.database();
+      const auto rule = database == nullptr ? db::RetentionRule{} : db::retention_rule(*database);
+      return rule && rule->on();
+    };
+    (void)records.ask<bool>(is_on, [this](bool on) {
+      if (on) (void)jobs.add(JobKind::retention, {}, std::nullopt);
+    });
+  }
+
+  // No person did it at that moment: the rule did.
+  void log_deletion(const std::string& what) {
+    std::cerr << "hoist-server: retention has deleted " << what << std::endl;
+    people.log({.utc_ms = utc_ns() / 1'000'000,
+                .steady_ns = steady_ns(),
+                .user = "hoist-server",
+                .role = "server",
+                .address = "-",
+                .action = "retention",
+                .target = "/api/v1/sessions",
+                .before = {},
+                .after = what,
+                .result = "done"});
   }
 
   void arm() {
@@ -178,6 +213,7 @@ struct App::Parts {
     tell_recorder_of_nodes();
     hub.poll(now);
     tool_hub.poll(now);
+    if (now - retention_ns >= kRetentionEvery_ns) begin_retention();
     if (core.lease_holder() != 0) free_silent_lease(now);
   }
 
@@ -296,6 +332,7 @@ struct App::Parts {
   asio::steady_timer timer;
   asio::steady_timer goodbye;
   std::uint64_t next_ns = 0;
+  std::uint64_t retention_ns = steady_ns();                                    // when a rule was looked for last
   std::optional<std::array<NodeSaid, contract::kRemoteNodeCount>> told_nodes;  // by the recorder's last list
   std::string told_problem;                                                    // why the core is not connected, as told last
   bool ending = false;

@@ -15,13 +15,14 @@ struct LocalSession {
 /// The sessions of one visit, or one session without a visit: what one transaction sends.
 using Batch = std::vector<LocalSession>;
 
-// Ended and folded ones only: folding changes the stored chunks, and so the digest.
+// Ended and folded walks only: folding changes the stored chunks, and so the digest. What was recorded in standby stays on its hoist.
 std::vector<Batch> local_batches(sqlite3* handle, const PushOptions& options, PushReport& report) {
   std::map<std::pair<std::int64_t, SessionId>, Batch> batches;
   Statement row(
       handle,
       "SELECT sessions.id, ifnull(visit_id, 0), ifnull(code, ''), ifnull(day, ''), ended_utc_ns IS NOT NULL AND folded, simulated "
-      "FROM sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id ORDER BY sessions.id");
+      "FROM sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id WHERE standby = 0 ORDER BY "
+      "sessions.id");
   while (row.step()) {
     if (row.integer_at(4) == 0) {
       ++report.not_ended;

@@ -19,6 +19,7 @@
 #include <thread>
 #include <utility>
 
+#include "db/store/retention.hpp"
 #include "db/store/sqlite.hpp"
 
 namespace hoist::db {
@@ -38,6 +39,7 @@ constexpr std::uint64_t kFat32Most_bytes = 0xFFFFFFFF;
 constexpr std::string_view kPart = ".part", kReplacedInfix = ".replaced-", kPrepared = ".restore-part";
 constexpr std::array kKeptWith{"-wal", ".seal"};  // of a file that is set aside
 constexpr int kManifestVersion = 1;
+constexpr int kSettingsSince = 9;  // schema file with the table `settings`
 
 Error io_error(const std::string& what, const std::error_code& code) {
   const ErrorKind kind = code == std::errc::no_space_on_device      ? ErrorKind::disk_full
@@ -398,6 +400,8 @@ Result<std::optional<BackupInfo>> back_up(Database& recordings, const BackupOpti
     fs::rename(part, info.folder, error);
     if (!error) {
       if (Status synced = sync_folder_of(info.folder); !synced) return synced.error();
+      // The backup is good without this row; retention only does not count on it.
+      (void)note_backup(recordings, info);
       return std::optional(std::move(info));
     }
     written = io_error(part.string() + " could not get its name", error);
@@ -460,6 +464,8 @@ Result<std::optional<fs::path>> prepare_restore(const fs::path& backup, const fs
   if (Status renamed = guarded([&]() -> Status {
         if (named->report().schema_version > 1) execute(named->handle(), "UPDATE seal SET file_id = lower(hex(randomblob(8)))");
         Statement(named->handle(), "UPDATE sqlite_sequence SET seq = max(seq, ?1) WHERE name = 'sessions'").integer(1, last_given).run();
+        // What was brought back must not be deleted by a rule of that time.
+        if (named->report().schema_version >= kSettingsSince) execute(named->handle(), "DELETE FROM settings WHERE name = 'retention'");
         return {};
       });
       !renamed)

@@ -185,7 +185,10 @@ Status PatientStore::remove(std::int64_t patient, const std::string& expected) {
     Transaction transaction(handle, Transaction::Kind::write);
     const auto before = row_to_change(handle, patient, expected);
     if (!before) return before.error();
-    if (before->sessions > 0) return Error{ErrorKind::wrong_state, "patient " + std::to_string(patient) + " still has sessions", {}};
+    Statement session(handle, "SELECT 1 FROM sessions JOIN visits ON visits.id = visit_id WHERE patient_id = ?1");
+    if (session.integer(1, patient).step())
+      return Error{ErrorKind::wrong_state, "patient " + std::to_string(patient) + " still has sessions", {}};
+    session.reset();
     Statement(handle, "DELETE FROM visits WHERE patient_id = ?1").integer(1, patient).run();
     Statement(handle, "DELETE FROM patients WHERE id = ?1").integer(1, patient).run();
     transaction.commit();

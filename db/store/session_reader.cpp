@@ -30,7 +30,7 @@ constexpr const char* kSessionColumns =
     "(SELECT coalesce(sum(length(directory) + length(body)), 0) FROM chunks WHERE session_id = sessions.id) + "
     "(SELECT coalesce(sum(length(body)), 0) FROM bus_chunks WHERE session_id = sessions.id) + "
     "(SELECT coalesce(sum(length(body)), 0) FROM journal_chunks WHERE session_id = sessions.id) + "
-    "(SELECT coalesce(sum(length(body)), 0) FROM core_images WHERE session_id = sessions.id), core_version FROM ";
+    "(SELECT coalesce(sum(length(body)), 0) FROM core_images WHERE session_id = sessions.id), core_version, standby FROM ";
 // With the patient code; NULL for a session that belongs to no visit.
 constexpr const char* kSessions = "sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id ";
 
@@ -54,6 +54,7 @@ SessionInfo info_of(const Statement& row) {
   info.gap_count = row.unsigned_at(15);
   info.stored_bytes = row.unsigned_at(16);
   info.core_version = row.optional_text_at(17);
+  info.standby = row.integer_at(18) != 0;
   return info;
 }
 
@@ -169,13 +170,14 @@ Result<SessionPage> SessionReader::list(const SessionQuery& query) const {
     sqlite3* handle = database_->handle();
     Transaction transaction(handle, Transaction::Kind::read);
     SessionPage page;
+    const std::string fits = std::string(query.standby ? "1 " : "standby = 0 ") + (query.subject ? "AND code_has(code, ?3) " : "");
     {
-      Statement count(handle, std::string("SELECT count(*) FROM ") + kSessions + (query.subject ? "WHERE code_has(code, ?1)" : ""));
-      if (query.subject) count.text(1, query.subject);
+      Statement count(handle, std::string("SELECT count(*) FROM ") + kSessions + "WHERE " + fits);
+      if (query.subject) count.text(3, query.subject);
       if (count.step()) page.total = count.unsigned_at(0);
     }
-    Statement rows(handle, std::string(kSessionColumns) + kSessions + "WHERE sessions.id < ?1 " +
-                               (query.subject ? "AND code_has(code, ?3) " : "") + "ORDER BY sessions.id DESC LIMIT ?2");
+    Statement rows(handle,
+                   std::string(kSessionColumns) + kSessions + "WHERE sessions.id < ?1 AND " + fits + "ORDER BY sessions.id DESC LIMIT ?2");
     rows.integer(1, query.before.value_or(std::numeric_limits<std::int64_t>::max()));
     // One more than asked tells whether a next page exists.
     rows.unsigned_integer(2, query.limit + 1);

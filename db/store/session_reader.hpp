@@ -23,6 +23,7 @@ struct SessionQuery {
   std::size_t limit = 50;              ///< 1 to kMaxPage
   std::optional<SessionId> before;     ///< only sessions older than this one: the cursor of the page before
   std::optional<std::string> subject;  ///< only codes that contain this, capital or small
+  bool standby = false;                ///< also what was recorded in standby
 };
 struct SessionPage {
   std::vector<SessionInfo> sessions;  ///< newest first

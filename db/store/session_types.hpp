@@ -31,6 +31,7 @@ struct SessionStart {
   std::uint64_t start_time_ns = 0;       ///< … at this moment of the core's steady clock: the anchor of all UTC times
   std::uint64_t core_start_time_ns = 0;  ///< SegmentHeader::start_time_ns: which life of the core
   bool simulated = false;
+  bool standby = false;  ///< in standby with a patient chosen: no walk
   std::uint64_t layout_hash = 0;
   std::string software_version;             ///< of the program that records
   std::optional<std::string> core_version;  ///< of hoist-control
@@ -62,6 +63,7 @@ struct SessionInfo {
   std::uint64_t start_time_ns = 0;
   std::uint64_t core_start_time_ns = 0;
   bool simulated = false;
+  bool standby = false;                      ///< in standby with a patient chosen: no walk
   bool recording = false;                    ///< not closed yet
   std::optional<std::int64_t> ended_utc_ns;  ///< absent while recording
   std::string close_reason;                  ///< empty while recording

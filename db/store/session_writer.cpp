@@ -736,8 +736,8 @@ Result<SessionId> SessionWriter::begin(const SessionStart& start) {
     Transaction transaction(s.handle, Transaction::Kind::write);
     Statement insert(s.handle,
                      "INSERT INTO sessions (visit_id, started_utc_ns, start_time_ns, core_start_time_ns, simulated, layout_hash, "
-                     "software_version, note, exercise, core_version, columns_hash) "
-                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11) RETURNING id");
+                     "software_version, note, exercise, core_version, columns_hash, standby) "
+                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12) RETURNING id");
     if (start.subject)
       insert.integer(1, visit_row(s.handle, *start.subject, start.started_utc_ns));
     else
@@ -751,7 +751,8 @@ Result<SessionId> SessionWriter::begin(const SessionStart& start) {
         .text(8, std::string_view(start.note))
         .text(9, start.exercise_json)
         .text(10, start.core_version)
-        .integer(11, layout_row(s.handle, todays_layout()));
+        .integer(11, layout_row(s.handle, todays_layout()))
+        .integer(12, start.standby ? 1 : 0);
     if (!insert.step()) throw SqlFailure{Error{ErrorKind::internal, "the new session got no number", {}}};
     const SessionId id = insert.integer_at(0);
     insert.reset();

@@ -36,17 +36,15 @@ Result<std::map<SessionId, Visit>> VisitReader::of_sessions(std::span<const Sess
 }
 
 namespace {
-std::vector<SessionId> sessions_of(sqlite3* handle, std::int64_t visit) {
-  std::vector<SessionId> ids;
-  Statement session(handle, "SELECT id FROM sessions WHERE visit_id = ?1 ORDER BY id");
-  session.integer(1, visit);
-  while (session.step()) ids.push_back(session.integer_at(0));
-  return ids;
+void read_sessions(sqlite3* handle, VisitInfo& info) {
+  Statement session(handle, "SELECT id, standby FROM sessions WHERE visit_id = ?1 ORDER BY id");
+  session.integer(1, info.visit.id);
+  while (session.step()) (session.integer_at(1) != 0 ? info.standby : info.sessions).push_back(session.integer_at(0));
 }
 constexpr const char* kVisitRows =
     "SELECT visits.id, patient_id, code, day, visit_note FROM visits JOIN patients ON patients.id = patient_id WHERE ";
 VisitInfo visit_info(const Statement& row) {
-  VisitInfo info{visit_at(row), row.text_at(4), {}, {}};
+  VisitInfo info{visit_at(row), row.text_at(4), {}, {}, {}};
   info.tag = edit_tag({info.note});
   return info;
 }
@@ -54,9 +52,10 @@ VisitInfo visit_info(const Statement& row) {
 // The day and the numbers of one patient's visits come by index.
 constexpr const char* kPatientRows =
     "SELECT id, code, archived, (SELECT sealed FROM patient_identities WHERE patient_id = patients.id), "
-    "(SELECT count(*) FROM visits WHERE patient_id = patients.id), "
-    "(SELECT count(*) FROM visits JOIN sessions ON visit_id = visits.id WHERE patient_id = patients.id), "
-    "(SELECT min(day) FROM visits WHERE patient_id = patients.id), (SELECT max(day) FROM visits WHERE patient_id = patients.id) "
+    "(SELECT count(DISTINCT visits.id) FROM visits JOIN sessions ON visit_id = visits.id WHERE patient_id = patients.id AND standby = 0), "
+    "(SELECT count(*) FROM visits JOIN sessions ON visit_id = visits.id WHERE patient_id = patients.id AND standby = 0), "
+    "(SELECT min(day) FROM visits JOIN sessions ON visit_id = visits.id WHERE patient_id = patients.id AND standby = 0), "
+    "(SELECT max(day) FROM visits JOIN sessions ON visit_id = visits.id WHERE patient_id = patients.id AND standby = 0) "
     "FROM patients WHERE ";
 PatientInfo patient_at(const Statement& row) {
   PatientInfo info{.id = row.integer_at(0),
@@ -84,7 +83,7 @@ Result<VisitPage<VisitInfo>> VisitReader::visits(const VisitQuery& query) const 
     if (query.patient_id) rows.integer(3, *query.patient_id);
     if (query.day) rows.text(4, query.day);
     auto page = page_of<VisitInfo>(rows, query, visit_info, [](const VisitInfo& v) { return v.visit.id; });
-    for (VisitInfo& one : page.items) one.sessions = sessions_of(handle, one.visit.id);
+    for (VisitInfo& one : page.items) read_sessions(handle, one);
     return page;
   });
 }
@@ -96,7 +95,7 @@ Result<VisitInfo> VisitReader::visit(std::int64_t visit) const {
     Statement row(handle, std::string(kVisitRows) + "visits.id = ?1");
     if (!row.integer(1, visit).step()) return Error{ErrorKind::not_found, "there is no visit " + std::to_string(visit), {}};
     VisitInfo info = visit_info(row);
-    info.sessions = sessions_of(handle, visit);
+    read_sessions(handle, info);
     return info;
   });
 }

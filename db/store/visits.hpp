@@ -24,7 +24,8 @@ struct Visit {
 struct VisitInfo {
   Visit visit;
   std::string note;
-  std::vector<SessionId> sessions;  ///< in the order of recording
+  std::vector<SessionId> sessions;  ///< walks, in the order of recording
+  std::vector<SessionId> standby;   ///< what was recorded between them
   std::string tag;                  ///< of what people may write (edit_tag.hpp)
 };
 struct PatientInfo {
@@ -32,7 +33,7 @@ struct PatientInfo {
   std::string code;
   bool archived = false, has_identity = false;
   std::uint64_t visits = 0, sessions = 0;
-  std::optional<std::string> first_day, last_day;  ///< of the visits
+  std::optional<std::string> first_day, last_day;  ///< of the visits; a visit counts with its first walk
   std::string tag;
 };
 /// Newest first; `next` is the `before` of the next page, absent at the end.

@@ -36,7 +36,8 @@ Result<std::shared_ptr<WriteLock>> WriteLock::take(const std::filesystem::path& 
   const std::string name = target.string() + ".lock";
   const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   const auto failed = [&name](int code) {
-    return Error{ErrorKind::io, "the lock " + name + " cannot be taken: " + std::generic_category().message(code), {}};
+    const ErrorKind kind = code == EROFS ? ErrorKind::read_only : ErrorKind::io;
+    return Error{kind, "the lock " + name + " cannot be taken: " + std::generic_category().message(code), {}};
   };
   if (descriptor < 0) return failed(errno);
   std::shared_ptr<WriteLock> lock(new WriteLock(descriptor));

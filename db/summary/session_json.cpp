@@ -73,6 +73,7 @@ nlohmann::json session_json(const SessionInfo& session) {
           {"recording", session.recording},
           {"close_reason", session.close_reason},
           {"simulated", session.simulated},
+          {"standby", session.standby},
           {"subject", or_null(session.subject)},
           {"note", session.note},
           {"exercise", exercise_as_told(session.exercise_json)},

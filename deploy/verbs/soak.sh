@@ -5,8 +5,9 @@
 # open files and threads, the database's log and the loop's figures are noted; at the end it prints what grew, by a straight line through the
 # second half of the run. Fails when something grows, a program ends by itself, or the control thread asks for memory.
 #
-# Instead of that: --cuts cuts the power of a disk in memory that often, while it is recorded, migrated, deleted, backed up and restored;
-# --year makes a file of recordings of that size and measures what the server does with it.
+# Instead of that: --cuts cuts the power of a disk in memory that often, while it is recorded, migrated, deleted, backed up, restored and
+# tidied by a rule of retention; then writers are killed and bytes flipped. --year makes a file of recordings of that size and measures what
+# the server does with it.
 #
 # options: --minutes N   how long (default 10)
 #          --csv FILE    every reading, for a picture
@@ -33,8 +34,14 @@ done
 setup build
 if [ -n "$cuts" ]; then
   build_normal test_db
-  HOIST_POWER_CUTS=$cuts build/bin/test_db --gtest_filter='PowerCut.*' & first=$!
-  build/bin/test_db --gtest_filter='Kill.*' --gtest_repeat=20 --gtest_brief=1
+  # In pieces, so that it is seen how far it is; each goes on with other rounds.
+  piece=5000
+  for ((from = 0; from < cuts; from += piece)); do
+    HOIST_POWER_FROM=$from HOIST_POWER_CUTS=$((cuts - from < piece ? cuts - from : piece)) build/bin/test_db --gtest_filter='PowerCut.*' \
+      --gtest_brief=1 || exit 1
+    echo "power cuts: $((cuts - from < piece ? cuts : from + piece)) of $cuts"
+  done & first=$!
+  build/bin/test_db --gtest_filter='Kill.*:Integrity.NoFlippedByte*' --gtest_repeat=20 --gtest_brief=1
   wait "$first"
   exit
 fi

@@ -732,6 +732,13 @@ void act_delete_session(Services& services, const Asker& asker, db::SessionId se
   });
 }
 
+void act_set_retention(Services& services, const Asker& asker, const db::RetentionRule& rule, std::string tag, OutcomeDone done) {
+  if (!may(services, asker, contract::Role::engineer, done)) return;
+  ask_store(
+      services, [rule, tag = std::move(tag)](Records&, db::Database& database) { return db::set_retention_rule(database, rule, tag); },
+      std::move(done));
+}
+
 void act_start_job(Services& services, const Asker& asker, JobKind kind, JobArguments arguments, OutcomeDone done) {
   if (!may(services, asker, job_kind_info(kind).role, done)) return;
   Outcome outcome;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "control/contract/faults.hpp"
+#include "db/store/retention.hpp"
 #include "server/actions/wishes.hpp"
 #include "server/contract/reasons.hpp"
 #include "server/services.hpp"
@@ -105,6 +106,8 @@ struct RecordWish {
 void act_record(Services& services, const Asker& asker, RecordWish wish, OutcomeDone done);
 // Jobs give way until it is done: the log that still holds the deleted data can be truncated only while no connection reads.
 void act_delete_session(Services& services, const Asker& asker, db::SessionId session, OutcomeDone done);
+// How long sessions are kept; `tag` of the rule that was looked at, empty = whatever there is.
+void act_set_retention(Services& services, const Asker& asker, const db::RetentionRule& rule, std::string tag, OutcomeDone done);
 // Long work; `Outcome::job` is its number. Refused as busy when too many wait.
 void act_start_job(Services& services, const Asker& asker, JobKind kind, JobArguments arguments, OutcomeDone done);
 // Opens or closes /foxglove and /rosbridge; connections that are open are closed. Done when it is stored.

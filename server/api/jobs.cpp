@@ -62,6 +62,7 @@ void start_job(const CallPtr& call) {
   arguments.filter.exercise = text("exercise");
   if (body.contains("visit")) arguments.filter.visit = body["visit"].get<std::int64_t>();
   arguments.filter.simulated = body.value("simulated", true);
+  if (const auto rule = body.find("rule"); rule != body.end()) arguments.rule = db::rule_of(*rule);
   arguments.layout = *db::find_bundle_layout(body.value("layout", "files"));
   act_start_job(call->services, asker_of(*call), *find_job_kind(body.at("kind").get_ref<const std::string&>()), std::move(arguments),
                 answer_with(call, [call](const Outcome& outcome) { respond_accepted(call, outcome.job); }));

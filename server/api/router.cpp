@@ -206,7 +206,8 @@ bool is_audited(const Route& route) {
 }
 // Whose bodies may stand in the audit log: they hold no secret and nothing of a patient.
 bool body_is_plain(std::string_view operation) {
-  constexpr std::array kPlain{"change_parameters", "put_parameter", "keep_parameters", "set_mode", "take_lease", "start_job"};
+  constexpr std::array kPlain{"change_parameters", "put_parameter", "keep_parameters", "set_mode",
+                              "take_lease",        "start_job",     "set_retention"};
   return std::find(kPlain.begin(), kPlain.end(), operation) != kPlain.end();
 }
 constexpr std::size_t kAuditBody_bytes = 500;

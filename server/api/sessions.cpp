@@ -61,6 +61,10 @@ void list_sessions(const CallPtr& call) {
   db::SessionQuery wanted;
   if (!read_page(call, wanted)) return;
   if (const auto subject = query(*call, "q"); subject && !subject->empty()) wanted.subject = *subject;
+  if (const auto standby = query(*call, "standby")) {
+    if (*standby != "0" && *standby != "1") return call->fail(bad_query("standby", "must be 0 or 1", 0, 1));
+    wanted.standby = *standby == "1";
+  }
   with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
     const auto page = db::SessionReader(database).list(wanted);
     if (!page) return store_error(page.error(), path);

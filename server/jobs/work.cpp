@@ -1,10 +1,13 @@
 #include "server/jobs/work.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <utility>
 
 #include "db/store/backup.hpp"
+#include "db/store/deletion.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/summary/session_json.hpp"
 #include "server/jobs/jobs.hpp"
@@ -167,6 +170,89 @@ JobResult list_backups(const JobTools& tools, const JobArguments&, const JobStep
   }
   const json told{{"kind", "list_backups"}, {"folders", std::move(folders)}, {"items", std::move(items)}};
   return std::optional(JobYield{.result = dumped(told), .check = {}});
+}
+
+namespace {
+// A plan takes this share of the progress, the deletions the rest.
+constexpr double kPlanShare = 0.1;
+
+db::Result<std::uint64_t> disk_bytes(const JobTools& tools) {
+  std::error_code error;
+  const fs::path folder = tools.file.has_parent_path() ? tools.file.parent_path() : fs::path(".");
+  const auto space = fs::space(folder, error);
+  if (error) return db::Error{db::ErrorKind::io, folder.string() + " cannot be read: " + error.message(), {}};
+  return static_cast<std::uint64_t>(space.capacity);
+}
+
+json plan_json(const char* kind, const db::RetentionRule& rule, const db::RetentionPlan& plan, std::uint64_t disk) {
+  const auto utc_ms = [&](std::int64_t utc_ns) { return plan.sessions.empty() ? json(nullptr) : json(utc_ns / 1'000'000); };
+  return {{"kind", kind},
+          {"rule", db::rule_json(rule)},
+          {"sessions", plan.sessions.size()},
+          {"bytes", plan.bytes},
+          {"from_utc_ms", utc_ms(plan.from_utc_ns)},
+          {"to_utc_ms", utc_ms(plan.to_utc_ns)},
+          {"without_backup", plan.without_backup},
+          {"used_bytes", plan.used_bytes},
+          {"disk_bytes", disk},
+          {"excess_bytes", plan.excess_bytes}};
+}
+
+// Whole: it is soon done. Between two pieces others have the file for as long as a piece took.
+db::Status delete_session(db::Database& database, db::SessionId session) {
+  using Clock = std::chrono::steady_clock;
+  // Somebody may have deleted it since the plan was made.
+  if (db::Status taken = db::take_out(database, session); !taken && taken.error().kind != db::ErrorKind::not_found) return taken;
+  for (;;) {
+    const auto begin = Clock::now();
+    const auto more = db::erase_piece(database);
+    if (!more) return more.error();
+    if (!*more) return {};
+    std::this_thread::sleep_for(Clock::now() - begin);
+  }
+}
+}  // namespace
+
+JobResult preview_retention(const JobTools& tools, const JobArguments& arguments, const JobStep& step) {
+  auto database = tools.open();
+  if (!database) return database.error();
+  const auto disk = disk_bytes(tools);
+  if (!disk) return disk.error();
+  const auto plan = db::plan_retention(*database, arguments.rule, tools.utc_ns(), *disk, step);
+  if (!plan) return plan.error();
+  if (!*plan) return std::optional<JobYield>{};
+  return std::optional(JobYield{.result = plan_json("preview_retention", arguments.rule, **plan, *disk).dump(), .check = {}});
+}
+
+JobResult retention(const JobTools& tools, const JobArguments&, const JobStep& step) {
+  auto database = tools.open();
+  if (!database) return database.error();
+  const auto rule = db::retention_rule(*database);
+  const auto disk = disk_bytes(tools);
+  if (!rule || !disk) return rule ? disk.error() : rule.error();
+  auto planned = db::plan_retention(*database, *rule, tools.utc_ns(), *disk, [&](double share) { return step(kPlanShare * share); });
+  if (!planned) return planned.error();
+  if (!*planned) return std::optional<JobYield>{};
+  db::RetentionPlan& plan = **planned;
+  std::size_t deleted = 0;
+  bool ended = false;
+  db::Status status;
+  while (deleted < plan.sessions.size() && status) {
+    const double share = static_cast<double>(deleted) / static_cast<double>(plan.sessions.size());
+    ended = !step(kPlanShare + (1 - kPlanShare) * share);
+    // Another rule in the meantime ends this one.
+    const auto now = db::retention_rule(*database);
+    if (ended || !now || *now != *rule) break;
+    status = delete_session(*database, plan.sessions[deleted]);
+    if (status) ++deleted;
+  }
+  if (deleted > 0 && tools.log_deletion)
+    tools.log_deletion(std::to_string(deleted) + " sessions, " + std::to_string(plan.sessions.front()) + " to " +
+                       std::to_string(plan.sessions[deleted - 1]) + ", rule " + db::rule_json(*rule).dump());
+  if (!status) return status.error();
+  if (ended) return std::optional<JobYield>{};
+  plan.sessions.resize(deleted);
+  return std::optional(JobYield{.result = plan_json("retention", *rule, plan, *disk).dump(), .check = {}});
 }
 
 }  // namespace hoist::server::job

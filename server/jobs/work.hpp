@@ -13,6 +13,7 @@
 #include "db/store/database.hpp"
 #include "db/store/integrity.hpp"
 #include "db/store/result.hpp"
+#include "db/store/retention.hpp"
 #include "server/contract/jobs.hpp"
 
 namespace hoist::server {
@@ -24,6 +25,7 @@ struct JobArguments {
   bool identity_key = false;                 // of backup: the key of the patients' names goes with it
   db::SessionFilter filter = {};             // of export_sessions without sessions
   db::BundleLayout layout = db::BundleLayout::files;
+  db::RetentionRule rule = {};  // of preview_retention
 };
 // What a job may use.
 struct JobTools {
@@ -37,6 +39,8 @@ struct JobTools {
   std::filesystem::path identity_key = {};
   // Puts a file that `prepare_restore` has made in the place of the one in use, which it names. Refused while a session is recorded.
   std::function<db::Result<std::filesystem::path>(const std::filesystem::path& prepared)> replace_file = {};
+  // What retention has deleted, in a sentence for the audit log.
+  std::function<void(const std::string& what)> log_deletion = {};
 
   // A connection for this job: the file may be another one since the last, and nothing stays open while nothing runs.
   [[nodiscard]] db::Result<db::Database> open() const { return db::Database::attach(file); }

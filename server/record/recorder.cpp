@@ -45,6 +45,13 @@ constexpr int kReadsPerPass = 16;
 
 bool moving_mode(std::uint32_t mode) { return mode < contract::kModes.size() && contract::kModes[mode].moving; }
 bool moving(const TickRecord& record) { return moving_mode(record.mode); }
+// Neither at the start nor in a calibration the harness holds the patient who is chosen.
+bool may_hold_patient(const TickRecord& record) {
+  const auto mode = static_cast<contract::Mode>(record.mode);
+  return mode != contract::Mode::init && mode != contract::Mode::calibrate;
+}
+// What a session is: a walk, or the time in standby before and after it while a patient is chosen, or begun by a person.
+enum class Kind : std::uint8_t { walk, standby, by_hand };
 }  // namespace
 
 // Everything that only the recorder's thread touches.
@@ -129,13 +136,14 @@ class Recorder::Work final : public Records {
     {
       const std::lock_guard lock(owner_.mutex_);
       if (owner_.damage_.empty() || !writing_) return;
-      const bool stores = session_open() && (error_.empty() || error_kind_ != db::ErrorKind::corrupt);
+      const bool stores = session_open() && kind_ != Kind::standby && (error_.empty() || error_kind_ != db::ErrorKind::corrupt);
       if (stores) return;
       file_id = std::exchange(owner_.damaged_file_, {});
       damage = std::exchange(owner_.damage_, {});
     }
     // Of a file that has been replaced since it was checked.
     if (const std::string own = writing_->file_id(); !own.empty() && own != file_id) return;
+    if (session_open() && kind_ == Kind::standby) (void)try_end(db::CloseReason::finished);
     close_file();
     end_again_.reset();
     damage_ = std::move(damage);
@@ -151,6 +159,7 @@ class Recorder::Work final : public Records {
       }
     }
     leave_damaged_file();
+    follow_chosen();
     for (int i = 0; i < kReadsPerPass && join(); ++i) {
       const std::size_t ticks = read_ticks();
       const std::size_t events = read_events();
@@ -160,6 +169,15 @@ class Recorder::Work final : public Records {
     }
     if (session_open() && now_ns_ - committed_ns_ >= kCommit_ns) commit();
     tell();
+  }
+
+  // Before any job that comes after the choice.
+  void follow_chosen() {
+    {
+      const std::lock_guard lock(owner_.mutex_);
+      chosen_ = owner_.subject_;
+    }
+    if (session_open() && kind_ == Kind::standby && chosen_ != standby_for_ && !end_again_) end(db::CloseReason::finished);
   }
 
   void finish() {
@@ -199,7 +217,7 @@ class Recorder::Work final : public Records {
   }
   db::Status begin_manual(std::optional<std::string> subject, std::string note) override {
     if (!writer_) return db::Error{db::ErrorKind::io, error_, ""};
-    if (session_open() && manual_) return db::Error{db::ErrorKind::wrong_state, "A recording is already running.", ""};
+    if (session_open() && kind_ == Kind::by_hand) return db::Error{db::ErrorKind::wrong_state, "A recording is already running.", ""};
     // Before anything ends for it: a mistyped code is its writer's matter, not the recording's.
     if (db::Status checked = db::check_subject(subject); !checked) return checked;
     if (db::Status checked = db::check_note(note); !checked) return checked;
@@ -207,11 +225,12 @@ class Recorder::Work final : public Records {
     // Not end(): what is refused here must not end the session at a later commit.
     if (session_open())
       if (db::Status ended = try_end(db::CloseReason::finished); !ended) return ended;
-    return begin(*last_, std::move(subject), std::move(note), true);
+    return begin(*last_, std::move(subject), std::move(note), Kind::by_hand);
   }
   db::Status end_manual() override {
     if (!session_open()) return db::Error{db::ErrorKind::wrong_state, "Nothing is being recorded.", ""};
     if (last_ && moving(*last_)) return db::Error{db::ErrorKind::wrong_state, "The recording goes on while the hoist moves.", ""};
+    if (kind_ == Kind::standby) return db::Error{db::ErrorKind::wrong_state, "Standby is recorded as long as a patient is chosen.", ""};
     return try_end(db::CloseReason::finished);
   }
   db::Status marker(db::SessionId session, std::string_view text, std::optional<db::Actor> actor) override {
@@ -220,8 +239,10 @@ class Recorder::Work final : public Records {
     return writer_->store_marker(last_tick_, owner_.options_.utc_ns(), text, std::move(actor));
   }
   db::Result<std::filesystem::path> replace_file(const std::filesystem::path& prepared) override {
-    if (session_open() || (last_ && moving(*last_)))
+    if ((session_open() && kind_ != Kind::standby) || (last_ && moving(*last_)))
       return db::Error{db::ErrorKind::wrong_state, "A session is being recorded: restore after its end.", ""};
+    if (session_open())
+      if (db::Status ended = try_end(db::CloseReason::finished); !ended) return ended.error();
     close_file();
     auto aside = db::finish_restore(prepared, owner_.options_.file, owner_.options_.utc_ns());
     if (aside) log("The recordings were replaced by a backup; those before are in " + aside->string() + ".");
@@ -402,24 +423,25 @@ class Recorder::Work final : public Records {
     return owner_.options_.utc_ns() - static_cast<std::int64_t>(ticks_.simulated_clock() ? newest_ns : owner_.options_.steady_ns());
   }
 
-  db::Status begin(const TickRecord& first, std::optional<std::string> subject, std::string note, bool manual) {
+  // What is known when a session begins with this step. It refers to `parameters`.
+  db::SessionStart start_at(const TickRecord& first, std::optional<std::string> subject, Kind kind, contract::ParamsInForce& parameters) {
+    const bool walk = kind == Kind::walk;
     db::SessionStart start;
     start.subject = std::move(subject);
-    start.note = std::move(note);
     start.start_time_ns = first.time_ns;
     start.core_start_time_ns = ticks_.life();
     offset_ns_ = offset_ns(first.time_ns);
     anchored_ns_ = now_ns_;
     start.started_utc_ns = static_cast<std::int64_t>(first.time_ns) + offset_ns_;
     start.simulated = first.simulated != 0;
+    start.standby = kind == Kind::standby;
     start.layout_hash = contract::layout_hash();
     start.software_version = owner_.options_.version;
-    contract::ParamsInForce parameters;
     {
       const std::lock_guard lock(owner_.mutex_);
-      if (!manual) start.exercise_json = owner_.exercise_;
+      if (walk) start.exercise_json = owner_.exercise_;
       if (!start.subject) start.subject = owner_.subject_;
-      if (!manual && going_on_) {
+      if (walk && going_on_) {
         start.exercise_json = known_->until.exercise_json;
         start.subject = known_->until.subject;
       }
@@ -428,28 +450,38 @@ class Recorder::Work final : public Records {
     }
     if (!ticks_.program().empty()) start.core_version = ticks_.program();
     if (parameters.version != 0) start.parameter_values = parameters.values;
+    return start;
+  }
+
+  db::Status begin(const TickRecord& first, std::optional<std::string> subject, std::string note, Kind kind) {
+    const bool walk = kind == Kind::walk;
+    contract::ParamsInForce parameters;
+    db::SessionStart start = start_at(first, std::move(subject), kind, parameters);
+    start.note = std::move(note);
+    standby_for_ = start.subject;
     const auto begun = writer_->begin(start);
     if (!begun) {
       fail(begun.error());
       return begun.error();
     }
     error_.clear();
-    manual_ = manual;
+    kind_ = kind;
     life_ = ticks_.life();
     samples_ = 0;
     started_utc_ms_ = start.started_utc_ns / 1'000'000;
+    started_time_ns_ = first.time_ns;
     last_tick_ = journal_from_ = first.tick;
     fresh_ = true;
     committed_ns_ = now_ns_;
     std::vector<Event> events;
     // Also those of a beginning that could not be stored, as far as they are kept.
-    first_tick_ = manual ? first.tick : std::min(walk_from_, first.tick);
+    first_tick_ = walk ? std::min(walk_from_, first.tick) : first.tick;
     for (const Event& event : kept_events_)
       if (event.tick >= first_tick_) events.push_back(event);
     std::vector<BusRecord> frames;
     std::uint64_t frames_from_ns = first.time_ns > kTick_ns ? first.time_ns - kTick_ns : 0;
-    // A recording by hand begins at any step. Its journal begins with the newest image, so that all of it can be run again.
-    if (const auto image = manual ? journal_.image_before(life_, first.tick) : std::nullopt;
+    // What is no walk begins at any step. Its journal begins with the newest image, so that all of it can be run again.
+    if (const auto image = walk ? std::nullopt : journal_.image_before(life_, first.tick);
         image && !kept_frames_.empty() && kept_frames_.front().time_ns < image->time_ns) {
       journal_from_ = image->tick;
       frames_from_ns = std::min(frames_from_ns, image->time_ns);
@@ -461,7 +493,7 @@ class Recorder::Work final : public Records {
     kept_frames_.clear();
     if (going_on_)
       note_absence(first);
-    else if (!manual && walk_from_ < first.tick)
+    else if (walk && walk_from_ < first.tick)
       note_lost_begin(first, events_dropped);
     if (!events.empty()) check(writer_->append_events(events));
     if (!frames.empty()) check(writer_->append_bus(frames));
@@ -474,7 +506,9 @@ class Recorder::Work final : public Records {
   }
 
   db::Status try_end(db::CloseReason reason) {
-    // Frames and journal of a step are published before its record: of the newest steps they are here, and not read yet.
+    // Events, frames and journal of a step are published before its record: of the newest steps they are here, and not read yet.
+    while (read_events(last_tick_) == kReadEvents) {
+    }
     while (read_bus(last_time_ns_) == kReadFrames) {
     }
     read_journal();
@@ -535,22 +569,32 @@ class Recorder::Work final : public Records {
         walk_from_ = std::exchange(walk_began_, std::nullopt).value_or(record.tick);
         begin_lost_ = walk_from_ < record.tick ? "server_absent" : "storage";
       }
-      if (starts && session_open() && !manual_) {
+      if (starts && session_open() && kind_ != Kind::by_hand) {
         append(from, i);
         from = i;
         end(db::CloseReason::finished);
       }
-      if (starts && session_open() && manual_) name_exercise();
+      if (starts && session_open() && kind_ == Kind::by_hand) name_exercise();
+      if (session_open() && kind_ == Kind::standby && !end_again_ && standby_over(record)) {
+        append(from, i);
+        from = i;
+        end(db::CloseReason::finished);
+      }
       // Also when the disk refused at the start: asked again while motion lasts, so that the rest is recorded.
       if (moving(record) && writer_ && !session_open() && (starts || now_ns_ - begin_tried_ns_ >= kRetry_ns)) {
         begin_tried_ns_ = now_ns_;
         from = i;
-        check(begin(record, std::nullopt, "", false));
+        check(begin(record, std::nullopt, "", Kind::walk));
+      } else if (chosen_ && !moving(record) && may_hold_patient(record) && writer_ && !session_open() &&
+                 now_ns_ - begin_tried_ns_ >= kRetry_ns) {
+        begin_tried_ns_ = now_ns_;
+        from = i;
+        check(begin(record, chosen_, "", Kind::standby));
       }
       if (!session_open()) from = i + 1;
       last_ = record;
       last_life_ = ticks_.life();
-      if (session_open() && !manual_ && over(record)) {
+      if (session_open() && kind_ == Kind::walk && over(record)) {
         append(from, i + 1);
         from = i + 1;
         end(db::CloseReason::finished);
@@ -598,6 +642,11 @@ class Recorder::Work final : public Records {
     return static_cast<double>(record.time_ns - quiet_since_ns_) * 1e-9 >= limit_s;
   }
 
+  // Sessions of bounded length, so that joining their chunks at the end is soon done.
+  [[nodiscard]] bool standby_over(const TickRecord& record) const {
+    return !may_hold_patient(record) || static_cast<double>(record.time_ns - started_time_ns_) * 1e-9 >= kStandbySession_s;
+  }
+
   // A recording that was begun by hand learns what is walked in it.
   void name_exercise() {
     std::optional<std::string> exercise;
@@ -611,7 +660,8 @@ class Recorder::Work final : public Records {
     check(db::SessionEditor(*reading_).patch(writer_->session(), patch));
   }
 
-  std::size_t read_events() {
+  // With `until_tick`, what is later waits for the next session.
+  std::size_t read_events(std::uint64_t until_tick = std::numeric_limits<std::uint64_t>::max()) {
     const auto got = events_.read(event_buffer_);
     std::size_t from = 0;
     if (session_open() && events_.life() == life_) {
@@ -623,14 +673,21 @@ class Recorder::Work final : public Records {
         note_overwritten("events", event_buffer_[0], known_ && known_->until.last_event_tick, event_buffer_[0].tick);
       // A record of an earlier step than the session's first is not part of it.
       while (from < got.count && (event_buffer_[from].tick < first_tick_ || known(event_buffer_[from]))) ++from;
-      if (from < got.count) check(writer_->append_events(std::span(event_buffer_).subspan(from, got.count - from)));
+      std::size_t to = got.count;
+      while (to > from && event_buffer_[to - 1].tick > until_tick) --to;
+      if (from < to) check(writer_->append_events(std::span(event_buffer_).subspan(from, to - from)));
+      keep_events(to, got.count);
     } else {
-      for (std::size_t i = 0; i < got.count; ++i) kept_events_.push_back(event_buffer_[i]);
-      while (kept_events_.size() > kKeptEvents) kept_events_.pop_front();
+      keep_events(0, got.count);
     }
     events_seen_ = events_seen_ || got.count > 0;
     if (got.count > 0) event_tick_ = event_buffer_[got.count - 1].tick;
     return got.count;
+  }
+
+  void keep_events(std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) kept_events_.push_back(event_buffer_[i]);
+    while (kept_events_.size() > kKeptEvents) kept_events_.pop_front();
   }
 
   // With `until_ns`, what is later waits for the next session.
@@ -682,6 +739,7 @@ class Recorder::Work final : public Records {
     if (session_open()) {
       status.state = error_.empty() ? RecordingState::recording : RecordingState::failed;
       status.session = writer_->session();
+      status.standby = kind_ == Kind::standby;
       status.started_utc_ms = started_utc_ms_;
       status.samples = samples_;
       status.durable_tick = writer_->durable().last_tick;
@@ -752,7 +810,9 @@ class Recorder::Work final : public Records {
   std::optional<TickRecord> last_;
   std::uint64_t last_life_ = 0;
   std::optional<db::CloseReason> end_again_;
-  bool manual_ = false;
+  Kind kind_ = Kind::walk;                           // of the session that is open
+  std::optional<std::string> chosen_, standby_for_;  // the patient, and the one whom the open session is for
+  std::uint64_t started_time_ns_ = 0;
   bool fresh_ = true;
   std::uint64_t life_ = 0;
   std::uint64_t samples_ = 0;

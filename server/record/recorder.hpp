@@ -31,6 +31,8 @@ inline constexpr std::uint64_t kJobWait_ns = 10'000'000'000;
 // After motion the recording goes on for this long, so that the roll-out is in it.
 inline constexpr double kAfterStandby_s = 3.0;
 inline constexpr double kAfterStop_s = 10.0;
+// Longest session in standby; the next one follows at once.
+inline constexpr double kStandbySession_s = 600.0;
 
 enum class RecordingState : std::uint8_t { idle, recording, failed };
 [[nodiscard]] constexpr const char* recording_state_name(RecordingState state) {
@@ -45,6 +47,7 @@ struct StandingNotice {
 struct RecordingStatus {
   RecordingState state = RecordingState::idle;
   std::optional<db::SessionId> session;
+  bool standby = false;  // the session is the time in standby with a patient chosen
   std::optional<std::int64_t> started_utc_ms;
   std::uint64_t samples = 0;
   std::optional<std::uint64_t> durable_tick;
@@ -122,7 +125,7 @@ class Recorder {
   void set_nodes(std::vector<db::NodeProgram> nodes);
   // What the next motion walks, as stored in the database; nothing = free.
   void set_exercise(std::optional<std::string> exercise_json);
-  // The code of the patient whom motion is recorded for; nothing = not known.
+  // The code of the patient whom motion is recorded for, and standby as long as there is one; nothing = not known.
   void set_subject(std::optional<std::string> code);
   // A check has found the file with this id damaged: it is set aside and a new one begun, as at a start; while a session is being recorded,
   // after its end, or as soon as it can no longer be stored.

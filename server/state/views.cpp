@@ -21,6 +21,7 @@ std::string layout_hash_hex() { return db::layout_text(contract::layout_hash());
 json recording_json(const RecordingStatus& status) {
   json out{{"state", recording_state_name(status.state)},
            {"session", nullptr},
+           {"standby", status.standby},
            {"started_utc_ms", nullptr},
            {"samples", status.samples},
            {"durable_tick", nullptr},
@@ -61,13 +62,8 @@ json patient_json(const db::PatientInfo& p) {
 }
 
 json visit_json(const db::VisitInfo& v) {
-  return {{"id", v.visit.id},
-          {"patient", v.visit.patient_id},
-          {"code", v.visit.patient},
-          {"day", v.visit.day},
-          {"note", v.note},
-          {"sessions", v.sessions},
-          {"etag", v.tag}};
+  return {{"id", v.visit.id}, {"patient", v.visit.patient_id}, {"code", v.visit.patient}, {"day", v.visit.day},
+          {"note", v.note},   {"sessions", v.sessions},        {"standby", v.standby},    {"etag", v.tag}};
 }
 
 json profile_json(const db::ProfileInfo& p) {

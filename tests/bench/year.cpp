@@ -11,6 +11,7 @@
 
 #include "db/store/database.hpp"
 #include "db/store/deletion.hpp"
+#include "db/store/retention.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/session_writer.hpp"
 #include "db/store/sqlite.hpp"
@@ -155,6 +156,15 @@ void measure_all(const std::filesystem::path& file) {
   const std::vector<std::string> names{"speed_m_s", "lean_norm", "turn_norm", "x_m"};
   measure("overview of a session, 4 live values", file, [&] { return reader.overview(middle, names, 1000).ok(); });
   measure("all samples of 4 live values", file, [&] { return reader.read_columns(middle, names).ok(); });
+  const RetentionRule rule{.days = kLeastKept_days, .disk_percent = {}, .needs_backup = false};
+  std::size_t old = 0;
+  measure("what a rule of retention would delete", file, [&] {
+    constexpr std::int64_t kFarFuture_ns = 1LL << 62U;
+    const auto plan = plan_retention(database, rule, kFarFuture_ns, 1, [](double) { return true; });
+    old = plan && *plan ? (*plan)->sessions.size() : 0;
+    return old > 0;
+  });
+  std::printf("%-44s %10zu\n", "  sessions in it", old);
   SessionId next = middle;
   measure("begin and end of a session", file, [&] {
     auto writer = SessionWriter::create(database);

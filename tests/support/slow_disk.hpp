@@ -35,6 +35,7 @@ class SlowDisk {
   }
   SlowDisk(const SlowDisk&) = delete;
   SlowDisk& operator=(const SlowDisk&) = delete;
+  void set(std::chrono::milliseconds each_sync) { state().sync_ms = static_cast<int>(each_sync.count()); }
   [[nodiscard]] int syncs() const { return state().syncs; }
 
  private:

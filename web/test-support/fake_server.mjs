@@ -194,9 +194,9 @@ export function startFakeServer({
     },
   ];
   const visits = [
-    { id: 12, patient: 5, code: 'P-017', day: dayOf(Date.now()), sessions: [4] },
-    { id: 11, patient: 1, code: 'K-07', day: '2026-11-21', sessions: [3] },
-    { id: 10, patient: 1, code: 'K-07', day: '2026-11-19', sessions: [1] },
+    { id: 12, patient: 5, code: 'P-017', day: dayOf(Date.now()), sessions: [4], standby: [] },
+    { id: 11, patient: 1, code: 'K-07', day: '2026-11-21', sessions: [3], standby: [2] },
+    { id: 10, patient: 1, code: 'K-07', day: '2026-11-19', sessions: [1], standby: [] },
   ];
   const people = [
     { user: 'berg', display_name: 'Anna Berg', role: 'therapist', enabled: true, has_pin: true, password: 'berg and valley 1' },
@@ -206,6 +206,7 @@ export function startFakeServer({
   const told = ({ password: _password, ...person }) => person;
   let person = signedIn ? people[1] : null;
   let failures = 0;
+  const retention = { days: null, disk_percent: null, needs_backup: true, etag: 'r1' };
   const tools = { enabled: false, foxglove: '/foxglove', rosbridge: '/rosbridge', foxglove_layout: '/foxglove-layout.json' };
   const tokens = [{ id: 1, user: 'kos', name: 'Gait study', scope: 'viewer', created_utc_s: 1.79e9, expires_utc_s: 1.81e9 }];
   const audit = [
@@ -283,6 +284,7 @@ export function startFakeServer({
       type: 'recording',
       state: hoist.session === null ? 'idle' : 'recording',
       session: hoist.session,
+      standby: false,
       started_utc_ms: Date.now(),
       samples: hoist.tick - hoist.sessionTick,
       durable_tick: hoist.tick,
@@ -791,6 +793,18 @@ export function startFakeServer({
           kind,
           () => {
             if (kind === 'export_sessions') return { file_name: 'hoist-sessions.zip', bytes: 4.1e7, sessions: 3 };
+            if (kind === 'preview_retention' || kind === 'retention')
+              return {
+                rule: given.rule ?? retention,
+                sessions: 37,
+                bytes: 9.1e8,
+                from_utc_ms: Date.UTC(2025, 2, 3, 9),
+                to_utc_ms: Date.UTC(2025, 10, 20, 15),
+                without_backup: 12,
+                used_bytes: 5.1e9,
+                disk_bytes: 6.4e10,
+                excess_bytes: 0,
+              };
             if (kind === 'restore') return { backup: given.backup, set_aside: '/var/lib/hoist/hoist.db.2026-11-24' };
             const made = { ...backups[0], backup: `${given.folder}/hoist-${dayOf(Date.now())}`, utc_ms: Date.now() };
             backups.unshift(made);
@@ -800,6 +814,8 @@ export function startFakeServer({
         ),
       );
     }
+    if (path === '/retention' && request.method === 'PUT') return send(200, Object.assign(retention, given, { etag: 'r2' }));
+    if (path === '/retention') return send(200, retention);
     if (path === '/jobs') return send(200, { items: jobs.map((job) => ({ ...job, result: undefined })) });
     const [, jobId] = /^\/jobs\/(\d+)$/.exec(path) ?? [];
     if (jobId !== undefined) {

@@ -8,6 +8,7 @@ const session = (id: number): Session => ({
   id,
   subject: null,
   started_utc_ms: id,
+  standby: false,
   ended_utc_ms: id + 1,
   close_reason: 'stopped',
   visit: null,

@@ -78,6 +78,36 @@ describe('backup', { timeout: minutes_ms }, () => {
   });
 });
 
+describe('keeping recordings', { timeout: minutes_ms }, () => {
+  it('saves a rule only after showing what it deletes, and deletes only by holding', async () => {
+    await open('settings/retention');
+    await page.getByText(en['retention.off']).waitFor();
+    expect(await button(en['retention.preview']).isDisabled(), 'nothing is chosen').toBe(true);
+    await page.getByLabel(en['retention.days']).check();
+    await page.getByRole('textbox', { name: en['retention.daysNumber'] }).fill('180');
+    expect(await button(en['common.save']).isDisabled(), 'not seen yet').toBe(true);
+    await button(en['retention.preview']).click();
+    await page.locator('progress').waitFor();
+    fake.finishJobs();
+    await page.getByText('Recordings to delete: 37', { exact: false }).waitFor();
+    await page.getByText('Kept because no backup holds them: 12').waitFor();
+    const rule = { days: 180, disk_percent: null, needs_backup: true };
+    expect(fake.jobs.at(-1)).toMatchObject({ kind: 'preview_retention', asked: { rule } });
+    expect(await button(en['retention.hold']).count(), 'the rule is not stored').toBe(0);
+    await page.getByRole('textbox', { name: en['retention.daysNumber'] }).fill('90');
+    expect(await button(en['common.save']).isDisabled(), 'another rule than the one that was shown').toBe(true);
+    await page.getByRole('textbox', { name: en['retention.daysNumber'] }).fill('180');
+    await button(en['common.save']).click();
+    await page.getByText(en['retention.on']).waitFor();
+    await button(en['retention.hold']).click();
+    expect(fake.jobs.filter(({ kind }) => kind === 'retention')).toEqual([]);
+    await button(en['retention.hold']).click({ delay: 2200 });
+    await page.locator('progress').waitFor();
+    fake.finishJobs();
+    await page.getByText('Deleted recordings: 37').waitFor();
+  });
+});
+
 describe('many sessions as one file', { timeout: minutes_ms }, () => {
   it('are asked for by day and patient, and downloaded when the file is made', async () => {
     await open('sessions');

@@ -22,6 +22,7 @@ int run_sessions(std::span<const std::string_view> arguments) {
   const db::SessionReader reader(*database);
   db::SessionQuery query;
   query.limit = db::kMaxPage;
+  query.standby = true;
   do {
     const db::Result<db::SessionPage> page = reader.list(query);
     if (!page) return refuse("sessions", page.error());

@@ -474,6 +474,7 @@ TEST(ArchiveTables, everything_of_a_session_is_archived) {
       "sessions.visit_id",     // by patient and day
       "deletions.session_id",  // how far a deletion has come, which is the file's own affair
       "sessions.folded",       // only folded sessions are archived
+      "sessions.standby",      // only walks are archived
       "events.actor_id",       // as words
       "markers.actor_id",      // as words
       "chunks.id",

@@ -124,6 +124,10 @@ TEST_F(Backup, IsListedAndPutBack) {
   EXPECT_EQ(aside->filename(), "hoist.db.replaced-20260921T141320Z");
   EXPECT_EQ(sessions_of(file_), 1U);
   EXPECT_EQ(sessions_of(*aside), 2U) << "the old one is kept, whole";
+  EXPECT_NE(Database::attach(file_)->file_id(), Database::attach(*aside)->file_id()) << "two files, told apart";
+  record(3);
+  auto present = Database::attach(file_);
+  EXPECT_EQ(SessionReader(*present).list()->sessions.at(0).id, 3) << "number 2 stands on paper for another session";
 }
 
 TEST_F(Backup, AnEndedOneLeavesNothing) {
@@ -210,6 +214,30 @@ TEST_F(Backup, ADamagedOneIsNotPutBack) {
   }
   const auto kept = prepare_restore(copy, file_, kGoOn);
   EXPECT_TRUE(kept.ok()) << "a chunk that was damaged before the backup costs that chunk, not all others";
+}
+
+// The copy has the damage of its source: nobody must take it for a backup.
+TEST_F(Backup, OfADamagedFileThereIsNone) {
+  std::int64_t page = 0, page_bytes = 0;
+  {
+    auto database = Database::attach(file_);
+    Statement root(database->handle(), "SELECT rootpage FROM sqlite_schema WHERE name = 'markers'");
+    Statement size(database->handle(), "PRAGMA page_size");
+    ASSERT_TRUE(root.step() && size.step());
+    page = root.integer_at(0);
+    page_bytes = size.integer_at(0);
+  }
+  {
+    std::fstream stream(file_, std::ios::in | std::ios::out | std::ios::binary);
+    stream.seekp((page - 1) * page_bytes);
+    stream << std::string(static_cast<std::size_t>(page_bytes), '\x5A');
+  }
+  auto database = Database::attach(file_);
+  ASSERT_TRUE(database.ok()) << "it still opens";
+  const auto done = back_up(*database, options(), kGoOn);
+  ASSERT_FALSE(done.ok());
+  EXPECT_EQ(done.error().kind, ErrorKind::corrupt) << done.error().message;
+  EXPECT_TRUE(fs::is_empty(stick_));
 }
 
 // H25. At each change of a name the program is killed: what is found then is the old file or the new one, whole, and nothing else opens.

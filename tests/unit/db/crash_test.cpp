@@ -13,6 +13,7 @@
 
 #include "db/store/backup.hpp"
 #include "db/store/deletion.hpp"
+#include "db/store/retention.hpp"
 #include "db/store/sqlite.hpp"
 #include "tests/support/crash_disk.hpp"
 #include "tests/unit/db/db_support.hpp"
@@ -185,16 +186,27 @@ int rounds_of(double share) {
   return std::max(1, static_cast<int>(share * (asked == nullptr ? 570 : std::atoi(asked))));
 }
 
+// Rounds of an earlier run are not repeated: HOIST_POWER_FROM is the number of the first one.
+int first_round() {
+  const char* from = std::getenv("HOIST_POWER_FROM");
+  return from == nullptr ? 0 : std::atoi(from);
+}
+
+// Where the power goes in a round: every operation in turn, in an order that is spread over all of them also when the rounds are few.
+std::uint64_t cut_of(int round, std::uint64_t operations) {
+  constexpr std::uint64_t kStride = 7919;  // a prime, so that no operation is left out
+  return 1 + static_cast<std::uint64_t>(round) * kStride % operations;
+}
+
 // H25
 TEST(PowerCut, nothing_acknowledged_is_lost_and_no_file_is_damaged) {
   const std::uint64_t operations = operations_of_a_life();
   ASSERT_GT(operations, 100U);
-  std::mt19937 random(42);
-  const int rounds = rounds_of(0.7);
+  const int rounds = rounds_of(0.55);
   int cuts = 0;
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = first_round(), end = round + rounds; round < end; ++round) {
     CrashDisk disk(static_cast<std::uint32_t>(round));
-    disk.cut_after(1 + random() % operations);
+    disk.cut_after(cut_of(round, operations));
     const Life life = live(on_crash_disk());
     cuts += disk.is_cut() ? 1 : 0;
     disk.restart();
@@ -234,11 +246,10 @@ TEST(PowerCut, a_migration_is_done_or_begins_again) {
     operations = disk.operations() - before;
   }
   ASSERT_GT(operations, 50U);
-  std::mt19937 random(44);
-  for (int round = 0; round < rounds_of(0.1); ++round) {
+  for (int round = first_round(), end = round + rounds_of(0.1); round < end; ++round) {
     CrashDisk disk(static_cast<std::uint32_t>(round));
     make();
-    disk.cut_after(1 + random() % operations);
+    disk.cut_after(cut_of(round, operations));
     (void)wrong();
     disk.restart();
     ASSERT_EQ(wrong(), "") << "round " << round;
@@ -317,11 +328,10 @@ TEST(PowerCut, a_backup_that_was_complete_stays_so_and_costs_the_recording_nothi
       ASSERT_GT(whole.life.second_samples, whole.samples_at_begin);
       operations = disk.operations();
     }
-    std::mt19937 random(45);
     int complete = 0;
-    for (int round = 0; round < rounds_of(0.1); ++round) {
+    for (int round = first_round(), end = round + rounds_of(0.1); round < end; ++round) {
       CrashDisk disk(static_cast<std::uint32_t>(round));
-      disk.cut_after(operations / 3 + random() % (operations - operations / 3));
+      disk.cut_after(operations / 3 + cut_of(round, operations - operations / 3));
       const Exchange done = exchange(disk, restores);
       disk.restart();
       complete += done.copied ? 1 : 0;
@@ -332,6 +342,72 @@ TEST(PowerCut, a_backup_that_was_complete_stays_so_and_costs_the_recording_nothi
       ASSERT_EQ(lacks("/hoist.db", done, done.renamed ? done.samples_at_begin : done.life.second_samples), "") << "round " << round;
     }
     EXPECT_GT(complete, 0);
+  }
+}
+
+// Two of four sessions are old. Returns the last step that is known to be done.
+enum class Kept : std::uint8_t { nothing, recorded, ruled, deleted };
+Kept keep_for_a_while() {
+  Kept done = Kept::nothing;
+  Result<Database> database = Database::open("/hoist.db", on_crash_disk());
+  if (!database) return done;
+  Result<SessionWriter> writer = SessionWriter::create(*database);
+  if (!writer) return done;
+  constexpr std::int64_t kDay_ns = 86'400'000'000'000;
+  for (const int days : {400, 300, 20, 0}) {
+    SessionStart start = start_of_walk();
+    start.started_utc_ns = kStartUtc_ns - days * kDay_ns;
+    Walk walk(kFirstSeed);
+    const bool well = writer->begin(start).ok() && writer->append_ticks(walk.records(0, 60)).ok() &&
+                      writer->end(CloseReason::finished, start.started_utc_ns).ok();
+    if (!well) return done;
+  }
+  done = Kept::recorded;
+  const RetentionRule rule{.days = 100, .disk_percent = {}, .needs_backup = true};
+  const BackupInfo backup{.folder = "/stick", .device = "a", .program = "b", .newest_session = 2, .files = {}};
+  if (!set_retention_rule(*database, rule) || !note_backup(*database, backup)) return done;
+  done = Kept::ruled;
+  const auto plan = plan_retention(*database, *retention_rule(*database), kStartUtc_ns, 1, [](double) { return true; });
+  if (!plan || !*plan) return done;
+  for (const SessionId session : (*plan)->sessions)
+    if (!SessionEditor(*database).remove(session)) return done;
+  return Kept::deleted;
+}
+// Empty when each session is whole or gone, and none is gone that the rule keeps.
+std::string wrongly_kept(Kept done) {
+  Result<Database> database = Database::open("/hoist.db", on_crash_disk());
+  if (!database) return "does not open: " + database.error().message;
+  for (auto more = erase_piece(*database); !more || *more; more = erase_piece(*database))
+    if (!more) return "not erased: " + more.error().message;
+  if (const std::string damage = damage_of(*database); !damage.empty()) return "was damaged: " + damage;
+  const auto rule = retention_rule(*database);
+  if (!rule) return rule.error().message;
+  if (done >= Kept::ruled && !rule->on()) return "the rule is lost";
+  if (done == Kept::nothing) return {};
+  for (SessionId id = 1; id <= 4; ++id) {
+    const auto session = SessionReader(*database).get(id);
+    if (session && session->sample_count != 60) return "session " + std::to_string(id) + " is not whole";
+    if (!session && (id > 2 || done < Kept::ruled)) return "session " + std::to_string(id) + " is gone";
+    if (session && id <= 2 && done == Kept::deleted) return "session " + std::to_string(id) + " came back";
+  }
+  Statement left(database->handle(), "SELECT count(*) FROM chunks WHERE session_id NOT IN (SELECT id FROM sessions)");
+  return left.step() && left.integer_at(0) == 0 ? "" : "samples of a deleted session are left";
+}
+
+TEST(PowerCut, retention_takes_a_session_whole_or_not_at_all) {
+  std::uint64_t operations = 0;
+  {
+    CrashDisk disk(1);
+    ASSERT_EQ(keep_for_a_while(), Kept::deleted);
+    ASSERT_EQ(wrongly_kept(Kept::deleted), "");
+    operations = disk.operations();
+  }
+  for (int round = first_round(), end = round + rounds_of(0.15); round < end; ++round) {
+    CrashDisk disk(static_cast<std::uint32_t>(round));
+    disk.cut_after(cut_of(round, operations));
+    const Kept done = keep_for_a_while();
+    disk.restart();
+    ASSERT_EQ(wrongly_kept(done), "") << "round " << round;
   }
 }
 

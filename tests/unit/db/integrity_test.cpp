@@ -100,7 +100,9 @@ TEST_F(Integrity, NoFlippedByteOfARecordingPassesUnnoticed) {
     whole = contents(database);
     ASSERT_TRUE(whole);
   }
-  std::mt19937 random(5);
+  // Other bytes in each repetition (deploy/dev soak --cuts).
+  static std::uint32_t repetition = 5;
+  std::mt19937 random(repetition++);
   int at_open = 0, in_structure = 0, in_blobs = 0;
   for (int i = 0; i < 400; ++i) {
     const std::filesystem::path copy = folder_ / ("copy" + std::to_string(i) + ".db");
@@ -120,8 +122,8 @@ TEST_F(Integrity, NoFlippedByteOfARecordingPassesUnnoticed) {
       EXPECT_TRUE(contents(*opened) == whole) << "byte " << at;
     }
   }
-  EXPECT_GT(in_structure, 5);
-  EXPECT_GT(in_blobs, 50);
+  EXPECT_GT(in_structure, 0);
+  EXPECT_GT(in_blobs, 30);
   std::printf("%d noticed when opened, %d in pages, %d in blobs\n", at_open, in_structure, in_blobs);
 }
 

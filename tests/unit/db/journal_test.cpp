@@ -7,7 +7,9 @@
 #include <limits>
 #include <random>
 
+#include "db/codec/bytes.hpp"
 #include "db/codec/journal_chunk.hpp"
+#include "db/store/sqlite.hpp"
 #include "tests/unit/db/db_support.hpp"
 
 namespace hoist::db {
@@ -118,6 +120,36 @@ TEST(Journal, AnyDamagedByteIsTold) {
   }
 }
 
+// Also with a checksum that fits what is left, what was cut, grew or is of another version is not taken for a journal.
+TEST(Journal, WhatWasCutGrewOrIsOfAnotherVersionIsRefused) {
+  JournalEncoder encoder;
+  Bytes blob;
+  ASSERT_EQ(encoder.encode(walk(200), std::vector<JournalCommand>(2), blob), CodecError::none);
+  blob.resize(blob.size() - 4);  // without its checksum
+  const auto read = [](Bytes content) {
+    put_u32(content, crc32(content));
+    std::vector<JournalStep> steps;
+    std::vector<JournalCommand> commands;
+    const CodecError error = decode_journal(content, steps, commands);
+    EXPECT_EQ(steps.empty(), error != CodecError::none) << "all or nothing";
+    return error;
+  };
+  ASSERT_EQ(read(blob), CodecError::none);
+  for (std::size_t size = 0; size < blob.size(); ++size)
+    EXPECT_NE(read(Bytes(blob.begin(), blob.begin() + static_cast<std::ptrdiff_t>(size))), CodecError::none) << "cut to " << size;
+  Bytes longer = blob;
+  longer.push_back(0);
+  EXPECT_NE(read(longer), CodecError::none);
+  Bytes other = blob;
+  ++other[1];
+  EXPECT_EQ(read(other), CodecError::directory_unknown_version);
+  std::vector<std::uint8_t> memory(100, 7);
+  const Bytes packed = pack_bytes(memory);
+  EXPECT_TRUE(unpack_bytes(packed, memory));
+  std::vector<std::uint8_t> larger(101);
+  EXPECT_FALSE(unpack_bytes(packed, larger)) << "an image of another size";
+}
+
 TEST(Journal, AStepCostsAtMost15Bytes) {
   JournalEncoder encoder;
   Bytes blob;
@@ -184,6 +216,89 @@ TEST_F(JournalStore, IsReadBackWhileRecordingAndAfterFolding) {
     for (const JournalStep& step : run->steps) ASSERT_EQ(step.step, next++);
   }
   EXPECT_EQ(next, 6010U);
+}
+
+// Commands belong to their steps, across commits, stored runs and folding.
+TEST_F(JournalStore, EachCommandStaysWithItsStep) {
+  std::vector<JournalStep> steps(7000);
+  std::vector<JournalCommand> commands;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    steps[i].step = steps[i].tick = 10 + i;
+    steps[i].commands = i % 1000 == 999 ? 2 : i % 7 == 3 ? 1 : 0;
+    for (std::uint32_t n = 0; n < steps[i].commands; ++n) {
+      JournalCommand& command = commands.emplace_back();
+      command.step = steps[i].step;
+      command.command.sequence = commands.size();
+    }
+  }
+  const std::span all(steps);
+  for (std::size_t from = 0; from < 1000; from += 50) {
+    ASSERT_TRUE(writer_->append_journal(all.subspan(from, 50), commands).ok());
+    ASSERT_TRUE(writer_->commit().ok());
+  }
+  // More than one stored run in one commit.
+  ASSERT_TRUE(writer_->append_journal(all.subspan(1000, 6000), commands).ok());
+  const auto check = [&] {
+    const SessionReader reader(*database_);
+    std::size_t step = 0, command = 0;
+    const auto extents = reader.journal(session_);
+    for (const JournalExtent& extent : *extents) {
+      const auto run = reader.journal_run(session_, extent.first_step);
+      ASSERT_TRUE(run.ok()) << run.error().message;
+      ASSERT_EQ(run->steps.size(), extent.steps);
+      std::size_t due = 0;
+      for (const JournalStep& one : run->steps) {
+        ASSERT_LT(step, steps.size());
+        ASSERT_EQ(one.step, steps[step++].step);
+        due += one.commands;
+      }
+      ASSERT_EQ(run->commands.size(), due) << "of the run from step " << extent.first_step;
+      for (const JournalCommand& one : run->commands) {
+        EXPECT_EQ(one.step, commands[command].step);
+        EXPECT_EQ(one.command.sequence, commands[command++].command.sequence);
+      }
+    }
+    EXPECT_EQ(step, steps.size());
+    EXPECT_EQ(command, commands.size());
+  };
+  ASSERT_TRUE(writer_->commit().ok());
+  check();
+  ASSERT_TRUE(writer_->end(CloseReason::finished, test::kStartUtc_ns).ok());
+  check();
+}
+
+TEST_F(JournalStore, ADamagedRunIsLeftAsItIsWhenTheOthersAreJoined) {
+  for (std::uint64_t from = 0; from < 400; from += 50) {
+    append(from, from + 50);
+    ASSERT_TRUE(writer_->commit().ok());
+  }
+  execute(database_->handle(), "UPDATE journal_chunks SET body = zeroblob(40) WHERE first_step = 200");
+  ASSERT_TRUE(writer_->end(CloseReason::finished, test::kStartUtc_ns).ok());
+  const SessionReader reader(*database_);
+  std::vector<std::uint64_t> whole;
+  const auto extents = reader.journal(session_);
+  for (const JournalExtent& extent : *extents) {
+    const auto run = reader.journal_run(session_, extent.first_step);
+    EXPECT_EQ(run.ok(), extent.first_step != 200) << extent.first_step;
+    if (run)
+      for (const JournalStep& one : run->steps) whole.push_back(one.step);
+  }
+  EXPECT_EQ(extents->size(), 3U);
+  EXPECT_EQ(whole.size(), 350U);
+}
+
+// Beyond a minute that waits, steps are left out. The image after them is kept, so that the rest can be run again.
+TEST_F(JournalStore, WhatFindsNoRoomIsAHole) {
+  append(0, kMaxPendingSamples);
+  image(0);
+  append(kMaxPendingSamples, kMaxPendingSamples + 100);
+  image(kMaxPendingSamples + 50);  // of a step that was left out
+  ASSERT_TRUE(writer_->commit().ok());
+  append(kMaxPendingSamples + 100, kMaxPendingSamples + 200);
+  image(kMaxPendingSamples + 150);
+  ASSERT_TRUE(writer_->commit().ok());
+  EXPECT_EQ(stored_images(), (std::vector<std::uint64_t>{0, kMaxPendingSamples + 150}));
+  EXPECT_FALSE(writer_->append_journal(std::vector<JournalStep>(1), {}).ok()) << "steps must rise";
 }
 
 TEST_F(JournalStore, KeepsTheFirstImageOneAMinuteAndTheFirstAfterAHole) {

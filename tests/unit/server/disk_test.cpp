@@ -19,8 +19,8 @@ class Disks : public ServerTest {
   void TearDown() override {
     ServerTest::TearDown();
     slow_.reset();
-    if (mounted_) {
-      EXPECT_EQ(std::system(("umount '" + folder_.path().string() + "'").c_str()), 0);
+    if (!mounted_.empty()) {
+      EXPECT_EQ(std::system(("umount '" + mounted_.string() + "'").c_str()), 0);
     }
   }
   void begin() {
@@ -31,7 +31,13 @@ class Disks : public ServerTest {
   }
   json recording() { return get("/api/v1/recording").json(); }
   std::optional<tests::SlowDisk> slow_;
-  bool mounted_ = false;
+  // A file system in memory at this folder; false when this user may not mount one.
+  bool mount(const std::filesystem::path& folder, const std::string& options) {
+    const bool done = std::system(("mount -t tmpfs -o " + options + " hoist-test '" + folder.string() + "' 2>/dev/null").c_str()) == 0;
+    if (done) mounted_ = folder;
+    return done;
+  }
+  std::filesystem::path mounted_;
 };
 
 // H25
@@ -56,11 +62,68 @@ TEST_F(Disks, ASyncOfHalfASecondDelaysNoAnswerAndCostsNoSample) {
   EXPECT_EQ(get("/api/v1/sessions/" + session.dump()).json()["gaps"], 0) << "samples wait in memory";
 }
 
+// H17, H25: while the recorder waits for a sync of two seconds, a hand on the stick and STOP reach the core as always.
+TEST_F(Disks, ASyncOfSecondsDelaysNeitherDrivingNorStop) {
+  using std::chrono::milliseconds;
+  constexpr milliseconds kSync(2000);
+  slow_.emplace(milliseconds(0));
+  begin();
+  Live driver(port_, bearer_);
+  ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
+  slow_->set(kSync);
+  const int syncs = slow_->syncs();
+  ASSERT_TRUE(until([&] { return slow_->syncs() > syncs; }));
+  auto longest_drive = Clock::duration::zero(), longest_stop = Clock::duration::zero();
+  std::uint64_t sequence = 0;
+  for (const auto end = Clock::now() + kSync + kSync / 2; Clock::now() < end;) {
+    const auto sent = Clock::now();
+    driver.send({{"type", "drive"}, {"sequence", ++sequence}, {"echo", 5}, {"speed", 0.5}, {"yaw", 0.0}, {"held", true}});
+    while (core_->drive().sequence != sequence && Clock::now() - sent < kSync) EXPECT_EQ(get("/api/v1/status").status, 200);
+    longest_drive = std::max(longest_drive, Clock::now() - sent);
+    // As often as the console sends while the stick is held.
+    while (Clock::now() - sent < milliseconds(40)) EXPECT_EQ(get("/api/v1/status").status, 200);
+    if (sequence % 10 != 0) continue;
+    const auto asked = Clock::now();
+    EXPECT_EQ(call("POST", "/api/v1/stop").status, 200);
+    longest_stop = std::max(longest_stop, Clock::now() - asked);
+    EXPECT_EQ(core_->mode(), contract::Mode::protective_stop);
+  }
+  const auto in_ms = [](Clock::duration time) { return std::chrono::duration<double, std::milli>(time).count(); };
+  std::printf("beside syncs of 2 s: hand to core %.1f ms, STOP %.1f ms at most\n", in_ms(longest_drive), in_ms(longest_stop));
+  EXPECT_GT(slow_->syncs(), syncs) << "the disk was slow all the time";
+  EXPECT_GE(sequence, 20U);
+  EXPECT_LT(longest_drive, kSync / 4);
+  EXPECT_LT(longest_stop, kSync / 4);
+  slow_->set(milliseconds(0));
+}
+
+TEST_F(Disks, AReadOnlyDiskIsToldAndRecordedIntoOnceItMayBeWritten) {
+  db_path_ = folder_ / "disk" / "hoist.db";
+  std::filesystem::create_directory(folder_ / "disk");
+  if (!mount(folder_ / "disk", "size=32m")) GTEST_SKIP() << "this user may not mount a file system";
+  start_server();
+  wait_for_core();
+  ASSERT_TRUE(until([&] { return get("/api/v1/health").json()["recordings"]["state"] == "sound"; }));
+  stop_server();
+  const auto remount = [&](const char* how) {
+    return std::system(("mount -o remount," + std::string(how) + " '" + (folder_ / "disk").string() + "'").c_str());
+  };
+  ASSERT_EQ(remount("ro"), 0);
+  start_server();
+  wait_for_core();
+  EXPECT_TRUE(until([&] { return recording()["state"] == "failed"; }));
+  EXPECT_EQ(recording()["reason_code"], "read_only") << recording();
+  EXPECT_EQ(get("/api/v1/status").json()["core"]["connected"], true) << "walking goes on";
+  EXPECT_NE(call("POST", "/api/v1/recording", {{"action", "start"}}).status, 200U);
+  ASSERT_EQ(remount("rw"), 0);
+  EXPECT_TRUE(until([&] { return recording()["state"] == "idle"; })) << recording();
+  ASSERT_TRUE(until([&] { return call("POST", "/api/v1/recording", {{"action", "start"}}).status == 200; }));
+  EXPECT_EQ(call("POST", "/api/v1/recording", {{"action", "stop"}}).status, 200);
+}
+
 TEST_F(Disks, AFullDiskIsToldAndRecordingGoesOnWhenThereIsRoomAgain) {
   core_.reset();
-  const std::string mount = "mount -t tmpfs -o size=6m hoist-test '" + folder_.path().string() + "' 2>/dev/null";
-  if (std::system(mount.c_str()) != 0) GTEST_SKIP() << "this user may not mount a file system";
-  mounted_ = true;
+  if (!mount(folder_.path(), "size=6m")) GTEST_SKIP() << "this user may not mount a file system";
   core_ = std::make_unique<FakeCore>((folder_ / "core.sock").string());
   begin();
   {

@@ -44,7 +44,7 @@ class ServerTest : public ::testing::Test {
     settings.socket_path = (folder_ / "core.sock").string();
     settings.port = 0;
     settings.web_dir = folder_ / "web";
-    settings.db_path = folder_ / "hoist.db";
+    settings.db_path = db_path_;
     settings.scenario = "figure-eight";
     settings.token_file = folder_ / "token";
     settings.hosts = {"hoist.local"};
@@ -139,6 +139,7 @@ class ServerTest : public ::testing::Test {
   std::string origin() const { return "http://127.0.0.1:" + std::to_string(port_); }
 
   TemporaryFolder folder_;
+  std::filesystem::path db_path_ = folder_ / "hoist.db";
   std::unique_ptr<FakeCore> core_;
   std::unique_ptr<server::App> app_;
   std::thread thread_;

@@ -224,6 +224,7 @@ TEST_F(Idle, ActionsAskForTheRoleThemselves_H28) {
   one(act_mark, viewer, std::optional<db::SessionId>{}, json("here"));
   one(act_record, viewer, RecordWish{.starts = true, .subject = {}, .note = {}});
   one(act_delete_session, viewer, db::SessionId{1});
+  one(act_set_retention, therapist, db::RetentionRule{}, std::string{});
   one(act_start_job, viewer, JobKind::integrity_check, JobArguments{});
   one(act_cancel_job, viewer, JobId{1});
   one(act_update_firmware, therapist, std::vector<std::uint8_t>{}, contract::Node::tilt_base, false);

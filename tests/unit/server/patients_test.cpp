@@ -27,7 +27,7 @@ class People : public ServerTest {
   // A walk long enough to be a session, and its end.
   std::int64_t walk() {
     mode(Mode::user);
-    EXPECT_TRUE(until([&] { return recording()["state"] == "recording"; }));
+    EXPECT_TRUE(until([&] { return recording()["state"] == "recording" && recording()["standby"] == false; }));
     const auto session = recording()["session"].get<std::int64_t>();
     mode(Mode::standby);
     EXPECT_TRUE(until([&] { return recording()["session"] != session; }));

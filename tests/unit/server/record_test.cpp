@@ -1,6 +1,9 @@
 // The recording as people get it: what the core published is what the export says, whatever happened in between.
+#include <sqlite3.h>
+
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <functional>
 #include <random>
@@ -14,6 +17,7 @@
 #include "db/metrics/metric_list.hpp"
 #include "db/store/database.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/store/visits.hpp"
 #include "db/summary/session_metrics.hpp"
 #include "server/record/recorder.hpp"
 #include "tests/support/crash_disk.hpp"
@@ -455,7 +459,7 @@ class TakeOver : public ::testing::Test {
     server::Recorder::Options options;
     options.file = folder_ / "hoist.db";
     options.version = "test";
-    options.utc_ns = [this] { return kUtc_ns + static_cast<std::int64_t>(record_.time_ns - kLife_ns); };
+    options.utc_ns = [this] { return kUtc_ns + clock_set_ns_ + static_cast<std::int64_t>(record_.time_ns - kLife_ns); };
     options.steady_ns = [this] { return record_.time_ns; };
     options.log = [](const std::string&) {};
     options.vfs = vfs_;
@@ -540,6 +544,7 @@ class TakeOver : public ::testing::Test {
   std::unique_ptr<publish::ServerLink> link_;
   std::unique_ptr<server::Recorder> recorder_;
   contract::TickRecord record_{};
+  std::int64_t clock_set_ns_ = 0;  // by which the wall clock was set
 };
 
 // H21
@@ -859,6 +864,122 @@ TEST_F(TakeOver, AFileFoundDamagedIsLeftAfterTheSessionUnderWay) {
   EXPECT_EQ(db::SessionReader(*db::Database::attach(status.notices[0].detail)).list()->total, 2U) << "nothing was lost of the old one";
   publish(300, Mode::user);
   EXPECT_EQ(recorder_->status().session, 1);
+}
+
+// Standby with a patient chosen, the walk and standby again: three sessions of one visit, each step in one of them, and only the walk counts.
+TEST_F(TakeOver, StandbyIsRecordedWhileAPatientIsChosen) {
+  live();
+  publish(300, Mode::standby);
+  EXPECT_EQ(recorder_->status().state, server::RecordingState::idle) << "nobody is chosen";
+  recorder_->set_subject("P-1");
+  publish(300, Mode::standby);
+  EXPECT_EQ(recorder_->status().session, 1);
+  EXPECT_TRUE(recorder_->status().standby);
+  event(contract::EventKind::fault_raised);  // of the newest step before the walk
+  EXPECT_EQ(job([](server::Records& records) { return records.end_manual(); }).error().kind, db::ErrorKind::wrong_state);
+  publish(200, Mode::user);
+  EXPECT_EQ(recorder_->status().session, 2);
+  EXPECT_FALSE(recorder_->status().standby);
+  publish(700, Mode::standby);
+  EXPECT_EQ(recorder_->status().session, 3) << "3 s after the walk";
+  recorder_->set_subject(std::nullopt);
+  publish(2, Mode::standby);
+  EXPECT_EQ(recorder_->status().state, server::RecordingState::idle);
+  EXPECT_EQ(sessions(), 1U) << "walks";
+  const Session before = session(1), walk = session(2), after = session(3);
+  for (const Session* one : {&before, &after}) {
+    EXPECT_TRUE(one->info.standby);
+    EXPECT_FALSE(one->info.exercise_json);
+  }
+  EXPECT_FALSE(walk.info.standby);
+  EXPECT_NEAR(static_cast<double>(walk.ticks.size()), 500, 2) << "200 in motion and 3 s of roll-out";
+  EXPECT_EQ(walk.ticks.front(), before.ticks.back() + 1);
+  EXPECT_EQ(after.ticks.front(), walk.ticks.back() + 1);
+  EXPECT_EQ(walk.frames.front(), before.frames.back() + 1) << "no frame twice, none missing";
+  EXPECT_EQ(after.frames.front(), walk.frames.back() + 1);
+  EXPECT_EQ(before.alarms, std::vector<std::uint64_t>{before.ticks.back()});
+  EXPECT_EQ(walk.events, 2U) << "its begin and its end";
+  for (const Session* one : {&before, &walk, &after}) {
+    EXPECT_EQ(one->gaps.size(), 0U);
+    EXPECT_EQ(one->info.subject, "P-1");
+    EXPECT_EQ(one->info.close_reason, "finished");
+  }
+}
+
+TEST_F(TakeOver, StandbySessionsAreBoundedAndOfOnePatientEach) {
+  live();
+  recorder_->set_subject("P-1");
+  publish(200, Mode::calibrate);
+  EXPECT_EQ(recorder_->status().state, server::RecordingState::idle) << "the harness is empty";
+  publish(200, Mode::standby);
+  EXPECT_EQ(recorder_->status().session, 1);
+  recorder_->set_subject("P-2");
+  publish(200, Mode::standby);
+  EXPECT_EQ(recorder_->status().session, 2);
+  record_.time_ns += static_cast<std::uint64_t>(server::kStandbySession_s * 1e9) - 1'000'000'000;
+  publish(200, Mode::standby);
+  EXPECT_EQ(recorder_->status().session, 3) << "joining its chunks must not keep the next walk waiting";
+  EXPECT_LE(session(2).info.duration_s, server::kStandbySession_s);
+  publish(100, Mode::calibrate);
+  EXPECT_EQ(recorder_->status().state, server::RecordingState::idle);
+  EXPECT_EQ(session(1).info.subject, "P-1");
+  EXPECT_EQ(session(2).info.subject, "P-2");
+  EXPECT_EQ(sessions(), 0U) << "nobody has walked";
+}
+
+TEST_F(TakeOver, ADamagedFileIsLeftAtOnceInStandby) {
+  live();
+  recorder_->set_subject("P-1");
+  publish(300, Mode::standby);
+  ASSERT_EQ(recorder_->status().session, 1);
+  recorder_->set_aside(db::Database::attach(folder_ / "hoist.db")->file_id(), "page 7 is damaged");
+  publish(300, Mode::standby);
+  ASSERT_EQ(recorder_->status().notices.size(), 1U);
+  EXPECT_EQ(recorder_->status().session, 1) << "of the new file";
+  EXPECT_TRUE(recorder_->status().standby);
+  auto old = db::Database::attach(recorder_->status().notices[0].detail);
+  EXPECT_EQ(db::SessionReader(*old).get(1)->close_reason, "finished");
+}
+
+// The wall clock may be set at any time: lengths and order come from the steady clock and from the numbers.
+TEST_F(TakeOver, AClockThatIsSetChangesNoLengthAndNoOrder) {
+  constexpr std::int64_t kDay_ns = 86'400'000'000'000;
+  live();
+  recorder_->set_subject("P-1");
+  publish(300, Mode::user);
+  clock_set_ns_ = 3'600'000'000'000;
+  publish(300, Mode::user);
+  clock_set_ns_ = -kDay_ns;
+  publish(300, Mode::user);
+  recorder_->set_subject(std::nullopt);
+  publish(400, Mode::standby);
+  publish(300, Mode::user);
+  publish(400, Mode::standby);
+  const Session first = session(1), second = session(2);
+  EXPECT_EQ(first.info.started_utc_ns, kUtc_ns + 110'000'000) << "as the clock said when it began";
+  EXPECT_NEAR(first.info.duration_s, 12.0, 0.02) << "9 s in motion and 3 s of roll-out";
+  EXPECT_EQ(first.gaps.size(), 0U);
+  EXPECT_LT(second.info.started_utc_ns, first.info.started_utc_ns) << "the day before, by the clock of that moment";
+  auto database = db::Database::attach(folder_ / "hoist.db");
+  const auto newest = db::SessionReader(*database).list({.limit = 1, .before = {}, .subject = {}});
+  ASSERT_EQ(newest->sessions.size(), 1U);
+  EXPECT_EQ(newest->sessions[0].id, 2) << "the one that was recorded last";
+  EXPECT_EQ(db::SessionReader(*database).list({.limit = 1, .before = newest->next, .subject = {}})->sessions.at(0).id, 1);
+  const auto visit = db::VisitReader(*database).visits()->items.at(0);
+  const auto started_s = static_cast<std::time_t>(first.info.started_utc_ns / 1'000'000'000);
+  char day[11];
+  std::strftime(day, sizeof day, "%F", std::localtime(&started_s));
+  EXPECT_EQ(visit.visit.day, day) << "the day on which it began";
+  EXPECT_EQ(visit.sessions, (std::vector<db::SessionId>{1}));
+  // Each jump is in the record, at its moment of the steady clock.
+  std::vector<std::int64_t> jumps_s;
+  sqlite3_stmt* row = nullptr;
+  sqlite3_prepare_v2(database->handle(), "SELECT utc_ns - time_ns FROM utc_anchors WHERE session_id = 1 ORDER BY time_ns", -1, &row,
+                     nullptr);
+  const std::int64_t offset_ns = kUtc_ns - static_cast<std::int64_t>(kLife_ns);
+  while (sqlite3_step(row) == SQLITE_ROW) jumps_s.push_back((sqlite3_column_int64(row, 0) - offset_ns) / 1'000'000'000);
+  sqlite3_finalize(row);
+  EXPECT_EQ(jumps_s, (std::vector<std::int64_t>{3600, -86400}));
 }
 
 TEST_F(TakeOver, AJobThatWaitedTooLongIsToldSo) {

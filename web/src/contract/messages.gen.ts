@@ -229,6 +229,8 @@ export interface RecordingMessage {
   type: 'recording';
   state: "idle" | "recording" | "failed";
   session: number | null;
+  /** True: no walk, but the time in standby with a patient chosen. */
+  standby: boolean;
   started_utc_ms: number | null;
   samples: number;
   /** Newest step that is safe on disk. */

@@ -484,11 +484,11 @@ export type Job = {
   /** The same for programs. */
   reason_code: ReasonCode | null;
   /** Not in lists; null until it is done. */
-  result?: IntegrityResult | MetricsResult | BackupResult | RestoreResult | BackupsResult | ExportResult | null;
+  result?: IntegrityResult | MetricsResult | BackupResult | RestoreResult | BackupsResult | ExportResult | RetentionResult | null;
   state: 'waiting' | 'running' | 'done' | 'failed' | 'cancelled';
 };
 
-export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'export_sessions' | 'list_backups';
+export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'export_sessions' | 'list_backups' | 'preview_retention' | 'retention';
 
 export type JobList = {
   items: readonly Job[];
@@ -530,6 +530,11 @@ export type JobRequest = {
   visit?: number;
 } | {
   kind: 'list_backups';
+} | {
+  kind: 'preview_retention';
+  rule: RetentionRule;
+} | {
+  kind: 'retention';
 };
 
 /** The body may be left out.. */
@@ -928,6 +933,8 @@ export type Recording = {
   reason_code: ReasonCode | null;
   samples: number;
   session: number | null;
+  /** true: no walk, but the time in standby with a patient chosen. */
+  standby: boolean;
   started_utc_ms: number | null;
   state: 'idle' | 'recording' | 'failed';
 };
@@ -956,6 +963,44 @@ export type RestoreResult = {
   kind: 'restore';
   /** Where the file is that was in use before. */
   set_aside: string;
+};
+
+export type Retention = {
+  days: number | null;
+  disk_percent: number | null;
+  etag: EditTag;
+  needs_backup: boolean;
+};
+
+export type RetentionResult = {
+  /** That these take. */
+  bytes: number;
+  /** Size of their disk. */
+  disk_bytes: number;
+  /** By which they still exceed their share afterwards; the rest is protected. */
+  excess_bytes: number;
+  /** Earliest start of them. */
+  from_utc_ms: number | null;
+  kind: 'preview_retention' | 'retention';
+  rule: RetentionRule;
+  /** That would be deleted, or were. */
+  sessions: number;
+  /** Latest start of them. */
+  to_utc_ms: number | null;
+  /** What the recordings took before. */
+  used_bytes: number;
+  /** Further sessions, which are kept because no checked backup holds them. */
+  without_backup: number;
+};
+
+/** Off while both numbers are null. */
+export type RetentionRule = {
+  /** A session is deleted when it is older. */
+  days: number | null;
+  /** The oldest sessions are deleted while the recordings take more of their disk. */
+  disk_percent: number | null;
+  /** true: only sessions that a checked backup holds are deleted. */
+  needs_backup: boolean;
 };
 
 export type RoleName = 'viewer' | 'therapist' | 'engineer';
@@ -990,6 +1035,8 @@ export type Session = {
   simulated: boolean;
   /** Of the program that recorded: version and commit. */
   software_version: string;
+  /** true: recorded in standby with a patient chosen; no walk. */
+  standby: boolean;
   started_utc_ms: number;
   stored_bytes: number;
   subject: string | null;
@@ -1183,8 +1230,10 @@ export type VisitRow = {
   id: number;
   note: string;
   patient: number;
-  /** In the order of recording. */
+  /** The walks, in the order of recording. */
   sessions: readonly number[];
+  /** What was recorded in standby before and after them. */
+  standby: readonly number[];
 };
 
 export type Walk = {
@@ -1414,7 +1463,7 @@ export interface Routes {
   'GET /api/v1/patient': {
     answer: ChosenPatient;
   };
-  /** Chooses whom the next motion is recorded for, for all screens; forgotten after half an hour without motion. */
+  /** Chooses whom standby and motion are recorded for, for all screens; forgotten after half an hour without motion. */
   'PUT /api/v1/patient': {
     body: ChoosePatient;
     answer: ChosenPatient;
@@ -1530,6 +1579,15 @@ export interface Routes {
     body: RecordingRequest;
     answer: Recording;
   };
+  /** How long sessions are kept. */
+  'GET /api/v1/retention': {
+    answer: Retention;
+  };
+  /** Sets how long sessions are kept; the job preview_retention tells what a rule would delete. */
+  'PUT /api/v1/retention': {
+    body: RetentionRule;
+    answer: Retention;
+  };
   /** Signs out; what this client drives stops. STOP stays possible. */
   'DELETE /api/v1/session': {
     answer: Done;
@@ -1555,7 +1613,7 @@ export interface Routes {
   };
   /** Recorded sessions, newest first. */
   'GET /api/v1/sessions': {
-    query?: { limit?: number; cursor?: string; q?: string };
+    query?: { limit?: number; cursor?: string; q?: string; standby?: number };
     answer: SessionList;
   };
   /** Deletes a session with everything in it. */

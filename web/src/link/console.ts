@@ -140,8 +140,8 @@ function takeText(message: Told): void {
       led = message.mine;
       break;
     case 'recording': {
-      const { state, session, started_utc_ms, samples, reason_code } = message;
-      writable.set({ recording: { state, session, started_utc_ms, samples, reason: reason_code } });
+      const { state, session, standby, started_utc_ms, samples, reason_code } = message;
+      writable.set({ recording: { state, session, standby, started_utc_ms, samples, reason: reason_code } });
       break;
     }
     case 'patient':

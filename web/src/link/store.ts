@@ -6,7 +6,7 @@ import { usualExercise } from '../contract/exercises.gen';
 import type { Exercise, GuidedPath, ReasonCode, RecordingsHealth, StandingNotice } from '../contract/rest.gen';
 import type { LinkState } from './socket';
 
-export type Recording = Pick<RecordingMessage, 'state' | 'session' | 'started_utc_ms' | 'samples'> & {
+export type Recording = Pick<RecordingMessage, 'state' | 'session' | 'standby' | 'started_utc_ms' | 'samples'> & {
   /** Reason of the failure: a row of the table of reasons. */
   reason: ReasonCode | null;
 };
@@ -142,7 +142,7 @@ export const initial: State = {
   parameterVersion: 0,
   lease: { epoch: 0, holder: 0, mine: false, actor: null, asking: [] },
   leaseTaken: false,
-  recording: { state: 'idle', session: null, started_utc_ms: null, samples: 0, reason: null },
+  recording: { state: 'idle', session: null, standby: false, started_utc_ms: null, samples: 0, reason: null },
   patient: null,
   mode: 'init',
   faultBits: 0,

@@ -131,11 +131,11 @@ function LinkQuality() {
 }
 
 function RecordingMark() {
-  const { state, samples } = useStore((s) => s.recording);
+  const { state, samples, standby } = useStore((s) => s.recording);
   const known = useStore((s) => s.link === 'open');
   if (known && state === 'recording')
     return (
-      <Item label={t('bar.recording')} value={duration(samples / sampleRate_hz)}>
+      <Item label={t('bar.recording')} value={standby ? t('bar.standby') : duration(samples / sampleRate_hz)}>
         <span class="dot on" aria-hidden="true" />
       </Item>
     );

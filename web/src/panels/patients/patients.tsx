@@ -222,6 +222,16 @@ function Visits({ id, code, again }: { id: number; code: string; again: string }
               <SessionRow key={session} id={session} session={known.get(session) ?? null} />
             ))}
           </ul>
+          {visit.standby.length === 0 ? null : (
+            <p class="hint">
+              {t('patient.standby')}{' '}
+              {visit.standby.map((session) => (
+                <a key={session} href={addressOf('sessions', session)}>
+                  {t('sessions.one', { n: session })}{' '}
+                </a>
+              ))}
+            </p>
+          )}
         </div>
       ))}
     </section>

@@ -18,7 +18,7 @@ export const size = (bytes: number): string => (bytes >= giga ? `${plain(bytes /
 const listOf = (job: Job | null): BackupsResult | null => (job?.result?.kind === 'list_backups' ? job.result : null);
 
 export function BackupSection() {
-  const recording = useStore((s) => s.recording.state === 'recording');
+  const recording = useStore((s) => s.recording.state === 'recording' && !s.recording.standby);
   const [folder, setFolder] = useState<string | null>(null);
   const [names, setNames] = useState(false);
   const [known, setKnown] = useState<BackupsResult | null>(null);

@@ -4,6 +4,7 @@ import type { TextKey } from '../../text/en';
 import { AuditSection } from './audit';
 import { BackupSection } from './backup';
 import { MeSection } from './me';
+import { RetentionSection } from './retention';
 import { may, type Role } from './roles';
 import { TokensSection } from './tokens';
 import { ToolsSection } from './tools';
@@ -22,6 +23,7 @@ export const sections: readonly Section[] = [
   { id: 'users', title: 'settings.users', role: 'engineer', view: UsersSection },
   { id: 'tokens', title: 'settings.tokens', role: 'therapist', view: TokensSection },
   { id: 'backup', title: 'settings.backup', role: 'engineer', view: BackupSection },
+  { id: 'retention', title: 'settings.retention', role: 'engineer', view: RetentionSection },
   { id: 'tools', title: 'settings.tools', role: 'viewer', view: ToolsSection },
   { id: 'audit', title: 'settings.audit', role: 'engineer', view: AuditSection },
 ];
