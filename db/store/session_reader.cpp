@@ -54,6 +54,7 @@ SessionInfo info_of(const Statement& row) {
   info.gap_count = row.unsigned_at(15);
   info.stored_bytes = row.unsigned_at(16);
   info.core_version = row.optional_text_at(17);
+  info.tag = session_tag(info.note, info.subject, info.exercise_json);
   return info;
 }
 
