@@ -121,6 +121,7 @@ struct App::Parts {
                  std::cout << "Set-up code: " << code << " (10 minutes; the configuration switch is on)" << std::endl;
                }),
         state(settings, core, recorder),
+        history(core, records, actors, &utc_ns),
         tools(settings.db_path.string() + ".tools", settings.tools),
         timer(io),
         goodbye(io) {}
@@ -169,6 +170,7 @@ struct App::Parts {
   void poll() {
     const std::uint64_t now = steady_ns();
     core.poll(now);
+    history.poll(now);
     if (const std::string_view problem = core.problem(); problem != told_problem) {
       told_problem = problem;
       std::cerr << "hoist-server: " << (problem.empty() ? "the control core is connected" : problem) << std::endl;
@@ -248,6 +250,15 @@ struct App::Parts {
     return true;
   }
 
+  // Name and language of this hoist, for those who are not signed in yet. A file that cannot be read now leaves both empty.
+  void read_device() {
+    const auto work = [](Records& on) {
+      auto read = on.database() == nullptr ? db::Result<db::DeviceSettings>(db::Error{}) : db::device_settings(*on.database());
+      return read ? std::move(*read) : db::DeviceSettings{};
+    };
+    (void)records.ask<db::DeviceSettings>(work, [this](db::DeviceSettings device) { state.set_device(std::move(device)); });
+  }
+
   OpenSocket open_tool(ToolHub::Protocol protocol) {
     return [this, protocol](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
       tool_hub.open(protocol, std::move(stream), std::move(seat), std::move(session));
@@ -282,6 +293,7 @@ struct App::Parts {
   SignInGuard guard;
   SetUp set_up;
   HoistState state;
+  ParameterHistory history;
   ToolSwitch tools;
   Hub hub;
   ToolHub tool_hub;
@@ -358,6 +370,7 @@ bool App::start(std::string& error) {
       .core = p.core,
       .firmware = p.firmware,
       .state = p.state,
+      .history = p.history,
       .tools = p.tools,
       .recorder = p.recorder,
       .records = p.records,
@@ -374,12 +387,14 @@ bool App::start(std::string& error) {
             p.hub.close_sockets(of, reason);
             p.tool_hub.close_sockets(of, reason);
           },
+      .computer_name = host_name(),
       .started_utc_ns = utc_ns(),
       .started_ns = steady_ns()});
   if (p.keeper) p.auth->set_hosts(p.hosts_of(p.keeper->ca().signed_names()));
   p.hub.set_services(*p.services, *p.auth);
   p.core.add_listener(p.state);
   p.core.add_listener(p.hub);
+  p.core.add_listener(p.history);
   p.tool_hub.set_services(*p.services, *p.auth);
   p.core.add_listener(p.tool_hub);
   p.rest.reset(
@@ -408,6 +423,7 @@ bool App::start(std::string& error) {
   p.people.start();
   p.recorder.start();
   if (p.keeper) p.keeper->start();
+  p.read_device();
   return true;
 }
 
