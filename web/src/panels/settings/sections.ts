@@ -3,6 +3,7 @@ import type { ComponentType } from 'preact';
 import type { TextKey } from '../../text/en';
 import { AuditSection } from './audit';
 import { BackupSection } from './backup';
+import { DeviceSection } from './device';
 import { MeSection } from './me';
 import { may, type Role } from './roles';
 import { TokensSection } from './tokens';
@@ -22,6 +23,7 @@ export const sections: readonly Section[] = [
   { id: 'users', title: 'settings.users', role: 'engineer', view: UsersSection },
   { id: 'tokens', title: 'settings.tokens', role: 'therapist', view: TokensSection },
   { id: 'backup', title: 'settings.backup', role: 'engineer', view: BackupSection },
+  { id: 'device', title: 'settings.device', role: 'viewer', view: DeviceSection },
   { id: 'tools', title: 'settings.tools', role: 'viewer', view: ToolsSection },
   { id: 'audit', title: 'settings.audit', role: 'engineer', view: AuditSection },
 ];
