@@ -128,6 +128,7 @@ struct App::Parts {
                  std::cout << "Set-up code: " << code << " (10 minutes; the configuration switch is on)" << std::endl;
                }),
         state(settings, core, recorder),
+        history(core, records, actors, &utc_ns),
         tools(settings.db_path.string() + ".tools", settings.tools),
         timer(io),
         goodbye(io) {}
@@ -204,6 +205,7 @@ struct App::Parts {
   void poll() {
     const std::uint64_t now = steady_ns();
     core.poll(now);
+    history.poll(now);
     if (const std::string_view problem = core.problem(); problem != told_problem) {
       told_problem = problem;
       std::cerr << "hoist-server: " << (problem.empty() ? "the control core is connected" : problem) << std::endl;
@@ -284,6 +286,15 @@ struct App::Parts {
     return true;
   }
 
+  // Name and language of this hoist, for those who are not signed in yet. A file that cannot be read now leaves both empty.
+  void read_device() {
+    const auto work = [](Records& on) {
+      auto read = on.database() == nullptr ? db::Result<db::DeviceSettings>(db::Error{}) : db::device_settings(*on.database());
+      return read ? std::move(*read) : db::DeviceSettings{};
+    };
+    (void)records.ask<db::DeviceSettings>(work, [this](db::DeviceSettings device) { state.set_device(std::move(device)); });
+  }
+
   OpenSocket open_tool(ToolHub::Protocol protocol) {
     return [this, protocol](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
       tool_hub.open(protocol, std::move(stream), std::move(seat), std::move(session));
@@ -318,6 +329,7 @@ struct App::Parts {
   SignInGuard guard;
   SetUp set_up;
   HoistState state;
+  ParameterHistory history;
   ToolSwitch tools;
   Hub hub;
   ToolHub tool_hub;
@@ -395,6 +407,7 @@ bool App::start(std::string& error) {
       .core = p.core,
       .firmware = p.firmware,
       .state = p.state,
+      .history = p.history,
       .tools = p.tools,
       .recorder = p.recorder,
       .records = p.records,
@@ -411,12 +424,14 @@ bool App::start(std::string& error) {
             p.hub.close_sockets(of, reason);
             p.tool_hub.close_sockets(of, reason);
           },
+      .computer_name = host_name(),
       .started_utc_ns = utc_ns(),
       .started_ns = steady_ns()});
   if (p.keeper) p.auth->set_hosts(p.hosts_of(p.keeper->ca().signed_names()));
   p.hub.set_services(*p.services, *p.auth);
   p.core.add_listener(p.state);
   p.core.add_listener(p.hub);
+  p.core.add_listener(p.history);
   p.tool_hub.set_services(*p.services, *p.auth);
   p.core.add_listener(p.tool_hub);
   p.rest.reset(
@@ -445,6 +460,7 @@ bool App::start(std::string& error) {
   p.people.start();
   p.recorder.start();
   if (p.keeper) p.keeper->start();
+  p.read_device();
   return true;
 }
 

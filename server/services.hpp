@@ -16,6 +16,7 @@
 #include "server/record/recorder_desk.hpp"
 #include "server/settings.hpp"
 #include "server/state/hoist_state.hpp"
+#include "server/state/parameter_history.hpp"
 #include "server/state/tool_switch.hpp"
 
 namespace hoist::server {
@@ -28,6 +29,7 @@ struct Services {
   CoreDesk& core;
   FirmwareDesk& firmware;
   HoistState& state;
+  ParameterHistory& history;              // every change of a parameter
   ToolSwitch& tools;                      // whether /foxglove and /rosbridge are open
   Recorder& recorder;                     // its state
   RecorderDesk& records;                  // work for its thread
@@ -41,6 +43,7 @@ struct Services {
   SetUp& set_up;                          // the switch and the code of the first set-up
   // Closes the WebSockets of these sessions; the reason is for people.
   std::function<void(const std::function<bool(const Session&)>&, std::string_view)> close_sockets;
+  std::string computer_name = {};  // as the operating system calls it
   std::int64_t started_utc_ns = 0;
   std::uint64_t started_ns = 0;
   std::size_t live_clients = 0;  // open WebSockets

@@ -1,8 +1,22 @@
 #include "server/settings.hpp"
 
+#include <time.h>
+
+#include <cerrno>
 #include <charconv>
+#include <cstring>
 
 namespace hoist::server {
+
+namespace {
+std::string set_system_clock(std::int64_t utc_ns) {
+  timespec now{};
+  now.tv_sec = utc_ns / 1'000'000'000;
+  now.tv_nsec = utc_ns % 1'000'000'000;
+  if (::clock_settime(CLOCK_REALTIME, &now) == 0) return {};
+  return std::string("The operating system does not let this program set the clock: ") + std::strerror(errno) + ".";
+}
+}  // namespace
 
 std::string usage() {
   return "hoist-server: console, REST and WebSocket for one hoist\n"
@@ -22,6 +36,7 @@ std::string usage() {
          "  --subnet NET       with --tls-dir: may also be called by its addresses in NET, e.g. 192.168.7.0/24; may be repeated\n"
          "  --http-port N      with --tls-dir: plain HTTP with the page that explains how to trust the authority, and nothing else\n"
          "  --tools on         Foxglove and rosbridge may connect in this run (else as an engineer has set it)\n"
+         "  --set-clock on     engineers may set this computer's clock; without it the operating system keeps the time\n"
          "  --version          which source this program was built from\n"
          "  --help             this text\n";
 }
@@ -40,7 +55,7 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     const bool known = option == "--socket" || option == "--db" || option == "--web" || option == "--port" || option == "--bind" ||
                        option == "--host" || option == "--scenario" || option == "--token-file" || option == "--tls-cert" ||
                        option == "--tls-key" || option == "--tls-dir" || option == "--subnet" || option == "--http-port" ||
-                       option == "--backup-root" || option == "--tools";
+                       option == "--backup-root" || option == "--tools" || option == "--set-clock";
     if (!known) {
       error = "unknown option " + option + "; see --help";
       return false;
@@ -60,12 +75,13 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     if (option == "--token-file") settings.token_file = value;
     if (option == "--tls-cert") settings.tls_cert = value;
     if (option == "--tls-key") settings.tls_key = value;
-    if (option == "--tools") {
+    if (option == "--tools" || option == "--set-clock") {
       if (value != "on") {
-        error = "--tools takes only: on";
+        error = option + " takes only: on";
         return false;
       }
-      settings.tools = true;
+      if (option == "--tools") settings.tools = true;
+      if (option == "--set-clock") settings.set_clock = &set_system_clock;
     }
     if (option == "--tls-dir") settings.tls_dir = value;
     if (option == "--subnet") settings.subnets.push_back(value);

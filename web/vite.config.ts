@@ -1,3 +1,4 @@
+import { build } from 'vite';
 import { defineConfig } from 'vitest/config';
 
 // Columns of the tables that no screen shows: more than a kilobyte of the page.
@@ -15,11 +16,27 @@ const withoutUnshown = {
   },
 };
 
+const pieces = { target: 'es2022', assetsInlineLimit: 0, modulePreload: { polyfill: false }, chunkSizeWarningLimit: 200 };
+
+// The page of the API's routes is a build of its own: with a second entry the console's first load would fall into more files.
+let folder = 'dist';
+const docsPage = {
+  name: 'docs-page',
+  apply: 'build' as const,
+  configResolved(config: { build: { outDir: string } }) {
+    folder = config.build.outDir;
+  },
+  async closeBundle() {
+    const own = { ...pieces, outDir: folder, emptyOutDir: false, copyPublicDir: false, rolldownOptions: { input: 'docs.html' } };
+    await build({ configFile: false, logLevel: 'silent', build: own });
+  },
+};
+
 // The server sends `Content-Security-Policy: default-src 'self'`: nothing may be inlined, neither scripts nor data: images.
 export default defineConfig({
-  plugins: [withoutUnshown],
+  plugins: [withoutUnshown, docsPage],
   oxc: { jsx: { runtime: 'automatic', importSource: 'preact' } },
-  build: { target: 'es2022', assetsInlineLimit: 0, modulePreload: { polyfill: false }, chunkSizeWarningLimit: 200 },
+  build: pieces,
   server: { host: '127.0.0.1', proxy: { '/api': 'http://127.0.0.1:8080', '/ws': { target: 'ws://127.0.0.1:8080', ws: true } } },
   // A busy machine is no failure.
   test: { include: ['test/**/*.test.ts'], setupFiles: ['test/setup.ts'], environment: 'node', testTimeout: 60_000 },

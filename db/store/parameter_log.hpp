@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "db/store/change_reasons.hpp"
 #include "db/store/database.hpp"
 #include "db/store/result.hpp"
 #include "db/store/session_types.hpp"
@@ -21,14 +22,16 @@ struct ParameterChange {
   std::uint32_t parameter = 0;  ///< id in params.def
   std::string name;
   double value = 0, before = 0;
-  std::string reason;                      ///< why, in one word: set, preset, profile …
+  std::string reason;                      ///< kFirstSeen or one of kChangeReasons
   std::optional<std::string> source = {};  ///< name of the preset or profile
   std::optional<Actor> actor = {};         ///< absent: the core by itself, or not known
+  std::optional<SessionId> session = {};   ///< that was being recorded then; found when it is read
 };
 struct ChangeQuery {
   std::size_t limit = 50;  ///< 1 to kMaxPage
   std::optional<std::int64_t> before = {};
   std::optional<std::string> name = {}, reason = {}, user = {};
+  std::optional<std::int64_t> patient = {};                      ///< only during sessions of this patient
   std::optional<std::int64_t> from_utc_ns = {}, to_utc_ns = {};  ///< from <= t < to
 };
 struct ParameterDifference {
@@ -42,7 +45,10 @@ class ParameterLog {
   explicit ParameterLog(Database& database) : database_(&database) {}
   /// All or nothing.
   Status append(std::span<const ParameterChange> changes);
-  /// Newest first.
+  /// The first row of each parameter that has none, and a row `not_seen` for each whose newest value is another: `now` holds what is in force
+  /// (parameter, name, value, times). All or nothing.
+  Status catch_up(std::span<const ParameterChange> now);
+  /// Newest first, without the first rows.
   Result<VisitPage<ParameterChange>> list(const ChangeQuery& query) const;
   /// The newest value of each parameter, by its id.
   Result<std::map<std::uint32_t, double>> latest() const;

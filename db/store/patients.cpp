@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "db/store/identity_key.hpp"
+#include "db/store/overwriting.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/sqlite.hpp"
 
@@ -47,21 +48,6 @@ Result<PatientInfo> changed(sqlite3* handle, std::int64_t patient, const std::st
     return after;
   });
 }
-
-// What was overwritten or deleted leaves file and log (DECISIONS 9).
-class Overwriting {
- public:
-  explicit Overwriting(sqlite3* handle) : handle_(handle) { try_execute(handle_, "PRAGMA secure_delete = ON"); }
-  ~Overwriting() {
-    try_execute(handle_, "PRAGMA secure_delete = OFF");
-    try_execute(handle_, "PRAGMA wal_checkpoint(TRUNCATE)");
-  }
-  Overwriting(const Overwriting&) = delete;
-  Overwriting& operator=(const Overwriting&) = delete;
-
- private:
-  sqlite3* handle_;
-};
 
 bool is_digits(std::string_view text) {
   return std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });

@@ -11,5 +11,8 @@ namespace hoist::db {
 
 Status check_subject(const std::optional<std::string>& subject);
 Status check_note(std::string_view note);
+Status check_marker(std::string_view text);
+/// Whole UTF-8 in one line, without control characters, at most so many bytes.
+bool is_plain_line(std::string_view text, std::size_t most_bytes);
 
 }  // namespace hoist::db

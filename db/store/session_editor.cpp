@@ -5,6 +5,7 @@
 
 #include "db/codec/exercise_json.hpp"
 #include "db/store/deletion.hpp"
+#include "db/store/edit_tag.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
@@ -32,7 +33,7 @@ bool plain_text(std::string_view text) {
 
 Status check_subject(const std::optional<std::string>& subject) {
   if (!subject) return {};
-  if (subject->empty() || subject->size() > kMaxSubject_bytes || !plain_text(*subject) || subject->find('\n') != std::string::npos)
+  if (subject->empty() || !is_plain_line(*subject, kMaxSubject_bytes))
     return Error{ErrorKind::bad_value, "subject must be a code of 1 to 64 bytes in one line", "subject"};
   return {};
 }
@@ -43,7 +44,23 @@ Status check_note(std::string_view note) {
   return {};
 }
 
-Status SessionEditor::patch(SessionId session, const SessionPatch& change) {
+Status check_marker(std::string_view text) {
+  if (text.size() > kMaxMarker_bytes || !plain_text(text))
+    return Error{ErrorKind::bad_value, "text must be plain text of at most 500 bytes", "text"};
+  return {};
+}
+
+bool is_plain_line(std::string_view text, std::size_t most_bytes) {
+  return text.size() <= most_bytes && plain_text(text) && text.find('\n') == std::string_view::npos;
+}
+
+std::string session_tag(const std::string& note, const std::optional<std::string>& subject,
+                        const std::optional<std::string>& exercise_json) {
+  // Absent is another than empty.
+  return edit_tag({note, subject ? "1" + *subject : "", exercise_json ? "1" + *exercise_json : ""});
+}
+
+Status SessionEditor::patch(SessionId session, const SessionPatch& change, const std::string& expected) {
   if (change.note)
     if (Status checked = check_note(*change.note); !checked) return checked;
   if (change.subject)
@@ -55,9 +72,13 @@ Status SessionEditor::patch(SessionId session, const SessionPatch& change) {
     Transaction transaction(handle, Transaction::Kind::write);
     std::int64_t started_utc_ns = 0;
     {
-      Statement row(handle, "SELECT started_utc_ns FROM sessions WHERE id = ?1");
+      Statement row(handle,
+                    "SELECT started_utc_ns, note, code, exercise FROM sessions LEFT JOIN visits ON visits.id = visit_id "
+                    "LEFT JOIN patients ON patients.id = patient_id WHERE sessions.id = ?1");
       if (!row.integer(1, session).step()) return Error{ErrorKind::not_found, "there is no session " + std::to_string(session), {}};
       started_utc_ns = row.integer_at(0);
+      const std::string tag = session_tag(row.text_at(1), row.optional_text_at(2), row.optional_text_at(3));
+      if (const Status same = check_tag(expected, tag); !same) return same;
     }
     if (change.note) {
       Statement update(handle, "UPDATE sessions SET note = ?2 WHERE id = ?1");

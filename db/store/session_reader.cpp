@@ -55,6 +55,7 @@ SessionInfo info_of(const Statement& row) {
   info.stored_bytes = row.unsigned_at(16);
   info.core_version = row.optional_text_at(17);
   info.standby = row.integer_at(18) != 0;
+  info.tag = session_tag(info.note, info.subject, info.exercise_json);
   return info;
 }
 

@@ -72,6 +72,10 @@ class SessionReader {
   Database* database_;
 };
 
+/// Of what people may change of a session (edit_tag.hpp).
+std::string session_tag(const std::string& note, const std::optional<std::string>& subject,
+                        const std::optional<std::string>& exercise_json);
+
 struct SessionPatch {
   std::optional<std::string> note;
   std::optional<std::optional<std::string>> subject;        ///< inner absent = take the code away
@@ -82,8 +86,9 @@ struct SessionPatch {
 class SessionEditor {
  public:
   explicit SessionEditor(Database& database) : database_(&database) {}
-  /// All or nothing. Errors: not_found, bad_value (field note, subject, exercise), busy, disk_full.
-  Status patch(SessionId session, const SessionPatch& change);
+  /// All or nothing. `expected`: the tag of what the change was made for, empty = whatever there is. Errors: not_found, changed, bad_value
+  /// (field note, subject, exercise), busy, disk_full.
+  Status patch(SessionId session, const SessionPatch& change, const std::string& expected = {});
   /// Deletes a session with everything in it and overwrites its pages. wrong_state while it is being recorded.
   Status remove(SessionId session);
 

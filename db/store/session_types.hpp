@@ -76,6 +76,7 @@ struct SessionInfo {
   std::uint64_t gap_count = 0;
   double duration_s = 0;           ///< from the first to the last sample
   std::uint64_t stored_bytes = 0;  ///< chunk blobs of samples and bus frames
+  std::string tag;                 ///< of what people may change (edit_tag.hpp)
 };
 
 /// A session whose recorder went away while the hoist was moving: where the next one goes on.

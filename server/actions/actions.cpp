@@ -73,8 +73,23 @@ Outcome invalid(std::vector<FieldError> errors, std::string detail, std::optiona
   return outcome;
 }
 
+// How the history of parameters tells what a command changes; those that set values tell it themselves.
+ChangeOrigin origin_of(CommandKind kind) {
+  switch (kind) {
+    case CommandKind::revert_parameters:
+      return {"undo"};
+    case CommandKind::set_neutral:
+      return {"neutral"};
+    case CommandKind::use_calibration:
+      return {"calibration"};
+    default:
+      return {};
+  }
+}
+
 void ask(Services& services, const Command& command, OutcomeDone done) {
-  services.core.ask(command, [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); });
+  const auto id = services.core.ask(command, [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); });
+  services.history.expect(id, origin_of(command.kind));
 }
 
 FieldError range_error(const contract::ParamInfo& p, std::string message, std::optional<double> value) {
@@ -97,12 +112,11 @@ bool may(Services& services, const Asker& asker, contract::Role least, const Out
   return false;
 }
 
-void set_values(Services& services, const Asker& asker, std::vector<std::pair<std::uint32_t, double>> rows, double revert_after_s,
-                std::uint32_t version, OutcomeDone done) {
+void set_values(Services& services, const Asker& asker, ValueSet set, OutcomeDone done) {
   Command commit = command_of(CommandKind::commit_parameters, asker);
-  commit.v0 = revert_after_s;
+  commit.v0 = set.revert_after_s;
   commit.b = static_cast<std::uint32_t>(asker.role);
-  services.core.ask_parameters(rows, version, commit, [done = std::move(done), rows](const CoreAnswer& answer) {
+  const auto answered = [done = std::move(done), rows = set.rows](const CoreAnswer& answer) {
     Outcome outcome = outcome_of(answer);
     if (answer.kind == CoreAnswer::Kind::refused) {
       // Name the row. A set that contradicts itself has no single row: the sentence tells.
@@ -114,7 +128,8 @@ void set_values(Services& services, const Asker& asker, std::vector<std::pair<st
       }
     }
     done(outcome);
-  });
+  };
+  services.history.expect(services.core.ask_parameters(set.rows, set.version, commit, answered), std::move(set.origin));
 }
 
 Reason reason_of(const Outcome& outcome) {
@@ -580,7 +595,12 @@ void act_set(Services& services, const Asker& asker, const NumbersByName& values
     done(outcome);
     return;
   }
-  set_values(services, asker, std::move(rows), revert_after_s.value_or(0), version, std::move(done));
+  set_values(services, asker,
+             {.rows = std::move(rows),
+              .version = version,
+              .origin = {revert_after_s ? "trial" : "set"},
+              .revert_after_s = revert_after_s.value_or(0)},
+             std::move(done));
 }
 
 void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
@@ -604,7 +624,7 @@ void act_preset(Services& services, const Asker& asker, const std::string& name,
     done(outcome);
     return;
   }
-  set_values(services, asker, std::move(rows), 0, version, std::move(done));
+  set_values(services, asker, {.rows = std::move(rows), .version = version, .origin = {"preset", name}}, std::move(done));
 }
 
 namespace {

@@ -12,8 +12,13 @@ namespace hoist::server {
 // The one place that enforces roles, for every protocol. False: `done` has been told.
 [[nodiscard]] bool may(Services& services, const Asker& asker, contract::Role least, const OutcomeDone& done);
 // All or nothing, by ids of parameters.
-void set_values(Services& services, const Asker& asker, std::vector<std::pair<std::uint32_t, double>> rows, double revert_after_s,
-                std::uint32_t version, OutcomeDone done);
+struct ValueSet {
+  std::vector<std::pair<std::uint32_t, double>> rows;
+  std::uint32_t version = 0;  // of the parameters it was made for; 0 = whichever are in force
+  ChangeOrigin origin = {};
+  double revert_after_s = 0;
+};
+void set_values(Services& services, const Asker& asker, ValueSet set, OutcomeDone done);
 [[nodiscard]] Outcome store_outcome(const db::Error& error);
 // On the recorder's thread; `work` is given a database that is open.
 using StoreWork = std::function<db::Status(Records&, db::Database&)>;

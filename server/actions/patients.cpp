@@ -251,15 +251,16 @@ void act_apply_profile(Services& services, const Asker& asker, std::int64_t prof
     if (led(services)) return done(not_standing());
     // Held against today's table: a profile may be older than it.
     Outcome invalid;
-    const db::ProfileSettings settings = read_settings(json::parse(outcome.row).at("settings"), invalid.errors);
+    const json row = json::parse(outcome.row);
+    const db::ProfileSettings settings = read_settings(row.at("settings"), invalid.errors);
     if (!invalid.errors.empty()) {
       invalid.kind = Outcome::Kind::invalid;
       invalid.detail = "The profile does not fit this software; nothing was changed.";
       return done(invalid);
     }
-    std::vector<std::pair<std::uint32_t, double>> rows;
-    for (const auto& [name, value] : settings) rows.emplace_back(contract::kParams[*contract::find_param(name)].id, value);
-    set_values(services, asker, std::move(rows), 0, version, done);
+    ValueSet set{.rows = {}, .version = version, .origin = {"profile", row.at("name").get<std::string>()}};
+    for (const auto& [name, value] : settings) set.rows.emplace_back(contract::kParams[*contract::find_param(name)].id, value);
+    set_values(services, asker, std::move(set), done);
   });
 }
 

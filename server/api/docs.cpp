@@ -9,6 +9,9 @@
 namespace hoist::server::api {
 
 namespace {
+// Of the built console: each route can be tried there.
+constexpr const char* kPage = "/docs.html";
+
 std::string escaped(std::string_view text) {
   std::string out;
   for (char c : text) {
@@ -21,17 +24,9 @@ std::string escaped(std::string_view text) {
   }
   return out;
 }
-}  // namespace
 
-void get_openapi(const CallPtr& call) {
-  static const std::string kText = openapi_document().dump();
-  Response response;
-  response.content_type = "application/json";
-  response.body = kText;
-  call->respond(std::move(response));
-}
-
-void get_docs(const CallPtr& call) {
+// Without a console only the list.
+Response plain_list() {
   std::string rows;
   for (const Route& r : kRoutes)
     rows += "<tr><td>" + std::string{method_name(r.method)} + "</td><td><code>" + escaped(r.path) + "</code></td><td>" +
@@ -47,6 +42,29 @@ void get_docs(const CallPtr& call) {
       "application/problem+json.</p>\n"
       "<table border=\"1\" cellpadding=\"4\"><tr><th>Method</th><th>Path</th><th>Least role</th><th>What it does</th></tr>\n" +
       rows + "</table></html>\n";
+  return response;
+}
+}  // namespace
+
+void get_openapi(const CallPtr& call) {
+  static const std::string kText = openapi_document().dump();
+  Response response;
+  response.content_type = "application/json";
+  response.body = kText;
+  call->respond(std::move(response));
+}
+
+void get_docs(const CallPtr& call) {
+  Request wanted;
+  wanted.method = Method::get;
+  wanted.path = kPage;
+  if (call->rest.pages == nullptr) return call->respond(plain_list());
+  Response page = call->rest.pages->serve(wanted);
+  if (page.status != 200) return call->respond(plain_list());
+  // Only the page: how long an answer of the API may be kept is Call's matter.
+  Response response;
+  response.content_type = std::move(page.content_type);
+  response.body = std::move(page.body);
   call->respond(std::move(response));
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <charconv>
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -39,26 +40,29 @@ inline void with_database(const CallPtr& call, std::function<Response(db::Databa
     return database == nullptr ? no_database(records.why(), path) : work(*database);
   });
 }
-// Reads limit and cursor of a list. False: the call has failed.
+// Limit and cursor of a list. False: the call has failed.
+inline bool read_limit(const CallPtr& call, std::size_t& limit, std::size_t most) {
+  const auto text = query(*call, "limit");
+  if (!text) return true;
+  const auto value = number<std::size_t>(*text);
+  if (!value || *value < 1 || *value > most) {
+    call->fail(bad_query("limit", "must be a whole number from 1 to " + std::to_string(most), 1, static_cast<double>(most)));
+    return false;
+  }
+  limit = *value;
+  return true;
+}
+inline bool read_cursor(const CallPtr& call, std::optional<std::int64_t>& before) {
+  const auto cursor = query(*call, "cursor");
+  if (!cursor || cursor->empty()) return true;
+  before = number<std::int64_t>(*cursor);
+  if (before) return true;
+  call->fail(bad_query("cursor", "must be the `next` of an earlier answer", {}, {}));
+  return false;
+}
 template <typename Query>
 bool read_page(const CallPtr& call, Query& wanted) {
-  if (const auto limit = query(*call, "limit")) {
-    const auto value = number<std::size_t>(*limit);
-    if (!value || *value < 1 || *value > db::kMaxPage) {
-      call->fail(
-          bad_query("limit", "must be a whole number from 1 to " + std::to_string(db::kMaxPage), 1, static_cast<double>(db::kMaxPage)));
-      return false;
-    }
-    wanted.limit = *value;
-  }
-  if (const auto cursor = query(*call, "cursor"); cursor && !cursor->empty()) {
-    wanted.before = number<std::int64_t>(*cursor);
-    if (!wanted.before) {
-      call->fail(bad_query("cursor", "must be the `next` of an earlier answer", {}, {}));
-      return false;
-    }
-  }
-  return true;
+  return read_limit(call, wanted.limit, db::kMaxPage) && read_cursor(call, wanted.before);
 }
 
 inline nlohmann::json next_json(const std::optional<std::int64_t>& next) {
@@ -74,21 +78,54 @@ inline std::optional<std::int64_t> path_id(const CallPtr& call, const char* thin
   return std::nullopt;
 }
 
-// The tag of If-Match, which this route needs: empty for "*", nothing after a 428.
-inline std::optional<std::string> required_tag(const CallPtr& call) {
-  std::string_view match = call->request.header("if-match");
-  if (match.empty()) {
-    call->fail({.status = 428,
-                .name = "if-match",
-                .title = "The change does not say what it was made for",
-                .detail = "Send the ETag that you were shown as If-Match; * changes whatever there is."});
-    return std::nullopt;
-  }
-  if (match == "*") return std::string();
+// The tag of If-Match: empty for "*" and without the header, which some routes allow.
+inline std::string given_tag(const Call& call) {
+  std::string_view match = call.request.header("if-match");
+  if (match.empty() || match == "*") return {};
   // An answer that was sent as gzip has a tag of its own (compress.hpp), for the same row.
   if (match.size() >= 2 && match.front() == '"' && match.back() == '"') match = match.substr(1, match.size() - 2);
   if (match.ends_with("-gzip")) match.remove_suffix(5);
   return match.empty() ? "-" : std::string(match);
+}
+
+// The same where a change must say what it was made for: nothing after a 428.
+inline std::optional<std::string> required_tag(const CallPtr& call) {
+  if (!call->request.header("if-match").empty()) return given_tag(*call);
+  call->fail({.status = 428,
+              .name = "if-match",
+              .title = "The change does not say what it was made for",
+              .detail = "Send the ETag that you were shown as If-Match; * changes whatever there is."});
+  return std::nullopt;
+}
+
+// A moment in ms of UTC as ns; nothing when it is not in the query. False: the call has failed.
+inline bool read_moment(const CallPtr& call, const char* name, std::optional<std::int64_t>& utc_ns) {
+  const auto text = query(*call, name);
+  if (!text) return true;
+  constexpr std::int64_t kMost_ms = std::numeric_limits<std::int64_t>::max() / 1'000'000;
+  const auto value = number<std::int64_t>(*text);
+  if (!value || *value < 0 || *value > kMost_ms) {
+    call->fail(bad_query(name, "must be a time in whole milliseconds since 1970", 0, static_cast<double>(kMost_ms)));
+    return false;
+  }
+  utc_ns = *value * 1'000'000;
+  return true;
+}
+
+// The number of something; nothing when it is not in the query. False: the call has failed.
+inline bool read_id(const CallPtr& call, const char* name, std::optional<std::int64_t>& id) {
+  const auto text = query(*call, name);
+  if (!text) return true;
+  id = number<std::int64_t>(*text);
+  if (id) return true;
+  call->fail(bad_query(name, "must be a whole number", {}, {}));
+  return false;
+}
+
+inline Response no_content() {
+  Response response;
+  response.status = 204;
+  return response;
 }
 
 inline std::string etag_of(const std::string& tag) { return "\"" + tag + "\""; }

@@ -23,11 +23,7 @@ OutcomeDone answer_row(const CallPtr& call, unsigned status = 200) {
   });
 }
 OutcomeDone answer_gone(const CallPtr& call) {
-  return answer_with(call, [call](const Outcome&) {
-    Response response;
-    response.status = 204;
-    call->respond(std::move(response));
-  });
+  return answer_with(call, [call](const Outcome&) { call->respond(no_content()); });
 }
 
 template <typename Page, typename ToJson>

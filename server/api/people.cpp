@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "db/store/edit_tag.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
 #include "server/api/lists.hpp"
@@ -48,6 +49,8 @@ Problem problem_of(const db::Error& error) {
               .errors = {{error.field, error.message}}};
     case db::ErrorKind::not_found:
       return {.status = 404, .name = "not-found", .title = "There is no such account or token", .detail = error.message};
+    case db::ErrorKind::changed:
+      return {.status = 412, .name = "changed-meanwhile", .title = "This account was changed meanwhile", .detail = error.message};
     case db::ErrorKind::wrong_state:
       return {.status = 409, .name = "refused", .title = "Refused", .detail = error.message};
     default:
@@ -78,12 +81,18 @@ Problem no_account() {
           .detail = "Sign in with a name first: whoever opened the link of this computer has no password."};
 }
 
+std::string user_tag(const db::User& user) { return db::edit_tag({user.display_name, user.role, user.enabled ? "1" : "0"}); }
+
 json user_json(const db::User& user) {
-  return {{"user", user.name},
-          {"display_name", user.display_name},
-          {"role", user.role},
-          {"enabled", user.enabled},
-          {"has_pin", user.pin_hash.has_value()}};
+  return {{"user", user.name},       {"display_name", user.display_name},    {"role", user.role},
+          {"enabled", user.enabled}, {"has_pin", user.pin_hash.has_value()}, {"etag", user_tag(user)}};
+}
+
+// What this hoist is called and speaks; language null: as the browser asks.
+json device_names(const Services& services) {
+  const db::DeviceSettings& device = services.state.device();
+  return {{"name", device.name.empty() ? services.computer_name : device.name},
+          {"language", device.language ? json(*device.language) : json(nullptr)}};
 }
 
 json who_json(const Call& call, const Session* session, std::string_view device) {
@@ -102,6 +111,7 @@ json who_json(const Call& call, const Session* session, std::string_view device)
             {{"needed", !call.services.has_engineer},
              {"switch_on", set_up.switch_on()},
              {"seconds_left", set_up.seconds_left(call.services.now_ns())}}},
+           {"device", device_names(call.services)},
            {"problem", nullptr}};
   if (!call.services.people.problem().empty()) who["problem"] = call.services.people.problem();
   if (session == nullptr) return who;
@@ -433,7 +443,7 @@ void add_user(const CallPtr& call) {
         log(*call, call->session->user, access_role(call->session->role), "user", user.name, "done", std::nullopt, user.role);
         // One enabled engineer always remains: it is never false again.
         if (user.role == "engineer") call->services.has_engineer = true;
-        call->respond(user_json(user), 201);
+        call->respond(row_response(user_json(user), 201));
       });
 }
 
@@ -459,7 +469,7 @@ void change_user(const CallPtr& call) {
   const bool signs_out = password || !change.enabled.value_or(true);
   ask_people<Changed>(
       call,
-      [name, change, password, signs_out](PeopleRoom& room) mutable {
+      [name, change, password, signs_out, tag = given_tag(*call)](PeopleRoom& room) mutable {
         Changed changed;
         const auto fail = [&](const db::Error& error) {
           changed.error = error;
@@ -472,6 +482,8 @@ void change_user(const CallPtr& call) {
         const auto before = room.accounts.find(name);
         if (!before) return fail(before.error());
         changed.before = *before;
+        if (*before)
+          if (const db::Status same = db::check_tag(tag, user_tag(**before)); !same) return fail(same.error());
         if (const db::Status done = room.accounts.change(name, change); !done) return fail(done.error());
         if (signs_out)
           if (const db::Status done = room.accounts.end_sign_ins_of(name, ""); !done) return fail(done.error());
@@ -497,7 +509,7 @@ void change_user(const CallPtr& call) {
             role_changed ? "role changed" : "signed out");
         log(*call, call->session->user, access_role(call->session->role), "user", name, "done",
             changed.before->role + (changed.before->enabled ? "" : ", disabled"), user.role + (user.enabled ? "" : ", disabled"));
-        call->respond(user_json(user));
+        call->respond(row_response(user_json(user)));
       });
 }
 

@@ -94,11 +94,8 @@ void delete_profile(const CallPtr& call) {
   const auto id = path_id(call, "profile");
   if (!id) return;
   if (const auto tag = required_tag(call))
-    act_delete_profile(call->services, asker_of(*call), *id, *tag, answer_with(call, [call](const Outcome&) {
-                         Response response;
-                         response.status = 204;
-                         call->respond(std::move(response));
-                       }));
+    act_delete_profile(call->services, asker_of(*call), *id, *tag,
+                       answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
 }
 
 void diff_profile(const CallPtr& call) {

@@ -230,6 +230,42 @@ void audit(const Call& call, const Route& route, const Response& response) {
   services.people.log(std::move(entry));
 }
 
+// Whether the call is to run now. A key that was used before answers it here: with the same answer, or that it belongs to another request (422),
+// or that the first one still runs (409).
+bool goes_on_with_key(IdempotencyKeys& keys, const CallPtr& call, const Route& route) {
+  const std::string_view header = call->request.header("idempotency-key");
+  if (header.empty() || !takes_idempotency_key(route)) return true;
+  auto key = read_idempotency_key(header);
+  if (!key) {
+    call->fail(problem(400, "idempotency-key", "The Idempotency-Key cannot be read",
+                       "It is 1 to 255 printable characters in quotation marks, for example a UUID."));
+    return false;
+  }
+  const auto found = keys.begin(call->session->user + " " + client_name(*call->session), std::move(*key),
+                                digest_of_secret(std::string{route.operation} + " " + call->request.path + "\n" + call->request.body),
+                                call->services.now_ns());
+  switch (found.state) {
+    case IdempotencyKeys::State::other_request:
+      call->fail(problem(422, "idempotency-key-used", "This Idempotency-Key belongs to another request",
+                         "Use a new key for a new request; nothing was done."));
+      return false;
+    case IdempotencyKeys::State::running:
+      call->fail(problem(409, "idempotency-key-running", "The first request with this Idempotency-Key still runs",
+                         "Wait a moment, then send it again."));
+      return false;
+    case IdempotencyKeys::State::answered:
+      call->respond(found.answer);
+      return false;
+    case IdempotencyKeys::State::fresh:
+      break;
+  }
+  call->on_answer = [&keys, ticket = found.ticket, then = std::move(call->on_answer)](const Response& answer) {
+    keys.end(ticket, answer);
+    if (then) then(answer);
+  };
+  return true;
+}
+
 // Whether the browser is told never to use plain HTTP for this name (RFC 6797). It believes that only once it trusts the authority. Not for
 // localhost or a port beside 443, since it would hold for every port of the name, other programs' included; not for longer than a week,
 // since a hoist with a new authority could not be reached, not even its plain page.
@@ -297,6 +333,7 @@ void Router::handle(Request request, std::function<void(Response)> answer) {
       return;
     }
     if (is_audited(route)) call->on_answer = [call = call.get(), &route](const Response& response) { audit(*call, route, response); };
+    if (!goes_on_with_key(keys_, call, route)) return;
     try {
       kHandlers[i](call);
     } catch (const std::exception&) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "server/api/idempotency.hpp"
 #include "server/api/trust.hpp"
 #include "server/http/auth.hpp"
 #include "server/http/exchange.hpp"
@@ -23,18 +24,20 @@ struct RestContext {
   OpenSocket open_live, open_foxglove, open_rosbridge;
   std::string base_url = {};         // http://127.0.0.1:8080
   const TrustPage* trust = nullptr;  // of the hoist's own authority, if it has one
+  const StaticFiles* pages = nullptr;
 };
 
 class Router final : public RequestHandler {
  public:
   // Reads the pages of `--web`.
-  explicit Router(RestContext& rest) : rest_(rest), pages_(rest.services.settings.web_dir) {}
+  explicit Router(RestContext& rest) : rest_(rest), pages_(rest.services.settings.web_dir) { rest_.pages = &pages_; }
   void handle(Request request, std::function<void(Response)> answer) override;
   [[nodiscard]] bool may_enter(const Request& request) override;
 
  private:
   RestContext& rest_;
   const StaticFiles pages_;
+  IdempotencyKeys keys_;
 };
 
 }  // namespace hoist::server

@@ -1,4 +1,4 @@
-// /sessions: recorded sessions, their columns, figures and exports. All of it runs on the recorder's thread.
+// /sessions: recorded sessions, their columns, figures, markers and exports. All of it runs on the recorder's thread.
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -6,14 +6,17 @@
 #include "control/contract/faults.hpp"
 #include "db/export/provenance.hpp"
 #include "db/export/session_export.hpp"
+#include "db/store/markers.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/visits.hpp"
 #include "db/summary/session_json.hpp"
+#include "server/actions/records.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/files.hpp"
 #include "server/api/handlers.hpp"
 #include "server/api/lists.hpp"
 #include "server/state/exercise.hpp"
+#include "server/state/views.hpp"
 #include "server/text/json_writer.hpp"
 
 namespace hoist::server::api {
@@ -41,6 +44,7 @@ db::Result<json> whole_session(db::Database& database, db::SessionId id) {
   const auto visits = db::VisitReader(database).of_sessions(std::span(&id, 1));
   if (!visits) return visits.error();
   json told = db::session_json(*session);
+  told["etag"] = session->tag;
   told["visit"] = visit_of(*visits, id);
   told["nodes"] = db::node_programs_json(*nodes);
   return told;
@@ -75,19 +79,24 @@ void list_sessions(const CallPtr& call) {
     json items = json::array();
     for (const db::SessionInfo& s : page->sessions) {
       items.push_back(db::session_json(s));
+      items.back()["etag"] = s.tag;
       items.back()["visit"] = visit_of(*visits, s.id);
     }
     return json_response({{"items", std::move(items)}, {"next", next_json(page->next)}, {"total", page->total}});
   });
 }
 
-void get_session(const CallPtr& call) {
-  const auto id = session_id(call);
-  if (!id) return;
-  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
+namespace {
+void respond_session(const CallPtr& call, db::SessionId id) {
+  with_database(call, [id, path = call->request.path](db::Database& database) -> Response {
     const auto session = whole_session(database, id);
-    return session ? json_response(*session) : store_error(session.error(), path);
+    return session ? row_response(*session) : store_error(session.error(), path);
   });
+}
+}  // namespace
+
+void get_session(const CallPtr& call) {
+  if (const auto id = session_id(call)) respond_session(call, *id);
 }
 
 void change_session(const CallPtr& call) {
@@ -109,21 +118,14 @@ void change_session(const CallPtr& call) {
                 .errors = std::move(errors)});
     return;
   }
-  with_database(call, [id = *id, patch, path = call->request.path](db::Database& database) -> Response {
-    if (const db::Status changed = db::SessionEditor(database).patch(id, patch); !changed) return store_error(changed.error(), path);
-    const auto session = whole_session(database, id);
-    return session ? json_response(*session) : store_error(session.error(), path);
-  });
+  act_change_session(call->services, asker_of(*call), *id, std::move(patch), given_tag(*call),
+                     answer_with(call, [call, id = *id](const Outcome&) { respond_session(call, id); }));
 }
 
 void delete_session(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
-  act_delete_session(call->services, asker_of(*call), *id, answer_with(call, [call](const Outcome&) {
-                       Response response;
-                       response.status = 204;
-                       call->respond(std::move(response));
-                     }));
+  act_delete_session(call->services, asker_of(*call), *id, answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
 }
 
 namespace {
@@ -306,6 +308,45 @@ void export_session(const CallPtr& call) {
     if (opened.id != 0) opened.response.next_piece = pieces_of(records, records.hold(opened.id));
     call->respond(std::move(opened.response));
   });
+}
+
+namespace {
+// The marker of {id} and {number}.
+std::optional<MarkerPlace> marker_place(const CallPtr& call) {
+  const auto session = session_id(call);
+  if (!session) return std::nullopt;
+  const auto number = path_id(call, "marker", 1);
+  return number ? std::optional(MarkerPlace{*session, *number}) : std::nullopt;
+}
+}  // namespace
+
+void list_markers(const CallPtr& call) {
+  const auto id = session_id(call);
+  if (!id) return;
+  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
+    const auto markers = db::MarkerStore(database).list(id);
+    if (!markers) return store_error(markers.error(), path);
+    json items = json::array();
+    for (const db::MarkerInfo& marker : *markers) items.push_back(marker_json(id, marker));
+    return json_response({{"items", std::move(items)}});
+  });
+}
+
+void change_marker(const CallPtr& call) {
+  const auto place = marker_place(call);
+  if (!place) return;
+  const auto tag = required_tag(call);
+  if (!tag) return;
+  act_change_marker(call->services, asker_of(*call), *place, field(*call, "text").get<std::string>(), *tag,
+                    answer_with(call, [call](const Outcome& outcome) { call->respond(row_response(json::parse(outcome.row))); }));
+}
+
+void delete_marker(const CallPtr& call) {
+  const auto place = marker_place(call);
+  if (!place) return;
+  if (const auto tag = required_tag(call))
+    act_delete_marker(call->services, asker_of(*call), *place, *tag,
+                      answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
 }
 
 void add_marker(const CallPtr& call) {

@@ -61,7 +61,10 @@ json parameters_of(const Route& route) {
   for (std::size_t open = rest.find('{'); open != std::string_view::npos; open = rest.find('{')) {
     const std::size_t close = rest.find('}', open);
     const std::string name{rest.substr(open + 1, close - open - 1)};
-    list.push_back({{"name", name}, {"in", "path"}, {"required", true}, {"schema", {{"type", name == "id" ? "integer" : "string"}}}});
+    list.push_back({{"name", name},
+                    {"in", "path"},
+                    {"required", true},
+                    {"schema", {{"type", name == "id" || name == "number" ? "integer" : "string"}}}});
     rest = rest.substr(close + 1);
   }
   for (const RouteInput& input : kRouteInputs) {

@@ -72,4 +72,18 @@ static_assert(contract::all_rows(kRouteInputs,
                                  }),
               "api.def: an input belongs to no route");
 
+// Whether a request may carry a key under which its answer is kept (server/api/idempotency.hpp).
+constexpr bool takes_idempotency_key(const Route& route) {
+  for (const RouteInput& input : kRouteInputs)
+    if (input.operation == route.operation && input.name == "Idempotency-Key") return true;
+  return false;
+}
+// What is made must not be made twice.
+static_assert(contract::all_rows(kRoutes,
+                                 [](const Route& r) {
+                                   const bool makes = r.method == Method::post && (r.success == 201 || r.success == 202);
+                                   return !makes || r.operation == "update_firmware" || takes_idempotency_key(r);
+                                 }),
+              "api.def: a route that makes something takes no Idempotency-Key");
+
 }  // namespace hoist::server

@@ -10,6 +10,7 @@
 #include "control/contract/guided_path.hpp"
 #include "control/contract/params.hpp"
 #include "db/metrics/metric_list.hpp"
+#include "db/store/change_reasons.hpp"
 #include "server/contract/jobs.hpp"
 #include "server/contract/reasons.hpp"
 
@@ -34,7 +35,7 @@ constexpr std::string_view kSchemas = R"json({
 "DisplayName": {"type": "string", "minLength": 1, "maxLength": 64, "description": "One line, as screens show it"},
 "RoleName": {"type": "string", "enum": ["viewer", "therapist", "engineer"]},
 "Password": {"type": "string", "minLength": 12, "maxLength": 128},
-"WhoAmI": {"type": "object", "required": ["signed_in", "user", "display_name", "role", "has_pin", "seconds_left", "here", "set_up", "problem"], "properties": {"signed_in": {"type": "boolean"},
+"WhoAmI": {"type": "object", "required": ["signed_in", "user", "display_name", "role", "has_pin", "seconds_left", "here", "set_up", "device", "problem"], "properties": {"signed_in": {"type": "boolean"},
   "user": {"type": ["string", "null"], "description": "local: whoever uses this computer itself"}, "display_name": {"type": ["string", "null"]},
   "role": {"anyOf": [{"$ref": "#/components/schemas/RoleName"}, {"type": "null"}]}, "has_pin": {"type": ["boolean", "null"], "description": "null: no account"},
   "seconds_left": {"type": ["integer", "null"], "description": "Until this sign-in ends at the latest; null: it does not end by itself"},
@@ -42,7 +43,10 @@ constexpr std::string_view kSchemas = R"json({
     "properties": {"user": {"type": "string"}, "display_name": {"type": "string"}}, "additionalProperties": false}},
   "set_up": {"type": "object", "required": ["needed", "switch_on", "seconds_left"], "properties": {"needed": {"type": "boolean", "description": "There is no engineer yet"},
     "switch_on": {"type": "boolean"}, "seconds_left": {"type": "integer", "description": "How long the code is still valid; 0 = none is"}}, "additionalProperties": false},
+  "device": {"type": "object", "required": ["name", "language"], "properties": {"name": {"type": "string", "description": "Of this hoist"},
+    "language": {"$ref": "#/components/schemas/LanguageOrNull"}}, "additionalProperties": false},
   "problem": {"type": ["string", "null"], "description": "Why the accounts cannot be used; for the engineer"}}, "additionalProperties": false},
+"LanguageOrNull": {"anyOf": [{"type": "string", "enum": ["en", "de"]}, {"type": "null"}], "description": "null: as each browser asks"},
 "SignInRequest": {"type": "object", "required": ["user"], "properties": {"user": {"type": "string", "maxLength": 64}, "password": {"type": "string", "maxLength": 128},
   "pin": {"type": "string", "maxLength": 8, "description": "Instead of the password"}}, "additionalProperties": false},
 "PasswordChange": {"type": "object", "required": ["password", "new_password"], "properties": {"password": {"type": "string", "maxLength": 128, "description": "The present one"},
@@ -52,8 +56,9 @@ constexpr std::string_view kSchemas = R"json({
 "Ticket": {"type": "object", "required": ["ticket"], "properties": {"ticket": {"type": "string"}}, "additionalProperties": false},
 "SetUpRequest": {"type": "object", "required": ["code", "user", "display_name", "password"], "properties": {"code": {"type": "string", "maxLength": 16},
   "user": {"$ref": "#/components/schemas/UserName"}, "display_name": {"$ref": "#/components/schemas/DisplayName"}, "password": {"$ref": "#/components/schemas/Password"}}, "additionalProperties": false},
-"User": {"type": "object", "required": ["user", "display_name", "role", "enabled", "has_pin"], "properties": {"user": {"type": "string"}, "display_name": {"type": "string"},
-  "role": {"$ref": "#/components/schemas/RoleName"}, "enabled": {"type": "boolean"}, "has_pin": {"type": "boolean"}}, "additionalProperties": false},
+"User": {"type": "object", "required": ["user", "display_name", "role", "enabled", "has_pin", "etag"], "properties": {"user": {"type": "string"}, "display_name": {"type": "string"},
+  "role": {"$ref": "#/components/schemas/RoleName"}, "enabled": {"type": "boolean"}, "has_pin": {"type": "boolean"},
+  "etag": {"$ref": "#/components/schemas/EditTag"}}, "additionalProperties": false},
 "UserList": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"$ref": "#/components/schemas/User"}}}, "additionalProperties": false},
 "NewUser": {"type": "object", "required": ["user", "display_name", "role", "password"], "properties": {"user": {"$ref": "#/components/schemas/UserName"},
   "display_name": {"$ref": "#/components/schemas/DisplayName"}, "role": {"$ref": "#/components/schemas/RoleName"}, "password": {"$ref": "#/components/schemas/Password"}}, "additionalProperties": false},
@@ -311,14 +316,14 @@ constexpr std::string_view kSchemas = R"json({
 "Pose": {"type": "object", "required": ["x_m", "y_m", "psi_rad"], "properties": {"x_m": {"type": "number", "minimum": -1000, "maximum": 1000},
   "y_m": {"type": "number", "minimum": -1000, "maximum": 1000}, "psi_rad": {"type": "number", "minimum": -1000, "maximum": 1000}}, "additionalProperties": false},
 "Session": {"type": "object", "required": ["id", "started_utc_ms", "ended_utc_ms", "duration_s", "samples", "gaps", "recording", "close_reason", "simulated", "standby", "subject", "visit", "note", "exercise",
-  "software_version", "core_version", "layout_hash", "stored_bytes"], "properties": {"id": {"type": "integer"}, "started_utc_ms": {"type": "integer"}, "ended_utc_ms": {"type": ["integer", "null"]},
+  "software_version", "core_version", "layout_hash", "stored_bytes", "etag"], "properties": {"id": {"type": "integer"}, "started_utc_ms": {"type": "integer"}, "ended_utc_ms": {"type": ["integer", "null"]},
   "duration_s": {"type": "number"}, "samples": {"type": "integer"}, "gaps": {"type": "integer"}, "recording": {"type": "boolean"}, "close_reason": {"type": "string"},
   "simulated": {"type": "boolean"}, "standby": {"type": "boolean", "description": "true: recorded in standby with a patient chosen; no walk"},
   "subject": {"type": ["string", "null"]}, "note": {"type": "string"}, "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"},
   "visit": {"anyOf": [{"$ref": "#/components/schemas/Visit"}, {"type": "null"}], "description": "null: no patient code is given"},
   "software_version": {"type": "string", "description": "Of the program that recorded: version and commit"},
   "core_version": {"type": ["string", "null"], "description": "Of hoist-control; null = not recorded"}, "layout_hash": {"type": "string"}, "stored_bytes": {"type": "integer"},
-  "nodes": {"type": "array", "description": "Not in lists. Empty = not recorded", "items": {"$ref": "#/components/schemas/NodeProgram"}}}, "additionalProperties": false},
+  "etag": {"$ref": "#/components/schemas/EditTag"}, "nodes": {"type": "array", "description": "Not in lists. Empty = not recorded", "items": {"$ref": "#/components/schemas/NodeProgram"}}}, "additionalProperties": false},
 "NodeProgram": {"type": "object", "description": "What a node had said of its program when the session began; null = not read",
   "required": ["name", "product", "revision", "version", "crc", "simulated"], "properties": {"name": {"type": "string"}, "product": {"type": ["string", "null"]},
   "revision": {"type": ["string", "null"]}, "version": {"type": ["string", "null"]}, "crc": {"type": ["string", "null"]}, "simulated": {"type": ["boolean", "null"]}},
@@ -404,6 +409,47 @@ constexpr std::string_view kSchemas = R"json({
 "ComputedFrom": {"type": "object", "required": ["version", "inputs", "hash"], "properties": {"version": {"type": "integer", "description": "Of the figure's definition"},
   "inputs": {"type": "array", "items": {"type": "string"}, "description": "Recorded columns, gaps, exercise"},
   "hash": {"type": "string", "description": "Of the values of these inputs: FNV-1a, 16 hexadecimal digits. The same hash and version, the same figure"}}, "additionalProperties": false},
+"MarkerRow": {"type": "object", "required": ["session", "number", "tick", "utc_ms", "time_s", "text", "actor", "etag"], "properties": {"session": {"type": "integer"},
+  "number": {"type": "integer", "description": "Within its session"}, "tick": {"type": "integer"}, "utc_ms": {"type": "integer"}, "time_s": {"type": "number", "description": "Since the session's start"},
+  "text": {"type": "string"}, "actor": {"$ref": "#/components/schemas/ActorOrNull"}, "etag": {"$ref": "#/components/schemas/EditTag"}}, "additionalProperties": false},
+"MarkerList": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"$ref": "#/components/schemas/MarkerRow"}}}, "additionalProperties": false},
+"ParameterHistory": {"type": "object", "required": ["items", "next"], "properties": {"items": {"type": "array", "items": {"$ref": "#/components/schemas/ParameterChange"}},
+  "next": {"type": ["string", "null"]}}, "additionalProperties": false},
+"ParameterChange": {"type": "object", "required": ["id", "utc_ms", "session", "name", "value", "before", "how", "source", "actor"], "properties": {"id": {"type": "integer"},
+  "utc_ms": {"type": "integer"}, "session": {"type": ["integer", "null"], "description": "That was being recorded; null: none"}, "name": {"type": "string", "description": "As it was then"},
+  "value": {"type": "number"}, "before": {"type": "number"}, "how": {"$ref": "#/components/schemas/ChangeHow"},
+  "source": {"type": ["string", "null"], "description": "Name of the preset or profile"}, "actor": {"$ref": "#/components/schemas/ActorOrNull"}}, "additionalProperties": false},
+"ParameterDiff": {"type": "object", "required": ["from_utc_ms", "to_utc_ms", "items"], "properties": {"from_utc_ms": {"type": "integer"}, "to_utc_ms": {"type": "integer"},
+  "items": {"type": "array", "items": {"type": "object", "required": ["name", "from", "to"], "properties": {"name": {"type": "string"}, "from": {"type": "number"}, "to": {"type": "number"}},
+  "additionalProperties": false}}}, "additionalProperties": false},
+"AlarmList": {"type": "object", "required": ["items", "next"], "properties": {"items": {"type": "array", "items": {"type": "object",
+  "required": ["session", "utc_ms", "time_s", "fault", "lasted_s", "simulated", "subject"], "properties": {"session": {"type": "integer"}, "utc_ms": {"type": "integer"},
+  "time_s": {"type": "number", "description": "Since the session's start"}, "fault": {"type": "string", "description": "As it was called then; words in /api/v1/faults"},
+  "lasted_s": {"type": ["number", "null"], "description": "null: not over before the session's end"}, "simulated": {"type": "boolean"}, "subject": {"type": ["string", "null"]}},
+  "additionalProperties": false}}, "next": {"type": ["string", "null"]}}, "additionalProperties": false},
+"DeviceSettings": {"type": "object", "required": ["device_name", "computer_name", "language", "etag"], "properties": {"device_name": {"type": "string", "description": "Empty: the computer's name"},
+  "computer_name": {"type": "string"}, "language": {"$ref": "#/components/schemas/LanguageOrNull"}, "etag": {"$ref": "#/components/schemas/EditTag"}}, "additionalProperties": false},
+"DeviceSettingsPatch": {"type": "object", "minProperties": 1, "properties": {"device_name": {"type": "string", "maxLength": 64, "description": "One line, at most 64 bytes of UTF-8"},
+  "language": {"$ref": "#/components/schemas/LanguageOrNull"}}, "additionalProperties": false},
+"Time": {"type": "object", "required": ["utc_ms", "steady_ns", "kept_by", "synchronised", "client_behind_s"], "properties": {"utc_ms": {"type": "integer"}, "steady_ns": {"type": "integer"},
+  "kept_by": {"enum": ["operating_system", "engineers"], "description": "Who may set it"},
+  "synchronised": {"type": ["boolean", "null"], "description": "Whether the operating system has it from a time server; null: it does not say"},
+  "client_behind_s": {"type": ["number", "null"], "description": "How far the client's clock is behind, the way of the request included"}}, "additionalProperties": false},
+"TimeRequest": {"type": "object", "required": ["utc_ms"], "properties": {"utc_ms": {"type": "integer", "minimum": 1577836800000, "maximum": 4102444800000}}, "additionalProperties": false},
+"Network": {"type": "object", "required": ["computer_name", "port", "interfaces", "tls"], "properties": {"computer_name": {"type": "string"}, "port": {"type": "integer"},
+  "interfaces": {"type": "array", "items": {"type": "object", "required": ["name", "up", "loopback", "addresses"], "properties": {"name": {"type": "string"}, "up": {"type": "boolean"},
+  "loopback": {"type": "boolean"}, "addresses": {"type": "array", "items": {"type": "string"}}}, "additionalProperties": false}},
+  "tls": {"type": "object", "required": ["on", "names", "fingerprint", "trust_page"], "properties": {"on": {"type": "boolean"},
+  "names": {"type": "array", "items": {"type": "string"}, "description": "Under which the hoist may be called"},
+  "fingerprint": {"type": ["string", "null"], "description": "Of the hoist's own authority, SHA-256; null: it has none"},
+  "trust_page": {"type": ["string", "null"], "description": "Path of the page that explains how a device comes to trust it"}}, "additionalProperties": false}}, "additionalProperties": false},
+"Trend": {"type": "object", "required": ["items", "next", "simulated_left_out"], "properties": {"items": {"type": "array", "items": {"type": "object",
+  "required": ["session", "visit", "day", "started_utc_ms", "exercise", "figures", "reason_code"], "properties": {"session": {"type": "integer"}, "visit": {"type": "integer"},
+  "day": {"type": "string"}, "started_utc_ms": {"type": "integer"}, "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"},
+  "figures": {"anyOf": [{"$ref": "#/components/schemas/TrendFigures"}, {"type": "null"}], "description": "null: the recording cannot be read"},
+  "reason_code": {"anyOf": [{"$ref": "#/components/schemas/NoFigure"}, {"type": "null"}], "description": "Why there is no C, J_N, or one of them"}}, "additionalProperties": false}},
+  "next": {"type": ["string", "null"]}, "simulated_left_out": {"type": "integer", "description": "Recordings of this patient with a simulated hoist"}}, "additionalProperties": false},
+"TrendFigures": {"type": "object", "description": "The figures of db/metrics/metrics.def; null: not defined for this session", "required": [], "properties": {}, "additionalProperties": false},
 "MarkerRequest": {"type": "object", "required": ["text"], "properties": {"text": {"type": "string", "maxLength": 500}}, "additionalProperties": false},
 "FirmwareUpdate": {"type": "object", "required": ["node", "version", "phase", "result", "bytes_sent", "bytes_total", "seconds_left", "text"], "properties": {
   "node": {"type": "string"}, "version": {"type": "string"}, "phase": {"enum": ["listening", "asking_drives", "asking_node", "entering_loader", "sending", "checking", "starting",
@@ -442,6 +488,14 @@ void add_figures(json& metrics) {
   }
 }
 
+void add_trend_figures(json& figures) {
+  for (const db::MetricInfo& row : db::kMetrics) {
+    const std::string key{row.key};
+    figures["properties"][key] = {{"type", row.nullable ? json::array({"number", "null"}) : json("number")}, {"description", row.doc}};
+    figures["required"].push_back(key);
+  }
+}
+
 // One kind of exercise, from its rows; `driven`: as the hoist drives it by itself.
 json exercise_kind(const contract::ExerciseInfo& info, bool driven) {
   json kind{
@@ -470,6 +524,8 @@ json exercise_kind(const contract::ExerciseInfo& info, bool driven) {
 json all_schemas() {
   json schemas = json::parse(kSchemas);
   add_figures(schemas["Metrics"]);
+  add_trend_figures(schemas["TrendFigures"]);
+  schemas["ChangeHow"] = {{"type", "string"}, {"enum", db::kChangeReasons}};
   schemas["Exercise"] = {{"description", "What is walked; null and free mean the same"}, {"anyOf", json::array()}};
   schemas["GuidedPath"] = {
       {"description",

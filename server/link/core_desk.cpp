@@ -42,14 +42,14 @@ bool CoreDesk::send(Command& command) {
   return true;
 }
 
-void CoreDesk::ask(Command command, Done done) {
+std::uint32_t CoreDesk::ask(Command command, Done done) {
   if (!connected_) {
     done({.kind = CoreAnswer::Kind::no_core});
-    return;
+    return 0;
   }
   if (outbox_.size() >= kOutboxLimit) {
     done({.kind = CoreAnswer::Kind::busy});
-    return;
+    return 0;
   }
   command.request_id = next_request();
   const std::uint64_t limit_ns = command.kind == CommandKind::acknowledge ? kAcknowledgeLimit_ns : kAnswerLimit_ns;
@@ -57,17 +57,18 @@ void CoreDesk::ask(Command command, Done done) {
   outbox_.push_back(command);
   flush_outbox();
   if (wake_) wake_();
+  return command.request_id;
 }
 
-void CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, std::uint32_t version, Command commit,
-                              Done done) {
+std::uint32_t CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, std::uint32_t version,
+                                       Command commit, Done done) {
   if (!connected_) {
     done({.kind = CoreAnswer::Kind::no_core});
-    return;
+    return 0;
   }
   if (outbox_.size() + id_values.size() >= kOutboxLimit) {
     done({.kind = CoreAnswer::Kind::busy});
-    return;
+    return 0;
   }
   commit.kind = CommandKind::commit_parameters;
   commit.request_id = next_request();
@@ -91,6 +92,7 @@ void CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t, double>
   outbox_.push_back(commit);
   flush_outbox();
   if (wake_) wake_();
+  return commit.request_id;
 }
 
 bool CoreDesk::stop(std::uint32_t client, Done done) {

@@ -76,11 +76,12 @@ class CoreDesk {
   void close() { answer_all(CoreAnswer::Kind::no_core); }
 
   // Asks one thing. `done` is called exactly once, from a later poll or, when the core is away, before this returns. What changes settings is
-  // answered when they are on the disk, or when they cannot be brought there.
-  void ask(contract::Command command, Done done);
+  // answered when they are on the disk, or when they cannot be brought there. Returns the number that the core's events about it carry, 0 when
+  // the core was not asked.
+  std::uint32_t ask(contract::Command command, Done done);
   // Stages each value and commits them: all or nothing, one answer. Sealed for this version of the parameters, 0 = whichever is in force.
-  void ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, std::uint32_t version, contract::Command commit,
-                      Done done);
+  std::uint32_t ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, std::uint32_t version,
+                               contract::Command commit, Done done);
   // STOP overtakes everything that waits. Never refused here; false only when no core is attached.
   bool stop(std::uint32_t client, Done done);
   // The newest driving command. Not queued: only the latest counts. False when no core is connected.

@@ -386,13 +386,18 @@ class Recorder::Work final : public Records {
   void take_over_walk() {
     publish::TickReader ticks = old_->ticks;
     TickRecord first{};  // of the motion that lasts
-    bool walks = false;
+    std::optional<TickRecord> newest;
     for (auto got = ticks.read(tick_buffer_); got.count > 0; got = ticks.read(tick_buffer_))
       for (const TickRecord& record : std::span(tick_buffer_).first(got.count)) {
-        if (moving(record) && !walks) first = record;
-        walks = moving(record);
+        if (moving(record) && !(newest && moving(*newest))) first = record;
+        newest = record;
       }
-    if (!walks) return;
+    if (!newest || !moving(*newest)) {
+      // Reading begins with the next step, and a recording by hand that was asked for meanwhile need not wait for it.
+      last_ = newest;
+      last_life_ = ticks.life();
+      return;
+    }
     walk_began_ = began_by(first.tick);
     adopt_old();
     db::BrokenOff until;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "db/store/device_settings.hpp"
 #include "server/link/core_desk.hpp"
 #include "server/record/recorder.hpp"
 #include "server/settings.hpp"
@@ -53,6 +54,9 @@ class HoistState final : public CoreListener {
   // Nothing: nobody is chosen.
   [[nodiscard]] const std::optional<ChosenPatient>& patient() const { return patient_; }
   void choose_patient(std::optional<ChosenPatient> patient);
+  // Name and language of this hoist, as they were read or changed last; empty before.
+  [[nodiscard]] const db::DeviceSettings& device() const { return device_; }
+  void set_device(db::DeviceSettings device) { device_ = std::move(device); }
   // The latest emergency messages since the server started, oldest first.
   [[nodiscard]] const std::deque<contract::Event>& emergencies() const { return emergencies_; }
   // What the calibration step under way would change: the core's events, one for each parameter.
@@ -69,6 +73,7 @@ class HoistState final : public CoreListener {
   std::function<void()> on_walk_;
   std::function<void()> on_patient_;
   std::optional<ChosenPatient> patient_;
+  db::DeviceSettings device_;
   std::uint64_t patient_rests_ns_ = 0;  // the core's time since which nothing has moved; 0 = not known yet
   Walk walk_;
   LeaseAsks asks_;

@@ -77,6 +77,17 @@ json profile_json(const db::ProfileInfo& p) {
           {"etag", p.tag}};
 }
 
+json marker_json(db::SessionId session, const db::MarkerInfo& m) {
+  return {{"session", session},
+          {"number", m.number},
+          {"tick", m.marker.tick},
+          {"utc_ms", m.marker.utc_ns / 1'000'000},
+          {"time_s", m.time_s},
+          {"text", m.marker.text},
+          {"actor", db::actor_json(m.marker.actor)},
+          {"etag", m.tag}};
+}
+
 json job_json(const JobInfo& info) {
   return {{"id", info.id},
           {"kind", job_kind_info(info.kind).name},

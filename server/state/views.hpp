@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "control/contract/params.hpp"
+#include "db/store/markers.hpp"
 #include "db/store/profiles.hpp"
 #include "db/store/visits.hpp"
 #include "server/jobs/jobs.hpp"
@@ -32,6 +33,7 @@ class LeaseAsks;
 [[nodiscard]] nlohmann::json patient_json(const db::PatientInfo& patient);
 [[nodiscard]] nlohmann::json visit_json(const db::VisitInfo& visit);
 [[nodiscard]] nlohmann::json profile_json(const db::ProfileInfo& profile);
+[[nodiscard]] nlohmann::json marker_json(db::SessionId session, const db::MarkerInfo& marker);
 [[nodiscard]] std::string layout_hash_hex();
 [[nodiscard]] constexpr std::string_view access_role(contract::Role role) {
   return role == contract::Role::viewer ? "viewer" : role == contract::Role::therapist ? "therapist" : "engineer";

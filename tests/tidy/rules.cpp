@@ -51,7 +51,7 @@ const std::vector<Layer>& layers() {
       // Inside the server includes run one way: stream -> http | ws -> a protocol (api, live) -> actions -> state -> core link, database.
       {"server/contract/",
        {"server/contract/", "control/contract/", "db/summary/no_figure.def", "db/metrics/metric_list.hpp", "db/export/formats.hpp",
-        "server/text/field_error.hpp"},
+        "db/store/change_reasons.hpp", "server/text/field_error.hpp"},
        false},
       {"server/text/", {"server/text/"}, false},
       {"server/stream/", {"server/stream/"}, false},
@@ -163,6 +163,8 @@ const std::map<std::string_view, std::string_view>& may_read_the_wall_clock() {
       {"control/run/main.cpp", "the anchor of a core's life, and the dates of a capture, once at the start"},
       {"server/http/listener.cpp", "the Date header"},
       {"server/app.cpp", "dates of sessions and events"},
+      {"server/settings.cpp", "--set-clock: an engineer sets it"},
+      {"server/actions/records.cpp", "who keeps it, by the name of the reason"},
   };
   return table;
 }

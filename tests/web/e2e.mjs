@@ -500,6 +500,46 @@ const cases = {
     await page.goto(`${stack.origin}/#/tune`);
     await page.locator('.tune-row', { has: page.getByLabel('Build-up strength', { exact: true }) }).getByRole('button', { name: 'Default' }).click();
     await until('the default is back', async () => (await strength()) === 50);
+    // The history names the change of the walk with its session; one tap brings the value back.
+    const history = page.locator('.tune-history');
+    await history.locator('summary').click();
+    const row = history.locator('li', { hasText: `Session ${session.id}` }).first();
+    await until('the change is in the history', async () => /Build-up strength/.test((await row.textContent().catch(() => '')) ?? ''), 15_000);
+    const back = history.getByRole('button', { name: `Build-up strength: back to ${wanted} units` }).first();
+    await until('the default can be taken back', () => back.isVisible(), 15_000);
+    await back.click();
+    await until('the value is back', async () => (await strength()) === wanted);
+    await stack.rest('PUT', '/parameters/lean_gain_filtered_units', { value: 50 });
+  },
+
+  async 'the page of the API reads and writes as this browser is signed in, and nothing of it is refused by the policy'() {
+    const docs = await context.newPage();
+    const errors = [];
+    docs.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
+    try {
+      await docs.goto(`${stack.origin}/api/docs#get_settings`);
+      const send = async (operation, fill) => {
+        const row = docs.locator(`#${operation}`);
+        await row.waitFor();
+        if ((await row.getAttribute('open')) === null) await row.locator('> summary').click();
+        await row.locator('form').waitFor();
+        await fill?.(row);
+        await row.getByRole('button', { name: 'Send' }).click();
+        await row.locator('.docs-status').waitFor();
+        return row.locator('.docs-answer').textContent();
+      };
+      const read = await send('get_settings');
+      const [, tag] = /etag: (".*?")/.exec(read) ?? [];
+      assert(/^200/.test(read) && tag !== undefined, `reading: ${read}`);
+      const written = await send('change_settings', async (row) => {
+        await row.getByLabel(/If-Match/).fill(tag);
+        await row.locator('textarea').fill('{"device_name": "Room 3"}');
+      });
+      assert(/^200/.test(written) && written.includes('Room 3'), `writing: ${written}`);
+      assert(errors.length === 0, errors.join('\n'));
+    } finally {
+      await docs.close();
+    }
   },
 
   async 'Calibrate: the empty struts are zeroed, old and new are shown, and the date is kept'() {

@@ -159,6 +159,7 @@ export function startFakeServer({
     note: id === 3 ? 'Calmer with a larger standing zone' : '',
     samples: 6000,
     gaps: 0,
+    etag: `s${id}`,
   }));
 
   const dayOf = (ms) => new Date(ms).toISOString().slice(0, 10);
@@ -194,9 +195,9 @@ export function startFakeServer({
     },
   ];
   const visits = [
-    { id: 12, patient: 5, code: 'P-017', day: dayOf(Date.now()), sessions: [4], standby: [] },
-    { id: 11, patient: 1, code: 'K-07', day: '2026-11-21', sessions: [3], standby: [2] },
-    { id: 10, patient: 1, code: 'K-07', day: '2026-11-19', sessions: [1], standby: [] },
+    { id: 12, patient: 5, code: 'P-017', day: dayOf(Date.now()), note: 'Tired, shorter than planned', sessions: [4], standby: [], etag: 'v12' },
+    { id: 11, patient: 1, code: 'K-07', day: '2026-11-21', note: '', sessions: [3], standby: [2], etag: 'v11' },
+    { id: 10, patient: 1, code: 'K-07', day: '2026-11-19', note: '', sessions: [1], standby: [], etag: 'v10' },
   ];
   const people = [
     { user: 'berg', display_name: 'Anna Berg', role: 'therapist', enabled: true, has_pin: true, password: 'berg and valley 1' },
@@ -215,6 +216,38 @@ export function startFakeServer({
     { action: 'sign_in', user: 'berg', target: '', before: null, after: null, result: 'wrong_password' },
     { action: 'delete_session', user: 'berg', target: '17', before: null, after: null, result: 'done' },
   ].map((row, i) => ({ id: 40 - i, utc_ms: Date.UTC(2026, 10, 24, 9, 58 - 7 * i), role: 'engineer', address: '192.168.4.7', ...row }));
+  const device = { device_name: 'Room 3', computer_name: 'hoist', language: null, etag: 'd1' };
+  const berg = { user: 'berg', role: 'therapist', origin: 'hoist.v1', client: 'device-12345678' };
+  const history = [
+    { name: 'lean_gain_filtered_units', value: 42, before: 50, how: 'profile', source: 'With brace', actor: berg, session: 3 },
+    { name: 'speed_m_s_max', value: 0.45, before: 0.6, how: 'preset', source: 'gentle', actor: { ...berg, user: 'kos' }, session: null },
+    { name: 'lean_dead_band_norm', value: 0.1, before: 0.15, how: 'trial_over', source: null, actor: null, session: 3 },
+    { name: 'lean_dead_band_norm', value: 0.15, before: 0.1, how: 'trial', source: null, actor: berg, session: 3 },
+    { name: 'speed_m_s_max', value: 0.6, before: 0.5, how: 'set', source: null, actor: berg, session: null },
+    { name: 'wheel_radius_m', value: 0.0982, before: 0.1, how: 'calibration', source: null, actor: { ...berg, user: 'kos' }, session: null },
+  ].map((row, i) => ({ id: 60 - i, utc_ms: Date.UTC(2026, 10, 24, 9, 58 - 11 * i), ...row }));
+  const trendFigures = (i) => ({
+    C: 0.7 + 0.03 * i,
+    J_N: 9 - 0.6 * i,
+    reference_length_m: 11.4,
+    rms_position_m: 0.2 - 0.015 * i,
+    rms_heading_rad: 0.3 - 0.02 * i,
+    under_way_s: 90 + 12 * i,
+    motion_s: 80 + 11 * i,
+    missing_s: 0,
+    walked_m: 20 + 2.1 * i,
+    mean_speed_m_s: 0.25 + 0.02 * i + 0.015 * (i % 3),
+    max_speed_m_s: 0.5,
+  });
+  const trend = Array.from({ length: 9 }, (_, i) => ({
+    session: 21 + i,
+    visit: 11,
+    day: dayOf(Date.UTC(2026, 9, 2 + 6 * i)),
+    started_utc_ms: Date.UTC(2026, 9, 2 + 6 * i, 9, 30),
+    exercise: i === 2 ? { shape: 'square', side_m: 3.2 } : { shape: 'eight', c_m: 1, radius_m: 0.8 },
+    figures: i === 6 ? null : i === 4 ? { ...trendFigures(i), C: null, J_N: null, rms_position_m: null, rms_heading_rad: null } : trendFigures(i),
+    reason_code: i === 4 ? 'part_missing' : null,
+  })).reverse();
   const jobs = [];
   let failing = null;
   let hurry = false;
@@ -501,6 +534,8 @@ export function startFakeServer({
     if (errors.length > 0) return { ok: false, refusals: ['out_of_range'], errors };
     for (const [name, value] of Object.entries(wanted)) {
       event('parameter_changed', { name, value, before: values[name] });
+      const made = { id: history[0].id + 1, utc_ms: Date.now(), how: 'set', source: null, actor: berg, session: hoist.session };
+      if (value !== values[name]) history.unshift({ ...made, name, value, before: values[name] });
       values[name] = value;
     }
     hoist.version++;
@@ -663,6 +698,7 @@ export function startFakeServer({
       seconds_left: null,
       here: pins ? people.filter(({ has_pin }) => has_pin).map(({ user, display_name }) => ({ user, display_name })) : [],
       set_up,
+      device: { name: device.device_name === '' ? device.computer_name : device.device_name, language: device.language },
       problem: null,
     });
     if (path === '/session' && request.method === 'GET') return send(200, who());
@@ -718,12 +754,51 @@ export function startFakeServer({
     if (path === '/audit/check') return send(200, { rows: audit.length, first_wrong: null, head: '' });
     if (path === '/audit') return send(200, { items: audit, next: null });
     if (path === '/status') return send(200, { version: 'fake' });
+    if (path === '/settings') {
+      if (request.method === 'PATCH') Object.assign(device, given, { etag: `d${Number(device.etag.slice(1)) + 1}` });
+      return send(200, device);
+    }
+    if (path === '/time')
+      return send(200, {
+        utc_ms: Date.now(),
+        steady_ns: hoist.tick * 1e7,
+        kept_by: 'operating_system',
+        synchronised: true,
+        client_behind_s: (Date.now() - Number(url.searchParams.get('client_utc_ms'))) / 1000,
+      });
+    if (path === '/network')
+      return send(200, {
+        computer_name: 'hoist',
+        port: 443,
+        interfaces: [
+          { name: 'lo', up: true, loopback: true, addresses: ['127.0.0.1', '::1'] },
+          { name: 'wlan0', up: true, loopback: false, addresses: ['192.168.7.20', 'fe80::5054:ff:fe12:3456'] },
+        ],
+        tls: {
+          on: true,
+          names: ['hoist.local', '192.168.7.20'],
+          fingerprint: '3F:9A:11:C0:7D:52:88:0B:6E:F4:21:9C:AA:35:D7:60:12:8E:4B:C9:73:05:FE:61:90:2D:B8:47:1C:E3:56:0A',
+          trust_page: '/trust',
+        },
+      });
+    if (path === '/parameters/history') {
+      const limit = Number(url.searchParams.get('limit') ?? 50);
+      return send(200, { items: history.slice(0, limit), next: history.length > limit ? '1' : null });
+    }
     if (path === '/ws-ticket') return send(200, { ticket: 'fake' });
     if (path === '/health')
       return send(200, {
         connected: true,
         nodes: [],
         bus: null,
+        recordings: {
+          state: 'sound',
+          progress: 1,
+          checked_utc_ms: Date.UTC(2026, 10, 24, 6, 12),
+          damaged_blobs: 0,
+          damaged_sessions: [],
+          detail: '',
+        },
         emergencies: hoist.tick < 100 ? [] : [{ node: 'io', time_ns: 5e8, age_s: 1, error_register: 0, emergency: { code: 0x8140 } }],
       });
     if (path === '/loop') {
@@ -823,6 +898,14 @@ export function startFakeServer({
       if (request.method === 'DELETE' && job.state === 'running') job.state = 'cancelled';
       return send(request.method === 'DELETE' ? 202 : 200, job);
     }
+    const [, visitId] = /^\/visits\/(\d+)$/.exec(path) ?? [];
+    const visit = visits.find(({ id }) => id === Number(visitId));
+    if (visit !== undefined) {
+      if (request.method === 'PATCH' && request.headers['if-match'] !== `"${visit.etag}"`)
+        return send(412, { type: '/problems/changed-meanwhile', title: 'Changed', status: 412 });
+      if (request.method === 'PATCH') Object.assign(visit, given, { etag: `${visit.etag}+` });
+      return send(200, visit);
+    }
     if (path === '/visits')
       return send(200, {
         items: visits.filter((visit) => !url.searchParams.has('patient') || visit.patient === Number(url.searchParams.get('patient'))),
@@ -863,6 +946,7 @@ export function startFakeServer({
         }
         return send(200, { state: names.has(one.id) ? 'readable' : 'none', identity: names.get(one.id) ?? null, etag: one.etag });
       }
+      if (of === 'trend') return send(200, { items: one.visits === 0 ? [] : trend, next: null, simulated_left_out: one.visits === 0 ? 0 : 2 });
       if (of === 'profiles' && request.method === 'POST') {
         profiles.unshift({ ...profiles[0], id: 50 + profiles.length, name: given.name, saved_utc_ms: Date.now(), settings: { ...values } });
         return send(201, profiles[0]);
@@ -883,7 +967,11 @@ export function startFakeServer({
       sessions.splice(sessions.indexOf(session), 1);
       return send(204, null);
     }
-    if (rest === undefined && request.method === 'PATCH') return send(200, Object.assign(session, JSON.parse(body)));
+    if (rest === undefined && request.method === 'PATCH') {
+      if (request.headers['if-match'] !== `"${session.etag}"`)
+        return send(412, { type: '/problems/changed-meanwhile', title: 'Changed', status: 412 });
+      return send(200, Object.assign(session, JSON.parse(body), { etag: `${session.etag}+` }));
+    }
     if (rest === undefined) return send(200, session);
     if (rest === 'metrics')
       return send(200, {
@@ -947,6 +1035,11 @@ export function startFakeServer({
     request.on('data', (piece) => (body += piece));
     request.on('end', () => {
       if (url.pathname.startsWith('/api/v1/')) return api(request, url, body, send);
+      if (url.pathname === '/api/openapi.json') {
+        response.writeHead(200, { 'Content-Type': 'application/json' });
+        return response.end(readFileSync(join(here, '../server/contract/openapi.gen.json')));
+      }
+      if (url.pathname === '/api/docs') url.pathname = '/docs.html';
       const file = join(dist, normalize(url.pathname === '/' ? '/index.html' : url.pathname));
       if (!file.startsWith(dist) || !existsSync(file) || !statSync(file).isFile()) return send(404, { title: 'Unknown', status: 404 });
       response.writeHead(200, {

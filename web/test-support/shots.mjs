@@ -148,6 +148,20 @@ for (const [size, [width, height]] of Object.entries(sizes)) {
       }
       await shot(name);
     }
+    for (const [name, address, ready] of [
+      ['tune-history', 'tune', '.tune-history summary'],
+      ['patient', 'patients/5', '.trend-plot'],
+      ['settings-device', 'settings/device', '.settings-part dl'],
+    ]) {
+      await page.goto(`${fake.url}#/${address}`);
+      await page.locator(ready).first().scrollIntoViewIfNeeded();
+      if (name === 'tune-history') await page.locator(ready).click();
+      await page.waitForTimeout(500);
+      await shot(name);
+    }
+    await page.goto(`${fake.url}api/docs#create_patient`);
+    await page.locator('#create_patient form').waitFor();
+    await shot('docs');
     await fake.close();
     await page.waitForTimeout(1500);
     await page.goto(`${fake.url}#/walk`).catch(() => {});

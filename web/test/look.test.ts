@@ -66,7 +66,7 @@ describe('style sheets', () => {
     for (const file of sheets) {
       if (file.startsWith('style/')) continue;
       const importers = readdirSync('src', { recursive: true, encoding: 'utf8' }).filter(
-        (source) => source.endsWith('.tsx') && readFileSync(`src/${source}`, 'utf8').includes(`/${file.split('/').at(-1)!}'`),
+        (source) => /\.tsx?$/.test(source) && readFileSync(`src/${source}`, 'utf8').includes(`/${file.split('/').at(-1)!}'`),
       );
       expect(importers, file).not.toEqual([]);
     }

@@ -23,6 +23,7 @@ const session = (id: number): Session => ({
   note: '',
   samples: 1,
   gaps: 0,
+  etag: '1',
 });
 const page = (ids: number[], next: number | null): SessionList => ({
   items: ids.map(session),

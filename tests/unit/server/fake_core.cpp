@@ -188,6 +188,7 @@ void FakeCore::take(const Command& c) {
       for (const auto& [index, value] : staged_) {
         Event event;
         event.kind = EventKind::parameter_changed;
+        event.request_id = c.request_id;
         event.client = c.client;
         event.item = kParams[index].id;
         event.value = value;

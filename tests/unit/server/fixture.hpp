@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -54,6 +55,7 @@ class ServerTest : public ::testing::Test {
       const std::lock_guard lock(code_mutex_);
       code_ = code;
     };
+    if (adjust_) adjust_(settings);
     app_ = std::make_unique<server::App>(settings);
     std::string error;
     ASSERT_TRUE(app_->start(error)) << error;
@@ -140,6 +142,7 @@ class ServerTest : public ::testing::Test {
 
   TemporaryFolder folder_;
   std::filesystem::path db_path_ = folder_ / "hoist.db";
+  std::function<void(server::Settings&)> adjust_;  // before each start
   std::unique_ptr<FakeCore> core_;
   std::unique_ptr<server::App> app_;
   std::thread thread_;

@@ -12,6 +12,7 @@
 
 #include "control/run/heap_watch.hpp"
 #include "server/actions/actions.hpp"
+#include "server/actions/records.hpp"
 #include "server/http/compress.hpp"
 #include "server/live/client.hpp"
 #include "server/text/json_writer.hpp"
@@ -42,6 +43,7 @@ class Idle : public ::testing::Test {
                                  .core = core_,
                                  .firmware = firmware_,
                                  .state = state_,
+                                 .history = history_,
                                  .tools = tools_,
                                  .recorder = recorder_,
                                  .records = records_,
@@ -88,6 +90,7 @@ class Idle : public ::testing::Test {
   server::SetUp set_up_{[] { return std::string(); }, [](const std::string&) {}};
   ToolSwitch tools_{folder_ / "none.tools", false};
   ActorList actors_{0};
+  ParameterHistory history_{core_, records_, actors_, [] { return std::int64_t{0}; }};
   Hub hub_;
   std::unique_ptr<Auth> auth_;
   std::unique_ptr<Services> services_;
@@ -225,6 +228,11 @@ TEST_F(Idle, ActionsAskForTheRoleThemselves_H28) {
   one(act_record, viewer, RecordWish{.starts = true, .subject = {}, .note = {}});
   one(act_delete_session, viewer, db::SessionId{1});
   one(act_set_retention, therapist, db::RetentionRule{}, std::string{});
+  one(act_change_session, viewer, db::SessionId{1}, db::SessionPatch{}, std::string{});
+  one(act_change_marker, viewer, MarkerPlace{}, std::string("there"), std::string{});
+  one(act_delete_marker, viewer, MarkerPlace{}, std::string{});
+  one(act_change_device, therapist, db::DeviceSettingsPatch{}, std::string{});
+  one(act_set_clock, therapist, std::int64_t{0});
   one(act_start_job, viewer, JobKind::integrity_check, JobArguments{});
   one(act_cancel_job, viewer, JobId{1});
   one(act_update_firmware, therapist, std::vector<std::uint8_t>{}, contract::Node::tilt_base, false);

@@ -547,6 +547,17 @@ class TakeOver : public ::testing::Test {
   std::int64_t clock_set_ns_ = 0;  // by which the wall clock was set
 };
 
+// On a busy computer the file may take longer to open than a person to press a button: what waited is done before the next step comes.
+TEST_F(TakeOver, ARecordingByHandNeedNotWaitForTheNextStep) {
+  live();
+  EXPECT_TRUE(job([](server::Records& records) { return records.begin_manual("P-018", ""); }).ok());
+  publish(50, Mode::standby);
+  EXPECT_TRUE(job([](server::Records& records) { return records.end_manual(); }).ok());
+  const Session first = session(1);
+  EXPECT_EQ(first.info.subject, "P-018");
+  EXPECT_GE(first.ticks.size(), 48U);
+}
+
 // H21
 TEST_F(TakeOver, AServerThatComesBackSoonRecordsWhatTheDeadOneMissed) {
   walk_and_die();

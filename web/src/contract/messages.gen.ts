@@ -23,6 +23,7 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   not_recording: { en: 'Nothing is being recorded.', de: 'Es läuft keine Aufnahme.' },
   lease_free: { en: 'Nobody else is in control.', de: 'Niemand sonst steuert.' },
   job_ended: { en: 'This job has already ended.', de: 'Dieser Auftrag ist schon beendet.' },
+  system_clock: { en: 'The operating system keeps the time. Set it there.', de: 'Die Uhr stellt das Betriebssystem. Bitte dort stellen.' },
   disk_full: { en: 'The storage is full.', de: 'Der Speicher ist voll.' },
   read_only: { en: 'This storage is write-protected.', de: 'Dieser Speicher ist schreibgeschützt.' },
   storage: { en: 'The storage does not answer. Call service if it stays so.', de: 'Der Speicher antwortet nicht. Bleibt es so, Service rufen.' },

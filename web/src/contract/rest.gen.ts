@@ -30,6 +30,22 @@ export type Alarm = {
   text: Words;
 };
 
+export type AlarmList = {
+  items: readonly ({
+    /** As it was called then; words in /api/v1/faults. */
+    fault: string;
+    /** null: not over before the session's end. */
+    lasted_s: number | null;
+    session: number;
+    simulated: boolean;
+    subject: string | null;
+    /** Since the session's start. */
+    time_s: number;
+    utc_ms: number;
+  })[];
+  next: string | null;
+};
+
 export type AuditCheck = {
   first_wrong: number | null;
   /** Digest of the newest row: note it elsewhere to prove later that no row was cut off. */
@@ -172,6 +188,8 @@ export type CalibrationState = {
 
 export type CalibrationStep = 'zero' | 'neutral' | 'gyro' | 'strut_length' | 'strut_spacing' | 'wheel_radius' | 'track' | 'square' | 'encoders' | 'bumpers';
 
+export type ChangeHow = 'set' | 'trial' | 'preset' | 'profile' | 'undo' | 'trial_over' | 'neutral' | 'calibration' | 'not_seen';
+
 export type ChoosePatient = {
   /** Id of a patient; null: nobody. */
   patient: number | null;
@@ -195,6 +213,20 @@ export type ComputedFrom = {
   inputs: readonly string[];
   /** Of the figure's definition. */
   version: number;
+};
+
+export type DeviceSettings = {
+  computer_name: string;
+  /** Empty: the computer's name. */
+  device_name: string;
+  etag: EditTag;
+  language: LanguageOrNull;
+};
+
+export type DeviceSettingsPatch = {
+  /** One line, at most 64 bytes of UTF-8. */
+  device_name?: string;
+  language?: LanguageOrNull;
 };
 
 /** One line, as screens show it. */
@@ -542,6 +574,9 @@ export type KeepRequest = {
   version?: LookedAt;
 };
 
+/** null: as each browser asks. */
+export type LanguageOrNull = 'en' | 'de' | null;
+
 /** Those that hold something, earliest first. */
 export type LatenessBuckets = readonly ({
   count: number;
@@ -607,8 +642,25 @@ export type Loop = {
   steps: number;
 };
 
+export type MarkerList = {
+  items: readonly MarkerRow[];
+};
+
 export type MarkerRequest = {
   text: string;
+};
+
+export type MarkerRow = {
+  actor: ActorOrNull;
+  etag: EditTag;
+  /** Within its session. */
+  number: number;
+  session: number;
+  text: string;
+  tick: number;
+  /** Since the session's start. */
+  time_s: number;
+  utc_ms: number;
 };
 
 /** The figures of db/metrics/metrics.def. */
@@ -693,6 +745,26 @@ export type ModeState = {
   stop_cause: readonly string[] | null;
 };
 
+export type Network = {
+  computer_name: string;
+  interfaces: readonly {
+    addresses: readonly string[];
+    loopback: boolean;
+    name: string;
+    up: boolean;
+  }[];
+  port: number;
+  tls: {
+    /** Of the hoist's own authority, SHA-256; null: it has none. */
+    fingerprint: string | null;
+    /** Under which the hoist may be called. */
+    names: readonly string[];
+    on: boolean;
+    /** Path of the page that explains how a device comes to trust it. */
+    trust_page: string | null;
+  };
+};
+
 export type NewToken = {
   days: number;
   /** What it is for. */
@@ -759,6 +831,36 @@ export type Parameter = {
   title: Words;
   unit: string;
   value: number;
+};
+
+export type ParameterChange = {
+  actor: ActorOrNull;
+  before: number;
+  how: ChangeHow;
+  id: number;
+  /** As it was then. */
+  name: string;
+  /** That was being recorded; null: none. */
+  session: number | null;
+  /** Name of the preset or profile. */
+  source: string | null;
+  utc_ms: number;
+  value: number;
+};
+
+export type ParameterDiff = {
+  from_utc_ms: number;
+  items: readonly {
+    from: number;
+    name: string;
+    to: number;
+  }[];
+  to_utc_ms: number;
+};
+
+export type ParameterHistory = {
+  items: readonly ParameterChange[];
+  next: string | null;
 };
 
 export type ParameterList = {
@@ -924,7 +1026,7 @@ export type ProfileRequest = {
 /** Names and values of parameters that a therapist may change. */
 export type ProfileSettings = Record<string, number>;
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'job_ended' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
 
 export type Recording = {
   detail: string;
@@ -1023,6 +1125,7 @@ export type Session = {
   core_version: string | null;
   duration_s: number;
   ended_utc_ms: number | null;
+  etag: EditTag;
   exercise: ExerciseOrNull;
   gaps: number;
   id: number;
@@ -1147,6 +1250,21 @@ export type Ticket = {
   ticket: string;
 };
 
+export type Time = {
+  /** How far the client's clock is behind, the way of the request included. */
+  client_behind_s: number | null;
+  /** Who may set it. */
+  kept_by: 'operating_system' | 'engineers';
+  steady_ns: number;
+  /** Whether the operating system has it from a time server; null: it does not say. */
+  synchronised: boolean | null;
+  utc_ms: number;
+};
+
+export type TimeRequest = {
+  utc_ms: number;
+};
+
 export type Token = {
   created_utc_s: number;
   expires_utc_s: number;
@@ -1180,12 +1298,56 @@ export type ToolsRequest = {
   enabled: boolean;
 };
 
+export type Trend = {
+  items: readonly ({
+    day: string;
+    exercise: ExerciseOrNull;
+    /** null: the recording cannot be read. */
+    figures: TrendFigures | null;
+    /** Why there is no C, J_N, or one of them. */
+    reason_code: NoFigure | null;
+    session: number;
+    started_utc_ms: number;
+    visit: number;
+  })[];
+  next: string | null;
+  /** Recordings of this patient with a simulated hoist. */
+  simulated_left_out: number;
+};
+
+/** The figures of db/metrics/metrics.def; null: not defined for this session. */
+export type TrendFigures = {
+  /** Correlation of pelvis turn and path turn at zero lag, -1 to 1: whether the patient turns where the path turns. No measure of distance from the path. */
+  C: number | null;
+  /** Squared error of the walk per metre of path, at 100 Hz: it grows with slowness, too. */
+  J_N: number | null;
+  /** Largest absolute speed while under way. */
+  max_speed_m_s: number;
+  /** walked_m over motion_s: standing does not count. */
+  mean_speed_m_s: number;
+  /** Motion that is not recorded: all figures are of the rest. */
+  missing_s: number;
+  /** Of that, time in which a wheel turned at 0.02 m/s or more. */
+  motion_s: number;
+  /** Progress along the exercise. */
+  reference_length_m: number | null;
+  /** Angle against the exercise, root mean square. */
+  rms_heading_rad: number | null;
+  /** Distance from the exercise, root mean square. */
+  rms_position_m: number | null;
+  /** Time in which the hoist was under way (a mode in which the wheels may turn), standing included. */
+  under_way_s: number;
+  /** Way walked, forward and backward: absolute speed times 10 ms, summed over the time under way. */
+  walked_m: number;
+};
+
 /** Only on trial: the values before come back after so many seconds unless confirmed. */
 export type TrialTime = number;
 
 export type User = {
   display_name: string;
   enabled: boolean;
+  etag: EditTag;
   has_pin: boolean;
   role: RoleName;
   user: string;
@@ -1254,6 +1416,11 @@ export type Walk = {
 };
 
 export type WhoAmI = {
+  device: {
+    language: LanguageOrNull;
+    /** Of this hoist. */
+    name: string;
+  };
   display_name: string | null;
   /** null: no account. */
   has_pin: boolean | null;
@@ -1290,6 +1457,11 @@ export interface Routes {
   'POST /api/v1/acknowledge': {
     body?: AcknowledgeRequest;
     answer: Done;
+  };
+  /** Alarms of all recorded sessions, newest first; those of now are in the status. */
+  'GET /api/v1/alarms': {
+    query?: { limit?: number; cursor?: string; fault?: string; session?: number; from_utc_ms?: number; to_utc_ms?: number };
+    answer: AlarmList;
   };
   /** Who did what, newest first; rows are only ever added. */
   'GET /api/v1/audit': {
@@ -1424,6 +1596,10 @@ export interface Routes {
   'GET /api/v1/modes': {
     answer: ModeList;
   };
+  /** Addresses under which the hoist is reached, and how to trust it. */
+  'GET /api/v1/network': {
+    answer: Network;
+  };
   /** Takes the way the patient stands now as upright. */
   'POST /api/v1/neutral': {
     body?: Empty;
@@ -1442,6 +1618,16 @@ export interface Routes {
   'POST /api/v1/parameters/confirm': {
     body?: KeepRequest;
     answer: DoneStored;
+  };
+  /** Which parameters differed between two moments. */
+  'GET /api/v1/parameters/diff': {
+    query?: { from_utc_ms?: number; to_utc_ms?: number };
+    answer: ParameterDiff;
+  };
+  /** Every change of a parameter, newest first: when, by whom, in which session, and how. */
+  'GET /api/v1/parameters/history': {
+    query?: { limit?: number; cursor?: string; name?: string; patient?: number; from_utc_ms?: number; to_utc_ms?: number };
+    answer: ParameterHistory;
   };
   /** Values on trial go back at once. */
   'POST /api/v1/parameters/revert': {
@@ -1521,6 +1707,12 @@ export interface Routes {
     path: { id: number };
     body: ProfileRequest;
     answer: Profile;
+  };
+  /** Figures of a patient's sessions, newest first; recordings of a simulated hoist never enter it. */
+  'GET /api/v1/patients/{id}/trend': {
+    path: { id: number };
+    query?: { limit?: number; cursor?: string };
+    answer: Trend;
   };
   /** Sets the odometry's pose while standing still. */
   'POST /api/v1/pose': {
@@ -1643,11 +1835,27 @@ export interface Routes {
     query?: { format?: 'csv' | 'csv_de' | 'events' | 'json' | 'candump' | 'mcap' | 'mat' | 'zip'; columns?: string; constant?: number; comments?: number };
     answer: never;
   };
+  /** Markers of a session, in the order in which they were set. */
+  'GET /api/v1/sessions/{id}/markers': {
+    path: { id: number };
+    answer: MarkerList;
+  };
   /** Sets a marker now in the session that is being recorded. */
   'POST /api/v1/sessions/{id}/markers': {
     path: { id: number };
     body: MarkerRequest;
     answer: Done;
+  };
+  /** Deletes a marker, overwritten. */
+  'DELETE /api/v1/sessions/{id}/markers/{number}': {
+    path: { id: number; number: number };
+    answer: null;
+  };
+  /** Changes a marker's text; its time stays. */
+  'PATCH /api/v1/sessions/{id}/markers/{number}': {
+    path: { id: number; number: number };
+    body: MarkerRequest;
+    answer: MarkerRow;
   };
   /** Figures of a session on its exercise. */
   'GET /api/v1/sessions/{id}/metrics': {
@@ -1659,6 +1867,15 @@ export interface Routes {
     path: { id: number };
     query?: { columns?: string; from_s?: number; to_s?: number; points?: number };
     answer: Samples;
+  };
+  /** What this hoist is called, and its language. */
+  'GET /api/v1/settings': {
+    answer: DeviceSettings;
+  };
+  /** Changes name or language of this hoist. */
+  'PATCH /api/v1/settings': {
+    body: DeviceSettingsPatch;
+    answer: DeviceSettings;
   };
   /** Makes an engineer's account, or gives one a new password; needs the configuration switch and the code that the hoist shows. */
   'POST /api/v1/setup': {
@@ -1676,6 +1893,16 @@ export interface Routes {
   /** STOP. Anyone may who was ever signed in; never refused, whatever the body. */
   'POST /api/v1/stop': {
     answer: Done;
+  };
+  /** The hoist's clock, and how far the client's is from it. */
+  'GET /api/v1/time': {
+    query?: { client_utc_ms?: number };
+    answer: Time;
+  };
+  /** Sets the clock, between two sessions; refused where the operating system keeps it. */
+  'PUT /api/v1/time': {
+    body: TimeRequest;
+    answer: Time;
   };
   /** Tokens of scripts and tools: one's own, an engineer sees all. */
   'GET /api/v1/tokens': {

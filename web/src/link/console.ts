@@ -12,6 +12,7 @@ import { rest, type Answer, type Problem } from './rest';
 import { causeReader } from './speed_cause';
 import { Link, replyLost, type Question, type Reply, type Told } from './socket';
 import { openTicketed } from './ticketed';
+import { offerLanguage } from '../text/text';
 import { moving, stopped, store, writable, type Emergency, type LogLine, type Notice } from './store';
 
 const late_ms = 500;
@@ -46,7 +47,9 @@ const link = new Link(
 
 async function askWho(): Promise<void> {
   const answer = await rest('GET /api/v1/session');
-  if (answer.ok) writable.set({ person: answer.value.display_name, account: answer.value.has_pin !== null });
+  if (!answer.ok) return;
+  writable.set({ person: answer.value.display_name, account: answer.value.has_pin !== null });
+  offerLanguage(answer.value.device.language);
 }
 
 async function checkSignedIn(): Promise<void> {

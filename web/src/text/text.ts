@@ -3,7 +3,7 @@ import type { Words } from '../contract/params.gen';
 import { refusals } from '../contract/faults.gen';
 import type { Table, TextKey } from './en';
 import { first } from './first';
-import { settings, type Language } from './settings';
+import { setLanguage, settings, wantsOffered, type Language } from './settings';
 
 const files: Readonly<Record<Language, () => Promise<Table>>> = {
   en: async () => (await import('./en')).en,
@@ -17,14 +17,19 @@ export async function loadLanguage(language: Language): Promise<void> {
 }
 
 /** Changes the language once its texts are loaded. False: loading failed, and the language stays. */
-export async function chooseLanguage(language: Language): Promise<boolean> {
+export async function chooseLanguage(language: Language, offered = false): Promise<boolean> {
   try {
     await loadLanguage(language);
   } catch {
     return false;
   }
-  settings.set({ language });
+  setLanguage(language, offered);
   return true;
+}
+
+/** The hoist's own language, for a browser in which nobody has chosen one. When it cannot be loaded the present one stays. */
+export function offerLanguage(language: Language | null): void {
+  if (wantsOffered(language)) void chooseLanguage(language, true);
 }
 
 /** The text in the chosen language, whose words must have been loaded unless the key is one of first.ts. */

@@ -1,6 +1,6 @@
 // One patient: the identity on request, visits with their sessions, and what becomes of the data. The list is on Home.
 import { useEffect, useState } from 'preact/hooks';
-import type { Patient, Person, Session } from '../../contract/rest.gen';
+import type { Patient, Person, Session, VisitRow } from '../../contract/rest.gen';
 import { choosePatient, notify } from '../../link/console';
 import { useQuery } from '../../link/query';
 import { rest, type Answer, type Problem } from '../../link/rest';
@@ -12,8 +12,10 @@ import { useSettings } from '../../text/settings';
 import { date, dayText, duration, noValue, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
 import { HoldButton } from '../../ui/hold_button';
+import { TextField } from '../../ui/text_field';
 import type { PanelProps } from '../panel';
 import { Profiles } from './profiles';
+import { TrendCard } from './trend';
 import '../../ui/rows.css';
 import './patients.css';
 
@@ -90,7 +92,8 @@ function PatientPage({ id }: { id: number }) {
         <Trouble problem={problem} />
       </section>
       <div class="patient-side">
-        <Visits id={id} code={patient.code} again={recording} />
+        <TrendCard patient={id} again={recording} />
+        <Visits id={id} code={patient.code} again={recording} may={may} />
         <Profiles patient={id} may={may} />
       </div>
       <div class="patient-side">
@@ -204,7 +207,7 @@ function IdentityCard({ patient, onChange }: { patient: Patient; onChange: () =>
   );
 }
 
-function Visits({ id, code, again }: { id: number; code: string; again: string }) {
+function Visits({ id, code, again, may }: { id: number; code: string; again: string; may: boolean }) {
   const visits = useQuery(() => rest('GET /api/v1/visits', { query: { patient: id, limit: visitsMost } }), [id, again]);
   const sessions = useQuery(() => rest('GET /api/v1/sessions', { query: { q: code, limit: sessionsMost } }), [code, again]);
   const known = new Map((sessions.value?.items ?? []).map((session) => [session.id, session]));
@@ -217,6 +220,7 @@ function Visits({ id, code, again }: { id: number; code: string; again: string }
       {(visits.value?.items ?? []).map((visit) => (
         <div key={visit.id} class="patient-visit">
           <h3>{dayText(visit.day)}</h3>
+          <VisitNote visit={visit} may={may} onChange={visits.retry} />
           <ul class="rows">
             {visit.sessions.map((session) => (
               <SessionRow key={session} id={session} session={known.get(session) ?? null} />
@@ -235,6 +239,25 @@ function Visits({ id, code, again }: { id: number; code: string; again: string }
         </div>
       ))}
     </section>
+  );
+}
+
+/** What people write about a visit. Saved for the note that was shown: another person's is never overwritten unseen. */
+function VisitNote({ visit, may, onChange }: { visit: VisitRow; may: boolean; onChange: () => void }) {
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const save = async (note: string): Promise<boolean> => {
+    const answer = await rest('PATCH /api/v1/visits/{id}', { path: { id: visit.id }, body: { note }, etag: visit.etag });
+    setProblem(answer.ok ? null : answer.problem);
+    if (answer.ok) notify('info', 'sessions.saved');
+    onChange();
+    return answer.ok;
+  };
+  if (!may && visit.note === '') return null;
+  return (
+    <>
+      <TextField label={t('visit.note')} value={visit.note} most={noteMost} disabled={!may} onSave={save} />
+      <Trouble problem={problem} />
+    </>
   );
 }
 

@@ -14,6 +14,7 @@ import { date, degrees, duration, fixed, t, words } from '../../text/text';
 import { fit, patternPoints, type Point } from '../../ui/geometry';
 import { drawFloor } from '../../ui/floor_view';
 import { Scroll } from '../../ui/scroll';
+import { TextField } from '../../ui/text_field';
 import { eventText } from '../../ui/event_text';
 import { Lazy, LoadFailed, useLazy } from '../../ui/lazy';
 import { addressOf, go } from '../../router';
@@ -38,6 +39,8 @@ const typing_ms = 250;
 const subjectMost = 64;
 const noteMost = 500;
 const notFound = 404;
+/** Someone else has changed it since it was read. */
+const outdated = 412;
 /** Columns that a session does not have are refused with this; anything else is a failure. */
 const unprocessable = 422;
 
@@ -229,15 +232,28 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
     setNames((before) => (before.includes(name) ? before.filter((item) => item !== name) : [...before, name].slice(-curvesMost)));
   const here = useRef(true);
   useEffect(() => () => void (here.current = false), []);
-  const save = async (change: SessionPatch): Promise<boolean> => {
-    const answer = await rest('PATCH /api/v1/sessions/{id}', { path: { id }, body: change });
+  // One after the other: each is made for what the one before has left.
+  const saving = useRef<Promise<unknown>>(Promise.resolve());
+  const tag = useRef<string | undefined>(undefined);
+  useEffect(() => void (tag.current = session?.etag), [session]);
+  const save = (change: SessionPatch): Promise<boolean> => {
+    const saved = saving.current.then(() => saveNow(change));
+    saving.current = saved;
+    return saved;
+  };
+  const saveNow = async (change: SessionPatch): Promise<boolean> => {
+    const answer = await rest('PATCH /api/v1/sessions/{id}', { path: { id }, body: change, etag: tag.current });
     if (answer.ok) {
+      tag.current = answer.value.etag;
       setChanged(answer.value);
       setError(null);
       notify('info', t('sessions.saved'), true);
       onChange();
-    } else if (here.current) setError(problemText(answer.problem));
-    else notify('error', `${t('sessions.notSaved')} ${problemText(answer.problem)}`, true);
+    } else if (here.current) {
+      setError(problemText(answer.problem));
+      // What was changed meanwhile is shown beside what was typed.
+      if (answer.problem.status === outdated) asked.retry();
+    } else notify('error', `${t('sessions.notSaved')} ${problemText(answer.problem)}`, true);
     return answer.ok;
   };
 
@@ -359,63 +375,6 @@ function Export({ id }: { id: number }) {
         {t('sessions.export')}
       </a>
     </div>
-  );
-}
-
-/** A text that is saved on leaving the field, since a button is easily forgotten. The button only makes saving visible. */
-function TextField({
-  label,
-  hint,
-  value,
-  most,
-  onSave,
-}: {
-  label: string;
-  hint?: string;
-  value: string;
-  most: number;
-  onSave: (text: string) => Promise<boolean>;
-}) {
-  const [draft, setDraft] = useState<string | null>(null); // typed text that is not known to be stored
-  const sent = useRef<string | null>(null); // a tap on Save leaves the field, too: one request is enough
-  const changed = draft !== null && draft !== value;
-  const save = async () => {
-    if (!changed || draft === sent.current) return;
-    sent.current = draft;
-    const kept = await onSave(draft);
-    sent.current = null;
-    if (kept) setDraft((now) => (now === draft ? null : now));
-  };
-  const latest = useRef(save);
-  latest.current = save;
-  useEffect(() => {
-    const leave = () => void latest.current();
-    window.addEventListener('pagehide', leave);
-    return () => {
-      window.removeEventListener('pagehide', leave);
-      leave();
-    };
-  }, []);
-  return (
-    <label class="text-field">
-      <span>
-        {label}
-        {hint ? <small> · {hint}</small> : null}
-      </span>
-      <span class="text-field-row">
-        <input
-          type="text"
-          value={draft ?? value}
-          maxLength={most}
-          onInput={(event) => setDraft(event.currentTarget.value)}
-          onBlur={() => void save()}
-          onKeyDown={(event) => event.key === 'Enter' && void save()}
-        />
-        <button type="button" class="plain" disabled={!changed} onClick={() => void save()}>
-          {t('common.save')}
-        </button>
-      </span>
-    </label>
   );
 }
 

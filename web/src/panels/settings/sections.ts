@@ -3,6 +3,7 @@ import type { ComponentType } from 'preact';
 import type { TextKey } from '../../text/en';
 import { AuditSection } from './audit';
 import { BackupSection } from './backup';
+import { DeviceSection } from './device';
 import { MeSection } from './me';
 import { RetentionSection } from './retention';
 import { may, type Role } from './roles';
@@ -24,6 +25,7 @@ export const sections: readonly Section[] = [
   { id: 'tokens', title: 'settings.tokens', role: 'therapist', view: TokensSection },
   { id: 'backup', title: 'settings.backup', role: 'engineer', view: BackupSection },
   { id: 'retention', title: 'settings.retention', role: 'engineer', view: RetentionSection },
+  { id: 'device', title: 'settings.device', role: 'viewer', view: DeviceSection },
   { id: 'tools', title: 'settings.tools', role: 'viewer', view: ToolsSection },
   { id: 'audit', title: 'settings.audit', role: 'engineer', view: AuditSection },
 ];

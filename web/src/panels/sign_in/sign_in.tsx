@@ -1,11 +1,11 @@
 // Signing in: with name and password, or with a PIN on a device that the person has signed in on before; and the first set-up.
-import { useState } from 'preact/hooks';
+import { useEffect, useState } from 'preact/hooks';
 import type { WhoAmI } from '../../contract/rest.gen';
 import { signIn } from '../../link/account';
 import { useQuery } from '../../link/query';
 import { rest, type Problem } from '../../link/rest';
 import { useSettings } from '../../text/settings';
-import { t } from '../../text/text';
+import { offerLanguage, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
 import { LanguageChoice } from '../../ui/language_choice';
 import { useWait } from '../../ui/wait';
@@ -26,6 +26,7 @@ export function SignInView({ done }: { done?: () => void }) {
   const [lost, setLost] = useState(false);
   const who = useQuery(() => rest('GET /api/v1/session'), [], look_ms);
   const state = who.value;
+  useEffect(() => offerLanguage(state?.device.language ?? null), [state?.device.language]);
   return (
     <div class="sign-in card">
       {state === null ? (
@@ -53,6 +54,7 @@ export function SignInView({ done }: { done?: () => void }) {
         </button>
       ) : null}
       <LanguageChoice />
+      {state === null ? null : <p class="hint">{state.device.name}</p>}
     </div>
   );
 }

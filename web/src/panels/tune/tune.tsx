@@ -10,6 +10,7 @@ import { plain, readNumber, shownAs, t, words, withUnit } from '../../text/text'
 import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
 import { groups, niceStep, type Group } from './groups';
+import { HistoryCard } from './history';
 import '../../ui/motion.css';
 import './tune.css';
 
@@ -252,6 +253,10 @@ export function TuneView() {
         </p>
       </div>
       <Refusal request={request} />
+      <HistoryCard
+        send={send}
+        locked={(row) => !connected || role === 'viewer' || (row.edit === 'stopped' && !standby) || (row.role === 'engineer' && role !== 'engineer')}
+      />
       {list.map((group) => (
         <GroupView key={group.title} group={group} role={role} standby={standby} connected={connected} />
       ))}

@@ -1,0 +1,35 @@
+// The markers of recorded sessions, as people change them afterwards: only the text; when a marker was set stays.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "db/store/database.hpp"
+#include "db/store/edit_tag.hpp"
+#include "db/store/result.hpp"
+#include "db/store/session_types.hpp"
+
+namespace hoist::db {
+
+struct MarkerInfo {
+  std::int64_t number = 0;  ///< within its session
+  Marker marker;
+  double time_s = 0;  ///< since the session's start, by the wall clock
+  std::string tag;    ///< of the text
+};
+
+/// `expected`: the tag that the change was made for, empty = whatever there is. Errors: not_found, changed, bad_value (text), busy, disk_full.
+class MarkerStore {
+ public:
+  explicit MarkerStore(Database& database) : database_(&database) {}
+  /// In the order in which they were set.
+  Result<std::vector<MarkerInfo>> list(SessionId session) const;
+  Result<MarkerInfo> change(SessionId session, std::int64_t number, const std::string& text, const std::string& expected);
+  /// Overwritten, too.
+  Status remove(SessionId session, std::int64_t number, const std::string& expected);
+
+ private:
+  Database* database_;
+};
+
+}  // namespace hoist::db

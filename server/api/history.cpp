@@ -1,0 +1,185 @@
+// What happened over all sessions: changes of parameters, alarms, a patient's figures. Reading runs on the recorder's thread.
+#include <nlohmann/json.hpp>
+
+#include "control/contract/faults.hpp"
+#include "control/contract/params.hpp"
+#include "db/codec/exercise_json.hpp"
+#include "db/export/provenance.hpp"
+#include "db/metrics/metric_list.hpp"
+#include "db/store/alarms.hpp"
+#include "db/store/parameter_log.hpp"
+#include "db/store/trend.hpp"
+#include "db/summary/session_json.hpp"
+#include "server/api/answers.hpp"
+#include "server/api/handlers.hpp"
+#include "server/api/lists.hpp"
+
+namespace hoist::server::api {
+
+using nlohmann::json;
+
+namespace {
+constexpr std::size_t kTrendMost = 50, kTrendUsual = 20;
+
+template <typename T>
+json or_null(const std::optional<T>& value) {
+  return value ? json(*value) : json(nullptr);
+}
+}  // namespace
+
+void list_parameter_history(const CallPtr& call) {
+  db::ChangeQuery wanted;
+  if (!read_page(call, wanted) || !read_moment(call, "from_utc_ms", wanted.from_utc_ns) ||
+      !read_moment(call, "to_utc_ms", wanted.to_utc_ns) || !read_id(call, "patient", wanted.patient))
+    return;
+  wanted.name = query(*call, "name");
+  if (wanted.name && !contract::find_param(*wanted.name)) return call->fail(bad_query("name", "must be a parameter", {}, {}));
+  with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
+    const auto page = db::ParameterLog(database).list(wanted);
+    if (!page) return store_error(page.error(), path);
+    json items = json::array();
+    for (const db::ParameterChange& change : page->items)
+      items.push_back({{"id", change.id},
+                       {"utc_ms", change.utc_ns / 1'000'000},
+                       {"session", or_null(change.session)},
+                       {"name", change.name},
+                       {"value", change.value},
+                       {"before", change.before},
+                       {"how", change.reason},
+                       {"source", or_null(change.source)},
+                       {"actor", db::actor_json(change.actor)}});
+    return json_response({{"items", std::move(items)}, {"next", next_json(page->next)}});
+  });
+}
+
+void diff_parameters(const CallPtr& call) {
+  std::optional<std::int64_t> from, to = call->services.utc_ns();
+  if (!read_moment(call, "from_utc_ms", from) || !read_moment(call, "to_utc_ms", to)) return;
+  if (!from) return call->fail(bad_query("from_utc_ms", "must be given", {}, {}));
+  if (*to < *from) return call->fail(bad_query("to_utc_ms", "must not be before from_utc_ms", {}, {}));
+  with_database(call, [from = *from, to = *to, path = call->request.path](db::Database& database) -> Response {
+    const auto differences = db::ParameterLog(database).between(from, to);
+    if (!differences) return store_error(differences.error(), path);
+    json items = json::array();
+    for (const db::ParameterDifference& one : *differences) items.push_back({{"name", one.name}, {"from", one.from}, {"to", one.to}});
+    return json_response({{"from_utc_ms", from / 1'000'000}, {"to_utc_ms", to / 1'000'000}, {"items", std::move(items)}});
+  });
+}
+
+namespace {
+std::string text_of(const db::AlarmPlace& place) { return std::to_string(place.session) + "-" + std::to_string(place.number); }
+
+// As text_of writes it. False: the call has failed.
+bool read_alarm_cursor(const CallPtr& call, std::optional<db::AlarmPlace>& before) {
+  const auto cursor = query(*call, "cursor");
+  if (!cursor || cursor->empty()) return true;
+  const std::size_t dash = cursor->find('-');
+  const auto session = number<std::int64_t>(std::string_view(*cursor).substr(0, dash));
+  const auto event = dash == std::string::npos ? std::nullopt : number<std::int64_t>(std::string_view(*cursor).substr(dash + 1));
+  if (!session || !event) {
+    call->fail(bad_query("cursor", "must be the `next` of an earlier answer", {}, {}));
+    return false;
+  }
+  before = db::AlarmPlace{*session, *event};
+  return true;
+}
+}  // namespace
+
+void list_alarms(const CallPtr& call) {
+  db::AlarmQuery wanted;
+  if (!read_limit(call, wanted.limit, db::kMaxPage) || !read_alarm_cursor(call, wanted.before) ||
+      !read_moment(call, "from_utc_ms", wanted.from_utc_ns) || !read_moment(call, "to_utc_ms", wanted.to_utc_ns) ||
+      !read_id(call, "session", wanted.session))
+    return;
+  wanted.fault = query(*call, "fault");
+  if (wanted.fault && contract::find_fault(*wanted.fault) == nullptr) return call->fail(bad_query("fault", "must be a fault", {}, {}));
+  with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
+    const auto page = db::stored_alarms(database, wanted);
+    if (!page) return store_error(page.error(), path);
+    json items = json::array();
+    for (const db::StoredAlarm& alarm : page->items)
+      items.push_back({{"session", alarm.place.session},
+                       {"utc_ms", alarm.utc_ns / 1'000'000},
+                       {"time_s", alarm.time_s},
+                       {"fault", alarm.fault},
+                       {"lasted_s", or_null(alarm.lasted_s)},
+                       {"simulated", alarm.simulated},
+                       {"subject", or_null(alarm.subject)}});
+    return json_response({{"items", std::move(items)}, {"next", page->next ? json(text_of(*page->next)) : json(nullptr)}});
+  });
+}
+
+namespace {
+// A page of a trend, one session after the other, so that the recorder stores what it has between two of them.
+struct TrendWork {
+  db::TrendPage page;
+  std::size_t next = 0;
+  json items = json::array();
+};
+
+struct TrendRow {
+  std::optional<json> row;  // nothing: the session was deleted meanwhile
+  std::optional<db::Error> error;
+};
+
+TrendRow trend_row(db::Database& database, const db::TrendSession& session) {
+  json row{{"session", session.session},
+           {"visit", session.visit},
+           {"day", session.day},
+           {"started_utc_ms", session.started_utc_ns / 1'000'000},
+           {"exercise", db::exercise_as_told(session.exercise_json)},
+           {"figures", nullptr},
+           {"reason_code", nullptr}};
+  const auto metrics = db::session_metrics(database, session.session);
+  if (!metrics && metrics.error().kind == db::ErrorKind::not_found) return {};
+  // A damaged recording is a gap in the trend, not its end.
+  if (!metrics && metrics.error().kind != db::ErrorKind::corrupt) return {.row = {}, .error = metrics.error()};
+  if (metrics) {
+    const json told = db::metrics_json(*metrics, session.exercise_json);
+    row["figures"] = json::object();
+    for (const db::MetricInfo& figure : db::kMetrics) row["figures"][std::string{figure.key}] = told.at(std::string{figure.key});
+    row["reason_code"] = told.at("reason_code");
+  }
+  return {.row = std::move(row), .error = {}};
+}
+
+void go_on_with_trend(const CallPtr& call, const std::shared_ptr<TrendWork>& work) {
+  if (work->next == work->page.items.size()) {
+    call->respond(
+        json{{"items", std::move(work->items)}, {"next", next_json(work->page.next)}, {"simulated_left_out", work->page.simulated}});
+    return;
+  }
+  const auto read = [session = work->page.items[work->next++]](Records& records) -> TrendRow {
+    db::Database* database = records.late() ? nullptr : records.database();
+    if (database == nullptr)
+      return {.row = {}, .error = db::Error{db::ErrorKind::busy, "The recorder is busy. Try again in a moment.", {}}};
+    return trend_row(*database, session);
+  };
+  ask_recorder<TrendRow>(call, read, [call, work](TrendRow row) {
+    if (row.error) return call->respond(store_error(*row.error, call->request.path));
+    if (row.row) work->items.push_back(std::move(*row.row));
+    go_on_with_trend(call, work);
+  });
+}
+}  // namespace
+
+void get_trend(const CallPtr& call) {
+  const auto id = path_id(call, "patient");
+  std::size_t limit = kTrendUsual;
+  std::optional<std::int64_t> before;
+  if (!id || !read_limit(call, limit, kTrendMost) || !read_cursor(call, before)) return;
+  using Page = db::Result<db::TrendPage>;
+  const auto list = [id = *id, limit, before](Records& records) -> Page {
+    db::Database* database = records.late() ? nullptr : records.database();
+    if (database == nullptr) return db::Error{db::ErrorKind::io, records.why(), {}};
+    return db::trend_sessions(*database, id, limit, before);
+  };
+  ask_recorder<Page>(call, list, [call](Page page) {
+    if (!page) return call->respond(store_error(page.error(), call->request.path));
+    auto work = std::make_shared<TrendWork>();
+    work->page = std::move(*page);
+    go_on_with_trend(call, work);
+  });
+}
+
+}  // namespace hoist::server::api

@@ -1,0 +1,476 @@
+// What is asked over all sessions (changes of parameters, alarms, a patient's figures), what may be edited and for which state, and requests
+// that are sent twice.
+#include <algorithm>
+#include <set>
+
+#include "control/contract/faults.hpp"
+#include "control/contract/params.hpp"
+#include "db/metrics/metric_list.hpp"
+#include "server/api/idempotency.hpp"
+#include "server/contract/routes.hpp"
+#include "tests/unit/server/fixture.hpp"
+
+namespace hoist::test {
+namespace {
+
+using contract::Mode;
+
+constexpr const char* kTuned = "lean_dead_band_norm";
+
+class History : public ServerTest {
+ protected:
+  void set(const std::string& name, double value) { ASSERT_EQ(call("PUT", "/api/v1/parameters/" + name, {{"value", value}}).status, 200U); }
+  double in_force(const std::string& name) { return get("/api/v1/parameters/" + name).json()["value"]; }
+  json changes(const std::string& query = "") { return get("/api/v1/parameters/history?limit=200" + query).json()["items"]; }
+  // Rows are written after the answers.
+  json change_to(double value, const std::string& query = "") {
+    json found;
+    EXPECT_TRUE(until([&] {
+      for (const json& row : changes(query))
+        if (row["value"] == value) found = row;
+      return !found.is_null();
+    })) << value;
+    return found;
+  }
+  void mode(Mode mode, bool simulated = true) {
+    core_->set([=](contract::TickRecord& r) {
+      r.mode = static_cast<std::uint8_t>(mode);
+      r.simulated = simulated ? 1 : 0;
+    });
+  }
+  json recorded() { return get("/api/v1/recording").json()["session"]; }
+  std::int64_t begin_walk(bool simulated = true) {
+    const json before = recorded();
+    mode(Mode::user, simulated);
+    EXPECT_TRUE(until([&] { return !recorded().is_null() && recorded() != before; }));
+    return recorded().get<std::int64_t>();
+  }
+  void end_walk() {
+    const json walk = recorded();
+    core_->skip(300);
+    mode(Mode::standby, false);
+    core_->skip(400);
+    // The recorder reads faster than the network's thread.
+    EXPECT_TRUE(until([&] { return recorded() != walk && get("/api/v1/mode").json()["mode"] == "standby"; }));
+  }
+  void choose(const json& patient) { ASSERT_EQ(call("PUT", "/api/v1/patient", {{"patient", patient}}).status, 200U); }
+  json patient(const std::string& code) {
+    const Answer made = call("POST", "/api/v1/patients", {{"code", code}});
+    EXPECT_EQ(made.status, 201U) << made.body;
+    return made.json();
+  }
+};
+
+TEST_F(History, EachChangeOfAParameterSaysWhenByWhomInWhichSessionAndHow) {
+  const double first = in_force(kTuned);
+  set(kTuned, first + 0.01);
+  const json row = change_to(first + 0.01);
+  EXPECT_EQ(row["name"], kTuned);
+  EXPECT_EQ(row["before"], first);
+  EXPECT_EQ(row["how"], "set");
+  EXPECT_EQ(row["actor"], (json{{"user", "local"}, {"role", "engineer"}, {"origin", "rest"}, {"client", "script"}}));
+  EXPECT_TRUE(row["session"].is_null()) << "nothing was recorded then";
+  EXPECT_TRUE(row["source"].is_null());
+  EXPECT_EQ(changes().size(), 1U) << "what was there at the start is no change";
+
+  // In a session, of a patient.
+  const json person = patient("P-017");
+  choose(person["id"]);
+  const std::int64_t session = begin_walk();
+  Live screen(port_, bearer_);
+  ASSERT_EQ(screen.ask({{"type", "set"}, {"values", {{kTuned, first + 0.02}}}, {"revert_after_s", 20}})["ok"], true);
+  end_walk();
+  choose(nullptr);
+  set(kTuned, first + 0.03);
+  EXPECT_EQ(change_to(first + 0.02)["session"], session);
+  EXPECT_EQ(change_to(first + 0.02)["how"], "trial");
+  EXPECT_EQ(change_to(first + 0.02)["actor"]["origin"], "hoist.v1");
+  EXPECT_TRUE(change_to(first + 0.03)["session"].is_null());
+  const std::string of_patient = "&patient=" + person["id"].dump();
+  EXPECT_EQ(change_to(first + 0.02, of_patient)["session"], session);
+  EXPECT_EQ(changes(of_patient).size(), 1U);
+  EXPECT_EQ(changes("&patient=99").size(), 0U);
+
+  // Presets and profiles by their names; whoever asked or nobody.
+  ASSERT_EQ(call("POST", "/api/v1/presets/paper/apply", json::object()).status, 200U);
+  EXPECT_EQ(change_to(0.01, "&name=speed_per_unit_m_s")["how"], "preset");
+  EXPECT_EQ(change_to(0.01, "&name=speed_per_unit_m_s")["source"], "paper");
+  const Answer saved = call("POST", "/api/v1/patients/" + person["id"].dump() + "/profiles",
+                            {{"name", "with brace"}, {"settings", {{kTuned, first + 0.04}}}});
+  ASSERT_EQ(saved.status, 201U);
+  const std::string profile = "/api/v1/profiles/" + saved.json()["id"].dump();
+  ASSERT_EQ(call("POST", profile + "/apply", {{"version", get(profile + "/diff").json()["version"]}}).status, 200U);
+  EXPECT_EQ(change_to(first + 0.04)["how"], "profile");
+  EXPECT_EQ(change_to(first + 0.04)["source"], "with brace");
+  contract::Event over;
+  over.kind = contract::EventKind::parameter_changed;
+  over.item = contract::kParams[*contract::find_param(kTuned)].id;
+  over.value = first + 0.05;
+  over.before = first + 0.04;
+  core_->publish_event(over);
+  EXPECT_EQ(change_to(first + 0.05)["how"], "trial_over");
+  EXPECT_TRUE(change_to(first + 0.05)["actor"].is_null());
+  EXPECT_EQ(get("/api/v1/parameters/history?name=nothing").status, 422U);
+}
+
+TEST_F(History, PagesHoldEachChangeOnceAndMomentsBoundThem) {
+  const double first = in_force(kTuned);
+  for (int i = 1; i <= 5; ++i) set(kTuned, first + 0.01 * i);
+  (void)change_to(first + 0.05);
+  std::vector<std::int64_t> seen;
+  std::string cursor;
+  do {
+    const json page = get("/api/v1/parameters/history?limit=2&name=" + std::string(kTuned) + "&cursor=" + cursor).json();
+    ASSERT_LE(page["items"].size(), 2U);
+    for (const json& row : page["items"]) seen.push_back(row["id"]);
+    cursor = page["next"].is_null() ? "" : page["next"].get<std::string>();
+  } while (!cursor.empty());
+  EXPECT_EQ(seen.size(), 5U);
+  EXPECT_TRUE(std::ranges::is_sorted(seen, std::greater<>()));
+
+  const json rows = changes();
+  const auto third = rows[2]["utc_ms"].get<std::int64_t>();
+  for (const json& row : changes("&from_utc_ms=" + std::to_string(third + 1))) EXPECT_GT(row["utc_ms"], third);
+  for (const json& row : changes("&to_utc_ms=" + std::to_string(third))) EXPECT_LT(row["utc_ms"], third);
+  // From before all of them until now: one difference.
+  const auto begin = rows[4]["utc_ms"].get<std::int64_t>() - 1;
+  const json diff = get("/api/v1/parameters/diff?from_utc_ms=" + std::to_string(begin)).json();
+  ASSERT_EQ(diff["items"].size(), 1U) << diff;
+  EXPECT_EQ(diff["items"][0], (json{{"name", kTuned}, {"from", first}, {"to", first + 0.05}}));
+  EXPECT_EQ(get("/api/v1/parameters/diff?from_utc_ms=9000000000000").status, 422U) << "later than now";
+  for (const char* bad : {"diff", "diff?from_utc_ms=x", "diff?from_utc_ms=5&to_utc_ms=4", "history?limit=0", "history?cursor=x",
+                          "history?from_utc_ms=-1", "history?patient=x"})
+    EXPECT_EQ(get(std::string("/api/v1/parameters/") + bad).status, 422U) << bad;
+}
+
+TEST_F(History, WhatChangedWhileNobodyListenedIsFound) {
+  const double first = in_force(kTuned);
+  set(kTuned, first + 0.01);
+  (void)change_to(first + 0.01);
+  stop_server();
+  core_.reset();
+  core_ = std::make_unique<FakeCore>((folder_ / "core.sock").string());  // has forgotten the change
+  start_server();
+  wait_for_core();
+  const json row = change_to(first);
+  EXPECT_EQ(row["how"], "not_seen");
+  EXPECT_EQ(row["before"], first + 0.01);
+  EXPECT_TRUE(row["actor"].is_null());
+  EXPECT_EQ(changes().size(), 2U);
+}
+
+TEST_F(History, AlarmsOfAllSessionsAreFoundByFaultSessionAndTime) {
+  const auto fault = [&](contract::EventKind kind, const char* name) {
+    contract::Event event;
+    event.kind = kind;
+    event.code = contract::find_fault(name)->bit;
+    core_->publish_event(event);
+    core_->skip(20);
+  };
+  std::vector<std::int64_t> sessions;
+  for (int i = 0; i < 2; ++i) {
+    sessions.push_back(begin_walk(i == 0));
+    fault(contract::EventKind::fault_raised, "stop_pressed");
+    fault(contract::EventKind::fault_cleared, "stop_pressed");
+    fault(contract::EventKind::fault_raised, "tilt_left_lost");
+    end_walk();
+  }
+  const auto alarms = [&](const std::string& query) { return get("/api/v1/alarms" + query).json(); };
+  const json all = alarms("")["items"];
+  ASSERT_EQ(all.size(), 4U) << all;
+  EXPECT_EQ(all[0]["session"], sessions[1]);
+  EXPECT_EQ(all[0]["fault"], "tilt_left_lost");
+  EXPECT_TRUE(all[0]["lasted_s"].is_null()) << "never over";
+  EXPECT_GT(all[1]["lasted_s"].get<double>(), 0.15);
+  EXPECT_LT(all[1]["lasted_s"].get<double>(), 10.0) << "until it was cleared, not until the end";
+  EXPECT_EQ(all[1]["simulated"], false);
+  EXPECT_EQ(all[3]["simulated"], true);
+  EXPECT_EQ(alarms("?fault=stop_pressed")["items"].size(), 2U);
+  EXPECT_EQ(alarms("?session=" + std::to_string(sessions[0]))["items"].size(), 2U);
+  std::set<std::string> seen;
+  std::string cursor;
+  do {
+    const json page = alarms("?limit=1&cursor=" + cursor);
+    ASSERT_EQ(page["items"].size(), 1U);
+    seen.insert(page["items"][0].dump());
+    cursor = page["next"].is_null() ? "" : page["next"].get<std::string>();
+  } while (!cursor.empty());
+  EXPECT_EQ(seen.size(), 4U);
+  const std::string moment = all[2]["utc_ms"].dump();
+  for (const json& row : alarms("?to_utc_ms=" + moment)["items"]) EXPECT_EQ(row["session"], sessions[0]);
+  for (const char* bad : {"?fault=none_such", "?limit=0", "?cursor=5", "?cursor=x-1", "?session=x", "?from_utc_ms=x"})
+    EXPECT_EQ(get(std::string("/api/v1/alarms") + bad).status, 422U) << bad;
+}
+
+TEST_F(History, ATrendHoldsNoSimulatedWalk) {
+  const json person = patient("P-017");
+  choose(person["id"]);
+  std::vector<std::int64_t> real;
+  for (const bool simulated : {false, true, false}) {
+    const std::int64_t session = begin_walk(simulated);
+    if (!simulated) real.push_back(session);
+    end_walk();
+  }
+  const std::string path = "/api/v1/patients/" + person["id"].dump() + "/trend";
+  const json trend = get(path).json();
+  ASSERT_EQ(trend["items"].size(), 2U) << trend;
+  EXPECT_EQ(trend["simulated_left_out"], 1);
+  EXPECT_EQ(trend["items"][0]["session"], real[1]);
+  EXPECT_EQ(trend["items"][1]["session"], real[0]);
+  // The same figures as the session's own page has, and the same reason why some are missing.
+  const json metrics = get("/api/v1/sessions/" + std::to_string(real[0]) + "/metrics").json();
+  for (const db::MetricInfo& figure : db::kMetrics)
+    EXPECT_EQ(trend["items"][1]["figures"][std::string{figure.key}], metrics[std::string{figure.key}]) << figure.key;
+  EXPECT_EQ(trend["items"][1]["reason_code"], metrics["reason_code"]);
+  const json page = get(path + "?limit=1").json();
+  EXPECT_EQ(page["items"].size(), 1U);
+  EXPECT_EQ(get(path + "?limit=1&cursor=" + page["next"].get<std::string>()).json()["items"][0]["session"], real[0]);
+  EXPECT_EQ(get(path + "?limit=51").status, 422U);
+  EXPECT_EQ(get("/api/v1/patients/99/trend").status, 404U);
+}
+
+TEST_F(History, MarkersAreListedChangedAndDeletedForWhatWasSeen) {
+  const std::int64_t session = begin_walk();
+  const std::string path = "/api/v1/sessions/" + std::to_string(session) + "/markers";
+  for (const char* text : {"Stumbled", "Zdenka helped"}) ASSERT_EQ(call("POST", path, {{"text", text}}).status, 201U);
+  end_walk();
+  const json items = get(path).json()["items"];
+  ASSERT_EQ(items.size(), 2U);
+  const std::string second = path + "/" + items[1]["number"].dump();
+  const Answer changed = call("PATCH", second, {{"text", "Helped"}}, {{"If-Match", "\"" + items[1]["etag"].get<std::string>() + "\""}});
+  ASSERT_EQ(changed.status, 200U) << changed.body;
+  EXPECT_EQ(changed.json()["text"], "Helped");
+  EXPECT_EQ(changed.json()["utc_ms"], items[1]["utc_ms"]) << "when it was set stays";
+  EXPECT_EQ(changed.json()["actor"], items[1]["actor"]);
+  EXPECT_EQ(call("PATCH", second, {{"text", std::string(501, 'x')}}, {{"If-Match", "*"}}).status, 422U);
+  EXPECT_EQ(call("PATCH", path + "/99", {{"text", "x"}}, {{"If-Match", "*"}}).status, 404U);
+  EXPECT_EQ(call("DELETE", path + "/" + items[0]["number"].dump(), nullptr, {{"If-Match", "*"}}).status, 204U);
+  EXPECT_EQ(get(path).json()["items"], json::array({changed.json()}));
+  EXPECT_EQ(get("/api/v1/sessions/99/markers").status, 404U);
+  // What was overwritten and deleted is in no file.
+  stop_server();
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream in(entry.path(), std::ios::binary);
+    const std::string all{std::istreambuf_iterator<char>(in), {}};
+    for (const char* gone : {"Stumbled", "Zdenka"}) EXPECT_EQ(all.find(gone), std::string::npos) << gone << " " << entry.path();
+  }
+}
+
+// What people may edit: with its tag only, or with or without.
+TEST_F(History, EverythingThatIsEditedCarriesItsTagAndRefusesAnOldOne) {
+  const json person = patient("P-017");
+  const std::string people = "/api/v1/patients/" + person["id"].dump();
+  choose(person["id"]);
+  const std::string session = "/api/v1/sessions/" + std::to_string(begin_walk());
+  ASSERT_EQ(call("POST", session + "/markers", {{"text", "Rest"}}).status, 201U);
+  end_walk();
+  choose(nullptr);
+  const std::string visit = "/api/v1/visits/" + get("/api/v1/visits").json()["items"][0]["id"].dump();
+  const std::string marker = session + "/markers/" + get(session + "/markers").json()["items"][0]["number"].dump();
+  const std::string profile = "/api/v1/profiles/" + call("POST", people + "/profiles", {{"name", "usual"}}).json()["id"].dump();
+  ASSERT_EQ(call("POST", "/api/v1/users",
+                 {{"user", "anna"}, {"display_name", "A"}, {"role", "engineer"}, {"password", "four words not together"}})
+                .status,
+            201U);
+
+  struct Edit {
+    const char* operation;
+    std::string method, path;
+    json body;
+    std::string shown;  // where its tag is read; empty: its list only
+    bool needs_tag;
+  };
+  const std::vector<Edit> edits{
+      {"change_patient", "PATCH", people, {{"archived", true}}, people, true},
+      {"put_identity", "PUT", people + "/identity", {{"name", "N"}}, people, true},
+      {"delete_identity", "DELETE", people + "/identity", nullptr, people, true},
+      {"change_visit", "PATCH", visit, {{"note", "tired"}}, visit, true},
+      {"change_profile", "PATCH", profile, {{"name", "other"}}, profile, true},
+      {"delete_profile", "DELETE", profile, nullptr, profile, true},
+      {"change_session", "PATCH", session, {{"note", "calm"}}, session, false},
+      {"change_marker", "PATCH", marker, {{"text", "Helped"}}, "", true},
+      {"delete_marker", "DELETE", marker, nullptr, "", true},
+      {"change_settings", "PATCH", "/api/v1/settings", {{"device_name", "Room 3"}}, "/api/v1/settings", true},
+      {"change_user", "PATCH", "/api/v1/users/anna", {{"display_name", "Anna"}}, "", false},
+      {"put_parameter",
+       "PUT",
+       "/api/v1/parameters/lean_dead_band_norm",
+       {{"value", 0.11}},
+       "/api/v1/parameters/lean_dead_band_norm",
+       false},
+      {"change_parameters", "PATCH", "/api/v1/parameters", {{"lean_dead_band_norm", 0.12}}, "/api/v1/parameters", false},
+      {"delete_patient", "DELETE", people, nullptr, people, true},
+  };
+  const auto tag_of = [&](const Edit& edit) {
+    if (!edit.shown.empty()) return get(edit.shown).header("etag");
+    const json items = get(edit.path.substr(0, edit.path.rfind('/'))).json()["items"];
+    return items.empty() ? std::string() : "\"" + items.back()["etag"].get<std::string>() + "\"";
+  };
+  std::set<std::string> tried;
+  for (const Edit& edit : edits) {
+    const std::string tag = tag_of(edit);
+    const auto with = [&](const std::string& match) {
+      return call(edit.method, edit.path, edit.body, match.empty() ? Headers{} : Headers{{"If-Match", match}});
+    };
+    ASSERT_EQ(tag.front(), '"') << edit.operation;
+    EXPECT_EQ(with("\"0000000000000000\"").status, 412U) << edit.operation;
+    EXPECT_EQ(tag_of(edit), tag) << edit.operation << " has changed something";
+    if (edit.needs_tag) {
+      EXPECT_EQ(with("").status, 428U) << edit.operation;
+    }
+    const Answer changed = with(tag);
+    EXPECT_LT(changed.status, 300U) << edit.operation << " " << changed.body;
+    const bool gone = edit.method == "DELETE" && changed.status == 204;
+    if (!gone) {
+      EXPECT_NE(changed.header("etag"), tag) << edit.operation;
+      EXPECT_EQ(changed.header("etag"), tag_of(edit)) << edit.operation;
+      EXPECT_EQ(with(tag).status, 412U) << edit.operation << " a second time for what was there before";
+    }
+    if (!edit.needs_tag) {
+      EXPECT_LT(with("").status, 300U) << edit.operation;
+    }
+    tried.insert(edit.operation);
+  }
+  // No route that edits a part of something is left out.
+  for (const server::Route& route : server::kRoutes) {
+    bool takes_tag = false;
+    for (const server::RouteInput& input : server::kRouteInputs)
+      takes_tag = takes_tag || (input.operation == route.operation && input.name == "If-Match");
+    EXPECT_EQ(tried.contains(std::string{route.operation}), takes_tag) << route.operation;
+    if (route.method == server::Method::patch) {
+      EXPECT_TRUE(takes_tag) << route.operation;
+    }
+  }
+}
+
+TEST_F(History, ARequestThatIsSentAgainUnderItsKeyMakesNothingTwice) {
+  const Headers key{{"Idempotency-Key", "\"8e03978e-40d5-43e8-bc93-6894a57f9324\""}};
+  const Answer first = call("POST", "/api/v1/patients", {{"code", "P-017"}}, key);
+  ASSERT_EQ(first.status, 201U) << first.body;
+  const Answer again = call("POST", "/api/v1/patients", {{"code", "P-017"}}, key);
+  EXPECT_EQ(again.status, 201U) << "and not that the code is taken: " << again.body;
+  EXPECT_EQ(again.body, first.body);
+  EXPECT_EQ(again.header("location"), first.header("location"));
+  EXPECT_EQ(again.header("etag"), first.header("etag"));
+  EXPECT_EQ(get("/api/v1/patients").json()["items"].size(), 1U);
+  const Answer other = call("POST", "/api/v1/patients", {{"code", "P-018"}}, key);
+  EXPECT_EQ(other.status, 422U);
+  EXPECT_TRUE(other.json()["type"].get<std::string>().ends_with("idempotency-key-used"));
+  EXPECT_EQ(call("POST", "/api/v1/jobs", {{"kind", "integrity_check"}}, key).status, 422U) << "another route";
+  // A refusal is not kept: the same key goes on once its cause has gone.
+  const Headers later{{"Idempotency-Key", "\"later\""}};
+  EXPECT_EQ(call("POST", "/api/v1/patients/99/profiles", {{"name", "x"}}, later).status, 404U);
+  EXPECT_EQ(call("POST", "/api/v1/patients/1/profiles", {{"name", "x"}}, later).status, 201U);
+  for (const char* bad : {"8e03978e", "\"\"", "\"a", "\"a\"b\"", "\"\\n\""})
+    EXPECT_EQ(call("POST", "/api/v1/patients", {{"code", "P-019"}}, {{"Idempotency-Key", bad}}).status, 400U) << bad;
+  EXPECT_EQ(get("/api/v1/patients").json()["items"].size(), 1U);
+  // Another person's key of the same name is another key.
+  ASSERT_EQ(http(port_, "POST", "/api/v1/patients",
+                 {{"Cookie", log_in()}, {"X-Hoist", "1"}, {"Content-Type", "application/json"}, key.front()}, R"({"code": "P-020"})")
+                .status,
+            201U);
+}
+
+TEST(IdempotencyKeys, RunningOnesAreToldEndedOnesForgottenInTime) {
+  using server::IdempotencyKeys;
+  using State = IdempotencyKeys::State;
+  IdempotencyKeys keys;
+  server::Response made;
+  made.status = 201;
+  made.body = "made";
+  const auto running = keys.begin("anna", "k", "request", 0);
+  ASSERT_EQ(running.state, State::fresh);
+  EXPECT_EQ(keys.begin("anna", "k", "request", 1).state, State::running);
+  EXPECT_EQ(keys.begin("anna", "k", "other", 1).state, State::other_request);
+  EXPECT_EQ(keys.begin("bert", "k", "request", 1).state, State::fresh) << "his own";
+  EXPECT_EQ(keys.begin("anna", "k", "request", IdempotencyKeys::kLife_ns * 2).state, State::running) << "however long it takes";
+  keys.end(running.ticket, made);
+  EXPECT_EQ(keys.begin("anna", "k", "request", 2).answer.body, "made");
+  EXPECT_EQ(keys.begin("anna", "k", "request", IdempotencyKeys::kLife_ns + 1).state, State::fresh) << "after its life";
+  // The oldest answers go first, those that run never; memory has an end.
+  for (std::size_t i = 0; i < 3 * IdempotencyKeys::kMost; ++i) {
+    const auto one = keys.begin("flood", std::to_string(i), "request", 5);
+    ASSERT_EQ(one.state, State::fresh);
+    keys.end(one.ticket, made);
+    ASSERT_LE(keys.size(), IdempotencyKeys::kMost);
+  }
+  EXPECT_EQ(keys.begin("bert", "k", "request", 6).state, State::running);
+  EXPECT_EQ(keys.begin("flood", "0", "request", 6).state, State::fresh);
+  made.body.assign(IdempotencyKeys::kAnswerMost_bytes + 1, 'x');
+  const auto large = keys.begin("anna", "large", "request", 7);
+  keys.end(large.ticket, made);
+  EXPECT_EQ(keys.begin("anna", "large", "request", 8).state, State::fresh) << "too large to keep";
+}
+
+class Device : public ServerTest {
+ protected:
+  Device() {
+    adjust_ = [this](server::Settings& settings) {
+      if (!may_set_) return;
+      settings.set_clock = [this](std::int64_t utc_ns) {
+        set_to_ns_ = utc_ns;
+        return std::string();
+      };
+    };
+  }
+  std::atomic<bool> may_set_ = false;
+  std::atomic<std::int64_t> set_to_ns_ = 0;
+};
+
+TEST_F(Device, ItsNameAndLanguageAreToldBeforeSigningInAndStay) {
+  const json before = get("/api/v1/settings").json();
+  EXPECT_EQ(before["device_name"], "");
+  EXPECT_TRUE(before["language"].is_null());
+  const auto told = [&] { return http(port_, "GET", "/api/v1/session").json()["device"]; };
+  EXPECT_EQ(told()["name"], before["computer_name"]);
+  const Headers any{{"If-Match", "*"}};
+  ASSERT_EQ(call("PATCH", "/api/v1/settings", {{"device_name", "Room 3"}, {"language", "de"}}, any).status, 200U);
+  EXPECT_EQ(told(), (json{{"name", "Room 3"}, {"language", "de"}}));
+  for (const json& bad : {json{{"device_name", "two\nlines"}}, json{{"language", "fr"}}, json::object()})
+    EXPECT_EQ(call("PATCH", "/api/v1/settings", bad, any).status, 422U) << bad;
+  stop_server();
+  start_server();
+  EXPECT_TRUE(until([&] { return told()["name"] == "Room 3"; }));
+  ASSERT_EQ(call("PATCH", "/api/v1/settings", {{"device_name", ""}, {"language", nullptr}}, any).status, 200U);
+  EXPECT_EQ(told()["name"], before["computer_name"]);
+}
+
+TEST_F(Device, TheOperatingSystemKeepsTheTimeUnlessItIsGivenAway) {
+  const json time = get("/api/v1/time").json();
+  EXPECT_EQ(time["kept_by"], "operating_system");
+  EXPECT_TRUE(time["client_behind_s"].is_null());
+  const json asked = get("/api/v1/time?client_utc_ms=" + std::to_string(time["utc_ms"].get<std::int64_t>() - 60000)).json();
+  EXPECT_NEAR(asked["client_behind_s"].get<double>(), 60.0, 20.0);
+  EXPECT_GE(asked["client_behind_s"].get<double>(), 60.0);
+  EXPECT_EQ(get("/api/v1/time?client_utc_ms=x").status, 422U);
+  const json wish{{"utc_ms", 1900000000000}};
+  const Answer refused = call("PUT", "/api/v1/time", wish);
+  EXPECT_EQ(refused.status, 409U);
+  EXPECT_TRUE(refused.json()["type"].get<std::string>().ends_with("system-clock"));
+  stop_server();
+  may_set_ = true;
+  start_server();
+  wait_for_core();
+  EXPECT_EQ(call("PUT", "/api/v1/time", wish).json()["kept_by"], "engineers");
+  EXPECT_EQ(set_to_ns_, 1900000000000 * 1'000'000);
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+  ASSERT_TRUE(until([&] { return get("/api/v1/recording").json()["state"] == "recording"; }));
+  EXPECT_EQ(call("PUT", "/api/v1/time", {{"utc_ms", 1800000000000}}).status, 409U) << "a jump would be in the recording";
+  EXPECT_EQ(set_to_ns_, 1900000000000 * 1'000'000);
+}
+
+TEST_F(Device, ItsAddressesAreThoseOfThisComputer) {
+  const json network = get("/api/v1/network").json();
+  EXPECT_EQ(network["port"], port_);
+  EXPECT_EQ(network["tls"]["on"], false);
+  EXPECT_TRUE(network["tls"]["trust_page"].is_null());
+  bool found = false;
+  for (const json& one : network["interfaces"])
+    if (one["loopback"] == true)
+      for (const json& address : one["addresses"]) found = found || address == "127.0.0.1";
+  EXPECT_TRUE(found) << network;
+}
+
+}  // namespace
+}  // namespace hoist::test

@@ -1,0 +1,164 @@
+// How a patient's figures went over the sessions. Recordings of a simulated hoist are not among them.
+import { useState } from 'preact/hooks';
+import { useQuery } from '../../link/query';
+import { rest } from '../../link/rest';
+import { addressOf } from '../../router';
+import { exerciseTitle } from '../../text/exercise';
+import { reasonText } from '../../text/server';
+import type { TextKey } from '../../text/en';
+import { dayText, fixed, t, toDegrees, withUnit } from '../../text/text';
+import { Trouble } from '../../ui/field';
+import { exercisesOf, pointsOf, runsOf, spanOf, type FigureKey, type TrendPoint } from './trend_model';
+import './trend.css';
+
+interface Figure {
+  key: FigureKey;
+  title: TextKey;
+  unit: string;
+  factor: number;
+  decimals: number;
+}
+const figures: readonly Figure[] = [
+  { key: 'mean_speed_m_s', title: 'metric.speed', unit: 'm/s', factor: 1, decimals: 2 },
+  { key: 'walked_m', title: 'metric.distance', unit: 'm', factor: 1, decimals: 1 },
+  { key: 'motion_s', title: 'metric.duration', unit: 'min', factor: 1 / 60, decimals: 1 },
+  { key: 'C', title: 'metric.turning', unit: '', factor: 1, decimals: 2 },
+  { key: 'J_N', title: 'metric.accuracy', unit: '', factor: 1, decimals: 1 },
+  { key: 'rms_position_m', title: 'metric.offPath', unit: 'cm', factor: 100, decimals: 0 },
+  { key: 'rms_heading_rad', title: 'metric.offHeading', unit: '°', factor: toDegrees(1), decimals: 0 },
+];
+const sessionsMost = 50;
+
+export function TrendCard({ patient, again }: { patient: number; again: string }) {
+  const asked = useQuery(() => rest('GET /api/v1/patients/{id}/trend', { path: { id: patient }, query: { limit: sessionsMost } }), [patient, again]);
+  const [key, setKey] = useState<FigureKey>('mean_speed_m_s');
+  const [chosen, setChosen] = useState<string | null>(null);
+  const items = asked.value?.items ?? [];
+  const exercises = exercisesOf(items);
+  const exercise = chosen !== null && exercises.has(chosen) ? chosen : ([...exercises.keys()][0] ?? '');
+  const figure = figures.find((one) => one.key === key)!;
+  const points = pointsOf(items, exercise, key);
+  const left = asked.value?.simulated_left_out ?? 0;
+  return (
+    <section class="card trend">
+      <h2>{t('trend.title')}</h2>
+      <Trouble problem={asked.problem} retry={asked.retry} />
+      {asked.value === null && asked.problem === null ? <p class="hint">{t('common.loading')}</p> : null}
+      {asked.value !== null && items.length === 0 ? <p class="hint">{t('trend.none')}</p> : null}
+      {items.length > 0 ? (
+        <>
+          <div class="trend-choice">
+            <label class="field">
+              <span>{t('trend.figure')}</span>
+              <select value={key} onChange={(event) => setKey(event.currentTarget.value as FigureKey)}>
+                {figures.map((one) => (
+                  <option key={one.key} value={one.key}>
+                    {t(one.title)}
+                  </option>
+                ))}
+              </select>
+            </label>
+            <label class="field">
+              <span>{t('exercise.label')}</span>
+              <select value={exercise} onChange={(event) => setChosen(event.currentTarget.value)}>
+                {[...exercises].map(([name, one]) => (
+                  <option key={name} value={name}>
+                    {sizeText(name, one === null ? 'free' : one.shape)}
+                  </option>
+                ))}
+              </select>
+            </label>
+          </div>
+          <Plot points={points} figure={figure} />
+          <Gaps points={points} />
+        </>
+      ) : null}
+      {left > 0 ? <p class="hint">{t(left === 1 ? 'trend.simulatedOne' : 'trend.simulated', { n: left })}</p> : null}
+    </section>
+  );
+}
+
+/** "Square, 3.2 m": the exercise with its sizes, since each size is another exercise. */
+function sizeText(key: string, shape: Parameters<typeof exerciseTitle>[0]): string {
+  const sizes = Object.entries(JSON.parse(key) as Record<string, unknown>).flatMap(([name, value]) =>
+    name.endsWith('_m') && typeof value === 'number' && value > 0 ? [withUnit(fixed(value, 1), 'm')] : [],
+  );
+  return [exerciseTitle(shape), ...sizes].join(', ');
+}
+
+const width = 440;
+const height = 190;
+const edge = { left: 48, right: 10, top: 10, bottom: 26 };
+
+function Plot({ points, figure }: { points: readonly TrendPoint[]; figure: Figure }) {
+  const span = spanOf(points);
+  const text = (value: number) => withUnit(fixed(value * figure.factor, figure.decimals), figure.unit);
+  if (span === null) return <p class="hint">{t('trend.noValue')}</p>;
+  const inner = { width: width - edge.left - edge.right, height: height - edge.top - edge.bottom };
+  const x = (i: number) => edge.left + (points.length === 1 ? inner.width / 2 : (i / (points.length - 1)) * inner.width);
+  const y = (value: number) => edge.top + (1 - (value - span.low) / (span.high - span.low)) * inner.height;
+  const values = points.flatMap(({ value }) => (value === null ? [] : [value]));
+  const marks = [...new Set([Math.min(...values), Math.max(...values)])];
+  return (
+    <svg class="trend-plot" viewBox={`0 0 ${width} ${height}`} role="group" aria-label={t('trend.picture', { what: t(figure.title) })}>
+      {marks.map((value) => (
+        <g key={value}>
+          <line class="trend-grid" x1={edge.left} x2={width - edge.right} y1={y(value)} y2={y(value)} />
+          <text class="p-text" x={edge.left - 5} y={y(value) + 4} text-anchor="end">
+            {fixed(value * figure.factor, figure.decimals)}
+          </text>
+        </g>
+      ))}
+      {figure.unit === '' ? null : (
+        <text class="p-text" x={edge.left - 5} y={height - 6} text-anchor="end">
+          {figure.unit}
+        </text>
+      )}
+      {runsOf(points).map((run) => (
+        <polyline key={run[0]} class="trend-line" points={run.map((i) => `${x(i)},${y(points[i]!.value!)}`).join(' ')} />
+      ))}
+      {points.map(({ item, value }, i) => (
+        <a
+          key={item.session}
+          href={addressOf('sessions', item.session)}
+          aria-label={`${dayText(item.day)}: ${value === null ? t('trend.gap') : text(value)}`}
+        >
+          {value === null ? (
+            <path class="trend-gap" d={`M${x(i) - 4} ${height - edge.bottom - 4}l8 -8m0 8l-8 -8`} />
+          ) : (
+            <circle class="trend-point" cx={x(i)} cy={y(value)} r="4" />
+          )}
+          <rect class="trend-touch" x={x(i) - 12} y={edge.top} width="24" height={inner.height} />
+        </a>
+      ))}
+      <text class="p-text" x={edge.left} y={height - 6}>
+        {dayText(points[0]?.item.day)}
+      </text>
+      {points.length > 1 ? (
+        <text class="p-text" x={width - edge.right} y={height - 6} text-anchor="end">
+          {dayText(points.at(-1)?.item.day)}
+        </text>
+      ) : null}
+    </svg>
+  );
+}
+
+/** Each session without this figure, and why. */
+function Gaps({ points }: { points: readonly TrendPoint[] }) {
+  const gaps = points.filter(({ value }) => value === null);
+  if (gaps.length === 0) return null;
+  const why = ({ item }: TrendPoint) =>
+    item.figures === null ? t('trend.unreadable') : item.reason_code === null ? t('trend.undefined') : reasonText(item.reason_code);
+  return (
+    <>
+      <h3>{t('trend.gaps')}</h3>
+      <ul class="trend-gaps">
+        {gaps.map((point) => (
+          <li key={point.item.session}>
+            <a href={addressOf('sessions', point.item.session)}>{dayText(point.item.day)}</a>: {why(point)}
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}

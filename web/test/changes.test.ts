@@ -1,0 +1,85 @@
+// What was changed, set back or written by two people at once, in a browser with the stand-in server.
+import type { Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import { en } from '../src/text/en';
+import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
+import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
+
+const minutes_ms = 120_000;
+let built: BuiltConsole;
+let fake: FakeServer;
+let page: Page;
+
+beforeAll(async () => {
+  built = await openBuiltConsole();
+}, minutes_ms);
+afterAll(() => built?.close());
+beforeEach(async () => {
+  fake = await startFakeServer({ dist: built.folder });
+  page = await built.browser.newPage({ viewport: { width: 1280, height: 800 }, locale: 'en' });
+});
+afterEach(async () => {
+  await page?.close();
+  await fake?.close();
+});
+const open = async (hash: string) => {
+  await page.goto(`${fake.url}#/${hash}`);
+  await page.locator('.mode-standby').waitFor();
+};
+
+describe('the history on Tune', { timeout: minutes_ms }, () => {
+  it('names each change with who and how, and sets a value back by one tap', async () => {
+    await open('tune');
+    const history = page.locator('.tune-history');
+    expect(await history.locator('li').count(), 'closed: the settings come first').toBe(0);
+    await history.locator('summary').click();
+    await history.locator('li').first().waitFor();
+    const first = await history.locator('li').first().textContent();
+    expect(first).toContain('50 units → 42 units');
+    expect(first).toContain('berg');
+    expect(first).toContain('“With brace”');
+    const row = history.locator('li', { has: page.locator('.row-buttons') }).first();
+    const wanted = /Back to (.*)/.exec((await row.locator('button').textContent())!)![1]!;
+    const before = await history.locator('li').count();
+    await row.locator('button').click();
+    await expect.poll(() => history.locator('li').count(), { timeout: 10_000 }).toBe(before + 1);
+    expect(await history.locator('li').first().textContent(), 'the newest change').toContain(`→ ${wanted}`);
+  });
+});
+
+describe('the note of a visit', { timeout: minutes_ms }, () => {
+  it('is saved on leaving it, and never over another one unseen', async () => {
+    await open('patients/5');
+    const note = page.getByLabel(en['visit.note']).first();
+    await note.fill('Walked well');
+    await note.press('Enter');
+    await page.getByText(en['sessions.saved']).first().waitFor();
+    // Meanwhile on another tablet.
+    const changed = await page.evaluate(async () => {
+      const list = (await (await fetch('/api/v1/visits?patient=5')).json()) as { items: { id: number; etag: string }[] };
+      const { id, etag } = list.items[0]!;
+      return (await fetch(`/api/v1/visits/${id}`, { method: 'PATCH', headers: { 'If-Match': `"${etag}"` }, body: '{"note":"Fell asleep"}' })).status;
+    });
+    expect(changed).toBe(200);
+    await note.fill('Walked very well');
+    await note.press('Enter');
+    await page.getByText('Someone else has changed this. Look at it again.').waitFor();
+    expect(await note.inputValue(), 'what was typed stays').toBe('Walked very well');
+    const stored = await page.evaluate(async () => (await (await fetch('/api/v1/visits/12')).json()) as { note: string });
+    expect(stored.note).toBe('Fell asleep');
+  });
+});
+
+describe('the trend', { timeout: minutes_ms }, () => {
+  it('breaks its line where a value is not valid, says why, and leaves the simulation out', async () => {
+    await open('patients/5');
+    await page.locator('.trend-plot').waitFor();
+    await page.getByLabel(en['trend.figure']).selectOption({ label: en['metric.turning'] });
+    expect(await page.locator('.trend-gap').count()).toBe(2);
+    expect(await page.locator('.trend-line').count(), 'before, between and after').toBe(3);
+    const gaps = await page.locator('.trend-gaps').textContent();
+    expect(gaps).toContain('Part of this walk is not recorded.');
+    expect(gaps).toContain(en['trend.unreadable']);
+    await page.getByText('2 recordings of the simulation are left out.').waitFor();
+  });
+});
