@@ -42,6 +42,7 @@ constexpr std::uint64_t kPoll_ns = 10'000'000;
 // The core publishes within the first millisecond of its step; looking a little later finds every step at its freshest.
 constexpr std::uint64_t kPhase_ns = 2'000'000;
 constexpr int kGoodbye_ms = 300;
+constexpr std::uint64_t kSweep_ns = 1'000'000'000;
 constexpr std::size_t kSetUpDigits = 8;
 // Sessions that are too old are looked for this often.
 constexpr std::uint64_t kRetentionEvery_ns = 86'400'000'000'000;
@@ -80,6 +81,10 @@ std::string host_name() {
 std::int64_t utc_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
+std::uint64_t utc_s() { return static_cast<std::uint64_t>(utc_ns() / 1'000'000'000); }
+
+bool is_every_address(const std::string& address) { return address == "0.0.0.0" || address == "::"; }
+std::string in_url(const std::string& address) { return address.find(':') == std::string::npos ? address : "[" + address + "]"; }
 
 // By which multicast DNS finds this computer.
 std::string local_name() {
@@ -217,6 +222,25 @@ struct App::Parts {
     tool_hub.poll(now);
     if (now - retention_ns >= kRetentionEvery_ns) begin_retention();
     if (core.lease_holder() != 0) free_silent_lease(now);
+    if (now - swept_ns >= kSweep_ns) {
+      swept_ns = now;
+      auth->each_session([&](Session& session) { give_back_number(session); });
+      look_for_engineer();
+    }
+  }
+
+  // `hoist user` on this computer may have made the first engineer's account.
+  void look_for_engineer() {
+    if (services->has_engineer || looking || !people.problem().empty()) return;
+    looking = people.ask<bool>(
+        [](PeopleRoom& room) {
+          const auto found = room.accounts.has_engineer();
+          return found && *found;
+        },
+        [this](bool found) {
+          looking = false;
+          services->has_engineer = services->has_engineer || found;
+        });
   }
 
   // A lease taken over REST has no connection that could end: it is given back when its session falls silent.
@@ -227,7 +251,29 @@ struct App::Parts {
       if (session.client == firmware.client()) session.used_ns = now;
       if (now - session.used_ns < kRestLease_ns) return;
       session.used_ns = now;
+      release_lease_of(session);
+    });
+  }
+
+  void release_lease_of(const Session& session) {
+    if (session.client != 0 && session.client == core.lease_holder())
       act_release_lease(*services, {session.client, core.lease_epoch(), session.role}, [](const Outcome&) {});
+  }
+
+  // A sign-in or token that has ended is no client any more. Its STOP is one with a new number.
+  void give_back_number(Session& session) {
+    if (session.client == 0 || session.client == core.lease_holder() || !Auth::over(session, utc_s())) return;
+    state.asks().remove(session.client);
+    session.client = 0;
+    session.number.reset();
+  }
+
+  // Of these sessions: their WebSockets close, and what they hold over REST is given back.
+  void close_sockets(const std::function<bool(const Session&)>& of, std::string_view reason) {
+    hub.close_sockets(of, reason);
+    tool_hub.close_sockets(of, reason);
+    auth->each_session([&](Session& session) {
+      if (of(session)) release_lease_of(session);
     });
   }
 
@@ -247,12 +293,12 @@ struct App::Parts {
     DeviceNames names{.names = {}, .addresses = {}, .subnets = settings.subnets};
     for (const std::string& host : settings.hosts) (is_address(host) ? names.addresses : names.names).push_back(host);
     if (names.names.empty()) names.names.push_back(local_name());
-    const auto utc_s = [] { return utc_ns() / 1'000'000'000; };
-    auto ca = DeviceCa::open(settings.tls_dir, names, utc_s(), error);
+    const auto now_s = [] { return utc_ns() / 1'000'000'000; };
+    auto ca = DeviceCa::open(settings.tls_dir, names, now_s(), error);
     if (!ca) return false;
     trust = {.name = names.names.front(), .fingerprint = ca->fingerprint(), .certificate = ca->authority_der(), .port = 0};
     keeper =
-        std::make_unique<TlsKeeper>(std::move(ca), utc_s, [this](std::unique_ptr<TlsContext> fresh, std::vector<std::string> signed_now) {
+        std::make_unique<TlsKeeper>(std::move(ca), now_s, [this](std::unique_ptr<TlsContext> fresh, std::vector<std::string> signed_now) {
           // A function object must be copyable.
           auto shared = std::make_shared<TlsContext>(std::move(*fresh));
           asio::post(io, [this, shared, hosts = hosts_of(signed_now)]() mutable {
@@ -269,7 +315,7 @@ struct App::Parts {
   [[nodiscard]] std::vector<std::string> hosts_of(const std::vector<std::string>& signed_now) const {
     std::vector<std::string> hosts;
     hosts.reserve(signed_now.size());
-    for (const std::string& name : signed_now) hosts.push_back(name.find(':') == std::string::npos ? name : "[" + name + "]");
+    for (const std::string& name : signed_now) hosts.push_back(in_url(name));
     return hosts;
   }
 
@@ -295,9 +341,16 @@ struct App::Parts {
     (void)records.ask<db::DeviceSettings>(work, [this](db::DeviceSettings device) { state.set_device(std::move(device)); });
   }
 
+  void tell_other_devices() const {
+    const std::string name = keeper ? trust.name : settings.hosts.front();
+    std::cout << "From other devices: https://" << in_url(name) << (settings.port == 443 ? "" : ":" + std::to_string(settings.port)) << "/"
+              << (services->has_engineer ? "" : " (the set-up only, until there is an account: turn the configuration switch on)")
+              << std::endl;
+  }
+
   OpenSocket open_tool(ToolHub::Protocol protocol) {
-    return [this, protocol](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
-      tool_hub.open(protocol, std::move(stream), std::move(seat), std::move(session));
+    return [this, protocol](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session, const std::string& address) {
+      tool_hub.open(protocol, std::move(stream), std::move(seat), std::move(session), address);
     };
   }
 
@@ -318,8 +371,8 @@ struct App::Parts {
   // Of the hoist's own authority, else null.
   TrustPage trust;
   std::unique_ptr<TlsContext> tls;  // null: plain
+  ActorList actors;                 // outlives whatever a waiting handler keeps
   asio::io_context io{1};
-  ActorList actors;
   CoreDesk core;
   FirmwareDesk firmware;
   Jobs jobs;
@@ -343,10 +396,11 @@ struct App::Parts {
   std::unique_ptr<TlsKeeper> keeper;
   asio::steady_timer timer;
   asio::steady_timer goodbye;
-  std::uint64_t next_ns = 0;
+  std::uint64_t next_ns = 0, swept_ns = 0;
   std::uint64_t retention_ns = steady_ns();                                    // when a rule was looked for last
   std::optional<std::array<NodeSaid, contract::kRemoteNodeCount>> told_nodes;  // by the recorder's last list
   std::string told_problem;                                                    // why the core is not connected, as told last
+  bool looking = false;                                                        // for the first engineer's account
   bool ending = false;
 };
 
@@ -380,6 +434,8 @@ App::~App() {
 
 bool App::start(std::string& error) {
   Parts& p = *parts_;
+  // An address of this computer's own is a name of it, too.
+  if (const std::string& bind = p.settings.bind; !is_every_address(bind) && !is_loopback(bind)) p.settings.hosts.push_back(bind);
   if (!p.settings.tls_cert.empty()) {
     p.tls = TlsContext::load(p.settings.tls_cert, p.settings.tls_key, error);
     if (!p.tls) return false;
@@ -398,7 +454,7 @@ bool App::start(std::string& error) {
              const auto used_s = static_cast<std::int64_t>(session.used_utc_s);
              p.people.tell([digest = session.digest, used_s](PeopleRoom& room) { (void)room.accounts.use_sign_in(digest, used_s); });
            }},
-      static_cast<std::uint64_t>(utc_ns() / 1'000'000'000), error);
+      utc_s(), error);
   if (!p.auth) return false;
   if (p.people.problem().empty()) load_people(p.people.accounts(), *p.auth);
   p.services.reset(new Services{
@@ -419,11 +475,7 @@ bool App::start(std::string& error) {
       .guard = p.guard,
       .has_engineer = p.people.problem().empty() && p.people.accounts().has_engineer().ok() && *p.people.accounts().has_engineer(),
       .set_up = p.set_up,
-      .close_sockets =
-          [&p](const auto& of, std::string_view reason) {
-            p.hub.close_sockets(of, reason);
-            p.tool_hub.close_sockets(of, reason);
-          },
+      .close_sockets = [&p](const auto& of, std::string_view reason) { p.close_sockets(of, reason); },
       .computer_name = host_name(),
       .started_utc_ns = utc_ns(),
       .started_ns = steady_ns()});
@@ -434,13 +486,13 @@ bool App::start(std::string& error) {
   p.core.add_listener(p.history);
   p.tool_hub.set_services(*p.services, *p.auth);
   p.core.add_listener(p.tool_hub);
-  p.rest.reset(
-      new RestContext{.services = *p.services,
-                      .auth = *p.auth,
-                      .open_live = [&p](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat,
-                                        SessionPtr session) { p.hub.open(std::move(stream), std::move(seat), std::move(session)); },
-                      .open_foxglove = p.open_tool(ToolHub::Protocol::foxglove),
-                      .open_rosbridge = p.open_tool(ToolHub::Protocol::rosbridge)});
+  p.rest.reset(new RestContext{
+      .services = *p.services,
+      .auth = *p.auth,
+      .open_live = [&p](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session,
+                        const std::string& address) { p.hub.open(std::move(stream), std::move(seat), std::move(session), address); },
+      .open_foxglove = p.open_tool(ToolHub::Protocol::foxglove),
+      .open_rosbridge = p.open_tool(ToolHub::Protocol::rosbridge)});
   p.router = std::make_unique<Router>(*p.rest);
   p.core.set_wake([&p] { p.wake(); });
   make_private(p.settings.db_path);
@@ -449,13 +501,15 @@ bool App::start(std::string& error) {
     return false;
   }
   p.listener = std::make_unique<Listener>(p.io, p.counters, *p.router, p.tls.get());
+  p.listener->set_from_here(p.settings.from_here);
   const std::uint16_t port = p.listener->open(p.settings.bind, p.settings.port, error);
   if (port == 0) return false;
   p.settings.port = port;
-  p.rest->base_url = (p.tls ? "https://" : "http://") +
-                     (p.settings.bind.find(':') == std::string::npos ? p.settings.bind : "[" + p.settings.bind + "]") + ":" +
-                     std::to_string(port);
+  // The link is for this computer only.
+  const std::string here = is_every_address(p.settings.bind) ? "127.0.0.1" : in_url(p.settings.bind);
+  p.rest->base_url = (p.tls ? "https://" : "http://") + here + ":" + std::to_string(port);
   if (p.keeper && !p.open_plain_door(error)) return false;
+  if (!is_loopback(p.settings.bind)) p.tell_other_devices();
   p.jobs.start();
   p.people.start();
   p.recorder.start();

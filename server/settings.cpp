@@ -1,7 +1,9 @@
 #include "server/settings.hpp"
 
+#include <arpa/inet.h>
 #include <time.h>
 
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -16,7 +18,14 @@ std::string set_system_clock(std::int64_t utc_ns) {
   if (::clock_settime(CLOCK_REALTIME, &now) == 0) return {};
   return std::string("The operating system does not let this program set the clock: ") + std::strerror(errno) + ".";
 }
+
+bool is_ip_address(const std::string& text) {
+  std::array<unsigned char, sizeof(in6_addr)> bytes{};
+  return ::inet_pton(AF_INET, text.c_str(), bytes.data()) == 1 || ::inet_pton(AF_INET6, text.c_str(), bytes.data()) == 1;
+}
 }  // namespace
+
+bool is_loopback(const std::string& address) { return address == "::1" || (address.starts_with("127.") && is_ip_address(address)); }
 
 std::string usage() {
   return "hoist-server: console, REST and WebSocket for one hoist\n"
@@ -25,7 +34,9 @@ std::string usage() {
          "  --db FILE          database with all sessions (required; made when missing)\n"
          "  --web DIR          the built console; without it only the API is served\n"
          "  --port N           TCP port, 8080 when not given; 0 takes any free one\n"
-         "  --bind ADDRESS     127.0.0.1 (when not given) or ::1\n"
+         "  --bind ADDRESS     127.0.0.1 (when not given): only this computer. Another address of it, or 0.0.0.0 for all, lets other\n"
+         "                     devices in: needs --tls-dir (or --tls-cert). They must sign in; until the first account is made they\n"
+         "                     reach the set-up only\n"
          "  --host NAME        further name under which browsers may call; may be repeated\n"
          "  --scenario NAME    what the simulator plays: chooses the exercise offered first\n"
          "  --token-file FILE  where the token for scripts is written, readable only by this user\n"
@@ -96,10 +107,18 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
       if (option == "--http-port") settings.http_port = static_cast<std::uint16_t>(port);
     }
   }
-  if (settings.bind != "127.0.0.1" && settings.bind != "::1") {
-    error = "--bind " + settings.bind +
-            " is refused: without user accounts each client is the engineer, so only this computer "
-            "(127.0.0.1 or ::1) may connect for now";
+  if (!is_ip_address(settings.bind)) {
+    error = "--bind " + settings.bind + " is no address: give one of this computer, 0.0.0.0 for all of them, or leave it out (127.0.0.1)";
+    return false;
+  }
+  if (!is_loopback(settings.bind) && settings.tls_dir.empty() && settings.tls_cert.empty()) {
+    error =
+        "--bind " + settings.bind +
+        " lets other devices in, so it needs HTTPS: add --tls-dir DIR (the hoist makes its own certificates) or --tls-cert and --tls-key";
+    return false;
+  }
+  if (!settings.tls_cert.empty() && settings.hosts.empty() && (settings.bind == "0.0.0.0" || settings.bind == "::")) {
+    error = "--bind " + settings.bind + " with --tls-cert needs --host NAME: the name or address that stands in the certificate";
     return false;
   }
   if (settings.tls_cert.empty() != settings.tls_key.empty()) {

@@ -11,6 +11,9 @@
 
 namespace hoist::server {
 
+// Of the IPv4 or IPv6 loopback.
+[[nodiscard]] bool is_loopback(const std::string& address);
+
 struct Settings {
   std::string socket_path;
   std::string bind = "127.0.0.1";
@@ -21,6 +24,8 @@ struct Settings {
   std::filesystem::path accounts_path;                       // empty: "accounts.db" beside the recordings
   HashLimits hash_limits;                                    // of passwords; tests take cheaper ones
   std::function<void(const std::string&)> show_set_up_code;  // empty: printed on standard output
+  // Whether a peer counts as this computer itself. Empty: as the listener sees it; tests have loopback addresses only.
+  std::function<bool(const std::string& address)> from_here;
   std::filesystem::path token_file;
   std::vector<std::string> hosts;
   std::filesystem::path tls_cert, tls_key;  // both or none

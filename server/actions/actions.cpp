@@ -1,5 +1,6 @@
 #include "server/actions/actions.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -16,6 +17,7 @@
 #include "db/store/session_reader.hpp"
 #include "server/actions/common.hpp"
 #include "server/record/reason.hpp"
+#include "server/text/json_text.hpp"
 
 namespace hoist::server {
 
@@ -98,17 +100,69 @@ FieldError range_error(const contract::ParamInfo& p, std::string message, std::o
 
 }  // namespace
 
-// The one place that enforces roles, for every protocol. A protocol's own table (api.def, messages.def) describes the role and refuses early.
-// False: `done` has been told.
-bool may(Services& services, const Asker& asker, contract::Role least, const OutcomeDone& done) {
-  if (asker.role >= least) return true;
+namespace {
+// Of one text in the audit log.
+constexpr std::size_t kAuditText_bytes = 500;
+
+std::string result_of(const Outcome& outcome) {
+  if (outcome.done()) return "done";
+  if (!outcome.refusals.empty()) return outcome.refusals.front();
+  return std::string{reason_name(reason_of(outcome))};
+}
+
+// The row of the audit log, without its result. Who asks is known by the number.
+db::AuditEntry audit_entry(const Services& services, const Asker& asker, Action action, AuditDetails details) {
+  const std::optional<KnownClient> client = services.actors.known(asker.client);
+  const db::Actor actor = client ? client->actor : db::Actor{};
+  for (auto* text : {&details.before, &details.after})
+    if (*text) (*text)->resize(std::min((*text)->size(), kAuditText_bytes));
+  return {.utc_ms = services.utc_ns() / 1'000'000,
+          .steady_ns = services.now_ns(),
+          .user = actor.user,
+          .role = actor.role,
+          .address = client ? client->address : std::string{},
+          .action = std::string{kActions[static_cast<std::size_t>(action)].name},
+          .target = actor.origin + (details.target.empty() ? "" : " ") + details.target,
+          .before = std::move(details.before),
+          .after = std::move(details.after),
+          .result = {}};
+}
+
+void log_action(Services& services, const Asker& asker, db::AuditEntry entry, std::string result) {
+  entry.result = std::move(result);
+  services.people.log(std::move(entry));
+  if (asker.logged) *asker.logged = true;
+}
+
+void refuse_asker(Services& services, Reason reason, std::string detail, const OutcomeDone& done) {
   services.counters.add(Count::commands_refused);
   Outcome outcome;
   outcome.kind = Outcome::Kind::refused;
-  outcome.detail = "Your role may not do this.";
-  outcome.reason = Reason::role;
-  outcome.refusals = refusal_names(contract::refusal_bit(contract::Refusal::not_allowed));
+  outcome.detail = std::move(detail);
+  outcome.reason = reason;
+  if (reason == Reason::role) outcome.refusals = refusal_names(contract::refusal_bit(contract::Refusal::not_allowed));
   done(outcome);
+}
+}  // namespace
+
+// The one place that enforces roles, for every protocol. A protocol's own table (api.def, messages.def) describes the role.
+bool begin_action(Services& services, const Asker& asker, Action action, AuditDetails details, OutcomeDone& done) {
+  const ActionInfo& info = kActions[static_cast<std::size_t>(action)];
+  done = [&services, asker, entry = audit_entry(services, asker, action, std::move(details)),
+          done = std::move(done)](const Outcome& outcome) {
+    log_action(services, asker, entry, result_of(outcome));
+    done(outcome);
+  };
+  if (asker.over && !info.ends) {
+    refuse_asker(services, Reason::sign_in_over, "The sign-in has run out: sign in again.", done);
+    return false;
+  }
+  return may(services, asker, info.role, done);
+}
+
+bool may(Services& services, const Asker& asker, contract::Role least, const OutcomeDone& done) {
+  if (asker.role >= least) return true;
+  refuse_asker(services, Reason::role, "Your role may not do this.", done);
   return false;
 }
 
@@ -154,7 +208,7 @@ std::vector<std::string> refusal_names(std::uint32_t bits) {
 }
 
 void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::take_lease, {take_over ? "take over" : ""}, done)) return;
   Command command = command_of(CommandKind::take_lease, asker);
   command.a = take_over ? contract::kTakeOver : 0;
   services.core.ask(command, [done = std::move(done), take_over, &services](const CoreAnswer& answer) {
@@ -168,6 +222,7 @@ void act_take_lease(Services& services, const Asker& asker, bool take_over, Outc
 }
 
 void act_release_lease(Services& services, const Asker& asker, OutcomeDone done) {
+  if (!begin_action(services, asker, Action::release_lease, {}, done)) return;
   ask(services, command_of(CommandKind::release_lease, asker), std::move(done));
 }
 
@@ -199,7 +254,7 @@ std::optional<std::uint32_t> receiver_of(const Services& services, const HandOve
 }  // namespace
 
 void act_ask_lease(Services& services, const Asker& asker, bool withdraw, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, withdraw ? Action::withdraw_lease : Action::ask_lease, {}, done)) return;
   Outcome outcome;
   if (withdraw) {
     services.state.asks().remove(asker.client);
@@ -216,7 +271,8 @@ void act_ask_lease(Services& services, const Asker& asker, bool withdraw, Outcom
 }
 
 void act_hand_over(Services& services, const Asker& asker, const HandOverWish& wish, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done) || !must_hold(services, asker, done)) return;
+  const std::string target = wish.user ? *wish.user : wish.client ? "client " + std::to_string(*wish.client) : "";
+  if (!begin_action(services, asker, Action::hand_over, {target}, done) || !must_hold(services, asker, done)) return;
   const auto receiver = receiver_of(services, wish);
   if (!receiver) {
     Outcome outcome;
@@ -232,7 +288,7 @@ void act_hand_over(Services& services, const Asker& asker, const HandOverWish& w
 }
 
 void act_keep_lease(Services& services, const Asker& asker, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done) || !must_hold(services, asker, done)) return;
+  if (!begin_action(services, asker, Action::keep_lease, {}, done) || !must_hold(services, asker, done)) return;
   services.state.asks().refuse();
   done({});
 }
@@ -241,13 +297,25 @@ namespace {
 
 bool is_share(const std::optional<double>& value) { return value && std::fabs(*value) <= 1.0; }
 
-std::optional<contract::Refusal> pass_on(Services& services, const Asker& asker, const DriveWish& wish, std::uint64_t& last_sequence) {
+// Filled in place: GCC 12 warns of a copied one.
+std::optional<DriveRefusal> refuse_drive(contract::Refusal refusal) {
+  std::optional<DriveRefusal> refused(std::in_place);
+  refused->refusal = refusal;
+  return refused;
+}
+
+std::optional<DriveRefusal> pass_on(Services& services, const Asker& asker, const DriveWish& wish, Hand& hand) {
   using contract::Refusal;
   if (!wish.sequence || !wish.echo_time_ns || !is_share(wish.speed_norm) || !is_share(wish.yaw_norm) || !wish.held)
-    return Refusal::out_of_range;
-  if (asker.role < contract::Role::therapist) return Refusal::not_allowed;
-  if (!holds_lease(services, asker)) return Refusal::no_lease;
-  if (*wish.sequence <= last_sequence) return Refusal::out_of_order;
+    return refuse_drive(Refusal::out_of_range);
+  if (asker.role < contract::Role::therapist) return refuse_drive(Refusal::not_allowed);
+  if (!holds_lease(services, asker)) return refuse_drive(Refusal::no_lease);
+  if (*wish.sequence <= hand.sequence) return refuse_drive(Refusal::out_of_order);
+  if (asker.over && *wish.held && !hand.held) {
+    auto refused = refuse_drive(Refusal::not_allowed);
+    refused->reason = Reason::sign_in_over;
+    return refused;
+  }
   const contract::DriveCommand command{.lease_epoch = services.core.lease_epoch(),
                                        .client = asker.client,
                                        .sequence = *wish.sequence,
@@ -255,33 +323,48 @@ std::optional<contract::Refusal> pass_on(Services& services, const Asker& asker,
                                        .speed_norm = *wish.speed_norm,
                                        .yaw_norm = *wish.yaw_norm,
                                        .held = *wish.held ? 1U : 0U};
-  if (!services.core.drive(command)) return Refusal::stale_command;
-  last_sequence = command.sequence;
+  if (!services.core.drive(command)) return refuse_drive(Refusal::stale_command);
+  hand = {.sequence = command.sequence, .held = *wish.held};
   return std::nullopt;
 }
 }  // namespace
 
-std::optional<contract::Refusal> act_drive(Services& services, const Asker& asker, const DriveWish& wish, std::uint64_t& last_sequence) {
-  const std::optional<contract::Refusal> refused = pass_on(services, asker, wish, last_sequence);
+std::string_view DriveRefusal::text_en() const {
+  if (reason) return kReasons[static_cast<std::size_t>(*reason)].text_en;
+  for (const contract::RefusalInfo& r : contract::kRefusals)
+    if (static_cast<contract::Refusal>(r.bit) == refusal) return r.text_en;
+  return {};
+}
+
+std::optional<DriveRefusal> act_drive(Services& services, const Asker& asker, const DriveWish& wish, Hand& hand) {
+  const std::optional<DriveRefusal> refused = pass_on(services, asker, wish, hand);
   if (refused && wish.held == false && holds_lease(services, asker)) {
     // With the next free number, since the core takes only those that rise.
     const contract::DriveCommand let_go{.lease_epoch = services.core.lease_epoch(),
                                         .client = asker.client,
-                                        .sequence = last_sequence + 1,
+                                        .sequence = hand.sequence + 1,
                                         .echo_time_ns = wish.echo_time_ns.value_or(0)};
-    if (services.core.drive(let_go)) last_sequence = let_go.sequence;
+    if (services.core.drive(let_go)) hand = {.sequence = let_go.sequence, .held = false};
   }
   return refused;
 }
 
-void act_stop(Services& services, std::uint32_t client, OutcomeDone done) {
+bool may_close(const Services& services, std::uint32_t client) {
+  const auto& newest = services.core.newest();
+  return !newest || newest->standing_still != 0 || services.core.lease_holder() != client;
+}
+
+void act_stop(Services& services, const Asker& asker, OutcomeDone done) {
   CoreDesk::Done answered;
   if (done) answered = [done = std::move(done)](const CoreAnswer& answer) { done(outcome_of(answer)); };
-  services.core.stop(client, std::move(answered));
+  // Before STOP is asked for, since the answer may come within the call; the entry's disk and digest are another thread's work.
+  log_action(services, asker, audit_entry(services, asker, Action::stop, {}), services.core.link().attached() ? "done" : "no_core");
+  services.core.stop(asker.client, std::move(answered));
 }
 
 void act_acknowledge(Services& services, const Asker& asker, const json& seen, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::acknowledge, {{}, {}, seen.is_null() ? std::nullopt : std::optional(dump_json(seen))}, done))
+    return;
   Command command = command_of(CommandKind::acknowledge, asker);
   bool usable = seen.is_null() || (seen.is_array() && !seen.empty());
   if (seen.is_array())
@@ -299,12 +382,12 @@ void act_acknowledge(Services& services, const Asker& asker, const json& seen, O
 }
 
 void act_neutral(Services& services, const Asker& asker, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::set_neutral, {}, done)) return;
   ask(services, command_of(CommandKind::set_neutral, asker), std::move(done));
 }
 
 void act_calibrate(Services& services, const Asker& asker, const CalibrateWish& wish, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::begin_calibration, {wish.step}, done)) return;
   const contract::CalibrationStepInfo* info = contract::find_calibration_step(std::string_view{wish.step});
   if (info == nullptr) {
     done(invalid({{"step", "must be a step of the calibration table"}}, "There is no such calibration step."));
@@ -323,7 +406,7 @@ void act_calibrate(Services& services, const Asker& asker, const CalibrateWish& 
 }
 
 void act_measure(Services& services, const Asker& asker, const MeasureWish& measured, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::measure_calibration, {std::to_string(measured.figure)}, done)) return;
   if (measured.turning && (!measured.x_m || !measured.y_m)) {
     done(invalid({{measured.x_m ? "y_m" : "x_m", "is missing; a driven square has both"}}, "The measurement cannot be used.",
                  Reason::measurement));
@@ -348,7 +431,7 @@ void act_measure(Services& services, const Asker& asker, const MeasureWish& meas
 }
 
 void act_use_calibration(Services& services, const Asker& asker, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::use_calibration, {}, done)) return;
   Command command = command_of(CommandKind::use_calibration, asker);
   // Whole seconds: a day is all that anybody looks at.
   const auto utc_s = services.utc_ns() / 1'000'000'000;
@@ -357,7 +440,7 @@ void act_use_calibration(Services& services, const Asker& asker, OutcomeDone don
 }
 
 void act_cancel_calibration(Services& services, const Asker& asker, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::cancel_calibration, {}, done)) return;
   ask(services, command_of(CommandKind::cancel_calibration, asker), std::move(done));
 }
 
@@ -406,7 +489,8 @@ void begin_motion(Services& services, const Command& request, const Exercise& ex
 }  // namespace
 
 void act_mode(Services& services, const Asker& asker, const ModeWish& wish, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  const Action action = wish.mode == "standby" ? Action::end_motion : Action::start_motion;
+  if (!begin_action(services, asker, action, {wish.mode.is_string() ? wish.mode.get<std::string>() : ""}, done)) return;
   std::optional<contract::Mode> mode;
   if (wish.mode.is_string())
     for (contract::Mode m : {contract::Mode::standby, contract::Mode::user, contract::Mode::remote, contract::Mode::guided})
@@ -513,8 +597,15 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   });
 }
 
+namespace {
+std::string shape_of(const json& exercise) {
+  const auto shape = exercise.is_object() ? exercise.find("shape") : exercise.end();
+  return shape != exercise.end() && shape->is_string() ? shape->get<std::string>() : std::string{};
+}
+}  // namespace
+
 void act_choose(Services& services, const Asker& asker, const json& exercise, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::choose_exercise, {shape_of(exercise)}, done)) return;
   std::vector<FieldError> errors;
   const auto chosen = read_exercise(exercise, errors);
   if (!chosen) {
@@ -531,7 +622,7 @@ void act_choose(Services& services, const Asker& asker, const json& exercise, Ou
 }
 
 void act_pose(Services& services, const Asker& asker, const StartPose& pose, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::set_pose, {}, done)) return;
   Command command = command_of(CommandKind::set_pose, asker);
   command.v0 = pose.x_m;
   command.v1 = pose.y_m;
@@ -540,7 +631,7 @@ void act_pose(Services& services, const Asker& asker, const StartPose& pose, Out
 }
 
 void act_keep_trial(Services& services, const Asker& asker, std::uint32_t version, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::keep_parameters, {}, done)) return;
   Command command = command_of(CommandKind::confirm_parameters, asker);
   command.a = version;
   command.b = static_cast<std::uint32_t>(asker.role);
@@ -548,15 +639,28 @@ void act_keep_trial(Services& services, const Asker& asker, std::uint32_t versio
 }
 
 void act_undo_trial(Services& services, const Asker& asker, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::undo_parameters, {}, done)) return;
   Command command = command_of(CommandKind::revert_parameters, asker);
   command.b = static_cast<std::uint32_t>(asker.role);
   ask(services, command, std::move(done));
 }
 
+namespace {
+// With the values that are in force until then.
+AuditDetails changed_values(const Services& services, const NumbersByName& values) {
+  json before = json::object(), after = json::object();
+  for (const auto& [name, number] : values) {
+    after[name] = number;
+    if (const auto index = contract::find_param(name); index && services.core.has_parameters())
+      before[name] = services.core.parameters().values[*index];
+  }
+  return {{}, dump_json(before), dump_json(after)};
+}
+}  // namespace
+
 void act_set(Services& services, const Asker& asker, const NumbersByName& values, std::optional<double> revert_after_s,
              std::uint32_t version, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::change_parameters, changed_values(services, values), done)) return;
   if (values.empty()) {
     done(invalid({{"values", "must name at least one parameter"}}, "There is nothing to change."));
     return;
@@ -605,7 +709,8 @@ void act_set(Services& services, const Asker& asker, const NumbersByName& values
 
 void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,
                          OutcomeDone done) {
-  if (!may(services, asker, contract::Role::engineer, done)) return;
+  if (!begin_action(services, asker, Action::update_firmware, {std::string{contract::kNodes[static_cast<std::size_t>(node)].name}}, done))
+    return;
   Command command = command_of(CommandKind::begin_service, asker);
   command.b = static_cast<std::uint32_t>(asker.role);
   services.firmware.begin(std::move(image), node, force, command,
@@ -613,7 +718,7 @@ void act_update_firmware(Services& services, const Asker& asker, std::vector<std
 }
 
 void act_preset(Services& services, const Asker& asker, const std::string& name, std::uint32_t version, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::apply_preset, {name}, done)) return;
   std::vector<std::pair<std::uint32_t, double>> rows;
   for (const contract::PresetValue& v : contract::kPresetValues)
     if (v.preset == name) rows.emplace_back(contract::kParams[contract::param_index(v.param)].id, v.value);
@@ -690,7 +795,7 @@ void ask_store(Services& services, StoreWork work, OutcomeDone done) {
 }
 
 void act_mark(Services& services, const Asker& asker, std::optional<db::SessionId> session, const json& text, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::add_marker, {session ? "session " + std::to_string(*session) : ""}, done)) return;
   if (!text.is_string() || text.get_ref<const std::string&>().size() > db::kMaxMarker_bytes) {
     constexpr auto kMost = static_cast<double>(db::kMaxMarker_bytes);
     done(invalid({{"text", "must be text of at most 500 bytes", std::nullopt, std::nullopt, kMost}}, "The marker cannot be used."));
@@ -711,7 +816,7 @@ void act_mark(Services& services, const Asker& asker, std::optional<db::SessionI
 }
 
 void act_record(Services& services, const Asker& asker, RecordWish wish, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, wish.starts ? Action::begin_recording : Action::end_recording, {}, done)) return;
   const bool starts = wish.starts;
   const auto work = [wish = std::move(wish)](Records& records, db::Database&) {
     return wish.starts ? records.begin_manual(wish.subject, wish.note) : records.end_manual();
@@ -742,7 +847,7 @@ void erase_deleted(Services& services, std::shared_ptr<void> held, OutcomeDone d
 }  // namespace
 
 void act_delete_session(Services& services, const Asker& asker, db::SessionId session, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::delete_session, {"session " + std::to_string(session)}, done)) return;
   const auto work = [session](Records&, db::Database& database) { return db::take_out(database, session); };
   ask_store(services, work, [&services, held = services.jobs.hold(), done = std::move(done)](const Outcome& outcome) {
     if (outcome.done())
@@ -753,14 +858,15 @@ void act_delete_session(Services& services, const Asker& asker, db::SessionId se
 }
 
 void act_set_retention(Services& services, const Asker& asker, const db::RetentionRule& rule, std::string tag, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::engineer, done)) return;
+  if (!begin_action(services, asker, Action::set_retention, {{}, {}, dump_json(db::rule_json(rule))}, done)) return;
   ask_store(
       services, [rule, tag = std::move(tag)](Records&, db::Database& database) { return db::set_retention_rule(database, rule, tag); },
       std::move(done));
 }
 
 void act_start_job(Services& services, const Asker& asker, JobKind kind, JobArguments arguments, OutcomeDone done) {
-  if (!may(services, asker, job_kind_info(kind).role, done)) return;
+  const JobKindInfo& info = job_kind_info(kind);
+  if (!begin_action(services, asker, Action::start_job, {std::string{info.name}}, done) || !may(services, asker, info.role, done)) return;
   Outcome outcome;
   if (const auto id = services.jobs.add(kind, std::move(arguments), services.actors.find(asker.client))) {
     outcome.job = *id;
@@ -774,7 +880,9 @@ void act_start_job(Services& services, const Asker& asker, JobKind kind, JobArgu
 
 void act_cancel_job(Services& services, const Asker& asker, JobId job, OutcomeDone done) {
   const auto info = services.jobs.find(job);
-  if (!may(services, asker, info ? job_kind_info(info->kind).role : contract::Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::cancel_job, {"job " + std::to_string(job)}, done) ||
+      (info && !may(services, asker, job_kind_info(info->kind).role, done)))
+    return;
   Outcome outcome;
   outcome.job = job;
   if (!info) {
@@ -789,7 +897,7 @@ void act_cancel_job(Services& services, const Asker& asker, JobId job, OutcomeDo
 }
 
 void act_set_tools(Services& services, const Asker& asker, bool on, OutcomeDone done) {
-  if (!may(services, asker, contract::Role::engineer, done)) return;
+  if (!begin_action(services, asker, Action::set_tools, {on ? "on" : "off"}, done)) return;
   // Closed at once; open only once that is stored.
   if (!on) services.tools.set(false);
   const auto work = [file = services.tools.file(), on](Records&) { return ToolSwitch::store(file, on); };

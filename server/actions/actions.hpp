@@ -2,9 +2,11 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "control/contract/faults.hpp"
@@ -38,6 +40,8 @@ struct Asker {
   std::uint32_t client = 0;
   std::uint32_t epoch = 0;
   contract::Role role = contract::Role::viewer;
+  bool over = false;                  // its sign-in has run out: it may go on with what it holds and end it, and begin nothing
+  std::shared_ptr<bool> logged = {};  // set when an action writes the audit log for this request; may be null
 };
 
 void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done);
@@ -65,11 +69,24 @@ struct DriveWish {
   std::optional<double> speed_norm, yaw_norm;
   std::optional<bool> held;
 };
-// Passes the wish on at once; nothing when the core has it, else why not. `last_sequence`: of this client's commands that the core has.
-// Letting go is passed on even from an otherwise invalid message, since it can only stop.
-[[nodiscard]] std::optional<contract::Refusal> act_drive(Services& services, const Asker& asker, const DriveWish& wish,
-                                                         std::uint64_t& last_sequence);
-void act_stop(Services& services, std::uint32_t client, OutcomeDone done);
+// Of one client: its newest driving command that the core has.
+struct Hand {
+  std::uint64_t sequence = 0;
+  bool held = false;
+};
+struct DriveRefusal {
+  contract::Refusal refusal = contract::Refusal::out_of_range;
+  std::optional<Reason> reason = {};  // where the refusal does not say it all
+  bool operator==(const DriveRefusal&) const = default;
+  [[nodiscard]] std::string_view text_en() const;
+};
+// Passes the wish on at once; nothing when the core has it, else why not. Letting go is passed on even from an otherwise invalid message, since it
+// can only stop. A sign-in that runs out takes no held stick out of a hand, but the next press is refused.
+[[nodiscard]] std::optional<DriveRefusal> act_drive(Services& services, const Asker& asker, const DriveWish& wish, Hand& hand);
+// Whether the connection of a client whose sign-in has run out may be closed now: not while the hoist moves under its lease.
+[[nodiscard]] bool may_close(const Services& services, std::uint32_t client);
+// Never refused. `done` may be empty.
+void act_stop(Services& services, const Asker& asker, OutcomeDone done);
 /// `seen`: names of the faults that were shown when the hand went down, or null; when another has come since, the core refuses.
 void act_acknowledge(Services& services, const Asker& asker, const nlohmann::json& seen, OutcomeDone done);
 // Begins a step of the calibration table; `harness_empty` is true where the table asks for it.

@@ -2,14 +2,25 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "server/actions/action_table.hpp"
 #include "server/actions/actions.hpp"
 
 namespace hoist::server {
 
-// The one place that enforces roles, for every protocol. False: `done` has been told.
+// What the audit log says beside the action's name: nothing of a patient but numbers, and no secret.
+struct AuditDetails {
+  std::string target;  // what it is about
+  std::optional<std::string> before = {}, after = {};
+};
+// Where every action begins, for every protocol: what the table says about role and sign-in holds, and `done` becomes one that also writes the
+// audit log. False: `done` has been told.
+[[nodiscard]] bool begin_action(Services& services, const Asker& asker, Action action, AuditDetails details, OutcomeDone& done);
+// For an action that asks for more than its row says. False: `done` has been told.
 [[nodiscard]] bool may(Services& services, const Asker& asker, contract::Role least, const OutcomeDone& done);
 // All or nothing, by ids of parameters.
 struct ValueSet {

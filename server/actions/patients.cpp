@@ -28,6 +28,8 @@ Outcome told(const db::Result<db::PatientInfo>& row) { return row_outcome(row, p
 Outcome told(const db::Result<db::ProfileInfo>& row) { return row_outcome(row, profile_json); }
 Outcome told(const db::Result<db::VisitInfo>& row) { return row_outcome(row, visit_json); }
 
+std::string numbered(const char* what, std::int64_t id) { return what + (" " + std::to_string(id)); }
+
 Outcome refused(Reason reason, std::string detail) {
   Outcome outcome;
   outcome.kind = Outcome::Kind::refused;
@@ -53,7 +55,7 @@ Outcome not_standing() {
 }  // namespace
 
 void act_create_patient(Services& services, const Asker& asker, std::string code, OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::create_patient, {}, done)) return;
   ask_store_for(
       services, [code = std::move(code)](Records&, db::Database& database) { return told(db::PatientStore(database).create(code)); },
       std::move(done));
@@ -61,7 +63,7 @@ void act_create_patient(Services& services, const Asker& asker, std::string code
 
 void act_change_patient(Services& services, const Asker& asker, std::int64_t patient, db::PatientPatch patch, std::string tag,
                         OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::change_patient, {numbered("patient", patient)}, done)) return;
   if (is_chosen(services, patient)) return done(refused(Reason::patient_chosen, "This patient is chosen for the hoist."));
   ask_store_for(
       services, [=](Records&, db::Database& database) { return told(db::PatientStore(database).change(patient, patch, tag)); },
@@ -104,14 +106,15 @@ void delete_next(Services& services, const std::shared_ptr<Deletion>& deletion) 
 }  // namespace
 
 void act_delete_patient(Services& services, const Asker& asker, std::int64_t patient, std::string tag, OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::delete_patient, {numbered("patient", patient)}, done)) return;
   if (is_chosen(services, patient)) return done(refused(Reason::patient_chosen, "This patient is chosen for the hoist."));
   delete_next(services, std::make_shared<Deletion>(Deletion{patient, std::move(tag), services.jobs.hold(), std::move(done)}));
 }
 
 void act_set_identity(Services& services, const Asker& asker, std::int64_t patient, std::optional<db::Identity> identity, std::string tag,
                       OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, identity ? Action::set_identity : Action::delete_identity, {numbered("patient", patient)}, done))
+    return;
   ask_store_for(
       services,
       [patient, identity = std::move(identity), tag = std::move(tag)](Records&, db::Database& database) {
@@ -125,14 +128,16 @@ void act_set_identity(Services& services, const Asker& asker, std::int64_t patie
 }
 
 void act_note_visit(Services& services, const Asker& asker, std::int64_t visit, std::string note, std::string tag, OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::change_visit, {numbered("visit", visit)}, done)) return;
   ask_store_for(
       services, [=](Records&, db::Database& database) { return told(db::PatientStore(database).note_visit(visit, note, tag)); },
       std::move(done));
 }
 
 void act_choose_patient(Services& services, const Asker& asker, const json& patient, OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::choose_patient,
+                    {patient.is_number_unsigned() ? numbered("patient", patient.get<std::int64_t>()) : "nobody"}, done))
+    return;
   if (led(services)) return done(not_standing());
   if (patient.is_null()) {
     services.state.choose_patient(std::nullopt);
@@ -212,7 +217,7 @@ std::optional<db::ProfileSettings> wanted_settings(Services& services, const jso
 
 void act_create_profile(Services& services, const Asker& asker, std::int64_t patient, std::string name, const json& settings,
                         OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::create_profile, {numbered("patient", patient)}, done)) return;
   const auto wanted = wanted_settings(services, settings, done);
   if (!wanted) return;
   const auto work = [=, settings = *wanted, utc_ns = services.utc_ns(), actor = services.actors.find(asker.client)](
@@ -224,7 +229,7 @@ void act_create_profile(Services& services, const Asker& asker, std::int64_t pat
 
 void act_change_profile(Services& services, const Asker& asker, std::int64_t profile, const ProfileWish& wish, std::string tag,
                         OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::change_profile, {numbered("profile", profile)}, done)) return;
   db::ProfilePatch patch{.name = wish.name, .settings = {}};
   if (wish.from_in_force || !wish.settings.is_null()) {
     patch.settings = wanted_settings(services, wish.from_in_force ? json() : wish.settings, done);
@@ -237,13 +242,13 @@ void act_change_profile(Services& services, const Asker& asker, std::int64_t pro
 }
 
 void act_delete_profile(Services& services, const Asker& asker, std::int64_t profile, std::string tag, OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::delete_profile, {numbered("profile", profile)}, done)) return;
   ask_store(
       services, [=](Records&, db::Database& database) { return db::ProfileStore(database).remove(profile, tag); }, std::move(done));
 }
 
 void act_apply_profile(Services& services, const Asker& asker, std::int64_t profile, std::uint32_t version, OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::apply_profile, {numbered("profile", profile)}, done)) return;
   if (led(services)) return done(not_standing());
   const auto work = [profile](Records&, db::Database& database) { return told(db::ProfileStore(database).get(profile)); };
   ask_store_for(services, work, [&services, asker, version, done = std::move(done)](const Outcome& outcome) {

@@ -11,11 +11,15 @@
 
 namespace hoist::server {
 
-using contract::Role;
+namespace {
+std::string place_text(const MarkerPlace& place) {
+  return "session " + std::to_string(place.session) + " marker " + std::to_string(place.number);
+}
+}  // namespace
 
 void act_change_session(Services& services, const Asker& asker, db::SessionId session, db::SessionPatch patch, std::string tag,
                         OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::change_session, {"session " + std::to_string(session)}, done)) return;
   const auto work = [session, patch = std::move(patch), tag = std::move(tag)](Records&, db::Database& database) {
     return db::SessionEditor(database).patch(session, patch, tag);
   };
@@ -24,7 +28,7 @@ void act_change_session(Services& services, const Asker& asker, db::SessionId se
 
 void act_change_marker(Services& services, const Asker& asker, const MarkerPlace& place, std::string text, std::string tag,
                        OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::change_marker, {place_text(place)}, done)) return;
   const auto work = [place, text = std::move(text), tag = std::move(tag)](Records&, db::Database& database) {
     const auto changed = db::MarkerStore(database).change(place.session, place.number, text, tag);
     if (!changed) return store_outcome(changed.error());
@@ -36,7 +40,7 @@ void act_change_marker(Services& services, const Asker& asker, const MarkerPlace
 }
 
 void act_delete_marker(Services& services, const Asker& asker, const MarkerPlace& place, std::string tag, OutcomeDone done) {
-  if (!may(services, asker, Role::therapist, done)) return;
+  if (!begin_action(services, asker, Action::delete_marker, {place_text(place)}, done)) return;
   const auto work = [place, tag = std::move(tag)](Records&, db::Database& database) {
     return db::MarkerStore(database).remove(place.session, place.number, tag);
   };
@@ -44,7 +48,7 @@ void act_delete_marker(Services& services, const Asker& asker, const MarkerPlace
 }
 
 void act_change_device(Services& services, const Asker& asker, db::DeviceSettingsPatch patch, std::string tag, OutcomeDone done) {
-  if (!may(services, asker, Role::engineer, done)) return;
+  if (!begin_action(services, asker, Action::change_settings, {}, done)) return;
   auto changed = std::make_shared<db::DeviceSettings>();
   const auto work = [patch = std::move(patch), tag = std::move(tag), changed](Records&, db::Database& database) -> db::Status {
     auto after = db::change_device_settings(database, patch, tag);
@@ -59,7 +63,7 @@ void act_change_device(Services& services, const Asker& asker, db::DeviceSetting
 }
 
 void act_set_clock(Services& services, const Asker& asker, std::int64_t utc_ms, OutcomeDone done) {
-  if (!may(services, asker, Role::engineer, done)) return;
+  if (!begin_action(services, asker, Action::set_time, {{}, {}, std::to_string(utc_ms)}, done)) return;
   const auto refuse = [&done](Reason reason, std::string detail) {
     Outcome outcome;
     outcome.kind = Outcome::Kind::refused;

@@ -86,11 +86,29 @@ OutcomeDone answer_done(const CallPtr& call) {
   });
 }
 
+namespace {
+KnownClient known_as(const Session& session, std::string address) {
+  return {{session.user, std::string{access_role(session.role)}, "rest", client_name(session)}, session.display_name, std::move(address)};
+}
+}  // namespace
+
+void tell_actor(Services& services, const Session& session) {
+  if (const auto known = services.actors.known(session.client)) services.actors.update(session.client, known_as(session, known->address));
+}
+
 Asker asker_of(const Call& call) {
   Session& session = *call.session;
-  if (session.client == 0)
-    session.client = call.services.actors.enter({session.user, std::string{access_role(session.role)}, "rest", client_name(session)});
-  return {session.client, call.services.core.lease_epoch(), session.role};
+  ActorList& actors = call.services.actors;
+  KnownClient known = known_as(session, call.request.address);
+  if (session.client == 0) {
+    session.client = actors.enter(std::move(known));
+    session.number = std::shared_ptr<void>(nullptr, [&actors, client = session.client](void*) { actors.leave(client); });
+  } else {
+    actors.update(session.client, std::move(known));
+  }
+  if (!call.logged) call.logged = std::make_shared<bool>(false);
+  const auto utc_s = static_cast<std::uint64_t>(call.services.utc_ns() / 1'000'000'000);
+  return {session.client, call.services.core.lease_epoch(), session.role, Auth::over(session, utc_s), call.logged};
 }
 
 std::optional<std::uint32_t> lease_header(const Call& call) {

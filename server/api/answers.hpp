@@ -14,8 +14,10 @@ namespace hoist::server {
 [[nodiscard]] OutcomeDone answer_with(const CallPtr& call, std::function<void(const Outcome&)> answer);
 // {"ok": true} or the problem.
 [[nodiscard]] OutcomeDone answer_done(const CallPtr& call);
-// Who this call speaks for; gives the session its number on first use.
+// Who this call speaks for; gives the session its number on first use. The number goes back when the sign-in or the token ends.
 [[nodiscard]] Asker asker_of(const Call& call);
+// After a change of role or name: what is told of a session that has a number.
+void tell_actor(Services& services, const Session& session);
 // The lease epoch of X-Hoist-Lease, else the current one. Nothing when the header is not a number.
 [[nodiscard]] std::optional<std::uint32_t> lease_header(const Call& call);
 // The asker with that epoch; nothing after a refusal.

@@ -40,7 +40,7 @@ void set_mode(const CallPtr& call) {
              answer_done(call));
 }
 
-void stop(const CallPtr& call) { act_stop(call->services, asker_of(*call).client, answer_done(call)); }
+void stop(const CallPtr& call) { act_stop(call->services, asker_of(*call), answer_done(call)); }
 
 void acknowledge(const CallPtr& call) {
   if (const auto asker = driver(call)) act_acknowledge(call->services, *asker, field(*call, "seen"), answer_done(call));

@@ -176,7 +176,7 @@ void sign_in(const CallPtr& call) {
     return;
   }
   // Counted before it is tried: many at once are many failures until one of them has turned out right.
-  guard.failed(account, call->request.address, call->services.now_ns());
+  guard.failed(account, call->request.address, call->services.now_ns(), !pin);
   if (device.empty()) device = random_hex(kDeviceBytes);
   const std::string fresh = random_hex(kSecretBytes);
   struct Found {
@@ -211,11 +211,13 @@ void sign_in(const CallPtr& call) {
           call->fail(wrong_secret());
           return;
         }
+        SignInGuard& guard_then = call->services.guard;
         if (found.error) {
+          // The secret was right: nothing to wait for.
+          guard_then.take_back(account, call->request.address);
           call->fail(problem_of(*found.error));
           return;
         }
-        SignInGuard& guard_then = call->services.guard;
         guard_then.succeeded(account, call->request.address);
         if (!pin) guard_then.forget(found.user->name + "@" + row.device + "#");
         row.has_pin = found.user->pin_hash.has_value();
@@ -242,8 +244,6 @@ void sign_out(const CallPtr& call) {
   }
   session->ended = true;
   call->services.close_sockets([&](const Session& other) { return &other == session.get(); }, "signed out");
-  if (session->client != 0 && call->services.core.lease_holder() == session->client)
-    act_release_lease(call->services, asker_of(*call), [](const Outcome&) {});
   ask_people<db::Status>(
       call, [digest = session->digest](PeopleRoom& room) { return room.accounts.end_sign_in(digest); },
       [call](const db::Status& ended) {
@@ -269,7 +269,7 @@ void change_own(const CallPtr& call, std::function<std::optional<db::UserChange>
     return;
   }
   guard.failed(account, call->request.address, call->services.now_ns());
-  ask_people<std::optional<db::Error>>(
+  const bool asked = ask_people<std::optional<db::Error>>(
       call,
       [user = session->user, digest = session->digest, secret = call->body->at("password").get<std::string>(), make = std::move(make),
        sign_others_out](PeopleRoom& room) -> std::optional<db::Error> {
@@ -283,6 +283,8 @@ void change_own(const CallPtr& call, std::function<std::optional<db::UserChange>
       },
       [call, session, account, sign_others_out](const std::optional<db::Error>& error) {
         if (error) {
+          // What failed after the password was found right is no guess.
+          if (error->field != "password") call->services.guard.take_back(account, call->request.address);
           call->fail(problem_of(*error));
           return;
         }
@@ -294,6 +296,7 @@ void change_own(const CallPtr& call, std::function<std::optional<db::UserChange>
         }
         call->respond(json{{"ok", true}});
       });
+  if (!asked) guard.take_back(account, call->request.address);
 }
 }  // namespace
 
@@ -503,6 +506,10 @@ void change_user(const CallPtr& call) {
         Auth& auth = call->rest.auth;
         auth.apply(name, role_of_name(user.role), user.display_name, user.enabled);
         if (signs_out) auth.end_accounts(name, nullptr);
+        call->services.actors.rename(name, user.display_name);
+        auth.each_session([&](const Session& other) {
+          if (other.user == name) tell_actor(call->services, other);
+        });
         // A socket knows its role since its handshake: with another one it is opened anew.
         call->services.close_sockets(
             [&](const Session& other) { return other.user == name && other.account && (other.ended || role_changed); },
@@ -588,8 +595,8 @@ void remove_token(const CallPtr& call) {
           call->fail(problem_of(removed.error()));
           return;
         }
-        (void)call->rest.auth.remove_token(id);
         call->services.close_sockets([id](const Session& other) { return other.token_id == id; }, "token removed");
+        (void)call->rest.auth.remove_token(id);
         Response response;
         response.status = 204;
         call->respond(std::move(response));

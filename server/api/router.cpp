@@ -74,6 +74,13 @@ Response link_page() {
   return page;
 }
 
+// These show a token in the address and take no cookie.
+bool is_for_tools(std::string_view path) { return path == "/foxglove" || path == "/rosbridge"; }
+
+// What other devices reach before there is an account: the set-up with what its page needs, and STOP of whoever was ever signed in. Pages and the
+// way to trust the hoist are no routes.
+bool is_open_before_set_up(std::string_view operation) { return operation == "who_am_i" || operation == "set_up" || operation == "stop"; }
+
 // GET /?token=…: trades a one-time link for a session cookie.
 Response open_link(const RestContext& rest, const std::string& token) {
   Services& services = rest.services;
@@ -103,13 +110,18 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
   Auth& auth = call.rest.auth;
   const Request& request = call.request;
   Counters& counters = services.counters;
+  if (!request.from_here && !services.has_engineer && !is_open_before_set_up(route.operation)) {
+    counters.add(Count::http_refused_no_session);
+    return problem(403, "set-up-first", "The hoist has no accounts yet",
+                   "Turn its configuration switch on, open the console and set it up.");
+  }
   const bool open = route.access == Access::open;
   const bool unsafe = route.method != Method::get;
   if (open && !unsafe) return std::nullopt;
   const std::string_view origin = request.header("origin");
   // Tools run on pages of other makers and cannot set headers: they show a token in the address. No cookie counts for them, so that no foreign
   // page can borrow one, and their Origin says nothing.
-  const bool tool = route.operation == "open_foxglove" || route.operation == "open_rosbridge";
+  const bool tool = is_for_tools(route.path);
   if (!tool && !origin.empty() && !auth.origin_matches(origin, request.header("host"))) {
     counters.add(Count::http_refused_origin);
     return problem(403, "foreign-origin", "Another page tried to use this console", "Open the console itself and use it there.");
@@ -200,23 +212,16 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
 }  // namespace
 
 namespace {
-// What people change, and what leaves the hoist. Driving itself is in the recording, command by command.
+// What people change beside actions, which write their rows themselves, what was refused before it became one, and what leaves the hoist.
 bool is_audited(const Route& route) {
   return (route.method != Method::get && route.operation != "open_ticket") || route.operation == "export_session";
 }
-// Whose bodies may stand in the audit log: they hold no secret and nothing of a patient.
-bool body_is_plain(std::string_view operation) {
-  constexpr std::array kPlain{"change_parameters", "put_parameter", "keep_parameters", "set_mode",
-                              "take_lease",        "start_job",     "set_retention"};
-  return std::find(kPlain.begin(), kPlain.end(), operation) != kPlain.end();
-}
-constexpr std::size_t kAuditBody_bytes = 500;
 
 void audit(const Call& call, const Route& route, const Response& response) {
   // Those without a session log what they find out about the person themselves.
-  if (!call.session || route.access == Access::open) return;
+  if ((call.logged && *call.logged) || !call.session || route.access == Access::open) return;
   Services& services = call.services;
-  db::AuditEntry entry{.utc_ms = services.utc_ns() / 1'000'000,
+  services.people.log({.utc_ms = services.utc_ns() / 1'000'000,
                        .steady_ns = services.now_ns(),
                        .user = call.session->user,
                        .role = std::string{access_role(call.session->role)},
@@ -225,9 +230,7 @@ void audit(const Call& call, const Route& route, const Response& response) {
                        .target = call.request.path,
                        .before = {},
                        .after = {},
-                       .result = std::to_string(response.status)};
-  if (body_is_plain(route.operation)) entry.after = call.request.body.substr(0, kAuditBody_bytes);
-  services.people.log(std::move(entry));
+                       .result = std::to_string(response.status)});
 }
 
 // Whether the call is to run now. A key that was used before answers it here: with the same answer, or that it belongs to another request (422),
@@ -277,7 +280,9 @@ bool keeps_to_https(const RestContext& rest, const Request& request) {
 bool Router::may_enter(const Request& request) {
   const auto utc_s = static_cast<std::uint64_t>(rest_.services.utc_ns() / 1'000'000'000);
   const auto token = request.query.find("token");
-  const bool link = request.path == "/" && token != request.query.end() && same_secret(token->second, rest_.auth.link_token());
+  const bool link =
+      request.from_here && request.path == "/" && token != request.query.end() && same_secret(token->second, rest_.auth.link_token());
+  if (is_for_tools(request.path)) return rest_.auth.find_token(request, utc_s) != nullptr;
   return link || rest_.auth.find_for_stop(request, utc_s) != nullptr;
 }
 
@@ -298,8 +303,7 @@ void Router::handle(Request request, std::function<void(Response)> answer) {
     return;
   }
   const Method method = head ? Method::get : request.method;
-  const bool api_path = request.path == "/ws" || request.path == "/foxglove" || request.path == "/rosbridge" || request.path == "/api" ||
-                        request.path.starts_with("/api/");
+  const bool api_path = request.path == "/ws" || is_for_tools(request.path) || request.path == "/api" || request.path.starts_with("/api/");
   if (rest_.trust != nullptr && method == Method::get) {
     if (auto page = trust_answer(*rest_.trust, request.path)) {
       finish(std::move(*page));
@@ -308,7 +312,7 @@ void Router::handle(Request request, std::function<void(Response)> answer) {
   }
   if (!api_path && method == Method::get) {
     const auto token = request.query.find("token");
-    if (request.path == "/" && token != request.query.end() && !head)
+    if (request.path == "/" && token != request.query.end() && !head && request.from_here)
       finish(open_link(rest_, token->second));
     else
       finish(pages_.serve(request));

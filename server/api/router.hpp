@@ -14,8 +14,8 @@
 
 namespace hoist::server {
 
-// Takes over a WebSocket whose handshake is done.
-using OpenSocket = std::function<void(std::unique_ptr<Stream>, std::shared_ptr<void> seat, SessionPtr)>;
+// Takes over a WebSocket of this session, from this address, whose handshake is done.
+using OpenSocket = std::function<void(std::unique_ptr<Stream>, std::shared_ptr<void> seat, SessionPtr, const std::string& address)>;
 
 // What REST needs besides the services of the actions.
 struct RestContext {

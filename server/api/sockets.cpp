@@ -48,8 +48,9 @@ void shake_hands(const CallPtr& call, std::initializer_list<const char*> protoco
   response.set("Upgrade", "websocket");
   response.set("Sec-WebSocket-Accept", *accept);
   if (chosen != nullptr) response.set("Sec-WebSocket-Protocol", chosen);
-  response.upgrade = [&rest = call->rest, open, session = call->session](std::unique_ptr<Stream> stream, std::shared_ptr<void> seat) {
-    (rest.*open)(std::move(stream), std::move(seat), session);
+  response.upgrade = [&rest = call->rest, open, session = call->session, address = request.address](std::unique_ptr<Stream> stream,
+                                                                                                    std::shared_ptr<void> seat) {
+    (rest.*open)(std::move(stream), std::move(seat), session, address);
   };
   call->respond(std::move(response));
 }

@@ -292,10 +292,15 @@ std::optional<std::string_view> next_cookie(std::string_view& rest, std::string_
   }
   return std::nullopt;
 }
+
+// Whoever uses this computer itself has no account.
+SessionPtr only_from_here(SessionPtr session, const Request& request) {
+  return session && (session->account || request.from_here) ? std::move(session) : nullptr;
+}
 }  // namespace
 
 SessionPtr Auth::find_for_stop(const Request& request, std::uint64_t utc_s) {
-  if (SessionPtr session = find(request, utc_s)) return session;
+  if (SessionPtr session = look_up(request, utc_s)) return session;
   if (!request.header("authorization").empty()) return nullptr;
   std::string_view rest = request.header("cookie");
   while (const auto secret = next_cookie(rest, cookie_name())) {
@@ -308,17 +313,21 @@ SessionPtr Auth::find_for_stop(const Request& request, std::uint64_t utc_s) {
   return nullptr;
 }
 
-SessionPtr Auth::find(const Request& request, std::uint64_t utc_s) {
+SessionPtr Auth::find(const Request& request, std::uint64_t utc_s) { return only_from_here(look_up(request, utc_s), request); }
+
+SessionPtr Auth::token_of(std::string_view secret, std::uint64_t utc_s) const {
+  if (same_secret(secret, bearer_->secret)) return bearer_;
+  const std::string digest = digest_of_secret(secret);
+  for (const SessionPtr& token : tokens_)
+    if (token->digest == digest && !over(*token, utc_s)) return token;
+  return nullptr;
+}
+
+SessionPtr Auth::look_up(const Request& request, std::uint64_t utc_s) {
   const std::string_view authorization = request.header("authorization");
   if (!authorization.empty()) {
     constexpr std::string_view kBearer = "Bearer ";
-    if (!authorization.starts_with(kBearer)) return nullptr;
-    const std::string_view secret = authorization.substr(kBearer.size());
-    if (same_secret(secret, bearer_->secret)) return bearer_;
-    const std::string digest = digest_of_secret(secret);
-    for (const SessionPtr& token : tokens_)
-      if (token->digest == digest && !over(*token, utc_s)) return token;
-    return nullptr;
+    return authorization.starts_with(kBearer) ? token_of(authorization.substr(kBearer.size()), utc_s) : nullptr;
   }
   std::string_view rest = request.header("cookie");
   while (const auto secret = next_cookie(rest, cookie_name())) {
@@ -390,11 +399,7 @@ SessionPtr Auth::find_token(const Request& request, std::uint64_t utc_s) const {
   } else {
     return nullptr;
   }
-  if (same_secret(token, bearer_->secret)) return bearer_;
-  const std::string digest = digest_of_secret(token);
-  for (const SessionPtr& one : tokens_)
-    if (one->digest == digest && !over(*one, utc_s)) return one;
-  return nullptr;
+  return only_from_here(token_of(token, utc_s), request);
 }
 
 SessionPtr Auth::use_link(std::string_view token, std::uint64_t utc_s) {

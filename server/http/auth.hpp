@@ -55,10 +55,11 @@ struct Session {
   bool ended = false;               // signed out, disabled, removed: may say STOP only
   std::size_t sockets = 0;          // open WebSockets
   contract::Role role = contract::Role::engineer;
-  std::uint64_t used_utc_s = 0;     // last use; the session ends kSessionLife_s after it
-  std::uint64_t written_utc_s = 0;  // the last use that is on disk
-  std::uint32_t client = 0;         // number towards the core; 0 until it first asks the core for something
-  std::uint64_t used_ns = 0;        // last use of the lease
+  std::uint64_t used_utc_s = 0;       // last use; the session ends kSessionLife_s after it
+  std::uint64_t written_utc_s = 0;    // the last use that is on disk
+  std::uint32_t client = 0;           // number towards the core; 0 until it first asks the core for something
+  std::shared_ptr<void> number = {};  // gives `client` back when it goes
+  std::uint64_t used_ns = 0;          // last use of the lease
 };
 using SessionPtr = std::shared_ptr<Session>;
 // The sign-in in words, the same over connections and restarts: "script", or "device-" and eight digits from which the secret cannot be found.
@@ -85,8 +86,8 @@ class Auth {
   // Set-Cookie for a session. Under TLS no other name, path or plain page of this computer can set or read it (the prefix __Host-).
   [[nodiscard]] std::string cookie_of(std::string_view secret) const;
 
-  // The session of a request: Authorization first, then the cookie. Null when there is none that is valid.
-  // Being found is a use: it puts the session's end off.
+  // The session of a request: Authorization first, then the cookie. Null when there is none that is valid. Being found is a use: it puts the
+  // session's end off. Link and token file are this computer's own: from elsewhere they are nobody's.
   [[nodiscard]] SessionPtr find(const Request& request, std::uint64_t utc_s);
   // Of a tool: a token, in ?token= or as Authorization; never a cookie.
   [[nodiscard]] SessionPtr find_token(const Request& request, std::uint64_t utc_s) const;
@@ -132,6 +133,9 @@ class Auth {
   [[nodiscard]] std::string_view cookie_name() const;
   bool load(std::string& error);
   bool save(std::string& error) const;
+  // Whatever shows a secret that is known, from anywhere.
+  [[nodiscard]] SessionPtr look_up(const Request& request, std::uint64_t utc_s);
+  [[nodiscard]] SessionPtr token_of(std::string_view secret, std::uint64_t utc_s) const;
   // The session can only say STOP from here.
   void end(std::list<SessionPtr>::iterator session);
 

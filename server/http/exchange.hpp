@@ -22,7 +22,8 @@ struct Request {
   std::map<std::string, std::string> query;    // percent-decoded
   std::map<std::string, std::string> headers;  // names in lower case; equal names joined with ", "
   std::string body;
-  std::string address;  // of the peer
+  std::string address;     // of the peer
+  bool from_here = false;  // the peer is this computer itself
   bool wants_upgrade = false;
 
   // The value of a header (name in lower case), or nothing.

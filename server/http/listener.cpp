@@ -28,6 +28,11 @@ using tcp = asio::ip::tcp;
 
 class Connection;
 
+struct Peer {
+  std::string address;
+  bool from_here = false;  // this computer itself
+};
+
 // What a connection may ask for.
 enum class Seat : std::uint8_t { ordinary, signed_in, stop };
 
@@ -39,6 +44,7 @@ struct Listener::Shared {
   RequestHandler& handler;
   const TlsContext* tls;
   tcp::acceptor acceptor;
+  std::function<bool(const std::string& address)> from_here;
   asio::steady_timer pause;
   bool closing = false;
   // Open HTTP connections, and WebSockets (those in their handshake included).
@@ -49,6 +55,12 @@ struct Listener::Shared {
 };
 
 namespace {
+// An IPv4 address as such, also where it came over an IPv6 socket.
+asio::ip::address plain_address(const asio::ip::address& address) {
+  if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return address;
+  return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
+}
+
 // One place in the limits; given back when the socket is gone, whoever holds it by then.
 std::shared_ptr<void> take_seat(const std::shared_ptr<Listener::Shared>& shared, const std::string& address) {
   ++shared->open;
@@ -141,15 +153,14 @@ std::string head_of(const Response& response, bool keep, bool chunked, std::opti
 
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(std::shared_ptr<Listener::Shared> shared, std::unique_ptr<Stream> stream, std::string address, std::shared_ptr<void> seat,
-             Seat kind)
+  Connection(std::shared_ptr<Listener::Shared> shared, std::unique_ptr<Stream> stream, Peer peer, std::shared_ptr<void> seat, Seat kind)
       : kind_(kind),
         reserved_(kind != Seat::ordinary),
         unjudged_(reserved_),
         shared_(std::move(shared)),
         stream_(std::move(stream)),
         deadline_(shared_->io),
-        address_(std::move(address)),
+        peer_(std::move(peer)),
         seat_(std::move(seat)) {}
 
   void start() { read_header(reserved_ ? kReservedHeaderTime_s : kHeaderTime_s); }
@@ -418,7 +429,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     // A reserved seat is for one request, so that there is always one soon.
     keep_ = message.keep_alive() && !reserved_;
     request_ = Request{};
-    request_.address = address_;
+    request_.address = peer_.address;
+    request_.from_here = peer_.from_here;
     request_.method = parse_method({message.method_string().data(), message.method_string().size()});
     request_.wants_upgrade = beast::websocket::is_upgrade(message) && parser_->is_done();
     head_only_ = request_.method == Method::head;
@@ -590,7 +602,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   asio::steady_timer deadline_;
   Clock::time_point limit_ = Clock::time_point::max();
   bool timing_ = false;  // the timer runs
-  std::string address_;
+  Peer peer_;
   std::shared_ptr<void> seat_;
   std::size_t body_limit_ = kImageLimit_bytes;  // of the request that is being read
   beast::flat_buffer buffer_{kHeaderLimit_bytes + kBodyLimit_bytes};
@@ -669,6 +681,8 @@ std::uint16_t Listener::open(const std::string& address, std::uint16_t port, std
   if (!code) acceptor.listen(asio::socket_base::max_listen_connections, code);
   if (code) {
     error = "cannot listen on " + address + " port " + std::to_string(port) + ": " + code.message();
+    if (code == boost::system::errc::address_not_available)
+      error += "; `ip address` lists this computer's addresses, 0.0.0.0 stands for all of them";
     return 0;
   }
   accept();
@@ -688,7 +702,12 @@ void Listener::accept() {
     }
     Counters& counters = shared->counters;
     beast::error_code ignored;
-    const std::string address = socket.remote_endpoint(ignored).address().to_string();
+    const asio::ip::address peer = plain_address(socket.remote_endpoint(ignored).address());
+    const std::string address = peer.to_string();
+    // Linux takes no packet from outside that names an address of its own as the sender.
+    const bool from_here = shared->from_here
+                               ? shared->from_here(address)
+                               : peer.is_loopback() || (!ignored && peer == plain_address(socket.local_endpoint(ignored).address()));
     const std::optional<Seat> kind = find_seat(*shared, address);
     if (!kind) {
       counters.add(Count::connections_refused_total_limit);
@@ -697,8 +716,8 @@ void Listener::accept() {
     } else {
       counters.add(Count::connections_accepted);
       auto seat = take_seat(shared, address);
-      auto connection =
-          std::make_shared<Connection>(shared, std::make_unique<Stream>(std::move(socket), shared->tls), address, std::move(seat), *kind);
+      auto connection = std::make_shared<Connection>(shared, std::make_unique<Stream>(std::move(socket), shared->tls),
+                                                     Peer{address, from_here}, std::move(seat), *kind);
       shared->connections.push_back(connection);
       connection->start();
     }
@@ -721,6 +740,8 @@ void Listener::drop() {
   for (const auto& weak : shared_->connections)
     if (const auto connection = weak.lock()) connection->drop();
 }
+
+void Listener::set_from_here(std::function<bool(const std::string&)> from_here) { shared_->from_here = std::move(from_here); }
 
 std::size_t Listener::connections() const { return shared_->open; }
 

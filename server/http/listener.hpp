@@ -50,6 +50,8 @@ class Listener {
   // All of them outlive the listener. `tls` null: plain.
   Listener(boost::asio::io_context& io, Counters& counters, RequestHandler& handler, const TlsContext* tls);
   ~Listener();
+  // Which peers are this computer itself; before `open`. Empty: loopback, and the address that the peer itself has called.
+  void set_from_here(std::function<bool(const std::string& address)> from_here);
   // Binds and begins to accept; the port that was bound, or 0 with the reason in `error`.
   std::uint16_t open(const std::string& address, std::uint16_t port, std::string& error);
   // No new connections; idle ones end, answers under way get a moment.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "server/actions/actions.hpp"
 #include "server/live/hub.hpp"
 #include "server/ws/connection.hpp"
 
@@ -27,8 +28,8 @@ class Client final : public SocketConnection {
   void set_every_tick(bool on) { every_tick_ = on; }
   [[nodiscard]] bool holds_lease() const;
 
-  // State of the drive handler: the newest sequence and when a refusal was last told.
-  std::uint64_t drive_sequence = 0;
+  // State of the drive handler: the hand, and when a refusal was last told.
+  Hand hand;
   std::uint64_t drive_notice_ns = 0;
 
  private:

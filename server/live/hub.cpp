@@ -9,7 +9,6 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/guided_path.hpp"
 #include "control/contract/program_version.hpp"
-#include "db/export/provenance.hpp"
 #include "server/actions/actions.hpp"
 #include "server/live/client.hpp"
 #include "server/record/reason.hpp"
@@ -178,10 +177,10 @@ void Hub::set_services(Services& services, Auth& auth) {
   services.state.set_on_patient([this] { broadcast(text_frame(patient_message(services_->state))); });
 }
 
-void Hub::open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
+void Hub::open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session, const std::string& address) {
   services_->counters.add(Count::ws_opened);
-  const std::uint32_t number =
-      services_->actors.enter({session->user, std::string{access_role(session->role)}, "hoist.v1", client_name(*session)});
+  const std::uint32_t number = services_->actors.enter(
+      {{session->user, std::string{access_role(session->role)}, "hoist.v1", client_name(*session)}, session->display_name, address});
   auto client = std::make_shared<Client>(*this, std::move(stream), std::move(session), number, std::move(seat));
   client->start();
   add(std::move(client));
@@ -195,15 +194,16 @@ void Hub::close_sockets(const std::function<bool(const Session&)>& of, std::stri
 }
 
 void Hub::close_ended() {
-  const auto utc_s = static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000);
-  const auto& newest = services_->core.newest();
-  const bool moving = newest && newest->standing_still == 0;
   // A sign-in that runs out must not stop a hoist that a hand drives: its socket is closed as soon as the hoist stands.
   const auto clients = clients_;
   for (const auto& client : clients) {
     const Session& session = *client->session();
-    if (Auth::over(session, utc_s) && (session.ended || !moving || !client->holds_lease())) client->close(CloseCode::policy, kSignedOut);
+    if (over(session) && (session.ended || may_close(*services_, client->number()))) client->close(CloseCode::policy, kSignedOut);
   }
+}
+
+bool Hub::over(const Session& session) const {
+  return Auth::over(session, static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000));
 }
 
 void Hub::use(Session& session) { auth_->use(session, static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000)); }
@@ -334,7 +334,7 @@ void Hub::on_event(const contract::Event& event) {
   if (event.kind == contract::EventKind::command_done || event.kind == contract::EventKind::none) return;
   json message = event_json(event);
   message["type"] = "event";
-  if (event.client != 0) message["actor"] = db::actor_json(services_->actors.find(event.client));
+  if (event.client != 0) message["actor"] = client_json(services_->actors, event.client);
   broadcast(text_frame(message));
 }
 

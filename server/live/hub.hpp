@@ -55,11 +55,13 @@ class Hub final : public CoreListener {
   void close_all();
 
   // A WebSocket whose handshake is done becomes a client.
-  void open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session);
+  void open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session, const std::string& address);
   // Closes the WebSockets of these sessions, whatever they do: the core then sees a driver leave and stops.
   void close_sockets(const std::function<bool(const Session&)>& of, std::string_view reason);
   // A session was used by a message.
   void use(Session& session);
+  // Its sign-in has run out.
+  [[nodiscard]] bool over(const Session& session) const;
   void add(std::shared_ptr<Client> client);
   void remove(const Client* client);
   // Changes how often a client gets values, between two batches, so that it sees each step once.

@@ -15,13 +15,18 @@
 
 namespace hoist::server {
 
-using contract::Role;
 using nlohmann::json;
 
 namespace {
 constexpr std::uint64_t kNoticeEvery_ns = 1'000'000'000;
 
-Asker asker_of(const Client& client) { return {client.number(), client.hub().services().core.lease_epoch(), client.session()->role}; }
+Asker asker_of(const Client& client) {
+  const Session& session = *client.session();
+  return {.client = client.number(),
+          .epoch = client.hub().services().core.lease_epoch(),
+          .role = session.role,
+          .over = client.hub().over(session)};
+}
 
 json reply_json(const json& request, const Outcome& outcome) {
   json reply{{"type", "reply"}, {"request", request.is_number_integer() ? request : json(0)}, {"ok", outcome.done()}};
@@ -90,7 +95,7 @@ void mode(Client& client, const json& message) {
            {field(message, "mode"), field(message, "exercise"), field(message, "path"), field(message, "start_again")},
            reply_to(client, message));
 }
-void stop(Client& client, const json&) { act_stop(client.hub().services(), client.number(), nullptr); }
+void stop(Client& client, const json&) { act_stop(client.hub().services(), asker_of(client), nullptr); }
 void acknowledge(Client& client, const json& message) {
   act_acknowledge(client.hub().services(), asker_of(client), field(message, "seen"), reply_to(client, message));
 }
@@ -111,7 +116,7 @@ void drive(Client& client, const json& message) {
                        .speed_norm = number(field(message, "speed")),
                        .yaw_norm = number(field(message, "yaw")),
                        .held = held.is_boolean() ? std::optional{held.get<bool>()} : std::nullopt};
-  const auto refused = act_drive(services, asker_of(client), wish, client.drive_sequence);
+  const auto refused = act_drive(services, asker_of(client), wish, client.hand);
   if (!refused) return;
   services.counters.add(Count::ws_refused);
   services.counters.add(Count::ws_refused_drive);
@@ -120,8 +125,8 @@ void drive(Client& client, const json& message) {
   client.drive_notice_ns = now;
   client.send(json{{"type", "notice"},
                    {"level", "warning"},
-                   {"text_key", "drive_refused"},
-                   {"refusals", refusal_names(contract::refusal_bit(*refused))}});
+                   {"text_key", refused->reason ? reason_name(*refused->reason) : "drive_refused"},
+                   {"refusals", refused->reason ? std::vector<std::string>{} : refusal_names(contract::refusal_bit(refused->refusal))}});
 }
 
 void set(Client& client, const json& message) {
@@ -184,12 +189,11 @@ void ping(Client& client, const json& message) {
 struct Row {
   const char* type;
   bool answered;
-  Role role;
   std::string_view schema;
   void (*handler)(Client&, const json&);
 };
 constexpr std::array kRows{
-#define HOIST_IN(type, answered, role, schema, doc) Row{#type, answered != 0, Role::role, #schema, &on::type},
+#define HOIST_IN(type, answered, role, schema, doc) Row{#type, answered != 0, #schema, &on::type},
 #define HOIST_OUT(...)
 #define HOIST_FIELD(...)
 #include "server/contract/messages.def"
@@ -223,15 +227,6 @@ void handle_message(Client& client, const json& message, const std::optional<std
     if (name != row.type) continue;
     if (row.answered && !field(message, "request").is_number_integer()) {
       refuse_fields(client, message, {{"request", "must be a whole number"}});
-      return;
-    }
-    if (client.session()->role < row.role) {
-      counters.add(Count::ws_refused);
-      Outcome outcome;
-      outcome.kind = Outcome::Kind::refused;
-      outcome.detail = "Your role may not do this.";
-      outcome.reason = Reason::role;
-      if (row.answered) reply_to(client, message)(outcome);
       return;
     }
     // A field that is given twice says two things. For a hand on the joystick that means letting go.

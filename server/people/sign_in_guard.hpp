@@ -11,6 +11,8 @@
 namespace hoist::server {
 
 inline constexpr std::uint64_t kBackOffMost_s = 60, kAddressFailuresPerMinute = 5;
+// A row of failures ends after so long without one: whoever mistyped last week waits one second today.
+inline constexpr std::uint64_t kBackOffForgets_s = 3600;
 // Accounts and addresses that are remembered; the one whose latest failure is oldest is forgotten first.
 inline constexpr std::size_t kGuardEntries = 1000;
 
@@ -30,8 +32,10 @@ class SignInGuard {
     const auto at = accounts_.find(account);
     return at == accounts_.end() ? 0 : at->second.failures;
   }
-  void failed(const std::string& account, const std::string& address, std::uint64_t now_ns) {
+  // `forgets`: not for a PIN, whose few tries count however far apart they are.
+  void failed(const std::string& account, const std::string& address, std::uint64_t now_ns, bool forgets = true) {
     Failures& one = accounts_[account];
+    if (forgets && now_ns - one.last_ns > kBackOffForgets_s * kSecond_ns) one.failures = 0;
     ++one.failures;
     one.last_ns = now_ns;
     std::deque<std::uint64_t>& times = addresses_[address];

@@ -33,15 +33,19 @@ json recording_json(const RecordingStatus& status) {
   return out;
 }
 
+json client_json(const ActorList& actors, std::uint32_t client) {
+  const auto known = actors.known(client);
+  if (!known) return nullptr;
+  json actor = db::actor_json(known->actor);
+  if (!known->display_name.empty()) actor["name"] = known->display_name;
+  return actor;
+}
+
 json lease_json(const CoreDesk& core, const LeaseAsks& asks, const ActorList& actors) {
   json asking = json::array();
-  for (const LeaseAsks::Ask& ask : asks.list())
-    asking.push_back({{"client", ask.client}, {"actor", db::actor_json(actors.find(ask.client))}});
+  for (const LeaseAsks::Ask& ask : asks.list()) asking.push_back({{"client", ask.client}, {"actor", client_json(actors, ask.client)}});
   const std::uint32_t holder = core.lease_holder();
-  return {{"epoch", core.lease_epoch()},
-          {"holder", holder},
-          {"actor", holder != 0 ? db::actor_json(actors.find(holder)) : json(nullptr)},
-          {"asking", std::move(asking)}};
+  return {{"epoch", core.lease_epoch()}, {"holder", holder}, {"actor", client_json(actors, holder)}, {"asking", std::move(asking)}};
 }
 
 json chosen_patient_json(const HoistState& state) {

@@ -27,6 +27,8 @@ class LeaseAsks;
 [[nodiscard]] nlohmann::json file_health_json(const FileHealth& file);
 [[nodiscard]] nlohmann::json recording_json(const RecordingStatus& status);
 // Who drives and who asks for it, by number and actor.
+// Who is behind a number: the actor, with the name that screens show while the client is known; null = not known.
+[[nodiscard]] nlohmann::json client_json(const ActorList& actors, std::uint32_t client);
 [[nodiscard]] nlohmann::json lease_json(const CoreDesk& core, const LeaseAsks& asks, const ActorList& actors);
 [[nodiscard]] nlohmann::json chosen_patient_json(const HoistState& state);
 // Rows that people edit; `etag` is what a change of them is made for.

@@ -50,7 +50,9 @@ ToolClient::ToolClient(ToolHub& hub, std::unique_ptr<Stream> stream, SessionPtr 
 
 Services& ToolClient::services() const { return hub_.services(); }
 bool ToolClient::holds_lease() const { return services().core.lease_holder() == number_; }
-Asker ToolClient::asker() const { return {number_, services().core.lease_epoch(), session_->role}; }
+Asker ToolClient::asker() const {
+  return {.client = number_, .epoch = services().core.lease_epoch(), .role = session_->role, .over = hub_.over(*session_)};
+}
 void ToolClient::on_leave() { hub_.remove(this); }
 
 bool ToolClient::allow() {
@@ -111,8 +113,8 @@ void ToolClient::watch(std::uint64_t now_ns, std::uint64_t newest_ns) {
 }
 
 void ToolClient::let_go() {
-  const DriveWish wish{.sequence = sequence_ + 1, .echo_time_ns = echo_ns_, .speed_norm = 0, .yaw_norm = 0, .held = false};
-  (void)act_drive(services(), asker(), wish, sequence_);
+  const DriveWish wish{.sequence = hand_.sequence + 1, .echo_time_ns = echo_ns_, .speed_norm = 0, .yaw_norm = 0, .held = false};
+  (void)act_drive(services(), asker(), wish, hand_);
 }
 
 std::optional<ToolClient::Twist> ToolClient::read_twist(const json& message) {
@@ -129,31 +131,28 @@ void ToolClient::drive(const std::optional<Twist>& twist) {
     const double full = in_force.values[contract::param_index(limit)];
     return full > 0 ? std::clamp(std::clamp(value, -most, most) / full, -1.0, 1.0) : 0.0;
   };
-  DriveWish wish{.sequence = sequence_ + 1, .echo_time_ns = echo_ns_, .speed_norm = {}, .yaw_norm = {}, .held = false};
+  DriveWish wish{.sequence = hand_.sequence + 1, .echo_time_ns = echo_ns_, .speed_norm = {}, .yaw_norm = {}, .held = false};
   if (twist && std::isfinite(twist->linear_x_m_s) && std::isfinite(twist->angular_z_rad_s)) {
     wish.speed_norm = share(twist->linear_x_m_s, kToolSpeed_m_s, contract::ParamName::remote_speed_m_s_max);
     wish.yaw_norm = share(twist->angular_z_rad_s, kToolTurn_rad_s, contract::ParamName::remote_yaw_rate_rad_s_max);
     // Zero is how most tools say that the button was released.
     wish.held = twist->linear_x_m_s != 0 || twist->angular_z_rad_s != 0;
   }
-  const auto refused = act_drive(services(), asker(), wish, sequence_);
+  const auto refused = act_drive(services(), asker(), wish, hand_);
   if (!refused) return;
   counters().add(Count::ws_refused);
   counters().add(Count::ws_refused_drive);
   const std::uint64_t now = now_ns();
   if (told_ns_ != 0 && now - told_ns_ < kTellEvery_ns) return;
   told_ns_ = now;
-  std::string why;
-  for (const contract::RefusalInfo& r : contract::kRefusals)
-    if (static_cast<contract::Refusal>(r.bit) == *refused) why = r.text_en;
-  tell(ToolLevel::warning, "/cmd_vel is refused: " + why);
+  tell(ToolLevel::warning, "/cmd_vel is refused: " + std::string{refused->text_en()});
 }
 
 void ToolClient::call(ServiceId service, OutcomeDone done) {
   static const json kNull, kDrive = "remote", kStandBy = "standby";
   switch (service) {
     case ServiceId::stop:
-      return act_stop(services(), number_, std::move(done));
+      return act_stop(services(), asker(), std::move(done));
     case ServiceId::take_control:
       return act_take_lease(services(), asker(), false, std::move(done));
     case ServiceId::release_control:

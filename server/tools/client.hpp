@@ -107,9 +107,9 @@ class ToolClient : public SocketConnection {
   std::uint32_t number_;
   std::uint64_t allowance_ = kToolMessagesPerSecond;
   std::uint64_t allowance_ns_;
-  std::uint32_t version_ = 0;    // of the parameters it was shown; 0: none yet
-  std::uint64_t echo_ns_ = 0;    // newest step that it has answered a ping about
-  std::uint64_t sequence_ = 0;   // of the driving commands that the core has
+  std::uint32_t version_ = 0;  // of the parameters it was shown; 0: none yet
+  std::uint64_t echo_ns_ = 0;  // newest step that it has answered a ping about
+  Hand hand_;
   std::uint64_t twist_ns_ = 0;   // when its last driving message came
   std::uint64_t let_go_ns_ = 0;  // when the dead-man last let go
   std::uint64_t told_ns_ = 0;    // when a refusal was last told

@@ -20,11 +20,17 @@ void ToolHub::set_services(Services& services, Auth& auth) {
 
 void ToolHub::use(Session& session) { auth_->use(session, static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000)); }
 
-void ToolHub::open(Protocol protocol, std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session) {
+bool ToolHub::over(const Session& session) const {
+  return Auth::over(session, static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000));
+}
+
+void ToolHub::open(Protocol protocol, std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session,
+                   const std::string& address) {
   services_->counters.add(Count::ws_opened);
   const bool foxglove = protocol == Protocol::foxglove;
+  const char* const origin = foxglove ? "foxglove" : "rosbridge";
   const std::uint32_t number = services_->actors.enter(
-      {session->user, std::string{access_role(session->role)}, foxglove ? "foxglove" : "rosbridge", client_name(*session)});
+      {{session->user, std::string{access_role(session->role)}, origin, client_name(*session)}, session->display_name, address});
   std::shared_ptr<ToolClient> client;
   if (foxglove)
     client = std::make_shared<FoxgloveClient>(*this, std::move(stream), std::move(session), number, std::move(seat));
@@ -100,12 +106,12 @@ void ToolHub::poll(std::uint64_t now_ns) {
   const auto all = clients_;
   const bool visits = now_ns - visited_ns_ >= kPing_ns;
   if (visits) visited_ns_ = now_ns;
-  const auto utc_s = static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000);
   const auto& newest = services_->core.newest();
   for (const auto& client : all) {
     if (visits) {
       client->visit(now_ns);
-      if (Auth::over(client->session(), utc_s)) client->close(CloseCode::policy, "signed out");
+      const Session& session = client->session();
+      if (over(session) && (session.ended || may_close(*services_, client->number()))) client->close(CloseCode::policy, "signed out");
     }
     if (!client->greeted && now_ns - client->opened_ns >= kGreeting_ns) {
       client->greeted = true;

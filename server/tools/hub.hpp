@@ -37,9 +37,11 @@ class ToolHub final : public CoreListener {
   void close_sockets(const std::function<bool(const Session&)>& of, std::string_view reason);
 
   enum class Protocol : std::uint8_t { foxglove, rosbridge };
-  void open(Protocol protocol, std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session);
+  void open(Protocol protocol, std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session, const std::string& address);
   void remove(const ToolClient* client);
   void use(Session& session);
+  // Its sign-in has run out.
+  [[nodiscard]] bool over(const Session& session) const;
   [[nodiscard]] Services& services() const { return *services_; }
   // Another one for each run of the core: within one, time never runs backwards.
   [[nodiscard]] const std::string& session_id() const { return session_id_; }

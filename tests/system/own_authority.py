@@ -208,7 +208,7 @@ def keys_are_private_and_a_restart_keeps_the_authority():
 def what_cannot_be_used_is_refused_with_a_sentence():
     refused = [(["--host", "other.local"], "is not among the names"), (["--host", NAME, "--host", "10.9.9.9"], "is not among the names"),
                (["--subnet", "192.168.77.0"], "is not a subnet"), (["--subnet", "10.0.0.0/0"], "is not a subnet"), (["--host", "Hoist_1"], "is not a name"),
-               (["--tls-cert", "x", "--tls-key", "y"], "leave --tls-cert"), (["--bind", "0.0.0.0"], "--bind")]
+               (["--tls-cert", "x", "--tls-key", "y"], "leave --tls-cert"), (["--bind", NAME], "no address")]
     for more, words in refused:
         done = subprocess.run([*command(*more), "--db", path("refused.db")], capture_output=True, text=True, timeout=60, check=False)
         check(done.returncode in (1, 2) and words in done.stderr, f"{more}: {done.returncode} {done.stderr}")

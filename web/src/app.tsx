@@ -7,6 +7,7 @@ import { store, useStore } from './link/store';
 import { menu, panelOf, panels } from './panels/index';
 import type { Panel } from './panels/panel';
 import { addressOf, useAddress } from './router';
+import { reasonText } from './text/server';
 import { settings, useSettings } from './text/settings';
 import { loadLanguage, t, textOf } from './text/text';
 import { Icon } from './ui/icons';
@@ -144,7 +145,9 @@ function Notices() {
   return (
     <div class="notices" role="status" aria-live="polite">
       {[...notices].reverse().map((notice) => {
-        const text = notice.plain ? notice.text : (textOf(notice.text) ?? textOf(`refused.${notice.text}`) ?? textOf('refused.unknown'));
+        const text = notice.plain
+          ? notice.text
+          : (textOf(notice.text) ?? textOf(`refused.${notice.text}`) ?? reasonText(notice.text) ?? textOf('refused.unknown'));
         return (
           <div key={notice.id} class={`notice ${notice.level}`}>
             {text}

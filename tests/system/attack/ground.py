@@ -56,6 +56,11 @@ class Ground:
         self.hoist = Hoist(bin_folder, None, None, scenario="figure-eight")
         self.hoist.core_options = ["--params", self.hoist.path("parameters.json")]
         self.hoist.real_time = True  # as on a hoist, where this machine permits it
+        self.noted = ""
+
+    def note(self, figures):
+        """Stands in the table behind an attack that passed."""
+        self.noted = figures
 
     # Short names for the attacks.
     @property
@@ -182,9 +187,10 @@ def outcome_of(ground, function, leaves):
                 ground.walk()
             else:
                 ground.ready()
+            ground.note("")
             function(ground)
             ground.aftermath(leaves)
-            return "passed", f"in its second try; first: {first}" if first else ""
+            return "passed", "; ".join(filter(None, [ground.noted, f"in its second try; first: {first}" if first else ""]))
         except Unsafe as error:
             return "failed", f"UNSAFE: {error}"
         except Skipped as reason:

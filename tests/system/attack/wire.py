@@ -105,12 +105,12 @@ def ask(port, method, target, headers=(), body=b"", host=None):
 class WebSocket(Line):
     """After a correct handshake, unless `headers` spoil it; `status` is the handshake's."""
 
-    def __init__(self, port, headers, receive_bytes=None):
+    def __init__(self, port, headers, receive_bytes=None, target="/ws"):
         super().__init__(port)
         if receive_bytes is not None:
             self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_bytes)
         key = base64.b64encode(os.urandom(16)).decode()
-        lines = ["GET /ws HTTP/1.1", f"Host: 127.0.0.1:{port}", "Upgrade: websocket", "Connection: Upgrade", f"Sec-WebSocket-Key: {key}",
+        lines = [f"GET {target} HTTP/1.1", f"Host: 127.0.0.1:{port}", "Upgrade: websocket", "Connection: Upgrade", f"Sec-WebSocket-Key: {key}",
                  "Sec-WebSocket-Version: 13", "Sec-WebSocket-Protocol: hoist.v1"]
         lines += [f"{name}: {value}" for name, value in headers]
         self.send("\r\n".join(lines).encode() + b"\r\n\r\n")

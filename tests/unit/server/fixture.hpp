@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -51,6 +52,7 @@ class ServerTest : public ::testing::Test {
     settings.hosts = {"hoist.local"};
     settings.backup_roots = {folder_ / "stick"};
     settings.hash_limits = {.passes = 1, .memory_bytes = 8192};
+    settings.from_here = [this](const std::string&) { return !elsewhere_; };
     settings.show_set_up_code = [this](const std::string& code) {
       const std::lock_guard lock(code_mutex_);
       code_ = code;
@@ -149,6 +151,7 @@ class ServerTest : public ::testing::Test {
   std::uint16_t port_ = 0;
   Headers bearer_;
   std::string link_;
+  std::atomic<bool> elsewhere_{false};  // clients count as other devices
   std::mutex code_mutex_;
   std::string code_;  // of the set-up, as the hoist shows it
   json document_;

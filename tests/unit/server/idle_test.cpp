@@ -11,7 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "control/run/heap_watch.hpp"
+#include "server/actions/action_table.hpp"
 #include "server/actions/actions.hpp"
+#include "server/actions/patients.hpp"
 #include "server/actions/records.hpp"
 #include "server/http/compress.hpp"
 #include "server/live/client.hpp"
@@ -50,7 +52,7 @@ class Idle : public ::testing::Test {
                                  .people = people_,
                                  .jobs = jobs_,
                                  .now_ns = [this] { return now_ns_; },
-                                 .utc_ns = [] { return std::int64_t{0}; },
+                                 .utc_ns = [this] { return static_cast<std::int64_t>(utc_s_) * 1'000'000'000; },
                                  .actors = actors_,
                                  .guard = guard_,
                                  .has_engineer = false,
@@ -66,6 +68,13 @@ class Idle : public ::testing::Test {
     }
   }
   ~Idle() override { core_.clear_listeners(); }
+  // With as many steps of the core.
+  void poll_steps(int times) {
+    for (int i = 0; i < times; ++i) {
+      fake_.skip(1);
+      poll(1);
+    }
+  }
   void poll(int times) {
     for (int i = 0; i < times; ++i) {
       now_ns_ += kTick_ns;
@@ -85,7 +94,7 @@ class Idle : public ::testing::Test {
   Jobs jobs_;
   RecorderDesk records_;
   HoistState state_;
-  PeopleDesk people_{folder_ / "accounts.db", HashLimits(), [](std::function<void()>) {}};
+  PeopleDesk people_{folder_ / "accounts.db", {.passes = 1, .memory_bytes = 8192}, [](std::function<void()>) {}};
   SignInGuard guard_;
   server::SetUp set_up_{[] { return std::string(); }, [](const std::string&) {}};
   ToolSwitch tools_{folder_ / "none.tools", false};
@@ -95,6 +104,7 @@ class Idle : public ::testing::Test {
   std::unique_ptr<Auth> auth_;
   std::unique_ptr<Services> services_;
   std::uint64_t now_ns_ = 1'000'000'000'000;
+  std::uint64_t utc_s_ = 0;
 };
 
 TEST_F(Idle, ParametersAreCopiedOnceForEachChange) {
@@ -143,6 +153,13 @@ class Browser {
     for (ssize_t got = 0; (got = ::recv(fd_, buffer_.data(), buffer_.size(), 0)) > 0;) bytes += static_cast<std::size_t>(got);
     return bytes;
   }
+  // The bytes that have come, frame heads included.
+  std::string text() {
+    std::string all;
+    for (ssize_t got = 0; (got = ::recv(fd_, buffer_.data(), buffer_.size(), 0)) > 0;)
+      all.append(buffer_.data(), static_cast<std::size_t>(got));
+    return all;
+  }
   std::shared_ptr<Client> client;
 
  private:
@@ -189,61 +206,177 @@ TEST_F(Idle, AFrameThatAClientStillSendsIsNotWrittenAgain) {
   for (std::size_t i = 0; i < held.size(); ++i) EXPECT_EQ(*held[i], was[i]) << i;
 }
 
-// The action itself refuses too low a role, independent of the protocol's table; the core receives nothing.
-TEST_F(Idle, ActionsAskForTheRoleThemselves_H28) {
+// Each action of the table once, as a protocol calls it. An action without its function here does not compile.
+namespace calls {
+#define CALL(name, ...) \
+  void name(Services& services, const Asker& asker, OutcomeDone done) { __VA_ARGS__; }
+const json kNone, kEmpty = json::object(), kUser = "user", kStandby = "standby", kText = "here", kPatient = 7U;
+CALL(take_lease, act_take_lease(services, asker, true, done))
+CALL(release_lease, act_release_lease(services, asker, done))
+CALL(ask_lease, act_ask_lease(services, asker, false, done))
+CALL(withdraw_lease, act_ask_lease(services, asker, true, done))
+CALL(keep_lease, act_keep_lease(services, asker, done))
+CALL(hand_over, act_hand_over(services, asker, HandOverWish{.client = 8, .user = {}}, done))
+CALL(start_motion, act_mode(services, asker, {kUser, kNone, kNone, kNone}, done))
+CALL(end_motion, act_mode(services, asker, {kStandby, kNone, kNone, kNone}, done))
+CALL(choose_exercise, act_choose(services, asker, kEmpty, done))
+CALL(stop, act_stop(services, asker, done))
+CALL(acknowledge, act_acknowledge(services, asker, kNone, done))
+CALL(begin_calibration, act_calibrate(services, asker, CalibrateWish{}, done))
+CALL(measure_calibration, act_measure(services, asker, MeasureWish{}, done))
+CALL(use_calibration, act_use_calibration(services, asker, done))
+CALL(cancel_calibration, act_cancel_calibration(services, asker, done))
+CALL(set_neutral, act_neutral(services, asker, done))
+CALL(set_pose, act_pose(services, asker, StartPose{}, done))
+CALL(change_parameters, act_set(services, asker, {{"v_max_m_s", 0.1}}, std::nullopt, 0U, done))
+CALL(keep_parameters, act_keep_trial(services, asker, 0U, done))
+CALL(undo_parameters, act_undo_trial(services, asker, done))
+CALL(apply_preset, act_preset(services, asker, "walk", 0U, done))
+CALL(update_firmware, act_update_firmware(services, asker, {}, contract::Node::tilt_base, false, done))
+CALL(add_marker, act_mark(services, asker, std::nullopt, kText, done))
+CALL(begin_recording, act_record(services, asker, {.starts = true, .subject = {}, .note = {}}, done))
+CALL(end_recording, act_record(services, asker, {.starts = false, .subject = {}, .note = {}}, done))
+CALL(change_session, act_change_session(services, asker, db::SessionId{1}, db::SessionPatch{}, {}, done))
+CALL(delete_session, act_delete_session(services, asker, db::SessionId{1}, done))
+CALL(change_marker, act_change_marker(services, asker, MarkerPlace{}, "there", {}, done))
+CALL(delete_marker, act_delete_marker(services, asker, MarkerPlace{}, {}, done))
+CALL(set_retention, act_set_retention(services, asker, db::RetentionRule{}, {}, done))
+CALL(change_settings, act_change_device(services, asker, db::DeviceSettingsPatch{}, {}, done))
+CALL(set_time, act_set_clock(services, asker, 0, done))
+CALL(start_job, act_start_job(services, asker, JobKind::integrity_check, {}, done))
+CALL(cancel_job, act_cancel_job(services, asker, JobId{1}, done))
+CALL(set_tools, act_set_tools(services, asker, true, done))
+CALL(create_patient, act_create_patient(services, asker, "P-1", done))
+CALL(change_patient, act_change_patient(services, asker, 7, {.code = "P-2", .archived = {}}, "", done))
+CALL(delete_patient, act_delete_patient(services, asker, 7, "", done))
+CALL(set_identity, act_set_identity(services, asker, 7, db::Identity{.name = "A", .birth_date = {}, .note = {}}, "", done))
+CALL(delete_identity, act_set_identity(services, asker, 7, std::nullopt, "", done))
+CALL(change_visit, act_note_visit(services, asker, 7, "note", "", done))
+CALL(choose_patient, act_choose_patient(services, asker, kPatient, done))
+CALL(create_profile, act_create_profile(services, asker, 7, "mornings", kNone, done))
+CALL(change_profile, act_change_profile(services, asker, 7, {.name = "evenings", .settings = kNone}, "", done))
+CALL(delete_profile, act_delete_profile(services, asker, 7, "", done))
+CALL(apply_profile, act_apply_profile(services, asker, 7, 0U, done))
+#undef CALL
+}  // namespace calls
+
+struct ActionRow {
+  ActionInfo info;
+  void (*call)(Services&, const Asker&, OutcomeDone);
+};
+constexpr std::array kActionRows{
+#define HOIST_ACTION(name, role, ends) ActionRow{{#name, contract::Role::role, (ends) != 0}, &calls::name},
+#include "server/actions/actions.def"
+#undef HOIST_ACTION
+};
+
+// The action itself refuses too low a role and a sign-in that has run out, independent of the protocol; the core receives nothing. Each refusal
+// is one row of the audit log, by name.
+TEST_F(Idle, ActionsAskForRoleAndSignInThemselvesAndWriteTheAuditLog_H28) {
   ASSERT_TRUE(core_.connected());
-  const Asker viewer{.client = 7, .epoch = 0, .role = contract::Role::viewer};
-  Asker therapist = viewer;
-  therapist.role = contract::Role::therapist;
-  const json none, empty = json::object();
-  int refused = 0, asked = 0;
-  const OutcomeDone done = [&refused](const Outcome& outcome) {
-    EXPECT_EQ(outcome.kind, Outcome::Kind::refused);
-    EXPECT_EQ(outcome.refusals, std::vector<std::string>{"not_allowed"});
-    ++refused;
+  ASSERT_TRUE(people_.open()) << people_.problem();
+  people_.start();
+  const std::uint32_t anna = actors_.enter({{"anna", "therapist", "hoist.v1", "device-1"}, "Anna Weber", "10.0.0.7"});
+  std::vector<std::pair<std::string, std::string>> expected;  // action, result
+  const auto refuses = [&](const ActionRow& row, const Asker& asker, Reason why) {
+    int answers = 0;
+    row.call(*services_, asker, [&](const Outcome& outcome) {
+      ++answers;
+      EXPECT_EQ(outcome.kind, Outcome::Kind::refused) << row.info.name;
+      EXPECT_EQ(outcome.refusals, why == Reason::role ? std::vector<std::string>{"not_allowed"} : std::vector<std::string>{})
+          << row.info.name;
+      EXPECT_EQ(outcome.reason, why) << row.info.name;
+    });
+    EXPECT_EQ(answers, 1) << row.info.name;
+    expected.emplace_back(row.info.name, why == Reason::role ? "not_allowed" : "sign_in_over");
   };
-  const auto one = [&](auto act, const Asker& asker, const auto&... wish) {
-    ++asked;
-    act(*services_, asker, wish..., done);
-  };
-  one(act_take_lease, viewer, true);
-  one(act_ask_lease, viewer, false);
-  one(act_hand_over, viewer, HandOverWish{.client = 8, .user = {}});
-  one(act_keep_lease, viewer);
-  one(act_mode, viewer, ModeWish{json("user"), none, none, none});
-  one(act_mode, viewer, ModeWish{json("standby"), none, none, none});
-  one(act_acknowledge, viewer, none);
-  one(act_choose, viewer, empty);
-  one(act_calibrate, viewer, CalibrateWish{});
-  one(act_measure, viewer, MeasureWish{});
-  one(act_use_calibration, viewer);
-  one(act_cancel_calibration, viewer);
-  one(act_neutral, viewer);
-  one(act_pose, viewer, StartPose{});
-  one(act_set, viewer, NumbersByName{{"v_max_m_s", 0.1}}, std::nullopt, 0U);
-  one(act_keep_trial, viewer, 0U);
-  one(act_undo_trial, viewer);
-  one(act_preset, viewer, std::string{"walk"}, 0U);
-  one(act_mark, viewer, std::optional<db::SessionId>{}, json("here"));
-  one(act_record, viewer, RecordWish{.starts = true, .subject = {}, .note = {}});
-  one(act_delete_session, viewer, db::SessionId{1});
-  one(act_set_retention, therapist, db::RetentionRule{}, std::string{});
-  one(act_change_session, viewer, db::SessionId{1}, db::SessionPatch{}, std::string{});
-  one(act_change_marker, viewer, MarkerPlace{}, std::string("there"), std::string{});
-  one(act_delete_marker, viewer, MarkerPlace{}, std::string{});
-  one(act_change_device, therapist, db::DeviceSettingsPatch{}, std::string{});
-  one(act_set_clock, therapist, std::int64_t{0});
-  one(act_start_job, viewer, JobKind::integrity_check, JobArguments{});
-  one(act_cancel_job, viewer, JobId{1});
-  one(act_update_firmware, therapist, std::vector<std::uint8_t>{}, contract::Node::tilt_base, false);
-  EXPECT_EQ(refused, asked);
-  std::uint64_t sequence = 0;
+  for (const ActionRow& row : kActionRows) {
+    if (row.info.role > contract::Role::viewer)
+      refuses(row, {.client = anna, .epoch = 0, .role = static_cast<contract::Role>(static_cast<int>(row.info.role) - 1)}, Reason::role);
+    if (!row.info.ends) refuses(row, {.client = anna, .epoch = 0, .role = contract::Role::engineer, .over = true}, Reason::sign_in_over);
+  }
+  Hand hand;
   const DriveWish push{.sequence = 1, .echo_time_ns = 1, .speed_norm = 1.0, .yaw_norm = 0.0, .held = true};
-  EXPECT_EQ(act_drive(*services_, viewer, push, sequence), contract::Refusal::not_allowed);
+  EXPECT_EQ(act_drive(*services_, {.client = anna, .epoch = 0, .role = contract::Role::viewer}, push, hand),
+            DriveRefusal{contract::Refusal::not_allowed});
   fake_.skip(2);
   EXPECT_TRUE(fake_.commands().empty());
   EXPECT_EQ(fake_.drive().held, 0U);
   EXPECT_TRUE(jobs_.list().empty());
+  // STOP is taken from everybody, also with a request that nobody waits for.
+  act_stop(*services_, {.client = anna, .epoch = 0, .role = contract::Role::viewer, .over = true}, nullptr);
+  expected.emplace_back("stop", "done");
+  people_.stop();
+  const auto rows = people_.accounts().audit(std::nullopt, 1000);
+  ASSERT_TRUE(rows.ok());
+  std::vector<std::pair<std::string, std::string>> found;
+  for (auto row = rows->rbegin(); row != rows->rend(); ++row) {
+    found.emplace_back(row->entry.action, row->entry.result);
+    EXPECT_EQ(row->entry.user + " " + row->entry.role + " " + row->entry.address, "anna therapist 10.0.0.7");
+    EXPECT_TRUE(row->entry.target.starts_with("hoist.v1")) << row->entry.target;
+  }
+  EXPECT_EQ(found, expected);
+  EXPECT_EQ(people_.lost_entries(), 0U);
+}
+
+// A working day ends while a hand drives: it goes on, and may let go; the next press is refused, and when the hoist stands the socket closes.
+TEST_F(Idle, ASignInThatRunsOutTakesNoStickOutOfAHandAndNoNewPress_H28) {
+  ASSERT_TRUE(core_.connected());
+  utc_s_ = 1'800'000'000;
+  const auto session = std::make_shared<Session>();
+  session->account = true;
+  session->user = "anna";
+  session->role = contract::Role::therapist;
+  session->begun_utc_s = session->used_utc_s = utc_s_;
+  const std::uint32_t number = actors_.enter({{"anna", "therapist", "hoist.v1", "device-1"}});
+  Browser browser(io_, hub_, session, number);
+  int request = 0;
+  std::uint64_t sequence = 0;
+  const auto say = [&](json message) {
+    message["request"] = ++request;
+    (void)browser.text();
+    handle_message(*browser.client, message, std::nullopt);
+    poll_steps(3);
+    return browser.text();
+  };
+  const auto drive = [&](bool held) {
+    return say({{"type", "drive"}, {"sequence", ++sequence}, {"echo", 1}, {"speed", held ? 0.5 : 0.0}, {"yaw", 0.0}, {"held", held}});
+  };
+  const auto refused = [](const std::string& told) { return told.find("sign_in_over") != std::string::npos; };
+  ASSERT_NE(say({{"type", "lease_take"}}).find("\"ok\":true"), std::string::npos);
+  fake_.set([](contract::TickRecord& record) {
+    record.mode = static_cast<std::uint8_t>(contract::Mode::remote);
+    record.standing_still = 0;
+  });
+  drive(true);
+  ASSERT_EQ(fake_.drive().sequence, sequence);
+  // Longer than from one look at the clients to the next; what comes is read, since nobody waits here for room in the socket.
+  const auto a_second_passes = [&] {
+    std::string told;
+    for (int i = 0; i < 12; ++i) {
+      poll_steps(10);
+      told += browser.text();
+    }
+    return told;
+  };
+  utc_s_ += kAccountLife_s;
+  a_second_passes();
+  EXPECT_EQ(hub_.clients(), 1U) << "closed while it drives";
+  EXPECT_FALSE(refused(drive(true)));
+  EXPECT_EQ(fake_.drive().sequence, sequence) << "the held stick goes on";
+  EXPECT_EQ(fake_.drive().held, 1U);
+  EXPECT_TRUE(refused(say({{"type", "set"}, {"values", {{"lean_tau_normal_s", 0.2}}}}))) << "nothing new";
+  EXPECT_FALSE(refused(drive(false)));
+  EXPECT_EQ(fake_.drive().held, 0U) << "letting go counts";
+  EXPECT_TRUE(refused(drive(true))) << "a new press";
+  EXPECT_EQ(fake_.drive().held, 0U);
+  EXPECT_NE(say({{"type", "mode"}, {"mode", "standby"}}).find("\"ok\":true"), std::string::npos) << "ending is taken";
+  const auto stops = [&] { return std::ranges::count(fake_.commands(), contract::CommandKind::stop, &contract::Command::kind); };
+  const auto before = stops();
+  say({{"type", "stop"}});
+  EXPECT_EQ(stops(), before + 1);
+  fake_.set([](contract::TickRecord& record) { record.standing_still = 1; });
+  EXPECT_NE(a_second_passes().find("signed out"), std::string::npos) << "closed as soon as it stands";
 }
 
 TEST_F(Idle, TheNextStepMattersOnlyWhileAnAnswerIsDueOrTheLeaseIsHeld) {

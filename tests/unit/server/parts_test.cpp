@@ -39,15 +39,26 @@ TEST(Settings, ReadsAllOptions) {
   EXPECT_EQ(s.scenario, "square");
 }
 
-// TLS or not: without user accounts each client is the engineer.
-TEST(Settings, RefusesToListenToTheNetworkWithoutAccounts) {
-  for (const char* address : {"0.0.0.0", "192.168.1.5", "::", "127.0.0.2"}) {
+TEST(Settings, OtherDevicesComeByHttpsOnly) {
+  const auto accepted = [](std::vector<std::string> more, std::string& error) {
+    std::vector<std::string> all{"--socket", "a", "--db", "b"};
+    all.insert(all.end(), more.begin(), more.end());
     Settings s;
-    std::string error;
-    EXPECT_FALSE(parse_settings({"--socket", "a", "--db", "b", "--bind", address}, s, error)) << address;
-    EXPECT_FALSE(parse_settings({"--socket", "a", "--db", "b", "--tls-cert", "c", "--tls-key", "k", "--bind", address}, s, error))
-        << address;
-    EXPECT_NE(error.find("user accounts"), std::string::npos) << error;
+    return parse_settings(all, s, error);
+  };
+  std::string error;
+  for (const char* address : {"0.0.0.0", "192.168.1.5", "::", "fd00::5", "::ffff:127.0.0.1"}) {
+    EXPECT_FALSE(accepted({"--bind", address}, error)) << address;
+    EXPECT_NE(error.find("add --tls-dir"), std::string::npos) << error;
+    EXPECT_TRUE(accepted({"--bind", address, "--tls-dir", "t"}, error)) << error;
+    EXPECT_TRUE(accepted({"--bind", address, "--tls-cert", "c", "--tls-key", "k", "--host", "h"}, error)) << error;
+  }
+  EXPECT_FALSE(accepted({"--bind", "0.0.0.0", "--tls-cert", "c", "--tls-key", "k"}, error)) << "nobody elsewhere could call it by a name";
+  EXPECT_NE(error.find("--host"), std::string::npos) << error;
+  for (const char* address : {"127.0.0.1", "::1", "127.0.0.2"}) EXPECT_TRUE(accepted({"--bind", address}, error)) << error;
+  for (const char* address : {"hoist.local", "127.1", "1.2.3.4.5", "127.evil.example", "0x7f000001", "*"}) {
+    EXPECT_FALSE(accepted({"--bind", address, "--tls-dir", "t"}, error)) << address;
+    EXPECT_NE(error.find("no address"), std::string::npos) << error;
   }
 }
 
@@ -121,6 +132,9 @@ TEST(Auth, ALinkWorksOnceAndSessionsOutliveTheServer) {
   EXPECT_EQ(again->bearer_token(), token);
   Request request;
   request.headers["cookie"] = "other=1; hoist_session=" + secret;
+  EXPECT_FALSE(again->find(request, 1010)) << "the link's cookie is this computer's";
+  EXPECT_TRUE(again->find_for_stop(request, 1010)) << "but for STOP";
+  request.from_here = true;
   EXPECT_TRUE(again->find(request, 1010));
   EXPECT_TRUE(again->find(request, 1010 + kSessionLife_s)) << "in use";
   const std::uint64_t late_s = 1010 + 2 * kSessionLife_s + 1;

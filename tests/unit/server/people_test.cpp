@@ -3,12 +3,16 @@
 #include <sqlite3.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <random>
+#include <set>
 
 #include "server/contract/routes.hpp"
 #include "server/http/auth.hpp"
+#include "server/http/listener.hpp"
 #include "server/people/passwords.hpp"
 #include "server/people/set_up.hpp"
 #include "server/people/sign_in_guard.hpp"
@@ -46,12 +50,46 @@ struct Browser {
   }
 };
 
+// The digest of an audit row as its chain defines it: the digest before and each field, every one with its length in front, through SHA-256.
+std::string chained(const json& row, const std::string& before) {
+  std::string bytes;
+  const auto add = [&bytes](const std::string& text) { bytes += std::to_string(text.size()) + ":" + text; };
+  const auto text = [&row](const char* name) { return row[name].get<std::string>(); };
+  add(before);
+  add(row["utc_ms"].dump());
+  add(row["steady_ns"].dump());
+  for (const char* name : {"user", "role", "address", "action", "target"}) add(text(name));
+  for (const char* name : {"before", "after"}) row[name].is_null() ? void(bytes += "-") : add(text(name));
+  add(text("result"));
+  return server::digest_of_secret(bytes);
+}
+
 class People : public ServerTest {
  protected:
+  json audit_rows() { return get("/api/v1/audit?limit=200").json()["items"]; }
+  // Rows are written after the answers. The newest one of this action.
+  json audit_row(const std::string& user, const std::string& action) {
+    json found;
+    EXPECT_TRUE(until([&] {
+      for (const json& row : audit_rows()) {
+        if (row["user"] != user || row["action"] != action) continue;
+        found = row;
+        return true;
+      }
+      return false;
+    })) << user
+        << " " << action;
+    return found;
+  }
   Browser browser() { return {port_, "", ""}; }
   void turn_switch(bool on) {
     core_->set([on](contract::TickRecord& record) { record.switches = on ? 2 : 0; });
     ASSERT_TRUE(until([&] { return browser().who()["set_up"]["switch_on"] == on; }));
+  }
+  // As somebody who stands at the hoist, whoever asks meanwhile.
+  void turn_switch_here(bool on) {
+    elsewhere_ = false;
+    turn_switch(on);
   }
   std::string code() {
     const std::lock_guard lock(code_mutex_);
@@ -130,7 +168,10 @@ TEST_F(People, signing_in_gives_a_new_secret_and_a_wrong_one_says_nothing) {
   set_up_engineer();
   Browser one = browser();
   one.cookie = "hoist_session=" + std::string(64, 'a');  // put there by somebody else
-  ASSERT_EQ(one.sign_in("erika", kPassword), 200U);
+  const Answer in = one.call("POST", "/api/v1/session", {{"user", "erika"}, {"password", kPassword}});
+  ASSERT_EQ(in.status, 200U);
+  for (const char* words : {"; HttpOnly", "; SameSite=Strict", "; Path=/"})
+    EXPECT_NE(in.header("set-cookie").find(words), std::string::npos) << in.header("set-cookie");
   EXPECT_EQ(one.cookie.find(std::string(64, 'a')), std::string::npos);
   const std::string first = one.cookie;
   ASSERT_EQ(one.sign_in("erika", kPassword), 200U);
@@ -372,7 +413,7 @@ TEST_F(People, the_audit_log_names_who_did_what_and_finds_changes) {
   EXPECT_TRUE(until([&] { return has("erika", "set_up", "done"); }));
   EXPECT_TRUE(until([&] { return has("anna", "sign_in", "done"); }));
   EXPECT_TRUE(until([&] { return has("anna", "sign_in", "wrong-secret"); }));
-  EXPECT_TRUE(until([&] { return has("anna", "take_lease", "200"); }));
+  EXPECT_TRUE(until([&] { return has("anna", "take_lease", "done"); }));
   EXPECT_TRUE(until([&] { return has("local", "user", "done"); }));
   EXPECT_TRUE(until([&] {
     for (const json& row : rows())
@@ -387,6 +428,13 @@ TEST_F(People, the_audit_log_names_who_did_what_and_finds_changes) {
   const json second = get("/api/v1/audit?limit=2&cursor=" + first["next"].get<std::string>()).json();
   EXPECT_LT(second["items"][0]["id"], first["items"][1]["id"]);
 
+  // Each row by its digest, and by that of the row before.
+  const json all = rows();
+  std::string before(64, '0');
+  for (auto row = all.rbegin(); row != all.rend(); ++row) {
+    EXPECT_EQ((*row)["digest"], chained(*row, before)) << *row;
+    before = (*row)["digest"];
+  }
   const json sound = get("/api/v1/audit/check").json();
   EXPECT_TRUE(sound["first_wrong"].is_null());
   EXPECT_GT(sound["rows"], 4);
@@ -401,6 +449,243 @@ TEST_F(People, the_audit_log_names_who_did_what_and_finds_changes) {
   start_server();
   wait_for_core();
   EXPECT_EQ(get("/api/v1/audit/check").json()["first_wrong"], 3);
+  stop_server();
+  ASSERT_EQ(sqlite3_open((folder_ / "accounts.db").c_str(), &file), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(file, "DROP TRIGGER audit_loses_none; DELETE FROM audit WHERE id = 1", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(file);
+  start_server();
+  wait_for_core();
+  EXPECT_EQ(get("/api/v1/audit/check").json()["first_wrong"], 2) << "the one before is missing";
+}
+
+// What a therapist asks on a WebSocket stands in the audit log as over REST, whatever the protocol.
+TEST_F(People, every_message_and_tool_writes_the_audit_log) {
+  set_up_engineer();
+  add_user("anna", "therapist");
+  Browser anna = signed_in("anna");
+  auto socket = anna.live(anna.ticket());
+  ASSERT_EQ(socket->status(), 101U);
+  // Messages that ask nothing of the hoist, and driving, which is in the recording.
+  const std::set<std::string> silent{"drive", "stream", "ping"};
+  const std::map<std::string, std::string> actions{{"lease_take", "take_lease"},
+                                                   {"lease_release", "release_lease"},
+                                                   {"lease_ask", "ask_lease"},
+                                                   {"lease_keep", "keep_lease"},
+                                                   {"lease_hand_over", "hand_over"},
+                                                   {"mode", "start_motion"},
+                                                   {"stop", "stop"},
+                                                   {"acknowledge", "acknowledge"},
+                                                   {"set", "change_parameters"},
+                                                   {"keep_settings", "keep_parameters"},
+                                                   {"undo_settings", "undo_parameters"},
+                                                   {"preset", "apply_preset"},
+                                                   {"choose", "choose_exercise"},
+                                                   {"choose_patient", "choose_patient"},
+                                                   {"neutral", "set_neutral"},
+                                                   {"calibrate", "begin_calibration"},
+                                                   {"calibrate_measure", "measure_calibration"},
+                                                   {"calibrate_use", "use_calibration"},
+                                                   {"calibrate_cancel", "cancel_calibration"},
+                                                   {"pose", "set_pose"},
+                                                   {"marker", "add_marker"}};
+  const std::map<std::string, json> fields{{"lease_hand_over", {{"user", "nobody"}}},
+                                           {"mode", {{"mode", "user"}}},
+                                           {"set", {{"values", {{"lean_tau_normal_s", 0.5}}}}},
+                                           {"preset", {{"name", "walk"}}},
+                                           {"choose", {{"exercise", {{"shape", "free"}}}}},
+                                           {"choose_patient", {{"patient", 4711}}},
+                                           {"calibrate", {{"step", "zero"}}},
+                                           {"calibrate_measure", {{"figure", 1}}},
+                                           {"pose", {{"x_m", 0}, {"y_m", 0}, {"psi_rad", 0}}},
+                                           {"marker", {{"text", "here"}}}};
+  for (const auto& [type, answered] : std::initializer_list<std::pair<std::string, bool>>{
+#define HOIST_IN(type, answered, ...) {#type, (answered) != 0},
+#define HOIST_OUT(...)
+#define HOIST_FIELD(...)
+#include "server/contract/messages.def"
+#undef HOIST_IN
+#undef HOIST_OUT
+#undef HOIST_FIELD
+       }) {
+    if (silent.contains(type)) continue;
+    ASSERT_TRUE(actions.contains(type)) << "a new message: which action is it?";
+    json message = fields.contains(type) ? fields.at(type) : json::object();
+    message["type"] = type;
+    if (answered) {
+      const json reply = socket->ask(message);
+      EXPECT_NE(reply.value("reason_code", ""), "message") << reply;
+      const json row = audit_row("anna", actions.at(type));
+      EXPECT_EQ(row["result"] == "done", reply["ok"]) << row << reply;
+    } else {
+      socket->send(message);
+    }
+    const json row = audit_row("anna", actions.at(type));
+    EXPECT_TRUE(row["target"].get<std::string>().starts_with("hoist.v1")) << row;
+    EXPECT_EQ(row["address"], "127.0.0.1") << row;
+    EXPECT_EQ(row["role"], "therapist");
+  }
+  const json set = audit_row("anna", "change_parameters");
+  EXPECT_EQ(set["after"], R"({"lean_tau_normal_s":0.5})");
+  EXPECT_NE(set["before"].get<std::string>().find("lean_tau_normal_s"), std::string::npos) << set;
+  EXPECT_EQ(audit_row("anna", "choose_patient")["target"], "hoist.v1 patient 4711");
+  // A role that may not is refused and noted, too.
+  add_user("vera", "viewer");
+  Browser vera = signed_in("vera");
+  auto watching = vera.live(vera.ticket());
+  EXPECT_EQ(watching->ask({{"type", "lease_take"}})["reason_code"], "role");
+  EXPECT_EQ(audit_row("vera", "take_lease")["result"], "not_allowed");
+  // REST: one row per request, not two.
+  ASSERT_EQ(anna.call("POST", "/api/v1/lease", json::object()).status, 200U);
+  EXPECT_TRUE(until([&] { return audit_row("anna", "take_lease")["target"].get<std::string>().starts_with("rest"); }));
+  ASSERT_EQ(anna.call("DELETE", "/api/v1/lease").status, 200U);
+  EXPECT_EQ(anna.call("POST", "/api/v1/neutral", json{{"unknown", 1}}).status, 422U);
+  ASSERT_TRUE(until([&] { return audit_row("anna", "set_neutral")["result"] == "422"; })) << "refused before it became an action";
+  const json rows = audit_rows();
+  EXPECT_EQ(std::ranges::count_if(rows, [](const json& row) { return row["user"] == "anna" && row["action"] == "release_lease"; }), 2);
+  EXPECT_TRUE(std::ranges::none_of(rows, [](const json& row) { return row["action"] == "take_lease" && row["result"] == "200"; }));
+}
+
+TEST_F(People, tools_come_by_a_token_in_the_address_that_no_log_holds) {
+  set_up_engineer();
+  add_user("anna", "therapist");
+  Browser anna = signed_in("anna");
+  const std::string token = anna.call("POST", "/api/v1/tokens", {{"name", "tools"}, {"scope", "therapist"}, {"days", 1}}).json()["token"];
+  ASSERT_EQ(call("PUT", "/api/v1/tools", {{"enabled", true}}).status, 200U);
+  Live ros(port_, {}, "", "/rosbridge?token=" + token);
+  ASSERT_EQ(ros.status(), 101U);
+  ros.send({{"op", "call_service"}, {"service", "/hoist/take_control"}});
+  json row = audit_row("anna", "take_lease");
+  EXPECT_TRUE(row["target"].get<std::string>().starts_with("rosbridge")) << row;
+  EXPECT_EQ(row["result"], "done");
+  Live studio(port_, {}, "foxglove.websocket.v1", "/foxglove?token=" + token);
+  ASSERT_EQ(studio.status(), 101U);
+  studio.send_binary(std::string("\x02\x00\x00\x00\x00\x01\x00\x00\x00\x04\x00\x00\x00json", 17));  // the service STOP
+  row = audit_row("anna", "stop");
+  EXPECT_TRUE(row["target"].get<std::string>().starts_with("foxglove")) << row;
+  // Elsewhere a token in the address is nobody's.
+  EXPECT_EQ(http(port_, "GET", "/api/v1/status?token=" + token).status, 401U);
+  EXPECT_EQ(Live(port_, {}, "hoist.v1", "/ws?token=" + token).status(), 401U);
+  // Where seats are scarce, it sits down like every signed-in client.
+  std::vector<std::unique_ptr<Raw>> held;
+  for (std::size_t i = 0; i < server::kAddressLimit; ++i) held.push_back(std::make_unique<Raw>(port_));
+  EXPECT_TRUE(until([&] { return http(port_, "GET", "/").status == 503U; }));
+  EXPECT_EQ(Live(port_, {}, "", "/rosbridge?token=" + std::string(64, '0')).status(), 503U);
+  EXPECT_EQ(Live(port_, {}, "", "/rosbridge?token=" + token).status(), 101U);
+  held.clear();
+  EXPECT_EQ(audit_rows().dump().find(token), std::string::npos);
+}
+
+TEST_F(People, who_is_in_control_is_told_by_the_present_name_and_role) {
+  set_up_engineer();
+  add_user("anna", "therapist");
+  Browser anna = signed_in("anna");
+  const auto actor = [&] { return get("/api/v1/lease").json()["actor"]; };
+  {
+    auto socket = anna.live(anna.ticket());
+    ASSERT_EQ(socket->ask({{"type", "lease_take"}})["ok"], true);
+    ASSERT_TRUE(until([&] { return actor().is_object(); }));
+    EXPECT_EQ(actor()["user"], "anna");
+    EXPECT_EQ(actor()["name"], "anna D.");
+    ASSERT_EQ(call("PATCH", "/api/v1/users/anna", {{"display_name", "Anna Weber"}}).status, 200U);
+    EXPECT_EQ(actor()["name"], "Anna Weber");
+    socket->close();
+  }
+  ASSERT_TRUE(until([&] { return actor().is_null(); }));
+  // Over REST the sign-in stays the same client when its role changes.
+  ASSERT_EQ(anna.call("POST", "/api/v1/lease", json::object()).status, 200U);
+  ASSERT_TRUE(until([&] { return actor().is_object(); }));
+  EXPECT_EQ(actor()["role"], "therapist");
+  ASSERT_EQ(call("PATCH", "/api/v1/users/anna", {{"role", "engineer"}}).status, 200U);
+  EXPECT_TRUE(until([&] { return actor().is_null(); })) << "what was held in the old role is given back";
+  ASSERT_EQ(anna.call("POST", "/api/v1/lease", json::object()).status, 200U);
+  ASSERT_TRUE(until([&] { return actor().is_object(); }));
+  EXPECT_EQ(actor()["role"], "engineer");
+  EXPECT_EQ(actor()["name"], "Anna Weber");
+}
+
+TEST_F(People, a_rest_client_ends_with_its_sign_in_or_token) {
+  set_up_engineer();
+  add_user("anna", "therapist");
+  Browser anna = signed_in("anna");
+  const std::string made = anna.call("POST", "/api/v1/tokens", {{"name", "script"}, {"scope", "therapist"}, {"days", 1}}).body;
+  const json token = json::parse(made);
+  const Headers script{{"Authorization", "Bearer " + token["token"].get<std::string>()}, {"Content-Type", "application/json"}};
+  ASSERT_EQ(anna.call("DELETE", "/api/v1/session").status, 200U);
+  // Until its end a token is somebody to hand over to; afterwards nobody.
+  ASSERT_EQ(http(port_, "POST", "/api/v1/lease", script, "{}").status, 200U);
+  ASSERT_EQ(call("DELETE", "/api/v1/tokens/" + token["id"].dump()).status, 204U);
+  const auto began = std::chrono::steady_clock::now();
+  ASSERT_TRUE(until([&] { return get("/api/v1/lease").json()["holder"] == 0; }));
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(5)) << "at once, not after 10 s of silence";
+  Live driver(port_, bearer_);
+  ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
+  EXPECT_TRUE(until([&] { return driver.ask({{"type", "lease_hand_over"}, {"user", "anna"}})["reason_code"] == "unknown"; }));
+}
+
+TEST_F(People, a_wrong_password_costs_the_right_one_a_second) {
+  set_up_engineer();
+  EXPECT_EQ(browser().sign_in("erika", "not the password"), 401U);
+  const auto began = std::chrono::steady_clock::now();
+  // Asking meanwhile is refused and puts nothing off.
+  EXPECT_EQ(browser().sign_in("erika", kPassword), 429U);
+  EXPECT_TRUE(until([&] { return browser().sign_in("erika", kPassword) == 200U; }));
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(2500));
+}
+
+// Other devices, before and after the first account.
+TEST_F(People, other_devices_reach_the_set_up_only_until_there_is_an_account) {
+  const std::string cookie = log_in();  // of this computer's link
+  elsewhere_ = true;
+  const Headers page{{"X-Hoist", "1"}, {"Origin", origin()}};
+  Headers local_cookie = page, local_token = bearer_;
+  local_cookie.emplace_back("Cookie", cookie);
+  int refused = 0;
+  for (const server::Route& route : server::kRoutes) {
+    std::string path(route.path);
+    for (std::size_t at = path.find('{'); at != std::string::npos; at = path.find('{')) path.replace(at, path.find('}') - at + 1, "0");
+    std::string method;
+    for (const char c : server::method_name(route.method)) method.push_back(static_cast<char>(std::toupper(c)));
+    for (const Headers& headers : {page, local_cookie, local_token}) {
+      const Answer answer = http(port_, method, path, headers);
+      const bool by_gate = answer.status == 403 && answer.body.find("/set-up-first\"") != std::string::npos;
+      const bool open = route.operation == "who_am_i" || route.operation == "set_up" || route.operation == "stop";
+      EXPECT_EQ(by_gate, !open) << method << " " << path << ": " << answer.status << " " << answer.body;
+      if (route.operation == "stop") {
+        EXPECT_EQ(answer.status, headers == page ? 401U : 200U) << "STOP of whoever was ever signed in";
+      }
+      refused += by_gate ? 1 : 0;
+    }
+  }
+  EXPECT_GT(refused, 200);
+  EXPECT_EQ(http(port_, "GET", "/").status, 200U) << "the page of the set-up";
+  EXPECT_EQ(http(port_, "GET", link_.substr(link_.find("/?"))).header("set-cookie"), "") << "the link is this computer's";
+  turn_switch_here(true);
+  elsewhere_ = true;
+  EXPECT_EQ(browser().call("POST", "/api/v1/setup", engineer(code())).status, 200U);
+  Browser erika = signed_in("erika");
+  EXPECT_EQ(erika.call("GET", "/api/v1/status").status, 200U);
+  EXPECT_EQ(http(port_, "GET", "/api/docs").status, 200U);
+  // The link, its cookie and the token file stay this computer's own.
+  EXPECT_EQ(http(port_, "GET", "/api/v1/status", local_token).status, 401U);
+  EXPECT_EQ(http(port_, "GET", "/api/v1/status", local_cookie).status, 401U);
+  elsewhere_ = false;
+  EXPECT_EQ(http(port_, "GET", "/api/v1/status", local_token).status, 200U);
+  EXPECT_EQ(http(port_, "GET", "/api/v1/status", local_cookie).status, 200U);
+}
+
+TEST(Tickets, open_one_socket_of_their_sign_in_within_half_a_minute) {
+  std::string error;
+  const auto auth = server::Auth::create({.token_file = "", .hosts = {}}, 1000, error);
+  ASSERT_NE(auth, nullptr) << error;
+  const auto session = std::make_shared<server::Session>();
+  const std::string first = auth->issue_ticket(session, 1000), late = auth->issue_ticket(session, 1000);
+  EXPECT_TRUE(auth->use_ticket(first, *session, 1000 + server::kTicketLife_s));
+  EXPECT_FALSE(auth->use_ticket(first, *session, 1000)) << "once";
+  EXPECT_FALSE(auth->use_ticket(late, *session, 1000 + server::kTicketLife_s + 1)) << "too late";
+  EXPECT_FALSE(auth->use_ticket(late, *session, 1000)) << "and gone with the attempt";
+  const std::string oldest = auth->issue_ticket(session, 2000);
+  for (std::size_t i = 0; i < server::kTicketLimit; ++i) (void)auth->issue_ticket(session, 2000);
+  EXPECT_FALSE(auth->use_ticket(oldest, *session, 2000)) << "a flood costs bounded memory";
 }
 
 TEST(SignInGuard, waits_double_to_a_minute_and_never_lock) {
@@ -426,6 +711,14 @@ TEST(SignInGuard, waits_double_to_a_minute_and_never_lock) {
   EXPECT_EQ(guard.wait_s("other", "10.2.2.2", now_ns + 60 * kSecond_ns), 0U);
   guard.take_back("name4", "10.2.2.2");
   EXPECT_EQ(guard.wait_s("other", "10.2.2.2", now_ns), 0U);
+  // A row of failures is over after an hour without one; a PIN's few tries are not.
+  for (int i = 0; i < 6; ++i) guard.failed("mia", "10.4.4." + std::to_string(i), now_ns);
+  for (int i = 0; i < 4; ++i) guard.failed("mia#", "10.4.5." + std::to_string(i), now_ns, false);
+  const std::uint64_t later_ns = now_ns + (server::kBackOffForgets_s + 1) * kSecond_ns;
+  guard.failed("mia", "10.4.4.9", later_ns);
+  guard.failed("mia#", "10.4.5.9", later_ns, false);
+  EXPECT_EQ(guard.wait_s("mia", "10.4.4.10", later_ns), 1U);
+  EXPECT_EQ(guard.failures("mia#"), 5U);
   // A flood costs bounded memory and still finds the latest name.
   for (int i = 0; i < 5000; ++i)
     guard.failed("flood" + std::to_string(i), "10.3." + std::to_string(i / 250) + "." + std::to_string(i % 250), now_ns + kSecond_ns);

@@ -30,6 +30,8 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   internal: { en: 'Something went wrong in the server. Call service if it stays so.', de: 'Im Server ging etwas schief. Bleibt es so, Service rufen.' },
   wrong_secret: { en: 'Name and password do not match. Check both.', de: 'Name und Passwort passen nicht zusammen. Bitte beides prüfen.' },
   too_soon: { en: 'Too many attempts. Wait a moment.', de: 'Zu viele Versuche. Kurz warten.' },
+  sign_in_over: { en: 'Your sign-in has run out. Sign in again.', de: 'Die Anmeldung ist abgelaufen. Bitte neu anmelden.' },
+  set_up_first: { en: 'The hoist has no accounts yet. Set it up first.', de: 'Das Gerät hat noch keine Konten. Zuerst einrichten.' },
   pin_not_here: { en: 'The PIN works only where you have signed in before. Use the password.', de: 'Die PIN gilt nur, wo Sie schon angemeldet waren. Bitte das Passwort nehmen.' },
   no_account: { en: 'This is no account with a password.', de: 'Dieses Konto hat kein Passwort.' },
   not_found: { en: 'This is no longer there.', de: 'Das gibt es nicht mehr.' },

@@ -10,10 +10,12 @@ export type AcknowledgeRequest = {
 export type Actor = {
   /** The sign-in: script, or device- and eight digits. */
   client: string;
+  /** As screens show it; only of an account, and not in recordings. */
+  name?: string;
   /** The protocol: rest, hoist.v1, foxglove or rosbridge. */
   origin: string;
   role: string;
-  /** The account; local until there are user accounts. */
+  /** The account; local for whoever uses this computer itself. */
   user: string;
 };
 
@@ -55,6 +57,7 @@ export type AuditCheck = {
 
 export type AuditList = {
   items: readonly ({
+    /** An action of actions.def, or the REST operation. */
     action: string;
     address: string;
     after: string | null;
@@ -65,6 +68,7 @@ export type AuditList = {
     result: string;
     role: string;
     steady_ns: number;
+    /** Of an action: the protocol and what it was about; else the path. */
     target: string;
     user: string;
     utc_ms: number;
@@ -1026,7 +1030,7 @@ export type ProfileRequest = {
 /** Names and values of parameters that a therapist may change. */
 export type ProfileSettings = Record<string, number>;
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'job_ended' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short';
 
 export type Recording = {
   detail: string;

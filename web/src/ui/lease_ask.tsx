@@ -6,8 +6,8 @@ import { useStore } from '../link/store';
 import { t } from '../text/text';
 import { reasons, refused } from './refusal';
 
-/** The account by name; without accounts everybody is `local`, and the name says nothing. */
-export const nameOf = (actor: Actor | null): string | null => (actor === null || actor.user === 'local' ? null : actor.user);
+/** The person by name; `local` uses the computer itself, and the name says nothing. */
+export const nameOf = (actor: Actor | null): string | null => (actor === null || actor.user === 'local' ? null : (actor.name ?? actor.user));
 
 export function LeaseAsk() {
   const ask = useStore((s) => (s.lease.mine ? s.lease.asking[0] : undefined));

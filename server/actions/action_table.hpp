@@ -1,0 +1,28 @@
+// The table of actions (actions.def) as values.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "control/contract/params.hpp"
+
+namespace hoist::server {
+
+enum class Action : std::uint8_t {
+#define HOIST_ACTION(name, role, ends) name,
+#include "server/actions/actions.def"
+#undef HOIST_ACTION
+};
+
+struct ActionInfo {
+  std::string_view name;
+  contract::Role role;
+  bool ends;
+};
+inline constexpr std::array kActions{
+#define HOIST_ACTION(name, role, ends) ActionInfo{#name, contract::Role::role, (ends) != 0},
+#include "server/actions/actions.def"
+#undef HOIST_ACTION
+};
+
+}  // namespace hoist::server
