@@ -1090,7 +1090,16 @@ export type Status = {
 export type Stored = boolean;
 
 export type StreamRequest = {
-  every_tick: boolean;
+  /** A message for each step; only for the client in control. */
+  every_tick?: boolean;
+  /** Newest step that the client has: later ones come first, or are named as missing (gap). */
+  last_tick?: number;
+  /** Samples per second; left out: 100. A change of state is sent at once at any rate. */
+  rate_hz?: 1 | 2 | 5 | 10 | 20 | 50 | 100;
+  /** Run of the core that last_tick is of, as in the message core. */
+  run?: string;
+  /** Blocks of live values; left out: all. */
+  topics?: readonly TopicName[];
 };
 
 /** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
@@ -1132,6 +1141,8 @@ export type Tools = {
 export type ToolsRequest = {
   enabled: boolean;
 };
+
+export type TopicName = 'state' | 'motion' | 'pose' | 'posture' | 'intent' | 'exercise' | 'power' | 'calibration' | 'all';
 
 /** Only on trial: the values before come back after so many seconds unless confirmed. */
 export type TrialTime = number;
