@@ -657,7 +657,7 @@ const cases = {
     // In the hoist's time: simulated time may be slow on a busy computer.
     const perSecond = async () => {
       const [from, begun_s] = [bytes, (await stack.truth()).time_s];
-      await sleep(2500);
+      await sleep(1500);
       return Math.round((bytes - from) / ((await stack.truth()).time_s - begun_s));
     };
     const most = { home: 1000, walk: 4500, drive: 4500, exercises: 4500, tune: 1000, sessions: 1000, calibrate: 1000, health: 4000 };
@@ -665,7 +665,7 @@ const cases = {
       const told = [];
       for (const [screen, most_bytes_s] of Object.entries(most)) {
         await second.goto(`${stack.origin}/#/${screen}`);
-        await sleep(1500);
+        await sleep(1000);
         const bytes_s = await perSecond();
         told.push(`${screen} ${bytes_s}`);
         assert(bytes_s > 200 && bytes_s < most_bytes_s, `${screen}: ${bytes_s} bytes a second`);
