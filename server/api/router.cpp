@@ -202,7 +202,8 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
 namespace {
 // What people change, and what leaves the hoist. Driving itself is in the recording, command by command.
 bool is_audited(const Route& route) {
-  return (route.method != Method::get && route.operation != "open_ticket") || route.operation == "export_session";
+  return (route.method != Method::get && route.operation != "open_ticket") || route.operation == "export_session" ||
+         route.operation == "export_mcap";
 }
 // Whose bodies may stand in the audit log: they hold no secret and nothing of a patient.
 bool body_is_plain(std::string_view operation) {

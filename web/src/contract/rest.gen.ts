@@ -1613,6 +1613,11 @@ export interface Routes {
     query?: { columns?: string; from_s?: number; to_s?: number; points?: number };
     answer: Samples;
   };
+  /** The same as the export in the format mcap, or a part of it (Range): an address that ends as Foxglove Studio expects of such a file. */
+  'GET /api/v1/sessions/{id}/session.mcap': {
+    path: { id: number };
+    answer: never;
+  };
   /** Makes an engineer's account, or gives one a new password; needs the configuration switch and the code that the hoist shows. */
   'POST /api/v1/setup': {
     body: SetUpRequest;
