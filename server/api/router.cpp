@@ -214,7 +214,8 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
 namespace {
 // What people change beside actions, which write their rows themselves, what was refused before it became one, and what leaves the hoist.
 bool is_audited(const Route& route) {
-  return (route.method != Method::get && route.operation != "open_ticket") || route.operation == "export_session";
+  return (route.method != Method::get && route.operation != "open_ticket") || route.operation == "export_session" ||
+         route.operation == "export_mcap";
 }
 
 void audit(const Call& call, const Route& route, const Response& response) {

@@ -265,6 +265,35 @@ void make_whole(const CallPtr& call, WholeExport wanted) {
     respond_file(call, std::move(wanted.download));
   });
 }
+
+void send_export(const CallPtr& call, db::SessionId id, const db::ExportOptions& options) {
+  struct Opened {
+    Response response;
+    ExportId id = 0;  // 0 = none: `response` says why
+    std::string file_name = {}, etag = {};
+  };
+  const auto open = [id, options, path = call->request.path](Records& records) -> Opened {
+    if (records.database() == nullptr) return {no_database(records.why(), path)};
+    const auto opened = records.open_export(id, options);
+    if (!opened) return {store_error(opened.error(), path)};
+    Opened out{.response = {}, .id = opened->id, .file_name = opened->file_name, .etag = opened->etag};
+    out.response.content_type = opened->content_type;
+    out.response.set("Content-Disposition", "attachment; filename=\"" + opened->file_name + "\"");
+    return out;
+  };
+  const bool whole = db::export_format_info(options.format).delivery == db::ExportDelivery::whole;
+  ask_recorder<Opened>(call, open, [call, whole](Opened opened) {
+    RecorderDesk& records = call->services.records;
+    if (opened.id != 0 && whole)
+      return make_whole(call, {records.hold(opened.id),
+                               {.file = {},
+                                .content_type = opened.response.content_type,
+                                .file_name = std::move(opened.file_name),
+                                .etag = std::move(opened.etag)}});
+    if (opened.id != 0) opened.response.next_piece = pieces_of(records, records.hold(opened.id));
+    call->respond(std::move(opened.response));
+  });
+}
 }  // namespace
 
 void export_session(const CallPtr& call) {
@@ -282,32 +311,15 @@ void export_session(const CallPtr& call) {
     if (*text != "0" && *text != "1") return call->fail(bad_query(name, "must be 0 or 1", 0, 1));
     *option = *text == "1";
   }
-  struct Opened {
-    Response response;
-    ExportId id = 0;  // 0 = none: `response` says why
-    std::string file_name = {}, etag = {};
-  };
-  const auto open = [id = *id, options, path = call->request.path](Records& records) -> Opened {
-    if (records.database() == nullptr) return {no_database(records.why(), path)};
-    const auto opened = records.open_export(id, options);
-    if (!opened) return {store_error(opened.error(), path)};
-    Opened out{.response = {}, .id = opened->id, .file_name = opened->file_name, .etag = opened->etag};
-    out.response.content_type = opened->content_type;
-    out.response.set("Content-Disposition", "attachment; filename=\"" + opened->file_name + "\"");
-    return out;
-  };
-  const bool whole = db::export_format_info(*wanted).delivery == db::ExportDelivery::whole;
-  ask_recorder<Opened>(call, open, [call, whole](Opened opened) {
-    RecorderDesk& records = call->services.records;
-    if (opened.id != 0 && whole)
-      return make_whole(call, {records.hold(opened.id),
-                               {.file = {},
-                                .content_type = opened.response.content_type,
-                                .file_name = std::move(opened.file_name),
-                                .etag = std::move(opened.etag)}});
-    if (opened.id != 0) opened.response.next_piece = pieces_of(records, records.hold(opened.id));
-    call->respond(std::move(opened.response));
-  });
+  send_export(call, *id, options);
+}
+
+void export_mcap(const CallPtr& call) {
+  const auto id = session_id(call);
+  if (!id) return;
+  db::ExportOptions options;
+  options.format = db::ExportFormat::mcap;
+  send_export(call, *id, options);
 }
 
 namespace {

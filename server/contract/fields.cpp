@@ -120,7 +120,7 @@ class Checker {
     if (const auto at = schema.find("enum"); at != schema.end() && std::ranges::find(*at, value) == at->end()) {
       std::vector<std::string> words;
       for (const json& word : *at) words.push_back(plain(word));
-      return add(where, "must be " + listed(words));
+      return add(where, "must be " + listed(words), schema);
     }
     if (const auto at = schema.find("const"); at != schema.end() && *at != value) return add(where, "must be " + plain(*at));
     if (value.is_number()) check_range(schema, value.get<double>(), where);

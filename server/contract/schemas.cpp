@@ -13,6 +13,7 @@
 #include "db/store/change_reasons.hpp"
 #include "server/contract/jobs.hpp"
 #include "server/contract/reasons.hpp"
+#include "server/contract/topics.hpp"
 
 namespace hoist::server {
 
@@ -308,7 +309,11 @@ constexpr std::string_view kSchemas = R"json({
   "speed": {"type": "number", "minimum": -1, "maximum": 1, "description": "Share of the driving limit, forward positive"},
   "yaw": {"type": "number", "minimum": -1, "maximum": 1, "description": "Share of the turning limit, left positive"}, "held": {"type": "boolean", "description": "Hold-to-run is held"}},
   "additionalProperties": false},
-"StreamRequest": {"type": "object", "required": ["every_tick"], "properties": {"every_tick": {"type": "boolean"}}, "additionalProperties": false},
+"StreamRequest": {"type": "object", "minProperties": 1, "properties": {"every_tick": {"type": "boolean", "description": "A message for each step; only for the client in control"},
+  "topics": {"type": "array", "minItems": 1, "maxItems": 16, "items": {"$ref": "#/components/schemas/TopicName"}, "description": "Blocks of live values; left out: all"},
+  "rate_hz": {"type": "integer", "minimum": 1, "maximum": 100, "enum": [], "description": "Samples per second; left out: 100. A change of state is sent at once at any rate"},
+  "last_tick": {"type": "integer", "minimum": 0, "maximum": 9007199254740991, "description": "Newest step that the client has: later ones come first, or are named as missing (gap)"},
+  "run": {"type": "string", "maxLength": 32, "description": "Run of the core that last_tick is of, as in the message core"}}, "additionalProperties": false},
 "PingRequest": {"type": "object", "required": ["t"], "properties": {"t": {"type": "number", "description": "Comes back in the pong"}}, "additionalProperties": false},
 "HandOverRequest": {"type": "object", "minProperties": 1, "maxProperties": 1, "properties": {"client": {"type": "integer", "minimum": 1, "maximum": 4294967295,
   "description": "Number of the client, as in asking"}, "user": {"type": "string", "minLength": 1, "maxLength": 64, "description": "Account: the client of this person that asks, else the one that came last"}},
@@ -540,6 +545,8 @@ json all_schemas() {
   schemas["CalibrationStep"] = names_of(contract::kCalibrationSteps);
   schemas["ParamName"] = names_of(contract::kParams);
   schemas["ReasonCode"] = names_of(kReasons);
+  schemas["TopicName"] = names_of(kTopics);
+  schemas["StreamRequest"]["properties"]["rate_hz"]["enum"] = kStreamRates_hz;
   schemas["JobKind"] = names_of(kJobKinds);
   schemas["NoFigure"] = {{"type", "string"}, {"enum", json::array()}};
 #define HOIST_NO_FIGURE(name, text_en, text_de) schemas["NoFigure"]["enum"].push_back(#name);

@@ -254,6 +254,20 @@ void CoreDesk::read_ticks(std::uint64_t now_ns) {
   set_lease(newest_->lease_epoch, newest_->lease_holder);
 }
 
+void CoreDesk::past(std::uint64_t from_tick, const std::function<void(const contract::TickRecord&)>& each) const {
+  if (!newest_) return;
+  publish::TickReader ring(link_, publish::ReadFrom::oldest);
+  std::vector<contract::TickRecord> some(kTicksPerPoll);
+  while (ring.life() == run()) {
+    const auto got = ring.read(some);
+    if (got.count == 0 || ring.life() != run()) return;
+    for (std::size_t i = 0; i < got.count; ++i) {
+      if (some[i].tick > newest_->tick) return;
+      if (some[i].tick >= from_tick) each(some[i]);
+    }
+  }
+}
+
 // The core publishes parameters before the answer to what changed them, and the answers of this poll are read already: a client that is answered now
 // finds here what is in force.
 void CoreDesk::read_parameters() {

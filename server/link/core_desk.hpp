@@ -101,6 +101,10 @@ class CoreDesk {
   // The same for programs; nothing while it is connected.
   [[nodiscard]] std::optional<Reason> reason() const;
   [[nodiscard]] const std::optional<contract::TickRecord>& newest() const { return newest_; }
+  // The run of the core that the newest step is of: steps of different runs do not compare. 0 before any.
+  [[nodiscard]] std::uint64_t run() const { return ticks_.life(); }
+  // Passes on the steps from this one to the newest, oldest first, as far as the shared ring still has them.
+  void past(std::uint64_t from_tick, const std::function<void(const contract::TickRecord&)>& each) const;
   [[nodiscard]] const contract::ParamsInForce& parameters() const { return parameters_; }
   // Why what is in force is not on the disk; nothing while it is, and while it may still be on its way.
   [[nodiscard]] std::optional<contract::StoreProblem> store_problem() const;

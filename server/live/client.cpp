@@ -1,6 +1,7 @@
 #include "server/live/client.hpp"
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -20,6 +21,53 @@ Client::Client(Hub& hub, std::unique_ptr<Stream> stream, SessionPtr session, std
 bool Client::holds_lease() const { return number_ != 0 && hub_.services().core.lease_holder() == number_; }
 
 void Client::send(const json& message) { send(make_frame(Opcode::text, dump_json(message))); }
+
+void Client::follow(std::shared_ptr<Feed> feed, std::uint64_t newest) {
+  feed_ = std::move(feed);
+  shown_to_ = newest;
+}
+
+void Client::show(const Feed::Batch& batch) {
+  Steps steps = batch.steps;
+  steps.from = std::max(steps.from, shown_to_ + 1);
+  shown_to_ = steps.to;
+  send_telemetry(batch.frame, steps);
+}
+
+void Client::show_lost(std::uint64_t to) {
+  const Steps steps{.from = shown_to_ + 1, .to = to, .samples = feed_->due(shown_to_ + 1, to)};
+  shown_to_ = to;
+  if (steps.samples == 0) return;
+  send_telemetry(make_frame(Opcode::text, dump_json(gap_json(steps.from, steps.to, steps.samples, GapReason::server_late))), steps);
+}
+
+void Client::begin_anew() {
+  forget_telemetry();
+  dropped_.reset();
+}
+
+// The oldest goes first, so the steps of several dropped messages follow each other.
+void Client::on_dropped(const Steps& steps) {
+  if (!dropped_) dropped_ = Steps{.from = steps.from, .to = 0, .samples = 0};
+  dropped_->to = steps.to;
+  dropped_->samples += steps.samples;
+}
+
+SharedFrame Client::before_telemetry() {
+  if (!dropped_) return nullptr;
+  const json gap = gap_json(dropped_->from, dropped_->to, dropped_->samples, GapReason::slow_client);
+  dropped_.reset();
+  return make_frame(Opcode::text, dump_json(gap));
+}
+
+json gap_json(std::uint64_t from, std::optional<std::uint64_t> to, std::optional<std::uint64_t> count, GapReason reason) {
+  static constexpr std::array<std::string_view, 4> kNames{"slow_client", "server_late", "too_old", "core_restarted"};
+  return {{"type", "gap"},
+          {"from_tick", from},
+          {"to_tick", to ? json(*to) : json(nullptr)},
+          {"count", count ? json(*count) : json(nullptr)},
+          {"reason", kNames[static_cast<std::size_t>(reason)]}};
+}
 
 void Client::on_text(std::string text) {
   counters().add(Count::ws_messages);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/actions/actions.hpp"
+#include "server/live/feed.hpp"
 #include "server/live/hub.hpp"
 #include "server/ws/connection.hpp"
 
@@ -24,9 +25,18 @@ class Client final : public SocketConnection {
   [[nodiscard]] std::uint32_t number() const { return number_; }
   [[nodiscard]] const SessionPtr& session() const { return session_; }
   [[nodiscard]] Hub& hub() const { return hub_; }
-  [[nodiscard]] bool every_tick() const { return every_tick_; }
-  void set_every_tick(bool on) { every_tick_ = on; }
   [[nodiscard]] bool holds_lease() const;
+
+  // What it has asked to see, and the feed that gives it that.
+  StreamChoice asked;
+  [[nodiscard]] const std::shared_ptr<Feed>& feed() const { return feed_; }
+  // From the step after `newest` on.
+  void follow(std::shared_ptr<Feed> feed, std::uint64_t newest);
+  void show(const Feed::Batch& batch);
+  // The steps that follow those shown are lost to every client.
+  void show_lost(std::uint64_t to);
+  // What waits or was dropped is told anew from another step on.
+  void begin_anew();
 
   // State of the drive handler: the hand, and when a refusal was last told.
   Hand hand;
@@ -35,14 +45,24 @@ class Client final : public SocketConnection {
  private:
   void on_text(std::string text) override;
   void on_leave() override { hub_.remove(this); }
+  void on_dropped(const Steps& steps) override;
+  SharedFrame before_telemetry() override;
 
   Hub& hub_;
   SessionPtr session_;
   std::uint32_t number_;
-  bool every_tick_ = false;
+  std::shared_ptr<Feed> feed_;
+  std::uint64_t shown_to_ = 0;  // newest step that was shown or named as missing, or waits for that
+  std::optional<Steps> dropped_;
   std::uint64_t allowance_ = kMessagesPerSecond;
   std::uint64_t allowance_ns_;
 };
+
+// Why a client gets no values of some steps.
+enum class GapReason : std::uint8_t { slow_client, server_late, too_old, core_restarted };
+// The message `gap`; `to` and `count` are not known of another core.
+[[nodiscard]] nlohmann::json gap_json(std::uint64_t from, std::optional<std::uint64_t> to, std::optional<std::uint64_t> count,
+                                      GapReason reason);
 
 // Handles one parsed message of a client (server/live/messages.cpp).
 void handle_message(Client& client, const nlohmann::json& message, const std::optional<std::string>& repeated);

@@ -1,7 +1,6 @@
 #include "server/live/hub.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "control/contract/calibration.hpp"
@@ -21,15 +20,10 @@ namespace hoist::server {
 using nlohmann::json;
 
 namespace {
-// A batch is sent at the latest this many samples after it began, whatever was lost in between.
-constexpr std::size_t kBatchLimit = 64;
+constexpr std::uint64_t kRefillSamples = 50;  // of one message
 constexpr std::uint64_t kProgressEvery_ns = 250'000'000;
 constexpr std::string_view kEnds = "the server ends";
 constexpr std::string_view kSignedOut = "signed out";
-
-void put(std::string& out, std::uint64_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xFF));
-}
 
 constexpr std::uint32_t kNoCanId = 0xFFFF;  // babbling_id of a bus that is simply full
 bool is_about_a_device(std::uint32_t code) {
@@ -52,7 +46,8 @@ json core_json(const CoreDesk& core) {
   return {{"type", "core"},
           {"connected", core.connected()},
           {"problem", problem.empty() ? json(nullptr) : json(problem)},
-          {"reason_code", reason ? json(reason_name(*reason)) : json(nullptr)}};
+          {"reason_code", reason ? json(reason_name(*reason)) : json(nullptr)},
+          {"run", core.run() != 0 ? json(std::to_string(core.run())) : json(nullptr)}};
 }
 
 json walk_json(const Walk& walk) {
@@ -150,24 +145,7 @@ json event_json(const contract::Event& event) {
   return out;
 }
 
-SharedFrame TelemetryFrames::encode(std::span<const contract::TickRecord> records) {
-  const auto free = std::ranges::find_if(kept_, [](const auto& kept) { return kept.use_count() <= 1; });
-  auto frame = free != kept_.end() && *free ? *free : std::make_shared<std::string>();
-  if (free != kept_.end()) *free = frame;
-  frame->clear();
-  begin_frame(*frame, Opcode::binary, 16 + records.size_bytes());
-  put(*frame, 1, 1);  // kind: tick records
-  put(*frame, 1, 1);  // version
-  put(*frame, records.size(), 2);
-  put(*frame, sizeof(contract::TickRecord), 4);
-  put(*frame, contract::layout_hash(), 8);
-  // Little endian in memory as on the wire: every machine this runs on is.
-  static_assert(std::endian::native == std::endian::little);
-  frame->append(reinterpret_cast<const char*>(records.data()), records.size_bytes());
-  return frame;
-}
-
-Hub::Hub() { batch_.reserve(kBatchLimit); }
+Hub::Hub() = default;
 Hub::~Hub() = default;
 
 void Hub::set_services(Services& services, Auth& auth) {
@@ -235,6 +213,7 @@ void Hub::add(std::shared_ptr<Client> client) {
   client->send(recording);
   client->send(json{{"type", "notices"}, {"items", notices_json(standing_notices(s.core, s.recorder, s.jobs))}});
   ++client->session()->sockets;
+  assign(*client);
   clients_.push_back(std::move(client));
   services_->live_clients = clients_.size();
 }
@@ -244,6 +223,8 @@ void Hub::remove(const Client* client) {
   if (at == clients_.end()) return;
   const std::shared_ptr<Client> held = *at;
   clients_.erase(at);
+  held->follow(nullptr, 0);
+  std::erase_if(feeds_, [](const auto& feed) { return feed.use_count() == 1; });
   --held->session()->sockets;
   services_->live_clients = clients_.size();
   services_->actors.leave(held->number());
@@ -259,18 +240,88 @@ void Hub::broadcast(const SharedFrame& frame) {
   for (const auto& client : all) client->send(frame);
 }
 
-void Hub::send_batch() {
-  if (batch_.empty()) return;
-  const SharedFrame frame = frames_.encode(batch_);
-  batch_.clear();
-  for (const auto& client : clients_)
-    if (!client->every_tick()) client->send_telemetry(frame);
+void Hub::send_batches(bool urgent) {
+  if (urgent) batched_ = 0;
+  for (const auto& feed : feeds_) {
+    if (!urgent && !feed->choice().every_step) continue;
+    const Feed::Batch batch = feed->flush();
+    if (!batch.frame) continue;
+    for (const auto& client : clients_)
+      if (client->feed() == feed) client->show(batch);
+  }
 }
 
-void Hub::set_every_tick(Client& client, bool on) {
-  if (client.every_tick() == on) return;
-  send_batch();
-  client.set_every_tick(on);
+void Hub::tell_lost(std::uint64_t to) {
+  send_batches(true);
+  for (const auto& client : clients_) client->show_lost(to);
+}
+
+void Hub::assign(Client& client) {
+  StreamChoice may = client.asked;
+  if (client.holds_lease())
+    may.every_ticks = std::min(may.every_ticks, kDriverEvery_ticks);
+  else
+    may.every_step = false;
+  const auto at = std::ranges::find_if(feeds_, [&may](const auto& feed) { return feed->choice() == may; });
+  if (at != feeds_.end() && client.feed() == *at) return;
+  send_batches(true);
+  const std::shared_ptr<Feed> feed = at != feeds_.end() ? *at : feeds_.emplace_back(std::make_shared<Feed>(may));
+  client.follow(feed, last_ ? last_->tick : 0);
+  std::erase_if(feeds_, [&feed](const auto& one) { return one.use_count() == 1 && one != feed; });
+}
+
+void Hub::choose(Client& client, const StreamChoice& choice, const std::optional<Resume>& resume) {
+  constexpr TopicMask kPlaces = topic_bit(Topic::pose) | topic_bit(Topic::all);
+  const bool follows = (client.asked.topics & kPlaces) != 0;
+  client.asked = choice;
+  assign(client);
+  const bool goes_on = resume && last_ && resume->run == std::to_string(services_->core.run());
+  if (goes_on) {
+    send_batches(true);
+    client.begin_anew();
+  }
+  const StreamChoice& now = client.feed()->choice();
+  json topics = json::array();
+  for (std::size_t i = 0; i < kTopics.size(); ++i)
+    if ((now.topics & topic_bit(static_cast<Topic>(i))) != 0) topics.push_back(kTopics[i].name);
+  client.send(json{{"type", "streaming"},
+                   {"topics", topics},
+                   {"rate_hz", kStreamRates_hz.back() / now.every_ticks},
+                   {"every_tick", now.every_step},
+                   {"sample_bytes", client.feed()->sample_bytes()}});
+  // Its path goes on from here with what it is shown.
+  if (!follows && (choice.topics & kPlaces) != 0) client.send(walk_json(services_->state.walk()));
+  if (goes_on) refill(client, resume->last_tick);
+  if (resume && !goes_on) client.send(gap_json(resume->last_tick + 1, std::nullopt, std::nullopt, GapReason::core_restarted));
+}
+
+void Hub::refill(Client& client, std::uint64_t last_tick) {
+  Feed past(client.feed()->choice());
+  const std::uint64_t most_steps = kRefill_bytes / past.sample_bytes() * past.choice().every_ticks;
+  const std::uint64_t oldest = last_->tick >= most_steps ? last_->tick - most_steps + 1 : 0;
+  std::uint64_t next = last_tick + 1;
+  std::optional<contract::TickRecord> before;
+  const auto send = [&client](const Feed::Batch& batch) {
+    if (batch.frame) client.send(batch.frame);
+  };
+  const auto name_missing = [&](std::uint64_t end) {
+    send(past.flush());
+    past.restart();
+    if (const std::uint64_t count = past.due(next, end - 1); count != 0) client.send(gap_json(next, end - 1, count, GapReason::too_old));
+  };
+  // The step before shows whether the first one changes the state.
+  const std::uint64_t first = std::max(next, oldest);
+  services_->core.past(first - 1, [&](const contract::TickRecord& record) {
+    const bool at_once = !before || changes_at_once(*before, record);
+    before = record;
+    if (record.tick < first) return;
+    if (record.tick > next) name_missing(record.tick);
+    past.take(record, at_once);
+    if (record.tick % (kRefillSamples * past.choice().every_ticks) == 0) send(past.flush());
+    next = record.tick + 1;
+  });
+  send(past.flush());
+  if (next <= last_->tick) name_missing(last_->tick + 1);
 }
 
 void Hub::tell_walk() {
@@ -278,23 +329,38 @@ void Hub::tell_walk() {
 }
 
 void Hub::on_ticks(std::span<const contract::TickRecord> records, std::uint64_t) {
+  const std::uint64_t run = services_->core.run();
+  const bool anew = run != run_ || (last_ && records.front().tick <= last_->tick);
+  run_ = run;
   if (clients_.empty()) {
-    batch_.clear();
+    batched_ = 0;
+    last_ = records.back();
     return;
   }
-  if (std::any_of(clients_.begin(), clients_.end(), [](const auto& c) { return c->every_tick(); })) {
-    const SharedFrame frame = frames_.encode(records);
-    for (const auto& client : clients_)
-      if (client->every_tick()) client->send_telemetry(frame);
-  }
+  if (anew) begin_anew();
+  bool changed = false;
   for (const contract::TickRecord& record : records) {
-    batch_.push_back(record);
-    if (batch_.size() >= kBatchSamples) send_batch();
+    if (last_ && record.tick > last_->tick + 1) tell_lost(record.tick - 1);
+    const bool at_once = !last_ || changes_at_once(*last_, record);
+    changed = changed || at_once;
+    for (const auto& feed : feeds_) feed->take(record, at_once);
+    last_ = record;
+    if (++batched_ >= kBatchSamples) send_batches(true);
   }
+  // A change of state waits for no batch.
+  send_batches(changed);
+}
+
+// Another core counts its own steps.
+void Hub::begin_anew() {
+  send_batches(true);
+  last_.reset();
+  for (const auto& feed : feeds_) feed->restart();
+  for (const auto& client : clients_) client->follow(client->feed(), 0);
 }
 
 void Hub::on_core(bool connected) {
-  if (!connected) batch_.clear();
+  if (!connected) send_batches(true);
   broadcast(text_frame(core_json(services_->core)));
 }
 
@@ -302,8 +368,10 @@ void Hub::on_parameters(const contract::ParamsInForce& parameters) { broadcast(t
 
 void Hub::on_lease(std::uint32_t, std::uint32_t) {
   // Every step is for whoever drives; the next driver asks for it again.
-  for (const auto& client : clients_)
-    if (!client->holds_lease()) set_every_tick(*client, false);
+  for (const auto& client : clients_) {
+    if (!client->holds_lease()) client->asked.every_step = false;
+    assign(*client);
+  }
   tell_lease();
 }
 

@@ -22,18 +22,20 @@ namespace hoist::server {
 // Samples of one ordinary telemetry frame: 20 frames per second.
 inline constexpr std::size_t kBatchSamples = 5;
 
-// Binary frames of samples: 16 bytes of header, then the records as they lie in memory. The memory of a frame that every client has sent is
-// used again, so that the steady stream asks the heap for nothing. One thread.
-class TelemetryFrames {
- public:
-  [[nodiscard]] SharedFrame encode(std::span<const contract::TickRecord> records);
-
- private:
-  // Clients that are behind hold the last few; when all are held, a frame of its own is made.
-  std::array<std::shared_ptr<std::string>, 8> kept_;
-};
+// What the hoist is driven by may not be older: a client in control gets at least each fifth step.
+inline constexpr std::uint32_t kDriverEvery_ticks = 5;
+// What a returning client is sent of the steps it has missed: less than half of its queue, else its oldest ones count as missing.
+inline constexpr std::size_t kRefill_bytes = 96 * 1024;
 
 class Client;
+class Feed;
+struct StreamChoice;
+
+// Where a client's values of an earlier connection end.
+struct Resume {
+  std::uint64_t last_tick = 0;
+  std::string run;
+};
 
 class Hub final : public CoreListener {
  public:
@@ -50,7 +52,7 @@ class Hub final : public CoreListener {
   // Once per poll: what has changed is told; once a second each client is pinged, and a silent one is dropped.
   void poll(std::uint64_t now_ns);
   // How many samples complete the batch.
-  [[nodiscard]] std::size_t samples_missing() const { return kBatchSamples - batch_.size(); }
+  [[nodiscard]] std::size_t samples_missing() const { return kBatchSamples - batched_; }
   // Every client gets a close frame; the sockets end by themselves.
   void close_all();
 
@@ -64,8 +66,9 @@ class Hub final : public CoreListener {
   [[nodiscard]] bool over(const Session& session) const;
   void add(std::shared_ptr<Client> client);
   void remove(const Client* client);
-  // Changes how often a client gets values, between two batches, so that it sees each step once.
-  void set_every_tick(Client& client, bool on);
+  // Changes which values a client gets and how often, between two batches, so that it sees each step once. With `resume`, what it has missed
+  // since comes first, or is named as missing.
+  void choose(Client& client, const StreamChoice& choice, const std::optional<Resume>& resume);
   // How often a client was looked at (for tests).
   [[nodiscard]] std::uint64_t visits() const { return visits_; }
   [[nodiscard]] std::size_t clients() const { return clients_.size(); }
@@ -73,7 +76,13 @@ class Hub final : public CoreListener {
 
  private:
   void broadcast(const SharedFrame& frame);
-  void send_batch();
+  // Sends what the feeds have; `urgent` = false: only those that show each step by itself.
+  void send_batches(bool urgent);
+  void tell_lost(std::uint64_t to);
+  // Puts a client on the feed that gives what it has asked for and may have.
+  void assign(Client& client);
+  void begin_anew();
+  void refill(Client& client, std::uint64_t last_tick);
   void tell_walk();
   void tell_lease();
   static void tell_lease(Client& client, nlohmann::json message);
@@ -86,7 +95,10 @@ class Hub final : public CoreListener {
   Auth* auth_ = nullptr;
   std::vector<std::shared_ptr<Client>> clients_;
   bool ending_ = false;
-  std::vector<contract::TickRecord> batch_;
+  std::vector<std::shared_ptr<Feed>> feeds_;
+  std::size_t batched_ = 0;  // steps since the last batch
+  std::optional<contract::TickRecord> last_;
+  std::uint64_t run_ = 0;  // of the core that last_ is of
   std::uint64_t visits_ = 0;
   std::uint64_t visited_ns_ = 0;         // when the clients were last looked at
   std::uint64_t recording_changes_ = 0;  // of the recorder, as told last
@@ -98,7 +110,6 @@ class Hub final : public CoreListener {
   std::uint64_t told_asks_ = 0;                         // changes of who asks for the lease
   std::uint64_t told_jobs_ = 0, told_jobs_ns_ = 0;      // changes of the jobs, and when they were told
   std::uint64_t told_update_ = 0, told_update_ns_ = 0;  // changes of the firmware desk, and when they were told
-  TelemetryFrames frames_;
 };
 
 // With the names that the numbers stand for.

@@ -170,14 +170,33 @@ void marker(Client& client, const json& message) {
   act_mark(client.hub().services(), asker_of(client), std::nullopt, field(message, "text"), reply_to(client, message));
 }
 
-void stream(Client& client, const json& message) {
-  const json& every = field(message, "every_tick");
-  const bool wanted = every == true;
-  if (wanted && !client.holds_lease()) {
-    client.send(json{{"type", "notice"}, {"level", "info"}, {"text_key", "every_tick_refused"}, {"refusals", {"no_lease"}}});
-    return;
+// What is left out is as for a client that has chosen nothing.
+StreamChoice stream_choice(const json& message) {
+  StreamChoice choice;
+  if (const json& topics = field(message, "topics"); topics.is_array()) {
+    choice.topics = topic_bit(Topic::state);
+    for (const json& name : topics) choice.topics |= topic_bit(*find_topic(name.get_ref<const std::string&>()));
+    if ((choice.topics & topic_bit(Topic::all)) != 0) choice.topics = topic_bit(Topic::all);
   }
-  client.hub().set_every_tick(client, wanted);
+  if (const json& rate = field(message, "rate_hz"); rate.is_number())
+    choice.every_ticks = kStreamRates_hz.back() / rate.get<std::uint32_t>();
+  choice.every_step = field(message, "every_tick") == true;
+  return choice;
+}
+
+void stream(Client& client, const json& message) {
+  StreamChoice choice = stream_choice(message);
+  std::optional<Resume> resume;
+  if (const json& last = field(message, "last_tick"); !last.is_null()) {
+    const json& run = field(message, "run");
+    if (!run.is_string()) return refuse_fields(client, message, {{"run", "is missing; it must be text, as in the message core"}});
+    resume = Resume{.last_tick = last.get<std::uint64_t>(), .run = run.get<std::string>()};
+  }
+  if (choice.every_step && !client.holds_lease()) {
+    client.send(json{{"type", "notice"}, {"level", "info"}, {"text_key", "every_tick_refused"}, {"refusals", {"no_lease"}}});
+    choice.every_step = false;
+  }
+  client.hub().choose(client, choice, resume);
 }
 
 void ping(Client& client, const json& message) {

@@ -35,6 +35,10 @@ std::optional<std::uint32_t> number_of(const json& value) {
 }
 std::string_view text_of(const json& value) { return value.is_string() ? std::string_view{value.get_ref<const std::string&>()} : ""; }
 
+constexpr std::string_view kTriggerRequest = R"({"type":"object","properties":{}})";
+constexpr std::string_view kTriggerResponse =
+    R"({"type":"object","properties":{"success":{"type":"boolean"},"message":{"type":"string"}}})";
+
 json schema_of(std::string_view name, std::string_view schema) {
   return {{"encoding", "json"}, {"schemaName", name}, {"schemaEncoding", "jsonschema"}, {"schema", schema}};
 }
@@ -68,16 +72,14 @@ void FoxgloveClient::greet() {
   json offered = json::array();
   for (std::size_t i = 0; i < kToolServices.size(); ++i) {
     if (role() < kToolServices[i].role) continue;
-    // Both forms of the schemas: the older clients know only the second.
-    offered.push_back(
-        {{"id", i},
-         {"name", kToolServices[i].name},
-         {"type", "std_srvs/srv/Trigger"},
-         {"request", schema_of("std_srvs/srv/Trigger_Request", R"({"type":"object","properties":{}})")},
-         {"response", schema_of("std_srvs/srv/Trigger_Response",
-                                R"({"type":"object","properties":{"success":{"type":"boolean"},"message":{"type":"string"}}})")},
-         {"requestSchema", ""},
-         {"responseSchema", "bool success\nstring message\n"}});
+    // Both forms of the schemas. The older clients know only the second, and read it in the first of our encodings.
+    offered.push_back({{"id", i},
+                       {"name", kToolServices[i].name},
+                       {"type", "std_srvs/srv/Trigger"},
+                       {"request", schema_of("std_srvs/srv/Trigger_Request", kTriggerRequest)},
+                       {"response", schema_of("std_srvs/srv/Trigger_Response", kTriggerResponse)},
+                       {"requestSchema", kTriggerRequest},
+                       {"responseSchema", kTriggerResponse}});
   }
   send_json({{"op", "advertiseServices"}, {"services", std::move(offered)}});
 }

@@ -94,7 +94,7 @@ void SocketConnection::send(const SharedFrame& frame) {
   flush();
 }
 
-void SocketConnection::send_telemetry(const SharedFrame& frame) {
+void SocketConnection::send_telemetry(const SharedFrame& frame, const Steps& steps) {
   if (gone_ || closing_) return;
   if (!waiting_ && !sending_ && control_.empty() && telemetry_.empty()) {
     // The usual case needs no queue.
@@ -104,9 +104,10 @@ void SocketConnection::send_telemetry(const SharedFrame& frame) {
     flush();
     return;
   }
-  telemetry_.push_back(frame);
+  telemetry_.push_back({frame, steps});
   flush();
   while (telemetry_.size() > surroundings_.telemetry_queue) {
+    on_dropped(telemetry_.front().steps);
     telemetry_.pop_front();
     counters().add(Count::telemetry_frames_dropped);
   }
@@ -121,7 +122,9 @@ bool SocketConnection::next_frame() {
     return true;
   }
   if (!telemetry_.empty()) {
-    sending_ = std::move(telemetry_.front());
+    sending_ = before_telemetry();
+    if (sending_) return true;
+    sending_ = std::move(telemetry_.front().frame);
     telemetry_.pop_front();
     counters().add(Count::telemetry_frames_sent);
     return true;

@@ -24,6 +24,11 @@ inline constexpr std::uint64_t kSilence_ns = 5'000'000'000;
 // The kernel's buffer per client: two seconds of telemetry, so that what is shown is never older.
 inline constexpr int kSendBuffer_bytes = 32 * 1024;
 
+// The steps of the core that a message of telemetry stands for, and how many samples of them it has.
+struct Steps {
+  std::uint64_t from = 0, to = 0, samples = 0;
+};
+
 class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
  public:
   // What every connection uses; outlives them.
@@ -40,9 +45,10 @@ class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
   SocketConnection& operator=(const SocketConnection&) = delete;
 
   void start();
-  void send(const SharedFrame& frame);            // control: never dropped, bounded
-  void send_telemetry(const SharedFrame& frame);  // may be dropped for a newer one
-  void visit(std::uint64_t now_ns);               // each kPing_ns
+  void send(const SharedFrame& frame);  // control: never dropped, bounded
+  // May be dropped for a newer one; then on_dropped() is told its steps.
+  void send_telemetry(const SharedFrame& frame, const Steps& steps = {});
+  void visit(std::uint64_t now_ns);  // each kPing_ns
   void close(CloseCode code, std::string_view reason);
 
  protected:
@@ -53,6 +59,12 @@ class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
   virtual void on_pong(std::string_view) {}
   // At most 125 bytes; left out while the client takes nothing.
   void ping(std::string_view payload);
+  // The oldest telemetry has made room.
+  virtual void on_dropped(const Steps&) {}
+  // What must be said before the next message of telemetry; nothing: it goes by itself.
+  virtual SharedFrame before_telemetry() { return nullptr; }
+  // Telemetry that waits is not wanted any more.
+  void forget_telemetry() { telemetry_.clear(); }
   // Once, when nothing more is taken from or told to this client; the object is still held.
   virtual void on_leave() = 0;
   [[nodiscard]] Counters& counters() const { return surroundings_.counters; }
@@ -74,7 +86,11 @@ class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
   std::shared_ptr<void> seat_;
   FrameReader reader_;
   std::deque<SharedFrame> control_;
-  std::deque<SharedFrame> telemetry_;
+  struct Telemetry {
+    SharedFrame frame;
+    Steps steps;
+  };
+  std::deque<Telemetry> telemetry_;
   std::size_t control_bytes_ = 0;
   SharedFrame sending_;
   std::size_t sent_ = 0;

@@ -690,6 +690,34 @@ const cases = {
     await toStandby();
   },
 
+  async 'each screen receives what it shows, at the rate that it shows it'() {
+    const second = await context.newPage();
+    let bytes = 0;
+    second.on('websocket', (socket) => socket.on('framereceived', ({ payload }) => (bytes += payload.length)));
+    // In the hoist's time: simulated time may be slow on a busy computer.
+    const perSecond = async () => {
+      const [from, begun_s] = [bytes, (await stack.truth()).time_s];
+      await sleep(1500);
+      return Math.round((bytes - from) / ((await stack.truth()).time_s - begun_s));
+    };
+    const most = { home: 1000, walk: 4500, drive: 4500, exercises: 4500, tune: 1000, sessions: 1000, calibrate: 1000, health: 4000 };
+    try {
+      const told = [];
+      for (const [screen, most_bytes_s] of Object.entries(most)) {
+        await second.goto(`${stack.origin}/#/${screen}`);
+        await sleep(1000);
+        const bytes_s = await perSecond();
+        told.push(`${screen} ${bytes_s}`);
+        assert(bytes_s > 200 && bytes_s < most_bytes_s, `${screen}: ${bytes_s} bytes a second`);
+      }
+      await second.evaluate(() => (window.hoistTestSocket = new WebSocket(`${location.origin.replace('http', 'ws')}/ws`, 'hoist.v1')));
+      await sleep(500);
+      const whole = (await perSecond()) - Number(told.at(-1).split(' ')[1]);
+      console.log(`        bytes a second: ${told.join(', ')}; a client that chooses nothing: ${whole}`);
+    } finally {
+      await second.close();
+    }
+  },
   async 'a killed server: the walk goes on, the console comes back by itself'() {
     await toStandby();
     await startWalk();

@@ -658,6 +658,9 @@ export function startFakeServer({
     hoist.commands.push(message);
     if (hoist.commands.length > 10_000) hoist.commands.shift();
     if (message.type === 'ping') socket.send(JSON.stringify({ type: 'pong', t: message.t, time_ns: hoist.tick * 1e7 }));
+    // Everyone gets whole records here, whatever was chosen.
+    else if (message.type === 'stream')
+      socket.send(JSON.stringify({ type: 'streaming', topics: ['all'], rate_hz: 100, every_tick: false, sample_bytes: recordBytes }));
     else if (message.type === 'stop') stopNow();
     else if (message.type === 'drive') {
       if (lease.holder === id) hoist.drive = { ...message, tick: hoist.tick };
@@ -1069,7 +1072,7 @@ export function startFakeServer({
         simulated: true,
         scenario: 'figure-eight',
       });
-      send({ type: 'core', connected: true, problem: null, reason_code: null });
+      send({ type: 'core', connected: true, problem: null, reason_code: null, run: '1' });
       tellWalk(id);
       tellPatient(id);
       send({ type: 'parameters', version: hoist.version, values });

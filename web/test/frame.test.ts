@@ -1,7 +1,8 @@
 import { describe, expect, it } from 'vitest';
 import { layoutHash } from '../src/contract/messages.gen';
 import { signals, tickRecordBytes } from '../src/contract/signals.gen';
-import { frameHeaderBytes, readFrame } from '../src/link/frame';
+import { topicBlocks, topicsHash } from '../src/contract/topics.gen';
+import { frameHeaderBytes, readFrame, topicsHeaderBytes } from '../src/link/frame';
 
 /** A frame built byte by byte from the table, independent of the tested reader. */
 function frame(
@@ -37,7 +38,7 @@ describe('readFrame', () => {
       );
     const sent = [record(3), record(17)];
     const read = readFrame(frame(sent));
-    expect(read.ok && read.records).toEqual(sent);
+    expect(read.ok && read.samples).toEqual(sent);
   });
 
   it('reads the numbers that a careless reader gets wrong', () => {
@@ -51,12 +52,12 @@ describe('readFrame', () => {
       bumpers: 255,
     };
     const read = readFrame(frame([sent]));
-    expect(read.ok && read.records[0]).toMatchObject(sent);
+    expect(read.ok && read.samples[0]).toMatchObject(sent);
   });
 
   it.each([
     ['a frame shorter than its header', new ArrayBuffer(15), 'short'],
-    ['another kind', frame([{}], { kind: 2 }), 'kind'],
+    ['another kind', frame([{}], { kind: 3 }), 'kind'],
     ['another version', frame([{}], { version: 2 }), 'version'],
     ['another layout', frame([{}], { hash: 1n }), 'layout'],
     ['another record size', frame([{}], { bytes: tickRecordBytes + 8 }), 'layout'],
@@ -68,7 +69,67 @@ describe('readFrame', () => {
   });
 
   it('takes an empty batch', () => {
-    expect(readFrame(frame([]))).toEqual({ ok: true, records: [] });
+    expect(readFrame(frame([]))).toEqual({ ok: true, whole: true, topics: ['all'], samples: [] });
+  });
+});
+
+/** Samples of chosen topics built from the names and types of their values. */
+function blocks(
+  names: readonly string[],
+  samples: Record<string, number>[],
+  head: { hash?: bigint; bits?: number; bytes?: number } = {},
+): ArrayBuffer {
+  const chosen = topicBlocks.filter((block) => names.includes(block.name));
+  const sampleBytes = chosen.reduce((sum, block) => sum + block.bytes, 0);
+  const view = new DataView(new ArrayBuffer(topicsHeaderBytes + samples.length * sampleBytes));
+  view.setUint8(0, 2);
+  view.setUint8(1, 1);
+  view.setUint16(2, samples.length, true);
+  view.setUint32(4, head.bytes ?? sampleBytes, true);
+  view.setBigUint64(8, head.hash ?? BigInt(`0x${topicsHash}`), true);
+  view.setUint32(16, head.bits ?? topicBlocks.reduce((bits, block, i) => (names.includes(block.name) ? bits + 2 ** i : bits), 0), true);
+  let at = topicsHeaderBytes;
+  for (const sample of samples)
+    for (const block of chosen)
+      for (const name of Object.keys(block.read(new DataView(new ArrayBuffer(block.bytes)), 0))) {
+        const { type } = signals.find((row) => row.name === name)!;
+        const value = sample[name] ?? 0;
+        if (type === 'u64') view.setBigUint64(at, BigInt(value), true);
+        else if (type === 'u32') view.setUint32(at, value, true);
+        else if (type === 'i32') view.setInt32(at, value, true);
+        else if (type === 'f32') view.setFloat32(at, value, true);
+        else if (type === 'u16') view.setUint16(at, value, true);
+        else view.setUint8(at, value);
+        at += { u64: 8, u32: 4, i32: 4, f32: 4, u16: 2, u8: 1 }[type];
+      }
+  expect(at).toBe(view.byteLength);
+  return view.buffer;
+}
+
+describe('samples of chosen topics', () => {
+  it('have every value at its place, and no other', () => {
+    const sample = (base: number) =>
+      Object.fromEntries(
+        signals.map(({ name, type }, i) => [name, type === 'u8' ? (base + i) % 250 : type === 'f32' ? (base + i) / 8 : base * 100 + i]),
+      );
+    const names = ['state', 'pose', 'calibration'];
+    const read = readFrame(blocks(names, [sample(3), sample(17)]));
+    if (!read.ok) throw new Error(read.why);
+    expect([read.whole, read.topics]).toEqual([false, names]);
+    expect(read.samples).toHaveLength(2);
+    expect(read.samples[1]).toMatchObject({ tick: sample(17).tick, fused_psi_rad: sample(17).fused_psi_rad, mode: sample(17).mode });
+    expect(sample(3)).toMatchObject(read.samples[0]!);
+    expect(read.samples[0]).not.toHaveProperty('speed_m_s');
+  });
+
+  it.each([
+    ['of another table', blocks(['state'], [{}], { hash: 1n }), 'layout'],
+    ['with other topics than its length says', blocks(['state'], [{}], { bits: 3 }), 'layout'],
+    ['of another length', blocks(['state'], [{}], { bytes: 59 }), 'layout'],
+    ['cut short', blocks(['state'], [{}]).slice(0, -1), 'length'],
+    ['without their header', blocks(['state'], []).slice(0, 18), 'short'],
+  ])('are refused whole: %s', (_what, buffer, why) => {
+    expect(readFrame(buffer)).toEqual({ ok: false, why });
   });
 });
 

@@ -1,8 +1,9 @@
 import { describe, expect, it } from 'vitest';
 import { signals, type TickRecord } from '../src/contract/signals.gen';
-import type { WalkMessage } from '../src/contract/messages.gen';
+import type { GapMessage, WalkMessage } from '../src/contract/messages.gen';
 import { modes } from '../src/contract/faults.gen';
 import { Live } from '../src/link/live';
+import { Trace } from '../src/link/trace';
 import { activeFaults } from '../src/ui/alarms';
 import { wishArrow } from '../src/ui/hoist_picture';
 import { fit, onScreen, patternPoints } from '../src/ui/geometry';
@@ -13,6 +14,8 @@ const record = (change: Partial<TickRecord>): TickRecord => ({
   ...(Object.fromEntries(signals.map((row) => [row.name, 0])) as TickRecord),
   ...change,
 });
+const take = (live: Live, samples: TickRecord[]) => live.take(samples, ['all'], 0);
+const gap = (change: Partial<GapMessage>): GapMessage => ({ type: 'gap', from_tick: 0, to_tick: 0, count: 0, reason: 'slow_client', ...change });
 const user = modes.find((mode) => mode.name === 'user')!.value;
 
 const walk = (change: Partial<WalkMessage>): WalkMessage => ({
@@ -37,12 +40,12 @@ describe('Live', () => {
     const steps = Array.from({ length: 9000 }, (_, i) =>
       record({ tick: i + 1, time_ns: (i + 1) * 1e7, fused_x_m: 0.007 * (i + 1), fused_y_m: Math.sin(i / 300), mode: user }),
     );
-    there.take(steps.slice(0, 7000), 0);
+    take(there, steps.slice(0, 7000));
     expect(there.path.step_m).toBeCloseTo(0.04);
     // The server's walk by the same rule; a frame still in transit counts once.
     reloaded.takeWalk(walk({ tick: 7000, motion_s: there.motion_s, mark, step_m: there.path.step_m, x_m: there.path.x, y_m: there.path.y }));
-    reloaded.take(steps.slice(6997, 7000), 0);
-    for (const live of [there, reloaded]) live.take(steps.slice(7000), 0);
+    take(reloaded, steps.slice(6997, 7000));
+    for (const live of [there, reloaded]) take(live, steps.slice(7000));
     expect(reloaded.path.x).toEqual(there.path.x);
     expect(reloaded.path.y).toEqual(there.path.y);
     expect(there.path.x.length).toBeLessThan(2048);
@@ -53,7 +56,7 @@ describe('Live', () => {
   it('begins anew at the start mark that the server tells, not by itself', () => {
     const live = new Live();
     live.takeWalk(walk({ tick: 0, motion_s: 0, mark, x_m: [0], y_m: [0] }));
-    live.take([record({ tick: 1, fused_x_m: 1 }), record({ tick: 2, fused_x_m: 5 })], 0);
+    take(live, [record({ tick: 1, fused_x_m: 1 }), record({ tick: 2, fused_x_m: 5 })]);
     expect(live.path.x).toEqual([0, 1, 5]);
     live.takeWalk(walk({ tick: 2, motion_s: 0, mark, x_m: [-1.6], y_m: [0] }));
     expect(live.path.x).toEqual([-1.6]);
@@ -62,34 +65,86 @@ describe('Live', () => {
   it('keeps what it has when a server comes back that knows less, and nothing of another core', () => {
     const live = new Live();
     live.takeWalk(walk({ tick: 0, motion_s: 7, mark, x_m: [0], y_m: [0] }));
-    live.take([record({ tick: 900, fused_x_m: 1 })], 0);
+    take(live, [record({ tick: 900, fused_x_m: 1 })]);
     live.takeWalk(walk({ tick: 950, x_m: [1], y_m: [0] }));
     expect(live.path.x).toEqual([0, 1]);
     expect(live.motion_s).toBe(7);
     live.takeWalk(walk({ tick: 3, motion_s: 0, mark, x_m: [2], y_m: [0] }));
-    live.take([record({ tick: 4, fused_x_m: 2 })], 0);
+    take(live, [record({ tick: 4, fused_x_m: 2 })]);
     expect(live.path.x).toEqual([2]);
     expect(live.motion_s).toBe(0);
   });
 
-  it('counts steps that did not arrive, and starts over with a new core', () => {
+  it('counts what the server names as missing, and starts over with a new core', () => {
     const live = new Live();
-    live.take([record({ tick: 10 }), record({ tick: 11 }), record({ tick: 15 })], 0);
-    expect(live.lost).toBe(3);
-    live.take([record({ tick: 2 })], 0);
-    expect(live.lost).toBe(3);
-    expect(live.history.speed_m_s.length).toBe(1);
+    take(live, [record({ tick: 10 }), record({ tick: 15 })]);
+    expect(live.lost).toBe(0); // between two samples of a lower rate nothing is missing
+    live.takeGap(gap({ from_tick: 16, to_tick: 20, count: 5 }));
+    expect([live.lost, live.newestTick]).toEqual([5, 20]);
+    live.takeGap(gap({ from_tick: 21, to_tick: null, count: null, reason: 'core_restarted' }));
+    take(live, [record({ tick: 2, fused_x_m: 3 })]);
+    expect([live.lost, live.newestTick]).toEqual([5, 2]);
+    expect(live.path.x).toEqual([3]);
+  });
+
+  it('does not join the path over a gap, but over what the server has counted', () => {
+    const live = new Live();
+    live.takeWalk(walk({ tick: 0, motion_s: 0, mark, x_m: [0], y_m: [0] }));
+    take(live, [record({ tick: 1, fused_x_m: 1 }), record({ tick: 6, fused_x_m: 2 })]);
+    live.takeGap(gap({ from_tick: 7, to_tick: 40, count: 34 }));
+    take(live, [record({ tick: 41, fused_x_m: 9 })]);
+    expect(live.path.x).toEqual([0, 1, 2, NaN, 9]);
+    live.takeWalk(walk({ tick: 60, motion_s: 0, mark, x_m: [0, 5, 10], y_m: [0, 0, 0] }));
+    live.takeGap(gap({ from_tick: 42, to_tick: 60, count: 19, reason: 'too_old' }));
+    take(live, [record({ tick: 61, fused_x_m: 11 })]);
+    expect(live.path.x).toEqual([0, 5, 10, 11]);
+  });
+
+  it('keeps gaps when the path is thinned', () => {
+    const trace = new Trace();
+    for (let i = 0; i < 3000; i++) {
+      if (i === 1000 || i === 1100) trace.lift(); // at an even and at an odd place
+      trace.add(i * 0.021, 0);
+    }
+    const gaps = trace.x.flatMap((x, i) => (Number.isNaN(x) ? [i] : []));
+    expect(gaps).toHaveLength(2);
+    expect(trace.y.flatMap((y, i) => (Number.isNaN(y) ? [i] : []))).toEqual(gaps);
+    for (const [gap, at] of [
+      [gaps[0]!, 1000 * 0.021],
+      [gaps[1]!, 1100 * 0.021],
+    ] as const)
+      expect([trace.x[gap - 1]! < at, trace.x[gap + 1]! >= at]).toEqual([true, true]);
+  });
+
+  it('shows no value that is not received: after another choice, and where positions are not followed', () => {
+    const live = new Live();
+    const { tick, time_ns, speed_m_s } = record({ tick: 1, speed_m_s: 0.5 });
+    live.take([{ ...record({}), tick, time_ns, speed_m_s }], ['state', 'motion'], 0);
+    expect(live.with('motion')?.speed_m_s).toBe(0.5);
+    expect(live.with('state')).not.toBeNull();
+    expect(live.with('pose')).toBeNull();
+    expect(live.with('motion', 'pose')).toBeNull();
+    expect(live.with('all')).toBeNull();
+    live.take([record({ tick: 2 })], ['all'], 0);
+    expect(live.with('motion', 'pose')).not.toBeNull();
+    expect(live.with('all')).not.toBeNull();
+  });
+
+  it('counts the time of a mode to its end at any rate', () => {
+    const live = new Live();
+    live.takeWalk(walk({ tick: 100, motion_s: 2, mark, x_m: [0], y_m: [0] }));
+    const at = (tick: number, mode = 0) => record({ tick, time_ns: tick * 1e7, mode });
+    take(live, [at(98, user), at(118, user), at(138, user), at(145), at(158)]);
+    // 101 to 144: the server has counted up to 100, and from 145 on the mode is another one.
+    expect(live.motion_s).toBeCloseTo(2.44, 9);
   });
 
   it('counts time in motion only, and does not claim a time that nobody told', () => {
     const live = new Live();
-    live.take([record({ tick: 1, time_ns: 1e9, mode: user }), record({ tick: 2, time_ns: 2e9, mode: user })], 0);
+    take(live, [record({ tick: 1, time_ns: 1e9, mode: user }), record({ tick: 2, time_ns: 2e9, mode: user })]);
     expect(live.motion_s).toBeNaN();
     live.takeWalk(walk({ tick: 2, motion_s: 0, mark, x_m: [0], y_m: [0] }));
-    live.take(
-      [record({ tick: 3, time_ns: 5.5e9, mode: user }), record({ tick: 4, time_ns: 9e9 }), record({ tick: 5, time_ns: 20e9, mode: user })],
-      0,
-    );
+    take(live, [record({ tick: 3, time_ns: 5.5e9, mode: user }), record({ tick: 4, time_ns: 9e9 }), record({ tick: 5, time_ns: 20e9, mode: user })]);
     expect(live.motion_s).toBeCloseTo(3.5, 9);
     const late = new Live();
     late.takeWalk(walk({ tick: 9, x_m: [0], y_m: [0] }));

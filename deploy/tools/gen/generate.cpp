@@ -19,6 +19,13 @@ std::string hex_text(unsigned value, int digits) {
   return buffer.data();
 }
 
+std::string hex64(std::uint64_t value) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string out;
+  for (int shift = 60; shift >= 0; shift -= 4) out += kDigits[(value >> shift) & 0xFU];
+  return out;
+}
+
 std::string made_from(std::string_view table) { return "Made by `deploy/dev gen` from " + std::string(table) + "; do not edit."; }
 
 std::vector<GeneratedFile> generate_all() {

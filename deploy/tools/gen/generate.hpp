@@ -2,6 +2,7 @@
 // machine.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,6 +42,8 @@ std::string quoted(std::string_view text);
 std::string words(std::string_view english, std::string_view german);
 // 0x1A00 with at least `digits` digits.
 std::string hex_text(unsigned value, int digits);
+// 16 hexadecimal digits.
+std::string hex64(std::uint64_t value);
 // The sentence that every generated file begins with, without comment marks.
 std::string made_from(std::string_view table);
 

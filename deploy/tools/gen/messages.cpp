@@ -106,7 +106,8 @@ GeneratedFile messages_file() {
       "// " + made_from("server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def") + "\n\n";
   out += "import type * as rest from './rest.gen';\n";
   out +=
-      "import type { Actor, Exercise, FieldError, GuidedPath, JobKind, LeaseAsk, Pose, ReasonCode, StandingNotice } from './rest.gen';\n\n";
+      "import type { Actor, Exercise, FieldError, GuidedPath, JobKind, LeaseAsk, Pose, ReasonCode, StandingNotice, TopicName } from "
+      "'./rest.gen';\n\n";
   out += reason_rows() + message_types(true) + message_types(false);
   out += "/** What the core reports. */\nexport const eventKinds = [";
   // Numbers without a name are gaps.
@@ -125,8 +126,7 @@ GeneratedFile messages_file() {
     out += "  { name: '" + std::string(node.name) + "', id: " + std::to_string(node.id) + ", title: '" + std::string(node.title) + "' },\n";
   }
   out += "];\n\n/** Two programs with different hashes do not understand each other. */\nexport const layoutHash = '";
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  for (int shift = 60; shift >= 0; shift -= 4) out += kDigits[(layout_hash() >> shift) & 0xFU];
+  out += hex64(layout_hash());
   return {"web/src/contract/messages.gen.ts", out + "';\n"};
 }
 

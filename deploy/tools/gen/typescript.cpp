@@ -9,6 +9,7 @@
 #include "control/contract/signals.hpp"
 #include "db/export/formats.hpp"
 #include "deploy/tools/gen/generate.hpp"
+#include "server/contract/topics.hpp"
 
 namespace hoist::gen {
 
@@ -193,6 +194,40 @@ export type TickRecord = Record<SignalName, number>;
            ", title: " + words(s.title_en, s.title_de) + " },\n";
   }
   return {"web/src/contract/signals.gen.ts", out + "];\n"};
+}
+
+// hoist.v1's blocks of live values: types, and the reading of each block.
+GeneratedFile topics_file() {
+  using namespace hoist::server;
+  std::string out = head("server/contract/topics.def");
+  out += "import type { TopicName } from './rest.gen';\nimport type { SignalName, TickRecord } from './signals.gen';\n\n";
+  out +=
+      "/** A page made for another table cannot read the samples. */\nexport const topicsHash = " + quoted(hex64(topics_hash())) + ";\n\n";
+  out += "/** The live values of each topic. */\nexport interface TopicValues {\n";
+  std::string blocks;
+  for (std::size_t i = 0; i < kTopics.size(); ++i) {
+    const auto topic = static_cast<Topic>(i);
+    std::string names, reads;
+    std::size_t bytes = 0;
+    for (const TopicValue& value : kTopicValues) {
+      if (value.topic != topic) continue;
+      SignalInfo signal = kSignals[*find_signal(value.name)];
+      signal.offset = bytes;
+      bytes += value.size;
+      names += "\n    | " + quoted(value.name);
+      reads += "      " + std::string(value.name) + ": " + read_expression(signal) + ",\n";
+    }
+    out += "  /** " + std::string(kTopics[i].doc) + " */\n  " + std::string(kTopics[i].name) + ":" +
+           (topic == Topic::all ? std::string(" SignalName") : names) + ";\n";
+    if (topic == Topic::all) continue;
+    blocks += "  {\n    name: " + quoted(kTopics[i].name) + ",\n    bytes: " + std::to_string(bytes) + ",\n    read: (view, at) => ({\n" +
+              reads + "    }),\n  },\n";
+  }
+  out +=
+      "}\n\nexport interface TopicBlock {\n  name: Exclude<TopicName, 'all'>;\n  bytes: number;\n"
+      "  /** Reads the block that begins at byte `at`. */\n  read: (view: DataView, at: number) => Partial<TickRecord>;\n}\n\n"
+      "/** The blocks of a sample, in the order of their bits in the header. */\nexport const topicBlocks: readonly TopicBlock[] = [\n";
+  return {"web/src/contract/topics.gen.ts", out + blocks + "];\n"};
 }
 
 std::string_view priority_name(Priority priority) {
@@ -428,7 +463,7 @@ export const exercises: readonly ExerciseInfo[] = [
 }  // namespace
 
 std::vector<GeneratedFile> typescript_files() {
-  return {params_file(), signals_file(), faults_file(), emergencies_file(), exercises_file(), exports_file()};
+  return {params_file(), signals_file(), topics_file(), faults_file(), emergencies_file(), exercises_file(), exports_file()};
 }
 
 }  // namespace hoist::gen

@@ -130,6 +130,9 @@ const cases = {
       assert.equal(tool.socket.protocol, subprotocol);
       assert.ok(tool.info.capabilities.includes("clientPublish"));
       assert.equal(tool.channels.size, 13);
+      // Studio reads these in the first encoding that the server names.
+      assert.equal(tool.info.supportedEncodings[0], "json");
+      for (const service of tool.services.values()) for (const schema of ["requestSchema", "responseSchema"]) JSON.parse(service[schema]);
       const lists = new Map([...tool.channels.keys()].map((topic) => [topic, tool.watch(topic)]));
       await until("every topic speaks", () => [...lists.values()].every((list) => list.length > 3), 20000);
       const begin = new Map([...lists].map(([topic, list]) => [topic, list.length]));

@@ -185,6 +185,7 @@ struct Live::Parts {
   std::uint64_t hash = 0;
   std::vector<json> texts;
   std::vector<contract::TickRecord> records;
+  std::string binary;
 
   // One whole message (RFC 6455 section 5.2), masked with zeros.
   void send(server::Opcode opcode, std::string_view payload) {
@@ -224,6 +225,7 @@ struct Live::Parts {
         texts.push_back(json::parse(payload));
         break;
       case server::Opcode::binary:
+        binary = payload;
         take_telemetry(payload);
         break;
       case server::Opcode::ping:
@@ -301,6 +303,13 @@ std::vector<contract::TickRecord> Live::records(std::size_t count) {
   while (parts_->records.size() < count && std::chrono::steady_clock::now() < end)
     if (!parts_->read()) break;
   return parts_->records;
+}
+std::string Live::binary() {
+  parts_->binary.clear();
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(kLimit_ms);
+  while (parts_->binary.empty() && std::chrono::steady_clock::now() < end)
+    if (!parts_->read()) break;
+  return parts_->binary;
 }
 std::uint64_t Live::frame_layout_hash() const { return parts_->hash; }
 unsigned Live::wait_close() {

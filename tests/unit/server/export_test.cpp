@@ -108,6 +108,14 @@ TEST_F(Exports, AnMcapIsServedWholeAndInPartsByItsTag) {
   EXPECT_EQ(outside.status, 416);
   EXPECT_EQ(outside.header("content-range"), "bytes */" + std::to_string(whole.body.size()));
   EXPECT_EQ(call("GET", target, nullptr, {{"If-None-Match", tag}}).status, 304);
+  // Foxglove Studio opens no address that does not end in .mcap.
+  const std::string address = "/api/v1/sessions/1/session.mcap";
+  const Answer named = get(address);
+  EXPECT_EQ(named.status, 200);
+  EXPECT_TRUE(named.body == whole.body);
+  EXPECT_EQ(named.header("etag"), tag);
+  EXPECT_EQ(call("GET", address, nullptr, {{"Range", "bytes=100-1099"}, {"If-Range", tag}}).body, part.body);
+  EXPECT_EQ(get("/api/v1/sessions/77/session.mcap").status, 404);
   // Parts make up the whole.
   std::string joined;
   for (std::size_t from = 0; from < whole.body.size(); from += 7777)

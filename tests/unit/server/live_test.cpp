@@ -419,6 +419,116 @@ TEST_F(LiveTest, EveryStepOnlyForTheDriver) {
   for (std::size_t i = 1; i < records.size(); ++i) EXPECT_EQ(records[i].tick, records[i - 1].tick + 1);
 }
 
+// A sample of the topics state and motion: its length and where its values lie, by topics.def.
+constexpr std::size_t kStateBytes = 60, kMotionBytes = 20, kSamplesBegin = 20, kMode = 42;
+struct ChosenSample {
+  std::uint64_t tick = 0;
+  std::uint8_t mode = 0;
+  float speed_m_s = 0;
+};
+std::vector<ChosenSample> chosen_samples(const std::string& message) {
+  std::vector<ChosenSample> all;
+  for (std::size_t at = kSamplesBegin; at + kStateBytes + kMotionBytes <= message.size(); at += kStateBytes + kMotionBytes) {
+    ChosenSample& sample = all.emplace_back();
+    std::memcpy(&sample.tick, message.data() + at, 8);
+    std::memcpy(&sample.mode, message.data() + at + kMode, 1);
+    std::memcpy(&sample.speed_m_s, message.data() + at + kStateBytes + 8, 4);
+  }
+  return all;
+}
+
+TEST_F(LiveTest, ChosenTopicsComeAtTheChosenRate) {
+  core_->set_each([](contract::TickRecord& record) { record.speed_m_s = static_cast<float>(record.tick) * 0.25F; });
+  Live live(port_, bearer_);
+  live.send({{"type", "stream"}, {"topics", {"motion"}}, {"rate_hz", 10}});
+  const json told = live.wait("streaming");
+  EXPECT_EQ(told["topics"], (json{"state", "motion"}));
+  EXPECT_EQ(told["rate_hz"], 10);
+  EXPECT_EQ(told["every_tick"], false);
+  ASSERT_EQ(told["sample_bytes"], kStateBytes + kMotionBytes);
+  std::uint64_t before = 0;
+  for (int i = 0; i < 8; ++i) {
+    const std::string message = live.binary();
+    ASSERT_EQ(message.size(), kSamplesBegin + kStateBytes + kMotionBytes) << "one sample";
+    EXPECT_EQ(message.substr(0, 4), std::string("\2\1\1\0", 4));
+    const ChosenSample sample = chosen_samples(message).at(0);
+    EXPECT_EQ(sample.tick % 10, 0U);
+    if (before != 0) {
+      EXPECT_EQ(sample.tick, before + 10);
+    }
+    before = sample.tick;
+    EXPECT_EQ(sample.mode, static_cast<std::uint8_t>(Mode::standby));
+    EXPECT_EQ(sample.speed_m_s, static_cast<float>(sample.tick) * 0.25F);
+  }
+  live.send({{"type", "stream"}, {"topics", {"power", "all"}}, {"rate_hz", 20}});
+  EXPECT_EQ(live.wait("streaming")["topics"], json{"all"});
+  const auto whole = live.records(3);
+  ASSERT_GE(whole.size(), 3U);
+  EXPECT_EQ(whole.back().tick - whole[whole.size() - 2].tick, 5U);
+}
+
+TEST_F(LiveTest, AChangeOfStateIsSentAtOnceAtAnyRate) {
+  Live live(port_, bearer_);
+  live.send({{"type", "stream"}, {"topics", {"motion"}}, {"rate_hz", 1}});
+  live.wait("streaming");
+  core_->set_each([](contract::TickRecord& record) {
+    if (record.tick % 100 == 37) record.mode = static_cast<std::uint8_t>(Mode::protective_stop);
+  });
+  ChosenSample sample;
+  for (int i = 0; i < 4 && sample.mode != static_cast<std::uint8_t>(Mode::protective_stop); ++i) {
+    const auto samples = chosen_samples(live.binary());
+    ASSERT_FALSE(samples.empty());
+    sample = samples.back();
+  }
+  EXPECT_EQ(sample.mode, static_cast<std::uint8_t>(Mode::protective_stop));
+  EXPECT_EQ(sample.tick % 100, 37U) << "the step that changed it, between the samples of the chosen rate";
+}
+
+// What a driver's commands echo is never old because of what the page has chosen to see.
+TEST_F(LiveTest, TheDriverGetsAtLeastTwentySamplesASecond_H17) {
+  Live live(port_, bearer_);
+  live.send({{"type", "stream"}, {"topics", {"motion"}}, {"rate_hz", 1}});
+  EXPECT_EQ(live.wait("streaming")["rate_hz"], 1);
+  ASSERT_EQ(live.ask({{"type", "lease_take"}})["ok"], true);
+  live.binary();
+  const std::uint64_t first = chosen_samples(live.binary()).at(0).tick;
+  EXPECT_LE(chosen_samples(live.binary()).at(0).tick - first, 5U);
+  live.send({{"type", "stream"}, {"topics", {"motion"}}, {"every_tick", true}});
+  EXPECT_EQ(live.wait("streaming")["every_tick"], true);
+  const std::uint64_t second = chosen_samples(live.binary()).back().tick;
+  EXPECT_EQ(chosen_samples(live.binary()).at(0).tick, second + 1);
+}
+
+TEST_F(LiveTest, UnknownTopicsAndRatesAreRefusedWithWhatIsAllowed) {
+  Live live(port_, bearer_);
+  const auto refused = [&live](json message) {
+    message["type"] = "stream";
+    const json reply = live.ask(message);
+    EXPECT_EQ(reply["ok"], false) << message;
+    return reply["errors"].empty() ? json::object() : reply["errors"][0];
+  };
+  const json topic = refused({{"topics", {"motion", "speed"}}});
+  EXPECT_EQ(topic["field"], "topics.1");
+  EXPECT_NE(topic["message"].get<std::string>().find("motion, pose"), std::string::npos) << topic;
+  for (const int rate : {0, 3, 101, -1}) {
+    const json error = refused({{"rate_hz", rate}});
+    EXPECT_EQ(error["field"], "rate_hz");
+    EXPECT_EQ(error["message"], "must be 1, 2, 5, 10, 20, 50 or 100");
+    EXPECT_EQ(error["min"], 1);
+    EXPECT_EQ(error["max"], 100);
+  }
+  EXPECT_EQ(refused({{"topics", json::array()}})["field"], "topics");
+  EXPECT_EQ(refused({{"last_tick", 7}})["field"], "run");
+  EXPECT_EQ(refused(json::object())["field"], "body");
+}
+
+TEST_F(LiveTest, StepsOfAnotherCoreAreNotResumed) {
+  Live live(port_, bearer_);
+  live.send({{"type", "stream"}, {"last_tick", 7}, {"run", "1"}});
+  const json gap = live.wait("gap");
+  EXPECT_EQ(gap, (json{{"type", "gap"}, {"from_tick", 8}, {"to_tick", nullptr}, {"count", nullptr}, {"reason", "core_restarted"}}));
+}
+
 TEST_F(LiveTest, MessagesThatCannotBeUsed_H30) {
   struct Case {
     std::string text;

@@ -1,7 +1,7 @@
 // Made by `deploy/dev gen` from server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def; do not edit.
 
 import type * as rest from './rest.gen';
-import type { Actor, Exercise, FieldError, GuidedPath, JobKind, LeaseAsk, Pose, ReasonCode, StandingNotice } from './rest.gen';
+import type { Actor, Exercise, FieldError, GuidedPath, JobKind, LeaseAsk, Pose, ReasonCode, StandingNotice, TopicName } from './rest.gen';
 
 /** Why something was not done, or is not there. */
 export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> = {
@@ -120,7 +120,7 @@ export type PoseRequest = { type: 'pose'; request: number } & rest.Pose;
 /** Set a marker now in the session that is being recorded. */
 export type MarkerRequest = { type: 'marker'; request: number } & rest.MarkerRequest;
 
-/** Choose how often live values come; every step only for whoever is in control. */
+/** Choose which live values come and how often; answered by `streaming`. What is left out is as on connecting: whole records of every step, five in a message. */
 export type StreamRequest = { type: 'stream' } & rest.StreamRequest;
 
 /** Measure the way there and back. */
@@ -251,6 +251,34 @@ export interface CoreMessage {
   problem: string | null;
   /** The same for programs; a row of reasons.def. */
   reason_code: ReasonCode | null;
+  /** Which run of the core the steps are of; those of different runs do not compare. null: none was seen. */
+  run: string | null;
+}
+
+/** Answer to `stream`: what comes from here on. */
+export interface StreamingMessage {
+  type: 'streaming';
+  /** The blocks of a sample, in this order; only "all": whole records. */
+  topics: readonly TopicName[];
+  /** Samples per second; changes of state come besides. At least 20 for the client in control. */
+  rate_hz: number;
+  /** A message for each step, not for each batch of five. */
+  every_tick: boolean;
+  /** Length of one sample. */
+  sample_bytes: number;
+}
+
+/** Steps of which this client gets no values, in their place between the others. */
+export interface GapMessage {
+  type: 'gap';
+  /** First missing step. */
+  from_tick: number;
+  /** Last missing step; null: not known, of an earlier run of the core. */
+  to_tick: number | null;
+  /** Samples that are missing at the chosen rate. */
+  count: number | null;
+  /** The client or its network takes too little; the server came too late; older than what it keeps for a client that comes back; another run of the core. */
+  reason: "slow_client" | "server_late" | "too_old" | "core_restarted";
 }
 
 /** The exercise and the walk since the start mark: on connecting, and when anything but the newest step changes it. */
@@ -346,6 +374,8 @@ export type ServerMessage =
   | LeaseMessage
   | RecordingMessage
   | CoreMessage
+  | StreamingMessage
+  | GapMessage
   | WalkMessage
   | PatientMessage
   | PongMessage

@@ -1244,7 +1244,16 @@ export type Status = {
 export type Stored = boolean;
 
 export type StreamRequest = {
-  every_tick: boolean;
+  /** A message for each step; only for the client in control. */
+  every_tick?: boolean;
+  /** Newest step that the client has: later ones come first, or are named as missing (gap). */
+  last_tick?: number;
+  /** Samples per second; left out: 100. A change of state is sent at once at any rate. */
+  rate_hz?: 1 | 2 | 5 | 10 | 20 | 50 | 100;
+  /** Run of the core that last_tick is of, as in the message core. */
+  run?: string;
+  /** Blocks of live values; left out: all. */
+  topics?: readonly TopicName[];
 };
 
 /** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
@@ -1302,48 +1311,7 @@ export type ToolsRequest = {
   enabled: boolean;
 };
 
-export type Trend = {
-  items: readonly ({
-    day: string;
-    exercise: ExerciseOrNull;
-    /** null: the recording cannot be read. */
-    figures: TrendFigures | null;
-    /** Why there is no C, J_N, or one of them. */
-    reason_code: NoFigure | null;
-    session: number;
-    started_utc_ms: number;
-    visit: number;
-  })[];
-  next: string | null;
-  /** Recordings of this patient with a simulated hoist. */
-  simulated_left_out: number;
-};
-
-/** The figures of db/metrics/metrics.def; null: not defined for this session. */
-export type TrendFigures = {
-  /** Correlation of pelvis turn and path turn at zero lag, -1 to 1: whether the patient turns where the path turns. No measure of distance from the path. */
-  C: number | null;
-  /** Squared error of the walk per metre of path, at 100 Hz: it grows with slowness, too. */
-  J_N: number | null;
-  /** Largest absolute speed while under way. */
-  max_speed_m_s: number;
-  /** walked_m over motion_s: standing does not count. */
-  mean_speed_m_s: number;
-  /** Motion that is not recorded: all figures are of the rest. */
-  missing_s: number;
-  /** Of that, time in which a wheel turned at 0.02 m/s or more. */
-  motion_s: number;
-  /** Progress along the exercise. */
-  reference_length_m: number | null;
-  /** Angle against the exercise, root mean square. */
-  rms_heading_rad: number | null;
-  /** Distance from the exercise, root mean square. */
-  rms_position_m: number | null;
-  /** Time in which the hoist was under way (a mode in which the wheels may turn), standing included. */
-  under_way_s: number;
-  /** Way walked, forward and backward: absolute speed times 10 ms, summed over the time under way. */
-  walked_m: number;
-};
+export type TopicName = 'state' | 'motion' | 'pose' | 'posture' | 'intent' | 'exercise' | 'power' | 'calibration' | 'all';
 
 /** Only on trial: the values before come back after so many seconds unless confirmed. */
 export type TrialTime = number;
@@ -1872,14 +1840,10 @@ export interface Routes {
     query?: { columns?: string; from_s?: number; to_s?: number; points?: number };
     answer: Samples;
   };
-  /** What this hoist is called, and its language. */
-  'GET /api/v1/settings': {
-    answer: DeviceSettings;
-  };
-  /** Changes name or language of this hoist. */
-  'PATCH /api/v1/settings': {
-    body: DeviceSettingsPatch;
-    answer: DeviceSettings;
+  /** The same as the export in the format mcap, or a part of it (Range): an address that ends as Foxglove Studio expects of such a file. */
+  'GET /api/v1/sessions/{id}/session.mcap': {
+    path: { id: number };
+    answer: never;
   };
   /** Makes an engineer's account, or gives one a new password; needs the configuration switch and the code that the hoist shows. */
   'POST /api/v1/setup': {

@@ -3,16 +3,15 @@ import { codedFaults, faults, modes, type FaultName } from '../contract/faults.g
 import { layoutHash } from '../contract/messages.gen';
 import type { CalibrationMeasure, CalibrationStep, Exercise, GuidedPath } from '../contract/rest.gen';
 import type { ParamName } from '../contract/params.gen';
-import type { TickRecord } from '../contract/signals.gen';
 import { hasBit } from './bits';
-import { readFrame } from './frame';
+import { readFrame, type Sample } from './frame';
 import { live } from './live';
 import { rememberSignedIn } from './known';
 import { rest, type Answer, type Problem } from './rest';
 import { causeReader } from './speed_cause';
 import { Link, replyLost, type Question, type Reply, type Told } from './socket';
 import { openTicketed } from './ticketed';
-import { offerLanguage } from '../text/text';
+import { wants } from './wants';
 import { moving, stopped, store, writable, type Emergency, type LogLine, type Notice } from './store';
 
 const late_ms = 500;
@@ -35,6 +34,7 @@ const link = new Link(
       if (state === 'open') {
         writable.set({ link: state, everOpen: true, signedIn: true });
         rememberSignedIn();
+        askStream();
         void askWho();
       } else writable.set({ link: state, lease: { ...store.value.lease, mine: false } });
     },
@@ -57,15 +57,37 @@ async function checkSignedIn(): Promise<void> {
   if (!answer.ok && (answer.problem.status === 401 || answer.problem.status === 403)) writable.set({ signedIn: false });
 }
 
+/** Run of the core that the newest sample is of. */
+let run: string | null = null;
+/** Whole records before the answer to `stream` belong to the time that the server sends anew. */
+let answerBy_ms = 0;
+const answerWithin_ms = 1000;
+
+/** Asks for what is shown; after a lost connection also for what was missed. */
+function askStream(): void {
+  const { choice } = wants;
+  const resume = run !== null && live.record !== null ? { last_tick: live.newestTick, run } : {};
+  if (!link.send({ type: 'stream', ...choice, ...resume })) return;
+  asked = JSON.stringify(choice);
+  if ('run' in resume) answerBy_ms = performance.now() + answerWithin_ms;
+}
+
+let asked = '';
+function changeStream(): void {
+  const choice = JSON.stringify(wants.choice);
+  if (choice === asked) return;
+  if (link.send({ type: 'stream', ...wants.choice })) asked = choice;
+}
+
 function takeFrame(buffer: ArrayBuffer): void {
   const frame = readFrame(buffer);
   if (!frame.ok) {
     if (frame.why === 'layout') writable.set({ layoutDiffers: true });
     return;
   }
-  const newest = frame.records.at(-1);
-  if (newest === undefined) return;
-  live.take(frame.records, performance.now());
+  const newest = frame.samples.at(-1);
+  if (newest === undefined || (frame.whole && performance.now() < answerBy_ms)) return;
+  live.take(frame.samples, frame.topics, performance.now());
   writable.set({ data: 'fresh', dataAge_s: 0, ...slowPart(newest) });
   if (stoppedModes.has(newest.mode)) stopSeen();
   // The message of a failed STOP ends once the hoist stands and no mode leads it.
@@ -78,7 +100,7 @@ const babblingBit = bitOf('node_babbling');
 const nobody = 0xffff;
 
 const parts = ['drive_left', 'drive_right', 'io', 'tilt_left', 'tilt_right', 'tilt_base'] as const;
-function silentNodes(record: TickRecord): string {
+function silentNodes(record: Sample): string {
   const silent = parts.filter((name) => record[`${name}_age_ticks`] === 255);
   return silent.length === parts.length ? '' : silent.join(' ');
 }
@@ -95,7 +117,7 @@ const guidedWaits = 5;
 
 const speedCause = causeReader();
 
-function slowPart(record: TickRecord) {
+function slowPart(record: Sample) {
   return {
     mode: modes[record.mode]?.name ?? 'init',
     faultBits: record.fault_bits,
@@ -161,7 +183,14 @@ function takeText(message: Told): void {
       break;
     }
     case 'core':
+      run = message.run;
       writable.set({ coreConnected: message.connected, coreReason: message.reason_code });
+      break;
+    case 'streaming':
+      answerBy_ms = 0;
+      break;
+    case 'gap':
+      live.takeGap(message);
       break;
     case 'event': {
       const line: LogLine = {
@@ -237,6 +266,7 @@ function checkAge(): void {
 }
 
 export function startLink(): void {
+  wants.onChange(changeStream);
   link.start();
   window.setInterval(checkAge, ageCheck_ms);
   document.addEventListener('visibilitychange', () => {
@@ -376,4 +406,4 @@ export const keepSettings = (): Promise<Reply> => change({ type: 'keep_settings'
 export const undoSettings = (): Promise<Reply> => link.request({ type: 'undo_settings' });
 export const applyPreset = (name: string): Promise<Reply> => change({ type: 'preset', name });
 export const marker = (text: string): Promise<Reply> => link.request({ type: 'marker', text });
-export const everyTick = (on: boolean): boolean => link.send({ type: 'stream', every_tick: on });
+export const everyTick = (on: boolean): void => wants.everyTick(on);

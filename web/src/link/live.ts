@@ -1,21 +1,21 @@
-// The fast part: the newest record and the path on the floor. Nothing here triggers drawing; screens poll on each frame.
+// The fast part: the newest sample and the path on the floor. Nothing here triggers drawing; screens poll on each frame.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { modes } from '../contract/faults.gen';
-import type { SignalName, TickRecord } from '../contract/signals.gen';
-import type { WalkMessage } from '../contract/messages.gen';
-import { Ring } from './ring';
+import type { GapMessage, WalkMessage } from '../contract/messages.gen';
+import type { TopicName } from '../contract/rest.gen';
+import type { Sample, SampleOf } from './frame';
 import { Trace } from './trace';
-
-/** 60 s at 100 Hz. */
-export const historySamples = 6000;
-
-export const historySignals = ['time_ns', 'lean_norm', 'turn_norm', 'speed_m_s', 'speed_command_m_s'] as const satisfies readonly SignalName[];
+import { useTopic, type Rate } from './wants';
 
 export class Live {
-  record: TickRecord | null = null;
+  /** Newest sample, with the values of `topics`. */
+  record: Sample | null = null;
+  /** Newest step that was shown or named as missing. */
+  newestTick = -1;
+  private topics: readonly TopicName[] = [];
   received_ms = 0;
+  /** Samples that the server named as missing. */
   lost = 0;
-  readonly history: Record<(typeof historySignals)[number], Ring>;
   /** Since the start mark, from the server; extended here. */
   readonly path = new Trace();
   /** Increments whenever the path restarts. */
@@ -24,30 +24,46 @@ export class Live {
   motion_s = NaN;
   /** Newest step that the server has counted into path and time. */
   private countedTick = -1;
+  /** Positions are missing before the next one. */
+  private broken = false;
 
-  constructor() {
-    this.history = Object.fromEntries(historySignals.map((name) => [name, new Ring(historySamples)])) as Record<
-      (typeof historySignals)[number],
-      Ring
-    >;
+  take(samples: readonly Sample[], topics: readonly TopicName[], now_ms: number): void {
+    for (const sample of samples) {
+      if (this.record !== null && sample.tick < this.record.tick) this.clear(); // the core has restarted
+      if (sample.tick > this.countedTick) this.count(this.record, sample);
+      this.record = sample;
+      this.newestTick = sample.tick;
+    }
+    this.topics = topics;
+    if (samples.length > 0) this.received_ms = now_ms;
   }
 
-  take(records: readonly TickRecord[], now_ms: number): void {
-    for (const record of records) {
-      const before = this.record;
-      if (before !== null) {
-        if (record.tick < before.tick)
-          this.clear(); // the core has restarted
-        else if (record.tick > before.tick + 1) this.lost += record.tick - before.tick - 1;
-      }
-      for (const name of historySignals) this.history[name].push(record[name]);
-      if (record.tick > this.countedTick) {
-        this.path.add(record.fused_x_m, record.fused_y_m);
-        if (before !== null && led(before) && led(record)) this.motion_s += (record.time_ns - before.time_ns) / 1e9;
-      }
-      this.record = record;
+  /** The newest sample, unless it lacks a topic: a screen that has just opened waits for its first one. */
+  with<T extends TopicName>(...wanted: readonly T[]): SampleOf<T> | null {
+    if (this.topics[0] !== 'all' && wanted.some((topic) => topic !== 'state' && !this.topics.includes(topic))) return null;
+    return this.record as SampleOf<T> | null;
+  }
+
+  /** Steps that this page will not get: they are no part of the path. */
+  takeGap(gap: GapMessage): void {
+    this.lost += gap.count ?? 0;
+    this.newestTick = Math.max(this.newestTick, gap.to_tick ?? -1);
+    if ((gap.to_tick ?? 0) > this.countedTick) this.broken = true;
+  }
+
+  private count(before: Sample | null, sample: Sample): void {
+    const { fused_x_m, fused_y_m } = sample;
+    if (fused_x_m === undefined || fused_y_m === undefined) this.broken = true;
+    else {
+      if (this.broken) this.path.lift();
+      this.broken = false;
+      this.path.add(fused_x_m, fused_y_m);
     }
-    if (records.length > 0) this.received_ms = now_ms;
+    if (before === null || !led(before)) return;
+    // A change of mode is always a sample: what lies between two belongs to the first, but for the step in which the mode has ended.
+    const steps = sample.tick - before.tick;
+    const counted = sample.tick - Math.max(before.tick, this.countedTick) - (led(sample) ? 0 : 1);
+    if (steps > 0) this.motion_s += ((sample.time_ns - before.time_ns) / 1e9) * (counted / steps);
   }
 
   /** The server's walk. A server restarted after the start mark knows less than an open page, which then keeps its own. */
@@ -61,18 +77,19 @@ export class Live {
     this.pathLife++;
     this.motion_s = walk.motion_s ?? NaN;
     this.countedTick = walk.tick ?? -1;
+    this.broken = false;
   }
 
   private clear(): void {
-    for (const name of historySignals) this.history[name].clear();
     this.path.clear();
+    this.broken = false;
     this.pathLife++;
     this.motion_s = NaN;
     this.countedTick = -1;
   }
 }
 
-const led = (record: TickRecord): boolean => modes[record.mode]?.moving === true;
+const led = (record: Sample): boolean => modes[record.mode]?.moving === true;
 
 export const live = new Live();
 
@@ -109,14 +126,15 @@ export function useFrame(paint: (now_ms: number) => void): void {
   }, []);
 }
 
-/** A readable value of the newest record: updated `rate_hz` times a second, because faster digits cannot be read. */
-export function useReading<R>(read: (record: TickRecord | null) => R, rate_hz = 5): R {
-  const [value, set] = useState(() => read(live.record));
+/** A readable value of the newest sample: updated `rate_hz` times a second, because faster digits cannot be read. */
+export function useReading<T extends TopicName, R>(topic: T, read: (sample: SampleOf<T> | null) => R, rate_hz: Rate = 5): R {
+  useTopic(topic, rate_hz);
+  const [value, set] = useState(() => read(live.with(topic)));
   const shown_ms = useRef(-Infinity);
   useFrame((now_ms) => {
     if (now_ms - shown_ms.current < 1000 / rate_hz) return;
     shown_ms.current = now_ms;
-    set(read(live.record));
+    set(read(live.with(topic)));
   });
   return value;
 }

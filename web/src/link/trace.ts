@@ -17,13 +17,20 @@ export class Trace {
     this.set([], [], firstStep_m);
   }
 
+  /** What follows is not joined to what is there: a point that is none lies between. */
+  lift(): void {
+    if (this.x.length === 0 || Number.isNaN(this.x.at(-1))) return;
+    this.x.push(NaN);
+    this.y.push(NaN);
+  }
+
   add(x: number, y: number): void {
     const last = this.x.length - 1;
     if (last >= 0 && Math.hypot(x - this.x[last]!, y - this.y[last]!) < this.step_m) return;
     this.x.push(x);
     this.y.push(y);
     if (this.x.length < pointsMost) return;
-    const even = (_: number, i: number) => i % 2 === 0;
+    const even = (value: number, i: number) => i % 2 === 0 || Number.isNaN(value);
     this.set(this.x.filter(even), this.y.filter(even), 2 * this.step_m);
   }
 }

@@ -2,6 +2,7 @@
 // looks up, as the joystick does (DECISIONS 40).
 import { useMemo, useRef } from 'preact/hooks';
 import { live, useFrame } from '../link/live';
+import { useTopic } from '../link/wants';
 import type { Exercise } from '../contract/rest.gen';
 import { fixed, t } from '../text/text';
 import { fit, onScreen, patternPoints, type Frame, type Point } from './geometry';
@@ -82,8 +83,9 @@ export function drawFloor(canvas: HTMLCanvasElement, drawing: FloorDrawing, fram
   const line = (x: ArrayLike<number>, y: ArrayLike<number>) => {
     ctx.beginPath();
     for (let i = 0; i < x.length; i++) {
+      if (Number.isNaN(x[i])) continue; // positions are missing here: not joined
       const { left, top } = place(x[i]!, y[i]!);
-      if (i === 0) ctx.moveTo(left, top);
+      if (i === 0 || Number.isNaN(x[i - 1])) ctx.moveTo(left, top);
       else ctx.lineTo(left, top);
     }
     ctx.stroke();
@@ -139,10 +141,11 @@ export function FloorView({ exercise, planned = false }: { exercise: Exercise; p
   const canvas = useRef<HTMLCanvasElement>(null);
   const pattern = useMemo(() => patternPoints(exercise), [exercise]);
   const drawn = useRef({ what: '', at_ms: -Infinity });
+  useTopic('pose', 20);
   useFrame((now_ms) => {
     if (canvas.current === null) return;
     // At standstill it is redrawn only once a second, since colours and size may have changed.
-    const r = live.record;
+    const r = live.with('pose');
     const pose_now = r === null ? '' : [r.fused_x_m, r.fused_y_m, r.fused_psi_rad].map((value) => value.toFixed(3)).join(' ');
     const what = [pose_now, live.pathLife, live.path.x.length, JSON.stringify(exercise), planned].join(' ');
     if (what === drawn.current.what && now_ms - drawn.current.at_ms < 1000) return;

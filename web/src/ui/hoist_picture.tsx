@@ -1,8 +1,8 @@
 // Picture of the hoist: from above with the patient and the intent, from behind and from the side with the true strut angles.
 import { useRef } from 'preact/hooks';
-import type { TickRecord } from '../contract/signals.gen';
 import { live, useFrame } from '../link/live';
 import { useStore } from '../link/store';
+import { useTopic } from '../link/wants';
 import { degrees, t } from '../text/text';
 import './hoist_picture.css';
 
@@ -46,8 +46,10 @@ export function HoistPicture() {
     refs.current[name] = element;
   };
 
+  useTopic('posture', 20);
+  useTopic('intent', 20);
   useFrame(() => {
-    const r: TickRecord | null = live.record;
+    const r = live.with('posture', 'intent');
     if (r === null) return;
     const e = refs.current;
     const left = { alpha: r.left_alpha_rad - r.base_alpha_rad, beta: r.left_beta_rad - r.base_beta_rad };

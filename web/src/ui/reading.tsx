@@ -1,10 +1,20 @@
-// A number that follows the newest record, with its name and unit. Grey when the data are old.
-import type { TickRecord } from '../contract/signals.gen';
+// A number that follows the newest sample, with its name and unit. Grey when the data are old.
+import type { TopicName } from '../contract/rest.gen';
+import type { SampleOf } from '../link/frame';
 import { useReading } from '../link/live';
+import type { Rate } from '../link/wants';
 import './reading.css';
 
-export function Reading({ label, unit, read, rate_hz }: { label: string; unit?: string; read: (record: TickRecord) => string; rate_hz?: number }) {
-  const text = useReading((record) => (record === null ? '–' : read(record)), rate_hz);
+interface ReadingProps<T extends TopicName> {
+  label: string;
+  unit?: string;
+  topic: T;
+  read: (sample: SampleOf<T>) => string;
+  rate_hz?: Rate;
+}
+
+export function Reading<T extends TopicName>({ label, unit, topic, read, rate_hz }: ReadingProps<T>) {
+  const text = useReading(topic, (sample) => (sample === null ? '–' : read(sample)), rate_hz);
   return (
     <div class="reading">
       <span class="reading-label">{label}</span>

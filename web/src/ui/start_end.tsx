@@ -29,7 +29,7 @@ export function StartEnd({ request, of, startLabel, endLabel, start, wait = fals
   const { led } = ready;
   const firm = useRef(new FirmStart());
   firm.current.show(led, performance.now());
-  const underWay = useReading((record) => record !== null && record.distance_m > underWay_m);
+  const underWay = useReading('motion', (record) => record !== null && record.distance_m > underWay_m);
   const cannotStart = request.busy || wait || ready.start[of].length > 0;
   const click = (again: boolean) => {
     if (led) void request.ask(endMotion);

@@ -157,7 +157,7 @@ function Battery() {
   const { old } = useReadiness();
   const empty_v = useStore((s) => s.parameters.battery_empty_v ?? 22);
   const low_v = useStore((s) => s.parameters.battery_low_v ?? 23);
-  const volts = useReading((r) => (r === null ? NaN : Math.round((r.battery_a_v + r.battery_b_v) * 10) / 10), 1);
+  const volts = useReading('power', (r) => (r === null ? NaN : Math.round((r.battery_a_v + r.battery_b_v) * 10) / 10), 1);
   const share = Number.isFinite(volts) ? Math.max(0, Math.min(1, (volts - empty_v) / (full_v - empty_v))) : 0;
   return (
     <Item label={t('bar.battery')} value={`${fixed(volts, 1)} V`} old={old}>

@@ -307,6 +307,7 @@ export function CalibrateView({ part }: PanelProps) {
   const version = useStore((s) => s.parameterVersion);
   const simulated = useStore((s) => s.simulated);
   const text = useReading(
+    'calibration',
     (r) =>
       r === null || r.calibration_step === 0
         ? ''

@@ -118,15 +118,16 @@ export function DriveView() {
         <section class="card floor-card drive-floor">
           <FloorView exercise={drawn} />
           <div class="readings">
-            <Reading label={t('walk.speed')} unit="m/s" read={(r) => fixed(r.speed_m_s, 2)} />
-            <Reading label={t('walk.stopDistance')} unit="cm" rate_hz={4} read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
-            <Reading label={t('drive.turnRate')} unit="°/s" read={(r) => fixed(toDegrees(r.yaw_rate_rad_s), 0)} />
+            <Reading label={t('walk.speed')} unit="m/s" topic="motion" read={(r) => fixed(r.speed_m_s, 2)} />
+            <Reading label={t('walk.stopDistance')} unit="cm" topic="motion" read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
+            <Reading label={t('drive.turnRate')} unit="°/s" topic="motion" read={(r) => fixed(toDegrees(r.yaw_rate_rad_s), 0)} />
             <Reading
               label={t('drive.heading')}
               unit="°"
+              topic="pose"
               read={(r) => fixed(toDegrees(Math.atan2(Math.sin(r.fused_psi_rad), Math.cos(r.fused_psi_rad))), 0)}
             />
-            <Reading label={t('walk.distance')} unit="m" read={(r) => fixed(r.distance_m, 1)} />
+            <Reading label={t('walk.distance')} unit="m" topic="motion" read={(r) => fixed(r.distance_m, 1)} />
           </div>
         </section>
       </div>

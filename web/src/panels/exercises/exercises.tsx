@@ -2,6 +2,7 @@
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { requestGuided } from '../../link/console';
 import { live, useFrame } from '../../link/live';
+import { useTopic } from '../../link/wants';
 import { tooSlow, useReadiness } from '../../link/readiness';
 import { figure, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
@@ -137,8 +138,10 @@ function Settings({ plan, change, speedMost_m_s }: { plan: Plan; change: (part: 
 
 function Progress() {
   const bar = useRef<HTMLDivElement>(null);
+  useTopic('exercise', 20);
   useFrame(() => {
-    const done = live.record === null || live.record.guided_phase === 0 ? 0 : live.record.guided_progress_norm;
+    const sample = live.with('exercise');
+    const done = sample === null || sample.guided_phase === 0 ? 0 : sample.guided_progress_norm;
     if (bar.current) bar.current.style.transform = `scaleX(${Math.max(0, Math.min(1, done)).toFixed(4)})`;
   });
   return (
@@ -210,11 +213,11 @@ export function ExercisesView() {
         <section class="card guided-card">
           {guided ? (
             <div class="readings guided-readings">
-              <Reading label={t('guided.remaining')} unit="m" read={(r) => fixed(r.guided_remaining_m, 1)} />
-              <Reading label={t('walk.speed')} unit="m/s" read={(r) => fixed(r.speed_m_s, 2)} />
-              <Reading label={t('guided.offLine')} unit="cm" read={(r) => fixed(Math.abs(r.guided_cross_track_m) * 100, 0)} />
-              <Reading label={t('walk.lean')} read={(r) => degrees((r.left_alpha_rad + r.right_alpha_rad) / 2 - r.base_alpha_rad)} />
-              <Reading label={t('walk.stopDistance')} unit="cm" rate_hz={4} read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
+              <Reading label={t('guided.remaining')} unit="m" topic="exercise" read={(r) => fixed(r.guided_remaining_m, 1)} />
+              <Reading label={t('walk.speed')} unit="m/s" topic="motion" read={(r) => fixed(r.speed_m_s, 2)} />
+              <Reading label={t('guided.offLine')} unit="cm" topic="exercise" read={(r) => fixed(Math.abs(r.guided_cross_track_m) * 100, 0)} />
+              <Reading label={t('walk.lean')} topic="posture" read={(r) => degrees((r.left_alpha_rad + r.right_alpha_rad) / 2 - r.base_alpha_rad)} />
+              <Reading label={t('walk.stopDistance')} unit="cm" topic="motion" read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
             </div>
           ) : (
             <Settings plan={allowed} change={change} speedMost_m_s={speedMost_m_s} />

@@ -181,7 +181,7 @@ function Events({ log }: { log: readonly LogLine[] }) {
 
 export function HealthView() {
   useSettings();
-  const newest = useReading((record: TickRecord | null) => record, 2);
+  const newest = useReading('all', (record) => record, 2);
   // Old values are not shown here: "works" and "free" must describe the present.
   const { known, reachable: open } = useReadiness();
   const silent = !known;

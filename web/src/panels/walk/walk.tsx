@@ -89,12 +89,12 @@ export function WalkView() {
         <section class="card">
           <HoistPicture />
           <div class="readings">
-            <Reading label={t('walk.speed')} unit="m/s" read={(r) => fixed(r.speed_m_s, 2)} />
-            <Reading label={t('walk.distance')} unit="m" read={(r) => fixed(r.distance_m, 1)} />
+            <Reading label={t('walk.speed')} unit="m/s" topic="motion" read={(r) => fixed(r.speed_m_s, 2)} />
+            <Reading label={t('walk.distance')} unit="m" topic="motion" read={(r) => fixed(r.distance_m, 1)} />
             <Time />
-            <Reading label={t('walk.lean')} read={(r) => degrees((r.left_alpha_rad + r.right_alpha_rad) / 2 - r.base_alpha_rad)} />
-            <Reading label={t('walk.turn')} unit="°/s" read={(r) => fixed((r.yaw_rate_rad_s * 180) / Math.PI, 0)} />
-            <Reading label={t('walk.stopDistance')} unit="cm" rate_hz={4} read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
+            <Reading label={t('walk.lean')} topic="posture" read={(r) => degrees((r.left_alpha_rad + r.right_alpha_rad) / 2 - r.base_alpha_rad)} />
+            <Reading label={t('walk.turn')} unit="°/s" topic="motion" read={(r) => fixed((r.yaw_rate_rad_s * 180) / Math.PI, 0)} />
+            <Reading label={t('walk.stopDistance')} unit="cm" topic="motion" read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
           </div>
           <div class="markers" role="group" aria-label={t('walk.markers')}>
             {markers.map((key) => (
@@ -110,7 +110,7 @@ export function WalkView() {
 }
 
 function Time() {
-  const text = useReading(() => duration(live.motion_s), 4);
+  const text = useReading('state', () => duration(live.motion_s));
   return (
     <div class="reading">
       <span class="reading-label">{t('walk.time')}</span>
