@@ -129,6 +129,7 @@ TEST(GermanCsv, IsThePlainOneWithOtherSigns) {
   ASSERT_EQ(ours.size(), theirs.size());
   for (std::size_t i = 1; i < ours.size(); ++i) {
     std::string rest = ours[i].substr(ours[i].find(';') + 1);
+    ASSERT_EQ(rest.find('.'), std::string::npos) << "numbers have a decimal comma: " << rest;
     std::ranges::replace(rest, ',', '.');
     std::ranges::replace(rest, ';', ',');
     ASSERT_EQ(rest, theirs[i].substr(theirs[i].find(',') + 1));
