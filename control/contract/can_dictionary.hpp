@@ -457,6 +457,10 @@ constexpr CanFrame nmt(NmtCommand command, std::uint8_t node) {
 inline constexpr std::uint8_t kRelayFeed = 0x01;
 /// Bit of the same outputs that opens that relay at once, by its level.
 inline constexpr std::uint8_t kRelayRelease = 0x02;
+/// Bit of the same outputs with the pulses for other recording systems (control/core/output/sync_pulses.hpp).
+inline constexpr std::uint8_t kSyncOutput = 0x04;
+/// Bit of the input node's switches (6000h:2) that another recording system sets, such as its "recording" line.
+inline constexpr std::uint8_t kSyncInput = 0x04;
 
 constexpr CanFrame sync() { return CanFrame{kSync, 0, 0, {}}; }
 constexpr CanFrame heartbeat(std::uint8_t node, NmtState state) {

@@ -79,7 +79,7 @@ enum class EventKind : std::uint32_t {
   mode_changed = 3,       // code = new mode, item = old mode
   fault_raised = 4,       // code = Fault
   fault_cleared = 5,      // code = Fault
-  parameter_changed = 6,  // item = parameter id, value and before
+  parameter_changed = 6,  // item = parameter id, value and before; code = InEffect
   lease_changed = 7,      // client = holder (0 nobody), code = epoch
   node_changed = 8,       // item = Node, code = 1 answers, 0 lost
   pose_set = 9,           // code = number of the start mark
@@ -88,13 +88,18 @@ enum class EventKind : std::uint32_t {
   parameters_on_trial = 30,   // code = version, value = seconds
   parameters_confirmed = 31,  // code = version
   parameters_reverted = 32,   // code = version; request_id 0: nobody confirmed in time
+  parameter_settled = 33,     // item = parameter id, value: a gain has arrived where an earlier parameter_changed has sent it
   emergency = 12,  // item: node, code: EMCY code (0 = an error has ended), bits: error register, value: its five further bytes, as a number
   // Calibration; code = CalibrationStep.
   calibration_sample = 20,  // item = how many so far, value = what was measured
   calibration_result = 21,  // one for each parameter that would change: item = parameter id, value and before
   calibration_ended = 22,   // bits = 1 used, 0 the old values stay; item = CalibrationReason
   guided_ended = 25,        // code = GuidedEnd (guided_path.hpp), value = metres that were left
+  sync_input = 26,          // code = 1 on, 0 off: the synchronisation input of another system (canopen::kSyncInput) has changed
 };
+/// When the value of a parameter_changed event acts; 0 in events of older cores, which do not say.
+enum class InEffect : std::uint32_t { not_told = 0, at_once = 1, gradually = 2 };
+
 constexpr std::string_view event_name(EventKind kind) {
   switch (kind) {
     case EventKind::command_done:
@@ -133,8 +138,12 @@ constexpr std::string_view event_name(EventKind kind) {
       return "parameters_confirmed";
     case EventKind::parameters_reverted:
       return "parameters_reverted";
+    case EventKind::parameter_settled:
+      return "parameter_settled";
     case EventKind::guided_ended:
       return "guided_ended";
+    case EventKind::sync_input:
+      return "sync_input";
     case EventKind::none:
       break;
   }

@@ -143,6 +143,7 @@ void fill_loop(const CoreState& state, const TickInputs& inputs, contract::TickR
 
 void fill_state(const CoreState& state, const TickInputs& inputs, contract::TickRecord& record) noexcept {
   record.relay_feed = state.relay.level();
+  record.sync_output = state.relay.sync_level();
   record.bus_frames = state.bus_frames;
   record.bus_refused = inputs.bus.refused + state.bus_refused;
   record.commands_refused = state.commands_refused;

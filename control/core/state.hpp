@@ -17,6 +17,7 @@
 #include "control/core/command/server_watch.hpp"
 #include "control/core/command/staging.hpp"
 #include "control/core/estimate/estimate.hpp"
+#include "control/core/estimate/sync_edges.hpp"
 #include "control/core/health/bus_health.hpp"
 #include "control/core/intent/intent.hpp"
 #include "control/core/law/pfp.hpp"
@@ -117,6 +118,7 @@ struct CoreState {
   std::uint8_t bus_settle_ticks = 0;
   std::uint8_t remote_lost_ticks = 0;  // how long the lost driver is still shown
   std::uint32_t nodes_heard = 0;       // bit per node: answering
+  SyncEdges sync_edges;
 
   Limiter limiter;
   DriveControl left_control, right_control;

@@ -9,6 +9,7 @@
 #include "control/core/events.hpp"
 #include "control/core/modes/mode_list.hpp"
 #include "control/core/output/bumper_room.hpp"
+#include "control/core/output/sync_pulses.hpp"
 #include "control/core/receive.hpp"
 #include "control/core/record.hpp"
 #include "control/core/serve/commands.hpp"
@@ -53,6 +54,12 @@ void receive_frames(CoreState& state, const TickInputs& inputs, double dt_s) noe
     const contract::FrameClass what = contract::classify(frame);
     if (state.health.take(frame, what)) tell_emergency(state, frame, what);
     if (!receive(frame, what, state.sensed, state.master, state.derived, dt_s)) ++state.bus_refused;
+  }
+  if (const IoSensor& io = state.sensed.io; io.fresh().now() && state.sync_edges.changes(io.sync_input())) {
+    Event event;
+    event.kind = EventKind::sync_input;
+    event.code = io.sync_input() ? 1 : 0;
+    emit(state, event);
   }
   if (!inputs.bus_up) {
     state.bus_settle_ticks = kBusSettleTicks;
@@ -221,7 +228,7 @@ void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOu
   if (service.on && service.waiting) static_cast<void>(out.frames.push_back(service.frame));
   service.waiting = false;
   // H1: no supply before the drives can be watched.
-  if (state.mode != contract::Mode::init || !state.sensed.drives_lost()) state.relay.step(out.frames);
+  if (state.mode != contract::Mode::init || !state.sensed.drives_lost()) state.relay.step(out.frames, sync_pulse(inputs.tick));
   static_cast<void>(out.frames.push_back(contract::canopen::sync()));
 
   const GateView view = gate_view(state);

@@ -8,6 +8,7 @@
 #include "db/export/bids.hpp"
 #include "db/export/manifest.hpp"
 #include "db/export/source.hpp"
+#include "db/export/sqlite.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/summary/session_json.hpp"
 
@@ -76,7 +77,7 @@ class FilesPlan : public BundlePlan {
 };
 
 // The archive of a plan, piece by piece.
-class BundleWriter : public FormatWriter {
+class BundleWriter : public BundleSource {
  public:
   BundleWriter(std::unique_ptr<BundlePlan> plan, std::vector<SessionId> sessions) : plan_(std::move(plan)), sessions_(std::move(sessions)) {
     take(plan_->first());
@@ -106,7 +107,7 @@ class BundleWriter : public FormatWriter {
     pieces_ = file.open();
     return true;
   }
-  [[nodiscard]] double progress() const {
+  [[nodiscard]] double progress() const override {
     return sessions_.empty() ? 1 : static_cast<double>(next_ > 0 ? next_ - 1 : 0) / static_cast<double>(sessions_.size());
   }
 
@@ -154,15 +155,8 @@ std::unique_ptr<FormatWriter> make_zip(ExportSource& source) {
   return std::make_unique<BundleWriter>(std::make_unique<FilesPlan>(source.database), std::vector{source.info.id});
 }
 
-std::optional<BundleLayout> find_bundle_layout(std::string_view name) {
-  if (name == "files") return BundleLayout::files;
-  if (name == "bids") return BundleLayout::bids;
-  return std::nullopt;
-}
-
 struct Bundle::State {
-  State(std::unique_ptr<BundlePlan> plan, std::vector<SessionId> sessions) : writer(std::move(plan), std::move(sessions)) {}
-  BundleWriter writer;
+  std::unique_ptr<BundleSource> writer;
   bool over = false;
 };
 Bundle::Bundle(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -175,28 +169,30 @@ Result<Bundle> Bundle::open(Database& database, std::vector<SessionId> sessions,
     if (sessions.empty()) return Error{ErrorKind::bad_value, "no session fits", "sessions"};
     for (const SessionId session : sessions)
       if (const auto info = SessionReader(database).get(session); !info) return info.error();
-    std::unique_ptr<BundlePlan> plan;
-    if (layout == BundleLayout::bids)
-      plan = make_bids_plan(database, sessions);
-    else
-      plan = std::make_unique<FilesPlan>(database);
-    return Bundle(std::make_unique<State>(std::move(plan), std::move(sessions)));
+    auto state = std::make_unique<State>();
+    if (layout == BundleLayout::sqlite) {
+      state->writer = std::make_unique<SqliteWriter>(database, std::move(sessions), ExportOptions{.format = ExportFormat::sqlite});
+    } else {
+      std::unique_ptr<BundlePlan> plan;
+      if (layout == BundleLayout::bids)
+        plan = make_bids_plan(database, sessions);
+      else
+        plan = std::make_unique<FilesPlan>(database);
+      state->writer = std::make_unique<BundleWriter>(std::move(plan), std::move(sessions));
+    }
+    return Bundle(std::move(state));
   });
 }
 
 Result<bool> Bundle::next_chunk(std::string& out) {
   out.clear();
-  Result<bool> more = guarded([&]() -> Result<bool> {
-    while (!state_->over && state_->writer.next(out))
-      if (!out.empty()) return true;
-    return false;
-  });
+  Result<bool> more = guarded([&]() -> Result<bool> { return !state_->over && state_->writer->next(out); });
   if (!more) out.clear();
   if (!more || !*more) state_->over = true;
   return more;
 }
 
-double Bundle::progress() const { return state_->writer.progress(); }
+double Bundle::progress() const { return state_->writer->progress(); }
 
 Result<std::vector<SessionId>> select_sessions(Database& database, const SessionFilter& filter) {
   for (const auto& [day, field] : {std::pair{filter.from_day, "from_day"}, std::pair{filter.to_day, "to_day"}})

@@ -1,5 +1,5 @@
-// Several sessions in one ZIP: a folder with files per session, or a data set as Motion-BIDS lays it out (bids.hpp). In pieces; the memory does
-// not grow with the sessions' length.
+// Several sessions in one file: a ZIP with a folder per session, one with a data set as Motion-BIDS lays it out (bids.hpp), or plain tables
+// (sqlite.hpp). In pieces; the memory does not grow with the sessions' length.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "db/export/source.hpp"
 #include "db/export/zip_file.hpp"
 #include "db/store/database.hpp"
 #include "db/store/result.hpp"
@@ -39,8 +40,12 @@ class BundlePlan {
   virtual std::vector<BundleFile> last() = 0;
 };
 
-enum class BundleLayout : std::uint8_t { files, bids };
-std::optional<BundleLayout> find_bundle_layout(std::string_view name);  ///< "files", "bids"
+/// Several sessions under way to one file.
+class BundleSource : public FormatWriter {
+ public:
+  /// Share of the work that is done, 0 to 1.
+  [[nodiscard]] virtual double progress() const = 0;
+};
 
 class Bundle {
  public:
@@ -49,7 +54,7 @@ class Bundle {
   Bundle(Bundle&&) noexcept;
   Bundle& operator=(Bundle&&) noexcept;
   ~Bundle();
-  /// As SessionExport::next_chunk.
+  /// As SessionExport::next_chunk of a format that is made whole.
   Result<bool> next_chunk(std::string& out);
   /// Share of the sessions that are written, 0 to 1.
   [[nodiscard]] double progress() const;

@@ -1,4 +1,4 @@
-// The rows of formats.def.
+// The rows of formats.def, and the files that several sessions make together.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -53,5 +53,22 @@ inline constexpr std::string_view kMarkAndDocs =
 inline constexpr std::string_view kExportFormatNames = detail::kBarAndNames.substr(1);
 /// "csv: all samples as CSV; …"
 inline constexpr std::string_view kExportFormatDocs = detail::kMarkAndDocs.substr(2);
+
+enum class BundleLayout : std::uint8_t { files, bids, sqlite };
+struct BundleLayoutInfo {
+  BundleLayout layout;
+  std::string_view name, file_name, media_type;
+};
+inline constexpr std::array kBundleLayouts{
+    BundleLayoutInfo{BundleLayout::files, "files", "hoist_sessions.zip", "application/zip"},
+    BundleLayoutInfo{BundleLayout::bids, "bids", "hoist_bids.zip", "application/zip"},
+    BundleLayoutInfo{BundleLayout::sqlite, "sqlite", "hoist_sessions.sqlite", "application/vnd.sqlite3"},
+};
+constexpr const BundleLayoutInfo& bundle_layout_info(BundleLayout layout) { return kBundleLayouts[static_cast<std::size_t>(layout)]; }
+constexpr std::optional<BundleLayout> find_bundle_layout(std::string_view name) {
+  for (const BundleLayoutInfo& info : kBundleLayouts)
+    if (info.name == name) return info.layout;
+  return std::nullopt;
+}
 
 }  // namespace hoist::db

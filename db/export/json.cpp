@@ -5,8 +5,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "control/contract/axes.hpp"
-#include "db/codec/exercise_json.hpp"
 #include "db/export/fixed_point.hpp"
 #include "db/export/manifest.hpp"
 #include "db/export/provenance.hpp"
@@ -46,36 +44,17 @@ class JsonExport : public FormatWriter {
   enum class Step : std::uint8_t { head, body, over };
 
   void head(std::string& out) {
-    const SessionInfo& info = source_.info;
-    json session{{"id", info.id},
-                 {"started_utc_ns", info.started_utc_ns},
-                 {"start_time_ns", info.start_time_ns},
-                 {"simulated", info.simulated},
-                 {"software_version", info.software_version},
-                 {"core_version", nullptr},
-                 {"layout_hash", layout_text(info.layout_hash)},
-                 {"nodes", node_programs_json(source_.nodes)},
-                 {"note", info.note},
-                 {"subject", nullptr},
-                 {"exercise", exercise_as_told(info.exercise_json)},
-                 {"ended_utc_ns", nullptr},
-                 {"close_reason", nullptr}};
-    std::array<char, kMaxNumber_chars> text;
-    session["started_utc"] = std::string(text.data(), UtcPrinter().print(text.data(), info.started_utc_ns));
-    if (info.subject) session["subject"] = *info.subject;
-    if (info.core_version) session["core_version"] = *info.core_version;
-    if (info.ended_utc_ns) session["ended_utc_ns"] = *info.ended_utc_ns;
-    if (!info.recording) session["close_reason"] = info.close_reason;
+    manifest_ = manifest_json(source_);
+    json session = manifest_["session"];
+    session["software_version"] = source_.info.software_version;
+    session["core_version"] = source_.info.core_version ? json(*source_.info.core_version) : json(nullptr);
+    for (const char* name : {"layout_hash", "nodes"}) session[name] = manifest_[name];
     json columns = json::array();
-    const auto column = [&columns](std::string_view name, std::string_view unit, double lsb) {
-      const std::string_view axis = contract::axis_of(name);
-      columns.push_back({{"name", name}, {"unit", unit}, {"lsb", lsb}, {"axis", axis.empty() ? json(nullptr) : json(axis)}});
-    };
-    column("time_s", "s", 1e-6);
-    column("gap_before", "", 1);
-    for (const std::size_t c : source_.chosen) column(source_.layout[c].name, source_.layout[c].unit, source_.layout[c].lsb);
-    out += "{\"session\":" + dumped(session) + ",\n\"directions\":" + dumped(contract::kAxesText) + ",\n\"columns\":" + dumped(columns) +
-           ",\n\"rows\":" + std::to_string(source_.sample_count) + ",\n\"data\":{";
+    columns.push_back({{"name", "time_s"}, {"unit", "s"}, {"lsb", 1e-6}, {"axis", nullptr}});
+    columns.push_back({{"name", "gap_before"}, {"unit", ""}, {"lsb", 1.0}, {"axis", nullptr}});
+    for (const json& column : manifest_["columns"]) columns.push_back(column);
+    out += "{\"session\":" + dumped(session) + ",\n\"directions\":" + dumped(manifest_["directions"]) +
+           ",\n\"columns\":" + dumped(columns) + ",\n\"rows\":" + std::to_string(source_.sample_count) + ",\n\"data\":{";
   }
 
   // time_s, gap_before, then the chosen columns.
@@ -139,18 +118,18 @@ class JsonExport : public FormatWriter {
     for (const Marker& marker : source_.markers())
       marker_rows.push_back({{"tick", marker.tick}, {"utc_ns", marker.utc_ns}, {"text", marker.text}, {"actor", actor_json(marker.actor)}});
     json parameter_rows = json::object();
-    for (const auto& [name, value] : source_.parameters()) parameter_rows[name] = finite(value);
+    for (const auto& [name, parameter] : manifest_["parameters"].items()) parameter_rows[name] = parameter["value"];
     // A session that is being recorded has no final figures; one whose columns cannot be judged is exported without them.
     json figures = nullptr;
     if (!source_.info.recording)
       if (Result<json> told = session_metrics_json(source_.database, source_.info.id)) figures = std::move(*told);
-    json manifest = manifest_json(source_);
-    out += "},\n\"metrics\":" + dumped(figures) + ",\n\"gaps\":" + dumped(manifest["gaps"]) + ",\n\"events\":" + dumped(event_rows) +
-           ",\n\"markers\":" + dumped(marker_rows) + ",\n\"parameters\":" + dumped(parameter_rows) + ",\n\"manifest\":" + dumped(manifest) +
-           "}\n";
+    out += "},\n\"metrics\":" + dumped(figures) + ",\n\"gaps\":" + dumped(manifest_["gaps"]) + ",\n\"events\":" + dumped(event_rows) +
+           ",\n\"markers\":" + dumped(marker_rows) + ",\n\"parameters\":" + dumped(parameter_rows) +
+           ",\n\"manifest\":" + dumped(manifest_) + "}\n";
   }
 
   ExportSource& source_;
+  json manifest_;
   Step step_ = Step::head;
   std::size_t column_ = 0;
   bool first_number_ = true, name_written_ = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "control/contract/axes.hpp"
@@ -70,16 +71,30 @@ json columns_of(const ExportSource& source) {
   return rows;
 }
 
+// Each change, and from when on its value acted: a gain of a hoist that is driven gets there gradually and may be sent elsewhere meanwhile.
 json changes_of(const ExportSource& source) {
+  using contract::InEffect;
   json rows = json::array();
-  for (const StoredEvent& event : source.events())
-    if (event.kind_name == contract::event_name(contract::EventKind::parameter_changed))
+  std::map<std::string, std::size_t> on_its_way;  // row of the newest change, by parameter
+  for (const StoredEvent& event : source.events()) {
+    const double time_s = seconds_of(source, static_cast<std::int64_t>(event.time_ns));
+    if (event.kind_name == contract::event_name(contract::EventKind::parameter_changed)) {
+      on_its_way.erase(event.name);
+      if (event.code == static_cast<std::uint32_t>(InEffect::gradually)) on_its_way[event.name] = rows.size();
       rows.push_back({{"tick", event.tick},
-                      {"time_s", seconds_of(source, static_cast<std::int64_t>(event.time_ns))},
+                      {"time_s", time_s},
+                      {"in_effect_s", event.code == static_cast<std::uint32_t>(InEffect::at_once) ? json(time_s) : json(nullptr)},
                       {"name", event.name},
                       {"value", finite(event.value)},
                       {"before", finite(event.before)},
                       {"unit", unit_of(event.name)}});
+    }
+    if (event.kind_name != contract::event_name(contract::EventKind::parameter_settled)) continue;
+    if (const auto change = on_its_way.find(event.name); change != on_its_way.end()) {
+      rows[change->second]["in_effect_s"] = time_s;
+      on_its_way.erase(change);
+    }
+  }
   return rows;
 }
 
@@ -195,7 +210,8 @@ std::string manifest_lines(const ExportSource& source, char separator) {
     line("parameter", listed({name, text_of(parameter["value"]), text_of(parameter["unit"])}));
   for (const json& change : told["parameter_changes"])
     line("parameter change", listed({text_of(change["time_s"]) + " s", text_of(change["name"]), text_of(change["value"]),
-                                     text_of(change["unit"]), "before " + text_of(change["before"])}));
+                                     text_of(change["unit"]), "before " + text_of(change["before"]),
+                                     change["in_effect_s"].is_null() ? "" : "in effect at " + text_of(change["in_effect_s"]) + " s"}));
   for (const auto& [step, when] : told["calibration"].items()) line("calibrated", listed({step, when.is_null() ? "never" : text_of(when)}));
   for (const auto& [number, mode] : told["modes"].items()) line("mode", listed({number, text_of(mode["name"]), text_of(mode["text"])}));
   for (const auto& [bit, fault] : told["faults"].items()) line("fault bit", listed({bit, text_of(fault["name"]), text_of(fault["text"])}));

@@ -10,7 +10,8 @@
 namespace hoist::db {
 
 /// "session", "programs", "nodes", "layout_hash", "recordings_file", "directions", "columns", "parameters", "parameter_changes", "calibration",
-/// "modes", "faults", "gaps", "clock".
+/// "modes", "faults", "gaps", "clock". Of a change, "in_effect_s" is when its value had arrived; null: another change came before, the session
+/// ended before, or the core of that time did not tell.
 nlohmann::json manifest_json(const ExportSource& source);
 /// The '#' lines without those about columns. Each is an RFC 4180 record `# key,value`, on one line also when its text holds line breaks.
 std::string manifest_lines(const ExportSource& source, char separator = ',');

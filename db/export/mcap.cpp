@@ -15,7 +15,6 @@
 #include "db/export/fixed_point.hpp"
 #include "db/export/manifest.hpp"
 #include "db/export/mcap_file.hpp"
-#include "db/export/provenance.hpp"
 #include "db/export/ros/messages.hpp"
 
 namespace hoist::db {
@@ -92,6 +91,10 @@ class McapExport : public FormatWriter {
     const SessionInfo& info = source_.info;
     file_.begin(out, "ros2", "hoist " + std::string(contract::program_version()));
     const json manifest = manifest_json(source_);
+    const auto program = [&manifest](const char* name) {
+      const json& told = manifest["programs"][name];
+      return told.is_null() ? std::string() : told.get<std::string>();
+    };
     for (const auto& [name, value] : source_.parameters()) ros::set_parameter(geometry_, name, value);
     const auto start = static_cast<std::uint64_t>(info.started_utc_ns);
     file_.attachment(out, start, "parameters.json", "application/json", dumped(manifest["parameters"]));
@@ -100,9 +103,9 @@ class McapExport : public FormatWriter {
                    {{"session", std::to_string(info.id)},
                     {"subject", info.subject.value_or("")},
                     {"simulated", info.simulated ? "true" : "false"},
-                    {"recorded_by", "hoist-server " + info.software_version},
-                    {"controlled_by", info.core_version ? "hoist-control " + *info.core_version : ""},
-                    {"layout_hash", layout_text(info.layout_hash)}});
+                    {"recorded_by", program("recorded_by")},
+                    {"controlled_by", program("controlled_by")},
+                    {"layout_hash", manifest["layout_hash"].get<std::string>()}});
     channels(manifest);
     gather_events();
   }

@@ -87,10 +87,11 @@ Result<SessionExport> SessionExport::open(Database& database, SessionId session,
 
 Result<bool> SessionExport::next_chunk(std::string& out) {
   out.clear();
+  const bool whole = export_format_info(state_->source.options.format).delivery == ExportDelivery::whole;
   Result<bool> more = guarded([&]() -> Result<bool> {
-    // A piece may hold no rows of its own (all of them known already); the caller must not take that for the end.
+    // A piece may hold no rows of its own. A client that gets pieces would take it for the end; who makes a file wants short pieces of work.
     while (state_->writer && state_->writer->next(out))
-      if (!out.empty()) return true;
+      if (whole || !out.empty()) return true;
     return false;
   });
   if (!more) out.clear();

@@ -28,7 +28,8 @@ class SessionExport {
   SessionExport& operator=(SessionExport&&) noexcept;
   ~SessionExport();
 
-  /// Replaces `out` by the next piece (usually below 100 kB). False at the end, with `out` empty. After an error the export is over.
+  /// Replaces `out` by the next piece (usually below 100 kB; of a format that is made whole, perhaps empty). False at the end, with `out`
+  /// empty. After an error the export is over.
   Result<bool> next_chunk(std::string& out);
   /// A strong entity tag: two exports with the same one have the same bytes.
   [[nodiscard]] std::string etag() const;

@@ -39,14 +39,20 @@ Result<std::shared_ptr<SpoolFile>> SpoolFile::create(const std::filesystem::path
 
 SpoolFile::~SpoolFile() { ::close(file_); }
 
+Status room_for_export(int file, std::uint64_t size, std::uint64_t limit_bytes) {
+  if (size > limit_bytes)
+    return Error{ErrorKind::bad_value, "the export is larger than " + std::to_string(limit_bytes >> 20) + " MiB: ask for less", "format"};
+  struct statvfs disk {};
+  if (::fstatvfs(file, &disk) == 0 && std::uint64_t{disk.f_bavail} * disk.f_frsize < kSpoolKeepFree_bytes + kJudgedEach_bytes)
+    return Error{ErrorKind::disk_full, "the disk has no room for this export", {}};
+  return {};
+}
+
 Status SpoolFile::append(std::string_view bytes) {
-  if (bytes.size() > limit_bytes_ - size_)
-    return Error{ErrorKind::bad_value, "the export is larger than " + std::to_string(limit_bytes_ >> 20) + " MiB: ask for less", "format"};
-  if (size_ + bytes.size() >= judged_) {
-    struct statvfs disk {};
-    if (::fstatvfs(file_, &disk) == 0 && std::uint64_t{disk.f_bavail} * disk.f_frsize < kSpoolKeepFree_bytes + kJudgedEach_bytes)
-      return Error{ErrorKind::disk_full, "the disk has no room for this export", {}};
-    judged_ = size_ + bytes.size() + kJudgedEach_bytes;
+  const std::uint64_t size = size_ + bytes.size();
+  if (size >= judged_ || size > limit_bytes_) {
+    if (Status room = room_for_export(file_, size, limit_bytes_); !room) return room;
+    judged_ = size + kJudgedEach_bytes;
   }
   while (!bytes.empty()) {
     const ssize_t count = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(size_));

@@ -15,6 +15,9 @@ inline constexpr std::uint64_t kSpoolLimit_bytes = std::uint64_t{4} << 30;
 /// Space that recording keeps on the disk.
 inline constexpr std::uint64_t kSpoolKeepFree_bytes = std::uint64_t{256} << 20;
 
+/// Whether a temporary file of an export may go on growing. Errors: disk_full, bad_value (`size` is above the limit).
+Status room_for_export(int file, std::uint64_t size, std::uint64_t limit_bytes = kSpoolLimit_bytes);
+
 class SpoolFile {
  public:
   /// In this folder. Errors: io, disk_full.

@@ -169,11 +169,7 @@ int connect(sqlite3* handle, void* database, int, const char* const*, sqlite3_vt
     *error = sqlite3_mprintf("%s", read.error().message.c_str());
     return SQLITE_ERROR;
   }
-  for (const std::string& name : table->names) {
-    std::string quoted = "\"";
-    for (const char c : name) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-    declared += ", " + quoted + "\"";
-  }
+  for (const std::string& name : table->names) declared += ", " + sql_name(name);
   const int code = sqlite3_declare_vtab(handle, (declared + ")").c_str());
   if (code == SQLITE_OK) *out = table.release();
   return code;
@@ -315,6 +311,12 @@ Error sql_error(sqlite3* handle) {
 }
 
 }  // namespace
+
+std::string sql_name(std::string_view name) {
+  std::string out = "\"";
+  for (const char c : name) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + '"';
+}
 
 Status enable_sql(Database& database) {
   if (sqlite3_create_module_v2(database.handle(), "samples", &kModule, &database, nullptr) != SQLITE_OK)

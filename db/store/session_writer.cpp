@@ -142,7 +142,10 @@ std::string meaning(const Event& event) {
       break;
     case EventKind::guided_ended:
       return std::string(contract::guided_end_name(event.code));
+    case EventKind::sync_input:
+      return event.code != 0 ? "on" : "off";
     case EventKind::parameter_changed:
+    case EventKind::parameter_settled:
       if (const auto index = contract::find_param_id(event.item)) return std::string(contract::kParams[*index].name);
       break;
     case EventKind::node_changed:

@@ -133,9 +133,11 @@ class Plant {
   [[nodiscard]] bool emergency_stop() const { return emergency_stop_; }
   /// The configuration switch behind the cover: allows the first set-up of the accounts.
   void turn_configuration_switch(bool on) { configuration_switch_ = on; }
-  /// As the input node sees them: bit 0 the open chain, bit 1 the configuration switch.
+  /// The line of another recording system, such as a motion capture that says "recording".
+  void set_sync_input(bool on) { sync_input_ = on; }
+  /// As the input node sees them: bit 0 the open chain, bit 1 the configuration switch, bit 2 the synchronisation input.
   [[nodiscard]] std::uint8_t switches() const {
-    return static_cast<std::uint8_t>((emergency_stop_ ? 1U : 0U) | (configuration_switch_ ? 2U : 0U));
+    return static_cast<std::uint8_t>((emergency_stop_ ? 1U : 0U) | (configuration_switch_ ? 2U : 0U) | (sync_input_ ? 4U : 0U));
   }
   void jump_gyro_bias(Place place, double by_rad_s) { imus_[static_cast<std::size_t>(place)].jump_bias(by_rad_s); }
   /// False when the list is full.
@@ -204,6 +206,7 @@ class Plant {
   bool relay_open_{false};
   bool emergency_stop_{false};
   bool configuration_switch_{false};
+  bool sync_input_{false};
   double carried_n_{};
   double floor_rad_{};  // slope of the floor, ramping to floor_goal_rad_
   double floor_goal_rad_{};

@@ -31,13 +31,16 @@ bool PokeysDevice::answer(std::span<const std::uint8_t, kPacket> request, const 
       std::copy(std::begin(kIdentity), std::end(kIdentity), reply.begin() + 8);
       break;
     }
-    case 0xC0:  // pin functions: two digital inputs of four, two analogue ones
+    case 0xC0:  // pin functions: two digital inputs of four, an output, two analogue ones
       if (request[2] != 0) return false;
       std::fill_n(reply.begin() + 8, 8, std::uint8_t{2});
+      reply[8 + 8] = 4;
       reply[8 + 40] = reply[8 + 41] = 8;
       break;
     case 0xCC:
-      if (request[2] != 0) return false;
+      if (request[2] > 1) return false;
+      // Pin 9 is bit 0 of the second byte; the bytes from 20 on say which pins stay as they are.
+      if (request[2] == 1 && (request[21] & 1U) == 0) output_ = (request[9] & 1U) != 0;
       reply[8] = static_cast<std::uint8_t>((pins.bumpers & 0x0FU) | (static_cast<unsigned>(pins.switches) << 4));
       break;
     case 0x3A:

@@ -1,5 +1,5 @@
 // A PoKeys57E on the network, played: bumpers on pins 1 to 4 (1 = pressed, as with contacts that open), switches on 5 to 8, batteries on the
-// analogue pins 41 and 42 (20 V at full scale). Written after the device's protocol description and not with the control side's own
+// analogue pins 41 and 42 (20 V at full scale), an output on pin 9. Written after the device's protocol description and not with the control side's own
 // tables, so that a misreading there does not cancel itself here.
 #pragma once
 #include <array>
@@ -21,8 +21,9 @@ class PokeysDevice {
     std::array<double, 2> battery_v{};
   };
   /// The device's answer to one packet; false when a real one would not answer: wrong mark, wrong checksum, unknown command.
-  [[nodiscard]] static bool answer(std::span<const std::uint8_t, kPacket> request, const Pins& pins,
-                                   std::span<std::uint8_t, kPacket> reply);
+  [[nodiscard]] bool answer(std::span<const std::uint8_t, kPacket> request, const Pins& pins, std::span<std::uint8_t, kPacket> reply);
+  /// Level of pin 9.
+  [[nodiscard]] bool output() const { return output_; }
 
   PokeysDevice() = default;
   ~PokeysDevice();
@@ -38,7 +39,7 @@ class PokeysDevice {
  private:
   static constexpr int kPacketsPerCall = 16;
   int fd_{-1};
-  bool silent_{false};
+  bool silent_{false}, output_{false};
 };
 
 }  // namespace hoist::sim

@@ -89,6 +89,7 @@ Answer op_state(World& world, const ProgramState& program, const json&) {
               {"strut_right_alpha_rad", plant.strut_alpha_rad(Side::right)},
               {"supply_v", plant.supply_v()},
               {"bumpers", plant.bumpers()},
+              {"sync_output", program.pokeys != nullptr ? program.pokeys->output() : world.sync_output()},
               {"unplugged", pulled},
               {"in_loader", in_loader},
               {"bus_frames", world.bus_counters().frames},
@@ -243,6 +244,13 @@ Answer op_configuration_switch(World& world, const ProgramState&, const json& re
   return kDone;
 }
 
+Answer op_sync_input(World& world, const ProgramState&, const json& request) {
+  const auto on = flag(request, "on");
+  if (!on) return Refused{"on: true or false"};
+  world.plant().set_sync_input(*on);
+  return kDone;
+}
+
 Answer op_floor(World& world, const ProgramState&, const json& request) {
   const auto slope_rad = number(request, "slope_rad", -kFloorMax_rad, kFloorMax_rad);
   if (!slope_rad) return Refused{"slope_rad: -0.5 to 0.5"};
@@ -353,6 +361,7 @@ constexpr std::array kOperations{
               op_short},
     Operation{"emergency_stop", "pressed: the button on the hoist; opens chain and relay", op_emergency_stop},
     Operation{"configuration_switch", "on: the switch that allows the first set-up of accounts", op_configuration_switch},
+    Operation{"sync_input", "on: the line of another recording system, such as a motion capture", op_sync_input},
     Operation{"floor", "slope_rad, downhill_rad: the floor is a ramp that falls in that heading", op_floor},
     Operation{"pokeys", "silent: the PoKeys on the network does not answer", op_pokeys},
     Operation{"wish", "speed_m_s the patient likes to walk", op_wish},

@@ -94,6 +94,8 @@ class World {
   [[nodiscard]] bool drives_enabled() const;
   /// The relay in the motors' supply is closed (motor_relay.hpp).
   [[nodiscard]] bool relay_closed() const;
+  /// Level of the input node's synchronisation output.
+  [[nodiscard]] bool sync_output() const;
   /// What a drive did after its last command.
   [[nodiscard]] const StopWitness& witness(Side side) const;
   /// Machine and patient back at the start mark of a scenario. False, and nothing done, while a drive is enabled or the machine moves.

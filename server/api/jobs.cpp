@@ -76,9 +76,11 @@ void get_job_file(const CallPtr& call) {
                        .name = "unknown",
                        .title = "This job has no file",
                        .detail = "Only an export that is done has one, and only the newest " + std::to_string(kJobFiles) + " are kept."});
+  const std::string name = json::parse(*info->result)["file_name"];
+  const auto layout = std::ranges::find(db::kBundleLayouts, name, &db::BundleLayoutInfo::file_name);
   respond_file(call, {.file = info->file,
-                      .content_type = "application/zip",
-                      .file_name = json::parse(*info->result)["file_name"],
+                      .content_type = std::string(layout == db::kBundleLayouts.end() ? "application/octet-stream" : layout->media_type),
+                      .file_name = name,
                       .etag = "\"job-" + std::to_string(call->services.started_utc_ns) + "-" + std::to_string(info->id) + "\""});
 }
 

@@ -95,6 +95,9 @@ json operation_of(const Route& route) {
       const std::string_view type = format.media_type.substr(0, format.media_type.find(';'));
       success["content"][std::string{type}] = {{"schema", {{"type", type == "application/json" ? "object" : "string"}}}};
     }
+  } else if (route.operation == "get_job_file") {
+    for (const db::BundleLayoutInfo& layout : db::kBundleLayouts)
+      success["content"][std::string{layout.media_type}] = {{"schema", {{"type", "string"}}}};
   } else if (route.response.find('/') != std::string_view::npos) {
     success["content"][std::string{route.response}] = {{"schema", {{"type", "string"}}}};
   } else if (!route.response.empty()) {

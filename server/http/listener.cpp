@@ -7,7 +7,6 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
-#include <boost/beast/websocket/rfc6455.hpp>
 #include <chrono>
 #include <ctime>
 #include <list>
@@ -17,6 +16,7 @@
 
 #include "server/contract/status_phrase.hpp"
 #include "server/http/problem.hpp"
+#include "server/http/request_head.hpp"
 #include "server/stream/stream.hpp"
 
 namespace hoist::server {
@@ -100,13 +100,6 @@ const std::string& http_date() {
 constexpr std::size_t kCopied_bytes = 256 * 1024;
 constexpr std::size_t kHeaderRead_bytes = 4096;
 constexpr std::size_t kBodyRead_bytes = 16 * 1024;
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
-  return out;
-}
 
 void add_field(std::string& head, std::string_view name, std::string_view value) {
   head.append(name).append(": ");
@@ -420,27 +413,16 @@ class Connection : public std::enable_shared_from_this<Connection> {
   // Takes over the header before the body comes, since Beast adds the fields of a trailer to it, which must not sign a client in. What is wrong
   // with it, or nothing.
   std::string_view read_head() {
-    const auto& message = parser_->get();
-    std::vector<std::pair<std::string, std::string>> fields;
-    for (const auto& field : message)
-      fields.emplace_back(lower({field.name_string().data(), field.name_string().size()}),
-                          std::string{field.value().data(), field.value().size()});
-    version_10_ = message.version() < 11;
+    RequestHead head = take_head(parser_->get().base(), parser_->is_done());
+    version_10_ = head.version_10;
     // A reserved seat is for one request, so that there is always one soon.
-    keep_ = message.keep_alive() && !reserved_;
-    request_ = Request{};
+    keep_ = parser_->get().keep_alive() && !reserved_;
+    request_ = std::move(head.request);
     request_.address = peer_.address;
     request_.from_here = peer_.from_here;
-    request_.method = parse_method({message.method_string().data(), message.method_string().size()});
-    request_.wants_upgrade = beast::websocket::is_upgrade(message) && parser_->is_done();
     head_only_ = request_.method == Method::head;
-    readable_ = parse_target({message.target().data(), message.target().size()}, request_);
-    const std::string_view fault = header_fault(fields, version_10_);
-    for (auto& [name, value] : fields) {
-      auto [at, fresh] = request_.headers.try_emplace(std::move(name), value);
-      if (!fresh) at->second.append(", ").append(value);
-    }
-    return fault;
+    readable_ = head.readable;
+    return head.fault;
   }
 
   void handle() {

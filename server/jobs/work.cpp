@@ -94,7 +94,7 @@ JobResult export_sessions(const JobTools& tools, const JobArguments& arguments, 
   const json told{{"kind", "export_sessions"},
                   {"sessions", count},
                   {"bytes", (*file)->size()},
-                  {"file_name", arguments.layout == db::BundleLayout::bids ? "hoist_bids.zip" : "hoist_sessions.zip"}};
+                  {"file_name", db::bundle_layout_info(arguments.layout).file_name}};
   return std::optional(JobYield{.result = told.dump(), .check = {}, .file = *file});
 }
 

@@ -102,6 +102,7 @@ json event_json(const contract::Event& event) {
       if (event.code < contract::kModes.size()) out["name"] = contract::kModes[event.code].name;
       break;
     case EventKind::parameter_changed:
+    case EventKind::parameter_settled:
       out["item"] = event.item;
       out["value"] = event.value;
       out["before"] = event.before;
@@ -130,6 +131,10 @@ json event_json(const contract::Event& event) {
       out["code"] = event.code;
       out["refusals"] = refusal_names(event.bits != 0 ? event.bits : 1U << (event.code & 31U));
       if (const auto index = contract::find_param_id(event.item)) out["name"] = contract::kParams[*index].name;
+      break;
+    case EventKind::sync_input:
+      out["code"] = event.code;
+      out["name"] = event.code != 0 ? "on" : "off";
       break;
     case EventKind::guided_ended:
       out["code"] = event.code;

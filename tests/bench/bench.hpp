@@ -23,6 +23,7 @@ void measure_loop(Report& report, const std::string& bin);
 void measure_websocket(Report& report, const std::string& bin);
 void measure_driving(Report& report, const std::string& bin);
 void measure_rest(Report& report, const std::string& bin);
+void measure_export(Report& report, const std::string& bin);
 void measure_instructions(Report& report, const std::string& bin);
 void measure_status_instructions(Report& report, const std::string& bin);
 
@@ -32,7 +33,7 @@ inline constexpr const char *kReplayTicks = "--replay-ticks", *kReplaySteps = "-
 void replay_ticks(int count);
 void replay_steps(int count);
 
-// A walk of this length, recorded in a new database as its only session.
+// A walk of this length with its received frames, recorded in a new database as its only session.
 void record_walk(const std::string& database, double seconds);
 
 }  // namespace hoist::bench

@@ -17,6 +17,7 @@ std::vector<Section> sections_of(const std::string& bin) {
           {"websocket", "hoist-server beside a bare sender, 1, 20 and 64 clients", [bin](Report& r) { measure_websocket(r, bin); }},
           {"driving", "from the bus to the browser, and from the joystick to the bus", [bin](Report& r) { measure_driving(r, bin); }},
           {"recording", "a session beside SQLite rows and the sqlite3 shell", measure_recording},
+          {"export", "each export format of ten minutes and of an hour", [bin](Report& r) { measure_export(r, bin); }},
           {"rerun", "a recorded session run again, and its journal", measure_rerun},
           {"rest", "hoist-server beside nginx", [bin](Report& r) { measure_rest(r, bin); }},
           {"instructions", "counted by callgrind",

@@ -4,6 +4,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <span>
@@ -160,12 +161,20 @@ void record_walk(const std::string& path, double seconds) {
   (void)take(writer.begin(start));
   constexpr int kSecond = 100;
   std::vector<contract::TickRecord> records(10 * kSecond);
+  std::vector<contract::BusRecord> frames;
+  loop.on_inputs([&](const core::TickInputs& inputs) {
+    for (const contract::CanFrame& frame : inputs.frames) {
+      frames.push_back({inputs.time_ns, frame.id, frame.dlc, frame.flags, 0, 0, 0});
+      std::memcpy(&frames.back().data, frame.data.data(), sizeof frames.back().data);
+    }
+  });
   for (int left = static_cast<int>(seconds) / 10; left > 0; --left) {
     for (contract::TickRecord& record : records) {
       loop.step();
       record = loop.record();
     }
-    if (!writer.append_ticks(records).ok()) throw std::runtime_error("a sample was refused");
+    if (!writer.append_ticks(records).ok() || !writer.append_bus(frames).ok()) throw std::runtime_error("a sample was refused");
+    frames.clear();
     (void)take(writer.commit());
   }
   if (!writer.end(db::CloseReason::finished, kStartUtc_ns).ok()) throw std::runtime_error("the session does not close");

@@ -19,10 +19,11 @@ namespace canopen = contract::canopen;
 
 constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
 
-// The last step's command to the relay, if any.
+// The last step's command to the relay, if any, without the synchronisation output.
 std::optional<std::uint8_t> told_relay(const ScriptedHoist& hoist) {
   for (const contract::CanFrame& frame : hoist.sent)
-    if (frame.id == contract::pdo_cob_id(contract::Pdo::io_rx1, contract::Node::io)) return frame.data[0];
+    if (frame.id == contract::pdo_cob_id(contract::Pdo::io_rx1, contract::Node::io))
+      return static_cast<std::uint8_t>(frame.data[0] & ~canopen::kSyncOutput);
   return std::nullopt;
 }
 // Steps until the relay is commanded open; -1 if not within `limit` steps.

@@ -1,4 +1,4 @@
-"""Bumpers and batteries from a PoKeys on the network instead of the input node: the real programs, on this machine itself."""
+"""Bumpers, batteries and synchronisation from a PoKeys on the network instead of the input node: the real programs, on this machine itself."""
 import socket
 import sys
 
@@ -56,14 +56,34 @@ def a_device_that_falls_silent_stops_the_hoist_and_comes_back():
     hoist.walk(0.2)
 
 
+def another_recording_system_is_seen_and_sees_the_hoist():
+    again()
+    hoist.ask_sim(op="sync_input", on=False)
+    hoist.walk(0.2)
+    for on in (True, False):
+        hoist.ask_sim(op="sync_input", on=on)
+        until("the core reads the line", lambda: (hoist.edges() or [None])[-1] == ("on" if on else "off"), 10.0)
+    for level in (True, False):
+        until(f"the output is {level}", lambda: hoist.truth()["sync_output"] == level, 5.0, 0.02)
+
+
+class WithEdges(Hoist):
+    def edges(self):
+        """Levels to which the synchronisation input has changed in the session that is recorded."""
+        sessions = self.call("GET", "/sessions?limit=1")[1]["items"]
+        events = self.call("GET", f"/sessions/{sessions[0]['id']}/events")[1]["items"] if sessions else []
+        return [event["name"] for event in events if event["kind"] == "sync_input"]
+
+
 def main():
     global hoist
     port = free_udp_port()
-    hoist = Hoist(BIN, None, None, sim_options=["--pokeys-udp", str(port)], core_options=["--inputs", f"pokeys:udp:127.0.0.1:{port}"])
+    hoist = WithEdges(BIN, None, None, sim_options=["--pokeys-udp", str(port)], core_options=["--inputs", f"pokeys:udp:127.0.0.1:{port}?sync=9"])
     return run_hoist("PokeysInputs", hoist, [
         the_hoist_walks_without_an_input_node_on_the_bus,
         a_bumper_stops_the_hoist,
         a_device_that_falls_silent_stops_the_hoist_and_comes_back,
+        another_recording_system_is_seen_and_sees_the_hoist,
     ])
 
 

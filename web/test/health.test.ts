@@ -95,3 +95,12 @@ describe('emergency codes', () => {
     expect(eventText('emergency', 'drive_left', null, null, 0)).toBe('Linker Antrieb: Ein Fehler ist vorbei');
   });
 });
+
+describe('events of other recording systems and of settings', () => {
+  it('say what the line did, and from when on a setting acts', () => {
+    expect(eventText('sync_input', 'on', null, null, 1)).toBe('Synchronisation signal: on');
+    expect(eventText('parameter_settled', 'lean_gain_direct_units', 4, 3.9)).toMatch(/^Setting in full effect: .+ 4/);
+    settings.set({ language: 'de' });
+    expect(eventText('sync_input', 'off', null, null, 0)).toBe('Synchronsignal: aus');
+  });
+});

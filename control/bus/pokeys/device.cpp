@@ -17,7 +17,10 @@ void Device::ask(CommandCode command, std::uint8_t parameter, std::uint64_t now_
   command_ = command;
   asked_ = true;
   asked_ns_ = now_ns;
-  if (!transport_.send(make_request(command, parameter, ++id_))) close(now_ns, "the device has gone away", kRetryNs);
+  ++id_;
+  const bool sets = command == CommandCode::inputs && wiring_.sync_pin != 0;
+  const Packet request = sets ? make_output_request(wiring_.sync_pin, sync_, id_) : make_request(command, parameter, id_);
+  if (!transport_.send(request)) close(now_ns, "the device has gone away", kRetryNs);
 }
 
 void Device::step(std::uint64_t now_ns) {
@@ -118,6 +121,8 @@ const char* Device::check_pins(const Packet& packet) const {
     if ((function(pin) & (kDigitalInput | kDigitalOutput)) != kDigitalInput) return "a pin of a switch is not set as a digital input";
   for (const std::uint8_t pin : wiring_.battery_pins)
     if ((function(pin) & kAnalogueInput) == 0) return "a pin of a battery is not set as an analogue input";
+  if (wiring_.sync_pin != 0 && (function(wiring_.sync_pin) & (kDigitalInput | kDigitalOutput)) != kDigitalOutput)
+    return "the pin of the synchronisation output is not set as a digital output";
   return nullptr;
 }
 

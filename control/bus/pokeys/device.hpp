@@ -16,6 +16,7 @@ struct Wiring {
   std::array<std::uint8_t, 4> bumper_pins{1, 2, 3, 4};  // front, rear, left, right
   std::array<std::uint8_t, 4> switch_pins{5, 6, 7, 8};  // the bit is the pin's level
   std::array<std::uint8_t, 2> battery_pins{41, 42};
+  std::uint8_t sync_pin = 0;   // output with the synchronisation pulses; 0 = none
   double full_scale_v = 20.0;  // battery voltage that the divider turns into the converter's largest count
 };
 
@@ -42,6 +43,8 @@ class Device {
   // Does what is due. Call it when a packet may be there and at next_ns().
   void step(std::uint64_t now_ns);
   [[nodiscard]] std::uint64_t next_ns() const { return next_ns_; }
+  // The level of the synchronisation output; it leaves with the next poll of the inputs.
+  void set_sync(bool on) { sync_ = on; }
   [[nodiscard]] const Readings& readings() const { return readings_; }
   [[nodiscard]] const DeviceCounters& counters() const { return counters_; }
   // Why there are no readings; empty while there are.
@@ -68,7 +71,7 @@ class Device {
   Transport& transport_;
   Wiring wiring_;
   Stage stage_ = Stage::closed;
-  bool asked_ = false;
+  bool asked_ = false, sync_ = false;
   CommandCode command_ = CommandCode::identity;
   std::uint8_t id_ = 0;
   std::uint64_t asked_ns_ = 0, answered_ns_ = 0, open_at_ns_ = 0, inputs_at_ns_ = 0, analogue_at_ns_ = 0, next_ns_ = 0;

@@ -68,13 +68,18 @@ std::string read_wiring(std::string_view text, Wiring& wiring) {
       if (error != std::errc{} || end != value.data() + value.size() ||
           !(wiring.full_scale_v >= 3.3 && wiring.full_scale_v <= kFullScaleMax_v))
         problem = "full_v: the battery voltage at the converter's end, 3.3 to 100, not \"" + std::string(value) + "\"";
+    } else if (name == "sync") {
+      std::array<std::uint8_t, 1> pin{};
+      problem = read_pins(name, value, 1, kPins, pin);
+      wiring.sync_pin = pin[0];
     } else {
-      problem = "\"" + std::string(name) + "\" is none of bumpers, switches, batteries, full_v";
+      problem = "\"" + std::string(name) + "\" is none of bumpers, switches, batteries, full_v, sync";
     }
     if (!problem.empty()) return "pokeys: " + problem;
   }
   std::set<std::uint8_t> all;
   std::size_t count = 0;
+  if (wiring.sync_pin != 0) count = all.insert(wiring.sync_pin).second ? 1 : 0;
   for (const std::span<const std::uint8_t> pins :
        {std::span<const std::uint8_t>(wiring.bumper_pins), std::span<const std::uint8_t>(wiring.switch_pins),
         std::span<const std::uint8_t>(wiring.battery_pins)}) {
@@ -139,6 +144,7 @@ InputPort::~InputPort() {
 
 void InputPort::run() {
   while (!ending_.load()) {
+    device_.set_sync(sync_.load(std::memory_order_relaxed));
     device_.step(steady_ns());
     publish();
     const std::uint64_t now_ns = steady_ns();
@@ -193,7 +199,11 @@ std::size_t InputPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
 }
 
 std::size_t InputPort::send(std::span<const CanFrame> frames, std::uint64_t now_ns) noexcept {
-  for (const CanFrame& frame : frames) stand_in_.on_frame(frame);
+  for (const CanFrame& frame : frames) {
+    stand_in_.on_frame(frame);
+    if (frame.flags == 0 && frame.dlc == 1 && frame.id == contract::pdo_cob_id(contract::Pdo::io_rx1, IoStandIn::kNode))
+      sync_.store((frame.data[0] & contract::canopen::kSyncOutput) != 0, std::memory_order_relaxed);
+  }
   // Everything is also sent: requests to the input node do no harm there, and the recording stays complete.
   const std::size_t taken = port_->send(frames, now_ns);
   copy_counters();

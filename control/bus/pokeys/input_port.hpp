@@ -19,7 +19,8 @@ struct InputOptions {
   std::unique_ptr<Transport> transport;
   std::function<void()> at_thread_start;  // called by the asking thread before anything else; may be empty
 };
-// "pokeys:udp:HOST[:PORT]", "pokeys:/dev/hidraw0" or "pokeys:usb", then optionally "?bumpers=1,2,3,4&switches=5,6,7,8&batteries=41,42&full_v=20".
+// "pokeys:udp:HOST[:PORT]", "pokeys:/dev/hidraw0" or "pokeys:usb", then optionally
+// "?bumpers=1,2,3,4&switches=5,6,7,8&batteries=41,42&full_v=20&sync=9".
 // Empty when it was understood, otherwise the refusal.
 [[nodiscard]] std::string parse_inputs(std::string_view text, InputOptions& options);
 
@@ -57,6 +58,7 @@ class InputPort final : public CanPort {
   std::atomic<std::uint64_t> inputs_word_{0};     // 40 bits of time in ms, bumpers, switches
   std::atomic<std::uint64_t> batteries_word_{0};  // 36 bits of time in ms (two years), two voltages of 14 bits
   std::atomic<std::uint8_t> pressed_{0};          // touched since the control thread last looked
+  std::atomic<bool> sync_{false};                 // the other way: level of the synchronisation output
   std::atomic<const char*> input_problem_{""};
   std::atomic<bool> ending_{false};
   int wake_fd_ = -1;

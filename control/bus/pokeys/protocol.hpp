@@ -21,8 +21,10 @@ inline constexpr std::uint16_t kUsbVendor = 0x1DC3, kUsbProduct = 0x1001;
 enum class CommandCode : std::uint8_t {
   identity = 0x00,       // reply: "PKEx" or "PK58" at byte 8, serial number at 12, device type at 18
   pin_functions = 0xC0,  // parameter 0 reads: one byte for each pin
-  inputs = 0xCC,         // parameter 0: all digital pins, a bit each
-  analogue = 0x3A,       // parameter 1: pins 41 to 47, 16 bits each, high byte first
+  // All digital pins, a bit each from byte 8. Parameter 0 reads; 1 first sets the outputs, the request's bits from byte 8, but for the pins
+  // whose bit from byte 20 is set. Pins that are no outputs ignore it.
+  inputs = 0xCC,
+  analogue = 0x3A,  // parameter 1: pins 41 to 47, 16 bits each, high byte first
 };
 
 inline constexpr std::uint8_t kPins = 55;                               // numbered from 1
@@ -44,6 +46,18 @@ constexpr Packet make_request(CommandCode command, std::uint8_t parameter, std::
   packet[2] = parameter;
   packet[6] = id;
   packet[7] = checksum(packet);
+  return packet;
+}
+
+/// Reads the inputs and sets this one output.
+constexpr Packet make_output_request(std::uint8_t pin, bool on, std::uint8_t id) {
+  constexpr std::size_t kUntouched = 20, kPinBytes = 7;
+  Packet packet = make_request(CommandCode::inputs, 1, id);
+  const auto index = static_cast<std::size_t>(pin - 1);
+  const auto bit = static_cast<std::uint8_t>(1U << (index % 8));
+  for (std::size_t i = 0; i < kPinBytes; ++i) packet[kUntouched + i] = 0xFF;
+  packet[kUntouched + index / 8] = static_cast<std::uint8_t>(0xFFU ^ bit);
+  if (on) packet[kData + index / 8] = bit;
   return packet;
 }
 

@@ -43,6 +43,7 @@ class IoSensor {
   [[nodiscard]] std::uint8_t switches() const noexcept { return switches_; }
   /// Bit 0 of the switches: the chain that feeds the motors' relay is open, or its wire is torn.
   [[nodiscard]] bool emergency_stop_open() const noexcept { return (switches_ & 1U) != 0; }
+  [[nodiscard]] bool sync_input() const noexcept { return (switches_ & contract::canopen::kSyncInput) != 0; }
   [[nodiscard]] double battery_a_v() const noexcept { return battery_a_v_; }
   [[nodiscard]] double battery_b_v() const noexcept { return battery_b_v_; }
 

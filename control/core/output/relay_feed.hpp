@@ -25,9 +25,10 @@ class RelayFeed {
   void restore() noexcept { cut_ = false; }
   [[nodiscard]] bool is_cut() const noexcept { return cut_; }
 
-  /// Once per step, in every mode: what may move is decided elsewhere, this only says that the core decides.
+  /// Once per step, in every mode: what may move is decided elsewhere, this only says that the core decides. The synchronisation output goes
+  /// in the same frames, with its level of this moment.
   template <std::size_t N>
-  void step(FixedVector<contract::CanFrame, N>& out) noexcept {
+  void step(FixedVector<contract::CanFrame, N>& out, bool sync) noexcept {
     if (ticks_ < kTicks) ++ticks_;
     if (ticks_ < kTicks) return;
     ticks_ = 0;
@@ -36,14 +37,18 @@ class RelayFeed {
                              static_cast<std::uint8_t>(contract::pdo_bytes(contract::Pdo::io_rx1)),
                              0,
                              {}};
-    frame.data[0] = static_cast<std::uint8_t>(level_ | (cut_ ? contract::canopen::kRelayRelease : 0U));
+    sync_ = sync;
+    frame.data[0] =
+        static_cast<std::uint8_t>(level_ | (cut_ ? contract::canopen::kRelayRelease : 0U) | (sync_ ? contract::canopen::kSyncOutput : 0U));
     static_cast<void>(out.push_back(frame));
   }
   [[nodiscard]] std::uint8_t level() const noexcept { return level_; }
+  /// Of the synchronisation output, as last sent.
+  [[nodiscard]] std::uint8_t sync_level() const noexcept { return sync_ ? 1 : 0; }
 
  private:
   std::uint8_t ticks_ = 0, level_ = 0;
-  bool cut_ = false;
+  bool cut_ = false, sync_ = false;
 };
 
 }  // namespace hoist::core

@@ -253,10 +253,13 @@ class SafetyGate {
            frame.data[0] == static_cast<std::uint8_t>(NmtCommand::pre_operational);
   }
 
-  /// Of the input node's outputs only the two of the motors' relay are the core's to switch. A drive's command is none of its own here.
-  [[nodiscard]] static bool switches_the_relay(const contract::CanFrame& frame, const contract::FrameClass& what,
-                                               const GateView&) noexcept {
-    return what.is_of(contract::Node::io) && (frame.data[0] & ~(contract::canopen::kRelayFeed | contract::canopen::kRelayRelease)) == 0;
+  /// Of the input node's outputs only those of the motors' relay and of the synchronisation are the core's to switch. A drive's command is none
+  /// of its own here.
+  [[nodiscard]] static bool switches_own_outputs(const contract::CanFrame& frame, const contract::FrameClass& what,
+                                                 const GateView&) noexcept {
+    namespace canopen = contract::canopen;
+    constexpr unsigned kOwn = canopen::kRelayFeed | canopen::kRelayRelease | canopen::kSyncOutput;
+    return what.is_of(contract::Node::io) && (frame.data[0] & ~kOwn) == 0;
   }
 
   [[nodiscard]] static bool asks_or_sets(const contract::CanFrame& frame, const contract::FrameClass& what, const GateView& view) noexcept {
@@ -294,7 +297,7 @@ class SafetyGate {
       MaySend{contract::CobKind::sync, &is_sync},
       MaySend{contract::CobKind::heartbeat, &is_own_heartbeat},
       MaySend{contract::CobKind::nmt, &starts_a_node},
-      MaySend{contract::CobKind::rpdo1, &switches_the_relay},
+      MaySend{contract::CobKind::rpdo1, &switches_own_outputs},
       MaySend{contract::CobKind::sdo_request, &asks_or_sets},
   };
 

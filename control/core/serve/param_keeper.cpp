@@ -12,6 +12,7 @@ namespace hoist::core {
 
 using contract::Event;
 using contract::EventKind;
+using contract::InEffect;
 using contract::Params;
 
 namespace {
@@ -38,6 +39,15 @@ void tell(CoreState& state, EventKind kind, const Asked& asked, std::uint32_t co
   event.code = code;
   event.value = value;
   emit(state, event);
+}
+
+[[nodiscard]] Event event_of_row(EventKind kind, std::size_t index, double value, double before) noexcept {
+  Event event;
+  event.kind = kind;
+  event.item = contract::kParams[index].id;
+  event.value = value;
+  event.before = before;
+  return event;
 }
 
 void seal(CoreState& state) noexcept {
@@ -69,6 +79,7 @@ void move_gains(CoreState& state, double dt_s) noexcept {
     const double to = driven ? slewed(from, target, gain, dt_s) : target;
     contract::set_param_unchecked(state.live, gain, to);
     moving = moving || to != target;
+    if (from != target && to == target) emit(state, event_of_row(EventKind::parameter_settled, gain, to, from));
   }
   state.slewing = moving;
   if (!moving || state.ticks_run % kToNodesTicks == 0) {
@@ -80,9 +91,14 @@ void move_gains(CoreState& state, double dt_s) noexcept {
 // Writes rows into what is in force; the caller says what that means for a trial.
 void write_rows(CoreState& state, const Staging& set, const Asked& asked) noexcept {
   const Params before = state.params;
+  // Where nothing is driven there is nothing to jolt: a gain is there at once, too.
+  const bool driven = mode_row_of(state.mode).drives;
+  const auto waits = [&](const Staging::Row& row) {
+    return driven && is_gain(row.index) && contract::get_param(state.live, row.index) != row.value;
+  };
   for (const Staging::Row& row : set.rows) {
     contract::set_param_unchecked(state.params, row.index, row.value);
-    if (!is_gain(row.index)) contract::set_param_unchecked(state.live, row.index, row.value);
+    if (!waits(row)) contract::set_param_unchecked(state.live, row.index, row.value);
   }
   derive_again(state);
   seal(state);
@@ -90,16 +106,13 @@ void write_rows(CoreState& state, const Staging& set, const Asked& asked) noexce
   ++state.parameter_version;
   state.params_changed = true;
   for (const Staging::Row& row : set.rows) {
-    Event event;
-    event.kind = EventKind::parameter_changed;
+    Event event = event_of_row(EventKind::parameter_changed, row.index, row.value, contract::get_param(before, row.index));
     event.request_id = asked.request_id;
     event.client = asked.client;
-    event.item = contract::kParams[row.index].id;
-    event.value = row.value;
-    event.before = contract::get_param(before, row.index);
+    event.code = static_cast<std::uint32_t>(waits(row) ? InEffect::gradually : InEffect::at_once);
     emit(state, event);
   }
-  // Where nothing is driven there is nothing to jolt: the gains are there at once, and the nodes are told in this step.
+  // The nodes are told in this step.
   move_gains(state, 0);
 }
 

@@ -17,11 +17,12 @@ namespace hoist::tool {
 namespace {
 
 void print_help(std::FILE* out) {
-  std::string text = "usage: hoist export DB SESSION [--format " + std::string(db::kExportFormatNames) +
-                     "]\n                    [--columns NAME,NAME] [--no-constant] [--no-comments] [--out FILE]\n\n"
-                     "       hoist export DB [SESSION…] --bundle files|bids [--subject CODE] [--from DAY] [--to DAY] [--exercise SHAPE]\n"
-                     "                    [--visit ID] [--no-simulated] [--out FILE]\n\n"
-                     "Writes a session to FILE, or to standard output. Numbers are printed exactly as they were stored.\n\n";
+  std::string text =
+      "usage: hoist export DB SESSION [--format " + std::string(db::kExportFormatNames) +
+      "]\n                    [--columns NAME,NAME] [--no-constant] [--no-comments] [--out FILE]\n\n"
+      "       hoist export DB [SESSION…] --bundle files|bids|sqlite [--subject CODE] [--from DAY] [--to DAY] [--exercise SHAPE]\n"
+      "                    [--visit ID] [--no-simulated] [--out FILE]\n\n"
+      "Writes a session to FILE, or to standard output. Numbers are printed exactly as they were stored.\n\n";
   for (const db::ExportFormatInfo& format : db::kExportFormats) {
     text += "  " + std::string(format.name);
     text.append(10 - std::min<std::size_t>(9, format.name.size()), ' ');
@@ -31,7 +32,9 @@ void print_help(std::FILE* out) {
       "\n  --columns      these live values only\n"
       "  --no-constant  without the live values that never changed\n"
       "  --no-comments  without the '#' lines\n\n"
-      "  --bundle       several sessions in one ZIP: those named, or all that the filters leave; bids: as Motion-BIDS lays them out\n";
+      "  --bundle       several sessions in one file, those named or all that the filters leave: a ZIP (bids: as Motion-BIDS lays it out) "
+      "or\n"
+      "                 plain tables of SQLite\n";
   std::fputs(text.c_str(), out);
 }
 
@@ -79,7 +82,7 @@ Refusal take_option(Wish& wish, std::string_view option, const std::function<std
   } else if (option == "--bundle") {
     const auto name = value();
     wish.bundle = name ? db::find_bundle_layout(*name) : std::nullopt;
-    if (!wish.bundle) return "--bundle is files or bids";
+    if (!wish.bundle) return "--bundle is files, bids or sqlite";
   } else if (option == "--visit") {
     const auto id = value();
     wish.filter.visit = id ? parse_session(*id) : std::nullopt;

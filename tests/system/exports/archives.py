@@ -7,6 +7,8 @@ import io
 import json
 import os
 import re
+import shutil
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -94,6 +96,50 @@ class Archives(unittest.TestCase):
         self.assertEqual(self.sql("SELECT count(*), sum(gap_before) FROM samples")[1][1], [str(3 * len(expected)), "3"])
         self.assertEqual(self.sql("SELECT count(*) FROM samples WHERE session_id = 99")[1][1], ["0"])
 
+    def plain_tables_of_several_sessions_hold_the_numbers_of_the_csv(self):
+        path = os.path.join(self.folder.name, "plain.sqlite")
+        hoist("export", self.database, "--bundle", "sqlite", "--subject", "P-017", "--out", path)
+        file = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
+        file.row_factory = sqlite3.Row
+        self.assertEqual(file.execute("PRAGMA integrity_check").fetchone()[0], "ok")
+        self.assertEqual(file.execute("PRAGMA application_id").fetchone()[0], 0, "no file of recordings")
+        for session in (1, 2):
+            rows = file.execute("SELECT * FROM samples WHERE session_id = ? ORDER BY rowid", (session,)).fetchall()
+            expected = self.csv_of(session)
+            self.assertEqual(len(rows), len(expected))
+            self.assertEqual(set(rows[0].keys()), {"session_id"} | expected[0].keys())
+            for row, sample in zip(rows, expected):
+                for name, value in sample.items():
+                    self.assertEqual(str(row[name]) if name == "utc" else float(row[name]), value if name == "utc" else float(value), name)
+        words = {row["name"]: row["unit"] for row in file.execute("SELECT * FROM columns WHERE session_id = 1")}
+        self.assertEqual((words["x_m"], words["left_alpha_rad"], words["time_s"], words["mode"]), ("m", "rad", "s", ""))
+        told = dict(file.execute("SELECT * FROM sessions WHERE session_id = 2").fetchone())
+        manifest, figures = json.loads(told.pop("manifest")), json.loads(told.pop("figures"))
+        self.assertEqual(told, {"session_id": 2, "subject": "P-017", "started_utc": "2026-09-22T14:13:20.123456Z", "simulated": 1,
+                                "exercise": told["exercise"], "note": "", "samples": 2800})
+        self.assertEqual(json.loads(told["exercise"])["shape"], "square")
+        self.assertEqual(manifest["session"]["id"], 2)
+        self.assertEqual(figures["session"], 2)
+        one = lambda table: [dict(row) for row in file.execute(f"SELECT * FROM {table} WHERE session_id = 1")]
+        self.assertEqual([(e["kind"], e["name"], e["time_s"], e["value"]) for e in one("events")][0], ("parameter_changed", "lean_range_rad", 0.5, 0.125))
+        self.assertEqual([(m["tick"], m["time_s"], m["text"]) for m in one("markers")], [(60, 0.6, 'turned; "left", by the ramp')])
+        self.assertEqual({(g["stream"], g["from_tick"], g["to_tick"], g["reason"]) for g in one("gaps")}, {("ticks", 1400, 1499, "not_received")})
+        self.assertEqual([(c["name"], c["value"], c["before"], c["unit"]) for c in one("parameter_changes")], [("lean_range_rad", 0.125, 0.25, "rad")])
+        self.assertEqual({p["name"]: (p["value"], p["unit"]) for p in one("parameters")}["lean_range_rad"][1], "rad")
+        tables = {row[0] for row in file.execute("SELECT name FROM sqlite_schema WHERE type = 'table'")}
+        self.assertEqual(tables, {"sessions", "columns", "samples", "events", "markers", "parameters", "parameter_changes", "gaps"})
+        if shutil.which("sqlite3"):
+            done = subprocess.run(["sqlite3", "-csv", path, "SELECT session_id, count(*), max(distance_m) > 0 FROM samples GROUP BY 1"], check=True, capture_output=True, text=True)
+            self.assertEqual(done.stdout, "1,2800,1\n2,2800,1\n")
+        self.assertEqual([name for name in os.listdir(self.folder.name) if name.startswith(".export")], [], "nothing stays behind")
+
+    def plain_tables_of_one_session_have_the_chosen_columns(self):
+        path = os.path.join(self.folder.name, "one.sqlite")
+        hoist("export", self.database, "3", "--format", "sqlite", "--columns", "psi_rad,bus_up", "--no-constant", "--out", path)
+        file = sqlite3.connect(path)
+        self.assertEqual([row[1] for row in file.execute("PRAGMA table_info(samples)")], ["session_id", "time_s", "utc", "gap_before", "psi_rad"])
+        self.assertEqual(file.execute("SELECT count(*), sum(gap_before) FROM samples").fetchone(), (2800, 1))
+
     def sql_only_reads_and_says_what_is_wrong(self):
         for statement in ("DELETE FROM sessions", "ATTACH 'x.db' AS x", "PRAGMA query_only = 0", "CREATE TABLE x (y)", "VACUUM INTO 'x.db'"):
             code, rows, words = self.sql(statement)
@@ -171,6 +217,8 @@ if __name__ == "__main__":
         suite.a_session_as_an_archive_holds_the_same_files_as_the_single_exports,
         suite.filters_choose_the_sessions,
         suite.samples_are_rows_of_a_table_with_the_numbers_of_the_csv,
+        suite.plain_tables_of_several_sessions_hold_the_numbers_of_the_csv,
+        suite.plain_tables_of_one_session_have_the_chosen_columns,
         suite.sql_only_reads_and_says_what_is_wrong,
         suite.a_data_set_is_laid_out_as_motion_bids,
     ])

@@ -2,10 +2,14 @@
 #include <cstdio>
 
 #include "control/contract/params.hpp"
+#include "control/core/output/sync_pulses.hpp"
 #include "tests/unit/db/db_support.hpp"
 
 namespace {
 using namespace hoist;
+
+// The pulses of a core that has been running: their lengths differ.
+constexpr std::uint64_t kCoreAge_ticks = 123'456'700;
 
 template <typename Outcome>
 bool fine(const Outcome& outcome) {
@@ -25,6 +29,7 @@ db::SessionId record(db::SessionWriter& writer, std::uint32_t seed, db::SessionS
   for (std::uint64_t first : {0U, 1500U}) {
     std::vector<contract::TickRecord> records = walk.records(first, 1400);
     for (std::size_t i = 700; i < 740; ++i) records[i].fault_bits = contract::fault_bit(contract::kFaults.front());
+    for (contract::TickRecord& step : records) step.sync_output = core::sync_pulse(step.tick + kCoreAge_ticks) ? 1 : 0;
     if (!fine(writer.append_ticks(records))) return 0;
   }
   contract::Event event;

@@ -45,9 +45,10 @@ TEST(PokeysPackets, OnlyTheAnswerToTheQuestionIsGood) {
 }
 
 TEST(PokeysPackets, ThePlayedDeviceAnswersGoodRequestsOnly) {
+  PokeysDevice played;
   Packet reply{};
   const Packet good = make_request(CommandCode::inputs, 0, 9);
-  ASSERT_TRUE(PokeysDevice::answer(good, {0b0110, 0b0001, {}}, reply));
+  ASSERT_TRUE(played.answer(good, {0b0110, 0b0001, {}}, reply));
   EXPECT_EQ(check_reply(reply, CommandCode::inputs, 9), ReplyCheck::good);
   EXPECT_FALSE(pin_level(reply, 1));
   EXPECT_TRUE(pin_level(reply, 2));
@@ -56,15 +57,29 @@ TEST(PokeysPackets, ThePlayedDeviceAnswersGoodRequestsOnly) {
   EXPECT_FALSE(pin_level(reply, 6));
   Packet bad = good;
   bad[7] ^= 1;
-  EXPECT_FALSE(PokeysDevice::answer(bad, {}, reply)) << "a wrong checksum";
+  EXPECT_FALSE(played.answer(bad, {}, reply)) << "a wrong checksum";
   bad = good;
   bad[0] = kReplyMark;
   bad[7] = checksum(bad);
-  EXPECT_FALSE(PokeysDevice::answer(bad, {}, reply)) << "a reply is no request";
+  EXPECT_FALSE(played.answer(bad, {}, reply)) << "a reply is no request";
   bad = good;
   bad[1] = 0x41;
   bad[7] = checksum(bad);
-  EXPECT_FALSE(PokeysDevice::answer(bad, {}, reply)) << "a command it does not know";
+  EXPECT_FALSE(played.answer(bad, {}, reply)) << "a command it does not know";
+}
+
+// PoLabs' library: PK_DigitalIOSetGet sets bits from byte 8 and leaves the pins alone whose bits are set from byte 20.
+TEST(PokeysPackets, AnOutputIsSetWithoutTouchingAnotherPin) {
+  const Packet on = make_output_request(9, true, 3);
+  EXPECT_EQ(on[1], 0xCC);
+  EXPECT_EQ(on[2], 1);
+  EXPECT_EQ(on[7], static_cast<std::uint8_t>(0xBB + 0xCC + 1 + 3));
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_EQ(on[8 + i], i == 1 ? 0x01 : 0x00);
+    EXPECT_EQ(on[20 + i], i == 1 ? 0xFE : 0xFF);
+  }
+  EXPECT_EQ(make_output_request(9, false, 3)[9], 0x00);
+  EXPECT_EQ(make_output_request(55, true, 3)[8 + 6], 0x40);
 }
 
 // The device's end of a socketpair. What it does with a request is up to the test.
@@ -98,7 +113,7 @@ class Bench : public ::testing::Test {
   }
   Packet right_answer(const Packet& asked) {
     Packet reply{};
-    EXPECT_TRUE(PokeysDevice::answer(asked, pins, reply));
+    EXPECT_TRUE(played_.answer(asked, pins, reply));
     return reply;
   }
   // Lets time pass in steps of a millisecond; the device answers within each.
@@ -121,6 +136,7 @@ class Bench : public ::testing::Test {
   }
 
   PokeysDevice::Pins pins{};
+  PokeysDevice played_;
   std::function<void(const Packet&)> behave;
   std::uint64_t now_ns = 10'000 * kMs;
   std::uint32_t asked_count = 0;
@@ -173,7 +189,7 @@ TEST_F(Bench, AnswersThatAreNotRightAreNotTaken) {
       PokeysDevice::Pins pressed = pins;
       pressed.bumpers = 0x0F;
       Packet reply{};
-      ASSERT_TRUE(PokeysDevice::answer(asked, pressed, reply));
+      ASSERT_TRUE(played_.answer(asked, pressed, reply));
       spoil(reply);
       say(reply);
     };
@@ -267,8 +283,9 @@ TEST_F(Bench, ASilentDeviceIsOpenedAnewAndAskedWhoItIsAgain) {
 }
 
 TEST_F(Bench, AWrongDeviceOrWrongPinsAreNotUsed) {
-  const auto never_used = [this](const std::function<void(Packet&)>& change, const char* says) {
-    device = std::make_unique<Device>(*transport_, Wiring{});
+  Wiring wiring;
+  const auto never_used = [this, &wiring](const std::function<void(Packet&)>& change, const char* says) {
+    device = std::make_unique<Device>(*transport_, wiring);
     behave = [this, &change](const Packet& asked) {
       Packet reply = right_answer(asked);
       change(reply);
@@ -303,6 +320,28 @@ TEST_F(Bench, AWrongDeviceOrWrongPinsAreNotUsed) {
         if (p[1] == 0xC0) p[8 + 41] = kDigitalInput;
       },
       "battery");
+  wiring.sync_pin = 9;
+  never_used(
+      [](Packet& p) {
+        if (p[1] == 0xC0) p[8 + 8] = kDigitalInput;
+      },
+      "synchronisation");
+}
+
+TEST_F(Bench, TheSynchronisationOutputLeavesWithThePollsAndOnlyWhenItIsWired) {
+  device->set_sync(true);
+  run(50);
+  EXPECT_FALSE(played_.output()) << "no pin is named for it";
+  Wiring wiring;
+  wiring.sync_pin = 9;
+  device = std::make_unique<Device>(*transport_, wiring);
+  pins.bumpers = 0b0100;
+  for (const bool level : {true, false, true}) {
+    device->set_sync(level);
+    run(50);
+    EXPECT_EQ(played_.output(), level);
+    EXPECT_EQ(device->readings().bumpers, 0b0100) << "the same packet reads the inputs";
+  }
 }
 
 TEST_F(Bench, AnAnalogueValueThatCannotBeIsNotTaken) {
@@ -464,7 +503,8 @@ TEST(PokeysInputs, UnderstandsItsWords) {
   EXPECT_EQ(parse_inputs("pokeys:usb", options), "");
   EXPECT_EQ(parse_inputs("pokeys:/dev/hidraw3", options), "");
   EXPECT_EQ(parse_inputs("pokeys:udp:127.0.0.1", options), "");
-  EXPECT_EQ(parse_inputs("pokeys:udp:127.0.0.1:1234?bumpers=9,10,11,12&switches=1,2,3,4&batteries=43,44&full_v=33", options), "");
+  EXPECT_EQ(parse_inputs("pokeys:udp:127.0.0.1:1234?bumpers=9,10,11,12&switches=1,2,3,4&batteries=43,44&full_v=33&sync=20", options), "");
+  EXPECT_EQ(options.wiring.sync_pin, 20);
   EXPECT_EQ(options.wiring.bumper_pins[3], 12);
   EXPECT_EQ(options.wiring.battery_pins[0], 43);
   EXPECT_DOUBLE_EQ(options.wiring.full_scale_v, 33.0);
@@ -495,7 +535,10 @@ TEST(PokeysInputs, RefusesEverythingElseAndSaysWhat) {
                           "pokeys:usb?full_v=",
                           "pokeys:usb?colour=red",
                           "pokeys:usb?bumpers=1,1,2,3",
-                          "pokeys:usb?bumpers=5,6,7,9"}) {
+                          "pokeys:usb?bumpers=5,6,7,9",
+                          "pokeys:usb?sync=0",
+                          "pokeys:usb?sync=1,2",
+                          "pokeys:usb?sync=7"}) {
     InputOptions options;
     EXPECT_NE(parse_inputs(bad, options), "") << bad;
   }
@@ -539,7 +582,7 @@ TEST(PokeysInputs, TheWholeWayOverUdp) {
   ASSERT_EQ(device.open(udp_port), "");
   PokeysDevice::Pins pins{0, 0, {12.5, 12.4}};
   InputOptions options;
-  ASSERT_EQ(parse_inputs("pokeys:udp:127.0.0.1:" + std::to_string(udp_port), options), "");
+  ASSERT_EQ(parse_inputs("pokeys:udp:127.0.0.1:" + std::to_string(udp_port) + "?sync=9", options), "");
   auto inner = std::make_unique<NullPort>();
   NullPort& bus = *inner;
   InputPort port(std::move(inner), std::move(options));
@@ -585,6 +628,11 @@ TEST(PokeysInputs, TheWholeWayOverUdp) {
   EXPECT_FALSE(wrong);
   EXPECT_EQ(port.doubles(), 2U);
   EXPECT_EQ(port.counters().refused, 2U);
+  for (const bool level : {true, false}) {
+    const std::array outputs{CanFrame{0x208, 1, 0, {static_cast<std::uint8_t>(level ? contract::canopen::kSyncOutput : 0)}}};
+    port.send(outputs, 0);
+    ASSERT_TRUE(wait_for([&](const CanFrame&) { return device.output() == level; })) << "the synchronisation output";
+  }
   device.set_silent(true);
   ASSERT_TRUE(wait_for([](const CanFrame& f) { return f.id == 0x188 && f.data[0] == 0x0F; })) << "silence is not read as pressed";
   device.set_silent(false);

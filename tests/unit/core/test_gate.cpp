@@ -420,13 +420,14 @@ TEST_F(Gate, WhereNoDriveMayRunBothAreSwitchedOff) {
   EXPECT_TRUE(both(0));
 }
 
-TEST_F(Gate, H1_H23OfTheOutputsOnlyTheRelaysTwoLeave) {
+TEST_F(Gate, H1_H23OfTheOutputsOnlyTheRelaysTwoAndTheSynchronisationLeave) {
   const std::uint32_t id = contract::pdo_cob_id(Pdo::io_rx1, Node::io);
   EXPECT_TRUE(judge({id, 1, 0, {0}}));
   EXPECT_TRUE(judge({id, 1, 0, {canopen::kRelayFeed}}));
   EXPECT_TRUE(judge({id, 1, 0, {canopen::kRelayRelease}}));
   EXPECT_TRUE(judge({id, 1, 0, {canopen::kRelayFeed | canopen::kRelayRelease}}));
-  for (unsigned bit = 2; bit < 8; ++bit) EXPECT_FALSE(judge({id, 1, 0, {static_cast<std::uint8_t>(1U << bit)}})) << bit;
+  EXPECT_TRUE(judge({id, 1, 0, {canopen::kSyncOutput | canopen::kRelayFeed}}));
+  for (unsigned bit = 3; bit < 8; ++bit) EXPECT_FALSE(judge({id, 1, 0, {static_cast<std::uint8_t>(1U << bit)}})) << bit;
   EXPECT_FALSE(judge({id, 0, 0, {}}));
   EXPECT_FALSE(judge({id, 2, 0, {1}}));
 }

@@ -29,6 +29,12 @@ bool same(const contract::Params& a, const contract::Params& b) {
 
 bool is_moving_now(const ScriptedHoist& hoist) { return hoist.state.mode == Mode::user; }
 
+bool all_changes(const ScriptedHoist& hoist, contract::InEffect in_effect) {
+  return std::ranges::all_of(hoist.events, [&](const contract::Event& event) {
+    return event.kind != EventKind::parameter_changed || event.code == static_cast<std::uint32_t>(in_effect);
+  });
+}
+
 struct Row {
   ParamName name;
   double value;
@@ -331,6 +337,29 @@ TEST(Gains, H27NeverMoveFasterThanTwentyPercentASecond) {
   }
   EXPECT_TRUE(same(hoist.state.live, hoist.state.params)) << "and they arrive";
   EXPECT_NEAR(ticks * kTick_s, std::log(2.0) / 0.2, 0.3) << "twice or half as much takes 3.5 s";
+  // Each arrival is an event of the step from which on the new value acts.
+  EXPECT_EQ(hoist.count(EventKind::parameter_settled), 3);
+  EXPECT_TRUE(all_changes(hoist, contract::InEffect::gradually));
+  const contract::Event last_settled = hoist.events.back();
+  EXPECT_EQ(last_settled.kind, EventKind::parameter_settled);
+  EXPECT_EQ(last_settled.tick, hoist.state.tick);
+  EXPECT_EQ(last_settled.value, contract::get_param(hoist.state.params, *contract::find_param_id(last_settled.item)));
+}
+
+TEST(Gains, AnArrivalIsToldOfTheNewestValueOnlyAndAlsoWhenTheDriveEnds) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  ASSERT_EQ(set(hoist, {{ParamName::lean_gain_direct_units, 4}}), 0U);
+  hoist.step(20);
+  ASSERT_EQ(set(hoist, {{ParamName::lean_gain_direct_units, 2}}), 0U);
+  EXPECT_EQ(hoist.count(EventKind::parameter_settled), 0);
+  ASSERT_EQ(hoist.ask(CommandKind::request_mode, 7, static_cast<std::uint32_t>(Mode::standby)), 0U);
+  ASSERT_TRUE(hoist.reach(Mode::standby, 500));
+  hoist.step(2);
+  ASSERT_EQ(hoist.count(EventKind::parameter_settled), 1);
+  const auto settled = std::ranges::find(hoist.events, EventKind::parameter_settled, &contract::Event::kind);
+  EXPECT_EQ(settled->item, id_of(ParamName::lean_gain_direct_units));
+  EXPECT_EQ(settled->value, 2);
 }
 
 TEST(Gains, H27AJumpOfAGainIsNoJumpOfTheSpeed) {
@@ -355,6 +384,8 @@ TEST(Gains, OnStandbyAndForCapsThereIsNothingToWaitFor) {
   ASSERT_TRUE(hoist.run_until_powered());
   ASSERT_EQ(set(hoist, {{ParamName::speed_cap_norm, 0.2}}), 0U);
   EXPECT_EQ(hoist.state.live.speed_cap_norm, 0.2) << "a lower cap must not wait; the limiter makes it gentle";
+  EXPECT_EQ(hoist.count(EventKind::parameter_settled), 0);
+  EXPECT_TRUE(all_changes(hoist, contract::InEffect::at_once));
 }
 
 TEST(Gains, DrivesHearOfTheirGainsInSmallSteps) {

@@ -40,6 +40,28 @@ void record_eventful(Fixture& f) {
   event.item = contract::kParams[contract::param_index(contract::ParamName::lean_range_rad)].id;
   event.value = 0.125;
   event.before = 0.25;
+  event.code = static_cast<std::uint32_t>(contract::InEffect::at_once);
+  EXPECT_TRUE(f.writer.append_events(std::span(&event, 1)).ok());
+  // A gain that is changed twice while the hoist is driven: the first value is never reached.
+  event.item = contract::kParams[contract::param_index(contract::ParamName::lean_gain_direct_units)].id;
+  event.code = static_cast<std::uint32_t>(contract::InEffect::gradually);
+  for (const double value : {4.0, 3.0}) {
+    event.before = value - 2;
+    event.value = value;
+    event.tick += 10;
+    event.time_ns += 100'000'000;
+    EXPECT_TRUE(f.writer.append_events(std::span(&event, 1)).ok());
+  }
+  event.kind = contract::EventKind::parameter_settled;
+  event.tick += 100;
+  event.time_ns += 1'000'000'000;
+  EXPECT_TRUE(f.writer.append_events(std::span(&event, 1)).ok());
+  // Another recording system says that it records.
+  event = {};
+  event.tick = 250;
+  event.time_ns = kStart_ns + 2'500'000'000;
+  event.kind = contract::EventKind::sync_input;
+  event.code = 1;
   EXPECT_TRUE(f.writer.append_events(std::span(&event, 1)).ok());
   EXPECT_TRUE(f.writer.append_marker(60, kStartUtc_ns + 600'000'000, "turn; \"left\"").ok());
   EXPECT_TRUE(f.writer.append_gap("ticks", 300, 339, "not_received").ok());
@@ -50,17 +72,27 @@ TEST(Manifest, TellsParametersChangesCalibrationWordsGapsAndClockInCsvAndJson) {
   Fixture f;
   record_eventful(f);
   const std::vector<std::string> lines = lines_of(whole(f.database, f.id, {}));
-  for (const char* line :
-       {"# parameter,lean_range_rad; 0.174532925; rad", "# parameter change,0.5 s; lean_range_rad; 0.125; rad; before 0.25",
-        "# calibrated,zero; 2026-05-28T20:26:40.000000Z", "# calibrated,track; never", "# mode,2; user; Patient leads",
-        "# gap,ticks; ticks 300 to 339; not_received", "# clock,0.0 s; 2026-09-21T14:13:20.123456Z"})
+  for (const char* line : {"# parameter,lean_range_rad; 0.174532925; rad",
+                           "# parameter change,0.5 s; lean_range_rad; 0.125; rad; before 0.25; in effect at 0.5 s",
+                           "# parameter change,0.6 s; lean_gain_direct_units; 4.0; units; before 2.0",
+                           "# parameter change,0.7 s; lean_gain_direct_units; 3.0; units; before 1.0; in effect at 1.7 s",
+                           "# calibrated,zero; 2026-05-28T20:26:40.000000Z", "# calibrated,track; never", "# mode,2; user; Patient leads",
+                           "# gap,ticks; ticks 300 to 339; not_received", "# clock,0.0 s; 2026-09-21T14:13:20.123456Z"})
     EXPECT_NE(std::ranges::find(lines, line), lines.end()) << line;
   EXPECT_TRUE(std::ranges::any_of(lines, [](const std::string& line) { return line.starts_with("# exported by,hoist 0."); }));
   const json told = json::parse(whole(f.database, f.id, {.format = ExportFormat::json}))["manifest"];
   EXPECT_EQ(told["parameters"]["lean_range_rad"], (json{{"value", 0.174532925}, {"unit", "rad"}}));
-  EXPECT_EQ(
-      told["parameter_changes"],
-      json::array({{{"tick", 50}, {"time_s", 0.5}, {"name", "lean_range_rad"}, {"value", 0.125}, {"before", 0.25}, {"unit", "rad"}}}));
+  const json& changes = told["parameter_changes"];
+  ASSERT_EQ(changes.size(), 3U);
+  EXPECT_EQ(changes[0], (json{{"tick", 50},
+                              {"time_s", 0.5},
+                              {"in_effect_s", 0.5},
+                              {"name", "lean_range_rad"},
+                              {"value", 0.125},
+                              {"before", 0.25},
+                              {"unit", "rad"}}));
+  EXPECT_EQ(changes[1]["in_effect_s"], nullptr) << "another change came before";
+  EXPECT_EQ(changes[2]["in_effect_s"], 1.7);
   EXPECT_EQ(told["calibration"]["zero"], "2026-05-28T20:26:40.000000Z");
   EXPECT_EQ(told["calibration"]["track"], nullptr);
   EXPECT_EQ(told["modes"]["2"]["name"], "user");
@@ -68,6 +100,19 @@ TEST(Manifest, TellsParametersChangesCalibrationWordsGapsAndClockInCsvAndJson) {
   EXPECT_EQ(told["clock"][0]["utc"], "2026-09-21T14:13:20.123456Z");
   EXPECT_EQ(told["faults"].size(), contract::kFaults.size());
   EXPECT_EQ(told["recordings_file"], f.database.file_id());
+}
+
+TEST(Events, AnEdgeOfTheSynchronisationHasItsStepTimeAndLevel) {
+  Fixture f;
+  record_eventful(f);
+  const std::vector<std::string> lines = lines_of(whole(f.database, f.id, {.format = ExportFormat::events, .comments = false}));
+  EXPECT_TRUE(std::ranges::any_of(
+      lines, [](const std::string& line) { return line.starts_with("2026-09-21T14:13:22.623456Z,2.500000,250,sync_input,on,1,"); }));
+  const json events = json::parse(whole(f.database, f.id, {.format = ExportFormat::json}))["events"];
+  const auto edge = std::ranges::find(events, "sync_input", [](const json& event) { return event["kind"]; });
+  ASSERT_NE(edge, events.end());
+  EXPECT_EQ((*edge)["tick"], 250);
+  EXPECT_EQ((*edge)["name"], "on");
 }
 
 TEST(GermanCsv, IsThePlainOneWithOtherSigns) {
@@ -84,6 +129,7 @@ TEST(GermanCsv, IsThePlainOneWithOtherSigns) {
   ASSERT_EQ(ours.size(), theirs.size());
   for (std::size_t i = 1; i < ours.size(); ++i) {
     std::string rest = ours[i].substr(ours[i].find(';') + 1);
+    ASSERT_EQ(rest.find('.'), std::string::npos) << "numbers have a decimal comma: " << rest;
     std::ranges::replace(rest, ',', '.');
     std::ranges::replace(rest, ';', ',');
     ASSERT_EQ(rest, theirs[i].substr(theirs[i].find(',') + 1));

@@ -150,6 +150,11 @@ TEST_F(Exports, ManySessionsAreAJobWithAFile) {
   const std::string one = finished({{"kind", "export_sessions"}, {"layout", "bids"}, {"subject", "P-2"}});
   EXPECT_EQ(get(one).json()["result"]["sessions"], 1);
   EXPECT_NE(get(one + "/file").body.find("sub-P2/"), std::string::npos);
+  const std::string tables = finished({{"kind", "export_sessions"}, {"layout", "sqlite"}});
+  const Answer plain = get(tables + "/file");
+  EXPECT_EQ(plain.header("content-type"), "application/vnd.sqlite3");
+  EXPECT_EQ(plain.header("content-disposition"), "attachment; filename=\"hoist_sessions.sqlite\"");
+  EXPECT_EQ(plain.body.substr(0, 16), std::string("SQLite format 3\0", 16));
   const std::string none = finished({{"kind", "export_sessions"}, {"subject", "P-3"}});
   EXPECT_EQ(get(none).json()["state"], "failed");
   EXPECT_EQ(get(none).json()["detail"], "no session fits");

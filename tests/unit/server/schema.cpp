@@ -45,9 +45,11 @@ std::string mismatch(const json& document, const json& schema, const json& value
     if (!found) return where + " is not of type " + types.dump() + ": " + value.dump();
   }
   if (value.is_object()) {
-    for (const json& name : schema.value("required", json::array()))
+    static const json kNone = json::object();
+    const json& required = schema.contains("required") ? schema["required"] : kNone;
+    const json& properties = schema.contains("properties") ? schema["properties"] : kNone;
+    for (const json& name : required)
       if (!value.contains(name.get<std::string>())) return where + " lacks " + name.get<std::string>();
-    const json properties = schema.value("properties", json::object());
     for (const auto& [name, member] : value.items()) {
       if (properties.contains(name)) {
         if (std::string why = mismatch(document, properties[name], member, where + "." + name); !why.empty()) return why;

@@ -10,6 +10,7 @@ export type ExportFormat =
   | 'candump'
   | 'mcap'
   | 'mat'
+  | 'sqlite'
   | 'zip';
 
 export interface ExportFormatInfo {
@@ -27,5 +28,6 @@ export const exportFormats: readonly ExportFormatInfo[] = [
   { name: 'candump', title: { en: 'CAN frames (candump)', de: 'CAN-Nachrichten (candump)' }, columns: false },
   { name: 'mcap', title: { en: 'Robot log (MCAP)', de: 'Roboter-Protokoll (MCAP)' }, columns: true },
   { name: 'mat', title: { en: 'MATLAB, Octave (MAT)', de: 'MATLAB, Octave (MAT)' }, columns: true },
+  { name: 'sqlite', title: { en: 'Plain tables (SQLite)', de: 'Einfache Tabellen (SQLite)' }, columns: true },
   { name: 'zip', title: { en: 'All files (ZIP)', de: 'Alle Dateien (ZIP)' }, columns: false },
 ];

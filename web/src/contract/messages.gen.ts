@@ -403,9 +403,11 @@ export const eventKinds = [
   'calibration_result',
   'calibration_ended',
   'guided_ended',
+  'sync_input',
   'parameters_on_trial',
   'parameters_confirmed',
   'parameters_reverted',
+  'parameter_settled',
 ] as const;
 export type EventKind = (typeof eventKinds)[number];
 
@@ -436,4 +438,4 @@ export const nodes: readonly NodeInfo[] = [
 ];
 
 /** Two programs with different hashes do not understand each other. */
-export const layoutHash = '98bbc4d56f903d5d';
+export const layoutHash = '2c60717fc27f9a5c';

@@ -553,8 +553,8 @@ export type JobRequest = {
   /** YYYY-MM-DD. */
   from_day?: string;
   kind: 'export_sessions';
-  /** files (when not given): a folder per session; bids: a data set as Motion-BIDS lays it out, without notes and user names. */
-  layout?: 'files' | 'bids';
+  /** files (when not given): a folder per session; bids: a data set as Motion-BIDS lays it out, without notes and user names; sqlite: one SQLite file with plain tables. */
+  layout?: 'files' | 'bids' | 'sqlite';
   /** These only; the filters do not count. */
   sessions?: readonly number[];
   /** false: without recordings of a simulated hoist. */
@@ -1804,7 +1804,7 @@ export interface Routes {
   /** A session in one of the formats of db/export/formats.def; of mcap also a part (Range). */
   'GET /api/v1/sessions/{id}/export': {
     path: { id: number };
-    query?: { format?: 'csv' | 'csv_de' | 'events' | 'json' | 'candump' | 'mcap' | 'mat' | 'zip'; columns?: string; constant?: number; comments?: number };
+    query?: { format?: 'csv' | 'csv_de' | 'events' | 'json' | 'candump' | 'mcap' | 'mat' | 'sqlite' | 'zip'; columns?: string; constant?: number; comments?: number };
     answer: never;
   };
   /** Markers of a session, in the order in which they were set. */

@@ -407,6 +407,7 @@ export const de: Table = {
   'exports.layout': 'Inhalt',
   'exports.files': 'Ein Ordner je Sitzung',
   'exports.bids': 'Forschungsdatensatz (Motion-BIDS)',
+  'exports.sqlite': 'Einfache Tabellen (SQLite)',
   'exports.simulated': 'Auch Aufnahmen der Simulation',
   'exports.make': 'Datei erstellen',
   'exports.making': 'Stellt zusammen …',
@@ -454,6 +455,10 @@ export const de: Table = {
   'event.command_refused': 'Abgelehnt',
   'event.emergency': 'Meldung von Sensor oder Antrieb',
   'event.guided_ended': 'Übung beendet',
+  'event.parameter_settled': 'Einstellung wirkt voll',
+  'event.sync_input': 'Synchronsignal',
+  'event.syncOn': 'ein',
+  'event.syncOff': 'aus',
   'event.marker': 'Merkpunkt',
 
   'calibrate.start': 'Beginnen',

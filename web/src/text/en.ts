@@ -407,6 +407,7 @@ export const en = {
   'exports.layout': 'Content',
   'exports.files': 'A folder for each session',
   'exports.bids': 'Research data set (Motion-BIDS)',
+  'exports.sqlite': 'Plain tables (SQLite)',
   'exports.simulated': 'Also recordings of the simulation',
   'exports.make': 'Make file',
   'exports.making': 'Collecting …',
@@ -454,6 +455,10 @@ export const en = {
   'event.command_refused': 'Refused',
   'event.emergency': 'Message from a device',
   'event.guided_ended': 'Exercise ended',
+  'event.parameter_settled': 'Setting in full effect',
+  'event.sync_input': 'Synchronisation signal',
+  'event.syncOn': 'on',
+  'event.syncOff': 'off',
   'event.marker': 'Mark',
 
   'calibrate.start': 'Start',

@@ -9,7 +9,7 @@ export function eventText(kind: string, name: string, value: number | null, befo
   const fault = faults.find((row) => row.name === name);
   const mode = modes.find((row) => row.name === name);
   const param = params.find((row) => row.name === name);
-  if (kind === 'calibration_result' && param) {
+  if ((kind === 'calibration_result' || kind === 'parameter_settled') && param) {
     const show = shownAs(param.name, param.unit);
     return `${title}: ${words(param.title)} ${withUnit(plain((value ?? NaN) * show.factor), show.unit)}`;
   }
@@ -18,6 +18,7 @@ export function eventText(kind: string, name: string, value: number | null, befo
     const number = (si: number | null) => (si === null ? '–' : plain(si * show.factor));
     return `${title}: ${words(param.title)} ${number(before)} → ${withUnit(number(value), show.unit)}`;
   }
+  if (kind === 'sync_input') return `${title}: ${t(code === 1 ? 'event.syncOn' : 'event.syncOff')}`;
   if (kind === 'command_refused' && name !== '') return `${title}: ${refusalText(name)}`;
   if (fault) return `${title}: ${words(fault.text)}`;
   if (mode) return `${title}: ${words(mode.title)}`;

@@ -9,7 +9,7 @@ import { Progress } from '../../ui/progress';
 
 const codeMost = 64;
 const mega = 1e6;
-type Layout = 'files' | 'bids';
+type Layout = 'files' | 'bids' | 'sqlite';
 
 export function ExportMany() {
   const [from, setFrom] = useState('');
@@ -51,6 +51,7 @@ export function ExportMany() {
           <select value={layout} disabled={work.busy} onChange={(event) => setLayout(event.currentTarget.value as Layout)}>
             <option value="files">{t('exports.files')}</option>
             <option value="bids">{t('exports.bids')}</option>
+            <option value="sqlite">{t('exports.sqlite')}</option>
           </select>
         </label>
         <label class="check">
