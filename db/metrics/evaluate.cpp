@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "db/metrics/cross_correlation.hpp"
 
@@ -78,11 +79,14 @@ ReferenceColumns reference_of(const contract::ReferencePath& path, const RunColu
   return reference;
 }
 
-std::optional<Evaluation> evaluate(const contract::ReferencePath& path, const RunColumns& run, double window_m) {
+std::optional<Evaluation> evaluate(const contract::ReferencePath& path, const RunColumns& run, double window_m,
+                                   ReferenceColumns* reference) {
   if (!usable(path, run)) return std::nullopt;
-  const ReferenceColumns reference = reference_of(path, run, window_m);
-  return Evaluation{cross_correlation(run.dpsi_rad, reference.omega_rad_s),
-                    normalised_ise({run.x_m, run.y_m, run.psi_rad, reference.x_m, reference.y_m, reference.psi_rad})};
+  ReferenceColumns held = reference_of(path, run, window_m);
+  const Evaluation out{cross_correlation(run.dpsi_rad, held.omega_rad_s),
+                       normalised_ise({run.x_m, run.y_m, run.psi_rad, held.x_m, held.y_m, held.psi_rad})};
+  if (reference != nullptr) *reference = std::move(held);
+  return out;
 }
 
 std::optional<Evaluation> evaluate_at_metric_rate(const contract::ReferencePath& path, const RunColumns& run, double window_m) {

@@ -50,9 +50,9 @@ struct Evaluation {
                                             double window_m = contract::kProjectionWindow_m);
 
 /// C, J and L at the rate the run was sampled. No value at all for columns of different length, none, a sample that is not finite,
-/// a dt or a path that is not usable.
+/// a dt or a path that is not usable. `reference` gets what the run was held against.
 [[nodiscard]] std::optional<Evaluation> evaluate(const contract::ReferencePath& path, const RunColumns& run,
-                                                 double window_m = contract::kProjectionWindow_m);
+                                                 double window_m = contract::kProjectionWindow_m, ReferenceColumns* reference = nullptr);
 
 /// The same after linear resampling to 100 Hz, so that J_N of recordings made at other rates can be compared.
 [[nodiscard]] std::optional<Evaluation> evaluate_at_metric_rate(const contract::ReferencePath& path, const RunColumns& run,

@@ -1,30 +1,25 @@
 #include "db/summary/session_json.hpp"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "db/codec/exercise_json.hpp"
 #include "db/export/provenance.hpp"
-#include "db/metrics/metric_list.hpp"
 #include "db/store/session_reader.hpp"
 
 namespace hoist::db {
 
 namespace {
-nlohmann::json or_null(double value) { return value; }
-nlohmann::json or_null(const std::optional<double>& value) {
-  return value && std::isfinite(*value) ? nlohmann::json(*value) : nlohmann::json(nullptr);
-}
-
 // A recorded column stands for its twin of the repaired track; what the session does not have is left out.
 std::string recorded_name(const InputHashes& recorded, const std::string& input) {
   if (const std::string fused = "fused_" + input; recorded.contains(fused)) return fused;
   return recorded.contains(input) ? input : "";
 }
 
-// Which definition a figure follows and what it was computed from.
-nlohmann::json computed_from(const MetricInfo& metric, const InputHashes& recorded) {
+nlohmann::json code_or_null(NoFigure why) { return why == NoFigure::none ? nlohmann::json(nullptr) : nlohmann::json(no_figure_name(why)); }
+
+// Which definition a figure follows, what it was computed from, and why it has no number.
+nlohmann::json computed_from(const MetricInfo& metric, NoFigure why, const InputHashes& recorded) {
   nlohmann::json inputs = nlohmann::json::array();
   std::uint64_t hash = contract::kHashStart;
   std::istringstream names{std::string(metric.inputs)};
@@ -34,7 +29,7 @@ nlohmann::json computed_from(const MetricInfo& metric, const InputHashes& record
     inputs.push_back(input);
     hash = contract::hash_number(contract::hash_bytes(hash, input), recorded.find(input)->second);
   }
-  return {{"version", metric.version}, {"inputs", std::move(inputs)}, {"hash", layout_text(hash)}};
+  return {{"version", metric.version}, {"inputs", std::move(inputs)}, {"hash", layout_text(hash)}, {"reason_code", code_or_null(why)}};
 }
 }  // namespace
 
@@ -45,11 +40,13 @@ nlohmann::json metrics_json(const SessionMetrics& metrics, const std::optional<s
             {"track", metrics.track},
             {"exercise", exercise_as_told(exercise)},
             {"reason_if_none", why == NoFigure::none ? json(nullptr) : json(no_figure_sentence(why))},
-            {"reason_code", why == NoFigure::none ? json(nullptr) : json(no_figure_name(why))}};
-#define HOIST_METRIC(key, version, unit, member, defined, inputs, source, doc) told[#key] = or_null(metrics.member);
-#include "db/metrics/metrics.def"
-#undef HOIST_METRIC
-  for (const MetricInfo& metric : kMetrics) told["computed"][std::string(metric.key)] = computed_from(metric, metrics.inputs);
+            {"reason_code", code_or_null(why)}};
+  for (std::size_t i = 0; i < kMetrics.size(); ++i) {
+    const std::string key(kMetrics[i].key);
+    const Figure& one = metrics.figures[i];
+    told[key] = one.value ? json(*one.value) : json(nullptr);
+    told["computed"][key] = computed_from(kMetrics[i], one.why, metrics.inputs);
+  }
   return told;
 }
 

@@ -9,8 +9,9 @@
 
 namespace hoist::db {
 
-/// The figures of db/metrics/metrics.def by their keys, null = not defined; "computed" says of each which version of its definition it follows,
-/// the inputs it was computed from and their hash (16 hexadecimal digits); "session", "track", "exercise", "reason_if_none", "reason_code".
+/// The figures of db/metrics/metric_list.hpp by their keys, null = not valid; "computed" says of each which version of its definition it follows,
+/// the inputs it was computed from, their hash (16 hexadecimal digits) and why it is not valid; "session", "track", "exercise";
+/// "reason_if_none" and "reason_code" of C and J_N.
 nlohmann::json metrics_json(const SessionMetrics& metrics, const std::optional<std::string>& exercise);
 
 /// The same of a stored session: what REST and `hoist metrics` answer.

@@ -29,6 +29,8 @@ constexpr double kHelpedAfter_s = 3.0;
 /// Full sway from this speed on; below, steps are small, and a standing patient is still.
 constexpr double kFullGait_m_s = 0.15;
 constexpr double kGaitLag_s = 0.3;
+/// Warp of the phase for a limp: the way from the left to the right takes longer than the way back by the limp's share of their mean.
+constexpr double kLimp_rad = kPi / 4.0;
 /// Pendulum of 1 m for the stumble (SOURCES 2.1) and the most that a body hanging over pushes.
 constexpr double kPendulum_m = 1.0;
 constexpr double kFallPush_m_s2 = 2.5;
@@ -37,8 +39,7 @@ constexpr double kCollapse_s = 0.4;
 constexpr double kCollapsePush_m_s2 = 2.0;
 /// Sideways the legs keep the body between the struts: 1 Hz, well damped.
 constexpr double kCentre_rad_s = 6.28;
-/// Where a lean becomes uncomfortable (7.5 degrees), and how hard the patient then resists going farther.
-constexpr double kComfort_m = 0.105;
+/// How hard the patient resists an uncomfortable lean.
 constexpr double kComfort_n_m = 1200.0;
 constexpr double kArrivalRoll_s = 0.9;
 constexpr double kStoppingLead_m_s = 0.25;
@@ -160,7 +161,7 @@ void Patient::adapt(double answer_per_s2) {
   const double turn_s = kHalfWidth_m * kUsualBend_per_m / params_.turn_habit_per_s;
   const auto bend_m_s = [&](double reach_m, double per_s2) { return (reach_m - sway_m) / (kKeeps_per_s / per_s2 + turn_s); };
   const double answer = std::clamp(answer_per_s2, kLeastAnswer_per_s2, kUsualAnswer_per_s2);
-  reach_m_ = std::min(kReach_m * kUsualAnswer_per_s2 / answer, kReachMost_m);
+  reach_m_ = std::min(params_.reach_m * kUsualAnswer_per_s2 / answer, kReachMost_m);
   fast_m_s_ = kLeanShare_norm * (reach_m_ - sway_m) / (kKeeps_per_s / answer);
   ease_norm_ = std::min(bend_m_s(reach_m_, answer) / bend_m_s(kReach_m, kUsualAnswer_per_s2), 1.0);
 }
@@ -287,6 +288,14 @@ void Patient::steer(const PlatformMotion& seen) {
   if (!path_.closed() && progress_m_ >= path_.length_m() - kArrivalRoll_s * std::fabs(seen.speed_m_s)) arrived_ = true;
 }
 
+// A patient who follows turns towards the line ahead, as far as anticipated, and trails behind the hoist's own turning.
+void Patient::turn_along(const PlatformMotion& felt) {
+  if (params_.anticipation_norm == 0.0 && params_.trailing_s == 0.0) return;
+  steer(felt);
+  yaw_goal_rad_ = params_.anticipation_norm * yaw_goal_rad_ - params_.trailing_s * felt.yaw_rate_rad_s;
+  yaw_goal_rad_ = std::clamp(yaw_goal_rad_, -params_.yaw_limit_rad, params_.yaw_limit_rad);
+}
+
 void Patient::think(const PatientSenses& senses) {
   decide(senses);
   memories_[memory_at_] = {senses.platform, senses.springs.forward_n};
@@ -316,6 +325,7 @@ void Patient::think(const PatientSenses& senses) {
       compensation_n_ = params_.compensation_norm * felt.spring_n;
       [[fallthrough]];
     case PatientState::following:
+      if (state_ == PatientState::following) turn_along(felt.platform);
       gait_goal_norm_ = 0.6 * pace_norm;
       break;
     default:
@@ -356,7 +366,7 @@ void Patient::step_1ms(const PatientSenses& senses) {
     if (state_ == PatientState::hanging) legs_n += senses.springs.forward_n;
   } else {
     legs_n = compensation_n_ + params_.drive_n_s_m * (push_goal_m_s_ - own_m_s);
-    if (x_m_ > kComfort_m) legs_n -= kComfort_n_m * (x_m_ - kComfort_m);
+    if (x_m_ > params_.comfort_m) legs_n -= kComfort_n_m * (x_m_ - params_.comfort_m);
     legs_n = std::clamp(legs_n, -params_.leg_force_n, params_.leg_force_n);
     // Standing or led: the feet go with the frame, and with the push of a frame that starts or brakes.
     if (state_ != PatientState::leading && state_ != PatientState::trying)
@@ -381,17 +391,21 @@ void Patient::step_1ms(const PatientSenses& senses) {
     const double rate_rad_s = 2.0 * kPi * (params_.stride_hz + params_.stride_hz_per_m_s * std::fabs(senses.platform.speed_m_s));
     phase_rad_ += rate_rad_s * kStep_s;
     if (phase_rad_ > 2.0 * kPi) phase_rad_ -= 2.0 * kPi;
-    const double sine = std::sin(phase_rad_);
-    const double cosine = std::cos(phase_rad_);
+    // A held leg: the sway lingers on one side. The rate of the warped phase follows.
+    const double limp = params_.limp_norm;
+    const double warped_rad = limp == 0.0 ? phase_rad_ : phase_rad_ + kLimp_rad * limp * std::cos(phase_rad_);
+    const double warped_rate_rad_s = limp == 0.0 ? rate_rad_s : rate_rad_s * (1.0 - kLimp_rad * limp * std::sin(phase_rad_));
+    const double sine = std::sin(warped_rad);
+    const double cosine = std::cos(warped_rad);
     const double forward_m = params_.sway_forward_m * gait_norm_;
     const double aside_m = params_.sway_lateral_m * gait_norm_;
     const double twist_rad = params_.sway_yaw_rad * gait_norm_;
     next.dx_m += forward_m * 2.0 * sine * cosine;
-    next.dx_rate_m_s += forward_m * 2.0 * rate_rad_s * (cosine * cosine - sine * sine);
+    next.dx_rate_m_s += forward_m * 2.0 * warped_rate_rad_s * (cosine * cosine - sine * sine);
     next.dy_m += aside_m * cosine;
-    next.dy_rate_m_s -= aside_m * rate_rad_s * sine;
+    next.dy_rate_m_s -= aside_m * warped_rate_rad_s * sine;
     next.yaw_rad += twist_rad * sine;
-    next.yaw_rate_rad_s += twist_rad * rate_rad_s * cosine;
+    next.yaw_rate_rad_s += twist_rad * warped_rate_rad_s * cosine;
   }
   harness_ = next;
 }

@@ -37,6 +37,13 @@ struct PatientParams {
   double sway_yaw_rad{5.0 * kDegree_rad};
   double stride_hz{0.42};  ///< stride frequency = this + slope x speed
   double stride_hz_per_m_s{0.5};
+  double comfort_m{0.105};  ///< where a lean becomes uncomfortable: 7.5 degrees, three quarters of a range of 10
+  double reach_m{0.165};    ///< of each strut, for lean, turn and sway together, in a hoist that answers as usual: 11.7 degrees
+  // Led by another (assumed; with zeros the pelvis only goes along).
+  double anticipation_norm{0.0};  ///< share of the turn of a leading patient that one who follows makes towards the line ahead
+  double trailing_s{0.0};         ///< by how much the pelvis trails behind a turning hoist: hip and harness are not stiff
+  // A leg that is held (assumed): one step takes longer than the other, by this share of their mean.
+  double limp_norm{0.0};
   /// How long this patient opposes a hoist led by another (assumed). A stubborn one never yields, which is harder for the machine, so the
   /// random sessions use those.
   double yields_after_s{1.0};
@@ -110,6 +117,7 @@ class Patient {
   void adapt(double answer_per_s2);
   void enter(PatientState state);
   void steer(const PlatformMotion& seen);
+  void turn_along(const PlatformMotion& felt);
   void fall(PatientState how);
   [[nodiscard]] double opposed_by(const PlatformMotion& now) const;
   [[nodiscard]] double fall_push_n(const PlatformMotion& platform);

@@ -408,14 +408,15 @@ constexpr std::string_view kSchemas = R"json({
   "text": {"type": "string"}, "actor": {"$ref": "#/components/schemas/ActorOrNull"}}, "additionalProperties": false}},
   "gaps": {"type": "array", "items": {"type": "object", "required": ["stream", "from_tick", "to_tick", "reason"], "properties": {"stream": {"type": "string"},
   "from_tick": {"type": "integer"}, "to_tick": {"type": "integer"}, "reason": {"type": "string"}}, "additionalProperties": false}}}, "additionalProperties": false},
-"Metrics": {"type": "object", "description": "The figures of db/metrics/metrics.def", "required": ["session", "track", "exercise", "reason_if_none", "reason_code", "computed"],
+"Metrics": {"type": "object", "description": "The figures of db/metrics/metric_list.hpp", "required": ["session", "track", "exercise", "reason_if_none", "reason_code", "computed"],
   "properties": {"session": {"type": "integer"}, "track": {"enum": ["fused", "encoders"], "description": "Which track was compared: with slip repaired, or the encoders' own"},
-  "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"}, "reason_if_none": {"type": ["string", "null"], "description": "Why there is no C, J_N, or one of them"},
+  "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"}, "reason_if_none": {"type": ["string", "null"], "description": "Why there is no C, J_N, or one of them; of the other figures: computed"},
   "reason_code": {"anyOf": [{"$ref": "#/components/schemas/NoFigure"}, {"type": "null"}]},
   "computed": {"type": "object", "description": "Of each figure", "required": [], "properties": {}, "additionalProperties": false}}, "additionalProperties": false},
-"ComputedFrom": {"type": "object", "required": ["version", "inputs", "hash"], "properties": {"version": {"type": "integer", "description": "Of the figure's definition"},
+"ComputedFrom": {"type": "object", "required": ["version", "inputs", "hash", "reason_code"], "properties": {"version": {"type": "integer", "description": "Of the figure's definition"},
   "inputs": {"type": "array", "items": {"type": "string"}, "description": "Recorded columns, gaps, exercise"},
-  "hash": {"type": "string", "description": "Of the values of these inputs: FNV-1a, 16 hexadecimal digits. The same hash and version, the same figure"}}, "additionalProperties": false},
+  "hash": {"type": "string", "description": "Of the values of these inputs: FNV-1a, 16 hexadecimal digits. The same hash and version, the same figure"},
+  "reason_code": {"anyOf": [{"$ref": "#/components/schemas/NoFigure"}, {"type": "null"}], "description": "Why the figure is not valid, where it is null"}}, "additionalProperties": false},
 "MarkerRow": {"type": "object", "required": ["session", "number", "tick", "utc_ms", "time_s", "text", "actor", "etag"], "properties": {"session": {"type": "integer"},
   "number": {"type": "integer", "description": "Within its session"}, "tick": {"type": "integer"}, "utc_ms": {"type": "integer"}, "time_s": {"type": "number", "description": "Since the session's start"},
   "text": {"type": "string"}, "actor": {"$ref": "#/components/schemas/ActorOrNull"}, "etag": {"$ref": "#/components/schemas/EditTag"}}, "additionalProperties": false},
@@ -456,7 +457,7 @@ constexpr std::string_view kSchemas = R"json({
   "figures": {"anyOf": [{"$ref": "#/components/schemas/TrendFigures"}, {"type": "null"}], "description": "null: the recording cannot be read"},
   "reason_code": {"anyOf": [{"$ref": "#/components/schemas/NoFigure"}, {"type": "null"}], "description": "Why there is no C, J_N, or one of them"}}, "additionalProperties": false}},
   "next": {"type": ["string", "null"]}, "simulated_left_out": {"type": "integer", "description": "Recordings of this patient with a simulated hoist"}}, "additionalProperties": false},
-"TrendFigures": {"type": "object", "description": "The figures of db/metrics/metrics.def; null: not defined for this session", "required": [], "properties": {}, "additionalProperties": false},
+"TrendFigures": {"type": "object", "description": "The figures of db/metrics/metric_list.hpp; null: not defined for this session", "required": [], "properties": {}, "additionalProperties": false},
 "MarkerRequest": {"type": "object", "required": ["text"], "properties": {"text": {"type": "string", "maxLength": 500}}, "additionalProperties": false},
 "FirmwareUpdate": {"type": "object", "required": ["node", "version", "phase", "result", "bytes_sent", "bytes_total", "seconds_left", "text"], "properties": {
   "node": {"type": "string"}, "version": {"type": "string"}, "phase": {"enum": ["listening", "asking_drives", "asking_node", "entering_loader", "sending", "checking", "starting",
@@ -550,7 +551,7 @@ json all_schemas() {
   schemas["JobKind"] = names_of(kJobKinds);
   schemas["NoFigure"] = {{"type", "string"}, {"enum", json::array()}};
 #define HOIST_NO_FIGURE(name, text_en, text_de) schemas["NoFigure"]["enum"].push_back(#name);
-#include "db/summary/no_figure.def"
+#include "db/metrics/no_figure.def"
 #undef HOIST_NO_FIGURE
   return schemas;
 }

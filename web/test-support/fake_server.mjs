@@ -16,6 +16,18 @@ export const signals = [...signalText.matchAll(/id: \d+, name: '(\w+)', type: '(
   ([, name, type, unit, offset]) => ({ name, type, unit, offset: Number(offset) }),
 );
 export const layoutHash = /layoutHash = '(\w+)'/.exec(table('messages'))[1];
+// Every figure has a number but those of the steps' spread.
+const metricKeys = [...table('metrics').matchAll(/key: '(\w+)'/g)].map(([, key]) => key);
+const withoutFigure = ['stride_time_cv_norm', 'step_asymmetry_norm'];
+const figures = {
+  ...Object.fromEntries(metricKeys.map((key, i) => [key, withoutFigure.includes(key) ? null : 0.1 * i])),
+  computed: Object.fromEntries(
+    metricKeys.map((key) => [
+      key,
+      { version: 1, inputs: ['mode'], hash: '0'.repeat(16), reason_code: withoutFigure.includes(key) ? 'few_strides' : null },
+    ]),
+  ),
+};
 const paramRows = [...table('params').matchAll(/name: '(\w+)', unit: '[^']*', min: (\S+), default: (\S+), max: ([^,\s]+),\s+edit: '(\w+)'/g)].map(
   ([, name, min, def, max, edit]) => ({ name, min: Number(min), default: Number(def), max: Number(max), edit }),
 );
@@ -978,6 +990,7 @@ export function startFakeServer({
     if (rest === undefined) return send(200, session);
     if (rest === 'metrics')
       return send(200, {
+        ...figures,
         C: 0.82,
         J_N: 6.1,
         reference_length_m: 11.4,

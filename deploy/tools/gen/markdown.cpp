@@ -70,16 +70,18 @@ GeneratedFile params_page() {
 }
 
 GeneratedFile metrics_page() {
-  std::string out = head("db/metrics/metrics.def", "Figures of a session");
+  std::string out = head("db/metrics/metric_list.hpp", "Figures of a session");
   out +=
-      "Only steps in a mode in which the wheels may turn count, 10 ms each. A figure that is not defined is null, never zero. `computed` "
-      "says "
-      "of each figure the version of its definition, its inputs and a hash of their values. x_m, y_m and psi_rad are the track with slip "
-      "repaired (fused_) where it was recorded. Decisions: `db/DECISIONS.md`; D29: `control/core/law/DECISIONS.md`.\n\n";
-  out += table_head({"figure", "version", "unit", "definition", "computed from", "source"});
+      "Only steps in a mode in which the wheels may turn count, 10 ms each. A figure is a number, or null with the reason "
+      "(`computed.KEY.reason_code`, the rows of `no_figure.def`) where a session has not what *valid with* asks for. `computed` says of "
+      "each "
+      "figure the version of its definition, its inputs and a hash of their values. x_m, y_m and psi_rad are the track with slip repaired "
+      "(fused_) where it was recorded; reference: the nearest place of the exercise, never going back (D27). Bouts: more than 0.05 m/s for "
+      "1 s or longer. Decisions: `db/DECISIONS.md`; D numbers: `control/core/law/DECISIONS.md`.\n\n";
+  out += table_head({"figure", "version", "unit", "what it says", "formula", "valid with", "computed from", "source"});
   for (const auto& m : db::kMetrics)
-    out += row(
-        {code(m.key), std::to_string(m.version), std::string(m.unit), std::string(m.doc), std::string(m.inputs), std::string(m.source)});
+    out += row({code(m.key), std::to_string(m.version), std::string(m.unit), std::string(m.doc), std::string(m.formula),
+                m.gate.empty() ? "every session" : std::string(m.gate), std::string(m.inputs), std::string(m.source)});
   return {"db/metrics/metrics.gen.md", out};
 }
 

@@ -8,6 +8,7 @@
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
 #include "db/export/formats.hpp"
+#include "db/metrics/metric_list.hpp"
 #include "deploy/tools/gen/generate.hpp"
 #include "server/contract/topics.hpp"
 
@@ -414,6 +415,36 @@ export const exportFormats: readonly ExportFormatInfo[] = [
   return {"web/src/contract/exports.gen.ts", out + "];\n"};
 }
 
+GeneratedFile metrics_file() {
+  std::string out = head("db/metrics/metric_list.hpp");
+  out += "import type { Words } from './rest.gen';\n\n";
+  out += "export type MetricKey =";
+  for (const db::MetricInfo& metric : db::kMetrics) out += "\n  | " + quoted(metric.key);
+  out += R"(;
+
+export interface MetricInfo {
+  key: MetricKey;
+  group: MetricGroup;
+  title: Words;
+  /** On screens: value times factor, so many digits, then the unit. */
+  unit: string;
+  factor: number;
+  digits: number;
+}
+
+export type MetricGroup = )";
+  for (const db::MetricGroupInfo& group : db::kMetricGroups) out += (&group == db::kMetricGroups.data() ? "" : " | ") + quoted(group.name);
+  out += ";\n\nexport const metricGroups: readonly { name: MetricGroup; title: Words }[] = [\n";
+  for (const db::MetricGroupInfo& group : db::kMetricGroups)
+    out += "  { name: " + quoted(group.name) + ", title: " + words(group.title_en, group.title_de) + " },\n";
+  out += "];\n\nexport const metrics: readonly MetricInfo[] = [\n";
+  for (const db::MetricInfo& metric : db::kMetrics)
+    out += "  {\n    key: " + quoted(metric.key) + ", group: " + quoted(db::kMetricGroups[static_cast<std::size_t>(metric.group)].name) +
+           ", title: " + words(metric.title_en, metric.title_de) + ",\n    unit: " + quoted(metric.screen_unit) +
+           ", factor: " + number_text(db::screen_factor(metric)) + ", digits: " + std::to_string(metric.digits) + ",\n  },\n";
+  return {"web/src/contract/metrics.gen.ts", out + "];\n"};
+}
+
 GeneratedFile exercises_file() {
   std::string out = head("control/contract/exercises.def");
   out += R"(import type { Exercise, Words } from './rest.gen';
@@ -463,7 +494,7 @@ export const exercises: readonly ExerciseInfo[] = [
 }  // namespace
 
 std::vector<GeneratedFile> typescript_files() {
-  return {params_file(), signals_file(), topics_file(), faults_file(), emergencies_file(), exercises_file(), exports_file()};
+  return {params_file(), signals_file(), topics_file(), faults_file(), emergencies_file(), exercises_file(), exports_file(), metrics_file()};
 }
 
 }  // namespace hoist::gen

@@ -10,6 +10,7 @@ int run_sessions(std::span<const std::string_view> arguments);
 int run_export(std::span<const std::string_view> arguments);
 int run_sql_command(std::span<const std::string_view> arguments);
 int run_metrics(std::span<const std::string_view> arguments);
+int run_study(std::span<const std::string_view> arguments);
 int run_verify(std::span<const std::string_view> arguments);
 int run_replay(std::span<const std::string_view> arguments);
 int run_archive(std::span<const std::string_view> arguments);
@@ -26,7 +27,8 @@ constexpr std::array kCommands = {
     Command{"sessions", "list the sessions of a database", &run_sessions},
     Command{"export", "write recorded sessions in the formats of other programs", &run_export},
     Command{"sql", "ask a file of recordings in SQL, samples included", &run_sql_command},
-    Command{"metrics", "how well a session's exercise was walked", &run_metrics},
+    Command{"metrics", "the figures of recorded sessions, and whether told ones still hold", &run_metrics},
+    Command{"study", "the paper's experiment: virtual subjects or recorded sessions, Tables II and III", &run_study},
     Command{"verify", "run a session again and compare every field, bit for bit", &run_verify},
     Command{"replay", "run a session again with other parameters", &run_replay},
     Command{"archive", "an archive of several hoists in PostgreSQL: push, pull, list, verify", &run_archive},

@@ -521,7 +521,7 @@ TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {
   }
 }
 
-SessionMetrics figures_of(const std::vector<TickRecord>& records) {
+SessionMetrics metrics_of(const std::vector<TickRecord>& records) {
   Fixture f;
   SessionStart start = start_of_walk();
   start.exercise_json = R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})";
@@ -549,26 +549,26 @@ TEST(Metrics, a_walk_with_a_part_missing_is_not_compared_and_says_how_much) {
     std::vector<TickRecord> records = walk;
     const auto from = records.begin() + static_cast<std::ptrdiff_t>(one.from);
     records.erase(from, from + static_cast<std::ptrdiff_t>(one.count));
-    const SessionMetrics metrics = figures_of(records);
-    EXPECT_NEAR(metrics.missing_s, one.missing_s, 1e-9) << one.what;
-    EXPECT_EQ(metrics.normalised_ise.has_value(), one.compared) << one.what;
-    EXPECT_EQ(metrics.correlation.has_value(), one.compared) << one.what;
+    const SessionMetrics metrics = metrics_of(records);
+    EXPECT_NEAR(*metrics["missing_s"].value, one.missing_s, 1e-9) << one.what;
+    EXPECT_EQ(metrics["J_N"].value.has_value(), one.compared) << one.what;
+    EXPECT_EQ(metrics["C"].value.has_value(), one.compared) << one.what;
     EXPECT_EQ(metrics.why_absent, one.compared ? NoFigure::none : NoFigure::part_missing) << one.what;
   }
 }
 
 TEST(Metrics, AShortGapAnywhereHardlyChangesTheFigures) {
   const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
-  const SessionMetrics whole = figures_of(walk);
-  ASSERT_TRUE(whole.correlation && whole.normalised_ise);
+  const SessionMetrics whole = metrics_of(walk);
+  ASSERT_TRUE(whole["C"].value && whole["J_N"].value);
   double most_c = 0, most_j = 0;
   for (std::size_t from = 200; from + 250 < walk.size(); from += 100) {
     std::vector<TickRecord> records = walk;
     records.erase(records.begin() + static_cast<std::ptrdiff_t>(from), records.begin() + static_cast<std::ptrdiff_t>(from) + 50);
-    const SessionMetrics gapped = figures_of(records);
-    ASSERT_TRUE(gapped.correlation && gapped.normalised_ise) << from;
-    most_c = std::max(most_c, std::fabs(*gapped.correlation - *whole.correlation));
-    most_j = std::max(most_j, std::fabs(*gapped.normalised_ise / *whole.normalised_ise - 1));
+    const SessionMetrics gapped = metrics_of(records);
+    ASSERT_TRUE(gapped["C"].value && gapped["J_N"].value) << from;
+    most_c = std::max(most_c, std::fabs(*gapped["C"].value - *whole["C"].value));
+    most_j = std::max(most_j, std::fabs(*gapped["J_N"].value / *whole["J_N"].value - 1));
   }
   RecordProperty("largest_change_of_C", std::to_string(most_c));
   RecordProperty("largest_share_of_J", std::to_string(most_j));
@@ -578,7 +578,7 @@ TEST(Metrics, AShortGapAnywhereHardlyChangesTheFigures) {
 
 TEST(Metrics, AWalkThatGoesOnIsComparedAndANewStartIsNot) {
   const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
-  const SessionMetrics whole = figures_of(walk);
+  const SessionMetrics whole = metrics_of(walk);
   // Two seconds of standstill in STANDBY in the middle: pose and distance stay.
   std::vector<TickRecord> paused;
   for (const TickRecord& record : walk) {
@@ -592,44 +592,44 @@ TEST(Metrics, AWalkThatGoesOnIsComparedAndANewStartIsNot) {
     paused[i].tick = i;
     paused[i].time_ns = kStart_ns + i * kTick_ns;
   }
-  const SessionMetrics went_on = figures_of(paused);
-  ASSERT_TRUE(went_on.correlation && went_on.normalised_ise);
-  EXPECT_NEAR(*went_on.correlation, *whole.correlation, 0.01);
-  EXPECT_NEAR(*went_on.normalised_ise, *whole.normalised_ise, 0.01 * *whole.normalised_ise);
-  EXPECT_EQ(went_on.moving_s, whole.moving_s);
+  const SessionMetrics went_on = metrics_of(paused);
+  ASSERT_TRUE(went_on["C"].value && went_on["J_N"].value);
+  EXPECT_NEAR(*went_on["C"].value, *whole["C"].value, 0.01);
+  EXPECT_NEAR(*went_on["J_N"].value, *whole["J_N"].value, 0.01 * *whole["J_N"].value);
+  EXPECT_EQ(went_on["under_way_s"].value, whole["under_way_s"].value);
   // The same with a new mark behind the pause, or with the therapist leading.
   const std::vector<TickRecord> same = paused;
   for (std::size_t i = 1700; i < paused.size(); ++i) paused[i].start_mark = 1;
-  EXPECT_EQ(figures_of(paused).why_absent, NoFigure::several_walks);
+  EXPECT_EQ(metrics_of(paused).why_absent, NoFigure::several_walks);
   paused = same;
   for (std::size_t i = 1900; i < paused.size() - 160; ++i) paused[i].mode = static_cast<std::uint8_t>(contract::Mode::remote);
-  EXPECT_EQ(figures_of(paused).why_absent, NoFigure::several_walks);
-  EXPECT_FALSE(figures_of(paused).normalised_ise.has_value());
-  EXPECT_EQ(metrics_json(figures_of(paused), {})["reason_code"], "several_walks");
+  EXPECT_EQ(metrics_of(paused).why_absent, NoFigure::several_walks);
+  EXPECT_FALSE(metrics_of(paused)["J_N"].value.has_value());
+  EXPECT_EQ(metrics_json(metrics_of(paused), {})["reason_code"], "several_walks");
   // Recordings without the mark's number: a new mark shows by the distance, which restarts at zero.
   paused = same;
   for (std::size_t i = 200; i < 1700; ++i) paused[i].distance_m = 2;
-  EXPECT_EQ(figures_of(paused).why_absent, NoFigure::several_walks);
+  EXPECT_EQ(metrics_of(paused).why_absent, NoFigure::several_walks);
 }
 
 TEST(Metrics, ARecordingThatBeginsMidwayKnowsItsPlace) {
   const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
   std::vector<TickRecord> rest(walk.begin() + 1000, walk.end());
   for (TickRecord& record : rest) record.distance_m = 3.4F;
-  const SessionMetrics late = figures_of(rest);
-  ASSERT_TRUE(late.normalised_ise);
+  const SessionMetrics late = metrics_of(rest);
+  ASSERT_TRUE(late["J_N"].value);
   EXPECT_NEAR(late.start_m, 0.004 * 850, 0.1);
-  EXPECT_NEAR(*late.path_length_m, 12.0 - 3.4, 0.1);
+  EXPECT_NEAR(*late["reference_length_m"].value, 12.0 - 3.4, 0.1);
   // Not at the exercise's start, and not a continuation: the exercise was named afterwards.
   for (TickRecord& record : rest) record.distance_m = 0;
-  EXPECT_EQ(figures_of(rest).why_absent, NoFigure::start_unclear);
+  EXPECT_EQ(metrics_of(rest).why_absent, NoFigure::start_unclear);
   for (TickRecord& record : rest) record.distance_m = 3.4F, record.fused_x_m += 3;
-  EXPECT_EQ(figures_of(rest).why_absent, NoFigure::start_unclear);
+  EXPECT_EQ(metrics_of(rest).why_absent, NoFigure::start_unclear);
 }
 
 TEST(Metrics, EachFigureNamesItsDefinitionAndWhatItWasComputedFrom) {
   const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
-  const auto computed = [](const std::vector<TickRecord>& records) { return metrics_json(figures_of(records), {})["computed"]; };
+  const auto computed = [](const std::vector<TickRecord>& records) { return metrics_json(metrics_of(records), {})["computed"]; };
   const json whole = computed(walk);
   ASSERT_EQ(whole.size(), kMetrics.size());
   EXPECT_EQ(whole, computed(walk));
@@ -646,27 +646,114 @@ TEST(Metrics, EachFigureNamesItsDefinitionAndWhatItWasComputedFrom) {
     return keys;
   };
   // One step of one sample, and the figures of that column are known to be of something else; the others are not touched.
+  const auto of = [](std::string_view column) {
+    std::set<std::string> keys;
+    for (const MetricInfo& metric : kMetrics)
+      if ((" " + std::string(metric.inputs) + " ").find(" " + std::string(column) + " ") != std::string::npos) keys.emplace(metric.key);
+    return keys;
+  };
   std::vector<TickRecord> other = walk;
   other[1000].speed_m_s += 0.01F;
-  EXPECT_EQ(differ(computed(other)), (std::set<std::string>{"walked_m", "mean_speed_m_s", "max_speed_m_s"}));
+  EXPECT_EQ(differ(computed(other)), of("speed_m_s"));
+  EXPECT_TRUE(of("speed_m_s").contains("walked_m") && !of("speed_m_s").contains("C"));
   other = walk;
   other[1000].fused_psi_rad += 0.001F;
-  EXPECT_EQ(differ(computed(other)), (std::set<std::string>{"C", "J_N", "reference_length_m", "rms_position_m", "rms_heading_rad"}));
+  EXPECT_EQ(differ(computed(other)), of("psi_rad"));
+  EXPECT_TRUE(of("psi_rad").contains("J_N") && !of("psi_rad").contains("walked_m"));
   other = walk;
   other[1000].dpsi_rad += 0.001F;
-  EXPECT_EQ(differ(computed(other)), (std::set<std::string>{"C"}));
+  EXPECT_EQ(differ(computed(other)), of("dpsi_rad"));
+  other = walk;
+  other[1000].dy_m += 0.001F;
+  EXPECT_EQ(differ(computed(other)), of("dy_m"));
   other = walk;
   other.erase(other.begin() + 1000);
   EXPECT_EQ(differ(computed(other)).size(), kMetrics.size());
 }
 
+// Every figure is a number or says why not, and never both.
+TEST(Metrics, AFigureIsANumberOrAReason) {
+  const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
+  const std::vector<TickRecord> nothing(walk.begin(), walk.begin() + 100);
+  const std::vector<TickRecord> hardly(walk.begin(), walk.begin() + 160);
+  std::size_t numbers = 0;
+  for (const std::vector<TickRecord>* records : {&walk, &nothing, &hardly}) {
+    const json told = metrics_json(metrics_of(*records), {});
+    for (const MetricInfo& metric : kMetrics) {
+      const std::string key(metric.key);
+      EXPECT_NE(told[key].is_null(), told["computed"][key]["reason_code"].is_null()) << key;
+      EXPECT_TRUE(metric.nullable || told[key].is_number()) << key;
+      numbers += told[key].is_number() ? 1 : 0;
+    }
+  }
+  EXPECT_GT(numbers, kMetrics.size() / 2);
+  // No sway was recorded in this walk: nothing is told of its steps.
+  EXPECT_EQ(metrics_of(walk)["cadence_steps_min"].why, NoFigure::no_rhythm);
+}
+
+// Breaks of the patient's lead and stops, from the modes alone.
+TEST(Metrics, StopsAndBreaksAreCounted) {
+  using contract::Mode;
+  const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
+  const auto counts = [&walk](std::vector<std::pair<std::size_t, Mode>> changes) {
+    std::vector<TickRecord> records = walk;
+    for (std::size_t i = 150; i + 150 < records.size(); ++i)
+      for (const auto& [from, mode] : changes)
+        if (i >= from) records[i].mode = static_cast<std::uint8_t>(mode);
+    const SessionMetrics metrics = metrics_of(records);
+    return std::pair{*metrics["interventions"].value, *metrics["protective_stops"].value};
+  };
+  EXPECT_EQ(counts({}), std::pair(0.0, 0.0)) << "the walk's end is no intervention";
+  EXPECT_EQ(counts({{800, Mode::protective_stop}}), std::pair(1.0, 1.0));
+  EXPECT_EQ(counts({{800, Mode::standby}, {1000, Mode::user}}), std::pair(1.0, 0.0)) << "walked on";
+  EXPECT_EQ(counts({{800, Mode::remote}, {1000, Mode::emergency_stop}}), std::pair(1.0, 1.0));
+}
+
+// What was told of a recording is what it gives again; a changed number, and another recording, are noticed.
+TEST(Metrics, RecomputeFindsWhatDiffers) {
+  Fixture f;
+  SessionStart start = start_of_walk();
+  start.exercise_json = R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})";
+  for (const double length_m : {12.0, 6.0}) {
+    f.record(start, follow(contract::ReferencePath::eight(1.0, 0.8), length_m));
+    f.end();
+  }
+  const std::string db = (f.dir / "hoist.db").string(), tool = std::string(HOIST_BINARY_DIR) + "/bin/hoist ";
+  const std::string told = (f.dir / "told.jsonl").string();
+  std::ofstream(told) << run(tool + "metrics " + db + " all");
+  const std::string count = std::to_string(2 * kMetrics.size());
+  EXPECT_NE(run(tool + "metrics recompute " + db + " " + told).find("2 sessions: " + count + " figures are the same, 0 differ, 0"),
+            std::string::npos);
+  const std::string exported = (f.dir / "one.json").string();
+  std::ofstream(exported) << run(tool + "export " + db + " 1 --format json --columns mode");
+  EXPECT_NE(run(tool + "metrics recompute " + db + " " + exported).find("1 sessions: "), std::string::npos);
+  const auto code = [&](const json& changed) {
+    std::ofstream(told) << changed.dump();
+    return WEXITSTATUS(std::system((tool + "metrics recompute " + db + " " + told + " > /dev/null").c_str()));
+  };
+  const json one = *session_metrics_json(f.database, 1);
+  EXPECT_EQ(code(one), 0);
+  json changed = one;
+  changed["walked_m"] = std::nextafter(changed["walked_m"].get<double>(), 100.0);
+  EXPECT_EQ(code(changed), 1);
+  changed = one;
+  changed["computed"]["C"]["version"] = 0;
+  EXPECT_EQ(code(changed), 3);
+  changed = one;
+  changed["computed"]["C"]["hash"] = "0";
+  EXPECT_EQ(code(changed), 3);
+  changed = one;
+  changed["session"] = 77;
+  EXPECT_EQ(code(changed), 1);
+}
+
 TEST(Metrics, StandingIsNoMotion) {
   std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
   for (std::size_t i = 500; i < 1500; ++i) walk[i].standing_still = 1, walk[i].speed_m_s = 0;
-  const SessionMetrics metrics = figures_of(walk);
-  EXPECT_NEAR(metrics.moving_s - metrics.motion_s, 10.0, 1e-9);
-  EXPECT_EQ(metrics_json(metrics, {})["motion_s"], metrics.motion_s);
-  EXPECT_NEAR(metrics.mean_speed_m_s, 0.4, 1e-5);
+  const SessionMetrics metrics = metrics_of(walk);
+  EXPECT_NEAR(*metrics["under_way_s"].value - *metrics["motion_s"].value, 10.0, 1e-9);
+  EXPECT_EQ(metrics_json(metrics, {})["motion_s"], *metrics["motion_s"].value);
+  EXPECT_NEAR(*metrics["mean_speed_m_s"].value, 0.4, 1e-5);
 }
 
 TEST(Metrics, without_walking_or_exercise_there_are_no_figures_but_a_reason) {
@@ -682,17 +769,18 @@ TEST(Metrics, without_walking_or_exercise_there_are_no_figures_but_a_reason) {
   f.end();
   const Result<SessionMetrics> plain = session_metrics(f.database, f.id);
   ASSERT_TRUE(plain.ok());
-  EXPECT_EQ(plain->moving_samples, 0U);
-  EXPECT_EQ(plain->walked_m, 0);
+  EXPECT_EQ((*plain)["under_way_s"].value, 0);
+  EXPECT_EQ((*plain)["walked_m"].value, 0);
+  EXPECT_EQ((*plain)["mean_speed_m_s"].why, NoFigure::no_motion) << "not zero";
   EXPECT_TRUE(plain->shape.empty());
-  EXPECT_FALSE(plain->correlation.has_value());
+  EXPECT_FALSE((*plain)["C"].value.has_value());
   SessionPatch patch;
   patch.exercise_json = std::optional<std::string>(R"({"shape":"square","side_m":3.2})");
   ASSERT_TRUE(SessionEditor(f.database).patch(f.id, patch).ok());
   const Result<SessionMetrics> asked = session_metrics(f.database, f.id);
   ASSERT_TRUE(asked.ok());
   EXPECT_EQ(asked->shape, "square");
-  EXPECT_FALSE(asked->normalised_ise.has_value());
+  EXPECT_FALSE((*asked)["J_N"].value.has_value());
   EXPECT_EQ(asked->why_absent, NoFigure::no_motion);
   EXPECT_EQ(session_metrics(f.database, f.id + 1).error().kind, ErrorKind::not_found);
 }

@@ -6,10 +6,11 @@
 #include <numbers>
 #include <random>
 
+#include "db/metrics/comparison.hpp"
 #include "db/metrics/cross_correlation.hpp"
 #include "db/metrics/evaluate.hpp"
 #include "db/metrics/normalised_ise.hpp"
-#include "db/metrics/run_summary.hpp"
+#include "db/metrics/paired_test.hpp"
 #include "db/metrics/table_mean.hpp"
 #include "tests/unit/law/golden.hpp"
 
@@ -35,6 +36,14 @@ Track beside_the_eight(double dt_s, double offset_m, double speed_m_s = 0.3) {
     track.dpsi_rad.push_back(0.2 * at.kappa_per_m);
   }
   return track;
+}
+
+Walk walk_of(const contract::ReferencePath& path, const Track& track) {
+  Walk walk;
+  walk.path = path;
+  for (std::size_t i = 0; i < track.x_m.size(); ++i)
+    walk.add({i, contract::Mode::user, false, track.x_m[i], track.y_m[i], track.psi_rad[i], track.dpsi_rad[i], 0.0, 0.3});
+  return walk;
 }
 
 TEST(CrossCorrelation, IsBoundedSymmetricAndBlindToScale) {
@@ -103,8 +112,11 @@ TEST(Evaluate, KnowsAPerfectAndABentWalk) {
   const auto worse = evaluate(path, beside.columns());
   const double samples = static_cast<double>(beside.x_m.size());
   EXPECT_NEAR(worse->ise->j, samples * 0.01 / path.length_m(), 0.01 * worse->ise->j);
-  EXPECT_NEAR(run_deviation(path, beside.columns())->position_rms_m, 0.1, 1e-3);
-  EXPECT_NEAR(run_deviation(path, beside.columns())->heading_rms_rad, 0.0, 1e-2);
+  const Comparison compared = compare(walk_of(path, beside));
+  ASSERT_EQ(compared.why, NoFigure::none);
+  EXPECT_NEAR(compared.position_rms_m, 0.1, 1e-3);
+  EXPECT_NEAR(rms(compared.lateral_m), 0.1, 1e-3);
+  EXPECT_NEAR(rms(compared.heading_rad), 0.0, 1e-2);
   auto against = beside;
   for (auto& value : against.dpsi_rad) value = -value;
   EXPECT_LT(*evaluate(path, against.columns())->c, -0.9);
@@ -147,6 +159,35 @@ TEST(TableMean, LeavesOutWhoDidNotRun) {
   EXPECT_EQ(mean[1], 5.0);
   EXPECT_FALSE(mean[2].has_value()) << "a run nobody did has no mean, not zero";
   EXPECT_TRUE(table_mean(std::vector<std::vector<std::optional<double>>>{{1.0}, {1.0, 2.0}}).empty());
+}
+
+// The paper's own tables; p by listing all signs with another program. Of runs 3 and 6 one pair is a tie.
+TEST(PairedTest, GivesTheKnownValuesOfThePapersTables) {
+  using Column = std::vector<std::optional<double>>;
+  const std::optional<double> none;
+  const Column c2{0.60, 0.23, 0.42, 0.76, 0.49, 0.18, 0.39, 0.24, 0.70, 0.35, 0.56},
+      c3{0.95, 0.91, 0.86, 0.91, 0.77, 0.70, 0.89, 0.91, 0.86, 0.86, 0.95},
+      c5{none, none, 0.47, 0.88, 0.65, 0.69, 0.45, none, none, 0.51, 0.77},
+      c6{none, none, 0.92, 0.91, 0.81, 0.92, 0.87, none, none, 0.93, 0.91};
+  const Column j2{9.42, 8.41, 29.73, 4.06, 6.80, 3.58, 5.01, 6.84, 24.76, 14.36, 12.20},
+      j3{3.78, 5.88, 3.56, 3.41, 17.80, 7.05, 7.29, 5.05, 4.78, 6.62, 8.68},
+      j5{none, none, 5.58, 11.12, 13.30, 3.63, 12.39, none, none, 31.22, 8.58},
+      j6{none, none, 2.12, 3.61, 9.87, 7.79, 4.43, none, none, 7.40, 7.72};
+  const auto expect = [](const Column& a, const Column& b, std::size_t pairs, std::size_t up, double p) {
+    const PairedTest test = paired_test(a, b);
+    EXPECT_EQ(test.pairs, pairs);
+    EXPECT_EQ(test.up, up);
+    ASSERT_TRUE(test.p);
+    EXPECT_NEAR(*test.p, p, 0.006);
+  };
+  expect(c2, c3, 11, 11, 0.001);
+  expect(c5, c6, 7, 7, 0.016);
+  expect(c2, c5, 7, 7, 0.016);
+  expect(j2, j3, 11, 3, 0.17);
+  expect(j5, j6, 7, 1, 0.11);
+  expect(j3, j6, 7, 3, 0.22);
+  expect(c3, c6, 7, 4, 0.1875);
+  EXPECT_FALSE(paired_test(c2, c2).p) << "nothing differs";
 }
 
 }  // namespace

@@ -383,7 +383,7 @@ TEST(OpenApi, EveryReasonForAMissingFigureIsToldWithItsWords) {
     codes.push_back(code);
   };
 #define HOIST_NO_FIGURE(name, text_en, text_de) row(db::NoFigure::name, #name, text_en);
-#include "db/summary/no_figure.def"
+#include "db/metrics/no_figure.def"
 #undef HOIST_NO_FIGURE
   EXPECT_EQ(openapi_document()["components"]["schemas"]["NoFigure"]["enum"], codes);
 }

@@ -224,6 +224,8 @@ TEST_F(Record, TheFiguresOfAWalkAreThoseOfTheirDefinitions) {
   EXPECT_NEAR(figure("mean_speed_m_s"), distance_m / (0.01 * moving), 1e-3);
   EXPECT_NEAR(figure("max_speed_m_s"), 0.5, 1e-6);
   EXPECT_EQ(figure("missing_s"), 0);
+  // What the other program does not know is held against numpy by tests/system/figures.
+  for (const db::MetricInfo& metric : db::kMetrics) told.erase(std::string(metric.key));
   EXPECT_EQ(told, (json{{"session", 1}, {"track", "fused"}, {"exercise", eight}, {"reason_if_none", nullptr}, {"reason_code", nullptr}}));
 }
 
@@ -718,8 +720,8 @@ TEST_F(TakeOver, AWalkThatBeginsOnADiskThatRefusesSaysWhatIsMissing) {
   auto database = db::Database::attach(folder_ / "hoist.db", {.vfs = vfs_});
   const auto metrics = db::session_metrics(*database, 1);
   ASSERT_TRUE(metrics.ok());
-  EXPECT_NEAR(metrics->missing_s, static_cast<double>(one.ticks.front() - from) * 0.01, 1e-9);
-  EXPECT_FALSE(metrics->normalised_ise.has_value());
+  EXPECT_NEAR(*(*metrics)["missing_s"].value, static_cast<double>(one.ticks.front() - from) * 0.01, 1e-9);
+  EXPECT_FALSE((*metrics)["J_N"].value.has_value());
   EXPECT_EQ(metrics->why_absent, db::NoFigure::part_missing);
 }
 

@@ -52,6 +52,13 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   start_unclear: { en: 'It is not clear where on the exercise this walk began.', de: 'Es ist unklar, an welcher Stelle der Übung dieser Weg begann.' },
   not_comparable: { en: 'The recorded path cannot be compared with this exercise.', de: 'Der aufgezeichnete Weg lässt sich mit dieser Übung nicht vergleichen.' },
   too_short: { en: 'The walk was too short, or had no turn in it.', de: 'Der Weg war zu kurz oder hatte keine Drehung.' },
+  no_lap: { en: 'The exercise was not walked to its end.', de: 'Die Übung wurde nicht bis zum Ende gegangen.' },
+  few_strides: { en: 'There were too few steady strides.', de: 'Es waren zu wenige gleichmäßige Schritte.' },
+  no_rhythm: { en: 'The sideways sway shows no clear stride.', de: 'Das seitliche Pendeln zeigt keinen klaren Schritt.' },
+  no_turn: { en: 'There was no turn of 45° or more.', de: 'Es gab keine Drehung von 45° oder mehr.' },
+  no_lead: { en: 'Pelvis and hoist did not turn alike.', de: 'Becken und Gerät drehten sich nicht ähnlich.' },
+  too_long: { en: 'This value is defined for walks of up to ten minutes without a pause.', de: 'Dieser Wert gilt für Wege bis zehn Minuten ohne Pause.' },
+  not_recorded: { en: 'This recording lacks a value that is needed.', de: 'Dieser Aufzeichnung fehlt ein nötiger Wert.' },
 };
 
 /** Take control; take_over takes it from somebody else while standing still. */

@@ -440,6 +440,8 @@ export const de: Table = {
   'metric.trackEncoders': 'Der Weg stammt nur von den Rädern, ohne Schlupfkorrektur.',
   'metric.missing': '{s} s fehlen in der Aufnahme. Alle Werte gelten ohne sie.',
   'metric.none': 'Kein Vergleich mit einem Plan',
+  'metric.all': 'Alle Werte',
+  'metric.notValid': 'Gilt für diese Sitzung nicht.',
   'event.mode_changed': 'Betriebsart',
   'event.fault_raised': 'Alarm',
   'event.fault_cleared': 'Alarm beendet',

@@ -440,6 +440,8 @@ export const en = {
   'metric.trackEncoders': 'The path comes from the wheels alone, without slip correction.',
   'metric.missing': '{s} s of this walk were not recorded. All values exclude them.',
   'metric.none': 'No comparison with a plan',
+  'metric.all': 'All values',
+  'metric.notValid': 'Not valid for this session.',
   'event.mode_changed': 'Mode',
   'event.fault_raised': 'Alarm',
   'event.fault_cleared': 'Alarm ended',

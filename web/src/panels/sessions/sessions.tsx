@@ -19,6 +19,7 @@ import { eventText } from '../../ui/event_text';
 import { Lazy, LoadFailed, useLazy } from '../../ui/lazy';
 import { addressOf, go } from '../../router';
 import type { PanelProps } from '../panel';
+import { AllFigures } from './all_figures';
 import { curves } from './curves';
 import { ExportMany } from './export_many';
 import { continued, pathOf, refreshed, story } from './model';
@@ -413,6 +414,7 @@ function Figures({ metrics }: { metrics: Metrics | null }) {
           {((why) => (why === null ? '.' : `: ${why}`))(reasonText(m.reason_code))}
         </p>
       ) : null}
+      {m ? <AllFigures metrics={m} /> : null}
     </>
   );
 }

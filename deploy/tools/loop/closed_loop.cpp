@@ -1,4 +1,4 @@
-#include "tests/support/closed_loop.hpp"
+#include "deploy/tools/loop/closed_loop.hpp"
 
 #include <time.h>
 
@@ -9,7 +9,7 @@
 
 #include "control/bus/slcan.hpp"
 
-namespace hoist::tests {
+namespace hoist::loop {
 namespace {
 
 constexpr int kWorldStepsPerTick = 10;
@@ -279,4 +279,4 @@ double simulated_seconds_per_second(double virtual_s) {
   return took_s > 0.0 ? virtual_s / took_s : 0.0;
 }
 
-}  // namespace hoist::tests
+}  // namespace hoist::loop

@@ -1,0 +1,31 @@
+// Turns of the hoist to the right by 45 degrees or more.
+#pragma once
+#include <algorithm>
+
+#include "db/metrics/metric.hpp"
+
+namespace hoist::db::figures {
+
+struct TurnsRight {
+  static constexpr MetricInfo kInfo{
+      .key = "turns_right",
+      .version = 1,
+      .unit = "1",
+      .nullable = true,
+      .inputs = "mode psi_rad gaps",
+      .formula = kTurns,
+      .gate = kTurnCountGate,
+      .source = "after El-Gohary 2014",
+      .doc = "Turns of the hoist to the right by 45 degrees or more",
+      .title_en = "Turns to the right",
+      .title_de = "Drehungen nach rechts",
+      .group = MetricGroup::turning,
+      .screen_unit = "",
+      .digits = 0,
+  };
+  static Figure of(const Analysis& a) {
+    return counted(a, static_cast<int>(std::ranges::count_if(a.turns, [](const Turn& t) { return t.angle_rad < 0; })));
+  }
+};
+
+}  // namespace hoist::db::figures

@@ -1,0 +1,14 @@
+// Tables II and III as text, the paper's beside them, and the paired tests.
+#pragma once
+
+#include <string>
+
+#include "deploy/tools/hoist/study/results.hpp"
+
+namespace hoist::tool::study {
+
+[[nodiscard]] std::string tables(const Protocol& protocol, const Results& results);
+/// What is put in by assumption, and what comes out.
+[[nodiscard]] std::string assumptions_and_findings(const Protocol& protocol, const Results& results);
+
+}  // namespace hoist::tool::study
