@@ -29,7 +29,7 @@ const signIn = new Lazy(async () => (await import('./panels/sign_in/sign_in')).S
 export function App() {
   const words = useLazy(firstWords);
   const signedIn = useStore((s) => s.signedIn);
-  // Once open, the shell and its STOP stay: someone signed out in the middle of a walk must still be able to try STOP.
+  // Once open, the shell and its STOP stay: a person signed out in the middle of a walk must still be able to try STOP.
   const gate = !useStore((s) => s.everOpen) && !signedIn;
   const { asking, answer } = useTakeOver();
   if (words.state === 'ready' && gate) return <Gate />;
@@ -45,7 +45,7 @@ export function App() {
   );
 }
 
-/** Not signed in, and nothing shown yet. Whoever was ever signed in on this device can still STOP. */
+/** Not signed in, and nothing shown yet. A device that was ever signed in can still STOP. */
 function Gate() {
   return (
     <div class="gate">
