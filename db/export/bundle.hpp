@@ -2,42 +2,17 @@
 // not grow with the sessions' length.
 #pragma once
 #include <cstdint>
-#include <deque>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "db/export/zip_file.hpp"
 #include "db/store/database.hpp"
 #include "db/store/result.hpp"
 #include "db/store/session_types.hpp"
 
 namespace hoist::db {
-
-/// One file of a bundle: its name, and what appends its next piece (false at the end; throws SqlFailure).
-struct BundleFile {
-  std::string name;
-  std::int64_t utc_ns = 0;
-  bool large = false;  ///< may pass 4 GB
-  std::function<std::function<bool(std::string&)>()> open;
-};
-/// A file whose text is made when its turn comes.
-BundleFile text_file(std::string name, std::int64_t utc_ns, std::function<std::string()> make);
-
-/// Files from a list of sessions. The description of the whole comes first.
-class BundlePlan {
- public:
-  BundlePlan() = default;
-  virtual ~BundlePlan() = default;
-  BundlePlan(const BundlePlan&) = delete;
-  BundlePlan& operator=(const BundlePlan&) = delete;
-  virtual std::vector<BundleFile> first() = 0;
-  virtual std::vector<BundleFile> of_session(SessionId session) = 0;
-  virtual std::vector<BundleFile> last() = 0;
-};
 
 enum class BundleLayout : std::uint8_t { files, bids };
 std::optional<BundleLayout> find_bundle_layout(std::string_view name);  ///< "files", "bids"

@@ -15,8 +15,8 @@
 #include "db/export/fixed_point.hpp"
 #include "db/export/manifest.hpp"
 #include "db/export/mcap_file.hpp"
-#include "db/export/provenance.hpp"
 #include "db/export/ros/messages.hpp"
+#include "db/summary/provenance.hpp"
 
 namespace hoist::db {
 namespace {

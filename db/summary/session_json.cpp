@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "db/codec/exercise_json.hpp"
-#include "db/export/provenance.hpp"
 #include "db/metrics/metric_list.hpp"
+#include "db/store/exercise_json.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/summary/provenance.hpp"
 
 namespace hoist::db {
 

@@ -10,9 +10,9 @@
 #include "control/contract/check.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/reference_path.hpp"
-#include "db/codec/exercise_json.hpp"
 #include "db/metrics/evaluate.hpp"
 #include "db/metrics/run_summary.hpp"
+#include "db/store/exercise_json.hpp"
 #include "db/store/session_reader.hpp"
 
 namespace hoist::db {

@@ -5,7 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/actions/actions.hpp"
+#include "server/actions/outcome.hpp"
+#include "server/services.hpp"
 
 namespace hoist::server {
 

@@ -6,23 +6,40 @@
 #include <optional>
 #include <string>
 
-#include "server/live/hub.hpp"
+#include "server/http/auth.hpp"
+#include "server/services.hpp"
 #include "server/ws/connection.hpp"
 
 namespace hoist::server {
 
 inline constexpr std::uint64_t kMessagesPerSecond = 60;
 
+class Client;
+
+// What a client needs of the hub that owns it.
+class ClientOwner {
+ public:
+  [[nodiscard]] virtual Services& services() const = 0;
+  // A session was used by a message.
+  virtual void use(Session& session) = 0;
+  virtual void remove(const Client* client) = 0;
+  // Changes how often a client gets values, between two batches, so that it sees each step once.
+  virtual void set_every_tick(Client& client, bool on) = 0;
+
+ protected:
+  ~ClientOwner() = default;
+};
+
 class Client final : public SocketConnection {
  public:
-  Client(Hub& hub, std::unique_ptr<Stream> stream, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat);
+  Client(ClientOwner& hub, std::unique_ptr<Stream> stream, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat);
 
   using SocketConnection::send;
   void send(const nlohmann::json& message);
 
   [[nodiscard]] std::uint32_t number() const { return number_; }
   [[nodiscard]] const SessionPtr& session() const { return session_; }
-  [[nodiscard]] Hub& hub() const { return hub_; }
+  [[nodiscard]] ClientOwner& hub() const { return hub_; }
   [[nodiscard]] bool every_tick() const { return every_tick_; }
   void set_every_tick(bool on) { every_tick_ = on; }
   [[nodiscard]] bool holds_lease() const;
@@ -35,7 +52,7 @@ class Client final : public SocketConnection {
   void on_text(std::string text) override;
   void on_leave() override { hub_.remove(this); }
 
-  Hub& hub_;
+  ClientOwner& hub_;
   SessionPtr session_;
   std::uint32_t number_;
   bool every_tick_ = false;

@@ -12,6 +12,7 @@
 
 #include "server/http/auth.hpp"
 #include "server/link/core_desk.hpp"
+#include "server/live/client.hpp"
 #include "server/record/recorder.hpp"
 #include "server/services.hpp"
 #include "server/stream/stream.hpp"
@@ -33,9 +34,7 @@ class TelemetryFrames {
   std::array<std::shared_ptr<std::string>, 8> kept_;
 };
 
-class Client;
-
-class Hub final : public CoreListener {
+class Hub final : public CoreListener, public ClientOwner {
  public:
   Hub();
   ~Hub() override;
@@ -58,16 +57,14 @@ class Hub final : public CoreListener {
   void open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session);
   // Closes the WebSockets of these sessions, whatever they do: the core then sees a driver leave and stops.
   void close_sockets(const std::function<bool(const Session&)>& of, std::string_view reason);
-  // A session was used by a message.
-  void use(Session& session);
+  void use(Session& session) override;
   void add(std::shared_ptr<Client> client);
-  void remove(const Client* client);
-  // Changes how often a client gets values, between two batches, so that it sees each step once.
-  void set_every_tick(Client& client, bool on);
+  void remove(const Client* client) override;
+  void set_every_tick(Client& client, bool on) override;
   // How often a client was looked at (for tests).
   [[nodiscard]] std::uint64_t visits() const { return visits_; }
   [[nodiscard]] std::size_t clients() const { return clients_.size(); }
-  [[nodiscard]] Services& services() const { return *services_; }
+  [[nodiscard]] Services& services() const override { return *services_; }
 
  private:
   void broadcast(const SharedFrame& frame);
