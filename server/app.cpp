@@ -39,7 +39,8 @@ namespace asio = boost::asio;
 
 namespace {
 constexpr std::uint64_t kPoll_ns = 10'000'000;
-// The core publishes within the first millisecond of its step; looking a little later finds every step at its freshest.
+// The core publishes within the first millisecond of its step; polling a little later finds each step when it is
+// newest.
 constexpr std::uint64_t kPhase_ns = 2'000'000;
 constexpr int kGoodbye_ms = 300;
 constexpr std::uint64_t kSweep_ns = 1'000'000'000;
@@ -443,7 +444,7 @@ bool App::start(std::string& error) {
   if (!p.settings.tls_dir.empty() && !p.open_authority(error)) return false;
   std::error_code ignored;
   if (p.settings.db_path.has_parent_path()) std::filesystem::create_directories(p.settings.db_path.parent_path(), ignored);
-  // Without its accounts the server still runs: patients walk, and whoever uses this computer itself can mend it.
+  // Without its accounts the server still runs: patients can walk, and a person at this computer can put it right.
   if (!p.people.open()) std::cerr << "hoist-server: no accounts: " << p.people.problem() << std::endl;
   p.auth = Auth::create(
       {.token_file = p.settings.token_file,

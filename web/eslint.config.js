@@ -26,7 +26,7 @@ export default tseslint.config(
     },
   },
   limits(['src/*.{ts,tsx}'], writer),
-  limits(['src/link/**'], above('ui', 'panels')),
+  limits(['src/link/**'], above('text', 'ui', 'panels')),
   limits(['src/text/**'], writer, above('ui', 'panels')),
   limits(['src/ui/**'], writer, above('panels')),
   limits(['src/panels/*/**'], writer, {

@@ -39,5 +39,11 @@ export default defineConfig({
   build: pieces,
   server: { host: '127.0.0.1', proxy: { '/api': 'http://127.0.0.1:8080', '/ws': { target: 'ws://127.0.0.1:8080', ws: true } } },
   // A busy machine is no failure.
-  test: { include: ['test/**/*.test.ts'], setupFiles: ['test/setup.ts'], environment: 'node', testTimeout: 60_000 },
+  test: {
+    include: ['test/**/*.test.ts'],
+    setupFiles: ['test/setup.ts'],
+    globalSetup: ['test-support/build.ts'],
+    environment: 'node',
+    testTimeout: 60_000,
+  },
 });

@@ -12,7 +12,7 @@ using contract::CanFrame;
 namespace {
 
 constexpr std::uint64_t kUsPerS = 1'000'000;
-constexpr std::uint64_t kLatest_s = 99'999'999'999;  // the year 5138; more digits are no time
+constexpr std::uint64_t kLatest_s = 99'999'999'999;  // up to the year 5138; more digits are refused
 constexpr std::uint32_t kErrorBit = 0x20000000U;     // as the kernel marks error frames
 constexpr std::uint32_t kErrorBits = 0x3FFFFFFFU;
 

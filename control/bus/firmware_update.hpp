@@ -21,7 +21,7 @@ namespace hoist::bus {
 
 // The bus is otherwise idle during an update, so requests need no pacing.
 inline constexpr SdoTiming kQuestionTiming{.answer_ns = 200'000'000, .tries = 3, .pace_ns = 0};
-// To start a program is not the same twice as once: the running program refuses it.
+// Not repeatable: a running program refuses a second start.
 inline constexpr SdoTiming kOnceTiming{.answer_ns = 1'000'000'000, .tries = 1, .pace_ns = 0};
 // A loader answers the segment that begins a new erase unit when the unit is erased: 100 ms on the LPC11C24 (data sheet table 10).
 inline constexpr SdoTiming kProgramTiming{.answer_ns = 1'000'000'000, .tries = 1, .pace_ns = 0};
@@ -112,7 +112,7 @@ class FirmwareUpdate {
     no_loader,        // it did not restart in its loader
     refused,          // the loader refused the program
     broken_off,       // three transfers were begun and none came to its end
-    not_whole,        // the loader has something else than what was sent
+    not_whole,        // the loader's CRC differs from what was sent
     did_not_start,    // after the start it does not run a program with this CRC
   };
   struct Options {

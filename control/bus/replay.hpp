@@ -14,7 +14,7 @@ namespace hoist::bus {
 
 class ReplayPort final : public CanPort {
  public:
-  // Times that step backwards (a clock that was set) count as no time.
+  // A recorded time that steps backward (the clock was set) counts as no time.
   explicit ReplayPort(std::vector<LogEntry> entries) : entries_(std::move(entries)) {}
 
   std::size_t receive(std::span<contract::CanFrame> out, std::uint64_t now_ns) noexcept override;

@@ -32,7 +32,7 @@ struct Baud {
   std::uint32_t bits_s;
   speed_t code;
 };
-// The rates that Linux has a name for and that are worth anything to a CAN bus.
+// Serial rates that Linux names and that are fast enough for a CAN bus.
 constexpr std::array kBauds{Baud{115200, B115200},   Baud{230400, B230400},   Baud{460800, B460800},   Baud{500000, B500000},
                             Baud{576000, B576000},   Baud{921600, B921600},   Baud{1000000, B1000000}, Baud{1152000, B1152000},
                             Baud{1500000, B1500000}, Baud{2000000, B2000000}, Baud{2500000, B2500000}, Baud{3000000, B3000000},

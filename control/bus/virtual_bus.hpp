@@ -241,7 +241,7 @@ class VirtualBus {
       if (++flight_.attempts >= kVirtualRetryMax || sender.tx_count == kVirtualTxQueueMax || !sender.connected) {
         ++counters_.given_up;
       } else {
-        // Ahead of its equals: it was first and is still first.
+        // Before frames with an equal id, so that it keeps its place.
         std::size_t at = sender.tx_count++;
         for (; at > 0 && sender.tx[at - 1].key >= flight_.key; --at) sender.tx[at] = sender.tx[at - 1];
         sender.tx[at] = flight_;

@@ -23,7 +23,7 @@ inline constexpr std::uint64_t kBitsPerMs = kBusBitRate / 1000;
 constexpr std::uint64_t plain_frame_bits(std::size_t bytes) { return 47 + 8 * bytes; }
 constexpr std::uint64_t worst_frame_bits(std::size_t bytes) { return plain_frame_bits(bytes) + (34 + 8 * bytes - 1) / 4; }
 
-// What a frame's sender may be late, and what else the plan assumes.
+// Release jitter of the senders, and the other assumptions of the plan.
 inline constexpr std::uint64_t kSyncPeriodBits = 10 * kBitsPerMs;             // 100 Hz
 inline constexpr std::uint64_t kSyncJitterBits = kBitsPerMs / 2;              // of the computer's loop
 inline constexpr std::uint64_t kNodeJitterBits = kBitsPerMs;                  // a node works in ticks of a millisecond
@@ -41,7 +41,7 @@ struct BusFrame {
   Node sender = Node::core;
   std::string_view what{};
   std::uint8_t bytes = 0;
-  std::uint64_t period = 0, jitter = 0;  // shortest distance of two, and how late its sender may be
+  std::uint64_t period = 0, jitter = 0;  // minimum interval, and the sender's release jitter
   std::uint64_t deadline = 0;            // after which its absence causes a reaction
 };
 
@@ -123,7 +123,8 @@ struct BusConditions {
   bool service = true;  // SDO uses all of its reserve
 };
 
-// Longest time from when frame `which` of the plan ought to be sent until it has arrived, in bits. Nothing when it has no bound.
+// Worst response time of frame `which`, in bit times: from its release until it has arrived. Nothing when it is
+// unbounded.
 constexpr std::optional<std::uint64_t> response_bits(const BusPlan& plan, std::size_t which, const BusConditions& conditions) {
   constexpr std::uint64_t kGiveUpBits = 1000 * kBitsPerMs;
   const auto counts = [&](const BusFrame& f) {

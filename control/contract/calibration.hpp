@@ -15,9 +15,9 @@ enum class CalibrationStep : std::uint8_t {
   zero = 1,           // strut and chassis sensors, empty harness, level floor
   neutral = 2,        // the strapped-in patient standing at ease
   gyro = 3,           // turn rate at rest
-  strut_length = 4,   // bar moved by measured ways
+  strut_length = 4,   // bar held at measured distances
   strut_spacing = 5,  // bar turned by measured angles
-  wheel_radius = 6,   // pushed along measured ways
+  wheel_radius = 6,   // pushed along measured distances
   track = 7,          // turned by measured turns
   square = 8,         // errors of driven squares (UMBmark)
   encoders = 9,       // pushed forward, turned left

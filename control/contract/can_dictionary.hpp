@@ -118,7 +118,7 @@ inline constexpr std::array kPdosOff{
 #undef HOIST_PDO_OFF
 #define HOIST_PDO_OFF(...)
 };
-// Whether a node sends or takes a PDO without having been told to.
+// Whether a node sends or takes a PDO by default.
 constexpr bool pdo_on_by_default(Pdo pdo, Node node) {
   for (const PdoOff& off : kPdosOff)
     if (off.pdo == pdo && off.node == node) return false;
@@ -136,7 +136,7 @@ inline constexpr std::array kPdosOnChange{
 #undef HOIST_PDO_ON_CHANGE
 #define HOIST_PDO_ON_CHANGE(...)
 };
-// Shortest distance of two that are sent on change; 0 for a PDO that only its timer or the SYNC sends.
+// Minimum interval of a PDO that is sent on change; 0 for one that only its timer or the SYNC sends.
 constexpr std::uint16_t pdo_on_change_100us(Pdo pdo) {
   for (const PdoOnChange& row : kPdosOnChange)
     if (row.pdo == pdo) return row.inhibit_100us;
@@ -304,7 +304,7 @@ constexpr bool is_node_relative(std::uint16_t index, std::uint8_t sub) {
   return index == 0x1014 || (index == 0x1200 && (sub == 1 || sub == 2)) ||
          (sub == 1 && ((index >= 0x1400 && index < 0x1600) || (index >= 0x1800 && index < 0x1A00)));
 }
-// The default of an object in one very node.
+// The default of an object in a given node.
 constexpr double object_default(const ObjectInfo& object, Node node) {
   const NodeKind kind = kNodes[static_cast<std::size_t>(node)].kind;
   if (object.index == 0x1000) return device_type(kind);
@@ -418,7 +418,7 @@ constexpr void write_slot(CanFrame& frame, PdoSlot slot, std::int64_t value) {
 namespace canopen {
 inline constexpr std::uint32_t kNmt = 0x000, kSync = 0x080, kEmcyBase = 0x080, kSdoReplyBase = 0x580, kSdoRequestBase = 0x600,
                                kHeartbeatBase = 0x700;
-// The computer's own heartbeat. Drives wait 250 ms for it: four of five may be lost before one stops for want of it.
+// The computer's own heartbeat. Drives wait 250 ms for it, so four of five may be lost before a drive stops.
 inline constexpr std::uint32_t kCoreHeartbeat_ms = 50;
 enum class NmtCommand : std::uint8_t { start = 1, stop = 2, pre_operational = 128, reset_node = 129, reset_communication = 130 };
 enum class NmtState : std::uint8_t { boot_up = 0, stopped = 4, operational = 5, pre_operational = 127 };

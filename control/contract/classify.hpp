@@ -1,5 +1,5 @@
-// What a frame is, by its identifier, flags and length alone. Classified once: reception, bus health, safety gate and the words for people
-// (bus/decode.cpp) all go by this.
+// Classifies a frame by its identifier, flags and length alone. Reception, bus health, safety gate and bus/decode.cpp
+// all use this one classification.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -11,8 +11,8 @@ enum class CommandKind : std::uint32_t {
   none = 0,
   stop = 1,          // anyone; protective stop, never refused
   request_mode = 2,  // a = Mode: one that standby leads to, lease holder only; standby: anyone while the hoist is led
-  // leave PROTECTIVE_STOP, FAULT or EMERGENCY_STOP once the cause is gone; role in b, bits = faults that were seen when the hand went down,
-  // 0 = not told; lease holder only
+  // leave PROTECTIVE_STOP, FAULT or EMERGENCY_STOP once the cause is gone; role in b, bits = faults that the client was
+  // shown, 0 = not named; lease holder only
   acknowledge = 3,
   // client asks to be the driver; granted when free, or when standing still and a = kTakeOver, or kHandOver: the holder gives it to this
   // client, lease_epoch = that of the lease handed over
@@ -27,7 +27,7 @@ enum class CommandKind : std::uint32_t {
   set_pose = 8,
   set_neutral = 9,  // take the mean of the last second as neutral; standing still only; stored as parameters
   // Service: nodes are in their loaders, the drives off, INIT stays until it ends. Engineer with the lease only.
-  begin_service = 10,  // role in b; on standby or in INIT; again while it is on: it goes on for another two seconds
+  begin_service = 10,  // role in b; in STANDBY or INIT; repeated while it is on, it lasts another two seconds
   service_frame = 11,  // a = CAN id, v0 = the eight data bytes as they are (std::bit_cast), v1 = how many of them; one a step
   end_service = 12,
   // Calibration (control/contract/calibration.hpp). The wheels never turn by themselves; lease holder with the step's role only.
@@ -36,8 +36,8 @@ enum class CommandKind : std::uint32_t {
   measure_calibration = 21,  // v0, v1, v2 = what the operator measured, a = CalibrationPart; taken as soon as everything rests
   use_calibration = 22,      // v0 = seconds since 1970 UTC; the result becomes parameters, and CALIBRATE ends
   cancel_calibration = 23,   // the old values stay
-  confirm_parameters = 30,   // what is on trial stays; role in b, a = the version that was looked at, 0 = whichever
-  revert_parameters = 31,    // what is on trial goes back at once; role in b
+  confirm_parameters = 30,   // keeps the values on trial; role in b, a = the version that was shown, 0 = any
+  revert_parameters = 31,    // reverts the values on trial now; role in b
   // Exercises (guided_path.hpp): a = shape, with bit 8 for clockwise, b = laps, v0 = size_m, v1 = radius_m, v2 = speed_m_s; lease holder only.
   begin_guided = 25,
 };
@@ -48,7 +48,7 @@ inline constexpr std::uint32_t kHandOver = 2;
 
 // One request of a client, in order. `request_id` comes back in the event that answers it.
 struct Command {
-  std::uint64_t sequence = 0;  // counts up by one; anything else but what can only stop is refused as out_of_order
+  std::uint64_t sequence = 0;  // rises by one; another number is refused as out_of_order, except for STOP and ending motion
   CommandKind kind = CommandKind::none;
   std::uint32_t request_id = 0;
   std::uint32_t client = 0;       // number the server gave to the connection; 0 is the server itself
@@ -68,7 +68,7 @@ struct DriveCommand {
   std::uint64_t echo_time_ns = 0;  // time_ns of the newest telemetry record the client had seen: the command's age counts from it
   double speed_norm = 0;
   double yaw_norm = 0;
-  std::uint64_t held = 0;  // 1 while hold-to-run is held; anything else counts as let go
+  std::uint64_t held = 0;  // 1 while hold-to-run is held; any other value is a release
 };
 static_assert(sizeof(DriveCommand) == 48 && std::is_trivially_copyable_v<DriveCommand>);
 

@@ -74,7 +74,7 @@ constexpr const FaultInfo* find_fault(std::string_view name) {
   return nullptr;
 }
 
-/// Whose matter a fault is: of the machine itself, or of floor, load or patient.
+/// Where a fault comes from: the machine itself, or outside (floor, load or patient).
 enum class Origin : std::uint8_t { machine, outside };
 struct DetailInfo {
   Fault fault;
@@ -91,7 +91,7 @@ inline constexpr std::array kDetails{
 #undef HOIST_DETAIL
 #define HOIST_DETAIL(...)
 };
-/// The row for this fault with this code, nullptr when its own words say it.
+/// The row for this fault and code; nullptr when there is none, and the fault's own words apply.
 constexpr const DetailInfo* find_detail(Fault fault, std::uint16_t code) {
   for (const DetailInfo& detail : kDetails)
     if (detail.fault == fault && detail.code == code) return &detail;
@@ -136,9 +136,9 @@ inline constexpr std::array kEndangers{
 #define HOIST_ENDANGERS(...)
 };
 
-/// Of these faults (at least one), found in one step, the one that the others follow from: by priority and bit, never a consequence.
+/// The first cause among these faults (at least one) of one step: by priority and bit, never a consequence of another.
 constexpr Fault first_cause(FaultBits faults) {
-  // Faults that explain each other in a ring do not exist (below), so one always remains.
+  // No ring of explanations exists (checked below), so one fault always remains.
   const FaultBits roots = faults & ~consequences(faults);
   const FaultInfo* best = nullptr;
   for (const FaultInfo& info : kFaults)
@@ -264,7 +264,7 @@ static_assert(unique_by(kModes, [](const ModeInfo& m) { return m.value; }), "fau
 static_assert(all_rows(kModes, [](const ModeInfo& m) { return m.value < kModes.size() && kModes[m.value].value == m.value; }),
               "faults.def: modes must be numbered in order");
 
-/// The therapist's hand leads in this mode: without a fresh command and hold-to-run held nothing may speed up.
+/// Hold-to-run modes: without a fresh command and hold-to-run held no speed may rise.
 constexpr bool led_by_hand(Mode mode) { return mode == Mode::remote || mode == Mode::guided; }
 
 constexpr std::uint64_t faults_hash() {

@@ -1,6 +1,6 @@
-// The program of a node as a file and in its flash: the bytes that lie in flash, from the vectors on, with a header behind the vectors
-// that says what they are. The loader of the node, the tool that packs and sends images and the application itself read it with these
-// functions, so that none of them takes for a program what another one refuses.
+// The program of a node, as a file and in its flash: the bytes of the flash from the vectors on, with a header behind
+// the vectors. The node's loader, the tool that packs and sends images and the application use these functions, so that
+// all accept the same images.
 //
 //   offset 00h   vectors: 48 words, the first two are the initial stack pointer and the entry
 //          C0h   magic "HOIS"
@@ -8,7 +8,7 @@
 //          C8h   CRC-32 of the whole image without these four bytes
 //          CCh   version, major << 16 | minor << 8 | patch
 //          D0h   kind of node, D1h chip, D2h two bytes that are 0
-//   All words little endian. Magic, version, kind and chip are compiled in (firmware/boot/image_header.hpp); `hoist firmware pack` fills
+//   All words little endian. Magic, version, kind and chip are compiled in (firmware/lib/image_header.hpp); `hoist firmware pack` fills
 //   in length and CRC.
 #pragma once
 #include <array>
@@ -177,7 +177,7 @@ constexpr ImageError check_image(std::span<const std::uint8_t> image, ImageKind 
   return image_crc(image) == image_word(image, kImageCrcAt) ? ImageError::none : ImageError::crc;
 }
 
-// The same of a file from anywhere, for whatever kind and chip it says it is.
+// The same for a file, for the kind and chip that its header names.
 constexpr ImageError check_image_file(std::span<const std::uint8_t> image) {
   if (image.size() < kImageMin) return ImageError::too_short;
   if (image.size() > kImageMax) return ImageError::too_long;
@@ -225,7 +225,7 @@ constexpr std::optional<std::uint32_t> parse_version(std::string_view text) {
 
 // Objects of the update, as CiA 302-3 numbers them; all with sub-index 1 (the one program of a node).
 inline constexpr std::uint16_t kProgramData = 0x1F50, kProgramControl = 0x1F51, kProgramId = 0x1F56, kFlashStatus = 0x1F57;
-// Of this house, beside them: the version of the program, major << 16 | minor << 8 | patch; 0 when there is none.
+// Manufacturer-specific: the version of the program, major << 16 | minor << 8 | patch; 0 when there is none.
 inline constexpr std::uint16_t kProgramVersion = 0x2F00;
 // 1018h:2 of a node that is in its loader has this bit, so that it is not taken for the running node.
 inline constexpr std::uint32_t kLoaderProduct = 0x40000000U;

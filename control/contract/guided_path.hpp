@@ -21,25 +21,25 @@ struct GuidedPath : Exercise {
   std::uint32_t laps = 1;
 };
 
-/// The same way over the floor; how fast it is driven may differ.
+/// Whether both have the same line on the floor; their speeds may differ.
 [[nodiscard]] inline bool same_figure(const GuidedPath& a, const GuidedPath& b) {
   return a.shape == b.shape && a.clockwise == b.clockwise && a.size_m == b.size_m && a.radius_m == b.radius_m && a.laps == b.laps;
 }
 
 /// Curves are driven so slowly that they need no more than this share of the turning limit; the rest corrects.
 inline constexpr double kGuidedYawShare_norm = 0.8;
-/// And no more than this share of the outer wheel, which leaves a straight its top speed.
+/// Curves also take at most this share of the outer wheel's top speed.
 inline constexpr double kGuidedWheelShare_norm = 0.93;
 /// Slower than this a patient does not walk but stands.
 inline constexpr double kGuidedSpeedLeast_m_s = 0.05;
 inline constexpr std::uint32_t kGuidedLapsMost = 50;
 
-/// What the exercise is held against, from the parameters in force.
+/// The limits that an exercise is checked against, from the parameters in force.
 struct GuidedLimits {
   double speed_m_s = 0, yaw_rate_rad_s = 0, length_m = 0;
 };
 [[nodiscard]] inline GuidedLimits guided_limits(const Params& p) {
-  // The therapist's own turning limit holds here too: the same hand leads.
+  // The turning limit of driving applies: hold-to-run is in the therapist's hand here, too.
   const double yaw_rate_rad_s = p.remote_yaw_rate_rad_s_max < p.yaw_rate_rad_s_max ? p.remote_yaw_rate_rad_s_max : p.yaw_rate_rad_s_max;
   return {p.speed_m_s_max * p.speed_cap_norm, yaw_rate_rad_s, p.guided_length_m_max};
 }

@@ -9,7 +9,7 @@ namespace hoist::contract {
 
 /// Four buckets to the octave: below 1.024 us, then up to 15 s. Fixed, so that two machines and two years compare.
 inline constexpr std::size_t kLatenessBuckets = 96;
-inline constexpr unsigned kLatenessFirstBit = 10;  // 2^10 ns: nothing below is worth telling apart
+inline constexpr unsigned kLatenessFirstBit = 10;  // 2^10 ns: shorter times share the first bucket
 
 [[nodiscard]] constexpr std::size_t lateness_bucket(std::uint64_t lateness_ns) noexcept {
   const auto bits = static_cast<unsigned>(std::bit_width(lateness_ns));

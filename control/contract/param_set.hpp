@@ -9,8 +9,8 @@
 
 namespace hoist::contract {
 
-/// How long values may be on trial before they go back by themselves. At least long enough to press "keep"; at most as long as somebody watches
-/// what he tries (hazard H27).
+/// Range of a trial's time before the old values return: long enough to press "keep", short enough that the therapist
+/// still watches the effect (hazard H27).
 inline constexpr double kTrial_s_min = 1.0, kTrial_s_max = 120.0;
 
 class ParamSetSeal {

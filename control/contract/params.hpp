@@ -93,7 +93,8 @@ inline ParamCheck check_param(std::size_t index, double value) {
   return value < kParams[index].min || value > kParams[index].max ? ParamCheck::out_of_range : ParamCheck::ok;
 }
 
-// THE cross checks: values that are each in range and still do not fit together. The first must be below the second, or at most as large.
+// THE cross checks: values that are each in range and still contradict each other. The first must be below the second,
+// or at most as large.
 struct ParamOrder {
   ParamName smaller, larger;
   bool may_be_equal;
@@ -118,17 +119,17 @@ inline constexpr double kGearRatio_norm = 30.0;
 inline double smaller_wheel_scale_norm(const Params& p) {
   return p.wheel_left_scale_norm < p.wheel_right_scale_norm ? p.wheel_left_scale_norm : p.wheel_right_scale_norm;
 }
-/// H27: the drives follow what they are told on a ramp of their own. A slower one than the hardest stop would make every stop longer than it
-/// was promised, and no alarm would tell. Of the bumper's stop a tenth less passes: the radius of a real wheel is measured, and the two are
-/// equal by default. The stop whose distance is shown needs room above it, or the ramp itself becomes the stop (measured: never passed from
-/// 1.17 on).
+/// H27: the drives follow their command on a ramp of their own (6083h). A ramp slower than the hardest stop would
+/// lengthen every stop without an alarm. The bumper's stop is compared with a margin of 10 %, because a wheel's radius
+/// is measured and both values are equal by default. The protective stop, whose distance is shown, needs room above it
+/// (measured: the shown distance was never exceeded from 1.17 on).
 inline constexpr double kRampOfBumper_norm = 0.9, kRampOfProtective_norm = 1.2;
 inline bool ramp_fits_stops(const Params& p) {
   const double ramp_m_s2 = p.drive_acceleration_rad_s2 * p.wheel_radius_m * smaller_wheel_scale_norm(p) / kGearRatio_norm;
   return ramp_m_s2 >= kRampOfBumper_norm * p.bumper_deceleration_m_s2 &&
          ramp_m_s2 >= kRampOfProtective_norm * p.protective_deceleration_m_s2;
 }
-// nullptr = consistent; otherwise the sentence for people. Written so that what is not a number is not consistent.
+// nullptr = consistent; otherwise the sentence for people. Written so that NaN is never consistent.
 inline const char* check_param_set(const Params& p) {
   for (const ParamOrder& order : kParamOrders) {
     const double smaller = get_param(p, param_index(order.smaller)), larger = get_param(p, param_index(order.larger));

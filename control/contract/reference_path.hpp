@@ -4,7 +4,7 @@
 // square: counter-clockwise from (-side/2, -side/2), heading 0.
 // eight:  arcs of radius R about (+c, 0) and (-c, 0), joined by straights that cross at the origin; starts at the origin, heading
 //         asin(R/c), right arc (clockwise) first. R = c gives two tangent circles.
-// straight: from the origin along +x; it ends, the others go round for ever.
+// straight: from the origin along +x; open. All other figures are closed.
 // circle: counter-clockwise from the origin, heading 0, about (0, R).
 // A square may have round corners; it then begins in the middle of its first side. mirrored() turns any figure over to its right-hand twin.
 #pragma once
@@ -111,7 +111,7 @@ class ReferencePath {
 
   [[nodiscard]] PathShape shape() const { return shape_; }
   [[nodiscard]] bool valid() const { return count_ > 0; }
-  /// Closed figures go round; the straight ends.
+  /// True for closed figures; the straight is open.
   [[nodiscard]] bool closed() const { return shape_ != PathShape::kStraight; }
   /// Length of one lap, or of the straight.
   [[nodiscard]] double length_m() const { return length_m_; }

@@ -1,8 +1,8 @@
 // The client's side of SDO (CiA 301, 7.2.4), for the core and for the tools: without I/O, heap and clock. Frames in, at most one frame out per
 // step(), time as nanoseconds. Expedited and segmented, both directions, one transfer at a time.
 //
-// What gets lost is asked again. A lost answer to a segment cannot be repeated (the toggle bit would be wrong), so then the transfer is given
-// up towards the node and begun anew. Writing the same value twice is the same as once; where it is not, the caller asks for one try.
+// A lost request or answer is repeated. A lost answer to a segment cannot be: its toggle bit would be wrong, so the
+// transfer is aborted and begun again. Writes must be repeatable; for those that are not, the caller allows one try.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -32,7 +32,7 @@ class SdoTransfer {
     done,
     aborted,    // by the node: see abort_code()
     timed_out,  // the node did not answer, `tries` times
-    confused,   // the node answered with what no server may say: see abort_code() for what it was told
+    confused,   // the node's answer was invalid: abort_code() is what it was sent
   };
   static constexpr std::size_t kUploadMax = kUploadMost;
 
@@ -82,14 +82,14 @@ class SdoTransfer {
     const std::uint8_t command = frame.data[0];
     const bool names_it = read_le(&frame.data[1], 2) == index_ && frame.data[3] == sub_;
     if (command == canopen::kSdoAbort) {
-      // A server that has lost its place answers with the object 0:0. Anything else is late and about another transfer.
+      // A server that has lost its state aborts with the object 0:0. Any other object belongs to an earlier transfer.
       if (!names_it && read_le(&frame.data[1], 3) != 0) return;
       abort_code_ = read_le(&frame.data[4], 4);
       outcome_ = Outcome::aborted;
       return;
     }
     const bool begins = (command & 0xE0U) == 0x40U || (command & 0xE0U) == 0x60U;
-    if (begins && (!names_it || in_segments_)) return;  // the late answer to a question that was repeated
+    if (begins && (!names_it || in_segments_)) return;  // a late answer to a repeated request
     switch (kind_) {
       case Kind::upload:
         return in_segments_ ? on_upload_segment(frame) : on_upload_begun(frame);

@@ -1,4 +1,4 @@
-// Where each received frame goes. What no node of the dictionary sends, or not in this length, is refused.
+// Where each received frame goes. Frames that no node of the dictionary sends, or not with this length, are refused.
 #pragma once
 #include <cstdint>
 

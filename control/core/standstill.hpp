@@ -6,9 +6,9 @@
 
 namespace hoist::core {
 
-/// Standstill, as far as it can be known. A wheel whose drive has been silent for as long as an age counts (2.55 s) can not be asked any
-/// more: its drive gave up 45 ms after it was cut off, and a wheel that still turned would turn the chassis. Starts ask for every drive
-/// besides (start_refusals), so this is only ever the way out of a stop.
+/// Standstill, as far as it can be known. A wheel whose drive has been silent for as long as an age counts (2.55 s)
+/// cannot be asked: its drive stopped 45 ms after it was cut off, and a wheel that still turned would turn the chassis.
+/// Starts require every drive (start_refusals), so this only matters for leaving a stop.
 [[nodiscard]] inline bool stands(const Estimate& sensed) noexcept {
   if (!sensed.drives_lost()) return sensed.odometry.standing_still;
   // As HoldWatch: 0.05 m/s at one wheel of 0.7 m track.

@@ -43,7 +43,7 @@ struct Service {
   contract::CanFrame frame;
 };
 
-/// What belongs to the mode in charge; begins anew with every change of mode, so that no mode remembers another.
+/// State of the present mode; cleared with every change of mode.
 struct InMode {
   Braking braking = Braking::none;
   bool leaving = false;            // braking to a stop, then STANDBY

@@ -1,5 +1,6 @@
-// How far the hoist would still roll: if the link to its driver died now, and if the control computer died now. Said as a distance that is
-// not passed and that exceeds the real one by less than a fifth on average (tests/loop/stop_distance_test.cpp cuts at random and measures).
+// How far the hoist would still roll if the link to its driver, or the control computer, failed now. An upper bound
+// that exceeds the true distance by less than a fifth on average (tests/loop/stop_distance_test.cpp cuts at random and
+// measures).
 //
 //   patient leads       the link has no driver; the protective stop, as after STOP
 //   therapist drives    the last command goes on, scaled down from remote_slow_age_s, and at remote_stop_age_s the driver's ramp begins
@@ -31,7 +32,7 @@ inline constexpr double kLagDriven_s = 0.067, kLagLed_s = 0.06, kLagAloneDriven_
 inline constexpr double kStep_s = 0.012;
 /// A wheel that a patient pushes does not stop to the millimetre.
 inline constexpr double kFloor_m = 0.001;
-/// The last words of the driver are followed in steps of this length; finer ones change less than a millimetre.
+/// The ageing of the last command is computed in steps of this length; finer ones change less than a millimetre.
 inline constexpr double kPiece_s = 0.025;
 inline constexpr int kPiecesMax = 24;
 

@@ -31,7 +31,7 @@ namespace {
 
 /// After the bus came back, nodes get this long to be heard again before their silence is their own fault.
 constexpr std::uint8_t kBusSettleTicks = 50;
-/// Ten minutes: more says nothing more, and sums of it do not wrap.
+/// Ten minutes: enough for every limit, and sums of it do not wrap.
 constexpr std::uint64_t kSyncTicksMost = 60'000;
 
 void tell_emergency(CoreState& state, const CanFrame& frame, const contract::FrameClass& what) noexcept {
@@ -113,7 +113,8 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
   judge_faults(state, check_all(state.monitors, view));
 }
 
-/// H1: the wheels go on in spite of a stop. The motors lose their supply, and the hoist is out of service until an engineer has looked.
+/// H1: the wheels turn in spite of a stop. Cuts the motors' supply; the hoist is out of service until an engineer has
+/// looked.
 void watch_runaway(CoreState& state, double dt_s) noexcept {
   const bool runs_away = state.runaway.step(state.mode, is_moving(state.mode), state.sensed, state.left_command_m_s,
                                             state.right_command_m_s, state.params.track_width_m, dt_s);
@@ -142,7 +143,8 @@ void take_commands(CoreState& state, const TickInputs& inputs) noexcept {
 Wish decide(CoreState& state, double dt_s) noexcept {
   InMode& in_mode = state.in_mode;
   ++in_mode.ticks;
-  // What a drive says that was just let go may be older than its going: only what it says while it is told to run counts.
+  // The status of a drive that was just released may be older than the release: it counts only while the drive is
+  // commanded to run.
   if (state.sensed.left_drive.enabled() && state.sensed.right_drive.enabled() && state.left_control.goes_on() &&
       state.right_control.goes_on() && mode_row_of(state.mode).drives)
     in_mode.powered = true;
@@ -212,7 +214,7 @@ void rejoin(CoreState& state) noexcept {
 
 void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& out) noexcept {
   if (state.mode == contract::Mode::protective_stop && state.in_mode.hold.step(state.limiter, state.sensed))
-    raise_fault(state, Fault::overspeed);  // H1, H2: the wheels do something else than they were told
+    raise_fault(state, Fault::overspeed);  // H1, H2: the wheels do not follow their command
   const bool cut = state.in_mode.hold.cut() || state.relay.is_cut();
   const bool drives = mode_row_of(state.mode).drives;
   const std::uint16_t left_control = state.left_control.step(state.sensed.left_drive, drives, cut);
@@ -277,13 +279,13 @@ void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& 
   receive_frames(state, inputs, dt_s);
   // The nodes answer this step's SYNC in the next one.
   state.sync_ticks = static_cast<std::uint32_t>(std::min(missed + 1, kSyncTicksMost));
-  // A drive that started anew has not counted what its wheel did meanwhile: the pose is not the start mark's any more.
+  // A drive that restarted has not counted what its wheel did meanwhile: the pose no longer refers to the start mark.
   if (!state.sensed.left_drive.position_known() || !state.sensed.right_drive.position_known()) state.start.exercise = 0;
   state.sensed.odometry.update(state.sensed.left_drive, state.sensed.right_drive, state.derived, dt_s);
   state.sensed.fused.update(state.sensed.odometry, state.sensed.left_drive, state.sensed.right_drive, state.sensed.base, state.derived,
                             dt_s);
   state.intent.update(state.sensed, state.derived, state.params.neutral_start_tolerance_norm, state.params.cadence_cancel_norm, dt_s);
-  // H22, I6: after a loop that was held, what it remembers is old, and so is a start that was asked for meanwhile.
+  // H22, I6: after a delayed loop all remembered data are old, and so is a start that was requested meanwhile.
   if (!(static_cast<double>(inputs.wake_lateness_s) <= state.params.loop_late_s_max) ||
       static_cast<double>(missed) * dt_s > state.params.loop_late_s_max)
     state.intent.restart();

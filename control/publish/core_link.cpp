@@ -163,7 +163,7 @@ std::string CoreLink::serve(int timeout_ms) {
   pollfd wait[2] = {{listener_.get(), POLLIN, 0}, {peer_.get(), POLLIN, 0}};
   if (::poll(wait, peer_ ? 2 : 1, timeout_ms) <= 0) return {};
   if (peer_ && wait[1].revents != 0) {
-    // The server never speaks after the hand-over: whatever comes is its end.
+    // The server sends nothing after the hand-over: any data, and a hang-up, ends the connection.
     detach();
     peer_ = Descriptor();
     return "server detached";

@@ -46,8 +46,8 @@ class CoreLink {
   bool read_drive(contract::DriveCommand& command) noexcept;
 
   // ---- helper thread
-  // Waits up to timeout_ms for something to do; returns a line for the log when something happened, else an empty string. A socket that was
-  // deleted from its folder is made anew: no server could find this core any more.
+  // Waits up to timeout_ms for something to do; returns a line for the log when something happened, else an empty
+  // string. A socket that was deleted from its folder is created again, else no server could find this core.
   std::string serve(int timeout_ms);
   // Maps a command segment directly, for programs that hold both ends (tests, benchmarks).
   bool attach(int command_fd, std::string& error);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "db/archive/conditions.hpp"
 #include "db/store/database.hpp"
 #include "db/store/result.hpp"
 
@@ -28,13 +29,6 @@ struct PushReport {
   std::uint64_t simulated = 0;       ///< of a simulator, left out
   std::uint64_t erased = 0;          ///< taken out of the archive on purpose: not brought back
   std::vector<std::string> refused;  ///< a sentence per session that could not be pushed; the others were
-};
-/// Which sessions; every member that is set must match.
-struct ArchiveQuery {
-  std::optional<std::string> uuid = {};
-  std::optional<std::string> patient = {};  ///< the code
-  std::optional<std::string> device = {};
-  std::optional<std::string> from_day = {}, to_day = {};  ///< YYYY-MM-DD of the start in UTC, both inclusive
 };
 struct ArchivedSession {
   std::string uuid, device, patient, start_utc, note;  ///< `patient` is empty without a code

@@ -1,10 +1,20 @@
-// An ArchiveQuery as SQL.
+// Which sessions of the archive, and the same as SQL.
 #pragma once
+#include <optional>
+#include <string>
 #include <string_view>
 
-#include "db/archive/archive.hpp"
+#include "db/store/result.hpp"
 
 namespace hoist::db {
+
+/// Which sessions; every member that is set must match.
+struct ArchiveQuery {
+  std::optional<std::string> uuid = {};
+  std::optional<std::string> patient = {};  ///< the code
+  std::optional<std::string> device = {};
+  std::optional<std::string> from_day = {}, to_day = {};  ///< YYYY-MM-DD of the start in UTC, both inclusive
+};
 
 /// FROM and WHERE with $1 uuid, $2 patient, $3 device, $4 and $5 first and last day.
 inline constexpr std::string_view kMatching =
@@ -13,7 +23,7 @@ inline constexpr std::string_view kMatching =
     " AND ($4::date IS NULL OR (to_timestamp(started_utc_ns / 1000000000) AT TIME ZONE 'UTC')::date >= $4::date)"
     " AND ($5::date IS NULL OR (to_timestamp(started_utc_ns / 1000000000) AT TIME ZONE 'UTC')::date <= $5::date)";
 
-/// bad_value with the field's name for what PostgreSQL would refuse in words of its own.
+/// bad_value with the field's name for values that PostgreSQL would refuse with a message of its own.
 Status check_query(const ArchiveQuery& query);
 
 }  // namespace hoist::db

@@ -1,5 +1,5 @@
-// What of a session goes into the archive: its tables, with the columns that mean the same on every hoist. Numbers that only one file knows
-// (session, chunk, actor) stay at home.
+// What of a session goes into the archive: its tables, with the columns that mean the same on every hoist. Numbers that
+// only one file knows (session, chunk, actor) are left out.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -11,7 +11,7 @@
 
 namespace hoist::db {
 
-/// Commands of one chunk. More is refused: a server that sends that many is none of ours.
+/// Commands of one chunk. More is refused: no server of ours sends that many.
 inline constexpr std::size_t kMaxJournalCommands = 65536;
 
 /// Keeps its zstd state between calls.

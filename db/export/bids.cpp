@@ -8,10 +8,10 @@
 
 #include "control/contract/axes.hpp"
 #include "control/contract/program_version.hpp"
-#include "db/codec/exercise_json.hpp"
 #include "db/export/fixed_point.hpp"
 #include "db/export/manifest.hpp"
 #include "db/export/source.hpp"
+#include "db/store/exercise_json.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/visits.hpp"
 

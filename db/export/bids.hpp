@@ -4,7 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "db/export/bundle.hpp"
+#include "db/export/bundle_plan.hpp"
+#include "db/store/database.hpp"
 
 namespace hoist::db {
 

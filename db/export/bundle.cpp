@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "db/export/bids.hpp"
 #include "db/export/manifest.hpp"
+#include "db/export/session_export.hpp"
 #include "db/export/source.hpp"
 #include "db/export/sqlite.hpp"
+#include "db/export/zip_file.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/summary/session_json.hpp"
 
@@ -137,19 +141,6 @@ bool is_day(const std::string& text) {
 }
 
 }  // namespace
-
-BundleFile text_file(std::string name, std::int64_t utc_ns, std::function<std::string()> make) {
-  BundleFile file;
-  file.name = std::move(name);
-  file.utc_ns = utc_ns;
-  file.open = [make = std::move(make)] {
-    return [make](std::string& out) {
-      out += make();
-      return false;
-    };
-  };
-  return file;
-}
 
 std::unique_ptr<FormatWriter> make_zip(ExportSource& source) {
   return std::make_unique<BundleWriter>(std::make_unique<FilesPlan>(source.database), std::vector{source.info.id});

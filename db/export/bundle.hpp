@@ -2,50 +2,17 @@
 // (sqlite.hpp). In pieces; the memory does not grow with the sessions' length.
 #pragma once
 #include <cstdint>
-#include <deque>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "db/export/source.hpp"
-#include "db/export/zip_file.hpp"
 #include "db/store/database.hpp"
 #include "db/store/result.hpp"
 #include "db/store/session_types.hpp"
 
 namespace hoist::db {
-
-/// One file of a bundle: its name, and what appends its next piece (false at the end; throws SqlFailure).
-struct BundleFile {
-  std::string name;
-  std::int64_t utc_ns = 0;
-  bool large = false;  ///< may pass 4 GB
-  std::function<std::function<bool(std::string&)>()> open;
-};
-/// A file whose text is made when its turn comes.
-BundleFile text_file(std::string name, std::int64_t utc_ns, std::function<std::string()> make);
-
-/// Files from a list of sessions. The description of the whole comes first.
-class BundlePlan {
- public:
-  BundlePlan() = default;
-  virtual ~BundlePlan() = default;
-  BundlePlan(const BundlePlan&) = delete;
-  BundlePlan& operator=(const BundlePlan&) = delete;
-  virtual std::vector<BundleFile> first() = 0;
-  virtual std::vector<BundleFile> of_session(SessionId session) = 0;
-  virtual std::vector<BundleFile> last() = 0;
-};
-
-/// Several sessions under way to one file.
-class BundleSource : public FormatWriter {
- public:
-  /// Share of the work that is done, 0 to 1.
-  [[nodiscard]] virtual double progress() const = 0;
-};
 
 class Bundle {
  public:

@@ -99,7 +99,7 @@ class CsvWriter : public FormatWriter {
     return true;
   }
 
-  // Half of the columns rarely change: their text is copied, not printed anew.
+  // Half of the columns rarely change: their text is copied instead of printed again.
   char* cell(char* at, std::size_t column, std::int64_t value) {
     Cell& cell = cells_[column];
     if (value != cell.value || cell.length == 0) {

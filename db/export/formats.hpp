@@ -1,9 +1,11 @@
-// The rows of formats.def, and the files that several sessions make together.
+// The rows of formats.def, the files that several sessions make together, and what can be chosen for an export.
 #pragma once
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace hoist::db {
 
@@ -30,6 +32,13 @@ inline constexpr std::array kExportFormats{
 #include "db/export/formats.def"
 #undef HOIST_EXPORT
 };
+struct ExportOptions {
+  ExportFormat format = ExportFormat::csv;
+  std::vector<std::string> columns = {};  ///< these in this order; empty = all
+  bool comments = true;                   ///< csv, csv_de and events: the '#' lines
+  bool constant = true;                   ///< also the columns that hold one value all the time
+};
+
 constexpr const ExportFormatInfo& export_format_info(ExportFormat format) { return kExportFormats[static_cast<std::size_t>(format)]; }
 constexpr std::optional<ExportFormat> find_export_format(std::string_view name) {
   for (const ExportFormatInfo& info : kExportFormats)

@@ -7,7 +7,8 @@
 
 #include "db/export/fixed_point.hpp"
 #include "db/export/manifest.hpp"
-#include "db/export/provenance.hpp"
+#include "db/store/exercise_json.hpp"
+#include "db/summary/provenance.hpp"
 #include "db/summary/session_json.hpp"
 
 namespace hoist::db {

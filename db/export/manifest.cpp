@@ -12,9 +12,9 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/program_version.hpp"
-#include "db/codec/exercise_json.hpp"
 #include "db/export/fixed_point.hpp"
-#include "db/export/provenance.hpp"
+#include "db/store/exercise_json.hpp"
+#include "db/summary/provenance.hpp"
 
 namespace hoist::db {
 namespace {

@@ -16,6 +16,7 @@
 #include "db/export/manifest.hpp"
 #include "db/export/mcap_file.hpp"
 #include "db/export/ros/messages.hpp"
+#include "db/summary/provenance.hpp"
 
 namespace hoist::db {
 namespace {

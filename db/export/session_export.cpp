@@ -7,28 +7,12 @@
 
 #include "control/contract/check.hpp"
 #include "db/export/manifest.hpp"
-#include "db/export/provenance.hpp"
 #include "db/export/source.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
+#include "db/summary/provenance.hpp"
 
 namespace hoist::db {
-
-std::string csv_cell(std::string_view text, char separator) {
-  std::string cell;
-  // What OWASP lists as starting a formula, and what some programs skip before looking.
-  if (!text.empty() && std::string_view("=+-@\t\r\n").find(text.front()) != std::string_view::npos) cell = "'";
-  cell += text;
-  // '#' outside quotes begins a comment for pandas.read_csv(comment="#"); inside quotes it is text.
-  if (cell.find_first_of(",\"\r\n'#") == std::string::npos && cell.find(separator) == std::string::npos) return cell;
-  std::string quoted = "\"";
-  for (const char c : cell) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  quoted += '"';
-  return quoted;
-}
 
 std::vector<std::string> column_names(std::string_view text) {
   std::vector<std::string> names;

@@ -1,4 +1,4 @@
-// A session in one of the formats of formats.def, piece by piece, so that nobody holds an hour in memory.
+// A session in one of the formats of formats.def, piece by piece, so that memory stays constant.
 #pragma once
 #include <cstddef>
 #include <memory>
@@ -12,13 +12,6 @@
 #include "db/store/session_types.hpp"
 
 namespace hoist::db {
-
-struct ExportOptions {
-  ExportFormat format = ExportFormat::csv;
-  std::vector<std::string> columns = {};  ///< these in this order; empty = all
-  bool comments = true;                   ///< csv, csv_de and events: the '#' lines
-  bool constant = true;                   ///< also the columns that hold one value all the time
-};
 
 class SessionExport {
  public:
@@ -45,7 +38,5 @@ class SessionExport {
 
 /// "a,b" as asked on a command line or in a query: one name per comma, an empty one where there is none.
 std::vector<std::string> column_names(std::string_view text);
-/// A text as one CSV cell: quoted where needed, and with an apostrophe in front when a spreadsheet would take it for a formula.
-std::string csv_cell(std::string_view text, char separator = ',');
 
 }  // namespace hoist::db

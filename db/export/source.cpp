@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "db/export/provenance.hpp"
 #include "db/store/column_layouts.hpp"
 #include "db/store/sqlite.hpp"
+#include "db/summary/provenance.hpp"
 
 namespace hoist::db {
 namespace {
@@ -142,6 +142,22 @@ std::string number_text(double value, std::string_view absent) {
   if (!std::isfinite(value)) return std::string(absent);
   std::array<char, 32> text;
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+std::string csv_cell(std::string_view text, char separator) {
+  std::string cell;
+  // What OWASP lists as starting a formula, and what some programs skip before looking.
+  if (!text.empty() && std::string_view("=+-@\t\r\n").find(text.front()) != std::string_view::npos) cell = "'";
+  cell += text;
+  // '#' outside quotes begins a comment for pandas.read_csv(comment="#"); inside quotes it is text.
+  if (cell.find_first_of(",\"\r\n'#") == std::string::npos && cell.find(separator) == std::string::npos) return cell;
+  std::string quoted = "\"";
+  for (const char c : cell) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  quoted += '"';
+  return quoted;
 }
 
 }  // namespace hoist::db

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "db/export/session_export.hpp"
+#include "db/export/formats.hpp"
 #include "db/store/chunk_source.hpp"
 #include "db/store/session_reader.hpp"
 
@@ -65,7 +65,7 @@ class ExportSource {
   std::vector<ClockAnchor> anchors;  // the first one is the session's start
   std::vector<std::size_t> chosen;   // columns to write
   std::size_t tick_column = 0, time_column = 0;
-  std::uint64_t last_tick = 0;  // of the session when the export began: one that is being recorded must not grow under our hands
+  std::uint64_t last_tick = 0;  // of the session when the export began: one that is being recorded must not grow meanwhile
   bool any_samples = false;
   std::uint64_t sample_count = 0;
 
@@ -102,5 +102,7 @@ std::int64_t microseconds_since(std::int64_t start_time_ns, std::int64_t time_ns
 inline constexpr int kSeconds_decimals = 6;
 /// Shortest text that reads back as the same double; CSV and JSON have no NaN: `absent` then.
 std::string number_text(double value, std::string_view absent);
+/// A text as one CSV cell: quoted where needed, and with an apostrophe in front when a spreadsheet would take it for a formula.
+std::string csv_cell(std::string_view text, char separator = ',');
 
 }  // namespace hoist::db

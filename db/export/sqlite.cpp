@@ -13,12 +13,12 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "db/codec/exercise_json.hpp"
 #include "db/export/fixed_point.hpp"
 #include "db/export/manifest.hpp"
 #include "db/export/spool_file.hpp"
 #include "db/export/sql.hpp"
 #include "db/store/column_layouts.hpp"
+#include "db/store/exercise_json.hpp"
 #include "db/summary/session_json.hpp"
 
 namespace hoist::db {

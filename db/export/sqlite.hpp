@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "db/export/bundle.hpp"
+#include "db/export/bundle_plan.hpp"
 #include "db/store/sqlite.hpp"
 
 namespace hoist::db {

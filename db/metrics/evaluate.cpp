@@ -11,7 +11,7 @@ namespace hoist::db {
 
 namespace {
 
-/// Longest run that is resampled: a day at 100 Hz. A wrong dt must not ask for all memory there is.
+/// Longest run that is resampled: a day at 100 Hz. A wrong dt must not request unlimited memory.
 constexpr double kLongestRun_s = 86'400.0;
 
 bool all_finite(std::span<const double> column) {

@@ -7,7 +7,8 @@
 
 namespace hoist::db {
 
-/// One row per subject; a missing run is nullopt. All rows of one length, else an empty answer. A run that nobody did has no mean.
+/// One row per subject; a missing run is nullopt. All rows of one length, else an empty answer. A run without any
+/// subject has no mean.
 [[nodiscard]] std::vector<std::optional<double>> table_mean(std::span<const std::vector<std::optional<double>>> rows);
 
 }  // namespace hoist::db

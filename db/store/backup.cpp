@@ -19,6 +19,7 @@
 #include <thread>
 #include <utility>
 
+#include "db/store/restore_remains.hpp"
 #include "db/store/retention.hpp"
 #include "db/store/sqlite.hpp"
 
@@ -36,8 +37,7 @@ constexpr int kPiecesPerSync = 8;
 constexpr double kCopyShare = 0.5, kCheckShare = 0.8;
 constexpr std::uint64_t kReserve_bytes = 8 << 20;  // of the target, for the manifest and the file system's own
 constexpr std::uint64_t kFat32Most_bytes = 0xFFFFFFFF;
-constexpr std::string_view kPart = ".part", kReplacedInfix = ".replaced-", kPrepared = ".restore-part";
-constexpr std::array kKeptWith{"-wal", ".seal"};  // of a file that is set aside
+constexpr std::string_view kPart = ".part";
 constexpr int kManifestVersion = 1;
 constexpr int kSettingsSince = 9;  // schema file with the table `settings`
 
@@ -401,7 +401,7 @@ Result<std::optional<BackupInfo>> back_up(Database& recordings, const BackupOpti
     if (!error) {
       if (Status synced = sync_folder_of(info.folder); !synced) return synced.error();
       // The backup is good without this row; retention only does not count on it.
-      (void)note_backup(recordings, info);
+      (void)note_backup(recordings, info.utc_ns, info.folder, info.newest_session);
       return std::optional(std::move(info));
     }
     written = io_error(part.string() + " could not get its name", error);
@@ -506,24 +506,6 @@ Result<fs::path> finish_restore(const fs::path& prepared, const fs::path& file, 
   change();
   if (Status synced = sync_folder_of(file); !synced) return synced.error();
   return aside;
-}
-
-void tidy_after_restore(const fs::path& file) {
-  std::error_code error;
-  fs::remove(file.string() + std::string(kPrepared), error);
-  // Two names of one file would be two logs of one file.
-  if (const auto names = fs::hard_link_count(file, error); error || names < 2) return;
-  const std::string prefix = file.filename().string() + std::string(kReplacedInfix);
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    std::error_code other;
-    const fs::path name = entry->path();
-    if (!name.filename().string().starts_with(prefix) || !fs::equivalent(name, file, other)) continue;
-    for (const char* suffix : kKeptWith)
-      if (!fs::exists(file.string() + suffix, other)) fs::rename(name.string() + suffix, file.string() + suffix, other);
-    fs::remove(name, other);
-    return;
-  }
 }
 
 }  // namespace hoist::db

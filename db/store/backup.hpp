@@ -71,7 +71,5 @@ Result<std::optional<std::filesystem::path>> prepare_restore(const std::filesyst
 /// Errors: busy (another program reads the file), io. Then the old file is in use as before.
 Result<std::filesystem::path> finish_restore(const std::filesystem::path& prepared, const std::filesystem::path& file, std::int64_t utc_ns,
                                              const std::function<void()>& before_each_change = {});
-/// What an interrupted restore left beside the file, and a second name of the file itself. Before it is opened.
-void tidy_after_restore(const std::filesystem::path& file);
 
 }  // namespace hoist::db

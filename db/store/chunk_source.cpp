@@ -67,7 +67,7 @@ std::optional<std::uint64_t> ChunkSource::first_tick_from_time(std::uint64_t tim
 void ChunkSource::load(const StoredChunk& chunk, std::span<const std::size_t> which, std::vector<std::vector<std::int64_t>>& values) {
   if (chunk.directory.layout == ChunkLayout::frame_per_column && which.size() <= kFewColumns) {
     values.resize(which.size());
-    // One body is open at a time; moving the handle to another row is cheaper than opening anew.
+    // One body is open at a time; moving the handle to another row is cheaper than opening a new one.
     const int code = blob_ == nullptr ? sqlite3_blob_open(handle_, "main", "chunks", "body", chunk.row, 0, &blob_)
                                       : sqlite3_blob_reopen(blob_, chunk.row);
     if (code != SQLITE_OK) {

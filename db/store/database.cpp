@@ -11,10 +11,10 @@
 #include <system_error>
 #include <utility>
 
-#include "db/store/backup.hpp"
 #include "db/store/column_layouts.hpp"
 #include "db/store/fold.hpp"
 #include "db/store/identity.hpp"
+#include "db/store/restore_remains.hpp"
 #include "db/store/schema_list.hpp"
 #include "db/store/sqlite.hpp"
 

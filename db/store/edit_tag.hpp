@@ -1,5 +1,5 @@
-// What an editable row looked like. A change names the tag of the row it was made for and is refused when the row is another by then.
-// A hash of the content and no counter: two people who write the same are not in each other's way, and no column has to be kept.
+// The content of an editable row as a tag. A change names the tag of the row it was made for and is refused when the
+// row differs by then. A hash and no counter: equal writes do not conflict, and no column is needed.
 #pragma once
 #include <array>
 #include <cstdio>

@@ -27,7 +27,7 @@ class IdentityKey {
   IdentityKey& operator=(const IdentityKey&) = delete;
   ~IdentityKey();
 
-  /// Tells one key from another, and nothing of the key.
+  /// Identifies the key without revealing it.
   [[nodiscard]] Id id() const;
   /// Nonce and ciphertext (XChaCha20-Poly1305). `row` is bound in: a sealed text cannot be moved to another patient.
   [[nodiscard]] std::vector<std::uint8_t> seal(std::int64_t row, const std::string& text) const;

@@ -159,11 +159,11 @@ Result<std::optional<RetentionPlan>> plan_retention(Database& database, const Re
   });
 }
 
-Status note_backup(Database& database, const BackupInfo& backup) {
+Status note_backup(Database& database, std::int64_t utc_ns, const std::filesystem::path& folder, SessionId newest) {
   return guarded([&]() -> Status {
-    const std::string folder = backup.folder.string();
+    const std::string name = folder.string();
     Statement row(database.handle(), "INSERT INTO backups (utc_ns, folder, newest_session) VALUES (?1, ?2, ?3)");
-    row.integer(1, backup.utc_ns).text(2, std::string_view(folder)).integer(3, backup.newest_session).run();
+    row.integer(1, utc_ns).text(2, std::string_view(name)).integer(3, newest).run();
     return {};
   });
 }

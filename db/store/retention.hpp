@@ -1,13 +1,13 @@
 // How long sessions are kept, and which ones may go. Deleting them is deletion.hpp.
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "db/store/backup.hpp"
 #include "db/store/database.hpp"
 #include "db/store/integrity.hpp"
 #include "db/store/result.hpp"
@@ -53,7 +53,7 @@ struct RetentionPlan {
 Result<std::optional<RetentionPlan>> plan_retention(Database& database, const RetentionRule& rule, std::int64_t utc_ns,
                                                     std::uint64_t disk_bytes, const CheckStep& step);
 
-/// A checked backup holds the sessions that had ended by then.
-Status note_backup(Database& database, const BackupInfo& backup);
+/// A checked backup in `folder` holds the sessions up to `newest`.
+Status note_backup(Database& database, std::int64_t utc_ns, const std::filesystem::path& folder, SessionId newest);
 
 }  // namespace hoist::db

@@ -22,7 +22,7 @@ class Seal {
   // Nothing when there is none, or none that is whole.
   static std::optional<Content> read(const std::filesystem::path& file);
 
-  // A seal that cannot be written misses a loss; it is no reason not to record.
+  // A seal that cannot be written misses a loss; recording goes on.
   explicit Seal(const std::filesystem::path& file);
   ~Seal();
   Seal(const Seal&) = delete;

@@ -1,4 +1,4 @@
-// The limits of what people may write into a session; one place for recorder and editor. check_exercise is in codec/exercise_json.hpp.
+// The limits of what people may write into a session; one place for recorder and editor. check_exercise is in store/exercise_json.hpp.
 #pragma once
 #include <optional>
 #include <string>

@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 
-#include "db/codec/exercise_json.hpp"
 #include "db/store/deletion.hpp"
 #include "db/store/edit_tag.hpp"
+#include "db/store/exercise_json.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"

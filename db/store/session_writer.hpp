@@ -38,8 +38,9 @@ struct Durable {
   std::optional<std::uint64_t> last_tick;  ///< newest durable tick
 };
 
-/// Why `missing` steps are not there, of which the core says that it never made `left_out`: "step_left_out" for all of them, `otherwise` for
-/// none, "not_received+step_left_out" (with `otherwise` in the first place) when nobody can tell which.
+/// Why `missing` steps are not there, of which the core says that it never made `left_out`: "step_left_out" for all of
+/// them, `otherwise` for none, "not_received+step_left_out" (with `otherwise` in the first place) when it cannot be
+/// decided.
 std::string missing_reason(std::uint64_t missing, std::uint64_t left_out, std::string_view otherwise = "not_received");
 
 /// A record as its columns store it, in their order; false when it cannot be stored (not finite, out of range).

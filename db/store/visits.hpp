@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "db/store/database.hpp"
+#include "db/store/page.hpp"
 #include "db/store/result.hpp"
 #include "db/store/session_types.hpp"
 
@@ -36,21 +37,6 @@ struct PatientInfo {
   std::optional<std::string> first_day, last_day;  ///< of the visits; a visit counts with its first walk
   std::string tag;
 };
-/// Newest first; `next` is the `before` of the next page, absent at the end.
-template <typename Item>
-struct VisitPage {
-  std::vector<Item> items;
-  std::optional<std::int64_t> next;
-};
-struct VisitQuery {
-  std::size_t limit = 50;                       ///< 1 to kMaxPage
-  std::optional<std::int64_t> before = {};      ///< only those with a smaller number
-  std::optional<std::int64_t> patient_id = {};  ///< visits of this patient only
-  std::optional<std::string> day = {};          ///< visits of this day only
-  std::optional<std::string> code_part = {};    ///< patients whose code contains this, capital or small
-  std::optional<bool> archived = {};            ///< only patients that are, or are not
-};
-
 /// Reads; every call is its own read transaction. Errors: bad_value (limit), corrupt, busy, io.
 class VisitReader {
  public:
@@ -69,8 +55,8 @@ class VisitReader {
 std::int64_t visit_row(sqlite3* handle, const std::string& code, std::int64_t started_utc_ns);
 /// Inside a transaction; nothing when there is no such patient.
 std::optional<PatientInfo> patient_row(sqlite3* handle, std::int64_t patient);
-/// Removes visits without a session, and patients without a visit whom nobody has registered: a code that was only typed goes with its last
-/// session.
+/// Removes visits without a session, and patients without a visit who are not registered: a code that was only typed
+/// goes with its last session.
 void drop_empty_visits(sqlite3* handle);
 
 }  // namespace hoist::db

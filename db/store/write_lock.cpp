@@ -52,7 +52,7 @@ Result<std::shared_ptr<WriteLock>> WriteLock::take(const std::filesystem::path& 
                    {}};
     std::this_thread::sleep_for(kLockTry);
   }
-  // Only for whoever is refused: that it cannot be written is no reason not to record.
+  // Only for the message of a refusal: recording does not depend on it.
   const std::string process = std::to_string(::getpid()) + "\n";
   [[maybe_unused]] const bool noted =
       ::ftruncate(descriptor, 0) == 0 && ::pwrite(descriptor, process.data(), process.size(), 0) == static_cast<ssize_t>(process.size());

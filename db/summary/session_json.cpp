@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "db/codec/exercise_json.hpp"
-#include "db/export/provenance.hpp"
+#include "db/store/exercise_json.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/summary/provenance.hpp"
 
 namespace hoist::db {
 

@@ -8,7 +8,7 @@
 
 #include "control/contract/check.hpp"
 #include "control/contract/faults.hpp"
-#include "db/codec/exercise_json.hpp"
+#include "db/store/exercise_json.hpp"
 #include "db/store/session_reader.hpp"
 
 namespace hoist::db {

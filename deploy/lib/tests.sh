@@ -99,19 +99,21 @@ run_browser_tests() {
   fi
 }
 
-# run_suites RESULTS FILTER: every suite of the normal build. The browser tests wait more than they compute, so they run beside the others; their
-# output is shown when they end.
+# run_suites RESULTS FILTER: every suite of the normal build. The browser tests wait more than they compute, so they and the console's unit tests
+# run beside the others; their output is shown when they end.
 run_suites() {
   local results=$1 filter=$2 browser
-  run_browser_tests "$results" "$filter" >"$results/e2e.log" 2>&1 &
+  {
+    run_browser_tests "$results" "$filter"
+    run_web_tests "$results" "$filter"
+  } >"$results/web.log" 2>&1 &
   browser=$!
   # A background job of a script does not get Ctrl-C from the terminal.
   trap 'pkill -P "$browser"; exit 130' INT TERM
   run_ctest build "$results" "$filter"
-  run_web_tests "$results" "$filter"
-  wait "$browser" || record_step "$results" failed e2e "the browser tests ended badly"
+  wait "$browser" || record_step "$results" failed web "the tests of the console ended badly"
   trap - INT TERM
-  cat "$results/e2e.log" >&2
+  cat "$results/web.log" >&2
 }
 
 # tally RESULTS...: names failures and skips, prints the closing line, and is the verb's exit code.

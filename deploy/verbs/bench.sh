@@ -10,6 +10,6 @@ for option in "$@"; do
   esac
 done
 setup build bench
-build_normal
+build_normal all hoist-bench
 [ -x build/bin/hoist-bench ] || not_here_yet bench "build/bin/hoist-bench (tests/bench) is not in this tree"
 exec build/bin/hoist-bench "${arguments[@]}"

@@ -12,6 +12,10 @@ while [ $# -gt 0 ]; do
   shift
 done
 setup build
-build_normal "${targets[@]}"
-[ ${#targets[@]} -gt 0 ] || build_web
+if [ ${#targets[@]} -gt 0 ]; then
+  build_normal "${targets[@]}"
+else
+  build_normal all hoist-bench
+  build_web
+fi
 say "built: programs are in build/bin/"

@@ -48,7 +48,7 @@ else
   record_step "$static" skipped "console: ESLint and Prettier" "$(no_node_reason)"
 fi
 
-build_normal
+build_normal all hoist-bench
 step "generated files (deploy/dev gen mends them)" build/bin/hoist-gen --top "$PWD" --check
 if command -v clang-tidy >/dev/null; then
   step "clang-tidy" run_clang_tidy build

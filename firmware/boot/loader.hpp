@@ -15,7 +15,7 @@
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/firmware_image.hpp"
-#include "firmware/boot/mailbox.hpp"
+#include "firmware/lib/mailbox.hpp"
 
 namespace hoist::firmware {
 
@@ -270,7 +270,7 @@ class Loader {
     quiet_ms_ = 0;
   }
 
-  // ---- a program that comes
+  // ---- receiving a program
 
   void on_segment(const CanFrame& frame) {
     const std::uint8_t command = frame.data[0];

@@ -52,7 +52,7 @@ class SlipBursts {
     begin(draw(random_));
   }
 
-  /// Any of what happens: one wheel or both, a little or nearly no grip, with a twist to either side.
+  /// A random burst: one wheel or both, a little or nearly no grip, with a twist to either side.
   [[nodiscard]] static SlipBurst draw(Random& random) {
     SlipBurst burst;
     burst.seconds = random.uniform(0.2, 0.8);

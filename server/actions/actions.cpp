@@ -229,7 +229,7 @@ void act_release_lease(Services& services, const Asker& asker, OutcomeDone done)
 namespace {
 bool holds_lease(const Services& services, const Asker& asker) { return asker.client != 0 && services.core.lease_holder() == asker.client; }
 
-// For what only the holder may do and the core is not asked for. False: `done` has been told.
+// For actions of the lease holder that the core is not asked about. False: `done` has been called.
 bool must_hold(Services& services, const Asker& asker, const OutcomeDone& done) {
   if (holds_lease(services, asker) && services.core.lease_epoch() == asker.epoch) return true;
   services.counters.add(Count::commands_refused);
@@ -453,7 +453,7 @@ contract::GuidedLimits guided_limits(const Services& services) {
   return contract::guided_limits(params);
 }
 
-// Tells one exercise from another: whose lead, which way, how many laps. Never 0.
+// A key that tells one exercise from another: mode, figure, direction, laps. Never 0.
 std::uint32_t exercise_key(contract::Mode mode, const Exercise& exercise, std::uint32_t laps) {
   const std::uint64_t hash = contract::hash_number(contract::hash_bytes(contract::kHashStart, exercise_json(exercise).dump()),
                                                    laps * contract::kModes.size() + static_cast<std::uint64_t>(mode));
@@ -527,14 +527,14 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   }
   if (!exercise || !errors.empty()) {
     Outcome outcome = invalid(std::move(errors), "The exercise cannot be used.", Reason::exercise);
-    // Whoever wants to start is told everything that is in the way.
+    // A refused start names every reason.
     if (*mode == contract::Mode::guided)
       outcome.refusals = refusal_names(blocked_bits(services) | contract::refusal_bit(contract::Refusal::exercise_limits));
     done(outcome);
     return;
   }
   if (asker.client == 0 || services.core.lease_holder() != asker.client || services.core.lease_epoch() != asker.epoch) {
-    // Said here, so that somebody who may not start does not move the pose either; with everything else that is in the way.
+    // Here, so that a client that may not start does not set the pose either; together with the other reasons.
     Outcome outcome;
     outcome.kind = services.core.connected() ? Outcome::Kind::refused : Outcome::Kind::unreachable;
     outcome.detail =
@@ -574,7 +574,7 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
                                ends_asked = services.ends_asked, done = std::move(done)](const CoreAnswer& answer) mutable {
     if (!answer.done()) {
       Outcome outcome = outcome_of(answer);
-      // Whoever wants to start is told everything that is in the way, not only what stopped the first step.
+      // A refused start names every reason, not only the one that stopped its first step.
       if (answer.kind == CoreAnswer::Kind::refused && services.core.newest()) {
         outcome.kind = Outcome::Kind::refused;
         outcome.refusals = refusal_names(answer.bits | blocked_bits(services));

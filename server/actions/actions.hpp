@@ -11,42 +11,16 @@
 
 #include "control/contract/faults.hpp"
 #include "db/store/retention.hpp"
+#include "server/actions/outcome.hpp"
 #include "server/actions/wishes.hpp"
-#include "server/contract/reasons.hpp"
 #include "server/services.hpp"
 #include "server/state/exercise.hpp"
-#include "server/text/field_error.hpp"
 
 namespace hoist::server {
 
-struct Outcome {
-  enum class Kind : std::uint8_t { done, refused, invalid, unknown, outdated, unreachable };
-  Kind kind = Kind::done;
-  std::vector<std::string> refusals;  // names of the refusal table
-  std::vector<FieldError> errors;
-  std::string detail;
-  std::optional<Reason> reason;  // where `kind` does not say it all
-  std::uint32_t epoch = 0;       // of a lease just taken
-  JobId job = 0;                 // of a job just started
-  std::optional<bool> stored;    // of a change of settings: false = in force, and lost at the next start unless the disk takes it later
-  std::string row;               // of a change of a stored row: the row as it is now, JSON
-  [[nodiscard]] bool done() const { return kind == Kind::done; }
-};
-[[nodiscard]] Reason reason_of(const Outcome& outcome);
-using OutcomeDone = std::function<void(const Outcome&)>;
-
-// Who asks: the number the core knows, the lease epoch it believes, the role.
-struct Asker {
-  std::uint32_t client = 0;
-  std::uint32_t epoch = 0;
-  contract::Role role = contract::Role::viewer;
-  bool over = false;                  // its sign-in has run out: it may go on with what it holds and end it, and begin nothing
-  std::shared_ptr<bool> logged = {};  // set when an action writes the audit log for this request; may be null
-};
-
 void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done);
 void act_release_lease(Services& services, const Asker& asker, OutcomeDone done);
-// Asks the holder for the lease, who sees by whom; refused when nobody holds it. `withdraw`: it is asked for no longer.
+// Asks the holder for the lease, and tells it who asks; refused when it is free. `withdraw`: takes the request back.
 void act_ask_lease(Services& services, const Asker& asker, bool withdraw, OutcomeDone done);
 // The holder gives the lease away; the core refuses while the hoist moves.
 void act_hand_over(Services& services, const Asker& asker, const HandOverWish& wish, OutcomeDone done);
@@ -61,9 +35,9 @@ struct ModeWish {
   const nlohmann::json& start_again;
 };
 void act_mode(Services& services, const Asker& asker, const ModeWish& wish, OutcomeDone done);
-// The exercise of the next walk, for all screens; refused while the hoist is led.
+// The exercise of the next walk, for all screens; refused while the hoist moves or a motion is under way.
 void act_choose(Services& services, const Asker& asker, const nlohmann::json& exercise, OutcomeDone done);
-// A hand on the stick, as a protocol read it: nothing = what was sent there is no such value.
+// A driving command as a protocol read it; a missing value: the message had none.
 struct DriveWish {
   std::optional<std::uint64_t> sequence, echo_time_ns;
   std::optional<double> speed_norm, yaw_norm;
@@ -103,9 +77,10 @@ void act_pose(Services& services, const Asker& asker, const StartPose& pose, Out
 // made for, 0 = whichever are in force; the core refuses it when they are others by then (H27).
 void act_set(Services& services, const Asker& asker, const NumbersByName& values, std::optional<double> revert_after_s,
              std::uint32_t version, OutcomeDone done);
-// What is on trial stays; `version`: 0, or the one that was looked at, so that nobody keeps what somebody else has changed meanwhile (H27).
+// Keeps the values on trial. `version`: the one that was shown, or 0; the core refuses when another client has changed
+// the parameters since (H27).
 void act_keep_trial(Services& services, const Asker& asker, std::uint32_t version, OutcomeDone done);
-// What is on trial goes back at once, whatever it is.
+// Reverts the values on trial at once.
 void act_undo_trial(Services& services, const Asker& asker, OutcomeDone done);
 // Puts a checked program into a node; done when the core lets it begin.
 void act_update_firmware(Services& services, const Asker& asker, std::vector<std::uint8_t> image, contract::Node node, bool force,

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "server/actions/action_table.hpp"
-#include "server/actions/actions.hpp"
+#include "server/actions/outcome.hpp"
+#include "server/services.hpp"
 
 namespace hoist::server {
 

@@ -21,7 +21,7 @@ void act_delete_patient(Services& services, const Asker& asker, std::int64_t pat
 void act_set_identity(Services& services, const Asker& asker, std::int64_t patient, std::optional<db::Identity> identity, std::string tag,
                       OutcomeDone done);
 void act_note_visit(Services& services, const Asker& asker, std::int64_t visit, std::string note, std::string tag, OutcomeDone done);
-// Whom the next motion is recorded for, for all screens; null: nobody. Refused while the hoist is led.
+// The patient whom the next motion is recorded for, for all screens; null: none. Refused while a motion is under way.
 void act_choose_patient(Services& services, const Asker& asker, const nlohmann::json& patient, OutcomeDone done);
 
 // `settings` null: what is in force. Parameters that only an engineer may change are in no profile.

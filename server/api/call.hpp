@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/api/router.hpp"
+#include "server/api/rest_context.hpp"
 #include "server/http/exchange.hpp"
 #include "server/http/problem.hpp"
 #include "server/services.hpp"

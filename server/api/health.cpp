@@ -1,4 +1,4 @@
-// /health: nodes and bus, in one answer for people with a script and for whoever opens the console late.
+// /health: nodes and bus, in one answer for scripts and for a console that was just opened.
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// /loop: how punctual the core's steps are, in full. The record of a step has the short of it.
+// /loop: how punctual the core's steps are, in full. The record of a step has the summary.
 #include <array>
 #include <cstddef>
 #include <nlohmann/json.hpp>

@@ -31,12 +31,12 @@ json parameter_json(std::size_t index, const contract::ParamsInForce& in_force) 
           {"effect", {{"en", p.effect_en}, {"de", p.effect_de}}}};
 }
 
-// The core's life is part of it: a restarted core counts its versions anew.
+// The core's run is part of it: a restarted core counts its versions from the start.
 std::string etag(const Services& s) {
   return "\"" + std::to_string(s.core.link().life()) + "-" + std::to_string(s.core.parameters().version) + "\"";
 }
 
-// Of the bytes that this request gets.
+// For the bytes that this request gets.
 std::string list_etag(const Call& call) {
   const std::string plain = etag(call.services);
   return accepts_gzip(call.request.header("accept-encoding")) ? gzip_etag(plain) : plain;
@@ -65,7 +65,7 @@ void change(const CallPtr& call, const NumbersByName& values, std::optional<doub
     call->fail(changed_meanwhile());
     return;
   }
-  // The core looks at the version once more: somebody may be faster between here and there.
+  // The core checks the version again: another client may change a value in between.
   const std::uint32_t version = matched ? static_cast<std::uint32_t>(call->services.core.parameters().version) : 0;
   act_set(call->services, asker_of(*call), values, revert_after_s, version, [call, values, version](const Outcome& outcome) {
     if (version != 0 && std::ranges::find(outcome.refusals, "set_outdated") != outcome.refusals.end()) {

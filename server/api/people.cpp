@@ -164,7 +164,7 @@ void sign_in(const CallPtr& call) {
                 .detail = "Sign in with your password."});
     return;
   }
-  // Somebody who tries this name from elsewhere does not make its owner wait.
+  // Attempts with this name from elsewhere do not delay its owner.
   const std::string account = name + (known ? "@" + device : "") + (pin ? "#" : "");
   SignInGuard& guard = call->services.guard;
   if (pin && guard.failures(account) >= kPinTries) {
@@ -381,7 +381,7 @@ void set_up(const CallPtr& call) {
           const db::Status added = room.accounts.add(made, now);
           return added ? std::nullopt : std::optional(added.error());
         }
-        // A lost password: the person at the switch gets it back, and whoever was signed in under this name does not stay so.
+        // After a lost password the person at the switch sets a new one, and every sign-in under this name ends.
         db::Status done = room.accounts.change(
             user.name,
             {.display_name = made.display_name, .role = made.role, .password_hash = made.password_hash, .enabled = true, .pin_hash = {}});

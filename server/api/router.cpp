@@ -134,7 +134,7 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
     return problem(401, "no-session", "Not signed in",
                    "Sign in, open the link that the terminal shows, or send a token as Authorization: Bearer.");
   }
-  // A lease lives by what its holder does, not by whoever else shares the token and only looks on.
+  // A lease lives by the use of its holder, not by other clients that share the token and only read.
   if (call.session && !request.header("x-hoist-lease").empty() && lease_header(call) == services.core.lease_epoch())
     call.session->used_ns = services.now_ns();
   if (!call.session || !call.session->bearer) {

@@ -5,27 +5,12 @@
 #include <string>
 
 #include "server/api/idempotency.hpp"
-#include "server/api/trust.hpp"
-#include "server/http/auth.hpp"
+#include "server/api/rest_context.hpp"
 #include "server/http/exchange.hpp"
 #include "server/http/listener.hpp"
 #include "server/http/static_files.hpp"
-#include "server/services.hpp"
 
 namespace hoist::server {
-
-// Takes over a WebSocket of this session, from this address, whose handshake is done.
-using OpenSocket = std::function<void(std::unique_ptr<Stream>, std::shared_ptr<void> seat, SessionPtr, const std::string& address)>;
-
-// What REST needs besides the services of the actions.
-struct RestContext {
-  Services& services;
-  Auth& auth;
-  OpenSocket open_live, open_foxglove, open_rosbridge;
-  std::string base_url = {};         // http://127.0.0.1:8080
-  const TrustPage* trust = nullptr;  // of the hoist's own authority, if it has one
-  const StaticFiles* pages = nullptr;
-};
 
 class Router final : public RequestHandler {
  public:

@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "control/contract/faults.hpp"
-#include "db/export/provenance.hpp"
 #include "db/export/session_export.hpp"
 #include "db/store/markers.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/visits.hpp"
+#include "db/summary/provenance.hpp"
 #include "db/summary/session_json.hpp"
 #include "server/actions/records.hpp"
 #include "server/api/answers.hpp"

@@ -25,7 +25,7 @@ class PlainDoor final : public RequestHandler {
  public:
   PlainDoor(const TrustPage& page, const Auth& auth, Counters& counters) : page_(page), auth_(auth), counters_(counters) {}
   void handle(Request request, std::function<void(Response)> answer) override;
-  // No seat is kept for anybody here: nobody signs in, and STOP goes over HTTPS.
+  // No seat is reserved here: there is no sign-in, and STOP uses HTTPS.
   [[nodiscard]] bool may_enter(const Request&) override { return false; }
 
  private:

@@ -30,7 +30,7 @@ constexpr bool body_may_be_empty(const Route& route) {
   return route.request == "Empty" || route.request == "LeaseRequest" || route.request == "KeepRequest" ||
          route.request == "AcknowledgeRequest";
 }
-// STOP is never refused, so nobody looks at what may come with it.
+// STOP is never refused, so its body is not checked.
 constexpr bool takes_body(const Route& route) { return !route.request.empty() && route.operation != "stop"; }
 struct RouteInput {
   std::string_view operation;

@@ -45,7 +45,7 @@ bool write_private(const std::filesystem::path& file, std::string_view text, std
   return true;
 }
 
-// Only a file that nobody else could have written or read is believed.
+// The file is believed only when no other user could have read or written it.
 std::optional<std::string> read_private(const std::filesystem::path& file) {
   const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   if (fd < 0) return std::nullopt;
@@ -60,7 +60,7 @@ std::optional<std::string> read_private(const std::filesystem::path& file) {
   ::close(fd);
   return text;
 }
-// Whether nothing but a token of ours is lost by writing this file anew: it is missing, empty or holds a token.
+// Whether rewriting this file loses nothing but a token of ours: it is missing, empty or holds a token.
 bool may_replace(const std::filesystem::path& file) {
   std::error_code none;
   const auto state = std::filesystem::symlink_status(file, none);

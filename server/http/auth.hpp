@@ -1,5 +1,6 @@
-// Who may speak: sessions (cookie), bearer tokens for scripts, one-time links, and the Host and Origin checks. Accounts and their passwords are
-// people/'s; here is what a request shows of them. Whoever can read this computer's terminal or token file is the engineer "local".
+// Who a request comes from: sessions (cookie), bearer tokens for scripts, one-time links, and the Host and Origin
+// checks. Accounts and their passwords are in people/; this keeps what a request shows of them. A user who can read
+// this computer's terminal or token file is the engineer "local".
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -18,11 +19,11 @@
 namespace hoist::server {
 
 inline constexpr std::size_t kSessionLimit = 32;
-// Half a day without use; nobody is logged out of a WebSocket that is already open.
+// Half a day without use; an open WebSocket stays signed in.
 inline constexpr std::uint64_t kSessionLife_s = 12 * 3600;
 // A session's last use is written down when the one on disk is older than this, so that a restarted server knows it, too.
 inline constexpr std::uint64_t kSessionWrite_s = 3600;
-// Sessions that have ended and may still say STOP: whoever once stood beside the patient does not sign in first to stop the hoist.
+// Ended sessions that may still say STOP: at the patient's side there is no time to sign in first.
 inline constexpr std::size_t kPastLimit = 32;
 // How long a browser keeps the cookie: the most that browsers allow, since what it is good for is judged here.
 inline constexpr std::uint64_t kCookieLife_s = 400 * 24 * 3600;

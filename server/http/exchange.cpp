@@ -72,7 +72,7 @@ bool parse_target(std::string_view target, Request& request) {
 }
 
 std::string_view header_fault(const HeaderFields& fields, bool version_10) {
-  // Of these a second one would be believed by one reader and not by another.
+  // Fields of which two readers of a request could believe different ones if they came twice.
   static constexpr auto kOnce = std::to_array<std::string_view>({"authorization", "content-encoding", "content-length", "content-type",
                                                                  "cookie", "expect", "host", "origin", "sec-websocket-key",
                                                                  "sec-websocket-version", "transfer-encoding", "x-hoist", "x-hoist-lease"});

@@ -158,7 +158,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void start() { read_header(reserved_ ? kReservedHeaderTime_s : kHeaderTime_s); }
 
-  // On a reserved seat, without having shown that it may sit there: the first to go when such a seat is needed.
+  // Unauthenticated connection on a reserved seat: evicted first.
   [[nodiscard]] bool unjudged(Seat kind) const { return kind_ == kind && unjudged_ && is_open(); }
   void leave() {
     drop();
@@ -183,7 +183,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   // Not once it has become a WebSocket.
   [[nodiscard]] bool is_open() const { return stream_ && stream_->is_open(); }
 
-  // The timer is set anew only for an earlier limit. One that comes before the limit of the time waits on: a request costs no timer.
+  // The timer is set again only for an earlier limit. When it fires before the limit it waits on: a request costs no
+  // timer.
   void limit_time(int seconds) {
     timed_out_ = false;
     limit_ = Clock::now() + std::chrono::seconds(seconds);
@@ -387,7 +388,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     send_refusal({.status = 400, .name = "bad-request", .title = "The request cannot be read", .detail = std::move(detail)});
   }
 
-  // Answers a request that nobody handles, then closes.
+  // Answers a request that has no handler, then closes.
   void send_refusal(const Problem& problem) {
     shared_->counters.add(Count::http_requests);
     head_only_ = false;

@@ -1,5 +1,5 @@
-// The door: accepts connections up to the limits, reads requests with time limits, writes answers, hands WebSockets over. What a request means
-// is its handler's business.
+// Accepts connections up to the limits, reads requests with time limits, writes answers, hands WebSockets over. Its
+// RequestHandler interprets the requests.
 #pragma once
 #include <cstdint>
 #include <functional>

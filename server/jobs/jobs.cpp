@@ -132,7 +132,7 @@ void Jobs::end(JobId id, JobResult result) {
     const bool check = info.kind == JobKind::integrity_check;
     const bool stopped = result && !*result;
     if (stopped && !ended.cancelled && !ending_) {
-      // Something holds: it begins anew.
+      // A hold is in force: it starts again.
       info.state = JobState::waiting;
       info.progress = 0;
       changed(ended);

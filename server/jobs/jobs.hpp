@@ -23,8 +23,6 @@ namespace hoist::server {
 inline constexpr std::size_t kJobsWaiting = 8;
 // Ended jobs that can still be asked for; the oldest go first.
 inline constexpr std::size_t kJobsKept = 16;
-// Sessions of one recompute_metrics: its result is kept in memory, about 700 bytes for each.
-inline constexpr std::size_t kJobSessions = 1000;
 // Files of ended exports that can still be fetched: the newest ones.
 inline constexpr std::size_t kJobFiles = 2;
 
@@ -95,8 +93,9 @@ class Jobs {
   [[nodiscard]] FileHealth file_health() const;
   // Counts up whenever list() or file_health() is another.
   [[nodiscard]] std::uint64_t changes() const { return changes_.load(std::memory_order_acquire); }
-  // As long as the handle lives no job reads the database: what ran begins anew after it. A deletion needs that, because the log with the
-  // deleted data cannot be truncated while a reader still sees them. The handle must not outlive this object.
+  // As long as the handle lives no job reads the database: a job that ran starts again after it. A deletion needs that,
+  // because the log with the deleted data cannot be truncated while a reader still sees them. The handle must not
+  // outlive this object.
   [[nodiscard]] std::shared_ptr<void> hold();
 
  private:

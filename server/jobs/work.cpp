@@ -10,7 +10,6 @@
 #include "db/store/deletion.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/summary/session_json.hpp"
-#include "server/jobs/jobs.hpp"
 
 namespace hoist::server::job {
 

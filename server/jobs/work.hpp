@@ -18,6 +18,9 @@
 
 namespace hoist::server {
 
+// Sessions of one recompute_metrics: its result is kept in memory, about 700 bytes for each.
+inline constexpr std::size_t kJobSessions = 1000;
+
 struct JobArguments {
   std::vector<db::SessionId> sessions = {};  // of recompute_metrics (empty = the newest ones) and export_sessions
   std::string folder = {};                   // of backup; empty = the first of the allowed ones

@@ -197,7 +197,7 @@ void CoreDesk::poll(std::uint64_t now_ns) {
   if (attached) link_.beat();
   std::vector<Event> events;
   std::vector<Answered> answered;
-  // Before the ticks, so that whoever hears an answer finds the step it came from in `newest()`.
+  // Before the ticks, so that a client that gets an answer finds the step it came from in `newest()`.
   read_events(events, answered);
   read_ticks(now_ns);
   read_parameters();
@@ -216,7 +216,7 @@ void CoreDesk::poll(std::uint64_t now_ns) {
     for (CoreListener* listener : listeners_) listener->on_event(event);
   for (Answered& a : answered) answer(a);
   answer_stored();
-  // Past its time: the answer may still come, but nobody waits for it any more.
+  // Timed out: a late answer is dropped.
   std::vector<Done> late;
   for (auto it = pending_.begin(); it != pending_.end();) {
     if (it->second.deadline_ns > clock_ns_) {

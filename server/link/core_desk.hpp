@@ -1,4 +1,5 @@
-// The server's desk at the core's door: asks on behalf of clients and matches the answers, reads what the core publishes, once per poll.
+// The server's link to the core: passes requests of clients on and matches the answers, reads what the core publishes,
+// once per poll.
 //
 // One thread, no clock and no network of its own: `poll` is called by a timer and told the steady time, so tests run it in virtual time.
 #pragma once
@@ -47,8 +48,8 @@ struct CoreAnswer {
   [[nodiscard]] bool done() const { return kind == Kind::done; }
 };
 
-// Who wants to hear what the core says. Called from within poll, in this order: ticks, state changes, events, answers. Of several listeners
-// each hears one thing before the next thing is told, in the order in which they were added.
+// Hears what the core says. Called from within poll, in this order: ticks, state changes, events, answers. Of several
+// listeners each hears one thing before the next thing is told, in the order in which they were added.
 class CoreListener {
  public:
   virtual ~CoreListener() = default;
@@ -69,7 +70,8 @@ class CoreDesk {
   // Called when something is asked, so that a timer that sleeps longer than a step is brought forward.
   void set_wake(std::function<void()> wake) { wake_ = std::move(wake); }
 
-  // Attaches if need be, beats the heart, reads ticks, events and parameters, answers and times out what is pending.
+  // Attaches if needed, counts the heartbeat up, reads ticks, events and parameters, answers pending requests or times
+  // them out.
   void poll(std::uint64_t now_ns);
 
   // Answers everything that is pending: at the end of the program.

@@ -91,7 +91,7 @@ void FirmwareDesk::note(const CanFrame& frame) {
   const auto node = contract::find_node(static_cast<std::uint8_t>(frame.id & 0x7FU));
   if (!node || *node == contract::Node::core) return;
   NodeSaid& said = said_[static_cast<std::size_t>(*node)];
-  if (service == contract::canopen::kHeartbeatBase && frame.dlc == 1 && frame.data[0] == 0) said = {};  // it has started anew
+  if (service == contract::canopen::kHeartbeatBase && frame.dlc == 1 && frame.data[0] == 0) said = {};  // it has restarted
   if (service != contract::canopen::kSdoReplyBase || frame.dlc != 8 || frame.data[0] != contract::canopen::sdo_upload_reply_command(4))
     return;
   const std::uint32_t object = contract::read_le(&frame.data[1], 3);

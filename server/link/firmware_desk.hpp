@@ -25,7 +25,7 @@ struct FirmwareUpdateState {
   std::string text;                    // what happened and what to do next
 };
 
-// What a node has last said of itself on the bus, to whoever asked.
+// What a node has last said of its program on the bus, in answer to any client.
 struct NodeSaid {
   std::optional<std::uint32_t> product, revision, version, crc;
   bool operator==(const NodeSaid&) const = default;

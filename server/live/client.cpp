@@ -11,7 +11,7 @@ namespace hoist::server {
 
 using nlohmann::json;
 
-Client::Client(Hub& hub, std::unique_ptr<Stream> stream, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat)
+Client::Client(ClientOwner& hub, std::unique_ptr<Stream> stream, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat)
     : SocketConnection({hub.services().counters, hub.services().now_ns}, std::move(stream), std::move(seat)),
       hub_(hub),
       session_(std::move(session)),

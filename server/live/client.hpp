@@ -7,24 +7,50 @@
 #include <string>
 
 #include "server/actions/actions.hpp"
+#include "server/http/auth.hpp"
 #include "server/live/feed.hpp"
-#include "server/live/hub.hpp"
+#include "server/services.hpp"
 #include "server/ws/connection.hpp"
 
 namespace hoist::server {
 
 inline constexpr std::uint64_t kMessagesPerSecond = 60;
 
+class Client;
+
+// Where a client's values of an earlier connection end.
+struct Resume {
+  std::uint64_t last_tick = 0;
+  std::string run;
+};
+
+// What a client needs of the hub that owns it.
+class ClientOwner {
+ public:
+  [[nodiscard]] virtual Services& services() const = 0;
+  // A session was used by a message.
+  virtual void use(Session& session) = 0;
+  virtual void remove(const Client* client) = 0;
+  // Its sign-in has run out.
+  [[nodiscard]] virtual bool over(const Session& session) const = 0;
+  // Changes which values a client gets and how often, between two batches, so that it sees each step once. With `resume`, what it has missed
+  // since comes first, or is named as missing.
+  virtual void choose(Client& client, const StreamChoice& choice, const std::optional<Resume>& resume) = 0;
+
+ protected:
+  ~ClientOwner() = default;
+};
+
 class Client final : public SocketConnection {
  public:
-  Client(Hub& hub, std::unique_ptr<Stream> stream, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat);
+  Client(ClientOwner& hub, std::unique_ptr<Stream> stream, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat);
 
   using SocketConnection::send;
   void send(const nlohmann::json& message);
 
   [[nodiscard]] std::uint32_t number() const { return number_; }
   [[nodiscard]] const SessionPtr& session() const { return session_; }
-  [[nodiscard]] Hub& hub() const { return hub_; }
+  [[nodiscard]] ClientOwner& hub() const { return hub_; }
   [[nodiscard]] bool holds_lease() const;
 
   // What it has asked to see, and the feed that gives it that.
@@ -48,7 +74,7 @@ class Client final : public SocketConnection {
   void on_dropped(const Steps& steps) override;
   SharedFrame before_telemetry() override;
 
-  Hub& hub_;
+  ClientOwner& hub_;
   SessionPtr session_;
   std::uint32_t number_;
   std::shared_ptr<Feed> feed_;

@@ -9,7 +9,6 @@
 #include "control/contract/guided_path.hpp"
 #include "control/contract/program_version.hpp"
 #include "server/actions/actions.hpp"
-#include "server/live/client.hpp"
 #include "server/record/reason.hpp"
 #include "server/state/notices.hpp"
 #include "server/state/views.hpp"
@@ -234,7 +233,7 @@ void Hub::remove(const Client* client) {
   services_->live_clients = clients_.size();
   services_->actors.leave(held->number());
   services_->state.asks().remove(held->number());
-  // Whoever is gone drives no more: said to the core, which stops remote motion and frees the lease.
+  // A client that is gone no longer drives: the core is told, stops remote motion and frees the lease.
   if (held->holds_lease())
     act_release_lease(*services_, {held->number(), services_->core.lease_epoch(), held->session()->role}, [](const Outcome&) {});
 }
@@ -403,7 +402,7 @@ void Hub::poll_asks(std::uint64_t now_ns) {
 }
 
 void Hub::on_event(const contract::Event& event) {
-  // Answers to somebody's question are theirs alone.
+  // An answer goes only to the client that asked.
   if (event.kind == contract::EventKind::command_done || event.kind == contract::EventKind::none) return;
   json message = event_json(event);
   message["type"] = "event";

@@ -12,6 +12,7 @@
 
 #include "server/http/auth.hpp"
 #include "server/link/core_desk.hpp"
+#include "server/live/client.hpp"
 #include "server/record/recorder.hpp"
 #include "server/services.hpp"
 #include "server/stream/stream.hpp"
@@ -27,17 +28,9 @@ inline constexpr std::uint32_t kDriverEvery_ticks = 5;
 // What a returning client is sent of the steps it has missed: less than half of its queue, else its oldest ones count as missing.
 inline constexpr std::size_t kRefill_bytes = 96 * 1024;
 
-class Client;
 class Feed;
-struct StreamChoice;
 
-// Where a client's values of an earlier connection end.
-struct Resume {
-  std::uint64_t last_tick = 0;
-  std::string run;
-};
-
-class Hub final : public CoreListener {
+class Hub final : public CoreListener, public ClientOwner {
  public:
   Hub();
   ~Hub() override;
@@ -60,19 +53,15 @@ class Hub final : public CoreListener {
   void open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session, const std::string& address);
   // Closes the WebSockets of these sessions, whatever they do: the core then sees a driver leave and stops.
   void close_sockets(const std::function<bool(const Session&)>& of, std::string_view reason);
-  // A session was used by a message.
-  void use(Session& session);
-  // Its sign-in has run out.
-  [[nodiscard]] bool over(const Session& session) const;
+  void use(Session& session) override;
+  [[nodiscard]] bool over(const Session& session) const override;
   void add(std::shared_ptr<Client> client);
-  void remove(const Client* client);
-  // Changes which values a client gets and how often, between two batches, so that it sees each step once. With `resume`, what it has missed
-  // since comes first, or is named as missing.
-  void choose(Client& client, const StreamChoice& choice, const std::optional<Resume>& resume);
+  void remove(const Client* client) override;
+  void choose(Client& client, const StreamChoice& choice, const std::optional<Resume>& resume) override;
   // How often a client was looked at (for tests).
   [[nodiscard]] std::uint64_t visits() const { return visits_; }
   [[nodiscard]] std::size_t clients() const { return clients_.size(); }
-  [[nodiscard]] Services& services() const { return *services_; }
+  [[nodiscard]] Services& services() const override { return *services_; }
 
  private:
   void broadcast(const SharedFrame& frame);

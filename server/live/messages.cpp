@@ -42,7 +42,7 @@ json reply_json(const json& request, const Outcome& outcome) {
   return reply;
 }
 
-// The answer finds its client by a weak hold: whoever has left gets none.
+// The answer finds its client by a weak pointer: one that has left gets none.
 OutcomeDone reply_to(Client& client, const json& message) {
   return [weak = std::weak_ptr(std::static_pointer_cast<Client>(client.shared_from_this())),
           request = message.value("request", json())](const Outcome& outcome) {
@@ -50,7 +50,7 @@ OutcomeDone reply_to(Client& client, const json& message) {
   };
 }
 
-// What a person reads: their exercise or value is at fault, or else the page that sent it.
+// For a person: the exercise or value is at fault, or else the page that sent it.
 Reason reason_for(const std::vector<FieldError>& errors) {
   const auto about = [](const FieldError& e, std::string_view name) { return e.field.starts_with(name); };
   if (std::ranges::all_of(errors, [&](const FieldError& e) { return about(e, "exercise.") || about(e, "path."); })) return Reason::exercise;

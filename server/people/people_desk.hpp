@@ -59,7 +59,7 @@ class PeopleDesk : public AnswerDesk<PeopleRoom> {
   std::mutex mutex_;
   std::condition_variable wake_;
   Work work_;
-  Work audit_;  // done when no work waits: nobody waits for it
+  Work audit_;  // done when no work waits: no client waits for it
   bool ending_ = false;
   std::uint64_t lost_entries_ = 0;
   std::thread thread_;

@@ -1,5 +1,6 @@
-// First set-up, and the way back after a lost password: whoever stands at the hoist turns its configuration switch on and reads a code that the
-// server prints (terminal, journal, display). Without both, nobody becomes an engineer from the network. Network thread only.
+// First set-up, and the way back after a lost password: a person at the hoist turns its configuration switch on and
+// reads a code that the server prints (terminal, journal, display). Without both, no one becomes an engineer from the
+// network. Network thread only.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -17,7 +18,7 @@ class SetUp {
   SetUp(std::function<std::string()> make_code, std::function<void(const std::string&)> show)
       : make_code_(std::move(make_code)), show_(std::move(show)) {}
 
-  // `switch_on`: nothing while no control core tells. The switch must be turned on anew for a new code.
+  // `switch_on`: nothing while no control core is connected. A new code needs the switch turned off and on.
   void poll(std::uint64_t now_ns, std::optional<bool> switch_on) {
     const bool on = switch_on.value_or(false);
     if (on && !on_) {

@@ -1,6 +1,6 @@
-// Slows guessing down, per account and per address: 1, 2, 4 … 60 s after each failure, and five failures a minute of one address. It never locks an
-// account: whoever tries in the therapist's name from elsewhere must not keep the therapist out, so a browser on which a person has signed in
-// before has a count of its own. Network thread only.
+// Slows guessing down, per account and per address: 1, 2, 4 … 60 s after each failure, and five failures a minute of
+// one address. It never locks an account: an attacker who tries in the therapist's name must not keep the therapist
+// out, so a browser on which a person has signed in before has a count of its own. Network thread only.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -18,7 +18,7 @@ inline constexpr std::size_t kGuardEntries = 1000;
 
 class SignInGuard {
  public:
-  // How long this attempt must wait, in whole seconds; 0 = now. Times are of the steady clock, which nobody sets.
+  // How long this attempt must wait, in whole seconds; 0 = now. Times are of the steady clock.
   [[nodiscard]] std::uint64_t wait_s(const std::string& account, const std::string& address, std::uint64_t now_ns) const {
     std::uint64_t until_ns = 0;
     if (const auto at = accounts_.find(account); at != accounts_.end())

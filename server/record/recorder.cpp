@@ -366,7 +366,7 @@ class Recorder::Work final : public Records {
   void note_absence(const TickRecord& first) {
     const db::BrokenOff& until = known_->until;
     going_on_ = false;
-    first_tick_ = 0;  // events that nobody has stored are part of it also when their steps are the other session's, or lost
+    first_tick_ = 0;  // events that were not stored are part of it also when their steps are the other session's, or lost
     if (!until.last_tick) return;
     if (const std::uint64_t from = *until.last_tick + 1; from < known_->heard_tick)
       check(writer_->append_gap("ticks", from, known_->heard_tick - 1,
@@ -752,7 +752,8 @@ class Recorder::Work final : public Records {
       status.state = error_.empty() ? RecordingState::idle : RecordingState::failed;
     }
     const std::lock_guard lock(owner_.mutex_);
-    // Samples count up with every pass; what is told changes with every commit, so that nobody is told fifty times a second.
+    // Samples count up with every pass; the status changes with every commit, so that clients are not told fifty times
+    // a second.
     if (status.session == owner_.status_.session && status.state == owner_.status_.state && status.detail == owner_.status_.detail &&
         status.error == owner_.status_.error && status.durable_tick == owner_.status_.durable_tick &&
         status.notices == owner_.status_.notices)

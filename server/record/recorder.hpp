@@ -26,7 +26,7 @@ namespace hoist::server {
 
 // Jobs that wait for the recorder's thread; more are refused.
 inline constexpr std::size_t kJobLimit = 64;
-// A job that has waited longer than this is not done any more: its client has stopped waiting or was told no.
+// A job that has waited longer than this is not done: its client has timed out or was refused.
 inline constexpr std::uint64_t kJobWait_ns = 10'000'000'000;
 // After motion the recording goes on for this long, so that the roll-out is in it.
 inline constexpr double kAfterStandby_s = 3.0;

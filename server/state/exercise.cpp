@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "db/codec/exercise_json.hpp"
+#include "db/store/exercise_json.hpp"
 
 namespace hoist::server {
 

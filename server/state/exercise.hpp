@@ -16,7 +16,7 @@ struct StartPose {
   double x_m = 0, y_m = 0, psi_rad = 0;
 };
 
-// By the table of exercises (db/codec/exercise_json.hpp); null means free. Nothing, with the reason in `errors` by the names below `field`,
+// By the table of exercises (db/store/exercise_json.hpp); null means free. Nothing, with the reason in `errors` by the names below `field`,
 // for anything else.
 [[nodiscard]] std::optional<Exercise> read_exercise(const nlohmann::json& value, std::vector<FieldError>& errors,
                                                     const std::string& field = "exercise");

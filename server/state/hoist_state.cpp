@@ -32,7 +32,8 @@ void HoistState::choose_patient(std::optional<ChosenPatient> patient) {
   if (on_patient_) on_patient_();
 }
 
-// What another core proposed and walked is nothing of this one's. A core that was only silent for a while keeps its own.
+// A new core has none of the proposals and the walk of the old one. A core that was only silent for a while keeps its
+// own.
 void HoistState::meet_core() {
   const std::uint64_t life = core_.link().life();
   if (life == core_life_) return;

@@ -26,7 +26,7 @@ struct ChosenPatient {
   std::int64_t id = 0;
   std::string code;
 };
-// Without motion for this long nobody is chosen any more: the next patient's walk must not get the last one's code.
+// Without motion for this long the choice ends: the next patient's walk must not get the last one's code.
 inline constexpr double kPatientIdle_s = 1800;
 
 class HoistState final : public CoreListener {
@@ -51,7 +51,7 @@ class HoistState final : public CoreListener {
   [[nodiscard]] const Walk& walk() const { return walk_; }
   void choose(const Exercise& exercise);
   void motion_begins(nlohmann::json told);
-  // Nothing: nobody is chosen.
+  // Nothing: no patient is chosen.
   [[nodiscard]] const std::optional<ChosenPatient>& patient() const { return patient_; }
   void choose_patient(std::optional<ChosenPatient> patient);
   // Name and language of this hoist, as they were read or changed last; empty before.

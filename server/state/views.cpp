@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "control/contract/signals.hpp"
-#include "db/export/provenance.hpp"
+#include "db/summary/provenance.hpp"
 #include "server/link/core_desk.hpp"
 #include "server/link/firmware_desk.hpp"
 #include "server/record/actor_list.hpp"

@@ -33,7 +33,7 @@ class Walk {
  public:
   explicit Walk(Exercise chosen) : chosen_(chosen) {}
 
-  // Every step of the core, in order. True: a new start mark; path and time begin anew there.
+  // Every step of the core, in order. True: a new start mark; path and time start there.
   bool take(const contract::TickRecord& record);
   // Another core: only the chosen exercise is left.
   void forget();

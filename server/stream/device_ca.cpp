@@ -263,7 +263,7 @@ std::unique_ptr<DeviceCa> DeviceCa::open(std::filesystem::path folder, const Dev
     for (const std::string& host : *list)
       if (!ca->may_sign(host)) {
         error = host + " is not among the names that " + ca->authority_file().string() +
-                " may sign. Move that folder away for a new authority; every tablet must trust that one anew";
+                " may sign. Move that folder away for a new authority; every tablet must then trust the new one";
         return nullptr;
       }
   return ca;
@@ -365,7 +365,7 @@ DeviceCa::Issued DeviceCa::issue(const std::vector<std::string>& addresses, std:
   }
   if (!good && !make_leaf(wanted, utc_s, error)) return Issued::failed;
   signed_ = std::move(wanted);
-  return good ? Issued::still_good : Issued::anew;
+  return good ? Issued::still_good : Issued::renewed;
 }
 
 }  // namespace hoist::server

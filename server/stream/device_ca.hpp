@@ -1,5 +1,5 @@
-// The hoist's own certificates: an authority made once on the device, which can sign nothing but the hoist's names and addresses, and a
-// certificate of the server that is issued anew by itself.
+// The hoist's own certificates: an authority made once on the device, which can sign nothing but the hoist's names and
+// addresses, and a certificate of the server that is renewed by itself.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -23,7 +23,7 @@ class DeviceCa {
   // Browsers refuse more than 398 days.
   static constexpr std::int64_t kLeaf_s = 397 * kDay_s;
   static constexpr std::int64_t kRenew_s = 30 * kDay_s;
-  // A clock before this is not set yet (2026-01-01): what it would date would not be valid once it is.
+  // A clock before this is not set yet (2026-01-01): a certificate with its date would not be valid later.
   static constexpr std::int64_t kEarliest_utc_s = 1'767'225'600;
 
   // Reads the authority of `folder`, or makes folder and authority. Null with a sentence when that cannot be, when others could read a key, or
@@ -33,7 +33,7 @@ class DeviceCa {
   DeviceCa(const DeviceCa&) = delete;
   DeviceCa& operator=(const DeviceCa&) = delete;
 
-  enum class Issued : std::uint8_t { still_good, anew, failed };
+  enum class Issued : std::uint8_t { still_good, renewed, failed };
   // A certificate for the names and, of `addresses`, those that the authority may sign; only when the one at hand is of other names, ends
   // within kRenew_s or is not valid by this clock.
   [[nodiscard]] Issued issue(const std::vector<std::string>& addresses, std::int64_t utc_s, std::string& error);

@@ -42,7 +42,7 @@ void TlsKeeper::main() {
     }
     std::string error;
     const DeviceCa::Issued issued = ca_->issue(own_addresses(), utc_s_(), error);
-    if (issued == DeviceCa::Issued::anew)
+    if (issued == DeviceCa::Issued::renewed)
       if (auto fresh = TlsContext::load(ca_->server_file(), ca_->server_file(), error)) on_new_(std::move(fresh), ca_->signed_names());
     // The certificate in use stays; each reason is told once.
     if (error != std::exchange(told_error_, error) && !error.empty()) std::cerr << "hoist-server: " << error << std::endl;

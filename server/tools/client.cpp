@@ -8,7 +8,6 @@
 
 #include "control/contract/params.hpp"
 #include "server/text/json_text.hpp"
-#include "server/tools/hub.hpp"
 
 namespace hoist::server {
 
@@ -39,7 +38,7 @@ std::string sentence_of(const Outcome& outcome) {
   return text;
 }
 
-ToolClient::ToolClient(ToolHub& hub, std::unique_ptr<Stream> stream, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat)
+ToolClient::ToolClient(ToolOwner& hub, std::unique_ptr<Stream> stream, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat)
     : SocketConnection(
           {.counters = hub.services().counters, .now_ns = hub.services().now_ns, .telemetry_queue = kToolQueue, .takes_binary = true},
           std::move(stream), std::move(seat)),
@@ -106,7 +105,7 @@ void ToolClient::watch(std::uint64_t now_ns, std::uint64_t newest_ns) {
   std::memcpy(stamp.data(), &newest_ns, sizeof newest_ns);
   ping(stamp);
   // Repeated while it is silent: the core takes the middle of the stick only from a hand that is fresh.
-  if (twist_ns_ != 0 && now_ns - twist_ns_ >= kToolDeadMan_ns && now_ns - let_go_ns_ >= kToolDeadMan_ns) {
+  if (twist_ns_ != 0 && now_ns - twist_ns_ >= kToolSilence_ns && now_ns - let_go_ns_ >= kToolSilence_ns) {
     let_go_ns_ = now_ns;
     let_go();
   }

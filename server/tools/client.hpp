@@ -17,13 +17,29 @@
 
 namespace hoist::server {
 
-class ToolHub;
+class ToolClient;
+
+// What a client needs of the hub that owns it.
+class ToolOwner {
+ public:
+  [[nodiscard]] virtual Services& services() const = 0;
+  virtual void use(Session& session) = 0;
+  // Its sign-in has run out.
+  [[nodiscard]] virtual bool over(const Session& session) const = 0;
+  virtual void remove(const ToolClient* client) = 0;
+  // Another one for each run of the core: within one, time never runs backwards.
+  [[nodiscard]] virtual const std::string& session_id() const = 0;
+
+ protected:
+  ~ToolOwner() = default;
+};
 
 inline constexpr std::uint64_t kToolMessagesPerSecond = 120;
 // Frames of values that wait: all topics of about three steps.
 inline constexpr std::size_t kToolQueue = 3 * kToolTopics;
-// A tool sends nothing when its user lets go, so silence is letting go. Two messages at 10 Hz fit; the core's own limit is remote_stop_age_s.
-inline constexpr std::uint64_t kToolDeadMan_ns = 200'000'000;
+// A tool sends nothing when its user releases the button, so this much silence is a release. Two messages at 10 Hz fit; the core's own limit is
+// remote_stop_age_s.
+inline constexpr std::uint64_t kToolSilence_ns = 200'000'000;
 // The most a tool may ask for, whatever the driving limit is: its button was not made for a machine with a person in it.
 inline constexpr double kToolSpeed_m_s = 0.2, kToolTurn_rad_s = 0.4;
 
@@ -46,7 +62,7 @@ enum class ToolLevel : std::uint8_t { info, warning, error };
 
 class ToolClient : public SocketConnection {
  public:
-  ToolClient(ToolHub& hub, std::unique_ptr<Stream> stream, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat);
+  ToolClient(ToolOwner& hub, std::unique_ptr<Stream> stream, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat);
 
   [[nodiscard]] std::uint32_t number() const { return number_; }
   [[nodiscard]] bool holds_lease() const;
@@ -59,7 +75,7 @@ class ToolClient : public SocketConnection {
   [[nodiscard]] virtual TopicMask watched() const = 0;
   virtual void show(Moment& moment) = 0;
   virtual void show_parameters() = 0;
-  // Each poll: dead-man, and while it drives the ping whose answer dates its hand.
+  // Each poll: the timeout of hold-to-run, and while it drives the ping whose answer dates its driving commands.
   void watch(std::uint64_t now_ns, std::uint64_t newest_ns);
 
   // State of the hub about this client.
@@ -76,7 +92,7 @@ class ToolClient : public SocketConnection {
   void on_pong(std::string_view payload) override;
   void on_leave() override;
 
-  [[nodiscard]] ToolHub& hub() const { return hub_; }
+  [[nodiscard]] ToolOwner& hub() const { return hub_; }
   [[nodiscard]] Services& services() const;
   [[nodiscard]] Asker asker() const;
   // A geometry_msgs/Twist; nothing: it could not be read.
@@ -102,7 +118,7 @@ class ToolClient : public SocketConnection {
  private:
   void let_go();
 
-  ToolHub& hub_;
+  ToolOwner& hub_;
   SessionPtr session_;
   std::uint32_t number_;
   std::uint64_t allowance_ = kToolMessagesPerSecond;
@@ -111,11 +127,11 @@ class ToolClient : public SocketConnection {
   std::uint64_t echo_ns_ = 0;  // newest step that it has answered a ping about
   Hand hand_;
   std::uint64_t twist_ns_ = 0;   // when its last driving message came
-  std::uint64_t let_go_ns_ = 0;  // when the dead-man last let go
+  std::uint64_t let_go_ns_ = 0;  // when silence last counted as a release
   std::uint64_t told_ns_ = 0;    // when a refusal was last told
 };
 
-// What stands in the way, in one sentence.
+// Why it was refused, in one sentence.
 [[nodiscard]] std::string sentence_of(const Outcome& outcome);
 [[nodiscard]] const nlohmann::json& tool_field(const nlohmann::json& message, const char* name);
 

@@ -6,7 +6,6 @@
 #include "control/contract/params.hpp"
 #include "db/export/ros/encode.hpp"
 #include "server/text/json_text.hpp"
-#include "server/tools/hub.hpp"
 
 namespace hoist::server {
 

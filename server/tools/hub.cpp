@@ -68,9 +68,9 @@ void ToolHub::on_core(bool connected) {
   utc_offset_ns_.reset();
   path_.clear();
   session_id_ = random_hex(8);
-  // The new core's time may begin before what the clients have seen: they connect anew.
+  // The new core's time may begin before what the clients have seen: they must connect again.
   const auto all = clients_;
-  for (const auto& client : all) client->close(CloseCode::going_away, "the control core has started anew");
+  for (const auto& client : all) client->close(CloseCode::going_away, "the control core has restarted");
 }
 
 std::int64_t ToolHub::utc_of(const contract::TickRecord& record) {

@@ -10,13 +10,12 @@
 #include "server/link/core_desk.hpp"
 #include "server/services.hpp"
 #include "server/stream/stream.hpp"
+#include "server/tools/client.hpp"
 #include "server/tools/topics.hpp"
 
 namespace hoist::server {
 
-class ToolClient;
-
-class ToolHub final : public CoreListener {
+class ToolHub final : public CoreListener, public ToolOwner {
  public:
   // Simple clients attach their listeners some time after the handshake; what comes before is lost to them (seen: mcap-record).
   static constexpr std::uint64_t kGreeting_ns = 50'000'000;
@@ -38,13 +37,11 @@ class ToolHub final : public CoreListener {
 
   enum class Protocol : std::uint8_t { foxglove, rosbridge };
   void open(Protocol protocol, std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session, const std::string& address);
-  void remove(const ToolClient* client);
-  void use(Session& session);
-  // Its sign-in has run out.
-  [[nodiscard]] bool over(const Session& session) const;
-  [[nodiscard]] Services& services() const { return *services_; }
-  // Another one for each run of the core: within one, time never runs backwards.
-  [[nodiscard]] const std::string& session_id() const { return session_id_; }
+  void remove(const ToolClient* client) override;
+  void use(Session& session) override;
+  [[nodiscard]] bool over(const Session& session) const override;
+  [[nodiscard]] Services& services() const override { return *services_; }
+  [[nodiscard]] const std::string& session_id() const override { return session_id_; }
 
  private:
   [[nodiscard]] std::int64_t utc_of(const contract::TickRecord& record);

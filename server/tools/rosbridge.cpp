@@ -5,7 +5,6 @@
 
 #include "control/contract/params.hpp"
 #include "server/text/json_text.hpp"
-#include "server/tools/hub.hpp"
 
 namespace hoist::server {
 

@@ -1,5 +1,5 @@
-// The OpenAPI description, read by two linters of other people: lint.mjs OPENAPI. No error may be left; warnings are counted.
-// Exits with 77 when they are not installed (npm ci in this folder).
+// The OpenAPI description, read by two third-party linters: lint.mjs OPENAPI. No error may be left; warnings are
+// counted. Exits with 77 when they are not installed (npm ci in this folder).
 import { spawnSync } from 'node:child_process';
 import { existsSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -15,7 +15,7 @@ if (!existsSync(program('redocly')) || !existsSync(program('spectral'))) {
 }
 const scratch = mkdtempSync(join(tmpdir(), 'hoist-api-lint-'));
 let failed = 0;
-// Nothing is sent to anybody.
+// Telemetry off: nothing is sent.
 const env = { ...process.env, REDOCLY_TELEMETRY: 'off', REDOCLY_SUPPRESS_UPDATE_NOTICE: 'true' };
 
 /** `errors` and `warnings` of what a linter printed. */

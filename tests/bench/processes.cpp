@@ -97,15 +97,18 @@ int connect_to(std::uint16_t port) {
   throw std::runtime_error("nothing listens on port " + std::to_string(port));
 }
 
+std::string websocket_request(std::uint16_t port, const std::string& token) {
+  return "GET /ws HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
+         "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: hoist.v1\r\nAuthorization: Bearer " +
+         token + "\r\n\r\n";
+}
 int open_websocket(std::uint16_t port, const std::string& token) {
   const int fd = connect_to(port);
   // As browsers do: otherwise a small message waits up to 40 ms for the acknowledgement of the one before it.
   const int now = 1;
   ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &now, sizeof now);
-  const std::string request = "GET /ws HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
-                              "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-                              "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: hoist.v1\r\nAuthorization: Bearer " +
-                              token + "\r\n\r\n";
+  const std::string request = websocket_request(port, token);
   std::string answer;
   char byte = 0;
   (void)!::send(fd, request.data(), request.size(), MSG_NOSIGNAL);
@@ -176,6 +179,7 @@ RunningHoist::RunningHoist(const std::string& bin, const HoistOptions& options)
                                   std::string("--db"), options.database.empty() ? folder_.file("hoist.db") : options.database,
                                   std::string("--scenario"), std::string("stand"), std::string("--token-file"), folder_.file("token")})
     command.push_back(word);
+  if (options.tls) command.insert(command.end(), {"--tls-dir", folder_.file("tls")});
   server_.emplace(command, folder_.file("log"));
   // Half a minute: under valgrind a start takes its time.
   for (int i = 0; i < 1500 && token_.empty(); ++i) {

@@ -40,7 +40,8 @@ class Process {
 [[nodiscard]] std::uint16_t free_port();
 // A blocking connection to a local port, tried for a second. Throws when nothing listens.
 [[nodiscard]] int connect_to(std::uint16_t port);
-// A connection behind the WebSocket handshake. Throws with the server's answer when it refuses.
+// The opening handshake of a WebSocket, and a connection behind it. Throws with the server's answer when it refuses.
+[[nodiscard]] std::string websocket_request(std::uint16_t port, const std::string& token);
 [[nodiscard]] int open_websocket(std::uint16_t port, const std::string& token);
 // One keep-alive HTTP connection with one open request.
 class HttpConnection {
@@ -79,6 +80,7 @@ struct HoistOptions {
   std::string database = {};                   // empty: a new one
   std::vector<std::string> server_under = {};  // command in front of the server's, such as valgrind's
   std::string core_line = {};                  // serial line of the core; empty: the simulator's
+  bool tls = false;                            // the server speaks TLS only, with a certificate of its own
 };
 
 // Simulator, hoist-control and hoist-server in their own folder; the simulated patient stands.

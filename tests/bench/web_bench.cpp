@@ -2,6 +2,7 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/tcp.h>
+#include <openssl/ssl.h>
 #include <poll.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
@@ -12,6 +13,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -58,10 +60,55 @@ void bare_sender(std::uint16_t port, std::size_t size) {
     });
   }
 }
+// The client's end of a connection, plain or under TLS. The certificate is not checked.
+class Wire {
+ public:
+  explicit Wire(int fd, SSL_CTX* tls = nullptr) : fd_(fd), tls_(tls == nullptr ? nullptr : SSL_new(tls)) {
+    if (tls_ == nullptr) return;
+    SSL_set_fd(tls_.get(), fd);
+    if (SSL_connect(tls_.get()) != 1) throw std::runtime_error("the TLS handshake failed");
+  }
+  ~Wire() { ::close(fd_); }
+  Wire(const Wire&) = delete;
+  Wire& operator=(const Wire&) = delete;
+  [[nodiscard]] int fd() const { return fd_; }
+  // -1: nothing now; 0: closed.
+  ssize_t read(void* into, std::size_t size) {
+    if (tls_ == nullptr) return ::recv(fd_, into, size, 0);
+    const int got = SSL_read(tls_.get(), into, static_cast<int>(size));
+    if (got > 0) return got;
+    return SSL_get_error(tls_.get(), got) == SSL_ERROR_WANT_READ ? -1 : 0;
+  }
+  void write(const void* data, std::size_t size) {
+    if (tls_ == nullptr)
+      ::send(fd_, data, size, MSG_NOSIGNAL);
+    else
+      SSL_write(tls_.get(), data, static_cast<int>(size));
+  }
+
+ private:
+  struct Free {
+    void operator()(SSL* tls) const { SSL_free(tls); }
+  };
+  int fd_;
+  std::unique_ptr<SSL, Free> tls_;
+};
+using WirePtr = std::unique_ptr<Wire>;
+WirePtr open_plain(const RunningHoist& hoist) { return std::make_unique<Wire>(open_websocket(hoist.port(), hoist.token())); }
+WirePtr open_secure(const RunningHoist& hoist, SSL_CTX* tls) {
+  auto wire = std::make_unique<Wire>(connect_to(hoist.port()), tls);
+  const std::string request = websocket_request(hoist.port(), hoist.token());
+  wire->write(request.data(), request.size());
+  std::string answer;
+  for (char byte = 0; answer.find("\r\n\r\n") == std::string::npos && wire->read(&byte, 1) == 1;) answer += byte;
+  if (answer.find(" 101 ") == std::string::npos) throw std::runtime_error("hoist-server refused a WebSocket: " + answer.substr(0, 60));
+  return wire;
+}
+
 // Walks over the frames of one stream and counts them; a ping is answered, so that the server does not think us dead.
 class FrameCounter {
  public:
-  void feed(int fd, const unsigned char* data, std::size_t size) {
+  void feed(Wire& wire, const unsigned char* data, std::size_t size) {
     for (std::size_t i = 0; i < size; ++i) {
       if (skip_ > 0) {
         const std::size_t step = std::min<std::size_t>(skip_, size - i);
@@ -85,7 +132,7 @@ class FrameCounter {
       }
       if ((head_[0] & 0x0FU) == 9) {
         const std::array<unsigned char, 6> pong{0x8A, 0x80, 0, 0, 0, 0};
-        ::send(fd, pong.data(), pong.size(), MSG_NOSIGNAL);
+        wire.write(pong.data(), pong.size());
       }
       skip_ = length;
       have_ = 0;
@@ -101,31 +148,26 @@ class FrameCounter {
 // The receiving end of one sender: all its clients.
 class Clients {
  public:
-  explicit Clients(const std::function<int()>& open, std::size_t count) : counters_(count) {
+  explicit Clients(const std::function<WirePtr()>& open, std::size_t count) : counters_(count) {
     for (std::size_t i = 0; i < count; ++i) {
-      sockets_.push_back(open());
-      ::fcntl(sockets_.back(), F_SETFL, O_NONBLOCK);
+      wires_.push_back(open());
+      ::fcntl(wires_.back()->fd(), F_SETFL, O_NONBLOCK);
     }
   }
-  ~Clients() {
-    for (const int fd : sockets_) ::close(fd);
-  }
-  Clients(const Clients&) = delete;
-  Clients& operator=(const Clients&) = delete;
   void watch(int poller, std::uint64_t tag) const {
-    for (std::size_t i = 0; i < sockets_.size(); ++i) {
+    for (std::size_t i = 0; i < wires_.size(); ++i) {
       epoll_event event{};
       event.events = EPOLLIN;
       event.data.u64 = tag + i;
-      ::epoll_ctl(poller, EPOLL_CTL_ADD, sockets_[i], &event);
+      ::epoll_ctl(poller, EPOLL_CTL_ADD, wires_[i]->fd(), &event);
     }
   }
   void read(std::size_t i) {
-    const ssize_t got = ::recv(sockets_[i], buffer_.data(), buffer_.size(), 0);
+    const ssize_t got = wires_[i]->read(buffer_.data(), buffer_.size());
     if (got == 0) throw std::runtime_error("a connection was closed while measuring");
     if (got < 0) return;
     bytes += static_cast<std::uint64_t>(got);
-    if (parsed) counters_[i].feed(sockets_[i], buffer_.data(), static_cast<std::size_t>(got));
+    if (parsed) counters_[i].feed(*wires_[i], buffer_.data(), static_cast<std::size_t>(got));
   }
   [[nodiscard]] std::uint64_t messages() const {
     std::uint64_t sum = 0;
@@ -141,7 +183,7 @@ class Clients {
   bool parsed = true;  // false: only bytes are counted
 
  private:
-  std::vector<int> sockets_;
+  std::vector<WirePtr> wires_;
   std::vector<FrameCounter> counters_;
   std::vector<unsigned char> buffer_ = std::vector<unsigned char>(65536);
 };
@@ -165,7 +207,7 @@ void measure_clients(Report& report, const RunningHoist& hoist, std::size_t coun
   report.progress(std::to_string(count) + " clients");
   const std::uint16_t port = free_port();
   const Process sender([&] { bare_sender(port, frame_bytes); });
-  Clients served([&] { return open_websocket(hoist.port(), hoist.token()); }, count), floor([&] { return connect_to(port); }, count);
+  Clients served([&] { return open_plain(hoist); }, count), floor([&] { return std::make_unique<Wire>(connect_to(port)); }, count);
   floor.parsed = false;
   const int poller = ::epoll_create1(EPOLL_CLOEXEC);
   served.watch(poller, 0);
@@ -196,7 +238,7 @@ double idle_us_per_second(const RunningHoist& hoist) {
   return static_cast<double>(hoist.server().cpu_ns() - before) * 1e-3 / kIdle_s;
 }
 std::size_t mean_frame_bytes(const RunningHoist& hoist) {
-  Clients one([&] { return open_websocket(hoist.port(), hoist.token()); }, 1), none(nullptr, 0);
+  Clients one([&] { return open_plain(hoist); }, 1), none(nullptr, 0);
   const int poller = ::epoll_create1(EPOLL_CLOEXEC);
   one.watch(poller, 0);
   pump(poller, one, none, 1.0);
@@ -208,7 +250,7 @@ std::size_t mean_frame_bytes(const RunningHoist& hoist) {
 void measure_memory(Report& report, const RunningHoist& hoist) {
   constexpr std::size_t kClients = 64;
   const double before_kb = hoist.server().resident_kb();
-  Clients many([&] { return open_websocket(hoist.port(), hoist.token()); }, kClients), none(nullptr, 0);
+  Clients many([&] { return open_plain(hoist); }, kClients), none(nullptr, 0);
   const int poller = ::epoll_create1(EPOLL_CLOEXEC);
   many.watch(poller, 0);
   pump(poller, many, none, 2.0);
@@ -221,6 +263,31 @@ void measure_memory(Report& report, const RunningHoist& hoist) {
               "",
               {8}});
 }
+// CPU per message under TLS, beside the plain server of another hoist with as many clients in the same seconds.
+void measure_tls(Report& report, const RunningHoist& plain, const std::string& bin, std::size_t count) {
+  report.progress("TLS, " + std::to_string(count) + " clients");
+  HoistOptions options;
+  options.tls = true;
+  const RunningHoist secure(bin, options);
+  const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> tls(SSL_CTX_new(TLS_client_method()), SSL_CTX_free);
+  Clients served([&] { return open_secure(secure, tls.get()); }, count), beside([&] { return open_plain(plain); }, count);
+  const int poller = ::epoll_create1(EPOLL_CLOEXEC);
+  served.watch(poller, 0);
+  beside.watch(poller, kFloorTag);
+  pump(poller, served, beside, kSettle_s);
+  const std::uint64_t served_before = served.messages(), beside_before = beside.messages();
+  const std::uint64_t secure_before = secure.server().cpu_ns(), plain_before = plain.server().cpu_ns();
+  pump(poller, served, beside, kMeasured_s);
+  const double secure_us = static_cast<double>(secure.server().cpu_ns() - secure_before) * 1e-3;
+  const double plain_us = static_cast<double>(plain.server().cpu_ns() - plain_before) * 1e-3;
+  ::close(poller);
+  const double messages = static_cast<double>(served.messages() - served_before);
+  const double plain_messages = static_cast<double>(beside.messages() - beside_before);
+  if (messages < 1 || plain_messages < 1) throw std::runtime_error("no messages arrived");
+  const std::string n = std::to_string(count);
+  report.add({"websocket.tls_" + n, "CPU per message under TLS, " + n + " clients", secure_us / messages, "us", plain_us / plain_messages,
+              "without TLS"});
+}
 }  // namespace
 
 void measure_websocket(Report& report, const std::string& bin) {
@@ -230,6 +297,7 @@ void measure_websocket(Report& report, const std::string& bin) {
   const std::size_t frame_bytes = mean_frame_bytes(hoist);
   measure_memory(report, hoist);
   for (const std::size_t count : {1, 20, 64}) measure_clients(report, hoist, count, idle_us, frame_bytes);
+  for (const std::size_t count : {20, 64}) measure_tls(report, hoist, bin, count);
 }
 
 }  // namespace hoist::bench

@@ -1,5 +1,6 @@
-// A few sessions in every test run; `deploy/dev chaos` has as many as one likes, `deploy/dev check` two thousand. Then what makes these sessions
-// worth anything: the same seed is the same session, and each invariant bites when the product is broken on purpose.
+// A few sessions in every test run; `deploy/dev check` runs two thousand, `deploy/dev chaos` any number. Then the proof
+// of their worth: the same seed is the same session, and each invariant is violated when the product is broken on
+// purpose.
 #include <gtest/gtest.h>
 
 #include <array>

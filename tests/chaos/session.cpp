@@ -96,8 +96,8 @@ class Session {
       bool switched_off = false;
       while (loop_.mode() != Mode::standby) {
         if (loop_.time_s() >= end_s) {
-          // A gyroscope whose zero was off while it was being measured, and came back, doubts itself until the hoist is switched off and
-          // on, which is what its alarm says.
+          // A gyroscope whose zero was off while it was being measured, and came back, marks its samples invalid until
+          // the hoist is switched off and on, as its alarm says.
           const bool doubts = (loop_.core().conditions & contract::fault_bit(contract::Fault::tilt_sensor_fault)) != 0;
           const bool was_off = board_.ever(Kind::gyro_jump) || board_.ever(Kind::sensor_offset);
           if (switched_off || !doubts || !was_off) break;
@@ -121,7 +121,7 @@ class Session {
     report_.digest = loop_.digest();
     if (storage_ != nullptr) {
       Dice dice(options_.seed, kStorageStream);
-      // A core that was broken on purpose is run again as the whole one only where that is the question.
+      // The core that is run again is the whole one, unless the test is about a broken one.
       const bool again = options_.record || !options_.sabotage;
       for (const std::string& line : storage_->verify(options_.lying_disk || dice.chance(0.5), again)) watch_.broken(line);
       report_.samples = storage_->samples();
@@ -523,7 +523,7 @@ class Session {
     watch_.before_step(inputs);
     if (storage_ != nullptr) storage_->before_step(loop_.core(), inputs);
     for (const Command& command : inputs.commands) {
-      // What can only stop is done in any order, so played again it stops again: that is no fault.
+      // STOP and ending motion are taken in any order, so a replayed one stops again: that is no fault.
       const bool only_stops = command.kind == CommandKind::stop ||
                               (command.kind == CommandKind::request_mode && command.a == static_cast<std::uint32_t>(Mode::standby));
       if (only_stops) continue;
@@ -651,7 +651,7 @@ class Session {
       watch_.stop_is_wanted();  // while pushed: that the hoist stops is no false stop
       stick_s_ = now_s + therapist_dice_.between(0.05, 1.5);
     } else {
-      // A hand that thinks of the patient: no jumps from full ahead to full astern, which the fall guard rightly stops.
+      // A careful hand: no jumps from full ahead to full astern, which the fall guard rightly stops.
       stick_speed_norm_ = std::clamp(stick_speed_norm_ + therapist_dice_.between(-0.35, 0.35), -0.3, 1.0);
       loop_.hold_stick(stick_speed_norm_, therapist_dice_.between(-0.7, 0.7));
     }

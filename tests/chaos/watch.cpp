@@ -206,7 +206,7 @@ void Watch::before_step(const core::TickInputs& inputs) {
   if (d.held == 1 && !fresh) return;
   drive_epoch_ = lease_epoch_;
   drive_sequence_ = d.sequence;
-  // The hand was on it when its client had seen that picture, and not for certain any later.
+  // Hold-to-run was held when the client had seen that record; later is not certain.
   if (d.held == 1) driven_s_ = loop_.time_s() - static_cast<double>(inputs.time_ns - d.echo_time_ns) * 1e-9;
 }
 
@@ -269,7 +269,8 @@ void Watch::watch_record() {
   // A post at the bumper pushes back while the hoist touches it. A body twisted beyond the struts' limit drags braked wheels.
   if (!moves(mode) && now_s - moving_end_s_ > 1.3 && now_s - twisted_s_ > kShove_s && fastest_wheel() > kRest_m_s && !odd())
     broken("I1: a wheel turns 1.3 s after motion ended", fastest_wheel());
-  // A stop at standstill sets nothing in motion again, also not with remaining ramp speed after the drives have braked by themselves.
+  // A stop at standstill moves nothing again, also not by a remaining ramp speed after the drives have braked by
+  // themselves.
   const double fastest_m_s = fastest_wheel();
   if (mode != Mode::protective_stop)
     rested_ticks_ = 0;

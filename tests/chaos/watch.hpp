@@ -8,7 +8,7 @@
 
 #include "control/contract/faults.hpp"
 #include "control/contract/signals.hpp"
-#include "tests/chaos/session.hpp"
+#include "tests/chaos/session_types.hpp"
 #include "tests/support/closed_loop.hpp"
 
 namespace hoist::chaos {

@@ -1,5 +1,5 @@
-// The bus's load and response times: the computation against figures that were found by another program and by simulation (SOURCES 4), and
-// the tables of today against the limits of the plan.
+// The bus's load and response times: the computation against figures from another program and from simulation (SOURCES
+// 4), and the present tables against the limits of the plan.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@ std::size_t at(const BusPlan& plan, std::uint32_t id) {
   return 0;
 }
 
-// The set of frames that was computed then: without what has been added to the tables since.
+// The frames of that computation: without those added to the tables since.
 BusPlan research_plan() {
   const std::set<std::uint32_t> ids = {0x080, 0x081, 0x082, 0x088, 0x091, 0x092, 0x093, 0x181, 0x182, 0x188, 0x191, 0x192, 0x193,
                                        0x201, 0x202, 0x281, 0x282, 0x288, 0x580, 0x701, 0x702, 0x708, 0x711, 0x712, 0x713, 0x77F};
@@ -131,7 +131,7 @@ TEST(BusLoad, ThreeMailboxesKeepTheDeadlines) {
   EXPECT_EQ(mailbox_wait_bits(plan, at(plan, 0x080), kWorst), 0U);
 }
 
-// A longer or more frequent frame must delay others: otherwise the test of the limits could not fail.
+// A longer or more frequent frame must delay others; this shows that the test of the limits can fail.
 TEST(BusLoad, TooMuchIsFound) {
   BusPlan plan = bus_plan();
   for (std::size_t i = 0; i < plan.size; ++i)

@@ -20,7 +20,8 @@ struct Walk {
   bool stopped = false;
 };
 
-// The straight of 10 m. Stray is what is left of the commanded turn rate after its mean over two seconds, which are about a stride.
+// The straight of 10 m. Stray is the rest of the commanded turn rate after its mean over two seconds, which are about a
+// stride.
 Walk straight(std::uint64_t seed, double calm_norm) {
   ClosedLoopOptions options;
   options.world.seed = seed;

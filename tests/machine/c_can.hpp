@@ -1,8 +1,9 @@
-// The CAN controller of the LPC11C24: a Bosch C_CAN (user's manual revision 1.2) with 32 message objects, as UM10398 chapter 16 lays out its
-// registers. Strict: registers that need INIT and CCE, interface registers touched while busy, objects that do not exist and bit rates that are
-// not the bus's are complained about.
+// The CAN controller of the LPC11C24: a Bosch C_CAN (user's manual revision 1.2) with 32 message objects, its registers
+// as in UM10398, chapter 16. Strict: registers that need INIT and CCE, interface registers touched while busy, objects
+// that do not exist and wrong bit rates are violations.
 //
-// Not modelled: test modes, disabled automatic retransmission (both complained about), the time a receiving object needs to be found.
+// Not modelled: test modes, disabled automatic retransmission (both are violations), the time a receiving object needs
+// to be found.
 #pragma once
 
 #include <array>

@@ -115,13 +115,13 @@ void CanWire::begin(Time now) {
   if (winner == stations_.size()) return;
   sender_ = winner;
   stations_[winner]->began();
-  bool somebody = false;
-  for (std::size_t i = 0; i < stations_.size(); ++i) somebody |= i != winner && plugged_[i] && stations_[i]->on_bus();
+  bool heard = false;
+  for (std::size_t i = 0; i < stations_.size(); ++i) heard |= i != winner && plugged_[i] && stations_[i]->on_bus();
   const Mischief mischief = hook_ ? hook_(winner, frame_, now) : Mischief::none;
   error_ = CanError::none;
   heard_by_others_ = mischief != Mischief::unheard;
   if (mischief == Mischief::corrupt) error_ = CanError::bit0;
-  if (mischief == Mischief::unacknowledged || !somebody) error_ = CanError::acknowledge;
+  if (mischief == Mischief::unacknowledged || !heard) error_ = CanError::acknowledge;
   const unsigned bits = wire_bits(frame_) + (error_ != CanError::none ? kErrorBits : 0U) + kIntermissionBits;
   busy_ = true;
   until_ = now + bits * kBit;

@@ -13,6 +13,8 @@
 
 namespace hoist::machine {
 
+/// What it does can be said in one line: probe.write(…).wait(…).
+template <class Self>
 class Probe {
  public:
   Probe(std::unique_ptr<Chip> chip, std::uint32_t ram_base) : chip_(std::move(chip)), ram_(ram_base) { begin(); }
@@ -26,28 +28,32 @@ class Probe {
     half(6, 0x8008);  // STRH r0, [r1]
     half(8, 0x7008);  // STRB r0, [r1]
   }
-  void write(std::uint32_t address, std::uint32_t value) {
+  Self& write(std::uint32_t address, std::uint32_t value) {
     chip_->core().set_reg(0, value);
     run_at(0, address);
+    return self();
   }
-  void write_half(std::uint32_t address, std::uint32_t value) {
+  Self& write_half(std::uint32_t address, std::uint32_t value) {
     chip_->core().set_reg(0, value);
     run_at(6, address);
+    return self();
   }
-  void write_byte(std::uint32_t address, std::uint32_t value) {
+  Self& write_byte(std::uint32_t address, std::uint32_t value) {
     chip_->core().set_reg(0, value);
     run_at(8, address);
+    return self();
   }
   std::uint32_t read(std::uint32_t address) {
     run_at(2, address);
     return chip_->core().reg(0);
   }
   /// Idles (the core stays in its endless loop).
-  void wait(Time time) {
+  Self& wait(Time time) {
     chip_->core().set_reg(15, ram_ + 4);
     chip_->run_until(chip_->now() + time);
+    return self();
   }
-  void set_bits(std::uint32_t address, std::uint32_t bits) { write(address, read(address) | bits); }
+  Self& set_bits(std::uint32_t address, std::uint32_t bits) { return write(address, read(address) | bits); }
   [[nodiscard]] bool complained(const std::string& part) const {
     for (const auto& [what, count] : chip_->violations())
       if (what.find(part) != std::string::npos) return true;
@@ -61,6 +67,7 @@ class Probe {
   Chip& chip() { return *chip_; }
 
  protected:
+  Self& self() { return static_cast<Self&>(*this); }
   /// A flash whose vectors lead into the endless loop in RAM.
   static std::vector<std::uint8_t> flash_with_vectors(std::size_t bytes, std::uint32_t ram_base) {
     std::vector<std::uint8_t> flash(bytes, 0xFF);

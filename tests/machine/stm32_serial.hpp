@@ -1,5 +1,5 @@
-// I2C, SPI and USART of the STM32F072 (RM0091 chapters 26, 28, 27), each with time: a byte takes as long as its bits. Masters only, without DMA;
-// what is beyond that is complained about.
+// I2C, SPI and USART of the STM32F072 (RM0091 chapters 26, 28, 27), each with time: a byte takes as long as its bits.
+// Masters only, without DMA; any other use is a violation.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The model of the chip: a bare program on it, and what it complains about.
+// The model of the chip: a bare program on it, and the violations that it reports.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -7,7 +7,7 @@
 
 #include "control/bus/firmware_update.hpp"
 #include "control/contract/firmware_image.hpp"
-#include "firmware/boot/mailbox.hpp"
+#include "firmware/lib/mailbox.hpp"
 #include "tests/machine/hoist_bench.hpp"
 
 namespace hoist::machine {

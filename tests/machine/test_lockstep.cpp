@@ -33,7 +33,7 @@ void compare(const std::string& program, std::uint64_t limit_cycles) {
     ASSERT_EQ(arm.digest(), host.digest()) << program << " differs first in tick " << tick;
     worst_cycles = std::max(worst_cycles, arm.cycles());
   }
-  // The run was one in which something happened.
+  // Checks that the run had motion.
   EXPECT_GT(host.sent(), kTicks / 10);
   EXPECT_EQ(arm.trouble(), "");
   EXPECT_GT(worst_cycles, 1000U);

@@ -14,7 +14,7 @@ constexpr std::uint32_t kSyscon = 0x40048000, kFlashcfg = 0x4003C010, kIocon = 0
                         kWwdt = 0x40004000, kI2c = 0x40000000, kUart = 0x40008000, kSsp0 = 0x40040000, kTimer = 0x4000C000,
                         kGpio2 = 0x50020000;
 
-class LpcProbe : public Probe {
+class LpcProbe : public Probe<LpcProbe> {
  public:
   LpcProbe() : Probe(std::make_unique<Lpc11c24>("probe", flash_with_vectors(kFlashBytes, CortexM0::kRamBase)), CortexM0::kRamBase) {}
   /// Calls the ROM's flash routines; their status.
@@ -34,23 +34,20 @@ class LpcProbe : public Probe {
   }
 
   // The sequences of the manual.
-  void start_crystal_and_pll() {
-    write(kSyscon + 0x238, 0xED50);
-    wait(600 * kMicrosecond);
-    write(kSyscon + 0x040, 1);
-    write(kSyscon + 0x044, 0);
-    write(kSyscon + 0x044, 1);
-    write(kSyscon + 0x008, 0x23);
-    wait(150 * kMicrosecond);
-    write(kSyscon + 0x070, 3);
-    write(kSyscon + 0x074, 0);
-    write(kSyscon + 0x074, 1);
+  LpcProbe& start_crystal_and_pll() {
+    return write(kSyscon + 0x238, 0xED50)
+        .wait(600 * kMicrosecond)
+        .write(kSyscon + 0x040, 1)
+        .write(kSyscon + 0x044, 0)
+        .write(kSyscon + 0x044, 1)
+        .write(kSyscon + 0x008, 0x23)
+        .wait(150 * kMicrosecond)
+        .write(kSyscon + 0x070, 3)
+        .write(kSyscon + 0x074, 0)
+        .write(kSyscon + 0x074, 1);
   }
-  void clock(unsigned bit) { set_bits(kSyscon + 0x080, 1U << bit); }
-  void can_ready() {
-    clock(17);
-    write(kSyscon + 0x004, 8);
-  }
+  LpcProbe& clock(unsigned bit) { return set_bits(kSyscon + 0x080, 1U << bit); }
+  LpcProbe& can_ready() { return clock(17).write(kSyscon + 0x004, 8); }
 };
 
 struct Case {
@@ -66,179 +63,82 @@ TEST_P(Complains, AboutWhatTheManualForbids) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Cases, Complains,
-    testing::Values(Case{"timer_without_clock", [](LpcProbe& p) { p.write(kTimer + 4, 1); }, "CT16B0 touched without its clock"},
-                    Case{"adc_without_clock", [](LpcProbe& p) { (void)p.read(kAdc); }, "ADC touched without its clock"},
-                    Case{"can_in_reset",
-                         [](LpcProbe& p) {
-                           p.clock(17);
-                           p.write(kCan, 1);
-                         },
-                         "C_CAN touched while held in reset"},
-                    Case{"bit_timing_without_cce",
-                         [](LpcProbe& p) {
-                           p.can_ready();
-                           p.write(kCan + 0x0C, 0x1C0B);
-                         },
-                         "BT written without INIT and CCE"},
-                    Case{"wrong_bit_rate",
-                         [](LpcProbe& p) {
-                           p.can_ready();
-                           p.write(kCan, 0x41);
-                           p.write(kCan + 0x180, 0);
-                           p.write(kCan + 0x0C, 0x1C0B);
-                           p.write(kCan, 0);
-                         },
-                         "not 4 us"},  // right for 48 MHz; the clock is still 12 MHz
-                    Case{"interface_busy",
-                         [](LpcProbe& p) {
-                           p.can_ready();
-                           p.write(kCan + 0x20, 1);
-                           p.write(kCan + 0x24, 0xF0);
-                         },
-                         "written while busy"},
-                    Case{"object_33",
-                         [](LpcProbe& p) {
-                           p.can_ready();
-                           p.write(kCan + 0x20, 33);
-                         },
-                         "message object 33"},
-                    Case{"pll_out_of_range", [](LpcProbe& p) { p.write(kSyscon + 0x008, 0x03); }, "PLL: its oscillator at 96000000 Hz"},
-                    Case{"pll_not_locked",
-                         [](LpcProbe& p) {
-                           p.write(kSyscon + 0x238, 0xED70);
-                           p.write(kSyscon + 0x008, 0x23);
-                           p.write(kSyscon + 0x070, 3);
-                           p.write(kSyscon + 0x074, 0);
-                           p.write(kSyscon + 0x074, 1);
-                         },
-                         "before it has locked"},
-                    Case{"crystal_not_started",
-                         [](LpcProbe& p) {
-                           p.write(kSyscon + 0x238, 0xEDD0);
-                           p.write(kSyscon + 0x040, 1);
-                           p.write(kSyscon + 0x044, 0);
-                           p.write(kSyscon + 0x044, 1);
-                         },
-                         "before it is powered and has started"},
-                    Case{"flash_too_fast",
-                         [](LpcProbe& p) {
-                           p.write(kFlashcfg, p.read(kFlashcfg) & ~3U);
-                           p.start_crystal_and_pll();
-                         },
-                         "0 wait states at 48000000 Hz"},
-                    Case{"flashcfg_reserved", [](LpcProbe& p) { p.write(kFlashcfg, 2); }, "FLASHCFG: reserved bits"},
-                    Case{"pdruncfg_reserved", [](LpcProbe& p) { p.write(kSyscon + 0x238, 0x50); }, "PDRUNCFG: reserved bits"},
-                    Case{"syscon_nothing_there", [](LpcProbe& p) { (void)p.read(kSyscon + 0x3A0); }, "SYSCON: read of register 3A0"},
-                    Case{"adc_powered_down",
-                         [](LpcProbe& p) {
-                           p.clock(13);
-                           p.write(kAdc, 0x01000201);
-                         },
-                         "ADC: started while powered down"},
-                    Case{"adc_two_channels",
-                         [](LpcProbe& p) {
-                           p.clock(13);
-                           p.write(kSyscon + 0x238, 0xEDE0);
-                           p.write(kAdc, 0x01000203);
-                         },
-                         "exactly one channel"},
-                    Case{"adc_too_fast",
-                         [](LpcProbe& p) {
-                           p.clock(13);
-                           p.write(kSyscon + 0x238, 0xEDE0);
-                           p.write(kAdc, 0x01000001);
-                         },
-                         "4.5 MHz is the most"},
-                    Case{"adc_pin_digital",
-                         [](LpcProbe& p) {
-                           p.clock(13);
-                           p.write(kSyscon + 0x238, 0xEDE0);
-                           p.write(kAdc, 0x01000201);
-                           p.wait(kMillisecond);
-                         },
-                         "without its pin switched to it"},
-                    Case{"wrong_feed",
-                         [](LpcProbe& p) {
-                           p.clock(15);
-                           p.write(kWwdt + 8, 0x55);
-                         },
-                         "wrong feed sequence"},
-                    Case{"feed_interrupted",
-                         [](LpcProbe& p) {
-                           p.clock(15);
-                           p.write(kWwdt + 8, 0xAA);
-                           (void)p.read(kWwdt + 0);
-                         },
-                         "between the two words of a feed"},
-                    Case{"i2c_without_pins",
-                         [](LpcProbe& p) {
-                           p.clock(5);
-                           p.write(kSyscon + 0x004, 2);
-                           p.write(kI2c, 0x60);
-                         },
-                         "START without the pins"},
-                    Case{"uart_without_divider",
-                         [](LpcProbe& p) {
-                           p.clock(12);
-                           p.write(kUart + 0x0C, 0x83);
-                         },
-                         "clock divider at 0"},
-                    Case{"uart_wrong_baud",
-                         [](LpcProbe& p) {
-                           p.clock(12);
-                           p.write(kSyscon + 0x098, 1);
-                           p.write(kUart + 0x0C, 3);
-                           p.write(kUart + 0x00, 'x');
-                         },
-                         "baud, the line has 1000000"},
-                    Case{"ssp_empty",
-                         [](LpcProbe& p) {
-                           p.write(kSyscon + 0x004, 1);
-                           (void)p.read(kSsp0 + 8);
-                         },
-                         "empty receive FIFO"},
-                    Case{"ssp_odd_prescaler",
-                         [](LpcProbe& p) {
-                           p.write(kSyscon + 0x004, 1);
-                           p.write(kSsp0 + 0x10, 3);
-                         },
-                         "prescaler must be even"},
-                    Case{"gpio_nothing_there", [](LpcProbe& p) { p.write(kGpio2 + 0x8020, 0); }, "GPIO: write to register 8020"},
-                    Case{"output_against_output",
-                         [](LpcProbe& p) {
-                           p.chip().drive_pin({2, 5}, true);
-                           p.write(kGpio2 + 0x8000, 1U << 5);
-                         },
-                         "made an output against something that drives it"},
-                    Case{"debugger_locked_out",
-                         [](LpcProbe& p) {
-                           p.clock(16);
-                           p.write(kIocon + 0x68, 0xD1);
-                         },
-                         "SWCLK switched away"},
-                    Case{"core_clock_off", [](LpcProbe& p) { p.write(kSyscon + 0x080, 0); },
-                         "clock of core, ROM, RAM or flash switched off"},
-                    Case{"erase_with_interrupts",
-                         [](LpcProbe& p) {
-                           p.write(0xE000E100, 1U << 13);
-                           (void)p.iap({50, 7, 7});
-                           (void)p.iap({52, 7, 7, 12'000});
-                         },
-                         "with interrupts on"},
-                    Case{"iap_wrong_clock",
-                         [](LpcProbe& p) {
-                           (void)p.iap({50, 7, 7});
-                           (void)p.iap({52, 7, 7, 48'000});
-                         },
-                         "told a clock of 48000 kHz, it is 12000"},
-                    Case{"page_written_twice",
-                         [](LpcProbe& p) {
-                           for (int i = 0; i < 2; ++i) {
-                             (void)p.iap({50, 7, 7});
-                             (void)p.iap({51, 0x7000, CortexM0::kRamBase + 0x200, 256, 12'000});
-                           }
-                         },
-                         "page written twice"}),
+    testing::Values(
+        Case{"timer_without_clock", [](LpcProbe& p) { p.write(kTimer + 4, 1); }, "CT16B0 touched without its clock"},
+        Case{"adc_without_clock", [](LpcProbe& p) { (void)p.read(kAdc); }, "ADC touched without its clock"},
+        Case{"can_in_reset", [](LpcProbe& p) { p.clock(17).write(kCan, 1); }, "C_CAN touched while held in reset"},
+        Case{"bit_timing_without_cce", [](LpcProbe& p) { p.can_ready().write(kCan + 0x0C, 0x1C0B); }, "BT written without INIT and CCE"},
+        Case{"wrong_bit_rate",
+             [](LpcProbe& p) { p.can_ready().write(kCan, 0x41).write(kCan + 0x180, 0).write(kCan + 0x0C, 0x1C0B).write(kCan, 0); },
+             "not 4 us"},  // right for 48 MHz; the clock is still 12 MHz
+        Case{"interface_busy", [](LpcProbe& p) { p.can_ready().write(kCan + 0x20, 1).write(kCan + 0x24, 0xF0); }, "written while busy"},
+        Case{"object_33", [](LpcProbe& p) { p.can_ready().write(kCan + 0x20, 33); }, "message object 33"},
+        Case{"pll_out_of_range", [](LpcProbe& p) { p.write(kSyscon + 0x008, 0x03); }, "PLL: its oscillator at 96000000 Hz"},
+        Case{"pll_not_locked",
+             [](LpcProbe& p) {
+               p.write(kSyscon + 0x238, 0xED70)
+                   .write(kSyscon + 0x008, 0x23)
+                   .write(kSyscon + 0x070, 3)
+                   .write(kSyscon + 0x074, 0)
+                   .write(kSyscon + 0x074, 1);
+             },
+             "before it has locked"},
+        Case{"crystal_not_started",
+             [](LpcProbe& p) {
+               p.write(kSyscon + 0x238, 0xEDD0).write(kSyscon + 0x040, 1).write(kSyscon + 0x044, 0).write(kSyscon + 0x044, 1);
+             },
+             "before it is powered and has started"},
+        Case{"flash_too_fast", [](LpcProbe& p) { p.write(kFlashcfg, p.read(kFlashcfg) & ~3U).start_crystal_and_pll(); },
+             "0 wait states at 48000000 Hz"},
+        Case{"flashcfg_reserved", [](LpcProbe& p) { p.write(kFlashcfg, 2); }, "FLASHCFG: reserved bits"},
+        Case{"pdruncfg_reserved", [](LpcProbe& p) { p.write(kSyscon + 0x238, 0x50); }, "PDRUNCFG: reserved bits"},
+        Case{"syscon_nothing_there", [](LpcProbe& p) { (void)p.read(kSyscon + 0x3A0); }, "SYSCON: read of register 3A0"},
+        Case{"adc_powered_down", [](LpcProbe& p) { p.clock(13).write(kAdc, 0x01000201); }, "ADC: started while powered down"},
+        Case{"adc_two_channels", [](LpcProbe& p) { p.clock(13).write(kSyscon + 0x238, 0xEDE0).write(kAdc, 0x01000203); },
+             "exactly one channel"},
+        Case{"adc_too_fast", [](LpcProbe& p) { p.clock(13).write(kSyscon + 0x238, 0xEDE0).write(kAdc, 0x01000001); },
+             "4.5 MHz is the most"},
+        Case{"adc_pin_digital", [](LpcProbe& p) { p.clock(13).write(kSyscon + 0x238, 0xEDE0).write(kAdc, 0x01000201).wait(kMillisecond); },
+             "without its pin switched to it"},
+        Case{"wrong_feed", [](LpcProbe& p) { p.clock(15).write(kWwdt + 8, 0x55); }, "wrong feed sequence"},
+        Case{"feed_interrupted", [](LpcProbe& p) { (void)p.clock(15).write(kWwdt + 8, 0xAA).read(kWwdt + 0); },
+             "between the two words of a feed"},
+        Case{"i2c_without_pins", [](LpcProbe& p) { p.clock(5).write(kSyscon + 0x004, 2).write(kI2c, 0x60); }, "START without the pins"},
+        Case{"uart_without_divider", [](LpcProbe& p) { p.clock(12).write(kUart + 0x0C, 0x83); }, "clock divider at 0"},
+        Case{"uart_wrong_baud", [](LpcProbe& p) { p.clock(12).write(kSyscon + 0x098, 1).write(kUart + 0x0C, 3).write(kUart + 0x00, 'x'); },
+             "baud, the line has 1000000"},
+        Case{"ssp_empty", [](LpcProbe& p) { (void)p.write(kSyscon + 0x004, 1).read(kSsp0 + 8); }, "empty receive FIFO"},
+        Case{"ssp_odd_prescaler", [](LpcProbe& p) { p.write(kSyscon + 0x004, 1).write(kSsp0 + 0x10, 3); }, "prescaler must be even"},
+        Case{"gpio_nothing_there", [](LpcProbe& p) { p.write(kGpio2 + 0x8020, 0); }, "GPIO: write to register 8020"},
+        Case{"output_against_output",
+             [](LpcProbe& p) {
+               p.chip().drive_pin({2, 5}, true);
+               p.write(kGpio2 + 0x8000, 1U << 5);
+             },
+             "made an output against something that drives it"},
+        Case{"debugger_locked_out", [](LpcProbe& p) { p.clock(16).write(kIocon + 0x68, 0xD1); }, "SWCLK switched away"},
+        Case{"core_clock_off", [](LpcProbe& p) { p.write(kSyscon + 0x080, 0); }, "clock of core, ROM, RAM or flash switched off"},
+        Case{"erase_with_interrupts",
+             [](LpcProbe& p) {
+               p.write(0xE000E100, 1U << 13);
+               (void)p.iap({50, 7, 7});
+               (void)p.iap({52, 7, 7, 12'000});
+             },
+             "with interrupts on"},
+        Case{"iap_wrong_clock",
+             [](LpcProbe& p) {
+               (void)p.iap({50, 7, 7});
+               (void)p.iap({52, 7, 7, 48'000});
+             },
+             "told a clock of 48000 kHz, it is 12000"},
+        Case{"page_written_twice",
+             [](LpcProbe& p) {
+               for (int i = 0; i < 2; ++i) {
+                 (void)p.iap({50, 7, 7});
+                 (void)p.iap({51, 0x7000, CortexM0::kRamBase + 0x200, 256, 12'000});
+               }
+             },
+             "page written twice"}),
     [](const testing::TestParamInfo<Case>& tested) { return std::string(tested.param.name); });
 
 TEST(Allowed, TheManualsWaysPass) {

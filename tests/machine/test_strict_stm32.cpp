@@ -1,4 +1,4 @@
-// What the model of the STM32F072 complains about, and what its blocks do when they are used as RM0091 says.
+// The violations that the model of the STM32F072 reports, and what its blocks do when used as RM0091 says.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -16,7 +16,7 @@ constexpr std::uint32_t kRcc = 0x40021000, kFlashIf = 0x40022000, kCan = 0x40006
                         kTim1 = 0x40012C00, kTim2 = 0x40000000, kTim3 = 0x40000400, kI2c = 0x40005400, kUsart = 0x40013800,
                         kSpi = 0x40013000, kPortA = 0x48000000, kPortB = 0x48000400, kPage = 0x0801F000;
 
-class StmProbe : public Probe {
+class StmProbe : public Probe<StmProbe> {
  public:
   StmProbe()
       : Probe(std::make_unique<Stm32f072>("probe", flash_with_vectors(Stm32f072::kFlashSize, Stm32f072::kSramBase)), Stm32f072::kSramBase) {
@@ -24,58 +24,39 @@ class StmProbe : public Probe {
   Stm32f072& stm() { return static_cast<Stm32f072&>(chip()); }
 
   // The ways the manual gives.
-  void start_crystal_and_pll() {
-    write(kFlashIf, 0x11);
-    set_bits(kRcc, 1U << 16);
-    wait(3 * kMillisecond);
-    write(kRcc + 4, (2U << 15) | (4U << 18));
-    set_bits(kRcc, 1U << 24);
-    wait(kMillisecond);
-    set_bits(kRcc + 4, 2);
+  StmProbe& start_crystal_and_pll() {
+    return write(kFlashIf, 0x11)
+        .set_bits(kRcc, 1U << 16)
+        .wait(3 * kMillisecond)
+        .write(kRcc + 4, (2U << 15) | (4U << 18))
+        .set_bits(kRcc, 1U << 24)
+        .wait(kMillisecond)
+        .set_bits(kRcc + 4, 2);
   }
-  void ports() { set_bits(kRcc + 0x14, 3U << 17); }
-  void can_initialisation() {
-    ports();
-    set_bits(kRcc + 0x1C, 1U << 25);
-    write(kPortB + 0x24, 0x44);
-    write(kPortB, 0xA0000);
-    write(kCan, 1);
-    wait(kMicrosecond);
+  StmProbe& ports() { return set_bits(kRcc + 0x14, 3U << 17); }
+  StmProbe& can_initialisation() {
+    return ports().set_bits(kRcc + 0x1C, 1U << 25).write(kPortB + 0x24, 0x44).write(kPortB, 0xA0000).write(kCan, 1).wait(kMicrosecond);
   }
-  void can_accept_all() {
-    write(kCan + 0x200, 0x2A1C0E01);
-    write(kCan + 0x20C, 1);
-    write(kCan + 0x21C, 1);
-    write(kCan + 0x200, 0x2A1C0E00);
+  StmProbe& can_accept_all() {
+    return write(kCan + 0x200, 0x2A1C0E01).write(kCan + 0x20C, 1).write(kCan + 0x21C, 1).write(kCan + 0x200, 0x2A1C0E00);
   }
-  void can_run() {
-    start_crystal_and_pll();
-    can_initialisation();
-    write(kCan + 0x1C, 0x001C000B);
-    can_accept_all();
-    write(kCan, 0);
+  StmProbe& can_run() {
+    return start_crystal_and_pll().can_initialisation().write(kCan + 0x1C, 0x001C000B).can_accept_all().write(kCan, 0);
   }
-  void unlock_flash() {
-    write(kFlashIf + 4, 0x45670123);
-    write(kFlashIf + 4, 0xCDEF89AB);
-  }
+  StmProbe& unlock_flash() { return write(kFlashIf + 4, 0x45670123).write(kFlashIf + 4, 0xCDEF89AB); }
   // PA5 clocks, PA7 sends. A pin whose speed stays as after reset follows 2 MHz.
-  void spi_byte_at_4_mhz(std::uint32_t fast_pins) {
-    ports();
-    set_bits(kRcc + 0x18, 1U << 12);
-    set_bits(kPortA + 8, fast_pins);
-    write(kPortA, 0x2800A800);
-    write(kSpi + 4, 0x1700);
-    write(kSpi, 0x347);  // master, 8 MHz / 2
-    write_byte(kSpi + 0x0C, 0);
+  StmProbe& spi_byte_at_4_mhz(std::uint32_t fast_pins) {
+    return ports()
+        .set_bits(kRcc + 0x18, 1U << 12)
+        .set_bits(kPortA + 8, fast_pins)
+        .write(kPortA, 0x2800A800)
+        .write(kSpi + 4, 0x1700)
+        .write(kSpi, 0x347)  // master, 8 MHz / 2
+        .write_byte(kSpi + 0x0C, 0);
   }
-  void adc_on() {
-    set_bits(kRcc + 0x18, 1U << 9);
-    write(kAdc + 0x10, 2U << 30);
-    write(kAdc + 8, 1U << 31);
-    wait(100 * kMicrosecond);
-    write(kAdc + 8, 1);
-    wait(10 * kMicrosecond);
+  StmProbe& adc_on() {
+    set_bits(kRcc + 0x18, 1U << 9).write(kAdc + 0x10, 2U << 30).write(kAdc + 8, 1U << 31).wait(100 * kMicrosecond);
+    return write(kAdc + 8, 1).wait(10 * kMicrosecond);
   }
 };
 
@@ -125,217 +106,101 @@ TEST_P(StmComplains, AboutWhatTheManualForbids) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Cases, StmComplains,
-    testing::Values(Case{"timer_without_clock", [](StmProbe& p) { p.write(kTim3, 1); }, "TIM3 touched without its clock"},
-                    Case{"port_without_clock", [](StmProbe& p) { (void)p.read(kPortB); }, "port B touched without its clock"},
-                    Case{"block_not_there", [](StmProbe& p) { (void)p.read(0x40007400); }, "block that does not exist or is not modelled"},
-                    Case{"rcc_nothing_there", [](StmProbe& p) { (void)p.read(kRcc + 0x38); }, "RCC: read of register 38"},
-                    Case{"rcc_reserved", [](StmProbe& p) { p.write(kRcc + 0x1C, 1U << 3); }, "reserved bits of APB1ENR"},
-                    Case{"flash_too_fast",
-                         [](StmProbe& p) {
-                           p.write(kFlashIf, 0x10);
-                           p.set_bits(kRcc, 1U << 16);
-                           p.wait(3 * kMillisecond);
-                           p.write(kRcc + 4, (2U << 15) | (4U << 18));
-                           p.set_bits(kRcc, 1U << 24);
-                           p.wait(kMillisecond);
-                           p.set_bits(kRcc + 4, 2);
-                         },
-                         "0 wait states at 48000000 Hz"},
-                    Case{"pll_not_locked",
-                         [](StmProbe& p) {
-                           p.write(kFlashIf, 0x11);
-                           p.write(kRcc + 4, 10U << 18);
-                           p.set_bits(kRcc, 1U << 24);
-                           p.set_bits(kRcc + 4, 2);
-                         },
-                         "before it has locked"},
-                    Case{"pll_changed_while_on",
-                         [](StmProbe& p) {
-                           p.start_crystal_and_pll();
-                           p.write(kRcc + 4, (2U << 15) | (3U << 18) | 2U);
-                         },
-                         "PLL changed while it is switched on"},
-                    Case{"bit_timing_outside_initialisation",
-                         [](StmProbe& p) {
-                           p.set_bits(kRcc + 0x1C, 1U << 25);
-                           p.write(kCan + 0x1C, 0x001C000B);
-                         },
-                         "BTR written outside initialisation mode"},
-                    Case{"wrong_bit_rate",
-                         [](StmProbe& p) {
-                           p.can_initialisation();
-                           p.write(kCan + 0x1C, 0x001C000B);
-                           p.write(kCan, 0);
-                         },
-                         "is not 4 us"},  // right for 48 MHz; the clock is still 8 MHz
-                    Case{"initialisation_taken_back_too_early",
-                         [](StmProbe& p) {
-                           p.can_run();
-                           p.wait(kMillisecond);
-                           p.write(kCan, 2);  // sleep is entered at once on an idle bus; INRQ then has to be confirmed
-                           p.write(kCan, 0);
-                         },
-                         "woken from sleep without having been initialised"},
-                    Case{"filter_without_finit",
-                         [](StmProbe& p) {
-                           p.can_initialisation();
-                           p.can_accept_all();
-                           p.write(kCan + 0x204, 1);
-                         },
-                         "register 204 written without FINIT"},
-                    Case{"active_filter_changed",
-                         [](StmProbe& p) {
-                           p.can_initialisation();
-                           p.can_accept_all();
-                           p.write(kCan + 0x240, 1);
-                         },
-                         "active filter bank written"},
-                    Case{"pending_mailbox_changed",
-                         [](StmProbe& p) {
-                           p.can_initialisation();
-                           p.write(kCan + 0x184, 0);
-                           p.write(kCan + 0x180, (0x123U << 21) | 1U);
-                           p.write(kCan + 0x188, 5);
-                         },
-                         "mailbox 0 written while it is pending"},
-                    Case{"empty_fifo_read",
-                         [](StmProbe& p) {
-                           p.can_initialisation();
-                           (void)p.read(kCan + 0x1B0);
-                         },
-                         "empty FIFO 0 read"},
-                    Case{"can_filter_bank_15",
-                         [](StmProbe& p) {
-                           p.can_initialisation();
-                           p.write(kCan + 0x21C, 1U << 14);
-                         },
-                         "filter bank that does not exist"},
-                    Case{"flash_without_key", [](StmProbe& p) { p.write(kFlashIf + 0x10, 2); }, "CR written while it is locked"},
-                    Case{"flash_wrong_key", [](StmProbe& p) { p.write(kFlashIf + 4, 0xCDEF89AB); }, "wrong key"},
-                    Case{"flash_without_pg",
-                         [](StmProbe& p) {
-                           p.unlock_flash();
-                           p.write_half(kPage, 1);
-                         },
-                         "without PG"},
-                    Case{"flash_by_words",
-                         [](StmProbe& p) {
-                           p.unlock_flash();
-                           p.write(kFlashIf + 0x10, 1);
-                           p.write(kPage, 1);
-                         },
-                         "something else than half-words"},
-                    Case{"flash_over_flash",
-                         [](StmProbe& p) {
-                           p.unlock_flash();
-                           p.write(kFlashIf + 0x10, 1);
-                           p.write_half(kPage, 0x1234);
-                           p.write_half(kPage, 0x1230);
-                         },
-                         "PGERR"},
-                    Case{"iwdg_without_key", [](StmProbe& p) { p.write(kIwdg + 8, 100); }, "register 8 written without its key"},
-                    Case{"iwdg_while_updating",
-                         [](StmProbe& p) {
-                           p.write(kIwdg, 0x5555);
-                           p.write(kIwdg + 8, 100);
-                           p.write(kIwdg + 8, 200);
-                         },
-                         "register 8 written while it is being updated"},
-                    Case{"adc_before_ready",
-                         [](StmProbe& p) {
-                           p.set_bits(kRcc + 0x18, 1U << 9);
-                           p.write(kAdc + 0x28, 1);
-                           p.write(kAdc + 8, 4);
-                         },
-                         "started before it is ready"},
-                    Case{"adc_calibrated_while_on",
-                         [](StmProbe& p) {
-                           p.adc_on();
-                           p.write(kAdc + 8, 1U << 31);
-                         },
-                         "calibrated while it is on"},
-                    Case{"adc_configured_while_started",
-                         [](StmProbe& p) {
-                           p.adc_on();
-                           p.write(kAdc + 0x28, 1);
-                           p.write(kAdc + 8, 4);
-                           p.write(kAdc + 0x28, 2);
-                         },
-                         "written while ADSTART is set"},
-                    Case{"adc_pin_digital",
-                         [](StmProbe& p) {
-                           p.ports();
-                           p.adc_on();
-                           p.write(kAdc + 0x28, 1);
-                           p.write(kAdc + 8, 4);
-                           p.wait(kMillisecond);
-                         },
-                         "outside analog mode"},
-                    Case{"encoder_without_inputs",
-                         [](StmProbe& p) {
-                           p.set_bits(kRcc + 0x1C, 2);
-                           p.write(kTim3 + 8, 3);
-                           p.write(kTim3, 1);
-                         },
-                         "without both channels switched to their inputs"},
-                    Case{"timer_channel_interrupt",
-                         [](StmProbe& p) {
-                           p.set_bits(kRcc + 0x1C, 1);
-                           p.write(kTim2 + 0x0C, 2);
-                         },
-                         "interrupts of channels"},
-                    Case{"i2c_without_pins",
-                         [](StmProbe& p) {
-                           p.set_bits(kRcc + 0x1C, 1U << 21);
-                           p.write(kI2c, 1);
-                           p.write(kI2c + 4, (1U << 16) | (1U << 13));
-                         },
-                         "START without the pins"},
-                    Case{"i2c_too_fast",
-                         [](StmProbe& p) {
-                           p.set_bits(kRcc + 0x1C, 1U << 21);
-                           p.write(kI2c + 0x10, 0x00000000);
-                         },
-                         "fast mode ends at 400 kHz"},
-                    Case{"usart_wrong_baud",
-                         [](StmProbe& p) {
-                           p.set_bits(kRcc + 0x18, 1U << 14);
-                           p.write(kUsart + 0x0C, 48);
-                           p.write(kUsart, 0x0D);
-                         },
-                         "baud, the line has 1000000"},
-                    Case{"spi_word_is_two_bytes",
-                         [](StmProbe& p) {
-                           p.ports();
-                           p.set_bits(kRcc + 0x18, 1U << 12);
-                           p.write(kPortA, 0x2800A800);
-                           p.write(kSpi + 4, 0x1700);
-                           p.write(kSpi, 0x347);
-                           for (int i = 0; i < 3; ++i) p.write(kSpi + 0x0C, 0);
-                           p.wait(kMillisecond);
-                         },
-                         "full transmit FIFO written"},
-                    Case{"spi_data_pin_too_slow", [](StmProbe& p) { p.spi_byte_at_4_mhz(3U << 10); }, "faster than its pins (OSPEEDR)"},
-                    Case{"spi_clock_pin_too_slow", [](StmProbe& p) { p.spi_byte_at_4_mhz(3U << 14); }, "faster than its pins (OSPEEDR)"},
-                    Case{"gpio_nothing_there",
-                         [](StmProbe& p) {
-                           p.ports();
-                           p.write(kPortA + 0x2C, 0);
-                         },
-                         "GPIO: write to register 2C"},
-                    Case{"output_against_output",
-                         [](StmProbe& p) {
-                           p.ports();
-                           p.chip().drive_pin({0, 5}, true);
-                           p.write(kPortA, 0x28000400);
-                         },
-                         "made an output against something that drives it"},
-                    Case{"debugger_locked_out",
-                         [](StmProbe& p) {
-                           p.ports();
-                           p.write(kPortA, 0);
-                         },
-                         "switched away from the debugger"}),
+    testing::Values(
+        Case{"timer_without_clock", [](StmProbe& p) { p.write(kTim3, 1); }, "TIM3 touched without its clock"},
+        Case{"port_without_clock", [](StmProbe& p) { (void)p.read(kPortB); }, "port B touched without its clock"},
+        Case{"block_not_there", [](StmProbe& p) { (void)p.read(0x40007400); }, "block that does not exist or is not modelled"},
+        Case{"rcc_nothing_there", [](StmProbe& p) { (void)p.read(kRcc + 0x38); }, "RCC: read of register 38"},
+        Case{"rcc_reserved", [](StmProbe& p) { p.write(kRcc + 0x1C, 1U << 3); }, "reserved bits of APB1ENR"},
+        Case{"flash_too_fast",
+             [](StmProbe& p) {
+               p.write(kFlashIf, 0x10)
+                   .set_bits(kRcc, 1U << 16)
+                   .wait(3 * kMillisecond)
+                   .write(kRcc + 4, (2U << 15) | (4U << 18))
+                   .set_bits(kRcc, 1U << 24)
+                   .wait(kMillisecond)
+                   .set_bits(kRcc + 4, 2);
+             },
+             "0 wait states at 48000000 Hz"},
+        Case{"pll_not_locked",
+             [](StmProbe& p) { p.write(kFlashIf, 0x11).write(kRcc + 4, 10U << 18).set_bits(kRcc, 1U << 24).set_bits(kRcc + 4, 2); },
+             "before it has locked"},
+        Case{"pll_changed_while_on", [](StmProbe& p) { p.start_crystal_and_pll().write(kRcc + 4, (2U << 15) | (3U << 18) | 2U); },
+             "PLL changed while it is switched on"},
+        Case{"bit_timing_outside_initialisation", [](StmProbe& p) { p.set_bits(kRcc + 0x1C, 1U << 25).write(kCan + 0x1C, 0x001C000B); },
+             "BTR written outside initialisation mode"},
+        Case{"wrong_bit_rate", [](StmProbe& p) { p.can_initialisation().write(kCan + 0x1C, 0x001C000B).write(kCan, 0); },
+             "is not 4 us"},  // right for 48 MHz; the clock is still 8 MHz
+        Case{"initialisation_taken_back_too_early",
+             [](StmProbe& p) {
+               p.can_run();
+               p.wait(kMillisecond);
+               p.write(kCan, 2);  // sleep is entered at once on an idle bus; INRQ then has to be confirmed
+               p.write(kCan, 0);
+             },
+             "woken from sleep without having been initialised"},
+        Case{"filter_without_finit", [](StmProbe& p) { p.can_initialisation().can_accept_all().write(kCan + 0x204, 1); },
+             "register 204 written without FINIT"},
+        Case{"active_filter_changed", [](StmProbe& p) { p.can_initialisation().can_accept_all().write(kCan + 0x240, 1); },
+             "active filter bank written"},
+        Case{"pending_mailbox_changed",
+             [](StmProbe& p) {
+               p.can_initialisation().write(kCan + 0x184, 0).write(kCan + 0x180, (0x123U << 21) | 1U).write(kCan + 0x188, 5);
+             },
+             "mailbox 0 written while it is pending"},
+        Case{"empty_fifo_read", [](StmProbe& p) { (void)p.can_initialisation().read(kCan + 0x1B0); }, "empty FIFO 0 read"},
+        Case{"can_filter_bank_15", [](StmProbe& p) { p.can_initialisation().write(kCan + 0x21C, 1U << 14); },
+             "filter bank that does not exist"},
+        Case{"flash_without_key", [](StmProbe& p) { p.write(kFlashIf + 0x10, 2); }, "CR written while it is locked"},
+        Case{"flash_wrong_key", [](StmProbe& p) { p.write(kFlashIf + 4, 0xCDEF89AB); }, "wrong key"},
+        Case{"flash_without_pg", [](StmProbe& p) { p.unlock_flash().write_half(kPage, 1); }, "without PG"},
+        Case{"flash_by_words", [](StmProbe& p) { p.unlock_flash().write(kFlashIf + 0x10, 1).write(kPage, 1); },
+             "something else than half-words"},
+        Case{"flash_over_flash",
+             [](StmProbe& p) { p.unlock_flash().write(kFlashIf + 0x10, 1).write_half(kPage, 0x1234).write_half(kPage, 0x1230); }, "PGERR"},
+        Case{"iwdg_without_key", [](StmProbe& p) { p.write(kIwdg + 8, 100); }, "register 8 written without its key"},
+        Case{"iwdg_while_updating", [](StmProbe& p) { p.write(kIwdg, 0x5555).write(kIwdg + 8, 100).write(kIwdg + 8, 200); },
+             "register 8 written while it is being updated"},
+        Case{"adc_before_ready", [](StmProbe& p) { p.set_bits(kRcc + 0x18, 1U << 9).write(kAdc + 0x28, 1).write(kAdc + 8, 4); },
+             "started before it is ready"},
+        Case{"adc_calibrated_while_on", [](StmProbe& p) { p.adc_on().write(kAdc + 8, 1U << 31); }, "calibrated while it is on"},
+        Case{"adc_configured_while_started", [](StmProbe& p) { p.adc_on().write(kAdc + 0x28, 1).write(kAdc + 8, 4).write(kAdc + 0x28, 2); },
+             "written while ADSTART is set"},
+        Case{"adc_pin_digital", [](StmProbe& p) { p.ports().adc_on().write(kAdc + 0x28, 1).write(kAdc + 8, 4).wait(kMillisecond); },
+             "outside analog mode"},
+        Case{"encoder_without_inputs", [](StmProbe& p) { p.set_bits(kRcc + 0x1C, 2).write(kTim3 + 8, 3).write(kTim3, 1); },
+             "without both channels switched to their inputs"},
+        Case{"timer_channel_interrupt", [](StmProbe& p) { p.set_bits(kRcc + 0x1C, 1).write(kTim2 + 0x0C, 2); }, "interrupts of channels"},
+        Case{"i2c_without_pins",
+             [](StmProbe& p) { p.set_bits(kRcc + 0x1C, 1U << 21).write(kI2c, 1).write(kI2c + 4, (1U << 16) | (1U << 13)); },
+             "START without the pins"},
+        Case{"i2c_too_fast", [](StmProbe& p) { p.set_bits(kRcc + 0x1C, 1U << 21).write(kI2c + 0x10, 0x00000000); },
+             "fast mode ends at 400 kHz"},
+        Case{"usart_wrong_baud", [](StmProbe& p) { p.set_bits(kRcc + 0x18, 1U << 14).write(kUsart + 0x0C, 48).write(kUsart, 0x0D); },
+             "baud, the line has 1000000"},
+        Case{"spi_word_is_two_bytes",
+             [](StmProbe& p) {
+               p.ports();
+               p.set_bits(kRcc + 0x18, 1U << 12);
+               p.write(kPortA, 0x2800A800);
+               p.write(kSpi + 4, 0x1700);
+               p.write(kSpi, 0x347);
+               for (int i = 0; i < 3; ++i) p.write(kSpi + 0x0C, 0);
+               p.wait(kMillisecond);
+             },
+             "full transmit FIFO written"},
+        Case{"spi_data_pin_too_slow", [](StmProbe& p) { p.spi_byte_at_4_mhz(3U << 10); }, "faster than its pins (OSPEEDR)"},
+        Case{"spi_clock_pin_too_slow", [](StmProbe& p) { p.spi_byte_at_4_mhz(3U << 14); }, "faster than its pins (OSPEEDR)"},
+        Case{"gpio_nothing_there", [](StmProbe& p) { p.ports().write(kPortA + 0x2C, 0); }, "GPIO: write to register 2C"},
+        Case{"output_against_output",
+             [](StmProbe& p) {
+               p.ports();
+               p.chip().drive_pin({0, 5}, true);
+               p.write(kPortA, 0x28000400);
+             },
+             "made an output against something that drives it"},
+        Case{"debugger_locked_out", [](StmProbe& p) { p.ports().write(kPortA, 0); }, "switched away from the debugger"}),
     [](const testing::TestParamInfo<Case>& tested) { return std::string(tested.param.name); });
 
 TEST(StmAllowed, TheManualsWayToTheClockPasses) {

@@ -15,8 +15,8 @@ const reasons = new Map(lines(equivalentPath).filter((row) => !row.startsWith('#
   return [`${what}\t${source}`, why];
 }));
 
-// Noticed is what a test failed at, which GoogleTest says with 1. A mutant that makes a test wait for ever or ends the program is not: it would
-// have to stand in the list of those that cannot be noticed, with its reason.
+// A mutant is noticed when a test fails, which GoogleTest reports with 1. One that makes a test hang or ends the
+// program counts as a survivor and needs a row with its reason.
 const run = (env, limit_ms) => new Promise((done) => {
   const child = spawn(program, ['--gtest_brief=1', '--gtest_fail_fast'], { env: { ...process.env, ...env }, stdio: 'ignore', timeout: limit_ms });
   child.on('exit', (code, signal) => done(signal ?? code));

@@ -23,8 +23,8 @@ struct Equivalent {
 };
 constexpr std::array<Equivalent, 0> kEquivalent{};
 
-// Mutants that make a test wait for ever instead of failing. Any other one that does not end in time was not noticed: a busy machine would
-// otherwise notice them all.
+// Mutants that make a test hang instead of fail. Any other one that does not end in time counts as not noticed:
+// otherwise a busy machine would notice them all.
 constexpr std::array<const char*, 0> kHanging{};
 
 struct Outcome {

@@ -221,7 +221,8 @@ void once(const Row& row, int number, Reaction& result) {
   options.world.seed = static_cast<std::uint64_t>(number) + 1;
   options.world.scenario = sim::find_scenario(row.scenario);
   options.world.patient.wish_m_s = 0.30 + 0.05 * (number % 4);
-  options.world.patient.yields_after_s = sim::PatientParams::kStubborn_s;  // who leads on while the machine does something else
+  options.world.patient.yields_after_s =
+      sim::PatientParams::kStubborn_s;  // the patient, who keeps leaning while the machine does something else
   ClosedLoop loop(options);
   ++result.tries;
   if (row.before && loop.run_until([&] { return loop.mode() == Mode::standby; }, 10.0)) row.before(loop);

@@ -11,12 +11,6 @@
 namespace hoist::core::test {
 namespace {
 
-using contract::CommandKind;
-using contract::Fault;
-using contract::Mode;
-using contract::Refusal;
-using contract::refusal_bit;
-
 // The struts driven by a function of time from the present lean; the time of the first step beyond `angle_deg` and of the stop.
 struct Fall {
   int beyond_tick = -1, stop_tick = -1;
@@ -141,7 +135,8 @@ TEST(Falls, H15WhatTheHoistsOwnBrakingExplainsIsNoFall) {
   }
 }
 
-// Found in a random session: the therapist halved the speed of a walk, and the swing of the body ended just after the time that explains it.
+// Found in a random session: the therapist halved the speed of a walk, and the swing of the body ended just after the
+// time allowed for it.
 TEST(Falls, H15ASwingThatTheBrakeBeganMayEndAfterIt) {
   for (const int out_ticks : {30, 75}) {
     SCOPED_TRACE(out_ticks);

@@ -9,10 +9,6 @@
 namespace hoist::core::test {
 namespace {
 
-using contract::CommandKind;
-using contract::EventKind;
-using contract::Fault;
-using contract::Mode;
 using contract::Reaction;
 
 struct Trip {
@@ -631,7 +627,7 @@ TEST(Monitors, H16APatientDrawnAlongWithoutAStepStopsGently) {
   set_going(hoist, Mode::user);
   if (HasFatalFailure()) return;
   hoist.step(1000);
-  ASSERT_EQ(hoist.state.mode, Mode::user) << "whoever sways walks";
+  ASSERT_EQ(hoist.state.mode, Mode::user) << "a swaying patient walks";
   hoist.sway_deg = 0;
   const int ticks = ticks_until_leaving(hoist, 400);
   EXPECT_GT(ticks, 150);

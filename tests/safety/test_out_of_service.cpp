@@ -10,13 +10,6 @@
 namespace hoist::core::test {
 namespace {
 
-using contract::CommandKind;
-using contract::EventKind;
-using contract::Fault;
-using contract::Mode;
-using contract::Refusal;
-using contract::refusal_bit;
-
 constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
 
 std::uint32_t acknowledge_as(ScriptedHoist& hoist, std::uint32_t role) { return hoist.ask(CommandKind::acknowledge, 7, 0, role); }
@@ -84,7 +77,7 @@ TEST(EmergencyStop, IsLeftOnlyWithTheChainClosedAndAnAcknowledgement) {
   hoist.step(1000);
   EXPECT_EQ(hoist.state.mode, Mode::emergency_stop) << "never by itself";
   EXPECT_EQ(acknowledge_as(hoist, kTherapist), 0U);
-  EXPECT_EQ(hoist.state.mode, Mode::init) << "everything is checked anew";
+  EXPECT_EQ(hoist.state.mode, Mode::init) << "everything is checked again";
   EXPECT_EQ(hoist.state.latched, 0U);
   EXPECT_TRUE(hoist.reach(Mode::standby));
 }
@@ -248,7 +241,7 @@ TEST(OutOfService, H22TheThirdStopForTheSameFaultIsTheLast) {
   EXPECT_TRUE(hoist.reach(Mode::standby));
   EXPECT_EQ(hoist.state.latched, 0U);
   stop_once(hoist, lie, tell_the_truth);
-  EXPECT_EQ(hoist.state.mode, Mode::standby) << "the count begins anew";
+  EXPECT_EQ(hoist.state.mode, Mode::standby) << "the count starts again";
 }
 
 TEST(OutOfService, H22TheThirdLateStepWhileWalkingBrakesFirst) {
@@ -446,7 +439,7 @@ TEST(Caps, BindInEveryMovingMode) {
     }
 }
 
-// An exercise is checked against the cap when it begins; one that is lowered later binds it all the same.
+// An exercise is checked against the cap when it begins; a cap that is lowered later binds it as well.
 TEST(Caps, BindAnExerciseThatWasBegunAtAHigherOne) {
   for (const double cap : {0.2, 0.5, 0.8}) {
     ScriptedHoist hoist;

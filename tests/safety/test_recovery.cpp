@@ -7,13 +7,8 @@
 namespace hoist::core::test {
 namespace {
 
-using contract::CommandKind;
-using contract::Fault;
 using contract::fault_bit;
-using contract::Mode;
 using contract::Node;
-using contract::Refusal;
-using contract::refusal_bit;
 
 constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
 constexpr std::uint16_t kBlocked = 0x7121, kEncoder = 0x7305;

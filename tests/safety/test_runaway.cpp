@@ -10,11 +10,6 @@
 namespace hoist::core::test {
 namespace {
 
-using contract::CommandKind;
-using contract::Fault;
-using contract::Mode;
-using contract::Refusal;
-using contract::refusal_bit;
 namespace canopen = contract::canopen;
 
 constexpr std::uint32_t kTherapist = 1, kEngineer = 2;

@@ -35,7 +35,7 @@ class CrashDisk {
   void fill(bool full);
   /// This share of all writes, truncations and syncs fails; 0 ends it.
   void fail(double share);
-  /// A disk that says "synced" and has not: to show that the test would notice.
+  /// A disk that reports "synced" and has not: shows that the test would notice.
   void ignore_syncs(bool ignore);
 };
 

@@ -132,7 +132,7 @@ def bus_off_stops_the_hoist_until_the_controller_is_restarted():
     inject(ERROR_BUS_OFF)
     stops_with("bus_down")
     hoist.core.says("bus-off", behind=said)
-    time.sleep(1.0)  # and it stays so: data that still arrive are no proof that we may speak
+    time.sleep(1.0)  # and up() stays false: data that still arrive do not prove that we may send
     check("bus_down" in hoist.status()["faults"], "bus-off went away by itself")
     hoist.take_lease()
     code, _ = hoist.call("POST", "/acknowledge", {})
@@ -150,7 +150,7 @@ def an_error_passive_controller_goes_on():
 
 def a_flood_from_somebody_else_does_not_break_the_loop():
     again()
-    # As fast as the guest can: far more than any bus carries, with ids that nobody of ours has.
+    # As fast as the guest can: far more than any bus carries, with ids that none of our nodes has.
     flood = Program(hoist.folder, "cangen", "cangen", NAME, "-g", "0", "-I", "3F0", "-L", "8", "-n", "20000")
     flood.process.wait(60)
     check(hoist.core.process.poll() is None, "the core has ended")

@@ -155,7 +155,8 @@ class Hoist:
         if self.lock_step:
             bus, bound = f"sim:{self.path('step.sock')}", []
         capture = ["--capture", self.recording] if self.recording else []
-        # The core compares the two clocks once, at its start. Whoever sets the time of day in that moment would shift the whole recording.
+        # The core compares the two clocks once, at its start. Setting the time of day in that moment would shift the
+        # whole recording.
         for _ in range(3):
             if self.recording and os.path.exists(self.recording):
                 self.recording_begin = os.path.getsize(self.recording)
@@ -167,10 +168,10 @@ class Hoist:
             if not self.recording or abs(self.utc_offset_s - before_s) < 0.02:
                 return
             self.core.end()
-        raise Failed("somebody sets this machine's clock all the time")
+        raise Failed("this machine's clock is set all the time")
 
     def start_server(self):
-        # The server takes a free port and says which: one that is looked up before may be somebody else's by then.
+        # The server takes a free port and prints it: a port that is looked up before may be taken by then.
         self.server = self.program("hoist-server", "--socket", self.path("core.sock"), "--port", "0", "--db", self.path("hoist.db"),
                                    "--token-file", self.path("token"))
         self.server.says("Open http")
@@ -264,7 +265,7 @@ class Hoist:
         """Lets the patient lead and waits until the machine has moved.
 
         On a busy machine the simulated patient may give up waiting, or the core may stop because frames came too late. Neither is what a
-        case is about, so it is tried anew.
+        case is about, so it is tried again.
         """
         tries = 4
         for one in range(tries):
@@ -280,7 +281,7 @@ class Hoist:
                 self.place_anew()
 
     def walks_on(self, what, act, at_least_m=0.3):
-        """Lets the patient walk and calls `act`, which must not end the walk. A guest that was held up ends it as well, so this is tried anew:
+        """Lets the patient walk and calls `act`, which must not end the walk. A guest that was held up ends it as well, so this is tried again:
         what is broken ends every walk."""
         tries = 5
         for one in range(tries):
@@ -342,7 +343,7 @@ class Hoist:
 
     def place_anew(self):
         """Patient and machine back at the start mark."""
-        until("the simulator starts anew", lambda: "ok" in self.ask_sim(op="reset"), 60.0, 0.2)
+        until("the simulator restarts", lambda: "ok" in self.ask_sim(op="reset"), 60.0, 0.2)
 
 
 def run_hoist(name, hoist, cases):

@@ -98,7 +98,7 @@ def the_authority_can_sign_nothing_but_this_hoist():
     text = run("openssl", "x509", "-in", path("ca.pem"), "-noout", "-text")
     for words in ("pathlen:0", "Name Constraints: critical", f"DNS:{NAME}", "IP:192.168.77.0/255.255.255.0", "Certificate Sign"):
         check(words in text, f"{words} is not in {text}")
-    # Whoever has its key can make a certificate for another name, or a further authority: nobody believes either.
+    # A thief of its key could sign another name, or a further authority: clients must refuse both.
     for file, extensions, words in (("name", "subjectAltName=DNS:bank.example", "permitted subtree violation"),
                                     ("address", "subjectAltName=IP:10.1.2.3", "permitted subtree violation")):
         run("openssl", "req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-subj", "/CN=x", "-keyout", path("x.key"), "-out", path("x.csr"))

@@ -130,7 +130,7 @@ def h22_a_stopped_core_that_goes_on_stands_and_stays_so():
         signal_to(hoist.core, signal.SIGCONT)
     never_moves_by_itself()
     check(hoist.mode() in ("init", "protective_stop", "fault", "emergency_stop"), f"mode {hoist.mode()} after two seconds of silence")
-    check(hoist.status()["blocked"] != [], "and nothing may start before somebody has acknowledged")
+    check(hoist.status()["blocked"] != [], "and nothing may start before an acknowledgement")
 
 
 def h5_a_cut_line_stops_the_wheels_and_a_mended_one_moves_nothing():
@@ -356,7 +356,7 @@ def walks_under_load():
         fastest, stopped, end = 0.0, None, time.monotonic() + 4.0
         while time.monotonic() < end:
             fastest = max(fastest, abs(hoist.truth()["speed_m_s"]))
-            # Looked at all the time: each command begins the witness's story anew, also one that tells a drive to stay off.
+            # Polled without pause: each command restarts the witness's record, also one that tells a drive to stay off.
             seen = witness()
             if any(seen[side]["gave_up_s"] is not None for side in ("left", "right")):
                 stopped = seen
@@ -370,7 +370,7 @@ def walks_under_load():
     if stopped is None:
         print("         it walked on beside two busy programs for each core")
         return True
-    # With its priority the core does not notice ordinary programs, however many.
+    # With its priority the core does not notice other programs, however many.
     if granted and not held_up_since(begin_s):
         check(line_held_up_since(begin_s), f"it stopped for ordinary programs: {stopped}")
     return not granted
@@ -393,7 +393,8 @@ def h22_with_what_it_asks_for_the_loop_never_waits_for_memory():
           f"latest {loop['lateness_max_s'] * 1e6:.0f} us; {loop['page_faults']} page faults")
     if not loop["memory_locked"]:
         raise Skipped("this machine does not let a program lock its memory")
-    # The kernel may move locked pages about, which costs a fault now and then. A loop that waits for memory does so whenever it walks.
+    # The kernel may move locked pages, which costs a page fault now and then. A loop that waits for memory has them all
+    # the time.
     counts = [loop["page_faults"]]
     while counts[-1] not in [0] + counts[:-1] and len(counts) < 4:
         again()

@@ -28,7 +28,10 @@ std::string without_comments(std::string_view text, bool keep_strings);
 // The rules of one file. `all_paths` are the sorted paths of the tree: an include must name one of them.
 std::vector<Finding> check_file(const File& file, const std::vector<std::string>& all_paths);
 
-// The rules of the whole tree: top-level entries, README of each area, executable bits, sources outside the build.
+// Circles among the rooms (files; a header with its source is one) and folders of each folder. An arrow is an include or an import.
+std::vector<Finding> check_circles(const std::vector<File>& files);
+
+// The rules of the whole tree: circles, top-level entries, README of each area, executable bits, sources outside the build.
 std::vector<Finding> check_tree(const std::vector<File>& files);
 
 }  // namespace hoist::tidy

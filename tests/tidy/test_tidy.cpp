@@ -265,5 +265,24 @@ TEST(TreeRules, ExtrasGapsAndDeadSourcesAreFound) {
   EXPECT_EQ(rules_of(no_bit), Rules{"run-bit"});
 }
 
+TEST(TreeRules, CirclesAreFound) {
+  using Circles = std::set<std::string>;
+  const auto circles = [](const std::vector<File>& files) {
+    Circles told;
+    for (const auto& finding : check_circles(files)) told.insert(finding.path + ' ' + finding.what);
+    return told;
+  };
+  const auto arrow = [](const char* from, const char* to) { return File{from, std::string("#include \"") + to + "\"\n"}; };
+  EXPECT_EQ(circles({arrow("db/a/x.hpp", "db/a/y.hpp"), arrow("db/a/y.cpp", "db/a/x.hpp"), {"db/a/y.hpp", ""}}),
+            Circles{"db/a/ x -> y -> x"});
+  EXPECT_EQ(circles({arrow("db/a/x.hpp", "db/b/y.hpp"), arrow("db/b/z.cpp", "db/a/w.hpp"), {"db/b/y.hpp", ""}, {"db/a/w.hpp", ""}}),
+            Circles{"db/ a/ -> b/ -> a/"});
+  EXPECT_EQ(circles({{"web/src/a/x.ts", "import { y } from '../b/y';\n"}, {"web/src/b/y.tsx", "import type { x } from '../a/x';\n"}}),
+            Circles{"web/src/ a/ -> b/ -> a/"});
+  EXPECT_EQ(circles({arrow("db/a/x.hpp", "db/a/y.hpp"), arrow("db/a/x.cpp", "db/a/x.hpp"), {"db/a/y.hpp", "// #include \"db/a/x.hpp\"\n"}}),
+            Circles{});
+  EXPECT_EQ(circles({arrow("db/a.cpp", "db/a/x.hpp"), {"db/a/x.hpp", ""}}), Circles{});  // a file with the name of its folder
+}
+
 }  // namespace
 }  // namespace hoist::tidy

@@ -29,11 +29,11 @@ const period_s = 0.01;
 /** Browser and server stay in real time, which needs CPU time. A case that failed while the browser was delayed proves nothing: it is tried so
  * often, then skipped with that reason. The C++ tests check the same behaviour in virtual time. */
 const attemptsMax = 3;
-/** A browser in real time on a shared computer: so many cases of a run may fail once and pass when they begin anew, and are told so. */
+/** A browser in real time on a shared computer: this many cases of a run may fail once and pass when repeated; they are reported. */
 const secondChancesMax = 2;
 /** The page sends a command each 40 ms, and the core stops after a quarter of a second without one. A page delayed for this long was near it. */
 const browserLate_ms = 150;
-/** Loading a page takes longer, and nobody drives meanwhile. */
+/** Loading a page takes longer, and nothing is driven meanwhile. */
 const loading_ms = 2000;
 /** A delayed browser releases, as it must; the driver presses again, so often. */
 const gripsMax = 4;
@@ -68,7 +68,7 @@ async function staysStill(message) {
 }
 const modeName = () => page.locator('.mode strong').textContent();
 const button = (name) => page.getByRole('button', { name, exact: true });
-/** Presses what can be pressed now; a button that changes under the hand is looked at anew by the caller. */
+/** Presses an enabled button; the caller looks up one that changes at the press. */
 const press = async (of) => {
   if (await of.isEnabled().catch(() => false)) await of.click({ timeout: 1000 }).catch(() => {});
 };
@@ -221,7 +221,7 @@ async function endedBySilence() {
 }
 
 /** Holds until `check`. On a busy computer page or core let go of a hand that still pushes: the page when it finds the link too slow, the core
- * when no wish came for a quarter of a second. Then it takes hold anew, but only when one of these was the reason: a page or core that lets go
+ * when no wish came for a quarter of a second. Then it takes hold again, but only when one of these was the reason: a page or core that lets go
  * of its own accord is not helped. Letting go is the caller's, who judges it once. */
 async function holdUntil(what, hand, check) {
   drove = true;
@@ -256,7 +256,7 @@ async function holdUntil(what, hand, check) {
       if (lateTurns_ms.length > turns) reason ??= `the browser had no turn for ${lateTurns_ms.at(-1).toFixed(0)} ms`;
       assert(reason !== null, `${what}: the page let go by itself`);
       assert(grips < gripsMax, `${what}: held ${grips} times, and let go because ${reason}`);
-      if (grips > 0) console.log(`  ${what}: takes hold anew, because ${reason}`);
+      if (grips > 0) console.log(`  ${what}: takes hold again, because ${reason}`);
       grips += 1;
       turns = lateTurns_ms.length;
       taken_ms = performance.now();
@@ -297,7 +297,7 @@ const cases = {
     await openConsole();
   },
 
-  async 'a person signs in with a password, and the next time with a PIN; STOP stays for whoever was signed in'() {
+  async 'a person signs in with a password, and the next time with a PIN; STOP stays on a device that was signed in'() {
     const password = 'a long walk to the sea';
     const added = await stack.rest('POST', '/users', { user: 'berg', display_name: 'Anna Berg', role: 'engineer', password });
     assert([201, 422].includes(added.status), `the account is not added: ${added.text}`); // 422: this is another attempt
@@ -770,7 +770,7 @@ const cases = {
     await toStandby();
   },
 
-  async 'Start goes on with the walk that was ended; Start again begins it anew at the mark'() {
+  async 'Start goes on with the walk that was ended; Start again restarts it at the mark'() {
     await toStandby();
     const gone_m = async () => Number(await page.locator('.reading .num').nth(1).textContent());
     await startWalk();
@@ -783,7 +783,7 @@ const cases = {
     await toStandby();
     await until('the hoist is put on its mark', () => stack.ask({ op: 'reset' }).then(() => true, () => false));
     const again = page.getByRole('button', { name: /^Start again/ });
-    await until('it starts anew', async () => {
+    await until('it starts again', async () => {
       await press(again);
       await sleep(400);
       return (await modeName()) === 'Patient leads';

@@ -9,7 +9,7 @@ import type { Panel } from './panels/panel';
 import { addressOf, useAddress } from './router';
 import { reasonText } from './text/server';
 import { settings, useSettings } from './text/settings';
-import { loadLanguage, t, textOf } from './text/text';
+import { loadLanguage, offerLanguage, t, textOf } from './text/text';
 import { Icon } from './ui/icons';
 import { Lazy, LoadFailed, Loading, useLazy } from './ui/lazy';
 import { LeaseAsk, nameOf } from './ui/lease_ask';
@@ -30,7 +30,7 @@ const signIn = new Lazy(async () => (await import('./panels/sign_in/sign_in')).S
 export function App() {
   const words = useLazy(firstWords);
   const signedIn = useStore((s) => s.signedIn);
-  // Once open, the shell and its STOP stay: someone signed out in the middle of a walk must still be able to try STOP.
+  // Once open, the shell and its STOP stay: a person signed out in the middle of a walk must still be able to try STOP.
   const gate = !useStore((s) => s.everOpen) && !signedIn;
   const { asking, answer } = useTakeOver();
   if (words.state === 'ready' && gate) return <Gate />;
@@ -46,7 +46,7 @@ export function App() {
   );
 }
 
-/** Not signed in, and nothing shown yet. Whoever was ever signed in on this device can still STOP. */
+/** Not signed in, and nothing shown yet. A device that was ever signed in can still STOP. */
 function Gate() {
   return (
     <div class="gate">
@@ -70,6 +70,8 @@ function Shell() {
   const panel = panelOf(screen);
   const signedIn = useStore((s) => s.signedIn);
   const stale = useReadiness().old && panel.live;
+  const offered = useStore((s) => s.hoistLanguage);
+  useEffect(() => offerLanguage(offered), [offered]);
   useEffect(() => {
     document.title = `${t(panel.title)} – ${t('app.title')}`;
   });

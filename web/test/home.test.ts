@@ -1,12 +1,11 @@
 // Patients: the search, and choosing one in a browser with the stand-in server.
 import type { Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import { beforeEach, describe, expect, it } from 'vitest';
 import { dayOf, exists, found, match } from '../src/panels/home/model';
 import { en } from '../src/text/en';
-import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
-import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
+import { eachPage, minutes_ms } from '../test-support/browser';
+import type { FakeServer } from '../test-support/fake_server.mjs';
 
-const minutes_ms = 120_000;
 const codes = (typed: string, all: string[]) =>
   found(
     all.map((code) => ({ code })),
@@ -42,22 +41,13 @@ describe('the search for a code', () => {
 });
 
 describe('Home', { timeout: minutes_ms }, () => {
-  let built: BuiltConsole;
+  const start = eachPage(1024, 768);
   let fake: FakeServer;
   let page: Page;
-  beforeAll(async () => {
-    built = await openBuiltConsole();
-  }, minutes_ms);
-  afterAll(() => built?.close());
   beforeEach(async () => {
-    fake = await startFakeServer({ dist: built.folder });
-    page = await built.browser.newPage({ viewport: { width: 1024, height: 768 }, locale: 'en' });
+    ({ fake, page } = await start());
     await page.goto(fake.url);
     await page.locator('.home .rows li').first().waitFor();
-  });
-  afterEach(async () => {
-    await page?.close();
-    await fake?.close();
   });
   const rows = () => page.locator('.home .rows strong').allTextContents();
   const choose = (code: string) => page.getByRole('button', { name: en['home.chooseName'].replace('{code}', code) }).click();
@@ -67,7 +57,7 @@ describe('Home', { timeout: minutes_ms }, () => {
     await page.locator('.home-code', { hasText: 'P-017' }).waitFor();
     await page.goto(`${fake.url}#/tune`);
     await page.locator('.bar-patient', { hasText: 'P-017' }).waitFor();
-    const other = await built.browser.newPage({ locale: 'en' });
+    const other = await page.context().browser()!.newPage({ locale: 'en' });
     await other.goto(`${fake.url}#/walk`);
     await other.locator('.bar-patient', { hasText: 'P-017' }).waitFor();
     await page.goto(`${fake.url}#/home`);

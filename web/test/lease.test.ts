@@ -1,10 +1,9 @@
 // Control passes from one screen to another: asked for, kept, handed over at standstill.
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, it } from 'vitest';
-import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
+import { minutes_ms, openBuiltConsole, type BuiltConsole } from '../test-support/browser';
 import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
 
-const minutes_ms = 120_000;
 let built: BuiltConsole;
 let fake: FakeServer;
 const pages: Page[] = [];

@@ -53,7 +53,7 @@ describe('Live', () => {
     expect(there.motion_s).toBeCloseTo(89.99, 6);
   });
 
-  it('begins anew at the start mark that the server tells, not by itself', () => {
+  it('restarts at the start mark of the server, not by itself', () => {
     const live = new Live();
     live.takeWalk(walk({ tick: 0, motion_s: 0, mark, x_m: [0], y_m: [0] }));
     take(live, [record({ tick: 1, fused_x_m: 1 }), record({ tick: 2, fused_x_m: 5 })]);

@@ -1,29 +1,19 @@
 // The page comes in pieces: what works before a piece has come, and when one does not come.
 import type { Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import { beforeEach, describe, expect, it } from 'vitest';
 import { first } from '../src/text/first';
-import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
-import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
+import { eachPage, minutes_ms } from '../test-support/browser';
+import type { FakeServer } from '../test-support/fake_server.mjs';
 
-const minutes_ms = 120_000;
-let built: BuiltConsole;
+const start = eachPage(1024, 768);
 let fake: FakeServer;
 let page: Page;
 let asked: string[];
 
-beforeAll(async () => {
-  built = await openBuiltConsole();
-}, minutes_ms);
-afterAll(() => built?.close());
 beforeEach(async () => {
-  fake = await startFakeServer({ dist: built.folder });
-  page = await built.browser.newPage({ viewport: { width: 1024, height: 768 }, locale: 'de' });
+  ({ fake, page } = await start({}, 'de'));
   asked = [];
   page.on('request', (request) => asked.push(new URL(request.url()).pathname));
-});
-afterEach(async () => {
-  await page?.close();
-  await fake?.close();
 });
 
 /** As after a new build on the server: this page's files no longer exist. */

@@ -38,7 +38,7 @@ describe('readiness', () => {
         (!may || r.calm === 'strip.ready') &&
         (r.calm !== 'strip.notReady' || !may) &&
         (!cut || r.old) && // values of a cut chain are grey
-        (!(cut && s.sensed === false) || r.motion === null) && // and nobody says that it moves or stands
+        (!(cut && s.sensed === false) || r.motion === null) && // and no text says that it moves or stands
         (!may || (s.mode === 'standby' && s.link === 'open' && r.known && s.role !== 'viewer' && (s.blockedBits & ~bit('no_lease')) === 0)) &&
         (!r.hand || (s.lease.mine && s.link === 'open' && r.known && s.rtt_s! < 0.3 && (s.mode === 'remote' || s.mode === 'guided'))) &&
         (!r.stopped || r.start.user.length > 0) &&

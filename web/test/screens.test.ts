@@ -4,7 +4,7 @@ import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { de } from '../src/text/de';
 import { en } from '../src/text/en';
-import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
+import { minutes_ms, openBuiltConsole, type BuiltConsole } from '../test-support/browser';
 import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
 
 const sizes = [
@@ -35,7 +35,6 @@ const screens = [
   'settings/backup',
   'settings/audit',
 ] as const;
-const minutes_ms = 120_000;
 
 let built: BuiltConsole;
 let fake: FakeServer;

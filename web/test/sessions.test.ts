@@ -56,7 +56,7 @@ describe('the list of sessions', () => {
     expect(ids(refreshed(page([9, 8, 7, 6], 6), page([9, 8], null)))).toEqual([9, 8]);
   });
 
-  it('begins anew where sessions may be missing in between', () => {
+  it('restarts where sessions may be missing in between', () => {
     expect(refreshed(page([5, 4], 4), page([20, 19], 19))).toEqual(page([20, 19], 19));
     expect(refreshed(null, page([2, 1], null))).toEqual(page([2, 1], null));
   });

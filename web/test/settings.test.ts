@@ -1,26 +1,15 @@
 // Long work in a browser with the stand-in server: what a press does, and what is told when it does not work.
 import type { Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import { beforeEach, describe, expect, it } from 'vitest';
 import { en } from '../src/text/en';
-import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
-import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
+import { eachPage, minutes_ms } from '../test-support/browser';
+import type { FakeServer } from '../test-support/fake_server.mjs';
 
-const minutes_ms = 120_000;
-let built: BuiltConsole;
+const start = eachPage(1280, 800);
 let fake: FakeServer;
 let page: Page;
-
-beforeAll(async () => {
-  built = await openBuiltConsole();
-}, minutes_ms);
-afterAll(() => built?.close());
 beforeEach(async () => {
-  fake = await startFakeServer({ dist: built.folder, jobs_ms: minutes_ms });
-  page = await built.browser.newPage({ viewport: { width: 1280, height: 800 }, locale: 'en' });
-});
-afterEach(async () => {
-  await page?.close();
-  await fake?.close();
+  ({ fake, page } = await start({ jobs_ms: minutes_ms }));
 });
 
 const open = (hash: string) => page.goto(`${fake.url}#/${hash}`);

@@ -1,29 +1,18 @@
 // Signing in, the first set-up and signing out in a browser with the stand-in server. STOP is tried on each page.
 import type { Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
+import { describe, expect, it } from 'vitest';
 import { de } from '../src/text/de';
 import { en } from '../src/text/en';
 import { first } from '../src/text/first';
-import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
-import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
+import { eachPage, minutes_ms } from '../test-support/browser';
+import type { FakeServer } from '../test-support/fake_server.mjs';
 
-const minutes_ms = 120_000;
-let built: BuiltConsole;
+const start = eachPage(1024, 768);
 let fake: FakeServer;
 let page: Page;
 
-beforeAll(async () => {
-  built = await openBuiltConsole();
-}, minutes_ms);
-afterAll(() => built?.close());
-afterEach(async () => {
-  await page?.close();
-  await fake?.close();
-});
-
-async function open(options: Parameters<typeof startFakeServer>[0] = {}, locale = 'en') {
-  fake = await startFakeServer({ dist: built.folder, ...options });
-  page = await built.browser.newPage({ viewport: { width: 1024, height: 768 }, locale });
+async function open(...how: Parameters<typeof start>) {
+  ({ fake, page } = await start(...how));
   await page.goto(fake.url);
 }
 const button = (name: string) => page.getByRole('button', { name, exact: true });
@@ -69,7 +58,7 @@ describe('signing in', { timeout: minutes_ms }, () => {
     await page.locator('.mode-standby').waitFor();
   });
 
-  it('shows STOP to whoever was ever signed in here, and only to them', async () => {
+  it('shows STOP on a device that was ever signed in, and on no other', async () => {
     await open({ signedIn: false });
     await page.locator('.sign-in-people').waitFor();
     expect(await stop().count()).toBe(0);

@@ -57,7 +57,7 @@ void Device::step(std::uint64_t now_ns) {
     } else if (stage_ == Stage::pins) {
       ask(CommandCode::pin_functions, 0, now_ns);
     } else if (now_ns >= inputs_at_ns_) {
-      // A poll that comes late is not made up for.
+      // A late poll is not caught up.
       inputs_at_ns_ = std::max(inputs_at_ns_ + kInputsEveryNs, now_ns);
       ask(CommandCode::inputs, 0, now_ns);
     } else if (now_ns >= analogue_at_ns_) {

@@ -106,7 +106,7 @@ std::string parse_inputs(std::string_view text, InputOptions& options) {
     where.remove_prefix(kUdp.size());
     std::uint16_t port = kUdpPort;
     std::string host(where);
-    // One colon parts host and port; more of them are an IPv6 address.
+    // One colon separates host and port; several mean an IPv6 address.
     if (const std::size_t colon = where.find(':'); colon != std::string_view::npos && where.rfind(':') == colon) {
       host = where.substr(0, colon);
       const std::string_view number = where.substr(colon + 1);

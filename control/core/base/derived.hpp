@@ -14,7 +14,7 @@ using contract::kGearRatio_norm;
 /// position that moves faster than this has jumped (a drive that restarted, a broken frame).
 inline constexpr double kWheelSpeedBelievable_m_s = 3.0;
 
-/// What a sensor says while its strut stands upright (calibration); taken off every angle.
+/// Zero: what a sensor sends while its strut stands upright (calibration); subtracted from every angle.
 struct TiltZero {
   double alpha_rad = 0, beta_rad = 0;
   bool operator==(const TiltZero&) const = default;
@@ -33,7 +33,7 @@ struct Derived {
   double base_yaw_bias_rad_s = 0;
 
   bool operator==(const Derived&) const = default;
-  /// The same sensors' words give the same lean and turn.
+  /// Whether both turn equal sensor readings into equal lean and turn.
   [[nodiscard]] bool reads_posture_as(const Derived& other) const {
     return geometry == other.geometry && range == other.range && neutral == other.neutral && left_zero == other.left_zero &&
            right_zero == other.right_zero && base_zero == other.base_zero;

@@ -1,5 +1,5 @@
-// Each bumper pressed once, in the order of the bits. A check, not a mapping: a strip that answers for another one is wrongly plugged
-// (DECISIONS.md).
+// Each bumper is pressed once, in the order of the bits. A check, not a mapping: a strip that answers in place of
+// another is wired wrongly.
 #pragma once
 #include <cstdint>
 

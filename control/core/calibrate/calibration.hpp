@@ -17,7 +17,7 @@ inline constexpr std::uint32_t kCalibrationIdleTicks = 6000;
 /// Ten seconds for the operator to bring everything to rest.
 inline constexpr std::uint32_t kCalibrationRestTicks = 1000;
 
-/// What rests or moves: six angles as sent, the ways of both wheels in counts, the turn rate.
+/// The measured quantities: six angles as sent, positions of both wheels in counts, turn rate.
 inline constexpr std::size_t kCalibrationChannels = 9;
 
 struct Calibration {
@@ -30,7 +30,7 @@ struct Calibration {
   std::uint32_t idle_ticks = 0, restless_ticks = 0;
   StillWindow<kCalibrationChannels> still, first_half;
   std::int64_t left_counts = 0, right_counts = 0;  // since the step began
-  std::int64_t left_from = 0, right_from = 0;      // where the way or turn under way began
+  std::int64_t left_from = 0, right_from = 0;      // where the measured distance or turn began
   bool started = false;                            // that place is known
   double turned_rad = 0;                           // by the gyroscope, since that place
   bool turning = false;                            // second part of the wheel sensors' step

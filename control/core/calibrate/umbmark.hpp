@@ -43,7 +43,7 @@ struct SquareResult {
 
 /// How far the best pair of errors may miss an end position, as a share of the way driven: the tape, and a wheel that slipped a little.
 inline constexpr double kSquareMiss_norm = 0.006;
-/// More than this at a corner or along a side is no tolerance but a fault.
+/// A larger error at a corner or along a side is a fault, not a tolerance.
 inline constexpr double kSquareLargest_rad = 0.2;
 
 namespace detail {

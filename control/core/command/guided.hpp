@@ -1,4 +1,5 @@
-// An exercise under way: the figure laid onto the floor where the hoist stood when it began, and how far along it the hoist is.
+// An exercise under way: the figure, placed on the floor where the hoist stood at its begin, and how far along it the
+// hoist is.
 #pragma once
 #include <cmath>
 #include <cstddef>
@@ -12,7 +13,7 @@
 
 namespace hoist::core {
 
-/// As the live value guided_phase tells it. `for_patient` is only told: what the hoist goes on with is following or turning.
+/// Values of the live value guided_phase. `for_patient` is shown only: internally the phase stays following or turning.
 enum class GuidedPhase : std::uint8_t { none, waiting, following, turning, ending, for_patient };
 
 class GuidedRun {
@@ -22,13 +23,14 @@ class GuidedRun {
     *this = GuidedRun{};
     wish_ = wish;
     figure_ = contract::figure_of(wish);
-    // A square with sharp corners is driven side by side, with a turn on the spot after each; everything else in one go.
+    // A square with sharp corners has one leg per side and a turn on the spot after each; any other figure is one leg.
     corners_ = wish.shape == contract::GuidedShape::square && wish.radius_m == 0;
     leg_m_ = corners_ ? wish.size_m : figure_.length_m() * wish.laps;
     legs_ = corners_ ? 4 * wish.laps : 1;
     loaded_ = true;
   }
-  /// The same exercise on the same start mark, broken off before its end: it goes on where the hoist is, with the speed now wished.
+  /// The same exercise on the same start mark, interrupted before its end: continues where the hoist is, at the speed
+  /// requested now.
   [[nodiscard]] bool continues(const contract::GuidedPath& wish, std::uint32_t mark) const noexcept {
     return mark_ == mark && phase != GuidedPhase::none && end_ != contract::GuidedEnd::finished && contract::same_figure(wish, wish_);
   }
@@ -37,17 +39,17 @@ class GuidedRun {
     end_ = contract::GuidedEnd::none;
     loaded_ = goes_on_ = true;
   }
-  /// The wish was refused after all.
+  /// The request was refused.
   void unload() noexcept { loaded_ = goes_on_ = false; }
   [[nodiscard]] bool loaded() const noexcept { return loaded_; }
 
-  /// The figure begins where the hoist stands and the way it looks, unless it goes on: then it lies where it did.
+  /// Places the figure at the hoist's pose; an exercise that continues keeps its place.
   void begin(const law::Pose<double>& pose, std::uint32_t mark) noexcept {
     loaded_ = false;
     share_norm_ = 1;
     waits_ = held_back_ = false;
     if (std::exchange(goes_on_, false)) {
-      // Broken off in a corner, the turn is what comes next.
+      // Interrupted in a corner: its turn comes next.
       phase = corners_ && leg_left_m() <= kArrived_m ? GuidedPhase::turning : GuidedPhase::waiting;
       return;
     }
@@ -75,7 +77,7 @@ class GuidedRun {
     const double cos_psi = std::cos(at.psi_rad), sin_psi = std::sin(at.psi_rad);
     const double off_x_m = x_m - at.x_m, off_y_m = y_m - at.y_m;
     cross_m_ = cos_psi * off_y_m - sin_psi * off_x_m;
-    // Past the end, where the projection stays, the way beyond counts back.
+    // Beyond the end, where the projection stays, the distance past it is subtracted.
     beyond_m_ = cos_psi * off_x_m + sin_psi * off_y_m;
     heading_rad_ = pose.psi_rad + turn_rad_;
     heading_error_rad_ = std::remainder(heading_rad_ - at.psi_rad, kTurn_rad);
@@ -88,8 +90,8 @@ class GuidedRun {
     return (figure_.pose(end_m).psi_rad - figure_.pose(begin_m).psi_rad) / (end_m - begin_m);
   }
 
-  /// The fastest speed now so that no curve ahead needs more than this turn rate or more of the outer wheel than its share, slowing with
-  /// this deceleration over a way that is `late_m` shorter.
+  /// The fastest speed now at which no curve ahead needs more than this turn rate or more than its share of the outer
+  /// wheel; slowing with this deceleration over a distance shortened by `late_m`.
   [[nodiscard]] double curve_speed(double yaw_rate_rad_s, const WheelRoom& room, double deceleration_m_s2, double late_m) const noexcept {
     const auto within = [yaw_rate_rad_s, &room](double kappa_per_m) {
       const double kappa = std::fabs(kappa_per_m), outer_m_s = contract::kGuidedWheelShare_norm * room.curve_speed_m_s(kappa);
@@ -112,15 +114,16 @@ class GuidedRun {
     s_m_ = leg_begin_m();
   }
 
-  /// The share of its speed that the hoist keeps for a patient who lags; `drives`: the hand holds, so that it is this share that slows it.
+  /// The share of its speed that the hoist keeps for a patient who lags; `drives`: hold-to-run is held, so that only
+  /// this share slows the hoist.
   void slow_down(double share_norm, bool drives) noexcept {
     share_norm_ = share_norm;
     held_back_ = drives && share_norm < 1;
-    // Told from half the speed on, and not taken back with every step of the patient.
+    // Shown below half the speed, with hysteresis against the rhythm of the patient's steps.
     waits_ = held_back_ && share_norm < (waits_ ? kGoesOn_norm : kWaits_norm);
   }
   [[nodiscard]] double share_norm() const noexcept { return share_norm_; }
-  /// Slower than wished, because the patient lags.
+  /// Slower than requested, because the patient lags.
   [[nodiscard]] bool held_back() const noexcept { return held_back_; }
   [[nodiscard]] GuidedPhase told_phase() const noexcept { return waits_ ? GuidedPhase::for_patient : phase; }
 
@@ -134,13 +137,13 @@ class GuidedRun {
   [[nodiscard]] double left_m() const noexcept { return end_ == contract::GuidedEnd::finished ? 0.0 : total_m() - s_m_; }
   [[nodiscard]] double progress_norm() const noexcept { return total_m() > 0 ? 1.0 - left_m() / total_m() : 0.0; }
 
-  /// The first reason for which it ends is the one that is told.
+  /// Only the first reason for the end is reported.
   void end(contract::GuidedEnd reason) noexcept {
     if (end_ == contract::GuidedEnd::none) end_ = reason;
   }
   [[nodiscard]] contract::GuidedEnd ended() const noexcept { return end_; }
 
-  /// This close before the end of a leg it is reached.
+  /// The end of a leg counts as reached within this distance.
   static constexpr double kArrived_m = 0.008;
 
   GuidedPhase phase = GuidedPhase::none;

@@ -1,4 +1,5 @@
-// Who drives. One holder at a time; every change of holder counts the epoch up, so that what the former one still has on its way is void.
+// The lease: one holder at a time. Each change of holder increments the epoch, which voids commands of the former
+// holder that are still under way.
 #pragma once
 #include <cstdint>
 

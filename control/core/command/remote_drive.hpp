@@ -16,9 +16,9 @@ inline constexpr double kNoCommand_s = 9.999;
 
 class RemoteDrive {
  public:
-  /// False when the command is refused; nothing is changed then. Refused is what does not come from the lease holder, does not rise in
-  /// sequence, is not a number or beyond 1, or echoes a telemetry stamp from the future or older than max_age_s. Letting go is
-  /// taken from the holder whatever else is wrong with it: it can only stop.
+  /// False when the command is refused; nothing is changed then. Refused: not from the lease holder, a sequence that
+  /// does not rise, a value that is NaN or beyond 1, an echo from the future or older than max_age_s. A release by the
+  /// holder is always taken: it can only stop.
   [[nodiscard]] bool take(const contract::DriveCommand& command, const Lease& lease, std::uint64_t now_ns, double max_age_s) noexcept {
     if (!lease.held_by(command.client, command.lease_epoch) || command.sequence <= sequence_) return false;
     const bool held = command.held == 1;
@@ -29,7 +29,7 @@ class RemoteDrive {
       if (!fresh || !in_range) return false;
     }
     sequence_ = command.sequence;
-    // A later command proves the hand no earlier than the one before did, whatever it echoes.
+    // The age never falls back: a later command with an older echo keeps the newer stamp.
     hand_ns_ = std::max(hand_ns_, std::min(command.echo_time_ns, now_ns));
     known_ = true;
     held_ = held;
@@ -39,11 +39,11 @@ class RemoteDrive {
     return true;
   }
 
-  /// A new driver, or none: nothing of the former one remains.
+  /// A new driver, or none: forgets the commands of the former one.
   void reset() noexcept { *this = RemoteDrive{}; }
 
-  /// A mode that the hand leads begins. A stick that was last seen pushed, however long ago, or whose commands had stopped coming, may be
-  /// pushed still: it goes through its middle first. A hand that had been on it long ago is not on it now.
+  /// A hold-to-run mode begins. A stick that was last seen pushed, or whose commands had stopped, may still be pushed:
+  /// it must pass its middle first. A hold that is older than stop_age_s counts as released.
   void begin(std::uint64_t now_ns, double stop_age_s) noexcept {
     awaits_neutral_ = awaits_neutral_ || !neutral();
     if (age_s(now_ns) > stop_age_s) let_go();
@@ -61,8 +61,8 @@ class RemoteDrive {
   [[nodiscard]] bool awaits_neutral() const noexcept { return awaits_neutral_; }
   [[nodiscard]] double speed_norm() const noexcept { return speed_norm_; }
   [[nodiscard]] double yaw_norm() const noexcept { return yaw_norm_; }
-  /// The one age of a command: from the telemetry that its client had seen when it sent it, so never less than the time since the hand was
-  /// last felt. Delay on the network, waiting in the server and silence afterwards are all in it.
+  /// The age of a command: since the telemetry stamp that its client had seen. It includes network delay, waiting in
+  /// the server and silence since.
   [[nodiscard]] double age_s(std::uint64_t now_ns) const noexcept {
     if (!known_ || now_ns < hand_ns_) return kNoCommand_s;
     const double age = seconds(now_ns - hand_ns_);

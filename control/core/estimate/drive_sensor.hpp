@@ -73,7 +73,7 @@ class DriveSensor {
   [[nodiscard]] bool position_known() const noexcept { return known_; }
   [[nodiscard]] double current_a() const noexcept { return current_a_; }
   [[nodiscard]] double supply_v() const noexcept { return supply_v_; }
-  /// Told since the drive started, and not longer ago than ten of its reports.
+  /// Received since the drive started, within its last ten reports.
   [[nodiscard]] bool supply_known() const noexcept { return supply_fresh_.age_ticks() < kSupplyTicksMax; }
 
  private:

@@ -1,4 +1,4 @@
-// A wheel that turns because its motor pushes it, told from one that is pushed, dragged or rolls downhill.
+// Tells a wheel that is turned by its motor from one that is pushed, dragged or rolls downhill.
 //
 // A hand, a patient or a slope turns the motor as a generator: while its bridge is off no current flows at all, and while its servo holds or
 // brakes the current opposes the motion. Only a motor that is fed draws current along its motion. So the sign of the current decides,
@@ -11,7 +11,8 @@
 
 namespace hoist::core {
 
-/// Slower than this a wheel stands for the purpose of a runaway: what a motor reaches against the closed brake at a fifth of full duty.
+/// A slower wheel counts as standing for the runaway rules: what a motor reaches against the closed brake at a fifth of
+/// full duty.
 inline constexpr double kDriven_m_s = 0.05;
 /// The least current of a motor that turns a wheel against its closed brake is 2.6 A (8.9 N m through gear 30 at 0.115 N m/A); the drive's
 /// current sensor may be off by 0.6 A before its self-test fails (firmware/nodes/drive).

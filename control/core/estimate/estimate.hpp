@@ -25,7 +25,7 @@ struct Estimate {
 
   /// Where the hoist is: the fused track, which slip does not lead astray. The encoders' own is odometry.pose.
   [[nodiscard]] const law::Pose<double>& pose() const noexcept { return fused.pose(); }
-  /// Encoders and gyroscope disagree about the turn (H10): the distance of this moment is not to be trusted.
+  /// Encoders and gyroscope disagree about the turn (H10): the distance is unreliable now.
   [[nodiscard]] bool slipping() const noexcept { return fused.slipping(); }
 
   /// `ticks`: time since the SYNC before the one that this step's frames answer.
@@ -52,7 +52,7 @@ struct Estimate {
 
   /// The age of the node's periodic data, valid or not: whether the node lives. The core itself counts as never heard.
   [[nodiscard]] const Freshness& heard(contract::Node node) const noexcept;
-  /// The node has said that it started anew.
+  /// The node reported a restart.
   void restart(contract::Node node) noexcept;
 };
 

@@ -21,8 +21,9 @@ constexpr double kHeadingNoise_rad2_s = (0.01 * kDegree_rad) * (0.01 * kDegree_r
 constexpr double kBiasNoise_rad2_s3 = (0.001 * kDegree_rad) * (0.001 * kDegree_rad);
 /// At standstill a bias can be learnt within two seconds without mistaking anything else for it.
 constexpr double kBiasNoiseStanding_rad2_s3 = 30.0 * kBiasNoise_rad2_s3;
-/// How little a heading of gripping wheels is believed in one step: makes the disagreement fade within about half a second, so that the
-/// error of a track width fades with the bend. At standstill the encoders cannot be wrong about a turn.
+/// Variance of the encoders' heading in one step while the wheels grip: large enough that a disagreement fades in about
+/// half a second, so that the error of a track width fades with the bend. At standstill the encoders cannot be wrong
+/// about a turn.
 constexpr double kGripping_rad2 = (0.06 * kDegree_rad) * (0.06 * kDegree_rad);
 constexpr double kStanding_rad2 = (0.012 * kDegree_rad) * (0.012 * kDegree_rad);
 /// A bias is learnt only on straight ways: in a bend a track width wrong by 2 % looks like one.
@@ -42,7 +43,7 @@ constexpr double kApartPerRate_s = 0.04 * 0.5 + 0.01;
 constexpr double kAgree_rad_s = 2.0 * kDegree_rad;
 constexpr double kAgreePerRate_norm = 0.05;
 constexpr std::uint16_t kQuietTicks = 20;
-/// A hoist that stands and still seems to turn slowly and for ever is a gyroscope with another bias.
+/// A hoist that stands and seems to turn slowly and steadily shows a new bias of the gyroscope.
 constexpr std::uint16_t kStandingForEverTicks = 300;
 constexpr double kSmoothing_s = 0.05;
 constexpr double kRemembered_s = 0.3;
@@ -64,7 +65,7 @@ void FusedOdometry::predict(double gyro_turn_rad, double wheel_turn_rad, double 
   p_bias_ = p(1, 1) + (standing_.reached(kStandingTicks) ? kBiasNoiseStanding_rad2_s3 : kBiasNoise_rad2_s3) * dt_s;
 }
 
-// The encoders say: no disagreement.
+// The encoders' measurement: no disagreement.
 void FusedOdometry::correct(bool standing, bool turning) noexcept {
   const Eigen::Vector2d cross(p_apart_, p_cross_);
   Eigen::Vector2d gain = cross / (p_apart_ + (standing ? kStanding_rad2 : kGripping_rad2));
@@ -80,7 +81,7 @@ void FusedOdometry::correct(bool standing, bool turning) noexcept {
   p_apart_ -= gain(0) * p_apart_;
 }
 
-// Both agree again: what lies between them has become part of the track.
+// Both agree again: their difference becomes part of the track.
 void FusedOdometry::agree() noexcept {
   offset_rad_ += apart_rad_;
   apart_rad_ = 0;
@@ -118,13 +119,13 @@ void FusedOdometry::update(const Odometry& wheels, const DriveSensor& left, cons
   standing_.step(standing, kStandingForEverTicks);
   const double before_rad = offset_rad_ + apart_rad_;
   if (base.rates_fresh().lost() || base.fresh().lost()) {
-    // The encoders alone; what was found out before stays in the track.
+    // The encoders alone; earlier corrections stay in the track.
     if (gyro_used_) agree();
     gyro_used_ = false;
     slip_rate_rad_s_ = 0;
     yaw_rate_rad_s_ = wheels.yaw_rate_rad_s;
   } else {
-    // A new calibration takes away what was learnt here: the bias is the rest.
+    // A new calibration removes its own bias first: what was learnt here shrinks by as much.
     if (gyro_used_) bias_rad_s_ -= derived.base_yaw_bias_rad_s - calibrated_rad_s_;
     calibrated_rad_s_ = derived.base_yaw_bias_rad_s;
     gyro_used_ = true;
@@ -153,7 +154,7 @@ void FusedOdometry::use_gyro(const Turn& turn, double dt_s) noexcept {
   }
   yaw_rate_rad_s_ = true_rad_s;
   if (!standing_.reached(kStandingForEverTicks) || std::fabs(gyro_rad_s) > kBiasMax_rad_s) return;
-  // Nobody has turned: neither does the track.
+  // The apparent turn was bias: the track keeps its heading.
   bias_rad_s_ = std::clamp(bias_rad_s_ - slip_rate_rad_s_, -kBiasMax_rad_s, kBiasMax_rad_s);
   p_bias_ = kBiasAtStart_rad_s * kBiasAtStart_rad_s;
   apart_rad_ = 0;

@@ -35,7 +35,7 @@ class IoSensor {
 
   [[nodiscard]] const Freshness& fresh() const noexcept { return fresh_; }
   [[nodiscard]] bool battery_known() const noexcept { return battery_known_; }
-  /// Voltages that came once and come no more: what is still held is no reading.
+  /// The voltages have stopped arriving: the held values are no readings.
   [[nodiscard]] bool battery_silent(int ticks) const noexcept { return battery_known_ && battery_fresh_.age_ticks() >= ticks; }
   [[nodiscard]] bool battery_now() const noexcept { return battery_fresh_.now(); }
   /// Bit set = pressed: 0 front, 1 rear, 2 left, 3 right.

@@ -36,12 +36,13 @@ class TiltSensor {
     heard_.renew();
     status_ = status;
     if ((status & tilt_status::kValid) == 0) {
-      // The sensor says itself that this is no sample (H8); its counter may stand without being frozen.
+      // The node itself marks the sample invalid (H8): a counter that stands then does not mean a frozen sensor.
       repeated_frames_ = 0;
       return;
     }
-    // The same sample twice is no news: it may be a sensor whose processor stands while its bus controller repeats (H6).
-    // Once a step at most: frames that a serial line delayed and delivers together would answer SYNCs too close to each other.
+    // A repeated sample is not fresh: the bus controller of a hung processor may repeat its last frame (H6). Checked
+    // once a step at most: frames that a serial line delayed and delivers together would answer SYNCs too close to each
+    // other.
     if (known_ && steps == 0) {
       if (!repeat_counted_ && repeated_frames_ < kOldestTicks) ++repeated_frames_;
       repeat_counted_ = true;
@@ -84,7 +85,7 @@ class TiltSensor {
     if (raw[0] != raw_rates_[0] || !near(1) || !near(2)) {
       same_rates_ = 0;
     } else if (!rates_counted_ && same_rates_ < kOldestTicks) {
-      ++same_rates_;  // once a step: frames that come together, or too many of them, are no proof
+      ++same_rates_;  // once a step: frames that arrive together prove nothing
     }
     rates_counted_ = true;
     rates_fresh_.renew();
@@ -95,7 +96,7 @@ class TiltSensor {
     roll_rate_rad_s_ = static_cast<double>(contract::read_slot(frame, kRoll)) * (kRoll.scale * kRadPerDeg);
   }
 
-  /// The node said that it has started anew: its counter and its filter begin again.
+  /// The node reported a restart: its counter and its filter begin again.
   void restart() noexcept { *this = TiltSensor{}; }
 
   /// A valid sample that was new. `heard` also counts repeated and invalid ones: the node lives.
@@ -112,7 +113,7 @@ class TiltSensor {
   /// From the difference of the last two samples.
   [[nodiscard]] double alpha_rate_rad_s() const noexcept { return alpha_rate_rad_s_; }
   [[nodiscard]] double beta_rate_rad_s() const noexcept { return beta_rate_rad_s_; }
-  /// Without the calibrated rate at rest (of the chassis; of the struts nobody measures one).
+  /// Less the calibrated rate at rest (chassis only; the struts' is not calibrated).
   [[nodiscard]] double yaw_rate_rad_s() const noexcept { return yaw_rate_rad_s_; }
   [[nodiscard]] double sent_yaw_rate_rad_s() const noexcept { return sent_yaw_rate_rad_s_; }
   [[nodiscard]] double pitch_rate_rad_s() const noexcept { return pitch_rate_rad_s_; }

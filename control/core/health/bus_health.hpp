@@ -16,11 +16,11 @@ namespace hoist::core {
 
 class BusHealth {
  public:
-  /// Nobody, where a CAN id is told.
+  /// Where a CAN id is told: none.
   static constexpr std::uint16_t kNoId = 0xFFFF;
 
-  /// At the start of every step, before its frames. By the clock and not by the number of steps: after a hold-up the frames of the whole
-  /// pause come at once, and none of them is one too many.
+  /// At the start of every step, before its frames. Budgets follow the clock and not the number of steps: after a
+  /// delayed step all frames of the pause come at once, and none of them is one too many.
   void next_tick(std::uint64_t time_ns, bool bus_up) noexcept {
     static_assert(kStreamUnit == 256);
     clock_ = static_cast<std::uint32_t>(time_ns * 2 / 78'125);  // 10 ms are kStreamUnit
@@ -38,11 +38,11 @@ class BusHealth {
     if (tick_ - second_tick_ >= kTicksPerSecond) close_second();
   }
 
-  /// A received frame; `what` = classify(frame). True when it is an emergency message of one of our nodes and worth telling of (not one of
-  /// a flood).
+  /// A received frame; `what` = classify(frame). True when it is an emergency message of one of our nodes that is to be
+  /// reported (not one of a flood).
   [[nodiscard]] bool take(const contract::CanFrame& frame, const contract::FrameClass& what) noexcept {
     using contract::CobKind;
-    if ((frame.flags & contract::CanFrame::kError) != 0) return false;  // told by the adapter, never on the wire
+    if ((frame.flags & contract::CanFrame::kError) != 0) return false;  // reported by the adapter, never on the wire
     load_.take(frame);
     const auto kind = static_cast<std::size_t>(what.kind);
     if (!what.is_remote() || kind >= contract::kNodeCobKinds || what.bytes == contract::kNotPlanned) {
@@ -55,7 +55,8 @@ class BusHealth {
     if (what.fits && kind < kTpdoMax) {
       const StreamWatch::Came came = watch.tpdo[kind].take(plan.by_sync ? sync_clock_ : clock_, plan.period);
       if (what.kind == CobKind::tpdo1) {
-        // One SYNC, one answer. Frames on change may come in between, so an own timer proves nothing.
+        // One answer per SYNC. Frames sent on change may come in between, so a stream with its own timer proves
+        // nothing.
         if (came == StreamWatch::Came::too_many && plan.by_sync) suspect(at, kSecondAnswer);
         // It has just reported a boot-up and was not started: this data comes from another node.
         if (watch.booted && tick_ - watch.boot_tick >= kBootGraceTicks) suspect(at, kDataAfterBoot);
@@ -72,7 +73,7 @@ class BusHealth {
     return in_budget;
   }
 
-  /// A frame of ours that left.
+  /// A frame that the core sent.
   void sent(const contract::CanFrame& frame) noexcept {
     namespace canopen = contract::canopen;
     load_.take(frame);
@@ -99,22 +100,22 @@ class BusHealth {
 
  private:
   static constexpr std::size_t kTpdoMax = contract::kTpdoMax;
-  // A frame that is late by less than this is late and not lost. A serial line at full load was seen to hold frames up for 50 ms.
+  // A frame delayed by less than this is late, not lost: a fully loaded serial line delayed frames by 50 ms (measured).
   static constexpr std::uint8_t kWindowTicks = 25;
   static constexpr std::uint32_t kTicksPerSecond = 100;
   static constexpr std::uint8_t kBabbleHoldTicks = 100;
   static constexpr std::uint32_t kWaverTicks = 500;
-  // Points of suspicion, of which 40 are a verdict and one fades each step: five second answers in a row, three second heartbeats in a row,
-  // three frames of process data after a boot-up, five orders of a stranger.
+  // Suspicion points: 40 decide, one fades each step. That is five second answers in a row, three second heartbeats in
+  // a row, three frames of process data after a boot-up, or five commands of another computer.
   static constexpr std::uint8_t kSecondAnswer = 10, kSecondHeartbeat = 20, kDataAfterBoot = 15, kForeignOrder = 10;
-  // What was on its way when the node fell silent may still arrive.
+  // Frames already under way when the node fell silent may still arrive.
   static constexpr std::uint32_t kBootGraceTicks = 2;
-  // Ids that no node of ours has. A logger or another machine part may speak now and then; a flood of anything hurts.
+  // Ids of no known node: allowed now and then (a logger, another machine), not as a flood.
   static constexpr RateWatch::Budget kStrangerBudget = RateWatch::budget(20);
   // A service tool's requests, whose answers the nodes may send (load plan: an SDO each 4.3 ms).
   static constexpr RateWatch::Budget kServiceBudget = RateWatch::budget(2 * kTicksPerSecond);
   static constexpr std::size_t kCore = contract::kRemoteNodeCount;
-  // Nodes whose data come with SYNC must all have missed the same one before it is the SYNC that was lost.
+  // Only when all nodes that answer SYNC miss the same one was it the SYNC that was lost.
   static constexpr std::size_t kWitnesses = 3;
 
   void suspect(std::size_t node, std::uint8_t points) noexcept {
@@ -136,12 +137,12 @@ class BusHealth {
 
   void take_stranger(const contract::CanFrame& frame, const contract::FrameClass& what) noexcept {
     using contract::CobKind;
-    // Only one computer may lead: SYNC, the commands of the drives and the core's own heartbeat are ours to send.
+    // Only one computer may control the hoist: SYNC, the drives' commands and the core's heartbeat are ours to send.
     const bool order = what.kind == CobKind::sync || (what.kind == CobKind::rpdo1 && what.is_remote());
     const bool own_heartbeat = what.kind == CobKind::heartbeat && what.is_of(contract::Node::core);
     if (order) suspect(kCore, kForeignOrder);
     if (own_heartbeat) suspect(kCore, kSecondHeartbeat);
-    if (order || own_heartbeat) return;  // named as what they are; a flood of them is that verdict many times over
+    if (order || own_heartbeat) return;  // reported as a second computer; a flood of them is not babbling besides
     const bool service = what.kind == CobKind::sdo_request && what.is_remote();
     if (!(service ? service_.take(tick_, kServiceBudget) : strangers_.take(tick_, kStrangerBudget))) accuse_babbling(frame.id);
   }
@@ -154,7 +155,7 @@ class BusHealth {
     if (node.emcy_count < 0xFFFF) ++node.emcy_count;
   }
 
-  /// True when it came in its time.
+  /// True when it came on time.
   [[nodiscard]] bool take_heartbeat(std::size_t at, const contract::CanFrame& frame, const FramePlan& plan) noexcept {
     NodeWatch& watch = watches_[at];
     if (frame.data[0] == static_cast<std::uint8_t>(contract::canopen::NmtState::boot_up)) {
@@ -169,7 +170,7 @@ class BusHealth {
     return came == StreamWatch::Came::in_time;
   }
 
-  /// Counts what is missing. A SYNC that never reached the bus is missing in every node's data alike and no node's fault.
+  /// Counts missing frames. A SYNC that never reached the bus is missing in every node's data, and no node is to blame.
   void settle() noexcept {
     std::array<std::array<std::uint32_t, kTpdoMax + 1>, contract::kRemoteNodeCount> lost{};
     std::uint32_t common = 0xFFFFFFFF;
@@ -179,7 +180,8 @@ class BusHealth {
       for (std::size_t i = 0; i < kTpdoMax; ++i) {
         lost[n][i] = watch.tpdo[i].settle();
         const FramePlan& plan = kFramePlans[n][i];
-        // Seen in steps, a timer of one step misses one when its clock drifts across ours, or when everything was delayed for a moment.
+        // Counted in steps, a node's timer of one step misses one when its clock drifts across ours, or when all frames
+        // were delayed for a moment.
         if (!plan.by_sync && plan.period < 2 * kStreamUnit && (watch.tpdo[i].wavers(clock_) || tick_ - wavered_tick_ < kWaverTicks))
           lost[n][i] = 0;
       }

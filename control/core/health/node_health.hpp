@@ -56,7 +56,7 @@ inline constexpr auto kFramePlans = [] {
   return plans;
 }();
 
-/// Points of suspicion that fade by one in each step; a verdict stands for a second after the last time it was reached.
+/// Suspicion points: one fades in each step; a decision stands for a second after the points last reached it.
 class Suspicion {
  public:
   void next_tick() noexcept {
@@ -76,7 +76,7 @@ class Suspicion {
   std::uint8_t points_ = 0, hold_ticks_ = 0;
 };
 
-/// What is told about a node.
+/// The findings about a node.
 struct NodeHealth {
   std::uint32_t lost_frames = 0;    // since the core started
   std::uint16_t emcy_code = 0;      // of the latest emergency that was one; 0 = none yet
@@ -85,7 +85,7 @@ struct NodeHealth {
   std::uint8_t lost_10s = 0;        // 255 at most
 };
 
-/// What is kept to find that out.
+/// What the findings are computed from.
 struct NodeWatch {
   std::array<StreamWatch, contract::kTpdoMax> tpdo;
   StreamWatch heartbeat;

@@ -6,7 +6,7 @@ namespace hoist::core {
 
 class RateWatch {
  public:
-  /// What may come for ever, 1.5 times the plan, and at once, half a second's worth of the plan and ten frames.
+  /// Budget: lasting, 1.5 times the plan; at once, half a second of the plan and ten frames.
   struct Budget {
     std::uint32_t leak = 0, room = 0;  // in 1/kUnit frames: per step, and in all
   };

@@ -1,8 +1,8 @@
 // Whether a stream of frames that should come in even steps has holes or comes too often. Exact for frames that answer each SYNC, where a
 // step is a SYNC; frames with a timer of their own are followed as their clock drifts against ours.
 //
-// A frame that is merely late is no lost one: what is missing counts only when it is still missing at the end of a window in which it could
-// have come. A serial line that holds frames up for less than a window loses nothing here.
+// A late frame is not a lost one: it counts as missing only when it is still missing at the end of a window in which it
+// could have come. A serial line that delays frames by less than a window loses nothing here.
 #pragma once
 #include <cstdint>
 
@@ -24,8 +24,8 @@ class StreamWatch {
   [[nodiscard]] Came take(std::uint32_t now, std::int32_t period) noexcept {
     const auto late = static_cast<std::int32_t>(now - due_);
     const std::int32_t nearly = period - period / 4;
-    // In its time is three quarters of a period more or less, not one half: a 20 ms timer seen in steps of 10 ms is off by one half now and
-    // then; what is really missing stays missing and shows with the next frame.
+    // On time means within three quarters of a period, not one half: a 20 ms timer seen in steps of 10 ms is off by one
+    // half now and then; what is really missing stays missing and shows with the next frame.
     if (known_ && late >= -nearly && late < nearly) {
       due_ += static_cast<std::uint32_t>(period + late / kFollow);
       return Came::in_time;
@@ -50,7 +50,7 @@ class StreamWatch {
     return Came::early;
   }
 
-  /// At the end of a window: how many frames were missing during the whole of it. They are settled then, and so is a surplus.
+  /// At the end of a window: how many frames were missing during all of it. They are cleared then, and so is a surplus.
   [[nodiscard]] std::uint32_t settle() noexcept {
     const std::uint32_t lost = least_ > 0 ? static_cast<std::uint32_t>(least_) : 0;
     owed_ -= least_ > 0 ? least_ : (most_ < 0 ? most_ : 0);
@@ -62,7 +62,7 @@ class StreamWatch {
   /// drifts across ours, and then misses a step without a frame being lost.
   [[nodiscard]] bool wavers(std::uint32_t now) const noexcept { return wavers_ && now - wavered_at_ < kWaverPeriod; }
 
-  /// The sender or the way to it began anew; nothing is expected until its next frame.
+  /// The sender or its link restarted; nothing is expected until its next frame.
   void forget() noexcept { *this = StreamWatch{}; }
   [[nodiscard]] bool known() const noexcept { return known_; }
 

@@ -23,7 +23,7 @@ class PatientIntent {
     pelvis_ = law::pelvis_exact(sensed.relative(), derived.geometry);
     take_gait(sensed.tilts_stale() ? 0.0 : calm_norm, dt_s);
     const law::Pelvis<double> calm{pelvis_.dx_m - gait_.lean_m, pelvis_.dy_m, pelvis_.dpsi_rad - gait_.turn_rad};
-    // A stale tilt means no intent. Keeping the last one would drive on without sight of the patient (H4).
+    // A stale tilt means no intent. Keeping the last one would drive on without knowing the patient's posture (H4).
     const law::Intent<double> wish = sensed.tilts_stale() ? law::Intent<double>{} : law::normalise(calm, derived.range, derived.neutral);
     lean_norm_ = wish.u_norm;
     turn_norm_ = wish.u_psi_norm;
@@ -57,7 +57,7 @@ class PatientIntent {
   struct Posture {
     bool complete = false;  // a whole second without a gap
     double dx_m = 0, dpsi_rad = 0;
-    double dx_spread_m = 0;  // largest minus smallest: a patient who moves has no posture
+    double dx_spread_m = 0;  // largest minus smallest: while the patient moves there is no neutral
   };
   [[nodiscard]] Posture last_second() const noexcept {
     Posture posture;

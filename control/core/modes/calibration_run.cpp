@@ -59,7 +59,7 @@ constexpr Stillness stillness(CalibrationStep step) noexcept {
 static_assert(contract::find_calibration_step("strut_length")->samples >= 3 &&
               contract::find_calibration_step("strut_spacing")->samples >= 3);
 
-// Of the wheel sensors' step: enough to tell a sign from a nudge.
+// Of the wheel sensors' step: enough to be sure of a sign.
 constexpr double kPushLeast_m = 0.3, kTurnLeast_m = 0.2;
 // A patient whose harness moved further than this within a second did not stand still (commands.cpp).
 constexpr double kNeutralSpread_m = 0.02;

@@ -11,13 +11,13 @@ struct CoreState;
 
 /// What a step needs that holds now; refusal bits, 0 = it may begin.
 [[nodiscard]] std::uint32_t calibration_refusals(const CoreState& state, const contract::CalibrationStepInfo& info) noexcept;
-/// The step begins anew.
+/// Starts the step again.
 void begin_calibration(CoreState& state, contract::CalibrationStep step) noexcept;
 /// The operator's figures. Refusal bits, 0 = taken, at once or as soon as everything rests.
 [[nodiscard]] std::uint32_t measure_calibration(CoreState& state, const contract::Command& command) noexcept;
-/// Once per step of CALIBRATE. False when it is over: nothing happened for a minute, or a sensor went.
+/// Once per step of CALIBRATE. False when it is over: a minute without progress, or a lost sensor.
 [[nodiscard]] bool advance_calibration(CoreState& state, double dt_s) noexcept;
-/// Tells how it ended.
+/// Reports how it ended.
 void end_calibration(CoreState& state) noexcept;
 /// Whether patients may walk: the struts have been zeroed at least once. Simulated struts are upright by themselves.
 [[nodiscard]] bool calibration_valid(const CoreState& state) noexcept;

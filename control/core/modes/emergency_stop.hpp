@@ -1,5 +1,5 @@
-// EMERGENCY_STOP: hardware has taken the power off the motors. The core can only follow: nothing is commanded, nothing is remembered, nobody
-// drives. It is left to INIT by closing the chain and an acknowledgement, both.
+// EMERGENCY_STOP: hardware has cut the motors' power. The core commands nothing, clears its memory of motion and frees
+// the lease. INIT follows once the chain is closed and the stop is acknowledged.
 #pragma once
 #include "control/core/modes/mode.hpp"
 

@@ -1,4 +1,4 @@
-// FAULT: out of service. The hoist stands, its drives are off, the holding brakes closed. It is left to INIT, which checks everything anew.
+// FAULT: out of service. Standstill, drives off, holding brakes closed. INIT follows, which checks everything again.
 #pragma once
 #include "control/core/modes/mode.hpp"
 

@@ -1,6 +1,6 @@
-// GUIDED: the hoist drives an exercise by itself while the therapist holds. Letting go stops and stays; holding again goes on. Commands that
-// stop coming end it as they end REMOTE. A lean never speeds it up or steers it; a patient who lags behind slows it down, to a stand if need
-// be (law/patient_lag.hpp). The guards watch all the same.
+// GUIDED: the hoist drives an exercise by itself while hold-to-run is held. Releasing it stops the hoist, holding it
+// again continues. Lost commands end GUIDED as they end REMOTE. A lean neither speeds the hoist up nor steers it; a
+// patient who lags behind slows it, down to standstill (law/patient_lag.hpp). All monitors stay active.
 #pragma once
 #include <cmath>
 
@@ -28,7 +28,7 @@ struct GuidedMode {
     const bool asked = state.in_mode.leaving;
     const Hand hand = feel_hand(state);
     if (hand.leaving) {
-      // Whatever began to end it before the hand was looked at: the driver's wish or a fault; otherwise the hand.
+      // The cause that already ended the mode (a request or a fault), else the release.
       run.end(asked ? (soft_fault(state) ? GuidedEnd::stopped : GuidedEnd::asked)
                     : (state.in_mode.remote_lost ? GuidedEnd::commands_lost : GuidedEnd::driver_gone));
       run.phase = GuidedPhase::ending;
@@ -47,21 +47,21 @@ struct GuidedMode {
   }
 
  private:
-  /// Further off than this the law is no small correction any more.
+  /// Beyond this distance the law is no longer a small correction.
   static constexpr double kHeadingMost_rad = 1.0;
   /// Gentler than the normal ramp, so that the patient sees the end coming and the ramp's own rounding has room.
   static constexpr double kApproach_m_s2 = 0.3, kApproachShare_norm = 0.6;
   static constexpr double kApproachYaw_rad_s2 = 1.0, kApproachYawShare_norm = 0.5;
-  /// What is still on its way when the command changes: one step, the limiter's rounding and the drive's lag.
+  /// Delay of a changed command: one step, the limiter's rounding and the drive's lag.
   static constexpr double kLag_s = 0.08;
   /// A curve begins over this time at least.
   static constexpr double kCurveRamp_s = 0.4;
-  /// A hoist that waits stands before the lean counts as hanging (H16), wherever an engineer has set that.
+  /// A waiting hoist stands before the lean counts as hanging (H16), for any value of that parameter.
   static constexpr double kBelowHanging_norm = 0.9;
   static constexpr double kCreep_m_s = 0.03;
   static constexpr double kCreep_rad_s = 0.05, kTurned_rad = 0.008;
 
-  /// Angles that are not fresh say nothing about the patient: the share stays, and sensors that stay silent stop the hoist as such.
+  /// Angles that are not fresh say nothing about the patient: the share stays, and lost sensors have their own stop.
   static double share_for_lag(const CoreState& state, double dt_s) noexcept {
     const Estimate& sensed = state.sensed;
     const GuidedRun& run = state.guided;
@@ -113,7 +113,7 @@ struct GuidedMode {
     const double turns_m_s2 = std::fmax(state.limiter.acceleration_m_s2(), 0.0) + slow_m_s2;
     const double late_m = now_m_s * (kLag_s + turns_m_s2 * turns_m_s2 / (2.0 * p.jerk_m_s3_max * slow_m_s2));
     speed_m_s = least(speed_m_s, run.curve_speed(contract::kGuidedYawShare_norm * limits.yaw_rate_rad_s, WheelRoom{p}, slow_m_s2, late_m));
-    // Whatever the correction asks for is driven as a curve of that radius, only slower; the limiter sees to the outer wheel.
+    // The corrected curve keeps its radius and only the speed falls; the limiter bounds the outer wheel.
     if (curve != 0) speed_m_s = least(speed_m_s, limits.yaw_rate_rad_s / std::fabs(curve));
     const double approach = law::approach_speed(run.leg_left_m() - late_m, 0.0, slow_m_s2);
     speed_m_s = least(speed_m_s, approach > kCreep_m_s ? approach : kCreep_m_s);

@@ -1,4 +1,4 @@
-// The therapist's hand in the modes it leads (REMOTE and GUIDED): held, let go, ageing, gone (hazards H17 to H21).
+// Hold-to-run in REMOTE and GUIDED: held, released, ageing, lost (hazards H17 to H21).
 #pragma once
 #include "control/core/modes/mode.hpp"
 #include "control/core/state.hpp"
@@ -11,8 +11,9 @@ struct Hand {
   double fresh_norm = 0;  // share of the wished speed: falls with the age of the last command
 };
 
-/// Looks at the hand once per step. Commands age (RemoteDrive::age_s): from remote_slow_age_s the speed falls, at remote_stop_age_s the mode
-/// ends; also when the one who began is no longer the driver, or cannot be reached.
+/// Evaluates hold-to-run once per step. Commands age (RemoteDrive::age_s): from remote_slow_age_s the speed falls, at
+/// remote_stop_age_s the mode ends. It also ends when the client that began it no longer holds the lease or cannot be
+/// reached.
 [[nodiscard]] inline Hand feel_hand(CoreState& state) noexcept {
   const contract::Params& p = state.params;
   InMode& in_mode = state.in_mode;
@@ -27,7 +28,7 @@ struct Hand {
     in_mode.leaving = true;
     if (in_mode.braking < Braking::remote) in_mode.braking = Braking::remote;
   }
-  // Whatever else ends the mode, a hand that lets go stops as hard as it always does: no second reason makes a stop gentler.
+  // A release always brakes at its full rate, whatever else ends the mode: a second reason never makes a stop gentler.
   if (in_mode.leaving && !state.remote.held() && in_mode.braking < Braking::remote) in_mode.braking = Braking::remote;
   if (in_mode.leaving) return {true, false, 0};
   if (!state.remote.held() || state.remote.awaits_neutral()) return {};

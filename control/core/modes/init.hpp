@@ -8,7 +8,7 @@ namespace hoist::core {
 
 struct InitMode {
   static constexpr contract::Mode kMode = contract::Mode::init;
-  /// Everything must hold this long before STANDBY: a node that comes and goes is not there.
+  /// Everything must hold this long before STANDBY, so that an intermittent node does not count as present.
   static constexpr std::uint8_t kClearTicks = 10;
   /// A tool that says nothing for two seconds has gone; a node that restarts needs less.
   static constexpr std::uint8_t kServiceTicks = 200;
@@ -28,7 +28,7 @@ struct InitMode {
     const auto sound = [](const TiltSensor& tilt) {
       return !tilt.fresh().stale() && !tilt.has(tilt_status::kSelfTestFailed) && !tilt.has(tilt_status::kGyroSaturated);
     };
-    // A bus that has only just come up may still go again; outside INIT that would be a fault.
+    // A bus that has just come up may go down again; outside INIT that is a fault.
     const bool ready = state.bus_settle_ticks == 0 && state.master.all_running() && sound(sensed.left_strut) && sound(sensed.right_strut) &&
                        sound(sensed.base) && !sensed.base.rates_fresh().stale() && !sensed.drives_lost() && !sensed.io.fresh().lost() &&
                        sensed.io.battery_known() && !motors_unpowered(sensed) && !state.left_control.resetting() &&

@@ -1,5 +1,5 @@
-// REMOTE: the therapist drives with hold-to-run held. Commands age: from remote_slow_age_s the speed falls, at remote_stop_age_s the hoist
-// stops and REMOTE ends (H17). Letting go stops and stays in REMOTE.
+// REMOTE: the therapist drives with hold-to-run held. Commands age: from remote_slow_age_s the speed falls, at
+// remote_stop_age_s the hoist stops and REMOTE ends (H17). Releasing hold-to-run stops the hoist and stays in REMOTE.
 #pragma once
 #include "control/core/modes/hold_to_run.hpp"
 #include "control/core/modes/mode.hpp"

@@ -22,7 +22,7 @@ struct UserMode {
       enter(state);
       return {0, 0, state.in_mode.braking, at_rest(state)};
     }
-    // While the drives are still being enabled nothing builds up that would be let loose at once afterwards.
+    // While the drives are being enabled the filters stay at zero, so that no stored speed is released afterwards.
     if (!state.in_mode.powered) return {};
     const contract::Params& p = state.live;
     law::PfpConfig<double> lean;

@@ -7,10 +7,11 @@
 
 namespace hoist::core {
 
-/// Lasted so long: beyond the jolt of a threshold, and the rest of H9's 200 ms is left for the sensor's filter.
+/// Duration: beyond the jolt of a threshold; the rest of H9's 200 ms is left for the sensor's filter.
 inline constexpr std::uint8_t kBaseTiltTicks = 10;
 
-/// Whether the chassis leans by more than this in any direction. A sensor that is silent says nothing: another monitor speaks for it.
+/// Whether the chassis leans by more than this in any direction. A silent sensor says nothing: its loss is another
+/// fault.
 [[nodiscard]] inline bool base_leans_beyond(const Estimate& sensed, double limit_rad) noexcept {
   if (sensed.base.fresh().lost()) return false;
   const double alpha_rad = sensed.base.alpha_rad(), beta_rad = sensed.base.beta_rad();

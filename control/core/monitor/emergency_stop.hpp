@@ -1,5 +1,6 @@
 // Hazard table 2.3, any mode to EMERGENCY_STOP: the emergency stop chain has opened, which takes the power off the motors by hardware (R4).
-// Told by the input node, or by both drives whose supply is gone while the batteries are good: a relay that opened without a word.
+// Reported by the input node, or by both drives whose supply is gone while the batteries are good: a relay that opened
+// without a report.
 #pragma once
 #include "control/core/base/lasting.hpp"
 #include "control/core/monitor/monitor.hpp"
@@ -25,7 +26,7 @@ class EmergencyStopOpen {
 
   bool check(const MonitorView& view) noexcept {
     const Estimate& sensed = view.sensed;
-    // A silent input node says nothing about the chain: what it said last holds, and its silence has an alarm of its own.
+    // A silent input node says nothing about the chain: its last report holds, and its silence is another fault.
     if (!sensed.io.fresh().lost()) open_ = sensed.io.emergency_stop_open();
     // In INIT the relay may not have been closed yet, and what the core has opened itself has an alarm of its own. An input node that has
     // come back feeds the relay again within this time.

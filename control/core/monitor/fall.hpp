@@ -26,7 +26,7 @@ class FallDetected {
     const double alpha_rad = (struts.alpha_left_rad + struts.alpha_right_rad) / 2;
     const double beta_rad = (struts.beta_left_rad + struts.beta_right_rad) / 2;
     const double square = alpha_rad * alpha_rad + beta_rad * beta_rad;
-    // Written so that what is no number is beyond every limit.
+    // Written so that NaN is beyond every limit.
     const auto beyond = [square](double limit_rad) { return !(square <= limit_rad * limit_rad); };
     const double tilt_rad = threshold<kFault, "tilt">(view.params.fall_tilt_rad);
     resting_s_ = beyond(threshold<kFault, "static_tilt">(view.params.fall_static_tilt_rad)) ? resting_s_ + view.dt_s : 0;

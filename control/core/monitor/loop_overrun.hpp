@@ -24,7 +24,7 @@ class LoopOverrun {
       trip = trip || since_late_ticks_ < window_ticks;
       since_late_ticks_ = 0;
     }
-    // A hoist that stands with its drives off loses nothing by a late step; the count of late steps tells of it.
+    // At standstill with the drives off a late step does no harm; it is only counted.
     return view.moving && trip;
   }
 

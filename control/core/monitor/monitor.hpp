@@ -31,7 +31,7 @@ struct MonitorView {
   bool remote_lost;
   bool held_back;                     // GUIDED goes slower than wished, because the patient lags
   bool relay_cut;                     // the core itself has taken the motors' supply away
-  std::uint8_t bumpers_acknowledged;  // pressed still, and the therapist knows: H13, driving off them
+  std::uint8_t bumpers_acknowledged;  // still pressed and acknowledged: the therapist may drive away (H13)
   float wake_lateness_s;
   std::uint64_t ticks;  // steps since the start of the core
   double dt_s;

@@ -1,5 +1,5 @@
-// H30: an id, ours or unknown, floods the bus, or the bus as a whole is fuller than it may be. The next thing would be commands and
-// sensor data that come too late.
+// H30: an id, known or unknown, floods the bus, or the bus as a whole is fuller than allowed. Commands and sensor data
+// would soon be late.
 #pragma once
 #include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"

@@ -1,5 +1,5 @@
-// H30: two nodes share one id, or a second control computer is on the bus. What comes under that id is then sometimes the one's and
-// sometimes the other's, and nothing built on it can be trusted. Evidence and its limits: health/bus_health.hpp.
+// H30: two nodes share one id, or a second control computer is on the bus. Frames of that id come from either of them,
+// so none can be trusted. Evidence and its limits: health/bus_health.hpp.
 #pragma once
 #include "control/core/monitor/monitor.hpp"
 

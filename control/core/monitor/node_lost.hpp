@@ -21,7 +21,7 @@ struct NodeLost {
     auto age_ticks = view.sensed.heard(kNode).age_ticks();
     if constexpr (kRow.yaw_bias_rad_s != nullptr)
       if (view.sensed.base.rates_fresh().age_ticks() > age_ticks) age_ticks = view.sensed.base.rates_fresh().age_ticks();
-    // While the whole bus is down there is one cause to mend and one alarm to read, not six more.
+    // While the whole bus is down only bus_down is raised: one cause, one alarm.
     return view.mode != contract::Mode::init && view.bus_settled && (batteries_lost || age_ticks >= hold<kFault, "silence">(kLostTicks));
   }
 };

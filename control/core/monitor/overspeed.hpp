@@ -1,11 +1,11 @@
-// H1: the wheels do something else than they were told.
+// H1: the wheels do not follow their command.
 //
 // While the drives follow: the hoist is faster than speed_m_s_max + overspeed_margin_m_s for 50 ms, or a wheel is following_error_m_s_max
 // beside its command for following_error_s. R2 within 150 ms. The drives have their own absolute limit (R3, 20 ms, firmware/nodes/drive).
 // In every mode: a wheel is turned by the motor of a drive whose bridge is off, for 50 ms (estimate/driven_wheel.hpp). A hoist whose drives
 // are off may be pushed by hand.
 //
-// What a stop does not stop is taken off the supply (output/runaway_watch.hpp).
+// When such a stop fails, output/runaway_watch.hpp cuts the motors' supply.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -57,7 +57,7 @@ class Overspeed {
     return stays_fast || apart_s_ > hold<kFault, "following_time">(view.params.following_error_s) - view.dt_s / 2;
   }
 
-  /// What it is, by HOIST_DETAIL.
+  /// Its detail code (HOIST_DETAIL).
   [[nodiscard]] std::uint16_t code() const noexcept { return code_; }
 
  private:

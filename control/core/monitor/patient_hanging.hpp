@@ -1,12 +1,12 @@
-// H16: the patient hangs in the harness and is drawn along. A hanging patient leans, so the hoist goes on, so the patient hangs: only this
-// device has that circle.
+// H16: the patient hangs in the harness and is dragged along. A hanging patient leans, and the lean keeps the hoist
+// going.
 //
-// Two rules, because there are two ways to hang. Leaning: past hang_tilt_rad for hang_tilt_s, in every motion. Drawn along: the hoist rolls
-// faster than hang_speed_m_s, and the harness has not swung sideways by hang_sway_m for hang_still_s; a walking patient sways twice in
-// every stride. In REMOTE and GUIDED the hoist may be empty, and an empty harness does not sway either: there it counts only while the
-// harness leans as none does without a load. A hoist that GUIDED holds back for a lagging patient counts as rolling, however slow it is, and
-// while it stands for him no sway counts as a step: a patient who does not catch up is not waited for without end. R1 and a high alarm, 2 to
-// 2.6 s after it begins.
+// Two rules. Leaning: past hang_tilt_rad for hang_tilt_s, in every motion. Dragged: the hoist rolls faster than
+// hang_speed_m_s and the harness has not swung sideways by hang_sway_m for hang_still_s; a walking patient sways twice
+// in every stride. In REMOTE and GUIDED the hoist may be empty, and an empty harness does not sway: there the second
+// rule also needs a lean that an empty harness never shows. A hoist that GUIDED slows for a lagging patient counts as
+// rolling at any speed, and while it stands for the patient no sway counts as a step, so that the wait ends in this
+// alarm. R1 and a high alarm, 2 to 2.6 s after it begins.
 #pragma once
 #include <cmath>
 

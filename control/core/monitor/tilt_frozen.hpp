@@ -29,14 +29,14 @@ class TiltFrozen {
     const bool rolling =
         !(std::fabs(sensed.odometry.wheel_left_m_s) <= rolling_m_s && std::fabs(sensed.odometry.wheel_right_m_s) <= rolling_m_s);
     before_ = now;
-    // Without new samples there is nothing to compare; a silent sensor is another monitor's matter.
+    // Without new samples there is nothing to compare; a silent sensor is another fault.
     const bool sampled = sensed.left_strut.fresh().now() && sensed.right_strut.fresh().now();
     const bool constant = constant_.step(same && rolling && sampled, hold<kFault, "both_equal">(kConstantTicks));
     // One chip that repeats its last sample: the filter behind it glides smoothly to where that sample points, for many seconds, while the
     // other strut, on the same rigid bar, keeps changing its course.
     const bool glides =
         rolling && (glides_beside(sensed.left_strut, sensed.right_strut) || glides_beside(sensed.right_strut, sensed.left_strut));
-    // And where a sensor sends its rates as they are measured: three gyroscopes that never change their last digit.
+    // Where a sensor sends its rates as measured: three gyroscopes whose last digit never changes.
     const bool same_rates = repeats_rates(sensed.left_strut) || repeats_rates(sensed.right_strut) || repeats_rates(sensed.base);
     return view.mode != contract::Mode::init && (counter_stands || constant || glides || same_rates);
   }

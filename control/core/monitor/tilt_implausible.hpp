@@ -28,7 +28,7 @@ class TiltImplausible {
         too_fast(sensed.left_strut, rate_rad_s) || too_fast(sensed.right_strut, rate_rad_s) || too_fast(sensed.base, rate_rad_s);
     const bool twisted =
         beyond(struts.alpha_left_rad - struts.alpha_right_rad, threshold<kFault, "twist">(view.params.strut_twist_rad_max));
-    // A turn rate that is no longer reported explains nothing.
+    // Without a reported turn rate nothing is explained by a turn.
     const double yaw_rate_rad_s = sensed.base.rates_fresh().lost() ? 0.0 : sensed.base.yaw_rate_rad_s();
     const double leak_rad = threshold<kFault, "leak">(kLeak_s) *
                             std::fabs(yaw_rate_rad_s * (sensed.left_strut.sent_alpha_rad() - sensed.right_strut.sent_alpha_rad()));
@@ -39,12 +39,12 @@ class TiltImplausible {
     const bool stay_apart = apart_.step(apart, hold<kFault, "apart_time">(kApartTicks));
     code_ = twisted && !steep && !fast && !stay_apart ? kTwisted : std::uint16_t{0};
     if (view.mode == contract::Mode::init) return false;
-    // A fallen patient hits the mechanical stop, and the blow shows in every accelerometer. That is the fall, which has its own alarm; a
-    // sensor that is really wrong still is so after the acknowledgement.
+    // A falling patient hits the mechanical stop, and every accelerometer shows the impact. The fall alarm covers that;
+    // a sensor that is wrong is still wrong after the acknowledgement.
     if (view.has(contract::Fault::fall_detected) && !view.has(kFault)) return false;
     return steep || fast || twisted || stay_apart;
   }
-  /// What it is, by HOIST_DETAIL: a twist alone is within what both struts can do, and a patient turns that far.
+  /// Its detail code (HOIST_DETAIL): a twist alone is within what both struts can do, and a patient turns that far.
   [[nodiscard]] std::uint16_t code() const noexcept { return code_; }
 
  private:

@@ -1,4 +1,4 @@
-// H8: a tilt sensor says itself that it cannot be trusted, or what it says of its turning cannot be.
+// H8: a tilt sensor reports itself invalid, or its rates are impossible.
 //
 // Its self-test has failed, at once; its samples are invalid or its gyroscope saturated, for 50 ms. R2 within 60 ms.
 // The rates that it sends add up to more than drift_rad_max in ten seconds, which a thing that stops at 15 degrees cannot do: its gyroscope
@@ -33,7 +33,7 @@ class TiltSensorFault {
   }
 
  private:
-  // As long as a silent sensor is given: an invalid sample is worth as little as none.
+  // As long as a silent sensor is given: an invalid sample is worth no more than none.
   static constexpr std::uint8_t kBadTicks = kLostTicks;
 
   struct Drift {
@@ -56,12 +56,12 @@ class TiltSensorFault {
 
   [[nodiscard]] static bool bad(const TiltSensor& tilt, Lasting& held) noexcept {
     if (tilt.heard().lost()) {
-      held = {};  // NodeLost speaks for a silent one
+      held = {};  // a silent one is NodeLost's
       return false;
     }
     const bool useless = !tilt.has(tilt_status::kValid) || tilt.has(tilt_status::kGyroSaturated);
     const std::uint8_t limit_ticks = hold<kFault, "invalid">(kBadTicks);
-    // Only a sample that is valid and new ends it: invalid ones and old ones by turns tell as little as either.
+    // Only a valid new sample ends it; invalid and repeated ones by turns do not.
     if (useless || tilt.fresh().now()) held.step(useless, limit_ticks);
     return tilt.has(tilt_status::kSelfTestFailed) || held.reached(limit_ticks);
   }

@@ -14,7 +14,7 @@ inline constexpr double kSoftDeceleration_m_s2 = 0.5;
 /// Driving stops a little harder than walking: the therapist has let go or the link is gone (H17: R1 at 0.8).
 inline constexpr double kRemoteDeceleration_m_s2 = 0.8;
 
-// Stronger in name is stronger in fact, with all values that an engineer may set.
+// A later row brakes at least as hard, for all values that an engineer may set.
 static_assert(contract::kParams[contract::param_index(contract::ParamName::protective_deceleration_m_s2)].min >= kRemoteDeceleration_m_s2 &&
               contract::kParams[contract::param_index(contract::ParamName::bumper_deceleration_m_s2)].min >= kRemoteDeceleration_m_s2);
 

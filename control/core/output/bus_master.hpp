@@ -1,7 +1,8 @@
 // The CANopen master: finds each node, asks what it is, writes its parameters, starts it, and keeps the heartbeat and the SYNC.
 //
-// One SDO request is under way at a time and at most one leaves per step, which keeps the pace of at least 5 ms that the bus load plan
-// assumes. Every wait ends: a request is tried kSdoTries times, then its node rests kNodeRest ticks before the core begins anew with it.
+// One SDO request is under way at a time and at most one leaves per step, which keeps the pace of at least 5 ms that
+// the bus load plan assumes. Every wait ends: a request is tried kSdoTries times, then its node rests kNodeRest ticks
+// and is configured from the start.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -29,7 +30,7 @@ class BusMaster {
     }
   }
 
-  /// A heartbeat or boot-up frame. True when the node has just started anew.
+  /// A heartbeat or boot-up frame. True when the node has just restarted.
   [[nodiscard]] bool take_heartbeat(contract::Node node, std::uint8_t state) noexcept {
     Link& link = links_[static_cast<std::size_t>(node)];
     link.heartbeat_age_ticks = 0;
@@ -51,7 +52,7 @@ class BusMaster {
     sdo_.on_frame(frame);
     Link& link = links_[static_cast<std::size_t>(node)];
     if (sdo_.outcome() == Sdo::Outcome::aborted) {
-      // The node understood and will not: asking again at once would not help.
+      // The node refused the value: repeating the request at once would not help.
       busy_ = false;
       give_up(link);
       return true;
@@ -60,7 +61,7 @@ class BusMaster {
     if (sdo_.outcome() != Sdo::Outcome::done || (sdo_param_ == kIdentity && sdo_.uploaded().size() != 4)) return false;
     busy_ = false;
     if (sdo_param_ == kIdentity) {
-      // A serial line has no checksum. What would keep a node from work is believed only when it says the same twice.
+      // A serial line has no checksum. An answer that would keep a node from work counts only when it comes twice.
       const std::uint32_t told = sdo_.value();
       std::uint32_t& known = link.product_known ? link.revision : link.product;
       const bool twice = told == known;
@@ -72,7 +73,8 @@ class BusMaster {
       } else if ((told & contract::kLoaderProduct) == 0) {
         link.product_known = true;
       } else if (twice) {
-        // In its loader it has no parameters and does not run. One with a whole program goes back to work by itself, unless it is asked.
+        // A node in its loader has no parameters and does not run. One with a whole program returns to work by itself,
+        // unless it is asked.
         link.phase = Phase::absent;
         link.rest_ticks = kLoaderRest;
       }
@@ -82,7 +84,7 @@ class BusMaster {
     return true;
   }
 
-  /// After the parameters changed: each node learns the ones that live in it.
+  /// After the parameters changed: sends each node the ones that live in it.
   void params_changed(const contract::Params& before, const contract::Params& now) noexcept {
     for (std::size_t i = 0; i < contract::kParamObjects.size(); ++i) {
       const std::size_t row = contract::param_index(contract::kParamObjects[i].param);
@@ -91,13 +93,14 @@ class BusMaster {
         if (contract::kNodes[n].kind == contract::kParamObjects[i].kind) links_[n].unwritten |= 1U << i;
       // Also for a start that is asked for in this step.
       all_running_ = false;
-      // A value on its way is the old one: its answer must not count for the new one.
+      // A value under way is outdated: its answer must not count for the new one.
       if (busy_ && sdo_param_ == i) busy_ = false;
     }
   }
 
-  /// NMT and SDO frames of this step, then the heartbeat when it is due. SYNC is the caller's, last of all. `hands_off`: somebody else
-  /// asks the nodes, and a question of ours would end what is under way there; afterwards each node is met anew.
+  /// NMT and SDO frames of this step, then the heartbeat when it is due. SYNC is the caller's, last of all.
+  /// `hands_off`: a firmware update owns the SDO channel; a request of our own would abort it. Afterwards each node is
+  /// configured from the start.
   template <std::size_t N>
   void step(std::uint64_t tick, const Estimate& sensed, const contract::Params& params, bool hands_off,
             FixedVector<contract::CanFrame, N>& out) noexcept {
@@ -121,7 +124,7 @@ class BusMaster {
     }
   }
 
-  /// Every node is met anew at its next heartbeat: asked what it is, given its parameters, started.
+  /// Configures every node from the start at its next heartbeat: identity, parameters, NMT start.
   void meet_all_again() noexcept {
     for (Link& link : links_) {
       link.phase = Phase::absent;
@@ -142,7 +145,8 @@ class BusMaster {
   }
   /// Every node is known, has its parameters and runs.
   [[nodiscard]] bool all_running() const noexcept { return all_running_; }
-  /// A node's program follows other rules than this control knows: CiA 301 raises the major half of the revision when behaviour changes.
+  /// A node's program has another protocol revision: CiA 301 raises the major half of the revision when behaviour
+  /// changes.
   [[nodiscard]] bool any_other_version() const noexcept {
     return std::any_of(links_.begin(), links_.end(),
                        [](const Link& link) { return link.phase > Phase::identify && other_rules(link.revision); });
@@ -203,8 +207,8 @@ class BusMaster {
     link.rest_ticks = 0;
     link.product_known = false;
   }
-  // It rests. Then everything begins anew with it; but a node that does its work and only did not take a value is asked that once more.
-  // Met anew it would be given all its values again, also those that no node may be given while the hoist moves.
+  // After kNodeRest ticks the node is configured from the start. Exception: a running node that refused one value gets
+  // only that value again, because some of the others may not be written while the hoist moves.
   static void give_up(Link& link) noexcept {
     if (link.phase != Phase::running) link.phase = Phase::absent;
     link.rest_ticks = kNodeRest;
@@ -239,7 +243,7 @@ class BusMaster {
         }
         return;
       case Phase::running:
-        // Its data are gone: whatever happened to the node, it is met anew at its next heartbeat.
+        // PDO timeout: treat the node as rebooted at its next heartbeat.
         if (sensed.heard(node).lost()) link.phase = Phase::absent;
         return;
     }
@@ -286,7 +290,7 @@ class BusMaster {
       busy_ = sdo_.upload(id, 0x1018, sub);
     } else {
       const contract::ParamObject& object = contract::kParamObjects[sdo_param_];
-      // Read anew at each try: a gain on its way to a new value moves in every step.
+      // Read again at each try: a ramping gain changes in every step.
       std::array<std::uint8_t, 4> bytes{};
       contract::write_le(bytes.data(), 4, contract::param_word(object, contract::get_param(params, contract::param_index(object.param))));
       busy_ = sdo_.download(id, object.index, object.sub, bytes);

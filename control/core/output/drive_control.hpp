@@ -22,7 +22,8 @@ class DriveControl {
     runs_ = control == contract::canopen::drive::kEnable;
     return control;
   }
-  /// Told to run in this step, and not in the one before: what it is told now is where its wheel begins. Or in both.
+  /// Commanded to run in this step but not in the previous one: the wheel starts from the present command. goes_on():
+  /// in both.
   [[nodiscard]] bool begins() const noexcept { return runs_ && !ran_; }
   [[nodiscard]] bool goes_on() const noexcept { return runs_ && ran_; }
 
@@ -42,13 +43,13 @@ class DriveControl {
     if (reset_ticks_ > 0) {
       --reset_ticks_;
       if (state != cia402::State::fault) reset_ticks_ = 0;
-      // The drive acts on the rising edge; a bus that swallowed it gets another one.
+      // The drive acts on the rising edge; repeated, because the frame may be lost.
       return reset_ticks_ % 4 == 0 ? cia402::kDisableVoltage : cia402::kFaultReset;
     }
     if (cut) return cia402::kDisableVoltage;
     switch (state) {
       case cia402::State::quick_stop_active:
-        // It brakes by itself and then switches off. Disabling the voltage now would let the wheel roll on.
+        // The drive is executing its quick stop. Do not send "disable voltage": the wheel would coast.
         return cia402::kQuickStop;
       case cia402::State::fault:
       case cia402::State::fault_reaction:
@@ -67,7 +68,7 @@ class DriveControl {
 
   void watch(const DriveSensor& drive, bool wanted) noexcept {
     if (!wanted || drive.fresh().lost()) {
-      // A silent drive is another fault's matter; when it comes back it starts from the beginning.
+      // A silent drive is another fault; when it returns it starts from the beginning.
       was_enabled_ = false;
       missing_ticks_ = 0;
     } else if (drive.enabled()) {

@@ -1,5 +1,5 @@
-// H2: the last resort of PROTECTIVE_STOP. A stop that does not end in standstill has lost its servo; then the drives are taken off both
-// wheels and the holding brakes stop the hoist.
+// H2: last resort of PROTECTIVE_STOP. When the hoist does not come to rest, a servo has failed: both drives are
+// switched off and the holding brakes stop the hoist.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -27,7 +27,7 @@ class HoldWatch {
  private:
   // The ramp takes v / a; a second after its end even a wheel that was fought over stands.
   static constexpr std::uint8_t kHoldTicks = 100;
-  // A shove at a hoist that stands is no such case: it is over sooner than this, or worth the same answer.
+  // A push at a standing hoist is usually shorter than this.
   static constexpr std::uint8_t kMovingTicks = 30;
   static constexpr double kWheel_m_s = 0.05;
   // A wheel whose encoder is dead is seen by the chassis' gyro alone: 0.05 m/s at one wheel of 0.7 m track is 4 degrees per second. The
@@ -35,7 +35,8 @@ class HoldWatch {
   static constexpr double kTurn_rad_s = 0.07;
 
   [[nodiscard]] static bool moves(const Estimate& sensed) noexcept {
-    // With both drives off already (emergency off) there is nothing to let go, and who pushes the hoist away is no alarm.
+    // With both drives already off (emergency stop) there is nothing to switch off, and pushing the hoist away is no
+    // fault.
     if (!sensed.left_drive.enabled() && !sensed.right_drive.enabled()) return false;
     const auto faster = [](double x, double limit) { return !(std::fabs(x) <= limit); };
     if (!sensed.drives_lost() &&

@@ -1,5 +1,5 @@
-// Bounds on speed, acceleration, jerk, turn rate, turn acceleration and the outer wheel, and the ramps of the stops. Whatever asks, nothing
-// faster leaves.
+// Bounds on speed, acceleration, jerk, turn rate, turn acceleration and the outer wheel, and the ramps of the stops.
+// They hold for every mode.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -25,13 +25,13 @@ class Limiter {
       return;
     }
     if (stopping_) {
-      // Ending a stop early lets go of the brake at once. Rolling the old deceleration off jerk by jerk would carry the speed through
-      // zero into the other direction.
+      // Ending a stop early drops its deceleration at once. Rolled off with limited jerk it would carry the speed
+      // through zero into reverse.
       stopping_ = false;
       gives_way_ = false;
       acceleration_m_s2_ = 0;
     }
-    // A turn has its way, and the hoist slows down for it. Meanwhile each takes what the other leaves.
+    // A turn has priority and the hoist slows down for it. Until it has, each uses what the other leaves.
     const WheelRoom room{params};
     if (!std::isfinite(speed.m_s())) speed = {};
     speed.within(params.speed_m_s_max * params.speed_cap_norm, contract::SpeedCause::cap);
@@ -97,7 +97,7 @@ class Limiter {
     return (ratio / (m + 1.0) + m / 2.0) * jerk_step_m_s2;
   }
 
-  /// What is wished is done at the bound. What the turn takes beyond that, and what comes back after it, is done gently.
+  /// A requested change uses the full bound. Making room for a turn, and recovering afterwards, uses the gentle one.
   [[nodiscard]] double acceleration_max(const contract::Params& params, double wish_m_s, double target_m_s, double dt_s) noexcept {
     const bool slower = wish_m_s * speed_m_s_ < speed_m_s_ * speed_m_s_, room_ends = target_m_s != wish_m_s;
     if (room_ends && std::fabs(speed_m_s_) >= std::fabs(target_m_s) - kSame_m_s) gives_way_ = true;
@@ -118,7 +118,7 @@ class Limiter {
     speed_m_s_ = std::fabs(target_m_s - next_m_s) < kSame_m_s ? target_m_s : next_m_s;
   }
 
-  // Rounding must not leave a billionth of a metre per second for ever.
+  // Ends exactly at the target, without a remainder of rounding.
   static constexpr double kSame_m_s = 1e-9;
 
   double speed_m_s_ = 0, acceleration_m_s2_ = 0, yaw_rate_rad_s_ = 0;

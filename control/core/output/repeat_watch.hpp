@@ -1,4 +1,4 @@
-// H22 and hazard table 2.3: the same fault of the machine that stops the hoist again and again is no coincidence.
+// H22 and hazard table 2.3: counts protective stops for the same fault of the machine.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -39,8 +39,8 @@ class RepeatWatch {
     return count >= threshold<kFault, "stops">(params.fault_stops_max);
   }
 
-  /// Drops what no longer counts. True when that was anything: then it is to be stored anew, because a restart of the computer makes
-  /// every stored stop count as one of that moment.
+  /// Drops stops outside the window. True when there were any: the history must be stored again, because a restart of
+  /// the computer makes every stored stop count as recent.
   [[nodiscard]] bool expire(std::uint64_t time_ns, const contract::Params& params) noexcept {
     constexpr contract::Fault kFault = contract::Fault::control_fault;
     const double window_s = threshold<kFault, "window", Laxer::lower>(params.fault_stops_window_s);

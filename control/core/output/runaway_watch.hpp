@@ -1,9 +1,9 @@
-// H1: the second way off. A stop that does not stop has lost more than its servo: then the motors' supply is taken away, by the relay.
+// H1: last resort. When a stop fails, the relay cuts the motors' supply.
 //
 // Watched in every mode that is not meant to move (what moves differently than commanded in the others is stopped first, by
 // monitor/overspeed.hpp). Any of three things for kStop_s:
 //   driven     a motor turns its wheel although nothing asks for it (estimate/driven_wheel.hpp)
-//   unslowed   in a PROTECTIVE_STOP that has not stood yet, a wheel goes on beside its ramp and does not slow down
+//   unslowed   before the first standstill of a PROTECTIVE_STOP a wheel is off its ramp and does not slow down
 //   spinning   the same, of the whole hoist by its gyroscope, while a drive is silent
 // The last two need no current sensor. They end with the first standstill, because from then on hands may push a hoist whose drives have
 // failed; and a shorted bridge whose current no sensor sees, on a hoist that stood, is not told from such a push.

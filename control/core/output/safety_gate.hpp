@@ -1,6 +1,6 @@
-// The last word on every frame that leaves. The gate is not told what the controller wanted: it judges the frames alone, against the mode,
-// the limits, the age of what the hoist knows, and what it let through before (hazard H1). Every condition here is tried by a test and every
-// change of one is noticed: deploy/dev cover.
+// The last check of every frame that leaves. It judges frames alone, not what the controller wanted: against the mode,
+// the limits, the age of the sensor data, and the frames it passed before (hazard H1). Every condition is covered by a
+// test (deploy/dev cover).
 #pragma once
 #include <array>
 #include <cmath>
@@ -16,7 +16,7 @@
 
 namespace hoist::core {
 
-/// The facts the gate goes by, taken from the senses and not from the controller.
+/// The gate's inputs, from the sensors and not from the controller.
 struct GateView {
   contract::Mode mode = contract::Mode::init;
   bool tilts_lost = true;     // patient-led walking without a tilt
@@ -82,8 +82,9 @@ class SafetyGate {
     return {sent_.left.m_s + sent_.right.m_s, 0};
   }
 
-  /// What an engineer's tool may send while nodes get new programs: to one node of ours, to hold or start it, to ask it anything, and to
-  /// write the objects of the program (CiA 302-3) and nothing else. A segment needs no look: the transfer it belongs to had one.
+  /// What an engineer's tool may send while nodes get new programs: to one of our nodes, NMT stop or start, any SDO
+  /// upload, and downloads to the objects of the program (CiA 302-3) only. Segments pass: the first frame of their
+  /// transfer was checked.
   [[nodiscard]] static bool is_service_frame(const contract::CanFrame& frame) noexcept {
     const contract::FrameClass what = contract::classify(frame);
     if (!what.fits) return false;
@@ -239,7 +240,7 @@ class SafetyGate {
 
   [[nodiscard]] static bool is_sync(const contract::CanFrame&, const contract::FrameClass&, const GateView&) noexcept { return true; }
 
-  /// Our own, and never speaking for a node.
+  /// The core's own, never with the id of a node.
   [[nodiscard]] static bool is_own_heartbeat(const contract::CanFrame& frame, const contract::FrameClass& what, const GateView&) noexcept {
     return what.is_of(contract::Node::core) && frame.data[0] == static_cast<std::uint8_t>(contract::canopen::NmtState::operational);
   }

@@ -30,7 +30,7 @@ class LimitedSpeed {
   }
 
  private:
-  // A patient's lean reaches a limit now and then with each step; a patient does not feel so little.
+  // A patient's lean reaches a limit briefly with each step; less than this is not felt.
   static constexpr double kTold_m_s = 0.02;
 
   constexpr void take(double left_m_s, contract::SpeedCause cause) noexcept {

@@ -18,8 +18,8 @@ class WheelRoom {
       : wheel_m_s_max_{kMotorTop_rad_s / contract::kGearRatio_norm * p.wheel_radius_m * contract::smaller_wheel_scale_norm(p)},
         half_track_m_{p.track_width_m / 2.0} {}
 
-  /// How far these two wishes can be met together. The turn has its way, up to half of what the wheels have: all of it would end a walk in
-  /// a turn on the spot, on small wheels far apart.
+  /// How far these two requests can be met together. The turn has priority up to half of the wheels' range: the whole
+  /// range could stop the walk for a turn on the spot (small wheels, wide track).
   [[nodiscard]] double speed_share_m_s(double speed_m_s, double yaw_rate_rad_s) const noexcept {
     return std::fmin(std::fabs(speed_m_s), std::fmax(speed_left_m_s(yaw_rate_rad_s), wheel_m_s_max_ / 2.0));
   }

@@ -185,7 +185,7 @@ Verdict take_lease(CoreState& state, const Command& command) noexcept {
   // The server itself never drives.
   if (command.client == 0) return refused(Refusal::no_lease);
   const std::uint32_t holder = state.lease.holder;
-  // Handed over is the lease of this epoch: another holder meanwhile has given nothing away, and nobody has anything to give.
+  // A hand-over names the epoch of the lease: it is void when another client holds it by now, or nobody.
   const bool handed_over = command.a == contract::kHandOver;
   if (handed_over && (holder == 0 || command.lease_epoch != state.lease.epoch)) return refused(Refusal::no_lease);
   if (holder != 0 && holder != command.client) {
@@ -300,7 +300,7 @@ Verdict ask_calibration(CoreState& state, const Command& command) noexcept {
   return {bits != 0 ? bits | calibration_refusals(state, *info) : enter_calibration(state, *info), 0, false};
 }
 
-// What the steps after the first have in common: CALIBRATE, and the one who leads it.
+// Common to all steps after the first: the mode is CALIBRATE, and the client that began it asks.
 std::uint32_t calibration_lead(const CoreState& state, const Command& command) noexcept {
   if (!state.lease.held_by(command.client, command.lease_epoch)) return refusal_bit(Refusal::no_lease);
   return state.mode == Mode::calibrate ? 0U : refusal_bit(Refusal::out_of_order);
@@ -401,11 +401,11 @@ void answer(CoreState& state, const Command& command, const Verdict& verdict) no
 
 void take_command(CoreState& state, const Command& command) noexcept {
   const bool in_order = state.next_sequence == 0 || command.sequence == state.next_sequence;
-  // After a gap (the ring went round) the order goes on from the newest; an old number never brings the count back, so nothing that
-  // was once sent can be played again.
+  // After a gap (the ring was overwritten) the order continues from the newest number. An old number never moves the
+  // count back, so no command can be replayed.
   if (in_order || command.sequence > state.next_sequence) state.next_sequence = command.sequence + 1;
-  // Done in any order: STOP, and a request for standby. Both can only stop, and a number must not keep anybody from it: after
-  // the server was lost the first command sets the count, whatever it is, and a wrong one there would let the patient walk on.
+  // STOP and a request for standby are taken in any order: they can only stop. After a lost server the first command
+  // sets the count, whatever it is; a wrong number there must not let the patient walk on.
   const bool only_stops = command.kind == CommandKind::stop ||
                           (command.kind == CommandKind::request_mode && command.a == static_cast<std::uint32_t>(Mode::standby));
   if (!in_order && !only_stops) {

@@ -8,7 +8,7 @@
 
 namespace hoist::core {
 
-/// More than the ring between the programs holds is never waiting honestly; the rest is refused unread, except STOP.
+/// More than the ring between the programs can hold; the rest is refused unread, except STOP.
 inline constexpr std::size_t kCommandsPerTick = 64;
 
 /// Does or refuses one command and answers it with an event (command_done or command_refused with all reasons).

@@ -128,7 +128,8 @@ void write_rows(CoreState& state, const Staging& set, const Asked& asked) noexce
   return std::memcmp(&a, &b, sizeof(Params)) == 0;
 }
 
-// Whatever a step decides by: the table, the gains as the laws see them (on their way they have no copy), and what follows from the table.
+// Everything a step uses for its decisions: the table, the gains as the laws see them (on their way they have no copy),
+// and what follows from the table.
 [[nodiscard]] bool damaged(const CoreState& state) noexcept {
   return !same_bits(state.params, state.seal.copy) || (!state.slewing && !same_bits(state.live, state.params)) ||
          state.derived != state.seal.derived;
@@ -191,12 +192,12 @@ void install_params(CoreState& state, const Params& params) noexcept {
 void put_into_force(CoreState& state, const Staging& set, const Asked& asked, double trial_s) noexcept {
   Trial& trial = state.trial;
   if (trial_s > 0) {
-    // A second trial on top of a first: what comes back is what was there before both.
+    // A second trial on top of a first: the values before both come back.
     if (trial.left_s <= 0) trial.before = state.params;
     for (const Staging::Row& row : set.rows) trial.on_trial[row.index] = true;
     trial.left_s = trial_s;
   } else {
-    // Meant to stay: what was tried in these rows before is settled. A client that sets a value has seen the others.
+    // Not a trial: an earlier trial of these rows is over, because the client had seen the values in force.
     state.defaults_after_damage = false;
     for (const Staging::Row& row : set.rows) {
       contract::set_param_unchecked(trial.before, row.index, row.value);

@@ -5,7 +5,6 @@
 
 #include "control/core/events.hpp"
 #include "control/core/supervise/fault_sets.hpp"
-#include "control/core/supervise/supervisor.hpp"
 
 namespace hoist::core {
 
@@ -22,7 +21,7 @@ void tell_faults(CoreState& state, FaultBits bits, EventKind kind) noexcept {
     Event event;
     event.kind = kind;
     event.code = static_cast<std::uint32_t>(std::countr_zero(bits));
-    // Which device it is about, where a fault may be about any.
+    // Names the device, for faults that any device may have.
     if (kind == EventKind::fault_raised && event.code == static_cast<std::uint32_t>(Fault::node_duplicate))
       event.item = state.health.duplicate_id();
     if (kind == EventKind::fault_raised && event.code == static_cast<std::uint32_t>(Fault::node_babbling))
@@ -33,7 +32,7 @@ void tell_faults(CoreState& state, FaultBits bits, EventKind kind) noexcept {
   }
 }
 
-/// What a fault that holds now is about (HOIST_DETAIL); 0 = it has nothing to say.
+/// Detail code of a fault that holds now (HOIST_DETAIL); 0 = none.
 std::uint16_t code_now(const CoreState& state, Fault fault) noexcept {
   const bool left = fault == Fault::drive_left_fault;
   if (left || fault == Fault::drive_right_fault) {
@@ -48,13 +47,14 @@ std::uint16_t code_now(const CoreState& state, Fault fault) noexcept {
   return 0;
 }
 
-/// Codes belong to the beginning of a fault: what a drive says while it is reset, or a strut that swings back, is not its cause.
+/// A code is taken when its fault begins: what a drive reports during its reset, or a strut that swings back, is not
+/// the cause.
 void keep_codes(CoreState& state, FaultBits raised) noexcept {
   for (FaultBits bits = contract::faults_with_details(); bits != 0; bits &= bits - 1) {
     const auto bit = static_cast<std::size_t>(std::countr_zero(bits));
     const bool held = (state.latched >> bit & 1U) != 0, begins = (raised >> bit & 1U) != 0;
     if (!held) state.fault_codes[bit] = 0;
-    // A drive's code may be later than its fault.
+    // A drive's code may arrive later than its fault.
     if (held && (begins || (state.fault_codes[bit] == 0 && state.in_mode.ticks <= kJudgeTicks &&
                             (fault_bit(static_cast<Fault>(bit)) & kDriveFaults) != 0)))
       state.fault_codes[bit] = code_now(state, static_cast<Fault>(bit));

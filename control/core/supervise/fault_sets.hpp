@@ -1,4 +1,4 @@
-// The faults by what answers them, as bits.
+// Sets of faults by their reaction, as bits.
 #pragma once
 #include "control/contract/faults.hpp"
 #include "control/core/estimate/estimate.hpp"
@@ -13,13 +13,14 @@ namespace hoist::core {
   return bits;
 }
 
-/// Stops that say nothing about the machine: people press, touch and fall, and floors slope.
+/// Stops that say nothing about the machine: caused by a button, a touch, a fall or a slope.
 inline constexpr contract::FaultBits kNotOfTheMachine =
     contract::fault_bit(contract::Fault::stop_pressed) | contract::fault_bit(contract::Fault::bumper_pressed) |
     contract::fault_bit(contract::Fault::fall_detected) | contract::fault_bit(contract::Fault::base_tilted);
-/// Stops of which too many put the hoist out of service.
+/// Too many of these stops put the hoist out of service.
 inline constexpr contract::FaultBits kCountedStops = faults_with(contract::Reaction::protective_stop) & ~kNotOfTheMachine;
-/// Silence: a plug, a cable. A therapist can mend it; repeated, these may be acknowledged without an engineer.
+/// Lost nodes and bus: plugs and cables, which a therapist can put right; repeated, they may be acknowledged without an
+/// engineer.
 inline constexpr contract::FaultBits kSilence = [] {
   contract::FaultBits bits = contract::fault_bit(contract::Fault::bus_down);
   for (const NodeRow& row : kNodeRows) bits |= contract::fault_bit(row.lost);

@@ -51,8 +51,8 @@ std::uint32_t guard_refusals(const CoreState& state, Guard guard) noexcept {
     case Guard::ready_with_a_path:
       return start_refusals(state, Mode::guided);
     case Guard::cause_gone:
-      // A drive's own fault goes with the acknowledgement; so does a bumper that touches, which only driving can clear (H13). A hoist on its
-      // way out of service does not come back by this one.
+      // A drive's own fault ends with the acknowledgement, and a pressed bumper can be cleared by driving only (H13). A
+      // hoist on its way out of service cannot leave by this row.
       if ((state.conditions & kProtective & ~kDriveFaults & ~kBumper) != 0) bits |= refusal_bit(Refusal::cause_not_cleared);
       if ((state.latched & kBreakdown) != 0) bits |= refusal_bit(Refusal::fault_mode);
       if (!state.still.reached(kStillTicks)) bits |= refusal_bit(Refusal::moving);
@@ -101,7 +101,7 @@ std::uint32_t start_refusals(const CoreState& state) noexcept {
 
 std::uint32_t guided_refusals(const CoreState& state) noexcept {
   std::uint32_t bits = state.guided.loaded() ? 0U : refusal_bit(Refusal::no_exercise);
-  // Hold-to-run is to be pressed for this exercise, not still held from something else.
+  // Hold-to-run must be pressed for this exercise, not held from before.
   if (state.remote.held() && state.remote.age_s(state.time_ns) <= state.params.remote_stop_age_s)
     bits |= refusal_bit(Refusal::release_first);
   return bits;
@@ -109,7 +109,7 @@ std::uint32_t guided_refusals(const CoreState& state) noexcept {
 
 std::uint32_t start_refusals(const CoreState& state, Mode to) noexcept {
   std::uint32_t bits = start_refusals(state);
-  // In REMOTE the hoist may leave what it touches; limiter and gate see to it that it does nothing else.
+  // In REMOTE the hoist may leave what it touches; limiter and gate allow nothing else.
   if (to == Mode::remote && (state.sensed.io.bumpers() & ~state.acknowledgement.bumpers()) == 0)
     bits &= ~refusal_bit(Refusal::bumper_start);
   if (to == Mode::guided) bits |= guided_refusals(state);

@@ -18,12 +18,12 @@ inline constexpr std::uint8_t kGoneTicks = 250;
 /// The reasons against this way of starting: start_refusals, less the bumper that REMOTE is to drive away from.
 [[nodiscard]] std::uint32_t start_refusals(const CoreState& state, contract::Mode to) noexcept;
 
-/// What an exercise asks for besides: a figure, and a hand that is not yet on the button.
+/// The further reasons against GUIDED: no figure, or hold-to-run already held.
 [[nodiscard]] std::uint32_t guided_refusals(const CoreState& state) noexcept;
 
-/// What is against a row of the table with this guard.
+/// The reasons against a row of the transition table with this guard.
 [[nodiscard]] std::uint32_t guard_refusals(const CoreState& state, Guard guard) noexcept;
-/// What there is to say about a mode that nothing can be started from.
+/// The reason that the present mode gives against any start.
 [[nodiscard]] std::uint32_t where_it_stands(const CoreState& state) noexcept;
 
 }  // namespace hoist::core

@@ -21,7 +21,7 @@ using contract::refusal_bit;
 
 namespace {
 
-/// FAULT was entered for nothing but what plugs and cables explain.
+/// FAULT was entered only for silent nodes or a silent bus.
 bool therapist_mends(const CoreState& state) noexcept {
   const FaultBits causes = state.latched & (kProtective & ~kNotOfTheMachine);
   return (state.latched & kBreakdown) == fault_bit(Fault::control_fault) && causes != 0 && (causes & ~kSilence) == 0;
@@ -32,7 +32,7 @@ struct Way {
   std::uint32_t against = 0;  // refusal bits
 };
 
-/// The first way out that is open; when none is, the first one with the reasons against it.
+/// The first transition that is open; when none is, the first one with the reasons against it.
 Way way_out(const CoreState& state, contract::Role role, FaultBits seen) noexcept {
   Way way;
   for (const Transition& each : kTransitions) {
@@ -49,7 +49,7 @@ Way way_out(const CoreState& state, contract::Role role, FaultBits seen) noexcep
   return way;
 }
 
-/// A drive leaves its fault only when told to, and telling it is what the press means.
+/// A drive leaves its fault only when it is reset, which the acknowledgement asks for.
 void reset_drives(CoreState& state) noexcept {
   const bool left = drive_in_fault(state.sensed.left_drive) || (state.conditions & fault_bit(Fault::drive_left_fault)) != 0;
   const bool right = drive_in_fault(state.sensed.right_drive) || (state.conditions & fault_bit(Fault::drive_right_fault)) != 0;
@@ -65,8 +65,8 @@ void leave_the_stop(CoreState& state, const Transition& row) noexcept {
     change_mode(state, row.to);
     return;
   }
-  // Everything is looked at anew, each node met as if the hoist had just been switched on. But the button asks for no role: what put the
-  // hoist out of service stays, with its causes and counts, and INIT leads back to FAULT within this step.
+  // INIT configures every node as after switching on. Releasing the emergency stop needs no role, so a hoist that was
+  // out of service stays so: causes and counts are kept, and INIT returns to FAULT within this step.
   const bool checked = row.guard == Guard::checked;
   if (checked) {
     state.repeats.forget();

@@ -1,4 +1,4 @@
-// The release of a stop: a person has seen why the hoist stopped and says so. It may have to wait for a drive to leave its fault.
+// Acknowledging a stop. The answer may have to wait for a drive to leave its fault.
 #pragma once
 #include <cstdint>
 

@@ -22,10 +22,10 @@ using contract::refusal_bit;
 
 namespace {
 
-/// The exercise is over, whatever ended it.
+/// Ends the exercise, whatever the reason.
 void tell_guided_end(CoreState& state) noexcept {
   state.guided.end(contract::GuidedEnd::stopped);
-  // Nothing is left to go on with.
+  // It cannot be continued.
   if (state.guided.ended() == contract::GuidedEnd::finished) state.start.exercise = 0;
   Event event;
   event.kind = EventKind::guided_ended;
@@ -45,8 +45,8 @@ void stop_protectively(CoreState& state, FaultBits causes) noexcept {
   if ((causes & fault_bit(Fault::bumper_pressed)) != 0) state.in_mode.braking = Braking::bumper;
 }
 
-/// The first second of a protective stop: a cause that is found after its consequence takes its place. At the end, what was the machine's
-/// own fault counts; a stop that became an emergency stop meanwhile was that one's consequence and does not.
+/// In the first second of a protective stop a cause that is found after its consequence takes its place. At the end of
+/// it machine faults are counted; a stop that became an emergency stop was its consequence and is not.
 void judge_stop(CoreState& state) noexcept {
   if (state.mode != Mode::protective_stop || state.in_mode.ticks > kJudgeTicks) return;
   for (const contract::Explanation& row : contract::kExplanations) {
@@ -94,7 +94,7 @@ void change_mode(CoreState& state, Mode to) noexcept {
   if (to != Mode::protective_stop) {
     state.limiter.reset();
   } else if (!is_moving(from)) {
-    // Drives off, and perhaps being pushed: the ramp begins at what the wheels do.
+    // Drives off, perhaps pushed by hand: the ramp begins at the wheels' speed.
     state.limiter.start_from(state.params, state.sensed.odometry.speed_m_s, state.sensed.odometry.yaw_rate_rad_s);
   }
   mode_row_of(to).enter(state);
@@ -106,11 +106,12 @@ void change_mode(CoreState& state, Mode to) noexcept {
 }
 
 void judge_faults(CoreState& state, FaultBits conditions) noexcept {
-  // Out of service or without power there is nothing left to stop, and INIT will look at everything anew: only what led here is an alarm.
+  // Out of service or without power nothing is left to stop, and INIT checks everything again: only what led here stays
+  // an alarm.
   if (state.mode == Mode::fault || state.mode == Mode::emergency_stop) conditions &= ~kProtective;
   // Drives whose supply the core has taken away (H1) report it as their fault.
   if (state.relay.is_cut()) conditions &= ~kDriveFaults;
-  // Also a cause that is latched already and comes again; bumpers are remembered one by one.
+  // Also for a cause that is latched already and returns; bumpers are remembered one by one.
   if ((conditions & ~state.conditions & kProtective & ~kBumper) != 0) state.acknowledgement.overtake();
   // Protective faults stay until acknowledged. In INIT nothing has run yet that an acknowledgement could be about, but for what puts the
   // hoist out of service.
@@ -127,7 +128,7 @@ void raise_fault(CoreState& state, Fault fault) noexcept {
   if (!watches(fault)) return;
   state.acknowledgement.overtake();
   latch(state, fault);
-  // In INIT, and where everything stands, there is nothing to brake: what is to go out of service does so within this step.
+  // In INIT and at standstill there is nothing to brake: the hoist goes out of service within this step.
   if ((fault_bit(fault) & kBreakdown) != 0 && (state.mode == Mode::init || (!is_moving(state.mode) && at_rest(state)))) return;
   stop_protectively(state, fault_bit(fault));
 }
@@ -137,7 +138,7 @@ void serve_breakdown(CoreState& state) noexcept {
   const Transition* row = find_transition(state.mode, Mode::fault, Asker::breakdown);
   if (row == nullptr || guard_refusals(state, row->guard) != 0) return;
   change_mode(state, Mode::fault);
-  // control_fault tells only that there were too many stops: what they were for stays the cause.
+  // control_fault only says that there were too many stops: their own cause stays the one that is shown.
   const bool known = state.stop_cause != 0 && (state.latched >> (state.stop_cause - 1U) & 1U) != 0;
   if (!known || (state.latched & kBreakdown) != fault_bit(Fault::control_fault))
     state.stop_cause = static_cast<std::uint8_t>(std::countr_zero(state.latched & kBreakdown) + 1);
@@ -152,7 +153,7 @@ void restore_stops(CoreState& state, const StopHistory& history) noexcept {
   const FaultBits known = fault_bit(Fault::control_fault) | (kProtective & ~kNotOfTheMachine);
   restore_latched(state, history.out_of_service & known);
   change_mode(state, Mode::fault);
-  // H1: it may have run away, and a new start must not give it the supply back.
+  // H1: it may have run away; a new start must not restore the supply.
   if ((state.latched & fault_bit(Fault::overspeed)) != 0) state.relay.cut();
   state.stop_cause = static_cast<std::uint8_t>(static_cast<unsigned>(Fault::control_fault) + 1U);
 }

@@ -67,7 +67,8 @@ inline constexpr std::array kTransitions{
     Transition{contract::Mode::protective_stop, contract::Mode::standby, Asker::acknowledgement, Guard::cause_gone},
     // A node that does not come back must not hold the hoist for ever: INIT has the drives off, waits for the node and allows service.
     Transition{contract::Mode::protective_stop, contract::Mode::init, Asker::acknowledgement, Guard::only_silence},
-    // FAULT. From where wheels may turn the way leads through PROTECTIVE_STOP: a patient is brought to a stand before the drives go off.
+    // FAULT. Modes in which wheels may turn reach it through PROTECTIVE_STOP: the hoist stands before the drives go
+    // off.
     Transition{contract::Mode::init, contract::Mode::fault, Asker::breakdown, Guard::none},
     Transition{contract::Mode::standby, contract::Mode::fault, Asker::breakdown, Guard::at_rest},
     Transition{contract::Mode::calibrate, contract::Mode::fault, Asker::breakdown, Guard::at_rest},
@@ -126,7 +127,7 @@ namespace detail {
     // Motion ends on its ramp, or in a stop that brakes by itself, or because there is no power left.
     if (may_move(row.from) && row.to != Mode::protective_stop && row.to != Mode::emergency_stop && row.guard != Guard::ramp_first)
       return false;
-    // The three stops: each has its own asker, and none of them can be talked into or out of anything else.
+    // The three stops: each has its own trigger, and no other row leads in or out.
     if ((row.to == Mode::protective_stop) != (row.asker == Asker::fault)) return false;
     if ((row.to == Mode::fault) != (row.asker == Asker::breakdown)) return false;
     if ((row.to == Mode::emergency_stop) != (row.asker == Asker::hardware)) return false;

@@ -49,7 +49,7 @@ std::string bus_load_page() {
       "column\n"
       "adds the wait for lower frames of the same board that fill them, in the worst condition.\n"
       "*Storm*: all nodes send their EMCY at once. *Errors*: besides, one bus error every 10 ms. SDO always uses its\n"
-      "whole reserve. *Reaction*: when somebody acts on the absence of a frame; for heartbeats with one more beat lost.\n\n"
+      "whole reserve. *Reaction*: when the absence of a frame has a reaction; for heartbeats with one more beat lost.\n\n"
       "## Load\n\n| what is on | worst | without stuff bits | frames a second | with the 25 % reserve for SDO |\n|---|---|---|---|---|\n";
   for (const Variant& variant : kVariants) {
     const BusPlan plan = bus_plan(variant.switched);

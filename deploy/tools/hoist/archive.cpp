@@ -99,7 +99,7 @@ int push(const Wish& wish) {
   if (!archive) return refuse("archive", archive.error());
   const auto report = archive->push(*database, {wish.device.empty() ? host_name() : wish.device, wish.simulated}, show_progress);
   if (!report) return refuse("archive", report.error());
-  std::printf("sent %llu, described anew %llu, there already %llu; left here: %llu not ended, %llu of a simulator, %llu erased there\n",
+  std::printf("sent %llu, described again %llu, there already %llu; left here: %llu not ended, %llu of a simulator, %llu erased there\n",
               number(report->pushed), number(report->described), number(report->present), number(report->not_ended),
               number(report->simulated), number(report->erased));
   for (const std::string& sentence : report->refused) std::fprintf(stderr, "hoist archive: %s\n", sentence.c_str());

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "control/contract/program_version.hpp"
+#include "db/store/restore_remains.hpp"
 #include "deploy/tools/hoist/command.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
 

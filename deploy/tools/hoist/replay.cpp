@@ -21,7 +21,8 @@ void print_help(std::FILE* out) {
       "was given, "
       "but with these values (SI units) in force from the first step\non, and prints which live values would have been others: since when, "
       "and by "
-      "how much. --out writes all live values as CSV.\nPatient and hoist do not react anew: what is measured stays as it was recorded, so "
+      "how much. --out writes all live values as CSV.\nPatient and hoist do not react to the new values: what was measured stays as "
+      "recorded, so "
       "the "
       "wheels go on as they did then.\n",
       out);

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "db/export/session_export.hpp"
+#include "db/export/source.hpp"
 #include "db/export/sql.hpp"
 #include "deploy/tools/hoist/command.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"

@@ -1,4 +1,4 @@
-// hoist user, hoist audit: the file of accounts on this computer, for whoever may read it.
+// hoist user, hoist audit: the file of accounts on this computer, for a user who may read it.
 #include <termios.h>
 #include <unistd.h>
 
@@ -25,7 +25,7 @@ constexpr const char* kUserHelp =
     "       hoist user enable|disable FILE NAME\n\n"
     "FILE is the server's accounts.db, beside its recordings. A new password is read from the terminal, without showing it, or from\n"
     "standard input. A running server learns of a new password or account at once, of a disabled one at its next start: disable in\n"
-    "the console (Settings) to sign somebody out now.\n";
+    "the console (Settings) to sign a user out now.\n";
 constexpr const char* kAuditHelp =
     "usage: hoist audit verify FILE\n"
     "       hoist audit list FILE\n\n"
@@ -78,7 +78,7 @@ int list(const db::Accounts& accounts) {
   return kDone;
 }
 
-// A change of an account: logged, and when it takes the secret away, whoever is signed in with it is out at the server's next start.
+// A change of an account: logged, and when it removes the secret, sign-ins with it end at the server's next start.
 int finish(db::Accounts& accounts, const std::string& name, const std::string& after, const db::Status& status, bool signs_out) {
   if (!status) return refuse("user", status.error());
   if (signs_out)

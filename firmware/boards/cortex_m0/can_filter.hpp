@@ -14,7 +14,8 @@ struct CanFilter {
     if (all) return true;
     if (extended) return false;
     const std::uint32_t node = id & 0x7FU;
-    // NMT and SYNC, its own identifiers (also those it sends itself: another node that uses them shows so), and all heartbeats.
+    // NMT and SYNC, all heartbeats, and its own identifiers, also those that it sends: they reveal a second node with
+    // this id.
     return node == 0 || node == node_id || (id >> 7) == 0xE;
   }
 };

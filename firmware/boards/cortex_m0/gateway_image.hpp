@@ -1,9 +1,9 @@
-// The gateway between serial line and bus, the same on every chip. The one source that includes this names its chip first (namespace
-// hoist::firmware::chip) and brings the interrupt of its serial line.
+// The gateway between serial line and bus, the same on every chip. Its source includes the chip's board.hpp and peripherals
+// first and brings the interrupt of the serial line.
 #pragma once
 #include "firmware/boards/cortex_m0/late.hpp"
 #include "firmware/boards/cortex_m0/run.hpp"
-#include "firmware/boot/image_header.hpp"
+#include "firmware/lib/image_header.hpp"
 #include "firmware/nodes/gateway/gateway_node.hpp"
 
 namespace hoist::firmware::gateway_image {
@@ -13,7 +13,7 @@ namespace {
 [[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeader =
     image_header(contract::ImageKind::gateway, kImageChip);
 
-class GatewayBoard : public Board {
+class GatewayBoard : public cortex_m0::Board {
  public:
   void start() { uart_.start(); }
   std::size_t uart_read(std::span<char> in) { return uart_.read(in); }

@@ -16,7 +16,7 @@
 #include "control/contract/can_frame.hpp"
 #include "firmware/boards/cortex_m0/registers.hpp"
 #include "firmware/boards/cortex_m0/startup.hpp"
-#include "firmware/boot/mailbox.hpp"
+#include "firmware/lib/mailbox.hpp"
 #include "firmware/lib/watchdog_gate.hpp"
 
 namespace hoist::firmware::cortex_m0 {

@@ -40,9 +40,9 @@ constexpr std::uint32_t pack(std::uint32_t sign, std::int32_t exponent, std::uin
     exponent = 0;
   }
   std::uint32_t rounded = (significand + 0x40U) >> 7;
-  if ((significand & 0x7FU) == 0x40U) rounded &= ~1U;  // just between two: the even one
+  if ((significand & 0x7FU) == 0x40U) rounded &= ~1U;  // a tie: to the even one
   if (exponent >= 0xFE) return sign | kInfinity;
-  // The leading bit adds one to the exponent, and so does a carry of the rounding: up to infinity, if it must be.
+  // The leading bit adds one to the exponent. So does a carry of the rounding, which may lead to infinity.
   return sign | ((static_cast<std::uint32_t>(exponent) << 23) + rounded);
 }
 
@@ -219,7 +219,7 @@ constexpr std::uint32_t from_unsigned(std::uint32_t value, std::uint32_t sign = 
 constexpr std::uint32_t from_signed(std::int32_t value) {
   return value < 0 ? from_unsigned(0U - static_cast<std::uint32_t>(value), kSign) : from_unsigned(static_cast<std::uint32_t>(value));
 }
-// Towards zero. What does not fit is undefined in the language: here it is held at the end, and NaN is zero.
+// Rounds towards zero. A value out of range, undefined in the language, is clamped; NaN becomes zero.
 constexpr std::uint32_t magnitude(std::uint32_t a, std::uint32_t most) {
   const std::int32_t exponent = static_cast<std::int32_t>((a >> 23) & 0xFFU) - 127;
   if (exponent < 0 || is_nan(a)) return 0;

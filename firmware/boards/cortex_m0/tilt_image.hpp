@@ -1,11 +1,11 @@
 // The tilt sensor's image, the same on every chip: one image for both struts and the base, distinguished by the straps, and for three
-// inertial chips, distinguished by their identity. The one source that includes this names its chip first: namespace hoist::firmware::chip.
+// inertial chips, distinguished by their identity. Its source includes the chip's board.hpp and peripherals first.
 #pragma once
 #include <array>
 
 #include "firmware/boards/cortex_m0/late.hpp"
 #include "firmware/boards/cortex_m0/run.hpp"
-#include "firmware/boot/image_header.hpp"
+#include "firmware/lib/image_header.hpp"
 #include "firmware/lib/imu/icm42688p.hpp"
 #include "firmware/lib/imu/lsm6dso.hpp"
 #include "firmware/lib/imu/mpu6050.hpp"
@@ -20,7 +20,7 @@ namespace {
 
 inline constexpr std::uint32_t kRetryIdentity_ms = 100;
 
-class TiltBoard : public Board {
+class TiltBoard : public cortex_m0::Board {
  public:
   void start() {
     I2cBus::start();
@@ -46,7 +46,7 @@ class TiltBoard : public Board {
     } else if (i2c_.read(Mpu6050Chip::kWhoAmIRegister, answer)) {
       use(ImuChip<I2cBus, Mpu6050Chip>(i2c_));  // or another chip at its address: the driver checks
     } else if (answer[0] != 0x00 && answer[0] != 0xFF) {
-      foreign_ = {false, true, false, answer[0]};  // something on SPI that is none of the two
+      foreign_ = {false, true, false, answer[0]};  // another chip answers on SPI
     }
   }
 
@@ -87,7 +87,7 @@ void hoist_outputs_off() {}
   using namespace hoist;
   auto& the_board = board_place.make();
   if (!the_board.start_core()) firmware::cortex_m0::refuse_to_start(the_board);
-  const firmware::chip::Straps straps = firmware::chip::read_straps();
+  const firmware::cortex_m0::Straps straps = firmware::cortex_m0::read_straps();
   if (!straps.strap0 && !straps.strap1) firmware::cortex_m0::refuse_to_start(the_board);
   firmware::tilt_image::run_as(the_board, straps.strap0 && straps.strap1 ? contract::Node::tilt_base
                                           : straps.strap0                ? contract::Node::tilt_left

@@ -1,92 +1,40 @@
-// Common to every LPC11C24 board: CAN, stored parameters, cause of the reset, lamp, straps, watchdog. The boards of the four node kinds add the
-// hardware of their kind (tilt.cpp, drive.cpp, io.cpp, gateway.cpp).
-//
-// Interrupt handlers need the board, so there is one per image, a global that is initialised at compile time.
+// The LPC11C24, for cortex_m0/board.hpp and the images.
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <string_view>
 
-#include "control/contract/can_dictionary.hpp"
-#include "control/contract/firmware_image.hpp"
-#include "firmware/boards/cortex_m0/startup.hpp"
 #include "firmware/boards/lpc11c24/can.hpp"
 #include "firmware/boards/lpc11c24/clock.hpp"
 #include "firmware/boards/lpc11c24/flash.hpp"
 #include "firmware/boards/lpc11c24/memory.hpp"
-#include "firmware/boot/mailbox.hpp"
-#include "firmware/lib/board.hpp"
-#include "firmware/lib/program_control.hpp"
 
-namespace hoist::firmware::lpc11c24 {
+namespace hoist::firmware {
+namespace lpc11c24 {
 
-inline Mailbox& mailbox() { return *reinterpret_cast<Mailbox*>(kMailboxStart); }
+inline constexpr std::string_view kName = "LPC11C24";
+inline constexpr std::uint32_t kInternal_hz = 12'000'000;
 
-struct Straps {
-  bool strap0 = false, strap1 = false;  // true = wired to ground
-};
-inline Straps read_straps() {
-  set_pin<kStrap0>(0, kPinPullUp | kPinHysteresis);
-  set_pin<kStrap1>(0, kPinPullUp | kPinHysteresis);
-  for (std::uint32_t i = 0; i < 100; ++i) asm volatile("nop");  // the pull-ups of 50 kOhm and a few pF
-  return {!read_pin<kStrap0>(), !read_pin<kStrap1>()};
+inline void start_ports() { syscon::AhbClocks::set(syscon::kGpio | syscon::kIocon); }
+inline void start_supply_monitor() { start_brown_out(); }
+inline std::uint32_t serial_number() { return iap::serial_number(); }
+
+template <Pin kPin>
+void input_pin() {
+  set_pin<kPin>(0, kPinPullUp | kPinHysteresis);
+}
+// PIO1_2 has its GPIO as function 1.
+template <Pin kPin>
+void output_pin() {
+  set_pin<kPin>(kPin.port == 1 && kPin.bit == 2 ? 1 : 0, kPinFloating);
+  make_output<kPin>();
+}
+template <Pin kPin>
+void analog_pin() {
+  set_pin<kPin>(2, kPinAnalog);
 }
 
-class Board {
- public:
-  static constexpr std::string_view kHardwareName = "LPC11C24";  // 1009h
+}  // namespace lpc11c24
+namespace chip = lpc11c24;
+}  // namespace hoist::firmware
 
-  // Clock, tick, lamp, supply monitor. False without an exact clock: the node cannot be on the bus then.
-  [[nodiscard]] bool start_core() {
-    syscon::AhbClocks::set(syscon::kGpio | syscon::kIocon);
-    reset_cause_ = take_reset_cause();
-    const bool exact = start_clock();
-    start_brown_out();
-    set_pin<kLed>(0, kPinFloating);
-    set_led(false);
-    make_output<kLed>();
-    cortex_m0::start_systick(exact ? kClock_hz / 1000 : kInternal_hz / 1000, kPriorityTick);
-    watchdog::start();
-    return exact;
-  }
-  [[nodiscard]] bool start_can(CanFilter filter) { return can_.start(filter); }
-
-  // For the node.
-  bool send(const contract::CanFrame& frame) { return can_.send(frame); }
-  [[nodiscard]] bool all_sent() const { return can_.all_sent(); }
-  [[nodiscard]] bool simulated() const { return false; }
-  [[nodiscard]] std::uint32_t serial_number() const { return iap::serial_number(); }
-  [[nodiscard]] CanHealth can_health() const { return can_.health(); }
-  void drop_unsent() { can_.drop_unsent(); }
-  void can_restart() { can_.restart(); }
-  ParameterFlash& flash() { return flash_; }
-  [[nodiscard]] ResetCause reset_cause() const { return reset_cause_; }
-  void restart(bool into_loader) {
-    hoist_outputs_off();
-    forget_request(mailbox());
-    if (into_loader) request_loader(mailbox());
-    cortex_m0::reset_now();
-  }
-  [[nodiscard]] ProgramInfo program() const {
-    return {cortex_m0::read_word(kApplicationStart + contract::kImageHeaderAt + 12),
-            cortex_m0::read_word(kApplicationStart + contract::kImageCrcAt)};
-  }
-
-  // For the main loop.
-  bool receive(contract::CanFrame& frame) { return can_.receive(frame); }
-  [[nodiscard]] bool has_frame() const { return can_.has_frame(); }
-  [[nodiscard]] bool service() { return can_.service(); }
-  void feed_watchdog() { watchdog::feed(); }
-  void set_led(bool on) { write_pin<kLed>(!on); }
-  void started_well() { forget_failures(mailbox()); }
-
-  void on_can_interrupt() { can_.on_interrupt(); }
-
- private:
-  static constexpr std::uint32_t kInternal_hz = 12'000'000;
-  Can can_{};
-  ParameterFlash flash_{};
-  ResetCause reset_cause_ = ResetCause::power;
-};
-
-}  // namespace hoist::firmware::lpc11c24
+#include "firmware/boards/cortex_m0/board.hpp"

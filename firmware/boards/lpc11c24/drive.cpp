@@ -1,79 +1,11 @@
-// The drive on the LPC11C24: one image for both wheels, distinguished by the straps.
-#include "firmware/boards/cortex_m0/late.hpp"
-#include "firmware/boards/cortex_m0/run.hpp"
+// The drive on the LPC11C24.
 #include "firmware/boards/lpc11c24/board.hpp"
 #include "firmware/boards/lpc11c24/bridge.hpp"
 #include "firmware/boards/lpc11c24/encoder.hpp"
-#include "firmware/boot/image_header.hpp"
-#include "firmware/nodes/drive/drive_node.hpp"
 
-namespace hoist::firmware::lpc11c24 {
-namespace {
+#include "firmware/boards/cortex_m0/drive_image.hpp"
 
-[[gnu::section(".image_header"), gnu::used]] constinit const ImageHeaderWords kImageHeader =
-    image_header(contract::ImageKind::drive, kImageChip);
-
-class DriveBoard : public Board {
- public:
-  // Outputs stay off: only the node switches the bridge on.
-  void start() {
-    microseconds::start();
-    encoder_.start();
-    set_pin<kMotorCurrent>(2, kPinAnalog);
-    set_pin<kBusVoltage>(2, kPinAnalog);
-    converter_.start();
-    bridge_.start();
-    converter_.follow_timer(kMotorCurrentChannel);
-  }
-
-  std::int32_t encoder_counts() { return encoder_.counts(); }
-  std::uint32_t edge_time_us() { return encoder_.edge_time_us(); }
-  std::uint32_t illegal_encoder_steps() { return encoder_.illegal_steps(); }
-  float motor_current_a() { return (converter_.newest(kMotorCurrentChannel) - kAdcCounts / 2) * kCurrent_a_per_count; }
-  float supply_v() {
-    const float counts = converter_.convert(kBusVoltageChannel);
-    converter_.follow_timer(kMotorCurrentChannel);
-    return counts * kBus_v_per_count;
-  }
-  bool driver_ok() { return Bridge::fault_line_high(); }
-  void set_bridge(bool enabled, float duty_norm) { bridge_.set(enabled, duty_norm); }
-
-  [[gnu::always_inline]] void on_encoder_interrupt() { encoder_.on_interrupt(); }
-
- private:
-  Encoder encoder_{};
-  Converter converter_{};
-  Bridge bridge_{};
-};
-
-constinit cortex_m0::Late<DriveBoard> board_place;
-constinit cortex_m0::Late<DriveNode<DriveBoard>> node_place;
-
-[[noreturn]] void run_as(DriveBoard& the_board, contract::Node place) {
-  the_board.start();
-  if (!the_board.start_can({false, contract::node_id(place)})) cortex_m0::refuse_to_start(the_board);
-  auto& node = node_place.make(the_board, place);
-  cortex_m0::run(node, the_board);
-}
-
-}  // namespace
-}  // namespace hoist::firmware::lpc11c24
-
-extern "C" {
-using hoist::firmware::lpc11c24::board_place;
-
-void can_interrupt() { board_place.object.on_can_interrupt(); }
 // From RAM: up to 70 000 edges per second.
-[[gnu::section(".ramcode")]] void gpio2_interrupt() { board_place.object.on_encoder_interrupt(); }
-
-void hoist_outputs_off() { hoist::firmware::lpc11c24::Bridge::outputs_off(); }
-
-[[noreturn]] void hoist_main() {
-  using namespace hoist;
-  auto& the_board = board_place.make();
-  if (!the_board.start_core()) firmware::cortex_m0::refuse_to_start(the_board);
-  const firmware::lpc11c24::Straps straps = firmware::lpc11c24::read_straps();
-  if (straps.strap0 == straps.strap1) firmware::cortex_m0::refuse_to_start(the_board);
-  firmware::lpc11c24::run_as(the_board, straps.strap0 ? contract::Node::drive_left : contract::Node::drive_right);
-}
+extern "C" [[gnu::section(".ramcode")]] void gpio2_interrupt() {
+  hoist::firmware::drive_image::board_place.object.encoder().on_interrupt();
 }

@@ -27,6 +27,7 @@ class Encoder {
  public:
   void start() {
     static_assert(kEncoderA.port == 2 && kEncoderB.port == 2 && kEncoderB.bit == kEncoderA.bit + 1);
+    microseconds::start();
     set_pin<kEncoderA>(0, kPinPullUp | kPinHysteresis);
     set_pin<kEncoderB>(0, kPinPullUp | kPinHysteresis);
     lines_ = lines();

@@ -77,7 +77,7 @@ class I2cBus {
     ControlClear::write(kInterrupt);
     return wait() && State::read() == kDataTaken;
   }
-  // A stop, also after something went wrong. The hardware clears the bit when the stop is on the bus.
+  // Sends a stop, also after an error. The hardware clears the bit when the stop is on the bus.
   static bool end() {
     ControlSet::write(kFinish);
     ControlClear::write(kInterrupt | kBegin);

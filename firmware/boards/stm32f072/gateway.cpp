@@ -2,10 +2,6 @@
 #include "firmware/boards/stm32f072/board.hpp"
 #include "firmware/boards/stm32f072/uart.hpp"
 
-namespace hoist::firmware {
-namespace chip = stm32f072;
-}
-
 #include "firmware/boards/cortex_m0/gateway_image.hpp"
 
 extern "C" void usart1_interrupt() { hoist::firmware::gateway_image::board_place.object.on_uart_interrupt(); }

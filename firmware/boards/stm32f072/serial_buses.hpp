@@ -68,7 +68,7 @@ class I2cBus {
     ToSend::write(byte);
     return true;
   }
-  // Waits for the stop. After something went wrong the block is switched off and on: that frees it from every state.
+  // Waits for the stop. After an error the block is switched off and on, which resets it from every state.
   static bool end(bool good) {
     if (good)
       for (std::uint32_t i = 0; i < kLoopsMax; ++i)

@@ -2,8 +2,4 @@
 #include "firmware/boards/stm32f072/board.hpp"
 #include "firmware/boards/stm32f072/serial_buses.hpp"
 
-namespace hoist::firmware {
-namespace chip = stm32f072;
-}
-
 #include "firmware/boards/cortex_m0/tilt_image.hpp"

@@ -12,8 +12,8 @@
 #include "control/contract/firmware_image.hpp"
 #include "firmware/boot/host/program_flash.hpp"
 #include "firmware/boot/loader.hpp"
-#include "firmware/boot/mailbox.hpp"
 #include "firmware/lib/board.hpp"
+#include "firmware/lib/mailbox.hpp"
 #include "firmware/lib/program_control.hpp"
 
 namespace hoist::firmware {

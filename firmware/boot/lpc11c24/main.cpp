@@ -1,5 +1,4 @@
-// The loader on the LPC11C24. One image per node kind, because the kind decides which straps mean which node and whose programs it takes;
-// HOIST_LOADER_KIND is its name.
+// The loader on the LPC11C24.
 //
 // It must fit into one sector of 4 KB, so it has no interrupts and no queue: the controller's filters pass only requests to this node, one
 // at a time, and SysTick is polled. It runs on the chip's 12 MHz and leaves reset causes and peripherals as after a reset.
@@ -12,7 +11,7 @@
 #include "firmware/boards/cortex_m0/startup.hpp"
 #include "firmware/boards/lpc11c24/board.hpp"
 #include "firmware/boards/lpc11c24/bridge.hpp"
-#include "firmware/boot/loader.hpp"
+#include "firmware/boot/cortex_m0.hpp"
 
 extern "C" {
 // Made by the linker script so that the first eight words add up to zero: otherwise the ROM does not start the program at address 0.
@@ -22,14 +21,8 @@ extern std::uint32_t hoist_vector_checksum[];
 namespace hoist::firmware::lpc11c24 {
 namespace {
 
+using namespace cortex_m0;
 using contract::ImageKind;
-constexpr ImageKind kKind = ImageKind::HOIST_LOADER_KIND;
-constexpr contract::ImageChipInfo kChip = *contract::find_image_chip(static_cast<std::uint8_t>(kImageChip));
-static_assert(kChip.application_at == kApplicationStart && kChip.application_max == kApplicationBytes);
-static_assert(kChip.ram_at == kRamStart && kChip.ram_bytes == kRamBytes);
-
-// A gateway has no place among the nodes: its loader uses the number below the computer's.
-constexpr std::uint8_t kGatewayLoader = 0x7E;
 
 // Reset and faults. No interrupt is enabled and no SVC executed, so the table ends here.
 union Vector {
@@ -51,7 +44,7 @@ consteval Vectors make_vectors() {
 [[gnu::section(".vectors"), gnu::used]] constinit const Vectors kVectorTable = make_vectors();
 
 // Message object 1 sends; 2 receives requests to this node, 3 network management.
-class BootBoard {
+class BootBoard : public LoaderBoard {
  public:
   static constexpr std::size_t kWritePage = kFlashWriteBytes;
   static constexpr std::size_t kEraseUnit = kSectorBytes;
@@ -118,11 +111,6 @@ class BootBoard {
   }
   [[nodiscard]] bool sent_all() const { return (c_can::TransmitRequest1::read() & (1U << (kSends - 1))) == 0; }
   [[nodiscard]] bool simulated() const { return false; }
-  [[nodiscard]] static constexpr ImageKind kind() { return kKind; }
-  [[nodiscard]] static constexpr const contract::ImageChipInfo& chip() { return kChip; }
-  [[nodiscard]] std::span<const std::uint8_t> application() const {
-    return {reinterpret_cast<const std::uint8_t*>(kApplicationStart), kApplicationBytes};
-  }
   bool erase(std::size_t unit) {
     const auto sector = static_cast<std::uint32_t>(kApplicationStart / kSectorBytes + unit);
     return change(sector, iap::Command::erase, sector, sector, kClock_hz / 1000);
@@ -132,8 +120,6 @@ class BootBoard {
     const auto to = static_cast<std::uint32_t>(kApplicationStart + offset);
     return change(to / kSectorBytes, iap::Command::copy, to, reinterpret_cast<std::uintptr_t>(bytes.data()), kFlashWriteBytes);
   }
-  Mailbox& mailbox() { return lpc11c24::mailbox(); }
-  void restart() { cortex_m0::reset_now(); }
 
  private:
   // The factory's routines need each sector prepared before each change. No interrupt can intervene: none is enabled.
@@ -162,33 +148,6 @@ LoaderReset reset_kind() {
   const std::uint32_t status = syscon::ResetStatus::read();
   if ((status & syscon::kResetWatchdog) != 0) return LoaderReset::watchdog;
   return (status & syscon::kResetSoftware) != 0 ? LoaderReset::software : LoaderReset::power_or_pin;
-}
-
-bool service_pin_low() {
-  set_pin<kService>(0, kPinPullUp | kPinHysteresis);
-  for (std::uint32_t i = 0; i < 100; ++i) asm volatile("nop");  // as for the straps
-  return !read_pin<kService>();
-}
-
-// 0: no valid strap. Such a board stays off the bus: two nodes with one id would be worse than none.
-std::uint8_t node_id() {
-  if constexpr (kKind == ImageKind::io) return contract::node_id(contract::Node::io);
-  if constexpr (kKind == ImageKind::gateway) return kGatewayLoader;
-  const Straps straps = read_straps();
-  if constexpr (kKind == ImageKind::drive) {
-    if (straps.strap0 == straps.strap1) return 0;
-    return straps.strap0 ? contract::node_id(contract::Node::drive_left) : contract::node_id(contract::Node::drive_right);
-  } else {
-    constexpr std::array kIds{std::uint8_t{0}, contract::node_id(contract::Node::tilt_left), contract::node_id(contract::Node::tilt_right),
-                              contract::node_id(contract::Node::tilt_base)};
-    return kIds[(straps.strap0 ? 1U : 0U) | (straps.strap1 ? 2U : 0U)];
-  }
-}
-
-[[noreturn]] void start_application() {
-  const std::uint32_t stack = cortex_m0::read_word(kApplicationStart), entry = cortex_m0::read_word(kApplicationStart + 4);
-  asm volatile("msr msp, %0\n\tbx %1" ::"r"(stack), "r"(entry));
-  __builtin_unreachable();
 }
 
 // All of them on one port: one write switches them off before one write makes them outputs.
@@ -223,7 +182,7 @@ void hoist_outputs_off() {
   const StartReason reason = decide_start(the_board, reset_kind(), service_pin_low());
   if (reason == StartReason::application) start_application();
   syscon::ResetStatus::write(syscon::ResetStatus::read());
-  const std::uint8_t id = node_id();
+  const std::uint8_t id = loader_id();
   while (id == 0 || !the_board.start(id)) {
   }
   Loader<BootBoard>& loader = loader_place.make(the_board, id, reason);

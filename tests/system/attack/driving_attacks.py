@@ -29,7 +29,7 @@ def stolen_and_old_leases(ground):
             check(not thief.reply(i)["ok"], f"{message} was carried out for a client without the lease")
         for sequence in range(1, 30):
             thief.say(type="drive", sequence=sequence, echo=time.monotonic_ns(), speed=1, yaw=1, held=True)
-    check(hoist.mode() == "user", f"mode {hoist.mode()}: somebody without the lease changed it")
+    check(hoist.mode() == "user", f"mode {hoist.mode()}: a client without the lease changed it")
 
 
 @attack("stopped")

@@ -1,4 +1,5 @@
-// Our exports read by programs that nobody here wrote: @mcap/core, @foxglove/rosmsg2-serialization, mat-for-js, and matdump of libmatio.
+// Our exports read by third-party programs: @mcap/core, @foxglove/rosmsg2-serialization, mat-for-js, and matdump of
+// libmatio.
 //   node readers.mjs MAKE_RECORDING HOIST
 // Every number must equal that of the CSV. Exits with 77 when the npm packages are not installed.
 import { execFileSync } from 'node:child_process';

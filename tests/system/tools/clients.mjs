@@ -1,4 +1,5 @@
-// clients.mjs PORT TOKEN CASE: one case of tests/system/tool_clients.py, with clients that nobody here wrote: @foxglove/ws-protocol and roslib.
+// clients.mjs PORT TOKEN CASE: one case of tests/system/tool_clients.py, with third-party clients:
+// @foxglove/ws-protocol and roslib.
 import assert from "node:assert/strict";
 import { parse } from "@foxglove/rosmsg";
 import { MessageReader } from "@foxglove/rosmsg2-serialization";
@@ -106,7 +107,7 @@ async function drives({ send, call, intents, mode }) {
   const begun = await call("/hoist/drive");
   assert.ok(begun.success, begun.message);
   await until("REMOTE", () => mode() === "remote");
-  await sleep(500); // the dead-man tells the core that the button is released
+  await sleep(500); // after 0.2 s of silence the core is told that the button is released
   await hold("it drives", 0.2, () => command() > 0.15);
   // The button is released: a tool sends nothing more.
   await until("the hoist stands", () => Math.abs(command()) < 0.005, 5000);

@@ -21,7 +21,7 @@
 #include "firmware/boards/stm32f072/memory.hpp"
 #include "firmware/boards/stm32f072/pins.hpp"
 #include "firmware/boards/stm32f072/transmit_order.hpp"
-#include "firmware/boot/mailbox.hpp"
+#include "firmware/lib/mailbox.hpp"
 #include "firmware/lib/parameter_store.hpp"
 
 namespace hoist::firmware {

@@ -492,8 +492,8 @@ TEST_F(StandIn, AStaleAnswerReadsAsPressedThenTheNodeFallsSilentAndComesBackAnew
   answers = true;
   const auto frames = step();
   ASSERT_EQ(frames.size(), 1U);
-  EXPECT_EQ(frames[0], contract::canopen::heartbeat(8, NmtState::boot_up)) << "the core meets it anew";
-  EXPECT_FALSE(bumpers_within(20)) << "and starts it anew";
+  EXPECT_EQ(frames[0], contract::canopen::heartbeat(8, NmtState::boot_up)) << "the core configures it from the start";
+  EXPECT_FALSE(bumpers_within(20)) << "and starts it again";
 }
 
 // ---- the command line

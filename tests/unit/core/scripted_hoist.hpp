@@ -17,6 +17,13 @@
 
 namespace hoist::core::test {
 
+using contract::CommandKind;
+using contract::EventKind;
+using contract::Fault;
+using contract::Mode;
+using contract::Refusal;
+using contract::refusal_bit;
+
 inline constexpr double kDeg = std::numbers::pi / 180.0;
 
 // 1018h:3 of the table: what a node's program of today says.

@@ -15,11 +15,6 @@ namespace {
 using contract::CalibrationPhase;
 using contract::CalibrationReason;
 using contract::CalibrationStep;
-using contract::CommandKind;
-using contract::EventKind;
-using contract::Mode;
-using contract::Refusal;
-using contract::refusal_bit;
 using contract::Role;
 
 constexpr double kToday_s = 1'790'000'000.0;

@@ -12,16 +12,10 @@
 namespace hoist::core::test {
 namespace {
 
-using contract::CommandKind;
-using contract::EventKind;
-using contract::Fault;
 using contract::GuidedEnd;
 using contract::GuidedField;
 using contract::GuidedPath;
 using contract::GuidedShape;
-using contract::Mode;
-using contract::Refusal;
-using contract::refusal_bit;
 
 constexpr GuidedPath kLong{GuidedShape::straight, false, 10.0, 0, 0.3, 1};
 

@@ -10,9 +10,6 @@ namespace hoist::core::test {
 namespace {
 
 using contract::CanFrame;
-using contract::EventKind;
-using contract::Fault;
-using contract::Mode;
 using contract::Node;
 using contract::Pdo;
 namespace canopen = contract::canopen;

@@ -10,12 +10,6 @@
 namespace hoist::core::test {
 namespace {
 
-using contract::CommandKind;
-using contract::Fault;
-using contract::Mode;
-using contract::Refusal;
-using contract::refusal_bit;
-
 bool same_params(const contract::Params& a, const contract::Params& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 TEST(Hostile, AHundredThousandRandomCommandsChangeNothing) {

@@ -10,13 +10,6 @@
 namespace hoist::core::test {
 namespace {
 
-using contract::CommandKind;
-using contract::EventKind;
-using contract::Fault;
-using contract::Mode;
-using contract::Refusal;
-using contract::refusal_bit;
-
 // A hoist brought into a mode, with client 7 as the driver.
 ScriptedHoist in_mode(Mode mode) {
   ScriptedHoist hoist;
@@ -107,7 +100,7 @@ TEST(Modes, ProtectiveStopIsLeftOnlyByAcknowledgement) {
   ScriptedHoist hoist = in_mode(Mode::protective_stop);
   hoist.step(2000);
   EXPECT_EQ(hoist.state.mode, Mode::protective_stop) << "never by itself";
-  EXPECT_NE(hoist.ask(CommandKind::acknowledge, 8), 0U) << "not by somebody without the lease";
+  EXPECT_NE(hoist.ask(CommandKind::acknowledge, 8), 0U) << "not without the lease";
   EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
   EXPECT_EQ(hoist.ask(CommandKind::acknowledge), 0U);
   EXPECT_EQ(hoist.state.mode, Mode::standby) << "and never back into motion";
@@ -476,7 +469,7 @@ TEST(Modes, WhatStopsWhileTheDriveIsAwaitedIsNotAcknowledged) {
     Fault stays;
   };
   const Case cases[] = {
-      {"STOP by somebody else", [](ScriptedHoist& h) { h.ask(CommandKind::stop, 9); }, Refusal::cause_not_cleared, Fault::stop_pressed},
+      {"STOP by another client", [](ScriptedHoist& h) { h.ask(CommandKind::stop, 9); }, Refusal::cause_not_cleared, Fault::stop_pressed},
       {"STOP for the second time", [](ScriptedHoist& h) { h.ask(CommandKind::stop, 9); }, Refusal::cause_not_cleared, Fault::stop_pressed},
       {"a sensor gone for a moment", [](ScriptedHoist& h) { gone_for_a_moment(h, h.tilt_left); }, Refusal::cause_not_cleared,
        Fault::tilt_left_lost},

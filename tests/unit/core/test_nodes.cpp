@@ -13,11 +13,8 @@ namespace {
 using contract::CanFrame;
 using contract::classify;
 using contract::CobKind;
-using contract::EventKind;
-using contract::Fault;
 using contract::FaultBits;
 using contract::FrameClass;
-using contract::Mode;
 using contract::Node;
 using contract::Pdo;
 namespace canopen = contract::canopen;

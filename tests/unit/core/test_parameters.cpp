@@ -10,12 +10,7 @@
 namespace hoist::core::test {
 namespace {
 
-using contract::CommandKind;
-using contract::EventKind;
-using contract::Mode;
 using contract::ParamName;
-using contract::Refusal;
-using contract::refusal_bit;
 
 constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
 
@@ -114,7 +109,7 @@ TEST(Parameters, StagingNamesWhatIsWrong) {
   EXPECT_EQ(hoist.ask(CommandKind::stage_parameter, 7, tau, 5, 1), refusal_bit(Refusal::out_of_order));
   EXPECT_EQ(hoist.ask(CommandKind::stage_parameter, 7, tau, 0, 9), 0U);
   EXPECT_EQ(hoist.ask(CommandKind::stage_parameter, 7, tau, 1, 8), refusal_bit(Refusal::inconsistent_set)) << "the same row twice";
-  EXPECT_EQ(hoist.ask(CommandKind::stage_parameter, 8, tau, 1, 8), refusal_bit(Refusal::out_of_order)) << "somebody else's set";
+  EXPECT_EQ(hoist.ask(CommandKind::stage_parameter, 8, tau, 1, 8), refusal_bit(Refusal::out_of_order)) << "another client's set";
   EXPECT_EQ(hoist.ask(CommandKind::commit_parameters, 8, 1, kEngineer), refusal_bit(Refusal::out_of_order));
   EXPECT_EQ(hoist.ask(CommandKind::commit_parameters, 7, 2, kEngineer), refusal_bit(Refusal::out_of_order)) << "not as many as staged";
   // The rows that were refused are not part of the set.
@@ -232,7 +227,7 @@ TEST(Parameters, H27ASetThatArrivedDamagedOrLateIsRefusedWhole) {
   EXPECT_EQ(hoist.state.params.lean_gain_filtered_units, 50);
   EXPECT_EQ(hoist.state.parameter_version, version);
   EXPECT_EQ(commit(meant.value(version)), 0U);
-  EXPECT_EQ(commit(meant.value(version)), refusal_bit(Refusal::set_outdated)) << "somebody was faster";
+  EXPECT_EQ(commit(meant.value(version)), refusal_bit(Refusal::set_outdated)) << "another client was faster";
 }
 
 TEST(Parameters, H27EveryBitThatFlipsInMemoryIsFoundAndMended) {
@@ -268,7 +263,7 @@ TEST(Parameters, H27DamageInBothCopiesLeavesTheDefaults) {
   ASSERT_TRUE(hoist.reach(Mode::standby));
   EXPECT_TRUE(hoist.state.defaults_after_damage);
   ASSERT_EQ(set(hoist, {{ParamName::lean_gain_direct_units, 4}}), 0U);
-  EXPECT_FALSE(hoist.state.defaults_after_damage) << "whoever sets one has seen the others";
+  EXPECT_FALSE(hoist.state.defaults_after_damage) << "a client that sets one has seen the others";
 }
 
 // The gains as the laws see them, and what follows from the table, decide as much as the table does.
@@ -475,7 +470,7 @@ TEST(TrialOfSettings, IsOnlyForWhatMayChangeWhileMovingAndForASensibleTime) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_range_rad, 0.2}}, 20), refusal_bit(Refusal::only_when_stopped))
-      << "it would have to go back while somebody walks";
+      << "it would have to go back during a walk";
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 0.5), refusal_bit(Refusal::out_of_range));
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 121), refusal_bit(Refusal::out_of_range));
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, -1), refusal_bit(Refusal::out_of_range));

@@ -7,13 +7,6 @@
 namespace hoist::core::test {
 namespace {
 
-using contract::CommandKind;
-using contract::EventKind;
-using contract::Fault;
-using contract::Mode;
-using contract::Refusal;
-using contract::refusal_bit;
-
 TEST(Lease, OneHolderAndTheEpochRisesWithEveryChange) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.to_standby());
@@ -34,7 +27,7 @@ TEST(Lease, OneHolderAndTheEpochRisesWithEveryChange) {
   EXPECT_EQ(hoist.count(EventKind::lease_changed), 3);
 }
 
-// Handed over is one lease, by its holder, while nothing moves: what was said of another lease gives nobody control.
+// A hand-over is for one lease, by its holder, at standstill: a request that names another lease gives no control.
 TEST(Lease, IsHandedOverOnceByItsHolderAtStandstill) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.to_standby());

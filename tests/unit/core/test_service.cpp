@@ -13,13 +13,7 @@ namespace {
 
 namespace canopen = contract::canopen;
 using contract::CanFrame;
-using contract::CommandKind;
-using contract::EventKind;
-using contract::Fault;
-using contract::Mode;
 using contract::Node;
-using contract::Refusal;
-using contract::refusal_bit;
 using contract::Role;
 
 constexpr auto kEngineer = static_cast<std::uint32_t>(Role::engineer);
@@ -145,7 +139,7 @@ TEST_F(ServiceTest, OneFrameAStepPassesAndNobodyElseAsksWhileTheDrivesStayOff) {
   EXPECT_EQ(hoist.tilt_left.sdo_requests, requests + 500);
   EXPECT_FALSE(hoist.has_fault(Fault::gate_refused));
   ASSERT_EQ(hoist.ask(CommandKind::end_service), 0U);
-  EXPECT_TRUE(hoist.to_standby()) << "afterwards the core meets its nodes anew";
+  EXPECT_TRUE(hoist.to_standby()) << "afterwards the core configures its nodes from the start";
   EXPECT_EQ(hoist.state.latched & kProtective, 0U);
 }
 

@@ -6,13 +6,7 @@
 namespace hoist::core::test {
 namespace {
 
-using contract::CommandKind;
-using contract::EventKind;
-using contract::Fault;
-using contract::Mode;
 using contract::Node;
-using contract::Refusal;
-using contract::refusal_bit;
 
 // H23: every start of the control program, also after a crash, begins in INIT.
 TEST(Start, ComesUpByItselfWhenAllNodesAnswer) {

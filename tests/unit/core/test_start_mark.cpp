@@ -12,10 +12,8 @@
 namespace hoist::core::test {
 namespace {
 
-using contract::CommandKind;
 using contract::GuidedPath;
 using contract::GuidedShape;
-using contract::Mode;
 
 constexpr std::uint32_t kEight = 77, kSquare = 78;
 

@@ -1,4 +1,5 @@
-// Backups and their way back: a copy of a file that is being recorded into, what a damaged one is refused for, and what a kill leaves behind.
+// Backups and restores: a copy of a file that is being recorded into, the refusal of damaged ones, and the state after
+// a kill.
 #include "db/store/backup.hpp"
 
 #include <sys/statvfs.h>
@@ -85,7 +86,7 @@ TEST_F(Backup, HoldsTheMomentOfItsBeginAlthoughRecordingGoesOn) {
   auto reading = Database::attach(file_);
   std::uint64_t tick = 100;
   int pieces = 0;
-  // Each piece of the copy meets a commit of the recorder: a copy that began anew each time would not end.
+  // Each piece of the copy meets a commit of the recorder: a copy that restarted each time would never end.
   const auto done = back_up(*reading, options(), [&](double share) {
     if (++pieces % 100 != 0 && share > 0.5) return true;  // the check
     EXPECT_TRUE(writer->append_ticks(walk.records(tick, 50)).ok());
@@ -143,7 +144,7 @@ TEST_F(Backup, AnEndedOneLeavesNothing) {
     EXPECT_FALSE(*ended) << most;
     EXPECT_TRUE(names_in(stick_).empty()) << most;
   }
-  // Of a program that was killed: removed by the next one. What is another's stays.
+  // Left by a program that was killed: removed by the next backup. Files of other programs stay.
   fs::create_directory(stick_ / "hoist-ward-3-20250101T000000Z.part");
   fs::create_directory(stick_ / "hoist-ward-4-20250101T000000Z.part");
   back_up_now();

@@ -14,7 +14,7 @@ namespace {
 using contract::BusRecord;
 using Table = std::vector<std::vector<std::int64_t>>;
 
-// Columns of every temper: constant, steady step, noise of every width, steps, the ends of the range.
+// Columns of every kind: constant, steady step, noise of every width, steps, the ends of the range.
 Table random_table(std::mt19937_64& random, std::size_t columns, std::size_t samples) {
   Table table(columns);
   for (auto& column : table) {

@@ -364,8 +364,7 @@ Kept keep_for_a_while() {
   }
   done = Kept::recorded;
   const RetentionRule rule{.days = 100, .disk_percent = {}, .needs_backup = true};
-  const BackupInfo backup{.folder = "/stick", .device = "a", .program = "b", .newest_session = 2, .files = {}};
-  if (!set_retention_rule(*database, rule) || !note_backup(*database, backup)) return done;
+  if (!set_retention_rule(*database, rule) || !note_backup(*database, 0, "/stick", 2)) return done;
   done = Kept::ruled;
   const auto plan = plan_retention(*database, *retention_rule(*database), kStartUtc_ns, 1, [](double) { return true; });
   if (!plan || !*plan) return done;

@@ -17,6 +17,7 @@
 #include "control/contract/reference_path.hpp"
 #include "db/export/fixed_point.hpp"
 #include "db/export/session_export.hpp"
+#include "db/export/source.hpp"
 #include "db/metrics/metric_list.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/summary/session_json.hpp"

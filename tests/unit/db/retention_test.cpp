@@ -83,9 +83,7 @@ TEST_F(Retention, DeletesWhatIsOldAndInABackup) {
   const RetentionRule careful{.days = 150, .disk_percent = {}, .needs_backup = true};
   EXPECT_EQ(plan(careful).sessions, Ids{});
   EXPECT_EQ(plan(careful).without_backup, 2U);
-  ASSERT_TRUE(
-      note_backup(*database_, {.folder = "/media/stick/hoist-a", .device = "a", .program = "b", .newest_session = oldest, .files = {}})
-          .ok());
+  ASSERT_TRUE(note_backup(*database_, 0, "/media/stick/hoist-a", oldest).ok());
   EXPECT_EQ(plan(careful).sessions, Ids{oldest});
   EXPECT_EQ(plan(careful).without_backup, 1U);
   int asked = 0;

@@ -138,7 +138,7 @@ TEST_F(DriveSdo, VetoesOfTheDrive) {
   EXPECT_EQ(write(0x1016, 1, 4, 0x007F00FA).data[0], 0x60);
   EXPECT_EQ(write(0x1016, 1, 4, 0), aborted(kAnswerLeft, 0x1016, 1, 0x06090030));           // not watching
   EXPECT_EQ(write(0x1016, 1, 4, 0x007F1388), aborted(kAnswerLeft, 0x1016, 1, 0x06090030));  // 5 s
-  EXPECT_EQ(write(0x1016, 1, 4, 0x007E00FA), aborted(kAnswerLeft, 0x1016, 1, 0x06090030));  // somebody else
+  EXPECT_EQ(write(0x1016, 1, 4, 0x007E00FA), aborted(kAnswerLeft, 0x1016, 1, 0x06090030));  // another node
   node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 1));
   EXPECT_EQ(write(0x6040, 0, 2, 6), aborted(kAnswerLeft, 0x6040, 0, 0x08000022));
   EXPECT_EQ(write(0x60FF, 0, 4, 1), aborted(kAnswerLeft, 0x60FF, 0, 0x08000022));

@@ -185,13 +185,13 @@ TEST(Link, AFileThatIsNoSocketStays) {
   ::unlink(path.c_str());
 }
 
-// A core that stands still accepts nobody, and soon its queue of connections is full.
+// A core that is stopped accepts no connection, and soon its queue of connections is full.
 TEST(Link, ACoreThatStandsStillHoldsNobodyUp) {
   const std::string path = temporary_socket();
   std::string error;
   const std::unique_ptr<CoreLink> core = CoreLink::create(path, 1000, 5, error);
   ASSERT_NE(core, nullptr) << error;
-  ::alarm(60);  // whoever waits for the core would wait for ever
+  ::alarm(60);  // a blocking connect would wait for ever
   std::vector<std::unique_ptr<ServerLink>> servers;
   for (int i = 0; i < 8; ++i) {
     servers.push_back(std::make_unique<ServerLink>(path));

@@ -47,7 +47,7 @@ TEST(SeqCell, RefusesAValueThatIsBeingWritten) {
   EXPECT_EQ(seq_read_retry(slot, value), 0U) << "a dead writer must not hang a reader";
 }
 
-// A yield beside somebody else's work costs a slice of a millisecond or more.
+// A yield beside other programs costs a slice of a millisecond or more.
 constexpr std::uint64_t kYieldEach = 4096;
 
 TEST(SeqCell, NeverGivesATornValueUnderAWriterThatRarelyPauses) {

@@ -31,14 +31,14 @@ TEST_F(DeviceCaTest, IssuesAnewWhenTheCertificateEndsSoonOrTheClockIsOutsideOfIt
   const auto ca = open();
   ASSERT_TRUE(ca) << error_;
   const auto at = [&](std::int64_t utc_s) { return ca->issue({}, utc_s, error_); };
-  EXPECT_EQ(at(kStart_utc_s), Issued::anew);
+  EXPECT_EQ(at(kStart_utc_s), Issued::renewed);
   const std::string first = content();
   EXPECT_EQ(at(kStart_utc_s), Issued::still_good);
   EXPECT_EQ(at(kStart_utc_s + 366 * DeviceCa::kDay_s), Issued::still_good) << "30 days are left";
   EXPECT_EQ(content(), first);
-  EXPECT_EQ(at(kStart_utc_s + 368 * DeviceCa::kDay_s), Issued::anew);
+  EXPECT_EQ(at(kStart_utc_s + 368 * DeviceCa::kDay_s), Issued::renewed);
   EXPECT_NE(content(), first);
-  EXPECT_EQ(at(kStart_utc_s), Issued::anew) << "the clock went back, before the certificate begins";
+  EXPECT_EQ(at(kStart_utc_s), Issued::renewed) << "the clock went back, before the certificate begins";
   EXPECT_EQ(at(0), Issued::failed) << "a clock that is not set";
   EXPECT_NE(error_.find("not set"), std::string::npos);
   EXPECT_EQ(at(kStart_utc_s), Issued::still_good) << "and nothing was spoilt";
@@ -48,33 +48,33 @@ TEST_F(DeviceCaTest, FollowsTheAddressesThatTheAuthorityMaySign) {
   const auto ca = open();
   ASSERT_TRUE(ca) << error_;
   const auto with = [&](std::vector<std::string> addresses) { return ca->issue(addresses, kStart_utc_s, error_); };
-  EXPECT_EQ(with({}), Issued::anew);
+  EXPECT_EQ(with({}), Issued::renewed);
   EXPECT_EQ(with({"172.16.0.1", "192.168.7.3", "2001:db8::1"}), Issued::still_good) << "none of them";
-  EXPECT_EQ(with({"10.1.2.3", "fd00::5", "172.16.0.1"}), Issued::anew);
+  EXPECT_EQ(with({"10.1.2.3", "fd00::5", "172.16.0.1"}), Issued::renewed);
   EXPECT_EQ(ca->signed_names(),
             (std::vector<std::string>{"hoist.local", "localhost", "127.0.0.1", "::1", "192.168.7.2", "10.1.2.3", "fd00::5"}));
   EXPECT_EQ(with({"10.1.2.3", "fd00::5"}), Issued::still_good);
-  EXPECT_EQ(with({"10.1.2.4"}), Issued::anew) << "another lease of the network's";
+  EXPECT_EQ(with({"10.1.2.4"}), Issued::renewed) << "another lease of the network's";
 }
 
 TEST_F(DeviceCaTest, KeepsItsAuthorityAndRepairsItsCertificate) {
   const auto first = open();
   ASSERT_TRUE(first) << error_;
-  ASSERT_EQ(first->issue({}, kStart_utc_s, error_), Issued::anew);
+  ASSERT_EQ(first->issue({}, kStart_utc_s, error_), Issued::renewed);
   const auto again = open(kStart_utc_s + 1);
   ASSERT_TRUE(again) << error_;
   EXPECT_EQ(again->fingerprint(), first->fingerprint());
   EXPECT_EQ(again->fingerprint().size(), 95U);
   EXPECT_EQ(again->issue({}, kStart_utc_s, error_), Issued::still_good);
   std::ofstream(folder_ / "tls" / "server.pem") << "half of a file";
-  EXPECT_EQ(again->issue({}, kStart_utc_s, error_), Issued::anew);
+  EXPECT_EQ(again->issue({}, kStart_utc_s, error_), Issued::renewed);
   // A certificate of another authority is none.
   const auto other = DeviceCa::open(folder_ / "other", {{"hoist.local"}, {"192.168.7.2"}, {}}, kStart_utc_s, error_);
   ASSERT_TRUE(other) << error_;
-  ASSERT_EQ(other->issue({}, kStart_utc_s, error_), Issued::anew);
+  ASSERT_EQ(other->issue({}, kStart_utc_s, error_), Issued::renewed);
   std::filesystem::copy_file(folder_ / "other" / "server.pem", folder_ / "tls" / "server.pem",
                              std::filesystem::copy_options::overwrite_existing);
-  EXPECT_EQ(again->issue({}, kStart_utc_s, error_), Issued::anew);
+  EXPECT_EQ(again->issue({}, kStart_utc_s, error_), Issued::renewed);
 }
 
 TEST_F(DeviceCaTest, MakesNoAuthorityByAClockThatIsNotSet) {

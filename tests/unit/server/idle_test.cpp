@@ -20,6 +20,7 @@
 #include "server/actions/records.hpp"
 #include "server/http/compress.hpp"
 #include "server/live/client.hpp"
+#include "server/live/hub.hpp"
 #include "server/text/json_writer.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/server/fake_core.hpp"

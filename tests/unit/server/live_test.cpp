@@ -129,7 +129,7 @@ TEST_F(LiveTest, LettingGoIsPassedOnWhateverElseIsWrong_H17) {
     ASSERT_TRUE(until([&] { return counters()["ws_refused_drive"] == counted + 1; })) << "it is still told and counted";
     ++counted;
   }
-  // Neither anybody else's, nor what is not exactly letting go.
+  // Neither from another client, nor anything but exactly a release.
   json message = held;
   message["sequence"] = sequence;
   driver.send(message);
@@ -176,12 +176,13 @@ TEST_F(LiveTest, ARefusedStartMovesNoPose) {
   const json held = driver.ask(guided);
   EXPECT_EQ(held["refusals"], json::array({"release_first"})) << held;
   for (const auto& command : core_->commands()) EXPECT_NE(command.kind, contract::CommandKind::set_pose);
-  // A hand from long ago holds nothing.
+  // An old hold-to-run does not hold.
   driver.send({{"type", "drive"}, {"sequence", 2}, {"echo", 5}, {"speed", 0.0}, {"yaw", 0.0}, {"held", true}});
   EXPECT_EQ(driver.ask(guided)["ok"], true);
 }
 
-// The pose is set first and answered in a later step: who ends meanwhile must not see the hoist begin afterwards.
+// The pose is set first and answered in a later step: a client that ends motion meanwhile must not see the hoist begin
+// afterwards.
 TEST_F(LiveTest, AStartThatWasEndedBeforeItBeganDoesNotBegin) {
   Live driver(port_, bearer_);
   ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
@@ -329,7 +330,7 @@ TEST(LeaseAsks, AreBoundedAndEnd) {
   EXPECT_EQ(asks.list().size(), server::LeaseAsks::kMost);
   asks.expire(2 + server::LeaseAsks::kLife_ns);
   EXPECT_FALSE(asks.has(2));
-  EXPECT_TRUE(asks.has(1)) << "asked anew";
+  EXPECT_TRUE(asks.has(1)) << "asked again";
   EXPECT_TRUE(asks.has(3));
   const std::uint64_t before = asks.changes();
   asks.remove(77);

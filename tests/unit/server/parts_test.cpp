@@ -9,7 +9,7 @@
 #include <set>
 #include <tuple>
 
-#include "db/codec/exercise_json.hpp"
+#include "db/store/exercise_json.hpp"
 #include "db/summary/session_json.hpp"
 #include "server/contract/fields.hpp"
 #include "server/contract/openapi.hpp"

@@ -343,7 +343,7 @@ TEST_F(People, every_route_asks_for_its_role) {
   struct Caller {
     std::string name;
     Headers headers;
-    int rank;  // -1 = nobody
+    int rank;  // -1 = not signed in
   };
   const Headers page{{"X-Hoist", "1"}, {"Origin", origin()}};
   const auto cookie_of = [&](Browser one) {

@@ -327,7 +327,7 @@ TEST_F(Record, ASecondServerDoesNotRecordIntoTheSameFile) {
   core_->skip(10);
   EXPECT_EQ(recording()["state"], "recording");
   EXPECT_EQ(get("/api/v1/sessions/1").json()["recording"], true) << "the first one's session goes on";
-  // Whoever only reads is not kept out.
+  // Readers are not kept out.
   EXPECT_TRUE(db::Database::attach(folder_ / "hoist.db").ok());
 }
 
@@ -764,7 +764,8 @@ TEST_F(TakeOver, WhatIsRecordedAlreadyIsNotRecordedAgain) {
   EXPECT_FALSE(session(2).info.exercise_json.has_value());
 }
 
-// A server that was halted for so long that the ring of frames went round: the gap is where they are missing, not where it woke up.
+// A server that was stopped for so long that the ring of frames was overwritten: the gap is where they are missing, not
+// where it resumed.
 TEST_F(TakeOver, AGapOfTheBusStandsWhereItIs) {
   live();
   publish(300, Mode::user);

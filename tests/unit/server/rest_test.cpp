@@ -255,7 +255,7 @@ TEST_F(Rest, AChangeIsMadeForTheParametersThatWereLookedAt_H27) {
   EXPECT_EQ(core_->commands().back().bits >> 32U, 1U) << "the version travels to the core";
   ASSERT_EQ(put("*").status, 200);
   EXPECT_EQ(core_->commands().back().bits >> 32U, 0U) << "whichever is in force";
-  // Somebody is faster than the server hears: the core refuses.
+  // Another client is faster than this server hears: the core refuses.
   const std::string newest = get("/api/v1/parameters").header("etag");
   core_->set([](contract::TickRecord& r) { r.parameter_version += 1; });
   const Answer late = put(newest);
@@ -670,7 +670,7 @@ TEST_F(Rest, ALeaseEndsWithItsHoldersUseOfIt) {
   // Longer than it lasts by itself.
   const auto end = std::chrono::steady_clock::now() + std::chrono::nanoseconds(server::kRestLease_ns) + std::chrono::seconds(1);
   while (std::chrono::steady_clock::now() < end) ASSERT_NE(holder(mine), 0);
-  EXPECT_TRUE(until([&] { return holder({}) == 0; })) << "somebody who only looks on, with the same token, does not keep it";
+  EXPECT_TRUE(until([&] { return holder({}) == 0; })) << "reading with the same token does not keep it";
 }
 
 TEST_F(Rest, ACoreThatDoesNotAnswerIsSaidSo) {

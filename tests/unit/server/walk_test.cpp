@@ -189,7 +189,7 @@ TEST_F(WalkLiveTest, AChangeOfSettingsForAnotherVersionIsRefused_H27) {
   EXPECT_EQ(one.ask({{"type", "preset"}, {"name", "walk"}, {"version", version}})["refusals"][0], "set_outdated");
 }
 
-// Listens at the core's place, and neither accepts nor answers.
+// Listens at the core's socket, and neither accepts nor answers.
 class Mute {
  public:
   explicit Mute(const std::string& path) : fd_(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)) {

@@ -178,7 +178,7 @@ TEST(Patient, YieldsToAHoistThatAnotherLeads) {
   EXPECT_LT(std::fabs(stage.patient.harness().dx_m), 0.03);
 }
 
-// A push, or slipping wheels, feel as if the therapist drove. A patient who has yielded finds out.
+// A push, or slipping wheels, feel as if the therapist drove. A patient who has yielded tests it with a small lean.
 TEST(Patient, WhoHasYieldedLeadsAgainWhenASmallLeanIsAnswered) {
   Stage stage;
   stage.released = stage.follows = true;

@@ -48,7 +48,7 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   no_exercise: { en: 'No exercise was chosen.', de: 'Es war keine Übung gewählt.' },
   no_motion: { en: 'Nobody walked in this session.', de: 'In dieser Sitzung ging niemand.' },
   part_missing: { en: 'Part of this walk is not recorded.', de: 'Ein Teil dieses Wegs ist nicht aufgezeichnet.' },
-  several_walks: { en: 'This recording holds more than one walk: it was started anew, or led by someone else.', de: 'Diese Aufzeichnung enthält mehr als einen Weg: Es wurde neu begonnen, oder jemand anderes hat geführt.' },
+  several_walks: { en: 'This recording holds more than one walk: it was restarted, or the mode changed.', de: 'Diese Aufzeichnung enthält mehr als einen Weg: Er wurde neu begonnen, oder die Betriebsart hat gewechselt.' },
   start_unclear: { en: 'It is not clear where on the exercise this walk began.', de: 'Es ist unklar, an welcher Stelle der Übung dieser Weg begann.' },
   not_comparable: { en: 'The recorded path cannot be compared with this exercise.', de: 'Der aufgezeichnete Weg lässt sich mit dieser Übung nicht vergleichen.' },
   too_short: { en: 'The walk was too short, or had no turn in it.', de: 'Der Weg war zu kurz oder hatte keine Drehung.' },

@@ -48,8 +48,7 @@ const link = new Link(
 async function askWho(): Promise<void> {
   const answer = await rest('GET /api/v1/session');
   if (!answer.ok) return;
-  writable.set({ person: answer.value.display_name, account: answer.value.has_pin !== null });
-  offerLanguage(answer.value.device.language);
+  writable.set({ person: answer.value.display_name, account: answer.value.has_pin !== null, hoistLanguage: answer.value.device.language });
 }
 
 async function checkSignedIn(): Promise<void> {
@@ -275,7 +274,7 @@ export function startLink(): void {
   window.addEventListener('online', () => link.hurry());
 }
 
-/** Another person is signed in on this device now, or nobody: the connection begins anew. */
+/** The sign-in of this device has changed: the connection starts again. */
 export function reconnect(): void {
   link.stop();
   link.start();
@@ -339,7 +338,7 @@ export const handOver = async (client: number): Promise<Reply> => {
 };
 export const takenSeen = (): void => writable.set({ leaseTaken: false });
 
-/** Asks whether to take control from someone else; set by the shell, which shows the question. */
+/** Asks whether to take control from another client; set by the shell, which shows the question. */
 export const dialogs: { askTakeOver: () => Promise<boolean> } = { askTakeOver: () => Promise.resolve(false) };
 
 /** Ensures that this console is in control. Takes free control at once, asks before taking it from another. */
@@ -372,7 +371,7 @@ async function change(message: Extract<Question, { version?: number }>): Promise
   return reply;
 }
 
-/** Whom the hoist walks with, on all screens; null: nobody. The answer as of a plain request, since it belongs to the same screens. */
+/** The patient of the next walk, on all screens; null: none. Answered like a plain request, since the same screens use it. */
 export async function choosePatient(patient: number | null): Promise<Problem | null> {
   const reply = await link.request({ type: 'choose_patient', patient });
   return reply.ok ? null : { status: 0, code: reply.reason_code ?? '', errors: reply.errors, refusals: reply.refusals, wait_s: null };

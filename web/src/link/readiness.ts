@@ -1,6 +1,5 @@
 // What can be done now, and how old the values are. Derived only here, from the whole store.
 import { refusals, type RefusalName } from '../contract/faults.gen';
-import type { TextKey } from '../text/en';
 import { moving, stopped, unknown, useStore, type State } from './store';
 
 export type Start = 'user' | 'remote' | 'guided';
@@ -24,8 +23,8 @@ export interface Readiness {
   end: boolean;
   /** Actions that need STANDBY are allowed. */
   standby: boolean;
-  /** The sentence without an alarm. */
-  calm: TextKey;
+  /** Key of the sentence without an alarm. */
+  calm: ReturnType<typeof calmOf>;
 }
 
 type Known = Pick<
@@ -69,7 +68,7 @@ function startReasons(s: Known, to: Start): readonly string[] {
     .map((row) => row.name);
 }
 
-function calmOf(s: Known, start: readonly string[]): TextKey {
+function calmOf(s: Known, start: readonly string[]) {
   if (s.link !== 'open' || s.data === 'none' || unknown(s)) return 'strip.connecting';
   if (stopped(s.mode)) return 'strip.stopped';
   switch (s.mode) {

@@ -48,6 +48,8 @@ export interface State {
   person: string | null;
   /** Signed in with an account, which can sign out; not with the link of this computer. */
   account: boolean;
+  /** The language set for the hoist; null: none. */
+  hoistLanguage: Language | null;
   version: string;
   simulated: boolean;
   scenario: string | null;
@@ -131,6 +133,7 @@ export const initial: State = {
   role: '',
   person: null,
   account: false,
+  hoistLanguage: null,
   version: '',
   simulated: false,
   scenario: null,

@@ -10,7 +10,7 @@
 #include "control/contract/exercises.hpp"
 #include "control/contract/faults.hpp"
 #include "control/core/law/pfp.hpp"
-#include "db/codec/exercise_json.hpp"
+#include "db/store/exercise_json.hpp"
 #include "db/store/session_reader.hpp"
 
 namespace hoist::tool::study {

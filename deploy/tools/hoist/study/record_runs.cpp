@@ -9,7 +9,7 @@
 
 #include "control/contract/program_version.hpp"
 #include "control/contract/shared_memory.hpp"
-#include "db/codec/exercise_json.hpp"
+#include "db/store/exercise_json.hpp"
 #include "db/store/session_writer.hpp"
 #include "deploy/tools/hoist/study/virtual_run.hpp"
 

@@ -119,7 +119,7 @@ function PatientPage({ id }: { id: number }) {
   );
 }
 
-/** Nothing of a name is asked for, shown or kept in the page before someone wants to see it; leaving the page forgets it. */
+/** A name is requested only after a press; leaving the page forgets it. */
 function IdentityCard({ patient, onChange }: { patient: Patient; onChange: () => void }) {
   const { id, etag, has_identity: stored } = patient;
   const [shown, setShown] = useState(false);

@@ -4,7 +4,7 @@ import type { WhoAmI } from '../../contract/rest.gen';
 import { setUp } from '../../link/account';
 import { duration, t } from '../../text/text';
 import { Field, Form } from '../../ui/field';
-import { nameMost, passwordMost, Send, useSending } from './sign_in';
+import { nameMost, passwordMost, Send, useSending } from './send';
 
 const codeMost = 16;
 export const passwordLeast = 12;

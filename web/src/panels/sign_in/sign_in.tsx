@@ -8,13 +8,11 @@ import { useSettings } from '../../text/settings';
 import { offerLanguage, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
 import { LanguageChoice } from '../../ui/language_choice';
-import { useWait } from '../../ui/wait';
+import { nameMost, passwordMost, Send, useSending } from './send';
 import { SetUp } from './set_up';
 import '../../ui/rows.css';
 import './sign_in.css';
 
-export const nameMost = 32;
-export const passwordMost = 128;
 const pinMost = 8;
 /** How often to look whether the set-up switch was turned, or the first account was made on another device. */
 const look_ms = 3000;
@@ -98,20 +96,6 @@ function Who({ people, done }: { people: readonly Person[]; done?: () => void })
   );
 }
 
-export function useSending(send: () => Promise<Problem | null>) {
-  const [problem, setProblem] = useState<Problem | null>(null);
-  const [busy, setBusy] = useState(false);
-  const wait_s = useWait(problem);
-  const go = async () => {
-    if (busy || wait_s > 0) return;
-    setBusy(true);
-    const answer = await send();
-    setBusy(false);
-    setProblem(answer);
-  };
-  return { problem, busy, wait_s, go };
-}
-
 function Password({ ready, back }: { ready: (problem: Problem | null) => Problem | null; back: (() => void) | null }) {
   const [name, setName] = useState('');
   const [password, setPassword] = useState('');
@@ -159,35 +143,6 @@ function Pin({
           {t('signin.byPassword')}
         </button>
       </Form>
-    </>
-  );
-}
-
-/** The button that sends, with what is wrong above it; while the server asks to wait it counts down. */
-export function Send({
-  sending,
-  label,
-  ready,
-  back,
-}: {
-  sending: ReturnType<typeof useSending>;
-  label: string;
-  ready: boolean;
-  back: (() => void) | null;
-}) {
-  return (
-    <>
-      <Trouble problem={sending.problem} />
-      <div class="form-buttons">
-        <button type="submit" class="big primary" disabled={!ready || sending.busy || sending.wait_s > 0}>
-          {sending.wait_s > 0 ? <span class="num">{t('signin.wait', { s: sending.wait_s })}</span> : label}
-        </button>
-        {back !== null ? (
-          <button type="button" class="quiet" onClick={back}>
-            {t('common.cancel')}
-          </button>
-        ) : null}
-      </div>
     </>
   );
 }

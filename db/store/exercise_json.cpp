@@ -1,4 +1,4 @@
-#include "db/codec/exercise_json.hpp"
+#include "db/store/exercise_json.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-#include "db/export/provenance.hpp"
+#include "db/summary/provenance.hpp"
 
 #include <array>
 #include <cstdio>

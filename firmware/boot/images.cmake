@@ -1,2 +1,0 @@
-# What firmware/boards includes by this name.
-include(${CMAKE_CURRENT_LIST_DIR}/CMakeLists.txt)
