@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "db/export/formats.hpp"
 #include "db/store/database.hpp"
 #include "db/store/result.hpp"
 #include "db/store/session_types.hpp"

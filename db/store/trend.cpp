@@ -16,7 +16,8 @@ Result<TrendPage> trend_sessions(Database& database, std::int64_t patient, std::
     if (!patient_row(handle, patient)) return Error{ErrorKind::not_found, "there is no patient " + std::to_string(patient), {}};
     TrendPage page;
     const std::string of_patient =
-        "FROM sessions JOIN visits ON visits.id = visit_id WHERE patient_id = ?1 AND ended_utc_ns IS NOT NULL AND standby = 0 AND simulated = ";
+        "FROM sessions JOIN visits ON visits.id = visit_id WHERE patient_id = ?1 AND ended_utc_ns IS NOT NULL AND standby = 0 AND "
+        "simulated = ";
     if (Statement count(handle, "SELECT count(*) " + of_patient + "1"); count.integer(1, patient).step())
       page.simulated = count.unsigned_at(0);
     Statement rows(handle, "SELECT sessions.id, visits.id, day, started_utc_ns, exercise " + of_patient +

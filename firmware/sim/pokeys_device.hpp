@@ -1,6 +1,6 @@
 // A PoKeys57E on the network, played: bumpers on pins 1 to 4 (1 = pressed, as with contacts that open), switches on 5 to 8, batteries on the
-// analogue pins 41 and 42 (20 V at full scale), an output on pin 9. Written after the device's protocol description and not with the control side's own
-// tables, so that a misreading there does not cancel itself here.
+// analogue pins 41 and 42 (20 V at full scale), an output on pin 9. Written after the device's protocol description and not with the control side's
+// own tables, so that a misreading there does not cancel itself here.
 #pragma once
 #include <array>
 #include <cstddef>

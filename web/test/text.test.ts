@@ -38,7 +38,8 @@ describe('the message files', () => {
       .filter((file) => /\.tsx?$/.test(file) && !/^text\/(en|de|first)/.test(file))
       .map((file) => readFileSync(`src/${file}`, 'utf8'))
       .join('\n');
-    // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, invalid.FIELD, role.R, unit.U, history.how.HOW.
+    // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, invalid.FIELD,
+    // role.R, unit.U, history.how.HOW.
     const whole = ['patient.key_missing', 'patient.key_foreign', 'patient.damaged'];
     const begins = /^(?:exercise|priority|event|health\.part|refused|invalid|role|unit|users\.may|tokens\.scope|audit|history\.how)\./;
     const built = { test: (key: string) => whole.includes(key) || begins.test(key) };

@@ -1,4 +1,5 @@
-// Correlation of pelvis turn and path turn at zero lag, -1 to 1: whether the patient turns where the path turns. No measure of distance from the path.
+// Correlation of pelvis turn and path turn at zero lag, -1 to 1: whether the patient turns where the path turns. No measure of
+// distance from the path.
 #pragma once
 #include "db/metrics/metric.hpp"
 

@@ -494,7 +494,8 @@ export const exercises: readonly ExerciseInfo[] = [
 }  // namespace
 
 std::vector<GeneratedFile> typescript_files() {
-  return {params_file(), signals_file(), topics_file(), faults_file(), emergencies_file(), exercises_file(), exports_file(), metrics_file()};
+  return {params_file(),      signals_file(),   topics_file(),  faults_file(),
+          emergencies_file(), exercises_file(), exports_file(), metrics_file()};
 }
 
 }  // namespace hoist::gen

@@ -656,6 +656,19 @@ export type MarkerRequest = {
   text: string;
 };
 
+export type MarkerRow = {
+  actor: ActorOrNull;
+  etag: EditTag;
+  /** Within its session. */
+  number: number;
+  session: number;
+  text: string;
+  tick: number;
+  /** Since the session's start. */
+  time_s: number;
+  utc_ms: number;
+};
+
 /** The figures of db/metrics/metric_list.hpp. */
 export type Metrics = {
   /** Correlation of pelvis turn and path turn at zero lag, -1 to 1: whether the patient turns where the path turns. No measure of distance from the path. */
@@ -1112,7 +1125,7 @@ export type ProfileRequest = {
 /** Names and values of parameters that a therapist may change. */
 export type ProfileSettings = Record<string, number>;
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'job_ended' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded';
 
 export type Recording = {
   detail: string;
@@ -1394,6 +1407,111 @@ export type ToolsRequest = {
 };
 
 export type TopicName = 'state' | 'motion' | 'pose' | 'posture' | 'intent' | 'exercise' | 'power' | 'calibration' | 'all';
+
+export type Trend = {
+  items: readonly ({
+    day: string;
+    exercise: ExerciseOrNull;
+    /** null: the recording cannot be read. */
+    figures: TrendFigures | null;
+    /** Why there is no C, J_N, or one of them. */
+    reason_code: NoFigure | null;
+    session: number;
+    started_utc_ms: number;
+    visit: number;
+  })[];
+  next: string | null;
+  /** Recordings of this patient with a simulated hoist. */
+  simulated_left_out: number;
+};
+
+/** The figures of db/metrics/metric_list.hpp; null: not defined for this session. */
+export type TrendFigures = {
+  /** Correlation of pelvis turn and path turn at zero lag, -1 to 1: whether the patient turns where the path turns. No measure of distance from the path. */
+  C: number | null;
+  /** The correlation C at the shift in time at which it is largest. */
+  C_best: number | null;
+  /** How much before the path the pelvis turns, by the shift of C_best. */
+  C_best_lag_s: number | null;
+  /** Squared error of the walk per metre of path, at 100 Hz: it grows with slowness, too. */
+  J_N: number | null;
+  /** Squared error of the walk over time per metre of path: J_N without the sampling rate. */
+  J_T_m_s: number | null;
+  /** Number of bouts of walking: a second or longer at more than 0.05 m/s. */
+  bouts: number | null;
+  /** Steps a minute, two to a stride. */
+  cadence_steps_min: number | null;
+  /** Share of the exercise that was walked; laps beyond the first count on. */
+  completion_norm: number | null;
+  /** Largest distance from the exercise. */
+  cross_track_max_m: number | null;
+  /** Mean distance from the exercise. */
+  cross_track_mean_m: number | null;
+  /** How often patient-led walking was broken off: by a stop, a fault or the therapist. */
+  interventions: number | null;
+  /** Shortest time for once along the exercise. */
+  lap_time_best_s: number | null;
+  /** Mean time for once along the exercise, pauses included. */
+  lap_time_mean_s: number | null;
+  /** Logarithmic dimensionless jerk of the forward speed of the longest bout: nearer to 0 is smoother. */
+  ldlj: number | null;
+  /** Largest absolute speed while under way. */
+  max_speed_m_s: number;
+  /** walked_m over motion_s: standing does not count. */
+  mean_speed_m_s: number | null;
+  /** Motion that is not recorded: all figures are of the rest. */
+  missing_s: number;
+  /** Of that, time in which a wheel turned at 0.02 m/s or more. */
+  motion_s: number;
+  /** Share of the time in motion in which the patient led. */
+  patient_led_norm: number | null;
+  /** How often the hoist stopped by itself or by the emergency stop. */
+  protective_stops: number | null;
+  /** Progress along the exercise. */
+  reference_length_m: number | null;
+  /** Angle against the exercise, root mean square. */
+  rms_heading_rad: number | null;
+  /** Distance across the path, root mean square. */
+  rms_lateral_m: number | null;
+  /** What J_N is made of in plain units: distance and heading error together, root mean square, 1 rad as 1 m. */
+  rms_pose_m: number | null;
+  /** Distance from the exercise, root mean square. */
+  rms_position_m: number | null;
+  /** Spectral arc length of the forward speed of the longest bout: nearer to 0 is smoother. */
+  sparc: number | null;
+  /** How much longer the harness takes from right to left than back, as a share of their mean. */
+  step_asymmetry_norm: number | null;
+  /** How alike successive steps are, left to right: 1 = all the same. */
+  step_regularity_norm: number | null;
+  /** 1 = left and right steps are as alike as successive strides. */
+  step_symmetry_norm: number | null;
+  /** How often walking was interrupted for a second or longer. */
+  stops: number | null;
+  /** How alike successive strides are: 1 = all the same. */
+  stride_regularity_norm: number | null;
+  /** How much the time of a stride varies, as a share of its mean. */
+  stride_time_cv_norm: number | null;
+  /** Time of a stride (two steps), from the sideways sway of the harness. */
+  stride_time_s: number | null;
+  /** Mean angle of the turns. */
+  turn_angle_rad: number | null;
+  /** How much before the hoist the pelvis turns. */
+  turn_lead_s: number | null;
+  /** Mean time of the turns. */
+  turn_time_s: number | null;
+  /** Turns of the hoist to the left by 45 degrees or more. */
+  turns_left: number | null;
+  /** Turns of the hoist to the right by 45 degrees or more. */
+  turns_right: number | null;
+  /** Time in which the hoist was under way (a mode in which the wheels may turn), standing included. */
+  under_way_s: number;
+  /** Way walked, forward and backward: absolute speed times 10 ms, summed over the time under way. */
+  walked_m: number;
+  /** Time in bouts of more than 0.05 m/s that last a second or longer. */
+  walking_s: number;
+  /** Mean speed in these bouts: setting off, stopping and standing hardly count. */
+  walking_speed_m_s: number | null;
+};
 
 /** Only on trial: the values before come back after so many seconds unless confirmed. */
 export type TrialTime = number;
@@ -1926,6 +2044,15 @@ export interface Routes {
   'GET /api/v1/sessions/{id}/session.mcap': {
     path: { id: number };
     answer: never;
+  };
+  /** What this hoist is called, and its language. */
+  'GET /api/v1/settings': {
+    answer: DeviceSettings;
+  };
+  /** Changes name or language of this hoist. */
+  'PATCH /api/v1/settings': {
+    body: DeviceSettingsPatch;
+    answer: DeviceSettings;
   };
   /** Makes an engineer's account, or gives one a new password; needs the configuration switch and the code that the hoist shows. */
   'POST /api/v1/setup': {

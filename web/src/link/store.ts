@@ -3,7 +3,7 @@ import { useEffect, useReducer, useRef } from 'preact/hooks';
 import { modes, type ModeName } from '../contract/faults.gen';
 import type { LeaseMessage, RecordingMessage } from '../contract/messages.gen';
 import { usualExercise } from '../contract/exercises.gen';
-import type { Exercise, GuidedPath, ReasonCode, RecordingsHealth, StandingNotice } from '../contract/rest.gen';
+import type { Exercise, GuidedPath, LanguageOrNull, ReasonCode, RecordingsHealth, StandingNotice } from '../contract/rest.gen';
 import type { LinkState } from './socket';
 
 export type Recording = Pick<RecordingMessage, 'state' | 'session' | 'standby' | 'started_utc_ms' | 'samples'> & {
@@ -49,7 +49,7 @@ export interface State {
   /** Signed in with an account, which can sign out; not with the link of this computer. */
   account: boolean;
   /** The language set for the hoist; null: none. */
-  hoistLanguage: Language | null;
+  hoistLanguage: LanguageOrNull;
   version: string;
   simulated: boolean;
   scenario: string | null;
