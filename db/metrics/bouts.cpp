@@ -5,7 +5,7 @@
 namespace hoist::db {
 
 namespace {
-constexpr auto kBoutSamples = static_cast<std::size_t>(kBout_s / kSample_s + 0.5);
+constexpr auto kBoutSamples = samples_in(kBout_s);
 }  // namespace
 
 std::vector<Stretch> whole_stretches(const Walk& walk) {

@@ -96,8 +96,8 @@ std::optional<BestLag> best_lag(std::span<const double> x, std::span<const doubl
   BestLag best{*at_zero, 0};
   for (int lag = -most; lag <= most; ++lag) {
     double both = 0;
-    for (int i = std::max(0, -lag); i < std::min(count, count - lag); ++i)
-      both += x[static_cast<std::size_t>(i)] * y[static_cast<std::size_t>(i + lag)];
+    for (int i = std::max(0, -lag), j = i + lag; i < std::min(count, count - lag); ++i, ++j)
+      both += x[static_cast<std::size_t>(i)] * y[static_cast<std::size_t>(j)];
     // Of equally good shifts the smallest.
     if (both / energy > best.c || (both / energy == best.c && std::abs(lag) < std::abs(best.lag))) best = {both / energy, lag};
   }

@@ -15,7 +15,7 @@ inline constexpr double kMissingMost_s = 0.5;
 
 /// Furthest shift that C_best tries.
 inline constexpr double kLagMost_s = 2.0;
-inline constexpr int kLagMost = static_cast<int>(kLagMost_s / kSample_s + 0.5);  ///< samples
+inline constexpr int kLagMost = static_cast<int>(samples_in(kLagMost_s));  ///< samples
 
 /// The shift of x against y with the largest correlation (mean not removed, as cross_correlation), at most `most` samples to either side.
 struct BestLag {

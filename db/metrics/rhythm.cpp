@@ -9,15 +9,14 @@ namespace hoist::db {
 
 namespace {
 
-constexpr auto samples(double seconds) { return static_cast<std::size_t>(seconds / kSample_s + 0.5); }
-constexpr std::size_t kSettle = samples(kSettle_s);
+constexpr std::size_t kSettle = samples_in(kSettle_s);
 /// The middle of the sway is its mean over three seconds around, which follows bends and slow leaning.
-constexpr std::size_t kMiddle = samples(1.5);
+constexpr std::size_t kMiddle = samples_in(1.5);
 static_assert(kMiddle <= kSettle);
 /// A stride takes 0.6 to 3.5 s: 34 to 200 steps a minute.
-constexpr std::size_t kShortest = samples(0.6), kLongest = samples(3.5);
+constexpr std::size_t kShortest = samples_in(0.6), kLongest = samples_in(3.5);
 /// A stretch shorter than this holds no two strides.
-constexpr std::size_t kLeastStretch = samples(5.0);
+constexpr std::size_t kLeastStretch = samples_in(5.0);
 /// Of several peaks the first that is nearly as high as the highest: at twice the stride the sway is alike, too.
 constexpr double kMainPeak = 0.85;
 
@@ -183,7 +182,7 @@ Rhythm rhythm_of(const Walk& walk, const std::vector<Stretch>& bouts) {
   out.stride_regularity = between(a, stride) / a[0];
   out.step_regularity = std::fabs(between(a, stride / 2)) / a[0];
   // About its mean over one stride: a mean over another time would keep a part of the stride itself, and shift its extremes.
-  add_strides(sways_of(walk, bouts, std::min(samples(out.stride_s / 2), kSettle)), out);
+  add_strides(sways_of(walk, bouts, std::min(samples_in(out.stride_s / 2), kSettle)), out);
   return out;
 }
 

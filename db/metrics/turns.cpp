@@ -7,7 +7,7 @@ namespace hoist::db {
 
 namespace {
 constexpr std::size_t kHalf = 25;  // samples: a quarter of a second
-constexpr auto kHesitation = static_cast<std::size_t>(kHesitation_s / kSample_s + 0.5);
+constexpr auto kHesitation = samples_in(kHesitation_s);
 
 bool alike(double a, double b) { return (a > 0) == (b > 0); }
 

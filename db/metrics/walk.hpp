@@ -1,6 +1,7 @@
 // What the figures of a session are computed from: the samples in a mode in which the wheels may turn, joined in order, and how the modes
 // followed each other.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -12,6 +13,8 @@ namespace hoist::db {
 
 /// One control step: samples are counted, not clocked (the recorded times carry the jitter of the loop, the control law does not see it).
 inline constexpr double kSample_s = 0.01;
+/// The nearest whole number of them.
+constexpr std::size_t samples_in(double seconds) { return static_cast<std::size_t>((seconds + kSample_s / 2) / kSample_s); }
 
 /// One sample, from a recording.
 struct WalkSample {

@@ -146,6 +146,7 @@ Protocol read(const json& all) {
   if (!title.is_string()) throw Wrong("title", "must be a text");
   out.title = title.get<std::string>();
   std::vector<std::string> presets;
+  presets.reserve(contract::kPresets.size());
   for (const contract::PresetInfo& preset : contract::kPresets) presets.emplace_back(preset.name);
   out.preset = one_of(member(all, "preset", ""), "preset", presets);
   out.laps = number(member(all, "laps", ""), "laps", 1, 10);
