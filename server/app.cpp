@@ -372,7 +372,7 @@ struct App::Parts {
   // Of the hoist's own authority, else null.
   TrustPage trust;
   std::unique_ptr<TlsContext> tls;  // null: plain
-  ActorList actors;                 // outlives whatever a waiting handler keeps
+  ActorList actors;                 // outlives what a waiting handler keeps
   asio::io_context io{1};
   CoreDesk core;
   FirmwareDesk firmware;

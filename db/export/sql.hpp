@@ -24,7 +24,7 @@ struct SqlRow {
 /// Runs the statements of this text one after the other; `row` gets each row and ends the work with false. Call enable_sql before.
 /// Errors: bad_value (field sql: what SQLite says of the text, or that it would write), corrupt, busy, io.
 Status run_sql(Database& database, std::string_view text, const std::function<bool(const SqlRow&)>& row);
-/// A column's name in a statement, whatever it holds.
+/// A column's name in a statement, with any characters in it.
 std::string sql_name(std::string_view name);
 /// Whether the text ends with a whole statement.
 bool is_complete_sql(const std::string& text);

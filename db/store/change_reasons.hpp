@@ -9,7 +9,7 @@ namespace hoist::db {
 inline constexpr std::string_view kFirstSeen = "first_seen";
 /// Changed while no server wrote it down.
 inline constexpr std::string_view kNotSeen = "not_seen";
-/// `undo`: a person took a trial back; `trial_over`: nobody kept it in time.
+/// `undo`: a person took a trial back; `trial_over`: it was not kept in time.
 inline constexpr std::array<std::string_view, 9> kChangeReasons{"set",        "trial",   "preset",      "profile", "undo",
                                                                 "trial_over", "neutral", "calibration", kNotSeen};
 

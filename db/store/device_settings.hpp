@@ -22,7 +22,7 @@ struct DeviceSettingsPatch {
 };
 
 Result<DeviceSettings> device_settings(Database& database);
-/// `expected`: the tag of what the change was made for, empty = whatever there is. Errors: changed, bad_value (device_name), busy, disk_full.
+/// `expected`: the tag of what the change was made for, empty = any. Errors: changed, bad_value (device_name), busy, disk_full.
 Result<DeviceSettings> change_device_settings(Database& database, const DeviceSettingsPatch& patch, const std::string& expected);
 
 }  // namespace hoist::db

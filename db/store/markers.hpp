@@ -18,7 +18,7 @@ struct MarkerInfo {
   std::string tag;    ///< of the text
 };
 
-/// `expected`: the tag that the change was made for, empty = whatever there is. Errors: not_found, changed, bad_value (text), busy, disk_full.
+/// `expected`: the tag that the change was made for, empty = any. Errors: not_found, changed, bad_value (text), busy, disk_full.
 class MarkerStore {
  public:
   explicit MarkerStore(Database& database) : database_(&database) {}

@@ -32,7 +32,7 @@ struct RetentionRule {
 };
 /// Off when none was ever set. Error corrupt: what is stored is no rule.
 Result<RetentionRule> retention_rule(Database& database);
-/// For the rule whose tag this is (edit_tag.hpp); empty = whatever there is. Errors: bad_value (days, disk_percent), changed.
+/// For the rule whose tag this is (edit_tag.hpp); empty = any. Errors: bad_value (days, disk_percent), changed.
 Status set_retention_rule(Database& database, const RetentionRule& rule, std::string_view tag = {});
 std::string tag_of(const RetentionRule& rule);
 /// As it is stored and told: days, disk_percent, needs_backup.

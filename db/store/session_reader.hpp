@@ -86,7 +86,7 @@ struct SessionPatch {
 class SessionEditor {
  public:
   explicit SessionEditor(Database& database) : database_(&database) {}
-  /// All or nothing. `expected`: the tag of what the change was made for, empty = whatever there is. Errors: not_found, changed, bad_value
+  /// All or nothing. `expected`: the tag of what the change was made for, empty = any. Errors: not_found, changed, bad_value
   /// (field note, subject, exercise), busy, disk_full.
   Status patch(SessionId session, const SessionPatch& change, const std::string& expected = {});
   /// Deletes a session with everything in it and overwrites its pages. wrong_state while it is being recorded.

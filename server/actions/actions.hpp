@@ -98,7 +98,7 @@ struct RecordWish {
 void act_record(Services& services, const Asker& asker, RecordWish wish, OutcomeDone done);
 // Jobs give way until it is done: the log that still holds the deleted data can be truncated only while no connection reads.
 void act_delete_session(Services& services, const Asker& asker, db::SessionId session, OutcomeDone done);
-// How long sessions are kept; `tag` of the rule that was looked at, empty = whatever there is.
+// How long sessions are kept; `tag` of the rule that was looked at, empty = any.
 void act_set_retention(Services& services, const Asker& asker, const db::RetentionRule& rule, std::string tag, OutcomeDone done);
 // Long work; `Outcome::job` is its number. Refused as busy when too many wait.
 void act_start_job(Services& services, const Asker& asker, JobKind kind, JobArguments arguments, OutcomeDone done);

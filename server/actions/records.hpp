@@ -1,5 +1,5 @@
 // What a client may change in what is stored: a session's texts, markers, the hoist's own name and language; and the clock. A change carries the
-// tag of what it was made for (db/store/edit_tag.hpp); empty = whatever there is.
+// tag of what it was made for (db/store/edit_tag.hpp); empty = any.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -32,7 +32,7 @@ class Call {
   std::vector<std::string> path_values;            // what stood for {name}, {id} …
   std::shared_ptr<const nlohmann::json> body;      // an object, when the route has a request schema
   std::function<void(const Response&)> on_answer;  // sees the answer before it leaves; may be empty
-  // True: an action has written its row of the audit log for this call. Null until the call speaks for somebody.
+  // True: an action has written its row of the audit log for this call. Null until the caller is known.
   mutable std::shared_ptr<bool> logged;
 
  private:

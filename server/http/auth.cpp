@@ -293,7 +293,7 @@ std::optional<std::string_view> next_cookie(std::string_view& rest, std::string_
   return std::nullopt;
 }
 
-// Whoever uses this computer itself has no account.
+// The person at this computer itself has no account.
 SessionPtr only_from_here(SessionPtr session, const Request& request) {
   return session && (session->account || request.from_here) ? std::move(session) : nullptr;
 }

@@ -88,7 +88,7 @@ class Auth {
   [[nodiscard]] std::string cookie_of(std::string_view secret) const;
 
   // The session of a request: Authorization first, then the cookie. Null when there is none that is valid. Being found is a use: it puts the
-  // session's end off. Link and token file are this computer's own: from elsewhere they are nobody's.
+  // session's end off. Link and token file are this computer's own: from elsewhere they do not count.
   [[nodiscard]] SessionPtr find(const Request& request, std::uint64_t utc_s);
   // Of a tool: a token, in ?token= or as Authorization; never a cookie.
   [[nodiscard]] SessionPtr find_token(const Request& request, std::uint64_t utc_s) const;
@@ -134,7 +134,7 @@ class Auth {
   [[nodiscard]] std::string_view cookie_name() const;
   bool load(std::string& error);
   bool save(std::string& error) const;
-  // Whatever shows a secret that is known, from anywhere.
+  // Any request that shows a known secret, from anywhere.
   [[nodiscard]] SessionPtr look_up(const Request& request, std::uint64_t utc_s);
   [[nodiscard]] SessionPtr token_of(std::string_view secret, std::uint64_t utc_s) const;
   // The session can only say STOP from here.

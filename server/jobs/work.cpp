@@ -200,7 +200,7 @@ json plan_json(const char* kind, const db::RetentionRule& rule, const db::Retent
 // Whole: it is soon done. Between two pieces others have the file for as long as a piece took.
 db::Status delete_session(db::Database& database, db::SessionId session) {
   using Clock = std::chrono::steady_clock;
-  // Somebody may have deleted it since the plan was made.
+  // It may have been deleted since the plan was made.
   if (db::Status taken = db::take_out(database, session); !taken && taken.error().kind != db::ErrorKind::not_found) return taken;
   for (;;) {
     const auto begin = Clock::now();

@@ -11,7 +11,7 @@
 namespace hoist::server {
 
 inline constexpr std::uint64_t kBackOffMost_s = 60, kAddressFailuresPerMinute = 5;
-// A row of failures ends after so long without one: whoever mistyped last week waits one second today.
+// A row of failures ends after so long without one: a typing error of last week costs nothing today.
 inline constexpr std::uint64_t kBackOffForgets_s = 3600;
 // Accounts and addresses that are remembered; the one whose latest failure is oldest is forgotten first.
 inline constexpr std::size_t kGuardEntries = 1000;

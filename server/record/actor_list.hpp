@@ -14,7 +14,7 @@
 
 namespace hoist::server {
 
-// The account of whoever uses this computer itself.
+// The account of the person at this computer itself.
 inline constexpr const char* kLocalUser = "local";
 
 // Who is behind a number: the actor as records name it, the name that screens show (empty = none), and the address of the latest request.

@@ -1,4 +1,4 @@
-// Writes down every change of a parameter in force, whoever made it and whether or not a session is recorded (db/store/parameter_log.hpp).
+// Writes down every change of a parameter in force, by every actor and whether or not a session is recorded (db/store/parameter_log.hpp).
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -670,7 +670,7 @@ export function startFakeServer({
     hoist.commands.push(message);
     if (hoist.commands.length > 10_000) hoist.commands.shift();
     if (message.type === 'ping') socket.send(JSON.stringify({ type: 'pong', t: message.t, time_ns: hoist.tick * 1e7 }));
-    // Everyone gets whole records here, whatever was chosen.
+    // Everyone gets whole records here, also after a choice.
     else if (message.type === 'stream')
       socket.send(JSON.stringify({ type: 'streaming', topics: ['all'], rate_hz: 100, every_tick: false, sample_bytes: recordBytes }));
     else if (message.type === 'stop') stopNow();

@@ -28,7 +28,7 @@ struct Hand {
     in_mode.leaving = true;
     if (in_mode.braking < Braking::remote) in_mode.braking = Braking::remote;
   }
-  // A release always brakes at its full rate, whatever else ends the mode: a second reason never makes a stop gentler.
+  // A release always brakes at its full rate, also when something else ends the mode: a second reason never makes a stop gentler.
   if (in_mode.leaving && !state.remote.held() && in_mode.braking < Braking::remote) in_mode.braking = Braking::remote;
   if (in_mode.leaving) return {true, false, 0};
   if (!state.remote.held() || state.remote.awaits_neutral()) return {};

@@ -185,7 +185,7 @@ Verdict take_lease(CoreState& state, const Command& command) noexcept {
   // The server itself never drives.
   if (command.client == 0) return refused(Refusal::no_lease);
   const std::uint32_t holder = state.lease.holder;
-  // A hand-over names the epoch of the lease: it is void when another client holds it by now, or nobody.
+  // A hand-over names the epoch of the lease: it is void when another client, or none, holds it by now.
   const bool handed_over = command.a == contract::kHandOver;
   if (handed_over && (holder == 0 || command.lease_epoch != state.lease.epoch)) return refused(Refusal::no_lease);
   if (holder != 0 && holder != command.client) {
@@ -405,7 +405,7 @@ void take_command(CoreState& state, const Command& command) noexcept {
   // count back, so no command can be replayed.
   if (in_order || command.sequence > state.next_sequence) state.next_sequence = command.sequence + 1;
   // STOP and a request for standby are taken in any order: they can only stop. After a lost server the first command
-  // sets the count, whatever it is; a wrong number there must not let the patient walk on.
+  // sets the count to any value; a wrong number there must not let the patient walk on.
   const bool only_stops = command.kind == CommandKind::stop ||
                           (command.kind == CommandKind::request_mode && command.a == static_cast<std::uint32_t>(Mode::standby));
   if (!in_order && !only_stops) {

@@ -22,7 +22,7 @@ using contract::refusal_bit;
 
 namespace {
 
-/// Ends the exercise, whatever the reason.
+/// Ends the exercise, for every reason.
 void tell_guided_end(CoreState& state) noexcept {
   state.guided.end(contract::GuidedEnd::stopped);
   // It cannot be continued.

@@ -295,7 +295,7 @@ def does_not_write_beside(adapter):
     for words in (("write", "drive_left", "velocity_gain", "0.2"), ("save", "drive_left"), ("load-defaults", "io")):
         done = bus(*words)
         check(done.returncode == 1 and "control computer is at work" in done.stderr, f"{words}: {done.returncode} {done.stderr}")
-    # A request that moves a state is refused whatever it contains.
+    # A request that moves a state is refused with any content.
     for words in (("nmt", "all", "stop"), ("nmt", "drive_left", "reset", "--force"), ("reset-fault", "drive_left", "--force")):
         done = bus(*words)
         check(done.returncode == 1 and "control computer is at work" in done.stderr, f"{words}: {done.returncode} {done.stderr}")

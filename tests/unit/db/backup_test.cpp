@@ -217,7 +217,7 @@ TEST_F(Backup, ADamagedOneIsNotPutBack) {
   EXPECT_TRUE(kept.ok()) << "a chunk that was damaged before the backup costs that chunk, not all others";
 }
 
-// The copy has the damage of its source: nobody must take it for a backup.
+// The copy has the damage of its source: it must not be taken for a backup.
 TEST_F(Backup, OfADamagedFileThereIsNone) {
   std::int64_t page = 0, page_bytes = 0;
   {

@@ -73,7 +73,7 @@ class Live {
   // Records of the next telemetry frames until at least `count` are there.
   std::vector<contract::TickRecord> records(std::size_t count);
   [[nodiscard]] std::uint64_t frame_layout_hash() const;
-  // The next binary message, whatever it holds; empty when none comes.
+  // The next binary message of any kind; empty when none comes.
   std::string binary();
   // Reads until the server closes; the close code.
   unsigned wait_close();

@@ -91,7 +91,7 @@ TEST_F(History, EachChangeOfAParameterSaysWhenByWhomInWhichSessionAndHow) {
   EXPECT_EQ(changes(of_patient).size(), 1U);
   EXPECT_EQ(changes("&patient=99").size(), 0U);
 
-  // Presets and profiles by their names; whoever asked or nobody.
+  // Presets and profiles by their names; with who asked, or none.
   ASSERT_EQ(call("POST", "/api/v1/presets/paper/apply", json::object()).status, 200U);
   EXPECT_EQ(change_to(0.01, "&name=speed_per_unit_m_s")["how"], "preset");
   EXPECT_EQ(change_to(0.01, "&name=speed_per_unit_m_s")["source"], "paper");

@@ -86,7 +86,7 @@ class People : public ServerTest {
     core_->set([on](contract::TickRecord& record) { record.switches = on ? 2 : 0; });
     ASSERT_TRUE(until([&] { return browser().who()["set_up"]["switch_on"] == on; }));
   }
-  // As somebody who stands at the hoist, whoever asks meanwhile.
+  // As a person at the hoist, beside the requests of others.
   void turn_switch_here(bool on) {
     elsewhere_ = false;
     turn_switch(on);
@@ -458,7 +458,7 @@ TEST_F(People, the_audit_log_names_who_did_what_and_finds_changes) {
   EXPECT_EQ(get("/api/v1/audit/check").json()["first_wrong"], 2) << "the one before is missing";
 }
 
-// What a therapist asks on a WebSocket stands in the audit log as over REST, whatever the protocol.
+// What a therapist asks on a WebSocket stands in the audit log as over REST.
 TEST_F(People, every_message_and_tool_writes_the_audit_log) {
   set_up_engineer();
   add_user("anna", "therapist");

@@ -6,7 +6,7 @@ import { topicBlocks, topicsHash, type TopicBlock, type TopicValues } from '../c
 
 /** The values of these topics; those of `state` are in every sample. */
 export type SampleOf<T extends TopicName> = Pick<TickRecord, TopicValues['state'] | TopicValues[T]>;
-/** Whatever was chosen. */
+/** At every choice. */
 export type Sample = SampleOf<'state'> & Partial<TickRecord>;
 
 export const frameHeaderBytes = 16;

@@ -4,7 +4,7 @@ import type { StreamRequest } from '../contract/messages.gen';
 import type { TopicName } from '../contract/rest.gen';
 
 export type Rate = NonNullable<StreamRequest['rate_hz']>;
-/** Mode, alarms and whether values are old: always, whatever is shown. */
+/** Mode, alarms and whether values are old: always, on every screen. */
 export const least_hz: Rate = 5;
 const steps_hz: Rate = 100;
 

@@ -27,7 +27,7 @@ export async function chooseLanguage(language: Language, offered = false): Promi
   return true;
 }
 
-/** The hoist's own language, for a browser in which nobody has chosen one. When it cannot be loaded the present one stays. */
+/** The hoist's own language, for a browser in which none has been chosen. When it cannot be loaded the present one stays. */
 export function offerLanguage(language: Language | null): void {
   if (wantsOffered(language)) void chooseLanguage(language, true);
 }

@@ -35,7 +35,7 @@ inline constexpr std::string_view kTold[] = {
 /// reach the protocol's laps, or whose C or J_N is not valid, is left out as a whole.
 [[nodiscard]] db::Result<Results> evaluate(db::Database& database, const Protocol& protocol);
 
-/// The mean of those present; none for nobody.
+/// The mean of the subjects present; none without subjects.
 [[nodiscard]] std::optional<double> mean_of(const Column& column);
 
 }  // namespace hoist::tool::study

@@ -114,7 +114,7 @@ std::string table(const Protocol& protocol, const Results& results, const Told& 
 
 std::string test_text(const Column& first, const Column& second, int decimals) {
   const db::PairedTest test = db::paired_test(first, second);
-  if (test.pairs == 0) return "nobody did both";
+  if (test.pairs == 0) return "no subject did both";
   std::array<char, 160> out{};
   std::snprintf(out.data(), out.size(), "%.*f -> %.*f, %zu of %zu up, %zu down", decimals, test.mean_first, decimals, test.mean_second,
                 test.up, test.pairs, test.down);

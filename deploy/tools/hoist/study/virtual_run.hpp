@@ -16,7 +16,7 @@ struct VirtualRun {
   std::string unfinished;                     ///< why the run ended early; empty for a whole one
 };
 
-/// The same seed gives the same runs, whatever was run before. `runs_done`: by this subject in this study.
+/// The same seed gives the same runs, independent of earlier ones. `runs_done`: by this subject in this study.
 [[nodiscard]] VirtualRun walk(const Protocol& protocol, const Run& run, int subject, int runs_done, std::uint64_t seed);
 
 /// The runs of a subject in the order in which they are done.
