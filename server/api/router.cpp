@@ -209,9 +209,7 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
   call.body = std::make_shared<const nlohmann::json>(std::move(*body));
   return std::nullopt;
 }
-}  // namespace
 
-namespace {
 // What people change beside actions, which write their rows themselves, what was refused before it became one, and what leaves the hoist.
 bool is_audited(const Route& route) {
   return (route.method != Method::get && route.operation != "open_ticket") || route.operation == "export_session" ||

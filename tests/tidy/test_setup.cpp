@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 #include <sys/utsname.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
 
+#include "tests/support/shell.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hoist::tidy {
@@ -16,19 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Outcome {
-  std::string output;
-  int exit_code = -1;
-};
-
-Outcome shell(const std::string& script) {
-  Outcome outcome;
-  FILE* pipe = popen(("bash -c '" + script + "' 2>&1").c_str(), "r");
-  char buffer[4096];
-  for (std::size_t got = 0; pipe != nullptr && (got = fread(buffer, 1, sizeof buffer, pipe)) > 0;) outcome.output.append(buffer, got);
-  if (pipe != nullptr) outcome.exit_code = WEXITSTATUS(pclose(pipe));
-  return outcome;
-}
+test::ShellResult shell(const std::string& script) { return test::run_shell("bash -c '" + script + "' 2>&1"); }
 
 std::string machine() {
   utsname name{};
@@ -49,7 +37,7 @@ class NpmNode : public testing::Test {
   fs::path program() const { return folder_ / "web/node_modules/node/bin/node"; }
   void pin(const std::string& hash) const { std::ofstream(folder_ / "deploy/lib/node.sha256") << machine() << " " << hash << " 22.0.0\n"; }
   // A machine whose own Node is too old; what the verbs would run afterwards.
-  Outcome use() const {
+  test::ShellResult use() const {
     return shell("cd " + folder_.path().string() +
                  " && source deploy/lib/common.sh && node_major() { echo 18; } && use_newest_node && which node");
   }
@@ -58,7 +46,7 @@ class NpmNode : public testing::Test {
 
 TEST_F(NpmNode, AnotherProgramThanThePinnedOneIsNotRun) {
   pin(std::string(64, '0'));
-  const Outcome outcome = use();
+  const test::ShellResult outcome = use();
   EXPECT_NE(outcome.exit_code, 0);
   EXPECT_NE(outcome.output.find("not the one that deploy/lib/node.sha256 names"), std::string::npos) << outcome.output;
   EXPECT_FALSE(fs::exists(folder_ / "was-run"));
@@ -73,7 +61,7 @@ TEST_F(NpmNode, AMachineWithoutAHashGetsNone) {
 
 TEST_F(NpmNode, ThePinnedOneIsUsed) {
   pin(shell("sha256sum <" + program().string()).output.substr(0, 64));
-  const Outcome outcome = use();
+  const test::ShellResult outcome = use();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_EQ(outcome.output, program().string() + "\n");
 }
@@ -81,7 +69,7 @@ TEST_F(NpmNode, ThePinnedOneIsUsed) {
 TEST_F(NpmNode, TheInstalledOneIsCheckedBeforeItCountsAsInstalled) {
   pin(std::string(64, '0'));
   std::ofstream(folder_ / "web/package-lock.json") << "{}";
-  const Outcome outcome =
+  const test::ShellResult outcome =
       shell("cd " + folder_.path().string() + " && source deploy/lib/common.sh && npm() { :; } && install_npm_packages web");
   EXPECT_NE(outcome.exit_code, 0) << outcome.output;
   EXPECT_FALSE(fs::exists(folder_ / "web/node_modules/.hoist-lock"));

@@ -1,21 +1,18 @@
 // The count that decides whether a change lands: deploy/lib/tally.mjs on small reports of every kind of ending.
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <string>
 
+#include "tests/support/shell.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hoist::tidy {
 namespace {
 
-struct Outcome {
-  std::string output;
-  int exit_code = -1;
+struct Outcome : test::ShellResult {
   std::string last_line() const {
     const auto end = output.find_last_not_of('\n');
     const auto begin = output.rfind('\n', end);
@@ -36,13 +33,7 @@ class Tally : public testing::Test {
     write("gtest/" + name + ".xml", "<testsuites><testsuite>" + rows + "</testsuite></testsuites>");
   }
   Outcome count() const {
-    Outcome outcome;
-    const std::string command = std::string("node '") + HOIST_SOURCE_DIR + "/deploy/lib/tally.mjs' '" + folder_.path().string() + "' 2>&1";
-    FILE* pipe = popen(command.c_str(), "r");
-    char buffer[4096];
-    for (std::size_t got = 0; pipe != nullptr && (got = fread(buffer, 1, sizeof buffer, pipe)) > 0;) outcome.output.append(buffer, got);
-    if (pipe != nullptr) outcome.exit_code = WEXITSTATUS(pclose(pipe));
-    return outcome;
+    return {test::run_shell(std::string("node '") + HOIST_SOURCE_DIR + "/deploy/lib/tally.mjs' '" + folder_.path().string() + "' 2>&1")};
   }
   test::TemporaryFolder folder_;
 };

@@ -2,13 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <set>
 #include <sstream>
 
+#include "tests/support/shell.hpp"
 #include "tests/tidy/rules.hpp"
 
 namespace hoist::tidy {
@@ -17,12 +16,8 @@ namespace {
 // The files in git; others on the disk (builds, packages) are ignored.
 std::vector<File> tracked_files() {
   const std::string top = HOIST_SOURCE_DIR;
-  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(("git -C '" + top + "' ls-files -z 2>/dev/null").c_str(), "r"), pclose);
-  std::string names;
-  char buffer[4096];
-  for (std::size_t got = 0; pipe && (got = fread(buffer, 1, sizeof buffer, pipe.get())) > 0;) names.append(buffer, got);
   std::vector<File> files;
-  std::istringstream stream(names);
+  std::istringstream stream(test::run_shell("git -C '" + top + "' ls-files -z 2>/dev/null").output);
   for (std::string path; std::getline(stream, path, '\0');) {
     const std::filesystem::path full = std::filesystem::path(top) / path;
     std::error_code error;

@@ -1,12 +1,10 @@
 // What the finished images must look like to the chip that starts them, read from the files that are flashed.
 #include <gtest/gtest.h>
 #include <stdlib.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -17,6 +15,7 @@
 #include "control/contract/firmware_image.hpp"
 #include "firmware/boards/lpc11c24/memory.hpp"
 #include "firmware/lib/version.hpp"
+#include "tests/support/shell.hpp"
 
 namespace hoist::firmware {
 namespace {
@@ -146,53 +145,45 @@ std::string listing(const std::string& code, const std::string& words = {}) {
          " 1030 00000000 00000000 00000000 01120000  ................\n" +
          words + "00001200 <tick>:\n    1200:\tpush\t{r4, lr}\n    1202:\tpop\t{r4, pc}\n00001100 <start>:\n" + code;
 }
-struct Depth {
-  int code = -1;
-  std::string text;
-};
-Depth stack_depth(const std::string& input) {
+test::ShellResult stack_depth(const std::string& input) {
   std::string pattern = (std::filesystem::temp_directory_path() / "hoist-stack-test-XXXXXX").string();
   const int file = ::mkstemp(pattern.data());
   EXPECT_GE(file, 0);
   ::close(file);
   std::ofstream(pattern) << input;
-  Depth depth;
-  std::FILE* pipe = ::popen(("awk -f " HOIST_SOURCE_DIR "/firmware/cmake/stack_depth.awk " + pattern + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return depth;
-  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) depth.text += static_cast<char>(c);
-  depth.code = WEXITSTATUS(::pclose(pipe));
+  test::ShellResult depth = test::run_shell("awk -f " HOIST_SOURCE_DIR "/firmware/cmake/stack_depth.awk " + pattern + " 2>&1");
   std::filesystem::remove(pattern);
   return depth;
 }
 
 TEST(StackDepth, AddsFramesCallsAndInterrupts) {
   // 8 in start, 24 in work, 20 in more by a jump; the interrupt takes 36 and its 8.
-  const Depth depth =
+  const test::ShellResult depth =
       stack_depth(listing("    1100:\tpush\t{r4, lr}\n    1102:\tbl\t1120 <work>\n00001120 <work>:\n    1120:\tsub\tsp, #24\n"
                           "    1122:\tb.n\t1140 <more>\n00001140 <more>:\n    1140:\tpush\t{r4, r5, r6, r7, lr}\n"));
-  EXPECT_EQ(depth.code, 0) << depth.text;
-  EXPECT_EQ(depth.text, "96 start(8) work(24) more(20); interrupt(36) tick(8)\n");
+  EXPECT_EQ(depth.exit_code, 0) << depth.output;
+  EXPECT_EQ(depth.output, "96 start(8) work(24) more(20); interrupt(36) tick(8)\n");
 }
 
 TEST(StackDepth, FollowsLargeFramesPointersAndRom) {
   // A frame from a literal (-512) that is given back by a number made in two steps.
-  Depth depth = stack_depth(
+  test::ShellResult depth = stack_depth(
       listing("    1100:\tldr\tr4, [pc, #12]\t@ (1110 <start+0x10>)\n    1102:\tadd\tsp, r4\n    1104:\tmovs\tr3, #128\t@ 0x80\n"
               "    1106:\tlsls\tr3, r3, #2\n    1108:\tadd\tsp, r3\n    1110:\t.word\t0xfffffe00\n"));
-  EXPECT_EQ(depth.text.substr(0, 4), "556 ") << depth.text;
+  EXPECT_EQ(depth.output.substr(0, 4), "556 ") << depth.output;
   // Through a pointer: any function whose address is in the image, here 1140h. ROM by its address.
   depth = stack_depth(
       listing("    1100:\tblx\tr3\n00001140 <taken>:\n    1140:\tsub\tsp, #100\n    1142:\tldr\tr3, [pc, #4]\t@ (1148 <taken+0x8>)\n"
               "    1144:\tblx\tr3\n    1148:\t.word\t0x1fff1ff1\n",
               " 1400 41110000                              A...\n"));
-  EXPECT_EQ(depth.text, "272 start(0) taken(100) ROM; interrupt(36) tick(8)\n");
+  EXPECT_EQ(depth.output, "272 start(0) taken(100) ROM; interrupt(36) tick(8)\n");
 }
 
 TEST(StackDepth, RefusesWhatHasNoBound) {
   const auto refused = [](const std::string& code, const std::string& why) {
-    const Depth depth = stack_depth(listing(code));
-    EXPECT_EQ(depth.code, 1) << depth.text;
-    EXPECT_NE(depth.text.find(why), std::string::npos) << depth.text;
+    const test::ShellResult depth = stack_depth(listing(code));
+    EXPECT_EQ(depth.exit_code, 1) << depth.output;
+    EXPECT_NE(depth.output.find(why), std::string::npos) << depth.output;
   };
   refused("    1100:\tbl\t1120 <work>\n00001120 <work>:\n    1120:\tpush\t{lr}\n    1122:\tbl\t1120 <work>\n", "recursion through work");
   refused("    1100:\tsubs\tr3, r3, r2\n    1102:\tadd\tsp, r3\n", "frame of start is not constant");

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "control/bus/can_port.hpp"
+#include "tests/support/shell.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/boot/boot_support.hpp"
 
@@ -31,20 +31,8 @@ class FirmwareCommand : public testing::Test {
     }
   }
 
-  struct Result {
-    int code = -1;
-    std::string text;  // standard output and standard error
-  };
-  Result hoist(const std::string& arguments) {
-    Result result;
-    std::FILE* pipe = ::popen((std::string(HOIST_PROGRAM) + " firmware " + arguments + " 2>&1").c_str(), "r");
-    if (pipe == nullptr) return result;
-    std::array<char, 4096> piece{};
-    while (const std::size_t got = std::fread(piece.data(), 1, piece.size(), pipe)) result.text.append(piece.data(), got);
-    const int status = ::pclose(pipe);
-    result.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return result;
-  }
+  using Result = test::ShellResult;
+  Result hoist(const std::string& arguments) { return test::run_shell(std::string(HOIST_PROGRAM) + " firmware " + arguments + " 2>&1"); }
   [[nodiscard]] std::string file(const std::string& name) const { return folder_.file(name); }
   void write(const std::string& name, const std::vector<std::uint8_t>& content) const {
     std::ofstream(file(name), std::ios::binary)
@@ -93,18 +81,18 @@ TEST_F(FirmwareCommand, PacksAndShowsAProgram) {
   as_linked(linked);
   write("in.bin", linked);
   const Result packed = hoist("pack " + file("in.bin") + " " + file("out"));
-  EXPECT_EQ(packed.code, 0) << packed.text;
-  EXPECT_NE(packed.text.find("drive for lpc11c24, version 1.2.3"), std::string::npos) << packed.text;
+  EXPECT_EQ(packed.exit_code, 0) << packed.output;
+  EXPECT_NE(packed.output.find("drive for lpc11c24, version 1.2.3"), std::string::npos) << packed.output;
   const auto image = read("out");
   EXPECT_EQ(image.size(), 5004U);  // whole words
   EXPECT_EQ(contract::check_image_file(image), ImageError::none);
   EXPECT_TRUE(std::equal(linked.begin(), linked.begin() + contract::kImageHeaderAt, image.begin()));
   EXPECT_TRUE(std::equal(linked.begin() + contract::kImageMin, linked.end(), image.begin() + contract::kImageMin));
   const Result shown = hoist("show " + file("out") + " --json");
-  EXPECT_EQ(shown.code, 0);
-  EXPECT_NE(shown.text.find(R"("kind":"drive","chip":"lpc11c24","version":"1.2.3","length":5004)"), std::string::npos) << shown.text;
+  EXPECT_EQ(shown.exit_code, 0);
+  EXPECT_NE(shown.output.find(R"("kind":"drive","chip":"lpc11c24","version":"1.2.3","length":5004)"), std::string::npos) << shown.output;
   // For a simulated node it is the same program; no chip takes it.
-  EXPECT_EQ(hoist("pack " + file("in.bin") + " --simulated " + file("again")).code, 0);
+  EXPECT_EQ(hoist("pack " + file("in.bin") + " --simulated " + file("again")).exit_code, 0);
   EXPECT_EQ(contract::check_image(read("again"), ImageKind::drive, simulated_chip()), ImageError::none);
   EXPECT_EQ(contract::check_image(read("again"), ImageKind::drive, *contract::find_image_chip("lpc11c24")), ImageError::chip);
 }
@@ -118,20 +106,20 @@ TEST_F(FirmwareCommand, PacksNoProgramUnderTheNameOfAnotherNodeOrChip) {
     as_linked(linked);
     write("in.bin", linked);
     const Result result = hoist("pack " + file("in.bin") + options + " " + file("out"));
-    EXPECT_EQ(result.code == 0, std::filesystem::exists(file("out"))) << result.text;
+    EXPECT_EQ(result.exit_code == 0, std::filesystem::exists(file("out"))) << result.output;
     return result;
   };
   constexpr auto kIo = static_cast<std::uint8_t>(ImageKind::io);
   constexpr auto kSimulated = static_cast<std::uint8_t>(ImageChip::simulated);
-  EXPECT_EQ(pack(kIo, kSimulated, " --kind drive").code, 2);
-  EXPECT_EQ(pack(kIo, kSimulated, " --chip lpc11c24").code, 2);
-  EXPECT_EQ(pack(kIo, kSimulated, " --version 9.9.9").code, 2);
-  EXPECT_EQ(pack(4, kSimulated, "").code, 1);
+  EXPECT_EQ(pack(kIo, kSimulated, " --kind drive").exit_code, 2);
+  EXPECT_EQ(pack(kIo, kSimulated, " --chip lpc11c24").exit_code, 2);
+  EXPECT_EQ(pack(kIo, kSimulated, " --version 9.9.9").exit_code, 2);
+  EXPECT_EQ(pack(4, kSimulated, "").exit_code, 1);
   const Result unnamed = pack(0, 0, "");  // a header with zeros, as in old programs
-  EXPECT_EQ(unnamed.code, 1);
-  EXPECT_NE(unnamed.text.find("does not say for which kind"), std::string::npos) << unnamed.text;
-  EXPECT_EQ(pack(0, 0, " --simulated").code, 1);
-  EXPECT_EQ(pack(kIo, kSimulated, "").code, 0);
+  EXPECT_EQ(unnamed.exit_code, 1);
+  EXPECT_NE(unnamed.output.find("does not say for which kind"), std::string::npos) << unnamed.output;
+  EXPECT_EQ(pack(0, 0, " --simulated").exit_code, 1);
+  EXPECT_EQ(pack(kIo, kSimulated, "").exit_code, 0);
 }
 
 TEST_F(FirmwareCommand, RefusesWithTheReasonAndWritesNothing) {
@@ -141,8 +129,8 @@ TEST_F(FirmwareCommand, RefusesWithTheReasonAndWritesNothing) {
   write("empty", std::vector<std::uint8_t>(5000, 0xFF));
   const auto refused = [&](const std::string& arguments, int code, const std::string& because) {
     const Result result = hoist(arguments);
-    EXPECT_EQ(result.code, code) << arguments << '\n' << result.text;
-    EXPECT_NE(result.text.find(because), std::string::npos) << arguments << '\n' << result.text;
+    EXPECT_EQ(result.exit_code, code) << arguments << '\n' << result.output;
+    EXPECT_NE(result.output.find(because), std::string::npos) << arguments << '\n' << result.output;
     EXPECT_FALSE(std::filesystem::exists(file("out")));
   };
   const std::string good = " " + file("out");
@@ -156,30 +144,30 @@ TEST_F(FirmwareCommand, RefusesWithTheReasonAndWritesNothing) {
   refused("update --bus slcan:" + file("nothing") + " --node tilt_left " + file("junk"), 1, "magic");
   refused("update --bus slcan:x --node nobody " + file("junk"), 2, "--node");
   refused("burn", 2, "burn");
-  EXPECT_EQ(hoist("--help").code, 0);
+  EXPECT_EQ(hoist("--help").exit_code, 0);
 }
 
 TEST_F(FirmwareCommand, UpdatesANodeOfTheSimulator) {
   start_simulator();
   const std::string bus = "--bus slcan:" + file("bus") + " ";
   Result listed = hoist("list --json " + bus);
-  EXPECT_EQ(listed.code, 0) << listed.text;
-  EXPECT_NE(listed.text.find(R"({"node":"tilt_left","present":true,"in_loader":false,"simulated":true,"version":"1.0.0")"),
+  EXPECT_EQ(listed.exit_code, 0) << listed.output;
+  EXPECT_NE(listed.output.find(R"({"node":"tilt_left","present":true,"in_loader":false,"simulated":true,"version":"1.0.0")"),
             std::string::npos)
-      << listed.text;
+      << listed.output;
   write("new", make_image(1500, contract::image_version(1, 2, 3), 9, ImageKind::tilt));
   write("old", make_image(1500, contract::image_version(0, 2, 3), 9, ImageKind::tilt));
   const Result updated = hoist("update " + bus + "--node tilt_left " + file("new"));
-  EXPECT_EQ(updated.code, 0) << updated.text;
-  EXPECT_NE(updated.text.find("tilt_left runs 1.2.3 now (before: 1.0.0)"), std::string::npos) << updated.text;
-  EXPECT_NE(updated.text.find("sending"), std::string::npos);
+  EXPECT_EQ(updated.exit_code, 0) << updated.output;
+  EXPECT_NE(updated.output.find("tilt_left runs 1.2.3 now (before: 1.0.0)"), std::string::npos) << updated.output;
+  EXPECT_NE(updated.output.find("sending"), std::string::npos);
   listed = hoist("list " + bus);
-  EXPECT_NE(listed.text.find("tilt_left     1.2.3"), std::string::npos) << listed.text;
-  EXPECT_NE(listed.text.find("tilt_right    1.0.0"), std::string::npos) << listed.text;
+  EXPECT_NE(listed.output.find("tilt_left     1.2.3"), std::string::npos) << listed.output;
+  EXPECT_NE(listed.output.find("tilt_right    1.0.0"), std::string::npos) << listed.output;
   const Result refused = hoist("update " + bus + "--node tilt_left " + file("old"));
-  EXPECT_EQ(refused.code, 1);
-  EXPECT_NE(refused.text.find("it runs 1.2.3"), std::string::npos) << refused.text;
-  EXPECT_EQ(hoist("update " + bus + "--node drive_left " + file("new")).code, 1);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.output.find("it runs 1.2.3"), std::string::npos) << refused.output;
+  EXPECT_EQ(hoist("update " + bus + "--node drive_left " + file("new")).exit_code, 1);
 }
 
 // A line without echo: a second program could not detect hoist-control. So a line in use is refused.
@@ -193,8 +181,8 @@ TEST_F(FirmwareCommand, RefusesALineThatAnotherProgramHasOpen) {
   write("new", make_image(1500, contract::image_version(1, 2, 3), 9, ImageKind::tilt));
   for (const std::string& verb : {std::string("list"), "update --node tilt_left " + file("new")}) {
     const Result refused = hoist(verb + " --bus slcan:" + file("bus"));
-    EXPECT_EQ(refused.code, 1) << refused.text;
-    EXPECT_NE(refused.text.find("another program has the device open"), std::string::npos) << refused.text;
+    EXPECT_EQ(refused.exit_code, 1) << refused.output;
+    EXPECT_NE(refused.output.find("another program has the device open"), std::string::npos) << refused.output;
   }
 }
 

@@ -19,6 +19,7 @@
 #include "db/archive/tables.hpp"
 #include "db/export/session_export.hpp"
 #include "db/store/sqlite.hpp"
+#include "tests/support/shell.hpp"
 #include "tests/unit/db/db_support.hpp"
 
 extern char** environ;
@@ -26,20 +27,8 @@ extern char** environ;
 namespace hoist::db::test {
 namespace {
 
-struct Said {
-  int code = -1;
-  std::string text;
-};
-Said run(const std::string& command) {
-  Said said;
-  std::FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return said;
-  std::array<char, 4096> piece{};
-  while (std::fgets(piece.data(), piece.size(), pipe) != nullptr) said.text += piece.data();
-  const int status = ::pclose(pipe);
-  said.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return said;
-}
+using Said = hoist::test::ShellResult;
+Said run(const std::string& command) { return hoist::test::run_shell(command + " 2>&1"); }
 
 // The newest installed server's programs; empty when there is none.
 std::filesystem::path postgres_programs() {
@@ -61,7 +50,7 @@ class Server {
     make_folder("socket");
     const Said made =
         run(as_ + (programs_ / "initdb").string() + " -D " + dir_.file("data") + " -A trust -U owner --no-sync -E UTF8 --locale=C");
-    if (made.code != 0) problem = made.text;
+    if (made.exit_code != 0) problem = made.output;
     start();
   }
   ~Server() { stop("fast"); }
@@ -69,7 +58,7 @@ class Server {
   void start() {
     const Said started = run(as_ + (programs_ / "pg_ctl").string() + " -w -s -D " + dir_.file("data") + " -l " + dir_.file("data/log") +
                              " -o \"-c fsync=off -c listen_addresses='' -c unix_socket_directories=" + dir_.file("socket") + "\" start");
-    if (started.code != 0) problem = started.text;
+    if (started.exit_code != 0) problem = started.output;
   }
   void stop(const std::string& how) {
     run(as_ + (programs_ / "pg_ctl").string() + " -w -s -D " + dir_.file("data") + " -m " + how + " stop");
@@ -78,8 +67,8 @@ class Server {
   std::string sql(const std::string& database, const std::string& statement) {
     Said said = run(as_ + (programs_ / "psql").string() + " -h " + dir_.file("socket") + " -U owner -d " + database + " -qAt -c \"" +
                     statement + "\"");
-    while (!said.text.empty() && said.text.back() == '\n') said.text.pop_back();
-    return said.text;
+    while (!said.output.empty() && said.output.back() == '\n') said.output.pop_back();
+    return said.output;
   }
   [[nodiscard]] std::string target(const std::string& database, const std::string& user = "owner") const {
     return "host=" + dir_.file("socket") + " user=" + user + " dbname=" + database;

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <charconv>
 #include <cmath>
@@ -22,6 +21,7 @@
 #include "db/store/sqlite.hpp"
 #include "db/summary/session_json.hpp"
 #include "db/summary/session_metrics.hpp"
+#include "tests/support/shell.hpp"
 #include "tests/unit/db/export_support.hpp"
 
 namespace hoist::db::test {
@@ -450,15 +450,9 @@ std::vector<TickRecord> follow(const contract::ReferencePath& path, double lengt
 }
 
 std::string run(const std::string& command) {
-  std::string out;
-  FILE* pipe = popen(command.c_str(), "r");
-  EXPECT_NE(pipe, nullptr);
-  if (pipe == nullptr) return out;
-  std::array<char, 4096> buffer;
-  for (std::size_t n = 0; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) out.append(buffer.data(), n);
-  const int status = pclose(pipe);
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << command << "\n" << out;
-  return out;
+  const hoist::test::ShellResult result = hoist::test::run_shell(command);
+  EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.output;
+  return result.output;
 }
 
 TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {

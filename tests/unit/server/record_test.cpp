@@ -21,6 +21,7 @@
 #include "db/summary/session_metrics.hpp"
 #include "server/record/recorder.hpp"
 #include "tests/support/crash_disk.hpp"
+#include "tests/support/shell.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/server/fixture.hpp"
 
@@ -158,10 +159,7 @@ TEST_F(Record, AWalkIsRecordedAndExportedAsPublished) {
 
 json figures_by_command(const std::filesystem::path& database) {
   const std::string command = std::string(HOIST_BINARY_DIR) + "/bin/hoist metrics " + database.string() + " 1";
-  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
-  std::string text;
-  for (int c = 0; pipe && (c = std::fgetc(pipe.get())) != EOF;) text += static_cast<char>(c);
-  return json::parse(text, nullptr, false);
+  return json::parse(test::run_shell(command).output, nullptr, false);
 }
 
 // C, J_N and L of this walk are another program's (tests/golden); the other figures are counted here by their definitions.

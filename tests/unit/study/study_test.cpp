@@ -1,9 +1,7 @@
 // The study: its protocol, its virtual subjects, and what must come out of them.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <array>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -13,6 +11,7 @@
 #include "deploy/tools/hoist/study/results.hpp"
 #include "deploy/tools/hoist/study/tables.hpp"
 #include "tests/support/seeds.hpp"
+#include "tests/support/shell.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hoist::tool::study {
@@ -108,15 +107,9 @@ TEST(Study, AFollowerTurnsAsFarAsAnticipated) {
 }
 
 std::string run(const std::string& command, int expected) {
-  std::string out;
-  FILE* pipe = popen(command.c_str(), "r");
-  EXPECT_NE(pipe, nullptr);
-  if (pipe == nullptr) return out;
-  std::array<char, 4096> buffer;
-  for (std::size_t n = 0; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) out.append(buffer.data(), n);
-  const int status = pclose(pipe);
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == expected) << command << "\n" << out;
-  return out;
+  const test::ShellResult result = test::run_shell(command);
+  EXPECT_EQ(result.exit_code, expected) << command << "\n" << result.output;
+  return result.output;
 }
 std::string tables_in(const std::string& text) {
   const std::size_t begin = text.find("Table II:"), end = text.find("Put in by assumption");
