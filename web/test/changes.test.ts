@@ -51,17 +51,28 @@ describe('the note of a visit', { timeout: minutes_ms }, () => {
   it('is saved on leaving it, and never over another one unseen', async () => {
     await open('patients/5');
     const note = page.getByLabel(en['visit.note']).first();
+    await note.waitFor();
+    // The page's own reading after the save is held up, and comes while the next text is typed.
+    let read = () => {};
+    const held = new Promise<void>((resolve) => (read = resolve));
+    await page.route('**/api/v1/visits?*', async (route) => {
+      await held;
+      await route.continue();
+    });
     await note.fill('Walked well');
     await note.press('Enter');
     await page.getByText(en['sessions.saved']).first().waitFor();
     // Meanwhile on another tablet.
     const changed = await page.evaluate(async () => {
-      const list = (await (await fetch('/api/v1/visits?patient=5')).json()) as { items: { id: number; etag: string }[] };
-      const { id, etag } = list.items[0]!;
-      return (await fetch(`/api/v1/visits/${id}`, { method: 'PATCH', headers: { 'If-Match': `"${etag}"` }, body: '{"note":"Fell asleep"}' })).status;
+      const { etag } = (await (await fetch('/api/v1/visits/12')).json()) as { etag: string };
+      return (await fetch('/api/v1/visits/12', { method: 'PATCH', headers: { 'If-Match': `"${etag}"` }, body: '{"note":"Fell asleep"}' })).status;
     });
     expect(changed).toBe(200);
     await note.fill('Walked very well');
+    const came = page.waitForResponse((answer) => answer.url().includes('/api/v1/visits?'));
+    read();
+    await came;
+    await page.unroute('**/api/v1/visits?*');
     await note.press('Enter');
     await page.getByText('Someone else has changed this. Look at it again.').waitFor();
     expect(await note.inputValue(), 'what was typed stays').toBe('Walked very well');

@@ -43,6 +43,7 @@ export const de: Table = {
   'patient.damaged': 'Der Name lässt sich nicht zeigen: Die Daten sind beschädigt. Bitte neu eintragen.',
   'patient.visits': 'Termine',
   'patient.standby': 'Auch Bereitschaft wurde aufgezeichnet:',
+  'patient.standbyPart': 'Teil {n}',
   'visit.note': 'Notiz zu diesem Termin',
   'trend.title': 'Verlauf',
   'trend.none': 'Noch keine abgeschlossene Sitzung.',
@@ -61,7 +62,7 @@ export const de: Table = {
   'patient.archive': 'Archivieren',
   'patient.unarchive': 'Zurück in die Liste',
   'patient.deleteText':
-    'Löschen entfernt {code} endgültig: {visits} Termine, {sessions} Sitzungen, Einstellungen und Name. Nur eine Sicherung hat sie dann noch.',
+    'Löschen entfernt {code} endgültig, mit Terminen ({visits}), Sitzungen ({sessions}), Einstellungen und Name. Nur eine Sicherung hat sie dann noch.',
   'patient.deleteHold': 'Halten zum Löschen',
   'patient.deleteHint': 'Zwei Sekunden halten, um Patient und alle Sitzungen zu löschen',
   'patient.deleted': 'Patient {code} gelöscht',

@@ -44,6 +44,7 @@ export const en = {
   'patient.damaged': 'The name cannot be shown: the stored data are damaged. Enter it again.',
   'patient.visits': 'Visits',
   'patient.standby': 'Standby was recorded too:',
+  'patient.standbyPart': 'part {n}',
   'visit.note': 'Note on this visit',
   'trend.title': 'Over time',
   'trend.none': 'No finished session yet.',
@@ -61,7 +62,8 @@ export const en = {
   'patient.restoreText': 'This patient is not in the list. All recordings are kept.',
   'patient.archive': 'Archive',
   'patient.unarchive': 'Back to the list',
-  'patient.deleteText': 'Deleting removes {code} for good: {visits} visits, {sessions} sessions, settings and name. Only a backup still has them.',
+  'patient.deleteText':
+    'Deleting removes {code} for good, with visits ({visits}), sessions ({sessions}), settings and name. Only a backup still has them.',
   'patient.deleteHold': 'Hold to delete',
   'patient.deleteHint': 'Hold for two seconds to delete this patient with all sessions',
   'patient.deleted': 'Patient {code} deleted',

@@ -10,6 +10,7 @@ export function TextField({
   value,
   most,
   disabled = false,
+  version,
   onSave,
 }: {
   label: string;
@@ -17,17 +18,27 @@ export function TextField({
   value: string;
   most: number;
   disabled?: boolean;
-  onSave: (text: string) => Promise<boolean>;
+  /** Of the stored text (its ETag). */
+  version?: string;
+  /** `version`: of what stood there when typing began, so that a text that came meanwhile is not overwritten unseen. */
+  onSave: (text: string, version: string | undefined) => Promise<boolean>;
 }) {
   const [draft, setDraft] = useState<string | null>(null); // typed text that is not known to be stored
+  const typed = useRef<string | null>(null); // the same at once: Enter may come before the field is drawn again
   const sent = useRef<string | null>(null); // a tap on Save leaves the field, too: one request is enough
+  const typedOver = useRef<string | undefined>(undefined);
   const changed = draft !== null && draft !== value;
   const save = async () => {
-    if (!changed || draft === sent.current) return;
-    sent.current = draft;
-    const kept = await onSave(draft);
+    const text = typed.current;
+    if (text === null || text === value || text === sent.current) return;
+    sent.current = text;
+    const kept = await onSave(text, typedOver.current ?? version);
     sent.current = null;
-    if (kept) setDraft((now) => (now === draft ? null : now));
+    // Refused: the person has been told, and the next save is for what is stored now.
+    typedOver.current = undefined;
+    if (!kept || typed.current !== text) return;
+    typed.current = null;
+    setDraft(null);
   };
   const latest = useRef(save);
   latest.current = save;
@@ -51,7 +62,11 @@ export function TextField({
           value={draft ?? value}
           maxLength={most}
           disabled={disabled}
-          onInput={(event) => setDraft(event.currentTarget.value)}
+          onInput={(event) => {
+            if (!changed) typedOver.current = version;
+            typed.current = event.currentTarget.value;
+            setDraft(typed.current);
+          }}
           onBlur={() => void save()}
           onKeyDown={(event) => event.key === 'Enter' && void save()}
         />

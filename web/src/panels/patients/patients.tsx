@@ -1,4 +1,5 @@
 // One patient: the identity on request, visits with their sessions, and what becomes of the data. The list is on Home.
+import { Fragment } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
 import type { Patient, Person, Session, VisitRow } from '../../contract/rest.gen';
 import { choosePatient, notify } from '../../link/console';
@@ -229,10 +230,11 @@ function Visits({ id, code, again, may }: { id: number; code: string; again: str
           {visit.standby.length === 0 ? null : (
             <p class="hint">
               {t('patient.standby')}{' '}
-              {visit.standby.map((session) => (
-                <a key={session} href={addressOf('sessions', session)}>
-                  {t('sessions.one', { n: session })}{' '}
-                </a>
+              {visit.standby.map((session, i) => (
+                <Fragment key={session}>
+                  {i > 0 ? ', ' : ''}
+                  <a href={addressOf('sessions', session)}>{t('patient.standbyPart', { n: i + 1 })}</a>
+                </Fragment>
               ))}
             </p>
           )}
@@ -245,8 +247,8 @@ function Visits({ id, code, again, may }: { id: number; code: string; again: str
 /** What people write about a visit. Saved for the note that was shown: another person's is never overwritten unseen. */
 function VisitNote({ visit, may, onChange }: { visit: VisitRow; may: boolean; onChange: () => void }) {
   const [problem, setProblem] = useState<Problem | null>(null);
-  const save = async (note: string): Promise<boolean> => {
-    const answer = await rest('PATCH /api/v1/visits/{id}', { path: { id: visit.id }, body: { note }, etag: visit.etag });
+  const save = async (note: string, etag: string | undefined): Promise<boolean> => {
+    const answer = await rest('PATCH /api/v1/visits/{id}', { path: { id: visit.id }, body: { note }, etag });
     setProblem(answer.ok ? null : answer.problem);
     if (answer.ok) notify('info', 'sessions.saved');
     onChange();
@@ -255,7 +257,7 @@ function VisitNote({ visit, may, onChange }: { visit: VisitRow; may: boolean; on
   if (!may && visit.note === '') return null;
   return (
     <>
-      <TextField label={t('visit.note')} value={visit.note} most={noteMost} disabled={!may} onSave={save} />
+      <TextField label={t('visit.note')} value={visit.note} version={visit.etag} most={noteMost} disabled={!may} onSave={save} />
       <Trouble problem={problem} />
     </>
   );
