@@ -77,7 +77,7 @@ Response link_page() {
 // These show a token in the address and take no cookie.
 bool is_for_tools(std::string_view path) { return path == "/foxglove" || path == "/rosbridge"; }
 
-// What other devices reach before there is an account: the set-up with what its page needs, and STOP of devices that were ever signed in. Pages and the
+// What other devices reach before there is an account: the set-up with what its page needs, and STOP of devices once signed in. Pages and the
 // way to trust the hoist are no routes.
 bool is_open_before_set_up(std::string_view operation) { return operation == "who_am_i" || operation == "set_up" || operation == "stop"; }
 
