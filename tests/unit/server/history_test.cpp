@@ -197,7 +197,8 @@ TEST_F(History, AlarmsOfAllSessionsAreFoundByFaultSessionAndTime) {
   } while (!cursor.empty());
   EXPECT_EQ(seen.size(), 4U);
   const std::string moment = all[2]["utc_ms"].dump();
-  for (const json& row : alarms("?to_utc_ms=" + moment)["items"]) EXPECT_EQ(row["session"], sessions[0]);
+  const json until = alarms("?to_utc_ms=" + moment);  // A range-for does not keep the whole answer alive.
+  for (const json& row : until["items"]) EXPECT_EQ(row["session"], sessions[0]);
   for (const char* bad : {"?fault=none_such", "?limit=0", "?cursor=5", "?cursor=x-1", "?session=x", "?from_utc_ms=x"})
     EXPECT_EQ(get(std::string("/api/v1/alarms") + bad).status, 422U) << bad;
 }
