@@ -53,9 +53,10 @@ install_packages() {
   fi
   say "installing Debian packages: $*"
   mkdir -p build
+  # Unpacked files need no sync each (a quarter of the time): what a power cut spoils is installed once more.
   {
     as_root apt-get update &&
-      as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+      as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends -o Dpkg::Options::=--force-unsafe-io "$@"
   } >build/apt.log 2>&1 || {
     tail -n 30 build/apt.log >&2
     die "apt-get could not install them (its last lines are above, all of them in build/apt.log)"
@@ -94,29 +95,53 @@ check_npm_node() {
   die "$program was not the one that deploy/lib/node.sha256 names for $(uname -m); it was removed and not run"
 }
 
-# setup GROUP...: makes this machine able to do what the groups of deploy/packages are for.
-setup() {
+# setup_debian GROUP...: the Debian packages of these groups in deploy/packages.
+setup_debian() {
   local missing=() wanted=()
-  if [ -n "${no_setup:-}" ]; then
-    use_newest_node
+  if ! command -v dpkg-query >/dev/null; then
+    say "this is not Debian (no dpkg-query): nothing is installed; deploy/packages lists what is needed"
     return 0
   fi
-  if command -v dpkg-query >/dev/null; then
-    mapfile -t wanted < <(wanted_packages "$@")
-    # Node may come from elsewhere, so check for the program, not the package.
-    if [ -z "$(node_major node)" ]; then wanted+=(nodejs); fi
-    command -v npm >/dev/null || wanted+=(npm)
-    mapfile -t missing < <(missing_packages "${wanted[@]}")
-    [ ${#missing[@]} -eq 0 ] || install_packages "${missing[@]}"
-  else
-    say "this is not Debian (no dpkg-query): nothing is installed; deploy/packages lists what is needed"
-  fi
+  mapfile -t wanted < <(wanted_packages "$@")
+  # Node may come from elsewhere, so check for the program, not the package.
+  if [ -z "$(node_major node)" ]; then wanted+=(nodejs); fi
+  command -v npm >/dev/null || wanted+=(npm)
+  mapfile -t missing < <(missing_packages "${wanted[@]}")
+  [ ${#missing[@]} -eq 0 ] || install_packages "${missing[@]}"
+}
+
+# setup_npm GROUP...: the console's npm packages, and with the groups test or check those of the tests' clients.
+setup_npm() {
+  local folder
   install_npm_packages web
-  install_npm_packages tests/web
-  install_npm_packages tests/system/peers
-  install_npm_packages tests/system/exports
-  install_npm_packages tests/api_lint
-  install_npm_packages tests/system/tools
+  [[ " $* " =~ " test "|" check " ]] || return 0
+  for folder in tests/web tests/system/peers tests/system/exports tests/api_lint tests/system/tools; do install_npm_packages "$folder"; done
+}
+
+# setup GROUP...: makes this machine able to do what the groups of deploy/packages are for.
+setup() {
+  if [ -z "${no_setup:-}" ]; then
+    setup_debian "$@"
+    setup_npm "$@"
+  fi
+  use_newest_node
+}
+
+# setup_and_build GROUP... -- TARGET...: as setup, with the normal build made while npm fetches: C++ needs none of its packages.
+setup_and_build() {
+  local groups=() npm=
+  while [ "$1" != -- ]; do
+    groups+=("$1")
+    shift
+  done
+  shift
+  if [ -z "${no_setup:-}" ]; then
+    setup_debian "${groups[@]}"
+    setup_npm "${groups[@]}" &
+    npm=$!
+  fi
+  build_normal "$@"
+  if [ -n "$npm" ]; then wait "$npm" || exit 1; fi
   use_newest_node
 }
 

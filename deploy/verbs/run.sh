@@ -29,8 +29,7 @@ done
 if [[ ! $port =~ ^[0-9]{1,5}$ ]] || [ "$port" -lt 1 ] || [ "$port" -gt 65535 ]; then die "--port is a number from 1 to 65535, not '$port'"; fi
 [[ $scenario =~ ^[A-Za-z0-9_-]+$ ]] || die "--scenario is a name of letters, digits, - and _, not '$scenario'"
 
-setup build
-build_normal hoist-sim hoist-control hoist-server
+setup_and_build build -- hoist-sim hoist-control hoist-server
 build_web
 for program in hoist-sim hoist-control hoist-server; do
   [ -x "build/bin/$program" ] || not_here_yet run "build/bin/$program is not in this tree"

@@ -23,13 +23,13 @@ while [ $# -gt 0 ]; do
   shift
 done
 
-setup build test firmware
 results=$(new_results tests)
 if [ -n "$sanitize" ]; then
+  setup build test firmware
   build_sanitized || die "the sanitized build failed: see above"
   run_ctest build/sanitize "$results" "$filter"
 else
-  build_normal
+  setup_and_build build test firmware --
   build_web
   run_suites "$results" "$filter"
 fi
