@@ -126,6 +126,27 @@ json who_json(const Call& call, const Session* session, std::string_view device)
   return who;
 }
 
+// Asks the store, and answers a failure: `then` gets the value, or nothing where there is none.
+template <typename Work, typename Then>
+void ask_store(const CallPtr& call, Work work, Then then) {
+  using Outcome = std::invoke_result_t<Work&, PeopleRoom&>;
+  ask_people<Outcome>(call, std::move(work), [call, then = std::move(then)](const Outcome& outcome) mutable {
+    if (!outcome)
+      call->fail(problem_of(outcome.error()));
+    else if constexpr (std::is_same_v<Outcome, db::Status>)
+      then();
+    else
+      then(*outcome);
+  });
+}
+
+// The hash of a new password or PIN.
+db::Result<std::string> hash_of(PeopleRoom& room, const std::string& secret) {
+  std::string hash = hash_secret(secret, room.limits);
+  if (hash.empty()) return db::Error{db::ErrorKind::busy, "There is no memory for the password; try again.", {}};
+  return hash;
+}
+
 // The account behind a name if the secret is its own: the same work for every name.
 std::optional<db::User> checked(PeopleRoom& room, const std::string& name, const std::string& secret, bool pin) {
   const auto found = room.accounts.find(name);
@@ -244,19 +265,16 @@ void sign_out(const CallPtr& call) {
   }
   session->ended = true;
   call->services.close_sockets([&](const Session& other) { return &other == session.get(); }, "signed out");
-  ask_people<db::Status>(
+  ask_store(
       call, [digest = session->digest](PeopleRoom& room) { return room.accounts.end_sign_in(digest); },
-      [call](const db::Status& ended) {
-        if (ended)
-          call->respond(json{{"ok", true}});
-        else
-          call->fail(problem_of(ended.error()));
+      [call] {
+        call->respond(json{{"ok", true}});
       });
 }
 
 namespace {
 // Changes one's own account after its password was given once more.
-void change_own(const CallPtr& call, std::function<std::optional<db::UserChange>(PeopleRoom&)> make, bool sign_others_out) {
+void change_own(const CallPtr& call, std::function<db::Result<db::UserChange>(PeopleRoom&)> make, bool sign_others_out) {
   const SessionPtr session = call->session;
   if (!session->account || session->bearer) {
     call->fail(no_account());
@@ -269,23 +287,21 @@ void change_own(const CallPtr& call, std::function<std::optional<db::UserChange>
     return;
   }
   guard.failed(account, call->request.address, call->services.now_ns());
-  const bool asked = ask_people<std::optional<db::Error>>(
+  const bool asked = ask_people<db::Status>(
       call,
       [user = session->user, digest = session->digest, secret = call->body->at("password").get<std::string>(), make = std::move(make),
-       sign_others_out](PeopleRoom& room) -> std::optional<db::Error> {
+       sign_others_out](PeopleRoom& room) -> db::Status {
         if (!checked(room, user, secret, false)) return db::Error{db::ErrorKind::bad_value, "password is not the present one", "password"};
         const auto change = make(room);
-        if (!change) return db::Error{db::ErrorKind::busy, "There is no memory for the password's check; try again.", {}};
-        if (const db::Status done = room.accounts.change(user, *change); !done) return done.error();
-        if (!sign_others_out) return std::nullopt;
-        if (const db::Status done = room.accounts.end_sign_ins_of(user, digest); !done) return done.error();
-        return std::nullopt;
+        if (!change) return change.error();
+        const db::Status done = room.accounts.change(user, *change);
+        return done && sign_others_out ? room.accounts.end_sign_ins_of(user, digest) : done;
       },
-      [call, session, account, sign_others_out](const std::optional<db::Error>& error) {
-        if (error) {
+      [call, session, account, sign_others_out](const db::Status& done) {
+        if (!done) {
           // What failed after the password was found right is no guess.
-          if (error->field != "password") call->services.guard.take_back(account, call->request.address);
-          call->fail(problem_of(*error));
+          if (done.error().field != "password") call->services.guard.take_back(account, call->request.address);
+          call->fail(problem_of(done.error()));
           return;
         }
         call->services.guard.succeeded(account, call->request.address);
@@ -308,10 +324,10 @@ void change_password(const CallPtr& call) {
   }
   change_own(
       call,
-      [fresh](PeopleRoom& room) -> std::optional<db::UserChange> {
-        const std::string hash = hash_secret(fresh, room.limits);
-        if (hash.empty()) return std::nullopt;
-        return db::UserChange{.display_name = {}, .role = {}, .password_hash = hash, .enabled = {}, .pin_hash = {}};
+      [fresh](PeopleRoom& room) -> db::Result<db::UserChange> {
+        const auto hash = hash_of(room, fresh);
+        if (!hash) return hash.error();
+        return db::UserChange{.display_name = {}, .role = {}, .password_hash = *hash, .enabled = {}, .pin_hash = {}};
       },
       true);
 }
@@ -326,11 +342,13 @@ void change_pin(const CallPtr& call) {
   const std::optional<std::string> fresh = pin.is_null() ? std::nullopt : std::optional(pin.get<std::string>());
   change_own(
       call,
-      [fresh](PeopleRoom& room) -> std::optional<db::UserChange> {
-        std::optional<std::string> hash;
-        if (fresh) hash = hash_secret(*fresh, room.limits);
-        if (hash && hash->empty()) return std::nullopt;
-        return db::UserChange{.display_name = {}, .role = {}, .password_hash = {}, .enabled = {}, .pin_hash = hash};
+      [fresh](PeopleRoom& room) -> db::Result<db::UserChange> {
+        db::UserChange change{.display_name = {}, .role = {}, .password_hash = {}, .enabled = {}, .pin_hash = std::optional<std::string>{}};
+        if (!fresh) return change;
+        const auto hash = hash_of(room, *fresh);
+        if (!hash) return hash.error();
+        change.pin_hash = *hash;
+        return change;
       },
       false);
 }
@@ -369,29 +387,26 @@ void set_up(const CallPtr& call) {
                                         : "Too many attempts: turn the configuration switch off and on for a new code."});
     return;
   }
-  ask_people<std::optional<db::Error>>(
+  ask_people<db::Status>(
       call,
-      [user, password, now = static_cast<std::int64_t>(utc_s(*call))](PeopleRoom& room) -> std::optional<db::Error> {
+      [user, password, now = static_cast<std::int64_t>(utc_s(*call))](PeopleRoom& room) -> db::Status {
+        const auto hash = hash_of(room, password);
+        if (!hash) return hash.error();
         db::User made = user;
-        made.password_hash = hash_secret(password, room.limits);
-        if (made.password_hash.empty()) return db::Error{db::ErrorKind::busy, "There is no memory for the password; try again.", {}};
+        made.password_hash = *hash;
         const auto found = room.accounts.find(user.name);
         if (!found) return found.error();
-        if (!*found) {
-          const db::Status added = room.accounts.add(made, now);
-          return added ? std::nullopt : std::optional(added.error());
-        }
+        if (!*found) return room.accounts.add(made, now);
         // After a lost password the person at the switch sets a new one, and every sign-in under this name ends.
-        db::Status done = room.accounts.change(
+        const db::Status done = room.accounts.change(
             user.name,
             {.display_name = made.display_name, .role = made.role, .password_hash = made.password_hash, .enabled = true, .pin_hash = {}});
-        if (done) done = room.accounts.end_sign_ins_of(user.name, "");
-        return done ? std::nullopt : std::optional(done.error());
+        return done ? room.accounts.end_sign_ins_of(user.name, "") : done;
       },
-      [call, user](const std::optional<db::Error>& error) {
-        log(*call, user.name, "engineer", "set_up", "", error ? "failed" : "done");
-        if (error) {
-          call->fail(problem_of(*error));
+      [call, user](const db::Status& done) {
+        log(*call, user.name, "engineer", "set_up", "", done ? "done" : "failed");
+        if (!done) {
+          call->fail(problem_of(done.error()));
           return;
         }
         call->services.has_engineer = true;
@@ -402,15 +417,11 @@ void set_up(const CallPtr& call) {
 }
 
 void list_users(const CallPtr& call) {
-  ask_people<db::Result<std::vector<db::User>>>(
+  ask_store(
       call, [](PeopleRoom& room) { return room.accounts.users(); },
-      [call](const db::Result<std::vector<db::User>>& users) {
-        if (!users) {
-          call->fail(problem_of(users.error()));
-          return;
-        }
+      [call](const std::vector<db::User>& users) {
         json items = json::array();
-        for (const db::User& user : *users) items.push_back(user_json(user));
+        for (const db::User& user : users) items.push_back(user_json(user));
         call->respond(json{{"items", std::move(items)}});
       });
 }
@@ -429,20 +440,16 @@ void add_user(const CallPtr& call) {
     call->fail(bad_field("password", fault));
     return;
   }
-  ask_people<std::optional<db::Error>>(
+  ask_store(
       call,
-      [user, password, now = static_cast<std::int64_t>(utc_s(*call))](PeopleRoom& room) -> std::optional<db::Error> {
+      [user, password, now = static_cast<std::int64_t>(utc_s(*call))](PeopleRoom& room) -> db::Status {
+        const auto hash = hash_of(room, password);
+        if (!hash) return hash.error();
         db::User made = user;
-        made.password_hash = hash_secret(password, room.limits);
-        if (made.password_hash.empty()) return db::Error{db::ErrorKind::busy, "There is no memory for the password; try again.", {}};
-        const db::Status added = room.accounts.add(made, now);
-        return added ? std::nullopt : std::optional(added.error());
+        made.password_hash = *hash;
+        return room.accounts.add(made, now);
       },
-      [call, user](const std::optional<db::Error>& error) {
-        if (error) {
-          call->fail(problem_of(*error));
-          return;
-        }
+      [call, user] {
         log(*call, call->session->user, access_role(call->session->role), "user", user.name, "done", std::nullopt, user.role);
         // One enabled engineer always remains: it is never false again.
         if (user.role == "engineer") call->services.has_engineer = true;
@@ -466,42 +473,31 @@ void change_user(const CallPtr& call) {
     }
   }
   struct Changed {
-    std::optional<db::User> before, after;
-    std::optional<db::Error> error;
+    db::User before, after;
   };
   const bool signs_out = password || !change.enabled.value_or(true);
-  ask_people<Changed>(
+  ask_store(
       call,
-      [name, change, password, signs_out, tag = given_tag(*call)](PeopleRoom& room) mutable {
-        Changed changed;
-        const auto fail = [&](const db::Error& error) {
-          changed.error = error;
-          return changed;
-        };
+      [name, change, password, signs_out, tag = given_tag(*call)](PeopleRoom& room) mutable -> db::Result<Changed> {
         if (password) {
-          change.password_hash = hash_secret(*password, room.limits);
-          if (change.password_hash->empty()) return fail({db::ErrorKind::busy, "There is no memory for the password; try again.", {}});
+          const auto hash = hash_of(room, *password);
+          if (!hash) return hash.error();
+          change.password_hash = *hash;
         }
         const auto before = room.accounts.find(name);
-        if (!before) return fail(before.error());
-        changed.before = *before;
+        if (!before) return before.error();
         if (*before)
-          if (const db::Status same = db::check_tag(tag, user_tag(**before)); !same) return fail(same.error());
-        if (const db::Status done = room.accounts.change(name, change); !done) return fail(done.error());
+          if (const db::Status same = db::check_tag(tag, user_tag(**before)); !same) return same.error();
+        if (const db::Status done = room.accounts.change(name, change); !done) return done.error();
         if (signs_out)
-          if (const db::Status done = room.accounts.end_sign_ins_of(name, ""); !done) return fail(done.error());
+          if (const db::Status done = room.accounts.end_sign_ins_of(name, ""); !done) return done.error();
         const auto after = room.accounts.find(name);
-        if (!after) return fail(after.error());
-        changed.after = *after;
-        return changed;
+        if (!after) return after.error();
+        return Changed{**before, **after};
       },
       [call, name, signs_out](const Changed& changed) {
-        if (changed.error) {
-          call->fail(problem_of(*changed.error));
-          return;
-        }
-        const db::User& user = *changed.after;
-        const bool role_changed = changed.before && changed.before->role != user.role;
+        const db::User& user = changed.after;
+        const bool role_changed = changed.before.role != user.role;
         if (user.role == "engineer" && user.enabled) call->services.has_engineer = true;
         Auth& auth = call->rest.auth;
         auth.apply(name, role_of_name(user.role), user.display_name, user.enabled);
@@ -515,22 +511,18 @@ void change_user(const CallPtr& call) {
             [&](const Session& other) { return other.user == name && other.account && (other.ended || role_changed); },
             role_changed ? "role changed" : "signed out");
         log(*call, call->session->user, access_role(call->session->role), "user", name, "done",
-            changed.before->role + (changed.before->enabled ? "" : ", disabled"), user.role + (user.enabled ? "" : ", disabled"));
+            changed.before.role + (changed.before.enabled ? "" : ", disabled"), user.role + (user.enabled ? "" : ", disabled"));
         call->respond(row_response(user_json(user)));
       });
 }
 
 void list_tokens(const CallPtr& call) {
   const bool all = call->session->role == contract::Role::engineer;
-  ask_people<db::Result<std::vector<db::Token>>>(
+  ask_store(
       call, [](PeopleRoom& room) { return room.accounts.tokens(); },
-      [call, all](const db::Result<std::vector<db::Token>>& tokens) {
-        if (!tokens) {
-          call->fail(problem_of(tokens.error()));
-          return;
-        }
+      [call, all](const std::vector<db::Token>& tokens) {
         json items = json::array();
-        for (const db::Token& token : *tokens)
+        for (const db::Token& token : tokens)
           if (all || token.user == call->session->user)
             items.push_back({{"id", token.id},
                              {"user", token.user},
@@ -560,23 +552,19 @@ void add_token(const CallPtr& call) {
                   .created_s = static_cast<std::int64_t>(utc_s(*call)),
                   .expires_s = 0};
   token.expires_s = token.created_s + body.at("days").get<std::int64_t>() * 86400;
-  ask_people<db::Result<std::int64_t>>(
+  ask_store(
       call, [token](PeopleRoom& room) { return room.accounts.add_token(token); },
-      [call, owner, token, text](const db::Result<std::int64_t>& id) {
-        if (!id) {
-          call->fail(problem_of(id.error()));
-          return;
-        }
+      [call, owner, token, text](std::int64_t id) {
         if (owner->ended) {
           call->fail(problem_of(db::Error{db::ErrorKind::wrong_state, "The account was signed out meanwhile.", {}}));
           return;
         }
         db::Token made = token;
-        made.id = *id;
+        made.id = id;
         made.role = std::string{access_role(owner->role)};
         call->rest.auth.add_token(session_of(made));
         log(*call, owner->user, access_role(owner->role), "token", token.name, "done", std::nullopt, token.scope);
-        call->respond(json{{"id", *id}, {"token", text}}, 201);
+        call->respond(json{{"id", id}, {"token", text}}, 201);
       });
 }
 
@@ -588,13 +576,9 @@ void remove_token(const CallPtr& call) {
     return;
   }
   const std::string user = call->session->role == contract::Role::engineer ? "" : call->session->user;
-  ask_people<db::Status>(
+  ask_store(
       call, [id, user](PeopleRoom& room) { return room.accounts.remove_token(id, user); },
-      [call, id](const db::Status& removed) {
-        if (!removed) {
-          call->fail(problem_of(removed.error()));
-          return;
-        }
+      [call, id] {
         call->services.close_sockets([id](const Session& other) { return other.token_id == id; }, "token removed");
         (void)call->rest.auth.remove_token(id);
         Response response;
@@ -610,16 +594,12 @@ void get_audit(const CallPtr& call) {
   } wanted;
   if (!read_page(call, wanted)) return;
   const auto [limit, before] = wanted;
-  ask_people<db::Result<std::vector<db::AuditRow>>>(
+  ask_store(
       call, [limit = limit, before = before](PeopleRoom& room) { return room.accounts.audit(before, limit + 1); },
-      [call, limit = limit](const db::Result<std::vector<db::AuditRow>>& rows) {
-        if (!rows) {
-          call->fail(problem_of(rows.error()));
-          return;
-        }
+      [call, limit = limit](const std::vector<db::AuditRow>& rows) {
         json items = json::array();
-        for (std::size_t i = 0; i < std::min(limit, rows->size()); ++i) {
-          const auto& [id, entry, digest] = (*rows)[i];
+        for (std::size_t i = 0; i < std::min(limit, rows.size()); ++i) {
+          const auto& [id, entry, digest] = rows[i];
           const auto text = [](const std::optional<std::string>& value) { return value ? json(*value) : json(); };
           items.push_back({{"id", id},
                            {"utc_ms", entry.utc_ms},
@@ -635,21 +615,17 @@ void get_audit(const CallPtr& call) {
                            {"digest", digest}});
         }
         json next;
-        if (rows->size() > limit) next = std::to_string((*rows)[limit - 1].id);
+        if (rows.size() > limit) next = std::to_string(rows[limit - 1].id);
         call->respond(json{{"items", std::move(items)}, {"next", std::move(next)}});
       });
 }
 
 void check_audit(const CallPtr& call) {
-  ask_people<db::Result<db::AuditCheck>>(
+  ask_store(
       call, [](PeopleRoom& room) { return room.accounts.check_audit(); },
-      [call](const db::Result<db::AuditCheck>& check) {
-        if (!check) {
-          call->fail(problem_of(check.error()));
-          return;
-        }
+      [call](const db::AuditCheck& check) {
         call->respond(
-            json{{"rows", check->rows}, {"first_wrong", check->first_wrong ? json(*check->first_wrong) : json()}, {"head", check->head}});
+            json{{"rows", check.rows}, {"first_wrong", check.first_wrong ? json(*check.first_wrong) : json()}, {"head", check.head}});
       });
 }
 
