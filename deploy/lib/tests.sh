@@ -55,6 +55,14 @@ run_thread_tests() {
   run_ctest build/thread "$results" "^($filter)\$" "${fixed[@]}"
 }
 
+# judge_mutants PROGRAM OPTION...: its mutants by its tests (tests/mutants/verdict.py); build it before.
+judge_mutants() {
+  local program=$1
+  shift
+  /usr/bin/python3 tests/mutants/verdict.py "build/bin/$program" "build/tests/mutants/$program/mutants.tsv" tests/mutants/known.tsv \
+    --seed "$(git rev-parse --short HEAD 2>/dev/null || echo 1)" "$@"
+}
+
 run_web_tests() {
   local results=$1 filter=$2
   [[ web =~ $filter ]] || return 0

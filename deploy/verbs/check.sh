@@ -65,6 +65,8 @@ run_web_tests "$normal" .
 run_browser_tests "$normal" .
 step "README: each way to add something, followed in a copy" python3 tests/recipes/recipes.py
 step "chaos: 2000 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 2000
+build_normal core_mutants
+step "mutants: 60 drawn by the commit (deploy/dev cover --mutants tries all)" judge_mutants core_mutants --sample 60
 if build_sanitized; then
   run_ctest build/sanitize "$sanitized" .
 else

@@ -275,16 +275,14 @@ class SafetyGate {
       if (object.kind != kind || object.index != index || object.sub != frame.data[3]) continue;
       if (frame.data[0] != canopen::sdo_download_command(4)) return false;
       const contract::ParamInfo& info = contract::kParams[contract::param_index(object.param)];
-      const double value = contract::param_value(object, contract::read_le(&frame.data[4], 4));
-      if (contract::check_param(contract::param_index(object.param), value) != contract::ParamCheck::ok && !near_edge(value, info))
-        return false;
+      if (!in_range(contract::param_value(object, contract::read_le(&frame.data[4], 4)), info)) return false;
       return info.edit == contract::EditRule::live || !contract::kModes[static_cast<std::size_t>(view.mode)].moving;
     }
     return false;
   }
 
-  /// A value on the edge of its range may round to the other side as a 32-bit float.
-  [[nodiscard]] static bool near_edge(double value, const contract::ParamInfo& info) noexcept {
+  /// A value on the edge of its range may round to the other side as a 32-bit float. NaN is in none.
+  [[nodiscard]] static bool in_range(double value, const contract::ParamInfo& info) noexcept {
     const double slack = 1e-6 * (info.max - info.min);
     return value >= info.min - slack && value <= info.max + slack;
   }

@@ -379,6 +379,23 @@ TEST_F(Gate, H1_H3WhatReplacesARefusedPairBrakesBothWheelsTogether) {
   EXPECT_EQ(turn, 0);
 }
 
+TEST_F(Gate, WhateverShapeARefusedFrameHadItsReplacementIsADrivesCommand) {
+  bring_to(0.3);
+  CanFrame left{0x7FF, 8, CanFrame::kExtended, {}}, right = drive(Node::drive_right, kEnable, 0.3);
+  left.data.fill(0xFF);
+  right.dlc = 3;
+  right.data[7] = 1;
+  EXPECT_FALSE(pair(left, right));
+  EXPECT_NEAR(gate.brake(left, right, view, params, derived, kTick_s).speed_m_s, 0.29, 1e-5) << "both go on braking";
+  for (const CanFrame& f : {left, right}) {
+    EXPECT_EQ(f.dlc, 6);
+    EXPECT_EQ(f.flags, 0);
+    EXPECT_EQ(f.data[6] | f.data[7], 0);
+  }
+  EXPECT_EQ(left.id, 0x201U);
+  EXPECT_EQ(right.id, 0x202U);
+}
+
 TEST_F(Gate, ADriveThatWasToBeOffStaysOffWhenThePairIsReplaced) {
   bring_to(0.3);
   CanFrame left = drive(Node::drive_left, canopen::drive::kDisableVoltage, 0), right = drive(Node::drive_right, kEnable, 0.9);

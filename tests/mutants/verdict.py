@@ -1,0 +1,107 @@
+#!/usr/bin/python3
+"""verdict.py PROGRAM LIST KNOWN [--sample N --seed TEXT] [--file PART]: runs, for each mutant of the list, those tests of PROGRAM that come by its
+place, quick ones first, and names each mutant that no test notices. Exit status 1 when one of them is not in KNOWN. Tests that alone take longer
+than a second are left out: a survivor would cost a minute.
+
+KNOWN is a table, separated by tabs. A row of four: file, what changes, source line, and why the change does no harm. A row of two: a file whose tests do
+not notice all yet, and how many of a hundred they notice (? not counted yet); a run of all its mutants fails below that. In every other file each mutant must be
+noticed or have its row. --sample takes N mutants of those other files, drawn by the seed; --file those of files whose name holds PART."""
+import argparse
+import collections
+import concurrent.futures
+import os
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument('program')
+parser.add_argument('list')
+parser.add_argument('known')
+parser.add_argument('--sample', type=int)
+parser.add_argument('--seed', default='1')
+parser.add_argument('--file', default='')
+parser.add_argument('--show', action='store_true', help='name all that are not noticed, and the share of each file')
+wanted = parser.parse_args()
+
+Mutant = collections.namedtuple('Mutant', 'number file line what source')
+mutants = [Mutant(*row.split('\t')) for row in pathlib.Path(wanted.list).read_text().splitlines() if row]
+mutants = [mutant for mutant in mutants if wanted.file in mutant.file]
+harmless, floors = set(), {}
+for row in pathlib.Path(wanted.known).read_text().splitlines():
+    if row and not row.startswith('#'):
+        file, *rest = row.split('\t')
+        if len(rest) == 1:
+            floors[file] = 0 if rest[0] == '?' else int(rest[0])
+        else:
+            harmless.add((file, rest[0], rest[1]))
+whole = len(mutants)
+if wanted.sample is not None:
+    mutants = [mutant for mutant in mutants if mutant.file not in floors]
+    mutants = random.Random(wanted.seed).sample(mutants, min(wanted.sample, len(mutants)))
+
+options = ['--gtest_brief=1', '--gtest_fail_fast', '--gtest_catch_exceptions=0']
+# Far more than any test needs: a mutant that makes a test hang is noticed by this.
+LIMIT_S = 300
+QUICK_MS, LONGEST_MS = 30, 1000
+
+
+def run(environment, *more):
+    try:
+        return subprocess.run([wanted.program, *options, *more], env={**os.environ, **environment}, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL, timeout=LIMIT_S, check=False).returncode
+    except subprocess.TimeoutExpired:
+        return None
+
+
+with tempfile.TemporaryDirectory() as folder:
+    places = pathlib.Path(folder) / 'map'
+    if run({'HOIST_MUTANT_MAP': str(places)}) != 0:
+        sys.exit('the tests fail without a mutant')
+    # For each mutant: its quick tests, and the longer ones.
+    tests_of = collections.defaultdict(lambda: ([], []))
+    for row in places.read_text().splitlines():
+        test, taken_ms, numbers = row.split('\t')
+        if int(taken_ms) <= LONGEST_MS:
+            for number in numbers.split():
+                tests_of[number][int(taken_ms) > QUICK_MS].append(test)
+
+
+def noticed(mutant):
+    return any(tests and run({'HOIST_MUTANT': mutant.number}, '--gtest_filter=' + ':'.join(tests)) != 0 for tests in tests_of[mutant.number])
+
+
+def key(mutant):
+    return mutant.file, mutant.what, mutant.source
+
+
+tried, unseen, failed = collections.Counter(), collections.Counter(), 0
+free = 0
+with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+    for mutant, seen in zip(mutants, pool.map(noticed, mutants)):
+        tried[mutant.file] += 1
+        if seen:
+            continue
+        if key(mutant) in harmless:
+            free += 1
+            continue
+        unseen[mutant.file] += 1
+        closed = mutant.file not in floors
+        failed += closed
+        if closed or wanted.show:
+            how = '' if any(tests_of[mutant.number]) else '  (no test comes by)'
+            print(f'NOT NOTICED: {mutant.file}:{mutant.line}{how}\n' + '\t'.join(key(mutant)), flush=True)
+if len(mutants) == whole:
+    for file, count in sorted(tried.items()):
+        share = 100 * (count - unseen[file]) // count
+        if wanted.show:
+            print(f'{file}\t{share}')
+        if share < floors.get(file, 0):
+            failed += 1
+            print(f'{file}: {share} of 100 noticed, {floors[file]} before')
+lost = sum(unseen.values())
+drawn = f'{len(mutants)} of {whole} mutants (seed {wanted.seed})' if len(mutants) < whole else f'{whole} mutants'
+print(f'{drawn}: {len(mutants) - lost - free} noticed, {free} that do no harm, {lost} not noticed')
+sys.exit(1 if failed else 0)
