@@ -3,10 +3,9 @@
 #include <sqlite3.h>
 
 #include <algorithm>
-#include <array>
-#include <cstring>
-#include <fstream>
 #include <memory>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <system_error>
 
@@ -24,6 +23,22 @@ std::uintmax_t size_of(const std::filesystem::path& file) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   return error ? 0 : size;
+}
+
+/// The first bytes, read through SQLite: a descriptor of our own would, when it is closed, drop every lock that this process holds on the file
+/// (POSIX), and the next program that closes the file would take the log away from under our recorder. SQLite closes it when the locks are gone.
+/// Opened for reading and without a statement, it changes nothing. Nothing: the file cannot be opened.
+std::optional<std::string> first_bytes(const std::filesystem::path& file) {
+  sqlite3* opened = nullptr;
+  const int code = sqlite3_open_v2(file.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
+  const std::unique_ptr<sqlite3, decltype(&sqlite3_close_v2)> handle(opened, &sqlite3_close_v2);
+  sqlite3_file* inside = nullptr;
+  if (code != SQLITE_OK || sqlite3_file_control(opened, "main", SQLITE_FCNTL_FILE_POINTER, static_cast<void*>(&inside)) != SQLITE_OK ||
+      inside == nullptr || inside->pMethods == nullptr)
+    return std::nullopt;
+  std::string bytes(static_cast<std::size_t>(std::min<std::uintmax_t>(size_of(file), kHeader_bytes)), '\0');
+  if (inside->pMethods->xRead(inside, bytes.data(), static_cast<int>(bytes.size()), 0) != SQLITE_OK) return std::nullopt;
+  return bytes;
 }
 
 // A database without an application id: an older one of ours, an empty one, or one of another program.
@@ -52,11 +67,9 @@ Identified identify(const std::filesystem::path& file) {
     if (size_of(file.string() + "-wal") > kLogHeader_bytes) return {Identity::damaged, "the file is empty or gone, its log is not"};
     return {Identity::fresh, {}};
   }
-  std::array<char, kHeader_bytes> header{};
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return {};  // opening it says what the system has against it
-  stream.read(header.data(), header.size());
-  const std::string_view bytes(header.data(), static_cast<std::size_t>(stream.gcount()));
+  const std::optional<std::string> bytes_read = first_bytes(file);
+  if (!bytes_read) return {};  // opening it says what the system has against it
+  const std::string_view bytes = *bytes_read;
   if (std::ranges::all_of(bytes, [](char byte) { return byte == 0; })) return {Identity::damaged, "the file begins with zeros"};
   const std::size_t magic = std::min(bytes.size(), kMagic.size());
   if (bytes.substr(0, magic) != kMagic.substr(0, magic)) return {Identity::foreign, "is no database"};

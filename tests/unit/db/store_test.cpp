@@ -13,6 +13,7 @@
 #include "db/store/schema_list.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/visits.hpp"
+#include "tests/support/shell.hpp"
 #include "tests/unit/db/db_support.hpp"
 
 namespace hoist::db::test {
@@ -1086,6 +1087,25 @@ TEST(Editor, deleting_takes_everything_and_never_a_session_being_recorded) {
     const std::string content((std::istreambuf_iterator<char>(stream)), {});
     EXPECT_EQ(content.find("SECRET-"), std::string::npos) << name;
   }
+}
+
+// A reader in the recorder's program, then another program: the last one to close must not take the recorder for gone, and its log with it.
+TEST(Locks, another_program_never_takes_the_log_from_under_the_recorder) {
+  TemporaryFolder dir;
+  const std::filesystem::path file = dir / "hoist.db";
+  Database database = open_at(file);
+  auto writer = SessionWriter::create(database);
+  ASSERT_TRUE(writer.ok() && writer->begin(start_of_walk()).ok());
+  Walk walk(5);
+  ASSERT_TRUE(writer->append_ticks(walk.records(1, 100)).ok() && writer->commit().ok());
+  { ASSERT_TRUE(Database::attach(file).ok()); }
+  const hoist::test::ShellResult told = hoist::test::run_shell(std::string(HOIST_BINARY_DIR) + "/bin/hoist sessions " + file.string());
+  ASSERT_EQ(told.exit_code, 0) << told.output;
+  EXPECT_TRUE(std::filesystem::exists(file.string() + "-wal"));
+  ASSERT_TRUE(writer->append_ticks(walk.records(101, 100)).ok() && writer->commit().ok());
+  auto reader = Database::attach(file);
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  EXPECT_EQ(SessionReader(*reader).get(writer->session())->sample_count, 200U) << "acknowledged is on the disk";
 }
 
 TEST(Size, a_walk_takes_at_most_41_bytes_per_sample) {
