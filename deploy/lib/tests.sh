@@ -24,8 +24,8 @@ run_ctest() {
   local folder=$1 results=$2 filter=$3 size jobs
   shift 3
   say "running the C++ tests of $folder/"
-  # test_server and the three chains of suites of real programs (tests/system) wait more than they compute.
-  jobs=$(($(build_jobs) + 4))
+  # The chains of suites of real programs (tests/system) wait more than they compute; one job more starves the guest of the longest of them.
+  jobs=$(($(build_jobs) + 3))
   # ctest cuts long outputs of failing programs by default; we want all of it (10 MB is more than any prints).
   size=10000000
   ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1} \

@@ -11,12 +11,13 @@ import sys
 import clang.cindex as ci
 from clang.cindex import CursorKind as Kind, TypeKind
 
+MOST = 20000  # kMost of mutant_switch.hpp
 WHOLE = {TypeKind.INT, TypeKind.UINT, TypeKind.SHORT, TypeKind.USHORT, TypeKind.LONG, TypeKind.ULONG, TypeKind.LONGLONG, TypeKind.ULONGLONG,
          TypeKind.SCHAR, TypeKind.UCHAR, TypeKind.CHAR_S}
 REAL = {TypeKind.FLOAT, TypeKind.DOUBLE}
 COMPARED = {'<': ('less', '>=', '<='), '>': ('more', '<=', '>='), '<=': ('most', '>', '<'), '>=': ('least', '<', '>'),
             '==': ('same', '!=', None), '!=': ('other', '==', None)}
-COUNTED = {'+': ('sum', '-'), '-': ('difference', '+'), '*': ('product', '+' ), '/': ('quotient', '*'), '&': ('bits_of_both', '|'),
+COUNTED = {'+': ('sum', '-'), '-': ('difference', '+'), '*': ('product', '+'), '/': ('quotient', '*'), '&': ('bits_of_both', '|'),
            '|': ('bits_of_either', '&')}
 FUNCTIONS = {Kind.FUNCTION_DECL, Kind.CXX_METHOD, Kind.CONSTRUCTOR, Kind.DESTRUCTOR, Kind.CONVERSION_FUNCTION, Kind.FUNCTION_TEMPLATE,
              Kind.LAMBDA_EXPR}
@@ -46,7 +47,7 @@ class File:
         self.closed.setdefault(end, []).append((-begin, closing))
 
     def add(self, offset, *whats):
-        """Places for mutants; the first one's placeholder for its number."""
+        """Places for mutants. Gives the mark that becomes the first one's number once those of all files are known."""
         first = len(self.mutants)
         self.mutants += [(offset, what) for what in whats]
         return f'\0{first}\0'
@@ -208,7 +209,7 @@ def visit(cursor, parent, files, inside):
 def main():
     top, out, listing, *folders = sys.argv[1:]
     top, out = pathlib.Path(top), pathlib.Path(out)
-    names = sorted(str(path.relative_to(top)) for folder in folders for path in ([top / folder] if (top / folder).is_file() else (top / folder).rglob('*.?pp')))
+    names = sorted(str(path.relative_to(top)) for folder in folders for path in (top / folder).glob('*.?pp'))
     files = {str(top / name): File(top, name) for name in names}
     index = ci.Index.create()
     flags = ['-x', 'c++', '-std=c++20', f'-I{top}', '-isystem/usr/include/eigen3']
@@ -229,6 +230,8 @@ def main():
             line = file.bytes.count(b'\n', 0, offset)
             rows.append(f'{number}\t{file.name}\t{line + 1}\t{what}\t{file.lines[line].strip()}')
             number += 1
+    if number > MOST:
+        sys.exit(f'{number} mutants: kMost of mutant_switch.hpp and MOST here have room for {MOST}')
     pathlib.Path(listing).write_text('\n'.join(rows) + '\n')
 
 

@@ -3,9 +3,10 @@
 place, quick ones first, and names each mutant that no test notices. Exit status 1 when one of them is not in KNOWN. Tests that alone take longer
 than a second are left out: a survivor would cost a minute.
 
-KNOWN is a table, separated by tabs. A row of four: file, what changes, source line, and why the change does no harm. A row of two: a file whose tests do
-not notice all yet, and how many of a hundred they notice (? not counted yet); a run of all its mutants fails below that. In every other file each mutant must be
-noticed or have its row. --sample takes N mutants of those other files, drawn by the seed; --file those of files whose name holds PART."""
+KNOWN is a table, separated by tabs. A row of four: file, what changes, source line, and why the change does no harm. A row of two: a file whose
+tests do not notice all yet, and how many of a hundred they notice (? not counted yet); a run of all its mutants fails below that. In every other
+file each mutant must be noticed or have its row. --sample takes N mutants of those other files, drawn by the seed; --file those of files whose
+name holds PART."""
 import argparse
 import collections
 import concurrent.futures
