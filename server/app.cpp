@@ -258,7 +258,8 @@ struct App::Parts {
 
   void release_lease_of(const Session& session) {
     if (session.client != 0 && session.client == core.lease_holder())
-      act_release_lease(*services, {session.client, core.lease_epoch(), session.role}, [](const Outcome&) {});
+      act_release_lease(
+          *services, {session.client, core.lease_epoch(), session.role}, [](const Outcome&) {}, true);
   }
 
   // A sign-in or token that has ended is no client any more. Its STOP is one with a new number.

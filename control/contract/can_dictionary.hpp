@@ -459,6 +459,8 @@ inline constexpr std::uint8_t kRelayFeed = 0x01;
 inline constexpr std::uint8_t kRelayRelease = 0x02;
 /// Bit of the same outputs with the pulses for other recording systems (control/core/output/sync_pulses.hpp).
 inline constexpr std::uint8_t kSyncOutput = 0x04;
+/// Bits of the outputs that the input node itself switches, by the alarm that it is told (2400h:1): buzzer and lights.
+inline constexpr std::uint8_t kBuzzer = 0x08, kRedLight = 0x10, kYellowLight = 0x20, kCyanLight = 0x40;
 /// Bit of the input node's switches (6000h:2) that another recording system sets, such as its "recording" line.
 inline constexpr std::uint8_t kSyncInput = 0x04;
 

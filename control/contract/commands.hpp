@@ -17,7 +17,7 @@ enum class CommandKind : std::uint32_t {
   // client asks to be the driver; granted when free, or when standing still and a = kTakeOver, or kHandOver: the holder gives it to this
   // client, lease_epoch = that of the lease handed over
   take_lease = 4,
-  release_lease = 5,    // by its holder, or by the server for a client that is gone
+  release_lease = 5,  // by its holder, or by the server for a client that is gone; from its holder: a = kConsoleGone, its connection ended
   stage_parameter = 6,  // a = parameter id, v0 = value, b = position in the set, counted from 0
   // a = number of staged rows, role in b, bits = ParamSetSeal over them; v0 = 0, or the seconds after which the values before come back
   // unless confirmed; all or nothing
@@ -38,6 +38,7 @@ enum class CommandKind : std::uint32_t {
   cancel_calibration = 23,   // the old values stay
   confirm_parameters = 30,   // keeps the values on trial; role in b, a = the version that was shown, 0 = any
   revert_parameters = 31,    // reverts the values on trial now; role in b
+  pause_alarm = 32,  // a = 1: the alarms in force stop sounding for kAudioPause_s; 0: they sound again; role in b, therapist or engineer
   // Exercises (guided_path.hpp): a = shape, with bit 8 for clockwise, b = laps, v0 = size_m, v1 = radius_m, v2 = speed_m_s; lease holder only.
   begin_guided = 25,
 };
@@ -45,6 +46,7 @@ enum class CommandKind : std::uint32_t {
 inline constexpr std::uint32_t kStartAgain = 1;
 inline constexpr std::uint32_t kTakeOver = 1;
 inline constexpr std::uint32_t kHandOver = 2;
+inline constexpr std::uint32_t kConsoleGone = 1;
 
 // One request of a client, in order. `request_id` comes back in the event that answers it.
 struct Command {
@@ -89,6 +91,7 @@ enum class EventKind : std::uint32_t {
   parameters_confirmed = 31,  // code = version
   parameters_reverted = 32,   // code = version; request_id 0: nobody confirmed in time
   parameter_settled = 33,     // item = parameter id, value: a gain has arrived where an earlier parameter_changed has sent it
+  alarm_paused = 34,          // code = 1: no sound for `value` seconds; 0: sounds again, or nothing is left to sound
   emergency = 12,  // item: node, code: EMCY code (0 = an error has ended), bits: error register, value: its five further bytes, as a number
   // Calibration; code = CalibrationStep.
   calibration_sample = 20,  // item = how many so far, value = what was measured
@@ -144,6 +147,8 @@ constexpr std::string_view event_name(EventKind kind) {
       return "guided_ended";
     case EventKind::sync_input:
       return "sync_input";
+    case EventKind::alarm_paused:
+      return "alarm_paused";
     case EventKind::none:
       break;
   }

@@ -17,6 +17,7 @@ inline void give_lease(CoreState& state, std::uint32_t client) noexcept {
   state.lease.holder = client;
   ++state.lease.epoch;
   state.remote.reset();
+  if (client != 0) state.console.taken();
   contract::Event event;
   event.kind = contract::EventKind::lease_changed;
   event.client = client;

@@ -144,6 +144,9 @@ void fill_loop(const CoreState& state, const TickInputs& inputs, contract::TickR
 void fill_state(const CoreState& state, const TickInputs& inputs, contract::TickRecord& record) noexcept {
   record.relay_feed = state.relay.level();
   record.sync_output = state.relay.sync_level();
+  record.alarm_sound = static_cast<std::uint8_t>(state.alarm.command().sound);
+  record.alarm_light = static_cast<std::uint8_t>(state.alarm.command().light);
+  record.alarm_pause_s = f32(state.alarm.pause_s());
   record.bus_frames = state.bus_frames;
   record.bus_refused = inputs.bus.refused + state.bus_refused;
   record.commands_refused = state.commands_refused;

@@ -10,6 +10,7 @@
 #include "control/core/base/lasting.hpp"
 #include "control/core/calibrate/calibration.hpp"
 #include "control/core/command/acknowledgement.hpp"
+#include "control/core/command/console_watch.hpp"
 #include "control/core/command/guided.hpp"
 #include "control/core/command/lease.hpp"
 #include "control/core/command/param_copies.hpp"
@@ -23,6 +24,7 @@
 #include "control/core/law/pfp.hpp"
 #include "control/core/law/pfp_turn.hpp"
 #include "control/core/monitor/monitor_list.hpp"
+#include "control/core/output/alarm_signal.hpp"
 #include "control/core/output/bus_master.hpp"
 #include "control/core/output/drive_control.hpp"
 #include "control/core/output/hold_watch.hpp"
@@ -95,6 +97,7 @@ struct CoreState {
   Lease lease;
   RemoteDrive remote;
   ServerWatch server;
+  ConsoleWatch console;
   Staging staging;
   std::uint64_t next_sequence = 0;  // of the commands; 0 = whatever comes first
   Acknowledgement acknowledgement;
@@ -125,6 +128,7 @@ struct CoreState {
   SafetyGate gate;
   BusMaster master;
   RelayFeed relay;
+  AlarmSignal alarm;
   RunawayWatch runaway;
   double left_command_m_s = 0, right_command_m_s = 0;  // as sent
 

@@ -88,6 +88,7 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
     --state.remote_lost_ticks;
   }
   state.acknowledgement.next_tick(state.sensed.io.bumpers());
+  state.console.step(is_moving(state.mode));
   const MonitorView view{.sensed = state.sensed,
                          .health = state.health,
                          .params = state.params,
@@ -103,6 +104,7 @@ void watch(CoreState& state, const TickInputs& inputs, double dt_s) noexcept {
                          .bus_settled = state.bus_settle_ticks == 0,
                          .server_alive = state.server.alive(),
                          .server_seen = state.server.seen(),
+                         .console_gone = state.console.gone(),
                          .remote_lost = state.remote_lost_ticks > 0,
                          .held_back = state.mode == contract::Mode::guided && state.guided.held_back(),
                          .relay_cut = state.relay.is_cut(),
@@ -170,6 +172,13 @@ Wish decide(CoreState& state, double dt_s) noexcept {
   return wish;
 }
 
+/// The pause of the alarm's sound has ended by itself.
+void tell_pause_end(CoreState& state) noexcept {
+  Event event;
+  event.kind = EventKind::alarm_paused;
+  emit(state, event);
+}
+
 CanFrame drive_frame(Node node, std::uint16_t control, std::int32_t target) noexcept {
   CanFrame frame{contract::pdo_cob_id(Pdo::drive_rx1, node), static_cast<std::uint8_t>(contract::pdo_bytes(Pdo::drive_rx1)), 0, {}};
   contract::write_slot(frame, contract::pdo_slot(Pdo::drive_rx1, 0x6040), control);
@@ -229,8 +238,10 @@ void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOu
   state.master.step(inputs.tick, state.sensed, state.live, service.on, out.frames);
   if (service.on && service.waiting) static_cast<void>(out.frames.push_back(service.frame));
   service.waiting = false;
+  if (state.alarm.step(state.latched)) tell_pause_end(state);
   // H1: no supply before the drives can be watched.
-  if (state.mode != contract::Mode::init || !state.sensed.drives_lost()) state.relay.step(out.frames, sync_pulse(inputs.tick));
+  const bool feeds = state.mode != contract::Mode::init || !state.sensed.drives_lost();
+  state.relay.step(out.frames, {.feeds = feeds, .sync = sync_pulse(inputs.tick), .alarm = state.alarm.command()});
   static_cast<void>(out.frames.push_back(contract::canopen::sync()));
 
   const GateView view = gate_view(state);

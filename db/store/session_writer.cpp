@@ -143,6 +143,7 @@ std::string meaning(const Event& event) {
     case EventKind::guided_ended:
       return std::string(contract::guided_end_name(event.code));
     case EventKind::sync_input:
+    case EventKind::alarm_paused:
       return event.code != 0 ? "on" : "off";
     case EventKind::parameter_changed:
     case EventKind::parameter_settled:

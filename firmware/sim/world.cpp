@@ -73,6 +73,7 @@ class Machine {
     plant_.open_relay(!relay_.step_1ms((outputs_ & canopen::kRelayFeed) != 0, (outputs_ & canopen::kRelayRelease) != 0));
   }
   [[nodiscard]] const MotorRelay& relay() const { return relay_; }
+  [[nodiscard]] std::uint8_t outputs() const { return outputs_; }
   [[nodiscard]] bool sync_output() const { return (outputs_ & contract::canopen::kSyncOutput) != 0; }
   void set_bridge(Node node, bool enabled, float duty_norm) { plant_.set_bridge(side_of(node), enabled, static_cast<double>(duty_norm)); }
   std::uint8_t bumpers() { return plant_.bumpers(); }
@@ -399,6 +400,7 @@ firmware::ProgramFlash* World::program_flash(Node node) {
 }
 
 bool World::relay_closed() const { return parts_->machine.relay().closed(); }
+std::uint8_t World::outputs() const { return parts_->machine.outputs(); }
 bool World::sync_output() const { return parts_->machine.sync_output(); }
 const StopWitness& World::witness(Side side) const { return parts_->witnesses[static_cast<std::size_t>(side)]; }
 

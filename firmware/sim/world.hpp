@@ -96,6 +96,8 @@ class World {
   [[nodiscard]] bool relay_closed() const;
   /// Level of the input node's synchronisation output.
   [[nodiscard]] bool sync_output() const;
+  /// Outputs of the input node as they are now: buzzer and lights among them (contract::canopen::kBuzzer and others).
+  [[nodiscard]] std::uint8_t outputs() const;
   /// What a drive did after its last command.
   [[nodiscard]] const StopWitness& witness(Side side) const;
   /// Machine and patient back at the start mark of a scenario. False, and nothing done, while a drive is enabled or the machine moves.

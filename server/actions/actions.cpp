@@ -221,9 +221,19 @@ void act_take_lease(Services& services, const Asker& asker, bool take_over, Outc
   });
 }
 
-void act_release_lease(Services& services, const Asker& asker, OutcomeDone done) {
+void act_release_lease(Services& services, const Asker& asker, OutcomeDone done, bool gone) {
   if (!begin_action(services, asker, Action::release_lease, {}, done)) return;
-  ask(services, command_of(CommandKind::release_lease, asker), std::move(done));
+  Command command = command_of(CommandKind::release_lease, asker);
+  if (gone) command.a = contract::kConsoleGone;
+  ask(services, command, std::move(done));
+}
+
+void act_pause_alarm(Services& services, const Asker& asker, bool paused, OutcomeDone done) {
+  if (!begin_action(services, asker, Action::pause_alarm, {paused ? "paused" : "sounds again"}, done)) return;
+  Command command = command_of(CommandKind::pause_alarm, asker);
+  command.a = paused ? 1 : 0;
+  command.b = static_cast<std::uint32_t>(asker.role);
+  ask(services, command, std::move(done));
 }
 
 namespace {

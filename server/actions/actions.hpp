@@ -19,7 +19,10 @@
 namespace hoist::server {
 
 void act_take_lease(Services& services, const Asker& asker, bool take_over, OutcomeDone done);
-void act_release_lease(Services& services, const Asker& asker, OutcomeDone done);
+/// `gone`: not asked for by the client, whose connection has ended: the hoist misses it if it is led (console_lost).
+void act_release_lease(Services& services, const Asker& asker, OutcomeDone done, bool gone = false);
+/// The alarms in force stop sounding for two minutes, or sound again.
+void act_pause_alarm(Services& services, const Asker& asker, bool paused, OutcomeDone done);
 // Asks the holder for the lease, and tells it who asks; refused when it is free. `withdraw`: takes the request back.
 void act_ask_lease(Services& services, const Asker& asker, bool withdraw, OutcomeDone done);
 // The holder gives the lease away; the core refuses while the hoist moves.

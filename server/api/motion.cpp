@@ -1,4 +1,4 @@
-// /mode, /stop, /acknowledge, /lease, /neutral, /pose: what moves the hoist or keeps it from moving.
+// /mode, /stop, /acknowledge, /alarm-pause, /lease, /neutral, /pose: what moves the hoist or keeps it from moving.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -85,6 +85,9 @@ void hand_over(const CallPtr& call) {
 }
 
 void release_lease(const CallPtr& call) { act_release_lease(call->services, asker_of(*call), answer_done(call)); }
+void pause_alarm(const CallPtr& call) {
+  act_pause_alarm(call->services, asker_of(*call), field(*call, "paused") == true, answer_done(call));
+}
 void set_neutral(const CallPtr& call) { act_neutral(call->services, asker_of(*call), answer_done(call)); }
 void set_pose(const CallPtr& call) { act_pose(call->services, asker_of(*call), pose_wish(*call->body), answer_done(call)); }
 

@@ -23,9 +23,11 @@ namespace {
 constexpr std::string_view kSchemas = R"json({
 "OpenApi": {"type": "object", "required": ["openapi", "info", "paths", "components"], "properties": {"openapi": {"const": "3.1.0"}}},
 "Empty": {"type": "object", "additionalProperties": false, "description": "No fields; the body may be left out."},
-"AcknowledgeRequest": {"type": "object", "properties": {"seen": {"type": "array", "minItems": 1, "maxItems": 32, "items": {"type": "string", "maxLength": 32},
+"AcknowledgeRequest": {"type": "object", "properties": {"seen": {"type": "array", "minItems": 1, "maxItems": 53, "items": {"type": "string", "maxLength": 32},
   "description": "Names of the faults that were shown when the hand went down, see /api/v1/faults; refused when another has come since"}},
   "additionalProperties": false, "description": "The body may be left out."},
+"AlarmPauseRequest": {"type": "object", "required": ["paused"], "properties": {"paused": {"type": "boolean",
+  "description": "true: the alarms in force stop sounding for two minutes; false: they sound again"}}, "additionalProperties": false},
 "LookedAt": {"type": "integer", "minimum": 1, "maximum": 4294967295,
   "description": "Version of the parameters that were looked at; refused when others have changed them meanwhile"},
 "TrialTime": {"type": "number", "minimum": 1, "maximum": 120, "description": "Only on trial: the values before come back after so many seconds unless confirmed"},

@@ -135,6 +135,11 @@ json event_json(const contract::Event& event) {
       out["code"] = event.code;
       out["name"] = event.code != 0 ? "on" : "off";
       break;
+    case EventKind::alarm_paused:
+      out["code"] = event.code;
+      out["name"] = event.code != 0 ? "on" : "off";
+      out["value"] = event.value;
+      break;
     case EventKind::guided_ended:
       out["code"] = event.code;
       out["name"] = contract::guided_end_name(event.code);
@@ -235,7 +240,8 @@ void Hub::remove(const Client* client) {
   services_->state.asks().remove(held->number());
   // A client that is gone no longer drives: the core is told, stops remote motion and frees the lease.
   if (held->holds_lease())
-    act_release_lease(*services_, {held->number(), services_->core.lease_epoch(), held->session()->role}, [](const Outcome&) {});
+    act_release_lease(
+        *services_, {held->number(), services_->core.lease_epoch(), held->session()->role}, [](const Outcome&) {}, true);
 }
 
 void Hub::broadcast(const SharedFrame& frame) {

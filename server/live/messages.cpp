@@ -99,6 +99,9 @@ void stop(Client& client, const json&) { act_stop(client.hub().services(), asker
 void acknowledge(Client& client, const json& message) {
   act_acknowledge(client.hub().services(), asker_of(client), field(message, "seen"), reply_to(client, message));
 }
+void pause_alarm(Client& client, const json& message) {
+  act_pause_alarm(client.hub().services(), asker_of(client), field(message, "paused") == true, reply_to(client, message));
+}
 
 // A whole number that a JavaScript number may hold; large ones come as doubles.
 std::optional<std::uint64_t> whole(const json& value) {

@@ -58,7 +58,8 @@ void ToolHub::remove(const ToolClient* client) {
   services_->actors.leave(held->number());
   // A client that is gone drives no more: the core stops remote motion and frees the lease.
   if (held->holds_lease())
-    act_release_lease(*services_, {held->number(), services_->core.lease_epoch(), held->role()}, [](const Outcome&) {});
+    act_release_lease(
+        *services_, {held->number(), services_->core.lease_epoch(), held->role()}, [](const Outcome&) {}, true);
 }
 
 void ToolHub::on_core(bool connected) {

@@ -64,7 +64,10 @@ class Session {
       loop_.world().set_frame_fault([this](std::size_t port, const CanFrame& frame, std::uint64_t) { return frame_fault(port, frame); });
     loop_.on_inputs([this](const core::TickInputs& inputs) { see(inputs); });
     loop_.on_sent([this](const CanFrame& frame) {
-      if ((frame.id & ~0x7FU) != 0x200) return;
+      // The drives' commands alone: alarm signals to the input node may differ.
+      if (frame.id != contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_left) &&
+          frame.id != contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_right))
+        return;
       std::uint64_t word = frame.id;
       for (const std::uint8_t byte : frame.data) word = word << 8 ^ byte;
       report_.motion = (report_.motion ^ word) * 0x9E3779B97F4A7C15ULL;

@@ -291,9 +291,11 @@ TEST(Faults, H23_WithoutACoreTheMotorsLoseTheirSupplyAfterTheyHaveStopped) {
   ASSERT_TRUE(walk.set_off());
   sim::World& world = walk.loop.world();
   walk.loop.kill_core();
-  double stopped_s = -1.0, opened_s = -1.0;
+  double stopped_s = -1.0, opened_s = -1.0, heard_s = -1.0, seen_s = -1.0;
   for (int ms = 1; ms <= 1500; ++ms) {
     world.advance_1ms();
+    if (heard_s < 0.0 && (world.outputs() & contract::canopen::kBuzzer) != 0) heard_s = ms * 1e-3;
+    if (seen_s < 0.0 && (world.outputs() & contract::canopen::kRedLight) != 0) seen_s = ms * 1e-3;
     if (stopped_s < 0.0 && std::fabs(world.plant().platform().speed_m_s) < 0.01) stopped_s = ms * 1e-3;
     if (opened_s < 0.0 && world.plant().supply_v() == 0.0) opened_s = ms * 1e-3;
   }
@@ -301,6 +303,9 @@ TEST(Faults, H23_WithoutACoreTheMotorsLoseTheirSupplyAfterTheyHaveStopped) {
   EXPECT_GT(opened_s, stopped_s) << "a motor without supply does not brake evenly: the drives come first";
   EXPECT_GE(opened_s, 0.95);
   EXPECT_LE(opened_s, 1.13);  // the input node's own deadline switches the output off after 120 ms: one more change
+  EXPECT_GT(heard_s, 0.0) << "the input node says by itself that the core is gone";
+  EXPECT_LE(heard_s, 0.125);
+  EXPECT_EQ(seen_s, heard_s);
   // A restarted core finds everything off and begins in INIT; the supply returns before it is ready.
   walk.loop.restart_core();
   walk.loop.step();

@@ -392,7 +392,7 @@ TEST_P(EachImage, TheBridgeTurnsOnlyWhileItsOutputIsLow) {
     contract::write_le(&frame.data[0], 2, word);
     contract::write_le(&frame.data[2], 4, static_cast<std::uint32_t>(static_cast<std::int32_t>(1000 * speed_rad_s)));
     alone.bench.host_send(frame);
-    CanFrame outputs{0x200U + id_of(Box::io), 1, 0, {}};
+    CanFrame outputs{0x200U + id_of(Box::io), 2, 0, {}};
     outputs.data[0] = static_cast<std::uint8_t>((feed++ / 5U) & contract::canopen::kRelayFeed);
     alone.bench.host_send(outputs);
     alone.run(10);

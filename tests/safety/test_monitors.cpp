@@ -871,12 +871,13 @@ TEST(Monitors, H22ALateStepInStandbyIsCountedOnly) {
 TEST(Monitors, EveryFaultOfTheTableIsTestedHereOrNamed) {
   contract::FaultBits covered = 0;
   for (const Trip& trip : trips()) covered |= contract::fault_bit(trip.fault);
-  // Tested by name: fall in test_budgets.cpp, the driver and the server in unit/core/test_remote.cpp, batteries above, STOP in
+  // Tested by name: fall in test_budgets.cpp, the driver and the server in unit/core/test_remote.cpp, its console in unit/core/test_alarm.cpp, batteries above, STOP in
   // unit/core/test_modes.cpp, the gate in unit/core/test_gate.cpp and below, what ends in FAULT or
   // EMERGENCY_STOP in test_out_of_service.cpp.
-  for (const Fault fault : {Fault::fall_detected, Fault::remote_command_lost, Fault::server_lost, Fault::battery_low, Fault::battery_empty,
-                            Fault::stop_pressed, Fault::gate_refused, Fault::wheel_slip, Fault::battery_uneven, Fault::base_tilt_high,
-                            Fault::patient_hanging, Fault::emergency_stop, Fault::parameters_corrupt, Fault::control_fault})
+  for (const Fault fault :
+       {Fault::fall_detected, Fault::remote_command_lost, Fault::server_lost, Fault::battery_low, Fault::battery_empty, Fault::stop_pressed,
+        Fault::gate_refused, Fault::wheel_slip, Fault::battery_uneven, Fault::base_tilt_high, Fault::patient_hanging, Fault::emergency_stop,
+        Fault::parameters_corrupt, Fault::control_fault, Fault::console_lost})
     covered |= contract::fault_bit(fault);
   for (const auto& fault : contract::kFaults) EXPECT_NE(covered & contract::fault_bit(fault), 0U) << fault.name;
 }

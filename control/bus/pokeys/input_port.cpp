@@ -201,7 +201,8 @@ std::size_t InputPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
 std::size_t InputPort::send(std::span<const CanFrame> frames, std::uint64_t now_ns) noexcept {
   for (const CanFrame& frame : frames) {
     stand_in_.on_frame(frame);
-    if (frame.flags == 0 && frame.dlc == 1 && frame.id == contract::pdo_cob_id(contract::Pdo::io_rx1, IoStandIn::kNode))
+    if (frame.flags == 0 && frame.dlc == contract::pdo_bytes(contract::Pdo::io_rx1) &&
+        frame.id == contract::pdo_cob_id(contract::Pdo::io_rx1, IoStandIn::kNode))
       sync_.store((frame.data[0] & contract::canopen::kSyncOutput) != 0, std::memory_order_relaxed);
   }
   // Everything is also sent: requests to the input node do no harm there, and the recording stays complete.

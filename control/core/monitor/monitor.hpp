@@ -28,6 +28,7 @@ struct MonitorView {
   const DriveControl &left_control, &right_control;  // know a drive that does not run although it should
   bool bus_up, bus_settled;                          // settled: long enough up that silence is the node's own
   bool server_alive, server_seen;
+  bool console_gone;  // while the hoist was led, and nobody has taken control since
   bool remote_lost;
   bool held_back;                     // GUIDED goes slower than wished, because the patient lags
   bool relay_cut;                     // the core itself has taken the motors' supply away

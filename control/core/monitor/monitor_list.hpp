@@ -11,6 +11,7 @@
 #include "control/core/monitor/battery_uneven.hpp"
 #include "control/core/monitor/bumper.hpp"
 #include "control/core/monitor/bus_down.hpp"
+#include "control/core/monitor/console_lost.hpp"
 #include "control/core/monitor/drive_fault.hpp"
 #include "control/core/monitor/emergency_stop.hpp"
 #include "control/core/monitor/fall.hpp"
@@ -40,7 +41,7 @@ using Others =
     std::tuple<BusDown, NodeDuplicate, NodeBabbling, DriveFault<true>, DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault,
                BumperPressed, FallDetected, BatteryBelow<contract::Fault::battery_empty, &contract::Params::battery_empty_v>,
                BatteryBelow<contract::Fault::battery_low, &contract::Params::battery_low_v>, BatteryUneven, BaseTilted, BaseTiltHigh,
-               PatientHanging, RemoteCommandLost, ServerLost, Overspeed, LoopOverrun, EmergencyStopOpen, WheelSlip>;
+               PatientHanging, RemoteCommandLost, ServerLost, ConsoleLost, Overspeed, LoopOverrun, EmergencyStopOpen, WheelSlip>;
 }  // namespace detail
 using MonitorList = decltype(std::tuple_cat(detail::Silences{}, detail::Others{}));
 

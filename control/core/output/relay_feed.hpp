@@ -1,3 +1,5 @@
+// The outputs of the input node, in one frame each 50 ms: alarm signals, synchronisation, and the feed of the motors' relay.
+//
 // Feeds the relay in the motors' supply (hazards H1, H23): an output of the input node that goes up and down as long as the core steps.
 //
 // The relay's own circuit takes the changes, not the level, so a core that hangs with the output on holds nothing. It opens about one second
@@ -7,6 +9,7 @@
 #pragma once
 #include <cstdint>
 
+#include "control/contract/alarms.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/core/types.hpp"
 
@@ -25,21 +28,29 @@ class RelayFeed {
   void restore() noexcept { cut_ = false; }
   [[nodiscard]] bool is_cut() const noexcept { return cut_; }
 
-  /// Once per step, in every mode: what may move is decided elsewhere, this only says that the core decides. The synchronisation output goes
-  /// in the same frames, with its level of this moment.
+  /// What the outputs are to show in this step.
+  struct Outputs {
+    bool feeds = true;  // the relay may be closed
+    bool sync = false;
+    contract::AlarmCommand alarm;
+  };
+
+  /// Once per step, in every mode: what may move is decided elsewhere, this only says that the core decides. Without `feeds` the frames go on:
+  /// they carry the alarm, and the node signals one by itself when they end.
   template <std::size_t N>
-  void step(FixedVector<contract::CanFrame, N>& out, bool sync) noexcept {
+  void step(FixedVector<contract::CanFrame, N>& out, const Outputs& outputs) noexcept {
     if (ticks_ < kTicks) ++ticks_;
     if (ticks_ < kTicks) return;
     ticks_ = 0;
-    if (!cut_) level_ ^= contract::canopen::kRelayFeed;
+    if (!cut_ && outputs.feeds) level_ ^= contract::canopen::kRelayFeed;
     contract::CanFrame frame{contract::pdo_cob_id(contract::Pdo::io_rx1, contract::Node::io),
                              static_cast<std::uint8_t>(contract::pdo_bytes(contract::Pdo::io_rx1)),
                              0,
                              {}};
-    sync_ = sync;
+    sync_ = outputs.sync;
     frame.data[0] =
         static_cast<std::uint8_t>(level_ | (cut_ ? contract::canopen::kRelayRelease : 0U) | (sync_ ? contract::canopen::kSyncOutput : 0U));
+    frame.data[1] = contract::alarm_byte(outputs.alarm);
     static_cast<void>(out.push_back(frame));
   }
   [[nodiscard]] std::uint8_t level() const noexcept { return level_; }

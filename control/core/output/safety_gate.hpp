@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "control/contract/alarms.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/classify.hpp"
 #include "control/contract/faults.hpp"
@@ -254,13 +255,15 @@ class SafetyGate {
            frame.data[0] == static_cast<std::uint8_t>(NmtCommand::pre_operational);
   }
 
-  /// Of the input node's outputs only those of the motors' relay and of the synchronisation are the core's to switch. A drive's command is none
-  /// of its own here.
+  /// Of the input node's outputs only those of the motors' relay and of the synchronisation are the core's to switch; buzzer and lights are the
+  /// node's own, by the alarm that it is told. Nothing sounds that is not lit at least as urgently. A drive's command is none of its own here.
   [[nodiscard]] static bool switches_own_outputs(const contract::CanFrame& frame, const contract::FrameClass& what,
                                                  const GateView&) noexcept {
     namespace canopen = contract::canopen;
     constexpr unsigned kOwn = canopen::kRelayFeed | canopen::kRelayRelease | canopen::kSyncOutput;
-    return what.is_of(contract::Node::io) && (frame.data[0] & ~kOwn) == 0;
+    if (!what.is_of(contract::Node::io) || (frame.data[0] & ~kOwn) != 0) return false;
+    const contract::AlarmCommand alarm = contract::alarm_command(frame.data[1]);
+    return contract::alarm_byte(alarm) == frame.data[1] && alarm.sound <= alarm.light;
   }
 
   [[nodiscard]] static bool asks_or_sets(const contract::CanFrame& frame, const contract::FrameClass& what, const GateView& view) noexcept {

@@ -201,6 +201,8 @@ Verdict release_lease(CoreState& state, const Command& command) noexcept {
   // The server releases for a client that is gone and names it in `a`; 0 means the present holder.
   const bool by_server = command.client == 0 && (command.a == 0 || command.a == holder);
   if (holder == 0 || (!by_server && command.client != holder)) return refused(Refusal::no_lease);
+  // H21: its console vanished, and is missed while the hoist is led.
+  if (command.client == 0 || command.a == contract::kConsoleGone) state.console.left(is_moving(state.mode));
   give_lease(state, 0);
   return {};
 }
@@ -252,6 +254,25 @@ Verdict ask_acknowledge(CoreState& state, const Command& command) noexcept {
   const Press press{command.request_id, command.client, static_cast<contract::Role>(command.b), command.bits};
   const std::uint32_t bits = press_release(state, press);
   return {bits, 0, state.acknowledgement.waits()};
+}
+
+// ----- alarms -----
+
+/// Pauses the sound of the alarms in force (a = 1), or ends the pause. Whoever stands beside the hoist may: no lease is needed.
+Verdict pause_alarm(CoreState& state, const Command& command) noexcept {
+  if (command.b != static_cast<std::uint32_t>(contract::Role::therapist) &&
+      command.b != static_cast<std::uint32_t>(contract::Role::engineer))
+    return refused(Refusal::not_allowed);
+  if (command.a > 1) return refused(Refusal::out_of_range);
+  if (!(command.a == 1 ? state.alarm.pause(state.latched) : state.alarm.resume())) return refused(Refusal::out_of_order);
+  Event event;
+  event.kind = EventKind::alarm_paused;
+  event.code = command.a;
+  event.value = state.alarm.pause_s();
+  event.request_id = command.request_id;
+  event.client = command.client;
+  emit(state, event);
+  return {};
 }
 
 // ----- service -----
@@ -374,6 +395,8 @@ Verdict execute(CoreState& state, const Command& command) noexcept {
       return cancel_calibration(state, command);
     case CommandKind::begin_guided:
       return begin_guided(state, command);
+    case CommandKind::pause_alarm:
+      return pause_alarm(state, command);
     case CommandKind::none:
       break;
   }
@@ -428,6 +451,7 @@ void take_drive_command(CoreState& state, const contract::DriveCommand& command)
 void watch_server(CoreState& state, std::uint64_t heartbeat, std::uint64_t life) noexcept {
   if (state.server.update(heartbeat, life) == ServerWatch::News::none) return;
   // The server is gone or is a new one: its clients no longer drive, and its numbers start again.
+  if (state.lease.holder != 0) state.console.left(is_moving(state.mode));
   give_lease(state, 0);
   state.staging.rows.clear();
   state.next_sequence = 0;

@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <string>
 
+#include "control/contract/alarms.hpp"
 #include "control/contract/bus_load.hpp"
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/emergencies.hpp"
@@ -98,6 +99,32 @@ GeneratedFile signals_page() {
   return {"control/contract/signals.gen.md", out};
 }
 
+std::string alarms_section() {
+  constexpr std::array<std::string_view, 3> kPriorities = {"low", "medium", "high"};
+  std::string out =
+      "\n## Alarm signals\n\nAt the hoist (input node) and on the console, by the most urgent fault in force; figures after IEC 60601-1-8 "
+      "(`control/SOURCES.md`, 2.5). Sound may be paused for " +
+      number_text(kAudioPause_s) +
+      " s by a therapist or engineer; a new fault, or one that comes back, sounds at once. The light is never paused. The input node "
+      "signals "
+      "high by itself when the control computer is gone.\n\n" +
+      table_head({"priority", "pulses", "pulse", "between pulses", "between bursts", "light", "flashes", "lit"});
+  for (auto at = kAlarms.rbegin(); at != kAlarms.rend(); ++at) {
+    const bool steady = at->flash_ms == 0;
+    out += row({std::string(kPriorities[static_cast<std::size_t>(at->priority)]), std::to_string(at->pulses),
+                std::to_string(at->pulse_ms) + " ms",
+                at->pulses == 1 ? ""
+                                : std::to_string(at->spacing_ms) + " ms" +
+                                      (at->pulses > 3 ? ", after the third of five " + std::to_string(alarm_gap_ms(*at, 2)) +
+                                                            " ms, after the fifth " + std::to_string(kGroupGap_ms) + " ms"
+                                                      : ""),
+                number_text(at->interburst_ms / 1000.0) + " s", std::string(kAlarmColourNames[static_cast<std::size_t>(at->colour)]),
+                steady ? "steady" : number_text(1000.0 / at->flash_ms) + " Hz",
+                steady ? "always" : number_text(100.0 * at->lit_ms / at->flash_ms) + " %"});
+  }
+  return out;
+}
+
 GeneratedFile faults_page() {
   constexpr std::array<std::string_view, 3> kPriorities = {"low", "medium", "high"};
   constexpr std::array<std::string_view, 5> kReactions = {"warning only", "soft stop to standby", "protective stop until acknowledged",
@@ -124,6 +151,7 @@ GeneratedFile faults_page() {
   out += "\n## The patient first\n\nShown above every other alarm, in this order:";
   for (const Fault fault : kEndangers) out += " " + code(fault_info(fault).name);
   out += ".\n";
+  out += alarms_section();
   constexpr std::array<std::string_view, 5> kMonitorReactions = {"warning", "R1", "R2", "R2", "R4"};
   out +=
       "\n## Monitors\n\nHow each fault is found. R1 soft stop to standby, R2 protective stop until acknowledged, R4 "

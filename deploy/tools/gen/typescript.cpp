@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string>
 
+#include "control/contract/alarms.hpp"
 #include "control/contract/emergencies.hpp"
 #include "control/contract/exercises.hpp"
 #include "control/contract/faults.hpp"
@@ -258,6 +259,19 @@ std::string_view reaction_name(Reaction reaction) {
   return "warn";
 }
 
+std::string alarm_signal(const AlarmInfo& alarm) {
+  std::string pulses;
+  unsigned at_ms = 0;
+  for (unsigned pulse = 0; pulse < alarm.pulses; ++pulse) {
+    pulses += (pulse == 0 ? "" : ", ") + std::to_string(at_ms);
+    at_ms += alarm.pulse_ms + alarm_gap_ms(alarm, pulse);
+  }
+  return "  " + std::string(priority_name(alarm.priority)) +
+         ": {\n    colour: " + quoted(kAlarmColourNames[static_cast<std::size_t>(alarm.colour)]) + ", pulses_ms: [" + pulses +
+         "],\n    pulse_ms: " + std::to_string(alarm.pulse_ms) + ", burst_ms: " + std::to_string(at_ms) +
+         ", flash_ms: " + std::to_string(alarm.flash_ms) + ", lit_ms: " + std::to_string(alarm.lit_ms) + ",\n  },\n";
+}
+
 GeneratedFile faults_file() {
   std::string out = head("control/contract/faults.def");
   out += kWords;
@@ -320,6 +334,26 @@ export const endangers: readonly FaultName[] = [)";
   out.resize(out.size() - 2);
   out += R"(];
 
+/** How alarms of a priority sound and flash, here and at the hoist (control/contract/alarms.def, after IEC 60601-1-8). */
+export interface AlarmSignal {
+  colour: 'cyan' | 'yellow' | 'red';
+  /** When each pulse of a burst begins. */
+  pulses_ms: readonly number[];
+  pulse_ms: number;
+  /** From one burst to the next. */
+  burst_ms: number;
+  /** Period of the light; 0: steady. */
+  flash_ms: number;
+  lit_ms: number;
+}
+
+export const alarmSignals: Readonly<Record<FaultInfo['priority'], AlarmSignal>> = {
+)";
+  for (const AlarmInfo& alarm : kAlarms) out += alarm_signal(alarm);
+  out += "};\n\n/** Pitch of a pulse and the harmonics above it. */\nexport const alarmPitch_hz = " + number_text(kAlarmPitch_hz) +
+         ";\nexport const alarmHarmonics = " + std::to_string(kAlarmHarmonics) +
+         ";\n\n/** How long sound is paused at the most. */\nexport const audioPause_s = " + number_text(kAudioPause_s) + ";\n";
+  out += R"(
 export interface RefusalInfo {
   /** Place in blocked_bits. */
   bit: number;

@@ -1,10 +1,12 @@
 // The input board: bumpers and switches on change and every 10 ms, battery voltages every 100 ms; eight outputs, set by RPDO1, with error
-// values (6206h, 6207h) after its deadline or outside operational. CiA 401.
+// values (6206h, 6207h) after its deadline or outside operational. CiA 401. Four of the outputs are the node's own: buzzer and lights
+// (alarm_player.hpp), which go on when the computer is gone.
 #pragma once
 #include <cstdint>
 
 #include "firmware/lib/canopen_node.hpp"
 #include "firmware/lib/convert.hpp"
+#include "firmware/nodes/io/alarm_player.hpp"
 
 namespace hoist::firmware {
 
@@ -32,7 +34,7 @@ class IoNode {
     values.template set<0x6401, 2>(battery_10mv(1));
     const std::uint32_t sent_before = stack_.sent(contract::Pdo::io_tx1);
     stack_.tick_1ms(*this);
-    board_.set_outputs(values.template get<0x6200, 1>());
+    write_outputs();
     if (stack_.sent(contract::Pdo::io_tx1) != sent_before || !stack_.operational()) pressed_ = bumpers;
   }
 
@@ -45,12 +47,19 @@ class IoNode {
  private:
   friend Stack;
   void on_sync() {}
-  void on_rpdo() {}
-  void on_rpdo_deadline() { outputs_to_error_values(); }
-  void on_heartbeat_lost() {}
-  void on_nmt(NmtState, NmtState) { outputs_to_error_values(); }
+  void on_rpdo() { alarm_.command(stack_.values().template get<0x2400, 1>()); }
+  void on_rpdo_deadline() {
+    outputs_to_error_values();
+    alarm_.lose_computer();
+  }
+  void on_heartbeat_lost() { alarm_.lose_computer(); }
+  void on_nmt(NmtState, NmtState) {
+    outputs_to_error_values();
+    alarm_.forget();
+  }
   void on_power_on() {
     pressed_ = 0;
+    alarm_ = {};
     // Off, not the error values: those apply after a computer was lost.
     stack_.values().template set<0x6200, 1>(0);
     board_.set_outputs(0);
@@ -58,7 +67,12 @@ class IoNode {
   }
   // Only an RPDO has a deadline, so only an RPDO may switch something on.
   SdoAbort check_write(std::uint16_t index, std::uint8_t, std::uint32_t) {
-    return index == 0x6200 ? SdoAbort::device_state : SdoAbort::none;
+    return index == 0x6200 || index == 0x2400 ? SdoAbort::device_state : SdoAbort::none;
+  }
+  void write_outputs() {
+    namespace canopen = contract::canopen;
+    constexpr unsigned kOwn = canopen::kBuzzer | canopen::kRedLight | canopen::kYellowLight | canopen::kCyanLight;
+    board_.set_outputs(static_cast<std::uint8_t>((stack_.values().template get<0x6200, 1>() & ~kOwn) | alarm_.step_1ms()));
   }
   void outputs_to_error_values() {
     auto& values = stack_.values();
@@ -74,6 +88,7 @@ class IoNode {
 
   Board& board_;
   Stack stack_;
+  AlarmPlayer alarm_;
   std::uint8_t pressed_ = 0;  // pressed now or since the last frame
 };
 

@@ -629,7 +629,7 @@ TEST(PokeysInputs, TheWholeWayOverUdp) {
   EXPECT_EQ(port.doubles(), 2U);
   EXPECT_EQ(port.counters().refused, 2U);
   for (const bool level : {true, false}) {
-    const std::array outputs{CanFrame{0x208, 1, 0, {static_cast<std::uint8_t>(level ? contract::canopen::kSyncOutput : 0)}}};
+    const std::array outputs{CanFrame{0x208, 2, 0, {static_cast<std::uint8_t>(level ? contract::canopen::kSyncOutput : 0)}}};
     port.send(outputs, 0);
     ASSERT_TRUE(wait_for([&](const CanFrame&) { return device.output() == level; })) << "the synchronisation output";
   }

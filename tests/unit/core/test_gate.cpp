@@ -439,14 +439,28 @@ TEST_F(Gate, WhereNoDriveMayRunBothAreSwitchedOff) {
 
 TEST_F(Gate, H1_H23OfTheOutputsOnlyTheRelaysTwoAndTheSynchronisationLeave) {
   const std::uint32_t id = contract::pdo_cob_id(Pdo::io_rx1, Node::io);
-  EXPECT_TRUE(judge({id, 1, 0, {0}}));
-  EXPECT_TRUE(judge({id, 1, 0, {canopen::kRelayFeed}}));
-  EXPECT_TRUE(judge({id, 1, 0, {canopen::kRelayRelease}}));
-  EXPECT_TRUE(judge({id, 1, 0, {canopen::kRelayFeed | canopen::kRelayRelease}}));
-  EXPECT_TRUE(judge({id, 1, 0, {canopen::kSyncOutput | canopen::kRelayFeed}}));
-  for (unsigned bit = 3; bit < 8; ++bit) EXPECT_FALSE(judge({id, 1, 0, {static_cast<std::uint8_t>(1U << bit)}})) << bit;
+  EXPECT_TRUE(judge({id, 2, 0, {0}}));
+  EXPECT_TRUE(judge({id, 2, 0, {canopen::kRelayFeed}}));
+  EXPECT_TRUE(judge({id, 2, 0, {canopen::kRelayRelease}}));
+  EXPECT_TRUE(judge({id, 2, 0, {canopen::kRelayFeed | canopen::kRelayRelease}}));
+  EXPECT_TRUE(judge({id, 2, 0, {canopen::kSyncOutput | canopen::kRelayFeed}}));
+  for (unsigned bit = 3; bit < 8; ++bit) EXPECT_FALSE(judge({id, 2, 0, {static_cast<std::uint8_t>(1U << bit)}})) << bit;
   EXPECT_FALSE(judge({id, 0, 0, {}}));
-  EXPECT_FALSE(judge({id, 2, 0, {1}}));
+  EXPECT_FALSE(judge({id, 1, 0, {1}}));
+  EXPECT_FALSE(judge({id, 3, 0, {1}}));
+  EXPECT_FALSE(judge({contract::pdo_cob_id(Pdo::drive_rx1, Node::drive_left), 2, 0, {1}}));
+}
+
+// What sounds is lit at least as urgently: sound may be paused, the light never is.
+TEST_F(Gate, AnAlarmThatSoundsIsLit) {
+  using contract::AlarmLevel;
+  const std::uint32_t id = contract::pdo_cob_id(Pdo::io_rx1, Node::io);
+  for (unsigned byte = 0; byte < 256; ++byte) {
+    const unsigned sound = byte & 3U, light = byte >> 2U & 3U;
+    EXPECT_EQ(judge({id, 2, 0, {0, static_cast<std::uint8_t>(byte)}}), byte < 16 && sound <= light) << byte;
+  }
+  EXPECT_EQ(contract::alarm_byte({AlarmLevel::none, AlarmLevel::high}), 12);
+  EXPECT_EQ(contract::alarm_byte({AlarmLevel::medium, AlarmLevel::medium}), 10);
 }
 
 // A pair or nothing: alone, a quick stop of one wheel would turn the hoist about it.

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <ostream>
+#include <utility>
+#include <vector>
 
 #include "tests/unit/firmware/test_board.hpp"
 
@@ -80,20 +83,24 @@ TEST_F(IoTest, ImpossibleVoltagesReadAsEmpty) {
   EXPECT_EQ(board_.with_id(0x288), std::vector{frame_of(0x288, {0, 0, 0, 0, 0, 0, 0, 0})});
 }
 
+// The outputs that follow 6200h; the others are buzzer and lights.
+constexpr std::uint8_t kFree = 0x87;
+constexpr std::uint8_t kLights = canopen::kRedLight | canopen::kYellowLight | canopen::kCyanLight;
+
 TEST_F(IoTest, OutputsFollowTheComputerAndGoOffWithoutIt) {
   EXPECT_EQ(board_.output_bits, 0);
   for (int i = 0; i < 10; ++i) {
-    node_.on_frame(frame_of(0x208, {0xA5}));
+    node_.on_frame(frame_of(0x208, {0xA5, 0}));
     tick(node_, 50);
-    EXPECT_EQ(board_.output_bits, 0xA5);
+    EXPECT_EQ(board_.output_bits, 0xA5 & kFree) << "buzzer and lights are the node's own";
   }
   tick(node_, 60);  // 110 ms after the last: one may be lost, the next comes at 100
-  EXPECT_EQ(board_.output_bits, 0xA5);
+  EXPECT_EQ(board_.output_bits, 0xA5 & kFree);
   tick(node_, 11);  // 120 ms
-  EXPECT_EQ(board_.output_bits, 0);
+  EXPECT_EQ(board_.output_bits & kFree, 0);
   EXPECT_EQ(board_.with_id(0x088).size(), 1U);
   EXPECT_EQ(contract::read_le(&board_.with_id(0x088)[0].data[0], 2), 0x8250U);
-  node_.on_frame(frame_of(0x208, {0x01}));
+  node_.on_frame(frame_of(0x208, {0x01, 0}));
   tick(node_, 1);
   EXPECT_EQ(board_.output_bits, 1);
 }
@@ -104,31 +111,147 @@ TEST_F(IoTest, ErrorValuesDecideWhatHappensToEachOutput) {
   };
   EXPECT_EQ(write(0x6206, 0x0F), 0x60);  // the upper four stay as they are
   EXPECT_EQ(write(0x6207, 0x02), 0x60);  // of the lower four, only output 1 is on
-  node_.on_frame(frame_of(0x208, {0x55}));
+  node_.on_frame(frame_of(0x208, {0xD5, 0}));
   tick(node_, 1);
-  EXPECT_EQ(board_.output_bits, 0x55);
+  EXPECT_EQ(board_.output_bits, 0x85);
   node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
   tick(node_, 1);
-  EXPECT_EQ(board_.output_bits, 0x52);
-  node_.on_frame(frame_of(0x208, {0xFF}));  // no receiver
+  EXPECT_EQ(board_.output_bits, 0x82);
+  node_.on_frame(frame_of(0x208, {0xFF, 0}));  // no receiver
   tick(node_, 1);
-  EXPECT_EQ(board_.output_bits, 0x52);
+  EXPECT_EQ(board_.output_bits, 0x82);
   node_.power_on();
   EXPECT_EQ(board_.output_bits, 0);
 }
 
 TEST_F(IoTest, AnSdoSwitchesNothingOn) {
-  EXPECT_EQ(ask(node_, board_, canopen::sdo(0x608, canopen::sdo_download_command(1), 0x6200, 1, 0xFF)).data[0], 0x80);
+  for (const int index : {0x6200, 0x2400})
+    EXPECT_EQ(ask(node_, board_, canopen::sdo(0x608, canopen::sdo_download_command(1), static_cast<std::uint16_t>(index), 1, 0x0F)).data[0],
+              0x80);
   tick(node_, 5);
   EXPECT_EQ(board_.output_bits, 0);
 }
 
 TEST_F(IoTest, AFrameOfTheWrongLengthSwitchesNothing) {
-  node_.on_frame(frame_of(0x208, {0xFF, 0xFF}));
+  node_.on_frame(frame_of(0x208, {0xFF}));
+  node_.on_frame(frame_of(0x208, {0xFF, 0x0F, 0xFF}));
   node_.on_frame(frame_of(0x208, {}));
   tick(node_, 5);
   EXPECT_EQ(board_.output_bits, 0);
-  EXPECT_EQ(node_.stack().counters().wrong_length, 2U);
+  EXPECT_EQ(node_.stack().counters().wrong_length, 3U);
+  node_.on_frame(frame_of(0x208, {0xFF, 0x10}));  // no such alarm
+  tick(node_, 5);
+  EXPECT_EQ(board_.output_bits, 0);
+}
+
+// ----- alarm signals (IEC 60601-1-8; SOURCES 2.5) -----
+
+struct Edge {
+  int at_ms;
+  bool on;
+  bool operator==(const Edge&) const = default;
+};
+std::ostream& operator<<(std::ostream& out, const Edge& edge) { return out << edge.at_ms << (edge.on ? " on" : " off"); }
+
+class AlarmTest : public IoTest {
+ protected:
+  // Tells the node this alarm for so long, as the computer does, and notes when these outputs change.
+  std::vector<Edge> play(int byte, int milliseconds, unsigned outputs) {
+    std::vector<Edge> edges;
+    bool on = false;
+    for (int ms = 0; ms < milliseconds; ++ms) {
+      if (ms % 50 == 0) node_.on_frame(frame_of(0x208, {0, byte}));
+      tick(node_, 1);
+      const bool now = (board_.output_bits & outputs) != 0;
+      if (now != on) edges.push_back({ms, now});
+      on = now;
+    }
+    return edges;
+  }
+};
+constexpr int kHighBoth = 0x0F, kMediumBoth = 0x0A, kLowBoth = 0x05, kHighLight = 0x0C;
+
+TEST_F(AlarmTest, HighIsTenPulsesInTwoGroupsOfThreeAndTwo) {
+  // Pulses of 120 ms, 80 ms apart, 280 after the third, 600 between the groups, 3.5 s between the bursts.
+  std::vector<Edge> expected;
+  int at = 0;
+  for (const int gap : {80, 80, 280, 80, 600, 80, 80, 280, 80, 3500, 80}) {
+    expected.push_back({at, true});
+    expected.push_back({at + 120, false});
+    at += 120 + gap;
+  }
+  EXPECT_EQ(play(kHighBoth, at, canopen::kBuzzer), expected);
+}
+
+TEST_F(AlarmTest, MediumIsThreePulsesAndLowIsOne) {
+  const std::vector<Edge> medium{{0, true},   {180, false}, {360, true},  {540, false},
+                                 {720, true}, {900, false}, {7900, true}, {8080, false}};
+  EXPECT_EQ(play(kMediumBoth, 8200, canopen::kBuzzer), medium);
+  const std::vector<Edge> low{{0, true}, {180, false}, {16180, true}, {16360, false}};
+  EXPECT_EQ(play(kLowBoth, 16500, canopen::kBuzzer), low);
+}
+
+TEST_F(AlarmTest, TheLightsFlashByPriority) {
+  const std::vector<Edge> red{{0, true}, {250, false}, {500, true}, {750, false}, {1000, true}};
+  EXPECT_EQ(play(kHighBoth, 1200, canopen::kRedLight), red);
+  const std::vector<Edge> yellow{{0, true}, {1000, false}, {2000, true}, {3000, false}};
+  EXPECT_EQ(play(kMediumBoth, 3500, canopen::kYellowLight), yellow);
+  EXPECT_EQ(play(kLowBoth, 3500, canopen::kCyanLight), (std::vector<Edge>{{0, true}})) << "steady";
+  for (const auto& [byte, light] :
+       {std::pair{kHighBoth, canopen::kRedLight}, {kMediumBoth, canopen::kYellowLight}, {kLowBoth, canopen::kCyanLight}})
+    EXPECT_TRUE(play(byte, 2500, kLights & ~static_cast<unsigned>(light)).size() <= 1) << "one light alone, once the other is off";
+}
+
+TEST_F(AlarmTest, APausedAlarmIsSilentAndLit) {
+  EXPECT_FALSE(play(kHighLight, 1000, canopen::kRedLight).empty());
+  EXPECT_TRUE(play(kHighLight, 9000, canopen::kBuzzer).empty());
+  EXPECT_EQ(play(kHighBoth, 300, canopen::kBuzzer).front(), (Edge{0, true})) << "sounds from its beginning";
+}
+
+TEST_F(AlarmTest, NoAlarmNothing) {
+  EXPECT_TRUE(play(0, 20000, canopen::kBuzzer | kLights).empty());
+  play(kHighBoth, 60, canopen::kBuzzer);
+  EXPECT_TRUE(play(0, 5000, canopen::kBuzzer | kLights).empty()) << "it ends at once";
+}
+
+// H23: a control computer that is gone is heard, however it goes.
+TEST_F(AlarmTest, H23_ALostComputerIsHeardUntilItSpeaksAgain) {
+  play(0, 1000, canopen::kBuzzer);
+  tick(node_, 120);
+  int sounding = 0, lit = 0;
+  for (int ms = 0; ms < 60'000; ++ms) {
+    tick(node_, 1);
+    sounding += (board_.output_bits & canopen::kBuzzer) != 0 ? 1 : 0;
+    lit += (board_.output_bits & canopen::kRedLight) != 0 ? 1 : 0;
+  }
+  EXPECT_NEAR(sounding, 60'000 * 1200 / 6340, 1200) << "ten pulses of 120 ms in each 6.34 s";
+  EXPECT_NEAR(lit, 30'000, 250);
+  EXPECT_TRUE(play(0, 5000, canopen::kBuzzer | kLights).empty());
+}
+
+TEST_F(AlarmTest, H23_ALostHeartbeatIsHeardAlsoOutsideOfOperation) {
+  node_.on_frame(canopen::heartbeat(0x7F, NmtState::operational));
+  play(kMediumBoth, 200, canopen::kBuzzer);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
+  tick(node_, 20);
+  EXPECT_EQ(board_.output_bits, 0) << "taken out of operation by the computer: nothing is known any more";
+  tick(node_, 250);
+  EXPECT_NE(board_.output_bits & kLights, 0);
+  unsigned seen = 0;
+  for (int ms = 0; ms < 7000; ++ms) {
+    tick(node_, 1);
+    seen |= board_.output_bits;
+  }
+  EXPECT_EQ(seen, unsigned{canopen::kBuzzer | canopen::kRedLight});
+}
+
+TEST_F(AlarmTest, AComputerThatHasNeverSpokenIsNotMissed) {
+  tick(node_, 10'000);
+  EXPECT_EQ(board_.output_bits, 0);
+  play(kHighBoth, 100, canopen::kBuzzer);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::reset_node, 0));
+  tick(node_, 10'000);
+  EXPECT_EQ(board_.output_bits, 0) << "a reset forgets: so a service tool silences it";
 }
 
 TEST_F(IoTest, SilentUnlessOperational) {

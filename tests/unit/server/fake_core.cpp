@@ -261,6 +261,10 @@ void FakeCore::take(const Command& c) {
       record_.calibration_step = record_.calibration_phase = 0;
       if (c.kind == CommandKind::use_calibration) link_->publish_params(params_);
       return answer(c, 0);
+    case CommandKind::pause_alarm:
+      if (record_.fault_bits == 0) return answer(c, refusal_bit(Refusal::out_of_order));
+      record_.alarm_pause_s = c.a == 1 ? 120.0F : 0.0F;
+      return answer(c, 0);
     case CommandKind::none:
       break;
   }

@@ -374,6 +374,7 @@ CALL(end_motion, act_mode(services, asker, {kStandby, kNone, kNone, kNone}, done
 CALL(choose_exercise, act_choose(services, asker, kEmpty, done))
 CALL(stop, act_stop(services, asker, done))
 CALL(acknowledge, act_acknowledge(services, asker, kNone, done))
+CALL(pause_alarm, act_pause_alarm(services, asker, true, done))
 CALL(begin_calibration, act_calibrate(services, asker, CalibrateWish{}, done))
 CALL(measure_calibration, act_measure(services, asker, MeasureWish{}, done))
 CALL(use_calibration, act_use_calibration(services, asker, done))

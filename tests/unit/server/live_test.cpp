@@ -102,6 +102,38 @@ TEST_F(LiveTest, LeaseAndDriving) {
   EXPECT_EQ(driver.ask({{"type", "lease_release"}})["ok"], true);
 }
 
+// The core misses a console whose connection ends, and not one that gives control back.
+TEST_F(LiveTest, TheCoreHearsThatTheConsoleInControlIsGone_H21) {
+  const auto releases = [this] {
+    std::vector<std::uint32_t> how;
+    for (const contract::Command& command : core_->commands())
+      if (command.kind == contract::CommandKind::release_lease) how.push_back(command.a);
+    return how;
+  };
+  {
+    Live driver(port_, bearer_);
+    ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
+    ASSERT_EQ(driver.ask({{"type", "lease_release"}})["ok"], true);
+    EXPECT_EQ(releases(), std::vector<std::uint32_t>{0});
+    ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
+  }
+  EXPECT_TRUE(until([&] { return releases() == std::vector<std::uint32_t>{0, contract::kConsoleGone}; }));
+}
+
+TEST_F(LiveTest, AnAlarmsSoundIsPausedByWhoMay) {
+  Live live(port_, bearer_);
+  EXPECT_EQ(live.ask({{"type", "pause_alarm"}, {"paused", true}})["refusals"], json::array({"out_of_order"})) << "nothing sounds";
+  core_->set([](contract::TickRecord& r) { r.fault_bits = contract::fault_bit(contract::Fault::battery_low); });
+  EXPECT_EQ(live.ask({{"type", "pause_alarm"}, {"paused", true}})["ok"], true);
+  const contract::Command command = core_->commands().back();
+  EXPECT_EQ(command.kind, contract::CommandKind::pause_alarm);
+  EXPECT_EQ(command.a, 1U);
+  EXPECT_GE(command.b, 1U) << "the role travels to the core";
+  EXPECT_EQ(live.ask({{"type", "pause_alarm"}})["ok"], false) << "says what is wanted";
+  EXPECT_EQ(live.ask({{"type", "pause_alarm"}, {"paused", false}})["ok"], true);
+  EXPECT_EQ(core_->commands().back().a, 0U);
+}
+
 TEST_F(LiveTest, LettingGoIsPassedOnWhateverElseIsWrong_H17) {
   Live driver(port_, bearer_);
   ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);

@@ -475,6 +475,7 @@ TEST_F(People, every_message_and_tool_writes_the_audit_log) {
                                                    {"mode", "start_motion"},
                                                    {"stop", "stop"},
                                                    {"acknowledge", "acknowledge"},
+                                                   {"pause_alarm", "pause_alarm"},
                                                    {"set", "change_parameters"},
                                                    {"keep_settings", "keep_parameters"},
                                                    {"undo_settings", "undo_parameters"},
@@ -490,6 +491,7 @@ TEST_F(People, every_message_and_tool_writes_the_audit_log) {
                                                    {"marker", "add_marker"}};
   const std::map<std::string, json> fields{{"lease_hand_over", {{"user", "nobody"}}},
                                            {"mode", {{"mode", "user"}}},
+                                           {"pause_alarm", {{"paused", true}}},
                                            {"set", {{"values", {{"lean_tau_normal_s", 0.5}}}}},
                                            {"preset", {{"name", "walk"}}},
                                            {"choose", {{"exercise", {{"shape", "free"}}}}},

@@ -530,6 +530,19 @@ TEST_F(Rest, StopIsForEveryone) {
   EXPECT_EQ(call("POST", "/api/v1/acknowledge", json::object()).status, 200);
 }
 
+TEST_F(Rest, TheSoundOfAlarmsIsPausedAndBack) {
+  const auto pause = [this](const json& body) { return call("PUT", "/api/v1/alarm-pause", body).status; };
+  EXPECT_EQ(pause({{"paused", true}}), 409) << "nothing sounds";
+  core_->set([](contract::TickRecord& r) { r.fault_bits = contract::fault_bit(contract::Fault::battery_low); });
+  for (const json& wrong : {json::object(), json{{"paused", 1}}, json{{"paused", true}, {"for_s", 600}}})
+    EXPECT_EQ(pause(wrong), 422) << wrong;
+  EXPECT_EQ(pause({{"paused", true}}), 200);
+  EXPECT_EQ(core_->commands().back().kind, contract::CommandKind::pause_alarm);
+  EXPECT_EQ(core_->commands().back().a, 1U);
+  EXPECT_EQ(pause({{"paused", false}}), 200);
+  EXPECT_EQ(core_->commands().back().a, 0U);
+}
+
 TEST_F(Rest, AnAcknowledgementNamesWhatWasSeen) {
   ASSERT_EQ(call("POST", "/api/v1/lease", json::object()).status, 200);
   const auto acknowledged = [this] {

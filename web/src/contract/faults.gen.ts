@@ -37,7 +37,8 @@ export type FaultName =
   | 'emergency_stop'
   | 'parameters_corrupt'
   | 'control_fault'
-  | 'wheel_slip';
+  | 'wheel_slip'
+  | 'console_lost';
 
 export type RefusalName =
   | 'not_standby'
@@ -253,6 +254,11 @@ export const faults: readonly FaultInfo[] = [
     text: { en: 'The wheels slip', de: 'Die Räder rutschen' },
     action: { en: 'Check floor and wheels, then start again.', de: 'Boden und Räder prüfen, dann neu starten.' },
   },
+  {
+    bit: 32, name: 'console_lost', priority: 'medium', reaction: 'warn',
+    text: { en: 'The tablet in control is gone', de: 'Das Tablet mit der Steuerung ist weg' },
+    action: { en: 'Stay with the patient; take control on another tablet, or stop at the hoist itself.', de: 'Beim Patienten bleiben; an einem anderen Tablet steuern oder am Gerät selbst anhalten.' },
+  },
 ];
 
 /** What a fault is about, where its code says more than its own row. */
@@ -329,10 +335,46 @@ export const explanations: readonly { cause: FaultName; effect: FaultName }[] = 
   { cause: 'base_tilted', effect: 'base_tilt_high' },
   { cause: 'battery_empty', effect: 'battery_low' },
   { cause: 'server_lost', effect: 'remote_command_lost' },
+  { cause: 'server_lost', effect: 'console_lost' },
 ];
 
 /** The patient needs help before the machine does: shown above every other alarm, in this order. */
 export const endangers: readonly FaultName[] = ['fall_detected', 'patient_hanging', 'base_tilted', 'control_fault', 'emergency_stop'];
+
+/** How alarms of a priority sound and flash, here and at the hoist (control/contract/alarms.def, after IEC 60601-1-8). */
+export interface AlarmSignal {
+  colour: 'cyan' | 'yellow' | 'red';
+  /** When each pulse of a burst begins. */
+  pulses_ms: readonly number[];
+  pulse_ms: number;
+  /** From one burst to the next. */
+  burst_ms: number;
+  /** Period of the light; 0: steady. */
+  flash_ms: number;
+  lit_ms: number;
+}
+
+export const alarmSignals: Readonly<Record<FaultInfo['priority'], AlarmSignal>> = {
+  low: {
+    colour: 'cyan', pulses_ms: [0],
+    pulse_ms: 180, burst_ms: 16180, flash_ms: 0, lit_ms: 0,
+  },
+  medium: {
+    colour: 'yellow', pulses_ms: [0, 360, 720],
+    pulse_ms: 180, burst_ms: 7900, flash_ms: 2000, lit_ms: 1000,
+  },
+  high: {
+    colour: 'red', pulses_ms: [0, 200, 400, 800, 1000, 1720, 1920, 2120, 2520, 2720],
+    pulse_ms: 120, burst_ms: 6340, flash_ms: 500, lit_ms: 250,
+  },
+};
+
+/** Pitch of a pulse and the harmonics above it. */
+export const alarmPitch_hz = 523.25;
+export const alarmHarmonics = 4;
+
+/** How long sound is paused at the most. */
+export const audioPause_s = 120;
 
 export interface RefusalInfo {
   /** Place in blocked_bits. */

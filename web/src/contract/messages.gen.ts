@@ -85,6 +85,9 @@ export type StopRequest = { type: 'stop' };
 /** Leave a stop once its cause is gone. */
 export type AcknowledgeRequest = { type: 'acknowledge'; request: number } & rest.AcknowledgeRequest;
 
+/** The alarms in force stop sounding for two minutes, at the hoist and on every screen; their lights go on. A new alarm sounds at once. */
+export type PauseAlarmRequest = { type: 'pause_alarm'; request: number } & rest.AlarmPauseRequest;
+
 /** Driving command, 25 per second while held. Not answered; refusals are counted and told at most once per second. */
 export type DriveRequest = { type: 'drive' } & rest.DriveRequest;
 
@@ -143,6 +146,7 @@ export type ClientMessage =
   | ModeRequest
   | StopRequest
   | AcknowledgeRequest
+  | PauseAlarmRequest
   | DriveRequest
   | SetRequest
   | KeepSettingsRequest
@@ -415,6 +419,7 @@ export const eventKinds = [
   'parameters_confirmed',
   'parameters_reverted',
   'parameter_settled',
+  'alarm_paused',
 ] as const;
 export type EventKind = (typeof eventKinds)[number];
 
@@ -445,4 +450,4 @@ export const nodes: readonly NodeInfo[] = [
 ];
 
 /** Two programs with different hashes do not understand each other. */
-export const layoutHash = '2c60717fc27f9a5c';
+export const layoutHash = 'f822bc7a4a8b20cf';

@@ -48,6 +48,11 @@ export type AlarmList = {
   next: string | null;
 };
 
+export type AlarmPauseRequest = {
+  /** true: the alarms in force stop sounding for two minutes; false: they sound again. */
+  paused: boolean;
+};
+
 export type AuditCheck = {
   first_wrong: number | null;
   /** Digest of the newest row: note it elsewhere to prove later that no row was cut off. */
@@ -1628,6 +1633,11 @@ export interface Routes {
   /** Leaves a stop once its cause is gone; needs the lease. */
   'POST /api/v1/acknowledge': {
     body?: AcknowledgeRequest;
+    answer: Done;
+  };
+  /** Pauses the sound of the alarms in force for two minutes, at the hoist and on every screen; their lights go on, and a new alarm sounds at once. */
+  'PUT /api/v1/alarm-pause': {
+    body: AlarmPauseRequest;
     answer: Done;
   };
   /** Alarms of all recorded sessions, newest first; those of now are in the status. */

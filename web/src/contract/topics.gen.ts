@@ -4,7 +4,7 @@ import type { TopicName } from './rest.gen';
 import type { SignalName, TickRecord } from './signals.gen';
 
 /** A page made for another table cannot read the samples. */
-export const topicsHash = '812b9711a472a6d8';
+export const topicsHash = '3e3123dac86fae03';
 
 /** The live values of each topic. */
 export interface TopicValues {
@@ -14,6 +14,7 @@ export interface TopicValues {
     | 'time_ns'
     | 'fault_bits'
     | 'settings_trial_s'
+    | 'alarm_pause_s'
     | 'blocked_bits'
     | 'babbling_id'
     | 'drive_left_fault_code'
@@ -32,6 +33,8 @@ export interface TopicValues {
     | 'bumpers_acknowledged'
     | 'switches'
     | 'standing_still'
+    | 'alarm_sound'
+    | 'alarm_light'
     | 'speed_cause'
     | 'guided_phase'
     | 'guided_end'
@@ -94,36 +97,39 @@ export interface TopicBlock {
 export const topicBlocks: readonly TopicBlock[] = [
   {
     name: 'state',
-    bytes: 60,
+    bytes: 66,
     read: (view, at) => ({
       tick: Number(view.getBigUint64(at + 0, true)),
       time_ns: Number(view.getBigUint64(at + 8, true)),
       fault_bits: Number(view.getBigUint64(at + 16, true)),
       settings_trial_s: view.getFloat32(at + 24, true),
-      blocked_bits: view.getUint32(at + 28, true),
-      babbling_id: view.getUint16(at + 32, true),
-      drive_left_fault_code: view.getUint16(at + 34, true),
-      drive_right_fault_code: view.getUint16(at + 36, true),
-      tilt_implausible_code: view.getUint16(at + 38, true),
-      overspeed_code: view.getUint16(at + 40, true),
-      mode: view.getUint8(at + 42),
-      stop_cause: view.getUint8(at + 43),
-      bumpers: view.getUint8(at + 44),
-      tilt_left_age_ticks: view.getUint8(at + 45),
-      tilt_right_age_ticks: view.getUint8(at + 46),
-      tilt_base_age_ticks: view.getUint8(at + 47),
-      drive_left_age_ticks: view.getUint8(at + 48),
-      drive_right_age_ticks: view.getUint8(at + 49),
-      io_age_ticks: view.getUint8(at + 50),
-      bumpers_acknowledged: view.getUint8(at + 51),
-      switches: view.getUint8(at + 52),
-      standing_still: view.getUint8(at + 53),
-      speed_cause: view.getUint8(at + 54),
-      guided_phase: view.getUint8(at + 55),
-      guided_end: view.getUint8(at + 56),
-      bus_state: view.getUint8(at + 57),
-      bus_up: view.getUint8(at + 58),
-      duplicate_id: view.getUint8(at + 59),
+      alarm_pause_s: view.getFloat32(at + 28, true),
+      blocked_bits: view.getUint32(at + 32, true),
+      babbling_id: view.getUint16(at + 36, true),
+      drive_left_fault_code: view.getUint16(at + 38, true),
+      drive_right_fault_code: view.getUint16(at + 40, true),
+      tilt_implausible_code: view.getUint16(at + 42, true),
+      overspeed_code: view.getUint16(at + 44, true),
+      mode: view.getUint8(at + 46),
+      stop_cause: view.getUint8(at + 47),
+      bumpers: view.getUint8(at + 48),
+      tilt_left_age_ticks: view.getUint8(at + 49),
+      tilt_right_age_ticks: view.getUint8(at + 50),
+      tilt_base_age_ticks: view.getUint8(at + 51),
+      drive_left_age_ticks: view.getUint8(at + 52),
+      drive_right_age_ticks: view.getUint8(at + 53),
+      io_age_ticks: view.getUint8(at + 54),
+      bumpers_acknowledged: view.getUint8(at + 55),
+      switches: view.getUint8(at + 56),
+      standing_still: view.getUint8(at + 57),
+      alarm_sound: view.getUint8(at + 58),
+      alarm_light: view.getUint8(at + 59),
+      speed_cause: view.getUint8(at + 60),
+      guided_phase: view.getUint8(at + 61),
+      guided_end: view.getUint8(at + 62),
+      bus_state: view.getUint8(at + 63),
+      bus_up: view.getUint8(at + 64),
+      duplicate_id: view.getUint8(at + 65),
     }),
   },
   {

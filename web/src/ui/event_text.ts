@@ -19,6 +19,7 @@ export function eventText(kind: string, name: string, value: number | null, befo
     return `${title}: ${words(param.title)} ${number(before)} → ${withUnit(number(value), show.unit)}`;
   }
   if (kind === 'sync_input') return `${title}: ${t(code === 1 ? 'event.syncOn' : 'event.syncOff')}`;
+  if (kind === 'alarm_paused') return `${title}: ${t(code === 1 ? 'event.alarmPaused' : 'event.alarmSounds')}`;
   if (kind === 'command_refused' && name !== '') return `${title}: ${refusalText(name)}`;
   if (fault) return `${title}: ${words(fault.text)}`;
   if (mode) return `${title}: ${words(mode.title)}`;
