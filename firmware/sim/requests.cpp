@@ -90,6 +90,8 @@ Answer op_state(World& world, const ProgramState& program, const json&) {
               {"supply_v", plant.supply_v()},
               {"bumpers", plant.bumpers()},
               {"sync_output", program.pokeys != nullptr ? program.pokeys->output() : world.sync_output()},
+              {"buzzer", (world.outputs() & contract::canopen::kBuzzer) != 0},
+              {"red_light", (world.outputs() & contract::canopen::kRedLight) != 0},
               {"unplugged", pulled},
               {"in_loader", in_loader},
               {"bus_frames", world.bus_counters().frames},

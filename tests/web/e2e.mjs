@@ -690,6 +690,42 @@ const cases = {
     await toStandby();
   },
 
+  async 'an alarm sounds at the hoist and on the screen; its sound is paused here, its light is not, and a new alarm sounds'() {
+    await toStandby();
+    // A page of its own: no finger has touched it yet.
+    const fresh = await context.newPage();
+    await fresh.goto(`${stack.origin}/#/home`);
+    const sound = fresh.locator('.strip .sound');
+    await until('it says that sound is off', async () => (await sound.textContent().catch(() => '')) === 'Sound is off until you tap');
+    // Anywhere on the page, by its place: the button goes with the tap.
+    await fresh.mouse.click(700, 420);
+    await until('sound is on', async () => (await sound.count()) === 0);
+    assert((await stack.truth()).buzzer === false, 'the hoist sounds without an alarm');
+    await stack.ask({ op: 'bumper', which: 'front', pressed: true });
+    await until('the buzzer sounds', async () => (await stack.truth()).buzzer);
+    await until('the red light is on', async () => (await stack.truth()).red_light);
+    await until('the page offers the pause', async () => (await sound.textContent().catch(() => '')) === 'Pause sound');
+    assert(await fresh.locator('.strip.high.flashes').isVisible(), 'the strip does not flash');
+    const box = await sound.boundingBox();
+    await fresh.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+    await until('the page says that it is paused', async () => /^Sound paused [12]:/.test(await sound.textContent().catch(() => '')));
+    // Longer than the silence between two bursts.
+    const paused_s = (await stack.truth()).time_s;
+    let lit = false;
+    for (let now = await stack.truth(); now.time_s < paused_s + 5; now = await stack.truth()) {
+      if (now.time_s > paused_s + 0.2 && now.buzzer) throw new Error('it sounds although it is paused');
+      lit ||= now.red_light;
+      await sleep(20);
+    }
+    assert(lit, 'the light was paused, too');
+    await stack.rest('POST', '/stop');
+    await until('a new alarm sounds', async () => (await stack.truth()).buzzer);
+    await until('also on the page', async () => (await sound.textContent().catch(() => '')) === 'Pause sound');
+    await stack.ask({ op: 'bumper', which: 'front', pressed: false });
+    await fresh.close();
+    await toStandby();
+  },
+
   async 'each screen receives what it shows, at the rate that it shows it'() {
     const second = await context.newPage();
     let bytes = 0;

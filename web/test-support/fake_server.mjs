@@ -141,6 +141,7 @@ export function startFakeServer({
     lean: 0,
     turn: 0,
     faults: 0,
+    silentUntil: 0,
     exercise,
     version: 1,
     drive: { speed: 0, yaw: 0, held: false, tick: -1000 },
@@ -497,6 +498,10 @@ export function startFakeServer({
       memory_locked: 1,
       bus_frames: hoist.tick * 7,
       fault_bits: hoist.faults,
+      // A stop is high here, whatever its cause.
+      alarm_sound: hoist.faults !== 0 && hoist.tick >= hoist.silentUntil ? 3 : 0,
+      alarm_light: hoist.faults !== 0 ? 3 : 0,
+      alarm_pause_s: hoist.faults === 0 ? 0 : Math.max(0, (hoist.silentUntil - hoist.tick) * dt_s),
       blocked_bits: hoist.faults ? 4 : 0,
       lease_epoch: lease.epoch,
       lease_holder: lease.holder,
@@ -596,6 +601,11 @@ export function startFakeServer({
       hoist.begun = hoist.exercise;
       tellWalk();
       setMode(message.mode);
+      return { ok: true };
+    },
+    pause_alarm(message) {
+      if (hoist.faults === 0) return refuse('out_of_order');
+      hoist.silentUntil = message.paused ? hoist.tick + 12_000 : 0;
       return { ok: true };
     },
     acknowledge(_message, id) {

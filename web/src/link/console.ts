@@ -130,6 +130,8 @@ function slowPart(record: Sample) {
     sensed: record.bus_up === 1 && sensors.every((name) => record[`${name}_age_ticks`] < silentTicks),
     bumpers: record.bumpers,
     bumpersHeld: (record.bumpers & ~record.bumpers_acknowledged) === 0,
+    alarmSound: record.alarm_sound,
+    alarmPause_s: Math.ceil(record.alarm_pause_s),
     trial_s: Math.ceil(record.settings_trial_s),
     // The alarm and its device name stay until acknowledged, also after the cause is gone.
     duplicateId: record.duplicate_id !== 0 ? record.duplicate_id : hasBit(record.fault_bits, duplicateBit) ? store.value.duplicateId : null,
@@ -390,6 +392,8 @@ export const requestGuided = (path: GuidedPath, start_again: boolean): Promise<R
   withLease({ type: 'mode', mode: 'guided', path, start_again }, end);
 /** Acknowledges a stop. `seen`: names of the faults shown at the press; the hoist refuses when another has come since. */
 export const acknowledge = (seen: readonly string[]): Promise<Reply> => withLease({ type: 'acknowledge', ...(seen.length > 0 ? { seen } : {}) });
+/** The alarms in force stop sounding for two minutes, at the hoist and on every screen, or sound again. */
+export const pauseAlarm = (paused: boolean): Promise<Reply> => link.request({ type: 'pause_alarm', paused });
 export const setNeutral = (): Promise<Reply> => link.request({ type: 'neutral' });
 export const calibrate = (step: CalibrationStep, harness_empty: boolean): Promise<Reply> =>
   withLease(harness_empty ? { type: 'calibrate', step, harness_empty } : { type: 'calibrate', step });

@@ -89,6 +89,10 @@ export interface State {
   bumpers: number;
   /** All pressed bumpers were acknowledged: the hoist may be driven away from them. */
   bumpersHeld: boolean;
+  /** Priority that sounds at the hoist: 0 none, 1 low, 2 medium, 3 high. */
+  alarmSound: number;
+  /** Whole seconds until paused alarms sound again; 0 = not paused. */
+  alarmPause_s: number;
   /** Whole seconds until the trial ends; 0 = no trial. */
   trial_s: number;
   /** Node id that two devices share, and CAN id that floods the bus: kept while its alarm is shown. Null = unknown. */
@@ -159,6 +163,8 @@ export const initial: State = {
   sensed: true,
   bumpers: 0,
   bumpersHeld: true,
+  alarmSound: 0,
+  alarmPause_s: 0,
   trial_s: 0,
   duplicateId: null,
   babblingId: null,

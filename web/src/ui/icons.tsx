@@ -8,6 +8,8 @@ const paths = {
   sessions: 'M5 4h14v16H5zM9 8h6M9 12h6M9 16h3',
   health: 'M3 12h4l2-6 4 12 3-8 1.5 2H21',
   calibrate: 'M12 3v3M12 18v3M3 12h3M18 12h3M12 6a6 6 0 1 0 0 12a6 6 0 1 0 0-12M12 9v3l2 2',
+  sound: 'M4 9.5v5h3.5l5 4.5V5l-5 4.5zM16 9a4.500 4.500 0 0 1 0 6M18.500 6.500a8 8 0 0 1 0 11',
+  silent: 'M4 9.5v5h3.5l5 4.5V5l-5 4.5zM16.500 9.500l5 5M21.500 9.500l-5 5',
   settings: 'M12 3a9 9 0 1 0 0 18zM12 3a9 9 0 0 1 0 18',
 } as const;
 export type IconName = keyof typeof paths;

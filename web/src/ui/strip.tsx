@@ -1,6 +1,6 @@
 // The line under the status bar: the most important alarm with what to do, else one sentence. Its height never changes.
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
-import type { FaultInfo, FaultName } from '../contract/faults.gen';
+import { alarmSignals, type FaultInfo, type FaultName } from '../contract/faults.gen';
 import type { StandingNotice } from '../contract/rest.gen';
 import { acknowledge, notify } from '../link/console';
 import { useReadiness } from '../link/readiness';
@@ -14,6 +14,7 @@ import { Scroll } from './scroll';
 import { HoldButton } from './hold_button';
 import { reasonText } from '../text/server';
 import { reasons } from './refusal';
+import { SoundButton } from './sound_button';
 import './strip.css';
 
 type Priority = FaultInfo['priority'] | 'calm';
@@ -24,6 +25,8 @@ export interface Alarm {
   action: string;
   /** A consequence, shown under its cause. */
   follows?: boolean;
+  /** A fault of the hoist, which sounds there, too. */
+  hoist?: boolean;
 }
 const rank: Record<Priority, number> = { high: 0, medium: 1, low: 2, calm: 3 };
 const marks: Record<Priority, string> = { high: '!!!', medium: '!!', low: '!', calm: '' };
@@ -65,7 +68,8 @@ export function Strip() {
   const seen = useRef<readonly FaultName[]>([]);
 
   const alarms: Alarm[] = [];
-  const add = (id: string, priority: Priority, text: string, action = '', follows = false) => alarms.push({ id, priority, text, action, follows });
+  const add = (id: string, priority: Priority, text: string, action = '', follows = false, hoist = false) =>
+    alarms.push({ id, priority, text, action, follows, hoist });
   if (failed) add('stop', 'high', t('stop.failed'));
   if (layout) add('layout', 'high', t('strip.layout'), t('strip.layoutAction'));
   if (!signedIn) add('signedOut', 'high', t('strip.signedOut'), t('strip.signedOutAction'));
@@ -83,7 +87,7 @@ export function Strip() {
   if (data !== 'gone' && data !== 'none')
     for (const { fault, text, action, consequenceOf } of toldFaults(bits, stopCause, JSON.parse(codes) as FaultCodes)) {
       const name = device[fault.name];
-      add(fault.name, fault.priority, name ? `${words(text)}: ${name}` : words(text), words(action), consequenceOf !== null);
+      add(fault.name, fault.priority, name ? `${words(text)}: ${name}` : words(text), words(action), consequenceOf !== null, true);
     }
   for (const alarm of storageAlarms(standing, recording === 'failed')) {
     const lower = alarms.findIndex((other) => !other.follows && rank[other.priority] > rank[alarm.priority]);
@@ -131,8 +135,9 @@ export function Strip() {
     else if (reply.refusals[0] !== 'kept') notify('warning', reasons(reply).join(' '), true);
   };
 
+  const flash_ms = worst === 'calm' ? 0 : alarmSignals[worst].flash_ms;
   return (
-    <div class={`strip ${worst}`}>
+    <div class={flash_ms > 0 ? `strip ${worst} flashes` : `strip ${worst}`} style={{ animationDuration: `${flash_ms}ms` }}>
       <div class="strip-text" role={worst === 'high' ? 'alert' : 'status'} aria-live={worst === 'high' ? 'assertive' : 'polite'}>
         {first.priority === 'calm' ? null : (
           <span class="strip-mark" role="img" aria-label={t(`priority.${first.priority}`)}>
@@ -154,6 +159,7 @@ export function Strip() {
           {others > 0 ? `+${others}` : '…'}
         </button>
       ) : null}
+      <SoundButton alarms={alarms.map(({ id, priority, hoist }) => ({ id, priority, hoist: hoist === true }))} />
       {ready.stopped && ready.reachable ? (
         <HoldButton
           label={t('stop.release')}
