@@ -140,6 +140,17 @@ bool is_day(const std::string& text) {
          std::ranges::equal(text, kShape, [](char c, char shape) { return shape == 'd' ? c >= '0' && c <= '9' : c == shape; });
 }
 
+// Whether the note holds #TAG as a word: letters and digits of any script, - and _.
+bool has_tag(std::string_view note, std::string_view tag) {
+  constexpr std::string_view kEnds = " \t\r\n#,;.:!?()[]\"'";
+  const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  for (std::size_t at = note.find('#'); at != std::string_view::npos; at = note.find('#', at + 1)) {
+    const std::string_view rest = note.substr(at + 1);
+    if (std::ranges::equal(rest.substr(0, rest.find_first_of(kEnds)), tag, {}, small, small)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::unique_ptr<FormatWriter> make_zip(ExportSource& source) {
@@ -191,20 +202,21 @@ Result<std::vector<SessionId>> select_sessions(Database& database, const Session
   return guarded([&]() -> Result<std::vector<SessionId>> {
     Statement row(
         database.handle(),
-        "SELECT sessions.id FROM sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id "
+        "SELECT sessions.id, note FROM sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id "
         "WHERE close_reason IS NOT NULL AND standby = 0 AND (?1 IS NULL OR code = ?1) "
         "AND (?2 IS NULL OR coalesce(day, date(started_utc_ns / 1000000000, 'unixepoch', 'localtime')) >= ?2) "
         "AND (?3 IS NULL OR coalesce(day, date(started_utc_ns / 1000000000, 'unixepoch', 'localtime')) <= ?3) "
         "AND (?4 IS NULL OR (json_valid(exercise) AND json_extract(exercise, '$.shape') = ?4)) "
-        "AND (?5 IS NULL OR visit_id = ?5) AND (?6 OR NOT simulated) ORDER BY sessions.id LIMIT ?7");
+        "AND (?5 IS NULL OR visit_id = ?5) AND (?6 OR NOT simulated) ORDER BY sessions.id");
     row.text(1, filter.subject).text(2, filter.from_day).text(3, filter.to_day).text(4, filter.exercise);
     if (filter.visit)
       row.integer(5, *filter.visit);
     else
       row.null(5);
-    row.integer(6, filter.simulated ? 1 : 0).integer(7, static_cast<std::int64_t>(kMaxBundleSessions) + 1);
+    row.integer(6, filter.simulated ? 1 : 0);
     std::vector<SessionId> ids;
-    while (row.step()) ids.push_back(row.integer_at(0));
+    while (ids.size() <= kMaxBundleSessions && row.step())
+      if (!filter.tag || has_tag(row.text_at(1), *filter.tag)) ids.push_back(row.integer_at(0));
     if (ids.size() > kMaxBundleSessions)
       return Error{ErrorKind::bad_value, "more than " + std::to_string(kMaxBundleSessions) + " sessions fit", "sessions"};
     return ids;

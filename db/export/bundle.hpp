@@ -38,6 +38,7 @@ struct SessionFilter {
   std::optional<std::string> subject;  ///< the whole patient code
   std::optional<std::string> from_day, to_day;
   std::optional<std::string> exercise;  ///< a shape of exercises.def
+  std::optional<std::string> tag;       ///< a word of the session's note that begins with #, without the #; capital or small
   std::optional<std::int64_t> visit;
   bool simulated = true;  ///< also recordings of a simulated hoist
 };

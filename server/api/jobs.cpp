@@ -60,6 +60,7 @@ void start_job(const CallPtr& call) {
   arguments.filter.from_day = text("from_day");
   arguments.filter.to_day = text("to_day");
   arguments.filter.exercise = text("exercise");
+  arguments.filter.tag = text("tag");
   if (body.contains("visit")) arguments.filter.visit = body["visit"].get<std::int64_t>();
   arguments.filter.simulated = body.value("simulated", true);
   if (const auto rule = body.find("rule"); rule != body.end()) arguments.rule = db::rule_of(*rule);

@@ -145,6 +145,7 @@ constexpr std::string_view kSchemas = R"json({
    "subject": {"type": "string", "minLength": 1, "maxLength": 64, "description": "The whole patient code"},
    "from_day": {"type": "string", "minLength": 10, "maxLength": 10, "description": "YYYY-MM-DD"}, "to_day": {"type": "string", "minLength": 10, "maxLength": 10, "description": "YYYY-MM-DD"},
    "exercise": {"type": "string", "minLength": 1, "maxLength": 64, "description": "Its shape"}, "visit": {"type": "integer", "minimum": 1, "maximum": 9007199254740991},
+   "tag": {"type": "string", "minLength": 1, "maxLength": 64, "description": "A word of the session's note that begins with #, without the #"},
    "simulated": {"type": "boolean", "description": "false: without recordings of a simulated hoist"}}, "additionalProperties": false},
   {"type": "object", "required": ["kind"], "properties": {"kind": {"const": "list_backups"}}, "additionalProperties": false},
   {"type": "object", "required": ["kind", "rule"], "properties": {"kind": {"const": "preview_retention"}, "rule": {"$ref": "#/components/schemas/RetentionRule"}},

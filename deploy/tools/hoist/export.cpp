@@ -21,7 +21,7 @@ void print_help(std::FILE* out) {
       "usage: hoist export DB SESSION [--format " + std::string(db::kExportFormatNames) +
       "]\n                    [--columns NAME,NAME] [--no-constant] [--no-comments] [--out FILE]\n\n"
       "       hoist export DB [SESSION…] --bundle files|bids|sqlite [--subject CODE] [--from DAY] [--to DAY] [--exercise SHAPE]\n"
-      "                    [--visit ID] [--no-simulated] [--out FILE]\n\n"
+      "                    [--tag TAG] [--visit ID] [--no-simulated] [--out FILE]\n\n"
       "Writes a session to FILE, or to standard output. Numbers are printed exactly as they were stored.\n\n";
   for (const db::ExportFormatInfo& format : db::kExportFormats) {
     text += "  " + std::string(format.name);
@@ -34,7 +34,8 @@ void print_help(std::FILE* out) {
       "  --no-comments  without the '#' lines\n\n"
       "  --bundle       several sessions in one file, those named or all that the filters leave: a ZIP (bids: as Motion-BIDS lays it out) "
       "or\n"
-      "                 plain tables of SQLite\n";
+      "                 plain tables of SQLite\n"
+      "  --tag          sessions whose note holds the word #TAG\n";
   std::fputs(text.c_str(), out);
 }
 
@@ -68,6 +69,7 @@ Refusal take_option(Wish& wish, std::string_view option, const std::function<std
   if (option == "--from") return text(wish.filter.from_day);
   if (option == "--to") return text(wish.filter.to_day);
   if (option == "--exercise") return text(wish.filter.exercise);
+  if (option == "--tag") return text(wish.filter.tag);
   if (option == "--no-comments")
     wish.options.comments = false;
   else if (option == "--no-constant")

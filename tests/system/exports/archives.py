@@ -47,6 +47,9 @@ class Archives(unittest.TestCase):
         text = hoist("export", self.database, str(session), "--no-comments").decode()
         return list(csv.DictReader(io.StringIO(text)))
 
+    def exported(self, session):
+        return json.loads(hoist("export", self.database, str(session), "--format", "json"))
+
     def a_session_as_an_archive_holds_the_same_files_as_the_single_exports(self):
         archive = self.archive("1", "--format", "zip")
         head = "session_1/"
@@ -69,6 +72,11 @@ class Archives(unittest.TestCase):
         self.assertEqual(sessions("--exercise", "square"), ["session_2", "session_3"])
         self.assertEqual(sessions("--from", "2026-09-22", "--subject", "P-017"), ["session_2"])
         self.assertEqual(sessions("--to", "2026-09-21"), ["session_1"])
+        for tag in ("baseline", "tired2", "1"):
+            self.assertEqual(sessions("--tag", tag), ["session_3"])
+        for tag in ("tired", "base", "Walked", "baseline)", "#baseline"):
+            with self.assertRaises(subprocess.CalledProcessError, msg=tag):
+                hoist("export", self.database, "--bundle", "files", "--tag", tag)
         with self.assertRaises(subprocess.CalledProcessError) as refused:
             hoist("export", self.database, "--bundle", "files", "--no-simulated")
         self.assertIn(b"no session fits", refused.exception.stderr)
@@ -161,10 +169,13 @@ class Archives(unittest.TestCase):
         for name in names:
             fits = name in top or re.match(motion + kinds[0], name) or re.match(entity + kinds[1], name)
             self.assertTrue(fits, name)
+        self.assertEqual(len(names), len(set(names)))
+        self.assertLessEqual(top, set(names))
         description = json.loads(archive.read("dataset_description.json"))
         self.assertTrue({"Name", "BIDSVersion"} <= description.keys())
         participants = list(csv.DictReader(io.StringIO(archive.read("participants.tsv").decode()), delimiter="\t"))
-        self.assertEqual([p["participant_id"] for p in participants], ["sub-P017", "sub-P018"])
+        self.assertEqual([(p["participant_id"], p["code"]) for p in participants], [("sub-P017", "P-017"), ("sub-P018", "P-018")])
+        self.assertEqual(set(json.loads(archive.read("participants.json"))), {"code"})
         self.assertEqual([n for n in names if n.endswith("_motion.tsv")], [
             "sub-P017/ses-20260921/motion/sub-P017_ses-20260921_task-straight_tracksys-hoist_run-1_motion.tsv",
             "sub-P017/ses-20260922/motion/sub-P017_ses-20260922_task-square_tracksys-hoist_run-1_motion.tsv",
@@ -172,12 +183,15 @@ class Archives(unittest.TestCase):
         ])
         for session, name in enumerate((n for n in names if n.endswith("_motion.tsv")), 1):
             self.check_recording(archive, session, name.removesuffix("_motion.tsv"))
+        scans = {}
         for name in (n for n in names if n.endswith("_scans.tsv")):
             for scan in csv.DictReader(io.StringIO(archive.read(name).decode()), delimiter="\t"):
-                self.assertIn(os.path.dirname(name) + "/" + scan["filename"], names)
-                self.assertRegex(scan["acq_time"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?Z$")
+                scans[os.path.dirname(name) + "/" + scan["filename"]] = scan["acq_time"]
+        begun = {n: self.exported(session)["session"]["started_utc"] for session, n in enumerate((n for n in names if n.endswith("_motion.tsv")), 1)}
+        self.assertEqual(scans, begun)
         everything = b"".join(archive.read(name) for name in names)
-        self.assertNotIn(b"by the ramp", everything, "free text stays at home")
+        for text in (b"by the ramp", b"Walked well"):
+            self.assertNotIn(text, everything, "free text stays at home")
 
     def check_recording(self, archive, session, stem):
         def table(kind):
@@ -190,11 +204,33 @@ class Archives(unittest.TestCase):
             self.assertIn(channel["type"], types)
             self.assertIn(channel["component"], {"x", "y", "z", "n/a"})
             self.assertTrue(all(channel.values()), channel)
+        exported = self.exported(session)
+        # The latency, then every live value of the recording with its unit.
+        self.assertEqual([(c["name"], c["units"]) for c in channels],
+                         [("latency_s", "s")] + [(c["name"], c["unit"] or "n/a") for c in exported["columns"][2:]])
+        self.assertEqual([c["type"] for c in channels if c["type"] == "LATENCY"], ["LATENCY"])
+        units = {"LATENCY": {"s"}, "POS": {"m"}, "VEL": {"m/s"}, "ORNT": {"rad"}, "GYRO": {"rad/s"}}
+        for channel in channels:
+            self.assertIn(channel["units"], units.get(channel["type"], {channel["units"]}), channel)
+        kinds = {c["name"]: (c["component"], c["type"], c["tracked_point"]) for c in channels}
+        for name, kind in {"x_m": ("x", "POS", "hoist"), "y_m": ("y", "POS", "hoist"), "psi_rad": ("z", "ORNT", "hoist"),
+                           "left_alpha_rad": ("y", "ORNT", "strut_left"), "right_beta_rad": ("x", "ORNT", "strut_right"),
+                           "base_yaw_rate_rad_s": ("z", "GYRO", "chassis"), "wheel_left_m_s": ("x", "VEL", "wheel_left"),
+                           "mode": ("n/a", "MISC", "n/a")}.items():
+            self.assertEqual(kinds[name], kind, name)
         sidecar = json.loads(archive.read(stem + "_motion.json"))
-        self.assertTrue({"SamplingFrequency", "TaskName", "TrackingSystemName"} <= sidecar.keys())
+        self.assertTrue({"TaskName", "TrackingSystemName"} <= sidecar.keys())
+        self.assertIn(f"_task-{sidecar['TaskName']}_tracksys-{sidecar['TrackingSystemName']}_", stem)
+        self.assertEqual(sidecar["SamplingFrequency"], 100)
+        times = exported["data"]["time_s"]
+        self.assertAlmostEqual(sidecar["SamplingFrequencyEffective"], (len(times) - 1) / (times[-1] - times[0]), places=2)
+        self.assertEqual(sidecar["TrackedPointsCount"], len({c["tracked_point"] for c in channels} - {"n/a"}))
         self.assertEqual(sidecar["MotionChannelCount"], len(channels))
         for kind in types:
             self.assertEqual(sidecar.get(kind + "ChannelCount", 0), sum(c["type"] == kind for c in channels), kind)
+        # Hashes of programs, layout and calibration, and everything else: the manifest of the other exports, without the note.
+        del exported["manifest"]["session"]["note"]
+        self.assertEqual(json.loads(archive.read(stem + "_manifest.json")), exported["manifest"])
         rows = [line.split("\t") for line in archive.read(stem + "_motion.tsv").decode().splitlines()]
         expected = self.csv_of(session)
         self.assertEqual(len(rows), len(expected))
@@ -204,9 +240,13 @@ class Archives(unittest.TestCase):
             self.assertAlmostEqual(float(row[0]), float(sample["time_s"]) - first, places=5)
             for value, channel in zip(row[1:], channels[1:]):
                 self.assertEqual(value, sample[channel["name"]], channel["name"])
-        for event in table("events"):
-            self.assertGreaterEqual(float(event["onset"]), 0)
-            self.assertEqual(event["duration"], "0")
+        # At the times of the CSV of events, from the first sample on.
+        told = csv.DictReader(io.StringIO(hoist("export", self.database, str(session), "--format", "events", "--no-comments").decode()))
+        told = list(told)
+        self.assertEqual([e["trial_type"] for e in table("events")], [e["kind"] for e in told])
+        for event, row in zip(table("events"), told):
+            self.assertAlmostEqual(float(event["onset"]) + first, float(row["time_s"]), delta=0.001)
+        self.assertEqual({e["duration"] for e in table("events")}, {"0"})
         self.assertEqual({e["trial_type"] for e in table("events")}, {"parameter_changed", "marker"})
 
 

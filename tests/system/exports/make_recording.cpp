@@ -57,6 +57,10 @@ int main(int argc, char** argv) {
   start.started_utc_ns += 86'400'000'000'000;
   if (record(*writer, 2, start, R"({"shape":"square","side_m":3.2})") == 0) return 1;
   start.subject = "P-018";
-  if (record(*writer, 3, start, R"({"shape":"square","side_m":3.2})") == 0) return 1;
+  const db::SessionId tagged = record(*writer, 3, start, R"({"shape":"square","side_m":3.2})");
+  if (tagged == 0) return 1;
+  db::SessionPatch patch;
+  patch.note = "Walked well (#Baseline), #tired2 in the end; no. #1";
+  if (!fine(db::SessionEditor(*database).patch(tagged, patch))) return 1;
   return 0;
 }

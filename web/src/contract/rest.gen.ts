@@ -568,6 +568,8 @@ export type JobRequest = {
   simulated?: boolean;
   /** The whole patient code. */
   subject?: string;
+  /** A word of the session's note that begins with #, without the #. */
+  tag?: string;
   /** YYYY-MM-DD. */
   to_day?: string;
   visit?: number;
