@@ -48,6 +48,9 @@ export type AlarmList = {
   next: string | null;
 };
 
+/** What was done or tried: an action, or a REST operation. */
+export type AuditAction = 'sign_in' | 'sign_out' | 'set_up' | 'change_password' | 'change_pin' | 'add_user' | 'change_user' | 'user' | 'add_token' | 'token' | 'remove_token' | 'set_tools' | 'change_settings' | 'set_time' | 'set_retention' | 'retention' | 'start_job' | 'cancel_job' | 'get_job_file' | 'export_session' | 'export_mcap' | 'change_session' | 'delete_session' | 'add_marker' | 'change_marker' | 'delete_marker' | 'control_recording' | 'begin_recording' | 'end_recording' | 'create_patient' | 'change_patient' | 'delete_patient' | 'choose_patient' | 'set_identity' | 'put_identity' | 'delete_identity' | 'change_visit' | 'create_profile' | 'change_profile' | 'delete_profile' | 'apply_profile' | 'change_parameters' | 'put_parameter' | 'keep_parameters' | 'undo_parameters' | 'apply_preset' | 'set_neutral' | 'set_pose' | 'begin_calibration' | 'measure_calibration' | 'use_calibration' | 'cancel_calibration' | 'update_firmware' | 'take_lease' | 'release_lease' | 'ask_lease' | 'withdraw_lease' | 'keep_lease' | 'hand_over' | 'set_mode' | 'start_motion' | 'end_motion' | 'choose_exercise' | 'stop' | 'acknowledge';
+
 export type AuditCheck = {
   first_wrong: number | null;
   /** Digest of the newest row: note it elsewhere to prove later that no row was cut off. */
@@ -57,8 +60,7 @@ export type AuditCheck = {
 
 export type AuditList = {
   items: readonly ({
-    /** An action of actions.def, or the REST operation. */
-    action: string;
+    action: AuditAction;
     address: string;
     after: string | null;
     before: string | null;
@@ -79,8 +81,10 @@ export type AuditList = {
 export type Backup = {
   /** Its folder. */
   backup: string;
+  /** Name of the computer. */
   device: string;
   files: readonly BackupFile[];
+  hoist_id: BackupHoist;
   program: string;
   sessions: number;
   utc_ms: number;
@@ -92,10 +96,14 @@ export type BackupFile = {
   sha256: string;
 };
 
+/** UUID of the hoist; null: from before hoists had an id. A restore leaves the id of the hoist as it is. */
+export type BackupHoist = string | null;
+
 export type BackupResult = {
   backup: string;
   device: string;
   files: readonly BackupFile[];
+  hoist_id: BackupHoist;
   kind: 'backup';
   program: string;
   sessions: number;
@@ -226,6 +234,8 @@ export type DeviceSettings = {
   /** Empty: the computer's name. */
   device_name: string;
   etag: EditTag;
+  /** UUID: made once, at random; cannot be changed. */
+  hoist_id: string;
   language: LanguageOrNull;
 };
 
@@ -648,17 +658,29 @@ export type Loop = {
   steps: number;
 };
 
+/** What kind of moment it marks; note: none of these. */
+export type MarkerKind = 'note' | 'help' | 'stumble' | 'rest' | 'good';
+
 export type MarkerList = {
   items: readonly MarkerRow[];
 };
 
+export type MarkerPatch = {
+  kind?: MarkerKind;
+  text?: string;
+  /** Since the session's start, within its samples. */
+  time_s?: number;
+};
+
 export type MarkerRequest = {
+  kind?: MarkerKind;
   text: string;
 };
 
 export type MarkerRow = {
   actor: ActorOrNull;
   etag: EditTag;
+  kind: MarkerKind;
   /** Within its session. */
   number: number;
   session: number;
@@ -1322,6 +1344,8 @@ export type Status = {
     version: string | null;
   };
   counters: Record<string, number>;
+  /** UUID of this hoist, whatever it is called; null: the recordings file is not open. */
+  hoist_id: string | null;
   lease: Lease;
   notices: readonly StandingNotice[];
   recording: Recording;
@@ -1351,7 +1375,7 @@ export type StreamRequest = {
   topics?: readonly TopicName[];
 };
 
-/** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
+/** A code, never a name: 1 to 32 letters, digits, dots, hyphens or underscores, beginning with a letter or digit. Spaces around it are dropped; capital and small letters do not tell codes apart.. */
 export type SubjectCode = string;
 
 export type Ticket = {
@@ -1375,6 +1399,7 @@ export type TimeRequest = {
 
 export type Token = {
   created_utc_s: number;
+  etag: EditTag;
   expires_utc_s: number;
   id: number;
   name: string;
@@ -2023,10 +2048,10 @@ export interface Routes {
     path: { id: number; number: number };
     answer: null;
   };
-  /** Changes a marker's text; its time stays. */
+  /** Changes text, kind or time of a marker. */
   'PATCH /api/v1/sessions/{id}/markers/{number}': {
     path: { id: number; number: number };
-    body: MarkerRequest;
+    body: MarkerPatch;
     answer: MarkerRow;
   };
   /** Figures of a session on its exercise. */
