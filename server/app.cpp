@@ -17,6 +17,7 @@
 #include "server/actions/actions.hpp"
 #include "server/api/router.hpp"
 #include "server/api/trust.hpp"
+#include "server/contract/audit.hpp"
 #include "server/http/auth.hpp"
 #include "server/http/listener.hpp"
 #include "server/jobs/jobs.hpp"
@@ -123,7 +124,10 @@ struct App::Parts {
                                .opened =
                                    [this] {
                                      (void)jobs.add(JobKind::integrity_check, {}, std::nullopt);
-                                     asio::post(io, [this] { begin_retention(); });
+                                     asio::post(io, [this] {
+                                       begin_retention();
+                                       read_device();
+                                     });
                                    }}),
         records(recorder, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
         people(settings.accounts_path.empty() ? settings.db_path.parent_path() / "accounts.db" : settings.accounts_path,
@@ -176,7 +180,7 @@ struct App::Parts {
                 .user = "hoist-server",
                 .role = "server",
                 .address = "-",
-                .action = "retention",
+                .action = std::string{AuditName("retention").text},
                 .target = "/api/v1/sessions",
                 .before = {},
                 .after = what,
@@ -221,6 +225,7 @@ struct App::Parts {
     tell_recorder_of_nodes();
     hub.poll(now);
     tool_hub.poll(now);
+    router->tell_downloads(now);
     if (now - retention_ns >= kRetentionEvery_ns) begin_retention();
     if (core.lease_holder() != 0) free_silent_lease(now);
     if (now - swept_ns >= kSweep_ns) {
@@ -334,7 +339,7 @@ struct App::Parts {
     return true;
   }
 
-  // Name and language of this hoist, for those who are not signed in yet. A file that cannot be read now leaves both empty.
+  // Name, language and id of this hoist, also for those who are not signed in yet. A file that cannot be read now leaves both empty.
   void read_device() {
     const auto work = [](Records& on) {
       auto read = on.database() == nullptr ? db::Result<db::DeviceSettings>(db::Error{}) : db::device_settings(*on.database());
@@ -425,6 +430,7 @@ App::~App() {
   if (p.keeper) p.keeper->stop();
   p.jobs.stop();
   p.recorder.stop();
+  if (p.router) p.router->tell_all_downloads();
   p.people.stop();
   p.core.clear_listeners();
   p.core.close();
@@ -517,7 +523,6 @@ bool App::start(std::string& error) {
   p.people.start();
   p.recorder.start();
   if (p.keeper) p.keeper->start();
-  p.read_device();
   return true;
 }
 

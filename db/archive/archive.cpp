@@ -72,14 +72,15 @@ Result<std::vector<ArchivedSession>> Archive::list(const ArchiveQuery& query) {
   return guarded([&]() -> Result<std::vector<ArchivedSession>> {
     if (Status checked = check_query(query); !checked) return checked.error();
     const auto rows = postgres_->query(
-        "SELECT uuid, device, coalesce(code, ''), to_char(to_timestamp(started_utc_ns / 1000000000) AT TIME ZONE 'UTC', "
+        "SELECT uuid, device, coalesce(hoist_id, ''), coalesce(code, ''), to_char(to_timestamp(started_utc_ns / 1000000000) AT TIME ZONE "
+        "'UTC', "
         "'YYYY-MM-DD\"T\"HH24:MI:SS\"Z\"'), sessions.note, coalesce(last_time_ns - first_time_ns, 0), simulated" +
             std::string(kMatching) + " ORDER BY started_utc_ns, uuid",
         {query.uuid, query.patient, query.device, query.from_day, query.to_day});
     std::vector<ArchivedSession> out;
     out.reserve(rows.size());
     for (const Postgres::Texts& row : rows)
-      out.push_back({*row[0], *row[1], *row[2], *row[3], *row[4], std::stod(*row[5]) * 1e-9, *row[6] == "1"});
+      out.push_back({*row[0], *row[1], *row[2], *row[3], *row[4], *row[5], std::stod(*row[6]) * 1e-9, *row[7] == "1"});
     return out;
   });
 }

@@ -31,7 +31,7 @@ struct PushReport {
   std::vector<std::string> refused;  ///< a sentence per session that could not be pushed; the others were
 };
 struct ArchivedSession {
-  std::string uuid, device, patient, start_utc, note;  ///< `patient` is empty without a code
+  std::string uuid, device, hoist_id, patient, start_utc, note;  ///< empty: without a code; recorded before hoists had an id
   double duration_s = 0;
   bool simulated = false;
 };

@@ -2,6 +2,7 @@
 #include "db/archive/conditions.hpp"
 #include "db/archive/rows.hpp"
 #include "db/store/actor_rows.hpp"
+#include "db/store/patient_code.hpp"
 
 namespace hoist::db {
 namespace {
@@ -53,8 +54,9 @@ bool has_session(sqlite3* handle, const Row& recorded) {
 }
 
 // The day is the archive's, not one counted in this computer's time zone.
-Value visit_of(sqlite3* handle, const Value& code, const Value& day) {
+Value visit_of(sqlite3* handle, Value code, const Value& day) {
   if (std::holds_alternative<std::monostate>(code)) return {};
+  if (std::string here = stored_code(handle, std::get<std::string>(code)); !here.empty()) code = std::move(here);
   Statement patient(handle, "INSERT OR IGNORE INTO patients (code) VALUES (?1)");
   bind_value(patient, 1, code);
   patient.run();

@@ -3,6 +3,7 @@
 
 #include "db/archive/archive.hpp"
 #include "db/archive/rows.hpp"
+#include "db/store/patient_code.hpp"
 
 namespace hoist::db {
 namespace {
@@ -39,13 +40,25 @@ std::vector<Batch> local_batches(sqlite3* handle, const PushOptions& options, Pu
   return out;
 }
 
+// The code of the patient in the archive: the rule of patient_code.hpp, whatever the locale of that database folds.
+std::string archive_code(Postgres& postgres, const std::string& code) {
+  std::string found;
+  for (const Postgres::Texts& row : postgres.query("SELECT code FROM patients ORDER BY id")) {
+    if (row[0] == code) return code;
+    if (found.empty() && same_code(*row[0], code)) found = *row[0];
+  }
+  if (!found.empty()) return found;
+  postgres.query("INSERT INTO patients (code) VALUES ($1) ON CONFLICT DO NOTHING", {code});
+  return code;
+}
+
 std::optional<std::string> archive_visit(Postgres& postgres, const LocalSession& session) {
   if (session.visit_id == 0) return std::nullopt;
-  postgres.query("INSERT INTO patients (code) VALUES ($1) ON CONFLICT DO NOTHING", {session.code});
+  const std::string code = archive_code(postgres, session.code);
   postgres.query("INSERT INTO visits (patient_id, day) SELECT id, $2::date FROM patients WHERE code = $1 ON CONFLICT DO NOTHING",
-                 {session.code, session.day});
+                 {code, session.day});
   return postgres.query("SELECT visits.id FROM visits JOIN patients ON patients.id = patient_id WHERE code = $1 AND day = $2::date",
-                        {session.code, session.day})[0][0];
+                        {code, session.day})[0][0];
 }
 
 // COPY takes one table at a time, so each table is read twice: for the digest and for the rows. A session fits the page cache.
@@ -108,8 +121,9 @@ class Pusher {
     const auto id = postgres_.query(
         "INSERT INTO sessions (uuid, content_sha256, description_sha256, device, visit_id, note, exercise, started_utc_ns, start_time_ns, "
         "core_start_time_ns, simulated, layout_hash, software_version, core_version, ended_utc_ns, close_reason, sample_count, "
-        "first_time_ns, last_time_ns, columns_hash) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, "
-        "$18, $19, $20) ON CONFLICT (uuid) DO NOTHING RETURNING id",
+        "first_time_ns, last_time_ns, hoist_id, columns_hash) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, "
+        "$16, $17, "
+        "$18, $19, $20, $21) ON CONFLICT (uuid) DO NOTHING RETURNING id",
         {uuid,
          content,
          description,
@@ -129,12 +143,13 @@ class Pusher {
          optional_text(recorded[9]),
          optional_text(recorded[10]),
          optional_text(recorded[11]),
-         optional_text(recorded[12])});
+         optional_text(recorded[12]),
+         optional_text(recorded[13])});
     if (id.empty()) {  // another push has just brought it
       ++report_.present;
       return;
     }
-    store_layout(postgres_, rows, recorded[12]);
+    store_layout(postgres_, rows, recorded.back());
     const std::int64_t key = std::stoll(*id[0][0]);
     for (const ArchiveTable& table : kSessionTables) copy_table(postgres_, rows, table, key, "session_id");
     ++report_.pushed;

@@ -58,10 +58,10 @@ inline constexpr std::array kEvents{
     ArchiveColumn{"before", Kind::real},      ArchiveColumn{"name", Kind::text},       ArchiveColumn{"request_id", Kind::integer},
     ArchiveColumn{"actor_user", Kind::text},  ArchiveColumn{"actor_role", Kind::text}, ArchiveColumn{"actor_origin", Kind::text},
     ArchiveColumn{"actor_client", Kind::text}};
-inline constexpr std::array kMarkers{ArchiveColumn{"number", Kind::integer},    ArchiveColumn{"tick", Kind::integer},
-                                     ArchiveColumn{"utc_ns", Kind::integer},    ArchiveColumn{"text", Kind::text},
-                                     ArchiveColumn{"actor_user", Kind::text},   ArchiveColumn{"actor_role", Kind::text},
-                                     ArchiveColumn{"actor_origin", Kind::text}, ArchiveColumn{"actor_client", Kind::text}};
+inline constexpr std::array kMarkers{
+    ArchiveColumn{"number", Kind::integer},  ArchiveColumn{"tick", Kind::integer},      ArchiveColumn{"utc_ns", Kind::integer},
+    ArchiveColumn{"text", Kind::text},       ArchiveColumn{"kind", Kind::text},         ArchiveColumn{"actor_user", Kind::text},
+    ArchiveColumn{"actor_role", Kind::text}, ArchiveColumn{"actor_origin", Kind::text}, ArchiveColumn{"actor_client", Kind::text}};
 inline constexpr std::array kUtcAnchors{ArchiveColumn{"time_ns", Kind::integer}, ArchiveColumn{"utc_ns", Kind::integer}};
 inline constexpr std::array kParameters{ArchiveColumn{"position", Kind::integer}, ArchiveColumn{"name", Kind::text},
                                         ArchiveColumn{"value", Kind::real}};
@@ -72,12 +72,19 @@ inline constexpr std::array kColumnLayout{ArchiveColumn{"position", Kind::intege
                                           ArchiveColumn{"unit", Kind::text},        ArchiveColumn{"type", Kind::text},
                                           ArchiveColumn{"lsb", Kind::real},         ArchiveColumn{"decimals", Kind::integer}};
 /// Of the table `sessions`: what was recorded …
-inline constexpr std::array kSession{ArchiveColumn{"started_utc_ns", Kind::integer},     ArchiveColumn{"start_time_ns", Kind::integer},
-                                     ArchiveColumn{"core_start_time_ns", Kind::integer}, ArchiveColumn{"simulated", Kind::integer},
-                                     ArchiveColumn{"layout_hash", Kind::integer},        ArchiveColumn{"software_version", Kind::text},
-                                     ArchiveColumn{"core_version", Kind::text},          ArchiveColumn{"ended_utc_ns", Kind::integer},
-                                     ArchiveColumn{"close_reason", Kind::text},          ArchiveColumn{"sample_count", Kind::integer},
-                                     ArchiveColumn{"first_time_ns", Kind::integer},      ArchiveColumn{"last_time_ns", Kind::integer},
+inline constexpr std::array kSession{ArchiveColumn{"started_utc_ns", Kind::integer},
+                                     ArchiveColumn{"start_time_ns", Kind::integer},
+                                     ArchiveColumn{"core_start_time_ns", Kind::integer},
+                                     ArchiveColumn{"simulated", Kind::integer},
+                                     ArchiveColumn{"layout_hash", Kind::integer},
+                                     ArchiveColumn{"software_version", Kind::text},
+                                     ArchiveColumn{"core_version", Kind::text},
+                                     ArchiveColumn{"ended_utc_ns", Kind::integer},
+                                     ArchiveColumn{"close_reason", Kind::text},
+                                     ArchiveColumn{"sample_count", Kind::integer},
+                                     ArchiveColumn{"first_time_ns", Kind::integer},
+                                     ArchiveColumn{"last_time_ns", Kind::integer},
+                                     ArchiveColumn{"hoist_id", Kind::text},
                                      ArchiveColumn{"columns_hash", Kind::integer}};
 /// … and what people may change afterwards.
 inline constexpr std::array kDescription{ArchiveColumn{"note", Kind::text}, ArchiveColumn{"exercise", Kind::text}};

@@ -233,6 +233,7 @@ class BidsPlan : public BundlePlan {
               {"RotationRule", "right-hand"},
               {"RotationOrder", "ZYX"},
               {"MissingValues", "Missing samples are left out; see the LATENCY channel"}};
+    if (source.info.hoist_id) told["DeviceSerialNumber"] = *source.info.hoist_id;
     if (source.info.duration_s > 0 && source.sample_count > 1)
       told["SamplingFrequencyEffective"] = static_cast<double>(source.sample_count - 1) / source.info.duration_s;
     for (const auto& [type, count] : counts) told[type + "ChannelCount"] = count;

@@ -203,7 +203,7 @@ Result<std::vector<SessionId>> select_sessions(Database& database, const Session
     Statement row(
         database.handle(),
         "SELECT sessions.id, note FROM sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id "
-        "WHERE close_reason IS NOT NULL AND standby = 0 AND (?1 IS NULL OR code = ?1) "
+        "WHERE close_reason IS NOT NULL AND standby = 0 AND (?1 IS NULL OR code_same(code, ?1)) "
         "AND (?2 IS NULL OR coalesce(day, date(started_utc_ns / 1000000000, 'unixepoch', 'localtime')) >= ?2) "
         "AND (?3 IS NULL OR coalesce(day, date(started_utc_ns / 1000000000, 'unixepoch', 'localtime')) <= ?3) "
         "AND (?4 IS NULL OR (json_valid(exercise) AND json_extract(exercise, '$.shape') = ?4)) "

@@ -53,7 +53,7 @@ class EventsWriter : public FormatWriter {
   }
   std::string line_of(const Marker& marker) {
     return stamp(marker.utc_ns, microseconds_since(source_.info.started_utc_ns, marker.utc_ns)) + ',' + std::to_string(marker.tick) +
-           ",marker,,,,,,," + actor_cells(marker.actor) + ',' + csv_cell(marker.text);
+           ",marker," + csv_cell(marker.kind) + ",,,,,," + actor_cells(marker.actor) + ',' + csv_cell(marker.text);
   }
 
   ExportSource& source_;

@@ -117,7 +117,11 @@ class JsonExport : public FormatWriter {
                             {"actor", actor_json(event.actor)}});
     json marker_rows = json::array();
     for (const Marker& marker : source_.markers())
-      marker_rows.push_back({{"tick", marker.tick}, {"utc_ns", marker.utc_ns}, {"text", marker.text}, {"actor", actor_json(marker.actor)}});
+      marker_rows.push_back({{"tick", marker.tick},
+                             {"utc_ns", marker.utc_ns},
+                             {"kind", marker.kind},
+                             {"text", marker.text},
+                             {"actor", actor_json(marker.actor)}});
     json parameter_rows = json::object();
     for (const auto& [name, parameter] : manifest_["parameters"].items()) parameter_rows[name] = parameter["value"];
     // A session that is being recorded has no final figures; one whose columns cannot be judged is exported without them.

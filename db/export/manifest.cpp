@@ -116,7 +116,7 @@ json events_and_markers(const ExportSource& source) {
     rows.push_back({{"tick", marker.tick},
                     {"time_ns", nullptr},
                     {"kind", "marker"},
-                    {"name", ""},
+                    {"name", marker.kind},
                     {"code", 0},
                     {"item", 0},
                     {"value", nullptr},
@@ -134,6 +134,7 @@ json manifest_json(const ExportSource& source) {
              {{"recorded_by", "hoist-server " + source.info.software_version},
               {"controlled_by", source.info.core_version ? json("hoist-control " + *source.info.core_version) : json(nullptr)},
               {"exported_by", "hoist " + std::string(contract::program_version())}}},
+            {"hoist", {{"id", or_null(source.info.hoist_id)}}},
             {"nodes", node_programs_json(source.nodes)},
             {"layout_hash", layout_text(source.info.layout_hash)},
             {"recordings_file", source.database.file_id()},
@@ -193,6 +194,7 @@ std::string manifest_lines(const ExportSource& source, char separator) {
   if (!session["subject"].is_null()) line("subject", text_of(session["subject"]));
   if (!session["exercise"].is_null()) line("exercise", text_of(session["exercise"]));
   if (const std::string note = text_of(session["note"]); !note.empty()) line("note", note);
+  line("hoist", told["hoist"]["id"].is_null() ? "not recorded" : text_of(told["hoist"]["id"]));
   const json& programs = told["programs"];
   line("recorded by", text_of(programs["recorded_by"]));
   line("controlled by", programs["controlled_by"].is_null() ? "not recorded" : text_of(programs["controlled_by"]));

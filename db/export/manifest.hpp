@@ -9,14 +9,15 @@
 
 namespace hoist::db {
 
-/// "session", "programs", "nodes", "layout_hash", "recordings_file", "directions", "columns", "parameters", "parameter_changes", "calibration",
+/// "session", "programs", "hoist" (its id; null: recorded before hoists had one), "nodes", "layout_hash", "recordings_file",
+/// "directions", "columns", "parameters", "parameter_changes", "calibration",
 /// "modes", "faults", "gaps", "clock". Of a change, "in_effect_s" is when its value had arrived; null: another change came before, the session
 /// ended before, or the core of that time did not tell.
 nlohmann::json manifest_json(const ExportSource& source);
 /// The '#' lines without those about columns. Each is an RFC 4180 record `# key,value`, on one line also when its text holds line breaks.
 std::string manifest_lines(const ExportSource& source, char separator = ',');
 /// Events and markers in the order of their ticks: [{"tick", "time_ns", "kind", "name", "code", "item", "value", "before", "text"}]. A marker is of
-/// the kind "marker", has a text, and no time by the steady clock: null.
+/// the kind "marker", has its own kind as name, a text, and no time by the steady clock: null.
 nlohmann::json events_and_markers(const ExportSource& source);
 /// As one line; broken UTF-8 of a foreign file is replaced.
 std::string dumped(const nlohmann::json& value);

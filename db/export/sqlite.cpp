@@ -40,7 +40,8 @@ CREATE TABLE sessions (session_id INTEGER PRIMARY KEY, subject TEXT, started_utc
 CREATE TABLE columns (session_id INTEGER NOT NULL, name TEXT NOT NULL, unit TEXT NOT NULL, axis TEXT, doc TEXT);
 CREATE TABLE events (session_id INTEGER NOT NULL, tick INTEGER NOT NULL, time_s REAL NOT NULL, utc TEXT NOT NULL, kind TEXT NOT NULL,
   name TEXT NOT NULL, code INTEGER NOT NULL, item INTEGER NOT NULL, value REAL, before REAL);
-CREATE TABLE markers (session_id INTEGER NOT NULL, tick INTEGER NOT NULL, time_s REAL NOT NULL, utc TEXT NOT NULL, text TEXT NOT NULL);
+CREATE TABLE markers (session_id INTEGER NOT NULL, tick INTEGER NOT NULL, time_s REAL NOT NULL, utc TEXT NOT NULL,
+                      kind TEXT NOT NULL, text TEXT NOT NULL);
 CREATE TABLE parameters (session_id INTEGER NOT NULL, name TEXT NOT NULL, value REAL, unit TEXT);
 CREATE TABLE parameter_changes (session_id INTEGER NOT NULL, tick INTEGER NOT NULL, time_s REAL NOT NULL, in_effect_s REAL,
   name TEXT NOT NULL, value REAL, before REAL, unit TEXT);
@@ -246,9 +247,9 @@ void SqliteWriter::write_events() {
            {told.tick, seconds_since(source_->start_ns(), time_ns), utc_text(source_->utc_of(time_ns)), told.kind_name, told.name,
             told.code, told.item, told.value, told.before});
   }
-  Statement marker(handle_.get(), "INSERT INTO markers VALUES (?1, ?2, ?3, ?4, ?5)");
+  Statement marker(handle_.get(), "INSERT INTO markers VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
   for (const Marker& told : source_->markers())
-    insert(marker, id, {told.tick, seconds_since(source_->info.started_utc_ns, told.utc_ns), utc_text(told.utc_ns), told.text});
+    insert(marker, id, {told.tick, seconds_since(source_->info.started_utc_ns, told.utc_ns), utc_text(told.utc_ns), told.kind, told.text});
 }
 
 bool SqliteWriter::write_samples() {

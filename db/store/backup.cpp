@@ -19,6 +19,8 @@
 #include <thread>
 #include <utility>
 
+#include "db/store/device_settings.hpp"
+#include "db/store/hoist_id.hpp"
 #include "db/store/restore_remains.hpp"
 #include "db/store/retention.hpp"
 #include "db/store/sqlite.hpp"
@@ -39,7 +41,6 @@ constexpr std::uint64_t kReserve_bytes = 8 << 20;  // of the target, for the man
 constexpr std::uint64_t kFat32Most_bytes = 0xFFFFFFFF;
 constexpr std::string_view kPart = ".part";
 constexpr int kManifestVersion = 1;
-constexpr int kSettingsSince = 9;  // schema file with the table `settings`
 
 Error io_error(const std::string& what, const std::error_code& code) {
   const ErrorKind kind = code == std::errc::no_space_on_device      ? ErrorKind::disk_full
@@ -200,6 +201,7 @@ json manifest_of(const BackupInfo& info) {
   for (const BackupFile& file : info.files) files.push_back({{"name", file.name}, {"bytes", file.bytes}, {"sha256", file.sha256}});
   return {{"hoist_backup", kManifestVersion},
           {"device", info.device},
+          {"hoist_id", info.hoist_id},
           {"program", info.program},
           {"utc_ns", info.utc_ns},
           {"schema", info.schema_version},
@@ -228,6 +230,7 @@ std::optional<BackupInfo> read_manifest(const fs::path& folder) {
     BackupInfo info{.folder = folder,
                     .device = text.at("device").get<std::string>(),
                     .program = text.at("program").get<std::string>(),
+                    .hoist_id = text.value("hoist_id", ""),
                     .utc_ns = text.at("utc_ns").get<std::int64_t>(),
                     .schema_version = text.at("schema").get<int>(),
                     .sessions = text.at("sessions").get<std::uint64_t>(),
@@ -293,6 +296,9 @@ Result<bool> write_backup(Database& recordings, const BackupOptions& options, co
           info.sessions = number_of(written->handle(), "SELECT count(*) FROM sessions");
           info.newest_session =
               static_cast<SessionId>(number_of(written->handle(), "SELECT max(id) FROM sessions WHERE ended_utc_ns IS NOT NULL"));
+          // It goes on as another file, or on another hoist.
+          info.hoist_id = hoist_id(written->handle());
+          set_hoist_id(written->handle(), {});
           return {};
         });
         !counted)
@@ -453,19 +459,26 @@ Result<std::optional<fs::path>> prepare_restore(const fs::path& backup, const fs
   }
   // The numbers of sessions stand on paper: none that the present file has given is given again.
   SessionId last_given = 0;
-  if (auto present = Database::inspect(file))
+  DeviceSettings here;
+  if (auto present = Database::inspect(file)) {
     (void)guarded([&]() -> Status {
       last_given = static_cast<SessionId>(number_of(present->handle(), "SELECT seq FROM sqlite_sequence WHERE name = 'sessions'"));
       return {};
     });
+    if (auto read = device_settings(*present)) here = std::move(*read);
+  }
   // Another file from now on: the seal beside the present one says nothing of it.
   auto named = Database::inspect(prepared);
   if (!named) return named.error();
   if (Status renamed = guarded([&]() -> Status {
-        if (named->report().schema_version > 1) execute(named->handle(), "UPDATE seal SET file_id = lower(hex(randomblob(8)))");
+        if (Status migrated = named->migrate(); !migrated) return migrated;
+        execute(named->handle(), "UPDATE seal SET file_id = lower(hex(randomblob(8)))");
         Statement(named->handle(), "UPDATE sqlite_sequence SET seq = max(seq, ?1) WHERE name = 'sessions'").integer(1, last_given).run();
         // What was brought back must not be deleted by a rule of that time.
-        if (named->report().schema_version >= kSettingsSince) execute(named->handle(), "DELETE FROM settings WHERE name = 'retention'");
+        execute(named->handle(), "DELETE FROM settings WHERE name = 'retention'");
+        // The backup may be of another hoist: this one keeps its id and its name, or gets a new id when the file is opened.
+        set_hoist_id(named->handle(), here.hoist_id);
+        if (!here.hoist_id.empty()) set_device_settings(named->handle(), here);
         return {};
       });
       !renamed)

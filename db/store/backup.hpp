@@ -33,6 +33,7 @@ struct BackupFile {
 struct BackupInfo {
   std::filesystem::path folder;  ///< of the backup itself
   std::string device, program;   ///< name of the computer, and version of the program that wrote it
+  std::string hoist_id = {};     ///< of the hoist; empty in a backup from before hoists had one
   std::int64_t utc_ns = 0;
   int schema_version = 0;
   std::uint64_t sessions = 0;
@@ -60,7 +61,8 @@ Result<std::optional<BackupInfo>> back_up(Database& recordings, const BackupOpti
 /// The complete backups in a folder, newest first; empty when there is none or no such folder.
 std::vector<BackupInfo> list_backups(const std::filesystem::path& folder);
 
-/// First half of a restore: copies the recordings of a backup (its folder, or a database file) beside `file` and checks them: ours, no newer
+/// First half of a restore, which leaves the hoist's id and name as they are (hoist_id.hpp): copies the recordings of a backup (its folder, or a
+/// database file) beside `file` and checks them: ours, no newer
 /// schema, the manifest's hash, every page, every blob. The file in use is not touched. The copy's name; nothing when `step` ended it.
 /// Errors: not_found, foreign, newer_schema, corrupt, disk_full, io.
 Result<std::optional<std::filesystem::path>> prepare_restore(const std::filesystem::path& backup, const std::filesystem::path& file,

@@ -13,7 +13,9 @@
 
 #include "db/store/column_layouts.hpp"
 #include "db/store/fold.hpp"
+#include "db/store/hoist_id.hpp"
 #include "db/store/identity.hpp"
+#include "db/store/patient_code.hpp"
 #include "db/store/restore_remains.hpp"
 #include "db/store/schema_list.hpp"
 #include "db/store/sqlite.hpp"
@@ -101,6 +103,17 @@ std::optional<LostCommits> lost_commits(sqlite3* handle, const std::filesystem::
 
 int schema_version() { return static_cast<int>(schema_list().size()); }
 
+namespace {
+void bring_up_to_date(sqlite3* handle) {
+  for (int next = user_version(handle); next < schema_version(); ++next) {
+    Transaction transaction(handle, Transaction::Kind::write);
+    execute(handle, std::string(schema_list()[static_cast<std::size_t>(next)]).c_str());
+    execute(handle, ("PRAGMA user_version = " + std::to_string(next + 1)).c_str());
+    transaction.commit();
+  }
+}
+}  // namespace
+
 Database::Database(Database&& other) noexcept
     : handle_(std::exchange(other.handle_, nullptr)),
       file_(std::move(other.file_)),
@@ -116,6 +129,14 @@ Database& Database::operator=(Database&& other) noexcept {
   return *this;
 }
 Database::~Database() { sqlite3_close_v2(handle_); }
+
+Status Database::migrate() {
+  return guarded([&]() -> Status {
+    bring_up_to_date(handle_);
+    report_.schema_version = schema_version();
+    return {};
+  });
+}
 
 std::string Database::file_id() const {
   try {
@@ -139,6 +160,19 @@ void add_code_has(sqlite3* handle) {
   constexpr int kFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_DIRECTONLY;
   const int code = sqlite3_create_function(handle, "code_has", 2, kFlags, nullptr, call, nullptr, nullptr);
   if (code != SQLITE_OK) throw_sql(handle, code, "adding code_has()");
+}
+// code_same(code, other): whether both mean the same patient (patient_code.hpp).
+void add_code_same(sqlite3* handle) {
+  const auto call = [](sqlite3_context* context, int, sqlite3_value** values) {
+    const auto text = [](sqlite3_value* value) {
+      const auto* bytes = reinterpret_cast<const char*>(sqlite3_value_text(value));
+      return std::string_view(bytes == nullptr ? "" : bytes, static_cast<std::size_t>(sqlite3_value_bytes(value)));
+    };
+    sqlite3_result_int(context, same_code(text(values[0]), text(values[1])) ? 1 : 0);
+  };
+  constexpr int kFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_DIRECTONLY;
+  const int code = sqlite3_create_function(handle, "code_same", 2, kFlags, nullptr, call, nullptr, nullptr);
+  if (code != SQLITE_OK) throw_sql(handle, code, "adding code_same()");
 }
 // hash_text(text): names a layout of columns; for the migration.
 void add_hash_text(sqlite3* handle) {
@@ -168,6 +202,7 @@ Result<Database> Database::connect(const std::filesystem::path& file, const Open
     execute(database.handle_, "PRAGMA cell_size_check = ON");
     execute(database.handle_, "PRAGMA synchronous = FULL");
     add_code_has(database.handle_);
+    add_code_same(database.handle_);
     add_hash_text(database.handle_);
     if (options.max_pages > 0) execute(database.handle_, ("PRAGMA max_page_count = " + std::to_string(options.max_pages)).c_str());
     return database;
@@ -256,12 +291,7 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
         if (number_of(handle, "PRAGMA application_id") != kApplicationId)
           execute(handle, ("PRAGMA application_id = " + std::to_string(kApplicationId)).c_str());
         execute(handle, "PRAGMA journal_mode = WAL");
-        for (int next = version; next < schema_version(); ++next) {
-          Transaction transaction(handle, Transaction::Kind::write);
-          execute(handle, std::string(schema_list()[static_cast<std::size_t>(next)]).c_str());
-          execute(handle, ("PRAGMA user_version = " + std::to_string(next + 1)).c_str());
-          transaction.commit();
-        }
+        bring_up_to_date(handle);
         report.migrated_from = version;
         report.schema_version = schema_version();
         if (options.vfs == nullptr) {
@@ -269,6 +299,8 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
           report.lost = lost_commits(handle, file, version == 0);
           connected->seal_ = std::make_shared<Seal>(file);
         }
+        // An empty file in the place of one that was set aside is of the same hoist.
+        ensure_hoist_id(handle, version == 0 && !report.kept_aside.empty() ? hoist_id_of(report.kept_aside) : std::string());
         connected->report_ = report;
         connected->lock_ = lock;
         return std::move(connected);

@@ -78,6 +78,8 @@ class Database {
   /// 16 hexadecimal digits that tell this file from another under the same name; empty when they cannot be read.
   [[nodiscard]] std::string file_id() const;
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  /// Brings the schema of a file up to date that no program records into: a copy that `inspect` has opened.
+  Status migrate();
   /// Null for a connection that does not record.
   [[nodiscard]] const std::shared_ptr<Seal>& seal() const { return seal_; }
 

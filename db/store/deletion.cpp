@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "db/store/edit_tag.hpp"
+#include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/visits.hpp"
 
@@ -45,7 +47,7 @@ void delete_small_rows(sqlite3* handle, SessionId session) {
 
 }  // namespace
 
-Status take_out(Database& database, SessionId session) {
+Status take_out(Database& database, SessionId session, const std::string& expected) {
   sqlite3* handle = database.handle();
   const SecureDelete secure(handle);
   // Without them the session's row goes, and its blobs stay for erase_piece.
@@ -53,10 +55,14 @@ Status take_out(Database& database, SessionId session) {
   return guarded([&]() -> Status {
     Transaction transaction(handle, Transaction::Kind::write);
     {
-      Statement row(handle, "SELECT ended_utc_ns FROM sessions WHERE id = ?1");
+      Statement row(handle,
+                    "SELECT ended_utc_ns, note, code, exercise FROM sessions LEFT JOIN visits ON visits.id = visit_id "
+                    "LEFT JOIN patients ON patients.id = patient_id WHERE sessions.id = ?1");
       if (!row.integer(1, session).step()) return Error{ErrorKind::not_found, "there is no session " + std::to_string(session), {}};
       if (row.is_null(0))
         return Error{ErrorKind::wrong_state, "session " + std::to_string(session) + " is being recorded: end it first", {}};
+      const std::string tag = session_tag(row.text_at(1), row.optional_text_at(2), row.optional_text_at(3));
+      if (Status same = check_tag(expected, tag); !same) return same;
     }
     Statement(handle, "INSERT INTO deletions (session_id) VALUES (?1)").integer(1, session).run();
     delete_small_rows(handle, session);

@@ -1,5 +1,6 @@
 #include "db/store/device_settings.hpp"
 
+#include "db/store/hoist_id.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/sqlite.hpp"
 
@@ -18,6 +19,7 @@ DeviceSettings read(sqlite3* handle) {
     else
       settings.language = row.text_at(1);
   }
+  settings.hoist_id = hoist_id(handle);
   settings.tag = edit_tag({settings.name, settings.language.value_or("")});
   return settings;
 }
@@ -34,6 +36,11 @@ void store(sqlite3* handle, const char* name, const std::optional<std::string>& 
 
 Result<DeviceSettings> device_settings(Database& database) {
   return guarded([&]() -> Result<DeviceSettings> { return read(database.handle()); });
+}
+
+void set_device_settings(sqlite3* handle, const DeviceSettings& settings) {
+  store(handle, kName, settings.name.empty() ? std::nullopt : std::optional(settings.name));
+  store(handle, kLanguage, settings.language);
 }
 
 Result<DeviceSettings> change_device_settings(Database& database, const DeviceSettingsPatch& patch, const std::string& expected) {

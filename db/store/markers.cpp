@@ -1,7 +1,12 @@
 #include "db/store/markers.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <optional>
 
+#include "control/contract/step_line.hpp"
 #include "db/store/actor_rows.hpp"
 #include "db/store/overwriting.hpp"
 #include "db/store/session_checks.hpp"
@@ -11,21 +16,49 @@ namespace hoist::db {
 namespace {
 
 constexpr const char* kRows =
-    "SELECT number, tick, utc_ns, text, user, role, origin, client, utc_ns - started_utc_ns FROM markers "
+    "SELECT number, tick, utc_ns, text, user, role, origin, client, utc_ns - started_utc_ns, ifnull(kind, 'note') FROM markers "
     "JOIN sessions ON sessions.id = session_id LEFT JOIN actors ON actors.id = actor_id WHERE session_id = ?1 ";
 
 MarkerInfo info_at(const Statement& row) {
   MarkerInfo info{.number = row.integer_at(0),
-                  .marker = {row.unsigned_at(1), row.integer_at(2), row.text_at(3), actor_at(row, 4)},
+                  .marker = {row.unsigned_at(1), row.integer_at(2), row.text_at(3), actor_at(row, 4), row.text_at(9)},
                   .time_s = static_cast<double>(row.integer_at(8)) / 1e9,
                   .tag = {}};
-  info.tag = edit_tag({info.marker.text});
+  info.tag = edit_tag({info.marker.text, info.marker.kind, std::to_string(info.marker.utc_ns)});
   return info;
 }
 
 std::optional<MarkerInfo> marker_row(sqlite3* handle, SessionId session, std::int64_t number) {
   Statement row(handle, std::string(kRows) + "AND number = ?2");
   return row.integer(1, session).integer(2, number).step() ? std::optional(info_at(row)) : std::nullopt;
+}
+
+struct Moment {
+  std::uint64_t tick = 0;
+  std::int64_t utc_ns = 0;
+};
+
+// A moment within the session's samples. Ticks follow each other at the step's period, also over a gap.
+Result<Moment> moment_at(sqlite3* handle, SessionId session, double time_s) {
+  Statement row(handle,
+                "SELECT started_utc_ns, start_time_ns, (SELECT max(last_time_ns) FROM chunks WHERE session_id = sessions.id) FROM sessions "
+                "WHERE id = ?1");
+  row.integer(1, session).step();
+  const double end_s = row.is_null(2) ? 0 : static_cast<double>(row.integer_at(2) - row.integer_at(1)) / 1e9;
+  if (!(time_s >= 0 && time_s <= end_s)) {
+    std::array<char, 32> most{};
+    std::snprintf(most.data(), most.size(), "%.2f", std::floor(end_s * 100) / 100);
+    return Error{ErrorKind::bad_value, std::string("time_s must be 0 to ") + most.data() + ", within the session", "time_s"};
+  }
+  const auto since_ns = static_cast<std::int64_t>(std::llround(time_s * 1e9));
+  const std::int64_t time_ns = row.integer_at(1) + since_ns;
+  Statement near(
+      handle,
+      "SELECT first_tick, first_time_ns FROM chunks WHERE session_id = ?1 ORDER BY first_time_ns > ?2, abs(first_time_ns - ?2) LIMIT 1");
+  near.integer(1, session).integer(2, time_ns).step();
+  constexpr auto kPeriod_ns = static_cast<double>(contract::kStepPeriod_ns);
+  const std::int64_t steps = std::llround(static_cast<double>(time_ns - near.integer_at(1)) / kPeriod_ns);
+  return Moment{static_cast<std::uint64_t>(std::max<std::int64_t>(0, near.integer_at(0) + steps)), row.integer_at(0) + since_ns};
 }
 
 // The row that is to be changed; inside the transaction of its change.
@@ -52,23 +85,35 @@ Result<std::vector<MarkerInfo>> MarkerStore::list(SessionId session) const {
   });
 }
 
-Result<MarkerInfo> MarkerStore::change(SessionId session, std::int64_t number, const std::string& text, const std::string& expected) {
-  if (Status checked = check_marker(text); !checked) return checked.error();
+Result<MarkerInfo> MarkerStore::change(SessionId session, std::int64_t number, const MarkerPatch& patch, const std::string& expected) {
+  if (patch.text)
+    if (Status checked = check_marker(*patch.text); !checked) return checked.error();
+  if (patch.kind)
+    if (Status checked = check_marker_kind(*patch.kind); !checked) return checked.error();
   sqlite3* handle = database_->handle();
   const Overwriting overwriting(handle);
   return guarded([&]() -> Result<MarkerInfo> {
     Transaction transaction(handle, Transaction::Kind::write);
-    auto row = row_to_change(handle, session, number, expected);
-    if (!row) return row.error();
-    Statement(handle, "UPDATE markers SET text = ?3 WHERE session_id = ?1 AND number = ?2")
+    const auto before = row_to_change(handle, session, number, expected);
+    if (!before) return before.error();
+    Moment moment{before->marker.tick, before->marker.utc_ns};
+    if (patch.time_s) {
+      const auto moved = moment_at(handle, session, *patch.time_s);
+      if (!moved) return moved.error();
+      moment = *moved;
+    }
+    Statement(handle,
+              "UPDATE markers SET text = ?3, kind = nullif(?4, 'note'), tick = ?5, utc_ns = ?6 WHERE session_id = ?1 AND number = ?2")
         .integer(1, session)
         .integer(2, number)
-        .text(3, std::string_view(text))
+        .text(3, std::string_view(patch.text.value_or(before->marker.text)))
+        .text(4, std::string_view(patch.kind.value_or(before->marker.kind)))
+        .unsigned_integer(5, moment.tick)
+        .integer(6, moment.utc_ns)
         .run();
+    MarkerInfo after = marker_row(handle, session, number).value();
     transaction.commit();
-    row->marker.text = text;
-    row->tag = edit_tag({text});
-    return row;
+    return after;
   });
 }
 

@@ -1,6 +1,7 @@
-// The markers of recorded sessions, as people change them afterwards: only the text; when a marker was set stays.
+// The markers of recorded sessions, as people change them afterwards.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,16 +16,22 @@ struct MarkerInfo {
   std::int64_t number = 0;  ///< within its session
   Marker marker;
   double time_s = 0;  ///< since the session's start, by the wall clock
-  std::string tag;    ///< of the text
+  std::string tag;    ///< of text, kind and time
 };
 
-/// `expected`: the tag that the change was made for, empty = any. Errors: not_found, changed, bad_value (text), busy, disk_full.
+/// What of a marker may be changed; absent stays. `time_s`: since the session's start, within its samples.
+struct MarkerPatch {
+  std::optional<std::string> text, kind;
+  std::optional<double> time_s;
+};
+
+/// `expected`: the tag that the change was made for, empty = any. Errors: not_found, changed, bad_value (text, kind, time_s), busy, disk_full.
 class MarkerStore {
  public:
   explicit MarkerStore(Database& database) : database_(&database) {}
   /// In the order in which they were set.
   Result<std::vector<MarkerInfo>> list(SessionId session) const;
-  Result<MarkerInfo> change(SessionId session, std::int64_t number, const std::string& text, const std::string& expected);
+  Result<MarkerInfo> change(SessionId session, std::int64_t number, const MarkerPatch& patch, const std::string& expected);
   /// Overwritten, too.
   Status remove(SessionId session, std::int64_t number, const std::string& expected);
 

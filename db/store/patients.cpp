@@ -5,6 +5,7 @@
 
 #include "db/store/identity_key.hpp"
 #include "db/store/overwriting.hpp"
+#include "db/store/patient_code.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/sqlite.hpp"
 
@@ -16,13 +17,8 @@ using nlohmann::json;
 Error no_such_patient(std::int64_t patient) { return {ErrorKind::not_found, "there is no patient " + std::to_string(patient), {}}; }
 Error code_taken() { return {ErrorKind::taken, "another patient has this code already", "code"}; }
 
-Status check_code(const std::string& code) {
-  const Status checked = check_subject(code);
-  return checked ? Status{} : Error{ErrorKind::bad_value, "code must be 1 to 64 bytes in one line", "code"};
-}
-
 bool code_used(sqlite3* handle, const std::string& code, std::int64_t but_of) {
-  Statement row(handle, "SELECT 1 FROM patients WHERE code = ?1 AND id <> ?2");
+  Statement row(handle, "SELECT 1 FROM patients WHERE code_same(code, ?1) AND id <> ?2");
   return row.text(1, std::string_view(code)).integer(2, but_of).step();
 }
 
@@ -112,8 +108,9 @@ Result<PatientInfo> PatientStore::get(std::int64_t patient) const {
   });
 }
 
-Result<PatientInfo> PatientStore::create(const std::string& code) {
-  if (Status checked = check_code(code); !checked) return checked.error();
+Result<PatientInfo> PatientStore::create(const std::string& typed) {
+  const std::string code = trimmed_code(typed);
+  if (Status checked = check_code(code, "code"); !checked) return checked.error();
   return guarded([&]() -> Result<PatientInfo> {
     sqlite3* handle = database_->handle();
     Transaction transaction(handle, Transaction::Kind::write);
@@ -131,11 +128,11 @@ Result<PatientInfo> PatientStore::create(const std::string& code) {
 }
 
 Result<PatientInfo> PatientStore::change(std::int64_t patient, const PatientPatch& patch, const std::string& expected) {
-  if (patch.code)
-    if (Status checked = check_code(*patch.code); !checked) return checked.error();
   sqlite3* handle = database_->handle();
   return changed(handle, patient, expected, [&](const PatientInfo& before) -> Status {
-    const std::string code = patch.code.value_or(before.code);
+    const std::string code = patch.code ? trimmed_code(*patch.code) : before.code;
+    if (code != before.code)
+      if (Status checked = check_code(code, "code"); !checked) return checked;
     if (code_used(handle, code, patient)) return code_taken();
     Statement(handle, "UPDATE patients SET code = ?2, archived = ?3 WHERE id = ?1")
         .integer(1, patient)

@@ -61,7 +61,8 @@ class PatientStore {
  public:
   explicit PatientStore(Database& database) : database_(&database) {}
   Result<PatientInfo> get(std::int64_t patient) const;
-  Result<PatientInfo> create(const std::string& code);
+  /// The code by the rule of patient_code.hpp.
+  Result<PatientInfo> create(const std::string& typed);
   Result<PatientInfo> change(std::int64_t patient, const PatientPatch& patch, const std::string& expected);
   /// The code of a patient who is to be recorded: not an archived one. The row stays from now on.
   Result<std::string> choose(std::int64_t patient);

@@ -1,11 +1,13 @@
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "db/store/deletion.hpp"
 #include "db/store/edit_tag.hpp"
 #include "db/store/exercise_json.hpp"
+#include "db/store/patient_code.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
@@ -50,6 +52,13 @@ Status check_marker(std::string_view text) {
   return {};
 }
 
+Status check_marker_kind(std::string_view kind) {
+  if (std::ranges::find(kMarkerKinds, kind) != kMarkerKinds.end()) return {};
+  std::string names;
+  for (const std::string_view name : kMarkerKinds) names.append(names.empty() ? "" : ", ").append(name);
+  return Error{ErrorKind::bad_value, "kind must be one of " + names, "kind"};
+}
+
 bool is_plain_line(std::string_view text, std::size_t most_bytes) {
   return text.size() <= most_bytes && plain_text(text) && text.find('\n') == std::string_view::npos;
 }
@@ -63,13 +72,17 @@ std::string session_tag(const std::string& note, const std::optional<std::string
 Status SessionEditor::patch(SessionId session, const SessionPatch& change, const std::string& expected) {
   if (change.note)
     if (Status checked = check_note(*change.note); !checked) return checked;
-  if (change.subject)
-    if (Status checked = check_subject(*change.subject); !checked) return checked;
   if (change.exercise_json && *change.exercise_json)
     if (Status checked = check_exercise(**change.exercise_json); !checked) return checked;
   return guarded([&]() -> Status {
     sqlite3* handle = database_->handle();
     Transaction transaction(handle, Transaction::Kind::write);
+    std::optional<std::string> code;
+    if (change.subject && *change.subject) {
+      auto found = code_to_record(handle, **change.subject, "subject");
+      if (!found) return found.error();
+      code = std::move(*found);
+    }
     std::int64_t started_utc_ns = 0;
     {
       Statement row(handle,
@@ -87,8 +100,8 @@ Status SessionEditor::patch(SessionId session, const SessionPatch& change, const
     if (change.subject) {
       Statement update(handle, "UPDATE sessions SET visit_id = ?2 WHERE id = ?1");
       update.integer(1, session);
-      if (*change.subject)
-        update.integer(2, visit_row(handle, **change.subject, started_utc_ns));
+      if (code)
+        update.integer(2, visit_row(handle, *code, started_utc_ns));
       else
         update.null(2);
       update.run();

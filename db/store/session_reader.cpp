@@ -30,7 +30,7 @@ constexpr const char* kSessionColumns =
     "(SELECT coalesce(sum(length(directory) + length(body)), 0) FROM chunks WHERE session_id = sessions.id) + "
     "(SELECT coalesce(sum(length(body)), 0) FROM bus_chunks WHERE session_id = sessions.id) + "
     "(SELECT coalesce(sum(length(body)), 0) FROM journal_chunks WHERE session_id = sessions.id) + "
-    "(SELECT coalesce(sum(length(body)), 0) FROM core_images WHERE session_id = sessions.id), core_version, standby FROM ";
+    "(SELECT coalesce(sum(length(body)), 0) FROM core_images WHERE session_id = sessions.id), core_version, standby, hoist_id FROM ";
 // With the patient code; NULL for a session that belongs to no visit.
 constexpr const char* kSessions = "sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id ";
 
@@ -55,6 +55,7 @@ SessionInfo info_of(const Statement& row) {
   info.stored_bytes = row.unsigned_at(16);
   info.core_version = row.optional_text_at(17);
   info.standby = row.integer_at(18) != 0;
+  info.hoist_id = row.optional_text_at(19);
   info.tag = session_tag(info.note, info.subject, info.exercise_json);
   return info;
 }
@@ -355,11 +356,12 @@ Result<std::vector<Gap>> SessionReader::gaps(SessionId session) const {
 Result<std::vector<Marker>> SessionReader::markers(SessionId session) const {
   return guarded([&]() -> Result<std::vector<Marker>> {
     std::vector<Marker> out;
-    Statement row(database_->handle(),
-                  "SELECT tick, utc_ns, text, user, role, origin, client FROM markers LEFT JOIN actors ON actors.id = actor_id "
-                  "WHERE session_id = ?1 ORDER BY number");
+    Statement row(
+        database_->handle(),
+        "SELECT tick, utc_ns, text, ifnull(kind, 'note'), user, role, origin, client FROM markers LEFT JOIN actors ON actors.id = actor_id "
+        "WHERE session_id = ?1 ORDER BY number");
     row.integer(1, session);
-    while (row.step()) out.push_back({row.unsigned_at(0), row.integer_at(1), row.text_at(2), actor_at(row, 3)});
+    while (row.step()) out.push_back({row.unsigned_at(0), row.integer_at(1), row.text_at(2), actor_at(row, 4), row.text_at(3)});
     return out;
   });
 }

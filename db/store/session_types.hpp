@@ -1,9 +1,11 @@
 // What a session is, as the rest of the program sees it.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -70,6 +72,7 @@ struct SessionInfo {
   std::uint64_t layout_hash = 0;
   std::string software_version;             ///< of the program that recorded
   std::optional<std::string> core_version;  ///< of hoist-control; absent in recordings that do not tell
+  std::optional<std::string> hoist_id;      ///< which hoist recorded it; absent in recordings from before hoists had an id
   std::string note;
   std::optional<std::string> exercise_json;
   std::uint64_t sample_count = 0;
@@ -123,11 +126,15 @@ struct StoredEvent {
   std::optional<Actor> actor;  ///< absent: not known, or the core's own doing
 };
 
+/// What kind of moment a marker marks; the first one is a note without a kind.
+inline constexpr std::array<std::string_view, 5> kMarkerKinds{"note", "help", "stumble", "rest", "good"};
+
 struct Marker {
   std::uint64_t tick = 0;
   std::int64_t utc_ns = 0;
   std::string text;
   std::optional<Actor> actor;
+  std::string kind{kMarkerKinds.front()};  ///< one of kMarkerKinds
 };
 
 /// Steps of the journal that are stored together, and what they hold.

@@ -190,7 +190,9 @@ struct SessionWriter::State {
                   "INSERT INTO events (session_id, number, tick, time_ns, kind, kind_name, code, bits, item, value, before, request_id, "
                   "name, actor_id) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)"),
         put_gap(handle, "INSERT INTO gaps (session_id, number, stream, from_tick, to_tick, reason) VALUES (?1, ?2, ?3, ?4, ?5, ?6)"),
-        put_marker(handle, "INSERT INTO markers (session_id, number, tick, utc_ns, text, actor_id) VALUES (?1, ?2, ?3, ?4, ?5, ?6)"),
+        put_marker(handle,
+                   "INSERT INTO markers (session_id, number, tick, utc_ns, text, actor_id, kind) VALUES (?1, ?2, ?3, ?4, ?5, ?6, "
+                   "nullif(?7, 'note'))"),
         put_anchor(handle, "INSERT OR REPLACE INTO utc_anchors (session_id, time_ns, utc_ns) VALUES (?1, ?2, ?3)"),
         count_commit(handle, "UPDATE seal SET commits = commits + 1 RETURNING file_id, commits"),
         seal(database.seal()),
@@ -407,6 +409,7 @@ struct SessionWriter::State {
           .unsigned_integer(3, marker.tick)
           .integer(4, marker.utc_ns)
           .text(5, std::string_view(marker.text))
+          .text(7, std::string_view(marker.kind))
           .run();
     }
     for (const PendingAnchor& anchor : anchors)
@@ -740,8 +743,8 @@ Result<SessionId> SessionWriter::begin(const SessionStart& start) {
     Transaction transaction(s.handle, Transaction::Kind::write);
     Statement insert(s.handle,
                      "INSERT INTO sessions (visit_id, started_utc_ns, start_time_ns, core_start_time_ns, simulated, layout_hash, "
-                     "software_version, note, exercise, core_version, columns_hash, standby) "
-                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12) RETURNING id");
+                     "software_version, note, exercise, core_version, columns_hash, standby, hoist_id) "
+                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, (SELECT id FROM hoist)) RETURNING id");
     if (start.subject)
       insert.integer(1, visit_row(s.handle, *start.subject, start.started_utc_ns));
     else
@@ -886,18 +889,21 @@ Status SessionWriter::append_gap(std::string_view stream, std::uint64_t from_tic
 
 void SessionWriter::set_actor_of(ActorOf actor_of) { state_->actor_of = std::move(actor_of); }
 
-Status SessionWriter::append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor) {
+Status SessionWriter::append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor,
+                                    std::string_view kind) {
   State& s = *state_;
   if (s.session == 0) return no_session();
   if (text.size() > kMaxMarker_bytes || text.find('\0') != std::string_view::npos)
     return Error{ErrorKind::bad_value, "a marker's text has at most 500 bytes", "text"};
+  if (Status checked = check_marker_kind(kind); !checked) return checked;
   if (s.markers.size() >= kMaxPendingRows) return Error{ErrorKind::disk_full, "too many markers wait for the disk", {}};
-  s.markers.push_back({tick, utc_ns, std::string(text), std::move(actor)});
+  s.markers.push_back({tick, utc_ns, std::string(text), std::move(actor), std::string(kind)});
   return {};
 }
 
-Status SessionWriter::store_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor) {
-  if (Status taken = append_marker(tick, utc_ns, text, std::move(actor)); !taken) return taken;
+Status SessionWriter::store_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor,
+                                   std::string_view kind) {
+  if (Status taken = append_marker(tick, utc_ns, text, std::move(actor), kind); !taken) return taken;
   Status written = state_->write_all();
   if (!written) state_->markers.pop_back();
   return written;

@@ -78,9 +78,11 @@ class SessionWriter {
   Status append_image(const contract::CoreImage& image);
   /// Says why ticks (inclusive) are missing; for stream "ticks" the samples go on at to_tick + 1.
   Status append_gap(std::string_view stream, std::uint64_t from_tick, std::uint64_t to_tick, std::string_view reason);
-  Status append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor = {});
+  Status append_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor = {},
+                       std::string_view kind = kMarkerKinds.front());
   /// A marker that is answered: commits it, or takes it back, so that what was refused is not stored by a later commit.
-  Status store_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor = {});
+  Status store_marker(std::uint64_t tick, std::int64_t utc_ns, std::string_view text, std::optional<Actor> actor = {},
+                      std::string_view kind = kMarkerKinds.front());
   /// The wall clock was set: from this moment of the steady clock on, this UTC counts.
   Status append_utc_anchor(std::uint64_t time_ns, std::int64_t utc_ns);
 

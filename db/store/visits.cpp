@@ -2,6 +2,7 @@
 
 #include "db/store/edit_tag.hpp"
 #include "db/store/page.hpp"
+#include "db/store/patient_code.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
 
@@ -117,7 +118,8 @@ std::optional<PatientInfo> patient_row(sqlite3* handle, std::int64_t patient) {
   return row.integer(1, patient).step() ? std::optional(patient_at(row)) : std::nullopt;
 }
 
-std::int64_t visit_row(sqlite3* handle, const std::string& code, std::int64_t started_utc_ns) {
+std::int64_t visit_row(sqlite3* handle, const std::string& typed, std::int64_t started_utc_ns) {
+  const std::string stored = stored_code(handle, typed), &code = stored.empty() ? typed : stored;
   Statement(handle, "INSERT OR IGNORE INTO patients (code) VALUES (?1)").text(1, std::string_view(code)).run();
   // The same day as in schema/007_visits.sql.
   const auto with_visit = [&](const char* sql) {

@@ -51,7 +51,8 @@ class VisitReader {
   Database* database_;
 };
 
-/// Inside a write transaction of the store: the visit of a session that began then; patient and visit are made when they are new.
+/// Inside a write transaction of the store: the visit of a session that began then; patient and visit are made when they are new. Capital and
+/// small letters do not tell codes apart.
 std::int64_t visit_row(sqlite3* handle, const std::string& code, std::int64_t started_utc_ns);
 /// Inside a transaction; nothing when there is no such patient.
 std::optional<PatientInfo> patient_row(sqlite3* handle, std::int64_t patient);

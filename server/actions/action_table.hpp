@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "control/contract/params.hpp"
+#include "server/contract/audit.hpp"
 
 namespace hoist::server {
 
@@ -24,5 +25,8 @@ inline constexpr std::array kActions{
 #include "server/actions/actions.def"
 #undef HOIST_ACTION
 };
+
+static_assert(contract::all_rows(kActions, [](const ActionInfo& action) { return is_audit_kind(action.name); }),
+              "audit.def: an action has no words");
 
 }  // namespace hoist::server

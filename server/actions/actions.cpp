@@ -846,20 +846,20 @@ void ask_store(Services& services, StoreWork work, OutcomeDone done) {
       std::move(done));
 }
 
-void act_mark(Services& services, const Asker& asker, std::optional<db::SessionId> session, const json& text, OutcomeDone done) {
+void act_mark(Services& services, const Asker& asker, std::optional<db::SessionId> session, MarkerWish wish, OutcomeDone done) {
   if (!begin_action(services, asker, Action::add_marker, {session ? "session " + std::to_string(*session) : ""}, done)) return;
-  if (!text.is_string() || text.get_ref<const std::string&>().size() > db::kMaxMarker_bytes) {
+  if (wish.text.size() > db::kMaxMarker_bytes) {
     constexpr auto kMost = static_cast<double>(db::kMaxMarker_bytes);
     done(invalid({{"text", "must be text of at most 500 bytes", std::nullopt, std::nullopt, kMost}}, "The marker cannot be used."));
     return;
   }
-  const auto work = [session, words = text.get<std::string>(), actor = services.actors.find(asker.client)](
-                        Records& records, db::Database& database) -> db::Status {
+  const auto work = [session, wish = std::move(wish), actor = services.actors.find(asker.client)](Records& records,
+                                                                                                  db::Database& database) -> db::Status {
     if (session)
       if (const auto stored = db::SessionReader(database).get(*session); !stored) return stored.error();
     const auto now = records.status().session;
     if (!now || (session && *session != *now)) return db::Error{db::ErrorKind::wrong_state, "This session is not being recorded.", {}};
-    return records.marker(*now, words, actor);
+    return records.marker(*now, wish, actor);
   };
   ask_store(services, work, [done = std::move(done)](Outcome outcome) {
     if (outcome.kind == Outcome::Kind::refused) outcome.reason = Reason::not_recording;
@@ -898,9 +898,9 @@ void erase_deleted(Services& services, std::shared_ptr<void> held, OutcomeDone d
 }
 }  // namespace
 
-void act_delete_session(Services& services, const Asker& asker, db::SessionId session, OutcomeDone done) {
+void act_delete_session(Services& services, const Asker& asker, db::SessionId session, std::string tag, OutcomeDone done) {
   if (!begin_action(services, asker, Action::delete_session, {"session " + std::to_string(session)}, done)) return;
-  const auto work = [session](Records&, db::Database& database) { return db::take_out(database, session); };
+  const auto work = [session, tag = std::move(tag)](Records&, db::Database& database) { return db::take_out(database, session, tag); };
   ask_store(services, work, [&services, held = services.jobs.hold(), done = std::move(done)](const Outcome& outcome) {
     if (outcome.done())
       erase_deleted(services, held, done);

@@ -95,7 +95,7 @@ void act_update_firmware(Services& services, const Asker& asker, std::vector<std
 void act_preset(Services& services, const Asker& asker, const std::string& name, std::uint32_t version, OutcomeDone done);
 
 // A marker now, into the session with this id, or without one into the session that is being recorded.
-void act_mark(Services& services, const Asker& asker, std::optional<db::SessionId> session, const nlohmann::json& text, OutcomeDone done);
+void act_mark(Services& services, const Asker& asker, std::optional<db::SessionId> session, MarkerWish wish, OutcomeDone done);
 // Begins or ends a recording by hand.
 struct RecordWish {
   bool starts = false;
@@ -103,8 +103,9 @@ struct RecordWish {
   std::string note;
 };
 void act_record(Services& services, const Asker& asker, RecordWish wish, OutcomeDone done);
-// Jobs give way until it is done: the log that still holds the deleted data can be truncated only while no connection reads.
-void act_delete_session(Services& services, const Asker& asker, db::SessionId session, OutcomeDone done);
+// `tag` of what was looked at, empty = any. Jobs give way until it is done: the log that still holds the deleted data can be truncated only while
+// no connection reads.
+void act_delete_session(Services& services, const Asker& asker, db::SessionId session, std::string tag, OutcomeDone done);
 // How long sessions are kept; `tag` of the rule that was looked at, empty = any.
 void act_set_retention(Services& services, const Asker& asker, const db::RetentionRule& rule, std::string tag, OutcomeDone done);
 // Long work; `Outcome::job` is its number. Refused as busy when too many wait.

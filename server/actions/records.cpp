@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "control/contract/faults.hpp"
-#include "db/store/markers.hpp"
 #include "server/actions/common.hpp"
 #include "server/state/views.hpp"
 
@@ -26,11 +25,11 @@ void act_change_session(Services& services, const Asker& asker, db::SessionId se
   ask_store(services, work, std::move(done));
 }
 
-void act_change_marker(Services& services, const Asker& asker, const MarkerPlace& place, std::string text, std::string tag,
+void act_change_marker(Services& services, const Asker& asker, const MarkerPlace& place, db::MarkerPatch patch, std::string tag,
                        OutcomeDone done) {
   if (!begin_action(services, asker, Action::change_marker, {place_text(place)}, done)) return;
-  const auto work = [place, text = std::move(text), tag = std::move(tag)](Records&, db::Database& database) {
-    const auto changed = db::MarkerStore(database).change(place.session, place.number, text, tag);
+  const auto work = [place, patch = std::move(patch), tag = std::move(tag)](Records&, db::Database& database) {
+    const auto changed = db::MarkerStore(database).change(place.session, place.number, patch, tag);
     if (!changed) return store_outcome(changed.error());
     Outcome outcome;
     outcome.row = marker_json(place.session, *changed).dump();

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "db/store/device_settings.hpp"
+#include "db/store/markers.hpp"
 #include "db/store/session_reader.hpp"
 #include "server/actions/actions.hpp"
 
@@ -16,8 +17,8 @@ struct MarkerPlace {
   db::SessionId session = 0;
   std::int64_t number = 0;
 };
-// Only its text. `Outcome::row` is the marker afterwards.
-void act_change_marker(Services& services, const Asker& asker, const MarkerPlace& place, std::string text, std::string tag,
+// `Outcome::row` is the marker afterwards.
+void act_change_marker(Services& services, const Asker& asker, const MarkerPlace& place, db::MarkerPatch patch, std::string tag,
                        OutcomeDone done);
 void act_delete_marker(Services& services, const Asker& asker, const MarkerPlace& place, std::string tag, OutcomeDone done);
 // Name and language of the hoist.

@@ -27,6 +27,11 @@ MeasureWish measure_wish(const json& fields) {
           read<std::string>(fields, "turning")};
 }
 
+MarkerWish marker_wish(const json& fields) {
+  return {read<std::string>(fields, "text").value_or(""),
+          read<std::string>(fields, "kind").value_or(std::string(db::kMarkerKinds.front()))};
+}
+
 StartPose pose_wish(const json& fields) {
   return {number_wish(fields, "x_m").value_or(0), number_wish(fields, "y_m").value_or(0), number_wish(fields, "psi_rad").value_or(0)};
 }

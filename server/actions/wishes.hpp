@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/record/recorder.hpp"
 #include "server/state/exercise.hpp"
 
 namespace hoist::server {
@@ -30,6 +31,7 @@ using NumbersByName = std::vector<std::pair<std::string, double>>;
 [[nodiscard]] HandOverWish hand_over_wish(const nlohmann::json& fields);
 [[nodiscard]] CalibrateWish calibrate_wish(const nlohmann::json& fields);
 [[nodiscard]] MeasureWish measure_wish(const nlohmann::json& fields);
+[[nodiscard]] MarkerWish marker_wish(const nlohmann::json& fields);
 [[nodiscard]] StartPose pose_wish(const nlohmann::json& fields);
 [[nodiscard]] NumbersByName numbers_wish(const nlohmann::json& fields);
 [[nodiscard]] std::optional<double> number_wish(const nlohmann::json& fields, const char* name);

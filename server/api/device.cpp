@@ -22,7 +22,8 @@ using nlohmann::json;
 
 namespace {
 json settings_json(const Services& services, const db::DeviceSettings& device) {
-  return {{"device_name", device.name},
+  return {{"hoist_id", device.hoist_id},
+          {"device_name", device.name},
           {"computer_name", services.computer_name},
           {"language", device.language ? json(*device.language) : json(nullptr)},
           {"etag", device.tag}};

@@ -9,6 +9,7 @@
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
 #include "server/api/lists.hpp"
+#include "server/contract/audit.hpp"
 #include "server/people/passwords.hpp"
 #include "server/people/sessions.hpp"
 #include "server/state/views.hpp"
@@ -25,14 +26,16 @@ constexpr std::uint64_t kPinTries = 5;
 
 std::uint64_t utc_s(const Call& call) { return static_cast<std::uint64_t>(call.services.utc_ns() / 1'000'000'000); }
 
-void log(const Call& call, std::string user, std::string_view role, std::string_view action, std::string target, std::string result,
+// The row of this call; the router writes no second one.
+void log(const Call& call, std::string user, std::string_view role, AuditName action, std::string target, std::string result,
          std::optional<std::string> before = {}, std::optional<std::string> after = {}) {
+  call.logged = std::make_shared<bool>(true);
   call.services.people.log({.utc_ms = call.services.utc_ns() / 1'000'000,
                             .steady_ns = call.services.now_ns(),
                             .user = std::move(user),
                             .role = std::string{role},
                             .address = call.request.address,
-                            .action = std::string{action},
+                            .action = std::string{action.text},
                             .target = std::move(target),
                             .before = std::move(before),
                             .after = std::move(after),
@@ -50,7 +53,7 @@ Problem problem_of(const db::Error& error) {
     case db::ErrorKind::not_found:
       return {.status = 404, .name = "not-found", .title = "There is no such account or token", .detail = error.message};
     case db::ErrorKind::changed:
-      return {.status = 412, .name = "changed-meanwhile", .title = "This account was changed meanwhile", .detail = error.message};
+      return {.status = 412, .name = "changed-meanwhile", .title = "This was changed meanwhile", .detail = error.message};
     case db::ErrorKind::wrong_state:
       return {.status = 409, .name = "refused", .title = "Refused", .detail = error.message};
     default:
@@ -81,6 +84,9 @@ Problem no_account() {
           .detail = "Sign in with a name first: whoever opened the link of this computer has no password."};
 }
 
+std::string token_tag(const db::Token& token) {
+  return db::edit_tag({token.user, token.name, token.scope, std::to_string(token.created_s), std::to_string(token.expires_s)});
+}
 std::string user_tag(const db::User& user) { return db::edit_tag({user.display_name, user.role, user.enabled ? "1" : "0"}); }
 
 json user_json(const db::User& user) {
@@ -450,7 +456,7 @@ void add_user(const CallPtr& call) {
         return room.accounts.add(made, now);
       },
       [call, user] {
-        log(*call, call->session->user, access_role(call->session->role), "user", user.name, "done", std::nullopt, user.role);
+        log(*call, call->session->user, access_role(call->session->role), "add_user", user.name, "done", std::nullopt, user.role);
         // One enabled engineer always remains: it is never false again.
         if (user.role == "engineer") call->services.has_engineer = true;
         call->respond(row_response(user_json(user), 201));
@@ -510,7 +516,7 @@ void change_user(const CallPtr& call) {
         call->services.close_sockets(
             [&](const Session& other) { return other.user == name && other.account && (other.ended || role_changed); },
             role_changed ? "role changed" : "signed out");
-        log(*call, call->session->user, access_role(call->session->role), "user", name, "done",
+        log(*call, call->session->user, access_role(call->session->role), "change_user", name, "done",
             changed.before.role + (changed.before.enabled ? "" : ", disabled"), user.role + (user.enabled ? "" : ", disabled"));
         call->respond(row_response(user_json(user)));
       });
@@ -529,7 +535,8 @@ void list_tokens(const CallPtr& call) {
                              {"name", token.name},
                              {"scope", token.scope},
                              {"created_utc_s", token.created_s},
-                             {"expires_utc_s", token.expires_s}});
+                             {"expires_utc_s", token.expires_s},
+                             {"etag", token_tag(token)}});
         call->respond(json{{"items", std::move(items)}});
       });
 }
@@ -563,7 +570,7 @@ void add_token(const CallPtr& call) {
         made.id = id;
         made.role = std::string{access_role(owner->role)};
         call->rest.auth.add_token(session_of(made));
-        log(*call, owner->user, access_role(owner->role), "token", token.name, "done", std::nullopt, token.scope);
+        log(*call, owner->user, access_role(owner->role), "add_token", token.name, "done", std::nullopt, token.scope);
         call->respond(json{{"id", id}, {"token", text}}, 201);
       });
 }
@@ -577,7 +584,18 @@ void remove_token(const CallPtr& call) {
   }
   const std::string user = call->session->role == contract::Role::engineer ? "" : call->session->user;
   ask_store(
-      call, [id, user](PeopleRoom& room) { return room.accounts.remove_token(id, user); },
+      call,
+      [id, user, tag = given_tag(*call)](PeopleRoom& room) -> db::Status {
+        if (!tag.empty()) {
+          const auto tokens = room.accounts.tokens();
+          if (!tokens) return tokens.error();
+          // One that is not there, or not this person's, is told by the removal.
+          const auto found = std::ranges::find(*tokens, id, &db::Token::id);
+          if (found != tokens->end() && (user.empty() || found->user == user))
+            if (const db::Status same = db::check_tag(tag, token_tag(*found)); !same) return same;
+        }
+        return room.accounts.remove_token(id, user);
+      },
       [call, id] {
         call->services.close_sockets([id](const Session& other) { return other.token_id == id; }, "token removed");
         (void)call->rest.auth.remove_token(id);

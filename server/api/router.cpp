@@ -9,6 +9,8 @@
 
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
+#include "server/api/lists.hpp"
+#include "server/contract/audit.hpp"
 #include "server/contract/fields.hpp"
 #include "server/contract/routes.hpp"
 #include "server/state/views.hpp"
@@ -210,26 +212,39 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
   return std::nullopt;
 }
 
-// What people change beside actions, which write their rows themselves, what was refused before it became one, and what leaves the hoist.
-bool is_audited(const Route& route) {
-  return (route.method != Method::get && route.operation != "open_ticket") || route.operation == "export_session" ||
-         route.operation == "export_mcap";
+// The query names the format and the columns; no token counts on these routes (decision 214).
+std::string target_of(const Call& call, const Route& route) {
+  const auto format = is_download(route) ? call.request.query.find("format") : call.request.query.end();
+  return call.request.path + (format == call.request.query.end() ? "" : "?format=" + format->second.substr(0, 16));
 }
 
-void audit(const Call& call, const Route& route, const Response& response) {
+std::string_view header_of(const Response& response, std::string_view name) {
+  const auto at = std::ranges::find(response.headers, name, [](const auto& header) { return std::string_view(header.first); });
+  return at == response.headers.end() ? std::string_view() : std::string_view(at->second);
+}
+
+void audit(const Call& call, const Route& route, const Response& response, DownloadLog& downloads) {
   // Those without a session log what they find out about the person themselves.
   if ((call.logged && *call.logged) || !call.session || route.access == Access::open) return;
   Services& services = call.services;
-  services.people.log({.utc_ms = services.utc_ns() / 1'000'000,
+  db::AuditEntry entry{.utc_ms = services.utc_ns() / 1'000'000,
                        .steady_ns = services.now_ns(),
                        .user = call.session->user,
                        .role = std::string{access_role(call.session->role)},
                        .address = call.request.address,
                        .action = std::string{route.operation},
-                       .target = call.request.path,
+                       .target = target_of(call, route),
                        .before = {},
                        .after = {},
-                       .result = std::to_string(response.status)});
+                       .result = std::to_string(response.status)};
+  const std::string_view range = header_of(response, "Content-Range");
+  if (is_download(route) && response.status == 206 && response.length) {
+    const std::uint64_t of_bytes = number<std::uint64_t>(range.substr(range.rfind('/') + 1)).value_or(*response.length);
+    downloads.part(std::move(entry), std::string{header_of(response, "ETag")}, *response.length, of_bytes, services.now_ns());
+    return;
+  }
+  if (is_download(route) && response.status == 200 && response.length) entry.after = download_text(*response.length, *response.length, 1);
+  services.people.log(std::move(entry));
 }
 
 // Whether the call is to run now. A key that was used before answers it here: with the same answer, or that it belongs to another request (422),
@@ -275,6 +290,13 @@ bool keeps_to_https(const RestContext& rest, const Request& request) {
   return rest.trust != nullptr && rest.trust->port == 443 && request.header("host") == rest.trust->name;
 }
 }  // namespace
+
+Router::Router(RestContext& rest)
+    : rest_(rest),
+      pages_(rest.services.settings.web_dir),
+      downloads_([&people = rest.services.people](db::AuditEntry entry) { people.log(std::move(entry)); }) {
+  rest_.pages = &pages_;
+}
 
 bool Router::may_enter(const Request& request) {
   const auto utc_s = static_cast<std::uint64_t>(rest_.services.utc_ns() / 1'000'000'000);
@@ -329,13 +351,14 @@ void Router::handle(Request request, std::function<void(Response)> answer) {
     auto call = std::make_shared<Call>(rest_, std::move(request), std::move(finish));
     call->path_values = std::move(values);
     if (const auto refused = refuse(route, *call)) {
-      if (call->session && is_audited(route)) audit(*call, route, problem_response(*refused, call->request.path));
+      if (call->session && is_audited(route)) audit(*call, route, problem_response(*refused, call->request.path), downloads_);
       Response response = problem_response(*refused, call->request.path);
       if (refused->status == 401) response.set("WWW-Authenticate", "Bearer realm=\"Hoist\"");
       call->respond(std::move(response));
       return;
     }
-    if (is_audited(route)) call->on_answer = [call = call.get(), &route](const Response& response) { audit(*call, route, response); };
+    if (is_audited(route))
+      call->on_answer = [this, call = call.get(), &route](const Response& response) { audit(*call, route, response, downloads_); };
     if (!goes_on_with_key(keys_, call, route)) return;
     try {
       kHandlers[i](call);

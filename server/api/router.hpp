@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "server/api/download_log.hpp"
 #include "server/api/idempotency.hpp"
 #include "server/api/rest_context.hpp"
 #include "server/http/exchange.hpp"
@@ -15,14 +16,18 @@ namespace hoist::server {
 class Router final : public RequestHandler {
  public:
   // Reads the pages of `--web`.
-  explicit Router(RestContext& rest) : rest_(rest), pages_(rest.services.settings.web_dir) { rest_.pages = &pages_; }
+  explicit Router(RestContext& rest);
   void handle(Request request, std::function<void(Response)> answer) override;
   [[nodiscard]] bool may_enter(const Request& request) override;
+  // Of the audit log: what was downloaded in parts is told when it is over (download_log.hpp).
+  void tell_downloads(std::uint64_t now_ns) { downloads_.tick(now_ns); }
+  void tell_all_downloads() { downloads_.flush(); }
 
  private:
   RestContext& rest_;
   const StaticFiles pages_;
   IdempotencyKeys keys_;
+  DownloadLog downloads_;
 };
 
 }  // namespace hoist::server

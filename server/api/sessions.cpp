@@ -125,7 +125,8 @@ void change_session(const CallPtr& call) {
 void delete_session(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
-  act_delete_session(call->services, asker_of(*call), *id, answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
+  act_delete_session(call->services, asker_of(*call), *id, given_tag(*call),
+                     answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
 }
 
 namespace {
@@ -349,7 +350,11 @@ void change_marker(const CallPtr& call) {
   if (!place) return;
   const auto tag = required_tag(call);
   if (!tag) return;
-  act_change_marker(call->services, asker_of(*call), *place, field(*call, "text").get<std::string>(), *tag,
+  db::MarkerPatch patch;
+  if (const json& text = field(*call, "text"); text.is_string()) patch.text = text.get<std::string>();
+  if (const json& kind = field(*call, "kind"); kind.is_string()) patch.kind = kind.get<std::string>();
+  if (const json& time = field(*call, "time_s"); time.is_number()) patch.time_s = time.get<double>();
+  act_change_marker(call->services, asker_of(*call), *place, std::move(patch), *tag,
                     answer_with(call, [call](const Outcome& outcome) { call->respond(row_response(json::parse(outcome.row))); }));
 }
 
@@ -364,7 +369,7 @@ void delete_marker(const CallPtr& call) {
 void add_marker(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
-  act_mark(call->services, asker_of(*call), *id, field(*call, "text"), answer_with(call, [call](const Outcome&) {
+  act_mark(call->services, asker_of(*call), *id, marker_wish(*call->body), answer_with(call, [call](const Outcome&) {
              call->respond(json{{"ok", true}}, 201);
            }));
 }

@@ -77,7 +77,12 @@ void get_status(const CallPtr& call) {
   const auto& step = s.core.newest();
   const contract::TickRecord* newest = step && s.core.connected() ? &*step : nullptr;
   JsonWriter out(kExpected_bytes);
-  out.begin('{').field("version", contract::program_version()).field("started", iso_utc(s.started_utc_ns));
+  out.begin('{');
+  if (const std::string& id = s.state.device().hoist_id; id.empty())
+    out.field("hoist_id", nullptr);
+  else
+    out.field("hoist_id", id);
+  out.field("version", contract::program_version()).field("started", iso_utc(s.started_utc_ns));
   out.field("simulated", newest != nullptr ? newest->simulated != 0 : s.settings.scenario.has_value());
   if (s.settings.scenario)
     out.field("scenario", *s.settings.scenario);

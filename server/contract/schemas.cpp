@@ -11,6 +11,9 @@
 #include "control/contract/params.hpp"
 #include "db/metrics/metric_list.hpp"
 #include "db/store/change_reasons.hpp"
+#include "db/store/patient_code.hpp"
+#include "db/store/session_types.hpp"
+#include "server/contract/audit.hpp"
 #include "server/contract/jobs.hpp"
 #include "server/contract/reasons.hpp"
 #include "server/contract/topics.hpp"
@@ -67,15 +70,16 @@ constexpr std::string_view kSchemas = R"json({
   "display_name": {"$ref": "#/components/schemas/DisplayName"}, "role": {"$ref": "#/components/schemas/RoleName"}, "password": {"$ref": "#/components/schemas/Password"}}, "additionalProperties": false},
 "UserPatch": {"type": "object", "minProperties": 1, "properties": {"display_name": {"$ref": "#/components/schemas/DisplayName"}, "role": {"$ref": "#/components/schemas/RoleName"},
   "enabled": {"type": "boolean"}, "password": {"$ref": "#/components/schemas/Password"}}, "additionalProperties": false},
-"Token": {"type": "object", "required": ["id", "user", "name", "scope", "created_utc_s", "expires_utc_s"], "properties": {"id": {"type": "integer"}, "user": {"type": "string"}, "name": {"type": "string"},
-  "scope": {"$ref": "#/components/schemas/RoleName"}, "created_utc_s": {"type": "integer"}, "expires_utc_s": {"type": "integer"}}, "additionalProperties": false},
+"Token": {"type": "object", "required": ["id", "user", "name", "scope", "created_utc_s", "expires_utc_s", "etag"], "properties": {"id": {"type": "integer"}, "user": {"type": "string"}, "name": {"type": "string"},
+  "scope": {"$ref": "#/components/schemas/RoleName"}, "created_utc_s": {"type": "integer"}, "expires_utc_s": {"type": "integer"},
+  "etag": {"$ref": "#/components/schemas/EditTag"}}, "additionalProperties": false},
 "TokenList": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"$ref": "#/components/schemas/Token"}}}, "additionalProperties": false},
 "NewToken": {"type": "object", "required": ["name", "scope", "days"], "properties": {"name": {"type": "string", "minLength": 1, "maxLength": 64, "description": "What it is for"},
   "scope": {"$ref": "#/components/schemas/RoleName", "description": "The most it may do; never more than its owner"}, "days": {"type": "integer", "minimum": 1, "maximum": 366}}, "additionalProperties": false},
 "TokenMade": {"type": "object", "required": ["id", "token"], "properties": {"id": {"type": "integer"}, "token": {"type": "string", "description": "Shown this once: Authorization: Bearer ..."}}, "additionalProperties": false},
 "AuditList": {"type": "object", "required": ["items", "next"], "properties": {"items": {"type": "array", "items": {"type": "object", "required": ["id", "utc_ms", "steady_ns", "user", "role", "address",
   "action", "target", "before", "after", "result", "digest"], "properties": {"id": {"type": "integer"}, "utc_ms": {"type": "integer"}, "steady_ns": {"type": "integer"}, "user": {"type": "string"},
-  "role": {"type": "string"}, "address": {"type": "string"}, "action": {"type": "string", "description": "An action of actions.def, or the REST operation"},
+  "role": {"type": "string"}, "address": {"type": "string"}, "action": {"$ref": "#/components/schemas/AuditAction"},
   "target": {"type": "string", "description": "Of an action: the protocol and what it was about; else the path"}, "before": {"type": ["string", "null"]}, "after": {"type": ["string", "null"]},
   "result": {"type": "string", "description": "HTTP status, or done, or the reason of a refusal"}, "digest": {"type": "string"}}, "additionalProperties": false}}, "next": {"type": ["string", "null"]}}, "additionalProperties": false},
 "AuditCheck": {"type": "object", "required": ["rows", "first_wrong", "head"], "properties": {"rows": {"type": "integer"}, "first_wrong": {"type": ["integer", "null"]},
@@ -90,7 +94,8 @@ constexpr std::string_view kSchemas = R"json({
 "DoneStored": {"type": "object", "required": ["ok", "stored"], "properties": {"ok": {"const": true}, "stored": {"$ref": "#/components/schemas/Stored"}},
   "additionalProperties": false},
 "Stored": {"type": "boolean", "description": "true: on the disk, file and folder synced. false: in force and not stored; see the notices of /api/v1/status"},
-"Status": {"type": "object", "required": ["version", "started", "simulated", "scenario", "core", "recording", "notices", "lease", "clients", "counters", "server"], "properties": {
+"Status": {"type": "object", "required": ["hoist_id", "version", "started", "simulated", "scenario", "core", "recording", "notices", "lease", "clients", "counters", "server"], "properties": {
+  "hoist_id": {"type": ["string", "null"], "description": "UUID of this hoist, whatever it is called; null: the recordings file is not open"},
   "version": {"type": "string"}, "started": {"type": "string"}, "simulated": {"type": "boolean"}, "scenario": {"type": ["string", "null"]},
   "core": {"type": "object", "required": ["connected", "version", "problem", "mode", "faults", "alarms", "blocked", "standing_still", "tick", "bus"], "properties": {"connected": {"type": "boolean"},
     "version": {"type": ["string", "null"], "description": "Of hoist-control: version and commit; null before one was connected"},
@@ -177,11 +182,14 @@ constexpr std::string_view kSchemas = R"json({
   "properties": {"session": {"type": "integer"}, "detail": {"type": "string"}}, "additionalProperties": false}}}, "additionalProperties": false},
 "BackupFile": {"type": "object", "required": ["name", "bytes", "sha256"], "properties": {"name": {"type": "string"}, "bytes": {"type": "integer"}, "sha256": {"type": "string"}},
   "additionalProperties": false},
-"Backup": {"type": "object", "required": ["backup", "device", "program", "utc_ms", "sessions", "files"], "properties": {"backup": {"type": "string", "description": "Its folder"},
-  "device": {"type": "string"}, "program": {"type": "string"}, "utc_ms": {"type": "integer"}, "sessions": {"type": "integer"},
+"Backup": {"type": "object", "required": ["backup", "device", "hoist_id", "program", "utc_ms", "sessions", "files"], "properties": {"backup": {"type": "string", "description": "Its folder"},
+  "device": {"type": "string", "description": "Name of the computer"},
+  "hoist_id": {"$ref": "#/components/schemas/BackupHoist"}, "program": {"type": "string"}, "utc_ms": {"type": "integer"}, "sessions": {"type": "integer"},
   "files": {"type": "array", "items": {"$ref": "#/components/schemas/BackupFile"}}}, "additionalProperties": false},
-"BackupResult": {"type": "object", "required": ["kind", "backup", "device", "program", "utc_ms", "sessions", "files"], "properties": {"kind": {"const": "backup"},
-  "backup": {"type": "string"}, "device": {"type": "string"}, "program": {"type": "string"}, "utc_ms": {"type": "integer"}, "sessions": {"type": "integer"},
+"BackupHoist": {"type": ["string", "null"], "description": "UUID of the hoist; null: from before hoists had an id. A restore leaves the id of the hoist as it is"},
+"BackupResult": {"type": "object", "required": ["kind", "backup", "device", "hoist_id", "program", "utc_ms", "sessions", "files"], "properties": {"kind": {"const": "backup"},
+  "backup": {"type": "string"}, "device": {"type": "string"}, "hoist_id": {"$ref": "#/components/schemas/BackupHoist"}, "program": {"type": "string"},
+  "utc_ms": {"type": "integer"}, "sessions": {"type": "integer"},
   "files": {"type": "array", "items": {"$ref": "#/components/schemas/BackupFile"}}}, "additionalProperties": false},
 "RestoreResult": {"type": "object", "required": ["kind", "backup", "set_aside"], "properties": {"kind": {"const": "restore"}, "backup": {"type": "string"},
   "set_aside": {"type": "string", "description": "Where the file is that was in use before"}}, "additionalProperties": false},
@@ -417,7 +425,7 @@ constexpr std::string_view kSchemas = R"json({
   "profile": {"type": "number"}, "in_force": {"type": ["number", "null"]}, "unusable": {"type": "boolean", "description": "No parameter of a therapist in this software, or outside its range"}},
   "additionalProperties": false}}}, "additionalProperties": false},
 "NoteText": {"type": "string", "maxLength": 4000, "description": "Plain text, tabs and line ends allowed: at most 4000 bytes of UTF-8."},
-"SubjectCode": {"type": "string", "minLength": 1, "maxLength": 64, "description": "One line of plain text: at most 64 bytes of UTF-8. A code, never a name."},
+"SubjectCode": {"type": "string", "minLength": 1, "maxLength": 64, "description": "A code, never a name"},
 "SessionPatch": {"type": "object", "properties": {"note": {"$ref": "#/components/schemas/NoteText"},
   "subject": {"anyOf": [{"$ref": "#/components/schemas/SubjectCode"}, {"type": "null"}]}, "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"}},
   "additionalProperties": false},
@@ -448,9 +456,10 @@ constexpr std::string_view kSchemas = R"json({
   "inputs": {"type": "array", "items": {"type": "string"}, "description": "Recorded columns, gaps, exercise"},
   "hash": {"type": "string", "description": "Of the values of these inputs: FNV-1a, 16 hexadecimal digits. The same hash and version, the same figure"},
   "reason_code": {"anyOf": [{"$ref": "#/components/schemas/NoFigure"}, {"type": "null"}], "description": "Why the figure is not valid, where it is null"}}, "additionalProperties": false},
-"MarkerRow": {"type": "object", "required": ["session", "number", "tick", "utc_ms", "time_s", "text", "actor", "etag"], "properties": {"session": {"type": "integer"},
+"MarkerRow": {"type": "object", "required": ["session", "number", "tick", "utc_ms", "time_s", "kind", "text", "actor", "etag"], "properties": {"session": {"type": "integer"},
   "number": {"type": "integer", "description": "Within its session"}, "tick": {"type": "integer"}, "utc_ms": {"type": "integer"}, "time_s": {"type": "number", "description": "Since the session's start"},
-  "text": {"type": "string"}, "actor": {"$ref": "#/components/schemas/ActorOrNull"}, "etag": {"$ref": "#/components/schemas/EditTag"}}, "additionalProperties": false},
+  "kind": {"$ref": "#/components/schemas/MarkerKind"}, "text": {"type": "string"}, "actor": {"$ref": "#/components/schemas/ActorOrNull"}, "etag": {"$ref": "#/components/schemas/EditTag"}},
+  "additionalProperties": false},
 "MarkerList": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"$ref": "#/components/schemas/MarkerRow"}}}, "additionalProperties": false},
 "ParameterHistory": {"type": "object", "required": ["items", "next"], "properties": {"items": {"type": "array", "items": {"$ref": "#/components/schemas/ParameterChange"}},
   "next": {"type": ["string", "null"]}}, "additionalProperties": false},
@@ -466,7 +475,8 @@ constexpr std::string_view kSchemas = R"json({
   "time_s": {"type": "number", "description": "Since the session's start"}, "fault": {"type": "string", "description": "As it was called then; words in /api/v1/faults"},
   "lasted_s": {"type": ["number", "null"], "description": "null: not over before the session's end"}, "simulated": {"type": "boolean"}, "subject": {"type": ["string", "null"]}},
   "additionalProperties": false}}, "next": {"type": ["string", "null"]}}, "additionalProperties": false},
-"DeviceSettings": {"type": "object", "required": ["device_name", "computer_name", "language", "etag"], "properties": {"device_name": {"type": "string", "description": "Empty: the computer's name"},
+"DeviceSettings": {"type": "object", "required": ["hoist_id", "device_name", "computer_name", "language", "etag"], "properties": {"hoist_id": {"type": "string", "description": "UUID: made once, at random; cannot be changed"},
+  "device_name": {"type": "string", "description": "Empty: the computer's name"},
   "computer_name": {"type": "string"}, "language": {"$ref": "#/components/schemas/LanguageOrNull"}, "etag": {"$ref": "#/components/schemas/EditTag"}}, "additionalProperties": false},
 "DeviceSettingsPatch": {"type": "object", "minProperties": 1, "properties": {"device_name": {"type": "string", "maxLength": 64, "description": "One line, at most 64 bytes of UTF-8"},
   "language": {"$ref": "#/components/schemas/LanguageOrNull"}}, "additionalProperties": false},
@@ -489,7 +499,10 @@ constexpr std::string_view kSchemas = R"json({
   "reason_code": {"anyOf": [{"$ref": "#/components/schemas/NoFigure"}, {"type": "null"}], "description": "Why there is no C, J_N, or one of them"}}, "additionalProperties": false}},
   "next": {"type": ["string", "null"]}, "simulated_left_out": {"type": "integer", "description": "Recordings of this patient with a simulated hoist"}}, "additionalProperties": false},
 "TrendFigures": {"type": "object", "description": "The figures of db/metrics/metric_list.hpp; null: not defined for this session", "required": [], "properties": {}, "additionalProperties": false},
-"MarkerRequest": {"type": "object", "required": ["text"], "properties": {"text": {"type": "string", "maxLength": 500}}, "additionalProperties": false},
+"MarkerRequest": {"type": "object", "required": ["text"], "properties": {"text": {"type": "string", "maxLength": 500}, "kind": {"$ref": "#/components/schemas/MarkerKind"}},
+  "additionalProperties": false},
+"MarkerPatch": {"type": "object", "minProperties": 1, "properties": {"text": {"type": "string", "maxLength": 500}, "kind": {"$ref": "#/components/schemas/MarkerKind"},
+  "time_s": {"type": "number", "minimum": 0, "description": "Since the session's start, within its samples"}}, "additionalProperties": false},
 "FirmwareUpdate": {"type": "object", "required": ["node", "version", "phase", "result", "bytes_sent", "bytes_total", "seconds_left", "text"], "properties": {
   "node": {"type": "string"}, "version": {"type": "string"}, "phase": {"enum": ["listening", "asking_drives", "asking_node", "entering_loader", "sending", "checking", "starting",
   "done", "failed"]}, "result": {"enum": ["running", "done", "unchanged", "failed", "interrupted"]}, "bytes_sent": {"type": "integer"}, "bytes_total": {"type": "integer"},
@@ -564,6 +577,10 @@ json all_schemas() {
   json schemas = json::parse(kSchemas);
   add_figures(schemas["Metrics"]);
   add_trend_figures(schemas["TrendFigures"]);
+  schemas["SubjectCode"]["description"] = "A code, never a name: " + std::string(db::kCodeRule) +
+                                          ". Spaces around it are dropped; capital and small letters do not tell codes apart.";
+  schemas["MarkerKind"] = {
+      {"type", "string"}, {"enum", db::kMarkerKinds}, {"description", "What kind of moment it marks; note: none of these"}};
   schemas["ChangeHow"] = {{"type", "string"}, {"enum", db::kChangeReasons}};
   schemas["Exercise"] = {{"description", "What is walked; null and free mean the same"}, {"anyOf", json::array()}};
   schemas["GuidedPath"] = {
@@ -579,6 +596,8 @@ json all_schemas() {
   schemas["ReasonCode"] = names_of(kReasons);
   schemas["TopicName"] = names_of(kTopics);
   schemas["StreamRequest"]["properties"]["rate_hz"]["enum"] = kStreamRates_hz;
+  schemas["AuditAction"] = names_of(kAuditKinds);
+  schemas["AuditAction"]["description"] = "What was done or tried: an action, or a REST operation";
   schemas["JobKind"] = names_of(kJobKinds);
   schemas["NoFigure"] = {{"type", "string"}, {"enum", json::array()}};
 #define HOIST_NO_FIGURE(name, text_en, text_de) schemas["NoFigure"]["enum"].push_back(#name);

@@ -103,8 +103,13 @@ namespace fs = std::filesystem;
 json backup_json(const db::BackupInfo& info) {
   json files = json::array();
   for (const db::BackupFile& file : info.files) files.push_back({{"name", file.name}, {"bytes", file.bytes}, {"sha256", file.sha256}});
-  return {{"backup", info.folder.string()},    {"device", info.device},     {"program", info.program},
-          {"utc_ms", info.utc_ns / 1'000'000}, {"sessions", info.sessions}, {"files", std::move(files)}};
+  return {{"backup", info.folder.string()},
+          {"device", info.device},
+          {"hoist_id", info.hoist_id.empty() ? json(nullptr) : json(info.hoist_id)},
+          {"program", info.program},
+          {"utc_ms", info.utc_ns / 1'000'000},
+          {"sessions", info.sessions},
+          {"files", std::move(files)}};
 }
 
 std::string dumped(const json& told) { return told.dump(-1, ' ', false, json::error_handler_t::replace); }

@@ -170,7 +170,7 @@ void pose(Client& client, const json& message) {
 }
 
 void marker(Client& client, const json& message) {
-  act_mark(client.hub().services(), asker_of(client), std::nullopt, field(message, "text"), reply_to(client, message));
+  act_mark(client.hub().services(), asker_of(client), std::nullopt, marker_wish(message), reply_to(client, message));
 }
 
 // What is left out is as for a client that has chosen nothing.

@@ -13,6 +13,7 @@
 #include "db/store/backup.hpp"
 #include "db/store/database.hpp"
 #include "db/store/deletion.hpp"
+#include "db/store/patient_code.hpp"
 #include "db/store/session_checks.hpp"
 #include "db/store/session_writer.hpp"
 #include "server/record/journal_feed.hpp"
@@ -219,7 +220,11 @@ class Recorder::Work final : public Records {
     if (!writer_) return db::Error{db::ErrorKind::io, error_, ""};
     if (session_open() && kind_ == Kind::by_hand) return db::Error{db::ErrorKind::wrong_state, "A recording is already running.", ""};
     // Before anything ends for it: a mistyped code is its writer's matter, not the recording's.
-    if (db::Status checked = db::check_subject(subject); !checked) return checked;
+    if (subject) {
+      auto code = db::code_to_record(writing_->handle(), *subject, "subject");
+      if (!code) return code.error();
+      subject = std::move(*code);
+    }
     if (db::Status checked = db::check_note(note); !checked) return checked;
     if (!last_) return db::Error{db::ErrorKind::wrong_state, "The control core is not connected: there is nothing to record.", ""};
     // Not end(): what is refused here must not end the session at a later commit.
@@ -233,10 +238,10 @@ class Recorder::Work final : public Records {
     if (kind_ == Kind::standby) return db::Error{db::ErrorKind::wrong_state, "Standby is recorded as long as a patient is chosen.", ""};
     return try_end(db::CloseReason::finished);
   }
-  db::Status marker(db::SessionId session, std::string_view text, std::optional<db::Actor> actor) override {
+  db::Status marker(db::SessionId session, const MarkerWish& wish, std::optional<db::Actor> actor) override {
     if (!session_open() || writer_->session() != session)
       return db::Error{db::ErrorKind::wrong_state, "This session is not being recorded.", ""};
-    return writer_->store_marker(last_tick_, owner_.options_.utc_ns(), text, std::move(actor));
+    return writer_->store_marker(last_tick_, owner_.options_.utc_ns(), wish.text, std::move(actor), wish.kind);
   }
   db::Result<std::filesystem::path> replace_file(const std::filesystem::path& prepared) override {
     if ((session_open() && kind_ != Kind::standby) || (last_ && moving(*last_)))

@@ -64,6 +64,12 @@ struct OpenedExport {
   std::string content_type, file_name, etag;
 };
 
+// A marker as a client asks for it.
+struct MarkerWish {
+  std::string text;
+  std::string kind{db::kMarkerKinds.front()};
+};
+
 // What a job may use, on the recorder's thread only. `database` is null while it cannot be opened; `why` says why.
 class Records {
  public:
@@ -75,7 +81,7 @@ class Records {
   virtual db::Status begin_manual(std::optional<std::string> subject, std::string note) = 0;
   virtual db::Status end_manual() = 0;
   // Stored when it returns without an error, and never otherwise.
-  virtual db::Status marker(db::SessionId session, std::string_view text, std::optional<db::Actor> actor) = 0;
+  virtual db::Status marker(db::SessionId session, const MarkerWish& wish, std::optional<db::Actor> actor) = 0;
   virtual RecordingStatus status() = 0;
   // Ends the use of the file, puts the prepared one (db/store/backup.hpp) in its place and opens that; where the old one is. Refused while a
   // session is recorded or the hoist moves; after an error the old one is in use again.

@@ -82,13 +82,8 @@ json profile_json(const db::ProfileInfo& p) {
 }
 
 json marker_json(db::SessionId session, const db::MarkerInfo& m) {
-  return {{"session", session},
-          {"number", m.number},
-          {"tick", m.marker.tick},
-          {"utc_ms", m.marker.utc_ns / 1'000'000},
-          {"time_s", m.time_s},
-          {"text", m.marker.text},
-          {"actor", db::actor_json(m.marker.actor)},
+  return {{"session", session}, {"number", m.number},    {"tick", m.marker.tick}, {"utc_ms", m.marker.utc_ns / 1'000'000},
+          {"time_s", m.time_s}, {"kind", m.marker.kind}, {"text", m.marker.text}, {"actor", db::actor_json(m.marker.actor)},
           {"etag", m.tag}};
 }
 

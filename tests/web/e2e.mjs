@@ -427,6 +427,26 @@ const cases = {
     assert(rows.length > 2000, `only ${rows.length} rows`);
   },
 
+  async 'a mark gets another kind and time in its session, and the audit log says so in a sentence'() {
+    needWalk();
+    const marks = async () => (await stack.rest('GET', `/sessions/${walked.id}/markers`)).json().items;
+    const [before] = await marks();
+    assert(before.kind === 'good', `the mark has the kind ${before.kind}`);
+    await page.goto(`${stack.origin}/#/sessions/${walked.id}`);
+    await page.locator('.session-markers li button').first().click();
+    await page.getByLabel('Kind').selectOption('stumble');
+    await page.getByLabel('Text').fill('Left foot');
+    await page.getByLabel('Time in the session').fill('0:04');
+    await page.locator('.session-markers').getByRole('button', { name: 'Save', exact: true }).click();
+    await until('the mark is moved', async () => (await marks())[0].time_s === 4);
+    const [after] = await marks();
+    assert(after.kind === 'stumble' && after.text === 'Left foot', `the mark is ${after.kind}, ${after.text}`);
+    assert(after.tick < before.tick, `the step stayed ${after.tick}`);
+    await until('the page shows it', () => page.getByText('Stumble · Left foot').isVisible());
+    await page.goto(`${stack.origin}/#/settings/audit`);
+    await until('the sentence', () => page.getByText(`changed a mark in session ${walked.id}.`).first().isVisible());
+  },
+
   async 'a new patient is chosen on Home: the walk appears in the visit of today, under the code in the bar'() {
     await toStandby();
     await page.goto(`${stack.origin}/#/home`);

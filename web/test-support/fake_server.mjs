@@ -213,6 +213,11 @@ export function startFakeServer({
       etag: 'f7',
     },
   ];
+  const markers = [
+    { kind: 'stumble', text: 'Stumble', time_s: 31 },
+    { kind: 'note', text: 'Held the rail with the left hand', time_s: 64.2 },
+    { kind: 'help', text: 'Helped', time_s: 80 },
+  ].map((row, i) => ({ session: 4, number: i, tick: 100, utc_ms: 0, actor: { user: 'berg', role: 'therapist' }, etag: `m${i}`, ...row }));
   const visits = [
     { id: 12, patient: 5, code: 'P-017', day: dayOf(Date.now()), note: 'Tired, shorter than planned', sessions: [4], standby: [], etag: 'v12' },
     { id: 11, patient: 1, code: 'K-07', day: '2026-11-21', note: '', sessions: [3], standby: [2], etag: 'v11' },
@@ -228,14 +233,33 @@ export function startFakeServer({
   let failures = 0;
   const retention = { days: null, disk_percent: null, needs_backup: true, etag: 'r1' };
   const tools = { enabled: false, foxglove: '/foxglove', rosbridge: '/rosbridge', foxglove_layout: '/foxglove-layout.json' };
-  const tokens = [{ id: 1, user: 'kos', name: 'Gait study', scope: 'viewer', created_utc_s: 1.79e9, expires_utc_s: 1.81e9 }];
+  const tokens = [{ id: 1, user: 'kos', name: 'Gait study', scope: 'viewer', created_utc_s: 1.79e9, expires_utc_s: 1.81e9, etag: 't1' }];
   const audit = [
     { action: 'sign_in', user: 'kos', target: '', before: null, after: null, result: 'done' },
-    { action: 'change_parameters', user: 'berg', target: 'lean_gain_filtered_units', before: '50', after: '60', result: 'done' },
-    { action: 'sign_in', user: 'berg', target: '', before: null, after: null, result: 'wrong_password' },
-    { action: 'delete_session', user: 'berg', target: '17', before: null, after: null, result: 'done' },
+    {
+      action: 'change_parameters',
+      user: 'berg',
+      target: 'hoist.v1',
+      before: '{"lean_gain_filtered_units":50}',
+      after: '{"lean_gain_filtered_units":60}',
+      result: 'done',
+    },
+    { action: 'sign_in', user: 'berg', target: 'password', before: null, after: null, result: 'wrong-secret' },
+    { action: 'delete_session', user: 'berg', target: 'rest session 17', before: null, after: null, result: 'done' },
+    { action: 'put_identity', user: 'maier', target: '/api/v1/patients/1/identity', before: null, after: null, result: '403' },
+    {
+      action: 'export_mcap',
+      user: 'kos',
+      target: '/api/v1/sessions/4/session.mcap',
+      before: null,
+      after: '1630000 of 9000000 bytes in 52 parts',
+      result: '206',
+    },
+    { action: 'hand_over', user: 'kos', target: 'hoist.v1 berg', before: null, after: null, result: 'done' },
+    { action: 'choose_patient', user: 'berg', target: 'hoist.v1 patient 5', before: null, after: null, result: 'done' },
+    { action: 'retention', user: 'hoist-server', address: '-', target: '', before: null, after: '12 sessions, 3 to 17', result: 'done' },
   ].map((row, i) => ({ id: 40 - i, utc_ms: Date.UTC(2026, 10, 24, 9, 58 - 7 * i), role: 'engineer', address: '192.168.4.7', ...row }));
-  const device = { device_name: 'Room 3', computer_name: 'hoist', language: null, etag: 'd1' };
+  const device = { hoist_id: '3f9a11c0-7d52-488b-8e6e-f4219caa35d7', device_name: 'Room 3', computer_name: 'hoist', language: null, etag: 'd1' };
   const berg = { user: 'berg', role: 'therapist', origin: 'hoist.v1', client: 'device-12345678' };
   const history = [
     { name: 'lean_gain_filtered_units', value: 42, before: 50, how: 'profile', source: 'With brace', actor: berg, session: 3 },
@@ -277,6 +301,7 @@ export function startFakeServer({
       program: 'fake',
       utc_ms: Date.UTC(2026, 10, 20, 17),
       sessions: 311,
+      hoist_id: '8e4bc973-05fe-4190-ad2d-b8471ce35610',
       files: [{ name: 'hoist.db', bytes: 2.13e9, sha256: '' }],
     },
   ];
@@ -802,7 +827,15 @@ export function startFakeServer({
       );
     if (path === '/tokens' && request.method === 'POST') {
       const { name, scope, days } = given;
-      tokens.push({ id: tokens.length + 1, user: person.user, name, scope, created_utc_s: 1.795e9, expires_utc_s: 1.795e9 + days * 86_400 });
+      tokens.push({
+        id: tokens.length + 1,
+        user: person.user,
+        name,
+        scope,
+        created_utc_s: 1.795e9,
+        expires_utc_s: 1.795e9 + days * 86_400,
+        etag: 't2',
+      });
       return send(201, { id: tokens.length, token: 'hoist_7mZk2Qw9xT4vLr8sJd3fGh6yBn1pCe5a' });
     }
     if (path === '/tokens') return send(200, { items: tokens });
@@ -945,7 +978,7 @@ export function startFakeServer({
                 excess_bytes: 0,
               };
             if (kind === 'restore') return { backup: given.backup, set_aside: '/var/lib/hoist/hoist.db.2026-11-24' };
-            const made = { ...backups[0], backup: `${given.folder}/hoist-${dayOf(Date.now())}`, utc_ms: Date.now() };
+            const made = { ...backups[0], hoist_id: device.hoist_id, backup: `${given.folder}/hoist-${dayOf(Date.now())}`, utc_ms: Date.now() };
             backups.unshift(made);
             return made;
           },
@@ -1024,10 +1057,26 @@ export function startFakeServer({
     }
     if (path === '/sessions')
       return send(200, { items: sessions.filter(({ subject }) => (subject ?? '').includes(url.searchParams.get('q') ?? '')), next: null });
+    const [, of, number] = /^\/sessions\/(\d+)\/markers(?:\/(\d+))?$/.exec(path) ?? [];
+    if (of !== undefined && number === undefined) return send(200, { items: Number(of) === 4 ? markers : [] });
+    if (of !== undefined) {
+      const marker = markers.find((row) => row.number === Number(number));
+      if (request.headers['if-match'] !== `"${marker.etag}"`)
+        return send(412, { type: '/problems/changed-meanwhile', title: 'Changed', status: 412 });
+      if (request.method === 'DELETE') {
+        markers.splice(markers.indexOf(marker), 1);
+        return send(204, null);
+      }
+      if (given.time_s > 500)
+        return send(422, { type: '/problems/invalid', title: 'Invalid', status: 422, errors: [{ field: 'time_s', message: '' }] });
+      return send(200, Object.assign(marker, given, { etag: `${marker.etag}+` }));
+    }
     const [, id, rest] = /^\/sessions\/(\d+)(?:\/(\w+))?$/.exec(path) ?? [];
     const session = sessions.find((item) => item.id === Number(id));
     if (session === undefined) return send(404, { type: '/problems/unknown', title: 'Unknown', status: 404 });
     if (rest === undefined && request.method === 'DELETE') {
+      if (request.headers['if-match'] !== `"${session.etag}"`)
+        return send(412, { type: '/problems/changed-meanwhile', title: 'Changed', status: 412 });
       sessions.splice(sessions.indexOf(session), 1);
       return send(204, null);
     }

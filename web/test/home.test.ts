@@ -1,7 +1,7 @@
 // Patients: the search, and choosing one in a browser with the stand-in server.
 import type { Page } from 'playwright-core';
 import { beforeEach, describe, expect, it } from 'vitest';
-import { dayOf, exists, found, match } from '../src/panels/home/model';
+import { dayOf, exists, found, isCode, match } from '../src/panels/home/model';
 import { en } from '../src/text/en';
 import { eachPage, minutes_ms } from '../test-support/browser';
 import type { FakeServer } from '../test-support/fake_server.mjs';
@@ -32,7 +32,12 @@ describe('the search for a code', () => {
 
   it('takes only exactly the same code for the same patient', () => {
     expect(exists([{ code: 'P-017' }], '017')).toBe(false);
-    expect(exists([{ code: 'P-017' }], ' P-017 ')).toBe(true);
+    expect(exists([{ code: 'P-017' }], ' p-017 ')).toBe(true);
+  });
+
+  it('offers a new patient only for what the server takes as a code', () => {
+    for (const code of ['P-017', ' mül_3.b ', 'Ž1', '7', 'x'.repeat(32)]) expect(isCode(code), code).toBe(true);
+    for (const code of ['', 'Anna Novak', 'P/17', '100%', '-1', '.x', '5€', 'x'.repeat(33)]) expect(isCode(code), code).toBe(false);
   });
 
   it('writes days as the server does', () => {

@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest';
 import { signals } from '../src/contract/signals.gen';
 import { curves, strips } from '../src/panels/sessions/curves';
 import type { Session, SessionList } from '../src/contract/rest.gen';
-import { continued, refreshed } from '../src/panels/sessions/model';
+import { continued, readDuration, refreshed } from '../src/panels/sessions/model';
 
 const session = (id: number): Session => ({
   id,
@@ -32,6 +32,20 @@ const page = (ids: number[], next: number | null): SessionList => ({
   total: ids.length,
 });
 const ids = (one: SessionList) => one.items.map((item) => item.id);
+
+describe('a time that is typed', () => {
+  it('is read as it is shown', () => {
+    for (const [text, seconds] of [
+      ['75', 75],
+      ['1:15', 75],
+      [' 0:07,5 ', 7.5],
+      ['1:01:11', 3671],
+      ['90:00', 5400],
+    ] as const)
+      expect(readDuration(text), text).toBe(seconds);
+    for (const text of ['', 'soon', '1:75', '1:60:00', '1:2:3:4', '-1', '1:']) expect(readDuration(text), text).toBeNull();
+  });
+});
 
 describe('the list of sessions', () => {
   it('grows by older ones, none of them twice', () => {

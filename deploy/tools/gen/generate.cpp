@@ -31,6 +31,7 @@ std::string made_from(std::string_view table) { return "Made by `deploy/dev gen`
 std::vector<GeneratedFile> generate_all() {
   std::vector<GeneratedFile> files;
   for (auto&& some : {typescript_files(), markdown_files(), eds_files()}) files.insert(files.end(), some.begin(), some.end());
+  files.push_back(audit_file());
   files.push_back(messages_file());
   files.push_back(dbc_file());
   files.push_back(openapi_file());

@@ -19,6 +19,7 @@ std::vector<GeneratedFile> generate_all();
 
 // One function per kind of file; generate_all() is the list.
 std::vector<GeneratedFile> typescript_files();
+GeneratedFile audit_file();
 GeneratedFile messages_file();
 std::vector<GeneratedFile> markdown_files();
 GeneratedFile dbc_file();

@@ -30,7 +30,7 @@ constexpr const char* kHelp =
     "        sent twice; after an interruption run it again. Sessions of a simulator stay at home without --simulated.\n"
     "pull    writes sessions into a database of Hoist (made when it is missing) that no server is using; metrics, export and verify\n"
     "        work on it. Each is checked against the digest with which it was archived.\n"
-    "list    one line of JSON per archived session\n"
+    "list    one line of JSON per archived session; --device takes a name or the id of a hoist\n"
     "verify  reads every archived session and compares digests\n"
     "erase   takes a session out for good; no hoist brings it back\n\n"
     "Names and birth dates of patients never leave the hoist: the archive holds codes. Days are YYYY-MM-DD in UTC, both inclusive.\n";
@@ -126,6 +126,7 @@ int list(const Wish& wish) {
     const nlohmann::ordered_json line = {
         {"uuid", session.uuid},
         {"device", session.device},
+        {"hoist_id", session.hoist_id.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(session.hoist_id)},
         {"subject", session.patient.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(session.patient)},
         {"started_utc", session.start_utc},
         {"duration_s", session.duration_s},

@@ -18,7 +18,9 @@
 #include "db/archive/digest.hpp"
 #include "db/archive/tables.hpp"
 #include "db/export/session_export.hpp"
+#include "db/store/hoist_id.hpp"
 #include "db/store/sqlite.hpp"
+#include "db/store/visits.hpp"
 #include "tests/support/shell.hpp"
 #include "tests/unit/db/db_support.hpp"
 
@@ -164,7 +166,8 @@ SessionId record(Database& database, std::uint32_t seed, const std::optional<std
   }
   EXPECT_TRUE(writer->append_bus(frames).ok());
   EXPECT_TRUE(
-      writer->store_marker(7, start.started_utc_ns, "he said: \"tab\there\", \\N", Actor{"anna", "therapist", "rest", "script"}).ok());
+      writer->store_marker(7, start.started_utc_ns, "he said: \"tab\there\", \\N", Actor{"anna", "therapist", "rest", "script"}, "stumble")
+          .ok());
   EXPECT_TRUE(writer->append_utc_anchor(kStart_ns + 10, start.started_utc_ns + 12).ok());
   EXPECT_TRUE(writer->end(CloseReason::finished, start.started_utc_ns + 4'000'000'000).ok());
   return *id;
@@ -182,7 +185,8 @@ std::vector<std::string> dump(Database& database, SessionId session) {
   for (const char* sql :
        {"SELECT started_utc_ns || '|' || start_time_ns || '|' || core_start_time_ns || '|' || simulated || '|' || layout_hash || '|' || "
         "software_version || '|' || core_version || '|' || note || '|' || exercise || '|' || ended_utc_ns || '|' || close_reason || '|' || "
-        "sample_count || '|' || first_time_ns || '|' || last_time_ns || '|' || folded || '|' || columns_hash FROM sessions WHERE id = ?1",
+        "hoist_id || '|' || sample_count || '|' || first_time_ns || '|' || last_time_ns || '|' || folded || '|' || columns_hash FROM "
+        "sessions WHERE id = ?1",
         "SELECT ifnull(code, '-') || '|' || ifnull(day, '-') FROM sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON "
         "patients.id = patient_id WHERE sessions.id = ?1",
         "SELECT first_tick || '|' || last_tick || '|' || samples || '|' || hex(directory) || '|' || hex(body) FROM chunks WHERE session_id "
@@ -193,7 +197,8 @@ std::vector<std::string> dump(Database& database, SessionId session) {
         "SELECT number || '|' || tick || '|' || kind_name || '|' || ifnull(printf('%!.17g', value), 'none') || '|' || name || '|' || "
         "ifnull(user || role || origin || client, 'none') FROM events LEFT JOIN actors ON actors.id = actor_id WHERE session_id = ?1 ORDER "
         "BY 1",
-        "SELECT number || '|' || tick || '|' || utc_ns || '|' || text || '|' || ifnull(user || client, 'none') FROM markers LEFT JOIN "
+        "SELECT number || '|' || tick || '|' || utc_ns || '|' || text || '|' || ifnull(kind, 'none') || '|' || ifnull(user || client, "
+        "'none') FROM markers LEFT JOIN "
         "actors ON "
         "actors.id = actor_id WHERE session_id = ?1 ORDER BY 1",
         "SELECT time_ns || '|' || utc_ns FROM utc_anchors WHERE session_id = ?1 ORDER BY 1",
@@ -248,6 +253,12 @@ TEST_F(ArchiveTest, sessions_of_two_hoists_come_back_as_they_were_and_nothing_go
   ASSERT_EQ(here.size(), 4U);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(dump(all, here[i]), dump(north, static_cast<SessionId>(i + 1))) << i;
   EXPECT_EQ(dump(all, here[3]), dump(south, 1));
+  // Named alike or not, the two are told apart by their ids.
+  EXPECT_EQ(sql("SELECT count(DISTINCT hoist_id) FROM hoist.sessions"), "2");
+  const std::string id = hoist_id(north.handle());
+  const auto of_north = there.list({.device = id});
+  ASSERT_EQ(of_north->size(), 3U);
+  EXPECT_EQ(of_north->front().hoist_id, id);
   const Result<PullReport> twice = there.pull(all, {});
   ASSERT_TRUE(twice.ok());
   EXPECT_EQ(twice->pulled, 0U);
@@ -280,6 +291,23 @@ TEST_F(ArchiveTest, a_query_selects_by_patient_device_and_day) {
     EXPECT_EQ(refused.error().kind, ErrorKind::bad_value);
     EXPECT_FALSE(refused.error().field.empty());
   }
+}
+
+TEST_F(ArchiveTest, capital_and_small_letters_do_not_tell_codes_apart) {
+  Archive there = archive();
+  Database north = open_at(dir_.file("north.db"));
+  Database south = open_at(dir_.file("south.db"));
+  record(north, 1, "MÜL-17");
+  record(south, 2, "mül-17");
+  ASSERT_TRUE(there.push(north, {"north"}).ok());
+  ASSERT_TRUE(there.push(south, {"south"}).ok());
+  EXPECT_EQ(sql("SELECT count(*), min(code) FROM hoist.patients"), "1|MÜL-17");
+  EXPECT_EQ(there.push(south, {"south"})->present, 1U) << "the digest is that of the hoist's own letters";
+  EXPECT_EQ(there.list({.patient = "MÜL-17"})->size(), 2U);
+  Database pulled = open_at(dir_.file("pulled.db"));
+  record(pulled, 3, "Mül-17");
+  ASSERT_TRUE(there.pull(pulled, {}).ok());
+  EXPECT_EQ(VisitReader(pulled).patients()->items.size(), 1U);
 }
 
 TEST_F(ArchiveTest, changed_words_follow_and_what_was_erased_stays_away) {
@@ -368,13 +396,32 @@ TEST_F(ArchiveTest, a_database_without_an_archive_or_with_a_newer_one_says_what_
   EXPECT_EQ(none.error().kind, ErrorKind::wrong_state);
   EXPECT_NE(none.error().message.find("hoist archive create"), std::string::npos);
   EXPECT_EQ(*Archive::create(target()), 0);
-  EXPECT_EQ(*Archive::create(target()), 1);
-  sql("INSERT INTO hoist.archive_schema (version) VALUES (2)");
+  EXPECT_EQ(*Archive::create(target()), 2);
+  sql("INSERT INTO hoist.archive_schema (version) VALUES (3)");
   EXPECT_EQ(Archive::connect(target()).error().kind, ErrorKind::newer_schema);
   EXPECT_EQ(Archive::create(target()).error().kind, ErrorKind::newer_schema);
   const auto unreachable = Archive::connect("host=" + dir_.file("nowhere") + " dbname=x");
   ASSERT_FALSE(unreachable.ok());
   EXPECT_EQ(unreachable.error().kind, ErrorKind::io);
+}
+
+// Sessions from before hoists had an id are the same recordings as before: nothing is sent again, nothing differs.
+TEST_F(ArchiveTest, an_archive_of_the_first_schema_goes_on) {
+  ASSERT_TRUE(Archive::create(target()).ok());
+  Database database = open_at(dir_.file("one.db"));
+  record(database, 1, "P-1");
+  execute(database.handle(), "UPDATE sessions SET hoist_id = NULL; UPDATE markers SET kind = NULL");
+  ASSERT_TRUE(connected(target()).push(database, {"one"}).ok());
+  sql("ALTER TABLE hoist.sessions DROP COLUMN hoist_id; ALTER TABLE hoist.markers DROP COLUMN kind; DELETE FROM hoist.archive_schema WHERE "
+      "version = 2");
+  EXPECT_EQ(Archive::connect(target()).error().kind, ErrorKind::wrong_state);
+  EXPECT_EQ(*Archive::create(target()), 1);
+  Archive there = connected(target());
+  EXPECT_TRUE(there.verify({})->empty());
+  EXPECT_EQ(there.push(database, {"one"})->present, 1U);
+  EXPECT_EQ(there.list({})->front().hoist_id, "");
+  record(database, 2, "P-1");
+  EXPECT_EQ(there.push(database, {"one"})->pushed, 1U);
 }
 
 // A push by the tool, as a process of its own; it says on stderr which visit it begins.

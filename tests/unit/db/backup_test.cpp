@@ -12,6 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "db/store/deletion.hpp"
+#include "db/store/device_settings.hpp"
+#include "db/store/hoist_id.hpp"
 #include "db/store/sqlite.hpp"
 #include "tests/unit/db/db_support.hpp"
 
@@ -129,6 +131,51 @@ TEST_F(Backup, IsListedAndPutBack) {
   record(3);
   auto present = Database::attach(file_);
   EXPECT_EQ(SessionReader(*present).list()->sessions.at(0).id, 3) << "number 2 stands on paper for another session";
+}
+
+// Two hoists with one id would be one in every archive.
+TEST_F(Backup, OnAnotherHoistItBringsRecordingsButNeitherIdNorName) {
+  std::string first;
+  {
+    auto database = Database::open(file_);
+    first = hoist_id(database->handle());
+    ASSERT_TRUE(change_device_settings(*database, {.name = "Room 3", .language = {}}, "").ok());
+  }
+  const BackupInfo backup = back_up_now();
+  EXPECT_EQ(backup.hoist_id, first);
+  EXPECT_EQ(list_backups(stick_).at(0).hoist_id, first);
+  const fs::path copied = folder_ / "copied.db", other = folder_ / "other" / "hoist.db", fresh = folder_ / "fresh" / "hoist.db";
+  fs::copy_file(backup.folder / "recordings.db", copied);
+  EXPECT_EQ(hoist_id_of(copied), "");
+  EXPECT_NE(hoist_id(Database::open(copied)->handle()), first) << "put in place by hand";
+  const auto put_back = [&](const fs::path& file) {
+    const auto prepared = prepare_restore(backup.folder, file, kGoOn);
+    ASSERT_TRUE(prepared.ok() && *prepared) << prepared.error().message;
+    ASSERT_TRUE(finish_restore(**prepared, file, kStartUtc_ns).ok());
+  };
+  for (const fs::path& folder : {other.parent_path(), fresh.parent_path()}) fs::create_directory(folder);
+  std::string second;
+  {
+    auto database = Database::open(other);
+    second = hoist_id(database->handle());
+    ASSERT_TRUE(change_device_settings(*database, {.name = "Room 4", .language = {}}, "").ok());
+  }
+  put_back(other);
+  {
+    auto database = Database::open(other);
+    EXPECT_EQ(hoist_id(database->handle()), second);
+    EXPECT_EQ(device_settings(*database)->name, "Room 4");
+    EXPECT_EQ(SessionReader(*database).get(1)->hoist_id, first) << "a session says who recorded it";
+  }
+  put_back(fresh);
+  const std::string third = hoist_id(Database::open(fresh)->handle());
+  EXPECT_EQ(third.size(), 36U);
+  EXPECT_NE(third, first) << "nobody can know whether this is the same machine";
+  // The hoist itself stays itself.
+  put_back(file_);
+  auto database = Database::open(file_);
+  EXPECT_EQ(hoist_id(database->handle()), first);
+  EXPECT_EQ(device_settings(*database)->name, "Room 3");
 }
 
 TEST_F(Backup, AnEndedOneLeavesNothing) {

@@ -231,7 +231,7 @@ TEST(EventsCsv, events_and_markers_in_order_with_harmless_texts) {
   options.comments = false;
   EXPECT_EQ(whole(f.database, f.id, options),
             "utc,time_s,tick,kind,name,code,bits,item,value,before,request_id,user,role,origin,client,text\n"
-            "2026-09-21T14:13:20.153456Z,0.030000,3,marker,,,,,,,,,,,,\"'=HYPERLINK(\"\"http://evil\"\")\"\n"
+            "2026-09-21T14:13:20.153456Z,0.030000,3,marker,note,,,,,,,,,,,\"'=HYPERLINK(\"\"http://evil\"\")\"\n"
             "2026-09-21T14:13:20.203456Z,0.080000,8,mode_changed,user,2,0,0,0.1,0,0,local,therapist,hoist.v1,device-0a1b2c3d,\n");
 }
 
@@ -262,6 +262,7 @@ TEST(Json, holds_everything_column_by_column) {
   EXPECT_EQ(all["gaps"][0]["reason"], "not_received");
   EXPECT_EQ(all["gaps"][0]["to_tick"], 1039);
   EXPECT_EQ(all["markers"][0]["text"], "ok");
+  EXPECT_EQ(all["markers"][0]["kind"], "note");
 }
 
 // A reader of its own for both rules: RFC 4180, and pandas' C parser, for which '#' outside quotes ends the line (pandas issue 27637).

@@ -8,6 +8,8 @@
 
 #include "control/contract/params.hpp"
 #include "db/export/zip_file.hpp"
+#include "db/store/hoist_id.hpp"
+#include "db/store/sqlite.hpp"
 #include "tests/unit/db/export_support.hpp"
 
 namespace hoist::db::test {
@@ -100,6 +102,18 @@ TEST(Manifest, TellsParametersChangesCalibrationWordsGapsAndClockInCsvAndJson) {
   EXPECT_EQ(told["clock"][0]["utc"], "2026-09-21T14:13:20.123456Z");
   EXPECT_EQ(told["faults"].size(), contract::kFaults.size());
   EXPECT_EQ(told["recordings_file"], f.database.file_id());
+  const std::string id = hoist_id(f.database.handle());
+  EXPECT_EQ(told["hoist"], (json{{"id", id}}));
+  EXPECT_NE(std::ranges::find(lines, "# hoist," + id), lines.end());
+}
+
+TEST(Manifest, SaysThatTheHoistOfAnOldRecordingIsNotKnown) {
+  Fixture f;
+  record_eventful(f);
+  execute(f.database.handle(), "UPDATE sessions SET hoist_id = NULL");
+  EXPECT_EQ(json::parse(whole(f.database, f.id, {.format = ExportFormat::json}))["manifest"]["hoist"], (json{{"id", nullptr}}));
+  const std::vector<std::string> lines = lines_of(whole(f.database, f.id, {}));
+  EXPECT_NE(std::ranges::find(lines, "# hoist,not recorded"), lines.end());
 }
 
 TEST(Events, AnEdgeOfTheSynchronisationHasItsStepTimeAndLevel) {

@@ -8,6 +8,7 @@
 #include "db/store/parameter_log.hpp"
 #include "db/store/patients.hpp"
 #include "db/store/profiles.hpp"
+#include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
 #include "tests/unit/db/db_support.hpp"
 
@@ -85,6 +86,53 @@ TEST_F(Patients, AChangeIsMadeForWhatWasSeen) {
   EXPECT_TRUE(store().change(before.id, {.code = {}, .archived = true}, {})->archived);
   EXPECT_EQ(store().choose(before.id).error().kind, ErrorKind::wrong_state) << "archived";
   EXPECT_EQ(VisitReader(*database_).patients({.archived = false})->items.size(), 1U);
+}
+
+TEST_F(Patients, OneRuleForCodesWhereverTheyAreTyped) {
+  EXPECT_EQ(made(" P-017\t").code, "P-017") << "trimmed";
+  EXPECT_EQ(made("MÜL_3.b").code, "MÜL_3.b");
+  EXPECT_EQ(made(std::string(32, 'x')).code.size(), 32U);
+  std::string letters;
+  for (int i = 0; i < 32; ++i) letters += "ž";
+  EXPECT_EQ(made(letters).code.size(), 64U) << "letters count, not bytes";
+  const std::string long_one(33, 'y');
+  for (const char* bad : {"", "  ", "Anna Novak", "P/17", "100%", "-1", ".x", "_", "a\x7f", "P\xC5",
+                          "\xE2\x82\xAC"
+                          "5",
+                          "\xC3\x97"
+                          "2",
+                          "\xCE\xB1", long_one.c_str()}) {
+    const auto refused = store().create(bad);
+    ASSERT_FALSE(refused.ok()) << bad;
+    EXPECT_EQ(refused.error().kind, ErrorKind::bad_value) << bad;
+    EXPECT_EQ(refused.error().field, "code") << bad;
+    EXPECT_NE(refused.error().message.find("1 to 32 letters, digits"), std::string::npos) << refused.error().message;
+  }
+  // Capital or small, it is one patient: for those that are made, renamed, recorded and corrected.
+  EXPECT_EQ(store().create("p-017").error().kind, ErrorKind::taken);
+  EXPECT_EQ(store().create("mül_3.B").error().kind, ErrorKind::taken);
+  const PatientInfo other = made("Q-1");
+  EXPECT_EQ(store().change(other.id, {.code = "mül_3.b", .archived = {}}, {}).error().kind, ErrorKind::taken);
+  EXPECT_EQ(store().change(other.id, {.code = " q-1 ", .archived = {}}, {})->code, "q-1") << "its own";
+  EXPECT_EQ(store().change(other.id, {.code = "Q 1", .archived = {}}, {}).error().field, "code");
+  const SessionId session = record("p-017");
+  EXPECT_EQ(SessionReader(*database_).get(session)->subject, "P-017");
+  const auto correct = [&](const char* code) {
+    return SessionEditor(*database_).patch(session, {.note = {}, .subject = std::optional<std::string>(code), .exercise_json = {}});
+  };
+  ASSERT_TRUE(correct(" Mül_3.B ").ok());
+  EXPECT_EQ(SessionReader(*database_).get(session)->subject, "MÜL_3.b");
+  const Status refused = correct("Anna Novak");
+  EXPECT_EQ(refused.error().field, "subject");
+  EXPECT_NE(refused.error().message.find("1 to 32 letters, digits"), std::string::npos);
+  EXPECT_EQ(SessionReader(*database_).get(session)->subject, "MÜL_3.b");
+  // From before the rule: recorded on, kept, corrected to, and told apart where there were two.
+  execute(database_->handle(), "INSERT INTO patients (code, registered) VALUES ('Bed 4', 1), ('P-017x', 1), ('p-017X', 1)");
+  EXPECT_EQ(SessionReader(*database_).get(record("Bed 4"))->subject, "Bed 4");
+  EXPECT_TRUE(correct("bed 4").ok());
+  EXPECT_EQ(SessionReader(*database_).get(record("p-017X"))->subject, "p-017X");
+  EXPECT_EQ(SessionReader(*database_).get(record("Never Made"))->subject, "Never Made")
+      << "a walk is never refused for a code that was chosen";
 }
 
 TEST_F(Patients, AVisitsNoteIsWrittenForWhatWasSeen) {

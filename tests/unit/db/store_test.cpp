@@ -10,6 +10,7 @@
 #include <random>
 
 #include "db/store/exercise_json.hpp"
+#include "db/store/hoist_id.hpp"
 #include "db/store/schema_list.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/visits.hpp"
@@ -172,6 +173,7 @@ TEST(Open, a_file_of_schema_001_is_migrated_and_says_what_it_does_not_know) {
     EXPECT_EQ(info->subject, id < 3 ? std::optional<std::string>("P-017") : std::nullopt);
     EXPECT_EQ(info->layout_hash, 0xFEDCBA9876543210ULL);
     EXPECT_FALSE(info->core_version.has_value());
+    EXPECT_FALSE(info->hoist_id.has_value()) << "hoists had no id then";
     EXPECT_TRUE(reader.node_programs(id)->empty());
     EXPECT_TRUE(reader.journal(id)->empty());
     EXPECT_EQ(reader.columns(id)->size(), 67U) << "those of its own time";
@@ -200,7 +202,35 @@ TEST(Open, a_file_of_schema_001_is_migrated_and_says_what_it_does_not_know) {
   EXPECT_FALSE(patients->items[0].archived || patients->items[0].has_identity);
   // And it is recorded into as any other.
   std::vector<TickRecord> records;
-  expect_recorded(database, record_session(database, 300, 1, &records), records);
+  const SessionId today = record_session(database, 300, 1, &records);
+  expect_recorded(database, today, records);
+  EXPECT_EQ(SessionReader(database).get(today)->hoist_id, hoist_id(database.handle()));
+}
+
+TEST(HoistId, is_made_once_at_random_and_outlives_a_file_that_is_set_aside) {
+  TemporaryFolder dir;
+  std::string first;
+  {
+    Database database = open_at(dir / "hoist.db");
+    first = hoist_id(database.handle());
+    ASSERT_EQ(first.size(), 36U);
+    EXPECT_EQ(first[14], '4') << "RFC 9562: random";
+    EXPECT_NE(std::string("89ab").find(first[19]), std::string::npos);
+    EXPECT_EQ(first.find_first_not_of("0123456789abcdef-"), std::string::npos);
+    EXPECT_THROW(execute(database.handle(), "INSERT INTO hoist (id) VALUES (NULL)"), SqlFailure);
+  }
+  EXPECT_EQ(hoist_id(open_at(dir / "hoist.db").handle()), first) << "opened again";
+  EXPECT_NE(hoist_id(open_at(dir / "other.db").handle()), first);
+  OpenOptions options;
+  options.utc_now_ns = kStartUtc_ns;
+  options.damage = "page 7 is another's";
+  {
+    Database database = open_at(dir / "hoist.db", options);
+    ASSERT_FALSE(database.report().set_aside.empty());
+    EXPECT_EQ(hoist_id(database.handle()), first) << "an empty file, the same hoist";
+    EXPECT_EQ(number_of(database, "SELECT count(*) FROM hoist"), 1);
+  }
+  EXPECT_EQ(hoist_id_of(dir / "none.db"), "");
 }
 
 // A day ends at midnight where the computer stands.
@@ -607,7 +637,7 @@ TEST(Writer, events_markers_parameters_and_frames_come_back) {
   ASSERT_TRUE(writer.append_events(std::vector<Event>{raised, changed}).ok());
   ASSERT_TRUE(writer.commit().ok());
   ASSERT_TRUE(writer.append_events(std::vector<Event>{unknown}).ok());
-  ASSERT_TRUE(writer.append_marker(7, kStartUtc_ns + 70'000'000, "first step ≈ \"good\"").ok());
+  ASSERT_TRUE(writer.append_marker(7, kStartUtc_ns + 70'000'000, "first step ≈ \"good\"", {}, "good").ok());
   std::vector<BusRecord> frames;
   for (std::uint64_t i = 0; i < 34567; ++i) {
     BusRecord f;
@@ -640,6 +670,7 @@ TEST(Writer, events_markers_parameters_and_frames_come_back) {
   ASSERT_TRUE(markers.ok());
   ASSERT_EQ(markers->size(), 1U);
   EXPECT_EQ((*markers)[0].text, "first step ≈ \"good\"");
+  EXPECT_EQ((*markers)[0].kind, "good");
   const auto parameters = reader.parameters(*id);
   ASSERT_TRUE(parameters.ok());
   ASSERT_EQ(parameters->size(), contract::kParamCount);
@@ -697,6 +728,7 @@ TEST(Writer, wrong_calls_are_refused_by_name_and_change_nothing) {
   refused(writer.append_gap("ticks", 3, 2, "x"), ErrorKind::bad_value, "to_tick");
   refused(writer.append_gap("ticks", 1, 2, ""), ErrorKind::bad_value, "reason");
   refused(writer.append_marker(1, 1, std::string(501, 'a')), ErrorKind::bad_value, "text");
+  refused(writer.append_marker(1, 1, "a", {}, "joke"), ErrorKind::bad_value, "kind");
 }
 
 // H24
@@ -825,7 +857,7 @@ TEST(Reader, a_search_finds_part_of_a_code_in_capital_or_small_letters) {
   TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   SessionWriter writer = writer_of(database);
-  for (const char* code : {"P-017", "p-0170", "MÜL-3", "ŽAK_1", "100%"}) {
+  for (const char* code : {"P-017", "p-0170", "MÜL-3", "ŽAK_1", "100%"}) {  // the last one from before the rule
     SessionStart start = start_of_walk();
     start.subject = code;
     ASSERT_TRUE(writer.begin(start).ok());

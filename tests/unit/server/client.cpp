@@ -312,9 +312,10 @@ std::string Live::binary() {
   return parts_->binary;
 }
 std::uint64_t Live::frame_layout_hash() const { return parts_->hash; }
-unsigned Live::wait_close() {
-  while (parts_->read()) {
-  }
+unsigned Live::wait_close(std::chrono::milliseconds within) {
+  const auto until = std::chrono::steady_clock::now() + within;
+  while (parts_->read())
+    if (std::chrono::steady_clock::now() > until) return 0;
   return parts_->close_code;
 }
 void Live::close() {

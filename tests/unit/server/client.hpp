@@ -75,8 +75,8 @@ class Live {
   [[nodiscard]] std::uint64_t frame_layout_hash() const;
   // The next binary message of any kind; empty when none comes.
   std::string binary();
-  // Reads until the server closes; the close code.
-  unsigned wait_close();
+  // The code with which the server closes; 0 when that takes longer than `within`, however many messages come meanwhile.
+  unsigned wait_close(std::chrono::milliseconds within = std::chrono::seconds(30));
   void close();
 
  private:

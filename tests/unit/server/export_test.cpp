@@ -1,5 +1,6 @@
 // Exports that are whole files: made once, served in parts by their tag, and of many sessions by a job.
 #include <array>
+#include <map>
 
 #include "db/store/session_writer.hpp"
 #include "server/http/exchange.hpp"
@@ -123,6 +124,24 @@ TEST_F(Exports, AnMcapIsServedWholeAndInPartsByItsTag) {
   EXPECT_EQ(joined, whole.body);
   // What the file follows from changes its tag.
   EXPECT_NE(get(target + "&columns=x_m").header("etag"), tag);
+  // In the audit log all parts are one row, with what was sent; whole files and refusals are a row each, as they come.
+  const std::size_t parts = 2 + (whole.body.size() + 7776) / 7777;
+  const std::string size = std::to_string(whole.body.size());
+  stop_server();
+  start_server();
+  std::multimap<std::string, json> rows;
+  for (const json& row : get("/api/v1/audit?limit=200").json()["items"])
+    if (row["action"] == "export_session" || row["action"] == "export_mcap")
+      rows.emplace(row["action"].get<std::string>() + " " + row["result"].get<std::string>(), row);
+  ASSERT_EQ(rows.count("export_session 206"), 1U);
+  const json& told = rows.find("export_session 206")->second;
+  EXPECT_EQ(told["target"], target);
+  EXPECT_EQ(told["after"], std::to_string(1008 + whole.body.size()) + " of " + size + " bytes in " + std::to_string(parts) + " parts");
+  EXPECT_EQ(rows.count("export_mcap 206"), 1U);
+  EXPECT_EQ(rows.find("export_mcap 206")->second["after"], "1000 of " + size + " bytes in 1 part");
+  EXPECT_EQ(rows.find("export_mcap 200")->second["after"], size + " of " + size + " bytes in 1 part");
+  EXPECT_EQ(rows.count("export_session 416"), 1U);
+  EXPECT_EQ(rows.count("export_mcap 404"), 1U);
   ASSERT_EQ(call("PATCH", "/api/v1/sessions/1", {{"note", "seen"}}).status, 200);
   EXPECT_NE(get(target).header("etag"), tag);
 }

@@ -362,7 +362,7 @@ TEST_F(Idle, EachStepIsShownOrNamedAsMissingExactlyOnce) {
 namespace calls {
 #define CALL(name, ...) \
   void name(Services& services, const Asker& asker, OutcomeDone done) { __VA_ARGS__; }
-const json kNone, kEmpty = json::object(), kUser = "user", kStandby = "standby", kText = "here", kPatient = 7U, kTask{{"task", "circle"}};
+const json kNone, kEmpty = json::object(), kUser = "user", kStandby = "standby", kPatient = 7U, kTask{{"task", "circle"}};
 CALL(take_lease, act_take_lease(services, asker, true, done))
 CALL(release_lease, act_release_lease(services, asker, done))
 CALL(ask_lease, act_ask_lease(services, asker, false, done))
@@ -387,12 +387,12 @@ CALL(keep_parameters, act_keep_trial(services, asker, 0U, done))
 CALL(undo_parameters, act_undo_trial(services, asker, done))
 CALL(apply_preset, act_preset(services, asker, "walk", 0U, done))
 CALL(update_firmware, act_update_firmware(services, asker, {}, contract::Node::tilt_base, false, done))
-CALL(add_marker, act_mark(services, asker, std::nullopt, kText, done))
+CALL(add_marker, act_mark(services, asker, std::nullopt, {.text = "here"}, done))
 CALL(begin_recording, act_record(services, asker, {.starts = true, .subject = {}, .note = {}}, done))
 CALL(end_recording, act_record(services, asker, {.starts = false, .subject = {}, .note = {}}, done))
 CALL(change_session, act_change_session(services, asker, db::SessionId{1}, db::SessionPatch{}, {}, done))
-CALL(delete_session, act_delete_session(services, asker, db::SessionId{1}, done))
-CALL(change_marker, act_change_marker(services, asker, MarkerPlace{}, "there", {}, done))
+CALL(delete_session, act_delete_session(services, asker, db::SessionId{1}, {}, done))
+CALL(change_marker, act_change_marker(services, asker, MarkerPlace{}, db::MarkerPatch{}, {}, done))
 CALL(delete_marker, act_delete_marker(services, asker, MarkerPlace{}, {}, done))
 CALL(set_retention, act_set_retention(services, asker, db::RetentionRule{}, {}, done))
 CALL(change_settings, act_change_device(services, asker, db::DeviceSettingsPatch{}, {}, done))

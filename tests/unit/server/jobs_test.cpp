@@ -341,6 +341,8 @@ TEST_F(JobsRest, ABackupIsTakenWhileRecordingAndPutBackAfterIt) {
   ASSERT_EQ(call("POST", "/api/v1/recording", {{"action", "start"}}).status, 200);
   ASSERT_EQ(call("POST", "/api/v1/recording", {{"action", "stop"}}).status, 200);
   EXPECT_EQ(get("/api/v1/sessions").json()["total"], 2);
+  const json id = get("/api/v1/settings").json()["hoist_id"];
+  EXPECT_EQ(taken["result"]["hoist_id"], id);
   const json restored = job(request);
   ASSERT_EQ(restored["state"], "done") << restored;
   EXPECT_EQ(get("/api/v1/sessions").json()["total"], 1);
@@ -348,7 +350,10 @@ TEST_F(JobsRest, ABackupIsTakenWhileRecordingAndPutBackAfterIt) {
   ASSERT_TRUE(wait_file("sound")) << "the new file is checked";
   ASSERT_EQ(call("POST", "/api/v1/recording", {{"action", "start"}}).status, 200);
   EXPECT_TRUE(recording("recording")) << "and recorded into";
-  EXPECT_EQ(job({{"kind", "list_backups"}})["result"]["items"].size(), 1U);
+  const json listed = job({{"kind", "list_backups"}})["result"]["items"];
+  ASSERT_EQ(listed.size(), 1U);
+  EXPECT_EQ(listed[0]["hoist_id"], id);
+  EXPECT_EQ(get("/api/v1/settings").json()["hoist_id"], id);
 }
 
 TEST_F(JobsRest, RetentionIsShownBeforeItIsSetAndActsAtTheNextStart) {

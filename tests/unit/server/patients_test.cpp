@@ -37,7 +37,13 @@ class People : public ServerTest {
 
 TEST_F(People, AChangeSaysWhatItWasMadeFor) {
   const json patient = made("P-017");
-  EXPECT_EQ(call("POST", "/api/v1/patients", {{"code", "P-017"}}).status, 409U);
+  EXPECT_EQ(call("POST", "/api/v1/patients", {{"code", " p-017 "}}).status, 409U) << "the same patient";
+  for (const Answer& refused :
+       {call("POST", "/api/v1/patients", {{"code", "Anna Novak"}}), call("PATCH", at(patient), {{"code", "P/1"}}, {{"If-Match", "*"}})}) {
+    EXPECT_EQ(refused.status, 422U) << refused.body;
+    EXPECT_EQ(refused.json()["errors"][0]["field"], "code");
+    EXPECT_NE(refused.json()["errors"][0]["message"].get<std::string>().find("1 to 32 letters, digits"), std::string::npos);
+  }
   for (const char* method : {"PATCH", "DELETE"}) {
     const json body = std::string(method) == "PATCH" ? json{{"archived", true}} : json();
     EXPECT_EQ(call(method, at(patient), body).status, 428U) << method;

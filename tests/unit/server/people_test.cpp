@@ -10,6 +10,8 @@
 #include <random>
 #include <set>
 
+#include "server/api/download_log.hpp"
+#include "server/contract/audit.hpp"
 #include "server/contract/routes.hpp"
 #include "server/http/auth.hpp"
 #include "server/http/listener.hpp"
@@ -23,6 +25,8 @@ namespace {
 
 constexpr const char* kPassword = "four words not together";
 constexpr const char* kOther = "another row of words";
+// For what must happen with the answer, not when the connection is found silent (5 s).
+constexpr std::chrono::milliseconds kAtOnce{2000};
 
 // A browser: sends its cookie and the headers that the console sends.
 struct Browser {
@@ -263,7 +267,7 @@ TEST_F(People, a_changed_role_and_a_disabled_account_hold_at_once) {
   auto socket = anna.live(anna.ticket());
   ASSERT_EQ(socket->status(), 101U);
   ASSERT_EQ(call("PATCH", "/api/v1/users/anna", {{"role", "viewer"}}).status, 200U);
-  EXPECT_EQ(socket->wait_close(), 1008U);
+  EXPECT_EQ(socket->wait_close(kAtOnce), 1008U);
   const Answer refused = anna.call("POST", "/api/v1/lease", json::object());
   EXPECT_EQ(refused.status, 403U);
   EXPECT_NE(refused.json()["type"].get<std::string>().find("role"), std::string::npos);
@@ -285,7 +289,7 @@ TEST_F(People, who_signs_out_while_driving_leaves_the_lease_and_can_still_stop) 
   ASSERT_EQ(socket->ask({{"type", "lease_take"}})["ok"], true);
   ASSERT_TRUE(until([&] { return get("/api/v1/status").json()["lease"]["holder"] != 0; }));
   ASSERT_EQ(anna.call("DELETE", "/api/v1/session").status, 200U);
-  EXPECT_EQ(socket->wait_close(), 1008U);
+  EXPECT_EQ(socket->wait_close(kAtOnce), 1008U);
   EXPECT_TRUE(until([&] { return get("/api/v1/status").json()["lease"]["holder"] == 0; }));
   EXPECT_EQ(anna.call("GET", "/api/v1/status").status, 401U);
   EXPECT_EQ(anna.call("POST", "/api/v1/stop").status, 200U);
@@ -414,14 +418,17 @@ TEST_F(People, the_audit_log_names_who_did_what_and_finds_changes) {
   EXPECT_TRUE(until([&] { return has("anna", "sign_in", "done"); }));
   EXPECT_TRUE(until([&] { return has("anna", "sign_in", "wrong-secret"); }));
   EXPECT_TRUE(until([&] { return has("anna", "take_lease", "done"); }));
-  EXPECT_TRUE(until([&] { return has("local", "user", "done"); }));
+  EXPECT_TRUE(until([&] { return has("local", "add_user", "done"); }));
   EXPECT_TRUE(until([&] {
     for (const json& row : rows())
-      if (row["action"] == "user" && row["before"] == "therapist" && row["after"] == "viewer") return row["user"] == "local";
+      if (row["action"] == "change_user" && row["before"] == "therapist" && row["after"] == "viewer") return row["user"] == "local";
     return false;
   }));
   const std::string whole = rows().dump();
   EXPECT_EQ(whole.find(kPassword), std::string::npos);
+  for (const char* action : {"add_user", "change_user"})
+    EXPECT_EQ(std::ranges::count_if(rows(), [&](const json& row) { return row["action"] == action; }), 1)
+        << action << " is one row, not two";
   // Pages.
   const json first = get("/api/v1/audit?limit=2").json();
   ASSERT_EQ(first["items"].size(), 2U);
@@ -673,6 +680,51 @@ TEST_F(People, other_devices_reach_the_set_up_only_until_there_is_an_account) {
   elsewhere_ = false;
   EXPECT_EQ(http(port_, "GET", "/api/v1/status", local_token).status, 200U);
   EXPECT_EQ(http(port_, "GET", "/api/v1/status", local_cookie).status, 200U);
+}
+
+// Written when it is over, with the sum; what could not be told apart is one download.
+TEST(DownloadLog, many_parts_of_one_file_are_one_row) {
+  std::vector<db::AuditEntry> rows;
+  server::DownloadLog log([&](db::AuditEntry entry) { rows.push_back(std::move(entry)); });
+  constexpr std::uint64_t kSecond_ns = 1'000'000'000;
+  const auto entry = [](const char* user, const char* target) {
+    db::AuditEntry one;
+    one.user = user;
+    one.address = "10.0.0.7";
+    one.action = "export_mcap";
+    one.target = target;
+    return one;
+  };
+  // Studio reads the end first, then the beginning, some bytes twice, others never.
+  log.part(entry("anna", "/3"), "\"a\"", 100, 1000, kSecond_ns);
+  for (int i = 0; i < 50; ++i) log.part(entry("anna", "/3"), "\"a\"", 30, 1000, 2 * kSecond_ns);
+  log.part(entry("bert", "/3"), "\"a\"", 10, 1000, 2 * kSecond_ns);   // another person
+  log.part(entry("anna", "/4"), "\"b\"", 10, 1000, 2 * kSecond_ns);   // another export
+  log.part(entry("anna", "/3"), "\"a2\"", 10, 1000, 2 * kSecond_ns);  // of a session that was changed meanwhile
+  log.tick(31 * kSecond_ns);
+  EXPECT_TRUE(rows.empty()) << "none has rested for half a minute";
+  log.part(entry("anna", "/3"), "\"a\"", 30, 1000, 31 * kSecond_ns);
+  log.tick(33 * kSecond_ns);
+  ASSERT_EQ(rows.size(), 3U);
+  for (const db::AuditEntry& row : rows) EXPECT_EQ(row.after, "10 of 1000 bytes in 1 part");
+  log.tick(62 * kSecond_ns);
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[3].user, "anna");
+  EXPECT_EQ(rows[3].after, "1630 of 1000 bytes in 52 parts");
+  // The whole at once is told at once; later parts are another download.
+  log.part(entry("anna", "/3"), "\"a\"", 1000, 1000, 63 * kSecond_ns);
+  EXPECT_EQ(rows.size(), 5U);
+  // Bounded in number and in time, and nothing is lost at the end.
+  rows.clear();
+  for (std::size_t i = 0; i <= server::DownloadLog::kMost; ++i)
+    log.part(entry("anna", std::to_string(i).c_str()), "c", 1, 9, (70 + i) * kSecond_ns / 10 + 64 * kSecond_ns);
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].target, "0") << "the one that has rested longest";
+  log.flush();
+  EXPECT_EQ(rows.size(), server::DownloadLog::kMost + 1);
+  rows.clear();
+  for (std::uint64_t s = 0; s < 4000; s += 20) log.part(entry("anna", "/5"), "d", 1, 9000, (100 + s) * kSecond_ns);
+  EXPECT_EQ(rows.size(), 1U) << "an hour";
 }
 
 TEST(Tickets, open_one_socket_of_their_sign_in_within_half_a_minute) {

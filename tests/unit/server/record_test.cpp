@@ -823,7 +823,9 @@ TEST_F(RefusingDisk, AMarkerThatWasRefusedIsNotStoredLater) {
   live();
   publish(300, Mode::user);
   const db::SessionId id = recorder_->status().session.value_or(0);
-  const auto mark = [&](const char* text) { return job([&](server::Records& records) { return records.marker(id, text, std::nullopt); }); };
+  const auto mark = [&](const char* text) {
+    return job([&](server::Records& records) { return records.marker(id, {.text = text}, std::nullopt); });
+  };
   EXPECT_TRUE(mark("before"));
   disk_.fail(1.0);
   EXPECT_FALSE(mark("refused"));

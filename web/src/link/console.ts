@@ -1,7 +1,7 @@
 // Joins the connection and the store, and offers the screens' actions. The only writer of the store.
 import { codedFaults, faults, modes, type FaultName } from '../contract/faults.gen';
 import { layoutHash } from '../contract/messages.gen';
-import type { CalibrationMeasure, CalibrationStep, Exercise, GuidedPath, ReasonCode, TaskRequest } from '../contract/rest.gen';
+import type { CalibrationMeasure, CalibrationStep, Exercise, GuidedPath, MarkerKind, ReasonCode, TaskRequest } from '../contract/rest.gen';
 import type { ParamName } from '../contract/params.gen';
 import { hasBit } from './bits';
 import { readFrame, type Sample } from './frame';
@@ -415,5 +415,5 @@ export const tryParameters = (values: Partial<Record<ParamName, number>>, revert
 export const keepSettings = (): Promise<Reply> => change({ type: 'keep_settings' });
 export const undoSettings = (): Promise<Reply> => link.request({ type: 'undo_settings' });
 export const applyPreset = (name: string): Promise<Reply> => change({ type: 'preset', name });
-export const marker = (text: string): Promise<Reply> => link.request({ type: 'marker', text });
+export const marker = (text: string, kind: MarkerKind): Promise<Reply> => link.request({ type: 'marker', text, kind });
 export const everyTick = (on: boolean): void => wants.everyTick(on);

@@ -10,7 +10,7 @@ import { useSettings } from '../../text/settings';
 import { dayText, t } from '../../text/text';
 import { Trouble } from '../../ui/field';
 import { Icon } from '../../ui/icons';
-import { dayOf, exists, found, type Patient, type Visit } from './model';
+import { dayOf, exists, found, isCode, type Patient, type Visit } from './model';
 import '../../ui/rows.css';
 import './home.css';
 
@@ -137,9 +137,13 @@ export function HomeView() {
         </ul>
         {loaded && seen.length + others.length === 0 ? <p class="hint">{t(typed === '' ? 'home.empty' : 'home.notFound')}</p> : null}
         {typed !== '' && loaded && !exists([...of_today, ...(patients.value?.items ?? [])], typed) ? (
-          <button type="button" class="plain home-new" disabled={!may} onClick={() => create(typed)}>
-            {t('home.create', { code: typed })}
-          </button>
+          isCode(typed) ? (
+            <button type="button" class="plain home-new" disabled={!may} onClick={() => create(typed)}>
+              {t('home.create', { code: typed })}
+            </button>
+          ) : (
+            <p class="hint">{t('home.codeRule')}</p>
+          )
         ) : null}
         <p class="hint">{t('home.codeHint')}</p>
       </section>

@@ -32,5 +32,11 @@ export function found<T extends { code: string }>(items: readonly T[], typed: st
     .map(({ item }) => item);
 }
 
-/** Whether exactly this code exists: only then a new one is pointless. */
-export const exists = (items: readonly { code: string }[], typed: string): boolean => items.some((item) => item.code === typed.trim());
+/** Whether a new patient may have this code: the rule of db/store/patient_code.hpp. */
+export const isCode = (typed: string): boolean => /^[\da-zÀ-ÖØ-öø-ſ][\w.À-ÖØ-öø-ſ-]{0,31}$/i.test(typed.trim());
+
+/** Whether this code exists; capital and small letters do not tell codes apart. */
+export const exists = (items: readonly { code: string }[], typed: string): boolean => {
+  const code = typed.trim().toLowerCase();
+  return items.some((item) => item.code.toLowerCase() === code);
+};

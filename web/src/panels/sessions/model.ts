@@ -25,6 +25,16 @@ export function story(events: EventList, started_utc_ms: number): StoryLine[] {
   return [...events.items.filter((event) => event.kind !== 'command_done'), ...marks].sort((a, b) => a.time_s - b.time_s);
 }
 
+/** Reads a time as duration() shows it: 75, 1:15, 1:01:11; seconds may have decimals. Null when it is none. */
+export function readDuration(text: string): number | null {
+  const parts = /^(?:(?:(\d+):)?(\d{1,2}):)?(\d+(?:[.,]\d+)?)$/.exec(text.trim());
+  if (parts === null) return null;
+  const [hours, minutes, seconds] = [parts[1], parts[2], parts[3]].map((part) => Number((part ?? '0').replace(',', '.')));
+  if (parts[2] !== undefined && seconds! >= 60) return null;
+  if (parts[1] !== undefined && minutes! >= 60) return null;
+  return hours! * 3600 + minutes! * 60 + seconds!;
+}
+
 /** One curve through smallest and largest values of each run: [time, column, …] for the chart, each run giving two points. */
 export function zigzag(samples: Samples, names: readonly SignalName[]): [number[], ...(number | null)[][]] {
   const time: number[] = [];

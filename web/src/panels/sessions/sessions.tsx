@@ -23,6 +23,7 @@ import type { PanelProps } from '../panel';
 import { AllFigures } from './all_figures';
 import { curves } from './curves';
 import { ExportMany } from './export_many';
+import { Markers } from './markers';
 import { continued, pathOf, refreshed, story } from './model';
 import '../../ui/reading.css';
 import './sessions.css';
@@ -100,15 +101,15 @@ export function SessionsView({ part }: PanelProps) {
   const { list, problem, waits, again, older } = useSessionList(search.trim(), recording);
 
   // Six seconds of Undo, then the server deletes. Another Delete, or leaving the screen or the page, confirms at once.
-  const pending = useRef<{ id: number; timer: number } | null>(null);
+  const pending = useRef<{ id: number; etag: string; timer: number } | null>(null);
   const settle = () => {
     if (pending.current === null) return;
-    const { id, timer } = pending.current;
+    const { id, etag, timer } = pending.current;
     window.clearTimeout(timer);
     pending.current = null;
     setLeaving(null);
     setGone((before) => [...before, id]);
-    void rest('DELETE /api/v1/sessions/{id}', { path: { id } }).then((answer) => {
+    void rest('DELETE /api/v1/sessions/{id}', { path: { id }, etag }).then((answer) => {
       if (answer.ok) notify('info', t('sessions.deleted', { n: id }), true);
       else {
         notify('error', problemText(answer.problem), true);
@@ -124,10 +125,10 @@ export function SessionsView({ part }: PanelProps) {
       settle();
     };
   }, []);
-  const remove = (id: number) => {
+  const remove = (id: number, etag: string) => {
     settle();
     go(addressOf('sessions'), true); // Back must not lead to a deleted session
-    pending.current = { id, timer: window.setTimeout(settle, undoDelete_ms) };
+    pending.current = { id, etag, timer: window.setTimeout(settle, undoDelete_ms) };
     setLeaving(id);
   };
   const keep = () => {
@@ -194,7 +195,7 @@ export function SessionsView({ part }: PanelProps) {
           {role === 'viewer' ? null : <ExportMany />}
         </section>
       ) : (
-        <Detail key={chosen} id={chosen} onDelete={() => remove(chosen)} onChange={again} />
+        <Detail key={chosen} id={chosen} onDelete={(etag) => remove(chosen, etag)} onChange={again} />
       )}
     </div>
   );
@@ -203,7 +204,7 @@ export function SessionsView({ part }: PanelProps) {
 /** Charts are drawn by a library that is larger than the rest of this screen. */
 const chart = new Lazy(async () => (await import('./chart')).Chart);
 
-function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; onChange: () => void }) {
+function Detail({ id, onDelete, onChange }: { id: number; onDelete: (etag: string) => void; onChange: () => void }) {
   const titleOf = useTaskTitles();
   const [error, setError] = useState<string | null>(null);
   const [names, setNames] = useState<SignalName[]>(['speed_m_s', 'speed_command_m_s']);
@@ -284,7 +285,7 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
           </a>
           <h2>{session === null ? t('sessions.one', { n: id }) : `${date(session.started_utc_ms)} · ${walkName(session, titleOf)}`}</h2>
           <Export id={id} />
-          <button type="button" class="plain last" disabled={session?.recording !== false} onClick={onDelete}>
+          <button type="button" class="plain last" disabled={session?.recording !== false} onClick={() => onDelete(session!.etag)}>
             {t('sessions.delete')}
           </button>
         </div>
@@ -342,6 +343,7 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
           </div>
         </section>
       </div>
+      <Markers session={id} again={recorded} onChange={events.retry} />
       <section class="card">
         <h2>{t('sessions.events')}</h2>
         {events.value === null || session === null ? (

@@ -1,13 +1,12 @@
-// Who did what, newest first. Only read.
-import { useState } from 'preact/hooks';
-import type { AuditList } from '../../contract/rest.gen';
+// Who did what, newest first, in sentences. Only read.
+import { useEffect, useState } from 'preact/hooks';
 import { useQuery } from '../../link/query';
 import { rest, type Problem } from '../../link/rest';
-import { date, t, textOf } from '../../text/text';
+import { date, t, words } from '../../text/text';
 import { Trouble } from '../../ui/field';
+import { detail, patientOf, refusal, sentence, type Names, type Row } from './audit_text';
 
 const pageSize = 50;
-type Row = AuditList['items'][number];
 
 export function AuditSection() {
   const newest = useQuery(() => rest('GET /api/v1/audit', { query: { limit: pageSize } }), []);
@@ -22,6 +21,7 @@ export function AuditSection() {
     if (answer.ok) setOlder((before) => ({ items: [...(before?.items ?? []), ...answer.value.items], next: answer.value.next }));
   };
   const items = [...(newest.value?.items ?? []), ...(older?.items ?? [])];
+  const names = useNames(items);
   return (
     <section class="card">
       <h2>{t('settings.audit')}</h2>
@@ -34,24 +34,7 @@ export function AuditSection() {
       <Trouble problem={newest.problem ?? problem} retry={newest.problem ? newest.retry : () => void more()} />
       <ul class="rows audit">
         {items.map((row) => (
-          <li key={row.id}>
-            <div class="row-text">
-              <strong>{textOf(`audit.${row.action}`) ?? row.action.replaceAll('_', ' ')}</strong>
-              <span>
-                {row.user} · {row.address}
-                {row.target === '' ? '' : ` · ${row.target}`}
-              </span>
-              {row.before !== null || row.after !== null ? (
-                <span>
-                  {row.before ?? '–'} → {row.after ?? '–'}
-                </span>
-              ) : null}
-            </div>
-            <div class="row-text audit-when">
-              <span class="num">{date(row.utc_ms)}</span>
-              <span>{/^(done|2\d\d)$/.test(row.result) ? '' : t('audit.refused')}</span>
-            </div>
-          </li>
+          <Line key={row.id} row={row} names={names} />
         ))}
       </ul>
       {next !== null ? (
@@ -61,4 +44,60 @@ export function AuditSection() {
       ) : null}
     </section>
   );
+}
+
+function Line({ row, names }: { row: Row; names: Names }) {
+  const [changed, why] = [detail(row), refusal(row)];
+  return (
+    <li>
+      <div class="row-text">
+        <strong>{sentence(row, names)}</strong>
+        {changed === null ? null : <span>{changed}</span>}
+        {why === null ? null : (
+          <span class="audit-refused">
+            {t('audit.refused')}: {why}
+          </span>
+        )}
+      </div>
+      <div class="row-text audit-when">
+        <span class="num">{date(row.utc_ms)}</span>
+        {/^[\d.:a-f%]+$/.test(row.address) ? <span>{row.address}</span> : null}
+      </div>
+    </li>
+  );
+}
+
+/** Names of people, and codes of the patients in these rows: the log holds no code, so that it outlives a deleted patient. */
+function useNames(items: readonly Row[]): Names {
+  const users = useQuery(() => rest('GET /api/v1/users'), []);
+  const steps = useQuery(() => rest('GET /api/v1/calibration'), []);
+  const [codes, setCodes] = useState<ReadonlyMap<number, string | null>>(new Map());
+  const wanted = [...new Set(items.map(patientOf))].filter((id) => id !== null && !codes.has(id)) as number[];
+  useEffect(() => {
+    let gone = false;
+    const ask = async () => {
+      for (const id of wanted) {
+        const answer = await rest('GET /api/v1/patients/{id}', { path: { id } });
+        if (gone) return;
+        setCodes((before) => new Map(before).set(id, answer.ok ? answer.value.code : null));
+      }
+    };
+    void ask();
+    return () => void (gone = true);
+  }, [wanted.join()]);
+  return {
+    patient: (id) => codes.get(id) ?? null,
+    step: (name) => {
+      const item = steps.value?.items.find((one) => one.name === name);
+      return item ? words(item.title) : null;
+    },
+    person: (user) =>
+      user === ''
+        ? t('audit.somebody')
+        : user === 'local'
+          ? t('audit.thisComputer')
+          : user === 'hoist-server'
+            ? t('audit.theHoist')
+            : (users.value?.items.find((one) => one.user === user)?.display_name ?? user),
+  };
 }

@@ -3,6 +3,8 @@ import { useEffect, useState } from 'preact/hooks';
 import type { Backup, BackupsResult, Job } from '../../contract/rest.gen';
 import { notify } from '../../link/console';
 import { useJob } from '../../link/jobs';
+import { useQuery } from '../../link/query';
+import { rest } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { date, plain, t } from '../../text/text';
 import { Trouble } from '../../ui/field';
@@ -33,6 +35,7 @@ export function BackupSection() {
     notify('info', 'backup.restored');
     look();
   });
+  const here = useQuery(() => rest('GET /api/v1/settings'), []).value?.hoist_id ?? null;
   const busy = make.busy || restore.busy;
   const folders = known?.folders.filter((one) => one.there) ?? [];
   const target = folders.find((one) => one.folder === folder) ?? folders[0];
@@ -87,6 +90,7 @@ export function BackupSection() {
             <BackupRow
               key={item.backup}
               item={item}
+              foreign={here !== null && item.hoist_id !== null && item.hoist_id !== here}
               may={!busy && !recording}
               restore={() => void restore.start({ kind: 'restore', backup: item.backup })}
             />
@@ -97,7 +101,15 @@ export function BackupSection() {
   );
 }
 
-function BackupRow({ item, may, restore }: { item: Backup; may: boolean; restore: () => void }) {
+interface RowProps {
+  item: Backup;
+  /** Of another hoist. */
+  foreign: boolean;
+  may: boolean;
+  restore: () => void;
+}
+
+function BackupRow({ item, foreign, may, restore }: RowProps) {
   const [asked, setAsked] = useState(false);
   const bytes = item.files.reduce((sum, file) => sum + file.bytes, 0);
   return (
@@ -106,6 +118,7 @@ function BackupRow({ item, may, restore }: { item: Backup; may: boolean; restore
         <strong>{date(item.utc_ms)}</strong>
         <span>{t('backup.holds', { device: item.device, n: item.sessions, size: size(bytes) })}</span>
         <span class="settings-path">{item.backup}</span>
+        {foreign ? <span class="backup-foreign">{t('backup.foreign')}</span> : null}
       </div>
       <div class="row-buttons">
         {asked ? (

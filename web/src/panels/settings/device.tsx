@@ -29,6 +29,14 @@ export function DeviceSection() {
         ) : (
           <p>{now.device_name === '' ? now.computer_name : now.device_name}</p>
         )}
+        {now === null ? null : (
+          <dl class="settings-known">
+            <dt>{t('device.id')}</dt>
+            <dd>
+              <code>{now.hoist_id}</code>
+            </dd>
+          </dl>
+        )}
       </section>
       <NetworkCard />
       <ClockCard />

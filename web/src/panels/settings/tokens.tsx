@@ -16,8 +16,8 @@ export function TokensSection() {
   const [adding, setAdding] = useState(false);
   const [secret, setSecret] = useState<string | null>(null);
   const [problem, setProblem] = useState<Problem | null>(null);
-  const remove = async (id: number) => {
-    const answer = await rest('DELETE /api/v1/tokens/{id}', { path: { id } });
+  const remove = async (id: number, etag: string) => {
+    const answer = await rest('DELETE /api/v1/tokens/{id}', { path: { id }, etag });
     setProblem(answer.ok ? null : answer.problem);
     tokens.retry();
   };
@@ -47,7 +47,12 @@ export function TokensSection() {
               <span>{token.user}</span>
             </div>
             <div class="row-buttons">
-              <button type="button" class="plain" aria-label={`${t('tokens.remove')}: ${token.name}`} onClick={() => void remove(token.id)}>
+              <button
+                type="button"
+                class="plain"
+                aria-label={`${t('tokens.remove')}: ${token.name}`}
+                onClick={() => void remove(token.id, token.etag)}
+              >
                 {t('tokens.remove')}
               </button>
             </div>

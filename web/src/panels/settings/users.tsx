@@ -107,7 +107,7 @@ function Change({ user, close }: { user: User; close: () => void }) {
   const [problem, setProblem] = useState<Problem | null>(null);
   const save = async () => {
     const body = { display_name: display.trim(), role, enabled, ...(password === '' ? {} : { password }) };
-    const answer = await rest('PATCH /api/v1/users/{name}', { path: { name: user.user }, body });
+    const answer = await rest('PATCH /api/v1/users/{name}', { path: { name: user.user }, body, etag: user.etag });
     setProblem(answer.ok ? null : answer.problem);
     if (answer.ok) close();
   };

@@ -3,12 +3,12 @@ import { useEffect } from 'preact/hooks';
 import { chooseExercise, marker, notify, requestMode, setNeutral } from '../../link/console';
 import { live, useReading } from '../../link/live';
 import { usualExercise } from '../../contract/exercises.gen';
+import type { MarkerKind } from '../../contract/rest.gen';
 import { useReadiness } from '../../link/readiness';
 import { figure, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { exerciseTitle } from '../../text/exercise';
 import { degrees, duration, fixed, t } from '../../text/text';
-import type { TextKey } from '../../text/en';
 import { FloorView } from '../../ui/floor_view';
 import { HoistPicture } from '../../ui/hoist_picture';
 import { Reading } from '../../ui/reading';
@@ -19,7 +19,7 @@ import './walk.css';
 
 /** The server's default for its scenario comes first. */
 const choices = [usualExercise.eight, usualExercise.square, usualExercise.straight, usualExercise.free];
-const markers: readonly TextKey[] = ['marker.help', 'marker.stumble', 'marker.rest', 'marker.good'];
+const markers: readonly MarkerKind[] = ['help', 'stumble', 'rest', 'good'];
 
 export function WalkView() {
   useSettings();
@@ -35,8 +35,9 @@ export function WalkView() {
     aside.forget();
   }, [led]);
 
-  const mark = async (key: TextKey) => {
-    if (await aside.ask(() => marker(t(key)))) notify('info', t('walk.marked', { text: t(key) }), true);
+  const mark = async (kind: MarkerKind) => {
+    const text = t(`marker.${kind}`);
+    if (await aside.ask(() => marker(text, kind))) notify('info', t('walk.marked', { text }), true);
   };
   const neutral = async () => {
     if (await aside.ask(setNeutral)) notify('info', t('walk.neutralDone'), true);
@@ -99,9 +100,9 @@ export function WalkView() {
             <Reading label={t('walk.stopDistance')} unit="cm" topic="motion" read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
           </div>
           <div class="markers" role="group" aria-label={t('walk.markers')}>
-            {markers.map((key) => (
-              <button key={key} type="button" class="plain" disabled={!reachable || !led} onClick={() => void mark(key)}>
-                {t(key)}
+            {markers.map((kind) => (
+              <button key={kind} type="button" class="plain" disabled={!reachable || !led} onClick={() => void mark(kind)}>
+                {t(`marker.${kind}`)}
               </button>
             ))}
           </div>
