@@ -522,11 +522,11 @@ export type Job = {
   /** The same for programs. */
   reason_code: ReasonCode | null;
   /** Not in lists; null until it is done. */
-  result?: IntegrityResult | MetricsResult | BackupResult | RestoreResult | BackupsResult | ExportResult | RetentionResult | null;
+  result?: IntegrityResult | MetricsResult | BackupResult | RestoreResult | BackupsResult | ExportResult | RetentionResult | StudyJobResult | StudyDeleted | null;
   state: 'waiting' | 'running' | 'done' | 'failed' | 'cancelled';
 };
 
-export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'export_sessions' | 'list_backups' | 'preview_retention' | 'retention';
+export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'export_sessions' | 'list_backups' | 'preview_retention' | 'retention' | 'study' | 'delete_study';
 
 export type JobList = {
   items: readonly Job[];
@@ -573,6 +573,15 @@ export type JobRequest = {
   rule: RetentionRule;
 } | {
   kind: 'retention';
+} | {
+  kind: 'study';
+  /** The same seed gives the same subjects and runs. */
+  seed: number;
+  /** Virtual subjects; the paper had 11. */
+  subjects: number;
+} | {
+  kind: 'delete_study';
+  study: number;
 };
 
 /** The body may be left out.. */
@@ -1125,7 +1134,7 @@ export type ProfileRequest = {
 /** Names and values of parameters that a therapist may change. */
 export type ProfileSettings = Record<string, number>;
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'moving' | 'study_runs' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded';
 
 export type Recording = {
   detail: string;
@@ -1241,6 +1250,8 @@ export type Session = {
   standby: boolean;
   started_utc_ms: number;
   stored_bytes: number;
+  /** null: not of a virtual subject. */
+  study: StudyRun | null;
   subject: string | null;
   /** null: no patient code is given. */
   visit: Visit | null;
@@ -1349,6 +1360,142 @@ export type StreamRequest = {
   run?: string;
   /** Blocks of live values; left out: all. */
   topics?: readonly TopicName[];
+};
+
+export type Study = {
+  /** Figures 2, 7 and 8 of the paper by name: /api/v1/studies/{id}/drawings/{name}. */
+  drawings: readonly string[];
+  id: number;
+  made_utc_ms: number;
+  report: StudyReport;
+  /** Its runs that are still there. */
+  sessions: readonly {
+    run: number;
+    session: number;
+    subject: string;
+  }[];
+};
+
+export type StudyAssumed = {
+  anticipation_norm: StudyRange;
+  injured_sway_norm: number;
+  learning_norm: number;
+  limp_norm: number;
+  misjudgement_m: number;
+  misjudgement_rad: number;
+  therapist_delay_s: number;
+  therapist_m_s: number;
+  trailing_s: number;
+  wish_m_s: StudyRange;
+};
+
+/** null: no value. */
+export type StudyColumn = readonly (number | null)[];
+
+/** By run, then by row. */
+export type StudyColumns = readonly StudyColumn[];
+
+export type StudyDeleted = {
+  kind: 'delete_study';
+  sessions: number;
+  study: number;
+};
+
+export type StudyJobResult = {
+  kind: 'study';
+  study: number;
+};
+
+export type StudyList = {
+  /** Newest first. */
+  items: readonly ({
+    id: number;
+    made_utc_ms: number;
+    seed: number | null;
+    /** That are still there. */
+    sessions: number;
+    subjects: number;
+    title: string;
+  })[];
+};
+
+export type StudyRange = readonly number[];
+
+/** What `hoist study` prints, as numbers. */
+export type StudyReport = {
+  /** What is put in for virtual subjects: no finding. null: they were people. */
+  assumed: StudyAssumed | null;
+  compared: readonly ({
+    decimals: number;
+    figure: 'C' | 'J_N';
+    from: number;
+    own: StudyTest;
+    paper: StudyTest;
+    to: number;
+  })[];
+  /** What comes out by itself: mean C of the squares, of the eights that the patient leads, and J_N of squares by that of the therapist's eights. */
+  findings: {
+    c_led: number | null;
+    c_square: number | null;
+    j_ratio: number | null;
+  };
+  laps: number;
+  /** Runs that do not count, and why. */
+  left_out: readonly ({
+    /** That is not valid; null: too few laps. */
+    figure: string | null;
+    /** Walked, when they are too few. */
+    laps: number | null;
+    reason_code: NoFigure | null;
+    run: number;
+    subject: string;
+  })[];
+  /** Means of other figures, by run. */
+  others: readonly ({
+    figure: 'C_best' | 'rms_position_m' | 'rms_heading_rad' | 'walking_speed_m_s' | 'lap_time_mean_s';
+    means: StudyColumn;
+  })[];
+  preset: string;
+  runs: readonly ({
+    /** With the orthosis that simulates an injury. */
+    injured: boolean;
+    led_by: 'patient' | 'therapist';
+    run: number;
+    shape: 'square' | 'eight';
+  })[];
+  seed: number | null;
+  subjects: number;
+  /** Tables II (C) and III (J_N). */
+  tables: readonly ({
+    decimals: number;
+    figure: 'C' | 'J_N';
+    own: StudyColumns;
+    own_mean: StudyColumn;
+    paper: StudyColumns;
+    paper_mean: StudyColumn;
+    /** Of the rows; - where only the paper has one. */
+    subjects: readonly string[];
+  })[];
+  title: string;
+  virtual_subjects: boolean;
+};
+
+/** Which run of a study with virtual subjects a session is. */
+export type StudyRun = {
+  /** Its number in the protocol. */
+  run: number;
+  study: number;
+  subject: string;
+};
+
+/** Wilcoxon's signed ranks, two-sided, exact, of the subjects who did both runs. */
+export type StudyTest = {
+  down: number;
+  mean_first: number;
+  mean_second: number;
+  p: number | null;
+  pairs: number;
+  up: number;
 };
 
 /** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
@@ -2070,6 +2217,20 @@ export interface Routes {
   /** STOP. Anyone may who was ever signed in; never refused, whatever the body. */
   'POST /api/v1/stop': {
     answer: Done;
+  };
+  /** The paper's experiment as virtual subjects have walked it here (job study), newest first. */
+  'GET /api/v1/studies': {
+    answer: StudyList;
+  };
+  /** Tables II and III of a study beside the paper's, paired tests, what was assumed and what comes out. */
+  'GET /api/v1/studies/{id}': {
+    path: { id: number };
+    answer: Study;
+  };
+  /** Figure 2, 7 or 8 of the paper, drawn from this study. */
+  'GET /api/v1/studies/{id}/drawings/{name}': {
+    path: { id: number; name: string };
+    answer: never;
   };
   /** The hoist's clock, and how far the client's is from it. */
   'GET /api/v1/time': {

@@ -13,6 +13,7 @@ import { fit, floorSpace, onScreen, patternPoints } from '../../ui/geometry';
 import { HoldToGo } from '../../ui/hold_to_go';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
+import { addressOf } from '../../router';
 import { SlowLink, tooSlowText } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
 import {
@@ -235,6 +236,14 @@ export function ExercisesView() {
           <FloorView exercise={driven ? begun : exercise.current.figure} planned={!driven && !justDone} />
         </section>
       </div>
+      {driven ? null : (
+        <p class="guided-study">
+          <a class="plain" href={addressOf('study')}>
+            {t('nav.study')}
+          </a>{' '}
+          <span class="hint">{t('study.openHint')}</span>
+        </p>
+      )}
     </div>
   );
 }
