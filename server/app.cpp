@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -80,6 +81,12 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : std::string();
 }
 
+// A program that was installed with this one.
+std::filesystem::path beside_this(const char* name) {
+  std::error_code ignored;
+  return std::filesystem::read_symlink("/proc/self/exe", ignored).replace_filename(name);
+}
+
 std::int64_t utc_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
@@ -113,7 +120,9 @@ struct App::Parts {
                         .other_databases = {std::filesystem::path(settings.db_path).replace_filename("accounts.db")},
                         .identity_key = settings.db_path.string() + ".key",
                         .replace_file = [this](const std::filesystem::path& prepared) { return replace_file(prepared); },
-                        .log_deletion = [this](const std::string& what) { asio::post(io, [this, what] { log_deletion(what); }); }},
+                        .log_deletion = [this](const std::string& what) { asio::post(io, [this, what] { log_deletion(what); }); },
+                        .study_program = settings.study_program.empty() ? beside_this("hoist") : settings.study_program,
+                        .moving = [this] { return moving.load(std::memory_order_relaxed); }},
               .on_damage = [this](const db::IntegrityReport& report) { recorder.set_aside(report.file_id, report.structure.front()); }}),
         recorder(core.link(), {.file = settings.db_path,
                                .version = std::string{contract::program_version()},
@@ -215,6 +224,8 @@ struct App::Parts {
   void poll() {
     const std::uint64_t now = steady_ns();
     core.poll(now);
+    moving.store(core.newest() && core.newest()->mode < contract::kModes.size() && contract::kModes[core.newest()->mode].moving,
+                 std::memory_order_relaxed);
     history.poll(now);
     if (const std::string_view problem = core.problem(); problem != told_problem) {
       told_problem = problem;
@@ -382,6 +393,7 @@ struct App::Parts {
   asio::io_context io{1};
   CoreDesk core;
   FirmwareDesk firmware;
+  std::atomic<bool> moving = false;  // for the jobs' thread
   Jobs jobs;
   Recorder recorder;
   RecorderDesk records;

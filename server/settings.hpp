@@ -33,6 +33,7 @@ struct Settings {
   std::vector<std::string> subnets;         // whose addresses the authority may sign besides `hosts`
   std::optional<std::uint16_t> http_port;   // the page that explains how to trust the authority
   std::vector<std::filesystem::path> backup_roots;
+  std::filesystem::path study_program;  // `hoist`, which walks a study; empty: the one beside this program
   // Sets the clock of this computer; empty, or why not. Without it the operating system keeps the time.
   std::function<std::string(std::int64_t utc_ns)> set_clock;
   bool tools = false;  // /foxglove and /rosbridge are open in this run

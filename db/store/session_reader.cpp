@@ -30,9 +30,12 @@ constexpr const char* kSessionColumns =
     "(SELECT coalesce(sum(length(directory) + length(body)), 0) FROM chunks WHERE session_id = sessions.id) + "
     "(SELECT coalesce(sum(length(body)), 0) FROM bus_chunks WHERE session_id = sessions.id) + "
     "(SELECT coalesce(sum(length(body)), 0) FROM journal_chunks WHERE session_id = sessions.id) + "
-    "(SELECT coalesce(sum(length(body)), 0) FROM core_images WHERE session_id = sessions.id), core_version, standby, hoist_id FROM ";
-// With the patient code; NULL for a session that belongs to no visit.
-constexpr const char* kSessions = "sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id ";
+    "(SELECT coalesce(sum(length(body)), 0) FROM core_images WHERE session_id = sessions.id), core_version, standby, hoist_id, "
+    "study_id, study_runs.subject, study_runs.run FROM ";
+// With the patient code; NULL for a session that belongs to no visit. With the run of a study; NULL for all but those of virtual subjects.
+constexpr const char* kSessions =
+    "sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id "
+    "LEFT JOIN study_runs ON study_runs.session_id = sessions.id ";
 
 SessionInfo info_of(const Statement& row) {
   SessionInfo info;
@@ -56,6 +59,8 @@ SessionInfo info_of(const Statement& row) {
   info.core_version = row.optional_text_at(17);
   info.standby = row.integer_at(18) != 0;
   info.hoist_id = row.optional_text_at(19);
+  if (!row.is_null(20))
+    info.study = StudyRun{.study = row.integer_at(20), .subject = row.text_at(21), .run = static_cast<int>(row.integer_at(22))};
   info.tag = session_tag(info.note, info.subject, info.exercise_json);
   return info;
 }

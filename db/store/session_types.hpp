@@ -58,6 +58,13 @@ constexpr const char* close_reason_name(CloseReason reason) {
   return "server_stopped";
 }
 
+/// Which run of a study with virtual subjects a session is.
+struct StudyRun {
+  std::int64_t study = 0;
+  std::string subject;  ///< "S01" …: no patient
+  int run = 0;          ///< its number in the protocol
+};
+
 struct SessionInfo {
   SessionId id = 0;
   std::optional<std::string> subject;
@@ -79,6 +86,7 @@ struct SessionInfo {
   std::uint64_t gap_count = 0;
   double duration_s = 0;           ///< from the first to the last sample
   std::uint64_t stored_bytes = 0;  ///< chunk blobs of samples and bus frames
+  std::optional<StudyRun> study;   ///< of a virtual subject
   std::string tag;                 ///< of what people may change (edit_tag.hpp)
 };
 

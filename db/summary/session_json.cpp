@@ -73,6 +73,8 @@ nlohmann::json session_json(const SessionInfo& session) {
           {"simulated", session.simulated},
           {"standby", session.standby},
           {"subject", or_null(session.subject)},
+          {"study", session.study ? json{{"study", session.study->study}, {"subject", session.study->subject}, {"run", session.study->run}}
+                                  : json(nullptr)},
           {"note", session.note},
           {"exercise", exercise_as_told(session.exercise_json)},
           {"task", task_as_told(session.exercise_json)},

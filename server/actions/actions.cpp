@@ -916,9 +916,30 @@ void act_set_retention(Services& services, const Asker& asker, const db::Retenti
       std::move(done));
 }
 
+namespace {
+// Why this job may not begin now: a study takes a processor for a minute.
+std::optional<Reason> against_job(const Services& services, JobKind kind) {
+  if (kind != JobKind::study) return {};
+  const auto all = services.jobs.list();
+  if (std::ranges::any_of(all, [](const JobInfo& job) { return job.kind == JobKind::study && !has_ended(job.state); }))
+    return Reason::study_runs;
+  const auto& newest = services.core.newest();
+  if (newest && newest->mode < contract::kModes.size() && contract::kModes[newest->mode].moving) return Reason::moving;
+  return {};
+}
+}  // namespace
+
 void act_start_job(Services& services, const Asker& asker, JobKind kind, JobArguments arguments, OutcomeDone done) {
   const JobKindInfo& info = job_kind_info(kind);
   if (!begin_action(services, asker, Action::start_job, {std::string{info.name}}, done) || !may(services, asker, info.role, done)) return;
+  if (const auto against = against_job(services, kind)) {
+    Outcome refused;
+    refused.kind = Outcome::Kind::refused;
+    refused.reason = *against;
+    refused.detail = std::string(kReasons[static_cast<std::size_t>(*against)].text_en);
+    done(refused);
+    return;
+  }
   Outcome outcome;
   if (const auto id = services.jobs.add(kind, std::move(arguments), services.actors.find(asker.client))) {
     outcome.job = *id;

@@ -64,6 +64,9 @@ void start_job(const CallPtr& call) {
   if (body.contains("visit")) arguments.filter.visit = body["visit"].get<std::int64_t>();
   arguments.filter.simulated = body.value("simulated", true);
   if (const auto rule = body.find("rule"); rule != body.end()) arguments.rule = db::rule_of(*rule);
+  arguments.subjects = body.value("subjects", arguments.subjects);
+  arguments.seed = body.value("seed", arguments.seed);
+  arguments.study = body.value("study", arguments.study);
   arguments.layout = *db::find_bundle_layout(body.value("layout", "files"));
   act_start_job(call->services, asker_of(*call), *find_job_kind(body.at("kind").get_ref<const std::string&>()), std::move(arguments),
                 answer_with(call, [call](const Outcome& outcome) { respond_accepted(call, outcome.job); }));

@@ -120,7 +120,8 @@ bool Jobs::step(JobId id, double share) {
   }
   if (told) options_.on_step(*told);
   const std::lock_guard lock(mutex_);
-  return !ending_ && holds_ == 0 && !entry(id)->cancelled;
+  const Entry& running = *entry(id);
+  return !ending_ && (holds_ == 0 || !gives_way_to_deletion(running.info.kind)) && !running.cancelled;
 }
 
 void Jobs::end(JobId id, JobResult result) {

@@ -10,6 +10,7 @@
 #include "db/store/deletion.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/summary/session_json.hpp"
+#include "server/jobs/deletion.hpp"
 
 namespace hoist::server::job {
 
@@ -202,7 +203,8 @@ json plan_json(const char* kind, const db::RetentionRule& rule, const db::Retent
           {"excess_bytes", plan.excess_bytes}};
 }
 
-// Whole: it is soon done. Between two pieces others have the file for as long as a piece took.
+}  // namespace
+
 db::Status delete_session(db::Database& database, db::SessionId session) {
   using Clock = std::chrono::steady_clock;
   // It may have been deleted since the plan was made.
@@ -215,7 +217,6 @@ db::Status delete_session(db::Database& database, db::SessionId session) {
     std::this_thread::sleep_for(Clock::now() - begin);
   }
 }
-}  // namespace
 
 JobResult preview_retention(const JobTools& tools, const JobArguments& arguments, const JobStep& step) {
   auto database = tools.open();

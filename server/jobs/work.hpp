@@ -29,6 +29,9 @@ struct JobArguments {
   db::SessionFilter filter = {};             // of export_sessions without sessions
   db::BundleLayout layout = db::BundleLayout::files;
   db::RetentionRule rule = {};  // of preview_retention
+  int subjects = 1;             // of study …
+  std::uint64_t seed = 1;       // … and their seed
+  std::int64_t study = 0;       // of delete_study
 };
 // What a job may use.
 struct JobTools {
@@ -44,6 +47,11 @@ struct JobTools {
   std::function<db::Result<std::filesystem::path>(const std::filesystem::path& prepared)> replace_file = {};
   // What retention has deleted, in a sentence for the audit log.
   std::function<void(const std::string& what)> log_deletion = {};
+
+  // The engineer's tool, which walks the virtual subjects of a study.
+  std::filesystem::path study_program = {};
+  // From any thread: whether the wheels may turn. A study rests meanwhile.
+  std::function<bool()> moving = {};
 
   // A connection for this job: the file may be another one since the last, and nothing stays open while nothing runs.
   [[nodiscard]] db::Result<db::Database> open() const { return db::Database::attach(file); }

@@ -23,6 +23,8 @@ constexpr Reason reason_of(db::ErrorKind kind) {
       return Reason::disk_full;
     case db::ErrorKind::read_only:
       return Reason::read_only;
+    case db::ErrorKind::internal:
+      return Reason::internal;
     default:
       return Reason::storage;
   }

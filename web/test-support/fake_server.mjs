@@ -122,6 +122,67 @@ const types = {
 };
 const dt_s = 0.01;
 
+/** A study of so many virtual subjects; the numbers only look like real ones. */
+function studyOf(id, count, seed) {
+  const shapes = ['square', 'eight', 'eight', 'square', 'eight', 'eight'];
+  const runs = shapes.map((shape, i) => ({ run: i + 1, shape, led_by: i % 3 === 2 ? 'patient' : 'therapist', injured: i > 2 }));
+  const names = Array.from({ length: count }, (_, i) => `S${String(i + 1).padStart(2, '0')}`);
+  const subjects = [...names, ...Array.from({ length: Math.max(0, 11 - count) }, () => '-')];
+  const table = (figure, means, spread) => {
+    const column = (mean, shown, shift) =>
+      subjects.map((_, row) =>
+        row < shown && (mean.i < 3 || ![0, 1, 7, 8].includes(row)) ? mean.value + spread * Math.sin(row * 2.1 + mean.i + shift) : null,
+      );
+    const columns = (shown, shift) => means.map((value, i) => column({ value, i }, shown, shift));
+    return { figure, decimals: 2, subjects, own: columns(count, seed), paper: columns(11, 0), own_mean: means, paper_mean: means };
+  };
+  const test = { pairs: 7, up: 6, down: 1, mean_first: 0.447, mean_second: 0.87, p: 0.0156 };
+  const compared = [
+    [2, 3],
+    [5, 6],
+    [2, 5],
+    [3, 6],
+  ].flatMap(([from, to]) => ['C', 'J_N'].map((figure) => ({ figure, from, to, decimals: 2, own: test, paper: { ...test, p: null } })));
+  return {
+    id,
+    made_utc_ms: Date.UTC(2026, 10, 24, 9, 30),
+    sessions: [{ session: 1, subject: 'S01', run: 1 }],
+    drawings: ['figure-2', 'figure-7', 'figure-8'],
+    report: {
+      title: 'Bosnjak & Skrjanc, Tables I to III',
+      virtual_subjects: true,
+      subjects: count,
+      seed,
+      preset: 'walk',
+      laps: 2,
+      runs,
+      tables: [table('C', [0.07, 0.45, 0.87, 0.11, 0.63, 0.9], 0.06), table('J_N', [35.6, 11.4, 6.7, 56.7, 12.3, 6.1], 2.5)],
+      compared,
+      others: ['C_best', 'rms_position_m', 'rms_heading_rad', 'walking_speed_m_s', 'lap_time_mean_s'].map((figure) => ({
+        figure,
+        means: [0.21, 0.22, 0.23, null, 0.25, 0.26],
+      })),
+      findings: { c_square: 0.04, c_led: 0.86, j_ratio: 4.2 },
+      assumed: {
+        wish_m_s: [0.2, 0.28],
+        anticipation_norm: [0.5, 0.9],
+        learning_norm: 0.04,
+        trailing_s: 0.2,
+        limp_norm: 0.2,
+        injured_sway_norm: 1.2,
+        therapist_m_s: 0.25,
+        therapist_delay_s: 0.35,
+        misjudgement_m: 0.15,
+        misjudgement_rad: 0.0873,
+      },
+      left_out: [
+        { subject: 'S05', run: 3, figure: 'C', reason_code: 'part_missing', laps: null },
+        { subject: 'S07', run: 6, figure: null, reason_code: null, laps: 1.4 },
+      ],
+    },
+  };
+}
+
 export function startFakeServer({
   port = 0,
   dist = join(here, 'dist'),
@@ -172,6 +233,7 @@ export function startFakeServer({
     started_utc_ms: Date.UTC(2026, 10, 21, 9, 30) - (3 - id) * day_ms,
     duration_s: 60 + id * 37.4,
     simulated: true,
+    study: id === 1 ? { study: 1, subject: 'S01', run: 1 } : null,
     recording: false,
     exercise: id === 1 ? { shape: 'square', side_m: 3.2 } : exercise,
     task: id === 3 ? { task: 'eight', version: 1, ends: 'distance', goal: 1, edge_m: 0, repetition: 2, repetitions: 3, rest_s: 60 } : null,
@@ -291,6 +353,7 @@ export function startFakeServer({
     figures: i === 6 ? null : i === 4 ? { ...trendFigures(i), C: null, J_N: null, rms_position_m: null, rms_heading_rad: null } : trendFigures(i),
     reason_code: i === 4 ? 'part_missing' : null,
   })).reverse();
+  const studies = [studyOf(1, 11, 1)];
   const jobs = [];
   let failing = null;
   let hurry = false;
@@ -977,6 +1040,17 @@ export function startFakeServer({
                 disk_bytes: 6.4e10,
                 excess_bytes: 0,
               };
+            if (kind === 'study') {
+              studies.unshift(studyOf(studies.length + 1, given.subjects, given.seed));
+              return { study: studies[0].id };
+            }
+            if (kind === 'delete_study') {
+              studies.splice(
+                studies.findIndex(({ id }) => id === given.study),
+                1,
+              );
+              return { study: given.study, sessions: 54 };
+            }
             if (kind === 'restore') return { backup: given.backup, set_aside: '/var/lib/hoist/hoist.db.2026-11-24' };
             const made = { ...backups[0], hoist_id: device.hoist_id, backup: `${given.folder}/hoist-${dayOf(Date.now())}`, utc_ms: Date.now() };
             backups.unshift(made);
@@ -986,6 +1060,11 @@ export function startFakeServer({
         ),
       );
     }
+    if (path === '/studies')
+      return send(200, { items: studies.map(({ id, made_utc_ms, report }) => ({ id, made_utc_ms, ...report, sessions: 54 })) });
+    const [, studyId] = /^\/studies\/(\d+)$/.exec(path) ?? [];
+    const study = studies.find(({ id }) => id === Number(studyId));
+    if (studyId !== undefined) return study ? send(200, study) : send(404, { type: '/problems/unknown', title: 'Unknown', status: 404 });
     if (path === '/retention' && request.method === 'PUT') return send(200, Object.assign(retention, given, { etag: 'r2' }));
     if (path === '/retention') return send(200, retention);
     if (path === '/jobs') return send(200, { items: jobs.map((job) => ({ ...job, result: undefined })) });
@@ -1148,6 +1227,13 @@ export function startFakeServer({
     let body = '';
     request.on('data', (piece) => (body += piece));
     request.on('end', () => {
+      const [, drawing] = /^\/api\/v1\/studies\/\d+\/drawings\/([\w-]+)$/.exec(url.pathname) ?? [];
+      if (drawing !== undefined) {
+        response.writeHead(200, { 'Content-Type': 'image/svg+xml' });
+        return response.end(
+          `<svg xmlns="http://www.w3.org/2000/svg" width="800" height="400"><rect width="100%" height="100%" fill="white"/><text x="20" y="40">${drawing}</text></svg>`,
+        );
+      }
       if (url.pathname.startsWith('/api/v1/')) return api(request, url, body, send);
       if (url.pathname === '/api/openapi.json') {
         response.writeHead(200, { 'Content-Type': 'application/json' });

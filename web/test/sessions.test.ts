@@ -7,6 +7,7 @@ import { continued, readDuration, refreshed } from '../src/panels/sessions/model
 const session = (id: number): Session => ({
   id,
   subject: null,
+  study: null,
   started_utc_ms: id,
   standby: false,
   ended_utc_ms: id + 1,

@@ -1,12 +1,15 @@
 // hoist study: the paper's experiment with virtual subjects, or the evaluation of a recorded one.
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "db/store/database.hpp"
@@ -15,6 +18,7 @@
 #include "deploy/tools/hoist/study/drawings.hpp"
 #include "deploy/tools/hoist/study/protocol.hpp"
 #include "deploy/tools/hoist/study/record_runs.hpp"
+#include "deploy/tools/hoist/study/report.hpp"
 #include "deploy/tools/hoist/study/results.hpp"
 #include "deploy/tools/hoist/study/tables.hpp"
 
@@ -26,21 +30,25 @@ using study::Protocol;
 using study::Results;
 
 constexpr const char* kHelp =
-    "usage: hoist study --subjects N [--seed S] [--protocol FILE] [--out DB] [--svg FOLDER]\n"
-    "       hoist study --recorded DB [--protocol FILE] [--svg FOLDER]\n"
-    "       hoist study --protocol-text\n\n"
+    "usage: hoist study --subjects N [--seed S] [--protocol FILE] [--out DB] [--figures FOLDER] [--json FILE]\n"
+    "       hoist study --recorded DB [--tag WORD | --study N] [--protocol FILE] [--figures FOLDER] [--json FILE]\n\n"
     "Tables II and III of the paper, the paper's own beside them, and paired tests. The first form walks virtual subjects through the "
     "core, the\n"
     "nodes' firmware and the bus in virtual time, as the protocol says (without FILE: the paper's, see --protocol-text), records every run "
     "and\n"
     "evaluates the recordings; --out keeps them in a new database. The second evaluates recorded sessions: those with a patient's code "
     "whose note\n"
-    "begins with \"run N\". --svg draws Figures 2, 7 and 8. Exit code 3: runs were left out, and which.\n";
+    "begins with \"run N\"; --tag takes only those whose note holds this word, --study the runs of a study of virtual subjects that the "
+    "server has\n"
+    "made, or --out. --figures draws Figures 2, 7 and 8 (SVG), --json writes what the console shows. For programs: --begin-utc-ms dates "
+    "the first "
+    "session,\n"
+    "--progress 1 prints \"progress DONE ALL\" after each run. Exit code 3: runs were left out, and which.\n";
 
 struct Request {
-  std::optional<std::string> recorded, protocol, out, svg;
-  int subjects = 0;
-  std::uint64_t seed = 1;
+  std::optional<std::string> recorded, protocol, out, figures, json;
+  study::Selection selection;
+  study::StudyRequest walk{.subjects = 0};
 };
 
 std::string file_text(const std::string& path) {
@@ -75,34 +83,58 @@ bool write(const std::filesystem::path& file, const std::string& text) {
   return static_cast<bool>(out.flush());
 }
 
-int draw(db::Database& database, const Protocol& protocol, const Results& results, const std::string& folder) {
-  const db::Result<std::string> tracks = study::tracks_drawing(database, protocol, results);
-  if (!tracks) return refuse("study", tracks.error());
+db::Result<std::vector<db::StudyDrawing>> drawings(db::Database& database, const Protocol& protocol, const Results& results) {
+  db::Result<std::string> tracks = study::tracks_drawing(database, protocol, results);
+  if (!tracks) return tracks.error();
+  return std::vector<db::StudyDrawing>{
+      {"figure-2", study::braking_drawing()}, {"figure-7", study::shapes_drawing(protocol)}, {"figure-8", std::move(*tracks)}};
+}
+
+int write_drawings(const std::vector<db::StudyDrawing>& drawn, const std::string& folder) {
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
-  const std::filesystem::path to(folder);
-  if (!write(to / "figure-2.svg", study::braking_drawing()) || !write(to / "figure-7.svg", study::shapes_drawing(protocol)) ||
-      !write(to / "figure-8.svg", *tracks)) {
-    std::fprintf(stderr, "hoist study: %s cannot be written\n", folder.c_str());
-    return kRefused;
+  for (const db::StudyDrawing& one : drawn) {
+    const std::filesystem::path file = std::filesystem::path(folder) / (one.name + ".svg");
+    if (!write(file, one.svg)) {
+      std::fprintf(stderr, "hoist study: %s cannot be written\n", file.c_str());
+      return kRefused;
+    }
+    std::printf("Drawn: %s\n", file.c_str());
   }
-  std::printf("Drawn: %s/figure-2.svg, figure-7.svg, figure-8.svg\n", folder.c_str());
   return kDone;
 }
 
-int tell(db::Database& database, const Request& request, const Protocol& protocol) {
-  const db::Result<Results> results = study::evaluate(database, protocol);
+int refuse_empty(const Request& request) {
+  std::fprintf(stderr, "hoist study: no session %s\n",
+               request.selection.study ? "belongs to this study" : "has a patient's code and a note that begins with \"run N\"");
+  return kRefused;
+}
+
+// `made`: the study of `database` that this command has walked, which is still to be finished.
+int tell(db::Database& database, const Request& request, const Protocol& protocol, std::optional<db::StudyId> made) {
+  study::Selection selection = request.selection;
+  if (made) selection.study = made;
+  const db::Result<Results> results = study::evaluate(database, protocol, selection);
   if (!results) return refuse("study", results.error());
-  if (results->subjects.empty()) {
-    std::fprintf(stderr, "hoist study: no session has a patient's code and a note that begins with \"run N\"\n");
+  if (results->subjects.empty()) return refuse_empty(request);
+  const bool virtual_subjects = selection.study.has_value();
+  const std::string kind = made ? "virtual subjects, seed " + std::to_string(request.walk.seed) : "recorded sessions";
+  const study::Report report = study::report_of(protocol, *results);
+  std::printf("%s; %zu subjects; %s\n\n%s", protocol.title.c_str(), results->subjects.size(), kind.c_str(),
+              study::tables(protocol, *results, report).c_str());
+  if (made) std::printf("%s", study::assumptions_and_findings(protocol, report).c_str());
+  const study::Origin origin{.virtual_subjects = virtual_subjects, .seed = made ? std::optional(request.walk.seed) : std::nullopt};
+  const std::string json = study::report_json(protocol, *results, report, origin).dump();
+  const db::Result<std::vector<db::StudyDrawing>> drawn = drawings(database, protocol, *results);
+  if (!drawn) return refuse("study", drawn.error());
+  if (made)
+    if (db::Status finished = db::finish_study(database, *made, json, *drawn); !finished) return refuse("study", finished.error());
+  if (request.figures)
+    if (const int code = write_drawings(*drawn, *request.figures); code != kDone) return code;
+  if (request.json && !write(*request.json, json)) {
+    std::fprintf(stderr, "hoist study: %s cannot be written\n", request.json->c_str());
     return kRefused;
   }
-  const std::string kind = request.recorded ? "recorded sessions" : "virtual subjects, seed " + std::to_string(request.seed);
-  std::printf("%s; %zu subjects; %s\n\n%s", protocol.title.c_str(), results->subjects.size(), kind.c_str(),
-              study::tables(protocol, *results).c_str());
-  if (!request.recorded) std::printf("%s", study::assumptions_and_findings(protocol, *results).c_str());
-  if (request.svg)
-    if (const int code = draw(database, protocol, *results, *request.svg); code != kDone) return code;
   return results->left_out.empty() ? kDone : kPartly;
 }
 
@@ -116,9 +148,15 @@ int walk_and_tell(const Request& request, const Protocol& protocol) {
   if (std::filesystem::exists(file)) return bad_usage("study", file.string() + " exists already");
   db::Result<db::Database> database = db::Database::open(file);
   if (!database) return refuse("study", database.error());
-  if (db::Status walked = study::walk_all(*database, protocol, request.subjects, request.seed); !walked)
-    return refuse("study", walked.error());
-  return tell(*database, request, protocol);
+  const db::Result<db::StudyId> walked = study::walk_all(*database, protocol, request.walk);
+  if (!walked) return refuse("study", walked.error());
+  return tell(*database, request, protocol, *walked);
+}
+
+// At once: a program that ended reads no more, and SIGPIPE ends this one.
+void print_progress(int done, int all) {
+  std::printf("progress %d %d\n", done, all);
+  std::fflush(stdout);
 }
 
 template <class Number>
@@ -127,29 +165,46 @@ bool read_number(std::string_view text, Number& out, Number least, Number most) 
   return error == std::errc() && end == text.data() + text.size() && out >= least && out <= most;
 }
 
+constexpr std::int64_t kMostBegin_ms = 4'000'000'000'000;
+
+// One option and its value. The sentence that says what is wrong, or nothing.
+std::string read_option(std::string_view name, std::string_view value, Request& out) {
+  if (name == "--subjects") {
+    if (!read_number(value, out.walk.subjects, 1, static_cast<int>(study::kMostSubjects))) return "--subjects: 1 to 99";
+  } else if (name == "--seed") {
+    if (!read_number<std::uint64_t>(value, out.walk.seed, 0, 1'000'000'000)) return "--seed: 0 to 1000000000";
+  } else if (name == "--begin-utc-ms") {
+    std::int64_t begin_ms = 0;
+    if (!read_number<std::int64_t>(value, begin_ms, 0, kMostBegin_ms)) return "--begin-utc-ms: 0 to " + std::to_string(kMostBegin_ms);
+    out.walk.begin_utc_ns = begin_ms * 1'000'000;
+  } else if (name == "--progress") {
+    if (value != "0" && value != "1") return "--progress: 0 or 1";
+    if (value == "1") out.walk.progress = &print_progress;
+  } else if (name == "--study") {
+    std::int64_t study = 0;
+    if (!read_number<std::int64_t>(value, study, 1, 1'000'000'000)) return "--study: 1 to 1000000000";
+    out.selection.study = study;
+  } else {
+    const std::pair<std::string_view, std::optional<std::string>*> texts[] = {{"--recorded", &out.recorded}, {"--protocol", &out.protocol},
+                                                                              {"--out", &out.out},           {"--figures", &out.figures},
+                                                                              {"--json", &out.json},         {"--tag", &out.selection.tag}};
+    const auto at = std::ranges::find(texts, name, &std::pair<std::string_view, std::optional<std::string>*>::first);
+    if (at == std::end(texts)) return std::string(name) + " is not known";
+    if (value.empty()) return std::string(name) + " needs a value";
+    *at->second = value;
+  }
+  return {};
+}
+
 // The sentence that says what is wrong, or nothing.
 std::string read_request(std::span<const std::string_view> arguments, Request& out) {
-  for (std::size_t i = 0; i + 1 < arguments.size(); i += 2) {
-    const std::string_view name = arguments[i], value = arguments[i + 1];
-    if (name == "--subjects") {
-      if (!read_number(value, out.subjects, 1, static_cast<int>(study::kMostSubjects))) return "--subjects: 1 to 99";
-    } else if (name == "--seed") {
-      if (!read_number<std::uint64_t>(value, out.seed, 0, 1'000'000'000)) return "--seed: 0 to 1000000000";
-    } else if (name == "--recorded") {
-      out.recorded = value;
-    } else if (name == "--protocol") {
-      out.protocol = value;
-    } else if (name == "--out") {
-      out.out = value;
-    } else if (name == "--svg") {
-      out.svg = value;
-    } else {
-      return std::string(name) + " is not known";
-    }
-  }
+  for (std::size_t i = 0; i + 1 < arguments.size(); i += 2)
+    if (std::string wrong = read_option(arguments[i], arguments[i + 1], out); !wrong.empty()) return wrong;
   if (arguments.size() % 2 != 0) return std::string(arguments.back()) + " needs a value";
-  if (out.recorded.has_value() == (out.subjects > 0)) return "say how many virtual subjects, or which recordings";
+  if (out.recorded.has_value() == (out.walk.subjects > 0)) return "say how many virtual subjects, or which recordings";
   if (out.recorded && out.out) return "--out belongs to virtual subjects";
+  if (!out.recorded && (out.selection.tag || out.selection.study)) return "--tag and --study belong to --recorded";
+  if (out.selection.tag && out.selection.study) return "either --tag or --study";
   return {};
 }
 
@@ -173,7 +228,7 @@ int run_study(std::span<const std::string_view> arguments) {
   if (!request.recorded) return walk_and_tell(request, *protocol);
   db::Result<db::Database> database = db::Database::attach(*request.recorded);
   if (!database) return refuse("study", database.error());
-  return tell(*database, request, *protocol);
+  return tell(*database, request, *protocol, std::nullopt);
 }
 
 }  // namespace hoist::tool

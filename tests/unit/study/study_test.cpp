@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdio>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "db/store/session_reader.hpp"
 #include "deploy/tools/hoist/study/drawings.hpp"
 #include "deploy/tools/hoist/study/protocol.hpp"
 #include "deploy/tools/hoist/study/record_runs.hpp"
@@ -70,10 +73,11 @@ TEST(Study, TheResultOfThePaperComesOut) {
     protocol.preset = preset;
     protocol.excluded.clear();
     const int subjects = tests::thorough() ? 11 : 2;
-    ASSERT_TRUE(walk_all(database, protocol, subjects, 1).ok());
-    const auto results = evaluate(database, protocol);
+    const auto study = walk_all(database, protocol, {.subjects = subjects, .seed = 1});
+    ASSERT_TRUE(study.ok());
+    const auto results = evaluate(database, protocol, {.study = *study});
     ASSERT_TRUE(results.ok());
-    EXPECT_EQ(results->left_out, std::vector<std::string>{}) << "every run is walked to its end";
+    for (const LeftOut& one : results->left_out) ADD_FAILURE() << "every run is walked to its end: " << sentence(one);
     EXPECT_EQ(results->subjects.size(), static_cast<std::size_t>(subjects));
     for (const int square : {1, 4}) EXPECT_LT(std::fabs(mean(*results, "C", square)), 0.2);
     for (const int led : {3, 6}) EXPECT_GE(mean(*results, "C", led), 0.8);
@@ -95,8 +99,9 @@ TEST(Study, AFollowerTurnsAsFarAsAnticipated) {
     protocol.runs = {protocol.runs[1]};
     protocol.compared.clear();
     protocol.assumed.anticipation_norm = {anticipation_norm, anticipation_norm};
-    EXPECT_TRUE(walk_all(database, protocol, 1, 3).ok());
-    const auto results = evaluate(database, protocol);
+    const auto study = walk_all(database, protocol, {.subjects = 1, .seed = 3});
+    EXPECT_TRUE(study.ok());
+    const auto results = evaluate(database, protocol, {.study = *study});
     return results.ok() ? mean(*results, "C", 2) : -99;
   };
   const double none = c_of(0), some = c_of(0.5), all = c_of(1);
@@ -120,16 +125,69 @@ std::string tables_in(const std::string& text) {
 TEST(Study, TheSameSeedGivesTheSameTablesAndSoDoTheRecordings) {
   TemporaryFolder folder;
   const std::string tool = std::string(HOIST_BINARY_DIR) + "/bin/hoist study ", kept = (folder / "kept.db").string();
-  const std::string first = run(tool + "--subjects 1 --seed 5 --out " + kept + " --svg " + (folder / "svg").string(), 0);
+  const std::string first = run(tool + "--subjects 1 --seed 5 --out " + kept + " --figures " + (folder / "svg").string() + " --json " +
+                                    (folder / "study.json").string(),
+                                0);
   EXPECT_EQ(first.substr(0, first.find("Drawn")), run(tool + "--subjects 1 --seed 5", 0));
-  EXPECT_EQ(tables_in(first.substr(0, first.find("Put in"))), tables_in(run(tool + "--recorded " + kept, 0)));
+  EXPECT_EQ(tables_in(first.substr(0, first.find("Put in"))), tables_in(run(tool + "--recorded " + kept + " --study 1", 0)));
   EXPECT_NE(tables_in(first), tables_in(run(tool + "--subjects 1 --seed 6", 0)));
   EXPECT_NE(first.find("0.95"), std::string::npos) << "the paper's table stands beside";
   for (const char* name : {"figure-2.svg", "figure-7.svg", "figure-8.svg"})
     EXPECT_GT(std::filesystem::file_size(folder / "svg" / name), 1000U);
+  run(tool + "--recorded " + kept + " 2>&1", 1);
+  run(tool + "--recorded " + kept + " --study 2 2>&1", 1);
   run(tool + "--recorded " + kept + " --subjects 1 2>&1", 2);
+  run(tool + "--recorded " + kept + " --study 1 --tag x 2>&1", 2);
+  run(tool + "--subjects 1 --tag x 2>&1", 2);
   run(tool + "--subjects 100 2>&1", 2);
   run(tool + "--subjects 1 --out " + kept + " 2>&1", 2);
+}
+
+// The console shows the JSON, the command line prints the text: both are of the same numbers.
+TEST(Study, TheJsonHasTheDigitsThatArePrinted) {
+  TemporaryFolder folder;
+  const std::string file = (folder / "study.json").string();
+  const std::string printed = run(std::string(HOIST_BINARY_DIR) + "/bin/hoist study --subjects 1 --seed 5 --progress 1 --json " + file, 0);
+  EXPECT_NE(printed.find("progress 1 3\nprogress 2 3\nprogress 3 3\n"), std::string::npos) << "subject 1 has no runs 4 to 6";
+  std::ifstream in(file);
+  const json told = json::parse(in);
+  EXPECT_EQ(told["seed"], 5);
+  for (const json& table : told["tables"]) {
+    std::array<char, 64> row{};
+    const auto at = [&](int run) { return table["own"][run][0].get<double>(); };
+    std::snprintf(row.data(), row.size(), "S01       %7.2f%7.2f%7.2f", at(0), at(1), at(2));
+    EXPECT_NE(printed.find(row.data()), std::string::npos) << row.data();
+    std::snprintf(row.data(), row.size(), "mean      %7.2f", table["own_mean"][0].get<double>());
+    EXPECT_NE(printed.find(row.data()), std::string::npos) << row.data();
+    EXPECT_TRUE(table["own"][3][0].is_null());
+    EXPECT_EQ(table["paper"][0].size(), 11U);
+  }
+}
+
+// Sessions of people count by code and note; those of virtual subjects only as their study.
+TEST(Study, RecordedSessionsAreChosenByTag) {
+  TemporaryFolder folder;
+  db::Database database = std::move(*db::Database::open(folder / "study.db"));
+  Protocol protocol = paper();
+  protocol.runs = {protocol.runs[1], protocol.runs[2]};
+  protocol.compared.clear();
+  protocol.excluded.clear();
+  const auto study = walk_all(database, protocol, {.subjects = 1, .seed = 3});
+  ASSERT_TRUE(study.ok());
+  EXPECT_TRUE(evaluate(database, protocol)->subjects.empty());
+  db::SessionEditor editor(database);
+  const auto give = [&](db::SessionId session, const char* code, const char* note) {
+    ASSERT_TRUE(editor.patch(session, {.note = note, .subject = std::optional<std::string>(code), .exercise_json = {}}).ok());
+  };
+  ASSERT_TRUE(db::remove_study(database, *study).ok());
+  give(1, "K-01", "run 2 spring");
+  give(2, "K-01", "run 3 springtime");
+  const auto all = evaluate(database, protocol), spring = evaluate(database, protocol, {.tag = "spring"});
+  ASSERT_TRUE(all.ok() && spring.ok());
+  EXPECT_EQ(all->runs.size(), 2U);
+  ASSERT_EQ(spring->runs.size(), 1U) << "a tag is a whole word";
+  EXPECT_EQ(spring->runs.begin()->second, 1);
+  EXPECT_EQ(spring->subjects, std::vector<std::string>{"K-01"});
 }
 
 }  // namespace

@@ -22,6 +22,8 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   identity_key: { en: 'The key of the names is missing or another one. Call service.', de: 'Der Schlüssel zu den Namen fehlt oder passt nicht. Service rufen.' },
   not_recording: { en: 'Nothing is being recorded.', de: 'Es läuft keine Aufnahme.' },
   lease_free: { en: 'Nobody else is in control.', de: 'Niemand sonst steuert.' },
+  moving: { en: 'The hoist is moving. Try again when it stands.', de: 'Das Gerät fährt gerade. Sobald es steht, noch einmal versuchen.' },
+  study_runs: { en: 'A study is already running. Wait for its end, or cancel it.', de: 'Es läuft schon eine Studie. Ihr Ende abwarten oder sie abbrechen.' },
   job_ended: { en: 'This job has already ended.', de: 'Dieser Auftrag ist schon beendet.' },
   system_clock: { en: 'The operating system keeps the time. Set it there.', de: 'Die Uhr stellt das Betriebssystem. Bitte dort stellen.' },
   disk_full: { en: 'The storage is full.', de: 'Der Speicher ist voll.' },

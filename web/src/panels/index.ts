@@ -38,6 +38,14 @@ export const panels: readonly Panel[] = [
     view: new Lazy(async () => (await import('./patients/patients')).PatientsView),
   },
   {
+    id: 'study',
+    title: 'nav.study',
+    icon: 'exercises',
+    live: false,
+    under: 'exercises',
+    view: new Lazy(async () => (await import('./study/study')).StudyView),
+  },
+  {
     id: 'settings',
     title: 'nav.settings',
     icon: 'settings',

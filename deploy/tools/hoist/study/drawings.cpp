@@ -39,7 +39,7 @@ class Svg {
              number(y(box, to.y)) + "\" stroke=\"#b3261e\" stroke-width=\"1\" marker-end=\"url(#head)\"/>\n";
   }
   void text(double at_x, double at_y, const std::string& words, const char* anchor = "start") {
-    body_ += "<text x=\"" + number(at_x) + "\" y=\"" + number(at_y) + "\" text-anchor=\"" + anchor + "\">" + words + "</text>\n";
+    body_ += "<text x=\"" + number(at_x) + "\" y=\"" + number(at_y) + "\" text-anchor=\"" + anchor + "\">" + escaped(words) + "</text>\n";
   }
   [[nodiscard]] static double x(const Box& box, double value) {
     return box.left + (value - box.low.x) / (box.high.x - box.low.x) * box.width;
@@ -58,6 +58,12 @@ class Svg {
   }
 
  private:
+  // Codes are typed by people.
+  static std::string escaped(const std::string& words) {
+    std::string out;
+    for (const char c : words) out += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
+    return out;
+  }
   static std::string number(double value) {
     std::array<char, 32> out{};
     std::snprintf(out.data(), out.size(), "%.2f", value);
@@ -96,8 +102,8 @@ Svg::Box box_of(const std::vector<Point>& shape, double left, double top, double
 
 // One recorded run over its reference.
 db::Status draw_run(db::Database& database, db::SessionId session, const Svg::Box& box, Svg& svg) {
-  constexpr std::size_t kEach = 5, kArrowEach = 120;  // samples
-  constexpr double kArrow_m = 0.5;                    // for a turn of the whole range
+  constexpr std::size_t kEach = 10, kArrowEach = 120;  // samples: at 0.25 m/s a point each 2.5 cm, a pixel of the page
+  constexpr double kArrow_m = 0.5;                     // for a turn of the whole range
   const std::vector<std::string> names{"fused_x_m", "fused_y_m", "fused_psi_rad", "turn_norm", "mode"};
   const db::Result<db::Columns> columns = db::SessionReader(database).read_columns(session, names);
   if (!columns) return columns.error();

@@ -17,13 +17,14 @@ namespace hoist::tool::study {
 
 namespace {
 
-db::Status record(db::SessionWriter& writer, const Protocol& protocol, const VirtualRun& run) {
-  /// Each study begins at the same moment, so that it gives the same file: 2026-01-05 08:00 UTC, a run every five minutes.
-  constexpr std::int64_t kBegin_ns = 1'767'600'000'000'000'000, kBetween_ns = 300'000'000'000;
-  if (run.records.empty()) return {};
+constexpr std::int64_t kBetween_ns = 300'000'000'000;
+
+std::string code_of(int subject) { return (subject < 10 ? "S0" : "S") + std::to_string(subject); }
+
+// The number of the session. A virtual subject is no patient: the session has no code.
+db::Result<db::SessionId> record(db::SessionWriter& writer, const Protocol& protocol, const VirtualRun& run, std::int64_t started_utc_ns) {
   db::SessionStart start;
-  start.subject = (run.subject < 10 ? "S0" : "S") + std::to_string(run.subject);
-  start.started_utc_ns = kBegin_ns + kBetween_ns * (run.subject * 100 + run.run);
+  start.started_utc_ns = started_utc_ns;
   start.start_time_ns = run.records.front().time_ns;
   start.core_start_time_ns = 1;
   start.simulated = true;
@@ -32,37 +33,59 @@ db::Status record(db::SessionWriter& writer, const Protocol& protocol, const Vir
   start.core_version = start.software_version;
   start.note = "run " + std::to_string(run.run) + (run.unfinished.empty() ? "" : ", unfinished: " + run.unfinished);
   start.exercise_json = db::exercise_json(contract::usual_exercise(protocol.find(run.run)->shape), db::ExerciseNames::stored).dump();
-  if (const auto begun = writer.begin(start); !begun) return begun.error();
+  start.parameter_values = run.parameters;
+  const db::Result<db::SessionId> session = writer.begin(start);
+  if (!session) return session;
   // More at once would wait in memory only.
   for (std::size_t first = 0; first < run.records.size(); first += 1000) {
     const std::size_t count = std::min<std::size_t>(1000, run.records.size() - first);
-    if (db::Status status = writer.append_ticks(std::span(run.records).subspan(first, count)); !status) return status;
+    if (db::Status status = writer.append_ticks(std::span(run.records).subspan(first, count)); !status) return status.error();
   }
-  return writer.end(db::CloseReason::finished, start.started_utc_ns + static_cast<std::int64_t>(run.records.size()) * 10'000'000);
+  const std::int64_t ended_utc_ns = start.started_utc_ns + static_cast<std::int64_t>(run.records.size()) * 10'000'000;
+  if (db::Status ended = writer.end(db::CloseReason::finished, ended_utc_ns); !ended) return ended.error();
+  return session;
+}
+
+struct Planned {
+  int subject = 0, done_before = 0;
+  Run run;
+};
+std::vector<Planned> plan(const Protocol& protocol, const StudyRequest& request) {
+  std::vector<Planned> all;
+  for (int subject = 1; subject <= request.subjects; ++subject) {
+    int done = 0;
+    for (const Run& run : order_of(protocol, subject, request.seed)) all.push_back({subject, done++, run});
+  }
+  return all;
 }
 
 }  // namespace
 
 // One run is walked while the one before is stored: two threads.
-db::Status walk_all(db::Database& database, const Protocol& protocol, int subjects, std::uint64_t seed) {
+db::Result<db::StudyId> walk_all(db::Database& database, const Protocol& protocol, const StudyRequest& request) {
+  const db::Result<db::StudyId> study = db::begin_study(database, request.begin_utc_ns);
+  if (!study) return study;
   db::Result<db::SessionWriter> writer = db::SessionWriter::create(database);
   if (!writer) return writer.error();
-  std::future<VirtualRun> next;
-  const auto store = [&]() -> db::Status {
-    if (!next.valid()) return {};
-    return record(*writer, protocol, next.get());
+  const std::vector<Planned> runs = plan(protocol, request);
+  const auto begin = [&](const Planned& next) {
+    return std::async(std::launch::async,
+                      [&protocol, next, seed = request.seed] { return walk(protocol, next.run, next.subject, next.done_before, seed); });
   };
-  for (int subject = 1; subject <= subjects; ++subject) {
-    int done = 0;
-    for (const Run& run : order_of(protocol, subject, seed)) {
-      std::future<VirtualRun> before = std::exchange(
-          next, std::async(std::launch::async, [&protocol, run, subject, done, seed] { return walk(protocol, run, subject, done, seed); }));
-      ++done;
-      if (!before.valid()) continue;
-      if (db::Status status = record(*writer, protocol, before.get()); !status) return status;
+  std::future<VirtualRun> walks;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const VirtualRun walked = (i == 0 ? begin(runs[0]) : std::move(walks)).get();
+    if (i + 1 < runs.size()) walks = begin(runs[i + 1]);
+    const std::int64_t at_ns = request.begin_utc_ns + kBetween_ns * static_cast<std::int64_t>(i);
+    if (!walked.records.empty()) {
+      const db::Result<db::SessionId> session = record(*writer, protocol, walked, at_ns);
+      if (!session) return session.error();
+      const db::StudyRun run{.study = *study, .subject = code_of(walked.subject), .run = walked.run};
+      if (db::Status marked = db::mark_run(database, *session, run); !marked) return marked.error();
     }
+    if (request.progress) request.progress(static_cast<int>(i) + 1, static_cast<int>(runs.size()));
   }
-  return store();
+  return study;
 }
 
 }  // namespace hoist::tool::study

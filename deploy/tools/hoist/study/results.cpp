@@ -37,27 +37,57 @@ db::Result<std::vector<db::SessionInfo>> newest_first(db::Database& database) {
   return all;
 }
 
-// Why the run does not count; empty when it does.
-std::string missing_in(const Protocol& protocol, const db::SessionMetrics& metrics) {
+// Why the run does not count; nothing when it does.
+std::optional<LeftOut> missing_in(const Protocol& protocol, const db::SessionMetrics& metrics) {
   for (const char* key : {"C", "J_N"})
-    if (!metrics[key].value) return std::string(key) + ": " + std::string(db::no_figure_sentence(metrics[key].why));
+    if (!metrics[key].value) return LeftOut{.subject = {}, .figure = key, .why = metrics[key].why};
   const double done = *metrics["completion_norm"].value;
-  if (done < protocol.laps - kAlmost) return "only " + std::to_string(done).substr(0, 4) + " laps";
+  if (done < protocol.laps - kAlmost) return LeftOut{.subject = {}, .figure = {}, .laps = done};
   return {};
+}
+
+// Whether `word` stands in the note, with no letter or digit directly before or behind it.
+bool has_word(const std::string& note, const std::string& word) {
+  const auto inside = [&](std::size_t at) { return at < note.size() && std::isalnum(static_cast<unsigned char>(note[at])) != 0; };
+  for (std::size_t at = note.find(word); at != std::string::npos; at = note.find(word, at + 1))
+    if ((at == 0 || !inside(at - 1)) && !inside(at + word.size())) return true;
+  return false;
+}
+
+struct Walked {
+  std::string subject;
+  int run = 0;
+};
+// Whose run a session is; nothing when it is none of the study.
+std::optional<Walked> walked_in(const db::SessionInfo& session, const Selection& selection) {
+  if (selection.tag && !has_word(session.note, *selection.tag)) return {};
+  if (selection.study) {
+    if (!session.study || session.study->study != *selection.study) return {};
+    return Walked{session.study->subject, session.study->run};
+  }
+  const std::optional<int> run = run_of(session.note);
+  if (!run || !session.subject || session.study) return {};
+  return Walked{*session.subject, *run};
 }
 
 }  // namespace
 
-db::Result<Results> evaluate(db::Database& database, const Protocol& protocol) {
+std::string sentence(const LeftOut& one) {
+  const std::string where = one.subject + " run " + std::to_string(one.run) + ": ";
+  if (one.figure.empty()) return where + "only " + std::to_string(one.laps).substr(0, 4) + " laps";
+  return where + std::string(one.figure) + ": " + std::string(db::no_figure_sentence(one.why));
+}
+
+db::Result<Results> evaluate(db::Database& database, const Protocol& protocol, const Selection& selection) {
   const db::Result<std::vector<db::SessionInfo>> sessions = newest_first(database);
   if (!sessions) return sessions.error();
   std::map<std::pair<std::string, int>, db::SessionId> found;
   std::set<std::string> subjects;
   for (const db::SessionInfo& session : *sessions) {
-    const std::optional<int> run = run_of(session.note);
-    if (!run || !session.subject || protocol.find(*run) == nullptr) continue;
-    found.emplace(std::pair{*session.subject, *run}, session.id);
-    subjects.insert(*session.subject);
+    const std::optional<Walked> walked = walked_in(session, selection);
+    if (!walked || protocol.find(walked->run) == nullptr) continue;
+    found.emplace(std::pair{walked->subject, walked->run}, session.id);
+    subjects.insert(walked->subject);
   }
   Results out;
   out.subjects.assign(subjects.begin(), subjects.end());
@@ -69,8 +99,10 @@ db::Result<Results> evaluate(db::Database& database, const Protocol& protocol) {
       if (at == found.end()) continue;
       const db::Result<db::SessionMetrics> metrics = db::session_metrics(database, at->second);
       if (!metrics) return metrics.error();
-      if (const std::string why = missing_in(protocol, *metrics); !why.empty()) {
-        out.left_out.push_back(out.subjects[row] + " run " + std::to_string(run.number) + ": " + why);
+      if (std::optional<LeftOut> why = missing_in(protocol, *metrics)) {
+        why->subject = out.subjects[row];
+        why->run = run.number;
+        out.left_out.push_back(std::move(*why));
         continue;
       }
       out.runs[{row, run.number}] = at->second;

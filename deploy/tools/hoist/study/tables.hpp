@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "deploy/tools/hoist/study/results.hpp"
+#include "deploy/tools/hoist/study/report.hpp"
 
 namespace hoist::tool::study {
 
-[[nodiscard]] std::string tables(const Protocol& protocol, const Results& results);
+[[nodiscard]] std::string tables(const Protocol& protocol, const Results& results, const Report& report);
 /// What is put in by assumption, and what comes out.
-[[nodiscard]] std::string assumptions_and_findings(const Protocol& protocol, const Results& results);
+[[nodiscard]] std::string assumptions_and_findings(const Protocol& protocol, const Report& report);
 
 }  // namespace hoist::tool::study

@@ -109,6 +109,7 @@ VirtualRun walk(const Protocol& protocol, const Run& run, int subject, int runs_
   VirtualRun out;
   out.subject = subject;
   out.run = run.number;
+  for (std::size_t i = 0; i < contract::kParams.size(); ++i) out.parameters.push_back(contract::get_param(options.params, i));
   Runner(protocol, run, options, mixed(seed, number, 200 + which)).go(out);
   return out;
 }

@@ -13,6 +13,7 @@ namespace hoist::tool::study {
 struct VirtualRun {
   int subject = 0, run = 0;
   std::vector<contract::TickRecord> records;  ///< from the start mark to standing again
+  std::vector<double> parameters;             ///< in force, in the order of contract::kParams
   std::string unfinished;                     ///< why the run ended early; empty for a whole one
 };
 

@@ -20,6 +20,7 @@ import { floorSpace } from '../../ui/geometry';
 import { HoldToGo } from '../../ui/hold_to_go';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
+import { addressOf } from '../../router';
 import { SlowLink, tooSlowText } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
 import { TaskStrip } from '../../ui/task_strip';
@@ -345,6 +346,14 @@ function Chosen({ tasks, plan, setPlan }: { tasks: readonly Task[]; plan: Plan; 
           <FloorView exercise={driven ? begun : line.current.exercise} planned={!driven && !justDone && plan.task.line !== null} />
         </section>
       </div>
+      {driven ? null : (
+        <p class="guided-study">
+          <a class="plain" href={addressOf('study')}>
+            {t('nav.study')}
+          </a>{' '}
+          <span class="hint">{t('study.openHint')}</span>
+        </p>
+      )}
     </div>
   );
 }

@@ -178,7 +178,11 @@ export function SessionsView({ part }: PanelProps) {
                   {walkName(item, titleOf)}
                   {item.subject ? ` · ${item.subject}` : ''}
                 </span>
-                {item.simulated ? <small>{t('sessions.simulated')}</small> : <small />}
+                {item.study !== null ? (
+                  <small>{t('sessions.study', { n: item.study.study, subject: item.study.subject, run: item.study.run })}</small>
+                ) : (
+                  <small>{item.simulated ? t('sessions.simulated') : ''}</small>
+                )}
               </button>
             </li>
           ))}
@@ -300,6 +304,13 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: (etag: strin
             <button type="button" class="quiet" onClick={retry}>
               {t('common.retry')}
             </button>
+          </p>
+        ) : null}
+        {session?.study ? (
+          <p class="hint">
+            <a href={addressOf('study', session.study.study)}>
+              {t('sessions.study', { n: session.study.study, subject: session.study.subject, run: session.study.run })}
+            </a>
           </p>
         ) : null}
         <Figures metrics={metrics.value} />
