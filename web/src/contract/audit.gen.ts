@@ -256,6 +256,14 @@ export const auditActions: Readonly<Record<AuditAction, { done: Words; tried: Wo
     done: { en: 'chose an exercise: {what}', de: 'hat eine Übung gewählt: {what}' },
     tried: { en: 'choose an exercise: {what}', de: 'eine Übung wählen: {what}' },
   },
+  choose_task: {
+    done: { en: 'chose a task or none', de: 'hat eine Aufgabe oder keine gewählt' },
+    tried: { en: 'choose a task', de: 'eine Aufgabe wählen' },
+  },
+  pause_alarm: {
+    done: { en: 'paused the sound of the alarms or let them sound again', de: 'hat den Alarmton unterbrochen oder wieder angestellt' },
+    tried: { en: 'pause the sound of the alarms', de: 'den Alarmton unterbrechen' },
+  },
   stop: {
     done: { en: 'pressed STOP', de: 'hat STOP gedrückt' },
     tried: { en: 'press STOP', de: 'STOP drücken' },

@@ -53,6 +53,9 @@ export type AlarmPauseRequest = {
   paused: boolean;
 };
 
+/** What was done or tried: an action, or a REST operation. */
+export type AuditAction = 'sign_in' | 'sign_out' | 'set_up' | 'change_password' | 'change_pin' | 'add_user' | 'change_user' | 'user' | 'add_token' | 'token' | 'remove_token' | 'set_tools' | 'change_settings' | 'set_time' | 'set_retention' | 'retention' | 'start_job' | 'cancel_job' | 'get_job_file' | 'export_session' | 'export_mcap' | 'change_session' | 'delete_session' | 'add_marker' | 'change_marker' | 'delete_marker' | 'control_recording' | 'begin_recording' | 'end_recording' | 'create_patient' | 'change_patient' | 'delete_patient' | 'choose_patient' | 'set_identity' | 'put_identity' | 'delete_identity' | 'change_visit' | 'create_profile' | 'change_profile' | 'delete_profile' | 'apply_profile' | 'change_parameters' | 'put_parameter' | 'keep_parameters' | 'undo_parameters' | 'apply_preset' | 'set_neutral' | 'set_pose' | 'begin_calibration' | 'measure_calibration' | 'use_calibration' | 'cancel_calibration' | 'update_firmware' | 'take_lease' | 'release_lease' | 'ask_lease' | 'withdraw_lease' | 'keep_lease' | 'hand_over' | 'set_mode' | 'start_motion' | 'end_motion' | 'choose_exercise' | 'choose_task' | 'pause_alarm' | 'stop' | 'acknowledge';
+
 export type AuditCheck = {
   first_wrong: number | null;
   /** Digest of the newest row: note it elsewhere to prove later that no row was cut off. */
@@ -62,8 +65,7 @@ export type AuditCheck = {
 
 export type AuditList = {
   items: readonly ({
-    /** An action of actions.def, or the REST operation. */
-    action: string;
+    action: AuditAction;
     address: string;
     after: string | null;
     before: string | null;
@@ -84,8 +86,10 @@ export type AuditList = {
 export type Backup = {
   /** Its folder. */
   backup: string;
+  /** Name of the computer. */
   device: string;
   files: readonly BackupFile[];
+  hoist_id: BackupHoist;
   program: string;
   sessions: number;
   utc_ms: number;
@@ -97,10 +101,14 @@ export type BackupFile = {
   sha256: string;
 };
 
+/** UUID of the hoist; null: from before hoists had an id. A restore leaves the id of the hoist as it is. */
+export type BackupHoist = string | null;
+
 export type BackupResult = {
   backup: string;
   device: string;
   files: readonly BackupFile[];
+  hoist_id: BackupHoist;
   kind: 'backup';
   program: string;
   sessions: number;
@@ -231,6 +239,8 @@ export type DeviceSettings = {
   /** Empty: the computer's name. */
   device_name: string;
   etag: EditTag;
+  /** UUID: made once, at random; cannot be changed. */
+  hoist_id: string;
   language: LanguageOrNull;
 };
 
@@ -332,28 +342,6 @@ export type Exercise = {
   /** Of the loops. */
   radius_m: number;
   shape: 'eight';
-} | {
-  /** Left and right exchanged. */
-  clockwise?: boolean | null;
-  /** Of each straight. */
-  length_m: number;
-  /** Of the half circle between them. */
-  radius_m: number;
-  shape: 'hairpin';
-} | {
-  /** Left and right exchanged. */
-  clockwise?: boolean | null;
-  /** Of each straight. */
-  length_m: number;
-  /** Of the half circles at both ends. */
-  radius_m: number;
-  shape: 'oval';
-} | {
-  /** Left and right exchanged. */
-  clockwise?: boolean | null;
-  shape: 'slalom';
-  /** Between its four poles; the line passes them at 0.29 of it. */
-  spacing_m: number;
 } | {
   shape: 'free';
 };
@@ -484,37 +472,6 @@ export type GuidedPath = {
   shape: 'eight';
   /** Slower in curves that need it. */
   speed_m_s: number;
-} | {
-  /** Left and right exchanged. */
-  clockwise?: boolean | null;
-  laps?: number | null;
-  /** Of each straight. */
-  length_m: number;
-  /** Of the half circle between them. */
-  radius_m: number;
-  shape: 'hairpin';
-  /** Slower in curves that need it. */
-  speed_m_s: number;
-} | {
-  /** Left and right exchanged. */
-  clockwise?: boolean | null;
-  laps?: number | null;
-  /** Of each straight. */
-  length_m: number;
-  /** Of the half circles at both ends. */
-  radius_m: number;
-  shape: 'oval';
-  /** Slower in curves that need it. */
-  speed_m_s: number;
-} | {
-  /** Left and right exchanged. */
-  clockwise?: boolean | null;
-  laps?: number | null;
-  shape: 'slalom';
-  /** Between its four poles; the line passes them at 0.29 of it. */
-  spacing_m: number;
-  /** Slower in curves that need it. */
-  speed_m_s: number;
 };
 
 export type GuidedPathOrNull = GuidedPath | null;
@@ -580,11 +537,11 @@ export type Job = {
   /** The same for programs. */
   reason_code: ReasonCode | null;
   /** Not in lists; null until it is done. */
-  result?: IntegrityResult | MetricsResult | BackupResult | RestoreResult | BackupsResult | ExportResult | RetentionResult | null;
+  result?: IntegrityResult | MetricsResult | BackupResult | RestoreResult | BackupsResult | ExportResult | RetentionResult | StudyJobResult | StudyDeleted | null;
   state: 'waiting' | 'running' | 'done' | 'failed' | 'cancelled';
 };
 
-export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'export_sessions' | 'list_backups' | 'preview_retention' | 'retention';
+export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'export_sessions' | 'list_backups' | 'preview_retention' | 'retention' | 'study' | 'delete_study';
 
 export type JobList = {
   items: readonly Job[];
@@ -633,6 +590,15 @@ export type JobRequest = {
   rule: RetentionRule;
 } | {
   kind: 'retention';
+} | {
+  kind: 'study';
+  /** The same seed gives the same subjects and runs. */
+  seed: number;
+  /** Virtual subjects; the paper had 11. */
+  subjects: number;
+} | {
+  kind: 'delete_study';
+  study: number;
 };
 
 /** The body may be left out.. */
@@ -708,17 +674,29 @@ export type Loop = {
   steps: number;
 };
 
+/** What kind of moment it marks; note: none of these. */
+export type MarkerKind = 'note' | 'help' | 'stumble' | 'rest' | 'good';
+
 export type MarkerList = {
   items: readonly MarkerRow[];
 };
 
+export type MarkerPatch = {
+  kind?: MarkerKind;
+  text?: string;
+  /** Since the session's start, within its samples. */
+  time_s?: number;
+};
+
 export type MarkerRequest = {
+  kind?: MarkerKind;
   text: string;
 };
 
 export type MarkerRow = {
   actor: ActorOrNull;
   etag: EditTag;
+  kind: MarkerKind;
   /** Within its session. */
   number: number;
   session: number;
@@ -1221,7 +1199,7 @@ export type ProfileRequest = {
 /** Names and values of parameters that a therapist may change. */
 export type ProfileSettings = Record<string, number>;
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'moving' | 'study_runs' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop';
 
 export type Recording = {
   detail: string;
@@ -1337,6 +1315,8 @@ export type Session = {
   standby: boolean;
   started_utc_ms: number;
   stored_bytes: number;
+  /** null: not of a virtual subject. */
+  study: StudyRun | null;
   subject: string | null;
   /** null: no repetition of a task. */
   task: TaskRecord | null;
@@ -1420,6 +1400,8 @@ export type Status = {
     version: string | null;
   };
   counters: Record<string, number>;
+  /** UUID of this hoist, whatever it is called; null: the recordings file is not open. */
+  hoist_id: string | null;
   lease: Lease;
   notices: readonly StandingNotice[];
   recording: Recording;
@@ -1449,7 +1431,143 @@ export type StreamRequest = {
   topics?: readonly TopicName[];
 };
 
-/** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
+export type Study = {
+  /** Figures 2, 7 and 8 of the paper by name: /api/v1/studies/{id}/drawings/{name}. */
+  drawings: readonly string[];
+  id: number;
+  made_utc_ms: number;
+  report: StudyReport;
+  /** Its runs that are still there. */
+  sessions: readonly {
+    run: number;
+    session: number;
+    subject: string;
+  }[];
+};
+
+export type StudyAssumed = {
+  anticipation_norm: StudyRange;
+  injured_sway_norm: number;
+  learning_norm: number;
+  limp_norm: number;
+  misjudgement_m: number;
+  misjudgement_rad: number;
+  therapist_delay_s: number;
+  therapist_m_s: number;
+  trailing_s: number;
+  wish_m_s: StudyRange;
+};
+
+/** null: no value. */
+export type StudyColumn = readonly (number | null)[];
+
+/** By run, then by row. */
+export type StudyColumns = readonly StudyColumn[];
+
+export type StudyDeleted = {
+  kind: 'delete_study';
+  sessions: number;
+  study: number;
+};
+
+export type StudyJobResult = {
+  kind: 'study';
+  study: number;
+};
+
+export type StudyList = {
+  /** Newest first. */
+  items: readonly ({
+    id: number;
+    made_utc_ms: number;
+    seed: number | null;
+    /** That are still there. */
+    sessions: number;
+    subjects: number;
+    title: string;
+  })[];
+};
+
+export type StudyRange = readonly number[];
+
+/** What `hoist study` prints, as numbers. */
+export type StudyReport = {
+  /** What is put in for virtual subjects: no finding. null: they were people. */
+  assumed: StudyAssumed | null;
+  compared: readonly ({
+    decimals: number;
+    figure: 'C' | 'J_N';
+    from: number;
+    own: StudyTest;
+    paper: StudyTest;
+    to: number;
+  })[];
+  /** What comes out by itself: mean C of the squares, of the eights that the patient leads, and J_N of squares by that of the therapist's eights. */
+  findings: {
+    c_led: number | null;
+    c_square: number | null;
+    j_ratio: number | null;
+  };
+  laps: number;
+  /** Runs that do not count, and why. */
+  left_out: readonly ({
+    /** That is not valid; null: too few laps. */
+    figure: string | null;
+    /** Walked, when they are too few. */
+    laps: number | null;
+    reason_code: NoFigure | null;
+    run: number;
+    subject: string;
+  })[];
+  /** Means of other figures, by run. */
+  others: readonly ({
+    figure: 'C_best' | 'rms_position_m' | 'rms_heading_rad' | 'walking_speed_m_s' | 'lap_time_mean_s';
+    means: StudyColumn;
+  })[];
+  preset: string;
+  runs: readonly ({
+    /** With the orthosis that simulates an injury. */
+    injured: boolean;
+    led_by: 'patient' | 'therapist';
+    run: number;
+    shape: 'square' | 'eight';
+  })[];
+  seed: number | null;
+  subjects: number;
+  /** Tables II (C) and III (J_N). */
+  tables: readonly ({
+    decimals: number;
+    figure: 'C' | 'J_N';
+    own: StudyColumns;
+    own_mean: StudyColumn;
+    paper: StudyColumns;
+    paper_mean: StudyColumn;
+    /** Of the rows; - where only the paper has one. */
+    subjects: readonly string[];
+  })[];
+  title: string;
+  virtual_subjects: boolean;
+};
+
+/** Which run of a study with virtual subjects a session is. */
+export type StudyRun = {
+  /** Its number in the protocol. */
+  run: number;
+  study: number;
+  subject: string;
+};
+
+/** Wilcoxon's signed ranks, two-sided, exact, of the subjects who did both runs. */
+export type StudyTest = {
+  down: number;
+  mean_first: number;
+  mean_second: number;
+  p: number | null;
+  pairs: number;
+  up: number;
+};
+
+/** A code, never a name: 1 to 32 letters, digits, dots, hyphens or underscores, beginning with a letter or digit. Spaces around it are dropped; capital and small letters do not tell codes apart.. */
 export type SubjectCode = string;
 
 /** A clinical task: a file of db/tasks. */
@@ -1477,8 +1595,8 @@ export type Task = {
   version: number;
 };
 
-/** What ends it: so many times along its line, seconds since the first movement, radians turned, or the therapist. */
-export type TaskEnd = 'distance' | 'time' | 'turn' | 'hand';
+/** What ends it: so many times along its line, seconds since the first movement, radians turned, metres away and back, or the therapist. */
+export type TaskEnd = 'distance' | 'time' | 'turn' | 'back' | 'hand';
 
 export type TaskList = {
   items: readonly Task[];
@@ -1507,7 +1625,7 @@ export type TaskRecord = {
 /** What is left out is as usual. */
 export type TaskRequest = {
   clockwise?: boolean | null;
-  /** Of its end: times along the line, seconds, radians. */
+  /** Of its end: times along the line, seconds, radians, metres. */
   goal?: number | null;
   repetitions?: number | null;
   rest_s?: number | null;
@@ -1554,6 +1672,7 @@ export type TimeRequest = {
 
 export type Token = {
   created_utc_s: number;
+  etag: EditTag;
   expires_utc_s: number;
   id: number;
   name: string;
@@ -2233,10 +2352,10 @@ export interface Routes {
     path: { id: number; number: number };
     answer: null;
   };
-  /** Changes a marker's text; its time stays. */
+  /** Changes text, kind or time of a marker. */
   'PATCH /api/v1/sessions/{id}/markers/{number}': {
     path: { id: number; number: number };
-    body: MarkerRequest;
+    body: MarkerPatch;
     answer: MarkerRow;
   };
   /** Figures of a session on its exercise. */
@@ -2280,6 +2399,20 @@ export interface Routes {
   /** STOP. Anyone may who was ever signed in; never refused, whatever the body. */
   'POST /api/v1/stop': {
     answer: Done;
+  };
+  /** The paper's experiment as virtual subjects have walked it here (job study), newest first. */
+  'GET /api/v1/studies': {
+    answer: StudyList;
+  };
+  /** Tables II and III of a study beside the paper's, paired tests, what was assumed and what comes out. */
+  'GET /api/v1/studies/{id}': {
+    path: { id: number };
+    answer: Study;
+  };
+  /** Figure 2, 7 or 8 of the paper, drawn from this study. */
+  'GET /api/v1/studies/{id}/drawings/{name}': {
+    path: { id: number; name: string };
+    answer: never;
   };
   /** Chooses the task of the next walks and its line, for all screens; each start on it is a repetition. null: none. */
   'PUT /api/v1/task': {
