@@ -1008,9 +1008,9 @@ export function startFakeServer({
     }
     if (path === '/sessions')
       return send(200, { items: sessions.filter(({ subject }) => (subject ?? '').includes(url.searchParams.get('q') ?? '')), next: null });
-    const [, of, number] = /^\/sessions\/(\d+)\/markers(?:\/(\d+))?$/.exec(path) ?? [];
-    if (of !== undefined && number === undefined) return send(200, { items: Number(of) === 4 ? markers : [] });
-    if (of !== undefined) {
+    const [, owner, number] = /^\/sessions\/(\d+)\/markers(?:\/(\d+))?$/.exec(path) ?? [];
+    if (owner !== undefined && number === undefined) return send(200, { items: Number(owner) === 4 ? markers : [] });
+    if (owner !== undefined) {
       const marker = markers.find((row) => row.number === Number(number));
       if (request.headers['if-match'] !== `"${marker.etag}"`)
         return send(412, { type: '/problems/changed-meanwhile', title: 'Changed', status: 412 });
