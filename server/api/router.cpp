@@ -239,7 +239,7 @@ void audit(const Call& call, const Route& route, const Response& response, Downl
                        .result = std::to_string(response.status)};
   const std::string_view range = header_of(response, "Content-Range");
   if (is_download(route) && response.status == 206 && response.length) {
-    const std::uint64_t of_bytes = number<std::uint64_t>(range.substr(range.rfind('/') + 1)).value_or(*response.length);
+    const std::uint64_t of_bytes = api::number<std::uint64_t>(range.substr(range.rfind('/') + 1)).value_or(*response.length);
     downloads.part(std::move(entry), std::string{header_of(response, "ETag")}, *response.length, of_bytes, services.now_ns());
     return;
   }

@@ -100,7 +100,7 @@ describe('the audit log', () => {
     expect(detail(row('change_parameters', { after: '{"cut": 1, "th' })), 'cut off').toBeNull();
     expect(detail(row('change_user', { before: 'therapist', after: 'viewer, disabled' }))).toBe('Therapist → Viewer, locked');
     expect(detail(row('set_retention', { after: '{"days":400,"disk_percent":null,"needs_backup":true}' }))).toContain('400');
-    expect(detail(row('export_mcap', { after: '1630000 of 9000000 bytes in 52 parts' }))).toBe('1.6 MB of 9 MB, in 52 parts');
+    expect(detail(row('export_mcap', { after: '1630000 of 9000000 bytes in 52 parts' }))).toBe('1.63 MB of 9 MB, in 52 parts');
     expect(detail(row('export_mcap', { after: '9000000 of 9000000 bytes in 1 part' }))).toBe('9 MB');
     expect(detail(row('retention', { after: '12 sessions, 3 to 17' }))).toBe('12 sessions, from 3 to 17');
     expect(detail(row('stop'))).toBeNull();

@@ -1,4 +1,5 @@
 // Rows of the audit log as sentences. The log holds short codes, the same in every language and for years; people read words.
+import { exercises } from '../../contract/exercises.gen';
 import { exportFormats } from '../../contract/exports.gen';
 import { faults, modes, refusals } from '../../contract/faults.gen';
 import { auditActions } from '../../contract/audit.gen';
@@ -73,7 +74,7 @@ function what(row: Row, names: Names): string {
     case 'add_token':
     case 'token':
     case 'apply_preset':
-      return /\/(?:users|presets)\/([^/]+)/.exec(about)?.[1] ?? (about.startsWith('/') ? '' : about);
+      return /\/(?:users|presets)\/([^/]+)/.exec(about)?.[1] ?? (about === '' || about.startsWith('/') ? noValue : about);
     case 'set_tools':
       return t(about === 'on' ? 'audit.on' : 'audit.off');
     case 'start_job':
@@ -87,7 +88,7 @@ function what(row: Row, names: Names): string {
       return mode ? words(mode.title) : t('audit.motion');
     }
     case 'choose_exercise':
-      return about === '' || about.startsWith('/') ? t('exercise.label') : exerciseTitle(about as Exercise['shape']);
+      return exercises.some(({ shape }) => shape === about) ? exerciseTitle(about as Exercise['shape']) : t('exercise.label');
     case 'export_session':
     case 'export_mcap': {
       const name = row.action === 'export_mcap' ? 'mcap' : (/[?&]format=(\w+)/.exec(about)?.[1] ?? 'csv');
@@ -101,7 +102,7 @@ function what(row: Row, names: Names): string {
   }
   if (patient !== null) return t('audit.patient', { code: names.patient(patient) ?? t('audit.deletedPatient') });
   if (found !== null) return t('audit.session', { n: found[1]! });
-  return patientActions.test(row.action) ? t('audit.patient', { code: '' }).trim() : '';
+  return patientActions.test(row.action) ? t('audit.patient', { code: noValue }) : t('audit.session', { n: noValue });
 }
 const patientActions = /patient|identity|profile/;
 
