@@ -48,6 +48,7 @@ TEST(Chaos, WithoutFaultsOnlyTheTherapistStopsTheHoist) {
     const SessionReport report = run_session(options);
     EXPECT_TRUE(report.broken.empty()) << list(report);
     EXPECT_EQ(report.false_stops, 0);
+    EXPECT_EQ(report.unasked[static_cast<std::size_t>(Mode::user)], 0);
   }
 }
 

@@ -149,6 +149,8 @@ TEST(Layers, EachForbiddenArrowIsFound) {
   EXPECT_EQ(broken_by("server/link/a.cpp", includes("server/actions/actions.hpp")), layer);
   EXPECT_EQ(broken_by("server/record/a.cpp", includes("server/link/core_desk.hpp")), layer);
   EXPECT_EQ(broken_by("deploy/tools/hoist/a.cpp", includes("control/run/loop.hpp")), layer);
+  EXPECT_EQ(broken_by("tests/chaos/judge/a.cpp", includes("control/core/supervise/transitions.hpp")), layer);
+  EXPECT_EQ(broken_by("tests/chaos/judge/a.cpp", includes("tests/support/closed_loop.hpp")), layer);
   EXPECT_EQ(broken_by("control/core/law/a.hpp", pragma + "#include <Eigen/Dense>\n"), layer);
   EXPECT_EQ(broken_by("web/src/panels/drive/a.ts", "import { x } from '../../../../control/x';\n"), layer);
 }
