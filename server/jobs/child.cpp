@@ -52,6 +52,7 @@ struct Beginning {
 db::Result<Child> Child::start(const std::vector<std::string>& arguments) {
   std::vector<std::string> words = arguments;
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   std::array<int, 2> pipe{};

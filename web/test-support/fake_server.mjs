@@ -2,7 +2,7 @@
 // answers commands. It implements the protocol, not the hoist.
 //
 //   node test-support/fake_server.mjs [--port 8099] [--dist dist]
-import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs';
+import { createReadStream, existsSync, readdirSync, readFileSync, statSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -16,6 +16,10 @@ export const signals = [...signalText.matchAll(/id: \d+, name: '(\w+)', type: '(
   ([, name, type, unit, offset]) => ({ name, type, unit, offset: Number(offset) }),
 );
 export const layoutHash = /layoutHash = '(\w+)'/.exec(table('messages'))[1];
+const taskFolder = join(here, '../db/tasks');
+const tasks = readdirSync(taskFolder)
+  .sort()
+  .map((file) => JSON.parse(readFileSync(join(taskFolder, file), 'utf8')));
 // Every figure has a number but those of the steps' spread.
 const metricKeys = [...table('metrics').matchAll(/key: '(\w+)'/g)].map(([, key]) => key);
 const withoutFigure = ['stride_time_cv_norm', 'step_asymmetry_norm'];
@@ -118,6 +122,67 @@ const types = {
 };
 const dt_s = 0.01;
 
+/** A study of so many virtual subjects; the numbers only look like real ones. */
+function studyOf(id, count, seed) {
+  const shapes = ['square', 'eight', 'eight', 'square', 'eight', 'eight'];
+  const runs = shapes.map((shape, i) => ({ run: i + 1, shape, led_by: i % 3 === 2 ? 'patient' : 'therapist', injured: i > 2 }));
+  const names = Array.from({ length: count }, (_, i) => `S${String(i + 1).padStart(2, '0')}`);
+  const subjects = [...names, ...Array.from({ length: Math.max(0, 11 - count) }, () => '-')];
+  const table = (figure, means, spread) => {
+    const column = (mean, shown, shift) =>
+      subjects.map((_, row) =>
+        row < shown && (mean.i < 3 || ![0, 1, 7, 8].includes(row)) ? mean.value + spread * Math.sin(row * 2.1 + mean.i + shift) : null,
+      );
+    const columns = (shown, shift) => means.map((value, i) => column({ value, i }, shown, shift));
+    return { figure, decimals: 2, subjects, own: columns(count, seed), paper: columns(11, 0), own_mean: means, paper_mean: means };
+  };
+  const test = { pairs: 7, up: 6, down: 1, mean_first: 0.447, mean_second: 0.87, p: 0.0156 };
+  const compared = [
+    [2, 3],
+    [5, 6],
+    [2, 5],
+    [3, 6],
+  ].flatMap(([from, to]) => ['C', 'J_N'].map((figure) => ({ figure, from, to, decimals: 2, own: test, paper: { ...test, p: null } })));
+  return {
+    id,
+    made_utc_ms: Date.UTC(2026, 10, 24, 9, 30),
+    sessions: [{ session: 1, subject: 'S01', run: 1 }],
+    drawings: ['figure-2', 'figure-7', 'figure-8'],
+    report: {
+      title: 'Bosnjak & Skrjanc, Tables I to III',
+      virtual_subjects: true,
+      subjects: count,
+      seed,
+      preset: 'walk',
+      laps: 2,
+      runs,
+      tables: [table('C', [0.07, 0.45, 0.87, 0.11, 0.63, 0.9], 0.06), table('J_N', [35.6, 11.4, 6.7, 56.7, 12.3, 6.1], 2.5)],
+      compared,
+      others: ['C_best', 'rms_position_m', 'rms_heading_rad', 'walking_speed_m_s', 'lap_time_mean_s'].map((figure) => ({
+        figure,
+        means: [0.21, 0.22, 0.23, null, 0.25, 0.26],
+      })),
+      findings: { c_square: 0.04, c_led: 0.86, j_ratio: 4.2 },
+      assumed: {
+        wish_m_s: [0.2, 0.28],
+        anticipation_norm: [0.5, 0.9],
+        learning_norm: 0.04,
+        trailing_s: 0.2,
+        limp_norm: 0.2,
+        injured_sway_norm: 1.2,
+        therapist_m_s: 0.25,
+        therapist_delay_s: 0.35,
+        misjudgement_m: 0.15,
+        misjudgement_rad: 0.0873,
+      },
+      left_out: [
+        { subject: 'S05', run: 3, figure: 'C', reason_code: 'part_missing', laps: null },
+        { subject: 'S07', run: 6, figure: null, reason_code: null, laps: 1.4 },
+      ],
+    },
+  };
+}
+
 export function startFakeServer({
   port = 0,
   dist = join(here, 'dist'),
@@ -141,6 +206,7 @@ export function startFakeServer({
     lean: 0,
     turn: 0,
     faults: 0,
+    silentUntil: 0,
     exercise,
     version: 1,
     drive: { speed: 0, yaw: 0, held: false, tick: -1000 },
@@ -150,6 +216,7 @@ export function startFakeServer({
     trial: null,
     standing: [],
     chosen: exercise,
+    task: null,
     begun: null,
     session: null,
     patient: null,
@@ -166,8 +233,10 @@ export function startFakeServer({
     started_utc_ms: Date.UTC(2026, 10, 21, 9, 30) - (3 - id) * day_ms,
     duration_s: 60 + id * 37.4,
     simulated: true,
+    study: id === 1 ? { study: 1, subject: 'S01', run: 1 } : null,
     recording: false,
     exercise: id === 1 ? { shape: 'square', side_m: 3.2 } : exercise,
+    task: id === 3 ? { task: 'eight', version: 1, ends: 'distance', goal: 1, edge_m: 0, repetition: 2, repetitions: 3, rest_s: 60 } : null,
     note: id === 3 ? 'Calmer with a larger standing zone' : '',
     samples: 6000,
     gaps: 0,
@@ -284,6 +353,7 @@ export function startFakeServer({
     figures: i === 6 ? null : i === 4 ? { ...trendFigures(i), C: null, J_N: null, rms_position_m: null, rms_heading_rad: null } : trendFigures(i),
     reason_code: i === 4 ? 'part_missing' : null,
   })).reverse();
+  const studies = [studyOf(1, 11, 1)];
   const jobs = [];
   let failing = null;
   let hurry = false;
@@ -377,6 +447,7 @@ export function startFakeServer({
         type: 'walk',
         exercise: hoist.chosen,
         begun: hoist.begun,
+        task: hoist.task,
         tick: hoist.tick,
         motion_s: 0,
         mark: { x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi },
@@ -522,6 +593,10 @@ export function startFakeServer({
       memory_locked: 1,
       bus_frames: hoist.tick * 7,
       fault_bits: hoist.faults,
+      // A stop is high here, whatever its cause.
+      alarm_sound: hoist.faults !== 0 && hoist.tick >= hoist.silentUntil ? 3 : 0,
+      alarm_light: hoist.faults !== 0 ? 3 : 0,
+      alarm_pause_s: hoist.faults === 0 ? 0 : Math.max(0, (hoist.silentUntil - hoist.tick) * dt_s),
       blocked_bits: hoist.faults ? 4 : 0,
       lease_epoch: lease.epoch,
       lease_holder: lease.holder,
@@ -605,7 +680,9 @@ export function startFakeServer({
     },
     mode(message, id) {
       if (message.mode === 'standby') {
+        if (hoist.task) Object.assign(hoist.task, { reached: true, ended_tick: hoist.tick });
         setMode('standby');
+        tellWalk();
         return { ok: true };
       }
       if (lease.holder !== id) return refuse('no_lease');
@@ -619,8 +696,14 @@ export function startFakeServer({
       Object.assign(hoist, { x: square, y: square, psi: heading0(), distance: 0 });
       event('pose_set');
       hoist.begun = hoist.exercise;
+      if (hoist.task) Object.assign(hoist.task, { repetition: hoist.task.repetition + 1, begun_tick: hoist.tick, reached: false, ended_tick: null });
       tellWalk();
       setMode(message.mode);
+      return { ok: true };
+    },
+    pause_alarm(message) {
+      if (hoist.faults === 0) return refuse('out_of_order');
+      hoist.silentUntil = message.paused ? hoist.tick + 12_000 : 0;
       return { ok: true };
     },
     acknowledge(_message, id) {
@@ -631,6 +714,7 @@ export function startFakeServer({
     },
     choose(message) {
       hoist.chosen = message.exercise;
+      hoist.task = null;
       tellWalk();
       return { ok: true };
     },
@@ -714,7 +798,35 @@ export function startFakeServer({
     if (name === 'speed_command_m_s') return 0.42 * Math.min(1, 12 * s) + 0.015 * Math.sin(80 * s);
     return 0.3 * Math.sin(20 * s + name.length);
   };
+  const chooseTask = ({ task: name, sizes = {}, clockwise, goal, repetitions, rest_s }) => {
+    const task = tasks.find((row) => row.name === name);
+    hoist.task = null;
+    if (task !== undefined) {
+      const usual = Object.fromEntries(Object.entries(task.sizes).map(([size, range]) => [size, range.usual]));
+      hoist.chosen = { shape: task.line ?? 'free', ...usual, ...sizes, ...(clockwise ? { clockwise } : {}) };
+      if (task.line === 'eight') hoist.chosen.radius_m = 0.8 * hoist.chosen.c_m;
+      if (hoist.chosen.corner_radius_m === 0) delete hoist.chosen.corner_radius_m;
+      hoist.task = {
+        task: name,
+        version: 1,
+        ends: task.ends.by,
+        goal: goal ?? task.ends.goal.usual,
+        repetitions: repetitions ?? task.repetitions.usual,
+        rest_s: rest_s ?? task.rest_s.usual,
+        repetition: 0,
+        begun_tick: null,
+        reached: false,
+        ended_tick: null,
+      };
+    }
+    tellWalk();
+  };
   const api = (request, url, body, send) => {
+    if (url.pathname === '/api/v1/tasks') return send(200, { items: tasks });
+    if (url.pathname === '/api/v1/task' && request.method === 'PUT') {
+      chooseTask(JSON.parse(body));
+      return send(200, { ok: true });
+    }
     const path = url.pathname.replace('/api/v1', '');
     const given = body === '' ? {} : JSON.parse(body);
     const enter = (one, right) => {
@@ -928,6 +1040,17 @@ export function startFakeServer({
                 disk_bytes: 6.4e10,
                 excess_bytes: 0,
               };
+            if (kind === 'study') {
+              studies.unshift(studyOf(studies.length + 1, given.subjects, given.seed));
+              return { study: studies[0].id };
+            }
+            if (kind === 'delete_study') {
+              studies.splice(
+                studies.findIndex(({ id }) => id === given.study),
+                1,
+              );
+              return { study: given.study, sessions: 54 };
+            }
             if (kind === 'restore') return { backup: given.backup, set_aside: '/var/lib/hoist/hoist.db.2026-11-24' };
             const made = { ...backups[0], hoist_id: device.hoist_id, backup: `${given.folder}/hoist-${dayOf(Date.now())}`, utc_ms: Date.now() };
             backups.unshift(made);
@@ -937,6 +1060,11 @@ export function startFakeServer({
         ),
       );
     }
+    if (path === '/studies')
+      return send(200, { items: studies.map(({ id, made_utc_ms, report }) => ({ id, made_utc_ms, ...report, sessions: 54 })) });
+    const [, studyId] = /^\/studies\/(\d+)$/.exec(path) ?? [];
+    const study = studies.find(({ id }) => id === Number(studyId));
+    if (studyId !== undefined) return study ? send(200, study) : send(404, { type: '/problems/unknown', title: 'Unknown', status: 404 });
     if (path === '/retention' && request.method === 'PUT') return send(200, Object.assign(retention, given, { etag: 'r2' }));
     if (path === '/retention') return send(200, retention);
     if (path === '/jobs') return send(200, { items: jobs.map((job) => ({ ...job, result: undefined })) });
@@ -1008,9 +1136,9 @@ export function startFakeServer({
     }
     if (path === '/sessions')
       return send(200, { items: sessions.filter(({ subject }) => (subject ?? '').includes(url.searchParams.get('q') ?? '')), next: null });
-    const [, owner, number] = /^\/sessions\/(\d+)\/markers(?:\/(\d+))?$/.exec(path) ?? [];
-    if (owner !== undefined && number === undefined) return send(200, { items: Number(owner) === 4 ? markers : [] });
-    if (owner !== undefined) {
+    const [, marked, number] = /^\/sessions\/(\d+)\/markers(?:\/(\d+))?$/.exec(path) ?? [];
+    if (marked !== undefined && number === undefined) return send(200, { items: Number(marked) === 4 ? markers : [] });
+    if (marked !== undefined) {
       const marker = markers.find((row) => row.number === Number(number));
       if (request.headers['if-match'] !== `"${marker.etag}"`)
         return send(412, { type: '/problems/changed-meanwhile', title: 'Changed', status: 412 });
@@ -1099,6 +1227,13 @@ export function startFakeServer({
     let body = '';
     request.on('data', (piece) => (body += piece));
     request.on('end', () => {
+      const [, drawing] = /^\/api\/v1\/studies\/\d+\/drawings\/([\w-]+)$/.exec(url.pathname) ?? [];
+      if (drawing !== undefined) {
+        response.writeHead(200, { 'Content-Type': 'image/svg+xml' });
+        return response.end(
+          `<svg xmlns="http://www.w3.org/2000/svg" width="800" height="400"><rect width="100%" height="100%" fill="white"/><text x="20" y="40">${drawing}</text></svg>`,
+        );
+      }
       if (url.pathname.startsWith('/api/v1/')) return api(request, url, body, send);
       if (url.pathname === '/api/openapi.json') {
         response.writeHead(200, { 'Content-Type': 'application/json' });

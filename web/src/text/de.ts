@@ -446,7 +446,7 @@ export const de: Table = {
   'study.openHint': 'Der Versuch, auf dem dieses Gerät beruht, mit simulierten Personen.',
   'study.title': 'Versuch mit simulierten Personen',
   'study.what':
-    'Simulierte Personen gehen die sechs Durchgänge der Veröffentlichung mit der echten Steuersoftware. An diesem Gerät bewegt sich nichts. Mit 11 Personen dauert das etwa zwei Minuten.',
+    'Simulierte Personen gehen die sechs Durchgänge der Veröffentlichung mit der echten Steuersoftware. An diesem Gerät bewegt sich nichts. Mit 11 Personen dauert das weniger als eine Minute.',
   'study.subjects': 'Personen',
   'study.seed': 'Startzahl',
   'study.seedHint': 'gleiche Zahl, gleiches Ergebnis',

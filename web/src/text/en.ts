@@ -447,7 +447,7 @@ export const en = {
   'study.openHint': 'The experiment behind this device, walked by virtual subjects.',
   'study.title': 'Paper protocol with virtual subjects',
   'study.what':
-    'Simulated patients walk the six runs of the paper through the real control software. Nothing moves on this device. With 11 subjects it takes about two minutes.',
+    'Simulated patients walk the six runs of the paper through the real control software. Nothing moves on this device. With 11 subjects it takes less than a minute.',
   'study.subjects': 'Subjects',
   'study.seed': 'Seed',
   'study.seedHint': 'same seed, same result',
