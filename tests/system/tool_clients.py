@@ -1,5 +1,4 @@
-"""Foxglove and rosbridge with clients of other people on the real programs: @foxglove/ws-protocol with its mcap-record, and roslib (npm ci in
-tests/system/tools)."""
+"""Foxglove and rosbridge with clients of other people: @foxglove/ws-protocol and roslib (npm ci in tests/system/tools) on the real programs."""
 import os
 import subprocess
 import sys
@@ -85,7 +84,6 @@ def main():
         both_are_closed_until_an_engineer_opens_them,
         the_setting_outlives_the_server,
         with_node("foxglove_topics"),
-        with_node("foxglove_is_recorded_by_mcap_record"),
         with_node("foxglove_parameters"),
         with_node("rosbridge_reads"),
         with_node("foxglove_drives", True),

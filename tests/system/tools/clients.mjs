@@ -1,16 +1,9 @@
 // clients.mjs PORT TOKEN CASE: one case of tests/system/tool_clients.py, with third-party clients:
-// @foxglove/ws-protocol with its example program mcap-record, and roslib.
+// @foxglove/ws-protocol and roslib.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { join } from "node:path";
-import { fileURLToPath } from "node:url";
 import { parse } from "@foxglove/rosmsg";
 import { MessageReader } from "@foxglove/rosmsg2-serialization";
-import zstd from "@foxglove/wasm-zstd";
 import protocol from "@foxglove/ws-protocol";
-import { McapStreamReader } from "@mcap/core";
 import * as ROSLIB from "roslib";
 import WebSocket from "ws";
 
@@ -160,55 +153,6 @@ const cases = {
       assert.ok(lists.get("/path").at(-1).value.poses.length >= 1);
       assert.ok(Number.isFinite(lists.get("/hoist/intent").at(-1).value.lean_norm));
       tool.close();
-    }
-  },
-  // Foxglove's own recorder subscribes to every topic and writes what comes as MCAP; the file is read by @mcap/core.
-  async foxglove_is_recorded_by_mcap_record() {
-    await zstd.isLoaded;
-    const folder = mkdtempSync(join(tmpdir(), "hoist-mcap-record-"));
-    const file = join(folder, "live.mcap");
-    const program = fileURLToPath(new URL("node_modules/.bin/ws-protocol-examples", import.meta.url));
-    const recorder = spawn(process.execPath, [program, "mcap-record", address("/foxglove"), "--output", file, "--chunk-size", "65536"]);
-    const ended = new Promise((done) => recorder.on("exit", done));
-    try {
-      const size = () => statSync(file, { throwIfNoEntry: false })?.size ?? 0;
-      await until("a file of several chunks", () => size() > 200000, 30000);
-      recorder.kill("SIGINT");
-      await ended;
-      const reader = new McapStreamReader({
-        validateCrcs: true,
-        decompressHandlers: { zstd: (bytes, length) => new Uint8Array(zstd.decompress(bytes, Number(length))) },
-      });
-      reader.append(readFileSync(file));
-      const schemas = new Map();
-      const channels = new Map();
-      const newest = new Map();
-      const times = new Map();
-      for (let record = reader.nextRecord(); record; record = reader.nextRecord()) {
-        if (record.type === "Schema") schemas.set(record.id, record);
-        if (record.type === "Channel") channels.set(record.id, record);
-        if (record.type !== "Message") continue;
-        const { topic } = channels.get(record.channelId);
-        newest.set(topic, record);
-        times.set(topic, [...(times.get(topic) ?? []), record.logTime]);
-      }
-      assert.ok(reader.done(), "the file has an end");
-      assert.equal(channels.size, 13);
-      assert.deepEqual([...newest.keys()].sort(), [...channels.values()].map((c) => c.topic).sort(), "every topic was recorded");
-      for (const [topic, list] of times) assert.ok(list.every((t, i) => i === 0 || t > list[i - 1]), `${topic}: time runs backwards`);
-      for (const channel of channels.values()) {
-        const schema = new TextDecoder().decode(schemas.get(channel.schemaId).data);
-        const { data } = newest.get(channel.topic);
-        if (channel.messageEncoding === "cdr") new MessageReader(parse(schema, { ros2: true })).readMessage(data);
-        else assert.equal(typeof JSON.parse(new TextDecoder().decode(data)), typeof JSON.parse(schema), channel.topic);
-      }
-      const odom = [...channels.values()].find((c) => c.topic === "/odom");
-      const read = new MessageReader(parse(new TextDecoder().decode(schemas.get(odom.schemaId).data), { ros2: true }));
-      assert.equal(read.readMessage(newest.get("/odom").data).child_frame_id, "base_link");
-    } finally {
-      recorder.kill("SIGKILL");
-      await ended;
-      rmSync(folder, { recursive: true });
     }
   },
   async foxglove_parameters() {
