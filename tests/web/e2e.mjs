@@ -434,10 +434,11 @@ const cases = {
     assert(before.kind === 'good', `the mark has the kind ${before.kind}`);
     await page.goto(`${stack.origin}/#/sessions/${walked.id}`);
     await page.locator('.session-markers li button').first().click();
-    await page.getByLabel('Kind').selectOption('stumble');
-    await page.getByLabel('Text').fill('Left foot');
-    await page.getByLabel('Time in the session').fill('0:04');
-    await page.locator('.session-markers').getByRole('button', { name: 'Save', exact: true }).click();
+    const form = page.locator('.session-markers');
+    await form.getByLabel('Kind').selectOption('stumble');
+    await form.getByLabel('Text').fill('Left foot');
+    await form.getByLabel('Time in the session').fill('0:04');
+    await form.getByRole('button', { name: 'Save', exact: true }).click();
     await until('the mark is moved', async () => (await marks())[0].time_s === 4);
     const [after] = await marks();
     assert(after.kind === 'stumble' && after.text === 'Left foot', `the mark is ${after.kind}, ${after.text}`);

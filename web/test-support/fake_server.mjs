@@ -279,7 +279,7 @@ export function startFakeServer({
     { kind: 'stumble', text: 'Stumble', time_s: 31 },
     { kind: 'note', text: 'Held the rail with the left hand', time_s: 64.2 },
     { kind: 'help', text: 'Helped', time_s: 80 },
-  ].map((row, i) => ({ session: 4, number: i, tick: 100, utc_ms: 0, actor: { user: 'berg', role: 'therapist' }, etag: `m${i}`, ...row }));
+  ].map((row, i) => ({ session: 3, number: i, tick: 100, utc_ms: 0, actor: { user: 'berg', role: 'therapist' }, etag: `m${i}`, ...row }));
   const visits = [
     { id: 12, patient: 5, code: 'P-017', day: dayOf(Date.now()), note: 'Tired, shorter than planned', sessions: [4], standby: [], etag: 'v12' },
     { id: 11, patient: 1, code: 'K-07', day: '2026-11-21', note: '', sessions: [3], standby: [2], etag: 'v11' },
@@ -312,7 +312,7 @@ export function startFakeServer({
     {
       action: 'export_mcap',
       user: 'kos',
-      target: '/api/v1/sessions/4/session.mcap',
+      target: '/api/v1/sessions/3/session.mcap',
       before: null,
       after: '1630000 of 9000000 bytes in 52 parts',
       result: '206',
@@ -1136,9 +1136,9 @@ export function startFakeServer({
     }
     if (path === '/sessions')
       return send(200, { items: sessions.filter(({ subject }) => (subject ?? '').includes(url.searchParams.get('q') ?? '')), next: null });
-    const [, marked, number] = /^\/sessions\/(\d+)\/markers(?:\/(\d+))?$/.exec(path) ?? [];
-    if (marked !== undefined && number === undefined) return send(200, { items: Number(marked) === 4 ? markers : [] });
-    if (marked !== undefined) {
+    const [, owner, number] = /^\/sessions\/(\d+)\/markers(?:\/(\d+))?$/.exec(path) ?? [];
+    if (owner !== undefined && number === undefined) return send(200, { items: Number(owner) === 3 ? markers : [] });
+    if (owner !== undefined) {
       const marker = markers.find((row) => row.number === Number(number));
       if (request.headers['if-match'] !== `"${marker.etag}"`)
         return send(412, { type: '/problems/changed-meanwhile', title: 'Changed', status: 412 });

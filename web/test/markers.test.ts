@@ -10,7 +10,7 @@ let fake: FakeServer;
 let page: Page;
 beforeEach(async () => {
   ({ fake, page } = await start());
-  await page.goto(`${fake.url}#/sessions/4`);
+  await page.goto(`${fake.url}#/sessions/3`);
   await rows().first().waitFor();
 });
 
@@ -47,7 +47,7 @@ describe('a mark', { timeout: minutes_ms }, () => {
     await expect.poll(() => rows().count()).toBe(2);
     await edit(0);
     await page.evaluate(() =>
-      fetch('/api/v1/sessions/4/markers/1', {
+      fetch('/api/v1/sessions/3/markers/1', {
         method: 'PATCH',
         headers: { 'If-Match': '"m1"', 'X-Hoist': '1' },
         body: JSON.stringify({ text: 'Held the rail with both hands' }),
