@@ -35,6 +35,7 @@ const std::vector<Layer>& layers() {
       {"control/core/law/", {"control/core/law/"}, true},
       {"control/core/", {"control/core/", "control/contract/"}, true},
       {"control/contract/", {"control/contract/"}, true},
+      {"control/safety/", {"control/safety/", "control/contract/"}, false},
       {"control/bus/", {"control/bus/", "control/core/", "control/contract/"}, false},
       {"control/publish/", {"control/publish/", "control/core/", "control/contract/"}, false},
       // run is the place that wires the others together. The bus master speaks CANopen with the nodes' own stack.
@@ -96,7 +97,8 @@ const std::vector<Layer>& layers() {
       // The recorded frames are exported in the format that the captures have.
       {"db/", {"db/", "control/contract/", "control/bus/candump_log.hpp"}, false},
       {"deploy/tools/",
-       {"deploy/tools/", "control/core/", "control/contract/", "control/bus/", "control/publish/", "db/", "firmware/", "server/"},
+       {"deploy/tools/", "control/core/", "control/contract/", "control/safety/", "control/bus/", "control/publish/", "db/", "firmware/",
+        "server/"},
        false},
       // Who judges a random session must not share the core's tables: a mistake in one would excuse itself.
       {"tests/chaos/judge/", {"tests/chaos/judge/", "tests/chaos/faults.hpp", "control/contract/", "firmware/sim/"}, false},

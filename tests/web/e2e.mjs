@@ -1,6 +1,6 @@
 // The console in headless Chromium with the real hoist-server, hoist-control and hoist-sim.
 //
-//   node tests/web/e2e.mjs [--bin build/bin] [--web web/dist] [--json FILE] [--only TEXT] [--shots DIR]
+//   node tests/web/e2e.mjs [--bin build/bin] [--web web/dist] [--json FILE] [--only TEXT] [--shots DIR] [--list]
 //
 // The hoist's motion is read from the simulator, never from the page. Prints `N passed, N failed, N skipped`.
 import { existsSync, mkdirSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
@@ -944,6 +944,12 @@ const cases = {
     if (all.length > 0) throw new Unexcused(all.slice(0, 5).join('\n'));
   },
 };
+
+// What is registered elsewhere (control/safety/tests.def) is compared with this list.
+if (process.argv.includes('--list')) {
+  for (const name of Object.keys(cases)) console.log(name);
+  process.exit(0);
+}
 
 const tests = [];
 const of = (status) => tests.filter((one) => one.status === status);

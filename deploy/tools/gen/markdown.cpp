@@ -9,8 +9,10 @@
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/emergencies.hpp"
 #include "control/contract/faults.hpp"
+#include "control/contract/hazards.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
+#include "control/safety/safety_file.hpp"
 #include "db/metrics/metric_list.hpp"
 #include "deploy/tools/gen/bus_load.hpp"
 #include "deploy/tools/gen/generate.hpp"
@@ -172,6 +174,61 @@ GeneratedFile faults_page() {
   return {"control/contract/faults.gen.md", out};
 }
 
+std::string risks_section() {
+  std::string out =
+      "## Risks\n\nSeverity and probability are estimates. A risk is acceptable up to severity + probability = 4 (minor 1 to catastrophic "
+      "4, "
+      "improbable 1 to frequent 5), to be reduced as far as possible at 5, unacceptable above.\n\n" +
+      table_head({"", "hazard", "harm", "severity", "without measures", "with them", "residual risk", "what is left"});
+  for (const auto& hazard : kHazards) {
+    const safety::Risk& risk = *safety::risk_of(hazard.number);
+    const auto likely = [](safety::Probability p) { return std::string(safety::kProbabilityNames[static_cast<std::size_t>(p) - 1U]); };
+    out += row({"H" + std::to_string(hazard.number), std::string(hazard.what), std::string(risk.harm),
+                std::string(safety::kSeverityNames[static_cast<std::size_t>(risk.severity) - 1U]), likely(risk.before), likely(risk.after),
+                std::string(safety::kVerdictNames[static_cast<std::size_t>(safety::verdict(risk.severity, risk.after))]),
+                std::string(risk.residual)});
+  }
+  out += "\n### Measures and their tests\n\n" + table_head({"", "monitors", "other measures", "tests"});
+  for (const auto& hazard : kHazards) {
+    const std::string name = "H" + std::to_string(hazard.number);
+    std::string monitors, tests;
+    for (const auto& fault : kFaults)
+      if ((" " + std::string(fault.hazards) + " ").find(" " + name + " ") != std::string::npos)
+        monitors += (monitors.empty() ? "" : ", ") + code(fault.name);
+    for (const auto& test : safety::kSafetyTests)
+      if (test.hazard == hazard.number)
+        tests += (tests.empty() ? "" : ", ") + code(std::string(test.program) + " " + std::string(test.test));
+    out += row({name, monitors, std::string(hazard.guard), tests});
+  }
+  return out;
+}
+
+GeneratedFile safety_page() {
+  std::string out = head("the tables of control/safety, hazards.def and faults.def", "Safety file: tables");
+  out += "What this is, intended use, and what is not there: [README](README.md). It claims no certification.\n\n" + risks_section();
+  out += "\n## Parts\n\nSoftware safety class after IEC 62304.\n\n" + table_head({"part", "class", "why"});
+  for (const auto& part : safety::kParts) out += row({code(part.folder), std::string(1, part.software_class), std::string(part.why)});
+  out +=
+      "\n## Stop paths\n\nCategory of the structure as designed (ISO 13849-1); coverage of dangerous faults by software. A performance "
+      "level "
+      "needs the failure rates of real parts and is not computed.\n\n" +
+      table_head({"stop", "asked by", "first channel", "second channel", "category", "coverage", "hazards"});
+  for (const auto& stop : safety::kStopPaths) {
+    std::string hazards;
+    for (const char c : stop.hazards) {
+      if (hazards.empty() || hazards.back() == ' ') hazards += 'H';
+      hazards += c;
+    }
+    out += row({std::string(stop.name), std::string(stop.asked_by), std::string(stop.first), std::string(stop.second),
+                std::string(stop.category), std::string(safety::kCoverageNames[static_cast<std::size_t>(stop.coverage)]), hazards});
+  }
+  out += "\n## SOUP\n\n" + table_head({"name", "from", "part of", "used for", "if it fails"});
+  for (const auto& soup : safety::kSoup)
+    out += row({code(soup.name), std::string(safety::kOriginNames[static_cast<std::size_t>(soup.origin)]),
+                std::string(safety::kRunsInNames[static_cast<std::size_t>(soup.in)]), std::string(soup.use), std::string(soup.failure)});
+  return {"control/safety/SAFETY.gen.md", out};
+}
+
 GeneratedFile emergencies_page() {
   std::string out = head("control/contract/emergencies.def", "Emergency messages");
   out += "Codes of EMCY messages. A code without a row of its own is told by the row of its class.\n\n";
@@ -242,7 +299,7 @@ GeneratedFile load_page() {
 }  // namespace
 
 std::vector<GeneratedFile> markdown_files() {
-  return {params_page(), signals_page(), faults_page(), emergencies_page(), can_page(), load_page(), metrics_page()};
+  return {params_page(), signals_page(), faults_page(), emergencies_page(), can_page(), load_page(), metrics_page(), safety_page()};
 }
 
 }  // namespace hoist::gen
