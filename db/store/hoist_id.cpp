@@ -4,6 +4,7 @@
 
 #include <exception>
 #include <memory>
+#include <string_view>
 
 #include "db/store/sqlite.hpp"
 
@@ -15,6 +16,21 @@ constexpr const char* kNewId =
     "SELECT lower(hex(randomblob(4)) || '-' || hex(randomblob(2)) || '-4' || substr(hex(randomblob(2)), 2) || '-' || "
     "substr('89ab', 1 + (random() & 3), 1) || substr(hex(randomblob(2)), 2) || '-' || hex(randomblob(6)))";
 
+// An address by which SQLite reads the file alone: no log is replayed or deleted and nothing is made beside it, which may be needed for a repair.
+std::string address_of(const std::filesystem::path& file) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string out = "file:";
+  for (const char c : file.string()) {
+    if (c != '%' && c != '?' && c != '#') {
+      out += c;
+      continue;
+    }
+    const auto byte = static_cast<unsigned char>(c);
+    ((out += '%') += kDigits[byte >> 4U]) += kDigits[byte & 15U];
+  }
+  return out + "?immutable=1";
+}
+
 }  // namespace
 
 std::string hoist_id(sqlite3* handle) {
@@ -25,7 +41,8 @@ std::string hoist_id(sqlite3* handle) {
 std::string hoist_id_of(const std::filesystem::path& file) noexcept {
   try {
     sqlite3* opened = nullptr;
-    const int code = sqlite3_open_v2(file.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
+    const int code =
+        sqlite3_open_v2(address_of(file).c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_URI, nullptr);
     const std::unique_ptr<sqlite3, decltype(&sqlite3_close_v2)> handle(opened, &sqlite3_close_v2);
     return code == SQLITE_OK ? hoist_id(opened) : std::string();
   } catch (const SqlFailure&) {
@@ -51,6 +68,8 @@ void ensure_hoist_id(sqlite3* handle, const std::string& id) {
   }
   set_hoist_id(handle, given);
   transaction.commit();
+  // hoist_id_of reads without the log.
+  try_execute(handle, "PRAGMA wal_checkpoint(PASSIVE)");
 }
 
 }  // namespace hoist::db

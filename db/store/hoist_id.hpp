@@ -10,7 +10,7 @@ namespace hoist::db {
 
 /// Of this file; empty when it has none. Throws SqlFailure.
 std::string hoist_id(sqlite3* handle);
-/// Of a file that may be damaged or older; empty when it has none that can be read. Changes nothing in it.
+/// Of a file that no program uses and that may be damaged or older; empty when it has none that can be read. Changes nothing in or beside it.
 std::string hoist_id_of(const std::filesystem::path& file) noexcept;
 /// Gives this file an id, unless it has one: `id`, or a new one when that is empty.
 void ensure_hoist_id(sqlite3* handle, const std::string& id);
