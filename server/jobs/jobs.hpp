@@ -93,8 +93,8 @@ class Jobs {
   [[nodiscard]] FileHealth file_health() const;
   // Counts up whenever list() or file_health() is another.
   [[nodiscard]] std::uint64_t changes() const { return changes_.load(std::memory_order_acquire); }
-  // As long as the handle lives no job reads the database (but for moments, gives_way_to_deletion): a job that ran starts again after it. A deletion needs that,
-  // because the log with the deleted data cannot be truncated while a reader still sees them. The handle must not
+  // As long as the handle lives no job reads the database (but for moments, gives_way_to_deletion): a job that ran starts again after it. A deletion
+  // needs that, because the log with the deleted data cannot be truncated while a reader still sees them. The handle must not
   // outlive this object.
   [[nodiscard]] std::shared_ptr<void> hold();
 

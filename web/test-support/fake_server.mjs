@@ -1231,7 +1231,8 @@ export function startFakeServer({
       if (drawing !== undefined) {
         response.writeHead(200, { 'Content-Type': 'image/svg+xml' });
         return response.end(
-          `<svg xmlns="http://www.w3.org/2000/svg" width="800" height="400"><rect width="100%" height="100%" fill="white"/><text x="20" y="40">${drawing}</text></svg>`,
+          `<svg xmlns="http://www.w3.org/2000/svg" width="800" height="400"><rect width="100%" height="100%" fill="white"/>` +
+            `<text x="20" y="40">${drawing}</text></svg>`,
         );
       }
       if (url.pathname.startsWith('/api/v1/')) return api(request, url, body, send);

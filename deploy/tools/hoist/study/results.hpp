@@ -50,8 +50,8 @@ inline constexpr std::string_view kTold[] = {
     "C", "C_best", "J_N", "rms_position_m", "rms_heading_rad", "walking_speed_m_s", "lap_time_mean_s"};
 
 /// Sessions of people whose note begins with "run N" and that have a patient's code; of several of one subject and run the newest. With
-/// `study`: the sessions of that study, by their subject and run. A run that does not reach the protocol's laps, or whose C or J_N is not valid, is left out
-/// as a whole.
+/// `study`: the sessions of that study, by their subject and run. A run that does not reach the protocol's laps, or whose C or J_N is not valid,
+/// is left out as a whole.
 [[nodiscard]] db::Result<Results> evaluate(db::Database& database, const Protocol& protocol, const Selection& selection = {});
 
 /// The mean of the subjects present; none without subjects.
