@@ -100,6 +100,12 @@ load_order can-raw can-gw vcan slcan >"$run/modules"
   printf 'writable=%q\n' "$writable"
   printf 'self=%q\n' "$self"
 } >"$run/settings"
+# A processor with AMX has more registers than user-mode Linux knows (whole_registers.cpp).
+preload=()
+if grep -q -m 1 amx_tile /proc/cpuinfo; then
+  c++ -std=c++20 -O2 -shared -fPIC -o "$run/registers.so" "$(dirname "$self")/whole_registers.cpp" || exit 125
+  preload=("LD_PRELOAD=$run/registers.so")
+fi
 {
   printf '%s\nexport IN_VCAN_VM=yes\nstty -F /dev/tty1 -opost\ncd %q\n' "$caller_environment" "$PWD"
   printf '%q ' "$@"
@@ -108,8 +114,8 @@ load_order can-raw can-gw vcan slcan >"$run/modules"
 
 log=$run/console.log
 exec 3>&1
-timeout -k 5 "$limit" "$kernel" mem="${memory}M" rootfstype=hostfs rootflags=/ ro quiet con=null con0=null,fd:1 con1=null,fd:3 ssl=null \
-  init=/bin/bash -- "$self" --guest "$run" </dev/null >"$log" 2>&1
+env "${preload[@]}" timeout -k 5 "$limit" "$kernel" mem="${memory}M" rootfstype=hostfs rootflags=/ ro quiet \
+  con=null con0=null,fd:1 con1=null,fd:3 ssl=null init=/bin/bash -- "$self" --guest "$run" </dev/null >"$log" 2>&1
 ended=$?
 [ -z "$keep" ] || cat "$log" >&2
 if [ "$ended" -eq 124 ] || [ "$ended" -eq 137 ]; then
