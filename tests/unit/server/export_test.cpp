@@ -130,7 +130,8 @@ TEST_F(Exports, AnMcapIsServedWholeAndInPartsByItsTag) {
   stop_server();
   start_server();
   std::multimap<std::string, json> rows;
-  for (const json& row : get("/api/v1/audit?limit=200").json()["items"])
+  const json all = get("/api/v1/audit?limit=200").json()["items"];
+  for (const json& row : all)
     if (row["action"] == "export_session" || row["action"] == "export_mcap")
       rows.emplace(row["action"].get<std::string>() + " " + row["result"].get<std::string>(), row);
   ASSERT_EQ(rows.count("export_session 206"), 1U);
