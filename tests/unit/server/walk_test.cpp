@@ -336,6 +336,8 @@ TEST_F(WalkLiveTest, ATaskIsChosenForAllScreensEndsItsMotionAndIsRecorded) {
   ASSERT_EQ(live.ask({{"type", "mode"}, {"mode", "user"}, {"exercise", line}})["ok"], true);
   ASSERT_TRUE(until([&] { return live.wait("walk")["task"]["repetition"] == 1; }));
   EXPECT_EQ(call("PUT", "/api/v1/task", wish).status, 409) << "not while the hoist moves";
+  ASSERT_TRUE(until([&] { return get("/api/v1/recording").json()["state"] == "recording"; }))
+      << "else the walk is over before it is recorded";
   core_->skip(1050);
   EXPECT_TRUE(until([&] { return core_->mode() == Mode::standby; })) << "the end of the line ends the motion";
   EXPECT_TRUE(until([&] {
